@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""Build pinocchio_bench against the headers of the PyPI wheel 'pin'.
+
+Usage:  build_pinocchio.py [--venv DIR] [--out DIR] [--pin-version V] [--eigen DIR]
+                           [--jobs N] [--force] [--timeout S]
+
+  --venv DIR     Python environment that holds the wheels (default: build/peers under the project).
+                 Created, and pin, mujoco and example-robot-data installed in it, when missing.
+  --out DIR      where the executables go (default: build/peers-bin under the project)
+  --pin-version  version of pin to install when it is missing (default 4.1.0; '' for the newest)
+  --eigen DIR    Eigen's include directory. Default: the one of the wheel cmeel-eigen, which
+                 Pinocchio's own wheel is built with, installed under OUT/eigen; without network,
+                 the system's /usr/include/eigen3.
+  --jobs N       compilations at the same time (default 1)
+  --force        rebuild even if nothing changed
+
+Compilers: g++ and clang++ (override with the environment variables GXX and CLANGXX), each with
+-O3 and with -O3 -march=native; a compiler that is missing is skipped with a message. Prints the
+path of each executable on stdout, one per line. Exit status 0 if at least one was built.
+The executables link nothing from the environment.
+"""
+import argparse
+import concurrent.futures
+import hashlib
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+PROJECT = HERE.parent.parent
+SOURCE = HERE / "pinocchio_bench.cpp"
+PARTS = 5
+# What Pinocchio's CMake target pinocchio_headers defines.
+DEFINES = [
+    "-DNDEBUG",
+    "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
+    "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
+    "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
+    "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
+]
+COMPILERS = [("gcc", os.environ.get("GXX", "g++")), ("clang", os.environ.get("CLANGXX", "clang++"))]
+FLAGS = [("O3", ["-O3"]), ("O3-native", ["-O3", "-march=native"])]
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def die(text):
+    sys.exit("build_pinocchio: " + text)
+
+
+def find_prefix(venv):
+    """The cmeel.prefix directory of the environment that holds Pinocchio's headers, or None."""
+    for prefix in sorted(venv.glob("lib*/python*/site-packages/cmeel.prefix")):
+        if (prefix / "include/pinocchio/config.hpp").is_file():
+            return prefix
+    return None
+
+
+def make_venv(venv, pin_version):
+    python = venv / "bin/python"
+    if not python.exists():
+        say(f"creating the environment {venv}")
+        if subprocess.run([sys.executable, "-m", "venv", str(venv)]).returncode:
+            die(f"cannot create {venv} (on Debian: apt install python3-venv)")
+    probe = ("import importlib.metadata as m,sys\n"
+             "for n in sys.argv[1:]:\n"
+             "  try: m.version(n)\n"
+             "  except m.PackageNotFoundError: print(n)")
+    wanted = ["pin", "mujoco", "example-robot-data"]
+    run = subprocess.run([str(python), "-c", probe] + wanted, capture_output=True, text=True)
+    if run.returncode:
+        die(f"{python} does not work:\n{run.stderr}")
+    missing = run.stdout.split()
+    if missing:
+        specs = [f"pin=={pin_version}" if n == "pin" and pin_version else n for n in missing]
+        say("installing " + " ".join(specs))
+        if subprocess.run([str(python), "-m", "pip", "install", "--quiet",
+                           "--disable-pip-version-check"] + specs, stdout=sys.stderr).returncode:
+            die("pip could not install " + " ".join(specs))
+    return python
+
+
+def find_eigen(given, python, prefix, out):
+    def good(path):
+        return (path / "Eigen/Core").is_file() and (path / "unsupported/Eigen/CXX11/Tensor").is_file()
+
+    if given:
+        if not good(given):
+            die(f"{given} holds no Eigen (Eigen/Core and unsupported/ expected)")
+        return given
+    local = out / "eigen"
+    candidates = [prefix / "include/eigen3", local / "cmeel.prefix/include/eigen3"]
+    for path in candidates:
+        if good(path):
+            return path
+    say("installing the headers of cmeel-eigen under " + str(local))
+    subprocess.run([str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
+                    "--no-deps", "--target", str(local), "cmeel-eigen"], stdout=sys.stderr)
+    if good(candidates[1]):
+        return candidates[1]
+    system = Path("/usr/include/eigen3")
+    if good(system):
+        say("cmeel-eigen is not available, using " + str(system))
+        return system
+    die("no Eigen: neither cmeel-eigen from PyPI nor /usr/include/eigen3; give --eigen DIR")
+
+
+def run_compiler(command, timeout):
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
+    except subprocess.TimeoutExpired:
+        raise RuntimeError(f"more than {timeout} s: {shlex.join(command)}")
+    if done.returncode:
+        raise RuntimeError(f"failed: {shlex.join(command)}\n{done.stderr[-4000:]}")
+
+
+def build(name, compiler, flags, includes, out, args, version):
+    exe = out / f"pinocchio_bench_{name}"
+    objects = out / "obj"
+    objects.mkdir(parents=True, exist_ok=True)
+    common = [compiler, "-std=c++17", "-w"] + flags + DEFINES + includes
+    common.append('-DBENCH_FLAGS="' + " ".join(flags) + '"')
+    compiler_id = subprocess.run([compiler, "--version"], capture_output=True, text=True).stdout
+    # -march=native depends on the processor.
+    native = ""
+    if "-march=native" in flags:
+        native = subprocess.run([compiler, "-march=native", "-E", "-dM", "-x", "c", "/dev/null"],
+                                capture_output=True, text=True).stdout
+    key = hashlib.sha256("\0".join(
+        [SOURCE.read_text(), shlex.join(common), compiler_id, native, version]).encode()).hexdigest()
+    stamp = objects / f"{name}.key"
+    if not args.force and exe.is_file() and stamp.is_file() and stamp.read_text() == key:
+        say(f"{name}: up to date")
+        return exe
+    start = time.time()
+    longest = 0.0
+    files = []
+    for part in range(PARTS):
+        obj = objects / f"{name}_{part}.o"
+        t = time.time()
+        run_compiler(common + [f"-DBENCH_PART={part}", "-c", str(SOURCE), "-o", str(obj)],
+                     args.timeout)
+        longest = max(longest, time.time() - t)
+        files.append(str(obj))
+    run_compiler([compiler] + files + ["-o", str(exe)], args.timeout)
+    stamp.write_text(key)
+    say(f"{name}: built in {time.time() - start:.0f} s (longest compilation {longest:.0f} s)")
+    return exe
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    p.add_argument("--venv", type=Path, default=PROJECT / "build/peers")
+    p.add_argument("--out", type=Path, default=PROJECT / "build/peers-bin")
+    p.add_argument("--pin-version", default="4.1.0")
+    p.add_argument("--eigen", type=Path)
+    p.add_argument("--jobs", type=int, default=1)
+    p.add_argument("--force", action="store_true")
+    p.add_argument("--timeout", type=float, default=600, help="seconds per compilation")
+    args = p.parse_args()
+
+    found = [(n, c) for n, c in COMPILERS if shutil.which(c)]
+    for n, c in COMPILERS:
+        if not shutil.which(c):
+            say(f"compiler '{c}' not found: its two builds are skipped")
+    if not found:
+        die("no C++ compiler found (g++ or clang++)")
+
+    venv = args.venv.resolve()
+    out = args.out.resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    python = make_venv(venv, args.pin_version)
+    prefix = find_prefix(venv)
+    if prefix is None:
+        die(f"no Pinocchio headers under {venv}: the wheel 'pin' with its headers is needed "
+            "(packages pin and libpinocchio)")
+    version = next(line.split('"')[1] for line in
+                   (prefix / "include/pinocchio/config.hpp").read_text().splitlines()
+                   if "define PINOCCHIO_VERSION " in line)
+    if int(version.split(".")[0]) < 4:
+        die(f"Pinocchio {version} found, 4.x expected")
+    eigen = find_eigen(args.eigen, python, prefix, out)
+    say(f"Pinocchio {version}, Eigen in {eigen}")
+    includes = ["-isystem", str(eigen), "-isystem", str(prefix / "include")]
+
+    built = []
+    with concurrent.futures.ThreadPoolExecutor(max(1, args.jobs)) as pool:
+        jobs = [(f"{n}_{f}", pool.submit(build, f"{n}_{f}", c, flags, includes, out, args, version))
+                for n, c in found for f, flags in FLAGS]
+        for name, job in jobs:
+            try:
+                built.append(job.result())
+            except RuntimeError as e:
+                say(f"{name}: {e}")
+    for exe in built:
+        print(exe)
+    if not built:
+        die("nothing was built")
+
+
+if __name__ == "__main__":
+    main()

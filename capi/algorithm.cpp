@@ -1,0 +1,388 @@
+// Kinematics and dynamics: thin wrappers. Each checks its inputs, sets them, computes, and copies out.
+#include <cmath>
+
+#include "guard.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+constexpr const double* none = nullptr;
+
+// The level of kinematics that the given arguments ask for.
+int level_of(const double* v, const double* a) { return a ? 2 : v ? 1 : 0; }
+
+void kinematics(const Model& m, Data<double>& d, int level) {
+  if (level == 2) ensure_acceleration(m, d);
+  else if (level == 1) ensure_velocity(m, d);
+  else ensure_position(m, d);
+}
+
+// The position buffers must hold the current q before anything reads them; R of the world alone is no result.
+bool finite_position(Call& call) {
+  const Model& m = call.m();
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Vec3<double> p = call.d().p[i];
+    if (!(p[0] - p[0] == 0 && p[1] - p[1] == 0 && p[2] - p[2] == 0)) {
+      call.take_back();
+      call.status = fail(DYN_ERROR_NUMERIC, "the placement of joint '%s' overflows: q is too large for double precision", m.string(m.joints()[m.bodies()[i].joint].name));
+      return false;
+    }
+  }
+  return true;
+}
+
+dynStatus singular(Call& call, Index joint, Stage stage) {
+  call.d().drop(stage);
+  call.take_back();
+  const Model& m = call.m();
+  return fail(DYN_ERROR_NUMERIC, "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave this configuration",
+              m.string(m.joints()[joint].name));
+}
+
+// Inverse dynamics into a field; v and a may be the zeros of data.
+dynStatus inverse(Call& call, const double* v, const double* a, const double* fext, double* field, Stage stage, const char* name, double* out) {
+  const Model& m = call.m();
+  if (!call.finite("fext", fext, 6 * m.n.joints)) return call.status;
+  inverse_dynamics(m, call.d(), v, a, fext, field);
+  if (!call.numeric(field, m.n.nv, name, stage)) return call.status;
+  call.d().done(stage);
+  copy_out(field, m.n.nv, out);
+  return DYN_OK;
+}
+
+bool check_fext(Call& call, const double* fext) { return call.finite("fext", fext, 6 * call.m().n.joints); }
+
+}  // namespace
+
+extern "C" {
+
+dynStatus dyn_forward_kinematics(const dynModel* model, dynData* data, const double* q, const double* v, const double* a) {
+  Call call(model, data, DYN_PART_KINEMATICS, "dyn_forward_kinematics");
+  if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
+  kinematics(call.m(), call.d(), level_of(v, a));
+  finite_position(call);
+  return call.status;
+}
+
+dynStatus dyn_frame_placement(const dynModel* model, dynData* data, int frame, double placement[12]) {
+  Call call(model, data, 0, "dyn_frame_placement");
+  if (!call || !call.frame(frame) || !call.required("placement", placement) ||
+      !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics"))
+    return call.status;
+  frame_placement(call.m(), call.d(), frame, placement);
+  return DYN_OK;
+}
+
+dynStatus dyn_frame_placements(const dynModel* model, dynData* data, double* placements) {
+  Call call(model, data, DYN_PART_FRAMES, "dyn_frame_placements");
+  if (!call || !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics")) return call.status;
+  const Model& m = call.m();
+  for (Index k = 0; k < m.n.frames; ++k) frame_placement(m, call.d(), k, call.d().placements + 12 * std::ptrdiff_t(k));
+  call.d().done(Stage::Frames);
+  copy_out(call.d().placements, 12 * std::ptrdiff_t(m.n.frames), placements);
+  return DYN_OK;
+}
+
+dynStatus dyn_frame_velocity(const dynModel* model, dynData* data, int frame, dynReference reference, double velocity[6]) {
+  Call call(model, data, DYN_PART_KINEMATICS, "dyn_frame_velocity");
+  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("velocity", velocity) ||
+      !call.fresh(Stage::Velocity, "the velocity", "dyn_forward_kinematics with q and v"))
+    return call.status;
+  frame_velocity(call.m(), call.d(), frame, reference, velocity);
+  return DYN_OK;
+}
+
+static dynStatus acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double* out, bool classical, const char* function) {
+  Call call(model, data, DYN_PART_KINEMATICS, function);
+  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("acceleration", out) ||
+      !call.fresh(Stage::Acceleration, "the acceleration", "dyn_forward_kinematics with q, v and a"))
+    return call.status;
+  frame_acceleration(call.m(), call.d(), frame, reference, classical, out);
+  return DYN_OK;
+}
+
+dynStatus dyn_frame_acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double a[6]) {
+  return acceleration(model, data, frame, reference, a, false, "dyn_frame_acceleration");
+}
+
+dynStatus dyn_frame_classical_acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double a[6]) {
+  return acceleration(model, data, frame, reference, a, true, "dyn_frame_classical_acceleration");
+}
+
+dynStatus dyn_joint_jacobians(const dynModel* model, dynData* data, const double* q, double* J) {
+  Call call(model, data, DYN_PART_JACOBIANS, "dyn_joint_jacobians");
+  if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  joint_jacobians(call.m(), call.d());
+  if (!finite_position(call)) return call.status;
+  copy_out(call.d().J, 6 * call.m().n.nv, J);
+  return DYN_OK;
+}
+
+dynStatus dyn_joint_jacobians_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, double* dJ) {
+  Call call(model, data, DYN_PART_JACOBIANS, "dyn_joint_jacobians_time_variation");
+  if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
+  joint_jacobians_time_variation(call.m(), call.d());
+  if (!call.numeric(call.d().dJ, 6 * call.m().n.nv, "dJ", Stage::DJacobians)) return call.status;
+  copy_out(call.d().dJ, 6 * call.m().n.nv, dJ);
+  return DYN_OK;
+}
+
+dynStatus dyn_frame_jacobian(const dynModel* model, dynData* data, int frame, dynReference reference, double* J) {
+  Call call(model, data, 0, "dyn_frame_jacobian");
+  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("J", J) ||
+      !call.fresh(Stage::Position, "the Jacobian's configuration", "dyn_forward_kinematics"))
+    return call.status;
+  frame_jacobian(call.m(), call.d(), frame, reference, J);
+  return DYN_OK;
+}
+
+dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data, int frame, dynReference reference, double* dJ) {
+  Call call(model, data, DYN_PART_KINEMATICS, "dyn_frame_jacobian_time_variation");
+  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("dJ", dJ) ||
+      !call.fresh(Stage::Velocity, "the velocity", "dyn_forward_kinematics with q and v"))
+    return call.status;
+  frame_jacobian_time_variation(call.m(), call.d(), frame, reference, dJ);
+  return DYN_OK;
+}
+
+dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* com,
+                             double* vcom, double* acom) {
+  Call call(model, data, DYN_PART_COM, "dyn_center_of_mass");
+  if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  const int level = acom ? 2 : vcom ? (a ? 2 : 1) : level_of(v, a);
+  center_of_mass(call.m(), d, level);
+  if (!call.numeric(d.com, 3, "com", Stage::Com) || (level >= 1 && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom)) ||
+      (level >= 2 && !call.numeric(d.acom, 3, "acom", Stage::Acom)))
+    return call.status;
+  copy_out(d.com, 3, com), copy_out(d.vcom, 3, vcom), copy_out(d.acom, 3, acom);
+  return DYN_OK;
+}
+
+dynStatus dyn_center_of_mass_jacobian(const dynModel* model, dynData* data, const double* q, double* Jcom) {
+  Call call(model, data, DYN_PART_COM, "dyn_center_of_mass_jacobian");
+  if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  if (!d.fresh(Stage::Com) || !d.fresh(Stage::Position)) center_of_mass(call.m(), d, 0);
+  if (!call.numeric(d.com, 3, "com", Stage::Com)) return call.status;
+  center_of_mass_jacobian(call.m(), d, 0, d.Jcom);
+  d.done(Stage::Jcom);
+  copy_out(d.Jcom, 3 * call.m().n.nv, Jcom);
+  return DYN_OK;
+}
+
+dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* data, int joint, double com[3], double* mass) {
+  Call call(model, data, DYN_PART_COM, "dyn_subtree_center_of_mass");
+  if (!call || !call.joint(joint) || !call.fresh(Stage::Com, "the centre of mass", "dyn_center_of_mass")) return call.status;
+  const Data<double>& d = call.d();
+  const Index body = call.m().joints()[joint].first_body;
+  const double total = d.msub[body];
+  if (com) store3(d.p[body] + d.hsub[body] * (total > 0 ? 1 / total : 0), com);
+  if (mass) *mass = total;
+  return DYN_OK;
+}
+
+dynStatus dyn_subtree_center_of_mass_jacobian(const dynModel* model, dynData* data, int joint, double* J) {
+  Call call(model, data, DYN_PART_COM, "dyn_subtree_center_of_mass_jacobian");
+  if (!call || !call.joint(joint) || !call.required("J", J) || !call.fresh(Stage::Com, "the centre of mass", "dyn_center_of_mass"))
+    return call.status;
+  center_of_mass_jacobian(call.m(), call.d(), call.m().joints()[joint].first_body, J);
+  return DYN_OK;
+}
+
+dynStatus dyn_rnea(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext, double* tau) {
+  Call call(model, data, DYN_PART_INVERSE, "dyn_rnea");
+  if (!call || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  return inverse(call, d.v, d.a, fext, d.tau, Stage::Tau, "tau", tau);
+}
+
+dynStatus dyn_nonlinear_effects(const dynModel* model, dynData* data, const double* q, const double* v, double* nle) {
+  Call call(model, data, DYN_PART_INVERSE, "dyn_nonlinear_effects");
+  if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  return inverse(call, d.v, d.zero, none, d.nle, Stage::Nle, "nle", nle);
+}
+
+dynStatus dyn_gravity(const dynModel* model, dynData* data, const double* q, double* g) {
+  Call call(model, data, DYN_PART_INVERSE, "dyn_gravity");
+  if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  return inverse(call, d.zero, d.zero, none, d.g, Stage::Gravity, "g", g);
+}
+
+dynStatus dyn_static_torque(const dynModel* model, dynData* data, const double* q, const double* fext, double* tau) {
+  Call call(model, data, DYN_PART_INVERSE, "dyn_static_torque");
+  if (!call || !check_fext(call, fext) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  return inverse(call, d.zero, d.zero, fext, d.static_torque, Stage::Static, "static_torque", tau);
+}
+
+dynStatus dyn_coriolis_matrix(const dynModel* model, dynData* data, const double* q, const double* v, double* C) {
+  Call call(model, data, DYN_PART_CORIOLIS, "dyn_coriolis_matrix");
+  if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  const std::ptrdiff_t nv = call.m().n.nv;
+  coriolis_matrix(call.m(), d);
+  if (!call.numeric(d.coriolis, Index(nv * nv), "coriolis", Stage::Coriolis)) return call.status;
+  copy_out(d.coriolis, nv * nv, C);
+  return DYN_OK;
+}
+
+dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext, double* ddq) {
+  Call call(model, data, DYN_PART_FORWARD, "dyn_aba");
+  if (!call || !check_fext(call, fext)) return call.status;
+  if (call.m().has_mimic && !call.d().has(DYN_PART_FACTOR))
+    return fail(DYN_ERROR_PART, "dyn_aba: the model has mimic joints, so that it needs part DYN_PART_FACTOR as well: name it in dyn_data_new");
+  if (!call.inputs(q, v, nullptr, tau)) return call.status;
+  Data<double>& d = call.d();
+  if (const Index joint = forward_dynamics(call.m(), d, d.v, d.tau_applied, fext, d.ddq)) return singular(call, joint, Stage::Ddq);
+  if (!call.numeric(d.ddq, call.m().n.nv, "ddq", Stage::Ddq)) return call.status;
+  d.done(Stage::Ddq);
+  copy_out(d.ddq, call.m().n.nv, ddq);
+  return DYN_OK;
+}
+
+// The diagonal of M is finite when M is.
+static bool finite_mass(Call& call) {
+  Data<double>& d = call.d();
+  const std::ptrdiff_t nv = call.m().n.nv;
+  double sum = 0;
+  for (std::ptrdiff_t k = 0; k < nv; ++k) sum += d.M[k + nv * k] * 0;
+  return sum == 0 || call.numeric(d.M, Index(nv * nv), "M", Stage::Mass);
+}
+
+dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q, double* M) {
+  Call call(model, data, DYN_PART_MASS, "dyn_crba");
+  if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  crba(call.m(), d);
+  if (!finite_mass(call)) return call.status;
+  copy_out(d.M, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, M);
+  return DYN_OK;
+}
+
+static dynStatus factor(Call& call) {
+  if (const Index failed = factorize(call.m(), call.d())) {
+    call.d().drop(Stage::Factor);
+    const Model& m = call.m();
+    const char* name = "?";
+    for (Index j = 1; j < m.n.joints; ++j)
+      if (m.joints()[j].idx_v <= failed - 1) name = m.joints()[j].nv ? m.string(m.joints()[j].name) : name;
+    return call.status = fail(DYN_ERROR_NUMERIC, "M is not positive at joint '%s': this configuration is singular; add armature or leave it", name);
+  }
+  return DYN_OK;
+}
+
+dynStatus dyn_factorize(const dynModel* model, dynData* data) {
+  Call call(model, data, DYN_PART_FACTOR, "dyn_factorize");
+  if (!call || !call.fresh(Stage::Mass, "M", "dyn_crba")) return call.status;
+  return factor(call);
+}
+
+dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x) {
+  Call call(model, data, DYN_PART_FACTOR, "dyn_solve");
+  if (!call || !call.required("b", b) || !call.required("x", x)) return call.status;
+  if (nrhs < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_solve: nrhs is %d: it can't be negative", nrhs);
+  const std::ptrdiff_t nv = call.m().n.nv;
+  for (int k = 0; k < nrhs; ++k)
+    if (!call.finite("b", b + nv * k, Index(nv))) return call.status;
+  if (!call.fresh(Stage::Factor, "the factor of M", "dyn_factorize")) return call.status;
+  if (x != b) __builtin_memmove(x, b, std::size_t(nv * nrhs) * sizeof(double));
+  for (int k = 0; k < nrhs; ++k) solve(call.m(), call.d(), x + nv * k);
+  return DYN_OK;
+}
+
+dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, double* Minv) {
+  Call call(model, data, DYN_PART_MINV, "dyn_minverse");
+  if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  if (!d.fresh(Stage::Mass)) crba(call.m(), d);
+  if (!finite_mass(call) || factor(call) != DYN_OK) return call.status;
+  invert(call.m(), d);
+  copy_out(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, Minv);
+  return DYN_OK;
+}
+
+static bool energies(Call& call) {
+  Data<double>& d = call.d();
+  kinetic_energy(call.m(), d);
+  potential_energy(call.m(), d);
+  d.mechanical[0] = d.kinetic[0] + d.potential[0];
+  d.done(Stage::Mechanical);
+  return call.numeric(d.mechanical, 1, "energy", Stage::Mechanical);
+}
+
+dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic, double* potential) {
+  Call call(model, data, DYN_PART_ENERGY, "dyn_energy");
+  if (!call || !call.inputs(q, v, nullptr, nullptr) || !energies(call)) return call.status;
+  copy_out(call.d().kinetic, 1, kinetic), copy_out(call.d().potential, 1, potential);
+  return DYN_OK;
+}
+
+dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, const double* q, const double* v, uint32_t* filled) {
+  static constexpr struct {
+    uint32_t term;
+    dynParts part;
+  } needs[] = {{DYN_TERM_KINEMATICS, DYN_PART_KINEMATICS}, {DYN_TERM_FRAMES, DYN_PART_FRAMES}, {DYN_TERM_JACOBIANS, DYN_PART_JACOBIANS},
+               {DYN_TERM_DJACOBIANS, DYN_PART_JACOBIANS}, {DYN_TERM_COM, DYN_PART_COM}, {DYN_TERM_JCOM, DYN_PART_COM},
+               {DYN_TERM_NLE, DYN_PART_INVERSE}, {DYN_TERM_GRAVITY, DYN_PART_INVERSE}, {DYN_TERM_MASS, DYN_PART_MASS},
+               {DYN_TERM_FACTOR, DYN_PART_FACTOR}, {DYN_TERM_MINV, DYN_PART_MINV}, {DYN_TERM_CORIOLIS, DYN_PART_CORIOLIS},
+               {DYN_TERM_ENERGY, DYN_PART_ENERGY}};
+  dynParts parts = 0;
+  for (const auto& n : needs)
+    if (mask & n.term) parts |= n.part;
+  Call call(model, data, parts, "dyn_all_terms");
+  if (!call) return call.status;
+  if (mask & ~uint32_t(DYN_TERM_ALL)) return fail(DYN_ERROR_ARGUMENT, "dyn_all_terms: mask 0x%x has unknown bits: use DYN_TERM_... values", unsigned(mask));
+  if (!call.inputs(q, v, nullptr, nullptr)) return call.status;
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  const std::ptrdiff_t nv = m.n.nv;
+  const bool velocities = mask & (DYN_TERM_KINEMATICS | DYN_TERM_DJACOBIANS | DYN_TERM_COM | DYN_TERM_CORIOLIS | DYN_TERM_ENERGY);
+  kinematics(m, d, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0);
+  if (!finite_position(call)) return call.status;
+  uint32_t done = 0;
+  if (velocities) done |= mask & DYN_TERM_KINEMATICS;
+  if (mask & DYN_TERM_JACOBIANS && !(mask & DYN_TERM_DJACOBIANS)) joint_jacobians(m, d);
+  if (mask & DYN_TERM_DJACOBIANS) {
+    joint_jacobians_time_variation(m, d);
+    if (!call.numeric(d.dJ, Index(6 * nv), "dJ", Stage::DJacobians)) return call.status;
+  }
+  if (mask & (DYN_TERM_COM | DYN_TERM_JCOM)) {
+    center_of_mass(m, d, mask & DYN_TERM_COM ? 1 : 0);
+    if (!call.numeric(d.com, 3, "com", Stage::Com)) return call.status;
+  }
+  if (mask & DYN_TERM_JCOM) center_of_mass_jacobian(m, d, 0, d.Jcom), d.done(Stage::Jcom);
+  if (mask & DYN_TERM_NLE) {
+    inverse_dynamics(m, d, d.v, d.zero, none, d.nle);
+    if (!call.numeric(d.nle, m.n.nv, "nle", Stage::Nle)) return call.status;
+    d.done(Stage::Nle);
+  }
+  if (mask & DYN_TERM_GRAVITY) {
+    inverse_dynamics(m, d, d.zero, d.zero, none, d.g);
+    if (!call.numeric(d.g, m.n.nv, "g", Stage::Gravity)) return call.status;
+    d.done(Stage::Gravity);
+  }
+  if (mask & (DYN_TERM_MASS | DYN_TERM_FACTOR | DYN_TERM_MINV)) {
+    crba(m, d);
+    if (!finite_mass(call)) return call.status;
+  }
+  if (mask & (DYN_TERM_FACTOR | DYN_TERM_MINV) && factor(call) != DYN_OK) return call.status;
+  if (mask & DYN_TERM_MINV) invert(m, d);
+  if (mask & DYN_TERM_CORIOLIS) {
+    coriolis_matrix(m, d);
+    if (!call.numeric(d.coriolis, Index(nv * nv), "coriolis", Stage::Coriolis)) return call.status;
+  }
+  if (mask & DYN_TERM_ENERGY && !energies(call)) return call.status;
+  if (mask & DYN_TERM_FRAMES) {
+    for (Index k = 0; k < m.n.frames; ++k) frame_placement(m, d, k, d.placements + 12 * std::ptrdiff_t(k));
+    d.done(Stage::Frames);
+  }
+  if (filled) *filled = mask | done;
+  return DYN_OK;
+}
+
+}  // extern "C"

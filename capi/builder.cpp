@@ -1,0 +1,135 @@
+// The builder: C structs to the builder's own.
+#include <cstring>
+
+#include "guard.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+void check_size(const dynJointSpec& s) {
+  if (s.struct_size < sizeof(dynJointSpec))
+    throw Error(DYN_ERROR_SIZE, "dynJointSpec: struct_size is " + std::to_string(s.struct_size) + ", needs " + std::to_string(sizeof(dynJointSpec)) +
+                                    ": call dyn_joint_spec_init first");
+}
+
+// depth bounds composites of composites
+JointSpec read_spec(const dynJointSpec& s, int depth) {
+  check_size(s);
+  if (depth > 16) throw Error(DYN_ERROR_LIMIT, "dynJointSpec: composites more than 16 deep");
+  if (s.type < DYN_JOINT_FIXED || s.type > DYN_JOINT_REVOLUTE_UNBOUNDED)
+    throw Error(DYN_ERROR_ARGUMENT, "dynJointSpec: type is " + std::to_string(int(s.type)) + ": use a dynJointType");
+  JointSpec out;
+  if (s.name) out.name = s.name;
+  out.type = s.type;
+  if (s.parent) out.parent.name = s.parent;
+  std::copy(s.placement, s.placement + 12, out.placement.begin());
+  std::copy(s.axis, s.axis + 3, out.axis.begin());
+  std::copy(s.axis2, s.axis2 + 3, out.axis2.begin());
+  out.pitch = s.pitch;
+  if (s.parts_count && !s.parts) throw Error(DYN_ERROR_ARGUMENT, "dynJointSpec: parts is NULL but parts_count is not 0");
+  if (s.parts_count > 1000) throw Error(DYN_ERROR_LIMIT, "dynJointSpec: more than 1000 parts");
+  if (s.type == DYN_JOINT_COMPOSITE)
+    for (size_t k = 0; k < s.parts_count; ++k) out.parts.push_back(read_spec(s.parts[k], depth + 1));
+  return out;
+}
+
+template <class F>
+dynStatus with(dynBuilder* builder, F&& f) {
+  if (const dynStatus s = check(builder)) return s;
+  return guarded([&] {
+    f(*builder->b);
+    return DYN_OK;
+  });
+}
+
+Placement read_placement(const double* x) {
+  if (!x) return identity_placement;
+  Placement p;
+  std::copy(x, x + 12, p.begin());
+  return p;
+}
+
+const char* text(const char* s) { return s ? s : ""; }
+
+}  // namespace
+
+extern "C" {
+
+void dyn_joint_spec_init(dynJointSpec* spec) {
+  if (!spec) return;
+  std::memset(spec, 0, sizeof *spec);
+  spec->struct_size = sizeof *spec;
+  spec->type = DYN_JOINT_REVOLUTE;
+  spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
+  spec->axis[2] = spec->axis2[0] = 1;
+  spec->gear_ratio = spec->mimic_ratio = 1;
+}
+
+dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder) {
+  if (!builder) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_new: builder is NULL");
+  return guarded([&] {
+    auto b = std::make_unique<Builder>(text(model_name));
+    dynBuilder* handle = new_builder_handle();
+    if (!handle) return fail(DYN_ERROR_MEMORY, "dyn_builder_new: out of memory");
+    handle->b = b.release();
+    handle->magic = live_builder;
+    *builder = handle;
+    return DYN_OK;
+  });
+}
+
+void dyn_builder_free(dynBuilder* builder) {
+  if (!builder || builder->magic != live_builder) return;
+  delete builder->b;
+  builder->b = nullptr;
+  free_handle(builder);
+}
+
+dynStatus dyn_builder_gravity(dynBuilder* builder, const double gravity[3]) {
+  if (!gravity) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_gravity: gravity is NULL");
+  return with(builder, [&](Builder& b) { b.gravity({gravity[0], gravity[1], gravity[2]}); });
+}
+
+dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* s) {
+  if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_joint: spec is NULL");
+  return with(builder, [&](Builder& b) {
+    JointSpec out = read_spec(*s, 0);
+    const int nq = spec_nq(out), nv = spec_nv(out);
+    auto read = [](const double* x, int n) { return x ? std::vector<double>(x, x + n) : std::vector<double>(); };
+    out.lower = read(s->lower, nq), out.upper = read(s->upper, nq);
+    out.velocity = read(s->velocity, nv), out.effort = read(s->effort, nv);
+    out.armature = read(s->armature, nv), out.damping = read(s->damping, nv), out.friction = read(s->friction, nv);
+    out.rotor_inertia = s->rotor_inertia, out.gear_ratio = s->gear_ratio;
+    out.mimic = text(s->mimic), out.mimic_ratio = s->mimic_ratio, out.mimic_offset = s->mimic_offset;
+    b.joint(out);
+  });
+}
+
+dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
+                           const double com[3], const double inertia[9]) {
+  if (!com || !inertia) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_body: %s is NULL", com ? "inertia" : "com");
+  return with(builder, [&](Builder& b) {
+    std::array<double, 9> I;
+    std::copy(inertia, inertia + 9, I.begin());
+    b.body(text(name), {text(parent), 0}, read_placement(placement), mass, {com[0], com[1], com[2]}, I);
+  });
+}
+
+dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type) {
+  return with(builder, [&](Builder& b) { b.frame(text(name), {text(parent), 0}, read_placement(placement), type); });
+}
+
+dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq) {
+  if (!q && nq) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_configuration: q is NULL");
+  return with(builder, [&](Builder& b) { b.configuration(text(name), std::vector<double>(q, q + nq)); });
+}
+
+dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model) {
+  if (!model) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_finish: model is NULL");
+  if (const dynStatus s = check(builder)) return s;
+  return guarded([&] { return publish(builder->b->finish(), model); });
+}
+
+}  // extern "C"

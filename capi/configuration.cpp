@@ -1,0 +1,119 @@
+// Operations on configurations: no data, the model alone.
+#include <cmath>
+#include <limits>
+
+#include "guard.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+// Checks a model and arguments in turn; the first failure stays.
+struct Check {
+  dynStatus status;
+  const Model* m = nullptr;
+  const char* function;
+
+  Check(const dynModel* model, const char* f) : status(check(model)), function(f) {
+    if (status == DYN_OK) m = model->m;
+  }
+  Check& vector(const char* name, const double* x, Index n) {
+    if (status != DYN_OK) return *this;
+    if (!x) status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
+    else if (const Index k = finite_count(x, n); k < n)
+      status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
+    return *this;
+  }
+  Check& q(const char* name, const double* x) {
+    if (status != DYN_OK) return *this;
+    vector(name, x, m->n.nq);
+    if (status == DYN_OK)
+      if (const Index j = zero_norm_joint(*m, x))
+        status = fail(DYN_ERROR_QUATERNION, "%s: the quaternion or (cos, sin) of joint '%s' in %s is zero: give one of norm 1", function,
+                      m->string(m->joints()[j].name), name);
+    return *this;
+  }
+  Check& v(const char* name, const double* x) { return status == DYN_OK ? vector(name, x, m->n.nv) : *this; }
+  Check& output(const void* p) {
+    if (status == DYN_OK && !p) status = fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
+    return *this;
+  }
+  explicit operator bool() const { return status == DYN_OK; }
+};
+
+}  // namespace
+
+extern "C" {
+
+dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v, double* out) {
+  Check c(model, "dyn_integrate");
+  if (c.q("q", q).v("v", v).output(out)) integrate(*c.m, q, v, out);
+  return c.status;
+}
+
+dynStatus dyn_difference(const dynModel* model, const double* q0, const double* q1, double* v) {
+  Check c(model, "dyn_difference");
+  if (c.q("q0", q0).q("q1", q1).output(v)) difference(*c.m, q0, q1, v);
+  return c.status;
+}
+
+dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double* q1, double u, double* out) {
+  Check c(model, "dyn_interpolate");
+  if (c.q("q0", q0).q("q1", q1).vector("u", &u, 1).output(out)) interpolate(*c.m, q0, q1, u, out);
+  return c.status;
+}
+
+dynStatus dyn_distance(const dynModel* model, const double* q0, const double* q1, double* result) {
+  Check c(model, "dyn_distance");
+  if (c.q("q0", q0).q("q1", q1).output(result)) *result = distance(*c.m, q0, q1);
+  return c.status;
+}
+
+dynStatus dyn_neutral(const dynModel* model, double* q) {
+  Check c(model, "dyn_neutral");
+  if (c.output(q)) copy_out(c.m->neutral(), c.m->n.nq, q);
+  return c.status;
+}
+
+dynStatus dyn_random(const dynModel* model, uint64_t seed, const double* lower, const double* upper, double* q) {
+  Check c(model, "dyn_random");
+  if (!c.output(q)) return c.status;
+  const double* low = lower ? lower : c.m->lower_limit();
+  const double* high = upper ? upper : c.m->upper_limit();
+  for (Index k = 0; k < c.m->n.nq; ++k) {
+    if (std::isnan(low[k]) || std::isnan(high[k]))
+      return fail(DYN_ERROR_NONFINITE, "dyn_random: %s[%d] is NaN", std::isnan(low[k]) ? "lower" : "upper", int(k));
+    if (low[k] > high[k]) return fail(DYN_ERROR_INVALID, "dyn_random: lower[%d] = %g exceeds upper[%d] = %g", int(k), low[k], int(k), high[k]);
+  }
+  random_configuration(*c.m, seed, low, high, q);
+  return DYN_OK;
+}
+
+dynStatus dyn_normalize(const dynModel* model, double* q) {
+  Check c(model, "dyn_normalize");
+  if (c.q("q", q)) normalize(*c.m, q);
+  return c.status;
+}
+
+dynStatus dyn_is_normalized(const dynModel* model, const double* q, double tolerance, int* normalized) {
+  Check c(model, "dyn_is_normalized");
+  if (!c.vector("q", q, c.m ? c.m->n.nq : 0).output(normalized)) return c.status;
+  if (!(tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_is_normalized: tolerance is %g: it can't be negative or NaN", tolerance);
+  *normalized = norm_error(*c.m, q) <= tolerance;
+  return DYN_OK;
+}
+
+dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const double* v, double* dq, double* dv) {
+  Check c(model, "dyn_integrate_jacobians");
+  if (c.q("q", q).v("v", v)) integrate_jacobians(*c.m, q, v, dq, dv);
+  return c.status;
+}
+
+dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1, double* dq0, double* dq1) {
+  Check c(model, "dyn_difference_jacobians");
+  if (c.q("q0", q0).q("q1", q1)) difference_jacobians(*c.m, q0, q1, dq0, dq1);
+  return c.status;
+}
+
+}  // extern "C"

@@ -1,0 +1,446 @@
+/* libdyn: rigid-body dynamics. The whole public interface, C99.
+ *
+ * Conventions, once for every function below
+ *   Units       SI: metres, kilograms, seconds, newtons, radians. Frames are right-handed.
+ *   6D vectors  [linear; angular].
+ *   Quaternions (x, y, z, w). A rotation is exact for every non-zero finite quaternion: its norm is divided out.
+ *   Matrices    column-major and dense; "6 x nv" means element (r, c) at r + 6 c. Symmetric matrices are full.
+ *   Placements  12 doubles: rotation (3 x 3, column-major) then translation (3): X_WF maps F coordinates to world.
+ *   q, v        q has nq numbers, v, a and tau have nv. They differ on manifolds: use dyn_integrate and dyn_difference.
+ *               Free flyer: q = [position; quaternion], v = [linear; angular], both in the body's frame.
+ *   References  DYN_LOCAL: axes and origin of the frame. DYN_WORLD: axes of the world, and the quantity refers to the
+ *               point that coincides with the world's origin. DYN_LOCAL_WORLD_ALIGNED: the frame's origin, world axes.
+ *   Inputs      const double*; NULL means the value held in the data (which a non-NULL argument replaces).
+ *   Outputs     any output pointer may be NULL: the result is in the data as well. An output is written whole, or not at all.
+ *   Errors      every function that can fail returns a dynStatus; dyn_last_error() says what, where, and what to do.
+ *               A call that fails leaves its data as it was, unless its description says otherwise.
+ *   Threads     a model is immutable and may be shared; a data belongs to one thread at a time.
+ *   Memory      after dyn_data_new or dyn_data_init nothing allocates, locks, or makes a system call.
+ */
+#ifndef DYN_H
+#define DYN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(DYN_STATIC)
+#define DYN_API
+#elif defined(_WIN32)
+#define DYN_API __declspec(dllimport)
+#else
+#define DYN_API __attribute__((visibility("default")))
+#endif
+
+#define DYN_VERSION_MAJOR 1
+#define DYN_VERSION_MINOR 0
+#define DYN_VERSION_PATCH 0
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---------------------------------------------------------------------------------------------- status and version */
+
+/* Values are never renumbered; new ones are appended. */
+typedef enum dynStatus {
+  DYN_OK = 0,
+  DYN_ERROR_ARGUMENT = 1,    /* NULL where a value is required, an index or option out of range */
+  DYN_ERROR_HANDLE = 2,      /* NULL, freed or foreign handle */
+  DYN_ERROR_MODEL = 3,       /* the data belongs to another model */
+  DYN_ERROR_SIZE = 4,        /* an array or memory block of the wrong size */
+  DYN_ERROR_NONFINITE = 5,   /* NaN or infinity in an input: the message names the argument and the index */
+  DYN_ERROR_QUATERNION = 6,  /* a zero quaternion or zero (cos, sin) pair */
+  DYN_ERROR_STALE = 7,       /* the quantity was not computed for the current state: the message names the call to make */
+  DYN_ERROR_PART = 8,        /* the data was created without the part: the message names it */
+  DYN_ERROR_NAME = 9,        /* unknown or duplicate name */
+  DYN_ERROR_FILE = 10,       /* a file that is missing or cannot be read or written */
+  DYN_ERROR_PARSE = 11,      /* malformed XML or an unreadable number */
+  DYN_ERROR_INVALID = 12,    /* a robot that cannot exist: negative mass, impossible inertia, cycle, two roots, zero axis ... */
+  DYN_ERROR_BASE = 13,       /* neither fixed nor floating was said, and the root link has mass */
+  DYN_ERROR_STRICT = 14,     /* strict: the file says physics that libdyn would drop */
+  DYN_ERROR_NUMERIC = 15,    /* singular: the message names the joint */
+  DYN_ERROR_BUSY = 16,       /* checked builds: a data used by two threads at once */
+  DYN_ERROR_MEMORY = 17,     /* out of memory */
+  DYN_ERROR_LIMIT = 18,      /* larger than this library allows: the message says the limit */
+  DYN_ERROR_UNSUPPORTED = 19,
+  DYN_ERROR_INTERNAL = 20
+} dynStatus;
+
+/* "DYN_OK", "DYN_ERROR_STALE", ...; never NULL. */
+DYN_API const char* dyn_status_name(dynStatus status);
+/* The calling thread's last error: one sentence saying what, where, and what to do. "" before the first. Never NULL.
+   Valid until the thread's next failing call. */
+DYN_API const char* dyn_last_error(void);
+/* "1.0.0" */
+DYN_API const char* dyn_version(void);
+/* Compiler, instruction set, and whether this is a checked build: one line. */
+DYN_API const char* dyn_build_info(void);
+
+/* ------------------------------------------------------------------------------------------------------- basic types */
+
+typedef struct dynModel dynModel;     /* what the robot is: immutable, shared by threads */
+typedef struct dynData dynData;       /* what it is doing: every buffer, one per thread */
+typedef struct dynBuilder dynBuilder; /* makes a model */
+
+typedef enum dynReference { DYN_LOCAL = 0, DYN_WORLD = 1, DYN_LOCAL_WORLD_ALIGNED = 2 } dynReference;
+
+/* Axes and sizes are per type; q = 0 (the identity for quaternions) is the placement given at the joint. */
+typedef enum dynJointType {
+  DYN_JOINT_FIXED = 0,              /* nq 0 nv 0: no joint of the model, a frame of type DYN_FRAME_FIXED_JOINT */
+  DYN_JOINT_REVOLUTE = 1,           /* nq 1 nv 1: angle about axis */
+  DYN_JOINT_CONTINUOUS = 2,         /* nq 1 nv 1: angle about axis, any value; differences are wrapped to (-pi, pi] */
+  DYN_JOINT_PRISMATIC = 3,          /* nq 1 nv 1: displacement along axis */
+  DYN_JOINT_HELICAL = 4,            /* nq 1 nv 1: angle about axis, with pitch (metres per radian) along it */
+  DYN_JOINT_CYLINDRICAL = 5,        /* nq 2 nv 2: (angle about axis, displacement along it) */
+  DYN_JOINT_UNIVERSAL = 6,          /* nq 2 nv 2: angle about axis, then about axis2 */
+  DYN_JOINT_SPHERICAL = 7,          /* nq 4 nv 3: quaternion; v is the angular velocity in the child's frame */
+  DYN_JOINT_SPHERICAL_ZYX = 8,      /* nq 3 nv 3: angles about z, then y, then x; v are their rates */
+  DYN_JOINT_PLANAR = 9,             /* nq 3 nv 3: (x, y, angle): translation in the plane normal to axis, then rotation about it */
+  DYN_JOINT_TRANSLATION = 10,       /* nq 3 nv 3: (x, y, z) in the parent's joint frame */
+  DYN_JOINT_FREE_FLYER = 11,        /* nq 7 nv 6: [position; quaternion]; v in the child's frame */
+  DYN_JOINT_COMPOSITE = 12,         /* the joints of a chain in one: nq, nv are sums */
+  DYN_JOINT_REVOLUTE_UNBOUNDED = 13 /* nq 2 nv 1: (cos, sin) of the angle about axis */
+} dynJointType;
+
+typedef enum dynFrameType {
+  DYN_FRAME_OP_FRAME = 1,    /* added by the user */
+  DYN_FRAME_JOINT = 2,       /* a joint's own frame (moves with the joint's child) */
+  DYN_FRAME_FIXED_JOINT = 4, /* a fixed joint that was merged */
+  DYN_FRAME_BODY = 8,        /* a link */
+  DYN_FRAME_SENSOR = 16
+} dynFrameType;
+
+typedef enum dynReportLevel { DYN_REPORT_INFO = 0, DYN_REPORT_WARNING = 1 } dynReportLevel;
+
+/* A view of numbers: element (i, j) is data[i * stride[0] + j * stride[1]] (strides in doubles). Vectors have cols = 1. */
+typedef struct dynArray {
+  uint32_t struct_size;
+  int32_t rows, cols;
+  ptrdiff_t stride[2];
+  const double* data;
+} dynArray;
+
+/* ------------------------------------------------------------------------------------------------------- loading */
+
+typedef enum dynBase {
+  DYN_BASE_UNSPECIFIED = 0, /* refused when the root link has mass and no file says how it is held */
+  DYN_BASE_FIXED = 1,       /* the root link is welded to the world */
+  DYN_BASE_FLOATING = 2     /* a free flyer named "root_joint" carries the root link */
+} dynBase;
+
+typedef struct dynLoadOptions {
+  uint32_t struct_size;             /* sizeof(dynLoadOptions): set by dyn_load_options_init */
+  dynBase base;
+  int32_t strict;                   /* non-zero: physics that would be dropped is an error */
+  int32_t cos_sin;                  /* non-zero: continuous joints store (cos, sin): DYN_JOINT_REVOLUTE_UNBOUNDED */
+  const char* const* package_dirs;  /* where package://NAME/... is looked up: DIR/NAME/... and DIR/... ; may be NULL */
+  size_t package_dirs_count;
+  double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81) */
+} dynLoadOptions;
+
+DYN_API void dyn_load_options_init(dynLoadOptions* options);
+
+/* Reads a robot from a URDF file. *model is written only on success. options may be NULL (the defaults of
+   dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used. */
+DYN_API dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model);
+/* The same from text in memory (zero-terminated). Relative paths in it refer to the working directory. */
+DYN_API dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model);
+/* NULL is allowed. Data made from the model must not be used afterwards: that is DYN_ERROR_MODEL, not a crash. */
+DYN_API void dyn_model_free(dynModel* model);
+
+/* The load report: everything in the file that was not used, replaced, or is worth knowing; in the file's order. */
+typedef struct dynReportEntry {
+  uint32_t struct_size;
+  dynReportLevel level;
+  int32_t line;        /* 1-based; 0 when no line applies */
+  const char* message; /* lives as long as the model */
+} dynReportEntry;
+DYN_API int dyn_report_count(const dynModel* model);
+DYN_API dynStatus dyn_report_entry(const dynModel* model, int index, dynReportEntry* entry);
+
+/* ------------------------------------------------------------------------------------------------------- the model */
+
+/* Sizes; -1 for an invalid handle (dyn_last_error says why). */
+DYN_API int dyn_nq(const dynModel* model);
+DYN_API int dyn_nv(const dynModel* model);
+DYN_API int dyn_njoints(const dynModel* model); /* joints that move, plus the universe (joint 0) */
+DYN_API int dyn_nframes(const dynModel* model); /* frame 0 is the universe */
+DYN_API int dyn_nbodies(const dynModel* model); /* links, the universe not counted */
+DYN_API size_t dyn_model_size(const dynModel* model); /* bytes of the compiled model; 0 for an invalid handle */
+
+/* Names and ids. Ids are indices; a name that does not exist gives -1 and an error that lists near misses. */
+DYN_API const char* dyn_model_name(const dynModel* model);             /* NULL for an invalid handle */
+DYN_API const char* dyn_joint_name(const dynModel* model, int joint);  /* NULL when out of range */
+DYN_API const char* dyn_frame_name(const dynModel* model, int frame);
+DYN_API int dyn_joint_id(const dynModel* model, const char* name);
+/* A name may belong to several frames (a link and a joint): joints and user frames are found before links; see dyn_frame_id_of_type. */
+DYN_API int dyn_frame_id(const dynModel* model, const char* name);
+DYN_API int dyn_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type);
+
+typedef struct dynJointInfo {
+  uint32_t struct_size;
+  const char* name;
+  dynJointType type;
+  int32_t parent;         /* parent joint; 0 is the universe */
+  int32_t idx_q, idx_v;   /* first index in q and v; a follower's are its leader's */
+  int32_t nq, nv;         /* a follower has nq = nv = 0 */
+  int32_t mimic_leader;   /* joint it follows, or -1 */
+  double mimic_ratio, mimic_offset; /* q_follower = ratio * q_leader + offset */
+  double axis[3], axis2[3]; /* in the joint's frame */
+  double pitch;           /* helical: metres per radian */
+  double placement[12];   /* joint frame in the parent joint's frame, at the neutral configuration */
+} dynJointInfo;
+DYN_API dynStatus dyn_joint_info(const dynModel* model, int joint, dynJointInfo* info);
+
+typedef struct dynFrameInfo {
+  uint32_t struct_size;
+  const char* name;
+  dynFrameType type;
+  int32_t joint;          /* joint that carries it */
+  double placement[12];   /* in that joint's frame */
+  double mass;            /* of the link or frame itself: merged links keep their own */
+  double com[3];          /* in the frame, metres */
+  double inertia[9];      /* about the centre of mass, frame axes, kg m^2 */
+} dynFrameInfo;
+DYN_API dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo* info);
+
+/* Shapes of the file, kept as data. */
+typedef enum dynShapeType { DYN_SHAPE_BOX = 1, DYN_SHAPE_SPHERE = 2, DYN_SHAPE_CYLINDER = 3, DYN_SHAPE_MESH = 4, DYN_SHAPE_CAPSULE = 5 } dynShapeType;
+typedef enum dynShapeRole { DYN_ROLE_COLLISION = 1, DYN_ROLE_VISUAL = 2 } dynShapeRole;
+typedef struct dynShapeInfo {
+  uint32_t struct_size;
+  const char* name;       /* "" when the file gives none */
+  dynShapeType type;
+  dynShapeRole role;
+  int32_t frame;          /* BODY frame that carries it */
+  double placement[12];   /* in that frame */
+  double size[3];         /* box: full lengths; sphere: radius; cylinder, capsule: radius, length; mesh: scale */
+  const char* mesh;       /* resolved path; "" for others */
+} dynShapeInfo;
+DYN_API int dyn_nshapes(const dynModel* model);
+DYN_API dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
+
+/* Per-degree-of-freedom numbers of the model, each nv (limits: nq) doubles that live as long as the model; NULL for an
+   invalid handle. Absent limits are infinite. */
+typedef enum dynModelArray {
+  DYN_LOWER_LIMIT = 0,    /* nq: quaternion parts are -inf, inf */
+  DYN_UPPER_LIMIT = 1,    /* nq */
+  DYN_VELOCITY_LIMIT = 2, /* nv */
+  DYN_EFFORT_LIMIT = 3,   /* nv */
+  DYN_ARMATURE = 4,       /* nv: added to the diagonal of M, kg m^2 or kg */
+  DYN_DAMPING = 5,        /* nv: N m s/rad or N s/m; kept as data */
+  DYN_FRICTION = 6,       /* nv: dry friction, N m or N; kept as data */
+  DYN_GRAVITY = 7         /* 3: m/s^2 */
+} dynModelArray;
+DYN_API const double* dyn_model_array(const dynModel* model, dynModelArray which);
+/* Mass of what moves, kg: links welded to the world do not count, here as in the centre of mass and the energies. NaN for an
+   invalid handle. */
+DYN_API double dyn_total_mass(const dynModel* model);
+
+/* Named configurations ("neutral" is always there as index 0). */
+DYN_API int dyn_nconfigurations(const dynModel* model);
+DYN_API const char* dyn_configuration_name(const dynModel* model, int index);
+DYN_API dynStatus dyn_configuration(const dynModel* model, const char* name, double* q);
+
+/* Indices into q (or v) of each named joint's first coordinate, in the order of names; fails on missing or repeated names. */
+DYN_API dynStatus dyn_q_permutation(const dynModel* model, const char* const* names, size_t count, int32_t* idx_q, int32_t* idx_v);
+
+/* ------------------------------------------------------------------------------------------------------- the builder */
+
+typedef struct dynJointSpec {
+  uint32_t struct_size;             /* set by dyn_joint_spec_init */
+  const char* name;
+  dynJointType type;
+  const char* parent;               /* name of the joint (or of any frame) that carries it; NULL or "universe": the world */
+  double placement[12];             /* joint frame in the parent's frame; default identity */
+  double axis[3];                   /* need not be unit; default z */
+  double axis2[3];                  /* universal only; default x */
+  double pitch;                     /* helical: metres per radian */
+  const double *lower, *upper;      /* nq numbers each or NULL (infinite) */
+  const double *velocity, *effort;  /* nv numbers each or NULL (infinite) */
+  const double *armature, *damping, *friction; /* nv numbers each or NULL (zero) */
+  double rotor_inertia, gear_ratio; /* one-degree-of-freedom joints: adds rotor_inertia * gear_ratio^2 to the armature */
+  const char* mimic;                /* leader's name or NULL: one-degree-of-freedom joints of any order in the tree */
+  double mimic_ratio, mimic_offset;
+  const struct dynJointSpec* parts; /* composite: its joints in order; only type, placement (after the previous part), axis, axis2, pitch are read */
+  size_t parts_count;
+} dynJointSpec;
+DYN_API void dyn_joint_spec_init(dynJointSpec* spec);
+
+DYN_API dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder);
+DYN_API void dyn_builder_free(dynBuilder* builder); /* NULL is allowed */
+DYN_API dynStatus dyn_builder_gravity(dynBuilder* builder, const double gravity[3]);
+/* Fixed joints become frames. A parent must have been added before; ids of the finished model are depth first. */
+DYN_API dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* spec);
+/* A link: mass (kg), centre of mass (m) and inertia about it (3 x 3, kg m^2), both in the link's frame, which lies at
+   placement (12 doubles, NULL: identity) in the frame or joint named parent. */
+DYN_API dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
+                                   const double com[3], const double inertia[9]);
+DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
+/* A named configuration: nq numbers in the finished model's order. */
+DYN_API dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
+/* Compiles. The builder stays valid and may be extended and finished again. */
+DYN_API dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model);
+
+/* ------------------------------------------------------------------------------------------------------- data */
+
+/* Parts: groups of buffers. What is not asked for is not allocated; a call that needs an absent part says so. */
+typedef uint32_t dynParts;
+enum {
+  DYN_PART_KINEMATICS = 1u << 0, /* placements, velocities, accelerations of the joints */
+  DYN_PART_JACOBIANS = 1u << 1,  /* J, dJ: 6 x nv each */
+  DYN_PART_COM = 1u << 2,        /* com, vcom, acom, Jcom, subtree centres of mass */
+  DYN_PART_INVERSE = 1u << 3,    /* tau, nle, g: RNEA */
+  DYN_PART_FORWARD = 1u << 4,    /* ddq: ABA */
+  DYN_PART_MASS = 1u << 5,       /* M: nv x nv, CRBA */
+  DYN_PART_FACTOR = 1u << 6,     /* sparse factor of M, solve (includes MASS) */
+  DYN_PART_MINV = 1u << 7,       /* Minv: nv x nv (includes FACTOR) */
+  DYN_PART_CORIOLIS = 1u << 8,   /* coriolis: nv x nv */
+  DYN_PART_ENERGY = 1u << 9,     /* kinetic, potential, mechanical */
+  DYN_PART_FRAMES = 1u << 10,    /* placements of all frames */
+  DYN_PART_ALL = 0x7ff
+};
+
+/* parts = 0 means DYN_PART_ALL. */
+DYN_API dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data);
+/* Bytes that dyn_data_init needs, alignment slack included; 0 for an invalid handle or unknown parts. */
+DYN_API size_t dyn_data_size(const dynModel* model, dynParts parts);
+/* Makes the data in the caller's memory (any alignment): no heap. *data points into it; dyn_data_free only marks it dead. */
+DYN_API dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, size_t size, dynData** data);
+DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
+
+/* The state held in data. A call with q, v, a or tau sets them, too. NULL leaves a value as it is. New data is at the
+   neutral configuration and rest. */
+DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* tau);
+
+/* Fields: everything that data holds, by id. Ids are never renumbered. */
+typedef int32_t dynField;
+typedef struct dynFieldInfo {
+  uint32_t struct_size;
+  const char* name;      /* as in Python: "q", "M", "com", ... */
+  const char* shape;     /* "nv x nv" */
+  const char* unit;
+  const char* frame;
+  const char* producer;  /* the call that computes it; "" for the state */
+  const char* sentence;  /* what it is */
+  dynParts part;
+} dynFieldInfo;
+DYN_API int dyn_nfields(void);
+DYN_API dynStatus dyn_field_info(dynField field, dynFieldInfo* info);
+DYN_API dynField dyn_field_id(const char* name); /* -1: unknown */
+/* A view of a field, no copy. DYN_ERROR_STALE when it does not belong to the current q, v, a, tau;
+   DYN_ERROR_PART when data was made without it. The view stays valid (and follows the data) until the data is freed. */
+DYN_API dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, dynArray* out);
+
+/* ------------------------------------------------------------------------------------------------------- kinematics */
+
+/* Placements, velocities and accelerations of all joints. v NULL and a NULL both: placements only; a NULL: no accelerations.
+   (To reuse held values pass the data's own arrays: dyn_data_array of the fields "v" and "a".) */
+DYN_API dynStatus dyn_forward_kinematics(const dynModel* model, dynData* data, const double* q, const double* v, const double* a);
+
+/* Frame queries need dyn_forward_kinematics (or any algorithm that says it includes it) for the current state. frame is an id.
+   placement: 12 doubles, X_WF. */
+DYN_API dynStatus dyn_frame_placement(const dynModel* model, dynData* data, int frame, double placement[12]);
+/* All frames at once, 12 x nframes, into the field "placements". Needs part FRAMES. */
+DYN_API dynStatus dyn_frame_placements(const dynModel* model, dynData* data, double* placements);
+/* Spatial velocity of the frame, 6. */
+DYN_API dynStatus dyn_frame_velocity(const dynModel* model, dynData* data, int frame, dynReference reference, double velocity[6]);
+/* Spatial acceleration, 6: the time derivative of the spatial velocity as Featherstone defines it (RBDA 2.10), without gravity. */
+DYN_API dynStatus dyn_frame_acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double acceleration[6]);
+/* Classical acceleration, 6: the second derivative of the frame origin's position, and the angular acceleration;
+   classical.linear = spatial.linear + omega x velocity. */
+DYN_API dynStatus dyn_frame_classical_acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double acceleration[6]);
+
+/* Joint Jacobians of all joints in DYN_WORLD: J, 6 x nv (column of each degree of freedom, as if it moved all). Includes
+   dyn_forward_kinematics of q. */
+DYN_API dynStatus dyn_joint_jacobians(const dynModel* model, dynData* data, const double* q, double* J);
+/* Their time variation dJ, 6 x nv; includes J and kinematics of q, v. */
+DYN_API dynStatus dyn_joint_jacobians_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, double* dJ);
+/* Jacobian of a frame, 6 x nv, fully written (zeros included): J v = dyn_frame_velocity. Needs kinematics of the current q. */
+DYN_API dynStatus dyn_frame_jacobian(const dynModel* model, dynData* data, int frame, dynReference reference, double* J);
+/* d/dt of dyn_frame_jacobian, 6 x nv, fully written. Needs kinematics of the current q, v. */
+DYN_API dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data, int frame, dynReference reference, double* dJ);
+
+/* ------------------------------------------------------------------------------------------------------- centre of mass */
+
+/* com, vcom, acom: 3 each, world axes. v and a NULL as in dyn_forward_kinematics (which this includes). */
+DYN_API dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                     double* com, double* vcom, double* acom);
+/* Jcom: 3 x nv, Jcom v = vcom. Includes com and kinematics of q. */
+DYN_API dynStatus dyn_center_of_mass_jacobian(const dynModel* model, dynData* data, const double* q, double* Jcom);
+/* Of the subtree that a joint carries (itself included): com 3, mass (either may be NULL). Needs dyn_center_of_mass. */
+DYN_API dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* data, int joint, double com[3], double* mass);
+/* Jacobian of that point, 3 x nv. Needs dyn_center_of_mass. */
+DYN_API dynStatus dyn_subtree_center_of_mass_jacobian(const dynModel* model, dynData* data, int joint, double* J);
+
+/* ------------------------------------------------------------------------------------------------------- dynamics */
+
+/* External forces fext: 6 x njoints, [force; moment] on each joint's body, at the joint frame's origin, in the joint's
+   frame; column 0 (the universe) is ignored. NULL: none. They are not part of the state: tau - J^T f. */
+
+/* Inverse dynamics, tau = M a + nle - J^T fext. RNEA (Featherstone 2008, Table 5.1). Includes placements. */
+DYN_API dynStatus dyn_rnea(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext, double* tau);
+/* nle = tau at a = 0: Coriolis, centrifugal, gravity. */
+DYN_API dynStatus dyn_nonlinear_effects(const dynModel* model, dynData* data, const double* q, const double* v, double* nle);
+/* g = tau at v = a = 0; equals dyn_rnea(q, 0, 0) bit for bit. */
+DYN_API dynStatus dyn_gravity(const dynModel* model, dynData* data, const double* q, double* g);
+/* tau that holds q at rest: g - J^T fext. */
+DYN_API dynStatus dyn_static_torque(const dynModel* model, dynData* data, const double* q, const double* fext, double* tau);
+/* Coriolis matrix C, nv x nv, with C v + g = nle and dM/dt - 2 C skew-symmetric (Echeandia and Wensing 2021). */
+DYN_API dynStatus dyn_coriolis_matrix(const dynModel* model, dynData* data, const double* q, const double* v, double* C);
+/* Forward dynamics, ddq = M^-1 (tau - nle + J^T fext). ABA (Featherstone 2008, Table 7.1); with mimic joints by the
+   factor of M (needs part FACTOR). DYN_ERROR_NUMERIC names the joint whose articulated inertia is not positive. */
+DYN_API dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext, double* ddq);
+/* M, nv x nv, full and symmetric. CRBA (Featherstone 2008, Table 6.2). Includes placements. */
+DYN_API dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q, double* M);
+/* Sparse factor M = L^T D L that keeps the tree's sparsity (Featherstone 2008, 6.5), of the current M (else DYN_ERROR_STALE). */
+DYN_API dynStatus dyn_factorize(const dynModel* model, dynData* data);
+/* x = M^-1 b for nrhs right-hand sides (nv x nrhs each; x may be b). Needs dyn_factorize. */
+DYN_API dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x);
+/* Minv = M^-1, nv x nv, full and symmetric; includes CRBA and its factor. */
+DYN_API dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, double* Minv);
+/* Kinetic (v' M v / 2, armature included) and potential energy (zero at the world's origin), joules; each may be NULL. */
+DYN_API dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic, double* potential);
+
+/* Everything in mask for one state, passes shared; *filled (may be NULL) tells what is now in data. */
+enum {
+  DYN_TERM_KINEMATICS = 1u << 0, DYN_TERM_FRAMES = 1u << 1, DYN_TERM_JACOBIANS = 1u << 2, DYN_TERM_DJACOBIANS = 1u << 3,
+  DYN_TERM_COM = 1u << 4, DYN_TERM_JCOM = 1u << 5, DYN_TERM_NLE = 1u << 6, DYN_TERM_GRAVITY = 1u << 7, DYN_TERM_MASS = 1u << 8,
+  DYN_TERM_FACTOR = 1u << 9, DYN_TERM_MINV = 1u << 10, DYN_TERM_CORIOLIS = 1u << 11, DYN_TERM_ENERGY = 1u << 12, DYN_TERM_ALL = 0x1fff
+};
+DYN_API dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, const double* q, const double* v, uint32_t* filled);
+
+/* ------------------------------------------------------------------------------------------------------- configurations */
+/* q's quaternions need not be unit on input and are unit on output. None of these touches data. */
+
+/* out = q (+) v: where q gets to with the constant velocity v in one second; pass v dt. out may be q. nq */
+DYN_API dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v, double* out);
+/* v with q0 (+) v = q1; nv. Shortest rotation; continuous joints wrapped to (-pi, pi]. */
+DYN_API dynStatus dyn_difference(const dynModel* model, const double* q0, const double* q1, double* v);
+/* q0 (+) u (q1 (-) q0). */
+DYN_API dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double* q1, double u, double* out);
+/* Norm of dyn_difference. */
+DYN_API dynStatus dyn_distance(const dynModel* model, const double* q0, const double* q1, double* distance);
+DYN_API dynStatus dyn_neutral(const dynModel* model, double* q);
+/* Uniform between lower and upper (nq each; NULL: the limits of the model; what is infinite there is drawn from [-1, 1],
+   angles from [-pi, pi]); orientations uniform on the sphere. The same seed gives the same q. Never non-finite. */
+DYN_API dynStatus dyn_random(const dynModel* model, uint64_t seed, const double* lower, const double* upper, double* q);
+DYN_API dynStatus dyn_normalize(const dynModel* model, double* q);
+/* *normalized = 1 when every quaternion and (cos, sin) has norm 1 within tolerance. */
+DYN_API dynStatus dyn_is_normalized(const dynModel* model, const double* q, double tolerance, int* normalized);
+/* d(q (+) v)/dq and d(q (+) v)/dv on tangent spaces, nv x nv each (either may be NULL). */
+DYN_API dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const double* v, double* dq, double* dv);
+/* d(q1 (-) q0)/dq0 and /dq1, nv x nv each (either may be NULL). */
+DYN_API dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1, double* dq0, double* dq1);
+
+/* ------------------------------------------------------------------------------------------------------- simulation */
+
+/* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, damping and dry
+   friction not applied. The state and the time advance; after an error they are as before the failing step. */
+typedef enum dynIntegrator { DYN_SEMI_IMPLICIT_EULER = 0, DYN_RK4 = 1 } dynIntegrator;
+DYN_API dynStatus dyn_step(const dynModel* model, dynData* data, dynIntegrator integrator, double dt);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

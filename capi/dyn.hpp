@@ -1,0 +1,510 @@
+// libdyn for C++17: owners, exceptions and views over dyn.h, and nothing else. Conventions are those of dyn.h.
+//
+//   auto model = dyn::Model::load("go2.urdf", dyn::LoadOptions().base(DYN_BASE_FLOATING));
+//   dyn::Data data(model);
+//   dyn::View tau = data.rnea(q, v, a);       // a view of the result in data: no copy, no allocation
+//   dyn::View M = data.crba(q);               // M(i, j)
+//
+// Vectors go in as anything with data() and size() (std::vector, std::array, Eigen::VectorXd, dyn::View), as {pointer, size},
+// or as dyn::held: the value that data holds. Sizes are checked. Views follow the data and live as long as it does.
+// The names live in dyn_api, and dyn uses them: a program that has a namespace dyn of its own writes dyn_api::Model.
+#ifndef DYN_HPP
+#define DYN_HPP
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dyn.h"
+
+namespace dyn_api {
+
+// A call that failed: what() is the library's sentence.
+class Error : public std::runtime_error {
+ public:
+  explicit Error(dynStatus status) : Error(status, dyn_last_error()) {}
+  Error(dynStatus status, const std::string& message) : std::runtime_error(message), status_(status) {}
+  dynStatus status() const noexcept { return status_; }
+  const char* status_name() const noexcept { return dyn_status_name(status_); }
+
+ private:
+  dynStatus status_;
+};
+
+inline void check(dynStatus status) {
+  if (status != DYN_OK) throw Error(status);
+}
+
+// The value that data holds, or "none": NULL in dyn.h.
+struct Held {};
+inline constexpr Held held{};
+inline constexpr Held none{};
+
+// Numbers going in.
+class Input {
+ public:
+  Input(Held) noexcept {}
+  Input(const double* data, std::size_t size) noexcept : data_(data), size_(size), given_(true) {}
+  template <class V, class = decltype(static_cast<const double*>(std::declval<const V&>().data())), class = decltype(std::declval<const V&>().size())>
+  Input(const V& vector) : Input(vector.data(), static_cast<std::size_t>(vector.size())) {}
+
+  // The pointer that dyn.h wants; refuses a wrong size.
+  const double* of(int size, const char* name) const {
+    if (given_ && size_ != static_cast<std::size_t>(size))
+      throw Error(DYN_ERROR_SIZE, std::string(name) + " has " + std::to_string(size_) + " numbers, but needs " + std::to_string(size) + ".");
+    return data_;
+  }
+
+ private:
+  const double* data_ = nullptr;
+  std::size_t size_ = 0;
+  bool given_ = false;
+};
+
+// Numbers in the library's memory, read only.
+class View {
+ public:
+  explicit View(const dynArray& array) : array_(array) {}
+  int rows() const noexcept { return array_.rows; }
+  int cols() const noexcept { return array_.cols; }
+  std::size_t size() const noexcept { return static_cast<std::size_t>(array_.rows) * static_cast<std::size_t>(array_.cols); }
+  const double* data() const noexcept { return array_.data; }
+  const double* begin() const noexcept { return data(); }
+  const double* end() const noexcept { return data() + size(); }
+  double operator[](std::size_t i) const noexcept { return array_.data[i]; }
+  double operator()(int i, int j = 0) const noexcept { return array_.data[i * array_.stride[0] + j * array_.stride[1]]; }
+  std::vector<double> copy() const { return {begin(), end()}; }
+
+ private:
+  dynArray array_;
+};
+
+// A matrix of one's own, column-major.
+struct Matrix {
+  int rows, cols;
+  std::vector<double> values;
+  Matrix(int r, int c) : rows(r), cols(c), values(static_cast<std::size_t>(r) * static_cast<std::size_t>(c)) {}
+  double operator()(int i, int j) const { return values[static_cast<std::size_t>(i) + static_cast<std::size_t>(j) * static_cast<std::size_t>(rows)]; }
+  double* data() noexcept { return values.data(); }
+  const double* data() const noexcept { return values.data(); }
+  std::size_t size() const noexcept { return values.size(); }
+};
+
+using Vector = std::vector<double>;
+using Vector6 = std::array<double, 6>;     // [linear; angular]
+using Vector3 = std::array<double, 3>;
+using Placement = std::array<double, 12>;  // rotation by columns, then translation
+
+struct LoadOptions {
+  dynLoadOptions value;
+  std::vector<std::string> folders;
+  LoadOptions() { dyn_load_options_init(&value); }
+  LoadOptions& base(dynBase b) { return value.base = b, *this; }
+  LoadOptions& strict(bool on = true) { return value.strict = on, *this; }
+  LoadOptions& cos_sin(bool on = true) { return value.cos_sin = on, *this; }
+  LoadOptions& gravity(double x, double y, double z) { return value.gravity[0] = x, value.gravity[1] = y, value.gravity[2] = z, *this; }
+  LoadOptions& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
+};
+
+// What the robot is: immutable; copies share it, threads may, too.
+class Model {
+ public:
+  // Takes over a model made by dyn.h.
+  explicit Model(dynModel* model) : model_(model, dyn_model_free), nq_(dyn_nq(model)), nv_(dyn_nv(model)) {
+    if (nq_ < 0) throw Error(DYN_ERROR_HANDLE);
+  }
+  static Model load(const std::string& path, const LoadOptions& options = {}) { return load_(dyn_model_load, path, options); }
+  static Model load_string(const std::string& text, const LoadOptions& options = {}) { return load_(dyn_model_load_string, text, options); }
+  const dynModel* get() const noexcept { return model_.get(); }
+
+  int nq() const noexcept { return nq_; }
+  int nv() const noexcept { return nv_; }
+  int njoints() const noexcept { return dyn_njoints(get()); }
+  int nframes() const noexcept { return dyn_nframes(get()); }
+  int nbodies() const noexcept { return dyn_nbodies(get()); }
+  int nshapes() const noexcept { return dyn_nshapes(get()); }
+  std::size_t size() const noexcept { return dyn_model_size(get()); }
+  double total_mass() const noexcept { return dyn_total_mass(get()); }
+  std::string name() const { return dyn_model_name(get()); }
+
+  int joint_id(const std::string& name) const { return id_(dyn_joint_id(get(), name.c_str())); }
+  int frame_id(const std::string& name) const { return id_(dyn_frame_id(get(), name.c_str())); }
+  int frame_id(const std::string& name, dynFrameType type) const { return id_(dyn_frame_id_of_type(get(), name.c_str(), type)); }
+  std::string joint_name(int joint) const { return name_(dyn_joint_name(get(), joint)); }
+  std::string frame_name(int frame) const { return name_(dyn_frame_name(get(), frame)); }
+  dynJointInfo joint(int joint) const { return info_<dynJointInfo>(dyn_joint_info, joint); }
+  dynFrameInfo frame(int frame) const { return info_<dynFrameInfo>(dyn_frame_info, frame); }
+  dynShapeInfo shape(int shape) const { return info_<dynShapeInfo>(dyn_shape_info, shape); }
+  int report_count() const noexcept { return dyn_report_count(get()); }
+  dynReportEntry report(int index) const { return info_<dynReportEntry>(dyn_report_entry, index); }
+
+  // Limits, armature, damping, friction, gravity: lives as long as the model.
+  View array(dynModelArray which) const {
+    const int n = which == DYN_GRAVITY ? 3 : which == DYN_LOWER_LIMIT || which == DYN_UPPER_LIMIT ? nq_ : nv_;
+    const double* p = dyn_model_array(get(), which);
+    if (!p && n) throw Error(DYN_ERROR_ARGUMENT);
+    return View({sizeof(dynArray), n, 1, {1, n}, p});
+  }
+  std::vector<std::string> configurations() const {
+    std::vector<std::string> names;
+    for (int i = 0; i < dyn_nconfigurations(get()); ++i) names.push_back(name_(dyn_configuration_name(get(), i)));
+    return names;
+  }
+  Vector configuration(const std::string& name) const {
+    return q_([&](double* q) { return dyn_configuration(get(), name.c_str(), q); });
+  }
+  // First index in q and in v of each joint.
+  std::pair<std::vector<int32_t>, std::vector<int32_t>> q_permutation(const std::vector<std::string>& names) const {
+    std::vector<const char*> pointers;
+    for (const auto& n : names) pointers.push_back(n.c_str());
+    std::pair<std::vector<int32_t>, std::vector<int32_t>> out{std::vector<int32_t>(names.size()), std::vector<int32_t>(names.size())};
+    check(dyn_q_permutation(get(), pointers.data(), names.size(), out.first.data(), out.second.data()));
+    return out;
+  }
+
+  Vector neutral() const { return q_([&](double* q) { return dyn_neutral(get(), q); }); }
+  Vector random(uint64_t seed, Input lower = none, Input upper = none) const {
+    return q_([&](double* q) { return dyn_random(get(), seed, lower.of(nq_, "lower"), upper.of(nq_, "upper"), q); });
+  }
+  Vector integrate(Input q, Input v) const {
+    return q_([&](double* out) { return dyn_integrate(get(), q.of(nq_, "q"), v.of(nv_, "v"), out); });
+  }
+  Vector interpolate(Input q0, Input q1, double u) const {
+    return q_([&](double* out) { return dyn_interpolate(get(), q0.of(nq_, "q0"), q1.of(nq_, "q1"), u, out); });
+  }
+  Vector difference(Input q0, Input q1) const {
+    Vector v(static_cast<std::size_t>(nv_));
+    check(dyn_difference(get(), q0.of(nq_, "q0"), q1.of(nq_, "q1"), v.data()));
+    return v;
+  }
+  double distance(Input q0, Input q1) const {
+    double out;
+    check(dyn_distance(get(), q0.of(nq_, "q0"), q1.of(nq_, "q1"), &out));
+    return out;
+  }
+  Vector normalize(Vector q) const {
+    Input(q).of(nq_, "q");
+    check(dyn_normalize(get(), q.data()));
+    return q;
+  }
+  bool is_normalized(Input q, double tolerance = 1e-9) const {
+    int yes;
+    check(dyn_is_normalized(get(), q.of(nq_, "q"), tolerance, &yes));
+    return yes != 0;
+  }
+  std::pair<Matrix, Matrix> integrate_jacobians(Input q, Input v) const {
+    std::pair<Matrix, Matrix> out{Matrix(nv_, nv_), Matrix(nv_, nv_)};
+    check(dyn_integrate_jacobians(get(), q.of(nq_, "q"), v.of(nv_, "v"), out.first.data(), out.second.data()));
+    return out;
+  }
+  std::pair<Matrix, Matrix> difference_jacobians(Input q0, Input q1) const {
+    std::pair<Matrix, Matrix> out{Matrix(nv_, nv_), Matrix(nv_, nv_)};
+    check(dyn_difference_jacobians(get(), q0.of(nq_, "q0"), q1.of(nq_, "q1"), out.first.data(), out.second.data()));
+    return out;
+  }
+
+ private:
+  std::shared_ptr<dynModel> model_;
+  int nq_, nv_;
+
+  template <class F>
+  static Model load_(F call, const std::string& what, const LoadOptions& options) {
+    std::vector<const char*> folders;
+    for (const auto& f : options.folders) folders.push_back(f.c_str());
+    dynLoadOptions o = options.value;
+    if (!folders.empty()) o.package_dirs = folders.data(), o.package_dirs_count = folders.size();
+    dynModel* model = nullptr;
+    check(call(what.c_str(), &o, &model));
+    return Model(model);
+  }
+  template <class F>
+  Vector q_(F call) const {
+    Vector q(static_cast<std::size_t>(nq_));
+    check(call(q.data()));
+    return q;
+  }
+  template <class T, class F>
+  T info_(F call, int index) const {
+    T info{};
+    info.struct_size = sizeof(T);
+    check(call(get(), index, &info));
+    return info;
+  }
+  static int id_(int id) { return id < 0 ? throw Error(DYN_ERROR_NAME) : id; }
+  static std::string name_(const char* name) { return name ? name : throw Error(DYN_ERROR_ARGUMENT); }
+};
+
+// What the robot is doing: one for each thread; keeps the model alive.
+class Data {
+ public:
+  explicit Data(Model model, dynParts parts = DYN_PART_ALL) : model_(std::move(model)) {
+    dynData* data = nullptr;
+    check(dyn_data_new(m(), parts, &data));
+    data_.reset(data);
+  }
+  // In the caller's memory: no heap.
+  Data(Model model, dynParts parts, void* memory, std::size_t size) : model_(std::move(model)) {
+    dynData* data = nullptr;
+    check(dyn_data_init(m(), parts, memory, size, &data));
+    data_.reset(data);
+  }
+  static std::size_t size(const Model& model, dynParts parts = DYN_PART_ALL) { return dyn_data_size(model.get(), parts); }
+  const Model& model() const noexcept { return model_; }
+  dynData* get() const noexcept { return data_.get(); }
+
+  void set_state(Input q, Input v = held, Input a = held, Input tau = held) {
+    check(dyn_data_set_state(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), tau.of(nv(), "tau")));
+  }
+  View field(dynField id) const {
+    dynArray array{};
+    array.struct_size = sizeof array;
+    check(dyn_data_array(m(), get(), id, &array));
+    return View(array);
+  }
+  View field(const std::string& name) const {
+    const dynField id = dyn_field_id(name.c_str());
+    if (id < 0) throw Error(DYN_ERROR_NAME);
+    return field(id);
+  }
+  View q() const { static const dynField id = dyn_field_id("q"); return field(id); }
+  View v() const { static const dynField id = dyn_field_id("v"); return field(id); }
+  double time() const { static const dynField id = dyn_field_id("time"); return field(id)[0]; }
+
+  // kinematics
+  void forward_kinematics(Input q = held, Input v = none, Input a = none) {
+    check(dyn_forward_kinematics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a")));
+  }
+  Placement frame_placement(int frame) {
+    Placement out;
+    check(dyn_frame_placement(m(), get(), frame, out.data()));
+    return out;
+  }
+  View frame_placements() {  // 12 x nframes
+    static const dynField id = dyn_field_id("placements");
+    check(dyn_frame_placements(m(), get(), nullptr));
+    return field(id);
+  }
+  Vector6 frame_velocity(int frame, dynReference r = DYN_LOCAL) { return six(dyn_frame_velocity, frame, r); }
+  Vector6 frame_acceleration(int frame, dynReference r = DYN_LOCAL) { return six(dyn_frame_acceleration, frame, r); }
+  Vector6 frame_classical_acceleration(int frame, dynReference r = DYN_LOCAL) { return six(dyn_frame_classical_acceleration, frame, r); }
+  View joint_jacobians(Input q = held) {
+    static const dynField id = dyn_field_id("J");
+    return result(id, dyn_joint_jacobians(m(), get(), q.of(nq(), "q"), nullptr));
+  }
+  View joint_jacobians_time_variation(Input q = held, Input v = held) {
+    static const dynField id = dyn_field_id("dJ");
+    return result(id, dyn_joint_jacobians_time_variation(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
+  }
+  Matrix frame_jacobian(int frame, dynReference r = DYN_LOCAL) {
+    return own(6, [&](double* J) { return dyn_frame_jacobian(m(), get(), frame, r, J); });
+  }
+  Matrix frame_jacobian_time_variation(int frame, dynReference r = DYN_LOCAL) {
+    return own(6, [&](double* J) { return dyn_frame_jacobian_time_variation(m(), get(), frame, r, J); });
+  }
+
+  // centre of mass; with v and a also the fields "vcom" and "acom"
+  View center_of_mass(Input q = held, Input v = none, Input a = none) {
+    static const dynField id = dyn_field_id("com");
+    return result(id, dyn_center_of_mass(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr, nullptr, nullptr));
+  }
+  View center_of_mass_jacobian(Input q = held) {
+    static const dynField id = dyn_field_id("Jcom");
+    return result(id, dyn_center_of_mass_jacobian(m(), get(), q.of(nq(), "q"), nullptr));
+  }
+  std::pair<Vector3, double> subtree_center_of_mass(int joint) {  // and its mass
+    std::pair<Vector3, double> out;
+    check(dyn_subtree_center_of_mass(m(), get(), joint, out.first.data(), &out.second));
+    return out;
+  }
+  Matrix subtree_center_of_mass_jacobian(int joint) {
+    return own(3, [&](double* J) { return dyn_subtree_center_of_mass_jacobian(m(), get(), joint, J); });
+  }
+
+  // dynamics
+  View rnea(Input q = held, Input v = held, Input a = held, Input fext = none) {
+    static const dynField id = dyn_field_id("tau");
+    return result(id, dyn_rnea(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), nullptr));
+  }
+  View nonlinear_effects(Input q = held, Input v = held) {
+    static const dynField id = dyn_field_id("nle");
+    return result(id, dyn_nonlinear_effects(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
+  }
+  View gravity(Input q = held) {
+    static const dynField id = dyn_field_id("g");
+    return result(id, dyn_gravity(m(), get(), q.of(nq(), "q"), nullptr));
+  }
+  View static_torque(Input q = held, Input fext = none) {
+    static const dynField id = dyn_field_id("static_torque");
+    return result(id, dyn_static_torque(m(), get(), q.of(nq(), "q"), forces(fext), nullptr));
+  }
+  View coriolis_matrix(Input q = held, Input v = held) {
+    static const dynField id = dyn_field_id("coriolis");
+    return result(id, dyn_coriolis_matrix(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
+  }
+  View aba(Input q = held, Input v = held, Input tau = held, Input fext = none) {
+    static const dynField id = dyn_field_id("ddq");
+    return result(id, dyn_aba(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext), nullptr));
+  }
+  View crba(Input q = held) {
+    static const dynField id = dyn_field_id("M");
+    return result(id, dyn_crba(m(), get(), q.of(nq(), "q"), nullptr));
+  }
+  void factorize() { check(dyn_factorize(m(), get())); }
+  Vector solve(Input b, int nrhs = 1) {
+    Vector x(static_cast<std::size_t>(nv()) * static_cast<std::size_t>(nrhs));
+    check(dyn_solve(m(), get(), b.of(nv() * nrhs, "b"), nrhs, x.data()));
+    return x;
+  }
+  View minverse(Input q = held) {
+    static const dynField id = dyn_field_id("Minv");
+    return result(id, dyn_minverse(m(), get(), q.of(nq(), "q"), nullptr));
+  }
+  struct Energy {
+    double kinetic, potential;
+    double mechanical() const { return kinetic + potential; }
+  };
+  Energy energy(Input q = held, Input v = held) {
+    Energy out;
+    check(dyn_energy(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), &out.kinetic, &out.potential));
+    return out;
+  }
+  uint32_t all_terms(uint32_t mask = DYN_TERM_ALL, Input q = held, Input v = held) {
+    uint32_t filled;
+    check(dyn_all_terms(m(), get(), mask, q.of(nq(), "q"), v.of(nv(), "v"), &filled));
+    return filled;
+  }
+
+  // simulation
+  void step(double dt, dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER) { check(dyn_step(m(), get(), integrator, dt)); }
+
+ private:
+  struct Free {
+    void operator()(dynData* data) const noexcept { dyn_data_free(data); }
+  };
+  Model model_;
+  std::unique_ptr<dynData, Free> data_;
+
+  const dynModel* m() const noexcept { return model_.get(); }
+  int nq() const noexcept { return model_.nq(); }
+  int nv() const noexcept { return model_.nv(); }
+  const double* forces(const Input& fext) const { return fext.of(6 * model_.njoints(), "fext"); }
+  View result(dynField id, dynStatus status) const { return check(status), field(id); }
+  template <class F>
+  Vector6 six(F call, int frame, dynReference r) {
+    Vector6 out;
+    check(call(m(), get(), frame, r, out.data()));
+    return out;
+  }
+  template <class F>
+  Matrix own(int rows, F call) {
+    Matrix out(rows, nv());
+    check(call(out.data()));
+    return out;
+  }
+};
+
+// A joint for Builder::joint.
+struct JointSpec {
+  std::string name, parent, mimic;  // "": the world; none
+  dynJointSpec value;               // its names are set from those above
+  Vector lower, upper, velocity, effort, armature, damping, friction;  // empty: infinite, or zero
+  std::vector<JointSpec> parts;
+  JointSpec(std::string joint, dynJointType type, std::string above = "") : name(std::move(joint)), parent(std::move(above)) {
+    dyn_joint_spec_init(&value);
+    value.type = type;
+  }
+  JointSpec& placement(const Placement& X) { return copy(X, value.placement); }
+  JointSpec& axis(const Vector3& a) { return copy(a, value.axis); }
+  JointSpec& axis2(const Vector3& a) { return copy(a, value.axis2); }
+  JointSpec& follow(std::string leader, double ratio = 1, double offset = 0) {
+    mimic = std::move(leader), value.mimic_ratio = ratio, value.mimic_offset = offset;
+    return *this;
+  }
+
+ private:
+  template <class A>
+  JointSpec& copy(const A& from, double* to) {
+    for (double x : from) *to++ = x;
+    return *this;
+  }
+};
+
+// Makes models.
+class Builder {
+ public:
+  explicit Builder(const std::string& name) {
+    dynBuilder* builder = nullptr;
+    check(dyn_builder_new(name.c_str(), &builder));
+    builder_.reset(builder);
+  }
+  dynBuilder* get() const noexcept { return builder_.get(); }
+  Builder& gravity(const Vector3& g) { return ok(dyn_builder_gravity(get(), g.data())); }
+  // Numbers of limits, armature, ... are nq or nv of the joint.
+  Builder& joint(const JointSpec& spec) {
+    const auto [nq, nv] = sizes(spec);
+    dynJointSpec s = spec.value;
+    s.name = spec.name.c_str();
+    s.parent = spec.parent.empty() ? nullptr : spec.parent.c_str();
+    s.mimic = spec.mimic.empty() ? nullptr : spec.mimic.c_str();
+    s.lower = optional(spec.lower, nq, "lower"), s.upper = optional(spec.upper, nq, "upper");
+    s.velocity = optional(spec.velocity, nv, "velocity"), s.effort = optional(spec.effort, nv, "effort");
+    s.armature = optional(spec.armature, nv, "armature"), s.damping = optional(spec.damping, nv, "damping");
+    s.friction = optional(spec.friction, nv, "friction");
+    std::vector<dynJointSpec> parts;
+    for (const auto& part : spec.parts) parts.push_back(part.value);
+    if (!parts.empty()) s.parts = parts.data(), s.parts_count = parts.size();
+    return ok(dyn_builder_joint(get(), &s));
+  }
+  Builder& joint(const std::string& name, dynJointType type, const std::string& parent = "") { return joint(JointSpec(name, type, parent)); }
+  // Inertia about the centre of mass, both in the link's frame; placement: none is the identity.
+  Builder& body(const std::string& name, const std::string& parent, double mass, const Vector3& com, const std::array<double, 9>& inertia,
+                Input placement = none) {
+    return ok(dyn_builder_body(get(), name.c_str(), above(parent), placement.of(12, "placement"), mass, com.data(), inertia.data()));
+  }
+  Builder& frame(const std::string& name, const std::string& parent, Input placement = none, dynFrameType type = DYN_FRAME_OP_FRAME) {
+    return ok(dyn_builder_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
+  }
+  Builder& configuration(const std::string& name, const Vector& q) { return ok(dyn_builder_configuration(get(), name.c_str(), q.data(), q.size())); }
+  Model finish() {
+    dynModel* model = nullptr;
+    check(dyn_builder_finish(get(), &model));
+    return Model(model);
+  }
+
+ private:
+  struct Free {
+    void operator()(dynBuilder* builder) const noexcept { dyn_builder_free(builder); }
+  };
+  std::unique_ptr<dynBuilder, Free> builder_;
+
+  Builder& ok(dynStatus status) { return check(status), *this; }
+  static const char* above(const std::string& parent) { return parent.empty() ? nullptr : parent.c_str(); }
+  static const double* optional(const Vector& v, int n, const char* name) { return v.empty() ? nullptr : Input(v).of(n, name); }
+  static std::pair<int, int> sizes(const JointSpec& spec) {  // nq, nv
+    std::pair<int, int> sum{0, 0};
+    switch (spec.value.type) {
+      case DYN_JOINT_FIXED: return {0, 0};
+      case DYN_JOINT_CYLINDRICAL: case DYN_JOINT_UNIVERSAL: return {2, 2};
+      case DYN_JOINT_SPHERICAL: return {4, 3};
+      case DYN_JOINT_SPHERICAL_ZYX: case DYN_JOINT_PLANAR: case DYN_JOINT_TRANSLATION: return {3, 3};
+      case DYN_JOINT_FREE_FLYER: return {7, 6};
+      case DYN_JOINT_REVOLUTE_UNBOUNDED: return {2, 1};
+      case DYN_JOINT_COMPOSITE:
+        for (const auto& part : spec.parts) sum.first += sizes(part).first, sum.second += sizes(part).second;
+        return sum;
+      default: return {1, 1};
+    }
+  }
+};
+
+}  // namespace dyn_api
+
+namespace dyn {
+using namespace dyn_api;
+}
+
+#endif

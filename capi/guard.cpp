@@ -1,0 +1,274 @@
+#include "guard.hpp"
+
+#include <cstdarg>
+#include <cstdio>
+#include <cstdlib>
+#include <mutex>
+#include <new>
+
+namespace dyn::capi {
+
+namespace {
+
+thread_local char last_error[1024];
+
+// Handles of one kind: freed slots queue up and are used again only when many have been freed since.
+template <class H>
+class Pool {
+ public:
+  H* get() {
+    const std::lock_guard lock(mutex);
+    if (count > 256) {
+      H* h = first->handle();
+      first = first->next;
+      --count;
+      return h;
+    }
+    void* memory = std::aligned_alloc(64, (sizeof(Slot) + 63) / 64 * 64);
+    if (!memory) return nullptr;
+    Slot* s = new (memory) Slot{};
+    s->next = nullptr;
+    return s->handle();
+  }
+  void put(H* h) {
+    const std::lock_guard lock(mutex);
+    Slot* s = Slot::of(h);
+    s->next = nullptr;
+    (count ? last->next : first) = s;
+    last = s;
+    ++count;
+  }
+
+ private:
+  struct Slot {
+    H h;
+    Slot* next;
+    H* handle() { return &h; }
+    static Slot* of(H* h) { return reinterpret_cast<Slot*>(h); }
+  };
+  std::mutex mutex;
+  Slot *first = nullptr, *last = nullptr;
+  std::size_t count = 0;
+};
+
+// never destroyed: handles may outlive static objects
+template <class H>
+Pool<H>& pool() {
+  static Pool<H>* p = new Pool<H>;
+  return *p;
+}
+
+dynStatus check_magic(const void* handle, const std::uint64_t* magic, std::uint64_t live, const char* what, const char* maker) {
+  if (!handle) return fail(DYN_ERROR_HANDLE, "the %s is NULL: make one with %s", what, maker);
+  if (*magic == live) return DYN_OK;
+  if (*magic == freed) return fail(DYN_ERROR_HANDLE, "the %s has been freed", what);
+  return fail(DYN_ERROR_HANDLE, "the %s is no handle of this library: make one with %s", what, maker);
+}
+
+}  // namespace
+
+dynStatus fail(dynStatus status, const char* format, ...) {
+  va_list args;
+  va_start(args, format);
+  std::vsnprintf(last_error, sizeof last_error, format, args);
+  va_end(args);
+  return status;
+}
+
+dynModel* new_model_handle() { return pool<dynModel>().get(); }
+dynData* new_data_slot() { return pool<dynData>().get(); }
+dynBuilder* new_builder_handle() { return pool<dynBuilder>().get(); }
+void free_handle(dynModel* h) { h->magic = freed, pool<dynModel>().put(h); }
+void free_handle(dynData* h) { h->magic = freed, pool<dynData>().put(h); }
+void free_handle(dynBuilder* h) { h->magic = freed, pool<dynBuilder>().put(h); }
+
+dynStatus check(const dynModel* model) { return check_magic(model, &model->magic, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
+dynStatus check(const dynBuilder* builder) { return check_magic(builder, &builder->magic, live_builder, "builder", "dyn_builder_new"); }
+
+dynStatus publish(ModelPtr model, dynModel** out) {
+  dynModel* handle = new_model_handle();
+  if (!handle) return fail(DYN_ERROR_MEMORY, "out of memory");
+  handle->m = model.release();
+  handle->magic = live_model;
+  *out = handle;
+  return DYN_OK;
+}
+
+Call::Call(const dynModel* model, dynData* data, dynParts part, const char* function_) : function(function_) {
+  if ((status = check(model)) != DYN_OK) return;
+  if ((status = check_magic(data, &data->magic, live_data, "data", "dyn_data_new")) != DYN_OK) return;
+  if (data->model_id != model->m->id) {
+    status = fail(DYN_ERROR_MODEL, "%s: the data belongs to another model (or to one that was freed): make data from the model you pass", function);
+    return;
+  }
+  model_ = model->m;
+  handle = data;
+#if DYN_CHECKED
+  int idle = 0;
+  if (!data->busy.compare_exchange_strong(idle, 1, std::memory_order_acquire)) {
+    status = fail(DYN_ERROR_BUSY, "%s: another thread is using this data: give each thread its own", function);
+    return;
+  }
+  entered = true;
+#endif
+  if ((d().parts & part) != part) {
+    static constexpr const char* names[] = {"KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS",
+                                            "FACTOR", "MINV", "CORIOLIS", "ENERGY", "FRAMES"};
+    const dynParts missing = part & ~d().parts;
+    const char* name = "?";
+    for (std::size_t k = 0; k < sizeof names / sizeof *names; ++k)
+      if (missing >> k & 1u) name = names[k];
+    status = fail(DYN_ERROR_PART, "%s needs part DYN_PART_%s, which this data was made without: name it in dyn_data_new", function, name);
+  }
+}
+
+bool Call::finite(const char* name, const double* x, Index n) {
+  if (status != DYN_OK || !x) return status == DYN_OK;
+  const Index k = finite_count(x, n);
+  if (k < n) status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
+  return status == DYN_OK;
+}
+
+bool Call::required(const char* name, const void* p) {
+  if (status == DYN_OK && !p) status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
+  return status == DYN_OK;
+}
+
+bool Call::frame(int id) {
+  if (status == DYN_OK && (id < 0 || id >= m().n.frames))
+    status = fail(DYN_ERROR_ARGUMENT, "%s: frame %d does not exist: the model has frames 0 to %d; see dyn_frame_id", function, id, int(m().n.frames) - 1);
+  return status == DYN_OK;
+}
+
+bool Call::joint(int id) {
+  if (status == DYN_OK && (id < 0 || id >= m().n.joints))
+    status = fail(DYN_ERROR_ARGUMENT, "%s: joint %d does not exist: the model has joints 0 to %d; see dyn_joint_id", function, id, int(m().n.joints) - 1);
+  return status == DYN_OK;
+}
+
+bool Call::reference(dynReference r) {
+  if (status == DYN_OK && r != DYN_LOCAL && r != DYN_WORLD && r != DYN_LOCAL_WORLD_ALIGNED)
+    status = fail(DYN_ERROR_ARGUMENT, "%s: reference %d is none of DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED", function, int(r));
+  return status == DYN_OK;
+}
+
+bool Call::fresh(Stage stage, const char* what, const char* producer) {
+  if (status == DYN_OK && !d().fresh(stage))
+    status = fail(DYN_ERROR_STALE, "%s: %s was not computed for the current state: call %s first", function, what, producer);
+  return status == DYN_OK;
+}
+
+bool Call::inputs(const double* q, const double* v, const double* a, const double* tau) {
+  const Index nq = m().n.nq, nv = m().n.nv;
+  if (!finite("q", q, nq) || !finite("v", v, nv) || !finite("a", a, nv) || !finite("tau", tau, nv)) return false;
+  if (q)
+    if (const Index j = zero_norm_joint(m(), q)) {
+      status = fail(DYN_ERROR_QUATERNION, "%s: the %s of joint '%s' in q is zero: give one of norm 1, such as that of dyn_neutral", function,
+                    m().joints()[j].type == DYN_JOINT_REVOLUTE_UNBOUNDED ? "(cos, sin)" : "quaternion", m().string(m().joints()[j].name));
+      return false;
+    }
+  Data<double>& x = d();
+  was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
+  double* backup = x.backup;
+  auto set = [&](Input which, const double* from, double* to, Index n) {
+    if (from && from != to && __builtin_memcmp(from, to, std::size_t(n) * sizeof(double)) != 0) {
+      __builtin_memcpy(backup, to, std::size_t(n) * sizeof(double));
+      __builtin_memcpy(to, from, std::size_t(n) * sizeof(double));
+      before[which] = x.version[which];
+      x.version[which] = ++handle->counter;
+      changed |= 1u << which;
+    }
+    backup += n;
+  };
+  set(input_q, q, x.q, nq);
+  set(input_v, v, x.v, nv);
+  set(input_a, a, x.a, nv);
+  set(input_tau, tau, x.tau_applied, nv);
+  return true;
+}
+
+void Call::begin_step() {
+  Data<double>& x = d();
+  const std::size_t nq = std::size_t(m().n.nq), nv = std::size_t(m().n.nv);
+  __builtin_memcpy(x.backup, x.q, nq * sizeof(double));
+  __builtin_memcpy(x.backup + nq, x.v, nv * sizeof(double));
+  for (Input which : {input_q, input_v}) {
+    before[which] = x.version[which];
+    x.version[which] = ++handle->counter;
+    changed |= 1u << which;
+  }
+}
+
+void Call::end_step() {
+  for (Input which : {input_q, input_v}) d().version[which] = ++handle->counter;
+}
+
+void Call::take_back() {
+  Data<double>& x = d();
+  const double* backup = x.backup;
+  auto restore = [&](Input which, double* to, Index n) {
+    if (changed >> which & 1u) {
+      __builtin_memcpy(to, backup, std::size_t(n) * sizeof(double));
+      x.version[which] = before[which];
+    }
+    backup += n;
+  };
+  restore(input_q, x.q, m().n.nq);
+  restore(input_v, x.v, m().n.nv);
+  restore(input_a, x.a, m().n.nv);
+  restore(input_tau, x.tau_applied, m().n.nv);
+  // the buffers behind the frame queries held the old state
+  x.drop(Stage::Position), x.drop(Stage::Velocity), x.drop(Stage::Acceleration);
+  if (was_acceleration) forward_kinematics<2>(m(), x);
+  else if (was_velocity) forward_kinematics<1>(m(), x);
+  else if (was_position) forward_kinematics<0>(m(), x);
+  changed = 0;
+}
+
+bool Call::numeric(const double* x, Index n, const char* what, Stage stage) {
+  if (status != DYN_OK) return false;
+  const Index k = finite_count(x, n);
+  if (k == n) return true;
+  d().drop(stage);
+  take_back();
+  status = fail(DYN_ERROR_NUMERIC, "%s: %s[%d] overflows: the inputs are too large for double precision", function, what, int(k));
+  return false;
+}
+
+}  // namespace dyn::capi
+
+extern "C" {
+
+const char* dyn_last_error(void) { return dyn::capi::last_error; }
+
+const char* dyn_status_name(dynStatus status) {
+  switch (status) {
+#define DYN_NAME(s) case s: return #s;
+    DYN_NAME(DYN_OK) DYN_NAME(DYN_ERROR_ARGUMENT) DYN_NAME(DYN_ERROR_HANDLE) DYN_NAME(DYN_ERROR_MODEL) DYN_NAME(DYN_ERROR_SIZE)
+    DYN_NAME(DYN_ERROR_NONFINITE) DYN_NAME(DYN_ERROR_QUATERNION) DYN_NAME(DYN_ERROR_STALE) DYN_NAME(DYN_ERROR_PART)
+    DYN_NAME(DYN_ERROR_NAME) DYN_NAME(DYN_ERROR_FILE) DYN_NAME(DYN_ERROR_PARSE) DYN_NAME(DYN_ERROR_INVALID) DYN_NAME(DYN_ERROR_BASE)
+    DYN_NAME(DYN_ERROR_STRICT) DYN_NAME(DYN_ERROR_NUMERIC) DYN_NAME(DYN_ERROR_BUSY) DYN_NAME(DYN_ERROR_MEMORY)
+    DYN_NAME(DYN_ERROR_LIMIT) DYN_NAME(DYN_ERROR_UNSUPPORTED) DYN_NAME(DYN_ERROR_INTERNAL)
+#undef DYN_NAME
+  }
+  return "DYN_ERROR_UNKNOWN";
+}
+
+#define DYN_TEXT_(x) #x
+#define DYN_TEXT(x) DYN_TEXT_(x)
+
+const char* dyn_version(void) { return DYN_TEXT(DYN_VERSION_MAJOR) "." DYN_TEXT(DYN_VERSION_MINOR) "." DYN_TEXT(DYN_VERSION_PATCH); }
+
+#ifndef DYN_ARCH_NAME
+#define DYN_ARCH_NAME "unknown instruction set"
+#endif
+
+const char* dyn_build_info(void) {
+  return "libdyn " DYN_TEXT(DYN_VERSION_MAJOR) "." DYN_TEXT(DYN_VERSION_MINOR) "." DYN_TEXT(DYN_VERSION_PATCH) ", " DYN_ARCH_NAME ", compiler " __VERSION__
+#if DYN_CHECKED
+         ", checked"
+#endif
+      ;
+}
+
+}  // extern "C"

@@ -1,0 +1,138 @@
+// The boundary: handles, argument checks, and exceptions to statuses, once for all functions of dyn.h.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "dyn.h"
+#include "dyn/algorithm/declarations.hpp"
+#include "dyn/model/builder.hpp"
+
+namespace dyn::capi {
+
+// Sets the thread's last error. printf's format; no heap. Returns the status.
+dynStatus fail(dynStatus status, const char* format, ...) __attribute__((format(printf, 2, 3)));
+
+// Runs f, which returns a status and may throw.
+template <class F>
+dynStatus guarded(F&& f) noexcept {
+  try {
+    return f();
+  } catch (const Error& e) {
+    return fail(e.status, "%s", e.what());
+  } catch (const std::bad_alloc&) {
+    return fail(DYN_ERROR_MEMORY, "out of memory");
+  } catch (const std::exception& e) {
+    return fail(DYN_ERROR_INTERNAL, "internal error: %s", e.what());
+  } catch (...) {
+    return fail(DYN_ERROR_INTERNAL, "internal error");
+  }
+}
+
+inline constexpr std::uint64_t live_model = 0x6c65646f6d6e7964u, live_data = 0x617461646d6e7964u, live_builder = 0x726c6475626e7964u;
+inline constexpr std::uint64_t freed = 0x6465657266u;
+
+// The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
+inline Index finite_count(const double* x, Index n) {
+  std::uint64_t bad = 0;
+  for (Index i = 0; i < n; ++i) {
+    std::uint64_t bits;
+    __builtin_memcpy(&bits, x + i, 8);
+    bad |= std::uint64_t((bits & 0x7ff0000000000000u) == 0x7ff0000000000000u);
+  }
+  if (!bad) return n;
+  for (Index i = 0; i < n; ++i) {
+    const double zero = x[i] - x[i];
+    if (!(zero == 0)) return i;
+  }
+  return n;
+}
+
+}  // namespace dyn::capi
+
+// The handles. Freed ones are recognised: their slots are not used again soon (handle.cpp).
+struct dynModel {
+  std::uint64_t magic;
+  const dyn::Model* m;
+};
+
+struct dynData {
+  std::uint64_t magic;
+  std::uint64_t model_id;
+  void* arena;  // from the heap, or nullptr: the caller's memory
+  bool own_slot;
+  std::uint64_t counter;  // of versions
+  std::atomic<int> busy;
+  dyn::Data<double> d;
+};
+
+struct dynBuilder {
+  std::uint64_t magic;
+  dyn::Builder* b;
+};
+
+namespace dyn::capi {
+
+dynStatus check(const dynModel* model);
+dynStatus check(const dynBuilder* builder);
+
+// Slots for handles; a freed one is handed out again only after 256 others. Null when there is no memory.
+dynModel* new_model_handle();
+dynData* new_data_slot();
+dynBuilder* new_builder_handle();
+void free_handle(dynModel*);
+void free_handle(dynData*);
+void free_handle(dynBuilder*);
+
+// Wraps a finished model.
+dynStatus publish(ModelPtr model, dynModel** out);
+
+// One call on a model and its data: checks the handles and the part; in checked builds that no other thread is in.
+class Call {
+ public:
+  Call(const dynModel* model, dynData* data, dynParts part, const char* function);
+  ~Call() {
+#if DYN_CHECKED
+    if (entered) handle->busy.store(0, std::memory_order_release);
+#endif
+  }
+  Call(const Call&) = delete;
+
+  dynStatus status = DYN_OK;
+  explicit operator bool() const { return status == DYN_OK; }
+
+  const Model& m() const { return *model_; }
+  Data<double>& d() const { return handle->d; }
+
+  // Checks the given inputs, then sets them: all or none. nullptr: the held value stays.
+  bool inputs(const double* q, const double* v, const double* a, const double* tau);
+  // An argument that is not held.
+  bool finite(const char* name, const double* x, Index n);
+  bool required(const char* name, const void* p);
+  bool frame(int id);
+  bool joint(int id);
+  bool reference(dynReference r);
+  // DYN_ERROR_STALE unless the stage is fresh.
+  bool fresh(Stage stage, const char* what, const char* producer);
+  // A result of n numbers that must be finite: otherwise the inputs of this call are taken back.
+  bool numeric(const double* x, Index n, const char* what, Stage stage);
+  void take_back();
+  // The call is about to replace q and v by itself; nothing computed on the way belongs to the state it leaves.
+  void begin_step();
+  void end_step();
+
+ private:
+  const Model* model_ = nullptr;
+  dynData* handle = nullptr;
+  const char* function;
+  bool entered = false;
+  unsigned changed = 0;            // inputs that this call replaced
+  std::uint64_t before[input_count];  // their versions
+  bool was_position = false, was_velocity = false, was_acceleration = false;
+};
+
+inline void copy_out(const double* from, std::ptrdiff_t n, double* to) {
+  if (to) __builtin_memcpy(to, from, std::size_t(n) * sizeof(double));
+}
+
+}  // namespace dyn::capi

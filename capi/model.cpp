@@ -1,0 +1,284 @@
+// Models: loading, sizes, names, and what they say of themselves.
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "dyn/model/load.hpp"
+#include "guard.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+LoadOptions read_options(const dynLoadOptions* o) {
+  LoadOptions out;
+  if (!o) return out;
+  if (o->struct_size < sizeof(dynLoadOptions))
+    throw Error(DYN_ERROR_SIZE, "dynLoadOptions: struct_size is " + std::to_string(o->struct_size) + ", needs " + std::to_string(sizeof(dynLoadOptions)) +
+                                    ": call dyn_load_options_init first");
+  if (o->base != DYN_BASE_UNSPECIFIED && o->base != DYN_BASE_FIXED && o->base != DYN_BASE_FLOATING)
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: base is " + std::to_string(int(o->base)) + ": use DYN_BASE_FIXED or DYN_BASE_FLOATING");
+  if (o->package_dirs_count && !o->package_dirs) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: package_dirs is NULL but package_dirs_count is not 0");
+  out.base = o->base;
+  out.strict = o->strict != 0;
+  out.cos_sin = o->cos_sin != 0;
+  for (size_t k = 0; k < o->package_dirs_count; ++k) {
+    if (!o->package_dirs[k]) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: package_dirs[" + std::to_string(k) + "] is NULL");
+    out.package_dirs.push_back(o->package_dirs[k]);
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!std::isfinite(o->gravity[k])) throw Error(DYN_ERROR_NONFINITE, "dynLoadOptions: gravity[" + std::to_string(k) + "] is not finite");
+    out.gravity[k] = o->gravity[k];
+  }
+  return out;
+}
+
+template <class Load>
+dynStatus load(const char* text, const dynLoadOptions* options, dynModel** model, const char* function, const char* what, Load f) {
+  if (!text || !model) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL", function, text ? "model" : what);
+  return guarded([&] { return publish(f(text, read_options(options)), model); });
+}
+
+// Binary search in ids sorted by name; f(id) is the name. The first of equals, or count.
+template <class Name>
+Index lower_bound(const Index* ids, Index count, const char* name, Name f) {
+  Index low = 0, high = count;
+  while (low < high) {
+    const Index mid = low + (high - low) / 2;
+    if (std::strcmp(f(ids[mid]), name) < 0) low = mid + 1;
+    else high = mid;
+  }
+  return low;
+}
+
+bool similar(const char* a, const char* b) {
+  // same letters but for case, or one within the other
+  std::string x(a), y(b);
+  for (std::string* s : {&x, &y})
+    for (char& c : *s)
+      if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return x == y || (x.size() > 2 && y.find(x) != std::string::npos) || (y.size() > 2 && x.find(y) != std::string::npos);
+}
+
+// An error that names up to three near misses.
+template <class Name>
+int unknown(const char* kind, const char* name, Index count, Name f) {
+  guarded([&] {
+    std::string hint;
+    int found = 0;
+    for (Index k = 0; k < count && found < 3; ++k)
+      if (similar(name, f(k))) hint += (found++ ? ", '" : ": did you mean '") + std::string(f(k)) + "'";
+    return fail(DYN_ERROR_NAME, "there is no %s '%.200s'%s", kind, name, found ? (hint + "?").c_str() : "");
+  });
+  return -1;
+}
+
+// Fills a struct that begins with struct_size.
+template <class S>
+dynStatus check_struct(S* s, const char* function, const char* name) {
+  if (!s) return fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
+  if (s->struct_size < sizeof(S))
+    return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(%s)", function, s->struct_size, sizeof(S), name);
+  return DYN_OK;
+}
+
+dynStatus check_index(const dynModel* model, int index, Index count, const char* function, const char* what) {
+  if (index < 0 || index >= count)
+    return fail(DYN_ERROR_ARGUMENT, "%s: %s %d does not exist: the model has %d", function, what, index, int(count));
+  (void)model;
+  return DYN_OK;
+}
+
+}  // namespace
+
+extern "C" {
+
+void dyn_load_options_init(dynLoadOptions* options) {
+  if (!options) return;
+  std::memset(options, 0, sizeof *options);
+  options->struct_size = sizeof *options;
+  options->gravity[2] = -9.81;
+}
+
+dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model) {
+  return load(path, options, model, "dyn_model_load", "path", [](const char* p, const LoadOptions& o) { return load_file(p, o); });
+}
+
+dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model) {
+  return load(text, options, model, "dyn_model_load_string", "text", [](const char* t, const LoadOptions& o) { return load_string(t, o); });
+}
+
+void dyn_model_free(dynModel* model) {
+  if (!model || model->magic != live_model) return;
+  ModelDeleter{}(const_cast<Model*>(model->m));
+  model->m = nullptr;
+  free_handle(model);
+}
+
+int dyn_report_count(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.reports) : -1; }
+
+dynStatus dyn_report_entry(const dynModel* model, int index, dynReportEntry* entry) {
+  if (const dynStatus s = check(model)) return s;
+  const Model& m = *model->m;
+  if (const dynStatus s = check_struct(entry, "dyn_report_entry", "dynReportEntry")) return s;
+  if (const dynStatus s = check_index(model, index, m.n.reports, "dyn_report_entry", "report entry")) return s;
+  const ReportRecord& r = m.reports()[index];
+  entry->level = r.level, entry->line = r.line, entry->message = m.string(r.message);
+  return DYN_OK;
+}
+
+int dyn_nq(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nq) : -1; }
+int dyn_nv(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nv) : -1; }
+int dyn_njoints(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.joints) : -1; }
+int dyn_nframes(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.frames) : -1; }
+int dyn_nbodies(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.links) : -1; }
+size_t dyn_model_size(const dynModel* model) { return check(model) == DYN_OK ? size_t(model->m->bytes) : 0; }
+
+const char* dyn_model_name(const dynModel* model) { return check(model) == DYN_OK ? model->m->string(model->m->model_name) : nullptr; }
+
+const char* dyn_joint_name(const dynModel* model, int joint) {
+  if (check(model) != DYN_OK || check_index(model, joint, model->m->n.joints, "dyn_joint_name", "joint") != DYN_OK) return nullptr;
+  return model->m->string(model->m->joints()[joint].name);
+}
+
+const char* dyn_frame_name(const dynModel* model, int frame) {
+  if (check(model) != DYN_OK || check_index(model, frame, model->m->n.frames, "dyn_frame_name", "frame") != DYN_OK) return nullptr;
+  return model->m->string(model->m->frames()[frame].name);
+}
+
+int dyn_joint_id(const dynModel* model, const char* name) {
+  if (check(model) != DYN_OK) return -1;
+  if (!name) return fail(DYN_ERROR_ARGUMENT, "dyn_joint_id: name is NULL"), -1;
+  const Model& m = *model->m;
+  auto at = [&](Index k) { return m.string(m.joints()[k].name); };
+  const Index k = lower_bound(m.joints_by_name(), m.n.joints, name, at);
+  if (k < m.n.joints && std::strcmp(at(m.joints_by_name()[k]), name) == 0) return int(m.joints_by_name()[k]);
+  return unknown("joint", name, m.n.joints, at);
+}
+
+static int frame_id(const dynModel* model, const char* name, int type, const char* function) {
+  if (check(model) != DYN_OK) return -1;
+  if (!name) return fail(DYN_ERROR_ARGUMENT, "%s: name is NULL", function), -1;
+  const Model& m = *model->m;
+  auto at = [&](Index k) { return m.string(m.frames()[k].name); };
+  for (Index k = lower_bound(m.frames_by_name(), m.n.frames, name, at); k < m.n.frames; ++k) {
+    const Index id = m.frames_by_name()[k];
+    if (std::strcmp(at(id), name) != 0) break;
+    if (!type || m.frames()[id].type == type) return int(id);
+  }
+  return unknown("frame", name, m.n.frames, at);
+}
+
+int dyn_frame_id(const dynModel* model, const char* name) { return frame_id(model, name, 0, "dyn_frame_id"); }
+int dyn_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type) {
+  return frame_id(model, name, int(type), "dyn_frame_id_of_type");
+}
+
+dynStatus dyn_joint_info(const dynModel* model, int joint, dynJointInfo* info) {
+  if (const dynStatus s = check(model)) return s;
+  const Model& m = *model->m;
+  if (const dynStatus s = check_struct(info, "dyn_joint_info", "dynJointInfo")) return s;
+  if (const dynStatus s = check_index(model, joint, m.n.joints, "dyn_joint_info", "joint")) return s;
+  const JointRecord& r = m.joints()[joint];
+  info->name = m.string(r.name), info->type = r.type, info->parent = r.parent;
+  info->idx_q = r.idx_q, info->idx_v = r.idx_v, info->nq = r.nq, info->nv = r.nv;
+  info->mimic_leader = r.leader, info->mimic_ratio = r.ratio, info->mimic_offset = r.offset, info->pitch = r.pitch;
+  std::memcpy(info->axis, r.axis, sizeof r.axis), std::memcpy(info->axis2, r.axis2, sizeof r.axis2);
+  std::memcpy(info->placement, r.placement, sizeof r.placement);
+  return DYN_OK;
+}
+
+dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo* info) {
+  if (const dynStatus s = check(model)) return s;
+  const Model& m = *model->m;
+  if (const dynStatus s = check_struct(info, "dyn_frame_info", "dynFrameInfo")) return s;
+  if (const dynStatus s = check_index(model, frame, m.n.frames, "dyn_frame_info", "frame")) return s;
+  const FrameRecord& r = m.frames()[frame];
+  info->name = m.string(r.name), info->type = r.type, info->joint = r.joint, info->mass = r.mass;
+  std::memcpy(info->placement, r.placement, sizeof r.placement);
+  std::memcpy(info->com, r.com, sizeof r.com), std::memcpy(info->inertia, r.inertia, sizeof r.inertia);
+  return DYN_OK;
+}
+
+int dyn_nshapes(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.shapes) : -1; }
+
+dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
+  if (const dynStatus s = check(model)) return s;
+  const Model& m = *model->m;
+  if (const dynStatus s = check_struct(info, "dyn_shape_info", "dynShapeInfo")) return s;
+  if (const dynStatus s = check_index(model, shape, m.n.shapes, "dyn_shape_info", "shape")) return s;
+  const ShapeRecord& r = m.shapes()[shape];
+  info->name = m.string(r.name), info->mesh = m.string(r.mesh), info->type = r.type, info->role = r.role, info->frame = r.frame;
+  std::memcpy(info->placement, r.placement, sizeof r.placement), std::memcpy(info->size, r.size, sizeof r.size);
+  return DYN_OK;
+}
+
+const double* dyn_model_array(const dynModel* model, dynModelArray which) {
+  if (check(model) != DYN_OK) return nullptr;
+  const Model& m = *model->m;
+  switch (which) {
+    case DYN_LOWER_LIMIT: return m.lower_limit();
+    case DYN_UPPER_LIMIT: return m.upper_limit();
+    case DYN_VELOCITY_LIMIT: return m.velocity_limit();
+    case DYN_EFFORT_LIMIT: return m.effort_limit();
+    case DYN_ARMATURE: return m.armature();
+    case DYN_DAMPING: return m.damping();
+    case DYN_FRICTION: return m.friction();
+    case DYN_GRAVITY: return m.gravity;
+  }
+  fail(DYN_ERROR_ARGUMENT, "dyn_model_array: %d is no dynModelArray", int(which));
+  return nullptr;
+}
+
+double dyn_total_mass(const dynModel* model) {
+  return check(model) == DYN_OK ? model->m->total_mass : std::numeric_limits<double>::quiet_NaN();
+}
+
+int dyn_nconfigurations(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.configurations) : -1; }
+
+const char* dyn_configuration_name(const dynModel* model, int index) {
+  if (check(model) != DYN_OK || check_index(model, index, model->m->n.configurations, "dyn_configuration_name", "configuration") != DYN_OK)
+    return nullptr;
+  return model->m->string(model->m->configuration_names()[index]);
+}
+
+dynStatus dyn_configuration(const dynModel* model, const char* name, double* q) {
+  if (const dynStatus s = check(model)) return s;
+  if (!name || !q) return fail(DYN_ERROR_ARGUMENT, "dyn_configuration: %s is NULL", name ? "q" : "name");
+  const Model& m = *model->m;
+  auto at = [&](Index k) { return m.string(m.configuration_names()[k]); };
+  for (Index k = 0; k < m.n.configurations; ++k)
+    if (std::strcmp(at(k), name) == 0) {
+      copy_out(m.configurations() + std::ptrdiff_t(k) * m.n.nq, m.n.nq, q);
+      return DYN_OK;
+    }
+  unknown("configuration", name, m.n.configurations, at);
+  return DYN_ERROR_NAME;
+}
+
+dynStatus dyn_q_permutation(const dynModel* model, const char* const* names, size_t count, int32_t* idx_q, int32_t* idx_v) {
+  if (const dynStatus s = check(model)) return s;
+  if (!names && count) return fail(DYN_ERROR_ARGUMENT, "dyn_q_permutation: names is NULL");
+  const Model& m = *model->m;
+  return guarded([&] {
+    std::vector<char> seen(std::size_t(m.n.joints), 0);
+    std::vector<int> ids;
+    for (size_t k = 0; k < count; ++k) {
+      if (!names[k]) return fail(DYN_ERROR_ARGUMENT, "dyn_q_permutation: names[%zu] is NULL", k);
+      const int id = dyn_joint_id(model, names[k]);
+      if (id < 0) return DYN_ERROR_NAME;
+      if (id == 0) return fail(DYN_ERROR_NAME, "dyn_q_permutation: the universe has no coordinates");
+      if (seen[std::size_t(id)]++) return fail(DYN_ERROR_NAME, "dyn_q_permutation: joint '%s' is named twice", names[k]);
+      ids.push_back(id);
+    }
+    for (size_t k = 0; k < count; ++k) {
+      if (idx_q) idx_q[k] = m.joints()[ids[k]].idx_q;
+      if (idx_v) idx_v[k] = m.joints()[ids[k]].idx_v;
+    }
+    return DYN_OK;
+  });
+}
+
+}  // extern "C"

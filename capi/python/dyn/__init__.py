@@ -1,0 +1,118 @@
+"""Rigid-body dynamics.
+
+    import dyn
+    m = dyn.load("go2.urdf", base="floating")
+    d = m.data()
+    tau = d.rnea(q, v, a)
+    d.M, d.step(1e-3), d.q
+
+SI units, radians, right-handed frames. 6D vectors are [linear; angular], quaternions (x, y, z, w). A floating base has
+q = [position; quaternion] and v = [linear; angular] in the body's frame. A Model is what a robot is and may be shared by
+threads; a Data is what it is doing, one for each thread. Every call releases the GIL. Errors are dyn.Error.
+"""
+
+from .arrays import Placement
+from .builder import Builder
+from .data import FIELDS, Data, Energy, FieldInfo
+from .enums import (
+    Base,
+    FrameType,
+    Integrator,
+    JointType,
+    ModelArray,
+    Part,
+    Reference,
+    ReportLevel,
+    ShapeRole,
+    ShapeType,
+    Status,
+    Term,
+)
+from .errors import (
+    ArgumentError,
+    BaseChoiceError,
+    BusyError,
+    Error,
+    FileError,
+    HandleError,
+    InternalError,
+    InvalidRobotError,
+    LibraryError,
+    LimitError,
+    LoadError,
+    ModelError,
+    NonFiniteError,
+    NumericError,
+    OutOfMemoryError,
+    ParseError,
+    PartError,
+    QuaternionError,
+    SizeError,
+    StaleError,
+    StrictError,
+    UnknownNameError,
+    UnsupportedError,
+)
+from .library import build_info, last_error
+from .library import path as library_path
+from .library import version as __version__
+from .model import FrameInfo, JointInfo, Model, ReportEntry, ShapeInfo, load, load_string
+
+LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
+
+__all__ = [
+    "FIELDS",
+    "LOCAL",
+    "LOCAL_WORLD_ALIGNED",
+    "WORLD",
+    "ArgumentError",
+    "Base",
+    "BaseChoiceError",
+    "Builder",
+    "BusyError",
+    "Data",
+    "Energy",
+    "Error",
+    "FieldInfo",
+    "FileError",
+    "FrameInfo",
+    "FrameType",
+    "HandleError",
+    "Integrator",
+    "InternalError",
+    "InvalidRobotError",
+    "JointInfo",
+    "JointType",
+    "LibraryError",
+    "LimitError",
+    "LoadError",
+    "Model",
+    "ModelArray",
+    "ModelError",
+    "NonFiniteError",
+    "NumericError",
+    "OutOfMemoryError",
+    "ParseError",
+    "Part",
+    "PartError",
+    "Placement",
+    "QuaternionError",
+    "Reference",
+    "ReportEntry",
+    "ReportLevel",
+    "ShapeInfo",
+    "ShapeRole",
+    "ShapeType",
+    "SizeError",
+    "StaleError",
+    "Status",
+    "StrictError",
+    "Term",
+    "UnknownNameError",
+    "UnsupportedError",
+    "build_info",
+    "last_error",
+    "library_path",
+    "load",
+    "load_string",
+]  # fmt: skip

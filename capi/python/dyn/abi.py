@@ -1,0 +1,179 @@
+"""dyn.h in ctypes: the structures and the signature of every function. Pointers to numbers are plain addresses."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_size_t, c_ssize_t, c_uint32, c_uint64, c_void_p
+
+MAJOR = 1  # of the interface this package was written for
+
+
+class Grown(Structure):
+    """A structure that begins with its own size, so that it may grow."""
+
+    def __init__(self, **values):
+        super().__init__(**values)
+        self.struct_size = ctypes.sizeof(self)
+
+
+class Array(Grown):
+    _fields_ = [("struct_size", c_uint32), ("rows", c_int32), ("cols", c_int32), ("stride", c_ssize_t * 2), ("data", c_void_p)]
+
+
+class LoadOptions(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("base", c_int), ("strict", c_int32), ("cos_sin", c_int32),
+        ("package_dirs", POINTER(c_char_p)), ("package_dirs_count", c_size_t), ("gravity", c_double * 3),
+    ]  # fmt: skip
+
+
+class ReportEntry(Grown):
+    _fields_ = [("struct_size", c_uint32), ("level", c_int), ("line", c_int32), ("message", c_char_p)]
+
+
+class JointInfo(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("parent", c_int32), ("idx_q", c_int32),
+        ("idx_v", c_int32), ("nq", c_int32), ("nv", c_int32), ("mimic_leader", c_int32), ("mimic_ratio", c_double),
+        ("mimic_offset", c_double), ("axis", c_double * 3), ("axis2", c_double * 3), ("pitch", c_double),
+        ("placement", c_double * 12),
+    ]  # fmt: skip
+
+
+class FrameInfo(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("joint", c_int32), ("placement", c_double * 12),
+        ("mass", c_double), ("com", c_double * 3), ("inertia", c_double * 9),
+    ]  # fmt: skip
+
+
+class ShapeInfo(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("frame", c_int32),
+        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
+    ]  # fmt: skip
+
+
+class JointSpec(Grown):
+    pass
+
+
+JointSpec._fields_ = [
+    ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("parent", c_char_p), ("placement", c_double * 12),
+    ("axis", c_double * 3), ("axis2", c_double * 3), ("pitch", c_double), ("lower", c_void_p), ("upper", c_void_p),
+    ("velocity", c_void_p), ("effort", c_void_p), ("armature", c_void_p), ("damping", c_void_p), ("friction", c_void_p),
+    ("rotor_inertia", c_double), ("gear_ratio", c_double), ("mimic", c_char_p), ("mimic_ratio", c_double),
+    ("mimic_offset", c_double), ("parts", POINTER(JointSpec)), ("parts_count", c_size_t),
+]  # fmt: skip
+
+
+class FieldInfo(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("name", c_char_p), ("shape", c_char_p), ("unit", c_char_p), ("frame", c_char_p),
+        ("producer", c_char_p), ("sentence", c_char_p), ("part", c_uint32),
+    ]  # fmt: skip
+
+
+_p, _s, _i, _d = c_void_p, c_char_p, c_int, c_double
+_ref = _p  # of a structure or a handle that the call writes: byref() or an address
+
+# name: (result, arguments). "status" is a dynStatus.
+STATUS = c_int
+SIGNATURES: dict[str, tuple] = {
+    "dyn_status_name": (_s, [_i]),
+    "dyn_last_error": (_s, []),
+    "dyn_version": (_s, []),
+    "dyn_build_info": (_s, []),
+    # loading
+    "dyn_load_options_init": (None, [_ref]),
+    "dyn_model_load": (STATUS, [_s, _ref, _ref]),
+    "dyn_model_load_string": (STATUS, [_s, _ref, _ref]),
+    "dyn_model_free": (None, [_p]),
+    "dyn_report_count": (_i, [_p]),
+    "dyn_report_entry": (STATUS, [_p, _i, _ref]),
+    # model
+    "dyn_nq": (_i, [_p]),
+    "dyn_nv": (_i, [_p]),
+    "dyn_njoints": (_i, [_p]),
+    "dyn_nframes": (_i, [_p]),
+    "dyn_nbodies": (_i, [_p]),
+    "dyn_model_size": (c_size_t, [_p]),
+    "dyn_model_name": (_s, [_p]),
+    "dyn_joint_name": (_s, [_p, _i]),
+    "dyn_frame_name": (_s, [_p, _i]),
+    "dyn_joint_id": (_i, [_p, _s]),
+    "dyn_frame_id": (_i, [_p, _s]),
+    "dyn_frame_id_of_type": (_i, [_p, _s, _i]),
+    "dyn_joint_info": (STATUS, [_p, _i, _ref]),
+    "dyn_frame_info": (STATUS, [_p, _i, _ref]),
+    "dyn_nshapes": (_i, [_p]),
+    "dyn_shape_info": (STATUS, [_p, _i, _ref]),
+    "dyn_model_array": (_p, [_p, _i]),
+    "dyn_total_mass": (_d, [_p]),
+    "dyn_nconfigurations": (_i, [_p]),
+    "dyn_configuration_name": (_s, [_p, _i]),
+    "dyn_configuration": (STATUS, [_p, _s, _p]),
+    "dyn_q_permutation": (STATUS, [_p, POINTER(c_char_p), c_size_t, _p, _p]),
+    # builder
+    "dyn_joint_spec_init": (None, [_ref]),
+    "dyn_builder_new": (STATUS, [_s, _ref]),
+    "dyn_builder_free": (None, [_p]),
+    "dyn_builder_gravity": (STATUS, [_p, _p]),
+    "dyn_builder_joint": (STATUS, [_p, _ref]),
+    "dyn_builder_body": (STATUS, [_p, _s, _s, _p, _d, _p, _p]),
+    "dyn_builder_frame": (STATUS, [_p, _s, _s, _p, _i]),
+    "dyn_builder_configuration": (STATUS, [_p, _s, _p, c_size_t]),
+    "dyn_builder_finish": (STATUS, [_p, _ref]),
+    # data
+    "dyn_data_new": (STATUS, [_p, c_uint32, _ref]),
+    "dyn_data_size": (c_size_t, [_p, c_uint32]),
+    "dyn_data_init": (STATUS, [_p, c_uint32, _p, c_size_t, _ref]),
+    "dyn_data_free": (None, [_p]),
+    "dyn_data_set_state": (STATUS, [_p, _p, _p, _p, _p, _p]),
+    "dyn_nfields": (_i, []),
+    "dyn_field_info": (STATUS, [c_int32, _ref]),
+    "dyn_field_id": (c_int32, [_s]),
+    "dyn_data_array": (STATUS, [_p, _p, c_int32, _ref]),
+    # kinematics
+    "dyn_forward_kinematics": (STATUS, [_p, _p, _p, _p, _p]),
+    "dyn_frame_placement": (STATUS, [_p, _p, _i, _p]),
+    "dyn_frame_placements": (STATUS, [_p, _p, _p]),
+    "dyn_frame_velocity": (STATUS, [_p, _p, _i, _i, _p]),
+    "dyn_frame_acceleration": (STATUS, [_p, _p, _i, _i, _p]),
+    "dyn_frame_classical_acceleration": (STATUS, [_p, _p, _i, _i, _p]),
+    "dyn_joint_jacobians": (STATUS, [_p, _p, _p, _p]),
+    "dyn_joint_jacobians_time_variation": (STATUS, [_p, _p, _p, _p, _p]),
+    "dyn_frame_jacobian": (STATUS, [_p, _p, _i, _i, _p]),
+    "dyn_frame_jacobian_time_variation": (STATUS, [_p, _p, _i, _i, _p]),
+    # centre of mass
+    "dyn_center_of_mass": (STATUS, [_p, _p, _p, _p, _p, _p, _p, _p]),
+    "dyn_center_of_mass_jacobian": (STATUS, [_p, _p, _p, _p]),
+    "dyn_subtree_center_of_mass": (STATUS, [_p, _p, _i, _p, _p]),
+    "dyn_subtree_center_of_mass_jacobian": (STATUS, [_p, _p, _i, _p]),
+    # dynamics
+    "dyn_rnea": (STATUS, [_p, _p, _p, _p, _p, _p, _p]),
+    "dyn_nonlinear_effects": (STATUS, [_p, _p, _p, _p, _p]),
+    "dyn_gravity": (STATUS, [_p, _p, _p, _p]),
+    "dyn_static_torque": (STATUS, [_p, _p, _p, _p, _p]),
+    "dyn_coriolis_matrix": (STATUS, [_p, _p, _p, _p, _p]),
+    "dyn_aba": (STATUS, [_p, _p, _p, _p, _p, _p, _p]),
+    "dyn_crba": (STATUS, [_p, _p, _p, _p]),
+    "dyn_factorize": (STATUS, [_p, _p]),
+    "dyn_solve": (STATUS, [_p, _p, _p, _i, _p]),
+    "dyn_minverse": (STATUS, [_p, _p, _p, _p]),
+    "dyn_energy": (STATUS, [_p, _p, _p, _p, _p, _p]),
+    "dyn_all_terms": (STATUS, [_p, _p, c_uint32, _p, _p, _ref]),
+    # configurations
+    "dyn_integrate": (STATUS, [_p, _p, _p, _p]),
+    "dyn_difference": (STATUS, [_p, _p, _p, _p]),
+    "dyn_interpolate": (STATUS, [_p, _p, _p, _d, _p]),
+    "dyn_distance": (STATUS, [_p, _p, _p, _p]),
+    "dyn_neutral": (STATUS, [_p, _p]),
+    "dyn_random": (STATUS, [_p, c_uint64, _p, _p, _p]),
+    "dyn_normalize": (STATUS, [_p, _p]),
+    "dyn_is_normalized": (STATUS, [_p, _p, _d, _p]),
+    "dyn_integrate_jacobians": (STATUS, [_p, _p, _p, _p, _p]),
+    "dyn_difference_jacobians": (STATUS, [_p, _p, _p, _p, _p]),
+    # simulation
+    "dyn_step": (STATUS, [_p, _p, _i, _d]),
+}  # fmt: skip

@@ -1,0 +1,136 @@
+"""Numbers in and out: array-likes to contiguous float64 of a checked shape, and views of the library's memory."""
+
+from __future__ import annotations
+
+import ctypes
+import weakref
+from collections.abc import Mapping
+from typing import Any, Callable, NamedTuple
+
+import numpy as np
+
+from .errors import ArgumentError, SizeError
+
+F64 = np.dtype(np.float64)
+
+
+class Owner:
+    """A handle of the library, freed when the last Python object that needs it is gone."""
+
+    __slots__ = ("__weakref__", "address", "free", "keep")
+
+    def __init__(self, address: int, free, keep: Any = None):
+        self.address, self.free, self.keep = address, free, keep
+
+    def __del__(self):
+        self.free(self.address)
+
+
+class Placement(NamedTuple):
+    """A pose X_AB: p_A = rotation @ p_B + translation. Of many frames: one more axis, in front."""
+
+    rotation: np.ndarray
+    """(3, 3)"""
+    translation: np.ndarray
+    """(3,), m"""
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Homogeneous, (4, 4)."""
+        out = np.zeros((*self.translation.shape[:-1], 4, 4))
+        out[..., :3, :3] = self.rotation
+        out[..., :3, 3] = self.translation
+        out[..., 3, 3] = 1.0
+        return out
+
+
+def numbers(x: Any, name: str) -> np.ndarray:
+    """x as an array of float64; refuses what is not real numbers."""
+    try:
+        a = np.asarray(x)
+    except ValueError as error:
+        raise ArgumentError(f"{name} is not an array: {error}.") from None
+    if a.dtype.kind not in "fiu":
+        raise ArgumentError(f"{name} must hold real numbers, but its dtype is {a.dtype}.")
+    return a.astype(F64, copy=False)
+
+
+def checked(x: Any, shape: tuple[int, ...], name: str) -> np.ndarray:
+    """x as column-major contiguous float64 of exactly this shape."""
+    a = x if type(x) is np.ndarray and x.dtype == F64 else numbers(x, name)
+    if a.shape != shape:
+        raise SizeError(f"{name} has shape {a.shape}, but must have shape {shape}.")
+    return np.asarray(a, order="F")
+
+
+def address(a: np.ndarray | None) -> int | None:
+    """Of the first number of a contiguous array; the caller keeps the array alive."""
+    return None if a is None else a.__array_interface__["data"][0]
+
+
+def slot(shape: tuple[int, ...], name: str, model: weakref.ref) -> Callable[[Any], int | None]:
+    """A function that copies an argument into a buffer of its own and answers the buffer's address (None: None).
+
+    Copying costs less than asking numpy for the address of an array in each call.
+    """
+    buffer = np.zeros(shape, order="F")
+    start = address(buffer)
+
+    def put(x):
+        if x is None:
+            return None
+        if type(x) is not np.ndarray:
+            x = model()._named(x, name) if isinstance(x, Mapping) and len(shape) == 1 else numbers(x, name)
+        elif x.dtype is not F64 and x.dtype != F64:
+            x = numbers(x, name)
+        if x.shape != shape:
+            raise SizeError(f"{name} has shape {x.shape}, but must have shape {shape} of model {model().name!r}.")
+        buffer[...] = x
+        return start
+
+    return put
+
+
+def result(shape: tuple[int, ...]) -> tuple[np.ndarray, int | None]:
+    """A buffer for results, and its address: copy it out."""
+    buffer = np.zeros(shape, order="F")
+    return buffer, address(buffer)
+
+
+def placement(x: Any, name: str = "placement") -> np.ndarray:
+    """The 12 numbers of dyn.h from a Placement or (R, p), a 4 x 4 matrix, a translation (3,), or the 12 numbers."""
+    if isinstance(x, tuple) and len(x) == 2:
+        rotation, translation = checked(x[0], (3, 3), f"{name}: rotation"), checked(x[1], (3,), f"{name}: translation")
+    else:
+        a = numbers(x, name)
+        if a.shape == (12,):
+            return np.ascontiguousarray(a)
+        if a.shape == (3,):
+            rotation, translation = np.eye(3), a
+        elif a.shape == (4, 4):
+            if not np.array_equal(a[3], (0, 0, 0, 1)):
+                raise ArgumentError(f"{name}: the last row of a 4 x 4 placement must be 0 0 0 1, but it is {a[3].tolist()}.")
+            rotation, translation = a[:3, :3], a[:3, 3]
+        else:
+            raise SizeError(f"{name} has shape {a.shape}, but must be (R, p), or have shape (4, 4), (3,) or (12,).")
+    return np.concatenate([np.asarray(rotation).reshape(-1, order="F"), translation])
+
+
+def to_placement(x: np.ndarray) -> Placement:
+    """From 12 numbers, without a copy."""
+    return Placement(x[:9].reshape(3, 3).T, x[9:])
+
+
+def view(start: int, rows: int, cols: int | None, strides: tuple[int, int], owner: Owner) -> np.ndarray:
+    """Read-only view of the library's memory that keeps its owner alive; cols None: a vector. Strides in doubles."""
+    shape = (rows,) if cols is None else (rows, cols)
+    if 0 in shape:
+        empty = np.empty(shape, order="F")
+        empty.flags.writeable = False
+        return empty
+    extent = 1 + sum((n - 1) * s for n, s in zip(shape, strides))
+    memory = (ctypes.c_double * extent).from_address(start)
+    memory._owner = owner
+    array = np.ndarray(shape, F64, memory, strides=tuple(8 * s for s in strides[: len(shape)]))
+    array.flags.writeable = False
+    return array

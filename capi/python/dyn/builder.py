@@ -1,0 +1,189 @@
+"""dyn.Builder: makes a model from joints, bodies and frames."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from ctypes import byref, c_void_p
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import abi
+from .arrays import Owner, address, checked, numbers
+from .arrays import placement as twelve
+from .enums import FrameType, JointType
+from .errors import ArgumentError
+from .library import check, lib
+from .model import Model, member, text
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+_PART_KEYS = ("type", "placement", "axis", "axis2", "pitch")
+
+
+class Builder:
+    """Makes models. Every method answers the builder, so calls chain; finish() gives the Model.
+
+    A placement is a translation (3,), (R, p), a 4 x 4 matrix, a dyn.Placement, or the 12 numbers of dyn.h.
+    A parent is the name of a joint, link or frame; None is the world.
+
+        b = dyn.Builder("pendulum")
+        b.joint("hinge", "revolute", axis=(0, 1, 0)).body("bob", "hinge", mass=1.0, com=(0, 0, -1))
+        m = b.finish()
+    """
+
+    def __init__(self, name: str = "robot"):
+        out = c_void_p()
+        check(lib.dyn_builder_new(text(name, "name"), byref(out)))
+        self._b = out.value
+        self._owner = Owner(self._b, lib.dyn_builder_free)
+        self.name = name
+
+    def __repr__(self) -> str:
+        return f"<dyn.Builder {self.name!r}>"
+
+    def gravity(self, gravity: ArrayLike) -> Builder:
+        """World axes, (3,), m/s^2; default (0, 0, -9.81)."""
+        g = checked(gravity, (3,), "gravity")
+        check(lib.dyn_builder_gravity(self._b, address(g)))
+        return self
+
+    def joint(
+        self,
+        name: str,
+        type: str | JointType,
+        parent: str | None = None,
+        placement: Any = None,
+        *,
+        axis: ArrayLike | None = None,
+        axis2: ArrayLike | None = None,
+        pitch: float | None = None,
+        lower: ArrayLike | None = None,
+        upper: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        effort: ArrayLike | None = None,
+        armature: ArrayLike | None = None,
+        damping: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        rotor_inertia: float | None = None,
+        gear_ratio: float | None = None,
+        mimic: str | None = None,
+        mimic_ratio: float | None = None,
+        mimic_offset: float | None = None,
+        parts: Sequence[Mapping[str, Any]] = (),
+    ) -> Builder:
+        """Adds a joint.
+
+        placement                    joint frame in the parent's frame; default identity
+        axis, axis2                  need not be unit; default z, and x (universal only)
+        pitch                        helical: metres per radian
+        lower, upper                 limits of q, one number for each of the joint's nq; default none
+        velocity, effort             limits, one number for each of its nv; default none
+        armature, damping, friction  one number for each of its nv; default zero
+        rotor_inertia, gear_ratio    add rotor_inertia * gear_ratio^2 to the armature
+        mimic                        leader's name: q = mimic_ratio * q_leader + mimic_offset
+        parts                        composite: its joints in order, dicts with type, placement, axis, axis2, pitch
+        """
+        keep: list[Any] = []
+        spec = _spec(type, placement, axis, axis2, pitch, f"joint {name!r}")
+        spec.name = text(name, "name")
+        spec.parent = None if parent is None else text(parent, "parent")
+        sizes = _sizes(spec.type, parts)
+        rows = {"lower": (lower, 0), "upper": (upper, 0), "velocity": (velocity, 1), "effort": (effort, 1)}
+        rows |= {"armature": (armature, 1), "damping": (damping, 1), "friction": (friction, 1)}
+        for key, (value, which) in rows.items():
+            if value is not None:
+                a = checked(np.atleast_1d(numbers(value, key)), (sizes[which],), f"joint {name!r}: {key}")
+                keep.append(a)
+                setattr(spec, key, address(a))
+        scalars = {
+            "rotor_inertia": rotor_inertia,
+            "gear_ratio": gear_ratio,
+            "mimic_ratio": mimic_ratio,
+            "mimic_offset": mimic_offset,
+        }
+        for key, value in scalars.items():
+            if value is not None:
+                setattr(spec, key, value)
+        spec.mimic = None if mimic is None else text(mimic, "mimic")
+        if parts:
+            spec.parts = (abi.JointSpec * len(parts))(*[_part(p, f"joint {name!r}: part {i}") for i, p in enumerate(parts)])
+            spec.parts_count = len(parts)
+        check(lib.dyn_builder_joint(self._b, byref(spec)))
+        return self
+
+    def body(
+        self,
+        name: str,
+        parent: str | None,
+        mass: float,
+        com: ArrayLike = (0.0, 0.0, 0.0),
+        inertia: ArrayLike | None = None,
+        placement: Any = None,
+    ) -> Builder:
+        """Adds a link: mass (kg), centre of mass (3,) (m) and inertia about it (3, 3) (kg m^2; default zero: a point),
+        both in the link's frame, which lies at placement in its parent's."""
+        c = checked(com, (3,), "com")
+        i = checked(np.zeros((3, 3)) if inertia is None else inertia, (3, 3), "inertia")
+        x = None if placement is None else twelve(placement)
+        above = None if parent is None else text(parent, "parent")
+        check(lib.dyn_builder_body(self._b, text(name, "name"), above, address(x), mass, address(c), address(i)))
+        return self
+
+    def frame(self, name: str, parent: str | None, placement: Any = None, type: str | FrameType = FrameType.OP_FRAME) -> Builder:
+        """Adds a frame."""
+        x = None if placement is None else twelve(placement)
+        above = None if parent is None else text(parent, "parent")
+        check(lib.dyn_builder_frame(self._b, text(name, "name"), above, address(x), member(FrameType, type, "type")))
+        return self
+
+    def configuration(self, name: str, q: ArrayLike) -> Builder:
+        """Names a configuration: q, (nq,), in the finished model's order."""
+        a = np.ascontiguousarray(numbers(q, "q").reshape(-1))
+        check(lib.dyn_builder_configuration(self._b, text(name, "name"), address(a), a.size))
+        return self
+
+    def finish(self) -> Model:
+        """Compiles. The builder may be extended and finished again."""
+        out = c_void_p()
+        check(lib.dyn_builder_finish(self._b, byref(out)))
+        return Model(out.value)
+
+
+_SIZES = {
+    JointType.FIXED: (0, 0), JointType.CYLINDRICAL: (2, 2), JointType.UNIVERSAL: (2, 2), JointType.SPHERICAL: (4, 3),
+    JointType.SPHERICAL_ZYX: (3, 3), JointType.PLANAR: (3, 3), JointType.TRANSLATION: (3, 3), JointType.FREE_FLYER: (7, 6),
+    JointType.REVOLUTE_UNBOUNDED: (2, 1),
+}  # fmt: skip
+
+
+def _sizes(type: int, parts: Sequence[Mapping[str, Any]]) -> tuple[int, int]:
+    """(nq, nv) of a joint: the library is given addresses, so the lengths are checked here."""
+    if type == JointType.COMPOSITE:
+        each = [_sizes(member(JointType, p.get("type"), "type"), ()) for p in parts]
+        return sum(n for n, _ in each), sum(n for _, n in each)
+    return _SIZES.get(JointType(type), (1, 1))
+
+
+def _spec(type: Any, placement: Any, axis: Any, axis2: Any, pitch: float | None, what: str) -> abi.JointSpec:
+    spec = abi.JointSpec()
+    lib.dyn_joint_spec_init(byref(spec))
+    spec.type = member(JointType, type, f"{what}: type")
+    if placement is not None:
+        spec.placement[:] = twelve(placement, f"{what}: placement").tolist()
+    if axis is not None:
+        spec.axis[:] = checked(axis, (3,), f"{what}: axis").tolist()
+    if axis2 is not None:
+        spec.axis2[:] = checked(axis2, (3,), f"{what}: axis2").tolist()
+    if pitch is not None:
+        spec.pitch = pitch
+    return spec
+
+
+def _part(part: Mapping[str, Any], what: str) -> abi.JointSpec:
+    unknown = set(part) - set(_PART_KEYS)
+    if unknown or "type" not in part:
+        wrong = f"unknown {sorted(unknown)}" if unknown else "no type"
+        raise ArgumentError(f"{what}: {wrong}; the keys are {', '.join(_PART_KEYS)}.")
+    return _spec(*[part.get(key) for key in _PART_KEYS], what)

@@ -1,0 +1,145 @@
+"""The enumerations of dyn.h. Wherever one is expected, a member, its name in either case, or its number is accepted."""
+
+from __future__ import annotations
+
+import enum
+
+
+class Status(enum.IntEnum):
+    """What a call answered."""
+
+    OK = 0
+    ERROR_ARGUMENT = 1
+    ERROR_HANDLE = 2
+    ERROR_MODEL = 3
+    ERROR_SIZE = 4
+    ERROR_NONFINITE = 5
+    ERROR_QUATERNION = 6
+    ERROR_STALE = 7
+    ERROR_PART = 8
+    ERROR_NAME = 9
+    ERROR_FILE = 10
+    ERROR_PARSE = 11
+    ERROR_INVALID = 12
+    ERROR_BASE = 13
+    ERROR_STRICT = 14
+    ERROR_NUMERIC = 15
+    ERROR_BUSY = 16
+    ERROR_MEMORY = 17
+    ERROR_LIMIT = 18
+    ERROR_UNSUPPORTED = 19
+    ERROR_INTERNAL = 20
+
+
+class Reference(enum.IntEnum):
+    """Axes and point of a frame's velocity, acceleration or Jacobian."""
+
+    LOCAL = 0
+    """Axes and origin of the frame."""
+    WORLD = 1
+    """Axes of the world; the point that coincides with the world's origin."""
+    LOCAL_WORLD_ALIGNED = 2
+    """The frame's origin, axes of the world."""
+
+
+class JointType(enum.IntEnum):
+    FIXED = 0
+    REVOLUTE = 1
+    CONTINUOUS = 2
+    PRISMATIC = 3
+    HELICAL = 4
+    CYLINDRICAL = 5
+    UNIVERSAL = 6
+    SPHERICAL = 7
+    SPHERICAL_ZYX = 8
+    PLANAR = 9
+    TRANSLATION = 10
+    FREE_FLYER = 11
+    COMPOSITE = 12
+    REVOLUTE_UNBOUNDED = 13
+
+
+class FrameType(enum.IntFlag):
+    OP_FRAME = 1
+    JOINT = 2
+    FIXED_JOINT = 4
+    BODY = 8
+    SENSOR = 16
+
+
+class ReportLevel(enum.IntEnum):
+    INFO = 0
+    WARNING = 1
+
+
+class Base(enum.IntEnum):
+    """What holds the root link of a URDF."""
+
+    UNSPECIFIED = 0
+    FIXED = 1
+    FLOATING = 2
+
+
+class ShapeType(enum.IntEnum):
+    BOX = 1
+    SPHERE = 2
+    CYLINDER = 3
+    MESH = 4
+    CAPSULE = 5
+
+
+class ShapeRole(enum.IntEnum):
+    COLLISION = 1
+    VISUAL = 2
+
+
+class ModelArray(enum.IntEnum):
+    LOWER_LIMIT = 0
+    UPPER_LIMIT = 1
+    VELOCITY_LIMIT = 2
+    EFFORT_LIMIT = 3
+    ARMATURE = 4
+    DAMPING = 5
+    FRICTION = 6
+    GRAVITY = 7
+
+
+class Part(enum.IntFlag):
+    """Groups of buffers of a data."""
+
+    KINEMATICS = 1 << 0
+    JACOBIANS = 1 << 1
+    COM = 1 << 2
+    INVERSE = 1 << 3
+    FORWARD = 1 << 4
+    MASS = 1 << 5
+    FACTOR = 1 << 6
+    MINV = 1 << 7
+    CORIOLIS = 1 << 8
+    ENERGY = 1 << 9
+    FRAMES = 1 << 10
+    ALL = 0x7FF
+
+
+class Term(enum.IntFlag):
+    """What all_terms computes."""
+
+    KINEMATICS = 1 << 0
+    FRAMES = 1 << 1
+    JACOBIANS = 1 << 2
+    DJACOBIANS = 1 << 3
+    COM = 1 << 4
+    JCOM = 1 << 5
+    NLE = 1 << 6
+    GRAVITY = 1 << 7
+    MASS = 1 << 8
+    FACTOR = 1 << 9
+    MINV = 1 << 10
+    CORIOLIS = 1 << 11
+    ENERGY = 1 << 12
+    ALL = 0x1FFF
+
+
+class Integrator(enum.IntEnum):
+    SEMI_IMPLICIT_EULER = 0
+    RK4 = 1

@@ -1,0 +1,76 @@
+"""Puts libdyn and its variants into the package, in dyn/lib: `pip install ./capi/python` from a checkout needs no other step.
+
+DYN_PREFIX  an installed tree to take the libraries from; without it the checkout is configured and built with CMake.
+DYN_HWCAPS  which variants CMake builds then: ON (v2, v3, v4), native (for this machine), OFF. Default: native.
+"""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+from setuptools import Distribution, setup
+from setuptools.command.build_py import build_py
+
+try:
+    from wheel.bdist_wheel import bdist_wheel
+except ImportError:  # setuptools has it from version 70 on
+    from setuptools.command.bdist_wheel import bdist_wheel
+
+CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
+SCRATCH = CHECKOUT / "build" / "python-package"  # nothing is written beside the sources
+SONAME = "libdyn.so.1"
+
+
+def build_prefix(work):
+    """Builds the checkout into a folder; returns the installed tree."""
+    if not (CHECKOUT / "CMakeLists.txt").is_file():
+        raise SystemExit("libdyn's sources are not beside this package: install from a checkout, or set DYN_PREFIX to an installed libdyn.")
+    build, prefix = CHECKOUT / "build" / "python", work / "prefix"
+    hwcaps = os.environ.get("DYN_HWCAPS", "native")
+    for command in (
+        ["cmake", "-S", CHECKOUT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DDYN_TESTS=OFF", f"-DDYN_HWCAPS={hwcaps}"],
+        ["cmake", "--build", build, "--parallel", str(os.cpu_count() or 1)],
+        ["cmake", "--install", build, "--prefix", prefix],
+    ):
+        subprocess.run([str(word) for word in command], check=True)
+    return prefix
+
+
+class BuildWithLibrary(build_py):
+    def run(self):
+        package = pathlib.Path(self.build_lib) / "dyn"
+        shutil.rmtree(package, ignore_errors=True)
+        super().run()
+        target = package / "lib"
+        with tempfile.TemporaryDirectory() as work:
+            prefix = pathlib.Path(os.environ.get("DYN_PREFIX") or build_prefix(pathlib.Path(work)))
+            folders = {file.parent for file in prefix.rglob(SONAME) if "glibc-hwcaps" not in file.parts}
+            if len(folders) != 1:
+                raise SystemExit(f"{prefix} holds {len(folders)} libraries named {SONAME}, not one: set DYN_PREFIX to an installed libdyn.")
+            folder = folders.pop()
+            for file in [folder / SONAME, *sorted(folder.glob(f"glibc-hwcaps/*/{SONAME}"))]:
+                copy = target / file.relative_to(folder)
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(file, copy)  # the file, not the link
+
+
+class PlatformWheel(bdist_wheel):
+    """Any Python 3, this platform: the library is reached through ctypes."""
+
+    def get_tag(self):
+        return "py3", "none", super().get_tag()[2]
+
+
+class BinaryDistribution(Distribution):
+    def has_ext_modules(self):
+        return True
+
+
+SCRATCH.mkdir(parents=True, exist_ok=True)
+setup(
+    cmdclass={"build_py": BuildWithLibrary, "bdist_wheel": PlatformWheel},
+    distclass=BinaryDistribution,
+    options={"build": {"build_base": str(SCRATCH)}, "egg_info": {"egg_base": str(SCRATCH)}},
+)

@@ -1,0 +1,373 @@
+"""The command `dyn`: answers, the JSON contract, exit status, streams. DYN_CLI names it; otherwise a build tree or PATH does."""
+
+import json
+import math
+import os
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import ARM, CAPI, MODELS
+
+import dyn
+
+ROBOTS = MODELS / "robots"
+GO2 = str(ROBOTS / "go2.urdf")
+
+
+def find():
+    if os.environ.get("DYN_CLI"):
+        return os.environ["DYN_CLI"]
+    built = [p for pattern in ("build*/bin/dyn", "build*/*/bin/dyn") for p in CAPI.parent.glob(pattern)]
+    return str(max(built, key=lambda p: p.stat().st_mtime)) if built else shutil.which("dyn")
+
+
+CLI = find()
+pytestmark = pytest.mark.skipif(not CLI, reason="the command dyn is not built")
+
+
+def run(*words, status=0, **kwargs):
+    done = subprocess.run([CLI, *map(str, words)], capture_output=True, text=True, timeout=120, **kwargs)
+    assert done.returncode == status, done.stderr or done.stdout
+    if status:
+        assert done.stdout == "" and done.stderr.startswith("dyn: ") and done.stderr.count("dyn: ") == 1
+    return done.stderr if status else done.stdout
+
+
+def answer(*words):
+    def refuse(text):
+        raise AssertionError(f"{text} is not JSON")
+
+    return json.loads(run(*words, "--json"), parse_constant=refuse)
+
+
+@pytest.fixture
+def arm_file(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(ARM)
+    return path
+
+
+@pytest.fixture
+def state_file(tmp_path):
+    def write(content):
+        path = tmp_path / "state.json"
+        path.write_text(content if isinstance(content, str) else json.dumps(content))
+        return path
+
+    return write
+
+
+# ------------------------------------------------------------------------------------------------- usage
+
+
+def test_help_and_version():
+    assert dyn.__version__ in run("--version")
+    for words in ([], ["info"], ["eval"], ["sim"], ["bench"]):
+        assert "Usage" in run(*words, "--help")
+    assert all(name in run("--help") for name in ("info", "eval", "sim", "bench"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        [], ["fly"], ["info"], ["info", "--nonsense", GO2], ["info", GO2, "--fixed", "--floating"], ["eval", GO2, "--fixed"],
+        ["eval", GO2, "--fixed", "--compute", "tau,nonsense"], ["eval", GO2, "--fixed", "--compute", ","],
+        ["eval", GO2, "--fixed", "--compute", "frame_velocity"], ["eval", GO2, "--fixed", "--compute", "J", "--reference", "body"],
+        ["eval", GO2, "--fixed", "--compute", "g", "--q", "1", "x"], ["eval", GO2, "--fixed", "--compute", "g", "--q", "nan"],
+        ["eval", GO2, "--fixed", "--compute", "g", "--q", "1", "--state", "s.json"],
+        ["sim", GO2, "--fixed"], ["sim", GO2, "--fixed", "--duration", "0"], ["sim", GO2, "--fixed", "--duration", "-1"],
+        ["sim", GO2, "--fixed", "--duration", "nan"], ["sim", GO2, "--fixed", "--duration", "inf"],
+        ["sim", GO2, "--fixed", "--duration", "1", "--dt", "0"], ["sim", GO2, "--fixed", "--duration", "1", "--dt", "-0.1"],
+        ["sim", GO2, "--fixed", "--duration", "1", "--dt", "inf"], ["sim", GO2, "--fixed", "--duration", "1", "--dt", "abc"],
+        ["sim", GO2, "--fixed", "--duration", "1e9", "--dt", "1e-9"],
+        ["sim", GO2, "--fixed", "--duration", "1", "--integrator", "euler"], ["sim", GO2, "--fixed", "--duration", "1", "--csv", GO2],
+        ["bench", GO2, "--fixed", "--seconds", "0"],
+    ],
+)  # fmt: skip
+def test_bad_usage(words):
+    run(*words, status=2)
+
+
+def test_unknown_quantity_lists_the_known():
+    error = run("eval", GO2, "--fixed", "--compute", "Mass", status=2)
+    assert '"Mass"' in error and "Minv" in error and "frame_classical_acceleration" in error
+    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "dtau_dq", status=1)
+
+
+def test_bad_robots(tmp_path):
+    assert "nowhere.urdf" in run("info", tmp_path / "nowhere.urdf", status=1)
+    (tmp_path / "bad.urdf").write_text("<robot")
+    assert "bad.urdf" in run("info", tmp_path / "bad.urdf", status=1)
+    error = run("info", GO2, status=1)
+    assert "--fixed or --floating" in error
+
+
+# ------------------------------------------------------------------------------------------------- info
+
+
+def test_info(go2):
+    info = answer("info", GO2, "--floating")
+    keys = ["name", "nq", "nv", "gravity", "total_mass", "joints", "frames", "effects", "report", "model_bytes", "data_bytes"]
+    assert [k for k in info if k in keys] == keys
+    assert (info["name"], info["nq"], info["nv"], info["gravity"]) == (go2.name, 19, 18, [0, 0, -9.81])
+    assert info["total_mass"] == go2.total_mass and info["model_bytes"] == go2.size and info["data_bytes"] == go2.data_size()
+    assert [j["name"] for j in info["joints"]] == [j.name for j in go2.joints]
+    for said, known in zip(info["joints"][1:], go2.joints[1:]):
+        assert said["type"].upper() == known.type.name
+        for key in ("parent", "idx_q", "idx_v", "nq", "nv"):
+            assert said[key] == getattr(known, key)
+        limits = said["limits"]
+        lower = [-math.inf if x is None else x for x in limits["lower"]]
+        np.testing.assert_array_equal(lower, go2.lower_limit[known.idx_q : known.idx_q + known.nq])
+        assert len(limits["velocity"]) == len(limits["effort"]) == known.nv
+    assert [(f["name"], f["type"], f["joint"]) for f in info["frames"]][1:] == [
+        (f.name, f.type.name, f.joint) for f in go2.frames
+    ][1:]
+    assert [e["name"] for e in info["effects"]] == ["gravity", "armature", "damping", "friction", "limits", "mimic"]
+    assert all(isinstance(e["active"], bool) and e["reason"] for e in info["effects"])
+    assert all(set(e) == {"level", "message", "line"} for e in info["report"])
+
+
+def test_info_for_people(arm_file):
+    text = run("info", arm_file, "--fixed")
+    for word in ("shoulder", "continuous", "[-2, 2.5]", "tool", "gravity", "load report", "nq 2"):
+        assert word in text
+
+
+def test_info_options(arm_file, tmp_path):
+    assert answer("info", arm_file, "--fixed", "--cos-sin")["nq"] == 3
+    arm_file.write_text(
+        ARM.replace(
+            '<link name="base"/>',
+            '<link name="base"><visual><geometry><mesh filename="package://p/a.stl"/></geometry></visual></link>',
+        )
+    )
+    (tmp_path / "p").mkdir()
+    (tmp_path / "p" / "a.stl").write_text("solid a\nendsolid a\n")
+    info = answer("info", arm_file, "--fixed", "--package-dir", tmp_path / "elsewhere", "--package-dir", tmp_path)
+    assert any(s["mesh"].endswith("a.stl") for s in info["shapes"])
+
+
+def test_mimic_in_info():
+    info = answer("info", ROBOTS / "gripper.urdf", "--fixed")
+    assert [e["active"] for e in info["effects"] if e["name"] == "mimic"] == [True]
+    thumb = next(j for j in info["joints"] if j["name"] == "thumb_joint")
+    assert thumb["mimic"] == {"leader": "left_knuckle_joint", "ratio": 0.5, "offset": 0.2} and thumb["nv"] == 0
+
+
+# ------------------------------------------------------------------------------------------------- eval
+
+ALL = (
+    "tau,ddq,M,Minv,nle,g,static_torque,coriolis,com,vcom,acom,Jcom,subtree_com,energy,placements,J,dJ,"
+    "frame_velocity,frame_acceleration,frame_classical_acceleration"
+)
+
+
+def test_eval_everything(go2, state, state_file):
+    q, v, a, tau = state
+    path = state_file({"q": q.tolist(), "v": v.tolist(), "a": a.tolist(), "tau": tau.tolist()})
+    frame = go2.frame_name(go2.nframes - 1)
+    found = answer(
+        "eval", GO2, "--floating", "--compute", ALL, "--state", path, "--frame", frame, "--reference", "LOCAL_WORLD_ALIGNED"
+    )
+    assert list(found) == ALL.split(",")
+    d, r = go2.data(), "LOCAL_WORLD_ALIGNED"
+    expected = {
+        "tau": d.rnea(q, v, a), "ddq": d.aba(q, v, tau), "M": d.crba(q), "Minv": d.minverse(q), "nle": d.nonlinear_effects(q, v),
+        "g": d.gravity(q), "static_torque": d.static_torque(q), "coriolis": d.coriolis_matrix(q, v),
+        "com": d.center_of_mass(q, v, a), "vcom": d.vcom.copy(), "acom": d.acom.copy(), "Jcom": d.center_of_mass_jacobian(q),
+    }  # fmt: skip
+    d.forward_kinematics(q, v, a)
+    expected |= {
+        "J": d.frame_jacobian(frame, r), "dJ": d.frame_jacobian_time_variation(frame, r), "frame_velocity": d.frame_velocity(frame, r),
+        "frame_acceleration": d.frame_acceleration(frame, r), "frame_classical_acceleration": d.frame_classical_acceleration(frame, r),
+    }  # fmt: skip
+    for name, value in expected.items():
+        np.testing.assert_array_equal(found[name], value, name)
+    X = d.frame_placement(frame)
+    np.testing.assert_array_equal(found["placements"][frame]["rotation"], X.rotation)
+    np.testing.assert_array_equal(found["placements"][frame]["translation"], X.translation)
+    energy = d.energy(q, v)
+    assert found["energy"] == {"kinetic": energy.kinetic, "potential": energy.potential, "mechanical": energy.mechanical}
+    d.center_of_mass(q)
+    com, mass = d.subtree_center_of_mass(2)
+    assert found["subtree_com"][go2.joint_name(2)] == {"com": com.tolist(), "mass": mass}
+
+
+@pytest.mark.parametrize("robot", ["go2", "gripper"])
+@pytest.mark.parametrize("name", ALL.split(","))
+def test_eval_one_by_one(robot, name):
+    """Each quantity asks for the parts that it needs."""
+    base = "--floating" if robot == "go2" else "--fixed"
+    frame = "base" if robot == "go2" else "thumb"
+    assert list(answer("eval", ROBOTS / f"{robot}.urdf", base, "--compute", name, "--frame", frame)) == [name]
+
+
+def test_eval_defaults(go2):
+    found = answer("eval", GO2, "--floating", "--compute", "tau,placements", "--compute", "J")
+    np.testing.assert_array_equal(found["tau"], go2.data().rnea(go2.neutral(), np.zeros(18), np.zeros(18)))
+    assert len(found["placements"]) == go2.nframes and set(go2.frame_name(i) for i in range(go2.nframes)) <= set(
+        found["placements"]
+    )
+    np.testing.assert_array_equal(found["J"], go2.data().joint_jacobians(go2.neutral()))
+
+
+def test_eval_lists(arm_file, arm):
+    expected = arm.data().rnea([-0.5, 0.25], [1, -2], [0.5, 1e-3]).tolist()
+    for q in (["-0.5", "0.25"], ["-0.5,0.25"], ["-0.5,", "+0.25"], ["[-0.5, .25]"]):
+        assert (
+            answer("eval", arm_file, "--fixed", "--compute", "tau", "--q", *q, "--v", "1,-2", "--a=0.5,1e-3")["tau"] == expected
+        )
+
+
+def test_eval_for_people(arm_file):
+    text = run("eval", arm_file, "--fixed", "--compute", "M,energy,com")
+    assert "M\n" in text and "kinetic" in text and "com\n" in text
+
+
+def test_state_by_joint(arm_file, arm, state_file):
+    path = state_file({"q": {"elbow": 0.5}, "v": {"shoulder": [2]}})
+    found = answer("eval", arm_file, "--fixed", "--compute", "nle", "--state", path)
+    assert found["nle"] == arm.data().nonlinear_effects([0, 0.5], [2, 0]).tolist()
+
+
+@pytest.mark.parametrize(
+    "content, words",
+    [
+        ("{", ["not JSON"]),
+        ("", ["not JSON"]),
+        ("[1, 2]", ["object"]),
+        ('{"q": [1, NaN]}', ["not JSON"]),
+        ('{"q": [1, 1e999]}', ["not JSON"]),
+        ('{"q": [1, 2, 3]}', ['"q"', "3", "2"]),
+        ('{"v": [1]}', ['"v"', "1", "2"]),
+        ('{"q": [1, "x"]}', ['"q"[1]', "number"]),
+        ('{"q": [1, null]}', ['"q"[1]']),
+        ('{"q": [1, true]}', ['"q"[1]']),
+        ('{"q": 5}', ["list"]),
+        ('{"position": [1, 2]}', ['"position"', '"tau"']),
+        ('{"q": {"knee": 1}}', ["knee"]),
+        ('{"q": {"elbow": [1, 2]}}', ["elbow", "2", "1"]),
+    ],
+)
+def test_bad_states(arm_file, state_file, content, words):
+    path = state_file(content)
+    error = run("eval", arm_file, "--fixed", "--compute", "g", "--state", path, status=1)
+    assert str(path) in error and all(w in error for w in words)
+
+
+def test_more_bad_states(arm_file, tmp_path):
+    words = ("eval", arm_file, "--fixed", "--compute", "g")
+    assert "No such file" in run(*words, "--state", tmp_path / "none.json", status=1)
+    run(*words, "--state", tmp_path, status=1)
+    error = run(*words, "--q", "1,2,3", status=1)
+    assert "--q has 3 numbers" in error and "2 (nq)" in error
+    assert "wrist" in run(*words, "--frame", "wrist", status=1)
+    error = run("eval", GO2, "--floating", "--compute", "g", "--q", ",".join(["0"] * 19), status=1)
+    assert "quaternion" in error
+
+
+# ------------------------------------------------------------------------------------------------- sim
+
+
+def test_sim(arm_file, arm, tmp_path):
+    csv = tmp_path / "out.csv"
+    found = answer(
+        "sim", arm_file, "--fixed", "--duration", "0.5", "--dt", "1e-3", "--integrator", "rk4", "--q", "1,0.5", "--csv", csv
+    )
+    keys = "duration steps wall_s real_time_factor q v time energy contacts_max penetration_max residual_max integrator solver dt error_estimate effects warnings"
+    assert set(keys.split()) <= set(found)
+    assert (found["steps"], found["dt"], found["duration"], found["integrator"], found["contacts_max"]) == (
+        500,
+        1e-3,
+        0.5,
+        "rk4",
+        0,
+    )
+    d = arm.data()
+    d.set_state([1, 0.5], [0, 0])
+    start = d.energy().mechanical
+    for _ in range(500):
+        d.step(1e-3, "rk4")
+    assert found["q"] == d.q.tolist() and found["v"] == d.v.tolist() and found["time"] == d.time
+    assert found["energy"]["initial"] == start and found["energy"]["final"] == d.energy().mechanical
+    assert 0 <= found["energy"]["drift_max"] < 1e-9 and 0 < found["error_estimate"] < 1e-9
+    assert found["wall_s"] > 0 and found["real_time_factor"] == pytest.approx(0.5 / found["wall_s"])
+    assert any("damping" in w for w in found["warnings"])
+    rows = np.genfromtxt(csv, delimiter=",", names=True)
+    assert rows.dtype.names == ("t", "q0", "q1", "v0", "v1", "kinetic", "potential", "mechanical") and len(rows) == 501
+    assert rows["q1"][-1] == d.q[1] and rows["t"][0] == 0 and rows["mechanical"][0] == start  # 17 digits: no loss
+
+
+def test_sim_last_step_is_shorter(arm_file):
+    found = answer("sim", arm_file, "--fixed", "--duration", "0.0105", "--dt", "1e-3")
+    assert found["steps"] == 11 and found["time"] == pytest.approx(0.0105, abs=1e-15)
+    found = answer("sim", arm_file, "--fixed", "--duration", "1e-4", "--dt", "1", "--no-error-estimate")
+    assert found["steps"] == 1 and found["time"] == 1e-4 and found["error_estimate"] is None
+
+
+def test_sim_error_estimate_is_honest(arm_file):
+    def end(dt, integrator):
+        return answer("sim", arm_file, "--fixed", "--duration", "1", "--dt", dt, "--integrator", integrator, "--q", "1,0.5")
+
+    exact = np.array(end("1e-4", "rk4")["q"])
+    for integrator, dt in (("semi_implicit_euler", "1e-3"), ("rk4", "2e-2")):
+        found = end(dt, integrator)
+        assert found["error_estimate"] == pytest.approx(np.linalg.norm(found["q"] - exact), rel=0.2)
+
+
+def test_sim_tau_and_text(arm_file, tmp_path):
+    csv = tmp_path / "out.csv"
+    text = run("sim", arm_file, "--fixed", "--duration", "0.01", "--tau", "1,2", "--csv", csv)
+    assert "wall time" in text and "energy" in text and "work" in text
+    assert csv.read_text().splitlines()[0] == "t,q0,q1,v0,v1,tau0,tau1,kinetic,potential,mechanical"
+
+
+def test_sim_limits_are_mentioned(arm_file):
+    warnings = answer("sim", arm_file, "--fixed", "--duration", "1", "--v", "8,0")["warnings"]
+    assert sum("shoulder" in w and "beyond its limits" in w for w in warnings) == 1
+
+
+def test_sim_failures(arm_file, tmp_path):
+    words = ("sim", arm_file, "--fixed", "--duration")
+    assert "cannot be written" in run(*words, 1, "--csv", tmp_path / "no" / "out.csv", status=1)
+    assert "GB" in run(*words, 1e5, "--dt", 1e-4, "--csv", tmp_path / "big.csv", status=1)
+    assert not (tmp_path / "big.csv").exists()
+    if os.path.exists("/dev/full"):
+        assert "No space" in run(*words, 1, "--csv", "/dev/full", status=1)
+    csv = tmp_path / "out.csv"
+    error = run(*words, 1e102, "--dt", "1e100", "--v", "1e200,-1e200", "--csv", csv, status=1)
+    assert "step 1" in error and len(csv.read_text().splitlines()) == 2
+
+
+def test_pipes(arm_file):
+    if os.path.exists("/dev/full"):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([CLI, "info", arm_file, "--fixed"], stdout=full, stderr=subprocess.PIPE, text=True)
+        assert done.returncode == 1 and "cannot be written" in done.stderr
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run([CLI, "info", arm_file, "--fixed", "--json"], stdout=write, stderr=subprocess.PIPE, text=True)
+    os.close(write)
+    assert done.returncode == 1 and "Broken pipe" in done.stderr
+
+
+def test_locale_does_not_matter(arm_file):
+    env = {**os.environ, "LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}
+    words = ("eval", arm_file, "--fixed", "--compute", "g", "--q", "0.5,0.25", "--json")
+    assert run(*words, env=env) == run(*words)
+
+
+# ------------------------------------------------------------------------------------------------- bench
+
+
+def test_bench(arm_file):
+    rows = answer("bench", arm_file, "--fixed", "--seconds", "0.2")["algorithms"]
+    names = [r["name"] for r in rows]
+    assert len(set(names)) == len(names) and {"rnea", "aba", "crba", "forward_kinematics", "step_rk4"} <= set(names)
+    for row in rows:
+        assert set(row) == {"name", "ns_p50", "ns_p99", "instructions"} and 0 < row["ns_p50"] <= row["ns_p99"]
+        assert row["instructions"] is None or row["instructions"] > 0
+    assert "rnea" in run("bench", arm_file, "--fixed", "--seconds", "0.1")

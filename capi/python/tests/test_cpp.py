@@ -1,0 +1,93 @@
+"""dyn.hpp: compiles on its own as C++17 and beside a program's own namespace dyn, and answers what the package answers."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ARM, CAPI
+
+import dyn
+
+CXX = os.environ.get("CXX") or shutil.which("c++")
+pytestmark = pytest.mark.skipif(not CXX, reason="no C++ compiler")
+
+PROGRAM = r"""
+#include "dyn.hpp"
+#include <cassert>
+#include <cmath>
+#include <cstdio>
+#ifdef BESIDE
+namespace dyn { struct Model { int x; }; struct Error { int y; }; inline Model own() { return Model{1}; } }
+namespace user = dyn_api;
+#else
+namespace user = dyn;
+#endif
+template <class F> dynStatus status_of(F f) { try { f(); } catch (const user::Error& e) { assert(*e.what()); return e.status(); } return DYN_OK; }
+int main(int argc, char** argv) {
+  assert(argc == 2);
+  auto model = user::Model::load_string(argv[1], user::LoadOptions().base(DYN_BASE_FIXED).gravity(0, 0, -9.81));
+  assert(model.nq() == 2 && model.nv() == 2 && model.njoints() == 3 && model.name() == "arm");
+  assert(model.joint_name(model.joint_id("elbow")) == "elbow" && model.joint(1).type == DYN_JOINT_REVOLUTE);
+  assert(model.array(DYN_UPPER_LIMIT)[0] == 2.5 && model.configurations().at(0) == "neutral");
+  assert(model.q_permutation({"elbow", "shoulder"}).first == (std::vector<int32_t>{1, 0}));
+  user::Vector q{0.3, -0.4}, v{1, 2}, a{-1, 0.5};
+  user::Data data(model);
+  const user::Vector tau = data.rnea(q, v, a).copy();
+  const user::View ddq = data.aba(q, v, tau);
+  for (int i = 0; i < 2; ++i) assert(std::abs(ddq[i] - a[i]) < 1e-12);
+  const user::View M = data.crba(q);
+  assert(M.rows() == 2 && M.cols() == 2 && M(0, 1) == M(1, 0));
+  data.factorize();
+  const user::Vector x = data.solve(tau);
+  assert(std::abs(M(0, 0) * x[0] + M(0, 1) * x[1] - tau[0]) < 1e-12);
+  assert(data.minverse().size() == 4 && data.coriolis_matrix(q, v).size() == 4 && data.joint_jacobians().rows() == 6);
+  data.forward_kinematics(q, v, a);
+  const int tool = model.frame_id("tool");
+  const auto J = data.frame_jacobian(tool, DYN_WORLD);
+  const auto velocity = data.frame_velocity(tool, DYN_WORLD);
+  for (int i = 0; i < 6; ++i) assert(std::abs(J(i, 0) * v[0] + J(i, 1) * v[1] - velocity[i]) < 1e-12);
+  data.frame_jacobian_time_variation(tool), data.frame_acceleration(tool), data.frame_classical_acceleration(tool), data.frame_placement(tool);
+  assert(data.frame_placements().cols() == model.nframes());
+  assert(data.center_of_mass(q, v, a).size() == 3 && data.center_of_mass_jacobian().cols() == 2);
+  assert(data.subtree_center_of_mass(1).second == 2 && data.subtree_center_of_mass_jacobian(1).size() == 6);
+  assert(data.energy(q, v).mechanical() == data.energy().mechanical());
+  assert(data.all_terms(DYN_TERM_MASS, q, v) & DYN_TERM_MASS);
+  data.nonlinear_effects(), data.gravity(), data.static_torque(), data.joint_jacobians_time_variation();
+  assert(model.distance(model.integrate(q, v), q) > 0 && model.is_normalized(model.normalize(model.random(3))));
+  assert(model.difference(q, model.interpolate(q, v, 0.5)).size() == 2);
+  model.integrate_jacobians(q, v), model.difference_jacobians(q, v);
+  data.set_state(q, v);
+  data.step(1e-3, DYN_RK4);
+  assert(data.time() == 1e-3);
+  assert(status_of([&] { data.rnea(user::Vector{1}, v, a); }) == DYN_ERROR_SIZE);
+  assert(status_of([&] { data.rnea(user::Vector{}, v, a); }) == DYN_ERROR_SIZE);
+  assert(status_of([&] { data.set_state(q); data.field("M"); }) == DYN_ERROR_STALE);
+  assert(status_of([&] { model.joint_id("nobody"); }) == DYN_ERROR_NAME);
+  assert(status_of([&] { user::Model::load("nowhere.urdf"); }) == DYN_ERROR_FILE);
+  std::vector<char> memory(user::Data::size(model));
+  user::Data placed(model, DYN_PART_ALL, memory.data(), memory.size());
+  user::Builder b("pendulum");
+  b.gravity({0, 0, -1}).joint(user::JointSpec("hinge", DYN_JOINT_REVOLUTE).axis({0, 1, 0})).body("bob", "hinge", 1, {0, 0, -1}, {});
+  b.frame("tip", "hinge").configuration("up", {3.14});
+  user::Data swing{b.finish()};
+  assert(std::abs(swing.crba()[0] - 1) < 1e-12);
+  user::Data moved = std::move(swing);
+  assert(moved.model().nq() == 1);
+  for (double t : tau) std::printf("%.17g\n", t);
+}
+"""
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_program(tmp_path, beside):
+    (tmp_path / "p.cpp").write_text(PROGRAM)
+    library = Path(dyn.library_path).resolve()
+    flags = ["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{CAPI}", "p.cpp", "-o", "p", str(library)]
+    subprocess.run([CXX, *(["-DBESIDE"] if beside else []), *flags, f"-Wl,-rpath,{library.parent}"], cwd=tmp_path, check=True)
+    run = subprocess.run([str(tmp_path / "p"), ARM], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    expected = dyn.load_string(ARM, base="fixed").data().rnea([0.3, -0.4], [1, 2], [-1, 0.5])
+    np.testing.assert_array_equal([float(line) for line in run.stdout.split()], expected)

@@ -1,0 +1,92 @@
+"""The package against dyn.h: every function, every enumeration value, every structure, byte for byte."""
+
+import ctypes
+import re
+import shutil
+import subprocess
+
+import pytest
+from conftest import CAPI
+
+import dyn
+from dyn import abi, enums, library
+
+HEADER = (CAPI / "dyn.h").read_text()
+CODE = re.sub(r"/\*.*?\*/", "", HEADER, flags=re.S)
+
+
+def test_every_function_is_bound():
+    declared = set(re.findall(r"DYN_API[^;(]*?\b(dyn_\w+)\s*\(", CODE))
+    assert declared and declared == set(abi.SIGNATURES)
+
+
+def test_every_function_is_used():
+    sources = "".join(p.read_text() for p in (CAPI / "python" / "dyn").glob("*.py") if p.name != "abi.py")
+    assert not [name for name in abi.SIGNATURES if not re.search(rf"\b{name}\b", sources)]
+
+
+def test_number_of_arguments():
+    for name, arguments in re.findall(r"DYN_API[^;(]*?\b(dyn_\w+)\s*\(([^;]*)\)\s*;", CODE):
+        count = 0 if arguments.strip() == "void" else arguments.count(",") + 1
+        assert len(abi.SIGNATURES[name][1]) == count, name
+
+
+@pytest.mark.parametrize(
+    "enum, prefix, skip",
+    [
+        (enums.Status, "DYN_", "DYN_ERROR_|DYN_OK"),
+        (enums.Reference, "DYN_", "DYN_LOCAL|DYN_WORLD"),
+        (enums.JointType, "DYN_JOINT_", None),
+        (enums.FrameType, "DYN_FRAME_", None),
+        (enums.ReportLevel, "DYN_REPORT_", None),
+        (enums.Base, "DYN_BASE_", None),
+        (enums.ShapeType, "DYN_SHAPE_", None),
+        (enums.ShapeRole, "DYN_ROLE_", None),
+        (enums.Part, "DYN_PART_", None),
+        (enums.Term, "DYN_TERM_", None),
+    ],
+)
+def test_enumerations(enum, prefix, skip):
+    values = {}
+    for name, value in re.findall(r"\b(DYN_[A-Z0-9_]+)\s*=\s*([^,}\s][^,}]*)", CODE):
+        if re.match(skip or prefix, name):
+            values[name.removeprefix(prefix)] = eval(value.replace("u", ""))
+    assert values == {name: int(member) for name, member in enum.__members__.items()}
+
+
+def test_arrays_and_integrators():
+    for enum, kind in ((enums.ModelArray, "dynModelArray"), (enums.Integrator, "dynIntegrator")):
+        body = re.search(rf"typedef enum {kind} {{(.*?)}}", CODE, re.S).group(1)
+        declared = {n: int(v) for n, v in re.findall(r"DYN_(\w+)\s*=\s*(\d+)", body)}
+        assert declared == {name: int(member) for name, member in enum.__members__.items()}
+
+
+@pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
+def test_structures(tmp_path):
+    structs = {name: body for body, name in re.findall(r"typedef struct \w+ \{(.*?)\} (dyn\w+);", CODE, re.S)}
+    lines, expected = [], {}
+    for name in structs:
+        cls = getattr(abi, name.removeprefix("dyn"))
+        expected[name] = ctypes.sizeof(cls)
+        lines.append(f'printf("{name} %zu\\n", sizeof({name}));')
+        for field, *_ in cls._fields_:
+            expected[f"{name}.{field}"] = getattr(cls, field).offset
+            lines.append(f'printf("{name}.{field} %zu\\n", offsetof({name}, {field}));')
+    (tmp_path / "s.c").write_text('#include <stdio.h>\n#include "dyn.h"\nint main(void) {' + "\n".join(lines) + "return 0; }")
+    subprocess.run(["cc", "-I", str(CAPI), "s.c", "-o", "s"], cwd=tmp_path, check=True)
+    printed = subprocess.run([str(tmp_path / "s")], capture_output=True, text=True, check=True).stdout
+    assert {k: int(v) for k, v in (line.split() for line in printed.splitlines())} == expected
+
+
+def test_every_status_has_its_exception():
+    for status in enums.Status:
+        if status:
+            cls = dyn.errors.BY_STATUS[status]
+            assert issubclass(cls, dyn.Error) and cls.status == status
+            assert library.lib.dyn_status_name(status).decode() == f"DYN_{status.name}"
+    assert library.lib.dyn_status_name(12345)
+
+
+def test_version():
+    assert dyn.__version__.split(".")[0] == str(abi.MAJOR)
+    assert dyn.build_info and "\n" not in dyn.build_info

@@ -1,0 +1,76 @@
+"""Finding the library, and refusing what does not fit."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import dyn
+from dyn import library
+
+needs_compiler = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
+
+
+def start(**environment):
+    """Imports the package in a new process; answers its last line of errors."""
+    folder = str(Path(dyn.__file__).parents[1])
+    run = subprocess.run(
+        [sys.executable, "-c", "import dyn; print(dyn.library_path)"],
+        env={**os.environ, "PYTHONPATH": folder, **environment}, capture_output=True, text=True,
+    )  # fmt: skip
+    return run.returncode, run.stdout.strip(), (run.stderr.strip().splitlines() or [""])[-1]
+
+
+def test_explicit():
+    status, path, _ = start(DYN_LIBRARY=dyn.library_path)
+    assert status == 0 and path == dyn.library_path
+
+
+def test_folder_is_searched(tmp_path):
+    target = tmp_path / "libdyn.so.1"
+    target.symlink_to(Path(dyn.library_path).resolve())
+    assert start(DYN_LIBRARY=str(tmp_path))[1] == str(target)
+    if library.cpu_levels():
+        better = tmp_path / "glibc-hwcaps" / library.cpu_levels()[-1] / "libdyn.so.1"
+        better.parent.mkdir(parents=True)
+        better.symlink_to(target)
+        assert start(DYN_LIBRARY=str(tmp_path))[1] == str(better)
+
+
+def test_missing(tmp_path):
+    status, _, error = start(DYN_LIBRARY=str(tmp_path / "nothing.so"))
+    assert status == 1 and "LibraryError" in error and "nothing.so" in error
+    assert "holds no libdyn" in start(DYN_LIBRARY=str(tmp_path))[2]
+
+
+def build(folder, code):
+    (folder / "x.c").write_text(code)
+    subprocess.run(["cc", "-shared", "-fPIC", "x.c", "-o", "x.so"], cwd=folder, check=True)
+    return str(folder / "x.so")
+
+
+@needs_compiler
+def test_other_major(tmp_path):
+    path = build(tmp_path, 'const char* dyn_version(void) { return "2.3.4"; }')
+    status, _, error = start(DYN_LIBRARY=path)
+    assert status == 1 and "2.3.4" in error and "needs libdyn 1.x" in error and path in error
+
+
+@needs_compiler
+def test_not_libdyn(tmp_path):
+    assert "is not libdyn" in start(DYN_LIBRARY=build(tmp_path, "int x;"))[2]
+
+
+@needs_compiler
+def test_too_old(tmp_path):
+    error = start(DYN_LIBRARY=build(tmp_path, 'const char* dyn_version(void) { return "1.0.0"; }'))[2]
+    assert "has no function" in error and "update libdyn" in error
+
+
+def test_cpu_levels():
+    levels = library.cpu_levels()
+    assert levels == sorted(levels, reverse=True)
+    assert set(levels) <= {"x86-64-v2", "x86-64-v3", "x86-64-v4"}

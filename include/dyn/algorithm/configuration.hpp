@@ -1,0 +1,128 @@
+// Operations on configurations, joint by joint: the space is a product of the joints' own.
+#pragma once
+
+#include "dyn/algorithm/passes.hpp"
+
+namespace dyn {
+
+// f.template operator()<J>(body) for every body that has coordinates of its own.
+template <class F>
+DYN_INLINE void for_each_leader(const Model& m, F&& f) {
+  forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
+    const Body& b = m.bodies()[i];
+    if (!b.follower) f.template operator()<J>(b);
+  });
+}
+
+// out = q (+) v; out may be q.
+template <class T>
+void integrate(const Model& m, const T* q, const T* v, T* out) {
+  for_each_leader(m, [&]<class J>(const Body& b) DYN_INLINE_LAMBDA { J::integrate(q + b.user_q, v + b.user_v, out + b.user_q); });
+}
+
+// v = q1 (-) q0
+template <class T>
+void difference(const Model& m, const T* q0, const T* q1, T* v) {
+  for_each_leader(m, [&]<class J>(const Body& b) DYN_INLINE_LAMBDA { J::difference(b, q0 + b.user_q, q1 + b.user_q, v + b.user_v); });
+}
+
+// out = q0 (+) u (q1 (-) q0); out may be q0 or q1.
+template <class T>
+void interpolate(const Model& m, const T* q0, const T* q1, T u, T* out) {
+  for_each_leader(m, [&]<class J>(const Body& b) {
+    T v[6];
+    J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
+    for (int k = 0; k < J::nv; ++k) v[k] *= u;
+    J::integrate(q0 + b.user_q, v, out + b.user_q);
+  });
+}
+
+template <class T>
+T distance(const Model& m, const T* q0, const T* q1) {
+  using std::sqrt;
+  T sum = T(0);
+  for_each_leader(m, [&]<class J>(const Body& b) {
+    T v[6];
+    J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
+    for (int k = 0; k < J::nv; ++k) sum += v[k] * v[k];
+  });
+  return sqrt(sum);
+}
+
+// Uniform between lower and upper, nq each.
+void random_configuration(const Model& m, std::uint64_t seed, const double* lower, const double* upper, double* q);
+
+template <class T>
+void normalize(const Model& m, T* q) {
+  for_each_leader(m, [&]<class J>(const Body& b) { J::normalize(q + b.user_q); });
+}
+
+// Largest | |x| - 1 | over quaternions and (cos, sin) pairs.
+template <class T>
+T norm_error(const Model& m, const T* q) {
+  T worst = T(0);
+  for_each_leader(m, [&]<class J>(const Body& b) {
+    const T e = J::norm_error(q + b.user_q);
+    if (e > worst) worst = e;
+  });
+  return worst;
+}
+
+// The joint whose quaternion or (cos, sin) is zero, or 0.
+template <class T>
+Index zero_norm_joint(const Model& m, const T* q) {
+  Index joint = 0;
+  const Run* runs = m.runs();
+  for (Index k = 0; k < m.n.runs; ++k)
+    visit(runs[k].type, [&]<class J>() {
+      if constexpr (J::nq != J::nv)
+        for (Index i = runs[k].first; i < runs[k].last; ++i)
+          if (J::zero_norm(q + m.bodies()[i].user_q)) joint = m.bodies()[i].joint;
+    });
+  return joint;
+}
+
+namespace detail {
+
+// J's block on the diagonal of an nv x nv matrix, where one is asked for.
+template <class J, class T>
+inline void put_block(const T* block, const Model& m, Index at, T* out) {
+  if (!out) return;
+  for (int c = 0; c < J::nv; ++c)
+    for (int r = 0; r < J::nv; ++r) out[at + r + std::ptrdiff_t(at + c) * m.n.nv] = block[r + 6 * c];
+}
+template <class T>
+inline void clear(const Model& m, T* out) {
+  for (std::ptrdiff_t k = 0; out && k < std::ptrdiff_t(m.n.nv) * m.n.nv; ++k) out[k] = T(0);
+}
+
+}  // namespace detail
+
+// Jacobians of (+) and (-), nv x nv each, fully written; either may be nullptr.
+template <class T>
+void integrate_jacobians(const Model& m, const T* q, const T* v, T* dq, T* dv) {
+  detail::clear(m, dq), detail::clear(m, dv);
+  for_each_leader(m, [&]<class J>(const Body& b) {
+    T by_q[36] = {}, by_v[36] = {};
+    J::integrate_jacobians(q + b.user_q, v + b.user_v, Block<T>{by_q, 6}, Block<T>{by_v, 6});
+    detail::put_block<J>(by_q, m, b.user_v, dq), detail::put_block<J>(by_v, m, b.user_v, dv);
+  });
+}
+template <class T>
+void difference_jacobians(const Model& m, const T* q0, const T* q1, T* d0, T* d1) {
+  detail::clear(m, d0), detail::clear(m, d1);
+  for_each_leader(m, [&]<class J>(const Body& b) {
+    T by_0[36] = {}, by_1[36] = {};
+    J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, Block<T>{by_0, 6}, Block<T>{by_1, 6});
+    detail::put_block<J>(by_0, m, b.user_v, d0), detail::put_block<J>(by_1, m, b.user_v, d1);
+  });
+}
+
+// Rate of the exponential coordinates u at which the configuration q (+) u moves with velocity v: the inverse of the
+// right Jacobian of (+) (Munthe-Kaas 1999).
+template <class T>
+void chart_rate(const Model& m, const T* u, const T* v, T* du) {
+  for_each_leader(m, [&]<class J>(const Body& b) { J::chart_rate(u + b.user_v, v + b.user_v, du + b.user_v); });
+}
+
+}  // namespace dyn

@@ -1,0 +1,50 @@
+// The algorithms in one place, and compiled once: src/algorithm instantiates them for double.
+// (The definitions are in the headers of the same names; tests instantiate them for other scalars.)
+#pragma once
+
+#include "dyn/model/data.hpp"
+
+namespace dyn {
+
+// kinematics.hpp
+template <int level, class T> void forward_kinematics(const Model&, Data<T>&);
+template <class T> void ensure_position(const Model&, Data<T>&);
+template <class T> void ensure_velocity(const Model&, Data<T>&);
+template <class T> void ensure_acceleration(const Model&, Data<T>&);
+// rnea.hpp, aba.hpp, forward_dynamics.hpp, crba.hpp, cholesky.hpp, coriolis.hpp
+template <class T> void inverse_dynamics(const Model&, Data<T>&, const T* v, const T* a, const T* fext, T* tau);
+template <class T> Index forward_dynamics(const Model&, Data<T>&, const T* v, const T* tau, const T* fext, T* ddq);
+template <class T> void crba(const Model&, Data<T>&);
+template <class T> Index factorize(const Model&, Data<T>&);
+template <class T> void solve(const Model&, const Data<T>&, T* x);
+template <class T> void invert(const Model&, Data<T>&);
+template <class T> void coriolis_matrix(const Model&, Data<T>&);
+// jacobian.hpp
+template <class T> void joint_jacobians(const Model&, Data<T>&);
+template <class T> void joint_jacobians_time_variation(const Model&, Data<T>&);
+template <class T> void frame_jacobian(const Model&, const Data<T>&, Index frame, dynReference, T* J);
+template <class T> void frame_jacobian_time_variation(const Model&, const Data<T>&, Index frame, dynReference, T* dJ);
+template <class T> void frame_placement(const Model&, const Data<T>&, Index frame, T* X);
+template <class T> void frame_velocity(const Model&, const Data<T>&, Index frame, dynReference, T* velocity);
+template <class T> void frame_acceleration(const Model&, const Data<T>&, Index frame, dynReference, bool classical, T* acceleration);
+// center_of_mass.hpp, energy.hpp
+template <class T> void center_of_mass(const Model&, Data<T>&, int level);
+template <class T> void center_of_mass_jacobian(const Model&, const Data<T>&, Index body, T* Jcom);
+template <class T> void kinetic_energy(const Model&, Data<T>&);
+template <class T> void potential_energy(const Model&, Data<T>&);
+// configuration.hpp
+template <class T> void integrate(const Model&, const T* q, const T* v, T* out);
+template <class T> void difference(const Model&, const T* q0, const T* q1, T* v);
+template <class T> void interpolate(const Model&, const T* q0, const T* q1, T u, T* out);
+template <class T> T distance(const Model&, const T* q0, const T* q1);
+void random_configuration(const Model&, std::uint64_t seed, const double* lower, const double* upper, double* q);
+template <class T> void normalize(const Model&, T* q);
+template <class T> T norm_error(const Model&, const T* q);
+template <class T> Index zero_norm_joint(const Model&, const T* q);
+template <class T> void integrate_jacobians(const Model&, const T* q, const T* v, T* dq, T* dv);
+template <class T> void difference_jacobians(const Model&, const T* q0, const T* q1, T* d0, T* d1);
+// ../simulation/step.hpp
+template <class T> Index step_semi_implicit_euler(const Model&, Data<T>&, T h);
+template <class T> Index step_rk4(const Model&, Data<T>&, T h);
+
+}  // namespace dyn

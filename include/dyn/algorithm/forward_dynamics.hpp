@@ -1,0 +1,30 @@
+// Forward dynamics of any model: ABA, or with mimic joints (whose M does not follow the tree) by the factor of M.
+#pragma once
+
+#include "dyn/algorithm/aba.hpp"
+#include "dyn/algorithm/cholesky.hpp"
+#include "dyn/algorithm/configuration.hpp"
+#include "dyn/algorithm/crba.hpp"
+
+namespace dyn {
+
+// ddq for the user's v and tau; q is d.q. Returns 0 or the joint at which M is not positive (ddq is then undefined).
+template <class T>
+Index forward_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T* ddq) {
+  if (!m.has_mimic) {
+    const Index body = aba(m, d, v, tau, fext, ddq);
+    return body ? m.bodies()[body].joint : 0;
+  }
+  inverse_dynamics(m, d, v, static_cast<const T*>(d.zero), fext, ddq);
+  for (Index k = 0; k < m.n.nv; ++k) ddq[k] = tau[k] - ddq[k];
+  crba(m, d);
+  if (const Index failed = factorize(m, d)) {
+    for (Index j = 1; j < m.n.joints; ++j)
+      if (m.joints()[j].idx_v <= failed - 1 && failed - 1 < m.joints()[j].idx_v + m.joints()[j].nv) return j;
+    return 1;
+  }
+  solve(m, d, ddq);
+  return 0;
+}
+
+}  // namespace dyn

@@ -1,0 +1,103 @@
+// Makes a model: joints, bodies, frames, shapes, configurations; finish() compiles them into one immutable block.
+// Host side: allocates and throws dyn::Error. Everything is checked when it is added; what only the whole can show
+// (cycles of mimic, masses that leave forward dynamics undefined) is checked by finish().
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "dyn.h"
+
+namespace dyn {
+
+struct Model;
+
+// An error on its way to the C boundary: the status and one sentence saying what, where, and what to do.
+struct Error : std::runtime_error {
+  dynStatus status;
+  Error(dynStatus s, const std::string& message) : std::runtime_error(message), status(s) {}
+};
+
+using Placement = std::array<double, 12>;  // rotation by columns, then translation
+inline constexpr Placement identity_placement = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+
+// Where something is attached: a name, and optionally which types of frame (a mask of dynFrameType, 0: any) may answer to it.
+struct Parent {
+  std::string name;  // "" or "universe": the world
+  int types = 0;
+};
+
+// Field meanings and units are those of dynJointSpec in dyn.h; an empty vector means "absent".
+struct JointSpec {
+  std::string name;
+  dynJointType type = DYN_JOINT_REVOLUTE;
+  Parent parent;
+  Placement placement = identity_placement;
+  std::array<double, 3> axis = {0, 0, 1}, axis2 = {1, 0, 0};
+  double pitch = 0;
+  std::vector<double> lower, upper;                // nq
+  std::vector<double> velocity, effort;            // nv
+  std::vector<double> armature, damping, friction; // nv
+  double rotor_inertia = 0, gear_ratio = 1;
+  std::string mimic;  // leader's name; "" for none
+  double mimic_ratio = 1, mimic_offset = 0;
+  std::vector<JointSpec> parts;  // composite
+};
+
+struct Shape {
+  std::string name;
+  dynShapeType type = DYN_SHAPE_BOX;
+  dynShapeRole role = DYN_ROLE_COLLISION;
+  std::string body;
+  Placement placement = identity_placement;
+  std::array<double, 3> size = {0, 0, 0};
+  std::string mesh;
+};
+
+// nq and nv of a type with no parts.
+int joint_nq(dynJointType type);
+int joint_nv(dynJointType type);
+// The same of a joint with its parts.
+int spec_nq(const JointSpec& spec);
+int spec_nv(const JointSpec& spec);
+const char* joint_type_name(dynJointType type);
+
+struct ModelDeleter {
+  void operator()(Model* m) const;
+};
+using ModelPtr = std::unique_ptr<Model, ModelDeleter>;
+
+class Builder {
+ public:
+  explicit Builder(std::string name);
+  ~Builder();
+  Builder(const Builder&) = delete;
+  Builder& operator=(const Builder&) = delete;
+
+  void gravity(const std::array<double, 3>& g);
+  // The parent must have been added before. A FIXED joint becomes a frame of type FIXED_JOINT.
+  void joint(const JointSpec& spec);
+  // A link at placement in its parent's frame: adds a BODY frame and the inertia (about the centre of mass, frame axes,
+  // 3 x 3) to the joint that carries it. Throws for a negative mass and for a non-symmetric inertia, naming the body; what
+  // the bodies of a joint add up to is checked by finish().
+  void body(const std::string& name, const Parent& parent, const Placement& placement, double mass,
+            const std::array<double, 3>& com, const std::array<double, 9>& inertia);
+  void frame(const std::string& name, const Parent& parent, const Placement& placement, dynFrameType type);
+  void shape(const Shape& shape);
+  void configuration(const std::string& name, const std::vector<double>& q);
+  void report(dynReportLevel level, int line, const std::string& message);
+
+  // Compiles: joints depth first, children in the order of addition.
+  ModelPtr finish() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl;
+};
+
+}  // namespace dyn

@@ -1,0 +1,166 @@
+// What the robot is doing: every buffer, laid out once in one 64-byte aligned arena. Generated from data_fields.def.
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+#include "dyn/base/sincos.hpp"
+#include "dyn/model/model.hpp"
+#include "dyn/spatial/inertia.hpp"
+
+namespace dyn {
+
+// What is computed, and from what: a field is fresh when its stage was computed for the current versions of its inputs.
+enum class Stage : Index {
+  State, Position, Velocity, Acceleration, Frames, Jacobians, DJacobians, Com, Vcom, Acom, Jcom, Tau, Nle, Gravity, Static, Ddq,
+  Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical, count_
+};
+
+enum Input : Index { input_q, input_v, input_a, input_tau, input_count };
+
+// which inputs each stage depends on: a bit each
+inline constexpr unsigned stage_inputs(Stage s) {
+  constexpr unsigned Q = 1, V = 2, A = 4, TAU = 8;
+  switch (s) {
+    case Stage::State: return 0;
+    case Stage::Velocity: case Stage::DJacobians: case Stage::Vcom: case Stage::Nle: case Stage::Coriolis: case Stage::Kinetic:
+    case Stage::Mechanical: return Q | V;
+    case Stage::Acceleration: case Stage::Acom: case Stage::Tau: return Q | V | A;
+    case Stage::Ddq: return Q | V | TAU;
+    default: return Q;
+  }
+}
+
+// Distance between the components of Data::dof: a pack that starts at the last degree of freedom ends in its own row.
+inline Index dof_stride(const Model& m) { return (m.n.nvx + 7) / 4 * 4; }
+
+// The public fields, in the order of data_fields.def: their ids.
+enum class FieldId : Index {
+#define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) name,
+#include "dyn/model/data_fields.def"
+  count_
+};
+
+template <class T>
+struct Data {
+#define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) T* name;
+#define BUFFER(type, name, count, part, sentence) type* name;
+#include "dyn/model/data_fields.def"
+
+  dynParts parts;
+  std::uint64_t version[input_count];                           // of q, v, a, tau: bumped when the value changes
+  std::uint64_t stamp[std::size_t(Stage::count_)][input_count];  // versions that each stage was computed for
+  bool valid[std::size_t(Stage::count_)];
+
+  bool has(dynParts p) const { return p == 0 || (parts & p) != 0; }
+  bool fresh(Stage s) const {
+    if (s == Stage::State) return true;
+    if (!valid[std::size_t(s)]) return false;
+    const unsigned inputs = stage_inputs(s);
+    for (int i = 0; i < input_count; ++i)
+      if ((inputs >> i & 1u) && stamp[std::size_t(s)][i] != version[i]) return false;
+    return true;
+  }
+  void done(Stage s) {
+    valid[std::size_t(s)] = true;
+    for (int i = 0; i < input_count; ++i) stamp[std::size_t(s)][i] = version[i];
+  }
+  void drop(Stage s) { valid[std::size_t(s)] = false; }
+
+  // Coordinates as the recursions read them: followers of a mimic have their own entries.
+  const T* expand_q(const Model& m) {
+    if (!m.has_mimic) return q;
+    for (Index i = 1; i < m.n.bodies; ++i) {
+      const Body& b = m.bodies()[i];
+      const Index end = i + 1 < m.n.bodies ? m.bodies()[i + 1].idx_q : m.n.nqx;
+      for (Index k = 0; k < end - b.idx_q; ++k) qx[b.idx_q + k] = T(b.ratio) * q[b.user_q + k] + T(b.offset);
+    }
+    return qx;
+  }
+  const T* expand(const Model& m, const T* x, T* expanded) const {
+    if (!m.has_mimic) return x;
+    for (Index i = 1; i < m.n.bodies; ++i) {
+      const Body& b = m.bodies()[i];
+      const Index end = i + 1 < m.n.bodies ? m.bodies()[i + 1].idx_v : m.n.nvx;
+      for (Index k = 0; k < end - b.idx_v; ++k) expanded[b.idx_v + k] = T(b.ratio) * x[b.user_v + k];
+    }
+    return expanded;
+  }
+  // the transpose of expand: x_leader += ratio x_follower
+  void reduce(const Model& m, const T* expanded, T* x) const {
+    for (Index i = 0; i < m.n.nv; ++i) x[i] = T(0);
+    for (Index i = 1; i < m.n.bodies; ++i) {
+      const Body& b = m.bodies()[i];
+      const Index end = i + 1 < m.n.bodies ? m.bodies()[i + 1].idx_v : m.n.nvx;
+      for (Index k = 0; k < end - b.idx_v; ++k) x[b.user_v + k] += T(b.ratio) * expanded[b.idx_v + k];
+    }
+  }
+};
+
+// Parts with what they imply.
+inline dynParts complete_parts(dynParts p) {
+  if (p == 0) p = DYN_PART_ALL;
+  if (p & DYN_PART_MINV) p |= DYN_PART_FACTOR;
+  if (p & DYN_PART_FACTOR) p |= DYN_PART_MASS;
+  if (p & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES)) p |= DYN_PART_KINEMATICS;
+  return p;
+}
+
+// Bytes of the arena (a multiple of 64).
+template <class T>
+std::size_t data_bytes(const Model& m, dynParts parts);
+
+// Lays the buffers out in memory (64-byte aligned, data_bytes long) and sets the neutral state at rest.
+template <class T>
+void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d);
+
+namespace detail {
+template <class T, class Visit>
+inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames;
+  (void)nq, (void)nv, (void)nframes;
+#define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
+  visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
+#define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(count) : 0);
+#include "dyn/model/data_fields.def"
+}
+}  // namespace detail
+
+template <class T>
+std::size_t data_bytes(const Model& m, dynParts parts) {
+  Data<T> unused;
+  std::size_t bytes = 0;
+  detail::for_each_buffer(m, complete_parts(parts), unused,
+                          [&](auto*& p, std::size_t count) { bytes += (count * sizeof(*p) + 63) / 64 * 64; });
+  return bytes;
+}
+
+template <class T>
+void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
+  char* at = static_cast<char*>(memory);
+  d.parts = complete_parts(parts);
+  detail::for_each_buffer(m, d.parts, d, [&](auto*& p, std::size_t count) {
+    using E = std::remove_reference_t<decltype(*p)>;
+    p = count ? reinterpret_cast<E*>(at) : nullptr;
+#if DYN_CHECKED
+    // whatever is read before it was computed shows
+    for (std::size_t i = 0; i < count * sizeof(E) / sizeof(T); ++i) reinterpret_cast<T*>(at)[i] = T(NAN);
+#else
+    std::memset(at, 0, count * sizeof(E));
+#endif
+    at += (count * sizeof(E) + 63) / 64 * 64;
+  });
+  for (Index i = 0; i < m.n.nq; ++i) d.q[i] = T(m.neutral()[i]);
+  for (Index i = 0; i < m.n.nv; ++i) d.v[i] = d.a[i] = d.tau_applied[i] = T(0);
+  for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
+  d.time[0] = T(0);
+  for (Index i = 0; i < sweep_room(m.n.angles); ++i) d.angle[i] = T(0);
+  d.R[0] = Mat3<T>::identity();
+  for (Vec3<T>* x : {d.p, d.r, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac})
+    if (x) x[0] = Vec3<T>::zero();
+  for (auto& v : d.version) v = 1;
+  for (auto& v : d.valid) v = false;
+}
+
+}  // namespace dyn

@@ -1,0 +1,23 @@
+// Robot files to models. Host side.
+#pragma once
+
+#include "dyn/model/builder.hpp"
+
+namespace dyn {
+
+struct LoadOptions {
+  dynBase base = DYN_BASE_UNSPECIFIED;
+  bool strict = false;
+  bool cos_sin = false;
+  std::vector<std::string> package_dirs;
+  std::array<double, 3> gravity = {0, 0, -9.81};
+};
+
+// Content decides the format. Throws Error with file, line, element and remedy.
+ModelPtr load_file(const std::string& path, const LoadOptions& options);
+ModelPtr load_string(const std::string& text, const LoadOptions& options);
+
+// URDF text; file names messages ("robot.urdf:12: ...") and is the base of relative mesh paths.
+ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadOptions& options);
+
+}  // namespace dyn

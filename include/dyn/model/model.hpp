@@ -1,0 +1,87 @@
+// The compiled model: one block of plain values. The header below lies at its start; arrays are found by offsets, so the
+// block can be copied, mapped, or sent to another process as it is.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "dyn.h"
+#include "dyn/model/body.hpp"
+
+namespace dyn {
+
+struct Run {
+  BodyType type;
+  Index first, last;  // bodies [first, last)
+};
+
+struct JointRecord {
+  Mat3<double> C;  // axes of the joint's own frame in the last body's internal frame (same origin)
+  Index name;      // offset in text
+  dynJointType type;
+  Index parent;
+  Index first_body, last_body;  // both included; of the universe: 0, 0
+  Index idx_q, idx_v, nq, nv;
+  Index leader;  // or -1
+  double ratio, offset;
+  double axis[3], axis2[3], pitch;
+  double placement[12];
+};
+
+struct FrameRecord {
+  SE3<double> X;  // in the body's internal frame
+  Index name;
+  dynFrameType type;
+  Index joint, body;
+  double placement[12];  // in the joint's frame
+  double mass, com[3], inertia[9];
+};
+
+struct ShapeRecord {
+  Index name, mesh;
+  dynShapeType type;
+  dynShapeRole role;
+  Index frame;
+  double placement[12], size[3];
+};
+
+struct ReportRecord {
+  dynReportLevel level;
+  Index line, message;
+};
+
+struct ModelSizes {
+  Index nq, nv;    // the user's coordinates
+  Index nqx, nvx;  // expanded: followers of a mimic have their own
+  Index bodies, runs, angles, joints, frames, links, shapes, reports, configurations, text;
+};
+
+struct Model {
+  static constexpr std::uint64_t magic_value = 0x31304c444f4d5944u;  // "DYMODL01"
+
+  std::uint64_t magic;
+  std::uint64_t bytes;
+  std::uint64_t id;  // differs between any two models made in one process
+  ModelSizes n;
+  Index model_name;  // offset in text
+  Index has_mimic;   // 1: some joint follows another
+  double gravity[3];
+  double total_mass;
+
+  enum class Field : Index {
+#define FIELD(type, name, count, sentence) name,
+#include "dyn/model/model_fields.def"
+#undef FIELD
+    count_
+  };
+  std::uint64_t offset[std::size_t(Field::count_)];
+
+#define FIELD(type, name, count, sentence) \
+  const type* name() const { return reinterpret_cast<const type*>(reinterpret_cast<const char*>(this) + offset[std::size_t(Field::name)]); }
+#include "dyn/model/model_fields.def"
+#undef FIELD
+
+  const char* string(Index at) const { return text() + at; }
+};
+
+}  // namespace dyn

@@ -1,0 +1,213 @@
+// Exponentials and logarithms of SO(3) and SE(3), and their Jacobians; right through the angles 0 and pi.
+// Angles below one use the power series of each coefficient: the closed forms cancel there.
+// Sources: Murray, Li, Sastry 1994, 2.3; Barfoot 2017, 7.1 (left Jacobians; here the right ones: arguments negated).
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "dyn/spatial/quaternion.hpp"
+#include "dyn/spatial/se3.hpp"
+
+namespace dyn {
+
+namespace detail {
+
+// sum over k of (-x)^k c_k with c_0 = first and c_{k+1} / c_k = ratio(k), to the last bit
+template <class T, class Ratio>
+inline T alternating_series(T x, T first, Ratio ratio) {
+  using std::abs;
+  T term = first, sum = first;
+  for (int k = 0; k < 60; ++k) {
+    term = term * (-x * ratio(k));
+    sum = sum + term;
+    if (abs(term) <= std::numeric_limits<T>::epsilon() * T(0.125) * abs(sum)) break;
+  }
+  return sum;
+}
+
+}  // namespace detail
+
+// Coefficients of the rotation vector w, t = |w|.
+template <class T>
+struct ExpCoefficients {
+  T t2, t;
+  T a;  // sin t / t
+  T b;  // (1 - cos t) / t^2
+  T c;  // (t - sin t) / t^3
+};
+
+template <class T>
+inline ExpCoefficients<T> exp_coefficients(const Vec3<T>& w) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  ExpCoefficients<T> e;
+  e.t2 = dot(w, w);
+  e.t = sqrt(e.t2);
+  if (e.t2 < T(1)) {
+    using detail::alternating_series;
+    e.a = alternating_series(e.t2, T(1), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 3)); });
+    e.b = alternating_series(e.t2, T(0.5), [](int k) { return T(1) / T((2 * k + 3) * (2 * k + 4)); });
+    e.c = alternating_series(e.t2, T(1) / T(6), [](int k) { return T(1) / T((2 * k + 4) * (2 * k + 5)); });
+  } else {
+    const T s = sin(e.t), half = sin(e.t * T(0.5));
+    e.a = s / e.t;
+    e.b = T(2) * half * half / e.t2;
+    e.c = (e.t - s) / (e.t2 * e.t);
+  }
+  return e;
+}
+
+// exp of w: a rotation by |w| about w
+template <class T>
+inline Quaternion<T> exp_quaternion(const Vec3<T>& w) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  const T t2 = dot(w, w);
+  if (t2 < T(1)) {
+    const auto e = exp_coefficients(w * T(0.5));
+    const T half2 = t2 * T(0.25);
+    // cos h = 1 - h^2 b
+    return {w * (T(0.5) * e.a), T(1) - half2 * e.b};
+  }
+  const T t = sqrt(t2), h = t * T(0.5);
+  return {w * (sin(h) / t), cos(h)};
+}
+
+template <class T>
+inline Mat3<T> exp3(const Vec3<T>& w) {
+  return rotation(exp_quaternion(w));
+}
+
+// Rotation vector of a unit quaternion, norm in [0, pi]. By atan2: right near 0 and near pi.
+template <class T>
+inline Vec3<T> log_quaternion(const Quaternion<T>& a) {
+  using std::atan2;
+  using std::sqrt;
+  const T s = a.w < T(0) ? T(-1) : T(1);
+  const T w = s * a.w;
+  // the largest component is divided out so that tiny rotations (1e-160) keep their direction
+  T big = T(0);
+  for (int i = 0; i < 3; ++i) {
+    const T x = a.v[i] < T(0) ? -a.v[i] : a.v[i];
+    if (x > big) big = x;
+  }
+  if (big == T(0)) return Vec3<T>::zero();
+  const Vec3<T> u = Vec3<T>::make(a.v[0] / big, a.v[1] / big, a.v[2] / big);
+  const T n = sqrt(dot(u, u)), norm = n * big;
+  const T ratio = norm < T(1e-9) * w ? T(2) / w : T(2) * atan2(norm, w) / norm;
+  return a.v * (s * ratio);
+}
+
+template <class T>
+inline Vec3<T> log3(const Mat3<T>& R) {
+  return log_quaternion(quaternion(R));
+}
+
+// Right Jacobian of exp: exp(w + dw) = exp(w) exp(Jexp3(w) dw). J = 1 - b [w] + c [w]^2
+template <class T>
+inline Mat3<T> Jexp3(const Vec3<T>& w) {
+  const auto e = exp_coefficients(w);
+  // [w]^2 = w w^T - t^2
+  const T d = T(1) - e.c * e.t2;
+  return Mat3<T>::diagonal(d, d, d) + outer(w, w) * e.c - skew(w) * e.b;
+}
+
+// (1 - h cot h) / t^2 with h = t / 2
+template <class T>
+inline T log_coefficient(T t2) {
+  using std::sqrt;
+  using std::tan;
+  if (t2 < T(1)) {
+    // (sin h - h cos h) / h^3 over 4 sin h / h: neither series cancels
+    const T h2 = t2 * T(0.25);
+    const T numerator = detail::alternating_series(h2, T(1) / T(3), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 5)); });
+    const T sinc = detail::alternating_series(h2, T(1), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 3)); });
+    return numerator / (T(4) * sinc);
+  }
+  const T h = sqrt(t2) * T(0.5);
+  return (T(1) - h / tan(h)) / t2;
+}
+
+// Inverse of Jexp3 at w = log3(R): Jlog = 1 + [w]/2 + k [w]^2
+template <class T>
+inline Mat3<T> Jlog3(const Vec3<T>& w) {
+  const T t2 = dot(w, w), k = log_coefficient(t2), d = T(1) - k * t2;
+  return Mat3<T>::diagonal(d, d, d) + outer(w, w) * k + skew(w) * T(0.5);
+}
+
+// exp of a twist [linear; angular]: the pose after one second of the constant body velocity m
+template <class T>
+inline SE3<T> exp6(const Motion<T>& m) {
+  const auto e = exp_coefficients(m.angular);
+  const Vec3<T>& w = m.angular;
+  // V m = (1 + b [w] + c [w]^2) m
+  const Vec3<T> wv = cross(w, m.linear);
+  return {exp3(w), m.linear + wv * e.b + cross(w, wv) * e.c};
+}
+
+// Twist of a pose; angular part with norm in [0, pi].
+template <class T>
+inline Motion<T> log6(const Quaternion<T>& rotation, const Vec3<T>& p) {
+  const Vec3<T> w = log_quaternion(rotation);
+  const T k = log_coefficient(dot(w, w));
+  const Vec3<T> wp = cross(w, p);
+  return {p - wp * T(0.5) + cross(w, wp) * k, w};
+}
+template <class T>
+inline Motion<T> log6(const SE3<T>& X) {
+  return log6(quaternion(X.R), X.p);
+}
+
+// A 6 x 6 matrix in 3 x 3 blocks.
+template <class T>
+struct Mat6 {
+  Mat3<T> ll, la, al, aa;  // linear-linear, linear-angular, angular-linear, angular-angular
+  friend DYN_INLINE Motion<T> operator*(const Mat6& A, const Motion<T>& m) {
+    return {A.ll * m.linear + A.la * m.angular, A.al * m.linear + A.aa * m.angular};
+  }
+};
+
+namespace detail {
+
+// The linear-angular block of the right Jacobian of exp6 (Barfoot 2017, 7.86, arguments negated).
+template <class T>
+inline Mat3<T> Jexp6_block(const Vec3<T>& rho, const Vec3<T>& w) {
+  using std::cos;
+  using std::sin;
+  const auto e = exp_coefficients(w);
+  T d, f;  // (t^2 + 2 cos t - 2) / (2 t^4) and (2 t - 3 sin t + t cos t) / (2 t^5)
+  if (e.t2 < T(4)) {
+    d = alternating_series(e.t2, T(1) / T(24), [](int k) { return T(1) / T((2 * k + 5) * (2 * k + 6)); });
+    // coefficients (k + 1) / (2 k + 5)!
+    f = alternating_series(e.t2, T(1) / T(120), [](int k) { return T(k + 2) / T((k + 1) * (2 * k + 6) * (2 * k + 7)); });
+  } else {
+    const T s = sin(e.t), co = cos(e.t);
+    d = (e.t2 + T(2) * co - T(2)) / (T(2) * e.t2 * e.t2);
+    f = (T(2) * e.t - T(3) * s + e.t * co) / (T(2) * e.t2 * e.t2 * e.t);
+  }
+  const Mat3<T> W = skew(-w), P = skew(-rho);
+  const Mat3<T> WP = W * P, PW = P * W, WPW = WP * W;
+  return P * T(0.5) + (WP + PW + WPW) * e.c + (W * WP + PW * W - WPW * T(3)) * d + (WPW * W + W * WPW) * f;
+}
+
+}  // namespace detail
+
+// Right Jacobian of exp6: exp6(m + dm) = exp6(m) exp6(Jexp6(m) dm).
+template <class T>
+inline Mat6<T> Jexp6(const Motion<T>& m) {
+  const Mat3<T> J = Jexp3(m.angular);
+  return {J, detail::Jexp6_block(m.linear, m.angular), Mat3<T>::zero(), J};
+}
+
+// Its inverse at m = log6(X).
+template <class T>
+inline Mat6<T> Jlog6(const Motion<T>& m) {
+  const Mat3<T> J = Jlog3(m.angular);
+  const Mat3<T> Q = detail::Jexp6_block(m.linear, m.angular);
+  return {J, (J * Q * J) * T(-1), Mat3<T>::zero(), J};
+}
+
+}  // namespace dyn

@@ -1,0 +1,87 @@
+// 3-vectors. Vec3<double> fills four lanes (the fourth is always 0), so that a sum or a product by a scalar is one
+// instruction; every other scalar (references in long double, __float128) uses three plain numbers.
+#pragma once
+
+#include <type_traits>
+
+#include "dyn/base/types.hpp"
+
+namespace dyn {
+
+template <class T>
+struct Vec3 {
+  T v[3];
+
+  static DYN_INLINE Vec3 zero() { return {{T(0), T(0), T(0)}}; }
+  static DYN_INLINE Vec3 make(T x, T y, T z) { return {{x, y, z}}; }
+  DYN_INLINE T operator[](int i) const { return v[i]; }
+
+  friend DYN_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) { return make(a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2]); }
+  friend DYN_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) { return make(a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2]); }
+  friend DYN_INLINE Vec3 operator*(const Vec3& a, T s) { return make(a.v[0] * s, a.v[1] * s, a.v[2] * s); }
+  friend DYN_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
+    return make(a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2], a.v[0] * b.v[1] - a.v[1] * b.v[0]);
+  }
+  friend DYN_INLINE T dot(const Vec3& a, const Vec3& b) { return a.v[0] * b.v[0] + a.v[1] * b.v[1] + a.v[2] * b.v[2]; }
+};
+
+#if DYN_LANES == 4
+template <>
+struct Vec3<double> {
+  typedef double Lanes __attribute__((vector_size(32)));
+  Lanes v;
+
+  static DYN_INLINE Vec3 zero() { return {Lanes{0, 0, 0, 0}}; }
+  static DYN_INLINE Vec3 make(double x, double y, double z) { return {Lanes{x, y, z, 0}}; }
+  DYN_INLINE double operator[](int i) const { return v[i]; }
+
+  friend DYN_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.v + b.v}; }
+  friend DYN_INLINE Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.v - b.v}; }
+  friend DYN_INLINE Vec3 operator*(const Vec3& a, double s) { return {a.v * s}; }
+  // a x b = (a * b_yzx - a_yzx * b)_yzx: three shuffles
+  friend DYN_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
+    const Lanes ar = __builtin_shufflevector(a.v, a.v, 1, 2, 0, 3);
+    const Lanes br = __builtin_shufflevector(b.v, b.v, 1, 2, 0, 3);
+    const Lanes c = a.v * br - ar * b.v;
+    return {__builtin_shufflevector(c, c, 1, 2, 0, 3)};
+  }
+  friend DYN_INLINE double dot(const Vec3& a, const Vec3& b) {
+    const Lanes p = a.v * b.v;
+    return p[0] + p[1] + p[2];
+  }
+};
+#endif
+
+template <class T>
+DYN_INLINE Vec3<T> operator*(T s, const Vec3<T>& a) {
+  return a * s;
+}
+template <class T>
+DYN_INLINE Vec3<T> operator-(const Vec3<T>& a) {
+  return Vec3<T>::zero() - a;
+}
+template <class T>
+DYN_INLINE Vec3<T>& operator+=(Vec3<T>& a, const Vec3<T>& b) {
+  return a = a + b;
+}
+template <class T>
+DYN_INLINE Vec3<T>& operator-=(Vec3<T>& a, const Vec3<T>& b) {
+  return a = a - b;
+}
+template <class T>
+DYN_INLINE Vec3<T> load3(const T* p) {
+  return Vec3<T>::make(p[0], p[1], p[2]);
+}
+template <class T>
+DYN_INLINE void store3(const Vec3<T>& a, T* p) {
+  p[0] = a[0], p[1] = a[1], p[2] = a[2];
+}
+template <class To, class From>
+DYN_INLINE Vec3<To> cast(const Vec3<From>& a) {
+  if constexpr (std::is_same_v<To, From>)
+    return a;
+  else
+    return Vec3<To>::make(To(a[0]), To(a[1]), To(a[2]));
+}
+
+}  // namespace dyn

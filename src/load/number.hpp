@@ -1,0 +1,15 @@
+// Text to double, the same under every locale.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace dyn::load {
+
+// The whole token must be one finite decimal number. Returns "" or what is wrong with it.
+std::string parse_number(std::string_view token, double& value);
+// Parts between spaces, tabs and line ends.
+std::vector<std::string_view> split(std::string_view text);
+
+}  // namespace dyn::load

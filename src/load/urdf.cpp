@@ -1,0 +1,62 @@
+// URDF to model: read, check, read again, build.
+#include "urdf_robot.hpp"
+
+namespace dyn {
+
+namespace {
+
+using namespace load;
+
+// The builder's own refusals, with the file's line in front.
+template <class Call>
+auto located(const Report& report, int line, const Call& call) {
+  try {
+    return call();
+  } catch (const Error& e) {
+    report.fail(e.status, line, e.what());
+  }
+}
+
+void add_link(Builder& builder, const UrdfLink& link, const Parent& carrier, const Report& report) {
+  located(report, link.inertial_line ? link.inertial_line : link.line,
+          [&] { builder.body(link.name, carrier, identity_placement, link.mass, link.com, link.inertia); });
+  for (const UrdfShape& s : link.shapes) located(report, s.line, [&] { builder.shape(s.shape); });
+}
+
+}  // namespace
+
+ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadOptions& options) {
+  Report report(file, options.strict);
+  check_xml(text, report);
+  UrdfRobot robot = read_urdf(Document(text, report).root(), report, options);
+  const UrdfTree tree = check_tree(robot, report);
+  check_mimic(robot, report);
+  const bool floating = floating_base(robot, tree, options.base, report);
+  for (UrdfLink& link : robot.links) check_inertia(link, report);
+  check_welded_inertia(robot, tree, !floating, report);
+  check_moving_mass(robot, tree, report);
+  compare_with_urdfdom(text, robot, tree, report);
+  const auto entries = report.finish();
+
+  Builder builder(robot.name);
+  located(report, 0, [&] { builder.gravity(options.gravity); });
+  Parent base;
+  if (floating) {
+    JointSpec free;
+    free.name = "root_joint";
+    free.type = DYN_JOINT_FREE_FLYER;
+    located(report, robot.links[tree.root].line, [&] { builder.joint(free); });
+    base = {free.name, DYN_FRAME_JOINT};
+  }
+  add_link(builder, robot.links[tree.root], base, report);
+  for (int i : tree.order) {
+    UrdfJoint& joint = robot.joints[i];
+    joint.spec.parent = {joint.parent, DYN_FRAME_BODY};
+    located(report, joint.line, [&] { builder.joint(joint.spec); });
+    add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_JOINT | DYN_FRAME_FIXED_JOINT}, report);
+  }
+  for (const Report::Entry& e : entries) builder.report(e.level, e.line, e.message);
+  return located(report, 0, [&] { return builder.finish(); });
+}
+
+}  // namespace dyn

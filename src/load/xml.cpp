@@ -1,0 +1,181 @@
+#include "xml.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace dyn::load {
+
+namespace {
+
+constexpr int max_depth = 80;             // tinyxml2 stops at 100; real files stay below 20
+constexpr int max_attributes = 64;        // of one element: parsers look for duplicates pairwise
+constexpr size_t max_elements = 5000000;  // about 1 GB in memory
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+constexpr std::string_view name_end = " \t\r\n/>";
+
+// Steps through the markup of a text: comments, declarations, tags.
+struct Markup {
+  enum Kind { end, other, doctype, open, close, unclosed };
+
+  std::string_view text;
+  size_t at = 0;     // where to look on
+  size_t begin = 0;  // of the item found
+  std::string_view name;
+  int attributes = 0;
+  bool empty = false;  // <a/>
+
+  Kind past(std::string_view terminator, Kind kind) {
+    const size_t found = text.find(terminator, at);
+    if (found == text.npos) return unclosed;
+    at = found + terminator.size();
+    return kind;
+  }
+
+  Kind next() {
+    begin = text.find('<', at);
+    if (begin == text.npos) return end;
+    at = begin + 1;
+    const std::string_view rest = text.substr(at);
+    if (rest.starts_with("!--")) return at += 3, past("-->", other);
+    if (rest.starts_with("![CDATA[")) return past("]]>", other);
+    if (rest.starts_with("!")) return doctype;
+    if (rest.starts_with("?")) return past("?>", other);
+    if (rest.starts_with("/")) return past(">", close);
+    return tag();
+  }
+
+  Kind tag() {
+    name = text.substr(at, text.find_first_of(name_end, at) - at);
+    attributes = 0;
+    while ((at = text.find_first_of("\"'>=", at)) != text.npos) {
+      const char c = text[at++];
+      if (c == '>') {
+        empty = text[at - 2] == '/';
+        return open;
+      }
+      if (c == '=') {
+        ++attributes;
+      } else if ((at = text.find(c, at)) == text.npos) {
+        break;  // a quote that never closes
+      } else {
+        ++at;
+      }
+    }
+    at = text.size();
+    return unclosed;
+  }
+};
+
+int line_at(std::string_view text, size_t at) {
+  return 1 + int(std::count(text.begin(), text.begin() + std::min(at, text.size()), '\n'));
+}
+
+}  // namespace
+
+void check_xml(const std::string& text, const Report& report) {
+  const auto fail = [&](dynStatus status, size_t at, const std::string& message) {
+    report.fail(status, line_at(text, at), message);
+  };
+  if (text.size() > max_file_bytes)
+    report.fail(DYN_ERROR_LIMIT, 0,
+                std::to_string(text.size()) + " bytes, and the limit is " + std::to_string(max_file_bytes) + " bytes");
+  if (const size_t zero = text.find('\0'); zero != text.npos) fail(DYN_ERROR_PARSE, zero, "zero byte: this is not a text file");
+
+  Markup m;
+  m.text = text;
+  size_t elements = 0;
+  int depth = 0;
+  for (;;) {
+    switch (m.next()) {
+      case Markup::end:
+        return;
+      case Markup::other:
+        break;
+      case Markup::doctype:
+        fail(DYN_ERROR_PARSE, m.begin, "document types and entities (<!...>) are not allowed: remove the declaration");
+        break;
+      case Markup::unclosed:
+        fail(DYN_ERROR_PARSE, m.begin, "what begins here is never closed: the file is cut off or a quote is missing");
+        break;
+      case Markup::close:
+        --depth;
+        break;
+      case Markup::open:
+        if (++elements > max_elements)
+          fail(DYN_ERROR_LIMIT, m.begin, "more than " + std::to_string(max_elements) + " elements, which is the limit");
+        if (m.attributes > max_attributes)
+          fail(DYN_ERROR_LIMIT, m.begin,
+               "an element has more than " + std::to_string(max_attributes) + " attributes, which is the limit");
+        if (m.name.starts_with("xacro:"))
+          fail(DYN_ERROR_UNSUPPORTED, m.begin,
+               "<" + std::string(m.name.substr(0, 60)) +
+                   "> is a xacro macro: run xacro first (xacro FILE > robot.urdf) and load its output");
+        if (!m.empty && ++depth > max_depth)
+          fail(DYN_ERROR_LIMIT, m.begin,
+               "elements are nested more than " + std::to_string(max_depth) + " deep, which is the limit");
+    }
+  }
+}
+
+std::string root_element(const std::string& text) {
+  Markup m;
+  m.text = text;
+  for (;;) {
+    switch (m.next()) {
+      case Markup::open:
+        return std::string(m.name.substr(0, 100));
+      case Markup::other:
+        break;
+      case Markup::doctype:
+        m.past(">", Markup::other);
+        break;
+      default:
+        return "";
+    }
+  }
+}
+
+Document::Document(const std::string& text, const Report& report) : xml_(true, tinyxml2::PRESERVE_WHITESPACE) {
+  std::string_view body = text;
+  if (body.starts_with(byte_order_mark)) body.remove_prefix(byte_order_mark.size());
+  if (xml_.Parse(body.data(), body.size()) != tinyxml2::XML_SUCCESS) {
+    const char* what = "malformed XML";
+    switch (xml_.ErrorID()) {
+      case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
+        what = "no XML element";
+        break;
+      case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
+        what = "an element is closed by another's end tag, or never";
+        break;
+      case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+        what = "malformed or repeated attribute";
+        break;
+      case tinyxml2::XML_ERROR_PARSING_ELEMENT:
+        what = "malformed element";
+        break;
+      case tinyxml2::XML_ERROR_PARSING_TEXT:
+        what = "malformed text, or an element that is never closed";
+        break;
+      case tinyxml2::XML_ERROR_PARSING_COMMENT:
+        what = "malformed comment";
+        break;
+      case tinyxml2::XML_ERROR_PARSING_DECLARATION:
+        what = "malformed or misplaced <?...?> declaration";
+        break;
+      case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
+        report.fail(DYN_ERROR_LIMIT, xml_.ErrorLineNum(), "elements are nested too deep");
+      default:
+        break;
+    }
+    report.fail(DYN_ERROR_PARSE, xml_.ErrorLineNum(), what);
+  }
+  const Element* root = xml_.RootElement();
+  if (!root) report.fail(DYN_ERROR_PARSE, 0, "no XML element");
+  for (const tinyxml2::XMLNode* n = xml_.FirstChild(); n; n = n->NextSibling()) {
+    const bool stray_text = n->ToText() && std::string_view(n->Value()).find_first_not_of(" \t\r\n") != std::string_view::npos;
+    if (stray_text || (n->ToElement() && n != root))
+      report.fail(DYN_ERROR_PARSE, n->GetLineNum(), "something stands outside the root element, which XML does not allow");
+  }
+}
+
+}  // namespace dyn::load

@@ -1,0 +1,282 @@
+#include "dyn/model/builder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <charconv>
+
+#include "builder_impl.hpp"
+
+namespace dyn {
+
+std::string number(double x) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, x, std::chars_format::general, 6).ptr;
+  return std::string(text, end);
+}
+
+int joint_nq(dynJointType type) {
+  switch (type) {
+    case DYN_JOINT_REVOLUTE: case DYN_JOINT_CONTINUOUS: case DYN_JOINT_PRISMATIC: case DYN_JOINT_HELICAL: return 1;
+    case DYN_JOINT_CYLINDRICAL: case DYN_JOINT_UNIVERSAL: case DYN_JOINT_REVOLUTE_UNBOUNDED: return 2;
+    case DYN_JOINT_SPHERICAL_ZYX: case DYN_JOINT_PLANAR: case DYN_JOINT_TRANSLATION: return 3;
+    case DYN_JOINT_SPHERICAL: return 4;
+    case DYN_JOINT_FREE_FLYER: return 7;
+    case DYN_JOINT_FIXED: case DYN_JOINT_COMPOSITE: break;
+  }
+  return 0;
+}
+
+int joint_nv(dynJointType type) {
+  switch (type) {
+    case DYN_JOINT_REVOLUTE_UNBOUNDED: return 1;
+    case DYN_JOINT_SPHERICAL: return 3;
+    case DYN_JOINT_FREE_FLYER: return 6;
+    default: return joint_nq(type);
+  }
+}
+
+const char* joint_type_name(dynJointType type) {
+  static constexpr const char* names[] = {"fixed", "revolute", "continuous", "prismatic", "helical", "cylindrical", "universal",
+                                          "spherical", "spherical_zyx", "planar", "translation", "free_flyer", "composite",
+                                          "revolute_unbounded"};
+  return type >= 0 && std::size_t(type) < std::size(names) ? names[type] : "unknown";
+}
+
+// A rotation that takes z to the unit vector a, by the smallest angle; about x when a = -z.
+Mat3<double> z_to(const Axis& a) {
+  if (a[0] == 0 && a[1] == 0) return a[2] > 0 ? Mat3<double>::identity() : Mat3<double>::diagonal(1, -1, -1);
+  const Vec3<double> w = Vec3<double>::make(-a[1], a[0], 0);  // z x a
+  const double s = std::hypot(a[0], a[1]);
+  return exp3(w * (std::atan2(s, a[2]) / s));
+}
+
+namespace {
+
+[[noreturn]] void refuse(dynStatus status, const std::string& message) { throw Error(status, message); }
+
+void check_name(const std::string& what, const std::string& name) {
+  if (name.empty()) refuse(DYN_ERROR_ARGUMENT, what + " has no name: give one");
+  if (name.find('\0') != std::string::npos) refuse(DYN_ERROR_ARGUMENT, what + " '" + name + "': the name holds a zero byte");
+}
+
+void check_finite(const std::string& where, const double* x, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i)
+    if (!std::isfinite(x[i])) refuse(DYN_ERROR_NONFINITE, where + "[" + std::to_string(i) + "] is " + number(x[i]) + ": give a finite number");
+}
+
+SE3<double> check_placement(const std::string& where, const Placement& x) {
+  check_finite(where + ": placement", x.data(), 12);
+  const SE3<double> X = load_se3(x.data());
+  const Mat3<double> E = transpose(X.R) * X.R - Mat3<double>::identity();
+  double worst = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) worst = std::max(worst, std::abs(E(i, j)));
+  if (worst > 1e-6 || dot(cross(X.R.x, X.R.y), X.R.z) < 0)
+    refuse(DYN_ERROR_INVALID, where + ": placement is not a rotation (off by " + number(worst) + "): give an orthonormal right-handed matrix by columns");
+  return {rotation(quaternion(X.R)), X.p};  // orthonormal to the last bit
+}
+
+Axis check_axis(const std::string& where, const Axis& a) {
+  check_finite(where, a.data(), 3);
+  const double big = std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])});
+  if (big == 0) refuse(DYN_ERROR_INVALID, where + " is zero: give a direction such as (0, 0, 1)");
+  const double x = a[0] / big, y = a[1] / big, z = a[2] / big, n = std::sqrt(x * x + y * y + z * z);
+  return {x / n, y / n, z / n};
+}
+
+Axis column(const Mat3<double>& A, int k) { return {A(0, k), A(1, k), A(2, k)}; }
+
+void check_vector(const std::string& where, const char* what, const std::vector<double>& x, int n, double minimum) {
+  if (x.empty()) return;
+  if (int(x.size()) != n)
+    refuse(DYN_ERROR_SIZE, where + ": " + what + " has " + std::to_string(x.size()) + " numbers, needs " + std::to_string(n));
+  for (double value : x) {
+    if (std::isnan(value)) refuse(DYN_ERROR_NONFINITE, where + ": " + what + " is NaN: give a number");
+    if (value < minimum) refuse(DYN_ERROR_INVALID, where + ": " + what + " is " + number(value) + ": it can't be negative");
+  }
+}
+
+// Elements of a spec in order, each with the frame of its part in the joint's frame at the neutral configuration.
+struct PlacedElement {
+  SE3<double> before;  // from the previous element's user frame
+  Element element;
+};
+void append_elements(const std::string& where, const JointSpec& s, const SE3<double>& before, std::vector<PlacedElement>& out) {
+  if (s.type == DYN_JOINT_COMPOSITE) {
+    if (s.parts.empty()) refuse(DYN_ERROR_ARGUMENT, where + ": a composite joint needs at least one part");
+    SE3<double> next = before;
+    for (std::size_t k = 0; k < s.parts.size(); ++k) {
+      const std::string part = where + ", part " + std::to_string(k);
+      if (out.size() > 1000) refuse(DYN_ERROR_LIMIT, part + ": more than 1000 primitive joints in one composite");
+      const JointSpec& p = s.parts[k];
+      const SE3<double> X = check_placement(part, p.placement);
+      if (p.type == DYN_JOINT_FIXED) {
+        next = next * X;
+        continue;
+      }
+      append_elements(part, p, next * X, out);
+      next = SE3<double>::identity();
+    }
+    if (next.p[0] != 0 || next.p[1] != 0 || next.p[2] != 0 || next.R(0, 0) != 1 || next.R(1, 1) != 1)
+      refuse(DYN_ERROR_INVALID, where + ": a composite joint can't end with a fixed part: put its placement on the bodies");
+    return;
+  }
+  const bool needs_axis2 = s.type == DYN_JOINT_UNIVERSAL;
+  const Axis axis = check_axis(where + ": axis", s.axis);
+  const Axis axis2 = needs_axis2 ? check_axis(where + ": axis2", s.axis2) : Axis{1, 0, 0};
+  if (needs_axis2 && std::abs(axis[0] * axis2[0] + axis[1] * axis2[1] + axis[2] * axis2[2]) > 1 - 1e-12)
+    refuse(DYN_ERROR_INVALID, where + ": axis and axis2 are parallel: a universal joint needs two directions");
+  if (!std::isfinite(s.pitch)) refuse(DYN_ERROR_NONFINITE, where + ": pitch is " + number(s.pitch) + ": give metres per radian");
+  const Mat3<double> Z = z_to(axis);
+  const auto elements = chain_elements(s.type, axis, axis2, column(Z, 0), column(Z, 1), s.pitch);
+  if (elements.empty()) refuse(DYN_ERROR_ARGUMENT, where + ": unknown joint type " + std::to_string(int(s.type)));
+  for (std::size_t k = 0; k < elements.size(); ++k) out.push_back({k == 0 ? before : SE3<double>::identity(), elements[k]});
+}
+
+}  // namespace
+
+int spec_nq(const JointSpec& s) {
+  int n = joint_nq(s.type);
+  for (const JointSpec& p : s.parts) n += spec_nq(p);
+  return n;
+}
+int spec_nv(const JointSpec& s) {
+  int n = joint_nv(s.type);
+  for (const JointSpec& p : s.parts) n += spec_nv(p);
+  return n;
+}
+
+Builder::Builder(std::string name) : impl(std::make_unique<Impl>()) {
+  impl->name = std::move(name);
+  impl->frames.push_back({"universe", DYN_FRAME_OP_FRAME, -1, SE3<double>::identity(), Inertia<double>::zero(), {}, {}, {}});
+  impl->frame_index["universe"].push_back(0);
+}
+Builder::~Builder() = default;
+
+void Builder::gravity(const std::array<double, 3>& g) {
+  check_finite("gravity", g.data(), 3);
+  impl->gravity = g;
+}
+
+int Builder::Impl::find(const Parent& parent, const std::string& who) const {
+  if (parent.name.empty()) return 0;
+  const auto it = frame_index.find(parent.name);
+  if (it != frame_index.end()) {
+    // joints and user frames answer before links
+    int body = -1;
+    for (int k : it->second) {
+      if (parent.types && !(frames[std::size_t(k)].type & parent.types)) continue;
+      if (frames[std::size_t(k)].type != DYN_FRAME_BODY) return k;
+      body = k;
+    }
+    if (body >= 0) return body;
+  }
+  refuse(DYN_ERROR_NAME, who + ": there is no parent '" + parent.name + "': add it first");
+}
+
+void Builder::Impl::add_frame(FrameEntry entry, const std::string& who) {
+  for (int k : frame_index[entry.name])
+    if (frames[std::size_t(k)].type == entry.type || (frames[std::size_t(k)].type != DYN_FRAME_BODY && entry.type != DYN_FRAME_BODY))
+      refuse(DYN_ERROR_NAME, who + ": the name '" + entry.name + "' is taken: choose another");
+  frame_index[entry.name].push_back(int(frames.size()));
+  frames.push_back(std::move(entry));
+}
+
+void Builder::joint(const JointSpec& s) {
+  check_name("joint", s.name);
+  const std::string who = "joint '" + s.name + "'";
+  if (s.name == "universe") refuse(DYN_ERROR_NAME, who + ": the name 'universe' is the world's: choose another");
+  const int parent = impl->find(s.parent, who);
+  const FrameEntry& carrier = impl->frames[std::size_t(parent)];
+  const SE3<double> X = carrier.X * check_placement(who, s.placement);
+  if (s.type == DYN_JOINT_FIXED) {
+    if (!s.mimic.empty()) refuse(DYN_ERROR_INVALID, who + ": a fixed joint can't mimic '" + s.mimic + "'");
+    impl->add_frame({s.name, DYN_FRAME_FIXED_JOINT, carrier.joint, X, Inertia<double>::zero(), {}, {}, {}}, who);
+    return;
+  }
+  JointEntry entry;
+  entry.spec = s;
+  entry.parent = carrier.joint;
+  std::vector<PlacedElement> placed;
+  append_elements(who, s, SE3<double>::identity(), placed);
+  for (PlacedElement& p : placed) entry.elements.push_back({p.before, p.element});
+  entry.placement = X;
+  const int nq = spec_nq(s), nv = spec_nv(s);
+  check_vector(who, "lower limit", s.lower, nq, -HUGE_VAL);
+  check_vector(who, "upper limit", s.upper, nq, -HUGE_VAL);
+  check_vector(who, "velocity limit", s.velocity, nv, 0);
+  check_vector(who, "effort limit", s.effort, nv, 0);
+  check_vector(who, "armature", s.armature, nv, 0);
+  check_vector(who, "damping", s.damping, nv, 0);
+  check_vector(who, "friction", s.friction, nv, 0);
+  for (std::size_t k = 0; k < s.lower.size() && k < s.upper.size(); ++k)
+    if (s.lower[k] > s.upper[k])
+      refuse(DYN_ERROR_INVALID, who + ": lower limit " + number(s.lower[k]) + " exceeds upper limit " + number(s.upper[k]));
+  for (double a : s.armature)
+    if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": armature is " + number(a) + ": give a finite number");
+  if (!std::isfinite(s.rotor_inertia) || !std::isfinite(s.gear_ratio))
+    refuse(DYN_ERROR_NONFINITE, who + ": rotor inertia and gear ratio must be finite");
+  if (s.rotor_inertia < 0) refuse(DYN_ERROR_INVALID, who + ": rotor inertia is " + number(s.rotor_inertia) + ": it can't be negative");
+  if (s.rotor_inertia != 0 && nv != 1) refuse(DYN_ERROR_INVALID, who + ": a rotor inertia needs a joint of one degree of freedom; use armature");
+  if (!s.mimic.empty()) {
+    if (nv != 1 || nq != 1) refuse(DYN_ERROR_INVALID, who + ": only joints of one degree of freedom can mimic; this is " + joint_type_name(s.type));
+    if (!std::isfinite(s.mimic_ratio) || !std::isfinite(s.mimic_offset))
+      refuse(DYN_ERROR_NONFINITE, who + ": mimic ratio " + number(s.mimic_ratio) + " and offset " + number(s.mimic_offset) + " must be finite");
+    if (s.mimic == s.name) refuse(DYN_ERROR_INVALID, who + ": it mimics itself: name another joint");
+  }
+  const int index = int(impl->joints.size());
+  impl->add_frame({s.name, DYN_FRAME_JOINT, index, SE3<double>::identity(), Inertia<double>::zero(), {}, {}, {}}, who);
+  impl->joints.push_back(std::move(entry));
+}
+
+void Builder::body(const std::string& name, const Parent& parent, const Placement& placement, double mass,
+                   const std::array<double, 3>& com, const std::array<double, 9>& inertia) {
+  check_name("body", name);
+  const std::string who = "body '" + name + "'";
+  const FrameEntry& carrier = impl->frames[std::size_t(impl->find(parent, who))];
+  const SE3<double> X = carrier.X * check_placement(who, placement);
+  if (!std::isfinite(mass)) refuse(DYN_ERROR_NONFINITE, who + ": mass is " + number(mass) + ": give a finite number");
+  if (mass < 0) refuse(DYN_ERROR_INVALID, who + ": mass is " + number(mass) + " kg: it can't be negative");
+  check_finite(who + ": com", com.data(), 3);
+  check_finite(who + ": inertia", inertia.data(), 9);
+  double big = 0;
+  for (double x : inertia) big = std::max(big, std::abs(x));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < i; ++j)
+      if (std::abs(inertia[std::size_t(i + 3 * j)] - inertia[std::size_t(j + 3 * i)]) > 1e-9 * big)
+        refuse(DYN_ERROR_INVALID, who + ": inertia is not symmetric");
+  const Inertia<double> Y = Inertia<double>::at_com(mass, load3(com.data()), load33(inertia.data()));
+  FrameEntry entry{name, DYN_FRAME_BODY, carrier.joint, X, act(X, Y), {}, {}, {}};
+  entry.mass = mass, entry.com = com, entry.inertia = inertia;
+  impl->add_frame(std::move(entry), who);
+}
+
+void Builder::frame(const std::string& name, const Parent& parent, const Placement& placement, dynFrameType type) {
+  check_name("frame", name);
+  const std::string who = "frame '" + name + "'";
+  if (type != DYN_FRAME_OP_FRAME && type != DYN_FRAME_SENSOR)
+    refuse(DYN_ERROR_ARGUMENT, who + ": type must be OP_FRAME or SENSOR; joints and bodies bring their own frames");
+  const FrameEntry& carrier = impl->frames[std::size_t(impl->find(parent, who))];
+  impl->add_frame({name, type, carrier.joint, carrier.X * check_placement(who, placement), Inertia<double>::zero(), {}, {}, {}}, who);
+}
+
+void Builder::shape(const Shape& shape) {
+  const std::string who = "shape of body '" + shape.body + "'";
+  ShapeEntry entry{shape, impl->find({shape.body, DYN_FRAME_BODY}, who)};
+  check_placement(who, shape.placement);
+  check_finite(who + ": size", shape.size.data(), 3);
+  impl->shapes.push_back(std::move(entry));
+}
+
+void Builder::configuration(const std::string& name, const std::vector<double>& q) {
+  check_name("configuration", name);
+  if (name == "neutral") refuse(DYN_ERROR_NAME, "configuration 'neutral' is always there: choose another name");
+  check_finite("configuration '" + name + "'", q.data(), q.size());
+  for (auto& [existing, value] : impl->configurations)
+    if (existing == name) refuse(DYN_ERROR_NAME, "configuration '" + name + "' is there already: choose another name");
+  impl->configurations.push_back({name, q});
+}
+
+void Builder::report(dynReportLevel level, int line, const std::string& message) { impl->reports.push_back({level, line, message}); }
+
+}  // namespace dyn

@@ -1,0 +1,66 @@
+// What a builder has collected.
+#pragma once
+
+#include <map>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "dyn/joint/chain.hpp"
+#include "dyn/joint/list.hpp"
+#include "dyn/model/builder.hpp"
+#include "dyn/model/model.hpp"
+
+namespace dyn {
+
+struct JointEntry {
+  JointSpec spec;
+  int parent;             // index of the carrying joint, or -1
+  SE3<double> placement;  // in the carrying joint's frame
+  struct Part {
+    SE3<double> before;
+    Element element;
+  };
+  std::vector<Part> elements;
+};
+
+struct FrameEntry {
+  std::string name;
+  dynFrameType type;
+  int joint;                // carrying joint, or -1: the world
+  SE3<double> X;            // in the joint's frame
+  Inertia<double> Y;        // in the joint's frame, about its origin
+  double mass = 0;          // as given, in the frame
+  std::array<double, 3> com{};
+  std::array<double, 9> inertia{};
+};
+
+struct ShapeEntry {
+  Shape shape;
+  int frame;
+};
+
+struct ReportEntry {
+  dynReportLevel level;
+  int line;
+  std::string message;
+};
+
+struct Builder::Impl {
+  std::string name;
+  std::array<double, 3> gravity = {0, 0, -9.81};
+  std::vector<JointEntry> joints;  // in the order of addition: parents first
+  std::vector<FrameEntry> frames;  // 0 is the universe
+  std::unordered_map<std::string, std::vector<int>> frame_index;
+  std::vector<ShapeEntry> shapes;
+  std::vector<std::pair<std::string, std::vector<double>>> configurations;
+  std::vector<ReportEntry> reports;
+
+  int find(const Parent& parent, const std::string& who) const;
+  void add_frame(FrameEntry entry, const std::string& who);
+};
+
+std::string number(double x);          // six digits, independent of the locale
+Mat3<double> z_to(const Axis& a);      // smallest rotation that takes z to the unit vector a
+
+}  // namespace dyn

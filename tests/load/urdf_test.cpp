@@ -1,0 +1,416 @@
+// What a URDF becomes: order, frames, base, joint types, mimic, limits, mass properties, and what the load report says.
+#include "load/urdf.hpp"
+
+#include <clocale>
+#include <cmath>
+#include <thread>
+
+namespace dyn_test {
+namespace {
+
+const std::string ab = link("a") + link("b");
+const double pi = std::acos(-1.0);
+
+TEST(Urdf, JointsDepthFirstInTheOrderOfTheFile) {
+  // names chosen so that any sorting shows
+  const Loaded l = good(robot(link("m") + link("x") + link("c") + link("k") + link("b") + link("z") +    //
+                              joint("j_x", "revolute", "m", "x") + joint("j_z", "revolute", "x", "z") +  //
+                              joint("j_b", "revolute", "m", "b") + joint("j_k", "fixed", "b", "k") +     //
+                              joint("j_c", "revolute", "x", "c")));
+  EXPECT_EQ((std::vector<std::string>{"j_x", "j_z", "j_c", "j_b"}), joint_names(l));
+  // a child joint may stand before its parent joint
+  const Loaded late = good(robot(ab + link("c") + joint("second", "revolute", "b", "c") + joint("first", "revolute", "a", "b")));
+  EXPECT_EQ((std::vector<std::string>{"first", "second"}), joint_names(late));
+}
+
+TEST(Urdf, EveryNameResolves) {
+  const Loaded l =
+      good(robot(ab + link("c") + link("tool", "") + joint("a", "revolute", "a", "b") + joint("weld", "fixed", "b", "c") +
+                 joint("tip", "fixed", "c", "tool", "<origin xyz=\"0 0 0.5\"/>")));
+  EXPECT_EQ(4, dyn_nbodies(l.model.get()));
+  for (const char* name : {"a", "b", "c", "tool"})
+    EXPECT_GT(dyn_frame_id_of_type(l.model.get(), name, DYN_FRAME_BODY), 0) << name;
+  for (const char* name : {"weld", "tip"}) EXPECT_GT(dyn_frame_id_of_type(l.model.get(), name, DYN_FRAME_FIXED_JOINT), 0) << name;
+  EXPECT_EQ(dyn_joint_id(l.model.get(), "a"), frame(l, "tool").joint);
+  EXPECT_EQ(0.5, frame(l, "tool").placement[11]);
+  EXPECT_EQ(0, frame(l, "a").joint);
+  EXPECT_EQ(1.0, frame(l, "c").mass);  // merged, and still its own
+  EXPECT_STREQ("r", dyn_model_name(l.model.get()));
+}
+
+TEST(Urdf, Base) {
+  const std::string text = robot(ab + joint("j", "revolute", "a", "b"));
+  EXPECT_EQ(1, dyn_nv(good(text, Options(DYN_BASE_FIXED)).model.get()));
+  const Loaded floating = good(text, Options(DYN_BASE_FLOATING));
+  EXPECT_EQ(7, dyn_nv(floating.model.get()));
+  EXPECT_EQ((std::vector<std::string>{"root_joint", "j"}), joint_names(floating));
+  EXPECT_EQ(DYN_JOINT_FREE_FLYER, joint(floating, "root_joint").type);
+  EXPECT_EQ(1, frame(floating, "a").joint);
+  EXPECT_EQ(DYN_ERROR_BASE, load(text, Options(DYN_BASE_UNSPECIFIED)).status);
+}
+
+TEST(Urdf, RootWithoutMassIsWelded) {
+  const Options unspecified(DYN_BASE_UNSPECIFIED);
+  const Loaded world = good(robot(link("world", "") + link("a") + joint("j", "revolute", "world", "a")), unspecified);
+  EXPECT_EQ(1, dyn_nv(world.model.get()));
+  EXPECT_TRUE(world.reports("'world' has no mass", DYN_REPORT_INFO, 2));
+  // mass right behind a weld: perhaps a robot that floats
+  const Loaded dummy = good(robot(link("base", "") + link("a") + joint("j", "fixed", "base", "a")), unspecified);
+  EXPECT_TRUE(dummy.reports("DYN_BASE_FLOATING", DYN_REPORT_WARNING, 2));
+  const Loaded free = good(robot(link("base", "") + link("a") + joint("j", "fixed", "base", "a")), Options(DYN_BASE_FLOATING));
+  EXPECT_EQ(6, dyn_nv(free.model.get()));
+}
+
+TEST(Urdf, JointTypes) {
+  const auto type = [](const std::string& name, bool cos_sin = false) {
+    Options o;
+    o.cos_sin = cos_sin;
+    const Loaded l = good(robot(ab + joint("j", name, "a", "b")), o);
+    return l.status == DYN_OK ? joint(l, "j").type : DYN_JOINT_FIXED;
+  };
+  EXPECT_EQ(DYN_JOINT_REVOLUTE, type("revolute"));
+  EXPECT_EQ(DYN_JOINT_CONTINUOUS, type("continuous"));
+  EXPECT_EQ(DYN_JOINT_REVOLUTE_UNBOUNDED, type("continuous", true));
+  EXPECT_EQ(DYN_JOINT_REVOLUTE, type("revolute", true));
+  EXPECT_EQ(DYN_JOINT_PRISMATIC, type("prismatic"));
+  EXPECT_EQ(DYN_JOINT_FREE_FLYER, type("floating"));
+  EXPECT_EQ(DYN_JOINT_PLANAR, type("planar"));
+  EXPECT_EQ(DYN_JOINT_SPHERICAL, type("spherical"));
+  EXPECT_EQ(DYN_JOINT_SPHERICAL, type("ball"));
+  EXPECT_TRUE(
+      good(robot(ab + joint("j", "ball", "a", "b", ""))).reports("'ball' is not in the URDF standard", DYN_REPORT_INFO, 4));
+  EXPECT_EQ(0, dyn_nv(good(robot(ab + joint("j", "fixed", "a", "b"))).model.get()));
+}
+
+TEST(Urdf, PlanarMovesInThePlaneNormalToItsAxis) {
+  const Loaded l = good(robot(ab + joint("j", "planar", "a", "b", "<axis xyz=\"0 2 0\"/>")));
+  EXPECT_EQ(1.0, joint(l, "j").axis[1]);
+  dynData* data = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_data_new(l.model.get(), 0, &data));
+  const double q[3] = {0.3, -0.7, 0.5};
+  ASSERT_EQ(DYN_OK, dyn_forward_kinematics(l.model.get(), data, q, nullptr, nullptr));
+  double X[12];
+  ASSERT_EQ(DYN_OK, dyn_frame_placement(l.model.get(), data, dyn_frame_id_of_type(l.model.get(), "b", DYN_FRAME_BODY), X));
+  EXPECT_NEAR(0, X[10], 1e-15);
+  EXPECT_NEAR(std::hypot(0.3, 0.7), std::hypot(X[9], X[11]), 1e-15);
+  EXPECT_NEAR(1, X[4], 1e-15);  // y stays y
+  dyn_data_free(data);
+}
+
+TEST(Urdf, AxisIsNormalisedAndDefaultsToX) {
+  const Loaded l = good(robot(ab + link("c") + joint("j", "revolute", "a", "b", "<axis xyz=\"0 3 4\"/>" + limit) +
+                              joint("k", "continuous", "b", "c", "")));
+  EXPECT_NEAR(0.6, joint(l, "j").axis[1], 1e-16);
+  EXPECT_NEAR(0.8, joint(l, "j").axis[2], 1e-16);
+  EXPECT_TRUE(l.reports("the axis has length 5 and was normalised", DYN_REPORT_INFO, 5));
+  EXPECT_EQ(1.0, joint(l, "k").axis[0]);
+  EXPECT_TRUE(l.reports("joint 'k' has no <axis>", DYN_REPORT_INFO, 6));
+  // neither overflow nor underflow
+  for (const char* big : {"1e300 1e300 0", "1e-300 1e-300 0"}) {
+    const Loaded b = good(robot(ab + joint("j", "revolute", "a", "b", "<axis xyz=\"" + std::string(big) + "\"/>" + limit)));
+    EXPECT_NEAR(std::sqrt(0.5), joint(b, "j").axis[0], 1e-15);
+  }
+}
+
+TEST(Urdf, Origin) {
+  const Loaded l = good(robot(ab + joint("j", "fixed", "a", "b", "<origin xyz=\"1 2 3\" rpy=\"0.1 0.2 0.3\"/>")));
+  const dynFrameInfo f = frame(l, "b");
+  const double cr = std::cos(0.1), sr = std::sin(0.1), cp = std::cos(0.2), sp = std::sin(0.2), cy = std::cos(0.3),
+               sy = std::sin(0.3);
+  const double X[12] = {cy * cp,
+                        sy * cp,
+                        -sp,
+                        cy * sp * sr - sy * cr,
+                        sy * sp * sr + cy * cr,
+                        cp * sr,
+                        cy * sp * cr + sy * sr,
+                        sy * sp * cr - cy * sr,
+                        cp * cr,
+                        1,
+                        2,
+                        3};
+  for (int i = 0; i < 12; ++i) EXPECT_NEAR(X[i], f.placement[i], 1e-15) << i;
+  const Loaded q = good(robot(ab + joint("j", "fixed", "a", "b", "<origin quat_xyzw=\"0 0 2 2\"/>")));
+  EXPECT_NEAR(1, frame(q, "b").placement[1], 1e-15);  // 90 degrees about z
+}
+
+TEST(Urdf, MassProperties) {
+  const Loaded l = good(
+      robot(link("a", "<inertial><origin xyz=\"1 2 3\" rpy=\"0 0 " + std::to_string(pi / 2) +
+                          "\"/><mass value=\"+2.5e0\"/>"
+                          "<inertia ixx=\"0.3\" ixy=\"0.01\" ixz=\"0.02\" iyy=\"0.4\" iyz=\"0.03\" izz=\"0.5\"/></inertial>")));
+  const dynFrameInfo f = frame(l, "a");
+  EXPECT_EQ(2.5, f.mass);
+  EXPECT_EQ(1, f.com[0]);
+  EXPECT_EQ(2, f.com[1]);
+  EXPECT_EQ(3, f.com[2]);
+  const double turned[9] = {0.4, -0.01, -0.03, -0.01, 0.3, 0.02, -0.03, 0.02, 0.5};  // x -> y, y -> -x
+  for (int i = 0; i < 9; ++i) EXPECT_NEAR(turned[i], f.inertia[i], 1e-6) << i;
+}
+
+TEST(Urdf, Limits) {
+  const Loaded l = good(robot(ab + link("c") +
+                              joint("j", "revolute", "a", "b",
+                                    "<axis xyz=\"0 0 1\"/><limit lower=\"-1.5\" upper=\"2\" effort=\"30\" velocity=\"4\"/>"
+                                    "<dynamics damping=\"0.1\" friction=\"0.2\"/>") +
+                              joint("k", "prismatic", "b", "c", "<axis xyz=\"0 0 1\"/>")));
+  const dynModel* m = l.model.get();
+  EXPECT_EQ(-1.5, dyn_model_array(m, DYN_LOWER_LIMIT)[0]);
+  EXPECT_EQ(2, dyn_model_array(m, DYN_UPPER_LIMIT)[0]);
+  EXPECT_EQ(30, dyn_model_array(m, DYN_EFFORT_LIMIT)[0]);
+  EXPECT_EQ(4, dyn_model_array(m, DYN_VELOCITY_LIMIT)[0]);
+  EXPECT_EQ(0.1, dyn_model_array(m, DYN_DAMPING)[0]);
+  EXPECT_EQ(0.2, dyn_model_array(m, DYN_FRICTION)[0]);
+  EXPECT_TRUE(l.reports("joint 'k' has no <limit>", DYN_REPORT_WARNING, 6));
+  EXPECT_EQ(HUGE_VAL, dyn_model_array(m, DYN_UPPER_LIMIT)[1]);
+  EXPECT_EQ(-HUGE_VAL, dyn_model_array(m, DYN_LOWER_LIMIT)[1]);
+}
+
+TEST(Urdf, LimitsThatAreLeftOut) {
+  const auto with = [](const std::string& type, const std::string& attributes) {
+    return good(robot(ab + joint("j", type, "a", "b", "<axis xyz=\"0 0 1\"/><limit " + attributes + "/>")));
+  };
+  const Loaded one = with("revolute", "upper=\"1\" effort=\"1\" velocity=\"1\"");
+  EXPECT_EQ(0, dyn_model_array(one.model.get(), DYN_LOWER_LIMIT)[0]);
+  EXPECT_TRUE(one.reports("no lower: 0", DYN_REPORT_WARNING, 4));
+  const Loaded wheel = with("revolute", "effort=\"1\" velocity=\"1\"");
+  EXPECT_EQ(HUGE_VAL, dyn_model_array(wheel.model.get(), DYN_UPPER_LIMIT)[0]);
+  EXPECT_TRUE(wheel.reports("neither lower nor upper", DYN_REPORT_WARNING, 4));
+  const Loaded no_effort = with("revolute", "lower=\"-1\" upper=\"1\"");
+  EXPECT_EQ(HUGE_VAL, dyn_model_array(no_effort.model.get(), DYN_EFFORT_LIMIT)[0]);
+  EXPECT_TRUE(no_effort.reports("no effort: unlimited", DYN_REPORT_INFO, 4));
+  const Loaded continuous = with("continuous", "lower=\"-1\" upper=\"1\" effort=\"3\" velocity=\"1\"");
+  EXPECT_EQ(HUGE_VAL, dyn_model_array(continuous.model.get(), DYN_UPPER_LIMIT)[0]);
+  EXPECT_EQ(3, dyn_model_array(continuous.model.get(), DYN_EFFORT_LIMIT)[0]);
+  EXPECT_TRUE(continuous.reports("lower and upper are not used", DYN_REPORT_INFO, 4));
+}
+
+TEST(Urdf, Mimic) {
+  const std::string turn = "<axis xyz=\"0 0 1\"/>" + limit;
+  // the leader comes later in the order; a follower of a follower
+  const Loaded l =
+      good(robot(ab + link("c") + link("d") +
+                 joint("f", "revolute", "a", "b", turn + "<mimic joint=\"lead\" multiplier=\"-2\" offset=\"0.5\"/>") +
+                 joint("g", "prismatic", "b", "c", turn + "<mimic joint=\"f\"/>") + joint("lead", "revolute", "a", "d", turn)));
+  EXPECT_EQ(1, dyn_nv(l.model.get()));
+  const dynJointInfo f = joint(l, "f");
+  EXPECT_EQ(dyn_joint_id(l.model.get(), "lead"), f.mimic_leader);
+  EXPECT_EQ(-2, f.mimic_ratio);
+  EXPECT_EQ(0.5, f.mimic_offset);
+  EXPECT_EQ(0, f.nv);
+  EXPECT_EQ(-2, joint(l, "g").mimic_ratio);
+  // with (cos, sin) storage, leader and follower keep their angle
+  Options o;
+  o.cos_sin = 1;
+  const Loaded angles = good(
+      robot(ab + link("c") + joint("j", "continuous", "a", "b", "") + joint("k", "continuous", "b", "c", "<mimic joint=\"j\"/>")),
+      o);
+  EXPECT_EQ(DYN_JOINT_CONTINUOUS, joint(angles, "j").type);
+  EXPECT_TRUE(angles.reports("joint 'j' takes part in a mimic relation", DYN_REPORT_INFO, 5));
+  // the robot with its gripper locked
+  const Loaded locked = good(robot(ab + joint("j", "fixed", "a", "b", "<mimic joint=\"gone\"/>")));
+  EXPECT_TRUE(locked.reports("joint 'j' is fixed: its <mimic> has no effect", DYN_REPORT_INFO, 4));
+}
+
+TEST(Urdf, ReportOfWhatIsNotUsed) {
+  const Loaded l = good(
+      "<robot name=\"r\">\n"
+      "<gazebo/>\n<gazebo reference=\"a\"><material>Red</material></gazebo>\n"
+      "<transmission name=\"t\"><actuator name=\"m\"><mechanicalReduction>50</mechanicalReduction></actuator></transmission>\n" +
+      link("a", solid + "<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"red\"/></visual>") +  // line 5
+      link("b") + "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/>" + limit +
+      "\n"
+      "<dynamics>\n<damping>0.1</damping></dynamics>\n"  // 8, 9
+      "<safety_controller k_velocity=\"1\"/>\n<calibration rising=\"0\"/>\n"
+      "<wobble/></joint>\n"  // 12
+      "<link_order a=\"b\"/></robot>");
+  EXPECT_TRUE(l.reports("2 x <gazebo>", DYN_REPORT_INFO, 2));
+  EXPECT_TRUE(l.reports("1 x <transmission>", DYN_REPORT_INFO, 4));
+  EXPECT_TRUE(l.reports("1 x <material>", DYN_REPORT_INFO, 5));
+  EXPECT_TRUE(l.reports("joint 'j': <dynamics>: element <damping> is not used", DYN_REPORT_WARNING, 9));
+  EXPECT_TRUE(l.reports("1 x <safety_controller>", DYN_REPORT_INFO, 10));
+  EXPECT_TRUE(l.reports("1 x <calibration>", DYN_REPORT_INFO, 11));
+  EXPECT_TRUE(l.reports("joint 'j': <joint>: element <wobble> is not used", DYN_REPORT_WARNING, 12));
+  EXPECT_TRUE(l.reports("<link_order> is not used", DYN_REPORT_WARNING, 13));
+  const auto all = l.report();
+  for (size_t i = 1; i < all.size(); ++i) EXPECT_LE(all[i - 1].line, all[i].line);
+}
+
+TEST(Urdf, CleanFileHasAnEmptyReportAlsoStrictly) {
+  const Loaded l = good(robot(ab + joint("j", "revolute", "a", "b")), Options(DYN_BASE_FIXED, true));
+  for (const Entry& e : l.report()) ADD_FAILURE() << e.message;
+}
+
+TEST(Urdf, StrictAcceptsWhatIsNoPhysics) {
+  good(robot("<gazebo><plugin/></gazebo><transmission/><material name=\"red\"><color rgba=\"1 0 0 1\"/></material>" +
+             link("a", solid + "<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"red\"/></visual>") +
+             link("b", "") + joint("j", "fixed", "a", "b", "<safety_controller k_velocity=\"1\"/><axis xyz=\"0 0 0\"/>")),
+       Options(DYN_BASE_FIXED, true));
+}
+
+TEST(Urdf, StrictListsTheFirstFewAndCountsTheRest) {
+  std::string text = "<robot name=\"r\">\n" + link("a");
+  for (int i = 0; i < 20; ++i) text += "<unknown" + std::to_string(i) + "/>\n";
+  const Loaded l = load(text + "</robot>", Options(DYN_BASE_FIXED, true));
+  EXPECT_EQ(DYN_ERROR_STRICT, l.status);
+  EXPECT_NE(std::string::npos, l.error.find("line 3")) << l.error;
+  EXPECT_NE(std::string::npos, l.error.find("15 more")) << l.error;
+}
+
+TEST(Urdf, DoubtfulInertiasAreReported) {
+  const auto of = [](const std::string& mass, const std::string& xx, const std::string& yy, const std::string& zz) {
+    return robot(link("base") +
+                 link("a", "\n<inertial><mass value=\"" + mass + "\"/><inertia ixx=\"" + xx + "\" ixy=\"0\" ixz=\"0\" iyy=\"" +
+                               yy + "\" iyz=\"0\" izz=\"" + zz + "\"/></inertial>") +
+                 joint("j", "fixed", "base", "a"));
+  };
+  EXPECT_TRUE(
+      good(of("1", "0.1", "0.1", "0.5")).reports("principal moments of inertia are 0.1, 0.1, 0.5", DYN_REPORT_WARNING, 4));
+  EXPECT_TRUE(good(of("1", "-0.01", "0.1", "0.1")).reports("no negative one", DYN_REPORT_WARNING, 4));  // welded to the world
+  EXPECT_TRUE(good(of("2", "0", "0", "0")).reports("a point mass", DYN_REPORT_INFO, 4));
+  EXPECT_EQ(0, good(of("1", "0.1", "0.2", "0.3")).warnings());                 // a flat body
+  EXPECT_EQ(0, good(of("1", "0", "0.1", "0.1")).warnings());                   // a rod
+  EXPECT_EQ(0, good(of("1", "0.123457", "0.234567", "0.358024")).warnings());  // and one rounded to six digits
+  EXPECT_TRUE(good(robot(link("base") + link("frame", "") + joint("j", "fixed", "base", "frame")))
+                  .reports("link 'frame' has no <inertial>", DYN_REPORT_INFO, 3));
+}
+
+TEST(Urdf, InertiaWithoutMassIsReported) {
+  const Loaded l = good(robot(
+      link("a") +
+      link("b",
+           "\n<inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>") +
+      joint("j", "fixed", "a", "b")));
+  EXPECT_TRUE(l.reports("rotational inertia and no mass", DYN_REPORT_WARNING, 4));
+}
+
+TEST(Urdf, NegativeInertiaIsBearableWhereAWeldMakesUpForIt) {
+  const auto text = [](const std::string& mass) {
+    return robot(
+        link("base") + link("arm") + joint("j", "revolute", "base", "arm") +
+        link("antenna", "\n<inertial><origin xyz=\"0 0 0.1\"/><mass value=\"" + mass +
+                            "\"/><inertia ixx=\"-3e-8\" ixy=\"0\" ixz=\"0\" iyy=\"3e-8\" iyz=\"0\" izz=\"9e-8\"/></inertial>") +
+        joint("k", "fixed", "arm", "antenna"));
+  };
+  EXPECT_TRUE(good(text("1e-6")).reports("make up for it", DYN_REPORT_WARNING, 6));
+  EXPECT_EQ(DYN_ERROR_STRICT, load(text("1e-6"), Options(DYN_BASE_FIXED, true)).status);
+}
+
+TEST(Urdf, AFollowersMassIsItsLeaders) {
+  const std::string turn = "<axis xyz=\"0 0 1\"/>" + limit;
+  good(robot(link("a") + link("knob", "") + link("c") + joint("lead", "revolute", "a", "knob", turn) +
+             joint("f", "revolute", "a", "c", turn + "<mimic joint=\"lead\"/>")));
+}
+
+TEST(Urdf, Shapes) {
+  const std::string in = "<origin xyz=\"0 0 1\"/>";
+  const Loaded l =
+      good(robot(link("a", solid + "<visual name=\"skin\">" + in +
+                               "<geometry><box size=\"1 2 3\"/></geometry></visual>"
+                               "<collision><geometry><sphere radius=\"0.5\"/></geometry></collision>"
+                               "<collision><geometry><cylinder radius=\"0.5\" length=\"2\"/></geometry></collision>"
+                               "<collision><geometry><capsule radius=\"0.25\" length=\"4\"/></geometry></collision>"
+                               "\n<collision><geometry/></collision><collision><geometry><cone/></geometry></collision>")));
+  ASSERT_EQ(4, dyn_nshapes(l.model.get()));
+  dynShapeInfo s{};
+  s.struct_size = sizeof s;
+  ASSERT_EQ(DYN_OK, dyn_shape_info(l.model.get(), 0, &s));
+  EXPECT_STREQ("skin", s.name);
+  EXPECT_EQ(DYN_SHAPE_BOX, s.type);
+  EXPECT_EQ(DYN_ROLE_VISUAL, s.role);
+  EXPECT_EQ(2, s.size[1]);
+  EXPECT_EQ(1, s.placement[11]);
+  EXPECT_EQ(dyn_frame_id_of_type(l.model.get(), "a", DYN_FRAME_BODY), s.frame);
+  ASSERT_EQ(DYN_OK, dyn_shape_info(l.model.get(), 3, &s));
+  EXPECT_EQ(DYN_SHAPE_CAPSULE, s.type);
+  EXPECT_EQ(DYN_ROLE_COLLISION, s.role);
+  EXPECT_EQ(4, s.size[1]);
+  EXPECT_TRUE(l.reports("<collision> has no geometry", DYN_REPORT_WARNING, 3));
+  EXPECT_TRUE(l.reports("shape <cone> is not known", DYN_REPORT_WARNING, 3));
+}
+
+TEST(Urdf, UnusualButLegalText) {
+  // byte order mark, a declaration, comments with markup, entities of XML, single quotes, tabs and line ends between numbers
+  const Loaded l = good("\xEF\xBB\xBF<?xml version='1.0' encoding='utf-8'?>\n<!-- <robot> & \" -->\n<robot name='r&amp;d'>\n" +
+                        link("a") + link("b\xC3\xA4r") +
+                        "<joint name='j>k' type='revolute'><parent link='a'/><child link='b\xC3\xA4r'/><!-- x --><origin xyz=' "
+                        "1\t2\n 3 '/><axis xyz='0 0 +1'/>" +
+                        limit + "</joint></robot>\n<!-- end -->\n");
+  EXPECT_STREQ("r&d", dyn_model_name(l.model.get()));
+  EXPECT_EQ(2, joint(l, "j>k").placement[10]);
+  // tiny numbers are zero, long ones are rounded correctly
+  const Loaded tiny =
+      good(robot(ab + joint("j", "fixed", "a", "b",
+                            "<origin xyz=\"1e-400 0.1000000000000000055511151231257827021181583404541015625 -.5\"/>")));
+  EXPECT_EQ(0, frame(tiny, "b").placement[9]);
+  EXPECT_EQ(0.1, frame(tiny, "b").placement[10]);
+  EXPECT_EQ(-0.5, frame(tiny, "b").placement[11]);
+}
+
+TEST(Urdf, MessagesAreUtf8InOneLine) {
+  const Loaded l =
+      good(robot(link("a") + "<b\xC3\xA4r/><link name=\"c\"/>" +
+                 joint("j", "fixed", "a", "c", "<dynamics x=\"\xE4\nb\" y=\"" + std::string(59, 'a') + "\xC3\xA4\"/>")));
+  EXPECT_TRUE(l.reports("<b\xC3\xA4r> is not used", DYN_REPORT_WARNING, 3));
+  EXPECT_TRUE(l.reports("x=\"? b\"", DYN_REPORT_WARNING, 3));
+  EXPECT_TRUE(l.reports("aaa?...", DYN_REPORT_WARNING, 4));
+}
+
+TEST(Urdf, SingleLink) {
+  EXPECT_EQ(0, dyn_nv(good(robot(link("a"))).model.get()));
+  EXPECT_EQ(6, dyn_nv(good(robot(link("a")), Options(DYN_BASE_FLOATING)).model.get()));
+}
+
+TEST(Urdf, NumbersDoNotDependOnTheLocale) {
+  const std::string text = robot(ab + joint("j", "revolute", "a", "b",
+                                            "<origin xyz=\"0.5 1.25 -1e-3\"/><axis xyz=\"0 0 2.5\"/><limit lower=\"-0.5\" "
+                                            "upper=\"1.5\" effort=\"1\" velocity=\"1\"/>"));
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  bool comma = false;
+  for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE"}) comma = comma || std::setlocale(LC_ALL, name);
+  const Loaded l = good(text);
+  const Loaded bad = load(robot(link("a", "<inertial><mass value=\"0,5\"/></inertial>")));
+  std::setlocale(LC_ALL, before.c_str());
+  EXPECT_EQ(0.5, joint(l, "j").placement[9]);
+  EXPECT_EQ(1.25, joint(l, "j").placement[10]);
+  EXPECT_EQ(-1e-3, joint(l, "j").placement[11]);
+  EXPECT_EQ(1.5, dyn_model_array(l.model.get(), DYN_UPPER_LIMIT)[0]);
+  EXPECT_TRUE(l.reports("length 2.5", DYN_REPORT_INFO, 4));
+  EXPECT_EQ(0, l.warnings());  // urdfdom's second reading agrees, too
+  EXPECT_EQ(DYN_ERROR_PARSE, bad.status);
+  if (!comma) GTEST_SKIP() << "no locale with a decimal comma on this machine";
+}
+
+TEST(Urdf, WhatUrdfdomRefusesIsSaidAndNothingIsPrinted) {
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  const Loaded l = good(robot(ab + joint("j", "revolute", "a", "b", "<axis xyz=\"0 0 1\"/>")));
+  EXPECT_EQ("", testing::internal::GetCapturedStderr());
+  EXPECT_EQ("", testing::internal::GetCapturedStdout());
+  EXPECT_TRUE(l.reports("urdfdom, the parser of ROS, refuses this file", DYN_REPORT_INFO, 0));
+}
+
+TEST(Urdf, PercentSignsAreNoFormats) {
+  const std::string color =
+      "<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"m\"><color rgba=\"%s%s%n%n %s %n "
+      "%n\"/></material></visual>";
+  const Loaded l = good(robot(link("a%s", solid + color) + link("b%n") + joint("%j", "revolute", "a%s", "b%n")));
+  EXPECT_GT(dyn_joint_id(l.model.get(), "%j"), 0);
+  EXPECT_EQ(0, l.warnings());
+  std::string references = robot(link("a", solid + color));
+  for (size_t at; (at = references.find('%')) != std::string::npos;) references.replace(at, 1, "&#37;");
+  good(references);
+}
+
+TEST(Urdf, LoadingFromManyThreads) {
+  const std::string text = robot(ab + joint("j", "revolute", "a", "b", "<axis xyz=\"0 0 1\"/>"));
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&] {
+      for (int i = 0; i < 50; ++i) EXPECT_EQ(2, load(text).report().size());
+    });
+  for (std::thread& t : threads) t.join();
+}
+
+}  // namespace
+}  // namespace dyn_test

@@ -1,0 +1,116 @@
+// What every subcommand of `dyn` shares. The command uses nothing but dyn.h: what it can do, every caller can.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dyn.h"
+
+namespace CLI {
+class App;
+}
+
+namespace cli {
+
+using json = nlohmann::ordered_json;
+using Vector = std::vector<double>;
+
+// ---------------------------------------------------------------------------------------------------- failing
+
+// Ends the command. 1: the operation failed (it depends on the robot or on files); 2: the command line alone is wrong.
+struct Failure {
+  int exit_status;
+  std::string message;
+};
+[[noreturn]] inline void fail(const std::string& message) { throw Failure{1, message}; }
+[[noreturn]] inline void bad_usage(const std::string& message) { throw Failure{2, message}; }
+// Fails with the library's sentence.
+inline void check(dynStatus status) {
+  if (status != DYN_OK) fail(dyn_last_error());
+}
+
+// ---------------------------------------------------------------------------------------------------- the robot
+
+// Options of every subcommand that takes a robot.
+struct RobotOptions {
+  std::string file;
+  std::vector<std::string> package_dirs;
+  bool fixed = false, floating = false, strict = false, cos_sin = false, json = false;
+};
+void add_robot_options(CLI::App& command, RobotOptions& options);
+
+template <auto free>
+struct Deleter {
+  template <class T>
+  void operator()(T* handle) const {
+    free(handle);
+  }
+};
+
+struct Robot {
+  explicit Robot(const RobotOptions& options);
+  std::unique_ptr<dynModel, Deleter<dyn_model_free>> handle;
+  int nq, nv, njoints, nframes;
+  bool has_mimic = false;
+  operator const dynModel*() const { return handle.get(); }
+  dynJointInfo joint(int id) const;
+  dynFrameInfo frame(int id) const;
+  Vector neutral() const;
+  dynParts forward_parts() const;  // what forward dynamics and steps need
+};
+
+struct Data {
+  Data(const Robot& robot, dynParts parts);
+  std::unique_ptr<dynData, Deleter<dyn_data_free>> handle;
+  operator dynData*() const { return handle.get(); }
+};
+// A copy of a field, column by column.
+Vector field(const Robot& robot, const Data& data, const char* name);
+
+const char* joint_type_name(dynJointType type);  // "revolute"
+const char* frame_type_name(dynFrameType type);  // "FIXED_JOINT"
+
+// [{"name", "active", "reason"}]: which effects the robot calls for.
+json effects(const Robot& robot);
+
+// ---------------------------------------------------------------------------------------------------- the state
+
+// Options that give a state: a file, or lists of numbers.
+struct StateOptions {
+  std::string file;
+  std::vector<std::string> q, v, a, tau;
+};
+void add_state_options(CLI::App& command, StateOptions& options, bool with_acceleration);
+
+struct State {
+  Vector q, v, a, tau;
+  bool has_tau = false;
+};
+void check_lists(const StateOptions& options);  // what is wrong with the lists whatever the robot
+State read_state(const Robot& robot, const StateOptions& options);
+
+// ---------------------------------------------------------------------------------------------------- text
+
+json vector_json(const double* data, int n);
+json matrix_json(const double* data, int rows, int cols);  // column-major in, list of rows out
+// One key of the object a line, and one element a line where a list holds objects.
+std::string json_text(const json& object);
+// 17 significant digits, whatever the locale.
+void append_number(std::string& out, double x);
+// %g with so many digits.
+std::string short_number(double x, int digits = 6);
+// The answer, to standard output; fails when it cannot be written.
+void print(const std::string& answer);
+std::string join(const std::vector<std::string>& words, const char* separator = ", ");
+
+// ---------------------------------------------------------------------------------------------------- the subcommands
+
+void add_info(CLI::App& app);
+void add_eval(CLI::App& app);
+void add_sim(CLI::App& app);
+void add_bench(CLI::App& app);
+
+}  // namespace cli

@@ -1,0 +1,227 @@
+// dyn eval: quantities of a robot in a state.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "cli.hpp"
+
+namespace cli {
+namespace {
+
+struct Options {
+  RobotOptions robot;
+  StateOptions state;
+  std::vector<std::string> compute;
+  std::string frame, reference = "LOCAL";
+};
+
+// What the quantities are computed from.
+struct Context {
+  const Robot& robot;
+  const Data& data;
+  const State& state;
+  int frame;  // -1: none given
+  dynReference reference;
+  const double *q, *v, *a, *tau;
+
+  json vector(dynStatus status, const char* name) const {
+    check(status);
+    return field(robot, data, name);
+  }
+  json matrix(dynStatus status, const char* name, int rows) const {
+    check(status);
+    const Vector values = field(robot, data, name);
+    return matrix_json(values.data(), rows, robot.nv);
+  }
+  void kinematics() const { check(dyn_forward_kinematics(robot, data, q, v, a)); }
+  template <class F>
+  json frame_vector(F call) const {
+    kinematics();
+    double out[6];
+    check(call(robot, data, frame, reference, out));
+    return vector_json(out, 6);
+  }
+  template <class F>
+  json frame_matrix(F call) const {
+    kinematics();
+    Vector out(6 * static_cast<std::size_t>(robot.nv));
+    check(call(robot, data, frame, reference, out.data()));
+    return matrix_json(out.data(), 6, robot.nv);
+  }
+};
+
+json energy(const Context& c) {
+  double kinetic, potential;
+  check(dyn_energy(c.robot, c.data, c.q, c.v, &kinetic, &potential));
+  return {{"kinetic", kinetic}, {"potential", potential}, {"mechanical", kinetic + potential}};
+}
+
+// A name that several frames share stands for the one that dyn_frame_id finds; the others say their type.
+json placements(const Context& c) {
+  c.kinematics();
+  json out = json::object();
+  for (int i = 0; i < c.robot.nframes; ++i) {
+    if (c.frame >= 0 && i != c.frame) continue;
+    double X[12];
+    check(dyn_frame_placement(c.robot, c.data, i, X));
+    const dynFrameInfo info = c.robot.frame(i);
+    std::string key = info.name;
+    if (c.frame < 0 && dyn_frame_id(c.robot, info.name) != i) key += std::string(" [") + frame_type_name(info.type) + "]";
+    out[key] = {{"translation", vector_json(X + 9, 3)}, {"rotation", matrix_json(X, 3, 3)}};
+  }
+  return out;
+}
+
+json subtree_com(const Context& c) {
+  check(dyn_center_of_mass(c.robot, c.data, c.q, nullptr, nullptr, nullptr, nullptr, nullptr));
+  json out = json::object();
+  for (int i = 0; i < c.robot.njoints; ++i) {
+    double com[3], mass;
+    check(dyn_subtree_center_of_mass(c.robot, c.data, i, com, &mass));
+    out[dyn_joint_name(c.robot, i)] = {{"com", vector_json(com, 3)}, {"mass", mass}};
+  }
+  return out;
+}
+
+json center_of_mass(const Context& c, const char* name) {
+  return c.vector(dyn_center_of_mass(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr, nullptr), name);
+}
+
+struct Quantity {
+  const char* name;
+  dynParts parts;  // what is not needed is not allocated: M of a chain of 10,000 would be 800 MB; 0: Robot::forward_parts
+  bool needs_frame;
+  std::function<json(const Context&)> compute;
+};
+
+const std::vector<Quantity>& quantities() {
+  using C = const Context&;
+  static const std::vector<Quantity> table = {
+      {"tau", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_rnea(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr), "tau"); }},
+      {"ddq", 0, false, [](C c) { return c.vector(dyn_aba(c.robot, c.data, c.q, c.v, c.tau, nullptr, nullptr), "ddq"); }},
+      {"M", DYN_PART_MASS, false, [](C c) { return c.matrix(dyn_crba(c.robot, c.data, c.q, nullptr), "M", c.robot.nv); }},
+      {"Minv", DYN_PART_MINV, false, [](C c) { return c.matrix(dyn_minverse(c.robot, c.data, c.q, nullptr), "Minv", c.robot.nv); }},
+      {"nle", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_nonlinear_effects(c.robot, c.data, c.q, c.v, nullptr), "nle"); }},
+      {"g", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_gravity(c.robot, c.data, c.q, nullptr), "g"); }},
+      {"static_torque", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_static_torque(c.robot, c.data, c.q, nullptr, nullptr), "static_torque"); }},
+      {"coriolis", DYN_PART_CORIOLIS, false, [](C c) { return c.matrix(dyn_coriolis_matrix(c.robot, c.data, c.q, c.v, nullptr), "coriolis", c.robot.nv); }},
+      {"com", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "com"); }},
+      {"vcom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "vcom"); }},
+      {"acom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "acom"); }},
+      {"Jcom", DYN_PART_COM, false, [](C c) { return c.matrix(dyn_center_of_mass_jacobian(c.robot, c.data, c.q, nullptr), "Jcom", 3); }},
+      {"subtree_com", DYN_PART_COM, false, subtree_com},
+      {"energy", DYN_PART_ENERGY, false, energy},
+      {"placements", DYN_PART_KINEMATICS, false, placements},
+      {"J", DYN_PART_JACOBIANS, false,
+       [](C c) {
+         return c.frame >= 0 ? c.frame_matrix(dyn_frame_jacobian) : c.matrix(dyn_joint_jacobians(c.robot, c.data, c.q, nullptr), "J", 6);
+       }},
+      {"dJ", DYN_PART_JACOBIANS, false,
+       [](C c) {
+         return c.frame >= 0 ? c.frame_matrix(dyn_frame_jacobian_time_variation)
+                             : c.matrix(dyn_joint_jacobians_time_variation(c.robot, c.data, c.q, c.v, nullptr), "dJ", 6);
+       }},
+      {"frame_velocity", DYN_PART_KINEMATICS, true, [](C c) { return c.frame_vector(dyn_frame_velocity); }},
+      {"frame_acceleration", DYN_PART_KINEMATICS, true, [](C c) { return c.frame_vector(dyn_frame_acceleration); }},
+      {"frame_classical_acceleration", DYN_PART_KINEMATICS, true, [](C c) { return c.frame_vector(dyn_frame_classical_acceleration); }},
+  };
+  return table;
+}
+
+// Names of the contract that later versions answer.
+const std::set<std::string> later = {"Ag",     "dAg",      "hg",        "dhg",        "Ig",       "dtau_dq", "dtau_dv",
+                                     "ddq_dq", "ddq_dv",   "ddq_dtau",  "regressor",  "lambda",   "delassus", "collisions",
+                                     "distances"};
+
+std::vector<const Quantity*> select(const Options& options) {
+  std::vector<const Quantity*> out;
+  for (std::string list : options.compute) {
+    std::replace(list.begin(), list.end(), ',', ' ');
+    std::istringstream words(list);
+    for (std::string word; words >> word;) {
+      const auto& table = quantities();
+      const auto found = std::find_if(table.begin(), table.end(), [&](const Quantity& x) { return word == x.name; });
+      if (found == table.end()) {
+        if (later.count(word)) fail("--compute: \"" + word + "\" is not available in this version (" + dyn_version() + ").");
+        std::vector<std::string> known;
+        for (const auto& x : table) known.push_back(x.name);
+        bad_usage("--compute: unknown name \"" + word + "\"; the names are " + join(known) + ".");
+      }
+      if (found->needs_frame && options.frame.empty()) bad_usage("--compute: \"" + word + "\" needs --frame.");
+      if (std::find(out.begin(), out.end(), &*found) == out.end()) out.push_back(&*found);
+    }
+  }
+  if (out.empty()) bad_usage("--compute: the list is empty.");
+  return out;
+}
+
+// name, then a vector on one line, a matrix by rows, an object by keys.
+void append_text(std::string& out, const std::string& name, const json& value, const std::string& indent) {
+  const auto row = [](const json& numbers) {
+    std::string line;
+    for (const auto& x : numbers) {
+      const std::string text = short_number(x.get<double>(), 9);
+      line += std::string(text.size() < 15 ? 15 - text.size() : 1, ' ') + text;
+    }
+    return line;
+  };
+  if (value.is_number()) {
+    out += indent + name + ": " + short_number(value.get<double>(), 9) + "\n";
+  } else if (value.is_object()) {
+    out += indent + name + "\n";
+    for (const auto& [key, inner] : value.items()) append_text(out, key, inner, indent + "  ");
+  } else if (!value.empty() && value.front().is_array()) {
+    out += indent + name + "\n";
+    for (const auto& r : value) out += indent + row(r) + "\n";
+  } else {
+    out += indent + name + "\n" + indent + row(value) + "\n";
+  }
+}
+
+void run(const Options& options) {
+  const std::map<std::string, dynReference> references = {
+      {"LOCAL", DYN_LOCAL}, {"WORLD", DYN_WORLD}, {"LOCAL_WORLD_ALIGNED", DYN_LOCAL_WORLD_ALIGNED}};
+  const auto reference = references.find(options.reference);
+  if (reference == references.end()) bad_usage("--reference: \"" + options.reference + "\" is not LOCAL, WORLD or LOCAL_WORLD_ALIGNED.");
+  const auto wanted = select(options);
+
+  check_lists(options.state);
+  const Robot robot(options.robot);
+  dynParts parts = DYN_PART_KINEMATICS;
+  for (const Quantity* quantity : wanted) parts |= quantity->parts ? quantity->parts : robot.forward_parts();
+  const Data data(robot, parts);
+  const State state = read_state(robot, options.state);
+  int frame = -1;
+  if (!options.frame.empty() && (frame = dyn_frame_id(robot, options.frame.c_str())) < 0) fail(dyn_last_error());
+
+  const Context context{robot, data, state, frame, reference->second, state.q.data(), state.v.data(), state.a.data(), state.tau.data()};
+  json answer = json::object();
+  for (const Quantity* quantity : wanted) answer[quantity->name] = quantity->compute(context);
+  if (options.robot.json) return print(json_text(answer));
+  std::string text;
+  for (const auto& [name, value] : answer.items()) append_text(text, name, value, "");
+  print(text);
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("eval", "Quantities of a robot in a state");
+  add_robot_options(*command, options->robot);
+  std::vector<std::string> names;
+  for (const auto& quantity : quantities()) names.push_back(quantity.name);
+  command->add_option("--compute", options->compute, "What to compute, separated by commas: " + join(names))
+      ->required()
+      ->allow_extra_args(false)
+      ->type_name("LIST");
+  add_state_options(*command, options->state, true);
+  command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...");
+  command->add_option("--reference", options->reference, "LOCAL, WORLD or LOCAL_WORLD_ALIGNED")->capture_default_str();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cli

@@ -1,0 +1,140 @@
+// dyn info: sizes, joints, frames, shapes, masses, effects and why, the load report, bytes of model and data.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "cli.hpp"
+
+namespace cli {
+namespace {
+
+const char* shape_type_name(dynShapeType type) {
+  switch (type) {
+    case DYN_SHAPE_BOX: return "box";
+    case DYN_SHAPE_SPHERE: return "sphere";
+    case DYN_SHAPE_CYLINDER: return "cylinder";
+    case DYN_SHAPE_MESH: return "mesh";
+    case DYN_SHAPE_CAPSULE: return "capsule";
+  }
+  return "unknown";
+}
+
+json joint_json(const Robot& robot, int id) {
+  const dynJointInfo j = robot.joint(id);
+  const auto slice = [&](dynModelArray which, int first, int n) { return vector_json(dyn_model_array(robot, which) + first, n); };
+  json out = {{"name", j.name},   {"type", id == 0 ? "universe" : joint_type_name(j.type)},
+              {"parent", j.parent}, {"idx_q", j.idx_q},
+              {"idx_v", j.idx_v}, {"nq", j.nq},
+              {"nv", j.nv}};
+  out["limits"] = {{"lower", slice(DYN_LOWER_LIMIT, j.idx_q, j.nq)},  // an infinite limit is null
+                   {"upper", slice(DYN_UPPER_LIMIT, j.idx_q, j.nq)},
+                   {"velocity", slice(DYN_VELOCITY_LIMIT, j.idx_v, j.nv)},
+                   {"effort", slice(DYN_EFFORT_LIMIT, j.idx_v, j.nv)}};
+  if (j.mimic_leader >= 0)
+    out["mimic"] = {{"leader", dyn_joint_name(robot, j.mimic_leader)}, {"ratio", j.mimic_ratio}, {"offset", j.mimic_offset}};
+  return out;
+}
+
+json info_json(const Robot& robot) {
+  json out = {{"name", dyn_model_name(robot)}, {"nq", robot.nq}, {"nv", robot.nv}};
+  out["gravity"] = vector_json(dyn_model_array(robot, DYN_GRAVITY), 3);
+  out["total_mass"] = dyn_total_mass(robot);
+  out["joints"] = json::array();
+  for (int i = 0; i < robot.njoints; ++i) out["joints"].push_back(joint_json(robot, i));
+  out["frames"] = json::array();
+  for (int i = 0; i < robot.nframes; ++i) {
+    const dynFrameInfo f = robot.frame(i);
+    out["frames"].push_back({{"name", f.name}, {"type", frame_type_name(f.type)}, {"joint", f.joint}, {"mass", f.mass}});
+  }
+  out["shapes"] = json::array();
+  for (int i = 0; i < dyn_nshapes(robot); ++i) {
+    dynShapeInfo s{};
+    s.struct_size = sizeof s;
+    check(dyn_shape_info(robot, i, &s));
+    out["shapes"].push_back({{"name", s.name}, {"type", shape_type_name(s.type)}, {"role", s.role == DYN_ROLE_COLLISION ? "collision" : "visual"},
+                             {"frame", s.frame}, {"size", vector_json(s.size, 3)}, {"mesh", s.mesh}});
+  }
+  out["effects"] = effects(robot);
+  out["report"] = json::array();
+  for (int i = 0; i < dyn_report_count(robot); ++i) {
+    dynReportEntry e{};
+    e.struct_size = sizeof e;
+    check(dyn_report_entry(robot, i, &e));
+    out["report"].push_back({{"level", e.level == DYN_REPORT_WARNING ? "warning" : "info"}, {"message", e.message}, {"line", e.line}});
+  }
+  out["model_bytes"] = dyn_model_size(robot);
+  out["data_bytes"] = dyn_data_size(robot, DYN_PART_ALL);
+  return out;
+}
+
+std::string limit_text(const json& limits) {
+  std::string out;
+  const auto number = [](const json& x) { return short_number(x.get<double>(), 5); };
+  for (std::size_t i = 0; i < limits["lower"].size(); ++i) out += (i ? " " : "") + ("[" + number(limits["lower"][i]) + ", " + number(limits["upper"][i]) + "]");
+  return out;
+}
+
+std::string table(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> width;
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (i == width.size()) width.push_back(0);
+      width[i] = std::max(width[i], row[i].size());
+    }
+  std::string out;
+  for (const auto& row : rows) {
+    std::string line = " ";
+    for (std::size_t i = 0; i < row.size(); ++i) line += " " + row[i] + std::string(width[i] - row[i].size() + 1, ' ');
+    out += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return out;
+}
+
+std::string info_text(const json& info) {
+  const auto str = [](const json& x) { return x.get<std::string>(); };
+  const auto num = [](const json& x) { return std::to_string(x.get<long long>()); };
+  std::string out = str(info["name"]) + ": nq " + num(info["nq"]) + ", nv " + num(info["nv"]) + ", " + short_number(info["total_mass"].get<double>()) +
+                    " kg, " + std::to_string(info["shapes"].size()) + " shapes; model " + num(info["model_bytes"]) + " bytes, data " +
+                    num(info["data_bytes"]) + " bytes\n";
+  std::vector<std::vector<std::string>> rows = {{"joint", "name", "type", "parent", "q", "v", "limits"}};
+  int id = 0;
+  for (const auto& j : info["joints"]) {
+    const auto range = [&](const char* first, const char* n) {
+      const int i = j[first], k = j[n];
+      return k == 0 ? std::string("-") : k == 1 ? std::to_string(i) : std::to_string(i) + ".." + std::to_string(i + k - 1);
+    };
+    std::string note = limit_text(j["limits"]);
+    if (j.contains("mimic"))
+      note = "= " + short_number(j["mimic"]["ratio"].get<double>()) + " * " + str(j["mimic"]["leader"]) + " + " + short_number(j["mimic"]["offset"].get<double>());
+    rows.push_back({std::to_string(id++), str(j["name"]), str(j["type"]), num(j["parent"]), range("idx_q", "nq"), range("idx_v", "nv"), note});
+  }
+  out += "\njoints\n" + table(rows);
+  rows = {{"frame", "name", "type", "joint", "kg"}};
+  id = 0;
+  for (const auto& f : info["frames"]) {
+    const double mass = f["mass"];
+    rows.push_back({std::to_string(id++), str(f["name"]), str(f["type"]), num(f["joint"]), mass != 0 ? short_number(mass) : ""});
+  }
+  out += "\nframes\n" + table(rows);
+  rows.clear();
+  for (const auto& e : info["effects"]) rows.push_back({str(e["name"]), e["active"].get<bool>() ? "on" : "off", str(e["reason"])});
+  out += "\neffects\n" + table(rows);
+  rows.clear();
+  for (const auto& e : info["report"]) rows.push_back({str(e["level"]), e["line"] == 0 ? "" : "line " + num(e["line"]), str(e["message"])});
+  out += "\nload report\n" + (rows.empty() ? "  nothing: everything in the file is used\n" : table(rows));
+  return out;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  auto options = std::make_shared<RobotOptions>();
+  CLI::App* command = app.add_subcommand("info", "Sizes, joints, frames, masses, effects, the load report");
+  add_robot_options(*command, *options);
+  command->callback([options] {
+    const Robot robot(*options);
+    const json info = info_json(robot);
+    print(options->json ? json_text(info) : info_text(info));
+  });
+}
+
+}  // namespace cli

@@ -1,0 +1,38 @@
+// The command `dyn`.
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <sstream>
+
+#include "cli.hpp"
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error with a message, not a silent death
+  CLI::App app("Rigid-body dynamics: what a robot is, what it does, how long that takes.", "dyn");
+  app.set_version_flag("--version", std::string("dyn ") + dyn_version() + " (" + dyn_build_info() + ")", "Print the version and exit");
+  app.require_subcommand(1);
+  cli::add_info(app);
+  cli::add_eval(app);
+  cli::add_sim(app);
+  cli::add_bench(app);
+  try {
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      std::ostringstream answer, complaint;
+      const int status = app.exit(error, answer, complaint);
+      if (!answer.str().empty()) cli::print(answer.str());
+      if (status != 0) cli::bad_usage(complaint.str());
+    }
+    return 0;
+  } catch (const cli::Failure& failure) {
+    std::string message = failure.message;
+    while (!message.empty() && message.back() == '\n') message.pop_back();
+    std::cerr << "dyn: " << message << '\n';
+    return failure.exit_status;
+  } catch (const std::exception& error) {
+    std::cerr << "dyn: " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,139 @@
+// Loading a robot, and what the subcommands ask of it.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+
+#include "cli.hpp"
+
+namespace cli {
+
+void add_robot_options(CLI::App& command, RobotOptions& options) {
+  command.add_option("FILE", options.file, "The robot: a URDF file")->required();
+  auto* fixed = command.add_flag("--fixed", options.fixed, "The root link is welded to the world");
+  auto* floating = command.add_flag("--floating", options.floating, "A free flyer carries the root link");
+  fixed->excludes(floating);
+  command.add_option("--package-dir", options.package_dirs, "Where package://NAME/... is looked up; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("DIR");
+  command.add_flag("--strict", options.strict, "Physics that would be dropped is an error");
+  command.add_flag("--cos-sin", options.cos_sin, "Continuous joints store (cos, sin)");
+  command.add_flag("--json", options.json, "Answer in JSON");
+}
+
+Robot::Robot(const RobotOptions& options) {
+  std::vector<const char*> folders;
+  for (const auto& f : options.package_dirs) folders.push_back(f.c_str());
+  dynLoadOptions load;
+  dyn_load_options_init(&load);
+  load.base = options.fixed ? DYN_BASE_FIXED : options.floating ? DYN_BASE_FLOATING : DYN_BASE_UNSPECIFIED;
+  load.strict = options.strict;
+  load.cos_sin = options.cos_sin;
+  if (!folders.empty()) load.package_dirs = folders.data();
+  load.package_dirs_count = folders.size();
+  dynModel* model = nullptr;
+  const dynStatus status = dyn_model_load(options.file.c_str(), &load, &model);
+  if (status == DYN_ERROR_BASE) fail(std::string(dyn_last_error()) + " On the command line: --fixed or --floating.");
+  check(status);
+  handle.reset(model);
+  nq = dyn_nq(model);
+  nv = dyn_nv(model);
+  njoints = dyn_njoints(model);
+  nframes = dyn_nframes(model);
+  for (int i = 1; i < njoints; ++i) has_mimic |= joint(i).mimic_leader >= 0;
+}
+
+dynJointInfo Robot::joint(int id) const {
+  dynJointInfo info{};
+  info.struct_size = sizeof info;
+  check(dyn_joint_info(*this, id, &info));
+  return info;
+}
+
+dynFrameInfo Robot::frame(int id) const {
+  dynFrameInfo info{};
+  info.struct_size = sizeof info;
+  check(dyn_frame_info(*this, id, &info));
+  return info;
+}
+
+Vector Robot::neutral() const {
+  Vector q(nq);
+  check(dyn_neutral(*this, q.data()));
+  return q;
+}
+
+dynParts Robot::forward_parts() const { return DYN_PART_KINEMATICS | DYN_PART_FORWARD | (has_mimic ? DYN_PART_FACTOR : 0); }
+
+Data::Data(const Robot& robot, dynParts parts) {
+  dynData* data = nullptr;
+  check(dyn_data_new(robot, parts, &data));
+  handle.reset(data);
+}
+
+Vector field(const Robot& robot, const Data& data, const char* name) {
+  dynArray array{};
+  array.struct_size = sizeof array;
+  const dynField id = dyn_field_id(name);
+  if (id < 0) fail(dyn_last_error());
+  check(dyn_data_array(robot, data, id, &array));
+  Vector out;
+  for (int j = 0; j < array.cols; ++j)
+    for (int i = 0; i < array.rows; ++i) out.push_back(array.data[i * array.stride[0] + j * array.stride[1]]);
+  return out;
+}
+
+const char* joint_type_name(dynJointType type) {
+  static const char* const names[] = {"fixed",         "revolute", "continuous",  "prismatic",  "helical",   "cylindrical",       "universal", "spherical",
+                                      "spherical_zyx", "planar",   "translation", "free_flyer", "composite", "revolute_unbounded"};
+  return type >= 0 && type < static_cast<int>(std::size(names)) ? names[type] : "unknown";
+}
+
+const char* frame_type_name(dynFrameType type) {
+  switch (type) {
+    case DYN_FRAME_OP_FRAME: return "OP_FRAME";
+    case DYN_FRAME_JOINT: return "JOINT";
+    case DYN_FRAME_FIXED_JOINT: return "FIXED_JOINT";
+    case DYN_FRAME_BODY: return "BODY";
+    case DYN_FRAME_SENSOR: return "SENSOR";
+  }
+  return "unknown";
+}
+
+json effects(const Robot& robot) {
+  json list = json::array();
+  const auto add = [&](const char* name, bool active, const std::string& reason) {
+    list.push_back({{"name", name}, {"active", active}, {"reason", reason}});
+  };
+  const auto count = [&](dynModelArray which, int n, auto&& present) {
+    const double* x = dyn_model_array(robot, which);
+    return x ? static_cast<int>(std::count_if(x, x + n, present)) : 0;
+  };
+  const auto nonzero = [](double x) { return x != 0; };
+  const auto of_nv = [&](int n) { return std::to_string(n) + " of " + std::to_string(robot.nv) + " degrees of freedom"; };
+  // what the file says but the smooth dynamics do not apply
+  const auto kept = [&](const char* name, dynModelArray which, const char* what) {
+    const int n = count(which, robot.nv, nonzero);
+    add(name, false, n ? of_nv(n) + " have " + what + "; kept as data, not applied in this version" : std::string("no joint has ") + what);
+  };
+  const double* g = dyn_model_array(robot, DYN_GRAVITY);
+  const bool falls = g && (g[0] != 0 || g[1] != 0 || g[2] != 0);
+  add("gravity", falls,
+      falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2" : "gravity is zero");
+  const int armature = count(DYN_ARMATURE, robot.nv, nonzero);
+  add("armature", armature > 0, armature ? of_nv(armature) + " have armature" : "no joint has armature");
+  kept("damping", DYN_DAMPING, "damping");
+  kept("friction", DYN_FRICTION, "dry friction");
+  const auto finite = [](double x) { return std::isfinite(x); };
+  const int limits = std::max(count(DYN_LOWER_LIMIT, robot.nq, finite), count(DYN_UPPER_LIMIT, robot.nq, finite));
+  add("limits", false,
+      limits ? std::to_string(limits) + " of " + std::to_string(robot.nq) + " coordinates have limits; kept as data, not enforced in this version"
+             : "no joint has limits");
+  int followers = 0;
+  for (int i = 1; i < robot.njoints; ++i) followers += robot.joint(i).mimic_leader >= 0;
+  add("mimic", followers > 0, followers ? std::to_string(followers) + (followers == 1 ? " joint follows" : " joints follow") + " another" : "no joint follows another");
+  return list;
+}
+
+}  // namespace cli

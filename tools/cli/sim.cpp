@@ -1,0 +1,300 @@
+// dyn sim: smooth dynamics under a constant tau, with an account of energy, error and time.
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+
+#include "cli.hpp"
+
+namespace cli {
+namespace {
+
+struct Options {
+  RobotOptions robot;
+  StateOptions state;
+  double duration = 0, dt = 1e-3;
+  std::string integrator = "semi_implicit_euler", csv;
+  bool no_error_estimate = false;
+};
+
+constexpr double max_steps = 1e9;
+constexpr double max_csv_bytes = 16e9;
+
+// Steps of dt, and a shorter last one when dt does not divide the duration.
+struct Schedule {
+  double dt, last;
+  long long steps;
+  Schedule(double duration, double h) : dt(h), last(h) {
+    const double ratio = duration / h;
+    if (!(ratio <= max_steps))
+      bad_usage("--duration " + short_number(duration) + " at --dt " + short_number(h) + " is " + short_number(ratio) + " steps, more than " +
+                short_number(max_steps) + ": take a larger --dt.");
+    steps = std::llround(ratio);
+    if (std::abs(ratio - static_cast<double>(steps)) > 1e-9 * ratio || steps == 0) {
+      steps = static_cast<long long>(std::floor(ratio)) + 1;
+      last = duration - static_cast<double>(steps - 1) * h;
+    }
+  }
+  double length(long long i) const { return i + 1 == steps ? last : dt; }
+};
+
+// t, q, v, tau when given, energies: 17 digits.
+class Csv {
+ public:
+  Csv(const std::string& path, const Robot& robot, bool with_tau) : path_(path) {
+    file_ = std::fopen(path.c_str(), "wb");
+    if (!file_) fail(path + ": cannot be written: " + std::strerror(errno) + ".");
+    const auto columns = [&](const char* name, int n) {
+      for (int i = 0; i < n; ++i) line_ += std::string(",") + name + std::to_string(i);
+    };
+    line_ = "t";
+    columns("q", robot.nq);
+    columns("v", robot.nv);
+    if (with_tau) columns("tau", robot.nv);
+    line_ += ",kinetic,potential,mechanical\n";
+  }
+  ~Csv() {
+    if (file_) std::fclose(file_);
+  }
+  Csv(const Csv&) = delete;
+  void row(double t, const double* q, int nq, const double* v, int nv, const Vector* tau, double kinetic, double potential) {
+    append_number(line_, t);
+    const auto add = [&](const double* x, int n) {
+      for (int i = 0; i < n; ++i) line_ += ',', append_number(line_, x[i]);
+    };
+    add(q, nq);
+    add(v, nv);
+    if (tau) add(tau->data(), nv);
+    const double energies[] = {kinetic, potential, kinetic + potential};
+    add(energies, 3);
+    line_ += '\n';
+    if (line_.size() > 1 << 16) flush();
+  }
+  void flush() {
+    errno = 0;
+    if (std::fwrite(line_.data(), 1, line_.size(), file_) != line_.size()) fail_();
+    line_.clear();
+  }
+  void close() {
+    flush();
+    std::FILE* file = file_;
+    file_ = nullptr;
+    errno = 0;
+    if (std::fclose(file) != 0) fail_();
+  }
+
+ private:
+  [[noreturn]] void fail_() const { fail(path_ + ": writing failed: " + std::strerror(errno) + "."); }
+  std::string path_, line_;
+  std::FILE* file_ = nullptr;
+};
+
+// On a terminal only.
+class Progress {
+ public:
+  explicit Progress(long long total) : total_(total), on_(isatty(STDERR_FILENO)) {}
+  ~Progress() {
+    if (shown_) std::fprintf(stderr, "\r\033[K");
+  }
+  void at(long long i) {
+    if (!on_ || i % 256) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(200)) return;
+    last_ = now;
+    shown_ = true;
+    std::fprintf(stderr, "\r%3d %% of %lld steps", static_cast<int>(100 * i / total_), total_);
+  }
+
+ private:
+  long long total_;
+  bool on_, shown_ = false;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+// The state in data, without copies.
+const double* state_view(const Robot& robot, const Data& data, const char* name) {
+  dynArray array{};
+  array.struct_size = sizeof array;
+  check(dyn_data_array(robot, data, dyn_field_id(name), &array));
+  return array.data;
+}
+
+// First passing of each coordinate's limit: limits are not enforced, so say it.
+class Limits {
+ public:
+  explicit Limits(const Robot& robot) : robot_(robot), lower_(dyn_model_array(robot, DYN_LOWER_LIMIT)), upper_(dyn_model_array(robot, DYN_UPPER_LIMIT)), said_(robot.nq) {}
+  void look(const double* q, double t, json& warnings) {
+    for (int i = 0; i < robot_.nq; ++i) {
+      if (said_[i] || (q[i] >= lower_[i] && q[i] <= upper_[i])) continue;
+      said_[i] = true;
+      warnings.push_back("q[" + std::to_string(i) + "] (joint " + owner(i) + ") is " + short_number(q[i]) + " at t = " + short_number(t) + " s, beyond its limits [" +
+                         short_number(lower_[i]) + ", " + short_number(upper_[i]) + "], which this version does not enforce");
+    }
+  }
+
+ private:
+  std::string owner(int i) const {
+    for (int j = 1; j < robot_.njoints; ++j) {
+      const dynJointInfo info = robot_.joint(j);
+      if (i >= info.idx_q && i < info.idx_q + info.nq) return info.name;
+    }
+    return "?";
+  }
+  const Robot& robot_;
+  const double *lower_, *upper_;
+  std::vector<bool> said_;
+};
+
+// The same simulation at half the step: its distance at the end, extrapolated by the integrator's order.
+json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, const Schedule& schedule, const double* q_end, json& warnings) {
+  const Data fine(robot, robot.forward_parts());
+  check(dyn_data_set_state(robot, fine, state.q.data(), state.v.data(), nullptr, state.tau.data()));
+  Progress progress(schedule.steps);
+  for (long long i = 0; i < schedule.steps; ++i) {
+    const double h = schedule.length(i) / 2;
+    for (int half = 0; half < 2; ++half)
+      if (dyn_step(robot, fine, integrator, h) != DYN_OK) {
+        warnings.push_back(std::string("no error estimate: the run at half the step failed: ") + dyn_last_error());
+        return nullptr;
+      }
+    progress.at(i);
+  }
+  double distance;
+  check(dyn_distance(robot, state_view(robot, fine, "q"), q_end, &distance));
+  const double order = integrator == DYN_RK4 ? 4 : 1;
+  return distance * std::exp2(order) / (std::exp2(order) - 1);
+}
+
+std::string text_of(const json& a) {
+  const auto number = [](const json& x) { return x.is_null() ? std::string("unknown") : short_number(x.get<double>()); };
+  std::string out = number(a["duration"]) + " s in " + std::to_string(a["steps"].get<long long>()) + " steps of " + number(a["dt"]) + " s (" +
+                    a["integrator"].get<std::string>() + ")\n";
+  out += "wall time         " + number(a["wall_s"]) + " s: " + number(a["real_time_factor"]) + " times real time\n";
+  out += "energy            " + number(a["energy"]["initial"]) + " J at the start, " + number(a["energy"]["final"]) + " J at the end, largest drift " +
+         number(a["energy"]["drift_max"]) + " J\n";
+  out += "error estimate    " + number(a["error_estimate"]) + " (" + a["error_estimate_method"].get<std::string>() + ")\n";
+  for (const char* key : {"q", "v"}) {
+    out += std::string(key) + "                ";
+    for (const auto& x : a[key]) out += " " + short_number(x.get<double>(), 9);
+    out += "\n";
+  }
+  for (const auto& e : a["effects"])
+    if (e["active"].get<bool>()) out += "effect            " + e["name"].get<std::string>() + ": " + e["reason"].get<std::string>() + "\n";
+  for (const auto& w : a["warnings"]) out += "warning           " + w.get<std::string>() + "\n";
+  return out;
+}
+
+void run(const Options& options) {
+  if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
+  if (!(options.dt > 0) || !std::isfinite(options.dt)) bad_usage("--dt must be a positive number of seconds.");
+  dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER;
+  if (options.integrator == "rk4") integrator = DYN_RK4;
+  else if (options.integrator != "semi_implicit_euler") bad_usage("--integrator: \"" + options.integrator + "\" is not semi_implicit_euler or rk4.");
+  const Schedule schedule(options.duration, options.dt);
+  std::error_code ignored;
+  if (!options.csv.empty() && std::filesystem::equivalent(options.csv, options.robot.file, ignored)) bad_usage("--csv would overwrite the robot's file.");
+
+  check_lists(options.state);
+  const Robot robot(options.robot);
+  const Data data(robot, robot.forward_parts() | DYN_PART_ENERGY);
+  const State state = read_state(robot, options.state);
+  const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
+  if (!options.csv.empty() && bytes > max_csv_bytes)
+    fail("--csv would be about " + short_number(bytes / 1e9, 3) + " GB, more than " + short_number(max_csv_bytes / 1e9) + " GB: take a larger --dt, or leave it out.");
+
+  check(dyn_data_set_state(robot, data, state.q.data(), state.v.data(), nullptr, state.tau.data()));
+  double kinetic, potential;
+  check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
+  const double initial = kinetic + potential;
+  const double *q = state_view(robot, data, "q"), *v = state_view(robot, data, "v"), *time = state_view(robot, data, "time");
+  std::unique_ptr<Csv> csv;
+  const Vector* tau = state.has_tau ? &state.tau : nullptr;
+  const auto record = [&] {
+    if (csv) csv->row(*time, q, robot.nq, v, robot.nv, tau, kinetic, potential);
+  };
+  if (!options.csv.empty()) csv = std::make_unique<Csv>(options.csv, robot, state.has_tau);
+  record();
+
+  json warnings = json::array();
+  for (const auto& effect : effects(robot)) {
+    const std::string reason = effect["reason"];
+    if (!effect["active"].get<bool>() && reason.find("not applied") != std::string::npos)
+      warnings.push_back(effect["name"].get<std::string>() + ": " + reason);
+  }
+  for (const double x : state.tau)
+    if (x != 0) {
+      warnings.push_back("tau is not zero: the energy drift includes the work it does");
+      break;
+    }
+
+  using Clock = std::chrono::steady_clock;
+  Limits limits(robot);
+  limits.look(q, *time, warnings);
+  Clock::duration wall{};
+  double drift_max = 0;
+  {
+    Progress progress(schedule.steps);
+    for (long long i = 0; i < schedule.steps; ++i) {
+      const double h = schedule.length(i);
+      const auto before = Clock::now();
+      const dynStatus status = dyn_step(robot, data, integrator, h);
+      wall += Clock::now() - before;
+      if (status != DYN_OK) {
+        const std::string message = dyn_last_error();
+        if (csv) csv->close();
+        fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + message);
+      }
+      check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
+      drift_max = std::max(drift_max, std::abs(kinetic + potential - initial));
+      record();
+      limits.look(q, *time, warnings);
+      progress.at(i);
+    }
+  }
+  if (csv) csv->close();
+
+  const double wall_s = std::chrono::duration<double>(wall).count();
+  json answer = {{"duration", options.duration}, {"steps", schedule.steps}, {"wall_s", wall_s}};
+  answer["real_time_factor"] = options.duration / std::max(wall_s, 1e-9);
+  answer["q"] = vector_json(q, robot.nq);
+  answer["v"] = vector_json(v, robot.nv);
+  answer["time"] = *time;
+  answer["energy"] = {{"initial", initial}, {"final", kinetic + potential}, {"drift_max", drift_max}};
+  answer["contacts_max"] = 0;
+  answer["penetration_max"] = 0.0;
+  answer["residual_max"] = 0.0;
+  answer["integrator"] = options.integrator;
+  answer["solver"] = "none";
+  answer["dt"] = options.dt;
+  const Vector q_end(q, q + robot.nq);
+  answer["error_estimate"] = options.no_error_estimate ? json(nullptr) : error_estimate(robot, state, integrator, schedule, q_end.data(), warnings);
+  answer["error_estimate_method"] = options.no_error_estimate
+                                        ? "not asked for"
+                                        : "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
+  answer["effects"] = effects(robot);
+  answer["warnings"] = warnings;
+  print(options.robot.json ? json_text(answer) : text_of(answer));
+}
+
+}  // namespace
+
+void add_sim(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("sim", "Smooth dynamics under a constant tau (no contact, limits, damping or dry friction)");
+  add_robot_options(*command, options->robot);
+  command->add_option("--duration", options->duration, "Seconds to simulate")->required();
+  command->add_option("--dt", options->dt, "Step, seconds")->capture_default_str();
+  command->add_option("--integrator", options->integrator, "semi_implicit_euler or rk4")->capture_default_str();
+  add_state_options(*command, options->state, false);
+  command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies");
+  command->add_flag("--no-error-estimate", options->no_error_estimate, "Leave out the second run, at half the step");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cli

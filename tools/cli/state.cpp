@@ -1,0 +1,133 @@
+// The state: a JSON file {"q":[nq],"v":[nv],"a":[nv],"tau":[nv]} or lists on the command line. Missing ones: neutral, zero.
+// In the file each may also be an object {"joint": number or list}; joints that it does not name stay neutral or zero.
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "cli.hpp"
+
+namespace cli {
+
+void add_state_options(CLI::App& command, StateOptions& options, bool with_acceleration) {
+  auto* file = command.add_option("--state", options.file, "State: JSON with any of q, v, a, tau")->type_name("S.json");
+  const auto list = [&](const char* name, std::vector<std::string>& words, const char* what) {
+    command.add_option(name, words, what)->type_name("NUMBERS")->excludes(file);
+  };
+  list("--q", options.q, "Configuration, nq numbers, separated by commas or spaces; default neutral");
+  list("--v", options.v, "Velocity, nv numbers; default zero");
+  if (with_acceleration) list("--a", options.a, "Acceleration, nv numbers; default zero");
+  list("--tau", options.tau, "Generalised force, nv numbers; default zero");
+}
+
+namespace {
+
+Vector parse_list(const std::string& option, const std::vector<std::string>& words) {
+  Vector out;
+  for (const auto& word : words) {
+    std::string text = word;
+    for (char& c : text)
+      if (c == ',' || c == ';' || c == '[' || c == ']') c = ' ';
+    std::istringstream parts(text);
+    for (std::string part; parts >> part;) {
+      const char* begin = part.c_str() + (part[0] == '+');
+      const char* end = part.c_str() + part.size();
+      double x;
+      const auto [stop, error] = std::from_chars(begin, end, x);
+      if (error != std::errc() || stop != end) bad_usage(option + ": \"" + part + "\" is not a number.");
+      if (!std::isfinite(x)) bad_usage(option + ": \"" + part + "\" is not finite.");
+      out.push_back(x);
+    }
+  }
+  return out;
+}
+
+std::string sizes(const std::string& what, std::size_t got, int needed, const char* symbol) {
+  return what + " has " + std::to_string(got) + " numbers, but the robot needs " + std::to_string(needed) + " (" + symbol + ").";
+}
+
+void from_list(const Robot& robot, const char* key, const std::vector<std::string>& words, Vector& out) {
+  if (words.empty()) return;
+  const std::string option = std::string("--") + key;
+  Vector given = parse_list(option, words);
+  const bool is_q = *key == 'q';
+  const int n = is_q ? robot.nq : robot.nv;
+  if (given.size() != static_cast<std::size_t>(n)) fail(sizes(option, given.size(), n, is_q ? "nq" : "nv"));
+  out = std::move(given);
+}
+
+double number(const json& value, const std::string& where) {
+  if (!value.is_number()) fail(where + " must be a number, but is " + value.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 40) + ".");
+  const double x = value.get<double>();
+  if (!std::isfinite(x)) fail(where + " is not finite.");
+  return x;
+}
+
+void from_json(const Robot& robot, const std::string& file, const std::string& key, const json& value, Vector& out) {
+  const std::string where = file + ": \"" + key + "\"";
+  const bool is_q = key == "q";
+  if (value.is_object()) {
+    for (const auto& [name, given] : value.items()) {
+      const int id = dyn_joint_id(robot, name.c_str());
+      if (id < 0) fail(where + ": " + dyn_last_error());
+      const dynJointInfo joint = robot.joint(id);
+      const std::string place = where + ", joint \"" + name + "\"";
+      if (joint.mimic_leader >= 0)
+        fail(place + " follows \"" + dyn_joint_name(robot, joint.mimic_leader) + "\" and has no numbers of its own: set that one.");
+      const int first = is_q ? joint.idx_q : joint.idx_v, n = is_q ? joint.nq : joint.nv;
+      const json list = given.is_array() ? given : json::array({given});
+      if (list.size() != static_cast<std::size_t>(n))
+        fail(place + " has " + std::to_string(list.size()) + " numbers, but the joint needs " + std::to_string(n) + ".");
+      for (int i = 0; i < n; ++i) out[first + i] = number(list[i], place);
+    }
+    return;
+  }
+  if (!value.is_array()) fail(where + " must be a list of numbers.");
+  const int n = is_q ? robot.nq : robot.nv;
+  if (value.size() != static_cast<std::size_t>(n)) fail(sizes(where, value.size(), n, is_q ? "nq" : "nv"));
+  for (int i = 0; i < n; ++i) out[i] = number(value[i], where + "[" + std::to_string(i) + "]");
+}
+
+}  // namespace
+
+void check_lists(const StateOptions& options) {
+  parse_list("--q", options.q);
+  parse_list("--v", options.v);
+  parse_list("--a", options.a);
+  parse_list("--tau", options.tau);
+}
+
+State read_state(const Robot& robot, const StateOptions& options) {
+  State state{robot.neutral(), Vector(robot.nv), Vector(robot.nv), Vector(robot.nv)};
+  from_list(robot, "q", options.q, state.q);
+  from_list(robot, "v", options.v, state.v);
+  from_list(robot, "a", options.a, state.a);
+  from_list(robot, "tau", options.tau, state.tau);
+  state.has_tau = !options.tau.empty();
+  if (options.file.empty()) return state;
+
+  std::ifstream in(options.file, std::ios::binary);
+  std::ostringstream text;
+  if (in) text << in.rdbuf();
+  if (!in) fail(options.file + ": the state cannot be read: " + std::strerror(errno ? errno : EIO) + ".");
+  json object;
+  try {
+    object = json::parse(text.str());
+  } catch (const json::exception& error) {
+    fail(options.file + ": not JSON: " + error.what() + ".");
+  }
+  if (!object.is_object()) fail(options.file + ": must be an object with any of \"q\", \"v\", \"a\", \"tau\".");
+  for (const auto& [key, value] : object.items()) {
+    if (key == "q") from_json(robot, options.file, key, value, state.q);
+    else if (key == "v") from_json(robot, options.file, key, value, state.v);
+    else if (key == "a") from_json(robot, options.file, key, value, state.a);
+    else if (key == "tau") from_json(robot, options.file, key, value, state.tau), state.has_tau = true;
+    else fail(options.file + ": unknown key \"" + key + "\"; the keys are \"q\", \"v\", \"a\", \"tau\".");
+  }
+  return state;
+}
+
+}  // namespace cli

@@ -1,0 +1,68 @@
+// Numbers, JSON and the answer on standard output.
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+
+#include "cli.hpp"
+
+namespace cli {
+
+json vector_json(const double* data, int n) { return json(std::vector<double>(data, data + n)); }
+
+json matrix_json(const double* data, int rows, int cols) {
+  json out = json::array();
+  for (int i = 0; i < rows; ++i) {
+    json row = json::array();
+    for (int j = 0; j < cols; ++j) row.push_back(data[i + static_cast<std::ptrdiff_t>(rows) * j]);
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+std::string json_text(const json& object) {
+  const auto dump = [](const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); };
+  std::string out = "{";
+  const char* comma = "\n";
+  for (const auto& [key, value] : object.items()) {
+    out += comma + (" " + dump(key)) + ": ";
+    comma = ",\n";
+    if (value.is_array() && !value.empty() && value.front().is_object()) {
+      const char* inner = "[\n  ";
+      for (const auto& element : value) {
+        out += inner + dump(element);
+        inner = ",\n  ";
+      }
+      out += "\n ]";
+    } else {
+      out += dump(value);
+    }
+  }
+  return out + "\n}\n";
+}
+
+void append_number(std::string& out, double x) {
+  char text[40];
+  const auto end = std::to_chars(text, text + sizeof text, x, std::chars_format::general, 17);
+  out.append(text, end.ptr);
+}
+
+std::string short_number(double x, int digits) {
+  char text[40];
+  const auto end = std::to_chars(text, text + sizeof text, x == 0 ? 0.0 : x, std::chars_format::general, digits);
+  return std::string(text, end.ptr);
+}
+
+void print(const std::string& answer) {
+  errno = 0;
+  if (std::fwrite(answer.data(), 1, answer.size(), stdout) != answer.size() || std::fflush(stdout) != 0)
+    fail(std::string("the answer cannot be written to standard output: ") + std::strerror(errno) + ".");
+}
+
+std::string join(const std::vector<std::string>& words, const char* separator) {
+  std::string out;
+  for (const auto& word : words) out += (out.empty() ? "" : separator) + word;
+  return out;
+}
+
+}  // namespace cli

@@ -1,0 +1,26 @@
+# What `cmake --install` gives: header, libraries, the command, models, dyn.pc, find_package(dyn).
+include(CMakePackageConfigHelpers)
+set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/dyn)
+
+install(FILES capi/dyn.h capi/dyn.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS dyn dyn_static EXPORT dyn LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+foreach(level IN LISTS DYN_HWCAPS)
+  string(REPLACE "x86-64-" "" suffix ${level})
+  install(TARGETS dyn_${suffix} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/glibc-hwcaps/${level} NAMELINK_SKIP)
+endforeach()
+if(TARGET dyn_cli)
+  install(TARGETS dyn_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+if(EXISTS ${PROJECT_SOURCE_DIR}/models)
+  install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/dyn)
+endif()
+
+install(EXPORT dyn NAMESPACE dyn:: DESTINATION ${config_dir} FILE dynTargets.cmake)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dynConfig.cmake.in dynConfig.cmake INSTALL_DESTINATION ${config_dir})
+write_basic_package_version_file(dynConfigVersion.cmake COMPATIBILITY SameMajorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/dynConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/dynConfigVersion.cmake DESTINATION ${config_dir})
+
+file(RELATIVE_PATH prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+string(REGEX REPLACE "/$" "" prefix_from_pc "${prefix_from_pc}")
+configure_file(${CMAKE_CURRENT_LIST_DIR}/dyn.pc.in dyn.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/dyn.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -1,0 +1,80 @@
+# dyn_library(suffix arch folder): the same sources compiled for one instruction set, four targets.
+
+# All .cpp files directly in these folders of the project (folders may be missing), sorted.
+function(dyn_glob result)
+  set(files)
+  foreach(folder IN LISTS ARGN)
+    file(GLOB found CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+    list(APPEND files ${found})
+  endforeach()
+  set(${result} "${files}" PARENT_SCOPE)
+endfunction()
+
+# The floating-point rules, the instruction set and the include folders: one set for everything that sees internal headers, for an inline
+# function must be the same function everywhere.
+function(dyn_flags target arch)
+  target_compile_features(${target} INTERFACE cxx_std_20)
+  target_compile_options(${target} INTERFACE -fno-math-errno -fno-trapping-math -ffp-contract=fast -Wno-psabi
+                         $<$<BOOL:${arch}>:-march=${arch}>)
+  target_compile_definitions(${target} INTERFACE $<$<BOOL:${DYN_CHECKED}>:DYN_CHECKED=1>)
+  target_include_directories(${target} INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/capi ${PROJECT_SOURCE_DIR}/src)
+  target_include_directories(${target} SYSTEM INTERFACE $<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES>)
+endfunction()
+
+function(dyn_objects target sources)
+  if(NOT sources)
+    set(sources ${PROJECT_BINARY_DIR}/empty.cpp)
+    file(CONFIGURE OUTPUT ${sources} CONTENT "// no sources yet\n")
+  endif()
+  add_library(${target} OBJECT ${sources})
+  target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections)
+endfunction()
+
+function(dyn_library suffix arch folder)
+  add_library(dyn_flags${suffix} INTERFACE)
+  dyn_flags(dyn_flags${suffix} "${arch}")
+
+  dyn_objects(dyn_core${suffix} "${DYN_CORE_SOURCES}")
+  target_compile_options(dyn_core${suffix} PRIVATE -fno-exceptions -fno-rtti)
+  dyn_objects(dyn_host${suffix} "${DYN_HOST_SOURCES}")
+  target_include_directories(dyn_host${suffix} SYSTEM PRIVATE ${DYN_URDFDOM_INCLUDE} ${DYN_TINYXML2_INCLUDE})
+  dyn_objects(dyn_capi${suffix} "${DYN_CAPI_SOURCES}")
+  if(arch)
+    set(name ${arch})
+  else()
+    set(name ${CMAKE_SYSTEM_PROCESSOR})
+  endif()
+  target_compile_definitions(dyn_capi${suffix} PRIVATE DYN_ARCH_NAME="${name}")
+
+  set(objects)
+  foreach(part core host capi)
+    target_link_libraries(dyn_${part}${suffix} PRIVATE dyn_flags${suffix} dyn_warnings)
+    list(APPEND objects $<TARGET_OBJECTS:dyn_${part}${suffix}>)
+  endforeach()
+  set(host_libraries ${DYN_URDFDOM_LIBRARY} ${DYN_CONSOLE_BRIDGE_LIBRARY} ${DYN_TINYXML2_LIBRARY})
+
+  # libdyn.so.1: what dyn.map exports, nothing undefined, nothing unused
+  set(map ${PROJECT_SOURCE_DIR}/capi/dyn.map)
+  add_library(dyn${suffix} SHARED ${objects})
+  set_target_properties(dyn${suffix} PROPERTIES OUTPUT_NAME dyn VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR} EXPORT_NAME dyn
+    LIBRARY_OUTPUT_DIRECTORY ${folder} LINK_DEPENDS ${map} LINKER_LANGUAGE CXX)
+  target_link_options(dyn${suffix} PRIVATE -Wl,--version-script=${map} -Wl,--gc-sections -Wl,--as-needed -Wl,-O1)
+  if(NOT DYN_SANITIZE)
+    target_link_options(dyn${suffix} PRIVATE -Wl,-z,defs)
+  endif()
+  target_link_libraries(dyn${suffix} PRIVATE ${host_libraries})
+  target_include_directories(dyn${suffix} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/capi> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+
+  # libdyn.a: the same objects; internal headers may be used with it in this build
+  add_library(dyn_static${suffix} STATIC ${objects})
+  set_target_properties(dyn_static${suffix} PROPERTIES OUTPUT_NAME dyn EXPORT_NAME static ARCHIVE_OUTPUT_DIRECTORY ${folder} LINKER_LANGUAGE CXX)
+  target_compile_definitions(dyn_static${suffix} INTERFACE DYN_STATIC)
+  target_include_directories(dyn_static${suffix} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/capi> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  foreach(item dyn_flags${suffix} ${host_libraries})
+    target_link_libraries(dyn_static${suffix} INTERFACE $<BUILD_INTERFACE:${item}>)
+  endforeach()
+  target_link_libraries(dyn_static${suffix} INTERFACE $<INSTALL_INTERFACE:urdfdom_model> $<INSTALL_INTERFACE:console_bridge> $<INSTALL_INTERFACE:tinyxml2>)
+  if(suffix)
+    set_target_properties(dyn_static${suffix} PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
+endfunction()
