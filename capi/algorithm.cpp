@@ -19,14 +19,63 @@ void kinematics(const Model& m, Data<double>& d, int level) {
   else ensure_position(m, d);
 }
 
-// The position buffers must hold the current q before anything reads them; R of the world alone is no result.
-bool finite_position(Call& call) {
+// Kinematics beyond these bounds are refused: within them no product that a frame query or a Jacobian forms overflows.
+constexpr double most = 1e100, most_acceleration = 1e200;
+
+// The first body whose vector has a component beyond the bound (or none at all: NaN), or n.
+Index beyond(const Vec3<double>* x, Index n, double bound) {
+  std::int64_t largest = 0, limit;
+  __builtin_memcpy(&limit, &bound, 8);
+  for (std::size_t k = 0; k < std::size_t(n) * (sizeof *x / 8); ++k) {
+    std::int64_t bits;
+    __builtin_memcpy(&bits, reinterpret_cast<const char*>(x) + 8 * k, 8);
+    bits &= 0x7fffffffffffffff;
+    largest = bits > largest ? bits : largest;
+  }
+  if (largest <= limit) return n;
+  for (Index i = 0; i < n; ++i)
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs(x[i][c]) <= bound)) return i;
+  return n;
+}
+
+// Placements (level 0), velocities (1) and accelerations (2) of the bodies are within bounds; otherwise they are dropped and the
+// inputs of this call are taken back.
+bool moderate(Call& call, int level) {
   const Model& m = call.m();
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Vec3<double> p = call.d().p[i];
-    if (!(p[0] - p[0] == 0 && p[1] - p[1] == 0 && p[2] - p[2] == 0)) {
-      call.take_back();
-      call.status = fail(DYN_ERROR_NUMERIC, "the placement of joint '%s' overflows: q is too large for double precision", m.string(m.joints()[m.bodies()[i].joint].name));
+  Data<double>& d = call.d();
+  const struct {
+    const Vec3<double>* x;
+    int level;
+    double bound;
+    const char* what;
+  } rows[] = {{d.p, 0, most, "placement"}, {d.w, 1, most, "velocity"}, {d.u, 1, most, "velocity"},
+              {d.dw, 2, most_acceleration, "acceleration"}, {d.du, 2, most_acceleration, "acceleration"}};
+  for (const auto& r : rows) {
+    if (r.level > level) break;
+    const Index i = beyond(r.x, m.n.bodies, r.bound);
+    if (i == m.n.bodies) continue;
+    d.drop(Stage::Position), d.drop(Stage::Velocity), d.drop(Stage::Acceleration);
+    call.drop_results();
+    call.take_back();
+    call.status = fail(DYN_ERROR_NUMERIC, "%s: the %s of joint '%s' overflows: the inputs are too large for double precision", call.function, r.what,
+                       m.string(m.joints()[m.bodies()[i].joint].name));
+    return false;
+  }
+  return true;
+}
+
+// The same for what a frame query reads, which another call may have computed without looking.
+bool moderate_frame(Call& call, int frame, int level) {
+  const Model& m = call.m();
+  const Data<double>& d = call.d();
+  for (Index i = m.frames()[frame].body; i != 0; i = m.bodies()[i].parent) {
+    bool good = beyond(d.p + i, 1, most) == 1;
+    if (level >= 1) good = good && beyond(d.w + i, 1, most) == 1 && beyond(d.u + i, 1, most) == 1;
+    if (level >= 2) good = good && beyond(d.dw + i, 1, most_acceleration) == 1 && beyond(d.du + i, 1, most_acceleration) == 1;
+    if (!good) {
+      call.status = fail(DYN_ERROR_NUMERIC, "%s: the motion of joint '%s' overflows: the state is too large for double precision", call.function,
+                         m.string(m.joints()[m.bodies()[i].joint].name));
       return false;
     }
   }
@@ -34,7 +83,9 @@ bool finite_position(Call& call) {
 }
 
 dynStatus singular(Call& call, Index joint, Stage stage) {
+  call.drop_results();
   call.d().drop(stage);
+  call.d().drop(Stage::Factor);  // with mimic joints it was being written
   call.take_back();
   const Model& m = call.m();
   return fail(DYN_ERROR_NUMERIC, "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave this configuration",
@@ -44,7 +95,6 @@ dynStatus singular(Call& call, Index joint, Stage stage) {
 // Inverse dynamics into a field; v and a may be the zeros of data.
 dynStatus inverse(Call& call, const double* v, const double* a, const double* fext, double* field, Stage stage, const char* name, double* out) {
   const Model& m = call.m();
-  if (!call.finite("fext", fext, 6 * m.n.joints)) return call.status;
   inverse_dynamics(m, call.d(), v, a, fext, field);
   if (!call.numeric(field, m.n.nv, name, stage)) return call.status;
   call.d().done(stage);
@@ -52,7 +102,8 @@ dynStatus inverse(Call& call, const double* v, const double* a, const double* fe
   return DYN_OK;
 }
 
-bool check_fext(Call& call, const double* fext) { return call.finite("fext", fext, 6 * call.m().n.joints); }
+// The universe's column does not count.
+bool check_fext(Call& call, const double* fext) { return call.finite("fext", fext, 6 * call.m().n.joints, 6); }
 
 }  // namespace
 
@@ -62,7 +113,7 @@ dynStatus dyn_forward_kinematics(const dynModel* model, dynData* data, const dou
   Call call(model, data, DYN_PART_KINEMATICS, "dyn_forward_kinematics");
   if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
   kinematics(call.m(), call.d(), level_of(v, a));
-  finite_position(call);
+  moderate(call, level_of(v, a));
   return call.status;
 }
 
@@ -71,13 +122,13 @@ dynStatus dyn_frame_placement(const dynModel* model, dynData* data, int frame, d
   if (!call || !call.frame(frame) || !call.required("placement", placement) ||
       !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics"))
     return call.status;
-  frame_placement(call.m(), call.d(), frame, placement);
-  return DYN_OK;
+  if (moderate_frame(call, frame, 0)) frame_placement(call.m(), call.d(), frame, placement);
+  return call.status;
 }
 
 dynStatus dyn_frame_placements(const dynModel* model, dynData* data, double* placements) {
   Call call(model, data, DYN_PART_FRAMES, "dyn_frame_placements");
-  if (!call || !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics")) return call.status;
+  if (!call || !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics") || !moderate(call, 0)) return call.status;
   const Model& m = call.m();
   for (Index k = 0; k < m.n.frames; ++k) frame_placement(m, call.d(), k, call.d().placements + 12 * std::ptrdiff_t(k));
   call.d().done(Stage::Frames);
@@ -90,8 +141,8 @@ dynStatus dyn_frame_velocity(const dynModel* model, dynData* data, int frame, dy
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("velocity", velocity) ||
       !call.fresh(Stage::Velocity, "the velocity", "dyn_forward_kinematics with q and v"))
     return call.status;
-  frame_velocity(call.m(), call.d(), frame, reference, velocity);
-  return DYN_OK;
+  if (moderate_frame(call, frame, 1)) frame_velocity(call.m(), call.d(), frame, reference, velocity);
+  return call.status;
 }
 
 static dynStatus acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double* out, bool classical, const char* function) {
@@ -99,8 +150,8 @@ static dynStatus acceleration(const dynModel* model, dynData* data, int frame, d
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("acceleration", out) ||
       !call.fresh(Stage::Acceleration, "the acceleration", "dyn_forward_kinematics with q, v and a"))
     return call.status;
-  frame_acceleration(call.m(), call.d(), frame, reference, classical, out);
-  return DYN_OK;
+  if (moderate_frame(call, frame, 2)) frame_acceleration(call.m(), call.d(), frame, reference, classical, out);
+  return call.status;
 }
 
 dynStatus dyn_frame_acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double a[6]) {
@@ -115,7 +166,7 @@ dynStatus dyn_joint_jacobians(const dynModel* model, dynData* data, const double
   Call call(model, data, DYN_PART_JACOBIANS, "dyn_joint_jacobians");
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   joint_jacobians(call.m(), call.d());
-  if (!finite_position(call)) return call.status;
+  if (!moderate(call, 0)) return call.status;
   copy_out(call.d().J, 6 * call.m().n.nv, J);
   return DYN_OK;
 }
@@ -134,8 +185,8 @@ dynStatus dyn_frame_jacobian(const dynModel* model, dynData* data, int frame, dy
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("J", J) ||
       !call.fresh(Stage::Position, "the Jacobian's configuration", "dyn_forward_kinematics"))
     return call.status;
-  frame_jacobian(call.m(), call.d(), frame, reference, J);
-  return DYN_OK;
+  if (moderate_frame(call, frame, 0)) frame_jacobian(call.m(), call.d(), frame, reference, J);
+  return call.status;
 }
 
 dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data, int frame, dynReference reference, double* dJ) {
@@ -143,8 +194,8 @@ dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data
   if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("dJ", dJ) ||
       !call.fresh(Stage::Velocity, "the velocity", "dyn_forward_kinematics with q and v"))
     return call.status;
-  frame_jacobian_time_variation(call.m(), call.d(), frame, reference, dJ);
-  return DYN_OK;
+  if (moderate_frame(call, frame, 1)) frame_jacobian_time_variation(call.m(), call.d(), frame, reference, dJ);
+  return call.status;
 }
 
 dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* com,
@@ -154,7 +205,7 @@ dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const double*
   Data<double>& d = call.d();
   const int level = acom ? 2 : vcom ? (a ? 2 : 1) : level_of(v, a);
   center_of_mass(call.m(), d, level);
-  if (!call.numeric(d.com, 3, "com", Stage::Com) || (level >= 1 && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom)) ||
+  if (!moderate(call, 0) || !call.numeric(d.com, 3, "com", Stage::Com) || (level >= 1 && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom)) ||
       (level >= 2 && !call.numeric(d.acom, 3, "acom", Stage::Acom)))
     return call.status;
   copy_out(d.com, 3, com), copy_out(d.vcom, 3, vcom), copy_out(d.acom, 3, acom);
@@ -166,7 +217,7 @@ dynStatus dyn_center_of_mass_jacobian(const dynModel* model, dynData* data, cons
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   if (!d.fresh(Stage::Com) || !d.fresh(Stage::Position)) center_of_mass(call.m(), d, 0);
-  if (!call.numeric(d.com, 3, "com", Stage::Com)) return call.status;
+  if (!moderate(call, 0) || !call.numeric(d.com, 3, "com", Stage::Com)) return call.status;
   center_of_mass_jacobian(call.m(), d, 0, d.Jcom);
   d.done(Stage::Jcom);
   copy_out(d.Jcom, 3 * call.m().n.nv, Jcom);
@@ -245,8 +296,9 @@ dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const d
   return DYN_OK;
 }
 
-// The diagonal of M is finite when M is.
+// The diagonal of M is finite when M is, for placements within bounds.
 static bool finite_mass(Call& call) {
+  if (!moderate(call, 0)) return false;
   Data<double>& d = call.d();
   const std::ptrdiff_t nv = call.m().n.nv;
   double sum = 0;
@@ -271,6 +323,7 @@ static dynStatus factor(Call& call) {
     const char* name = "?";
     for (Index j = 1; j < m.n.joints; ++j)
       if (m.joints()[j].idx_v <= failed - 1) name = m.joints()[j].nv ? m.string(m.joints()[j].name) : name;
+    call.take_back();
     return call.status = fail(DYN_ERROR_NUMERIC, "M is not positive at joint '%s': this configuration is singular; add armature or leave it", name);
   }
   return DYN_OK;
@@ -290,8 +343,15 @@ dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int n
   for (int k = 0; k < nrhs; ++k)
     if (!call.finite("b", b + nv * k, Index(nv))) return call.status;
   if (!call.fresh(Stage::Factor, "the factor of M", "dyn_factorize")) return call.status;
-  if (x != b) __builtin_memmove(x, b, std::size_t(nv * nrhs) * sizeof(double));
-  for (int k = 0; k < nrhs; ++k) solve(call.m(), call.d(), x + nv * k);
+  double* column = call.d().backup;  // this call replaces no input
+  for (int k = 0; k < nrhs; ++k) {
+    __builtin_memcpy(column, b + nv * k, std::size_t(nv) * sizeof(double));
+    solve(call.m(), call.d(), column);
+    if (const Index bad = finite_count(column, Index(nv)); bad < nv)
+      return fail(DYN_ERROR_NUMERIC, "dyn_solve: x[%d] of right-hand side %d overflows: b is too large for double precision; x is written before this one",
+                  int(bad), k);
+    copy_out(column, nv, x + nv * k);
+  }
   return DYN_OK;
 }
 
@@ -302,6 +362,7 @@ dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, do
   if (!d.fresh(Stage::Mass)) crba(call.m(), d);
   if (!finite_mass(call) || factor(call) != DYN_OK) return call.status;
   invert(call.m(), d);
+  if (!call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
   copy_out(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, Minv);
   return DYN_OK;
 }
@@ -322,15 +383,32 @@ dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, cons
   return DYN_OK;
 }
 
+dynStatus dyn_kinetic_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic) {
+  Call call(model, data, DYN_PART_ENERGY, "dyn_kinetic_energy");
+  if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
+  kinetic_energy(call.m(), call.d());
+  if (call.numeric(call.d().kinetic, 1, "energy", Stage::Kinetic)) copy_out(call.d().kinetic, 1, kinetic);
+  return call.status;
+}
+
+dynStatus dyn_potential_energy(const dynModel* model, dynData* data, const double* q, double* potential) {
+  Call call(model, data, DYN_PART_ENERGY, "dyn_potential_energy");
+  if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  potential_energy(call.m(), call.d());
+  if (call.numeric(call.d().potential, 1, "energy", Stage::Potential)) copy_out(call.d().potential, 1, potential);
+  return call.status;
+}
+
 dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, const double* q, const double* v, uint32_t* filled) {
   static constexpr struct {
     uint32_t term;
     dynParts part;
-  } needs[] = {{DYN_TERM_KINEMATICS, DYN_PART_KINEMATICS}, {DYN_TERM_FRAMES, DYN_PART_FRAMES}, {DYN_TERM_JACOBIANS, DYN_PART_JACOBIANS},
-               {DYN_TERM_DJACOBIANS, DYN_PART_JACOBIANS}, {DYN_TERM_COM, DYN_PART_COM}, {DYN_TERM_JCOM, DYN_PART_COM},
-               {DYN_TERM_NLE, DYN_PART_INVERSE}, {DYN_TERM_GRAVITY, DYN_PART_INVERSE}, {DYN_TERM_MASS, DYN_PART_MASS},
-               {DYN_TERM_FACTOR, DYN_PART_FACTOR}, {DYN_TERM_MINV, DYN_PART_MINV}, {DYN_TERM_CORIOLIS, DYN_PART_CORIOLIS},
-               {DYN_TERM_ENERGY, DYN_PART_ENERGY}};
+    Stage stage;
+  } needs[] = {{DYN_TERM_KINEMATICS, DYN_PART_KINEMATICS, Stage::Velocity}, {DYN_TERM_FRAMES, DYN_PART_FRAMES, Stage::Frames}, {DYN_TERM_JACOBIANS, DYN_PART_JACOBIANS, Stage::Jacobians},
+               {DYN_TERM_DJACOBIANS, DYN_PART_JACOBIANS, Stage::DJacobians}, {DYN_TERM_COM, DYN_PART_COM, Stage::Vcom}, {DYN_TERM_JCOM, DYN_PART_COM, Stage::Jcom},
+               {DYN_TERM_NLE, DYN_PART_INVERSE, Stage::Nle}, {DYN_TERM_GRAVITY, DYN_PART_INVERSE, Stage::Gravity}, {DYN_TERM_MASS, DYN_PART_MASS, Stage::Mass},
+               {DYN_TERM_FACTOR, DYN_PART_FACTOR, Stage::Factor}, {DYN_TERM_MINV, DYN_PART_MINV, Stage::Minv}, {DYN_TERM_CORIOLIS, DYN_PART_CORIOLIS, Stage::Coriolis},
+               {DYN_TERM_ENERGY, DYN_PART_ENERGY, Stage::Mechanical}};
   dynParts parts = 0;
   for (const auto& n : needs)
     if (mask & n.term) parts |= n.part;
@@ -343,9 +421,7 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
   const std::ptrdiff_t nv = m.n.nv;
   const bool velocities = mask & (DYN_TERM_KINEMATICS | DYN_TERM_DJACOBIANS | DYN_TERM_COM | DYN_TERM_CORIOLIS | DYN_TERM_ENERGY);
   kinematics(m, d, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0);
-  if (!finite_position(call)) return call.status;
-  uint32_t done = 0;
-  if (velocities) done |= mask & DYN_TERM_KINEMATICS;
+  if (!moderate(call, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0)) return call.status;
   if (mask & DYN_TERM_JACOBIANS && !(mask & DYN_TERM_DJACOBIANS)) joint_jacobians(m, d);
   if (mask & DYN_TERM_DJACOBIANS) {
     joint_jacobians_time_variation(m, d);
@@ -353,7 +429,7 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
   }
   if (mask & (DYN_TERM_COM | DYN_TERM_JCOM)) {
     center_of_mass(m, d, mask & DYN_TERM_COM ? 1 : 0);
-    if (!call.numeric(d.com, 3, "com", Stage::Com)) return call.status;
+    if (!call.numeric(d.com, 3, "com", Stage::Com) || (mask & DYN_TERM_COM && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom))) return call.status;
   }
   if (mask & DYN_TERM_JCOM) center_of_mass_jacobian(m, d, 0, d.Jcom), d.done(Stage::Jcom);
   if (mask & DYN_TERM_NLE) {
@@ -371,7 +447,10 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
     if (!finite_mass(call)) return call.status;
   }
   if (mask & (DYN_TERM_FACTOR | DYN_TERM_MINV) && factor(call) != DYN_OK) return call.status;
-  if (mask & DYN_TERM_MINV) invert(m, d);
+  if (mask & DYN_TERM_MINV) {
+    invert(m, d);
+    if (!call.numeric(d.Minv, Index(nv * nv), "Minv", Stage::Minv)) return call.status;
+  }
   if (mask & DYN_TERM_CORIOLIS) {
     coriolis_matrix(m, d);
     if (!call.numeric(d.coriolis, Index(nv * nv), "coriolis", Stage::Coriolis)) return call.status;
@@ -381,7 +460,11 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
     for (Index k = 0; k < m.n.frames; ++k) frame_placement(m, d, k, d.placements + 12 * std::ptrdiff_t(k));
     d.done(Stage::Frames);
   }
-  if (filled) *filled = mask | done;
+  if (filled) {
+    *filled = 0;
+    for (const auto& n : needs)
+      if (d.fresh(n.stage)) *filled |= n.term;
+  }
   return DYN_OK;
 }
 

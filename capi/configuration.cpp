@@ -1,7 +1,10 @@
 // Operations on configurations: no data, the model alone.
 #include <cmath>
+#include <initializer_list>
 #include <limits>
+#include <utility>
 
+#include "dyn/algorithm/configuration.hpp"
 #include "guard.hpp"
 
 using namespace dyn;
@@ -35,10 +38,30 @@ struct Check {
     return *this;
   }
   Check& v(const char* name, const double* x) { return status == DYN_OK ? vector(name, x, m->n.nv) : *this; }
+  // Runs f<J>(body, result) for each joint, result being room for what it writes, when the numbers given are so large that something
+  // may overflow: so that an output is written whole or not at all.
+  template <class F>
+  Check& fits(std::initializer_list<std::pair<const double*, Index>> given, F f) {
+    if (status != DYN_OK) return *this;
+    bool large = false;
+    for (const auto& [x, n] : given)
+      for (Index k = 0; k < n; ++k) large |= std::abs(x[k]) > 1e100;
+    if (!large) return *this;
+    for_each_leader(*m, [&]<class J>(const Body& b) {
+      double result[72] = {};
+      f.template operator()<J>(b, result);
+      if (status == DYN_OK && finite_count(result, 72) < 72)
+        status = fail(DYN_ERROR_NUMERIC, "%s: the result of joint '%s' overflows: the inputs are too large for double precision", function,
+                      m->string(m->joints()[b.joint].name));
+    });
+    return *this;
+  }
   Check& output(const void* p) {
     if (status == DYN_OK && !p) status = fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
     return *this;
   }
+  Index nq() const { return m ? m->n.nq : 0; }
+  Index nv() const { return m ? m->n.nv : 0; }
   explicit operator bool() const { return status == DYN_OK; }
 };
 
@@ -48,26 +71,41 @@ extern "C" {
 
 dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v, double* out) {
   Check c(model, "dyn_integrate");
-  if (c.q("q", q).v("v", v).output(out)) integrate(*c.m, q, v, out);
+  if (c.q("q", q).v("v", v).output(out).fits({{q, c.nq()}, {v, c.nv()}}, [&]<class J>(const Body& b, double* x) {
+        J::integrate(q + b.user_q, v + b.user_v, x);
+      }))
+    integrate(*c.m, q, v, out);
   return c.status;
 }
 
 dynStatus dyn_difference(const dynModel* model, const double* q0, const double* q1, double* v) {
   Check c(model, "dyn_difference");
-  if (c.q("q0", q0).q("q1", q1).output(v)) difference(*c.m, q0, q1, v);
+  if (c.q("q0", q0).q("q1", q1).output(v).fits({{q0, c.nq()}, {q1, c.nq()}}, [&]<class J>(const Body& b, double* x) {
+        J::difference(b, q0 + b.user_q, q1 + b.user_q, x);
+      }))
+    difference(*c.m, q0, q1, v);
   return c.status;
 }
 
 dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double* q1, double u, double* out) {
   Check c(model, "dyn_interpolate");
-  if (c.q("q0", q0).q("q1", q1).vector("u", &u, 1).output(out)) interpolate(*c.m, q0, q1, u, out);
+  if (c.q("q0", q0).q("q1", q1).vector("u", &u, 1).output(out).fits({{q0, c.nq()}, {q1, c.nq()}, {&u, 1}}, [&]<class J>(const Body& b, double* x) {
+        double v[6];
+        J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
+        for (int k = 0; k < J::nv; ++k) v[k] *= u;
+        J::integrate(q0 + b.user_q, v, x);
+      }))
+    interpolate(*c.m, q0, q1, u, out);
   return c.status;
 }
 
 dynStatus dyn_distance(const dynModel* model, const double* q0, const double* q1, double* result) {
   Check c(model, "dyn_distance");
-  if (c.q("q0", q0).q("q1", q1).output(result)) *result = distance(*c.m, q0, q1);
-  return c.status;
+  if (!c.q("q0", q0).q("q1", q1).output(result)) return c.status;
+  const double d = distance(*c.m, q0, q1);
+  if (!std::isfinite(d)) return fail(DYN_ERROR_NUMERIC, "dyn_distance: the distance overflows: the inputs are too large for double precision");
+  *result = d;
+  return DYN_OK;
 }
 
 dynStatus dyn_neutral(const dynModel* model, double* q) {
@@ -83,8 +121,11 @@ dynStatus dyn_random(const dynModel* model, uint64_t seed, const double* lower, 
   const double* high = upper ? upper : c.m->upper_limit();
   for (Index k = 0; k < c.m->n.nq; ++k) {
     if (std::isnan(low[k]) || std::isnan(high[k]))
-      return fail(DYN_ERROR_NONFINITE, "dyn_random: %s[%d] is NaN", std::isnan(low[k]) ? "lower" : "upper", int(k));
-    if (low[k] > high[k]) return fail(DYN_ERROR_INVALID, "dyn_random: lower[%d] = %g exceeds upper[%d] = %g", int(k), low[k], int(k), high[k]);
+      return fail(DYN_ERROR_NONFINITE, "dyn_random: %s[%d] is NaN: give a number, or an infinity for no bound", std::isnan(low[k]) ? "lower" : "upper", int(k));
+    if (low[k] > std::numeric_limits<double>::max() || high[k] < std::numeric_limits<double>::lowest())
+      return fail(DYN_ERROR_INVALID, "dyn_random: nothing lies between lower[%d] = %g and upper[%d] = %g: give a bound that numbers can meet", int(k),
+                  low[k], int(k), high[k]);
+    if (low[k] > high[k]) return fail(DYN_ERROR_INVALID, "dyn_random: lower[%d] = %g exceeds upper[%d] = %g: exchange them", int(k), low[k], int(k), high[k]);
   }
   random_configuration(*c.m, seed, low, high, q);
   return DYN_OK;
@@ -106,13 +147,19 @@ dynStatus dyn_is_normalized(const dynModel* model, const double* q, double toler
 
 dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const double* v, double* dq, double* dv) {
   Check c(model, "dyn_integrate_jacobians");
-  if (c.q("q", q).v("v", v)) integrate_jacobians(*c.m, q, v, dq, dv);
+  if (c.q("q", q).v("v", v).fits({{q, c.nq()}, {v, c.nv()}}, [&]<class J>(const Body& b, double* x) {
+        J::integrate_jacobians(q + b.user_q, v + b.user_v, Block<double>{x, 6}, Block<double>{x + 36, 6});
+      }))
+    integrate_jacobians(*c.m, q, v, dq, dv);
   return c.status;
 }
 
 dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1, double* dq0, double* dq1) {
   Check c(model, "dyn_difference_jacobians");
-  if (c.q("q0", q0).q("q1", q1)) difference_jacobians(*c.m, q0, q1, dq0, dq1);
+  if (c.q("q0", q0).q("q1", q1).fits({{q0, c.nq()}, {q1, c.nq()}}, [&]<class J>(const Body& b, double* x) {
+        J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, Block<double>{x, 6}, Block<double>{x + 36, 6});
+      }))
+    difference_jacobians(*c.m, q0, q1, dq0, dq1);
   return c.status;
 }
 

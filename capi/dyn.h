@@ -402,6 +402,10 @@ DYN_API dynStatus dyn_minverse(const dynModel* model, dynData* data, const doubl
 /* Kinetic (v' M v / 2, armature included) and potential energy (zero at the world's origin), joules; each may be NULL. */
 DYN_API dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic, double* potential);
 
+/* One of them. */
+DYN_API dynStatus dyn_kinetic_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic);
+DYN_API dynStatus dyn_potential_energy(const dynModel* model, dynData* data, const double* q, double* potential);
+
 /* Everything in mask for one state, passes shared; *filled (may be NULL) tells what is now in data. */
 enum {
   DYN_TERM_KINEMATICS = 1u << 0, DYN_TERM_FRAMES = 1u << 1, DYN_TERM_JACOBIANS = 1u << 2, DYN_TERM_DJACOBIANS = 1u << 3,

@@ -49,13 +49,15 @@ class Input {
  public:
   Input(Held) noexcept {}
   Input(const double* data, std::size_t size) noexcept : data_(data), size_(size), given_(true) {}
-  template <class V, class = decltype(static_cast<const double*>(std::declval<const V&>().data())), class = decltype(std::declval<const V&>().size())>
+  template <class V, class = decltype(static_cast<const double*>(std::declval<const V&>().data())),
+            class = decltype(std::declval<const V&>().size())>
   Input(const V& vector) : Input(vector.data(), static_cast<std::size_t>(vector.size())) {}
 
   // The pointer that dyn.h wants; refuses a wrong size.
   const double* of(int size, const char* name) const {
     if (given_ && size_ != static_cast<std::size_t>(size))
-      throw Error(DYN_ERROR_SIZE, std::string(name) + " has " + std::to_string(size_) + " numbers, but needs " + std::to_string(size) + ".");
+      throw Error(DYN_ERROR_SIZE,
+                  std::string(name) + " has " + std::to_string(size_) + " numbers, but needs " + std::to_string(size) + ".");
     return data_;
   }
 
@@ -88,14 +90,16 @@ struct Matrix {
   int rows, cols;
   std::vector<double> values;
   Matrix(int r, int c) : rows(r), cols(c), values(static_cast<std::size_t>(r) * static_cast<std::size_t>(c)) {}
-  double operator()(int i, int j) const { return values[static_cast<std::size_t>(i) + static_cast<std::size_t>(j) * static_cast<std::size_t>(rows)]; }
+  double operator()(int i, int j) const {
+    return values[static_cast<std::size_t>(i) + static_cast<std::size_t>(j) * static_cast<std::size_t>(rows)];
+  }
   double* data() noexcept { return values.data(); }
   const double* data() const noexcept { return values.data(); }
   std::size_t size() const noexcept { return values.size(); }
 };
 
 using Vector = std::vector<double>;
-using Vector6 = std::array<double, 6>;     // [linear; angular]
+using Vector6 = std::array<double, 6>;  // [linear; angular]
 using Vector3 = std::array<double, 3>;
 using Placement = std::array<double, 12>;  // rotation by columns, then translation
 
@@ -106,7 +110,9 @@ struct LoadOptions {
   LoadOptions& base(dynBase b) { return value.base = b, *this; }
   LoadOptions& strict(bool on = true) { return value.strict = on, *this; }
   LoadOptions& cos_sin(bool on = true) { return value.cos_sin = on, *this; }
-  LoadOptions& gravity(double x, double y, double z) { return value.gravity[0] = x, value.gravity[1] = y, value.gravity[2] = z, *this; }
+  LoadOptions& gravity(double x, double y, double z) {
+    return value.gravity[0] = x, value.gravity[1] = y, value.gravity[2] = z, *this;
+  }
   LoadOptions& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
 };
 
@@ -118,7 +124,9 @@ class Model {
     if (nq_ < 0) throw Error(DYN_ERROR_HANDLE);
   }
   static Model load(const std::string& path, const LoadOptions& options = {}) { return load_(dyn_model_load, path, options); }
-  static Model load_string(const std::string& text, const LoadOptions& options = {}) { return load_(dyn_model_load_string, text, options); }
+  static Model load_string(const std::string& text, const LoadOptions& options = {}) {
+    return load_(dyn_model_load_string, text, options);
+  }
   const dynModel* get() const noexcept { return model_.get(); }
 
   int nq() const noexcept { return nq_; }
@@ -161,12 +169,15 @@ class Model {
   std::pair<std::vector<int32_t>, std::vector<int32_t>> q_permutation(const std::vector<std::string>& names) const {
     std::vector<const char*> pointers;
     for (const auto& n : names) pointers.push_back(n.c_str());
-    std::pair<std::vector<int32_t>, std::vector<int32_t>> out{std::vector<int32_t>(names.size()), std::vector<int32_t>(names.size())};
+    std::pair<std::vector<int32_t>, std::vector<int32_t>> out{std::vector<int32_t>(names.size()),
+                                                              std::vector<int32_t>(names.size())};
     check(dyn_q_permutation(get(), pointers.data(), names.size(), out.first.data(), out.second.data()));
     return out;
   }
 
-  Vector neutral() const { return q_([&](double* q) { return dyn_neutral(get(), q); }); }
+  Vector neutral() const {
+    return q_([&](double* q) { return dyn_neutral(get(), q); });
+  }
   Vector random(uint64_t seed, Input lower = none, Input upper = none) const {
     return q_([&](double* q) { return dyn_random(get(), seed, lower.of(nq_, "lower"), upper.of(nq_, "upper"), q); });
   }
@@ -270,9 +281,18 @@ class Data {
     if (id < 0) throw Error(DYN_ERROR_NAME);
     return field(id);
   }
-  View q() const { static const dynField id = dyn_field_id("q"); return field(id); }
-  View v() const { static const dynField id = dyn_field_id("v"); return field(id); }
-  double time() const { static const dynField id = dyn_field_id("time"); return field(id)[0]; }
+  View q() const {
+    static const dynField id = dyn_field_id("q");
+    return field(id);
+  }
+  View v() const {
+    static const dynField id = dyn_field_id("v");
+    return field(id);
+  }
+  double time() const {
+    static const dynField id = dyn_field_id("time");
+    return field(id)[0];
+  }
 
   // kinematics
   void forward_kinematics(Input q = held, Input v = none, Input a = none) {
@@ -290,7 +310,9 @@ class Data {
   }
   Vector6 frame_velocity(int frame, dynReference r = DYN_LOCAL) { return six(dyn_frame_velocity, frame, r); }
   Vector6 frame_acceleration(int frame, dynReference r = DYN_LOCAL) { return six(dyn_frame_acceleration, frame, r); }
-  Vector6 frame_classical_acceleration(int frame, dynReference r = DYN_LOCAL) { return six(dyn_frame_classical_acceleration, frame, r); }
+  Vector6 frame_classical_acceleration(int frame, dynReference r = DYN_LOCAL) {
+    return six(dyn_frame_classical_acceleration, frame, r);
+  }
   View joint_jacobians(Input q = held) {
     static const dynField id = dyn_field_id("J");
     return result(id, dyn_joint_jacobians(m(), get(), q.of(nq(), "q"), nullptr));
@@ -309,7 +331,8 @@ class Data {
   // centre of mass; with v and a also the fields "vcom" and "acom"
   View center_of_mass(Input q = held, Input v = none, Input a = none) {
     static const dynField id = dyn_field_id("com");
-    return result(id, dyn_center_of_mass(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr, nullptr, nullptr));
+    return result(id,
+                  dyn_center_of_mass(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr, nullptr, nullptr));
   }
   View center_of_mass_jacobian(Input q = held) {
     static const dynField id = dyn_field_id("Jcom");
@@ -372,6 +395,16 @@ class Data {
     check(dyn_energy(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), &out.kinetic, &out.potential));
     return out;
   }
+  double kinetic_energy(Input q = held, Input v = held) {
+    double out;
+    check(dyn_kinetic_energy(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), &out));
+    return out;
+  }
+  double potential_energy(Input q = held) {
+    double out;
+    check(dyn_potential_energy(m(), get(), q.of(nq(), "q"), &out));
+    return out;
+  }
   uint32_t all_terms(uint32_t mask = DYN_TERM_ALL, Input q = held, Input v = held) {
     uint32_t filled;
     check(dyn_all_terms(m(), get(), mask, q.of(nq(), "q"), v.of(nv(), "v"), &filled));
@@ -409,8 +442,8 @@ class Data {
 
 // A joint for Builder::joint.
 struct JointSpec {
-  std::string name, parent, mimic;  // "": the world; none
-  dynJointSpec value;               // its names are set from those above
+  std::string name, parent, mimic;                                     // "": the world; none
+  dynJointSpec value;                                                  // its names are set from those above
   Vector lower, upper, velocity, effort, armature, damping, friction;  // empty: infinite, or zero
   std::vector<JointSpec> parts;
   JointSpec(std::string joint, dynJointType type, std::string above = "") : name(std::move(joint)), parent(std::move(above)) {
@@ -459,16 +492,22 @@ class Builder {
     if (!parts.empty()) s.parts = parts.data(), s.parts_count = parts.size();
     return ok(dyn_builder_joint(get(), &s));
   }
-  Builder& joint(const std::string& name, dynJointType type, const std::string& parent = "") { return joint(JointSpec(name, type, parent)); }
-  // Inertia about the centre of mass, both in the link's frame; placement: none is the identity.
-  Builder& body(const std::string& name, const std::string& parent, double mass, const Vector3& com, const std::array<double, 9>& inertia,
-                Input placement = none) {
-    return ok(dyn_builder_body(get(), name.c_str(), above(parent), placement.of(12, "placement"), mass, com.data(), inertia.data()));
+  Builder& joint(const std::string& name, dynJointType type, const std::string& parent = "") {
+    return joint(JointSpec(name, type, parent));
   }
-  Builder& frame(const std::string& name, const std::string& parent, Input placement = none, dynFrameType type = DYN_FRAME_OP_FRAME) {
+  // Inertia about the centre of mass, both in the link's frame; placement: none is the identity.
+  Builder& body(const std::string& name, const std::string& parent, double mass, const Vector3& com,
+                const std::array<double, 9>& inertia, Input placement = none) {
+    return ok(
+        dyn_builder_body(get(), name.c_str(), above(parent), placement.of(12, "placement"), mass, com.data(), inertia.data()));
+  }
+  Builder& frame(const std::string& name, const std::string& parent, Input placement = none,
+                 dynFrameType type = DYN_FRAME_OP_FRAME) {
     return ok(dyn_builder_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
   }
-  Builder& configuration(const std::string& name, const Vector& q) { return ok(dyn_builder_configuration(get(), name.c_str(), q.data(), q.size())); }
+  Builder& configuration(const std::string& name, const Vector& q) {
+    return ok(dyn_builder_configuration(get(), name.c_str(), q.data(), q.size()));
+  }
   Model finish() {
     dynModel* model = nullptr;
     check(dyn_builder_finish(get(), &model));
@@ -487,16 +526,26 @@ class Builder {
   static std::pair<int, int> sizes(const JointSpec& spec) {  // nq, nv
     std::pair<int, int> sum{0, 0};
     switch (spec.value.type) {
-      case DYN_JOINT_FIXED: return {0, 0};
-      case DYN_JOINT_CYLINDRICAL: case DYN_JOINT_UNIVERSAL: return {2, 2};
-      case DYN_JOINT_SPHERICAL: return {4, 3};
-      case DYN_JOINT_SPHERICAL_ZYX: case DYN_JOINT_PLANAR: case DYN_JOINT_TRANSLATION: return {3, 3};
-      case DYN_JOINT_FREE_FLYER: return {7, 6};
-      case DYN_JOINT_REVOLUTE_UNBOUNDED: return {2, 1};
+      case DYN_JOINT_FIXED:
+        return {0, 0};
+      case DYN_JOINT_CYLINDRICAL:
+      case DYN_JOINT_UNIVERSAL:
+        return {2, 2};
+      case DYN_JOINT_SPHERICAL:
+        return {4, 3};
+      case DYN_JOINT_SPHERICAL_ZYX:
+      case DYN_JOINT_PLANAR:
+      case DYN_JOINT_TRANSLATION:
+        return {3, 3};
+      case DYN_JOINT_FREE_FLYER:
+        return {7, 6};
+      case DYN_JOINT_REVOLUTE_UNBOUNDED:
+        return {2, 1};
       case DYN_JOINT_COMPOSITE:
         for (const auto& part : spec.parts) sum.first += sizes(part).first, sum.second += sizes(part).second;
         return sum;
-      default: return {1, 1};
+      default:
+        return {1, 1};
     }
   }
 };

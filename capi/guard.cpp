@@ -122,9 +122,9 @@ Call::Call(const dynModel* model, dynData* data, dynParts part, const char* func
   }
 }
 
-bool Call::finite(const char* name, const double* x, Index n) {
+bool Call::finite(const char* name, const double* x, Index n, Index first) {
   if (status != DYN_OK || !x) return status == DYN_OK;
-  const Index k = finite_count(x, n);
+  const Index k = first + finite_count(x + first, n - first);
   if (k < n) status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
   return status == DYN_OK;
 }
@@ -189,6 +189,8 @@ bool Call::inputs(const double* q, const double* v, const double* a, const doubl
 
 void Call::begin_step() {
   Data<double>& x = d();
+  was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
+  x.drop(Stage::Ddq), x.drop(Stage::Factor);  // their buffers are the step's
   const std::size_t nq = std::size_t(m().n.nq), nv = std::size_t(m().n.nv);
   __builtin_memcpy(x.backup, x.q, nq * sizeof(double));
   __builtin_memcpy(x.backup + nq, x.v, nv * sizeof(double));
@@ -204,6 +206,7 @@ void Call::end_step() {
 }
 
 void Call::take_back() {
+  if (!changed) return;
   Data<double>& x = d();
   const double* backup = x.backup;
   auto restore = [&](Input which, double* to, Index n) {
@@ -225,10 +228,16 @@ void Call::take_back() {
   changed = 0;
 }
 
+void Call::drop_results() {
+  for (std::size_t s = std::size_t(Stage::Frames); s < std::size_t(Stage::count_); ++s)
+    if (d().fresh(Stage(s))) d().drop(Stage(s));
+}
+
 bool Call::numeric(const double* x, Index n, const char* what, Stage stage) {
   if (status != DYN_OK) return false;
   const Index k = finite_count(x, n);
   if (k == n) return true;
+  drop_results();
   d().drop(stage);
   take_back();
   status = fail(DYN_ERROR_NUMERIC, "%s: %s[%d] overflows: the inputs are too large for double precision", function, what, int(k));

@@ -99,6 +99,7 @@ class Call {
   Call(const Call&) = delete;
 
   dynStatus status = DYN_OK;
+  const char* const function;
   explicit operator bool() const { return status == DYN_OK; }
 
   const Model& m() const { return *model_; }
@@ -107,7 +108,7 @@ class Call {
   // Checks the given inputs, then sets them: all or none. nullptr: the held value stays.
   bool inputs(const double* q, const double* v, const double* a, const double* tau);
   // An argument that is not held.
-  bool finite(const char* name, const double* x, Index n);
+  bool finite(const char* name, const double* x, Index n, Index first = 0);
   bool required(const char* name, const void* p);
   bool frame(int id);
   bool joint(int id);
@@ -116,6 +117,9 @@ class Call {
   bool fresh(Stage stage, const char* what, const char* producer);
   // A result of n numbers that must be finite: otherwise the inputs of this call are taken back.
   bool numeric(const double* x, Index n, const char* what, Stage stage);
+  // After an overflow nothing that belongs to these inputs is a result. (Frame queries look for themselves.)
+  void drop_results();
+  // Nothing to do when no input was replaced: what was computed then belongs to the state that stays.
   void take_back();
   // The call is about to replace q and v by itself; nothing computed on the way belongs to the state it leaves.
   void begin_step();
@@ -124,7 +128,6 @@ class Call {
  private:
   const Model* model_ = nullptr;
   dynData* handle = nullptr;
-  const char* function;
   bool entered = false;
   unsigned changed = 0;            // inputs that this call replaced
   std::uint64_t before[input_count];  // their versions

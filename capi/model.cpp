@@ -53,25 +53,35 @@ Index lower_bound(const Index* ids, Index count, const char* name, Name f) {
   return low;
 }
 
-bool similar(const char* a, const char* b) {
-  // same letters but for case, or one within the other
-  std::string x(a), y(b);
-  for (std::string* s : {&x, &y})
-    for (char& c : *s)
-      if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return x == y || (x.size() > 2 && y.find(x) != std::string::npos) || (y.size() > 2 && x.find(y) != std::string::npos);
+char lower(char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; }
+
+// b holds a, but for case
+bool holds(const char* b, const char* a) {
+  for (; *b; ++b) {
+    std::size_t k = 0;
+    while (a[k] && lower(a[k]) == lower(b[k])) ++k;
+    if (!a[k]) return true;
+  }
+  return !*a;
 }
 
-// An error that names up to three near misses.
+// the same letters but for case, or one (of at least three letters) within the other
+bool similar(const char* a, const char* b) {
+  const std::size_t na = std::strlen(a), nb = std::strlen(b);
+  return na == nb ? holds(b, a) : (na > 2 && holds(b, a)) || (nb > 2 && holds(a, b));
+}
+
+// An error that names up to three near misses. No heap.
 template <class Name>
 int unknown(const char* kind, const char* name, Index count, Name f) {
-  guarded([&] {
-    std::string hint;
-    int found = 0;
-    for (Index k = 0; k < count && found < 3; ++k)
-      if (similar(name, f(k))) hint += (found++ ? ", '" : ": did you mean '") + std::string(f(k)) + "'";
-    return fail(DYN_ERROR_NAME, "there is no %s '%.200s'%s", kind, name, found ? (hint + "?").c_str() : "");
-  });
+  const char* near[3] = {"", "", ""};
+  int found = 0;
+  for (Index k = 0; k < count && found < 3; ++k)
+    if (similar(name, f(k))) near[found++] = f(k);
+  const char *open = ", '", *close = "'";
+  fail(DYN_ERROR_NAME, "there is no %s '%.200s'%s%.200s%s%s%.200s%s%s%.200s%s%s", kind, name, found > 0 ? ": did you mean '" : "", near[0],
+       found > 0 ? close : "", found > 1 ? open : "", near[1], found > 1 ? close : "", found > 2 ? open : "", near[2],
+       found > 2 ? close : "", found ? "?" : "");
   return -1;
 }
 
@@ -158,21 +168,39 @@ int dyn_joint_id(const dynModel* model, const char* name) {
   return unknown("joint", name, m.n.joints, at);
 }
 
+static const char* frame_type_name(int type) {
+  switch (type) {
+    case DYN_FRAME_OP_FRAME: return "OP_FRAME";
+    case DYN_FRAME_JOINT: return "JOINT";
+    case DYN_FRAME_FIXED_JOINT: return "FIXED_JOINT";
+    case DYN_FRAME_BODY: return "BODY";
+    case DYN_FRAME_SENSOR: return "SENSOR";
+  }
+  return nullptr;
+}
+
 static int frame_id(const dynModel* model, const char* name, int type, const char* function) {
   if (check(model) != DYN_OK) return -1;
   if (!name) return fail(DYN_ERROR_ARGUMENT, "%s: name is NULL", function), -1;
   const Model& m = *model->m;
   auto at = [&](Index k) { return m.string(m.frames()[k].name); };
+  int other = 0;
   for (Index k = lower_bound(m.frames_by_name(), m.n.frames, name, at); k < m.n.frames; ++k) {
     const Index id = m.frames_by_name()[k];
     if (std::strcmp(at(id), name) != 0) break;
     if (!type || m.frames()[id].type == type) return int(id);
+    other = m.frames()[id].type;
   }
+  if (other)
+    return fail(DYN_ERROR_NAME, "%s: frame '%.200s' is no %s frame, it is a %s frame: ask for that type, or use dyn_frame_id", function, name,
+                frame_type_name(type), frame_type_name(other)), -1;
   return unknown("frame", name, m.n.frames, at);
 }
 
 int dyn_frame_id(const dynModel* model, const char* name) { return frame_id(model, name, 0, "dyn_frame_id"); }
 int dyn_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type) {
+  if (check(model) == DYN_OK && !frame_type_name(int(type)))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_frame_id_of_type: %d is no dynFrameType: use one DYN_FRAME_... value", int(type)), -1;
   return frame_id(model, name, int(type), "dyn_frame_id_of_type");
 }
 
@@ -262,23 +290,30 @@ dynStatus dyn_q_permutation(const dynModel* model, const char* const* names, siz
   if (const dynStatus s = check(model)) return s;
   if (!names && count) return fail(DYN_ERROR_ARGUMENT, "dyn_q_permutation: names is NULL");
   const Model& m = *model->m;
-  return guarded([&] {
-    std::vector<char> seen(std::size_t(m.n.joints), 0);
-    std::vector<int> ids;
+  auto id = [&](size_t k) { return dyn_joint_id(model, names[k]); };
+  for (size_t k = 0; k < count; ++k) {
+    if (!names[k]) return fail(DYN_ERROR_ARGUMENT, "dyn_q_permutation: names[%zu] is NULL", k);
+    const int j = id(k);
+    if (j < 0) return DYN_ERROR_NAME;
+    if (j == 0) return fail(DYN_ERROR_NAME, "dyn_q_permutation: the universe has no coordinates: leave it out");
+  }
+  // repeated names, some joints at a time: no heap
+  constexpr int some = 4096;
+  for (int first = 0; first < int(m.n.joints); first += some) {
+    bool seen[some] = {};
     for (size_t k = 0; k < count; ++k) {
-      if (!names[k]) return fail(DYN_ERROR_ARGUMENT, "dyn_q_permutation: names[%zu] is NULL", k);
-      const int id = dyn_joint_id(model, names[k]);
-      if (id < 0) return DYN_ERROR_NAME;
-      if (id == 0) return fail(DYN_ERROR_NAME, "dyn_q_permutation: the universe has no coordinates");
-      if (seen[std::size_t(id)]++) return fail(DYN_ERROR_NAME, "dyn_q_permutation: joint '%s' is named twice", names[k]);
-      ids.push_back(id);
+      const int j = id(k) - first;
+      if (j < 0 || j >= some) continue;
+      if (seen[j]) return fail(DYN_ERROR_NAME, "dyn_q_permutation: joint '%.200s' is named twice: name each joint once", names[k]);
+      seen[j] = true;
     }
-    for (size_t k = 0; k < count; ++k) {
-      if (idx_q) idx_q[k] = m.joints()[ids[k]].idx_q;
-      if (idx_v) idx_v[k] = m.joints()[ids[k]].idx_v;
-    }
-    return DYN_OK;
-  });
+  }
+  for (size_t k = 0; k < count; ++k) {
+    const JointRecord& joint = m.joints()[id(k)];
+    if (idx_q) idx_q[k] = joint.idx_q;
+    if (idx_v) idx_v[k] = joint.idx_v;
+  }
+  return DYN_OK;
 }
 
 }  // extern "C"

@@ -446,7 +446,7 @@ ModelPtr Builder::finish() const {
     n.links += f.type == DYN_FRAME_BODY;
     Body& b = a.bodies[std::size_t(r.body)];
     const Inertia<double> Y = f.Y.rotated(joint.C);
-    b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I;
+    b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
   }
   n.frames = Index(a.frames.size());
   for (const ShapeEntry& s : in.shapes) {

@@ -48,9 +48,15 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
       {"forward_kinematics_q_v_a", false, placed, {}},
       {"frame_placements", false, [=](S) { return dyn_frame_placements(m, d, nullptr); }, placed},
       {"joint_jacobians", false, [=](S s) { return dyn_joint_jacobians(m, d, s.q.data(), nullptr); }, {}},
-      {"joint_jacobians_time_variation", false, [=](S s) { return dyn_joint_jacobians_time_variation(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
+      {"joint_jacobians_time_variation",
+       false,
+       [=](S s) { return dyn_joint_jacobians_time_variation(m, d, s.q.data(), s.v.data(), nullptr); },
+       {}},
       {"frame_jacobian", false, [=](S) { return dyn_frame_jacobian(m, d, frame, DYN_LOCAL, x); }, placed},
-      {"center_of_mass", false, [=](S s) { return dyn_center_of_mass(m, d, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr); }, {}},
+      {"center_of_mass",
+       false,
+       [=](S s) { return dyn_center_of_mass(m, d, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr); },
+       {}},
       {"center_of_mass_jacobian", false, [=](S s) { return dyn_center_of_mass_jacobian(m, d, s.q.data(), nullptr); }, {}},
       {"rnea", false, [=](S s) { return dyn_rnea(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr); }, {}},
       {"nonlinear_effects", false, [=](S s) { return dyn_nonlinear_effects(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
@@ -86,7 +92,8 @@ std::vector<Sample> random_states(const Robot& robot) {
   return out;
 }
 
-// ns a call: batches of at least 2 microseconds, each on the next state, until the time is up.
+// ns a call: batches of about 2 microseconds until the time is up. Every call has another state, or else what is already
+// known of it would not be computed again; what needs preparation has one state a batch.
 json measure(const Algorithm& algorithm, const std::vector<Sample>& samples, double seconds, const InstructionCounter& counter) {
   using Clock = std::chrono::steady_clock;
   const auto nanoseconds = [](Clock::duration d) { return std::chrono::duration<double, std::nano>(d).count(); };
@@ -105,13 +112,14 @@ json measure(const Algorithm& algorithm, const std::vector<Sample>& samples, dou
   times.reserve(1 << 16);
   uint64_t instructions = 0;
   long long calls = 0;
+  std::size_t next = 0;
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
   for (std::size_t i = 0; i < states || (Clock::now() < end && i < 1 << 20); ++i) {
     const Sample& s = samples[i % states];
     prepare(s);
     const auto before = counter.read();
     const auto start = Clock::now();
-    for (int k = 0; k < batch; ++k) algorithm.call(s);
+    for (int k = 0; k < batch; ++k) algorithm.call(algorithm.prepare ? s : samples[next++ % states]);
     times.push_back(nanoseconds(Clock::now() - start) / batch);
     if (before) instructions += counter.read().value_or(*before) - *before;
     calls += batch;
@@ -122,14 +130,16 @@ json measure(const Algorithm& algorithm, const std::vector<Sample>& samples, dou
     return *at;
   };
   json row = {{"name", algorithm.name}, {"ns_p50", percentile(0.5)}, {"ns_p99", percentile(0.99)}};
-  row["instructions"] = instructions ? json(std::round(static_cast<double>(instructions) / static_cast<double>(calls))) : json(nullptr);
+  row["instructions"] =
+      instructions ? json(std::round(static_cast<double>(instructions) / static_cast<double>(calls))) : json(nullptr);
   return row;
 }
 
 void run(const Options& options) {
   if (!(options.seconds > 0) || !std::isfinite(options.seconds)) bad_usage("--seconds must be a positive number of seconds.");
   const Robot robot(options.robot);
-  constexpr dynParts sparse = DYN_PART_KINEMATICS | DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_INVERSE | DYN_PART_ENERGY | DYN_PART_FRAMES;
+  constexpr dynParts sparse =
+      DYN_PART_KINEMATICS | DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_INVERSE | DYN_PART_ENERGY | DYN_PART_FRAMES;
   const bool dense = robot.nv <= max_dense;
   const Data data(robot, dense ? dynParts(DYN_PART_ALL) : sparse | robot.forward_parts());
   const auto samples = random_states(robot);
@@ -153,13 +163,15 @@ void run(const Options& options) {
     answer["algorithms"] = rows;
     return print(json_text(answer));
   }
-  std::string text = std::string(dyn_model_name(robot)) + ": nq " + std::to_string(robot.nq) + ", nv " + std::to_string(robot.nv) + "; " + dyn_build_info() + "\n";
+  std::string text = std::string(dyn_model_name(robot)) + ": nq " + std::to_string(robot.nq) + ", nv " +
+                     std::to_string(robot.nv) + "; " + dyn_build_info() + "\n";
   char line[128];
   std::snprintf(line, sizeof line, "%-34s %12s %12s %14s\n", "algorithm", "ns p50", "ns p99", "instructions");
   text += line;
   for (const auto& row : rows) {
     const std::string count = row["instructions"].is_null() ? "-" : short_number(row["instructions"].get<double>(), 9);
-    std::snprintf(line, sizeof line, "%-34s %12.1f %12.1f %14s\n", row["name"].get<std::string>().c_str(), row["ns_p50"].get<double>(), row["ns_p99"].get<double>(), count.c_str());
+    std::snprintf(line, sizeof line, "%-34s %12.1f %12.1f %14s\n", row["name"].get<std::string>().c_str(),
+                  row["ns_p50"].get<double>(), row["ns_p99"].get<double>(), count.c_str());
     text += line;
   }
   print(text);

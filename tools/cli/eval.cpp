@@ -62,6 +62,8 @@ json energy(const Context& c) {
 // A name that several frames share stands for the one that dyn_frame_id finds; the others say their type.
 json placements(const Context& c) {
   c.kinematics();
+  std::map<std::string, int> bearers;
+  for (int i = 0; i < c.robot.nframes; ++i) ++bearers[c.robot.frame(i).name];
   json out = json::object();
   for (int i = 0; i < c.robot.nframes; ++i) {
     if (c.frame >= 0 && i != c.frame) continue;
@@ -69,7 +71,8 @@ json placements(const Context& c) {
     check(dyn_frame_placement(c.robot, c.data, i, X));
     const dynFrameInfo info = c.robot.frame(i);
     std::string key = info.name;
-    if (c.frame < 0 && dyn_frame_id(c.robot, info.name) != i) key += std::string(" [") + frame_type_name(info.type) + "]";
+    if (c.frame < 0 && bearers[key] > 1 && dyn_frame_id(c.robot, info.name) != i)
+      key += std::string(" [") + frame_type_name(info.type) + "]";
     out[key] = {{"translation", vector_json(X + 9, 3)}, {"rotation", matrix_json(X, 3, 3)}};
   }
   return out;
@@ -100,24 +103,31 @@ struct Quantity {
 const std::vector<Quantity>& quantities() {
   using C = const Context&;
   static const std::vector<Quantity> table = {
-      {"tau", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_rnea(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr), "tau"); }},
+      {"tau", DYN_PART_INVERSE, false,
+       [](C c) { return c.vector(dyn_rnea(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr), "tau"); }},
       {"ddq", 0, false, [](C c) { return c.vector(dyn_aba(c.robot, c.data, c.q, c.v, c.tau, nullptr, nullptr), "ddq"); }},
       {"M", DYN_PART_MASS, false, [](C c) { return c.matrix(dyn_crba(c.robot, c.data, c.q, nullptr), "M", c.robot.nv); }},
-      {"Minv", DYN_PART_MINV, false, [](C c) { return c.matrix(dyn_minverse(c.robot, c.data, c.q, nullptr), "Minv", c.robot.nv); }},
-      {"nle", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_nonlinear_effects(c.robot, c.data, c.q, c.v, nullptr), "nle"); }},
+      {"Minv", DYN_PART_MINV, false,
+       [](C c) { return c.matrix(dyn_minverse(c.robot, c.data, c.q, nullptr), "Minv", c.robot.nv); }},
+      {"nle", DYN_PART_INVERSE, false,
+       [](C c) { return c.vector(dyn_nonlinear_effects(c.robot, c.data, c.q, c.v, nullptr), "nle"); }},
       {"g", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_gravity(c.robot, c.data, c.q, nullptr), "g"); }},
-      {"static_torque", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_static_torque(c.robot, c.data, c.q, nullptr, nullptr), "static_torque"); }},
-      {"coriolis", DYN_PART_CORIOLIS, false, [](C c) { return c.matrix(dyn_coriolis_matrix(c.robot, c.data, c.q, c.v, nullptr), "coriolis", c.robot.nv); }},
+      {"static_torque", DYN_PART_INVERSE, false,
+       [](C c) { return c.vector(dyn_static_torque(c.robot, c.data, c.q, nullptr, nullptr), "static_torque"); }},
+      {"coriolis", DYN_PART_CORIOLIS, false,
+       [](C c) { return c.matrix(dyn_coriolis_matrix(c.robot, c.data, c.q, c.v, nullptr), "coriolis", c.robot.nv); }},
       {"com", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "com"); }},
       {"vcom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "vcom"); }},
       {"acom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "acom"); }},
-      {"Jcom", DYN_PART_COM, false, [](C c) { return c.matrix(dyn_center_of_mass_jacobian(c.robot, c.data, c.q, nullptr), "Jcom", 3); }},
+      {"Jcom", DYN_PART_COM, false,
+       [](C c) { return c.matrix(dyn_center_of_mass_jacobian(c.robot, c.data, c.q, nullptr), "Jcom", 3); }},
       {"subtree_com", DYN_PART_COM, false, subtree_com},
       {"energy", DYN_PART_ENERGY, false, energy},
       {"placements", DYN_PART_KINEMATICS, false, placements},
       {"J", DYN_PART_JACOBIANS, false,
        [](C c) {
-         return c.frame >= 0 ? c.frame_matrix(dyn_frame_jacobian) : c.matrix(dyn_joint_jacobians(c.robot, c.data, c.q, nullptr), "J", 6);
+         return c.frame >= 0 ? c.frame_matrix(dyn_frame_jacobian)
+                             : c.matrix(dyn_joint_jacobians(c.robot, c.data, c.q, nullptr), "J", 6);
        }},
       {"dJ", DYN_PART_JACOBIANS, false,
        [](C c) {
@@ -126,15 +136,15 @@ const std::vector<Quantity>& quantities() {
        }},
       {"frame_velocity", DYN_PART_KINEMATICS, true, [](C c) { return c.frame_vector(dyn_frame_velocity); }},
       {"frame_acceleration", DYN_PART_KINEMATICS, true, [](C c) { return c.frame_vector(dyn_frame_acceleration); }},
-      {"frame_classical_acceleration", DYN_PART_KINEMATICS, true, [](C c) { return c.frame_vector(dyn_frame_classical_acceleration); }},
+      {"frame_classical_acceleration", DYN_PART_KINEMATICS, true,
+       [](C c) { return c.frame_vector(dyn_frame_classical_acceleration); }},
   };
   return table;
 }
 
 // Names of the contract that later versions answer.
-const std::set<std::string> later = {"Ag",     "dAg",      "hg",        "dhg",        "Ig",       "dtau_dq", "dtau_dv",
-                                     "ddq_dq", "ddq_dv",   "ddq_dtau",  "regressor",  "lambda",   "delassus", "collisions",
-                                     "distances"};
+const std::set<std::string> later = {"Ag",     "dAg",      "hg",        "dhg",    "Ig",       "dtau_dq",    "dtau_dv",  "ddq_dq",
+                                     "ddq_dv", "ddq_dtau", "regressor", "lambda", "delassus", "collisions", "distances"};
 
 std::vector<const Quantity*> select(const Options& options) {
   std::vector<const Quantity*> out;
@@ -185,7 +195,8 @@ void run(const Options& options) {
   const std::map<std::string, dynReference> references = {
       {"LOCAL", DYN_LOCAL}, {"WORLD", DYN_WORLD}, {"LOCAL_WORLD_ALIGNED", DYN_LOCAL_WORLD_ALIGNED}};
   const auto reference = references.find(options.reference);
-  if (reference == references.end()) bad_usage("--reference: \"" + options.reference + "\" is not LOCAL, WORLD or LOCAL_WORLD_ALIGNED.");
+  if (reference == references.end())
+    bad_usage("--reference: \"" + options.reference + "\" is not LOCAL, WORLD or LOCAL_WORLD_ALIGNED.");
   const auto wanted = select(options);
 
   check_lists(options.state);
@@ -197,7 +208,8 @@ void run(const Options& options) {
   int frame = -1;
   if (!options.frame.empty() && (frame = dyn_frame_id(robot, options.frame.c_str())) < 0) fail(dyn_last_error());
 
-  const Context context{robot, data, state, frame, reference->second, state.q.data(), state.v.data(), state.a.data(), state.tau.data()};
+  const Context context{robot,          data,           state,          frame,           reference->second,
+                        state.q.data(), state.v.data(), state.a.data(), state.tau.data()};
   json answer = json::object();
   for (const Quantity* quantity : wanted) answer[quantity->name] = quantity->compute(context);
   if (options.robot.json) return print(json_text(answer));

@@ -9,11 +9,16 @@ namespace {
 
 const char* shape_type_name(dynShapeType type) {
   switch (type) {
-    case DYN_SHAPE_BOX: return "box";
-    case DYN_SHAPE_SPHERE: return "sphere";
-    case DYN_SHAPE_CYLINDER: return "cylinder";
-    case DYN_SHAPE_MESH: return "mesh";
-    case DYN_SHAPE_CAPSULE: return "capsule";
+    case DYN_SHAPE_BOX:
+      return "box";
+    case DYN_SHAPE_SPHERE:
+      return "sphere";
+    case DYN_SHAPE_CYLINDER:
+      return "cylinder";
+    case DYN_SHAPE_MESH:
+      return "mesh";
+    case DYN_SHAPE_CAPSULE:
+      return "capsule";
   }
   return "unknown";
 }
@@ -21,9 +26,9 @@ const char* shape_type_name(dynShapeType type) {
 json joint_json(const Robot& robot, int id) {
   const dynJointInfo j = robot.joint(id);
   const auto slice = [&](dynModelArray which, int first, int n) { return vector_json(dyn_model_array(robot, which) + first, n); };
-  json out = {{"name", j.name},   {"type", id == 0 ? "universe" : joint_type_name(j.type)},
+  json out = {{"name", j.name},     {"type", id == 0 ? "universe" : joint_type_name(j.type)},
               {"parent", j.parent}, {"idx_q", j.idx_q},
-              {"idx_v", j.idx_v}, {"nq", j.nq},
+              {"idx_v", j.idx_v},   {"nq", j.nq},
               {"nv", j.nv}};
   out["limits"] = {{"lower", slice(DYN_LOWER_LIMIT, j.idx_q, j.nq)},  // an infinite limit is null
                    {"upper", slice(DYN_UPPER_LIMIT, j.idx_q, j.nq)},
@@ -50,8 +55,12 @@ json info_json(const Robot& robot) {
     dynShapeInfo s{};
     s.struct_size = sizeof s;
     check(dyn_shape_info(robot, i, &s));
-    out["shapes"].push_back({{"name", s.name}, {"type", shape_type_name(s.type)}, {"role", s.role == DYN_ROLE_COLLISION ? "collision" : "visual"},
-                             {"frame", s.frame}, {"size", vector_json(s.size, 3)}, {"mesh", s.mesh}});
+    out["shapes"].push_back({{"name", s.name},
+                             {"type", shape_type_name(s.type)},
+                             {"role", s.role == DYN_ROLE_COLLISION ? "collision" : "visual"},
+                             {"frame", s.frame},
+                             {"size", vector_json(s.size, 3)},
+                             {"mesh", s.mesh}});
   }
   out["effects"] = effects(robot);
   out["report"] = json::array();
@@ -59,7 +68,8 @@ json info_json(const Robot& robot) {
     dynReportEntry e{};
     e.struct_size = sizeof e;
     check(dyn_report_entry(robot, i, &e));
-    out["report"].push_back({{"level", e.level == DYN_REPORT_WARNING ? "warning" : "info"}, {"message", e.message}, {"line", e.line}});
+    out["report"].push_back(
+        {{"level", e.level == DYN_REPORT_WARNING ? "warning" : "info"}, {"message", e.message}, {"line", e.line}});
   }
   out["model_bytes"] = dyn_model_size(robot);
   out["data_bytes"] = dyn_data_size(robot, DYN_PART_ALL);
@@ -69,7 +79,8 @@ json info_json(const Robot& robot) {
 std::string limit_text(const json& limits) {
   std::string out;
   const auto number = [](const json& x) { return short_number(x.get<double>(), 5); };
-  for (std::size_t i = 0; i < limits["lower"].size(); ++i) out += (i ? " " : "") + ("[" + number(limits["lower"][i]) + ", " + number(limits["upper"][i]) + "]");
+  for (std::size_t i = 0; i < limits["lower"].size(); ++i)
+    out += (i ? " " : "") + ("[" + number(limits["lower"][i]) + ", " + number(limits["upper"][i]) + "]");
   return out;
 }
 
@@ -92,9 +103,9 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
 std::string info_text(const json& info) {
   const auto str = [](const json& x) { return x.get<std::string>(); };
   const auto num = [](const json& x) { return std::to_string(x.get<long long>()); };
-  std::string out = str(info["name"]) + ": nq " + num(info["nq"]) + ", nv " + num(info["nv"]) + ", " + short_number(info["total_mass"].get<double>()) +
-                    " kg, " + std::to_string(info["shapes"].size()) + " shapes; model " + num(info["model_bytes"]) + " bytes, data " +
-                    num(info["data_bytes"]) + " bytes\n";
+  std::string out = str(info["name"]) + ": nq " + num(info["nq"]) + ", nv " + num(info["nv"]) + ", " +
+                    short_number(info["total_mass"].get<double>()) + " kg, " + std::to_string(info["shapes"].size()) +
+                    " shapes; model " + num(info["model_bytes"]) + " bytes, data " + num(info["data_bytes"]) + " bytes\n";
   std::vector<std::vector<std::string>> rows = {{"joint", "name", "type", "parent", "q", "v", "limits"}};
   int id = 0;
   for (const auto& j : info["joints"]) {
@@ -104,8 +115,10 @@ std::string info_text(const json& info) {
     };
     std::string note = limit_text(j["limits"]);
     if (j.contains("mimic"))
-      note = "= " + short_number(j["mimic"]["ratio"].get<double>()) + " * " + str(j["mimic"]["leader"]) + " + " + short_number(j["mimic"]["offset"].get<double>());
-    rows.push_back({std::to_string(id++), str(j["name"]), str(j["type"]), num(j["parent"]), range("idx_q", "nq"), range("idx_v", "nv"), note});
+      note = "= " + short_number(j["mimic"]["ratio"].get<double>()) + " * " + str(j["mimic"]["leader"]) + " + " +
+             short_number(j["mimic"]["offset"].get<double>());
+    rows.push_back({std::to_string(id++), str(j["name"]), str(j["type"]), num(j["parent"]), range("idx_q", "nq"),
+                    range("idx_v", "nv"), note});
   }
   out += "\njoints\n" + table(rows);
   rows = {{"frame", "name", "type", "joint", "kg"}};
@@ -116,10 +129,12 @@ std::string info_text(const json& info) {
   }
   out += "\nframes\n" + table(rows);
   rows.clear();
-  for (const auto& e : info["effects"]) rows.push_back({str(e["name"]), e["active"].get<bool>() ? "on" : "off", str(e["reason"])});
+  for (const auto& e : info["effects"])
+    rows.push_back({str(e["name"]), e["active"].get<bool>() ? "on" : "off", str(e["reason"])});
   out += "\neffects\n" + table(rows);
   rows.clear();
-  for (const auto& e : info["report"]) rows.push_back({str(e["level"]), e["line"] == 0 ? "" : "line " + num(e["line"]), str(e["message"])});
+  for (const auto& e : info["report"])
+    rows.push_back({str(e["level"]), e["line"] == 0 ? "" : "line " + num(e["line"]), str(e["message"])});
   out += "\nload report\n" + (rows.empty() ? "  nothing: everything in the file is used\n" : table(rows));
   return out;
 }

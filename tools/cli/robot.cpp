@@ -85,18 +85,24 @@ Vector field(const Robot& robot, const Data& data, const char* name) {
 }
 
 const char* joint_type_name(dynJointType type) {
-  static const char* const names[] = {"fixed",         "revolute", "continuous",  "prismatic",  "helical",   "cylindrical",       "universal", "spherical",
-                                      "spherical_zyx", "planar",   "translation", "free_flyer", "composite", "revolute_unbounded"};
+  static const char* const names[] = {"fixed",       "revolute",   "continuous", "prismatic",         "helical",
+                                      "cylindrical", "universal",  "spherical",  "spherical_zyx",     "planar",
+                                      "translation", "free_flyer", "composite",  "revolute_unbounded"};
   return type >= 0 && type < static_cast<int>(std::size(names)) ? names[type] : "unknown";
 }
 
 const char* frame_type_name(dynFrameType type) {
   switch (type) {
-    case DYN_FRAME_OP_FRAME: return "OP_FRAME";
-    case DYN_FRAME_JOINT: return "JOINT";
-    case DYN_FRAME_FIXED_JOINT: return "FIXED_JOINT";
-    case DYN_FRAME_BODY: return "BODY";
-    case DYN_FRAME_SENSOR: return "SENSOR";
+    case DYN_FRAME_OP_FRAME:
+      return "OP_FRAME";
+    case DYN_FRAME_JOINT:
+      return "JOINT";
+    case DYN_FRAME_FIXED_JOINT:
+      return "FIXED_JOINT";
+    case DYN_FRAME_BODY:
+      return "BODY";
+    case DYN_FRAME_SENSOR:
+      return "SENSOR";
   }
   return "unknown";
 }
@@ -115,12 +121,14 @@ json effects(const Robot& robot) {
   // what the file says but the smooth dynamics do not apply
   const auto kept = [&](const char* name, dynModelArray which, const char* what) {
     const int n = count(which, robot.nv, nonzero);
-    add(name, false, n ? of_nv(n) + " have " + what + "; kept as data, not applied in this version" : std::string("no joint has ") + what);
+    add(name, false,
+        n ? of_nv(n) + " have " + what + "; kept as data, not applied in this version" : std::string("no joint has ") + what);
   };
   const double* g = dyn_model_array(robot, DYN_GRAVITY);
   const bool falls = g && (g[0] != 0 || g[1] != 0 || g[2] != 0);
   add("gravity", falls,
-      falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2" : "gravity is zero");
+      falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2"
+            : "gravity is zero");
   const int armature = count(DYN_ARMATURE, robot.nv, nonzero);
   add("armature", armature > 0, armature ? of_nv(armature) + " have armature" : "no joint has armature");
   kept("damping", DYN_DAMPING, "damping");
@@ -128,11 +136,14 @@ json effects(const Robot& robot) {
   const auto finite = [](double x) { return std::isfinite(x); };
   const int limits = std::max(count(DYN_LOWER_LIMIT, robot.nq, finite), count(DYN_UPPER_LIMIT, robot.nq, finite));
   add("limits", false,
-      limits ? std::to_string(limits) + " of " + std::to_string(robot.nq) + " coordinates have limits; kept as data, not enforced in this version"
+      limits ? std::to_string(limits) + " of " + std::to_string(robot.nq) +
+                   " coordinates have limits; kept as data, not enforced in this version"
              : "no joint has limits");
   int followers = 0;
   for (int i = 1; i < robot.njoints; ++i) followers += robot.joint(i).mimic_leader >= 0;
-  add("mimic", followers > 0, followers ? std::to_string(followers) + (followers == 1 ? " joint follows" : " joints follow") + " another" : "no joint follows another");
+  add("mimic", followers > 0,
+      followers ? std::to_string(followers) + (followers == 1 ? " joint follows" : " joints follow") + " another"
+                : "no joint follows another");
   return list;
 }
 

@@ -1,7 +1,7 @@
 // dyn sim: smooth dynamics under a constant tau, with an account of energy, error and time.
-#include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -33,8 +33,8 @@ struct Schedule {
   Schedule(double duration, double h) : dt(h), last(h) {
     const double ratio = duration / h;
     if (!(ratio <= max_steps))
-      bad_usage("--duration " + short_number(duration) + " at --dt " + short_number(h) + " is " + short_number(ratio) + " steps, more than " +
-                short_number(max_steps) + ": take a larger --dt.");
+      bad_usage("--duration " + short_number(duration) + " at --dt " + short_number(h) + " is " + short_number(ratio) +
+                " steps, more than " + short_number(max_steps) + ": take a larger --dt.");
     steps = std::llround(ratio);
     if (std::abs(ratio - static_cast<double>(steps)) > 1e-9 * ratio || steps == 0) {
       steps = static_cast<long long>(std::floor(ratio)) + 1;
@@ -59,8 +59,10 @@ class Csv {
     if (with_tau) columns("tau", robot.nv);
     line_ += ",kinetic,potential,mechanical\n";
   }
-  ~Csv() {
-    if (file_) std::fclose(file_);
+  ~Csv() {  // after a failure: what was computed is kept
+    if (!file_) return;
+    std::fwrite(line_.data(), 1, line_.size(), file_);
+    std::fclose(file_);
   }
   Csv(const Csv&) = delete;
   void row(double t, const double* q, int nq, const double* v, int nv, const Vector* tau, double kinetic, double potential) {
@@ -128,13 +130,18 @@ const double* state_view(const Robot& robot, const Data& data, const char* name)
 // First passing of each coordinate's limit: limits are not enforced, so say it.
 class Limits {
  public:
-  explicit Limits(const Robot& robot) : robot_(robot), lower_(dyn_model_array(robot, DYN_LOWER_LIMIT)), upper_(dyn_model_array(robot, DYN_UPPER_LIMIT)), said_(robot.nq) {}
+  explicit Limits(const Robot& robot)
+      : robot_(robot),
+        lower_(dyn_model_array(robot, DYN_LOWER_LIMIT)),
+        upper_(dyn_model_array(robot, DYN_UPPER_LIMIT)),
+        said_(robot.nq) {}
   void look(const double* q, double t, json& warnings) {
     for (int i = 0; i < robot_.nq; ++i) {
       if (said_[i] || (q[i] >= lower_[i] && q[i] <= upper_[i])) continue;
       said_[i] = true;
-      warnings.push_back("q[" + std::to_string(i) + "] (joint " + owner(i) + ") is " + short_number(q[i]) + " at t = " + short_number(t) + " s, beyond its limits [" +
-                         short_number(lower_[i]) + ", " + short_number(upper_[i]) + "], which this version does not enforce");
+      warnings.push_back("q[" + std::to_string(i) + "] (joint " + owner(i) + ") is " + short_number(q[i]) +
+                         " at t = " + short_number(t) + " s, beyond its limits [" + short_number(lower_[i]) + ", " +
+                         short_number(upper_[i]) + "], which this version does not enforce");
     }
   }
 
@@ -152,7 +159,8 @@ class Limits {
 };
 
 // The same simulation at half the step: its distance at the end, extrapolated by the integrator's order.
-json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, const Schedule& schedule, const double* q_end, json& warnings) {
+json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, const Schedule& schedule,
+                    const double* q_end, json& warnings) {
   const Data fine(robot, robot.forward_parts());
   check(dyn_data_set_state(robot, fine, state.q.data(), state.v.data(), nullptr, state.tau.data()));
   Progress progress(schedule.steps);
@@ -173,11 +181,11 @@ json error_estimate(const Robot& robot, const State& state, dynIntegrator integr
 
 std::string text_of(const json& a) {
   const auto number = [](const json& x) { return x.is_null() ? std::string("unknown") : short_number(x.get<double>()); };
-  std::string out = number(a["duration"]) + " s in " + std::to_string(a["steps"].get<long long>()) + " steps of " + number(a["dt"]) + " s (" +
-                    a["integrator"].get<std::string>() + ")\n";
+  std::string out = number(a["duration"]) + " s in " + std::to_string(a["steps"].get<long long>()) + " steps of " +
+                    number(a["dt"]) + " s (" + a["integrator"].get<std::string>() + ")\n";
   out += "wall time         " + number(a["wall_s"]) + " s: " + number(a["real_time_factor"]) + " times real time\n";
-  out += "energy            " + number(a["energy"]["initial"]) + " J at the start, " + number(a["energy"]["final"]) + " J at the end, largest drift " +
-         number(a["energy"]["drift_max"]) + " J\n";
+  out += "energy            " + number(a["energy"]["initial"]) + " J at the start, " + number(a["energy"]["final"]) +
+         " J at the end, largest drift " + number(a["energy"]["drift_max"]) + " J\n";
   out += "error estimate    " + number(a["error_estimate"]) + " (" + a["error_estimate_method"].get<std::string>() + ")\n";
   for (const char* key : {"q", "v"}) {
     out += std::string(key) + "                ";
@@ -185,7 +193,8 @@ std::string text_of(const json& a) {
     out += "\n";
   }
   for (const auto& e : a["effects"])
-    if (e["active"].get<bool>()) out += "effect            " + e["name"].get<std::string>() + ": " + e["reason"].get<std::string>() + "\n";
+    if (e["active"].get<bool>())
+      out += "effect            " + e["name"].get<std::string>() + ": " + e["reason"].get<std::string>() + "\n";
   for (const auto& w : a["warnings"]) out += "warning           " + w.get<std::string>() + "\n";
   return out;
 }
@@ -194,11 +203,14 @@ void run(const Options& options) {
   if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
   if (!(options.dt > 0) || !std::isfinite(options.dt)) bad_usage("--dt must be a positive number of seconds.");
   dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER;
-  if (options.integrator == "rk4") integrator = DYN_RK4;
-  else if (options.integrator != "semi_implicit_euler") bad_usage("--integrator: \"" + options.integrator + "\" is not semi_implicit_euler or rk4.");
+  if (options.integrator == "rk4")
+    integrator = DYN_RK4;
+  else if (options.integrator != "semi_implicit_euler")
+    bad_usage("--integrator: \"" + options.integrator + "\" is not semi_implicit_euler or rk4.");
   const Schedule schedule(options.duration, options.dt);
   std::error_code ignored;
-  if (!options.csv.empty() && std::filesystem::equivalent(options.csv, options.robot.file, ignored)) bad_usage("--csv would overwrite the robot's file.");
+  if (!options.csv.empty() && std::filesystem::equivalent(options.csv, options.robot.file, ignored))
+    bad_usage("--csv would overwrite the robot's file.");
 
   check_lists(options.state);
   const Robot robot(options.robot);
@@ -206,7 +218,8 @@ void run(const Options& options) {
   const State state = read_state(robot, options.state);
   const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
   if (!options.csv.empty() && bytes > max_csv_bytes)
-    fail("--csv would be about " + short_number(bytes / 1e9, 3) + " GB, more than " + short_number(max_csv_bytes / 1e9) + " GB: take a larger --dt, or leave it out.");
+    fail("--csv would be about " + short_number(bytes / 1e9, 3) + " GB, more than " + short_number(max_csv_bytes / 1e9) +
+         " GB: take a larger --dt, or leave it out.");
 
   check(dyn_data_set_state(robot, data, state.q.data(), state.v.data(), nullptr, state.tau.data()));
   double kinetic, potential;
@@ -245,11 +258,8 @@ void run(const Options& options) {
       const auto before = Clock::now();
       const dynStatus status = dyn_step(robot, data, integrator, h);
       wall += Clock::now() - before;
-      if (status != DYN_OK) {
-        const std::string message = dyn_last_error();
-        if (csv) csv->close();
-        fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + message);
-      }
+      if (status != DYN_OK)
+        fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + dyn_last_error());
       check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
       drift_max = std::max(drift_max, std::abs(kinetic + potential - initial));
       record();
@@ -273,10 +283,12 @@ void run(const Options& options) {
   answer["solver"] = "none";
   answer["dt"] = options.dt;
   const Vector q_end(q, q + robot.nq);
-  answer["error_estimate"] = options.no_error_estimate ? json(nullptr) : error_estimate(robot, state, integrator, schedule, q_end.data(), warnings);
-  answer["error_estimate_method"] = options.no_error_estimate
-                                        ? "not asked for"
-                                        : "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
+  answer["error_estimate"] =
+      options.no_error_estimate ? json(nullptr) : error_estimate(robot, state, integrator, schedule, q_end.data(), warnings);
+  answer["error_estimate_method"] =
+      options.no_error_estimate
+          ? "not asked for"
+          : "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
   answer["effects"] = effects(robot);
   answer["warnings"] = warnings;
   print(options.robot.json ? json_text(answer) : text_of(answer));
@@ -286,7 +298,8 @@ void run(const Options& options) {
 
 void add_sim(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("sim", "Smooth dynamics under a constant tau (no contact, limits, damping or dry friction)");
+  CLI::App* command =
+      app.add_subcommand("sim", "Smooth dynamics under a constant tau (no contact, limits, damping or dry friction)");
   add_robot_options(*command, options->robot);
   command->add_option("--duration", options->duration, "Seconds to simulate")->required();
   command->add_option("--dt", options->dt, "Step, seconds")->capture_default_str();

@@ -60,7 +60,8 @@ void from_list(const Robot& robot, const char* key, const std::vector<std::strin
 }
 
 double number(const json& value, const std::string& where) {
-  if (!value.is_number()) fail(where + " must be a number, but is " + value.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 40) + ".");
+  if (!value.is_number())
+    fail(where + " must be a number, but is " + value.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 40) + ".");
   const double x = value.get<double>();
   if (!std::isfinite(x)) fail(where + " is not finite.");
   return x;
@@ -76,7 +77,8 @@ void from_json(const Robot& robot, const std::string& file, const std::string& k
       const dynJointInfo joint = robot.joint(id);
       const std::string place = where + ", joint \"" + name + "\"";
       if (joint.mimic_leader >= 0)
-        fail(place + " follows \"" + dyn_joint_name(robot, joint.mimic_leader) + "\" and has no numbers of its own: set that one.");
+        fail(place + " follows \"" + dyn_joint_name(robot, joint.mimic_leader) +
+             "\" and has no numbers of its own: set that one.");
       const int first = is_q ? joint.idx_q : joint.idx_v, n = is_q ? joint.nq : joint.nv;
       const json list = given.is_array() ? given : json::array({given});
       if (list.size() != static_cast<std::size_t>(n))
@@ -121,11 +123,16 @@ State read_state(const Robot& robot, const StateOptions& options) {
   }
   if (!object.is_object()) fail(options.file + ": must be an object with any of \"q\", \"v\", \"a\", \"tau\".");
   for (const auto& [key, value] : object.items()) {
-    if (key == "q") from_json(robot, options.file, key, value, state.q);
-    else if (key == "v") from_json(robot, options.file, key, value, state.v);
-    else if (key == "a") from_json(robot, options.file, key, value, state.a);
-    else if (key == "tau") from_json(robot, options.file, key, value, state.tau), state.has_tau = true;
-    else fail(options.file + ": unknown key \"" + key + "\"; the keys are \"q\", \"v\", \"a\", \"tau\".");
+    if (key == "q")
+      from_json(robot, options.file, key, value, state.q);
+    else if (key == "v")
+      from_json(robot, options.file, key, value, state.v);
+    else if (key == "a")
+      from_json(robot, options.file, key, value, state.a);
+    else if (key == "tau")
+      from_json(robot, options.file, key, value, state.tau), state.has_tau = true;
+    else
+      fail(options.file + ": unknown key \"" + key + "\"; the keys are \"q\", \"v\", \"a\", \"tau\".");
   }
   return state;
 }

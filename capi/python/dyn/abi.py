@@ -162,6 +162,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_solve": (STATUS, [_p, _p, _p, _i, _p]),
     "dyn_minverse": (STATUS, [_p, _p, _p, _p]),
     "dyn_energy": (STATUS, [_p, _p, _p, _p, _p, _p]),
+    "dyn_kinetic_energy": (STATUS, [_p, _p, _p, _p, _p]),
+    "dyn_potential_energy": (STATUS, [_p, _p, _p, _p]),
     "dyn_all_terms": (STATUS, [_p, _p, c_uint32, _p, _p, _ref]),
     # configurations
     "dyn_integrate": (STATUS, [_p, _p, _p, _p]),

@@ -89,7 +89,8 @@ class Builder:
         spec = _spec(type, placement, axis, axis2, pitch, f"joint {name!r}")
         spec.name = text(name, "name")
         spec.parent = None if parent is None else text(parent, "parent")
-        sizes = _sizes(spec.type, parts)
+        built = [_part(p, f"joint {name!r}: part {i}") for i, p in enumerate(parts)]
+        sizes = _sizes(spec.type, built)
         rows = {"lower": (lower, 0), "upper": (upper, 0), "velocity": (velocity, 1), "effort": (effort, 1)}
         rows |= {"armature": (armature, 1), "damping": (damping, 1), "friction": (friction, 1)}
         for key, (value, which) in rows.items():
@@ -107,9 +108,8 @@ class Builder:
             if value is not None:
                 setattr(spec, key, value)
         spec.mimic = None if mimic is None else text(mimic, "mimic")
-        if parts:
-            spec.parts = (abi.JointSpec * len(parts))(*[_part(p, f"joint {name!r}: part {i}") for i, p in enumerate(parts)])
-            spec.parts_count = len(parts)
+        if built:
+            spec.parts, spec.parts_count = (abi.JointSpec * len(built))(*built), len(built)
         check(lib.dyn_builder_joint(self._b, byref(spec)))
         return self
 
@@ -158,10 +158,10 @@ _SIZES = {
 }  # fmt: skip
 
 
-def _sizes(type: int, parts: Sequence[Mapping[str, Any]]) -> tuple[int, int]:
+def _sizes(type: int, parts: Sequence[abi.JointSpec]) -> tuple[int, int]:
     """(nq, nv) of a joint: the library is given addresses, so the lengths are checked here."""
     if type == JointType.COMPOSITE:
-        each = [_sizes(member(JointType, p.get("type"), "type"), ()) for p in parts]
+        each = [_sizes(p.type, ()) for p in parts]
         return sum(n for n, _ in each), sum(n for _, n in each)
     return _SIZES.get(JointType(type), (1, 1))
 

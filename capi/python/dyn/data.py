@@ -328,6 +328,18 @@ class Data:
         check(lib.dyn_energy(self._m, self._d, self._q(q), self._v(v), byref(kinetic), byref(potential)))
         return Energy(kinetic.value, potential.value)
 
+    def kinetic_energy(self, q: Any = None, v: Any = None) -> float:
+        """v' M v / 2, armature included, J."""
+        out = c_double()
+        check(lib.dyn_kinetic_energy(self._m, self._d, self._q(q), self._v(v), byref(out)))
+        return out.value
+
+    def potential_energy(self, q: Any = None) -> float:
+        """Zero at the world's origin, J."""
+        out = c_double()
+        check(lib.dyn_potential_energy(self._m, self._d, self._q(q), byref(out)))
+        return out.value
+
     def all_terms(self, terms: Any = Term.ALL, q: Any = None, v: Any = None) -> Term:
         """Everything in a mask of dyn.Term, passes shared; answers what is now in data."""
         filled = c_uint32()

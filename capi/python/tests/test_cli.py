@@ -338,7 +338,7 @@ def test_sim_failures(arm_file, tmp_path):
     if os.path.exists("/dev/full"):
         assert "No space" in run(*words, 1, "--csv", "/dev/full", status=1)
     csv = tmp_path / "out.csv"
-    error = run(*words, 1e102, "--dt", "1e100", "--v", "1e200,-1e200", "--csv", csv, status=1)
+    error = run(*words, 1e202, "--dt", "1e200", "--v", "1e150,-1e150", "--csv", csv, status=1)
     assert "step 1" in error and len(csv.read_text().splitlines()) == 2
 
 

@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
   assert(data.frame_placements().cols() == model.nframes());
   assert(data.center_of_mass(q, v, a).size() == 3 && data.center_of_mass_jacobian().cols() == 2);
   assert(data.subtree_center_of_mass(1).second == 2 && data.subtree_center_of_mass_jacobian(1).size() == 6);
-  assert(data.energy(q, v).mechanical() == data.energy().mechanical());
+  assert(data.energy(q, v).mechanical() == data.kinetic_energy() + data.potential_energy());
   assert(data.all_terms(DYN_TERM_MASS, q, v) & DYN_TERM_MASS);
   data.nonlinear_effects(), data.gravity(), data.static_torque(), data.joint_jacobians_time_variation();
   assert(model.distance(model.integrate(q, v), q) > 0 && model.is_normalized(model.normalize(model.random(3))));

@@ -9,11 +9,11 @@ namespace dyn {
 // B(I, v) = ((v x*) I + (I v) xbar* - I (v x)) / 2, h xbar* x = x x* h
 template <class T>
 inline MotionToForce<T> body_coriolis(const Inertia<T>& Y, const Motion<T>& v) {
-  const Mat3<T> W = skew(v.angular), V = skew(v.linear), H = skew(Y.h), m1 = Mat3<T>::diagonal(Y.m, Y.m, Y.m);
+  const Mat3<T> W = skew(v.angular), V = skew(v.linear), H = skew(Y.h), I = Y.I.full(), m1 = Mat3<T>::diagonal(Y.m, Y.m, Y.m);
   const Force<T> h = Y * v;
   const Mat3<T> F = skew(h.linear), N = skew(h.angular), mH = H * T(-1);  // I = [m -H; H I]
-  const MotionToForce<T> vI = {W * m1, W * mH, V * m1 + W * H, V * mH + W * Y.I};
-  const MotionToForce<T> Iv = {m1 * W, m1 * V + mH * W, H * W, H * V + Y.I * W};
+  const MotionToForce<T> vI = {W * m1, W * mH, V * m1 + W * H, V * mH + W * I};
+  const MotionToForce<T> Iv = {m1 * W, m1 * V + mH * W, H * W, H * V + I * W};
   auto half = [](const Mat3<T>& A) { return A * T(0.5); };
   return {half(vI.ll - Iv.ll), half(vI.la - Iv.la - F), half(vI.al - Iv.al - F), half(vI.aa - Iv.aa - N)};
 }

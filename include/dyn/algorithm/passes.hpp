@@ -64,7 +64,7 @@ DYN_INLINE void place_body(const Body& b, Index i, Data<T>& d, Mat3<T>& R, Vec3<
 // The body's inertia in world axes, about its origin.
 template <class T>
 DYN_INLINE Inertia<T> world_inertia(const Body& b, const Mat3<T>& R) {
-  return Inertia<T>{T(b.m), cast<T>(b.h), cast<T>(b.I)}.rotated(R);
+  return {T(b.m), R * cast<T>(b.h), congruence(R, cast<T>(b.I))};
 }
 
 }  // namespace dyn

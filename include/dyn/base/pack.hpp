@@ -7,13 +7,6 @@
 
 namespace dyn {
 
-// Widest pack that pays for long runs.
-#if defined(__AVX512F__)
-inline constexpr Index wide = 8;
-#else
-inline constexpr Index wide = 4;
-#endif
-
 template <class T, int W>
 struct Pack {
   T x[W];

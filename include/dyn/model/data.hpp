@@ -32,8 +32,8 @@ inline constexpr unsigned stage_inputs(Stage s) {
   }
 }
 
-// Distance between the components of Data::dof: a pack that starts at the last degree of freedom ends in its own row.
-inline Index dof_stride(const Model& m) { return (m.n.nvx + 7) / 4 * 4; }
+// First expanded degree of freedom at or after body i.
+inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
 
 // The public fields, in the order of data_fields.def: their ids.
 enum class FieldId : Index {

@@ -23,6 +23,10 @@ struct Vec3 {
     return make(a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2], a.v[0] * b.v[1] - a.v[1] * b.v[0]);
   }
   friend DYN_INLINE T dot(const Vec3& a, const Vec3& b) { return a.v[0] * b.v[0] + a.v[1] * b.v[1] + a.v[2] * b.v[2]; }
+  // componentwise product, and the components in cyclic order
+  friend DYN_INLINE Vec3 hadamard(const Vec3& a, const Vec3& b) { return make(a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2]); }
+  friend DYN_INLINE Vec3 yzx(const Vec3& a) { return make(a.v[1], a.v[2], a.v[0]); }
+  friend DYN_INLINE Vec3 zxy(const Vec3& a) { return make(a.v[2], a.v[0], a.v[1]); }
 };
 
 #if DYN_LANES == 4
@@ -49,6 +53,9 @@ struct Vec3<double> {
     const Lanes p = a.v * b.v;
     return p[0] + p[1] + p[2];
   }
+  friend DYN_INLINE Vec3 hadamard(const Vec3& a, const Vec3& b) { return {a.v * b.v}; }
+  friend DYN_INLINE Vec3 yzx(const Vec3& a) { return {__builtin_shufflevector(a.v, a.v, 1, 2, 0, 3)}; }
+  friend DYN_INLINE Vec3 zxy(const Vec3& a) { return {__builtin_shufflevector(a.v, a.v, 2, 0, 1, 3)}; }
 };
 #endif
 

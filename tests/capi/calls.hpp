@@ -1,0 +1,167 @@
+// Every function of dyn.h that works on a model and a data, as one table: name, parts, inputs, outputs, what must be fresh.
+#pragma once
+
+#include "capi/support.hpp"
+
+namespace dyn_test {
+
+enum Uses : unsigned { uses_q = 1, uses_v = 2, uses_a = 4, uses_tau = 8, uses_fext = 16, uses_b = 32, uses_frame = 64, uses_joint = 128, uses_reference = 256 };
+enum class Needs { nothing, position, velocity, acceleration, com, mass, factor };
+
+// Arguments of any of the calls; each takes what it needs.
+struct Arguments {
+  const double *q = nullptr, *v = nullptr, *a = nullptr, *tau = nullptr, *fext = nullptr, *b = nullptr;
+  int frame = 1, joint = 1, nrhs = 1;
+  dynReference reference = DYN_LOCAL;
+  dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER;
+  double dt = 1e-3;
+  std::uint32_t mask = DYN_TERM_ALL;
+  double* out[3] = {};
+  std::uint32_t* filled = nullptr;
+  dynArray* array = nullptr;
+  dynField field = 0;
+};
+
+struct CallRow {
+  const char* name;
+  dynParts part;
+  unsigned uses;
+  Needs needs;
+  bool out_required;
+  int outputs;
+  std::size_t (*size)(const dynModel*, int output);
+  dynStatus (*call)(const dynModel*, dynData*, const Arguments&);
+};
+
+namespace sizes {
+inline std::size_t none(const dynModel*, int) { return 0; }
+inline std::size_t one(const dynModel*, int) { return 1; }
+inline std::size_t three(const dynModel*, int) { return 3; }
+inline std::size_t six(const dynModel*, int) { return 6; }
+inline std::size_t twelve(const dynModel*, int) { return 12; }
+inline std::size_t frames(const dynModel* m, int) { return 12 * std::size_t(dyn_nframes(m)); }
+inline std::size_t nv(const dynModel* m, int) { return std::size_t(dyn_nv(m)); }
+inline std::size_t three_nv(const dynModel* m, int) { return 3 * nv(m, 0); }
+inline std::size_t six_nv(const dynModel* m, int) { return 6 * nv(m, 0); }
+inline std::size_t square(const dynModel* m, int) { return nv(m, 0) * nv(m, 0); }
+inline std::size_t point_and_mass(const dynModel*, int k) { return k ? 1 : 3; }
+}  // namespace sizes
+
+#define DYN_CALL [](const dynModel* m, dynData* d, [[maybe_unused]] const Arguments& x) -> dynStatus
+inline const CallRow call_rows[] = {
+    {"dyn_data_set_state", 0, uses_q | uses_v | uses_a | uses_tau, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_data_set_state(m, d, x.q, x.v, x.a, x.tau); }},
+    {"dyn_forward_kinematics", DYN_PART_KINEMATICS, uses_q | uses_v | uses_a, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_forward_kinematics(m, d, x.q, x.v, x.a); }},
+    {"dyn_frame_placement", 0, uses_frame, Needs::position, true, 1, sizes::twelve,
+     DYN_CALL { return dyn_frame_placement(m, d, x.frame, x.out[0]); }},
+    {"dyn_frame_placements", DYN_PART_FRAMES, 0, Needs::position, false, 1, sizes::frames,
+     DYN_CALL { return dyn_frame_placements(m, d, x.out[0]); }},
+    {"dyn_frame_velocity", DYN_PART_KINEMATICS, uses_frame | uses_reference, Needs::velocity, true, 1, sizes::six,
+     DYN_CALL { return dyn_frame_velocity(m, d, x.frame, x.reference, x.out[0]); }},
+    {"dyn_frame_acceleration", DYN_PART_KINEMATICS, uses_frame | uses_reference, Needs::acceleration, true, 1, sizes::six,
+     DYN_CALL { return dyn_frame_acceleration(m, d, x.frame, x.reference, x.out[0]); }},
+    {"dyn_frame_classical_acceleration", DYN_PART_KINEMATICS, uses_frame | uses_reference, Needs::acceleration, true, 1, sizes::six,
+     DYN_CALL { return dyn_frame_classical_acceleration(m, d, x.frame, x.reference, x.out[0]); }},
+    {"dyn_joint_jacobians", DYN_PART_JACOBIANS, uses_q, Needs::nothing, false, 1, sizes::six_nv,
+     DYN_CALL { return dyn_joint_jacobians(m, d, x.q, x.out[0]); }},
+    {"dyn_joint_jacobians_time_variation", DYN_PART_JACOBIANS, uses_q | uses_v, Needs::nothing, false, 1, sizes::six_nv,
+     DYN_CALL { return dyn_joint_jacobians_time_variation(m, d, x.q, x.v, x.out[0]); }},
+    {"dyn_frame_jacobian", 0, uses_frame | uses_reference, Needs::position, true, 1, sizes::six_nv,
+     DYN_CALL { return dyn_frame_jacobian(m, d, x.frame, x.reference, x.out[0]); }},
+    {"dyn_frame_jacobian_time_variation", DYN_PART_KINEMATICS, uses_frame | uses_reference, Needs::velocity, true, 1, sizes::six_nv,
+     DYN_CALL { return dyn_frame_jacobian_time_variation(m, d, x.frame, x.reference, x.out[0]); }},
+    {"dyn_center_of_mass", DYN_PART_COM, uses_q | uses_v | uses_a, Needs::nothing, false, 3, sizes::three,
+     DYN_CALL { return dyn_center_of_mass(m, d, x.q, x.v, x.a, x.out[0], x.out[1], x.out[2]); }},
+    {"dyn_center_of_mass_jacobian", DYN_PART_COM, uses_q, Needs::nothing, false, 1, sizes::three_nv,
+     DYN_CALL { return dyn_center_of_mass_jacobian(m, d, x.q, x.out[0]); }},
+    {"dyn_subtree_center_of_mass", DYN_PART_COM, uses_joint, Needs::com, false, 2, sizes::point_and_mass,
+     DYN_CALL { return dyn_subtree_center_of_mass(m, d, x.joint, x.out[0], x.out[1]); }},
+    {"dyn_subtree_center_of_mass_jacobian", DYN_PART_COM, uses_joint, Needs::com, true, 1, sizes::three_nv,
+     DYN_CALL { return dyn_subtree_center_of_mass_jacobian(m, d, x.joint, x.out[0]); }},
+    {"dyn_rnea", DYN_PART_INVERSE, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 1, sizes::nv,
+     DYN_CALL { return dyn_rnea(m, d, x.q, x.v, x.a, x.fext, x.out[0]); }},
+    {"dyn_nonlinear_effects", DYN_PART_INVERSE, uses_q | uses_v, Needs::nothing, false, 1, sizes::nv,
+     DYN_CALL { return dyn_nonlinear_effects(m, d, x.q, x.v, x.out[0]); }},
+    {"dyn_gravity", DYN_PART_INVERSE, uses_q, Needs::nothing, false, 1, sizes::nv, DYN_CALL { return dyn_gravity(m, d, x.q, x.out[0]); }},
+    {"dyn_static_torque", DYN_PART_INVERSE, uses_q | uses_fext, Needs::nothing, false, 1, sizes::nv,
+     DYN_CALL { return dyn_static_torque(m, d, x.q, x.fext, x.out[0]); }},
+    {"dyn_coriolis_matrix", DYN_PART_CORIOLIS, uses_q | uses_v, Needs::nothing, false, 1, sizes::square,
+     DYN_CALL { return dyn_coriolis_matrix(m, d, x.q, x.v, x.out[0]); }},
+    {"dyn_aba", DYN_PART_FORWARD, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 1, sizes::nv,
+     DYN_CALL { return dyn_aba(m, d, x.q, x.v, x.tau, x.fext, x.out[0]); }},
+    {"dyn_crba", DYN_PART_MASS, uses_q, Needs::nothing, false, 1, sizes::square, DYN_CALL { return dyn_crba(m, d, x.q, x.out[0]); }},
+    {"dyn_factorize", DYN_PART_FACTOR, 0, Needs::mass, false, 0, sizes::none, DYN_CALL { return dyn_factorize(m, d); }},
+    {"dyn_solve", DYN_PART_FACTOR, uses_b, Needs::factor, true, 1, sizes::nv,
+     DYN_CALL { return dyn_solve(m, d, x.b, x.nrhs, x.out[0]); }},
+    {"dyn_minverse", DYN_PART_MINV, uses_q, Needs::nothing, false, 1, sizes::square,
+     DYN_CALL { return dyn_minverse(m, d, x.q, x.out[0]); }},
+    {"dyn_energy", DYN_PART_ENERGY, uses_q | uses_v, Needs::nothing, false, 2, sizes::one,
+     DYN_CALL { return dyn_energy(m, d, x.q, x.v, x.out[0], x.out[1]); }},
+    {"dyn_kinetic_energy", DYN_PART_ENERGY, uses_q | uses_v, Needs::nothing, false, 1, sizes::one,
+     DYN_CALL { return dyn_kinetic_energy(m, d, x.q, x.v, x.out[0]); }},
+    {"dyn_potential_energy", DYN_PART_ENERGY, uses_q, Needs::nothing, false, 1, sizes::one,
+     DYN_CALL { return dyn_potential_energy(m, d, x.q, x.out[0]); }},
+    {"dyn_all_terms", DYN_PART_ALL, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_all_terms(m, d, x.mask, x.q, x.v, x.filled); }},
+    {"dyn_step", DYN_PART_FORWARD, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_step(m, d, x.integrator, x.dt); }},
+    {"dyn_data_array", 0, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_array(m, d, x.field, x.array); }},
+};
+#undef DYN_CALL
+
+// A call with its arguments, its outputs in buffers with a guard behind each.
+struct Prepared {
+  static constexpr double pattern = -7.25e77;
+  static constexpr std::size_t guard = 4;
+  const CallRow& row;
+  State s;
+  Numbers b, out[3];
+  std::uint32_t filled = 0xa5a5a5a5u;
+  dynArray array = view();
+  Arguments x;
+
+  Prepared(const CallRow& r, const dynModel* m, const State& state) : row(r), s(state), b(state.a) {
+    x.q = s.q.data(), x.v = s.v.data(), x.a = s.a.data(), x.tau = s.tau.data(), x.fext = s.fext.data(), x.b = b.data();
+    x.frame = dyn_nframes(m) - 1, x.joint = dyn_njoints(m) - 1;
+    for (int k = 0; k < row.outputs; ++k) {
+      out[k].assign(row.size(m, k) + guard, pattern);
+      x.out[k] = out[k].data();
+    }
+    x.filled = &filled, x.array = &array;
+  }
+  Prepared(const Prepared&) = delete;
+  dynStatus operator()(const dynModel* m, dynData* d) const { return row.call(m, d, x); }
+  std::vector<Numbers> results() const {
+    std::vector<Numbers> all;
+    for (int k = 0; k < row.outputs; ++k) all.emplace_back(out[k].begin(), out[k].end() - guard);
+    return all;
+  }
+  void refill() {
+    for (Numbers& o : out) std::fill(o.begin(), o.end(), pattern);
+    filled = 0xa5a5a5a5u;
+    array = view();
+  }
+  bool untouched() const {
+    for (const Numbers& o : out)
+      for (double e : o)
+        if (e != pattern) return false;
+    const dynArray fresh = view();
+    return filled == 0xa5a5a5a5u && array.data == fresh.data && array.rows == 0 && array.cols == 0 && array.stride[0] == 0;
+  }
+  // Written whole, and nothing behind it.
+  bool written() const {
+    for (const Numbers& o : out)
+      for (std::size_t k = 0; k < o.size(); ++k)
+        if ((o[k] == pattern) != (k + guard >= o.size())) return false;
+    return true;
+  }
+};
+
+inline const CallRow& call_row(const std::string& name) {
+  for (const CallRow& r : call_rows)
+    if (name == r.name) return r;
+  ADD_FAILURE() << "no call " << name;
+  return call_rows[0];
+}
+
+}  // namespace dyn_test

@@ -1,0 +1,255 @@
+// Tests handles: NULL, freed, foreign and mismatched ones are refused by every function of dyn.h, and nothing changes.
+#include <fstream>
+#include <functional>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "capi/calls.hpp"
+
+namespace dyn_test {
+namespace {
+
+struct Refusal {
+  const dynModel* model;
+  dynData* data;
+  dynStatus status;
+  std::vector<std::string> fragments;
+};
+
+// Memory that is none of the library's.
+alignas(64) unsigned char zeros[256], noise[256];
+
+TEST(Handles, EveryCallOnData) {
+  const Model m = all_types(), other = chain(3);
+  const State s = random_state(m, 1);
+  Data mine(m), others(other);
+  compute_all(m, mine, s);
+  Model dead_model = chain(2);
+  dynModel* const freed_model = dead_model;
+  dead_model = Model();
+  Data orphan(other);
+  dynData* freed_data = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_data_new(m, 0, &freed_data));
+  dyn_data_free(freed_data);
+  Builder builder;
+  std::memset(noise, 0x5a, sizeof noise);
+  auto as_model = [](void* p) { return static_cast<const dynModel*>(p); };
+  auto as_data = [](void* p) { return static_cast<dynData*>(p); };
+
+  const std::vector<Refusal> refusals = {
+      {nullptr, mine, DYN_ERROR_HANDLE, {"model", "NULL", "dyn_model_load"}},
+      {freed_model, mine, DYN_ERROR_HANDLE, {"model", "freed"}},
+      {as_model(mine.d), mine, DYN_ERROR_HANDLE, {"model", "no handle", "dyn_model_load"}},
+      {as_model(builder.b), mine, DYN_ERROR_HANDLE, {"model", "no handle"}},
+      {as_model(zeros), mine, DYN_ERROR_HANDLE, {"model", "no handle"}},
+      {as_model(noise), mine, DYN_ERROR_HANDLE, {"model", "no handle"}},
+      {nullptr, nullptr, DYN_ERROR_HANDLE, {"model", "NULL"}},
+      {m, nullptr, DYN_ERROR_HANDLE, {"data", "NULL", "dyn_data_new"}},
+      {m, freed_data, DYN_ERROR_HANDLE, {"data", "freed"}},
+      {m, as_data(m.m), DYN_ERROR_HANDLE, {"data", "no handle", "dyn_data_new"}},
+      {m, as_data(builder.b), DYN_ERROR_HANDLE, {"data", "no handle"}},
+      {m, as_data(zeros), DYN_ERROR_HANDLE, {"data", "no handle"}},
+      {m, as_data(noise), DYN_ERROR_HANDLE, {"data", "no handle"}},
+      {m, others, DYN_ERROR_MODEL, {"another model", "make data from the model"}},
+      {other, mine, DYN_ERROR_MODEL, {"another model"}},
+  };
+  const Snapshot before(m, mine);
+  for (const CallRow& row : call_rows) {
+    Prepared p(row, m, s);
+    for (const Refusal& r : refusals) {
+      EXPECT_EQ(r.status, p(r.model, r.data)) << row.name << ": " << r.fragments[0] << " " << r.fragments.back();
+      EXPECT_TRUE(says(r.fragments)) << row.name;
+      EXPECT_TRUE(p.untouched()) << row.name;
+    }
+  }
+  EXPECT_EQ("", before.differs(Snapshot(m, mine)));
+}
+
+TEST(Handles, DataOutlivesItsModel) {
+  Model m = chain(3);
+  const Model next = chain(3);  // alike, but another
+  Data d(m);
+  const State s = random_state(m, 2);
+  dynModel* const dead = m;
+  m = Model();
+  for (const CallRow& row : call_rows) {
+    Prepared p(row, next, s);
+    EXPECT_EQ(DYN_ERROR_MODEL, p(next, d)) << row.name;
+    EXPECT_TRUE(says({"freed", "make data from the model"})) << row.name;
+    EXPECT_EQ(DYN_ERROR_HANDLE, p(dead, d)) << row.name;
+    EXPECT_TRUE(says({"freed"})) << row.name;
+    EXPECT_TRUE(p.untouched()) << row.name;
+  }
+}
+
+// The functions of a model alone: each says whether it refused this handle, with nothing written.
+using ModelFunction = std::pair<const char*, std::function<bool(const dynModel*)>>;
+double out[64];
+bool kept() {
+  for (double x : out)
+    if (x != 1.5) return false;
+  return true;
+}
+template <class Info>
+bool keeps(dynStatus (*call)(const dynModel*, int, Info*), const dynModel* m, dynStatus expected) {
+  Info info, before;
+  std::memset(static_cast<void*>(&info), 0x3c, sizeof info), std::memset(static_cast<void*>(&before), 0x3c, sizeof before);
+  info.struct_size = before.struct_size = sizeof info;
+  return call(m, 0, &info) == expected && std::memcmp(&info, &before, sizeof info) == 0;
+}
+const ModelFunction model_functions[] = {
+    {"dyn_report_count", [](auto* m) { return dyn_report_count(m) == -1; }},
+    {"dyn_report_entry", [](auto* m) { return keeps(dyn_report_entry, m, DYN_ERROR_HANDLE); }},
+    {"dyn_nq", [](auto* m) { return dyn_nq(m) == -1; }},
+    {"dyn_nv", [](auto* m) { return dyn_nv(m) == -1; }},
+    {"dyn_njoints", [](auto* m) { return dyn_njoints(m) == -1; }},
+    {"dyn_nframes", [](auto* m) { return dyn_nframes(m) == -1; }},
+    {"dyn_nbodies", [](auto* m) { return dyn_nbodies(m) == -1; }},
+    {"dyn_model_size", [](auto* m) { return dyn_model_size(m) == 0; }},
+    {"dyn_model_name", [](auto* m) { return dyn_model_name(m) == nullptr; }},
+    {"dyn_joint_name", [](auto* m) { return dyn_joint_name(m, 0) == nullptr; }},
+    {"dyn_frame_name", [](auto* m) { return dyn_frame_name(m, 0) == nullptr; }},
+    {"dyn_joint_id", [](auto* m) { return dyn_joint_id(m, "universe") == -1; }},
+    {"dyn_frame_id", [](auto* m) { return dyn_frame_id(m, "universe") == -1; }},
+    {"dyn_frame_id_of_type", [](auto* m) { return dyn_frame_id_of_type(m, "universe", DYN_FRAME_OP_FRAME) == -1; }},
+    {"dyn_joint_info", [](auto* m) { return keeps(dyn_joint_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_frame_info", [](auto* m) { return keeps(dyn_frame_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_nshapes", [](auto* m) { return dyn_nshapes(m) == -1; }},
+    {"dyn_shape_info", [](auto* m) { return keeps(dyn_shape_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_array", [](auto* m) { return dyn_model_array(m, DYN_GRAVITY) == nullptr; }},
+    {"dyn_total_mass", [](auto* m) { return std::isnan(dyn_total_mass(m)); }},
+    {"dyn_nconfigurations", [](auto* m) { return dyn_nconfigurations(m) == -1; }},
+    {"dyn_configuration_name", [](auto* m) { return dyn_configuration_name(m, 0) == nullptr; }},
+    {"dyn_configuration", [](auto* m) { return dyn_configuration(m, "neutral", out) == DYN_ERROR_HANDLE; }},
+    {"dyn_q_permutation",
+     [](auto* m) {
+       const char* names[] = {"j0"};
+       std::int32_t ids[2] = {-7, -7};
+       return dyn_q_permutation(m, names, 1, ids, ids + 1) == DYN_ERROR_HANDLE && ids[0] == -7 && ids[1] == -7;
+     }},
+    {"dyn_data_new",
+     [](auto* m) {
+       dynData* d = nullptr;
+       return dyn_data_new(m, 0, &d) == DYN_ERROR_HANDLE && !d;
+     }},
+    {"dyn_data_size", [](auto* m) { return dyn_data_size(m, 0) == 0; }},
+    {"dyn_data_init",
+     [](auto* m) {
+       dynData* d = nullptr;
+       return dyn_data_init(m, 0, out, sizeof out, &d) == DYN_ERROR_HANDLE && !d;
+     }},
+    {"dyn_integrate", [](auto* m) { return dyn_integrate(m, out, out, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_difference", [](auto* m) { return dyn_difference(m, out, out, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_interpolate", [](auto* m) { return dyn_interpolate(m, out, out, 0.5, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_distance", [](auto* m) { return dyn_distance(m, out, out, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_neutral", [](auto* m) { return dyn_neutral(m, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_random", [](auto* m) { return dyn_random(m, 1, nullptr, nullptr, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_normalize", [](auto* m) { return dyn_normalize(m, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_is_normalized",
+     [](auto* m) {
+       int answer = -7;
+       return dyn_is_normalized(m, out, 1e-6, &answer) == DYN_ERROR_HANDLE && answer == -7;
+     }},
+    {"dyn_integrate_jacobians", [](auto* m) { return dyn_integrate_jacobians(m, out, out, out, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_difference_jacobians", [](auto* m) { return dyn_difference_jacobians(m, out, out, out, out) == DYN_ERROR_HANDLE; }},
+};
+
+TEST(Handles, EveryFunctionOfAModel) {
+  dynModel* const freed_model = chain(1).m;  // the temporary is gone
+  const Model alive = chain(1);
+  Data d(alive);
+  Builder builder;
+  void* const handles[] = {nullptr, freed_model, d.d, builder.b, zeros, noise};
+  std::fill(std::begin(out), std::end(out), 1.5);
+  for (const auto& [name, refuses] : model_functions)
+    for (void* handle : handles) {
+      EXPECT_TRUE(refuses(static_cast<dynModel*>(handle))) << name << (handle ? "" : " NULL");
+      EXPECT_TRUE(says({"model", !handle ? "dyn_builder_finish" : handle == freed_model ? "freed" : "no handle"})) << name;
+      EXPECT_TRUE(kept()) << name;
+    }
+}
+
+TEST(Handles, EveryFunctionOfABuilder) {
+  dynBuilder* freed_builder = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_builder_new("b", &freed_builder));
+  dyn_builder_free(freed_builder);
+  const Model m = chain(1);
+  Data d(m);
+  const Spec spec("j", DYN_JOINT_REVOLUTE);
+  const double gravity[3] = {0, 0, -1}, com[3] = {}, q[1] = {};
+  for (void* handle : {static_cast<void*>(nullptr), static_cast<void*>(freed_builder), static_cast<void*>(m.m), static_cast<void*>(d.d),
+                       static_cast<void*>(zeros)}) {
+    dynBuilder* b = static_cast<dynBuilder*>(handle);
+    const std::string word = !handle ? "dyn_builder_new" : handle == freed_builder ? "freed" : "no handle";
+    auto refused = [&](dynStatus s) {
+      EXPECT_EQ(DYN_ERROR_HANDLE, s);
+      EXPECT_TRUE(says({"builder", word}));
+    };
+    refused(dyn_builder_gravity(b, gravity));
+    refused(dyn_builder_joint(b, &spec));
+    refused(dyn_builder_body(b, "l", "j", nullptr, 1, com, some_inertia));
+    refused(dyn_builder_frame(b, "f", nullptr, nullptr, DYN_FRAME_OP_FRAME));
+    refused(dyn_builder_configuration(b, "c", q, 1));
+    dynModel* none = nullptr;
+    refused(dyn_builder_finish(b, &none));
+    EXPECT_EQ(nullptr, none);
+  }
+}
+
+TEST(Handles, FreeingTwiceAndNothing) {
+  dyn_model_free(nullptr), dyn_data_free(nullptr), dyn_builder_free(nullptr);
+  Builder b;
+  dynModel* m = chain(1).m;  // freed already
+  dyn_model_free(m), dyn_model_free(m);
+  dynBuilder* builder = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_builder_new("b", &builder));
+  dyn_builder_free(builder), dyn_builder_free(builder);
+  const Model alive = chain(1);
+  dynData* d = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_data_new(alive, 0, &d));
+  dyn_data_free(d), dyn_data_free(d);
+  // another kind of handle is left alone
+  Data kept(alive);
+  dyn_model_free(reinterpret_cast<dynModel*>(kept.d)), dyn_builder_free(reinterpret_cast<dynBuilder*>(kept.d));
+  dyn_data_free(reinterpret_cast<dynData*>(alive.m));
+  EXPECT_EQ(DYN_OK, dyn_crba(alive, kept, nullptr, nullptr));
+}
+
+// A freed handle is known as such while at most 256 others of its kind have been freed since.
+TEST(Handles, FreedOnesAreRemembered) {
+  const Model m = chain(1);
+  dynData* first = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_data_new(m, 0, &first));
+  dyn_data_free(first);
+  for (int k = 0; k < 250; ++k) {
+    Data d(m);
+    ASSERT_NE(first, d.d);
+  }
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_crba(m, first, nullptr, nullptr));
+}
+
+// The tables of these tests and the header name the same functions.
+TEST(Handles, TablesAreComplete) {
+  std::ifstream file(std::string(DYN_MODELS_DIR) + "/../capi/dyn.h");
+  ASSERT_TRUE(file);
+  std::stringstream text;
+  text << file.rdbuf();
+  const std::string header = text.str();
+  std::set<std::string> declared, tested = {
+      // no handle, or a maker or a destroyer of one: tested by name elsewhere
+      "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_model_load",
+      "dyn_model_load_string", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
+      "dyn_builder_joint", "dyn_builder_body", "dyn_builder_frame", "dyn_builder_configuration", "dyn_builder_finish", "dyn_data_free",
+      "dyn_nfields", "dyn_field_info", "dyn_field_id"};
+  const std::regex declaration("DYN_API[^;(]*?(dyn_[a-z_0-9]+)\\(");
+  for (std::sregex_iterator it(header.begin(), header.end(), declaration), end; it != end; ++it) declared.insert((*it)[1]);
+  EXPECT_GT(declared.size(), 80u);
+  for (const CallRow& row : call_rows) tested.insert(row.name);
+  for (const auto& [name, function] : model_functions) tested.insert(name);
+  for (const std::string& name : declared) EXPECT_TRUE(tested.count(name)) << name << " is in no table of tests/capi";
+  for (const std::string& name : tested) EXPECT_TRUE(declared.count(name)) << name << " is not in dyn.h";
+}
+
+}  // namespace
+}  // namespace dyn_test

@@ -1,0 +1,39 @@
+// The lists that everything else walks: dispatch reaches each primitive once, and the enumeration of user joints is complete.
+#include <set>
+#include <string>
+
+#include "common/random_tree.hpp"
+#include "dyn/joint/list.hpp"
+
+namespace dyn_test {
+namespace {
+
+TEST(List, VisitReachesTheNamedPrimitive) {
+  int count = 0;
+#define DYN_TEST_VISIT(X)                                                                     \
+  {                                                                                           \
+    bool seen = false;                                                                        \
+    visit(BodyType::X, [&]<class J>() { seen = std::is_same_v<J, X>; });                      \
+    EXPECT_TRUE(seen) << #X;                                                                  \
+    EXPECT_EQ(count++, int(BodyType::X)) << "the list and the enumeration must be in one order"; \
+  }
+  DYN_PRIMITIVES(DYN_TEST_VISIT)
+}
+
+TEST(List, EveryUserJointTypeHasANameSizesAndATest) {
+  std::set<std::string> names;
+  for (int t = DYN_JOINT_FIXED; t <= DYN_JOINT_REVOLUTE_UNBOUNDED; ++t) {
+    const auto type = dynJointType(t);
+    names.insert(joint_type_name(type));
+    if (type == DYN_JOINT_FIXED || type == DYN_JOINT_COMPOSITE) continue;
+    EXPECT_EQ(1, std::count(moving_types().begin(), moving_types().end(), type)) << "random trees don't draw " << joint_type_name(type);
+    EXPECT_GT(joint_nv(type), 0);
+    EXPECT_GE(joint_nq(type), joint_nv(type));
+    EXPECT_EQ(std::size_t(joint_nq(type)), lengths([&] { JointSpec s; s.type = type; return s; }(), true).size());
+  }
+  EXPECT_EQ(14u, names.size());
+  EXPECT_STREQ("unknown", joint_type_name(dynJointType(DYN_JOINT_REVOLUTE_UNBOUNDED + 1)));
+}
+
+}  // namespace
+}  // namespace dyn_test
