@@ -231,7 +231,7 @@ TEST_P(JointType, SizesAndRecord) {
   EXPECT_EQ(1, r.parent);
   EXPECT_EQ(2 + r.nq, m.n.nq);
   EXPECT_EQ(2 + r.nv, m.n.nv);
-  EXPECT_LE(gap(eigen(r.placement), eigen(bench.joint.placement.data())), 4e-16);
+  EXPECT_LE(gap(eigen(r.placement), eigen(bench.joint.placement.data())), 2e-15);  // made orthonormal
   EXPECT_EQ(bench.joint.axis, (std::array<double, 3>{r.axis[0], r.axis[1], r.axis[2]})) << "as given";
 }
 
@@ -274,10 +274,12 @@ TEST(JointAxes, PlanarMovesInThePlaneNormalToItsAxis) {
       return frame_pose(w, "j");
     };
     const V3 ex = at(1, 0, 0).topRightCorner<3, 1>(), ey = at(0, 1, 0).topRightCorner<3, 1>();
-    EXPECT_LE(std::abs(ex.norm() - 1) + std::abs(ey.norm() - 1) + std::abs(ex.dot(ey)) + std::abs(ex.dot(axis)), 2e-15);
+    EXPECT_LE(std::abs(ex.norm() - 1) + std::abs(ey.norm() - 1) + std::abs(ex.dot(ey)) + std::abs(ex.dot(axis)), 4e-15);
     EXPECT_LE(gap(ex.cross(ey), axis), 2e-15);
     EXPECT_LE(gap(at(0.3, -2, 1.1), move(0.3 * ex - 2 * ey) * turn(axis, 1.1)), 4e-15);
-    if (trial == 0) EXPECT_EQ(0, gap(ex, V3::UnitX()) + gap(ey, V3::UnitY()));
+    if (trial == 0) {
+      EXPECT_LE(gap(ex, V3::UnitX()) + gap(ey, V3::UnitY()), 1e-15);
+    }
   }
 }
 

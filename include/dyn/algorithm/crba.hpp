@@ -1,140 +1,76 @@
-// Joint-space inertia by the composite-rigid-body algorithm (Featherstone 2008, Table 6.2), in world axes.
-// M_ij = S_i . F_j, F_j = Ic_j S_j, both referred to the origin of the tree's root (so that distance from the world's origin
-// costs no digits). The descendants j of i are consecutive, and their F lie component by component in memory: a column of
-// the lower triangle is six vector operations over them.
+// Joint-space inertia by the composite-rigid-body algorithm (Featherstone 2008, Table 6.2), in world axes at each body's
+// origin: a force passes to the parent by a pure translation.
 #pragma once
 
-#include "dyn/algorithm/kinematics.hpp"
-#include "dyn/base/pack.hpp"
+#include "dyn/algorithm/crba_deep.hpp"
 
 namespace dyn {
 
-// Y s, with what is zero in the columns of J left out.
-template <class J, class T>
-DYN_INLINE Force<T> momentum(const Inertia<T>& Y, const Motion<T>& s) {
-  if constexpr (!J::translates)
-    return {cross(s.angular, Y.h), Y.I * s.angular};
-  else if constexpr (!J::rotates)
-    return {s.linear * Y.m, cross(Y.h, s.linear)};
-  else
-    return Y * s;
-}
+// d.M, full and symmetric, rotors left out. With mimic joints M = G^T M_x G, q_x = G q: G has one entry, the ratio, in a row.
+template <bool mimic, class T>
+void crba_shallow(const Model& m, Data<T>& d) {
+  const std::ptrdiff_t nv = m.n.nv;
+  const Body* bodies = m.bodies();
+  T* M = d.M;
+  if constexpr (mimic)
+    for (std::ptrdiff_t k = 0; k < nv * nv; ++k) M[k] = T(0);
+  // entries of body j's degree of freedom dof against x, those of body i
+  auto put = [&](const Body& bi, int ni, const Body& bj, int kj, const T* x, bool diagonal) DYN_INLINE_LAMBDA {
+    const std::ptrdiff_t at = bj.user_v + kj;
+    for (int k = 0; k < ni; ++k) {
+      const std::ptrdiff_t other = bi.user_v + k;
+      if constexpr (mimic) {
+        const T y = x[k] * (T(bi.ratio) * T(bj.ratio));
+        M[other + nv * at] += y;
+        if (!diagonal || k != kj) M[at + nv * other] += y;
+      } else {
+        M[other + nv * at] = M[at + nv * other] = x[k];
+      }
+    }
+  };
 
-// S at the tree's root, composite inertias, and F = Ic S at the tree's root: by components, in blocks of four.
-template <class T>
-void composite_inertias(const Model& m, Data<T>& d) {
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Index p = m.bodies()[i].parent;
-    d.rel[i] = p == 0 ? Vec3<T>::zero() : d.rel[p] + d.r[i];
-    d.Ic[i] = world_inertia(m.bodies()[i], d.R[i]);
-  }
+  for (Index i = 1; i < m.n.bodies; ++i) d.Ic[i] = world_inertia(bodies[i], d.R[i]);
   Inertia<T> up = Inertia<T>::zero();  // what body i + 1 passes to its parent, in registers when that is body i
   bool chain = false;
-  backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
-    const Body& b = m.bodies()[i];
-    Inertia<T> Y = d.Ic[i];
+  backward(m, [&]<class J>(Index j) DYN_INLINE_LAMBDA {
+    const Body& b = bodies[j];
+    Inertia<T> Y = d.Ic[j];
     if (chain) Y = Y + up;
+#pragma GCC unroll 6
     for (int k = 0; k < J::nv; ++k) {
-      const Index at = b.idx_v + k;
-      const Motion<T> s = J::column(b, d.R[i], k);
-      const Force<T> F = shift(momentum<J>(Y, s), d.rel[i]);
-      T* lane = d.F + at / 4 * 24 + at % 4;
-      for (int x = 0; x < 3; ++x) lane[4 * x] = F.linear[x], lane[12 + 4 * x] = F.angular[x];
-      d.S[at] = J::rotates ? shift(s, -d.rel[i]) : s;
+      Force<T> F = momentum<J>(Y, J::column(b, d.R[j], k));
+      T x[6];
+      J::project(b, d.R[j], F, x);
+      put(b, k + 1, b, k, x, true);
+      for (Index i = j; bodies[i].parent != 0;) {
+        F = shift(F, d.r[i]);
+        i = bodies[i].parent;
+        const Body& bi = bodies[i];
+        if (bi.type == BodyType::Revolute) [[likely]] {
+          x[0] = dot(d.R[i].z, F.angular);
+          put(bi, 1, b, k, x, false);
+        } else {
+          visit(bi.type, [&]<class Ji>() {
+            Ji::project(bi, d.R[i], F, x);
+            put(bi, Ji::nv, b, k, x, false);
+          });
+        }
+      }
     }
-    up = Y.shifted(d.r[i]);
-    chain = b.parent == i - 1;
+    up = Y.shifted(d.r[j]);
+    chain = b.parent == j - 1;
     if (!chain && b.parent) d.Ic[b.parent] = d.Ic[b.parent] + up;
   });
-}
-
-// F_j . s for the four degrees of freedom of a block of d.F
-template <class T>
-DYN_INLINE Pack<T, 4> project_block(const T* F, const Motion<T>& s) {
-  using P = Pack<T, 4>;
-  return (P::load(F) * s.linear[0] + P::load(F + 4) * s.linear[1] + P::load(F + 8) * s.linear[2]) +
-         (P::load(F + 12) * s.angular[0] + P::load(F + 16) * s.angular[1] + P::load(F + 20) * s.angular[2]);
-}
-
-// out[j] = F_j . s for j in [first, last), in whole blocks of four: up to three numbers before first are overwritten, and
-// past last unless exact.
-template <class T>
-DYN_INLINE void project_columns(const T* F, Index first, Index last, const Motion<T>& s, T* out, bool exact) {
-  const Index begin = first / 4, end = exact ? last / 4 : (last + 3) / 4;
-  const T* block = F + std::ptrdiff_t(begin) * 24;
-  T *o = out + 4 * std::ptrdiff_t(begin), *stop = out + 4 * std::ptrdiff_t(end);
-  for (; o < stop; o += 4, block += 24) project_block(block, s).store(o);
-  if (exact && last % 4 != 0) {
-    const Pack<T, 4> rest = project_block(block, s);
-    for (int k = 0; k < last % 4; ++k) o[k] = rest[k];
-  }
-}
-
-// Columns i0 .. i1 - 1 (at most 8) of the lower triangle copied to the same rows of the upper one: eight rows are a line of
-// cache.
-template <class T>
-DYN_INLINE void mirror(T* M, std::ptrdiff_t n, std::ptrdiff_t i0, std::ptrdiff_t i1) {
-  auto scalar = [&](std::ptrdiff_t first, std::ptrdiff_t end, std::ptrdiff_t j0, std::ptrdiff_t j1) {
-    for (std::ptrdiff_t j = j0; j < j1; ++j)
-      for (std::ptrdiff_t i = first; i < end && i < j; ++i) M[i + n * j] = M[j + n * i];
-  };
-  if (i1 - i0 < 8) return scalar(i0, i1, i0, n);
-  scalar(i0, i0 + 4, i0, i0 + 4);
-  transpose4(M + i0 + 4 + n * i0, n, M + i0 + n * (i0 + 4), n);
-  scalar(i0 + 4, i1, i0 + 4, i1);
-  std::ptrdiff_t j = i1;
-  for (; j + 4 <= n; j += 4) {
-    transpose4(M + j + n * i0, n, M + i0 + n * j, n);
-    transpose4(M + j + n * (i0 + 4), n, M + i0 + 4 + n * j, n);
-  }
-  scalar(i0, i1, j, n);
-}
-
-// M += G^T M_x G for one column of the expanded M_x: q_x = G q has one entry, the ratio, in each row.
-template <class T>
-void add_mimic_column(const Model& m, Data<T>& d, Index i, Index at, Index last, const T* column) {
-  const std::ptrdiff_t nv = m.n.nv;
-  const Body& bi = m.bodies()[i];
-  const Index ui = bi.user_v + (at - bi.idx_v);
-  for (Index j = at; j < last; ++j) {
-    const Body& bj = m.bodies()[m.dof_body()[j]];
-    const Index uj = bj.user_v + (j - bj.idx_v);
-    const T x = T(bi.ratio) * T(bj.ratio) * column[j];
-    d.M[ui + nv * uj] += x;
-    if (j != at) d.M[uj + nv * ui] += x;
-  }
 }
 
 // d.M, full and symmetric.
 template <class T>
 void crba(const Model& m, Data<T>& d) {
   ensure_position(m, d);
-  composite_inertias(m, d);
-  const std::ptrdiff_t nv = m.n.nv;
-  T* M = d.M;
-  if (m.has_mimic) {
-    for (std::ptrdiff_t k = 0; k < nv * nv; ++k) M[k] = T(0);
-    for (Index i = 1; i < m.n.bodies; ++i) {
-      const Index last = first_dof(m, m.subtree_end()[i]);
-      for (Index at = m.bodies()[i].idx_v; at < first_dof(m, i + 1); ++at) {
-        project_columns(d.F, at, last, d.S[at], d.column, false);
-        add_mimic_column(m, d, i, at, last, d.column);
-      }
-    }
-  } else {
-    // from the last column to the first: what is written above the diagonal and past the last row is overwritten by the mirror
-    // images that follow
-    Index at = Index(nv), mirrored = Index(nv);
-    for (Index i = m.n.bodies - 1; i >= 1; --i) {
-      const Index last = first_dof(m, m.subtree_end()[i]);
-      while (at > m.bodies()[i].idx_v) {
-        --at;
-        project_columns(d.F, at, last, d.S[at], M + nv * at, last != nv || at < 2 || at == nv - 1);
-        if (at % 8 == 0) mirror(M, nv, at, mirrored), mirrored = at;
-      }
-    }
-  }
-  for (std::ptrdiff_t k = 0; k < nv; ++k) M[k + nv * k] += T(m.armature()[k]);
+  if (m.has_mimic) crba_shallow<true>(m, d);
+  else if (m.deep) crba_deep(m, d);
+  else crba_shallow<false>(m, d);
+  for (std::ptrdiff_t k = 0; k < m.n.nv; ++k) d.M[k + m.n.nv * k] += T(m.armature()[k]);
   d.done(Stage::Mass);
 }
 

@@ -1,0 +1,374 @@
+// Tests what the builder refuses, that a refused call adds nothing, and that a builder stays usable.
+#include "capi/support.hpp"
+
+namespace dyn_test {
+namespace {
+
+constexpr double com0[3] = {};
+
+class BuilderTest : public ::testing::Test {
+ protected:
+  Builder b;
+
+  void SetUp() override { b.joint(Spec("base", DYN_JOINT_REVOLUTE)).body("link", "base"); }
+  // Whatever the test tried, the model is still the one of SetUp.
+  void TearDown() override {
+    const Model m = b.finish();
+    EXPECT_EQ(2, m.njoints());
+    EXPECT_EQ(3, m.nframes());
+    EXPECT_EQ(1, m.nv());
+    EXPECT_EQ(1.0, dyn_total_mass(m));
+  }
+  void refuse(const dynJointSpec& s, dynStatus status, const std::vector<std::string>& fragments) {
+    EXPECT_EQ(status, dyn_builder_joint(b, &s)) << (fragments.empty() ? "" : fragments.back());
+    EXPECT_TRUE(says(fragments));
+  }
+  void refuse(dynStatus status, dynStatus s, const std::vector<std::string>& fragments) {
+    EXPECT_EQ(status, s);
+    EXPECT_TRUE(says(fragments));
+  }
+};
+
+TEST_F(BuilderTest, Pointers) {
+  dyn_joint_spec_init(nullptr);
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_new("b", nullptr), {"dyn_builder_new", "builder is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_joint(b, nullptr), {"dyn_builder_joint", "spec is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_gravity(b, nullptr), {"gravity is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_body(b, "x", "base", nullptr, 1, nullptr, some_inertia), {"com is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_body(b, "x", "base", nullptr, 1, com0, nullptr), {"inertia is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_configuration(b, "c", nullptr, 1), {"q is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_finish(b, nullptr), {"dyn_builder_finish", "model is NULL"});
+}
+
+TEST_F(BuilderTest, Sizes) {
+  for (std::uint32_t size : {0u, 8u, std::uint32_t(sizeof(dynJointSpec)) - 1}) {
+    Spec s("j", DYN_JOINT_REVOLUTE);
+    s.struct_size = size;
+    refuse(s, DYN_ERROR_SIZE, {"struct_size is " + std::to_string(size), "dyn_joint_spec_init"});
+  }
+}
+
+TEST_F(BuilderTest, Names) {
+  refuse(Spec(nullptr, DYN_JOINT_REVOLUTE), DYN_ERROR_ARGUMENT, {"joint has no name", "give one"});
+  refuse(Spec("", DYN_JOINT_REVOLUTE), DYN_ERROR_ARGUMENT, {"joint has no name"});
+  refuse(Spec("base", DYN_JOINT_REVOLUTE), DYN_ERROR_NAME, {"joint 'base'", "taken", "choose another"});
+  refuse(Spec("base", DYN_JOINT_FIXED), DYN_ERROR_NAME, {"joint 'base'", "taken"});
+  refuse(Spec("universe", DYN_JOINT_REVOLUTE), DYN_ERROR_NAME, {"universe", "choose another"});
+  refuse(Spec("j", DYN_JOINT_REVOLUTE, "nobody"), DYN_ERROR_NAME, {"joint 'j'", "no parent 'nobody'", "add it first"});
+  refuse(DYN_ERROR_NAME, dyn_builder_body(b, "link", "base", nullptr, 1, com0, some_inertia), {"body 'link'", "taken"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_body(b, nullptr, "base", nullptr, 1, com0, some_inertia), {"body has no name"});
+  refuse(DYN_ERROR_NAME, dyn_builder_body(b, "x", "nobody", nullptr, 1, com0, some_inertia), {"body 'x'", "no parent 'nobody'"});
+  refuse(DYN_ERROR_NAME, dyn_builder_frame(b, "base", nullptr, nullptr, DYN_FRAME_OP_FRAME), {"frame 'base'", "taken"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_frame(b, "", nullptr, nullptr, DYN_FRAME_OP_FRAME), {"frame has no name"});
+  refuse(DYN_ERROR_NAME, dyn_builder_frame(b, "f", "nobody", nullptr, DYN_FRAME_OP_FRAME), {"frame 'f'", "no parent"});
+  refuse(DYN_ERROR_NAME, dyn_builder_configuration(b, "neutral", com0, 1), {"neutral", "choose another"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_configuration(b, nullptr, com0, 1), {"configuration has no name"});
+}
+
+TEST_F(BuilderTest, Types) {
+  for (int bad : {-1, 14, 1000}) {
+    Spec s("j", DYN_JOINT_REVOLUTE);
+    std::memcpy(&s.type, &bad, sizeof bad);
+    refuse(s, DYN_ERROR_ARGUMENT, {"type is " + std::to_string(bad), "dynJointType"});
+    s.type = DYN_JOINT_COMPOSITE;
+    Spec part(nullptr, DYN_JOINT_REVOLUTE);
+    std::memcpy(&part.type, &bad, sizeof bad);
+    s.parts = &part, s.parts_count = 1;
+    refuse(s, DYN_ERROR_ARGUMENT, {"type is " + std::to_string(bad)});
+  }
+  for (int bad : {0, 2, 4, 8, 3, 1000, -1}) {
+    dynFrameType type;
+    std::memcpy(&type, &bad, sizeof type);
+    refuse(DYN_ERROR_ARGUMENT, dyn_builder_frame(b, "f", nullptr, nullptr, type), {"frame 'f'", "OP_FRAME or SENSOR"});
+  }
+}
+
+TEST_F(BuilderTest, Placements) {
+  using Change = void (*)(double*);
+  const Change not_rotations[] = {
+      [](double* x) { x[0] = 0.9; },                       // stretched
+      [](double* x) { x[0] = -1; },                        // a reflection
+      [](double* x) { x[1] = 1e-3; },                      // sheared
+      [](double* x) { std::fill(x, x + 9, 0.0); },         // nothing
+      [](double* x) { std::fill(x, x + 9, 1e200); },       // huge
+      [](double* x) { std::swap_ranges(x, x + 3, x + 3); } // exchanged axes
+  };
+  for (Change change : not_rotations) {
+    Spec s("j", DYN_JOINT_REVOLUTE, "base");
+    change(s.placement);
+    refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "not a rotation", "orthonormal right-handed"});
+    s.type = DYN_JOINT_FIXED;
+    refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "not a rotation"});
+    refuse(DYN_ERROR_INVALID, dyn_builder_body(b, "x", "base", s.placement, 1, com0, some_inertia), {"body 'x'", "not a rotation"});
+    refuse(DYN_ERROR_INVALID, dyn_builder_frame(b, "f", "base", s.placement, DYN_FRAME_SENSOR), {"frame 'f'", "not a rotation"});
+    Spec composite("j", DYN_JOINT_COMPOSITE), parts[] = {Spec(nullptr, DYN_JOINT_REVOLUTE), Spec(nullptr, DYN_JOINT_REVOLUTE)};
+    std::copy(s.placement, s.placement + 12, parts[1].placement);
+    composite.parts = parts, composite.parts_count = 2;
+    refuse(composite, DYN_ERROR_INVALID, {"joint 'j', part 1", "not a rotation"});
+  }
+  for (int k = 0; k < 12; ++k)
+    for (double bad : {nan, inf}) {
+      Spec s("j", DYN_JOINT_REVOLUTE);
+      s.placement[k] = bad;
+      refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", "placement[" + std::to_string(k) + "]", "finite"});
+    }
+}
+
+TEST_F(BuilderTest, Axes) {
+  refuse(Spec("j", DYN_JOINT_REVOLUTE).about(0, 0, 0), DYN_ERROR_INVALID, {"joint 'j'", "axis is zero", "(0, 0, 1)"});
+  refuse(Spec("j", DYN_JOINT_PRISMATIC).about(0, nan, 1), DYN_ERROR_NONFINITE, {"axis[1]"});
+  refuse(Spec("j", DYN_JOINT_PRISMATIC).about(inf, 0, 1), DYN_ERROR_NONFINITE, {"axis[0]"});
+  refuse(Spec("j", DYN_JOINT_UNIVERSAL).about(-3, 0, 0), DYN_ERROR_INVALID, {"parallel", "two directions"});
+  Spec s("j", DYN_JOINT_UNIVERSAL);
+  s.axis2[0] = 0;
+  refuse(s, DYN_ERROR_INVALID, {"axis2 is zero"});
+  s.axis2[0] = nan;
+  refuse(s, DYN_ERROR_NONFINITE, {"axis2[0]"});
+  Spec screw("j", DYN_JOINT_HELICAL);
+  screw.pitch = inf;
+  refuse(screw, DYN_ERROR_NONFINITE, {"pitch", "metres per radian"});
+}
+
+TEST_F(BuilderTest, NumbersOfADegreeOfFreedom) {
+  const double bad_nan[3] = {0, 0, nan}, negative[3] = {0, 0, -1}, large[3] = {2, 2, 2}, one[3] = {1, 1, 1}, infinite[3] = {0, 0, inf};
+  struct Row {
+    const double* dynJointSpec::*member;
+    const char* name;
+    bool may_be_negative;
+  };
+  const Row rows[] = {{&dynJointSpec::lower, "lower limit", true}, {&dynJointSpec::upper, "upper limit", true},
+                      {&dynJointSpec::velocity, "velocity limit", false}, {&dynJointSpec::effort, "effort limit", false},
+                      {&dynJointSpec::armature, "armature", false}, {&dynJointSpec::damping, "damping", false},
+                      {&dynJointSpec::friction, "friction", false}};
+  for (const Row& r : rows) {
+    Spec s("j", DYN_JOINT_TRANSLATION);
+    s.*r.member = bad_nan;
+    refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", r.name, "NaN"});
+    s.*r.member = negative;
+    if (!r.may_be_negative) refuse(s, DYN_ERROR_INVALID, {"joint 'j'", r.name, "-1", "can't be negative"});
+  }
+  Spec s("j", DYN_JOINT_TRANSLATION);
+  s.lower = large, s.upper = one;
+  refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "lower limit 2 exceeds upper limit 1"});
+  s = Spec("j", DYN_JOINT_TRANSLATION), s.armature = infinite;
+  refuse(s, DYN_ERROR_NONFINITE, {"armature", "finite"});
+}
+
+TEST_F(BuilderTest, Rotors) {
+  Spec s("j", DYN_JOINT_REVOLUTE);
+  s.rotor_inertia = -1;
+  refuse(s, DYN_ERROR_INVALID, {"rotor inertia", "negative"});
+  s.rotor_inertia = nan;
+  refuse(s, DYN_ERROR_NONFINITE, {"rotor inertia"});
+  s.rotor_inertia = 1, s.gear_ratio = inf;
+  refuse(s, DYN_ERROR_NONFINITE, {"gear ratio"});
+  s = Spec("j", DYN_JOINT_SPHERICAL), s.rotor_inertia = 1;
+  refuse(s, DYN_ERROR_INVALID, {"rotor inertia", "one degree of freedom", "armature"});
+}
+
+TEST_F(BuilderTest, Mimics) {
+  Spec s("j", DYN_JOINT_SPHERICAL);
+  s.mimic = "base";
+  refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "one degree of freedom", "spherical"});
+  s.type = DYN_JOINT_FIXED;
+  refuse(s, DYN_ERROR_INVALID, {"fixed joint can't mimic"});
+  s.type = DYN_JOINT_REVOLUTE, s.mimic = "j";
+  refuse(s, DYN_ERROR_INVALID, {"mimics itself"});
+  s.mimic = "base", s.mimic_ratio = nan;
+  refuse(s, DYN_ERROR_NONFINITE, {"mimic ratio"});
+  s.mimic_ratio = 1, s.mimic_offset = inf;
+  refuse(s, DYN_ERROR_NONFINITE, {"offset"});
+}
+
+TEST_F(BuilderTest, Composites) {
+  Spec s("j", DYN_JOINT_COMPOSITE);
+  refuse(s, DYN_ERROR_ARGUMENT, {"joint 'j'", "composite", "at least one part"});
+  s.parts_count = 2;
+  refuse(s, DYN_ERROR_ARGUMENT, {"parts is NULL"});
+  Spec parts[] = {Spec(nullptr, DYN_JOINT_REVOLUTE), Spec(nullptr, DYN_JOINT_FIXED, nullptr, {1, 0, 0})};
+  s.parts = parts;
+  refuse(s, DYN_ERROR_INVALID, {"end with a fixed part", "bodies"});
+  parts[1].struct_size = 3;
+  refuse(s, DYN_ERROR_SIZE, {"struct_size is 3"});
+  parts[1] = Spec(nullptr, DYN_JOINT_REVOLUTE).about(0, 0, 0);
+  refuse(s, DYN_ERROR_INVALID, {"joint 'j', part 1", "axis is zero"});
+  s.parts_count = 1001;
+  refuse(s, DYN_ERROR_LIMIT, {"1000 parts"});
+  // itself within itself
+  Spec loop("j", DYN_JOINT_COMPOSITE);
+  loop.parts = &loop, loop.parts_count = 1;
+  refuse(loop, DYN_ERROR_LIMIT, {"16 deep"});
+  // a tree of composites that would have 10^12 leaves
+  std::vector<std::vector<Spec>> levels(5, std::vector<Spec>(1000, Spec(nullptr, DYN_JOINT_REVOLUTE)));
+  for (std::size_t k = 0; k + 1 < levels.size(); ++k)
+    for (Spec& part : levels[k]) part.type = DYN_JOINT_COMPOSITE, part.parts = levels[k + 1].data(), part.parts_count = 1;
+  Spec wide("j", DYN_JOINT_COMPOSITE);
+  wide.parts = levels[0].data(), wide.parts_count = 1000;
+  levels[0][0].parts_count = 1000;
+  refuse(wide, DYN_ERROR_LIMIT, {"1000"});
+}
+
+TEST_F(BuilderTest, Bodies) {
+  for (double bad : {nan, inf, -inf})
+    refuse(DYN_ERROR_NONFINITE, dyn_builder_body(b, "x", "base", nullptr, bad, com0, some_inertia), {"body 'x'", "mass", "finite"});
+  refuse(DYN_ERROR_INVALID, dyn_builder_body(b, "x", "base", nullptr, -0.5, com0, some_inertia), {"body 'x'", "mass is -0.5 kg", "negative"});
+  double com[3] = {0, 0, nan}, inertia[9];
+  refuse(DYN_ERROR_NONFINITE, dyn_builder_body(b, "x", "base", nullptr, 1, com, some_inertia), {"body 'x'", "com[2]"});
+  std::copy(some_inertia, some_inertia + 9, inertia);
+  inertia[8] = inf;
+  refuse(DYN_ERROR_NONFINITE, dyn_builder_body(b, "x", "base", nullptr, 1, com0, inertia), {"body 'x'", "inertia[8]"});
+  inertia[8] = 0.02, inertia[1] = 0.5;
+  refuse(DYN_ERROR_INVALID, dyn_builder_body(b, "x", "base", nullptr, 1, com0, inertia), {"body 'x'", "not symmetric"});
+}
+
+TEST_F(BuilderTest, GravityAndConfigurations) {
+  for (int k = 0; k < 3; ++k) {
+    double g[3] = {};
+    g[k] = k ? nan : inf;
+    refuse(DYN_ERROR_NONFINITE, dyn_builder_gravity(b, g), {"gravity[" + std::to_string(k) + "]"});
+  }
+  const double bad[1] = {nan}, good[1] = {0.1};
+  refuse(DYN_ERROR_NONFINITE, dyn_builder_configuration(b, "c", bad, 1), {"configuration 'c'", "[0]"});
+  EXPECT_EQ(DYN_OK, dyn_builder_configuration(b, "c", good, 1));
+  refuse(DYN_ERROR_NAME, dyn_builder_configuration(b, "c", good, 1), {"configuration 'c'", "choose another"});
+}
+
+// What only the whole can show.
+struct Whole {
+  const char* name;
+  void (*build)(Builder&);
+  dynStatus status;
+  std::vector<std::string> fragments;
+};
+const Whole wholes[] = {
+    {"mimic circle",
+     [](Builder& b) {
+       Spec x("x", DYN_JOINT_REVOLUTE), y("y", DYN_JOINT_REVOLUTE);
+       x.mimic = "y", y.mimic = "x";
+       b.joint(x).joint(y).body("bx", "x").body("by", "y");
+     },
+     DYN_ERROR_INVALID,
+     {"mimic goes round in a circle", "must move by itself"}},
+    {"mimic of nobody",
+     [](Builder& b) {
+       Spec x("x", DYN_JOINT_REVOLUTE);
+       x.mimic = "nobody";
+       b.joint(x).body("bx", "x");
+     },
+     DYN_ERROR_NAME,
+     {"joint 'x'", "mimics 'nobody'", "no moving joint"}},
+    {"mimic of a fixed joint",
+     [](Builder& b) {
+       Spec x("x", DYN_JOINT_REVOLUTE);
+       x.mimic = "weld";
+       b.joint(Spec("weld", DYN_JOINT_FIXED)).joint(x).body("bx", "x");
+     },
+     DYN_ERROR_NAME,
+     {"joint 'x'", "'weld'", "no moving joint"}},
+    {"mimic of many coordinates",
+     [](Builder& b) {
+       Spec x("x", DYN_JOINT_REVOLUTE);
+       x.mimic = "ball";
+       b.joint(Spec("ball", DYN_JOINT_SPHERICAL)).joint(x).body("bx", "x").body("bb", "ball");
+     },
+     DYN_ERROR_INVALID,
+     {"joint 'x'", "'ball'", "more than one coordinate"}},
+    {"nothing resists",
+     [](Builder& b) { b.joint(Spec("x", DYN_JOINT_REVOLUTE)).body("bx", "x", 0, {0, 0, 0}, no_inertia); },
+     DYN_ERROR_INVALID,
+     {"joint 'x'", "nothing resists it", "'bx'", "armature"}},
+    {"no body",
+     [](Builder& b) { b.joint(Spec("x", DYN_JOINT_PRISMATIC)); },
+     DYN_ERROR_INVALID,
+     {"joint 'x'", "nothing resists it", "no link"}},
+    {"negative moment",
+     [](Builder& b) {
+       static constexpr double odd[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
+       b.joint(Spec("x", DYN_JOINT_REVOLUTE)).body("bx", "x", 1, {0, 0, 0}, odd);
+     },
+     DYN_ERROR_INVALID,
+     {"joint 'x'", "'bx'", "negative principal moment"}},
+    {"configuration of a wrong size",
+     [](Builder& b) {
+       static constexpr double q[2] = {};
+       b.joint(Spec("x", DYN_JOINT_REVOLUTE)).body("bx", "x");
+       EXPECT_EQ(DYN_OK, dyn_builder_configuration(b, "c", q, 2));
+     },
+     DYN_ERROR_SIZE,
+     {"configuration 'c' has 2 numbers", "nq = 1"}},
+};
+TEST(BuilderFinish, Refusals) {
+  for (const Whole& w : wholes) {
+    Builder b;
+    w.build(b);
+    dynModel* m = nullptr;
+    EXPECT_EQ(w.status, dyn_builder_finish(b, &m)) << w.name;
+    EXPECT_TRUE(says(w.fragments)) << w.name;
+    EXPECT_EQ(nullptr, m) << w.name;
+  }
+}
+
+TEST(BuilderFinish, AgainAndFurther) {
+  Builder b;
+  b.joint(Spec("x", DYN_JOINT_REVOLUTE));
+  dynModel* none = nullptr;
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_finish(b, &none));
+  b.body("bx", "x");  // remedied
+  const Model first = b.finish();
+  b.joint(Spec("y", DYN_JOINT_REVOLUTE, "x")).body("by", "y");
+  const Model second = b.finish(), third = b.finish();
+  EXPECT_EQ(1, first.nv());
+  EXPECT_EQ(2, second.nv());
+  Data d(second);
+  EXPECT_EQ(DYN_ERROR_MODEL, dyn_crba(third, d, nullptr, nullptr));  // alike is not the same
+}
+
+TEST(BuilderFinish, NothingAtAll) {
+  Builder b(nullptr);
+  const Model m = b.finish();
+  EXPECT_STREQ("", dyn_model_name(m));
+  EXPECT_TRUE(m.nq() == 0 && m.nv() == 0 && m.njoints() == 1 && m.nframes() == 1 && dyn_nbodies(m) == 0 && dyn_total_mass(m) == 0);
+  Data d(m);
+  compute_all(m, d, State{{0}, {0}, {0}, {0}, Numbers(6, 0.0)});
+  double com[3] = {1, 1, 1}, X[12], x[1] = {7};
+  EXPECT_EQ(DYN_OK, dyn_center_of_mass(m, d, nullptr, nullptr, nullptr, com, nullptr, nullptr));
+  EXPECT_TRUE(com[0] == 0 && com[1] == 0 && com[2] == 0);
+  EXPECT_EQ(DYN_OK, dyn_frame_placement(m, d, 0, X));
+  EXPECT_EQ(DYN_OK, dyn_solve(m, d, x, 1, x));
+  EXPECT_EQ(7, x[0]);
+  EXPECT_EQ(DYN_OK, dyn_step(m, d, DYN_RK4, 0.1));
+  EXPECT_EQ(0.1, field(m, d, "time")[0]);
+}
+
+// Figures whose products overflow make no model.
+TEST(BuilderFinish, Huge) {
+  auto expect = [](Builder& b, const char* what) {
+    dynModel* m = nullptr;
+    const dynStatus s = dyn_builder_finish(b, &m);
+    const Model owner(m);
+    if (s != DYN_OK) {
+      EXPECT_TRUE(s == DYN_ERROR_INVALID || s == DYN_ERROR_NUMERIC || s == DYN_ERROR_NONFINITE) << what << ": " << dyn_last_error();
+      return;
+    }
+    EXPECT_TRUE(std::isfinite(dyn_total_mass(owner))) << what;
+    for (dynModelArray which : {DYN_ARMATURE, DYN_DAMPING, DYN_FRICTION})
+      for (int k = 0; k < owner.nv(); ++k) EXPECT_FALSE(std::isnan(dyn_model_array(owner, which)[k])) << what;
+  };
+  {
+    Builder b;
+    Spec s("x", DYN_JOINT_REVOLUTE);
+    s.rotor_inertia = 1e200, s.gear_ratio = 1e200;
+    if (dyn_builder_joint(b, &s) == DYN_OK) expect(b.body("bx", "x"), "rotor");
+  }
+  {
+    Builder b;
+    b.joint(Spec("x", DYN_JOINT_REVOLUTE)).body("b1", "x", 1.5e308).body("b2", "x", 1.5e308);
+    dynModel* m = nullptr;
+    const dynStatus s = dyn_builder_finish(b, &m);
+    dyn_model_free(m);
+    EXPECT_TRUE(s == DYN_OK || s == DYN_ERROR_INVALID || s == DYN_ERROR_NUMERIC) << dyn_last_error();
+  }
+}
+
+}  // namespace
+}  // namespace dyn_test
