@@ -224,9 +224,19 @@ dynStatus dyn_center_of_mass_jacobian(const dynModel* model, dynData* data, cons
   return DYN_OK;
 }
 
+// A subtree has no mass, or one that can be divided by.
+static bool weighable(Call& call, int joint) {
+  const double mass = call.d().msub[call.m().joints()[joint].first_body];
+  if (mass > 0 && !std::isfinite(1 / mass))
+    call.status = fail(DYN_ERROR_NUMERIC, "%s: the subtree of joint '%s' has a mass of %g kg: too small for double precision", call.function,
+                       call.m().string(call.m().joints()[joint].name), mass);
+  return call.status == DYN_OK;
+}
+
 dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* data, int joint, double com[3], double* mass) {
   Call call(model, data, DYN_PART_COM, "dyn_subtree_center_of_mass");
   if (!call || !call.joint(joint) || !call.fresh(Stage::Com, "the centre of mass", "dyn_center_of_mass")) return call.status;
+  if (!weighable(call, joint)) return call.status;
   const Data<double>& d = call.d();
   const Index body = call.m().joints()[joint].first_body;
   const double total = d.msub[body];
@@ -239,8 +249,8 @@ dynStatus dyn_subtree_center_of_mass_jacobian(const dynModel* model, dynData* da
   Call call(model, data, DYN_PART_COM, "dyn_subtree_center_of_mass_jacobian");
   if (!call || !call.joint(joint) || !call.required("J", J) || !call.fresh(Stage::Com, "the centre of mass", "dyn_center_of_mass"))
     return call.status;
-  center_of_mass_jacobian(call.m(), call.d(), call.m().joints()[joint].first_body, J);
-  return DYN_OK;
+  if (weighable(call, joint)) center_of_mass_jacobian(call.m(), call.d(), call.m().joints()[joint].first_body, J);
+  return call.status;
 }
 
 dynStatus dyn_rnea(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext, double* tau) {

@@ -45,7 +45,7 @@ struct Check {
     if (status != DYN_OK) return *this;
     bool large = false;
     for (const auto& [x, n] : given)
-      for (Index k = 0; k < n; ++k) large |= std::abs(x[k]) > 1e100;
+      for (Index k = 0; k < n; ++k) large |= std::abs(x[k]) > 1e50;
     if (!large) return *this;
     for_each_leader(*m, [&]<class J>(const Body& b) {
       double result[72] = {};

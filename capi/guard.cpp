@@ -170,13 +170,24 @@ bool Call::inputs(const double* q, const double* v, const double* a, const doubl
   Data<double>& x = d();
   was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
   double* backup = x.backup;
+  // what was replaced, and where it is kept: an input may be an array of the data itself
+  struct {
+    const double *to, *end, *kept;
+  } replaced[input_count];
+  int count = 0;
   auto set = [&](Input which, const double* from, double* to, Index n) {
+    for (int k = 0; k < count; ++k)
+      if (from >= replaced[k].to && from < replaced[k].end) {
+        from = replaced[k].kept + (from - replaced[k].to);
+        break;
+      }
     if (from && from != to && __builtin_memcmp(from, to, std::size_t(n) * sizeof(double)) != 0) {
       __builtin_memcpy(backup, to, std::size_t(n) * sizeof(double));
       __builtin_memcpy(to, from, std::size_t(n) * sizeof(double));
       before[which] = x.version[which];
       x.version[which] = ++handle->counter;
       changed |= 1u << which;
+      replaced[count++] = {to, to + n, backup};
     }
     backup += n;
   };

@@ -1,4 +1,5 @@
 // Models: loading, sizes, names, and what they say of themselves.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -65,10 +66,23 @@ bool holds(const char* b, const char* a) {
   return !*a;
 }
 
-// the same letters but for case, or one (of at least three letters) within the other
-bool similar(const char* a, const char* b) {
-  const std::size_t na = std::strlen(a), nb = std::strlen(b);
-  return na == nb ? holds(b, a) : (na > 2 && holds(b, a)) || (nb > 2 && holds(a, b));
+// The same but for case, one (of at least three letters) within the other, or at most two edits apart (Levenshtein 1966).
+bool similar(const char* x, const char* y) {
+  const std::size_t nx = std::strlen(x), ny = std::strlen(y);
+  if (nx == ny ? holds(y, x) : (nx > 2 && holds(y, x)) || (ny > 2 && holds(x, y))) return true;
+  if (nx > 64 || ny > 64 || nx < 4) return false;
+  std::size_t row[65];
+  for (std::size_t j = 0; j <= ny; ++j) row[j] = j;
+  for (std::size_t i = 1; i <= nx; ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= ny; ++j) {
+      const std::size_t change = diagonal + (lower(x[i - 1]) != lower(y[j - 1]));
+      diagonal = row[j];
+      row[j] = std::min({change, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[ny] <= 2;
 }
 
 // An error that names up to three near misses. No heap.

@@ -15,31 +15,21 @@ std::string number(double x) {
 }
 
 int joint_nq(dynJointType type) {
-  switch (type) {
-    case DYN_JOINT_REVOLUTE: case DYN_JOINT_CONTINUOUS: case DYN_JOINT_PRISMATIC: case DYN_JOINT_HELICAL: return 1;
-    case DYN_JOINT_CYLINDRICAL: case DYN_JOINT_UNIVERSAL: case DYN_JOINT_REVOLUTE_UNBOUNDED: return 2;
-    case DYN_JOINT_SPHERICAL_ZYX: case DYN_JOINT_PLANAR: case DYN_JOINT_TRANSLATION: return 3;
-    case DYN_JOINT_SPHERICAL: return 4;
-    case DYN_JOINT_FREE_FLYER: return 7;
-    case DYN_JOINT_FIXED: case DYN_JOINT_COMPOSITE: break;
-  }
-  return 0;
+  int n = 0;
+  visit_kind(type, [&]<class K>() { n = K::nq; });
+  return n;
 }
 
 int joint_nv(dynJointType type) {
-  switch (type) {
-    case DYN_JOINT_REVOLUTE_UNBOUNDED: return 1;
-    case DYN_JOINT_SPHERICAL: return 3;
-    case DYN_JOINT_FREE_FLYER: return 6;
-    default: return joint_nq(type);
-  }
+  int n = 0;
+  visit_kind(type, [&]<class K>() { n = K::nv; });
+  return n;
 }
 
 const char* joint_type_name(dynJointType type) {
-  static constexpr const char* names[] = {"fixed", "revolute", "continuous", "prismatic", "helical", "cylindrical", "universal",
-                                          "spherical", "spherical_zyx", "planar", "translation", "free_flyer", "composite",
-                                          "revolute_unbounded"};
-  return type >= 0 && std::size_t(type) < std::size(names) ? names[type] : "unknown";
+  const char* name = type == DYN_JOINT_FIXED ? "fixed" : type == DYN_JOINT_COMPOSITE ? "composite" : "unknown";
+  visit_kind(type, [&]<class K>() { name = K::name; });
+  return name;
 }
 
 // A rotation that takes z to the unit vector a, by the smallest angle; about x when a = -z.
@@ -121,16 +111,23 @@ void append_elements(const std::string& where, const JointSpec& s, const SE3<dou
       refuse(DYN_ERROR_INVALID, where + ": a composite joint can't end with a fixed part: put its placement on the bodies");
     return;
   }
-  const bool needs_axis2 = s.type == DYN_JOINT_UNIVERSAL;
+  bool needs_axis2 = false;
+  visit_kind(s.type, [&]<class K>() { needs_axis2 = K::needs_axis2; });
   const Axis axis = check_axis(where + ": axis", s.axis);
   const Axis axis2 = needs_axis2 ? check_axis(where + ": axis2", s.axis2) : Axis{1, 0, 0};
   if (needs_axis2 && std::abs(axis[0] * axis2[0] + axis[1] * axis2[1] + axis[2] * axis2[2]) > 1 - 1e-12)
     refuse(DYN_ERROR_INVALID, where + ": axis and axis2 are parallel: a universal joint needs two directions");
   if (!std::isfinite(s.pitch)) refuse(DYN_ERROR_NONFINITE, where + ": pitch is " + number(s.pitch) + ": give metres per radian");
   const Mat3<double> Z = z_to(axis);
-  const auto elements = chain_elements(s.type, axis, axis2, column(Z, 0), column(Z, 1), s.pitch);
-  if (elements.empty()) refuse(DYN_ERROR_ARGUMENT, where + ": unknown joint type " + std::to_string(int(s.type)));
-  for (std::size_t k = 0; k < elements.size(); ++k) out.push_back({k == 0 ? before : SE3<double>::identity(), elements[k]});
+  const JointGeometry geometry = {axis, axis2, column(Z, 0), column(Z, 1), s.pitch};
+  Elements elements{};
+  visit_kind(s.type, [&]<class K>() { elements = K::elements(geometry); });
+  if (elements.count == 0) refuse(DYN_ERROR_ARGUMENT, where + ": unknown joint type " + std::to_string(int(s.type)));
+  SE3<double> first = before;
+  for (const Element& element : elements) {
+    out.push_back({first, element});
+    first = SE3<double>::identity();
+  }
 }
 
 }  // namespace

@@ -140,20 +140,23 @@ void elimination_tree(const Model& m, std::vector<Index>& parent) {
     }
     return;
   }
+  // It is enough to join each degree of freedom with what carries it, up to the first that is no follower: elimination
+  // fills in the rest.
   std::vector<std::vector<Index>> row(static_cast<std::size_t>(nv));  // columns j < i of each row
+  auto join = [&](Index a, Index b) {
+    if (a != b) row[std::size_t(std::max(a, b))].push_back(std::min(a, b));
+  };
   for (Index i = 1; i < m.n.bodies; ++i) {
-    const Index end = i + 1 < m.n.bodies ? bodies[i + 1].idx_v : m.n.nvx;
-    for (Index k = bodies[i].idx_v; k < end; ++k) {
-      const Index a = bodies[i].user_v + (k - bodies[i].idx_v);
-      for (Index s = i; s != 0; s = bodies[s].parent) {
-        const Index send = s + 1 < m.n.bodies ? bodies[s + 1].idx_v : m.n.nvx;
-        for (Index x = bodies[s].idx_v; x < send; ++x) {
-          const Index b = bodies[s].user_v + (x - bodies[s].idx_v);
-          if (a != b) row[std::size_t(std::max(a, b))].push_back(std::min(a, b));
-        }
-      }
+    const Body& b = bodies[i];
+    const Index nvb = first_dof(m, i + 1) - b.idx_v;
+    for (Index k = 1; k < nvb; ++k) join(b.user_v + k, b.user_v + k - 1);
+    for (Index s = b.parent; s != 0; s = bodies[s].parent) {
+      for (Index k = 0; k < nvb; ++k)
+        for (Index x = 0; x < first_dof(m, s + 1) - bodies[s].idx_v; ++x) join(b.user_v + k, bodies[s].user_v + x);
+      if (!bodies[s].follower) break;
     }
   }
+  std::size_t filled = 0;
   for (Index i = nv - 1; i >= 0; --i) {
     auto& r = row[std::size_t(i)];
     std::sort(r.begin(), r.end());
@@ -162,6 +165,8 @@ void elimination_tree(const Model& m, std::vector<Index>& parent) {
     parent[std::size_t(i)] = r.back();
     auto& up = row[std::size_t(r.back())];
     up.insert(up.end(), r.begin(), r.end() - 1);
+    if ((filled += r.size()) > 100000000) throw Error(DYN_ERROR_LIMIT, "the model has too many mimic joints for its depth: M has no sparse factor");
+    std::vector<Index>().swap(r);
   }
 }
 

@@ -6,8 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "dyn/joint/chain.hpp"
-#include "dyn/joint/list.hpp"
+#include "dyn/joint/kinds.hpp"
 #include "dyn/model/builder.hpp"
 #include "dyn/model/model.hpp"
 

@@ -27,7 +27,7 @@ TEST(Fields, TableIsSound) {
     EXPECT_GT(std::strlen(info.sentence), 0u) << info.name;
     EXPECT_GT(std::strlen(info.unit), 0u) << info.name;
     EXPECT_EQ(0u, info.part & ~dynParts(DYN_PART_ALL)) << info.name;
-    if (std::strlen(info.producer)) EXPECT_EQ(info.producer, std::string(call_row(info.producer).name));
+    if (std::strlen(info.producer)) call_row(info.producer);  // is a call
   }
   for (const char* name : {"q", "v", "a", "tau_applied", "time", "placements", "J", "dJ", "com", "vcom", "acom", "Jcom", "tau", "nle", "g",
                            "static_torque", "ddq", "M", "Minv", "coriolis", "kinetic", "potential", "mechanical"})
@@ -115,7 +115,6 @@ TEST(Freshness, StaleFreshStale) {
     EXPECT_TRUE(same_bits(first, field(m, d, info.name))) << who;
 
     // v, a and tau matter to what depends on them, and to nothing else
-    const std::string inputs = std::string(info.name) == "mechanical" ? "q, v" : "";
     const std::set<std::string> of_v = {"dJ", "vcom", "acom", "tau", "nle", "ddq", "coriolis", "kinetic", "mechanical"}, of_a = {"acom", "tau"},
                                 of_tau = {"ddq"};
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, t.tau.data()));

@@ -34,7 +34,6 @@ Robot::Robot(const RobotOptions& options) {
   load.package_dirs_count = folders.size();
   dynModel* model = nullptr;
   const dynStatus status = dyn_model_load(options.file.c_str(), &load, &model);
-  if (status == DYN_ERROR_BASE) fail(std::string(dyn_last_error()) + " On the command line: --fixed or --floating.");
   check(status);
   handle.reset(model);
   nq = dyn_nq(model);

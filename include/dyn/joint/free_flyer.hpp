@@ -105,4 +105,17 @@ struct FreeFlyer : Joint<FreeFlyer> {
   }
 };
 
+namespace kind {
+
+struct FreeFlyer : Kind<FreeFlyer> {
+  static constexpr dynJointType type = DYN_JOINT_FREE_FLYER;
+  static constexpr const char* name = "free_flyer";
+  static constexpr int nq = 7, nv = 6;
+  static Elements elements(const JointGeometry&) {
+    return chain(Element{BodyType::FreeFlyer, z_axis});
+  }
+};
+
+}  // namespace kind
+
 }  // namespace dyn

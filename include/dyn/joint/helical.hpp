@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dyn/joint/joint.hpp"
+#include "dyn/joint/kind.hpp"
 
 namespace dyn {
 
@@ -32,5 +33,18 @@ struct Helical : Joint<Helical> {
     tau[0] = dot(column(b, R, 0), f);
   }
 };
+
+namespace kind {
+
+struct Helical : Kind<Helical> {
+  static constexpr dynJointType type = DYN_JOINT_HELICAL;
+  static constexpr const char* name = "helical";
+  static constexpr int nq = 1, nv = 1;
+  static Elements elements(const JointGeometry& g) {
+    return chain(Element{BodyType::Helical, g.axis, g.pitch});
+  }
+};
+
+}  // namespace kind
 
 }  // namespace dyn

@@ -1,5 +1,5 @@
 // The joint contract. A primitive joint is one moving body and the way it moves; every other joint is a chain of
-// primitives with massless bodies between them (chain.hpp). Each is one file; list.hpp names them all.
+// primitives with massless bodies between them (kind.hpp). Each is one file; list.hpp names the primitives.
 //
 // A primitive J derives from Joint<J> and gives, as static members,
 //   nq, nv            sizes of its coordinates

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dyn/joint/joint.hpp"
+#include "dyn/joint/kind.hpp"
 
 namespace dyn {
 
@@ -30,5 +31,18 @@ struct Prismatic : Joint<Prismatic> {
     tau[0] = dot(R.z, f.linear);
   }
 };
+
+namespace kind {
+
+struct Prismatic : Kind<Prismatic> {
+  static constexpr dynJointType type = DYN_JOINT_PRISMATIC;
+  static constexpr const char* name = "prismatic";
+  static constexpr int nq = 1, nv = 1;
+  static Elements elements(const JointGeometry& g) {
+    return chain(Element{BodyType::Prismatic, g.axis});
+  }
+};
+
+}  // namespace kind
 
 }  // namespace dyn

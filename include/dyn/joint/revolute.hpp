@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dyn/joint/joint.hpp"
+#include "dyn/joint/kind.hpp"
 
 namespace dyn {
 
@@ -42,5 +43,18 @@ struct Revolute : Joint<Revolute> {
     }
   }
 };
+
+namespace kind {
+
+struct Revolute : Kind<Revolute> {
+  static constexpr dynJointType type = DYN_JOINT_REVOLUTE;
+  static constexpr const char* name = "revolute";
+  static constexpr int nq = 1, nv = 1;
+  static Elements elements(const JointGeometry& g) {
+    return chain(Element{BodyType::Revolute, g.axis});
+  }
+};
+
+}  // namespace kind
 
 }  // namespace dyn

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dyn/joint/joint.hpp"
+#include "dyn/joint/kind.hpp"
 
 namespace dyn {
 
@@ -82,5 +83,18 @@ struct RevoluteUnbounded : Joint<RevoluteUnbounded> {
     q[0] = std::cos(angle), q[1] = std::sin(angle);
   }
 };
+
+namespace kind {
+
+struct RevoluteUnbounded : Kind<RevoluteUnbounded> {
+  static constexpr dynJointType type = DYN_JOINT_REVOLUTE_UNBOUNDED;
+  static constexpr const char* name = "revolute_unbounded";
+  static constexpr int nq = 2, nv = 1;
+  static Elements elements(const JointGeometry& g) {
+    return chain(Element{BodyType::RevoluteUnbounded, g.axis});
+  }
+};
+
+}  // namespace kind
 
 }  // namespace dyn

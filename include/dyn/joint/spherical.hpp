@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dyn/joint/joint.hpp"
+#include "dyn/joint/kind.hpp"
 
 namespace dyn {
 
@@ -84,5 +85,18 @@ struct Spherical : Joint<Spherical> {
     store3(Jlog3(load3(u)) * load3(v), du);
   }
 };
+
+namespace kind {
+
+struct Spherical : Kind<Spherical> {
+  static constexpr dynJointType type = DYN_JOINT_SPHERICAL;
+  static constexpr const char* name = "spherical";
+  static constexpr int nq = 4, nv = 3;
+  static Elements elements(const JointGeometry&) {
+    return chain(Element{BodyType::Spherical, z_axis});
+  }
+};
+
+}  // namespace kind
 
 }  // namespace dyn

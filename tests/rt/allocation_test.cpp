@@ -1,0 +1,250 @@
+// Tests that after creation nothing allocates, locks, or makes a system call: every entry point on an arm, a quadruped, a humanoid,
+// a gripper with mimic joints, and a robot of all joint types; results and errors alike.
+#include <dlfcn.h>
+#include <pthread.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <linux/seccomp.h>
+
+#include <functional>
+
+#include "capi/calls.hpp"
+
+// ---------------------------------------------------------------------------------------------------- what is counted
+// These definitions come before those of libc for the library, too. (Sanitizers bring their own.)
+namespace {
+thread_local long allocations, locks;
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#pragma GCC visibility push(default)
+extern "C" {
+void* __libc_malloc(size_t);
+void* __libc_calloc(size_t, size_t);
+void* __libc_realloc(void*, size_t);
+void* __libc_memalign(size_t, size_t);
+void __libc_free(void*);
+
+void* malloc(size_t n) { return ++allocations, __libc_malloc(n); }
+void* calloc(size_t n, size_t size) { return ++allocations, __libc_calloc(n, size); }
+void* realloc(void* p, size_t n) { return ++allocations, __libc_realloc(p, n); }
+void* memalign(size_t alignment, size_t n) { return ++allocations, __libc_memalign(alignment, n); }
+void* aligned_alloc(size_t alignment, size_t n) { return ++allocations, __libc_memalign(alignment, n); }
+int posix_memalign(void** p, size_t alignment, size_t n) {
+  ++allocations;
+  *p = __libc_memalign(alignment, n);
+  return *p ? 0 : 12;
+}
+void free(void* p) {
+  if (p) ++allocations;
+  __libc_free(p);
+}
+
+using Lock = int (*)(pthread_mutex_t*);
+int pthread_mutex_lock(pthread_mutex_t* m) {
+  static const Lock real = reinterpret_cast<Lock>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
+  return ++locks, real(m);
+}
+}
+#pragma GCC visibility pop
+#endif
+
+namespace dyn_test {
+namespace {
+
+struct Robot {
+  const char* name;
+  Model m;
+};
+std::vector<Robot> robots() {
+  std::vector<Robot> all;
+  all.push_back({"panda", robot("panda")});
+  all.push_back({"go2", robot("go2", DYN_BASE_FLOATING)});
+  all.push_back({"humanoid", robot("humanoid", DYN_BASE_FLOATING)});
+  all.push_back({"gripper", robot("gripper")});
+  all.push_back({"all types", all_types()});
+  all.push_back({"all types without mimic", all_types(false)});
+  all.push_back({"singular", singular_at_zero()});
+  all.push_back({"singular with mimic", singular_at_zero(true)});
+  return all;
+}
+
+// A call with its name, ready to be made any number of times.
+struct Ready {
+  std::string name;
+  std::function<void()> call;
+};
+
+// All that may be asked of a model and a data once they exist. Everything that the calls point to lives in Work.
+struct Work {
+  const Model& m;
+  Data d, foreign_data;
+  State s, odd;
+  std::vector<std::unique_ptr<Prepared>> prepared;
+  std::vector<unsigned char> memory;
+  Numbers x, y, J1, J2;
+  std::vector<const char*> names;
+  std::vector<std::int32_t> ids;
+  std::string long_name = std::string(3000, 'n');
+  std::vector<Ready> calls;
+
+  explicit Work(const Model& model)
+      : m(model), d(m), foreign_data(m), s(random_state(m, 1)), odd(random_state(m, 2)), memory(dyn_data_size(m, 0)), x(s.q), y(random_state(m, 3).q),
+        J1(std::size_t(m.nv() * m.nv()) + 12), J2(J1) {
+    for (int j = 1; j < m.njoints(); ++j) names.push_back(dyn_joint_name(m, j));
+    names.push_back(dyn_joint_name(m, 1));
+    ids.resize(names.size());
+    for (double& e : odd.v) e = 1e200;
+    functions_of_data();
+    functions_of_a_model();
+  }
+
+  void add(std::string name, std::function<void()> f) { calls.push_back({std::move(name), std::move(f)}); }
+  Prepared& prepare(const CallRow& row, const State& state) {
+    prepared.push_back(std::make_unique<Prepared>(row, m, state));
+    return *prepared.back();
+  }
+  void call(const std::string& what, Prepared& p) {
+    add(std::string(p.row.name) + what, [this, &p] { p(m, d); });
+  }
+
+  void functions_of_data() {
+    for (const CallRow& row : call_rows) {
+      call("", prepare(row, s));
+      for (dynReference r : {DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED})
+        if (row.uses & uses_reference) prepare(row, s).x.reference = r, call(" in another reference", *prepared.back());
+    }
+    prepare(call_row("dyn_step"), s).x.integrator = DYN_RK4, call(" RK4", *prepared.back());
+    // errors
+    for (const CallRow& row : call_rows) {
+      Prepared& p = prepare(row, s);
+      add(std::string(row.name) + " without data", [this, &p] { p(m, nullptr); });
+      add(std::string(row.name) + " without model", [this, &p] { p(nullptr, d); });
+      if (row.uses & uses_q) prepare(row, s).s.q[0] = nan, call(" NaN", *prepared.back());
+      if (row.uses & uses_v) call(" overflow", prepare(row, odd));
+      if (row.uses & uses_q) {
+        Prepared& zero = prepare(row, s);
+        std::fill(zero.s.q.begin(), zero.s.q.end(), 0.0);
+        call(" zero", zero);  // a zero quaternion, or a singular configuration
+      }
+      if (row.uses & uses_frame) prepare(row, s).x.frame = -1, call(" no frame", *prepared.back());
+      if (row.uses & uses_joint) prepare(row, s).x.joint = 1 << 20, call(" no joint", *prepared.back());
+    }
+    prepare(call_row("dyn_step"), s).x.dt = 1e300, call(" too far", *prepared.back());
+    prepare(call_row("dyn_all_terms"), s).x.mask = ~0u, call(" mask", *prepared.back());
+  }
+
+  void functions_of_a_model() {
+    add("sizes", [this] {
+      dyn_nq(m), dyn_nv(m), dyn_njoints(m), dyn_nframes(m), dyn_nbodies(m), dyn_model_size(m), dyn_total_mass(m), dyn_report_count(m), dyn_nshapes(m);
+      dyn_nconfigurations(m), dyn_nfields(), dyn_data_size(m, 0), dyn_model_name(m), dyn_version(), dyn_build_info(), dyn_last_error();
+      dyn_status_name(DYN_OK), dyn_data_size(m, ~0u), dyn_nq(nullptr);
+    });
+    add("infos", [this] {
+      dynJointInfo joint{};
+      dynFrameInfo frame{};
+      dynShapeInfo shape{};
+      dynReportEntry entry{};
+      dynFieldInfo field{};
+      joint.struct_size = sizeof joint, frame.struct_size = sizeof frame, shape.struct_size = sizeof shape;
+      entry.struct_size = sizeof entry, field.struct_size = sizeof field;
+      for (int k = -1; k <= m.nframes(); ++k) {
+        dyn_joint_info(m, k, &joint), dyn_frame_info(m, k, &frame), dyn_shape_info(m, k, &shape), dyn_report_entry(m, k, &entry);
+        dyn_field_info(k, &field), dyn_joint_name(m, k), dyn_frame_name(m, k), dyn_configuration_name(m, k);
+      }
+      for (int which = -1; which <= 8; ++which) dyn_model_array(m, dynModelArray(which < 0 ? 8 : which));
+    });
+    add("names", [this] {
+      for (const char* name : names) dyn_joint_id(m, name), dyn_frame_id(m, name), dyn_frame_id_of_type(m, name, DYN_FRAME_JOINT);
+      dyn_field_id("M");
+    });
+    add("unknown names", [this] {
+      for (const char* name : {"Joint", "free_", "panda_link", "", long_name.c_str()}) {
+        dyn_joint_id(m, name), dyn_frame_id(m, name), dyn_field_id(name), dyn_configuration(m, name, x.data());
+        dyn_frame_id_of_type(m, name, DYN_FRAME_BODY);
+      }
+    });
+    add("permutation", [this] {
+      dyn_q_permutation(m, names.data(), names.size() - 1, ids.data(), ids.data());
+      dyn_q_permutation(m, names.data(), names.size(), ids.data(), ids.data());
+    });
+    add("data in memory", [this] {
+      dynData* placed = nullptr;
+      dyn_data_init(m, 0, memory.data(), memory.size(), &placed);
+      dyn_crba(m, placed, nullptr, nullptr);
+      dyn_data_free(placed), dyn_data_free(placed);
+      dyn_data_init(m, 0, memory.data(), 3, &placed);
+    });
+    add("configurations", [this] {
+      double* out = J1.data();
+      int answer;
+      dyn_neutral(m, out), dyn_random(m, 7, nullptr, nullptr, out), dyn_configuration(m, "neutral", out);
+      dyn_integrate(m, x.data(), s.v.data(), out), dyn_difference(m, x.data(), y.data(), out), dyn_interpolate(m, x.data(), y.data(), 0.3, out);
+      dyn_distance(m, x.data(), y.data(), out), dyn_is_normalized(m, x.data(), 1e-9, &answer), dyn_normalize(m, x.data());
+      dyn_integrate_jacobians(m, x.data(), s.v.data(), J1.data(), J2.data()), dyn_difference_jacobians(m, x.data(), y.data(), J1.data(), J2.data());
+      dyn_integrate(m, x.data(), odd.v.data(), out), dyn_random(nullptr, 1, nullptr, nullptr, out), dyn_distance(m, nullptr, nullptr, out);
+    });
+  }
+};
+
+TEST(Allocations, TheCountersCount) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
+  const Model m = chain(2);
+  const long before = allocations, locks_before = locks;
+  dynData* d = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_data_new(m, 0, &d));  // creation allocates and locks
+  EXPECT_GT(allocations, before);
+  EXPECT_GT(locks, locks_before);
+  const long between = allocations;
+  dyn_data_free(d);
+  EXPECT_GT(allocations, between);
+  dynModel* bad = nullptr;
+  const long third = allocations;
+  dyn_model_load_string("<robot/>", nullptr, &bad);
+  EXPECT_GT(allocations, third);
+}
+
+TEST(Allocations, NoneAfterCreation) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
+  dyn_nq(nullptr);  // the thread's first error
+  std::size_t calls = 0;
+  for (const Robot& r : robots()) {
+    Work work(r.m);
+    for (int round = 0; round < 2; ++round)  // stale at first, fresh then
+      for (const Ready& c : work.calls) {
+        const long before = allocations, locked = locks;
+        c.call();
+        EXPECT_EQ(before, allocations) << r.name << ": " << c.name << " (" << dyn_last_error() << ")";
+        EXPECT_EQ(locked, locks) << r.name << ": " << c.name;
+        ++calls;
+      }
+  }
+  EXPECT_GT(calls, 2000u);
+}
+
+// A process that may only read, write and leave (seccomp's strict mode; the kernel kills it for anything else).
+TEST(SystemCalls, NoneAfterCreation) {
+  if (sanitized) GTEST_SKIP() << "sanitizers make system calls";
+  for (const Robot& r : robots()) {
+    Work work(r.m);
+    dyn_nq(nullptr);
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      if (prctl(PR_SET_SECCOMP, SECCOMP_MODE_STRICT) != 0) _exit(77);
+      for (int round = 0; round < 2; ++round)
+        for (const Ready& c : work.calls) c.call();
+      syscall(SYS_exit, 0);
+    }
+    int status = 0;
+    ASSERT_EQ(child, waitpid(child, &status, 0));
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << "no seccomp here";
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << r.name << ": a system call was made (status " << status << ")";
+  }
+}
+
+}  // namespace
+}  // namespace dyn_test

@@ -1,0 +1,128 @@
+// Tests threads: one model shared by several, each with its own data, gives bit for bit what one thread gives; a data used by two
+// at once is reported in checked builds; models, data and builders are made and freed at the same time.
+#include <atomic>
+#include <thread>
+
+#include "capi/calls.hpp"
+
+namespace dyn_test {
+namespace {
+
+constexpr int thread_count = 4;
+
+template <class F>
+void in_parallel(F f) {
+  std::vector<std::thread> threads;
+  for (int k = 0; k < thread_count; ++k) threads.emplace_back(f, k);
+  for (std::thread& t : threads) t.join();
+}
+
+// FNV-1a over all results of all calls for one state.
+std::uint64_t all_results(const dynModel* m, dynData* d, std::uint64_t seed) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  auto add = [&](const Numbers& x) {
+    for (double e : x) {
+      std::uint64_t bits;
+      std::memcpy(&bits, &e, 8);
+      hash = (hash ^ bits) * 0x100000001b3u;
+    }
+  };
+  const State s = random_state(m, seed);
+  compute_all(m, d, s);
+  for (const CallRow& row : call_rows) {
+    if (std::string(row.name) == "dyn_step") continue;
+    Prepared p(row, m, s);
+    EXPECT_EQ(DYN_OK, p(m, d)) << row.name << ": " << dyn_last_error();
+    for (const Numbers& x : p.results()) add(x);
+  }
+  for (dynIntegrator i : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4}) {
+    const dynStatus status = dyn_step(m, d, i, 1e-3);  // angles about z, y, x may be near their singularity
+    EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_NUMERIC) << dyn_last_error();
+    add(field(m, d, "q")), add(field(m, d, "v"));
+  }
+  Numbers out(s.q.size());
+  EXPECT_EQ(DYN_OK, dyn_integrate(m, s.q.data(), s.v.data(), out.data()));
+  add(out);
+  EXPECT_EQ(-1, dyn_joint_id(m, "nobody"));  // each thread has its own errors
+  EXPECT_TRUE(says({"nobody"}));
+  return hash;
+}
+
+TEST(Threads, BitEqualToOne) {
+  constexpr std::uint64_t states = 1000;
+  for (const Model& m : {all_types(), robot("panda"), robot("go2", DYN_BASE_FLOATING)}) {
+    std::vector<std::uint64_t> alone(states);
+    {
+      Data d(m);
+      for (std::uint64_t k = 0; k < states; ++k) alone[k] = all_results(m, d, k);
+    }
+    std::vector<std::vector<std::uint64_t>> together(thread_count, std::vector<std::uint64_t>(states));
+    in_parallel([&](int thread) {
+      Data d(m);
+      // each in another order
+      for (std::uint64_t k = 0; k < states; ++k) {
+        const std::uint64_t seed = (k * 7 + std::uint64_t(thread) * 251) % states;
+        together[std::size_t(thread)][seed] = all_results(m, d, seed);
+      }
+    });
+    for (const auto& results : together) EXPECT_EQ(alone, results) << dyn_model_name(m);
+  }
+}
+
+// One thread works, another looks at the same data: DYN_ERROR_BUSY in checked builds, for one or the other.
+TEST(Threads, DataOfTwo) {
+  const Model m = chain(sanitized ? 150 : 400);
+  Data d(m, DYN_PART_MASS);
+  const State s = random_state(m, 1), t = random_state(m, 2);
+  const dynField q = dyn_field_id("q");
+  std::atomic<bool> done{false};
+  std::atomic<int> busy{0}, other{0};
+  std::string message;
+  auto note = [&](dynStatus status) {
+    if (status == DYN_ERROR_BUSY) ++busy;
+    else if (status != DYN_OK) ++other;
+  };
+  std::thread worker([&] {
+    for (int k = 0; k < 2000 && (!busy || k < 50); ++k) note(dyn_crba(m, d, (k % 2 ? s : t).q.data(), nullptr));
+    done = true;
+  });
+  while (!done) {
+    dynArray a = view();
+    const dynStatus status = dyn_data_array(m, d, q, &a);  // reads nothing that the other call writes
+    note(status);
+    if (status == DYN_ERROR_BUSY) message = dyn_last_error();
+  }
+  worker.join();
+  EXPECT_EQ(0, other);
+  if (checked_build()) {
+    EXPECT_GT(busy, 0);
+    EXPECT_TRUE(message.empty() || says({"dyn_data_array", "another thread", "its own"}, message));
+  } else {
+    EXPECT_EQ(0, busy);
+  }
+  // and afterwards it is free again
+  EXPECT_EQ(DYN_OK, dyn_crba(m, d, s.q.data(), nullptr));
+}
+
+TEST(Threads, CreationAndFreeing) {
+  const Model shared = all_types();
+  in_parallel([&](int thread) {
+    for (int k = 0; k < 60; ++k) {
+      const Model mine = k % 3 ? chain(3 + thread) : robot("double_pendulum");
+      Data a(mine), b(shared), c(shared, DYN_PART_INVERSE);
+      std::vector<unsigned char> memory(dyn_data_size(mine, 0));
+      dynData* placed = nullptr;
+      EXPECT_EQ(DYN_OK, dyn_data_init(mine, 0, memory.data(), memory.size(), &placed));
+      EXPECT_EQ(DYN_OK, dyn_crba(mine, a, nullptr, nullptr));
+      EXPECT_EQ(DYN_OK, dyn_gravity(shared, c, nullptr, nullptr));
+      EXPECT_EQ(DYN_ERROR_MODEL, dyn_crba(mine, b, nullptr, nullptr));
+      dyn_data_free(placed);
+      dynModel* none = nullptr;
+      EXPECT_NE(DYN_OK, dyn_model_load_string("<robot name='r'><link/></robot>", nullptr, &none));
+      EXPECT_GT(std::strlen(dyn_last_error()), 0u);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace dyn_test
