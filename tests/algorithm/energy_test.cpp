@@ -19,8 +19,7 @@ struct Energies {
   Quads total(Quad t, const VectorXd& v, const VectorXd& a) {
     Quads vt;
     for (Eigen::Index k = 0; k < v.size(); ++k) vt.push_back(Quad(v[k]) + t * Quad(a[k]));
-    w.q(on_path(c.m, c.x.q, v, a, t));
-    w.set(w.d.v, input_v, Eigen::Map<const Eigen::Matrix<Quad, Eigen::Dynamic, 1>>(vt.data(), Eigen::Index(vt.size())));
+    w.q(on_path(c.m, c.x.q, v, a, t)).v(vt);
     kinetic_energy(c.m, w.d), potential_energy(c.m, w.d);
     return {w.d.kinetic[0] + w.d.potential[0]};
   }

@@ -38,10 +38,10 @@ Tree geared() {
   return t;
 }
 
-struct Run {
+struct Flight {
   ModelPtr model;
   Work<double> w;
-  explicit Run(const Tree& t) : model(t.build()), w(*model) {
+  explicit Flight(const Tree& t) : model(t.build()), w(*model) {
     const State x(*model, 3);
     w.q(x.q).v(x.v * 2);
   }
@@ -54,7 +54,7 @@ struct Run {
     for (int k = 0; k < steps; ++k) ASSERT_EQ(0, rk4 ? step_rk4(*model, w.d, duration / steps) : step_semi_implicit_euler(*model, w.d, duration / steps));
   }
 };
-double apart(Run& a, Run& b) {
+double apart(Flight& a, Flight& b) {
   VectorXd e(a.model->n.nv);
   difference(*a.model, a.w.d.q, b.w.d.q, e.data());
   return std::max(largest(e), gap(matrix(a.w.d.v, e.size()), matrix(b.w.d.v, e.size())));
@@ -64,7 +64,7 @@ class Steps : public testing::TestWithParam<Tree (*)()> {};
 
 // error(h) / error(h / 2) = 2^order
 double observed_order(Tree (*make)(), bool rk4, int steps) {
-  Run reference(make()), coarse(make()), fine(make());
+  Flight reference(make()), coarse(make()), fine(make());
   const double duration = 0.5;
   reference.advance(true, duration, 4000);
   coarse.advance(rk4, duration, steps);
@@ -81,19 +81,19 @@ TEST_P(Steps, SemiImplicitEulerIsOfOrderOne) { EXPECT_NEAR(1, observed_order(Get
 TEST_P(Steps, RungeKuttaKeepsEnergyToItsOrder) {
   double drift[2];
   for (int k : {0, 1}) {
-    Run run(GetParam()());
-    const double before = run.energy();
-    run.advance(true, 0.5, 250 << k);
-    drift[k] = std::abs(run.energy() - before);
+    Flight flight(GetParam()());
+    const double before = flight.energy();
+    flight.advance(true, 0.5, 250 << k);
+    drift[k] = std::abs(flight.energy() - before);
     EXPECT_LE(drift[k], 1e-6 * (1 + std::abs(before)));
   }
   EXPECT_GE(std::log2(drift[0] / drift[1]), 3.5) << drift[0] << " " << drift[1];
 }
 TEST_P(Steps, OrientationsStayUnit) {
-  Run run(GetParam()());
-  run.advance(true, 1, 300);
-  run.advance(false, 1, 300);
-  EXPECT_LE(norm_error(*run.model, run.w.d.q), 4e-16);
+  Flight flight(GetParam()());
+  flight.advance(true, 1, 300);
+  flight.advance(false, 1, 300);
+  EXPECT_LE(norm_error(*flight.model, flight.w.d.q), 4e-16);
 }
 INSTANTIATE_TEST_SUITE_P(Robots, Steps, testing::Values(free_body, chain, geared), [](const auto& p) {
   return std::string(p.index == 0 ? "FreeBody" : p.index == 1 ? "Chain" : "Mimic");
@@ -102,19 +102,19 @@ INSTANTIATE_TEST_SUITE_P(Robots, Steps, testing::Values(free_body, chain, geared
 TEST(Steps, AFreeBodyKeepsItsMomentum) {
   Tree t = free_body();
   t.gravity.setZero();
-  Run run(t);
+  Flight flight(t);
   auto momentum = [&] {
-    ++run.w.d.version[input_q], ++run.w.d.version[input_v];
-    forward_kinematics<1>(*run.model, run.w.d);
-    const V3 w = eigen(run.w.d.w[1]), u = eigen(run.w.d.u[1]), p = eigen(run.w.d.p[1]);
-    const M3 R = eigen(run.w.d.R[1]);
+    ++flight.w.d.version[input_q], ++flight.w.d.version[input_v];
+    forward_kinematics<1>(*flight.model, flight.w.d);
+    const V3 w = eigen(flight.w.d.w[1]), u = eigen(flight.w.d.u[1]), p = eigen(flight.w.d.p[1]);
+    const M3 R = eigen(flight.w.d.R[1]);
     const V3 c = R * t.bodies[0].com, linear = u + w.cross(c);  // mass 1
     V6 h;
     h << linear, (p + c).cross(linear) + R * t.bodies[0].inertia * R.transpose() * w;
     return h;
   };
   const V6 before = momentum();
-  run.advance(true, 2, 2000);
+  flight.advance(true, 2, 2000);
   EXPECT_LE(gap(momentum(), before), 1e-10);  // the method's error at steps of 1 ms: h^4 = 1e-12 times two seconds of turning
 }
 
@@ -122,11 +122,11 @@ TEST(Steps, FreeFallIsExact) {
   // Runge-Kutta of order 4 solves a parabola to rounding
   Tree t = free_body();
   t.bodies[0].com.setZero();
-  Run run(t);
-  run.w.v(VectorXd::Zero(6));
-  const V3 start(run.w.d.q);
-  run.advance(true, 1, 10);
-  EXPECT_LE(gap(V3(run.w.d.q), start + 0.5 * t.gravity), 1e-14);
+  Flight flight(t);
+  flight.w.v(VectorXd::Zero(6));
+  const V3 start(flight.w.d.q);
+  flight.advance(true, 1, 10);
+  EXPECT_LE(gap(V3(flight.w.d.q), start + 0.5 * t.gravity), 1e-14);
 }
 
 }  // namespace

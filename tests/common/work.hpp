@@ -14,6 +14,15 @@
 
 namespace dyn_test {
 
+// Eigen's expressions evaluated; other things as they are.
+template <class X>
+decltype(auto) plain(const X& x) {
+  if constexpr (requires { x.eval(); })
+    return VectorXd(x);
+  else
+    return (x);
+}
+
 template <class T>
 class Work {
   std::unique_ptr<void, void (*)(void*)> memory;
@@ -30,27 +39,28 @@ class Work {
   // Sets an input (d.q, input_q) from numbers of any kind.
   template <class X>
   void set(T* to, Input input, const X& from) {
-    for (Eigen::Index k = 0; k < from.size(); ++k) to[k] = T(from[k]);
+    std::size_t k = 0;
+    for (const auto& value : from) to[k++] = T(value);
     ++d.version[input];
   }
   template <class X>
   Work& q(const X& x) {
-    set(d.q, input_q, x);
+    set(d.q, input_q, plain(x));
     return *this;
   }
   template <class X>
   Work& v(const X& x) {
-    set(d.v, input_v, x);
+    set(d.v, input_v, plain(x));
     return *this;
   }
   template <class X>
   Work& a(const X& x) {
-    set(d.a, input_a, x);
+    set(d.a, input_a, plain(x));
     return *this;
   }
   template <class X>
   Work& tau(const X& x) {
-    set(d.tau_applied, input_tau, x);
+    set(d.tau_applied, input_tau, plain(x));
     return *this;
   }
 };

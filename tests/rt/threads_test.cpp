@@ -83,7 +83,7 @@ TEST(Threads, DataOfTwo) {
     else if (status != DYN_OK) ++other;
   };
   std::thread worker([&] {
-    for (int k = 0; k < 2000 && (!busy || k < 50); ++k) note(dyn_crba(m, d, (k % 2 ? s : t).q.data(), nullptr));
+    for (int k = 0; k < (checked_build() ? 5000 : 100) && (!busy || k < 50); ++k) note(dyn_crba(m, d, (k % 2 ? s : t).q.data(), nullptr));
     done = true;
   });
   while (!done) {

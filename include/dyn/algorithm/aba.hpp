@@ -35,8 +35,7 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
   place_joints(m, d);
 
   // velocities, velocity-product accelerations c, rigid-body inertias and bias forces
-  Mat3<T> R = d.R[0];
-  forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
+  forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     const Index p = b.parent;
     Vec3<T> r;
@@ -61,10 +60,16 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
   Index singular = 0;
   d.IA[0] = ArticulatedInertia<T>::zero();
   d.f[0] = Force<T>::zero();
-  backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
+  struct Articulated {
+    ArticulatedInertia<T> IA;
+    Force<T> pA;
+  };
+  using UpA = Up<Articulated>;
+  backward(m, UpA{{ArticulatedInertia<T>::zero(), Force<T>::zero()}}, [&]<class J>(Index i, UpA& up) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     ArticulatedInertia<T> IA = d.IA[i];
     Force<T> pA = d.f[i];
+    if (up.chain) IA = IA + up.x.IA, pA = pA + up.x.pA;
     for (int k = 0; k < J::nv; ++k) {
       const Index at = b.idx_v + k;
       const Motion<T> s = J::column(b, d.R[i], k);
@@ -79,18 +84,20 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
       d.ux[at] = u;
     }
     const Index p = b.parent;
+    up.chain = p == i - 1;
     if (p == 0) return;
-    d.IA[p] = d.IA[p] + IA.shifted(d.r[i]);
-    d.f[p] = d.f[p] + shift(pA + IA * d.c[i], d.r[i]);
+    up.x = {IA.shifted(d.r[i]), shift(pA + IA * d.c[i], d.r[i])};
+    if (!up.chain) d.IA[p] = d.IA[p] + up.x.IA, d.f[p] = d.f[p] + up.x.pA;
   });
   if (singular) return singular;
 
   // accelerations, root to leaves
   d.ac[0] = Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2]));
-  forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
+  forward(m, Motion<T>{d.ac[0], d.al[0]}, [&]<class J>(Index i, Motion<T>& a) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     const Index p = b.parent;
-    Motion<T> a = shift(Motion<T>{d.ac[p], d.al[p]}, d.r[i]) + d.c[i];
+    if (p != i - 1) a = {d.ac[p], d.al[p]};
+    a = shift(a, d.r[i]) + d.c[i];
     for (int k = J::nv - 1; k >= 0; --k) {
       const Index at = b.idx_v + k;
       ddq[at] = (d.ux[at] - dot(a, d.U[at])) * d.Dinv[at];

@@ -30,12 +30,10 @@ void crba_shallow(const Model& m, Data<T>& d) {
   };
 
   for (Index i = 1; i < m.n.bodies; ++i) d.Ic[i] = world_inertia(bodies[i], d.R[i]);
-  Inertia<T> up = Inertia<T>::zero();  // what body i + 1 passes to its parent, in registers when that is body i
-  bool chain = false;
-  backward(m, [&]<class J>(Index j) DYN_INLINE_LAMBDA {
+  backward(m, Up<Inertia<T>>{Inertia<T>::zero()}, [&]<class J>(Index j, Up<Inertia<T>>& up) DYN_INLINE_LAMBDA {
     const Body& b = bodies[j];
     Inertia<T> Y = d.Ic[j];
-    if (chain) Y = Y + up;
+    if (up.chain) Y = Y + up.x;
 #pragma GCC unroll 6
     for (int k = 0; k < J::nv; ++k) {
       Force<T> F = momentum<J>(Y, J::column(b, d.R[j], k));
@@ -57,9 +55,9 @@ void crba_shallow(const Model& m, Data<T>& d) {
         }
       }
     }
-    up = Y.shifted(d.r[j]);
-    chain = b.parent == j - 1;
-    if (!chain && b.parent) d.Ic[b.parent] = d.Ic[b.parent] + up;
+    up.x = Y.shifted(d.r[j]);
+    up.chain = b.parent == j - 1;
+    if (!up.chain && b.parent) d.Ic[b.parent] = d.Ic[b.parent] + up.x;
   });
 }
 

@@ -16,12 +16,10 @@ void composite_inertias(const Model& m, Data<T>& d) {
     d.rel[i] = p == 0 ? Vec3<T>::zero() : d.rel[p] + d.r[i];
     d.Ic[i] = world_inertia(m.bodies()[i], d.R[i]);
   }
-  Inertia<T> up = Inertia<T>::zero();  // what body i + 1 passes to its parent, in registers when that is body i
-  bool chain = false;
-  backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
+  backward(m, Up<Inertia<T>>{Inertia<T>::zero()}, [&]<class J>(Index i, Up<Inertia<T>>& up) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     Inertia<T> Y = d.Ic[i];
-    if (chain) Y = Y + up;
+    if (up.chain) Y = Y + up.x;
     for (int k = 0; k < J::nv; ++k) {
       const Index at = b.idx_v + k;
       const Motion<T> s = J::column(b, d.R[i], k);
@@ -30,9 +28,9 @@ void composite_inertias(const Model& m, Data<T>& d) {
       for (int x = 0; x < 3; ++x) lane[4 * x] = F.linear[x], lane[12 + 4 * x] = F.angular[x];
       d.S[at] = J::rotates ? shift(s, -d.rel[i]) : s;
     }
-    up = Y.shifted(d.r[i]);
-    chain = b.parent == i - 1;
-    if (!chain && b.parent) d.Ic[b.parent] = d.Ic[b.parent] + up;
+    up.x = Y.shifted(d.r[i]);
+    up.chain = b.parent == i - 1;
+    if (!up.chain && b.parent) d.Ic[b.parent] = d.Ic[b.parent] + up.x;
   });
 }
 

@@ -15,8 +15,7 @@ void forward_kinematics(const Model& m, Data<T>& d) {
   place_joints(m, d);
   const T* v = level >= 1 ? d.expand(m, d.v, d.vx) : nullptr;
   const T* a = level >= 2 ? d.expand(m, d.a, d.ax) : nullptr;
-  Mat3<T> R = d.R[0];
-  forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
+  forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     const Index p = b.parent;
     Vec3<T> r;

@@ -12,20 +12,49 @@ template <class F>
 DYN_INLINE void forward(const Model& m, F&& f) {
   const Run* runs = m.runs();
   for (Index k = 0; k < m.n.runs; ++k)
-    visit(runs[k].type, [&]<class J>() {
+    visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
       for (Index i = runs[k].first; i < runs[k].last; ++i) f.template operator()<J>(i);
     });
 }
 
-// The same, leaves to root.
+// The same with something carried from body to body: f(index, carry). The copy within a run can stay in registers.
+template <class Carry, class F>
+DYN_INLINE void forward(const Model& m, Carry carry, F&& f) {
+  const Run* runs = m.runs();
+  for (Index k = 0; k < m.n.runs; ++k)
+    visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
+      Carry here = carry;
+      for (Index i = runs[k].first; i < runs[k].last; ++i) f.template operator()<J>(i, here);
+      carry = here;
+    });
+}
+
+// Leaves to root.
 template <class F>
 DYN_INLINE void backward(const Model& m, F&& f) {
   const Run* runs = m.runs();
   for (Index k = m.n.runs - 1; k >= 0; --k)
-    visit(runs[k].type, [&]<class J>() {
+    visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
       for (Index i = runs[k].last - 1; i >= runs[k].first; --i) f.template operator()<J>(i);
     });
 }
+template <class Carry, class F>
+DYN_INLINE void backward(const Model& m, Carry carry, F&& f) {
+  const Run* runs = m.runs();
+  for (Index k = m.n.runs - 1; k >= 0; --k)
+    visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
+      Carry here = carry;
+      for (Index i = runs[k].last - 1; i >= runs[k].first; --i) f.template operator()<J>(i, here);
+      carry = here;
+    });
+}
+
+// What a body passes to its parent: carried to the next body when that is the parent, else added in memory.
+template <class X>
+struct Up {
+  X x;
+  bool chain = false;
+};
 
 // Expanded q, the sines and cosines of its angles, and each body's placement X in its parent: all that does not depend on the
 // other bodies, so that what follows along a chain is one product of matrices.

@@ -26,8 +26,7 @@ void rnea(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* 
   d.ac[0] = Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2]));
   d.f[0] = Force<T>::zero();
 
-  Mat3<T> R = d.R[0];
-  forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
+  forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     const Index p = b.parent;
     Vec3<T> r;
@@ -55,17 +54,15 @@ void rnea(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* 
 
   if (fext) subtract_external(m, d, fext);
 
-  // forces across the joints; up is what body i + 1 passes to its parent, in registers when that is body i
-  Force<T> up = Force<T>::zero();
-  bool chain = false;
-  backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
+  // forces across the joints
+  backward(m, Up<Force<T>>{Force<T>::zero()}, [&]<class J>(Index i, Up<Force<T>>& up) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     Force<T> f = d.f[i];
-    if (chain) f = f + up;
+    if (up.chain) f = f + up.x;
     J::project(b, d.R[i], f, tau + b.idx_v);
-    up = shift(f, d.r[i]);
-    chain = b.parent == i - 1;
-    if (!chain) d.f[b.parent] = d.f[b.parent] + up;
+    up.x = shift(f, d.r[i]);
+    up.chain = b.parent == i - 1;
+    if (!up.chain) d.f[b.parent] = d.f[b.parent] + up.x;
   });
   d.done(Stage::Position);
 }
