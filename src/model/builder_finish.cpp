@@ -406,7 +406,8 @@ ModelPtr Builder::finish() const {
         if (!follower) J::neutral(a.neutral.data() + user_q);
       });
       const Index nq = primitive_nq(b.type), nv = primitive_nv(b.type);
-      for (Index k = 0; k < nv; ++k) a.dof_body.push_back(Index(a.bodies.size()));
+      for (Index k = 0; k < nq; ++k) a.expand_q.push_back(user_q + k), a.ratio_q.push_back(l.ratio), a.offset_q.push_back(l.offset);
+      for (Index k = 0; k < nv; ++k) a.expand_v.push_back(user_v + k), a.ratio_v.push_back(l.ratio);
       n.nqx += nq, n.nvx += nv, user_q += nq, user_v += nv;
       body_parent = Index(a.bodies.size());
       before = rotation_only(transpose(Z));
@@ -436,6 +437,11 @@ ModelPtr Builder::finish() const {
     }
   }
   n.bodies = Index(a.bodies.size());
+  if (mimic) {
+    n.mimic_q = n.nqx, n.mimic_v = n.nvx;
+  } else {
+    a.expand_q.clear(), a.ratio_q.clear(), a.offset_q.clear(), a.expand_v.clear(), a.ratio_v.clear();
+  }
 
   // frames, and the inertia of what they carry
   for (const FrameEntry& f : in.frames) {

@@ -69,32 +69,20 @@ struct Data {
   void drop(Stage s) { valid[std::size_t(s)] = false; }
 
   // Coordinates as the recursions read them: followers of a mimic have their own entries.
-  const T* expand_q(const Model& m) {
+  const T* expand_q(const Model& m) const {
     if (!m.has_mimic) return q;
-    for (Index i = 1; i < m.n.bodies; ++i) {
-      const Body& b = m.bodies()[i];
-      const Index end = i + 1 < m.n.bodies ? m.bodies()[i + 1].idx_q : m.n.nqx;
-      for (Index k = 0; k < end - b.idx_q; ++k) qx[b.idx_q + k] = T(b.ratio) * q[b.user_q + k] + T(b.offset);
-    }
+    for (Index k = 0; k < m.n.nqx; ++k) qx[k] = T(m.ratio_q()[k]) * q[m.expand_q()[k]] + T(m.offset_q()[k]);
     return qx;
   }
   const T* expand(const Model& m, const T* x, T* expanded) const {
     if (!m.has_mimic) return x;
-    for (Index i = 1; i < m.n.bodies; ++i) {
-      const Body& b = m.bodies()[i];
-      const Index end = i + 1 < m.n.bodies ? m.bodies()[i + 1].idx_v : m.n.nvx;
-      for (Index k = 0; k < end - b.idx_v; ++k) expanded[b.idx_v + k] = T(b.ratio) * x[b.user_v + k];
-    }
+    for (Index k = 0; k < m.n.nvx; ++k) expanded[k] = T(m.ratio_v()[k]) * x[m.expand_v()[k]];
     return expanded;
   }
   // the transpose of expand: x_leader += ratio x_follower
   void reduce(const Model& m, const T* expanded, T* x) const {
-    for (Index i = 0; i < m.n.nv; ++i) x[i] = T(0);
-    for (Index i = 1; i < m.n.bodies; ++i) {
-      const Body& b = m.bodies()[i];
-      const Index end = i + 1 < m.n.bodies ? m.bodies()[i + 1].idx_v : m.n.nvx;
-      for (Index k = 0; k < end - b.idx_v; ++k) x[b.user_v + k] += T(b.ratio) * expanded[b.idx_v + k];
-    }
+    for (Index k = 0; k < m.n.nv; ++k) x[k] = T(0);
+    for (Index k = 0; k < m.n.nvx; ++k) x[m.expand_v()[k]] += T(m.ratio_v()[k]) * expanded[k];
   }
 };
 

@@ -53,6 +53,7 @@ struct ReportRecord {
 struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
+  Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
   Index bodies, runs, angles, joints, frames, links, shapes, reports, configurations, text;
 };
 

@@ -46,7 +46,7 @@ DYN_INLINE Mat3<double> transpose(const Mat3<double>& A) {
 // A^T x
 template <class T>
 DYN_INLINE Vec3<T> transpose_times(const Mat3<T>& A, const Vec3<T>& x) {
-  return Vec3<T>::make(dot(A.x, x), dot(A.y, x), dot(A.z, x));
+  return transpose(A) * x;
 }
 // the matrix of a x
 template <class T>
