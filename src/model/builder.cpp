@@ -32,6 +32,17 @@ const char* joint_type_name(dynJointType type) {
   return name;
 }
 
+int primitive_nq(BodyType t) {
+  int n = 0;
+  visit(t, [&]<class J>() { n = J::nq; });
+  return n;
+}
+int primitive_nv(BodyType t) {
+  int n = 0;
+  visit(t, [&]<class J>() { n = J::nv; });
+  return n;
+}
+
 // A rotation that takes z to the unit vector a, by the smallest angle; about x when a = -z.
 Mat3<double> z_to(const Axis& a) {
   if (a[0] == 0 && a[1] == 0) return a[2] > 0 ? Mat3<double>::identity() : Mat3<double>::diagonal(1, -1, -1);

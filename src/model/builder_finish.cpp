@@ -2,7 +2,6 @@
 // inertias, the expanded coordinates of mimic joints, and one block of memory.
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -10,9 +9,7 @@
 #include <numeric>
 
 #include "builder_impl.hpp"
-#include "dyn/algorithm/aba.hpp"
-#include "dyn/algorithm/cholesky.hpp"
-#include "dyn/algorithm/crba.hpp"
+#include "dyn/joint/list.hpp"
 
 namespace dyn {
 
@@ -38,52 +35,6 @@ struct Arrays {
 #include "dyn/model/model_fields.def"
 #undef FIELD
 };
-
-struct Leader {
-  int joint;
-  double ratio, offset;
-};
-
-// Follows mimic of mimic to the joint that moves by itself.
-std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints) {
-  std::unordered_map<std::string, int> index;
-  for (std::size_t j = 0; j < joints.size(); ++j) index[joints[j].spec.name] = int(j);
-  const int n = int(joints.size());
-  std::vector<Leader> leader(joints.size(), {-2, 1, 0});  // -2: not resolved yet
-  std::vector<int> path;
-  for (int j = 0; j < n; ++j) {
-    path.clear();
-    int at = j;
-    while (leader[std::size_t(at)].joint == -2 && !joints[std::size_t(at)].spec.mimic.empty()) {
-      if (int(path.size()) > n || std::find(path.begin(), path.end(), at) != path.end())
-        throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(at)].spec.name + "': mimic goes round in a circle: one joint of it must move by itself");
-      path.push_back(at);
-      const JointSpec& s = joints[std::size_t(at)].spec;
-      const auto it = index.find(s.mimic);
-      if (it == index.end())
-        throw Error(DYN_ERROR_NAME, "joint '" + s.name + "': mimics '" + s.mimic + "', which is no moving joint of this model");
-      at = it->second;
-      if (path.size() > 1000) throw Error(DYN_ERROR_LIMIT, "joint '" + s.name + "': mimic of mimic more than 1000 deep");
-    }
-    Leader base = leader[std::size_t(at)];
-    if (base.joint < 0) base = {at, 1, 0};
-    if (path.empty()) {
-      leader[std::size_t(at)] = {-1, 1, 0};
-      continue;
-    }
-    if (spec_nq(joints[std::size_t(base.joint)].spec) != 1)
-      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(j)].spec.name + "': mimics '" + joints[std::size_t(base.joint)].spec.name +
-                                         "', which has more than one coordinate: only joints with one can lead");
-    for (auto k = path.rbegin(); k != path.rend(); ++k) {
-      const JointSpec& s = joints[std::size_t(*k)].spec;
-      base = {base.joint, s.mimic_ratio * base.ratio, s.mimic_ratio * base.offset + s.mimic_offset};
-      leader[std::size_t(*k)] = base;
-    }
-  }
-  for (Leader& l : leader)
-    if (l.joint == -2) l.joint = -1;
-  return leader;
-}
 
 // Joints depth first, siblings in the order of addition.
 std::vector<int> depth_first(const std::vector<JointEntry>& joints) {
@@ -112,206 +63,7 @@ std::vector<int> depth_first(const std::vector<JointEntry>& joints) {
 
 SE3<double> rotation_only(const Mat3<double>& R) { return {R, Vec3<double>::zero()}; }
 
-int primitive_nq(BodyType t) {
-  int n = 0;
-  visit(t, [&]<class J>() { n = J::nq; });
-  return n;
-}
-int primitive_nv(BodyType t) {
-  int n = 0;
-  visit(t, [&]<class J>() { n = J::nv; });
-  return n;
-}
-
 std::atomic<std::uint64_t> next_id{1};
-
-// Elimination tree of M (Liu 1990): with mimic joints the pattern is that of G^T M_x G.
-void elimination_tree(const Model& m, std::vector<Index>& parent) {
-  const Index nv = m.n.nv;
-  parent.assign(std::size_t(nv), -1);
-  const Body* bodies = m.bodies();
-  if (!m.has_mimic) {
-    std::vector<Index> last(std::size_t(m.n.bodies), -1);  // last degree of freedom at or above a body
-    for (Index i = 1; i < m.n.bodies; ++i) {
-      Index before = last[std::size_t(bodies[i].parent)];
-      const Index end = i + 1 < m.n.bodies ? bodies[i + 1].idx_v : nv;
-      for (Index k = bodies[i].idx_v; k < end; ++k) parent[std::size_t(k)] = before, before = k;
-      last[std::size_t(i)] = before;
-    }
-    return;
-  }
-  // It is enough to join each degree of freedom with what carries it, up to the first that is no follower: elimination
-  // fills in the rest.
-  std::vector<std::vector<Index>> row(static_cast<std::size_t>(nv));  // columns j < i of each row
-  auto join = [&](Index a, Index b) {
-    if (a != b) row[std::size_t(std::max(a, b))].push_back(std::min(a, b));
-  };
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Body& b = bodies[i];
-    const Index nvb = first_dof(m, i + 1) - b.idx_v;
-    for (Index k = 1; k < nvb; ++k) join(b.user_v + k, b.user_v + k - 1);
-    for (Index s = b.parent; s != 0; s = bodies[s].parent) {
-      for (Index k = 0; k < nvb; ++k)
-        for (Index x = 0; x < first_dof(m, s + 1) - bodies[s].idx_v; ++x) join(b.user_v + k, bodies[s].user_v + x);
-      if (!bodies[s].follower) break;
-    }
-  }
-  std::size_t filled = 0;
-  for (Index i = nv - 1; i >= 0; --i) {
-    auto& r = row[std::size_t(i)];
-    std::sort(r.begin(), r.end());
-    r.erase(std::unique(r.begin(), r.end()), r.end());
-    if (r.empty()) continue;
-    parent[std::size_t(i)] = r.back();
-    auto& up = row[std::size_t(r.back())];
-    up.insert(up.end(), r.begin(), r.end() - 1);
-    if ((filled += r.size()) > 100000000) throw Error(DYN_ERROR_LIMIT, "the model has too many mimic joints for its depth: M has no sparse factor");
-    std::vector<Index>().swap(r);
-  }
-}
-
-// Principal moments about the centre of mass by Jacobi's method; ascending.
-std::array<double, 3> principal_moments(const Body& b) {
-  const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
-  double A[3][3];
-  const Mat3<double> K = b.I - (Mat3<double>::identity() * dot(c, c) - outer(c, c)) * b.m;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) A[i][j] = 0.5 * (K(i, j) + K(j, i));
-  for (int sweep = 0; sweep < 50; ++sweep) {
-    const double off = std::abs(A[0][1]) + std::abs(A[0][2]) + std::abs(A[1][2]);
-    if (off == 0) break;
-    for (int p = 0; p < 2; ++p)
-      for (int q = p + 1; q < 3; ++q) {
-        if (A[p][q] == 0) continue;
-        const double theta = (A[q][q] - A[p][p]) / (2 * A[p][q]);
-        const double t = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::hypot(theta, 1));
-        const double c1 = 1 / std::hypot(t, 1), s1 = t * c1;
-        for (int k = 0; k < 3; ++k) {
-          const double x = A[k][p], y = A[k][q];
-          A[k][p] = c1 * x - s1 * y, A[k][q] = s1 * x + c1 * y;
-        }
-        for (int k = 0; k < 3; ++k) {
-          const double x = A[p][k], y = A[q][k];
-          A[p][k] = c1 * x - s1 * y, A[q][k] = s1 * x + c1 * y;
-        }
-      }
-  }
-  std::array<double, 3> moments = {A[0][0], A[1][1], A[2][2]};
-  std::sort(moments.begin(), moments.end());
-  return moments;
-}
-
-// Names of the links that make up a joint's body.
-std::string links_of(const std::vector<FrameEntry>& frames, int joint) {
-  std::string names;
-  int count = 0;
-  for (const FrameEntry& f : frames)
-    if (f.type == DYN_FRAME_BODY && f.joint == joint && ++count <= 4) names += (names.empty() ? "'" : ", '") + f.name + "'";
-  return names.empty() ? "no link" : count > 4 ? names + ", ..." : names;
-}
-
-// A configuration off the singular ones, the same for each trial.
-std::vector<double> generic_configuration(const Model& m, std::uint64_t trial) {
-  std::vector<double> q(std::size_t(m.n.nq));
-  Random g{trial};
-  const std::vector<double> low(7, -1), high(7, 1);
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Body& b = m.bodies()[i];
-    if (!b.follower) visit(b.type, [&]<class J>() { J::random(g, low.data(), high.data(), q.data() + b.user_q); });
-  }
-  return q;
-}
-
-struct Workspace {
-  std::unique_ptr<void, void (*)(void*)> memory;
-  Data<double> d;
-  Workspace(const Model& m, dynParts parts) : memory(std::aligned_alloc(64, data_bytes<double>(m, parts)), std::free) {
-    if (!memory) throw std::bad_alloc();
-    data_layout(m, parts, memory.get(), d);
-  }
-};
-
-// What is left of the diagonal of M after elimination, relative to it; the largest over some configurations.
-std::vector<double> factor_pivots(const Model& m) {
-  Workspace work(m, DYN_PART_FACTOR);
-  Data<double>& d = work.d;
-  std::vector<double> best(std::size_t(m.n.nv), 0);
-  for (std::uint64_t trial = 1; trial <= 3; ++trial) {
-    const auto q = generic_configuration(m, trial);
-    std::copy(q.begin(), q.end(), d.q);
-    ++d.version[input_q];
-    crba(m, d);
-    const Index failed = factorize(m, d);
-    for (Index k = failed; k < m.n.nv; ++k)
-      best[std::size_t(k)] = std::max(best[std::size_t(k)], 1 / (d.D[k] * d.M[k + std::ptrdiff_t(k) * m.n.nv]));
-  }
-  return best;
-}
-
-// The same along the tree: each articulated pivot relative to its value before the joints one level below gave way, so
-// that long chains do not look singular. (Elimination of a body's children can only cancel what they brought.)
-std::vector<double> articulated_pivots(const Model& m) {
-  Workspace work(m, DYN_PART_KINEMATICS);
-  Data<double>& d = work.d;
-  std::vector<double> best(std::size_t(m.n.nv), 0);
-  std::vector<ArticulatedInertia<double>> IA(static_cast<std::size_t>(m.n.bodies)), before(static_cast<std::size_t>(m.n.bodies));
-  for (std::uint64_t trial = 1; trial <= 3; ++trial) {
-    const auto q = generic_configuration(m, trial);
-    std::copy(q.begin(), q.end(), d.q);
-    ++d.version[input_q];
-    forward_kinematics<0>(m, d);
-    for (Index i = 0; i < m.n.bodies; ++i)
-      IA[std::size_t(i)] = before[std::size_t(i)] = ArticulatedInertia<double>::rigid(world_inertia(m.bodies()[i], d.R[i]));
-    for (Index i = m.n.bodies - 1; i >= 1; --i) {
-      const Body& b = m.bodies()[i];
-      ArticulatedInertia<double> Y = IA[std::size_t(i)];
-      const ArticulatedInertia<double> whole = Y;
-      visit(b.type, [&]<class J>() {
-        for (int k = 0; k < J::nv; ++k) {
-          const Motion<double> s = J::column(b, d.R[i], k);
-          const double armature = m.armature()[b.user_v + k], scale = dot(s, before[std::size_t(i)] * s) + armature;
-          const Force<double> U = Y * s;
-          const double D = dot(s, U) + armature;
-          const double pivot = scale > 0 ? D / scale : 0;
-          best[std::size_t(b.user_v + k)] = std::max(best[std::size_t(b.user_v + k)], pivot);
-          if (pivot > 1e-14) Y = Y.minus_outer(U, 1 / D);
-        }
-      });
-      if (b.parent == 0) continue;
-      const std::size_t p = std::size_t(b.parent);
-      IA[p] = IA[p] + Y.shifted(d.r[i]);
-      before[p] = before[p] + whole.shifted(d.r[i]);
-    }
-  }
-  return best;
-}
-
-// Forward dynamics must be defined: M positive at some configurations off the singular ones.
-void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames) {
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Body& b = m.bodies()[i];
-    const auto moments = principal_moments(b);
-    const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
-    const double scale = std::max({std::abs(moments[0]), moments[2], 1e-6 * b.m * dot(c, c)});
-    if (moments[0] < -1e-6 * scale)
-      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(order[std::size_t(b.joint - 1)])].spec.name + "': the inertia of its body (" +
-                                         links_of(frames, order[std::size_t(b.joint - 1)]) + ") has a negative principal moment " + number(moments[0]) +
-                                         " kg m^2: no mass distribution has that; correct the file");
-  }
-  if (m.n.nv == 0) return;
-  const std::vector<double> pivots = m.has_mimic ? factor_pivots(m) : articulated_pivots(m);
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Body& b = m.bodies()[i];
-    if (b.follower) continue;  // its leader carries it
-    for (Index k = 0; k < primitive_nv(b.type); ++k)
-      if (!(pivots[std::size_t(b.user_v + k)] > 1e-13)) {
-        const int joint = order[std::size_t(b.joint - 1)];
-        throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(joint)].spec.name + "': nothing resists it: " + links_of(frames, joint) +
-                                           " and what hangs on it have no mass or inertia in its direction, so that forward dynamics is undefined; "
-                                           "give the links an inertial, give the joint an armature, or make it fixed");
-      }
-  }
-}
 
 }  // namespace
 

@@ -59,6 +59,22 @@ struct Builder::Impl {
   void add_frame(FrameEntry entry, const std::string& who);
 };
 
+// Who a joint follows: q = ratio q_leader + offset; joint -1: it moves by itself.
+struct Leader {
+  int joint;
+  double ratio, offset;
+};
+// Follows mimic of mimic to the joint that moves by itself.
+std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints);
+// Elimination tree of M: the parent of each degree of freedom, or -1.
+void elimination_tree(const Model& m, std::vector<Index>& parent);
+// Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.
+void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames);
+
+// Sizes of a primitive joint.
+int primitive_nq(BodyType t);
+int primitive_nv(BodyType t);
+
 std::string number(double x);          // six digits, independent of the locale
 Mat3<double> z_to(const Axis& a);      // smallest rotation that takes z to the unit vector a
 

@@ -6,15 +6,12 @@
 
 namespace dyn {
 
-struct Revolute : Joint<Revolute> {
-  static constexpr int nq = 1, nv = 1;
-  static constexpr bool angle = true, rotates = true, translates = false;
-  static constexpr double default_range = 3.141592653589793;
+// What does not depend on how the angle is stored.
+template <class J>
+struct AboutZ : Joint<J> {
+  static constexpr int nv = 1;
+  static constexpr bool rotates = true, translates = false;
 
-  template <class T>
-  static DYN_INLINE void place(const Body&, const T*, T c, T s, SE3<T>& X) {
-    X.R = rotate_z(X.R, c, s);
-  }
   template <class T>
   static DYN_INLINE Motion<T> velocity(const Body&, const Mat3<T>& R, const T* v) {
     return {Vec3<T>::zero(), R.z * v[0]};
@@ -30,6 +27,17 @@ struct Revolute : Joint<Revolute> {
   template <class T>
   static DYN_INLINE void project(const Body&, const Mat3<T>& R, const Force<T>& f, T* tau) {
     tau[0] = dot(R.z, f.angular);
+  }
+};
+
+struct Revolute : AboutZ<Revolute> {
+  static constexpr int nq = 1;
+  static constexpr bool angle = true;
+  static constexpr double default_range = 3.141592653589793;
+
+  template <class T>
+  static DYN_INLINE void place(const Body&, const T*, T c, T s, SE3<T>& X) {
+    X.R = rotate_z(X.R, c, s);
   }
   // a continuous joint goes the short way round: (-pi, pi]
   template <class T>

@@ -1,14 +1,12 @@
 // Rotation about z stored as q = (cos, sin) of any non-zero norm. S = [0; z].
 #pragma once
 
-#include "dyn/joint/joint.hpp"
-#include "dyn/joint/kind.hpp"
+#include "dyn/joint/revolute.hpp"
 
 namespace dyn {
 
-struct RevoluteUnbounded : Joint<RevoluteUnbounded> {
-  static constexpr int nq = 2, nv = 1;
-  static constexpr bool rotates = true, translates = false;
+struct RevoluteUnbounded : AboutZ<RevoluteUnbounded> {
+  static constexpr int nq = 2;
 
   template <class T>
   static DYN_INLINE void unit(const T* q, T& c, T& s) {
@@ -24,23 +22,6 @@ struct RevoluteUnbounded : Joint<RevoluteUnbounded> {
     unit(q, c, s);
     X.R = rotate_z(X.R, c, s);
   }
-  template <class T>
-  static DYN_INLINE Motion<T> velocity(const Body&, const Mat3<T>& R, const T* v) {
-    return {Vec3<T>::zero(), R.z * v[0]};
-  }
-  template <class T>
-  static DYN_INLINE Motion<T> acceleration(const Body&, const Mat3<T>& R, const T*, const T* a) {
-    return {Vec3<T>::zero(), R.z * a[0]};
-  }
-  template <class T>
-  static DYN_INLINE Motion<T> column(const Body&, const Mat3<T>& R, int) {
-    return {Vec3<T>::zero(), R.z};
-  }
-  template <class T>
-  static DYN_INLINE void project(const Body&, const Mat3<T>& R, const Force<T>& f, T* tau) {
-    tau[0] = dot(R.z, f.angular);
-  }
-
   template <class T>
   static void neutral(T* q) {
     q[0] = T(1), q[1] = T(0);

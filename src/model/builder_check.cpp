@@ -1,0 +1,161 @@
+// Whether forward dynamics is defined: bodies that can exist, and inertia in every direction in which a joint moves.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#include "builder_impl.hpp"
+#include "dyn/algorithm/cholesky.hpp"
+#include "dyn/algorithm/crba.hpp"
+
+namespace dyn {
+
+namespace {
+
+// Principal moments about the centre of mass by Jacobi's method; ascending.
+std::array<double, 3> principal_moments(const Body& b) {
+  const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
+  double A[3][3];
+  const Mat3<double> K = b.I - (Mat3<double>::identity() * dot(c, c) - outer(c, c)) * b.m;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) A[i][j] = 0.5 * (K(i, j) + K(j, i));
+  for (int sweep = 0; sweep < 50; ++sweep) {
+    const double off = std::abs(A[0][1]) + std::abs(A[0][2]) + std::abs(A[1][2]);
+    if (off == 0) break;
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        if (A[p][q] == 0) continue;
+        const double theta = (A[q][q] - A[p][p]) / (2 * A[p][q]);
+        const double t = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::hypot(theta, 1));
+        const double c1 = 1 / std::hypot(t, 1), s1 = t * c1;
+        for (int k = 0; k < 3; ++k) {
+          const double x = A[k][p], y = A[k][q];
+          A[k][p] = c1 * x - s1 * y, A[k][q] = s1 * x + c1 * y;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double x = A[p][k], y = A[q][k];
+          A[p][k] = c1 * x - s1 * y, A[q][k] = s1 * x + c1 * y;
+        }
+      }
+  }
+  std::array<double, 3> moments = {A[0][0], A[1][1], A[2][2]};
+  std::sort(moments.begin(), moments.end());
+  return moments;
+}
+
+// Names of the links that make up a joint's body.
+std::string links_of(const std::vector<FrameEntry>& frames, int joint) {
+  std::string names;
+  int count = 0;
+  for (const FrameEntry& f : frames)
+    if (f.type == DYN_FRAME_BODY && f.joint == joint && ++count <= 4) names += (names.empty() ? "'" : ", '") + f.name + "'";
+  return names.empty() ? "no link" : count > 4 ? names + ", ..." : names;
+}
+
+// A configuration off the singular ones, the same for each trial.
+std::vector<double> generic_configuration(const Model& m, std::uint64_t trial) {
+  std::vector<double> q(std::size_t(m.n.nq));
+  Random g{trial};
+  const std::vector<double> low(7, -1), high(7, 1);
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    if (!b.follower) visit(b.type, [&]<class J>() { J::random(g, low.data(), high.data(), q.data() + b.user_q); });
+  }
+  return q;
+}
+
+struct Workspace {
+  std::unique_ptr<void, void (*)(void*)> memory;
+  Data<double> d;
+  Workspace(const Model& m, dynParts parts) : memory(std::aligned_alloc(64, data_bytes<double>(m, parts)), std::free) {
+    if (!memory) throw std::bad_alloc();
+    data_layout(m, parts, memory.get(), d);
+  }
+};
+
+// What is left of the diagonal of M after elimination, relative to it; the largest over some configurations.
+std::vector<double> factor_pivots(const Model& m) {
+  Workspace work(m, DYN_PART_FACTOR);
+  Data<double>& d = work.d;
+  std::vector<double> best(std::size_t(m.n.nv), 0);
+  for (std::uint64_t trial = 1; trial <= 3; ++trial) {
+    const auto q = generic_configuration(m, trial);
+    std::copy(q.begin(), q.end(), d.q);
+    ++d.version[input_q];
+    crba(m, d);
+    const Index failed = factorize(m, d);
+    for (Index k = failed; k < m.n.nv; ++k)
+      best[std::size_t(k)] = std::max(best[std::size_t(k)], 1 / (d.D[k] * d.M[k + std::ptrdiff_t(k) * m.n.nv]));
+  }
+  return best;
+}
+
+// The same along the tree: each articulated pivot relative to its value before the joints one level below gave way, so
+// that long chains do not look singular. (Elimination of a body's children can only cancel what they brought.)
+std::vector<double> articulated_pivots(const Model& m) {
+  Workspace work(m, DYN_PART_KINEMATICS);
+  Data<double>& d = work.d;
+  std::vector<double> best(std::size_t(m.n.nv), 0);
+  std::vector<ArticulatedInertia<double>> IA(static_cast<std::size_t>(m.n.bodies)), before(static_cast<std::size_t>(m.n.bodies));
+  for (std::uint64_t trial = 1; trial <= 3; ++trial) {
+    const auto q = generic_configuration(m, trial);
+    std::copy(q.begin(), q.end(), d.q);
+    ++d.version[input_q];
+    forward_kinematics<0>(m, d);
+    for (Index i = 0; i < m.n.bodies; ++i)
+      IA[std::size_t(i)] = before[std::size_t(i)] = ArticulatedInertia<double>::rigid(world_inertia(m.bodies()[i], d.R[i]));
+    for (Index i = m.n.bodies - 1; i >= 1; --i) {
+      const Body& b = m.bodies()[i];
+      ArticulatedInertia<double> Y = IA[std::size_t(i)];
+      const ArticulatedInertia<double> whole = Y;
+      visit(b.type, [&]<class J>() {
+        for (int k = 0; k < J::nv; ++k) {
+          const Motion<double> s = J::column(b, d.R[i], k);
+          const double armature = m.armature()[b.user_v + k], scale = dot(s, before[std::size_t(i)] * s) + armature;
+          const Force<double> U = Y * s;
+          const double D = dot(s, U) + armature;
+          const double pivot = scale > 0 ? D / scale : 0;
+          best[std::size_t(b.user_v + k)] = std::max(best[std::size_t(b.user_v + k)], pivot);
+          if (pivot > 1e-14) Y = Y.minus_outer(U, 1 / D);
+        }
+      });
+      if (b.parent == 0) continue;
+      const std::size_t p = std::size_t(b.parent);
+      IA[p] = IA[p] + Y.shifted(d.r[i]);
+      before[p] = before[p] + whole.shifted(d.r[i]);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+// Forward dynamics must be defined: M positive at some configurations off the singular ones.
+void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames) {
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    const auto moments = principal_moments(b);
+    const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
+    const double scale = std::max({std::abs(moments[0]), moments[2], 1e-6 * b.m * dot(c, c)});
+    if (moments[0] < -1e-6 * scale)
+      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(order[std::size_t(b.joint - 1)])].spec.name + "': the inertia of its body (" +
+                                         links_of(frames, order[std::size_t(b.joint - 1)]) + ") has a negative principal moment " + number(moments[0]) +
+                                         " kg m^2: no mass distribution has that; correct the file");
+  }
+  if (m.n.nv == 0) return;
+  const std::vector<double> pivots = m.has_mimic ? factor_pivots(m) : articulated_pivots(m);
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    if (b.follower) continue;  // its leader carries it
+    for (Index k = 0; k < primitive_nv(b.type); ++k)
+      if (!(pivots[std::size_t(b.user_v + k)] > 1e-13)) {
+        const int joint = order[std::size_t(b.joint - 1)];
+        throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(joint)].spec.name + "': nothing resists it: " + links_of(frames, joint) +
+                                           " and what hangs on it have no mass or inertia in its direction, so that forward dynamics is undefined; "
+                                           "give the links an inertial, give the joint an armature, or make it fixed");
+      }
+  }
+}
+
+}  // namespace dyn
