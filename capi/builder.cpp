@@ -18,8 +18,8 @@ void check_size(const dynJointSpec& s) {
 JointSpec read_spec(const dynJointSpec& s, int depth) {
   check_size(s);
   if (depth > 16) throw Error(DYN_ERROR_LIMIT, "dynJointSpec: composites more than 16 deep");
-  if (s.type < DYN_JOINT_FIXED || s.type > DYN_JOINT_REVOLUTE_UNBOUNDED)
-    throw Error(DYN_ERROR_ARGUMENT, "dynJointSpec: type is " + std::to_string(int(s.type)) + ": use a dynJointType");
+  if (raw(s.type) < DYN_JOINT_FIXED || raw(s.type) > DYN_JOINT_REVOLUTE_UNBOUNDED)
+    throw Error(DYN_ERROR_ARGUMENT, "dynJointSpec: type is " + std::to_string(raw(s.type)) + ": use a dynJointType");
   JointSpec out;
   if (s.name) out.name = s.name;
   out.type = s.type;

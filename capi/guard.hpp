@@ -13,6 +13,15 @@ namespace dyn::capi {
 // Sets the thread's last error. printf's format; no heap. Returns the status.
 dynStatus fail(dynStatus status, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
+// What a caller has put where an enumeration is: any integer.
+template <class E>
+int raw(const E& e) {
+  int x;
+  static_assert(sizeof x == sizeof e);
+  __builtin_memcpy(&x, &e, sizeof x);
+  return x;
+}
+
 // Runs f, which returns a status and may throw.
 template <class F>
 dynStatus guarded(F&& f) noexcept {

@@ -19,8 +19,8 @@ LoadOptions read_options(const dynLoadOptions* o) {
   if (o->struct_size < sizeof(dynLoadOptions))
     throw Error(DYN_ERROR_SIZE, "dynLoadOptions: struct_size is " + std::to_string(o->struct_size) + ", needs " + std::to_string(sizeof(dynLoadOptions)) +
                                     ": call dyn_load_options_init first");
-  if (o->base != DYN_BASE_UNSPECIFIED && o->base != DYN_BASE_FIXED && o->base != DYN_BASE_FLOATING)
-    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: base is " + std::to_string(int(o->base)) + ": use DYN_BASE_FIXED or DYN_BASE_FLOATING");
+  if (raw(o->base) < DYN_BASE_UNSPECIFIED || raw(o->base) > DYN_BASE_FLOATING)
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: base is " + std::to_string(raw(o->base)) + ": use DYN_BASE_FIXED or DYN_BASE_FLOATING");
   if (o->package_dirs_count && !o->package_dirs) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: package_dirs is NULL but package_dirs_count is not 0");
   out.base = o->base;
   out.strict = o->strict != 0;

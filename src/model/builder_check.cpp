@@ -1,4 +1,6 @@
 // Whether forward dynamics is defined: bodies that can exist, and inertia in every direction in which a joint moves.
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -13,35 +15,12 @@ namespace dyn {
 
 namespace {
 
-// Principal moments about the centre of mass by Jacobi's method; ascending.
-std::array<double, 3> principal_moments(const Body& b) {
+// Principal moments about the centre of mass, ascending.
+Eigen::Vector3d principal_moments(const Body& b) {
   const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
-  double A[3][3];
-  const Mat3<double> K = b.I - (Mat3<double>::identity() * dot(c, c) - outer(c, c)) * b.m;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) A[i][j] = 0.5 * (K(i, j) + K(j, i));
-  for (int sweep = 0; sweep < 50; ++sweep) {
-    const double off = std::abs(A[0][1]) + std::abs(A[0][2]) + std::abs(A[1][2]);
-    if (off == 0) break;
-    for (int p = 0; p < 2; ++p)
-      for (int q = p + 1; q < 3; ++q) {
-        if (A[p][q] == 0) continue;
-        const double theta = (A[q][q] - A[p][p]) / (2 * A[p][q]);
-        const double t = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::hypot(theta, 1));
-        const double c1 = 1 / std::hypot(t, 1), s1 = t * c1;
-        for (int k = 0; k < 3; ++k) {
-          const double x = A[k][p], y = A[k][q];
-          A[k][p] = c1 * x - s1 * y, A[k][q] = s1 * x + c1 * y;
-        }
-        for (int k = 0; k < 3; ++k) {
-          const double x = A[p][k], y = A[q][k];
-          A[p][k] = c1 * x - s1 * y, A[q][k] = s1 * x + c1 * y;
-        }
-      }
-  }
-  std::array<double, 3> moments = {A[0][0], A[1][1], A[2][2]};
-  std::sort(moments.begin(), moments.end());
-  return moments;
+  Eigen::Matrix3d I;
+  store33(b.I - (Mat3<double>::identity() * dot(c, c) - outer(c, c)) * b.m, I.data());
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 // Names of the links that make up a joint's body.
@@ -135,7 +114,7 @@ std::vector<double> articulated_pivots(const Model& m) {
 void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames) {
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
-    const auto moments = principal_moments(b);
+    const Eigen::Vector3d moments = principal_moments(b);
     const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
     const double scale = std::max({std::abs(moments[0]), moments[2], 1e-6 * b.m * dot(c, c)});
     if (moments[0] < -1e-6 * scale)

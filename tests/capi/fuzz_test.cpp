@@ -22,7 +22,7 @@ void disturb(Prepared& p, Random& g, const dynModel* m) {
       for (double& e : *arrays[k]) e = odd_number(g);
   }
   p.x.frame = g.below(dyn_nframes(m) + 2) - 1, p.x.joint = g.below(dyn_njoints(m) + 2) - 1;
-  const int reference = g.below(5) - 1, integrator = g.below(4) - 1;
+  const int reference = sanitized ? g.below(4) : g.below(5) - 1, integrator = sanitized ? g.below(2) : g.below(4) - 1;
   std::memcpy(&p.x.reference, &reference, sizeof reference), std::memcpy(&p.x.integrator, &integrator, sizeof integrator);
   p.x.dt = g.below(8) ? g.uniform(-1e-3, 1e-2) : odd_number(g);
   p.x.mask = std::uint32_t(g.next()) & (g.below(6) ? std::uint32_t(DYN_TERM_ALL) : 0xffffu);
