@@ -355,7 +355,7 @@ dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int n
   if (!call.fresh(Stage::Factor, "the factor of M", "dyn_factorize")) return call.status;
   double* column = call.d().backup;  // this call replaces no input
   for (int k = 0; k < nrhs; ++k) {
-    __builtin_memcpy(column, b + nv * k, std::size_t(nv) * sizeof(double));
+    copy_out(b + nv * k, nv, column);
     solve(call.m(), call.d(), column);
     if (const Index bad = finite_count(column, Index(nv)); bad < nv)
       return fail(DYN_ERROR_NUMERIC, "dyn_solve: x[%d] of right-hand side %d overflows: b is too large for double precision; x is written before this one",

@@ -58,10 +58,11 @@ Pool<H>& pool() {
   return *p;
 }
 
-dynStatus check_magic(const void* handle, const std::uint64_t* magic, std::uint64_t live, const char* what, const char* maker) {
+template <class H>
+dynStatus check_magic(const H* handle, std::uint64_t live, const char* what, const char* maker) {
   if (!handle) return fail(DYN_ERROR_HANDLE, "the %s is NULL: make one with %s", what, maker);
-  if (*magic == live) return DYN_OK;
-  if (*magic == freed) return fail(DYN_ERROR_HANDLE, "the %s has been freed", what);
+  if (handle->magic == live) return DYN_OK;
+  if (handle->magic == freed) return fail(DYN_ERROR_HANDLE, "the %s has been freed", what);
   return fail(DYN_ERROR_HANDLE, "the %s is no handle of this library: make one with %s", what, maker);
 }
 
@@ -82,8 +83,8 @@ void free_handle(dynModel* h) { h->magic = freed, pool<dynModel>().put(h); }
 void free_handle(dynData* h) { h->magic = freed, pool<dynData>().put(h); }
 void free_handle(dynBuilder* h) { h->magic = freed, pool<dynBuilder>().put(h); }
 
-dynStatus check(const dynModel* model) { return check_magic(model, &model->magic, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
-dynStatus check(const dynBuilder* builder) { return check_magic(builder, &builder->magic, live_builder, "builder", "dyn_builder_new"); }
+dynStatus check(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
+dynStatus check(const dynBuilder* builder) { return check_magic(builder, live_builder, "builder", "dyn_builder_new"); }
 
 dynStatus publish(ModelPtr model, dynModel** out) {
   dynModel* handle = new_model_handle();
@@ -96,7 +97,7 @@ dynStatus publish(ModelPtr model, dynModel** out) {
 
 Call::Call(const dynModel* model, dynData* data, dynParts part, const char* function_) : function(function_) {
   if ((status = check(model)) != DYN_OK) return;
-  if ((status = check_magic(data, &data->magic, live_data, "data", "dyn_data_new")) != DYN_OK) return;
+  if ((status = check_magic(data, live_data, "data", "dyn_data_new")) != DYN_OK) return;
   if (data->model_id != model->m->id) {
     status = fail(DYN_ERROR_MODEL, "%s: the data belongs to another model (or to one that was freed): make data from the model you pass", function);
     return;
@@ -181,7 +182,7 @@ bool Call::inputs(const double* q, const double* v, const double* a, const doubl
         from = replaced[k].kept + (from - replaced[k].to);
         break;
       }
-    if (from && from != to && __builtin_memcmp(from, to, std::size_t(n) * sizeof(double)) != 0) {
+    if (from && n && from != to && __builtin_memcmp(from, to, std::size_t(n) * sizeof(double)) != 0) {
       __builtin_memcpy(backup, to, std::size_t(n) * sizeof(double));
       __builtin_memcpy(to, from, std::size_t(n) * sizeof(double));
       before[which] = x.version[which];
@@ -202,9 +203,8 @@ void Call::begin_step() {
   Data<double>& x = d();
   was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
   x.drop(Stage::Ddq), x.drop(Stage::Factor);  // their buffers are the step's
-  const std::size_t nq = std::size_t(m().n.nq), nv = std::size_t(m().n.nv);
-  __builtin_memcpy(x.backup, x.q, nq * sizeof(double));
-  __builtin_memcpy(x.backup + nq, x.v, nv * sizeof(double));
+  copy_out(x.q, m().n.nq, x.backup);
+  copy_out(x.v, m().n.nv, x.backup + m().n.nq);
   for (Input which : {input_q, input_v}) {
     before[which] = x.version[which];
     x.version[which] = ++handle->counter;
@@ -222,7 +222,7 @@ void Call::take_back() {
   const double* backup = x.backup;
   auto restore = [&](Input which, double* to, Index n) {
     if (changed >> which & 1u) {
-      __builtin_memcpy(to, backup, std::size_t(n) * sizeof(double));
+      copy_out(backup, n, to);
       x.version[which] = before[which];
     }
     backup += n;

@@ -144,7 +144,7 @@ class Call {
 };
 
 inline void copy_out(const double* from, std::ptrdiff_t n, double* to) {
-  if (to) __builtin_memcpy(to, from, std::size_t(n) * sizeof(double));
+  if (to && n) __builtin_memcpy(to, from, std::size_t(n) * sizeof(double));  // an empty array may be nullptr
 }
 
 }  // namespace dyn::capi

@@ -1,7 +1,6 @@
 // Tests handles: NULL, freed, foreign and mismatched ones are refused by every function of dyn.h, and nothing changes.
 #include <fstream>
 #include <functional>
-#include <regex>
 #include <set>
 #include <sstream>
 
@@ -242,8 +241,10 @@ TEST(Handles, TablesAreComplete) {
       "dyn_model_load_string", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
       "dyn_builder_joint", "dyn_builder_body", "dyn_builder_frame", "dyn_builder_configuration", "dyn_builder_finish", "dyn_data_free",
       "dyn_nfields", "dyn_field_info", "dyn_field_id"};
-  const std::regex declaration("DYN_API[^;(]*?(dyn_[a-z_0-9]+)\\(");
-  for (std::sregex_iterator it(header.begin(), header.end(), declaration), end; it != end; ++it) declared.insert((*it)[1]);
+  for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {
+    const std::size_t open = header.find('(', at), begin = header.find_last_of(" *", open) + 1;
+    declared.insert(header.substr(begin, open - begin));
+  }
   EXPECT_GT(declared.size(), 80u);
   for (const CallRow& row : call_rows) tested.insert(row.name);
   for (const auto& [name, function] : model_functions) tested.insert(name);
