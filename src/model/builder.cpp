@@ -57,7 +57,7 @@ namespace {
 
 void check_name(const std::string& what, const std::string& name) {
   if (name.empty()) refuse(DYN_ERROR_ARGUMENT, what + " has no name: give one");
-  if (name.find('\0') != std::string::npos) refuse(DYN_ERROR_ARGUMENT, what + " '" + name + "': the name holds a zero byte");
+  if (name.find('\0') != std::string::npos) refuse(DYN_ERROR_ARGUMENT, what + " '" + name.c_str() + "': the name holds a zero byte");
 }
 
 void check_finite(const std::string& where, const double* x, std::size_t n) {
@@ -209,6 +209,7 @@ void Builder::joint(const JointSpec& s) {
   append_elements(who, s, SE3<double>::identity(), placed);
   for (PlacedElement& p : placed) entry.elements.push_back({p.before, p.element});
   entry.placement = X;
+  if (entry.elements.empty()) refuse(DYN_ERROR_ARGUMENT, who + ": a composite joint needs at least one part that moves");
   const int nq = spec_nq(s), nv = spec_nv(s);
   check_vector(who, "lower limit", s.lower, nq, -HUGE_VAL);
   check_vector(who, "upper limit", s.upper, nq, -HUGE_VAL);
@@ -220,10 +221,11 @@ void Builder::joint(const JointSpec& s) {
   for (std::size_t k = 0; k < s.lower.size() && k < s.upper.size(); ++k)
     if (s.lower[k] > s.upper[k])
       refuse(DYN_ERROR_INVALID, who + ": lower limit " + number(s.lower[k]) + " exceeds upper limit " + number(s.upper[k]));
-  for (double a : s.armature)
-    if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": armature is " + number(a) + ": give a finite number");
-  if (!std::isfinite(s.rotor_inertia) || !std::isfinite(s.gear_ratio))
-    refuse(DYN_ERROR_NONFINITE, who + ": rotor inertia and gear ratio must be finite");
+  for (const auto& [what, x] : {std::pair{"armature", &s.armature}, {"damping", &s.damping}, {"friction", &s.friction}})
+    for (double a : *x)
+      if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(a) + ": give a finite number");
+  if (!std::isfinite(s.rotor_inertia) || !std::isfinite(s.gear_ratio) || !std::isfinite(s.rotor_inertia * s.gear_ratio * s.gear_ratio))
+    refuse(DYN_ERROR_NONFINITE, who + ": rotor inertia and gear ratio must be finite, and rotor_inertia * gear_ratio^2, too");
   if (s.rotor_inertia < 0) refuse(DYN_ERROR_INVALID, who + ": rotor inertia is " + number(s.rotor_inertia) + ": it can't be negative");
   if (s.rotor_inertia != 0 && nv != 1) refuse(DYN_ERROR_INVALID, who + ": a rotor inertia needs a joint of one degree of freedom; use armature");
   if (!s.mimic.empty()) {

@@ -32,14 +32,27 @@ std::string links_of(const std::vector<FrameEntry>& frames, int joint) {
   return names.empty() ? "no link" : count > 4 ? names + ", ..." : names;
 }
 
-// A configuration off the singular ones, the same for each trial.
+// A configuration off the singular ones, the same for each trial: translations of the size of the robot.
 std::vector<double> generic_configuration(const Model& m, std::uint64_t trial) {
-  std::vector<double> q(std::size_t(m.n.nq));
-  Random g{trial};
-  const std::vector<double> low(7, -1), high(7, 1);
+  double length = 0;
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
-    if (!b.follower) visit(b.type, [&]<class J>() { J::random(g, low.data(), high.data(), q.data() + b.user_q); });
+    length = std::max(length, std::sqrt(dot(b.r, b.r)));
+    if (b.m > 0) length = std::max({length, std::sqrt(dot(b.h, b.h)) / b.m, std::sqrt(std::abs(b.I(0, 0) + b.I(1, 1) + b.I(2, 2)) / b.m)});
+  }
+  if (!(length > 0)) length = 1;
+  const double far[7] = {length, length, length, 1, 1, 1, 1}, near[7] = {1, 1, 1, 1, 1, 1, 1};
+  double low[7];
+  std::vector<double> q(std::size_t(m.n.nq));
+  Random g{trial};
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    if (b.follower) continue;
+    visit(b.type, [&]<class J>() {
+      const double* high = J::translates && !J::angle ? far : near;
+      for (int k = 0; k < 7; ++k) low[k] = -high[k];
+      J::random(g, low, high, q.data() + b.user_q);
+    });
   }
   return q;
 }
@@ -64,6 +77,8 @@ std::vector<double> factor_pivots(const Model& m) {
     ++d.version[input_q];
     crba(m, d);
     const Index failed = factorize(m, d);
+    // elimination goes from the last to the first: what a failure left out says nothing
+    for (Index k = 0; k < failed - 1; ++k) best[std::size_t(k)] = 1;
     for (Index k = failed; k < m.n.nv; ++k)
       best[std::size_t(k)] = std::max(best[std::size_t(k)], 1 / (d.D[k] * d.M[k + std::ptrdiff_t(k) * m.n.nv]));
   }

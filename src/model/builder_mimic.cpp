@@ -48,6 +48,8 @@ std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints) {
   return leader;
 }
 
+constexpr std::size_t limit = 50000000;  // entries of the pattern of M
+
 // Elimination tree of M (Liu 1990): with mimic joints the pattern is that of G^T M_x G.
 void elimination_tree(const Model& m, std::vector<Index>& parent) {
   const Index nv = m.n.nv;
@@ -63,11 +65,13 @@ void elimination_tree(const Model& m, std::vector<Index>& parent) {
     }
     return;
   }
-  // It is enough to join each degree of freedom with what carries it, up to the first that is no follower: elimination
-  // fills in the rest.
+  // It is enough to join each degree of freedom with what carries it, up to the first that is no follower, and the leader of
+  // a follower with all that hangs on the follower: elimination fills in the rest.
   std::vector<std::vector<Index>> row(static_cast<std::size_t>(nv));  // columns j < i of each row
+  std::size_t joined = 0;
   auto join = [&](Index a, Index b) {
     if (a != b) row[std::size_t(std::max(a, b))].push_back(std::min(a, b));
+    if (++joined > limit) throw Error(DYN_ERROR_LIMIT, "the model has too many mimic joints for its depth: M has no sparse factor");
   };
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = bodies[i];
@@ -78,6 +82,8 @@ void elimination_tree(const Model& m, std::vector<Index>& parent) {
         for (Index x = 0; x < first_dof(m, s + 1) - bodies[s].idx_v; ++x) join(b.user_v + k, bodies[s].user_v + x);
       if (!bodies[s].follower) break;
     }
+    if (b.follower)
+      for (Index k = first_dof(m, i + 1); k < first_dof(m, m.subtree_end()[i]); ++k) join(b.user_v, m.expand_v()[k]);
   }
   std::size_t filled = 0;
   for (Index i = nv - 1; i >= 0; --i) {
@@ -88,7 +94,7 @@ void elimination_tree(const Model& m, std::vector<Index>& parent) {
     parent[std::size_t(i)] = r.back();
     auto& up = row[std::size_t(r.back())];
     up.insert(up.end(), r.begin(), r.end() - 1);
-    if ((filled += r.size()) > 100000000) throw Error(DYN_ERROR_LIMIT, "the model has too many mimic joints for its depth: M has no sparse factor");
+    if ((filled += r.size()) > limit) throw Error(DYN_ERROR_LIMIT, "the model has too many mimic joints for its depth: M has no sparse factor");
     std::vector<Index>().swap(r);
   }
 }
