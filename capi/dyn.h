@@ -298,7 +298,13 @@ enum {
   DYN_PART_CORIOLIS = 1u << 8,   /* coriolis: nv x nv */
   DYN_PART_ENERGY = 1u << 9,     /* kinetic, potential, mechanical */
   DYN_PART_FRAMES = 1u << 10,    /* placements of all frames */
-  DYN_PART_ALL = 0x7ff
+  DYN_PART_CENTROIDAL = 1u << 11,          /* Ag, dAg: 6 x nv each; hg, dhg, Ig */
+  DYN_PART_INVERSE_DERIVATIVES = 1u << 12, /* dtau_dq, dtau_dv: nv x nv each */
+  DYN_PART_FORWARD_DERIVATIVES = 1u << 13, /* ddq_dq, ddq_dv: nv x nv each (includes MINV and INVERSE_DERIVATIVES) */
+  DYN_PART_REGRESSOR = 1u << 14,           /* regressor: nv x 10 bodies */
+  DYN_PART_IK = 1u << 15,                  /* inverse kinematics */
+  DYN_PART_SECOND_ORDER = 1u << 16,        /* second derivatives of the inverse dynamics */
+  DYN_PART_ALL = 0x1ffff
 };
 
 /* parts = 0 means DYN_PART_ALL. */

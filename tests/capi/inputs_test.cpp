@@ -185,7 +185,7 @@ TEST(Parts, Absent) {
         dynParts has = 1u << bit;
         if (has & DYN_PART_MINV) has |= DYN_PART_FACTOR;
         if (has & DYN_PART_FACTOR) has |= DYN_PART_MASS;
-        if (has & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES)) has |= DYN_PART_KINEMATICS;
+        if (has & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL | DYN_PART_IK)) has |= DYN_PART_KINEMATICS;
         Prepared p(row, m, other);
         const Snapshot before(m, d);
         if ((row.part & has) == row.part) {

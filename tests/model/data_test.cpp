@@ -44,7 +44,7 @@ TEST(Data, PartsBringWhatTheyNeed) {
   EXPECT_EQ(dynParts(DYN_PART_ALL), complete_parts(0));
   EXPECT_EQ(dynParts(DYN_PART_MINV | DYN_PART_FACTOR | DYN_PART_MASS), complete_parts(DYN_PART_MINV));
   EXPECT_EQ(dynParts(DYN_PART_FACTOR | DYN_PART_MASS), complete_parts(DYN_PART_FACTOR));
-  for (dynParts p : {DYN_PART_JACOBIANS, DYN_PART_COM, DYN_PART_CORIOLIS, DYN_PART_ENERGY, DYN_PART_FRAMES})
+  for (dynParts p : {DYN_PART_JACOBIANS, DYN_PART_COM, DYN_PART_CORIOLIS, DYN_PART_ENERGY, DYN_PART_FRAMES, DYN_PART_CENTROIDAL, DYN_PART_IK})
     EXPECT_EQ(p | DYN_PART_KINEMATICS, complete_parts(p));
   const ModelPtr m = random_tree(6).build();
   EXPECT_LT(data_bytes<double>(*m, DYN_PART_INVERSE), data_bytes<double>(*m, DYN_PART_INVERSE | DYN_PART_FORWARD));

@@ -118,7 +118,13 @@ class Part(enum.IntFlag):
     CORIOLIS = 1 << 8
     ENERGY = 1 << 9
     FRAMES = 1 << 10
-    ALL = 0x7FF
+    CENTROIDAL = 1 << 11
+    INVERSE_DERIVATIVES = 1 << 12
+    FORWARD_DERIVATIVES = 1 << 13
+    REGRESSOR = 1 << 14
+    IK = 1 << 15
+    SECOND_ORDER = 1 << 16
+    ALL = 0x1FFFF
 
 
 class Term(enum.IntFlag):
