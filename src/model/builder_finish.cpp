@@ -15,9 +15,6 @@ namespace dyn {
 
 namespace {
 
-// Depth from which CRBA by columns is the faster one (measured on chains).
-constexpr Index deep_from = 10;
-
 // All strings of the model, each once at its end.
 struct Text {
   std::string pool = std::string(1, '\0');
@@ -114,6 +111,7 @@ ModelPtr Builder::finish() const {
   a.velocity_limit.assign(std::size_t(n.nv), inf), a.effort_limit = a.velocity_limit;
   a.lower_limit.assign(std::size_t(n.nq), -inf), a.upper_limit.assign(std::size_t(n.nq), inf);
   a.neutral.assign(std::size_t(n.nq), 0);
+  a.own_v.assign(std::size_t(n.nv), 0);
 
   bool mimic = false;
   for (int j : order) {
@@ -159,7 +157,11 @@ ModelPtr Builder::finish() const {
       });
       const Index nq = primitive_nq(b.type), nv = primitive_nv(b.type);
       for (Index k = 0; k < nq; ++k) a.expand_q.push_back(user_q + k), a.ratio_q.push_back(l.ratio), a.offset_q.push_back(l.offset);
-      for (Index k = 0; k < nv; ++k) a.expand_v.push_back(user_v + k), a.ratio_v.push_back(l.ratio);
+      for (Index k = 0; k < nv; ++k) {
+        a.expand_v.push_back(user_v + k), a.ratio_v.push_back(l.ratio);
+        if (follower) a.followers.push_back(n.nvx + k);
+        else a.own_v[std::size_t(user_v + k)] = n.nvx + k;
+      }
       n.nqx += nq, n.nvx += nv, user_q += nq, user_v += nv;
       body_parent = Index(a.bodies.size());
       before = rotation_only(transpose(Z));
@@ -192,7 +194,7 @@ ModelPtr Builder::finish() const {
   if (mimic) {
     n.mimic_q = n.nqx, n.mimic_v = n.nvx;
   } else {
-    a.expand_q.clear(), a.ratio_q.clear(), a.offset_q.clear(), a.expand_v.clear(), a.ratio_v.clear();
+    a.expand_q.clear(), a.ratio_q.clear(), a.offset_q.clear(), a.expand_v.clear(), a.ratio_v.clear(), a.own_v.clear();
   }
 
   // frames, and the inertia of what they carry
@@ -255,6 +257,13 @@ ModelPtr Builder::finish() const {
     }
   }
   n.runs = Index(a.runs.size());
+  a.dof_end.assign(std::size_t(n.nvx + 3) / 4 * 4, 0);
+  for (Index i = 1; i < n.bodies; ++i) {
+    const Body& b = a.bodies[std::size_t(i)];
+    const Index next = a.subtree_end[std::size_t(i)];
+    for (int k = 0; k < primitive_nv(b.type); ++k)
+      a.dof_end[std::size_t(b.idx_v + k)] = next < n.bodies ? a.bodies[std::size_t(next)].idx_v : n.nvx;
+  }
 
   // ids by name
   auto precedence = [&](Index k) { return a.frames[std::size_t(k)].type == DYN_FRAME_BODY ? 1 : 0; };
@@ -291,10 +300,6 @@ ModelPtr Builder::finish() const {
   model->n = n;
   model->model_name = name;
   model->has_mimic = mimic;
-  std::vector<Index> depth(std::size_t(n.bodies), 0);  // degrees of freedom that support a body
-  for (Index i = 1; i < n.bodies; ++i)
-    depth[std::size_t(i)] = depth[std::size_t(a.bodies[std::size_t(i)].parent)] + primitive_nv(a.bodies[std::size_t(i)].type);
-  model->deep = *std::max_element(depth.begin(), depth.end()) > deep_from;
   std::copy(in.gravity.begin(), in.gravity.end(), model->gravity);
   for (Index i = 1; i < n.bodies; ++i) model->total_mass += a.bodies[std::size_t(i)].m;
   std::copy(std::begin(offset), std::end(offset), model->offset);

@@ -10,7 +10,7 @@ TEST(DataNew, Refusals) {
   dynData* d = nullptr;
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_new(m, 0, nullptr));
   EXPECT_TRUE(says({"dyn_data_new", "data is NULL", "address"}));
-  for (dynParts parts : {0x800u, 0x80000000u, 0xffffffffu}) {
+  for (dynParts parts : {dynParts(DYN_PART_ALL) + 1, 0x80000000u, 0xffffffffu}) {
     EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_new(m, parts, &d));
     EXPECT_TRUE(says({"dyn_data_new", "unknown bits", "DYN_PART_"}));
     EXPECT_EQ(0u, dyn_data_size(m, parts));

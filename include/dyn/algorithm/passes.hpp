@@ -96,15 +96,12 @@ DYN_INLINE Inertia<T> world_inertia(const Body& b, const Mat3<T>& R) {
   return {T(b.m), R * cast<T>(b.h), congruence(R, cast<T>(b.I))};
 }
 
-// Y s, with what is zero in the columns of J left out.
+// Y s for the k-th column s of J, with what is zero in it left out.
 template <class J, class T>
-DYN_INLINE Force<T> momentum(const Inertia<T>& Y, const Motion<T>& s) {
-  if constexpr (!J::translates)
-    return {cross(s.angular, Y.h), Y.I * s.angular};
-  else if constexpr (!J::rotates)
-    return {s.linear * Y.m, cross(Y.h, s.linear)};
-  else
-    return Y * s;
+DYN_INLINE Force<T> momentum(const Inertia<T>& Y, const Motion<T>& s, int k) {
+  if (!J::translates_at(k)) return {cross(s.angular, Y.h), Y.I * s.angular};
+  if (!J::rotates_at(k)) return {s.linear * Y.m, cross(Y.h, s.linear)};
+  return Y * s;
 }
 
 }  // namespace dyn

@@ -39,9 +39,32 @@ struct Pack {
   DYN_PACK_OPERATOR(*)
 #undef DYN_PACK_OPERATOR
   DYN_INLINE T operator[](int k) const { return x[k]; }
+
+  static DYN_INLINE Pack from(const Index* p) {
+    Pack a;
+    for (int k = 0; k < W; ++k) a.x[k] = T(p[k]);
+    return a;
+  }
+  // 0 but for the lanes in which a > b
+  DYN_INLINE Pack where_above(const Pack& a, T b) const {
+    Pack c;
+    for (int k = 0; k < W; ++k) c.x[k] = a.x[k] > b ? x[k] : T(0);
+    return c;
+  }
+  // lanes first and on from a
+  template <int first>
+  DYN_INLINE Pack with_tail(const Pack& a) const {
+    Pack c;
+    for (int k = 0; k < W; ++k) c.x[k] = k < first ? x[k] : a.x[k];
+    return c;
+  }
 };
 
 #if DYN_LANES == 4
+typedef double Numbers __attribute__((vector_size(32)));
+typedef long long Integers __attribute__((vector_size(32)));
+typedef Index Indices __attribute__((vector_size(16)));
+
 template <int W>
 struct Pack<double, W> {
   typedef double Lanes __attribute__((vector_size(8 * W)));
@@ -65,27 +88,61 @@ struct Pack<double, W> {
     store(numbers);
     return numbers[k];
   }
+
+  static DYN_INLINE Pack from(const Index* p) {
+    static_assert(W == 4);
+    Indices i;
+    std::memcpy(&i, p, sizeof i);
+    return {__builtin_convertvector(i, Numbers)};
+  }
+  DYN_INLINE Pack where_above(const Pack& a, double b) const { return {a.x > b ? x : Lanes{}}; }
+  template <int first>
+  DYN_INLINE Pack with_tail(const Pack& a) const {
+    static_assert(W == 4);
+    return {__builtin_shufflevector(x, a.x, 0, first > 1 ? 1 : 5, first > 2 ? 2 : 6, first > 3 ? 3 : 7)};
+  }
 };
+#endif
+
+// The first count lanes alone.
+template <class T>
+DYN_INLINE void store(const Pack<T, 4>& a, T* p, int count) {
+  for (int k = 0; k < count; ++k) p[k] = a[k];
+}
+#ifdef __AVX__
+DYN_INLINE void store(const Pack<double, 4>& a, double* p, int count) {
+  __builtin_ia32_maskstorepd256(reinterpret_cast<Numbers*>(p), Integers{0, 1, 2, 3} < (long long)count, a.x);
+}
+#endif
+
+// Rows of a 4 x 4 matrix from its columns.
+template <class P>
+DYN_INLINE void transpose4(const P& a, const P& b, const P& c, const P& d, P& x, P& y, P& z, P& w) {
+  for (int k = 0; k < 4; ++k) {
+    const P& s = k == 0 ? a : k == 1 ? b : k == 2 ? c : d;
+    x.x[k] = s.x[0], y.x[k] = s.x[1], z.x[k] = s.x[2], w.x[k] = s.x[3];
+  }
+}
+#if DYN_LANES == 4
+DYN_INLINE void transpose4(const Pack<double, 4>& a, const Pack<double, 4>& b, const Pack<double, 4>& c, const Pack<double, 4>& d,
+                           Pack<double, 4>& x, Pack<double, 4>& y, Pack<double, 4>& z, Pack<double, 4>& w) {
+  using L = Pack<double, 4>::Lanes;
+  const L ab0 = __builtin_shufflevector(a.x, b.x, 0, 4, 2, 6), ab1 = __builtin_shufflevector(a.x, b.x, 1, 5, 3, 7);
+  const L cd0 = __builtin_shufflevector(c.x, d.x, 0, 4, 2, 6), cd1 = __builtin_shufflevector(c.x, d.x, 1, 5, 3, 7);
+  x = {__builtin_shufflevector(ab0, cd0, 0, 1, 4, 5)};
+  y = {__builtin_shufflevector(ab1, cd1, 0, 1, 4, 5)};
+  z = {__builtin_shufflevector(ab0, cd0, 2, 3, 6, 7)};
+  w = {__builtin_shufflevector(ab1, cd1, 2, 3, 6, 7)};
+}
 #endif
 
 // b[k + ldb * c] = a[c + lda * k] for a 4 x 4 piece
 template <class T>
 DYN_INLINE void transpose4(const T* a, std::ptrdiff_t lda, T* b, std::ptrdiff_t ldb) {
-  for (int c = 0; c < 4; ++c)
-    for (int k = 0; k < 4; ++k) b[k + ldb * c] = a[c + lda * k];
+  using P = Pack<T, 4>;
+  P x, y, z, w;
+  transpose4(P::load(a), P::load(a + lda), P::load(a + 2 * lda), P::load(a + 3 * lda), x, y, z, w);
+  x.store(b), y.store(b + ldb), z.store(b + 2 * ldb), w.store(b + 3 * ldb);
 }
-#if DYN_LANES == 4
-DYN_INLINE void transpose4(const double* a, std::ptrdiff_t lda, double* b, std::ptrdiff_t ldb) {
-  using L = Pack<double, 4>::Lanes;
-  const L p = Pack<double, 4>::load(a).x, q = Pack<double, 4>::load(a + lda).x;
-  const L r = Pack<double, 4>::load(a + 2 * lda).x, s = Pack<double, 4>::load(a + 3 * lda).x;
-  const L pq0 = __builtin_shufflevector(p, q, 0, 4, 2, 6), pq1 = __builtin_shufflevector(p, q, 1, 5, 3, 7);
-  const L rs0 = __builtin_shufflevector(r, s, 0, 4, 2, 6), rs1 = __builtin_shufflevector(r, s, 1, 5, 3, 7);
-  Pack<double, 4>{__builtin_shufflevector(pq0, rs0, 0, 1, 4, 5)}.store(b);
-  Pack<double, 4>{__builtin_shufflevector(pq1, rs1, 0, 1, 4, 5)}.store(b + ldb);
-  Pack<double, 4>{__builtin_shufflevector(pq0, rs0, 2, 3, 6, 7)}.store(b + 2 * ldb);
-  Pack<double, 4>{__builtin_shufflevector(pq1, rs1, 2, 3, 6, 7)}.store(b + 3 * ldb);
-}
-#endif
 
 }  // namespace dyn

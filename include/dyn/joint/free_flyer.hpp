@@ -8,6 +8,8 @@ namespace dyn {
 struct FreeFlyer : Joint<FreeFlyer> {
   static constexpr int nq = 7, nv = 6;
   static constexpr bool rotates = true, translates = true;
+  static constexpr bool rotates_at(int k) { return k >= 3; }
+  static constexpr bool translates_at(int k) { return k < 3; }
 
   template <class T>
   static DYN_INLINE void place(const Body&, const T* q, T, T, SE3<T>& X) {

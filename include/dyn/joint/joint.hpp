@@ -6,6 +6,7 @@
 //   angle             it reads (cos q, sin q) from the vectorised sweep
 //   rotates           its columns have an angular part
 //   translates        its columns have a linear part
+//   rotates_at(k), translates_at(k)   the same of the k-th column alone
 //   place(b, q, c, s, X)        X: the joint frame in the parent -> the body in the parent
 //   velocity(b, R, v)           motion of the body relative to the joint frame
 //   acceleration(b, R, v, a)    its derivative in the joint frame
@@ -61,6 +62,8 @@ inline void set_block(const Block<T>& B, int row, int col, const Mat3<T>& A) {
 template <class J>
 struct Joint {
   static constexpr bool angle = false;
+  static constexpr bool rotates_at(int) { return J::rotates; }
+  static constexpr bool translates_at(int) { return J::translates; }
 
   // Configurations: q in R^n unless the joint says otherwise.
   template <class T>

@@ -1,6 +1,7 @@
 // What the robot is doing: every buffer, laid out once in one 64-byte aligned arena. Generated from data_fields.def.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <type_traits>
@@ -31,6 +32,9 @@ inline constexpr unsigned stage_inputs(Stage s) {
     default: return Q;
   }
 }
+
+// Numbers of degrees of freedom in whole tiles of four (algorithm/tiles.hpp).
+inline std::ptrdiff_t tile_room(std::ptrdiff_t n) { return (n + 3) / 4 * 4; }
 
 // First expanded degree of freedom at or after body i.
 inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
@@ -146,8 +150,9 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nv; ++i) d.v[i] = d.a[i] = d.tau_applied[i] = T(0);
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
-  if (d.M)  // entries of unrelated joints are zero for good
-    for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(m.n.nv) * m.n.nv; ++k) d.M[k] = T(0);
+  // entries of unrelated joints are zero for good
+  if (d.M) std::fill_n(d.M, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
+  if (d.Mx) std::fill_n(d.Mx, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   for (Index i = 0; i < sweep_room(m.n.angles); ++i) d.angle[i] = T(0);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac})

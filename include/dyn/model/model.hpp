@@ -66,7 +66,6 @@ struct Model {
   ModelSizes n;
   Index model_name;  // offset in text
   Index has_mimic;   // 1: some joint follows another
-  Index deep;        // 1: many degrees of freedom support one body, so that CRBA goes by columns (crba_deep.hpp)
   double gravity[3];
   double total_mass;
 

@@ -1,0 +1,116 @@
+// Matrices over pairs of degrees of freedom with the tree's sparsity, in tiles of 4 x 4: an entry is non-zero only where one
+// of the two supports the other, i.e. for j in [i, end of i's subtree) or the reverse. Four rows i lie side by side in the lanes
+// of six packs; a column j is a 6-vector whose components every lane shares. So a tile costs products alone: no shift from body to
+// body, no sum across lanes.
+#pragma once
+
+#include "dyn/base/pack.hpp"
+#include "dyn/model/model.hpp"
+#include "dyn/spatial/motion.hpp"
+
+namespace dyn {
+
+template <class T>
+DYN_INLINE Pack<T, 4> quad(const Vec3<T>& a) {
+  if constexpr (sizeof a == sizeof(Pack<T, 4>))
+    return {a.v};
+  else
+    return {{a[0], a[1], a[2], T(0)}};
+}
+
+// Four 6-vectors by components: linear x, y, z, angular x, y, z.
+template <class T>
+struct Six {
+  using P = Pack<T, 4>;
+  P x, y, z, u, v, w;
+
+  template <class V>  // Motion or Force
+  static DYN_INLINE Six transposed(const V* s) {
+    Six a;
+    P rest;
+    transpose4(quad(s[0].linear), quad(s[1].linear), quad(s[2].linear), quad(s[3].linear), a.x, a.y, a.z, rest);
+    transpose4(quad(s[0].angular), quad(s[1].angular), quad(s[2].angular), quad(s[3].angular), a.u, a.v, a.w, rest);
+    return a;
+  }
+  template <class V>
+  DYN_INLINE P dot(const V& f) const {
+    return (x * f.linear[0] + y * f.linear[1] + z * f.linear[2]) + (u * f.angular[0] + v * f.angular[1] + w * f.angular[2]);
+  }
+};
+
+// A tile: columns j0 .. j0 + 3 as packs over the rows i0 .. i0 + 3.
+template <class T>
+struct Tile {
+  using P = Pack<T, 4>;
+  P a, b, c, d;
+  DYN_INLINE Tile transposed() const {
+    Tile t;
+    transpose4(a, b, c, d, t.a, t.b, t.c, t.d);
+    return t;
+  }
+};
+
+// The square matrix in which tiles are stored: n x n, column-major.
+template <class T>
+struct TiledMatrix {
+  using P = Pack<T, 4>;
+  T* p;
+  std::ptrdiff_t n;
+
+  DYN_INLINE void store(const Tile<T>& t, std::ptrdiff_t i0, std::ptrdiff_t j0) const {
+    T* at = p + i0 + n * j0;
+    if (i0 + 4 <= n && j0 + 4 <= n) [[likely]] {
+      t.a.store(at), t.b.store(at + n), t.c.store(at + 2 * n), t.d.store(at + 3 * n);
+      return;
+    }
+    const int rows = int(i0 + 4 <= n ? 4 : n - i0), columns = int(j0 + 4 <= n ? 4 : n - j0);
+    dyn::store(t.a, at, rows);
+    if (columns > 1) dyn::store(t.b, at + n, rows);
+    if (columns > 2) dyn::store(t.c, at + 2 * n, rows);
+    if (columns > 3) dyn::store(t.d, at + 3 * n, rows);
+  }
+  // the tile on the diagonal from its upper and, transposed, its lower triangle
+  DYN_INLINE void store_diagonal(const Tile<T>& upper, const Tile<T>& lower, std::ptrdiff_t i0) const {
+    store({upper.a.template with_tail<1>(lower.a), upper.b.template with_tail<2>(lower.b), upper.c.template with_tail<3>(lower.c), upper.d}, i0, i0);
+  }
+};
+
+// f(rows, i0, j0, mask) for the tiles on and above the diagonal that are not zero; mask(j, x) clears the lanes whose degree of
+// freedom does not support j. rows = begin(i0) is what the tiles of four rows share.
+template <class T, class Begin, class F>
+DYN_INLINE void for_each_tile(const Model& m, Begin&& begin, F&& f) {
+  using P = Pack<T, 4>;
+  const Index* ends = m.dof_end();
+  for (std::ptrdiff_t i0 = 0; i0 < m.n.nvx; i0 += 4) {
+    const Index* e = ends + i0;
+    const Index longest = std::max(std::max(e[0], e[1]), std::max(e[2], e[3]));
+    const Index shortest = std::min(std::min(e[0], e[1]), std::min(e[2], e[3]));
+    const P end = P::from(e);
+    const auto rows = begin(i0);
+    std::ptrdiff_t j0 = i0;
+    for (; j0 + 4 <= shortest; j0 += 4) f(rows, i0, j0, [](std::ptrdiff_t, const P& x) DYN_INLINE_LAMBDA { return x; });
+    for (; j0 < longest; j0 += 4)
+      f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
+  }
+}
+
+// M = G^T X G for v_x = G v: the rows and columns of a mimic's followers added to their leader's.
+template <class T>
+void contract(const Model& m, const T* X, T* M) {
+  const std::ptrdiff_t n = m.n.nv, nx = m.n.nvx;
+  const Index *own = m.own_v(), *followers = m.followers(), *leader = m.expand_v();
+  const double* ratio = m.ratio_v();
+  for (std::ptrdiff_t j = 0; j < n; ++j)
+    for (std::ptrdiff_t i = 0; i < n; ++i) M[i + n * j] = X[own[i] + nx * own[j]];
+  for (std::ptrdiff_t k = 0; k < nx - n; ++k) {
+    const std::ptrdiff_t f = followers[k], at = leader[f];
+    const T r = T(ratio[f]);
+    for (std::ptrdiff_t i = 0; i < n; ++i) M[at + n * i] += r * X[f + nx * own[i]], M[i + n * at] += r * X[own[i] + nx * f];
+    for (std::ptrdiff_t l = 0; l < nx - n; ++l) {
+      const std::ptrdiff_t g = followers[l];
+      M[at + n * leader[g]] += r * T(ratio[g]) * X[f + nx * g];
+    }
+  }
+}
+
+}  // namespace dyn
