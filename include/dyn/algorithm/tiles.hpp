@@ -76,21 +76,25 @@ struct TiledMatrix {
 };
 
 // f(rows, i0, j0, mask) for the tiles on and above the diagonal that are not zero; mask(j, x) clears the lanes whose degree of
-// freedom does not support j. rows = begin(i0) is what the tiles of four rows share.
+// freedom does not support j. rows = begin(i0) is what the tiles of four rows share. Panels of 256 columns keep what is being
+// written, and its mirror image, in the cache.
 template <class T, class Begin, class F>
 DYN_INLINE void for_each_tile(const Model& m, Begin&& begin, F&& f) {
   using P = Pack<T, 4>;
-  const Index* ends = m.dof_end();
-  for (std::ptrdiff_t i0 = 0; i0 < m.n.nvx; i0 += 4) {
-    const Index* e = ends + i0;
-    const Index longest = std::max(std::max(e[0], e[1]), std::max(e[2], e[3]));
-    const Index shortest = std::min(std::min(e[0], e[1]), std::min(e[2], e[3]));
-    const P end = P::from(e);
-    const auto rows = begin(i0);
-    std::ptrdiff_t j0 = i0;
-    for (; j0 + 4 <= shortest; j0 += 4) f(rows, i0, j0, [](std::ptrdiff_t, const P& x) DYN_INLINE_LAMBDA { return x; });
-    for (; j0 < longest; j0 += 4)
-      f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
+  for (std::ptrdiff_t panel = 0; panel < m.n.nvx; panel += 256) {
+    const std::ptrdiff_t panel_end = std::min<std::ptrdiff_t>(panel + 256, m.n.nvx);
+    for (std::ptrdiff_t i0 = 0; i0 < panel_end; i0 += 4) {
+      const Index* e = m.dof_end() + i0;
+      const std::ptrdiff_t longest = std::min<std::ptrdiff_t>(std::max(std::max(e[0], e[1]), std::max(e[2], e[3])), panel_end);
+      const std::ptrdiff_t shortest = std::min<std::ptrdiff_t>(std::min(std::min(e[0], e[1]), std::min(e[2], e[3])), panel_end);
+      std::ptrdiff_t j0 = std::max(i0, panel);
+      if (j0 >= longest) continue;
+      const P end = P::from(e);
+      const auto rows = begin(i0);
+      for (; j0 + 4 <= shortest; j0 += 4) f(rows, i0, j0, [](std::ptrdiff_t, const P& x) DYN_INLINE_LAMBDA { return x; });
+      for (; j0 < longest; j0 += 4)
+        f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
+    }
   }
 }
 
