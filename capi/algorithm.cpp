@@ -1,7 +1,7 @@
 // Kinematics and dynamics: thin wrappers. Each checks its inputs, sets them, computes, and copies out.
 #include <cmath>
 
-#include "guard.hpp"
+#include "checks.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -43,9 +43,9 @@ Index beyond(const Vec3<double>* x, Index n, double bound) {
   return n;
 }
 
-// Placements (level 0), velocities (1) and accelerations (2) of the bodies are within bounds; otherwise they are dropped and the
-// inputs of this call are taken back.
-bool moderate(Call& call, int level) {
+}  // namespace
+
+bool dyn::capi::moderate(Call& call, int level) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   const struct {
@@ -69,6 +69,8 @@ bool moderate(Call& call, int level) {
   return true;
 }
 
+namespace {
+
 // The same for what a frame query reads, which another call may have computed without looking.
 bool moderate_frame(Call& call, int frame, int level) {
   const Model& m = call.m();
@@ -86,15 +88,19 @@ bool moderate_frame(Call& call, int frame, int level) {
   return true;
 }
 
-dynStatus singular(Call& call, Index joint, Stage stage) {
+}  // namespace
+
+dynStatus dyn::capi::singular(Call& call, Index body, Stage stage) {
   call.drop_results();
   call.d().drop(stage);
   call.d().drop(Stage::Factor);  // with mimic joints it was being written
   call.take_back();
   const Model& m = call.m();
   return fail(DYN_ERROR_NUMERIC, "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave this configuration",
-              m.string(m.joints()[joint].name));
+              m.string(m.joints()[body].name));
 }
+
+namespace {
 
 // Inverse dynamics into a field; v and a may be the zeros of data.
 dynStatus inverse(Call& call, const double* v, const double* a, const double* fext, double* field, Stage stage, const char* name, double* out) {
@@ -106,10 +112,29 @@ dynStatus inverse(Call& call, const double* v, const double* a, const double* fe
   return DYN_OK;
 }
 
-// The universe's column does not count.
-bool check_fext(Call& call, const double* fext) { return call.finite("fext", fext, 6 * call.m().n.joints, 6); }
-
 }  // namespace
+
+bool dyn::capi::finite_mass(Call& call) {
+  if (!moderate(call, 0)) return false;
+  Data<double>& d = call.d();
+  const std::ptrdiff_t nv = call.m().n.nv;
+  double sum = 0;
+  for (std::ptrdiff_t k = 0; k < nv; ++k) sum += d.M[k + nv * k] * 0;
+  return sum == 0 || call.numeric(d.M, Index(nv * nv), "M", Stage::Mass);
+}
+
+dynStatus dyn::capi::factor(Call& call) {
+  if (const Index failed = factorize(call.m(), call.d())) {
+    call.d().drop(Stage::Factor);
+    const Model& m = call.m();
+    const char* name = "?";
+    for (Index j = 1; j < m.n.joints; ++j)
+      if (m.joints()[j].idx_v <= failed - 1) name = m.joints()[j].nv ? m.string(m.joints()[j].name) : name;
+    call.take_back();
+    return call.status = fail(DYN_ERROR_NUMERIC, "M is not positive at joint '%s': this configuration is singular; add armature or leave it", name);
+  }
+  return DYN_OK;
+}
 
 extern "C" {
 
@@ -310,16 +335,6 @@ dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const d
   return DYN_OK;
 }
 
-// The diagonal of M is finite when M is, for placements within bounds.
-static bool finite_mass(Call& call) {
-  if (!moderate(call, 0)) return false;
-  Data<double>& d = call.d();
-  const std::ptrdiff_t nv = call.m().n.nv;
-  double sum = 0;
-  for (std::ptrdiff_t k = 0; k < nv; ++k) sum += d.M[k + nv * k] * 0;
-  return sum == 0 || call.numeric(d.M, Index(nv * nv), "M", Stage::Mass);
-}
-
 dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q, double* M) {
   Call call(model, data, DYN_PART_MASS, "dyn_crba");
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
@@ -327,19 +342,6 @@ dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q, double
   crba(call.m(), d);
   if (!finite_mass(call)) return call.status;
   copy_out(d.M, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, M);
-  return DYN_OK;
-}
-
-static dynStatus factor(Call& call) {
-  if (const Index failed = factorize(call.m(), call.d())) {
-    call.d().drop(Stage::Factor);
-    const Model& m = call.m();
-    const char* name = "?";
-    for (Index j = 1; j < m.n.joints; ++j)
-      if (m.joints()[j].idx_v <= failed - 1) name = m.joints()[j].nv ? m.string(m.joints()[j].name) : name;
-    call.take_back();
-    return call.status = fail(DYN_ERROR_NUMERIC, "M is not positive at joint '%s': this configuration is singular; add armature or leave it", name);
-  }
   return DYN_OK;
 }
 

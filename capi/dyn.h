@@ -405,6 +405,11 @@ DYN_API dynStatus dyn_factorize(const dynModel* model, dynData* data);
 DYN_API dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x);
 /* Minv = M^-1, nv x nv, full and symmetric; includes CRBA and its factor. */
 DYN_API dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, double* Minv);
+/* Derivatives of inverse dynamics, analytic, O(n depth): dtau_dq and dtau_dv, nv x nv each (either may be NULL), on the tangent
+   space: column k of dtau_dq is the derivative along q (+) e_k t. fext is constant in the joints' frames. Includes M (which is
+   dtau/da), tau, and placements. (Singh, Russell, Wensing 2022) */
+DYN_API dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                       const double* fext, double* dtau_dq, double* dtau_dv);
 /* Kinetic (v' M v / 2, armature included) and potential energy (zero at the world's origin), joules; each may be NULL. */
 DYN_API dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic, double* potential);
 

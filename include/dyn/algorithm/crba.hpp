@@ -8,6 +8,12 @@
 
 namespace dyn {
 
+// Rotors on the diagonal of d.M, which is then complete.
+template <class T>
+void add_armature(const Model& m, Data<T>& d) {
+  for (std::ptrdiff_t k = 0; k < m.n.nv; ++k) d.M[k + m.n.nv * k] += T(m.armature()[k]);
+}
+
 // d.M, full and symmetric.
 template <class T>
 void crba(const Model& m, Data<T>& d) {
@@ -49,12 +55,8 @@ void crba(const Model& m, Data<T>& d) {
         M.store(t, i0, j0);
         M.store(other, j0, i0);
       });
-  if (m.has_mimic) {
-    contract(m, d.Mx, d.M);
-    for (std::ptrdiff_t j = 0; j < m.n.nv; ++j)  // symmetric to the last bit
-      for (std::ptrdiff_t i = 0; i < j; ++i) d.M[j + m.n.nv * i] = d.M[i + m.n.nv * j];
-  }
-  for (std::ptrdiff_t k = 0; k < m.n.nv; ++k) d.M[k + m.n.nv * k] += T(m.armature()[k]);
+  if (m.has_mimic) contract_symmetric(m, d.Mx, d.M);
+  add_armature(m, d);
   d.done(Stage::Mass);
 }
 

@@ -19,6 +19,8 @@ template <class T> Index factorize(const Model&, Data<T>&);
 template <class T> void solve(const Model&, const Data<T>&, T* x);
 template <class T> void invert(const Model&, Data<T>&);
 template <class T> void coriolis_matrix(const Model&, Data<T>&);
+// rnea_derivatives.hpp
+template <class T> void rnea_derivatives(const Model&, Data<T>&, const T* v, const T* a, const T* fext);
 // jacobian.hpp
 template <class T> void joint_jacobians(const Model&, Data<T>&);
 template <class T> void joint_jacobians_time_variation(const Model&, Data<T>&);

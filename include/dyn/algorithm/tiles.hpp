@@ -34,8 +34,9 @@ struct Six {
   }
   template <class V>
   DYN_INLINE P dot(const V& f) const {
-    return (x * f.linear[0] + y * f.linear[1] + z * f.linear[2]) + (u * f.angular[0] + v * f.angular[1] + w * f.angular[2]);
+    return (x * f.linear[0] + y * f.linear[1] + z * f.linear[2]) + dot_angular(f.angular);
   }
+  DYN_INLINE P dot_angular(const Vec3<T>& n) const { return u * n[0] + v * n[1] + w * n[2]; }
 };
 
 // A tile: columns j0 .. j0 + 3 as packs over the rows i0 .. i0 + 3.
@@ -115,6 +116,15 @@ void contract(const Model& m, const T* X, T* M) {
       M[at + n * leader[g]] += r * T(ratio[g]) * X[f + nx * g];
     }
   }
+}
+
+// The same for a symmetric X: symmetric to the last bit.
+template <class T>
+void contract_symmetric(const Model& m, const T* X, T* M) {
+  contract(m, X, M);
+  const std::ptrdiff_t n = m.n.nv;
+  for (std::ptrdiff_t j = 0; j < n; ++j)
+    for (std::ptrdiff_t i = 0; i < j; ++i) M[j + n * i] = M[i + n * j];
 }
 
 }  // namespace dyn

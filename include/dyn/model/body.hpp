@@ -12,7 +12,8 @@ struct Body {
   Mat3<double> F;  // joint frame at q = 0 in the parent body's frame: axes
   Vec3<double> r;  //   and origin
   Vec3<double> h;  // first moment m c in the body's frame, kg m
-  Mat3<double> I;  // second moment about the body's origin, kg m^2
+  Mat3<double> I;  // inertia about the body's origin, kg m^2
+  Mat3<double> P;  // tr(I) 1 / 2 - I, the integral of x x^T dm
   double m;        // mass, kg
   double pitch;    // helical: m/rad
   double ratio, offset;  // follower of a mimic: q = ratio q_leader + offset; otherwise 1 and 0

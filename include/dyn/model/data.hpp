@@ -9,13 +9,15 @@
 #include "dyn/base/sincos.hpp"
 #include "dyn/model/model.hpp"
 #include "dyn/spatial/inertia.hpp"
+#include "dyn/spatial/moments.hpp"
 
 namespace dyn {
 
 // What is computed, and from what: a field is fresh when its stage was computed for the current versions of its inputs.
 enum class Stage : Index {
   State, Position, Velocity, Acceleration, Frames, Jacobians, DJacobians, Com, Vcom, Acom, Jcom, Tau, Nle, Gravity, Static, Ddq,
-  Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical, count_
+  Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical,
+  InverseDerivatives, ForwardDerivatives, count_
 };
 
 enum Input : Index { input_q, input_v, input_a, input_tau, input_count };
@@ -27,8 +29,8 @@ inline constexpr unsigned stage_inputs(Stage s) {
     case Stage::State: return 0;
     case Stage::Velocity: case Stage::DJacobians: case Stage::Vcom: case Stage::Nle: case Stage::Coriolis: case Stage::Kinetic:
     case Stage::Mechanical: return Q | V;
-    case Stage::Acceleration: case Stage::Acom: case Stage::Tau: return Q | V | A;
-    case Stage::Ddq: return Q | V | TAU;
+    case Stage::Acceleration: case Stage::Acom: case Stage::Tau: case Stage::InverseDerivatives: return Q | V | A;
+    case Stage::Ddq: case Stage::ForwardDerivatives: return Q | V | TAU;
     default: return Q;
   }
 }
@@ -44,6 +46,14 @@ enum class FieldId : Index {
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) name,
 #include "dyn/model/data_fields.def"
   count_
+};
+
+// Sums over a subtree, at the tree's root in world axes.
+template <class T>
+struct Composite {
+  Moments<T> Y;
+  MomentRates<T> rates;
+  Force<T> f;
 };
 
 template <class T>
@@ -151,8 +161,10 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
   // entries of unrelated joints are zero for good
-  if (d.M) std::fill_n(d.M, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
-  if (d.Mx) std::fill_n(d.Mx, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
+  for (T* x : {d.M, d.dtau_dq, d.dtau_dv})
+    if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
+  for (T* x : {d.Mx, d.dqx, d.dvx})
+    if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   for (Index i = 0; i < sweep_room(m.n.angles); ++i) d.angle[i] = T(0);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac})

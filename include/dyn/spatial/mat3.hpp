@@ -58,6 +58,25 @@ template <class T>
 DYN_INLINE Mat3<T> outer(const Vec3<T>& a, const Vec3<T>& b) {
   return {a * b[0], a * b[1], a * b[2]};
 }
+// A B^T
+template <class T>
+DYN_INLINE Mat3<T> times_transpose(const Mat3<T>& A, const Mat3<T>& B) {
+  return {A.x * B.x[0] + A.y * B.y[0] + A.z * B.z[0], A.x * B.x[1] + A.y * B.y[1] + A.z * B.z[1], A.x * B.x[2] + A.y * B.y[2] + A.z * B.z[2]};
+}
+// tr(A) (1, 1, 1)
+template <class T>
+DYN_INLINE Vec3<T> trace3(const Mat3<T>& A) {
+  const T t = A.x[0] + A.y[1] + A.z[2];
+  return Vec3<T>::make(t, t, t);
+}
+#if DYN_LANES == 4
+template <>
+DYN_INLINE Vec3<double> trace3(const Mat3<double>& A) {
+  const auto xy = __builtin_shufflevector(A.x.v, A.y.v, 0, 5, 2, 3);
+  const Vec3<double> d{__builtin_shufflevector(xy, A.z.v, 0, 1, 6, 3)};
+  return d + yzx(d) + zxy(d);
+}
+#endif
 // [a]x B
 template <class T>
 DYN_INLINE Mat3<T> cross(const Vec3<T>& a, const Mat3<T>& B) {

@@ -1,0 +1,62 @@
+// Analytic derivatives against central differences in quadruple precision (truncation 1e-16 of the third derivative).
+#include "algorithm/trees.hpp"
+#include "dyn/algorithm/rnea_derivatives.hpp"
+
+namespace dyn_test {
+namespace {
+
+// Column k: f's derivative along the k-th direction of the tangent space at q, or of v.
+template <class F>
+MatrixXd by_q(const Case& c, F&& f) {
+  MatrixXd out(c.nv, c.nv);
+  for (Index k = 0; k < c.nv; ++k)
+    out.col(k) = rate([&](Quad t) { return f(on_path(c.m, c.x.q, VectorXd::Unit(c.nv, k), VectorXd::Zero(c.nv), t), Quads(c.x.v.begin(), c.x.v.end())); }, c.nv);
+  return out;
+}
+template <class F>
+MatrixXd by_v(const Case& c, F&& f) {
+  MatrixXd out(c.nv, c.nv);
+  const Quads q(c.x.q.begin(), c.x.q.end());
+  for (Index k = 0; k < c.nv; ++k)
+    out.col(k) = rate(
+        [&](Quad t) {
+          Quads v(c.x.v.begin(), c.x.v.end());
+          v[std::size_t(k)] += t;
+          return f(q, v);
+        },
+        c.nv);
+  return out;
+}
+
+TreeOptions up_to(int joints) {
+  TreeOptions options;
+  options.joints = joints;
+  return options;
+}
+
+TEST(Derivatives, OfInverseDynamics) {
+  for_trees(
+      [](Case& c) {
+        Dice dice(7);
+        const auto fext = dice.vector(6 * c.m.n.joints, 10);
+        const Quads f(fext.begin(), fext.end());
+        Work<Quad> w(c.m, DYN_PART_INVERSE);
+        auto tau = [&](const Quads& q, const Quads& v) {
+          Quads out(std::size_t(c.nv));
+          w.q(q).v(v).a(c.x.a);
+          inverse_dynamics<Quad>(c.m, w.d, w.d.v, w.d.a, f.data(), out.data());
+          return out;
+        };
+        rnea_derivatives(c.m, c.w.d, c.w.d.v, c.w.d.a, fext.data());
+        const MatrixXd dq = by_q(c, tau), dv = by_v(c, tau), M = matrix(c.w.d.M, c.nv, c.nv);
+        const double scale = c.terms(c.x.a) + largest(dq);
+        EXPECT_LE(gap(matrix(c.w.d.dtau_dq, c.nv, c.nv), dq), tol * scale);
+        EXPECT_LE(gap(matrix(c.w.d.dtau_dv, c.nv, c.nv), dv), tol * (scale + largest(dv)));
+        EXPECT_LE(gap(matrix(c.w.d.tau, c.nv), c.rnea(c.x.v, c.x.a, fext.data())), tol * scale);
+        EXPECT_LE(gap(M, c.M()), tol * largest(M));
+      },
+      60, up_to(12));
+}
+
+}  // namespace
+}  // namespace dyn_test
