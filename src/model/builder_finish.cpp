@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "builder_impl.hpp"
+#include "dyn/base/sincos.hpp"
 #include "dyn/joint/list.hpp"
 
 namespace dyn {
@@ -83,11 +84,11 @@ ModelPtr Builder::finish() const {
 
   // the universe
   Body world{};
-  world.F = Mat3<double>::identity();
-  world.r = world.h = Vec3<double>::zero();
+  world.h = Vec3<double>::zero();
   world.I = Mat3<double>::zero();
-  world.ratio = 1, world.angle = -1;
+  world.ratio = 1;
   a.bodies.push_back(world);
+  a.joint_placement.push_back(SE3<double>::identity());
   JointRecord universe{};
   universe.C = Mat3<double>::identity();
   universe.name = text.add("universe");
@@ -143,18 +144,15 @@ ModelPtr Builder::finish() const {
       const Mat3<double> Z = z_to(part.element.axis);
       const SE3<double> X = before * part.before * rotation_only(Z);
       Body b{};
-      b.F = X.R, b.r = X.p;
       b.h = Vec3<double>::zero(), b.I = Mat3<double>::zero();
       b.pitch = part.element.pitch, b.wraps = part.element.wraps;
-      b.ratio = l.ratio, b.offset = l.offset, b.follower = follower;
+      b.ratio = l.ratio, b.follower = follower;
       b.type = part.element.type;
       b.parent = body_parent;
       b.idx_q = n.nqx, b.idx_v = n.nvx;
       b.user_q = user_q, b.user_v = user_v;
       b.joint = Index(a.joints.size());
-      b.angle = -1;
       visit(b.type, [&]<class J>() {
-        if (J::angle) b.angle = n.angles++, a.angle_q.push_back(b.idx_q);
         if (!follower) J::neutral(a.neutral.data() + user_q);
       });
       const Index nq = primitive_nq(b.type), nv = primitive_nv(b.type);
@@ -164,6 +162,7 @@ ModelPtr Builder::finish() const {
       body_parent = Index(a.bodies.size());
       before = rotation_only(transpose(Z));
       a.bodies.push_back(b);
+      a.joint_placement.push_back(X);
     }
     r.last_body = body_parent;
     r.C = before.R;
@@ -239,13 +238,12 @@ ModelPtr Builder::finish() const {
   }
   n.configurations = Index(a.configuration_names.size());
 
-  // runs of one type, subtrees
+  make_runs(a.bodies, a.runs, a.chunks);
+  n.runs = Index(a.runs.size()), n.chunks = Index(a.chunks.size());
+  for (const Chunk& c : a.chunks) n.sweep = std::max(n.sweep, sweep_room(c.last_q - c.first_q));
+
+  // subtrees
   a.subtree_end.assign(std::size_t(n.bodies), 0);
-  for (Index i = 1; i < n.bodies; ++i) {
-    const Body& b = a.bodies[std::size_t(i)];
-    if (a.runs.empty() || a.runs.back().type != b.type) a.runs.push_back({b.type, i, i});
-    a.runs.back().last = i + 1;
-  }
   for (Index i = n.bodies - 1; i >= 0; --i) {
     Index& end = a.subtree_end[std::size_t(i)];
     end = std::max(end, i + 1);
@@ -254,7 +252,6 @@ ModelPtr Builder::finish() const {
       up = std::max(up, end);
     }
   }
-  n.runs = Index(a.runs.size());
 
   // ids by name
   auto precedence = [&](Index k) { return a.frames[std::size_t(k)].type == DYN_FRAME_BODY ? 1 : 0; };
