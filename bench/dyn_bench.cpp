@@ -86,7 +86,7 @@ struct Bench {
     auto A = [this](int k) { return a.data() + std::ptrdiff_t(k) * nv; };
     auto U = [this](int k) { return tau.data() + std::ptrdiff_t(k) * nv; };
     auto add = [&, this](const char* name, std::function<void(int)> f) {
-      const std::string squares = ",rnea_derivatives,crba,cholesky,solve,minv,all_terms,coriolis,";
+      const std::string squares = ",rnea_derivatives,aba_derivatives,crba,cholesky,solve,minv,all_terms,coriolis,";
       if (small || squares.find("," + std::string(name) + ",") == std::string::npos) rows.push_back({name, std::move(f), {}});
     };
     add("fk", [=, this](int k) { dyn_forward_kinematics(m, d, Q(k), nullptr, nullptr); });
@@ -114,6 +114,7 @@ struct Bench {
     add("integrate", [=, this](int k) { dyn_integrate(m, Q(k), V(k), x.data()); });
     add("difference", [=, this](int k) { dyn_difference(m, Q(k), Q((k + 1) % states), x.data()); });
     add("rnea_derivatives", [=, this](int k) { dyn_rnea_derivatives(m, d, Q(k), V(k), A(k), nullptr, nullptr, nullptr); });
+    add("aba_derivatives", [=, this](int k) { dyn_aba_derivatives(m, d, Q(k), V(k), U(k), nullptr, nullptr, nullptr, nullptr); });
     add("coriolis", [=, this](int k) { dyn_coriolis_matrix(m, d, Q(k), V(k), nullptr); });
     add("djacobians", [=, this](int k) { dyn_joint_jacobians_time_variation(m, d, Q(k), V(k), nullptr); });
     add("kinetic_energy", [=, this](int k) { dyn_kinetic_energy(m, d, Q(k), V(k), nullptr); });

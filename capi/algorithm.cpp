@@ -24,19 +24,6 @@ constexpr double most = 1e100, most_acceleration = 1e200;
 
 // The first body whose vector has a component beyond the bound (or none at all: NaN), or n.
 Index beyond(const Vec3<double>* x, Index n, double bound) {
-  // the sum of all of them is within the bound nearly always; eight sums at once
-  const std::size_t count = std::size_t(n) * (sizeof *x / sizeof(double));
-  auto size = [&](std::size_t k) {
-    double value;
-    __builtin_memcpy(&value, reinterpret_cast<const char*>(x) + k * sizeof value, sizeof value);
-    return std::abs(value);
-  };
-  double sum[8] = {};
-  std::size_t k = 0;
-  for (; k + 8 <= count; k += 8)
-    for (std::size_t j = 0; j < 8; ++j) sum[j] += size(k + j);
-  for (; k < count; ++k) sum[k % 8] += size(k);
-  if (((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7])) <= bound) return n;
   for (Index i = 0; i < n; ++i)
     for (int c = 0; c < 3; ++c)
       if (!(std::abs(x[i][c]) <= bound)) return i;
@@ -48,6 +35,8 @@ Index beyond(const Vec3<double>* x, Index n, double bound) {
 bool dyn::capi::moderate(Call& call, int level) {
   const Model& m = call.m();
   Data<double>& d = call.d();
+  // the sum over all of them is within the bound nearly always
+  if (d.extent[0] <= most && (level < 1 || d.extent[1] <= most) && (level < 2 || d.extent[2] <= most_acceleration)) return true;
   const struct {
     const Vec3<double>* x;
     int level;
@@ -90,14 +79,14 @@ bool moderate_frame(Call& call, int frame, int level) {
 
 }  // namespace
 
-dynStatus dyn::capi::singular(Call& call, Index body, Stage stage) {
+dynStatus dyn::capi::singular(Call& call, Index joint, Stage stage) {
   call.drop_results();
   call.d().drop(stage);
   call.d().drop(Stage::Factor);  // with mimic joints it was being written
   call.take_back();
   const Model& m = call.m();
   return fail(DYN_ERROR_NUMERIC, "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave this configuration",
-              m.string(m.joints()[body].name));
+              m.string(m.joints()[joint].name));
 }
 
 namespace {
@@ -375,10 +364,8 @@ dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, do
   Call call(model, data, DYN_PART_MINV, "dyn_minverse");
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
-  if (!d.fresh(Stage::Mass)) crba(call.m(), d);
-  if (!finite_mass(call) || factor(call) != DYN_OK) return call.status;
-  invert(call.m(), d);
-  if (!call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
+  if (const Index failed = minverse(call.m(), d)) return singular(call, failed, Stage::Minv);
+  if (!moderate(call, 0) || !call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
   copy_out(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, Minv);
   return DYN_OK;
 }
@@ -464,7 +451,7 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
   }
   if (mask & (DYN_TERM_FACTOR | DYN_TERM_MINV) && factor(call) != DYN_OK) return call.status;
   if (mask & DYN_TERM_MINV) {
-    invert(m, d);
+    if (const Index failed = minverse(m, d)) return singular(call, failed, Stage::Minv);
     if (!call.numeric(d.Minv, Index(nv * nv), "Minv", Stage::Minv)) return call.status;
   }
   if (mask & DYN_TERM_CORIOLIS) {

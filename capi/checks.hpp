@@ -10,8 +10,8 @@ namespace dyn::capi {
 bool moderate(Call& call, int level);
 // The universe's column does not count.
 inline bool check_fext(Call& call, const double* fext) { return call.finite("fext", fext, 6 * call.m().n.joints, 6); }
-// Forward dynamics failed at a body.
-dynStatus singular(Call& call, Index body, Stage stage);
+// Forward dynamics failed at a joint.
+dynStatus singular(Call& call, Index joint, Stage stage);
 // d.M is finite: its diagonal is when it is, for placements within bounds.
 bool finite_mass(Call& call);
 // Factorises d.M.

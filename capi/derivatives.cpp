@@ -22,4 +22,22 @@ dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const doubl
   return DYN_OK;
 }
 
+dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext,
+                              double* ddq_dq, double* ddq_dv, double* ddq_dtau) {
+  Call call(model, data, DYN_PART_FORWARD_DERIVATIVES, "dyn_aba_derivatives");
+  if (!call || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
+  const std::ptrdiff_t nv = call.m().n.nv;
+  Data<double>& d = call.d();
+  const Index failed = aba_derivatives(call.m(), d, d.v, d.tau_applied, fext);
+  d.drop(Stage::Tau), d.drop(Stage::InverseDerivatives);  // theirs is another a
+  if (failed) return singular(call, failed, Stage::ForwardDerivatives);
+  if (!finite_mass(call) || !call.numeric(d.ddq, Index(nv), "ddq", Stage::Ddq) || !call.numeric(d.Minv, Index(nv * nv), "Minv", Stage::Minv) ||
+      !call.numeric(d.ddq_dq, Index(nv * nv), "ddq_dq", Stage::ForwardDerivatives) ||
+      !call.numeric(d.ddq_dv, Index(nv * nv), "ddq_dv", Stage::ForwardDerivatives))
+    return call.status;
+  d.done(Stage::Ddq), d.done(Stage::ForwardDerivatives);
+  copy_out(d.ddq_dq, nv * nv, ddq_dq), copy_out(d.ddq_dv, nv * nv, ddq_dv), copy_out(d.Minv, nv * nv, ddq_dtau);
+  return DYN_OK;
+}
+
 }  // extern "C"

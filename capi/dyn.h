@@ -294,7 +294,7 @@ enum {
   DYN_PART_FORWARD = 1u << 4,    /* ddq: ABA */
   DYN_PART_MASS = 1u << 5,       /* M: nv x nv, CRBA */
   DYN_PART_FACTOR = 1u << 6,     /* sparse factor of M, solve (includes MASS) */
-  DYN_PART_MINV = 1u << 7,       /* Minv: nv x nv (includes FACTOR) */
+  DYN_PART_MINV = 1u << 7,       /* Minv: nv x nv (includes FACTOR and FORWARD) */
   DYN_PART_CORIOLIS = 1u << 8,   /* coriolis: nv x nv */
   DYN_PART_ENERGY = 1u << 9,     /* kinetic, potential, mechanical */
   DYN_PART_FRAMES = 1u << 10,    /* placements of all frames */
@@ -403,13 +403,17 @@ DYN_API dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q
 DYN_API dynStatus dyn_factorize(const dynModel* model, dynData* data);
 /* x = M^-1 b for nrhs right-hand sides (nv x nrhs each; x may be b). Needs dyn_factorize. */
 DYN_API dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x);
-/* Minv = M^-1, nv x nv, full and symmetric; includes CRBA and its factor. */
+/* Minv = M^-1, nv x nv, full and symmetric, by articulated inertias (Carpentier 2018); with mimic joints by the factor of M. */
 DYN_API dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, double* Minv);
 /* Derivatives of inverse dynamics, analytic, O(n depth): dtau_dq and dtau_dv, nv x nv each (either may be NULL), on the tangent
    space: column k of dtau_dq is the derivative along q (+) e_k t. fext is constant in the joints' frames. Includes M (which is
    dtau/da), tau, and placements. (Singh, Russell, Wensing 2022) */
 DYN_API dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
                                        const double* fext, double* dtau_dq, double* dtau_dv);
+/* Derivatives of forward dynamics, nv x nv each (any may be NULL); ddq_dtau is Minv. Includes ddq; dtau_dq, dtau_dv and tau in data
+   are not for the held a afterwards: they are stale. (Carpentier and Mansard 2018) */
+DYN_API dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
+                                      const double* fext, double* ddq_dq, double* ddq_dv, double* ddq_dtau);
 /* Kinetic (v' M v / 2, armature included) and potential energy (zero at the world's origin), joules; each may be NULL. */
 DYN_API dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic, double* potential);
 

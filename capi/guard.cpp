@@ -160,44 +160,82 @@ bool Call::fresh(Stage stage, const char* what, const char* producer) {
   return status == DYN_OK;
 }
 
+namespace {
+
+// to = from, kept = what to was. Whether all of from is finite, and whether anything changed.
+struct Exchange {
+  bool finite, changed;
+};
+Exchange exchange(const double* from, double* to, double* kept, Index n) {
+  constexpr std::uint64_t exponent = 0x7ff0000000000000u;
+  std::uint64_t bad = 0, difference = 0;
+#pragma GCC ivdep
+  for (Index i = 0; i < n; ++i) {
+    std::uint64_t x, y;
+    __builtin_memcpy(&x, from + i, 8);
+    __builtin_memcpy(&y, to + i, 8);
+    bad |= std::uint64_t((x & exponent) == exponent);
+    difference |= x ^ y;
+    __builtin_memcpy(kept + i, &y, 8);
+    __builtin_memcpy(to + i, &x, 8);
+  }
+  return {bad == 0, difference != 0};
+}
+
+}  // namespace
+
 bool Call::inputs(const double* q, const double* v, const double* a, const double* tau) {
-  const Index nq = m().n.nq, nv = m().n.nv;
-  if (!finite("q", q, nq) || !finite("v", v, nv) || !finite("a", a, nv) || !finite("tau", tau, nv)) return false;
-  if (q)
-    if (const Index j = zero_norm_joint(m(), q)) {
-      status = fail(DYN_ERROR_QUATERNION, "%s: the %s of joint '%s' in q is zero: give one of norm 1, such as that of dyn_neutral", function,
-                    m().joints()[j].type == DYN_JOINT_REVOLUTE_UNBOUNDED ? "(cos, sin)" : "quaternion", m().string(m().joints()[j].name));
-      return false;
-    }
+  const Model& m = this->m();
   Data<double>& x = d();
+  const Index nq = m.n.nq, nv = m.n.nv;
   was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
-  double* backup = x.backup;
-  // what was replaced, and where it is kept: an input may be an array of the data itself
   struct {
-    const double *to, *end, *kept;
-  } replaced[input_count];
-  int count = 0;
-  auto set = [&](Input which, const double* from, double* to, Index n) {
-    for (int k = 0; k < count; ++k)
-      if (from >= replaced[k].to && from < replaced[k].end) {
-        from = replaced[k].kept + (from - replaced[k].to);
+    const double* from;
+    double *to, *kept;
+    Index n;
+    bool replaced;
+  } set[input_count] = {{q, x.q, x.backup, nq, false},
+                        {v, x.v, x.backup + nq, nv, false},
+                        {a, x.a, x.backup + nq + nv, nv, false},
+                        {tau, x.tau_applied, x.backup + nq + 2 * nv, nv, false}};
+  bool good = true;
+  for (int k = 0; k < input_count; ++k) {
+    auto& s = set[k];
+    if (!s.from || s.n == 0) continue;
+    // an input may be an array of the data itself: what was replaced is in the backup
+    for (int l = 0; l < k; ++l)
+      if (set[l].replaced && s.from >= set[l].to && s.from < set[l].to + set[l].n) {
+        s.from = set[l].kept + (s.from - set[l].to);
         break;
       }
-    if (from && n && from != to && __builtin_memcmp(from, to, std::size_t(n) * sizeof(double)) != 0) {
-      __builtin_memcpy(backup, to, std::size_t(n) * sizeof(double));
-      __builtin_memcpy(to, from, std::size_t(n) * sizeof(double));
-      before[which] = x.version[which];
-      x.version[which] = ++handle->counter;
-      changed |= 1u << which;
-      replaced[count++] = {to, to + n, backup};
+    if (s.from == s.to) {
+      good = good && finite_count(s.from, s.n) == s.n;
+      continue;
     }
-    backup += n;
-  };
-  set(input_q, q, x.q, nq);
-  set(input_v, v, x.v, nv);
-  set(input_a, a, x.a, nv);
-  set(input_tau, tau, x.tau_applied, nv);
+    const Exchange e = exchange(s.from, s.to, s.kept, s.n);
+    good = good && e.finite;
+    s.replaced = e.changed;
+  }
+  if (good && q && nq != nv) good = zero_norm_joint(m, x.q) == 0;
+  if (!good) [[unlikely]] {
+    for (const auto& s : set)
+      if (s.replaced) copy_out(s.kept, s.n, s.to);
+    return finite("q", q, nq) && finite("v", v, nv) && finite("a", a, nv) && finite("tau", tau, nv) && nonzero(q);
+  }
+  for (int k = 0; k < input_count; ++k)
+    if (set[k].replaced) {
+      before[k] = x.version[k];
+      x.version[k] = ++handle->counter;
+      changed |= 1u << k;
+    }
   return true;
+}
+
+bool Call::nonzero(const double* q) {
+  if (const Index j = zero_norm_joint(m(), q))
+    status = fail(DYN_ERROR_QUATERNION, "%s: the %s of joint '%s' in q is zero: give one of norm 1, such as that of dyn_neutral", function,
+                  m().joints()[j].type == DYN_JOINT_REVOLUTE_UNBOUNDED ? "(cos, sin)" : "quaternion", m().string(m().joints()[j].name));
+  return status == DYN_OK;
 }
 
 void Call::begin_step() {

@@ -118,6 +118,7 @@ class Call {
   bool inputs(const double* q, const double* v, const double* a, const double* tau);
   // An argument that is not held.
   bool finite(const char* name, const double* x, Index n, Index first = 0);
+  bool nonzero(const double* q);
   bool required(const char* name, const void* p);
   bool frame(int id);
   bool joint(int id);

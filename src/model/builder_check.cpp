@@ -37,7 +37,8 @@ std::vector<double> generic_configuration(const Model& m, std::uint64_t trial) {
   double length = 0;
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
-    length = std::max(length, std::sqrt(dot(b.r, b.r)));
+    const Vec3<double> r = m.joint_placement()[i].p;
+    length = std::max(length, std::sqrt(dot(r, r)));
     if (b.m > 0) length = std::max({length, std::sqrt(dot(b.h, b.h)) / b.m, std::sqrt(std::abs(b.I(0, 0) + b.I(1, 1) + b.I(2, 2)) / b.m)});
   }
   if (!(length > 0)) length = 1;

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "builder_impl.hpp"
+#include "dyn/base/sincos.hpp"
 #include "dyn/joint/list.hpp"
 
 namespace dyn {
@@ -80,11 +81,11 @@ ModelPtr Builder::finish() const {
 
   // the universe
   Body world{};
-  world.F = Mat3<double>::identity();
-  world.r = world.h = Vec3<double>::zero();
+  world.h = Vec3<double>::zero();
   world.I = Mat3<double>::zero();
-  world.ratio = 1, world.angle = -1;
+  world.ratio = 1;
   a.bodies.push_back(world);
+  a.joint_placement.push_back(SE3<double>::identity());
   JointRecord universe{};
   universe.C = Mat3<double>::identity();
   universe.name = text.add("universe");
@@ -141,18 +142,15 @@ ModelPtr Builder::finish() const {
       const Mat3<double> Z = z_to(part.element.axis);
       const SE3<double> X = before * part.before * rotation_only(Z);
       Body b{};
-      b.F = X.R, b.r = X.p;
       b.h = Vec3<double>::zero(), b.I = Mat3<double>::zero();
       b.pitch = part.element.pitch, b.wraps = part.element.wraps;
-      b.ratio = l.ratio, b.offset = l.offset, b.follower = follower;
+      b.ratio = l.ratio, b.follower = follower;
       b.type = part.element.type;
       b.parent = body_parent;
       b.idx_q = n.nqx, b.idx_v = n.nvx;
       b.user_q = user_q, b.user_v = user_v;
       b.joint = Index(a.joints.size());
-      b.angle = -1;
       visit(b.type, [&]<class J>() {
-        if (J::angle) b.angle = n.angles++, a.angle_q.push_back(b.idx_q);
         if (!follower) J::neutral(a.neutral.data() + user_q);
       });
       const Index nq = primitive_nq(b.type), nv = primitive_nv(b.type);
@@ -166,6 +164,7 @@ ModelPtr Builder::finish() const {
       body_parent = Index(a.bodies.size());
       before = rotation_only(transpose(Z));
       a.bodies.push_back(b);
+      a.joint_placement.push_back(X);
     }
     r.last_body = body_parent;
     r.C = before.R;
@@ -241,13 +240,12 @@ ModelPtr Builder::finish() const {
   }
   n.configurations = Index(a.configuration_names.size());
 
-  // runs of one type, subtrees
+  make_runs(a.bodies, a.runs, a.chunks);
+  n.runs = Index(a.runs.size()), n.chunks = Index(a.chunks.size());
+  for (const Chunk& c : a.chunks) n.sweep = std::max(n.sweep, sweep_room(c.last_q - c.first_q));
+
+  // subtrees
   a.subtree_end.assign(std::size_t(n.bodies), 0);
-  for (Index i = 1; i < n.bodies; ++i) {
-    const Body& b = a.bodies[std::size_t(i)];
-    if (a.runs.empty() || a.runs.back().type != b.type) a.runs.push_back({b.type, i, i});
-    a.runs.back().last = i + 1;
-  }
   for (Index i = n.bodies - 1; i >= 0; --i) {
     Index& end = a.subtree_end[std::size_t(i)];
     end = std::max(end, i + 1);
@@ -256,7 +254,6 @@ ModelPtr Builder::finish() const {
       up = std::max(up, end);
     }
   }
-  n.runs = Index(a.runs.size());
   for (Body& b : a.bodies) b.P = Mat3<double>::identity() * ((b.I(0, 0) + b.I(1, 1) + b.I(2, 2)) / 2) - b.I;
   a.dof_end.assign(std::size_t(n.nvx + 3) / 4 * 4, 0);
   for (Index i = 1; i < n.bodies; ++i) {
@@ -281,7 +278,7 @@ ModelPtr Builder::finish() const {
   const Index name = text.add(in.name);
   a.text.assign(text.pool.begin(), text.pool.end());
   n.text = Index(a.text.size());
-  a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_run = a.dof_parent;  // filled in below
+  a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_run = a.dof_parent, a.dof_forks.assign(std::size_t(n.nv), 0);  // filled in below
 
   // one block
   std::uint64_t bytes = (sizeof(Model) + 63) / 64 * 64;
@@ -312,6 +309,9 @@ ModelPtr Builder::finish() const {
   elimination_tree(*model, a.dof_parent);
   for (std::size_t k = 0; k < std::size_t(n.nv); ++k)
     a.dof_run[k] = k > 0 && a.dof_parent[k] == Index(k) - 1 ? a.dof_run[k - 1] : Index(k);
+  for (std::size_t k = 0; k < std::size_t(n.nv); ++k)
+    if (a.dof_parent[k] >= 0 && a.dof_parent[k] != Index(k) - 1) a.dof_forks[std::size_t(a.dof_parent[k])] = 1;
+  std::copy(a.dof_forks.begin(), a.dof_forks.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_forks)]));
   std::copy(a.dof_parent.begin(), a.dof_parent.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_parent)]));
   std::copy(a.dof_run.begin(), a.dof_run.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_run)]));
   check_dynamics(*model, order, in.joints, in.frames);

@@ -98,6 +98,8 @@ inline const CallRow call_rows[] = {
      DYN_CALL { return dyn_minverse(m, d, x.q, x.out[0]); }},
     {"dyn_rnea_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 2, sizes::square,
      DYN_CALL { return dyn_rnea_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1]); }},
+    {"dyn_aba_derivatives", DYN_PART_FORWARD_DERIVATIVES, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 3, sizes::square,
+     DYN_CALL { return dyn_aba_derivatives(m, d, x.q, x.v, x.tau, x.fext, x.out[0], x.out[1], x.out[2]); }},
     {"dyn_energy", DYN_PART_ENERGY, uses_q | uses_v, Needs::nothing, false, 2, sizes::one,
      DYN_CALL { return dyn_energy(m, d, x.q, x.v, x.out[0], x.out[1]); }},
     {"dyn_kinetic_energy", DYN_PART_ENERGY, uses_q | uses_v, Needs::nothing, false, 1, sizes::one,

@@ -28,50 +28,62 @@ DYN_INLINE T dot_column(const Motion<T>& s, const Force<T>& f) {
     return dot(s, f);
 }
 
+template <class T>
+struct ArticulatedState : Pose<T> {
+  Vec3<T> w;
+
+  explicit DYN_INLINE ArticulatedState(const Data<T>& d) : Pose<T>(d), w(Vec3<T>::zero()) {}
+  DYN_INLINE void enter(const Data<T>& d, Index parent) { Pose<T>::enter(d, parent), w = d.wd[parent]; }
+  // others than the next body add to this one's IA in memory
+  DYN_INLINE void leave(Data<T>& d, Index i) const { d.wd[i] = w, d.IA[i] = ArticulatedInertia<T>::zero(); }
+};
+
+// What a body passes to its parent.
+template <class T>
+struct ArticulatedBody {
+  ArticulatedInertia<T> IA;
+  Force<T> pA;
+};
+
 // ddq = M^-1 (tau - C v - g + J^T fext) for a model without mimic joints. Returns 0, or the body whose joint has an
 // articulated inertia that is not positive: ddq is then not written.
 template <class T>
 Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T* ddq) {
-  place_joints(m, d);
+  using State = ArticulatedState<T>;
+  const State world(d);
+  world.leave(d, 0);
+  d.f[0] = Force<T>::zero();
 
   // velocities, velocity-product accelerations c, rigid-body inertias and bias forces
-  forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
+  place_forward(m, d, world, [&]<class J>(Index i, Index dof, const SE3<T>& X, State& s) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
-    const Index p = b.parent;
-    Vec3<T> r;
-    place_body(b, i, d, R, r);
-    const Motion<T> vJ = J::velocity(b, R, v + b.idx_v);
-    const Vec3<T> wp = d.wd[p];
+    const Vec3<T> r = s.place(d, i, X);
+    const Motion<T> vJ = J::velocity(b, s.R, v + dof);
+    const Vec3<T> wp = s.w;
     Vec3<T> w = wp, inner = cross(wp, r);
     Motion<T> c = Motion<T>::zero();
     if constexpr (J::rotates) w += vJ.angular, c.angular = cross(wp, vJ.angular);
     if constexpr (J::translates) inner += vJ.linear * T(2);
     c.linear = cross(wp, inner);
-    if constexpr (J::rotates && J::translates) c.linear += J::acceleration(b, R, v + b.idx_v, d.zero).linear;
-    d.wd[i] = w;
+    if constexpr (J::rotates && J::translates) c.linear += J::acceleration(b, s.R, v + dof, d.zero).linear;
+    s.w = w;
     d.c[i] = c;
-    const Inertia<T> Y = world_inertia(b, R);
-    d.IA[i] = ArticulatedInertia<T>::rigid(Y);
+    const Inertia<T> Y = world_inertia(b, s.R);
+    d.Y[i] = Y;
     d.f[i] = {cross(w, cross(w, Y.h)), cross(w, Y.I * w)};
-  });
+  }).done(d);
   if (fext) subtract_external(m, d, fext);
 
   // articulated inertias IA and bias forces pA, leaves to root
   Index singular = 0;
-  d.IA[0] = ArticulatedInertia<T>::zero();
-  d.f[0] = Force<T>::zero();
-  struct Articulated {
-    ArticulatedInertia<T> IA;
-    Force<T> pA;
-  };
-  using UpA = Up<Articulated>;
-  backward(m, UpA{{ArticulatedInertia<T>::zero(), Force<T>::zero()}}, [&]<class J>(Index i, UpA& up) DYN_INLINE_LAMBDA {
+  using Up = ArticulatedBody<T>;
+  backward_chains(m, Up{ArticulatedInertia<T>::zero(), Force<T>::zero()}, [&]<class J>(Index i, Index dof, bool last, Up& up) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
-    ArticulatedInertia<T> IA = d.IA[i];
-    Force<T> pA = d.f[i];
-    if (up.chain) IA = IA + up.x.IA, pA = pA + up.x.pA;
-    for (int k = 0; k < J::nv; ++k) {
-      const Index at = b.idx_v + k;
+    ArticulatedInertia<T> IA = up.IA + ArticulatedInertia<T>::rigid(d.Y[i]);
+    if (last) IA = IA + d.IA[i];
+    Force<T> pA = up.pA + d.f[i];
+    for (int k = J::nv - 1; k >= 0; --k) {
+      const Index at = dof + k;
       const Motion<T> s = J::column(b, d.R[i], k);
       const Force<T> U = times_column<J>(IA, s);
       const T D = dot_column<J>(s, U) + T(m.armature()[at]);
@@ -83,30 +95,28 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
       d.Dinv[at] = Dinv;
       d.ux[at] = u;
     }
-    const Index p = b.parent;
-    up.chain = p == i - 1;
-    if (p == 0) return;
-    up.x = {IA.shifted(d.r[i]), shift(pA + IA * d.c[i], d.r[i])};
-    if (!up.chain) d.IA[p] = d.IA[p] + up.x.IA, d.f[p] = d.f[p] + up.x.pA;
+    up = {IA.shifted(d.r[i]), shift(pA + IA * d.c[i], d.r[i])};
+  }, [&](Index parent, const Up& up) DYN_INLINE_LAMBDA {
+    if (parent) d.IA[parent] = d.IA[parent] + up.IA, d.f[parent] = d.f[parent] + up.pA;
   });
   if (singular) return singular;
 
   // accelerations, root to leaves
   d.ac[0] = Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2]));
-  forward(m, Motion<T>{d.ac[0], d.al[0]}, [&]<class J>(Index i, Motion<T>& a) DYN_INLINE_LAMBDA {
-    const Body& b = m.bodies()[i];
-    const Index p = b.parent;
-    if (p != i - 1) a = {d.ac[p], d.al[p]};
-    a = shift(a, d.r[i]) + d.c[i];
-    for (int k = J::nv - 1; k >= 0; --k) {
-      const Index at = b.idx_v + k;
+  d.al[0] = Vec3<T>::zero();
+  struct Acceleration : Motion<T> {
+    DYN_INLINE void enter(const Data<T>& d, Index parent) { this->linear = d.ac[parent], this->angular = d.al[parent]; }
+    DYN_INLINE void leave(Data<T>& d, Index i) const { d.ac[i] = this->linear, d.al[i] = this->angular; }
+  };
+  forward_chains(m, d, Acceleration{{d.ac[0], d.al[0]}}, [&]<class J>(Index i, Index dof, Acceleration& state) DYN_INLINE_LAMBDA {
+    Motion<T> a = shift(static_cast<const Motion<T>&>(state), d.r[i]) + d.c[i];
+    for (int k = 0; k < J::nv; ++k) {
+      const Index at = dof + k;
       ddq[at] = (d.ux[at] - dot(a, d.U[at])) * d.Dinv[at];
-      a = a + J::column(b, d.R[i], k) * ddq[at];
+      a = a + J::column(m.bodies()[i], d.R[i], k) * ddq[at];
     }
-    d.ac[i] = a.linear;
-    d.al[i] = a.angular;
+    state = {a};
   });
-  d.done(Stage::Position);
   return 0;
 }
 

@@ -17,31 +17,22 @@ void add_armature(const Model& m, Data<T>& d) {
 // d.M, full and symmetric.
 template <class T>
 void crba(const Model& m, Data<T>& d) {
-  place_joints(m, d);
-  forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
+  place_forward(m, d, RelativePose<T>(d), [&]<class J>(Index i, Index dof, const SE3<T>& X, RelativePose<T>& s) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
-    Vec3<T> r;
-    place_body(b, i, d, R, r);
-    const Vec3<T> rel = b.parent == 0 ? Vec3<T>::zero() : d.rel[b.parent] + r;
-    d.rel[i] = rel;
-    d.Ic[i] = world_inertia(b, R);
+    s.place(d, i, X, b.parent == 0);
+    d.Ic[i] = world_inertia(b, s.R);
 #pragma GCC unroll 6
-    for (int k = 0; k < J::nv; ++k) {
-      const Motion<T> s = J::column(b, R, k);
-      d.S[b.idx_v + k] = J::rotates_at(k) ? shift(s, -rel) : s;
-    }
-  });
-  d.done(Stage::Position);
+    for (int k = 0; k < J::nv; ++k) d.S[dof + k] = s.template column<J>(b, k);
+  }).done(d);
 
-  backward(m, Up<Inertia<T>>{Inertia<T>::zero()}, [&]<class J>(Index i, Up<Inertia<T>>& up) DYN_INLINE_LAMBDA {
+  backward_chains(m, Inertia<T>::zero(), [&]<class J>(Index i, Index dof, bool, Inertia<T>& up) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
-    Inertia<T> Y = d.Ic[i];
-    if (up.chain) Y = Y + up.x;
+    const Inertia<T> Y = d.Ic[i] + up;
 #pragma GCC unroll 6
-    for (int k = 0; k < J::nv; ++k) d.F[b.idx_v + k] = shift(momentum<J>(Y, J::column(b, d.R[i], k), k), d.rel[i]);
-    up.x = Y.shifted(d.r[i]);
-    up.chain = b.parent == i - 1;
-    if (!up.chain && b.parent) d.Ic[b.parent] = d.Ic[b.parent] + up.x;
+    for (int k = 0; k < J::nv; ++k) d.F[dof + k] = shift(momentum<J>(Y, J::column(b, d.R[i], k), k), d.rel[i]);
+    up = Y.shifted(d.r[i]);
+  }, [&](Index parent, const Inertia<T>& up) DYN_INLINE_LAMBDA {
+    if (parent) d.Ic[parent] = d.Ic[parent] + up;
   });
 
   const TiledMatrix<T> M{m.has_mimic ? d.Mx : d.M, m.n.nvx};

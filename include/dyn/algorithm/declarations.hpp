@@ -21,6 +21,9 @@ template <class T> void invert(const Model&, Data<T>&);
 template <class T> void coriolis_matrix(const Model&, Data<T>&);
 // rnea_derivatives.hpp
 template <class T> void rnea_derivatives(const Model&, Data<T>&, const T* v, const T* a, const T* fext);
+// aba_derivatives.hpp
+template <class T> Index minverse(const Model&, Data<T>&);
+template <class T> Index aba_derivatives(const Model&, Data<T>&, const T* v, const T* tau, const T* fext);
 // jacobian.hpp
 template <class T> void joint_jacobians(const Model&, Data<T>&);
 template <class T> void joint_jacobians_time_variation(const Model&, Data<T>&);

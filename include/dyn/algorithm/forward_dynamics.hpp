@@ -8,6 +8,13 @@
 
 namespace dyn {
 
+// The joint that a degree of freedom belongs to.
+inline Index joint_of(const Model& m, Index dof) {
+  for (Index j = 1; j < m.n.joints; ++j)
+    if (m.joints()[j].idx_v <= dof && dof < m.joints()[j].idx_v + m.joints()[j].nv) return j;
+  return 1;
+}
+
 // ddq for the user's v and tau; q is d.q. Returns 0 or the joint at which M is not positive (ddq is then undefined).
 template <class T>
 Index forward_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T* ddq) {
@@ -18,11 +25,7 @@ Index forward_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, con
   inverse_dynamics(m, d, v, static_cast<const T*>(d.zero), fext, ddq);
   for (Index k = 0; k < m.n.nv; ++k) ddq[k] = tau[k] - ddq[k];
   crba(m, d);
-  if (const Index failed = factorize(m, d)) {
-    for (Index j = 1; j < m.n.joints; ++j)
-      if (m.joints()[j].idx_v <= failed - 1 && failed - 1 < m.joints()[j].idx_v + m.joints()[j].nv) return j;
-    return 1;
-  }
+  if (const Index failed = factorize(m, d)) return joint_of(m, failed - 1);
   solve(m, d, ddq);
   return 0;
 }

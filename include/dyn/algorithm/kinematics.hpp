@@ -9,38 +9,55 @@
 
 namespace dyn {
 
+template <class T, int level>
+struct KinematicState : Pose<T> {
+  Vec3<T> w, u, dw, du;
+  Vec3<T> velocities, accelerations;  // sums of sizes
+
+  explicit DYN_INLINE KinematicState(const Data<T>& d) : Pose<T>(d) { w = u = dw = du = velocities = accelerations = Vec3<T>::zero(); }
+  DYN_INLINE void enter(const Data<T>& d, Index parent) {
+    Pose<T>::enter(d, parent);
+    if constexpr (level >= 1) w = d.w[parent], u = d.u[parent];
+    if constexpr (level >= 2) dw = d.dw[parent], du = d.du[parent];
+  }
+  DYN_INLINE void done(Data<T>& d) const {
+    Pose<T>::done(d);
+    if (level >= 1) d.extent[1] = velocities[0] + velocities[1] + velocities[2], d.done(Stage::Velocity);
+    if (level >= 2) d.extent[2] = accelerations[0] + accelerations[1] + accelerations[2], d.done(Stage::Acceleration);
+  }
+};
+
 // level 0: placements; 1: and velocities; 2: and accelerations. Inputs are d.q, d.v, d.a.
 template <int level, class T>
 void forward_kinematics(const Model& m, Data<T>& d) {
-  place_joints(m, d);
   const T* v = level >= 1 ? d.expand(m, d.v, d.vx) : nullptr;
   const T* a = level >= 2 ? d.expand(m, d.a, d.ax) : nullptr;
-  forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
+  using State = KinematicState<T, level>;
+  place_forward(m, d, State(d), [&]<class J>(Index i, Index dof, const SE3<T>& X, State& s) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
-    const Index p = b.parent;
-    Vec3<T> r;
-    place_body(b, i, d, R, r);
+    const Vec3<T> r = s.place(d, i, X);
     if constexpr (level >= 1) {
-      const Motion<T> vJ = J::velocity(b, R, v + b.idx_v);
-      const Vec3<T> wp = d.w[p], turn = cross(wp, r);
-      Vec3<T> w = wp, u = d.u[p] + turn;
-      if constexpr (J::rotates) w += vJ.angular;
-      if constexpr (J::translates) u += vJ.linear;
-      d.w[i] = w;
-      d.u[i] = u;
+      const Motion<T> vJ = J::velocity(b, s.R, v + dof);
+      const Vec3<T> wp = s.w, turn = cross(wp, r);
+      s.u += turn;
+      if constexpr (J::rotates) s.w += vJ.angular;
+      if constexpr (J::translates) s.u += vJ.linear;
+      d.w[i] = s.w;
+      d.u[i] = s.u;
+      s.velocities += sizes(s.w) + sizes(s.u);
       if constexpr (level >= 2) {
-        const Motion<T> aJ = J::acceleration(b, R, v + b.idx_v, a + b.idx_v);
-        Vec3<T> dw = d.dw[p], du = d.du[p] + cross(dw, r), inner = turn;
-        if constexpr (J::rotates) dw += aJ.angular + cross(wp, vJ.angular);
-        if constexpr (J::translates) du += aJ.linear, inner += vJ.linear * T(2);
-        d.dw[i] = dw;
-        d.du[i] = du + cross(wp, inner);
+        const Motion<T> aJ = J::acceleration(b, s.R, v + dof, a + dof);
+        Vec3<T> inner = turn;
+        s.du += cross(s.dw, r);
+        if constexpr (J::rotates) s.dw += aJ.angular + cross(wp, vJ.angular);
+        if constexpr (J::translates) s.du += aJ.linear, inner += vJ.linear * T(2);
+        s.du += cross(wp, inner);
+        d.dw[i] = s.dw;
+        d.du[i] = s.du;
+        s.accelerations += sizes(s.dw) + sizes(s.du);
       }
     }
-  });
-  d.done(Stage::Position);
-  if (level >= 1) d.done(Stage::Velocity);
-  if (level >= 2) d.done(Stage::Acceleration);
+  }).done(d);
 }
 
 // Makes sure that the stage is fresh.

@@ -49,6 +49,39 @@ DYN_INLINE void backward(const Model& m, Carry carry, F&& f) {
     });
 }
 
+// Root to leaves along chains: f(body, its first degree of freedom, carry); the carry's enter(d, parent) where a chain starts,
+// its leave(d, body) where one ends.
+template <class T, class Carry, class F>
+DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f) {
+  for (Index l = 0; l < m.n.runs; ++l) {
+    const Run run = m.runs()[l];
+    visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
+      Carry here = carry;
+      if (run.parent != run.first - 1) here.enter(d, run.parent);
+      for (Index i = 0; i < run.last - run.first; ++i) f.template operator()<J>(run.first + i, run.idx_v + J::nv * i, here);
+      here.leave(d, run.last - 1);
+      carry = here;
+    });
+  }
+}
+
+// Leaves to root along chains: f(body, its first degree of freedom, whether it ends the chain, carry), where the carry is what the body receives from the
+// next one of the chain, zero at a leaf, and becomes what it passes on; add(parent, carry) where the parent is not the next.
+template <class Carry, class F, class Add>
+DYN_INLINE void backward_chains(const Model& m, const Carry& zero, F&& f, Add&& add) {
+  const Run* runs = m.runs();
+  Carry carry = zero;
+  for (Index k = m.n.runs - 1; k >= 0; --k) {
+    const Run run = runs[k];
+    visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
+      Carry here = carry;
+      for (Index i = run.last - 1 - run.first; i >= 0; --i) f.template operator()<J>(run.first + i, run.idx_v + J::nv * i, run.first + i == run.last - 1, here);
+      carry = here;
+    });
+    if (run.parent != run.first - 1) add(run.parent, carry), carry = zero;
+  }
+}
+
 // What a body passes to its parent: carried to the next body when that is the parent, else added in memory.
 template <class X>
 struct Up {
@@ -56,38 +89,87 @@ struct Up {
   bool chain = false;
 };
 
-// Expanded q, the sines and cosines of its angles, and each body's placement X in its parent: all that does not depend on the
-// other bodies, so that what follows along a chain is one product of matrices.
+// What goes along a chain in registers: the pose of the body before, and the sum of the sizes of all p.
+// A pass with more to carry derives from it.
 template <class T>
-DYN_INLINE const T* place_joints(const Model& m, Data<T>& d) {
-  const T* q = d.expand_q(m);
-  const Index* at = m.angle_q();
-  for (Index k = 0; k < m.n.angles; ++k) d.angle[k] = q[at[k]];
-  sincos_sweep(d.angle, m.n.angles, d.cosine, d.sine);
-  forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
-    const Body& b = m.bodies()[i];
-    T c{}, s{};
-    if constexpr (J::angle) c = d.cosine[b.angle], s = d.sine[b.angle];
-    SE3<T> X = {cast<T>(b.F), cast<T>(b.r)};
-    J::place(b, q + b.idx_q, c, s, X);
-    d.X[i] = X;
-  });
-  return q;
-}
+struct Pose {
+  Mat3<T> R;
+  Vec3<T> p, extent;
 
-// R_WB, p_WB, and r from the parent's origin to the body's. R is that of body i - 1 on entry, which is the parent's in a
-// chain: kept in registers, it need not come back from memory.
+  explicit DYN_INLINE Pose(const Data<T>& d) : R(d.R[0]), p(d.p[0]), extent(Vec3<T>::zero()) {}
+  // a chain that starts at this body; one that ends there
+  DYN_INLINE void enter(const Data<T>& d, Index parent) { R = d.R[parent], p = d.p[parent]; }
+  DYN_INLINE void leave(Data<T>&, Index) const {}
+  DYN_INLINE void done(Data<T>& d) const {
+    d.extent[0] = extent[0] + extent[1] + extent[2];
+    d.done(Stage::Position);
+  }
+  // To the next body: R_WB, p_WB. Returns r, from the parent's origin to the body's.
+  DYN_INLINE Vec3<T> place(Data<T>& d, Index i, const SE3<T>& X) {
+    const Vec3<T> r = R * X.p;
+    const Vec3<T> x = R * X.R.x, y = R * X.R.y, z = R * X.R.z;
+    R.x = x, R.y = y, R.z = z;
+    Mat3<T>& kept = d.R[i];
+    kept.x = x, kept.y = y, kept.z = z;
+    d.r[i] = r;
+    p += r;
+    d.p[i] = p;
+    extent += sizes(p);
+    return r;
+  }
+};
+
+// With the body's origin relative to that of its tree's root, where algorithms collect what belongs to different bodies: distance
+// from the world's origin costs no digits.
 template <class T>
-DYN_INLINE void place_body(const Body& b, Index i, Data<T>& d, Mat3<T>& R, Vec3<T>& r) {
-  if (b.parent != i - 1) R = d.R[b.parent];
-  const SE3<T>& X = d.X[i];
-  r = R * X.p;
-  const Vec3<T> x = R * X.R.x, y = R * X.R.y, z = R * X.R.z;
-  R.x = x, R.y = y, R.z = z;
-  Mat3<T>& kept = d.R[i];
-  kept.x = x, kept.y = y, kept.z = z;
-  d.r[i] = r;
-  d.p[i] = d.p[b.parent] + r;
+struct RelativePose : Pose<T> {
+  Vec3<T> rel;
+
+  explicit DYN_INLINE RelativePose(const Data<T>& d) : Pose<T>(d), rel(Vec3<T>::zero()) {}
+  DYN_INLINE void enter(const Data<T>& d, Index parent) { Pose<T>::enter(d, parent), rel = d.rel[parent]; }
+  DYN_INLINE void place(Data<T>& d, Index i, const SE3<T>& X, bool root) {
+    const Vec3<T> r = Pose<T>::place(d, i, X);
+    rel = root ? Vec3<T>::zero() : rel + r;
+    d.rel[i] = rel;
+  }
+  // the k-th column of the motion subspace, there
+  template <class J>
+  DYN_INLINE Motion<T> column(const Body& b, int k) const {
+    const Motion<T> s = J::column(b, this->R, k);
+    return J::rotates_at(k) ? shift(s, -rel) : s;
+  }
+};
+
+// Root to leaves, f(body, its first degree of freedom, its placement X in its parent, carry): the sines and cosines of a
+// chunk's angles come first, then the X of a chain, which depend on no other body, so that what follows along the chain is one
+// product of matrices. Returns the carry.
+template <class T, class Carry, class F>
+DYN_INLINE Carry place_forward(const Model& m, Data<T>& d, Carry carry, F&& f) {
+  const T* q = d.expand_q(m);
+  for (Index k = 0; k < m.n.chunks; ++k) {
+    const Chunk& chunk = m.chunks()[k];
+    sincos_sweep(q + chunk.first_q, chunk.last_q - chunk.first_q, d.cosine, d.sine);
+    for (Index l = chunk.first_run; l < chunk.last_run; ++l) {
+      const Run run = m.runs()[l];
+      visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
+        const Index n = run.last - run.first, angle = run.idx_q - chunk.first_q;
+        SE3<T>* X = d.X + (run.first - chunk.first);
+        for (Index i = 0; i < n; ++i) {
+          SE3<T> x = cast<T>(m.joint_placement()[run.first + i]);
+          T c{}, s{};
+          if constexpr (J::angle) c = d.cosine[angle + i], s = d.sine[angle + i];
+          J::place(m.bodies()[run.first + i], q + run.idx_q + J::nq * i, c, s, x);
+          X[i] = x;
+        }
+        Carry here = carry;
+        if (run.parent != run.first - 1) here.enter(d, run.parent);
+        for (Index i = 0; i < n; ++i) f.template operator()<J>(run.first + i, run.idx_v + J::nv * i, X[i], here);
+        here.leave(d, run.last - 1);
+        carry = here;
+      });
+    }
+  }
+  return carry;
 }
 
 // The body's inertia in world axes, about its origin.

@@ -19,52 +19,57 @@ void subtract_external(const Model& m, Data<T>& d, const T* fext) {
   }
 }
 
+template <class T>
+struct NewtonEulerState : Pose<T> {
+  Vec3<T> w, dw, acc;
+
+  explicit DYN_INLINE NewtonEulerState(const Model& m, const Data<T>& d)
+      : Pose<T>(d), w(Vec3<T>::zero()), dw(Vec3<T>::zero()), acc(Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2]))) {}
+  DYN_INLINE void enter(const Data<T>& d, Index parent) {
+    Pose<T>::enter(d, parent);
+    w = d.wd[parent], dw = d.al[parent], acc = d.ac[parent];
+  }
+  DYN_INLINE void leave(Data<T>& d, Index i) const { d.wd[i] = w, d.al[i] = dw, d.ac[i] = acc; }
+};
+
 // tau = M a + C v + g - J^T fext for expanded v and a; fext 6 x njoints in joint frames, or nullptr. tau is expanded.
 template <class T>
 void rnea(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* tau) {
-  place_joints(m, d);
-  d.ac[0] = Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2]));
+  using State = NewtonEulerState<T>;
+  const State world(m, d);
+  world.leave(d, 0);
   d.f[0] = Force<T>::zero();
 
-  forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
+  place_forward(m, d, world, [&]<class J>(Index i, Index dof, const SE3<T>& X, State& s) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
-    const Index p = b.parent;
-    Vec3<T> r;
-    place_body(b, i, d, R, r);
+    const Vec3<T> r = s.place(d, i, X);
 
     // velocity and acceleration of the body
-    const Motion<T> vJ = J::velocity(b, R, v + b.idx_v);
-    const Motion<T> aJ = J::acceleration(b, R, v + b.idx_v, a + b.idx_v);
-    const Vec3<T> wp = d.wd[p];
-    Vec3<T> w = wp, dw = d.al[p], acc = d.ac[p] + cross(dw, r), inner = cross(wp, r);
+    const Motion<T> vJ = J::velocity(b, s.R, v + dof);
+    const Motion<T> aJ = J::acceleration(b, s.R, v + dof, a + dof);
+    const Vec3<T> wp = s.w;
+    Vec3<T> w = wp, dw = s.dw, acc = s.acc + cross(dw, r), inner = cross(wp, r);
     if constexpr (J::rotates) w += vJ.angular, dw += aJ.angular + cross(wp, vJ.angular);
     if constexpr (J::translates) acc += aJ.linear, inner += vJ.linear * T(2);
     acc += cross(wp, inner);
-    d.wd[i] = w;
-    d.al[i] = dw;
-    d.ac[i] = acc;
+    s.w = w, s.dw = dw, s.acc = acc;
 
     // force that the motion takes
-    const Mat3<T> Rt = transpose(R);
-    const Vec3<T> h = R * cast<T>(b.h), wB = Rt * w;
+    const Mat3<T> Rt = transpose(s.R);
+    const Vec3<T> h = s.R * cast<T>(b.h), wB = Rt * w;
     const Mat3<T> I = cast<T>(b.I);
     const Vec3<T> n = I * (Rt * dw) + cross(wB, I * wB);
-    d.f[i] = {acc * T(b.m) + cross(dw, h) + cross(w, cross(w, h)), R * n + cross(h, acc)};
-  });
+    d.f[i] = {acc * T(b.m) + cross(dw, h) + cross(w, cross(w, h)), s.R * n + cross(h, acc)};
+  }).done(d);
 
   if (fext) subtract_external(m, d, fext);
 
   // forces across the joints
-  backward(m, Up<Force<T>>{Force<T>::zero()}, [&]<class J>(Index i, Up<Force<T>>& up) DYN_INLINE_LAMBDA {
-    const Body& b = m.bodies()[i];
-    Force<T> f = d.f[i];
-    if (up.chain) f = f + up.x;
-    J::project(b, d.R[i], f, tau + b.idx_v);
-    up.x = shift(f, d.r[i]);
-    up.chain = b.parent == i - 1;
-    if (!up.chain) d.f[b.parent] = d.f[b.parent] + up.x;
-  });
-  d.done(Stage::Position);
+  backward_chains(m, Force<T>::zero(), [&]<class J>(Index i, Index dof, bool, Force<T>& up) DYN_INLINE_LAMBDA {
+    const Force<T> f = d.f[i] + up;
+    J::project(m.bodies()[i], d.R[i], f, tau + dof);
+    up = shift(f, d.r[i]);
+  }, [&](Index parent, const Force<T>& up) DYN_INLINE_LAMBDA { d.f[parent] = d.f[parent] + up; });
 }
 
 // The same in the user's coordinates, rotor inertias included.

@@ -11,24 +11,34 @@
 
 namespace dyn {
 
+template <class T>
+struct SpatialState : RelativePose<T> {
+  Motion<T> v, a;
+
+  explicit DYN_INLINE SpatialState(const Model& m, const Data<T>& d) : RelativePose<T>(d), v(Motion<T>::zero()) {
+    a = {Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2])), Vec3<T>::zero()};
+  }
+  DYN_INLINE void enter(const Data<T>& d, Index parent) {
+    RelativePose<T>::enter(d, parent);
+    v = d.spatial_v[parent], a = d.spatial_a[parent];
+  }
+  DYN_INLINE void leave(Data<T>& d, Index i) const { d.spatial_v[i] = v, d.spatial_a[i] = a; }
+};
+
 // Columns S, psi', psi'', psi' + S', and what moves with each body, at the tree's root.
 template <class T>
 void derivative_columns(const Model& m, Data<T>& d, const T* v, const T* a) {
-  place_joints(m, d);
-  d.spatial_v[0] = Motion<T>::zero();
-  d.spatial_a[0] = {Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2])), Vec3<T>::zero()};
-  forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
+  using State = SpatialState<T>;
+  const State world(m, d);
+  world.leave(d, 0);
+  place_forward(m, d, world, [&]<class J>(Index i, Index dof, const SE3<T>& X, State& state) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
-    Vec3<T> r;
-    place_body(b, i, d, R, r);
-    const Vec3<T> rel = b.parent == 0 ? Vec3<T>::zero() : d.rel[b.parent] + r;
-    d.rel[i] = rel;
-    const Motion<T> vp = d.spatial_v[b.parent], ap = d.spatial_a[b.parent];
+    state.place(d, i, X, b.parent == 0);
+    const Motion<T> vp = state.v, ap = state.a;
     Motion<T> vi = vp, ai = ap;
     for (int k = 0; k < J::nv; ++k) {
-      const Index at = b.idx_v + k;
-      const Motion<T> column = J::column(b, R, k), s = J::rotates_at(k) ? shift(column, -rel) : column;
-      const Motion<T> ds = cross(vp, s);
+      const Index at = dof + k;
+      const Motion<T> s = state.template column<J>(b, k), ds = cross(vp, s);
       d.S[at] = s;
       d.dS[at] = ds;
       d.ddS[at] = cross(ap, s) + cross(vp, ds);
@@ -37,18 +47,16 @@ void derivative_columns(const Model& m, Data<T>& d, const T* v, const T* a) {
       if constexpr (J::nv == 1) d.W[at] = ds * T(2);  // S x S = 0
     }
     if constexpr (J::nv > 1)
-      for (int k = 0; k < J::nv; ++k) d.W[b.idx_v + k] = d.dS[b.idx_v + k] + cross(vi, d.S[b.idx_v + k]);
-    d.spatial_v[i] = vi;
-    d.spatial_a[i] = ai;
+      for (int k = 0; k < J::nv; ++k) d.W[dof + k] = d.dS[dof + k] + cross(vi, d.S[dof + k]);
+    state.v = vi, state.a = ai;
 
-    const Moments<T> Y = Moments<T>::posed(T(b.m), cast<T>(b.h), cast<T>(b.P), R, rel);
+    const Moments<T> Y = Moments<T>::posed(T(b.m), cast<T>(b.h), cast<T>(b.P), state.R, state.rel);
     const MomentRates<T> rates = MomentRates<T>::of(Y, vi);
     Composite<T>& c = d.composite[i];
     c.Y.m = Y.m, c.Y.h = Y.h, c.Y.P.x = Y.P.x, c.Y.P.y = Y.P.y, c.Y.P.z = Y.P.z;
     c.rates.p = rates.p, c.rates.V.x = rates.V.x, c.rates.V.y = rates.V.y, c.rates.V.z = rates.V.z;
     c.f = newton_euler(Y, rates, vi, ai);
-  });
-  d.done(Stage::Position);
+  }).done(d);
 }
 
 // d.dtau_dq, d.dtau_dv, d.M, nv x nv, and d.tau; fext 6 x njoints in joint frames, or nullptr.

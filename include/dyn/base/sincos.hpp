@@ -23,11 +23,7 @@ inline void sincos_sweep(const T* x, Index n, T* c, T* s) {
 
 namespace detail {
 
-#if defined(__AVX512F__)
-inline constexpr int sweep_lanes = 8;
-#else
-inline constexpr int sweep_lanes = 4;
-#endif
+inline constexpr int sweep_lanes = 4;  // eight, where there are, are slower: they slow down everything about them
 typedef double SweepD __attribute__((vector_size(8 * sweep_lanes)));
 typedef std::int64_t SweepI __attribute__((vector_size(8 * sweep_lanes)));
 
@@ -62,25 +58,29 @@ DYN_INLINE void sincos_lanes(SweepD x, SweepD& c, SweepD& s) {
   c = (SweepD)((((SweepI)sine & odd) | ((SweepI)cosine & ~odd)) ^ negative_c);
 }
 
+// Those of x beyond the reach of the reduction.
+[[gnu::cold, gnu::noinline]] inline void sincos_far(const double* x, Index n, double* c, double* s) {
+  for (Index i = 0; i < n; ++i)
+    if (!(std::abs(x[i]) <= 0x1p20)) c[i] = std::cos(x[i]), s[i] = std::sin(x[i]);
+}
+
 }  // namespace detail
 
-// x, c and s must have room for a multiple of sweep_lanes numbers; those of x past n must be finite.
+// x, c and s must have room for a multiple of sweep_lanes numbers.
 template <>
 inline void sincos_sweep(const double* x, Index n, double* c, double* s) {
   using namespace detail;
+  SweepI far = {};
   for (Index i = 0; i < n; i += sweep_lanes) {
     SweepD X, C, S;
     __builtin_memcpy(&X, x + i, sizeof X);
     sincos_lanes(X, C, S);
     __builtin_memcpy(c + i, &C, sizeof C);
     __builtin_memcpy(s + i, &S, sizeof S);
-    const SweepI ordinary = (X <= 0x1p20) & (X >= -0x1p20);
-    std::int64_t all = -1;
-    for (int k = 0; k < sweep_lanes; ++k) all &= ordinary[k];
-    if (!all) [[unlikely]]
-      for (Index k = i; k < n && k < i + sweep_lanes; ++k)
-        if (!ordinary[k - i]) c[k] = std::cos(x[k]), s[k] = std::sin(x[k]);
+    far |= ((SweepI)X & 0x7fffffffffffffff) > 0x4130000000000000;  // |x| > 2^20
   }
+  if ((far[0] | far[1]) | (far[2] | far[3])) [[unlikely]]
+    sincos_far(x, n, c, s);
 }
 
 }  // namespace dyn

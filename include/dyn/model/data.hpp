@@ -103,9 +103,9 @@ struct Data {
 // Parts with what they imply.
 inline dynParts complete_parts(dynParts p) {
   if (p == 0) p = DYN_PART_ALL;
-  if (p & DYN_PART_FORWARD_DERIVATIVES) p |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES | DYN_PART_FORWARD;
+  if (p & DYN_PART_FORWARD_DERIVATIVES) p |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_INVERSE_DERIVATIVES) p |= DYN_PART_INVERSE | DYN_PART_MASS;
-  if (p & DYN_PART_MINV) p |= DYN_PART_FACTOR;
+  if (p & DYN_PART_MINV) p |= DYN_PART_FACTOR | DYN_PART_FORWARD;
   if (p & DYN_PART_FACTOR) p |= DYN_PART_MASS;
   if (p & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES |
            DYN_PART_CENTROIDAL | DYN_PART_IK)) p |= DYN_PART_KINEMATICS;
@@ -148,13 +148,13 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   detail::for_each_buffer(m, d.parts, d, [&](auto*& p, std::size_t count) {
     using E = std::remove_reference_t<decltype(*p)>;
     p = count ? reinterpret_cast<E*>(at) : nullptr;
+    const std::size_t room = (count * sizeof(E) + 63) / 64 * 64;
+    std::memset(at, 0, room);
 #if DYN_CHECKED
     // whatever is read before it was computed shows
     for (std::size_t i = 0; i < count * sizeof(E) / sizeof(T); ++i) reinterpret_cast<T*>(at)[i] = T(NAN);
-#else
-    std::memset(at, 0, count * sizeof(E));
 #endif
-    at += (count * sizeof(E) + 63) / 64 * 64;
+    at += room;
   });
   for (Index i = 0; i < m.n.nq; ++i) d.q[i] = T(m.neutral()[i]);
   for (Index i = 0; i < m.n.nv; ++i) d.v[i] = d.a[i] = d.tau_applied[i] = T(0);
@@ -165,10 +165,10 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
-  for (Index i = 0; i < sweep_room(m.n.angles); ++i) d.angle[i] = T(0);
   d.R[0] = Mat3<T>::identity();
-  for (Vec3<T>* x : {d.p, d.r, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac})
+  for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac})
     if (x) x[0] = Vec3<T>::zero();
+  for (int k = 0; k < 3; ++k) d.extent[k] = T(0);
   for (auto& v : d.version) v = 1;
   for (auto& v : d.valid) v = false;
 }

@@ -10,9 +10,20 @@
 
 namespace dyn {
 
+// A chain: each body is its predecessor's only child, except that the last one may have any children.
 struct Run {
   BodyType type;
-  Index first, last;  // bodies [first, last)
+  Index first, last;   // bodies [first, last)
+  Index parent;        // of the first
+  Index idx_q, idx_v;  // of the first, in the expanded coordinates
+};
+
+// Bodies few enough that what their placing needs stays in the innermost cache.
+struct Chunk {
+  static constexpr Index size = 64;
+  Index first;               // body
+  Index first_run, last_run;
+  Index first_q, last_q;     // expanded coordinates that hold its angles; first_q is a multiple of 8
 };
 
 struct JointRecord {
@@ -54,7 +65,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, angles, joints, frames, links, shapes, reports, configurations, text;
+  Index bodies, runs, chunks, sweep, joints, frames, links, shapes, reports, configurations, text;
 };
 
 struct Model {

@@ -2,6 +2,7 @@
 // instruction; every other scalar (references in long double, __float128) uses three plain numbers.
 #pragma once
 
+#include <cmath>
 #include <type_traits>
 
 #include "dyn/base/types.hpp"
@@ -23,7 +24,11 @@ struct Vec3 {
     return make(a.v[1] * b.v[2] - a.v[2] * b.v[1], a.v[2] * b.v[0] - a.v[0] * b.v[2], a.v[0] * b.v[1] - a.v[1] * b.v[0]);
   }
   friend DYN_INLINE T dot(const Vec3& a, const Vec3& b) { return a.v[0] * b.v[0] + a.v[1] * b.v[1] + a.v[2] * b.v[2]; }
-  // componentwise product, and the components in cyclic order
+  // sizes of the components, their products, and the components in cyclic order
+  friend DYN_INLINE Vec3 sizes(const Vec3& a) {
+    using std::abs;
+    return make(abs(a.v[0]), abs(a.v[1]), abs(a.v[2]));
+  }
   friend DYN_INLINE Vec3 hadamard(const Vec3& a, const Vec3& b) { return make(a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2]); }
   friend DYN_INLINE Vec3 yzx(const Vec3& a) { return make(a.v[1], a.v[2], a.v[0]); }
   friend DYN_INLINE Vec3 zxy(const Vec3& a) { return make(a.v[2], a.v[0], a.v[1]); }
@@ -52,6 +57,10 @@ struct Vec3<double> {
   friend DYN_INLINE double dot(const Vec3& a, const Vec3& b) {
     const Lanes p = a.v * b.v;
     return p[0] + p[1] + p[2];
+  }
+  friend DYN_INLINE Vec3 sizes(const Vec3& a) {
+    typedef std::int64_t Bits __attribute__((vector_size(32)));
+    return {(Lanes)((Bits)a.v & std::int64_t(0x7fffffffffffffff))};
   }
   friend DYN_INLINE Vec3 hadamard(const Vec3& a, const Vec3& b) { return {a.v * b.v}; }
   friend DYN_INLINE Vec3 yzx(const Vec3& a) { return {__builtin_shufflevector(a.v, a.v, 1, 2, 0, 3)}; }

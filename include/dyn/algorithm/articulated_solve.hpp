@@ -1,0 +1,121 @@
+// x = M^-1 b by the articulated inertias that forward dynamics left (U, D; aba.hpp): O(n) for a right-hand side, eight of them
+// side by side (the recursions of Carpentier 2018, "Analytical inverse of the joint space inertia matrix", at the tree's root, where
+// they need no change of frame). For models without mimic joints.
+#pragma once
+
+#include "dyn/algorithm/aba.hpp"
+#include "dyn/base/pack.hpp"
+
+namespace dyn {
+
+inline constexpr int solve_width = 8;
+
+// S and U referred to the tree's root.
+template <class T>
+void articulated_columns(const Model& m, Data<T>& d) {
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Index p = m.bodies()[i].parent;
+    d.rel[i] = p == 0 ? Vec3<T>::zero() : d.rel[p] + d.r[i];
+  }
+  forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
+    const Body& b = m.bodies()[i];
+    for (int k = 0; k < J::nv; ++k) {
+      d.S[b.idx_v + k] = shift(J::column(b, d.R[i], k), -d.rel[i]);
+      d.U_root[b.idx_v + k] = shift(d.U[b.idx_v + k], d.rel[i]);
+    }
+  });
+}
+
+// Eight 6-vectors.
+template <class T>
+struct SixEights {
+  using P = Pack<T, solve_width>;
+  P x, y, z, u, v, w;
+
+  static DYN_INLINE SixEights load(const T* p) {
+    return {P::load(p), P::load(p + 8), P::load(p + 16), P::load(p + 24), P::load(p + 32), P::load(p + 40)};
+  }
+  DYN_INLINE void store(T* p) const { x.store(p), y.store(p + 8), z.store(p + 16), u.store(p + 24), v.store(p + 32), w.store(p + 40); }
+  static DYN_INLINE SixEights zero() {
+    const P o = P::load(zeros);
+    return {o, o, o, o, o, o};
+  }
+  template <class V>  // Motion or Force
+  DYN_INLINE P dot(const V& s) const {
+    return (x * s.linear[0] + y * s.linear[1] + z * s.linear[2]) + (u * s.angular[0] + v * s.angular[1] + w * s.angular[2]);
+  }
+  template <class V>
+  DYN_INLINE void add(const V& s, const P& k) {
+    x = x + k * s.linear[0], y = y + k * s.linear[1], z = z + k * s.linear[2];
+    u = u + k * s.angular[0], v = v + k * s.angular[1], w = w + k * s.angular[2];
+  }
+  DYN_INLINE SixEights operator+(const SixEights& b) const { return {x + b.x, y + b.y, z + b.z, u + b.u, v + b.v, w + b.w}; }
+
+ private:
+  static constexpr T zeros[solve_width] = {};
+};
+
+// X = M^-1 X for eight columns, row by row; rows past last are zero on entry.
+template <class T>
+void articulated_solve(const Model& m, Data<T>& d, T* X, Index last) {
+  using P = Pack<T, solve_width>;
+  const Index *parent = m.dof_parent(), *forks = m.dof_forks();
+  auto at_fork = [&](Index k) { return d.eights + 48 * std::ptrdiff_t(k); };
+  for (Index k = 0; k <= last; ++k)
+    if (forks[k]) SixEights<T>::zero().store(at_fork(k));
+  SixEights<T> F = SixEights<T>::zero();
+  for (Index k = last; k >= 0; --k) {
+    if (forks[k]) F = F + SixEights<T>::load(at_fork(k));
+    T* row = X + solve_width * std::ptrdiff_t(k);
+    const P y = (P::load(row) - F.dot(d.S[k])) * d.Dinv[k];
+    y.store(row);
+    F.add(d.U_root[k], y);
+    const Index p = parent[k];
+    if (p == k - 1 && p >= 0) continue;
+    if (p >= 0) (SixEights<T>::load(at_fork(p)) + F).store(at_fork(p));
+    F = SixEights<T>::zero();
+  }
+  SixEights<T> A = SixEights<T>::zero();
+  for (Index k = 0; k < m.n.nv; ++k) {
+    const Index p = parent[k];
+    if (p != k - 1) A = p >= 0 ? SixEights<T>::load(at_fork(p)) : SixEights<T>::zero();
+    T* row = X + solve_width * std::ptrdiff_t(k);
+    const P x = P::load(row) - A.dot(d.U_root[k]) * d.Dinv[k];
+    x.store(row);
+    A.add(d.S[k], x);
+    if (forks[k]) A.store(at_fork(k));
+  }
+}
+
+// out = -M^-1 B, both nv x nv and column-major, a block of columns at a time.
+template <class T>
+void minus_articulated_solve(const Model& m, Data<T>& d, const T* B, T* out) {
+  const std::ptrdiff_t n = m.n.nv;
+  T* X = d.eight_columns;
+  for (std::ptrdiff_t c0 = 0; c0 < n; c0 += solve_width) {
+    const std::ptrdiff_t width = std::min<std::ptrdiff_t>(solve_width, n - c0);
+    for (std::ptrdiff_t c = 0; c < width; ++c)
+      for (std::ptrdiff_t i = 0; i < n; ++i) X[solve_width * i + c] = -B[i + n * (c0 + c)];
+    articulated_solve(m, d, X, Index(n) - 1);
+    for (std::ptrdiff_t c = 0; c < width; ++c)
+      for (std::ptrdiff_t i = 0; i < n; ++i) out[i + n * (c0 + c)] = X[solve_width * i + c];
+  }
+}
+
+// d.Minv, full and symmetric, by the articulated inertias.
+template <class T>
+void articulated_inverse(const Model& m, Data<T>& d) {
+  const std::ptrdiff_t n = m.n.nv;
+  T* X = d.eight_columns;
+  for (std::ptrdiff_t c0 = 0; c0 < n; c0 += solve_width) {
+    const std::ptrdiff_t width = std::min<std::ptrdiff_t>(solve_width, n - c0);
+    std::fill_n(X, solve_width * n, T(0));
+    for (std::ptrdiff_t c = 0; c < width; ++c) X[solve_width * (c0 + c) + c] = T(1);
+    articulated_solve(m, d, X, Index(c0 + width) - 1);
+    for (std::ptrdiff_t i = c0; i < n; ++i)  // on and below the diagonal, and its mirror image
+      for (std::ptrdiff_t c = 0; c < width && c0 + c <= i; ++c) d.Minv[i + n * (c0 + c)] = d.Minv[c0 + c + n * i] = X[solve_width * i + c];
+  }
+  d.done(Stage::Minv);
+}
+
+}  // namespace dyn

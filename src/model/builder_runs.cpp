@@ -1,0 +1,31 @@
+// Bodies in chains of one type, and the chains in chunks.
+#include <algorithm>
+
+#include "builder_impl.hpp"
+#include "dyn/joint/list.hpp"
+
+namespace dyn {
+
+void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vector<Chunk>& chunks) {
+  const Index n = Index(bodies.size());
+  std::vector<bool> forks(bodies.size(), false);  // carries a body other than the next one
+  for (Index i = 1; i < n; ++i)
+    if (bodies[std::size_t(i)].parent != i - 1) forks[std::size_t(bodies[std::size_t(i)].parent)] = true;
+  for (Index i = 1; i < n; ++i) {
+    const Body& b = bodies[std::size_t(i)];
+    const bool chunk = (i - 1) % Chunk::size == 0;
+    if (chunk) chunks.push_back({i, Index(runs.size()), 0, 0, 0});
+    if (chunk || b.type != runs.back().type || b.parent != i - 1 || forks[std::size_t(i - 1)])
+      runs.push_back({b.type, i, i, b.parent, b.idx_q, b.idx_v});
+    runs.back().last = i + 1;
+    Chunk& c = chunks.back();
+    c.last_run = Index(runs.size());
+    visit(b.type, [&]<class J>() {
+      if (!J::angle) return;
+      if (c.last_q == 0) c.first_q = b.idx_q / 4 * 4;
+      c.last_q = b.idx_q + 1;
+    });
+  }
+}
+
+}  // namespace dyn
