@@ -1,5 +1,5 @@
-// x = M^-1 b by the articulated inertias that forward dynamics left (U, D; aba.hpp): O(n) for a right-hand side, eight of them
-// side by side (the recursions of Carpentier 2018, "Analytical inverse of the joint space inertia matrix", at the tree's root, where
+// x = M^-1 b by the articulated inertias that forward dynamics left (U, D; aba.hpp): O(n) for a right-hand side, two times eight
+// of them side by side, the two to hide each other's latency (the recursions of Carpentier 2018, "Analytical inverse of the joint space inertia matrix", at the tree's root, where
 // they need no change of frame). For models without mimic joints.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace dyn {
 
-inline constexpr int solve_width = 8;
+inline constexpr int solve_width = 16;
 
 // S and U referred to the tree's root.
 template <class T>
@@ -29,7 +29,7 @@ void articulated_columns(const Model& m, Data<T>& d) {
 // Eight 6-vectors.
 template <class T>
 struct SixEights {
-  using P = Pack<T, solve_width>;
+  using P = Pack<T, 8>;
   P x, y, z, u, v, w;
 
   static DYN_INLINE SixEights load(const T* p) {
@@ -52,38 +52,42 @@ struct SixEights {
   DYN_INLINE SixEights operator+(const SixEights& b) const { return {x + b.x, y + b.y, z + b.z, u + b.u, v + b.v, w + b.w}; }
 
  private:
-  static constexpr T zeros[solve_width] = {};
+  static constexpr T zeros[8] = {};
 };
 
-// X = M^-1 X for eight columns, row by row; rows past last are zero on entry.
+// X = M^-1 X for sixteen columns, row by row; rows past last are zero on entry.
 template <class T>
 void articulated_solve(const Model& m, Data<T>& d, T* X, Index last) {
-  using P = Pack<T, solve_width>;
+  using P = Pack<T, 8>;
+  using Six = SixEights<T>;
   const Index *parent = m.dof_parent(), *forks = m.dof_forks();
-  auto at_fork = [&](Index k) { return d.eights + 48 * std::ptrdiff_t(k); };
+  auto at_fork = [&](Index k) { return d.at_forks + 6 * solve_width * std::ptrdiff_t(k); };
   for (Index k = 0; k <= last; ++k)
-    if (forks[k]) SixEights<T>::zero().store(at_fork(k));
-  SixEights<T> F = SixEights<T>::zero();
+    if (forks[k]) Six::zero().store(at_fork(k)), Six::zero().store(at_fork(k) + 48);
+  Six F = Six::zero(), G = F;
   for (Index k = last; k >= 0; --k) {
-    if (forks[k]) F = F + SixEights<T>::load(at_fork(k));
+    if (forks[k]) F = F + Six::load(at_fork(k)), G = G + Six::load(at_fork(k) + 48);
     T* row = X + solve_width * std::ptrdiff_t(k);
-    const P y = (P::load(row) - F.dot(d.S[k])) * d.Dinv[k];
-    y.store(row);
-    F.add(d.U_root[k], y);
+    const P y = (P::load(row) - F.dot(d.S[k])) * d.Dinv[k], z = (P::load(row + 8) - G.dot(d.S[k])) * d.Dinv[k];
+    y.store(row), z.store(row + 8);
+    F.add(d.U_root[k], y), G.add(d.U_root[k], z);
     const Index p = parent[k];
     if (p == k - 1 && p >= 0) continue;
-    if (p >= 0) (SixEights<T>::load(at_fork(p)) + F).store(at_fork(p));
-    F = SixEights<T>::zero();
+    if (p >= 0) (Six::load(at_fork(p)) + F).store(at_fork(p)), (Six::load(at_fork(p) + 48) + G).store(at_fork(p) + 48);
+    F = G = Six::zero();
   }
-  SixEights<T> A = SixEights<T>::zero();
+  Six A = Six::zero(), B = A;
   for (Index k = 0; k < m.n.nv; ++k) {
     const Index p = parent[k];
-    if (p != k - 1) A = p >= 0 ? SixEights<T>::load(at_fork(p)) : SixEights<T>::zero();
+    if (p != k - 1) {
+      if (p >= 0) A = Six::load(at_fork(p)), B = Six::load(at_fork(p) + 48);
+      else A = B = Six::zero();
+    }
     T* row = X + solve_width * std::ptrdiff_t(k);
-    const P x = P::load(row) - A.dot(d.U_root[k]) * d.Dinv[k];
-    x.store(row);
-    A.add(d.S[k], x);
-    if (forks[k]) A.store(at_fork(k));
+    const P x = P::load(row) - A.dot(d.U_root[k]) * d.Dinv[k], y = P::load(row + 8) - B.dot(d.U_root[k]) * d.Dinv[k];
+    x.store(row), y.store(row + 8);
+    A.add(d.S[k], x), B.add(d.S[k], y);
+    if (forks[k]) A.store(at_fork(k)), B.store(at_fork(k) + 48);
   }
 }
 
@@ -91,30 +95,28 @@ void articulated_solve(const Model& m, Data<T>& d, T* X, Index last) {
 template <class T>
 void minus_articulated_solve(const Model& m, Data<T>& d, const T* B, T* out) {
   const std::ptrdiff_t n = m.n.nv;
-  T* X = d.eight_columns;
-  for (std::ptrdiff_t c0 = 0; c0 < n; c0 += solve_width) {
-    const std::ptrdiff_t width = std::min<std::ptrdiff_t>(solve_width, n - c0);
-    for (std::ptrdiff_t c = 0; c < width; ++c)
-      for (std::ptrdiff_t i = 0; i < n; ++i) X[solve_width * i + c] = -B[i + n * (c0 + c)];
+  T* X = d.some_columns;
+  for (std::ptrdiff_t c = 0; c < n; c += solve_width) {
+    const std::ptrdiff_t width = std::min<std::ptrdiff_t>(solve_width, n - c);
+    transpose(B + n * c, n, n, width, T(-1), X, solve_width);
     articulated_solve(m, d, X, Index(n) - 1);
-    for (std::ptrdiff_t c = 0; c < width; ++c)
-      for (std::ptrdiff_t i = 0; i < n; ++i) out[i + n * (c0 + c)] = X[solve_width * i + c];
+    transpose(X, solve_width, width, n, T(1), out + n * c, n);
   }
 }
 
-// d.Minv, full and symmetric, by the articulated inertias.
+// d.Minv, full and symmetric to the last bit.
 template <class T>
 void articulated_inverse(const Model& m, Data<T>& d) {
   const std::ptrdiff_t n = m.n.nv;
-  T* X = d.eight_columns;
-  for (std::ptrdiff_t c0 = 0; c0 < n; c0 += solve_width) {
-    const std::ptrdiff_t width = std::min<std::ptrdiff_t>(solve_width, n - c0);
+  T* X = d.some_columns;
+  for (std::ptrdiff_t c = 0; c < n; c += solve_width) {
+    const std::ptrdiff_t width = std::min<std::ptrdiff_t>(solve_width, n - c);
     std::fill_n(X, solve_width * n, T(0));
-    for (std::ptrdiff_t c = 0; c < width; ++c) X[solve_width * (c0 + c) + c] = T(1);
-    articulated_solve(m, d, X, Index(c0 + width) - 1);
-    for (std::ptrdiff_t i = c0; i < n; ++i)  // on and below the diagonal, and its mirror image
-      for (std::ptrdiff_t c = 0; c < width && c0 + c <= i; ++c) d.Minv[i + n * (c0 + c)] = d.Minv[c0 + c + n * i] = X[solve_width * i + c];
+    for (std::ptrdiff_t k = 0; k < width; ++k) X[solve_width * (c + k) + k] = T(1);
+    articulated_solve(m, d, X, Index(c + width) - 1);
+    for (std::ptrdiff_t i = c; i < n; ++i) std::copy_n(X + solve_width * i, width, d.Minv + c + n * i);
   }
+  mirror_upper(d.Minv, n);
   d.done(Stage::Minv);
 }
 

@@ -122,9 +122,7 @@ void contract(const Model& m, const T* X, T* M) {
 template <class T>
 void contract_symmetric(const Model& m, const T* X, T* M) {
   contract(m, X, M);
-  const std::ptrdiff_t n = m.n.nv;
-  for (std::ptrdiff_t j = 0; j < n; ++j)
-    for (std::ptrdiff_t i = 0; i < j; ++i) M[j + n * i] = M[i + n * j];
+  mirror_upper(M, m.n.nv);
 }
 
 }  // namespace dyn
