@@ -117,6 +117,11 @@ struct Bench {
     add("djacobians", [=, this](int k) { dyn_joint_jacobians_time_variation(m, d, Q(k), V(k), nullptr); });
     add("kinetic_energy", [=, this](int k) { dyn_kinetic_energy(m, d, Q(k), V(k), nullptr); });
     add("potential_energy", [=, this](int k) { dyn_potential_energy(m, d, Q(k), nullptr); });
+    add("centroidal_map", [=, this](int k) { dyn_centroidal_map(m, d, Q(k), V(k), nullptr, nullptr, nullptr); });
+    add("centroidal_map_rate", [=, this](int k) { dyn_centroidal_map_time_variation(m, d, Q(k), V(k), nullptr); });
+    add("centroidal_momentum", [=, this](int k) { dyn_centroidal_momentum(m, d, Q(k), V(k), nullptr); });
+    add("centroidal_momentum_rate", [=, this](int k) { dyn_centroidal_momentum_rate(m, d, Q(k), V(k), A(k), nullptr); });
+    add("centroidal_derivatives", [=, this](int k) { dyn_centroidal_derivatives(m, d, Q(k), V(k), A(k), nullptr, nullptr, nullptr, nullptr); });
   }
 };
 

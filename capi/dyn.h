@@ -379,6 +379,27 @@ DYN_API dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* dat
 /* Jacobian of that point, 3 x nv. Needs dyn_center_of_mass. */
 DYN_API dynStatus dyn_subtree_center_of_mass_jacobian(const dynModel* model, dynData* data, int joint, double* J);
 
+/* ------------------------------------------------------------------------------------------------------- centroidal */
+
+/* Momentum about the centre of mass, axes of the world, [linear; angular]: hg = Ag v (Orin, Goswami, Lee 2013). Rotors
+   (armature) are left out; what is welded to the world does not count. Needs part CENTROIDAL. */
+
+/* Ag: 6 x nv; Ig: 6 x 6, [m 1, 0; 0, I], the whole robot's inertia about its centre of mass, so that Ig^-1 hg is its average
+   velocity; hg = Ag v: 6. Includes placements. */
+DYN_API dynStatus dyn_centroidal_map(const dynModel* model, dynData* data, const double* q, const double* v, double* Ag, double Ig[36], double hg[6]);
+/* dAg, 6 x nv: dhg = Ag a + dAg v. Includes the above. */
+DYN_API dynStatus dyn_centroidal_map_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, double* dAg);
+/* hg alone, without Ag. Includes kinematics of q, v. */
+DYN_API dynStatus dyn_centroidal_momentum(const dynModel* model, dynData* data, const double* q, const double* v, double hg[6]);
+/* dhg: its time derivative, 6, for the acceleration a: m (acom) and the rate of the angular momentum; the resultant, about the
+   centre of mass, of all forces on the robot, weight included. In free fall [m g; 0]. Includes hg and kinematics. */
+DYN_API dynStatus dyn_centroidal_momentum_rate(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double dhg[6]);
+
+/* Derivatives of hg and dhg on the tangent space, 6 x nv each: dh_dq of hg by q; dhdot_dq, dhdot_dv, dhdot_da of dhg by q, v, a
+   (dhdot_da = Ag = derivative of hg by v). Includes Ag, Ig, hg, dhg and kinematics. */
+DYN_API dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                             double* dh_dq, double* dhdot_dq, double* dhdot_dv, double* dhdot_da);
+
 /* ------------------------------------------------------------------------------------------------------- dynamics */
 
 /* External forces fext: 6 x njoints, [force; moment] on each joint's body, at the joint frame's origin, in the joint's

@@ -9,6 +9,29 @@
 
 namespace dyn {
 
+// Velocity (from level 1 on) and acceleration (level 2) of body i, which R and r place.
+template <int level, class J, class T>
+DYN_INLINE void move_body(const Body& b, Index i, Data<T>& d, const Mat3<T>& R, const Vec3<T>& r, const T* v, const T* a) {
+  if constexpr (level >= 1) {
+    const Index p = b.parent;
+    const Motion<T> vJ = J::velocity(b, R, v + b.idx_v);
+    const Vec3<T> wp = d.w[p], turn = cross(wp, r);
+    Vec3<T> w = wp, u = d.u[p] + turn;
+    if constexpr (J::rotates) w += vJ.angular;
+    if constexpr (J::translates) u += vJ.linear;
+    d.w[i] = w;
+    d.u[i] = u;
+    if constexpr (level >= 2) {
+      const Motion<T> aJ = J::acceleration(b, R, v + b.idx_v, a + b.idx_v);
+      Vec3<T> dw = d.dw[p], du = d.du[p] + cross(dw, r), inner = turn;
+      if constexpr (J::rotates) dw += aJ.angular + cross(wp, vJ.angular);
+      if constexpr (J::translates) du += aJ.linear, inner += vJ.linear * T(2);
+      d.dw[i] = dw;
+      d.du[i] = du + cross(wp, inner);
+    }
+  }
+}
+
 // level 0: placements; 1: and velocities; 2: and accelerations. Inputs are d.q, d.v, d.a.
 template <int level, class T>
 void forward_kinematics(const Model& m, Data<T>& d) {
@@ -17,26 +40,9 @@ void forward_kinematics(const Model& m, Data<T>& d) {
   const T* a = level >= 2 ? d.expand(m, d.a, d.ax) : nullptr;
   forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
-    const Index p = b.parent;
     Vec3<T> r;
     place_body(b, i, d, R, r);
-    if constexpr (level >= 1) {
-      const Motion<T> vJ = J::velocity(b, R, v + b.idx_v);
-      const Vec3<T> wp = d.w[p], turn = cross(wp, r);
-      Vec3<T> w = wp, u = d.u[p] + turn;
-      if constexpr (J::rotates) w += vJ.angular;
-      if constexpr (J::translates) u += vJ.linear;
-      d.w[i] = w;
-      d.u[i] = u;
-      if constexpr (level >= 2) {
-        const Motion<T> aJ = J::acceleration(b, R, v + b.idx_v, a + b.idx_v);
-        Vec3<T> dw = d.dw[p], du = d.du[p] + cross(dw, r), inner = turn;
-        if constexpr (J::rotates) dw += aJ.angular + cross(wp, vJ.angular);
-        if constexpr (J::translates) du += aJ.linear, inner += vJ.linear * T(2);
-        d.dw[i] = dw;
-        d.du[i] = du + cross(wp, inner);
-      }
-    }
+    move_body<level, J>(b, i, d, R, r, v, a);
   });
   d.done(Stage::Position);
   if (level >= 1) d.done(Stage::Velocity);

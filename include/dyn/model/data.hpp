@@ -7,14 +7,17 @@
 
 #include "dyn/base/sincos.hpp"
 #include "dyn/model/model.hpp"
-#include "dyn/spatial/inertia.hpp"
+#include "dyn/spatial/inertia_rate.hpp"
 
 namespace dyn {
 
 // What is computed, and from what: a field is fresh when its stage was computed for the current versions of its inputs.
 enum class Stage : Index {
   State, Position, Velocity, Acceleration, Frames, Jacobians, DJacobians, Com, Vcom, Acom, Jcom, Tau, Nle, Gravity, Static, Ddq,
-  Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical, count_
+  Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical,
+  CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives,
+  TorqueRegressor, StaticRegressor, KineticRegressor, PotentialRegressor,
+  count_
 };
 
 enum Input : Index { input_q, input_v, input_a, input_tau, input_count };
@@ -26,6 +29,8 @@ inline constexpr unsigned stage_inputs(Stage s) {
     case Stage::State: return 0;
     case Stage::Velocity: case Stage::DJacobians: case Stage::Vcom: case Stage::Nle: case Stage::Coriolis: case Stage::Kinetic:
     case Stage::Mechanical: return Q | V;
+    case Stage::CentroidalMapRate: case Stage::CentroidalMomentum: case Stage::KineticRegressor: return Q | V;
+    case Stage::CentroidalMomentumRate: case Stage::CentroidalDerivatives: case Stage::TorqueRegressor: return Q | V | A;
     case Stage::Acceleration: case Stage::Acom: case Stage::Tau: return Q | V | A;
     case Stage::Ddq: return Q | V | TAU;
     default: return Q;

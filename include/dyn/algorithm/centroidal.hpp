@@ -1,0 +1,166 @@
+// Momentum about the centre of mass in world axes: h_g = A_g v, dh_g = A_g a + dA_g v (Orin, Goswami, Lee 2013, "Centroidal
+// dynamics of a humanoid robot"). Composite inertias are referred to each body's own origin, as in CRBA; a column of A_g is the
+// momentum of the composite body under a unit velocity, passed on to the centre of mass. Rotors are left out.
+#pragma once
+
+#include "dyn/algorithm/jacobian.hpp"
+#include "dyn/spatial/inertia_rate.hpp"
+
+namespace dyn {
+
+// What the bodies so far add up to: moments about the origin of the first body.
+template <class T>
+struct Sums {
+  Mat3<T> R;                // of the last body
+  Vec3<T> mc;               // first moment
+  Vec3<T> linear, angular;  // momentum
+  Vec3<T> force, moment;    // rate of the momentum
+};
+
+// Before a pass that sums: arm[i] will lead from the first body's origin to that of body i, so that distance from the world's
+// origin costs no digits.
+template <class T>
+DYN_INLINE Sums<T> begin_sums(const Model& m, Data<T>& d) {
+  const Vec3<T> zero = Vec3<T>::zero();
+  d.arm[0] = m.n.bodies > 1 ? -d.X[1].p : zero;
+  return {d.R[0], zero, zero, zero, zero, zero};
+}
+// A robot without mass has no centre of mass: the first body's origin stands for it.
+template <class T>
+DYN_INLINE T inverse_mass(const Model& m) {
+  return m.total_mass > 0 ? T(1) / T(m.total_mass) : T(0);
+}
+
+// A column of a 6 x nv matrix that was zeroed if the model has mimic joints.
+template <class T>
+DYN_INLINE void put_column(const Model& m, const Body& b, int k, const Force<T>& F, T* matrix) {
+  T* column = matrix + 6 * (b.user_v + k);
+  if (m.has_mimic) {
+    for (int x = 0; x < 3; ++x) column[x] += F.linear[x] * T(b.ratio), column[3 + x] += F.angular[x] * T(b.ratio);
+  } else {
+    store6(F, column);
+  }
+}
+template <class T>
+DYN_INLINE void begin_columns(const Model& m, T* matrix) {
+  if (m.has_mimic)
+    for (Index k = 0; k < 6 * m.n.nv; ++k) matrix[k] = T(0);
+}
+
+// 6 x 6, [m 1, 0; 0, I], of an inertia about its centre of mass.
+template <class T>
+void store_inertia(const Inertia<T>& Y, T* Ig) {
+  for (int k = 0; k < 36; ++k) Ig[k] = T(0);
+  for (int c = 0; c < 3; ++c) {
+    Ig[7 * c] = Y.m;
+    for (int r = 0; r < 3; ++r) Ig[21 + 6 * c + r] = Y.I(r, c);
+  }
+}
+
+// d.Ag, d.Ig, and d.hg = A_g v; with rate also d.dAg. In a frame that moves with body i its S = [l; w] changes by
+// dS = w_i x S, and F = Y S by dF = Y dS + dY S.
+template <bool rate, class T>
+void centroidal_map(const Model& m, Data<T>& d) {
+  place_joints(m, d);
+  const T* v = d.expand(m, d.v, d.vx);
+  const Body* bodies = m.bodies();
+  const Sums<T> sums = forward(m, begin_sums(m, d), [&]<class J>(Index i, Sums<T>& s) DYN_INLINE_LAMBDA {
+    const Body& b = bodies[i];
+    Vec3<T> r;
+    place_body(b, i, d, s.R, r);
+    const Vec3<T> arm = d.arm[b.parent] + r;
+    d.arm[i] = arm;
+    const Inertia<T> Y = world_inertia(b, s.R);
+    d.Yc[i] = Y;
+    s.mc += arm * Y.m + Y.h;
+    if constexpr (rate) {
+      move_body<1, J>(b, i, d, s.R, r, v, v);
+      d.dYc[i] = dyn::rate(Y, d.w[i]);
+      s.linear += d.u[i] * Y.m + d.dYc[i].h;
+    }
+  });
+  const Vec3<T> c = sums.mc * inverse_mass<T>(m), vc = sums.linear * inverse_mass<T>(m);
+
+  begin_columns(m, d.Ag);
+  if (rate) begin_columns(m, d.dAg);
+  struct Composite {
+    Inertia<T> Y, dY;
+    Force<T> h;
+    bool chain;
+  };
+  d.Yc[0] = Inertia<T>::zero();
+  const Composite all = backward(m, Composite{d.Yc[0], d.Yc[0], Force<T>::zero(), false}, [&]<class J>(Index i, Composite& up) DYN_INLINE_LAMBDA {
+    const Body& b = bodies[i];
+    const Mat3<T>& R = d.R[i];
+    const Vec3<T> to_com = d.arm[i] - c;
+    Inertia<T> Y = d.Yc[i], dY;
+    Vec3<T> speed;
+    if (up.chain) Y = Y + up.Y;
+    if constexpr (rate) {
+      dY = d.dYc[i];
+      if (up.chain) dY = dY + up.dY;
+      speed = d.u[i] - vc;
+    }
+    for (int k = 0; k < J::nv; ++k) {
+      const Motion<T> s = J::column(b, R, k);
+      const Force<T> F = momentum<J>(Y, s), Fg = shift(F, to_com);
+      put_column(m, b, k, Fg, d.Ag);
+      up.h = up.h + Fg * v[b.idx_v + k];
+      if constexpr (rate) {
+        Motion<T> ds = s;
+        if constexpr (J::translates) ds.linear = cross(d.w[i], s.linear);
+        if constexpr (J::rotates) ds.angular = cross(d.w[i], s.angular);
+        Force<T> dF = shift(momentum<J>(Y, ds) + momentum<J>(dY, s), to_com);
+        dF.angular += cross(speed, F.linear);
+        put_column(m, b, k, dF, d.dAg);
+      }
+    }
+    up.chain = b.parent == i - 1 && b.parent != 0;
+    up.Y = Y.shifted(b.parent ? d.r[i] : to_com);
+    if (!up.chain) d.Yc[b.parent] = d.Yc[b.parent] + up.Y;
+    if constexpr (rate)
+      if (b.parent) {
+        up.dY = shifted_rate(Y, dY, d.r[i], d.u[i] - d.u[b.parent]);
+        if (!up.chain) d.dYc[b.parent] = d.dYc[b.parent] + up.dY;
+      }
+  });
+  store6(all.h, d.hg);
+  store_inertia(d.Yc[0], d.Ig);
+  d.done(Stage::Position);
+  if (rate) d.done(Stage::Velocity), d.done(Stage::CentroidalMapRate);
+  d.done(Stage::CentroidalMap), d.done(Stage::CentroidalMomentum);
+}
+
+// d.hg, and with rate d.dhg, without columns: sums over the bodies of
+//   f = m u + w x h                     n = I w + h x u
+// and of the force and moment of RNEA without gravity.
+template <bool rate, class T>
+void centroidal_momentum(const Model& m, Data<T>& d) {
+  place_joints(m, d);
+  const T *v = d.expand(m, d.v, d.vx), *a = rate ? d.expand(m, d.a, d.ax) : nullptr;
+  const Sums<T> sums = forward(m, begin_sums(m, d), [&]<class J>(Index i, Sums<T>& s) DYN_INLINE_LAMBDA {
+    const Body& b = m.bodies()[i];
+    Vec3<T> r;
+    place_body(b, i, d, s.R, r);
+    move_body<rate ? 2 : 1, J>(b, i, d, s.R, r, v, a);
+    const Vec3<T> arm = d.arm[b.parent] + r;
+    d.arm[i] = arm;
+    const Mat3<T> Rt = transpose(s.R), I = cast<T>(b.I);
+    const Vec3<T> h = s.R * cast<T>(b.h), w = d.w[i], u = d.u[i], wB = Rt * w, nB = I * wB, wh = cross(w, h), f = u * T(b.m) + wh;
+    s.mc += arm * T(b.m) + h;
+    s.linear += f;
+    s.angular += s.R * nB + cross(h, u) + cross(arm, f);
+    if constexpr (rate) {
+      const Vec3<T> dw = d.dw[i], du = d.du[i], df = du * T(b.m) + cross(dw, h) + cross(w, wh);
+      s.force += df;
+      s.moment += s.R * (I * (Rt * dw) + cross(wB, nB)) + cross(h, du) + cross(arm, df);
+    }
+  });
+  const Vec3<T> c = sums.mc * inverse_mass<T>(m);
+  store6(shift(Force<T>{sums.linear, sums.angular}, -c), d.hg);
+  if (rate) store6(shift(Force<T>{sums.force, sums.moment}, -c), d.dhg);
+  d.done(Stage::Position), d.done(Stage::Velocity), d.done(Stage::CentroidalMomentum);
+  if (rate) d.done(Stage::Acceleration), d.done(Stage::CentroidalMomentumRate);
+}
+
+}  // namespace dyn
