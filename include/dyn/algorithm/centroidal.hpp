@@ -31,20 +31,18 @@ DYN_INLINE T inverse_mass(const Model& m) {
   return m.total_mass > 0 ? T(1) / T(m.total_mass) : T(0);
 }
 
-// A column of a 6 x nv matrix that was zeroed if the model has mimic joints.
+// Where a pass writes its n-th 6 x nv matrix: followers of a mimic have columns of their own, which reduce_columns adds to those of
+// their leaders.
 template <class T>
-DYN_INLINE void put_column(const Model& m, const Body& b, int k, const Force<T>& F, T* matrix) {
-  T* column = matrix + 6 * (b.user_v + k);
-  if (m.has_mimic) {
-    for (int x = 0; x < 3; ++x) column[x] += F.linear[x] * T(b.ratio), column[3 + x] += F.angular[x] * T(b.ratio);
-  } else {
-    store6(F, column);
-  }
+DYN_INLINE T* columns(const Model& m, const Data<T>& d, int n, T* matrix) {
+  return m.has_mimic ? d.columnsx + n * 6 * std::ptrdiff_t(m.n.nvx) : matrix;
 }
 template <class T>
-DYN_INLINE void begin_columns(const Model& m, T* matrix) {
-  if (m.has_mimic)
-    for (Index k = 0; k < 6 * m.n.nv; ++k) matrix[k] = T(0);
+void reduce_columns(const Model& m, const T* expanded, T* matrix) {
+  if (!m.has_mimic) return;
+  for (Index k = 0; k < 6 * m.n.nv; ++k) matrix[k] = T(0);
+  for (Index k = 0; k < m.n.nvx; ++k)
+    for (int x = 0; x < 6; ++x) matrix[6 * m.expand_v()[k] + x] += T(m.ratio_v()[k]) * expanded[6 * k + x];
 }
 
 // 6 x 6, [m 1, 0; 0, I], of an inertia about its centre of mass.
@@ -71,18 +69,18 @@ void centroidal_map(const Model& m, Data<T>& d) {
     const Vec3<T> arm = d.arm[b.parent] + r;
     d.arm[i] = arm;
     const Inertia<T> Y = world_inertia(b, s.R);
-    d.Yc[i] = Y;
+    store(Y, d.Yc[i]);
     s.mc += arm * Y.m + Y.h;
     if constexpr (rate) {
       move_body<1, J>(b, i, d, s.R, r, v, v);
-      d.dYc[i] = dyn::rate(Y, d.w[i]);
-      s.linear += d.u[i] * Y.m + d.dYc[i].h;
+      const Inertia<T> dY = dyn::rate(Y, d.w[i]);
+      store(dY, d.dYc[i]);
+      s.linear += d.u[i] * Y.m + dY.h;
     }
   });
   const Vec3<T> c = sums.mc * inverse_mass<T>(m), vc = sums.linear * inverse_mass<T>(m);
 
-  begin_columns(m, d.Ag);
-  if (rate) begin_columns(m, d.dAg);
+  T *Ag = columns(m, d, 0, d.Ag), *dAg = columns(m, d, 1, d.dAg);
   struct Composite {
     Inertia<T> Y, dY;
     Force<T> h;
@@ -104,7 +102,7 @@ void centroidal_map(const Model& m, Data<T>& d) {
     for (int k = 0; k < J::nv; ++k) {
       const Motion<T> s = J::column(b, R, k);
       const Force<T> F = momentum<J>(Y, s), Fg = shift(F, to_com);
-      put_column(m, b, k, Fg, d.Ag);
+      store6(Fg, Ag + 6 * (b.idx_v + k));
       up.h = up.h + Fg * v[b.idx_v + k];
       if constexpr (rate) {
         Motion<T> ds = s;
@@ -112,18 +110,20 @@ void centroidal_map(const Model& m, Data<T>& d) {
         if constexpr (J::rotates) ds.angular = cross(d.w[i], s.angular);
         Force<T> dF = shift(momentum<J>(Y, ds) + momentum<J>(dY, s), to_com);
         dF.angular += cross(speed, F.linear);
-        put_column(m, b, k, dF, d.dAg);
+        store6(dF, dAg + 6 * (b.idx_v + k));
       }
     }
     up.chain = b.parent == i - 1 && b.parent != 0;
     up.Y = Y.shifted(b.parent ? d.r[i] : to_com);
-    if (!up.chain) d.Yc[b.parent] = d.Yc[b.parent] + up.Y;
+    if (!up.chain) store(d.Yc[b.parent] + up.Y, d.Yc[b.parent]);
     if constexpr (rate)
       if (b.parent) {
         up.dY = shifted_rate(Y, dY, d.r[i], d.u[i] - d.u[b.parent]);
-        if (!up.chain) d.dYc[b.parent] = d.dYc[b.parent] + up.dY;
+        if (!up.chain) store(d.dYc[b.parent] + up.dY, d.dYc[b.parent]);
       }
   });
+  reduce_columns(m, Ag, d.Ag);
+  if (rate) reduce_columns(m, dAg, d.dAg);
   store6(all.h, d.hg);
   store_inertia(d.Yc[0], d.Ig);
   d.done(Stage::Position);

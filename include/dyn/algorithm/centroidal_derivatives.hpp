@@ -26,7 +26,9 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
     const Inertia<T> Y = world_inertia(b, s.R);
     const Vec3<T> w = d.w[i], u = d.u[i], dw = d.dw[i], du = d.du[i], wh = cross(w, Y.h), Iw = Y.I * w;
     const Vec3<T> P = u * Y.m + wh, f = du * Y.m + cross(dw, Y.h) + cross(w, wh);
-    d.CM[i] = {Y, turning(w, Y.I) + parallel_axis(u, Y.h), {P, Iw + cross(Y.h, u)}, {f, Y.I * dw + cross(w, Iw) + cross(Y.h, du)}};
+    const CompositeMotion<T> C = {
+        Y, turning(w, Y.I) + parallel_axis(u, Y.h), {P, Iw + cross(Y.h, u)}, {f, Y.I * dw + cross(w, Iw) + cross(Y.h, du)}};
+    store(C, d.CM[i]);
     s.mc += arm * Y.m + Y.h;
     s.linear += P;
     s.force += f;
@@ -34,7 +36,8 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
   const T inverse = inverse_mass<T>(m);
   const Vec3<T> c = sums.mc * inverse, vc = sums.linear * inverse, ac = sums.force * inverse;
 
-  for (T* matrix : {d.Ag, d.dh_dq, d.dhdot_dq, d.dhdot_dv}) begin_columns(m, matrix);
+  T *Ag = columns(m, d, 0, d.Ag), *dh_dq = columns(m, d, 1, d.dh_dq);
+  T *dhdot_dq = columns(m, d, 2, d.dhdot_dq), *dhdot_dv = columns(m, d, 3, d.dhdot_dv);
   struct Composite {
     CompositeMotion<T> x;
     bool chain;
@@ -59,15 +62,15 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
       // the centre of mass moves by F.linear / m
       h.angular -= cross(F.linear, vc);
       fq.angular -= cross(F.linear, ac);
-      put_column(m, b, k, F, d.Ag);
-      put_column(m, b, k, h, d.dh_dq);
-      put_column(m, b, k, fq, d.dhdot_dq);
-      put_column(m, b, k, fv, d.dhdot_dv);
+      const Index at = 6 * (b.idx_v + k);
+      store6(F, Ag + at), store6(h, dh_dq + at), store6(fq, dhdot_dq + at), store6(fv, dhdot_dv + at);
     }
     up.chain = p == i - 1 && p != 0;
     up.x = C.shifted(p ? r : to_com);
-    if (!up.chain) d.CM[p] = d.CM[p] + up.x;
+    if (!up.chain) store(d.CM[p] + up.x, d.CM[p]);
   });
+  reduce_columns(m, Ag, d.Ag), reduce_columns(m, dh_dq, d.dh_dq);
+  reduce_columns(m, dhdot_dq, d.dhdot_dq), reduce_columns(m, dhdot_dv, d.dhdot_dv);
   store6(d.CM[0].h, d.hg), store6(d.CM[0].f, d.dhg);
   store_inertia(d.CM[0].Y, d.Ig);
   for (Stage s : {Stage::Position, Stage::Velocity, Stage::Acceleration, Stage::CentroidalMap, Stage::CentroidalMomentum,

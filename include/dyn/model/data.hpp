@@ -40,6 +40,11 @@ inline constexpr unsigned stage_inputs(Stage s) {
 // First expanded degree of freedom at or after body i.
 inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
 
+// Inertial parameters of all joints' bodies.
+inline Index parameter_count(const Model& m) { return 10 * (m.n.joints - 1); }
+// Room for one component of all columns of S, to be read eight at a time.
+inline std::ptrdiff_t regressor_room(const Model& m) { return (std::ptrdiff_t(m.n.nvx) + 14) / 8 * 8; }
+
 // The public fields, in the order of data_fields.def: their ids.
 enum class FieldId : Index {
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) name,
@@ -99,7 +104,7 @@ inline dynParts complete_parts(dynParts p) {
   if (p & DYN_PART_MINV) p |= DYN_PART_FACTOR;
   if (p & DYN_PART_FACTOR) p |= DYN_PART_MASS;
   if (p & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES |
-           DYN_PART_CENTROIDAL | DYN_PART_IK)) p |= DYN_PART_KINEMATICS;
+           DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR | DYN_PART_IK)) p |= DYN_PART_KINEMATICS;
   return p;
 }
 
@@ -114,8 +119,8 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d);
 namespace detail {
 template <class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
-  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames;
-  (void)nq, (void)nv, (void)nframes;
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m);
+  (void)nq, (void)nv, (void)nframes, (void)nparameters;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
 #define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(count) : 0);
@@ -153,6 +158,8 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   d.time[0] = T(0);
   if (d.M)  // entries of unrelated joints are zero for good
     for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(m.n.nv) * m.n.nv; ++k) d.M[k] = T(0);
+  if (d.regressor)  // and of joints that do not carry the body
+    for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(m.n.nv) * parameter_count(m); ++k) d.regressor[k] = T(0);
   for (Index i = 0; i < sweep_room(m.n.angles); ++i) d.angle[i] = T(0);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac})

@@ -5,6 +5,12 @@
 
 namespace dyn {
 
+// By members: a copy as a whole takes the padding along, by way of the stack.
+template <class T>
+DYN_INLINE void store(const Inertia<T>& Y, Inertia<T>& to) {
+  to.m = Y.m, to.h = Y.h, to.I.d = Y.I.d, to.I.o = Y.I.o;
+}
+
 // -[a]x [b]x - [b]x [a]x = 2 (a.b) 1 - a b^T - b a^T: how a second moment depends on the point
 template <class T>
 DYN_INLINE Sym3<T> parallel_axis(const Vec3<T>& a, const Vec3<T>& b) {
@@ -46,6 +52,11 @@ struct CompositeMotion {
   // referred to the point from which r leads to this one
   DYN_INLINE CompositeMotion shifted(const Vec3<T>& r) const {
     return {Y.shifted(r), dI + parallel_axis(r, h.linear), shift(h, r), shift(f, r)};
+  }
+  friend DYN_INLINE void store(const CompositeMotion& C, CompositeMotion& to) {
+    store(C.Y, to.Y);
+    to.dI.d = C.dI.d, to.dI.o = C.dI.o;
+    to.h.linear = C.h.linear, to.h.angular = C.h.angular, to.f.linear = C.f.linear, to.f.angular = C.f.angular;
   }
   // sum over its bodies of V x* Y x - Y (V x x) + x x* h, which sees the angular part w of x alone
   DYN_INLINE Force<T> B(const Vec3<T>& w) const { return {cross(w, h.linear) * T(2), dI * w + cross(w, h.angular)}; }

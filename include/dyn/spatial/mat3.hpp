@@ -74,8 +74,11 @@ DYN_INLINE Mat3<T> rotate_z(const Mat3<T>& A, T c, T s) {
   return {A.x * c + A.y * s, A.y * c - A.x * s, A.z};
 }
 template <class To, class From>
-DYN_INLINE Mat3<To> cast(const Mat3<From>& A) {
-  return {cast<To>(A.x), cast<To>(A.y), cast<To>(A.z)};
+DYN_INLINE decltype(auto) cast(const Mat3<From>& A) {
+  if constexpr (std::is_same_v<To, From>)
+    return (A);
+  else
+    return Mat3<To>{cast<To>(A.x), cast<To>(A.y), cast<To>(A.z)};
 }
 template <class T>
 DYN_INLINE Mat3<T> load33(const T* p) {

@@ -83,10 +83,11 @@ template <class T>
 DYN_INLINE void store3(const Vec3<T>& a, T* p) {
   p[0] = a[0], p[1] = a[1], p[2] = a[2];
 }
+// The same numbers as another scalar; of the same scalar the vector itself, whose components can then be read from memory one by one.
 template <class To, class From>
-DYN_INLINE Vec3<To> cast(const Vec3<From>& a) {
+DYN_INLINE decltype(auto) cast(const Vec3<From>& a) {
   if constexpr (std::is_same_v<To, From>)
-    return a;
+    return (a);
   else
     return Vec3<To>::make(To(a[0]), To(a[1]), To(a[2]));
 }
