@@ -1,6 +1,4 @@
 // Centroidal quantities: thin wrappers.
-#include <utility>
-
 #include "guard.hpp"
 
 using namespace dyn;
@@ -63,8 +61,9 @@ dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const
   const Index n = 6 * call.m().n.nv;
   centroidal_derivatives(call.m(), d);
   if (!finite_map(call) || !call.numeric(d.dhg, 6, "dhg", Stage::CentroidalMomentumRate)) return call.status;
-  for (const auto& [matrix, name] : {std::pair(d.dh_dq, "dh_dq"), std::pair(d.dhdot_dq, "dhdot_dq"), std::pair(d.dhdot_dv, "dhdot_dv")})
-    if (!call.numeric(matrix, n, name, Stage::CentroidalDerivatives)) return call.status;
+  if (!call.numeric(d.dh_dq, n, "dh_dq", Stage::CentroidalDerivatives) || !call.numeric(d.dhdot_dv, n, "dhdot_dv", Stage::CentroidalDerivatives) ||
+      !call.numeric(d.dhdot_dq, n, "dhdot_dq", Stage::CentroidalRateDerivative))
+    return call.status;
   copy_out(d.dh_dq, n, dh_dq), copy_out(d.dhdot_dq, n, dhdot_dq), copy_out(d.dhdot_dv, n, dhdot_dv), copy_out(d.Ag, n, dhdot_da);
   return DYN_OK;
 }

@@ -389,14 +389,14 @@ DYN_API dynStatus dyn_subtree_center_of_mass_jacobian(const dynModel* model, dyn
 DYN_API dynStatus dyn_centroidal_map(const dynModel* model, dynData* data, const double* q, const double* v, double* Ag, double Ig[36], double hg[6]);
 /* dAg, 6 x nv: dhg = Ag a + dAg v. Includes the above. */
 DYN_API dynStatus dyn_centroidal_map_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, double* dAg);
-/* hg alone, without Ag. Includes kinematics of q, v. */
+/* hg alone, without Ag. Includes placements. */
 DYN_API dynStatus dyn_centroidal_momentum(const dynModel* model, dynData* data, const double* q, const double* v, double hg[6]);
 /* dhg: its time derivative, 6, for the acceleration a: m (acom) and the rate of the angular momentum; the resultant, about the
-   centre of mass, of all forces on the robot, weight included. In free fall [m g; 0]. Includes hg and kinematics. */
+   centre of mass, of all forces on the robot, weight included. In free fall [m g; 0]. Includes hg and placements. */
 DYN_API dynStatus dyn_centroidal_momentum_rate(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double dhg[6]);
 
 /* Derivatives of hg and dhg on the tangent space, 6 x nv each: dh_dq of hg by q; dhdot_dq, dhdot_dv, dhdot_da of dhg by q, v, a
-   (dhdot_da = Ag = derivative of hg by v). Includes Ag, Ig, hg, dhg and kinematics. */
+   (dhdot_da = Ag, which is also the derivative of hg by v). Includes Ag, Ig, hg, dhg and placements. */
 DYN_API dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
                                              double* dh_dq, double* dhdot_dq, double* dhdot_dv, double* dhdot_da);
 
@@ -450,11 +450,11 @@ DYN_API dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t m
 /* pi of all joints' bodies, nparameters. */
 DYN_API dynStatus dyn_inertial_parameters(const dynModel* model, double* pi);
 /* Y, nv x nparameters: tau = Y pi + armature a (element by element), tau of dyn_rnea without fext. With v = a = 0 the regressor of
-   g. A follower's row is part of its leader's. Includes kinematics. Needs part REGRESSOR. */
+   g. A follower's row is part of its leader's. Includes dyn_forward_kinematics. Needs part REGRESSOR. */
 DYN_API dynStatus dyn_joint_torque_regressor(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* Y);
 /* Y, 3 x nparameters: com = Y pi, for parameters whose masses add up to dyn_total_mass. Includes placements. */
 DYN_API dynStatus dyn_static_regressor(const dynModel* model, dynData* data, const double* q, double* Y);
-/* y, nparameters: the kinetic energy (without that of the armature) is y . pi. Includes kinematics of q, v. */
+/* y, nparameters: the kinetic energy (without that of the armature) is y . pi. Includes placements. */
 DYN_API dynStatus dyn_kinetic_energy_regressor(const dynModel* model, dynData* data, const double* q, const double* v, double* y);
 /* y, nparameters: the potential energy is y . pi. Includes placements. */
 DYN_API dynStatus dyn_potential_energy_regressor(const dynModel* model, dynData* data, const double* q, double* y);

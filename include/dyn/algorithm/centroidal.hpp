@@ -25,6 +25,12 @@ DYN_INLINE Sums<T> begin_sums(const Model& m, Data<T>& d) {
   d.arm[0] = m.n.bodies > 1 ? -d.X[1].p : zero;
   return {d.R[0], zero, zero, zero, zero, zero};
 }
+// Velocities and accelerations of these passes: not those of the kinematics, whose last bits must not depend on which algorithm
+// came before.
+template <class T>
+DYN_INLINE Motions<T> own_motions(const Data<T>& d) {
+  return {d.mw, d.mu, d.mdw, d.mdu};
+}
 // A robot without mass has no centre of mass: the first body's origin stands for it.
 template <class T>
 DYN_INLINE T inverse_mass(const Model& m) {
@@ -62,6 +68,7 @@ void centroidal_map(const Model& m, Data<T>& d) {
   place_joints(m, d);
   const T* v = d.expand(m, d.v, d.vx);
   const Body* bodies = m.bodies();
+  const Motions<T> x = own_motions(d);
   const Sums<T> sums = forward(m, begin_sums(m, d), [&]<class J>(Index i, Sums<T>& s) DYN_INLINE_LAMBDA {
     const Body& b = bodies[i];
     Vec3<T> r;
@@ -72,10 +79,10 @@ void centroidal_map(const Model& m, Data<T>& d) {
     store(Y, d.Yc[i]);
     s.mc += arm * Y.m + Y.h;
     if constexpr (rate) {
-      move_body<1, J>(b, i, d, s.R, r, v, v);
-      const Inertia<T> dY = dyn::rate(Y, d.w[i]);
+      move_body<1, J>(b, i, x, s.R, r, v, v);
+      const Inertia<T> dY = dyn::rate(Y, x.w[i]);
       store(dY, d.dYc[i]);
-      s.linear += d.u[i] * Y.m + dY.h;
+      s.linear += x.u[i] * Y.m + dY.h;
     }
   });
   const Vec3<T> c = sums.mc * inverse_mass<T>(m), vc = sums.linear * inverse_mass<T>(m);
@@ -97,7 +104,7 @@ void centroidal_map(const Model& m, Data<T>& d) {
     if constexpr (rate) {
       dY = d.dYc[i];
       if (up.chain) dY = dY + up.dY;
-      speed = d.u[i] - vc;
+      speed = x.u[i] - vc;
     }
     for (int k = 0; k < J::nv; ++k) {
       const Motion<T> s = J::column(b, R, k);
@@ -106,8 +113,8 @@ void centroidal_map(const Model& m, Data<T>& d) {
       up.h = up.h + Fg * v[b.idx_v + k];
       if constexpr (rate) {
         Motion<T> ds = s;
-        if constexpr (J::translates) ds.linear = cross(d.w[i], s.linear);
-        if constexpr (J::rotates) ds.angular = cross(d.w[i], s.angular);
+        if constexpr (J::translates) ds.linear = cross(x.w[i], s.linear);
+        if constexpr (J::rotates) ds.angular = cross(x.w[i], s.angular);
         Force<T> dF = shift(momentum<J>(Y, ds) + momentum<J>(dY, s), to_com);
         dF.angular += cross(speed, F.linear);
         store6(dF, dAg + 6 * (b.idx_v + k));
@@ -118,7 +125,7 @@ void centroidal_map(const Model& m, Data<T>& d) {
     if (!up.chain) store(d.Yc[b.parent] + up.Y, d.Yc[b.parent]);
     if constexpr (rate)
       if (b.parent) {
-        up.dY = shifted_rate(Y, dY, d.r[i], d.u[i] - d.u[b.parent]);
+        up.dY = shifted_rate(Y, dY, d.r[i], x.u[i] - x.u[b.parent]);
         if (!up.chain) store(d.dYc[b.parent] + up.dY, d.dYc[b.parent]);
       }
   });
@@ -127,8 +134,8 @@ void centroidal_map(const Model& m, Data<T>& d) {
   store6(all.h, d.hg);
   store_inertia(d.Yc[0], d.Ig);
   d.done(Stage::Position);
-  if (rate) d.done(Stage::Velocity), d.done(Stage::CentroidalMapRate);
   d.done(Stage::CentroidalMap), d.done(Stage::CentroidalMomentum);
+  if (rate) d.done(Stage::CentroidalMapRate);
 }
 
 // d.hg, and with rate d.dhg, without columns: sums over the bodies of
@@ -138,20 +145,21 @@ template <bool rate, class T>
 void centroidal_momentum(const Model& m, Data<T>& d) {
   place_joints(m, d);
   const T *v = d.expand(m, d.v, d.vx), *a = rate ? d.expand(m, d.a, d.ax) : nullptr;
+  const Motions<T> x = own_motions(d);
   const Sums<T> sums = forward(m, begin_sums(m, d), [&]<class J>(Index i, Sums<T>& s) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     Vec3<T> r;
     place_body(b, i, d, s.R, r);
-    move_body<rate ? 2 : 1, J>(b, i, d, s.R, r, v, a);
+    move_body<rate ? 2 : 1, J>(b, i, x, s.R, r, v, a);
     const Vec3<T> arm = d.arm[b.parent] + r;
     d.arm[i] = arm;
     const Mat3<T> Rt = transpose(s.R), I = cast<T>(b.I);
-    const Vec3<T> h = s.R * cast<T>(b.h), w = d.w[i], u = d.u[i], wB = Rt * w, nB = I * wB, wh = cross(w, h), f = u * T(b.m) + wh;
+    const Vec3<T> h = s.R * cast<T>(b.h), w = x.w[i], u = x.u[i], wB = Rt * w, nB = I * wB, wh = cross(w, h), f = u * T(b.m) + wh;
     s.mc += arm * T(b.m) + h;
     s.linear += f;
     s.angular += s.R * nB + cross(h, u) + cross(arm, f);
     if constexpr (rate) {
-      const Vec3<T> dw = d.dw[i], du = d.du[i], df = du * T(b.m) + cross(dw, h) + cross(w, wh);
+      const Vec3<T> dw = x.dw[i], du = x.du[i], df = du * T(b.m) + cross(dw, h) + cross(w, wh);
       s.force += df;
       s.moment += s.R * (I * (Rt * dw) + cross(wB, nB)) + cross(h, du) + cross(arm, df);
     }
@@ -159,8 +167,8 @@ void centroidal_momentum(const Model& m, Data<T>& d) {
   const Vec3<T> c = sums.mc * inverse_mass<T>(m);
   store6(shift(Force<T>{sums.linear, sums.angular}, -c), d.hg);
   if (rate) store6(shift(Force<T>{sums.force, sums.moment}, -c), d.dhg);
-  d.done(Stage::Position), d.done(Stage::Velocity), d.done(Stage::CentroidalMomentum);
-  if (rate) d.done(Stage::Acceleration), d.done(Stage::CentroidalMomentumRate);
+  d.done(Stage::Position), d.done(Stage::CentroidalMomentum);
+  if (rate) d.done(Stage::CentroidalMomentumRate);
 }
 
 }  // namespace dyn

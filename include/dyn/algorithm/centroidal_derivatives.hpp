@@ -16,15 +16,16 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
   place_joints(m, d);
   const T *v = d.expand(m, d.v, d.vx), *a = d.expand(m, d.a, d.ax);
   const Body* bodies = m.bodies();
+  const Motions<T> x = own_motions(d);
   const Sums<T> sums = forward(m, begin_sums(m, d), [&]<class J>(Index i, Sums<T>& s) DYN_INLINE_LAMBDA {
     const Body& b = bodies[i];
     Vec3<T> r;
     place_body(b, i, d, s.R, r);
-    move_body<2, J>(b, i, d, s.R, r, v, a);
+    move_body<2, J>(b, i, x, s.R, r, v, a);
     const Vec3<T> arm = d.arm[b.parent] + r;
     d.arm[i] = arm;
     const Inertia<T> Y = world_inertia(b, s.R);
-    const Vec3<T> w = d.w[i], u = d.u[i], dw = d.dw[i], du = d.du[i], wh = cross(w, Y.h), Iw = Y.I * w;
+    const Vec3<T> w = x.w[i], u = x.u[i], dw = x.dw[i], du = x.du[i], wh = cross(w, Y.h), Iw = Y.I * w;
     const Vec3<T> P = u * Y.m + wh, f = du * Y.m + cross(dw, Y.h) + cross(w, wh);
     const CompositeMotion<T> C = {
         Y, turning(w, Y.I) + parallel_axis(u, Y.h), {P, Iw + cross(Y.h, u)}, {f, Y.I * dw + cross(w, Iw) + cross(Y.h, du)}};
@@ -39,7 +40,7 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
   T *Ag = columns(m, d, 0, d.Ag), *dh_dq = columns(m, d, 1, d.dh_dq);
   T *dhdot_dq = columns(m, d, 2, d.dhdot_dq), *dhdot_dv = columns(m, d, 3, d.dhdot_dv);
   struct Composite {
-    CompositeMotion<T> x;
+    CompositeMotion<T> C;
     bool chain;
   };
   const Force<T> zero = Force<T>::zero();
@@ -47,12 +48,12 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
   backward(m, Composite{d.CM[0], false}, [&]<class J>(Index i, Composite& up) DYN_INLINE_LAMBDA {
     const Body& b = bodies[i];
     const Index p = b.parent;
-    const Vec3<T> r = d.r[i], to_com = d.arm[i] - c, wp = d.w[p];
+    const Vec3<T> r = d.r[i], to_com = d.arm[i] - c, wp = x.w[p];
     CompositeMotion<T> C = d.CM[i];
-    if (up.chain) C = C + up.x;
+    if (up.chain) C = C + up.C;
     // velocities of body and parent, acceleration of the parent: spatial, at the body's origin
-    const Motion<T> V = {d.u[i], d.w[i]}, Vp = shift(Motion<T>{d.u[p], wp}, r);
-    const Motion<T> Ap = shift(Motion<T>{d.du[p] - cross(wp, d.u[p]), d.dw[p]}, r);
+    const Motion<T> V = {x.u[i], x.w[i]}, Vp = shift(Motion<T>{x.u[p], wp}, r);
+    const Motion<T> Ap = shift(Motion<T>{x.du[p] - cross(wp, x.u[p]), x.dw[p]}, r);
     for (int k = 0; k < J::nv; ++k) {
       const Motion<T> S = J::column(b, d.R[i], k), dV = cross(Vp, S);
       const Force<T> F = shift(momentum<J>(C.Y, S), to_com);
@@ -66,15 +67,15 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
       store6(F, Ag + at), store6(h, dh_dq + at), store6(fq, dhdot_dq + at), store6(fv, dhdot_dv + at);
     }
     up.chain = p == i - 1 && p != 0;
-    up.x = C.shifted(p ? r : to_com);
-    if (!up.chain) store(d.CM[p] + up.x, d.CM[p]);
+    up.C = C.shifted(p ? r : to_com);
+    if (!up.chain) store(d.CM[p] + up.C, d.CM[p]);
   });
   reduce_columns(m, Ag, d.Ag), reduce_columns(m, dh_dq, d.dh_dq);
   reduce_columns(m, dhdot_dq, d.dhdot_dq), reduce_columns(m, dhdot_dv, d.dhdot_dv);
   store6(d.CM[0].h, d.hg), store6(d.CM[0].f, d.dhg);
   store_inertia(d.CM[0].Y, d.Ig);
-  for (Stage s : {Stage::Position, Stage::Velocity, Stage::Acceleration, Stage::CentroidalMap, Stage::CentroidalMomentum,
-                  Stage::CentroidalMomentumRate, Stage::CentroidalDerivatives})
+  for (Stage s : {Stage::Position, Stage::CentroidalMap, Stage::CentroidalMomentum, Stage::CentroidalMomentumRate,
+                  Stage::CentroidalDerivatives, Stage::CentroidalRateDerivative})
     d.done(s);
 }
 

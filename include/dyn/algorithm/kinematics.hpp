@@ -9,9 +9,15 @@
 
 namespace dyn {
 
+// Where a pass keeps the velocities and accelerations of the bodies.
+template <class T>
+struct Motions {
+  Vec3<T> *w, *u, *dw, *du;
+};
+
 // Velocity (from level 1 on) and acceleration (level 2) of body i, which R and r place.
 template <int level, class J, class T>
-DYN_INLINE void move_body(const Body& b, Index i, Data<T>& d, const Mat3<T>& R, const Vec3<T>& r, const T* v, const T* a) {
+DYN_INLINE void move_body(const Body& b, Index i, const Motions<T>& d, const Mat3<T>& R, const Vec3<T>& r, const T* v, const T* a) {
   if constexpr (level >= 1) {
     const Index p = b.parent;
     const Motion<T> vJ = J::velocity(b, R, v + b.idx_v);
@@ -38,11 +44,12 @@ void forward_kinematics(const Model& m, Data<T>& d) {
   place_joints(m, d);
   const T* v = level >= 1 ? d.expand(m, d.v, d.vx) : nullptr;
   const T* a = level >= 2 ? d.expand(m, d.a, d.ax) : nullptr;
+  const Motions<T> x = {d.w, d.u, d.dw, d.du};
   forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     Vec3<T> r;
     place_body(b, i, d, R, r);
-    move_body<level, J>(b, i, d, R, r, v, a);
+    move_body<level, J>(b, i, x, R, r, v, a);
   });
   d.done(Stage::Position);
   if (level >= 1) d.done(Stage::Velocity);

@@ -50,23 +50,22 @@ inline FramePose<T> joint_pose(const Model& m, const Data<T>& d, Index joint) {
   return {j.last_body, d.R[j.last_body] * cast<T>(j.C), d.p[j.last_body], Vec3<T>::zero()};
 }
 
-// Kinematics up to a level, and f(body, first parameter, axes E of the joint's frame) for each joint's body on the way.
+// Placements, with level 1 velocities in d.mw and d.mu; and f(body, first parameter, axes E of the joint's frame) for each joint's
+// body on the way.
 template <int level, class T, class F>
 DYN_INLINE void forward_joints(const Model& m, Data<T>& d, F&& f) {
   place_joints(m, d);
   const T* v = level >= 1 ? d.expand(m, d.v, d.vx) : nullptr;
-  const T* a = level >= 2 ? d.expand(m, d.a, d.ax) : nullptr;
+  const Motions<T> x = {d.mw, d.mu, nullptr, nullptr};
   forward(m, d.R[0], [&]<class J>(Index i, Mat3<T>& R) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     const JointRecord& joint = m.joints()[b.joint];
     Vec3<T> r;
     place_body(b, i, d, R, r);
-    move_body<level, J>(b, i, d, R, r, v, a);
+    move_body<level, J>(b, i, x, R, r, v, v);
     if (joint.last_body == i) f(i, 10 * std::ptrdiff_t(b.joint - 1), R * cast<T>(joint.C));
   });
   d.done(Stage::Position);
-  if (level >= 1) d.done(Stage::Velocity);
-  if (level >= 2) d.done(Stage::Acceleration);
 }
 
 // d.static_regressor, 3 x 10 (njoints - 1): com = Y pi, the whole mass being that of the model.
@@ -87,7 +86,7 @@ template <class T>
 void kinetic_energy_regressor(const Model& m, Data<T>& d) {
   forward_joints<1>(m, d, [&](Index i, std::ptrdiff_t first, const Mat3<T>& E) DYN_INLINE_LAMBDA {
     const Mat3<T> Et = transpose(E);
-    const Vec3<T> u = Et * d.u[i], w = Et * d.w[i];
+    const Vec3<T> u = Et * d.mu[i], w = Et * d.mw[i];
     store_parameters<T>({T(0.5) * dot(u, u), cross(u, w), {hadamard(w, w) * T(0.5), hadamard(w, yzx(w))}}, d.kinetic_energy_regressor + first);
   });
   d.done(Stage::KineticRegressor);

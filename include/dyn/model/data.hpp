@@ -15,7 +15,7 @@ namespace dyn {
 enum class Stage : Index {
   State, Position, Velocity, Acceleration, Frames, Jacobians, DJacobians, Com, Vcom, Acom, Jcom, Tau, Nle, Gravity, Static, Ddq,
   Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical,
-  CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives,
+  CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives, CentroidalRateDerivative,
   TorqueRegressor, StaticRegressor, KineticRegressor, PotentialRegressor,
   count_
 };
@@ -29,8 +29,9 @@ inline constexpr unsigned stage_inputs(Stage s) {
     case Stage::State: return 0;
     case Stage::Velocity: case Stage::DJacobians: case Stage::Vcom: case Stage::Nle: case Stage::Coriolis: case Stage::Kinetic:
     case Stage::Mechanical: return Q | V;
-    case Stage::CentroidalMapRate: case Stage::CentroidalMomentum: case Stage::KineticRegressor: return Q | V;
-    case Stage::CentroidalMomentumRate: case Stage::CentroidalDerivatives: case Stage::TorqueRegressor: return Q | V | A;
+    case Stage::CentroidalMapRate: case Stage::CentroidalMomentum: case Stage::CentroidalDerivatives: case Stage::KineticRegressor:
+      return Q | V;
+    case Stage::CentroidalMomentumRate: case Stage::CentroidalRateDerivative: case Stage::TorqueRegressor: return Q | V | A;
     case Stage::Acceleration: case Stage::Acom: case Stage::Tau: return Q | V | A;
     case Stage::Ddq: return Q | V | TAU;
     default: return Q;
@@ -162,7 +163,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(m.n.nv) * parameter_count(m); ++k) d.regressor[k] = T(0);
   for (Index i = 0; i < sweep_room(m.n.angles); ++i) d.angle[i] = T(0);
   d.R[0] = Mat3<T>::identity();
-  for (Vec3<T>* x : {d.p, d.r, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac})
+  for (Vec3<T>* x : {d.p, d.r, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
   for (auto& v : d.version) v = 1;
   for (auto& v : d.valid) v = false;
