@@ -58,6 +58,7 @@ TEST(Centroidal, MomentumAndInertiaAreSumsOverTheLinks) {
     V6 h = V6::Zero();
     M3 I = M3::Zero();
     double mass = 0, scale = 0;
+    forward_kinematics<1>(c.m, c.w.d);
     for (Index k = 0; k < c.m.n.frames; ++k) {
       const FrameRecord& f = c.m.frames()[k];
       if (f.type != DYN_FRAME_BODY || f.joint == 0) continue;
