@@ -70,7 +70,7 @@ struct Bench {
   explicit Bench(dynModel* model) : m(model), nq(dyn_nq(m)), nv(dyn_nv(m)) {
     // beyond 2000 degrees of freedom nothing of size nv x nv
     const bool small = nv <= 2000;
-    const dynParts square = DYN_PART_MASS | DYN_PART_FACTOR | DYN_PART_MINV | DYN_PART_CORIOLIS;
+    const dynParts square = DYN_PART_MASS | DYN_PART_FACTOR | DYN_PART_MINV | DYN_PART_CORIOLIS | DYN_PART_REGRESSOR;
     require(dyn_data_new(m, small ? dynParts(DYN_PART_ALL) : DYN_PART_ALL & ~square, &d));
     for (int k = 0; k < states; ++k) {
       q.resize(q.size() + std::size_t(nq));
@@ -86,7 +86,8 @@ struct Bench {
     auto A = [this](int k) { return a.data() + std::ptrdiff_t(k) * nv; };
     auto U = [this](int k) { return tau.data() + std::ptrdiff_t(k) * nv; };
     auto add = [&, this](const char* name, std::function<void(int)> f) {
-      const std::string squares = ",rnea_derivatives,aba_derivatives,crba,cholesky,solve,minv,all_terms,coriolis,";
+      const std::string squares = ",rnea_derivatives,aba_derivatives,crba,cholesky,solve,minv,all_terms,coriolis,torque_regressor,static_regressor,"
+                                  "kinetic_energy_regressor,potential_energy_regressor,";
       if (small || squares.find("," + std::string(name) + ",") == std::string::npos) rows.push_back({name, std::move(f), {}});
     };
     add("fk", [=, this](int k) { dyn_forward_kinematics(m, d, Q(k), nullptr, nullptr); });
@@ -119,6 +120,15 @@ struct Bench {
     add("djacobians", [=, this](int k) { dyn_joint_jacobians_time_variation(m, d, Q(k), V(k), nullptr); });
     add("kinetic_energy", [=, this](int k) { dyn_kinetic_energy(m, d, Q(k), V(k), nullptr); });
     add("potential_energy", [=, this](int k) { dyn_potential_energy(m, d, Q(k), nullptr); });
+    add("centroidal_map", [=, this](int k) { dyn_centroidal_map(m, d, Q(k), V(k), nullptr, nullptr, nullptr); });
+    add("centroidal_map_rate", [=, this](int k) { dyn_centroidal_map_time_variation(m, d, Q(k), V(k), nullptr); });
+    add("centroidal_momentum", [=, this](int k) { dyn_centroidal_momentum(m, d, Q(k), V(k), nullptr); });
+    add("centroidal_momentum_rate", [=, this](int k) { dyn_centroidal_momentum_rate(m, d, Q(k), V(k), A(k), nullptr); });
+    add("centroidal_derivatives", [=, this](int k) { dyn_centroidal_derivatives(m, d, Q(k), V(k), A(k), nullptr, nullptr, nullptr, nullptr); });
+    add("torque_regressor", [=, this](int k) { dyn_joint_torque_regressor(m, d, Q(k), V(k), A(k), nullptr); });
+    add("static_regressor", [=, this](int k) { dyn_static_regressor(m, d, Q(k), nullptr); });
+    add("kinetic_energy_regressor", [=, this](int k) { dyn_kinetic_energy_regressor(m, d, Q(k), V(k), nullptr); });
+    add("potential_energy_regressor", [=, this](int k) { dyn_potential_energy_regressor(m, d, Q(k), nullptr); });
   }
 };
 

@@ -49,7 +49,7 @@ dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data) {
     const std::size_t bytes = data_bytes<double>(*model->m, parts);
     void* arena = std::aligned_alloc(64, bytes);
     if (!arena)
-      return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %zu bytes: ask for fewer parts (nv x nv matrices are MASS, FACTOR, MINV, CORIOLIS)", bytes);
+      return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %zu bytes: ask for fewer parts (nv x nv matrices are MASS, FACTOR, MINV, CORIOLIS; nv x 10 njoints is REGRESSOR)", bytes);
     dynData* handle = new_data_slot();
     if (!handle) {
       std::free(arena);
@@ -131,8 +131,8 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
   if (out->struct_size < sizeof(dynArray))
     return fail(DYN_ERROR_SIZE, "dyn_data_array: struct_size is %u, needs %zu: set it to sizeof(dynArray)", out->struct_size, sizeof(dynArray));
   if (!call.fresh(rows[field].stage, rows[field].info.name, rows[field].info.producer)) return call.status;
-  const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames;
-  (void)nq, (void)nv, (void)nframes;
+  const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames, nparameters = parameter_count(call.m());
+  (void)nq, (void)nv, (void)nframes, (void)nparameters;
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
     out->rows = int32_t(height), out->cols = int32_t(width), out->data = numbers;
   };

@@ -298,10 +298,10 @@ enum {
   DYN_PART_CORIOLIS = 1u << 8,   /* coriolis: nv x nv */
   DYN_PART_ENERGY = 1u << 9,     /* kinetic, potential, mechanical */
   DYN_PART_FRAMES = 1u << 10,    /* placements of all frames */
-  DYN_PART_CENTROIDAL = 1u << 11,          /* Ag, dAg: 6 x nv each; hg, dhg, Ig */
+  DYN_PART_CENTROIDAL = 1u << 11,          /* Ag, dAg, dh_dq, dhdot_dq, dhdot_dv: 6 x nv each; hg, dhg, Ig */
   DYN_PART_INVERSE_DERIVATIVES = 1u << 12, /* dtau_dq, dtau_dv: nv x nv each */
   DYN_PART_FORWARD_DERIVATIVES = 1u << 13, /* ddq_dq, ddq_dv: nv x nv each (includes MINV and INVERSE_DERIVATIVES) */
-  DYN_PART_REGRESSOR = 1u << 14,           /* regressor: nv x 10 bodies */
+  DYN_PART_REGRESSOR = 1u << 14,           /* regressor: nv x 10 (njoints - 1); those of com and energies */
   DYN_PART_IK = 1u << 15,                  /* inverse kinematics */
   DYN_PART_SECOND_ORDER = 1u << 16,        /* second derivatives of the inverse dynamics */
   DYN_PART_ALL = 0x1ffff
@@ -379,6 +379,27 @@ DYN_API dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* dat
 /* Jacobian of that point, 3 x nv. Needs dyn_center_of_mass. */
 DYN_API dynStatus dyn_subtree_center_of_mass_jacobian(const dynModel* model, dynData* data, int joint, double* J);
 
+/* ------------------------------------------------------------------------------------------------------- centroidal */
+
+/* Momentum about the centre of mass, axes of the world, [linear; angular]: hg = Ag v (Orin, Goswami, Lee 2013). Rotors
+   (armature) are left out; what is welded to the world does not count. Needs part CENTROIDAL. */
+
+/* Ag: 6 x nv; Ig: 6 x 6, [m 1, 0; 0, I], the whole robot's inertia about its centre of mass, so that Ig^-1 hg is its average
+   velocity; hg = Ag v: 6. Includes placements. */
+DYN_API dynStatus dyn_centroidal_map(const dynModel* model, dynData* data, const double* q, const double* v, double* Ag, double Ig[36], double hg[6]);
+/* dAg, 6 x nv: dhg = Ag a + dAg v. Includes the above. */
+DYN_API dynStatus dyn_centroidal_map_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, double* dAg);
+/* hg alone, without Ag. Includes placements. */
+DYN_API dynStatus dyn_centroidal_momentum(const dynModel* model, dynData* data, const double* q, const double* v, double hg[6]);
+/* dhg: its time derivative, 6, for the acceleration a: m (acom) and the rate of the angular momentum; the resultant, about the
+   centre of mass, of all forces on the robot, weight included. In free fall [m g; 0]. Includes hg and placements. */
+DYN_API dynStatus dyn_centroidal_momentum_rate(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double dhg[6]);
+
+/* Derivatives of hg and dhg on the tangent space, 6 x nv each: dh_dq of hg by q; dhdot_dq, dhdot_dv, dhdot_da of dhg by q, v, a
+   (dhdot_da = Ag, which is also the derivative of hg by v). Includes Ag, Ig, hg, dhg and placements. */
+DYN_API dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                             double* dh_dq, double* dhdot_dq, double* dhdot_dv, double* dhdot_da);
+
 /* ------------------------------------------------------------------------------------------------------- dynamics */
 
 /* External forces fext: 6 x njoints, [force; moment] on each joint's body, at the joint frame's origin, in the joint's
@@ -428,6 +449,46 @@ enum {
   DYN_TERM_FACTOR = 1u << 9, DYN_TERM_MINV = 1u << 10, DYN_TERM_CORIOLIS = 1u << 11, DYN_TERM_ENERGY = 1u << 12, DYN_TERM_ALL = 0x1fff
 };
 DYN_API dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, const double* q, const double* v, uint32_t* filled);
+
+/* ------------------------------------------------------------------------------------------------------- identification */
+
+/* Inertial parameters of a body: pi = [m, m c (3), Ixx, Ixy, Iyy, Ixz, Iyz, Izz], c its centre of mass and I its inertia about the
+   frame's origin (not about c), in the frame's axes. nparameters = 10 (njoints - 1): the ten of joint 1's body, those of joint
+   2's, ...; each in its joint's frame, merged links included; what is welded to the world has none. */
+
+/* pi of all joints' bodies, nparameters. */
+DYN_API dynStatus dyn_inertial_parameters(const dynModel* model, double* pi);
+/* Y, nv x nparameters: tau = Y pi + armature a (element by element), tau of dyn_rnea without fext. With v = a = 0 the regressor of
+   g. A follower's row is part of its leader's. Includes dyn_forward_kinematics. Needs part REGRESSOR. */
+DYN_API dynStatus dyn_joint_torque_regressor(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* Y);
+/* Y, 3 x nparameters: com = Y pi, for parameters whose masses add up to dyn_total_mass. Includes placements. */
+DYN_API dynStatus dyn_static_regressor(const dynModel* model, dynData* data, const double* q, double* Y);
+/* y, nparameters: the kinetic energy (without that of the armature) is y . pi. Includes placements. */
+DYN_API dynStatus dyn_kinetic_energy_regressor(const dynModel* model, dynData* data, const double* q, const double* v, double* y);
+/* y, nparameters: the potential energy is y . pi. Includes placements. */
+DYN_API dynStatus dyn_potential_energy_regressor(const dynModel* model, dynData* data, const double* q, double* y);
+/* Y, 6 x 10: Y pi is the force, gravity included, that moves the body of a joint, in the joint's frame. Needs
+   dyn_forward_kinematics with q, v, a. */
+DYN_API dynStatus dyn_joint_body_regressor(const dynModel* model, dynData* data, int joint, double Y[60]);
+/* The same of a body that moves with a frame, its pi and the force in that frame: a link's own, merged or not. */
+DYN_API dynStatus dyn_frame_body_regressor(const dynModel* model, dynData* data, int frame, double Y[60]);
+/* The same of any body, from its spatial velocity and its spatial acceleration less gravity, 6 each, in its frame. */
+DYN_API dynStatus dyn_body_regressor(const double velocity[6], const double acceleration[6], double Y[60]);
+
+/* Pseudo-inertia J = [S h; h' m], 4 x 4, h = m c, S = tr(I) / 2 1 - I; linear in pi (Wensing, Kim, Slotine 2018). J must be
+   symmetric. */
+DYN_API dynStatus dyn_pseudo_inertia_from_parameters(const double pi[10], double J[16]);
+DYN_API dynStatus dyn_parameters_from_pseudo_inertia(const double J[16], double pi[10]);
+/* Log-Cholesky parameters theta = [alpha, d1, d2, d3, s12, s23, s13, t1, t2, t3]: J = U U', U = e^alpha [e^d1 s12 s13 t1;
+   0 e^d2 s23 t2; 0 0 e^d3 t3; 0 0 0 1] (Rucker, Wensing 2022). Every theta is a body that can exist; pi of one that can't is
+   DYN_ERROR_INVALID. */
+DYN_API dynStatus dyn_log_cholesky_from_parameters(const double pi[10], double theta[10]);
+DYN_API dynStatus dyn_parameters_from_log_cholesky(const double theta[10], double pi[10]);
+/* d pi / d theta, 10 x 10. */
+DYN_API dynStatus dyn_log_cholesky_jacobian(const double theta[10], double jacobian[100]);
+/* *consistent = 1 when J is positive definite: a positive density has these parameters. (A point or a rod, whose J is singular,
+   is a limit of such bodies and answers 0.) */
+DYN_API dynStatus dyn_is_physically_consistent(const double pi[10], int* consistent);
 
 /* ------------------------------------------------------------------------------------------------------- configurations */
 /* q's quaternions need not be unit on input and are unit on output. None of these touches data. */

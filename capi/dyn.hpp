@@ -150,6 +150,12 @@ class Model {
   int report_count() const noexcept { return dyn_report_count(get()); }
   dynReportEntry report(int index) const { return info_<dynReportEntry>(dyn_report_entry, index); }
 
+  // 10 x (njoints - 1): the ten of each joint's body
+  Matrix inertial_parameters() const {
+    Matrix pi(10, njoints() - 1);
+    check(dyn_inertial_parameters(get(), pi.data()));
+    return pi;
+  }
   // Limits, armature, damping, friction, gravity: lives as long as the model.
   View array(dynModelArray which) const {
     const int n = which == DYN_GRAVITY ? 3 : which == DYN_LOWER_LIMIT || which == DYN_UPPER_LIMIT ? nq_ : nv_;
@@ -347,6 +353,59 @@ class Data {
     return own(3, [&](double* J) { return dyn_subtree_center_of_mass_jacobian(m(), get(), joint, J); });
   }
 
+  // centroidal; the map also brings the fields "Ig" and "hg"
+  View centroidal_map(Input q = held, Input v = held) {
+    static const dynField id = dyn_field_id("Ag");
+    return result(id, dyn_centroidal_map(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr, nullptr, nullptr));
+  }
+  View centroidal_map_time_variation(Input q = held, Input v = held) {
+    static const dynField id = dyn_field_id("dAg");
+    return result(id, dyn_centroidal_map_time_variation(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
+  }
+  View centroidal_momentum(Input q = held, Input v = held) {
+    static const dynField id = dyn_field_id("hg");
+    return result(id, dyn_centroidal_momentum(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
+  }
+  View centroidal_momentum_rate(Input q = held, Input v = held, Input a = held) {
+    static const dynField id = dyn_field_id("dhg");
+    return result(id, dyn_centroidal_momentum_rate(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr));
+  }
+  struct CentroidalDerivatives {
+    View dh_dq, dhdot_dq, dhdot_dv, dhdot_da;
+  };
+  CentroidalDerivatives centroidal_derivatives(Input q = held, Input v = held, Input a = held) {
+    check(dyn_centroidal_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr, nullptr, nullptr, nullptr));
+    return {field("dh_dq"), field("dhdot_dq"), field("dhdot_dv"), field("Ag")};
+  }
+
+  // identification: regressors of Model::inertial_parameters
+  View joint_torque_regressor(Input q = held, Input v = held, Input a = held) {
+    static const dynField id = dyn_field_id("regressor");
+    return result(id, dyn_joint_torque_regressor(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr));
+  }
+  View static_regressor(Input q = held) {
+    static const dynField id = dyn_field_id("static_regressor");
+    return result(id, dyn_static_regressor(m(), get(), q.of(nq(), "q"), nullptr));
+  }
+  View kinetic_energy_regressor(Input q = held, Input v = held) {
+    static const dynField id = dyn_field_id("kinetic_energy_regressor");
+    return result(id, dyn_kinetic_energy_regressor(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
+  }
+  View potential_energy_regressor(Input q = held) {
+    static const dynField id = dyn_field_id("potential_energy_regressor");
+    return result(id, dyn_potential_energy_regressor(m(), get(), q.of(nq(), "q"), nullptr));
+  }
+  Matrix joint_body_regressor(int joint) {
+    Matrix Y(6, 10);
+    check(dyn_joint_body_regressor(m(), get(), joint, Y.data()));
+    return Y;
+  }
+  Matrix frame_body_regressor(int frame) {
+    Matrix Y(6, 10);
+    check(dyn_frame_body_regressor(m(), get(), frame, Y.data()));
+    return Y;
+  }
+
   // dynamics
   View rnea(Input q = held, Input v = held, Input a = held, Input fext = none) {
     static const dynField id = dyn_field_id("tau");
@@ -439,6 +498,44 @@ class Data {
     return out;
   }
 };
+
+// Inertial parameters of one body, and their other forms.
+using Parameters = std::array<double, 10>;
+inline Matrix body_regressor(const Vector6& velocity, const Vector6& acceleration) {
+  Matrix Y(6, 10);
+  check(dyn_body_regressor(velocity.data(), acceleration.data(), Y.data()));
+  return Y;
+}
+inline Matrix pseudo_inertia_from_parameters(const Parameters& pi) {
+  Matrix J(4, 4);
+  check(dyn_pseudo_inertia_from_parameters(pi.data(), J.data()));
+  return J;
+}
+inline Parameters parameters_from_pseudo_inertia(Input J) {
+  Parameters pi;
+  check(dyn_parameters_from_pseudo_inertia(J.of(16, "J"), pi.data()));
+  return pi;
+}
+inline Parameters log_cholesky_from_parameters(const Parameters& pi) {
+  Parameters theta;
+  check(dyn_log_cholesky_from_parameters(pi.data(), theta.data()));
+  return theta;
+}
+inline Parameters parameters_from_log_cholesky(const Parameters& theta) {
+  Parameters pi;
+  check(dyn_parameters_from_log_cholesky(theta.data(), pi.data()));
+  return pi;
+}
+inline Matrix log_cholesky_jacobian(const Parameters& theta) {
+  Matrix jacobian(10, 10);
+  check(dyn_log_cholesky_jacobian(theta.data(), jacobian.data()));
+  return jacobian;
+}
+inline bool is_physically_consistent(const Parameters& pi) {
+  int yes;
+  check(dyn_is_physically_consistent(pi.data(), &yes));
+  return yes != 0;
+}
 
 // A joint for Builder::joint.
 struct JointSpec {

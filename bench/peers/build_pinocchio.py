@@ -33,7 +33,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 PROJECT = HERE.parent.parent
 SOURCE = HERE / "pinocchio_bench.cpp"
-PARTS = 5
+PARTS = 6
 # What Pinocchio's CMake target pinocchio_headers defines.
 DEFINES = [
     "-DNDEBUG",

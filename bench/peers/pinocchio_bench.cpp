@@ -21,7 +21,7 @@
 // the inverse of M, Cholesky, the Coriolis matrix, the energies and computeAllTerms in models with
 // mimic joints (release builds drop Pinocchio's own check and would return wrong numbers).
 //
-// Built by build_pinocchio.py, which compiles this file once per BENCH_PART = 0..4 and links the
+// Built by build_pinocchio.py, which compiles this file once per BENCH_PART = 0..5 and links the
 // objects, to keep the time and memory of each compilation low; without BENCH_PART the file is a
 // whole program.  All of Pinocchio is compiled here from its headers
 // (PINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION must not be defined) and nothing of the wheel is linked:
@@ -78,6 +78,11 @@
   #include <pinocchio/algorithm/energy.hpp>
   #include <pinocchio/algorithm/jacobian.hpp>
   #include <pinocchio/algorithm/rnea.hpp>
+#endif
+#if BENCH_HAS(5)
+  #include <pinocchio/algorithm/centroidal-derivatives.hpp>
+  #include <pinocchio/algorithm/centroidal.hpp>
+  #include <pinocchio/algorithm/regressor.hpp>
 #endif
 
 #include <algorithm>
@@ -176,6 +181,7 @@ void addKinematicsRows(Bench &);
 void addAbaRows(Bench &);
 void addInertiaRows(Bench &);
 void addOtherRows(Bench &);
+void addCentroidalRows(Bench &);
 
 namespace pin = pinocchio;
 using S = const State &;
@@ -294,6 +300,52 @@ void addOtherRows(Bench & b)
   });
 }
 #endif // part 4
+
+#if BENCH_HAS(5)
+void addCentroidalRows(Bench & b)
+{
+  const Model & model = b.model;
+  Data & data = b.data;
+  b.add("centroidal_map", true, [&](S s, S) {
+    pin::ccrba(model, data, s.q, s.v);
+    keep(data);
+  });
+  b.add("centroidal_map_rate", b.noMimic, [&](S s, S) {
+    pin::dccrba(model, data, s.q, s.v);
+    keep(data);
+  });
+  b.add("centroidal_momentum", true, [&](S s, S) {
+    pin::computeCentroidalMomentum(model, data, s.q, s.v);
+    keep(data);
+  });
+  b.add("centroidal_momentum_rate", true, [&](S s, S) {
+    pin::computeCentroidalMomentumTimeVariation(model, data, s.q, s.v, s.a);
+    keep(data);
+  });
+  Data::Matrix6x dh_dq(6, model.nv), dhdot_dq(dh_dq), dhdot_dv(dh_dq), dhdot_da(dh_dq);
+  b.add("centroidal_derivatives", b.noMimic, [&, dh_dq, dhdot_dq, dhdot_dv, dhdot_da](S s, S) {
+    pin::computeCentroidalDynamicsDerivatives(
+      model, data, s.q, s.v, s.a, dh_dq, dhdot_dq, dhdot_dv, dhdot_da);
+    keep(data);
+  });
+  b.add("torque_regressor", b.noMimic, [&](S s, S) {
+    pin::computeJointTorqueRegressor(model, data, s.q, s.v, s.a);
+    keep(data);
+  });
+  b.add("static_regressor", b.noMimic, [&](S s, S) {
+    pin::computeStaticRegressor(model, data, s.q);
+    keep(data);
+  });
+  b.add("kinetic_energy_regressor", b.noMimic, [&](S s, S) {
+    pin::computeKineticEnergyRegressor(model, data, s.q, s.v);
+    keep(data);
+  });
+  b.add("potential_energy_regressor", b.noMimic, [&](S s, S) {
+    pin::computePotentialEnergyRegressor(model, data, s.q);
+    keep(data);
+  });
+}
+#endif // part 5
 
 #if BENCH_HAS(0)
 namespace
@@ -736,6 +788,7 @@ int run(int argc, char ** argv)
   addAbaRows(bench);
   addInertiaRows(bench);
   addOtherRows(bench);
+  addCentroidalRows(bench);
   std::vector<Row> & rows = bench.rows;
   if (results)
   {

@@ -29,6 +29,39 @@ TEST(Invariance, AKilometreFromTheOrigin) {
   });
 }
 
+// Ten kilometres away positions are rounded to 1e-12 m; nothing that belongs to the robot itself may feel it.
+TEST(Invariance, CentroidalQuantitiesFarFromTheOrigin) {
+  for_trees(
+      [](Case& c) {
+        Tree here = c.tree;
+        for (JointSpec& s : here.joints)  // one tree: the distance of two would be rounded, too
+          if (s.parent.name.empty()) s.parent.name = "base";
+        JointSpec base;
+        base.name = "base", base.type = DYN_JOINT_SPHERICAL;
+        here.joints.insert(here.joints.begin(), base);
+        Dice dice(1);
+        here.bodies.push_back(random_body(dice, "trunk", "base"));
+        Tree far = here;
+        for (std::size_t k = 9; k < 12; ++k) far.joints[0].placement[k] += 1e4;
+        const ModelPtr models[] = {here.build(), far.build()};
+        const State x(*models[0], 3);
+        const Index nv = models[0]->n.nv;
+        MatrixXd Ag[2], dAg[2], Ig[2], dhdot_dq[2];
+        for (int k : {0, 1}) {
+          Work<double> w(*models[k]);
+          w.q(x.q).v(x.v).a(x.a);
+          centroidal_map<true>(*models[k], w.d), centroidal_derivatives(*models[k], w.d);
+          Ag[k] = matrix(w.d.Ag, 6, nv), dAg[k] = matrix(w.d.dAg, 6, nv), Ig[k] = matrix(w.d.Ig, 6, 6);
+          dhdot_dq[k] = matrix(w.d.dhdot_dq, 6, nv);
+        }
+        EXPECT_LE(gap(Ag[0], Ag[1]), tol * largest(Ag[0]));
+        EXPECT_LE(gap(dAg[0], dAg[1]), tol * largest(dAg[0]));
+        EXPECT_LE(gap(Ig[0], Ig[1]), tol * largest(Ig[0]));
+        EXPECT_LE(gap(dhdot_dq[0], dhdot_dq[1]), tol * largest(dhdot_dq[0]));
+      },
+      60);
+}
+
 TEST(Invariance, UnitsOfLengthAndMass) {
   for (const auto& [L, K] : std::vector<std::pair<double, double>>{{1e6, 1e9}, {1e-3, 1e3}, {1e-6, 1e-9}})
     for_trees(

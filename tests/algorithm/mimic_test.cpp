@@ -118,6 +118,25 @@ TEST(MimicModel, CenterOfMassAndEnergy) {
   });
 }
 
+TEST(MimicModel, CentroidalAndRegressor) {
+  for_twins([](Twins& t) {
+    Case& c = t.c;
+    const Index n = t.f.n.nv, parameters = parameter_count(t.f);
+    auto same = [&](double* Data<double>::*field) {
+      const MatrixXd got = matrix(c.w.d.*field, 6, c.nv), expected = matrix(t.w.d.*field, 6, n) * t.G;
+      EXPECT_LE(gap(got, expected), tol * (1 + largest(expected)));
+    };
+    centroidal_map<true>(c.m, c.w.d), centroidal_map<true>(t.f, t.w.d);
+    same(&Data<double>::Ag), same(&Data<double>::dAg);
+    EXPECT_LE(gap(matrix(c.w.d.hg, 6), matrix(t.w.d.hg, 6)), tol * (1 + largest(matrix(t.w.d.hg, 6))));
+    centroidal_derivatives(c.m, c.w.d), centroidal_derivatives(t.f, t.w.d);
+    same(&Data<double>::Ag), same(&Data<double>::dh_dq), same(&Data<double>::dhdot_dq), same(&Data<double>::dhdot_dv);
+    joint_torque_regressor(c.m, c.w.d), joint_torque_regressor(t.f, t.w.d);
+    const MatrixXd Y = t.G.transpose() * matrix(t.w.d.regressor, n, parameters);
+    EXPECT_LE(gap(matrix(c.w.d.regressor, c.nv, parameters), Y), tol * (1 + largest(Y)));
+  });
+}
+
 TEST(MimicModel, SolveAndInverse) {
   for_twins(
       [](Twins& t) {

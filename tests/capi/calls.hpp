@@ -16,7 +16,7 @@ struct Arguments {
   dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER;
   double dt = 1e-3;
   std::uint32_t mask = DYN_TERM_ALL;
-  double* out[3] = {};
+  double* out[4] = {};
   std::uint32_t* filled = nullptr;
   dynArray* array = nullptr;
   dynField field = 0;
@@ -44,6 +44,11 @@ inline std::size_t nv(const dynModel* m, int) { return std::size_t(dyn_nv(m)); }
 inline std::size_t three_nv(const dynModel* m, int) { return 3 * nv(m, 0); }
 inline std::size_t six_nv(const dynModel* m, int) { return 6 * nv(m, 0); }
 inline std::size_t square(const dynModel* m, int) { return nv(m, 0) * nv(m, 0); }
+inline std::size_t map_inertia_momentum(const dynModel* m, int k) { return k == 0 ? six_nv(m, 0) : k == 1 ? 36 : 6; }
+inline std::size_t parameters(const dynModel* m, int) { return 10 * std::size_t(dyn_njoints(m) - 1); }
+inline std::size_t three_parameters(const dynModel* m, int) { return 3 * parameters(m, 0); }
+inline std::size_t nv_parameters(const dynModel* m, int) { return nv(m, 0) * parameters(m, 0); }
+inline std::size_t six_ten(const dynModel*, int) { return 60; }
 inline std::size_t point_and_mass(const dynModel*, int k) { return k ? 1 : 3; }
 }  // namespace sizes
 
@@ -106,6 +111,28 @@ inline const CallRow call_rows[] = {
      DYN_CALL { return dyn_kinetic_energy(m, d, x.q, x.v, x.out[0]); }},
     {"dyn_potential_energy", DYN_PART_ENERGY, uses_q, Needs::nothing, false, 1, sizes::one,
      DYN_CALL { return dyn_potential_energy(m, d, x.q, x.out[0]); }},
+    {"dyn_centroidal_map", DYN_PART_CENTROIDAL, uses_q | uses_v, Needs::nothing, false, 3, sizes::map_inertia_momentum,
+     DYN_CALL { return dyn_centroidal_map(m, d, x.q, x.v, x.out[0], x.out[1], x.out[2]); }},
+    {"dyn_centroidal_map_time_variation", DYN_PART_CENTROIDAL, uses_q | uses_v, Needs::nothing, false, 1, sizes::six_nv,
+     DYN_CALL { return dyn_centroidal_map_time_variation(m, d, x.q, x.v, x.out[0]); }},
+    {"dyn_centroidal_momentum", DYN_PART_CENTROIDAL, uses_q | uses_v, Needs::nothing, false, 1, sizes::six,
+     DYN_CALL { return dyn_centroidal_momentum(m, d, x.q, x.v, x.out[0]); }},
+    {"dyn_centroidal_momentum_rate", DYN_PART_CENTROIDAL, uses_q | uses_v | uses_a, Needs::nothing, false, 1, sizes::six,
+     DYN_CALL { return dyn_centroidal_momentum_rate(m, d, x.q, x.v, x.a, x.out[0]); }},
+    {"dyn_centroidal_derivatives", DYN_PART_CENTROIDAL, uses_q | uses_v | uses_a, Needs::nothing, false, 4, sizes::six_nv,
+     DYN_CALL { return dyn_centroidal_derivatives(m, d, x.q, x.v, x.a, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+    {"dyn_joint_torque_regressor", DYN_PART_REGRESSOR, uses_q | uses_v | uses_a, Needs::nothing, false, 1, sizes::nv_parameters,
+     DYN_CALL { return dyn_joint_torque_regressor(m, d, x.q, x.v, x.a, x.out[0]); }},
+    {"dyn_static_regressor", DYN_PART_REGRESSOR, uses_q, Needs::nothing, false, 1, sizes::three_parameters,
+     DYN_CALL { return dyn_static_regressor(m, d, x.q, x.out[0]); }},
+    {"dyn_kinetic_energy_regressor", DYN_PART_REGRESSOR, uses_q | uses_v, Needs::nothing, false, 1, sizes::parameters,
+     DYN_CALL { return dyn_kinetic_energy_regressor(m, d, x.q, x.v, x.out[0]); }},
+    {"dyn_potential_energy_regressor", DYN_PART_REGRESSOR, uses_q, Needs::nothing, false, 1, sizes::parameters,
+     DYN_CALL { return dyn_potential_energy_regressor(m, d, x.q, x.out[0]); }},
+    {"dyn_joint_body_regressor", DYN_PART_KINEMATICS, uses_joint, Needs::acceleration, true, 1, sizes::six_ten,
+     DYN_CALL { return dyn_joint_body_regressor(m, d, x.joint, x.out[0]); }},
+    {"dyn_frame_body_regressor", DYN_PART_KINEMATICS, uses_frame, Needs::acceleration, true, 1, sizes::six_ten,
+     DYN_CALL { return dyn_frame_body_regressor(m, d, x.frame, x.out[0]); }},
     {"dyn_all_terms", DYN_PART_ALL, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_all_terms(m, d, x.mask, x.q, x.v, x.filled); }},
     {"dyn_step", DYN_PART_FORWARD, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_step(m, d, x.integrator, x.dt); }},
@@ -119,7 +146,7 @@ struct Prepared {
   static constexpr std::size_t guard = 4;
   const CallRow& row;
   State s;
-  Numbers b, out[3];
+  Numbers b, out[4];
   std::uint32_t filled = 0xa5a5a5a5u;
   dynArray array = view();
   Arguments x;

@@ -30,7 +30,8 @@ TEST(Fields, TableIsSound) {
     if (std::strlen(info.producer)) call_row(info.producer);  // is a call
   }
   for (const char* name : {"q", "v", "a", "tau_applied", "time", "placements", "J", "dJ", "com", "vcom", "acom", "Jcom", "tau", "nle", "g",
-                           "static_torque", "ddq", "M", "Minv", "coriolis", "kinetic", "potential", "mechanical"})
+                           "static_torque", "ddq", "M", "Minv", "coriolis", "kinetic", "potential", "mechanical", "Ag", "dAg", "Ig", "hg", "dhg",
+                           "dh_dq", "dhdot_dq", "dhdot_dv", "regressor", "static_regressor", "kinetic_energy_regressor", "potential_energy_regressor"})
     EXPECT_TRUE(names.count(name)) << name;
 }
 
@@ -39,6 +40,7 @@ int dimension(const dynModel* m, const std::string& text) {
   if (text == "nq") return dyn_nq(m);
   if (text == "nv") return dyn_nv(m);
   if (text == "nframes") return dyn_nframes(m);
+  if (text == "nparameters") return 10 * (dyn_njoints(m) - 1);
   return std::stoi(text);
 }
 
@@ -115,7 +117,9 @@ TEST(Freshness, StaleFreshStale) {
     EXPECT_TRUE(same_bits(first, field(m, d, info.name))) << who;
 
     // v, a and tau matter to what depends on them, and to nothing else
-    const std::set<std::string> of_v = {"dJ", "vcom", "acom", "tau", "nle", "ddq", "coriolis", "kinetic", "mechanical"}, of_a = {"acom", "tau"},
+    const std::set<std::string> of_v = {"dJ", "vcom", "acom", "tau", "nle", "ddq", "coriolis", "kinetic", "mechanical", "dAg", "hg", "dhg", "dh_dq",
+                                        "dhdot_dq", "dhdot_dv", "regressor", "kinetic_energy_regressor"},
+                                of_a = {"acom", "tau", "dhg", "dhdot_dq", "regressor"},
                                 of_tau = {"ddq"};
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, t.tau.data()));
     EXPECT_EQ(of_tau.count(info.name) ? DYN_ERROR_STALE : DYN_OK, field_status(m, d, info.name)) << who;

@@ -51,6 +51,7 @@ void expect_nothing_stale(const Model& m, dynData* d, bool forces, std::uint64_t
   ASSERT_EQ(DYN_OK, dyn_rnea(m, fresh, nullptr, nullptr, nullptr, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_static_torque(m, fresh, nullptr, nullptr, nullptr));
   if (dyn_aba(m, fresh, nullptr, nullptr, nullptr, nullptr, nullptr) != DYN_OK) return;
+  compute_centroidal_and_regressors(m, fresh);
   double worst_M = 1;
   for (double e : field(m, fresh, "Minv")) worst_M = std::max(worst_M, std::abs(e));
   const Snapshot expected(m, fresh), got(m, d);

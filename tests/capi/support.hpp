@@ -201,6 +201,14 @@ inline State random_state(const dynModel* m, std::uint64_t seed) {
   return s;
 }
 
+inline void compute_centroidal_and_regressors(const dynModel* m, dynData* d) {
+  ASSERT_EQ(DYN_OK, dyn_centroidal_derivatives(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_centroidal_map_time_variation(m, d, nullptr, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_joint_torque_regressor(m, d, nullptr, nullptr, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_static_regressor(m, d, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_kinetic_energy_regressor(m, d, nullptr, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_potential_energy_regressor(m, d, nullptr, nullptr));
+}
 // Brings every field of the state to life.
 inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data())) << dyn_last_error();
@@ -210,6 +218,7 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_rnea(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr));
   ASSERT_EQ(DYN_OK, dyn_static_torque(m, d, nullptr, s.fext.data(), nullptr));
   ASSERT_EQ(DYN_OK, dyn_aba(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr)) << dyn_last_error();
+  compute_centroidal_and_regressors(m, d);
 }
 
 inline dynArray view() {

@@ -14,8 +14,8 @@ from common import ILL_CONDITIONED, error, robots_folder, scaled
 
 REFERENCES = ("LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED")
 THROUGH_MINV = {"ddq", "ddq_fext", "Minv", "ddq_dq", "ddq_dv"}  # their tolerance grows with cond(M) beyond 1e8
-OFFERED_LATER = {"Ag", "dAg", "hg", "dhg", "Ig", "dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv"}  # may be absent, never wrong
-METHODS_OFFERED_LATER = {"centroidal", "rnea_derivatives", "aba_derivatives"}
+OFFERED_LATER = {"dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv"}  # may be absent, never wrong
+METHODS_OFFERED_LATER = {"rnea_derivatives", "aba_derivatives"}
 
 
 class Libdyn:
@@ -101,7 +101,21 @@ class Libdyn:
 
     def centroidal(self, s):
         """{"Ag", "dAg", "hg", "dhg", "Ig"}; Ig is the 3 x 3 inertia about the centre of mass, world axes"""
-        return self.data.centroidal(s["q"], s["v"], s["a"])
+        values = self.data.centroidal(s["q"], s["v"], s["a"])
+        return values._asdict() | {"Ig": values.Ig[3:, 3:]}
+
+    def inertial_parameters(self):
+        return self.model.inertial_parameters()
+
+    def regressors(self, s):
+        """{"regressor_times_tau": Y' tau, ...}: Y itself would be a large file"""
+        q, v = s["q"], s["v"]
+        return {"regressor_times_tau": self.data.joint_torque_regressor(q, v, s["a"]).T @ s["tau"],
+                "kinetic_energy_regressor": self.data.kinetic_energy_regressor(q, v),
+                "potential_energy_regressor": self.data.potential_energy_regressor(q)}
+
+    def centroidal_derivatives(self, s):
+        return self.data.centroidal_derivatives(s["q"], s["v"], s["a"])._asdict()
 
     # derivatives by tangent vectors
     def inverse_derivatives(self, s):
@@ -229,6 +243,9 @@ def check_model(table, robot, golden):
         value = table.call([quantity], where, getattr(robot, quantity))
         if value is not None:
             table.figure(quantity, where, value, golden[quantity])
+    pi = table.call(["inertial_parameters"], where, robot.inertial_parameters)
+    if pi is not None:
+        table.figure("inertial_parameters", where, pi, golden["inertial_parameters"])
     names = [j["name"] for j in golden["joints"]]
     order = table.call(["joint order"], where, robot.joint_order)
     if order is not None:
@@ -270,6 +287,11 @@ def check_dynamics(table, robot, s, where):
     values = table.call(centroidal, where, robot.centroidal, s)
     for quantity in centroidal if values is not None else ():
         compare(quantity, values[quantity])
+
+    for group in "regressors", "centroidal_derivatives":
+        values = table.call(s.get(group, ()), where, getattr(robot, group), s)
+        for quantity in s.get(group, ()) if values is not None else ():
+            compare(quantity, values[quantity], s[group])
 
     energy = table.call(["kinetic", "potential", "mechanical"], where, robot.energy, s)
     if energy is not None:

@@ -31,7 +31,7 @@ FORCES = {"nle", "g", "tau", "tau_fext", "static_torque"}
 ACCELERATIONS = {"ddq", "ddq_fext"}
 FORCE_MATRICES = {"M", "coriolis", "dtau_dq", "dtau_dv"}
 ACCELERATION_MATRICES = {"ddq_dq", "ddq_dv"}
-MOMENTUM_ROWS = {"Jcom", "Ag", "dAg"}
+MOMENTUM_ROWS = {"Jcom", "Ag", "dAg", "dh_dq", "dhdot_dq", "dhdot_dv"}
 
 
 def scaled(name, x, diagonal):

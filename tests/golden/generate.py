@@ -261,6 +261,7 @@ def one_robot(name, file, base, why, folder):
                        for j in robot.joints],
             "impossible_inertias": [name for name, inertia in robot.inertia.items() if impossible(inertia)],
             "frames": choose_frames(robot), "subtrees": [j.name for j in choose_subtrees(robot)]}
+    pi = info["inertial_parameters"] = peer.inertial_parameters()
     check("total mass", info["total_mass"] + info["fixed_base_mass"], float(sum(x[0] for x in robot.inertia.values())))
     try:
         mujoco, info["mujoco"] = peer_mujoco.Peer(path, robot), "loaded"
@@ -301,6 +302,14 @@ def one_robot(name, file, base, why, folder):
                 del e[quantity]
             entry.get("mujoco", {}).pop("M", None)
             stored = stored and {k: x for k, x in stored.items() if k != "Minv"}
+        Y, kinetic, potential = peer.regressors(q, v, a)
+        for what, x, y in (("tau", Y @ pi, e["tau"]), ("kinetic", kinetic @ pi, e["energy"]["kinetic"]),
+                           ("potential", potential @ pi, e["energy"]["potential"])):
+            check(f"regressor of {what}", x, y)
+        entry["regressors"] = {"regressor_times_tau": Y.T @ tau, "kinetic_energy_regressor": kinetic,
+                               "potential_energy_regressor": potential}
+        if large:
+            entry["centroidal_derivatives"] = peer.centroidal_derivatives(q, v, a)
         entry["expect"] = e
         if stored:
             entry["reference"] = stored

@@ -128,6 +128,23 @@ class Peer:
                 out[name + by] = X if name == "dtau" else -np.linalg.solve(M, X)
         return out
 
+    def centroidal_derivatives(self, q, v, a):
+        m, d, G = self.model, self.data, self.G
+        X = pin.computeCentroidalDynamicsDerivatives(m, d, self.to_pin(q), G @ v, G @ a)
+        return {name: x @ G for name, x in zip(("dh_dq", "dhdot_dq", "dhdot_dv"), X)}
+
+    def inertial_parameters(self):
+        """Ten a joint's body, in the order of libdyn's joints."""
+        return np.concatenate([self.model.inertias[self.id(j)].toDynamicParameters() for j in self.robot.joints])
+
+    def regressors(self, q, v, a):
+        """(Y, nv x 10 joints; that of the kinetic energy; that of the potential energy)"""
+        m, d, G = self.model, self.data, self.G
+        Q, V, A = self.to_pin(q), G @ v, G @ a
+        columns = np.concatenate([10 * (self.id(j) - 1) + np.arange(10) for j in self.robot.joints])
+        return (G.T @ pin.computeJointTorqueRegressor(m, d, Q, V, A)[:, columns],
+                pin.computeKineticEnergyRegressor(m, d, Q, V)[columns], pin.computePotentialEnergyRegressor(m, d, Q)[columns])
+
     def mass_and_energy(self, q, v, a, subtrees):
         m, d, G = self.model, self.data, self.G
         Q, V, A = self.to_pin(q), G @ v, G @ a

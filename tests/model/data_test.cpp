@@ -9,8 +9,8 @@ namespace {
 // every buffer of data with its count, as the table says
 template <class F>
 void for_buffers(const Model& m, dynParts parts, Data<double>& d, F&& f) {
-  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames;
-  (void)nq, (void)nv, (void)nframes;
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m);
+  (void)nq, (void)nv, (void)nframes, (void)nparameters;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   f(#name, (const char*)d.name, ((part) == 0 || (parts & (part))) ? std::size_t((rows) * (cols)) * sizeof(*d.name) : 0);
 #define BUFFER(type, name, count, part, sentence) \
@@ -44,7 +44,7 @@ TEST(Data, PartsBringWhatTheyNeed) {
   EXPECT_EQ(dynParts(DYN_PART_ALL), complete_parts(0));
   EXPECT_EQ(dynParts(DYN_PART_MINV | DYN_PART_FACTOR | DYN_PART_MASS), complete_parts(DYN_PART_MINV));
   EXPECT_EQ(dynParts(DYN_PART_FACTOR | DYN_PART_MASS), complete_parts(DYN_PART_FACTOR));
-  for (dynParts p : {DYN_PART_JACOBIANS, DYN_PART_COM, DYN_PART_CORIOLIS, DYN_PART_ENERGY, DYN_PART_FRAMES, DYN_PART_CENTROIDAL, DYN_PART_IK})
+  for (dynParts p : {DYN_PART_JACOBIANS, DYN_PART_COM, DYN_PART_CORIOLIS, DYN_PART_ENERGY, DYN_PART_FRAMES, DYN_PART_CENTROIDAL, DYN_PART_REGRESSOR, DYN_PART_IK})
     EXPECT_EQ(p | DYN_PART_KINEMATICS, complete_parts(p));
   const ModelPtr m = random_tree(6).build();
   EXPECT_LT(data_bytes<double>(*m, DYN_PART_INVERSE), data_bytes<double>(*m, DYN_PART_INVERSE | DYN_PART_FORWARD));
@@ -56,7 +56,7 @@ TEST(Data, NothingOfSizeNvSquaredUnlessAskedFor) {
   free_bodies.joints = 1000, free_bodies.types = {DYN_JOINT_FREE_FLYER}, free_bodies.branch = 1, free_bodies.armature = 0;
   const ModelPtr m = random_tree(1, free_bodies).build();
   ASSERT_EQ(6000, m->n.nv);
-  for (dynParts parts : {DYN_PART_INVERSE, DYN_PART_FORWARD, DYN_PART_KINEMATICS, DYN_PART_ENERGY, DYN_PART_COM, DYN_PART_JACOBIANS})
+  for (dynParts parts : {DYN_PART_INVERSE, DYN_PART_FORWARD, DYN_PART_KINEMATICS, DYN_PART_ENERGY, DYN_PART_COM, DYN_PART_JACOBIANS, DYN_PART_CENTROIDAL})
     EXPECT_LT(data_bytes<double>(*m, parts), 5000000u) << parts;  // M alone would be 288 MB
 }
 
@@ -81,7 +81,8 @@ TEST(Data, EachStageIsFreshForItsInputsOnly) {
   for (const Row& row : {Row{Stage::Position, 1, 0, 0, 0}, Row{Stage::Velocity, 1, 1, 0, 0}, Row{Stage::Acceleration, 1, 1, 1, 0},
                          Row{Stage::Mass, 1, 0, 0, 0}, Row{Stage::Tau, 1, 1, 1, 0}, Row{Stage::Ddq, 1, 1, 0, 1}, Row{Stage::Gravity, 1, 0, 0, 0},
                          Row{Stage::Coriolis, 1, 1, 0, 0}, Row{Stage::Jcom, 1, 0, 0, 0}, Row{Stage::Acom, 1, 1, 1, 0}, Row{Stage::Kinetic, 1, 1, 0, 0},
-                         Row{Stage::Potential, 1, 0, 0, 0}, Row{Stage::Minv, 1, 0, 0, 0}, Row{Stage::DJacobians, 1, 1, 0, 0}}) {
+                         Row{Stage::Potential, 1, 0, 0, 0}, Row{Stage::Minv, 1, 0, 0, 0}, Row{Stage::DJacobians, 1, 1, 0, 0},
+                         Row{Stage::CentroidalMap, 1, 0, 0, 0}, Row{Stage::CentroidalMomentumRate, 1, 1, 1, 0}, Row{Stage::TorqueRegressor, 1, 1, 1, 0}}) {
     const bool depends[] = {row.q, row.v, row.a, row.tau};
     for (int input = 0; input < input_count; ++input) {
       Work<double> w(*m);

@@ -85,7 +85,7 @@ struct Work {
   State s, odd;
   std::vector<std::unique_ptr<Prepared>> prepared;
   std::vector<unsigned char> memory;
-  Numbers x, y, J1, J2;
+  Numbers x, y, J1, J2, parameters;
   std::vector<const char*> names;
   std::vector<std::int32_t> ids;
   std::string long_name = std::string(3000, 'n');
@@ -93,7 +93,7 @@ struct Work {
 
   explicit Work(const Model& model)
       : m(model), d(m), foreign_data(m), s(random_state(m, 1)), odd(random_state(m, 2)), memory(dyn_data_size(m, 0)), x(s.q), y(random_state(m, 3).q),
-        J1(std::size_t(m.nv() * m.nv()) + 12), J2(J1) {
+        J1(std::size_t(m.nv() * m.nv()) + 100), J2(J1), parameters(10 * std::size_t(m.njoints())) {
     for (int j = 1; j < m.njoints(); ++j) names.push_back(dyn_joint_name(m, j));
     names.push_back(dyn_joint_name(m, 1));
     ids.resize(names.size());
@@ -156,6 +156,17 @@ struct Work {
         dyn_field_info(k, &field), dyn_joint_name(m, k), dyn_frame_name(m, k), dyn_configuration_name(m, k);
       }
       for (int which = -1; which <= 8; ++which) dyn_model_array(m, dynModelArray(which < 0 ? 8 : which));
+    });
+    add("inertial parameters", [this] {
+      Numbers& pi = J1;
+      int answer;
+      for (double mass : {2.0, -1.0, nan}) {
+        const double body[10] = {mass, 0.1, 0.2, 0, 1, 0, 1, 0, 0, 1};
+        dyn_pseudo_inertia_from_parameters(body, J2.data()), dyn_parameters_from_pseudo_inertia(J2.data(), pi.data());
+        dyn_log_cholesky_from_parameters(body, J2.data()), dyn_is_physically_consistent(body, &answer), dyn_body_regressor(body, body, J2.data());
+        dyn_parameters_from_log_cholesky(body, J2.data()), dyn_log_cholesky_jacobian(body, J2.data());
+      }
+      dyn_inertial_parameters(m, parameters.data()), dyn_inertial_parameters(nullptr, pi.data());
     });
     add("names", [this] {
       for (const char* name : names) dyn_joint_id(m, name), dyn_frame_id(m, name), dyn_frame_id_of_type(m, name, DYN_FRAME_JOINT);

@@ -69,6 +69,32 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
       {"solve", true, [=](S s) { return dyn_solve(m, d, s.tau.data(), 1, x); }, factor},
       {"minverse", true, [=](S s) { return dyn_minverse(m, d, s.q.data(), nullptr); }, {}},
       {"energy", false, [=](S s) { return dyn_energy(m, d, s.q.data(), s.v.data(), nullptr, nullptr); }, {}},
+      {"centroidal_map", false, [=](S s) { return dyn_centroidal_map(m, d, s.q.data(), s.v.data(), nullptr, nullptr, nullptr); }, {}},
+      {"centroidal_map_time_variation",
+       false,
+       [=](S s) { return dyn_centroidal_map_time_variation(m, d, s.q.data(), s.v.data(), nullptr); },
+       {}},
+      {"centroidal_momentum", false, [=](S s) { return dyn_centroidal_momentum(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
+      {"centroidal_momentum_rate",
+       false,
+       [=](S s) { return dyn_centroidal_momentum_rate(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr); },
+       {}},
+      {"centroidal_derivatives",
+       false,
+       [=](S s) {
+         return dyn_centroidal_derivatives(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr, nullptr, nullptr);
+       },
+       {}},
+      {"joint_torque_regressor",
+       true,
+       [=](S s) { return dyn_joint_torque_regressor(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr); },
+       {}},
+      {"static_regressor", true, [=](S s) { return dyn_static_regressor(m, d, s.q.data(), nullptr); }, {}},
+      {"kinetic_energy_regressor",
+       true,
+       [=](S s) { return dyn_kinetic_energy_regressor(m, d, s.q.data(), s.v.data(), nullptr); },
+       {}},
+      {"potential_energy_regressor", true, [=](S s) { return dyn_potential_energy_regressor(m, d, s.q.data(), nullptr); }, {}},
       {"all_terms", true, [=](S s) { return dyn_all_terms(m, d, DYN_TERM_ALL, s.q.data(), s.v.data(), nullptr); }, {}},
       {"integrate", false, [=](S s) { return dyn_integrate(m, s.q.data(), s.v.data(), x); }, {}},
       {"difference", false, [=, home = robot.neutral()](S s) { return dyn_difference(m, home.data(), s.q.data(), x); }, {}},
@@ -139,7 +165,8 @@ void run(const Options& options) {
   if (!(options.seconds > 0) || !std::isfinite(options.seconds)) bad_usage("--seconds must be a positive number of seconds.");
   const Robot robot(options.robot);
   constexpr dynParts sparse =
-      DYN_PART_KINEMATICS | DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_INVERSE | DYN_PART_ENERGY | DYN_PART_FRAMES;
+      DYN_PART_KINEMATICS | DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_INVERSE | DYN_PART_ENERGY | DYN_PART_FRAMES |
+      DYN_PART_CENTROIDAL;
   const bool dense = robot.nv <= max_dense;
   const Data data(robot, dense ? dynParts(DYN_PART_ALL) : sparse | robot.forward_parts());
   const auto samples = random_states(robot);

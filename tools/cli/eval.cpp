@@ -93,6 +93,37 @@ json center_of_mass(const Context& c, const char* name) {
   return c.vector(dyn_center_of_mass(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr, nullptr), name);
 }
 
+// The inertia of the whole about its centre of mass, axes of the world.
+json centroidal_inertia(const Context& c) {
+  check(dyn_centroidal_map(c.robot, c.data, c.q, c.v, nullptr, nullptr, nullptr));
+  const Vector Ig = field(c.robot, c.data, "Ig");
+  double inertia[9];
+  for (int k = 0; k < 9; ++k) inertia[k] = Ig[static_cast<std::size_t>(21 + k % 3 + 6 * (k / 3))];
+  return {{"mass", Ig[0]}, {"com", center_of_mass(c, "com")}, {"inertia", matrix_json(inertia, 3, 3)}};
+}
+
+json centroidal_derivative(const Context& c, const char* name) {
+  return c.matrix(dyn_centroidal_derivatives(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr, nullptr, nullptr), name, 6);
+}
+
+int parameter_count(const Context& c) { return 10 * (c.robot.njoints - 1); }
+
+json regressor(const Context& c, dynStatus status, const char* name, int rows) {
+  check(status);
+  const Vector values = field(c.robot, c.data, name);
+  return matrix_json(values.data(), rows, parameter_count(c));
+}
+
+// The ten of each joint's body.
+json inertial_parameters(const Context& c) {
+  Vector pi(static_cast<std::size_t>(parameter_count(c)));
+  check(dyn_inertial_parameters(c.robot, pi.data()));
+  json out = json::object();
+  for (int joint = 1; joint < c.robot.njoints; ++joint)
+    out[dyn_joint_name(c.robot, joint)] = vector_json(pi.data() + 10 * (joint - 1), 10);
+  return out;
+}
+
 struct Quantity {
   const char* name;
   dynParts parts;  // what is not needed is not allocated: M of a chain of 10,000 would be 800 MB; 0: Robot::forward_parts
@@ -138,13 +169,33 @@ const std::vector<Quantity>& quantities() {
       {"frame_acceleration", DYN_PART_KINEMATICS, true, [](C c) { return c.frame_vector(dyn_frame_acceleration); }},
       {"frame_classical_acceleration", DYN_PART_KINEMATICS, true,
        [](C c) { return c.frame_vector(dyn_frame_classical_acceleration); }},
+      {"Ag", DYN_PART_CENTROIDAL, false,
+       [](C c) { return c.matrix(dyn_centroidal_map(c.robot, c.data, c.q, c.v, nullptr, nullptr, nullptr), "Ag", 6); }},
+      {"dAg", DYN_PART_CENTROIDAL, false,
+       [](C c) { return c.matrix(dyn_centroidal_map_time_variation(c.robot, c.data, c.q, c.v, nullptr), "dAg", 6); }},
+      {"hg", DYN_PART_CENTROIDAL, false,
+       [](C c) { return c.vector(dyn_centroidal_momentum(c.robot, c.data, c.q, c.v, nullptr), "hg"); }},
+      {"dhg", DYN_PART_CENTROIDAL, false,
+       [](C c) { return c.vector(dyn_centroidal_momentum_rate(c.robot, c.data, c.q, c.v, c.a, nullptr), "dhg"); }},
+      {"Ig", DYN_PART_CENTROIDAL | DYN_PART_COM, false, centroidal_inertia},
+      {"dh_dq", DYN_PART_CENTROIDAL, false, [](C c) { return centroidal_derivative(c, "dh_dq"); }},
+      {"dhdot_dq", DYN_PART_CENTROIDAL, false, [](C c) { return centroidal_derivative(c, "dhdot_dq"); }},
+      {"dhdot_dv", DYN_PART_CENTROIDAL, false, [](C c) { return centroidal_derivative(c, "dhdot_dv"); }},
+      {"regressor", DYN_PART_REGRESSOR, false,
+       [](C c) { return regressor(c, dyn_joint_torque_regressor(c.robot, c.data, c.q, c.v, c.a, nullptr), "regressor", c.robot.nv); }},
+      {"static_regressor", DYN_PART_REGRESSOR, false,
+       [](C c) { return regressor(c, dyn_static_regressor(c.robot, c.data, c.q, nullptr), "static_regressor", 3); }},
+      {"kinetic_energy_regressor", DYN_PART_REGRESSOR, false,
+       [](C c) { return c.vector(dyn_kinetic_energy_regressor(c.robot, c.data, c.q, c.v, nullptr), "kinetic_energy_regressor"); }},
+      {"potential_energy_regressor", DYN_PART_REGRESSOR, false,
+       [](C c) { return c.vector(dyn_potential_energy_regressor(c.robot, c.data, c.q, nullptr), "potential_energy_regressor"); }},
+      {"inertial_parameters", DYN_PART_KINEMATICS, false, inertial_parameters},
   };
   return table;
 }
 
 // Names of the contract that later versions answer.
-const std::set<std::string> later = {"Ag",     "dAg",      "hg",        "dhg",    "Ig",       "dtau_dq",    "dtau_dv",  "ddq_dq",
-                                     "ddq_dv", "ddq_dtau", "regressor", "lambda", "delassus", "collisions", "distances"};
+const std::set<std::string> later = {"dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv", "ddq_dtau", "lambda", "delassus", "collisions", "distances"};
 
 std::vector<const Quantity*> select(const Options& options) {
   std::vector<const Quantity*> out;

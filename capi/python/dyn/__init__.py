@@ -13,7 +13,7 @@ threads; a Data is what it is doing, one for each thread. Every call releases th
 
 from .arrays import Placement
 from .builder import Builder
-from .data import FIELDS, Data, Energy, FieldInfo
+from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo
 from .enums import (
     Base,
     FrameType,
@@ -53,6 +53,15 @@ from .errors import (
     UnknownNameError,
     UnsupportedError,
 )
+from .inertia import (
+    body_regressor,
+    is_physically_consistent,
+    log_cholesky_from_parameters,
+    log_cholesky_jacobian,
+    parameters_from_log_cholesky,
+    parameters_from_pseudo_inertia,
+    pseudo_inertia_from_parameters,
+)
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
@@ -70,6 +79,8 @@ __all__ = [
     "BaseChoiceError",
     "Builder",
     "BusyError",
+    "Centroidal",
+    "CentroidalDerivatives",
     "Data",
     "Energy",
     "Error",
@@ -110,9 +121,16 @@ __all__ = [
     "Term",
     "UnknownNameError",
     "UnsupportedError",
+    "body_regressor",
     "build_info",
+    "is_physically_consistent",
     "last_error",
     "library_path",
     "load",
     "load_string",
+    "log_cholesky_from_parameters",
+    "log_cholesky_jacobian",
+    "parameters_from_log_cholesky",
+    "parameters_from_pseudo_inertia",
+    "pseudo_inertia_from_parameters",
 ]  # fmt: skip

@@ -44,6 +44,30 @@ class Energy(NamedTuple):
         return self.kinetic + self.potential
 
 
+class Centroidal(NamedTuple):
+    """About the centre of mass, axes of the world."""
+
+    Ag: np.ndarray
+    """(6, nv): hg = Ag v."""
+    dAg: np.ndarray
+    """(6, nv): dhg = Ag a + dAg v."""
+    hg: np.ndarray
+    """Momentum, (6,)."""
+    dhg: np.ndarray
+    """Its time derivative, (6,)."""
+    Ig: np.ndarray
+    """Inertia of the whole, (6, 6): [m 1, 0; 0, I]."""
+
+
+class CentroidalDerivatives(NamedTuple):
+    """On the tangent space, (6, nv) each."""
+
+    dh_dq: np.ndarray
+    dhdot_dq: np.ndarray
+    dhdot_dv: np.ndarray
+    dhdot_da: np.ndarray
+
+
 def _fields() -> dict[str, FieldInfo]:
     fields = {}
     for id in range(lib.dyn_nfields()):
@@ -70,6 +94,11 @@ _STATE = {"q": "q", "v": "v", "a": "a", "tau_applied": "tau"}  # field: argument
 
 # Bound once: an attribute of the CDLL costs a look-up in every call.
 _aba = lib.dyn_aba
+_centroidal_derivatives = lib.dyn_centroidal_derivatives
+_centroidal_map = lib.dyn_centroidal_map
+_centroidal_map_time_variation = lib.dyn_centroidal_map_time_variation
+_centroidal_momentum = lib.dyn_centroidal_momentum
+_centroidal_momentum_rate = lib.dyn_centroidal_momentum_rate
 _center_of_mass = lib.dyn_center_of_mass
 _center_of_mass_jacobian = lib.dyn_center_of_mass_jacobian
 _coriolis_matrix = lib.dyn_coriolis_matrix
@@ -83,6 +112,10 @@ _frame_jacobian_time_variation = lib.dyn_frame_jacobian_time_variation
 _frame_placement = lib.dyn_frame_placement
 _frame_velocity = lib.dyn_frame_velocity
 _gravity = lib.dyn_gravity
+_joint_torque_regressor = lib.dyn_joint_torque_regressor
+_kinetic_energy_regressor = lib.dyn_kinetic_energy_regressor
+_potential_energy_regressor = lib.dyn_potential_energy_regressor
+_static_regressor = lib.dyn_static_regressor
 _joint_jacobians = lib.dyn_joint_jacobians
 _joint_jacobians_time_variation = lib.dyn_joint_jacobians_time_variation
 _minverse = lib.dyn_minverse
@@ -345,6 +378,70 @@ class Data:
         filled = c_uint32()
         check(lib.dyn_all_terms(self._m, self._d, mask(Term, terms, "terms"), self._q(q), self._v(v), byref(filled)))
         return Term(filled.value)
+
+    # ------------------------------------------------------------------------------------------- centroidal
+
+    def centroidal_map(self, q: Any = None, v: Any = None) -> np.ndarray:
+        """Ag, (6, nv): hg = Ag v, the momentum about the centre of mass, axes of the world; also the fields Ig and hg."""
+        return self._result(_centroidal_map(self._m, self._d, self._q(q), self._v(v), None, None, None), _ID["Ag"])
+
+    def centroidal_map_time_variation(self, q: Any = None, v: Any = None) -> np.ndarray:
+        """dAg, (6, nv): dhg = Ag a + dAg v; also the fields Ag, Ig and hg."""
+        return self._result(_centroidal_map_time_variation(self._m, self._d, self._q(q), self._v(v), None), _ID["dAg"])
+
+    def centroidal_momentum(self, q: Any = None, v: Any = None) -> np.ndarray:
+        """hg, (6,), without Ag."""
+        return self._result(_centroidal_momentum(self._m, self._d, self._q(q), self._v(v), None), _ID["hg"])
+
+    def centroidal_momentum_rate(self, q: Any = None, v: Any = None, a: Any = None) -> np.ndarray:
+        """dhg, (6,), the time derivative of hg for the acceleration a; also the field hg."""
+        status = _centroidal_momentum_rate(self._m, self._d, self._q(q), self._v(v), self._a(a), None)
+        return self._result(status, _ID["dhg"])
+
+    def centroidal(self, q: Any = None, v: Any = None, a: Any = None) -> Centroidal:
+        """(Ag, dAg, hg, dhg, Ig)."""
+        dAg = self.centroidal_map_time_variation(q, v)
+        dhg = self.centroidal_momentum_rate(a=a)
+        return Centroidal(self.Ag.copy("F"), dAg, self.hg.copy(), dhg, self.Ig.copy("F"))
+
+    def centroidal_derivatives(self, q: Any = None, v: Any = None, a: Any = None) -> CentroidalDerivatives:
+        """Derivatives (dh_dq, dhdot_dq, dhdot_dv, dhdot_da) of hg and dhg; also the fields Ag, Ig, hg and dhg."""
+        check(_centroidal_derivatives(self._m, self._d, self._q(q), self._v(v), self._a(a), None, None, None, None))
+        return CentroidalDerivatives(*(x.copy("F") for x in (self.dh_dq, self.dhdot_dq, self.dhdot_dv, self.Ag)))
+
+    # ------------------------------------------------------------------------------------------- identification
+    # pi: the inertial parameters of all joints' bodies, Model.inertial_parameters(), (10 (njoints - 1),).
+
+    def joint_torque_regressor(self, q: Any = None, v: Any = None, a: Any = None) -> np.ndarray:
+        """Y, (nv, 10 (njoints - 1)): rnea = Y pi + armature * a."""
+        status = _joint_torque_regressor(self._m, self._d, self._q(q), self._v(v), self._a(a), None)
+        return self._result(status, _ID["regressor"])
+
+    def static_regressor(self, q: Any = None) -> np.ndarray:
+        """Y, (3, 10 (njoints - 1)): com = Y pi."""
+        return self._result(_static_regressor(self._m, self._d, self._q(q), None), _ID["static_regressor"])
+
+    def kinetic_energy_regressor(self, q: Any = None, v: Any = None) -> np.ndarray:
+        """y, (10 (njoints - 1),): the kinetic energy without that of the armature is y @ pi."""
+        status = _kinetic_energy_regressor(self._m, self._d, self._q(q), self._v(v), None)
+        return self._result(status, _ID["kinetic_energy_regressor"])
+
+    def potential_energy_regressor(self, q: Any = None) -> np.ndarray:
+        """y, (10 (njoints - 1),): the potential energy is y @ pi."""
+        status = _potential_energy_regressor(self._m, self._d, self._q(q), None)
+        return self._result(status, _ID["potential_energy_regressor"])
+
+    def joint_body_regressor(self, joint: int | str) -> np.ndarray:
+        """Y, (6, 10): Y pi is the force that moves a joint's body, in the joint's frame. Needs forward_kinematics of q, v, a."""
+        Y = np.empty((6, 10), order="F")
+        check(lib.dyn_joint_body_regressor(self._m, self._d, self.model._joint(joint), address(Y)))
+        return Y
+
+    def frame_body_regressor(self, frame: int | str) -> np.ndarray:
+        """The same of a body that moves with a frame, its pi and the force in that frame: a link's own, merged or not."""
+        Y = np.empty((6, 10), order="F")
+        check(lib.dyn_frame_body_regressor(self._m, self._d, self.model._frame(frame), address(Y)))
+        return Y
 
     # ------------------------------------------------------------------------------------------- simulation
 

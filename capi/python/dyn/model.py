@@ -472,6 +472,12 @@ class Model:
 
         return Data(self, parts, memory)
 
+    def inertial_parameters(self) -> np.ndarray:
+        """pi of all joints' bodies, (10 (njoints - 1),): ten a body, [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] in the joint's frame."""
+        pi = np.empty(10 * (self.njoints - 1))
+        check(lib.dyn_inertial_parameters(self._m, address(pi)))
+        return pi
+
     # ------------------------------------------------------------------------------------------- configurations
 
     def integrate(self, q: ArrayLike, v: ArrayLike) -> np.ndarray:

@@ -205,6 +205,38 @@ def test_eval_one_by_one(robot, name):
     assert list(answer("eval", ROBOTS / f"{robot}.urdf", base, "--compute", name, "--frame", frame)) == [name]
 
 
+CENTROIDAL = "Ag,dAg,hg,dhg,Ig,dh_dq,dhdot_dq,dhdot_dv"
+REGRESSORS = "regressor,static_regressor,kinetic_energy_regressor,potential_energy_regressor,inertial_parameters"
+
+
+def test_eval_centroidal_and_regressors(go2, state, state_file):
+    q, v, a, _ = state
+    path = state_file({"q": q.tolist(), "v": v.tolist(), "a": a.tolist()})
+    found = answer("eval", GO2, "--floating", "--compute", f"{CENTROIDAL},{REGRESSORS}", "--state", path)
+    d = go2.data()
+    c, pi = d.centroidal(q, v, a), go2.inertial_parameters().reshape(-1, 10)
+    expected = c._asdict() | d.centroidal_derivatives(q, v, a)._asdict() | {
+        "regressor": d.joint_torque_regressor(q, v, a), "static_regressor": d.static_regressor(q),
+        "kinetic_energy_regressor": d.kinetic_energy_regressor(q, v), "potential_energy_regressor": d.potential_energy_regressor(q),
+    }  # fmt: skip
+    Ig = found.pop("Ig")
+    np.testing.assert_allclose(Ig["inertia"], c.Ig[3:, 3:], atol=1e-14)
+    np.testing.assert_allclose(Ig["com"], d.center_of_mass(q), atol=1e-14)
+    assert abs(Ig["mass"] - go2.total_mass) < 1e-12
+    for i, (joint, parameters) in enumerate(found.pop("inertial_parameters").items()):
+        assert joint == go2.joint_name(i + 1) and parameters == pi[i].tolist()
+    assert found.keys() == set(f"{CENTROIDAL},{REGRESSORS}".split(",")) - {"Ig", "inertial_parameters"}
+    for name, value in found.items():
+        np.testing.assert_allclose(value, expected[name], atol=1e-12, err_msg=name)
+
+
+@pytest.mark.parametrize("name", f"{CENTROIDAL},{REGRESSORS}".split(","))
+@pytest.mark.parametrize("robot", ["go2", "gripper"])
+def test_eval_centroidal_and_regressors_one_by_one(robot, name):
+    base = "--floating" if robot == "go2" else "--fixed"
+    assert list(answer("eval", ROBOTS / f"{robot}.urdf", base, "--compute", name)) == [name]
+
+
 def test_eval_defaults(go2):
     found = answer("eval", GO2, "--floating", "--compute", "tau,placements", "--compute", "J")
     np.testing.assert_array_equal(found["tau"], go2.data().rnea(go2.neutral(), np.zeros(18), np.zeros(18)))

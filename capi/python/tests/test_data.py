@@ -44,7 +44,13 @@ def test_every_field_has_its_shape(go2, d, state):
     d.frame_placements()
     d.joint_jacobians_time_variation(q, v)
     d.center_of_mass_jacobian(q)
-    sizes = {"nq": go2.nq, "nv": go2.nv, "nframes": go2.nframes, "njoints": go2.njoints}
+    d.centroidal(q, v, a)
+    d.centroidal_derivatives(q, v, a)
+    d.joint_torque_regressor(q, v, a)
+    d.static_regressor(q)
+    d.kinetic_energy_regressor(q, v)
+    d.potential_energy_regressor(q)
+    sizes = {"nparameters": 10 * (go2.njoints - 1), "nq": go2.nq, "nv": go2.nv, "nframes": go2.nframes, "njoints": go2.njoints}
     for name, info in dyn.FIELDS.items():
         value = d.field(name)
         shape = tuple(sizes.get(s) or int(s) for s in info.shape.split(" x "))

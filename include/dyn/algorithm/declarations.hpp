@@ -37,6 +37,16 @@ template <class T> void center_of_mass(const Model&, Data<T>&, int level);
 template <class T> void center_of_mass_jacobian(const Model&, const Data<T>&, Index body, T* Jcom);
 template <class T> void kinetic_energy(const Model&, Data<T>&);
 template <class T> void potential_energy(const Model&, Data<T>&);
+// centroidal.hpp
+template <bool rate, class T> void centroidal_map(const Model&, Data<T>&);
+template <bool rate, class T> void centroidal_momentum(const Model&, Data<T>&);
+template <class T> void centroidal_derivatives(const Model&, Data<T>&);
+// regressor.hpp, torque_regressor.hpp
+template <class T> T joint_torque_regressor(const Model&, Data<T>&);
+template <class T> void static_regressor(const Model&, Data<T>&);
+template <class T> void kinetic_energy_regressor(const Model&, Data<T>&);
+template <class T> void potential_energy_regressor(const Model&, Data<T>&);
+template <class T> void inertial_parameters(const Model&, T* pi);
 // configuration.hpp
 template <class T> void integrate(const Model&, const T* q, const T* v, T* out);
 template <class T> void difference(const Model&, const T* q0, const T* q1, T* v);

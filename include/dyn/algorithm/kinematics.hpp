@@ -9,6 +9,35 @@
 
 namespace dyn {
 
+// Where a pass keeps the velocities and accelerations of the bodies.
+template <class T>
+struct Motions {
+  Vec3<T> *w, *u, *dw, *du;
+};
+
+// Velocity (from level 1 on) and acceleration (level 2) of body i, which R and r place.
+template <int level, class J, class T>
+DYN_INLINE void move_body(const Body& b, Index i, const Motions<T>& d, const Mat3<T>& R, const Vec3<T>& r, const T* v, const T* a) {
+  if constexpr (level >= 1) {
+    const Index p = b.parent;
+    const Motion<T> vJ = J::velocity(b, R, v + b.idx_v);
+    const Vec3<T> wp = d.w[p], turn = cross(wp, r);
+    Vec3<T> w = wp, u = d.u[p] + turn;
+    if constexpr (J::rotates) w += vJ.angular;
+    if constexpr (J::translates) u += vJ.linear;
+    d.w[i] = w;
+    d.u[i] = u;
+    if constexpr (level >= 2) {
+      const Motion<T> aJ = J::acceleration(b, R, v + b.idx_v, a + b.idx_v);
+      Vec3<T> dw = d.dw[p], du = d.du[p] + cross(dw, r), inner = turn;
+      if constexpr (J::rotates) dw += aJ.angular + cross(wp, vJ.angular);
+      if constexpr (J::translates) du += aJ.linear, inner += vJ.linear * T(2);
+      d.dw[i] = dw;
+      d.du[i] = du + cross(wp, inner);
+    }
+  }
+}
+
 template <class T, int level>
 struct KinematicState : Pose<T> {
   Vec3<T> w, u, dw, du;

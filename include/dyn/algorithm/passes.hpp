@@ -17,9 +17,10 @@ DYN_INLINE void forward(const Model& m, F&& f) {
     });
 }
 
-// The same with something carried from body to body: f(index, carry). The copy within a run can stay in registers.
+// The same with something carried from body to body: f(index, carry). The copy within a run can stay in registers. Answers what
+// the last body leaves.
 template <class Carry, class F>
-DYN_INLINE void forward(const Model& m, Carry carry, F&& f) {
+DYN_INLINE Carry forward(const Model& m, Carry carry, F&& f) {
   const Run* runs = m.runs();
   for (Index k = 0; k < m.n.runs; ++k)
     visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
@@ -27,6 +28,7 @@ DYN_INLINE void forward(const Model& m, Carry carry, F&& f) {
       for (Index i = runs[k].first; i < runs[k].last; ++i) f.template operator()<J>(i, here);
       carry = here;
     });
+  return carry;
 }
 
 // Leaves to root.
@@ -39,7 +41,7 @@ DYN_INLINE void backward(const Model& m, F&& f) {
     });
 }
 template <class Carry, class F>
-DYN_INLINE void backward(const Model& m, Carry carry, F&& f) {
+DYN_INLINE Carry backward(const Model& m, Carry carry, F&& f) {
   const Run* runs = m.runs();
   for (Index k = m.n.runs - 1; k >= 0; --k)
     visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
@@ -47,6 +49,7 @@ DYN_INLINE void backward(const Model& m, Carry carry, F&& f) {
       for (Index i = runs[k].last - 1; i >= runs[k].first; --i) f.template operator()<J>(i, here);
       carry = here;
     });
+  return carry;
 }
 
 // Root to leaves along chains: f(body, its first degree of freedom, carry); the carry's enter(d, parent) where a chain starts,

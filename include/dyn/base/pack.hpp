@@ -62,9 +62,9 @@ struct Pack {
 };
 
 #if DYN_LANES == 4
-typedef double Numbers __attribute__((vector_size(32)));
-typedef long long Integers __attribute__((vector_size(32)));
-typedef Index Indices __attribute__((vector_size(16)));
+typedef double FourNumbers __attribute__((vector_size(32)));
+typedef long long FourIntegers __attribute__((vector_size(32)));
+typedef Index FourIndices __attribute__((vector_size(16)));
 
 template <int W>
 struct Pack<double, W> {
@@ -92,9 +92,9 @@ struct Pack<double, W> {
 
   static DYN_INLINE Pack from(const Index* p) {
     static_assert(W == 4);
-    Indices i;
+    FourIndices i;
     std::memcpy(&i, p, sizeof i);
-    return {__builtin_convertvector(i, Numbers)};
+    return {__builtin_convertvector(i, FourNumbers)};
   }
   DYN_INLINE Pack where_above(const Pack& a, double b) const { return {a.x > b ? x : Lanes{}}; }
   template <int first>
@@ -112,7 +112,7 @@ DYN_INLINE void store(const Pack<T, 4>& a, T* p, int count) {
 }
 #ifdef __AVX__
 DYN_INLINE void store(const Pack<double, 4>& a, double* p, int count) {
-  __builtin_ia32_maskstorepd256(reinterpret_cast<Numbers*>(p), Integers{0, 1, 2, 3} < (long long)count, a.x);
+  __builtin_ia32_maskstorepd256(reinterpret_cast<FourNumbers*>(p), FourIntegers{0, 1, 2, 3} < (long long)count, a.x);
 }
 #endif
 

@@ -8,7 +8,7 @@
 
 #include "dyn/base/sincos.hpp"
 #include "dyn/model/model.hpp"
-#include "dyn/spatial/inertia.hpp"
+#include "dyn/spatial/inertia_rate.hpp"
 #include "dyn/spatial/moments.hpp"
 
 namespace dyn {
@@ -17,7 +17,10 @@ namespace dyn {
 enum class Stage : Index {
   State, Position, Velocity, Acceleration, Frames, Jacobians, DJacobians, Com, Vcom, Acom, Jcom, Tau, Nle, Gravity, Static, Ddq,
   Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical,
-  InverseDerivatives, ForwardDerivatives, count_
+  InverseDerivatives, ForwardDerivatives,
+  CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives, CentroidalRateDerivative,
+  TorqueRegressor, StaticRegressor, KineticRegressor, PotentialRegressor,
+  count_
 };
 
 enum Input : Index { input_q, input_v, input_a, input_tau, input_count };
@@ -29,6 +32,9 @@ inline constexpr unsigned stage_inputs(Stage s) {
     case Stage::State: return 0;
     case Stage::Velocity: case Stage::DJacobians: case Stage::Vcom: case Stage::Nle: case Stage::Coriolis: case Stage::Kinetic:
     case Stage::Mechanical: return Q | V;
+    case Stage::CentroidalMapRate: case Stage::CentroidalMomentum: case Stage::CentroidalDerivatives: case Stage::KineticRegressor:
+      return Q | V;
+    case Stage::CentroidalMomentumRate: case Stage::CentroidalRateDerivative: case Stage::TorqueRegressor: return Q | V | A;
     case Stage::Acceleration: case Stage::Acom: case Stage::Tau: case Stage::InverseDerivatives: return Q | V | A;
     case Stage::Ddq: case Stage::ForwardDerivatives: return Q | V | TAU;
     default: return Q;
@@ -40,6 +46,11 @@ inline std::ptrdiff_t tile_room(std::ptrdiff_t n) { return (n + 3) / 4 * 4; }
 
 // First expanded degree of freedom at or after body i.
 inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
+
+// Inertial parameters of all joints' bodies.
+inline Index parameter_count(const Model& m) { return 10 * (m.n.joints - 1); }
+// Room for one component of all columns of S, to be read eight at a time.
+inline std::ptrdiff_t regressor_room(const Model& m) { return (std::ptrdiff_t(m.n.nvx) + 14) / 8 * 8; }
 
 // The public fields, in the order of data_fields.def: their ids.
 enum class FieldId : Index {
@@ -108,7 +119,7 @@ inline dynParts complete_parts(dynParts p) {
   if (p & DYN_PART_MINV) p |= DYN_PART_FACTOR | DYN_PART_FORWARD;
   if (p & DYN_PART_FACTOR) p |= DYN_PART_MASS;
   if (p & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES |
-           DYN_PART_CENTROIDAL | DYN_PART_IK)) p |= DYN_PART_KINEMATICS;
+           DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR | DYN_PART_IK)) p |= DYN_PART_KINEMATICS;
   return p;
 }
 
@@ -123,8 +134,8 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d);
 namespace detail {
 template <class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
-  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames;
-  (void)nq, (void)nv, (void)nframes;
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m);
+  (void)nq, (void)nv, (void)nframes, (void)nparameters;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
 #define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(count) : 0);
@@ -160,13 +171,14 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nv; ++i) d.v[i] = d.a[i] = d.tau_applied[i] = T(0);
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
-  // entries of unrelated joints are zero for good
+  // entries of unrelated joints are zero for good, and those of joints that do not carry the body
   for (T* x : {d.M, d.dtau_dq, d.dtau_dv})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
+  if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
   d.R[0] = Mat3<T>::identity();
-  for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac})
+  for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
   for (int k = 0; k < 3; ++k) d.extent[k] = T(0);
   for (auto& v : d.version) v = 1;
