@@ -55,18 +55,47 @@ TEST(Builder, OrderOfRandomTrees) {
       EXPECT_TRUE(ancestor);
       EXPECT_GT(m->subtree_end()[body.parent], i);
     }
-    // runs cover the bodies once, each of one type, none can be longer
+    // runs cover the bodies once, each a chain of one type on which others stand at its end only; none can be longer
+    std::vector<int> others(std::size_t(m->n.bodies), 0);  // children of a body that are not the next one
+    for (Index i = 1; i < m->n.bodies; ++i)
+      if (m->bodies()[i].parent != i - 1) ++others[std::size_t(m->bodies()[i].parent)];
     Index next = 1;
     for (Index k = 0; k < m->n.runs; ++k) {
       const dyn::Run& run = m->runs()[k];
+      const dyn::Body &first = m->bodies()[run.first], &before = m->bodies()[run.first - 1];
       EXPECT_EQ(next, run.first);
       EXPECT_LT(run.first, run.last);
-      for (Index i = run.first; i < run.last; ++i) EXPECT_EQ(run.type, m->bodies()[i].type);
-      if (k > 0) {
-        EXPECT_NE(m->runs()[k - 1].type, run.type);
+      EXPECT_EQ(first.parent, run.parent);
+      EXPECT_EQ(first.idx_q, run.idx_q);
+      EXPECT_EQ(first.idx_v, run.idx_v);
+      for (Index i = run.first; i < run.last; ++i) {
+        EXPECT_EQ(run.type, m->bodies()[i].type);
+        if (i == run.first) continue;
+        EXPECT_EQ(i - 1, m->bodies()[i].parent);
+        EXPECT_EQ(0, others[std::size_t(i - 1)]);
       }
+      EXPECT_TRUE(k == 0 || first.type != before.type || run.parent != run.first - 1 || others[std::size_t(run.parent)] ||
+                  (run.first - 1) % dyn::Chunk::size == 0);
       next = run.last;
     }
+    // chunks cover the runs once, and hold the angles of their bodies
+    Index next_run = 0;
+    for (Index k = 0; k < m->n.chunks; ++k) {
+      const dyn::Chunk& chunk = m->chunks()[k];
+      EXPECT_EQ(next_run, chunk.first_run);
+      EXPECT_EQ(m->runs()[chunk.first_run].first, chunk.first);
+      EXPECT_LE(m->runs()[chunk.last_run - 1].last - chunk.first, dyn::Chunk::size);
+      EXPECT_LE(chunk.last_q - chunk.first_q, m->n.sweep);
+      EXPECT_EQ(0, chunk.first_q % 4);
+      for (Index l = chunk.first_run; l < chunk.last_run; ++l)
+        dyn::visit(m->runs()[l].type, [&]<class J>() {
+          if (!J::angle) return;
+          EXPECT_GE(m->runs()[l].idx_q, chunk.first_q);
+          EXPECT_LE(m->runs()[l].idx_q + m->runs()[l].last - m->runs()[l].first, chunk.last_q);
+        });
+      next_run = chunk.last_run;
+    }
+    EXPECT_EQ(m->n.runs, next_run);
     EXPECT_EQ(m->n.bodies, next);
   }
 }

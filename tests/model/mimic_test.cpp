@@ -39,7 +39,7 @@ TEST(Mimic, FollowersHaveNoCoordinatesOfTheirOwn) {
   EXPECT_EQ(1, b.leader);
   EXPECT_EQ(0, b.idx_q);
   EXPECT_EQ(-2, b.ratio);
-  EXPECT_EQ(0.5, m->offset_q()[b.idx_q]);
+  EXPECT_EQ(0.5, b.offset);
   EXPECT_EQ(1, m->joints()[3].idx_q);
   EXPECT_EQ(-1, m->joints()[3].leader);
 }

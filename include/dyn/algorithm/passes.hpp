@@ -57,7 +57,7 @@ DYN_INLINE Carry backward(const Model& m, Carry carry, F&& f) {
 template <class T, class Carry, class F>
 DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f) {
   for (Index l = 0; l < m.n.runs; ++l) {
-    const Run run = m.runs()[l];
+    const Run& run = m.runs()[l];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
       if (run.parent != run.first - 1) here.enter(d, run.parent);
@@ -75,7 +75,7 @@ DYN_INLINE void backward_chains(const Model& m, const Carry& zero, F&& f, Add&& 
   const Run* runs = m.runs();
   Carry carry = zero;
   for (Index k = m.n.runs - 1; k >= 0; --k) {
-    const Run run = runs[k];
+    const Run& run = runs[k];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
       for (Index i = run.last - 1 - run.first; i >= 0; --i) f.template operator()<J>(run.first + i, run.idx_v + J::nv * i, run.first + i == run.last - 1, here);
@@ -153,7 +153,7 @@ DYN_INLINE Carry place_forward(const Model& m, Data<T>& d, Carry carry, F&& f) {
     const Chunk& chunk = m.chunks()[k];
     sincos_sweep(q + chunk.first_q, chunk.last_q - chunk.first_q, d.cosine, d.sine);
     for (Index l = chunk.first_run; l < chunk.last_run; ++l) {
-      const Run run = m.runs()[l];
+      const Run& run = m.runs()[l];
       visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
         const Index n = run.last - run.first, angle = run.idx_q - chunk.first_q;
         SE3<T>* X = d.X + (run.first - chunk.first);

@@ -52,12 +52,14 @@ inline Quaternion<T> normalized(const Quaternion<T>& a) {
   return {Vec3<T>::make(x * r, y * r, z * r), w * r};
 }
 
-// Rotation matrix of a quaternion of any norm: the norm is divided out.
+// Rotation matrix of a quaternion of any norm: 2 / |a|^2 is multiplied in, which takes no square root.
 template <class T>
 inline Mat3<T> rotation(const Quaternion<T>& a) {
-  const Quaternion<T> u = normalized(a);
-  const T x = u.v[0], y = u.v[1], z = u.v[2], w = u.w;
-  const T x2 = x + x, y2 = y + y, z2 = z + z;
+  const T n2 = dot(a.v, a.v) + a.w * a.w;
+  const bool moderate = n2 > T(1e-200) && n2 < T(1e200);
+  const Quaternion<T> u = moderate ? a : normalized(a);
+  const T x = u.v[0], y = u.v[1], z = u.v[2], w = u.w, s = moderate ? T(2) / n2 : T(2);
+  const T x2 = x * s, y2 = y * s, z2 = z * s;
   return {Vec3<T>::make(T(1) - (y * y2 + z * z2), x * y2 + w * z2, x * z2 - w * y2),
            Vec3<T>::make(x * y2 - w * z2, T(1) - (x * x2 + z * z2), y * z2 + w * x2),
            Vec3<T>::make(x * z2 + w * y2, y * z2 - w * x2, T(1) - (x * x2 + y * y2))};
