@@ -256,7 +256,7 @@ typedef struct dynJointSpec {
   double axis[3];                   /* need not be unit; default z */
   double axis2[3];                  /* universal only; default x */
   double pitch;                     /* helical: metres per radian */
-  const double *lower, *upper;      /* nq numbers each or NULL (infinite) */
+  const double *lower, *upper;      /* nq numbers each or NULL (infinite); -inf below and inf above: no limit */
   const double *velocity, *effort;  /* nv numbers each or NULL (infinite) */
   const double *armature, *damping, *friction; /* nv numbers each or NULL (zero) */
   double rotor_inertia, gear_ratio; /* one-degree-of-freedom joints: adds rotor_inertia * gear_ratio^2 to the armature */

@@ -97,6 +97,20 @@ void check_vector(const std::string& where, const char* what, const std::vector<
   }
 }
 
+// -inf below and inf above mean no limit; the other way round nothing is left between them.
+void check_range(const std::string& where, const std::vector<double>& lower, const std::vector<double>& upper) {
+  auto name = [](const char* side, std::size_t k, const std::vector<double>& x) {
+    return std::string(side) + " limit" + (x.size() > 1 ? "[" + std::to_string(k) + "]" : "");
+  };
+  for (std::size_t k = 0; k < lower.size(); ++k)
+    if (lower[k] == HUGE_VAL) refuse(DYN_ERROR_NONFINITE, where + ": " + name("lower", k, lower) + " is inf: give a number, or -inf for none");
+  for (std::size_t k = 0; k < upper.size(); ++k)
+    if (upper[k] == -HUGE_VAL) refuse(DYN_ERROR_NONFINITE, where + ": " + name("upper", k, upper) + " is -inf: give a number, or inf for none");
+  for (std::size_t k = 0; k < lower.size() && k < upper.size(); ++k)
+    if (lower[k] > upper[k])
+      refuse(DYN_ERROR_INVALID, where + ": " + name("lower", k, lower) + " " + number(lower[k]) + " exceeds upper limit " + number(upper[k]));
+}
+
 // Elements of a spec in order, each with the frame of its part in the joint's frame at the neutral configuration.
 struct PlacedElement {
   SE3<double> before;  // from the previous element's user frame
@@ -218,9 +232,7 @@ void Builder::joint(const JointSpec& s) {
   check_vector(who, "armature", s.armature, nv, 0);
   check_vector(who, "damping", s.damping, nv, 0);
   check_vector(who, "friction", s.friction, nv, 0);
-  for (std::size_t k = 0; k < s.lower.size() && k < s.upper.size(); ++k)
-    if (s.lower[k] > s.upper[k])
-      refuse(DYN_ERROR_INVALID, who + ": lower limit " + number(s.lower[k]) + " exceeds upper limit " + number(s.upper[k]));
+  check_range(who, s.lower, s.upper);
   for (const auto& [what, x] : {std::pair{"armature", &s.armature}, {"damping", &s.damping}, {"friction", &s.friction}})
     for (double a : *x)
       if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(a) + ": give a finite number");

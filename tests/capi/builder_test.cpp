@@ -149,7 +149,12 @@ TEST_F(BuilderTest, NumbersOfADegreeOfFreedom) {
   }
   Spec s("j", DYN_JOINT_TRANSLATION);
   s.lower = large, s.upper = one;
-  refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "lower limit 2 exceeds upper limit 1"});
+  refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "lower limit[0] 2 exceeds upper limit 1"});
+  const double up[3] = {1, 1, inf}, down[3] = {-1, -1, -inf};
+  s.lower = up, s.upper = nullptr;
+  refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", "lower limit[2] is inf", "-inf for none"});
+  s.lower = nullptr, s.upper = down;
+  refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", "upper limit[2] is -inf", "inf for none"});
   s = Spec("j", DYN_JOINT_TRANSLATION), s.armature = infinite;
   refuse(s, DYN_ERROR_NONFINITE, {"armature", "finite"});
 }
@@ -306,6 +311,16 @@ TEST(BuilderFinish, Refusals) {
     EXPECT_TRUE(says(w.fragments)) << w.name;
     EXPECT_EQ(nullptr, m) << w.name;
   }
+}
+
+TEST(BuilderFinish, InfiniteLimitsTheRightWayRound) {
+  const double lower[1] = {-inf}, upper[1] = {inf};
+  Spec s("x", DYN_JOINT_REVOLUTE);
+  s.lower = lower, s.upper = upper, s.velocity = upper, s.effort = upper;
+  Builder b;
+  const Model m = b.joint(s).body("bx", "x").finish();
+  EXPECT_EQ(-inf, dyn_model_array(m, DYN_LOWER_LIMIT)[0]);
+  for (dynModelArray which : {DYN_UPPER_LIMIT, DYN_VELOCITY_LIMIT, DYN_EFFORT_LIMIT}) EXPECT_EQ(inf, dyn_model_array(m, which)[0]);
 }
 
 TEST(BuilderFinish, AgainAndFurther) {
