@@ -277,7 +277,8 @@ DYN_API dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* spe
 DYN_API dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
                                    const double com[3], const double inertia[9]);
 DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
-/* A named configuration: nq numbers in the finished model's order. */
+/* A named configuration: nq numbers in the finished model's order. Its quaternions and (cos, sin) pairs need not be unit: the model
+   keeps them normalised. A zero one is refused by dyn_builder_finish (DYN_ERROR_QUATERNION). */
 DYN_API dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
 /* Compiles. The builder stays valid and may be extended and finished again. */
 DYN_API dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model);

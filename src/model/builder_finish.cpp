@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "builder_impl.hpp"
+#include "dyn/algorithm/declarations.hpp"
 #include "dyn/base/sincos.hpp"
 #include "dyn/joint/list.hpp"
 
@@ -60,6 +61,16 @@ std::vector<int> depth_first(const std::vector<JointEntry>& joints) {
 }
 
 SE3<double> rotation_only(const Mat3<double>& R) { return {R, Vec3<double>::zero()}; }
+
+// Named configurations are points of the configuration space: quaternions and (cos, sin) pairs of norm 1.
+void settle_configurations(const Model& m, double* q) {
+  for (Index k = 0; k < m.n.configurations; ++k, q += m.n.nq) {
+    if (const Index j = zero_norm_joint(m, q))
+      throw Error(DYN_ERROR_QUATERNION, "configuration '" + std::string(m.string(m.configuration_names()[k])) + "': the quaternion or (cos, sin) of joint '" +
+                                            m.string(m.joints()[j].name) + "' is zero: give one of norm 1, such as that of 'neutral'");
+    normalize(m, q);
+  }
+}
 
 std::atomic<std::uint64_t> next_id{1};
 
@@ -306,6 +317,7 @@ ModelPtr Builder::finish() const {
   if (!a.field.empty()) std::memcpy(base + offset[std::size_t(Model::Field::field)], a.field.data(), a.field.size() * sizeof(type));
 #include "dyn/model/model_fields.def"
 #undef FIELD
+  settle_configurations(*model, reinterpret_cast<double*>(base + offset[std::size_t(Model::Field::configurations)]));
   elimination_tree(*model, a.dof_parent);
   for (std::size_t k = 0; k < std::size_t(n.nv); ++k)
     a.dof_run[k] = k > 0 && a.dof_parent[k] == Index(k) - 1 ? a.dof_run[k - 1] : Index(k);

@@ -301,6 +301,14 @@ const Whole wholes[] = {
      },
      DYN_ERROR_SIZE,
      {"configuration 'c' has 2 numbers", "nq = 1"}},
+    {"configuration with a zero quaternion",
+     [](Builder& b) {
+       static constexpr double q[4] = {};
+       b.joint(Spec("ball", DYN_JOINT_SPHERICAL)).body("bb", "ball");
+       EXPECT_EQ(DYN_OK, dyn_builder_configuration(b, "c", q, 4));
+     },
+     DYN_ERROR_QUATERNION,
+     {"configuration 'c'", "joint 'ball' is zero", "norm 1"}},
 };
 TEST(BuilderFinish, Refusals) {
   for (const Whole& w : wholes) {

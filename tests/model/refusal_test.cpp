@@ -170,6 +170,25 @@ TEST(Finish, AConfigurationOfAnotherSize) {
   EXPECT_SAYS("configuration 'home' has 2 numbers, the model needs nq = 1", refused(b, DYN_ERROR_SIZE));
 }
 
+TEST(Finish, AConfigurationWithAZeroQuaternion) {
+  for (dynJointType type : {DYN_JOINT_SPHERICAL, DYN_JOINT_FREE_FLYER, DYN_JOINT_REVOLUTE_UNBOUNDED, DYN_JOINT_COMPOSITE}) {
+    Builder b("zero");
+    b.joint(joint("first"));
+    link(b, "first_link", "first");
+    JointSpec odd = joint("odd", "first", type);
+    if (type == DYN_JOINT_COMPOSITE) odd.parts = {part(DYN_JOINT_PRISMATIC), part(DYN_JOINT_REVOLUTE_UNBOUNDED)};
+    b.joint(odd);
+    link(b, "odd_link", "odd");
+    b.configuration("good", std::vector<double>(std::size_t(1 + spec_nq(odd)), 0.5));
+    EXPECT_EQ(2, b.finish()->n.configurations);
+    b.configuration("home", std::vector<double>(std::size_t(1 + spec_nq(odd)), 0.0));
+    const std::string message = refused(b, DYN_ERROR_QUATERNION);
+    EXPECT_SAYS("configuration 'home'", message);
+    EXPECT_SAYS("joint 'odd'", message);
+    EXPECT_SAYS("give one of norm 1, such as that of 'neutral'", message);
+  }
+}
+
 TEST(Finish, AMasslessLeafIsNamed) {
   for (bool armature : {false, true}) {
     Builder b("leaf");
