@@ -263,7 +263,7 @@ typedef struct dynJointSpec {
   const char* mimic;                /* leader's name or NULL: one-degree-of-freedom joints of any order in the tree */
   double mimic_ratio, mimic_offset;
   const struct dynJointSpec* parts; /* composite: its joints in order; only type, placement (after the previous part), axis, axis2, pitch are read */
-  size_t parts_count;
+  size_t parts_count;               /* parts of any other type must be NULL, 0 */
 } dynJointSpec;
 DYN_API void dyn_joint_spec_init(dynJointSpec* spec);
 

@@ -199,6 +199,19 @@ TEST_F(BuilderTest, Composites) {
   refuse(s, DYN_ERROR_INVALID, {"joint 'j', part 1", "axis is zero"});
   s.parts_count = 1001;
   refuse(s, DYN_ERROR_LIMIT, {"1000 parts"});
+  // parts of what is no composite, at the top and below
+  Spec hinge("j", DYN_JOINT_REVOLUTE), part(nullptr, DYN_JOINT_REVOLUTE);
+  hinge.parts = &part;
+  for (std::size_t count : {0u, 1u}) {
+    hinge.parts_count = count;
+    refuse(hinge, DYN_ERROR_ARGUMENT, {"joint 'j'", "parts are given", "revolute", "DYN_JOINT_COMPOSITE"});
+  }
+  hinge.type = DYN_JOINT_FIXED;
+  refuse(hinge, DYN_ERROR_ARGUMENT, {"parts are given", "fixed"});
+  hinge.type = DYN_JOINT_REVOLUTE;
+  Spec outer("outer", DYN_JOINT_COMPOSITE);
+  outer.parts = &hinge, outer.parts_count = 1;
+  refuse(outer, DYN_ERROR_ARGUMENT, {"joint 'j'", "parts are given"});
   // itself within itself
   Spec loop("j", DYN_JOINT_COMPOSITE);
   loop.parts = &loop, loop.parts_count = 1;
