@@ -13,7 +13,8 @@
  *   Inputs      const double*; NULL means the value held in the data (which a non-NULL argument replaces).
  *   Outputs     any output pointer may be NULL: the result is in the data as well. An output is written whole, or not at all.
  *   Errors      every function that can fail returns a dynStatus; dyn_last_error() says what, where, and what to do.
- *               A call that fails leaves its data as it was, unless its description says otherwise.
+ *               A call that fails leaves its data as it was; with DYN_ERROR_NUMERIC, which comes after some work, that is the state
+ *               (q, v, a, tau, time): results may be lost, and reading one that is gives DYN_ERROR_STALE, never another number.
  *   Threads     a model is immutable and may be shared; a data belongs to one thread at a time.
  *   Memory      after dyn_data_new or dyn_data_init nothing allocates, locks, or makes a system call.
  */
