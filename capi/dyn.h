@@ -424,7 +424,9 @@ DYN_API dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q,
 DYN_API dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q, double* M);
 /* Sparse factor M = L^T D L that keeps the tree's sparsity (Featherstone 2008, 6.5), of the current M (else DYN_ERROR_STALE). */
 DYN_API dynStatus dyn_factorize(const dynModel* model, dynData* data);
-/* x = M^-1 b for nrhs right-hand sides (nv x nrhs each; x may be b). Needs dyn_factorize. */
+/* x = M^-1 b for nrhs right-hand sides (nv x nrhs each; x may be b), by the factor of M at the held q, made by dyn_factorize (or by
+   dyn_all_terms with FACTOR or MINV). DYN_ERROR_STALE when q was never factorised or has changed since, by whatever call; v, a and
+   tau may change. DYN_ERROR_NUMERIC when a solution overflows: the columns of x before it are written. */
 DYN_API dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x);
 /* Minv = M^-1, nv x nv, full and symmetric, by articulated inertias (Carpentier 2018); with mimic joints by the factor of M. */
 DYN_API dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, double* Minv);
