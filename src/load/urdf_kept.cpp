@@ -13,17 +13,17 @@ void report_kept(const UrdfRobot& robot, Report& report) {
     damping += nonzero(s.damping), friction += nonzero(s.friction);
     const bool limited = !s.lower.empty() || !s.velocity.empty() || !s.effort.empty();
     if (!s.mimic.empty()) {
-      if (limited) report.count("<limit> of a joint that mimics another: not kept, its leader's counts", j.line);
+      if (limited) report.count("<limit> of a mimicking joint: not kept", j.line);
       continue;
     }
     position += !s.lower.empty(), velocity += !s.velocity.empty(), effort += !s.effort.empty();
   }
   std::string all;
   const auto add = [&](const char* what, int n) {
-    if (n) all += (all.empty() ? "" : ", ") + std::string(what) + " of " + std::to_string(n) + (n == 1 ? " joint" : " joints");
+    if (n) all += (all.empty() ? "" : ", ") + std::to_string(n) + " x " + what;
   };
   add("damping", damping), add("dry friction", friction);
-  add("position limits", position), add("velocity limits", velocity), add("effort limits", effort);
+  add("position limit", position), add("velocity limit", velocity), add("effort limit", effort);
   if (!all.empty()) report.info(0, "kept as data, not applied by the algorithms: " + all);
 }
 

@@ -43,12 +43,14 @@ int primitive_nv(BodyType t) {
   return n;
 }
 
-// A rotation that takes z to the unit vector a, by the smallest angle; about x when a = -z.
+// The smallest rotation that takes z to the unit vector a: c 1 + w x + w w' / (1 + c), w = z x a, c = z . a; about x when
+// a = -z. Its last column is a itself; for axes of the frame all entries are 0 or 1: no sines of pi/2.
 Mat3<double> z_to(const Axis& a) {
-  if (a[0] == 0 && a[1] == 0) return a[2] > 0 ? Mat3<double>::identity() : Mat3<double>::diagonal(1, -1, -1);
-  const Vec3<double> w = Vec3<double>::make(-a[1], a[0], 0);  // z x a
-  const double s = std::hypot(a[0], a[1]);
-  return exp3(w * (std::atan2(s, a[2]) / s));
+  const double c = a[2], s = std::hypot(a[0], a[1]);
+  if (s < 1e-300) return c > 0 ? Mat3<double>::identity() : Mat3<double>::diagonal(1, -1, -1);
+  const Vec3<double> w = Vec3<double>::make(-a[1], a[0], 0), u = Vec3<double>::make(-a[1] / s, a[0] / s, 0);
+  const Mat3<double> ww = c > 0 ? outer(w, w * (1 / (1 + c))) : outer(u, u * (1 - c));  // s^2 = (1 + c) (1 - c)
+  return Mat3<double>::identity() * c + ww + skew(w);
 }
 
 namespace {
@@ -74,7 +76,8 @@ SE3<double> check_placement(const std::string& where, const Placement& x) {
     for (int j = 0; j < 3; ++j) worst = std::max(worst, std::abs(E(i, j)));
   if (worst > 1e-6 || dot(cross(X.R.x, X.R.y), X.R.z) < 0)
     refuse(DYN_ERROR_INVALID, where + ": placement is not a rotation (off by " + number(worst) + "): give an orthonormal right-handed matrix by columns");
-  return {rotation(quaternion(X.R)), X.p};  // orthonormal to the last bit
+  if (worst <= 4e-16) return X;  // turned by quarters, and whatever else is orthonormal to the last bit
+  return {rotation(quaternion(X.R)), X.p};
 }
 
 Axis check_axis(const std::string& where, const Axis& a) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <new>
 #include <numeric>
+#include <unordered_map>
 
 #include "builder_impl.hpp"
 #include "dyn/algorithm/declarations.hpp"
@@ -17,14 +18,14 @@ namespace dyn {
 
 namespace {
 
-// All strings of the model, each once at its end.
+// All strings of the model, at its end, each once: a joint and its frame share their name.
 struct Text {
   std::string pool = std::string(1, '\0');
+  std::unordered_map<std::string, Index> known = {{"", 0}};
   Index add(const std::string& s) {
-    if (s.empty()) return 0;
-    const Index at = Index(pool.size());
-    pool.append(s.c_str(), s.size() + 1);
-    return at;
+    const auto [at, added] = known.try_emplace(s, Index(pool.size()));
+    if (added) pool.append(s.c_str(), s.size() + 1);
+    return at->second;
   }
 };
 

@@ -249,10 +249,10 @@ TEST(Urdf, ReportOfWhatIsKeptAsData) {
                               joint("k", "continuous", "b", "c", axis + "<limit velocity=\"2\" effort=\"3\"/><dynamics damping=\"2\" friction=\"3\"/>") +
                               joint("l", "revolute", "c", "d", axis + limit + "<mimic joint=\"j\"/>")),
                         Options(DYN_BASE_FIXED, true));
-  EXPECT_TRUE(l.reports("kept as data, not applied by the algorithms: damping of 2 joints, dry friction of 1 joint, position limits of 1 joint, "
-                        "velocity limits of 2 joints, effort limits of 2 joints",
+  EXPECT_TRUE(l.reports("kept as data, not applied by the algorithms: 2 x damping, 1 x dry friction, 1 x position limit, 2 x velocity limit, "
+                        "2 x effort limit",
                         DYN_REPORT_INFO, 0));
-  EXPECT_TRUE(l.reports("1 x <limit> of a joint that mimics another: not kept", DYN_REPORT_INFO, 8));
+  EXPECT_TRUE(l.reports("1 x <limit> of a mimicking joint: not kept", DYN_REPORT_INFO, 8));
   EXPECT_EQ(2, l.report().size());
 }
 

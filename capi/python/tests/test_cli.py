@@ -128,7 +128,7 @@ def test_info(go2):
     assert [e["name"] for e in info["effects"]] == ["gravity", "armature", "damping", "friction", "limits", "mimic"]
     assert all(isinstance(e["active"], bool) and e["reason"] for e in info["effects"])
     assert all(set(e) == {"level", "message", "line"} for e in info["report"])
-    assert [e["level"] for e in info["report"] if "12 joints" in e["message"] and "not applied" in e["message"]] == ["info"]
+    assert [e["level"] for e in info["report"] if "not applied" in e["message"] and "12 x effort limit" in e["message"]] == ["info"]
 
 
 def test_info_for_people(arm_file):
