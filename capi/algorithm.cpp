@@ -10,8 +10,8 @@ namespace {
 
 constexpr const double* none = nullptr;
 
-// The level of kinematics that the given arguments ask for.
-int level_of(const double* v, const double* a) { return a ? 2 : v ? 1 : 0; }
+// The level of kinematics that the given arguments ask for; all of it where they have no numbers and may be NULL for that.
+int level_of(const Model& m, const double* v, const double* a) { return a || m.n.nv == 0 ? 2 : v ? 1 : 0; }
 
 void kinematics(const Model& m, Data<double>& d, int level) {
   if (level == 2) ensure_acceleration(m, d);
@@ -130,8 +130,9 @@ extern "C" {
 dynStatus dyn_forward_kinematics(const dynModel* model, dynData* data, const double* q, const double* v, const double* a) {
   Call call(model, data, DYN_PART_KINEMATICS, "dyn_forward_kinematics");
   if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
-  kinematics(call.m(), call.d(), level_of(v, a));
-  moderate(call, level_of(v, a));
+  const int level = level_of(call.m(), v, a);
+  kinematics(call.m(), call.d(), level);
+  moderate(call, level);
   return call.status;
 }
 
@@ -200,7 +201,7 @@ dynStatus dyn_joint_jacobians_time_variation(const dynModel* model, dynData* dat
 
 dynStatus dyn_frame_jacobian(const dynModel* model, dynData* data, int frame, dynReference reference, double* J) {
   Call call(model, data, 0, "dyn_frame_jacobian");
-  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("J", J) ||
+  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("J", J, call.m().n.nv) ||
       !call.fresh(Stage::Position, "the Jacobian's configuration", "dyn_forward_kinematics"))
     return call.status;
   if (moderate_frame(call, frame, 0)) frame_jacobian(call.m(), call.d(), frame, reference, J);
@@ -209,7 +210,7 @@ dynStatus dyn_frame_jacobian(const dynModel* model, dynData* data, int frame, dy
 
 dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data, int frame, dynReference reference, double* dJ) {
   Call call(model, data, DYN_PART_KINEMATICS, "dyn_frame_jacobian_time_variation");
-  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("dJ", dJ) ||
+  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("dJ", dJ, call.m().n.nv) ||
       !call.fresh(Stage::Velocity, "the velocity", "dyn_forward_kinematics with q and v"))
     return call.status;
   if (moderate_frame(call, frame, 1)) frame_jacobian_time_variation(call.m(), call.d(), frame, reference, dJ);
@@ -221,7 +222,7 @@ dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const double*
   Call call(model, data, DYN_PART_COM, "dyn_center_of_mass");
   if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
   Data<double>& d = call.d();
-  const int level = acom ? 2 : vcom ? (a ? 2 : 1) : level_of(v, a);
+  const int level = acom ? 2 : vcom ? (a ? 2 : 1) : level_of(call.m(), v, a);
   center_of_mass(call.m(), d, level);
   if (!moderate(call, 0) || !call.numeric(d.com, 3, "com", Stage::Com) || (level >= 1 && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom)) ||
       (level >= 2 && !call.numeric(d.acom, 3, "acom", Stage::Acom)))
@@ -265,7 +266,7 @@ dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* data, int j
 
 dynStatus dyn_subtree_center_of_mass_jacobian(const dynModel* model, dynData* data, int joint, double* J) {
   Call call(model, data, DYN_PART_COM, "dyn_subtree_center_of_mass_jacobian");
-  if (!call || !call.joint(joint) || !call.required("J", J) || !call.fresh(Stage::Com, "the centre of mass", "dyn_center_of_mass"))
+  if (!call || !call.joint(joint) || !call.required("J", J, call.m().n.nv) || !call.fresh(Stage::Com, "the centre of mass", "dyn_center_of_mass"))
     return call.status;
   if (weighable(call, joint)) center_of_mass_jacobian(call.m(), call.d(), call.m().joints()[joint].first_body, J);
   return call.status;
@@ -342,7 +343,7 @@ dynStatus dyn_factorize(const dynModel* model, dynData* data) {
 
 dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x) {
   Call call(model, data, DYN_PART_FACTOR, "dyn_solve");
-  if (!call || !call.required("b", b) || !call.required("x", x)) return call.status;
+  if (!call || !call.required("b", b, call.m().n.nv) || !call.required("x", x, call.m().n.nv)) return call.status;
   if (nrhs < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_solve: nrhs is %d: it can't be negative", nrhs);
   const std::ptrdiff_t nv = call.m().n.nv;
   for (int k = 0; k < nrhs; ++k)

@@ -23,7 +23,7 @@ struct Check {
   }
   Check& vector(const char* name, const double* x, Index n) {
     if (status != DYN_OK) return *this;
-    if (!x) status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
+    if (!x && n > 0) status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
     else if (const Index k = finite_count(x, n); k < n)
       status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
     return *this;
@@ -56,8 +56,8 @@ struct Check {
     });
     return *this;
   }
-  Check& output(const void* p) {
-    if (status == DYN_OK && !p) status = fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
+  Check& output(const void* p, Index n = 1) {
+    if (status == DYN_OK && !p && n > 0) status = fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
     return *this;
   }
   Index nq() const { return m ? m->n.nq : 0; }
@@ -71,7 +71,7 @@ extern "C" {
 
 dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v, double* out) {
   Check c(model, "dyn_integrate");
-  if (c.q("q", q).v("v", v).output(out).fits({{q, c.nq()}, {v, c.nv()}}, [&]<class J>(const Body& b, double* x) {
+  if (c.q("q", q).v("v", v).output(out, c.nq()).fits({{q, c.nq()}, {v, c.nv()}}, [&]<class J>(const Body& b, double* x) {
         J::integrate(q + b.user_q, v + b.user_v, x);
       }))
     integrate(*c.m, q, v, out);
@@ -80,7 +80,7 @@ dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v,
 
 dynStatus dyn_difference(const dynModel* model, const double* q0, const double* q1, double* v) {
   Check c(model, "dyn_difference");
-  if (c.q("q0", q0).q("q1", q1).output(v).fits({{q0, c.nq()}, {q1, c.nq()}}, [&]<class J>(const Body& b, double* x) {
+  if (c.q("q0", q0).q("q1", q1).output(v, c.nv()).fits({{q0, c.nq()}, {q1, c.nq()}}, [&]<class J>(const Body& b, double* x) {
         J::difference(b, q0 + b.user_q, q1 + b.user_q, x);
       }))
     difference(*c.m, q0, q1, v);
@@ -89,7 +89,7 @@ dynStatus dyn_difference(const dynModel* model, const double* q0, const double* 
 
 dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double* q1, double u, double* out) {
   Check c(model, "dyn_interpolate");
-  if (c.q("q0", q0).q("q1", q1).vector("u", &u, 1).output(out).fits({{q0, c.nq()}, {q1, c.nq()}, {&u, 1}}, [&]<class J>(const Body& b, double* x) {
+  if (c.q("q0", q0).q("q1", q1).vector("u", &u, 1).output(out, c.nq()).fits({{q0, c.nq()}, {q1, c.nq()}, {&u, 1}}, [&]<class J>(const Body& b, double* x) {
         double v[6];
         J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
         for (int k = 0; k < J::nv; ++k) v[k] *= u;
@@ -110,13 +110,13 @@ dynStatus dyn_distance(const dynModel* model, const double* q0, const double* q1
 
 dynStatus dyn_neutral(const dynModel* model, double* q) {
   Check c(model, "dyn_neutral");
-  if (c.output(q)) copy_out(c.m->neutral(), c.m->n.nq, q);
+  if (c.output(q, c.nq())) copy_out(c.m->neutral(), c.m->n.nq, q);
   return c.status;
 }
 
 dynStatus dyn_random(const dynModel* model, uint64_t seed, const double* lower, const double* upper, double* q) {
   Check c(model, "dyn_random");
-  if (!c.output(q)) return c.status;
+  if (!c.output(q, c.nq())) return c.status;
   const double* low = lower ? lower : c.m->lower_limit();
   const double* high = upper ? upper : c.m->upper_limit();
   for (Index k = 0; k < c.m->n.nq; ++k) {

@@ -12,6 +12,7 @@
  *               point that coincides with the world's origin. DYN_LOCAL_WORLD_ALIGNED: the frame's origin, world axes.
  *   Inputs      const double*; NULL means the value held in the data (which a non-NULL argument replaces).
  *   Outputs     any output pointer may be NULL: the result is in the data as well. An output is written whole, or not at all.
+ *               Where an array is required it may be NULL when it has no numbers (a robot that cannot move).
  *   Errors      every function that can fail returns a dynStatus; dyn_last_error() says what, where, and what to do.
  *               A call that fails leaves its data as it was; with DYN_ERROR_NUMERIC, which comes after some work, that is the state
  *               (q, v, a, tau, time): results may be lost, and reading one that is gives DYN_ERROR_STALE, never another number.

@@ -73,6 +73,8 @@ dynStatus fail(dynStatus status, const char* format, ...) {
   va_start(args, format);
   std::vsnprintf(last_error, sizeof last_error, format, args);
   va_end(args);
+  for (char* c = last_error; *c; ++c)  // names of the caller's: a message is one line
+    if (static_cast<unsigned char>(*c) < 0x20 || *c == 0x7f) *c = ' ';
   return status;
 }
 
@@ -131,8 +133,8 @@ bool Call::finite(const char* name, const double* x, Index n, Index first) {
   return status == DYN_OK;
 }
 
-bool Call::required(const char* name, const void* p) {
-  if (status == DYN_OK && !p) status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
+bool Call::required(const char* name, const void* p, std::ptrdiff_t n) {
+  if (status == DYN_OK && !p && n > 0) status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   return status == DYN_OK;
 }
 

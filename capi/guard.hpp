@@ -119,7 +119,7 @@ class Call {
   // An argument that is not held.
   bool finite(const char* name, const double* x, Index n, Index first = 0);
   bool nonzero(const double* q);
-  bool required(const char* name, const void* p);
+  bool required(const char* name, const void* p, std::ptrdiff_t n = 1);  // an array of no numbers may be NULL
   bool frame(int id);
   bool joint(int id);
   bool reference(dynReference r);

@@ -288,8 +288,8 @@ const char* dyn_configuration_name(const dynModel* model, int index) {
 
 dynStatus dyn_configuration(const dynModel* model, const char* name, double* q) {
   if (const dynStatus s = check(model)) return s;
-  if (!name || !q) return fail(DYN_ERROR_ARGUMENT, "dyn_configuration: %s is NULL", name ? "q" : "name");
   const Model& m = *model->m;
+  if (!name || (!q && m.n.nq)) return fail(DYN_ERROR_ARGUMENT, "dyn_configuration: %s is NULL", name ? "q" : "name");
   auto at = [&](Index k) { return m.string(m.configuration_names()[k]); };
   for (Index k = 0; k < m.n.configurations; ++k)
     if (std::strcmp(at(k), name) == 0) {

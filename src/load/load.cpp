@@ -44,10 +44,10 @@ ModelPtr load_content(const std::string& text, const std::string& file, const Lo
   const size_t visible = text.find_first_not_of(starts("\xEF\xBB\xBF") ? "\xEF\xBB\xBF \t\r\n" : " \t\r\n");
   if (visible == text.npos) report.fail(DYN_ERROR_PARSE, 0, "the " + std::string(file.empty() ? "text" : "file") + " is empty");
   if (starts("\xFF\xFE") || starts("\xFE\xFF") || starts(std::string_view("<\0", 2)) || starts(std::string_view("\0<", 2)))
-    report.fail(DYN_ERROR_PARSE, 0, "this is UTF-16: save it as UTF-8");
+    report.fail(DYN_ERROR_PARSE, 0, "this is UTF-16 or UTF-32: save it as UTF-8");
   if (starts("DYNB") || starts("dynb") || starts(".dynb"))
     report.fail(DYN_ERROR_UNSUPPORTED, 0, "this is a binary model (.dynb), which this version does not read: load the URDF");
-  if (text.substr(0, 512).find('\0') != text.npos || starts("\x1F\x8B") || starts("PK\x03\x04"))
+  if ((text[visible] != '<' && text.substr(0, 512).find('\0') != text.npos) || starts("\x1F\x8B") || starts("PK\x03\x04"))
     report.fail(DYN_ERROR_UNSUPPORTED, 0, "this is a binary file: libdyn reads URDF");
   if (text[visible] != '<') {
     const bool path = text.size() < 4096 && text.find('\n') == text.npos;

@@ -37,7 +37,7 @@ std::string parse_number(std::string_view token, double& value) {
     value = 0;
   }
   if (!std::isfinite(value))
-    return digits.find_first_of("0123456789") == digits.npos ? "is not finite" : "is too large for a double";
+    return std::isnan(value) || digits.find_first_of("0123456789") == digits.npos ? "is not finite" : "is too large for a double";
   return "";
 }
 

@@ -30,7 +30,9 @@ int edit_distance(const std::string& a, const std::string& b) {
 
 std::string Report::where(int line) const {
   if (file_.empty()) return line > 0 ? "line " + std::to_string(line) + ": " : "";
-  return line > 0 ? file_ + ":" + std::to_string(line) + ": " : file_ + ": ";
+  constexpr size_t longest = 300;  // so that the rest of the message is not lost
+  const std::string file = file_.size() > longest ? "..." + file_.substr(file_.size() - longest) : file_;
+  return printable(line > 0 ? file + ":" + std::to_string(line) + ": " : file + ": ");
 }
 
 void Report::fail(dynStatus status, int line, const std::string& message) const {

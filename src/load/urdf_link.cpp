@@ -83,10 +83,10 @@ void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& 
   shape.mesh = found.path.empty() ? name : found.path;
   if (!found.path.empty() || !found.first_time) return;
   std::string tried;
-  for (const std::string& path : found.tried) tried += (tried.empty() ? ": tried " : ", ") + path;
+  for (const std::string& path : found.tried) tried += (tried.empty() ? ": tried " : ", ") + quoted(path);
   if (name.starts_with("package://") || name.starts_with("model://"))
     tried += tried.empty() ? ": give package_dirs" : "; give the folder above the package in package_dirs";
-  reader.report.physics(line(e), reader.owner + ": mesh '" + name + "' is not found" + tried);
+  reader.report.physics(line(e), reader.owner + ": mesh " + quoted(name) + " is not found" + tried);
 }
 
 // Reads a <visual> or <collision>; false when there is nothing that could be kept.

@@ -56,7 +56,7 @@ void check_name(const char* kind, const std::string& name, int at_line, Report& 
   const std::string thing = kind + std::string(" ");
   if (printable(name) != name)
     report.fail(DYN_ERROR_NAME, at_line,
-                thing + "name " + quoted(name) + " is not UTF-8, or has a control character in it: rename it");
+                thing + "name " + quoted(name) + " is not UTF-8, or has a control character in it: rename it, or save the file as UTF-8");
   if (name == "universe")
     report.fail(DYN_ERROR_NAME, at_line, thing + "'universe': this is the name of the world itself: rename it");
 }

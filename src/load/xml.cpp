@@ -1,6 +1,7 @@
 #include "xml.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <string_view>
 
 namespace dyn::load {
@@ -40,15 +41,19 @@ struct Markup {
     if (rest.starts_with("![CDATA[")) return past("]]>", other);
     if (rest.starts_with("!")) return doctype;
     if (rest.starts_with("?")) return past("?>", other);
-    if (rest.starts_with("/")) return past(">", close);
+    if (rest.starts_with("/")) {
+      name = rest.substr(1, rest.find_first_of(name_end, 1) - 1);
+      return past(">", close);
+    }
     return tag();
   }
 
   Kind tag() {
     name = text.substr(at, text.find_first_of(name_end, at) - at);
     attributes = 0;
-    while ((at = text.find_first_of("\"'>=", at)) != text.npos) {
+    while ((at = text.find_first_of("\"'<>=", at)) != text.npos) {
       const char c = text[at++];
+      if (c == '<') break;  // the next tag
       if (c == '>') {
         empty = text[at - 2] == '/';
         return open;
@@ -66,6 +71,19 @@ struct Markup {
   }
 };
 
+// A character reference at the begin of the text, "&#38;" or "&#x26;", that names a character of XML 1.0.
+bool good_reference(std::string_view text) {
+  text = text.substr(0, std::min(text.find(';'), text.size() - 1) + 1);
+  const bool hexadecimal = text.starts_with("&#x");
+  const char *digits = text.data() + (hexadecimal ? 3 : 2), *last = text.data() + text.size() - 1;
+  unsigned long c = 0;
+  const auto [end, error] = std::from_chars(digits, last, c, hexadecimal ? 16 : 10);
+  if (*last != ';' || end != last || end == digits || error != std::errc()) return false;
+  return c == '\t' || c == '\n' || c == '\r' || (c >= 0x20 && c < 0xD800) || (c >= 0xE000 && c < 0xFFFE) || (c >= 0x10000 && c < 0x110000);
+}
+
+std::string shown(std::string_view name) { return std::string(name.substr(0, 60)); }
+
 int line_at(std::string_view text, size_t at) {
   return 1 + int(std::count(text.begin(), text.begin() + std::min(at, text.size()), '\n'));
 }
@@ -81,13 +99,30 @@ void check_xml(const std::string& text, const Report& report) {
                 std::to_string(text.size()) + " bytes, and the limit is " + std::to_string(max_file_bytes) + " bytes");
   if (const size_t zero = text.find('\0'); zero != text.npos) fail(DYN_ERROR_PARSE, zero, "zero byte: this is not a text file");
 
+  // what parsers cut short or read as something else
+  const auto check_references = [&](size_t from, size_t to) {
+    const std::string_view part = std::string_view(text).substr(from, to - from);
+    for (size_t at = part.find("&#"); at != part.npos; at = part.find("&#", at + 2))
+      if (!good_reference(part.substr(at)))
+        fail(DYN_ERROR_PARSE, from + at, "'" + std::string(part.substr(at, std::min<size_t>(part.find(';', at) - at, 20) + 1)) + "' is no character of XML");
+  };
+
   Markup m;
   m.text = text;
   size_t elements = 0;
+  struct {
+    size_t at;
+    std::string_view name;
+  } opened[max_depth + 1];
   int depth = 0;
   for (;;) {
-    switch (m.next()) {
+    const size_t before = m.at;
+    const Markup::Kind kind = m.next();
+    check_references(before, std::min(m.begin, text.size()));
+    switch (kind) {
       case Markup::end:
+        if (depth > 0)
+          fail(DYN_ERROR_PARSE, opened[depth - 1].at, "<" + shown(opened[depth - 1].name) + "> is never closed: the file is cut off or an end tag is missing");
         return;
       case Markup::other:
         break;
@@ -98,9 +133,14 @@ void check_xml(const std::string& text, const Report& report) {
         fail(DYN_ERROR_PARSE, m.begin, "what begins here is never closed: the file is cut off or a quote is missing");
         break;
       case Markup::close:
-        --depth;
+        if (depth == 0) fail(DYN_ERROR_PARSE, m.begin, "</" + shown(m.name) + "> closes nothing: remove it");
+        if (--depth; m.name != opened[depth].name)
+          fail(DYN_ERROR_PARSE, m.begin, "</" + shown(m.name) + "> where <" + shown(opened[depth].name) + "> of line " +
+                                             std::to_string(line_at(text, opened[depth].at)) + " is still open");
         break;
       case Markup::open:
+        if (m.name.empty()) fail(DYN_ERROR_PARSE, m.begin, "malformed element: a name follows '<' at once");
+        check_references(m.begin, m.at);
         if (++elements > max_elements)
           fail(DYN_ERROR_LIMIT, m.begin, "more than " + std::to_string(max_elements) + " elements, which is the limit");
         if (m.attributes > max_attributes)
@@ -108,9 +148,11 @@ void check_xml(const std::string& text, const Report& report) {
                "an element has more than " + std::to_string(max_attributes) + " attributes, which is the limit");
         if (m.name.starts_with("xacro:"))
           fail(DYN_ERROR_UNSUPPORTED, m.begin,
-               "<" + std::string(m.name.substr(0, 60)) +
+               "<" + shown(m.name) +
                    "> is a xacro macro: run xacro first (xacro FILE > robot.urdf) and load its output");
-        if (!m.empty && ++depth > max_depth)
+        if (m.empty) break;
+        opened[depth] = {m.begin, m.name};
+        if (++depth > max_depth)
           fail(DYN_ERROR_LIMIT, m.begin,
                "elements are nested more than " + std::to_string(max_depth) + " deep, which is the limit");
     }

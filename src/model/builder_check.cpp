@@ -23,6 +23,10 @@ Eigen::Vector3d principal_moments(const Body& b) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
+bool finite(const Body& b) {
+  return std::isfinite(b.m + b.h[0] + b.h[1] + b.h[2] + (b.I(0, 0) + b.I(0, 1) + b.I(0, 2)) + (b.I(1, 1) + b.I(1, 2) + b.I(2, 2)));
+}
+
 // Names of the links that make up a joint's body.
 std::string links_of(const std::vector<FrameEntry>& frames, int joint) {
   std::string names;
@@ -67,7 +71,7 @@ struct Workspace {
   }
 };
 
-// What is left of the diagonal of M after elimination, relative to it; the largest over some configurations.
+// What is left of the diagonal of M after elimination, relative to it; the largest over some configurations. NaN: M overflows.
 std::vector<double> factor_pivots(const Model& m) {
   Workspace work(m, DYN_PART_FACTOR);
   Data<double>& d = work.d;
@@ -82,6 +86,8 @@ std::vector<double> factor_pivots(const Model& m) {
     for (Index k = 0; k < failed - 1; ++k) best[std::size_t(k)] = 1;
     for (Index k = failed; k < m.n.nv; ++k)
       best[std::size_t(k)] = std::max(best[std::size_t(k)], 1 / (d.D[k] * d.M[k + std::ptrdiff_t(k) * m.n.nv]));
+    for (Index k = 0; k < m.n.nv; ++k)
+      if (!std::isfinite(d.M[k + std::ptrdiff_t(k) * m.n.nv])) best[std::size_t(k)] = NAN;
   }
   return best;
 }
@@ -111,7 +117,8 @@ std::vector<double> articulated_pivots(const Model& m) {
           const Force<double> U = Y * s;
           const double D = dot(s, U) + armature;
           const double pivot = scale > 0 ? D / scale : 0;
-          best[std::size_t(b.user_v + k)] = std::max(best[std::size_t(b.user_v + k)], pivot);
+          double& largest = best[std::size_t(b.user_v + k)];
+          largest = std::isfinite(scale) ? std::max(largest, pivot) : NAN;
           if (pivot > 1e-14) Y = Y.minus_outer(U, 1 / D);
         }
       });
@@ -130,12 +137,15 @@ std::vector<double> articulated_pivots(const Model& m) {
 void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames) {
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
+    const int owner = order[std::size_t(b.joint - 1)];
+    if (!finite(b))
+      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" + links_of(frames, owner) +
+                                         ") overflows: masses or distances are too large for double precision");
     const Eigen::Vector3d moments = principal_moments(b);
     const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
     const double scale = std::max({std::abs(moments[0]), moments[2], 1e-6 * b.m * dot(c, c)});
     if (moments[0] < -1e-6 * scale)
-      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(order[std::size_t(b.joint - 1)])].spec.name + "': the inertia of its body (" +
-                                         links_of(frames, order[std::size_t(b.joint - 1)]) + ") has a negative principal moment " + number(moments[0]) +
+      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" + links_of(frames, owner) + ") has a negative principal moment " + number(moments[0]) +
                                          " kg m^2: no mass distribution has that; correct the file");
   }
   if (m.n.nv == 0) return;
@@ -146,6 +156,9 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
     for (Index k = 0; k < primitive_nv(b.type); ++k)
       if (!(pivots[std::size_t(b.user_v + k)] > 1e-13)) {
         const int joint = order[std::size_t(b.joint - 1)];
+        if (std::isnan(pivots[std::size_t(b.user_v + k)]))
+          throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(joint)].spec.name + "': the inertia that it moves overflows: masses, distances or "
+                                             "mimic ratios are too large for double precision");
         throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(joint)].spec.name + "': nothing resists it: " + links_of(frames, joint) +
                                            " and what hangs on it have no mass or inertia in its direction, so that forward dynamics is undefined; "
                                            "give the links an inertial, give the joint an armature, or make it fixed");

@@ -49,6 +49,7 @@ std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints) {
 }
 
 constexpr std::size_t limit = 50000000;  // entries of the pattern of M
+constexpr const char* too_filled = "the model has too many mimic joints for its depth: M has no sparse factor; bind fewer joints by mimic";
 
 // Elimination tree of M (Liu 1990): with mimic joints the pattern is that of G^T M_x G.
 void elimination_tree(const Model& m, std::vector<Index>& parent) {
@@ -71,7 +72,7 @@ void elimination_tree(const Model& m, std::vector<Index>& parent) {
   std::size_t joined = 0;
   auto join = [&](Index a, Index b) {
     if (a != b) row[std::size_t(std::max(a, b))].push_back(std::min(a, b));
-    if (++joined > limit) throw Error(DYN_ERROR_LIMIT, "the model has too many mimic joints for its depth: M has no sparse factor");
+    if (++joined > limit) throw Error(DYN_ERROR_LIMIT, too_filled);
   };
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = bodies[i];
@@ -94,7 +95,7 @@ void elimination_tree(const Model& m, std::vector<Index>& parent) {
     parent[std::size_t(i)] = r.back();
     auto& up = row[std::size_t(r.back())];
     up.insert(up.end(), r.begin(), r.end() - 1);
-    if ((filled += r.size()) > limit) throw Error(DYN_ERROR_LIMIT, "the model has too many mimic joints for its depth: M has no sparse factor");
+    if ((filled += r.size()) > limit) throw Error(DYN_ERROR_LIMIT, too_filled);
     std::vector<Index>().swap(r);
   }
 }

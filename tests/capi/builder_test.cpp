@@ -372,6 +372,18 @@ TEST(BuilderFinish, NothingAtAll) {
   EXPECT_EQ(DYN_OK, dyn_frame_placement(m, d, 0, X));
   EXPECT_EQ(DYN_OK, dyn_solve(m, d, x, 1, x));
   EXPECT_EQ(7, x[0]);
+  // arrays of no numbers may be NULL; velocities and accelerations are there all the same
+  double V[6] = {7};
+  EXPECT_EQ(DYN_OK, dyn_forward_kinematics(m, d, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_OK, dyn_frame_acceleration(m, d, 0, DYN_WORLD, V));
+  EXPECT_EQ(0, V[0]);
+  double distance = 1;
+  for (dynStatus s : {dyn_solve(m, d, nullptr, 1, nullptr), dyn_neutral(m, nullptr), dyn_random(m, 1, nullptr, nullptr, nullptr),
+                      dyn_integrate(m, nullptr, nullptr, nullptr), dyn_difference(m, nullptr, nullptr, nullptr),
+                      dyn_interpolate(m, nullptr, nullptr, 0.5, nullptr), dyn_normalize(m, nullptr), dyn_configuration(m, "neutral", nullptr),
+                      dyn_distance(m, nullptr, nullptr, &distance), dyn_frame_jacobian(m, d, 0, DYN_WORLD, nullptr)})
+    EXPECT_EQ(DYN_OK, s) << dyn_last_error();
+  EXPECT_EQ(0, distance);
   EXPECT_EQ(DYN_OK, dyn_step(m, d, DYN_RK4, 0.1));
   EXPECT_EQ(0.1, field(m, d, "time")[0]);
 }

@@ -25,12 +25,16 @@ struct Failure {
   int exit_status;
   std::string message;
 };
-[[noreturn]] inline void fail(const std::string& message) { throw Failure{1, message}; }
-[[noreturn]] inline void bad_usage(const std::string& message) { throw Failure{2, message}; }
+std::string one_line(std::string text);  // without control characters
+[[noreturn]] inline void fail(const std::string& message) { throw Failure{1, one_line(message)}; }
+[[noreturn]] inline void bad_usage(const std::string& message) { throw Failure{2, one_line(message)}; }
 // Fails with the library's sentence.
 inline void check(dynStatus status) {
   if (status != DYN_OK) fail(dyn_last_error());
 }
+
+// A check of options: an empty text is none.
+std::string not_empty(const std::string& text);
 
 // ---------------------------------------------------------------------------------------------------- the robot
 
@@ -104,6 +108,8 @@ void append_number(std::string& out, double x);
 std::string short_number(double x, int digits = 6);
 // The answer, to standard output; fails when it cannot be written.
 void print(const std::string& answer);
+// Shortened, when it is absurdly long.
+std::string shown(const std::string& name);
 std::string join(const std::vector<std::string>& words, const char* separator = ", ");
 
 // ---------------------------------------------------------------------------------------------------- the subcommands

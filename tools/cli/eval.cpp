@@ -209,7 +209,7 @@ std::vector<const Quantity*> select(const Options& options) {
         if (later.count(word)) fail("--compute: \"" + word + "\" is not available in this version (" + dyn_version() + ").");
         std::vector<std::string> known;
         for (const auto& x : table) known.push_back(x.name);
-        bad_usage("--compute: unknown name \"" + word + "\"; the names are " + join(known) + ".");
+        bad_usage("--compute: unknown name \"" + shown(word) + "\"; the names are " + join(known) + ".");
       }
       if (found->needs_frame && options.frame.empty()) bad_usage("--compute: \"" + word + "\" needs --frame.");
       if (std::find(out.begin(), out.end(), &*found) == out.end()) out.push_back(&*found);
@@ -282,7 +282,7 @@ void add_eval(CLI::App& app) {
       ->allow_extra_args(false)
       ->type_name("LIST");
   add_state_options(*command, options->state, true);
-  command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...");
+  command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...")->check(not_empty);
   command->add_option("--reference", options->reference, "LOCAL, WORLD or LOCAL_WORLD_ALIGNED")->capture_default_str();
   command->callback([options] { run(*options); });
 }

@@ -1,5 +1,6 @@
 // The command `dyn`.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
@@ -18,13 +19,17 @@ int main(int argc, char** argv) {
   cli::add_sim(app);
   cli::add_bench(app);
   try {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
+    if (argc > 1 && *argv[1] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end())
+      cli::bad_usage("there is no subcommand \"" + cli::shown(argv[1]) + "\"; they are " + cli::join(names) + ".");
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
       std::ostringstream answer, complaint;
       const int status = app.exit(error, answer, complaint);
       if (!answer.str().empty()) cli::print(answer.str());
-      if (status != 0) cli::bad_usage(complaint.str());
+      if (status != 0) throw cli::Failure{2, complaint.str()};
     }
     return 0;
   } catch (const cli::Failure& failure) {

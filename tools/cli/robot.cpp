@@ -16,6 +16,7 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
   fixed->excludes(floating);
   command.add_option("--package-dir", options.package_dirs, "Where package://NAME/... is looked up; may be repeated")
       ->allow_extra_args(false)
+      ->check(not_empty)
       ->type_name("DIR");
   command.add_flag("--strict", options.strict, "Physics that would be dropped is an error");
   command.add_flag("--cos-sin", options.cos_sin, "Continuous joints store (cos, sin)");

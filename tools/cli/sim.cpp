@@ -209,8 +209,9 @@ void run(const Options& options) {
     bad_usage("--integrator: \"" + options.integrator + "\" is not semi_implicit_euler or rk4.");
   const Schedule schedule(options.duration, options.dt);
   std::error_code ignored;
-  if (!options.csv.empty() && std::filesystem::equivalent(options.csv, options.robot.file, ignored))
-    bad_usage("--csv would overwrite the robot's file.");
+  const auto overwrites = [&](const std::string& file) { return !options.csv.empty() && std::filesystem::equivalent(options.csv, file, ignored); };
+  if (overwrites(options.robot.file)) bad_usage("--csv would overwrite the robot's file.");
+  if (overwrites(options.state.file)) bad_usage("--csv would overwrite the state's file.");
 
   check_lists(options.state);
   const Robot robot(options.robot);
@@ -305,7 +306,7 @@ void add_sim(CLI::App& app) {
   command->add_option("--dt", options->dt, "Step, seconds")->capture_default_str();
   command->add_option("--integrator", options->integrator, "semi_implicit_euler or rk4")->capture_default_str();
   add_state_options(*command, options->state, false);
-  command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies");
+  command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);
   command->add_flag("--no-error-estimate", options->no_error_estimate, "Leave out the second run, at half the step");
   command->callback([options] { run(*options); });
 }

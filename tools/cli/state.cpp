@@ -4,8 +4,9 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
-#include <fstream>
+#include <set>
 #include <sstream>
 
 #include "cli.hpp"
@@ -13,7 +14,7 @@
 namespace cli {
 
 void add_state_options(CLI::App& command, StateOptions& options, bool with_acceleration) {
-  auto* file = command.add_option("--state", options.file, "State: JSON with any of q, v, a, tau")->type_name("S.json");
+  auto* file = command.add_option("--state", options.file, "State: JSON with any of q, v, a, tau")->check(not_empty)->type_name("S.json");
   const auto list = [&](const char* name, std::vector<std::string>& words, const char* what) {
     command.add_option(name, words, what)->type_name("NUMBERS")->excludes(file);
   };
@@ -37,8 +38,9 @@ Vector parse_list(const std::string& option, const std::vector<std::string>& wor
       const char* end = part.c_str() + part.size();
       double x;
       const auto [stop, error] = std::from_chars(begin, end, x);
-      if (error != std::errc() || stop != end) bad_usage(option + ": \"" + part + "\" is not a number.");
-      if (!std::isfinite(x)) bad_usage(option + ": \"" + part + "\" is not finite.");
+      if (error == std::errc::result_out_of_range && stop == end) bad_usage(option + ": \"" + shown(part) + "\" is beyond the range of a double.");
+      if (error != std::errc() || stop != end) bad_usage(option + ": \"" + shown(part) + "\" is not a number.");
+      if (!std::isfinite(x)) bad_usage(option + ": \"" + shown(part) + "\" is not finite.");
       out.push_back(x);
     }
   }
@@ -72,10 +74,11 @@ void from_json(const Robot& robot, const std::string& file, const std::string& k
   const bool is_q = key == "q";
   if (value.is_object()) {
     for (const auto& [name, given] : value.items()) {
+      const std::string place = where + ", joint \"" + shown(name) + "\"";
+      if (name.find('\0') != name.npos) fail(place + ": a name has no zero byte in it.");
       const int id = dyn_joint_id(robot, name.c_str());
       if (id < 0) fail(where + ": " + dyn_last_error());
       const dynJointInfo joint = robot.joint(id);
-      const std::string place = where + ", joint \"" + name + "\"";
       if (joint.mimic_leader >= 0)
         fail(place + " follows \"" + dyn_joint_name(robot, joint.mimic_leader) +
              "\" and has no numbers of its own: set that one.");
@@ -91,6 +94,40 @@ void from_json(const Robot& robot, const std::string& file, const std::string& k
   const int n = is_q ? robot.nq : robot.nv;
   if (value.size() != static_cast<std::size_t>(n)) fail(sizes(where, value.size(), n, is_q ? "nq" : "nv"));
   for (int i = 0; i < n; ++i) out[i] = number(value[i], where + "[" + std::to_string(i) + "]");
+}
+
+std::string read_text(const std::string& file) {
+  constexpr std::size_t limit = std::size_t(128) << 20;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"), &std::fclose);
+  if (!in) fail(file + ": the state cannot be read: " + std::strerror(errno) + ".");
+  std::string text;
+  char part[1 << 16];
+  for (std::size_t n; (n = std::fread(part, 1, sizeof part, in.get())) > 0;) {
+    text.append(part, n);
+    if (text.size() > limit) fail(file + ": the state is larger than " + std::to_string(limit) + " bytes, which is the limit.");
+  }
+  if (std::ferror(in.get())) fail(file + ": the state cannot be read: " + std::strerror(errno) + ".");
+  return text;
+}
+
+// What JSON leaves open is refused: a name twice in an object; and what the parser takes for the end: a zero byte.
+json read_json(const std::string& file) {
+  const std::string text = read_text(file);
+  if (text.find('\0') != text.npos) fail(file + ": not JSON: there is a zero byte in it.");
+  std::vector<std::set<std::string>> names;  // of the objects that are open
+  const auto look = [&](int depth, json::parse_event_t event, json& parsed) {
+    if (depth > 3) fail(file + ": nested deeper than {\"q\": {\"joint\": [numbers]}}.");
+    if (event == json::parse_event_t::object_start) names.emplace_back();
+    if (event == json::parse_event_t::object_end) names.pop_back();
+    if (event == json::parse_event_t::key && !names.back().insert(parsed.get<std::string>()).second)
+      fail(file + ": \"" + shown(parsed.get<std::string>()) + "\" stands there twice.");
+    return true;
+  };
+  try {
+    return json::parse(text, look);
+  } catch (const json::exception& error) {
+    fail(file + ": not JSON: " + error.what() + ".");
+  }
 }
 
 }  // namespace
@@ -111,16 +148,7 @@ State read_state(const Robot& robot, const StateOptions& options) {
   state.has_tau = !options.tau.empty();
   if (options.file.empty()) return state;
 
-  std::ifstream in(options.file, std::ios::binary);
-  std::ostringstream text;
-  if (in) text << in.rdbuf();
-  if (!in) fail(options.file + ": the state cannot be read: " + std::strerror(errno ? errno : EIO) + ".");
-  json object;
-  try {
-    object = json::parse(text.str());
-  } catch (const json::exception& error) {
-    fail(options.file + ": not JSON: " + error.what() + ".");
-  }
+  const json object = read_json(options.file);
   if (!object.is_object()) fail(options.file + ": must be an object with any of \"q\", \"v\", \"a\", \"tau\".");
   for (const auto& [key, value] : object.items()) {
     if (key == "q")
@@ -132,7 +160,7 @@ State read_state(const Robot& robot, const StateOptions& options) {
     else if (key == "tau")
       from_json(robot, options.file, key, value, state.tau), state.has_tau = true;
     else
-      fail(options.file + ": unknown key \"" + key + "\"; the keys are \"q\", \"v\", \"a\", \"tau\".");
+      fail(options.file + ": unknown key \"" + shown(key) + "\"; the keys are \"q\", \"v\", \"a\", \"tau\".");
   }
   return state;
 }

@@ -59,6 +59,16 @@ void print(const std::string& answer) {
     fail(std::string("the answer cannot be written to standard output: ") + std::strerror(errno) + ".");
 }
 
+std::string shown(const std::string& name) { return name.size() > 200 ? name.substr(0, 200) + "..." : name; }
+
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return text;
+}
+
+std::string not_empty(const std::string& text) { return text.empty() ? "the text is empty" : ""; }
+
 std::string join(const std::vector<std::string>& words, const char* separator) {
   std::string out;
   for (const auto& word : words) out += (out.empty() ? "" : separator) + word;
