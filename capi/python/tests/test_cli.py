@@ -67,6 +67,7 @@ def test_help_and_version():
     for words in ([], ["info"], ["eval"], ["sim"], ["bench"]):
         assert "Usage" in run(*words, "--help")
     assert all(name in run("--help") for name in ("info", "eval", "sim", "bench"))
+    assert "Joint 0 and frame 0 are the universe" in run("info", "--help")
 
 
 @pytest.mark.parametrize(
@@ -114,6 +115,7 @@ def test_info(go2):
     assert (info["name"], info["nq"], info["nv"], info["gravity"]) == (go2.name, 19, 18, [0, 0, -9.81])
     assert info["total_mass"] == go2.total_mass and info["model_bytes"] == go2.size and info["data_bytes"] == go2.data_size()
     assert [j["name"] for j in info["joints"]] == [j.name for j in go2.joints]
+    assert (info["joints"][0]["name"], info["joints"][0]["type"], info["frames"][0]["name"]) == ("universe",) * 3
     for said, known in zip(info["joints"][1:], go2.joints[1:]):
         assert said["type"].upper() == known.type.name
         for key in ("parent", "idx_q", "idx_v", "nq", "nv"):
@@ -128,6 +130,7 @@ def test_info(go2):
     assert [e["name"] for e in info["effects"]] == ["gravity", "armature", "damping", "friction", "limits", "mimic"]
     assert all(isinstance(e["active"], bool) and e["reason"] for e in info["effects"])
     assert all(set(e) == {"level", "message", "line"} for e in info["report"])
+    assert [e["level"] for e in info["report"] if "not applied" in e["message"] and "12 x effort limit" in e["message"]] == ["info"]
 
 
 def test_info_for_people(arm_file):
