@@ -13,7 +13,7 @@ threads; a Data is what it is doing, one for each thread. Every call releases th
 
 from .arrays import Placement
 from .builder import Builder
-from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo
+from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo, ForwardDerivatives, InverseDerivatives
 from .enums import (
     Base,
     FrameType,
@@ -86,12 +86,14 @@ __all__ = [
     "Error",
     "FieldInfo",
     "FileError",
+    "ForwardDerivatives",
     "FrameInfo",
     "FrameType",
     "HandleError",
     "Integrator",
     "InternalError",
     "InvalidRobotError",
+    "InverseDerivatives",
     "JointInfo",
     "JointType",
     "LibraryError",

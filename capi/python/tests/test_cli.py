@@ -94,7 +94,7 @@ def test_bad_usage(words):
 def test_unknown_quantity_lists_the_known():
     error = run("eval", GO2, "--fixed", "--compute", "Mass", status=2)
     assert '"Mass"' in error and "Minv" in error and "frame_classical_acceleration" in error
-    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "dtau_dq", status=1)
+    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "collisions", status=1)
 
 
 def test_bad_robots(tmp_path):
@@ -209,6 +209,7 @@ def test_eval_one_by_one(robot, name):
 
 
 CENTROIDAL = "Ag,dAg,hg,dhg,Ig,dh_dq,dhdot_dq,dhdot_dv"
+DERIVATIVES = "dtau_dq,dtau_dv,ddq_dq,ddq_dv,ddq_dtau"
 REGRESSORS = "regressor,static_regressor,kinetic_energy_regressor,potential_energy_regressor,inertial_parameters"
 
 
@@ -233,9 +234,20 @@ def test_eval_centroidal_and_regressors(go2, state, state_file):
         np.testing.assert_allclose(value, expected[name], atol=1e-12, err_msg=name)
 
 
-@pytest.mark.parametrize("name", f"{CENTROIDAL},{REGRESSORS}".split(","))
+def test_eval_derivatives(go2, state, state_file):
+    q, v, a, tau = state
+    path = state_file({"q": q.tolist(), "v": v.tolist(), "a": a.tolist(), "tau": tau.tolist()})
+    found = answer("eval", GO2, "--floating", "--compute", DERIVATIVES, "--state", path)
+    d = go2.data()
+    expected = d.rnea_derivatives(q, v, a)._asdict() | d.aba_derivatives(q, v, tau)._asdict()
+    assert list(found) == DERIVATIVES.split(",")
+    for name, value in found.items():
+        np.testing.assert_allclose(value, expected[name], atol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("name", f"{CENTROIDAL},{REGRESSORS},{DERIVATIVES}".split(","))
 @pytest.mark.parametrize("robot", ["go2", "gripper"])
-def test_eval_centroidal_and_regressors_one_by_one(robot, name):
+def test_eval_of_one_quantity_alone(robot, name):
     base = "--floating" if robot == "go2" else "--fixed"
     assert list(answer("eval", ROBOTS / f"{robot}.urdf", base, "--compute", name)) == [name]
 
