@@ -1,0 +1,130 @@
+"""Command lines and state files that nobody writes on purpose: refused with a reason on one line, or answered for what they say."""
+
+import math
+import os
+import threading
+
+import pytest
+from test_cli import GO2, answer, arm_file, pytestmark, run, state_file  # noqa: F401 (fixtures)
+
+EVAL = ("eval", GO2, "--fixed", "--compute", "g")
+SIM = ("sim", GO2, "--fixed", "--duration", "0.01")
+
+
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        (["INFO", GO2], ['no subcommand "INFO"', "info, eval, sim, bench"]),
+        ([""], ['no subcommand ""']),
+        (["%s%n"], ['no subcommand "%s%n"']),
+        (["x" * 100000], ["no subcommand", "..."]),
+        (["info", GO2, GO2, "--fixed"], ["not expected"]),
+        (["info", GO2, "--fixed=maybe"], ["--fixed = maybe"]),
+        (["info", GO2, "-fixed"], ["not expected: -fixed"]),
+        (["info", GO2, "--fixed", "--package-dir"], ["--package-dir", "missing"]),
+        (["info", GO2, "--fixed", "--package-dir", ""], ["--package-dir", "empty"]),
+        ([*EVAL, "--frame", ""], ["--frame", "empty"]),
+        ([*EVAL, "--frame", "a", "--frame", "b"], ["--frame"]),
+        ([*EVAL, "--state", ""], ["--state", "empty"]),
+        ([*EVAL, "--q", "1e400"], ["--q", '"1e400" is beyond the range of a double']),
+        ([*EVAL, "--q", "0x1"], ["--q", '"0x1" is not a number']),
+        ([*EVAL, "--q", "--v", "1"], ["--q", '"--v" is not a number']),
+        ([*EVAL, "--compute", "%n%s"], ['"%n%s"']),
+        ([*SIM, "--csv", ""], ["--csv", "empty"]),
+        ([*SIM, "--duration", "1"], ["--duration"]),
+        ([*SIM, "--dt", "1,5"], ["--dt = 1,5"]),
+        ([*SIM, "--dt", ""], ["--dt must be a positive number"]),
+        ([*SIM, "--dt", "1e-300"], ["steps", "larger --dt"]),
+        ([*SIM, "--integrator", "RK4"], ['"RK4"', "rk4"]),
+        (["bench", GO2, "--fixed", "--seconds", "-1"], ["--seconds must be a positive number"]),
+        (["bench", GO2, "--fixed", "--seconds", "nan"], ["--seconds must be a positive number"]),
+    ],
+)  # fmt: skip
+def test_bad_usage(words, said):
+    error = run(*words, status=2)
+    assert all(s in error for s in said), error
+    assert len(error) < 1500
+
+
+@pytest.mark.parametrize(
+    "content, said",
+    [
+        ('{"q": [1, 2]}\0', ["zero byte"]),
+        ('{"q": [1, 2], "q": [3, 4]}', ['"q" stands there twice']),
+        ('{"q": {"elbow": 1, "elbow": 2}}', ['"elbow" stands there twice']),
+        ('{"q": {"elbow\\u0000": 1}}', ["zero byte"]),
+        ('{"q": ' + "[" * 200000 + "]" * 200000 + "}", ["nested deeper"]),
+        ('{"q": {"elbow": ' + "[" * 200000 + "]" * 200000 + "}}", ["nested deeper"]),
+        ("[" * 200000, ["nested deeper"]),
+        ('{"' + "k" * 1000000 + '": 1}', ["unknown key", "..."]),
+        ('{"q": {"%s%n": 1}}', ["no joint '%s%n'"]),
+        ('{"q": {"a\\nb": 1}}', ["no joint 'a b'"]),
+        ('{"q": [1, 2],}', ["not JSON", "line 1"]),
+        ('{"q": [0x1, 2]}', ["not JSON"]),
+        ('{"q": {"universe": 1}}', ['"universe"', "0"]),
+    ],
+)  # fmt: skip
+def test_bad_states(arm_file, state_file, content, said):  # noqa: F811
+    path = state_file(content)
+    error = run("eval", arm_file, "--fixed", "--compute", "g", "--state", path, status=1)
+    assert str(path) in error and all(s in error for s in said), error[:1000]
+    assert len(error) < 1500 and error.count("\n") == 1
+
+
+def test_states_that_never_end(arm_file, tmp_path):  # noqa: F811
+    words = ("eval", arm_file, "--fixed", "--compute", "g", "--state")
+    assert "Is a directory" in run(*words, tmp_path, status=1)
+    if os.path.exists("/dev/zero"):
+        assert "which is the limit" in run(*words, "/dev/zero", status=1)
+
+
+def test_state_through_a_pipe(arm_file, tmp_path):  # noqa: F811
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    writer = threading.Thread(target=lambda: pipe.write_text('\ufeff{"q": [0.5, 0.25]}', "utf-8"))
+    writer.start()
+    words = ("eval", arm_file, "--fixed", "--compute", "g")
+    assert answer(*words, "--state", pipe) == answer(*words, "--q", "0.5,0.25")
+    writer.join()
+
+
+def test_csv_does_not_overwrite_what_is_read(arm_file, state_file, tmp_path):  # noqa: F811
+    path = state_file({"q": [0.5, 0.25]})
+    link = tmp_path / "link.csv"
+    os.link(path, link)
+    assert "state's file" in run(*SIM[:1], arm_file, *SIM[2:], "--state", path, "--csv", link, status=2)
+    assert path.read_text() == '{"q": [0.5, 0.25]}'
+
+
+def test_robots_that_cannot_move(tmp_path):
+    path = tmp_path / "rock.urdf"
+    path.write_text('<robot name="rock"><link name="rock"/></robot>')
+    names = "tau,ddq,M,Minv,nle,g,coriolis,com,vcom,acom,Jcom,J,dJ,energy,placements,subtree_com,frame_acceleration,Ag,hg,regressor"
+    found = answer("eval", path, "--fixed", "--compute", names, "--frame", "rock")
+    assert found["tau"] == [] and found["M"] == [] and found["vcom"] == [0, 0, 0] and found["frame_acceleration"] == [0] * 6
+    assert answer("sim", path, "--fixed", "--duration", "0.01")["time"] == pytest.approx(0.01)
+    assert answer("bench", path, "--fixed", "--seconds", "0.05")["algorithms"]
+
+
+def test_names_of_all_kinds(tmp_path):
+    path = tmp_path / "a b%s%n'.urdf"
+    solid = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    name = "%s%n 'a/b' [c], --fixed \U0001f9be"
+    path.write_text(
+        f'<robot name="{name}"><link name="a">{solid}</link><link name="b">{solid}</link>'
+        f'<joint name="{name}" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>',
+        "utf-8",
+    )
+    info = answer("info", path, "--fixed")
+    assert info["name"] == name and info["joints"][1]["name"] == name and name in run("info", path, "--fixed")
+    assert answer("eval", path, "--fixed", "--compute", "J", f"--frame={name}")["J"][5] == [1]
+    error = run("info", tmp_path / "a\nb\x1b.urdf", status=1)
+    assert "a b .urdf: cannot be opened" in error
+
+
+def test_huge_numbers(tmp_path, arm_file):  # noqa: F811
+    words = ("sim", arm_file, "--fixed", "--duration", "0.01")
+    assert "too large" in run(*words, "--v", "1e308,0", status=1)
+    assert "smaller dt" in run(*words, "--tau", "1e308,1e308", status=1)
+    found = answer(*words, "--q", "1e308,-1e308")
+    assert all(math.isfinite(x) for x in found["q"])
