@@ -179,19 +179,19 @@ dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n,
 }
 
 dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dynBatchInfo* info) {
-  if (const dynStatus s = check(model)) return s;
+  if (model)
+    if (const dynStatus s = check(model)) return s;
   if (!exists(algorithm)) return unknown("dyn_batch_info", algorithm);
   if (!info) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_info: info is NULL");
   if (info->struct_size < sizeof(dynBatchInfo))
     return fail(DYN_ERROR_SIZE, "dyn_batch_info: struct_size is %u, needs %zu: set it to sizeof(dynBatchInfo)", info->struct_size, sizeof(dynBatchInfo));
   const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
-  const Sizes sizes(*model->m);
   const uint32_t size = info->struct_size;
   *info = {};
   info->struct_size = size;
   info->name = row.name, info->inputs = row.inputs, info->outputs = row.output_count();
   for (int k = 0; k < info->outputs; ++k) {
-    const Extent extent = row.outputs[k].extent(sizes);
+    const Extent extent = model ? row.outputs[k].extent(Sizes(*model->m)) : Extent{0, 0};
     info->output[k] = row.outputs[k].name, info->rows[k] = extent.rows, info->cols[k] = extent.cols;
   }
   return DYN_OK;

@@ -91,9 +91,12 @@ struct BatchCase {
       EXPECT_EQ(call.size(m, o), row_size(info, o)) << info.name;
       y.out[o] = results[std::size_t(o)].data();
     }
-    if (call.needs == Needs::position || call.needs == Needs::velocity || call.needs == Needs::acceleration)
+    if (call.needs == Needs::position || call.needs == Needs::velocity || call.needs == Needs::acceleration) {
       EXPECT_EQ(DYN_OK, dyn_forward_kinematics(m, d, y.q, y.v, y.a));
-    if (call.needs == Needs::com) EXPECT_EQ(DYN_OK, dyn_center_of_mass(m, d, y.q, y.v, y.a, nullptr, nullptr, nullptr));
+    }
+    if (call.needs == Needs::com) {
+      EXPECT_EQ(DYN_OK, dyn_center_of_mass(m, d, y.q, y.v, y.a, nullptr, nullptr, nullptr));
+    }
     if (call.needs == Needs::factor) {
       EXPECT_EQ(DYN_OK, dyn_crba(m, d, y.q, nullptr));
       EXPECT_EQ(DYN_OK, dyn_factorize(m, d));

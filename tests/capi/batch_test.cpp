@@ -233,7 +233,9 @@ TEST(Batch, Handles) {
   EXPECT_EQ(DYN_ERROR_HANDLE, c(reinterpret_cast<dynBatch*>(m.m)));
   dynBatchInfo info{};
   info.struct_size = sizeof info;
-  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_batch_info(nullptr, DYN_BATCH_RNEA, &info));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_batch_info(reinterpret_cast<dynModel*>(zeros), DYN_BATCH_RNEA, &info));
+  EXPECT_EQ(DYN_OK, dyn_batch_info(nullptr, DYN_BATCH_RNEA, &info));
+  EXPECT_TRUE(info.name == std::string("rnea") && info.outputs == 1 && info.rows[0] == 0);
   Model gone = chain(3);
   const Batch orphan(gone, 2);
   gone = Model();
