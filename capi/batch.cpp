@@ -26,6 +26,9 @@ const char* sentence(const char* error) {
   return std::strncmp(error, "dyn_", 4) == 0 && colon && !std::memchr(error, ' ', std::size_t(colon - error)) ? colon + 2 : error;
 }
 
+// What the state before left can't be used again: where it could, some algorithms take another way, which rounds differently.
+void forget(dynData* data) { data->d.version[input_q] = ++data->counter; }
+
 // Whether it is the numbers of one state that are at fault, rather than what all states share.
 bool of_one_state(dynStatus status) { return status == DYN_ERROR_NONFINITE || status == DYN_ERROR_QUATERNION || status == DYN_ERROR_NUMERIC; }
 
@@ -75,6 +78,7 @@ struct Batch::Job {
     dynData* data = batch.datas[std::size_t(thread)].get();
     for (std::int64_t begin; (begin = next.fetch_add(share, std::memory_order_relaxed)) < n;)
       for (std::int64_t k = begin; k < std::min(begin + share, n); ++k) {
+        forget(data);
         const dynStatus status = algorithm.call(batch.handle, data, row(k));
         if (first.status) first.status[k] = status;
         if (status == DYN_OK || worker.failures++) continue;

@@ -47,8 +47,8 @@ const BatchAlgorithm batch_algorithms[batch_algorithm_count] = {
      AFTER_KINEMATICS(x.q, x.v, nullptr, dyn_frame_jacobian_time_variation(m, d, x.frame, x.reference, x.out[0]))},
     {"center_of_mass", "q v a", {OUT(com, 3, 1), OUT(vcom, 3, 1), OUT(acom, 3, 1)},
      CALL {
-       const double* a = x.out[2] ? x.a : nullptr;
-       return dyn_center_of_mass(m, d, x.q, x.out[1] || a ? x.v : nullptr, a, x.out[0], x.out[1], x.out[2]);
+       const bool moving = x.out[1] || x.out[2];
+       return dyn_center_of_mass(m, d, x.q, moving ? x.v : nullptr, moving ? x.a : nullptr, x.out[0], x.out[1], x.out[2]);
      }},
     {"center_of_mass_jacobian", "q", {OUT(Jcom, 3, NV)}, CALL { return dyn_center_of_mass_jacobian(m, d, x.q, x.out[0]); }},
     {"subtree_center_of_mass", "joint q", {OUT(com, 3, 1), OUT(mass, 1, 1)},

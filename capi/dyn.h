@@ -522,8 +522,8 @@ DYN_API dynStatus dyn_step(const dynModel* model, dynData* data, dynIntegrator i
 
 /* ------------------------------------------------------------------------------------------------------- batches */
 
-/* Each algorithm over n states with several threads. Row k of an output is bit for bit what the function of the same name gives for
-   row k of the inputs, however many threads there are. Arrays are plain and contiguous, state after state: row k of q begins at
+/* Each algorithm over n states with several threads. Row k of an output is bit for bit what the function of the same name gives, on a
+   new data, for row k of the inputs, however many threads there are. Arrays are plain and contiguous, state after state: row k of q begins at
    q + k nq, row k of a matrix 6 x nv at M + k 6 nv (column-major as everywhere).
      Threads   dyn_batch_new starts them; between calls they sleep. dyn_batch_run works itself and wakes them once a call (a futex):
                nothing allocates, locks or makes a system call for each state. A batch belongs to one thread at a time.
@@ -547,7 +547,7 @@ typedef enum dynBatchAlgorithm {
   DYN_BATCH_JOINT_JACOBIANS_TIME_VARIATION = 6,  /* q, v -> dJ 6 x nv */
   DYN_BATCH_FRAME_JACOBIAN = 7,                  /* frame, reference; q -> J 6 x nv */
   DYN_BATCH_FRAME_JACOBIAN_TIME_VARIATION = 8,   /* frame, reference; q, v -> dJ 6 x nv */
-  DYN_BATCH_CENTER_OF_MASS = 9,                  /* q, v, a -> com 3, vcom 3, acom 3; v is read for vcom, v and a for acom */
+  DYN_BATCH_CENTER_OF_MASS = 9,                  /* q, v, a -> com 3, vcom 3, acom 3; v and a are read for vcom and acom */
   DYN_BATCH_CENTER_OF_MASS_JACOBIAN = 10,        /* q -> Jcom 3 x nv */
   DYN_BATCH_SUBTREE_CENTER_OF_MASS = 11,         /* joint; q -> com 3, mass 1 */
   DYN_BATCH_SUBTREE_CENTER_OF_MASS_JACOBIAN = 12, /* joint; q -> J 3 x nv */

@@ -26,7 +26,6 @@ TEST(Batch, EqualsSingleCalls) {
   constexpr int n = 70;
   int compared = 0;
   for (const Model& m : models()) {
-    Data d(m);
     const Batch one(m, 1), two(m, 2), four(m, 4);
     for (int which = 0; which < batch_algorithms; ++which) {
       const BatchCase alone(m, which, n), together(m, which, n), many(m, which, n);
@@ -40,7 +39,7 @@ TEST(Batch, EqualsSingleCalls) {
       }
       for (int k = 0; k < n; ++k) {
         EXPECT_EQ(DYN_OK, together.status[std::size_t(k)]);
-        const auto expected = alone.single(d, k);
+        const auto expected = alone.single(k);
         for (int o = 0; o < alone.info.outputs; ++o)
           ASSERT_TRUE(same_bits(expected[std::size_t(o)], alone.row(o, k))) << dyn_model_name(m) << ": " << alone.info.name << "[" << k << "]";
         ++compared;
@@ -50,9 +49,28 @@ TEST(Batch, EqualsSingleCalls) {
   EXPECT_GT(compared, 7 * n * batch_algorithms - 1);
 }
 
+// What a data holds from the state before, or from another algorithm, makes no difference.
+TEST(Batch, TheSameStateAgain) {
+  const Model m = all_types();
+  const Batch one(m, 1);
+  for (int which = 0; which < batch_algorithms; ++which) {
+    BatchCase c(m, which, 2);
+    for (Numbers* x : {&c.q, &c.v, &c.a, &c.tau, &c.fext, &c.b}) std::copy_n(x->begin(), x->size() / 2, x->begin() + std::ptrdiff_t(x->size() / 2));
+    const auto expected = c.single(0);
+    for (int before = 0; before < batch_algorithms; ++before) {
+      BatchCase other(m, before, 2);
+      other.x.q = c.q.data(), other.x.v = c.v.data(), other.x.a = c.a.data(), other.x.tau = c.tau.data();
+      ASSERT_EQ(DYN_OK, other(one)) << dyn_last_error();
+      ASSERT_EQ(DYN_OK, c(one)) << dyn_last_error();
+      for (int o = 0; o < c.info.outputs; ++o)
+        ASSERT_TRUE(same_bits(expected[std::size_t(o)], c.row(o, 0)) && same_bits(expected[std::size_t(o)], c.row(o, 1)))
+            << c.info.name << " after " << other.info.name;
+    }
+  }
+}
+
 TEST(Batch, FramesJointsAndReferences) {
   const Model m = all_types();
-  Data d(m);
   const Batch batch(m, 2);
   for (int which = 0; which < batch_algorithms; ++which)
     for (int f = 1; f < m.njoints(); f += 3)
@@ -61,7 +79,7 @@ TEST(Batch, FramesJointsAndReferences) {
         c.x.frame = c.x.joint = f, c.x.reference = r;
         ASSERT_EQ(DYN_OK, c(batch)) << dyn_last_error();
         for (int k = 0; k < 5; ++k)
-          for (int o = 0; o < c.info.outputs; ++o) ASSERT_TRUE(same_bits(c.single(d, k)[std::size_t(o)], c.row(o, k))) << c.info.name;
+          for (int o = 0; o < c.info.outputs; ++o) ASSERT_TRUE(same_bits(c.single(k)[std::size_t(o)], c.row(o, k))) << c.info.name;
       }
 }
 

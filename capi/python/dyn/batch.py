@@ -54,26 +54,41 @@ def _address(a: np.ndarray) -> int | None:
         return address(a)
 
 
+def _count(q: Any) -> int:
+    """How many states there are."""
+    try:
+        return len(q)
+    except TypeError:
+        raise ArgumentError(f"q is {q!r}, but must be an array of shape (N, nq).") from None
+
+
 def _columns(memory: np.ndarray) -> np.ndarray:
     """Matrices that lie in memory column after column, as (..., rows, cols). Its own inverse."""
     return memory.swapaxes(-1, -2)
 
 
 class _Plan:
-    """An algorithm for one model: the shapes of a state's inputs (None: an index or an option) and outputs in memory."""
+    """An algorithm for one model: the shapes of inputs (None: an index or an option) and outputs, as they lie in memory."""
 
     def __init__(self, model: Model, algorithm: Algorithm):
         info = abi.BatchInfo()
         check(lib.dyn_batch_info(model._m, algorithm.id, byref(info)))
         nv = (model.nv,)
         rows = {"q": (model.nq,), "v": nv, "a": nv, "tau": nv, "b": nv, "fext": (model.njoints, 6)}
-        self.inputs = [(name, rows.get(name)) for name in algorithm.inputs]
-        self.outputs = []
+        self._inputs = [(name, rows.get(name)) for name in algorithm.inputs]
+        self._outputs = []
         for k, name in enumerate(algorithm.outputs):
             cols, size = info.cols[k], info.rows[k]
-            self.outputs.append((k, name, (cols, size) if cols != 1 else (size,) if size != 1 else ()))
+            self._outputs.append((k, name, (cols, size) if cols != 1 else (size,) if size != 1 else ()))
         self.type = namedtuple(algorithm.name, algorithm.outputs)
         self.placements = algorithm.name.startswith("frame_placement")
+        self.of(1)
+
+    def of(self, n: int) -> None:
+        """The shapes for n states."""
+        self.n = n
+        self.inputs = [(name, row and (n, *row)) for name, row in self._inputs]
+        self.outputs = [(k, name, (n, *row)) for k, name, row in self._outputs]
 
 
 class Batch:
@@ -115,21 +130,20 @@ class Batch:
         self._arrays = abi.BatchArrays()
         lib.dyn_batch_arrays_init(byref(self._arrays))
         self._arrays_ref = byref(self._arrays)
+        self._out = self._arrays.out
         self._plans: dict[int, _Plan] = {}
 
     def __repr__(self) -> str:
         return f"<dyn.Batch of {self.model.name!r}: {self.threads} threads>"
 
-    def _input(self, name: str, row: tuple[int, ...], x: Any, n: int | None) -> np.ndarray:
-        """x state after state in memory; n: how many states there must be, once that is known."""
+    def _input(self, name: str, shape: tuple[int, ...], x: Any) -> np.ndarray:
+        """x, state after state in memory."""
         a = x if type(x) is np.ndarray and x.dtype == F64 else numbers(x, name)
-        given = a.shape
-        if len(row) == 2 and a.ndim == 3:
-            a = _columns(a)
-        if a.ndim == 0 or a.shape[1:] != row or (n is not None and len(a) != n):
-            expected = ", ".join(map(str, ("N" if n is None else n, *row[::-1])))
-            raise SizeError(f"{name} has shape {given}, but must have shape ({expected}) of model {self.model.name!r}.")
-        return np.ascontiguousarray(a)
+        memory = _columns(a) if len(shape) == a.ndim == 3 else a
+        if memory.shape != shape:
+            expected = (shape[0], *shape[:0:-1])
+            raise SizeError(f"{name} has shape {a.shape}, but must have shape {expected} of model {self.model.name!r}.")
+        return np.ascontiguousarray(memory)
 
     def _option(self, name: str, x: Any) -> None:
         if name == "reference":
@@ -155,18 +169,20 @@ class Batch:
         plan = self._plans.get(algorithm.id)
         if plan is None:
             plan = self._plans[algorithm.id] = _Plan(self.model, algorithm)
-        arrays, n, keep = self._arrays, None, []
-        for (name, row), x in zip(plan.inputs, given):
-            if row is None:
+        n = _count(given[algorithm.inputs.index("q")])
+        if n != plan.n:
+            plan.of(n)
+        arrays, keep = self._arrays, []
+        for (name, shape), x in zip(plan.inputs, given):
+            if shape is None:
                 self._option(name, x)
             elif x is not None:
-                if type(x) is not np.ndarray or x.dtype is not F64 or x.shape != (n or len(x), *row) or not x.flags.c_contiguous:
-                    x = self._input(name, row, x, n)
-                n = len(x)
-                keep.append(x)
+                if type(x) is not np.ndarray or x.dtype is not F64 or x.shape != shape or not x.flags.c_contiguous:
+                    x = self._input(name, shape, x)
+                    keep.append(x)
                 setattr(arrays, name, _address(x))
-            elif name == "q" or name == "b":
-                raise ArgumentError(f"{name} is None, but is needed of every state.")
+            elif name == "b":
+                raise ArgumentError("b is None, but is needed of every state.")
             else:
                 setattr(arrays, name, None)
 
@@ -175,16 +191,16 @@ class Batch:
             outputs = [o for o in outputs if o[1] == only]
             if not outputs:
                 raise ArgumentError(f"only is {only!r}, but must be one of {', '.join(algorithm.outputs)}.")
-            arrays.out[:] = (None,) * 4
+            self._out[:] = (None,) * 4
         if out is not None:
             if not isinstance(out, tuple):
                 out = (out,)
             if len(out) != len(outputs) or plan.placements:
                 raise SizeError(f"out has {len(out)} arrays, but this method can fill {0 if plan.placements else len(outputs)}.")
         results = []
-        for k, name, row in outputs:
-            memory = np.empty((n, *row)) if out is None else self._output(name, out[len(results)], (n, *row))
-            arrays.out[k] = _address(memory)
+        for k, name, shape in outputs:
+            memory = np.empty(shape) if out is None else self._output(name, out[len(results)], shape)
+            self._out[k] = _address(memory)
             results.append(memory)
         if status is None:
             arrays.status = None
@@ -200,7 +216,7 @@ class Batch:
             R, p = results[0][..., :9], results[0][..., 9:]
             return Placement(_columns(R.reshape(*R.shape[:-1], 3, 3)), p)
         results = [_columns(memory) if memory.ndim == 3 else memory for memory in results]
-        return results[0] if len(outputs) == 1 else plan.type(*results)
+        return results[0] if len(results) == 1 else plan.type(*results)
 
 
 def _method(algorithm: Algorithm) -> Callable[..., Any]:
@@ -208,10 +224,13 @@ def _method(algorithm: Algorithm) -> Callable[..., Any]:
     optional = {"v", "a", "tau", "fext", "reference"}
     parameters = [P(name, P.POSITIONAL_OR_KEYWORD, default=None if name in optional else P.empty) for name in algorithm.inputs]
     arguments = inspect.Signature(parameters)
-    size = len(parameters)
+    size, absent = len(parameters), (None,) * len(parameters)
+    needed = sum(p.default is P.empty for p in parameters)
 
     def call(self, *given, only=None, out=None, status=None, **named):
-        if named or len(given) != size:
+        if not named and needed <= len(given) <= size:
+            given += absent[len(given) :]
+        else:
             bound = arguments.bind(*given, **named)
             bound.apply_defaults()
             given = bound.args
