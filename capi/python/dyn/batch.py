@@ -141,8 +141,8 @@ class Batch:
         a = x if type(x) is np.ndarray and x.dtype == F64 else numbers(x, name)
         memory = _columns(a) if len(shape) == a.ndim == 3 else a
         if memory.shape != shape:
-            expected = (shape[0], *shape[:0:-1])
-            raise SizeError(f"{name} has shape {a.shape}, but must have shape {expected} of model {self.model.name!r}.")
+            expected = ", ".join(map(str, ("N" if name == "q" else shape[0], *shape[:0:-1])))
+            raise SizeError(f"{name} has shape {a.shape}, but must have shape ({expected}) of model {self.model.name!r}.")
         return np.ascontiguousarray(memory)
 
     def _option(self, name: str, x: Any) -> None:
@@ -177,7 +177,7 @@ class Batch:
             if shape is None:
                 self._option(name, x)
             elif x is not None:
-                if type(x) is not np.ndarray or x.dtype is not F64 or x.shape != shape or not x.flags.c_contiguous:
+                if type(x) is not np.ndarray or x.dtype is not F64 or x.shape != shape or not x.flags.c_contiguous or name == "fext":
                     x = self._input(name, shape, x)
                     keep.append(x)
                 setattr(arrays, name, _address(x))
