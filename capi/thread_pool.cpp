@@ -3,11 +3,13 @@
 #include <csignal>
 #include <unistd.h>
 
+#include "dyn.h"
+
 namespace dyn::capi {
 
 namespace {
 
-// Looks at x for some microseconds while it holds the value: calls that follow each other closely find the threads awake.
+// Looks at x for some 100 microseconds while it holds the value: calls that follow each other closely find the threads awake.
 template <class T>
 void look(const std::atomic<T>& x, T value) {
   for (int k = 0; k < 2000 && x.load(std::memory_order_relaxed) == value; ++k) {
@@ -57,6 +59,7 @@ void ThreadPool::stop() {
 }
 
 void ThreadPool::serve(int thread) {
+  dyn_last_error();  // what belongs to the thread alone is made now
   for (std::uint32_t seen = 0;;) {
     look(calls, seen);
     calls.wait(seen);
