@@ -525,6 +525,90 @@ DYN_API dynStatus dyn_difference_jacobians(const dynModel* model, const double* 
 typedef enum dynIntegrator { DYN_SEMI_IMPLICIT_EULER = 0, DYN_RK4 = 1 } dynIntegrator;
 DYN_API dynStatus dyn_step(const dynModel* model, dynData* data, dynIntegrator integrator, double dt);
 
+/* ------------------------------------------------------------------------------------------------------- batches */
+
+/* Each algorithm over n states with several threads. Row k of an output is bit for bit what the function of the same name gives, on a
+   new data, for row k of the inputs, however many threads there are. Arrays are plain and contiguous, state after state: row k of q begins at
+   q + k nq, row k of a matrix 6 x nv at M + k 6 nv (column-major as everywhere).
+     Threads   dyn_batch_new starts them; between calls they sleep. dyn_batch_run works itself and wakes them once a call (a futex):
+               nothing allocates, locks or makes a system call for each state. A batch belongs to one thread at a time.
+     Memory    a dynData for each thread, with the given parts. The model must live as long as the batch.
+     Errors    a state that fails leaves its rows as they were; all the others are computed. dyn_batch_run answers the status of the
+               first state that failed, and dyn_last_error() says which and why; status (n, or NULL) has that of every state. */
+typedef struct dynBatch dynBatch;
+
+/* threads: 1 to 256, the caller's included. parts as in dyn_data_new. */
+DYN_API dynStatus dyn_batch_new(const dynModel* model, dynParts parts, int threads, dynBatch** batch);
+DYN_API void dyn_batch_free(dynBatch* batch); /* NULL is allowed */
+
+/* DYN_BATCH_X computes what dyn_X does: what it reads -> out[0], out[1], ... Values are never renumbered. */
+typedef enum dynBatchAlgorithm {
+  DYN_BATCH_FRAME_PLACEMENT = 0,                 /* frame; q -> placement 12 */
+  DYN_BATCH_FRAME_PLACEMENTS = 1,                /* q -> placements 12 x nframes */
+  DYN_BATCH_FRAME_VELOCITY = 2,                  /* frame, reference; q, v -> velocity 6 */
+  DYN_BATCH_FRAME_ACCELERATION = 3,              /* frame, reference; q, v, a -> acceleration 6 */
+  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION = 4,    /* frame, reference; q, v, a -> acceleration 6 */
+  DYN_BATCH_JOINT_JACOBIANS = 5,                 /* q -> J 6 x nv */
+  DYN_BATCH_JOINT_JACOBIANS_TIME_VARIATION = 6,  /* q, v -> dJ 6 x nv */
+  DYN_BATCH_FRAME_JACOBIAN = 7,                  /* frame, reference; q -> J 6 x nv */
+  DYN_BATCH_FRAME_JACOBIAN_TIME_VARIATION = 8,   /* frame, reference; q, v -> dJ 6 x nv */
+  DYN_BATCH_CENTER_OF_MASS = 9,                  /* q, v, a -> com 3, vcom 3, acom 3; v and a are read for vcom and acom */
+  DYN_BATCH_CENTER_OF_MASS_JACOBIAN = 10,        /* q -> Jcom 3 x nv */
+  DYN_BATCH_SUBTREE_CENTER_OF_MASS = 11,         /* joint; q -> com 3, mass 1 */
+  DYN_BATCH_SUBTREE_CENTER_OF_MASS_JACOBIAN = 12, /* joint; q -> J 3 x nv */
+  DYN_BATCH_RNEA = 13,                           /* q, v, a, fext -> tau nv */
+  DYN_BATCH_NONLINEAR_EFFECTS = 14,              /* q, v -> nle nv */
+  DYN_BATCH_GRAVITY = 15,                        /* q -> g nv */
+  DYN_BATCH_STATIC_TORQUE = 16,                  /* q, fext -> tau nv */
+  DYN_BATCH_CORIOLIS_MATRIX = 17,                /* q, v -> C nv x nv */
+  DYN_BATCH_ABA = 18,                            /* q, v, tau, fext -> ddq nv */
+  DYN_BATCH_CRBA = 19,                           /* q -> M nv x nv */
+  DYN_BATCH_SOLVE = 20,                          /* q, b -> x nv: M^-1 b, with dyn_crba and dyn_factorize */
+  DYN_BATCH_MINVERSE = 21,                       /* q -> Minv nv x nv */
+  DYN_BATCH_RNEA_DERIVATIVES = 22,               /* q, v, a, fext -> dtau_dq, dtau_dv: nv x nv */
+  DYN_BATCH_ABA_DERIVATIVES = 23,                /* q, v, tau, fext -> ddq_dq, ddq_dv, ddq_dtau: nv x nv */
+  DYN_BATCH_ENERGY = 24,                         /* q, v -> kinetic 1, potential 1 */
+  DYN_BATCH_KINETIC_ENERGY = 25,                 /* q, v -> kinetic 1 */
+  DYN_BATCH_POTENTIAL_ENERGY = 26,               /* q -> potential 1 */
+  DYN_BATCH_CENTROIDAL_MAP = 27,                 /* q, v -> Ag 6 x nv, Ig 6 x 6, hg 6 */
+  DYN_BATCH_CENTROIDAL_MAP_TIME_VARIATION = 28,  /* q, v -> dAg 6 x nv */
+  DYN_BATCH_CENTROIDAL_MOMENTUM = 29,            /* q, v -> hg 6 */
+  DYN_BATCH_CENTROIDAL_MOMENTUM_RATE = 30,       /* q, v, a -> dhg 6 */
+  DYN_BATCH_CENTROIDAL_DERIVATIVES = 31,         /* q, v, a -> dh_dq, dhdot_dq, dhdot_dv, dhdot_da: 6 x nv */
+  DYN_BATCH_JOINT_TORQUE_REGRESSOR = 32,         /* q, v, a -> Y nv x nparameters */
+  DYN_BATCH_STATIC_REGRESSOR = 33,               /* q -> Y 3 x nparameters */
+  DYN_BATCH_KINETIC_ENERGY_REGRESSOR = 34,       /* q, v -> y nparameters */
+  DYN_BATCH_POTENTIAL_ENERGY_REGRESSOR = 35,     /* q -> y nparameters */
+  DYN_BATCH_JOINT_BODY_REGRESSOR = 36,           /* joint; q, v, a -> Y 6 x 10 */
+  DYN_BATCH_FRAME_BODY_REGRESSOR = 37,           /* frame; q, v, a -> Y 6 x 10 */
+  DYN_BATCH_INTEGRATE = 38                       /* q, v -> out nq */
+} dynBatchAlgorithm;
+
+/* What goes in and comes out. What an algorithm does not read is ignored. An output may be an input whose rows have the same size;
+   otherwise arrays must not overlap. */
+typedef struct dynBatchArrays {
+  uint32_t struct_size;               /* set by dyn_batch_arrays_init */
+  int32_t frame, joint;
+  dynReference reference;
+  const double *q, *v, *a, *tau, *b;  /* n rows of nq, nv, nv, nv, nv; NULL: zeros, but q and b are required */
+  const double* fext;                 /* n rows of 6 njoints; NULL: none */
+  double* out[4];                     /* n rows each; NULL: not wanted, but one at least must be */
+  dynStatus* status;                  /* n, or NULL */
+} dynBatchArrays;
+DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays);
+DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays);
+
+/* The same table for programs. Without a model (NULL) rows and cols are 0. */
+typedef struct dynBatchInfo {
+  uint32_t struct_size;
+  const char* name;       /* "rnea" */
+  const char* inputs;     /* what it reads, with blanks between: "q v a fext", "frame reference q v" */
+  int32_t outputs;
+  const char* output[4];  /* names */
+  int32_t rows[4], cols[4]; /* of one state; vectors have cols = 1 */
+} dynBatchInfo;
+DYN_API dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dynBatchInfo* info);
+
 #ifdef __cplusplus
 }
 #endif

@@ -54,7 +54,7 @@ class Input {
   Input(const V& vector) : Input(vector.data(), static_cast<std::size_t>(vector.size())) {}
 
   // The pointer that dyn.h wants; refuses a wrong size.
-  const double* of(int size, const char* name) const {
+  const double* of(int64_t size, const char* name) const {
     if (given_ && size_ != static_cast<std::size_t>(size))
       throw Error(DYN_ERROR_SIZE,
                   std::string(name) + " has " + std::to_string(size_) + " numbers, but needs " + std::to_string(size) + ".");
@@ -511,6 +511,79 @@ class Data {
     check(call(out.data()));
     return out;
   }
+};
+
+// What goes into a batch and comes out, state after state; what an algorithm reads and writes is in dyn.h.
+class BatchArrays {
+ public:
+  BatchArrays() { dyn_batch_arrays_init(&value_); }
+  BatchArrays& frame(int id) { return value_.frame = id, *this; }
+  BatchArrays& joint(int id) { return value_.joint = id, *this; }
+  BatchArrays& reference(dynReference r) { return value_.reference = r, *this; }
+  BatchArrays& q(Input x) { return q_ = x, *this; }
+  BatchArrays& v(Input x) { return v_ = x, *this; }
+  BatchArrays& a(Input x) { return a_ = x, *this; }
+  BatchArrays& tau(Input x) { return tau_ = x, *this; }
+  BatchArrays& b(Input x) { return b_ = x, *this; }
+  BatchArrays& fext(Input x) { return fext_ = x, *this; }
+  // An output: a vector (or the like) of the right size.
+  template <class V>
+  BatchArrays& out(int k, V& x) {
+    if (k < 0 || k > 3) throw Error(DYN_ERROR_ARGUMENT, "out " + std::to_string(k) + " does not exist: give 0 to 3.");
+    value_.out[k] = x.data(), sizes_[static_cast<std::size_t>(k)] = static_cast<std::size_t>(x.size());
+    return *this;
+  }
+  // The status of every state.
+  BatchArrays& status(std::vector<dynStatus>& x) { return value_.status = x.data(), status_size_ = x.size(), *this; }
+
+  // Checks all sizes.
+  dynBatchArrays of(const Model& m, const dynBatchInfo& info, int64_t n) const {
+    dynBatchArrays x = value_;
+    x.q = q_.of(n * m.nq(), "q"), x.v = v_.of(n * m.nv(), "v"), x.a = a_.of(n * m.nv(), "a"), x.tau = tau_.of(n * m.nv(), "tau");
+    x.b = b_.of(n * m.nv(), "b"), x.fext = fext_.of(n * 6 * m.njoints(), "fext");
+    for (int k = 0; k < info.outputs; ++k)
+      if (x.out[k]) Input(x.out[k], sizes_[static_cast<std::size_t>(k)]).of(n * info.rows[k] * info.cols[k], info.output[k]);
+    if (x.status && status_size_ != static_cast<std::size_t>(n)) throw Error(DYN_ERROR_SIZE, "status must have one element for each state.");
+    return x;
+  }
+
+ private:
+  dynBatchArrays value_;
+  Input q_ = none, v_ = none, a_ = none, tau_ = none, b_ = none, fext_ = none;
+  std::array<std::size_t, 4> sizes_{};
+  std::size_t status_size_ = 0;
+};
+
+// Every algorithm over n states with several threads:
+//   dyn::Batch batch(model, 4);
+//   batch.run(DYN_BATCH_RNEA, n, dyn::BatchArrays().q(q).v(v).a(a).out(0, tau));
+class Batch {
+ public:
+  explicit Batch(Model model, int threads, dynParts parts = DYN_PART_ALL) : model_(std::move(model)) {
+    dynBatch* batch = nullptr;
+    check(dyn_batch_new(model_.get(), parts, threads, &batch));
+    batch_.reset(batch);
+  }
+  dynBatch* get() const noexcept { return batch_.get(); }
+  const Model& model() const noexcept { return model_; }
+  dynBatchInfo info(dynBatchAlgorithm algorithm) const {
+    dynBatchInfo out{};
+    out.struct_size = sizeof out;
+    check(dyn_batch_info(model_.get(), algorithm, &out));
+    return out;
+  }
+  // Throws for the first state that fails; the others are computed.
+  void run(dynBatchAlgorithm algorithm, int64_t n, const BatchArrays& arrays) {
+    const dynBatchArrays x = arrays.of(model_, info(algorithm), n);
+    check(dyn_batch_run(get(), algorithm, n, &x));
+  }
+
+ private:
+  struct Free {
+    void operator()(dynBatch* batch) const noexcept { dyn_batch_free(batch); }
+  };
+  Model model_;
+  std::unique_ptr<dynBatch, Free> batch_;
 };
 
 // Inertial parameters of one body, and their other forms.

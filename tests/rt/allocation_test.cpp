@@ -9,14 +9,18 @@
 
 #include <linux/seccomp.h>
 
+#include <atomic>
+#include <cstdarg>
 #include <functional>
 
-#include "capi/calls.hpp"
+#include "capi/batch.hpp"
 
 // ---------------------------------------------------------------------------------------------------- what is counted
 // These definitions come before those of libc for the library, too. (Sanitizers bring their own.)
 namespace {
 thread_local long allocations, locks;
+std::atomic<long> anywhere{0}, system_calls{0};  // allocations and locks of all threads; calls of syscall(), which is how threads are woken
+void count(long& mine) { ++mine, anywhere.fetch_add(1, std::memory_order_relaxed); }
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -28,25 +32,37 @@ void* __libc_realloc(void*, size_t);
 void* __libc_memalign(size_t, size_t);
 void __libc_free(void*);
 
-void* malloc(size_t n) { return ++allocations, __libc_malloc(n); }
-void* calloc(size_t n, size_t size) { return ++allocations, __libc_calloc(n, size); }
-void* realloc(void* p, size_t n) { return ++allocations, __libc_realloc(p, n); }
-void* memalign(size_t alignment, size_t n) { return ++allocations, __libc_memalign(alignment, n); }
-void* aligned_alloc(size_t alignment, size_t n) { return ++allocations, __libc_memalign(alignment, n); }
+void* malloc(size_t n) { return count(allocations), __libc_malloc(n); }
+void* calloc(size_t n, size_t size) { return count(allocations), __libc_calloc(n, size); }
+void* realloc(void* p, size_t n) { return count(allocations), __libc_realloc(p, n); }
+void* memalign(size_t alignment, size_t n) { return count(allocations), __libc_memalign(alignment, n); }
+void* aligned_alloc(size_t alignment, size_t n) { return count(allocations), __libc_memalign(alignment, n); }
 int posix_memalign(void** p, size_t alignment, size_t n) {
-  ++allocations;
+  count(allocations);
   *p = __libc_memalign(alignment, n);
   return *p ? 0 : 12;
 }
 void free(void* p) {
-  if (p) ++allocations;
+  if (p) count(allocations);
   __libc_free(p);
 }
 
 using Lock = int (*)(pthread_mutex_t*);
 int pthread_mutex_lock(pthread_mutex_t* m) {
   static const Lock real = reinterpret_cast<Lock>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
-  return ++locks, real(m);
+  return count(locks), real(m);
+}
+
+using Call = long (*)(long, long, long, long, long, long, long);
+long syscall(long number, ...) {
+  static const Call real = reinterpret_cast<Call>(dlsym(RTLD_NEXT, "syscall"));
+  system_calls.fetch_add(1, std::memory_order_relaxed);
+  va_list args;
+  va_start(args, number);
+  long x[6];
+  for (long& e : x) e = va_arg(args, long);
+  va_end(args);
+  return real(number, x[0], x[1], x[2], x[3], x[4], x[5]);
 }
 }
 #pragma GCC visibility pop
@@ -255,6 +271,45 @@ TEST(SystemCalls, NoneAfterCreation) {
     if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << "no seccomp here";
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << r.name << ": a system call was made (status " << status << ")";
   }
+}
+
+// Every algorithm, states that fail among them: nothing is allocated or locked in any thread, and there are as many system calls
+// for thousands of states as for a few.
+TEST(Allocations, NoneInBatches) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
+  const Model m = all_types();
+  const Batch batch(m, 4);
+  for (int which = 0; which < batch_algorithms; ++which) {
+    BatchCase c(m, which, 500);
+    ASSERT_EQ(DYN_OK, c(batch)) << dyn_last_error();
+    c.q[10] = nan;
+    const long before = anywhere, calls_before = system_calls;
+    const dynStatus status = c(batch);
+    EXPECT_EQ(before, anywhere) << c.info.name;
+    EXPECT_LE(system_calls - calls_before, 3 * 4) << c.info.name;
+    EXPECT_EQ(DYN_ERROR_NONFINITE, status);
+  }
+  EXPECT_GT(system_calls, 0);  // they are counted
+}
+
+// With one thread there are none at all.
+TEST(SystemCalls, NoneInABatchOnOneThread) {
+  if (sanitized) GTEST_SKIP() << "sanitizers make system calls";
+  const Model m = all_types();
+  const Batch batch(m, 1);
+  std::vector<std::unique_ptr<BatchCase>> cases;
+  for (int which = 0; which < batch_algorithms; ++which) cases.push_back(std::make_unique<BatchCase>(m, which, 20));
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    if (prctl(PR_SET_SECCOMP, SECCOMP_MODE_STRICT) != 0) _exit(77);
+    for (const auto& c : cases) (*c)(batch);
+    syscall(SYS_exit, 0);
+  }
+  int status = 0;
+  ASSERT_EQ(child, waitpid(child, &status, 0));
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << "no seccomp here";
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "a system call was made (status " << status << ")";
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <thread>
 
-#include "capi/calls.hpp"
+#include "capi/batch.hpp"
 
 namespace dyn_test {
 namespace {
@@ -122,6 +122,62 @@ TEST(Threads, CreationAndFreeing) {
       EXPECT_GT(std::strlen(dyn_last_error()), 0u);
     }
   });
+}
+
+// Batches of several threads, one model: each gives what it gives alone.
+TEST(Threads, Batches) {
+  const Model m = all_types();
+  const Batch quiet(m, 1);
+  std::vector<std::unique_ptr<BatchCase>> alone;
+  for (int which = 0; which < batch_algorithms; ++which) {
+    alone.push_back(std::make_unique<BatchCase>(m, which, 64));
+    ASSERT_EQ(DYN_OK, (*alone.back())(quiet));
+  }
+  in_parallel([&](int thread) {
+    const Batch batch(m, 1 + thread);
+    for (int round = 0; round < 3; ++round)
+      for (int which = 0; which < batch_algorithms; ++which) {
+        const BatchCase c(m, which, 64);
+        EXPECT_EQ(DYN_OK, c(batch)) << dyn_last_error();
+        for (int o = 0; o < c.info.outputs; ++o) EXPECT_TRUE(same_bits(alone[std::size_t(which)]->out[o], c.out[o])) << c.info.name;
+      }
+  });
+}
+
+// Short calls in quick succession: threads arrive while a call ends and the next begins.
+TEST(Threads, BatchesInQuickSuccession) {
+  const Model m = chain(3);
+  const Batch batch(m, 4);
+  std::vector<std::unique_ptr<BatchCase>> cases;
+  for (int n = 1; n < 20; ++n) cases.push_back(std::make_unique<BatchCase>(m, DYN_BATCH_RNEA, n));
+  for (int round = 0; round < (sanitized ? 100 : 1000); ++round)
+    for (const auto& c : cases) {
+      std::fill(c->status.begin(), c->status.end(), DYN_ERROR_INTERNAL);
+      ASSERT_EQ(DYN_OK, (*c)(batch));
+      for (dynStatus s : c->status) ASSERT_EQ(DYN_OK, s);
+    }
+}
+
+// One batch, two threads: one is refused, or both are right.
+TEST(Threads, BatchOfTwo) {
+  const Model m = all_types();
+  const Batch batch(m, 2);
+  std::atomic<int> good{0};
+  in_parallel([&](int) {
+    for (int k = 0; k < 20; ++k) {
+      const BatchCase c(m, DYN_BATCH_CRBA, 50);
+      const dynStatus status = c(batch);
+      if (status == DYN_OK) {
+        ++good;
+        for (dynStatus s : c.status) EXPECT_EQ(DYN_OK, s);
+      } else {
+        EXPECT_EQ(DYN_ERROR_BUSY, status);
+        EXPECT_TRUE(says({"another thread is using this batch"}));
+        EXPECT_TRUE(c.untouched(0, 0));
+      }
+    }
+  });
+  EXPECT_GT(good, 0);
 }
 
 }  // namespace

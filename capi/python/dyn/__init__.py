@@ -12,6 +12,7 @@ threads; a Data is what it is doing, one for each thread. Every call releases th
 """
 
 from .arrays import Placement
+from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
 from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo, ForwardDerivatives, InverseDerivatives
 from .enums import (
@@ -70,13 +71,16 @@ from .model import FrameInfo, JointInfo, Model, ReportEntry, ShapeInfo, load, lo
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
 __all__ = [
+    "ALGORITHMS",
     "FIELDS",
     "LOCAL",
     "LOCAL_WORLD_ALIGNED",
     "WORLD",
+    "Algorithm",
     "ArgumentError",
     "Base",
     "BaseChoiceError",
+    "Batch",
     "Builder",
     "BusyError",
     "Centroidal",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_size_t, c_ssize_t, c_uint32, c_uint64, c_void_p
+from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_ssize_t, c_uint32, c_uint64, c_void_p
 
 MAJOR = 1  # of the interface this package was written for
 
@@ -71,6 +71,20 @@ class FieldInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("shape", c_char_p), ("unit", c_char_p), ("frame", c_char_p),
         ("producer", c_char_p), ("sentence", c_char_p), ("part", c_uint32),
+    ]  # fmt: skip
+
+
+class BatchArrays(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("frame", c_int32), ("joint", c_int32), ("reference", c_int), ("q", c_void_p), ("v", c_void_p),
+        ("a", c_void_p), ("tau", c_void_p), ("b", c_void_p), ("fext", c_void_p), ("out", c_void_p * 4), ("status", c_void_p),
+    ]  # fmt: skip
+
+
+class BatchInfo(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("name", c_char_p), ("inputs", c_char_p), ("outputs", c_int32), ("output", c_char_p * 4),
+        ("rows", c_int32 * 4), ("cols", c_int32 * 4),
     ]  # fmt: skip
 
 
@@ -201,4 +215,10 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_difference_jacobians": (STATUS, [_p, _p, _p, _p, _p]),
     # simulation
     "dyn_step": (STATUS, [_p, _p, _i, _d]),
+    # batches
+    "dyn_batch_new": (STATUS, [_p, c_uint32, _i, _ref]),
+    "dyn_batch_free": (None, [_p]),
+    "dyn_batch_arrays_init": (None, [_ref]),
+    "dyn_batch_run": (STATUS, [_p, _i, c_int64, _ref]),
+    "dyn_batch_info": (STATUS, [_p, _i, _ref]),
 }  # fmt: skip

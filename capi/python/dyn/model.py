@@ -23,6 +23,7 @@ from .library import check, fail, last_error, lib
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from .batch import Batch
     from .data import Data
 
 
@@ -471,6 +472,12 @@ class Model:
         from .data import Data
 
         return Data(self, parts, memory)
+
+    def batch(self, threads: int | None = None, parts: Any = Part.ALL) -> Batch:
+        """Every algorithm over arrays of states, with several threads (None: as many as this process has processors)."""
+        from .batch import Batch
+
+        return Batch(self, threads, parts)
 
     def inertial_parameters(self) -> np.ndarray:
         """pi of all joints' bodies, (10 (njoints - 1),): ten a body, [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] in the joint's frame."""

@@ -88,6 +88,17 @@ int main(int argc, char** argv) {
   assert(status_of([&] { data.set_state(q); data.field("M"); }) == DYN_ERROR_STALE);
   assert(status_of([&] { model.joint_id("nobody"); }) == DYN_ERROR_NAME);
   assert(status_of([&] { user::Model::load("nowhere.urdf"); }) == DYN_ERROR_FILE);
+  user::Batch batch(model, 2);
+  const user::Vector qs{0.3, -0.4, 1, 2, 0.3, -0.4}, vs{1, 2, 0, 0, 1, 2}, as{-1, 0.5, 0, 0, -1, 0.5};
+  user::Vector taus(6);
+  std::vector<dynStatus> states(3, DYN_ERROR_INTERNAL);
+  batch.run(DYN_BATCH_RNEA, 3, user::BatchArrays().q(qs).v(vs).a(as).out(0, taus).status(states));
+  for (int i = 0; i < 2; ++i) assert(taus[std::size_t(i)] == tau[std::size_t(i)] && taus[std::size_t(4 + i)] == tau[std::size_t(i)]);
+  assert(states == std::vector<dynStatus>(3, DYN_OK) && std::string(batch.info(DYN_BATCH_RNEA).inputs) == "q v a fext");
+  assert(status_of([&] { batch.run(DYN_BATCH_RNEA, 3, user::BatchArrays().q(qs).v(v).out(0, taus)); }) == DYN_ERROR_SIZE);
+  assert(status_of([&] { batch.run(DYN_BATCH_CRBA, 3, user::BatchArrays().q(qs).out(0, taus)); }) == DYN_ERROR_SIZE);
+  assert(status_of([&] { batch.run(DYN_BATCH_RNEA, 3, user::BatchArrays().q(qs).v(user::Vector(6, NAN)).out(0, taus)); }) == DYN_ERROR_NONFINITE);
+  assert(status_of([&] { user::Batch(model, 0); }) == DYN_ERROR_ARGUMENT);
   std::vector<char> memory(user::Data::size(model));
   user::Data placed(model, DYN_PART_ALL, memory.data(), memory.size());
   user::Builder b("pendulum");

@@ -1,0 +1,204 @@
+// Batches: handles, checks, and the sharing of states among threads.
+#include "batch.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <system_error>
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+constexpr int most_threads = 256;
+
+// An array of the caller's, row by row; nullptr stays nullptr.
+template <class T>
+void advance(T*& array, std::int64_t rows, std::ptrdiff_t row_size) {
+  if (array) array += rows * row_size;
+}
+
+// The sentence of an error without the name of the function that is in front.
+const char* sentence(const char* error) {
+  const char* colon = std::strchr(error, ':');
+  return std::strncmp(error, "dyn_", 4) == 0 && colon && !std::memchr(error, ' ', std::size_t(colon - error)) ? colon + 2 : error;
+}
+
+// What the state before left can't be used again: where it could, some algorithms take another way, which rounds differently.
+void forget(dynData* data) { data->d.version[input_q] = ++data->counter; }
+
+// Whether it is the numbers of one state that are at fault, rather than what all states share.
+bool of_one_state(dynStatus status) { return status == DYN_ERROR_NONFINITE || status == DYN_ERROR_QUATERNION || status == DYN_ERROR_NUMERIC; }
+
+}  // namespace
+
+// What one thread keeps of a call: its first failure.
+struct alignas(64) Batch::Worker {
+  std::int64_t failures, first;
+  dynStatus status;
+  char message[1024];
+};
+
+struct Batch::Job {
+  const Batch& batch;
+  const BatchAlgorithm& algorithm;
+  const std::int64_t n, share;
+  dynBatchArrays first;                 // row 0
+  std::ptrdiff_t v, a, tau, b, out[4];  // sizes of rows; 0: all states read the same zeros
+  alignas(64) std::atomic<std::int64_t> next{0};
+
+  Job(const Batch& of, const BatchAlgorithm& x, std::int64_t count, const dynBatchArrays& arrays)
+      // shares so small that the last ones end together
+      : batch(of), algorithm(x), n(count), share(std::clamp<std::int64_t>(n / (32 * of.threads), 1, 64)), first(arrays) {
+    auto or_zeros = [&](const double*& p) {
+      if (p) return std::ptrdiff_t(batch.sizes.nv);
+      p = batch.zeros.data();
+      return std::ptrdiff_t(0);
+    };
+    v = or_zeros(first.v), a = or_zeros(first.a), tau = or_zeros(first.tau), b = std::ptrdiff_t(batch.sizes.nv);
+    for (int k = 0; k < 4; ++k) {
+      const Extent s = algorithm.outputs[k].name ? algorithm.outputs[k].extent(batch.sizes) : Extent{0, 0};
+      out[k] = std::ptrdiff_t(s.rows) * s.cols;
+    }
+  }
+
+  dynBatchArrays row(std::int64_t k) const {
+    dynBatchArrays x = first;
+    advance(x.q, k, batch.sizes.nq), advance(x.v, k, v), advance(x.a, k, a), advance(x.tau, k, tau), advance(x.b, k, b);
+    advance(x.fext, k, 6 * std::ptrdiff_t(batch.sizes.njoints));
+    for (int o = 0; o < 4; ++o) advance(x.out[o], k, out[o]);
+    return x;
+  }
+
+  // Shares until there are none left.
+  void work(int thread) {
+    Worker& worker = batch.workers[std::size_t(thread)];
+    dynData* data = batch.datas[std::size_t(thread)].get();
+    for (std::int64_t begin; (begin = next.fetch_add(share, std::memory_order_relaxed)) < n;)
+      for (std::int64_t k = begin; k < std::min(begin + share, n); ++k) {
+        forget(data);
+        const dynStatus status = algorithm.call(batch.handle, data, row(k));
+        if (first.status) first.status[k] = status;
+        if (status == DYN_OK || worker.failures++) continue;
+        worker.first = k, worker.status = status;
+        std::snprintf(worker.message, sizeof worker.message, "%s", sentence(dyn_last_error()));
+      }
+  }
+};
+
+Batch::Batch(const dynModel* model, dynParts parts, int count)
+    : handle(model), model_id(model->m->id), sizes(*model->m), threads(count), zeros(std::size_t(sizes.nv)), workers(new Worker[std::size_t(count)]), pool(count) {
+  for (int k = 0; k < count; ++k) {
+    dynData* data = nullptr;
+    if (const dynStatus s = dyn_data_new(model, parts, &data)) throw Error(s, dyn_last_error());
+    datas.emplace_back(data);
+  }
+}
+
+dynStatus Batch::run(const BatchAlgorithm& algorithm, std::int64_t n, const dynBatchArrays& arrays) {
+  if (const dynStatus s = check(handle)) return s;
+  if (handle->m->id != model_id) return fail(DYN_ERROR_MODEL, "dyn_batch_run: the batch's model was freed: it must live as long as the batch");
+  if (busy.exchange(true, std::memory_order_acquire))
+    return fail(DYN_ERROR_BUSY, "dyn_batch_run: another thread is using this batch: give each thread its own");
+  Job job(*this, algorithm, n, arrays);
+  for (int t = 0; t < threads; ++t) workers[std::size_t(t)].failures = 0;
+  auto work = [](void* j, int thread) { static_cast<Job*>(j)->work(thread); };
+  if (threads == 1 || n <= job.share) work(&job, 0);
+  else pool.run(work, &job);
+
+  const Worker* bad = nullptr;  // the one with the first state that failed
+  std::int64_t failures = 0;
+  for (int t = 0; t < threads; ++t) {
+    const Worker& w = workers[std::size_t(t)];
+    failures += w.failures;
+    if (w.failures && (!bad || w.first < bad->first)) bad = &w;
+  }
+  busy.store(false, std::memory_order_release);
+  if (!bad) return DYN_OK;
+  if (!of_one_state(bad->status)) return fail(bad->status, "dyn_batch_run: %s: %s", algorithm.name, bad->message);
+  return fail(bad->status, "dyn_batch_run: %s: state %lld: %s (%lld of %lld states failed)", algorithm.name, static_cast<long long>(bad->first), bad->message,
+              static_cast<long long>(failures), static_cast<long long>(n));
+}
+
+extern "C" {
+
+dynStatus dyn_batch_new(const dynModel* model, dynParts parts, int threads, dynBatch** batch) {
+  if (const dynStatus s = check(model)) return s;
+  if (!batch) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_new: batch is NULL: pass the address of a dynBatch*");
+  if (threads < 1) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_new: threads is %d: at least one is needed, the caller's", threads);
+  if (threads > most_threads) return fail(DYN_ERROR_LIMIT, "dyn_batch_new: threads is %d: the limit is %d", threads, most_threads);
+  return guarded([&] {
+    try {
+      auto made = std::make_unique<Batch>(model, parts, threads);
+      dynBatch* h = new_batch_handle();
+      if (!h) return fail(DYN_ERROR_MEMORY, "dyn_batch_new: out of memory");
+      h->b = made.release();
+      h->magic = live_batch;
+      *batch = h;
+      return DYN_OK;
+    } catch (const std::system_error&) {
+      return fail(DYN_ERROR_LIMIT, "dyn_batch_new: the system does not start %d threads: ask for fewer", threads - 1);
+    }
+  });
+}
+
+void dyn_batch_free(dynBatch* batch) {
+  if (!batch || batch->magic != live_batch) return;
+  delete batch->b;
+  batch->b = nullptr;
+  free_handle(batch);
+}
+
+static bool exists(dynBatchAlgorithm algorithm) { return raw(algorithm) >= 0 && raw(algorithm) < batch_algorithm_count; }
+
+static dynStatus unknown(const char* function, dynBatchAlgorithm algorithm) {
+  return fail(DYN_ERROR_ARGUMENT, "%s: algorithm %d does not exist: use DYN_BATCH_... values", function, raw(algorithm));
+}
+
+void dyn_batch_arrays_init(dynBatchArrays* arrays) {
+  if (!arrays) return;
+  *arrays = {};
+  arrays->struct_size = sizeof(dynBatchArrays);
+}
+
+dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays) {
+  if (const dynStatus s = check(batch)) return s;
+  if (!exists(algorithm)) return unknown("dyn_batch_run", algorithm);
+  const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
+  if (!arrays) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: arrays is NULL: it is required");
+  if (arrays->struct_size < sizeof(dynBatchArrays))
+    return fail(DYN_ERROR_SIZE, "dyn_batch_run: struct_size is %u, needs %zu: call dyn_batch_arrays_init", arrays->struct_size, sizeof(dynBatchArrays));
+  // so many states that the address of the last one does not exist
+  constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() >> 32;
+  if (n < 0 || n > most) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: n is %lld: give a number of states from 0 to %lld", static_cast<long long>(n), static_cast<long long>(most));
+  if (n == 0) return DYN_OK;
+  if (!arrays->q) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q is NULL: it is required", row.name);
+  if (!arrays->b && row.reads("b")) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: b is NULL: it is required", row.name);
+  bool wanted = false;
+  for (int k = 0; k < row.output_count(); ++k) wanted |= arrays->out[k] != nullptr;
+  if (!wanted) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: out[0] to out[%d] are NULL: one at least is required", row.name, row.output_count() - 1);
+  return batch->b->run(row, n, *arrays);
+}
+
+dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dynBatchInfo* info) {
+  if (model)
+    if (const dynStatus s = check(model)) return s;
+  if (!exists(algorithm)) return unknown("dyn_batch_info", algorithm);
+  if (!info) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_info: info is NULL");
+  if (info->struct_size < sizeof(dynBatchInfo))
+    return fail(DYN_ERROR_SIZE, "dyn_batch_info: struct_size is %u, needs %zu: set it to sizeof(dynBatchInfo)", info->struct_size, sizeof(dynBatchInfo));
+  const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
+  const uint32_t size = info->struct_size;
+  *info = {};
+  info->struct_size = size;
+  info->name = row.name, info->inputs = row.inputs, info->outputs = row.output_count();
+  for (int k = 0; k < info->outputs; ++k) {
+    const Extent extent = model ? row.outputs[k].extent(Sizes(*model->m)) : Extent{0, 0};
+    info->output[k] = row.outputs[k].name, info->rows[k] = extent.rows, info->cols[k] = extent.cols;
+  }
+  return DYN_OK;
+}
+
+}  // extern "C"

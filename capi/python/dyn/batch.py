@@ -1,0 +1,254 @@
+"""Every algorithm over arrays of states: Batch."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import threading
+from collections import namedtuple
+from ctypes import addressof, byref, c_double, c_void_p
+from itertools import count
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple
+
+import numpy as np
+
+from . import abi
+from .arrays import F64, Owner, Placement, address, numbers
+from .enums import Part, Reference
+from .errors import ArgumentError, BusyError, SizeError
+from .library import check, fail, lib
+from .model import Model, mask, member
+
+_run = lib.dyn_batch_run
+_first = c_double.from_buffer
+
+
+class Algorithm(NamedTuple):
+    """What a batch computes, as the library describes it."""
+
+    id: int
+    name: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
+def _algorithms() -> dict[str, Algorithm]:
+    rows, info = {}, abi.BatchInfo()
+    for id in count():
+        if lib.dyn_batch_info(None, id, byref(info)):
+            return rows
+        inputs = sorted(info.inputs.decode().split(), key="reference".__eq__)  # last: it has a default
+        outputs = [info.output[k].decode() for k in range(info.outputs)]
+        rows[info.name.decode()] = Algorithm(id, info.name.decode(), tuple(inputs), tuple(outputs))
+
+
+ALGORITHMS: dict[str, Algorithm] = _algorithms()
+"""Every algorithm of the loaded library, by name."""
+
+
+def _address(a: np.ndarray) -> int | None:
+    """Of a contiguous array. The first way takes a quarter of the time, but wants one that may be written."""
+    try:
+        return addressof(_first(a))
+    except (TypeError, ValueError):
+        return address(a)
+
+
+def _count(q: Any) -> int:
+    """How many states there are."""
+    try:
+        return len(q)
+    except TypeError:
+        raise ArgumentError(f"q is {q!r}, but must be an array of shape (N, nq).") from None
+
+
+def _columns(memory: np.ndarray) -> np.ndarray:
+    """Matrices that lie in memory column after column, as (..., rows, cols). Its own inverse."""
+    return memory.swapaxes(-1, -2)
+
+
+class _Plan:
+    """An algorithm for one model: the shapes of inputs (None: an index or an option) and outputs, as they lie in memory."""
+
+    def __init__(self, model: Model, algorithm: Algorithm):
+        info = abi.BatchInfo()
+        check(lib.dyn_batch_info(model._m, algorithm.id, byref(info)))
+        nv = (model.nv,)
+        rows = {"q": (model.nq,), "v": nv, "a": nv, "tau": nv, "b": nv, "fext": (model.njoints, 6)}
+        self._inputs = [(name, rows.get(name)) for name in algorithm.inputs]
+        self._outputs = []
+        for k, name in enumerate(algorithm.outputs):
+            cols, size = info.cols[k], info.rows[k]
+            self._outputs.append((k, name, (cols, size) if cols != 1 else (size,) if size != 1 else ()))
+        self.type = namedtuple(algorithm.name, algorithm.outputs)
+        self.placements = algorithm.name.startswith("frame_placement")
+        self.of(1)
+
+    def of(self, n: int) -> None:
+        """The shapes for n states."""
+        self.n = n
+        self.inputs = [(name, row and (n, *row)) for name, row in self._inputs]
+        self.outputs = [(k, name, (n, *row)) for k, name, row in self._outputs]
+
+
+class Batch:
+    """Every algorithm over N states with several threads: arrays in, arrays out. From Model.batch().
+
+        batch = model.batch(threads=4)
+        tau = batch.rnea(q, v, a)        # (N, nq), (N, nv), (N, nv) -> (N, nv)
+
+    Methods are those of Data with an axis N in front; q is always given; v, a, tau, fext that are not given are zeros. Several
+    outputs come as a named tuple. Row k is bit for bit what Data computes for row k, for any number of threads. Each also takes
+
+        only    the name of one output, which is then computed and returned alone
+        out     an array (or a tuple of them) that the method returned before, to be filled and returned again: memory for large
+                results costs more than they do
+        status  an int32 array (N,), filled with the dyn.Status of every state: those that fail raise nothing, and their rows are
+                NaN. Without it the first state that fails raises, named in the message.
+
+    Arrays that are float64 and contiguous are read in place. A batch belongs to one thread at a time.
+    """
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, algorithm: str) -> Callable[..., Any]: ...
+
+    def __init__(self, model: Model, threads: int | None = None, parts: Any = Part.ALL):
+        self.model = model
+        """The robot."""
+        if threads is None:
+            threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        if not isinstance(threads, int) or abs(threads) >= 2**31:
+            raise ArgumentError(f"threads is {threads!r}, but must be a number of threads.")
+        handle = c_void_p()
+        check(lib.dyn_batch_new(model._m, mask(Part, parts, "parts"), threads, byref(handle)))
+        self._b = handle.value
+        self._owner = Owner(self._b, lib.dyn_batch_free, model._owner)
+        self.threads = threads
+        """The caller's included."""
+        self._lock = threading.Lock()
+        self._arrays = abi.BatchArrays()
+        lib.dyn_batch_arrays_init(byref(self._arrays))
+        self._arrays_ref = byref(self._arrays)
+        self._out = self._arrays.out
+        self._plans: dict[int, _Plan] = {}
+
+    def __repr__(self) -> str:
+        return f"<dyn.Batch of {self.model.name!r}: {self.threads} threads>"
+
+    def _input(self, name: str, shape: tuple[int, ...], x: Any) -> np.ndarray:
+        """x, state after state in memory."""
+        a = x if type(x) is np.ndarray and x.dtype == F64 else numbers(x, name)
+        memory = _columns(a) if len(shape) == a.ndim == 3 else a
+        if memory.shape != shape:
+            expected = ", ".join(map(str, ("N" if name == "q" else shape[0], *shape[:0:-1])))
+            raise SizeError(f"{name} has shape {a.shape}, but must have shape ({expected}) of model {self.model.name!r}.")
+        return np.ascontiguousarray(memory)
+
+    def _option(self, name: str, x: Any) -> None:
+        if name == "reference":
+            self._arrays.reference = Reference.LOCAL if x is None else member(Reference, x, name)
+        elif name == "frame":
+            self._arrays.frame = self.model._frame(x)
+        else:
+            self._arrays.joint = self.model._joint(x)
+
+    def _output(self, name: str, given: Any, shape: tuple[int, ...]) -> np.ndarray:
+        memory = _columns(given) if isinstance(given, np.ndarray) and given.ndim == 3 else given
+        if type(memory) is not np.ndarray or memory.dtype != F64 or memory.shape != shape or not memory.flags.carray:
+            raise SizeError(f"out: {name} is not an array as this method returns it for {shape[0]} states.")
+        return memory
+
+    def _status(self, status: Any, n: int) -> int | None:
+        if type(status) is not np.ndarray or status.dtype != np.int32 or status.shape != (n,) or not status.flags.carray:
+            raise SizeError(f"status must be a contiguous array of int32, of shape ({n},).")
+        status.fill(0)
+        return address(status)
+
+    def _compute(self, algorithm: Algorithm, given: tuple, only: str | None, out: Any, status: Any) -> Any:
+        plan = self._plans.get(algorithm.id)
+        if plan is None:
+            plan = self._plans[algorithm.id] = _Plan(self.model, algorithm)
+        n = _count(given[algorithm.inputs.index("q")])
+        if n != plan.n:
+            plan.of(n)
+        arrays, keep = self._arrays, []
+        for (name, shape), x in zip(plan.inputs, given):
+            if shape is None:
+                self._option(name, x)
+            elif x is not None:
+                if type(x) is not np.ndarray or x.dtype is not F64 or x.shape != shape or not x.flags.c_contiguous or name == "fext":
+                    x = self._input(name, shape, x)
+                    keep.append(x)
+                setattr(arrays, name, _address(x))
+            elif name == "b":
+                raise ArgumentError("b is None, but is needed of every state.")
+            else:
+                setattr(arrays, name, None)
+
+        outputs = plan.outputs
+        if only is not None:
+            outputs = [o for o in outputs if o[1] == only]
+            if not outputs:
+                raise ArgumentError(f"only is {only!r}, but must be one of {', '.join(algorithm.outputs)}.")
+            self._out[:] = (None,) * 4
+        if out is not None:
+            if not isinstance(out, tuple):
+                out = (out,)
+            if len(out) != len(outputs) or plan.placements:
+                raise SizeError(f"out has {len(out)} arrays, but this method can fill {0 if plan.placements else len(outputs)}.")
+        results = []
+        for k, name, shape in outputs:
+            memory = np.empty(shape) if out is None else self._output(name, out[len(results)], shape)
+            self._out[k] = _address(memory)
+            results.append(memory)
+        if status is None:
+            arrays.status = None
+        else:
+            arrays.status = self._status(status, n)
+            for memory in results:
+                memory.fill(np.nan)
+
+        failed = _run(self._b, algorithm.id, n, self._arrays_ref)
+        if failed and (status is None or not status.any()):
+            fail(failed)
+        if plan.placements:
+            R, p = results[0][..., :9], results[0][..., 9:]
+            return Placement(_columns(R.reshape(*R.shape[:-1], 3, 3)), p)
+        results = [_columns(memory) if memory.ndim == 3 else memory for memory in results]
+        return results[0] if len(results) == 1 else plan.type(*results)
+
+
+def _method(algorithm: Algorithm) -> Callable[..., Any]:
+    P = inspect.Parameter
+    optional = {"v", "a", "tau", "fext", "reference"}
+    parameters = [P(name, P.POSITIONAL_OR_KEYWORD, default=None if name in optional else P.empty) for name in algorithm.inputs]
+    arguments = inspect.Signature(parameters)
+    size, absent = len(parameters), (None,) * len(parameters)
+    needed = sum(p.default is P.empty for p in parameters)
+
+    def call(self, *given, only=None, out=None, status=None, **named):
+        if not named and needed <= len(given) <= size:
+            given += absent[len(given) :]
+        else:
+            bound = arguments.bind(*given, **named)
+            bound.apply_defaults()
+            given = bound.args
+        if not self._lock.acquire(False):
+            raise BusyError("another thread is using this batch: give each thread its own.")
+        try:
+            return self._compute(algorithm, given, only, out, status)
+        finally:
+            self._lock.release()
+
+    keywords = [P(name, P.KEYWORD_ONLY, default=None) for name in ("only", "out", "status")]
+    call.__name__, call.__qualname__ = algorithm.name, f"Batch.{algorithm.name}"
+    call.__signature__ = inspect.Signature([P("self", P.POSITIONAL_ONLY), *parameters, *keywords])
+    call.__doc__ = f"{', '.join(algorithm.outputs)} of N states: Data.{algorithm.name} for each."
+    if algorithm.name == "integrate":
+        call.__doc__ = "q (+) v of N states, (N, nq): Model.integrate for each."
+    return call
+
+
+for _algorithm in ALGORITHMS.values():
+    setattr(Batch, _algorithm.name, _method(_algorithm))
