@@ -222,7 +222,7 @@ struct Refusal {
   std::vector<std::string> says;
 };
 
-class Refused : public ::testing::Test {
+class ConvertRefused : public ::testing::Test {
  protected:
   const Model m = all_types();
   const State s = random_state(m, 1);
@@ -239,7 +239,7 @@ class Refused : public ::testing::Test {
   }
 };
 
-TEST_F(Refused, Layouts) {
+TEST_F(ConvertRefused, Layouts) {
   const Layout good = l;
   std::vector<const char*> names = {"hinge", "hinge"};
   l.order(names);
@@ -290,7 +290,7 @@ TEST_F(Refused, Layouts) {
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_convert_state(m, nullptr, DYN_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr));
 }
 
-TEST_F(Refused, Arrays) {
+TEST_F(ConvertRefused, Arrays) {
   refuse({"no q", DYN_ERROR_ARGUMENT, {"q is NULL"}}, DYN_TO_PEER, nullptr);
   Numbers q = s.q;
   q[2] = nan;

@@ -13,9 +13,13 @@ threads; a Data is what it is doing, one for each thread. Every call releases th
 
 from .arrays import Placement
 from .builder import Builder
+from .convert import State, StateLayout
 from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo, ForwardDerivatives, InverseDerivatives
 from .enums import (
+    Angle,
     Base,
+    Convention,
+    Direction,
     FrameType,
     Integrator,
     JointType,
@@ -74,6 +78,7 @@ __all__ = [
     "LOCAL",
     "LOCAL_WORLD_ALIGNED",
     "WORLD",
+    "Angle",
     "ArgumentError",
     "Base",
     "BaseChoiceError",
@@ -81,7 +86,9 @@ __all__ = [
     "BusyError",
     "Centroidal",
     "CentroidalDerivatives",
+    "Convention",
     "Data",
+    "Direction",
     "Energy",
     "Error",
     "FieldInfo",
@@ -118,6 +125,8 @@ __all__ = [
     "ShapeType",
     "SizeError",
     "StaleError",
+    "State",
+    "StateLayout",
     "Status",
     "StrictError",
     "Term",

@@ -23,6 +23,7 @@ from .library import check, fail, last_error, lib
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from .convert import State, StateLayout
     from .data import Data
 
 
@@ -454,6 +455,25 @@ class Model:
                 raise SizeError(f"{what}[{name!r}] has shape {given.shape}, but must have shape ({n},).")
             out[first : first + n] = given
         return out
+
+    def to_peer(
+        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None, tau: ArrayLike | None = None
+    ) -> State:
+        """A state as another library stores it: (q, v, a, tau) of the layout's sizes; a needs v.
+
+        layout  a dyn.StateLayout, or "pinocchio", "mujoco", "drake" or "ros" for all joints in the model's order
+        """
+        from .convert import convert_state
+
+        return convert_state(self, layout, "to_peer", q, v, a, tau)
+
+    def from_peer(
+        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None, tau: ArrayLike | None = None
+    ) -> State:
+        """The inverse of to_peer. A follower's force is added to its leader's; its own q, v, a are not read."""
+        from .convert import convert_state
+
+        return convert_state(self, layout, "from_peer", q, v, a, tau)
 
     def data_size(self, parts: Any = Part.ALL) -> int:
         """Bytes that a data of these parts needs."""
