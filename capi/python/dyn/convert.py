@@ -116,20 +116,20 @@ class StateLayout:
         return nq.value, nv.value
 
 
-def convert_state(model: Model, layout: StateLayout | str | Convention, direction: str | Direction, q: Any, v: Any, a: Any, tau: Any) -> State:
+def convert_state(model: Model, layout: StateLayout | str | Convention, towards: Direction, q: Any, v: Any, a: Any, tau: Any) -> State:
     """dyn_convert_state: to_peer and from_peer of a model."""
     if not isinstance(layout, StateLayout):
         layout = StateLayout(layout)
-    towards = member(Direction, direction, "direction")
-    sizes = [(model.nq, model.nv), layout.sizes(model)]
-    (nq, nv), (nq_out, nv_out) = sizes if towards == Direction.TO_PEER else sizes[::-1]
+    ours, theirs = (model.nq, model.nv), layout.sizes(model)
+    (nq, nv), (nq_out, nv_out) = (ours, theirs) if towards is Direction.TO_PEER else (theirs, ours)
     given: list[np.ndarray | None] = []
     for name, x, n in (("q", q, nq), ("v", v, nv), ("a", a, nv), ("tau", tau, nv)):
-        if isinstance(x, Mapping) and towards == Direction.TO_PEER:
-            x = model._named(x, name)
-        x = None if x is None else np.ascontiguousarray(numbers(x, name))
-        if x is not None and x.shape != (n,):
-            raise SizeError(f"{name} has shape {x.shape}, but must have shape ({n},).")
+        if x is not None:
+            if towards is Direction.TO_PEER and type(x) is not np.ndarray and isinstance(x, Mapping):
+                x = model._named(x, name)
+            x = np.ascontiguousarray(numbers(x, name))
+            if x.shape != (n,):
+                raise SizeError(f"{name} has shape {x.shape}, but must have shape ({n},).")
         given.append(x)
     out = [None if x is None else np.zeros(n) for x, n in zip(given, (nq_out, nv_out, nv_out, nv_out))]
     check(lib.dyn_convert_state(model._m, byref(layout._layout), towards, *map(address, given), *map(address, out)))

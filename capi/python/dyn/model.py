@@ -16,7 +16,7 @@ import numpy as np
 
 from . import abi
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
-from .enums import Base, FrameType, JointType, ModelArray, Part, ReportLevel, ShapeRole, ShapeType
+from .enums import Base, Direction, FrameType, JointType, ModelArray, Part, ReportLevel, ShapeRole, ShapeType
 from .errors import ArgumentError, SizeError, UnknownNameError
 from .library import check, fail, last_error, lib
 
@@ -465,7 +465,7 @@ class Model:
         """
         from .convert import convert_state
 
-        return convert_state(self, layout, "to_peer", q, v, a, tau)
+        return convert_state(self, layout, Direction.TO_PEER, q, v, a, tau)
 
     def from_peer(
         self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None, tau: ArrayLike | None = None
@@ -473,7 +473,7 @@ class Model:
         """The inverse of to_peer. A follower's force is added to its leader's; its own q, v, a are not read."""
         from .convert import convert_state
 
-        return convert_state(self, layout, "from_peer", q, v, a, tau)
+        return convert_state(self, layout, Direction.FROM_PEER, q, v, a, tau)
 
     def data_size(self, parts: Any = Part.ALL) -> int:
         """Bytes that a data of these parts needs."""

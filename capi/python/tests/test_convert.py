@@ -288,22 +288,15 @@ def test_drake_ball_and_planar():
     pytest.importorskip("pydrake")
     from pydrake.math import RigidTransform
     from pydrake.multibody.plant import MultibodyPlant
-    from pydrake.multibody.tree import BallRpyJoint, PlanarJoint, RotationalInertia, SpatialInertia, UniversalJoint
+    from pydrake.multibody.tree import BallRpyJoint, FixedOffsetFrame, PlanarJoint, RotationalInertia, SpatialInertia, UniversalJoint
 
     plant, b = MultibodyPlant(0.0), dyn.Builder("b")
     instance = plant.AddModelInstance("robot")
     com, I, frame, parent = np.array([0.05, 0.02, 0.01]), np.diag([0.02, 0.03, 0.025]), plant.world_frame(), None
-    make = {
-        "planar": lambda n, P, C: PlanarJoint(n, P, C),
-        "spherical": lambda n, P, C: BallRpyJoint(n, P, C),
-        "universal": lambda n, P, C: UniversalJoint(n, P, C),
-    }
-    for kind, joint in make.items():
+    for kind, joint in (("planar", PlanarJoint), ("spherical", BallRpyJoint), ("universal", UniversalJoint)):
         inertia = SpatialInertia.MakeFromCentralInertia(1.5, com, RotationalInertia(*np.diag(I)))
         body = plant.AddRigidBody(f"{kind} link", instance, inertia)
         p = np.array([0.1, -0.2, 0.3])
-        from pydrake.multibody.tree import FixedOffsetFrame
-
         offset = plant.AddFrame(FixedOffsetFrame(f"{kind} place", frame, RigidTransform(p)))
         plant.AddJoint(joint(kind, offset, body.body_frame()))
         axes = {"axis": (1, 0, 0), "axis2": (0, 1, 0)} if kind == "universal" else {}
