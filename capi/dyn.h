@@ -527,8 +527,8 @@ DYN_API dynStatus dyn_difference_jacobians(const dynModel* model, const double* 
      ROS        a floating base is nav_msgs/Odometry: pose [position; quaternion (x, y, z, w)], twist [linear; angular] in the axes of
                 child_frame; the others are sensor_msgs/JointState and have one coordinate each.
    In the last three the pose of a free joint is that in the world (of one that another joint carries: in its parent's frame), even if
-   the joint was placed elsewhere. A joint of several coordinates is several joints of the peer, one after another. Accelerations are derivatives of the peer's v. Forces are dual:
-   tau . v is the same power. */
+   the joint was placed elsewhere. A joint of several coordinates is several joints of the peer, one after another. Accelerations
+   are derivatives of the peer's v. Forces are dual: tau . v is the same power. */
 typedef enum dynConvention {
   DYN_CONVENTION_DYN = 0, DYN_CONVENTION_PINOCCHIO = 1, DYN_CONVENTION_MUJOCO = 2, DYN_CONVENTION_DRAKE = 3, DYN_CONVENTION_ROS = 4
 } dynConvention;
