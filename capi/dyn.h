@@ -518,6 +518,49 @@ DYN_API dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q
 /* d(q1 (-) q0)/dq0 and /dq1, nv x nv each (either may be NULL). */
 DYN_API dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1, double* dq0, double* dq1);
 
+/* ------------------------------------------------------------------------------------------------------- other libraries' states */
+
+/* How a peer stores the state of the same robot. The joint's own coordinates are the same but for:
+     PINOCCHIO  continuous joints are (cos, sin); planar joints (x, y, cos, sin), their velocity in the body's axes.
+     MUJOCO     quaternions (w, x, y, z); a free joint's v = [linear in the world's axes; angular in the body's].
+     DRAKE      a free joint has q = [quaternion (w, x, y, z); position], v = [angular; linear], both in the world's axes; ball joints
+                have (roll, pitch, yaw), R = Rz(yaw) Ry(pitch) Rx(roll), and an angular velocity in the axes of what carries them.
+     ROS        a floating base is nav_msgs/Odometry: pose [position; quaternion (x, y, z, w)], twist [linear; angular] in the axes of
+                child_frame; the others are sensor_msgs/JointState and have one coordinate each.
+   In the last three the pose of a free joint is that in the world (of one that another joint carries: in its parent's frame), even if
+   the joint was placed elsewhere. A joint of several coordinates is several joints of the peer, one after another. Accelerations
+   are derivatives of the peer's v. Forces are dual: tau . v is the same power. */
+typedef enum dynConvention {
+  DYN_CONVENTION_DYN = 0, DYN_CONVENTION_PINOCCHIO = 1, DYN_CONVENTION_MUJOCO = 2, DYN_CONVENTION_DRAKE = 3, DYN_CONVENTION_ROS = 4
+} dynConvention;
+/* How continuous joints are stored: by the convention (DYN: as in the model), as an angle, as (cos, sin). */
+typedef enum dynAngle { DYN_ANGLE_BY_CONVENTION = 0, DYN_ANGLE_PLAIN = 1, DYN_ANGLE_COS_SIN = 2 } dynAngle;
+typedef enum dynDirection { DYN_TO_PEER = 0, DYN_FROM_PEER = 1 } dynDirection;
+
+typedef struct dynStateLayout {
+  uint32_t struct_size;          /* set by dyn_state_layout_init */
+  dynConvention convention;
+  const char* const* joints;     /* names of this model's joints in the peer's order; NULL: in the model's order, with followers of a
+                                    mimic for MUJOCO, DRAKE and ROS, and without for the others */
+  size_t joints_count;
+  const int32_t *idx_q, *idx_v;  /* where each begins in the peer's q and v; NULL both: one after another */
+  int32_t nq, nv;                /* the peer's; 0: up to the end of the last joint */
+  dynAngle continuous;
+  const char* child_frame;       /* frame of the floating base's body that pose and velocity are of; NULL: the joint's own */
+} dynStateLayout;
+/* DYN, all joints in the model's order. */
+DYN_API void dyn_state_layout_init(dynStateLayout* layout);
+/* Sizes of the peer's q and v. */
+DYN_API dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* layout, int* nq, int* nv);
+/* One state between the model (q: nq; v, a, tau: nv) and the peer (as the layout says). q is required; v, a and tau may be NULL, but
+   a needs v; so do outputs need their inputs, and each may be NULL. Every joint that moves by itself must be in the layout. A
+   follower that the peer has as coordinates gets those of its leader, and no force; from the peer its q, v, a are not read and its
+   force is added to its leader's. What the peer has beside the named joints is neither read nor written. Outputs must not
+   overlap inputs. Angles from (cos, sin) are in (-pi, pi]. */
+DYN_API dynStatus dyn_convert_state(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q,
+                                    const double* v, const double* a, const double* tau, double* q_out, double* v_out, double* a_out,
+                                    double* tau_out);
+
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
 /* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, damping and dry

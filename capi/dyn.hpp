@@ -53,6 +53,7 @@ class Input {
             class = decltype(std::declval<const V&>().size())>
   Input(const V& vector) : Input(vector.data(), static_cast<std::size_t>(vector.size())) {}
 
+  bool given() const noexcept { return given_; }
   // The pointer that dyn.h wants; refuses a wrong size.
   const double* of(int64_t size, const char* name) const {
     if (given_ && size_ != static_cast<std::size_t>(size))
@@ -114,6 +115,25 @@ struct LoadOptions {
     return value.gravity[0] = x, value.gravity[1] = y, value.gravity[2] = z, *this;
   }
   LoadOptions& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
+};
+
+// How another library stores the state of the same robot.
+struct StateLayout {
+  dynStateLayout value;
+  std::vector<std::string> names;  // our joints in the peer's order; none: the model's
+  std::vector<int32_t> idx_q, idx_v;
+  std::string frame;
+  explicit StateLayout(dynConvention convention) { dyn_state_layout_init(&value), value.convention = convention; }
+  StateLayout& joints(std::vector<std::string> order) { return names = std::move(order), *this; }
+  // where each joint begins in the peer's q and v, and their sizes
+  StateLayout& places(std::vector<int32_t> q, std::vector<int32_t> v, int nq = 0, int nv = 0) {
+    return idx_q = std::move(q), idx_v = std::move(v), value.nq = nq, value.nv = nv, *this;
+  }
+  StateLayout& continuous(dynAngle angle) { return value.continuous = angle, *this; }
+  StateLayout& child_frame(std::string name) { return frame = std::move(name), *this; }
+};
+struct State {
+  Vector q, v, a, tau;  // empty: not given
 };
 
 // What the robot is: immutable; copies share it, threads may, too.
@@ -181,6 +201,19 @@ class Model {
     return out;
   }
 
+  // Sizes of the peer's q and v.
+  std::pair<int, int> sizes(const StateLayout& layout) const {
+    std::pair<int, int> n;
+    layout_(layout, [&](const dynStateLayout* l) { return dyn_state_layout_sizes(get(), l, &n.first, &n.second); });
+    return n;
+  }
+  State to_peer(const StateLayout& layout, Input q, Input v = none, Input a = none, Input tau = none) const {
+    return convert_(layout, DYN_TO_PEER, {nq_, nv_}, sizes(layout), {q, v, a, tau});
+  }
+  State from_peer(const StateLayout& layout, Input q, Input v = none, Input a = none, Input tau = none) const {
+    return convert_(layout, DYN_FROM_PEER, sizes(layout), {nq_, nv_}, {q, v, a, tau});
+  }
+
   Vector neutral() const {
     return q_([&](double* q) { return dyn_neutral(get(), q); });
   }
@@ -243,6 +276,32 @@ class Model {
     Vector q(static_cast<std::size_t>(nq_));
     check(call(q.data()));
     return q;
+  }
+  template <class F>
+  static void layout_(const StateLayout& layout, F call) {
+    dynStateLayout l = layout.value;
+    std::vector<const char*> names;
+    for (const auto& n : layout.names) names.push_back(n.c_str());
+    if (!names.empty()) l.joints = names.data(), l.joints_count = names.size();
+    if (!layout.idx_q.empty() || !layout.idx_v.empty()) {
+      if (layout.idx_q.size() != names.size() || layout.idx_v.size() != names.size())
+        throw Error(DYN_ERROR_SIZE, "StateLayout: idx_q and idx_v need one index for each of joints.");
+      l.idx_q = layout.idx_q.data(), l.idx_v = layout.idx_v.data();
+    }
+    if (!layout.frame.empty()) l.child_frame = layout.frame.c_str();
+    check(call(&l));
+  }
+  State convert_(const StateLayout& layout, dynDirection direction, std::pair<int, int> from, std::pair<int, int> to,
+                 const std::array<Input, 4>& in) const {
+    const double *q = in[0].of(from.first, "q"), *v = in[1].of(from.second, "v"), *a = in[2].of(from.second, "a"),
+                 *tau = in[3].of(from.second, "tau");
+    auto room = [](bool wanted, int n) { return Vector(wanted ? static_cast<std::size_t>(n) : 0); };
+    State s{room(true, to.first), room(in[1].given(), to.second), room(in[2].given(), to.second), room(in[3].given(), to.second)};
+    auto out = [](Vector& x) { return x.empty() ? nullptr : x.data(); };
+    layout_(layout, [&](const dynStateLayout* l) {
+      return dyn_convert_state(get(), l, direction, q, v, a, tau, out(s.q), out(s.v), out(s.a), out(s.tau));
+    });
+    return s;
   }
   template <class T, class F>
   T info_(F call, int index) const {

@@ -153,6 +153,19 @@ const ModelFunction model_functions[] = {
     {"dyn_integrate_jacobians", [](auto* m) { return dyn_integrate_jacobians(m, out, out, out, out) == DYN_ERROR_HANDLE; }},
     {"dyn_inertial_parameters", [](auto* m) { return dyn_inertial_parameters(m, out) == DYN_ERROR_HANDLE; }},
     {"dyn_difference_jacobians", [](auto* m) { return dyn_difference_jacobians(m, out, out, out, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_state_layout_sizes",
+     [](auto* m) {
+       int n[2] = {-7, -7};
+       dynStateLayout layout;
+       dyn_state_layout_init(&layout);
+       return dyn_state_layout_sizes(m, &layout, n, n + 1) == DYN_ERROR_HANDLE && n[0] == -7 && n[1] == -7;
+     }},
+    {"dyn_convert_state",
+     [](auto* m) {
+       dynStateLayout layout;
+       dyn_state_layout_init(&layout);
+       return dyn_convert_state(m, &layout, DYN_TO_PEER, out, out, out, out, out, out, out, out) == DYN_ERROR_HANDLE;
+     }},
 };
 
 TEST(Handles, EveryFunctionOfAModel) {
@@ -241,7 +254,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_model_load",
       "dyn_model_load_string", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
       "dyn_builder_joint", "dyn_builder_body", "dyn_builder_frame", "dyn_builder_configuration", "dyn_builder_finish", "dyn_data_free",
-      "dyn_nfields", "dyn_field_info", "dyn_field_id",
+      "dyn_nfields", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",
       // numbers alone: inertial_parameters_test.cpp
       "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",
       "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",

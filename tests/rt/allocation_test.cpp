@@ -101,7 +101,7 @@ struct Work {
   State s, odd;
   std::vector<std::unique_ptr<Prepared>> prepared;
   std::vector<unsigned char> memory;
-  Numbers x, y, J1, J2, parameters;
+  Numbers x, y, J1, J2, parameters, peer = Numbers(1000);
   std::vector<const char*> names;
   std::vector<std::int32_t> ids;
   std::string long_name = std::string(3000, 'n');
@@ -204,6 +204,20 @@ struct Work {
       dyn_crba(m, placed, nullptr, nullptr);
       dyn_data_free(placed), dyn_data_free(placed);
       dyn_data_init(m, 0, memory.data(), 3, &placed);
+    });
+    add("other libraries' states", [this] {
+      dynStateLayout layout;
+      dyn_state_layout_init(&layout);
+      for (const dynConvention c : {DYN_CONVENTION_PINOCCHIO, DYN_CONVENTION_MUJOCO, DYN_CONVENTION_DRAKE, DYN_CONVENTION_ROS}) {
+        layout.convention = c;
+        int nq = 0, nv = 0;
+        if (dyn_state_layout_sizes(m, &layout, &nq, &nv) != DYN_OK || std::size_t(nq + nv) > peer.size()) continue;  // ROS: joints of one coordinate
+        dyn_convert_state(m, &layout, DYN_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr, peer.data(), peer.data() + nq, nullptr, nullptr);
+        dyn_convert_state(m, &layout, DYN_FROM_PEER, peer.data(), peer.data() + nq, nullptr, nullptr, J1.data(), J2.data(), nullptr, nullptr);
+      }
+      layout.joints = names.data(), layout.joints_count = names.size();
+      dyn_convert_state(m, &layout, DYN_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, peer.data(), nullptr, nullptr, nullptr);
+      dyn_convert_state(m, nullptr, DYN_TO_PEER, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
     });
     add("configurations", [this] {
       double* out = J1.data();

@@ -14,9 +14,13 @@ threads; a Data is what it is doing, one for each thread. Every call releases th
 from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
+from .convert import State, StateLayout
 from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo, ForwardDerivatives, InverseDerivatives
 from .enums import (
+    Angle,
     Base,
+    Convention,
+    Direction,
     FrameType,
     Integrator,
     JointType,
@@ -77,6 +81,7 @@ __all__ = [
     "LOCAL_WORLD_ALIGNED",
     "WORLD",
     "Algorithm",
+    "Angle",
     "ArgumentError",
     "Base",
     "BaseChoiceError",
@@ -85,7 +90,9 @@ __all__ = [
     "BusyError",
     "Centroidal",
     "CentroidalDerivatives",
+    "Convention",
     "Data",
+    "Direction",
     "Energy",
     "Error",
     "FieldInfo",
@@ -122,6 +129,8 @@ __all__ = [
     "ShapeType",
     "SizeError",
     "StaleError",
+    "State",
+    "StateLayout",
     "Status",
     "StrictError",
     "Term",

@@ -67,6 +67,14 @@ JointSpec._fields_ = [
 ]  # fmt: skip
 
 
+class StateLayout(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("convention", c_int), ("joints", POINTER(c_char_p)), ("joints_count", c_size_t),
+        ("idx_q", c_void_p), ("idx_v", c_void_p), ("nq", c_int32), ("nv", c_int32), ("continuous", c_int),
+        ("child_frame", c_char_p),
+    ]  # fmt: skip
+
+
 class FieldInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("shape", c_char_p), ("unit", c_char_p), ("frame", c_char_p),
@@ -213,6 +221,10 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_is_normalized": (STATUS, [_p, _p, _d, _p]),
     "dyn_integrate_jacobians": (STATUS, [_p, _p, _p, _p, _p]),
     "dyn_difference_jacobians": (STATUS, [_p, _p, _p, _p, _p]),
+    # other libraries' states
+    "dyn_state_layout_init": (None, [_ref]),
+    "dyn_state_layout_sizes": (STATUS, [_p, _ref, _ref, _ref]),
+    "dyn_convert_state": (STATUS, [_p, _ref, _i, _p, _p, _p, _p, _p, _p, _p, _p]),
     # simulation
     "dyn_step": (STATUS, [_p, _p, _i, _d]),
     # batches

@@ -93,6 +93,29 @@ class ShapeRole(enum.IntEnum):
     VISUAL = 2
 
 
+class Convention(enum.IntEnum):
+    """Whose state: see dyn.StateLayout."""
+
+    DYN = 0
+    PINOCCHIO = 1
+    MUJOCO = 2
+    DRAKE = 3
+    ROS = 4
+
+
+class Angle(enum.IntEnum):
+    """How a peer stores continuous joints."""
+
+    BY_CONVENTION = 0
+    PLAIN = 1
+    COS_SIN = 2
+
+
+class Direction(enum.IntEnum):
+    TO_PEER = 0
+    FROM_PEER = 1
+
+
 class ModelArray(enum.IntEnum):
     LOWER_LIMIT = 0
     UPPER_LIMIT = 1

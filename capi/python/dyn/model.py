@@ -16,7 +16,7 @@ import numpy as np
 
 from . import abi
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
-from .enums import Base, FrameType, JointType, ModelArray, Part, ReportLevel, ShapeRole, ShapeType
+from .enums import Base, Direction, FrameType, JointType, ModelArray, Part, ReportLevel, ShapeRole, ShapeType
 from .errors import ArgumentError, SizeError, UnknownNameError
 from .library import check, fail, last_error, lib
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .batch import Batch
+    from .convert import State, StateLayout
     from .data import Data
 
 
@@ -455,6 +456,25 @@ class Model:
                 raise SizeError(f"{what}[{name!r}] has shape {given.shape}, but must have shape ({n},).")
             out[first : first + n] = given
         return out
+
+    def to_peer(
+        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None, tau: ArrayLike | None = None
+    ) -> State:
+        """A state as another library stores it: (q, v, a, tau) of the layout's sizes; a needs v.
+
+        layout  a dyn.StateLayout, or "pinocchio", "mujoco", "drake" or "ros" for all joints in the model's order
+        """
+        from .convert import convert_state
+
+        return convert_state(self, layout, Direction.TO_PEER, q, v, a, tau)
+
+    def from_peer(
+        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None, tau: ArrayLike | None = None
+    ) -> State:
+        """The inverse of to_peer. A follower's force is added to its leader's; its own q, v, a are not read."""
+        from .convert import convert_state
+
+        return convert_state(self, layout, Direction.FROM_PEER, q, v, a, tau)
 
     def data_size(self, parts: Any = Part.ALL) -> int:
         """Bytes that a data of these parts needs."""

@@ -80,6 +80,11 @@ int main(int argc, char** argv) {
   assert(std::abs(user::parameters_from_log_cholesky(user::log_cholesky_from_parameters(ball))[1] - 0.1) < 1e-12);
   assert(user::parameters_from_pseudo_inertia(user::pseudo_inertia_from_parameters(ball))[0] == 2);
   assert(user::log_cholesky_jacobian(user::log_cholesky_from_parameters(ball))(0, 0) > 3.999);
+  const user::StateLayout pinocchio = user::StateLayout(DYN_CONVENTION_PINOCCHIO).joints({"elbow", "shoulder"});
+  const user::State there = model.to_peer(pinocchio, q, v, a), back = model.from_peer(pinocchio, there.q, there.v, there.a);
+  assert(model.sizes(pinocchio).first == 3 && there.q[2] == q[0] && there.v[0] == v[1] && there.tau.empty());
+  assert(std::abs(back.q[1] - q[1]) < 1e-15 && back.v == user::Vector(v) && back.a == user::Vector(a));
+  assert(status_of([&] { model.to_peer(user::StateLayout(DYN_CONVENTION_MUJOCO).joints({"elbow"}), q); }) == DYN_ERROR_NAME);
   data.set_state(q, v);
   data.step(1e-3, DYN_RK4);
   assert(data.time() == 1e-3);

@@ -42,6 +42,8 @@ def test_number_of_arguments():
         (enums.Base, "DYN_BASE_", None),
         (enums.ShapeType, "DYN_SHAPE_", None),
         (enums.ShapeRole, "DYN_ROLE_", None),
+        (enums.Convention, "DYN_CONVENTION_", None),
+        (enums.Angle, "DYN_ANGLE_", None),
         (enums.Part, "DYN_PART_", None),
         (enums.Term, "DYN_TERM_", None),
     ],
@@ -55,7 +57,7 @@ def test_enumerations(enum, prefix, skip):
 
 
 def test_arrays_and_integrators():
-    for enum, kind in ((enums.ModelArray, "dynModelArray"), (enums.Integrator, "dynIntegrator")):
+    for enum, kind in ((enums.ModelArray, "dynModelArray"), (enums.Integrator, "dynIntegrator"), (enums.Direction, "dynDirection")):
         body = re.search(rf"typedef enum {kind} {{(.*?)}}", CODE, re.S).group(1)
         declared = {n: int(v) for n, v in re.findall(r"DYN_(\w+)\s*=\s*(\d+)", body)}
         assert declared == {name: int(member) for name, member in enum.__members__.items()}
