@@ -24,6 +24,13 @@ template <class T> void rnea_derivatives(const Model&, Data<T>&, const T* v, con
 // aba_derivatives.hpp
 template <class T> Index minverse(const Model&, Data<T>&);
 template <class T> Index aba_derivatives(const Model&, Data<T>&, const T* v, const T* tau, const T* fext);
+// gravity_derivatives.hpp, center_of_mass_derivatives.hpp
+template <class T> void gravity_derivatives(const Model&, Data<T>&, const T* fext, T* out);
+template <class T> void center_of_mass_velocity_derivatives(const Model&, Data<T>&);
+// frame_derivatives.hpp
+template <class T> void frame_velocity_derivatives(const Model&, const Data<T>&, Index frame, dynReference, T* dv_dq, T* dv_dv);
+template <class T> void frame_acceleration_derivatives(const Model&, const Data<T>&, Index frame, dynReference, bool classical, T* da_dq, T* da_dv, T* da_da);
+template <class T> void frame_kinematic_hessian(const Model&, Data<T>&, Index frame, dynReference, T* H);
 // jacobian.hpp
 template <class T> void joint_jacobians(const Model&, Data<T>&);
 template <class T> void joint_jacobians_time_variation(const Model&, Data<T>&);

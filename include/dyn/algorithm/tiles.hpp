@@ -5,6 +5,7 @@
 #pragma once
 
 #include "dyn/base/pack.hpp"
+#include "dyn/joint/list.hpp"
 #include "dyn/model/model.hpp"
 #include "dyn/spatial/motion.hpp"
 
@@ -34,8 +35,9 @@ struct Six {
   }
   template <class V>
   DYN_INLINE P dot(const V& f) const {
-    return (x * f.linear[0] + y * f.linear[1] + z * f.linear[2]) + dot_angular(f.angular);
+    return dot_linear(f.linear) + dot_angular(f.angular);
   }
+  DYN_INLINE P dot_linear(const Vec3<T>& f) const { return x * f[0] + y * f[1] + z * f[2]; }
   DYN_INLINE P dot_angular(const Vec3<T>& n) const { return u * n[0] + v * n[1] + w * n[2]; }
 };
 
@@ -44,6 +46,11 @@ template <class T>
 struct Tile {
   using P = Pack<T, 4>;
   P a, b, c, d;
+  // entry(j) gives column j, mask clears what is zero in it
+  template <class Mask, class Entry>
+  static DYN_INLINE Tile of(std::ptrdiff_t j0, Mask&& mask, Entry&& entry) {
+    return {mask(j0, entry(j0)), mask(j0 + 1, entry(j0 + 1)), mask(j0 + 2, entry(j0 + 2)), mask(j0 + 3, entry(j0 + 3))};
+  }
   DYN_INLINE Tile transposed() const {
     Tile t;
     transpose4(a, b, c, d, t.a, t.b, t.c, t.d);
@@ -74,6 +81,12 @@ struct TiledMatrix {
   DYN_INLINE void store_diagonal(const Tile<T>& upper, const Tile<T>& lower, std::ptrdiff_t i0) const {
     store({upper.a.template with_tail<1>(lower.a), upper.b.template with_tail<2>(lower.b), upper.c.template with_tail<3>(lower.c), upper.d}, i0, i0);
   }
+  // the tile (i0, j0) and the one on the other side of the diagonal
+  DYN_INLINE void store_pair(const Tile<T>& upper, const Tile<T>& lower, std::ptrdiff_t i0, std::ptrdiff_t j0) const {
+    if (i0 == j0) return store_diagonal(upper, lower, i0);
+    store(upper, i0, j0);
+    store(lower, j0, i0);
+  }
 };
 
 // f(rows, i0, j0, mask) for the tiles on and above the diagonal that are not zero; mask(j, x) clears the lanes whose degree of
@@ -96,6 +109,20 @@ DYN_INLINE void for_each_tile(const Model& m, Begin&& begin, F&& f) {
       for (; j0 < longest; j0 += 4)
         f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
     }
+  }
+}
+
+// f(r, c) for any two degrees of freedom r < c of one body.
+template <class F>
+inline void for_each_pair_in_a_body(const Model& m, F&& f) {
+  for (Index k = 0; k < m.n.runs; ++k) {
+    const Run& run = m.runs()[k];
+    visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
+      if constexpr (J::nv > 1)
+        for (std::ptrdiff_t at = run.idx_v; at < run.idx_v + J::nv * (run.last - run.first); at += J::nv)
+          for (int c = 1; c < J::nv; ++c)
+            for (int r = 0; r < c; ++r) f(at + r, at + c);
+    });
   }
 }
 

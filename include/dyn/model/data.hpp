@@ -17,7 +17,7 @@ namespace dyn {
 enum class Stage : Index {
   State, Position, Velocity, Acceleration, Frames, Jacobians, DJacobians, Com, Vcom, Acom, Jcom, Tau, Nle, Gravity, Static, Ddq,
   Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical,
-  InverseDerivatives, ForwardDerivatives,
+  InverseDerivatives, ForwardDerivatives, GravityDerivatives, StaticDerivatives, ComDerivatives,
   CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives, CentroidalRateDerivative,
   TorqueRegressor, StaticRegressor, KineticRegressor, PotentialRegressor,
   count_
@@ -33,6 +33,7 @@ inline constexpr unsigned stage_inputs(Stage s) {
     case Stage::Velocity: case Stage::DJacobians: case Stage::Vcom: case Stage::Nle: case Stage::Coriolis: case Stage::Kinetic:
     case Stage::Mechanical: return Q | V;
     case Stage::CentroidalMapRate: case Stage::CentroidalMomentum: case Stage::CentroidalDerivatives: case Stage::KineticRegressor:
+    case Stage::ComDerivatives:
       return Q | V;
     case Stage::CentroidalMomentumRate: case Stage::CentroidalRateDerivative: case Stage::TorqueRegressor: return Q | V | A;
     case Stage::Acceleration: case Stage::Acom: case Stage::Tau: case Stage::InverseDerivatives: return Q | V | A;
@@ -172,7 +173,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
-  for (T* x : {d.M, d.dtau_dq, d.dtau_dv})
+  for (T* x : {d.M, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
