@@ -24,7 +24,7 @@ void blow_up(const dynModel* m, Numbers& x, bool is_q, double size, std::uint64_
 // All frame queries of a data that says its kinematics are fresh.
 void expect_finite_frames(const dynModel* m, dynData* d, const std::string& where) {
   const int nv = dyn_nv(m);
-  Numbers x(std::size_t(6 * nv + 12));
+  Numbers x(std::size_t(6 * nv * nv + 12));
   using Query = std::function<dynStatus(int, dynReference)>;
   const std::pair<const char*, Query> queries[] = {
       {"placement", [&](int f, dynReference) { return dyn_frame_placement(m, d, f, x.data()); }},
@@ -33,6 +33,11 @@ void expect_finite_frames(const dynModel* m, dynData* d, const std::string& wher
       {"classical", [&](int f, dynReference r) { return dyn_frame_classical_acceleration(m, d, f, r, x.data()); }},
       {"jacobian", [&](int f, dynReference r) { return dyn_frame_jacobian(m, d, f, r, x.data()); }},
       {"djacobian", [&](int f, dynReference r) { return dyn_frame_jacobian_time_variation(m, d, f, r, x.data()); }},
+      {"velocity by q", [&](int f, dynReference r) { return dyn_frame_velocity_derivatives(m, d, f, r, x.data(), nullptr); }},
+      {"acceleration by q", [&](int f, dynReference r) { return dyn_frame_acceleration_derivatives(m, d, f, r, x.data(), nullptr, nullptr); }},
+      {"classical by q", [&](int f, dynReference r) { return dyn_frame_classical_acceleration_derivatives(m, d, f, r, x.data(), nullptr, nullptr); }},
+      {"classical by v", [&](int f, dynReference r) { return dyn_frame_classical_acceleration_derivatives(m, d, f, r, nullptr, x.data(), nullptr); }},
+      {"hessian", [&](int f, dynReference r) { return dyn_frame_kinematic_hessian(m, d, f, r, x.data()); }},
   };
   for (const auto& [name, query] : queries)
     for (int f = 0; f < dyn_nframes(m); f += 3)

@@ -209,6 +209,11 @@ inline void compute_centroidal_and_regressors(const dynModel* m, dynData* d) {
   ASSERT_EQ(DYN_OK, dyn_kinetic_energy_regressor(m, d, nullptr, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_potential_energy_regressor(m, d, nullptr, nullptr));
 }
+inline void compute_derivatives(const dynModel* m, dynData* d, const State& s) {
+  ASSERT_EQ(DYN_OK, dyn_center_of_mass_velocity_derivatives(m, d, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_gravity_derivatives(m, d, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_static_torque_derivatives(m, d, nullptr, s.fext.data(), nullptr));
+}
 // Brings every field of the state to life.
 inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data())) << dyn_last_error();
@@ -219,6 +224,7 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_static_torque(m, d, nullptr, s.fext.data(), nullptr));
   ASSERT_EQ(DYN_OK, dyn_aba(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr)) << dyn_last_error();
   compute_centroidal_and_regressors(m, d);
+  compute_derivatives(m, d, s);
 }
 
 inline dynArray view() {
