@@ -71,20 +71,16 @@ void subtract_external_at_root(const Model& m, Data<T>& d, const T* fext) {
   }
 }
 
-// d.dtau_dq, d.dtau_dv, d.M, nv x nv, and d.tau; fext 6 x njoints in joint frames, or nullptr.
+// Composites of the subtrees, and the forces F, Fq, Fv, Q that their columns take; tau = S^T f, expanded, unless it is nullptr.
 template <class T>
-void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext) {
-  derivative_columns(m, d, d.expand(m, v, d.vx), d.expand(m, a, d.ax));
-  if (fext) subtract_external_at_root(m, d, fext);
-
-  T* tau = m.has_mimic ? d.taux : d.tau;
+void composite_forces(const Model& m, Data<T>& d, T* tau) {
   backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     const Composite<T>& c = d.composite[i];
     for (int k = 0; k < J::nv; ++k) {
       const Index at = b.idx_v + k;
       const Motion<T> s = d.S[at];
-      tau[at] = dot(s, c.f);
+      if (tau) tau[at] = dot(s, c.f);
       d.F[at] = c.Y * s;
       d.Q[at] = c.rates.coriolis_transposed(s);
       d.Fq[at] = c.rates.coriolis(d.dS[at]) + c.Y * d.ddS[at] + cross(s, c.f);
@@ -96,6 +92,15 @@ void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const 
     up.rates.p += c.rates.p, up.rates.V = up.rates.V + c.rates.V;
     up.f = up.f + c.f;
   });
+}
+
+// d.dtau_dq, d.dtau_dv, d.M, nv x nv, and d.tau; fext 6 x njoints in joint frames, or nullptr.
+template <class T>
+void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext) {
+  derivative_columns(m, d, d.expand(m, v, d.vx), d.expand(m, a, d.ax));
+  if (fext) subtract_external_at_root(m, d, fext);
+
+  composite_forces(m, d, m.has_mimic ? d.taux : d.tau);
 
   const TiledMatrix<T> dq{m.has_mimic ? d.dqx : d.dtau_dq, m.n.nvx}, dv{m.has_mimic ? d.dvx : d.dtau_dv, m.n.nvx},
       M{m.has_mimic ? d.Mx : d.M, m.n.nvx};
