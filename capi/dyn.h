@@ -303,7 +303,7 @@ enum {
   DYN_PART_FORWARD_DERIVATIVES = 1u << 13, /* ddq_dq, ddq_dv: nv x nv each (includes MINV and INVERSE_DERIVATIVES) */
   DYN_PART_REGRESSOR = 1u << 14,           /* regressor: nv x 10 (njoints - 1); those of com and energies */
   DYN_PART_IK = 1u << 15,                  /* inverse kinematics */
-  DYN_PART_SECOND_ORDER = 1u << 16,        /* second derivatives of the inverse dynamics */
+  DYN_PART_SECOND_ORDER = 1u << 16,        /* lambda_d2tau_...: nv x nv each (includes INVERSE_DERIVATIVES) */
   DYN_PART_ALL = 0x1ffff
 };
 
@@ -447,6 +447,19 @@ DYN_API dynStatus dyn_minverse(const dynModel* model, dynData* data, const doubl
    dtau/da), tau, and placements. (Singh, Russell, Wensing 2022) */
 DYN_API dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
                                        const double* fext, double* dtau_dq, double* dtau_dv);
+/* Second derivatives of inverse dynamics on the tangent space, analytic. d2tau_dqdv is the derivative of dtau_dq by v, d2tau_dadq that of
+   M by q; d2tau_dqdq is the derivative along q (+) e_k t of column j of dtau_dq, itself the derivative along q (+) e_j t, so that its
+   order matters (j, k and k, j differ) where e_j and e_k belong to one spherical or free-flyer joint, whose rotations do not commute.
+   (After Singh, Russell, Wensing 2023)
+   Their products with a vector lambda (nv numbers): sum over i of lambda_i d2tau_i, the second derivatives of lambda . tau; nv x nv each
+   (any may be NULL), rows j by the first variable of the name, columns k by the second. O(n depth), about the time of two
+   dyn_rnea_derivatives. Includes placements. Needs part SECOND_ORDER. */
+DYN_API dynStatus dyn_rnea_second_order_product(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
+                                                const double* lambda, double* dqdq, double* dvdv, double* dqdv, double* dadq);
+/* The four tensors, nv x nv x nv each, fully written; any may be NULL: element (i, j, k) at j + nv k + nv^2 i, that is, nv matrices nv x nv of
+   which the i-th is the product with lambda = e_i. Includes placements. Needs part SECOND_ORDER. */
+DYN_API dynStatus dyn_rnea_second_order_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                                    const double* fext, double* d2tau_dqdq, double* d2tau_dvdv, double* d2tau_dqdv, double* d2tau_dadq);
 /* Derivatives of forward dynamics, nv x nv each (any may be NULL); ddq_dtau is Minv. Includes ddq; dtau_dq, dtau_dv and tau in data
    are not for the held a afterwards: they are stale. (Carpentier and Mansard 2018) */
 DYN_API dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,

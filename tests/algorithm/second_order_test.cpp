@@ -31,7 +31,8 @@ TEST(SecondOrder, ProductIsTheDerivativeOfTheFirstOrder) {
           };
         };
         Data<double>& d = c.w.d;
-        second_order_product<double>(c.m, d, d.v, d.a, fext.data(), lambda.data(), {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
+        second_order_columns<double>(c.m, d, d.v, d.a, fext.data());
+        second_order_product<double>(c.m, d, lambda.data(), {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
         const MatrixXd qq = by_q(c, gradient(&Data<Quad>::dtau_dq)), vv = by_v(c, gradient(&Data<Quad>::dtau_dv)),
                        qv = by_v(c, gradient(&Data<Quad>::dtau_dq)), aq = by_q(c, gradient(&Data<Quad>::M));
         const double scale = c.terms(c.x.a) + largest(qq) + 10;
@@ -41,6 +42,29 @@ TEST(SecondOrder, ProductIsTheDerivativeOfTheFirstOrder) {
         EXPECT_LE(gap(matrix(d.lambda_d2tau_dadq, c.nv, c.nv), aq), tol * (scale + largest(aq))) << "dadq";
       },
       40, up_to(10));
+}
+
+// The i-th matrix of each tensor is the product with e_i, whatever the buffers held.
+TEST(SecondOrder, TensorsAreProductsWithUnitVectors) {
+  for_trees(
+      [](Case& c) {
+        const std::ptrdiff_t square = std::ptrdiff_t(c.nv) * c.nv;
+        Data<double>& d = c.w.d;
+        std::vector<VectorXd> tensors(4, VectorXd::Constant(square * c.nv, 7.25e77));
+        second_order_columns<double>(c.m, d, d.v, d.a, nullptr);
+        second_order_derivatives<double>(c.m, d, {tensors[0].data(), tensors[1].data(), tensors[2].data(), tensors[3].data()});
+        second_order_derivatives<double>(c.m, d, {nullptr, nullptr, nullptr, nullptr});
+        const double* products[] = {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq};
+        for (Index i = 0; i < c.nv; ++i) {
+          const VectorXd lambda = VectorXd::Unit(c.nv, i);
+          second_order_product<double>(c.m, d, lambda.data(), {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
+          for (std::size_t k = 0; k < 4; ++k) {
+            const MatrixXd product = matrix(products[k], c.nv, c.nv);
+            ASSERT_LE(gap(matrix(tensors[k].data() + square * i, c.nv, c.nv), product), 1e-14 * largest(product)) << "tensor " << k << ", row " << i;
+          }
+        }
+      },
+      100, up_to(25));
 }
 
 }  // namespace

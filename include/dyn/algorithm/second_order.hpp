@@ -12,15 +12,10 @@
 //   dq_j dv_k = W_k . G_j + S_k . E_j     dq_k dv_j = mu_k . Fv_j + psi'_k . H_j     da_j dq_k = mu_k . F_j     da_k dq_j = S_k . G_j
 #pragma once
 
+#include "dyn/algorithm/declarations.hpp"
 #include "dyn/algorithm/rnea_derivatives.hpp"
 
 namespace dyn {
-
-// nv x nv each, any may be nullptr: rows by the first variable, columns by the second, which is that of the outer derivative.
-template <class T>
-struct SecondOrder {
-  T *dqdq, *dvdv, *dqdv, *dadq;
-};
 
 // What does not depend on lambda: columns, composites, F, Fq, Fv. fext 6 x njoints in joint frames, or nullptr.
 template <class T>
@@ -140,12 +135,57 @@ void second_order_contracted(const Model& m, Data<T>& d, const T* lambda, const 
   if (out.dadq) contract(m, d.d2x, out.dadq);
 }
 
-// Of lambda . tau. Entries of unrelated joints must be zero before.
+// Of lambda . tau, after second_order_columns. Entries of unrelated joints must be zero before.
 template <class T>
-void second_order_product(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, const T* lambda, const SecondOrder<T>& out) {
-  second_order_columns(m, d, v, a, fext);
+void second_order_product(const Model& m, Data<T>& d, const T* lambda, const SecondOrder<T>& out) {
   std::fill_n(d.active, m.n.nvx, Index(1));
   second_order_contracted(m, d, d.expand(m, lambda, d.lambdax), out);
+}
+
+// d.active: degrees of freedom that carry, or are carried by, joints that move with the user's u-th velocity.
+template <class T>
+void activate(const Model& m, Data<T>& d, Index u) {
+  const Body* bodies = m.bodies();
+  std::fill_n(d.active, m.n.nvx, Index(0));
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Index first = bodies[i].idx_v, end = first_dof(m, i + 1);
+    if (u < bodies[i].user_v || u >= bodies[i].user_v + end - first) continue;
+    std::fill(d.active + first, d.active + m.dof_end()[first], Index(1));
+    for (Index p = bodies[i].parent; p != 0; p = bodies[p].parent) std::fill(d.active + bodies[p].idx_v, d.active + first_dof(m, p + 1), Index(1));
+  }
+}
+
+// Of each tau_i, after second_order_columns: nv matrices one after another.
+template <class T>
+void second_order_derivatives(const Model& m, Data<T>& d, const SecondOrder<T>& out) {
+  const std::ptrdiff_t n = m.n.nv, squares = n * n, nx = m.n.mimic_v;
+  auto matrix = [&](T* tensor, T* expanded, Index i) {
+    if (!tensor) return tensor;
+    std::fill_n(m.has_mimic ? expanded : tensor + squares * i, m.has_mimic ? nx * nx : squares, T(0));
+    return tensor + squares * i;
+  };
+  for (Index i = 0; i < n; ++i) {
+    activate(m, d, i);
+    std::fill_n(d.unit, n, T(0));
+    d.unit[i] = T(1);
+    second_order_contracted(m, d, d.expand(m, d.unit, d.lambdax),
+                            SecondOrder<T>{matrix(out.dqdq, d.dqx, i), matrix(out.dvdv, d.dvx, i), matrix(out.dqdv, d.Mx, i), matrix(out.dadq, d.d2x, i)});
+  }
+}
+
+// Bounds what the second derivatives are made of: below 1e70 none of them overflows.
+template <class T>
+T second_order_size(const Model& m, const Data<T>& d) {
+  Vec3<T> sum = Vec3<T>::zero();
+  auto add = [&](const auto& x) DYN_INLINE_LAMBDA { sum += sizes(x.linear) + sizes(x.angular); };
+  for (Index k = 0; k < m.n.nvx; ++k) add(d.S[k]), add(d.dS[k]), add(d.ddS[k]), add(d.W[k]), add(d.F[k]), add(d.Fq[k]), add(d.Fv[k]);
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Composite<T>& c = d.composite[i];
+    for (const Mat3<T>* A : {&c.Y.P, &c.rates.V}) sum += sizes(A->x) + sizes(A->y) + sizes(A->z);
+    sum += sizes(c.Y.h) + sizes(c.rates.p);
+    sum += Vec3<T>::make(c.Y.m, T(0), T(0));
+  }
+  return sum[0] + sum[1] + sum[2];
 }
 
 }  // namespace dyn
