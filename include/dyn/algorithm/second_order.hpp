@@ -17,15 +17,33 @@
 
 namespace dyn {
 
-// What does not depend on lambda: columns, composites, F, Fq, Fv. fext 6 x njoints in joint frames, or nullptr.
+// What does not depend on lambda: columns, also as rows of tiles, composites, F, Fq, Fv. fext 6 x njoints in joint frames, or nullptr.
 template <class T>
 void second_order_columns(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext) {
   derivative_columns(m, d, d.expand(m, v, d.vx), d.expand(m, a, d.ax));
   if (fext) subtract_external_at_root(m, d, fext);
   composite_forces(m, d, static_cast<T*>(nullptr));
+  for (std::ptrdiff_t i0 = 0; i0 < m.n.nvx; i0 += 4) {
+    SecondOrderRows<T>& rows = d.rows[i0 / 4];
+    Six<T>::transposed(d.S + i0).store(rows.S), Six<T>::transposed(d.dS + i0).store(rows.dS);
+    Six<T>::transposed(d.ddS + i0).store(rows.ddS), Six<T>::transposed(d.W + i0).store(rows.W);
+  }
 }
 
-// mu, G, E, H of the active degrees of freedom; of the others they are zero. lambda is expanded.
+// G, E, H of a degree of freedom whose subtree moves with l: L, P, Q are those of l.
+template <class T>
+struct Meeting {
+  Force<T> G;
+  Vec3<T> E, H;
+
+  // what does not depend on mu
+  static DYN_INLINE Meeting of(const Data<T>& d, Index j, const MomentRates<T>& L, const Force<T>& P, const Vec3<T>& Q) {
+    return {cross(d.S[j], P), cross(d.S[j].angular, Q) - L.coriolis_transposed(d.dS[j]), -L.coriolis_transposed(d.S[j])};
+  }
+  DYN_INLINE void add(const Composite<T>& c, const Motion<T>& mu) { G = G + c.Y * mu, E += c.rates.coriolis_transposed(mu); }
+};
+
+// mu, G, E, H of all degrees of freedom. lambda is expanded.
 template <class T>
 void contract_composites(const Model& m, Data<T>& d, const T* lambda) {
   const Body* bodies = m.bodies();
@@ -37,98 +55,110 @@ void contract_composites(const Model& m, Data<T>& d, const T* lambda) {
   };
   forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
     const Body& b = bodies[i];
-    if (!d.active[b.idx_v]) {
-      for (int k = 0; k < J::nv; ++k) {
-        const Index at = b.idx_v + k;
-        d.mu_S[at] = Motion<T>::zero(), d.G[at] = Force<T>::zero(), d.E[at] = d.H[at] = Vec3<T>::zero();
-      }
-      return;
-    }
     const Motion<T> lp = d.lambda_motion[b.parent];
     for (int k = 0; k < J::nv; ++k) d.mu_S[b.idx_v + k] = cross(lp, d.S[b.idx_v + k]);
     d.lambda_motion[i] = lp + own(b, J::nv);
     d.contraction[i].rates = {Vec3<T>::zero(), Mat3<T>::zero()};
     d.contraction[i].Q = Vec3<T>::zero();
   });
-  // contraction: until its body's turn what moves with lambda relative to the body, then in all
+  // contraction: until its body's turn of what moves relative to the body, then of all
   backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
     const Body& b = bodies[i];
-    if (!d.active[b.idx_v]) return;
     const Composite<T>& c = d.composite[i];
     Contraction<T>& x = d.contraction[i];
     if (b.parent != 0) {
       const Motion<T> l = own(b, J::nv);
       const MomentRates<T> relative = x.rates + MomentRates<T>::of(c.Y, l);
-      MomentRates<T>& up = d.contraction[b.parent].rates;
-      up.p += relative.p, up.V = up.V + relative.V;
-      d.contraction[b.parent].Q += x.Q + c.rates.coriolis_transposed(l);
+      Contraction<T>& up = d.contraction[b.parent];
+      up.rates.p += relative.p, up.rates.V = up.rates.V + relative.V;
+      up.Q += x.Q + c.rates.coriolis_transposed(l);
     }
     const Motion<T> l = d.lambda_motion[i];
     const MomentRates<T> L = x.rates + MomentRates<T>::of(c.Y, l);
     const Vec3<T> Q = x.Q + c.rates.coriolis_transposed(l);
     x.rates.p = L.p, x.rates.V = L.V, x.Q = Q;
     const Force<T> P = L.momentum();
-    for (int k = 0; k < J::nv; ++k) {
-      const Index at = b.idx_v + k;
-      const Motion<T> S = d.S[at], mu = d.mu_S[at];
-      d.G[at] = cross(S, P) + c.Y * mu;
-      d.E[at] = cross(S.angular, Q) + c.rates.coriolis_transposed(mu) - L.coriolis_transposed(d.dS[at]);
-      d.H[at] = -L.coriolis_transposed(S);
+    for (Index j = b.idx_v; j < b.idx_v + J::nv; ++j) {
+      Meeting<T> met = Meeting<T>::of(d, j, L, P, Q);
+      met.add(c, d.mu_S[j]);
+      d.G[j] = met.G, d.E[j] = met.E, d.H[j] = met.H;
     }
   });
 }
 
-// The matrices, in the expanded coordinates; what no lambda reaches is left as it is.
+// One tile of each matrix; rows whose mu is zero are spared its products.
+template <bool moves, class T, class Mask>
+DYN_INLINE void second_order_tile(const Data<T>& d, const SecondOrder<TiledMatrix<T>>& out, const SecondOrderRows<T>& rows, const Six<T>& mu,
+                                  std::ptrdiff_t i0, std::ptrdiff_t j0, Mask&& mask) {
+  using P = Pack<T, 4>;
+  const Six<T> S = Six<T>::load(rows.S), dS = Six<T>::load(rows.dS);
+  auto tile = [&](auto&& entry) DYN_INLINE_LAMBDA { return Tile<T>::of(j0, mask, entry); };
+  auto with_mu = [&](const P& x, const Force<T>& f) DYN_INLINE_LAMBDA -> P {
+    if constexpr (moves) return x + mu.dot(f);
+    return x;
+  };
+  if (out.dqdq.p) {
+    const Six<T> ddS = Six<T>::load(rows.ddS);
+    const Tile<T> t = tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return with_mu(ddS.dot(d.G[j]) + dS.dot_angular(d.E[j]), d.Fq[j]); });
+    out.dqdq.store_pair(t, t.transposed(), i0, j0);
+  }
+  if (out.dvdv.p) {
+    const Tile<T> t = tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return S.dot_angular(d.H[j]); });
+    out.dvdv.store_pair(t, t.transposed(), i0, j0);
+  }
+  if (out.dqdv.p) {
+    const Six<T> W = Six<T>::load(rows.W);
+    out.dqdv.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return with_mu(dS.dot_angular(d.H[j]), d.Fv[j]); }),
+                        tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return W.dot(d.G[j]) + S.dot_angular(d.E[j]); }).transposed(), i0, j0);
+  }
+  if (out.dadq.p)
+    out.dadq.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return S.dot(d.G[j]); }),
+                        tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return with_mu(P{}, d.F[j]); }).transposed(), i0, j0);
+}
+
+// The matrices in the expanded coordinates; tiles that d.active leaves out are not touched.
 template <class T>
-void second_order_tiles(const Model& m, const Data<T>& d, const SecondOrder<T>& out) {
+void second_order_tiles(const Model& m, const Data<T>& d, const SecondOrder<T*>& p) {
   const std::ptrdiff_t n = m.n.nvx;
-  const TiledMatrix<T> dqdq{out.dqdq, n}, dvdv{out.dvdv, n}, dqdv{out.dqdv, n}, dadq{out.dadq, n};
+  const SecondOrder<TiledMatrix<T>> out{{p.dqdq, n}, {p.dvdv, n}, {p.dqdv, n}, {p.dadq, n}};
   struct Rows {
-    Six<T> S, dS, ddS, W, mu;
+    const SecondOrderRows<T>& fixed;
+    Six<T> mu;
+    bool moves;
   };
   for_each_tile<T>(
       m,
       [&](std::ptrdiff_t i0) DYN_INLINE_LAMBDA {
-        return Rows{Six<T>::transposed(d.S + i0), Six<T>::transposed(d.dS + i0), Six<T>::transposed(d.ddS + i0), Six<T>::transposed(d.W + i0),
-                    Six<T>::transposed(d.mu_S + i0)};
+        const Motion<T>* mu = d.mu_S + i0;
+        const Vec3<T> size = sizes(mu[0].angular) + sizes(mu[1].angular) + sizes(mu[2].angular) + sizes(mu[3].angular) + sizes(mu[0].linear) +
+                             sizes(mu[1].linear) + sizes(mu[2].linear) + sizes(mu[3].linear);
+        return Rows{d.rows[i0 / 4], Six<T>::transposed(mu), !(size[0] + size[1] + size[2] == T(0))};
       },
       [&](const Rows& rows, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
         if (!(d.active[j0] | d.active[j0 + 1] | d.active[j0 + 2] | d.active[j0 + 3])) return;
-        auto tile = [&](auto&& entry) DYN_INLINE_LAMBDA { return Tile<T>::of(j0, mask, entry); };
-        if (out.dqdq) {
-          const Tile<T> t = tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.mu.dot(d.Fq[j]) + rows.ddS.dot(d.G[j]) + rows.dS.dot_angular(d.E[j]); });
-          dqdq.store_pair(t, t.transposed(), i0, j0);
-        }
-        if (out.dvdv) {
-          const Tile<T> t = tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot_angular(d.H[j]); });
-          dvdv.store_pair(t, t.transposed(), i0, j0);
-        }
-        if (out.dqdv)
-          dqdv.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.mu.dot(d.Fv[j]) + rows.dS.dot_angular(d.H[j]); }),
-                          tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.W.dot(d.G[j]) + rows.S.dot_angular(d.E[j]); }).transposed(), i0, j0);
-        if (out.dadq)
-          dadq.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.G[j]); }),
-                          tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.mu.dot(d.F[j]); }).transposed(), i0, j0);
+        if (rows.moves)
+          second_order_tile<true>(d, out, rows.fixed, rows.mu, i0, j0, mask);
+        else
+          second_order_tile<false>(d, out, rows.fixed, rows.mu, i0, j0, mask);
       });
   // columns of one joint turn together, and none of them changes the others' psi', psi'' and mu by its velocity
   for_each_pair_in_a_body(m, [&](Index i, std::ptrdiff_t r, std::ptrdiff_t c) {
     if (!d.active[r]) return;
-    if (out.dqdq) dqdq.p[r + n * c] = dot(d.mu_S[c], d.Fq[r]) + dot(d.ddS[c], d.G[r]) + dot(d.dS[c].angular, d.E[r]);
-    if (out.dvdv) {
+    if (p.dqdq) p.dqdq[r + n * c] = dot(d.mu_S[c], d.Fq[r]) + dot(d.ddS[c], d.G[r]) + dot(d.dS[c].angular, d.E[r]);
+    if (p.dvdv) {
       const T turned = dot(d.S[r], cross(d.S[c], d.contraction[i].rates.momentum()));
-      dvdv.p[r + n * c] -= turned, dvdv.p[c + n * r] -= turned;
+      p.dvdv[r + n * c] -= turned, p.dvdv[c + n * r] -= turned;
     }
-    if (out.dqdv) dqdv.p[c + n * r] = dot(d.mu_S[c], d.Fv[r]) + dot(d.dS[c].angular, d.H[r]);
-    if (out.dadq) dadq.p[r + n * c] = dot(d.mu_S[c], d.F[r]);
+    if (p.dqdv) p.dqdv[c + n * r] = dot(d.mu_S[c], d.Fv[r]) + dot(d.dS[c].angular, d.H[r]);
+    if (p.dadq) p.dadq[r + n * c] = dot(d.mu_S[c], d.F[r]);
   });
 }
 
-// The matrices of one lambda, expanded, for which d.active is set.
+// The matrices from mu, G, E, H.
 template <class T>
-void second_order_contracted(const Model& m, Data<T>& d, const T* lambda, const SecondOrder<T>& out) {
-  contract_composites(m, d, lambda);
+void second_order_matrices(const Model& m, Data<T>& d, const SecondOrder<T*>& out) {
   if (!m.has_mimic) return second_order_tiles(m, d, out);
-  second_order_tiles(m, d, SecondOrder<T>{d.dqx, d.dvx, d.Mx, d.d2x});
+  second_order_tiles(m, d, SecondOrder<T*>{d.dqx, d.dvx, d.Mx, d.d2x});
   if (out.dqdq) contract(m, d.dqx, out.dqdq);
   if (out.dvdv) contract_symmetric(m, d.dvx, out.dvdv);
   if (out.dqdv) contract(m, d.Mx, out.dqdv);
@@ -137,55 +167,10 @@ void second_order_contracted(const Model& m, Data<T>& d, const T* lambda, const 
 
 // Of lambda . tau, after second_order_columns. Entries of unrelated joints must be zero before.
 template <class T>
-void second_order_product(const Model& m, Data<T>& d, const T* lambda, const SecondOrder<T>& out) {
+void second_order_product(const Model& m, Data<T>& d, const T* lambda, const SecondOrder<T*>& out) {
   std::fill_n(d.active, m.n.nvx, Index(1));
-  second_order_contracted(m, d, d.expand(m, lambda, d.lambdax), out);
-}
-
-// d.active: degrees of freedom that carry, or are carried by, joints that move with the user's u-th velocity.
-template <class T>
-void activate(const Model& m, Data<T>& d, Index u) {
-  const Body* bodies = m.bodies();
-  std::fill_n(d.active, m.n.nvx, Index(0));
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Index first = bodies[i].idx_v, end = first_dof(m, i + 1);
-    if (u < bodies[i].user_v || u >= bodies[i].user_v + end - first) continue;
-    std::fill(d.active + first, d.active + m.dof_end()[first], Index(1));
-    for (Index p = bodies[i].parent; p != 0; p = bodies[p].parent) std::fill(d.active + bodies[p].idx_v, d.active + first_dof(m, p + 1), Index(1));
-  }
-}
-
-// Of each tau_i, after second_order_columns: nv matrices one after another.
-template <class T>
-void second_order_derivatives(const Model& m, Data<T>& d, const SecondOrder<T>& out) {
-  const std::ptrdiff_t n = m.n.nv, squares = n * n, nx = m.n.mimic_v;
-  auto matrix = [&](T* tensor, T* expanded, Index i) {
-    if (!tensor) return tensor;
-    std::fill_n(m.has_mimic ? expanded : tensor + squares * i, m.has_mimic ? nx * nx : squares, T(0));
-    return tensor + squares * i;
-  };
-  for (Index i = 0; i < n; ++i) {
-    activate(m, d, i);
-    std::fill_n(d.unit, n, T(0));
-    d.unit[i] = T(1);
-    second_order_contracted(m, d, d.expand(m, d.unit, d.lambdax),
-                            SecondOrder<T>{matrix(out.dqdq, d.dqx, i), matrix(out.dvdv, d.dvx, i), matrix(out.dqdv, d.Mx, i), matrix(out.dadq, d.d2x, i)});
-  }
-}
-
-// Bounds what the second derivatives are made of: below 1e70 none of them overflows.
-template <class T>
-T second_order_size(const Model& m, const Data<T>& d) {
-  Vec3<T> sum = Vec3<T>::zero();
-  auto add = [&](const auto& x) DYN_INLINE_LAMBDA { sum += sizes(x.linear) + sizes(x.angular); };
-  for (Index k = 0; k < m.n.nvx; ++k) add(d.S[k]), add(d.dS[k]), add(d.ddS[k]), add(d.W[k]), add(d.F[k]), add(d.Fq[k]), add(d.Fv[k]);
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Composite<T>& c = d.composite[i];
-    for (const Mat3<T>* A : {&c.Y.P, &c.rates.V}) sum += sizes(A->x) + sizes(A->y) + sizes(A->z);
-    sum += sizes(c.Y.h) + sizes(c.rates.p);
-    sum += Vec3<T>::make(c.Y.m, T(0), T(0));
-  }
-  return sum[0] + sum[1] + sum[2];
+  contract_composites(m, d, d.expand(m, lambda, d.lambdax));
+  second_order_matrices(m, d, out);
 }
 
 }  // namespace dyn

@@ -33,6 +33,10 @@ struct Six {
     transpose4(quad(s[0].angular), quad(s[1].angular), quad(s[2].angular), quad(s[3].angular), a.u, a.v, a.w, rest);
     return a;
   }
+  DYN_INLINE void store(T* p) const { x.store(p), y.store(p + 4), z.store(p + 8), u.store(p + 12), v.store(p + 16), w.store(p + 20); }
+  static DYN_INLINE Six load(const T* p) {
+    return {P::load(p), P::load(p + 4), P::load(p + 8), P::load(p + 12), P::load(p + 16), P::load(p + 20)};
+  }
   template <class V>
   DYN_INLINE P dot(const V& f) const {
     return dot_linear(f.linear) + dot_angular(f.angular);

@@ -76,6 +76,12 @@ struct Contraction {
   Vec3<T> Q;
 };
 
+// Four columns each of S, psi', psi'', W, by components.
+template <class T>
+struct SecondOrderRows {
+  alignas(4 * sizeof(T)) T S[24], dS[24], ddS[24], W[24];
+};
+
 template <class T>
 struct Data {
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) T* name;
