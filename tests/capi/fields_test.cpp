@@ -31,7 +31,8 @@ TEST(Fields, TableIsSound) {
   }
   for (const char* name : {"q", "v", "a", "tau_applied", "time", "placements", "J", "dJ", "com", "vcom", "acom", "Jcom", "tau", "nle", "g",
                            "static_torque", "ddq", "M", "Minv", "coriolis", "kinetic", "potential", "mechanical", "Ag", "dAg", "Ig", "hg", "dhg",
-                           "dh_dq", "dhdot_dq", "dhdot_dv", "regressor", "static_regressor", "kinetic_energy_regressor", "potential_energy_regressor", "dvcom_dq", "dg_dq", "dstatic_torque_dq"})
+                           "dh_dq", "dhdot_dq", "dhdot_dv", "regressor", "static_regressor", "kinetic_energy_regressor", "potential_energy_regressor", "dvcom_dq", "dg_dq", "dstatic_torque_dq",
+                           "lambda_d2tau_dqdq", "lambda_d2tau_dvdv", "lambda_d2tau_dqdv", "lambda_d2tau_dadq"})
     EXPECT_TRUE(names.count(name)) << name;
 }
 
@@ -118,8 +119,10 @@ TEST(Freshness, StaleFreshStale) {
 
     // v, a and tau matter to what depends on them, and to nothing else
     const std::set<std::string> of_v = {"dJ", "vcom", "acom", "tau", "nle", "ddq", "coriolis", "kinetic", "mechanical", "dAg", "hg", "dhg", "dh_dq",
-                                        "dhdot_dq", "dhdot_dv", "regressor", "kinetic_energy_regressor", "dvcom_dq"},
-                                of_a = {"acom", "tau", "dhg", "dhdot_dq", "regressor"},
+                                        "dhdot_dq", "dhdot_dv", "regressor", "kinetic_energy_regressor", "dvcom_dq", "lambda_d2tau_dqdq", "lambda_d2tau_dvdv",
+                                        "lambda_d2tau_dqdv", "lambda_d2tau_dadq"},
+                                of_a = {"acom", "tau", "dhg", "dhdot_dq", "regressor", "lambda_d2tau_dqdq", "lambda_d2tau_dvdv", "lambda_d2tau_dqdv",
+                                        "lambda_d2tau_dadq"},
                                 of_tau = {"ddq"};
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, t.tau.data()));
     EXPECT_EQ(of_tau.count(info.name) ? DYN_ERROR_STALE : DYN_OK, field_status(m, d, info.name)) << who;

@@ -54,7 +54,7 @@ void expect_finite_frames(const dynModel* m, dynData* d, const std::string& wher
 
 void sweep(const Model& m, double size, int& refused) {
   const State held = random_state(m, 11);
-  const unsigned kinds[] = {uses_q, uses_v, uses_a, uses_tau, uses_fext, uses_b, uses_q | uses_v | uses_a};
+  const unsigned kinds[] = {uses_q, uses_v, uses_a, uses_tau, uses_fext, uses_b, uses_lambda, uses_q | uses_v | uses_a};
   for (const CallRow& row : call_rows)
     for (unsigned kind : kinds) {
       if (!(row.uses & kind)) continue;
@@ -66,7 +66,7 @@ void sweep(const Model& m, double size, int& refused) {
       if (kind & uses_a) blow_up(m, p.s.a, false, size, 3);
       if (kind & uses_tau) blow_up(m, p.s.tau, false, size, 4);
       if (kind & uses_fext) blow_up(m, p.s.fext, false, size, 5);
-      if (kind & uses_b) blow_up(m, p.b, false, size, 6);
+      if (kind & (uses_b | uses_lambda)) blow_up(m, p.b, false, size, 6);
       const std::string where = std::string(dyn_model_name(m)) + " " + row.name + " " + std::to_string(kind) + " at " + std::to_string(std::log10(size));
       const Snapshot before(m, d);
       const dynStatus status = p(m, d);

@@ -213,6 +213,7 @@ inline void compute_derivatives(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_center_of_mass_velocity_derivatives(m, d, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_gravity_derivatives(m, d, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_static_torque_derivatives(m, d, nullptr, s.fext.data(), nullptr));
+  ASSERT_EQ(DYN_OK, dyn_rnea_second_order_product(m, d, nullptr, nullptr, nullptr, s.fext.data(), s.tau.data(), nullptr, nullptr, nullptr, nullptr));
 }
 // Brings every field of the state to life.
 inline void compute_all(const dynModel* m, dynData* d, const State& s) {

@@ -13,7 +13,19 @@ threads; a Data is what it is doing, one for each thread. Every call releases th
 
 from .arrays import Placement
 from .builder import Builder
-from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo
+from .data import (
+    FIELDS,
+    CenterOfMassVelocityDerivatives,
+    Centroidal,
+    CentroidalDerivatives,
+    Data,
+    Energy,
+    FieldInfo,
+    FrameAccelerationDerivatives,
+    FrameVelocityDerivatives,
+    SecondOrderDerivatives,
+    SecondOrderProduct,
+)
 from .enums import (
     Base,
     FrameType,

@@ -51,7 +51,10 @@ void gravity_derivatives(const Model& m, Data<T>& d, const T* fext, T* out) {
         dq.store_pair(above, below.transposed(), i0, j0);
       });
   // columns of one joint turn together
-  for_each_pair_in_a_body(m, [&](Index, std::ptrdiff_t r, std::ptrdiff_t c) { dq.p[r + dq.n * c] = dot(d.ddS[c].linear, d.F[r].linear); });
+  for_each_block(m, [&](Index, std::ptrdiff_t first, int nv) {
+    for (std::ptrdiff_t c = first; c < first + nv; ++c)
+      for (std::ptrdiff_t r = first; r < c; ++r) dq.p[r + dq.n * c] = dot(d.ddS[c].linear, d.F[r].linear);
+  });
   if (m.has_mimic) contract(m, d.dqx, out);
 }
 

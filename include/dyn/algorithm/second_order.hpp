@@ -61,11 +61,11 @@ void contract_composites(const Model& m, Data<T>& d, const T* lambda) {
     d.contraction[i].rates = {Vec3<T>::zero(), Mat3<T>::zero()};
     d.contraction[i].Q = Vec3<T>::zero();
   });
-  // contraction: until its body's turn of what moves relative to the body, then of all
+  // contraction: of what moves relative to the body
   backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
     const Body& b = bodies[i];
     const Composite<T>& c = d.composite[i];
-    Contraction<T>& x = d.contraction[i];
+    const Contraction<T>& x = d.contraction[i];
     if (b.parent != 0) {
       const Motion<T> l = own(b, J::nv);
       const MomentRates<T> relative = x.rates + MomentRates<T>::of(c.Y, l);
@@ -76,8 +76,7 @@ void contract_composites(const Model& m, Data<T>& d, const T* lambda) {
     const Motion<T> l = d.lambda_motion[i];
     const MomentRates<T> L = x.rates + MomentRates<T>::of(c.Y, l);
     const Vec3<T> Q = x.Q + c.rates.coriolis_transposed(l);
-    x.rates.p = L.p, x.rates.V = L.V, x.Q = Q;
-    const Force<T> P = L.momentum();
+    const Force<T> P = d.P[i] = L.momentum();
     for (Index j = b.idx_v; j < b.idx_v + J::nv; ++j) {
       Meeting<T> met = Meeting<T>::of(d, j, L, P, Q);
       met.add(c, d.mu_S[j]);
@@ -130,9 +129,7 @@ void second_order_tiles(const Model& m, const Data<T>& d, const SecondOrder<T*>&
       m,
       [&](std::ptrdiff_t i0) DYN_INLINE_LAMBDA {
         const Motion<T>* mu = d.mu_S + i0;
-        const Vec3<T> size = sizes(mu[0].angular) + sizes(mu[1].angular) + sizes(mu[2].angular) + sizes(mu[3].angular) + sizes(mu[0].linear) +
-                             sizes(mu[1].linear) + sizes(mu[2].linear) + sizes(mu[3].linear);
-        return Rows{d.rows[i0 / 4], Six<T>::transposed(mu), !(size[0] + size[1] + size[2] == T(0))};
+        return Rows{d.rows[i0 / 4], Six<T>::transposed(mu), !(is_zero(mu[0]) && is_zero(mu[1]) && is_zero(mu[2]) && is_zero(mu[3]))};
       },
       [&](const Rows& rows, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
         if (!(d.active[j0] | d.active[j0 + 1] | d.active[j0 + 2] | d.active[j0 + 3])) return;
@@ -142,15 +139,19 @@ void second_order_tiles(const Model& m, const Data<T>& d, const SecondOrder<T*>&
           second_order_tile<false>(d, out, rows.fixed, rows.mu, i0, j0, mask);
       });
   // columns of one joint turn together, and none of them changes the others' psi', psi'' and mu by its velocity
-  for_each_pair_in_a_body(m, [&](Index i, std::ptrdiff_t r, std::ptrdiff_t c) {
-    if (!d.active[r]) return;
-    if (p.dqdq) p.dqdq[r + n * c] = dot(d.mu_S[c], d.Fq[r]) + dot(d.ddS[c], d.G[r]) + dot(d.dS[c].angular, d.E[r]);
-    if (p.dvdv) {
-      const T turned = dot(d.S[r], cross(d.S[c], d.contraction[i].rates.momentum()));
-      p.dvdv[r + n * c] -= turned, p.dvdv[c + n * r] -= turned;
+  for_each_block(m, [&](Index i, std::ptrdiff_t first, int nv) {
+    if (!d.active[first]) return;
+    const bool rooted = m.bodies()[i].parent == 0;  // psi' = mu = 0
+    for (std::ptrdiff_t c = first + 1; c < first + nv; ++c) {
+      const Force<T> turned = cross(d.S[c], d.P[i]);
+      for (std::ptrdiff_t r = first; r < c; ++r) {
+        const T by_turning = dot(d.S[r], turned);
+        if (p.dqdq) p.dqdq[r + n * c] = dot(d.ddS[c], d.G[r]) + (rooted ? T(0) : dot(d.mu_S[c], d.Fq[r]) + dot(d.dS[c].angular, d.E[r]));
+        if (p.dvdv) p.dvdv[r + n * c] -= by_turning, p.dvdv[c + n * r] -= by_turning;
+        if (p.dqdv) p.dqdv[c + n * r] = rooted ? T(0) : dot(d.mu_S[c], d.Fv[r]) + dot(d.dS[c].angular, d.H[r]);
+        if (p.dadq) p.dadq[r + n * c] = rooted ? T(0) : dot(d.mu_S[c], d.F[r]);
+      }
     }
-    if (p.dqdv) p.dqdv[c + n * r] = dot(d.mu_S[c], d.Fv[r]) + dot(d.dS[c].angular, d.H[r]);
-    if (p.dadq) p.dadq[r + n * c] = dot(d.mu_S[c], d.F[r]);
   });
 }
 

@@ -6,39 +6,43 @@
 
 namespace dyn {
 
-// Adds to mu, G, E, H what the expanded degree of freedom k of body i contributes.
+// Adds to mu, P, G, E, H what the expanded degree of freedom k of body i contributes.
 template <class T>
 void add_unit(const Model& m, Data<T>& d, Index i, Index k, T ratio) {
   const Body* bodies = m.bodies();
   const Motion<T> l = d.S[k] * ratio;
-  auto add = [&](Index x, const Composite<T>& c, bool beyond) DYN_INLINE_LAMBDA {
-    const MomentRates<T> L = MomentRates<T>::of(c.Y, l);
-    const Force<T> P = L.momentum();
-    const Vec3<T> Q = c.rates.coriolis_transposed(l);
-    d.contraction[x].rates.p += L.p, d.contraction[x].rates.V = d.contraction[x].rates.V + L.V;
+  auto add = [&](Index x, const MomentRates<T>& L, const Force<T>& P, const Vec3<T>& Q, auto&& moved) DYN_INLINE_LAMBDA {
+    d.P[x] = d.P[x] + P;
     for (Index j = bodies[x].idx_v; j < first_dof(m, x + 1); ++j) {
       Meeting<T> met = Meeting<T>::of(d, j, L, P, Q);
-      if (beyond) {
-        const Motion<T> mu = cross(l, d.S[j]);
-        met.add(c, mu);
-        d.mu_S[j] = d.mu_S[j] + mu;
-      }
+      moved(j, met);
       d.G[j] = d.G[j] + met.G, d.E[j] += met.E, d.H[j] += met.H;
       d.active[j] = 1;
     }
   };
-  for (Index x = i; x < m.subtree_end()[i]; ++x) add(x, d.composite[x], x != i);
-  for (Index x = bodies[i].parent; x != 0; x = bodies[x].parent) add(x, d.composite[i], false);
+  for (Index x = i; x < m.subtree_end()[i]; ++x) {
+    const Composite<T>& c = d.composite[x];
+    const MomentRates<T> L = MomentRates<T>::of(c.Y, l);
+    add(x, L, L.momentum(), c.rates.coriolis_transposed(l), [&](Index j, Meeting<T>& met) DYN_INLINE_LAMBDA {
+      if (x == i) return;
+      const Motion<T> mu = cross(l, d.S[j]);
+      met.add(c, mu);
+      d.mu_S[j] = d.mu_S[j] + mu;
+    });
+  }
+  const Composite<T>& c = d.composite[i];
+  const MomentRates<T> L = MomentRates<T>::of(c.Y, l);
+  const Force<T> P = L.momentum();
+  const Vec3<T> Q = c.rates.coriolis_transposed(l);
+  for (Index x = bodies[i].parent; x != 0; x = bodies[x].parent) add(x, L, P, Q, [](Index, Meeting<T>&) DYN_INLINE_LAMBDA {});
 }
 
-// d.mu_S, d.G, d.E, d.H, d.active of lambda = e_u.
+// d.mu_S, d.P, d.G, d.E, d.H, d.active of lambda = e_u.
 template <class T>
 void unit_composites(const Model& m, Data<T>& d, Index u) {
-  for (Index k = 0; k < m.n.nvx; ++k) {
-    d.mu_S[k] = Motion<T>::zero(), d.G[k] = Force<T>::zero(), d.E[k] = d.H[k] = Vec3<T>::zero();
-    d.active[k] = 0;
-  }
-  for (Index x = 1; x < m.n.bodies; ++x) d.contraction[x].rates = {Vec3<T>::zero(), Mat3<T>::zero()};
+  const Index n = m.n.nvx;
+  std::fill_n(d.mu_S, n, Motion<T>::zero()), std::fill_n(d.G, n, Force<T>::zero()), std::fill_n(d.P, m.n.bodies, Force<T>::zero());
+  std::fill_n(d.E, n, Vec3<T>::zero()), std::fill_n(d.H, n, Vec3<T>::zero()), std::fill_n(d.active, n, Index(0));
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
     const Index k = b.idx_v + u - b.user_v;

@@ -116,18 +116,14 @@ DYN_INLINE void for_each_tile(const Model& m, Begin&& begin, F&& f) {
   }
 }
 
-// f(body, r, c) for any two degrees of freedom r < c of one body.
+// f(body, first, nv) for the bodies of more than one degree of freedom.
 template <class F>
-inline void for_each_pair_in_a_body(const Model& m, F&& f) {
+inline void for_each_block(const Model& m, F&& f) {
   for (Index k = 0; k < m.n.runs; ++k) {
     const Run& run = m.runs()[k];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       if constexpr (J::nv > 1)
-        for (Index i = run.first; i < run.last; ++i) {
-          const std::ptrdiff_t at = run.idx_v + J::nv * (i - run.first);
-          for (int c = 1; c < J::nv; ++c)
-            for (int r = 0; r < c; ++r) f(i, at + r, at + c);
-        }
+        for (Index i = run.first; i < run.last; ++i) f(i, std::ptrdiff_t(run.idx_v + J::nv * (i - run.first)), J::nv);
     });
   }
 }
