@@ -115,9 +115,9 @@ DYN_INLINE void second_order_tile(const Data<T>& d, const SecondOrder<TiledMatri
                         tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return with_mu(P{}, d.F[j]); }).transposed(), i0, j0);
 }
 
-// The matrices in the expanded coordinates; tiles that d.active leaves out are not touched.
-template <class T>
-void second_order_tiles(const Model& m, const Data<T>& d, const SecondOrder<T*>& p) {
+// The matrices in the expanded coordinates. for_tiles(begin, f) goes over the tiles.
+template <class T, class Tiles>
+void second_order_tiles(const Model& m, const Data<T>& d, Tiles&& for_tiles, const SecondOrder<T*>& p) {
   const std::ptrdiff_t n = m.n.nvx;
   const SecondOrder<TiledMatrix<T>> out{{p.dqdq, n}, {p.dvdv, n}, {p.dqdv, n}, {p.dadq, n}};
   struct Rows {
@@ -125,14 +125,13 @@ void second_order_tiles(const Model& m, const Data<T>& d, const SecondOrder<T*>&
     Six<T> mu;
     bool moves;
   };
-  for_each_tile<T>(
-      m,
+  for_tiles(
       [&](std::ptrdiff_t i0) DYN_INLINE_LAMBDA {
         const Motion<T>* mu = d.mu_S + i0;
-        return Rows{d.rows[i0 / 4], Six<T>::transposed(mu), !(is_zero(mu[0]) && is_zero(mu[1]) && is_zero(mu[2]) && is_zero(mu[3]))};
+        const bool moves = !(is_zero(mu[0]) && is_zero(mu[1]) && is_zero(mu[2]) && is_zero(mu[3]));
+        return Rows{d.rows[i0 / 4], moves ? Six<T>::transposed(mu) : Six<T>{}, moves};
       },
       [&](const Rows& rows, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
-        if (!(d.active[j0] | d.active[j0 + 1] | d.active[j0 + 2] | d.active[j0 + 3])) return;
         if (rows.moves)
           second_order_tile<true>(d, out, rows.fixed, rows.mu, i0, j0, mask);
         else
@@ -140,7 +139,7 @@ void second_order_tiles(const Model& m, const Data<T>& d, const SecondOrder<T*>&
       });
   // columns of one joint turn together, and none of them changes the others' psi', psi'' and mu by its velocity
   for_each_block(m, [&](Index i, std::ptrdiff_t first, int nv) {
-    if (!d.active[first]) return;
+    if (!d.active[first]) return;  // zero
     const bool rooted = m.bodies()[i].parent == 0;  // psi' = mu = 0
     for (std::ptrdiff_t c = first + 1; c < first + nv; ++c) {
       const Force<T> turned = cross(d.S[c], d.P[i]);
@@ -156,10 +155,10 @@ void second_order_tiles(const Model& m, const Data<T>& d, const SecondOrder<T*>&
 }
 
 // The matrices from mu, G, E, H.
-template <class T>
-void second_order_matrices(const Model& m, Data<T>& d, const SecondOrder<T*>& out) {
-  if (!m.has_mimic) return second_order_tiles(m, d, out);
-  second_order_tiles(m, d, SecondOrder<T*>{d.dqx, d.dvx, d.Mx, d.d2x});
+template <class T, class Tiles>
+void second_order_matrices(const Model& m, Data<T>& d, Tiles&& for_tiles, const SecondOrder<T*>& out) {
+  if (!m.has_mimic) return second_order_tiles(m, d, for_tiles, out);
+  second_order_tiles(m, d, for_tiles, SecondOrder<T*>{d.dqx, d.dvx, d.Mx, d.d2x});
   if (out.dqdq) contract(m, d.dqx, out.dqdq);
   if (out.dvdv) contract_symmetric(m, d.dvx, out.dvdv);
   if (out.dqdv) contract(m, d.Mx, out.dqdv);
@@ -171,7 +170,7 @@ template <class T>
 void second_order_product(const Model& m, Data<T>& d, const T* lambda, const SecondOrder<T*>& out) {
   std::fill_n(d.active, m.n.nvx, Index(1));
   contract_composites(m, d, d.expand(m, lambda, d.lambdax));
-  second_order_matrices(m, d, out);
+  second_order_matrices(m, d, [&](auto&& begin, auto&& f) DYN_INLINE_LAMBDA { for_each_tile<T>(m, begin, f); }, out);
 }
 
 }  // namespace dyn

@@ -50,6 +50,18 @@ void unit_composites(const Model& m, Data<T>& d, Index u) {
   }
 }
 
+// Links the tiles that have active degrees of freedom, and answers the first of them.
+template <class T>
+std::ptrdiff_t link_tiles(const Model& m, Data<T>& d) {
+  std::ptrdiff_t next = m.n.nvx;
+  for (std::ptrdiff_t i0 = tile_room(m.n.nvx) - 4; i0 >= 0; i0 -= 4) {
+    d.next_tile[i0 / 4] = Index(next);
+    const Index* a = d.active + i0;
+    if (a[0] | a[1] | a[2] | a[3]) next = i0;
+  }
+  return next;
+}
+
 // Of each tau_i, after second_order_columns: nv matrices one after another.
 template <class T>
 void second_order_derivatives(const Model& m, Data<T>& d, const SecondOrder<T*>& out) {
@@ -62,8 +74,9 @@ void second_order_derivatives(const Model& m, Data<T>& d, const SecondOrder<T*>&
   };
   for (Index i = 0; i < m.n.nv; ++i) {
     unit_composites(m, d, i);
-    second_order_matrices(
-        m, d, SecondOrder<T*>{cleared(out.dqdq, d.dqx, i), cleared(out.dvdv, d.dvx, i), cleared(out.dqdv, d.Mx, i), cleared(out.dadq, d.d2x, i)});
+    const std::ptrdiff_t first = link_tiles(m, d);
+    second_order_matrices(m, d, [&](auto&& begin, auto&& f) DYN_INLINE_LAMBDA { for_each_tile_among<T>(m, d.next_tile, first, begin, f); },
+                          SecondOrder<T*>{cleared(out.dqdq, d.dqx, i), cleared(out.dvdv, d.dvx, i), cleared(out.dqdv, d.Mx, i), cleared(out.dadq, d.d2x, i)});
   }
 }
 

@@ -93,27 +93,40 @@ struct TiledMatrix {
   }
 };
 
+// f(rows, i0, j0, mask) for the tiles of the rows i0 .. i0 + 3 among the columns j0 .. columns_end that are not zero. next(j0) is the
+// first column of the next tile.
+template <class T, class Begin, class F, class Next>
+DYN_INLINE void for_each_tile_of_rows(const Model& m, std::ptrdiff_t i0, std::ptrdiff_t j0, std::ptrdiff_t columns_end, Begin&& begin, F&& f, Next&& next) {
+  using P = Pack<T, 4>;
+  const Index* e = m.dof_end() + i0;
+  const std::ptrdiff_t longest = std::min<std::ptrdiff_t>(std::max(std::max(e[0], e[1]), std::max(e[2], e[3])), columns_end);
+  const std::ptrdiff_t shortest = std::min<std::ptrdiff_t>(std::min(std::min(e[0], e[1]), std::min(e[2], e[3])), columns_end);
+  if (j0 >= longest) return;
+  const P end = P::from(e);
+  const auto rows = begin(i0);
+  for (; j0 + 4 <= shortest; j0 = next(j0)) f(rows, i0, j0, [](std::ptrdiff_t, const P& x) DYN_INLINE_LAMBDA { return x; });
+  for (; j0 < longest; j0 = next(j0))
+    f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
+}
+
 // f(rows, i0, j0, mask) for the tiles on and above the diagonal that are not zero; mask(j, x) clears the lanes whose degree of
 // freedom does not support j. rows = begin(i0) is what the tiles of four rows share. Panels of 256 columns keep what is being
 // written, and its mirror image, in the cache.
 template <class T, class Begin, class F>
 DYN_INLINE void for_each_tile(const Model& m, Begin&& begin, F&& f) {
-  using P = Pack<T, 4>;
   for (std::ptrdiff_t panel = 0; panel < m.n.nvx; panel += 256) {
     const std::ptrdiff_t panel_end = std::min<std::ptrdiff_t>(panel + 256, m.n.nvx);
-    for (std::ptrdiff_t i0 = 0; i0 < panel_end; i0 += 4) {
-      const Index* e = m.dof_end() + i0;
-      const std::ptrdiff_t longest = std::min<std::ptrdiff_t>(std::max(std::max(e[0], e[1]), std::max(e[2], e[3])), panel_end);
-      const std::ptrdiff_t shortest = std::min<std::ptrdiff_t>(std::min(std::min(e[0], e[1]), std::min(e[2], e[3])), panel_end);
-      std::ptrdiff_t j0 = std::max(i0, panel);
-      if (j0 >= longest) continue;
-      const P end = P::from(e);
-      const auto rows = begin(i0);
-      for (; j0 + 4 <= shortest; j0 += 4) f(rows, i0, j0, [](std::ptrdiff_t, const P& x) DYN_INLINE_LAMBDA { return x; });
-      for (; j0 < longest; j0 += 4)
-        f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
-    }
+    for (std::ptrdiff_t i0 = 0; i0 < panel_end; i0 += 4)
+      for_each_tile_of_rows<T>(m, i0, std::max(i0, panel), panel_end, begin, f, [](std::ptrdiff_t j0) DYN_INLINE_LAMBDA { return j0 + 4; });
   }
+}
+
+// The same for some tiles of a small matrix: next[k] is the first degree of freedom of the one that follows that of k, beyond the
+// last one when there is none.
+template <class T, class Begin, class F>
+DYN_INLINE void for_each_tile_among(const Model& m, const Index* next, std::ptrdiff_t first, Begin&& begin, F&& f) {
+  auto following = [&](std::ptrdiff_t j0) DYN_INLINE_LAMBDA { return std::ptrdiff_t(next[j0 / 4]); };
+  for (std::ptrdiff_t i0 = first; i0 < m.n.nvx; i0 = following(i0)) for_each_tile_of_rows<T>(m, i0, i0, m.n.nvx, begin, f, following);
 }
 
 // f(body, first, nv) for the bodies of more than one degree of freedom.
