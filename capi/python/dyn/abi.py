@@ -166,6 +166,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_factorize": (STATUS, [_p, _p]),
     "dyn_solve": (STATUS, [_p, _p, _p, _i, _p]),
     "dyn_minverse": (STATUS, [_p, _p, _p, _p]),
+    "dyn_rnea_derivatives": (STATUS, [_p, _p, _p, _p, _p, _p, _p, _p]),
+    "dyn_aba_derivatives": (STATUS, [_p, _p, _p, _p, _p, _p, _p, _p, _p]),
     "dyn_gravity_derivatives": (STATUS, [_p, _p, _p, _p]),
     "dyn_static_torque_derivatives": (STATUS, [_p, _p, _p, _p, _p]),
     "dyn_rnea_second_order_product": (STATUS, [_p] * 11),
