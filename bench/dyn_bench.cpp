@@ -64,7 +64,7 @@ struct Bench {
   dynModel* m;
   dynData* d = nullptr;
   int nq, nv;
-  std::vector<double> q, v, a, tau, x;
+  std::vector<double> q, v, a, tau, x, columns, tensors;
   std::vector<Row> rows;
 
   explicit Bench(dynModel* model) : m(model), nq(dyn_nq(m)), nv(dyn_nv(m)) {
@@ -86,7 +86,7 @@ struct Bench {
     auto A = [this](int k) { return a.data() + std::ptrdiff_t(k) * nv; };
     auto U = [this](int k) { return tau.data() + std::ptrdiff_t(k) * nv; };
     auto add = [&, this](const char* name, std::function<void(int)> f) {
-      const std::string squares = ",rnea_derivatives,aba_derivatives,crba,cholesky,solve,minv,all_terms,coriolis,torque_regressor,static_regressor,"
+      const std::string squares = ",rnea_derivatives,aba_derivatives,second_order_product,gravity_derivatives,static_torque_derivatives,crba,cholesky,solve,minv,all_terms,coriolis,torque_regressor,static_regressor,"
                                   "kinetic_energy_regressor,potential_energy_regressor,";
       if (small || squares.find("," + std::string(name) + ",") == std::string::npos) rows.push_back({name, std::move(f), {}});
     };
@@ -116,6 +116,39 @@ struct Bench {
     add("difference", [=, this](int k) { dyn_difference(m, Q(k), Q((k + 1) % states), x.data()); });
     add("rnea_derivatives", [=, this](int k) { dyn_rnea_derivatives(m, d, Q(k), V(k), A(k), nullptr, nullptr, nullptr); });
     add("aba_derivatives", [=, this](int k) { dyn_aba_derivatives(m, d, Q(k), V(k), U(k), nullptr, nullptr, nullptr, nullptr); });
+    add("gravity_derivatives", [=, this](int k) { dyn_gravity_derivatives(m, d, Q(k), nullptr); });
+    add("static_torque_derivatives", [=, this](int k) { dyn_static_torque_derivatives(m, d, Q(k), nullptr, nullptr); });
+    add("com_velocity_derivatives", [=, this](int k) { dyn_center_of_mass_velocity_derivatives(m, d, Q(k), V(k), nullptr, nullptr); });
+    // of the last joint's frame, kinematics included
+    int last = 0;
+    for (int f = 0; f < dyn_nframes(m); ++f) {
+      dynFrameInfo info{};
+      info.struct_size = sizeof info;
+      require(dyn_frame_info(m, f, &info));
+      if (info.type == DYN_FRAME_JOINT && info.joint == dyn_njoints(m) - 1) last = f;
+    }
+    columns.resize(6 * std::size_t(nv) * std::size_t(std::max(3, nv <= 150 ? nv : 0)));
+    add("frame_derivatives", [=, this](int k) {
+      dyn_forward_kinematics(m, d, Q(k), V(k), A(k));
+      dyn_frame_acceleration_derivatives(m, d, last, DYN_LOCAL, columns.data(), columns.data() + 6 * nv, columns.data() + 12 * nv);
+    });
+    if (nv <= 150) {
+      add("kinematic_hessian", [=, this](int k) {
+        dyn_forward_kinematics(m, d, Q(k), nullptr, nullptr);
+        dyn_frame_kinematic_hessian(m, d, last, DYN_LOCAL, columns.data());
+      });
+    }
+    add("second_order_product", [=, this](int k) {
+      dyn_rnea_second_order_product(m, d, Q(k), V(k), A(k), nullptr, U(k), nullptr, nullptr, nullptr, nullptr);
+    });
+    if (nv <= 150) {
+      tensors.resize(4 * std::size_t(nv) * std::size_t(nv) * std::size_t(nv));
+      const std::ptrdiff_t cube = std::ptrdiff_t(nv) * nv * nv;
+      add("second_order", [=, this](int k) {
+        double* x = tensors.data();
+        dyn_rnea_second_order_derivatives(m, d, Q(k), V(k), A(k), nullptr, x, x + cube, x + 2 * cube, x + 3 * cube);
+      });
+    }
     add("coriolis", [=, this](int k) { dyn_coriolis_matrix(m, d, Q(k), V(k), nullptr); });
     add("djacobians", [=, this](int k) { dyn_joint_jacobians_time_variation(m, d, Q(k), V(k), nullptr); });
     add("kinetic_energy", [=, this](int k) { dyn_kinetic_energy(m, d, Q(k), V(k), nullptr); });

@@ -19,8 +19,7 @@ void kinematics(const Model& m, Data<double>& d, int level) {
   else ensure_position(m, d);
 }
 
-// Kinematics beyond these bounds are refused: within them no product that a frame query or a Jacobian forms overflows.
-constexpr double most = 1e100, most_acceleration = 1e200;
+constexpr double most_acceleration = most * most;
 
 // The first body whose vector has a component beyond the bound (or none at all: NaN), or n.
 Index beyond(const Vec3<double>* x, Index n, double bound) {
@@ -58,16 +57,14 @@ bool dyn::capi::moderate(Call& call, int level) {
   return true;
 }
 
-namespace {
-
 // The same for what a frame query reads, which another call may have computed without looking.
-bool moderate_frame(Call& call, int frame, int level) {
+bool dyn::capi::moderate_frame(Call& call, int frame, int level, double bound) {
   const Model& m = call.m();
   const Data<double>& d = call.d();
   for (Index i = m.frames()[frame].body; i != 0; i = m.bodies()[i].parent) {
-    bool good = beyond(d.p + i, 1, most) == 1;
-    if (level >= 1) good = good && beyond(d.w + i, 1, most) == 1 && beyond(d.u + i, 1, most) == 1;
-    if (level >= 2) good = good && beyond(d.dw + i, 1, most_acceleration) == 1 && beyond(d.du + i, 1, most_acceleration) == 1;
+    bool good = beyond(d.p + i, 1, bound) == 1;
+    if (level >= 1) good = good && beyond(d.w + i, 1, bound) == 1 && beyond(d.u + i, 1, bound) == 1;
+    if (level >= 2) good = good && beyond(d.dw + i, 1, bound * bound) == 1 && beyond(d.du + i, 1, bound * bound) == 1;
     if (!good) {
       call.status = fail(DYN_ERROR_NUMERIC, "%s: the motion of joint '%s' overflows: the state is too large for double precision", call.function,
                          m.string(m.joints()[m.bodies()[i].joint].name));
@@ -76,8 +73,6 @@ bool moderate_frame(Call& call, int frame, int level) {
   }
   return true;
 }
-
-}  // namespace
 
 dynStatus dyn::capi::singular(Call& call, Index joint, Stage stage) {
   call.drop_results();

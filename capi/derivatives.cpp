@@ -42,4 +42,39 @@ dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double
   return DYN_OK;
 }
 
+static dynStatus at_rest(const dynModel* model, dynData* data, const double* q, const double* fext, double* Data<double>::*field, const char* name,
+                         Stage stage, const char* function, double* out) {
+  Call call(model, data, DYN_PART_INVERSE_DERIVATIVES, function);
+  if (!call || !check_fext(call, fext) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  const std::ptrdiff_t nv = call.m().n.nv;
+  Data<double>& d = call.d();
+  gravity_derivatives(call.m(), d, fext, d.*field);
+  d.done(stage);
+  if (!moderate(call, 0) || !call.numeric(d.*field, Index(nv * nv), name, stage)) return call.status;
+  copy_out(d.*field, nv * nv, out);
+  return DYN_OK;
+}
+
+dynStatus dyn_gravity_derivatives(const dynModel* model, dynData* data, const double* q, double* dg_dq) {
+  return at_rest(model, data, q, nullptr, &Data<double>::dg_dq, "dg_dq", Stage::GravityDerivatives, "dyn_gravity_derivatives", dg_dq);
+}
+
+dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, const double* q, const double* fext, double* dstatic_torque_dq) {
+  return at_rest(model, data, q, fext, &Data<double>::dstatic_torque_dq, "dstatic_torque_dq", Stage::StaticDerivatives, "dyn_static_torque_derivatives",
+                 dstatic_torque_dq);
+}
+
+dynStatus dyn_center_of_mass_velocity_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, double* dvcom_dq, double* dvcom_dv) {
+  Call call(model, data, DYN_PART_COM, "dyn_center_of_mass_velocity_derivatives");
+  if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  const Index n = 3 * call.m().n.nv;
+  center_of_mass_velocity_derivatives(call.m(), d);
+  if (!moderate(call, 1) || !call.numeric(d.com, 3, "com", Stage::Com) || !call.numeric(d.vcom, 3, "vcom", Stage::Vcom) ||
+      !call.numeric(d.Jcom, n, "Jcom", Stage::Jcom) || !call.numeric(d.dvcom_dq, n, "dvcom_dq", Stage::ComDerivatives))
+    return call.status;
+  copy_out(d.dvcom_dq, n, dvcom_dq), copy_out(d.Jcom, n, dvcom_dv);
+  return DYN_OK;
+}
+
 }  // extern "C"

@@ -292,7 +292,7 @@ typedef uint32_t dynParts;
 enum {
   DYN_PART_KINEMATICS = 1u << 0, /* placements, velocities, accelerations of the joints */
   DYN_PART_JACOBIANS = 1u << 1,  /* J, dJ: 6 x nv each */
-  DYN_PART_COM = 1u << 2,        /* com, vcom, acom, Jcom, subtree centres of mass */
+  DYN_PART_COM = 1u << 2,        /* com, vcom, acom, Jcom, dvcom_dq, subtree centres of mass */
   DYN_PART_INVERSE = 1u << 3,    /* tau, nle, g: RNEA */
   DYN_PART_FORWARD = 1u << 4,    /* ddq: ABA */
   DYN_PART_MASS = 1u << 5,       /* M: nv x nv, CRBA */
@@ -302,11 +302,11 @@ enum {
   DYN_PART_ENERGY = 1u << 9,     /* kinetic, potential, mechanical */
   DYN_PART_FRAMES = 1u << 10,    /* placements of all frames */
   DYN_PART_CENTROIDAL = 1u << 11,          /* Ag, dAg, dh_dq, dhdot_dq, dhdot_dv: 6 x nv each; hg, dhg, Ig */
-  DYN_PART_INVERSE_DERIVATIVES = 1u << 12, /* dtau_dq, dtau_dv: nv x nv each */
+  DYN_PART_INVERSE_DERIVATIVES = 1u << 12, /* dtau_dq, dtau_dv, dg_dq, dstatic_torque_dq: nv x nv each */
   DYN_PART_FORWARD_DERIVATIVES = 1u << 13, /* ddq_dq, ddq_dv: nv x nv each (includes MINV and INVERSE_DERIVATIVES) */
   DYN_PART_REGRESSOR = 1u << 14,           /* regressor: nv x 10 (njoints - 1); those of com and energies */
   DYN_PART_IK = 1u << 15,                  /* inverse kinematics */
-  DYN_PART_SECOND_ORDER = 1u << 16,        /* second derivatives of the inverse dynamics */
+  DYN_PART_SECOND_ORDER = 1u << 16,        /* lambda_d2tau_...: nv x nv each (includes INVERSE_DERIVATIVES) */
   DYN_PART_ALL = 0x1ffff
 };
 
@@ -370,6 +370,19 @@ DYN_API dynStatus dyn_frame_jacobian(const dynModel* model, dynData* data, int f
 /* d/dt of dyn_frame_jacobian, 6 x nv, fully written. Needs kinematics of the current q, v. */
 DYN_API dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data, int frame, dynReference reference, double* dJ);
 
+/* Derivatives of dyn_frame_velocity, 6 x nv each, fully written; either may be NULL. Column k of dv_dq is that along q (+) e_k t, with
+   v held. dv_dv is the Jacobian. Need kinematics of the current q, v. */
+DYN_API dynStatus dyn_frame_velocity_derivatives(const dynModel* model, dynData* data, int frame, dynReference reference, double* dv_dq, double* dv_dv);
+/* The same of dyn_frame_acceleration and of dyn_frame_classical_acceleration; any output may be NULL. Need kinematics of the current
+   q, v, a. (Carpentier and Mansard 2018) */
+DYN_API dynStatus dyn_frame_acceleration_derivatives(const dynModel* model, dynData* data, int frame, dynReference reference, double* da_dq,
+                                                     double* da_dv, double* da_da);
+DYN_API dynStatus dyn_frame_classical_acceleration_derivatives(const dynModel* model, dynData* data, int frame, dynReference reference, double* da_dq,
+                                                               double* da_dv, double* da_da);
+/* H, 6 x nv x nv, fully written: element (r, j, k) at r + 6 j + 6 nv k, nv matrices 6 x nv of which the k-th is the derivative of
+   dyn_frame_jacobian along q (+) e_k t: the sum of H_k v_k is its time variation. Needs placements of the current q and part JACOBIANS. */
+DYN_API dynStatus dyn_frame_kinematic_hessian(const dynModel* model, dynData* data, int frame, dynReference reference, double* H);
+
 /* ------------------------------------------------------------------------------------------------------- centre of mass */
 
 /* com, vcom, acom: 3 each, world axes. v and a NULL as in dyn_forward_kinematics (which this includes). */
@@ -377,6 +390,9 @@ DYN_API dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const
                                      double* com, double* vcom, double* acom);
 /* Jcom: 3 x nv, Jcom v = vcom. Includes com and kinematics of q. */
 DYN_API dynStatus dyn_center_of_mass_jacobian(const dynModel* model, dynData* data, const double* q, double* Jcom);
+/* Derivatives of vcom on the tangent space, 3 x nv each: by q, and by v, which is Jcom. Includes com, vcom and kinematics of q, v. */
+DYN_API dynStatus dyn_center_of_mass_velocity_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, double* dvcom_dq,
+                                                          double* dvcom_dv);
 /* Of the subtree that a joint carries (itself included): com 3, mass (either may be NULL). Needs dyn_center_of_mass. */
 DYN_API dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* data, int joint, double com[3], double* mass);
 /* Jacobian of that point, 3 x nv. Needs dyn_center_of_mass. */
@@ -436,10 +452,26 @@ DYN_API dynStatus dyn_minverse(const dynModel* model, dynData* data, const doubl
    dtau/da), tau, and placements. (Singh, Russell, Wensing 2022) */
 DYN_API dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
                                        const double* fext, double* dtau_dq, double* dtau_dv);
+/* Second derivatives of inverse dynamics on the tangent space, analytic. d2tau_dqdv is the derivative of dtau_dq by v, d2tau_dadq that of
+   M by q; d2tau_dqdq is the derivative along q (+) e_k t of column j of dtau_dq, itself the derivative along q (+) e_j t, so that its
+   order matters (j, k and k, j differ) where e_j and e_k belong to one spherical or free-flyer joint, whose rotations do not commute.
+   (After Singh, Russell, Wensing 2023)
+   Their products with a vector lambda (nv numbers): sum over i of lambda_i d2tau_i, the second derivatives of lambda . tau; nv x nv each
+   (any may be NULL), rows j by the first variable of the name, columns k by the second. O(n depth), about the time of two
+   dyn_rnea_derivatives. Includes placements. Needs part SECOND_ORDER. */
+DYN_API dynStatus dyn_rnea_second_order_product(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
+                                                const double* lambda, double* dqdq, double* dvdv, double* dqdv, double* dadq);
+/* The four tensors, nv x nv x nv each, fully written; any may be NULL: element (i, j, k) at j + nv k + nv^2 i, that is, nv matrices nv x nv of
+   which the i-th is the product with lambda = e_i. Includes placements. Needs part SECOND_ORDER. */
+DYN_API dynStatus dyn_rnea_second_order_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                                    const double* fext, double* d2tau_dqdq, double* d2tau_dvdv, double* d2tau_dqdv, double* d2tau_dadq);
 /* Derivatives of forward dynamics, nv x nv each (any may be NULL); ddq_dtau is Minv. Includes ddq; dtau_dq, dtau_dv and tau in data
    are not for the held a afterwards: they are stale. (Carpentier and Mansard 2018) */
 DYN_API dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
                                       const double* fext, double* ddq_dq, double* ddq_dv, double* ddq_dtau);
+/* Derivatives of g, and of static_torque under fext (constant in the joints' frames), by q: nv x nv, on the tangent space. Include placements. */
+DYN_API dynStatus dyn_gravity_derivatives(const dynModel* model, dynData* data, const double* q, double* dg_dq);
+DYN_API dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, const double* q, const double* fext, double* dstatic_torque_dq);
 /* Kinetic (v' M v / 2, armature included) and potential energy (zero at the world's origin), joules; each may be NULL. */
 DYN_API dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic, double* potential);
 

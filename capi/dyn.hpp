@@ -392,6 +392,29 @@ class Data {
   Matrix frame_jacobian_time_variation(int frame, dynReference r = DYN_LOCAL) {
     return own(6, [&](double* J) { return dyn_frame_jacobian_time_variation(m(), get(), frame, r, J); });
   }
+  struct FrameVelocityDerivatives {
+    Matrix dv_dq, dv_dv;
+  };
+  FrameVelocityDerivatives frame_velocity_derivatives(int frame, dynReference r = DYN_LOCAL) {
+    FrameVelocityDerivatives x{Matrix(6, nv()), Matrix(6, nv())};
+    check(dyn_frame_velocity_derivatives(m(), get(), frame, r, x.dv_dq.data(), x.dv_dv.data()));
+    return x;
+  }
+  struct FrameAccelerationDerivatives {
+    Matrix da_dq, da_dv, da_da;
+  };
+  FrameAccelerationDerivatives frame_acceleration_derivatives(int frame, dynReference r = DYN_LOCAL) {
+    return by_q_v_a(dyn_frame_acceleration_derivatives, frame, r);
+  }
+  FrameAccelerationDerivatives frame_classical_acceleration_derivatives(int frame, dynReference r = DYN_LOCAL) {
+    return by_q_v_a(dyn_frame_classical_acceleration_derivatives, frame, r);
+  }
+  // 6 x nv nv: the k-th 6 x nv is the derivative of the Jacobian by q_k
+  Matrix frame_kinematic_hessian(int frame, dynReference r = DYN_LOCAL) {
+    Matrix H(6, nv() * nv());
+    check(dyn_frame_kinematic_hessian(m(), get(), frame, r, H.data()));
+    return H;
+  }
 
   // centre of mass; with v and a also the fields "vcom" and "acom"
   View center_of_mass(Input q = held, Input v = none, Input a = none) {
@@ -402,6 +425,13 @@ class Data {
   View center_of_mass_jacobian(Input q = held) {
     static const dynField id = dyn_field_id("Jcom");
     return result(id, dyn_center_of_mass_jacobian(m(), get(), q.of(nq(), "q"), nullptr));
+  }
+  struct CenterOfMassVelocityDerivatives {
+    View dvcom_dq, dvcom_dv;
+  };
+  CenterOfMassVelocityDerivatives center_of_mass_velocity_derivatives(Input q = held, Input v = held) {
+    check(dyn_center_of_mass_velocity_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr, nullptr));
+    return {field("dvcom_dq"), field("Jcom")};
   }
   std::pair<Vector3, double> subtree_center_of_mass(int joint) {  // and its mass
     std::pair<Vector3, double> out;
@@ -518,6 +548,32 @@ class Data {
     check(dyn_aba_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext), nullptr, nullptr, nullptr));
     return {field("ddq_dq"), field("ddq_dv"), field("Minv")};
   }
+  View gravity_derivatives(Input q = held) {
+    static const dynField id = dyn_field_id("dg_dq");
+    return result(id, dyn_gravity_derivatives(m(), get(), q.of(nq(), "q"), nullptr));
+  }
+  View static_torque_derivatives(Input q = held, Input fext = none) {
+    static const dynField id = dyn_field_id("dstatic_torque_dq");
+    return result(id, dyn_static_torque_derivatives(m(), get(), q.of(nq(), "q"), forces(fext), nullptr));
+  }
+  struct SecondOrderProduct {
+    View dqdq, dvdv, dqdv, dadq;
+  };
+  SecondOrderProduct rnea_second_order_product(Input lambda, Input q = held, Input v = held, Input a = held, Input fext = none) {
+    check(dyn_rnea_second_order_product(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), lambda.of(nv(), "lambda"), nullptr,
+                                        nullptr, nullptr, nullptr));
+    return {field("lambda_d2tau_dqdq"), field("lambda_d2tau_dvdv"), field("lambda_d2tau_dqdv"), field("lambda_d2tau_dadq")};
+  }
+  struct SecondOrderDerivatives {  // nv matrices nv x nv one after another, that of tau_1 first
+    Vector d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq;
+  };
+  SecondOrderDerivatives rnea_second_order_derivatives(Input q = held, Input v = held, Input a = held, Input fext = none) {
+    const std::size_t n = static_cast<std::size_t>(nv());
+    SecondOrderDerivatives x{Vector(n * n * n), Vector(n * n * n), Vector(n * n * n), Vector(n * n * n)};
+    check(dyn_rnea_second_order_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), x.d2tau_dqdq.data(),
+                                            x.d2tau_dvdv.data(), x.d2tau_dqdv.data(), x.d2tau_dadq.data()));
+    return x;
+  }
   struct Energy {
     double kinetic, potential;
     double mechanical() const { return kinetic + potential; }
@@ -563,6 +619,12 @@ class Data {
     Vector6 out;
     check(call(m(), get(), frame, r, out.data()));
     return out;
+  }
+  template <class F>
+  FrameAccelerationDerivatives by_q_v_a(F call, int frame, dynReference r) {
+    FrameAccelerationDerivatives x{Matrix(6, nv()), Matrix(6, nv()), Matrix(6, nv())};
+    check(call(m(), get(), frame, r, x.da_dq.data(), x.da_dv.data(), x.da_da.data()));
+    return x;
   }
   template <class F>
   Matrix own(int rows, F call) {

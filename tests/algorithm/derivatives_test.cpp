@@ -1,38 +1,9 @@
 // Analytic derivatives against central differences in quadruple precision (truncation 1e-16 of the third derivative).
-#include "algorithm/trees.hpp"
+#include "algorithm/rates.hpp"
 #include "dyn/algorithm/aba_derivatives.hpp"
 
 namespace dyn_test {
 namespace {
-
-// Column k: f's derivative along the k-th direction of the tangent space at q, or of v.
-template <class F>
-MatrixXd by_q(const Case& c, F&& f) {
-  MatrixXd out(c.nv, c.nv);
-  for (Index k = 0; k < c.nv; ++k)
-    out.col(k) = rate([&](Quad t) { return f(on_path(c.m, c.x.q, VectorXd::Unit(c.nv, k), VectorXd::Zero(c.nv), t), Quads(c.x.v.begin(), c.x.v.end())); }, c.nv);
-  return out;
-}
-template <class F>
-MatrixXd by_v(const Case& c, F&& f) {
-  MatrixXd out(c.nv, c.nv);
-  const Quads q(c.x.q.begin(), c.x.q.end());
-  for (Index k = 0; k < c.nv; ++k)
-    out.col(k) = rate(
-        [&](Quad t) {
-          Quads v(c.x.v.begin(), c.x.v.end());
-          v[std::size_t(k)] += t;
-          return f(q, v);
-        },
-        c.nv);
-  return out;
-}
-
-TreeOptions up_to(int joints) {
-  TreeOptions options;
-  options.joints = joints;
-  return options;
-}
 
 TEST(Derivatives, OfInverseDynamics) {
   for_trees(
@@ -41,7 +12,7 @@ TEST(Derivatives, OfInverseDynamics) {
         const auto fext = dice.vector(6 * c.m.n.joints, 10);
         const Quads f(fext.begin(), fext.end());
         Work<Quad> w(c.m, DYN_PART_INVERSE);
-        auto tau = [&](const Quads& q, const Quads& v) {
+        auto tau = [&](const Quads& q, const Quads& v, const Quads&) {
           Quads out(std::size_t(c.nv));
           w.q(q).v(v).a(c.x.a);
           inverse_dynamics<Quad>(c.m, w.d, w.d.v, w.d.a, f.data(), out.data());
@@ -65,7 +36,7 @@ TEST(Derivatives, OfForwardDynamics) {
         const auto fext = dice.vector(6 * c.m.n.joints, 10);
         const Quads f(fext.begin(), fext.end()), tau(c.x.tau.begin(), c.x.tau.end());
         Work<Quad> w(c.m);
-        auto ddq = [&](const Quads& q, const Quads& v) {
+        auto ddq = [&](const Quads& q, const Quads& v, const Quads&) {
           Quads out(std::size_t(c.nv));
           w.q(q).v(v);
           EXPECT_EQ(0, forward_dynamics<Quad>(c.m, w.d, w.d.v, tau.data(), f.data(), out.data()));

@@ -5,12 +5,12 @@
 
 namespace dyn_test {
 
-enum Uses : unsigned { uses_q = 1, uses_v = 2, uses_a = 4, uses_tau = 8, uses_fext = 16, uses_b = 32, uses_frame = 64, uses_joint = 128, uses_reference = 256 };
+enum Uses : unsigned { uses_q = 1, uses_v = 2, uses_a = 4, uses_tau = 8, uses_fext = 16, uses_b = 32, uses_frame = 64, uses_joint = 128, uses_reference = 256, uses_lambda = 512 };
 enum class Needs { nothing, position, velocity, acceleration, com, mass, factor };
 
 // Arguments of any of the calls; each takes what it needs.
 struct Arguments {
-  const double *q = nullptr, *v = nullptr, *a = nullptr, *tau = nullptr, *fext = nullptr, *b = nullptr;
+  const double *q = nullptr, *v = nullptr, *a = nullptr, *tau = nullptr, *fext = nullptr, *b = nullptr, *lambda = nullptr;
   int frame = 1, joint = 1, nrhs = 1;
   dynReference reference = DYN_LOCAL;
   dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER;
@@ -43,6 +43,8 @@ inline std::size_t frames(const dynModel* m, int) { return 12 * std::size_t(dyn_
 inline std::size_t nv(const dynModel* m, int) { return std::size_t(dyn_nv(m)); }
 inline std::size_t three_nv(const dynModel* m, int) { return 3 * nv(m, 0); }
 inline std::size_t six_nv(const dynModel* m, int) { return 6 * nv(m, 0); }
+inline std::size_t hessian(const dynModel* m, int) { return 6 * nv(m, 0) * nv(m, 0); }
+inline std::size_t cube(const dynModel* m, int) { return nv(m, 0) * nv(m, 0) * nv(m, 0); }
 inline std::size_t square(const dynModel* m, int) { return nv(m, 0) * nv(m, 0); }
 inline std::size_t map_inertia_momentum(const dynModel* m, int k) { return k == 0 ? six_nv(m, 0) : k == 1 ? 36 : 6; }
 inline std::size_t parameters(const dynModel* m, int) { return 10 * std::size_t(dyn_njoints(m) - 1); }
@@ -76,10 +78,20 @@ inline const CallRow call_rows[] = {
      DYN_CALL { return dyn_frame_jacobian(m, d, x.frame, x.reference, x.out[0]); }},
     {"dyn_frame_jacobian_time_variation", DYN_PART_KINEMATICS, uses_frame | uses_reference, Needs::velocity, true, 1, sizes::six_nv,
      DYN_CALL { return dyn_frame_jacobian_time_variation(m, d, x.frame, x.reference, x.out[0]); }},
+    {"dyn_frame_velocity_derivatives", DYN_PART_KINEMATICS, uses_frame | uses_reference, Needs::velocity, false, 2, sizes::six_nv,
+     DYN_CALL { return dyn_frame_velocity_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1]); }},
+    {"dyn_frame_acceleration_derivatives", DYN_PART_KINEMATICS, uses_frame | uses_reference, Needs::acceleration, false, 3, sizes::six_nv,
+     DYN_CALL { return dyn_frame_acceleration_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1], x.out[2]); }},
+    {"dyn_frame_classical_acceleration_derivatives", DYN_PART_KINEMATICS, uses_frame | uses_reference, Needs::acceleration, false, 3, sizes::six_nv,
+     DYN_CALL { return dyn_frame_classical_acceleration_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1], x.out[2]); }},
+    {"dyn_frame_kinematic_hessian", DYN_PART_JACOBIANS, uses_frame | uses_reference, Needs::position, true, 1, sizes::hessian,
+     DYN_CALL { return dyn_frame_kinematic_hessian(m, d, x.frame, x.reference, x.out[0]); }},
     {"dyn_center_of_mass", DYN_PART_COM, uses_q | uses_v | uses_a, Needs::nothing, false, 3, sizes::three,
      DYN_CALL { return dyn_center_of_mass(m, d, x.q, x.v, x.a, x.out[0], x.out[1], x.out[2]); }},
     {"dyn_center_of_mass_jacobian", DYN_PART_COM, uses_q, Needs::nothing, false, 1, sizes::three_nv,
      DYN_CALL { return dyn_center_of_mass_jacobian(m, d, x.q, x.out[0]); }},
+    {"dyn_center_of_mass_velocity_derivatives", DYN_PART_COM, uses_q | uses_v, Needs::nothing, false, 2, sizes::three_nv,
+     DYN_CALL { return dyn_center_of_mass_velocity_derivatives(m, d, x.q, x.v, x.out[0], x.out[1]); }},
     {"dyn_subtree_center_of_mass", DYN_PART_COM, uses_joint, Needs::com, false, 2, sizes::point_and_mass,
      DYN_CALL { return dyn_subtree_center_of_mass(m, d, x.joint, x.out[0], x.out[1]); }},
     {"dyn_subtree_center_of_mass_jacobian", DYN_PART_COM, uses_joint, Needs::com, true, 1, sizes::three_nv,
@@ -105,6 +117,14 @@ inline const CallRow call_rows[] = {
      DYN_CALL { return dyn_rnea_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1]); }},
     {"dyn_aba_derivatives", DYN_PART_FORWARD_DERIVATIVES, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 3, sizes::square,
      DYN_CALL { return dyn_aba_derivatives(m, d, x.q, x.v, x.tau, x.fext, x.out[0], x.out[1], x.out[2]); }},
+    {"dyn_gravity_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q, Needs::nothing, false, 1, sizes::square,
+     DYN_CALL { return dyn_gravity_derivatives(m, d, x.q, x.out[0]); }},
+    {"dyn_static_torque_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q | uses_fext, Needs::nothing, false, 1, sizes::square,
+     DYN_CALL { return dyn_static_torque_derivatives(m, d, x.q, x.fext, x.out[0]); }},
+    {"dyn_rnea_second_order_product", DYN_PART_SECOND_ORDER, uses_q | uses_v | uses_a | uses_fext | uses_lambda, Needs::nothing, false, 4, sizes::square,
+     DYN_CALL { return dyn_rnea_second_order_product(m, d, x.q, x.v, x.a, x.fext, x.lambda, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+    {"dyn_rnea_second_order_derivatives", DYN_PART_SECOND_ORDER, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 4, sizes::cube,
+     DYN_CALL { return dyn_rnea_second_order_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1], x.out[2], x.out[3]); }},
     {"dyn_energy", DYN_PART_ENERGY, uses_q | uses_v, Needs::nothing, false, 2, sizes::one,
      DYN_CALL { return dyn_energy(m, d, x.q, x.v, x.out[0], x.out[1]); }},
     {"dyn_kinetic_energy", DYN_PART_ENERGY, uses_q | uses_v, Needs::nothing, false, 1, sizes::one,
@@ -152,7 +172,7 @@ struct Prepared {
   Arguments x;
 
   Prepared(const CallRow& r, const dynModel* m, const State& state) : row(r), s(state), b(state.a) {
-    x.q = s.q.data(), x.v = s.v.data(), x.a = s.a.data(), x.tau = s.tau.data(), x.fext = s.fext.data(), x.b = b.data();
+    x.q = s.q.data(), x.v = s.v.data(), x.a = s.a.data(), x.tau = s.tau.data(), x.fext = s.fext.data(), x.b = x.lambda = b.data();
     x.frame = dyn_nframes(m) - 1, x.joint = dyn_njoints(m) - 1;
     for (int k = 0; k < row.outputs; ++k) {
       out[k].assign(row.size(m, k) + guard, pattern);

@@ -31,8 +31,9 @@ TEST(Fields, TableIsSound) {
   }
   for (const char* name : {"q", "v", "a", "tau_applied", "time", "placements", "J", "dJ", "com", "vcom", "acom", "Jcom", "tau", "nle", "g",
                            "static_torque", "ddq", "M", "Minv", "coriolis", "kinetic", "potential", "mechanical", "Ag", "dAg", "Ig", "hg", "dhg",
-                           "dh_dq", "dhdot_dq", "dhdot_dv", "regressor", "static_regressor", "kinetic_energy_regressor", "potential_energy_regressor", "dtau_dq", "dtau_dv", "ddq_dq",
-                           "ddq_dv"})
+                           "dh_dq", "dhdot_dq", "dhdot_dv", "regressor", "static_regressor", "kinetic_energy_regressor", "potential_energy_regressor", "dvcom_dq", "dg_dq", "dstatic_torque_dq",
+                           "dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv",
+                           "lambda_d2tau_dqdq", "lambda_d2tau_dvdv", "lambda_d2tau_dqdv", "lambda_d2tau_dadq"})
     EXPECT_TRUE(names.count(name)) << name;
 }
 
@@ -119,8 +120,10 @@ TEST(Freshness, StaleFreshStale) {
 
     // v, a and tau matter to what depends on them, and to nothing else
     const std::set<std::string> of_v = {"dJ", "vcom", "acom", "tau", "nle", "ddq", "coriolis", "kinetic", "mechanical", "dAg", "hg", "dhg", "dh_dq",
-                                        "dhdot_dq", "dhdot_dv", "regressor", "kinetic_energy_regressor", "dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv"},
-                                of_a = {"acom", "tau", "dhg", "dhdot_dq", "regressor", "dtau_dq", "dtau_dv"},
+                                        "dhdot_dq", "dhdot_dv", "regressor", "kinetic_energy_regressor", "dvcom_dq", "lambda_d2tau_dqdq", "lambda_d2tau_dvdv",
+                                        "lambda_d2tau_dqdv", "lambda_d2tau_dadq", "dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv"},
+                                of_a = {"acom", "tau", "dhg", "dhdot_dq", "regressor", "lambda_d2tau_dqdq", "lambda_d2tau_dvdv", "lambda_d2tau_dqdv",
+                                        "lambda_d2tau_dadq", "dtau_dq", "dtau_dv"},
                                 of_tau = {"ddq", "ddq_dq", "ddq_dv"};
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, t.tau.data()));
     EXPECT_EQ(of_tau.count(info.name) ? DYN_ERROR_STALE : DYN_OK, field_status(m, d, info.name)) << who;

@@ -18,6 +18,7 @@ const Input inputs[] = {
     {uses_tau, "tau", [](Prepared& p) -> Numbers& { return p.s.tau; }, [](Prepared& p) -> const double*& { return p.x.tau; }},
     {uses_fext, "fext", [](Prepared& p) -> Numbers& { return p.s.fext; }, [](Prepared& p) -> const double*& { return p.x.fext; }},
     {uses_b, "b", [](Prepared& p) -> Numbers& { return p.b; }, [](Prepared& p) -> const double*& { return p.x.b; }},
+    {uses_lambda, "lambda", [](Prepared& p) -> Numbers& { return p.b; }, [](Prepared& p) -> const double*& { return p.x.lambda; }},
 };
 
 // A data with everything computed for one state; calls come with another.
@@ -134,6 +135,11 @@ TEST_F(Refused, WhatIsPeculiarToOneCall) {
     p.x.b = nullptr;
     expect(p, DYN_ERROR_ARGUMENT, {"dyn_solve", "b is NULL"});
   }
+  {
+    Prepared p(call_row("dyn_rnea_second_order_product"), m, other);
+    p.x.lambda = nullptr;
+    expect(p, DYN_ERROR_ARGUMENT, {"dyn_rnea_second_order_product", "lambda is NULL"});
+  }
   for (double dt : {0.0, -1e-3, -0.0}) {
     Prepared p(call_row("dyn_step"), m, other);
     p.x.dt = dt;
@@ -185,6 +191,7 @@ TEST(Parts, Absent) {
         // a part brings what it includes
         dynParts has = 1u << bit;
         if (has & DYN_PART_FORWARD_DERIVATIVES) has |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES | DYN_PART_FORWARD;
+        if (has & DYN_PART_SECOND_ORDER) has |= DYN_PART_INVERSE_DERIVATIVES;
         if (has & DYN_PART_INVERSE_DERIVATIVES) has |= DYN_PART_INVERSE | DYN_PART_MASS;
         if (has & DYN_PART_MINV) has |= DYN_PART_FACTOR | DYN_PART_FORWARD;
         if (has & DYN_PART_FACTOR) has |= DYN_PART_MASS;

@@ -24,7 +24,7 @@ void blow_up(const dynModel* m, Numbers& x, bool is_q, double size, std::uint64_
 // All frame queries of a data that says its kinematics are fresh.
 void expect_finite_frames(const dynModel* m, dynData* d, const std::string& where) {
   const int nv = dyn_nv(m);
-  Numbers x(std::size_t(6 * nv + 12));
+  Numbers x(std::size_t(6 * nv * nv + 12));
   using Query = std::function<dynStatus(int, dynReference)>;
   const std::pair<const char*, Query> queries[] = {
       {"placement", [&](int f, dynReference) { return dyn_frame_placement(m, d, f, x.data()); }},
@@ -33,6 +33,11 @@ void expect_finite_frames(const dynModel* m, dynData* d, const std::string& wher
       {"classical", [&](int f, dynReference r) { return dyn_frame_classical_acceleration(m, d, f, r, x.data()); }},
       {"jacobian", [&](int f, dynReference r) { return dyn_frame_jacobian(m, d, f, r, x.data()); }},
       {"djacobian", [&](int f, dynReference r) { return dyn_frame_jacobian_time_variation(m, d, f, r, x.data()); }},
+      {"velocity by q", [&](int f, dynReference r) { return dyn_frame_velocity_derivatives(m, d, f, r, x.data(), nullptr); }},
+      {"acceleration by q", [&](int f, dynReference r) { return dyn_frame_acceleration_derivatives(m, d, f, r, x.data(), nullptr, nullptr); }},
+      {"classical by q", [&](int f, dynReference r) { return dyn_frame_classical_acceleration_derivatives(m, d, f, r, x.data(), nullptr, nullptr); }},
+      {"classical by v", [&](int f, dynReference r) { return dyn_frame_classical_acceleration_derivatives(m, d, f, r, nullptr, x.data(), nullptr); }},
+      {"hessian", [&](int f, dynReference r) { return dyn_frame_kinematic_hessian(m, d, f, r, x.data()); }},
   };
   for (const auto& [name, query] : queries)
     for (int f = 0; f < dyn_nframes(m); f += 3)
@@ -49,7 +54,7 @@ void expect_finite_frames(const dynModel* m, dynData* d, const std::string& wher
 
 void sweep(const Model& m, double size, int& refused) {
   const State held = random_state(m, 11);
-  const unsigned kinds[] = {uses_q, uses_v, uses_a, uses_tau, uses_fext, uses_b, uses_q | uses_v | uses_a};
+  const unsigned kinds[] = {uses_q, uses_v, uses_a, uses_tau, uses_fext, uses_b, uses_lambda, uses_q | uses_v | uses_a};
   for (const CallRow& row : call_rows)
     for (unsigned kind : kinds) {
       if (!(row.uses & kind)) continue;
@@ -61,7 +66,7 @@ void sweep(const Model& m, double size, int& refused) {
       if (kind & uses_a) blow_up(m, p.s.a, false, size, 3);
       if (kind & uses_tau) blow_up(m, p.s.tau, false, size, 4);
       if (kind & uses_fext) blow_up(m, p.s.fext, false, size, 5);
-      if (kind & uses_b) blow_up(m, p.b, false, size, 6);
+      if (kind & (uses_b | uses_lambda)) blow_up(m, p.b, false, size, 6);
       const std::string where = std::string(dyn_model_name(m)) + " " + row.name + " " + std::to_string(kind) + " at " + std::to_string(std::log10(size));
       const Snapshot before(m, d);
       const dynStatus status = p(m, d);

@@ -209,13 +209,19 @@ inline void compute_centroidal_and_regressors(const dynModel* m, dynData* d) {
   ASSERT_EQ(DYN_OK, dyn_kinetic_energy_regressor(m, d, nullptr, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_potential_energy_regressor(m, d, nullptr, nullptr));
 }
-// Brings every field of the state to life.
+inline void compute_other_derivatives(const dynModel* m, dynData* d, const double* fext, const double* lambda) {
+  ASSERT_EQ(DYN_OK, dyn_center_of_mass_velocity_derivatives(m, d, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_gravity_derivatives(m, d, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_static_torque_derivatives(m, d, nullptr, fext, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_rnea_second_order_product(m, d, nullptr, nullptr, nullptr, fext, lambda, nullptr, nullptr, nullptr, nullptr));
+}
 // Forward before inverse: their tau and derivatives are of different accelerations, and the last call's are kept.
 inline dynStatus compute_derivatives(const dynModel* m, dynData* d, const double* fext) {
   const dynStatus status = dyn_aba_derivatives(m, d, nullptr, nullptr, nullptr, fext, nullptr, nullptr, nullptr);
   return status == DYN_OK ? dyn_rnea_derivatives(m, d, nullptr, nullptr, nullptr, fext, nullptr, nullptr) : status;
 }
 
+// Brings every field of the state to life.
 inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data())) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, s.tau.data()));
@@ -226,6 +232,7 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_static_torque(m, d, nullptr, s.fext.data(), nullptr));
   ASSERT_EQ(DYN_OK, dyn_aba(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr)) << dyn_last_error();
   compute_centroidal_and_regressors(m, d);
+  compute_other_derivatives(m, d, s.fext.data(), s.tau.data());
 }
 
 inline dynArray view() {

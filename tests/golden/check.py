@@ -115,6 +115,11 @@ class Libdyn:
     def centroidal_derivatives(self, s):
         return self.data.centroidal_derivatives(s["q"], s["v"], s["a"])._asdict()
 
+    def rest_derivatives(self, s):
+        return {"dg_dq a": self.data.gravity_derivatives(s["q"]) @ s["a"],
+                "dstatic_torque_dq a": self.data.static_torque_derivatives(s["q"], self.forces(s["fext"])) @ s["a"],
+                "dvcom_dq a": self.data.center_of_mass_velocity_derivatives(s["q"], s["v"]).dvcom_dq @ s["a"]}
+
     # derivatives by tangent vectors
     def inverse_derivatives(self, s):
         """(dtau_dq, dtau_dv)"""
@@ -147,6 +152,15 @@ class Libdyn:
 
     def dJ(self, frame, reference):
         return self.data.frame_jacobian_time_variation(frame, reference)
+
+    def frame_derivatives(self, s, frame, reference):
+        v = self.data.frame_velocity_derivatives(frame, reference)
+        a = self.data.frame_acceleration_derivatives(frame, reference)
+        classical = self.data.frame_classical_acceleration_derivatives(frame, reference)
+        H = self.data.frame_kinematic_hessian(frame, reference)
+        return {"dv_dq a": v.dv_dq @ s["a"], "da_dq a": a.da_dq @ s["a"], "da_dv a": a.da_dv @ s["a"],
+                "classical_dq a": classical.da_dq[:3] @ s["a"], "classical_dv a": classical.da_dv[:3] @ s["a"],
+                "H a v": np.einsum("rjk,j,k->r", H, s["a"], s["v"])}
 
     # configuration space
     def neutral(self):
@@ -281,7 +295,7 @@ def check_dynamics(table, robot, s, where):
     for quantity in centroidal if values is not None else ():
         compare(quantity, values[quantity])
 
-    for group in "regressors", "centroidal_derivatives":
+    for group in "regressors", "centroidal_derivatives", "rest_derivatives":
         values = table.call(s.get(group, ()), where, getattr(robot, group), s)
         for quantity in s.get(group, ()) if values is not None else ():
             compare(quantity, values[quantity], s[group])
@@ -313,6 +327,10 @@ def check_frames(table, robot, s, where):
                 value = table.call([name], at, getattr(robot, quantity), frame, reference)
                 if value is not None:
                     table.figure(name, at, value, expected)
+        for reference, figures in s.get("frame_derivatives", {}).get(frame, {}).items():
+            values = table.call(figures, at, robot.frame_derivatives, s, frame, reference)
+            for quantity, expected in figures.items() if values is not None else ():
+                table.figure(f"{quantity} {reference}", at, values[quantity], expected)
 
 
 def check_configuration(table, robot, golden, where):

@@ -27,7 +27,7 @@ def robots_folder(given=None):
 
 
 # how a figure's rows and columns scale with the size of a joint's inertia (see scaled)
-FORCES = {"nle", "g", "tau", "tau_fext", "static_torque"}
+FORCES = {"nle", "g", "tau", "tau_fext", "static_torque", "dg_dq a", "dstatic_torque_dq a"}
 ACCELERATIONS = {"ddq", "ddq_fext"}
 FORCE_MATRICES = {"M", "coriolis", "dtau_dq", "dtau_dv"}
 ACCELERATION_MATRICES = {"ddq_dq", "ddq_dv"}

@@ -158,6 +158,25 @@ def check_motion(check, s, e, info, peer):
             check(f"{what}: dJ is the time derivative of J", (ahead - behind) / (2 * h), entry["dJ"], 1e-7)
 
 
+def check_derivatives(check, s, entry, info, peer):
+    """Products with a against central differences along a."""
+    h, q, v, a = 1e-5, s["q"], s["v"], s["a"]
+    moves = {"q": lambda t: peer.moved(peer.integrate(q, t * a), v, a, info["frames"]),
+             "v": lambda t: peer.moved(q, v + t * a, a, info["frames"])}
+    ends = {by: (move(h), move(-h)) for by, move in moves.items()}
+    for frame, references in entry["frame_derivatives"].items():
+        for name, figures in references.items():
+            rates = {by: [(x - y) / (2 * h) for x, y in zip(*(end[frame][name] for end in ends[by]))] for by in ends}
+            expected = {"dv_dq a": rates["q"][0], "da_dq a": rates["q"][1], "da_dv a": rates["v"][1],
+                        "classical_dq a": rates["q"][2][:3], "classical_dv a": rates["v"][2][:3]}
+            for what in figures.keys() & expected.keys():
+                check(f"{frame} {name}: {what}", expected[what], figures[what], 1e-6)
+            along_v = [peer.moved(peer.integrate(q, t * v), v, a, info["frames"])[frame][name][3] @ a for t in (h, -h)]
+            check(f"{frame} {name}: H a v", (along_v[0] - along_v[1]) / (2 * h), figures["H a v"], 1e-6)
+    vcom = [peer.mass_and_energy(peer.integrate(q, t * a), v, a, [])["vcom"] for t in (h, -h)]
+    check("dvcom_dq a", (vcom[0] - vcom[1]) / (2 * h), entry["rest_derivatives"]["dvcom_dq a"], 1e-6)
+
+
 def check_configuration(check, c, peer):
     check("difference(q0, integrate(q0, v)) = v", *wrapped(peer, peer.difference(c["q0"], c["integrate"]), c["v"]))
     difference = peer.difference(c["q0"], c["q1"])
@@ -310,6 +329,9 @@ def one_robot(name, file, base, why, folder):
                                "potential_energy_regressor": potential}
         if large:
             entry["centroidal_derivatives"] = peer.centroidal_derivatives(q, v, a)
+            entry["rest_derivatives"] = peer.rest_derivatives(q, v, a, s["fext"])
+            entry["frame_derivatives"] = peer.frame_derivatives(q, v, a, info["frames"])
+            check_derivatives(check, s, entry, info, peer)
         entry["expect"] = e
         if stored:
             entry["reference"] = stored

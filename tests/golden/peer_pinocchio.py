@@ -13,6 +13,9 @@ Where the conventions differ:
 - centerOfMass leaves subtree centres of mass in the joint's frame: here they are in the world's.
 - crba, computeMinverse fill one triangle: here matrices are full.
 - getFrameJacobianTimeVariation(LOCAL_WORLD_ALIGNED) is checked here against the time derivative of the Jacobian.
+- derivatives of a frame's velocity and spatial acceleration in LOCAL_WORLD_ALIGNED hold the frame's origin still; here it
+  moves, as the velocity and acceleration themselves say: w x J is added (dw x J). Those of points' classical ones are as here.
+- the tensor of a kinematic Hessian comes as an array in row-major order, though its numbers are in column-major order.
 The same: 6D vectors [linear; angular], quaternion (x, y, z, w), floating base [position, quaternion] and [v; w] in the
 body's frame, external forces in the joint's frame at its origin, classical and spatial accelerations, the references.
 """
@@ -132,6 +135,53 @@ class Peer:
         m, d, G = self.model, self.data, self.G
         X = pin.computeCentroidalDynamicsDerivatives(m, d, self.to_pin(q), G @ v, G @ a)
         return {name: x @ G for name, x in zip(("dh_dq", "dhdot_dq", "dhdot_dv"), X)}
+
+    def rest_derivatives(self, q, v, a, fext):
+        """Derivatives by q of the forces at rest and of the velocity of the centre of mass, times a."""
+        m, d, G = self.model, self.data, self.G
+        Q, V, A = self.to_pin(q), G @ v, G @ a
+        out = {"dg_dq a": G.T @ pin.computeGeneralizedGravityDerivatives(m, d, Q) @ A,
+               "dstatic_torque_dq a": G.T @ pin.computeStaticTorqueDerivatives(m, d, Q, self.forces(fext)) @ A}
+        pin.computeForwardKinematicsDerivatives(m, d, Q, V, A)
+        pin.centerOfMass(m, d, Q, V)
+        return out | {"dvcom_dq a": pin.getCenterOfMassVelocityDerivatives(m, d) @ A}
+
+    def frame_derivatives(self, q, v, a, frames):
+        """Derivatives of velocity, spatial and classical acceleration times a, which is as good as random, and the kinematic Hessian
+        times a and v: the matrices would be large files."""
+        m, d, G = self.model, self.data, self.G
+        Q, V, A = self.to_pin(q), G @ v, G @ a
+        pin.computeForwardKinematicsDerivatives(m, d, Q, V, A)
+        pin.updateFramePlacements(m, d)
+        pin.computeJointKinematicHessians(m, d)
+        out = {}
+        for frame in frames:
+            id = self.frame(frame)
+            joint, placement = m.frames[id].parentJoint, m.frames[id].placement
+            out[frame["name"]] = {}
+            for name, reference in REFERENCES.items():
+                dv_dq, da_dq, da_dv, J = (X @ A for X in pin.getFrameAccelerationDerivatives(m, d, id, reference))
+                if name == "LOCAL_WORLD_ALIGNED":
+                    dv_dq[:3] += np.cross(pin.getFrameVelocity(m, d, id, reference).angular, J[:3])
+                    da_dq[:3] += np.cross(pin.getFrameAcceleration(m, d, id, reference).angular, J[:3])
+                entry = {"dv_dq a": dv_dq, "da_dq a": da_dq, "da_dv a": da_dv}
+                if name != "WORLD":
+                    _, by_q, by_v, _ = pin.getPointClassicAccelerationDerivatives(m, d, joint, placement, reference)
+                    entry |= {"classical_dq a": by_q @ A, "classical_dv a": by_v @ A}
+                H = pin.getFrameKinematicHessian(m, d, id, reference)
+                entry["H a v"] = np.einsum("rjk,j,k->r", H.ravel().reshape(H.shape, order="F"), A, V)
+                out[frame["name"]][name] = entry
+        return out
+
+    def moved(self, q, v, a, frames):
+        """{frame: {reference: (velocity, spatial and classical acceleration, J)}}"""
+        m, d, G = self.model, self.data, self.G
+        Q = self.to_pin(q)
+        pin.computeJointJacobians(m, d, Q)
+        pin.forwardKinematics(m, d, Q, G @ v, G @ a)
+        pin.updateFramePlacements(m, d)
+        return {frame["name"]: {name: (*self.frame_motion(frame, reference), pin.getFrameJacobian(m, d, self.frame(frame), reference) @ G)
+                                for name, reference in REFERENCES.items()} for frame in frames}
 
     def inertial_parameters(self):
         """Ten a joint's body, in the order of libdyn's joints."""

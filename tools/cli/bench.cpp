@@ -35,7 +35,7 @@ struct Algorithm {
 std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& out) {
   const dynModel* m = robot;
   dynData* d = data;
-  const int frame = robot.nframes - 1;
+  const int frame = robot.nframes - 1, nv = robot.nv;
   double* x = out.data();
   using S = const Sample&;
   const auto set = [=](S s) { return dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()); };
@@ -53,15 +53,32 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
        [=](S s) { return dyn_joint_jacobians_time_variation(m, d, s.q.data(), s.v.data(), nullptr); },
        {}},
       {"frame_jacobian", false, [=](S) { return dyn_frame_jacobian(m, d, frame, DYN_LOCAL, x); }, placed},
+      {"frame_velocity_derivatives", false, [=](S) { return dyn_frame_velocity_derivatives(m, d, frame, DYN_LOCAL, x, x + 6 * nv); }, placed},
+      {"frame_acceleration_derivatives",
+       false,
+       [=](S) { return dyn_frame_acceleration_derivatives(m, d, frame, DYN_LOCAL, x, x + 6 * nv, nullptr); },
+       placed},
       {"center_of_mass",
        false,
        [=](S s) { return dyn_center_of_mass(m, d, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr); },
        {}},
       {"center_of_mass_jacobian", false, [=](S s) { return dyn_center_of_mass_jacobian(m, d, s.q.data(), nullptr); }, {}},
+      {"center_of_mass_velocity_derivatives",
+       false,
+       [=](S s) { return dyn_center_of_mass_velocity_derivatives(m, d, s.q.data(), s.v.data(), nullptr, nullptr); },
+       {}},
       {"rnea", false, [=](S s) { return dyn_rnea(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr); }, {}},
       {"nonlinear_effects", false, [=](S s) { return dyn_nonlinear_effects(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
       {"gravity", false, [=](S s) { return dyn_gravity(m, d, s.q.data(), nullptr); }, {}},
       {"static_torque", false, [=](S s) { return dyn_static_torque(m, d, s.q.data(), nullptr, nullptr); }, {}},
+      {"gravity_derivatives", true, [=](S s) { return dyn_gravity_derivatives(m, d, s.q.data(), nullptr); }, {}},
+      {"static_torque_derivatives", true, [=](S s) { return dyn_static_torque_derivatives(m, d, s.q.data(), nullptr, nullptr); }, {}},
+      {"rnea_second_order_product",
+       true,
+       [=](S s) {
+         return dyn_rnea_second_order_product(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, s.tau.data(), nullptr, nullptr, nullptr, nullptr);
+       },
+       {}},
       {"coriolis_matrix", true, [=](S s) { return dyn_coriolis_matrix(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
       {"aba", false, [=](S s) { return dyn_aba(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr); }, {}},
       {"crba", true, mass, {}},
@@ -178,7 +195,7 @@ void run(const Options& options) {
   const bool dense = robot.nv <= max_dense;
   const Data data(robot, dense ? dynParts(DYN_PART_ALL) : sparse | robot.forward_parts());
   const auto samples = random_states(robot);
-  Vector out(6 * static_cast<std::size_t>(std::max(robot.nq, robot.nv)) + 12);
+  Vector out(12 * static_cast<std::size_t>(std::max(robot.nq, robot.nv)) + 12);
   auto table = algorithms(robot, data, out);
   if (!dense) {
     std::cerr << "dyn: nv is " << robot.nv << ": what needs nv x nv numbers is left out.\n";

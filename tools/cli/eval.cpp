@@ -113,6 +113,36 @@ json forward_derivative(const Context& c, const char* name) {
   return c.matrix(dyn_aba_derivatives(c.robot, c.data, c.q, c.v, c.tau, nullptr, nullptr, nullptr, nullptr), name, c.robot.nv);
 }
 
+json by_q(const Context& c, dynStatus (*call)(const dynModel*, dynData*, int, dynReference, double*, double*, double*)) {
+  return c.frame_matrix([call](const dynModel* m, dynData* d, int frame, dynReference r, double* out) { return call(m, d, frame, r, out, nullptr, nullptr); });
+}
+json by_v(const Context& c, dynStatus (*call)(const dynModel*, dynData*, int, dynReference, double*, double*, double*)) {
+  return c.frame_matrix([call](const dynModel* m, dynData* d, int frame, dynReference r, double* out) { return call(m, d, frame, r, nullptr, out, nullptr); });
+}
+
+// By q_k: [k] is the derivative of the frame's Jacobian.
+json kinematic_hessian(const Context& c) {
+  c.kinematics();
+  const std::size_t page = 6 * static_cast<std::size_t>(c.robot.nv);
+  Vector H(page * static_cast<std::size_t>(c.robot.nv));
+  check(dyn_frame_kinematic_hessian(c.robot, c.data, c.frame, c.reference, H.data()));
+  json out = json::array();
+  for (std::size_t k = 0; k < H.size(); k += page) out.push_back(matrix_json(H.data() + k, 6, c.robot.nv));
+  return out;
+}
+
+// [i] is the matrix of tau_i.
+json second_order(const Context& c, int which) {
+  const std::size_t square = static_cast<std::size_t>(c.robot.nv) * static_cast<std::size_t>(c.robot.nv);
+  Vector tensor(square * static_cast<std::size_t>(c.robot.nv));
+  double* x[4] = {};
+  x[which] = tensor.data();
+  check(dyn_rnea_second_order_derivatives(c.robot, c.data, c.q, c.v, c.a, nullptr, x[0], x[1], x[2], x[3]));
+  json out = json::array();
+  for (std::size_t i = 0; i < tensor.size(); i += square) out.push_back(matrix_json(tensor.data() + i, c.robot.nv, c.robot.nv));
+  return out;
+}
+
 int parameter_count(const Context& c) { return 10 * (c.robot.njoints - 1); }
 
 json regressor(const Context& c, dynStatus status, const char* name, int rows) {
@@ -181,6 +211,29 @@ const std::vector<Quantity>& quantities() {
       {"frame_acceleration", DYN_PART_KINEMATICS, true, [](C c) { return c.frame_vector(dyn_frame_acceleration); }},
       {"frame_classical_acceleration", DYN_PART_KINEMATICS, true,
        [](C c) { return c.frame_vector(dyn_frame_classical_acceleration); }},
+      {"dv_dq", DYN_PART_KINEMATICS, true,
+       [](C c) {
+         return c.frame_matrix([](const dynModel* m, dynData* d, int frame, dynReference r, double* out) {
+           return dyn_frame_velocity_derivatives(m, d, frame, r, out, nullptr);
+         });
+       }},
+      {"da_dq", DYN_PART_KINEMATICS, true, [](C c) { return by_q(c, dyn_frame_acceleration_derivatives); }},
+      {"da_dv", DYN_PART_KINEMATICS, true, [](C c) { return by_v(c, dyn_frame_acceleration_derivatives); }},
+      {"dclassical_dq", DYN_PART_KINEMATICS, true, [](C c) { return by_q(c, dyn_frame_classical_acceleration_derivatives); }},
+      {"dclassical_dv", DYN_PART_KINEMATICS, true, [](C c) { return by_v(c, dyn_frame_classical_acceleration_derivatives); }},
+      {"kinematic_hessian", DYN_PART_JACOBIANS, true, kinematic_hessian},
+      {"dvcom_dq", DYN_PART_COM, false,
+       [](C c) { return c.matrix(dyn_center_of_mass_velocity_derivatives(c.robot, c.data, c.q, c.v, nullptr, nullptr), "dvcom_dq", 3); }},
+      {"dg_dq", DYN_PART_INVERSE_DERIVATIVES, false,
+       [](C c) { return c.matrix(dyn_gravity_derivatives(c.robot, c.data, c.q, nullptr), "dg_dq", c.robot.nv); }},
+      {"dstatic_torque_dq", DYN_PART_INVERSE_DERIVATIVES, false,
+       [](C c) {
+         return c.matrix(dyn_static_torque_derivatives(c.robot, c.data, c.q, nullptr, nullptr), "dstatic_torque_dq", c.robot.nv);
+       }},
+      {"d2tau_dqdq", DYN_PART_SECOND_ORDER, false, [](C c) { return second_order(c, 0); }},
+      {"d2tau_dvdv", DYN_PART_SECOND_ORDER, false, [](C c) { return second_order(c, 1); }},
+      {"d2tau_dqdv", DYN_PART_SECOND_ORDER, false, [](C c) { return second_order(c, 2); }},
+      {"d2tau_dadq", DYN_PART_SECOND_ORDER, false, [](C c) { return second_order(c, 3); }},
       {"Ag", DYN_PART_CENTROIDAL, false,
        [](C c) { return c.matrix(dyn_centroidal_map(c.robot, c.data, c.q, c.v, nullptr, nullptr, nullptr), "Ag", 6); }},
       {"dAg", DYN_PART_CENTROIDAL, false,
@@ -231,7 +284,7 @@ std::vector<const Quantity*> select(const Options& options) {
   return out;
 }
 
-// name, then a vector on one line, a matrix by rows, an object by keys.
+// name, then a vector on one line, a matrix by rows, a tensor by matrices, an object by keys.
 void append_text(std::string& out, const std::string& name, const json& value, const std::string& indent) {
   const auto row = [](const json& numbers) {
     std::string line;
@@ -246,6 +299,8 @@ void append_text(std::string& out, const std::string& name, const json& value, c
   } else if (value.is_object()) {
     out += indent + name + "\n";
     for (const auto& [key, inner] : value.items()) append_text(out, key, inner, indent + "  ");
+  } else if (!value.empty() && value.front().is_array() && !value.front().empty() && value.front().front().is_array()) {
+    for (std::size_t k = 0; k < value.size(); ++k) append_text(out, name + "[" + std::to_string(k) + "]", value[k], indent);
   } else if (!value.empty() && value.front().is_array()) {
     out += indent + name + "\n";
     for (const auto& r : value) out += indent + row(r) + "\n";

@@ -15,7 +15,21 @@ from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
 from .convert import State, StateLayout
-from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo, ForwardDerivatives, InverseDerivatives
+from .data import (
+    FIELDS,
+    CenterOfMassVelocityDerivatives,
+    Centroidal,
+    CentroidalDerivatives,
+    Data,
+    Energy,
+    FieldInfo,
+    ForwardDerivatives,
+    FrameAccelerationDerivatives,
+    FrameVelocityDerivatives,
+    InverseDerivatives,
+    SecondOrderDerivatives,
+    SecondOrderProduct,
+)
 from .enums import (
     Angle,
     Base,
@@ -88,6 +102,7 @@ __all__ = [
     "Batch",
     "Builder",
     "BusyError",
+    "CenterOfMassVelocityDerivatives",
     "Centroidal",
     "CentroidalDerivatives",
     "Convention",
@@ -98,8 +113,10 @@ __all__ = [
     "FieldInfo",
     "FileError",
     "ForwardDerivatives",
+    "FrameAccelerationDerivatives",
     "FrameInfo",
     "FrameType",
+    "FrameVelocityDerivatives",
     "HandleError",
     "Integrator",
     "InternalError",
@@ -124,6 +141,8 @@ __all__ = [
     "Reference",
     "ReportEntry",
     "ReportLevel",
+    "SecondOrderDerivatives",
+    "SecondOrderProduct",
     "ShapeInfo",
     "ShapeRole",
     "ShapeType",

@@ -84,6 +84,46 @@ class CentroidalDerivatives(NamedTuple):
     dhdot_da: np.ndarray
 
 
+class FrameVelocityDerivatives(NamedTuple):
+    """On the tangent space, (6, nv) each."""
+
+    dv_dq: np.ndarray
+    dv_dv: np.ndarray
+
+
+class FrameAccelerationDerivatives(NamedTuple):
+    """On the tangent space, (6, nv) each."""
+
+    da_dq: np.ndarray
+    da_dv: np.ndarray
+    da_da: np.ndarray
+
+
+class CenterOfMassVelocityDerivatives(NamedTuple):
+    """On the tangent space, (3, nv) each."""
+
+    dvcom_dq: np.ndarray
+    dvcom_dv: np.ndarray
+
+
+class SecondOrderProduct(NamedTuple):
+    """Second derivatives of lambda . tau on the tangent space, (nv, nv) each: rows by the first variable, columns by the second."""
+
+    dqdq: np.ndarray
+    dvdv: np.ndarray
+    dqdv: np.ndarray
+    dadq: np.ndarray
+
+
+class SecondOrderDerivatives(NamedTuple):
+    """On the tangent space, (nv, nv, nv) each: [i, j, k] of tau_i by the first variable's j, then the second one's k."""
+
+    d2tau_dqdq: np.ndarray
+    d2tau_dvdv: np.ndarray
+    d2tau_dqdv: np.ndarray
+    d2tau_dadq: np.ndarray
+
+
 def _fields() -> dict[str, FieldInfo]:
     fields = {}
     for id in range(lib.dyn_nfields()):
@@ -302,6 +342,36 @@ class Data:
         """d/dt of frame_jacobian, (6, nv). Needs forward_kinematics of q and v."""
         return self._of_frame(_frame_jacobian_time_variation, frame, reference, self._six_nv)
 
+    def _derivatives_of_frame(self, call, kind, frame: Any, reference: Any):
+        out = kind(*(np.empty((6, self.model.nv), order="F") for _ in kind._fields))
+        check(call(self._m, self._d, self.model._frame(frame), self._reference(reference), *map(address, out)))
+        return out
+
+    def frame_velocity_derivatives(
+        self, frame: int | str, reference: str | Reference = Reference.LOCAL
+    ) -> FrameVelocityDerivatives:
+        """Derivatives (dv_dq, dv_dv) of frame_velocity. Needs forward_kinematics of q and v."""
+        return self._derivatives_of_frame(lib.dyn_frame_velocity_derivatives, FrameVelocityDerivatives, frame, reference)
+
+    def frame_acceleration_derivatives(
+        self, frame: int | str, reference: str | Reference = Reference.LOCAL
+    ) -> FrameAccelerationDerivatives:
+        """Derivatives (da_dq, da_dv, da_da) of frame_acceleration. Needs forward_kinematics of q, v, a."""
+        return self._derivatives_of_frame(lib.dyn_frame_acceleration_derivatives, FrameAccelerationDerivatives, frame, reference)
+
+    def frame_classical_acceleration_derivatives(
+        self, frame: int | str, reference: str | Reference = Reference.LOCAL
+    ) -> FrameAccelerationDerivatives:
+        """The same of frame_classical_acceleration."""
+        call = lib.dyn_frame_classical_acceleration_derivatives
+        return self._derivatives_of_frame(call, FrameAccelerationDerivatives, frame, reference)
+
+    def frame_kinematic_hessian(self, frame: int | str, reference: str | Reference = Reference.LOCAL) -> np.ndarray:
+        """H, (6, nv, nv): H[:, :, k] is the derivative of frame_jacobian by q_k. Needs forward_kinematics of q."""
+        H = np.empty((6, self.model.nv, self.model.nv), order="F")
+        check(lib.dyn_frame_kinematic_hessian(self._m, self._d, self.model._frame(frame), self._reference(reference), address(H)))
+        return H
+
     # ------------------------------------------------------------------------------------------- centre of mass
 
     def center_of_mass(self, q: Any = None, v: Any = None, a: Any = None) -> np.ndarray:
@@ -312,6 +382,11 @@ class Data:
     def center_of_mass_jacobian(self, q: Any = None) -> np.ndarray:
         """Jcom, (3, nv): Jcom v = vcom."""
         return self._result(_center_of_mass_jacobian(self._m, self._d, self._q(q), None), _ID["Jcom"])
+
+    def center_of_mass_velocity_derivatives(self, q: Any = None, v: Any = None) -> CenterOfMassVelocityDerivatives:
+        """Derivatives (dvcom_dq, dvcom_dv) of vcom; the second is Jcom."""
+        check(lib.dyn_center_of_mass_velocity_derivatives(self._m, self._d, self._q(q), self._v(v), None, None))
+        return CenterOfMassVelocityDerivatives(self.dvcom_dq.copy("F"), self.Jcom.copy("F"))
 
     def subtree_center_of_mass(self, joint: int | str) -> tuple[np.ndarray, float]:
         """(com (3,), mass) of what a joint carries. Needs center_of_mass."""
@@ -382,6 +457,35 @@ class Data:
         """Derivatives (ddq_dq, ddq_dv, ddq_dtau) of forward dynamics; also the fields ddq and Minv."""
         check(_aba_derivatives(self._m, self._d, self._q(q), self._v(v), self._tau(tau), self._fext(fext), None, None, None))
         return ForwardDerivatives(*(x.copy("F") for x in (self.ddq_dq, self.ddq_dv, self.Minv)))
+
+    def gravity_derivatives(self, q: Any = None) -> np.ndarray:
+        """dg/dq, (nv, nv), on the tangent space."""
+        return self._result(lib.dyn_gravity_derivatives(self._m, self._d, self._q(q), None), _ID["dg_dq"])
+
+    def static_torque_derivatives(self, q: Any = None, fext: ArrayLike | None = None) -> np.ndarray:
+        """Derivative of static_torque by q, (nv, nv), on the tangent space; fext is constant in the joints' frames."""
+        status = lib.dyn_static_torque_derivatives(self._m, self._d, self._q(q), self._fext(fext), None)
+        return self._result(status, _ID["dstatic_torque_dq"])
+
+    def rnea_second_order_product(
+        self, lam: ArrayLike, q: Any = None, v: Any = None, a: Any = None, fext: ArrayLike | None = None
+    ) -> SecondOrderProduct:
+        """Second derivatives of lam . rnea, lam (nv,), in about the time of two rnea_derivatives."""
+        lam = checked(lam, (self.model.nv,), "lam")
+        none = [None] * 4
+        call = lib.dyn_rnea_second_order_product
+        check(call(self._m, self._d, self._q(q), self._v(v), self._a(a), self._fext(fext), address(lam), *none))
+        return SecondOrderProduct(*(self.field(f"lambda_d2tau_{x}").copy("F") for x in SecondOrderProduct._fields))
+
+    def rnea_second_order_derivatives(
+        self, q: Any = None, v: Any = None, a: Any = None, fext: ArrayLike | None = None
+    ) -> SecondOrderDerivatives:
+        """Second derivatives of rnea, (nv, nv, nv) each. Where two rotations of one spherical or free-flyer joint do not commute,
+        d2tau_dqdq[i, j, k] differs from d2tau_dqdq[i, k, j]."""
+        out = [np.empty((self.model.nv,) * 3) for _ in SecondOrderDerivatives._fields]
+        call = lib.dyn_rnea_second_order_derivatives
+        check(call(self._m, self._d, self._q(q), self._v(v), self._a(a), self._fext(fext), *map(address, out)))
+        return SecondOrderDerivatives(*(x.transpose(0, 2, 1) for x in out))
 
     def energy(self, q: Any = None, v: Any = None) -> Energy:
         """Kinetic and potential energy, J."""

@@ -234,6 +234,36 @@ def test_eval_centroidal_and_regressors(go2, state, state_file):
         np.testing.assert_allclose(value, expected[name], atol=1e-12, err_msg=name)
 
 
+OF_FRAMES = "dv_dq,da_dq,da_dv,dclassical_dq,dclassical_dv,kinematic_hessian"
+SECOND_ORDER = "d2tau_dqdq,d2tau_dvdv,d2tau_dqdv,d2tau_dadq"
+
+
+def test_eval_derivatives_of_frames_and_second_order(go2, state, state_file):
+    q, v, a, _ = state
+    path = state_file({"q": q.tolist(), "v": v.tolist(), "a": a.tolist()})
+    names = f"{OF_FRAMES},dvcom_dq,dg_dq,dstatic_torque_dq,{SECOND_ORDER}"
+    found = answer("eval", GO2, "--floating", "--compute", names, "--state", path, "--frame", "FL_foot", "--reference", "WORLD")
+    d, of = go2.data(), ("FL_foot", "WORLD")
+    d.forward_kinematics(q, v, a)
+    acceleration, classical = d.frame_acceleration_derivatives(*of), d.frame_classical_acceleration_derivatives(*of)
+    expected = d.rnea_second_order_derivatives(q, v, a)._asdict() | {
+        "dv_dq": d.frame_velocity_derivatives(*of).dv_dq, "da_dq": acceleration.da_dq, "da_dv": acceleration.da_dv,
+        "dclassical_dq": classical.da_dq, "dclassical_dv": classical.da_dv,
+        "kinematic_hessian": d.frame_kinematic_hessian(*of).transpose(2, 0, 1), "dg_dq": d.gravity_derivatives(q),
+        "dvcom_dq": d.center_of_mass_velocity_derivatives(q, v).dvcom_dq, "dstatic_torque_dq": d.static_torque_derivatives(q),
+    }  # fmt: skip
+    assert found.keys() == expected.keys() == set(names.split(","))
+    for name, value in found.items():
+        np.testing.assert_allclose(value, expected[name], atol=1e-11, err_msg=name)
+
+
+@pytest.mark.parametrize("name", f"{OF_FRAMES},dvcom_dq,dg_dq,dstatic_torque_dq,{SECOND_ORDER}".split(","))
+@pytest.mark.parametrize("robot", ["go2", "gripper"])
+def test_eval_of_one_derivative_alone(robot, name):
+    base, frame = ("--floating", "base") if robot == "go2" else ("--fixed", "thumb")
+    assert list(answer("eval", ROBOTS / f"{robot}.urdf", base, "--compute", name, "--frame", frame)) == [name]
+
+
 def test_eval_derivatives(go2, state, state_file):
     q, v, a, tau = state
     path = state_file({"q": q.tolist(), "v": v.tolist(), "a": a.tolist(), "tau": tau.tolist()})

@@ -68,6 +68,16 @@ int main(int argc, char** argv) {
   for (int i = 0; i < 6; ++i) assert(std::abs(Ag(i, 0) * v[0] + Ag(i, 1) * v[1] - hg[i]) < 1e-12);
   assert(data.centroidal_map_time_variation().cols() == 2 && data.centroidal_momentum_rate(q, v, a).size() == 6 && data.field("Ig")(0, 0) > 0);
   assert(data.centroidal_derivatives(q, v, a).dhdot_da(1, 1) == data.field("Ag")(1, 1));
+  data.forward_kinematics(q, v, a);
+  const auto by = data.frame_acceleration_derivatives(tool, DYN_WORLD), classical = data.frame_classical_acceleration_derivatives(tool, DYN_WORLD);
+  for (int i = 0; i < 12; ++i) assert(by.da_da.values[std::size_t(i)] == J.values[std::size_t(i)] && classical.da_da.values[std::size_t(i)] == J.values[std::size_t(i)]);
+  assert(data.frame_velocity_derivatives(tool, DYN_WORLD).dv_dv.values == J.values && data.frame_kinematic_hessian(tool).cols == 4);
+  assert(data.center_of_mass_velocity_derivatives(q, v).dvcom_dv(0, 1) == data.center_of_mass_jacobian()(0, 1));
+  assert(data.gravity_derivatives(q)(0, 1) == data.static_torque_derivatives(q)(0, 1));
+  const auto product = data.rnea_second_order_product(user::Vector{0, 1}, q, v, a);
+  const auto second = data.rnea_second_order_derivatives(q, v, a);
+  for (int i = 0; i < 4; ++i) assert(std::abs(product.dqdq.data()[i] - second.d2tau_dqdq[std::size_t(4 + i)]) < 1e-12);
+  assert(product.dvdv.size() == 4 && product.dqdv.size() == 4 && product.dadq.size() == 4 && second.d2tau_dadq.size() == 8);
   const auto pi = model.inertial_parameters();
   const user::View Y = data.joint_torque_regressor(q, v, a);
   double sum = 0;

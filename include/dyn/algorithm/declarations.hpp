@@ -24,6 +24,22 @@ template <class T> void rnea_derivatives(const Model&, Data<T>&, const T* v, con
 // aba_derivatives.hpp
 template <class T> Index minverse(const Model&, Data<T>&);
 template <class T> Index aba_derivatives(const Model&, Data<T>&, const T* v, const T* tau, const T* fext);
+// gravity_derivatives.hpp, center_of_mass_derivatives.hpp
+template <class T> void gravity_derivatives(const Model&, Data<T>&, const T* fext, T* out);
+template <class T> void center_of_mass_velocity_derivatives(const Model&, Data<T>&);
+// second_order.hpp, second_order_tensors.hpp
+template <class X>
+struct SecondOrder {  // nv x nv each, any may be nullptr: rows by the first variable, columns by the second, that of the outer derivative
+  X dqdq, dvdv, dqdv, dadq;
+};
+template <class T> void second_order_columns(const Model&, Data<T>&, const T* v, const T* a, const T* fext);
+template <class T> T second_order_size(const Model&, const Data<T>&);
+template <class T> void second_order_product(const Model&, Data<T>&, const T* lambda, const SecondOrder<T*>& out);
+template <class T> void second_order_derivatives(const Model&, Data<T>&, const SecondOrder<T*>& out);
+// frame_derivatives.hpp
+template <class T> void frame_velocity_derivatives(const Model&, const Data<T>&, Index frame, dynReference, T* dv_dq, T* dv_dv);
+template <class T> void frame_acceleration_derivatives(const Model&, const Data<T>&, Index frame, dynReference, bool classical, T* da_dq, T* da_dv, T* da_da);
+template <class T> void frame_kinematic_hessian(const Model&, Data<T>&, Index frame, dynReference, T* H);
 // jacobian.hpp
 template <class T> void joint_jacobians(const Model&, Data<T>&);
 template <class T> void joint_jacobians_time_variation(const Model&, Data<T>&);

@@ -59,27 +59,28 @@ void derivative_columns(const Model& m, Data<T>& d, const T* v, const T* a) {
   }).done(d);
 }
 
-// d.dtau_dq, d.dtau_dv, d.M, nv x nv, and d.tau; fext 6 x njoints in joint frames, or nullptr.
+// Of the composites' forces: fext, which is given on each joint's body in the joint's own frame.
 template <class T>
-void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext) {
-  derivative_columns(m, d, d.expand(m, v, d.vx), d.expand(m, a, d.ax));
-  if (fext)
-    for (Index j = 1; j < m.n.joints; ++j) {
-      const JointRecord& joint = m.joints()[j];
-      const Mat3<T> R = d.R[joint.last_body] * cast<T>(joint.C);
-      const Force<T> f = load_force(fext + 6 * j);
-      Force<T>& at = d.composite[joint.last_body].f;
-      at = at - shift(Force<T>{R * f.linear, R * f.angular}, d.rel[joint.last_body]);
-    }
+void subtract_external_at_root(const Model& m, Data<T>& d, const T* fext) {
+  for (Index j = 1; j < m.n.joints; ++j) {
+    const JointRecord& joint = m.joints()[j];
+    const Mat3<T> R = d.R[joint.last_body] * cast<T>(joint.C);
+    const Force<T> f = load_force(fext + 6 * j);
+    Force<T>& at = d.composite[joint.last_body].f;
+    at = at - shift(Force<T>{R * f.linear, R * f.angular}, d.rel[joint.last_body]);
+  }
+}
 
-  T* tau = m.has_mimic ? d.taux : d.tau;
+// Composites of the subtrees, and the forces F, Fq, Fv, Q that their columns take; tau = S^T f, expanded, unless it is nullptr.
+template <class T>
+void composite_forces(const Model& m, Data<T>& d, T* tau) {
   backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     const Composite<T>& c = d.composite[i];
     for (int k = 0; k < J::nv; ++k) {
       const Index at = b.idx_v + k;
       const Motion<T> s = d.S[at];
-      tau[at] = dot(s, c.f);
+      if (tau) tau[at] = dot(s, c.f);
       d.F[at] = c.Y * s;
       d.Q[at] = c.rates.coriolis_transposed(s);
       d.Fq[at] = c.rates.coriolis(d.dS[at]) + c.Y * d.ddS[at] + cross(s, c.f);
@@ -91,6 +92,15 @@ void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const 
     up.rates.p += c.rates.p, up.rates.V = up.rates.V + c.rates.V;
     up.f = up.f + c.f;
   });
+}
+
+// d.dtau_dq, d.dtau_dv, d.M, nv x nv, and d.tau; fext 6 x njoints in joint frames, or nullptr.
+template <class T>
+void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext) {
+  derivative_columns(m, d, d.expand(m, v, d.vx), d.expand(m, a, d.ax));
+  if (fext) subtract_external_at_root(m, d, fext);
+
+  composite_forces(m, d, m.has_mimic ? d.taux : d.tau);
 
   const TiledMatrix<T> dq{m.has_mimic ? d.dqx : d.dtau_dq, m.n.nvx}, dv{m.has_mimic ? d.dvx : d.dtau_dv, m.n.nvx},
       M{m.has_mimic ? d.Mx : d.M, m.n.nvx};
@@ -103,20 +113,13 @@ void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const 
         return Rows{Six<T>::transposed(d.S + i0), Six<T>::transposed(d.dS + i0), Six<T>::transposed(d.ddS + i0), Six<T>::transposed(d.W + i0)};
       },
       [&](const Rows& rows, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
-        auto tile = [&](auto&& entry) DYN_INLINE_LAMBDA {
-          return Tile<T>{mask(j0, entry(j0)), mask(j0 + 1, entry(j0 + 1)), mask(j0 + 2, entry(j0 + 2)), mask(j0 + 3, entry(j0 + 3))};
-        };
-        auto put = [&](const TiledMatrix<T>& X, const Tile<T>& upper, const Tile<T>& lower) DYN_INLINE_LAMBDA {
-          if (i0 == j0) return X.store_diagonal(upper, lower, i0);
-          X.store(upper, i0, j0);
-          X.store(lower, j0, i0);
-        };
+        auto tile = [&](auto&& entry) DYN_INLINE_LAMBDA { return Tile<T>::of(j0, mask, entry); };
         const Tile<T> inertia = tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.F[j]); });
-        put(M, inertia, inertia.transposed());
-        put(dq, tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.Fq[j]); }),
-            tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.ddS.dot(d.F[j]) + rows.dS.dot_angular(d.Q[j]); }).transposed());
-        put(dv, tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.Fv[j]); }),
-            tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.W.dot(d.F[j]) + rows.S.dot_angular(d.Q[j]); }).transposed());
+        M.store_pair(inertia, inertia.transposed(), i0, j0);
+        dq.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.Fq[j]); }),
+                      tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.ddS.dot(d.F[j]) + rows.dS.dot_angular(d.Q[j]); }).transposed(), i0, j0);
+        dv.store_pair(tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.S.dot(d.Fv[j]); }),
+                      tile([&](std::ptrdiff_t j) DYN_INLINE_LAMBDA { return rows.W.dot(d.F[j]) + rows.S.dot_angular(d.Q[j]); }).transposed(), i0, j0);
       });
 
   // columns of one joint: what turns the force turns them as well

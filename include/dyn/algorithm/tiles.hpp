@@ -5,6 +5,7 @@
 #pragma once
 
 #include "dyn/base/pack.hpp"
+#include "dyn/joint/list.hpp"
 #include "dyn/model/model.hpp"
 #include "dyn/spatial/motion.hpp"
 
@@ -32,10 +33,15 @@ struct Six {
     transpose4(quad(s[0].angular), quad(s[1].angular), quad(s[2].angular), quad(s[3].angular), a.u, a.v, a.w, rest);
     return a;
   }
+  DYN_INLINE void store(T* p) const { x.store(p), y.store(p + 4), z.store(p + 8), u.store(p + 12), v.store(p + 16), w.store(p + 20); }
+  static DYN_INLINE Six load(const T* p) {
+    return {P::load(p), P::load(p + 4), P::load(p + 8), P::load(p + 12), P::load(p + 16), P::load(p + 20)};
+  }
   template <class V>
   DYN_INLINE P dot(const V& f) const {
-    return (x * f.linear[0] + y * f.linear[1] + z * f.linear[2]) + dot_angular(f.angular);
+    return dot_linear(f.linear) + dot_angular(f.angular);
   }
+  DYN_INLINE P dot_linear(const Vec3<T>& f) const { return x * f[0] + y * f[1] + z * f[2]; }
   DYN_INLINE P dot_angular(const Vec3<T>& n) const { return u * n[0] + v * n[1] + w * n[2]; }
 };
 
@@ -44,6 +50,11 @@ template <class T>
 struct Tile {
   using P = Pack<T, 4>;
   P a, b, c, d;
+  // entry(j) gives column j, mask clears what is zero in it
+  template <class Mask, class Entry>
+  static DYN_INLINE Tile of(std::ptrdiff_t j0, Mask&& mask, Entry&& entry) {
+    return {mask(j0, entry(j0)), mask(j0 + 1, entry(j0 + 1)), mask(j0 + 2, entry(j0 + 2)), mask(j0 + 3, entry(j0 + 3))};
+  }
   DYN_INLINE Tile transposed() const {
     Tile t;
     transpose4(a, b, c, d, t.a, t.b, t.c, t.d);
@@ -74,28 +85,59 @@ struct TiledMatrix {
   DYN_INLINE void store_diagonal(const Tile<T>& upper, const Tile<T>& lower, std::ptrdiff_t i0) const {
     store({upper.a.template with_tail<1>(lower.a), upper.b.template with_tail<2>(lower.b), upper.c.template with_tail<3>(lower.c), upper.d}, i0, i0);
   }
+  // the tile (i0, j0) and the one on the other side of the diagonal
+  DYN_INLINE void store_pair(const Tile<T>& upper, const Tile<T>& lower, std::ptrdiff_t i0, std::ptrdiff_t j0) const {
+    if (i0 == j0) return store_diagonal(upper, lower, i0);
+    store(upper, i0, j0);
+    store(lower, j0, i0);
+  }
 };
+
+// f(rows, i0, j0, mask) for the tiles of the rows i0 .. i0 + 3 among the columns j0 .. columns_end that are not zero. next(j0) is the
+// first column of the next tile.
+template <class T, class Begin, class F, class Next>
+DYN_INLINE void for_each_tile_of_rows(const Model& m, std::ptrdiff_t i0, std::ptrdiff_t j0, std::ptrdiff_t columns_end, Begin&& begin, F&& f, Next&& next) {
+  using P = Pack<T, 4>;
+  const Index* e = m.dof_end() + i0;
+  const std::ptrdiff_t longest = std::min<std::ptrdiff_t>(std::max(std::max(e[0], e[1]), std::max(e[2], e[3])), columns_end);
+  const std::ptrdiff_t shortest = std::min<std::ptrdiff_t>(std::min(std::min(e[0], e[1]), std::min(e[2], e[3])), columns_end);
+  if (j0 >= longest) return;
+  const P end = P::from(e);
+  const auto rows = begin(i0);
+  for (; j0 + 4 <= shortest; j0 = next(j0)) f(rows, i0, j0, [](std::ptrdiff_t, const P& x) DYN_INLINE_LAMBDA { return x; });
+  for (; j0 < longest; j0 = next(j0))
+    f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
+}
 
 // f(rows, i0, j0, mask) for the tiles on and above the diagonal that are not zero; mask(j, x) clears the lanes whose degree of
 // freedom does not support j. rows = begin(i0) is what the tiles of four rows share. Panels of 256 columns keep what is being
 // written, and its mirror image, in the cache.
 template <class T, class Begin, class F>
 DYN_INLINE void for_each_tile(const Model& m, Begin&& begin, F&& f) {
-  using P = Pack<T, 4>;
   for (std::ptrdiff_t panel = 0; panel < m.n.nvx; panel += 256) {
     const std::ptrdiff_t panel_end = std::min<std::ptrdiff_t>(panel + 256, m.n.nvx);
-    for (std::ptrdiff_t i0 = 0; i0 < panel_end; i0 += 4) {
-      const Index* e = m.dof_end() + i0;
-      const std::ptrdiff_t longest = std::min<std::ptrdiff_t>(std::max(std::max(e[0], e[1]), std::max(e[2], e[3])), panel_end);
-      const std::ptrdiff_t shortest = std::min<std::ptrdiff_t>(std::min(std::min(e[0], e[1]), std::min(e[2], e[3])), panel_end);
-      std::ptrdiff_t j0 = std::max(i0, panel);
-      if (j0 >= longest) continue;
-      const P end = P::from(e);
-      const auto rows = begin(i0);
-      for (; j0 + 4 <= shortest; j0 += 4) f(rows, i0, j0, [](std::ptrdiff_t, const P& x) DYN_INLINE_LAMBDA { return x; });
-      for (; j0 < longest; j0 += 4)
-        f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
-    }
+    for (std::ptrdiff_t i0 = 0; i0 < panel_end; i0 += 4)
+      for_each_tile_of_rows<T>(m, i0, std::max(i0, panel), panel_end, begin, f, [](std::ptrdiff_t j0) DYN_INLINE_LAMBDA { return j0 + 4; });
+  }
+}
+
+// The same for some tiles of a small matrix: next[k] is the first degree of freedom of the one that follows that of k, beyond the
+// last one when there is none.
+template <class T, class Begin, class F>
+DYN_INLINE void for_each_tile_among(const Model& m, const Index* next, std::ptrdiff_t first, Begin&& begin, F&& f) {
+  auto following = [&](std::ptrdiff_t j0) DYN_INLINE_LAMBDA { return std::ptrdiff_t(next[j0 / 4]); };
+  for (std::ptrdiff_t i0 = first; i0 < m.n.nvx; i0 = following(i0)) for_each_tile_of_rows<T>(m, i0, i0, m.n.nvx, begin, f, following);
+}
+
+// f(body, first, nv) for the bodies of more than one degree of freedom.
+template <class F>
+inline void for_each_block(const Model& m, F&& f) {
+  for (Index k = 0; k < m.n.runs; ++k) {
+    const Run& run = m.runs()[k];
+    visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
+      if constexpr (J::nv > 1)
+        for (Index i = run.first; i < run.last; ++i) f(i, std::ptrdiff_t(run.idx_v + J::nv * (i - run.first)), J::nv);
+    });
   }
 }
 

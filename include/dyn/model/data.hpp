@@ -17,7 +17,7 @@ namespace dyn {
 enum class Stage : Index {
   State, Position, Velocity, Acceleration, Frames, Jacobians, DJacobians, Com, Vcom, Acom, Jcom, Tau, Nle, Gravity, Static, Ddq,
   Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical,
-  InverseDerivatives, ForwardDerivatives,
+  InverseDerivatives, ForwardDerivatives, GravityDerivatives, StaticDerivatives, ComDerivatives, SecondOrder,
   CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives, CentroidalRateDerivative,
   TorqueRegressor, StaticRegressor, KineticRegressor, PotentialRegressor,
   count_
@@ -33,9 +33,11 @@ inline constexpr unsigned stage_inputs(Stage s) {
     case Stage::Velocity: case Stage::DJacobians: case Stage::Vcom: case Stage::Nle: case Stage::Coriolis: case Stage::Kinetic:
     case Stage::Mechanical: return Q | V;
     case Stage::CentroidalMapRate: case Stage::CentroidalMomentum: case Stage::CentroidalDerivatives: case Stage::KineticRegressor:
+    case Stage::ComDerivatives:
       return Q | V;
     case Stage::CentroidalMomentumRate: case Stage::CentroidalRateDerivative: case Stage::TorqueRegressor: return Q | V | A;
-    case Stage::Acceleration: case Stage::Acom: case Stage::Tau: case Stage::InverseDerivatives: return Q | V | A;
+    case Stage::Acceleration: case Stage::Acom: case Stage::Tau: case Stage::InverseDerivatives:
+    case Stage::SecondOrder: return Q | V | A;
     case Stage::Ddq: case Stage::ForwardDerivatives: return Q | V | TAU;
     default: return Q;
   }
@@ -65,6 +67,19 @@ struct Composite {
   Moments<T> Y;
   MomentRates<T> rates;
   Force<T> f;
+};
+
+// Sums over a subtree of what the motion with the velocities lambda of second derivatives adds, at the tree's root in world axes.
+template <class T>
+struct Contraction {
+  MomentRates<T> rates;
+  Vec3<T> Q;
+};
+
+// Four columns each of S, psi', psi'', W, by components.
+template <class T>
+struct SecondOrderRows {
+  alignas(4 * sizeof(T)) T S[24], dS[24], ddS[24], W[24];
 };
 
 template <class T>
@@ -114,6 +129,7 @@ struct Data {
 // Parts with what they imply.
 inline dynParts complete_parts(dynParts p) {
   if (p == 0) p = DYN_PART_ALL;
+  if (p & DYN_PART_SECOND_ORDER) p |= DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_FORWARD_DERIVATIVES) p |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_INVERSE_DERIVATIVES) p |= DYN_PART_INVERSE | DYN_PART_MASS;
   if (p & DYN_PART_MINV) p |= DYN_PART_FACTOR | DYN_PART_FORWARD;
@@ -172,7 +188,8 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
-  for (T* x : {d.M, d.dtau_dq, d.dtau_dv})
+  for (T* x : {d.M, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
+               d.lambda_d2tau_dadq})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));

@@ -40,6 +40,9 @@ struct MomentRates {
   static DYN_INLINE MomentRates of(const Moments<T>& Y, const Motion<T>& v) {
     return {v.linear * Y.m + cross(v.angular, Y.h), cross(v.angular, Y.P) + outer(v.linear, Y.h)};
   }
+  friend DYN_INLINE MomentRates operator+(const MomentRates& a, const MomentRates& b) { return {a.p + b.p, a.V + b.V}; }
+  // of x' dm and of x x x' dm
+  DYN_INLINE Force<T> momentum() const { return {p, Vec3<T>::make(V.y[2] - V.z[1], V.z[0] - V.x[2], V.x[1] - V.y[0])}; }
   // Coriolis forces: of 2 s x x' dm on points that move with x', turned on by the motion s. In Echeandia and Wensing (2021) and
   // Singh, Russell, Wensing (2022) this is 2 B s; B has but these twelve numbers.
   DYN_INLINE Force<T> coriolis(const Motion<T>& s) const { return {cross(s.angular, p) * T(2), turn(V, s.angular) * T(2)}; }

@@ -23,6 +23,11 @@ struct Force {
   friend DYN_INLINE Force operator*(const Force& a, T s) { return {a.linear * s, a.angular * s}; }
 };
 
+template <class T>
+DYN_INLINE bool is_zero(const Motion<T>& m) {
+  const Vec3<T> s = sizes(m.linear) + sizes(m.angular);
+  return s[0] + s[1] + s[2] == T(0);
+}
 // power
 template <class T>
 DYN_INLINE T dot(const Motion<T>& m, const Force<T>& f) {

@@ -1,0 +1,49 @@
+// Second derivatives of inverse dynamics: thin wrappers.
+#include "checks.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+extern "C" {
+
+dynStatus dyn_rnea_second_order_product(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
+                                        const double* lambda, double* dqdq, double* dvdv, double* dqdv, double* dadq) {
+  Call call(model, data, DYN_PART_SECOND_ORDER, "dyn_rnea_second_order_product");
+  if (!call || !call.required("lambda", lambda) || !call.finite("lambda", lambda, call.m().n.nv) || !check_fext(call, fext) ||
+      !call.inputs(q, v, a, nullptr))
+    return call.status;
+  const std::ptrdiff_t squares = std::ptrdiff_t(call.m().n.nv) * call.m().n.nv;
+  Data<double>& d = call.d();
+  second_order_columns(call.m(), d, d.v, d.a, fext);
+  second_order_product(call.m(), d, lambda, {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
+  d.done(Stage::SecondOrder);
+  if (!moderate(call, 0)) return call.status;
+  const struct {
+    const double* from;
+    double* to;
+    const char* name;
+  } fields[] = {{d.lambda_d2tau_dqdq, dqdq, "lambda_d2tau_dqdq"}, {d.lambda_d2tau_dvdv, dvdv, "lambda_d2tau_dvdv"},
+                {d.lambda_d2tau_dqdv, dqdv, "lambda_d2tau_dqdv"}, {d.lambda_d2tau_dadq, dadq, "lambda_d2tau_dadq"}};
+  for (const auto& f : fields)
+    if (!call.numeric(f.from, Index(squares), f.name, Stage::SecondOrder)) return call.status;
+  for (const auto& f : fields) copy_out(f.from, squares, f.to);
+  return DYN_OK;
+}
+
+dynStatus dyn_rnea_second_order_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                            const double* fext, double* d2tau_dqdq, double* d2tau_dvdv, double* d2tau_dqdv, double* d2tau_dadq) {
+  Call call(model, data, DYN_PART_SECOND_ORDER, "dyn_rnea_second_order_derivatives");
+  if (!call || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  second_order_columns(call.m(), d, d.v, d.a, fext);
+  if (!moderate(call, 0)) return call.status;
+  if (!(second_order_size(call.m(), d) < 1e70)) {
+    call.drop_results();
+    call.take_back();
+    return fail(DYN_ERROR_NUMERIC, "%s: second derivatives overflow: the inputs are too large for double precision", call.function);
+  }
+  second_order_derivatives(call.m(), d, {d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq});
+  return DYN_OK;
+}
+
+}  // extern "C"
