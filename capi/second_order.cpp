@@ -9,7 +9,7 @@ extern "C" {
 dynStatus dyn_rnea_second_order_product(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
                                         const double* lambda, double* dqdq, double* dvdv, double* dqdv, double* dadq) {
   Call call(model, data, DYN_PART_SECOND_ORDER, "dyn_rnea_second_order_product");
-  if (!call || !call.required("lambda", lambda) || !call.finite("lambda", lambda, call.m().n.nv) || !check_fext(call, fext) ||
+  if (!call || !call.required("lambda", lambda, call.m().n.nv) || !call.finite("lambda", lambda, call.m().n.nv) || !check_fext(call, fext) ||
       !call.inputs(q, v, a, nullptr))
     return call.status;
   const std::ptrdiff_t squares = std::ptrdiff_t(call.m().n.nv) * call.m().n.nv;

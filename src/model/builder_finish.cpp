@@ -266,7 +266,6 @@ ModelPtr Builder::finish() const {
       up = std::max(up, end);
     }
   }
-  for (Body& b : a.bodies) b.P = Mat3<double>::identity() * ((b.I(0, 0) + b.I(1, 1) + b.I(2, 2)) / 2) - b.I;
   a.dof_end.assign(std::size_t(n.nvx + 3) / 4 * 4, 0);
   for (Index i = 1; i < n.bodies; ++i) {
     const Body& b = a.bodies[std::size_t(i)];

@@ -232,7 +232,7 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_static_torque(m, d, nullptr, s.fext.data(), nullptr));
   ASSERT_EQ(DYN_OK, dyn_aba(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr)) << dyn_last_error();
   compute_centroidal_and_regressors(m, d);
-  compute_other_derivatives(m, d, s.fext.data(), s.tau.data());
+  compute_other_derivatives(m, d, s.fext.data(), s.a.data());
 }
 
 inline dynArray view() {

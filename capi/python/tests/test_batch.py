@@ -40,6 +40,8 @@ def single(model, algorithm, x):
     result = getattr(d, algorithm.name)(*inputs)
     if algorithm.name == "center_of_mass":
         return d.com, d.vcom, d.acom
+    if algorithm.name == "rnea_derivatives":
+        return result[:2]
     if algorithm.name == "centroidal_map":
         return d.Ag, d.Ig, d.hg
     if algorithm.name == "centroidal_map_time_variation":

@@ -50,7 +50,7 @@ void derivative_columns(const Model& m, Data<T>& d, const T* v, const T* a) {
       for (int k = 0; k < J::nv; ++k) d.W[dof + k] = d.dS[dof + k] + cross(vi, d.S[dof + k]);
     state.v = vi, state.a = ai;
 
-    const Moments<T> Y = Moments<T>::posed(T(b.m), cast<T>(b.h), cast<T>(b.P), state.R, state.rel);
+    const Moments<T> Y = Moments<T>::posed(T(b.m), cast<T>(b.h), cast<T>(b.I), state.R, state.rel);
     const MomentRates<T> rates = MomentRates<T>::of(Y, vi);
     Composite<T>& c = d.composite[i];
     c.Y.m = Y.m, c.Y.h = Y.h, c.Y.P.x = Y.P.x, c.Y.P.y = Y.P.y, c.Y.P.z = Y.P.z;

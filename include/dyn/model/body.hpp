@@ -12,7 +12,6 @@ enum class BodyType : Index { Revolute, Prismatic, Helical, RevoluteUnbounded, S
 struct Body {
   Vec3<double> h;  // first moment m c in the body's frame, kg m
   Mat3<double> I;  // inertia about the body's origin, kg m^2
-  Mat3<double> P;  // tr(I) 1 / 2 - I, the integral of x x^T dm
   double m;        // mass, kg
   double pitch;    // helical: m/rad
   double ratio;    // follower of a mimic: v = ratio v_leader; otherwise 1

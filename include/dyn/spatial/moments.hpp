@@ -21,7 +21,8 @@ struct Moments {
   Mat3<T> P;  // of x x^T dm
 
   // of a body with moments about its own origin in its own axes, at the pose (R, p)
-  static DYN_INLINE Moments posed(T m, const Vec3<T>& h, const Mat3<T>& P, const Mat3<T>& R, const Vec3<T>& p) {
+  static DYN_INLINE Moments posed(T m, const Vec3<T>& h, const Mat3<T>& I, const Mat3<T>& R, const Vec3<T>& p) {
+    const Mat3<T> P = Mat3<T>::identity() * ((I.x[0] + I.y[1] + I.z[2]) / T(2)) - I;
     const Mat3<T> A = R * P + outer(p, h);
     const Vec3<T> g = R * h + p * m;
     return {m, g, times_transpose(A, R) + outer(g, p)};
