@@ -11,12 +11,15 @@ q = [position; quaternion] and v = [linear; angular] in the body's frame. A Mode
 threads; a Data is what it is doing, one for each thread. Every call releases the GIL. Errors are dyn.Error.
 """
 
+from . import ik
 from .arrays import Placement
 from .builder import Builder
 from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo
 from .enums import (
     Base,
     FrameType,
+    IkReason,
+    IkTaskType,
     Integrator,
     JointType,
     ModelArray,
@@ -89,6 +92,8 @@ __all__ = [
     "FrameInfo",
     "FrameType",
     "HandleError",
+    "IkReason",
+    "IkTaskType",
     "Integrator",
     "InternalError",
     "InvalidRobotError",
@@ -123,6 +128,7 @@ __all__ = [
     "UnsupportedError",
     "body_regressor",
     "build_info",
+    "ik",
     "is_physically_consistent",
     "last_error",
     "library_path",
