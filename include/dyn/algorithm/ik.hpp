@@ -41,12 +41,13 @@ class IkSolver {
       if (const T E = cost(false); E < least) least = E, copy(x, best);
       if (k == o.restarts) break;
       ++result.restarts;
-      sample(x);
+      place(best);
+      sample(x, k % 3 != 2 && mark_failing());
       outcome = attempt();
     }
     if (outcome != Outcome::met) {
       copy(best, x);
-      outcome = descend(false, T(1e-13), o.max_iterations);
+      outcome = descend(false, T(1e-13), 10 * std::min(o.max_iterations, 1 << 24));
     }
     result.iterations = iterations;
     explain(outcome, result);
@@ -67,6 +68,7 @@ class IkSolver {
   Index rows[2] = {0, 0}, iterations = 0;
   bool has_com = false, met = false;
 
+  enum : Index { other_task = 1, failing_task = 2 };
   // What tasks of priority 1 count for while those of priority 0 are not met: less than these by the square.
   static constexpr double secondary = 1e-3;
 
@@ -91,6 +93,7 @@ class IkSolver {
     forward_kinematics<0>(m, d);
     if (has_com) center_of_mass(m, d, 0);
   }
+  bool within(const IkResidual& e) const { return e.linear <= o.tolerance_linear && e.angular <= o.tolerance_angular; }
   // At d.q; and whether the tasks of priority 0 are met.
   T cost(bool all) {
     T sum = T(0);
@@ -101,7 +104,7 @@ class IkSolver {
       IkResidual e;
       const T E = ik_cost(m, d, t, e);
       sum += t.priority ? T(secondary * secondary) * E : E;
-      if (!t.priority) met = met && e.linear <= o.tolerance_linear && e.angular <= o.tolerance_angular;
+      if (!t.priority) met = met && within(e);
     }
     return sum;
   }
@@ -130,7 +133,7 @@ class IkSolver {
   Outcome descend(bool all, T tolerance, Index most) {
     using std::isfinite;
     place(x);
-    T E = cost(all), mu = T(1), growth = T(2);
+    T E = cost(all), mu = T(0.3), growth = T(2);
     while (all || !met) {
       LeastSquares<T> s = linearise(all);
       const T floor = T(1e-12) * s.trace() / T(s.n);
@@ -164,7 +167,7 @@ class IkSolver {
     for (bool again = true; again;) {
       outcome = Outcome::stationary;
       if (rows[1]) outcome = descend(true, T(1e-10), most), most = o.max_iterations - (iterations - before);
-      if (outcome == Outcome::stationary || !rows[1]) outcome = descend(false, T(1e-4), most);
+      if (outcome == Outcome::stationary || !rows[1]) outcome = descend(false, T(1e-2), most);
       // a start where no first-order motion helps, such as a stretched arm
       again = outcome == Outcome::stationary && iterations - before == (rows[1] ? 2 : 1);
       most = o.max_iterations - (iterations - before);
@@ -175,9 +178,38 @@ class IkSolver {
     }
     return outcome;
   }
-  // Uniform within the limits; a free flyer and displacements without limits stay where they were at the start.
-  void sample(T* q) {
+  // Marks the degrees of freedom that move no task but those that fail most at d.q; false when there are none.
+  bool mark_failing() {
+    auto failure = [&](Index k) {
+      IkResidual e;
+      ik_cost(m, d, tasks[k], e);
+      return tasks[k].priority ? 0 : std::hypot(e.linear, e.angular);
+    };
+    double worst = 0;
+    for (Index k = 0; k < tasks.count; ++k) worst = std::max(worst, failure(k));
+    std::fill_n(state, m.n.nv, Index(0));
+    for (Index k = 0; k < tasks.count; ++k) {
+      const dynIkTask& t = tasks[k];
+      if (t.priority) continue;
+      const Index mark = failure(k) < 0.5 * worst ? other_task : failing_task;
+      if (t.type == DYN_IK_COM || t.type == DYN_IK_POSTURE)
+        for (Index c = 0; c < m.n.nv; ++c) state[c] |= mark;
+      else
+        for (Index i = m.frames()[t.frame].body; i != 0; i = m.bodies()[i].parent) {
+          const Body& b = m.bodies()[i];
+          visit(b.type, [&]<class J>() {
+            for (int c = 0; c < J::nv; ++c) state[b.user_v + c] |= mark;
+          });
+        }
+    }
+    return std::find(state, state + m.n.nv, failing_task) != state + m.n.nv;
+  }
+  // Uniform within the limits; a free flyer and displacements without limits stay where they were at the start. Of the
+  // marked ones alone: the others as in the best so far, so that a leg in place stays there when another fails.
+  void sample(T* q, bool marked) {
+    if (marked) copy(best, q);
     for_each_leader(m, [&]<class J>(const Body& b) {
+      if (marked && state[b.user_v] != failing_task) return;
       double from[J::nq], to[J::nq], drawn[J::nq];
       bool bounded = true;
       for (int k = 0; k < J::nq; ++k) {
@@ -247,7 +279,7 @@ class IkSolver {
       });
     } else {
       const Index here = rank(s);
-      sample(best), place(best);
+      sample(best, false), place(best);
       const Index elsewhere = rank(linearise(false));
       result.reason = here < elsewhere ? DYN_IK_SINGULAR : DYN_IK_LOCAL_MINIMUM;
       place(x);
