@@ -41,8 +41,7 @@ class IkSolver {
       if (const T E = cost(false); E < least) least = E, copy(x, best);
       if (k == o.restarts) break;
       ++result.restarts;
-      place(best);
-      sample(x, k % 3 != 2 && mark_failing());
+      draw(k % 3 != 2);
       outcome = attempt();
     }
     if (outcome != Outcome::met) {
@@ -220,6 +219,16 @@ class IkSolver {
       const bool stays = J::nv == 6 || (!J::rotates && !bounded);
       for (int k = 0; k < J::nq; ++k) q[b.user_q + k] = stays ? start[b.user_q + k] : T(drawn[k]);
     });
+  }
+  // The most promising of some samples.
+  void draw(bool partial) {
+    place(best);
+    const bool marked = partial && mark_failing();
+    T least = std::numeric_limits<T>::infinity();
+    for (int k = 0; k < 8; ++k) {
+      sample(d.q, marked), place(d.q);
+      if (const T E = cost(false); k == 0 || E < least) least = E, copy(d.q, x);
+    }
   }
   // Number of independent rows of J, by Cholesky with pivots.
   Index rank(const LeastSquares<T>& s) {
