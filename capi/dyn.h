@@ -538,7 +538,7 @@ DYN_API void dyn_ik_task_init(dynIkTask* task);
 
 typedef struct dynIkOptions {
   uint32_t struct_size;      /* set by dyn_ik_options_init */
-  int32_t max_iterations;    /* of each start; default 100 */
+  int32_t max_iterations;    /* of each start, and once more for the best of what failed; default 500 */
   int32_t restarts;          /* random starts after the given one, until all tasks of priority 0 are met; default 20 */
   uint64_t seed;             /* of the random starts: the same seed gives the same result */
   double tolerance_linear;   /* m, default 1e-6: a task of priority 0 is met when its error is within both */

@@ -120,7 +120,7 @@ void dyn_ik_options_init(dynIkOptions* options) {
   if (!options) return;
   *options = {};
   options->struct_size = sizeof *options;
-  options->max_iterations = 100;
+  options->max_iterations = 500;
   options->restarts = 20;
   options->tolerance_linear = options->tolerance_angular = 1e-6;
   options->limits = 1;

@@ -219,10 +219,10 @@ TEST(Ik, WhatCannotBeReachedIsALeastSquaresOptimum) {
     r.struct_size = sizeof r;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       const State s = random_state(m, seed);
-      std::vector<dynIkTask> tasks = {make(DYN_IK_POSE, m.nframes() - 1), at(m.nframes() - 1, 2, double(seed), 1)};
+      std::vector<dynIkTask> tasks = {make(DYN_IK_POSE, m.nframes() - 1), at(m.nframes() - 1, 2, 0.3 * double(seed), 1)};
       tasks[0].target[10] = 3;
       dynIkOptions o = make_options();
-      o.restarts = 2, o.max_iterations = 1000, o.seed = seed;
+      o.restarts = 2, o.seed = seed;
       Numbers q(s.q), again(s.q);
       ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), tasks.data(), 2, &o, q.data(), nullptr, &r)) << dyn_last_error();
       EXPECT_NE(DYN_IK_CONVERGED, r.reason);

@@ -14,7 +14,7 @@ struct Options {
   std::vector<std::string> frames, targets;
   std::string com;
   bool stay = false, no_limits = false;
-  int restarts = 20, max_iterations = 100;
+  int restarts = 20, max_iterations = 500;
   std::uint64_t seed = 0;
   double tolerance = 1e-6;
 };

@@ -452,7 +452,7 @@ class Data:
         tasks: Any,
         q: Any = None,
         *,
-        max_iterations: int = 100,
+        max_iterations: int = 500,
         restarts: int = 20,
         seed: int = 0,
         tolerance_linear: float = 1e-6,

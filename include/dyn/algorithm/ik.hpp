@@ -35,18 +35,18 @@ class IkSolver {
     if (!isfinite(least) || !isfinite(cost(true))) return false;
     copy(x, best);
     result = {result.struct_size, DYN_IK_CONVERGED, 0, 0, -1, 0, 0, 0, 0};
-    Outcome outcome = attempt();
+    Outcome outcome = attempt(o.restarts == 0);
     for (Index k = 0; outcome != Outcome::met; ++k) {
       place(x);
       if (const T E = cost(false); E < least) least = E, copy(x, best);
       if (k == o.restarts) break;
       ++result.restarts;
       draw(k % 3 != 2);
-      outcome = attempt();
+      outcome = attempt(k + 1 == o.restarts);
     }
     if (outcome != Outcome::met) {
       copy(best, x);
-      outcome = descend(false, T(1e-13), 10 * std::min(o.max_iterations, 1 << 24));
+      outcome = descend(false, T(1e-13), o.max_iterations);
     }
     result.iterations = iterations;
     explain(outcome, result);
@@ -159,14 +159,15 @@ class IkSolver {
     return Outcome::met;
   }
   // All tasks, then those of priority 0 alone, which moves q by the little that the others held them back.
-  Outcome attempt() {
+  // While there are more starts to come, slow progress is not worth its time.
+  Outcome attempt(bool last) {
     const Index before = iterations;
     Index most = o.max_iterations;
     Outcome outcome = Outcome::stationary;
     for (bool again = true; again;) {
       outcome = Outcome::stationary;
       if (rows[1]) outcome = descend(true, T(1e-10), most), most = o.max_iterations - (iterations - before);
-      if (outcome == Outcome::stationary || !rows[1]) outcome = descend(false, T(1e-2), most);
+      if (outcome == Outcome::stationary || !rows[1]) outcome = descend(false, last ? T(1e-6) : T(1e-2), most);
       // a start where no first-order motion helps, such as a stretched arm
       again = outcome == Outcome::stationary && iterations - before == (rows[1] ? 2 : 1);
       most = o.max_iterations - (iterations - before);
