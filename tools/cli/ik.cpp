@@ -13,7 +13,7 @@ struct Options {
   StateOptions state;
   std::vector<std::string> frames, targets;
   std::string com;
-  bool stay = false, no_limits = false;
+  bool stay = false, no_limits = false, best = false;
   int restarts = 20, max_iterations = 500;
   std::uint64_t seed = 0;
   double tolerance = 1e-6;
@@ -104,6 +104,9 @@ void run(const Options& options) {
   result.struct_size = sizeof result;
   Vector q(static_cast<std::size_t>(robot.nq)), residuals(2 * tasks.size());
   check(dyn_ik(robot, data, state.q.data(), tasks.data(), static_cast<int>(tasks.size()), &o, q.data(), residuals.data(), &result));
+  if (result.reason != DYN_IK_CONVERGED && !options.best)
+    fail("not reached: " + sentence(robot, result) + ". What remains is " + short_number(result.residual_linear, 3) + " m and " +
+         short_number(result.residual_angular, 3) + " rad; --best answers the best configuration.");
 
   json list = json::array();
   for (std::size_t k = 0; k < tasks.size(); ++k)
@@ -121,7 +124,6 @@ void run(const Options& options) {
       text += "\n" + t["name"].get<std::string>() + ": " + short_number(t["linear"].get<double>(), 3) + " m, " + short_number(t["angular"].get<double>(), 3) + " rad";
     print(text + "\n");
   }
-  if (result.reason != DYN_IK_CONVERGED) fail("not reached (" + std::string(reason_name(result.reason)) + "): " + sentence(robot, result) + ".");
 }
 
 }  // namespace
@@ -141,6 +143,7 @@ void add_ik(CLI::App& app) {
   command->add_option("--restarts", options->restarts, "Random starts after the given one")->capture_default_str();
   command->add_option("--seed", options->seed, "Of the random starts")->capture_default_str();
   command->add_option("--max-iterations", options->max_iterations, "Of each start")->capture_default_str();
+  command->add_flag("--best", options->best, "Answer the best configuration when the targets can't be reached");
   command->add_flag("--no-limits", options->no_limits, "Ignore joint limits");
   command->callback([options] { run(*options); });
 }

@@ -452,23 +452,31 @@ class Data:
         tasks: Any,
         q: Any = None,
         *,
-        max_iterations: int = 500,
-        restarts: int = 20,
-        seed: int = 0,
-        tolerance_linear: float = 1e-6,
-        tolerance_angular: float = 1e-6,
-        limits: bool = True,
+        max_iterations: int | None = None,
+        restarts: int | None = None,
+        seed: int | None = None,
+        tolerance_linear: float | None = None,
+        tolerance_angular: float | None = None,
+        limits: bool | None = None,
         lower: Any = None,
         upper: Any = None,
     ) -> inverse_kinematics.Result:
         """q that does the tasks (of dyn.ik) within the joint limits, starting at q (None: the held one); data is there
-        afterwards. Not to converge is no error: see the result's reason. restarts = 0 to follow a moving target."""
+        afterwards. Not to converge is no error: see the result's reason. restarts = 0 to follow a moving target.
+        Defaults: 500 iterations a start, 20 restarts, seed 0, 1e-6 m and rad, the model's limits."""
         m = self.model
         given, keep = inverse_kinematics.structures(m, tasks)
-        options = abi.IkOptions(
-            max_iterations=max_iterations, restarts=restarts, seed=seed, tolerance_linear=tolerance_linear,
-            tolerance_angular=tolerance_angular, limits=bool(limits),
-        )  # fmt: skip
+        options = abi.IkOptions()
+        lib.dyn_ik_options_init(byref(options))
+        for name, x in (
+            ("max_iterations", max_iterations), ("restarts", restarts), ("seed", seed), ("tolerance_linear", tolerance_linear),
+            ("tolerance_angular", tolerance_angular), ("limits", limits),
+        ):  # fmt: skip
+            if x is not None:
+                try:
+                    setattr(options, name, x)
+                except TypeError:
+                    raise ArgumentError(f"{name} is {x!r}, but must be a number.") from None
         for name, x in (("lower", lower), ("upper", upper)):
             if x is not None:
                 keep.append(checked(x, (m.nq,), name))

@@ -19,6 +19,7 @@ from . import abi
 from .arrays import Placement, address, checked, numbers
 from .enums import IkReason, IkTaskType
 from .errors import ArgumentError, SizeError
+from .library import lib
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -130,7 +131,8 @@ def structures(model: Model, tasks: Any) -> tuple[Any, list]:
     for k, (s, t) in enumerate(zip(out, tasks)):
         if not isinstance(t, Task):
             raise ArgumentError(f"tasks[{k}] is {t!r}, but must be a task of dyn.ik: pose, position, orientation, com, posture.")
-        s.struct_size, s.type, s.priority, s.weight = ctypes.sizeof(abi.IkTask), t.type, t.priority, t.weight
+        lib.dyn_ik_task_init(ctypes.byref(s))
+        s.type, s.priority, s.weight = t.type, t.priority, t.weight
         if t.type in (IkTaskType.POSE, IkTaskType.POSITION, IkTaskType.ORIENTATION):
             s.frame = model._frame(t.frame)
         if t.target is not None:
