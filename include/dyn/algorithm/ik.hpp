@@ -4,27 +4,19 @@
 // step is the exact minimiser of the damped model within the limits. Random restarts from a seed.
 #pragma once
 
-#include "dyn/algorithm/ik_tasks.hpp"
+#include "dyn/algorithm/box_step.hpp"
+#include "dyn/algorithm/ik_restarts.hpp"
 
 namespace dyn {
 
 template <class T>
-class IkSolver {
+class IkSolver : IkRestarts<T> {
+  using P = IkProblem<T>;
+  using P::m, P::d, P::tasks, P::o, P::random, P::x, P::best, P::start, P::lower, P::upper, P::step, P::z, P::work, P::low, P::high, P::g;
+  using P::state, P::coordinate, P::rows, P::iterations, P::met, P::copy, P::clamp, P::place, P::cost, P::linearise, P::set_box, P::move;
+
  public:
-  IkSolver(const Model& model, Data<T>& data, const IkTasks& list, const dynIkOptions& options)
-      : m(model), d(data), tasks(list), o(options), random{options.seed} {
-    const Index nq = m.n.nq, nv = m.n.nv;
-    T* at = d.ik_vectors;
-    for (T** a : {&x, &best, &start, &lower, &upper}) *a = at, at += nq;
-    for (T** a : {&step, &z, &work, &low, &high, &r, &g}) *a = at, at += nv;
-    state = d.ik_indices + 2 * std::ptrdiff_t(nv);
-    coordinate = d.ik_indices + 4 * std::ptrdiff_t(nv);
-    for (Index k = 0; k < tasks.count; ++k) {
-      rows[tasks[k].priority ? 1 : 0] += row_count(m, tasks[k].type);
-      has_com |= tasks[k].type == DYN_IK_COM;
-    }
-    set_limits();
-  }
+  using IkRestarts<T>::IkRestarts;
 
   // From d.q; false when its cost is not finite. d is then at the solution.
   bool solve(dynIkResult& result) {
@@ -41,7 +33,7 @@ class IkSolver {
       if (const T E = cost(false); E < least) least = E, copy(x, best);
       if (k == o.restarts) break;
       ++result.restarts;
-      draw(k % 3 != 2);
+      this->draw(k % 3 != 2);
       outcome = attempt(k + 1 == o.restarts);
     }
     if (outcome != Outcome::met) {
@@ -55,77 +47,6 @@ class IkSolver {
 
  private:
   enum class Outcome { met, stationary, exhausted };
-
-  const Model& m;
-  Data<T>& d;
-  const IkTasks& tasks;
-  const dynIkOptions& o;
-  Random random;
-  T *x, *best, *start, *lower, *upper;           // configurations
-  T *step, *z, *work, *low, *high, *r, *g;       // tangent vectors
-  Index *state, *coordinate;                     // of each degree of freedom: its q that has limits, or -1
-  Index rows[2] = {0, 0}, iterations = 0;
-  bool has_com = false, met = false;
-
-  enum : Index { other_task = 1, failing_task = 2 };
-  // What tasks of priority 1 count for while those of priority 0 are not met: less than these by the square.
-  static constexpr double secondary = 1e-3;
-
-  void copy(const T* from, T* to) const { std::copy_n(from, m.n.nq, to); }
-
-  void set_limits() {
-    for (Index k = 0; k < m.n.nq; ++k) {
-      lower[k] = o.limits ? T(o.lower ? o.lower[k] : m.lower_limit()[k]) : -std::numeric_limits<T>::infinity();
-      upper[k] = o.limits ? T(o.upper ? o.upper[k] : m.upper_limit()[k]) : std::numeric_limits<T>::infinity();
-    }
-    for_each_leader(m, [&]<class J>(const Body& b) {
-      const int moved = J::nv == 6 ? 3 : J::nq == J::nv ? J::nv : 0;  // what a step is added to
-      for (int k = 0; k < J::nv; ++k) coordinate[b.user_v + k] = k < moved ? b.user_q + k : -1;
-    });
-  }
-  void clamp(T* q) const {
-    for (Index k = 0; k < m.n.nv; ++k)
-      if (const Index c = coordinate[k]; c >= 0) q[c] = std::min(std::max(q[c], lower[c]), upper[c]);
-  }
-  void place(const T* q) {
-    if (q != d.q) copy(q, d.q);
-    forward_kinematics<0>(m, d);
-    if (has_com) center_of_mass(m, d, 0);
-  }
-  bool within(const IkResidual& e) const { return e.linear <= o.tolerance_linear && e.angular <= o.tolerance_angular; }
-  // At d.q; and whether the tasks of priority 0 are met.
-  T cost(bool all) {
-    T sum = T(0);
-    met = true;
-    for (Index k = 0; k < tasks.count; ++k) {
-      const dynIkTask& t = tasks[k];
-      if (t.priority && !all) continue;
-      IkResidual e;
-      const T E = ik_cost(m, d, t, e);
-      sum += t.priority ? T(secondary * secondary) * E : E;
-      if (!t.priority) met = met && within(e);
-    }
-    return sum;
-  }
-  LeastSquares<T> linearise(bool all) {
-    LeastSquares<T> s{m.n.nv, rows[0] + (all ? rows[1] : 0), d.ik_matrix, d.ik_factor, r, g, 0};
-    s.clear();
-    for (Index k = 0; k < tasks.count; ++k)
-      if (all || !tasks[k].priority) ik_linearise(m, d, tasks[k], tasks[k].priority ? T(secondary) : T(1), s);
-    s.finish();
-    return s;
-  }
-  void set_box() {
-    for (Index k = 0; k < m.n.nv; ++k) {
-      const Index c = coordinate[k];
-      low[k] = c < 0 ? -std::numeric_limits<T>::infinity() : lower[c] - x[c];
-      high[k] = c < 0 ? std::numeric_limits<T>::infinity() : upper[c] - x[c];
-    }
-  }
-  void move(T* q) {
-    ik_retract(m, x, step, q);
-    clamp(q);
-  }
 
   // From x, to where the tasks are met (unless all of them count) or where a step would lower the cost by less than
   // tolerance times it.
@@ -178,87 +99,6 @@ class IkSolver {
     }
     return outcome;
   }
-  // Marks the degrees of freedom that move no task but those that fail most at d.q; false when there are none.
-  bool mark_failing() {
-    auto failure = [&](Index k) {
-      IkResidual e;
-      ik_cost(m, d, tasks[k], e);
-      return tasks[k].priority ? 0 : std::hypot(e.linear, e.angular);
-    };
-    double worst = 0;
-    for (Index k = 0; k < tasks.count; ++k) worst = std::max(worst, failure(k));
-    std::fill_n(state, m.n.nv, Index(0));
-    for (Index k = 0; k < tasks.count; ++k) {
-      const dynIkTask& t = tasks[k];
-      if (t.priority) continue;
-      const Index mark = failure(k) < 0.5 * worst ? other_task : failing_task;
-      if (t.type == DYN_IK_COM || t.type == DYN_IK_POSTURE)
-        for (Index c = 0; c < m.n.nv; ++c) state[c] |= mark;
-      else
-        for (Index i = m.frames()[t.frame].body; i != 0; i = m.bodies()[i].parent) {
-          const Body& b = m.bodies()[i];
-          visit(b.type, [&]<class J>() {
-            for (int c = 0; c < J::nv; ++c) state[b.user_v + c] |= mark;
-          });
-        }
-    }
-    return std::find(state, state + m.n.nv, failing_task) != state + m.n.nv;
-  }
-  // Uniform within the limits; a free flyer and displacements without limits stay where they were at the start. Of the
-  // marked ones alone: the others as in the best so far, so that a leg in place stays there when another fails.
-  void sample(T* q, bool marked) {
-    if (marked) copy(best, q);
-    for_each_leader(m, [&]<class J>(const Body& b) {
-      if (marked && state[b.user_v] != failing_task) return;
-      double from[J::nq], to[J::nq], drawn[J::nq];
-      bool bounded = true;
-      for (int k = 0; k < J::nq; ++k) {
-        from[k] = double(lower[b.user_q + k]), to[k] = double(upper[b.user_q + k]);
-        bounded = bounded && std::isfinite(from[k]) && std::isfinite(to[k]);
-      }
-      J::random(random, from, to, drawn);
-      const bool stays = J::nv == 6 || (!J::rotates && !bounded);
-      for (int k = 0; k < J::nq; ++k) q[b.user_q + k] = stays ? start[b.user_q + k] : T(drawn[k]);
-    });
-  }
-  // The most promising of some samples.
-  void draw(bool partial) {
-    place(best);
-    const bool marked = partial && mark_failing();
-    T least = std::numeric_limits<T>::infinity();
-    for (int k = 0; k < 8; ++k) {
-      sample(d.q, marked), place(d.q);
-      if (const T E = cost(false); k == 0 || E < least) least = E, copy(d.q, x);
-    }
-  }
-  // Number of independent rows of J, by Cholesky with pivots.
-  Index rank(const LeastSquares<T>& s) {
-    const Index n = s.wide() ? s.rows : s.n;
-    T* A = s.factor;
-    std::copy_n(s.matrix, s.wide() ? 0 : std::ptrdiff_t(n) * n, A);
-    if (s.wide()) {
-      std::fill_n(A, std::ptrdiff_t(n) * n, T(0));
-      for (Index k = 0; k < s.n; ++k)
-        for (Index j = 0; j < n; ++j)
-          for (Index i = 0; i < n; ++i) A[i + std::ptrdiff_t(n) * j] += s.column(k)[i] * s.column(k)[j];
-    }
-    auto at = [&](Index i, Index j) -> T& { return A[i + std::ptrdiff_t(n) * j]; };
-    T largest = T(0);
-    for (Index k = 0; k < n; ++k) {
-      Index p = 0;
-      for (Index i = 1; i < n; ++i)
-        if (at(i, i) > at(p, p)) p = i;
-      const T pivot = at(p, p);
-      largest = std::max(largest, pivot);
-      if (!(pivot > T(1e-9) * largest)) return k;
-      for (Index j = 0; j < n; ++j)
-        if (j != p)
-          for (Index i = 0; i < n; ++i)
-            if (i != p) at(i, j) -= at(i, p) * at(p, j) / pivot;
-      for (Index i = 0; i < n; ++i) at(i, p) = at(p, i) = T(0);
-    }
-    return n;
-  }
   void explain(Outcome outcome, dynIkResult& result) {
     using std::abs;
     place(x);
@@ -289,7 +129,7 @@ class IkSolver {
       });
     } else {
       const Index here = rank(s);
-      sample(best, false), place(best);
+      this->sample(best, false), place(best);
       const Index elsewhere = rank(linearise(false));
       result.reason = here < elsewhere ? DYN_IK_SINGULAR : DYN_IK_LOCAL_MINIMUM;
       place(x);

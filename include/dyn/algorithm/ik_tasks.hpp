@@ -3,7 +3,7 @@
 // joint's frame: limits of that position are then bounds on the step.
 #pragma once
 
-#include "dyn/algorithm/box_step.hpp"
+#include "dyn/algorithm/least_squares.hpp"
 #include "dyn/algorithm/center_of_mass.hpp"
 #include "dyn/algorithm/configuration.hpp"
 
