@@ -48,11 +48,11 @@ PROJECT = Path(__file__).resolve().parent.parent
 DUMP = PROJECT / "bench/peers/dump_model.py"
 GENERATE = PROJECT / "models/generate.py"
 ROWS = ["fk", "fk_qva", "jacobians", "rnea", "nle", "gravity", "aba", "crba", "cholesky", "solve",
-        "minv", "com", "jcom", "all_terms", "integrate", "difference", "coriolis", "djacobians",
-        "kinetic_energy", "potential_energy", "centroidal_map", "centroidal_map_rate",
-        "centroidal_momentum", "centroidal_momentum_rate", "centroidal_derivatives",
-        "torque_regressor", "static_regressor", "kinetic_energy_regressor",
-        "potential_energy_regressor"]
+        "minv", "rnea_derivatives", "aba_derivatives", "com", "jcom", "all_terms", "integrate",
+        "difference", "coriolis", "djacobians", "kinetic_energy", "potential_energy",
+        "centroidal_map", "centroidal_map_rate", "centroidal_momentum", "centroidal_momentum_rate",
+        "centroidal_derivatives", "torque_regressor", "static_regressor",
+        "kinetic_energy_regressor", "potential_energy_regressor"]
 VARIANTS = {"aba": ["aba", "aba_local", "aba_world"], "crba": ["crba", "crba_local", "crba_world"],
             "com": ["com", "com_subtrees"], "jcom": ["jcom", "jcom_subtrees"]}
 DEFAULT_MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating",

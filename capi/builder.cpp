@@ -30,8 +30,10 @@ JointSpec read_spec(const dynJointSpec& s, int depth) {
   out.pitch = s.pitch;
   if (s.parts_count && !s.parts) throw Error(DYN_ERROR_ARGUMENT, "dynJointSpec: parts is NULL but parts_count is not 0");
   if (s.parts_count > 1000) throw Error(DYN_ERROR_LIMIT, "dynJointSpec: more than 1000 parts");
-  if (s.type == DYN_JOINT_COMPOSITE)
-    for (size_t k = 0; k < s.parts_count; ++k) out.parts.push_back(read_spec(s.parts[k], depth + 1));
+  if (s.type != DYN_JOINT_COMPOSITE && (s.parts || s.parts_count))
+    throw Error(DYN_ERROR_ARGUMENT, "joint '" + out.name + "': parts are given, but its type is " + joint_type_name(s.type) +
+                                        ": use DYN_JOINT_COMPOSITE, or leave parts NULL");
+  for (size_t k = 0; k < s.parts_count; ++k) out.parts.push_back(read_spec(s.parts[k], depth + 1));
   return out;
 }
 

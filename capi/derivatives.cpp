@@ -12,6 +12,7 @@ dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const doubl
   if (!call || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
   const std::ptrdiff_t nv = call.m().n.nv;
   Data<double>& d = call.d();
+  d.drop(Stage::Tau), d.drop(Stage::InverseDerivatives);  // being written
   rnea_derivatives(call.m(), d, d.v, d.a, fext);
   if (!finite_mass(call) || !call.numeric(d.tau, Index(nv), "tau", Stage::Tau) ||
       !call.numeric(d.dtau_dq, Index(nv * nv), "dtau_dq", Stage::InverseDerivatives) ||
@@ -28,8 +29,9 @@ dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double
   if (!call || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
   const std::ptrdiff_t nv = call.m().n.nv;
   Data<double>& d = call.d();
+  d.drop(Stage::Ddq), d.drop(Stage::ForwardDerivatives), d.drop(Stage::Minv);    // being written
+  d.drop(Stage::Tau), d.drop(Stage::InverseDerivatives);  // at another a than the held one
   const Index failed = aba_derivatives(call.m(), d, d.v, d.tau_applied, fext);
-  d.drop(Stage::Tau), d.drop(Stage::InverseDerivatives);  // theirs is another a
   if (failed) return singular(call, failed, Stage::ForwardDerivatives);
   if (!finite_mass(call) || !call.numeric(d.ddq, Index(nv), "ddq", Stage::Ddq) || !call.numeric(d.Minv, Index(nv * nv), "Minv", Stage::Minv) ||
       !call.numeric(d.ddq_dq, Index(nv * nv), "ddq_dq", Stage::ForwardDerivatives) ||

@@ -13,7 +13,8 @@
  *   Inputs      const double*; NULL means the value held in the data (which a non-NULL argument replaces).
  *   Outputs     any output pointer may be NULL: the result is in the data as well. An output is written whole, or not at all.
  *   Errors      every function that can fail returns a dynStatus; dyn_last_error() says what, where, and what to do.
- *               A call that fails leaves its data as it was, unless its description says otherwise.
+ *               A call that fails leaves its data as it was; with DYN_ERROR_NUMERIC, which comes after some work, that is the state
+ *               (q, v, a, tau, time): results may be lost, and reading one that is gives DYN_ERROR_STALE, never another number.
  *   Threads     a model is immutable and may be shared; a data belongs to one thread at a time.
  *   Memory      after dyn_data_new or dyn_data_init nothing allocates, locks, or makes a system call.
  */
@@ -256,14 +257,14 @@ typedef struct dynJointSpec {
   double axis[3];                   /* need not be unit; default z */
   double axis2[3];                  /* universal only; default x */
   double pitch;                     /* helical: metres per radian */
-  const double *lower, *upper;      /* nq numbers each or NULL (infinite) */
+  const double *lower, *upper;      /* nq numbers each or NULL (infinite); -inf below and inf above: no limit */
   const double *velocity, *effort;  /* nv numbers each or NULL (infinite) */
   const double *armature, *damping, *friction; /* nv numbers each or NULL (zero) */
   double rotor_inertia, gear_ratio; /* one-degree-of-freedom joints: adds rotor_inertia * gear_ratio^2 to the armature */
   const char* mimic;                /* leader's name or NULL: one-degree-of-freedom joints of any order in the tree */
   double mimic_ratio, mimic_offset;
   const struct dynJointSpec* parts; /* composite: its joints in order; only type, placement (after the previous part), axis, axis2, pitch are read */
-  size_t parts_count;
+  size_t parts_count;               /* parts of any other type must be NULL, 0 */
 } dynJointSpec;
 DYN_API void dyn_joint_spec_init(dynJointSpec* spec);
 
@@ -277,7 +278,8 @@ DYN_API dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* spe
 DYN_API dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
                                    const double com[3], const double inertia[9]);
 DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
-/* A named configuration: nq numbers in the finished model's order. */
+/* A named configuration: nq numbers in the finished model's order. Its quaternions and (cos, sin) pairs need not be unit: the model
+   keeps them normalised. A zero one is refused by dyn_builder_finish (DYN_ERROR_QUATERNION). */
 DYN_API dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
 /* Compiles. The builder stays valid and may be extended and finished again. */
 DYN_API dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model);
@@ -422,7 +424,9 @@ DYN_API dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q,
 DYN_API dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q, double* M);
 /* Sparse factor M = L^T D L that keeps the tree's sparsity (Featherstone 2008, 6.5), of the current M (else DYN_ERROR_STALE). */
 DYN_API dynStatus dyn_factorize(const dynModel* model, dynData* data);
-/* x = M^-1 b for nrhs right-hand sides (nv x nrhs each; x may be b). Needs dyn_factorize. */
+/* x = M^-1 b for nrhs right-hand sides (nv x nrhs each; x may be b), by the factor of M at the held q, made by dyn_factorize (or by
+   dyn_all_terms with FACTOR or MINV). DYN_ERROR_STALE when q was never factorised or has changed since, by whatever call; v, a and
+   tau may change. DYN_ERROR_NUMERIC when a solution overflows: the columns of x before it are written. */
 DYN_API dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x);
 /* Minv = M^-1, nv x nv, full and symmetric, by articulated inertias (Carpentier 2018); with mimic joints by the factor of M. */
 DYN_API dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, double* Minv);

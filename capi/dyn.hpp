@@ -484,6 +484,20 @@ class Data {
     static const dynField id = dyn_field_id("Minv");
     return result(id, dyn_minverse(m(), get(), q.of(nq(), "q"), nullptr));
   }
+  struct InverseDerivatives {
+    View dtau_dq, dtau_dv, dtau_da;
+  };
+  InverseDerivatives rnea_derivatives(Input q = held, Input v = held, Input a = held, Input fext = none) {
+    check(dyn_rnea_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), forces(fext), nullptr, nullptr));
+    return {field("dtau_dq"), field("dtau_dv"), field("M")};
+  }
+  struct ForwardDerivatives {
+    View ddq_dq, ddq_dv, ddq_dtau;
+  };
+  ForwardDerivatives aba_derivatives(Input q = held, Input v = held, Input tau = held, Input fext = none) {
+    check(dyn_aba_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), forces(fext), nullptr, nullptr, nullptr));
+    return {field("ddq_dq"), field("ddq_dv"), field("Minv")};
+  }
   struct Energy {
     double kinetic, potential;
     double mechanical() const { return kinetic + potential; }

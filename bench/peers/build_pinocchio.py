@@ -32,8 +32,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 PROJECT = HERE.parent.parent
-SOURCE = HERE / "pinocchio_bench.cpp"
-PARTS = 6
+SOURCES = sorted(HERE.glob("pinocchio_*.cpp"))
+HEADERS = sorted(HERE.glob("pinocchio_*.hpp"))
 # What Pinocchio's CMake target pinocchio_headers defines.
 DEFINES = [
     "-DNDEBUG",
@@ -133,7 +133,8 @@ def build(name, compiler, flags, includes, out, args, version):
         native = subprocess.run([compiler, "-march=native", "-E", "-dM", "-x", "c", "/dev/null"],
                                 capture_output=True, text=True).stdout
     key = hashlib.sha256("\0".join(
-        [SOURCE.read_text(), shlex.join(common), compiler_id, native, version]).encode()).hexdigest()
+        [f.read_text() for f in SOURCES + HEADERS]
+        + [shlex.join(common), compiler_id, native, version]).encode()).hexdigest()
     stamp = objects / f"{name}.key"
     if not args.force and exe.is_file() and stamp.is_file() and stamp.read_text() == key:
         say(f"{name}: up to date")
@@ -141,11 +142,10 @@ def build(name, compiler, flags, includes, out, args, version):
     start = time.time()
     longest = 0.0
     files = []
-    for part in range(PARTS):
-        obj = objects / f"{name}_{part}.o"
+    for source in SOURCES:
+        obj = objects / f"{name}_{source.stem}.o"
         t = time.time()
-        run_compiler(common + [f"-DBENCH_PART={part}", "-c", str(SOURCE), "-o", str(obj)],
-                     args.timeout)
+        run_compiler(common + ["-c", str(source), "-o", str(obj)], args.timeout)
         longest = max(longest, time.time() - t)
         files.append(str(obj))
     run_compiler([compiler] + files + ["-o", str(exe)], args.timeout)

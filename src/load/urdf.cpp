@@ -35,6 +35,7 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   for (UrdfLink& link : robot.links) check_inertia(link, report);
   check_welded_inertia(robot, tree, !floating, report);
   check_moving_mass(robot, tree, report);
+  report_kept(robot, report);
   compare_with_urdfdom(text, robot, tree, report);
   const auto entries = report.finish();
 

@@ -43,12 +43,14 @@ int primitive_nv(BodyType t) {
   return n;
 }
 
-// A rotation that takes z to the unit vector a, by the smallest angle; about x when a = -z.
+// The smallest rotation that takes z to the unit vector a: c 1 + w x + w w' / (1 + c), w = z x a, c = z . a; about x when
+// a = -z. Its last column is a itself; for axes of the frame all entries are 0 or 1: no sines of pi/2.
 Mat3<double> z_to(const Axis& a) {
-  if (a[0] == 0 && a[1] == 0) return a[2] > 0 ? Mat3<double>::identity() : Mat3<double>::diagonal(1, -1, -1);
-  const Vec3<double> w = Vec3<double>::make(-a[1], a[0], 0);  // z x a
-  const double s = std::hypot(a[0], a[1]);
-  return exp3(w * (std::atan2(s, a[2]) / s));
+  const double c = a[2], s = std::hypot(a[0], a[1]);
+  if (s < 1e-300) return c > 0 ? Mat3<double>::identity() : Mat3<double>::diagonal(1, -1, -1);
+  const Vec3<double> w = Vec3<double>::make(-a[1], a[0], 0), u = Vec3<double>::make(-a[1] / s, a[0] / s, 0);
+  const Mat3<double> ww = c > 0 ? outer(w, w * (1 / (1 + c))) : outer(u, u * (1 - c));  // s^2 = (1 + c) (1 - c)
+  return Mat3<double>::identity() * c + ww + skew(w);
 }
 
 namespace {
@@ -74,7 +76,8 @@ SE3<double> check_placement(const std::string& where, const Placement& x) {
     for (int j = 0; j < 3; ++j) worst = std::max(worst, std::abs(E(i, j)));
   if (worst > 1e-6 || dot(cross(X.R.x, X.R.y), X.R.z) < 0)
     refuse(DYN_ERROR_INVALID, where + ": placement is not a rotation (off by " + number(worst) + "): give an orthonormal right-handed matrix by columns");
-  return {rotation(quaternion(X.R)), X.p};  // orthonormal to the last bit
+  if (worst <= 4e-16) return X;  // turned by quarters, and whatever else is orthonormal to the last bit
+  return {rotation(quaternion(X.R)), X.p};
 }
 
 Axis check_axis(const std::string& where, const Axis& a) {
@@ -95,6 +98,20 @@ void check_vector(const std::string& where, const char* what, const std::vector<
     if (std::isnan(value)) refuse(DYN_ERROR_NONFINITE, where + ": " + what + " is NaN: give a number");
     if (value < minimum) refuse(DYN_ERROR_INVALID, where + ": " + what + " is " + number(value) + ": it can't be negative");
   }
+}
+
+// -inf below and inf above mean no limit; the other way round nothing is left between them.
+void check_range(const std::string& where, const std::vector<double>& lower, const std::vector<double>& upper) {
+  auto name = [](const char* side, std::size_t k, const std::vector<double>& x) {
+    return std::string(side) + " limit" + (x.size() > 1 ? "[" + std::to_string(k) + "]" : "");
+  };
+  for (std::size_t k = 0; k < lower.size(); ++k)
+    if (lower[k] == HUGE_VAL) refuse(DYN_ERROR_NONFINITE, where + ": " + name("lower", k, lower) + " is inf: give a number, or -inf for none");
+  for (std::size_t k = 0; k < upper.size(); ++k)
+    if (upper[k] == -HUGE_VAL) refuse(DYN_ERROR_NONFINITE, where + ": " + name("upper", k, upper) + " is -inf: give a number, or inf for none");
+  for (std::size_t k = 0; k < lower.size() && k < upper.size(); ++k)
+    if (lower[k] > upper[k])
+      refuse(DYN_ERROR_INVALID, where + ": " + name("lower", k, lower) + " " + number(lower[k]) + " exceeds upper limit " + number(upper[k]));
 }
 
 // Elements of a spec in order, each with the frame of its part in the joint's frame at the neutral configuration.
@@ -218,9 +235,7 @@ void Builder::joint(const JointSpec& s) {
   check_vector(who, "armature", s.armature, nv, 0);
   check_vector(who, "damping", s.damping, nv, 0);
   check_vector(who, "friction", s.friction, nv, 0);
-  for (std::size_t k = 0; k < s.lower.size() && k < s.upper.size(); ++k)
-    if (s.lower[k] > s.upper[k])
-      refuse(DYN_ERROR_INVALID, who + ": lower limit " + number(s.lower[k]) + " exceeds upper limit " + number(s.upper[k]));
+  check_range(who, s.lower, s.upper);
   for (const auto& [what, x] : {std::pair{"armature", &s.armature}, {"damping", &s.damping}, {"friction", &s.friction}})
     for (double a : *x)
       if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(a) + ": give a finite number");

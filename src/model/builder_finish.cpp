@@ -7,8 +7,10 @@
 #include <memory>
 #include <new>
 #include <numeric>
+#include <unordered_map>
 
 #include "builder_impl.hpp"
+#include "dyn/algorithm/declarations.hpp"
 #include "dyn/base/sincos.hpp"
 #include "dyn/joint/list.hpp"
 
@@ -16,14 +18,14 @@ namespace dyn {
 
 namespace {
 
-// All strings of the model, each once at its end.
+// All strings of the model, at its end, each once: a joint and its frame share their name.
 struct Text {
   std::string pool = std::string(1, '\0');
+  std::unordered_map<std::string, Index> known = {{"", 0}};
   Index add(const std::string& s) {
-    if (s.empty()) return 0;
-    const Index at = Index(pool.size());
-    pool.append(s.c_str(), s.size() + 1);
-    return at;
+    const auto [at, added] = known.try_emplace(s, Index(pool.size()));
+    if (added) pool.append(s.c_str(), s.size() + 1);
+    return at->second;
   }
 };
 
@@ -60,6 +62,16 @@ std::vector<int> depth_first(const std::vector<JointEntry>& joints) {
 }
 
 SE3<double> rotation_only(const Mat3<double>& R) { return {R, Vec3<double>::zero()}; }
+
+// Named configurations are points of the configuration space: quaternions and (cos, sin) pairs of norm 1.
+void settle_configurations(const Model& m, double* q) {
+  for (Index k = 0; k < m.n.configurations; ++k, q += m.n.nq) {
+    if (const Index j = zero_norm_joint(m, q))
+      throw Error(DYN_ERROR_QUATERNION, "configuration '" + std::string(m.string(m.configuration_names()[k])) + "': the quaternion or (cos, sin) of joint '" +
+                                            m.string(m.joints()[j].name) + "' is zero: give one of norm 1, such as that of 'neutral'");
+    normalize(m, q);
+  }
+}
 
 std::atomic<std::uint64_t> next_id{1};
 
@@ -306,6 +318,7 @@ ModelPtr Builder::finish() const {
   if (!a.field.empty()) std::memcpy(base + offset[std::size_t(Model::Field::field)], a.field.data(), a.field.size() * sizeof(type));
 #include "dyn/model/model_fields.def"
 #undef FIELD
+  settle_configurations(*model, reinterpret_cast<double*>(base + offset[std::size_t(Model::Field::configurations)]));
   elimination_tree(*model, a.dof_parent);
   for (std::size_t k = 0; k < std::size_t(n.nv); ++k)
     a.dof_run[k] = k > 0 && a.dof_parent[k] == Index(k) - 1 ? a.dof_run[k - 1] : Index(k);

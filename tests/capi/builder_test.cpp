@@ -149,7 +149,12 @@ TEST_F(BuilderTest, NumbersOfADegreeOfFreedom) {
   }
   Spec s("j", DYN_JOINT_TRANSLATION);
   s.lower = large, s.upper = one;
-  refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "lower limit 2 exceeds upper limit 1"});
+  refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "lower limit[0] 2 exceeds upper limit 1"});
+  const double up[3] = {1, 1, inf}, down[3] = {-1, -1, -inf};
+  s.lower = up, s.upper = nullptr;
+  refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", "lower limit[2] is inf", "-inf for none"});
+  s.lower = nullptr, s.upper = down;
+  refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", "upper limit[2] is -inf", "inf for none"});
   s = Spec("j", DYN_JOINT_TRANSLATION), s.armature = infinite;
   refuse(s, DYN_ERROR_NONFINITE, {"armature", "finite"});
 }
@@ -194,6 +199,19 @@ TEST_F(BuilderTest, Composites) {
   refuse(s, DYN_ERROR_INVALID, {"joint 'j', part 1", "axis is zero"});
   s.parts_count = 1001;
   refuse(s, DYN_ERROR_LIMIT, {"1000 parts"});
+  // parts of what is no composite, at the top and below
+  Spec hinge("j", DYN_JOINT_REVOLUTE), part(nullptr, DYN_JOINT_REVOLUTE);
+  hinge.parts = &part;
+  for (std::size_t count : {0u, 1u}) {
+    hinge.parts_count = count;
+    refuse(hinge, DYN_ERROR_ARGUMENT, {"joint 'j'", "parts are given", "revolute", "DYN_JOINT_COMPOSITE"});
+  }
+  hinge.type = DYN_JOINT_FIXED;
+  refuse(hinge, DYN_ERROR_ARGUMENT, {"parts are given", "fixed"});
+  hinge.type = DYN_JOINT_REVOLUTE;
+  Spec outer("outer", DYN_JOINT_COMPOSITE);
+  outer.parts = &hinge, outer.parts_count = 1;
+  refuse(outer, DYN_ERROR_ARGUMENT, {"joint 'j'", "parts are given"});
   // itself within itself
   Spec loop("j", DYN_JOINT_COMPOSITE);
   loop.parts = &loop, loop.parts_count = 1;
@@ -296,6 +314,14 @@ const Whole wholes[] = {
      },
      DYN_ERROR_SIZE,
      {"configuration 'c' has 2 numbers", "nq = 1"}},
+    {"configuration with a zero quaternion",
+     [](Builder& b) {
+       static constexpr double q[4] = {};
+       b.joint(Spec("ball", DYN_JOINT_SPHERICAL)).body("bb", "ball");
+       EXPECT_EQ(DYN_OK, dyn_builder_configuration(b, "c", q, 4));
+     },
+     DYN_ERROR_QUATERNION,
+     {"configuration 'c'", "joint 'ball' is zero", "norm 1"}},
 };
 TEST(BuilderFinish, Refusals) {
   for (const Whole& w : wholes) {
@@ -306,6 +332,16 @@ TEST(BuilderFinish, Refusals) {
     EXPECT_TRUE(says(w.fragments)) << w.name;
     EXPECT_EQ(nullptr, m) << w.name;
   }
+}
+
+TEST(BuilderFinish, InfiniteLimitsTheRightWayRound) {
+  const double lower[1] = {-inf}, upper[1] = {inf};
+  Spec s("x", DYN_JOINT_REVOLUTE);
+  s.lower = lower, s.upper = upper, s.velocity = upper, s.effort = upper;
+  Builder b;
+  const Model m = b.joint(s).body("bx", "x").finish();
+  EXPECT_EQ(-inf, dyn_model_array(m, DYN_LOWER_LIMIT)[0]);
+  for (dynModelArray which : {DYN_UPPER_LIMIT, DYN_VELOCITY_LIMIT, DYN_EFFORT_LIMIT}) EXPECT_EQ(inf, dyn_model_array(m, which)[0]);
 }
 
 TEST(BuilderFinish, AgainAndFurther) {

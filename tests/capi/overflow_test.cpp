@@ -138,6 +138,34 @@ TEST(Overflow, SaysWhereAndWhy) {
   EXPECT_TRUE(says({"joint '", "too large"}));
 }
 
+// What the failed call was to compute is lost and says so; the state is as before, and no result is another number.
+TEST(Overflow, LostResultsAreStale) {
+  const Model m = all_types();
+  const State s = random_state(m, 17);
+  const Numbers huge(s.v.size(), 1e200);
+  const std::pair<const char*, const char*> rows[] = {
+      {"dyn_rnea", "tau"}, {"dyn_nonlinear_effects", "nle"}, {"dyn_aba", "ddq"}, {"dyn_energy", "mechanical"}};
+  for (const auto& [name, lost] : rows)
+    for (bool held : {false, true}) {  // the huge v is the call's, or the data's
+      Data d(m);
+      compute_all(m, d, s);
+      if (held) {
+        ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, huge.data(), nullptr, nullptr));
+      }
+      const Snapshot before(m, d);
+      Prepared p(call_row(name), m, s);
+      p.x.q = p.x.a = p.x.tau = nullptr;
+      p.x.v = held ? nullptr : huge.data();
+      EXPECT_EQ(DYN_ERROR_NUMERIC, p(m, d)) << name;
+      if (!held) {
+        EXPECT_EQ("", before.differs(Snapshot(m, d), true)) << name;
+      }
+      EXPECT_TRUE(same_bits(s.q, field(m, d, "q")) && same_bits(held ? huge : s.v, field(m, d, "v"))) << name;
+      EXPECT_EQ(DYN_ERROR_STALE, field_status(m, d, lost)) << name;
+      EXPECT_TRUE(says({lost, "call "})) << dyn_last_error();
+    }
+}
+
 // Steps that blow up leave state and time; and what dyn_aba had computed is not theirs.
 TEST(Overflow, FailedStep) {
   for (const bool mimic : {true, false})

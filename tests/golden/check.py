@@ -14,8 +14,6 @@ from common import ILL_CONDITIONED, error, robots_folder, scaled
 
 REFERENCES = ("LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED")
 THROUGH_MINV = {"ddq", "ddq_fext", "Minv", "ddq_dq", "ddq_dv"}  # their tolerance grows with cond(M) beyond 1e8
-OFFERED_LATER = {"dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv"}  # may be absent, never wrong
-METHODS_OFFERED_LATER = {"rnea_derivatives", "aba_derivatives"}
 
 
 class Libdyn:
@@ -177,7 +175,7 @@ class Table:
     """The worst error of each quantity, and the list of failures."""
 
     def __init__(self, tolerance):
-        self.tolerance, self.rows, self.failures, self.absent = tolerance, {}, [], {}
+        self.tolerance, self.rows, self.failures = tolerance, {}, []
 
     def figure(self, quantity, where, value, expected, ratio=1.0):
         """ratio: how much more than the tolerance is allowed here."""
@@ -196,11 +194,8 @@ class Table:
             return function(*args)
         except Exception as problem:
             for quantity in quantities:
-                if quantity in OFFERED_LATER and getattr(problem, "name", None) in METHODS_OFFERED_LATER:
-                    self.absent[quantity] = str(problem)
-                else:
-                    self.rows.setdefault(quantity, [0, -1.0, "", False])[3] = True
-                    self.failures.append(f"{where}: {quantity}: {type(problem).__name__}: {problem}")
+                self.rows.setdefault(quantity, [0, -1.0, "", False])[3] = True
+                self.failures.append(f"{where}: {quantity}: {type(problem).__name__}: {problem}")
             return None
 
     def show(self):
@@ -208,8 +203,6 @@ class Table:
         for quantity, (count, worst, where, failed) in self.rows.items():
             shown = f"{worst:11.1e}" if count else f"{'-':>11}"
             print(f"{quantity:26} {count:7} {shown}  {where}{'  FAILED' if failed else ''}")
-        for quantity in self.absent:
-            print(f"{quantity:26} {'not offered':>19}")
 
 
 def arrays(x):

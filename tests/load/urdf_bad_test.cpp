@@ -24,6 +24,9 @@ std::string inertia(const std::string& xx, const std::string& yy, const std::str
 }
 std::string hinge(const std::string& inside) { return robot(ab + joint("j", "revolute", "a", "b", inside)); }
 std::string hinge_limit(const std::string& attributes) { return hinge("<axis xyz=\"0 0 1\"/><limit " + attributes + "/>"); }
+std::string limit_of(const std::string& lower, const std::string& upper) {
+  return "<limit lower=\"" + lower + "\" upper=\"" + upper + "\" effort=\"1\" velocity=\"1\"/>";
+}
 std::string shape(const std::string& inside) {
   return robot(link("a", solid + "\n<collision><geometry>" + inside + "</geometry></collision>"));
 }
@@ -152,6 +155,14 @@ const Case cases[] = {
      hinge_limit("lower=\"-Infinity\" upper=\"1\" effort=\"1\" velocity=\"1\""),
      DYN_ERROR_PARSE,
      {"line 4", "not finite"}},
+    {"LowerInfinite",
+     hinge("\n" + limit_of("inf", "1")),
+     DYN_ERROR_PARSE,
+     {"line 5", "joint 'j'", "<limit> lower=\"inf\"", "not finite"}},
+    {"UpperMinusInfinite",
+     hinge("\n" + limit_of("-1", "-inf")),
+     DYN_ERROR_PARSE,
+     {"line 5", "joint 'j'", "<limit> upper=\"-inf\"", "not finite"}},
     {"Overflow", inertial(inertia("1", "1", "1", "1e999")), DYN_ERROR_PARSE, {"line 3", "<mass> value=\"1e999\"", "too large"}},
     {"TrailingGarbage", inertial(inertia("1", "1", "1", "1kg")), DYN_ERROR_PARSE, {"line 3", "'1kg'", "not a number"}},
     {"Hexadecimal", inertial(inertia("1", "1", "1", "0x10")), DYN_ERROR_PARSE, {"line 3", "'0x10'"}},

@@ -255,6 +255,20 @@ TEST(Builder, NamedConfigurations) {
   EXPECT_EQ((std::vector<double>{0, 0, 0, 1, 0.5, 0.5, 0.5, 0.5}), std::vector<double>(m->configurations(), m->configurations() + 8));
 }
 
+TEST(Builder, NamedConfigurationsAreNormalised) {
+  Builder b("configurations");
+  JointSpec s = hinge("ball"), wheel = hinge("wheel");
+  s.type = DYN_JOINT_SPHERICAL, wheel.type = DYN_JOINT_REVOLUTE_UNBOUNDED;
+  b.joint(s);
+  link(b, "ball");
+  b.joint(wheel);
+  link(b, "wheel");
+  for (double scale : {3.0, 1e-200, 1e300}) b.configuration(std::to_string(scale), {scale, -scale, scale, scale, 0, -scale});
+  const ModelPtr m = b.finish();
+  for (int k = 1; k < 4; ++k)
+    EXPECT_EQ((std::vector<double>{0.5, -0.5, 0.5, 0.5, 0, -1}), std::vector<double>(m->configurations() + 6 * k, m->configurations() + 6 * k + 6)) << k;
+}
+
 TEST(Builder, EliminationTreeCoversThePatternOfM) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE(seed);

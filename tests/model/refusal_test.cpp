@@ -86,6 +86,11 @@ const Case cases[] = {
     bad_joint("VelocitySize", DYN_ERROR_SIZE, {"velocity limit has 4 numbers, needs 3"}, [](JointSpec& s) { s.velocity = {0, 0, 0, 0}; }, DYN_JOINT_SPHERICAL),
     bad_joint("LowerNaN", DYN_ERROR_NONFINITE, {"lower limit is NaN"}, [](JointSpec& s) { s.lower = {nan}; }),
     bad_joint("LowerAboveUpper", DYN_ERROR_INVALID, {"lower limit 2 exceeds upper limit 1"}, [](JointSpec& s) { s.lower = {2}, s.upper = {1}; }),
+    bad_joint("UpperNaN", DYN_ERROR_NONFINITE, {"upper limit is NaN"}, [](JointSpec& s) { s.upper = {nan}; }),
+    bad_joint("LowerInfinite", DYN_ERROR_NONFINITE, {"lower limit is inf", "-inf for none"}, [](JointSpec& s) { s.lower = {infinity}; }),
+    bad_joint("UpperMinusInfinite", DYN_ERROR_NONFINITE, {"upper limit is -inf", "inf for none"}, [](JointSpec& s) { s.upper = {-infinity}; }),
+    bad_joint("BothInfinite", DYN_ERROR_NONFINITE, {"lower limit is inf"}, [](JointSpec& s) { s.lower = s.upper = {infinity}; }),
+    bad_joint("LimitOfOneCoordinate", DYN_ERROR_NONFINITE, {"upper limit[2] is -inf"}, [](JointSpec& s) { s.upper = {1, infinity, -infinity}; }, DYN_JOINT_TRANSLATION),
     bad_joint("VelocityNegative", DYN_ERROR_INVALID, {"velocity limit is -1", "can't be negative"}, [](JointSpec& s) { s.velocity = {-1}; }),
     bad_joint("EffortNegative", DYN_ERROR_INVALID, {"effort limit is -1"}, [](JointSpec& s) { s.effort = {-1}; }),
     bad_joint("ArmatureNegative", DYN_ERROR_INVALID, {"armature is -0.1"}, [](JointSpec& s) { s.armature = {-0.1}; }),
@@ -163,6 +168,25 @@ TEST(Finish, AConfigurationOfAnotherSize) {
   link(b, "l", "j");
   b.configuration("home", {1, 2});
   EXPECT_SAYS("configuration 'home' has 2 numbers, the model needs nq = 1", refused(b, DYN_ERROR_SIZE));
+}
+
+TEST(Finish, AConfigurationWithAZeroQuaternion) {
+  for (dynJointType type : {DYN_JOINT_SPHERICAL, DYN_JOINT_FREE_FLYER, DYN_JOINT_REVOLUTE_UNBOUNDED, DYN_JOINT_COMPOSITE}) {
+    Builder b("zero");
+    b.joint(joint("first"));
+    link(b, "first_link", "first");
+    JointSpec odd = joint("odd", "first", type);
+    if (type == DYN_JOINT_COMPOSITE) odd.parts = {part(DYN_JOINT_PRISMATIC), part(DYN_JOINT_REVOLUTE_UNBOUNDED)};
+    b.joint(odd);
+    link(b, "odd_link", "odd");
+    b.configuration("good", std::vector<double>(std::size_t(1 + spec_nq(odd)), 0.5));
+    EXPECT_EQ(2, b.finish()->n.configurations);
+    b.configuration("home", std::vector<double>(std::size_t(1 + spec_nq(odd)), 0.0));
+    const std::string message = refused(b, DYN_ERROR_QUATERNION);
+    EXPECT_SAYS("configuration 'home'", message);
+    EXPECT_SAYS("joint 'odd'", message);
+    EXPECT_SAYS("give one of norm 1, such as that of 'neutral'", message);
+  }
 }
 
 TEST(Finish, AMasslessLeafIsNamed) {

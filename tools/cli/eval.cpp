@@ -106,6 +106,13 @@ json centroidal_derivative(const Context& c, const char* name) {
   return c.matrix(dyn_centroidal_derivatives(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr, nullptr, nullptr), name, 6);
 }
 
+json inverse_derivative(const Context& c, const char* name) {
+  return c.matrix(dyn_rnea_derivatives(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr, nullptr), name, c.robot.nv);
+}
+json forward_derivative(const Context& c, const char* name) {
+  return c.matrix(dyn_aba_derivatives(c.robot, c.data, c.q, c.v, c.tau, nullptr, nullptr, nullptr, nullptr), name, c.robot.nv);
+}
+
 int parameter_count(const Context& c) { return 10 * (c.robot.njoints - 1); }
 
 json regressor(const Context& c, dynStatus status, const char* name, int rows) {
@@ -147,6 +154,11 @@ const std::vector<Quantity>& quantities() {
        [](C c) { return c.vector(dyn_static_torque(c.robot, c.data, c.q, nullptr, nullptr), "static_torque"); }},
       {"coriolis", DYN_PART_CORIOLIS, false,
        [](C c) { return c.matrix(dyn_coriolis_matrix(c.robot, c.data, c.q, c.v, nullptr), "coriolis", c.robot.nv); }},
+      {"dtau_dq", DYN_PART_INVERSE_DERIVATIVES, false, [](C c) { return inverse_derivative(c, "dtau_dq"); }},
+      {"dtau_dv", DYN_PART_INVERSE_DERIVATIVES, false, [](C c) { return inverse_derivative(c, "dtau_dv"); }},
+      {"ddq_dq", DYN_PART_FORWARD_DERIVATIVES, false, [](C c) { return forward_derivative(c, "ddq_dq"); }},
+      {"ddq_dv", DYN_PART_FORWARD_DERIVATIVES, false, [](C c) { return forward_derivative(c, "ddq_dv"); }},
+      {"ddq_dtau", DYN_PART_FORWARD_DERIVATIVES, false, [](C c) { return forward_derivative(c, "Minv"); }},
       {"com", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "com"); }},
       {"vcom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "vcom"); }},
       {"acom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "acom"); }},
@@ -195,7 +207,7 @@ const std::vector<Quantity>& quantities() {
 }
 
 // Names of the contract that later versions answer.
-const std::set<std::string> later = {"dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv", "ddq_dtau", "lambda", "delassus", "collisions", "distances"};
+const std::set<std::string> later = {"lambda", "delassus", "collisions", "distances"};
 
 std::vector<const Quantity*> select(const Options& options) {
   std::vector<const Quantity*> out;

@@ -144,6 +144,7 @@ std::string info_text(const json& info) {
 void add_info(CLI::App& app) {
   auto options = std::make_shared<RobotOptions>();
   CLI::App* command = app.add_subcommand("info", "Sizes, joints, frames, masses, effects, the load report");
+  command->footer("Joint 0 and frame 0 are the universe, the world: a joint whose parent is 0 stands on it.");
   add_robot_options(*command, *options);
   command->callback([options] {
     const Robot robot(*options);

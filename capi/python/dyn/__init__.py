@@ -14,7 +14,7 @@ threads; a Data is what it is doing, one for each thread. Every call releases th
 from . import ik
 from .arrays import Placement
 from .builder import Builder
-from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo
+from .data import FIELDS, Centroidal, CentroidalDerivatives, Data, Energy, FieldInfo, ForwardDerivatives, InverseDerivatives
 from .enums import (
     Base,
     FrameType,
@@ -89,6 +89,7 @@ __all__ = [
     "Error",
     "FieldInfo",
     "FileError",
+    "ForwardDerivatives",
     "FrameInfo",
     "FrameType",
     "HandleError",
@@ -97,6 +98,7 @@ __all__ = [
     "Integrator",
     "InternalError",
     "InvalidRobotError",
+    "InverseDerivatives",
     "JointInfo",
     "JointType",
     "LibraryError",

@@ -183,6 +183,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_factorize": (STATUS, [_p, _p]),
     "dyn_solve": (STATUS, [_p, _p, _p, _i, _p]),
     "dyn_minverse": (STATUS, [_p, _p, _p, _p]),
+    "dyn_rnea_derivatives": (STATUS, [_p, _p, _p, _p, _p, _p, _p, _p]),
+    "dyn_aba_derivatives": (STATUS, [_p, _p, _p, _p, _p, _p, _p, _p, _p]),
     "dyn_energy": (STATUS, [_p, _p, _p, _p, _p, _p]),
     "dyn_kinetic_energy": (STATUS, [_p, _p, _p, _p, _p]),
     "dyn_potential_energy": (STATUS, [_p, _p, _p, _p]),

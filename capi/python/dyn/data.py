@@ -45,6 +45,22 @@ class Energy(NamedTuple):
         return self.kinetic + self.potential
 
 
+class InverseDerivatives(NamedTuple):
+    """Of tau on the tangent space, (nv, nv) each; dtau_da is M."""
+
+    dtau_dq: np.ndarray
+    dtau_dv: np.ndarray
+    dtau_da: np.ndarray
+
+
+class ForwardDerivatives(NamedTuple):
+    """Of ddq on the tangent space, (nv, nv) each; ddq_dtau is M^-1."""
+
+    ddq_dq: np.ndarray
+    ddq_dv: np.ndarray
+    ddq_dtau: np.ndarray
+
+
 class Centroidal(NamedTuple):
     """About the centre of mass, axes of the world."""
 
@@ -95,6 +111,7 @@ _STATE = {"q": "q", "v": "v", "a": "a", "tau_applied": "tau"}  # field: argument
 
 # Bound once: an attribute of the CDLL costs a look-up in every call.
 _aba = lib.dyn_aba
+_aba_derivatives = lib.dyn_aba_derivatives
 _centroidal_derivatives = lib.dyn_centroidal_derivatives
 _centroidal_map = lib.dyn_centroidal_map
 _centroidal_map_time_variation = lib.dyn_centroidal_map_time_variation
@@ -123,6 +140,7 @@ _joint_jacobians_time_variation = lib.dyn_joint_jacobians_time_variation
 _minverse = lib.dyn_minverse
 _nonlinear_effects = lib.dyn_nonlinear_effects
 _rnea = lib.dyn_rnea
+_rnea_derivatives = lib.dyn_rnea_derivatives
 _set_state = lib.dyn_data_set_state
 _static_torque = lib.dyn_static_torque
 _step = lib.dyn_step
@@ -356,6 +374,16 @@ class Data:
     def minverse(self, q: Any = None) -> np.ndarray:
         """M^-1, (nv, nv), full and symmetric."""
         return self._result(_minverse(self._m, self._d, self._q(q), None), _ID["Minv"])
+
+    def rnea_derivatives(self, q: Any = None, v: Any = None, a: Any = None, fext: ArrayLike | None = None) -> InverseDerivatives:
+        """Derivatives (dtau_dq, dtau_dv, dtau_da) of inverse dynamics; also the fields tau and M. fext is constant in the joints' frames."""
+        check(_rnea_derivatives(self._m, self._d, self._q(q), self._v(v), self._a(a), self._fext(fext), None, None))
+        return InverseDerivatives(*(x.copy("F") for x in (self.dtau_dq, self.dtau_dv, self.M)))
+
+    def aba_derivatives(self, q: Any = None, v: Any = None, tau: Any = None, fext: ArrayLike | None = None) -> ForwardDerivatives:
+        """Derivatives (ddq_dq, ddq_dv, ddq_dtau) of forward dynamics; also the fields ddq and Minv."""
+        check(_aba_derivatives(self._m, self._d, self._q(q), self._v(v), self._tau(tau), self._fext(fext), None, None, None))
+        return ForwardDerivatives(*(x.copy("F") for x in (self.ddq_dq, self.ddq_dv, self.Minv)))
 
     def energy(self, q: Any = None, v: Any = None) -> Energy:
         """Kinetic and potential energy, J."""

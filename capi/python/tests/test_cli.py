@@ -67,6 +67,7 @@ def test_help_and_version():
     for words in ([], ["info"], ["eval"], ["ik"], ["sim"], ["bench"]):
         assert "Usage" in run(*words, "--help")
     assert all(name in run("--help") for name in ("info", "eval", "ik", "sim", "bench"))
+    assert "Joint 0 and frame 0 are the universe" in run("info", "--help")
 
 
 @pytest.mark.parametrize(
@@ -93,7 +94,7 @@ def test_bad_usage(words):
 def test_unknown_quantity_lists_the_known():
     error = run("eval", GO2, "--fixed", "--compute", "Mass", status=2)
     assert '"Mass"' in error and "Minv" in error and "frame_classical_acceleration" in error
-    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "dtau_dq", status=1)
+    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "collisions", status=1)
 
 
 def test_bad_robots(tmp_path):
@@ -114,6 +115,7 @@ def test_info(go2):
     assert (info["name"], info["nq"], info["nv"], info["gravity"]) == (go2.name, 19, 18, [0, 0, -9.81])
     assert info["total_mass"] == go2.total_mass and info["model_bytes"] == go2.size and info["data_bytes"] == go2.data_size()
     assert [j["name"] for j in info["joints"]] == [j.name for j in go2.joints]
+    assert (info["joints"][0]["name"], info["joints"][0]["type"], info["frames"][0]["name"]) == ("universe",) * 3
     for said, known in zip(info["joints"][1:], go2.joints[1:]):
         assert said["type"].upper() == known.type.name
         for key in ("parent", "idx_q", "idx_v", "nq", "nv"):
@@ -128,6 +130,7 @@ def test_info(go2):
     assert [e["name"] for e in info["effects"]] == ["gravity", "armature", "damping", "friction", "limits", "mimic"]
     assert all(isinstance(e["active"], bool) and e["reason"] for e in info["effects"])
     assert all(set(e) == {"level", "message", "line"} for e in info["report"])
+    assert [e["level"] for e in info["report"] if "not applied" in e["message"] and "12 x effort limit" in e["message"]] == ["info"]
 
 
 def test_info_for_people(arm_file):
@@ -206,6 +209,7 @@ def test_eval_one_by_one(robot, name):
 
 
 CENTROIDAL = "Ag,dAg,hg,dhg,Ig,dh_dq,dhdot_dq,dhdot_dv"
+DERIVATIVES = "dtau_dq,dtau_dv,ddq_dq,ddq_dv,ddq_dtau"
 REGRESSORS = "regressor,static_regressor,kinetic_energy_regressor,potential_energy_regressor,inertial_parameters"
 
 
@@ -230,9 +234,20 @@ def test_eval_centroidal_and_regressors(go2, state, state_file):
         np.testing.assert_allclose(value, expected[name], atol=1e-12, err_msg=name)
 
 
-@pytest.mark.parametrize("name", f"{CENTROIDAL},{REGRESSORS}".split(","))
+def test_eval_derivatives(go2, state, state_file):
+    q, v, a, tau = state
+    path = state_file({"q": q.tolist(), "v": v.tolist(), "a": a.tolist(), "tau": tau.tolist()})
+    found = answer("eval", GO2, "--floating", "--compute", DERIVATIVES, "--state", path)
+    d = go2.data()
+    expected = d.rnea_derivatives(q, v, a)._asdict() | d.aba_derivatives(q, v, tau)._asdict()
+    assert list(found) == DERIVATIVES.split(",")
+    for name, value in found.items():
+        np.testing.assert_allclose(value, expected[name], atol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("name", f"{CENTROIDAL},{REGRESSORS},{DERIVATIVES}".split(","))
 @pytest.mark.parametrize("robot", ["go2", "gripper"])
-def test_eval_centroidal_and_regressors_one_by_one(robot, name):
+def test_eval_of_one_quantity_alone(robot, name):
     base = "--floating" if robot == "go2" else "--fixed"
     assert list(answer("eval", ROBOTS / f"{robot}.urdf", base, "--compute", name)) == [name]
 

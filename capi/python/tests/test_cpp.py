@@ -59,6 +59,10 @@ int main(int argc, char** argv) {
   assert(model.distance(model.integrate(q, v), q) > 0 && model.is_normalized(model.normalize(model.random(3))));
   assert(model.difference(q, model.interpolate(q, v, 0.5)).size() == 2);
   model.integrate_jacobians(q, v), model.difference_jacobians(q, v);
+  const auto inverse = data.rnea_derivatives(q, v, a);
+  assert(inverse.dtau_dq.cols() == 2 && inverse.dtau_dv.cols() == 2 && inverse.dtau_da(0, 1) == inverse.dtau_da(1, 0));
+  const auto forward = data.aba_derivatives(q, v);
+  assert(forward.ddq_dq.cols() == 2 && forward.ddq_dv.cols() == 2 && forward.ddq_dtau(0, 0) > 0);
   const user::Vector hg = data.centroidal_momentum(q, v).copy();
   const user::View Ag = data.centroidal_map();
   for (int i = 0; i < 6; ++i) assert(std::abs(Ag(i, 0) * v[0] + Ag(i, 1) * v[1] - hg[i]) < 1e-12);

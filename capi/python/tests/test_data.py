@@ -37,7 +37,8 @@ def test_every_field_has_its_shape(go2, d, state):
     q, v, a, tau = state
     d.all_terms(dyn.Term.ALL, q, v)
     d.center_of_mass(q, v, a)
-    d.aba(q, v, tau)
+    d.aba_derivatives(q, v, tau)
+    d.rnea_derivatives(q, v, a)
     d.static_torque(q)
     d.rnea(q, v, a)
     d.forward_kinematics(q, v, a)

@@ -1,0 +1,49 @@
+"""Derivatives of inverse and forward dynamics through Python: against differences, and as inverses of each other."""
+
+import dyn
+import numpy as np
+import pytest
+
+
+def slopes(model, f, x, tangent):
+    """Columns of df/dx by central differences with one extrapolation, along q (+) or x +."""
+    move = model.integrate if tangent else np.add
+
+    def difference(u, h):
+        return (f(move(x, h * u)) - f(move(x, -h * u))) / (2 * h)
+
+    return np.array([(4 * difference(u, 1e-4) - difference(u, 2e-4)) / 3 for u in np.eye(model.nv)]).T
+
+
+def close(a, b, tolerance):
+    np.testing.assert_allclose(a, b, atol=tolerance * (1 + np.abs(b).max()), rtol=0)
+
+
+def test_inverse(go2, state):
+    q, v, a, _ = state
+    d, e = go2.data(), go2.data()
+    fext = np.random.default_rng(4).normal(size=(6, go2.njoints))
+    x = d.rnea_derivatives(q, v, a, fext)
+    close(x.dtau_dq, slopes(go2, lambda y: e.rnea(y, v, a, fext), q, True), 1e-9)
+    close(x.dtau_dv, slopes(go2, lambda y: e.rnea(q, y, a, fext), v, False), 1e-9)
+    close(x.dtau_da, e.crba(q), 1e-12)
+    close(d.tau, e.rnea(q, v, a, fext), 1e-12)
+
+
+def test_forward(go2, state):
+    q, v, _, tau = state
+    d, e = go2.data(), go2.data()
+    x = d.aba_derivatives(q, v, tau)
+    close(x.ddq_dq, slopes(go2, lambda y: e.aba(y, v, tau), q, True), 1e-8)
+    close(x.ddq_dv, slopes(go2, lambda y: e.aba(q, y, tau), v, False), 1e-8)
+    close(x.ddq_dtau @ e.crba(q), np.eye(go2.nv), 1e-11)
+    with pytest.raises(dyn.StaleError, match="dyn_rnea"):  # a was not that of forward dynamics
+        d.dtau_dq
+    inverse = d.rnea_derivatives(a=d.ddq)
+    close(-x.ddq_dtau @ inverse.dtau_dq, x.ddq_dq, 1e-10)
+    close(-x.ddq_dtau @ inverse.dtau_dv, x.ddq_dv, 1e-10)
+
+
+def test_parts(go2):
+    with pytest.raises(dyn.PartError, match="FORWARD_DERIVATIVES"):
+        go2.data(parts=dyn.Part.INVERSE_DERIVATIVES).aba_derivatives()

@@ -1,0 +1,73 @@
+// Tests traps: bases, quaternions, and moving along the manifold.
+#include "traps/traps.hpp"
+
+namespace dyn_test {
+namespace {
+
+void missing_base() {
+  dynModel* m = nullptr;
+  const std::string path = std::string(DYN_MODELS_DIR) + "/robots/go2.urdf";
+  EXPECT_EQ(DYN_ERROR_BASE, dyn_model_load(path.c_str(), nullptr, &m));
+  EXPECT_TRUE(says({"go2.urdf:", "root link 'base' has mass", "DYN_BASE_FIXED or DYN_BASE_FLOATING"}));
+  EXPECT_EQ(nullptr, m);
+  const Model fixed = robot("go2", DYN_BASE_FIXED), floating = robot("go2", DYN_BASE_FLOATING);
+  EXPECT_EQ(12, fixed.nq());
+  EXPECT_TRUE(floating.nq() == 19 && floating.nv() == 18);
+  EXPECT_EQ(DYN_JOINT_FREE_FLYER, joint_info(floating, 1).type);
+}
+TEST(Traps, T7_MissingFloatingBase) { missing_base(); }
+TEST(Symptoms, S5_NqSevenShort) { missing_base(); }
+
+// A quaternion that is not of norm 1 is the same rotation; zero is none.
+void quaternions() {
+  const Model m = robot("go2", DYN_BASE_FLOATING);
+  const State s = random_state(m, 9);
+  Data unit(m);
+  compute_all(m, unit, s);
+  for (double scale : {0.5, 1 + 1e-4, 3.0, 1e-150, 1e150}) {
+    State t = s;
+    for (std::size_t k = 3; k < 7; ++k) t.q[k] *= scale;
+    Data d(m);
+    compute_all(m, d, t);
+    for (const char* name : {"placements", "M", "tau", "nle", "ddq", "com", "Jcom", "kinetic"})
+      expect_near(field(m, unit, name), field(m, d, name), 1e-11, name);
+  }
+  State t = s;
+  std::fill_n(t.q.begin() + 3, 4, 0.0);
+  Data d(m);
+  for (const CallRow& row : call_rows) {
+    if (!(row.uses & uses_q)) continue;
+    Prepared p(row, m, t);
+    EXPECT_EQ(DYN_ERROR_QUATERNION, p(m, d)) << row.name;
+    EXPECT_TRUE(says({row.name, "quaternion of joint 'root_joint'", "zero"}));
+    EXPECT_TRUE(p.untouched());
+    p.s.q[4] = nan;
+    EXPECT_EQ(DYN_ERROR_NONFINITE, p(m, d)) << row.name;
+    EXPECT_TRUE(says({"q[4] is NaN"}));
+  }
+}
+TEST(Traps, T8_UnnormalisedQuaternion) { quaternions(); }
+TEST(Symptoms, S5_TorquesZeroOrWild) { quaternions(); }
+
+// The only way to move a configuration stays on the manifold and turns back; adding is not it.
+TEST(Traps, T9_AddingToQ) {
+  for (const Model& m : models()) {
+    const State s = random_state(m, 10);
+    Numbers q1(s.q.size()), v(s.v.size());
+    ASSERT_EQ(DYN_OK, dyn_integrate(m, s.q.data(), s.v.data(), q1.data()));
+    int normalized = 0;
+    ASSERT_EQ(DYN_OK, dyn_is_normalized(m, q1.data(), 1e-14, &normalized));
+    EXPECT_EQ(1, normalized);
+    ASSERT_EQ(DYN_OK, dyn_difference(m, s.q.data(), q1.data(), v.data()));
+    expect_near(s.v, v, 1e-12, "difference of integrate");
+    // a step moves by it, too
+    Data d(m);
+    ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), nullptr, nullptr));
+    for (int k = 0; k < 100; ++k) ASSERT_EQ(DYN_OK, dyn_step(m, d, k % 2 ? DYN_RK4 : DYN_SEMI_IMPLICIT_EULER, 1e-5)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_is_normalized(m, field(m, d, "q").data(), 1e-14, &normalized));
+    EXPECT_EQ(1, normalized);
+  }
+}
+
+}  // namespace
+}  // namespace dyn_test
