@@ -305,7 +305,7 @@ enum {
   DYN_PART_INVERSE_DERIVATIVES = 1u << 12, /* dtau_dq, dtau_dv, dg_dq, dstatic_torque_dq: nv x nv each */
   DYN_PART_FORWARD_DERIVATIVES = 1u << 13, /* ddq_dq, ddq_dv: nv x nv each (includes MINV and INVERSE_DERIVATIVES) */
   DYN_PART_REGRESSOR = 1u << 14,           /* regressor: nv x 10 (njoints - 1); those of com and energies */
-  DYN_PART_IK = 1u << 15,                  /* inverse kinematics */
+  DYN_PART_IK = 1u << 15,                  /* inverse kinematics: two nv x nv (includes COM) */
   DYN_PART_SECOND_ORDER = 1u << 16,        /* lambda_d2tau_...: nv x nv each (includes INVERSE_DERIVATIVES) */
   DYN_PART_ALL = 0x1ffff
 };
@@ -592,6 +592,70 @@ DYN_API dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLa
 DYN_API dynStatus dyn_convert_state(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q,
                                     const double* v, const double* a, const double* tau, double* q_out, double* v_out, double* a_out,
                                     double* tau_out);
+
+/* ------------------------------------------------------------------------------------------------------- inverse kinematics */
+
+typedef enum dynIkTaskType {
+  DYN_IK_POSE = 1,        /* frame at target: error log6(target^-1 X_WF), 6, in the frame's axes */
+  DYN_IK_POSITION = 2,    /* the frame's origin at target's translation: 3, axes of the world */
+  DYN_IK_ORIENTATION = 3, /* the frame's axes along target's rotation: log3, 3, in the frame's axes */
+  DYN_IK_COM = 4,         /* centre of mass at target's translation: 3, axes of the world; frame is ignored */
+  DYN_IK_POSTURE = 5      /* q at posture: dyn_difference(posture, q), nv; frame and target are ignored */
+} dynIkTaskType;
+
+/* One of the things that q shall do. The cost is the sum over tasks and components of (weight weights[k] error[k])^2 / 2. */
+typedef struct dynIkTask {
+  uint32_t struct_size;   /* set by dyn_ik_task_init */
+  dynIkTaskType type;
+  int32_t frame;
+  int32_t priority;       /* 0: to be met; 1: as far as those of priority 0 leave room (in their null space) */
+  double target[12];      /* placement in the world; what the type does not use is ignored. Default identity */
+  const double* posture;  /* DYN_IK_POSTURE: nq */
+  double weight;          /* default 1 */
+  const double* weights;  /* one for each component of the error, NULL: ones. 0 leaves a component free */
+} dynIkTask;
+DYN_API void dyn_ik_task_init(dynIkTask* task);
+
+typedef struct dynIkOptions {
+  uint32_t struct_size;      /* set by dyn_ik_options_init */
+  int32_t max_iterations;    /* of each start, and once more for the best of what failed; default 500 */
+  int32_t restarts;          /* random starts after the given one, until all tasks of priority 0 are met; default 20 */
+  uint64_t seed;             /* of the random starts: the same seed gives the same result */
+  double tolerance_linear;   /* m, default 1e-6: a task of priority 0 is met when its error is within both */
+  double tolerance_angular;  /* rad, default 1e-6 */
+  int32_t limits;            /* 0: joint limits are ignored; default 1 */
+  const double *lower, *upper; /* nq each, NULL: those of the model. Equal ones lock a coordinate. (Quaternions and (cos, sin) have none.) */
+} dynIkOptions;
+DYN_API void dyn_ik_options_init(dynIkOptions* options);
+
+/* Why it ended. All but the first: the best q that was found, a local optimum of the cost unless the iterations ran out. */
+typedef enum dynIkReason {
+  DYN_IK_CONVERGED = 0,     /* every task of priority 0 is met */
+  DYN_IK_LIMITS = 1,        /* a limit of dynIkResult.joint holds the tasks back */
+  DYN_IK_SINGULAR = 2,      /* the tasks' Jacobian has lost rank: no joint moves where the error points, as when out of reach */
+  DYN_IK_LOCAL_MINIMUM = 3, /* no motion lowers the cost: tasks that contradict each other, or too few restarts */
+  DYN_IK_ITERATIONS = 4     /* max_iterations were not enough */
+} dynIkReason;
+
+typedef struct dynIkResult {
+  uint32_t struct_size;
+  dynIkReason reason;
+  int32_t iterations;       /* of all starts */
+  int32_t restarts;         /* how many were made */
+  int32_t joint;            /* DYN_IK_LIMITS: the joint whose limit presses most; otherwise -1 */
+  double residual_linear;   /* m: largest of the tasks of priority 0 */
+  double residual_angular;  /* rad */
+  double cost;              /* of the tasks of priority 0 */
+  double optimality;        /* KKT residual of that cost: largest |gradient| over coordinates that are not pressed against a limit */
+} dynIkResult;
+
+/* Inverse kinematics: q that minimises the cost within the joint limits, by Levenberg-Marquardt on the manifold (damping by
+   Sugihara 2011), starting at q (moved to within the limits). ntasks tasks, an array. solution: nq; residuals: 2 x ntasks,
+   the error of each task (m; rad), of what its weights do not leave free; result is required. data is at the solution afterwards,
+   and frame queries may follow. Not to converge is no error: see result->reason. To follow a moving target pass restarts = 0.
+   options may be NULL (the defaults). Needs part IK. */
+DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks,
+                         const dynIkOptions* options, double* solution, double* residuals, dynIkResult* result);
 
 /* ------------------------------------------------------------------------------------------------------- simulation */
 

@@ -136,6 +136,45 @@ struct State {
   Vector q, v, a, tau;  // empty: not given
 };
 
+// What q shall do: IkTask::pose(hand, X).weight(2), IkTask::posture(q0).priority(1), ...
+struct IkTask {
+  dynIkTask value;
+  Vector reference, component_weights;
+
+  static IkTask pose(int frame, const Placement& X) { return IkTask(DYN_IK_POSE, frame, X.data(), 0, 12); }
+  static IkTask position(int frame, const Vector3& x) { return IkTask(DYN_IK_POSITION, frame, x.data(), 9, 3); }
+  static IkTask orientation(int frame, const std::array<double, 9>& R) { return IkTask(DYN_IK_ORIENTATION, frame, R.data(), 0, 9); }
+  static IkTask com(const Vector3& x) { return IkTask(DYN_IK_COM, 0, x.data(), 9, 3); }
+  static IkTask posture(Vector q) {
+    IkTask task(DYN_IK_POSTURE, 0, nullptr, 0, 0);
+    return task.reference = std::move(q), task;
+  }
+  IkTask& weight(double w) { return value.weight = w, *this; }
+  IkTask& weights(Vector w) { return component_weights = std::move(w), *this; }
+  IkTask& priority(int p) { return value.priority = p, *this; }
+
+  // As dyn.h takes it; refuses wrong sizes. Points into this.
+  dynIkTask of(int nq, int nv) const {
+    dynIkTask out = value;
+    if (value.type == DYN_IK_POSTURE) out.posture = Input(reference).of(nq, "posture");
+    const int n = value.type == DYN_IK_POSTURE ? nv : value.type == DYN_IK_POSE ? 6 : 3;
+    out.weights = component_weights.empty() ? nullptr : Input(component_weights).of(n, "weights");
+    return out;
+  }
+
+ private:
+  IkTask(dynIkTaskType type, int frame, const double* x, int at, int n) {
+    dyn_ik_task_init(&value);
+    value.type = type, value.frame = frame;
+    for (int k = 0; k < n; ++k) value.target[at + k] = x[k];
+  }
+};
+
+struct IkOptions {
+  dynIkOptions value;
+  IkOptions() { dyn_ik_options_init(&value); }
+};
+
 // What the robot is: immutable; copies share it, threads may, too.
 class Model {
  public:
@@ -597,6 +636,23 @@ class Data {
     uint32_t filled;
     check(dyn_all_terms(m(), get(), mask, q.of(nq(), "q"), v.of(nv(), "v"), &filled));
     return filled;
+  }
+
+  // inverse kinematics
+  struct IkAnswer {
+    Vector q;
+    std::vector<std::array<double, 2>> residuals;  // of each task: m, rad
+    dynIkResult result;
+    bool converged() const { return result.reason == DYN_IK_CONVERGED; }
+  };
+  IkAnswer ik(const std::vector<IkTask>& tasks, Input q = held, const IkOptions& options = {}) {
+    std::vector<dynIkTask> list;
+    for (const IkTask& task : tasks) list.push_back(task.of(nq(), nv()));
+    IkAnswer out{Vector(static_cast<std::size_t>(nq())), std::vector<std::array<double, 2>>(list.size()), {}};
+    out.result.struct_size = sizeof out.result;
+    check(dyn_ik(m(), get(), q.of(nq(), "q"), list.data(), static_cast<int>(list.size()), &options.value, out.q.data(),
+                 out.residuals.empty() ? nullptr : out.residuals.front().data(), &out.result));
+    return out;
   }
 
   // simulation

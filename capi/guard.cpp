@@ -260,6 +260,11 @@ void Call::end_step() {
   for (Input which : {input_q, input_v}) d().version[which] = ++handle->counter;
 }
 
+void Call::end_search() {
+  d().version[input_q] = ++handle->counter;
+  d().done(Stage::Position);
+}
+
 void Call::take_back() {
   if (!changed) return;
   Data<double>& x = d();

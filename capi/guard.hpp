@@ -146,6 +146,8 @@ class Call {
   // The call is about to replace q and v by itself; nothing computed on the way belongs to the state it leaves.
   void begin_step();
   void end_step();
+  // The call has replaced q by its solution, where the placements are.
+  void end_search();
 
  private:
   const Model* model_ = nullptr;

@@ -51,8 +51,22 @@ inline std::size_t parameters(const dynModel* m, int) { return 10 * std::size_t(
 inline std::size_t three_parameters(const dynModel* m, int) { return 3 * parameters(m, 0); }
 inline std::size_t nv_parameters(const dynModel* m, int) { return nv(m, 0) * parameters(m, 0); }
 inline std::size_t six_ten(const dynModel*, int) { return 60; }
+inline std::size_t solution_and_residual(const dynModel* m, int k) { return k ? 2 : std::size_t(dyn_nq(m)); }
 inline std::size_t point_and_mass(const dynModel*, int k) { return k ? 1 : 3; }
 }  // namespace sizes
+
+// A task without weight, which every q meets: the state stays (ik_test.cpp has the others).
+inline dynStatus solve_nothing(const dynModel* m, dynData* d, const Arguments& x) {
+  dynIkTask task;
+  dyn_ik_task_init(&task);
+  task.frame = x.frame, task.weight = 0;
+  dynIkOptions options;
+  dyn_ik_options_init(&options);
+  options.limits = 0;
+  dynIkResult result{};
+  result.struct_size = sizeof result;
+  return dyn_ik(m, d, x.q, &task, 1, &options, x.out[0], x.out[1], &result);
+}
 
 #define DYN_CALL [](const dynModel* m, dynData* d, [[maybe_unused]] const Arguments& x) -> dynStatus
 inline const CallRow call_rows[] = {
@@ -153,6 +167,7 @@ inline const CallRow call_rows[] = {
      DYN_CALL { return dyn_joint_body_regressor(m, d, x.joint, x.out[0]); }},
     {"dyn_frame_body_regressor", DYN_PART_KINEMATICS, uses_frame, Needs::acceleration, true, 1, sizes::six_ten,
      DYN_CALL { return dyn_frame_body_regressor(m, d, x.frame, x.out[0]); }},
+    {"dyn_ik", DYN_PART_IK, uses_q | uses_frame, Needs::nothing, false, 2, sizes::solution_and_residual, solve_nothing},
     {"dyn_all_terms", DYN_PART_ALL, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_all_terms(m, d, x.mask, x.q, x.v, x.filled); }},
     {"dyn_step", DYN_PART_FORWARD, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_step(m, d, x.integrator, x.dt); }},

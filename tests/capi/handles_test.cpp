@@ -251,7 +251,7 @@ TEST(Handles, TablesAreComplete) {
   const std::string header = text.str();
   std::set<std::string> declared, tested = {
       // no handle, or a maker or a destroyer of one: tested by name elsewhere
-      "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_model_load",
+      "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_ik_task_init", "dyn_ik_options_init", "dyn_model_load",
       "dyn_model_load_string", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
       "dyn_builder_joint", "dyn_builder_body", "dyn_builder_frame", "dyn_builder_configuration", "dyn_builder_finish", "dyn_data_free",
       "dyn_nfields", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",

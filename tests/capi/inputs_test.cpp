@@ -195,6 +195,7 @@ TEST(Parts, Absent) {
         if (has & DYN_PART_INVERSE_DERIVATIVES) has |= DYN_PART_INVERSE | DYN_PART_MASS;
         if (has & DYN_PART_MINV) has |= DYN_PART_FACTOR | DYN_PART_FORWARD;
         if (has & DYN_PART_FACTOR) has |= DYN_PART_MASS;
+        if (has & DYN_PART_IK) has |= DYN_PART_COM;
         if (has & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR |
                    DYN_PART_IK)) has |= DYN_PART_KINEMATICS;
         Prepared p(row, m, other);

@@ -44,8 +44,9 @@ TEST(Data, PartsBringWhatTheyNeed) {
   EXPECT_EQ(dynParts(DYN_PART_ALL), complete_parts(0));
   EXPECT_EQ(dynParts(DYN_PART_MINV | DYN_PART_FACTOR | DYN_PART_FORWARD | DYN_PART_MASS), complete_parts(DYN_PART_MINV));
   EXPECT_EQ(dynParts(DYN_PART_FACTOR | DYN_PART_MASS), complete_parts(DYN_PART_FACTOR));
-  for (dynParts p : {DYN_PART_JACOBIANS, DYN_PART_COM, DYN_PART_CORIOLIS, DYN_PART_ENERGY, DYN_PART_FRAMES, DYN_PART_CENTROIDAL, DYN_PART_REGRESSOR, DYN_PART_IK})
+  for (dynParts p : {DYN_PART_JACOBIANS, DYN_PART_COM, DYN_PART_CORIOLIS, DYN_PART_ENERGY, DYN_PART_FRAMES, DYN_PART_CENTROIDAL, DYN_PART_REGRESSOR})
     EXPECT_EQ(p | DYN_PART_KINEMATICS, complete_parts(p));
+  EXPECT_EQ(dynParts(DYN_PART_IK | DYN_PART_COM | DYN_PART_KINEMATICS), complete_parts(DYN_PART_IK));
   const ModelPtr m = random_tree(6).build();
   EXPECT_LT(data_bytes<double>(*m, DYN_PART_INVERSE), data_bytes<double>(*m, DYN_PART_INVERSE | DYN_PART_FORWARD));
   EXPECT_LT(data_bytes<double>(*m, DYN_PART_INVERSE | DYN_PART_MINV), data_bytes<double>(*m, 0));

@@ -134,6 +134,18 @@ struct Work {
         if (row.uses & uses_reference) prepare(row, s).x.reference = r, call(" in another reference", *prepared.back());
     }
     prepare(call_row("dyn_step"), s).x.integrator = DYN_RK4, call(" RK4", *prepared.back());
+    // inverse kinematics that has to search: J kept as it is, and its normal equations, with limits, restarts and a posture
+    for (int count : {1, 3})
+      add("dyn_ik of " + std::to_string(count) + " tasks", [this, count] {
+        dynIkTask tasks[3];
+        for (dynIkTask& t : tasks) dyn_ik_task_init(&t);
+        tasks[0].type = DYN_IK_POSITION, tasks[0].frame = m.nframes() - 1, tasks[0].target[9] = 9;
+        tasks[1].type = DYN_IK_COM;
+        tasks[2].type = DYN_IK_POSTURE, tasks[2].posture = s.q.data(), tasks[2].priority = 1;
+        dynIkResult result{};
+        result.struct_size = sizeof result;
+        dyn_ik(m, d, s.q.data(), tasks, count, nullptr, nullptr, nullptr, &result);
+      });
     // errors
     for (const CallRow& row : call_rows) {
       Prepared& p = prepare(row, s);

@@ -94,6 +94,8 @@ struct State {
   bool has_tau = false;
 };
 void check_lists(const StateOptions& options);  // what is wrong with the lists whatever the robot
+// Numbers from words that hold several each, separated by commas or spaces; option is named in the refusal.
+Vector parse_list(const std::string& option, const std::vector<std::string>& words);
 State read_state(const Robot& robot, const StateOptions& options);
 
 // ---------------------------------------------------------------------------------------------------- text
@@ -116,6 +118,7 @@ std::string join(const std::vector<std::string>& words, const char* separator = 
 
 void add_info(CLI::App& app);
 void add_eval(CLI::App& app);
+void add_ik(CLI::App& app);
 void add_sim(CLI::App& app);
 void add_bench(CLI::App& app);
 

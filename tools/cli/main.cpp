@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   cli::add_info(app);
   cli::add_eval(app);
+  cli::add_ik(app);
   cli::add_sim(app);
   cli::add_bench(app);
   try {

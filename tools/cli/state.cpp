@@ -24,8 +24,6 @@ void add_state_options(CLI::App& command, StateOptions& options, bool with_accel
   list("--tau", options.tau, "Generalised force, nv numbers; default zero");
 }
 
-namespace {
-
 Vector parse_list(const std::string& option, const std::vector<std::string>& words) {
   Vector out;
   for (const auto& word : words) {
@@ -46,6 +44,8 @@ Vector parse_list(const std::string& option, const std::vector<std::string>& wor
   }
   return out;
 }
+
+namespace {
 
 std::string sizes(const std::string& what, std::size_t got, int needed, const char* symbol) {
   return what + " has " + std::to_string(got) + " numbers, but the robot needs " + std::to_string(needed) + " (" + symbol + ").";

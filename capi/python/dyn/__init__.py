@@ -11,6 +11,7 @@ q = [position; quaternion] and v = [linear; angular] in the body's frame. A Mode
 threads; a Data is what it is doing, one for each thread. Every call releases the GIL. Errors are dyn.Error.
 """
 
+from . import ik
 from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
@@ -36,6 +37,8 @@ from .enums import (
     Convention,
     Direction,
     FrameType,
+    IkReason,
+    IkTaskType,
     Integrator,
     JointType,
     ModelArray,
@@ -118,6 +121,8 @@ __all__ = [
     "FrameType",
     "FrameVelocityDerivatives",
     "HandleError",
+    "IkReason",
+    "IkTaskType",
     "Integrator",
     "InternalError",
     "InvalidRobotError",
@@ -157,6 +162,7 @@ __all__ = [
     "UnsupportedError",
     "body_regressor",
     "build_info",
+    "ik",
     "is_physically_consistent",
     "last_error",
     "library_path",

@@ -96,6 +96,28 @@ class BatchInfo(Grown):
     ]  # fmt: skip
 
 
+class IkTask(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("type", c_int), ("frame", c_int32), ("priority", c_int32), ("target", c_double * 12),
+        ("posture", c_void_p), ("weight", c_double), ("weights", c_void_p),
+    ]  # fmt: skip
+
+
+class IkOptions(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("max_iterations", c_int32), ("restarts", c_int32), ("seed", c_uint64),
+        ("tolerance_linear", c_double), ("tolerance_angular", c_double), ("limits", c_int32), ("lower", c_void_p),
+        ("upper", c_void_p),
+    ]  # fmt: skip
+
+
+class IkResult(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("reason", c_int), ("iterations", c_int32), ("restarts", c_int32), ("joint", c_int32),
+        ("residual_linear", c_double), ("residual_angular", c_double), ("cost", c_double), ("optimality", c_double),
+    ]  # fmt: skip
+
+
 _p, _s, _i, _d = c_void_p, c_char_p, c_int, c_double
 _ref = _p  # of a structure or a handle that the call writes: byref() or an address
 
@@ -234,6 +256,10 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_state_layout_init": (None, [_ref]),
     "dyn_state_layout_sizes": (STATUS, [_p, _ref, _ref, _ref]),
     "dyn_convert_state": (STATUS, [_p, _ref, _i, _p, _p, _p, _p, _p, _p, _p, _p]),
+    # inverse kinematics
+    "dyn_ik_task_init": (None, [_ref]),
+    "dyn_ik_options_init": (None, [_ref]),
+    "dyn_ik": (STATUS, [_p, _p, _p, _ref, _i, _ref, _p, _p, _ref]),
     # simulation
     "dyn_step": (STATUS, [_p, _p, _i, _d]),
     # batches

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple
 import numpy as np
 
 from . import abi
+from . import ik as inverse_kinematics
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
-from .enums import Integrator, Part, Reference, Term
+from .enums import IkReason, Integrator, Part, Reference, Term
 from .errors import ArgumentError, UnknownNameError
 from .library import check, fail, last_error, lib
 from .model import Model, mask, member, text
@@ -169,6 +170,7 @@ _frame_jacobian_time_variation = lib.dyn_frame_jacobian_time_variation
 _frame_placement = lib.dyn_frame_placement
 _frame_velocity = lib.dyn_frame_velocity
 _gravity = lib.dyn_gravity
+_ik = lib.dyn_ik
 _joint_torque_regressor = lib.dyn_joint_torque_regressor
 _kinetic_energy_regressor = lib.dyn_kinetic_energy_regressor
 _potential_energy_regressor = lib.dyn_potential_energy_regressor
@@ -574,6 +576,49 @@ class Data:
         Y = np.empty((6, 10), order="F")
         check(lib.dyn_frame_body_regressor(self._m, self._d, self.model._frame(frame), address(Y)))
         return Y
+
+    # ------------------------------------------------------------------------------------------- inverse kinematics
+
+    def ik(
+        self,
+        tasks: Any,
+        q: Any = None,
+        *,
+        max_iterations: int | None = None,
+        restarts: int | None = None,
+        seed: int | None = None,
+        tolerance_linear: float | None = None,
+        tolerance_angular: float | None = None,
+        limits: bool | None = None,
+        lower: Any = None,
+        upper: Any = None,
+    ) -> inverse_kinematics.Result:
+        """q that does the tasks (of dyn.ik) within the joint limits, starting at q (None: the held one); data is there
+        afterwards. Not to converge is no error: see the result's reason. restarts = 0 to follow a moving target.
+        Defaults: 500 iterations a start, 20 restarts, seed 0, 1e-6 m and rad, the model's limits."""
+        m = self.model
+        given, keep = inverse_kinematics.structures(m, tasks)
+        options = abi.IkOptions()
+        lib.dyn_ik_options_init(byref(options))
+        for name, x in (
+            ("max_iterations", max_iterations), ("restarts", restarts), ("seed", seed), ("tolerance_linear", tolerance_linear),
+            ("tolerance_angular", tolerance_angular), ("limits", limits),
+        ):  # fmt: skip
+            if x is not None:
+                try:
+                    setattr(options, name, x)
+                except TypeError:
+                    raise ArgumentError(f"{name} is {x!r}, but must be a number.") from None
+        for name, x in (("lower", lower), ("upper", upper)):
+            if x is not None:
+                keep.append(checked(x, (m.nq,), name))
+                setattr(options, name, address(keep[-1]))
+        solution, residuals, r = np.empty(m.nq), np.empty((len(given), 2)), abi.IkResult()
+        status = _ik(self._m, self._d, self._q(q), given, len(given), byref(options), address(solution), address(residuals), byref(r))
+        if status:
+            fail(status)
+        joint = m.joint_name(r.joint) if r.joint >= 0 else None
+        return inverse_kinematics.Result(solution, IkReason(r.reason), residuals, r.iterations, r.restarts, joint, r.cost, r.optimality)
 
     # ------------------------------------------------------------------------------------------- simulation
 

@@ -172,3 +172,23 @@ class Term(enum.IntFlag):
 class Integrator(enum.IntEnum):
     SEMI_IMPLICIT_EULER = 0
     RK4 = 1
+
+
+class IkTaskType(enum.IntEnum):
+    """What a task of inverse kinematics is about."""
+
+    POSE = 1
+    POSITION = 2
+    ORIENTATION = 3
+    COM = 4
+    POSTURE = 5
+
+
+class IkReason(enum.IntEnum):
+    """Why inverse kinematics ended."""
+
+    CONVERGED = 0
+    LIMITS = 1
+    SINGULAR = 2
+    LOCAL_MINIMUM = 3
+    ITERATIONS = 4

@@ -64,9 +64,9 @@ def state_file(tmp_path):
 
 def test_help_and_version():
     assert dyn.__version__ in run("--version")
-    for words in ([], ["info"], ["eval"], ["sim"], ["bench"]):
+    for words in ([], ["info"], ["eval"], ["ik"], ["sim"], ["bench"]):
         assert "Usage" in run(*words, "--help")
-    assert all(name in run("--help") for name in ("info", "eval", "sim", "bench"))
+    assert all(name in run("--help") for name in ("info", "eval", "ik", "sim", "bench"))
     assert "Joint 0 and frame 0 are the universe" in run("info", "--help")
 
 

@@ -55,6 +55,11 @@ int main(int argc, char** argv) {
   assert(data.subtree_center_of_mass(1).second == 2 && data.subtree_center_of_mass_jacobian(1).size() == 6);
   assert(data.energy(q, v).mechanical() == data.kinetic_energy() + data.potential_energy());
   assert(data.all_terms(DYN_TERM_MASS, q, v) & DYN_TERM_MASS);
+  data.forward_kinematics(q);
+  const auto reached = data.ik({user::IkTask::pose(tool, data.frame_placement(tool)), user::IkTask::posture(q).weights({1, 0.5}).priority(1)}, v);
+  assert(reached.converged() && reached.residuals.size() == 2 && reached.residuals[0][0] <= 1e-6 && reached.q.size() == 2);
+  assert(status_of([&] { data.ik({user::IkTask::com({0, 0, 0}).weights({1, 1})}); }) == DYN_ERROR_SIZE);
+  assert(status_of([&] { data.ik({}); }) == DYN_ERROR_ARGUMENT);
   data.nonlinear_effects(), data.gravity(), data.static_torque(), data.joint_jacobians_time_variation();
   assert(model.distance(model.integrate(q, v), q) > 0 && model.is_normalized(model.normalize(model.random(3))));
   assert(model.difference(q, model.interpolate(q, v, 0.5)).size() == 2);

@@ -57,9 +57,12 @@ def test_enumerations(enum, prefix, skip):
 
 
 def test_arrays_and_integrators():
-    for enum, kind in ((enums.ModelArray, "dynModelArray"), (enums.Integrator, "dynIntegrator"), (enums.Direction, "dynDirection")):
+    for enum, kind in (
+        (enums.ModelArray, "dynModelArray"), (enums.Integrator, "dynIntegrator"), (enums.Direction, "dynDirection"),
+        (enums.IkTaskType, "dynIkTaskType"), (enums.IkReason, "dynIkReason"),
+    ):  # fmt: skip
         body = re.search(rf"typedef enum {kind} {{(.*?)}}", CODE, re.S).group(1)
-        declared = {n: int(v) for n, v in re.findall(r"DYN_(\w+)\s*=\s*(\d+)", body)}
+        declared = {n: int(v) for n, v in re.findall(r"DYN_(?:IK_)?(\w+)\s*=\s*(\d+)", body)}
         assert declared == {name: int(member) for name, member in enum.__members__.items()}
 
 

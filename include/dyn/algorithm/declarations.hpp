@@ -63,6 +63,9 @@ template <class T> void static_regressor(const Model&, Data<T>&);
 template <class T> void kinetic_energy_regressor(const Model&, Data<T>&);
 template <class T> void potential_energy_regressor(const Model&, Data<T>&);
 template <class T> void inertial_parameters(const Model&, T* pi);
+// ik.hpp
+struct IkTasks;
+template <class T> bool inverse_kinematics(const Model&, Data<T>&, const IkTasks&, const dynIkOptions&, dynIkResult&);
 // configuration.hpp
 template <class T> void integrate(const Model&, const T* q, const T* v, T* out);
 template <class T> void difference(const Model&, const T* q0, const T* q1, T* v);

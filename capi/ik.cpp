@@ -1,0 +1,167 @@
+// Inverse kinematics: what a caller's tasks and options may be, and the call.
+#include <cmath>
+
+#include "checks.hpp"
+#include "dyn/algorithm/ik_tasks.hpp"
+
+namespace dyn {
+extern template double ik_cost(const Model&, const Data<double>&, const dynIkTask&, IkResidual&);
+}  // namespace dyn
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+bool refuse(Call& call, dynStatus status) {
+  call.status = status;
+  return false;
+}
+
+template <class S>
+bool sized(Call& call, const char* type, const S* s) {
+  if (s->struct_size >= sizeof(S)) return true;
+  return refuse(call, fail(DYN_ERROR_SIZE, "dyn_ik: struct_size of %s is %u, needs %zu: set it to sizeof(%s)", type, s->struct_size, sizeof(S), type));
+}
+
+bool finite_numbers(Call& call, Index task, const char* name, const double* x, Index n) {
+  const Index k = finite_count(x, n);
+  if (k == n) return true;
+  return refuse(call, fail(DYN_ERROR_NONFINITE, "dyn_ik: %s[%d] of task %d is %s: give a finite number", name, int(k), int(task),
+                           x[k] != x[k] ? "NaN" : "infinite"));
+}
+
+bool weighted(Call& call, Index task, const char* name, const double* w, Index n) {
+  if (!finite_numbers(call, task, name, w, n)) return false;
+  for (Index k = 0; k < n; ++k)
+    if (w[k] < 0) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s[%d] of task %d is %g: give zero or more", name, int(k), int(task), w[k]));
+  return true;
+}
+
+// The target must be a rotation to the digits that a file or a product of matrices leaves.
+bool rotates(Call& call, Index task, const double* R) {
+  double worst = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      double dot = i == j ? -1 : 0;
+      for (int k = 0; k < 3; ++k) dot += R[3 * i + k] * R[3 * j + k];
+      worst = std::fmax(worst, std::fabs(dot));
+    }
+  const double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[3] * (R[1] * R[8] - R[2] * R[7]) + R[6] * (R[1] * R[5] - R[2] * R[4]);
+  if (worst <= 1e-6 && det > 0) return true;
+  return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: the target of task %d is no rotation%s: its first nine numbers are the axes, column by column", int(task),
+                           det > 0 ? "" : " (it mirrors)"));
+}
+
+bool good_task(Call& call, const dynIkTask& t, Index k) {
+  const Model& m = call.m();
+  const int type = raw(t.type);
+  if (type < DYN_IK_POSE || type > DYN_IK_POSTURE)
+    return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: type %d of task %d is none of DYN_IK_POSE, _POSITION, _ORIENTATION, _COM, _POSTURE", type, int(k)));
+  if (t.priority != 0 && t.priority != 1)
+    return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: priority %d of task %d is neither 0 nor 1", int(t.priority), int(k)));
+  if (!weighted(call, k, "weight", &t.weight, 1) || (t.weights && !weighted(call, k, "weights", t.weights, row_count(m, t.type)))) return false;
+  if (t.type == DYN_IK_POSTURE) {
+    if (!t.posture) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: posture of task %d is NULL: it is required, nq numbers", int(k)));
+    return finite_numbers(call, k, "posture", t.posture, m.n.nq) && call.nonzero(t.posture);
+  }
+  if (t.type != DYN_IK_COM && !call.frame(t.frame)) return false;
+  if (t.type != DYN_IK_ORIENTATION && !finite_numbers(call, k, "target", t.target + 9, 3)) return false;
+  if (t.type == DYN_IK_POSE || t.type == DYN_IK_ORIENTATION) return finite_numbers(call, k, "target", t.target, 9) && rotates(call, k, t.target);
+  return true;
+}
+
+bool good_tasks(Call& call, const IkTasks& tasks) {
+  if (!call.required("tasks", tasks.first)) return false;
+  if (tasks.count < 1) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: ntasks is %d: give one task at least", int(tasks.count)));
+  std::int64_t rows = 0;
+  for (Index k = 0; k < tasks.count; ++k) {
+    if (!sized(call, "dynIkTask", &tasks[k])) return false;
+    if (tasks[k].struct_size != tasks.first->struct_size || tasks[k].struct_size % alignof(dynIkTask) != 0)
+      return refuse(call, fail(DYN_ERROR_SIZE, "dyn_ik: struct_size of task %d is %u, that of the first %u: set all to sizeof(dynIkTask)", int(k),
+                               tasks[k].struct_size, tasks.first->struct_size));
+    if (!good_task(call, tasks[k], k)) return false;
+    rows += row_count(call.m(), tasks[k].type);
+  }
+  if (rows > INT32_MAX) return refuse(call, fail(DYN_ERROR_LIMIT, "dyn_ik: the tasks have %lld components: this library allows %d", static_cast<long long>(rows), INT32_MAX));
+  return true;
+}
+
+bool good_options(Call& call, const dynIkOptions& o) {
+  if (!sized(call, "dynIkOptions", &o)) return false;
+  if (o.max_iterations < 1 || o.restarts < 0)
+    return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s is %d: give %s or more", o.restarts < 0 ? "restarts" : "max_iterations",
+                             int(o.restarts < 0 ? o.restarts : o.max_iterations), o.restarts < 0 ? "0" : "1"));
+  for (const auto& [name, x] : {std::pair("tolerance_linear", o.tolerance_linear), std::pair("tolerance_angular", o.tolerance_angular)})
+    if (!(x > 0) || !std::isfinite(x)) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: %s is %g: give a positive number", name, x));
+  const Model& m = call.m();
+  for (Index k = 0; k < m.n.nq && o.limits; ++k) {
+    const double lower = o.lower ? o.lower[k] : m.lower_limit()[k], upper = o.upper ? o.upper[k] : m.upper_limit()[k];
+    if (!(lower <= upper) || lower == HUGE_VAL || upper == -HUGE_VAL)
+      return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: lower[%d] is %g and upper[%d] is %g: give lower <= upper", int(k), lower, int(k), upper));
+  }
+  return true;
+}
+
+}  // namespace
+
+extern "C" {
+
+void dyn_ik_task_init(dynIkTask* task) {
+  if (!task) return;
+  *task = {};
+  task->struct_size = sizeof *task;
+  task->type = DYN_IK_POSE;
+  task->target[0] = task->target[4] = task->target[8] = 1;
+  task->weight = 1;
+}
+
+void dyn_ik_options_init(dynIkOptions* options) {
+  if (!options) return;
+  *options = {};
+  options->struct_size = sizeof *options;
+  options->max_iterations = 500;
+  options->restarts = 20;
+  options->tolerance_linear = options->tolerance_angular = 1e-6;
+  options->limits = 1;
+}
+
+dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks, const dynIkOptions* options,
+                 double* solution, double* residuals, dynIkResult* result) {
+  Call call(model, data, DYN_PART_IK, "dyn_ik");
+  dynIkOptions defaults;
+  dyn_ik_options_init(&defaults);
+  const IkTasks list{tasks, ntasks};
+  if (!options) options = &defaults;
+  const bool placed = call && call.d().fresh(Stage::Position);
+  if (!call || !call.required("result", result) || !sized(call, "dynIkResult", result) || !good_tasks(call, list) || !good_options(call, *options) ||
+      !call.inputs(q, nullptr, nullptr, nullptr))
+    return call.status;
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  forward_kinematics<0>(m, d);
+  if (!moderate(call, 0)) return call.status;
+  double* start = d.backup + m.n.nq;  // v and a are no inputs here, and nq <= 2 nv
+  copy_out(d.q, m.n.nq, start);
+  dynIkResult answer{};
+  answer.struct_size = result->struct_size;
+  if (!inverse_kinematics(m, d, list, *options, answer)) {
+    copy_out(start, m.n.nq, d.q);
+    forward_kinematics<0>(m, d);
+    d.drop(Stage::Com);
+    if (!placed) d.drop(Stage::Position);
+    call.take_back();
+    return fail(DYN_ERROR_NUMERIC, "dyn_ik: the cost of the tasks overflows at the start: weights or targets are too large for double precision");
+  }
+  call.end_search();
+  *result = answer;
+  copy_out(d.q, m.n.nq, solution);
+  for (Index k = 0; residuals && k < list.count; ++k) {
+    IkResidual e;
+    ik_cost(m, d, list[k], e);
+    residuals[2 * k] = e.linear, residuals[2 * k + 1] = e.angular;
+  }
+  return DYN_OK;
+}
+
+}  // extern "C"
