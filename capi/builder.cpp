@@ -37,6 +37,20 @@ JointSpec read_spec(const dynJointSpec& s, int depth) {
   return out;
 }
 
+// With the numbers that only a whole joint has.
+JointSpec read_joint(const dynJointSpec& s) {
+  JointSpec out = read_spec(s, 0);
+  const int nq = spec_nq(out), nv = spec_nv(out);
+  auto read = [](const double* x, int n) { return x ? std::vector<double>(x, x + n) : std::vector<double>(); };
+  out.lower = read(s.lower, nq), out.upper = read(s.upper, nq);
+  out.velocity = read(s.velocity, nv), out.effort = read(s.effort, nv);
+  out.armature = read(s.armature, nv), out.damping = read(s.damping, nv), out.friction = read(s.friction, nv);
+  out.rotor_inertia = s.rotor_inertia, out.gear_ratio = s.gear_ratio;
+  if (s.mimic) out.mimic = s.mimic;
+  out.mimic_ratio = s.mimic_ratio, out.mimic_offset = s.mimic_offset;
+  return out;
+}
+
 template <class F>
 dynStatus with(dynBuilder* builder, F&& f) {
   if (const dynStatus s = check(builder)) return s;
@@ -55,6 +69,15 @@ Placement read_placement(const double* x) {
 
 const char* text(const char* s) { return s ? s : ""; }
 
+dynStatus publish(std::unique_ptr<Builder> b, dynBuilder** out) {
+  dynBuilder* handle = new_builder_handle();
+  if (!handle) throw std::bad_alloc();
+  handle->b = b.release();
+  handle->magic = live_builder;
+  *out = handle;
+  return DYN_OK;
+}
+
 }  // namespace
 
 extern "C" {
@@ -71,15 +94,13 @@ void dyn_joint_spec_init(dynJointSpec* spec) {
 
 dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder) {
   if (!builder) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_new: builder is NULL");
-  return guarded([&] {
-    auto b = std::make_unique<Builder>(text(model_name));
-    dynBuilder* handle = new_builder_handle();
-    if (!handle) return fail(DYN_ERROR_MEMORY, "dyn_builder_new: out of memory");
-    handle->b = b.release();
-    handle->magic = live_builder;
-    *builder = handle;
-    return DYN_OK;
-  });
+  return guarded([&] { return publish(std::make_unique<Builder>(text(model_name)), builder); });
+}
+
+dynStatus dyn_builder_from_model(const dynModel* model, dynBuilder** builder) {
+  if (const dynStatus s = check(model)) return s;
+  if (!builder) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_from_model: builder is NULL");
+  return guarded([&] { return publish(std::make_unique<Builder>(*model->m), builder); });
 }
 
 void dyn_builder_free(dynBuilder* builder) {
@@ -96,17 +117,7 @@ dynStatus dyn_builder_gravity(dynBuilder* builder, const double gravity[3]) {
 
 dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* s) {
   if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_joint: spec is NULL");
-  return with(builder, [&](Builder& b) {
-    JointSpec out = read_spec(*s, 0);
-    const int nq = spec_nq(out), nv = spec_nv(out);
-    auto read = [](const double* x, int n) { return x ? std::vector<double>(x, x + n) : std::vector<double>(); };
-    out.lower = read(s->lower, nq), out.upper = read(s->upper, nq);
-    out.velocity = read(s->velocity, nv), out.effort = read(s->effort, nv);
-    out.armature = read(s->armature, nv), out.damping = read(s->damping, nv), out.friction = read(s->friction, nv);
-    out.rotor_inertia = s->rotor_inertia, out.gear_ratio = s->gear_ratio;
-    out.mimic = text(s->mimic), out.mimic_ratio = s->mimic_ratio, out.mimic_offset = s->mimic_offset;
-    b.joint(out);
-  });
+  return with(builder, [&](Builder& b) { b.joint(read_joint(*s)); });
 }
 
 dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
@@ -126,6 +137,32 @@ dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* p
 dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq) {
   if (!q && nq) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_configuration: q is NULL");
   return with(builder, [&](Builder& b) { b.configuration(text(name), std::vector<double>(q, q + nq)); });
+}
+
+dynStatus dyn_builder_lock(dynBuilder* builder, const char* const* joints, size_t count, const double* q, size_t nq) {
+  if (!joints && count) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_lock: joints is NULL");
+  if (!q && nq) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_lock: q is NULL");
+  for (size_t k = 0; k < count; ++k)
+    if (!joints[k]) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_lock: joints[%zu] is NULL", k);
+  return with(builder, [&](Builder& b) { b.lock({joints, joints + count}, {q, q + nq}); });
+}
+
+dynStatus dyn_builder_attach(dynBuilder* builder, const dynModel* model, const char* prefix, const dynJointSpec* joint) {
+  if (const dynStatus s = check(model)) return s;
+  return with(builder, [&](Builder& b) {
+    const JointSpec spec = joint ? read_joint(*joint) : JointSpec();
+    b.attach(*model->m, text(prefix), joint ? &spec : nullptr);
+  });
+}
+
+dynStatus dyn_builder_subtree(dynBuilder* builder, const char* joint) {
+  if (!joint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_subtree: joint is NULL");
+  return with(builder, [&](Builder& b) { b.subtree(joint); });
+}
+
+dynStatus dyn_builder_remove(dynBuilder* builder, const char* joint) {
+  if (!joint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_remove: joint is NULL");
+  return with(builder, [&](Builder& b) { b.remove(joint); });
 }
 
 dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model) {

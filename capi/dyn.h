@@ -282,6 +282,25 @@ DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const
 /* A named configuration: nq numbers in the finished model's order. Its quaternions and (cos, sin) pairs need not be unit: the model
    keeps them normalised. A zero one is refused by dyn_builder_finish (DYN_ERROR_QUATERNION). */
 DYN_API dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
+/* Operations on the whole robot. One that fails leaves the builder as it was. */
+
+/* A builder that holds all that a model was made from (a follower's limits, which a model has not, excepted): finished at once, it
+   makes the same model. */
+DYN_API dynStatus dyn_builder_from_model(const dynModel* model, dynBuilder** builder);
+/* Locks joints at a configuration: q, nq numbers in the order of the model that finish would make now, normalised. Their links
+   become part of the body that carries them; joints stay as frames of type DYN_FRAME_FIXED_JOINT, links, frames and shapes as they
+   are; named configurations lose the locked coordinates. A leader takes its followers along; a follower alone is
+   DYN_ERROR_INVALID, and so is a coordinate outside of the joint's limits. */
+DYN_API dynStatus dyn_builder_lock(dynBuilder* builder, const char* const* joints, size_t count, const double* q, size_t nq);
+/* Adds a whole model, its names behind prefix (NULL: as they are). Its world is what joint carries, of any type: DYN_JOINT_FIXED
+   welds; NULL: its world is the builder's. Named configurations of one name are joined, and neutral in what has none of that name;
+   gravity stays the builder's. A name that both have is DYN_ERROR_NAME. */
+DYN_API dynStatus dyn_builder_attach(dynBuilder* builder, const dynModel* model, const char* prefix, const dynJointSpec* joint);
+/* Keeps a joint and what it carries. The frame of the joint's parent becomes the world: attached there again, the subtree is where
+   it was. DYN_ERROR_INVALID when a joint of it follows one outside. */
+DYN_API dynStatus dyn_builder_subtree(dynBuilder* builder, const char* joint);
+/* Takes away a joint and what it carries; the same error when a joint that stays follows one of those. */
+DYN_API dynStatus dyn_builder_remove(dynBuilder* builder, const char* joint);
 /* Compiles. The builder stays valid and may be extended and finished again. */
 DYN_API dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model);
 

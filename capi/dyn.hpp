@@ -835,23 +835,17 @@ class Builder {
     check(dyn_builder_new(name.c_str(), &builder));
     builder_.reset(builder);
   }
+  // With all that the model was made from.
+  explicit Builder(const Model& model) {
+    dynBuilder* builder = nullptr;
+    check(dyn_builder_from_model(model.get(), &builder));
+    builder_.reset(builder);
+  }
   dynBuilder* get() const noexcept { return builder_.get(); }
   Builder& gravity(const Vector3& g) { return ok(dyn_builder_gravity(get(), g.data())); }
   // Numbers of limits, armature, ... are nq or nv of the joint.
   Builder& joint(const JointSpec& spec) {
-    const auto [nq, nv] = sizes(spec);
-    dynJointSpec s = spec.value;
-    s.name = spec.name.c_str();
-    s.parent = spec.parent.empty() ? nullptr : spec.parent.c_str();
-    s.mimic = spec.mimic.empty() ? nullptr : spec.mimic.c_str();
-    s.lower = optional(spec.lower, nq, "lower"), s.upper = optional(spec.upper, nq, "upper");
-    s.velocity = optional(spec.velocity, nv, "velocity"), s.effort = optional(spec.effort, nv, "effort");
-    s.armature = optional(spec.armature, nv, "armature"), s.damping = optional(spec.damping, nv, "damping");
-    s.friction = optional(spec.friction, nv, "friction");
-    std::vector<dynJointSpec> parts;
-    for (const auto& part : spec.parts) parts.push_back(part.value);
-    if (!parts.empty()) s.parts = parts.data(), s.parts_count = parts.size();
-    return ok(dyn_builder_joint(get(), &s));
+    return with(spec, [&](const dynJointSpec& s) { return dyn_builder_joint(get(), &s); });
   }
   Builder& joint(const std::string& name, dynJointType type, const std::string& parent = "") {
     return joint(JointSpec(name, type, parent));
@@ -869,6 +863,21 @@ class Builder {
   Builder& configuration(const std::string& name, const Vector& q) {
     return ok(dyn_builder_configuration(get(), name.c_str(), q.data(), q.size()));
   }
+  // Joints, and their followers, fixed at q.
+  Builder& lock(const std::vector<std::string>& joints, const Vector& q) {
+    std::vector<const char*> names;
+    for (const auto& n : joints) names.push_back(n.c_str());
+    return ok(dyn_builder_lock(get(), names.data(), names.size(), q.data(), q.size()));
+  }
+  // The model's world is what the joint carries, or the builder's.
+  Builder& attach(const Model& model, const std::string& prefix, const JointSpec& spec) {
+    return with(spec, [&](const dynJointSpec& s) { return dyn_builder_attach(get(), model.get(), prefix.c_str(), &s); });
+  }
+  Builder& attach(const Model& model, const std::string& prefix) {
+    return ok(dyn_builder_attach(get(), model.get(), prefix.c_str(), nullptr));
+  }
+  Builder& subtree(const std::string& joint) { return ok(dyn_builder_subtree(get(), joint.c_str())); }
+  Builder& remove(const std::string& joint) { return ok(dyn_builder_remove(get(), joint.c_str())); }
   Model finish() {
     dynModel* model = nullptr;
     check(dyn_builder_finish(get(), &model));
@@ -876,6 +885,23 @@ class Builder {
   }
 
  private:
+  // f of the C structure of a joint.
+  template <class F>
+  Builder& with(const JointSpec& spec, F&& f) {
+    const auto [nq, nv] = sizes(spec);
+    dynJointSpec s = spec.value;
+    s.name = spec.name.c_str();
+    s.parent = spec.parent.empty() ? nullptr : spec.parent.c_str();
+    s.mimic = spec.mimic.empty() ? nullptr : spec.mimic.c_str();
+    s.lower = optional(spec.lower, nq, "lower"), s.upper = optional(spec.upper, nq, "upper");
+    s.velocity = optional(spec.velocity, nv, "velocity"), s.effort = optional(spec.effort, nv, "effort");
+    s.armature = optional(spec.armature, nv, "armature"), s.damping = optional(spec.damping, nv, "damping");
+    s.friction = optional(spec.friction, nv, "friction");
+    std::vector<dynJointSpec> parts;
+    for (const auto& part : spec.parts) parts.push_back(part.value);
+    if (!parts.empty()) s.parts = parts.data(), s.parts_count = parts.size();
+    return ok(f(s));
+  }
   struct Free {
     void operator()(dynBuilder* builder) const noexcept { dyn_builder_free(builder); }
   };

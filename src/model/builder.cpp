@@ -114,31 +114,31 @@ void check_range(const std::string& where, const std::vector<double>& lower, con
       refuse(DYN_ERROR_INVALID, where + ": " + name("lower", k, lower) + " " + number(lower[k]) + " exceeds upper limit " + number(upper[k]));
 }
 
-// Elements of a spec in order, each with the frame of its part in the joint's frame at the neutral configuration.
-struct PlacedElement {
-  SE3<double> before;  // from the previous element's user frame
-  Element element;
-};
-void append_elements(const std::string& where, const JointSpec& s, const SE3<double>& before, std::vector<PlacedElement>& out) {
-  if (s.type == DYN_JOINT_COMPOSITE) {
-    if (s.parts.empty()) refuse(DYN_ERROR_ARGUMENT, where + ": a composite joint needs at least one part");
-    SE3<double> next = before;
-    for (std::size_t k = 0; k < s.parts.size(); ++k) {
-      const std::string part = where + ", part " + std::to_string(k);
-      if (out.size() > 1000) refuse(DYN_ERROR_LIMIT, part + ": more than 1000 primitive joints in one composite");
-      const JointSpec& p = s.parts[k];
-      const SE3<double> X = check_placement(part, p.placement);
-      if (p.type == DYN_JOINT_FIXED) {
-        next = next * X;
-        continue;
-      }
-      append_elements(part, p, next * X, out);
-      next = SE3<double>::identity();
-    }
-    if (next.p[0] != 0 || next.p[1] != 0 || next.p[2] != 0 || next.R(0, 0) != 1 || next.R(1, 1) != 1)
-      refuse(DYN_ERROR_INVALID, where + ": a composite joint can't end with a fixed part: put its placement on the bodies");
+// The simple joints of a spec in order.
+void append_parts(const std::string& where, const JointSpec& s, const SE3<double>& before, std::vector<JointPart>& out) {
+  if (s.type != DYN_JOINT_COMPOSITE) {
+    out.push_back({s.type, s.axis, s.axis2, s.pitch, before});
     return;
   }
+  if (s.parts.empty()) refuse(DYN_ERROR_ARGUMENT, where + ": a composite joint needs at least one part");
+  SE3<double> next = before;
+  for (std::size_t k = 0; k < s.parts.size(); ++k) {
+    const std::string part = where + ", part " + std::to_string(k);
+    if (out.size() > 1000) refuse(DYN_ERROR_LIMIT, part + ": more than 1000 simple joints in one composite");
+    const JointSpec& p = s.parts[k];
+    const SE3<double> X = check_placement(part, p.placement);
+    if (p.type == DYN_JOINT_FIXED) {
+      next = next * X;
+      continue;
+    }
+    append_parts(part, p, next * X, out);
+    next = SE3<double>::identity();
+  }
+  if (next.p[0] != 0 || next.p[1] != 0 || next.p[2] != 0 || next.R(0, 0) != 1 || next.R(1, 1) != 1)
+    refuse(DYN_ERROR_INVALID, where + ": a composite joint can't end with a fixed part: put its placement on the bodies");
+}
+
+void append_elements(const std::string& where, const JointPart& s, std::vector<PlacedElement>& out) {
   bool needs_axis2 = false;
   visit_kind(s.type, [&]<class K>() { needs_axis2 = K::needs_axis2; });
   const Axis axis = check_axis(where + ": axis", s.axis);
@@ -151,7 +151,7 @@ void append_elements(const std::string& where, const JointSpec& s, const SE3<dou
   Elements elements{};
   visit_kind(s.type, [&]<class K>() { elements = K::elements(geometry); });
   if (elements.count == 0) refuse(DYN_ERROR_ARGUMENT, where + ": unknown joint type " + std::to_string(int(s.type)));
-  SE3<double> first = before;
+  SE3<double> first = s.before;
   for (const Element& element : elements) {
     out.push_back({first, element});
     first = SE3<double>::identity();
@@ -159,6 +159,13 @@ void append_elements(const std::string& where, const JointSpec& s, const SE3<dou
 }
 
 }  // namespace
+
+std::vector<PlacedElement> elements_of(const std::string& who, const std::vector<JointPart>& parts) {
+  std::vector<PlacedElement> out;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    append_elements(parts.size() == 1 ? who : who + ", part " + std::to_string(k), parts[k], out);
+  return out;
+}
 
 int spec_nq(const JointSpec& s) {
   int n = joint_nq(s.type);
@@ -207,24 +214,25 @@ void Builder::Impl::add_frame(FrameEntry entry, const std::string& who) {
   frames.push_back(std::move(entry));
 }
 
-void Builder::joint(const JointSpec& s) {
+void Builder::joint(const JointSpec& s) { impl->add_joint(s); }
+
+void Builder::Impl::add_joint(const JointSpec& s) {
   check_name("joint", s.name);
   const std::string who = "joint '" + s.name + "'";
   if (s.name == "universe") refuse(DYN_ERROR_NAME, who + ": the name 'universe' is the world's: choose another");
-  const int parent = impl->find(s.parent, who);
-  const FrameEntry& carrier = impl->frames[std::size_t(parent)];
+  const int parent = find(s.parent, who);
+  const FrameEntry& carrier = frames[std::size_t(parent)];
   const SE3<double> X = carrier.X * check_placement(who, s.placement);
   if (s.type == DYN_JOINT_FIXED) {
     if (!s.mimic.empty()) refuse(DYN_ERROR_INVALID, who + ": a fixed joint can't mimic '" + s.mimic + "'");
-    impl->add_frame({s.name, DYN_FRAME_FIXED_JOINT, carrier.joint, X, Inertia<double>::zero(), {}, {}, {}}, who);
+    add_frame({s.name, DYN_FRAME_FIXED_JOINT, carrier.joint, X, Inertia<double>::zero(), {}, {}, {}}, who);
     return;
   }
   JointEntry entry;
   entry.spec = s;
   entry.parent = carrier.joint;
-  std::vector<PlacedElement> placed;
-  append_elements(who, s, SE3<double>::identity(), placed);
-  for (PlacedElement& p : placed) entry.elements.push_back({p.before, p.element});
+  append_parts(who, s, SE3<double>::identity(), entry.parts);
+  entry.elements = elements_of(who, entry.parts);
   entry.placement = X;
   if (entry.elements.empty()) refuse(DYN_ERROR_ARGUMENT, who + ": a composite joint needs at least one part that moves");
   const int nq = spec_nq(s), nv = spec_nv(s);
@@ -249,9 +257,9 @@ void Builder::joint(const JointSpec& s) {
       refuse(DYN_ERROR_NONFINITE, who + ": mimic ratio " + number(s.mimic_ratio) + " and offset " + number(s.mimic_offset) + " must be finite");
     if (s.mimic == s.name) refuse(DYN_ERROR_INVALID, who + ": it mimics itself: name another joint");
   }
-  const int index = int(impl->joints.size());
-  impl->add_frame({s.name, DYN_FRAME_JOINT, index, SE3<double>::identity(), Inertia<double>::zero(), {}, {}, {}}, who);
-  impl->joints.push_back(std::move(entry));
+  const int index = int(joints.size());
+  add_frame({s.name, DYN_FRAME_JOINT, index, SE3<double>::identity(), Inertia<double>::zero(), {}, {}, {}}, who);
+  joints.push_back(std::move(entry));
 }
 
 void Builder::body(const std::string& name, const Parent& parent, const Placement& placement, double mass,
@@ -297,9 +305,9 @@ void Builder::configuration(const std::string& name, const std::vector<double>& 
   check_name("configuration", name);
   if (name == "neutral") refuse(DYN_ERROR_NAME, "configuration 'neutral' is always there: choose another name");
   check_finite("configuration '" + name + "'", q.data(), q.size());
-  for (auto& [existing, value] : impl->configurations)
-    if (existing == name) refuse(DYN_ERROR_NAME, "configuration '" + name + "' is there already: choose another name");
-  impl->configurations.push_back({name, q});
+  for (const ConfigurationEntry& c : impl->configurations)
+    if (c.name == name) refuse(DYN_ERROR_NAME, "configuration '" + name + "' is there already: choose another name");
+  impl->configurations.push_back({name, false, q, {}});
 }
 
 void Builder::report(dynReportLevel level, int line, const std::string& message) { impl->reports.push_back({level, line, message}); }

@@ -36,31 +36,6 @@ struct Arrays {
 #undef FIELD
 };
 
-// Joints depth first, siblings in the order of addition.
-std::vector<int> depth_first(const std::vector<JointEntry>& joints) {
-  const std::size_t n = joints.size();
-  std::vector<int> first_child(n + 1, -1), next(n, -1), last_child(n + 1, -1), order;
-  for (std::size_t j = 0; j < n; ++j) {
-    const std::size_t p = std::size_t(joints[j].parent + 1);
-    (last_child[p] < 0 ? first_child[p] : next[std::size_t(last_child[p])]) = int(j);
-    last_child[p] = int(j);
-  }
-  order.reserve(n);
-  std::vector<int> stack;
-  int at = first_child[0];
-  while (at >= 0 || !stack.empty()) {
-    if (at < 0) {
-      at = next[std::size_t(stack.back())];
-      stack.pop_back();
-      continue;
-    }
-    order.push_back(at);
-    stack.push_back(at);
-    at = first_child[std::size_t(at) + 1];
-  }
-  return order;
-}
-
 SE3<double> rotation_only(const Mat3<double>& R) { return {R, Vec3<double>::zero()}; }
 
 // Named configurations are points of the configuration space: quaternions and (cos, sin) pairs of norm 1.
@@ -150,7 +125,7 @@ ModelPtr Builder::finish() const {
     const JointRecord& parent = a.joints[std::size_t(r.parent)];
     SE3<double> before = rotation_only(parent.C) * e.placement;
     Index body_parent = parent.last_body, user_q = r.idx_q, user_v = r.idx_v;
-    for (const JointEntry::Part& part : e.elements) {
+    for (const PlacedElement& part : e.elements) {
       const Mat3<double> Z = z_to(part.element.axis);
       const SE3<double> X = before * part.before * rotation_only(Z);
       Body b{};
@@ -180,7 +155,17 @@ ModelPtr Builder::finish() const {
     }
     r.last_body = body_parent;
     r.C = before.R;
-    a.joints.push_back(r);
+    if (e.spec.type == DYN_JOINT_COMPOSITE) {
+      r.first_part = Index(a.parts.size()), r.parts = Index(e.parts.size());
+      for (const JointPart& p : e.parts) {
+        PartRecord part{};
+        part.type = p.type, part.pitch = p.pitch;
+        std::copy(p.axis.begin(), p.axis.end(), part.axis);
+        std::copy(p.axis2.begin(), p.axis2.end(), part.axis2);
+        store_se3(p.before, part.placement);
+        a.parts.push_back(part);
+      }
+    }
 
     // per degree of freedom; a follower's rotor turns with its leader
     const JointSpec& s = e.spec;
@@ -188,20 +173,23 @@ ModelPtr Builder::finish() const {
       std::copy(from.begin(), from.end(), to.begin() + at);
     };
     const double rotor = s.rotor_inertia * s.gear_ratio * s.gear_ratio;
-    if (follower) {
-      a.armature[std::size_t(r.idx_v)] += l.ratio * l.ratio * (rotor + (s.armature.empty() ? 0 : s.armature[0]));
-      a.damping[std::size_t(r.idx_v)] += l.ratio * l.ratio * (s.damping.empty() ? 0 : s.damping[0]);
-      a.friction[std::size_t(r.idx_v)] += std::abs(l.ratio) * (s.friction.empty() ? 0 : s.friction[0]);
+    if (spec_nv(s) == 1) {
+      r.armature = rotor + (s.armature.empty() ? 0 : s.armature[0]);
+      r.damping = s.damping.empty() ? 0 : s.damping[0];
+      r.friction = s.friction.empty() ? 0 : s.friction[0];
+      a.armature[std::size_t(r.idx_v)] += l.ratio * l.ratio * r.armature;
+      a.damping[std::size_t(r.idx_v)] += l.ratio * l.ratio * r.damping;
+      a.friction[std::size_t(r.idx_v)] += std::abs(l.ratio) * r.friction;
     } else {
-      for (std::size_t k = 0; k < s.armature.size(); ++k) a.armature[std::size_t(r.idx_v) + k] += s.armature[k];
-      for (std::size_t k = 0; k < s.damping.size(); ++k) a.damping[std::size_t(r.idx_v) + k] += s.damping[k];
-      for (std::size_t k = 0; k < s.friction.size(); ++k) a.friction[std::size_t(r.idx_v) + k] += s.friction[k];
-      if (rotor != 0) a.armature[std::size_t(r.idx_v)] += rotor;
+      put(s.armature, a.armature, r.idx_v), put(s.damping, a.damping, r.idx_v), put(s.friction, a.friction, r.idx_v);
+    }
+    if (!follower) {
       put(s.lower, a.lower_limit, r.idx_q), put(s.upper, a.upper_limit, r.idx_q);
       put(s.velocity, a.velocity_limit, r.idx_v), put(s.effort, a.effort_limit, r.idx_v);
     }
+    a.joints.push_back(r);
   }
-  n.bodies = Index(a.bodies.size());
+  n.bodies = Index(a.bodies.size()), n.parts = Index(a.parts.size());
   if (mimic) {
     n.mimic_q = n.nqx, n.mimic_v = n.nvx;
   } else {
@@ -244,10 +232,18 @@ ModelPtr Builder::finish() const {
   // configurations; "neutral" is the first
   a.configuration_names.push_back(text.add("neutral"));
   a.configurations = a.neutral;
-  for (const auto& [name, q] : in.configurations) {
+  for (const ConfigurationEntry& c : in.configurations) {
+    std::vector<double> q = c.whole;
+    if (c.split)
+      for (int j : order) {
+        if (own_nq(in.joints[std::size_t(j)]) == 0) continue;
+        const bool given = std::size_t(j) < c.by_joint.size() && !c.by_joint[std::size_t(j)].empty();
+        const std::vector<double> own = given ? c.by_joint[std::size_t(j)] : neutral_of(in.joints[std::size_t(j)]);
+        q.insert(q.end(), own.begin(), own.end());
+      }
     if (Index(q.size()) != n.nq)
-      throw Error(DYN_ERROR_SIZE, "configuration '" + name + "' has " + std::to_string(q.size()) + " numbers, the model needs nq = " + std::to_string(n.nq));
-    a.configuration_names.push_back(text.add(name));
+      throw Error(DYN_ERROR_SIZE, "configuration '" + c.name + "' has " + std::to_string(q.size()) + " numbers, the model needs nq = " + std::to_string(n.nq));
+    a.configuration_names.push_back(text.add(c.name));
     a.configurations.insert(a.configurations.end(), q.begin(), q.end());
   }
   n.configurations = Index(a.configuration_names.size());

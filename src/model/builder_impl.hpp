@@ -12,15 +12,25 @@
 
 namespace dyn {
 
+// A simple joint: alone, or a part of a composite.
+struct JointPart {
+  dynJointType type;
+  Axis axis, axis2;
+  double pitch;
+  SE3<double> before;  // from the user frame of the part before, or of the joint
+};
+
+struct PlacedElement {
+  SE3<double> before;  // from the user frame of the element before
+  Element element;
+};
+
 struct JointEntry {
   JointSpec spec;
   int parent;             // index of the carrying joint, or -1
   SE3<double> placement;  // in the carrying joint's frame
-  struct Part {
-    SE3<double> before;
-    Element element;
-  };
-  std::vector<Part> elements;
+  std::vector<JointPart> parts;
+  std::vector<PlacedElement> elements;
 };
 
 struct FrameEntry {
@@ -39,6 +49,15 @@ struct ShapeEntry {
   int frame;
 };
 
+// A configuration: whole, in the order of the model that will be made, or split by joints: each added joint's own coordinates
+// (none: neutral), which joints that come or go do not disturb.
+struct ConfigurationEntry {
+  std::string name;
+  bool split;
+  std::vector<double> whole;
+  std::vector<std::vector<double>> by_joint;
+};
+
 struct ReportEntry {
   dynReportLevel level;
   int line;
@@ -52,12 +71,27 @@ struct Builder::Impl {
   std::vector<FrameEntry> frames;  // 0 is the universe
   std::unordered_map<std::string, std::vector<int>> frame_index;
   std::vector<ShapeEntry> shapes;
-  std::vector<std::pair<std::string, std::vector<double>>> configurations;
+  std::vector<ConfigurationEntry> configurations;
   std::vector<ReportEntry> reports;
 
   int find(const Parent& parent, const std::string& who) const;
   void add_frame(FrameEntry entry, const std::string& who);
+  void add_joint(const JointSpec& spec);
+  // Makes every configuration one by joints.
+  void split_configurations();
+  // Drops the joints not marked, with the frames, shapes and numbers that they carry; world: what is fixed to it stays.
+  void keep(const std::vector<bool>& joints, bool world = true);
 };
+
+// The chain of primitives of a joint's parts.
+std::vector<PlacedElement> elements_of(const std::string& who, const std::vector<JointPart>& parts);
+// Joints depth first, siblings in the order of addition.
+std::vector<int> depth_first(const std::vector<JointEntry>& joints);
+// A joint's own coordinates where nothing moves.
+std::vector<double> neutral_of(const JointEntry& joint);
+// Coordinates of the model in each joint's own, by the order of addition; followers have none.
+std::vector<std::vector<double>> by_joint(const std::vector<JointEntry>& joints, const std::vector<double>& q);
+int own_nq(const JointEntry& joint);  // 0 for a follower
 
 // Who a joint follows: q = ratio q_leader + offset; joint -1: it moves by itself.
 struct Leader {

@@ -40,6 +40,37 @@ TEST_F(BuilderTest, Pointers) {
   refuse(DYN_ERROR_ARGUMENT, dyn_builder_finish(b, nullptr), {"dyn_builder_finish", "model is NULL"});
 }
 
+// What the operations do: tests/model/operations_test.cpp.
+TEST_F(BuilderTest, Operations) {
+  const Model m = b.finish();
+  const double q[1] = {};
+  const char *base = "base", *none = nullptr;
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_from_model(m, nullptr), {"dyn_builder_from_model", "builder is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_lock(b, nullptr, 1, q, 1), {"dyn_builder_lock", "joints is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_lock(b, &none, 1, q, 1), {"joints[0] is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_lock(b, &base, 1, nullptr, 1), {"q is NULL"});
+  refuse(DYN_ERROR_SIZE, dyn_builder_lock(b, &base, 1, q, 0), {"q has 0 numbers", "nq = 1"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_subtree(b, nullptr), {"dyn_builder_subtree", "joint is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_remove(b, nullptr), {"dyn_builder_remove", "joint is NULL"});
+  refuse(DYN_ERROR_NAME, dyn_builder_remove(b, "link"), {"no moving joint 'link'"});
+  refuse(DYN_ERROR_NAME, dyn_builder_attach(b, m, nullptr, nullptr), {"its joint and the joint of", "'base'", "give a prefix"});
+  Spec wrong("seat", DYN_JOINT_FIXED);
+  wrong.struct_size = 8;
+  refuse(DYN_ERROR_SIZE, dyn_builder_attach(b, m, "x_", &wrong), {"struct_size is 8"});
+  EXPECT_EQ(DYN_OK, dyn_builder_lock(b, nullptr, 0, q, 1));
+
+  dynBuilder* two = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_builder_from_model(m, &two));
+  const Spec rail("rail", DYN_JOINT_PRISMATIC, "link");
+  ASSERT_EQ(DYN_OK, dyn_builder_attach(two, m, "x_", &rail)) << dyn_last_error();
+  dynModel* raw = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_builder_finish(two, &raw)) << dyn_last_error();
+  const Model pair(raw);
+  EXPECT_EQ(3, pair.nv());
+  EXPECT_STREQ("x_base", dyn_joint_name(pair, 3));
+  dyn_builder_free(two);
+}
+
 TEST_F(BuilderTest, Sizes) {
   for (std::uint32_t size : {0u, 8u, std::uint32_t(sizeof(dynJointSpec)) - 1}) {
     Spec s("j", DYN_JOINT_REVOLUTE);

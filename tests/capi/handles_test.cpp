@@ -127,6 +127,16 @@ const ModelFunction model_functions[] = {
        std::int32_t ids[2] = {-7, -7};
        return dyn_q_permutation(m, names, 1, ids, ids + 1) == DYN_ERROR_HANDLE && ids[0] == -7 && ids[1] == -7;
      }},
+    {"dyn_builder_from_model",
+     [](auto* m) {
+       dynBuilder* b = nullptr;
+       return dyn_builder_from_model(m, &b) == DYN_ERROR_HANDLE && !b;
+     }},
+    {"dyn_builder_attach",
+     [](auto* m) {
+       const Builder b;
+       return dyn_builder_attach(b, m, "", nullptr) == DYN_ERROR_HANDLE;
+     }},
     {"dyn_data_new",
      [](auto* m) {
        dynData* d = nullptr;
@@ -204,6 +214,11 @@ TEST(Handles, EveryFunctionOfABuilder) {
     refused(dyn_builder_body(b, "l", "j", nullptr, 1, com, some_inertia));
     refused(dyn_builder_frame(b, "f", nullptr, nullptr, DYN_FRAME_OP_FRAME));
     refused(dyn_builder_configuration(b, "c", q, 1));
+    const char* joint = "j";
+    refused(dyn_builder_lock(b, &joint, 1, q, 1));
+    refused(dyn_builder_attach(b, m, "x", nullptr));
+    refused(dyn_builder_subtree(b, joint));
+    refused(dyn_builder_remove(b, joint));
     dynModel* none = nullptr;
     refused(dyn_builder_finish(b, &none));
     EXPECT_EQ(nullptr, none);
@@ -254,6 +269,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_ik_task_init", "dyn_ik_options_init", "dyn_model_load",
       "dyn_model_load_string", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
       "dyn_builder_joint", "dyn_builder_body", "dyn_builder_frame", "dyn_builder_configuration", "dyn_builder_finish", "dyn_data_free",
+      "dyn_builder_lock", "dyn_builder_subtree", "dyn_builder_remove",
       "dyn_nfields", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",
       // numbers alone: inertial_parameters_test.cpp
       "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",

@@ -167,6 +167,11 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_builder_body": (STATUS, [_p, _s, _s, _p, _d, _p, _p]),
     "dyn_builder_frame": (STATUS, [_p, _s, _s, _p, _i]),
     "dyn_builder_configuration": (STATUS, [_p, _s, _p, c_size_t]),
+    "dyn_builder_from_model": (STATUS, [_p, _ref]),
+    "dyn_builder_lock": (STATUS, [_p, POINTER(c_char_p), c_size_t, _p, c_size_t]),
+    "dyn_builder_attach": (STATUS, [_p, _p, _s, _ref]),
+    "dyn_builder_subtree": (STATUS, [_p, _s]),
+    "dyn_builder_remove": (STATUS, [_p, _s]),
     "dyn_builder_finish": (STATUS, [_p, _ref]),
     # data
     "dyn_data_new": (STATUS, [_p, c_uint32, _ref]),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from ctypes import byref, c_void_p
+from ctypes import byref, c_char_p, c_void_p
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,9 +36,20 @@ class Builder:
     def __init__(self, name: str = "robot"):
         out = c_void_p()
         check(lib.dyn_builder_new(text(name, "name"), byref(out)))
+        self._hold(out, name)
+
+    def _hold(self, out: c_void_p, name: str) -> None:
         self._b = out.value
         self._owner = Owner(self._b, lib.dyn_builder_free)
         self.name = name
+
+    @classmethod
+    def from_model(cls, model: Model) -> Builder:
+        """A builder with all that the model was made from: finished at once, it makes the same model."""
+        out, self = c_void_p(), cls.__new__(cls)
+        check(lib.dyn_builder_from_model(model._m, byref(out)))
+        self._hold(out, model.name)
+        return self
 
     def __repr__(self) -> str:
         return f"<dyn.Builder {self.name!r}>"
@@ -85,31 +96,7 @@ class Builder:
         mimic                        leader's name: q = mimic_ratio * q_leader + mimic_offset
         parts                        composite: its joints in order, dicts with type, placement, axis, axis2, pitch
         """
-        keep: list[Any] = []
-        spec = _spec(type, placement, axis, axis2, pitch, f"joint {name!r}")
-        spec.name = text(name, "name")
-        spec.parent = None if parent is None else text(parent, "parent")
-        built = [_part(p, f"joint {name!r}: part {i}") for i, p in enumerate(parts)]
-        sizes = _sizes(spec.type, built)
-        rows = {"lower": (lower, 0), "upper": (upper, 0), "velocity": (velocity, 1), "effort": (effort, 1)}
-        rows |= {"armature": (armature, 1), "damping": (damping, 1), "friction": (friction, 1)}
-        for key, (value, which) in rows.items():
-            if value is not None:
-                a = checked(np.atleast_1d(numbers(value, key)), (sizes[which],), f"joint {name!r}: {key}")
-                keep.append(a)
-                setattr(spec, key, address(a))
-        scalars = {
-            "rotor_inertia": rotor_inertia,
-            "gear_ratio": gear_ratio,
-            "mimic_ratio": mimic_ratio,
-            "mimic_offset": mimic_offset,
-        }
-        for key, value in scalars.items():
-            if value is not None:
-                setattr(spec, key, value)
-        spec.mimic = None if mimic is None else text(mimic, "mimic")
-        if built:
-            spec.parts, spec.parts_count = (abi.JointSpec * len(built))(*built), len(built)
+        spec, _keep = _joint(**{k: v for k, v in locals().items() if k != "self"})
         check(lib.dyn_builder_joint(self._b, byref(spec)))
         return self
 
@@ -144,6 +131,36 @@ class Builder:
         check(lib.dyn_builder_configuration(self._b, text(name, "name"), address(a), a.size))
         return self
 
+    def lock(self, joints: str | Sequence[str], q: ArrayLike) -> Builder:
+        """Locks joints, and whoever follows them, at q, (nq,), of the model that finish would make now. Their links become part of
+        what carries them, and they stay as frames."""
+        names = [text(n, "joint") for n in ([joints] if isinstance(joints, str) else joints)]
+        a = np.ascontiguousarray(numbers(q, "q").reshape(-1))
+        check(lib.dyn_builder_lock(self._b, (c_char_p * len(names))(*names), len(names), address(a), a.size))
+        return self
+
+    def attach(self, model: Model, prefix: str = "", joint: str | None = None, type: str | JointType = "fixed", **spec: Any) -> Builder:
+        """Adds a model, its names behind the prefix, its world carried by a joint of that name and type; spec: parent, placement,
+        axis and all that joint() takes. joint None: its world is the builder's."""
+        if joint is None:
+            if spec:
+                raise ArgumentError(f"attach: {', '.join(spec)} given without the name of a joint: give joint, too.")
+            check(lib.dyn_builder_attach(self._b, model._m, text(prefix, "prefix"), None))
+        else:
+            built, _keep = _joint(joint, type, **spec)
+            check(lib.dyn_builder_attach(self._b, model._m, text(prefix, "prefix"), byref(built)))
+        return self
+
+    def subtree(self, joint: str) -> Builder:
+        """Keeps a joint and what it carries; the frame of its parent becomes the world."""
+        check(lib.dyn_builder_subtree(self._b, text(joint, "joint")))
+        return self
+
+    def remove(self, joint: str) -> Builder:
+        """Takes away a joint and what it carries."""
+        check(lib.dyn_builder_remove(self._b, text(joint, "joint")))
+        return self
+
     def finish(self) -> Model:
         """Compiles. The builder may be extended and finished again."""
         out = c_void_p()
@@ -164,6 +181,40 @@ def _sizes(type: int, parts: Sequence[abi.JointSpec]) -> tuple[int, int]:
         each = [_sizes(p.type, ()) for p in parts]
         return sum(n for n, _ in each), sum(n for _, n in each)
     return _SIZES.get(JointType(type), (1, 1))
+
+
+def _joint(
+    name, type, parent=None, placement=None, axis=None, axis2=None, pitch=None, lower=None, upper=None, velocity=None, effort=None,
+    armature=None, damping=None, friction=None, rotor_inertia=None, gear_ratio=None, mimic=None, mimic_ratio=None, mimic_offset=None,
+    parts=(),
+) -> tuple[abi.JointSpec, list[Any]]:  # fmt: skip
+    """The structure of a joint, and what must live as long."""
+    keep: list[Any] = []
+    spec = _spec(type, placement, axis, axis2, pitch, f"joint {name!r}")
+    spec.name = text(name, "name")
+    spec.parent = None if parent is None else text(parent, "parent")
+    built = [_part(p, f"joint {name!r}: part {i}") for i, p in enumerate(parts)]
+    sizes = _sizes(spec.type, built)
+    rows = {"lower": (lower, 0), "upper": (upper, 0), "velocity": (velocity, 1), "effort": (effort, 1)}
+    rows |= {"armature": (armature, 1), "damping": (damping, 1), "friction": (friction, 1)}
+    for key, (value, which) in rows.items():
+        if value is not None:
+            a = checked(np.atleast_1d(numbers(value, key)), (sizes[which],), f"joint {name!r}: {key}")
+            keep.append(a)
+            setattr(spec, key, address(a))
+    scalars = {
+        "rotor_inertia": rotor_inertia,
+        "gear_ratio": gear_ratio,
+        "mimic_ratio": mimic_ratio,
+        "mimic_offset": mimic_offset,
+    }
+    for key, value in scalars.items():
+        if value is not None:
+            setattr(spec, key, value)
+    spec.mimic = None if mimic is None else text(mimic, "mimic")
+    if built:
+        spec.parts, spec.parts_count = (abi.JointSpec * len(built))(*built), len(built)
+    return spec, keep
 
 
 def _spec(type: Any, placement: Any, axis: Any, axis2: Any, pitch: float | None, what: str) -> abi.JointSpec:

@@ -34,6 +34,10 @@ int main(int argc, char** argv) {
   assert(model.array(DYN_UPPER_LIMIT)[0] == 2.5 && model.configurations().at(0) == "neutral");
   assert(model.q_permutation({"elbow", "shoulder"}).first == (std::vector<int32_t>{1, 0}));
   user::Vector q{0.3, -0.4}, v{1, 2}, a{-1, 0.5};
+  user::Builder two(model);
+  two.attach(model, "other_", user::JointSpec("rail", DYN_JOINT_PRISMATIC, "tool"));
+  assert(two.finish().nv() == 5 && user::Builder(model).lock({"elbow"}, q).finish().nv() == 1);
+  assert(user::Builder(model).remove("elbow").finish().nv() == 1 && user::Builder(model).subtree("elbow").attach(model, "x").finish().nv() == 3);
   user::Data data(model);
   const user::Vector tau = data.rnea(q, v, a).copy();
   const user::View ddq = data.aba(q, v, tau);

@@ -75,6 +75,8 @@ using ModelPtr = std::unique_ptr<Model, ModelDeleter>;
 class Builder {
  public:
   explicit Builder(std::string name);
+  // With all that the model was made from: finished at once, it makes the same model.
+  explicit Builder(const Model& model);
   ~Builder();
   Builder(const Builder&) = delete;
   Builder& operator=(const Builder&) = delete;
@@ -91,6 +93,16 @@ class Builder {
   void shape(const Shape& shape);
   void configuration(const std::string& name, const std::vector<double>& q);
   void report(dynReportLevel level, int line, const std::string& message);
+
+  // Operations on the whole; one that throws changes nothing. (builder_lock.cpp, builder_attach.cpp, builder_subtree.cpp)
+  // Fixes joints, and their followers, at q (nq numbers in the order of the model that would be made).
+  void lock(const std::vector<std::string>& joints, const std::vector<double>& q);
+  // Adds a model whose world the joint carries (nullptr: the worlds are one), its names behind the prefix.
+  void attach(const Model& model, const std::string& prefix, const JointSpec* joint);
+  // Keeps a joint and what it carries; the world is then where the joint's parent was.
+  void subtree(const std::string& joint);
+  // Takes away a joint and what it carries.
+  void remove(const std::string& joint);
 
   // Compiles: joints depth first, children in the order of addition.
   ModelPtr finish() const;

@@ -37,6 +37,15 @@ struct JointRecord {
   double ratio, offset;
   double axis[3], axis2[3], pitch;
   double placement[12];
+  Index first_part, parts;            // composite: its simple joints, in order; otherwise none
+  double armature, damping, friction; // own, of a joint with one coordinate: a follower's are also part of its leader's
+};
+
+// A simple joint of a composite.
+struct PartRecord {
+  dynJointType type;
+  double axis[3], axis2[3], pitch;
+  double placement[12];  // after the part before
 };
 
 struct FrameRecord {
@@ -65,7 +74,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, chunks, sweep, joints, frames, links, shapes, reports, configurations, text;
+  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, reports, configurations, text;
 };
 
 struct Model {

@@ -1,0 +1,76 @@
+// One robot on another: a model's world becomes what a new joint carries.
+#include <algorithm>
+
+#include "builder_impl.hpp"
+
+namespace dyn {
+
+namespace {
+
+const char* kind_of(dynFrameType type) {
+  switch (type) {
+    case DYN_FRAME_OP_FRAME: return "frame";
+    case DYN_FRAME_JOINT: return "joint";
+    case DYN_FRAME_FIXED_JOINT: return "fixed joint";
+    case DYN_FRAME_BODY: return "link";
+    case DYN_FRAME_SENSOR: return "sensor";
+  }
+  return "frame";
+}
+
+}  // namespace
+
+void Builder::attach(const Model& model, const std::string& prefix, const JointSpec* joint) {
+  if (prefix.find('\0') != std::string::npos) throw Error(DYN_ERROR_ARGUMENT, "attach: the prefix holds a zero byte");
+  Builder added(model);
+  Impl &other = *added.impl, next = *impl;
+  const std::string who = "attach '" + other.name + "'";
+  next.split_configurations();
+  if (joint) next.add_joint(*joint);
+  const FrameEntry carrier = joint ? next.frames.back() : next.frames.front();
+
+  const int before = int(next.joints.size()), frames_before = int(next.frames.size());
+  for (JointEntry& e : other.joints) {
+    e.spec.name = prefix + e.spec.name;
+    if (!e.spec.mimic.empty()) e.spec.mimic = prefix + e.spec.mimic;
+    if (e.parent < 0) e.parent = carrier.joint, e.placement = carrier.X * e.placement;
+    else e.parent += before;
+    next.joints.push_back(std::move(e));
+  }
+  for (std::size_t f = 1; f < other.frames.size(); ++f) {
+    FrameEntry& e = other.frames[f];
+    e.name = prefix + e.name;
+    if (e.joint < 0) {
+      e.joint = carrier.joint, e.X = carrier.X * e.X;
+      e.Y = act(e.X, Inertia<double>::at_com(e.mass, load3(e.com.data()), load33(e.inertia.data())));
+    } else {
+      e.joint += before;
+    }
+    for (int k : next.frame_index[e.name]) {
+      const FrameEntry& there = next.frames[std::size_t(k)];
+      if (there.type == e.type || (there.type != DYN_FRAME_BODY && e.type != DYN_FRAME_BODY))
+        throw Error(DYN_ERROR_NAME, who + ": its " + kind_of(e.type) + " and the " + kind_of(there.type) + " of '" + next.name + "' would both be named '" +
+                                        e.name + "': give " + (prefix.empty() ? "a" : "another") + " prefix");
+    }
+    next.frame_index[e.name].push_back(int(next.frames.size()));
+    next.frames.push_back(std::move(e));
+  }
+  for (ShapeEntry& s : other.shapes) {
+    if (!s.shape.name.empty()) s.shape.name = prefix + s.shape.name;
+    s.shape.body = prefix + s.shape.body;
+    s.frame += frames_before - 1;  // the world's own frame does not come along
+    next.shapes.push_back(std::move(s));
+  }
+  next.reports.insert(next.reports.end(), other.reports.begin(), other.reports.end());
+
+  // configurations of one name are one; what only one of the two names is neutral in the other
+  for (ConfigurationEntry& c : other.configurations) {
+    auto at = std::find_if(next.configurations.begin(), next.configurations.end(), [&](const auto& x) { return x.name == c.name; });
+    if (at == next.configurations.end()) at = next.configurations.insert(at, {c.name, true, {}, {}});
+    at->by_joint.resize(std::size_t(before));
+    at->by_joint.insert(at->by_joint.end(), c.by_joint.begin(), c.by_joint.end());
+  }
+  *impl = std::move(next);
+}
+
+}  // namespace dyn

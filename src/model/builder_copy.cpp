@@ -1,0 +1,88 @@
+// A builder that holds what a model was made from: finished again, it makes the same model.
+#include <algorithm>
+
+#include "builder_impl.hpp"
+
+namespace dyn {
+
+namespace {
+
+Placement placement_of(const double* x) {
+  Placement out;
+  std::copy(x, x + 12, out.begin());
+  return out;
+}
+Axis axis_of(const double* x) { return {x[0], x[1], x[2]}; }
+
+JointSpec spec_of(const Model& m, const JointRecord& r) {
+  JointSpec s;
+  s.name = m.string(r.name), s.type = r.type;
+  s.parent.name = r.parent ? m.string(m.joints()[r.parent].name) : "";
+  s.placement = placement_of(r.placement);
+  s.axis = axis_of(r.axis), s.axis2 = axis_of(r.axis2), s.pitch = r.pitch;
+  for (const PartRecord *p = m.parts() + r.first_part, *end = p + r.parts; p != end; ++p) {
+    JointSpec part;
+    part.type = p->type, part.placement = placement_of(p->placement);
+    part.axis = axis_of(p->axis), part.axis2 = axis_of(p->axis2), part.pitch = p->pitch;
+    s.parts.push_back(part);
+  }
+  const int nv = spec_nv(s);
+  auto take = [](const double* x, Index first, Index n) { return std::vector<double>(x + first, x + first + n); };
+  if (nv == 1) s.armature = {r.armature}, s.damping = {r.damping}, s.friction = {r.friction};
+  else s.armature = take(m.armature(), r.idx_v, nv), s.damping = take(m.damping(), r.idx_v, nv), s.friction = take(m.friction(), r.idx_v, nv);
+  if (r.leader >= 0) {
+    s.mimic = m.string(m.joints()[r.leader].name), s.mimic_ratio = r.ratio, s.mimic_offset = r.offset;
+    return s;
+  }
+  s.lower = take(m.lower_limit(), r.idx_q, r.nq), s.upper = take(m.upper_limit(), r.idx_q, r.nq);
+  s.velocity = take(m.velocity_limit(), r.idx_v, nv), s.effort = take(m.effort_limit(), r.idx_v, nv);
+  return s;
+}
+
+std::vector<JointPart> parts_of(const JointSpec& s) {
+  if (s.type != DYN_JOINT_COMPOSITE) return {{s.type, s.axis, s.axis2, s.pitch, SE3<double>::identity()}};
+  std::vector<JointPart> out;
+  for (const JointSpec& p : s.parts) out.push_back({p.type, p.axis, p.axis2, p.pitch, load_se3(p.placement.data())});
+  return out;
+}
+
+}  // namespace
+
+Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
+  std::copy(m.gravity, m.gravity + 3, impl->gravity.begin());
+  for (Index j = 1; j < m.n.joints; ++j) {
+    const JointRecord& r = m.joints()[j];
+    JointEntry e;
+    e.spec = spec_of(m, r);
+    e.parent = r.parent - 1;
+    e.placement = load_se3(r.placement);
+    e.parts = parts_of(e.spec);
+    e.elements = elements_of("joint '" + e.spec.name + "'", e.parts);
+    impl->joints.push_back(std::move(e));
+  }
+  for (Index f = 1; f < m.n.frames; ++f) {
+    const FrameRecord& r = m.frames()[f];
+    FrameEntry e{m.string(r.name), r.type, r.joint - 1, load_se3(r.placement), Inertia<double>::zero(), r.mass, {}, {}};
+    std::copy(r.com, r.com + 3, e.com.begin());
+    std::copy(r.inertia, r.inertia + 9, e.inertia.begin());
+    e.Y = act(e.X, Inertia<double>::at_com(r.mass, load3(r.com), load33(r.inertia)));
+    impl->frame_index[e.name].push_back(int(f));
+    impl->frames.push_back(std::move(e));
+  }
+  for (Index k = 0; k < m.n.shapes; ++k) {
+    const ShapeRecord& r = m.shapes()[k];
+    Shape s{m.string(r.name), r.type, r.role, m.string(m.frames()[r.frame].name), placement_of(r.placement), {}, m.string(r.mesh)};
+    std::copy(r.size, r.size + 3, s.size.begin());
+    impl->shapes.push_back({std::move(s), r.frame});
+  }
+  for (Index k = 0; k < m.n.reports; ++k) {
+    const ReportRecord& r = m.reports()[k];
+    impl->reports.push_back({r.level, r.line, m.string(r.message)});
+  }
+  for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral
+    const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;
+    impl->configurations.push_back({m.string(m.configuration_names()[k]), true, {}, by_joint(impl->joints, {q, q + m.n.nq})});
+  }
+}
+
+}  // namespace dyn

@@ -1,0 +1,100 @@
+// Parts of a robot: what a joint carries, or all but that.
+#include <algorithm>
+
+#include "builder_impl.hpp"
+
+namespace dyn {
+
+namespace {
+
+int find_joint(const std::vector<JointEntry>& joints, const std::string& name) {
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (joints[j].spec.name == name) return int(j);
+  throw Error(DYN_ERROR_NAME, "there is no moving joint '" + name + "'");
+}
+
+// Which joints hang on one, itself included; parents come first.
+std::vector<bool> subtree_of(const std::vector<JointEntry>& joints, int root) {
+  std::vector<bool> in(joints.size(), false);
+  in[std::size_t(root)] = true;
+  for (std::size_t j = std::size_t(root) + 1; j < joints.size(); ++j)
+    in[j] = joints[j].parent >= 0 && in[std::size_t(joints[j].parent)];
+  return in;
+}
+
+}  // namespace
+
+void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
+  split_configurations();
+  std::vector<int> joint(joints.size(), -1), frame(frames.size(), -1);  // new index of each old one
+  std::vector<JointEntry> left;
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (kept[j]) {
+      joint[j] = int(left.size());
+      left.push_back(std::move(joints[j]));
+      if (left.back().parent >= 0) left.back().parent = joint[std::size_t(left.back().parent)];
+    }
+  joints = std::move(left);
+
+  std::vector<FrameEntry> seen;
+  frame_index.clear();
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    FrameEntry& e = frames[f];
+    if (e.joint < 0 && f > 0 && !world) continue;
+    if (e.joint >= 0 && (e.joint = joint[std::size_t(e.joint)]) < 0) continue;
+    frame[f] = int(seen.size());
+    frame_index[e.name].push_back(frame[f]);
+    seen.push_back(std::move(e));
+  }
+  frames = std::move(seen);
+  std::erase_if(shapes, [&](const ShapeEntry& s) { return frame[std::size_t(s.frame)] < 0; });
+  for (ShapeEntry& s : shapes) s.frame = frame[std::size_t(s.frame)];
+
+  for (ConfigurationEntry& c : configurations) {
+    c.by_joint.resize(joint.size());
+    std::vector<std::vector<double>> own(joints.size());
+    for (std::size_t j = 0; j < joint.size(); ++j)
+      if (joint[j] >= 0) own[std::size_t(joint[j])] = std::move(c.by_joint[j]);
+    c.by_joint = std::move(own);
+  }
+}
+
+// A follower can't go without its leader.
+static void check_leaders(const std::vector<JointEntry>& joints, const std::vector<bool>& kept, const std::string& who) {
+  const std::vector<Leader> leaders = resolve_mimic(joints);
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (kept[j] && leaders[j].joint >= 0 && !kept[std::size_t(leaders[j].joint)])
+      throw Error(DYN_ERROR_INVALID, who + ": joint '" + joints[j].spec.name + "' stays and follows '" +
+                                         joints[std::size_t(leaders[j].joint)].spec.name + "', which doesn't: lock the leader first");
+}
+
+// Followers of followers that go follow who leads them.
+static void follow_leaders(std::vector<JointEntry>& joints) {
+  const std::vector<Leader> leaders = resolve_mimic(joints);
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (leaders[j].joint >= 0) {
+      JointSpec& s = joints[j].spec;
+      s.mimic = joints[std::size_t(leaders[j].joint)].spec.name, s.mimic_ratio = leaders[j].ratio, s.mimic_offset = leaders[j].offset;
+    }
+}
+
+void Builder::subtree(const std::string& root) {
+  Impl next = *impl;
+  const std::vector<bool> kept = subtree_of(next.joints, find_joint(next.joints, root));
+  check_leaders(next.joints, kept, "subtree of '" + root + "'");
+  follow_leaders(next.joints);
+  next.keep(kept, false);
+  *impl = std::move(next);
+}
+
+void Builder::remove(const std::string& root) {
+  Impl next = *impl;
+  std::vector<bool> kept = subtree_of(next.joints, find_joint(next.joints, root));
+  kept.flip();
+  check_leaders(next.joints, kept, "remove '" + root + "'");
+  follow_leaders(next.joints);
+  next.keep(kept);
+  *impl = std::move(next);
+}
+
+}  // namespace dyn
