@@ -75,7 +75,7 @@ struct IkProblem {
     return sum;
   }
   LeastSquares<T> linearise(bool all) {
-    LeastSquares<T> s{m.n.nv, rows[0] + (all ? rows[1] : 0), d.ik_matrix, d.ik_factor, r, g, 0};
+    LeastSquares<T> s{m.n.nv, rows[0] + (all ? rows[1] : 0), d.ik_matrix, d.ik_matrix + std::ptrdiff_t(m.n.nv) * m.n.nv, r, g, 0};
     s.clear();
     for (Index k = 0; k < tasks.count; ++k)
       if (all || !tasks[k].priority) ik_linearise(m, d, tasks[k], tasks[k].priority ? T(secondary) : T(1), s);
