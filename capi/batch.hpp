@@ -35,7 +35,7 @@ struct BatchAlgorithm {
   bool reads(const char* input) const;  // a word of inputs
 };
 
-constexpr int batch_algorithm_count = DYN_BATCH_INTEGRATE + 1;
+constexpr int batch_algorithm_count = DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES + 1;
 extern const BatchAlgorithm batch_algorithms[batch_algorithm_count];
 
 // A data for each thread.

@@ -98,6 +98,17 @@ const BatchAlgorithm batch_algorithms[batch_algorithm_count] = {
     {"frame_body_regressor", "frame q v a", {OUT(Y, 6, 10)},
      AFTER_KINEMATICS(x.q, x.v, x.a, dyn_frame_body_regressor(m, d, x.frame, x.out[0]))},
     {"integrate", "q v", {OUT(out, s.nq, 1)}, CALL { return (void)d, dyn_integrate(m, x.q, x.v, x.out[0]); }},
+    {"gravity_derivatives", "q", {OUT(dg_dq, NV, NV)}, CALL { return dyn_gravity_derivatives(m, d, x.q, x.out[0]); }},
+    {"static_torque_derivatives", "q fext", {OUT(dstatic_torque_dq, NV, NV)},
+     CALL { return dyn_static_torque_derivatives(m, d, x.q, x.fext, x.out[0]); }},
+    {"center_of_mass_velocity_derivatives", "q v", {OUT(dvcom_dq, 3, NV), OUT(dvcom_dv, 3, NV)},
+     CALL { return dyn_center_of_mass_velocity_derivatives(m, d, x.q, x.v, x.out[0], x.out[1]); }},
+    {"frame_velocity_derivatives", "frame reference q v", {OUT(dv_dq, 6, NV), OUT(dv_dv, 6, NV)},
+     AFTER_KINEMATICS(x.q, x.v, nullptr, dyn_frame_velocity_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1]))},
+    {"frame_acceleration_derivatives", "frame reference q v a", {OUT(da_dq, 6, NV), OUT(da_dv, 6, NV), OUT(da_da, 6, NV)},
+     AFTER_KINEMATICS(x.q, x.v, x.a, dyn_frame_acceleration_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1], x.out[2]))},
+    {"frame_classical_acceleration_derivatives", "frame reference q v a", {OUT(da_dq, 6, NV), OUT(da_dv, 6, NV), OUT(da_da, 6, NV)},
+     AFTER_KINEMATICS(x.q, x.v, x.a, dyn_frame_classical_acceleration_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1], x.out[2]))},
 };
 #undef OUT
 #undef NV

@@ -739,7 +739,13 @@ typedef enum dynBatchAlgorithm {
   DYN_BATCH_POTENTIAL_ENERGY_REGRESSOR = 35,     /* q -> y nparameters */
   DYN_BATCH_JOINT_BODY_REGRESSOR = 36,           /* joint; q, v, a -> Y 6 x 10 */
   DYN_BATCH_FRAME_BODY_REGRESSOR = 37,           /* frame; q, v, a -> Y 6 x 10 */
-  DYN_BATCH_INTEGRATE = 38                       /* q, v -> out nq */
+  DYN_BATCH_INTEGRATE = 38,                      /* q, v -> out nq */
+  DYN_BATCH_GRAVITY_DERIVATIVES = 39,            /* q -> dg_dq nv x nv */
+  DYN_BATCH_STATIC_TORQUE_DERIVATIVES = 40,      /* q, fext -> dstatic_torque_dq nv x nv */
+  DYN_BATCH_CENTER_OF_MASS_VELOCITY_DERIVATIVES = 41, /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
+  DYN_BATCH_FRAME_VELOCITY_DERIVATIVES = 42,     /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
+  DYN_BATCH_FRAME_ACCELERATION_DERIVATIVES = 43, /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
+  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44 /* the same */
 } dynBatchAlgorithm;
 
 /* What goes in and comes out. What an algorithm does not read is ignored. An output may be an input whose rows have the same size;

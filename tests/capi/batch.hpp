@@ -13,7 +13,7 @@ struct Batch {
   operator dynBatch*() const { return b; }
 };
 
-inline constexpr int batch_algorithms = DYN_BATCH_INTEGRATE + 1;
+inline constexpr int batch_algorithms = DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES + 1;
 
 inline dynBatchInfo batch_info(const dynModel* m, int algorithm) {
   dynBatchInfo info{};
