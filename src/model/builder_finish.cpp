@@ -44,7 +44,7 @@ void settle_configurations(const Model& m, double* q) {
     if (const Index j = zero_norm_joint(m, q))
       throw Error(DYN_ERROR_QUATERNION, "configuration '" + std::string(m.string(m.configuration_names()[k])) + "': the quaternion or (cos, sin) of joint '" +
                                             m.string(m.joints()[j].name) + "' is zero: give one of norm 1, such as that of 'neutral'");
-    normalize(m, q);
+    if (norm_error(m, q) > 1e-15) normalize(m, q);  // so that it changes nothing when done again
   }
 }
 
