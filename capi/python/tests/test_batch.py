@@ -57,8 +57,8 @@ def test_rows_are_those_of_data(go2, batch, states, name):
     for k in (0, 7, N - 1):
         expected = single(go2, algorithm, {i: x[k] if isinstance(x, np.ndarray) else x for i, x in states.items()})
         expected = expected if isinstance(expected, tuple) else (expected,)
-            assert 0 < len(results) <= len(expected)  # Data.rnea_derivatives has M, too
-    for row, one in zip(results, expected):
+        assert 0 < len(results) <= len(expected)  # Data.rnea_derivatives has M, too
+        for row, one in zip(results, expected):
             assert len(row) == N
             np.testing.assert_array_equal(row[k], one)
 
