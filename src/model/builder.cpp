@@ -160,10 +160,11 @@ void append_elements(const std::string& where, const JointPart& s, std::vector<P
 
 }  // namespace
 
-std::vector<PlacedElement> elements_of(const std::string& who, const std::vector<JointPart>& parts) {
+std::vector<PlacedElement> elements_of(const JointSpec& s, const std::vector<JointPart>& parts) {
+  const std::string who = "joint '" + s.name + "'";
   std::vector<PlacedElement> out;
   for (std::size_t k = 0; k < parts.size(); ++k)
-    append_elements(parts.size() == 1 ? who : who + ", part " + std::to_string(k), parts[k], out);
+    append_elements(s.type == DYN_JOINT_COMPOSITE ? who + ", part " + std::to_string(k) : who, parts[k], out);
   return out;
 }
 
@@ -232,7 +233,7 @@ void Builder::Impl::add_joint(const JointSpec& s) {
   entry.spec = s;
   entry.parent = carrier.joint;
   append_parts(who, s, SE3<double>::identity(), entry.parts);
-  entry.elements = elements_of(who, entry.parts);
+  entry.elements = elements_of(s, entry.parts);
   entry.placement = X;
   if (entry.elements.empty()) refuse(DYN_ERROR_ARGUMENT, who + ": a composite joint needs at least one part that moves");
   const int nq = spec_nq(s), nv = spec_nv(s);

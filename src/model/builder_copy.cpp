@@ -57,7 +57,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     e.parent = r.parent - 1;
     e.placement = load_se3(r.placement);
     e.parts = parts_of(e.spec);
-    e.elements = elements_of("joint '" + e.spec.name + "'", e.parts);
+    e.elements = elements_of(e.spec, e.parts);
     impl->joints.push_back(std::move(e));
   }
   for (Index f = 1; f < m.n.frames; ++f) {

@@ -84,7 +84,7 @@ struct Builder::Impl {
 };
 
 // The chain of primitives of a joint's parts.
-std::vector<PlacedElement> elements_of(const std::string& who, const std::vector<JointPart>& parts);
+std::vector<PlacedElement> elements_of(const JointSpec& s, const std::vector<JointPart>& parts);
 // Joints depth first, siblings in the order of addition.
 std::vector<int> depth_first(const std::vector<JointEntry>& joints);
 // A joint's own coordinates where nothing moves.
