@@ -11,6 +11,11 @@ EVAL = ("eval", GO2, "--fixed", "--compute", "g")
 SIM = ("sim", GO2, "--fixed", "--duration", "0.01")
 
 
+def short(x):
+    """pytest puts it into the environment of what the tests start."""
+    return str(x)[:60]
+
+
 @pytest.mark.parametrize(
     "words, said",
     [
@@ -39,6 +44,7 @@ SIM = ("sim", GO2, "--fixed", "--duration", "0.01")
         (["bench", GO2, "--fixed", "--seconds", "-1"], ["--seconds must be a positive number"]),
         (["bench", GO2, "--fixed", "--seconds", "nan"], ["--seconds must be a positive number"]),
     ],
+    ids=short,
 )  # fmt: skip
 def test_bad_usage(words, said):
     error = run(*words, status=2)
@@ -63,6 +69,7 @@ def test_bad_usage(words, said):
         ('{"q": [0x1, 2]}', ["not JSON"]),
         ('{"q": {"universe": 1}}', ['"universe"', "0"]),
     ],
+    ids=short,
 )  # fmt: skip
 def test_bad_states(arm_file, state_file, content, said):  # noqa: F811
     path = state_file(content)
