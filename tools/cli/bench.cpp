@@ -210,6 +210,12 @@ void run(const Options& options) {
       fail(std::string(algorithm.name) + ": " + failure.message);
     }
   }
+  const auto rnea = std::find_if(rows.begin(), rows.end(), [](const json& row) { return row["name"] == "rnea"; });
+  const double unit = (*rnea)["ns_p50"];
+  for (json& row : rows) {
+    const double p50 = row["ns_p50"];
+    row["percent_of_1ms"] = p50 / 1e4, row["ratio_to_rnea"] = p50 / unit;
+  }
   if (options.robot.json) {
     json answer = json::object();
     answer["algorithms"] = rows;
@@ -218,12 +224,14 @@ void run(const Options& options) {
   std::string text = std::string(dyn_model_name(robot)) + ": nq " + std::to_string(robot.nq) + ", nv " +
                      std::to_string(robot.nv) + "; " + dyn_build_info() + "\n";
   char line[128];
-  std::snprintf(line, sizeof line, "%-34s %12s %12s %14s\n", "algorithm", "ns p50", "ns p99", "instructions");
+  std::snprintf(line, sizeof line, "%-34s %12s %12s %10s %10s %14s\n", "algorithm", "ns p50", "ns p99", "% of 1 ms", "/ RNEA",
+                "instructions");
   text += line;
   for (const auto& row : rows) {
     const std::string count = row["instructions"].is_null() ? "-" : short_number(row["instructions"].get<double>(), 9);
-    std::snprintf(line, sizeof line, "%-34s %12.1f %12.1f %14s\n", row["name"].get<std::string>().c_str(),
-                  row["ns_p50"].get<double>(), row["ns_p99"].get<double>(), count.c_str());
+    std::snprintf(line, sizeof line, "%-34s %12.1f %12.1f %10.4f %10.2f %14s\n", row["name"].get<std::string>().c_str(),
+                  row["ns_p50"].get<double>(), row["ns_p99"].get<double>(), row["percent_of_1ms"].get<double>(),
+                  row["ratio_to_rnea"].get<double>(), count.c_str());
     text += line;
   }
   print(text);

@@ -445,6 +445,7 @@ def test_bench(arm_file):
     names = [r["name"] for r in rows]
     assert len(set(names)) == len(names) and {"rnea", "aba", "crba", "forward_kinematics", "step_rk4"} <= set(names)
     for row in rows:
-        assert set(row) == {"name", "ns_p50", "ns_p99", "instructions"} and 0 < row["ns_p50"] <= row["ns_p99"]
+        assert set(row) == {"name", "ns_p50", "ns_p99", "percent_of_1ms", "ratio_to_rnea", "instructions"}
+        assert 0 < row["ns_p50"] <= row["ns_p99"] and row["percent_of_1ms"] == row["ns_p50"] / 1e4
         assert row["instructions"] is None or row["instructions"] > 0
     assert "rnea" in run("bench", arm_file, "--fixed", "--seconds", "0.1")
