@@ -41,7 +41,7 @@ class Work {
   void set(T* to, Input input, const X& from) {
     std::size_t k = 0;
     for (const auto& value : from) to[k++] = T(value);
-    ++d.version[input];
+    d.changed(input);
   }
   template <class X>
   Work& q(const X& x) {
