@@ -42,11 +42,13 @@ extern const BatchAlgorithm batch_algorithms[batch_algorithm_count];
 class Batch {
  public:
   Batch(const dynModel* model, dynParts parts, int threads);
+  dynStatus set_effects(int joint, std::uint32_t effects);
   dynStatus run(const BatchAlgorithm& algorithm, std::int64_t n, const dynBatchArrays& arrays);
 
  private:
   struct Worker;
   struct Job;
+  struct Turn;
   struct Free {
     void operator()(dynData* d) const { dyn_data_free(d); }
   };

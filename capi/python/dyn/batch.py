@@ -14,7 +14,7 @@ import numpy as np
 
 from . import abi
 from .arrays import F64, Owner, Placement, address, numbers
-from .enums import Part, Reference
+from .enums import Effect, Part, Reference
 from .errors import ArgumentError, BusyError, SizeError
 from .library import check, fail, lib
 from .model import Model, mask, member
@@ -135,6 +135,10 @@ class Batch:
 
     def __repr__(self) -> str:
         return f"<dyn.Batch of {self.model.name!r}: {self.threads} threads>"
+
+    def set_effects(self, effects: Any, joint: str | int = 0) -> None:
+        """Data.set_effects of all threads."""
+        check(lib.dyn_batch_set_effects(self._b, self.model._joint(joint), mask(Effect, effects, "effects")))
 
     def _input(self, name: str, shape: tuple[int, ...], x: Any) -> np.ndarray:
         """x, state after state in memory."""

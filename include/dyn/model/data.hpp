@@ -89,6 +89,7 @@ struct Data {
 #include "dyn/model/data_fields.def"
 
   dynParts parts;
+  std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them
   std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
   std::uint64_t stamp[std::size_t(Stage::count_)];  // the newest of the versions that each stage was computed for; 0: not computed
 
@@ -169,6 +170,25 @@ std::size_t data_bytes(const Model& m, dynParts parts) {
   return bytes;
 }
 
+// Fills in the coefficients of the effects that are switched on.
+template <class T>
+void apply_effects(const Model& m, Data<T>& d) {
+  const struct {
+    std::uint32_t bit;
+    const double* from;
+    T* to;
+  } rows[] = {{DYN_EFFECT_ARMATURE, m.armature(), d.armature}, {DYN_EFFECT_DAMPING, m.damping(), d.damping},
+              {DYN_EFFECT_SPRINGS, m.stiffness(), d.stiffness}, {DYN_EFFECT_FRICTION, m.friction(), d.friction}};
+  d.acting = 0;
+  for (Index j = 1; j < m.n.joints; ++j)
+    for (Index k = m.joints()[j].idx_v, end = k + m.joints()[j].nv; k < end; ++k)
+      for (const auto& r : rows) {
+        if (!r.to) continue;
+        r.to[k] = d.effects[j] & r.bit ? T(r.from[k]) : T(0);
+        if (r.to[k] != T(0)) d.acting |= r.bit;
+      }
+}
+
 template <class T>
 void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   char* at = static_cast<char*>(memory);
@@ -195,6 +215,8 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (T* x : {d.Mx, d.dqx, d.dvx})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
+  for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_ARMATURE;
+  apply_effects(m, d);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
