@@ -225,7 +225,7 @@ dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dyn
   info->struct_size = size;
   info->name = row.name, info->inputs = row.inputs, info->outputs = row.output_count();
   for (int k = 0; k < info->outputs; ++k) {
-    const Extent extent = model ? row.outputs[k].extent(Sizes(*model->m)) : Extent{0, 0};
+    const Extent extent = row.outputs[k].extent(model ? Sizes(*model->m) : Sizes());
     info->output[k] = row.outputs[k].name, info->rows[k] = extent.rows, info->cols[k] = extent.cols;
   }
   return DYN_OK;

@@ -10,7 +10,8 @@
 namespace dyn::capi {
 
 struct Sizes {
-  int nq, nv, njoints, nframes, nparameters;
+  int nq = 0, nv = 0, njoints = 0, nframes = 0, nparameters = 0;
+  Sizes() = default;
   explicit Sizes(const Model& m)
       : nq(m.n.nq), nv(m.n.nv), njoints(m.n.joints), nframes(m.n.frames), nparameters(int(parameter_count(m))) {}
 };

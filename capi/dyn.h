@@ -788,7 +788,7 @@ typedef struct dynBatchArrays {
 DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays);
 DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays);
 
-/* The same table for programs. Without a model (NULL) rows and cols are 0. */
+/* The same table for programs. Without a model (NULL) sizes that depend on it are 0. */
 typedef struct dynBatchInfo {
   uint32_t struct_size;
   const char* name;       /* "rnea" */

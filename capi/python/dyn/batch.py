@@ -30,6 +30,8 @@ class Algorithm(NamedTuple):
     name: str
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    dimensions: tuple[int, ...]
+    """Of each output of one state: 0 a number, 1 a vector, 2 a matrix."""
 
 
 def _algorithms() -> dict[str, Algorithm]:
@@ -39,7 +41,8 @@ def _algorithms() -> dict[str, Algorithm]:
             return rows
         inputs = sorted(info.inputs.decode().split(), key="reference".__eq__)  # last: it has a default
         outputs = [info.output[k].decode() for k in range(info.outputs)]
-        rows[info.name.decode()] = Algorithm(id, info.name.decode(), tuple(inputs), tuple(outputs))
+        dimensions = [2 if info.cols[k] != 1 else int(info.rows[k] != 1) for k in range(info.outputs)]
+        rows[info.name.decode()] = Algorithm(id, info.name.decode(), tuple(inputs), tuple(outputs), tuple(dimensions))
 
 
 ALGORITHMS: dict[str, Algorithm] = _algorithms()
@@ -78,8 +81,7 @@ class _Plan:
         self._inputs = [(name, rows.get(name)) for name in algorithm.inputs]
         self._outputs = []
         for k, name in enumerate(algorithm.outputs):
-            cols, size = info.cols[k], info.rows[k]
-            self._outputs.append((k, name, (cols, size) if cols != 1 else (size,) if size != 1 else ()))
+            self._outputs.append((k, name, (info.cols[k], info.rows[k])[2 - algorithm.dimensions[k] :]))
         self.type = namedtuple(algorithm.name, algorithm.outputs)
         self.placements = algorithm.name.startswith("frame_placement")
         self.of(1)
