@@ -92,7 +92,7 @@ struct Chance {
       double s[3] = {scale * uniform(0.2, 1), scale * uniform(0.2, 1), scale * uniform(0.2, 1)};
       s[pick(3)] *= thin;
       if (t == Type::Cylinder || t == Type::Cone) s[1] = s[0];
-      return make(t, load3(s), thin == 1 ? rounding : 0);
+      return make(t, load3(s), thin == 1 || t == Type::Sphere ? rounding : rounding * thin);
     }
     const int n = 4 + pick(16);
     const double a = scale * uniform(0.4, 1), b = scale * uniform(0.4, 1), c = scale * uniform(0.4, 1) * thin;

@@ -17,32 +17,33 @@ struct Cores {
   bool unique;
 };
 
+// The floor of what is wanted of the distance.
 template <class D>
-inline Cores apart(const D& d, const GjkResult& g, const Options& options) {
-  const double wanted = options.tolerance * d.small + d.rounding();
-  Cores c = {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, true};
-  if constexpr (D::curved) {
-    const Polished p = polish(d, c.normal, wanted * 1e-2);
-    const double gap = std::sqrt(p.distance * p.distance + p.slope * p.slope) - p.distance;
-    if (p.distance > 0 && gap < c.residual) c.normal = p.normal, c.a = p.top.a, c.b = p.top.b, c.distance = p.distance, c.residual = gap;
-  }
-  c.unique = !d.parallel(c.normal);
-  return c;
+inline double wanted(const D& d, const Options& options) {
+  return options.tolerance * d.small + d.rounding();
 }
 
 template <class D>
-inline Cores meeting(const D& d, const Simplex& s, EpaWorkspace& workspace, const Options& options, Index iterations) {
-  const EpaResult e = epa(d, s, workspace, options);
-  const double wanted = options.tolerance * d.small + d.rounding();
-  Cores c = {e.normal, e.a, e.b, -e.upper, e.upper - e.lower, iterations + e.iterations, e.unique};
-  if constexpr (D::curved) {
-    const Polished p = polish(d, c.normal, wanted * 1e-2);
-    if (p.maximum && p.slope <= wanted && p.distance >= c.distance - wanted) {
-      c.normal = p.normal, c.a = p.top.a, c.b = p.top.b, c.distance = p.distance, c.residual = std::max(0.0, -p.distance - e.lower);
-    }
-  }
-  c.unique = c.unique && !d.parallel(c.normal);
-  return c;
+inline Cores cores(const D& d, EpaWorkspace& workspace, const Options& options) {
+  const double enough = wanted(d, options);
+  auto refine = [&](const Vertex* points, const double* weights, int size, const Vec& normal, Polished& p) {
+    if constexpr (D::curved)
+      return polish(d, points, weights, size, normal, enough, p);
+    else
+      return false;
+  };
+  Polished p;
+  bool refined = false;
+  const GjkResult g = gjk(d, -d.X.p, options, [&](const GjkResult& g) {
+    // apart: the witness points bound the distance from above, the plane from below
+    refined = refine(g.simplex.p, g.simplex.weight, g.simplex.size, g.v * (-1 / g.norm), p) && p.distance > 0 &&
+              shape::norm(p.b - p.a) - p.distance <= enough;
+    return refined;
+  });
+  if (refined) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, true};
+  if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, true};
+  const EpaResult e = epa(d, g.simplex, workspace, options, refine);
+  return {e.normal, e.a, e.b, -e.upper, e.residual, g.iterations + e.iterations, e.unique};
 }
 
 // of the rounded shapes, in the frame of A
@@ -62,8 +63,8 @@ inline Result rounded(const Cores& c, double radius_a, double radius_b, double s
 template <class A, class B>
 inline Result convex_pair(const A& a, const B& b, const Pose& X, EpaWorkspace& workspace, const Options& options) {
   const Difference<A, B> d(a, b, X);
-  const GjkResult g = gjk(d, -X.p, options);
-  const Cores c = g.apart ? apart(d, g, options) : meeting(d, g.simplex, workspace, options, g.iterations);
+  Cores c = cores(d, workspace, options);
+  c.unique = c.unique && !d.parallel(c.normal);
   return rounded(c, a.radius, b.radius, d.small, options);
 }
 

@@ -30,11 +30,18 @@ struct Difference {
     const Vec a = A_.support(d), b = X.act(B_.support(Rt * -d));
     return {a - b, a, b};
   }
-  // second derivative of the support function of D
-  Sym3<double> curvature(const Vec& n) const {
+  // the support point on the smooth piece of the boundary that p lies on, and its derivative
+  Vertex slide(const Vertex& p, const Vec& n) const {
+    Vertex q = p;
+    if constexpr (A::curved) q.a = A_.slide(p.a, n);
+    if constexpr (B::curved) q.b = X.act(B_.slide(X.act_inverse(p.b), Rt * -n));
+    q.w = q.a - q.b;
+    return q;
+  }
+  Sym3<double> curvature(const Vertex& p, const Vec& n) const {
     Sym3<double> H = Sym3<double>::zero();
-    if constexpr (A::curved) H = H + A_.curvature(n);
-    if constexpr (B::curved) H = H + congruence(X.R, B_.curvature(Rt * -n).full());
+    if constexpr (A::curved) H = H + A_.curvature(p.a, n);
+    if constexpr (B::curved) H = H + congruence(X.R, B_.curvature(X.act_inverse(p.b), Rt * -n).full());
     return H;
   }
   // numbers of this pair carry errors of about this size

@@ -4,7 +4,7 @@
 // slightly outside the polytope, or outside D, is no special case: touching shapes need no separate treatment.
 #pragma once
 
-#include "dyn/collision/simplex.hpp"
+#include "dyn/collision/polish.hpp"
 
 namespace dyn::collision {
 
@@ -29,54 +29,85 @@ struct EpaResult {
   Vec normal;    // outward of D
   double upper;  // the depth is at most this,
   double lower;  // and at least this (both signed)
-  Vertex top;    // support point along the normal
   Vec a, b;      // witness points
+  double residual;
   Index iterations;
   bool unique;   // no other face of another direction is as near
 };
 
 namespace detail {
 
-template <class D>
+template <class D, class Refine>
 class Epa {
  public:
-  Epa(const D& d, EpaWorkspace& w, const Options& o)
-      : d_(d), w_(w), o_(o), rounding_(d.rounding()), wanted_(o.tolerance * d.small + rounding_) {}
+  Epa(const D& d, EpaWorkspace& w, const Options& o, Refine& refine)
+      : d_(d), w_(w), o_(o), refine_(refine), rounding_(d.rounding()), wanted_(o.tolerance * d.small + rounding_) {}
 
   // From the vertices of a simplex near the origin.
   EpaResult run(const Simplex& s) {
-    EpaResult r;
-    r.upper = shape::infinity, r.lower = -shape::infinity, r.iterations = 0, r.unique = true;
+    EpaResult& r = r_;
+    r.upper = shape::infinity, r.lower = -shape::infinity, r.residual = 0, r.iterations = 0, r.unique = true;
     Vec n;
     if (!tetrahedron(s, n)) {  // D is flat: its own normal
-      take(r, n, d_.support(n));
-      r.a = r.top.a, r.b = r.top.b;
+      const Vertex p = d_.support(n);
+      r.normal = n, r.upper = r.lower = dot(n, p.w), r.a = p.a, r.b = p.b;
       return r;
     }
-    Index nearest = 0;
+    double close = 0.1 * d_.small;
     for (;; ++r.iterations) {
-      nearest = 0;
-      for (Index f = 1; f < faces_; ++f)
-        if (w_.offset[f] < w_.offset[nearest]) nearest = f;
+      const Index nearest = nearest_face();
       const EpaFace& f = w_.face[nearest];
-      r.lower = f.offset;
       const Vertex p = d_.support(f.normal);
       const double upper = dot(f.normal, p.w);
-      if (upper < r.upper) take(r, f.normal, p);
-      if (upper - f.offset <= wanted_ || r.iterations >= o_.max_iterations || !grow(nearest, p)) break;
+      r.lower = f.offset;
+      if (upper < r.upper - (refined_ ? wanted_ : 0)) r.normal = f.normal, r.upper = upper, refined_ = false;
+      if (upper - f.offset <= close) refine(nearest), close = (upper - f.offset) * 0.1;
+      const bool enough = refined_ ? r.upper - r.lower <= certain * d_.small : upper - f.offset <= wanted_;
+      if (enough || r.iterations >= o_.max_iterations || !grow(nearest, p)) {
+        if (!refined_) refine(nearest);
+        if (refined_)
+          rivals();
+        else
+          witness(nearest), r.residual = r.upper - r.lower;
+        return r;
+      }
     }
-    witness(r, nearest);
-    return r;
   }
 
  private:
   const D& d_;
   EpaWorkspace& w_;
   const Options& o_;
+  Refine& refine_;
   const double rounding_, wanted_;
+  EpaResult r_;
+  bool refined_ = false;
   Index vertices_ = 0, faces_ = 0, free_ = 0;
 
-  static void take(EpaResult& r, const Vec& n, const Vertex& p) { r.normal = n, r.top = p, r.upper = dot(n, p.w); }
+  static constexpr double certain = 1e-3;  // how far below a refined depth the polytope must rule out others, before rivals are looked at
+
+  Index nearest_face() const {
+    Index nearest = 0;
+    for (Index f = 1; f < faces_; ++f)
+      if (w_.offset[f] < w_.offset[nearest]) nearest = f;
+    return nearest;
+  }
+
+  // a local minimum of the depth near a face, if it is less than what is known
+  void refine(Index f) {
+    const Part part = nearest_part(f);
+    Vertex at[3];
+    for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
+    Polished p;
+    if (!refine_(at, part.weight, part.size, w_.face[f].normal, p) || -p.distance > r_.upper + wanted_) return;
+    r_.normal = p.normal, r_.a = p.a, r_.b = p.b, r_.upper = -p.distance, r_.residual = p.residual;
+    refined_ = true;
+  }
+  // other directions, in which the depth may still be less
+  void rivals() {
+    for (Index f = 0; f < faces_; ++f)
+      if (w_.offset[f] < r_.upper - wanted_ && dot(w_.face[f].normal, r_.normal) < 0.99) refine(f);
+  }
 
   // Four vertices that span a volume: those of s, and farthest support points for what is missing.
   bool tetrahedron(const Simplex& s, Vec& n) {
@@ -134,9 +165,9 @@ class Epa {
   // the plane of a face; a sliver takes that of its neighbour
   void plane(Index f, Index neighbour) {
     EpaFace& F = w_.face[f];
-    const Vec a = w_.vertex[F.at[0]].w, e = w_.vertex[F.at[1]].w - a, g = w_.vertex[F.at[2]].w - a, n = cross(e, g);
+    const Vec a = w_.vertex[F.at[0]].w, b = w_.vertex[F.at[1]].w, c = w_.vertex[F.at[2]].w, n = triangle_normal(a, b, c);
     const double nn = dot(n, n);
-    if (neighbour >= 0 && nn <= 1e-28 * dot(e, e) * dot(g, g)) {
+    if (neighbour >= 0 && nn <= 1e-28 * dot(b - a, b - a) * dot(c - a, c - a)) {
       F.normal = w_.face[neighbour].normal, F.offset = w_.face[neighbour].offset;
     } else {
       F.normal = n * (1 / std::sqrt(nn));
@@ -193,26 +224,39 @@ class Epa {
     return true;
   }
 
-  // the point of the face nearest to the origin, taken apart; other faces as near
-  void witness(EpaResult& r, Index f) const {
+  Part nearest_part(Index f) const {
     const Index* at = w_.face[f].at;
-    const Part nearest = nearest_on_triangle(w_.vertex[at[0]].w, w_.vertex[at[1]].w, w_.vertex[at[2]].w);
-    r.a = r.b = Vec::zero();
-    for (int i = 0; i < nearest.size; ++i) {
-      const Vertex& x = w_.vertex[at[nearest.at[i]]];
-      r.a += x.a * nearest.weight[i], r.b += x.b * nearest.weight[i];
+    return nearest_on_triangle(w_.vertex[at[0]].w, w_.vertex[at[1]].w, w_.vertex[at[2]].w);
+  }
+
+  // the point of the face nearest to the origin, taken apart; other faces as near
+  void witness(Index f) {
+    // of triangles in one plane, that with the foot of the origin in it
+    const double offset = w_.face[f].offset;
+    Part nearest = nearest_part(f);
+    for (Index g = 0; g < faces_; ++g) {
+      if (w_.offset[g] > offset + 1e-7 * d_.small) continue;
+      if (dot(w_.face[g].normal, r_.normal) < 1 - 1e-12) {
+        r_.unique = r_.unique && dot(w_.face[g].normal, r_.normal) > 1 - 1e-6;
+      } else if (w_.offset[g] <= offset + 4 * rounding_) {
+        const Part other = nearest_part(g);
+        if (other.vv < nearest.vv) nearest = other, f = g;
+      }
     }
-    const double as_near = w_.face[f].offset + 1e-7 * d_.small;
-    for (Index g = 0; g < faces_; ++g)
-      if (w_.offset[g] <= as_near && dot(w_.face[g].normal, r.normal) < 1 - 1e-6) r.unique = false;
+    r_.a = r_.b = Vec::zero();
+    for (int i = 0; i < nearest.size; ++i) {
+      const Vertex& x = w_.vertex[w_.face[f].at[nearest.at[i]]];
+      r_.a += x.a * nearest.weight[i], r_.b += x.b * nearest.weight[i];
+    }
   }
 };
 
 }  // namespace detail
 
-template <class D>
-inline EpaResult epa(const D& difference, const Simplex& s, EpaWorkspace& workspace, const Options& options) {
-  return detail::Epa<D>(difference, workspace, options).run(s);
+// refine(vertices, weights, size, normal, polished) may finish what EPA has come close to: see polish().
+template <class D, class Refine>
+inline EpaResult epa(const D& difference, const Simplex& s, EpaWorkspace& workspace, const Options& options, Refine&& refine) {
+  return detail::Epa<D, Refine>(difference, workspace, options, refine).run(s);
 }
 
 }  // namespace dyn::collision

@@ -16,14 +16,16 @@ struct GjkResult {
   bool apart;    // otherwise the cores meet, or almost
 };
 
-// v: a guess of A's point less B's.
-template <class D>
-inline GjkResult gjk(const D& difference, Vec v, const Options& options) {
+// v: a guess of A's point less B's. finish(result) may end it early, once the bounds are close, and again whenever they are a hundred
+// times closer.
+template <class D, class Finish>
+inline GjkResult gjk(const D& difference, Vec v, const Options& options, Finish&& finish) {
   GjkResult r;
   Simplex& s = r.simplex;
   const double rounding = difference.rounding();
   const double wanted = options.tolerance * difference.small + rounding, contact = 1e-10 * difference.small + rounding;
   if (dot(v, v) == 0) v = shape::axis(0);
+  double close = 1e-1 * difference.small;
   s.size = 1, s.weight[0] = 1, s.p[0] = difference.support(-v);
   r.v = s.p[0].w;
   double vv = dot(r.v, r.v);
@@ -34,6 +36,10 @@ inline GjkResult gjk(const D& difference, Vec v, const Options& options) {
     const Vertex p = difference.support(-r.v);
     r.gap = r.norm - dot(r.v, p.w) / r.norm;
     if (r.gap <= wanted || r.iterations >= options.max_iterations) return r;
+    if (r.gap <= close) {
+      if (finish(r)) return r;
+      close = r.gap * 1e-2;
+    }
     const Simplex before = s;
     s.p[s.size++] = p;
     Vec next;

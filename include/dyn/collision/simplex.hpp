@@ -39,13 +39,23 @@ DYN_INLINE Part nearest_on_segment(const Vec& a, const Vec& b, int i, int j) {
   if (t <= 0) return {a, dot(a, a), 1, {i, 0, 0}, {1, 0, 0}};
   if (t >= ee) return {b, dot(b, b), 1, {j, 0, 0}, {1, 0, 0}};
   const double l = t / ee;
-  const Vec v = a + e * l;
+  Vec v = a + e * l;
+  v -= e * (dot(v, e) / ee);  // once more: v may be far shorter than a
   return {v, dot(v, v), 2, {i, j, 0}, {1 - l, l, 0}};
+}
+
+// The normal of a triangle, of a needle from its two shorter edges: two long ones would cancel.
+DYN_INLINE Vec triangle_normal(const Vec& a, const Vec& b, const Vec& c) {
+  const Vec ab = b - a, ac = c - a, n = cross(ab, ac);
+  if (dot(n, n) > 1e-2 * dot(ab, ab) * dot(ac, ac)) return n;
+  const Vec bc = c - b, ca = -ac;
+  const double c2 = dot(ab, ab), a2 = dot(bc, bc), b2 = dot(ca, ca);
+  return a2 >= b2 && a2 >= c2 ? cross(ca, ab) : b2 >= c2 ? cross(ab, bc) : cross(bc, ca);
 }
 
 // i, j, k: their numbers
 inline Part nearest_on_triangle(const Vec& a, const Vec& b, const Vec& c, int i = 0, int j = 1, int k = 2) {
-  const Vec e = b - a, f = c - a, n = cross(e, f);
+  const Vec e = b - a, f = c - a, n = triangle_normal(a, b, c);
   const double nn = dot(n, n);
   const bool thin = nn <= 1e-30 * dot(e, e) * dot(f, f);
   const double lj = dot(cross(n, f), a), lk = -dot(cross(n, e), a), li = nn - lj - lk;

@@ -14,14 +14,13 @@ struct Cone : Solid<Cone> {
   explicit Cone(const Shape& s) : r(s.size[0]), half(s.size[2]), radius(s.radius) {}
 
   Vec support(const Vec& d) const {
-    const double rho = std::hypot(d[0], d[1]);
+    const double rho = length2(d[0], d[1]);
     if (2 * half * d[2] >= r * rho) return Vec::make(0, 0, half);
-    const double scale = r / rho;
-    return rho > 0 ? Vec::make(d[0] * scale, d[1] * scale, -half) : Vec::make(r, 0, -half);
+    return on_rim(d, r, -half);
   }
   Nearest nearest(const Vec& p) const {
     const Meridian m(p);
-    const double slant = std::hypot(r, 2 * half), nr = 2 * half / slant, nz = r / slant;  // normal of the side in the half plane
+    const double slant = length2(r, 2 * half), nr = 2 * half / slant, nz = r / slant;  // normal of the side in the half plane
     const double side = nr * m.rho + nz * (p[2] - half), base = -half - p[2];
     if (side <= 0 && base <= 0) {
       if (base >= side) return {Vec::make(p[0], p[1], -half), -axis(2), base, base > side};
@@ -30,19 +29,19 @@ struct Cone : Solid<Cone> {
     // along the side from the apex; along the base
     const double s = std::clamp((m.rho * r + (half - p[2]) * 2 * half) / slant, 0.0, slant);
     const double rho_s = s * r / slant, z_s = half - s * 2 * half / slant, rho_b = std::min(m.rho, r);
-    const bool on_side = std::hypot(m.rho - rho_s, p[2] - z_s) <= std::hypot(m.rho - rho_b, base);
+    const bool on_side = length2(m.rho - rho_s, p[2] - z_s) <= length2(m.rho - rho_b, base);
+    if (on_side && s > 0 && s < slant) return {m.point(rho_s, z_s), m.out * nr + axis(2) * nz, side, true};
     return on_side ? m.outside(rho_s, z_s) : m.outside(rho_b, -half);
   }
-  Sym3<double> curvature(const Vec& n) const {
-    return 2 * half * n[2] >= r * std::hypot(n[0], n[1]) ? Sym3<double>::zero() : rim_curvature(n, r);
-  }
+  Vec slide(const Vec& from, const Vec& n) const { return from[2] > 0 ? from : on_rim(n, r, -half); }
+  Sym3<double> curvature(const Vec& from, const Vec& n) const { return from[2] > 0 ? Sym3<double>::zero() : rim_curvature(n, r); }
   Flat flat(const Vec& n) const {
-    const double rho = std::hypot(n[0], n[1]), slant = std::hypot(r, 2 * half);
+    const double rho = length2(n[0], n[1]), slant = length2(r, 2 * half);
     if (rho <= flat_slope) return {n[2] < 0 ? 2 : 0, axis(0), axis(1)};
     const bool side = std::abs(2 * half * n[2] - r * rho) <= flat_slope * slant;
     return {side, Vec::make(n[0] / rho * r, n[1] / rho * r, -2 * half) * (1 / slant), Vec::zero()};
   }
-  double extent() const { return std::hypot(r, half); }
+  double extent() const { return length2(r, half); }
 
   using Solid::bounds;
   Bounds bounds(const Mat& R) const {

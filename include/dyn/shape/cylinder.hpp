@@ -14,9 +14,7 @@ struct Cylinder : Solid<Cylinder> {
   explicit Cylinder(const Shape& s) : r(s.size[0]), half(s.size[2]), radius(s.radius) {}
 
   Vec support(const Vec& d) const {
-    const double rho = std::hypot(d[0], d[1]);
-    const double scale = r / rho, z = std::copysign(half, d[2]);
-    return rho > 0 ? Vec::make(d[0] * scale, d[1] * scale, z) : Vec::make(r, 0, z);
+    return on_rim(d, r, std::copysign(half, d[2]));
   }
   Nearest nearest(const Vec& p) const {
     const Meridian m(p);
@@ -27,12 +25,13 @@ struct Cylinder : Solid<Cylinder> {
     }
     return m.outside(std::min(m.rho, r), std::clamp(p[2], -half, half));
   }
-  Sym3<double> curvature(const Vec& n) const { return rim_curvature(n, r); }
+  Vec slide(const Vec& from, const Vec& n) const { return on_rim(n, r, from[2]); }
+  Sym3<double> curvature(const Vec&, const Vec& n) const { return rim_curvature(n, r); }
   Flat flat(const Vec& n) const {
     if (n[0] * n[0] + n[1] * n[1] <= flat_slope * flat_slope) return {2, axis(0), axis(1)};
     return {std::abs(n[2]) <= flat_slope, axis(2), Vec::zero()};
   }
-  double extent() const { return std::hypot(r, half); }
+  double extent() const { return length2(r, half); }
 
   using Solid::bounds;
   Bounds bounds(const Mat& R) const {

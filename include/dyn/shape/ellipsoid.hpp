@@ -19,7 +19,8 @@ struct Ellipsoid : Solid<Ellipsoid> {
     const Vec e = hadamard(semi, d);
     return hadamard(semi, e) * (1 / norm(e));
   }
-  Sym3<double> curvature(const Vec& n) const {
+  Vec slide(const Vec&, const Vec& n) const { return support(n); }
+  Sym3<double> curvature(const Vec&, const Vec& n) const {
     const Vec e = hadamard(semi, n);
     const double h = norm(e);
     const Vec s = hadamard(semi, e) * (1 / h), a2 = hadamard(semi, semi);

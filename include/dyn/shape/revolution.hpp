@@ -10,18 +10,24 @@ struct Meridian {
   double rho;
   Vec out, p;
 
-  explicit Meridian(const Vec& p) : rho(std::hypot(p[0], p[1])), out(rho > 0 ? Vec::make(p[0] / rho, p[1] / rho, 0) : axis(0)), p(p) {}
+  explicit Meridian(const Vec& p) : rho(length2(p[0], p[1])), out(rho > 0 ? Vec::make(p[0] / rho, p[1] / rho, 0) : axis(0)), p(p) {}
   Vec point(double r, double z) const { return out * r + axis(2) * z; }
   // p lies outside, and (r, z) is the point nearest to it
   Nearest outside(double r, double z) const {
-    const double dr = rho - r, dz = p[2] - z, d = std::hypot(dr, dz);
+    const double dr = rho - r, dz = p[2] - z, d = length2(dr, dz);
     return {point(r, z), out * (dr / d) + axis(2) * (dz / d), d, true};
   }
 };
 
-// Second derivative of the support function r |(n_x, n_y)| of a circle: one radius of curvature r / |(n_x, n_y)|, along the circle.
+// The support point of a circle of radius r at height z.
+inline Vec on_rim(const Vec& n, double r, double z) {
+  const double rho = length2(n[0], n[1]), scale = r / rho;
+  return rho > 0 ? Vec::make(n[0] * scale, n[1] * scale, z) : Vec::make(r, 0, z);
+}
+
+// Its derivative: one radius of curvature r / |(n_x, n_y)|, along the circle.
 inline Sym3<double> rim_curvature(const Vec& n, double r) {
-  const double rho = std::hypot(n[0], n[1]);
+  const double rho = length2(n[0], n[1]);
   if (rho == 0) return Sym3<double>::zero();
   const Vec tangent = Vec::make(-n[1] / rho, n[0] / rho, 0);
   return symmetric_outer(tangent, tangent * (r / rho));
@@ -56,7 +62,7 @@ inline Inertia<double> revolve(const Side& side, double radius) {
       m += dm, mz += dm * z, zz += dm * z * z, rr += dm * r * r / 4;
     }
   };
-  const double length = std::hypot(side.r1 - side.r0, side.z1 - side.z0);
+  const double length = length2(side.r1 - side.r0, side.z1 - side.z0);
   const double nr = (side.z1 - side.z0) / length, nz = (side.r0 - side.r1) / length, slope = std::atan2(nz, nr);
   along([&](double s, double& r, double& z, double& dz) {
     const double t = (1 + s) / 2;

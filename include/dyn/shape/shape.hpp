@@ -3,10 +3,11 @@
 //
 // A shape S derives from Solid<S>, is made from the stored Shape, holds `radius`, and gives, all about its core and in its own frame,
 //   type, name
-//   curved                    the core's boundary bends: algorithms that need more than flat features ask curvature()
+//   curved                    the core's boundary bends; then also
+//   slide(from, n)            the support point along n on the smooth piece of the boundary that the support point `from` lies on
+//   curvature(from, n)        its derivative by n: radii of curvature
 //   support(d)                the point farthest along d (of any length but zero)
 //   nearest(p)                the boundary point nearest to p (see Nearest)
-//   curvature(n)              second derivative of the support function max_x n.x at a unit n: radii of curvature (only if curved)
 //   flat(n)                   the straight directions of the feature that faces n
 //   extent()                  a length that says how large it is: the farthest point from the frame's origin
 //   solid()                   mass, first and second moment about the origin at density 1, rounding included
@@ -65,6 +66,7 @@ struct Flat {
 };
 
 DYN_INLINE double norm(const Vec& a) { return std::sqrt(dot(a, a)); }
+DYN_INLINE double length2(double x, double y) { return std::sqrt(x * x + y * y); }
 DYN_INLINE Vec axis(int i) { return Vec::make(i == 0, i == 1, i == 2); }
 DYN_INLINE double largest(const Vec& a) { return std::max(std::max(a[0], a[1]), a[2]); }
 // a unit vector across n
@@ -82,7 +84,6 @@ DYN_INLINE Vec with_sign(const Vec& size, const Vec& d) {
 template <class S>
 struct Solid {
   static constexpr bool curved = false;
-  static Sym3<double> curvature(const Vec&) { return Sym3<double>::zero(); }
 
   // the rounded shape's box at a pose
   Bounds bounds(const Pose& X) const {
