@@ -32,7 +32,7 @@ inline Cores cores(const D& d, EpaWorkspace& workspace, const Options& options) 
     else
       return false;
   };
-  Polished p;
+  Polished p{};
   bool refined = false;
   const GjkResult g = gjk(d, -d.X.p, options, [&](const GjkResult& g) {
     // apart: the witness points bound the distance from above, the plane from below

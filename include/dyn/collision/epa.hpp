@@ -64,6 +64,7 @@ class Epa {
       if (upper - f.offset <= close) refine(nearest), close = (upper - f.offset) * 0.1;
       const bool enough = refined_ ? r.upper - r.lower <= certain * d_.small : upper - f.offset <= wanted_;
       if (enough || r.iterations >= o_.max_iterations || !grow(nearest, p)) {
+        if (!refined_ && upper <= r.upper + wanted_) r.normal = w_.face[nearest].normal, r.upper = upper;
         if (!refined_) refine(nearest);
         if (refined_)
           rivals();

@@ -28,7 +28,7 @@ struct Pieces {
   int size;
   Vec n, y, u, v;      // u, v: a basis across n
   double f, residual;
-  bool concave;        // f at the last step
+  bool near;           // the last step was one of Newton's
 
   // all pieces at the normal n: those that have become one are merged
   void evaluate(const Vec& normal) {
@@ -44,6 +44,7 @@ struct Pieces {
         s[kept] = p, weight[kept++] = weight[i];
     }
     size = kept;
+    if (size == 3) drop_middle();
     f = -dot(n, s[0].w);
     y = Vec::zero();
     double uneven = 0;
@@ -83,14 +84,28 @@ struct Pieces {
       weight[1] += me, weight[2] += mg, weight[0] -= me + mg;
     }
     const double length = std::sqrt(du * du + dv * dv), shorter = std::min(1.0, 0.3 / length);
+    near = near && shorter == 1;
     const Vec next = n + u * (du * shorter) + v * (dv * shorter);
     return next * (1 / shape::norm(next));
   }
 
  private:
+  // three in a line are two
+  void drop_middle() {
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      const Vec e = s[k].w - s[j].w, g = s[i].w - s[j].w;
+      const double t = dot(e, g) / dot(e, e);
+      if (t <= 0 || t >= 1 || shape::norm(g - e * t) > 1e-9 * shape::norm(e)) continue;
+      weight[j] += (1 - t) * weight[i], weight[k] += t * weight[i];
+      s[i] = s[2], weight[i] = weight[2];
+      size = 2;
+      return;
+    }
+  }
   // a curvature, made positive
   double uphill(double curvature, double mean) {
-    concave = curvature > 0;
+    near = curvature > 0;
     return std::max(std::abs(curvature), 1e-9 * (std::abs(f) + std::abs(mean)) + 1e-300);
   }
 };
@@ -106,9 +121,9 @@ inline bool polish(const D& d, const Vertex* points, const double* weights, int 
   double before = shape::infinity;
   for (int i = 0; i < 16; ++i) {
     const double residual = p.residual;
-    p.concave = true;
+    p.near = true;
     const Vec next = p.step();
-    const bool slow = p.concave && residual >= before * 0.5;
+    const bool slow = p.near && residual >= before * 0.5;
     if (residual <= wanted && (slow || residual <= 1e-3 * wanted)) break;  // at the floor of rounding
     if (!(residual < shape::infinity) || (slow && i > 2)) return false;
     before = residual;
@@ -117,10 +132,13 @@ inline bool polish(const D& d, const Vertex* points, const double* weights, int 
   if (!(p.residual <= wanted)) return false;
   out.normal = p.n, out.residual = p.residual;
   out.a = out.b = Vec::zero();
+  double sum = 0;
   for (int i = 0; i < p.size; ++i) {
     if (p.weight[i] < -1e-9) return false;
-    out.a += p.s[i].a * p.weight[i], out.b += p.s[i].b * p.weight[i];
+    const double weight = std::max(0.0, p.weight[i]);
+    out.a += p.s[i].a * weight, out.b += p.s[i].b * weight, sum += weight;
   }
+  out.a = out.a * (1 / sum), out.b = out.b * (1 / sum);
   // the pieces hold the plane: nothing of D lies beyond it
   const double h = dot(p.n, d.support(p.n).w);
   out.distance = -h;
