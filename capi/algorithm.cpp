@@ -31,17 +31,17 @@ Index beyond(const Vec3<double>* x, Index n, double bound) {
 
 }  // namespace
 
-bool dyn::capi::moderate(Call& call, int level) {
+bool dyn::capi::moderate(Call& call, int level, double bound) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   // the sum over all of them is within the bound nearly always
-  if (d.extent[0] <= most && (level < 1 || d.extent[1] <= most) && (level < 2 || d.extent[2] <= most_acceleration)) return true;
+  if (d.extent[0] <= bound && (level < 1 || d.extent[1] <= most) && (level < 2 || d.extent[2] <= most_acceleration)) return true;
   const struct {
     const Vec3<double>* x;
     int level;
     double bound;
     const char* what;
-  } rows[] = {{d.p, 0, most, "placement"}, {d.w, 1, most, "velocity"}, {d.u, 1, most, "velocity"},
+  } rows[] = {{d.p, 0, bound, "placement"}, {d.w, 1, most, "velocity"}, {d.u, 1, most, "velocity"},
               {d.dw, 2, most_acceleration, "acceleration"}, {d.du, 2, most_acceleration, "acceleration"}};
   for (const auto& r : rows) {
     if (r.level > level) break;

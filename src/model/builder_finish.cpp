@@ -235,9 +235,12 @@ ModelPtr Builder::finish() const {
     r.frame = Index(s.frame);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
+    if (r.role == DYN_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }
-  n.shapes = Index(a.shapes.size());
+  n.shapes = Index(a.shapes.size()), n.geoms = Index(a.geoms.size());
+  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms);
+  n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
   n.reports = Index(a.reports.size());
 
@@ -340,6 +343,7 @@ ModelPtr Builder::finish() const {
   std::copy(a.dof_parent.begin(), a.dof_parent.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_parent)]));
   std::copy(a.dof_run.begin(), a.dof_run.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_run)]));
   check_dynamics(*model, order, in.joints, in.frames);
+  judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
   return model;
 }
 

@@ -182,7 +182,7 @@ TEST(Parts, Absent) {
     const State s = random_state(m, 5), other = random_state(m, 6);
     static const char* const names[] = {"KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS",
                                         "FACTOR", "MINV", "CORIOLIS", "ENERGY", "FRAMES", "CENTROIDAL",
-                                        "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER"};
+                                        "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION"};
     int refused = 0;
     for (const CallRow& row : call_rows)
       for (unsigned bit = 0; bit < std::size(names); ++bit) {

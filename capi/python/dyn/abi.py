@@ -97,6 +97,17 @@ class BatchInfo(Grown):
     ]  # fmt: skip
 
 
+class Distance(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("status", c_int), ("unique", c_int32), ("iterations", c_int32), ("distance", c_double),
+        ("residual", c_double), ("normal", c_double * 3), ("point_a", c_double * 3), ("point_b", c_double * 3),
+    ]  # fmt: skip
+
+
+class Geometry(Grown):
+    _fields_ = [("struct_size", c_uint32), ("type", c_int), ("size", c_double * 3), ("radius", c_double)]
+
+
 class IkTask(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("type", c_int), ("frame", c_int32), ("priority", c_int32), ("target", c_double * 12),
@@ -269,6 +280,16 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_ik_options_init": (None, [_ref]),
     "dyn_ik": (STATUS, [_p, _p, _p, _ref, _i, _ref, _p, _p, _ref]),
     # simulation
+    "dyn_geometry_init": (None, [_ref]),
+    "dyn_shape_distance": (STATUS, [_ref, _p, _ref, _p, _d, _ref]),
+    "dyn_npairs": (_i, [_p]),
+    "dyn_pair": (STATUS, [_p, _i, _ref, _ref, _ref]),
+    "dyn_data_set_pair": (STATUS, [_p, _p, _i, _i]),
+    "dyn_data_pair": (STATUS, [_p, _p, _i, _ref]),
+    "dyn_distances": (STATUS, [_p, _p, _p, _p]),
+    "dyn_pair_distance": (STATUS, [_p, _p, _i, _ref]),
+    "dyn_distance_gradients": (STATUS, [_p, _p, _p]),
+    "dyn_collisions": (STATUS, [_p, _p, _p, _d, _p, _i, _ref]),
     "dyn_step": (STATUS, [_p, _p, _i, _d]),
     # batches
     "dyn_batch_new": (STATUS, [_p, c_uint32, _i, _ref]),

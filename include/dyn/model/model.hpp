@@ -66,6 +66,20 @@ struct ShapeRecord {
   double placement[12], size[3];
 };
 
+// A collision shape.
+struct GeomRecord {
+  Index shape;  // its number among all shapes
+};
+
+// Pairs are listed up to so many collision shapes.
+inline constexpr Index most_geoms = 1000;
+
+// Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child.
+struct PairRecord {
+  Index a, b;
+  dynPairReason reason;  // whether new data tests it
+};
+
 struct ReportRecord {
   dynReportLevel level;
   Index line, message;
@@ -75,7 +89,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, reports, configurations, text;
+  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text;
 };
 
 struct Model {
