@@ -23,17 +23,8 @@ dynStatus check_struct(const char* function, const dynDistance* out) {
   return DYN_OK;
 }
 
-// Sizes that each type reads, which must be positive.
-int sizes_of(dynShapeType type) {
-  switch (type) {
-    case DYN_SHAPE_BOX: case DYN_SHAPE_ELLIPSOID: return 3;
-    case DYN_SHAPE_SPHERE: return 1;
-    case DYN_SHAPE_CYLINDER: case DYN_SHAPE_CAPSULE: case DYN_SHAPE_CONE: return 2;
-    default: return 0;
-  }
-}
-
-constexpr double smallest = 1e-12, largest = 1e12;  // m: within them no product of sizes and distances overflows or vanishes
+using collision::largest;
+using collision::smallest;
 
 dynStatus read_geometry(const char* name, const dynGeometry* g, shape::Shape& out) {
   if (!g) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s is NULL: it is required", name);
@@ -42,7 +33,7 @@ dynStatus read_geometry(const char* name, const dynGeometry* g, shape::Shape& ou
   if (g->type == DYN_SHAPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "dyn_shape_distance: %s is a mesh: give a convex shape", name);
   if (!collision::geometry_of(g->type, g->size, g->radius, out))
     return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s: type %d does not exist: use DYN_SHAPE_... values", name, raw(g->type));
-  for (int k = 0; k < sizes_of(g->type); ++k)
+  for (int k = 0; k < collision::size_count(g->type); ++k)
     if (!(g->size[k] >= smallest && g->size[k] <= largest))
       return fail(std::isfinite(g->size[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "dyn_shape_distance: %s: size[%d] is %g: give metres from %g to %g", name, k,
                   g->size[k], smallest, largest);
@@ -116,7 +107,7 @@ dynStatus dyn_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, 
   const PairRecord& p = m.pairs()[pair];
   if (shape_a) *shape_a = int(m.geoms()[p.a].shape);
   if (shape_b) *shape_b = int(m.geoms()[p.b].shape);
-  if (reason) *reason = p.reason;
+  if (reason) *reason = dynPairReason(p.reason);
   return DYN_OK;
 }
 
@@ -128,7 +119,7 @@ dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int 
   if (pair >= 0 && tested && m.pairs()[pair].reason == DYN_PAIR_MESH)
     return fail(DYN_ERROR_UNSUPPORTED, "dyn_data_set_pair: pair %d has a mesh, of which only the name is known", pair);
   for (Index k = pair < 0 ? 0 : pair, end = pair < 0 ? m.n.pairs : pair + 1; k < end; ++k) {
-    const dynPairReason before = m.pairs()[k].reason;
+    const auto before = dynPairReason(m.pairs()[k].reason);
     if (before != DYN_PAIR_MESH) call.d().pair_states[k] = tested ? DYN_PAIR_TESTED : before == DYN_PAIR_TESTED ? DYN_PAIR_OFF : before;
   }
   call.d().drop(Stage::Distances);

@@ -285,6 +285,19 @@ DYN_API dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* spe
 DYN_API dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
                                    const double com[3], const double inertia[9]);
 DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
+/* A shape on a link. */
+typedef struct dynShapeSpec {
+  uint32_t struct_size;   /* set by dyn_shape_spec_init */
+  const char* name;       /* NULL: none */
+  dynShapeType type;
+  dynShapeRole role;      /* default collision */
+  const char* body;       /* the link that carries it */
+  double placement[12];   /* in the link's frame; default identity */
+  double size[3];         /* as in dynShapeInfo, metres > 0 */
+  const char* mesh;       /* MESH: its file, kept as a name */
+} dynShapeSpec;
+DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
+DYN_API dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* spec);
 /* A named configuration: nq numbers in the finished model's order. Its quaternions and (cos, sin) pairs need not be unit: the model
    keeps them normalised. A zero one is refused by dyn_builder_finish (DYN_ERROR_QUATERNION). */
 DYN_API dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);

@@ -925,6 +925,16 @@ class Builder {
                  dynFrameType type = DYN_FRAME_OP_FRAME) {
     return ok(dyn_builder_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
   }
+  Builder& shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
+                 dynShapeRole role = DYN_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "") {
+    dynShapeSpec s;
+    dyn_shape_spec_init(&s);
+    s.name = name.c_str(), s.type = type, s.role = role, s.body = body.c_str(), s.mesh = mesh.c_str();
+    for (std::size_t k = 0; k < 3; ++k) s.size[k] = size[k];
+    if (const double* X = placement.of(12, "placement"))
+      for (int k = 0; k < 12; ++k) s.placement[k] = X[k];
+    return ok(dyn_builder_shape(get(), &s));
+  }
   Builder& configuration(const std::string& name, const Vector& q) {
     return ok(dyn_builder_configuration(get(), name.c_str(), q.data(), q.size()));
   }

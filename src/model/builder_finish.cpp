@@ -218,11 +218,15 @@ ModelPtr Builder::finish() const {
     r.joint = f.joint < 0 ? 0 : id[std::size_t(f.joint)];
     r.body = joint.last_body;
     store_se3(f.X, r.placement);
-    r.mass = f.mass;
-    std::copy(f.com.begin(), f.com.end(), r.com);
-    std::copy(f.inertia.begin(), f.inertia.end(), r.inertia);
+    r.link = -1;
+    if (f.type == DYN_FRAME_BODY) {
+      LinkRecord link{f.mass, {}, {}};
+      std::copy(f.com.begin(), f.com.end(), link.com);
+      std::copy(f.inertia.begin(), f.inertia.end(), link.inertia);
+      r.link = n.links++;
+      a.links.push_back(link);
+    }
     a.frames.push_back(r);
-    n.links += f.type == DYN_FRAME_BODY;
     Body& b = a.bodies[std::size_t(r.body)];
     const Inertia<double> Y = f.Y.rotated(joint.C);
     b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();

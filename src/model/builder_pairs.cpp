@@ -29,7 +29,7 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
       const Index i = joint(a), j = joint(b);
       if (i == j || parent_and_child(joints, i, j) || parent_and_child(joints, j, i)) continue;
       const bool mesh = shape(a).type == DYN_SHAPE_MESH || shape(b).type == DYN_SHAPE_MESH;
-      pairs.push_back({Index(a), Index(b), mesh ? DYN_PAIR_MESH : DYN_PAIR_TESTED});
+      pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint16_t(mesh ? DYN_PAIR_MESH : DYN_PAIR_TESTED)});
     }
   return pairs;
 }
@@ -40,6 +40,9 @@ void judge_pairs(const Model& m, PairRecord* pairs) {
   if (!memory) throw std::bad_alloc();
   Data<double> d;
   data_layout(m, DYN_PART_COLLISION, memory.get(), d);
+  collision::place_geoms(m, d);
+  for (Index k = 0; k < m.n.geoms; ++k)
+    if (!(sizes(d.geom_poses[k].p)[0] + sizes(d.geom_poses[k].p)[1] + sizes(d.geom_poses[k].p)[2] <= collision::largest)) return;
   collision::distances(m, d);
   for (Index k = 0; k < m.n.pairs; ++k)
     if (pairs[k].reason == DYN_PAIR_TESTED && d.results[k].status == collision::Status::Penetrating) pairs[k].reason = DYN_PAIR_OVERLAPS;

@@ -182,7 +182,6 @@ inline const CallRow call_rows[] = {
        int count;
        return dyn_collisions(m, d, x.q, 0, nullptr, 0, &count);
      }},
-    {"dyn_data_set_pair", DYN_PART_COLLISION, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_set_pair(m, d, -1, 1); }},
     {"dyn_all_terms", DYN_PART_ALL, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_all_terms(m, d, x.mask, x.q, x.v, x.filled); }},
     {"dyn_step", DYN_PART_FORWARD, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_step(m, d, x.integrator, x.dt); }},

@@ -223,6 +223,37 @@ TEST_F(Collision, BadArguments) {
   EXPECT_TRUE(says({"dyn_distances", "overflow"}));
 }
 
+TEST(Builder, ShapesThatCannotBe) {
+  Builder b;
+  b.joint(Spec("j", DYN_JOINT_FREE_FLYER)).body("l", "j");
+  dynShapeSpec s;
+  auto refused = [&](dynStatus status, std::initializer_list<std::string> words) {
+    EXPECT_EQ(status, dyn_builder_shape(b, &s));
+    EXPECT_TRUE(says(words)) << dyn_last_error();
+    dyn_shape_spec_init(&s);
+    s.body = "l", s.type = DYN_SHAPE_CYLINDER, s.size[0] = s.size[1] = 1;
+  };
+  dyn_shape_spec_init(&s), dyn_shape_spec_init(nullptr);
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_shape(b, nullptr));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_builder_shape(nullptr, &s));
+  refused(DYN_ERROR_NAME, {"shape", "parent ''"});
+  s.body = "nobody", refused(DYN_ERROR_NAME, {"'nobody'"});
+  s.body = "j", refused(DYN_ERROR_NAME, {"'j'"});  // a joint, not a link
+  s.struct_size = 8, refused(DYN_ERROR_SIZE, {"dyn_shape_spec_init"});
+  s.size[1] = 0, refused(DYN_ERROR_INVALID, {"'l'", "size 0"});
+  s.size[1] = -1, refused(DYN_ERROR_INVALID, {"'l'", "size -1"});
+  s.size[1] = 1e300, refused(DYN_ERROR_INVALID, {"'l'", "size"});
+  s.size[2] = nan, refused(DYN_ERROR_NONFINITE, {"'l'", "size"});
+  s.placement[0] = 2, refused(DYN_ERROR_INVALID, {"'l'"});
+  for (const int bad : outside({0, -1, 99}, 15)) {
+    std::memcpy(&s.type, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"type " + std::to_string(bad)});
+    std::memcpy(&s.role, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"role " + std::to_string(bad)});
+  }
+  EXPECT_EQ(0, dyn_nshapes(b.finish()));
+  ASSERT_EQ(DYN_OK, dyn_builder_shape(b, &s));
+  EXPECT_EQ(1, dyn_nshapes(b.finish()));
+}
+
 TEST(Pairs, ARobotWithoutShapes) {
   Builder b;
   b.joint(Spec("j", DYN_JOINT_FREE_FLYER)).body("l", "j");

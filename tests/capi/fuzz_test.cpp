@@ -54,6 +54,7 @@ void expect_nothing_stale(const Model& m, dynData* d, bool forces, std::uint64_t
   if (dyn_aba(m, fresh, nullptr, nullptr, nullptr, nullptr, nullptr) != DYN_OK) return;
   compute_centroidal_and_regressors(m, fresh);
   compute_other_derivatives(m, fresh, nullptr, s.tau.data());
+  ASSERT_EQ(DYN_OK, dyn_distances(m, fresh, nullptr, nullptr));
   double worst_M = 1;
   for (double e : field(m, fresh, "Minv")) worst_M = std::max(worst_M, std::abs(e));
   const Snapshot expected(m, fresh), got(m, d);

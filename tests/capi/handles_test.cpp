@@ -277,7 +277,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",
       "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",
       // collision_test.cpp
-      "dyn_geometry_init", "dyn_shape_distance", "dyn_data_pair", "dyn_pair_distance", "dyn_distance_gradients",
+      "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_shape", "dyn_shape_distance", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
       // effects_test.cpp
       "dyn_batch_set_effects",
       // batch_test.cpp

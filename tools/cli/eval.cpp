@@ -292,7 +292,7 @@ const std::vector<Quantity>& quantities() {
 }
 
 // Names of the contract that later versions answer.
-const std::set<std::string> later = {"lambda", "delassus", "collisions", "distances"};
+const std::set<std::string> later = {"lambda", "delassus"};
 
 std::vector<const Quantity*> select(const Options& options) {
   std::vector<const Quantity*> out;

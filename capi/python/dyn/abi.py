@@ -67,6 +67,13 @@ JointSpec._fields_ = [
 ]  # fmt: skip
 
 
+class ShapeSpec(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("body", c_char_p),
+        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
+    ]  # fmt: skip
+
+
 class StateLayout(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("convention", c_int), ("joints", POINTER(c_char_p)), ("joints_count", c_size_t),
@@ -175,6 +182,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_builder_new": (STATUS, [_s, _ref]),
     "dyn_builder_free": (None, [_p]),
     "dyn_builder_gravity": (STATUS, [_p, _p]),
+    "dyn_shape_spec_init": (None, [_ref]),
+    "dyn_builder_shape": (STATUS, [_p, _ref]),
     "dyn_builder_joint": (STATUS, [_p, _ref]),
     "dyn_builder_body": (STATUS, [_p, _s, _s, _p, _d, _p, _p]),
     "dyn_builder_frame": (STATUS, [_p, _s, _s, _p, _i]),

@@ -27,15 +27,27 @@ def test_shapes():
     [
         (("blob", 1), dyn.ArgumentError),
         (("mesh", 1), dyn.UnsupportedError),
-        (("box", (1, 2, -3)), dyn.InvalidError),
+        (("box", (1, 2, -3)), dyn.InvalidRobotError),
         (("box", (1, 2, 3, 4)), dyn.SizeError),
         (("sphere", np.nan), dyn.NonFiniteError),
-        (("sphere", 1, -1), dyn.InvalidError),
+        (("sphere", 1, -1), dyn.InvalidRobotError),
     ],
 )
 def test_shapes_that_cannot_be(shape, error):
     with pytest.raises(error):
         dyn.shape_distance(shape, at(0, 0, 0), ("sphere", 1), at(0, 0, 0))
+
+
+def test_shapes_of_a_builder():
+    b = dyn.Builder("pair").joint("a", "prismatic").body("la", "a", 1).shape("la", "box", (1, 1, 1))
+    b.joint("b", "prismatic", axis=(1, 0, 0)).body("lb", "b", 1).shape("lb", "sphere", 0.5, (I, (0, 0, 3)), name="ball")
+    m = b.finish()
+    assert [s.name for s in m.shapes] == ["", "ball"] and m.npairs == 1
+    assert m.data().distances([0.25, 0])[0] == pytest.approx(3 - 0.5 - 0.5 - 0.25)
+    with pytest.raises(dyn.InvalidRobotError, match="'lb'"):
+        b.shape("lb", "sphere", -1)
+    with pytest.raises(dyn.UnknownNameError, match="nobody"):
+        b.shape("nobody", "sphere", 1)
 
 
 def test_a_robot(go2, state):

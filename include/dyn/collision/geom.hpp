@@ -13,6 +13,20 @@ struct Geom {
   Index body;
 };
 
+// m: within them no product of sizes and distances overflows or vanishes.
+inline constexpr double smallest = 1e-12, largest = 1e12;
+
+// How many sizes a type has, lengths that must be positive; a mesh's are factors.
+inline int size_count(dynShapeType type) {
+  switch (type) {
+    case DYN_SHAPE_BOX: case DYN_SHAPE_ELLIPSOID: return 3;
+    case DYN_SHAPE_SPHERE: return 1;
+    case DYN_SHAPE_CYLINDER: case DYN_SHAPE_CAPSULE: case DYN_SHAPE_CONE: return 2;
+    case DYN_SHAPE_HALF_SPACE: case DYN_SHAPE_MESH: break;
+  }
+  return 0;
+}
+
 // Shapes have radius and length where the core has semi-axes and half lengths. False for meshes: of these only the name is known.
 inline bool geometry_of(dynShapeType type, const double* size, double radius, shape::Shape& out) {
   using shape::Type;
@@ -44,7 +58,7 @@ inline Geom geom_of(const Model& m, Index geom) {
 template <class D>
 void set_up(const Model& m, D& d) {
   for (Index k = 0; k < m.n.geoms; ++k) d.geoms[k] = geom_of(m, k);
-  for (Index k = 0; k < m.n.pairs; ++k) d.pair_states[k] = m.pairs()[k].reason;
+  for (Index k = 0; k < m.n.pairs; ++k) d.pair_states[k] = dynPairReason(m.pairs()[k].reason);
 }
 
 }  // namespace dyn::collision

@@ -54,7 +54,12 @@ struct FrameRecord {
   Index name;
   dynFrameType type;
   Index joint, body;
+  Index link;            // BODY: its number among the links; otherwise -1
   double placement[12];  // in the joint's frame
+};
+
+// Of a link itself, in its frame.
+struct LinkRecord {
   double mass, com[3], inertia[9];
 };
 
@@ -76,8 +81,8 @@ inline constexpr Index most_geoms = 1000;
 
 // Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child.
 struct PairRecord {
-  Index a, b;
-  dynPairReason reason;  // whether new data tests it
+  std::uint16_t a, b;
+  std::uint16_t reason;  // dynPairReason: whether new data tests it
 };
 
 struct ReportRecord {
