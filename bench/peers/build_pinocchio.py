@@ -132,24 +132,24 @@ def build(name, compiler, flags, includes, out, args, version):
     if "-march=native" in flags:
         native = subprocess.run([compiler, "-march=native", "-E", "-dM", "-x", "c", "/dev/null"],
                                 capture_output=True, text=True).stdout
-    key = hashlib.sha256("\0".join(
-        [f.read_text() for f in SOURCES + HEADERS]
-        + [shlex.join(common), compiler_id, native, version]).encode()).hexdigest()
-    stamp = objects / f"{name}.key"
-    if not args.force and exe.is_file() and stamp.is_file() and stamp.read_text() == key:
-        say(f"{name}: up to date")
-        return exe
+    shared = [f.read_text() for f in HEADERS] + [shlex.join(common), compiler_id, native, version]
     start = time.time()
     longest = 0.0
     files = []
     for source in SOURCES:
-        obj = objects / f"{name}_{source.stem}.o"
+        key = hashlib.sha256("\0".join([source.read_text()] + shared).encode()).hexdigest()
+        obj, stamp = (objects / f"{name}_{source.stem}.{end}" for end in ("o", "key"))
+        files.append(str(obj))
+        if not args.force and obj.is_file() and stamp.is_file() and stamp.read_text() == key:
+            continue
         t = time.time()
         run_compiler(common + ["-c", str(source), "-o", str(obj)], args.timeout)
         longest = max(longest, time.time() - t)
-        files.append(str(obj))
+        stamp.write_text(key)
+    if not longest and exe.is_file() and exe.stat().st_mtime >= max(os.path.getmtime(f) for f in files):
+        say(f"{name}: up to date")
+        return exe
     run_compiler([compiler] + files + ["-o", str(exe)], args.timeout)
-    stamp.write_text(key)
     say(f"{name}: built in {time.time() - start:.0f} s (longest compilation {longest:.0f} s)")
     return exe
 
