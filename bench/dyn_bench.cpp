@@ -4,17 +4,14 @@
 //
 // Each call takes the next of 64 random states; results stay in the data, as in Pinocchio. A row is timed in R rounds that go
 // over all rows, S seconds in all; ns_median is the median over the rounds of the medians over batches. Rows about one frame are
-// about that of joint NAME (default: the last one), kinematics included. With --count, under valgrind --tool=callgrind
-// --instr-atstart=no, a dump of the instructions of 64 calls is written for each row instead (bench/instructions.py).
+// about that of joint NAME (default: the last one), kinematics included. With --count, instead of times: "instructions" of a
+// call, the mean of four.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 
-#if __has_include(<valgrind/callgrind.h>)
-#include <valgrind/callgrind.h>
-#endif
-
+#include "count.hpp"
 #include "rows.hpp"
 
 namespace {
@@ -54,19 +51,15 @@ void time_round(Row& row, double budget) {
   row.best = std::min(row.best, *std::min_element(samples.begin(), samples.end()));
 }
 
-void count(Row& row) {
-#ifdef CALLGRIND_ZERO_STATS
+double instructions(const Row& row) {
+  constexpr int calls = 4;
   if (row.prepare) row.prepare();
-  for (int k = 0; k < states; ++k) row.call(k);
-  CALLGRIND_START_INSTRUMENTATION;
-  CALLGRIND_ZERO_STATS;
-  for (int k = 0; k < states; ++k) row.call(k);
-  CALLGRIND_DUMP_STATS_AT(row.name.c_str());
-  CALLGRIND_STOP_INSTRUMENTATION;
-#else
-  std::fprintf(stderr, "dyn_bench: %s: built without valgrind/callgrind.h (package valgrind): --count needs it\n", row.name.c_str());
-  std::exit(1);
-#endif
+  row.call(0);
+  const long n = bench::instructions([&] {
+    for (int k = 0; k < calls; ++k) row.call(k);
+  });
+  if (n < 0) std::fprintf(stderr, "dyn_bench: --count: this system does not let a process trace its child\n"), std::exit(1);
+  return double(n) / calls;
 }
 
 [[noreturn]] void usage() {
@@ -112,8 +105,9 @@ int main(int argc, char** argv) {
                 dyn_build_info(), dyn_model_name(m), robot.nq, robot.nv);
     const char* separator = "\n";
     for (Row& row : robot.rows) {
-      if (counting) count(row);
-      else std::printf("%s{\"name\":\"%s\",\"ns_median\":%.2f,\"ns_min\":%.2f}", separator, row.name.c_str(), median(row.rounds), row.best);
+      std::printf("%s{\"name\":\"%s\",", separator, row.name.c_str());
+      if (counting) std::printf("\"instructions\":%.0f}", instructions(row));
+      else std::printf("\"ns_median\":%.2f,\"ns_min\":%.2f}", median(row.rounds), row.best);
       separator = ",\n";
     }
     std::printf("]}\n");

@@ -42,7 +42,7 @@ DEFINES = [
     "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
     "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
 ]
-COMPILERS = [("gcc", os.environ.get("GXX", "g++")), ("clang", os.environ.get("CLANGXX", "clang++"))]
+COMPILERS = [("clang", os.environ.get("CLANGXX", "clang++")), ("gcc", os.environ.get("GXX", "g++"))]
 FLAGS = [("O3", ["-O3"]), ("O3-native", ["-O3", "-march=native"])]
 
 
@@ -162,7 +162,7 @@ def main():
     p.add_argument("--eigen", type=Path)
     p.add_argument("--jobs", type=int, default=1)
     p.add_argument("--force", action="store_true")
-    p.add_argument("--timeout", type=float, default=600, help="seconds per compilation")
+    p.add_argument("--timeout", type=float, default=1800, help="seconds per compilation")
     args = p.parse_args()
 
     found = [(n, c) for n, c in COMPILERS if shutil.which(c)]

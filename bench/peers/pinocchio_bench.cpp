@@ -249,6 +249,7 @@ int run(int argc, char ** argv)
   addDerivativeRows(bench);
   addCentroidalRows(bench);
   addRegressorRows(bench);
+  addConfigurationRows(bench);
   addFrameRows(bench);
   addSecondOrderRows(bench);
   std::vector<Row> & rows = bench.rows;

@@ -111,6 +111,7 @@ void addForwardRows(Bench &);
 void addDerivativeRows(Bench &);
 void addCentroidalRows(Bench &);
 void addRegressorRows(Bench &);
+void addConfigurationRows(Bench &);
 void addFrameRows(Bench &);
 void addSecondOrderRows(Bench &);
 
