@@ -5,7 +5,7 @@
 // Each call takes the next of 64 random states; results stay in the data, as in Pinocchio. A row is timed in R rounds that go
 // over all rows, S seconds in all; ns_median is the median over the rounds of the medians over batches. Rows about one frame are
 // about that of joint NAME (default: the last one), kinematics included. With --count, instead of times: "instructions" of a
-// call, the mean of four.
+// call, on the first state.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -51,15 +51,12 @@ void time_round(Row& row, double budget) {
   row.best = std::min(row.best, *std::min_element(samples.begin(), samples.end()));
 }
 
-double instructions(const Row& row) {
-  constexpr int calls = 4;
+long instructions(const Row& row) {
   if (row.prepare) row.prepare();
-  row.call(0);
-  const long n = bench::instructions([&] {
-    for (int k = 0; k < calls; ++k) row.call(k);
-  });
+  row.call(1);
+  const long n = bench::instructions([&] { row.call(0); });
   if (n < 0) std::fprintf(stderr, "dyn_bench: --count: this system does not let a process trace its child\n"), std::exit(1);
-  return double(n) / calls;
+  return n;
 }
 
 [[noreturn]] void usage() {
@@ -106,7 +103,7 @@ int main(int argc, char** argv) {
     const char* separator = "\n";
     for (Row& row : robot.rows) {
       std::printf("%s{\"name\":\"%s\",", separator, row.name.c_str());
-      if (counting) std::printf("\"instructions\":%.0f}", instructions(row));
+      if (counting) std::printf("\"instructions\":%ld}", instructions(row));
       else std::printf("\"ns_median\":%.2f,\"ns_min\":%.2f}", median(row.rounds), row.best);
       separator = ",\n";
     }
