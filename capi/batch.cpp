@@ -88,6 +88,26 @@ struct Batch::Job {
   }
 };
 
+// One thread at a time uses the batch, and while its model lives.
+struct Batch::Turn {
+  Batch& batch;
+  const dynStatus status;
+  Turn(Batch& b, const char* function) : batch(b), status(take(function)) {}
+  ~Turn() {
+    if (status == DYN_OK) batch.busy.store(false, std::memory_order_release);
+  }
+  Turn(const Turn&) = delete;
+
+ private:
+  dynStatus take(const char* function) {
+    if (const dynStatus s = check(batch.handle)) return s;
+    if (batch.handle->m->id != batch.model_id) return fail(DYN_ERROR_MODEL, "%s: the batch's model was freed: it must live as long as the batch", function);
+    if (batch.busy.exchange(true, std::memory_order_acquire))
+      return fail(DYN_ERROR_BUSY, "%s: another thread is using this batch: give each thread its own", function);
+    return DYN_OK;
+  }
+};
+
 Batch::Batch(const dynModel* model, dynParts parts, int count)
     : handle(model), model_id(model->m->id), sizes(*model->m), threads(count), zeros(std::size_t(sizes.nv)), workers(new Worker[std::size_t(count)]), pool(count) {
   for (int k = 0; k < count; ++k) {
@@ -97,11 +117,17 @@ Batch::Batch(const dynModel* model, dynParts parts, int count)
   }
 }
 
+dynStatus Batch::set_effects(int joint, std::uint32_t effects) {
+  const Turn turn(*this, "dyn_batch_set_effects");
+  if (turn.status != DYN_OK) return turn.status;
+  for (const auto& data : datas)
+    if (const dynStatus s = dyn_data_set_effects(handle, data.get(), joint, effects)) return s;  // the first one, if any
+  return DYN_OK;
+}
+
 dynStatus Batch::run(const BatchAlgorithm& algorithm, std::int64_t n, const dynBatchArrays& arrays) {
-  if (const dynStatus s = check(handle)) return s;
-  if (handle->m->id != model_id) return fail(DYN_ERROR_MODEL, "dyn_batch_run: the batch's model was freed: it must live as long as the batch");
-  if (busy.exchange(true, std::memory_order_acquire))
-    return fail(DYN_ERROR_BUSY, "dyn_batch_run: another thread is using this batch: give each thread its own");
+  const Turn turn(*this, "dyn_batch_run");
+  if (turn.status != DYN_OK) return turn.status;
   Job job(*this, algorithm, n, arrays);
   for (int t = 0; t < threads; ++t) workers[std::size_t(t)].failures = 0;
   auto work = [](void* j, int thread) { static_cast<Job*>(j)->work(thread); };
@@ -115,7 +141,6 @@ dynStatus Batch::run(const BatchAlgorithm& algorithm, std::int64_t n, const dynB
     failures += w.failures;
     if (w.failures && (!bad || w.first < bad->first)) bad = &w;
   }
-  busy.store(false, std::memory_order_release);
   if (!bad) return DYN_OK;
   if (!of_one_state(bad->status)) return fail(bad->status, "dyn_batch_run: %s: %s", algorithm.name, bad->message);
   return fail(bad->status, "dyn_batch_run: %s: state %lld: %s (%lld of %lld states failed)", algorithm.name, static_cast<long long>(bad->first), bad->message,
@@ -149,6 +174,11 @@ void dyn_batch_free(dynBatch* batch) {
   delete batch->b;
   batch->b = nullptr;
   free_handle(batch);
+}
+
+dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects) {
+  if (const dynStatus s = check(batch)) return s;
+  return batch->b->set_effects(joint, effects);
 }
 
 static bool exists(dynBatchAlgorithm algorithm) { return raw(algorithm) >= 0 && raw(algorithm) < batch_algorithm_count; }
@@ -195,7 +225,7 @@ dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dyn
   info->struct_size = size;
   info->name = row.name, info->inputs = row.inputs, info->outputs = row.output_count();
   for (int k = 0; k < info->outputs; ++k) {
-    const Extent extent = model ? row.outputs[k].extent(Sizes(*model->m)) : Extent{0, 0};
+    const Extent extent = row.outputs[k].extent(model ? Sizes(*model->m) : Sizes());
     info->output[k] = row.outputs[k].name, info->rows[k] = extent.rows, info->cols[k] = extent.cols;
   }
   return DYN_OK;

@@ -10,7 +10,8 @@
 namespace dyn::capi {
 
 struct Sizes {
-  int nq, nv, njoints, nframes, nparameters;
+  int nq = 0, nv = 0, njoints = 0, nframes = 0, nparameters = 0;
+  Sizes() = default;
   explicit Sizes(const Model& m)
       : nq(m.n.nq), nv(m.n.nv), njoints(m.n.joints), nframes(m.n.frames), nparameters(int(parameter_count(m))) {}
 };
@@ -42,11 +43,13 @@ extern const BatchAlgorithm batch_algorithms[batch_algorithm_count];
 class Batch {
  public:
   Batch(const dynModel* model, dynParts parts, int threads);
+  dynStatus set_effects(int joint, std::uint32_t effects);
   dynStatus run(const BatchAlgorithm& algorithm, std::int64_t n, const dynBatchArrays& arrays);
 
  private:
   struct Worker;
   struct Job;
+  struct Turn;
   struct Free {
     void operator()(dynData* d) const { dyn_data_free(d); }
   };

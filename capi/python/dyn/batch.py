@@ -14,7 +14,7 @@ import numpy as np
 
 from . import abi
 from .arrays import F64, Owner, Placement, address, numbers
-from .enums import Part, Reference
+from .enums import Effect, Part, Reference
 from .errors import ArgumentError, BusyError, SizeError
 from .library import check, fail, lib
 from .model import Model, mask, member
@@ -30,6 +30,8 @@ class Algorithm(NamedTuple):
     name: str
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    dimensions: tuple[int, ...]
+    """Of each output of one state: 0 a number, 1 a vector, 2 a matrix."""
 
 
 def _algorithms() -> dict[str, Algorithm]:
@@ -39,7 +41,8 @@ def _algorithms() -> dict[str, Algorithm]:
             return rows
         inputs = sorted(info.inputs.decode().split(), key="reference".__eq__)  # last: it has a default
         outputs = [info.output[k].decode() for k in range(info.outputs)]
-        rows[info.name.decode()] = Algorithm(id, info.name.decode(), tuple(inputs), tuple(outputs))
+        dimensions = [2 if info.cols[k] != 1 else int(info.rows[k] != 1) for k in range(info.outputs)]
+        rows[info.name.decode()] = Algorithm(id, info.name.decode(), tuple(inputs), tuple(outputs), tuple(dimensions))
 
 
 ALGORITHMS: dict[str, Algorithm] = _algorithms()
@@ -78,8 +81,7 @@ class _Plan:
         self._inputs = [(name, rows.get(name)) for name in algorithm.inputs]
         self._outputs = []
         for k, name in enumerate(algorithm.outputs):
-            cols, size = info.cols[k], info.rows[k]
-            self._outputs.append((k, name, (cols, size) if cols != 1 else (size,) if size != 1 else ()))
+            self._outputs.append((k, name, (info.cols[k], info.rows[k])[2 - algorithm.dimensions[k] :]))
         self.type = namedtuple(algorithm.name, algorithm.outputs)
         self.placements = algorithm.name.startswith("frame_placement")
         self.of(1)
@@ -135,6 +137,10 @@ class Batch:
 
     def __repr__(self) -> str:
         return f"<dyn.Batch of {self.model.name!r}: {self.threads} threads>"
+
+    def set_effects(self, effects: Any, joint: str | int = 0) -> None:
+        """Data.set_effects of all threads."""
+        check(lib.dyn_batch_set_effects(self._b, self.model._joint(joint), mask(Effect, effects, "effects")))
 
     def _input(self, name: str, shape: tuple[int, ...], x: Any) -> np.ndarray:
         """x, state after state in memory."""
