@@ -6,7 +6,8 @@ Usage:  flops.py MODEL.urdf --fixed|--floating [--json]        (with a Python th
 Each recursion below is written out in scalars and run on numbers that count their operations; its result is compared with
 Pinocchio's (1e-9 relative), so that what is counted is the whole algorithm. Vectors are in world axes, as in libdyn. Joints are
 turned beforehand so that they move along or about z. Sines and cosines are not counted; nor are products with the zeros and ones
-of the formulas themselves (those of the robot are: a general robot has none). A division counts as a multiplication.
+of the formulas themselves (those of the robot are: a general robot has none). A division counts as a multiplication. Followers of a mimic are joints like
+others here.
 
   fk                rotation and position of each body: two columns turn by q, one product with the parent's rotation
   rnea              Luh, Walker, Paul 1980: Newton-Euler at each body's own origin

@@ -5,7 +5,7 @@ Usage:  build_pinocchio.py [--venv DIR] [--out DIR] [--pin-version V] [--eigen D
                            [--jobs N] [--force] [--timeout S]
 
   --venv DIR     Python environment that holds the wheels (default: build/peers under the project).
-                 Created, and pin, mujoco and example-robot-data installed in it, when missing.
+                 created, and pin, mujoco, example-robot-data and matplotlib installed in it, when missing.
   --out DIR      where the executables go (default: build/peers-bin under the project)
   --pin-version  version of pin to install when it is missing (default 4.1.0; '' for the newest)
   --eigen DIR    Eigen's include directory. Default: the one of the wheel cmeel-eigen, which
@@ -72,7 +72,7 @@ def make_venv(venv, pin_version):
              "for n in sys.argv[1:]:\n"
              "  try: m.version(n)\n"
              "  except m.PackageNotFoundError: print(n)")
-    wanted = ["pin", "mujoco", "example-robot-data"]
+    wanted = ["pin", "mujoco", "example-robot-data", "matplotlib"]
     run = subprocess.run([str(python), "-c", probe] + wanted, capture_output=True, text=True)
     if run.returncode:
         die(f"{python} does not work:\n{run.stderr}")
