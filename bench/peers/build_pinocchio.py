@@ -5,7 +5,7 @@ Usage:  build_pinocchio.py [--venv DIR] [--out DIR] [--pin-version V] [--eigen D
                            [--jobs N] [--force] [--timeout S]
 
   --venv DIR     Python environment that holds the wheels (default: build/peers under the project).
-                 created, and pin, mujoco, example-robot-data and matplotlib installed in it, when missing.
+                 Created, and pin, mujoco, example-robot-data and matplotlib installed in it, when missing.
   --out DIR      where the executables go (default: build/peers-bin under the project)
   --pin-version  version of pin to install when it is missing (default 4.1.0; '' for the newest)
   --eigen DIR    Eigen's include directory. Default: the one of the wheel cmeel-eigen, which
