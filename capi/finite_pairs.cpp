@@ -8,17 +8,9 @@ namespace {
 
 constexpr Index few = 32;  // degrees of freedom up to which all entries are looked at in less time
 
-template <class V>  // Motion, Force or Vec3: numbers side by side
+template <class V>  // Motion, Force or Vec3: numbers side by side; nine products of such as are below 2^500 do not overflow
 bool small(const V* columns, std::ptrdiff_t n) {
-  constexpr std::uint64_t exponent = 0x7ff0000000000000u, root = 0x5f20000000000000u;  // 2^499: nine products of such numbers do not overflow
-  const char* x = reinterpret_cast<const char*>(columns);
-  std::uint64_t large = 0;
-  for (std::ptrdiff_t k = 0; k < n * std::ptrdiff_t(sizeof(V) / sizeof(double)); ++k) {
-    std::uint64_t bits;
-    __builtin_memcpy(&bits, x + 8 * k, 8);
-    large |= std::uint64_t((bits & exponent) > root);
-  }
-  return !large;
+  return !any_beyond(reinterpret_cast<const double*>(columns), n * std::ptrdiff_t(sizeof(V) / sizeof(double)), 500);
 }
 
 }  // namespace

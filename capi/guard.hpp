@@ -58,6 +58,18 @@ inline Index finite_count(const double* x, Index n) {
   return n;
 }
 
+// Whether one of x[0 .. n-1] is 2^exponent or more in size, or not finite.
+inline bool any_beyond(const double* x, std::ptrdiff_t n, int exponent) {
+  const std::int64_t limit = std::int64_t(1023 + exponent) << 52;
+  std::int64_t found = 0;
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    std::int64_t bits;
+    __builtin_memcpy(&bits, x + i, 8);
+    found |= std::int64_t((bits & 0x7fffffffffffffff) >= limit);
+  }
+  return found;
+}
+
 }  // namespace dyn::capi
 
 // The handles. Freed ones are recognised: their slots are not used again soon (handle.cpp).
