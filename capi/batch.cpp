@@ -59,14 +59,13 @@ struct Batch::Job {
     };
     v = or_zeros(first.v), a = or_zeros(first.a), tau = or_zeros(first.tau), b = std::ptrdiff_t(batch.sizes.nv);
     for (int k = 0; k < 4; ++k) {
-      const Extent s = algorithm.outputs[k].name ? algorithm.outputs[k].extent(batch.sizes) : Extent{0, 0};
-      out[k] = std::ptrdiff_t(s.rows) * s.cols;
+      out[k] = algorithm.outputs[k].name ? algorithm.outputs[k].extent(batch.sizes).size() : 0;
     }
   }
 
   dynBatchArrays row(std::int64_t k) const {
     dynBatchArrays x = first;
-    advance(x.q, k, batch.sizes.nq), advance(x.v, k, v), advance(x.a, k, a), advance(x.tau, k, tau), advance(x.b, k, b);
+    advance(x.q, k, batch.sizes.nq), advance(x.q1, k, batch.sizes.nq), advance(x.v, k, v), advance(x.a, k, a), advance(x.tau, k, tau), advance(x.b, k, b);
     advance(x.fext, k, 6 * std::ptrdiff_t(batch.sizes.njoints));
     for (int o = 0; o < 4; ++o) advance(x.out[o], k, out[o]);
     return x;
@@ -84,6 +83,7 @@ struct Batch::Job {
         if (status == DYN_OK || worker.failures++) continue;
         worker.first = k, worker.status = status;
         std::snprintf(worker.message, sizeof worker.message, "%s", sentence(dyn_last_error()));
+        if (char* maker = std::strstr(worker.message, "dyn_data_new")) std::snprintf(maker, 14, "dyn_batch_new");  // at the end
       }
   }
 };
@@ -206,6 +206,7 @@ dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n,
   if (n == 0) return DYN_OK;
   if (!arrays->q) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q is NULL: it is required", row.name);
   if (!arrays->b && row.reads("b")) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: b is NULL: it is required", row.name);
+  if (!arrays->q1 && row.reads("q1")) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q1 is NULL: it is required", row.name);
   bool wanted = false;
   for (int k = 0; k < row.output_count(); ++k) wanted |= arrays->out[k] != nullptr;
   if (!wanted) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: out[0] to out[%d] are NULL: one at least is required", row.name, row.output_count() - 1);
@@ -226,7 +227,7 @@ dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dyn
   info->name = row.name, info->inputs = row.inputs, info->outputs = row.output_count();
   for (int k = 0; k < info->outputs; ++k) {
     const Extent extent = row.outputs[k].extent(model ? Sizes(*model->m) : Sizes());
-    info->output[k] = row.outputs[k].name, info->rows[k] = extent.rows, info->cols[k] = extent.cols;
+    info->output[k] = row.outputs[k].name, info->rows[k] = extent.rows, info->cols[k] = extent.cols, info->pages[k] = extent.pages;
   }
   return DYN_OK;
 }

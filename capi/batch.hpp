@@ -17,7 +17,8 @@ struct Sizes {
 };
 
 struct Extent {
-  int rows, cols;
+  int rows, cols, pages = 1;
+  std::ptrdiff_t size() const { return std::ptrdiff_t(rows) * cols * pages; }
 };
 
 struct BatchOutput {
@@ -36,7 +37,7 @@ struct BatchAlgorithm {
   bool reads(const char* input) const;  // a word of inputs
 };
 
-constexpr int batch_algorithm_count = DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES + 1;
+constexpr int batch_algorithm_count = DYN_BATCH_STEP + 1;
 extern const BatchAlgorithm batch_algorithms[batch_algorithm_count];
 
 // A data for each thread.

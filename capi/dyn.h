@@ -771,7 +771,12 @@ typedef enum dynBatchAlgorithm {
   DYN_BATCH_CENTER_OF_MASS_VELOCITY_DERIVATIVES = 41, /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
   DYN_BATCH_FRAME_VELOCITY_DERIVATIVES = 42,     /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
   DYN_BATCH_FRAME_ACCELERATION_DERIVATIVES = 43, /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
-  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44 /* the same */
+  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44, /* the same */
+  DYN_BATCH_RNEA_SECOND_ORDER_PRODUCT = 45,      /* q, v, a, fext, b (lambda) -> dqdq, dvdv, dqdv, dadq: nv x nv */
+  DYN_BATCH_RNEA_SECOND_ORDER_DERIVATIVES = 46,  /* q, v, a, fext -> d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq: nv matrices nv x nv */
+  DYN_BATCH_FRAME_KINEMATIC_HESSIAN = 47,        /* frame, reference; q -> H nv matrices 6 x nv */
+  DYN_BATCH_DIFFERENCE = 48,                     /* q, q1 -> v nv: q1 (-) q */
+  DYN_BATCH_STEP = 49                            /* dt, integrator; q, v, tau -> q nq, v nv */
 } dynBatchAlgorithm;
 
 /* What goes in and comes out. What an algorithm does not read is ignored. An output may be an input whose rows have the same size;
@@ -782,6 +787,9 @@ typedef struct dynBatchArrays {
   dynReference reference;
   const double *q, *v, *a, *tau, *b;  /* n rows of nq, nv, nv, nv, nv; NULL: zeros, but q and b are required */
   const double* fext;                 /* n rows of 6 njoints; NULL: none */
+  const double* q1;                   /* n rows of nq, required by DIFFERENCE */
+  double dt;
+  dynIntegrator integrator;
   double* out[4];                     /* n rows each; NULL: not wanted, but one at least must be */
   dynStatus* status;                  /* n, or NULL */
 } dynBatchArrays;
@@ -796,6 +804,7 @@ typedef struct dynBatchInfo {
   int32_t outputs;
   const char* output[4];  /* names */
   int32_t rows[4], cols[4]; /* of one state; vectors have cols = 1 */
+  int32_t pages[4];         /* matrices one after another; 1 for others */
 } dynBatchInfo;
 DYN_API dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dynBatchInfo* info);
 

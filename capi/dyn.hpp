@@ -711,6 +711,9 @@ class BatchArrays {
   BatchArrays& tau(Input x) { return tau_ = x, *this; }
   BatchArrays& b(Input x) { return b_ = x, *this; }
   BatchArrays& fext(Input x) { return fext_ = x, *this; }
+  BatchArrays& q1(Input x) { return q1_ = x, *this; }
+  BatchArrays& dt(double seconds) { return value_.dt = seconds, *this; }
+  BatchArrays& integrator(dynIntegrator i) { return value_.integrator = i, *this; }
   // An output: a vector (or the like) of the right size.
   template <class V>
   BatchArrays& out(int k, V& x) {
@@ -725,16 +728,16 @@ class BatchArrays {
   dynBatchArrays of(const Model& m, const dynBatchInfo& info, int64_t n) const {
     dynBatchArrays x = value_;
     x.q = q_.of(n * m.nq(), "q"), x.v = v_.of(n * m.nv(), "v"), x.a = a_.of(n * m.nv(), "a"), x.tau = tau_.of(n * m.nv(), "tau");
-    x.b = b_.of(n * m.nv(), "b"), x.fext = fext_.of(n * 6 * m.njoints(), "fext");
+    x.b = b_.of(n * m.nv(), "b"), x.fext = fext_.of(n * 6 * m.njoints(), "fext"), x.q1 = q1_.of(n * m.nq(), "q1");
     for (int k = 0; k < info.outputs; ++k)
-      if (x.out[k]) Input(x.out[k], sizes_[static_cast<std::size_t>(k)]).of(n * info.rows[k] * info.cols[k], info.output[k]);
+      if (x.out[k]) Input(x.out[k], sizes_[static_cast<std::size_t>(k)]).of(n * info.rows[k] * info.cols[k] * info.pages[k], info.output[k]);
     if (x.status && status_size_ != static_cast<std::size_t>(n)) throw Error(DYN_ERROR_SIZE, "status must have one element for each state.");
     return x;
   }
 
  private:
   dynBatchArrays value_;
-  Input q_ = none, v_ = none, a_ = none, tau_ = none, b_ = none, fext_ = none;
+  Input q_ = none, v_ = none, a_ = none, tau_ = none, b_ = none, fext_ = none, q1_ = none;
   std::array<std::size_t, 4> sizes_{};
   std::size_t status_size_ = 0;
 };

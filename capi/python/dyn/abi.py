@@ -85,14 +85,15 @@ class FieldInfo(Grown):
 class BatchArrays(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("frame", c_int32), ("joint", c_int32), ("reference", c_int), ("q", c_void_p), ("v", c_void_p),
-        ("a", c_void_p), ("tau", c_void_p), ("b", c_void_p), ("fext", c_void_p), ("out", c_void_p * 4), ("status", c_void_p),
+        ("a", c_void_p), ("tau", c_void_p), ("b", c_void_p), ("fext", c_void_p), ("q1", c_void_p), ("dt", c_double), ("integrator", c_int), ("out", c_void_p * 4),
+        ("status", c_void_p),
     ]  # fmt: skip
 
 
 class BatchInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("inputs", c_char_p), ("outputs", c_int32), ("output", c_char_p * 4),
-        ("rows", c_int32 * 4), ("cols", c_int32 * 4),
+        ("rows", c_int32 * 4), ("cols", c_int32 * 4), ("pages", c_int32 * 4),
     ]  # fmt: skip
 
 
