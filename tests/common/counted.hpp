@@ -53,6 +53,7 @@ DYN_TEST_FUNCTION(sin)
 DYN_TEST_FUNCTION(cos)
 DYN_TEST_FUNCTION(tan)
 DYN_TEST_FUNCTION(exp)
+DYN_TEST_FUNCTION(tanh)
 #undef DYN_TEST_FUNCTION
 inline Counted atan2(Counted y, Counted x) { return ++Counted::operations, Counted(std::atan2(y.x, x.x)); }
 inline Counted remainder(Counted y, Counted x) { return ++Counted::operations, Counted(std::remainder(y.x, x.x)); }
