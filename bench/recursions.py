@@ -86,7 +86,7 @@ def relative(bodies):
         b.rel = O3 if b.root else b.r if bodies[b.parent].root else plus(bodies[b.parent].rel, b.r)
 
 
-def supporting(bodies, b):  # b's own and its ancestors' degrees of freedom up to its k-th
+def supporting(bodies, b):  # b and its ancestors
     while True:
         yield b
         if b.root:
