@@ -3,6 +3,7 @@
 #pragma once
 
 #include "dyn/algorithm/articulated_solve.hpp"
+#include "dyn/algorithm/factor_inverse.hpp"
 #include "dyn/algorithm/forward_dynamics.hpp"
 #include "dyn/algorithm/rnea_derivatives.hpp"
 
@@ -11,7 +12,7 @@ namespace dyn {
 // d.Minv. Returns 0, or the joint that is singular.
 template <class T>
 Index minverse(const Model& m, Data<T>& d) {
-  if (m.has_mimic) {
+  if (m.has_mimic || m.n.nv <= 64) {
     crba(m, d);
     if (const Index failed = factorize(m, d)) return joint_of(m, failed - 1);
     invert(m, d);

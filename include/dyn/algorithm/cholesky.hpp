@@ -1,45 +1,72 @@
 // M = L^T D L with the tree's sparsity: L_ij is non-zero only for ancestors j of i (Featherstone 2008, 6.5, Table 6.3).
-// Row i of L lies in L[i * nv .. i * nv + i]; dof_parent is the elimination tree (with mimic joints: of the filled pattern of
-// M). Ancestors are consecutive but for branches, so that loops over them are loops over a few runs.
+// dof_parent is the elimination tree (with mimic joints: of the filled pattern of M). Row i of D L holds, by their depth, the
+// ancestors of i and at last the pivot D_i: ancestors of i are the first ones of its descendants too, so that rows are dense,
+// however the tree branches.
 #pragma once
 
+#include "dyn/base/pack.hpp"
 #include "dyn/model/data.hpp"
 
 namespace dyn {
 
-// f(first, last) for the runs of degree of freedom i and its ancestors, i first; nothing for i < 0.
+template <class T>
+DYN_INLINE T* factor_row(const Model& m, const Data<T>& d, Index i) {
+  return d.L + tile_room(m.n.nv) * i;
+}
+
+// f(first, last, at) for the runs of degree of freedom i and its ancestors, i first, entries at and on of their rows; nothing for
+// i < 0.
 template <class F>
 DYN_INLINE void for_each_run(const Model& m, Index i, F&& f) {
   while (i >= 0) {
     const Index first = m.dof_run()[i];
-    f(first, i + 1);
+    f(first, i + 1, m.dof_depth()[first]);
     i = m.dof_parent()[first];
   }
+}
+
+// The entries c .. c + 4 packs - 1 of row i, less what the elimination of its descendants takes from them.
+template <int packs, class T>
+DYN_INLINE void eliminate_descendants(const Model& m, const Data<T>& d, Index i, Index c) {
+  using P = Pack<T, 4>;
+  const std::ptrdiff_t room = tile_room(m.n.nv);
+  const Index depth = m.dof_depth()[i], end = m.dof_descendants_end()[i];
+  T* row = factor_row(m, d, i) + c;
+  P x[packs];
+#pragma GCC unroll 4
+  for (int p = 0; p < packs; ++p) x[p] = P::load(row + 4 * p);
+  const T* below = factor_row(m, d, i + 1);
+  for (Index k = i + 1; k < end; ++k, below += room) {
+    const T L = below[depth] * d.D[k];
+#pragma GCC unroll 4
+    for (int p = 0; p < packs; ++p) x[p] = x[p] - P::load(below + c + 4 * p) * L;
+  }
+#pragma GCC unroll 4
+  for (int p = 0; p < packs; ++p) x[p].store(row + 4 * p);
 }
 
 // From the current d.M. Returns 0, or 1 + the degree of freedom whose pivot is not positive.
 template <class T>
 Index factorize(const Model& m, Data<T>& d) {
   const Index n = m.n.nv;
-  const Index* parent = m.dof_parent();
-  auto row_of = [&](Index i) { return d.L + std::ptrdiff_t(i) * n; };
-  for (Index i = 0; i < n; ++i)  // M is symmetric: its column i is its row i
-    for_each_run(m, i, [&](Index first, Index last) {
-      for (Index j = first; j < last; ++j) row_of(i)[j] = d.M[j + std::ptrdiff_t(i) * n];
+  for (Index i = 0; i < n; ++i) {  // M is symmetric: its column i is its row i
+    T* row = factor_row(m, d, i);
+    const T* column = d.M + std::ptrdiff_t(i) * n;
+    for_each_run(m, i, [&](Index first, Index last, Index at) {
+      for (Index j = first; j < last; ++j) row[at + j - first] = column[j];
     });
-  for (Index k = n - 1; k >= 0; --k) {
-    T* row = row_of(k);
-    if (!(row[k] > T(0))) return k + 1;
-    const T Dinv = T(1) / row[k];
-    d.D[k] = Dinv;
-    for (Index i = parent[k]; i >= 0; i = parent[i]) {
-      const T a = row[i] * Dinv;
-      T* target = row_of(i);
-      for_each_run(m, i, [&](Index first, Index last) {
-        for (Index j = first; j < last; ++j) target[j] -= a * row[j];
-      });
-      row[i] = a;
+  }
+  for (Index i = n - 1; i >= 0; --i) {
+    const Index depth = m.dof_depth()[i];
+    for (Index c = 0; c <= depth; c += 16) switch ((depth - c) / 4) {
+      case 0: eliminate_descendants<1>(m, d, i, c); break;
+      case 1: eliminate_descendants<2>(m, d, i, c); break;
+      case 2: eliminate_descendants<3>(m, d, i, c); break;
+      default: eliminate_descendants<4>(m, d, i, c);
     }
+    const T pivot = factor_row(m, d, i)[depth];
+    if (!(pivot > T(0))) return i + 1;
+    d.D[i] = T(1) / pivot;
   }
   d.done(Stage::Factor);
   return 0;
@@ -48,22 +75,23 @@ Index factorize(const Model& m, Data<T>& d) {
 // x -= L_i^T x_i over the ancestors of i
 template <class T>
 DYN_INLINE void eliminate(const Model& m, const Data<T>& d, Index i, T* x) {
-  const T* row = d.L + std::ptrdiff_t(i) * m.n.nv;
-  const T xi = x[i];
-  for_each_run(m, m.dof_parent()[i], [&](Index first, Index last) {
-    for (Index j = first; j < last; ++j) x[j] -= row[j] * xi;
+  const T* row = factor_row(m, d, i);
+  const T xi = x[i] * d.D[i];
+  for_each_run(m, m.dof_parent()[i], [&](Index first, Index last, Index at) {
+    for (Index j = first; j < last; ++j) x[j] -= row[at + j - first] * xi;
   });
 }
-// L_i x over the ancestors of i: four sums side by side
+// D L_i x over the ancestors of i: four sums side by side
 template <class T>
 DYN_INLINE T row_times(const Model& m, const Data<T>& d, Index i, const T* x) {
-  const T* row = d.L + std::ptrdiff_t(i) * m.n.nv;
+  const T* row = factor_row(m, d, i);
   T sum[4] = {T(0), T(0), T(0), T(0)};
-  for_each_run(m, m.dof_parent()[i], [&](Index first, Index last) {
+  for_each_run(m, m.dof_parent()[i], [&](Index first, Index last, Index at) {
+    const T* entry = row + at - first;
     Index j = first;
     for (; j + 4 <= last; j += 4)
-      for (int k = 0; k < 4; ++k) sum[k] += row[j + k] * x[j + k];
-    for (; j < last; ++j) sum[0] += row[j] * x[j];
+      for (int k = 0; k < 4; ++k) sum[k] += entry[j + k] * x[j + k];
+    for (; j < last; ++j) sum[0] += entry[j] * x[j];
   });
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
@@ -73,25 +101,7 @@ template <class T>
 void solve(const Model& m, const Data<T>& d, T* x) {
   const Index n = m.n.nv;
   for (Index i = n - 1; i >= 0; --i) eliminate(m, d, i, x);
-  for (Index i = 0; i < n; ++i) x[i] = x[i] * d.D[i] - row_times(m, d, i, x);
-}
-
-// d.Minv from the factor. Column k of L^-T has entries at the ancestors of k only.
-template <class T>
-void invert(const Model& m, Data<T>& d) {
-  const Index n = m.n.nv;
-  const Index* parent = m.dof_parent();
-  for (Index k = 0; k < n; ++k) {
-    T* x = d.Minv + std::ptrdiff_t(k) * n;
-    for (Index i = 0; i < n; ++i) x[i] = T(0);
-    x[k] = T(1);
-    for (Index i = k; i >= 0; i = parent[i]) eliminate(m, d, i, x);
-    for (Index i = k; i >= 0; i = parent[i]) x[i] *= d.D[i];
-    for (Index i = 0; i < n; ++i) x[i] -= row_times(m, d, i, x);
-  }
-  for (Index k = 0; k < n; ++k)  // symmetric to the last bit
-    for (Index i = 0; i < k; ++i) d.Minv[k + std::ptrdiff_t(i) * n] = d.Minv[i + std::ptrdiff_t(k) * n];
-  d.done(Stage::Minv);
+  for (Index i = 0; i < n; ++i) x[i] = (x[i] - row_times(m, d, i, x)) * d.D[i];
 }
 
 }  // namespace dyn

@@ -194,6 +194,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
+  if (d.Linv) std::fill_n(d.Linv, m.n.nv * tile_room(m.n.nv), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
