@@ -25,48 +25,54 @@ DYN_INLINE void for_each_run(const Model& m, Index i, F&& f) {
   }
 }
 
-// The entries c .. c + 4 packs - 1 of row i, less what the elimination of its descendants takes from them.
+// Four times packs entries from x on of a row, less what the elimination of its count descendants takes from them: theirs below
+// x, times their L, which is the row's own entry there divided by D.
 template <int packs, class T>
-DYN_INLINE void eliminate_descendants(const Model& m, const Data<T>& d, Index i, Index c) {
+DYN_INLINE void eliminate_descendants(T* x, std::ptrdiff_t room, std::ptrdiff_t own, const T* Dinv, std::ptrdiff_t count) {
   using P = Pack<T, 4>;
-  const std::ptrdiff_t room = tile_room(m.n.nv);
-  const Index depth = m.dof_depth()[i], end = m.dof_descendants_end()[i];
-  T* row = factor_row(m, d, i) + c;
-  P x[packs];
+  P sum[packs];
 #pragma GCC unroll 4
-  for (int p = 0; p < packs; ++p) x[p] = P::load(row + 4 * p);
-  const T* below = factor_row(m, d, i + 1);
-  for (Index k = i + 1; k < end; ++k, below += room) {
-    const T L = below[depth] * d.D[k];
+  for (int p = 0; p < packs; ++p) sum[p] = P::load(x + 4 * p);
+  const T* below = x + room;
+  for (std::ptrdiff_t k = 0; k < count; ++k, below += room) {
+    const T L = below[own] * Dinv[k];
 #pragma GCC unroll 4
-    for (int p = 0; p < packs; ++p) x[p] = x[p] - P::load(below + c + 4 * p) * L;
+    for (int p = 0; p < packs; ++p) sum[p] = sum[p] - P::load(below + 4 * p) * L;
   }
 #pragma GCC unroll 4
-  for (int p = 0; p < packs; ++p) x[p].store(row + 4 * p);
+  for (int p = 0; p < packs; ++p) sum[p].store(x + 4 * p);
 }
 
 // From the current d.M. Returns 0, or 1 + the degree of freedom whose pivot is not positive.
 template <class T>
 Index factorize(const Model& m, Data<T>& d) {
-  const Index n = m.n.nv;
-  for (Index i = 0; i < n; ++i) {  // M is symmetric: its column i is its row i
-    T* row = factor_row(m, d, i);
-    const T* column = d.M + std::ptrdiff_t(i) * n;
-    for_each_run(m, i, [&](Index first, Index last, Index at) {
-      for (Index j = first; j < last; ++j) row[at + j - first] = column[j];
+  const std::ptrdiff_t n = m.n.nv, room = tile_room(n);
+  const T* column = d.M + n * n;
+  T* row = d.L + room * n;
+  for (std::ptrdiff_t i = n - 1; i >= 0; --i) {  // M is symmetric: its column i is its row i
+    column -= n, row -= room;
+    for_each_run(m, Index(i), [&](Index first, Index last, Index at) DYN_INLINE_LAMBDA {
+      const T* from = column + first;
+      T* to = row + at;
+      Index count = last - first;
+      for (; count >= 4; count -= 4, from += 4, to += 4) Pack<T, 4>::load(from).store(to);
+      if (count) store(load(from, count), to, count);
     });
   }
-  for (Index i = n - 1; i >= 0; --i) {
-    const Index depth = m.dof_depth()[i];
-    for (Index c = 0; c <= depth; c += 16) switch ((depth - c) / 4) {
-      case 0: eliminate_descendants<1>(m, d, i, c); break;
-      case 1: eliminate_descendants<2>(m, d, i, c); break;
-      case 2: eliminate_descendants<3>(m, d, i, c); break;
-      default: eliminate_descendants<4>(m, d, i, c);
-    }
-    const T pivot = factor_row(m, d, i)[depth];
-    if (!(pivot > T(0))) return i + 1;
-    d.D[i] = T(1) / pivot;
+  row = d.L + room * n;
+  for (std::ptrdiff_t i = n - 1; i >= 0; --i) {
+    row -= room;
+    const std::ptrdiff_t depth = m.dof_depth()[i], count = m.dof_descendants_end()[i] - 1 - i;
+    const T* Dinv = d.D + i + 1;
+    if (count)
+      for (std::ptrdiff_t c = 0; c <= depth; c += 16) switch ((depth - c) / 4) {
+        case 0: eliminate_descendants<1>(row + c, room, depth - c, Dinv, count); break;
+        case 1: eliminate_descendants<2>(row + c, room, depth - c, Dinv, count); break;
+        case 2: eliminate_descendants<3>(row + c, room, depth - c, Dinv, count); break;
+        default: eliminate_descendants<4>(row + c, room, depth - c, Dinv, count);
+      }
+    if (!(row[depth] > T(0))) return Index(i) + 1;
+    d.D[i] = T(1) / row[depth];
   }
   d.done(Stage::Factor);
   return 0;
