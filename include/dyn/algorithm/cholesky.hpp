@@ -11,7 +11,7 @@ namespace dyn {
 
 template <class T>
 DYN_INLINE T* factor_row(const Model& m, const Data<T>& d, Index i) {
-  return d.L + tile_room(m.n.nv) * i;
+  return d.L + factor_room(m) * i;
 }
 
 // f(first, last, at) for the runs of degree of freedom i and its ancestors, i first, entries at and on of their rows; nothing for
@@ -25,28 +25,38 @@ DYN_INLINE void for_each_run(const Model& m, Index i, F&& f) {
   }
 }
 
-// Four times packs entries from x on of a row, less what the elimination of its count descendants takes from them: theirs below
-// x, times their L, which is the row's own entry there divided by D.
+// x, some packs of a row, less what the elimination of the count rows below takes from it: theirs, from rows on, times their
+// entries at coefficient, divided by D. The last row that was eliminated comes last, because its D is the last to be known.
 template <int packs, class T>
-DYN_INLINE void eliminate_descendants(T* x, std::ptrdiff_t room, std::ptrdiff_t own, const T* Dinv, std::ptrdiff_t count) {
-  using P = Pack<T, 4>;
+DYN_INLINE void eliminate_rows(T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv, std::ptrdiff_t count) {
+  using P = Pack<T, widest_pack>;
   P sum[packs];
 #pragma GCC unroll 4
-  for (int p = 0; p < packs; ++p) sum[p] = P::load(x + 4 * p);
-  const T* below = x + room;
-  for (std::ptrdiff_t k = 0; k < count; ++k, below += room) {
-    const T L = below[own] * Dinv[k];
+  for (int p = 0; p < packs; ++p) sum[p] = P::load(x + widest_pack * p);
+  rows += room * count, coefficient += room * count;
+  for (std::ptrdiff_t k = count - 1; k >= 0; --k) {
+    rows -= room, coefficient -= room;
+    const T L = *coefficient * Dinv[k];
 #pragma GCC unroll 4
-    for (int p = 0; p < packs; ++p) sum[p] = sum[p] - P::load(below + 4 * p) * L;
+    for (int p = 0; p < packs; ++p) sum[p] = sum[p] - P::load(rows + widest_pack * p) * L;
   }
 #pragma GCC unroll 4
-  for (int p = 0; p < packs; ++p) sum[p].store(x + 4 * p);
+  for (int p = 0; p < packs; ++p) sum[p].store(x + widest_pack * p);
+}
+template <class T>
+DYN_INLINE void eliminate_rows(std::ptrdiff_t entries, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv, std::ptrdiff_t count) {
+  switch ((entries - 1) / widest_pack) {
+    case 0: return eliminate_rows<1>(x, rows, coefficient, room, Dinv, count);
+    case 1: return eliminate_rows<2>(x, rows, coefficient, room, Dinv, count);
+    case 2: return eliminate_rows<3>(x, rows, coefficient, room, Dinv, count);
+    default: return eliminate_rows<4>(x, rows, coefficient, room, Dinv, count);
+  }
 }
 
 // From the current d.M. Returns 0, or 1 + the degree of freedom whose pivot is not positive.
 template <class T>
 Index factorize(const Model& m, Data<T>& d) {
-  const std::ptrdiff_t n = m.n.nv, room = tile_room(n);
+  const std::ptrdiff_t n = m.n.nv, room = factor_room(m);
   const T* column = d.M + n * n;
   T* row = d.L + room * n;
   for (std::ptrdiff_t i = n - 1; i >= 0; --i) {  // M is symmetric: its column i is its row i
@@ -63,14 +73,9 @@ Index factorize(const Model& m, Data<T>& d) {
   for (std::ptrdiff_t i = n - 1; i >= 0; --i) {
     row -= room;
     const std::ptrdiff_t depth = m.dof_depth()[i], count = m.dof_descendants_end()[i] - 1 - i;
-    const T* Dinv = d.D + i + 1;
     if (count)
-      for (std::ptrdiff_t c = 0; c <= depth; c += 16) switch ((depth - c) / 4) {
-        case 0: eliminate_descendants<1>(row + c, room, depth - c, Dinv, count); break;
-        case 1: eliminate_descendants<2>(row + c, room, depth - c, Dinv, count); break;
-        case 2: eliminate_descendants<3>(row + c, room, depth - c, Dinv, count); break;
-        default: eliminate_descendants<4>(row + c, room, depth - c, Dinv, count);
-      }
+      for (std::ptrdiff_t c = 0; c <= depth; c += 4 * widest_pack)
+        eliminate_rows(depth + 1 - c, row + c, row + room + c, row + room + depth, room, d.D + i + 1, count);
     if (!(row[depth] > T(0))) return Index(i) + 1;
     d.D[i] = T(1) / row[depth];
   }

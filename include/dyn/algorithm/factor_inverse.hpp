@@ -1,4 +1,4 @@
-// M^-1 = L^-1 D^-1 L^-T from the factor. Column k of L^-1 has entries at k and its descendants only, which follow k in number; so
+// M^-1 = L^-1 D^-1 L^-T from the factor. Column i of L^-1 has entries at i and its descendants only, which follow i in number; so
 // an entry (i, j) of M^-1 is a sum over the common ancestors of i and j.
 #pragma once
 
@@ -7,25 +7,20 @@
 
 namespace dyn {
 
-// d.Linv, by columns, in packs that start at multiples of four.
+// d.Linv, by columns, in packs that start at multiples of four: column i is that of 1 less the columns k of its descendants times L_ki.
 template <class T>
 void invert_factor(const Model& m, Data<T>& d) {
-  using P = Pack<T, 4>;
-  const Index n = m.n.nv;
-  const std::ptrdiff_t room = tile_room(n);
-  const Index *parent = m.dof_parent(), *depth = m.dof_depth(), *end = m.dof_descendants_end();
-  for (Index k = 0; k < n; ++k) {
-    T* x = d.Linv + room * k;
-    for (Index c = k & ~3; c < end[k]; c += 4)
-      for (int l = 0; l < 4; ++l) x[c + l] = T(0);
-    x[k] = T(1);
-  }
-  for (Index k = n - 1; k >= 0; --k) {
-    const T *row = factor_row(m, d, k), *x = d.Linv + room * k;
-    for (Index i = parent[k], at = depth[k] - 1; i >= 0; i = parent[i], --at) {
-      const T L = row[at] * d.D[k];
-      T* y = d.Linv + room * i;
-      for (Index c = k & ~3; c < end[k]; c += 4) (P::load(y + c) - P::load(x + c) * L).store(y + c);
+  const std::ptrdiff_t n = m.n.nv, room = factor_room(m);
+  for (std::ptrdiff_t i = n - 1; i >= 0; --i) {
+    const std::ptrdiff_t end = m.dof_descendants_end()[i], first = i & ~3;
+    T* x = d.Linv + room * i;
+    std::fill(x + first, x + end, T(0));
+    x[i] = T(1);
+    if (end == i + 1) continue;
+    const T* coefficient = factor_row(m, d, Index(i) + 1) + m.dof_depth()[i];
+    for (std::ptrdiff_t c = first; c < end; c += 4 * widest_pack) {
+      const std::ptrdiff_t last = std::min(end, c + 4 * widest_pack);
+      eliminate_rows(last - c, x + c, x + room + c, coefficient, room, d.D + i + 1, last - i - 1);
     }
   }
 }
@@ -33,26 +28,29 @@ void invert_factor(const Model& m, Data<T>& d) {
 // d.Minv, full and symmetric to the last bit.
 template <class T>
 void invert(const Model& m, Data<T>& d) {
-  using P = Pack<T, 4>;
+  using P = Pack<T, widest_pack>;
   invert_factor(m, d);
-  const Index n = m.n.nv;
-  const std::ptrdiff_t room = tile_room(n);
+  const std::ptrdiff_t n = m.n.nv, room = factor_room(m);
   const TiledMatrix<T> Minv{d.Minv, n};
-  for (Index j0 = 0; j0 < n; j0 += 4)
-    for (Index i0 = 0; i0 <= j0; i0 += 4) {
-      const T zeros[4] = {};
-      P a = P::load(zeros), b = a, c = a, e = a;
-      auto add = [&](Index first, Index last) DYN_INLINE_LAMBDA {
+  for (std::ptrdiff_t j0 = 0; j0 < n; j0 += 4)
+    for (std::ptrdiff_t i0 = 0; i0 <= j0; i0 += widest_pack) {
+      P a = P::zero(), b = a, c = a, e = a;
+      auto add = [&](std::ptrdiff_t first, std::ptrdiff_t last) DYN_INLINE_LAMBDA {
         const T* x = d.Linv + room * first;
-        for (Index k = first; k < last; ++k, x += room) {
+        for (std::ptrdiff_t k = first; k < last; ++k, x += room) {
           const P y = P::load(x + i0) * d.D[k];
           a = a + y * x[j0], b = b + y * x[j0 + 1], c = c + y * x[j0 + 2], e = e + y * x[j0 + 3];
         }
       };
-      for_each_run(m, j0, [&](Index first, Index last, Index) DYN_INLINE_LAMBDA { add(first, std::min(last, i0 + 4)); });
-      if (i0 == j0) add(j0 + 1, std::min(j0 + 4, n));
-      const Tile<T> t{a, b, c, e};
-      Minv.store_pair(t, t.transposed(), i0, j0);
+      for_each_run(m, Index(j0), [&](Index first, Index last, Index) DYN_INLINE_LAMBDA { add(first, std::min<std::ptrdiff_t>(last, i0 + widest_pack)); });
+      if (j0 < i0 + widest_pack) add(j0 + 1, std::min(j0 + 4, n));
+      auto store = [&]<int first>() DYN_INLINE_LAMBDA {
+        const Tile<T> t{four_of<first>(a), four_of<first>(b), four_of<first>(c), four_of<first>(e)};
+        Minv.store_pair(t, t.transposed(), i0 + first, j0);
+      };
+      store.template operator()<0>();
+      if constexpr (widest_pack == 8)
+        if (i0 + 4 <= j0) store.template operator()<4>();
     }
   d.done(Stage::Minv);
 }
