@@ -25,14 +25,14 @@ DYN_INLINE void for_each_run(const Model& m, Index i, F&& f) {
   }
 }
 
-// x, some packs of a row, less what the elimination of the count rows below takes from it: theirs, from rows on, times their
+// x = from less what the elimination of the count rows below takes from it, some packs of a row: theirs, from rows on, times their
 // entries at coefficient, divided by D. The last row that was eliminated comes last, because its D is the last to be known.
 template <int packs, class T>
-DYN_INLINE void eliminate_rows(T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv, std::ptrdiff_t count) {
+DYN_INLINE void eliminate_rows(const T* from, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv, std::ptrdiff_t count) {
   using P = Pack<T, widest_pack>;
   P sum[packs];
 #pragma GCC unroll 4
-  for (int p = 0; p < packs; ++p) sum[p] = P::load(x + widest_pack * p);
+  for (int p = 0; p < packs; ++p) sum[p] = P::load(from + widest_pack * p);
   rows += room * count, coefficient += room * count;
   for (std::ptrdiff_t k = count - 1; k >= 0; --k) {
     rows -= room, coefficient -= room;
@@ -44,12 +44,13 @@ DYN_INLINE void eliminate_rows(T* x, const T* rows, const T* coefficient, std::p
   for (int p = 0; p < packs; ++p) sum[p].store(x + widest_pack * p);
 }
 template <class T>
-DYN_INLINE void eliminate_rows(std::ptrdiff_t entries, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv, std::ptrdiff_t count) {
+DYN_INLINE void eliminate_rows(std::ptrdiff_t entries, const T* from, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv,
+                               std::ptrdiff_t count) {
   switch ((entries - 1) / widest_pack) {
-    case 0: return eliminate_rows<1>(x, rows, coefficient, room, Dinv, count);
-    case 1: return eliminate_rows<2>(x, rows, coefficient, room, Dinv, count);
-    case 2: return eliminate_rows<3>(x, rows, coefficient, room, Dinv, count);
-    default: return eliminate_rows<4>(x, rows, coefficient, room, Dinv, count);
+    case 0: return eliminate_rows<1>(from, x, rows, coefficient, room, Dinv, count);
+    case 1: return eliminate_rows<2>(from, x, rows, coefficient, room, Dinv, count);
+    case 2: return eliminate_rows<3>(from, x, rows, coefficient, room, Dinv, count);
+    default: return eliminate_rows<4>(from, x, rows, coefficient, room, Dinv, count);
   }
 }
 
@@ -75,7 +76,7 @@ Index factorize(const Model& m, Data<T>& d) {
     const std::ptrdiff_t depth = m.dof_depth()[i], count = m.dof_descendants_end()[i] - 1 - i;
     if (count)
       for (std::ptrdiff_t c = 0; c <= depth; c += 4 * widest_pack)
-        eliminate_rows(depth + 1 - c, row + c, row + room + c, row + room + depth, room, d.D + i + 1, count);
+        eliminate_rows(depth + 1 - c, row + c, row + c, row + room + c, row + room + depth, room, d.D + i + 1, count);
     if (!(row[depth] > T(0))) return Index(i) + 1;
     d.D[i] = T(1) / row[depth];
   }

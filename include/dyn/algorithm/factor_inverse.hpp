@@ -7,20 +7,27 @@
 
 namespace dyn {
 
-// d.Linv, by columns, in packs that start at multiples of four: column i is that of 1 less the columns k of its descendants times L_ki.
+// A column of 1 to be read from where its zeros begin or end.
+template <class T>
+inline constexpr auto unit_column = [] {
+  struct { T x[5 * widest_pack]; } column{};
+  column.x[widest_pack - 1] = T(1);
+  return column;
+}();
+
+// d.Linv, by columns, in whole packs: column i is that of 1 less the columns k of its descendants times L_ki.
 template <class T>
 void invert_factor(const Model& m, Data<T>& d) {
+  const T* one = unit_column<T>.x + widest_pack - 1;
   const std::ptrdiff_t n = m.n.nv, room = factor_room(m);
   for (std::ptrdiff_t i = n - 1; i >= 0; --i) {
-    const std::ptrdiff_t end = m.dof_descendants_end()[i], first = i & ~3;
+    const std::ptrdiff_t end = m.dof_descendants_end()[i], first = i / widest_pack * widest_pack;
     T* x = d.Linv + room * i;
-    std::fill(x + first, x + end, T(0));
-    x[i] = T(1);
-    if (end == i + 1) continue;
-    const T* coefficient = factor_row(m, d, Index(i) + 1) + m.dof_depth()[i];
+    const T* coefficient = d.L + room * (i + 1) + m.dof_depth()[i];
     for (std::ptrdiff_t c = first; c < end; c += 4 * widest_pack) {
+      const T* from = c == first ? one - (i - first) : one + 1;
       const std::ptrdiff_t last = std::min(end, c + 4 * widest_pack);
-      eliminate_rows(last - c, x + c, x + room + c, coefficient, room, d.D + i + 1, last - i - 1);
+      eliminate_rows(last - c, from, x + c, x + room + c, coefficient, room, d.D + i + 1, last - 1 - i);
     }
   }
 }
