@@ -32,33 +32,37 @@ void invert_factor(const Model& m, Data<T>& d) {
   }
 }
 
+// Columns j0 .. j0 + 3 of M^-1 from row i0 on, as many as a pack has, as far as they are on or above the tiles on the diagonal; and
+// what mirrors them. Not inline: the addresses are quicker to compute than to carry along.
+template <class T>
+__attribute__((noinline)) void invert_tiles(const Model& m, const Data<T>& d, std::ptrdiff_t i0, std::ptrdiff_t j0) {
+  using P = Pack<T, widest_pack>;
+  const std::ptrdiff_t room = factor_room(m);
+  P a = P::zero(), b = a, c = a, e = a;
+  auto add = [&](std::ptrdiff_t first, std::ptrdiff_t last) DYN_INLINE_LAMBDA {
+    const T* x = d.Linv + room * first;
+    for (std::ptrdiff_t k = first; k < last; ++k, x += room) {
+      const P y = P::load(x + i0) * d.D[k];
+      a = a + y * x[j0], b = b + y * x[j0 + 1], c = c + y * x[j0 + 2], e = e + y * x[j0 + 3];
+    }
+  };
+  for_each_run(m, Index(j0), [&](Index first, Index last, Index) DYN_INLINE_LAMBDA { add(first, std::min<std::ptrdiff_t>(last, i0 + widest_pack)); });
+  if (j0 < i0 + widest_pack) add(j0 + 1, std::min<std::ptrdiff_t>(j0 + 4, m.n.nv));
+  auto store = [&]<int first>() DYN_INLINE_LAMBDA {
+    const Tile<T> t{four_of<first>(a), four_of<first>(b), four_of<first>(c), four_of<first>(e)};
+    TiledMatrix<T>{d.Minv, m.n.nv}.store_pair(t, t.transposed(), i0 + first, j0);
+  };
+  store.template operator()<0>();
+  if constexpr (widest_pack == 8)
+    if (i0 + 4 <= j0) store.template operator()<4>();
+}
+
 // d.Minv, full and symmetric to the last bit.
 template <class T>
 void invert(const Model& m, Data<T>& d) {
-  using P = Pack<T, widest_pack>;
   invert_factor(m, d);
-  const std::ptrdiff_t n = m.n.nv, room = factor_room(m);
-  const TiledMatrix<T> Minv{d.Minv, n};
-  for (std::ptrdiff_t j0 = 0; j0 < n; j0 += 4)
-    for (std::ptrdiff_t i0 = 0; i0 <= j0; i0 += widest_pack) {
-      P a = P::zero(), b = a, c = a, e = a;
-      auto add = [&](std::ptrdiff_t first, std::ptrdiff_t last) DYN_INLINE_LAMBDA {
-        const T* x = d.Linv + room * first;
-        for (std::ptrdiff_t k = first; k < last; ++k, x += room) {
-          const P y = P::load(x + i0) * d.D[k];
-          a = a + y * x[j0], b = b + y * x[j0 + 1], c = c + y * x[j0 + 2], e = e + y * x[j0 + 3];
-        }
-      };
-      for_each_run(m, Index(j0), [&](Index first, Index last, Index) DYN_INLINE_LAMBDA { add(first, std::min<std::ptrdiff_t>(last, i0 + widest_pack)); });
-      if (j0 < i0 + widest_pack) add(j0 + 1, std::min(j0 + 4, n));
-      auto store = [&]<int first>() DYN_INLINE_LAMBDA {
-        const Tile<T> t{four_of<first>(a), four_of<first>(b), four_of<first>(c), four_of<first>(e)};
-        Minv.store_pair(t, t.transposed(), i0 + first, j0);
-      };
-      store.template operator()<0>();
-      if constexpr (widest_pack == 8)
-        if (i0 + 4 <= j0) store.template operator()<4>();
-    }
+  for (std::ptrdiff_t j0 = 0; j0 < m.n.nv; j0 += 4)
+    for (std::ptrdiff_t i0 = 0; i0 <= j0; i0 += widest_pack) invert_tiles(m, d, i0, j0);
   d.done(Stage::Minv);
 }
 
