@@ -10,9 +10,13 @@
 
 namespace dyn {
 
-// Up to this size M^-1 comes from the factor of M, whose cost grows with the depth of the tree; beyond, from articulated bodies.
-// With mimic joints M does not follow the tree.
-inline bool by_factor(const Model& m) { return m.has_mimic || m.n.nv <= 64; }
+// M^-1 comes from the factor of M, at a cost that grows with the depth of the tree, up to chains of some 40 joints; beyond, from
+// articulated bodies. With mimic joints M does not follow the tree.
+inline bool by_factor(const Model& m) {
+  std::ptrdiff_t ancestors = 0;
+  for (Index k = 0; k < m.n.nv; ++k) ancestors += m.dof_depth()[k];
+  return m.has_mimic || ancestors <= 20 * std::ptrdiff_t(m.n.nv);
+}
 
 // d.Minv. Returns 0, or the joint that is singular.
 template <class T>
