@@ -18,10 +18,11 @@ DYN_INLINE T* factor_row(const Model& m, const Data<T>& d, Index i) {
 // i < 0.
 template <class F>
 DYN_INLINE void for_each_run(const Model& m, Index i, F&& f) {
+  const Index *run = m.dof_run(), *depth = m.dof_depth(), *parent = m.dof_parent();
   while (i >= 0) {
-    const Index first = m.dof_run()[i];
-    f(first, i + 1, m.dof_depth()[first]);
-    i = m.dof_parent()[first];
+    const Index first = run[i];
+    f(first, i + 1, depth[first]);
+    i = parent[first];
   }
 }
 
@@ -46,7 +47,7 @@ DYN_INLINE void eliminate_rows(const T* from, T* x, const T* rows, const T* coef
 template <class T>
 DYN_INLINE void eliminate_rows(std::ptrdiff_t entries, const T* from, T* x, const T* rows, const T* coefficient, std::ptrdiff_t room, const T* Dinv,
                                std::ptrdiff_t count) {
-  switch ((entries - 1) / widest_pack) {
+  switch (std::size_t(entries - 1) / widest_pack) {
     case 0: return eliminate_rows<1>(from, x, rows, coefficient, room, Dinv, count);
     case 1: return eliminate_rows<2>(from, x, rows, coefficient, room, Dinv, count);
     case 2: return eliminate_rows<3>(from, x, rows, coefficient, room, Dinv, count);
@@ -70,15 +71,17 @@ Index factorize(const Model& m, Data<T>& d) {
       if (count) store(load(from, count), to, count);
     });
   }
+  const Index *depths = m.dof_depth(), *end = m.dof_descendants_end();
+  T* Dinv = d.D + n;
   row = d.L + room * n;
   for (std::ptrdiff_t i = n - 1; i >= 0; --i) {
+    const std::ptrdiff_t depth = depths[i], count = end[i] - 1 - i;
+    const T* below = row;
     row -= room;
-    const std::ptrdiff_t depth = m.dof_depth()[i], count = m.dof_descendants_end()[i] - 1 - i;
     if (count)
-      for (std::ptrdiff_t c = 0; c <= depth; c += 4 * widest_pack)
-        eliminate_rows(depth + 1 - c, row + c, row + c, row + room + c, row + room + depth, room, d.D + i + 1, count);
+      for (std::ptrdiff_t c = 0; c <= depth; c += 4 * widest_pack) eliminate_rows(depth + 1 - c, row + c, row + c, below + c, below + depth, room, Dinv, count);
     if (!(row[depth] > T(0))) return Index(i) + 1;
-    d.D[i] = T(1) / row[depth];
+    *--Dinv = T(1) / row[depth];
   }
   d.done(Stage::Factor);
   return 0;

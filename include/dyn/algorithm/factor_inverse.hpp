@@ -20,14 +20,16 @@ template <class T>
 void invert_factor(const Model& m, Data<T>& d) {
   const T* one = unit_column<T>.x + widest_pack - 1;
   const std::ptrdiff_t n = m.n.nv, room = factor_room(m);
-  for (std::ptrdiff_t i = n - 1; i >= 0; --i) {
-    const std::ptrdiff_t end = m.dof_descendants_end()[i], first = i / widest_pack * widest_pack;
-    T* x = d.Linv + room * i;
-    const T* coefficient = d.L + room * (i + 1) + m.dof_depth()[i];
-    for (std::ptrdiff_t c = first; c < end; c += 4 * widest_pack) {
-      const T* from = c == first ? one - (i - first) : one + 1;
+  const Index *depth = m.dof_depth(), *ends = m.dof_descendants_end();
+  const T *below = d.L + room * n, *Dinv = d.D + n;
+  T* next = d.Linv + room * n;
+  for (std::ptrdiff_t i = n - 1; i >= 0; --i, below -= room, --Dinv) {
+    const std::ptrdiff_t end = ends[i], first = i & ~std::ptrdiff_t(widest_pack - 1);
+    const T *columns = next, *from = one - (i - first);
+    next -= room;
+    for (std::ptrdiff_t c = first; c < end; c += 4 * widest_pack, from = one + 1) {
       const std::ptrdiff_t last = std::min(end, c + 4 * widest_pack);
-      eliminate_rows(last - c, from, x + c, x + room + c, coefficient, room, d.D + i + 1, last - 1 - i);
+      eliminate_rows(last - c, from, next + c, columns + c, below + depth[i], room, Dinv, last - 1 - i);
     }
   }
 }
@@ -38,11 +40,12 @@ template <class T>
 __attribute__((noinline)) void invert_tiles(const Model& m, const Data<T>& d, std::ptrdiff_t i0, std::ptrdiff_t j0) {
   using P = Pack<T, widest_pack>;
   const std::ptrdiff_t room = factor_room(m);
+  const T *Linv = d.Linv, *Dinv = d.D;
   P a = P::zero(), b = a, c = a, e = a;
   auto add = [&](std::ptrdiff_t first, std::ptrdiff_t last) DYN_INLINE_LAMBDA {
-    const T* x = d.Linv + room * first;
+    const T* x = Linv + room * first;
     for (std::ptrdiff_t k = first; k < last; ++k, x += room) {
-      const P y = P::load(x + i0) * d.D[k];
+      const P y = P::load(x + i0) * Dinv[k];
       a = a + y * x[j0], b = b + y * x[j0 + 1], c = c + y * x[j0 + 2], e = e + y * x[j0 + 3];
     }
   };

@@ -47,7 +47,7 @@ inline constexpr unsigned stage_inputs(Stage s) {
 inline std::ptrdiff_t tile_room(std::ptrdiff_t n) { return (n + 3) / 4 * 4; }
 
 // And in whole packs of eight (algorithm/cholesky.hpp).
-inline std::ptrdiff_t factor_room(const Model& m) { return (std::ptrdiff_t(m.n.nv) + 7) / 8 * 8; }
+inline std::ptrdiff_t factor_room(const Model& m) { return (std::ptrdiff_t(m.n.nv) + 7) & ~std::ptrdiff_t(7); }
 
 // First expanded degree of freedom at or after body i.
 inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
