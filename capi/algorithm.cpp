@@ -89,7 +89,8 @@ namespace {
 // Inverse dynamics into a field; v and a may be the zeros of data.
 dynStatus inverse(Call& call, const double* v, const double* a, const double* fext, double* field, Stage stage, const char* name, double* out) {
   const Model& m = call.m();
-  inverse_dynamics(m, call.d(), v, a, fext, field);
+  if (stage == Stage::Gravity) rigid_inverse_dynamics(m, call.d(), v, a, fext, field);
+  else inverse_dynamics(m, call.d(), v, a, fext, field);
   if (!call.numeric(field, m.n.nv, name, stage)) return call.status;
   call.d().done(stage);
   copy_out(field, m.n.nv, out);
@@ -437,7 +438,7 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
     d.done(Stage::Nle);
   }
   if (mask & DYN_TERM_GRAVITY) {
-    inverse_dynamics(m, d, d.zero, d.zero, none, d.g);
+    rigid_inverse_dynamics(m, d, d.zero, d.zero, none, d.g);
     if (!call.numeric(d.g, m.n.nv, "g", Stage::Gravity)) return call.status;
     d.done(Stage::Gravity);
   }

@@ -45,6 +45,7 @@ JointSpec read_joint(const dynJointSpec& s) {
   out.lower = read(s.lower, nq), out.upper = read(s.upper, nq);
   out.velocity = read(s.velocity, nv), out.effort = read(s.effort, nv);
   out.armature = read(s.armature, nv), out.damping = read(s.damping, nv), out.friction = read(s.friction, nv);
+  out.stiffness = read(s.stiffness, nv), out.spring_reference = read(s.spring_reference, nq);
   out.rotor_inertia = s.rotor_inertia, out.gear_ratio = s.gear_ratio;
   if (s.mimic) out.mimic = s.mimic;
   out.mimic_ratio = s.mimic_ratio, out.mimic_offset = s.mimic_offset;

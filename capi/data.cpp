@@ -100,6 +100,26 @@ dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double*
   return call.status;
 }
 
+dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects) {
+  Call call(model, data, 0, "dyn_data_set_effects");
+  if (!call || !call.joint_or_all(joint)) return call.status;
+  if (effects & ~uint32_t(DYN_EFFECT_ALL))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_effects: effects 0x%x has unknown bits: use DYN_EFFECT_... values", unsigned(effects));
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  for (Index j = joint ? joint : 0, end = joint ? joint + 1 : m.n.joints; j < end; ++j) d.effects[j] = effects;
+  apply_effects(m, d);
+  call.drop_results();
+  return DYN_OK;
+}
+
+dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects) {
+  Call call(model, data, 0, "dyn_data_effects");
+  if (!call || !call.joint_or_all(joint) || !call.required("effects", effects)) return call.status;
+  *effects = joint ? call.d().effects[joint] : call.d().acting;
+  return DYN_OK;
+}
+
 int dyn_nfields(void) { return field_count; }
 
 dynStatus dyn_field_info(dynField field, dynFieldInfo* info) {

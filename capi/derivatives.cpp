@@ -48,7 +48,8 @@ static dynStatus at_rest(const dynModel* model, dynData* data, const double* q, 
   if (!call || !check_fext(call, fext) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   const std::ptrdiff_t nv = call.m().n.nv;
   Data<double>& d = call.d();
-  gravity_derivatives(call.m(), d, fext, d.*field);
+  if (stage == Stage::StaticDerivatives) static_torque_derivatives(call.m(), d, fext, d.*field);
+  else gravity_derivatives(call.m(), d, fext, d.*field);
   d.done(stage);
   if (!moderate(call, 0) || !call.numeric(d.*field, Index(nv * nv), name, stage)) return call.status;
   copy_out(d.*field, nv * nv, out);

@@ -230,9 +230,11 @@ typedef enum dynModelArray {
   DYN_VELOCITY_LIMIT = 2, /* nv */
   DYN_EFFORT_LIMIT = 3,   /* nv */
   DYN_ARMATURE = 4,       /* nv: added to the diagonal of M, kg m^2 or kg */
-  DYN_DAMPING = 5,        /* nv: N m s/rad or N s/m; kept as data */
-  DYN_FRICTION = 6,       /* nv: dry friction, N m or N; kept as data */
-  DYN_GRAVITY = 7         /* 3: m/s^2 */
+  DYN_DAMPING = 5,        /* nv: N m s/rad or N s/m: acts when switched on, see dyn_data_set_effects */
+  DYN_FRICTION = 6,       /* nv: dry friction, N m or N; likewise */
+  DYN_GRAVITY = 7,        /* 3: m/s^2 */
+  DYN_STIFFNESS = 8,      /* nv: springs, N m/rad or N/m; likewise */
+  DYN_SPRING_REFERENCE = 9 /* nq: where they are at rest */
 } dynModelArray;
 DYN_API const double* dyn_model_array(const dynModel* model, dynModelArray which);
 /* Mass of what moves, kg: links welded to the world do not count, here as in the centre of mass and the energies. NaN for an
@@ -261,6 +263,8 @@ typedef struct dynJointSpec {
   const double *lower, *upper;      /* nq numbers each or NULL (infinite); -inf below and inf above: no limit */
   const double *velocity, *effort;  /* nv numbers each or NULL (infinite) */
   const double *armature, *damping, *friction; /* nv numbers each or NULL (zero) */
+  const double* stiffness;          /* of springs: nv numbers or NULL (zero); a quaternion's three must be equal, a free flyer's zero */
+  const double* spring_reference;   /* nq numbers: where they are at rest; NULL: at the neutral configuration */
   double rotor_inertia, gear_ratio; /* one-degree-of-freedom joints: adds rotor_inertia * gear_ratio^2 to the armature */
   const char* mimic;                /* leader's name or NULL: one-degree-of-freedom joints of any order in the tree */
   double mimic_ratio, mimic_offset;
@@ -340,6 +344,25 @@ DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
 /* The state held in data. A call with q, v, a or tau sets them, too. NULL leaves a value as it is. New data is at the
    neutral configuration and rest. */
 DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* tau);
+
+/* Effects of the joints that the algorithms apply, a bit each; data has them switched on or off joint by joint. New data: ARMATURE alone.
+     M = rigid bodies' + armature        M a + nle = tau + J' fext
+     nle = Coriolis, centrifugal and gravity forces + damping v + friction tanh(v / DYN_FRICTION_VELOCITY) + stiffness (q (-) reference)
+   Inverse and forward dynamics, steps, their derivatives of all orders, static torque and energies (of rotors and springs) take the same
+   ones; dyn_gravity takes none. The springs of a continuous joint count its turns. What is off, or not in the model, costs nothing. */
+#define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: dry friction is nearly viscous below it, and within 1e-3 of its value beyond four of them */
+enum {
+  DYN_EFFECT_ARMATURE = 1u << 0,
+  DYN_EFFECT_DAMPING = 1u << 1,
+  DYN_EFFECT_SPRINGS = 1u << 2,
+  DYN_EFFECT_FRICTION = 1u << 3,
+  DYN_EFFECT_ALL = 0xf
+};
+/* Switches the effects of a joint, or with joint 0 of all, to those of the mask. A follower's are part of its leader's: name that one.
+   All results are stale afterwards. */
+DYN_API dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects);
+/* Those that are on; with joint 0 those that act: on at some joint that has them. */
+DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects);
 
 /* Fields: everything that data holds, by id. Ids are never renumbered. */
 typedef int32_t dynField;
@@ -699,6 +722,9 @@ typedef struct dynBatch dynBatch;
 DYN_API dynStatus dyn_batch_new(const dynModel* model, dynParts parts, int threads, dynBatch** batch);
 DYN_API void dyn_batch_free(dynBatch* batch); /* NULL is allowed */
 
+/* dyn_data_set_effects of every thread's data. */
+DYN_API dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects);
+
 /* DYN_BATCH_X computes what dyn_X does: what it reads -> out[0], out[1], ... Values are never renumbered. */
 typedef enum dynBatchAlgorithm {
   DYN_BATCH_FRAME_PLACEMENT = 0,                 /* frame; q -> placement 12 */
@@ -745,7 +771,12 @@ typedef enum dynBatchAlgorithm {
   DYN_BATCH_CENTER_OF_MASS_VELOCITY_DERIVATIVES = 41, /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
   DYN_BATCH_FRAME_VELOCITY_DERIVATIVES = 42,     /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
   DYN_BATCH_FRAME_ACCELERATION_DERIVATIVES = 43, /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
-  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44 /* the same */
+  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44, /* the same */
+  DYN_BATCH_RNEA_SECOND_ORDER_PRODUCT = 45,      /* q, v, a, fext, b (lambda) -> dqdq, dvdv, dqdv, dadq: nv x nv */
+  DYN_BATCH_RNEA_SECOND_ORDER_DERIVATIVES = 46,  /* q, v, a, fext -> d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq: nv matrices nv x nv */
+  DYN_BATCH_FRAME_KINEMATIC_HESSIAN = 47,        /* frame, reference; q -> H nv matrices 6 x nv */
+  DYN_BATCH_DIFFERENCE = 48,                     /* q, q1 -> v nv: q1 (-) q */
+  DYN_BATCH_STEP = 49                            /* dt, integrator; q, v, tau -> q nq, v nv */
 } dynBatchAlgorithm;
 
 /* What goes in and comes out. What an algorithm does not read is ignored. An output may be an input whose rows have the same size;
@@ -756,13 +787,16 @@ typedef struct dynBatchArrays {
   dynReference reference;
   const double *q, *v, *a, *tau, *b;  /* n rows of nq, nv, nv, nv, nv; NULL: zeros, but q and b are required */
   const double* fext;                 /* n rows of 6 njoints; NULL: none */
+  const double* q1;                   /* n rows of nq, required by DIFFERENCE */
+  double dt;
+  dynIntegrator integrator;
   double* out[4];                     /* n rows each; NULL: not wanted, but one at least must be */
   dynStatus* status;                  /* n, or NULL */
 } dynBatchArrays;
 DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays);
 DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays);
 
-/* The same table for programs. Without a model (NULL) rows and cols are 0. */
+/* The same table for programs. Without a model (NULL) sizes that depend on it are 0. */
 typedef struct dynBatchInfo {
   uint32_t struct_size;
   const char* name;       /* "rnea" */
@@ -770,6 +804,7 @@ typedef struct dynBatchInfo {
   int32_t outputs;
   const char* output[4];  /* names */
   int32_t rows[4], cols[4]; /* of one state; vectors have cols = 1 */
+  int32_t pages[4];         /* matrices one after another; 1 for others */
 } dynBatchInfo;
 DYN_API dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dynBatchInfo* info);
 

@@ -153,6 +153,14 @@ bool Call::joint(int id) {
   return status == DYN_OK;
 }
 
+bool Call::joint_or_all(int id) {
+  if (!joint(id) || id == 0 || m().joints()[id].leader < 0) return status == DYN_OK;
+  const JointRecord& j = m().joints()[id];
+  status = fail(DYN_ERROR_ARGUMENT, "%s: joint '%s' follows '%s', of which its effects are part: name that one", function, m().string(j.name),
+                m().string(m().joints()[j.leader].name));
+  return false;
+}
+
 bool Call::reference(dynReference r) {
   if (status == DYN_OK && r != DYN_LOCAL && r != DYN_WORLD && r != DYN_LOCAL_WORLD_ALIGNED)
     status = fail(DYN_ERROR_ARGUMENT, "%s: reference %d is none of DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED", function, int(r));

@@ -136,6 +136,7 @@ class Call {
   bool required(const char* name, const void* p, std::ptrdiff_t n = 1);  // an array of no numbers may be NULL
   bool frame(int id);
   bool joint(int id);
+  bool joint_or_all(int id);  // 0: all; not a follower
   bool reference(dynReference r);
   // DYN_ERROR_STALE unless the stage is fresh.
   bool fresh(Stage stage, const char* what, const char* producer);

@@ -268,6 +268,8 @@ const double* dyn_model_array(const dynModel* model, dynModelArray which) {
     case DYN_ARMATURE: return m.armature();
     case DYN_DAMPING: return m.damping();
     case DYN_FRICTION: return m.friction();
+    case DYN_STIFFNESS: return m.stiffness();
+    case DYN_SPRING_REFERENCE: return m.spring_reference();
     case DYN_GRAVITY: return m.gravity;
   }
   fail(DYN_ERROR_ARGUMENT, "dyn_model_array: %d is no dynModelArray", int(which));

@@ -28,8 +28,14 @@ JointSpec spec_of(const Model& m, const JointRecord& r) {
   }
   const int nv = spec_nv(s);
   auto take = [](const double* x, Index first, Index n) { return std::vector<double>(x + first, x + first + n); };
-  if (nv == 1) s.armature = {r.armature}, s.damping = {r.damping}, s.friction = {r.friction};
-  else s.armature = take(m.armature(), r.idx_v, nv), s.damping = take(m.damping(), r.idx_v, nv), s.friction = take(m.friction(), r.idx_v, nv);
+  if (nv == 1) {
+    s.armature = {r.armature}, s.damping = {r.damping}, s.friction = {r.friction}, s.stiffness = {r.stiffness};
+  } else {
+    s.armature = take(m.armature(), r.idx_v, nv), s.damping = take(m.damping(), r.idx_v, nv), s.friction = take(m.friction(), r.idx_v, nv);
+    s.stiffness = take(m.stiffness(), r.idx_v, nv);
+  }
+  if (spec_nq(s) == 1) s.spring_reference = {r.spring_reference};
+  else s.spring_reference = take(m.spring_reference(), r.idx_q, spec_nq(s));
   if (r.leader >= 0) {
     s.mimic = m.string(m.joints()[r.leader].name), s.mimic_ratio = r.ratio, s.mimic_offset = r.offset;
     return s;

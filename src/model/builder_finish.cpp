@@ -95,10 +95,10 @@ ModelPtr Builder::finish() const {
     }
   if (std::size_t(n.nv) > 1000000) throw Error(DYN_ERROR_LIMIT, "the model has more than 1,000,000 degrees of freedom");
   constexpr double inf = std::numeric_limits<double>::infinity();
-  a.armature.assign(std::size_t(n.nv), 0), a.damping = a.friction = a.armature;
+  a.armature.assign(std::size_t(n.nv), 0), a.damping = a.friction = a.stiffness = a.armature;
   a.velocity_limit.assign(std::size_t(n.nv), inf), a.effort_limit = a.velocity_limit;
   a.lower_limit.assign(std::size_t(n.nq), -inf), a.upper_limit.assign(std::size_t(n.nq), inf);
-  a.neutral.assign(std::size_t(n.nq), 0);
+  a.neutral.assign(std::size_t(n.nq), 0), a.spring_reference = a.neutral;
   a.own_v.assign(std::size_t(n.nv), 0);
 
   bool mimic = false;
@@ -138,7 +138,7 @@ ModelPtr Builder::finish() const {
       b.user_q = user_q, b.user_v = user_v;
       b.joint = Index(a.joints.size());
       visit(b.type, [&]<class J>() {
-        if (!follower) J::neutral(a.neutral.data() + user_q);
+        if (!follower) J::neutral(a.neutral.data() + user_q), J::neutral(a.spring_reference.data() + user_q);
       });
       const Index nq = primitive_nq(b.type), nv = primitive_nv(b.type);
       for (Index k = 0; k < nq; ++k) a.expand_q.push_back(user_q + k), a.ratio_q.push_back(l.ratio), a.offset_q.push_back(l.offset);
@@ -180,8 +180,20 @@ ModelPtr Builder::finish() const {
       a.armature[std::size_t(r.idx_v)] += l.ratio * l.ratio * r.armature;
       a.damping[std::size_t(r.idx_v)] += l.ratio * l.ratio * r.damping;
       a.friction[std::size_t(r.idx_v)] += std::abs(l.ratio) * r.friction;
+      r.stiffness = s.stiffness.empty() ? 0 : s.stiffness[0];
     } else {
       put(s.armature, a.armature, r.idx_v), put(s.damping, a.damping, r.idx_v), put(s.friction, a.friction, r.idx_v);
+      put(s.stiffness, a.stiffness, r.idx_v);
+    }
+    if (spec_nq(s) == 1) {
+      r.spring_reference = s.spring_reference.empty() ? 0 : s.spring_reference[0];
+      // two springs are one: stiffness and moment about q = 0 add up
+      double &k = a.stiffness[std::size_t(r.idx_v)], &at = a.spring_reference[std::size_t(r.idx_q)];
+      const double added = l.ratio * l.ratio * r.stiffness, rest = (r.spring_reference - l.offset) / l.ratio;
+      if (added > 0) at = k > 0 ? (k * at + added * rest) / (k + added) : rest, k += added;
+    } else {
+      put(s.spring_reference, a.spring_reference, r.idx_q);
+      if (spec_nv(s) == 1) a.stiffness[std::size_t(r.idx_v)] = r.stiffness;
     }
     if (!follower) {
       put(s.lower, a.lower_limit, r.idx_q), put(s.upper, a.upper_limit, r.idx_q);
@@ -305,6 +317,11 @@ ModelPtr Builder::finish() const {
   model->n = n;
   model->model_name = name;
   model->has_mimic = mimic;
+  const auto if_some = [](std::uint32_t effect, const std::vector<double>& x) {
+    return std::any_of(x.begin(), x.end(), [](double e) { return e != 0; }) ? effect : 0u;
+  };
+  model->effects = if_some(DYN_EFFECT_ARMATURE, a.armature) | if_some(DYN_EFFECT_DAMPING, a.damping) | if_some(DYN_EFFECT_SPRINGS, a.stiffness) |
+                   if_some(DYN_EFFECT_FRICTION, a.friction);
   std::copy(in.gravity.begin(), in.gravity.end(), model->gravity);
   for (Index i = 1; i < n.bodies; ++i) model->total_mass += a.bodies[std::size_t(i)].m;
   std::copy(std::begin(offset), std::end(offset), model->offset);

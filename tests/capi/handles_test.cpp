@@ -274,6 +274,8 @@ TEST(Handles, TablesAreComplete) {
       // numbers alone: inertial_parameters_test.cpp
       "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",
       "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",
+      // effects_test.cpp
+      "dyn_batch_set_effects",
       // batch_test.cpp
       "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_batch_info"};
   for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {

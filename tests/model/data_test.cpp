@@ -89,7 +89,7 @@ TEST(Data, EachStageIsFreshForItsInputsOnly) {
       Work<double> w(*m);
       w.d.done(row.stage);
       EXPECT_TRUE(w.d.fresh(row.stage));
-      ++w.d.version[input];
+      w.d.changed(Input(input));
       EXPECT_EQ(!depends[input], w.d.fresh(row.stage)) << "stage " << int(row.stage) << " input " << input;
     }
   }

@@ -67,7 +67,7 @@ struct Robot {
 };
 
 struct Data {
-  Data(const Robot& robot, dynParts parts);
+  Data(const Robot& robot, dynParts parts, std::uint32_t effects = DYN_EFFECT_ARMATURE);
   std::unique_ptr<dynData, Deleter<dyn_data_free>> handle;
   operator dynData*() const { return handle.get(); }
 };
@@ -77,8 +77,11 @@ Vector field(const Robot& robot, const Data& data, const char* name);
 const char* joint_type_name(dynJointType type);  // "revolute"
 const char* frame_type_name(dynFrameType type);  // "FIXED_JOINT"
 
-// [{"name", "active", "reason"}]: which effects the robot calls for.
-json effects(const Robot& robot);
+// [{"name", "active", "reason"}]: which effects the robot calls for, as far as they are switched on.
+json effects(const Robot& robot, std::uint32_t on = DYN_EFFECT_ALL);
+// Option --effects: names with commas between, "all" or "none".
+void add_effects_option(CLI::App& command, std::string& names);
+std::uint32_t parse_effects(const std::string& names);
 
 // ---------------------------------------------------------------------------------------------------- the state
 

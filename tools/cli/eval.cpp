@@ -15,7 +15,7 @@ struct Options {
   RobotOptions robot;
   StateOptions state;
   std::vector<std::string> compute;
-  std::string frame, reference = "LOCAL";
+  std::string frame, reference = "LOCAL", effects = "armature";
 };
 
 // What the quantities are computed from.
@@ -316,12 +316,13 @@ void run(const Options& options) {
   if (reference == references.end())
     bad_usage("--reference: \"" + options.reference + "\" is not LOCAL, WORLD or LOCAL_WORLD_ALIGNED.");
   const auto wanted = select(options);
+  const std::uint32_t on = parse_effects(options.effects);
 
   check_lists(options.state);
   const Robot robot(options.robot);
   dynParts parts = DYN_PART_KINEMATICS;
   for (const Quantity* quantity : wanted) parts |= quantity->parts ? quantity->parts : robot.forward_parts();
-  const Data data(robot, parts);
+  const Data data(robot, parts, on);
   const State state = read_state(robot, options.state);
   int frame = -1;
   if (!options.frame.empty() && (frame = dyn_frame_id(robot, options.frame.c_str())) < 0) fail(dyn_last_error());
@@ -351,6 +352,7 @@ void add_eval(CLI::App& app) {
   add_state_options(*command, options->state, true);
   command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...")->check(not_empty);
   command->add_option("--reference", options->reference, "LOCAL, WORLD or LOCAL_WORLD_ALIGNED")->capture_default_str();
+  add_effects_option(*command, options->effects);
   command->callback([options] { run(*options); });
 }
 

@@ -62,7 +62,7 @@ JointSpec._fields_ = [
     ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("parent", c_char_p), ("placement", c_double * 12),
     ("axis", c_double * 3), ("axis2", c_double * 3), ("pitch", c_double), ("lower", c_void_p), ("upper", c_void_p),
     ("velocity", c_void_p), ("effort", c_void_p), ("armature", c_void_p), ("damping", c_void_p), ("friction", c_void_p),
-    ("rotor_inertia", c_double), ("gear_ratio", c_double), ("mimic", c_char_p), ("mimic_ratio", c_double),
+    ("stiffness", c_void_p), ("spring_reference", c_void_p), ("rotor_inertia", c_double), ("gear_ratio", c_double), ("mimic", c_char_p), ("mimic_ratio", c_double),
     ("mimic_offset", c_double), ("parts", POINTER(JointSpec)), ("parts_count", c_size_t),
 ]  # fmt: skip
 
@@ -85,14 +85,15 @@ class FieldInfo(Grown):
 class BatchArrays(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("frame", c_int32), ("joint", c_int32), ("reference", c_int), ("q", c_void_p), ("v", c_void_p),
-        ("a", c_void_p), ("tau", c_void_p), ("b", c_void_p), ("fext", c_void_p), ("out", c_void_p * 4), ("status", c_void_p),
+        ("a", c_void_p), ("tau", c_void_p), ("b", c_void_p), ("fext", c_void_p), ("q1", c_void_p), ("dt", c_double), ("integrator", c_int), ("out", c_void_p * 4),
+        ("status", c_void_p),
     ]  # fmt: skip
 
 
 class BatchInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("inputs", c_char_p), ("outputs", c_int32), ("output", c_char_p * 4),
-        ("rows", c_int32 * 4), ("cols", c_int32 * 4),
+        ("rows", c_int32 * 4), ("cols", c_int32 * 4), ("pages", c_int32 * 4),
     ]  # fmt: skip
 
 
@@ -179,6 +180,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_data_init": (STATUS, [_p, c_uint32, _p, c_size_t, _ref]),
     "dyn_data_free": (None, [_p]),
     "dyn_data_set_state": (STATUS, [_p, _p, _p, _p, _p, _p]),
+    "dyn_data_set_effects": (STATUS, [_p, _p, _i, c_uint32]),
+    "dyn_data_effects": (STATUS, [_p, _p, _i, _ref]),
     "dyn_nfields": (_i, []),
     "dyn_field_info": (STATUS, [c_int32, _ref]),
     "dyn_field_id": (c_int32, [_s]),
@@ -270,6 +273,7 @@ SIGNATURES: dict[str, tuple] = {
     # batches
     "dyn_batch_new": (STATUS, [_p, c_uint32, _i, _ref]),
     "dyn_batch_free": (None, [_p]),
+    "dyn_batch_set_effects": (STATUS, [_p, _i, c_uint32]),
     "dyn_batch_arrays_init": (None, [_ref]),
     "dyn_batch_run": (STATUS, [_p, _i, c_int64, _ref]),
     "dyn_batch_info": (STATUS, [_p, _i, _ref]),

@@ -77,6 +77,8 @@ class Builder:
         armature: ArrayLike | None = None,
         damping: ArrayLike | None = None,
         friction: ArrayLike | None = None,
+        stiffness: ArrayLike | None = None,
+        spring_reference: ArrayLike | None = None,
         rotor_inertia: float | None = None,
         gear_ratio: float | None = None,
         mimic: str | None = None,
@@ -92,6 +94,8 @@ class Builder:
         lower, upper                 limits of q, one number for each of the joint's nq; default none
         velocity, effort             limits, one number for each of its nv; default none
         armature, damping, friction  one number for each of its nv; default zero
+        stiffness                    of springs, one for each of its nv; default zero
+        spring_reference             q where they are at rest, (nq,); default neutral
         rotor_inertia, gear_ratio    add rotor_inertia * gear_ratio^2 to the armature
         mimic                        leader's name: q = mimic_ratio * q_leader + mimic_offset
         parts                        composite: its joints in order, dicts with type, placement, axis, axis2, pitch
@@ -185,7 +189,7 @@ def _sizes(type: int, parts: Sequence[abi.JointSpec]) -> tuple[int, int]:
 
 def _joint(
     name, type, parent=None, placement=None, axis=None, axis2=None, pitch=None, lower=None, upper=None, velocity=None, effort=None,
-    armature=None, damping=None, friction=None, rotor_inertia=None, gear_ratio=None, mimic=None, mimic_ratio=None, mimic_offset=None,
+    armature=None, damping=None, friction=None, stiffness=None, spring_reference=None, rotor_inertia=None, gear_ratio=None, mimic=None, mimic_ratio=None, mimic_offset=None,
     parts=(),
 ) -> tuple[abi.JointSpec, list[Any]]:  # fmt: skip
     """The structure of a joint, and what must live as long."""
@@ -197,6 +201,7 @@ def _joint(
     sizes = _sizes(spec.type, built)
     rows = {"lower": (lower, 0), "upper": (upper, 0), "velocity": (velocity, 1), "effort": (effort, 1)}
     rows |= {"armature": (armature, 1), "damping": (damping, 1), "friction": (friction, 1)}
+    rows |= {"stiffness": (stiffness, 1), "spring_reference": (spring_reference, 0)}
     for key, (value, which) in rows.items():
         if value is not None:
             a = checked(np.atleast_1d(numbers(value, key)), (sizes[which],), f"joint {name!r}: {key}")

@@ -125,6 +125,18 @@ class ModelArray(enum.IntEnum):
     DAMPING = 5
     FRICTION = 6
     GRAVITY = 7
+    STIFFNESS = 8
+    SPRING_REFERENCE = 9
+
+
+class Effect(enum.IntFlag):
+    """What joints do beside moving bodies: see Data.set_effects."""
+
+    ARMATURE = 1
+    DAMPING = 2
+    SPRINGS = 4
+    FRICTION = 8
+    ALL = 15
 
 
 class Part(enum.IntFlag):

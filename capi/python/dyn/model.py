@@ -364,10 +364,11 @@ class Model:
     # ------------------------------------------------------------------------------------------- numbers of the model
 
     def array(self, which: str | ModelArray) -> np.ndarray:
-        """Read-only view of the model's numbers: limits, armature, damping, friction, gravity."""
+        """Read-only view of the model's numbers: limits, armature, damping, friction, springs, gravity."""
         which = member(ModelArray, which, "which")
         start = lib.dyn_model_array(self._m, which)
-        n = 3 if which == ModelArray.GRAVITY else self.nq if which <= ModelArray.UPPER_LIMIT else self.nv
+        of_q = (ModelArray.LOWER_LIMIT, ModelArray.UPPER_LIMIT, ModelArray.SPRING_REFERENCE)
+        n = 3 if which == ModelArray.GRAVITY else self.nq if which in of_q else self.nv
         if start is None and n:
             fail(2)
         return view(start, n, None, (1, 0), self._owner)
@@ -406,6 +407,16 @@ class Model:
     def friction(self) -> np.ndarray:
         """(nv,), N m or N: dry friction."""
         return self.array(ModelArray.FRICTION)
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """(nv,), N m/rad or N/m: springs."""
+        return self.array(ModelArray.STIFFNESS)
+
+    @cached_property
+    def spring_reference(self) -> np.ndarray:
+        """(nq,), rad or m: the configuration where springs are at rest."""
+        return self.array(ModelArray.SPRING_REFERENCE)
 
     @cached_property
     def gravity(self) -> np.ndarray:

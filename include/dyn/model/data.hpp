@@ -92,24 +92,25 @@ struct Data {
 #include "dyn/model/data_fields.def"
 
   dynParts parts;
-  std::uint64_t version[input_count];                           // of q, v, a, tau: bumped when the value changes
-  std::uint64_t stamp[std::size_t(Stage::count_)][input_count];  // versions that each stage was computed for
-  bool valid[std::size_t(Stage::count_)];
+  std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them
+  std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
+  std::uint64_t stamp[std::size_t(Stage::count_)];  // the newest of the versions that each stage was computed for; 0: not computed
 
   bool has(dynParts p) const { return p == 0 || (parts & p) != 0; }
-  bool fresh(Stage s) const {
-    if (s == Stage::State) return true;
-    if (!valid[std::size_t(s)]) return false;
+  bool fresh(Stage s) const { return s == Stage::State || stamp[std::size_t(s)] == newest(s); }
+  void done(Stage s) { stamp[std::size_t(s)] = newest(s); }
+  void drop(Stage s) { stamp[std::size_t(s)] = 0; }
+  // Tells the inputs of a stage apart: none can change without a version that is newer than all others.
+  std::uint64_t newest(Stage s) const {
     const unsigned inputs = stage_inputs(s);
+    std::uint64_t n = 0;
     for (int i = 0; i < input_count; ++i)
-      if ((inputs >> i & 1u) && stamp[std::size_t(s)][i] != version[i]) return false;
-    return true;
+      if ((inputs >> i & 1u) && version[i] > n) n = version[i];
+    return n;
   }
-  void done(Stage s) {
-    valid[std::size_t(s)] = true;
-    for (int i = 0; i < input_count; ++i) stamp[std::size_t(s)][i] = version[i];
-  }
-  void drop(Stage s) { valid[std::size_t(s)] = false; }
+
+  // An input was written.
+  void changed(Input input) { version[input] = *std::max_element(version, version + input_count) + 1; }
 
   // Coordinates as the recursions read them: followers of a mimic have their own entries.
   const T* expand_q(const Model& m) const {
@@ -172,6 +173,25 @@ std::size_t data_bytes(const Model& m, dynParts parts) {
   return bytes;
 }
 
+// Fills in the coefficients of the effects that are switched on.
+template <class T>
+void apply_effects(const Model& m, Data<T>& d) {
+  const struct {
+    std::uint32_t bit;
+    const double* from;
+    T* to;
+  } rows[] = {{DYN_EFFECT_ARMATURE, m.armature(), d.armature}, {DYN_EFFECT_DAMPING, m.damping(), d.damping},
+              {DYN_EFFECT_SPRINGS, m.stiffness(), d.stiffness}, {DYN_EFFECT_FRICTION, m.friction(), d.friction}};
+  d.acting = 0;
+  for (Index j = 1; j < m.n.joints; ++j)
+    for (Index k = m.joints()[j].idx_v, end = k + m.joints()[j].nv; k < end; ++k)
+      for (const auto& r : rows) {
+        if (!r.to) continue;
+        r.to[k] = d.effects[j] & r.bit ? T(r.from[k]) : T(0);
+        if (r.to[k] != T(0)) d.acting |= r.bit;
+      }
+}
+
 template <class T>
 void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   char* at = static_cast<char*>(memory);
@@ -199,12 +219,14 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   if (d.Linv) std::fill_n(d.Linv, m.n.nv * factor_room(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
+  for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_ARMATURE;
+  apply_effects(m, d);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
   for (int k = 0; k < 3; ++k) d.extent[k] = T(0);
   for (auto& v : d.version) v = 1;
-  for (auto& v : d.valid) v = false;
+  for (auto& s : d.stamp) s = 0;
 }
 
 }  // namespace dyn

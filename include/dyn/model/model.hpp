@@ -38,7 +38,8 @@ struct JointRecord {
   double axis[3], axis2[3], pitch;
   double placement[12];
   Index first_part, parts;            // composite: its simple joints, in order; otherwise none
-  double armature, damping, friction; // own, of a joint with one coordinate: a follower's are also part of its leader's
+  // own, of a joint with one coordinate: a follower's are also part of its leader's
+  double armature, damping, friction, stiffness, spring_reference;
 };
 
 // A simple joint of a composite.
@@ -86,6 +87,7 @@ struct Model {
   ModelSizes n;
   Index model_name;  // offset in text
   Index has_mimic;   // 1: some joint follows another
+  std::uint32_t effects;  // DYN_EFFECT_... that some joint has
   double gravity[3];
   double total_mass;
 
