@@ -1,7 +1,7 @@
 // M = L^T D L with the tree's sparsity: L_ij is non-zero only for ancestors j of i (Featherstone 2008, 6.5, Table 6.3).
 // dof_parent is the elimination tree (with mimic joints: of the filled pattern of M). Row i of D L holds, by their depth, the
 // ancestors of i and at last the pivot D_i: ancestors of i are the first ones of its descendants too, so that rows are dense,
-// however the tree branches.
+// however the tree branches. Of the pack in which the pivot lies nobody reads what is beyond it.
 #pragma once
 
 #include "dyn/base/pack.hpp"
