@@ -77,7 +77,7 @@ bool dyn::capi::moderate_frame(Call& call, int frame, int level, double bound) {
 dynStatus dyn::capi::singular(Call& call, Index joint, Stage stage) {
   call.drop_results();
   call.d().drop(stage);
-  call.d().drop(Stage::Factor);  // with mimic joints it was being written
+  call.d().drop(Stage::Factor);  // it may have been half written
   call.take_back();
   const Model& m = call.m();
   return fail(DYN_ERROR_NUMERIC, "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave this configuration",
@@ -362,7 +362,8 @@ dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, do
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   if (const Index failed = minverse(call.m(), d)) return singular(call, failed, Stage::Minv);
-  if (!moderate(call, 0) || !call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
+  const bool finite = d.fresh(Stage::Mass) ? finite_mass(call) : moderate(call, 0);
+  if (!finite || !call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
   copy_out(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, Minv);
   return DYN_OK;
 }

@@ -19,6 +19,10 @@ inline bool check_fext(Call& call, const double* fext) { return call.finite("fex
 dynStatus singular(Call& call, Index joint, Stage stage);
 // d.M is finite: its diagonal is when it is, for placements within bounds.
 bool finite_mass(Call& call);
+// Products of the columns d.S to d.Q, as they are in the data, do not overflow. false: they may.
+bool small_columns(const Call& call);
+// Call::numeric of derivatives of a force, nv x nv, in the time of its pairs when the columns it is made of are small.
+bool numeric_pairs(Call& call, const double* x, const char* what, Stage stage, bool small_columns);
 // Factorises d.M.
 dynStatus factor(Call& call);
 

@@ -98,7 +98,7 @@ TEST(Overflow, Largest) {
 TEST(Overflow, SquaresNearTheLimit) {
   int refused = 0;
   for (double size : {1e100, 1e150, 1e154})
-    for (const Model& m : {all_types(), all_types(false), robot("panda")}) sweep(m, size, refused);
+    for (const Model& m : {all_types(), all_types(false), robot("panda"), robot("humanoid", DYN_BASE_FLOATING)}) sweep(m, size, refused);
 }
 
 // The state itself may be huge (nothing is computed when it is set); what is computed from it is finite or refused.

@@ -288,7 +288,9 @@ TEST(Builder, EliminationTreeCoversThePatternOfM) {
         if (!ancestor[std::size_t(j)]) {
           EXPECT_EQ(0, M(i, j)) << i << ", " << j;
         }
+        EXPECT_EQ(i < m->dof_descendants_end()[j], bool(ancestor[std::size_t(j)])) << i << ", " << j;
       }
+      EXPECT_EQ(Index(std::count(ancestor.begin(), ancestor.end(), true)), m->dof_depth()[i] + 1);
     }
   }
 }
