@@ -212,6 +212,7 @@ TEST(Freshness, OrderDoesNotMatter) {
       ASSERT_EQ(DYN_OK, q(m, fresh)) << row.name;
       for (int k = 0; k < row.outputs; ++k)
         for (std::size_t i = 0; i < p.out[k].size(); ++i)
+          if (q.out[k][i] == p.out[k][i]) continue;  // also both infinite: a pair that is not tested
           ASSERT_NEAR(q.out[k][i], p.out[k][i], 1e-11 * (1 + std::abs(q.out[k][i]))) << row.name << " after other calls";
     }
   }

@@ -136,8 +136,8 @@ inline Model all_types(bool mimic = true) {
     second.mimic = "follower", second.mimic_ratio = 2;
     b.joint(follower).body("b14", "follower").joint(second).body("b15", "second");
   }
-  b.shape("trunk", DYN_SHAPE_BOX, {0.1, 0.05, 0.02}).shape("b3", DYN_SHAPE_CYLINDER, {0.02, 0.1, 0}).shape("b7", DYN_SHAPE_ELLIPSOID, {0.02, 0.03, 0.04});
-  b.shape("b9", DYN_SHAPE_CAPSULE, {0.02, 0.1, 0}).shape("b11", DYN_SHAPE_CONE, {0.03, 0.1, 0}).shape("b12", DYN_SHAPE_SPHERE, {0.03, 0, 0});
+  b.shape("trunk", DYN_SHAPE_BOX, {0.1, 0.05, 0.02}).shape("b4", DYN_SHAPE_CYLINDER, {0.02, 0.1, 0}).shape("b7", DYN_SHAPE_ELLIPSOID, {0.02, 0.03, 0.04});
+  b.shape("b10", DYN_SHAPE_CAPSULE, {0.02, 0.1, 0}).shape("b13", DYN_SHAPE_SPHERE, {0.03, 0, 0});
   EXPECT_EQ(DYN_OK, dyn_builder_frame(b, "tool", "weld", nullptr, DYN_FRAME_OP_FRAME));
   EXPECT_EQ(DYN_OK, dyn_builder_frame(b, "imu", "trunk", nullptr, DYN_FRAME_SENSOR));
   return b.finish();
