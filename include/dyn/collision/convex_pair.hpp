@@ -36,7 +36,7 @@ inline Cores cores(const D& d, EpaWorkspace& workspace, const Options& options) 
   bool refined = false;
   const GjkResult g = gjk(d, -d.X.p, options, [&](const GjkResult& g) {
     // apart: the witness points bound the distance from above, the plane from below
-    refined = refine(g.simplex.p, g.simplex.weight, g.simplex.size, g.v * (-1 / g.norm), p) && p.distance > 0 &&
+    refined = refine(g.simplex.p, g.simplex.weight, g.simplex.size, g.v * (-1 / g.norm), p) && p.distance > -enough &&
               shape::norm(p.b - p.a) - p.distance <= enough;
     return refined;
   });

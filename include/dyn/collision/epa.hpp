@@ -56,22 +56,24 @@ class Epa {
     double close = 0.1 * d_.small;
     for (;; ++r.iterations) {
       const Index nearest = nearest_face();
-      const EpaFace& f = w_.face[nearest];
+      const EpaFace f = w_.face[nearest];
       const Vertex p = d_.support(f.normal);
       const double upper = dot(f.normal, p.w);
       r.lower = f.offset;
-      if (upper < r.upper - (refined_ ? wanted_ : 0)) r.normal = f.normal, r.upper = upper, refined_ = false;
+      if (upper < r.upper) r.normal = f.normal, r.upper = upper;
       if (upper - f.offset <= close) refine(nearest), close = (upper - f.offset) * 0.1;
-      const bool enough = refined_ ? r.upper - r.lower <= certain * d_.small : upper - f.offset <= wanted_;
-      if (enough || r.iterations >= o_.max_iterations || !grow(nearest, p)) {
-        if (!refined_ && upper <= r.upper + wanted_) r.normal = w_.face[nearest].normal, r.upper = upper;
-        if (!refined_) refine(nearest);
-        if (refined_)
-          rivals();
-        else
-          witness(nearest), r.residual = r.upper - r.lower;
-        return r;
+      const bool enough = refined() ? refined_upper_ - r.lower <= certain * d_.small : upper - f.offset <= wanted_;
+      if (!enough && r.iterations < o_.max_iterations && grow(nearest, p)) continue;
+      if (upper <= r.upper + wanted_) r.normal = f.normal, r.upper = upper;
+      if (!refined()) refine(nearest);
+      if (refined()) rivals();
+      if (refined()) {
+        r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
+      } else {
+        witness(nearest);
+        r.residual = r.upper - r.lower;
       }
+      return r;
     }
   }
 
@@ -82,10 +84,13 @@ class Epa {
   Refine& refine_;
   const double rounding_, wanted_;
   EpaResult r_;
-  bool refined_ = false;
+  Polished polished_;
+  double refined_upper_ = shape::infinity;
   Index vertices_ = 0, faces_ = 0, free_ = 0;
 
   static constexpr double certain = 1e-3;  // how far below a refined depth the polytope must rule out others, before rivals are looked at
+
+  bool refined() const { return refined_upper_ <= r_.upper + 1e-7 * d_.small; }
 
   Index nearest_face() const {
     Index nearest = 0;
@@ -100,14 +105,14 @@ class Epa {
     Vertex at[3];
     for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
     Polished p;
-    if (!refine_(at, part.weight, part.size, w_.face[f].normal, p) || -p.distance > r_.upper + wanted_) return;
-    r_.normal = p.normal, r_.a = p.a, r_.b = p.b, r_.upper = -p.distance, r_.residual = p.residual;
-    refined_ = true;
+    if (!refine_(at, part.weight, part.size, w_.face[f].normal, p) || -p.distance >= refined_upper_) return;
+    polished_ = p, refined_upper_ = -p.distance;
   }
   // other directions, in which the depth may still be less
   void rivals() {
-    for (Index f = 0; f < faces_; ++f)
-      if (w_.offset[f] < r_.upper - wanted_ && dot(w_.face[f].normal, r_.normal) < 0.99) refine(f);
+    int most = 8;
+    for (Index f = 0; f < faces_ && most > 0; ++f)
+      if (w_.offset[f] < refined_upper_ - wanted_ && dot(w_.face[f].normal, polished_.normal) < 0.999) refine(f), --most;
   }
 
   // Four vertices that span a volume: those of s, and farthest support points for what is missing.

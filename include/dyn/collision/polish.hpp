@@ -134,7 +134,7 @@ inline bool polish(const D& d, const Vertex* points, const double* weights, int 
   out.a = out.b = Vec::zero();
   double sum = 0;
   for (int i = 0; i < p.size; ++i) {
-    if (p.weight[i] < -1e-9) return false;
+    if (p.weight[i] * d.large < -1e-8 * d.small) return false;
     const double weight = std::max(0.0, p.weight[i]);
     out.a += p.s[i].a * weight, out.b += p.s[i].b * weight, sum += weight;
   }
