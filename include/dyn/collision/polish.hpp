@@ -26,9 +26,12 @@ struct Pieces {
   Vertex s[3];
   double weight[3];
   int size;
-  Vec n, y, u, v;      // u, v: a basis across n
+  Vec n, y;
   double f, residual;
-  bool near;           // the last step was one of Newton's
+  // the next step
+  Vec next;
+  double change[3];    // of the weights
+  bool near;           // it is Newton's own
 
   // all pieces at the normal n: those that have become one are merged
   void evaluate(const Vec& normal) {
@@ -52,9 +55,10 @@ struct Pieces {
     residual = shape::norm(y + n * -dot(n, y)) + uneven;
   }
 
-  // The next normal. Where f is not concave the step goes uphill all the same.
-  Vec step() {
-    u = shape::across(n), v = cross(n, u);
+  // Where f is not concave the step goes uphill all the same.
+  void plan() {
+    const Vec u = shape::across(n), v = cross(n, u);
+    change[0] = change[1] = change[2] = 0, near = true;
     Sym3<double> H = Sym3<double>::zero();
     for (int i = 0; i < size; ++i) H = H + d.curvature(s[i], n) * weight[i];
     const Vec Hu = H * u, Hv = H * v;
@@ -73,7 +77,7 @@ struct Pieces {
       const double side = (rv * eu - ru * ev) / ee / curved;
       du = along * eu - side * ev, dv = along * ev + side * eu;
       const double dm = ((gu - a * du - b * dv) * eu + (gv - b * du - c * dv) * ev) / ee;
-      weight[1] += dm, weight[0] -= dm;
+      change[1] = dm, change[0] = -dm;
     } else {
       const Vec e = s[1].w - s[0].w, g = s[2].w - s[0].w;
       const double eu = dot(u, e), ev = dot(v, e), hu = dot(u, g), hv = dot(v, g), det = eu * hv - ev * hu;
@@ -81,12 +85,16 @@ struct Pieces {
       du = (re * hv - rg * ev) / det, dv = (rg * eu - re * hu) / det;
       const double ru = gu - a * du - b * dv, rv = gv - b * du - c * dv;
       const double me = (ru * hv - rv * hu) / det, mg = (rv * eu - ru * ev) / det;
-      weight[1] += me, weight[2] += mg, weight[0] -= me + mg;
+      change[1] = me, change[2] = mg, change[0] = -me - mg;
     }
     const double length = std::sqrt(du * du + dv * dv), shorter = std::min(1.0, 0.3 / length);
     near = near && shorter == 1;
-    const Vec next = n + u * (du * shorter) + v * (dv * shorter);
-    return next * (1 / shape::norm(next));
+    next = n + u * (du * shorter) + v * (dv * shorter);
+    next = next * (1 / shape::norm(next));
+  }
+  void take() {
+    for (int i = 0; i < size; ++i) weight[i] += change[i];
+    evaluate(next);
   }
 
  private:
@@ -115,19 +123,17 @@ struct Pieces {
 // From support points near the solution, their weights, and a normal. false: no solution was found from there.
 template <class D>
 inline bool polish(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Polished& out) {
-  detail::Pieces<D> p{d, {}, {}, size, {}, {}, {}, {}, 0, 0, true};
+  detail::Pieces<D> p{d, {}, {}, size, {}, {}, 0, 0, {}, {}, true};
   for (int i = 0; i < size; ++i) p.s[i] = points[i], p.weight[i] = weights[i];
   p.evaluate(normal);
   double before = shape::infinity;
-  for (int i = 0; i < 16; ++i) {
-    const double residual = p.residual;
-    p.near = true;
-    const Vec next = p.step();
-    const bool slow = p.near && residual >= before * 0.5;
-    if (residual <= wanted && (slow || residual <= 1e-3 * wanted)) break;  // at the floor of rounding
-    if (!(residual < shape::infinity) || (slow && i > 2)) return false;
-    before = residual;
-    p.evaluate(next);
+  for (int i = 0; i < 24 && p.residual > 1e-3 * wanted; ++i) {
+    p.plan();
+    const bool slow = p.near && p.residual >= before * 0.5;
+    if (p.residual <= wanted && (slow || !p.near)) break;  // at the floor of rounding
+    if (!(p.residual < shape::infinity) || (slow && i > 2)) return false;
+    before = p.residual;
+    p.take();
   }
   if (!(p.residual <= wanted)) return false;
   out.normal = p.n, out.residual = p.residual;
