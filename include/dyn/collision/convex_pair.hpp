@@ -23,8 +23,9 @@ inline double wanted(const D& d, const Options& options) {
   return options.tolerance * d.small + d.rounding();
 }
 
+// guess: A's point less B's
 template <class D>
-inline Cores cores(const D& d, EpaWorkspace& workspace, const Options& options) {
+inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const Options& options) {
   const double enough = wanted(d, options);
   auto refine = [&](const Vertex* points, const double* weights, int size, const Vec& normal, Polished& p) {
     if constexpr (D::curved)
@@ -34,7 +35,7 @@ inline Cores cores(const D& d, EpaWorkspace& workspace, const Options& options) 
   };
   Polished p{};
   bool refined = false;
-  const GjkResult g = gjk(d, -d.X.p, options, [&](const GjkResult& g) {
+  const GjkResult g = gjk(d, guess, options, [&](const GjkResult& g) {
     // apart: the witness points bound the distance from above, the plane from below
     refined = refine(g.simplex.p, g.simplex.weight, g.simplex.size, g.v * (-1 / g.norm), p) && p.distance > -enough &&
               shape::norm(p.b - p.a) - p.distance <= enough;
@@ -61,11 +62,8 @@ inline Result rounded(const Cores& c, double radius_a, double radius_b, double s
 }
 
 template <class A, class B>
-inline Result convex_pair(const A& a, const B& b, const Pose& X, EpaWorkspace& workspace, const Options& options) {
-  const Difference<A, B> d(a, b, X);
-  Cores c = cores(d, workspace, options);
-  c.unique = c.unique && !d.parallel(c.normal);
-  return rounded(c, a.radius, b.radius, d.small, options);
+inline Cores convex_pair(const Difference<A, B>& d, EpaWorkspace& workspace, const Options& options) {
+  return cores(d, -d.X.p, workspace, options);
 }
 
 }  // namespace dyn::collision

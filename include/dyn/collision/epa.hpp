@@ -100,7 +100,7 @@ class Epa {
   }
 
   // a local minimum of the depth near a face, if it is less than what is known
-  void refine(Index f) {
+  [[gnu::noinline]] void refine(Index f) {
     const Part part = nearest_part(f);
     Vertex at[3];
     for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
@@ -261,7 +261,7 @@ class Epa {
 
 // refine(vertices, weights, size, normal, polished) may finish what EPA has come close to: see polish().
 template <class D, class Refine>
-inline EpaResult epa(const D& difference, const Simplex& s, EpaWorkspace& workspace, const Options& options, Refine&& refine) {
+[[gnu::noinline]] inline EpaResult epa(const D& difference, const Simplex& s, EpaWorkspace& workspace, const Options& options, Refine&& refine) {
   return detail::Epa<D, Refine>(difference, workspace, options, refine).run(s);
 }
 

@@ -22,7 +22,7 @@ namespace detail {
 // A solution of the equations for given pieces, represented by a point on each.
 template <class D>
 struct Pieces {
-  const D& d;
+  const D* difference;
   Vertex s[3];
   double weight[3];
   int size;
@@ -35,6 +35,7 @@ struct Pieces {
 
   // all pieces at the normal n: those that have become one are merged
   void evaluate(const Vec& normal) {
+    const D& d = *difference;
     n = normal;
     int kept = 0;
     for (int i = 0; i < size; ++i) {
@@ -60,7 +61,7 @@ struct Pieces {
     const Vec u = shape::across(n), v = cross(n, u);
     change[0] = change[1] = change[2] = 0, near = true;
     Sym3<double> H = Sym3<double>::zero();
-    for (int i = 0; i < size; ++i) H = H + d.curvature(s[i], n) * weight[i];
+    for (int i = 0; i < size; ++i) H = H + difference->curvature(s[i], n) * weight[i];
     const Vec Hu = H * u, Hv = H * v;
     const double a = dot(u, Hu) + f, b = dot(u, Hv), c = dot(v, Hv) + f, gu = -dot(u, y), gv = -dot(v, y);
     double du, dv;
@@ -120,22 +121,35 @@ struct Pieces {
 
 }  // namespace detail
 
-// From support points near the solution, their weights, and a normal. false: no solution was found from there.
+namespace detail {
+
+// Newton's iteration. Where f is all but flat, as of coaxial cylinders, it wanders: what it came closest to is kept.
 template <class D>
-inline bool polish(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Polished& out) {
-  detail::Pieces<D> p{d, {}, {}, size, {}, {}, 0, 0, {}, {}, true};
-  for (int i = 0; i < size; ++i) p.s[i] = points[i], p.weight[i] = weights[i];
-  p.evaluate(normal);
+inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
+  Pieces<D> best = p;
   double before = shape::infinity;
-  for (int i = 0; i < 24 && p.residual > 1e-3 * wanted; ++i) {
+  for (int i = 0; i < 24; ++i) {
+    if (p.residual <= std::min(acceptable, best.residual)) best = p;
+    if (p.residual <= 1e-3 * wanted || !(p.residual < shape::infinity)) break;
     p.plan();
     const bool slow = p.near && p.residual >= before * 0.5;
-    if (p.residual <= wanted && (slow || !p.near)) break;  // at the floor of rounding
-    if (!(p.residual < shape::infinity) || (slow && i > 2)) return false;
+    if (slow ? i > 2 || p.residual <= wanted : p.residual <= wanted && !p.near) break;
     before = p.residual;
     p.take();
   }
-  if (!(p.residual <= wanted)) return false;
+  p = best;
+  return p.residual <= acceptable;
+}
+
+}  // namespace detail
+
+// From support points near the solution, their weights, and a normal. false: no solution was found from there.
+template <class D>
+[[gnu::noinline]] inline bool polish(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Polished& out) {
+  detail::Pieces<D> p{&d, {}, {}, size, {}, {}, 0, 0, {}, {}, true};
+  for (int i = 0; i < size; ++i) p.s[i] = points[i], p.weight[i] = weights[i];
+  p.evaluate(normal);
+  if (!detail::solve(p, wanted, std::max(wanted, 1e-7 * d.small))) return false;
   out.normal = p.n, out.residual = p.residual;
   out.a = out.b = Vec::zero();
   double sum = 0;
@@ -148,7 +162,7 @@ inline bool polish(const D& d, const Vertex* points, const double* weights, int 
   // the pieces hold the plane: nothing of D lies beyond it
   const double h = dot(p.n, d.support(p.n).w);
   out.distance = -h;
-  return h + p.f <= wanted;
+  return h + p.f <= std::max(wanted, p.residual);
 }
 
 }  // namespace dyn::collision

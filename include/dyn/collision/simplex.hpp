@@ -54,7 +54,7 @@ DYN_INLINE Vec triangle_normal(const Vec& a, const Vec& b, const Vec& c) {
 }
 
 // i, j, k: their numbers
-inline Part nearest_on_triangle(const Vec& a, const Vec& b, const Vec& c, int i = 0, int j = 1, int k = 2) {
+[[gnu::noinline]] inline Part nearest_on_triangle(const Vec& a, const Vec& b, const Vec& c, int i = 0, int j = 1, int k = 2) {
   const Vec e = b - a, f = c - a, n = triangle_normal(a, b, c);
   const double nn = dot(n, n);
   const bool thin = nn <= 1e-30 * dot(e, e) * dot(f, f);
@@ -95,7 +95,7 @@ inline bool nearest_on_tetrahedron(const Simplex& s, Part& best) {
 }
 
 // Reduces s to the part that holds the nearest point v. false: the origin lies inside (s keeps its four vertices).
-inline bool reduce(Simplex& s, Vec& v) {
+[[gnu::noinline]] inline bool reduce(Simplex& s, Vec& v) {
   Part part;
   if (s.size == 4) {
     if (!nearest_on_tetrahedron(s, part)) return false;
