@@ -35,12 +35,18 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
   };
   Polished p{};
   bool refined = false;
-  const GjkResult g = gjk(d, guess, options, [&](const GjkResult& g) {
+  auto finish = [&](const GjkResult& g) {
     // apart: the witness points bound the distance from above, the plane from below
     refined = refine(g.simplex.p, g.simplex.weight, g.simplex.size, g.v * (-1 / g.norm), p) && p.distance > -enough &&
               shape::norm(p.b - p.a) - p.distance <= enough;
     return refined;
-  });
+  };
+  GjkResult g = gjk(d, guess, options, finish);
+  if (!refined && g.apart && g.gap > options.accepted * d.small) {
+    // stuck in its own rounding: from another side
+    const GjkResult other = gjk(d, shape::across(g.v * (1 / g.norm)), options, finish);
+    if (!other.apart || other.gap < g.gap) g = other;
+  }
   if (refined) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, true};
   if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, true};
   const EpaResult e = epa(d, g.simplex, workspace, options, refine);

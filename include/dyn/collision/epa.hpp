@@ -66,7 +66,7 @@ class Epa {
       if (!enough && r.iterations < o_.max_iterations && grow(nearest, p)) continue;
       if (upper <= r.upper + wanted_) r.normal = f.normal, r.upper = upper;
       if (!refined()) refine(nearest);
-      if (refined()) rivals();
+      rivals();
       if (refined()) {
         r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
       } else {
@@ -84,7 +84,7 @@ class Epa {
   Refine& refine_;
   const double rounding_, wanted_;
   EpaResult r_;
-  Polished polished_;
+  Polished polished_{};
   double refined_upper_ = shape::infinity;
   Index vertices_ = 0, faces_ = 0, free_ = 0;
 
@@ -101,6 +101,7 @@ class Epa {
 
   // a local minimum of the depth near a face, if it is less than what is known
   [[gnu::noinline]] void refine(Index f) {
+    if constexpr (!D::curved) return;
     const Part part = nearest_part(f);
     Vertex at[3];
     for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
@@ -110,9 +111,13 @@ class Epa {
   }
   // other directions, in which the depth may still be less
   void rivals() {
+    if constexpr (!D::curved) return;
     int most = 8;
-    for (Index f = 0; f < faces_ && most > 0; ++f)
-      if (w_.offset[f] < refined_upper_ - wanted_ && dot(w_.face[f].normal, polished_.normal) < 0.999) refine(f), --most;
+    for (Index f = 0; f < faces_ && most > 0; ++f) {
+      if (!(w_.offset[f] < std::min(refined_upper_, r_.upper) - wanted_)) continue;
+      if (refined() && dot(w_.face[f].normal, polished_.normal) > 0.999) continue;
+      refine(f), --most;
+    }
   }
 
   // Four vertices that span a volume: those of s, and farthest support points for what is missing.

@@ -58,9 +58,15 @@ DYN_INLINE Vec triangle_normal(const Vec& a, const Vec& b, const Vec& c) {
   const Vec e = b - a, f = c - a, n = triangle_normal(a, b, c);
   const double nn = dot(n, n);
   const bool thin = nn <= 1e-30 * dot(e, e) * dot(f, f);
-  const double lj = dot(cross(n, f), a), lk = -dot(cross(n, e), a), li = nn - lj - lk;
+  const Vec nf = cross(n, f), ne = cross(n, e);
+  double lj = dot(nf, a), lk = -dot(ne, a), li = nn - lj - lk;
   if (!thin && li > 0 && lj > 0 && lk > 0) {
     const double h = dot(n, a) / nn;
+    if (nn <= 1e-4 * dot(e, e) * dot(f, f)) {  // of a needle once more, from what is left
+      const Vec left = (a * li + b * lj + c * lk) * (1 / nn) - n * h;
+      const double cj = dot(nf, left), ck = -dot(ne, left);
+      lj += cj, lk += ck, li -= cj + ck;
+    }
     return {n * h, h * h * nn, 3, {i, j, k}, {li / nn, lj / nn, lk / nn}};
   }
   Part best;

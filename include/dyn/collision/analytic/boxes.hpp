@@ -48,7 +48,7 @@ inline BoxAxis box_axis(const Vec& ha, const Vec& hb, const Pose& X, double marg
   else
     n = cross(shape::axis(best.i), R[best.j]), n = n * (1 / shape::norm(n)), side = dot(n, p);
   best.n = n * std::copysign(1.0, side);
-  best.unique = side != 0 && second < best.distance - 1e-7 * largest(hb);
+  best.unique = side != 0 && second < best.distance - 1e-7 * shape::largest(hb);
   return best;
 }
 
