@@ -123,15 +123,17 @@ TEST_P(Shapes, MomentsAgainstChords) {
     if constexpr (S::type == Type::Ellipsoid || S::type == Type::Convex)
       if (x.radius > 0) return;
     const int n = 160;
-    const double reach = size_of(s), step = 2 * reach / n;
+    const double reach = size_of(s);
+    const shape::Bounds box = x.bounds(Pose::identity());
+    const Vec step = (box.upper - box.lower) * (1.0 / n);
     double m = 0, q[3] = {}, h = 0;
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) {
-        const double px = -reach + (i + 0.5) * step, py = -reach + (j + 0.5) * step;
+        const double px = box.lower[0] + (i + 0.5) * step[0], py = box.lower[1] + (j + 0.5) * step[1], area = step[0] * step[1];
         const shape::Hit in = x.ray(Vec::make(px, py, -2 * reach), shape::axis(2)), out = x.ray(Vec::make(px, py, 2 * reach), -shape::axis(2));
         if (!(in.t < shape::infinity && out.t < shape::infinity)) continue;
-        const double a = in.t - 2 * reach, b = 2 * reach - out.t, dm = (b - a) * step * step;
-        m += dm, q[0] += dm * px * px, q[1] += dm * py * py, q[2] += step * step * (b * b * b - a * a * a) / 3, h += step * step * (b * b - a * a) / 2;
+        const double a = in.t - 2 * reach, b = 2 * reach - out.t, dm = (b - a) * area;
+        m += dm, q[0] += dm * px * px, q[1] += dm * py * py, q[2] += area * (b * b * b - a * a * a) / 3, h += area * (b * b - a * a) / 2;
       }
     const Inertia<double> Y = x.mass_properties(2);
     const double scale = 2 * m;

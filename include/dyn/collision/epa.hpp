@@ -41,7 +41,7 @@ template <class D, class Refine>
 class Epa {
  public:
   Epa(const D& d, EpaWorkspace& w, const Options& o, Refine& refine)
-      : d_(d), w_(w), o_(o), refine_(refine), rounding_(d.rounding()), wanted_(o.tolerance * d.small + rounding_) {}
+      : d_(d), w_(w), o_(o), refine_(refine), rounding_(d.rounding()), wanted_(o.tolerance * d.small + rounding_), tie_(1e-7 * d.small) {}
 
   // From the vertices of a simplex near the origin.
   EpaResult run(const Simplex& s) {
@@ -69,6 +69,7 @@ class Epa {
       rivals();
       if (refined()) {
         r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
+        r.unique = polished_.unique;
       } else {
         witness(nearest);
         r.residual = r.upper - r.lower;
@@ -82,7 +83,7 @@ class Epa {
   EpaWorkspace& w_;
   const Options& o_;
   Refine& refine_;
-  const double rounding_, wanted_;
+  const double rounding_, wanted_, tie_;
   EpaResult r_;
   Polished polished_{};
   double refined_upper_ = shape::infinity;
@@ -90,7 +91,7 @@ class Epa {
 
   static constexpr double certain = 1e-3;  // how far below a refined depth the polytope must rule out others, before rivals are looked at
 
-  bool refined() const { return refined_upper_ <= r_.upper + 1e-7 * d_.small; }
+  bool refined() const { return refined_upper_ <= r_.upper + tie_; }
 
   Index nearest_face() const {
     Index nearest = 0;
@@ -106,15 +107,17 @@ class Epa {
     Vertex at[3];
     for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
     Polished p;
-    if (!refine_(at, part.weight, part.size, w_.face[f].normal, p) || -p.distance >= refined_upper_) return;
-    polished_ = p, refined_upper_ = -p.distance;
+    if (!refine_(at, part.weight, part.size, w_.face[f].normal, p)) return;
+    const double less = refined_upper_ + p.distance;
+    if (std::abs(less) <= tie_ && dot(p.normal, polished_.normal) < 1 - 1e-6) p.unique = polished_.unique = false;
+    if (less > 0) polished_ = p, refined_upper_ = -p.distance;
   }
   // other directions, in which the depth may still be less
   void rivals() {
     if constexpr (!D::curved) return;
     int most = 8;
     for (Index f = 0; f < faces_ && most > 0; ++f) {
-      if (!(w_.offset[f] < std::min(refined_upper_, r_.upper) - wanted_)) continue;
+      if (!(w_.offset[f] < std::min(refined_upper_, r_.upper) + tie_)) continue;
       if (refined() && dot(w_.face[f].normal, polished_.normal) > 0.999) continue;
       refine(f), --most;
     }
@@ -246,7 +249,7 @@ class Epa {
     const double offset = w_.face[f].offset;
     Part nearest = nearest_part(f);
     for (Index g = 0; g < faces_; ++g) {
-      if (w_.offset[g] > offset + 1e-7 * d_.small) continue;
+      if (w_.offset[g] > offset + tie_) continue;
       if (dot(w_.face[g].normal, r_.normal) < 1 - 1e-12) {
         r_.unique = r_.unique && dot(w_.face[g].normal, r_.normal) > 1 - 1e-6;
       } else if (w_.offset[g] <= offset + 4 * rounding_) {

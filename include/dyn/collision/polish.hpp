@@ -15,6 +15,7 @@ struct Polished {
   Vec normal, a, b;   // witness points in the two cores
   double distance;    // f
   double residual;    // of the equations above
+  bool unique;        // f falls in every direction from here
 };
 
 namespace detail {
@@ -32,6 +33,7 @@ struct Pieces {
   Vec next;
   double change[3];    // of the weights
   bool near;           // it is Newton's own
+  bool flat;           // f is as large in some direction
 
   // all pieces at the normal n: those that have become one are merged
   void evaluate(const Vec& normal) {
@@ -59,7 +61,7 @@ struct Pieces {
   // Where f is not concave the step goes uphill all the same.
   void plan() {
     const Vec u = shape::across(n), v = cross(n, u);
-    change[0] = change[1] = change[2] = 0, near = true;
+    change[0] = change[1] = change[2] = 0, near = true, flat = false;
     Sym3<double> H = Sym3<double>::zero();
     for (int i = 0; i < size; ++i) H = H + difference->curvature(s[i], n) * weight[i];
     const Vec Hu = H * u, Hv = H * v;
@@ -114,8 +116,9 @@ struct Pieces {
   }
   // a curvature, made positive
   double uphill(double curvature, double mean) {
-    near = curvature > 0;
-    return std::max(std::abs(curvature), 1e-9 * (std::abs(f) + std::abs(mean)) + 1e-300);
+    const double size = std::abs(f) + std::abs(mean);
+    near = curvature > 0, flat = curvature <= 1e-7 * size;
+    return std::max(std::abs(curvature), 1e-9 * size + 1e-300);
   }
 };
 
@@ -146,11 +149,12 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
 // From support points near the solution, their weights, and a normal. false: no solution was found from there.
 template <class D>
 [[gnu::noinline]] inline bool polish(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Polished& out) {
-  detail::Pieces<D> p{&d, {}, {}, size, {}, {}, 0, 0, {}, {}, true};
+  detail::Pieces<D> p{&d, {}, {}, size, {}, {}, 0, 0, {}, {}, true, false};
   for (int i = 0; i < size; ++i) p.s[i] = points[i], p.weight[i] = weights[i];
   p.evaluate(normal);
   if (!detail::solve(p, wanted, std::max(wanted, 1e-7 * d.small))) return false;
-  out.normal = p.n, out.residual = p.residual;
+  p.plan();
+  out.normal = p.n, out.residual = p.residual, out.unique = !p.flat;
   out.a = out.b = Vec::zero();
   double sum = 0;
   for (int i = 0; i < p.size; ++i) {
