@@ -1,8 +1,13 @@
-// The table of pairs. A row is the first shape, a column the second; a pair below the diagonal is its mirror image exchanged. Methods:
-//   .  half-space: deepest point      s  sphere: nearest point of the other      c  two segments
-//   b  separating axes, then GJK      g  GJK and EPA                             -  two half-spaces
+// The table of pairs. Which method answers which pair (the other half is exchanged):
+//               half-space   sphere     capsule     box       others
+//   half-space  planes       deepest    deepest     deepest   deepest    point below the plane
+//   sphere                   nearest    nearest     nearest   nearest    point to the sphere's centre
+//   capsule                             segments    axes      gjk
+//   box                                             axes      gjk        separating axes when they meet, else GJK
+//   others                                                    gjk        GJK, EPA, Newton
 #include "dyn/collision/distance.hpp"
 
+#include "dyn/collision/analytic/boxes.hpp"
 #include "dyn/collision/analytic/capsules.hpp"
 #include "dyn/collision/analytic/half_space.hpp"
 #include "dyn/collision/analytic/half_spaces.hpp"
@@ -34,9 +39,25 @@ Result sphere(const Shape& a, const Shape& b, const Pose& X, Workspace&, const O
 Result capsules(const Shape& a, const Shape& b, const Pose& X, Workspace&, const Options& o) {
   return finish(capsule_pair(Capsule(a), Capsule(b), X), Capsule(a), Capsule(b), o);
 }
+// of shapes with straight features, which may be parallel
+template <class A, class B, class F>
+Result general(const Shape& shape_a, const Shape& shape_b, const Pose& X, const Options& o, F&& method) {
+  const A a(shape_a);
+  const B b(shape_b);
+  const Difference<A, B> d(a, b, X);
+  Cores c = method(d);
+  c.unique = c.unique && !d.parallel(c.normal);
+  return rounded(c, a.radius, b.radius, d.small, o);
+}
+Result boxes(const Shape& a, const Shape& b, const Pose& X, Workspace& w, const Options& o) {
+  return general<Box, Box>(a, b, X, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });
+}
+Result box_capsule(const Shape& a, const Shape& b, const Pose& X, Workspace& w, const Options& o) {
+  return general<Box, Capsule>(a, b, X, o, [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
+}
 template <class A, class B>
 Result convex(const Shape& a, const Shape& b, const Pose& X, Workspace& w, const Options& o) {
-  return convex_pair(A(a), B(b), X, w, o);
+  return general<A, B>(a, b, X, o, [&](const auto& d) { return convex_pair(d, w, o); });
 }
 
 struct Pair {
@@ -55,6 +76,12 @@ constexpr Pair pair() {
     return {sphere<A>, false};
   else if constexpr (A::type == Type::Capsule && B::type == Type::Capsule)
     return {capsules, false};
+  else if constexpr (A::type == Type::Box && B::type == Type::Box)
+    return {boxes, false};
+  else if constexpr (A::type == Type::Box && B::type == Type::Capsule)
+    return {box_capsule, false};
+  else if constexpr (A::type == Type::Capsule && B::type == Type::Box)
+    return {box_capsule, true};
   else if constexpr (A::type == Type::Sphere || A::type > B::type)
     return {pair<B, A>().method, true};
   else

@@ -23,8 +23,9 @@ inline double wanted(const D& d, const Options& options) {
   return options.tolerance * d.small + d.rounding();
 }
 
+// guess: A's point less B's
 template <class D>
-inline Cores cores(const D& d, EpaWorkspace& workspace, const Options& options) {
+inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const Options& options) {
   const double enough = wanted(d, options);
   auto refine = [&](const Vertex* points, const double* weights, int size, const Vec& normal, Polished& p) {
     if constexpr (D::curved)
@@ -34,12 +35,18 @@ inline Cores cores(const D& d, EpaWorkspace& workspace, const Options& options) 
   };
   Polished p{};
   bool refined = false;
-  const GjkResult g = gjk(d, -d.X.p, options, [&](const GjkResult& g) {
+  auto finish = [&](const GjkResult& g) {
     // apart: the witness points bound the distance from above, the plane from below
-    refined = refine(g.simplex.p, g.simplex.weight, g.simplex.size, g.v * (-1 / g.norm), p) && p.distance > 0 &&
+    refined = refine(g.simplex.p, g.simplex.weight, g.simplex.size, g.v * (-1 / g.norm), p) && p.distance > -enough &&
               shape::norm(p.b - p.a) - p.distance <= enough;
     return refined;
-  });
+  };
+  GjkResult g = gjk(d, guess, options, finish);
+  if (!refined && g.apart && g.gap > options.accepted * d.small) {
+    // stuck in its own rounding: from another side
+    const GjkResult other = gjk(d, shape::across(g.v * (1 / g.norm)), options, finish);
+    if (!other.apart || other.gap < g.gap) g = other;
+  }
   if (refined) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, true};
   if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, true};
   const EpaResult e = epa(d, g.simplex, workspace, options, refine);
@@ -61,11 +68,8 @@ inline Result rounded(const Cores& c, double radius_a, double radius_b, double s
 }
 
 template <class A, class B>
-inline Result convex_pair(const A& a, const B& b, const Pose& X, EpaWorkspace& workspace, const Options& options) {
-  const Difference<A, B> d(a, b, X);
-  Cores c = cores(d, workspace, options);
-  c.unique = c.unique && !d.parallel(c.normal);
-  return rounded(c, a.radius, b.radius, d.small, options);
+inline Cores convex_pair(const Difference<A, B>& d, EpaWorkspace& workspace, const Options& options) {
+  return cores(d, -d.X.p, workspace, options);
 }
 
 }  // namespace dyn::collision

@@ -41,7 +41,7 @@ template <class D, class Refine>
 class Epa {
  public:
   Epa(const D& d, EpaWorkspace& w, const Options& o, Refine& refine)
-      : d_(d), w_(w), o_(o), refine_(refine), rounding_(d.rounding()), wanted_(o.tolerance * d.small + rounding_) {}
+      : d_(d), w_(w), o_(o), refine_(refine), rounding_(d.rounding()), wanted_(o.tolerance * d.small + rounding_), tie_(1e-7 * d.small) {}
 
   // From the vertices of a simplex near the origin.
   EpaResult run(const Simplex& s) {
@@ -56,22 +56,25 @@ class Epa {
     double close = 0.1 * d_.small;
     for (;; ++r.iterations) {
       const Index nearest = nearest_face();
-      const EpaFace& f = w_.face[nearest];
+      const EpaFace f = w_.face[nearest];
       const Vertex p = d_.support(f.normal);
       const double upper = dot(f.normal, p.w);
       r.lower = f.offset;
-      if (upper < r.upper - (refined_ ? wanted_ : 0)) r.normal = f.normal, r.upper = upper, refined_ = false;
+      if (upper < r.upper) r.normal = f.normal, r.upper = upper;
       if (upper - f.offset <= close) refine(nearest), close = (upper - f.offset) * 0.1;
-      const bool enough = refined_ ? r.upper - r.lower <= certain * d_.small : upper - f.offset <= wanted_;
-      if (enough || r.iterations >= o_.max_iterations || !grow(nearest, p)) {
-        if (!refined_ && upper <= r.upper + wanted_) r.normal = w_.face[nearest].normal, r.upper = upper;
-        if (!refined_) refine(nearest);
-        if (refined_)
-          rivals();
-        else
-          witness(nearest), r.residual = r.upper - r.lower;
-        return r;
+      const bool enough = refined() ? refined_upper_ - r.lower <= certain * d_.small : upper - f.offset <= wanted_;
+      if (!enough && r.iterations < o_.max_iterations && grow(nearest, p)) continue;
+      if (upper <= r.upper + wanted_) r.normal = f.normal, r.upper = upper;
+      if (!refined()) refine(nearest);
+      rivals();
+      if (refined()) {
+        r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
+        r.unique = polished_.unique;
+      } else {
+        witness(nearest);
+        r.residual = r.upper - r.lower;
       }
+      return r;
     }
   }
 
@@ -80,12 +83,15 @@ class Epa {
   EpaWorkspace& w_;
   const Options& o_;
   Refine& refine_;
-  const double rounding_, wanted_;
+  const double rounding_, wanted_, tie_;
   EpaResult r_;
-  bool refined_ = false;
+  Polished polished_{};
+  double refined_upper_ = shape::infinity;
   Index vertices_ = 0, faces_ = 0, free_ = 0;
 
   static constexpr double certain = 1e-3;  // how far below a refined depth the polytope must rule out others, before rivals are looked at
+
+  bool refined() const { return refined_upper_ <= r_.upper + tie_; }
 
   Index nearest_face() const {
     Index nearest = 0;
@@ -95,19 +101,26 @@ class Epa {
   }
 
   // a local minimum of the depth near a face, if it is less than what is known
-  void refine(Index f) {
+  [[gnu::noinline]] void refine(Index f) {
+    if constexpr (!D::curved) return;
     const Part part = nearest_part(f);
     Vertex at[3];
     for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
     Polished p;
-    if (!refine_(at, part.weight, part.size, w_.face[f].normal, p) || -p.distance > r_.upper + wanted_) return;
-    r_.normal = p.normal, r_.a = p.a, r_.b = p.b, r_.upper = -p.distance, r_.residual = p.residual;
-    refined_ = true;
+    if (!refine_(at, part.weight, part.size, w_.face[f].normal, p)) return;
+    const double less = refined_upper_ + p.distance;
+    if (std::abs(less) <= tie_ && dot(p.normal, polished_.normal) < 1 - 1e-6) p.unique = polished_.unique = false;
+    if (less > 0) polished_ = p, refined_upper_ = -p.distance;
   }
   // other directions, in which the depth may still be less
   void rivals() {
-    for (Index f = 0; f < faces_; ++f)
-      if (w_.offset[f] < r_.upper - wanted_ && dot(w_.face[f].normal, r_.normal) < 0.99) refine(f);
+    if constexpr (!D::curved) return;
+    int most = 8;
+    for (Index f = 0; f < faces_ && most > 0; ++f) {
+      if (!(w_.offset[f] < std::min(refined_upper_, r_.upper) + tie_)) continue;
+      if (refined() && dot(w_.face[f].normal, polished_.normal) > 0.999) continue;
+      refine(f), --most;
+    }
   }
 
   // Four vertices that span a volume: those of s, and farthest support points for what is missing.
@@ -236,7 +249,7 @@ class Epa {
     const double offset = w_.face[f].offset;
     Part nearest = nearest_part(f);
     for (Index g = 0; g < faces_; ++g) {
-      if (w_.offset[g] > offset + 1e-7 * d_.small) continue;
+      if (w_.offset[g] > offset + tie_) continue;
       if (dot(w_.face[g].normal, r_.normal) < 1 - 1e-12) {
         r_.unique = r_.unique && dot(w_.face[g].normal, r_.normal) > 1 - 1e-6;
       } else if (w_.offset[g] <= offset + 4 * rounding_) {
@@ -256,7 +269,7 @@ class Epa {
 
 // refine(vertices, weights, size, normal, polished) may finish what EPA has come close to: see polish().
 template <class D, class Refine>
-inline EpaResult epa(const D& difference, const Simplex& s, EpaWorkspace& workspace, const Options& options, Refine&& refine) {
+[[gnu::noinline]] inline EpaResult epa(const D& difference, const Simplex& s, EpaWorkspace& workspace, const Options& options, Refine&& refine) {
   return detail::Epa<D, Refine>(difference, workspace, options, refine).run(s);
 }
 

@@ -15,6 +15,7 @@ struct Polished {
   Vec normal, a, b;   // witness points in the two cores
   double distance;    // f
   double residual;    // of the equations above
+  bool unique;        // f falls in every direction from here
 };
 
 namespace detail {
@@ -22,16 +23,21 @@ namespace detail {
 // A solution of the equations for given pieces, represented by a point on each.
 template <class D>
 struct Pieces {
-  const D& d;
+  const D* difference;
   Vertex s[3];
   double weight[3];
   int size;
-  Vec n, y, u, v;      // u, v: a basis across n
+  Vec n, y;
   double f, residual;
-  bool near;           // the last step was one of Newton's
+  // the next step
+  Vec next;
+  double change[3];    // of the weights
+  bool near;           // it is Newton's own
+  bool flat;           // f is as large in some direction
 
   // all pieces at the normal n: those that have become one are merged
   void evaluate(const Vec& normal) {
+    const D& d = *difference;
     n = normal;
     int kept = 0;
     for (int i = 0; i < size; ++i) {
@@ -52,11 +58,12 @@ struct Pieces {
     residual = shape::norm(y + n * -dot(n, y)) + uneven;
   }
 
-  // The next normal. Where f is not concave the step goes uphill all the same.
-  Vec step() {
-    u = shape::across(n), v = cross(n, u);
+  // Where f is not concave the step goes uphill all the same.
+  void plan() {
+    const Vec u = shape::across(n), v = cross(n, u);
+    change[0] = change[1] = change[2] = 0, near = true, flat = false;
     Sym3<double> H = Sym3<double>::zero();
-    for (int i = 0; i < size; ++i) H = H + d.curvature(s[i], n) * weight[i];
+    for (int i = 0; i < size; ++i) H = H + difference->curvature(s[i], n) * weight[i];
     const Vec Hu = H * u, Hv = H * v;
     const double a = dot(u, Hu) + f, b = dot(u, Hv), c = dot(v, Hv) + f, gu = -dot(u, y), gv = -dot(v, y);
     double du, dv;
@@ -73,7 +80,7 @@ struct Pieces {
       const double side = (rv * eu - ru * ev) / ee / curved;
       du = along * eu - side * ev, dv = along * ev + side * eu;
       const double dm = ((gu - a * du - b * dv) * eu + (gv - b * du - c * dv) * ev) / ee;
-      weight[1] += dm, weight[0] -= dm;
+      change[1] = dm, change[0] = -dm;
     } else {
       const Vec e = s[1].w - s[0].w, g = s[2].w - s[0].w;
       const double eu = dot(u, e), ev = dot(v, e), hu = dot(u, g), hv = dot(v, g), det = eu * hv - ev * hu;
@@ -81,12 +88,16 @@ struct Pieces {
       du = (re * hv - rg * ev) / det, dv = (rg * eu - re * hu) / det;
       const double ru = gu - a * du - b * dv, rv = gv - b * du - c * dv;
       const double me = (ru * hv - rv * hu) / det, mg = (rv * eu - ru * ev) / det;
-      weight[1] += me, weight[2] += mg, weight[0] -= me + mg;
+      change[1] = me, change[2] = mg, change[0] = -me - mg;
     }
     const double length = std::sqrt(du * du + dv * dv), shorter = std::min(1.0, 0.3 / length);
     near = near && shorter == 1;
-    const Vec next = n + u * (du * shorter) + v * (dv * shorter);
-    return next * (1 / shape::norm(next));
+    next = n + u * (du * shorter) + v * (dv * shorter);
+    next = next * (1 / shape::norm(next));
+  }
+  void take() {
+    for (int i = 0; i < size; ++i) weight[i] += change[i];
+    evaluate(next);
   }
 
  private:
@@ -105,36 +116,49 @@ struct Pieces {
   }
   // a curvature, made positive
   double uphill(double curvature, double mean) {
-    near = curvature > 0;
-    return std::max(std::abs(curvature), 1e-9 * (std::abs(f) + std::abs(mean)) + 1e-300);
+    const double size = std::abs(f) + std::abs(mean);
+    near = curvature > 0, flat = curvature <= 1e-7 * size;
+    return std::max(std::abs(curvature), 1e-9 * size + 1e-300);
   }
 };
 
 }  // namespace detail
 
+namespace detail {
+
+// Newton's iteration. Where f is all but flat, as of coaxial cylinders, it wanders: what it came closest to is kept.
+template <class D>
+inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
+  Pieces<D> best = p;
+  double before = shape::infinity;
+  for (int i = 0; i < 24; ++i) {
+    if (p.residual <= std::min(acceptable, best.residual)) best = p;
+    if (p.residual <= 1e-3 * wanted || !(p.residual < shape::infinity)) break;
+    p.plan();
+    const bool slow = p.near && p.residual >= before * 0.5;
+    if (slow ? i > 2 || p.residual <= wanted : p.residual <= wanted && !p.near) break;
+    before = p.residual;
+    p.take();
+  }
+  p = best;
+  return p.residual <= acceptable;
+}
+
+}  // namespace detail
+
 // From support points near the solution, their weights, and a normal. false: no solution was found from there.
 template <class D>
-inline bool polish(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Polished& out) {
-  detail::Pieces<D> p{d, {}, {}, size, {}, {}, {}, {}, 0, 0, true};
+[[gnu::noinline]] inline bool polish(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Polished& out) {
+  detail::Pieces<D> p{&d, {}, {}, size, {}, {}, 0, 0, {}, {}, true, false};
   for (int i = 0; i < size; ++i) p.s[i] = points[i], p.weight[i] = weights[i];
   p.evaluate(normal);
-  double before = shape::infinity;
-  for (int i = 0; i < 16; ++i) {
-    const double residual = p.residual;
-    p.near = true;
-    const Vec next = p.step();
-    const bool slow = p.near && residual >= before * 0.5;
-    if (residual <= wanted && (slow || residual <= 1e-3 * wanted)) break;  // at the floor of rounding
-    if (!(residual < shape::infinity) || (slow && i > 2)) return false;
-    before = residual;
-    p.evaluate(next);
-  }
-  if (!(p.residual <= wanted)) return false;
-  out.normal = p.n, out.residual = p.residual;
+  if (!detail::solve(p, wanted, std::max(wanted, 1e-7 * d.small))) return false;
+  p.plan();
+  out.normal = p.n, out.residual = p.residual, out.unique = !p.flat;
   out.a = out.b = Vec::zero();
   double sum = 0;
   for (int i = 0; i < p.size; ++i) {
-    if (p.weight[i] < -1e-9) return false;
+    if (p.weight[i] * d.large < -1e-8 * d.small) return false;
     const double weight = std::max(0.0, p.weight[i]);
     out.a += p.s[i].a * weight, out.b += p.s[i].b * weight, sum += weight;
   }
@@ -142,7 +166,7 @@ inline bool polish(const D& d, const Vertex* points, const double* weights, int 
   // the pieces hold the plane: nothing of D lies beyond it
   const double h = dot(p.n, d.support(p.n).w);
   out.distance = -h;
-  return h + p.f <= wanted;
+  return h + p.f <= std::max(wanted, p.residual);
 }
 
 }  // namespace dyn::collision

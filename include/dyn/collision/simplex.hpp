@@ -54,13 +54,19 @@ DYN_INLINE Vec triangle_normal(const Vec& a, const Vec& b, const Vec& c) {
 }
 
 // i, j, k: their numbers
-inline Part nearest_on_triangle(const Vec& a, const Vec& b, const Vec& c, int i = 0, int j = 1, int k = 2) {
+[[gnu::noinline]] inline Part nearest_on_triangle(const Vec& a, const Vec& b, const Vec& c, int i = 0, int j = 1, int k = 2) {
   const Vec e = b - a, f = c - a, n = triangle_normal(a, b, c);
   const double nn = dot(n, n);
   const bool thin = nn <= 1e-30 * dot(e, e) * dot(f, f);
-  const double lj = dot(cross(n, f), a), lk = -dot(cross(n, e), a), li = nn - lj - lk;
+  const Vec nf = cross(n, f), ne = cross(n, e);
+  double lj = dot(nf, a), lk = -dot(ne, a), li = nn - lj - lk;
   if (!thin && li > 0 && lj > 0 && lk > 0) {
     const double h = dot(n, a) / nn;
+    if (nn <= 1e-4 * dot(e, e) * dot(f, f)) {  // of a needle once more, from what is left
+      const Vec left = (a * li + b * lj + c * lk) * (1 / nn) - n * h;
+      const double cj = dot(nf, left), ck = -dot(ne, left);
+      lj += cj, lk += ck, li -= cj + ck;
+    }
     return {n * h, h * h * nn, 3, {i, j, k}, {li / nn, lj / nn, lk / nn}};
   }
   Part best;
@@ -95,7 +101,7 @@ inline bool nearest_on_tetrahedron(const Simplex& s, Part& best) {
 }
 
 // Reduces s to the part that holds the nearest point v. false: the origin lies inside (s keeps its four vertices).
-inline bool reduce(Simplex& s, Vec& v) {
+[[gnu::noinline]] inline bool reduce(Simplex& s, Vec& v) {
   Part part;
   if (s.size == 4) {
     if (!nearest_on_tetrahedron(s, part)) return false;

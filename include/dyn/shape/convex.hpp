@@ -88,8 +88,11 @@ inline Nearest Convex::nearest(const Vec& p) const {
   Index inner = 0;
   double height = -infinity;
   Nearest best = {Vec::zero(), Vec::zero(), infinity, true};
-  auto consider = [&](const Vec& c) {
-    const Vec r = p - c;
+  // of an edge a + t e
+  auto consider = [&](const Vec& a, const Vec& e, double t) {
+    const Vec c = a + e * t;
+    Vec r = p - c;
+    if (t > 0 && t < 1) r -= e * (dot(r, e) / dot(e, e));  // once more: r may be far shorter than e
     const double d = norm(r);
     if (d < best.distance) best = {c, r * (1 / d), d, true};
   };
@@ -106,7 +109,7 @@ inline Nearest Convex::nearest(const Vec& p) const {
       const Vec e = b - a;
       if (dot(cross(e, p - a), n) >= 0) continue;
       over = false;
-      consider(a + e * std::clamp(dot(p - a, e) / dot(e, e), 0.0, 1.0));
+      consider(a, e, std::clamp(dot(p - a, e) / dot(e, e), 0.0, 1.0));
     }
     if (over) return {p - n * h, n, h, true};
   }

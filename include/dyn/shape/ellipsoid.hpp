@@ -76,6 +76,7 @@ inline Nearest Ellipsoid::nearest(const Vec& p) const {
     for (int k = 0; k < 100; ++k) {
       double F = -1, dF = 0;
       for (int i = 0; i < 3; ++i) {
+        if (z[i] == 0) continue;
         const double u = 1 / (s + excess[i]), q = g[i] * z[i] * z[i] * u * u;
         F += q, dF -= 2 * q * u;
       }
@@ -83,7 +84,7 @@ inline Nearest Ellipsoid::nearest(const Vec& p) const {
       if (!(next > s)) break;
       s = next;
     }
-    for (int i = 0; i < 3; ++i) x[i] = a * g[i] * z[i] / (s + excess[i]);
+    for (int i = 0; i < 3; ++i) x[i] = z[i] == 0 ? 0 : a * g[i] * z[i] / (s + excess[i]);
   }
   const Vec foot = with_sign(Vec::make(x[0], x[1], x[2]), p);
   const Vec slope = Vec::make(foot[0] / (semi[0] * semi[0]), foot[1] / (semi[1] * semi[1]), foot[2] / (semi[2] * semi[2]));
@@ -91,8 +92,7 @@ inline Nearest Ellipsoid::nearest(const Vec& p) const {
   return {foot, n, inside > 1 ? norm(p - foot) : -norm(p - foot), unique};
 }
 
-// Rounded: no closed form. The boundary x(n) = s(n) + r n over the sphere of normals, by Gauss and trapezoidal sums; the moments are
-// those of the cones from the centre to the boundary (divergence theorem), dA = det(H + r 1 on the tangent plane) dn.
+// of the core alone: rounded, there is no closed form
 inline Inertia<double> Ellipsoid::solid() const {
   const double m = 4.18879020478639098 * semi[0] * semi[1] * semi[2];
   const Vec q = hadamard(semi, semi) * (m / 5);

@@ -47,7 +47,7 @@ struct Side {
 // Moments at density 1 of the solid that the side sweeps about z, closed by flat discs and rounded by `radius`:
 //   m = pi int r^2 dz,  first moment pi int r^2 z dz,  int x^2 = int y^2 = pi/4 int r^4 dz,  int z^2 = pi int r^2 z^2 dz
 // along the meridian: an arc about each end of the side, and the side itself, moved out. Eight Gauss points are exact on the side
-// (polynomials) and on the arcs (trigonometric polynomials of degree 5, at most half a turn) to the last digits.
+// (polynomials), and on a quarter of an arc (trigonometric polynomials of degree 5) to the last digits.
 inline Inertia<double> revolve(const Side& side, double radius) {
   static constexpr double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
   static constexpr double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
@@ -69,10 +69,12 @@ inline Inertia<double> revolve(const Side& side, double radius) {
     r = side.r0 + t * (side.r1 - side.r0) + radius * nr, z = side.z0 + t * (side.z1 - side.z0) + radius * nz, dz = (side.z1 - side.z0) / 2;
   });
   auto arc = [&](double r0, double z0, double from, double to) {
-    along([&](double s, double& r, double& z, double& dz) {
-      const double a = from + (to - from) * (1 + s) / 2;
-      r = r0 + radius * std::cos(a), z = z0 + radius * std::sin(a), dz = radius * std::cos(a) * (to - from) / 2;
-    });
+    const double quarter = (to - from) / 4;
+    for (int k = 0; k < 4; ++k)
+      along([&](double s, double& r, double& z, double& dz) {
+        const double a = from + quarter * (k + (1 + s) / 2);
+        r = r0 + radius * std::cos(a), z = z0 + radius * std::sin(a), dz = radius * std::cos(a) * quarter / 2;
+      });
   };
   if (radius > 0) arc(side.r0, side.z0, -pi / 2, slope), arc(side.r1, side.z1, slope, pi / 2);
   return {m, axis(2) * mz, Sym3<double>::diagonal(rr + zz, rr + zz, 2 * rr)};
