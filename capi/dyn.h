@@ -291,7 +291,7 @@ typedef struct dynShapeSpec {
   const char* name;       /* NULL: none */
   dynShapeType type;
   dynShapeRole role;      /* default collision */
-  const char* body;       /* the link that carries it */
+  const char* body;       /* the link that carries it; NULL or "universe": the world */
   double placement[12];   /* in the link's frame; default identity */
   double size[3];         /* as in dynShapeInfo, metres > 0 */
   const char* mesh;       /* MESH: its file, kept as a name */

@@ -1,6 +1,7 @@
 #include "dyn/collision/pairs.hpp"
 
 #include "dyn/algorithm/kinematics.hpp"
+#include "dyn/collision/gradient.hpp"
 
 namespace dyn::collision {
 
@@ -63,22 +64,20 @@ void distance_gradient(const Model& m, const Data<double>& d, Index pair, double
   if (d.pair_states[pair] != DYN_PAIR_TESTED || !d.results[pair].unique) return;
   const Result& r = d.results[pair];
   // up from both bodies to where their ways join
-  auto carry = [&](Index i, const Vec& n, const Vec& point) {
+  auto carry = [&](Index i, Force<double> Gradient::*side) {
     const Body& b = m.bodies()[i];
+    const Force<double> slope = gradient(r, d.p[i], d.p[i]).*side;
     visit(b.type, [&]<class J>() {
-      for (int k = 0; k < J::nv; ++k) {
-        const Motion<double> s = J::column(b, d.R[i], k);
-        out[stride * (b.user_v + k)] += b.ratio * dot(n, s.linear + cross(s.angular, point - d.p[i]));
-      }
+      for (int k = 0; k < J::nv; ++k) out[stride * (b.user_v + k)] += b.ratio * dot(J::column(b, d.R[i], k), slope);
     });
     return b.parent;
   };
   Index a = d.geoms[m.pairs()[pair].a].body, b = d.geoms[m.pairs()[pair].b].body;
   while (a != b) {  // bodies come after those that carry them
     if (a > b)
-      a = carry(a, -r.normal, r.point_a);
+      a = carry(a, &Gradient::a);
     else
-      b = carry(b, r.normal, r.point_b);
+      b = carry(b, &Gradient::b);
   }
 }
 

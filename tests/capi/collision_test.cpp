@@ -236,7 +236,7 @@ TEST(Builder, ShapesThatCannotBe) {
   dyn_shape_spec_init(&s), dyn_shape_spec_init(nullptr);
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_shape(b, nullptr));
   EXPECT_EQ(DYN_ERROR_HANDLE, dyn_builder_shape(nullptr, &s));
-  refused(DYN_ERROR_NAME, {"shape", "parent ''"});
+  refused(DYN_ERROR_INVALID, {"shape", "size 0"});
   s.body = "nobody", refused(DYN_ERROR_NAME, {"'nobody'"});
   s.body = "j", refused(DYN_ERROR_NAME, {"'j'"});  // a joint, not a link
   s.struct_size = 8, refused(DYN_ERROR_SIZE, {"dyn_shape_spec_init"});

@@ -111,7 +111,8 @@ TEST(Pairs, BodiesParentsAndTheFloor) {
   for (Index k = 0; k < m->n.pairs; ++k) {
     const PairRecord& p = m->pairs()[k];
     const bool boxes = m->geoms()[p.a].shape == 1 && m->geoms()[p.b].shape == 5;
-    EXPECT_NEAR(boxes ? 3 - 0.2 : w.d.distances[k], w.d.distances[k], 1e-12);
+    if (!boxes) continue;
+    EXPECT_NEAR(3 - 0.2, w.d.distances[k], 1e-12);
   }
 }
 

@@ -14,9 +14,8 @@ void distances(const Model& m, Data<double>& d);
 // Pairs at a distance of at most margin, in ascending order: the first `capacity` of them into `pairs`. Answers how many there are.
 Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Index capacity);
 
-// Derivative of a pair's distance by q on the tangent space, nv numbers `stride` apart; zero where it has none.
-//   d distance = n . (velocity of B at its witness point - velocity of A at its own)
-// Bodies that carry both shapes turn both witness points about the same axis, and these lie along n: they add nothing.
+// Derivative of a pair's distance by q on the tangent space (gradient.hpp), nv numbers `stride` apart; zero where it has none. Bodies
+// that carry both shapes turn both witness points about the same axis, and these lie along n: they add nothing.
 void distance_gradient(const Model& m, const Data<double>& d, Index pair, double* out, std::ptrdiff_t stride);
 
 }  // namespace dyn::collision
