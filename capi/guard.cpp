@@ -180,9 +180,31 @@ struct Exchange {
   bool finite, changed;
 };
 Exchange exchange(const double* from, double* to, double* kept, Index n) {
+#if DYN_LANES == 4
+  using P = Pack<double, 4>;
+  FourIntegers bad{}, difference{};
+  auto look = [&](const P& from, const P& to) {
+    const FourIntegers x = (FourIntegers)from.x, y = (FourIntegers)to.x;
+    constexpr long long exponent = 0x7ff0000000000000;
+    bad |= (x & exponent) == exponent;
+    difference |= x ^ y;
+  };
+  Index i = 0;
+  for (; i + 4 <= n; i += 4) {
+    const P x = P::load(from + i), y = P::load(to + i);
+    look(x, y);
+    y.store(kept + i), x.store(to + i);
+  }
+  if (const int rest = int(n - i)) {
+    const P x = load(from + i, rest), y = load(to + i, rest);
+    look(x, y);
+    store(y, kept + i, rest), store(x, to + i, rest);
+  }
+  auto some = [](const FourIntegers& x) { return ((x[0] | x[1]) | (x[2] | x[3])) != 0; };
+  return {!some(bad), some(difference)};
+#else
   constexpr std::uint64_t exponent = 0x7ff0000000000000u;
   std::uint64_t bad = 0, difference = 0;
-#pragma GCC ivdep
   for (Index i = 0; i < n; ++i) {
     std::uint64_t x, y;
     __builtin_memcpy(&x, from + i, 8);
@@ -193,6 +215,7 @@ Exchange exchange(const double* from, double* to, double* kept, Index n) {
     __builtin_memcpy(to + i, &x, 8);
   }
   return {bad == 0, difference != 0};
+#endif
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "dyn/algorithm/declarations.hpp"
 #include "dyn/base/sincos.hpp"
 #include "dyn/joint/list.hpp"
+#include "dyn/model/block.hpp"
 
 namespace dyn {
 
@@ -269,6 +270,8 @@ ModelPtr Builder::finish() const {
 
   make_runs(a.bodies, a.runs, a.chunks);
   n.runs = Index(a.runs.size()), n.chunks = Index(a.chunks.size());
+  make_spans(a.bodies, a.spans, a.curved);
+  n.spans = Index(a.spans.size()), n.curved = Index(a.curved.size());
   for (const Chunk& c : a.chunks) n.sweep = std::max(n.sweep, sweep_room(c.last_q - c.first_q));
 
   // subtrees
@@ -288,6 +291,8 @@ ModelPtr Builder::finish() const {
     for (int k = 0; k < primitive_nv(b.type); ++k)
       a.dof_end[std::size_t(b.idx_v + k)] = next < n.bodies ? a.bodies[std::size_t(next)].idx_v : n.nvx;
   }
+  for (auto e = a.dof_end.begin(); e != a.dof_end.end(); e += 4)
+    a.band_full.push_back(*std::min_element(e, e + 4)), a.band_end.push_back(*std::max_element(e, e + 4));
 
   // ids by name
   auto precedence = [&](Index k) { return a.frames[std::size_t(k)].type == DYN_FRAME_BODY ? 1 : 0; };
@@ -315,7 +320,7 @@ ModelPtr Builder::finish() const {
   bytes = (bytes + a.field.size() * sizeof(type) + 63) / 64 * 64;
 #include "dyn/model/model_fields.def"
 #undef FIELD
-  ModelPtr model(static_cast<Model*>(std::aligned_alloc(64, bytes)));
+  ModelPtr model(static_cast<Model*>(allocate_block(bytes)));
   if (!model) throw std::bad_alloc();
   std::memset(static_cast<void*>(model.get()), 0, bytes);
   model->magic = Model::magic_value;

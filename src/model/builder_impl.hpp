@@ -102,6 +102,8 @@ struct Leader {
 std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints);
 // Chains of one type, as long as they can be, and chunks of them.
 void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vector<Chunk>& chunks);
+// Coordinates of vector spaces, as many side by side as there are, and the bodies that have others.
+void make_spans(const std::vector<Body>& bodies, std::vector<Span>& spans, std::vector<Index>& curved);
 // Elimination tree of M: the parent of each degree of freedom, or -1.
 void elimination_tree(const Model& m, std::vector<Index>& parent);
 // Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.

@@ -23,7 +23,12 @@ struct Chunk {
   static constexpr Index size = 64;
   Index first;               // body
   Index first_run, last_run;
-  Index first_q, last_q;     // expanded coordinates that hold its angles; first_q is a multiple of 8
+  Index first_q, last_q;     // expanded coordinates that hold its angles; the sweep's last four end within the array's padding
+};
+
+// Neighbouring coordinates, in q and in v, that form a vector space.
+struct Span {
+  Index first_q, first_v, count;
 };
 
 struct JointRecord {
@@ -94,7 +99,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text;
+  Index bodies, runs, chunks, sweep, spans, curved, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text;
 };
 
 struct Model {
