@@ -214,7 +214,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
-  for (T* x : {d.M, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
+  for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
                d.lambda_d2tau_dadq})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx, d.d2x})
