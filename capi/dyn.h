@@ -138,12 +138,14 @@ typedef struct dynLoadOptions {
   const char* const* package_dirs;  /* where package://NAME/... is looked up: DIR/NAME/... and DIR/... ; may be NULL */
   size_t package_dirs_count;
   double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81) */
+  const char* srdf;                 /* path of an SRDF for this robot; NULL: none */
 } dynLoadOptions;
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
 
 /* Reads a robot from a URDF file. *model is written only on success. options may be NULL (the defaults of
-   dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used. */
+   dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used; what it says of the SRDF
+   begins with that file's name, and names that the robot has not are warnings there (errors under strict). */
 DYN_API dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model);
 /* The same from text in memory (zero-terminated). Relative paths in it refer to the working directory. */
 DYN_API dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model);
@@ -222,6 +224,11 @@ typedef struct dynShapeInfo {
 DYN_API int dyn_nshapes(const dynModel* model);
 DYN_API dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
 
+/* Pairs of links that an SRDF takes out of collision tests: <disable_collisions>, and <disable_default_collisions> as MoveIt reads it.
+   frame1 and frame2 are BODY frames; reason is the file's, "" when it gives none. Any output may be NULL. */
+DYN_API int dyn_ndisabled_pairs(const dynModel* model);
+DYN_API dynStatus dyn_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason);
+
 /* Per-degree-of-freedom numbers of the model, each nv (limits: nq) doubles that live as long as the model; NULL for an
    invalid handle. Absent limits are infinite. */
 typedef enum dynModelArray {
@@ -241,7 +248,8 @@ DYN_API const double* dyn_model_array(const dynModel* model, dynModelArray which
    invalid handle. */
 DYN_API double dyn_total_mass(const dynModel* model);
 
-/* Named configurations ("neutral" is always there as index 0). */
+/* Named configurations ("neutral" is always there as index 0). Each <group_state> of an SRDF is one, under its own name, or as
+   "group/state" when several groups have a state of that name; joints that it does not name are neutral. */
 DYN_API int dyn_nconfigurations(const dynModel* model);
 DYN_API const char* dyn_configuration_name(const dynModel* model, int index);
 DYN_API dynStatus dyn_configuration(const dynModel* model, const char* name, double* q);

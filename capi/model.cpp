@@ -33,6 +33,8 @@ LoadOptions read_options(const dynLoadOptions* o) {
     if (!std::isfinite(o->gravity[k])) throw Error(DYN_ERROR_NONFINITE, "dynLoadOptions: gravity[" + std::to_string(k) + "] is not finite");
     out.gravity[k] = o->gravity[k];
   }
+  if (o->srdf) out.srdf = o->srdf;
+  if (o->srdf && out.srdf.empty()) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");
   return out;
 }
 
@@ -254,6 +256,19 @@ dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
   const ShapeRecord& r = m.shapes()[shape];
   info->name = m.string(r.name), info->mesh = m.string(r.mesh), info->type = r.type, info->role = r.role, info->frame = r.frame;
   std::memcpy(info->placement, r.placement, sizeof r.placement), std::memcpy(info->size, r.size, sizeof r.size);
+  return DYN_OK;
+}
+
+int dyn_ndisabled_pairs(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.pairs) : -1; }
+
+dynStatus dyn_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason) {
+  if (const dynStatus s = check(model)) return s;
+  const Model& m = *model->m;
+  if (const dynStatus s = check_index(model, pair, m.n.pairs, "dyn_disabled_pair", "pair")) return s;
+  const PairRecord& r = m.disabled_pairs()[pair];
+  if (frame1) *frame1 = r.frame1;
+  if (frame2) *frame2 = r.frame2;
+  if (reason) *reason = m.string(r.reason);
   return DYN_OK;
 }
 

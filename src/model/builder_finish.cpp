@@ -241,6 +241,9 @@ ModelPtr Builder::finish() const {
   for (const ReportEntry& r : in.reports) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
   n.reports = Index(a.reports.size());
 
+  for (const PairEntry& p : in.pairs) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
+  n.pairs = Index(a.disabled_pairs.size());
+
   // configurations; "neutral" is the first
   a.configuration_names.push_back(text.add("neutral"));
   a.configurations = a.neutral;

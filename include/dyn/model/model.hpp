@@ -66,6 +66,11 @@ struct ShapeRecord {
   double placement[12], size[3];
 };
 
+// Two links that are not tested for collision.
+struct PairRecord {
+  Index frame1, frame2, reason;
+};
+
 struct ReportRecord {
   dynReportLevel level;
   Index line, message;
@@ -75,7 +80,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, reports, configurations, text;
+  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, reports, configurations, text, pairs;
 };
 
 struct Model {
