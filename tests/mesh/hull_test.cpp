@@ -16,7 +16,8 @@ Made cloud(const Points& p) { return mesh_of({p, {}}); }
 void expect_hull(const Points& points, const Made& hull, double tolerance) {
   ASSERT_EQ(DYN_OK, hull.status) << hull.error;
   const dynMeshArrays h = hull.arrays();
-  ASSERT_GE(h.vertex_count, 4u), ASSERT_GE(h.face_count, 4u);
+  ASSERT_GE(h.vertex_count, 4u);
+  ASSERT_GE(h.face_count, 4u);
   double size = 0;
   for (double x : points) size = std::max(size, std::abs(x));
   // every point inside, every plane a unit normal

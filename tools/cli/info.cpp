@@ -62,6 +62,15 @@ json info_json(const Robot& robot) {
                              {"size", vector_json(s.size, 3)},
                              {"mesh", s.mesh}});
   }
+  out["configurations"] = json::array();
+  for (int i = 0; i < dyn_nconfigurations(robot); ++i) out["configurations"].push_back(dyn_configuration_name(robot, i));
+  out["disabled_pairs"] = json::array();
+  for (int i = 0; i < dyn_ndisabled_pairs(robot); ++i) {
+    int frame1, frame2;
+    const char* reason;
+    check(dyn_disabled_pair(robot, i, &frame1, &frame2, &reason));
+    out["disabled_pairs"].push_back({{"frame1", dyn_frame_name(robot, frame1)}, {"frame2", dyn_frame_name(robot, frame2)}, {"reason", reason}});
+  }
   out["effects"] = effects(robot);
   out["report"] = json::array();
   for (int i = 0; i < dyn_report_count(robot); ++i) {
@@ -83,6 +92,8 @@ std::string limit_text(const json& limits) {
     out += (i ? " " : "") + ("[" + number(limits["lower"][i]) + ", " + number(limits["upper"][i]) + "]");
   return out;
 }
+
+}  // namespace
 
 std::string table(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> width;
@@ -132,6 +143,13 @@ std::string info_text(const json& info) {
   for (const auto& e : info["effects"])
     rows.push_back({str(e["name"]), e["active"].get<bool>() ? "on" : "off", str(e["reason"])});
   out += "\neffects\n" + table(rows);
+  if (info["configurations"].size() > 1) {
+    out += "\nconfigurations\n ";
+    for (const auto& name : info["configurations"]) out += " " + str(name);
+    out += "\n";
+  }
+  if (!info["disabled_pairs"].empty()) out += "\ndisabled pairs\n  " + std::to_string(info["disabled_pairs"].size()) + " pairs of links are not tested for collision\n";
+  if (info.contains("meshes")) out += "\nmeshes\n" + meshes_text(info["meshes"]);
   rows.clear();
   for (const auto& e : info["report"])
     rows.push_back({str(e["level"]), e["line"] == 0 ? "" : "line " + num(e["line"]), str(e["message"])});
@@ -146,9 +164,12 @@ void add_info(CLI::App& app) {
   CLI::App* command = app.add_subcommand("info", "Sizes, joints, frames, masses, effects, the load report");
   command->footer("Joint 0 and frame 0 are the universe, the world: a joint whose parent is 0 stands on it.");
   add_robot_options(*command, *options);
-  command->callback([options] {
+  auto meshes = std::make_shared<bool>(false);
+  command->add_flag("--meshes", *meshes, "Read the robot's mesh files, too: what they bound, and whether they are convex");
+  command->callback([options, meshes] {
     const Robot robot(*options);
-    const json info = info_json(robot);
+    json info = info_json(robot);
+    if (*meshes) info["meshes"] = meshes_json(robot);
     print(options->json ? json_text(info) : info_text(info));
   });
 }

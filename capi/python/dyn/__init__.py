@@ -88,7 +88,8 @@ from .inertia import (
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
-from .model import FrameInfo, JointInfo, Model, ReportEntry, ShapeInfo, load, load_string
+from .mesh import Mesh, MeshInfo, load_mesh
+from .model import DisabledPair, FrameInfo, JointInfo, Model, ReportEntry, ShapeInfo, load, load_string
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
@@ -112,6 +113,7 @@ __all__ = [
     "Convention",
     "Data",
     "Direction",
+    "DisabledPair",
     "Effect",
     "Energy",
     "Error",
@@ -134,6 +136,8 @@ __all__ = [
     "LibraryError",
     "LimitError",
     "LoadError",
+    "Mesh",
+    "MeshInfo",
     "Model",
     "ModelArray",
     "ModelError",
@@ -169,6 +173,7 @@ __all__ = [
     "last_error",
     "library_path",
     "load",
+    "load_mesh",
     "load_string",
     "log_cholesky_from_parameters",
     "log_cholesky_jacobian",
