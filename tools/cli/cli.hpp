@@ -116,6 +116,8 @@ std::string short_number(double x, int digits = 6);
 void print(const std::string& answer);
 // Shortened, when it is absurdly long.
 std::string shown(const std::string& name);
+// Columns one below another.
+std::string table(const std::vector<std::vector<std::string>>& rows);
 std::string join(const std::vector<std::string>& words, const char* separator = ", ");
 
 // ---------------------------------------------------------------------------------------------------- the subcommands

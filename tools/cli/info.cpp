@@ -111,6 +111,8 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
   return out;
 }
 
+namespace {
+
 std::string info_text(const json& info) {
   const auto str = [](const json& x) { return x.get<std::string>(); };
   const auto num = [](const json& x) { return std::to_string(x.get<long long>()); };
