@@ -39,7 +39,7 @@ LoadOptions read_options(const dynLoadOptions* o) {
 }
 
 template <class Load>
-dynStatus load(const char* text, const dynLoadOptions* options, dynModel** model, const char* function, const char* what, Load f) {
+dynStatus load_model(const char* text, const dynLoadOptions* options, dynModel** model, const char* function, const char* what, Load f) {
   if (!text || !model) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL", function, text ? "model" : what);
   return guarded([&] { return publish(f(text, read_options(options)), model); });
 }
@@ -129,11 +129,11 @@ void dyn_load_options_init(dynLoadOptions* options) {
 }
 
 dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model) {
-  return load(path, options, model, "dyn_model_load", "path", [](const char* p, const LoadOptions& o) { return load_file(p, o); });
+  return load_model(path, options, model, "dyn_model_load", "path", [](const char* p, const LoadOptions& o) { return load_file(p, o); });
 }
 
 dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model) {
-  return load(text, options, model, "dyn_model_load_string", "text", [](const char* t, const LoadOptions& o) { return load_string(t, o); });
+  return load_model(text, options, model, "dyn_model_load_string", "text", [](const char* t, const LoadOptions& o) { return load_string(t, o); });
 }
 
 void dyn_model_free(dynModel* model) {

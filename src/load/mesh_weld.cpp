@@ -105,30 +105,31 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
   if (!(weld_tolerance >= 0) || !(weld_tolerance <= largest)) fail(DYN_ERROR_ARGUMENT, "the weld tolerance is " + text(weld_tolerance) + ": give metres, at least 0");
   if (weld_tolerance < size * 1e-15) weld_tolerance = 0;  // that is one rounding
 
+  std::vector<bool> used(static_cast<std::size_t>(n), m == 0);
+  for (std::int64_t k = 0; k < 3 * m; ++k) {
+    const Index i = triangles[k];
+    if (i < 0 || i >= n)
+      fail(DYN_ERROR_ARGUMENT, "triangle " + std::to_string(k / 3) + " has the vertex " + std::to_string(i) + ": there are 0 to " + std::to_string(n - 1));
+    used[std::size_t(i)] = true;
+  }
+
   Mesh out;
   Cells cells{std::size_t(n), weld_tolerance};
   std::vector<Index> id(static_cast<std::size_t>(n), -1);
-  const auto weld = [&](std::int64_t i) {
-    Index& k = id[std::size_t(i)];
-    if (k < 0) {
+  for (std::int64_t i = 0; i < n; ++i)
+    if (used[std::size_t(i)]) {
       const Index before = out.vertex_count();
-      k = cells.add(points + 3 * i, out.vertices);
-      out.welded += k < before;
+      id[std::size_t(i)] = cells.add(points + 3 * i, out.vertices);
+      out.welded += id[std::size_t(i)] < before;
     }
-    return k;
-  };
-  if (m == 0)
-    for (std::int64_t i = 0; i < n; ++i) weld(i);
 
   Seen seen{std::size_t(m)};
   std::vector<Index> all;  // those without area included: they, too, join others
   all.reserve(3 * std::size_t(m));
   out.triangles.reserve(3 * std::size_t(m));
   for (std::int64_t t = 0; t < m; ++t) {
-    for (int k = 0; k < 3; ++k)
-      if (const Index i = triangles[3 * t + k]; i < 0 || i >= n)
-        fail(DYN_ERROR_ARGUMENT, "triangle " + std::to_string(t) + " has the vertex " + std::to_string(i) + ": there are 0 to " + std::to_string(n - 1));
-    const Index a = weld(triangles[3 * t]), b = weld(triangles[3 * t + 1]), c = weld(triangles[3 * t + 2]);
+    const auto corner = [&](int k) { return id[std::size_t(triangles[3 * t + k])]; };
+    const Index a = corner(0), b = corner(1), c = corner(2);
     if (a == b || b == c || c == a) {
       ++out.degenerate;
       continue;

@@ -54,7 +54,7 @@ void list_unused(const Element& root, const SrdfContext& context) {
     } else if (kind == "passive_joint" || kind == "joint_property") {
       const char* joint = kind == "passive_joint" ? e->Attribute("name") : e->Attribute("joint_name");
       context.report.info(line(*e), kind + (joint ? " " + quoted(joint) : "") + ": not used: forces on joints are the caller's");
-      if (joint) known_joint(*e, joint, kind, context);
+      if (joint && !is_virtual(root, joint)) known_joint(*e, joint, kind, context);
     } else if (kind == "rotor_params") {
       context.report.physics(line(*e), "<rotor_params>: the rotors' inertias are not used");
     } else if (kind == "gripper" || kind == "handle" || kind == "contact" || kind == "specificities") {

@@ -5,6 +5,7 @@
 
 #include <assimp/Importer.hpp>
 #include <charconv>
+#include <cmath>
 #include <string_view>
 
 #include "parts.hpp"
@@ -70,6 +71,9 @@ struct Reading {
     const std::size_t first = out.vertices.size() / 3;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const double v[3] = {number(mesh.mVertices[i].x), number(mesh.mVertices[i].y), number(mesh.mVertices[i].z)};
+      for (int c = 0; c < 3; ++c)
+        if (!std::isfinite(v[c]))
+          throw Refusal(DYN_ERROR_NONFINITE, "vertex " + std::to_string(first + i) + " has " + "xyz"[c] + " = " + (std::isnan(v[c]) ? "NaN" : "infinity") + ": export the mesh again");
       for (int r = 0; r < 3; ++r) out.vertices.push_back(X.A[r][0] * v[0] + X.A[r][1] * v[1] + X.A[r][2] * v[2] + X.p[r]);
     }
     const bool mirrored = X.determinant() < 0;
@@ -102,11 +106,9 @@ Triangles read_assimp(const char* path, bool up_z, std::int64_t max_triangles) {
   Assimp::Importer importer;
   // assimp's own convention is y up, to which it turns what COLLADA says
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, !up_z);
-  importer.SetPropertyBool(AI_CONFIG_PP_PTV_KEEP_HIERARCHY, true);
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
   if (!scene || !scene->mRootNode) {
-    std::string why = importer.GetErrorString();
-    // no scene comes of a file that holds nothing: that is not damage
+    const std::string why = importer.GetErrorString();
     throw Refusal(DYN_ERROR_PARSE, why.empty() ? "it cannot be read" : why);
   }
 

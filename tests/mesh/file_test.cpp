@@ -271,7 +271,9 @@ TEST(MeshFileErrors, EveryPrefix) {
     for (std::size_t n = 0; n < content.size(); n += 1 + content.size() / 60) {
       const Made m = mesh_file(folder.write(name, content.substr(0, n)));
       EXPECT_TRUE(m.status == DYN_OK || !m.error.empty()) << name << " " << n;
-      if (std::string(name) != "a.obj") EXPECT_NE(DYN_OK, m.status) << name << " " << n;
+      if (std::string(name) != "a.obj" && n + 10 < content.size()) {
+        EXPECT_NE(DYN_OK, m.status) << name << " " << n;
+      }
     }
 }
 
