@@ -78,7 +78,8 @@ void describe_hull(const load::Mesh& mesh, double diagonal, dynMeshInfo& info) {
     info.hull_depth = load::depth_under(mesh, *hull.polytope);
     return DYN_OK;
   });
-  info.convex = info.hull_status == DYN_ERROR_UNSUPPORTED ? -1 : info.orientation != 0 && info.components == 1 && info.hull_depth <= convex_tolerance * diagonal;
+  if (info.orientation == 0 || info.components != 1) info.convex = 0;
+  else info.convex = info.hull_status == DYN_ERROR_UNSUPPORTED ? -1 : info.hull_depth <= convex_tolerance * diagonal;
 }
 
 }  // namespace
