@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import ARM
+from test_cli import CLI, answer, run
 
 import dyn
 
@@ -80,3 +81,25 @@ def test_srdf(tmp_path):
     assert m.configurations["up"][0] == 0.5
     (pair,) = m.disabled_pairs
     assert (m.frame_name(pair.frame1), m.frame_name(pair.frame2), pair.reason) == (links[0], links[1], "Adjacent")
+
+
+@pytest.mark.skipif(not CLI, reason="the command dyn is not built")
+def test_command(tmp_path):
+    path = tmp_path / "arm.urdf"
+    obj(tmp_path / "cube.obj")
+    mesh = '<collision><geometry><mesh filename="cube.obj" scale="1 2 3"/></geometry></collision><visual><geometry><mesh filename="none.obj"/></geometry></visual>'
+    path.write_text(ARM.replace('<link name="base"/>', f'<link name="base">{mesh}</link>'))
+    srdf = tmp_path / "arm.srdf"
+    srdf.write_text('<robot name="arm"><group_state name="up" group="g"/><disable_collisions link1="base" link2="tool" reason="Never"/></robot>')
+    info = answer("info", path, "--fixed", "--srdf", srdf, "--meshes")
+    assert info["configurations"] == ["neutral", "up"]
+    assert info["disabled_pairs"] == [{"frame1": "base", "frame2": "tool", "reason": "Never"}]
+    cube, none = info["meshes"]
+    assert "not found" in none["error"] and none["link"] == "base"
+    if has_module(tmp_path):
+        assert cube["info"]["volume"] == pytest.approx(6) and cube["info"]["convex"]
+        assert "hull/mesh" in run("info", path, "--fixed", "--meshes")
+    else:
+        assert "libdyn_mesh.so" in cube["error"]
+    assert "meshes" not in answer("info", path, "--fixed")
+    assert "none.srdf" in run("info", path, "--fixed", "--srdf", tmp_path / "none.srdf", status=1)
