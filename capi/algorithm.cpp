@@ -31,17 +31,17 @@ Index beyond(const Vec3<double>* x, Index n, double bound) {
 
 }  // namespace
 
-bool dyn::capi::moderate(Call& call, int level) {
+bool dyn::capi::moderate(Call& call, int level, double bound) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   // the sum over all of them is within the bound nearly always
-  if (d.extent[0] <= most && (level < 1 || d.extent[1] <= most) && (level < 2 || d.extent[2] <= most_acceleration)) return true;
+  if (d.extent[0] <= bound && (level < 1 || d.extent[1] <= most) && (level < 2 || d.extent[2] <= most_acceleration)) return true;
   const struct {
     const Vec3<double>* x;
     int level;
     double bound;
     const char* what;
-  } rows[] = {{d.p, 0, most, "placement"}, {d.w, 1, most, "velocity"}, {d.u, 1, most, "velocity"},
+  } rows[] = {{d.p, 0, bound, "placement"}, {d.w, 1, most, "velocity"}, {d.u, 1, most, "velocity"},
               {d.dw, 2, most_acceleration, "acceleration"}, {d.du, 2, most_acceleration, "acceleration"}};
   for (const auto& r : rows) {
     if (r.level > level) break;
@@ -77,7 +77,7 @@ bool dyn::capi::moderate_frame(Call& call, int frame, int level, double bound) {
 dynStatus dyn::capi::singular(Call& call, Index joint, Stage stage) {
   call.drop_results();
   call.d().drop(stage);
-  call.d().drop(Stage::Factor);  // with mimic joints it was being written
+  call.d().drop(Stage::Factor);  // it may have been half written
   call.take_back();
   const Model& m = call.m();
   return fail(DYN_ERROR_NUMERIC, "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave this configuration",
@@ -362,7 +362,8 @@ dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, do
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   if (const Index failed = minverse(call.m(), d)) return singular(call, failed, Stage::Minv);
-  if (!moderate(call, 0) || !call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
+  const bool finite = d.fresh(Stage::Mass) ? finite_mass(call) : moderate(call, 0);
+  if (!finite || !call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
   copy_out(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, Minv);
   return DYN_OK;
 }

@@ -209,7 +209,8 @@ typedef struct dynFrameInfo {
 DYN_API dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo* info);
 
 /* Shapes of the file, kept as data. */
-typedef enum dynShapeType { DYN_SHAPE_BOX = 1, DYN_SHAPE_SPHERE = 2, DYN_SHAPE_CYLINDER = 3, DYN_SHAPE_MESH = 4, DYN_SHAPE_CAPSULE = 5 } dynShapeType;
+typedef enum dynShapeType { DYN_SHAPE_BOX = 1, DYN_SHAPE_SPHERE = 2, DYN_SHAPE_CYLINDER = 3, DYN_SHAPE_MESH = 4, DYN_SHAPE_CAPSULE = 5,
+                            DYN_SHAPE_CONE = 6, DYN_SHAPE_ELLIPSOID = 7, DYN_SHAPE_HALF_SPACE = 8 } dynShapeType;
 typedef enum dynShapeRole { DYN_ROLE_COLLISION = 1, DYN_ROLE_VISUAL = 2 } dynShapeRole;
 typedef struct dynShapeInfo {
   uint32_t struct_size;
@@ -218,7 +219,8 @@ typedef struct dynShapeInfo {
   dynShapeRole role;
   int32_t frame;          /* BODY frame that carries it */
   double placement[12];   /* in that frame */
-  double size[3];         /* box: full lengths; sphere: radius; cylinder, capsule: radius, length; mesh: scale */
+  double size[3];         /* box: full lengths; sphere: radius; cylinder, capsule, cone (apex up): radius, length along z; ellipsoid: semi-axes;
+                             half-space, all below z = 0: none; mesh: scale */
   const char* mesh;       /* resolved path; "" for others */
 } dynShapeInfo;
 DYN_API int dyn_nshapes(const dynModel* model);
@@ -291,6 +293,19 @@ DYN_API dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* spe
 DYN_API dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
                                    const double com[3], const double inertia[9]);
 DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
+/* A shape on a link. */
+typedef struct dynShapeSpec {
+  uint32_t struct_size;   /* set by dyn_shape_spec_init */
+  const char* name;       /* NULL: none */
+  dynShapeType type;
+  dynShapeRole role;      /* default collision */
+  const char* body;       /* the link that carries it; NULL or "universe": the world */
+  double placement[12];   /* in the link's frame; default identity */
+  double size[3];         /* as in dynShapeInfo, metres > 0 */
+  const char* mesh;       /* MESH: its file, kept as a name */
+} dynShapeSpec;
+DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
+DYN_API dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* spec);
 /* A named configuration: nq numbers in the finished model's order. Its quaternions and (cos, sin) pairs need not be unit: the model
    keeps them normalised. A zero one is refused by dyn_builder_finish (DYN_ERROR_QUATERNION). */
 DYN_API dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
@@ -338,7 +353,8 @@ enum {
   DYN_PART_REGRESSOR = 1u << 14,           /* regressor: nv x 10 (njoints - 1); those of com and energies */
   DYN_PART_IK = 1u << 15,                  /* inverse kinematics: two nv x nv (includes COM) */
   DYN_PART_SECOND_ORDER = 1u << 16,        /* lambda_d2tau_...: nv x nv each (includes INVERSE_DERIVATIVES) */
-  DYN_PART_ALL = 0x1ffff
+  DYN_PART_COLLISION = 1u << 17,           /* distances of all pairs */
+  DYN_PART_ALL = 0x3ffff
 };
 
 /* parts = 0 means DYN_PART_ALL. */
@@ -707,6 +723,67 @@ typedef struct dynIkResult {
 DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks,
                          const dynIkOptions* options, double* solution, double* residuals, dynIkResult* result);
 
+/* ------------------------------------------------------------------------------------------------------- collision */
+
+/* Distance between two convex shapes, signed: below zero they overlap, and it is minus the depth, the length of the shortest
+   translation that parts them. Closed forms where there are any; otherwise GJK (Gilbert, Johnson, Keerthi 1988) and EPA (van den
+   Bergen 2003), finished by Newton's method on the normal. A result is checked before it is given, by the supporting planes of its
+   normal: residual bounds the error of the distance. */
+typedef enum dynDistanceStatus {
+  DYN_SEPARATED = 0,
+  DYN_TOUCHING = 1,        /* |distance| within 1e-9 of the size of the smaller shape */
+  DYN_PENETRATING = 2,
+  DYN_DISTANCE_FAILED = 3  /* the residual is beyond 1e-6 of that size: the best there is */
+} dynDistanceStatus;
+
+typedef struct dynDistance {
+  uint32_t struct_size;
+  dynDistanceStatus status;
+  int32_t unique;          /* 0: other points or another normal are as good, so that the distance has no gradient there */
+  int32_t iterations;
+  double distance;         /* m */
+  double residual;         /* m */
+  double normal[3];        /* unit, from A to B, world */
+  double point_a[3], point_b[3]; /* witness points, world: point_b - point_a = distance normal */
+} dynDistance;
+
+/* A shape by itself, at the origin of its frame and rounded by radius: points within that distance of it belong to it. */
+typedef struct dynGeometry {
+  uint32_t struct_size;    /* set by dyn_geometry_init */
+  dynShapeType type;       /* any but MESH */
+  double size[3];          /* as in dynShapeInfo */
+  double radius;           /* m, >= 0; of rounding */
+} dynGeometry;
+DYN_API void dyn_geometry_init(dynGeometry* geometry);
+/* tolerance: of the distance, relative to the size of the smaller shape; 0: the default, 1e-10. */
+DYN_API dynStatus dyn_shape_distance(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
+                                     double tolerance, dynDistance* out);
+
+/* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. */
+typedef enum dynPairReason {
+  DYN_PAIR_TESTED = 0,
+  DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration */
+  DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known */
+  DYN_PAIR_OFF = 3         /* switched off in the data */
+} dynPairReason;
+DYN_API int dyn_npairs(const dynModel* model); /* -1 for an invalid handle */
+/* The shapes of a pair, shape_a < shape_b, and whether new data tests it; any output may be NULL. */
+DYN_API dynStatus dyn_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, dynPairReason* reason);
+/* Switches a pair, or with -1 all pairs without meshes, on or off. */
+DYN_API dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int tested);
+DYN_API dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, dynPairReason* reason);
+
+/* Distances of all pairs, npairs, infinite where a pair is not tested. Includes placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_distances(const dynModel* model, dynData* data, const double* q, double* distances);
+/* What was found of a pair. Needs dyn_distances of the current q. */
+DYN_API dynStatus dyn_pair_distance(const dynModel* model, dynData* data, int pair, dynDistance* out);
+/* Derivatives of all distances by q on the tangent space, npairs x nv; zero where a pair is not tested or its witness points are not
+   unique (dynDistance tells which). Needs dyn_distances of the current q. */
+DYN_API dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, double* gradients);
+/* Pairs at a distance of at most margin (m, >= 0), in ascending order: at most capacity of them are written; count: how many there
+   are. Those whose bounding boxes are farther apart cost next to nothing. Includes placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count);
+
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
 /* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, damping and dry
@@ -759,7 +836,7 @@ typedef struct dynMeshInfo {
   int32_t closed;           /* 1: the triangles pass each edge as often one way as the other, and so bound a solid */
   int32_t orientation;      /* 1: seen from outside counter-clockwise, -1: inside out; 0: not closed, or no volume */
   double volume;            /* m^3. This and the next two are exact but for rounding where orientation is not 0 (inside out: of the mesh */
-  double com[3];            /* turned round), and NaN where it is 0 */
+  double com[3];            /* turned round; parts that overlap count twice), and NaN where it is 0 */
   double inertia[9];        /* about com, at density 1 kg/m^3: kg m^2 */
   dynStatus hull_status;    /* DYN_OK, or why there is no hull: DYN_ERROR_INVALID: flat, DYN_ERROR_UNSUPPORTED: no module */
   double hull_volume;       /* NaN without a hull */

@@ -208,6 +208,13 @@ class Model {
   dynJointInfo joint(int joint) const { return info_<dynJointInfo>(dyn_joint_info, joint); }
   dynFrameInfo frame(int frame) const { return info_<dynFrameInfo>(dyn_frame_info, frame); }
   dynShapeInfo shape(int shape) const { return info_<dynShapeInfo>(dyn_shape_info, shape); }
+  int npairs() const noexcept { return dyn_npairs(get()); }
+  // The shapes of a pair.
+  std::pair<int, int> pair(int pair) const {
+    std::pair<int, int> out;
+    check(dyn_pair(get(), pair, &out.first, &out.second, nullptr));
+    return out;
+  }
   int report_count() const noexcept { return dyn_report_count(get()); }
   dynReportEntry report(int index) const { return info_<dynReportEntry>(dyn_report_entry, index); }
 
@@ -682,6 +689,37 @@ class Data {
     return out;
   }
 
+  // collision
+  Vector distances(Input q = held) {
+    Vector out(static_cast<std::size_t>(model_.npairs()));
+    check(dyn_distances(m(), get(), q.of(nq(), "q"), out.data()));
+    return out;
+  }
+  dynDistance pair_distance(int pair) {
+    dynDistance out{};
+    out.struct_size = sizeof out;
+    check(dyn_pair_distance(m(), get(), pair, &out));
+    return out;
+  }
+  Matrix distance_gradients() {  // npairs x nv
+    Matrix out(model_.npairs(), static_cast<int>(nv()));
+    check(dyn_distance_gradients(m(), get(), out.data()));
+    return out;
+  }
+  std::vector<int> collisions(Input q = held, double margin = 0) {
+    std::vector<int> out(static_cast<std::size_t>(model_.npairs()));
+    int count = 0;
+    check(dyn_collisions(m(), get(), q.of(nq(), "q"), margin, out.data(), static_cast<int>(out.size()), &count));
+    out.resize(static_cast<std::size_t>(count));
+    return out;
+  }
+  void set_pair(int pair, bool tested) { check(dyn_data_set_pair(m(), get(), pair, tested)); }
+  dynPairReason pair_reason(int pair) {
+    dynPairReason out;
+    check(dyn_data_pair(m(), get(), pair, &out));
+    return out;
+  }
+
   // simulation
   void step(double dt, dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER) { check(dyn_step(m(), get(), integrator, dt)); }
 
@@ -858,6 +896,21 @@ struct JointSpec {
   }
 };
 
+// A shape by itself, for shape_distance.
+inline dynGeometry geometry(dynShapeType type, const Vector3& size, double radius = 0) {
+  dynGeometry g;
+  dyn_geometry_init(&g);
+  g.type = type, g.radius = radius;
+  for (std::size_t k = 0; k < 3; ++k) g.size[k] = size[k];
+  return g;
+}
+inline dynDistance shape_distance(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double tolerance = 0) {
+  dynDistance out{};
+  out.struct_size = sizeof out;
+  check(dyn_shape_distance(&a, X_a.data(), &b, X_b.data(), tolerance, &out));
+  return out;
+}
+
 // Makes models.
 class Builder {
  public:
@@ -890,6 +943,16 @@ class Builder {
   Builder& frame(const std::string& name, const std::string& parent, Input placement = none,
                  dynFrameType type = DYN_FRAME_OP_FRAME) {
     return ok(dyn_builder_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
+  }
+  Builder& shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
+                 dynShapeRole role = DYN_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "") {
+    dynShapeSpec s;
+    dyn_shape_spec_init(&s);
+    s.name = name.c_str(), s.type = type, s.role = role, s.body = body.c_str(), s.mesh = mesh.c_str();
+    for (std::size_t k = 0; k < 3; ++k) s.size[k] = size[k];
+    if (const double* X = placement.of(12, "placement"))
+      for (int k = 0; k < 12; ++k) s.placement[k] = X[k];
+    return ok(dyn_builder_shape(get(), &s));
   }
   Builder& configuration(const std::string& name, const Vector& q) {
     return ok(dyn_builder_configuration(get(), name.c_str(), q.data(), q.size()));

@@ -15,8 +15,8 @@ namespace {
 constexpr double convex_tolerance = 1e-6;  // of the bounding box's diagonal
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-load::MeshOptions read_options(const dynMeshOptions* o) {
-  load::MeshOptions out;
+meshes::MeshOptions read_options(const dynMeshOptions* o) {
+  meshes::MeshOptions out;
   if (!o) return out;
   if (o->struct_size < sizeof(dynMeshOptions))
     throw Error(DYN_ERROR_SIZE, "dynMeshOptions: struct_size is " + std::to_string(o->struct_size) + ", needs " + std::to_string(sizeof(dynMeshOptions)) +
@@ -37,7 +37,7 @@ template <class Make>
 dynStatus make(dynMesh** out, const char* function, Make f) {
   if (!out) return fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
   return guarded([&] {
-    auto mesh = std::make_unique<load::Mesh>(f());
+    auto mesh = std::make_unique<meshes::Mesh>(f());
     dynMesh* handle = new_mesh_handle();
     if (!handle) throw std::bad_alloc();
     handle->m = mesh.release();
@@ -55,11 +55,11 @@ dynStatus check_struct(const S* s, const char* function, const char* name) {
 }
 
 // What the triangles bound.
-void describe_solid(const load::Mesh& mesh, dynMeshInfo& info) {
+void describe_solid(const meshes::Mesh& mesh, dynMeshInfo& info) {
   info.volume = nan;
   std::fill_n(info.com, 3, nan), std::fill_n(info.inertia, 9, nan);
   if (!mesh.topology.closed) return;
-  const load::Solid solid = load::solid_of(mesh);
+  const meshes::Solid solid = meshes::solid_of(mesh);
   info.orientation = solid.volume > 0 ? 1 : solid.volume < 0 ? -1 : 0;
   if (info.orientation == 0) return;
   info.volume = std::fabs(solid.volume);
@@ -69,13 +69,13 @@ void describe_solid(const load::Mesh& mesh, dynMeshInfo& info) {
 }
 
 // How it compares with its hull.
-void describe_hull(const load::Mesh& mesh, double diagonal, dynMeshInfo& info) {
+void describe_hull(const meshes::Mesh& mesh, double diagonal, dynMeshInfo& info) {
   info.hull_volume = info.hull_volume_ratio = info.hull_depth = nan;
   info.hull_status = guarded([&] {
-    const load::Mesh hull = load::hull_of(mesh);
-    info.hull_volume = load::solid_of(hull).volume;
+    const meshes::Mesh hull = meshes::hull_of(mesh);
+    info.hull_volume = meshes::solid_of(hull).volume;
     info.hull_volume_ratio = info.hull_volume / info.volume;
-    info.hull_depth = load::depth_under(mesh, *hull.polytope);
+    info.hull_depth = meshes::depth_under(mesh, *hull.polytope);
     return DYN_OK;
   });
   if (info.orientation == 0 || info.components != 1) info.convex = 0;
@@ -95,7 +95,7 @@ void dyn_mesh_options_init(dynMeshOptions* options) {
 
 dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options, dynMesh** mesh) {
   if (!path) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_load: path is NULL");
-  return make(mesh, "dyn_mesh_load", [&] { return load::read_mesh(path, read_options(options)); });
+  return make(mesh, "dyn_mesh_load", [&] { return meshes::read_mesh(path, read_options(options)); });
 }
 
 dynStatus dyn_mesh_from_arrays(const double* vertices, size_t n, const int32_t* triangles, size_t m, dynMesh** mesh) {
@@ -103,7 +103,7 @@ dynStatus dyn_mesh_from_arrays(const double* vertices, size_t n, const int32_t* 
   if (!vertices || n == 0) return fail(DYN_ERROR_ARGUMENT, "%s: there are no vertices", function);
   if (!triangles && m) return fail(DYN_ERROR_ARGUMENT, "%s: triangles is NULL but triangle_count is not 0", function);
   constexpr size_t most = size_t(1) << 40;
-  return make(mesh, function, [&] { return load::make_mesh(vertices, std::int64_t(std::min(n, most)), triangles, std::int64_t(std::min(m, most)), 0, function); });
+  return make(mesh, function, [&] { return meshes::make_mesh(vertices, std::int64_t(std::min(n, most)), triangles, std::int64_t(std::min(m, most)), 0, function); });
 }
 
 void dyn_mesh_free(dynMesh* mesh) {
@@ -116,15 +116,15 @@ void dyn_mesh_free(dynMesh* mesh) {
 dynStatus dyn_mesh_info(const dynMesh* handle, dynMeshInfo* out) {
   if (const dynStatus s = check(handle)) return s;
   if (const dynStatus s = check_struct(out, "dyn_mesh_info", "dynMeshInfo")) return s;
-  const load::Mesh& mesh = *handle->m;
-  const load::Topology& t = mesh.topology;
-  const load::Box box = load::box_of(mesh);
+  const meshes::Mesh& mesh = *handle->m;
+  const meshes::Topology& t = mesh.topology;
+  const meshes::Box box = meshes::box_of(mesh);
   dynMeshInfo info{};
   info.struct_size = out->struct_size;
   info.vertices = mesh.vertex_count(), info.triangles = mesh.triangle_count();
   info.welded = mesh.welded, info.degenerate = mesh.degenerate, info.duplicates = mesh.duplicates, info.skipped = mesh.skipped;
   store3(box.low, info.lower), store3(box.high, info.upper);
-  info.area = load::area_of(mesh);
+  info.area = meshes::area_of(mesh);
   info.components = t.components, info.open_edges = t.open, info.flipped_edges = t.flipped, info.nonmanifold_edges = t.crowded, info.closed = t.closed;
   describe_solid(mesh, info);
   describe_hull(mesh, box.diagonal(), info);
@@ -136,7 +136,7 @@ dynStatus dyn_mesh_info(const dynMesh* handle, dynMeshInfo* out) {
 dynStatus dyn_mesh_arrays(const dynMesh* handle, dynMeshArrays* out) {
   if (const dynStatus s = check(handle)) return s;
   if (const dynStatus s = check_struct(out, "dyn_mesh_arrays", "dynMeshArrays")) return s;
-  const load::Mesh& mesh = *handle->m;
+  const meshes::Mesh& mesh = *handle->m;
   dynMeshArrays a{};
   a.struct_size = out->struct_size;
   a.vertices = mesh.vertices.data(), a.vertex_count = std::size_t(mesh.vertex_count());
@@ -152,7 +152,7 @@ dynStatus dyn_mesh_arrays(const dynMesh* handle, dynMeshArrays* out) {
 
 dynStatus dyn_mesh_hull(const dynMesh* handle, dynMesh** hull) {
   if (const dynStatus s = check(handle)) return s;
-  return make(hull, "dyn_mesh_hull", [&] { return load::hull_of(*handle->m); });
+  return make(hull, "dyn_mesh_hull", [&] { return meshes::hull_of(*handle->m); });
 }
 
 }  // extern "C"

@@ -240,9 +240,11 @@ dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo* info) {
   if (const dynStatus s = check_struct(info, "dyn_frame_info", "dynFrameInfo")) return s;
   if (const dynStatus s = check_index(model, frame, m.n.frames, "dyn_frame_info", "frame")) return s;
   const FrameRecord& r = m.frames()[frame];
-  info->name = m.string(r.name), info->type = r.type, info->joint = r.joint, info->mass = r.mass;
+  info->name = m.string(r.name), info->type = r.type, info->joint = r.joint;
   std::memcpy(info->placement, r.placement, sizeof r.placement);
-  std::memcpy(info->com, r.com, sizeof r.com), std::memcpy(info->inertia, r.inertia, sizeof r.inertia);
+  const LinkRecord link = r.link >= 0 ? m.links()[r.link] : LinkRecord{};
+  info->mass = link.mass;
+  std::memcpy(info->com, link.com, sizeof link.com), std::memcpy(info->inertia, link.inertia, sizeof link.inertia);
   return DYN_OK;
 }
 
@@ -259,13 +261,13 @@ dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
   return DYN_OK;
 }
 
-int dyn_ndisabled_pairs(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.pairs) : -1; }
+int dyn_ndisabled_pairs(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.disabled) : -1; }
 
 dynStatus dyn_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_index(model, pair, m.n.pairs, "dyn_disabled_pair", "pair")) return s;
-  const PairRecord& r = m.disabled_pairs()[pair];
+  if (const dynStatus s = check_index(model, pair, m.n.disabled, "dyn_disabled_pair", "pair")) return s;
+  const DisabledRecord& r = m.disabled_pairs()[pair];
   if (frame1) *frame1 = r.frame1;
   if (frame2) *frame2 = r.frame2;
   if (reason) *reason = m.string(r.reason);

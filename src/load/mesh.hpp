@@ -9,7 +9,7 @@
 #include "dyn/model/builder.hpp"
 #include "dyn/spatial/inertia.hpp"
 
-namespace dyn::load {
+namespace dyn::meshes {
 
 inline constexpr std::int64_t max_triangles = 10000000;
 
@@ -80,4 +80,4 @@ Mesh hull_of(const Mesh& mesh);
 // How deep the middles of the triangles lie under the hull's faces, at most.
 double depth_under(const Mesh& mesh, const Polytope& hull);
 
-}  // namespace dyn::load
+}  // namespace dyn::meshes

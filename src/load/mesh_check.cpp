@@ -12,6 +12,8 @@
 
 namespace dyn::load {
 
+using meshes::max_triangles;
+
 namespace {
 
 constexpr std::uint64_t max_mesh_bytes = std::uint64_t(2) << 30;

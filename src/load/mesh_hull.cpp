@@ -5,7 +5,9 @@
 #include "mesh.hpp"
 #include "mesh_module.hpp"
 
-namespace dyn::load {
+namespace dyn::meshes {
+
+using namespace load;
 
 namespace {
 
@@ -117,4 +119,4 @@ double depth_under(const Mesh& mesh, const Polytope& p) {
   return deepest;
 }
 
-}  // namespace dyn::load
+}  // namespace dyn::meshes

@@ -5,7 +5,7 @@
 
 #include "mesh.hpp"
 
-namespace dyn::load {
+namespace dyn::meshes {
 
 Box box_of(const Mesh& mesh) {
   constexpr double inf = std::numeric_limits<double>::infinity();
@@ -39,4 +39,4 @@ Solid solid_of(const Mesh& mesh) {
   return {Y.m, o + c, Y.shifted(-c).I};
 }
 
-}  // namespace dyn::load
+}  // namespace dyn::meshes

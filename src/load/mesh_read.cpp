@@ -8,7 +8,9 @@
 #include "mesh_path.hpp"
 #include "report.hpp"
 
-namespace dyn::load {
+namespace dyn::meshes {
+
+using namespace load;
 
 namespace {
 
@@ -57,4 +59,4 @@ Mesh read_mesh(const std::string& name, const MeshOptions& options) {
   return out;
 }
 
-}  // namespace dyn::load
+}  // namespace dyn::meshes

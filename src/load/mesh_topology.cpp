@@ -4,7 +4,7 @@
 
 #include "mesh.hpp"
 
-namespace dyn::load {
+namespace dyn::meshes {
 
 namespace {
 
@@ -50,4 +50,4 @@ Topology topology_of(const std::vector<Index>& triangles) {
   return out;
 }
 
-}  // namespace dyn::load
+}  // namespace dyn::meshes

@@ -6,7 +6,9 @@
 #include "mesh.hpp"
 #include "report.hpp"
 
-namespace dyn::load {
+namespace dyn::meshes {
+
+using namespace load;
 
 namespace {
 
@@ -147,4 +149,4 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
   return out;
 }
 
-}  // namespace dyn::load
+}  // namespace dyn::meshes

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "builder_impl.hpp"
+#include "dyn/collision/geom.hpp"
 
 namespace dyn {
 
@@ -324,6 +325,9 @@ void Builder::shape(const Shape& shape) {
   ShapeEntry entry{shape, impl->find({shape.body, DYN_FRAME_BODY}, who)};
   check_placement(who, shape.placement);
   check_finite(who + ": size", shape.size.data(), 3);
+  for (std::size_t k = 0; k < std::size_t(collision::size_count(shape.type)); ++k)
+    if (!(shape.size[k] >= collision::smallest && shape.size[k] <= collision::largest))
+      refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
   impl->shapes.push_back(std::move(entry));
 }
 
@@ -356,7 +360,7 @@ void Builder::configuration(const std::string& name, const std::vector<std::pair
 
 void Builder::disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason) {
   const std::string who = "pair '" + body1 + "', '" + body2 + "'";
-  impl->pairs.push_back({impl->find({body1, DYN_FRAME_BODY}, who), impl->find({body2, DYN_FRAME_BODY}, who), reason});
+  impl->disabled.push_back({impl->find({body1, DYN_FRAME_BODY}, who), impl->find({body2, DYN_FRAME_BODY}, who), reason});
 }
 
 void Builder::report(dynReportLevel level, int line, const std::string& message) { impl->reports.push_back({level, line, message}); }

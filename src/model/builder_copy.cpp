@@ -68,10 +68,14 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   }
   for (Index f = 1; f < m.n.frames; ++f) {
     const FrameRecord& r = m.frames()[f];
-    FrameEntry e{m.string(r.name), r.type, r.joint - 1, load_se3(r.placement), Inertia<double>::zero(), r.mass, {}, {}};
-    std::copy(r.com, r.com + 3, e.com.begin());
-    std::copy(r.inertia, r.inertia + 9, e.inertia.begin());
-    e.Y = act(e.X, Inertia<double>::at_com(r.mass, load3(r.com), load33(r.inertia)));
+    FrameEntry e{m.string(r.name), r.type, r.joint - 1, load_se3(r.placement), Inertia<double>::zero(), {}, {}, {}};
+    if (r.link >= 0) {
+      const LinkRecord& link = m.links()[r.link];
+      e.mass = link.mass;
+      std::copy(link.com, link.com + 3, e.com.begin());
+      std::copy(link.inertia, link.inertia + 9, e.inertia.begin());
+      e.Y = act(e.X, Inertia<double>::at_com(link.mass, load3(link.com), load33(link.inertia)));
+    }
     impl->frame_index[e.name].push_back(int(f));
     impl->frames.push_back(std::move(e));
   }
@@ -85,9 +89,9 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     const ReportRecord& r = m.reports()[k];
     impl->reports.push_back({r.level, r.line, m.string(r.message)});
   }
-  for (Index k = 0; k < m.n.pairs; ++k) {
-    const PairRecord& r = m.disabled_pairs()[k];
-    impl->pairs.push_back({r.frame1, r.frame2, m.string(r.reason)});
+  for (Index k = 0; k < m.n.disabled; ++k) {
+    const DisabledRecord& r = m.disabled_pairs()[k];
+    impl->disabled.push_back({r.frame1, r.frame2, m.string(r.reason)});
   }
   for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral
     const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;

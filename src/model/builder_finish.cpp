@@ -218,11 +218,15 @@ ModelPtr Builder::finish() const {
     r.joint = f.joint < 0 ? 0 : id[std::size_t(f.joint)];
     r.body = joint.last_body;
     store_se3(f.X, r.placement);
-    r.mass = f.mass;
-    std::copy(f.com.begin(), f.com.end(), r.com);
-    std::copy(f.inertia.begin(), f.inertia.end(), r.inertia);
+    r.link = -1;
+    if (f.type == DYN_FRAME_BODY) {
+      LinkRecord link{f.mass, {}, {}};
+      std::copy(f.com.begin(), f.com.end(), link.com);
+      std::copy(f.inertia.begin(), f.inertia.end(), link.inertia);
+      r.link = n.links++;
+      a.links.push_back(link);
+    }
     a.frames.push_back(r);
-    n.links += f.type == DYN_FRAME_BODY;
     Body& b = a.bodies[std::size_t(r.body)];
     const Inertia<double> Y = f.Y.rotated(joint.C);
     b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
@@ -235,14 +239,17 @@ ModelPtr Builder::finish() const {
     r.frame = Index(s.frame);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
+    if (r.role == DYN_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }
-  n.shapes = Index(a.shapes.size());
+  n.shapes = Index(a.shapes.size()), n.geoms = Index(a.geoms.size());
+  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms);
+  n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
   n.reports = Index(a.reports.size());
 
-  for (const PairEntry& p : in.pairs) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
-  n.pairs = Index(a.disabled_pairs.size());
+  for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
+  n.disabled = Index(a.disabled_pairs.size());
 
   // configurations; "neutral" is the first
   a.configuration_names.push_back(text.add("neutral"));
@@ -300,7 +307,7 @@ ModelPtr Builder::finish() const {
   const Index name = text.add(in.name);
   a.text.assign(text.pool.begin(), text.pool.end());
   n.text = Index(a.text.size());
-  a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_run = a.dof_parent, a.dof_forks.assign(std::size_t(n.nv), 0);  // filled in below
+  a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_depth = a.dof_descendants_end = a.dof_run = a.dof_parent, a.dof_forks.assign(std::size_t(n.nv), 0);  // filled in below
 
   // one block
   std::uint64_t bytes = (sizeof(Model) + 63) / 64 * 64;
@@ -335,14 +342,25 @@ ModelPtr Builder::finish() const {
 #undef FIELD
   settle_configurations(*model, reinterpret_cast<double*>(base + offset[std::size_t(Model::Field::configurations)]));
   elimination_tree(*model, a.dof_parent);
-  for (std::size_t k = 0; k < std::size_t(n.nv); ++k)
-    a.dof_run[k] = k > 0 && a.dof_parent[k] == Index(k) - 1 ? a.dof_run[k - 1] : Index(k);
-  for (std::size_t k = 0; k < std::size_t(n.nv); ++k)
-    if (a.dof_parent[k] >= 0 && a.dof_parent[k] != Index(k) - 1) a.dof_forks[std::size_t(a.dof_parent[k])] = 1;
-  std::copy(a.dof_forks.begin(), a.dof_forks.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_forks)]));
-  std::copy(a.dof_parent.begin(), a.dof_parent.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_parent)]));
-  std::copy(a.dof_run.begin(), a.dof_run.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_run)]));
+  for (std::size_t k = 0; k < std::size_t(n.nv); ++k) {
+    const Index p = a.dof_parent[k];
+    a.dof_depth[k] = p >= 0 ? a.dof_depth[std::size_t(p)] + 1 : 0;
+    a.dof_run[k] = k > 0 && p == Index(k) - 1 ? a.dof_run[k - 1] : Index(k);
+    if (p >= 0 && p != Index(k) - 1) a.dof_forks[std::size_t(p)] = 1;
+    a.dof_descendants_end[k] = Index(k) + 1;
+  }
+  for (std::size_t k = std::size_t(n.nv); k-- > 0;)
+    if (a.dof_parent[k] >= 0) {
+      Index& up = a.dof_descendants_end[std::size_t(a.dof_parent[k])];
+      up = std::max(up, a.dof_descendants_end[k]);
+    }
+  auto fill_in = [&](Model::Field field, const std::vector<Index>& x) {
+    std::copy(x.begin(), x.end(), reinterpret_cast<Index*>(base + offset[std::size_t(field)]));
+  };
+  fill_in(Model::Field::dof_parent, a.dof_parent), fill_in(Model::Field::dof_depth, a.dof_depth), fill_in(Model::Field::dof_run, a.dof_run);
+  fill_in(Model::Field::dof_descendants_end, a.dof_descendants_end), fill_in(Model::Field::dof_forks, a.dof_forks);
   check_dynamics(*model, order, in.joints, in.frames);
+  judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
   return model;
 }
 

@@ -64,7 +64,7 @@ struct ReportEntry {
   std::string message;
 };
 
-struct PairEntry {
+struct DisabledEntry {
   int frame1, frame2;
   std::string reason;
 };
@@ -78,7 +78,7 @@ struct Builder::Impl {
   std::vector<ShapeEntry> shapes;
   std::vector<ConfigurationEntry> configurations;
   std::vector<ReportEntry> reports;
-  std::vector<PairEntry> pairs;  // not tested for collision
+  std::vector<DisabledEntry> disabled;  // not tested for collision
 
   int find(const Parent& parent, const std::string& who) const;
   void add_frame(FrameEntry entry, const std::string& who);
@@ -113,6 +113,12 @@ void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vec
 void elimination_tree(const Model& m, std::vector<Index>& parent);
 // Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.
 void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames);
+
+// Pairs of collision shapes but those of one body and of a body and its parent; none when there are more than most_geoms shapes.
+std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames,
+                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms);
+// Marks those that overlap in the neutral configuration.
+void judge_pairs(const Model& m, PairRecord* pairs);
 
 // Sizes of a primitive joint.
 int primitive_nq(BodyType t);

@@ -84,6 +84,13 @@ json effects(const Robot& robot, std::uint32_t on = DYN_EFFECT_ALL);
 void add_effects_option(CLI::App& command, std::string& names);
 std::uint32_t parse_effects(const std::string& names);
 
+// {"pair", "a", "b", "shape_a", "shape_b"}: a pair of collision shapes; with "tested" and "reason": all there could be; with
+// "distance", "status", "normal", "point_a", "point_b", "unique": after dyn_distances.
+json pair_json(const Robot& robot, int pair);
+json pairs_json(const Robot& robot);
+json distance_json(const Robot& robot, const Data& data, int pair);
+std::vector<int> tested_pairs(const Robot& robot, const Data& data);
+
 // ---------------------------------------------------------------------------------------------------- the state
 
 // Options that give a state: a file, or lists of numbers.
@@ -129,6 +136,7 @@ std::string meshes_text(const json& meshes);
 void add_info(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_ik(CLI::App& app);
+void add_distance(CLI::App& app);
 void add_sim(CLI::App& app);
 void add_bench(CLI::App& app);
 

@@ -19,6 +19,12 @@ const char* shape_type_name(dynShapeType type) {
       return "mesh";
     case DYN_SHAPE_CAPSULE:
       return "capsule";
+    case DYN_SHAPE_CONE:
+      return "cone";
+    case DYN_SHAPE_ELLIPSOID:
+      return "ellipsoid";
+    case DYN_SHAPE_HALF_SPACE:
+      return "half_space";
   }
   return "unknown";
 }
@@ -152,6 +158,11 @@ std::string info_text(const json& info) {
   }
   if (!info["disabled_pairs"].empty()) out += "\ndisabled pairs\n  " + std::to_string(info["disabled_pairs"].size()) + " pairs of links are not tested for collision\n";
   if (info.contains("meshes")) out += "\nmeshes\n" + meshes_text(info["meshes"]);
+  if (info.contains("pairs")) {
+    rows.clear();
+    for (const auto& p : info["pairs"]) rows.push_back({str(p["a"]), str(p["b"]), p["tested"].get<bool>() ? "tested" : "not tested: " + str(p["reason"])});
+    out += "\npairs of collision shapes\n" + (rows.empty() ? "  none\n" : table(rows));
+  }
   rows.clear();
   for (const auto& e : info["report"])
     rows.push_back({str(e["level"]), e["line"] == 0 ? "" : "line " + num(e["line"]), str(e["message"])});
@@ -163,14 +174,17 @@ std::string info_text(const json& info) {
 
 void add_info(CLI::App& app) {
   auto options = std::make_shared<RobotOptions>();
+  auto pairs = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("info", "Sizes, joints, frames, masses, effects, the load report");
   command->footer("Joint 0 and frame 0 are the universe, the world: a joint whose parent is 0 stands on it.");
   add_robot_options(*command, *options);
   auto meshes = std::make_shared<bool>(false);
   command->add_flag("--meshes", *meshes, "Read the robot's mesh files, too: what they bound, and whether they are convex");
-  command->callback([options, meshes] {
+  command->add_flag("--pairs", *pairs, "Which pairs of collision shapes are tested, and why others are not");
+  command->callback([options, pairs, meshes] {
     const Robot robot(*options);
     json info = info_json(robot);
+    if (*pairs) info["pairs"] = pairs_json(robot);
     if (*meshes) info["meshes"] = meshes_json(robot);
     print(options->json ? json_text(info) : info_text(info));
   });

@@ -15,6 +15,7 @@ from . import ik
 from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
+from .collision import Distance, shape_distance
 from .convert import State, StateLayout
 from .data import (
     FIELDS,
@@ -36,6 +37,7 @@ from .enums import (
     Base,
     Convention,
     Direction,
+    DistanceStatus,
     Effect,
     FrameType,
     IkReason,
@@ -43,6 +45,7 @@ from .enums import (
     Integrator,
     JointType,
     ModelArray,
+    PairReason,
     Part,
     Reference,
     ReportLevel,
@@ -89,7 +92,7 @@ from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
 from .mesh import Mesh, MeshInfo, load_mesh
-from .model import DisabledPair, FrameInfo, JointInfo, Model, ReportEntry, ShapeInfo, load, load_string
+from .model import DisabledPair, FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, load, load_string
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
@@ -114,6 +117,8 @@ __all__ = [
     "Data",
     "Direction",
     "DisabledPair",
+    "Distance",
+    "DistanceStatus",
     "Effect",
     "Energy",
     "Error",
@@ -144,6 +149,8 @@ __all__ = [
     "NonFiniteError",
     "NumericError",
     "OutOfMemoryError",
+    "Pair",
+    "PairReason",
     "ParseError",
     "Part",
     "PartError",
@@ -180,4 +187,4 @@ __all__ = [
     "parameters_from_log_cholesky",
     "parameters_from_pseudo_inertia",
     "pseudo_inertia_from_parameters",
-]  # fmt: skip
+]

@@ -67,6 +67,13 @@ JointSpec._fields_ = [
 ]  # fmt: skip
 
 
+class ShapeSpec(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("body", c_char_p),
+        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
+    ]  # fmt: skip
+
+
 class StateLayout(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("convention", c_int), ("joints", POINTER(c_char_p)), ("joints_count", c_size_t),
@@ -120,6 +127,17 @@ class MeshArrays(Grown):
         ("triangle_count", c_size_t), ("face_count", c_size_t), ("planes", c_void_p), ("face_start", c_void_p),
         ("face_corners", c_void_p), ("neighbour_start", c_void_p), ("neighbours", c_void_p),
     ]  # fmt: skip
+
+
+class Distance(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("status", c_int), ("unique", c_int32), ("iterations", c_int32), ("distance", c_double),
+        ("residual", c_double), ("normal", c_double * 3), ("point_a", c_double * 3), ("point_b", c_double * 3),
+    ]  # fmt: skip
+
+
+class Geometry(Grown):
+    _fields_ = [("struct_size", c_uint32), ("type", c_int), ("size", c_double * 3), ("radius", c_double)]
 
 
 class IkTask(Grown):
@@ -191,6 +209,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_builder_new": (STATUS, [_s, _ref]),
     "dyn_builder_free": (None, [_p]),
     "dyn_builder_gravity": (STATUS, [_p, _p]),
+    "dyn_shape_spec_init": (None, [_ref]),
+    "dyn_builder_shape": (STATUS, [_p, _ref]),
     "dyn_builder_joint": (STATUS, [_p, _ref]),
     "dyn_builder_body": (STATUS, [_p, _s, _s, _p, _d, _p, _p]),
     "dyn_builder_frame": (STATUS, [_p, _s, _s, _p, _i]),
@@ -296,6 +316,16 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_ik_options_init": (None, [_ref]),
     "dyn_ik": (STATUS, [_p, _p, _p, _ref, _i, _ref, _p, _p, _ref]),
     # simulation
+    "dyn_geometry_init": (None, [_ref]),
+    "dyn_shape_distance": (STATUS, [_ref, _p, _ref, _p, _d, _ref]),
+    "dyn_npairs": (_i, [_p]),
+    "dyn_pair": (STATUS, [_p, _i, _ref, _ref, _ref]),
+    "dyn_data_set_pair": (STATUS, [_p, _p, _i, _i]),
+    "dyn_data_pair": (STATUS, [_p, _p, _i, _ref]),
+    "dyn_distances": (STATUS, [_p, _p, _p, _p]),
+    "dyn_pair_distance": (STATUS, [_p, _p, _i, _ref]),
+    "dyn_distance_gradients": (STATUS, [_p, _p, _p]),
+    "dyn_collisions": (STATUS, [_p, _p, _p, _d, _p, _i, _ref]),
     "dyn_step": (STATUS, [_p, _p, _i, _d]),
     # meshes
     "dyn_mesh_options_init": (None, [_ref]),

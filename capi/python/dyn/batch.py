@@ -21,6 +21,7 @@ from .model import Model, mask, member
 
 _run = lib.dyn_batch_run
 _first = c_double.from_buffer
+_empty = np.empty
 
 
 _OPTIONAL = {"v", "a", "tau", "fext", "reference", "integrator"}
@@ -90,12 +91,17 @@ class _Plan:
         check(lib.dyn_batch_info(model._m, algorithm.id, byref(info)))
         nv = (model.nv,)
         rows = {"q": (model.nq,), "q1": (model.nq,), "v": nv, "a": nv, "tau": nv, "b": nv, "fext": (model.njoints, 6)}
+        self.id, self.q = algorithm.id, algorithm.inputs.index("q")
         self._inputs = [(name, rows.get(name)) for name in algorithm.inputs]
         self._outputs = []
         for k, name in enumerate(algorithm.outputs):
             self._outputs.append((k, name, (info.pages[k], info.cols[k], info.rows[k])[3 - algorithm.dimensions[k] :]))
+        self.matrix = algorithm.dimensions[0] == 2
         self.type = namedtuple(algorithm.name, algorithm.outputs)
         self.placements = algorithm.name.startswith("frame_placement")
+        # one output, no tensor, and no input that is not a row or must not be absent
+        rows_or_zeros = {"q", "v", "a", "tau", "fext"} >= set(algorithm.inputs)
+        self.simple = algorithm.dimensions in ((0,), (1,), (2,)) and rows_or_zeros and not self.placements
         self.of(1)
 
     def of(self, n: int) -> None:
@@ -103,6 +109,8 @@ class _Plan:
         self.n = n
         self.inputs = [(name, row and (n, *row)) for name, row in self._inputs]
         self.outputs = [(k, name, (n, *row)) for k, name, row in self._outputs]
+        # what _quick takes: fext lies otherwise in memory
+        self.quick = [(name, None if name == "fext" else shape) for name, shape in self.inputs] if self.simple else None
 
 
 class Batch:
@@ -187,13 +195,48 @@ class Batch:
         status.fill(0)
         return address(status)
 
+    def _quick(self, plan: _Plan, given: tuple, out: Any) -> np.ndarray | None:
+        """Sets the addresses of arrays that all lie in memory as the library reads them, with one output: what most calls are.
+
+        Returns what is to be filled. None: they have to be looked at one by one.
+        """
+        arrays = self._arrays
+        try:
+            for (name, shape), x in zip(plan.quick, given):
+                if x is None:
+                    setattr(arrays, name, None)
+                elif type(x) is np.ndarray and x.dtype is F64 and x.shape == shape:
+                    setattr(arrays, name, addressof(_first(x)))
+                else:
+                    return None
+            if out is None:
+                memory = _empty(plan.outputs[0][2])
+            else:
+                memory = out if out.ndim < 3 else _columns(out)
+                if type(memory) is not np.ndarray or memory.dtype is not F64 or memory.shape != plan.outputs[0][2]:
+                    return None
+            self._out[0] = addressof(_first(memory))
+        except (TypeError, ValueError, AttributeError):  # not contiguous, read-only; out is no array
+            return None
+        arrays.status = None
+        return memory
+
     def _compute(self, algorithm: Algorithm, given: tuple, only: str | None, out: Any, status: Any) -> Any:
         plan = self._plans.get(algorithm.id)
         if plan is None:
             plan = self._plans[algorithm.id] = _Plan(self.model, algorithm)
-        n = _count(given[algorithm.inputs.index("q")])
+        q = given[plan.q]
+        n = len(q) if type(q) is np.ndarray and q.ndim else _count(q)
         if n != plan.n:
             plan.of(n)
+        if only is status is None and plan.quick:
+            memory = self._quick(plan, given, out)
+            if memory is not None:
+                failed = _run(self._b, plan.id, n, self._arrays_ref)
+                if failed:
+                    fail(failed)
+                return _columns(memory) if plan.matrix else memory
+
         arrays, keep = self._arrays, []
         for (name, shape), x in zip(plan.inputs, given):
             if shape is None:

@@ -11,7 +11,7 @@ import numpy as np
 from . import abi
 from .arrays import Owner, address, checked, numbers
 from .arrays import placement as twelve
-from .enums import FrameType, JointType
+from .enums import FrameType, JointType, ShapeRole, ShapeType
 from .errors import ArgumentError
 from .library import check, lib
 from .model import Model, member, text
@@ -127,6 +127,29 @@ class Builder:
         x = None if placement is None else twelve(placement)
         above = None if parent is None else text(parent, "parent")
         check(lib.dyn_builder_frame(self._b, text(name, "name"), above, address(x), member(FrameType, type, "type")))
+        return self
+
+    def shape(
+        self,
+        body: str,
+        type: str | ShapeType,
+        size: ArrayLike = (),
+        placement: Any = None,
+        *,
+        role: str | ShapeRole = ShapeRole.COLLISION,
+        name: str = "",
+        mesh: str = "",
+    ) -> Builder:
+        """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo."""
+        spec = abi.ShapeSpec()
+        lib.dyn_shape_spec_init(byref(spec))
+        spec.body, spec.name, spec.mesh = text(body, "body"), text(name, "name"), text(mesh, "mesh")
+        spec.type, spec.role = member(ShapeType, type, "type"), member(ShapeRole, role, "role")
+        sizes = np.atleast_1d(numbers(size, "size")).tolist()
+        spec.size[: len(sizes)] = checked(sizes, (min(len(sizes), 3),), "size").tolist()
+        if placement is not None:
+            spec.placement[:] = twelve(placement).tolist()
+        check(lib.dyn_builder_shape(self._b, byref(spec)))
         return self
 
     def configuration(self, name: str, q: ArrayLike) -> Builder:

@@ -11,6 +11,7 @@ import numpy as np
 from . import abi
 from . import ik as inverse_kinematics
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
+from .collision import CollisionQueries
 from .enums import Effect, IkReason, Integrator, Part, Reference, Term
 from .errors import ArgumentError, UnknownNameError
 from .library import check, fail, last_error, lib
@@ -186,7 +187,7 @@ _static_torque = lib.dyn_static_torque
 _step = lib.dyn_step
 
 
-class Data:
+class Data(CollisionQueries):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 
     A call with q, v, a or tau sets the state that data holds; None uses what is held. Methods return new arrays.

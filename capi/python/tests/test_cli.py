@@ -94,7 +94,7 @@ def test_bad_usage(words):
 def test_unknown_quantity_lists_the_known():
     error = run("eval", GO2, "--fixed", "--compute", "Mass", status=2)
     assert '"Mass"' in error and "Minv" in error and "frame_classical_acceleration" in error
-    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "collisions", status=1)
+    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "lambda", status=1)
 
 
 def test_bad_robots(tmp_path):
@@ -475,3 +475,28 @@ def test_effects(tmp_path):
         assert found["tau"] == pytest.approx([tau])
     for command in (["sim", "--duration", "1"], ["eval", "--compute", "tau"], ["bench"]):
         assert "wind" in run(command[0], robot, "--fixed", *command[1:], "--effects", "wind", status=2)
+
+
+# ------------------------------------------------------------------------------------------------- distance
+
+
+def test_distance(go2):
+    found = answer("distance", GO2, "--floating")
+    distances = go2.data().distances(go2.neutral())
+    assert [p["distance"] for p in found["pairs"]] == sorted(distances.tolist())
+    assert found["collisions"] == 0 and {p["status"] for p in found["pairs"]} == {"separated"}
+    nearest = found["pairs"][0]
+    assert distances[nearest["pair"]] == nearest["distance"] and {nearest["a"], nearest["b"]} & {"base", "FL_thigh"}
+    text = run("distance", GO2, "--floating")
+    assert f"{len(distances)} pairs, 0 in collision" in text and "--pairs" in text and text.count("separated") == 10
+    assert run("distance", GO2, "--floating", "--pairs").count("separated") == len(distances)
+    values = answer("eval", GO2, "--floating", "--compute", "distances,collisions,distance_gradients")
+    assert len(values["distances"]) == len(values["distance_gradients"]) == go2.npairs and values["collisions"] == []
+    pairs = answer("info", GO2, "--floating", "--pairs")["pairs"]
+    assert sum(p["tested"] for p in pairs) == go2.npairs
+    assert {p["reason"] for p in pairs} == {"tested", "they belong to one body", "a body and its parent"}
+    assert "pairs of collision shapes" in run("info", GO2, "--floating", "--pairs")
+
+
+def test_distance_without_shapes(arm_file):
+    assert "no pair" in run("distance", arm_file, "--fixed")

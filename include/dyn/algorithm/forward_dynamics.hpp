@@ -2,7 +2,7 @@
 #pragma once
 
 #include "dyn/algorithm/aba.hpp"
-#include "dyn/algorithm/cholesky.hpp"
+#include "dyn/algorithm/factor_inverse.hpp"
 #include "dyn/algorithm/configuration.hpp"
 #include "dyn/algorithm/crba.hpp"
 

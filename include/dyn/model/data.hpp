@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "dyn/base/sincos.hpp"
+#include "dyn/collision/geom.hpp"
 #include "dyn/model/model.hpp"
 #include "dyn/spatial/inertia_rate.hpp"
 #include "dyn/spatial/moments.hpp"
@@ -19,6 +20,7 @@ enum class Stage : Index {
   Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical,
   InverseDerivatives, ForwardDerivatives, GravityDerivatives, StaticDerivatives, ComDerivatives, SecondOrder,
   CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives, CentroidalRateDerivative,
+  Distances,
   TorqueRegressor, StaticRegressor, KineticRegressor, PotentialRegressor,
   count_
 };
@@ -45,6 +47,9 @@ inline constexpr unsigned stage_inputs(Stage s) {
 
 // Numbers of degrees of freedom in whole tiles of four (algorithm/tiles.hpp).
 inline std::ptrdiff_t tile_room(std::ptrdiff_t n) { return (n + 3) / 4 * 4; }
+
+// And in whole packs of eight (algorithm/cholesky.hpp).
+inline std::ptrdiff_t factor_room(const Model& m) { return (std::ptrdiff_t(m.n.nv) + 7) & ~std::ptrdiff_t(7); }
 
 // First expanded degree of freedom at or after body i.
 inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
@@ -137,7 +142,7 @@ inline dynParts complete_parts(dynParts p) {
   if (p & DYN_PART_FACTOR) p |= DYN_PART_MASS;
   if (p & DYN_PART_IK) p |= DYN_PART_COM;
   if (p & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES |
-           DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR | DYN_PART_IK)) p |= DYN_PART_KINEMATICS;
+           DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR | DYN_PART_IK | DYN_PART_COLLISION)) p |= DYN_PART_KINEMATICS;
   return p;
 }
 
@@ -152,8 +157,8 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d);
 namespace detail {
 template <class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
-  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m);
-  (void)nq, (void)nv, (void)nframes, (void)nparameters;
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
 #define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(count) : 0);
@@ -214,9 +219,11 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
+  if (d.Linv) std::fill_n(d.Linv, m.n.nv * factor_room(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
   for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_ARMATURE;
   apply_effects(m, d);
+  if (d.geoms) collision::set_up(m, d);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();

@@ -54,7 +54,12 @@ struct FrameRecord {
   Index name;
   dynFrameType type;
   Index joint, body;
+  Index link;            // BODY: its number among the links; otherwise -1
   double placement[12];  // in the joint's frame
+};
+
+// Of a link itself, in its frame.
+struct LinkRecord {
   double mass, com[3], inertia[9];
 };
 
@@ -66,8 +71,22 @@ struct ShapeRecord {
   double placement[12], size[3];
 };
 
-// Two links that are not tested for collision.
+// A collision shape.
+struct GeomRecord {
+  Index shape;  // its number among all shapes
+};
+
+// Pairs are listed up to so many collision shapes.
+inline constexpr Index most_geoms = 1000;
+
+// Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child.
 struct PairRecord {
+  std::uint16_t a, b;
+  std::uint16_t reason;  // dynPairReason: whether new data tests it
+};
+
+// Two links that are not tested for collision.
+struct DisabledRecord {
   Index frame1, frame2, reason;
 };
 
@@ -80,7 +99,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, reports, configurations, text, pairs;
+  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
 };
 
 struct Model {

@@ -1,0 +1,62 @@
+// The difference D = A - B of two convex cores, in the frame of A: they meet where D contains the origin, and the point of D nearest to
+// the origin is the shortest vector between them.
+#pragma once
+
+#include "dyn/collision/result.hpp"
+
+namespace dyn::collision {
+
+// A point of D and the points of the two cores it is made of.
+struct Vertex {
+  Vec w, a, b;  // w = a - b
+};
+
+template <class A, class B>
+struct Difference {
+  const A& A_;
+  const B& B_;
+  Pose X;   // B in A
+  Mat Rt;   // A's axes in B
+  double small, large;  // sizes of the smaller and the larger shape
+
+  DYN_INLINE Difference(const A& a, const B& b, const Pose& X) : A_(a), B_(b), X(X), Rt(transpose(X.R)) {
+    const double sa = a.extent() + a.radius, sb = b.extent() + b.radius;
+    small = std::min(sa, sb), large = std::max(sa, sb);
+  }
+
+  static constexpr bool curved = A::curved || B::curved;
+
+  DYN_INLINE Vertex support(const Vec& d) const {
+    const Vec a = A_.support(d), b = X.act(B_.support(Rt * -d));
+    return {a - b, a, b};
+  }
+  // the support point on the smooth piece of the boundary that p lies on, and its derivative
+  Vertex slide(const Vertex& p, const Vec& n) const {
+    Vertex q = p;
+    if constexpr (A::curved) q.a = A_.slide(p.a, n);
+    if constexpr (B::curved) q.b = X.act(B_.slide(X.act_inverse(p.b), Rt * -n));
+    q.w = q.a - q.b;
+    return q;
+  }
+  Sym3<double> curvature(const Vertex& p, const Vec& n) const {
+    Sym3<double> H = Sym3<double>::zero();
+    if constexpr (A::curved) H = H + A_.curvature(p.a, n);
+    if constexpr (B::curved) H = H + congruence(X.R, B_.curvature(X.act_inverse(p.b), Rt * -n).full());
+    return H;
+  }
+  // numbers of this pair carry errors of about this size
+  double rounding() const { return 1e-15 * (large + shape::norm(X.p)); }
+
+  // Are there other pairs of points as near as one with the normal n? Only where straight features of both face each other and have a
+  // direction in common.
+  bool parallel(const Vec& n) const {
+    const shape::Flat fa = A_.flat(n);
+    if (fa.dimension == 0) return false;
+    const shape::Flat fb = B_.flat(Rt * -n);
+    if (fb.dimension == 0) return false;
+    if (fa.dimension + fb.dimension > 2) return true;
+    return shape::norm(cross(fa.u, X.R * fb.u)) <= 1e-7;
+  }
+};
+
+}  // namespace dyn::collision

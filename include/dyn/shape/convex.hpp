@@ -1,0 +1,161 @@
+// A convex polytope: the hull of its vertices, with its faces and the neighbours of each vertex, in arrays that lie elsewhere.
+#pragma once
+
+#include "dyn/shape/shape.hpp"
+
+namespace dyn::shape {
+
+// What a Convex points to. Coordinates are by component, each array padded to a multiple of `lanes` by repeating the last vertex, so
+// that a search goes over whole registers. Faces are planes n.x <= offset with their vertices counter-clockwise seen from outside.
+struct Hull {
+  static constexpr Index lanes = 8;
+  static constexpr Index padded(Index n) { return (n + lanes - 1) / lanes * lanes; }
+
+  Index vertices, faces;
+  const double *x, *y, *z;         // padded(vertices)
+  const double* planes;            // 4 a face: unit normal, offset
+  const Index* face_start;         // faces + 1
+  const Index* face_vertices;      // face_start[faces]
+  const Index* neighbour_start;    // vertices + 1
+  const Index* neighbours;         // neighbour_start[vertices]
+  Vec center;                      // mean of the vertices
+  double extent;                   // farthest vertex from the origin
+
+  DYN_INLINE Vec vertex(Index i) const { return Vec::make(x[i], y[i], z[i]); }
+  Vec normal(Index f) const { return load3(planes + 4 * f); }
+  double offset(Index f) const { return planes[4 * f + 3]; }
+};
+
+struct Convex : Solid<Convex> {
+  static constexpr Type type = Type::Convex;
+  static constexpr const char* name = "convex";
+  const Hull& hull;
+  double radius;
+
+  explicit Convex(const Shape& s) : hull(*s.hull), radius(s.radius) {}
+
+  Vec support(const Vec& d) const { return hull.vertex(hull.vertices <= search_all ? farthest(d) : climb(d)); }
+  Nearest nearest(const Vec& p) const;
+  Flat flat(const Vec& n) const;
+  double extent() const { return hull.extent; }
+  Inertia<double> solid() const;
+
+ private:
+  static constexpr Index search_all = 128;  // up to here all vertices are looked at
+
+  Index farthest(const Vec& d) const;
+  // from neighbour to neighbour: on a hull every local maximum is the global one
+  Index climb(const Vec& d) const {
+    Index best = 0;
+    double most = dot(hull.vertex(0), d);
+    for (bool up = true; up;) {
+      up = false;
+      const Index at = best;
+      for (Index k = hull.neighbour_start[at]; k < hull.neighbour_start[at + 1]; ++k) {
+        const double along = dot(hull.vertex(hull.neighbours[k]), d);
+        if (along > most) most = along, best = hull.neighbours[k], up = true;
+      }
+    }
+    return best;
+  }
+};
+
+inline Index Convex::farthest(const Vec& d) const {
+  typedef double Lanes __attribute__((vector_size(8 * Hull::lanes)));
+  typedef std::int64_t Ids __attribute__((vector_size(8 * Hull::lanes)));
+  auto along = [&](Index i) {
+    Lanes x, y, z;
+    __builtin_memcpy(&x, hull.x + i, sizeof x), __builtin_memcpy(&y, hull.y + i, sizeof y), __builtin_memcpy(&z, hull.z + i, sizeof z);
+    return x * d[0] + y * d[1] + z * d[2];
+  };
+  Lanes most = along(0);
+  Ids at = {}, base = {};
+  for (Index i = Hull::lanes; i < hull.vertices; i += Hull::lanes) {
+    const Lanes a = along(i);
+    base += Hull::lanes;
+    const Ids more = a > most;
+    most = more ? a : most;
+    at = more ? base : at;
+  }
+  Index best = 0;
+  for (Index k = 1; k < Hull::lanes; ++k)
+    if (most[k] > most[best]) best = k;
+  return std::min(Index(at[best]) + best, hull.vertices - 1);
+}
+
+// the nearest point of the polygon of a face, and the nearest face
+inline Nearest Convex::nearest(const Vec& p) const {
+  Index inner = 0;
+  double height = -infinity;
+  Nearest best = {Vec::zero(), Vec::zero(), infinity, true};
+  // of an edge a + t e
+  auto consider = [&](const Vec& a, const Vec& e, double t) {
+    const Vec c = a + e * t;
+    Vec r = p - c;
+    if (t > 0 && t < 1) r -= e * (dot(r, e) / dot(e, e));  // once more: r may be far shorter than e
+    const double d = norm(r);
+    if (d < best.distance) best = {c, r * (1 / d), d, true};
+  };
+  bool tie = false;
+  for (Index f = 0; f < hull.faces; ++f) {
+    const Vec n = hull.normal(f);
+    const double h = dot(n, p) - hull.offset(f);
+    if (h >= height) tie = h == height, height = h, inner = f;
+    if (h <= 0) continue;
+    bool over = true;
+    const Index end = hull.face_start[f + 1];
+    for (Index k = hull.face_start[f]; k < end; ++k) {
+      const Vec a = hull.vertex(hull.face_vertices[k]), b = hull.vertex(hull.face_vertices[k + 1 < end ? k + 1 : hull.face_start[f]]);
+      const Vec e = b - a;
+      if (dot(cross(e, p - a), n) >= 0) continue;
+      over = false;
+      consider(a, e, std::clamp(dot(p - a, e) / dot(e, e), 0.0, 1.0));
+    }
+    if (over) return {p - n * h, n, h, true};
+  }
+  if (height > 0) return best;
+  const Vec n = hull.normal(inner);
+  return {p - n * height, n, height, !tie};
+}
+
+inline Flat Convex::flat(const Vec& n) const {
+  const Index top = farthest(n);
+  const Vec v = hull.vertex(top);
+  Flat f = {0, Vec::zero(), Vec::zero()};
+  for (Index k = hull.neighbour_start[top]; k < hull.neighbour_start[top + 1] && f.dimension < 2; ++k) {
+    const Vec e = hull.vertex(hull.neighbours[k]) - v;
+    const double length = norm(e);
+    if (std::abs(dot(e, n)) > flat_slope * length) continue;
+    if (f.dimension == 0) {
+      f = {1, e * (1 / length), Vec::zero()};
+    } else {
+      const Vec rest = e - f.u * dot(e, f.u);
+      if (norm(rest) > flat_slope * length) f = {2, f.u, rest * (1 / norm(rest))};
+    }
+  }
+  return f;
+}
+
+// The core alone, by tetrahedra from the centre to the triangles of its faces: with corners 0, a, b, c and 6 V = det(a, b, c) the second
+// moment is V/20 (sum of x x^T over a, b, c, a + b + c).
+inline Inertia<double> Convex::solid() const {
+  Inertia<double> Y = Inertia<double>::zero();
+  Sym3<double> S = Sym3<double>::zero();
+  for (Index f = 0; f < hull.faces; ++f) {
+    const Index start = hull.face_start[f], end = hull.face_start[f + 1];
+    const Vec a = hull.vertex(hull.face_vertices[start]) - hull.center;
+    for (Index k = start + 1; k + 1 < end; ++k) {
+      const Vec b = hull.vertex(hull.face_vertices[k]) - hull.center, c = hull.vertex(hull.face_vertices[k + 1]) - hull.center;
+      const double V = dot(a, cross(b, c)) / 6;
+      const Vec sum = a + b + c;
+      Y.m += V, Y.h += sum * (V / 4);
+      S = S + (symmetric_outer(a, a) + symmetric_outer(b, b) + symmetric_outer(c, c) + symmetric_outer(sum, sum)) * (V / 20);
+    }
+  }
+  // inertia = tr(S) 1 - S, about the centre, then about the origin
+  const double t = S.d[0] + S.d[1] + S.d[2];
+  Y.I = {Vec::make(t, t, t) - S.d, -S.o};
+  return Y.shifted(hull.center);
+}
+
+}  // namespace dyn::shape

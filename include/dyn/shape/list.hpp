@@ -1,0 +1,37 @@
+// The closed list of shapes and the one place that dispatches on them: visit expands to a switch, so that each case inlines. A new
+// shape is a file, a line here, and a line in Type (shape.hpp).
+#pragma once
+
+#include "dyn/shape/box.hpp"
+#include "dyn/shape/capsule.hpp"
+#include "dyn/shape/cone.hpp"
+#include "dyn/shape/convex.hpp"
+#include "dyn/shape/cylinder.hpp"
+#include "dyn/shape/ellipsoid.hpp"
+#include "dyn/shape/half_space.hpp"
+#include "dyn/shape/sphere.hpp"
+
+namespace dyn::shape {
+
+#define DYN_SHAPES(X) X(HalfSpace) X(Sphere) X(Capsule) X(Box) X(Cylinder) X(Cone) X(Ellipsoid) X(Convex)
+
+inline constexpr int type_count = 0
+#define DYN_COUNT(S) +1
+    DYN_SHAPES(DYN_COUNT)
+#undef DYN_COUNT
+    ;
+
+// f(S(shape))
+template <class F>
+DYN_INLINE void visit(const Shape& shape, F&& f) {
+  switch (shape.type) {
+#define DYN_CASE(S) \
+  case Type::S:     \
+    f(S(shape));    \
+    break;
+    DYN_SHAPES(DYN_CASE)
+#undef DYN_CASE
+  }
+}
+
+}  // namespace dyn::shape

@@ -1,0 +1,147 @@
+// Pairs of a robot's collision shapes: which there are, and the gradients of their distances.
+#include "common/random_tree.hpp"
+#include "common/work.hpp"
+#include "dyn/collision/pairs.hpp"
+
+namespace dyn_test {
+namespace {
+
+// A random robot, a shape of any type on most of its links.
+ModelPtr with_shapes(std::uint64_t seed) {
+  TreeOptions options;
+  options.joints = 8;
+  const Tree t = random_tree(seed, options);
+  Dice dice(seed + 3);
+  Builder b("robot");
+  for (const JointSpec& s : t.joints) b.joint(s);
+  for (const BodySpec& s : t.bodies) {
+    b.body(s.name, {s.parent, 0}, placement(s.placement), s.mass, array3(s.com), array9(s.inertia));
+    if (dice.chance(0.2)) continue;
+    static constexpr dynShapeType types[] = {DYN_SHAPE_BOX, DYN_SHAPE_SPHERE, DYN_SHAPE_CYLINDER, DYN_SHAPE_CAPSULE, DYN_SHAPE_CONE, DYN_SHAPE_ELLIPSOID};
+    dyn::Shape shape;
+    shape.type = types[dice.below(6)], shape.body = s.name, shape.placement = placement(dice.pose(0.1));
+    shape.size = {dice.in(0.05, 0.2), dice.in(0.05, 0.2), dice.in(0.05, 0.2)};
+    b.shape(shape);
+  }
+  dyn::Shape floor;
+  floor.type = DYN_SHAPE_HALF_SPACE, floor.body = "floor", floor.placement = placement(dice.pose(1));
+  b.body("floor", {"", 0}, identity_placement, 0, {0, 0, 0}, {});
+  b.shape(floor);
+  return b.finish();
+}
+
+VectorXd distances_at(const Model& m, Work<double>& w, const VectorXd& q) {
+  w.q(q);
+  collision::distances(m, w.d);
+  return Eigen::Map<const VectorXd>(w.d.distances, m.n.pairs);
+}
+
+// Central differences of order four, where the distance is smooth within their reach.
+TEST(Pairs, GradientIsTheDerivative) {
+  int compared = 0, seen = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const ModelPtr model = with_shapes(seed);
+    const Model& m = *model;
+    Work<double> w(m);
+    const State x(m, seed);
+    const Index pairs = m.n.pairs, nv = m.n.nv;
+    MatrixXd gradient(pairs, nv);
+    w.q(x.q);
+    collision::distances(m, w.d);
+    for (Index k = 0; k < pairs; ++k) collision::distance_gradient(m, w.d, k, gradient.data() + k, pairs);
+    std::vector<bool> smooth;
+    for (Index k = 0; k < pairs; ++k) smooth.push_back(w.d.pair_states[k] == DYN_PAIR_TESTED && w.d.results[k].unique);
+    const VectorXd d0 = Eigen::Map<const VectorXd>(w.d.distances, pairs);
+    for (Index k = 0; k < nv; ++k) {
+      auto at = [&](double t) {
+        VectorXd moved(m.n.nq);
+        const VectorXd step = VectorXd::Unit(nv, k) * t;
+        integrate(m, x.q.data(), step.data(), moved.data());
+        return distances_at(m, w, moved);
+      };
+      const double h = 1e-4;
+      const VectorXd near = (at(h) - at(-h)) / (2 * h), far = (at(2 * h) - at(-2 * h)) / (4 * h);
+      for (Index p = 0; p < pairs; ++p) {
+        if (!smooth[std::size_t(p)] || !std::isfinite(near[p])) continue;
+        ++seen;
+        if (std::abs(near[p] - far[p]) > 1e-4) continue;  // a kink is near, where another feature becomes the nearest
+        ++compared;
+        EXPECT_NEAR((4 * near[p] - far[p]) / 3, gradient(p, k), 2e-6) << "tree " << seed << ", pair " << p << " at distance " << d0[p];
+      }
+    }
+  }
+  EXPECT_GT(compared, 5000);
+  EXPECT_GT(compared, 0.95 * seen);
+}
+
+TEST(Pairs, BodiesParentsAndTheFloor) {
+  Builder b("stack");
+  const char* names[] = {"base", "arm", "hand"};
+  for (int k = 0; k < 3; ++k) {
+    JointSpec s;
+    s.name = std::string(names[k]) + "_joint", s.type = k ? DYN_JOINT_REVOLUTE : DYN_JOINT_FREE_FLYER;
+    if (k) s.parent.name = std::string(names[k - 1]) + "_joint";
+    s.placement[11] = k;
+    b.joint(s);
+    b.body(names[k], {s.name, 0}, identity_placement, 1, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  }
+  b.body("floor", {"", 0}, identity_placement, 0, {0, 0, 0}, {});
+  auto shape = [&](const char* body, dynShapeType type, dynShapeRole role = DYN_ROLE_COLLISION) {
+    dyn::Shape s;
+    s.body = body, s.type = type, s.size = {0.2, 0.2, 0.2}, s.role = role;
+    s.placement[11] = std::string(body) == "floor" ? -5 : 0;
+    b.shape(s);
+  };
+  shape("floor", DYN_SHAPE_HALF_SPACE);
+  shape("base", DYN_SHAPE_BOX), shape("base", DYN_SHAPE_SPHERE), shape("arm", DYN_SHAPE_BOX, DYN_ROLE_VISUAL);
+  shape("arm", DYN_SHAPE_SPHERE), shape("hand", DYN_SHAPE_BOX), shape("hand", DYN_SHAPE_MESH);
+  const ModelPtr m = b.finish();
+  std::vector<std::pair<Index, Index>> tested, meshes;
+  for (Index k = 0; k < m->n.pairs; ++k) {
+    const PairRecord& p = m->pairs()[k];
+    (p.reason == DYN_PAIR_MESH ? meshes : tested).push_back({m->geoms()[p.a].shape, m->geoms()[p.b].shape});
+    EXPECT_NE(DYN_PAIR_OVERLAPS, p.reason);
+  }
+  // floor 0, base 1 2, arm 4, hand 5 6
+  EXPECT_EQ((std::vector<std::pair<Index, Index>>{{0, 1}, {0, 2}, {0, 4}, {0, 5}, {1, 5}, {2, 5}}), tested);
+  EXPECT_EQ((std::vector<std::pair<Index, Index>>{{0, 6}, {1, 6}, {2, 6}}), meshes);
+  Work<double> w(*m);
+  collision::distances(*m, w.d);
+  EXPECT_NEAR(5 - 0.1, w.d.distances[0], 1e-12);
+  for (Index k = 0; k < m->n.pairs; ++k) {
+    const PairRecord& p = m->pairs()[k];
+    const bool boxes = m->geoms()[p.a].shape == 1 && m->geoms()[p.b].shape == 5;
+    if (!boxes) continue;
+    EXPECT_NEAR(3 - 0.2, w.d.distances[k], 1e-12);
+  }
+}
+
+TEST(Pairs, CollisionsAreThoseWithinTheMargin) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const ModelPtr m = with_shapes(seed);
+    Work<double> w(*m);
+    const VectorXd d = distances_at(*m, w, State(*m, seed).q);
+    for (const double margin : {0.0, 0.1, 0.5}) {
+      std::vector<int> expected, found(std::size_t(m->n.pairs));
+      for (Index k = 0; k < m->n.pairs; ++k)
+        if (d[k] <= margin) expected.push_back(int(k));
+      found.resize(std::size_t(collision::collisions(*m, w.d, margin, found.data(), m->n.pairs)));
+      EXPECT_EQ(expected, found);
+    }
+  }
+}
+
+// What overlaps in the neutral configuration is left out.
+TEST(Pairs, OverlapsAreNotTested) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const ModelPtr m = with_shapes(seed);
+    Work<double> w(*m);
+    for (Index k = 0; k < m->n.pairs; ++k) w.d.pair_states[k] = DYN_PAIR_TESTED;
+    collision::distances(*m, w.d);
+    for (Index k = 0; k < m->n.pairs; ++k)
+      EXPECT_EQ(w.d.results[k].status == collision::Status::Penetrating, m->pairs()[k].reason == DYN_PAIR_OVERLAPS) << k;
+  }
+}
+
+}  // namespace
+}  // namespace dyn_test
