@@ -1,4 +1,5 @@
 // dyn info --meshes: what each mesh file of the robot bounds.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
