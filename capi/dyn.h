@@ -725,10 +725,10 @@ DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, 
 
 /* ------------------------------------------------------------------------------------------------------- collision */
 
-/* Distance between two convex shapes, signed: below zero they overlap, and it is minus the depth, the length of the shortest
-   translation that parts them. Closed forms where there are any; otherwise GJK (Gilbert, Johnson, Keerthi 1988) and EPA (van den
-   Bergen 2003), finished by Newton's method on the normal. A result is checked before it is given, by the supporting planes of its
-   normal: residual bounds the error of the distance. */
+/* Distance between two convex shapes, signed: below zero they overlap, and it is minus the depth, the length of the shortest translation
+   that parts them (two half-spaces: minus infinity unless they face each other). Closed forms where there are any; else GJK (Gilbert et
+   al. 1988) and EPA (van den Bergen 2003), finished by Newton's method on the normal, and checked by the supporting planes: residual
+   bounds the error apart, and that of the depth along this normal; that no other one is shorter is sure to 1e-3 of the size. */
 typedef enum dynDistanceStatus {
   DYN_SEPARATED = 0,
   DYN_TOUCHING = 1,        /* |distance| within 1e-9 of the size of the smaller shape */
