@@ -764,7 +764,8 @@ typedef enum dynPairReason {
   DYN_PAIR_TESTED = 0,
   DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration */
   DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known */
-  DYN_PAIR_OFF = 3         /* switched off in the data */
+  DYN_PAIR_OFF = 3,        /* switched off in the data */
+  DYN_PAIR_DISABLED = 4    /* the SRDF says so: see dyn_disabled_pair */
 } dynPairReason;
 DYN_API int dyn_npairs(const dynModel* model); /* -1 for an invalid handle */
 /* The shapes of a pair, shape_a < shape_b, and whether new data tests it; any output may be NULL. */

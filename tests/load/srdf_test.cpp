@@ -286,5 +286,27 @@ TEST(Srdf, SubtreesKeepTheirPairs) {
   EXPECT_EQ((std::vector<Pair>{{"a", "c", ""}}), pairs(finish(b).get()));
 }
 
+// The collision shapes of the links are then no pair that is tested, unless the data is told to.
+TEST(Srdf, DisabledPairsAreNotTested) {
+  const std::string ball = solid + "<collision><geometry><sphere radius=\"0.01\"/></geometry></collision>", away = "<origin xyz=\"0 0 1\"/>";
+  const std::string chain = robot(link("base", ball) + link("upper", ball) + link("lower", ball) + link("hand", ball) +
+                                  joint("shoulder", "continuous", "base", "upper", away + "<axis xyz=\"0 1 0\"/>") +
+                                  joint("elbow", "continuous", "upper", "lower", away + "<axis xyz=\"0 1 0\"/>") +
+                                  joint("wrist", "continuous", "lower", "hand", away + "<axis xyz=\"0 1 0\"/>"));
+  const Beside srdf("<disable_collisions link1=\"hand\" link2=\"base\" reason=\"Never\"/>");
+  const Loaded l = srdf.load(chain);
+  const dynModel* m = l.model.get();
+  ASSERT_EQ(3, dyn_npairs(m));  // base - lower, base - hand, upper - hand
+  std::set<std::pair<int, int>> tested, disabled;
+  for (int k = 0; k < 3; ++k) {
+    int a, b;
+    dynPairReason reason;
+    ASSERT_EQ(DYN_OK, dyn_pair(m, k, &a, &b, &reason));
+    (reason == DYN_PAIR_DISABLED ? disabled : tested).insert({a, b});
+  }
+  EXPECT_EQ((std::set<std::pair<int, int>>{{0, 3}}), disabled);
+  EXPECT_EQ((std::set<std::pair<int, int>>{{0, 2}, {1, 3}}), tested);
+}
+
 }  // namespace
 }  // namespace dyn_test
