@@ -19,7 +19,7 @@ struct Options {
   RobotOptions robot;
   StateOptions state;
   double duration = 0, dt = 1e-3;
-  std::string integrator = "semi_implicit_euler", csv, effects = "all";
+  std::string integrator = "semi_implicit_euler", csv, effects = "armature";
   bool no_error_estimate = false;
 };
 
@@ -237,6 +237,10 @@ void run(const Options& options) {
   record();
 
   json warnings = json::array();
+  for (const auto& effect : effects(robot, on)) {
+    const std::string name = effect["name"], reason = effect["reason"];
+    if (reason.find("switched off") != std::string::npos) warnings.push_back(name + ": " + reason + ": --effects applies it");
+  }
   for (const double x : state.tau)
     if (x != 0) {
       warnings.push_back("tau is not zero: the energy drift includes the work it does");

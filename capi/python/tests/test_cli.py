@@ -465,10 +465,12 @@ def test_effects(tmp_path):
         found = answer("sim", robot, "--fixed", "--duration", "1", "--dt", "1e-4", "--v", "2", *more)
         return found["v"][0], {e["name"] for e in found["effects"] if e["active"]}
 
-    assert final("--effects", "none") == (pytest.approx(2), {"gravity"})
+    assert final("--effects", "none") == final() == (pytest.approx(2), {"gravity"})
+    warnings = answer("sim", robot, "--fixed", "--duration", "0.01")["warnings"]
+    assert [w.split(":")[0] for w in warnings if "--effects" in w] == ["damping", "friction"]
     v, active = final("--effects", "damping")
     assert v == pytest.approx(2 * math.exp(-0.5), rel=1e-4) and active == {"gravity", "damping"}
-    v, active = final()
+    v, active = final("--effects", "all")
     assert v == pytest.approx(2.5 * math.exp(-0.5) - 0.5, rel=1e-3) and active == {"gravity", "damping", "friction"}
     for effects, tau in {"armature": 0, "damping": 1, "friction,damping": 1.25, "all": 1.25}.items():
         found = answer("eval", robot, "--fixed", "--compute", "tau", "--v", "2", "--effects", effects)

@@ -217,7 +217,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (T* x : {d.M, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
                d.lambda_d2tau_dadq})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
-  for (T* x : {d.Mx, d.dqx, d.dvx})
+  for (T* x : {d.Mx, d.dqx, d.dvx, d.d2x})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   if (d.Linv) std::fill_n(d.Linv, m.n.nv * factor_room(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
