@@ -138,12 +138,14 @@ typedef struct dynLoadOptions {
   const char* const* package_dirs;  /* where package://NAME/... is looked up: DIR/NAME/... and DIR/... ; may be NULL */
   size_t package_dirs_count;
   double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81) */
+  const char* srdf;                 /* path of an SRDF for this robot; NULL: none */
 } dynLoadOptions;
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
 
 /* Reads a robot from a URDF file. *model is written only on success. options may be NULL (the defaults of
-   dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used. */
+   dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used; what it says of the SRDF
+   begins with that file's name, and names that the robot has not are warnings there (errors under strict). */
 DYN_API dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model);
 /* The same from text in memory (zero-terminated). Relative paths in it refer to the working directory. */
 DYN_API dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model);
@@ -224,6 +226,11 @@ typedef struct dynShapeInfo {
 DYN_API int dyn_nshapes(const dynModel* model);
 DYN_API dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
 
+/* Pairs of links that an SRDF takes out of collision tests: <disable_collisions>, and <disable_default_collisions> as MoveIt reads it.
+   frame1 and frame2 are BODY frames; reason is the file's, "" when it gives none. Any output may be NULL. */
+DYN_API int dyn_ndisabled_pairs(const dynModel* model);
+DYN_API dynStatus dyn_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason);
+
 /* Per-degree-of-freedom numbers of the model, each nv (limits: nq) doubles that live as long as the model; NULL for an
    invalid handle. Absent limits are infinite. */
 typedef enum dynModelArray {
@@ -243,7 +250,8 @@ DYN_API const double* dyn_model_array(const dynModel* model, dynModelArray which
    invalid handle. */
 DYN_API double dyn_total_mass(const dynModel* model);
 
-/* Named configurations ("neutral" is always there as index 0). */
+/* Named configurations ("neutral" is always there as index 0). Each <group_state> of an SRDF is one, under its own name, or as
+   "group/state" when several groups have a state of that name; joints that it does not name are neutral. */
 DYN_API int dyn_nconfigurations(const dynModel* model);
 DYN_API const char* dyn_configuration_name(const dynModel* model, int index);
 DYN_API dynStatus dyn_configuration(const dynModel* model, const char* name, double* q);
@@ -756,7 +764,8 @@ typedef enum dynPairReason {
   DYN_PAIR_TESTED = 0,
   DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration */
   DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known */
-  DYN_PAIR_OFF = 3         /* switched off in the data */
+  DYN_PAIR_OFF = 3,        /* switched off in the data */
+  DYN_PAIR_DISABLED = 4    /* the SRDF says so: see dyn_disabled_pair */
 } dynPairReason;
 DYN_API int dyn_npairs(const dynModel* model); /* -1 for an invalid handle */
 /* The shapes of a pair, shape_a < shape_b, and whether new data tests it; any output may be NULL. */
@@ -782,6 +791,81 @@ DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const dou
    friction not applied. The state and the time advance; after an error they are as before the failing step. */
 typedef enum dynIntegrator { DYN_SEMI_IMPLICIT_EULER = 0, DYN_RK4 = 1 } dynIntegrator;
 DYN_API dynStatus dyn_step(const dynModel* model, dynData* data, dynIntegrator integrator, double dt);
+
+/* ------------------------------------------------------------------------------------------------------- meshes */
+
+/* Triangle meshes, in metres, immutable: threads may share one. Equal vertices are made one, and triangles without area, or there twice,
+   are dropped; dynMeshInfo counts both. At most 10^7 triangles. Files and hulls need the module libdyn_mesh.so (assimp, qhull), which is
+   opened from beside libdyn.so when it is first needed: DYN_ERROR_UNSUPPORTED says where it was looked for. */
+typedef struct dynMesh dynMesh;
+
+typedef struct dynMeshOptions {
+  uint32_t struct_size;            /* set by dyn_mesh_options_init */
+  double scale[3];                 /* factors along the file's axes; default 1. Triangles of a mirrored mesh are turned round */
+  double weld_tolerance;           /* m: vertices as close as this are made one; default 0: equal ones only */
+  int32_t up_z;                    /* non-zero: what the file calls up becomes z; default 0: the file's axes are the mesh's */
+  const char* const* package_dirs; /* where package://NAME/... is looked up, as in dynLoadOptions; may be NULL */
+  size_t package_dirs_count;
+  const char* relative_to;         /* the robot file that names the mesh: relative paths begin in its folder, package:// is also looked up
+                                      above it; NULL: the working directory */
+} dynMeshOptions;
+DYN_API void dyn_mesh_options_init(dynMeshOptions* options);
+
+/* Reads an STL (binary, ASCII), OBJ, COLLADA (.dae) or glTF (.gltf, .glb) file: the triangles of the whole scene, each where its nodes
+   put it. Units: COLLADA's <unit> is applied, glTF is in metres, numbers of STL and OBJ are taken as metres (see scale). Axes: those of the
+   file, for URDF's meshes are in their link's axes; with up_z COLLADA's <up_axis>, and y in glTF, become z. Files hold single
+   precision. options may be NULL. */
+DYN_API dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options, dynMesh** mesh);
+/* vertices: 3 x vertex_count; triangles: 3 x triangle_count indices, counter-clockwise seen from outside. Without triangles (0, NULL): a
+   cloud of points, of which dyn_mesh_hull makes a mesh. Vertices that no triangle has are dropped. */
+DYN_API dynStatus dyn_mesh_from_arrays(const double* vertices, size_t vertex_count, const int32_t* triangles, size_t triangle_count, dynMesh** mesh);
+DYN_API void dyn_mesh_free(dynMesh* mesh); /* NULL is allowed */
+
+typedef struct dynMeshInfo {
+  uint32_t struct_size;
+  int32_t vertices, triangles;
+  int64_t welded;           /* vertices that were made one with another */
+  int64_t degenerate;       /* triangles without area that were dropped */
+  int64_t duplicates;       /* triangles there before that were dropped */
+  int64_t skipped;          /* points and lines of the file */
+  double lower[3], upper[3]; /* bounding box */
+  double area;
+  int32_t components;       /* parts that share no edge */
+  int32_t open_edges;       /* of one triangle */
+  int32_t flipped_edges;    /* that two triangles pass the same way: one of the two is inside out */
+  int32_t nonmanifold_edges; /* of more than two triangles */
+  int32_t closed;           /* 1: the triangles pass each edge as often one way as the other, and so bound a solid */
+  int32_t orientation;      /* 1: seen from outside counter-clockwise, -1: inside out; 0: not closed, or no volume */
+  double volume;            /* m^3. This and the next two are exact but for rounding where orientation is not 0 (inside out: of the mesh */
+  double com[3];            /* turned round; parts that overlap count twice), and NaN where it is 0 */
+  double inertia[9];        /* about com, at density 1 kg/m^3: kg m^2 */
+  dynStatus hull_status;    /* DYN_OK, or why there is no hull: DYN_ERROR_INVALID: flat, DYN_ERROR_UNSUPPORTED: no module */
+  double hull_volume;       /* NaN without a hull */
+  double hull_volume_ratio; /* hull_volume / volume: 1 for a convex mesh. NaN without either */
+  double hull_depth;        /* m: the largest depth of a triangle's middle under the hull's faces; NaN without a hull */
+  int32_t convex;           /* 1: closed, of one component, hull_depth at most 1e-6 of the box's diagonal; 0: not; -1: no module to tell */
+} dynMeshInfo;
+/* Makes the hull, which takes time. */
+DYN_API dynStatus dyn_mesh_info(const dynMesh* mesh, dynMeshInfo* info);
+
+/* Views, which live as long as the mesh. */
+typedef struct dynMeshArrays {
+  uint32_t struct_size;
+  const double* vertices;     /* 3 x vertex_count */
+  const int32_t* triangles;   /* 3 x triangle_count */
+  size_t vertex_count, triangle_count;
+  /* of a hull, otherwise NULL and 0 */
+  size_t face_count;
+  const double* planes;           /* 4 x face_count: outward unit normal n and offset: n . x <= offset */
+  const int32_t* face_start;      /* face_count + 1: where each face begins in face_corners */
+  const int32_t* face_corners;    /* vertices, counter-clockwise seen from outside; coplanar triangles are one face */
+  const int32_t* neighbour_start; /* vertex_count + 1 */
+  const int32_t* neighbours;      /* vertices that share an edge with each vertex */
+} dynMeshArrays;
+DYN_API dynStatus dyn_mesh_arrays(const dynMesh* mesh, dynMeshArrays* arrays);
+
+/* The convex hull of the vertices, another mesh. DYN_ERROR_INVALID: fewer than four points, or all in a plane. */
+DYN_API dynStatus dyn_mesh_hull(const dynMesh* mesh, dynMesh** hull);
 
 /* ------------------------------------------------------------------------------------------------------- batches */
 

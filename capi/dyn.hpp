@@ -107,6 +107,7 @@ using Placement = std::array<double, 12>;  // rotation by columns, then translat
 struct LoadOptions {
   dynLoadOptions value;
   std::vector<std::string> folders;
+  std::string srdf_path;
   LoadOptions() { dyn_load_options_init(&value); }
   LoadOptions& base(dynBase b) { return value.base = b, *this; }
   LoadOptions& strict(bool on = true) { return value.strict = on, *this; }
@@ -115,6 +116,7 @@ struct LoadOptions {
     return value.gravity[0] = x, value.gravity[1] = y, value.gravity[2] = z, *this;
   }
   LoadOptions& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
+  LoadOptions& srdf(std::string path) { return srdf_path = std::move(path), *this; }
 };
 
 // How another library stores the state of the same robot.
@@ -230,6 +232,22 @@ class Model {
     if (!p && n) throw Error(DYN_ERROR_ARGUMENT);
     return View({sizeof(dynArray), n, 1, {1, n}, p});
   }
+  // Two links that an SRDF takes out of collision tests.
+  struct DisabledPair {
+    int frame1, frame2;
+    std::string reason;
+  };
+  std::vector<DisabledPair> disabled_pairs() const {
+    std::vector<DisabledPair> out;
+    for (int i = 0; i < dyn_ndisabled_pairs(get()); ++i) {
+      DisabledPair pair;
+      const char* reason;
+      check(dyn_disabled_pair(get(), i, &pair.frame1, &pair.frame2, &reason));
+      pair.reason = reason;
+      out.push_back(std::move(pair));
+    }
+    return out;
+  }
   std::vector<std::string> configurations() const {
     std::vector<std::string> names;
     for (int i = 0; i < dyn_nconfigurations(get()); ++i) names.push_back(name_(dyn_configuration_name(get(), i)));
@@ -314,6 +332,7 @@ class Model {
     for (const auto& f : options.folders) folders.push_back(f.c_str());
     dynLoadOptions o = options.value;
     if (!folders.empty()) o.package_dirs = folders.data(), o.package_dirs_count = folders.size();
+    if (!options.srdf_path.empty()) o.srdf = options.srdf_path.c_str();
     dynModel* model = nullptr;
     check(call(what.c_str(), &o, &model));
     return Model(model);
@@ -1010,6 +1029,66 @@ class Builder {
       default:
         return {1, 1};
     }
+  }
+};
+
+// Triangles in metres; copies share them.
+class Mesh {
+ public:
+  // Takes over a mesh made by dyn.h.
+  explicit Mesh(dynMesh* mesh) : mesh_(mesh, dyn_mesh_free) {
+    if (!mesh) throw Error(DYN_ERROR_HANDLE, "the mesh is NULL.");
+  }
+  struct Options {
+    dynMeshOptions value;
+    std::vector<std::string> folders;
+    std::string robot;
+    Options() { dyn_mesh_options_init(&value); }
+    Options& scale(double x, double y, double z) { return value.scale[0] = x, value.scale[1] = y, value.scale[2] = z, *this; }
+    Options& weld_tolerance(double metres) { return value.weld_tolerance = metres, *this; }
+    Options& up_z(bool on = true) { return value.up_z = on, *this; }
+    Options& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
+    Options& relative_to(std::string file) { return robot = std::move(file), *this; }
+  };
+  static Mesh load(const std::string& path) { return load(path, Options()); }
+  static Mesh load(const std::string& path, const Options& options) {
+    std::vector<const char*> folders;
+    for (const auto& f : options.folders) folders.push_back(f.c_str());
+    dynMeshOptions o = options.value;
+    if (!folders.empty()) o.package_dirs = folders.data(), o.package_dirs_count = folders.size();
+    if (!options.robot.empty()) o.relative_to = options.robot.c_str();
+    return make_([&](dynMesh** out) { return dyn_mesh_load(path.c_str(), &o, out); });
+  }
+  // Three numbers a vertex, three indices a triangle; without triangles: points for hull().
+  static Mesh from_arrays(Input vertices, int64_t count, const std::vector<int32_t>& triangles = {}) {
+    const double* x = vertices.of(3 * count, "vertices");
+    if (triangles.size() % 3) throw Error(DYN_ERROR_SIZE, "triangles has " + std::to_string(triangles.size()) + " indices, but needs three for each triangle.");
+    return make_([&](dynMesh** out) {
+      return dyn_mesh_from_arrays(x, static_cast<std::size_t>(count), triangles.empty() ? nullptr : triangles.data(), triangles.size() / 3, out);
+    });
+  }
+  const dynMesh* get() const noexcept { return mesh_.get(); }
+  dynMeshInfo info() const { return get_<dynMeshInfo>(dyn_mesh_info); }
+  dynMeshArrays arrays() const { return get_<dynMeshArrays>(dyn_mesh_arrays); }
+  Mesh hull() const {
+    return make_([&](dynMesh** out) { return dyn_mesh_hull(get(), out); });
+  }
+
+ private:
+  std::shared_ptr<dynMesh> mesh_;
+
+  template <class F>
+  static Mesh make_(F call) {
+    dynMesh* mesh = nullptr;
+    check(call(&mesh));
+    return Mesh(mesh);
+  }
+  template <class S>
+  S get_(dynStatus (*call)(const dynMesh*, S*)) const {
+    S out{};
+    out.struct_size = sizeof out;
+    check(call(get(), &out));
+    return out;
   }
 };
 

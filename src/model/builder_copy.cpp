@@ -89,6 +89,10 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     const ReportRecord& r = m.reports()[k];
     impl->reports.push_back({r.level, r.line, m.string(r.message)});
   }
+  for (Index k = 0; k < m.n.disabled; ++k) {
+    const DisabledRecord& r = m.disabled_pairs()[k];
+    impl->disabled.push_back({r.frame1, r.frame2, m.string(r.reason)});
+  }
   for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral
     const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;
     impl->configurations.push_back({m.string(m.configuration_names()[k]), true, {}, by_joint(impl->joints, {q, q + m.n.nq})});

@@ -244,7 +244,9 @@ ModelPtr Builder::finish() const {
     a.shapes.push_back(r);
   }
   n.shapes = Index(a.shapes.size()), n.geoms = Index(a.geoms.size());
-  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms);
+  for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
+  n.disabled = Index(a.disabled_pairs.size());
+  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs);
   n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
   n.reports = Index(a.reports.size());

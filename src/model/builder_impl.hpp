@@ -64,6 +64,11 @@ struct ReportEntry {
   std::string message;
 };
 
+struct DisabledEntry {
+  int frame1, frame2;
+  std::string reason;
+};
+
 struct Builder::Impl {
   std::string name;
   std::array<double, 3> gravity = {0, 0, -9.81};
@@ -73,10 +78,12 @@ struct Builder::Impl {
   std::vector<ShapeEntry> shapes;
   std::vector<ConfigurationEntry> configurations;
   std::vector<ReportEntry> reports;
+  std::vector<DisabledEntry> disabled;  // not tested for collision
 
   int find(const Parent& parent, const std::string& who) const;
   void add_frame(FrameEntry entry, const std::string& who);
   void add_joint(const JointSpec& spec);
+  void check_configuration_name(const std::string& name) const;
   // Makes every configuration one by joints.
   void split_configurations();
   // Drops the joints not marked, with the frames, shapes and numbers that they carry; world: what is fixed to it stays.
@@ -111,7 +118,7 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
 
 // Pairs of collision shapes but those of one body and of a body and its parent; none when there are more than most_geoms shapes.
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames,
-                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms);
+                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled);
 // Marks those that overlap in the neutral configuration.
 void judge_pairs(const Model& m, PairRecord* pairs);
 

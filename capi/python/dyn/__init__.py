@@ -91,7 +91,8 @@ from .inertia import (
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
-from .model import FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, load, load_string
+from .mesh import Mesh, MeshInfo, load_mesh
+from .model import DisabledPair, FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, load, load_string
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
@@ -115,6 +116,7 @@ __all__ = [
     "Convention",
     "Data",
     "Direction",
+    "DisabledPair",
     "Distance",
     "DistanceStatus",
     "Effect",
@@ -139,15 +141,17 @@ __all__ = [
     "LibraryError",
     "LimitError",
     "LoadError",
+    "Mesh",
+    "MeshInfo",
     "Model",
     "ModelArray",
     "ModelError",
     "NonFiniteError",
     "NumericError",
     "OutOfMemoryError",
-    "ParseError",
     "Pair",
     "PairReason",
+    "ParseError",
     "Part",
     "PartError",
     "Placement",
@@ -176,10 +180,11 @@ __all__ = [
     "last_error",
     "library_path",
     "load",
+    "load_mesh",
     "load_string",
     "log_cholesky_from_parameters",
     "log_cholesky_jacobian",
     "parameters_from_log_cholesky",
     "parameters_from_pseudo_inertia",
     "pseudo_inertia_from_parameters",
-]  # fmt: skip
+]

@@ -107,6 +107,7 @@ class PairReason(enum.IntEnum):
     OVERLAPS = 1
     MESH = 2
     OFF = 3
+    DISABLED = 4
 
 
 class ShapeRole(enum.IntEnum):

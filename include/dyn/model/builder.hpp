@@ -93,6 +93,10 @@ class Builder {
   void frame(const std::string& name, const Parent& parent, const Placement& placement, dynFrameType type);
   void shape(const Shape& shape);
   void configuration(const std::string& name, const std::vector<double>& q);
+  // The same by joints, each with its own coordinates; the others are neutral.
+  void configuration(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);
+  // Two bodies that are not tested for collision.
+  void disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason);
   void report(dynReportLevel level, int line, const std::string& message);
 
   // Operations on the whole; one that throws changes nothing. (builder_lock.cpp, builder_attach.cpp, builder_subtree.cpp)

@@ -90,6 +90,11 @@ struct PairRecord {
   std::uint16_t reason;  // dynPairReason: whether new data tests it
 };
 
+// Two links that are not tested for collision.
+struct DisabledRecord {
+  Index frame1, frame2, reason;
+};
+
 struct ReportRecord {
   dynReportLevel level;
   Index line, message;
@@ -99,7 +104,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, chunks, sweep, spans, curved, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text;
+  Index bodies, runs, chunks, sweep, spans, curved, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
 };
 
 struct Model {
