@@ -2,11 +2,11 @@
 """Time libdyn and Pinocchio on the same models in one go and print the ratios.
 
 Usage:  compare.py [--dyn EXE] [--pinocchio EXE ...] [--python PY] [--models SPEC ...]
-                   [--runs N] [--seconds S] [--rows a,b,c] [--dyn-args "..."] [--peers-only]
+                   [--runs N] [--seconds S] [--rounds R] [--rows a,b,c] [--peers-only]
                    [--markdown FILE] [--json FILE] [--quiet] [--timeout S]
 
-  --dyn EXE        libdyn's bench program (default build/dyn_bench), called as
-                     EXE MODEL.urdf --fixed|--floating --json [DYN-ARGS]
+  --dyn EXE        libdyn's bench program (default build/release/bin/dyn_bench), called as
+                     EXE MODEL.urdf --fixed|--floating --json --joint NAME --seconds S --rounds R
                    It prints, as JSON, {"library","version","compiler","flags","model","nq","nv",
                    "rows":[{"name","ns_median","ns_min"}]}; null for rows it does not have.
   --pinocchio EXE  executables made by bench/peers/build_pinocchio.py
@@ -17,9 +17,9 @@ Usage:  compare.py [--dyn EXE] [--pinocchio EXE ...] [--python PY] [--models SPE
                    with mimic joints is measured twice: as it is (Pinocchio has no ABA, Cholesky,
                    ... for mimic joints) and with the mimic tags removed, for both libraries.
   --runs N         interleaved runs of every program on every model (default 5)
-  --seconds S      time per row of one run of pinocchio_bench (default 0.1)
+  --seconds S      time per row of one run of a program (default 0.1), in R rounds over all rows
+  --rounds R       (default 3)
   --rows a,b,c     only these rows
-  --dyn-args A     more arguments for libdyn's program, in one string, e.g. "--seconds 0.1"
   --peers-only     only Pinocchio; prints times instead of ratios
 
 Method: for each model the programs run one after the other, N times, in alternating direction
@@ -36,7 +36,6 @@ import math
 import os
 import platform
 import re
-import shlex
 import statistics
 import subprocess
 import sys
@@ -47,14 +46,20 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parent.parent
 DUMP = PROJECT / "bench/peers/dump_model.py"
 GENERATE = PROJECT / "models/generate.py"
-ROWS = ["fk", "fk_qva", "jacobians", "rnea", "nle", "gravity", "aba", "crba", "cholesky", "solve",
-        "minv", "rnea_derivatives", "aba_derivatives", "com", "jcom", "all_terms", "integrate",
-        "difference", "coriolis", "djacobians", "kinetic_energy", "potential_energy",
+ROWS = ["fk", "fk_qv", "fk_qva", "jacobians", "djacobians", "frame_jacobian", "com", "com_qva", "jcom",
+        "rnea", "nle", "gravity", "static_torque", "coriolis", "aba", "crba", "cholesky", "solve",
+        "minv", "all_terms", "kinetic_energy", "potential_energy",
+        "rnea_derivatives", "aba_derivatives", "gravity_derivatives", "static_torque_derivatives",
+        "com_velocity_derivatives", "frame_velocity_derivatives", "frame_acceleration_derivatives",
+        "kinematic_hessian", "second_order", "second_order_product",
         "centroidal_map", "centroidal_map_rate", "centroidal_momentum", "centroidal_momentum_rate",
-        "centroidal_derivatives", "torque_regressor", "static_regressor",
-        "kinetic_energy_regressor", "potential_energy_regressor"]
+        "centroidal_derivatives", "body_regressor", "torque_regressor", "static_regressor",
+        "kinetic_energy_regressor", "potential_energy_regressor",
+        "integrate", "difference", "interpolate", "distance", "integrate_jacobians",
+        "difference_jacobians"]
 VARIANTS = {"aba": ["aba", "aba_local", "aba_world"], "crba": ["crba", "crba_local", "crba_world"],
-            "com": ["com", "com_subtrees"], "jcom": ["jcom", "jcom_subtrees"]}
+            "com": ["com", "com_subtrees"], "jcom": ["jcom", "jcom_subtrees"],
+            "frame_velocity_derivatives": ["frame_velocity_derivatives", "frame_velocity_derivatives_dj"]}
 DEFAULT_MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating",
                   "models/robots/humanoid.urdf:floating", "chain:12", "chain:100", "chain:1000"]
 
@@ -79,7 +84,7 @@ def call(command, timeout, what):
 class Model:
     def __init__(self, name, urdf, base):
         self.name, self.urdf, self.base = name, urdf, base
-        self.dump = None
+        self.dump = self.last = None  # the dump, and the name of its last joint
 
 
 def make_models(specs, tmp, python, timeout):
@@ -124,7 +129,11 @@ def make_models(specs, tmp, python, timeout):
             m.dump = None
     # Mimic tags that Pinocchio ignores (e.g. on fixed joints): both variants are the same model.
     same = {f"{m.name}_no_mimic" for m in models if m.dump and " MIMIC " not in m.dump.read_text()}
-    return [m for m in models if m.dump and m.name not in same]
+    models = [m for m in models if m.dump and m.name not in same]
+    for m in models:
+        m.last = [line.split()[1] for line in m.dump.read_text().splitlines()
+                  if line.startswith("joint ")][-1]
+    return models
 
 
 def parse(text, what):
@@ -160,9 +169,10 @@ def measure(programs, model, args):
                 print(f"\r{what}, run {run + 1}/{args.runs}" + " " * 20, end="", file=sys.stderr,
                       flush=True)
             if name == "libdyn":
-                command = [programs[name], model.urdf, model.base, "--json"] + args.dyn_args
+                command = [programs[name], model.urdf, model.base, "--json", "--joint", model.last]
             else:
-                command = [programs[name], model.dump, "--seconds", args.seconds] + only
+                command = [programs[name], model.dump]
+            command += ["--seconds", args.seconds, "--rounds", args.rounds] + only
             try:
                 head, best = parse(call(command, args.timeout, what), what)
             except RuntimeError as e:
@@ -292,14 +302,14 @@ def cpu_name():
 
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    p.add_argument("--dyn", type=Path, default=PROJECT / "build/dyn_bench")
+    p.add_argument("--dyn", type=Path, default=PROJECT / "build/release/bin/dyn_bench")
     p.add_argument("--pinocchio", nargs="+", type=Path)
     p.add_argument("--python", type=Path, default=PROJECT / "build/peers/bin/python")
     p.add_argument("--models", nargs="+", default=DEFAULT_MODELS)
     p.add_argument("--runs", type=int, default=5)
     p.add_argument("--seconds", type=float, default=0.1)
     p.add_argument("--rows")
-    p.add_argument("--dyn-args", type=shlex.split, default=[])
+    p.add_argument("--rounds", type=int, default=3)
     p.add_argument("--peers-only", action="store_true")
     p.add_argument("--timeout", type=float, default=900, help="seconds per program run")
     p.add_argument("--markdown", type=Path)
@@ -307,8 +317,8 @@ def main():
     p.add_argument("--quiet", action="store_true")
     args = p.parse_args()
     args.quiet = args.quiet or not sys.stderr.isatty()
-    if args.runs < 1 or not args.seconds > 0:
-        die("--runs and --seconds must be positive")
+    if args.runs < 1 or args.rounds < 1 or not args.seconds > 0:
+        die("--runs, --rounds and --seconds must be positive")
 
     rows = ROWS
     if args.rows:

@@ -31,17 +31,17 @@ Index beyond(const Vec3<double>* x, Index n, double bound) {
 
 }  // namespace
 
-bool dyn::capi::moderate(Call& call, int level) {
+bool dyn::capi::moderate(Call& call, int level, double bound) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   // the sum over all of them is within the bound nearly always
-  if (d.extent[0] <= most && (level < 1 || d.extent[1] <= most) && (level < 2 || d.extent[2] <= most_acceleration)) return true;
+  if (d.extent[0] <= bound && (level < 1 || d.extent[1] <= most) && (level < 2 || d.extent[2] <= most_acceleration)) return true;
   const struct {
     const Vec3<double>* x;
     int level;
     double bound;
     const char* what;
-  } rows[] = {{d.p, 0, most, "placement"}, {d.w, 1, most, "velocity"}, {d.u, 1, most, "velocity"},
+  } rows[] = {{d.p, 0, bound, "placement"}, {d.w, 1, most, "velocity"}, {d.u, 1, most, "velocity"},
               {d.dw, 2, most_acceleration, "acceleration"}, {d.du, 2, most_acceleration, "acceleration"}};
   for (const auto& r : rows) {
     if (r.level > level) break;
@@ -77,7 +77,7 @@ bool dyn::capi::moderate_frame(Call& call, int frame, int level, double bound) {
 dynStatus dyn::capi::singular(Call& call, Index joint, Stage stage) {
   call.drop_results();
   call.d().drop(stage);
-  call.d().drop(Stage::Factor);  // with mimic joints it was being written
+  call.d().drop(Stage::Factor);  // it may have been half written
   call.take_back();
   const Model& m = call.m();
   return fail(DYN_ERROR_NUMERIC, "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave this configuration",
@@ -89,7 +89,8 @@ namespace {
 // Inverse dynamics into a field; v and a may be the zeros of data.
 dynStatus inverse(Call& call, const double* v, const double* a, const double* fext, double* field, Stage stage, const char* name, double* out) {
   const Model& m = call.m();
-  inverse_dynamics(m, call.d(), v, a, fext, field);
+  if (stage == Stage::Gravity) rigid_inverse_dynamics(m, call.d(), v, a, fext, field);
+  else inverse_dynamics(m, call.d(), v, a, fext, field);
   if (!call.numeric(field, m.n.nv, name, stage)) return call.status;
   call.d().done(stage);
   copy_out(field, m.n.nv, out);
@@ -361,7 +362,8 @@ dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, do
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   if (const Index failed = minverse(call.m(), d)) return singular(call, failed, Stage::Minv);
-  if (!moderate(call, 0) || !call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
+  const bool finite = d.fresh(Stage::Mass) ? finite_mass(call) : moderate(call, 0);
+  if (!finite || !call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
   copy_out(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, Minv);
   return DYN_OK;
 }
@@ -437,7 +439,7 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
     d.done(Stage::Nle);
   }
   if (mask & DYN_TERM_GRAVITY) {
-    inverse_dynamics(m, d, d.zero, d.zero, none, d.g);
+    rigid_inverse_dynamics(m, d, d.zero, d.zero, none, d.g);
     if (!call.numeric(d.g, m.n.nv, "g", Stage::Gravity)) return call.status;
     d.done(Stage::Gravity);
   }

@@ -59,14 +59,13 @@ struct Batch::Job {
     };
     v = or_zeros(first.v), a = or_zeros(first.a), tau = or_zeros(first.tau), b = std::ptrdiff_t(batch.sizes.nv);
     for (int k = 0; k < 4; ++k) {
-      const Extent s = algorithm.outputs[k].name ? algorithm.outputs[k].extent(batch.sizes) : Extent{0, 0};
-      out[k] = std::ptrdiff_t(s.rows) * s.cols;
+      out[k] = algorithm.outputs[k].name ? algorithm.outputs[k].extent(batch.sizes).size() : 0;
     }
   }
 
   dynBatchArrays row(std::int64_t k) const {
     dynBatchArrays x = first;
-    advance(x.q, k, batch.sizes.nq), advance(x.v, k, v), advance(x.a, k, a), advance(x.tau, k, tau), advance(x.b, k, b);
+    advance(x.q, k, batch.sizes.nq), advance(x.q1, k, batch.sizes.nq), advance(x.v, k, v), advance(x.a, k, a), advance(x.tau, k, tau), advance(x.b, k, b);
     advance(x.fext, k, 6 * std::ptrdiff_t(batch.sizes.njoints));
     for (int o = 0; o < 4; ++o) advance(x.out[o], k, out[o]);
     return x;
@@ -84,7 +83,28 @@ struct Batch::Job {
         if (status == DYN_OK || worker.failures++) continue;
         worker.first = k, worker.status = status;
         std::snprintf(worker.message, sizeof worker.message, "%s", sentence(dyn_last_error()));
+        if (char* maker = std::strstr(worker.message, "dyn_data_new")) std::snprintf(maker, 14, "dyn_batch_new");  // at the end
       }
+  }
+};
+
+// One thread at a time uses the batch, and while its model lives.
+struct Batch::Turn {
+  Batch& batch;
+  const dynStatus status;
+  Turn(Batch& b, const char* function) : batch(b), status(take(function)) {}
+  ~Turn() {
+    if (status == DYN_OK) batch.busy.store(false, std::memory_order_release);
+  }
+  Turn(const Turn&) = delete;
+
+ private:
+  dynStatus take(const char* function) {
+    if (const dynStatus s = check(batch.handle)) return s;
+    if (batch.handle->m->id != batch.model_id) return fail(DYN_ERROR_MODEL, "%s: the batch's model was freed: it must live as long as the batch", function);
+    if (batch.busy.exchange(true, std::memory_order_acquire))
+      return fail(DYN_ERROR_BUSY, "%s: another thread is using this batch: give each thread its own", function);
+    return DYN_OK;
   }
 };
 
@@ -97,11 +117,17 @@ Batch::Batch(const dynModel* model, dynParts parts, int count)
   }
 }
 
+dynStatus Batch::set_effects(int joint, std::uint32_t effects) {
+  const Turn turn(*this, "dyn_batch_set_effects");
+  if (turn.status != DYN_OK) return turn.status;
+  for (const auto& data : datas)
+    if (const dynStatus s = dyn_data_set_effects(handle, data.get(), joint, effects)) return s;  // the first one, if any
+  return DYN_OK;
+}
+
 dynStatus Batch::run(const BatchAlgorithm& algorithm, std::int64_t n, const dynBatchArrays& arrays) {
-  if (const dynStatus s = check(handle)) return s;
-  if (handle->m->id != model_id) return fail(DYN_ERROR_MODEL, "dyn_batch_run: the batch's model was freed: it must live as long as the batch");
-  if (busy.exchange(true, std::memory_order_acquire))
-    return fail(DYN_ERROR_BUSY, "dyn_batch_run: another thread is using this batch: give each thread its own");
+  const Turn turn(*this, "dyn_batch_run");
+  if (turn.status != DYN_OK) return turn.status;
   Job job(*this, algorithm, n, arrays);
   for (int t = 0; t < threads; ++t) workers[std::size_t(t)].failures = 0;
   auto work = [](void* j, int thread) { static_cast<Job*>(j)->work(thread); };
@@ -115,7 +141,6 @@ dynStatus Batch::run(const BatchAlgorithm& algorithm, std::int64_t n, const dynB
     failures += w.failures;
     if (w.failures && (!bad || w.first < bad->first)) bad = &w;
   }
-  busy.store(false, std::memory_order_release);
   if (!bad) return DYN_OK;
   if (!of_one_state(bad->status)) return fail(bad->status, "dyn_batch_run: %s: %s", algorithm.name, bad->message);
   return fail(bad->status, "dyn_batch_run: %s: state %lld: %s (%lld of %lld states failed)", algorithm.name, static_cast<long long>(bad->first), bad->message,
@@ -151,6 +176,11 @@ void dyn_batch_free(dynBatch* batch) {
   free_handle(batch);
 }
 
+dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects) {
+  if (const dynStatus s = check(batch)) return s;
+  return batch->b->set_effects(joint, effects);
+}
+
 static bool exists(dynBatchAlgorithm algorithm) { return raw(algorithm) >= 0 && raw(algorithm) < batch_algorithm_count; }
 
 static dynStatus unknown(const char* function, dynBatchAlgorithm algorithm) {
@@ -176,6 +206,7 @@ dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n,
   if (n == 0) return DYN_OK;
   if (!arrays->q) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q is NULL: it is required", row.name);
   if (!arrays->b && row.reads("b")) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: b is NULL: it is required", row.name);
+  if (!arrays->q1 && row.reads("q1")) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q1 is NULL: it is required", row.name);
   bool wanted = false;
   for (int k = 0; k < row.output_count(); ++k) wanted |= arrays->out[k] != nullptr;
   if (!wanted) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: out[0] to out[%d] are NULL: one at least is required", row.name, row.output_count() - 1);
@@ -195,8 +226,8 @@ dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dyn
   info->struct_size = size;
   info->name = row.name, info->inputs = row.inputs, info->outputs = row.output_count();
   for (int k = 0; k < info->outputs; ++k) {
-    const Extent extent = model ? row.outputs[k].extent(Sizes(*model->m)) : Extent{0, 0};
-    info->output[k] = row.outputs[k].name, info->rows[k] = extent.rows, info->cols[k] = extent.cols;
+    const Extent extent = row.outputs[k].extent(model ? Sizes(*model->m) : Sizes());
+    info->output[k] = row.outputs[k].name, info->rows[k] = extent.rows, info->cols[k] = extent.cols, info->pages[k] = extent.pages;
   }
   return DYN_OK;
 }

@@ -10,13 +10,15 @@
 namespace dyn::capi {
 
 struct Sizes {
-  int nq, nv, njoints, nframes, nparameters;
+  int nq = 0, nv = 0, njoints = 0, nframes = 0, nparameters = 0;
+  Sizes() = default;
   explicit Sizes(const Model& m)
       : nq(m.n.nq), nv(m.n.nv), njoints(m.n.joints), nframes(m.n.frames), nparameters(int(parameter_count(m))) {}
 };
 
 struct Extent {
-  int rows, cols;
+  int rows, cols, pages = 1;
+  std::ptrdiff_t size() const { return std::ptrdiff_t(rows) * cols * pages; }
 };
 
 struct BatchOutput {
@@ -35,18 +37,20 @@ struct BatchAlgorithm {
   bool reads(const char* input) const;  // a word of inputs
 };
 
-constexpr int batch_algorithm_count = DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES + 1;
+constexpr int batch_algorithm_count = DYN_BATCH_STEP + 1;
 extern const BatchAlgorithm batch_algorithms[batch_algorithm_count];
 
 // A data for each thread.
 class Batch {
  public:
   Batch(const dynModel* model, dynParts parts, int threads);
+  dynStatus set_effects(int joint, std::uint32_t effects);
   dynStatus run(const BatchAlgorithm& algorithm, std::int64_t n, const dynBatchArrays& arrays);
 
  private:
   struct Worker;
   struct Job;
+  struct Turn;
   struct Free {
     void operator()(dynData* d) const { dyn_data_free(d); }
   };

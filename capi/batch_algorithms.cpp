@@ -19,9 +19,16 @@ dynStatus solve_one(const dynModel* m, dynData* d, const dynBatchArrays& x) {
   return status == DYN_OK ? dyn_solve(m, d, x.b, 1, x.out[0]) : status;
 }
 
+dynStatus step_one(const dynModel* m, dynData* d, const dynBatchArrays& x) {
+  dynStatus status = dyn_data_set_state(m, d, x.q, x.v, nullptr, x.tau);
+  if (status == DYN_OK) status = dyn_step(m, d, x.integrator, x.dt);
+  if (status == DYN_OK) copy_out(d->d.q, m->m->n.nq, x.out[0]), copy_out(d->d.v, m->m->n.nv, x.out[1]);
+  return status;
+}
+
 }  // namespace
 
-#define OUT(name, rows, cols) {#name, [](const Sizes& s) { (void)s; return Extent{rows, cols}; }}
+#define OUT(name, ...) {#name, [](const Sizes& s) { (void)s; return Extent{__VA_ARGS__}; }}
 #define NV s.nv
 #define CALL [](const dynModel* m, dynData* d, const dynBatchArrays& x) -> dynStatus
 #define AFTER_KINEMATICS(q, v, a, call) \
@@ -109,6 +116,15 @@ const BatchAlgorithm batch_algorithms[batch_algorithm_count] = {
      AFTER_KINEMATICS(x.q, x.v, x.a, dyn_frame_acceleration_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1], x.out[2]))},
     {"frame_classical_acceleration_derivatives", "frame reference q v a", {OUT(da_dq, 6, NV), OUT(da_dv, 6, NV), OUT(da_da, 6, NV)},
      AFTER_KINEMATICS(x.q, x.v, x.a, dyn_frame_classical_acceleration_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1], x.out[2]))},
+    {"rnea_second_order_product", "b q v a fext", {OUT(dqdq, NV, NV), OUT(dvdv, NV, NV), OUT(dqdv, NV, NV), OUT(dadq, NV, NV)},
+     CALL { return dyn_rnea_second_order_product(m, d, x.q, x.v, x.a, x.fext, x.b, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+    {"rnea_second_order_derivatives", "q v a fext",
+     {OUT(d2tau_dqdq, NV, NV, NV), OUT(d2tau_dvdv, NV, NV, NV), OUT(d2tau_dqdv, NV, NV, NV), OUT(d2tau_dadq, NV, NV, NV)},
+     CALL { return dyn_rnea_second_order_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1], x.out[2], x.out[3]); }},
+    {"frame_kinematic_hessian", "frame reference q", {OUT(H, 6, NV, NV)},
+     AFTER_KINEMATICS(x.q, nullptr, nullptr, dyn_frame_kinematic_hessian(m, d, x.frame, x.reference, x.out[0]))},
+    {"difference", "q q1", {OUT(v, NV, 1)}, CALL { return (void)d, dyn_difference(m, x.q, x.q1, x.out[0]); }},
+    {"step", "dt integrator q v tau", {OUT(q, s.nq, 1), OUT(v, NV, 1)}, step_one},
 };
 #undef OUT
 #undef NV

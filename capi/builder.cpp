@@ -45,6 +45,7 @@ JointSpec read_joint(const dynJointSpec& s) {
   out.lower = read(s.lower, nq), out.upper = read(s.upper, nq);
   out.velocity = read(s.velocity, nv), out.effort = read(s.effort, nv);
   out.armature = read(s.armature, nv), out.damping = read(s.damping, nv), out.friction = read(s.friction, nv);
+  out.stiffness = read(s.stiffness, nv), out.spring_reference = read(s.spring_reference, nq);
   out.rotor_inertia = s.rotor_inertia, out.gear_ratio = s.gear_ratio;
   if (s.mimic) out.mimic = s.mimic;
   out.mimic_ratio = s.mimic_ratio, out.mimic_offset = s.mimic_offset;
@@ -132,6 +133,31 @@ dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* pa
 
 dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type) {
   return with(builder, [&](Builder& b) { b.frame(text(name), {text(parent), 0}, read_placement(placement), type); });
+}
+
+void dyn_shape_spec_init(dynShapeSpec* spec) {
+  if (!spec) return;
+  std::memset(spec, 0, sizeof *spec);
+  spec->struct_size = sizeof *spec;
+  spec->type = DYN_SHAPE_BOX, spec->role = DYN_ROLE_COLLISION;
+  spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
+}
+
+dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* s) {
+  if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_shape: spec is NULL");
+  if (s->struct_size < sizeof(dynShapeSpec))
+    return fail(DYN_ERROR_SIZE, "dyn_builder_shape: struct_size is %u, needs %zu: call dyn_shape_spec_init", s->struct_size, sizeof(dynShapeSpec));
+  const struct {
+    int value, last;
+    const char* name;
+  } choices[] = {{raw(s->type), DYN_SHAPE_HALF_SPACE, "type"}, {raw(s->role), DYN_ROLE_VISUAL, "role"}};
+  for (const auto& c : choices)
+    if (c.value < 1 || c.value > c.last) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_shape: %s %d does not exist", c.name, c.value);
+  return with(builder, [&](Builder& b) {
+    Shape shape{text(s->name), s->type, s->role, text(s->body), read_placement(s->placement), {}, text(s->mesh)};
+    std::copy(s->size, s->size + 3, shape.size.begin());
+    b.shape(shape);
+  });
 }
 
 dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq) {

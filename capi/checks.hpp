@@ -10,7 +10,7 @@ namespace dyn::capi {
 inline constexpr double most = 1e100, most_to_differentiate = 1e40;
 // Placements (level 0), velocities (1) and accelerations (2) of the bodies are within bounds; otherwise they are dropped and the
 // inputs of this call are taken back.
-bool moderate(Call& call, int level);
+bool moderate(Call& call, int level, double bound = most);
 // The same of all that carries a frame; nothing is taken back.
 bool moderate_frame(Call& call, int frame, int level, double bound = most);
 // The universe's column does not count.
@@ -19,6 +19,10 @@ inline bool check_fext(Call& call, const double* fext) { return call.finite("fex
 dynStatus singular(Call& call, Index joint, Stage stage);
 // d.M is finite: its diagonal is when it is, for placements within bounds.
 bool finite_mass(Call& call);
+// Products of the columns d.S to d.Q, as they are in the data, do not overflow. false: they may.
+bool small_columns(const Call& call);
+// Call::numeric of derivatives of a force, nv x nv, in the time of its pairs when the columns it is made of are small.
+bool numeric_pairs(Call& call, const double* x, const char* what, Stage stage, bool small_columns);
 // Factorises d.M.
 dynStatus factor(Call& call);
 

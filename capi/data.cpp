@@ -100,6 +100,26 @@ dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double*
   return call.status;
 }
 
+dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects) {
+  Call call(model, data, 0, "dyn_data_set_effects");
+  if (!call || !call.joint_or_all(joint)) return call.status;
+  if (effects & ~uint32_t(DYN_EFFECT_ALL))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_effects: effects 0x%x has unknown bits: use DYN_EFFECT_... values", unsigned(effects));
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  for (Index j = joint ? joint : 0, end = joint ? joint + 1 : m.n.joints; j < end; ++j) d.effects[j] = effects;
+  apply_effects(m, d);
+  call.drop_results();
+  return DYN_OK;
+}
+
+dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects) {
+  Call call(model, data, 0, "dyn_data_effects");
+  if (!call || !call.joint_or_all(joint) || !call.required("effects", effects)) return call.status;
+  *effects = joint ? call.d().effects[joint] : call.d().acting;
+  return DYN_OK;
+}
+
 int dyn_nfields(void) { return field_count; }
 
 dynStatus dyn_field_info(dynField field, dynFieldInfo* info) {
@@ -131,8 +151,9 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
   if (out->struct_size < sizeof(dynArray))
     return fail(DYN_ERROR_SIZE, "dyn_data_array: struct_size is %u, needs %zu: set it to sizeof(dynArray)", out->struct_size, sizeof(dynArray));
   if (!call.fresh(rows[field].stage, rows[field].info.name, rows[field].info.producer)) return call.status;
-  const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames, nparameters = parameter_count(call.m());
-  (void)nq, (void)nv, (void)nframes, (void)nparameters;
+  const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames, nparameters = parameter_count(call.m()),
+                       npairs = call.m().n.pairs;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs;
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
     out->rows = int32_t(height), out->cols = int32_t(width), out->data = numbers;
   };

@@ -14,9 +14,10 @@ dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const doubl
   Data<double>& d = call.d();
   d.drop(Stage::Tau), d.drop(Stage::InverseDerivatives);  // being written
   rnea_derivatives(call.m(), d, d.v, d.a, fext);
+  const bool small = small_columns(call);
   if (!finite_mass(call) || !call.numeric(d.tau, Index(nv), "tau", Stage::Tau) ||
-      !call.numeric(d.dtau_dq, Index(nv * nv), "dtau_dq", Stage::InverseDerivatives) ||
-      !call.numeric(d.dtau_dv, Index(nv * nv), "dtau_dv", Stage::InverseDerivatives))
+      !numeric_pairs(call, d.dtau_dq, "dtau_dq", Stage::InverseDerivatives, small) ||
+      !numeric_pairs(call, d.dtau_dv, "dtau_dv", Stage::InverseDerivatives, small))
     return call.status;
   d.done(Stage::Tau), d.done(Stage::InverseDerivatives);
   copy_out(d.dtau_dq, nv * nv, dtau_dq), copy_out(d.dtau_dv, nv * nv, dtau_dv);
@@ -48,9 +49,10 @@ static dynStatus at_rest(const dynModel* model, dynData* data, const double* q, 
   if (!call || !check_fext(call, fext) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   const std::ptrdiff_t nv = call.m().n.nv;
   Data<double>& d = call.d();
-  gravity_derivatives(call.m(), d, fext, d.*field);
+  if (stage == Stage::StaticDerivatives) static_torque_derivatives(call.m(), d, fext, d.*field);
+  else gravity_derivatives(call.m(), d, fext, d.*field);
   d.done(stage);
-  if (!moderate(call, 0) || !call.numeric(d.*field, Index(nv * nv), name, stage)) return call.status;
+  if (!moderate(call, 0) || !numeric_pairs(call, d.*field, name, stage, small_columns(call))) return call.status;
   copy_out(d.*field, nv * nv, out);
   return DYN_OK;
 }

@@ -207,7 +207,8 @@ typedef struct dynFrameInfo {
 DYN_API dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo* info);
 
 /* Shapes of the file, kept as data. */
-typedef enum dynShapeType { DYN_SHAPE_BOX = 1, DYN_SHAPE_SPHERE = 2, DYN_SHAPE_CYLINDER = 3, DYN_SHAPE_MESH = 4, DYN_SHAPE_CAPSULE = 5 } dynShapeType;
+typedef enum dynShapeType { DYN_SHAPE_BOX = 1, DYN_SHAPE_SPHERE = 2, DYN_SHAPE_CYLINDER = 3, DYN_SHAPE_MESH = 4, DYN_SHAPE_CAPSULE = 5,
+                            DYN_SHAPE_CONE = 6, DYN_SHAPE_ELLIPSOID = 7, DYN_SHAPE_HALF_SPACE = 8 } dynShapeType;
 typedef enum dynShapeRole { DYN_ROLE_COLLISION = 1, DYN_ROLE_VISUAL = 2 } dynShapeRole;
 typedef struct dynShapeInfo {
   uint32_t struct_size;
@@ -216,7 +217,8 @@ typedef struct dynShapeInfo {
   dynShapeRole role;
   int32_t frame;          /* BODY frame that carries it */
   double placement[12];   /* in that frame */
-  double size[3];         /* box: full lengths; sphere: radius; cylinder, capsule: radius, length; mesh: scale */
+  double size[3];         /* box: full lengths; sphere: radius; cylinder, capsule, cone (apex up): radius, length along z; ellipsoid: semi-axes;
+                             half-space, all below z = 0: none; mesh: scale */
   const char* mesh;       /* resolved path; "" for others */
 } dynShapeInfo;
 DYN_API int dyn_nshapes(const dynModel* model);
@@ -230,9 +232,11 @@ typedef enum dynModelArray {
   DYN_VELOCITY_LIMIT = 2, /* nv */
   DYN_EFFORT_LIMIT = 3,   /* nv */
   DYN_ARMATURE = 4,       /* nv: added to the diagonal of M, kg m^2 or kg */
-  DYN_DAMPING = 5,        /* nv: N m s/rad or N s/m; kept as data */
-  DYN_FRICTION = 6,       /* nv: dry friction, N m or N; kept as data */
-  DYN_GRAVITY = 7         /* 3: m/s^2 */
+  DYN_DAMPING = 5,        /* nv: N m s/rad or N s/m: acts when switched on, see dyn_data_set_effects */
+  DYN_FRICTION = 6,       /* nv: dry friction, N m or N; likewise */
+  DYN_GRAVITY = 7,        /* 3: m/s^2 */
+  DYN_STIFFNESS = 8,      /* nv: springs, N m/rad or N/m; likewise */
+  DYN_SPRING_REFERENCE = 9 /* nq: where they are at rest */
 } dynModelArray;
 DYN_API const double* dyn_model_array(const dynModel* model, dynModelArray which);
 /* Mass of what moves, kg: links welded to the world do not count, here as in the centre of mass and the energies. NaN for an
@@ -261,6 +265,8 @@ typedef struct dynJointSpec {
   const double *lower, *upper;      /* nq numbers each or NULL (infinite); -inf below and inf above: no limit */
   const double *velocity, *effort;  /* nv numbers each or NULL (infinite) */
   const double *armature, *damping, *friction; /* nv numbers each or NULL (zero) */
+  const double* stiffness;          /* of springs: nv numbers or NULL (zero); a quaternion's three must be equal, a free flyer's zero */
+  const double* spring_reference;   /* nq numbers: where they are at rest; NULL: at the neutral configuration */
   double rotor_inertia, gear_ratio; /* one-degree-of-freedom joints: adds rotor_inertia * gear_ratio^2 to the armature */
   const char* mimic;                /* leader's name or NULL: one-degree-of-freedom joints of any order in the tree */
   double mimic_ratio, mimic_offset;
@@ -279,6 +285,19 @@ DYN_API dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* spe
 DYN_API dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
                                    const double com[3], const double inertia[9]);
 DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
+/* A shape on a link. */
+typedef struct dynShapeSpec {
+  uint32_t struct_size;   /* set by dyn_shape_spec_init */
+  const char* name;       /* NULL: none */
+  dynShapeType type;
+  dynShapeRole role;      /* default collision */
+  const char* body;       /* the link that carries it; NULL or "universe": the world */
+  double placement[12];   /* in the link's frame; default identity */
+  double size[3];         /* as in dynShapeInfo, metres > 0 */
+  const char* mesh;       /* MESH: its file, kept as a name */
+} dynShapeSpec;
+DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
+DYN_API dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* spec);
 /* A named configuration: nq numbers in the finished model's order. Its quaternions and (cos, sin) pairs need not be unit: the model
    keeps them normalised. A zero one is refused by dyn_builder_finish (DYN_ERROR_QUATERNION). */
 DYN_API dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
@@ -326,7 +345,8 @@ enum {
   DYN_PART_REGRESSOR = 1u << 14,           /* regressor: nv x 10 (njoints - 1); those of com and energies */
   DYN_PART_IK = 1u << 15,                  /* inverse kinematics: two nv x nv (includes COM) */
   DYN_PART_SECOND_ORDER = 1u << 16,        /* lambda_d2tau_...: nv x nv each (includes INVERSE_DERIVATIVES) */
-  DYN_PART_ALL = 0x1ffff
+  DYN_PART_COLLISION = 1u << 17,           /* distances of all pairs */
+  DYN_PART_ALL = 0x3ffff
 };
 
 /* parts = 0 means DYN_PART_ALL. */
@@ -340,6 +360,25 @@ DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
 /* The state held in data. A call with q, v, a or tau sets them, too. NULL leaves a value as it is. New data is at the
    neutral configuration and rest. */
 DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* tau);
+
+/* Effects of the joints that the algorithms apply, a bit each; data has them switched on or off joint by joint. New data: ARMATURE alone.
+     M = rigid bodies' + armature        M a + nle = tau + J' fext
+     nle = Coriolis, centrifugal and gravity forces + damping v + friction tanh(v / DYN_FRICTION_VELOCITY) + stiffness (q (-) reference)
+   Inverse and forward dynamics, steps, their derivatives of all orders, static torque and energies (of rotors and springs) take the same
+   ones; dyn_gravity takes none. The springs of a continuous joint count its turns. What is off, or not in the model, costs nothing. */
+#define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: dry friction is nearly viscous below it, and within 1e-3 of its value beyond four of them */
+enum {
+  DYN_EFFECT_ARMATURE = 1u << 0,
+  DYN_EFFECT_DAMPING = 1u << 1,
+  DYN_EFFECT_SPRINGS = 1u << 2,
+  DYN_EFFECT_FRICTION = 1u << 3,
+  DYN_EFFECT_ALL = 0xf
+};
+/* Switches the effects of a joint, or with joint 0 of all, to those of the mask. A follower's are part of its leader's: name that one.
+   All results are stale afterwards. */
+DYN_API dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects);
+/* Those that are on; with joint 0 those that act: on at some joint that has them. */
+DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects);
 
 /* Fields: everything that data holds, by id. Ids are never renumbered. */
 typedef int32_t dynField;
@@ -676,6 +715,67 @@ typedef struct dynIkResult {
 DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks,
                          const dynIkOptions* options, double* solution, double* residuals, dynIkResult* result);
 
+/* ------------------------------------------------------------------------------------------------------- collision */
+
+/* Distance between two convex shapes, signed: below zero they overlap, and it is minus the depth, the length of the shortest translation
+   that parts them (two half-spaces: minus infinity unless they face each other). Closed forms where there are any; else GJK (Gilbert et
+   al. 1988) and EPA (van den Bergen 2003), finished by Newton's method on the normal, and checked by the supporting planes: residual
+   bounds the error apart, and that of the depth along this normal; that no other one is shorter is sure to 1e-3 of the size. */
+typedef enum dynDistanceStatus {
+  DYN_SEPARATED = 0,
+  DYN_TOUCHING = 1,        /* |distance| within 1e-9 of the size of the smaller shape */
+  DYN_PENETRATING = 2,
+  DYN_DISTANCE_FAILED = 3  /* the residual is beyond 1e-6 of that size: the best there is */
+} dynDistanceStatus;
+
+typedef struct dynDistance {
+  uint32_t struct_size;
+  dynDistanceStatus status;
+  int32_t unique;          /* 0: other points or another normal are as good, so that the distance has no gradient there */
+  int32_t iterations;
+  double distance;         /* m */
+  double residual;         /* m */
+  double normal[3];        /* unit, from A to B, world */
+  double point_a[3], point_b[3]; /* witness points, world: point_b - point_a = distance normal */
+} dynDistance;
+
+/* A shape by itself, at the origin of its frame and rounded by radius: points within that distance of it belong to it. */
+typedef struct dynGeometry {
+  uint32_t struct_size;    /* set by dyn_geometry_init */
+  dynShapeType type;       /* any but MESH */
+  double size[3];          /* as in dynShapeInfo */
+  double radius;           /* m, >= 0; of rounding */
+} dynGeometry;
+DYN_API void dyn_geometry_init(dynGeometry* geometry);
+/* tolerance: of the distance, relative to the size of the smaller shape; 0: the default, 1e-10. */
+DYN_API dynStatus dyn_shape_distance(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
+                                     double tolerance, dynDistance* out);
+
+/* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. */
+typedef enum dynPairReason {
+  DYN_PAIR_TESTED = 0,
+  DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration */
+  DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known */
+  DYN_PAIR_OFF = 3         /* switched off in the data */
+} dynPairReason;
+DYN_API int dyn_npairs(const dynModel* model); /* -1 for an invalid handle */
+/* The shapes of a pair, shape_a < shape_b, and whether new data tests it; any output may be NULL. */
+DYN_API dynStatus dyn_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, dynPairReason* reason);
+/* Switches a pair, or with -1 all pairs without meshes, on or off. */
+DYN_API dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int tested);
+DYN_API dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, dynPairReason* reason);
+
+/* Distances of all pairs, npairs, infinite where a pair is not tested. Includes placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_distances(const dynModel* model, dynData* data, const double* q, double* distances);
+/* What was found of a pair. Needs dyn_distances of the current q. */
+DYN_API dynStatus dyn_pair_distance(const dynModel* model, dynData* data, int pair, dynDistance* out);
+/* Derivatives of all distances by q on the tangent space, npairs x nv; zero where a pair is not tested or its witness points are not
+   unique (dynDistance tells which). Needs dyn_distances of the current q. */
+DYN_API dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, double* gradients);
+/* Pairs at a distance of at most margin (m, >= 0), in ascending order: at most capacity of them are written; count: how many there
+   are. Those whose bounding boxes are farther apart cost next to nothing. Includes placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count);
+
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
 /* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, damping and dry
@@ -698,6 +798,9 @@ typedef struct dynBatch dynBatch;
 /* threads: 1 to 256, the caller's included. parts as in dyn_data_new. */
 DYN_API dynStatus dyn_batch_new(const dynModel* model, dynParts parts, int threads, dynBatch** batch);
 DYN_API void dyn_batch_free(dynBatch* batch); /* NULL is allowed */
+
+/* dyn_data_set_effects of every thread's data. */
+DYN_API dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects);
 
 /* DYN_BATCH_X computes what dyn_X does: what it reads -> out[0], out[1], ... Values are never renumbered. */
 typedef enum dynBatchAlgorithm {
@@ -745,7 +848,12 @@ typedef enum dynBatchAlgorithm {
   DYN_BATCH_CENTER_OF_MASS_VELOCITY_DERIVATIVES = 41, /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
   DYN_BATCH_FRAME_VELOCITY_DERIVATIVES = 42,     /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
   DYN_BATCH_FRAME_ACCELERATION_DERIVATIVES = 43, /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
-  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44 /* the same */
+  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44, /* the same */
+  DYN_BATCH_RNEA_SECOND_ORDER_PRODUCT = 45,      /* q, v, a, fext, b (lambda) -> dqdq, dvdv, dqdv, dadq: nv x nv */
+  DYN_BATCH_RNEA_SECOND_ORDER_DERIVATIVES = 46,  /* q, v, a, fext -> d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq: nv matrices nv x nv */
+  DYN_BATCH_FRAME_KINEMATIC_HESSIAN = 47,        /* frame, reference; q -> H nv matrices 6 x nv */
+  DYN_BATCH_DIFFERENCE = 48,                     /* q, q1 -> v nv: q1 (-) q */
+  DYN_BATCH_STEP = 49                            /* dt, integrator; q, v, tau -> q nq, v nv */
 } dynBatchAlgorithm;
 
 /* What goes in and comes out. What an algorithm does not read is ignored. An output may be an input whose rows have the same size;
@@ -756,13 +864,16 @@ typedef struct dynBatchArrays {
   dynReference reference;
   const double *q, *v, *a, *tau, *b;  /* n rows of nq, nv, nv, nv, nv; NULL: zeros, but q and b are required */
   const double* fext;                 /* n rows of 6 njoints; NULL: none */
+  const double* q1;                   /* n rows of nq, required by DIFFERENCE */
+  double dt;
+  dynIntegrator integrator;
   double* out[4];                     /* n rows each; NULL: not wanted, but one at least must be */
   dynStatus* status;                  /* n, or NULL */
 } dynBatchArrays;
 DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays);
 DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays);
 
-/* The same table for programs. Without a model (NULL) rows and cols are 0. */
+/* The same table for programs. Without a model (NULL) sizes that depend on it are 0. */
 typedef struct dynBatchInfo {
   uint32_t struct_size;
   const char* name;       /* "rnea" */
@@ -770,6 +881,7 @@ typedef struct dynBatchInfo {
   int32_t outputs;
   const char* output[4];  /* names */
   int32_t rows[4], cols[4]; /* of one state; vectors have cols = 1 */
+  int32_t pages[4];         /* matrices one after another; 1 for others */
 } dynBatchInfo;
 DYN_API dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dynBatchInfo* info);
 

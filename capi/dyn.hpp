@@ -206,6 +206,13 @@ class Model {
   dynJointInfo joint(int joint) const { return info_<dynJointInfo>(dyn_joint_info, joint); }
   dynFrameInfo frame(int frame) const { return info_<dynFrameInfo>(dyn_frame_info, frame); }
   dynShapeInfo shape(int shape) const { return info_<dynShapeInfo>(dyn_shape_info, shape); }
+  int npairs() const noexcept { return dyn_npairs(get()); }
+  // The shapes of a pair.
+  std::pair<int, int> pair(int pair) const {
+    std::pair<int, int> out;
+    check(dyn_pair(get(), pair, &out.first, &out.second, nullptr));
+    return out;
+  }
   int report_count() const noexcept { return dyn_report_count(get()); }
   dynReportEntry report(int index) const { return info_<dynReportEntry>(dyn_report_entry, index); }
 
@@ -215,9 +222,10 @@ class Model {
     check(dyn_inertial_parameters(get(), pi.data()));
     return pi;
   }
-  // Limits, armature, damping, friction, gravity: lives as long as the model.
+  // Limits, armature, damping, friction, springs, gravity: lives as long as the model.
   View array(dynModelArray which) const {
-    const int n = which == DYN_GRAVITY ? 3 : which == DYN_LOWER_LIMIT || which == DYN_UPPER_LIMIT ? nq_ : nv_;
+    const bool of_q = which == DYN_LOWER_LIMIT || which == DYN_UPPER_LIMIT || which == DYN_SPRING_REFERENCE;
+    const int n = which == DYN_GRAVITY ? 3 : of_q ? nq_ : nv_;
     const double* p = dyn_model_array(get(), which);
     if (!p && n) throw Error(DYN_ERROR_ARGUMENT);
     return View({sizeof(dynArray), n, 1, {1, n}, p});
@@ -373,6 +381,13 @@ class Data {
 
   void set_state(Input q, Input v = held, Input a = held, Input tau = held) {
     check(dyn_data_set_state(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), tau.of(nv(), "tau")));
+  }
+  // DYN_EFFECT_... of a joint, or of all (0).
+  void set_effects(uint32_t effects, int joint = 0) { check(dyn_data_set_effects(m(), get(), joint, effects)); }
+  uint32_t effects(int joint = 0) const {
+    uint32_t out;
+    check(dyn_data_effects(m(), get(), joint, &out));
+    return out;
   }
   View field(dynField id) const {
     dynArray array{};
@@ -655,6 +670,37 @@ class Data {
     return out;
   }
 
+  // collision
+  Vector distances(Input q = held) {
+    Vector out(static_cast<std::size_t>(model_.npairs()));
+    check(dyn_distances(m(), get(), q.of(nq(), "q"), out.data()));
+    return out;
+  }
+  dynDistance pair_distance(int pair) {
+    dynDistance out{};
+    out.struct_size = sizeof out;
+    check(dyn_pair_distance(m(), get(), pair, &out));
+    return out;
+  }
+  Matrix distance_gradients() {  // npairs x nv
+    Matrix out(model_.npairs(), static_cast<int>(nv()));
+    check(dyn_distance_gradients(m(), get(), out.data()));
+    return out;
+  }
+  std::vector<int> collisions(Input q = held, double margin = 0) {
+    std::vector<int> out(static_cast<std::size_t>(model_.npairs()));
+    int count = 0;
+    check(dyn_collisions(m(), get(), q.of(nq(), "q"), margin, out.data(), static_cast<int>(out.size()), &count));
+    out.resize(static_cast<std::size_t>(count));
+    return out;
+  }
+  void set_pair(int pair, bool tested) { check(dyn_data_set_pair(m(), get(), pair, tested)); }
+  dynPairReason pair_reason(int pair) {
+    dynPairReason out;
+    check(dyn_data_pair(m(), get(), pair, &out));
+    return out;
+  }
+
   // simulation
   void step(double dt, dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER) { check(dyn_step(m(), get(), integrator, dt)); }
 
@@ -703,6 +749,9 @@ class BatchArrays {
   BatchArrays& tau(Input x) { return tau_ = x, *this; }
   BatchArrays& b(Input x) { return b_ = x, *this; }
   BatchArrays& fext(Input x) { return fext_ = x, *this; }
+  BatchArrays& q1(Input x) { return q1_ = x, *this; }
+  BatchArrays& dt(double seconds) { return value_.dt = seconds, *this; }
+  BatchArrays& integrator(dynIntegrator i) { return value_.integrator = i, *this; }
   // An output: a vector (or the like) of the right size.
   template <class V>
   BatchArrays& out(int k, V& x) {
@@ -717,16 +766,16 @@ class BatchArrays {
   dynBatchArrays of(const Model& m, const dynBatchInfo& info, int64_t n) const {
     dynBatchArrays x = value_;
     x.q = q_.of(n * m.nq(), "q"), x.v = v_.of(n * m.nv(), "v"), x.a = a_.of(n * m.nv(), "a"), x.tau = tau_.of(n * m.nv(), "tau");
-    x.b = b_.of(n * m.nv(), "b"), x.fext = fext_.of(n * 6 * m.njoints(), "fext");
+    x.b = b_.of(n * m.nv(), "b"), x.fext = fext_.of(n * 6 * m.njoints(), "fext"), x.q1 = q1_.of(n * m.nq(), "q1");
     for (int k = 0; k < info.outputs; ++k)
-      if (x.out[k]) Input(x.out[k], sizes_[static_cast<std::size_t>(k)]).of(n * info.rows[k] * info.cols[k], info.output[k]);
+      if (x.out[k]) Input(x.out[k], sizes_[static_cast<std::size_t>(k)]).of(n * info.rows[k] * info.cols[k] * info.pages[k], info.output[k]);
     if (x.status && status_size_ != static_cast<std::size_t>(n)) throw Error(DYN_ERROR_SIZE, "status must have one element for each state.");
     return x;
   }
 
  private:
   dynBatchArrays value_;
-  Input q_ = none, v_ = none, a_ = none, tau_ = none, b_ = none, fext_ = none;
+  Input q_ = none, v_ = none, a_ = none, tau_ = none, b_ = none, fext_ = none, q1_ = none;
   std::array<std::size_t, 4> sizes_{};
   std::size_t status_size_ = 0;
 };
@@ -805,7 +854,8 @@ inline bool is_physically_consistent(const Parameters& pi) {
 struct JointSpec {
   std::string name, parent, mimic;                                     // "": the world; none
   dynJointSpec value;                                                  // its names are set from those above
-  Vector lower, upper, velocity, effort, armature, damping, friction;  // empty: infinite, or zero
+  Vector lower, upper, velocity, effort;                               // empty: infinite
+  Vector armature, damping, friction, stiffness, spring_reference;     // empty: zero, or neutral
   std::vector<JointSpec> parts;
   JointSpec(std::string joint, dynJointType type, std::string above = "") : name(std::move(joint)), parent(std::move(above)) {
     dyn_joint_spec_init(&value);
@@ -826,6 +876,21 @@ struct JointSpec {
     return *this;
   }
 };
+
+// A shape by itself, for shape_distance.
+inline dynGeometry geometry(dynShapeType type, const Vector3& size, double radius = 0) {
+  dynGeometry g;
+  dyn_geometry_init(&g);
+  g.type = type, g.radius = radius;
+  for (std::size_t k = 0; k < 3; ++k) g.size[k] = size[k];
+  return g;
+}
+inline dynDistance shape_distance(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double tolerance = 0) {
+  dynDistance out{};
+  out.struct_size = sizeof out;
+  check(dyn_shape_distance(&a, X_a.data(), &b, X_b.data(), tolerance, &out));
+  return out;
+}
 
 // Makes models.
 class Builder {
@@ -859,6 +924,16 @@ class Builder {
   Builder& frame(const std::string& name, const std::string& parent, Input placement = none,
                  dynFrameType type = DYN_FRAME_OP_FRAME) {
     return ok(dyn_builder_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
+  }
+  Builder& shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
+                 dynShapeRole role = DYN_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "") {
+    dynShapeSpec s;
+    dyn_shape_spec_init(&s);
+    s.name = name.c_str(), s.type = type, s.role = role, s.body = body.c_str(), s.mesh = mesh.c_str();
+    for (std::size_t k = 0; k < 3; ++k) s.size[k] = size[k];
+    if (const double* X = placement.of(12, "placement"))
+      for (int k = 0; k < 12; ++k) s.placement[k] = X[k];
+    return ok(dyn_builder_shape(get(), &s));
   }
   Builder& configuration(const std::string& name, const Vector& q) {
     return ok(dyn_builder_configuration(get(), name.c_str(), q.data(), q.size()));
@@ -896,7 +971,8 @@ class Builder {
     s.lower = optional(spec.lower, nq, "lower"), s.upper = optional(spec.upper, nq, "upper");
     s.velocity = optional(spec.velocity, nv, "velocity"), s.effort = optional(spec.effort, nv, "effort");
     s.armature = optional(spec.armature, nv, "armature"), s.damping = optional(spec.damping, nv, "damping");
-    s.friction = optional(spec.friction, nv, "friction");
+    s.friction = optional(spec.friction, nv, "friction"), s.stiffness = optional(spec.stiffness, nv, "stiffness");
+    s.spring_reference = optional(spec.spring_reference, nq, "spring_reference");
     std::vector<dynJointSpec> parts;
     for (const auto& part : spec.parts) parts.push_back(part.value);
     if (!parts.empty()) s.parts = parts.data(), s.parts_count = parts.size();

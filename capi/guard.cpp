@@ -120,7 +120,7 @@ Call::Call(const dynModel* model, dynData* data, dynParts part, const char* func
   if ((d().parts & part) != part) {
     static constexpr const char* names[] = {"KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS",
                                             "FACTOR", "MINV", "CORIOLIS", "ENERGY", "FRAMES",
-                                            "CENTROIDAL", "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER"};
+                                            "CENTROIDAL", "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION"};
     const dynParts missing = part & ~d().parts;
     const char* name = "?";
     for (std::size_t k = 0; k < sizeof names / sizeof *names; ++k)
@@ -151,6 +151,14 @@ bool Call::joint(int id) {
   if (status == DYN_OK && (id < 0 || id >= m().n.joints))
     status = fail(DYN_ERROR_ARGUMENT, "%s: joint %d does not exist: the model has joints 0 to %d; see dyn_joint_id", function, id, int(m().n.joints) - 1);
   return status == DYN_OK;
+}
+
+bool Call::joint_or_all(int id) {
+  if (!joint(id) || id == 0 || m().joints()[id].leader < 0) return status == DYN_OK;
+  const JointRecord& j = m().joints()[id];
+  status = fail(DYN_ERROR_ARGUMENT, "%s: joint '%s' follows '%s', of which its effects are part: name that one", function, m().string(j.name),
+                m().string(m().joints()[j.leader].name));
+  return false;
 }
 
 bool Call::reference(dynReference r) {

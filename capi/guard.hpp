@@ -6,6 +6,7 @@
 
 #include "dyn.h"
 #include "dyn/algorithm/declarations.hpp"
+#include "dyn/base/pack.hpp"
 #include "dyn/model/builder.hpp"
 
 namespace dyn::capi {
@@ -44,18 +45,31 @@ inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
 inline Index finite_count(const double* x, Index n) {
-  std::uint64_t bad = 0;
-  for (Index i = 0; i < n; ++i) {
-    std::uint64_t bits;
-    __builtin_memcpy(&bits, x + i, 8);
-    bad |= std::uint64_t((bits & 0x7ff0000000000000u) == 0x7ff0000000000000u);
-  }
-  if (!bad) return n;
-  for (Index i = 0; i < n; ++i) {
-    const double zero = x[i] - x[i];
-    if (!(zero == 0)) return i;
-  }
+  using P = Pack<double, widest_pack>;
+  P a = P::zero(), b = a, c = a, d = a;  // 0 times what is not finite is not a number
+  Index i = 0;
+  for (constexpr Index w = widest_pack; i + 4 * w <= n; i += 4 * w)
+    a = a + P::load(x + i) * 0.0, b = b + P::load(x + i + w) * 0.0, c = c + P::load(x + i + 2 * w) * 0.0, d = d + P::load(x + i + 3 * w) * 0.0;
+  a = (a + b) + (c + d);
+  double sum = 0;
+  for (int k = 0; k < widest_pack; ++k) sum += a[k];
+  for (; i < n; ++i) sum += x[i] * 0.0;
+  if (sum == 0) return n;
+  for (i = 0; i < n; ++i)
+    if (!(x[i] * 0.0 == 0)) return i;
   return n;
+}
+
+// Whether one of x[0 .. n-1] is 2^exponent or more in size, or not finite.
+inline bool any_beyond(const double* x, std::ptrdiff_t n, int exponent) {
+  const std::int64_t limit = std::int64_t(1023 + exponent) << 52;
+  std::int64_t found = 0;
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    std::int64_t bits;
+    __builtin_memcpy(&bits, x + i, 8);
+    found |= std::int64_t((bits & 0x7fffffffffffffff) >= limit);
+  }
+  return found;
 }
 
 }  // namespace dyn::capi
@@ -134,6 +148,7 @@ class Call {
   bool required(const char* name, const void* p, std::ptrdiff_t n = 1);  // an array of no numbers may be NULL
   bool frame(int id);
   bool joint(int id);
+  bool joint_or_all(int id);  // 0: all; not a follower
   bool reference(dynReference r);
   // DYN_ERROR_STALE unless the stage is fresh.
   bool fresh(Stage stage, const char* what, const char* producer);

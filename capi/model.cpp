@@ -238,9 +238,11 @@ dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo* info) {
   if (const dynStatus s = check_struct(info, "dyn_frame_info", "dynFrameInfo")) return s;
   if (const dynStatus s = check_index(model, frame, m.n.frames, "dyn_frame_info", "frame")) return s;
   const FrameRecord& r = m.frames()[frame];
-  info->name = m.string(r.name), info->type = r.type, info->joint = r.joint, info->mass = r.mass;
+  info->name = m.string(r.name), info->type = r.type, info->joint = r.joint;
   std::memcpy(info->placement, r.placement, sizeof r.placement);
-  std::memcpy(info->com, r.com, sizeof r.com), std::memcpy(info->inertia, r.inertia, sizeof r.inertia);
+  const LinkRecord link = r.link >= 0 ? m.links()[r.link] : LinkRecord{};
+  info->mass = link.mass;
+  std::memcpy(info->com, link.com, sizeof link.com), std::memcpy(info->inertia, link.inertia, sizeof link.inertia);
   return DYN_OK;
 }
 
@@ -268,6 +270,8 @@ const double* dyn_model_array(const dynModel* model, dynModelArray which) {
     case DYN_ARMATURE: return m.armature();
     case DYN_DAMPING: return m.damping();
     case DYN_FRICTION: return m.friction();
+    case DYN_STIFFNESS: return m.stiffness();
+    case DYN_SPRING_REFERENCE: return m.spring_reference();
     case DYN_GRAVITY: return m.gravity;
   }
   fail(DYN_ERROR_ARGUMENT, "dyn_model_array: %d is no dynModelArray", int(which));

@@ -5,7 +5,7 @@ Usage:  build_pinocchio.py [--venv DIR] [--out DIR] [--pin-version V] [--eigen D
                            [--jobs N] [--force] [--timeout S]
 
   --venv DIR     Python environment that holds the wheels (default: build/peers under the project).
-                 Created, and pin, mujoco and example-robot-data installed in it, when missing.
+                 Created, and pin, mujoco, example-robot-data and matplotlib installed in it, when missing.
   --out DIR      where the executables go (default: build/peers-bin under the project)
   --pin-version  version of pin to install when it is missing (default 4.1.0; '' for the newest)
   --eigen DIR    Eigen's include directory. Default: the one of the wheel cmeel-eigen, which
@@ -42,7 +42,7 @@ DEFINES = [
     "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
     "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
 ]
-COMPILERS = [("gcc", os.environ.get("GXX", "g++")), ("clang", os.environ.get("CLANGXX", "clang++"))]
+COMPILERS = [("clang", os.environ.get("CLANGXX", "clang++")), ("gcc", os.environ.get("GXX", "g++"))]
 FLAGS = [("O3", ["-O3"]), ("O3-native", ["-O3", "-march=native"])]
 
 
@@ -72,7 +72,7 @@ def make_venv(venv, pin_version):
              "for n in sys.argv[1:]:\n"
              "  try: m.version(n)\n"
              "  except m.PackageNotFoundError: print(n)")
-    wanted = ["pin", "mujoco", "example-robot-data"]
+    wanted = ["pin", "mujoco", "example-robot-data", "matplotlib"]
     run = subprocess.run([str(python), "-c", probe] + wanted, capture_output=True, text=True)
     if run.returncode:
         die(f"{python} does not work:\n{run.stderr}")
@@ -132,24 +132,24 @@ def build(name, compiler, flags, includes, out, args, version):
     if "-march=native" in flags:
         native = subprocess.run([compiler, "-march=native", "-E", "-dM", "-x", "c", "/dev/null"],
                                 capture_output=True, text=True).stdout
-    key = hashlib.sha256("\0".join(
-        [f.read_text() for f in SOURCES + HEADERS]
-        + [shlex.join(common), compiler_id, native, version]).encode()).hexdigest()
-    stamp = objects / f"{name}.key"
-    if not args.force and exe.is_file() and stamp.is_file() and stamp.read_text() == key:
-        say(f"{name}: up to date")
-        return exe
+    shared = [f.read_text() for f in HEADERS] + [shlex.join(common), compiler_id, native, version]
     start = time.time()
     longest = 0.0
     files = []
     for source in SOURCES:
-        obj = objects / f"{name}_{source.stem}.o"
+        key = hashlib.sha256("\0".join([source.read_text()] + shared).encode()).hexdigest()
+        obj, stamp = (objects / f"{name}_{source.stem}.{end}" for end in ("o", "key"))
+        files.append(str(obj))
+        if not args.force and obj.is_file() and stamp.is_file() and stamp.read_text() == key:
+            continue
         t = time.time()
         run_compiler(common + ["-c", str(source), "-o", str(obj)], args.timeout)
         longest = max(longest, time.time() - t)
-        files.append(str(obj))
+        stamp.write_text(key)
+    if not longest and exe.is_file() and exe.stat().st_mtime >= max(os.path.getmtime(f) for f in files):
+        say(f"{name}: up to date")
+        return exe
     run_compiler([compiler] + files + ["-o", str(exe)], args.timeout)
-    stamp.write_text(key)
     say(f"{name}: built in {time.time() - start:.0f} s (longest compilation {longest:.0f} s)")
     return exe
 
@@ -162,7 +162,7 @@ def main():
     p.add_argument("--eigen", type=Path)
     p.add_argument("--jobs", type=int, default=1)
     p.add_argument("--force", action="store_true")
-    p.add_argument("--timeout", type=float, default=600, help="seconds per compilation")
+    p.add_argument("--timeout", type=float, default=1800, help="seconds per compilation")
     args = p.parse_args()
 
     found = [(n, c) for n, c in COMPILERS if shutil.which(c)]

@@ -29,7 +29,9 @@
 // default is with); the fastest variant counts in compare.py.  crba and minv fill the upper
 // triangle only, as Pinocchio does.  "cholesky" factors the same M(q_0) at each call (its cost
 // does not depend on the values), "solve" solves with that factor for the right-hand side tau_i,
-// one copy of the right-hand side included, since Pinocchio solves in place.
+// one copy of the right-hand side included, since Pinocchio solves in place. Rows about one frame are
+// about that of the last joint of the dump, kinematics included; rows with n^3 numbers are left out
+// beyond 150 velocities.
 #include "pinocchio_model.hpp"
 
 #include <algorithm>
@@ -237,8 +239,8 @@ int run(int argc, char ** argv)
   if (!statesOut.empty()) writeStates(statesOut, states);
 
   Data data(model);
-  Bench bench{model, data, states, model.mimicking_joints.empty(), VectorXd(model.nq),
-              VectorXd(model.nv), VectorXd(model.nv), {}};
+  Bench bench{model, data, states, model.mimicking_joints.empty(), pin::JointIndex(model.njoints - 1),
+              VectorXd(model.nq), VectorXd(model.nv), VectorXd(model.nv), {}};
   keep(data);
   keep(bench);
   addKinematicsRows(bench);
@@ -246,6 +248,10 @@ int run(int argc, char ** argv)
   addForwardRows(bench);
   addDerivativeRows(bench);
   addCentroidalRows(bench);
+  addRegressorRows(bench);
+  addConfigurationRows(bench);
+  addFrameRows(bench);
+  addSecondOrderRows(bench);
   std::vector<Row> & rows = bench.rows;
   if (results)
   {

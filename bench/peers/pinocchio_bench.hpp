@@ -33,9 +33,11 @@
 using pinocchio::Convention;
 using pinocchio::Data;
 using pinocchio::Model;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 const int kStates = 64;
+const int kTensorColumns = 150; // rows with n^3 numbers are for models up to this size
 
 struct State
 {
@@ -72,6 +74,7 @@ struct Bench
   Data & data;
   const std::vector<State> & states;
   bool noMimic;
+  pinocchio::JointIndex last; // joint of the rows about one frame
   VectorXd qOut, vOut, x;
   std::vector<Row> rows;
 
@@ -83,7 +86,7 @@ struct Bench
     Row row;
     row.name = name;
     row.supported = supported;
-    row.run = [&st, f](long calls, int & next) {
+    row.run = [&st, f](long calls, int & next) mutable {
       int i = next;
       const double t0 = now();
       for (long k = 0; k < calls; ++k)
@@ -107,6 +110,10 @@ void addDynamicsRows(Bench &);
 void addForwardRows(Bench &);
 void addDerivativeRows(Bench &);
 void addCentroidalRows(Bench &);
+void addRegressorRows(Bench &);
+void addConfigurationRows(Bench &);
+void addFrameRows(Bench &);
+void addSecondOrderRows(Bench &);
 
 namespace pin = pinocchio;
 using S = const State &;

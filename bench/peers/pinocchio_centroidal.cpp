@@ -1,9 +1,8 @@
-// Part of pinocchio_bench: centroidal quantities and regressors.
+// Part of pinocchio_bench: centroidal quantities.
 #include "pinocchio_bench.hpp"
 
 #include <pinocchio/algorithm/centroidal.hpp>
 #include <pinocchio/algorithm/centroidal-derivatives.hpp>
-#include <pinocchio/algorithm/regressor.hpp>
 
 void addCentroidalRows(Bench & b)
 {
@@ -29,22 +28,6 @@ void addCentroidalRows(Bench & b)
   b.add("centroidal_derivatives", b.noMimic, [&, dh_dq, dhdot_dq, dhdot_dv, dhdot_da](S s, S) {
     pin::computeCentroidalDynamicsDerivatives(
       model, data, s.q, s.v, s.a, dh_dq, dhdot_dq, dhdot_dv, dhdot_da);
-    keep(data);
-  });
-  b.add("torque_regressor", b.noMimic, [&](S s, S) {
-    pin::computeJointTorqueRegressor(model, data, s.q, s.v, s.a);
-    keep(data);
-  });
-  b.add("static_regressor", b.noMimic, [&](S s, S) {
-    pin::computeStaticRegressor(model, data, s.q);
-    keep(data);
-  });
-  b.add("kinetic_energy_regressor", b.noMimic, [&](S s, S) {
-    pin::computeKineticEnergyRegressor(model, data, s.q, s.v);
-    keep(data);
-  });
-  b.add("potential_energy_regressor", b.noMimic, [&](S s, S) {
-    pin::computePotentialEnergyRegressor(model, data, s.q);
     keep(data);
   });
 }

@@ -1,4 +1,4 @@
-// Part of pinocchio_bench: derivatives of inverse and forward dynamics, into the data.
+// Part of pinocchio_bench: derivatives of inverse and forward dynamics, of gravity and static torque.
 #include "pinocchio_bench.hpp"
 
 #include <pinocchio/algorithm/aba-derivatives.hpp>
@@ -15,5 +15,15 @@ void addDerivativeRows(Bench & b)
   b.add("aba_derivatives", b.noMimic, [&](S s, S) {
     pin::computeABADerivatives(model, data, s.q, s.v, s.tau);
     keep(data);
+  });
+  MatrixXd dg = MatrixXd::Zero(model.nv, model.nv);
+  b.add("gravity_derivatives", b.noMimic, [&, dg](S s, S) mutable {
+    pin::computeGeneralizedGravityDerivatives(model, data, s.q, dg);
+    keep(dg);
+  });
+  const std::vector<pin::Force> fext(std::size_t(model.njoints), pin::Force::Zero());
+  b.add("static_torque_derivatives", b.noMimic, [&, dg, fext](S s, S) mutable {
+    pin::computeStaticTorqueDerivatives(model, data, s.q, fext, dg);
+    keep(dg);
   });
 }

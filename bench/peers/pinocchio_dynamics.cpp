@@ -17,6 +17,12 @@ void addDynamicsRows(Bench & b)
     pin::computeGeneralizedGravity(model, data, s.q);
     keep(data);
   });
+  const pin::container::aligned_vector<pin::Force> fext(
+    std::size_t(model.njoints), pin::Force::Zero());
+  b.add("static_torque", true, [&, fext](S s, S) {
+    pin::computeStaticTorque(model, data, s.q, fext);
+    keep(data);
+  });
   b.add("coriolis", b.noMimic, [&](S s, S) {
     pin::computeCoriolisMatrix(model, data, s.q, s.v);
     keep(data);

@@ -2,6 +2,7 @@
 
 namespace dyn {
 template void inverse_dynamics(const Model&, Data<double>&, const double*, const double*, const double*, double*);
+template void rigid_inverse_dynamics(const Model&, Data<double>&, const double*, const double*, const double*, double*);
 template Index forward_dynamics(const Model&, Data<double>&, const double*, const double*, const double*, double*);
 template void crba(const Model&, Data<double>&);
 template Index factorize(const Model&, Data<double>&);

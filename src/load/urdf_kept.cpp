@@ -1,4 +1,5 @@
-// What a robot says and the model keeps as data, but no algorithm applies: one line of the report for all of it.
+// What a robot says and the model keeps, but no algorithm applies by itself: one line of the report for damping and dry friction, one for
+// limits.
 #include <algorithm>
 
 #include "urdf_robot.hpp"
@@ -23,6 +24,7 @@ void report_kept(const UrdfRobot& robot, Report& report) {
     if (n) all += (all.empty() ? "" : ", ") + std::to_string(n) + " x " + what;
   };
   add("damping", damping), add("dry friction", friction);
+  if (!all.empty()) report.info(0, "acts when switched on (dyn_data_set_effects): " + all), all.clear();
   add("position limit", position), add("velocity limit", velocity), add("effort limit", effort);
   if (!all.empty()) report.info(0, "kept as data, not applied by the algorithms: " + all);
 }

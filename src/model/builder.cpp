@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "builder_impl.hpp"
+#include "dyn/collision/geom.hpp"
 
 namespace dyn {
 
@@ -101,6 +102,27 @@ void check_vector(const std::string& where, const char* what, const std::vector<
 }
 
 // -inf below and inf above mean no limit; the other way round nothing is left between them.
+// A spring's torque must be the gradient of an energy, in coordinates of the tangent space.
+void check_springs(const std::string& who, const JointSpec& s, const std::vector<PlacedElement>& elements) {
+  Index q = 0, v = 0;
+  for (const PlacedElement& p : elements) {
+    const BodyType type = p.element.type;
+    const Index nq = primitive_nq(type), nv = primitive_nv(type);
+    if (!s.stiffness.empty()) {
+      const double* k = s.stiffness.data() + v;
+      if (type == BodyType::Spherical && (k[0] != k[1] || k[0] != k[2]))
+        refuse(DYN_ERROR_INVALID, who + ": stiffness of a quaternion's three degrees of freedom is " + number(k[0]) + ", " + number(k[1]) + ", " + number(k[2]) +
+                                      ": give the same three times");
+      if (type == BodyType::FreeFlyer && std::any_of(k, k + nv, [](double x) { return x != 0; }))
+        refuse(DYN_ERROR_INVALID, who + ": a free flyer can't have a spring: build it of a translation and a spherical joint");
+    }
+    if (nq != nv && type != BodyType::FreeFlyer && !s.spring_reference.empty() &&
+        std::all_of(s.spring_reference.begin() + q, s.spring_reference.begin() + q + nq, [](double x) { return x == 0; }))
+      refuse(DYN_ERROR_QUATERNION, who + ": the quaternion or (cos, sin) in its spring reference is zero: give one of norm 1");
+    q += nq, v += nv;
+  }
+}
+
 void check_range(const std::string& where, const std::vector<double>& lower, const std::vector<double>& upper) {
   auto name = [](const char* side, std::size_t k, const std::vector<double>& x) {
     return std::string(side) + " limit" + (x.size() > 1 ? "[" + std::to_string(k) + "]" : "");
@@ -244,10 +266,14 @@ void Builder::Impl::add_joint(const JointSpec& s) {
   check_vector(who, "armature", s.armature, nv, 0);
   check_vector(who, "damping", s.damping, nv, 0);
   check_vector(who, "friction", s.friction, nv, 0);
+  check_vector(who, "stiffness", s.stiffness, nv, 0);
+  check_vector(who, "spring reference", s.spring_reference, nq, -HUGE_VAL);
   check_range(who, s.lower, s.upper);
-  for (const auto& [what, x] : {std::pair{"armature", &s.armature}, {"damping", &s.damping}, {"friction", &s.friction}})
+  for (const auto& [what, x] : {std::pair{"armature", &s.armature}, {"damping", &s.damping}, {"friction", &s.friction}, {"stiffness", &s.stiffness},
+                                {"spring reference", &s.spring_reference}})
     for (double a : *x)
       if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(a) + ": give a finite number");
+  check_springs(who, s, entry.elements);
   if (!std::isfinite(s.rotor_inertia) || !std::isfinite(s.gear_ratio) || !std::isfinite(s.rotor_inertia * s.gear_ratio * s.gear_ratio))
     refuse(DYN_ERROR_NONFINITE, who + ": rotor inertia and gear ratio must be finite, and rotor_inertia * gear_ratio^2, too");
   if (s.rotor_inertia < 0) refuse(DYN_ERROR_INVALID, who + ": rotor inertia is " + number(s.rotor_inertia) + ": it can't be negative");
@@ -299,6 +325,9 @@ void Builder::shape(const Shape& shape) {
   ShapeEntry entry{shape, impl->find({shape.body, DYN_FRAME_BODY}, who)};
   check_placement(who, shape.placement);
   check_finite(who + ": size", shape.size.data(), 3);
+  for (std::size_t k = 0; k < std::size_t(collision::size_count(shape.type)); ++k)
+    if (!(shape.size[k] >= collision::smallest && shape.size[k] <= collision::largest))
+      refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
   impl->shapes.push_back(std::move(entry));
 }
 

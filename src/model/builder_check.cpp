@@ -79,7 +79,7 @@ std::vector<double> factor_pivots(const Model& m) {
   for (std::uint64_t trial = 1; trial <= 3; ++trial) {
     const auto q = generic_configuration(m, trial);
     std::copy(q.begin(), q.end(), d.q);
-    ++d.version[input_q];
+    d.changed(input_q);
     crba(m, d);
     const Index failed = factorize(m, d);
     // elimination goes from the last to the first: what a failure left out says nothing
@@ -102,7 +102,7 @@ std::vector<double> articulated_pivots(const Model& m) {
   for (std::uint64_t trial = 1; trial <= 3; ++trial) {
     const auto q = generic_configuration(m, trial);
     std::copy(q.begin(), q.end(), d.q);
-    ++d.version[input_q];
+    d.changed(input_q);
     forward_kinematics<0>(m, d);
     for (Index i = 0; i < m.n.bodies; ++i)
       IA[std::size_t(i)] = before[std::size_t(i)] = ArticulatedInertia<double>::rigid(world_inertia(m.bodies()[i], d.R[i]));

@@ -28,8 +28,14 @@ JointSpec spec_of(const Model& m, const JointRecord& r) {
   }
   const int nv = spec_nv(s);
   auto take = [](const double* x, Index first, Index n) { return std::vector<double>(x + first, x + first + n); };
-  if (nv == 1) s.armature = {r.armature}, s.damping = {r.damping}, s.friction = {r.friction};
-  else s.armature = take(m.armature(), r.idx_v, nv), s.damping = take(m.damping(), r.idx_v, nv), s.friction = take(m.friction(), r.idx_v, nv);
+  if (nv == 1) {
+    s.armature = {r.armature}, s.damping = {r.damping}, s.friction = {r.friction}, s.stiffness = {r.stiffness};
+  } else {
+    s.armature = take(m.armature(), r.idx_v, nv), s.damping = take(m.damping(), r.idx_v, nv), s.friction = take(m.friction(), r.idx_v, nv);
+    s.stiffness = take(m.stiffness(), r.idx_v, nv);
+  }
+  if (spec_nq(s) == 1) s.spring_reference = {r.spring_reference};
+  else s.spring_reference = take(m.spring_reference(), r.idx_q, spec_nq(s));
   if (r.leader >= 0) {
     s.mimic = m.string(m.joints()[r.leader].name), s.mimic_ratio = r.ratio, s.mimic_offset = r.offset;
     return s;
@@ -62,10 +68,14 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   }
   for (Index f = 1; f < m.n.frames; ++f) {
     const FrameRecord& r = m.frames()[f];
-    FrameEntry e{m.string(r.name), r.type, r.joint - 1, load_se3(r.placement), Inertia<double>::zero(), r.mass, {}, {}};
-    std::copy(r.com, r.com + 3, e.com.begin());
-    std::copy(r.inertia, r.inertia + 9, e.inertia.begin());
-    e.Y = act(e.X, Inertia<double>::at_com(r.mass, load3(r.com), load33(r.inertia)));
+    FrameEntry e{m.string(r.name), r.type, r.joint - 1, load_se3(r.placement), Inertia<double>::zero(), {}, {}, {}};
+    if (r.link >= 0) {
+      const LinkRecord& link = m.links()[r.link];
+      e.mass = link.mass;
+      std::copy(link.com, link.com + 3, e.com.begin());
+      std::copy(link.inertia, link.inertia + 9, e.inertia.begin());
+      e.Y = act(e.X, Inertia<double>::at_com(link.mass, load3(link.com), load33(link.inertia)));
+    }
     impl->frame_index[e.name].push_back(int(f));
     impl->frames.push_back(std::move(e));
   }

@@ -95,10 +95,10 @@ ModelPtr Builder::finish() const {
     }
   if (std::size_t(n.nv) > 1000000) throw Error(DYN_ERROR_LIMIT, "the model has more than 1,000,000 degrees of freedom");
   constexpr double inf = std::numeric_limits<double>::infinity();
-  a.armature.assign(std::size_t(n.nv), 0), a.damping = a.friction = a.armature;
+  a.armature.assign(std::size_t(n.nv), 0), a.damping = a.friction = a.stiffness = a.armature;
   a.velocity_limit.assign(std::size_t(n.nv), inf), a.effort_limit = a.velocity_limit;
   a.lower_limit.assign(std::size_t(n.nq), -inf), a.upper_limit.assign(std::size_t(n.nq), inf);
-  a.neutral.assign(std::size_t(n.nq), 0);
+  a.neutral.assign(std::size_t(n.nq), 0), a.spring_reference = a.neutral;
   a.own_v.assign(std::size_t(n.nv), 0);
 
   bool mimic = false;
@@ -138,7 +138,7 @@ ModelPtr Builder::finish() const {
       b.user_q = user_q, b.user_v = user_v;
       b.joint = Index(a.joints.size());
       visit(b.type, [&]<class J>() {
-        if (!follower) J::neutral(a.neutral.data() + user_q);
+        if (!follower) J::neutral(a.neutral.data() + user_q), J::neutral(a.spring_reference.data() + user_q);
       });
       const Index nq = primitive_nq(b.type), nv = primitive_nv(b.type);
       for (Index k = 0; k < nq; ++k) a.expand_q.push_back(user_q + k), a.ratio_q.push_back(l.ratio), a.offset_q.push_back(l.offset);
@@ -180,8 +180,20 @@ ModelPtr Builder::finish() const {
       a.armature[std::size_t(r.idx_v)] += l.ratio * l.ratio * r.armature;
       a.damping[std::size_t(r.idx_v)] += l.ratio * l.ratio * r.damping;
       a.friction[std::size_t(r.idx_v)] += std::abs(l.ratio) * r.friction;
+      r.stiffness = s.stiffness.empty() ? 0 : s.stiffness[0];
     } else {
       put(s.armature, a.armature, r.idx_v), put(s.damping, a.damping, r.idx_v), put(s.friction, a.friction, r.idx_v);
+      put(s.stiffness, a.stiffness, r.idx_v);
+    }
+    if (spec_nq(s) == 1) {
+      r.spring_reference = s.spring_reference.empty() ? 0 : s.spring_reference[0];
+      // two springs are one: stiffness and moment about q = 0 add up
+      double &k = a.stiffness[std::size_t(r.idx_v)], &at = a.spring_reference[std::size_t(r.idx_q)];
+      const double added = l.ratio * l.ratio * r.stiffness, rest = (r.spring_reference - l.offset) / l.ratio;
+      if (added > 0) at = k > 0 ? (k * at + added * rest) / (k + added) : rest, k += added;
+    } else {
+      put(s.spring_reference, a.spring_reference, r.idx_q);
+      if (spec_nv(s) == 1) a.stiffness[std::size_t(r.idx_v)] = r.stiffness;
     }
     if (!follower) {
       put(s.lower, a.lower_limit, r.idx_q), put(s.upper, a.upper_limit, r.idx_q);
@@ -206,11 +218,15 @@ ModelPtr Builder::finish() const {
     r.joint = f.joint < 0 ? 0 : id[std::size_t(f.joint)];
     r.body = joint.last_body;
     store_se3(f.X, r.placement);
-    r.mass = f.mass;
-    std::copy(f.com.begin(), f.com.end(), r.com);
-    std::copy(f.inertia.begin(), f.inertia.end(), r.inertia);
+    r.link = -1;
+    if (f.type == DYN_FRAME_BODY) {
+      LinkRecord link{f.mass, {}, {}};
+      std::copy(f.com.begin(), f.com.end(), link.com);
+      std::copy(f.inertia.begin(), f.inertia.end(), link.inertia);
+      r.link = n.links++;
+      a.links.push_back(link);
+    }
     a.frames.push_back(r);
-    n.links += f.type == DYN_FRAME_BODY;
     Body& b = a.bodies[std::size_t(r.body)];
     const Inertia<double> Y = f.Y.rotated(joint.C);
     b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
@@ -223,9 +239,12 @@ ModelPtr Builder::finish() const {
     r.frame = Index(s.frame);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
+    if (r.role == DYN_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }
-  n.shapes = Index(a.shapes.size());
+  n.shapes = Index(a.shapes.size()), n.geoms = Index(a.geoms.size());
+  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms);
+  n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
   n.reports = Index(a.reports.size());
 
@@ -285,7 +304,7 @@ ModelPtr Builder::finish() const {
   const Index name = text.add(in.name);
   a.text.assign(text.pool.begin(), text.pool.end());
   n.text = Index(a.text.size());
-  a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_run = a.dof_parent, a.dof_forks.assign(std::size_t(n.nv), 0);  // filled in below
+  a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_depth = a.dof_descendants_end = a.dof_run = a.dof_parent, a.dof_forks.assign(std::size_t(n.nv), 0);  // filled in below
 
   // one block
   std::uint64_t bytes = (sizeof(Model) + 63) / 64 * 64;
@@ -305,6 +324,11 @@ ModelPtr Builder::finish() const {
   model->n = n;
   model->model_name = name;
   model->has_mimic = mimic;
+  const auto if_some = [](std::uint32_t effect, const std::vector<double>& x) {
+    return std::any_of(x.begin(), x.end(), [](double e) { return e != 0; }) ? effect : 0u;
+  };
+  model->effects = if_some(DYN_EFFECT_ARMATURE, a.armature) | if_some(DYN_EFFECT_DAMPING, a.damping) | if_some(DYN_EFFECT_SPRINGS, a.stiffness) |
+                   if_some(DYN_EFFECT_FRICTION, a.friction);
   std::copy(in.gravity.begin(), in.gravity.end(), model->gravity);
   for (Index i = 1; i < n.bodies; ++i) model->total_mass += a.bodies[std::size_t(i)].m;
   std::copy(std::begin(offset), std::end(offset), model->offset);
@@ -315,14 +339,25 @@ ModelPtr Builder::finish() const {
 #undef FIELD
   settle_configurations(*model, reinterpret_cast<double*>(base + offset[std::size_t(Model::Field::configurations)]));
   elimination_tree(*model, a.dof_parent);
-  for (std::size_t k = 0; k < std::size_t(n.nv); ++k)
-    a.dof_run[k] = k > 0 && a.dof_parent[k] == Index(k) - 1 ? a.dof_run[k - 1] : Index(k);
-  for (std::size_t k = 0; k < std::size_t(n.nv); ++k)
-    if (a.dof_parent[k] >= 0 && a.dof_parent[k] != Index(k) - 1) a.dof_forks[std::size_t(a.dof_parent[k])] = 1;
-  std::copy(a.dof_forks.begin(), a.dof_forks.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_forks)]));
-  std::copy(a.dof_parent.begin(), a.dof_parent.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_parent)]));
-  std::copy(a.dof_run.begin(), a.dof_run.end(), reinterpret_cast<Index*>(base + offset[std::size_t(Model::Field::dof_run)]));
+  for (std::size_t k = 0; k < std::size_t(n.nv); ++k) {
+    const Index p = a.dof_parent[k];
+    a.dof_depth[k] = p >= 0 ? a.dof_depth[std::size_t(p)] + 1 : 0;
+    a.dof_run[k] = k > 0 && p == Index(k) - 1 ? a.dof_run[k - 1] : Index(k);
+    if (p >= 0 && p != Index(k) - 1) a.dof_forks[std::size_t(p)] = 1;
+    a.dof_descendants_end[k] = Index(k) + 1;
+  }
+  for (std::size_t k = std::size_t(n.nv); k-- > 0;)
+    if (a.dof_parent[k] >= 0) {
+      Index& up = a.dof_descendants_end[std::size_t(a.dof_parent[k])];
+      up = std::max(up, a.dof_descendants_end[k]);
+    }
+  auto fill_in = [&](Model::Field field, const std::vector<Index>& x) {
+    std::copy(x.begin(), x.end(), reinterpret_cast<Index*>(base + offset[std::size_t(field)]));
+  };
+  fill_in(Model::Field::dof_parent, a.dof_parent), fill_in(Model::Field::dof_depth, a.dof_depth), fill_in(Model::Field::dof_run, a.dof_run);
+  fill_in(Model::Field::dof_descendants_end, a.dof_descendants_end), fill_in(Model::Field::dof_forks, a.dof_forks);
   check_dynamics(*model, order, in.joints, in.frames);
+  judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
   return model;
 }
 

@@ -107,6 +107,12 @@ void elimination_tree(const Model& m, std::vector<Index>& parent);
 // Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.
 void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames);
 
+// Pairs of collision shapes but those of one body and of a body and its parent; none when there are more than most_geoms shapes.
+std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames,
+                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms);
+// Marks those that overlap in the neutral configuration.
+void judge_pairs(const Model& m, PairRecord* pairs);
+
 // Sizes of a primitive joint.
 int primitive_nq(BodyType t);
 int primitive_nv(BodyType t);

@@ -1,6 +1,7 @@
 // Mimic joints: who leads whom, and the sparsity of M that follows from it.
 #include <algorithm>
 #include <unordered_map>
+#include <utility>
 
 #include "builder_impl.hpp"
 #include "dyn/model/data.hpp"
@@ -51,6 +52,19 @@ std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints) {
 constexpr std::size_t limit = 50000000;  // entries of the pattern of M
 constexpr const char* too_filled = "the model has too many mimic joints for its depth: M has no sparse factor; bind fewer joints by mimic";
 
+// Gives degrees of freedom more ancestors, which is some zeros more in the factor, until the descendants of each follow it in number.
+static void close_subtrees(std::vector<Index>& parent) {
+  for (Index k = Index(parent.size()) - 1; k > 0; --k) {
+    Index below = k - 1, above = parent[std::size_t(k)];  // to be its ancestor
+    while (0 <= above && above < below) {
+      while (parent[std::size_t(below)] > above) below = parent[std::size_t(below)];
+      const Index before = std::exchange(parent[std::size_t(below)], above);
+      if (before == above) break;
+      below = above, above = before;
+    }
+  }
+}
+
 // Elimination tree of M (Liu 1990): with mimic joints the pattern is that of G^T M_x G.
 void elimination_tree(const Model& m, std::vector<Index>& parent) {
   const Index nv = m.n.nv;
@@ -98,6 +112,7 @@ void elimination_tree(const Model& m, std::vector<Index>& parent) {
     if ((filled += r.size()) > limit) throw Error(DYN_ERROR_LIMIT, too_filled);
     std::vector<Index>().swap(r);
   }
+  close_subtrees(parent);
 }
 
 }  // namespace dyn

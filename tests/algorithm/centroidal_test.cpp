@@ -62,15 +62,16 @@ TEST(Centroidal, MomentumAndInertiaAreSumsOverTheLinks) {
     for (Index k = 0; k < c.m.n.frames; ++k) {
       const FrameRecord& f = c.m.frames()[k];
       if (f.type != DYN_FRAME_BODY || f.joint == 0) continue;
+      const LinkRecord& link = c.m.links()[f.link];
       double X[12];
       V6 V;
       frame_placement(c.m, c.w.d, k, X), frame_velocity(c.m, c.w.d, k, DYN_LOCAL_WORLD_ALIGNED, V.data());
-      const M3 R = eigen(X).topLeftCorner<3, 3>(), Ic = R * Eigen::Map<const M3>(f.inertia) * R.transpose();
-      const V3 w = V.tail<3>(), arm = R * V3(f.com), p = f.mass * (V.head<3>() + w.cross(arm)), r = V3(X + 9) + arm - x.com;
+      const M3 R = eigen(X).topLeftCorner<3, 3>(), Ic = R * Eigen::Map<const M3>(link.inertia) * R.transpose();
+      const V3 w = V.tail<3>(), arm = R * V3(link.com), p = link.mass * (V.head<3>() + w.cross(arm)), r = V3(X + 9) + arm - x.com;
       h.head<3>() += p;
       h.tail<3>() += Ic * w + r.cross(p);
-      I += Ic - f.mass * hat(r) * hat(r);
-      mass += f.mass, scale += largest(p) * (1 + largest(r)) + largest(Ic) * largest(w);
+      I += Ic - link.mass * hat(r) * hat(r);
+      mass += link.mass, scale += largest(p) * (1 + largest(r)) + largest(Ic) * largest(w);
     }
     EXPECT_LE(gap(x.hg, h), tol * scale);
     EXPECT_LE(gap(x.Ig.bottomRightCorner(3, 3), I), tol * largest(I));

@@ -16,8 +16,9 @@ std::pair<double, V3> sum_of_links(Case& c, Carried&& carried) {
     if (frame.type != DYN_FRAME_BODY || frame.joint == 0 || !carried(frame.joint)) continue;
     double X[12];
     frame_placement(c.m, c.w.d, f, X);
-    mass += frame.mass;
-    moment += frame.mass * (eigen(X) * V3(frame.com).homogeneous()).head<3>();
+    const LinkRecord& link = c.m.links()[frame.link];
+    mass += link.mass;
+    moment += link.mass * (eigen(X) * V3(link.com).homogeneous()).head<3>();
   }
   return {mass, mass > 0 ? V3(moment / mass) : V3(V3::Zero())};
 }

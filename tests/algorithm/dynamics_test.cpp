@@ -1,5 +1,6 @@
 // Inverse and forward dynamics, the joint-space inertia and its factor: what must hold between them.
 #include "algorithm/trees.hpp"
+#include "dyn/algorithm/cholesky.hpp"
 #include "guard.hpp"
 
 namespace dyn_test {
@@ -53,7 +54,7 @@ TEST(Dynamics, FactorReproducesTheInertia) {
     for (Index i = 0; i < c.nv; ++i) {
       D[i] = 1 / c.w.d.D[i];
       EXPECT_GT(D[i], 0);
-      for (Index j = c.m.dof_parent()[i]; j >= 0; j = c.m.dof_parent()[j]) L(i, j) = c.w.d.L[i * c.nv + j];
+      for (Index j = c.m.dof_parent()[i]; j >= 0; j = c.m.dof_parent()[j]) L(i, j) = factor_row(c.m, c.w.d, i)[c.m.dof_depth()[j]] * c.w.d.D[i];
     }
     EXPECT_LE(gap(L.transpose() * D.asDiagonal() * L, M), tol * largest(M));
     // M x = b: the residual is small whatever cond(M) is

@@ -132,7 +132,7 @@ TEST(InverseKinematics, ReachesWhatCanBeReached) {
       for (Index k = c.m.joints()[j].idx_q; k < c.m.joints()[j].idx_q + c.m.joints()[j].nq; ++k)
         EXPECT_TRUE(c.m.joints()[j].nq != c.m.joints()[j].nv || (c.m.lower_limit()[k] <= q[k] && q[k] <= c.m.upper_limit()[k])) << k;
     if (result.reason != DYN_IK_CONVERGED) return;
-    ++c.w.d.version[input_q];
+    c.w.d.changed(input_q);
     ensure_position(c.m, c.w.d);
     for (const dynIkTask& t : tasks) {
       Placement x;

@@ -101,15 +101,15 @@ TEST(Regressor, CentreOfMassAndEnergies) {
 
 // Of a link's frame, merged or not: m (a - g) of its centre of mass and the rate of its spin.
 V6 newton_euler(Case& c, Index frame) {
-  const FrameRecord& f = c.m.frames()[frame];
+  const LinkRecord& link = c.m.links()[c.m.frames()[frame].link];
   double X[12];
   V6 V, A;
   frame_placement(c.m, c.w.d, frame, X);
   frame_velocity(c.m, c.w.d, frame, DYN_LOCAL, V.data());
   frame_acceleration(c.m, c.w.d, frame, DYN_LOCAL, true, A.data());
-  const M3 R = eigen(X).topLeftCorner<3, 3>(), I = Eigen::Map<const M3>(f.inertia);
-  const V3 com(f.com), w = V.tail<3>(), dw = A.tail<3>();
-  const V3 force = f.mass * (A.head<3>() + dw.cross(com) + w.cross(w.cross(com)) - R.transpose() * c.tree.gravity);
+  const M3 R = eigen(X).topLeftCorner<3, 3>(), I = Eigen::Map<const M3>(link.inertia);
+  const V3 com(link.com), w = V.tail<3>(), dw = A.tail<3>();
+  const V3 force = link.mass * (A.head<3>() + dw.cross(com) + w.cross(w.cross(com)) - R.transpose() * c.tree.gravity);
   V6 out;
   out << force, I * dw + w.cross(I * w) + com.cross(force);
   return out;
@@ -123,10 +123,11 @@ TEST(Regressor, OfTheBodyOfAFrame) {
     for (Index k = 0; k < c.m.n.frames; ++k) {
       const FrameRecord& f = c.m.frames()[k];
       if (f.type != DYN_FRAME_BODY) continue;
+      const LinkRecord& link = c.m.links()[f.link];
       MatrixXd Y(6, 10);
       frame_body_regressor(c.m, c.w.d, frame_pose(c.m, c.w.d, k), Y.data());
       VectorXd pi(10);
-      store_parameters(Inertia<double>::at_com(f.mass, load3(f.com), load33(f.inertia)), pi.data());
+      store_parameters(Inertia<double>::at_com(link.mass, load3(link.com), load33(link.inertia)), pi.data());
       const V6 force = newton_euler(c, k);
       EXPECT_LE(gap(Y * pi, force), 4 * tol * (Y.cwiseAbs() * pi.cwiseAbs()).maxCoeff());
       // in the joint's frame

@@ -13,7 +13,7 @@ struct Batch {
   operator dynBatch*() const { return b; }
 };
 
-inline constexpr int batch_algorithms = DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES + 1;
+inline constexpr int batch_algorithms = DYN_BATCH_STEP + 1;
 
 inline dynBatchInfo batch_info(const dynModel* m, int algorithm) {
   dynBatchInfo info{};
@@ -21,7 +21,7 @@ inline dynBatchInfo batch_info(const dynModel* m, int algorithm) {
   EXPECT_EQ(DYN_OK, dyn_batch_info(m, dynBatchAlgorithm(algorithm), &info)) << dyn_last_error();
   return info;
 }
-inline std::size_t row_size(const dynBatchInfo& info, int output) { return std::size_t(info.rows[output]) * std::size_t(info.cols[output]); }
+inline std::size_t row_size(const dynBatchInfo& info, int output) { return std::size_t(info.rows[output]) * std::size_t(info.cols[output]) * std::size_t(info.pages[output]); }
 inline bool reads(const dynBatchInfo& info, const std::string& input) {
   return (" " + std::string(info.inputs) + " ").find(" " + input + " ") != std::string::npos;
 }
@@ -34,7 +34,7 @@ struct BatchCase {
   dynBatchAlgorithm algorithm;
   dynBatchInfo info;
   std::int64_t n;
-  Numbers q, v, a, tau, fext, b, out[4];
+  Numbers q, v, a, tau, fext, b, q1, out[4];
   std::vector<dynStatus> status;
   dynBatchArrays x;
 
@@ -43,11 +43,11 @@ struct BatchCase {
     for (std::uint64_t k = 0; k < std::uint64_t(states); ++k) {
       const State s = random_state(m, seed + k);
       auto append = [](Numbers& to, const Numbers& from) { to.insert(to.end(), from.begin(), from.end()); };
-      append(q, s.q), append(v, s.v), append(a, s.a), append(tau, s.tau), append(fext, s.fext), append(b, s.a);
+      append(q, s.q), append(v, s.v), append(a, s.a), append(tau, s.tau), append(fext, s.fext), append(b, s.a), append(q1, random_state(m, seed + k + 1000).q);
     }
     dyn_batch_arrays_init(&x);
     x.frame = dyn_nframes(m) - 1, x.joint = dyn_njoints(m) - 1, x.reference = DYN_LOCAL_WORLD_ALIGNED;
-    x.q = q.data(), x.v = v.data(), x.a = a.data(), x.tau = tau.data(), x.fext = fext.data(), x.b = b.data(), x.status = status.data();
+    x.q = q.data(), x.v = v.data(), x.a = a.data(), x.tau = tau.data(), x.fext = fext.data(), x.b = b.data(), x.q1 = q1.data(), x.dt = 1e-3, x.integrator = DYN_RK4, x.status = status.data();
     for (int k = 0; k < info.outputs; ++k) {
       out[k].assign(std::size_t(n) * row_size(info, k) + guard, pattern);
       x.out[k] = out[k].data();
@@ -83,10 +83,19 @@ struct BatchCase {
       EXPECT_EQ(DYN_OK, dyn_integrate(m, at(q), at(v), results[0].data()));
       return results;
     }
+    if (algorithm == DYN_BATCH_DIFFERENCE) {
+      EXPECT_EQ(DYN_OK, dyn_difference(m, at(q), at(q1), results[0].data()));
+      return results;
+    }
+    if (algorithm == DYN_BATCH_STEP) {
+      EXPECT_EQ(DYN_OK, dyn_data_set_state(m, d, at(q), at(v), nullptr, at(tau)));
+      EXPECT_EQ(DYN_OK, dyn_step(m, d, x.integrator, x.dt));
+      return {field(m, d, "q"), field(m, d, "v")};
+    }
     const CallRow& call = call_row("dyn_" + std::string(info.name));
     EXPECT_EQ(call.outputs, info.outputs) << info.name;
     Arguments y;
-    y.q = at(q), y.v = at(v), y.a = at(a), y.tau = at(tau), y.fext = at(fext), y.b = at(b);
+    y.q = at(q), y.v = at(v), y.a = at(a), y.tau = at(tau), y.fext = at(fext), y.b = y.lambda = at(b);
     y.frame = x.frame, y.joint = x.joint, y.reference = x.reference;
     for (int o = 0; o < info.outputs; ++o) {
       EXPECT_EQ(call.size(m, o), row_size(info, o)) << info.name;

@@ -52,6 +52,7 @@ inline std::size_t three_parameters(const dynModel* m, int) { return 3 * paramet
 inline std::size_t nv_parameters(const dynModel* m, int) { return nv(m, 0) * parameters(m, 0); }
 inline std::size_t six_ten(const dynModel*, int) { return 60; }
 inline std::size_t solution_and_residual(const dynModel* m, int k) { return k ? 2 : std::size_t(dyn_nq(m)); }
+inline std::size_t pairs(const dynModel* m, int) { return std::size_t(dyn_npairs(m)); }
 inline std::size_t point_and_mass(const dynModel*, int k) { return k ? 1 : 3; }
 }  // namespace sizes
 
@@ -72,6 +73,13 @@ inline dynStatus solve_nothing(const dynModel* m, dynData* d, const Arguments& x
 inline const CallRow call_rows[] = {
     {"dyn_data_set_state", 0, uses_q | uses_v | uses_a | uses_tau, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_data_set_state(m, d, x.q, x.v, x.a, x.tau); }},
+    {"dyn_data_set_effects", 0, 0, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_data_set_effects(m, d, 0, DYN_EFFECT_ARMATURE); }},
+    {"dyn_data_effects", 0, 0, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL {
+       std::uint32_t effects;
+       return dyn_data_effects(m, d, 0, &effects);
+     }},
     {"dyn_forward_kinematics", DYN_PART_KINEMATICS, uses_q | uses_v | uses_a, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_forward_kinematics(m, d, x.q, x.v, x.a); }},
     {"dyn_frame_placement", 0, uses_frame, Needs::position, true, 1, sizes::twelve,
@@ -168,6 +176,12 @@ inline const CallRow call_rows[] = {
     {"dyn_frame_body_regressor", DYN_PART_KINEMATICS, uses_frame, Needs::acceleration, true, 1, sizes::six_ten,
      DYN_CALL { return dyn_frame_body_regressor(m, d, x.frame, x.out[0]); }},
     {"dyn_ik", DYN_PART_IK, uses_q | uses_frame, Needs::nothing, false, 2, sizes::solution_and_residual, solve_nothing},
+    {"dyn_distances", DYN_PART_COLLISION, uses_q, Needs::nothing, false, 1, sizes::pairs, DYN_CALL { return dyn_distances(m, d, x.q, x.out[0]); }},
+    {"dyn_collisions", DYN_PART_COLLISION, uses_q, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL {
+       int count;
+       return dyn_collisions(m, d, x.q, 0, nullptr, 0, &count);
+     }},
     {"dyn_all_terms", DYN_PART_ALL, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_all_terms(m, d, x.mask, x.q, x.v, x.filled); }},
     {"dyn_step", DYN_PART_FORWARD, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_step(m, d, x.integrator, x.dt); }},

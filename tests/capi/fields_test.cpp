@@ -42,6 +42,7 @@ int dimension(const dynModel* m, const std::string& text) {
   if (text == "nq") return dyn_nq(m);
   if (text == "nv") return dyn_nv(m);
   if (text == "nframes") return dyn_nframes(m);
+  if (text == "npairs") return dyn_npairs(m);
   if (text == "nparameters") return 10 * (dyn_njoints(m) - 1);
   return std::stoi(text);
 }
@@ -211,8 +212,10 @@ TEST(Freshness, OrderDoesNotMatter) {
       Prepared q(row, m, s);
       ASSERT_EQ(DYN_OK, q(m, fresh)) << row.name;
       for (int k = 0; k < row.outputs; ++k)
-        for (std::size_t i = 0; i < p.out[k].size(); ++i)
+        for (std::size_t i = 0; i < p.out[k].size(); ++i) {
+          if (q.out[k][i] == p.out[k][i]) continue;  // also both infinite: a pair that is not tested
           ASSERT_NEAR(q.out[k][i], p.out[k][i], 1e-11 * (1 + std::abs(q.out[k][i]))) << row.name << " after other calls";
+        }
     }
   }
 }

@@ -54,6 +54,7 @@ void expect_nothing_stale(const Model& m, dynData* d, bool forces, std::uint64_t
   if (dyn_aba(m, fresh, nullptr, nullptr, nullptr, nullptr, nullptr) != DYN_OK) return;
   compute_centroidal_and_regressors(m, fresh);
   compute_other_derivatives(m, fresh, nullptr, s.tau.data());
+  ASSERT_EQ(DYN_OK, dyn_distances(m, fresh, nullptr, nullptr));
   double worst_M = 1;
   for (double e : field(m, fresh, "Minv")) worst_M = std::max(worst_M, std::abs(e));
   const Snapshot expected(m, fresh), got(m, d);
@@ -66,7 +67,8 @@ void expect_nothing_stale(const Model& m, dynData* d, bool forces, std::uint64_t
     if (x.name.starts_with("lambda_")) continue;  // of another lambda
     ASSERT_EQ(x.bits.size(), y.bits.size());
     double scale = 1, off = 0;
-    for (std::size_t i = 0; i < x.bits.size(); ++i) scale = std::max(scale, std::abs(y.bits[i])), off = std::max(off, std::abs(x.bits[i] - y.bits[i]));
+    for (std::size_t i = 0; i < x.bits.size(); ++i)
+      if (x.bits[i] != y.bits[i]) scale = std::max(scale, std::abs(y.bits[i])), off = std::max(off, std::abs(x.bits[i] - y.bits[i]));
     ASSERT_LE(off, 1e-12 * scale * (1 + size) * (1 + size) * worst_M) << x.name << " is not that of the state, sequence " << sequence;
   }
 }
@@ -101,7 +103,7 @@ void run(std::uint64_t first, std::uint64_t last) {
       ASSERT_TRUE(s >= DYN_OK && s <= DYN_ERROR_INTERNAL && s != DYN_ERROR_INTERNAL) << row.name;
       ++statuses[s];
       if (s == DYN_OK) {
-        for (const Numbers& out : p.results()) ASSERT_TRUE(finite(out)) << row.name << " sequence " << sequence;
+        for (const Numbers& out : p.results()) ASSERT_TRUE(std::string(row.name) == "dyn_distances" || finite(out)) << row.name << " sequence " << sequence;
         if (row.uses & uses_fext && p.x.fext) forces = true;
       } else {
         const std::uint32_t size = p.array.struct_size;

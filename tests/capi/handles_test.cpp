@@ -137,6 +137,8 @@ const ModelFunction model_functions[] = {
        const Builder b;
        return dyn_builder_attach(b, m, "", nullptr) == DYN_ERROR_HANDLE;
      }},
+    {"dyn_npairs", [](auto* m) { return dyn_npairs(m) == -1; }},
+    {"dyn_pair", [](auto* m) { return dyn_pair(m, 0, nullptr, nullptr, nullptr) == DYN_ERROR_HANDLE; }},
     {"dyn_data_new",
      [](auto* m) {
        dynData* d = nullptr;
@@ -274,6 +276,10 @@ TEST(Handles, TablesAreComplete) {
       // numbers alone: inertial_parameters_test.cpp
       "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",
       "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",
+      // collision_test.cpp
+      "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_shape", "dyn_shape_distance", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
+      // effects_test.cpp
+      "dyn_batch_set_effects",
       // batch_test.cpp
       "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_batch_info"};
   for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {

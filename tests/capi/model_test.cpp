@@ -159,8 +159,8 @@ TEST(Info, SizesAndIndices) {
 
 TEST(Info, Arrays) {
   const Model m = all_types();
-  for (int which = DYN_LOWER_LIMIT; which <= DYN_GRAVITY; ++which) EXPECT_NE(nullptr, dyn_model_array(m, dynModelArray(which))) << which;
-  for (int bad : outside({-1, 8, 1000}, 7)) {
+  for (int which = DYN_LOWER_LIMIT; which <= DYN_SPRING_REFERENCE; ++which) EXPECT_NE(nullptr, dyn_model_array(m, dynModelArray(which))) << which;
+  for (int bad : outside({-1, 10, 1000}, 15)) {
     dynModelArray which;
     std::memcpy(&which, &bad, sizeof which);
     EXPECT_EQ(nullptr, dyn_model_array(m, which));

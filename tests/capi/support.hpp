@@ -90,6 +90,14 @@ struct Builder {
     EXPECT_EQ(DYN_OK, dyn_builder_body(b, name, parent, nullptr, mass, com.data(), inertia)) << dyn_last_error();
     return *this;
   }
+  Builder& shape(const char* body, dynShapeType type, std::array<double, 3> size) {
+    dynShapeSpec s;
+    dyn_shape_spec_init(&s);
+    s.body = body, s.type = type;
+    std::copy(size.begin(), size.end(), s.size);
+    EXPECT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
+    return *this;
+  }
   Model finish() {
     dynModel* m = nullptr;
     EXPECT_EQ(DYN_OK, dyn_builder_finish(b, &m)) << dyn_last_error();
@@ -128,6 +136,8 @@ inline Model all_types(bool mimic = true) {
     second.mimic = "follower", second.mimic_ratio = 2;
     b.joint(follower).body("b14", "follower").joint(second).body("b15", "second");
   }
+  b.shape("trunk", DYN_SHAPE_BOX, {0.1, 0.05, 0.02}).shape("b4", DYN_SHAPE_CYLINDER, {0.02, 0.1, 0}).shape("b7", DYN_SHAPE_ELLIPSOID, {0.02, 0.03, 0.04});
+  b.shape("b10", DYN_SHAPE_CAPSULE, {0.02, 0.1, 0}).shape("b13", DYN_SHAPE_SPHERE, {0.03, 0, 0});
   EXPECT_EQ(DYN_OK, dyn_builder_frame(b, "tool", "weld", nullptr, DYN_FRAME_OP_FRAME));
   EXPECT_EQ(DYN_OK, dyn_builder_frame(b, "imu", "trunk", nullptr, DYN_FRAME_SENSOR));
   return b.finish();
@@ -233,6 +243,7 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_aba(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr)) << dyn_last_error();
   compute_centroidal_and_regressors(m, d);
   compute_other_derivatives(m, d, s.fext.data(), s.a.data());
+  ASSERT_EQ(DYN_OK, dyn_distances(m, d, nullptr, nullptr)) << dyn_last_error();
 }
 
 inline dynArray view() {

@@ -14,6 +14,7 @@ dyn_test::Binary128 sqrtf128(dyn_test::Binary128) noexcept;
 dyn_test::Binary128 sinf128(dyn_test::Binary128) noexcept;
 dyn_test::Binary128 cosf128(dyn_test::Binary128) noexcept;
 dyn_test::Binary128 tanf128(dyn_test::Binary128) noexcept;
+dyn_test::Binary128 tanhf128(dyn_test::Binary128) noexcept;
 dyn_test::Binary128 expf128(dyn_test::Binary128) noexcept;
 dyn_test::Binary128 atan2f128(dyn_test::Binary128, dyn_test::Binary128) noexcept;
 dyn_test::Binary128 remainderf128(dyn_test::Binary128, dyn_test::Binary128) noexcept;
@@ -67,6 +68,7 @@ DYN_TEST_FUNCTION(sqrt)
 DYN_TEST_FUNCTION(sin)
 DYN_TEST_FUNCTION(cos)
 DYN_TEST_FUNCTION(tan)
+DYN_TEST_FUNCTION(tanh)
 DYN_TEST_FUNCTION(exp)
 #undef DYN_TEST_FUNCTION
 inline Quad atan2(Quad y, Quad x) { return Quad(Binary128(DYN_TEST_QUAD(atan2)(y.x, x.x))); }

@@ -98,7 +98,7 @@ struct Tree {
 
 struct TreeOptions {
   int joints = 0;  // 0: 1 to 60, by the seed
-  double mimic = 0.15, armature = 0.3, massless = 0.1, branch = 0.35;
+  double mimic = 0.15, armature = 0.3, massless = 0.1, branch = 0.35, resistance = 0;
   std::vector<dynJointType> types;  // empty: all
 };
 
@@ -158,6 +158,26 @@ inline const std::vector<dynJointType>& moving_types() {
   return all;
 }
 
+// Damping, dry friction and springs for a joint, each with the given chance.
+inline void add_resistance(Dice& dice, double chance, JointSpec& s) {
+  const std::size_t nv = std::size_t(spec_nv(s));
+  for (auto* x : {&s.damping, &s.friction, &s.stiffness})
+    if (dice.chance(chance))
+      for (std::size_t k = 0; k < nv; ++k) x->push_back(dice.in(0, 3));
+  if (s.stiffness.empty()) return;
+  if (s.type == DYN_JOINT_SPHERICAL) {
+    const V3 q = dice.direction() * dice.in(0.2, 0.6);
+    s.stiffness[1] = s.stiffness[2] = s.stiffness[0];
+    s.spring_reference = {q[0], q[1], q[2], 1};
+  } else if (s.type == DYN_JOINT_REVOLUTE_UNBOUNDED) {
+    s.spring_reference = {1, dice.in(-1, 1)};
+  } else if (s.type == DYN_JOINT_FREE_FLYER || spec_nq(s) != spec_nv(s)) {
+    s.stiffness.clear();
+  } else {
+    for (std::size_t k = 0; k < nv; ++k) s.spring_reference.push_back(dice.in(-1, 1));
+  }
+}
+
 inline Tree random_tree(std::uint64_t seed, const TreeOptions& options = {}) {
   Dice dice(seed * 7919 + 17);
   Tree tree;
@@ -206,6 +226,10 @@ inline Tree random_tree(std::uint64_t seed, const TreeOptions& options = {}) {
     s.mimic = "j" + std::to_string(simple[std::size_t(dice.below(int(k)))]);
     s.mimic_ratio = dice.in(-1.5, 1.5), s.mimic_offset = dice.in(-0.5, 0.5);
   }
+  Dice own(seed + 101);  // so that the robots are the same without
+  if (options.resistance > 0)
+    for (JointSpec& s : tree.joints)
+      if (s.type != DYN_JOINT_FIXED) add_resistance(own, options.resistance, s);
   return tree;
 }
 

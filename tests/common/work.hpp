@@ -31,17 +31,20 @@ class Work {
   const Model& m;
   Data<T> d;
 
+  // With all effects that the model has.
   explicit Work(const Model& model, dynParts parts = DYN_PART_ALL)
       : memory(std::aligned_alloc(64, data_bytes<T>(model, parts)), std::free), m(model), d{} {
     if (!memory) throw std::bad_alloc();
     data_layout(model, parts, memory.get(), d);
+    std::fill_n(d.effects, model.n.joints, DYN_EFFECT_ALL);
+    apply_effects(model, d);
   }
   // Sets an input (d.q, input_q) from numbers of any kind.
   template <class X>
   void set(T* to, Input input, const X& from) {
     std::size_t k = 0;
     for (const auto& value : from) to[k++] = T(value);
-    ++d.version[input];
+    d.changed(input);
   }
   template <class X>
   Work& q(const X& x) {

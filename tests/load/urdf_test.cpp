@@ -241,7 +241,7 @@ TEST(Urdf, CleanFileHasAnEmptyReportAlsoStrictly) {
   for (const Entry& e : l.report()) ADD_FAILURE() << e.message;
 }
 
-// Damping, dry friction and limits are read and kept; one entry says that no algorithm applies them. It is nothing that strict minds.
+// Damping, dry friction and limits are read and kept; one entry each says what applies them. It is nothing that strict minds.
 TEST(Urdf, ReportOfWhatIsKeptAsData) {
   const std::string axis = "<axis xyz=\"0 0 1\"/>";
   const Loaded l = good(robot(ab + link("c") + link("d") +
@@ -249,11 +249,12 @@ TEST(Urdf, ReportOfWhatIsKeptAsData) {
                               joint("k", "continuous", "b", "c", axis + "<limit velocity=\"2\" effort=\"3\"/><dynamics damping=\"2\" friction=\"3\"/>") +
                               joint("l", "revolute", "c", "d", axis + limit + "<mimic joint=\"j\"/>")),
                         Options(DYN_BASE_FIXED, true));
-  EXPECT_TRUE(l.reports("kept as data, not applied by the algorithms: 2 x damping, 1 x dry friction, 1 x position limit, 2 x velocity limit, "
+  EXPECT_TRUE(l.reports("acts when switched on (dyn_data_set_effects): 2 x damping, 1 x dry friction", DYN_REPORT_INFO, 0));
+  EXPECT_TRUE(l.reports("kept as data, not applied by the algorithms: 1 x position limit, 2 x velocity limit, "
                         "2 x effort limit",
                         DYN_REPORT_INFO, 0));
   EXPECT_TRUE(l.reports("1 x <limit> of a mimicking joint: not kept", DYN_REPORT_INFO, 8));
-  EXPECT_EQ(2, l.report().size());
+  EXPECT_EQ(3, l.report().size());
 }
 
 TEST(Urdf, StrictAcceptsWhatIsNoPhysics) {

@@ -133,9 +133,10 @@ TEST(Builder, MergedLinksKeepFrameNameAndOwnInertia) {
   M6 total = M6::Zero();
   for (const BodySpec* s : {&own, &tool, &tip}) {
     const FrameRecord& f = frame(*m, s->name);
-    EXPECT_EQ(s->mass, f.mass);
-    EXPECT_EQ(0, gap(V3(f.com), s->com));
-    EXPECT_EQ(0, gap(M3(f.inertia), s->inertia));
+    const LinkRecord& link = m->links()[f.link];
+    EXPECT_EQ(s->mass, link.mass);
+    EXPECT_EQ(0, gap(V3(link.com), s->com));
+    EXPECT_EQ(0, gap(M3(link.inertia), s->inertia));
     const M6 X = motion_matrix(eigen(f.placement)).inverse();
     M6 I;
     I << s->mass * M3::Identity(), -s->mass * hat(s->com), s->mass * hat(s->com), s->inertia - s->mass * hat(s->com) * hat(s->com);
@@ -287,7 +288,9 @@ TEST(Builder, EliminationTreeCoversThePatternOfM) {
         if (!ancestor[std::size_t(j)]) {
           EXPECT_EQ(0, M(i, j)) << i << ", " << j;
         }
+        EXPECT_EQ(i < m->dof_descendants_end()[j], bool(ancestor[std::size_t(j)])) << i << ", " << j;
       }
+      EXPECT_EQ(Index(std::count(ancestor.begin(), ancestor.end(), true)), m->dof_depth()[i] + 1);
     }
   }
 }

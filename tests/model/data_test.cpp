@@ -9,8 +9,8 @@ namespace {
 // every buffer of data with its count, as the table says
 template <class F>
 void for_buffers(const Model& m, dynParts parts, Data<double>& d, F&& f) {
-  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m);
-  (void)nq, (void)nv, (void)nframes, (void)nparameters;
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   f(#name, (const char*)d.name, ((part) == 0 || (parts & (part))) ? std::size_t((rows) * (cols)) * sizeof(*d.name) : 0);
 #define BUFFER(type, name, count, part, sentence) \
@@ -89,7 +89,7 @@ TEST(Data, EachStageIsFreshForItsInputsOnly) {
       Work<double> w(*m);
       w.d.done(row.stage);
       EXPECT_TRUE(w.d.fresh(row.stage));
-      ++w.d.version[input];
+      w.d.changed(Input(input));
       EXPECT_EQ(!depends[input], w.d.fresh(row.stage)) << "stage " << int(row.stage) << " input " << input;
     }
   }

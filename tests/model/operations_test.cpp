@@ -130,7 +130,9 @@ void expect_same(const Model& a, const Model& b, VectorXd q, std::uint64_t seed,
     const Index g = frame_id(b, prefix + a.string(a.frames()[f].name), types);
     ASSERT_GE(g, 0) << a.string(a.frames()[f].name);
     EXPECT_LE(gap(X * x.frames[std::size_t(f)], y.frames[std::size_t(g)]), 1e-13 * std::max(1.0, largest(y.frames[std::size_t(g)])));
-    EXPECT_EQ(a.frames()[f].mass, b.frames()[g].mass);
+    EXPECT_EQ(a.frames()[f].link < 0, b.frames()[g].link < 0);
+    if (type != DYN_FRAME_BODY) continue;
+    EXPECT_EQ(a.links()[a.frames()[f].link].mass, b.links()[b.frames()[g].link].mass);
   }
 }
 

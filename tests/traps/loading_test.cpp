@@ -69,7 +69,8 @@ TEST(Traps, T19_MeshNotFound) {
   EXPECT_TRUE(says({"a.stl", "not found"}));
 }
 
-// Damping and dry friction are kept as data with the model; inverse and forward dynamics are those of the frictionless robot, both.
+// Damping and dry friction act when they are switched on, in inverse and forward dynamics alike; until then both are those of the
+// frictionless robot.
 TEST(Traps, T26_DampingLoadedButUnused) {
   const char* text =
       "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
@@ -93,6 +94,13 @@ TEST(Traps, T26_DampingLoadedButUnused) {
   ASSERT_EQ(DYN_OK, dyn_step(m[0], d, DYN_RK4, 0.1));
   ASSERT_EQ(DYN_OK, dyn_step(m[1], e, DYN_RK4, 0.1));
   EXPECT_TRUE(same_bits(field(m[0], d, "v"), field(m[1], e, "v")));
+  ASSERT_EQ(DYN_OK, dyn_data_set_effects(m[1], e, 0, DYN_EFFECT_ALL));
+  const double v = 2, a = 0.5;
+  double tau, ddq;
+  ASSERT_EQ(DYN_OK, dyn_rnea(m[1], e, nullptr, &v, &a, nullptr, &tau));
+  EXPECT_NEAR(0.5 + 0.7 * 2 + 0.3, tau, 1e-14);
+  ASSERT_EQ(DYN_OK, dyn_aba(m[1], e, nullptr, nullptr, &tau, nullptr, &ddq));
+  EXPECT_NEAR(0.5, ddq, 1e-14);
 }
 
 // Joints come in the file's order, not the alphabet's; by name, the indices in any order one likes.

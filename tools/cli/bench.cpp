@@ -19,6 +19,7 @@ constexpr int max_dense = 2000;  // nv beyond which the nv x nv quantities are l
 struct Options {
   RobotOptions robot;
   double seconds = 5;
+  std::string effects = "armature";
 };
 
 struct Sample {
@@ -188,12 +189,13 @@ json measure(const Algorithm& algorithm, const std::vector<Sample>& samples, dou
 
 void run(const Options& options) {
   if (!(options.seconds > 0) || !std::isfinite(options.seconds)) bad_usage("--seconds must be a positive number of seconds.");
+  const std::uint32_t on = parse_effects(options.effects);
   const Robot robot(options.robot);
   constexpr dynParts sparse =
       DYN_PART_KINEMATICS | DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_INVERSE | DYN_PART_ENERGY | DYN_PART_FRAMES |
       DYN_PART_CENTROIDAL;
   const bool dense = robot.nv <= max_dense;
-  const Data data(robot, dense ? dynParts(DYN_PART_ALL) : sparse | robot.forward_parts());
+  const Data data(robot, dense ? dynParts(DYN_PART_ALL) : sparse | robot.forward_parts(), on);
   const auto samples = random_states(robot);
   Vector out(12 * static_cast<std::size_t>(std::max(robot.nq, robot.nv)) + 12);
   auto table = algorithms(robot, data, out);
@@ -243,6 +245,7 @@ void add_bench(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("bench", "Time of every algorithm on 64 random states of this robot");
   add_robot_options(*command, options->robot);
+  add_effects_option(*command, options->effects);
   command->add_option("--seconds", options->seconds, "How long to measure, altogether")->capture_default_str();
   command->callback([options] { run(*options); });
 }

@@ -67,7 +67,7 @@ struct Robot {
 };
 
 struct Data {
-  Data(const Robot& robot, dynParts parts);
+  Data(const Robot& robot, dynParts parts, std::uint32_t effects = DYN_EFFECT_ARMATURE);
   std::unique_ptr<dynData, Deleter<dyn_data_free>> handle;
   operator dynData*() const { return handle.get(); }
 };
@@ -77,8 +77,18 @@ Vector field(const Robot& robot, const Data& data, const char* name);
 const char* joint_type_name(dynJointType type);  // "revolute"
 const char* frame_type_name(dynFrameType type);  // "FIXED_JOINT"
 
-// [{"name", "active", "reason"}]: which effects the robot calls for.
-json effects(const Robot& robot);
+// [{"name", "active", "reason"}]: which effects the robot calls for, as far as they are switched on.
+json effects(const Robot& robot, std::uint32_t on = DYN_EFFECT_ALL);
+// Option --effects: names with commas between, "all" or "none".
+void add_effects_option(CLI::App& command, std::string& names);
+std::uint32_t parse_effects(const std::string& names);
+
+// {"pair", "a", "b", "shape_a", "shape_b"}: a pair of collision shapes; with "tested" and "reason": all there could be; with
+// "distance", "status", "normal", "point_a", "point_b", "unique": after dyn_distances.
+json pair_json(const Robot& robot, int pair);
+json pairs_json(const Robot& robot);
+json distance_json(const Robot& robot, const Data& data, int pair);
+std::vector<int> tested_pairs(const Robot& robot, const Data& data);
 
 // ---------------------------------------------------------------------------------------------------- the state
 
@@ -119,6 +129,7 @@ std::string join(const std::vector<std::string>& words, const char* separator = 
 void add_info(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_ik(CLI::App& app);
+void add_distance(CLI::App& app);
 void add_sim(CLI::App& app);
 void add_bench(CLI::App& app);
 

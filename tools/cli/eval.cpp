@@ -15,7 +15,7 @@ struct Options {
   RobotOptions robot;
   StateOptions state;
   std::vector<std::string> compute;
-  std::string frame, reference = "LOCAL";
+  std::string frame, reference = "LOCAL", effects = "armature";
 };
 
 // What the quantities are computed from.
@@ -161,6 +161,35 @@ json inertial_parameters(const Context& c) {
   return out;
 }
 
+// Every tested pair.
+json distances(const Context& c) {
+  check(dyn_distances(c.robot, c.data, c.q, nullptr));
+  json out = json::array();
+  for (const int pair : tested_pairs(c.robot, c.data)) out.push_back(distance_json(c.robot, c.data, pair));
+  return out;
+}
+// Those that touch or overlap.
+json collisions(const Context& c) {
+  json out = json::array();
+  for (const json& d : distances(c))
+    if (d["distance"].get<double>() <= 0) out.push_back(d);
+  return out;
+}
+// In the order of distances.
+json distance_gradients(const Context& c) {
+  check(dyn_distances(c.robot, c.data, c.q, nullptr));
+  const int pairs = dyn_npairs(c.robot);
+  Vector all(static_cast<std::size_t>(pairs) * static_cast<std::size_t>(c.robot.nv));
+  check(dyn_distance_gradients(c.robot, c.data, all.data()));
+  json out = json::array();
+  for (const int pair : tested_pairs(c.robot, c.data)) {
+    Vector row;
+    for (int k = 0; k < c.robot.nv; ++k) row.push_back(all[static_cast<std::size_t>(pair) + static_cast<std::size_t>(k) * static_cast<std::size_t>(pairs)]);
+    out.push_back(row);
+  }
+  return out;
+}
+
 struct Quantity {
   const char* name;
   dynParts parts;  // what is not needed is not allocated: M of a chain of 10,000 would be 800 MB; 0: Robot::forward_parts
@@ -255,12 +284,15 @@ const std::vector<Quantity>& quantities() {
       {"potential_energy_regressor", DYN_PART_REGRESSOR, false,
        [](C c) { return c.vector(dyn_potential_energy_regressor(c.robot, c.data, c.q, nullptr), "potential_energy_regressor"); }},
       {"inertial_parameters", DYN_PART_KINEMATICS, false, inertial_parameters},
+      {"distances", DYN_PART_COLLISION, false, distances},
+      {"collisions", DYN_PART_COLLISION, false, collisions},
+      {"distance_gradients", DYN_PART_COLLISION, false, distance_gradients},
   };
   return table;
 }
 
 // Names of the contract that later versions answer.
-const std::set<std::string> later = {"lambda", "delassus", "collisions", "distances"};
+const std::set<std::string> later = {"lambda", "delassus"};
 
 std::vector<const Quantity*> select(const Options& options) {
   std::vector<const Quantity*> out;
@@ -316,12 +348,13 @@ void run(const Options& options) {
   if (reference == references.end())
     bad_usage("--reference: \"" + options.reference + "\" is not LOCAL, WORLD or LOCAL_WORLD_ALIGNED.");
   const auto wanted = select(options);
+  const std::uint32_t on = parse_effects(options.effects);
 
   check_lists(options.state);
   const Robot robot(options.robot);
   dynParts parts = DYN_PART_KINEMATICS;
   for (const Quantity* quantity : wanted) parts |= quantity->parts ? quantity->parts : robot.forward_parts();
-  const Data data(robot, parts);
+  const Data data(robot, parts, on);
   const State state = read_state(robot, options.state);
   int frame = -1;
   if (!options.frame.empty() && (frame = dyn_frame_id(robot, options.frame.c_str())) < 0) fail(dyn_last_error());
@@ -351,6 +384,7 @@ void add_eval(CLI::App& app) {
   add_state_options(*command, options->state, true);
   command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...")->check(not_empty);
   command->add_option("--reference", options->reference, "LOCAL, WORLD or LOCAL_WORLD_ALIGNED")->capture_default_str();
+  add_effects_option(*command, options->effects);
   command->callback([options] { run(*options); });
 }
 

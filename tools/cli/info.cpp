@@ -19,6 +19,12 @@ const char* shape_type_name(dynShapeType type) {
       return "mesh";
     case DYN_SHAPE_CAPSULE:
       return "capsule";
+    case DYN_SHAPE_CONE:
+      return "cone";
+    case DYN_SHAPE_ELLIPSOID:
+      return "ellipsoid";
+    case DYN_SHAPE_HALF_SPACE:
+      return "half_space";
   }
   return "unknown";
 }
@@ -132,6 +138,11 @@ std::string info_text(const json& info) {
   for (const auto& e : info["effects"])
     rows.push_back({str(e["name"]), e["active"].get<bool>() ? "on" : "off", str(e["reason"])});
   out += "\neffects\n" + table(rows);
+  if (info.contains("pairs")) {
+    rows.clear();
+    for (const auto& p : info["pairs"]) rows.push_back({str(p["a"]), str(p["b"]), p["tested"].get<bool>() ? "tested" : "not tested: " + str(p["reason"])});
+    out += "\npairs of collision shapes\n" + (rows.empty() ? "  none\n" : table(rows));
+  }
   rows.clear();
   for (const auto& e : info["report"])
     rows.push_back({str(e["level"]), e["line"] == 0 ? "" : "line " + num(e["line"]), str(e["message"])});
@@ -143,12 +154,15 @@ std::string info_text(const json& info) {
 
 void add_info(CLI::App& app) {
   auto options = std::make_shared<RobotOptions>();
+  auto pairs = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("info", "Sizes, joints, frames, masses, effects, the load report");
   command->footer("Joint 0 and frame 0 are the universe, the world: a joint whose parent is 0 stands on it.");
   add_robot_options(*command, *options);
-  command->callback([options] {
+  command->add_flag("--pairs", *pairs, "Which pairs of collision shapes are tested, and why others are not");
+  command->callback([options, pairs] {
     const Robot robot(*options);
-    const json info = info_json(robot);
+    json info = info_json(robot);
+    if (*pairs) info["pairs"] = pairs_json(robot);
     print(options->json ? json_text(info) : info_text(info));
   });
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <sstream>
 
 #include "cli.hpp"
 
@@ -66,10 +67,11 @@ Vector Robot::neutral() const {
 
 dynParts Robot::forward_parts() const { return DYN_PART_KINEMATICS | DYN_PART_FORWARD | (has_mimic ? DYN_PART_FACTOR : 0); }
 
-Data::Data(const Robot& robot, dynParts parts) {
+Data::Data(const Robot& robot, dynParts parts, std::uint32_t effects) {
   dynData* data = nullptr;
   check(dyn_data_new(robot, parts, &data));
   handle.reset(data);
+  check(dyn_data_set_effects(robot, data, 0, effects));
 }
 
 Vector field(const Robot& robot, const Data& data, const char* name) {
@@ -107,7 +109,32 @@ const char* frame_type_name(dynFrameType type) {
   return "unknown";
 }
 
-json effects(const Robot& robot) {
+constexpr struct {
+  const char* name;
+  std::uint32_t bits;
+} effect_names[] = {{"armature", DYN_EFFECT_ARMATURE}, {"damping", DYN_EFFECT_DAMPING}, {"springs", DYN_EFFECT_SPRINGS},
+                    {"friction", DYN_EFFECT_FRICTION}, {"all", DYN_EFFECT_ALL}, {"none", 0}};
+
+void add_effects_option(CLI::App& command, std::string& names) {
+  command.add_option("--effects", names, "What joints do: armature, damping, springs, friction with commas between, all or none")
+      ->check(not_empty)
+      ->type_name("LIST")
+      ->capture_default_str();
+}
+
+std::uint32_t parse_effects(const std::string& names) {
+  std::uint32_t bits = 0;
+  std::istringstream words(names);
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto* found = std::find_if(std::begin(effect_names), std::end(effect_names), [&](const auto& e) { return word == e.name; });
+    if (found == std::end(effect_names))
+      bad_usage("--effects: \"" + shown(word) + "\" is none of armature, damping, springs, friction, all, none.");
+    bits |= found->bits;
+  }
+  return bits;
+}
+
+json effects(const Robot& robot, std::uint32_t on) {
   json list = json::array();
   const auto add = [&](const char* name, bool active, const std::string& reason) {
     list.push_back({{"name", name}, {"active", active}, {"reason", reason}});
@@ -118,21 +145,19 @@ json effects(const Robot& robot) {
   };
   const auto nonzero = [](double x) { return x != 0; };
   const auto of_nv = [&](int n) { return std::to_string(n) + " of " + std::to_string(robot.nv) + " degrees of freedom"; };
-  // what the file says but the smooth dynamics do not apply
-  const auto kept = [&](const char* name, dynModelArray which, const char* what) {
+  const auto of_joints = [&](const char* name, dynModelArray which, std::uint32_t bit, const char* what) {
     const int n = count(which, robot.nv, nonzero);
-    add(name, false,
-        n ? of_nv(n) + " have " + what + "; kept as data, not applied in this version" : std::string("no joint has ") + what);
+    add(name, n && on & bit, !n ? std::string("no joint has ") + what : of_nv(n) + " have " + what + (on & bit ? "" : "; switched off"));
   };
   const double* g = dyn_model_array(robot, DYN_GRAVITY);
   const bool falls = g && (g[0] != 0 || g[1] != 0 || g[2] != 0);
   add("gravity", falls,
       falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2"
             : "gravity is zero");
-  const int armature = count(DYN_ARMATURE, robot.nv, nonzero);
-  add("armature", armature > 0, armature ? of_nv(armature) + " have armature" : "no joint has armature");
-  kept("damping", DYN_DAMPING, "damping");
-  kept("friction", DYN_FRICTION, "dry friction");
+  of_joints("armature", DYN_ARMATURE, DYN_EFFECT_ARMATURE, "armature");
+  of_joints("damping", DYN_DAMPING, DYN_EFFECT_DAMPING, "damping");
+  of_joints("springs", DYN_STIFFNESS, DYN_EFFECT_SPRINGS, "springs");
+  of_joints("friction", DYN_FRICTION, DYN_EFFECT_FRICTION, "dry friction");
   const auto finite = [](double x) { return std::isfinite(x); };
   const int limits = std::max(count(DYN_LOWER_LIMIT, robot.nq, finite), count(DYN_UPPER_LIMIT, robot.nq, finite));
   add("limits", false,

@@ -19,7 +19,7 @@ struct Options {
   RobotOptions robot;
   StateOptions state;
   double duration = 0, dt = 1e-3;
-  std::string integrator = "semi_implicit_euler", csv;
+  std::string integrator = "semi_implicit_euler", csv, effects = "armature";
   bool no_error_estimate = false;
 };
 
@@ -159,9 +159,9 @@ class Limits {
 };
 
 // The same simulation at half the step: its distance at the end, extrapolated by the integrator's order.
-json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, const Schedule& schedule,
+json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, std::uint32_t effects, const Schedule& schedule,
                     const double* q_end, json& warnings) {
-  const Data fine(robot, robot.forward_parts());
+  const Data fine(robot, robot.forward_parts(), effects);
   check(dyn_data_set_state(robot, fine, state.q.data(), state.v.data(), nullptr, state.tau.data()));
   Progress progress(schedule.steps);
   for (long long i = 0; i < schedule.steps; ++i) {
@@ -207,6 +207,7 @@ void run(const Options& options) {
     integrator = DYN_RK4;
   else if (options.integrator != "semi_implicit_euler")
     bad_usage("--integrator: \"" + options.integrator + "\" is not semi_implicit_euler or rk4.");
+  const std::uint32_t on = parse_effects(options.effects);
   const Schedule schedule(options.duration, options.dt);
   std::error_code ignored;
   const auto overwrites = [&](const std::string& file) { return !options.csv.empty() && std::filesystem::equivalent(options.csv, file, ignored); };
@@ -215,7 +216,7 @@ void run(const Options& options) {
 
   check_lists(options.state);
   const Robot robot(options.robot);
-  const Data data(robot, robot.forward_parts() | DYN_PART_ENERGY);
+  const Data data(robot, robot.forward_parts() | DYN_PART_ENERGY, on);
   const State state = read_state(robot, options.state);
   const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
   if (!options.csv.empty() && bytes > max_csv_bytes)
@@ -236,10 +237,9 @@ void run(const Options& options) {
   record();
 
   json warnings = json::array();
-  for (const auto& effect : effects(robot)) {
-    const std::string reason = effect["reason"];
-    if (!effect["active"].get<bool>() && reason.find("not applied") != std::string::npos)
-      warnings.push_back(effect["name"].get<std::string>() + ": " + reason);
+  for (const auto& effect : effects(robot, on)) {
+    const std::string name = effect["name"], reason = effect["reason"];
+    if (reason.find("switched off") != std::string::npos) warnings.push_back(name + ": " + reason + ": --effects applies it");
   }
   for (const double x : state.tau)
     if (x != 0) {
@@ -285,12 +285,12 @@ void run(const Options& options) {
   answer["dt"] = options.dt;
   const Vector q_end(q, q + robot.nq);
   answer["error_estimate"] =
-      options.no_error_estimate ? json(nullptr) : error_estimate(robot, state, integrator, schedule, q_end.data(), warnings);
+      options.no_error_estimate ? json(nullptr) : error_estimate(robot, state, integrator, on, schedule, q_end.data(), warnings);
   answer["error_estimate_method"] =
       options.no_error_estimate
           ? "not asked for"
           : "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
-  answer["effects"] = effects(robot);
+  answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
   print(options.robot.json ? json_text(answer) : text_of(answer));
 }
@@ -300,12 +300,13 @@ void run(const Options& options) {
 void add_sim(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("sim", "Smooth dynamics under a constant tau (no contact, limits, damping or dry friction)");
+      app.add_subcommand("sim", "Smooth dynamics under a constant tau (no contact, no limits)");
   add_robot_options(*command, options->robot);
   command->add_option("--duration", options->duration, "Seconds to simulate")->required();
   command->add_option("--dt", options->dt, "Step, seconds")->capture_default_str();
   command->add_option("--integrator", options->integrator, "semi_implicit_euler or rk4")->capture_default_str();
   add_state_options(*command, options->state, false);
+  add_effects_option(*command, options->effects);
   command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);
   command->add_flag("--no-error-estimate", options->no_error_estimate, "Leave out the second run, at half the step");
   command->callback([options] { run(*options); });

@@ -15,6 +15,7 @@ from . import ik
 from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
+from .collision import Distance, shape_distance
 from .convert import State, StateLayout
 from .data import (
     FIELDS,
@@ -36,12 +37,15 @@ from .enums import (
     Base,
     Convention,
     Direction,
+    DistanceStatus,
+    Effect,
     FrameType,
     IkReason,
     IkTaskType,
     Integrator,
     JointType,
     ModelArray,
+    PairReason,
     Part,
     Reference,
     ReportLevel,
@@ -87,7 +91,7 @@ from .inertia import (
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
-from .model import FrameInfo, JointInfo, Model, ReportEntry, ShapeInfo, load, load_string
+from .model import FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, load, load_string
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
@@ -111,6 +115,9 @@ __all__ = [
     "Convention",
     "Data",
     "Direction",
+    "Distance",
+    "DistanceStatus",
+    "Effect",
     "Energy",
     "Error",
     "FieldInfo",
@@ -139,6 +146,8 @@ __all__ = [
     "NumericError",
     "OutOfMemoryError",
     "ParseError",
+    "Pair",
+    "PairReason",
     "Part",
     "PartError",
     "Placement",

@@ -62,9 +62,16 @@ JointSpec._fields_ = [
     ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("parent", c_char_p), ("placement", c_double * 12),
     ("axis", c_double * 3), ("axis2", c_double * 3), ("pitch", c_double), ("lower", c_void_p), ("upper", c_void_p),
     ("velocity", c_void_p), ("effort", c_void_p), ("armature", c_void_p), ("damping", c_void_p), ("friction", c_void_p),
-    ("rotor_inertia", c_double), ("gear_ratio", c_double), ("mimic", c_char_p), ("mimic_ratio", c_double),
+    ("stiffness", c_void_p), ("spring_reference", c_void_p), ("rotor_inertia", c_double), ("gear_ratio", c_double), ("mimic", c_char_p), ("mimic_ratio", c_double),
     ("mimic_offset", c_double), ("parts", POINTER(JointSpec)), ("parts_count", c_size_t),
 ]  # fmt: skip
+
+
+class ShapeSpec(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("body", c_char_p),
+        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
+    ]  # fmt: skip
 
 
 class StateLayout(Grown):
@@ -85,15 +92,27 @@ class FieldInfo(Grown):
 class BatchArrays(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("frame", c_int32), ("joint", c_int32), ("reference", c_int), ("q", c_void_p), ("v", c_void_p),
-        ("a", c_void_p), ("tau", c_void_p), ("b", c_void_p), ("fext", c_void_p), ("out", c_void_p * 4), ("status", c_void_p),
+        ("a", c_void_p), ("tau", c_void_p), ("b", c_void_p), ("fext", c_void_p), ("q1", c_void_p), ("dt", c_double), ("integrator", c_int), ("out", c_void_p * 4),
+        ("status", c_void_p),
     ]  # fmt: skip
 
 
 class BatchInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("inputs", c_char_p), ("outputs", c_int32), ("output", c_char_p * 4),
-        ("rows", c_int32 * 4), ("cols", c_int32 * 4),
+        ("rows", c_int32 * 4), ("cols", c_int32 * 4), ("pages", c_int32 * 4),
     ]  # fmt: skip
+
+
+class Distance(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("status", c_int), ("unique", c_int32), ("iterations", c_int32), ("distance", c_double),
+        ("residual", c_double), ("normal", c_double * 3), ("point_a", c_double * 3), ("point_b", c_double * 3),
+    ]  # fmt: skip
+
+
+class Geometry(Grown):
+    _fields_ = [("struct_size", c_uint32), ("type", c_int), ("size", c_double * 3), ("radius", c_double)]
 
 
 class IkTask(Grown):
@@ -163,6 +182,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_builder_new": (STATUS, [_s, _ref]),
     "dyn_builder_free": (None, [_p]),
     "dyn_builder_gravity": (STATUS, [_p, _p]),
+    "dyn_shape_spec_init": (None, [_ref]),
+    "dyn_builder_shape": (STATUS, [_p, _ref]),
     "dyn_builder_joint": (STATUS, [_p, _ref]),
     "dyn_builder_body": (STATUS, [_p, _s, _s, _p, _d, _p, _p]),
     "dyn_builder_frame": (STATUS, [_p, _s, _s, _p, _i]),
@@ -179,6 +200,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_data_init": (STATUS, [_p, c_uint32, _p, c_size_t, _ref]),
     "dyn_data_free": (None, [_p]),
     "dyn_data_set_state": (STATUS, [_p, _p, _p, _p, _p, _p]),
+    "dyn_data_set_effects": (STATUS, [_p, _p, _i, c_uint32]),
+    "dyn_data_effects": (STATUS, [_p, _p, _i, _ref]),
     "dyn_nfields": (_i, []),
     "dyn_field_info": (STATUS, [c_int32, _ref]),
     "dyn_field_id": (c_int32, [_s]),
@@ -266,10 +289,21 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_ik_options_init": (None, [_ref]),
     "dyn_ik": (STATUS, [_p, _p, _p, _ref, _i, _ref, _p, _p, _ref]),
     # simulation
+    "dyn_geometry_init": (None, [_ref]),
+    "dyn_shape_distance": (STATUS, [_ref, _p, _ref, _p, _d, _ref]),
+    "dyn_npairs": (_i, [_p]),
+    "dyn_pair": (STATUS, [_p, _i, _ref, _ref, _ref]),
+    "dyn_data_set_pair": (STATUS, [_p, _p, _i, _i]),
+    "dyn_data_pair": (STATUS, [_p, _p, _i, _ref]),
+    "dyn_distances": (STATUS, [_p, _p, _p, _p]),
+    "dyn_pair_distance": (STATUS, [_p, _p, _i, _ref]),
+    "dyn_distance_gradients": (STATUS, [_p, _p, _p]),
+    "dyn_collisions": (STATUS, [_p, _p, _p, _d, _p, _i, _ref]),
     "dyn_step": (STATUS, [_p, _p, _i, _d]),
     # batches
     "dyn_batch_new": (STATUS, [_p, c_uint32, _i, _ref]),
     "dyn_batch_free": (None, [_p]),
+    "dyn_batch_set_effects": (STATUS, [_p, _i, c_uint32]),
     "dyn_batch_arrays_init": (None, [_ref]),
     "dyn_batch_run": (STATUS, [_p, _i, c_int64, _ref]),
     "dyn_batch_info": (STATUS, [_p, _i, _ref]),

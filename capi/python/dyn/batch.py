@@ -13,14 +13,18 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple
 import numpy as np
 
 from . import abi
-from .arrays import F64, Owner, Placement, address, numbers
-from .enums import Part, Reference
+from .arrays import F64, Owner, Placement, address, checked, numbers
+from .enums import Effect, Integrator, Part, Reference
 from .errors import ArgumentError, BusyError, SizeError
 from .library import check, fail, lib
 from .model import Model, mask, member
 
 _run = lib.dyn_batch_run
 _first = c_double.from_buffer
+_empty = np.empty
+
+
+_OPTIONAL = {"v", "a", "tau", "fext", "reference", "integrator"}
 
 
 class Algorithm(NamedTuple):
@@ -30,6 +34,8 @@ class Algorithm(NamedTuple):
     name: str
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    dimensions: tuple[int, ...]
+    """Of each output of one state: 0 a number, 1 a vector, 2 a matrix, 3 a tensor."""
 
 
 def _algorithms() -> dict[str, Algorithm]:
@@ -37,9 +43,12 @@ def _algorithms() -> dict[str, Algorithm]:
     for id in count():
         if lib.dyn_batch_info(None, id, byref(info)):
             return rows
-        inputs = sorted(info.inputs.decode().split(), key="reference".__eq__)  # last: it has a default
+        inputs = sorted(info.inputs.decode().split(), key=lambda name: (name in _OPTIONAL, name in ("reference", "integrator")))
         outputs = [info.output[k].decode() for k in range(info.outputs)]
-        rows[info.name.decode()] = Algorithm(id, info.name.decode(), tuple(inputs), tuple(outputs))
+        dimensions = [
+            3 if info.pages[k] != 1 else 2 if info.cols[k] != 1 else int(info.rows[k] != 1) for k in range(info.outputs)
+        ]
+        rows[info.name.decode()] = Algorithm(id, info.name.decode(), tuple(inputs), tuple(outputs), tuple(dimensions))
 
 
 ALGORITHMS: dict[str, Algorithm] = _algorithms()
@@ -67,6 +76,13 @@ def _columns(memory: np.ndarray) -> np.ndarray:
     return memory.swapaxes(-1, -2)
 
 
+def _turned(name: str, array: np.ndarray) -> np.ndarray:
+    """An output as it lies in memory, as it is returned. Its own inverse."""
+    if name == "H":
+        return array.swapaxes(-1, -3)  # [:, :, k] is the k-th matrix
+    return _columns(array) if array.ndim > 2 else array
+
+
 class _Plan:
     """An algorithm for one model: the shapes of inputs (None: an index or an option) and outputs, as they lie in memory."""
 
@@ -74,14 +90,18 @@ class _Plan:
         info = abi.BatchInfo()
         check(lib.dyn_batch_info(model._m, algorithm.id, byref(info)))
         nv = (model.nv,)
-        rows = {"q": (model.nq,), "v": nv, "a": nv, "tau": nv, "b": nv, "fext": (model.njoints, 6)}
+        rows = {"q": (model.nq,), "q1": (model.nq,), "v": nv, "a": nv, "tau": nv, "b": nv, "fext": (model.njoints, 6)}
+        self.id, self.q = algorithm.id, algorithm.inputs.index("q")
         self._inputs = [(name, rows.get(name)) for name in algorithm.inputs]
         self._outputs = []
         for k, name in enumerate(algorithm.outputs):
-            cols, size = info.cols[k], info.rows[k]
-            self._outputs.append((k, name, (cols, size) if cols != 1 else (size,) if size != 1 else ()))
+            self._outputs.append((k, name, (info.pages[k], info.cols[k], info.rows[k])[3 - algorithm.dimensions[k] :]))
+        self.matrix = algorithm.dimensions[0] == 2
         self.type = namedtuple(algorithm.name, algorithm.outputs)
         self.placements = algorithm.name.startswith("frame_placement")
+        # one output, no tensor, and no input that is not a row or must not be absent
+        rows_or_zeros = {"q", "v", "a", "tau", "fext"} >= set(algorithm.inputs)
+        self.simple = algorithm.dimensions in ((0,), (1,), (2,)) and rows_or_zeros and not self.placements
         self.of(1)
 
     def of(self, n: int) -> None:
@@ -89,6 +109,8 @@ class _Plan:
         self.n = n
         self.inputs = [(name, row and (n, *row)) for name, row in self._inputs]
         self.outputs = [(k, name, (n, *row)) for k, name, row in self._outputs]
+        # what _quick takes: fext lies otherwise in memory
+        self.quick = [(name, None if name == "fext" else shape) for name, shape in self.inputs] if self.simple else None
 
 
 class Batch:
@@ -136,6 +158,10 @@ class Batch:
     def __repr__(self) -> str:
         return f"<dyn.Batch of {self.model.name!r}: {self.threads} threads>"
 
+    def set_effects(self, effects: Any, joint: str | int = 0) -> None:
+        """Data.set_effects of all threads."""
+        check(lib.dyn_batch_set_effects(self._b, self.model._joint(joint), mask(Effect, effects, "effects")))
+
     def _input(self, name: str, shape: tuple[int, ...], x: Any) -> np.ndarray:
         """x, state after state in memory."""
         a = x if type(x) is np.ndarray and x.dtype == F64 else numbers(x, name)
@@ -148,13 +174,17 @@ class Batch:
     def _option(self, name: str, x: Any) -> None:
         if name == "reference":
             self._arrays.reference = Reference.LOCAL if x is None else member(Reference, x, name)
+        elif name == "integrator":
+            self._arrays.integrator = Integrator.SEMI_IMPLICIT_EULER if x is None else member(Integrator, x, name)
+        elif name == "dt":
+            self._arrays.dt = float(checked(x, (), "dt"))
         elif name == "frame":
             self._arrays.frame = self.model._frame(x)
         else:
             self._arrays.joint = self.model._joint(x)
 
     def _output(self, name: str, given: Any, shape: tuple[int, ...]) -> np.ndarray:
-        memory = _columns(given) if isinstance(given, np.ndarray) and given.ndim == 3 else given
+        memory = _turned(name, given) if isinstance(given, np.ndarray) and given.ndim == len(shape) else given
         if type(memory) is not np.ndarray or memory.dtype != F64 or memory.shape != shape or not memory.flags.carray:
             raise SizeError(f"out: {name} is not an array as this method returns it for {shape[0]} states.")
         return memory
@@ -165,13 +195,48 @@ class Batch:
         status.fill(0)
         return address(status)
 
+    def _quick(self, plan: _Plan, given: tuple, out: Any) -> np.ndarray | None:
+        """Sets the addresses of arrays that all lie in memory as the library reads them, with one output: what most calls are.
+
+        Returns what is to be filled. None: they have to be looked at one by one.
+        """
+        arrays = self._arrays
+        try:
+            for (name, shape), x in zip(plan.quick, given):
+                if x is None:
+                    setattr(arrays, name, None)
+                elif type(x) is np.ndarray and x.dtype is F64 and x.shape == shape:
+                    setattr(arrays, name, addressof(_first(x)))
+                else:
+                    return None
+            if out is None:
+                memory = _empty(plan.outputs[0][2])
+            else:
+                memory = out if out.ndim < 3 else _columns(out)
+                if type(memory) is not np.ndarray or memory.dtype is not F64 or memory.shape != plan.outputs[0][2]:
+                    return None
+            self._out[0] = addressof(_first(memory))
+        except (TypeError, ValueError, AttributeError):  # not contiguous, read-only; out is no array
+            return None
+        arrays.status = None
+        return memory
+
     def _compute(self, algorithm: Algorithm, given: tuple, only: str | None, out: Any, status: Any) -> Any:
         plan = self._plans.get(algorithm.id)
         if plan is None:
             plan = self._plans[algorithm.id] = _Plan(self.model, algorithm)
-        n = _count(given[algorithm.inputs.index("q")])
+        q = given[plan.q]
+        n = len(q) if type(q) is np.ndarray and q.ndim else _count(q)
         if n != plan.n:
             plan.of(n)
+        if only is status is None and plan.quick:
+            memory = self._quick(plan, given, out)
+            if memory is not None:
+                failed = _run(self._b, plan.id, n, self._arrays_ref)
+                if failed:
+                    fail(failed)
+                return _columns(memory) if plan.matrix else memory
+
         arrays, keep = self._arrays, []
         for (name, shape), x in zip(plan.inputs, given):
             if shape is None:
@@ -181,8 +246,8 @@ class Batch:
                     x = self._input(name, shape, x)
                     keep.append(x)
                 setattr(arrays, name, _address(x))
-            elif name == "b":
-                raise ArgumentError("b is None, but is needed of every state.")
+            elif name in ("b", "q1"):
+                raise ArgumentError(f"{name} is None, but is needed of every state.")
             else:
                 setattr(arrays, name, None)
 
@@ -215,14 +280,13 @@ class Batch:
         if plan.placements:
             R, p = results[0][..., :9], results[0][..., 9:]
             return Placement(_columns(R.reshape(*R.shape[:-1], 3, 3)), p)
-        results = [_columns(memory) if memory.ndim == 3 else memory for memory in results]
+        results = [_turned(name, memory) for (_, name, _), memory in zip(outputs, results)]
         return results[0] if len(results) == 1 else plan.type(*results)
 
 
 def _method(algorithm: Algorithm) -> Callable[..., Any]:
     P = inspect.Parameter
-    optional = {"v", "a", "tau", "fext", "reference"}
-    parameters = [P(name, P.POSITIONAL_OR_KEYWORD, default=None if name in optional else P.empty) for name in algorithm.inputs]
+    parameters = [P(name, P.POSITIONAL_OR_KEYWORD, default=None if name in _OPTIONAL else P.empty) for name in algorithm.inputs]
     arguments = inspect.Signature(parameters)
     size, absent = len(parameters), (None,) * len(parameters)
     needed = sum(p.default is P.empty for p in parameters)
@@ -245,8 +309,13 @@ def _method(algorithm: Algorithm) -> Callable[..., Any]:
     call.__name__, call.__qualname__ = algorithm.name, f"Batch.{algorithm.name}"
     call.__signature__ = inspect.Signature([P("self", P.POSITIONAL_ONLY), *parameters, *keywords])
     call.__doc__ = f"{', '.join(algorithm.outputs)} of N states: Data.{algorithm.name} for each."
-    if algorithm.name == "integrate":
-        call.__doc__ = "q (+) v of N states, (N, nq): Model.integrate for each."
+    of_the_model = {"integrate": "q (+) v of N states, (N, nq)", "difference": "q1 (-) q of N pairs, (N, nv)"}
+    if algorithm.name in of_the_model:
+        call.__doc__ = f"{of_the_model[algorithm.name]}: Model.{algorithm.name} for each."
+    if algorithm.name == "step":
+        call.__doc__ = "q and v of N states a step of dt seconds later, under tau."
+    if algorithm.name == "rnea_second_order_product":
+        call.__doc__ += " b is lambda."
     return call
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from . import abi
 from .arrays import Owner, address, checked, numbers
 from .arrays import placement as twelve
-from .enums import FrameType, JointType
+from .enums import FrameType, JointType, ShapeRole, ShapeType
 from .errors import ArgumentError
 from .library import check, lib
 from .model import Model, member, text
@@ -77,6 +77,8 @@ class Builder:
         armature: ArrayLike | None = None,
         damping: ArrayLike | None = None,
         friction: ArrayLike | None = None,
+        stiffness: ArrayLike | None = None,
+        spring_reference: ArrayLike | None = None,
         rotor_inertia: float | None = None,
         gear_ratio: float | None = None,
         mimic: str | None = None,
@@ -92,6 +94,8 @@ class Builder:
         lower, upper                 limits of q, one number for each of the joint's nq; default none
         velocity, effort             limits, one number for each of its nv; default none
         armature, damping, friction  one number for each of its nv; default zero
+        stiffness                    of springs, one for each of its nv; default zero
+        spring_reference             q where they are at rest, (nq,); default neutral
         rotor_inertia, gear_ratio    add rotor_inertia * gear_ratio^2 to the armature
         mimic                        leader's name: q = mimic_ratio * q_leader + mimic_offset
         parts                        composite: its joints in order, dicts with type, placement, axis, axis2, pitch
@@ -123,6 +127,29 @@ class Builder:
         x = None if placement is None else twelve(placement)
         above = None if parent is None else text(parent, "parent")
         check(lib.dyn_builder_frame(self._b, text(name, "name"), above, address(x), member(FrameType, type, "type")))
+        return self
+
+    def shape(
+        self,
+        body: str,
+        type: str | ShapeType,
+        size: ArrayLike = (),
+        placement: Any = None,
+        *,
+        role: str | ShapeRole = ShapeRole.COLLISION,
+        name: str = "",
+        mesh: str = "",
+    ) -> Builder:
+        """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo."""
+        spec = abi.ShapeSpec()
+        lib.dyn_shape_spec_init(byref(spec))
+        spec.body, spec.name, spec.mesh = text(body, "body"), text(name, "name"), text(mesh, "mesh")
+        spec.type, spec.role = member(ShapeType, type, "type"), member(ShapeRole, role, "role")
+        sizes = np.atleast_1d(numbers(size, "size")).tolist()
+        spec.size[: len(sizes)] = checked(sizes, (min(len(sizes), 3),), "size").tolist()
+        if placement is not None:
+            spec.placement[:] = twelve(placement).tolist()
+        check(lib.dyn_builder_shape(self._b, byref(spec)))
         return self
 
     def configuration(self, name: str, q: ArrayLike) -> Builder:
@@ -185,7 +212,7 @@ def _sizes(type: int, parts: Sequence[abi.JointSpec]) -> tuple[int, int]:
 
 def _joint(
     name, type, parent=None, placement=None, axis=None, axis2=None, pitch=None, lower=None, upper=None, velocity=None, effort=None,
-    armature=None, damping=None, friction=None, rotor_inertia=None, gear_ratio=None, mimic=None, mimic_ratio=None, mimic_offset=None,
+    armature=None, damping=None, friction=None, stiffness=None, spring_reference=None, rotor_inertia=None, gear_ratio=None, mimic=None, mimic_ratio=None, mimic_offset=None,
     parts=(),
 ) -> tuple[abi.JointSpec, list[Any]]:  # fmt: skip
     """The structure of a joint, and what must live as long."""
@@ -197,6 +224,7 @@ def _joint(
     sizes = _sizes(spec.type, built)
     rows = {"lower": (lower, 0), "upper": (upper, 0), "velocity": (velocity, 1), "effort": (effort, 1)}
     rows |= {"armature": (armature, 1), "damping": (damping, 1), "friction": (friction, 1)}
+    rows |= {"stiffness": (stiffness, 1), "spring_reference": (spring_reference, 0)}
     for key, (value, which) in rows.items():
         if value is not None:
             a = checked(np.atleast_1d(numbers(value, key)), (sizes[which],), f"joint {name!r}: {key}")

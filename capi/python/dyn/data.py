@@ -11,7 +11,8 @@ import numpy as np
 from . import abi
 from . import ik as inverse_kinematics
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
-from .enums import IkReason, Integrator, Part, Reference, Term
+from .collision import CollisionQueries
+from .enums import Effect, IkReason, Integrator, Part, Reference, Term
 from .errors import ArgumentError, UnknownNameError
 from .library import check, fail, last_error, lib
 from .model import Model, mask, member, text
@@ -186,7 +187,7 @@ _static_torque = lib.dyn_static_torque
 _step = lib.dyn_step
 
 
-class Data:
+class Data(CollisionQueries):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 
     A call with q, v, a or tau sets the state that data holds; None uses what is held. Methods return new arrays.
@@ -264,6 +265,17 @@ class Data:
     def state(self) -> dict[str, np.ndarray]:
         """Copies of the state: {"q", "v", "a", "tau"}, as set_state takes it."""
         return {name: self.field(field).copy() for field, name in _STATE.items()}
+
+    def set_effects(self, effects: Any, joint: str | int = 0) -> None:
+        """Switches the effects of a joint, or of all, to those given: dyn.Effect members or names, as "damping", ("armature",
+        "springs"), "all" or (). New data: armature alone."""
+        check(lib.dyn_data_set_effects(self._m, self._d, self.model._joint(joint), mask(Effect, effects, "effects")))
+
+    def effects(self, joint: str | int = 0) -> Effect:
+        """Those that are on at a joint; without one, those that act at some joint."""
+        out = c_uint32()
+        check(lib.dyn_data_effects(self._m, self._d, self.model._joint(joint), byref(out)))
+        return Effect(out.value)
 
     def field(self, field: str | int) -> Any:
         """A field by name or id: a read-only view of the library's memory (a number for a scalar)."""

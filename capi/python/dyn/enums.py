@@ -86,6 +86,27 @@ class ShapeType(enum.IntEnum):
     CYLINDER = 3
     MESH = 4
     CAPSULE = 5
+    CONE = 6
+    ELLIPSOID = 7
+    HALF_SPACE = 8
+
+
+class DistanceStatus(enum.IntEnum):
+    """What stands between two shapes."""
+
+    SEPARATED = 0
+    TOUCHING = 1
+    PENETRATING = 2
+    DISTANCE_FAILED = 3
+
+
+class PairReason(enum.IntEnum):
+    """Whether a pair of collision shapes is tested."""
+
+    TESTED = 0
+    OVERLAPS = 1
+    MESH = 2
+    OFF = 3
 
 
 class ShapeRole(enum.IntEnum):
@@ -125,6 +146,18 @@ class ModelArray(enum.IntEnum):
     DAMPING = 5
     FRICTION = 6
     GRAVITY = 7
+    STIFFNESS = 8
+    SPRING_REFERENCE = 9
+
+
+class Effect(enum.IntFlag):
+    """What joints do beside moving bodies: see Data.set_effects."""
+
+    ARMATURE = 1
+    DAMPING = 2
+    SPRINGS = 4
+    FRICTION = 8
+    ALL = 15
 
 
 class Part(enum.IntFlag):
@@ -147,7 +180,8 @@ class Part(enum.IntFlag):
     REGRESSOR = 1 << 14
     IK = 1 << 15
     SECOND_ORDER = 1 << 16
-    ALL = 0x1FFFF
+    COLLISION = 1 << 17
+    ALL = 0x3FFFF
 
 
 class Term(enum.IntFlag):

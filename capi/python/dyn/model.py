@@ -16,7 +16,7 @@ import numpy as np
 
 from . import abi
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
-from .enums import Base, Direction, FrameType, JointType, ModelArray, Part, ReportLevel, ShapeRole, ShapeType
+from .enums import Base, Direction, FrameType, JointType, ModelArray, PairReason, Part, ReportLevel, ShapeRole, ShapeType
 from .errors import ArgumentError, SizeError, UnknownNameError
 from .library import check, fail, last_error, lib
 
@@ -75,6 +75,14 @@ class FrameInfo(NamedTuple):
     """(3, 3), kg m^2, about the centre of mass, axes of the frame."""
 
 
+class Pair(NamedTuple):
+    """Two collision shapes, and whether new data tests them."""
+
+    shape_a: int
+    shape_b: int
+    reason: PairReason
+
+
 class ShapeInfo(NamedTuple):
     id: int
     name: str
@@ -85,7 +93,7 @@ class ShapeInfo(NamedTuple):
     placement: Placement
     """In that frame."""
     size: np.ndarray
-    """(3,), m: box: full lengths; sphere: radius; cylinder, capsule: radius, length; mesh: scale."""
+    """(3,), m: box: full lengths; sphere: radius; cylinder, capsule, cone: radius, length; ellipsoid: semi-axes; mesh: scale."""
     mesh: str
     """Resolved path; "" for others."""
 
@@ -244,6 +252,7 @@ class Model:
         self.nbodies: int = _size(lib.dyn_nbodies(handle))
         """Links, the universe not counted."""
         self.nshapes: int = _size(lib.dyn_nshapes(handle))
+        self.npairs: int = _size(lib.dyn_npairs(handle))
         self.name: str = _string(lib.dyn_model_name(handle))
         self._frame_ids: dict[str, int] = {}
         self._scratch = _Scratch(weakref.ref(self), self.nq, self.nv)
@@ -328,6 +337,15 @@ class Model:
         return tuple(self.frame(i) for i in range(self.nframes))
 
     @cached_property
+    def pairs(self) -> tuple[Pair, ...]:
+        """Pairs of collision shapes, by number: all but those of one body and of a body and its parent."""
+        out, a, b, reason = [], c_int(), c_int(), c_int()
+        for pair in range(self.npairs):
+            check(lib.dyn_pair(self._m, pair, byref(a), byref(b), byref(reason)))
+            out.append(Pair(a.value, b.value, PairReason(reason.value)))
+        return tuple(out)
+
+    @cached_property
     def shapes(self) -> tuple[ShapeInfo, ...]:
         return tuple(self.shape(i) for i in range(self.nshapes))
 
@@ -364,10 +382,11 @@ class Model:
     # ------------------------------------------------------------------------------------------- numbers of the model
 
     def array(self, which: str | ModelArray) -> np.ndarray:
-        """Read-only view of the model's numbers: limits, armature, damping, friction, gravity."""
+        """Read-only view of the model's numbers: limits, armature, damping, friction, springs, gravity."""
         which = member(ModelArray, which, "which")
         start = lib.dyn_model_array(self._m, which)
-        n = 3 if which == ModelArray.GRAVITY else self.nq if which <= ModelArray.UPPER_LIMIT else self.nv
+        of_q = (ModelArray.LOWER_LIMIT, ModelArray.UPPER_LIMIT, ModelArray.SPRING_REFERENCE)
+        n = 3 if which == ModelArray.GRAVITY else self.nq if which in of_q else self.nv
         if start is None and n:
             fail(2)
         return view(start, n, None, (1, 0), self._owner)
@@ -406,6 +425,16 @@ class Model:
     def friction(self) -> np.ndarray:
         """(nv,), N m or N: dry friction."""
         return self.array(ModelArray.FRICTION)
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """(nv,), N m/rad or N/m: springs."""
+        return self.array(ModelArray.STIFFNESS)
+
+    @cached_property
+    def spring_reference(self) -> np.ndarray:
+        """(nq,), rad or m: the configuration where springs are at rest."""
+        return self.array(ModelArray.SPRING_REFERENCE)
 
     @cached_property
     def gravity(self) -> np.ndarray:

@@ -16,7 +16,8 @@ def states(go2):
     x = {name: random.standard_normal((N, go2.nv)) for name in ("v", "a", "tau", "b")}
     x["q"] = np.array([go2.random(k) for k in range(N)])
     x["fext"] = random.standard_normal((N, 6, go2.njoints))
-    return x | {"frame": "FL_foot", "joint": 3, "reference": "world"}
+    x["q1"] = np.array([go2.random(k + N) for k in range(N)])
+    return x | {"frame": "FL_foot", "joint": 3, "reference": "world", "dt": 1e-3, "integrator": "rk4"}
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +31,14 @@ def single(model, algorithm, x):
     inputs = [x[name] for name in algorithm.inputs if name not in ("q", "v", "a") or not algorithm.name.startswith(("frame", "joint_body", "subtree"))]
     if algorithm.name == "integrate":
         return model.integrate(q, v)
+    if algorithm.name == "difference":
+        return model.difference(q, x["q1"])
+    if algorithm.name == "step":
+        d.set_state(q, v, tau=x["tau"])
+        d.step(x["dt"], x["integrator"])
+        return d.q, d.v
+    if algorithm.name == "rnea_second_order_product":
+        return d.rnea_second_order_product(x["b"], q, v, a, x["fext"])
     if algorithm.name.startswith(("frame", "joint_body")):
         d.forward_kinematics(q, v if "v" in algorithm.inputs else None, a if "a" in algorithm.inputs else None)
     if algorithm.name.startswith("subtree"):

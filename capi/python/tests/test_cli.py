@@ -94,7 +94,7 @@ def test_bad_usage(words):
 def test_unknown_quantity_lists_the_known():
     error = run("eval", GO2, "--fixed", "--compute", "Mass", status=2)
     assert '"Mass"' in error and "Minv" in error and "frame_classical_acceleration" in error
-    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "collisions", status=1)
+    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "lambda", status=1)
 
 
 def test_bad_robots(tmp_path):
@@ -127,7 +127,7 @@ def test_info(go2):
     assert [(f["name"], f["type"], f["joint"]) for f in info["frames"]][1:] == [
         (f.name, f.type.name, f.joint) for f in go2.frames
     ][1:]
-    assert [e["name"] for e in info["effects"]] == ["gravity", "armature", "damping", "friction", "limits", "mimic"]
+    assert [e["name"] for e in info["effects"]] == ["gravity", "armature", "damping", "springs", "friction", "limits", "mimic"]
     assert all(isinstance(e["active"], bool) and e["reason"] for e in info["effects"])
     assert all(set(e) == {"level", "message", "line"} for e in info["report"])
     assert [e["level"] for e in info["report"] if "not applied" in e["message"] and "12 x effort limit" in e["message"]] == ["info"]
@@ -352,7 +352,7 @@ def test_more_bad_states(arm_file, tmp_path):
 def test_sim(arm_file, arm, tmp_path):
     csv = tmp_path / "out.csv"
     found = answer(
-        "sim", arm_file, "--fixed", "--duration", "0.5", "--dt", "1e-3", "--integrator", "rk4", "--q", "1,0.5", "--csv", csv
+        "sim", arm_file, "--fixed", "--duration", "0.5", "--dt", "1e-3", "--integrator", "rk4", "--q", "1,0.5", "--csv", csv, "--effects", "armature"
     )
     keys = "duration steps wall_s real_time_factor q v time energy contacts_max penetration_max residual_max integrator solver dt error_estimate effects warnings"
     assert set(keys.split()) <= set(found)
@@ -372,7 +372,6 @@ def test_sim(arm_file, arm, tmp_path):
     assert found["energy"]["initial"] == start and found["energy"]["final"] == d.energy().mechanical
     assert 0 <= found["energy"]["drift_max"] < 1e-9 and 0 < found["error_estimate"] < 1e-9
     assert found["wall_s"] > 0 and found["real_time_factor"] == pytest.approx(0.5 / found["wall_s"])
-    assert any("damping" in w for w in found["warnings"])
     rows = np.genfromtxt(csv, delimiter=",", names=True)
     assert rows.dtype.names == ("t", "q0", "q1", "v0", "v1", "kinetic", "potential", "mechanical") and len(rows) == 501
     assert rows["q1"][-1] == d.q[1] and rows["t"][0] == 0 and rows["mechanical"][0] == start  # 17 digits: no loss
@@ -387,7 +386,7 @@ def test_sim_last_step_is_shorter(arm_file):
 
 def test_sim_error_estimate_is_honest(arm_file):
     def end(dt, integrator):
-        return answer("sim", arm_file, "--fixed", "--duration", "1", "--dt", dt, "--integrator", integrator, "--q", "1,0.5")
+        return answer("sim", arm_file, "--fixed", "--duration", "1", "--dt", dt, "--integrator", integrator, "--q", "1,0.5", "--effects", "damping")
 
     exact = np.array(end("1e-4", "rk4")["q"])
     for integrator, dt in (("semi_implicit_euler", "1e-3"), ("rk4", "2e-2")):
@@ -449,3 +448,57 @@ def test_bench(arm_file):
         assert 0 < row["ns_p50"] <= row["ns_p99"] and row["percent_of_1ms"] == row["ns_p50"] / 1e4
         assert row["instructions"] is None or row["instructions"] > 0
     assert "rnea" in run("bench", arm_file, "--fixed", "--seconds", "0.1")
+
+
+# ------------------------------------------------------------------------------------------------- effects
+
+DAMPED = """<robot name="r"><link name="a"/><link name="b"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="j" type="continuous"><parent link="a"/>
+<child link="b"/><axis xyz="0 0 1"/><dynamics damping="0.5" friction="0.25"/></joint></robot>"""
+
+
+def test_effects(tmp_path):
+    robot = tmp_path / "r.urdf"
+    robot.write_text(DAMPED)
+
+    def final(*more):
+        found = answer("sim", robot, "--fixed", "--duration", "1", "--dt", "1e-4", "--v", "2", *more)
+        return found["v"][0], {e["name"] for e in found["effects"] if e["active"]}
+
+    assert final("--effects", "none") == final() == (pytest.approx(2), {"gravity"})
+    warnings = answer("sim", robot, "--fixed", "--duration", "0.01")["warnings"]
+    assert [w.split(":")[0] for w in warnings if "--effects" in w] == ["damping", "friction"]
+    v, active = final("--effects", "damping")
+    assert v == pytest.approx(2 * math.exp(-0.5), rel=1e-4) and active == {"gravity", "damping"}
+    v, active = final("--effects", "all")
+    assert v == pytest.approx(2.5 * math.exp(-0.5) - 0.5, rel=1e-3) and active == {"gravity", "damping", "friction"}
+    for effects, tau in {"armature": 0, "damping": 1, "friction,damping": 1.25, "all": 1.25}.items():
+        found = answer("eval", robot, "--fixed", "--compute", "tau", "--v", "2", "--effects", effects)
+        assert found["tau"] == pytest.approx([tau])
+    for command in (["sim", "--duration", "1"], ["eval", "--compute", "tau"], ["bench"]):
+        assert "wind" in run(command[0], robot, "--fixed", *command[1:], "--effects", "wind", status=2)
+
+
+# ------------------------------------------------------------------------------------------------- distance
+
+
+def test_distance(go2):
+    found = answer("distance", GO2, "--floating")
+    distances = go2.data().distances(go2.neutral())
+    assert [p["distance"] for p in found["pairs"]] == sorted(distances.tolist())
+    assert found["collisions"] == 0 and {p["status"] for p in found["pairs"]} == {"separated"}
+    nearest = found["pairs"][0]
+    assert distances[nearest["pair"]] == nearest["distance"] and {nearest["a"], nearest["b"]} & {"base", "FL_thigh"}
+    text = run("distance", GO2, "--floating")
+    assert f"{len(distances)} pairs, 0 in collision" in text and "--pairs" in text and text.count("separated") == 10
+    assert run("distance", GO2, "--floating", "--pairs").count("separated") == len(distances)
+    values = answer("eval", GO2, "--floating", "--compute", "distances,collisions,distance_gradients")
+    assert len(values["distances"]) == len(values["distance_gradients"]) == go2.npairs and values["collisions"] == []
+    pairs = answer("info", GO2, "--floating", "--pairs")["pairs"]
+    assert sum(p["tested"] for p in pairs) == go2.npairs
+    assert {p["reason"] for p in pairs} == {"tested", "they belong to one body", "a body and its parent"}
+    assert "pairs of collision shapes" in run("info", GO2, "--floating", "--pairs")
+
+
+def test_distance_without_shapes(arm_file):
+    assert "no pair" in run("distance", arm_file, "--fixed")

@@ -3,15 +3,25 @@
 #pragma once
 
 #include "dyn/algorithm/articulated_solve.hpp"
+#include "dyn/algorithm/factor_inverse.hpp"
 #include "dyn/algorithm/forward_dynamics.hpp"
+#include "dyn/algorithm/inverse_times.hpp"
 #include "dyn/algorithm/rnea_derivatives.hpp"
 
 namespace dyn {
 
+// M^-1 comes from the factor of M, at a cost that grows with the depth of the tree, up to chains of some 40 joints; beyond, from
+// articulated bodies. With mimic joints M does not follow the tree.
+inline bool by_factor(const Model& m) {
+  std::ptrdiff_t ancestors = 0;
+  for (Index k = 0; k < m.n.nv; ++k) ancestors += m.dof_depth()[k];
+  return m.has_mimic || ancestors <= 20 * std::ptrdiff_t(m.n.nv);
+}
+
 // d.Minv. Returns 0, or the joint that is singular.
 template <class T>
 Index minverse(const Model& m, Data<T>& d) {
-  if (m.has_mimic) {
+  if (by_factor(m)) {
     crba(m, d);
     if (const Index failed = factorize(m, d)) return joint_of(m, failed - 1);
     invert(m, d);
@@ -28,17 +38,16 @@ template <class T>
 Index aba_derivatives(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext) {
   if (const Index failed = forward_dynamics(m, d, v, tau, fext, d.ddq)) return failed;
   rnea_derivatives(m, d, v, d.ddq, fext);
-  if (!m.has_mimic) {
-    articulated_columns(m, d);
-    minus_articulated_solve(m, d, d.dtau_dq, d.ddq_dq);
-    minus_articulated_solve(m, d, d.dtau_dv, d.ddq_dv);
-    articulated_inverse(m, d);
+  if (by_factor(m)) {
+    if (const Index failed = factorize(m, d)) return joint_of(m, failed - 1);
+    invert(m, d);
+    minus_inverse_times(m, d.Minv, d.dtau_dq, d.dtau_dv, d.ddq_dq, d.ddq_dv);
     return 0;
   }
-  const std::ptrdiff_t n = m.n.nv;
-  for (std::ptrdiff_t k = 0; k < n * n; ++k) d.ddq_dq[k] = -d.dtau_dq[k], d.ddq_dv[k] = -d.dtau_dv[k];
-  for (std::ptrdiff_t k = 0; k < n; ++k) solve(m, d, d.ddq_dq + n * k), solve(m, d, d.ddq_dv + n * k);
-  invert(m, d);
+  articulated_columns(m, d);
+  minus_articulated_solve(m, d, d.dtau_dq, d.ddq_dq);
+  minus_articulated_solve(m, d, d.dtau_dv, d.ddq_dv);
+  articulated_inverse(m, d);
   return 0;
 }
 

@@ -55,7 +55,7 @@ struct SixEights {
   static constexpr T zeros[8] = {};
 };
 
-// X = M^-1 X for sixteen columns, row by row; rows past last are zero on entry.
+// The rows up to last of X = M^-1 X for sixteen columns, row by row; rows past it are zero on entry.
 template <class T>
 void articulated_solve(const Model& m, Data<T>& d, T* X, Index last) {
   using P = Pack<T, 8>;
@@ -77,7 +77,7 @@ void articulated_solve(const Model& m, Data<T>& d, T* X, Index last) {
     F = G = Six::zero();
   }
   Six A = Six::zero(), B = A;
-  for (Index k = 0; k < m.n.nv; ++k) {
+  for (Index k = 0; k <= last; ++k) {
     const Index p = parent[k];
     if (p != k - 1) {
       if (p >= 0) A = Six::load(at_fork(p)), B = Six::load(at_fork(p) + 48);
@@ -111,10 +111,10 @@ void articulated_inverse(const Model& m, Data<T>& d) {
   T* X = d.some_columns;
   for (std::ptrdiff_t c = 0; c < n; c += solve_width) {
     const std::ptrdiff_t width = std::min<std::ptrdiff_t>(solve_width, n - c);
-    std::fill_n(X, solve_width * n, T(0));
+    std::fill_n(X, solve_width * (c + width), T(0));
     for (std::ptrdiff_t k = 0; k < width; ++k) X[solve_width * (c + k) + k] = T(1);
     articulated_solve(m, d, X, Index(c + width) - 1);
-    for (std::ptrdiff_t i = c; i < n; ++i) std::copy_n(X + solve_width * i, width, d.Minv + c + n * i);
+    transpose(X, solve_width, width, c + width, T(1), d.Minv + n * c, n);
   }
   mirror_upper(d.Minv, n);
   d.done(Stage::Minv);

@@ -14,26 +14,40 @@ DYN_INLINE void for_each_leader(const Model& m, F&& f) {
   });
 }
 
+// The same with the places of its coordinates: f(body, in q, in v). Without mimic they lie side by side in a run, and the loop over joints of one
+// coordinate is one over numbers.
+template <class F>
+DYN_INLINE void for_each_place(const Model& m, F&& f) {
+  if (m.has_mimic) return for_each_leader(m, [&]<class J>(const Body& b) DYN_INLINE_LAMBDA { f.template operator()<J>(b, b.user_q, b.user_v); });
+  for (Index l = 0; l < m.n.runs; ++l) {
+    const Run& run = m.runs()[l];
+    const Body* bodies = m.bodies() + run.first;
+    visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
+      for (Index k = 0; k < run.last - run.first; ++k) f.template operator()<J>(bodies[k], run.idx_q + J::nq * k, run.idx_v + J::nv * k);
+    });
+  }
+}
+
 // out = q (+) v; out may be q.
 template <class T>
 void integrate(const Model& m, const T* q, const T* v, T* out) {
-  for_each_leader(m, [&]<class J>(const Body& b) DYN_INLINE_LAMBDA { J::integrate(q + b.user_q, v + b.user_v, out + b.user_q); });
+  for_each_place(m, [&]<class J>(const Body&, Index iq, Index iv) DYN_INLINE_LAMBDA { J::integrate(q + iq, v + iv, out + iq); });
 }
 
 // v = q1 (-) q0
 template <class T>
 void difference(const Model& m, const T* q0, const T* q1, T* v) {
-  for_each_leader(m, [&]<class J>(const Body& b) DYN_INLINE_LAMBDA { J::difference(b, q0 + b.user_q, q1 + b.user_q, v + b.user_v); });
+  for_each_place(m, [&]<class J>(const Body& b, Index iq, Index iv) DYN_INLINE_LAMBDA { J::difference(b, q0 + iq, q1 + iq, v + iv); });
 }
 
 // out = q0 (+) u (q1 (-) q0); out may be q0 or q1.
 template <class T>
 void interpolate(const Model& m, const T* q0, const T* q1, T u, T* out) {
-  for_each_leader(m, [&]<class J>(const Body& b) {
+  for_each_place(m, [&]<class J>(const Body& b, Index iq, Index) {
     T v[6];
-    J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
+    J::difference(b, q0 + iq, q1 + iq, v);
     for (int k = 0; k < J::nv; ++k) v[k] *= u;
-    J::integrate(q0 + b.user_q, v, out + b.user_q);
+    J::integrate(q0 + iq, v, out + iq);
   });
 }
 
@@ -41,9 +55,9 @@ template <class T>
 T distance(const Model& m, const T* q0, const T* q1) {
   using std::sqrt;
   T sum = T(0);
-  for_each_leader(m, [&]<class J>(const Body& b) {
+  for_each_place(m, [&]<class J>(const Body& b, Index iq, Index) {
     T v[6];
-    J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
+    J::difference(b, q0 + iq, q1 + iq, v);
     for (int k = 0; k < J::nv; ++k) sum += v[k] * v[k];
   });
   return sqrt(sum);

@@ -11,7 +11,7 @@ namespace dyn {
 // Rotors on the diagonal of d.M, which is then complete.
 template <class T>
 void add_armature(const Model& m, Data<T>& d) {
-  for (std::ptrdiff_t k = 0; k < m.n.nv; ++k) d.M[k + m.n.nv * k] += T(m.armature()[k]);
+  for (std::ptrdiff_t k = 0; k < m.n.nv; ++k) d.M[k + m.n.nv * k] += d.armature[k];
 }
 
 // d.M, full and symmetric.

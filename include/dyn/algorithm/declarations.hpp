@@ -12,6 +12,7 @@ template <class T> void ensure_position(const Model&, Data<T>&);
 template <class T> void ensure_velocity(const Model&, Data<T>&);
 template <class T> void ensure_acceleration(const Model&, Data<T>&);
 // rnea.hpp, aba.hpp, forward_dynamics.hpp, crba.hpp, cholesky.hpp, coriolis.hpp
+template <class T> void rigid_inverse_dynamics(const Model&, Data<T>&, const T* v, const T* a, const T* fext, T* tau);
 template <class T> void inverse_dynamics(const Model&, Data<T>&, const T* v, const T* a, const T* fext, T* tau);
 template <class T> Index forward_dynamics(const Model&, Data<T>&, const T* v, const T* tau, const T* fext, T* ddq);
 template <class T> void crba(const Model&, Data<T>&);
@@ -26,6 +27,7 @@ template <class T> Index minverse(const Model&, Data<T>&);
 template <class T> Index aba_derivatives(const Model&, Data<T>&, const T* v, const T* tau, const T* fext);
 // gravity_derivatives.hpp, center_of_mass_derivatives.hpp
 template <class T> void gravity_derivatives(const Model&, Data<T>&, const T* fext, T* out);
+template <class T> void static_torque_derivatives(const Model&, Data<T>&, const T* fext, T* out);
 template <class T> void center_of_mass_velocity_derivatives(const Model&, Data<T>&);
 // second_order.hpp, second_order_tensors.hpp
 template <class X>

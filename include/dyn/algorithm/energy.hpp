@@ -1,6 +1,7 @@
 // Kinetic and potential energy of what moves.
 #pragma once
 
+#include "dyn/algorithm/effects.hpp"
 #include "dyn/algorithm/kinematics.hpp"
 
 namespace dyn {
@@ -15,12 +16,12 @@ void kinetic_energy(const Model& m, Data<T>& d) {
     const Vec3<T> wB = transpose_times(d.R[i], d.w[i]), h = d.R[i] * cast<T>(b.h);
     twice += T(b.m) * dot(d.u[i], d.u[i]) + T(2) * dot(d.u[i], cross(d.w[i], h)) + dot(wB, cast<T>(b.I) * wB);
   }
-  for (Index k = 0; k < m.n.nv; ++k) twice += T(m.armature()[k]) * d.v[k] * d.v[k];
+  for (Index k = 0; k < m.n.nv; ++k) twice += d.armature[k] * d.v[k] * d.v[k];
   d.kinetic[0] = T(0.5) * twice;
   d.done(Stage::Kinetic);
 }
 
-// -m g . c, zero at the world's origin.
+// -m g . c, zero at the world's origin, and that of springs.
 template <class T>
 void potential_energy(const Model& m, Data<T>& d) {
   ensure_position(m, d);
@@ -30,7 +31,7 @@ void potential_energy(const Model& m, Data<T>& d) {
     const Body& b = m.bodies()[i];
     sum += dot(g, d.p[i] * T(b.m) + d.R[i] * cast<T>(b.h));
   }
-  d.potential[0] = T(0) - sum;
+  d.potential[0] = spring_energy(m, d) - sum;
   d.done(Stage::Potential);
 }
 

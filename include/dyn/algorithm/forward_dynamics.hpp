@@ -2,7 +2,7 @@
 #pragma once
 
 #include "dyn/algorithm/aba.hpp"
-#include "dyn/algorithm/cholesky.hpp"
+#include "dyn/algorithm/factor_inverse.hpp"
 #include "dyn/algorithm/configuration.hpp"
 #include "dyn/algorithm/crba.hpp"
 
@@ -19,6 +19,12 @@ inline Index joint_of(const Model& m, Index dof) {
 template <class T>
 Index forward_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T* ddq) {
   if (!m.has_mimic) {
+    if (resists(d)) {
+      std::fill_n(d.net, m.n.nv, T(0));
+      add_resistance(m, d, v, d.net);
+      for (Index k = 0; k < m.n.nv; ++k) d.net[k] = tau[k] - d.net[k];
+      tau = d.net;
+    }
     const Index body = aba(m, d, v, tau, fext, ddq);
     return body ? m.bodies()[body].joint : 0;
   }

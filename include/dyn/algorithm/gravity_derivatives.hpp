@@ -3,6 +3,7 @@
 //   dtau_i/dq_j = (a_0 x S_j) . Y_i S_i                dtau_j/dq_i = dtau_i/dq_j - S_j . (S_i x* fext_i)
 #pragma once
 
+#include "dyn/algorithm/effects.hpp"
 #include "dyn/algorithm/rnea_derivatives.hpp"
 
 namespace dyn {
@@ -56,6 +57,13 @@ void gravity_derivatives(const Model& m, Data<T>& d, const T* fext, T* out) {
       for (std::ptrdiff_t r = first; r < c; ++r) dq.p[r + dq.n * c] = dot(d.ddS[c].linear, d.F[r].linear);
   });
   if (m.has_mimic) contract(m, d.dqx, out);
+}
+
+// The same with springs.
+template <class T>
+void static_torque_derivatives(const Model& m, Data<T>& d, const T* fext, T* out) {
+  gravity_derivatives(m, d, fext, out);
+  add_spring_derivatives(m, d, out);
 }
 
 }  // namespace dyn

@@ -4,7 +4,7 @@
 // I and c of the body's frame, where they are constant. Gravity is an acceleration of the world by -g.
 #pragma once
 
-#include "dyn/algorithm/passes.hpp"
+#include "dyn/algorithm/effects.hpp"
 
 namespace dyn {
 
@@ -72,12 +72,19 @@ void rnea(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* 
   }, [&](Index parent, const Force<T>& up) DYN_INLINE_LAMBDA { d.f[parent] = d.f[parent] + up; });
 }
 
-// The same in the user's coordinates, rotor inertias included.
+// The same in the user's coordinates.
 template <class T>
-void inverse_dynamics(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* tau) {
+void rigid_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* tau) {
   rnea(m, d, d.expand(m, v, d.vx), d.expand(m, a, d.ax), fext, m.has_mimic ? d.taux : tau);
   if (m.has_mimic) d.reduce(m, d.taux, tau);
-  for (Index k = 0; k < m.n.nv; ++k) tau[k] += T(m.armature()[k]) * a[k];
+}
+
+// And with all effects.
+template <class T>
+void inverse_dynamics(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* tau) {
+  rigid_inverse_dynamics(m, d, v, a, fext, tau);
+  if (resists(d)) add_resistance(m, d, v, tau);
+  for (Index k = 0; k < m.n.nv; ++k) tau[k] += d.armature[k] * a[k];
 }
 
 }  // namespace dyn

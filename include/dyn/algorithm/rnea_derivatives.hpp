@@ -140,7 +140,8 @@ void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const 
     d.reduce(m, d.taux, d.tau);
   }
   add_armature(m, d);
-  for (Index k = 0; k < m.n.nv; ++k) d.tau[k] += T(m.armature()[k]) * a[k];
+  if (resists(d)) add_resistance(m, d, v, d.tau), add_resistance_derivatives(m, d, v, d.dtau_dq, d.dtau_dv);
+  for (Index k = 0; k < m.n.nv; ++k) d.tau[k] += d.armature[k] * a[k];
   d.done(Stage::Mass);
 }
 

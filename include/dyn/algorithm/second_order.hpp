@@ -12,6 +12,7 @@
 //   dq_j dv_k = W_k . G_j + S_k . E_j     dq_k dv_j = mu_k . Fv_j + psi'_k . H_j     da_j dq_k = mu_k . F_j     da_k dq_j = S_k . G_j
 #pragma once
 
+#include "dyn/algorithm/effects.hpp"
 #include "dyn/algorithm/declarations.hpp"
 #include "dyn/algorithm/rnea_derivatives.hpp"
 
@@ -171,6 +172,7 @@ void second_order_product(const Model& m, Data<T>& d, const T* lambda, const Sec
   std::fill_n(d.active, m.n.nvx, Index(1));
   contract_composites(m, d, d.expand(m, lambda, d.lambdax));
   second_order_matrices(m, d, [&](auto&& begin, auto&& f) DYN_INLINE_LAMBDA { for_each_tile<T>(m, begin, f); }, out);
+  add_resistance_second_order(m, d, d.v, [&](Index k) { return lambda[k]; }, out.dqdq, out.dvdv);
 }
 
 }  // namespace dyn

@@ -75,8 +75,9 @@ void second_order_derivatives(const Model& m, Data<T>& d, const SecondOrder<T*>&
   for (Index i = 0; i < m.n.nv; ++i) {
     unit_composites(m, d, i);
     const std::ptrdiff_t first = link_tiles(m, d);
-    second_order_matrices(m, d, [&](auto&& begin, auto&& f) DYN_INLINE_LAMBDA { for_each_tile_among<T>(m, d.next_tile, first, begin, f); },
-                          SecondOrder<T*>{cleared(out.dqdq, d.dqx, i), cleared(out.dvdv, d.dvx, i), cleared(out.dqdv, d.Mx, i), cleared(out.dadq, d.d2x, i)});
+    const SecondOrder<T*> of_i{cleared(out.dqdq, d.dqx, i), cleared(out.dvdv, d.dvx, i), cleared(out.dqdv, d.Mx, i), cleared(out.dadq, d.d2x, i)};
+    second_order_matrices(m, d, [&](auto&& begin, auto&& f) DYN_INLINE_LAMBDA { for_each_tile_among<T>(m, d.next_tile, first, begin, f); }, of_i);
+    add_resistance_second_order(m, d, d.v, [&](Index k) { return T(k == i); }, of_i.dqdq, of_i.dvdv);
   }
 }
 

@@ -8,9 +8,21 @@
 
 namespace dyn {
 
+// The most that one instruction takes.
+#ifdef __AVX512F__
+inline constexpr int widest_pack = 8;
+#else
+inline constexpr int widest_pack = 4;
+#endif
+
 template <class T, int W>
 struct Pack {
   T x[W];
+  static DYN_INLINE Pack zero() {
+    Pack a;
+    for (int k = 0; k < W; ++k) a.x[k] = T(0);
+    return a;
+  }
   static DYN_INLINE Pack load(const T* p) {
     Pack a;
     for (int k = 0; k < W; ++k) a.x[k] = p[k];
@@ -70,6 +82,7 @@ template <int W>
 struct Pack<double, W> {
   typedef double Lanes __attribute__((vector_size(8 * W)));
   Lanes x;
+  static DYN_INLINE Pack zero() { return {Lanes{}}; }
   static DYN_INLINE Pack load(const double* p) {
     Pack a;
     std::memcpy(&a.x, p, sizeof a.x);
@@ -105,14 +118,37 @@ struct Pack<double, W> {
 };
 #endif
 
-// The first count lanes alone.
+// The first count lanes alone; loaded, the others are zero.
 template <class T>
 DYN_INLINE void store(const Pack<T, 4>& a, T* p, int count) {
   for (int k = 0; k < count; ++k) p[k] = a[k];
 }
+template <class T>
+DYN_INLINE Pack<T, 4> load(const T* p, int count) {
+  Pack<T, 4> a;
+  for (int k = 0; k < 4; ++k) a.x[k] = k < count ? p[k] : T(0);
+  return a;
+}
 #ifdef __AVX__
+DYN_INLINE Pack<double, 4> load(const double* p, int count) {
+  return {__builtin_ia32_maskloadpd256(reinterpret_cast<const FourNumbers*>(p), FourIntegers{0, 1, 2, 3} < (long long)count)};
+}
 DYN_INLINE void store(const Pack<double, 4>& a, double* p, int count) {
   __builtin_ia32_maskstorepd256(reinterpret_cast<FourNumbers*>(p), FourIntegers{0, 1, 2, 3} < (long long)count, a.x);
+}
+#endif
+
+// The four lanes from first on.
+template <int first, class T, int W>
+DYN_INLINE Pack<T, 4> four_of(const Pack<T, W>& a) {
+  Pack<T, 4> b;
+  for (int k = 0; k < 4; ++k) b.x[k] = a.x[first + k];
+  return b;
+}
+#if DYN_LANES == 4
+template <int first, int W>
+DYN_INLINE Pack<double, 4> four_of(const Pack<double, W>& a) {
+  return {__builtin_shufflevector(a.x, a.x, first, first + 1, first + 2, first + 3)};
 }
 #endif
 

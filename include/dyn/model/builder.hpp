@@ -42,7 +42,8 @@ struct JointSpec {
   double pitch = 0;
   std::vector<double> lower, upper;                // nq
   std::vector<double> velocity, effort;            // nv
-  std::vector<double> armature, damping, friction; // nv
+  std::vector<double> armature, damping, friction, stiffness; // nv
+  std::vector<double> spring_reference;            // nq
   double rotor_inertia = 0, gear_ratio = 1;
   std::string mimic;  // leader's name; "" for none
   double mimic_ratio = 1, mimic_offset = 0;

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "dyn/base/sincos.hpp"
+#include "dyn/collision/geom.hpp"
 #include "dyn/model/model.hpp"
 #include "dyn/spatial/inertia_rate.hpp"
 #include "dyn/spatial/moments.hpp"
@@ -19,6 +20,7 @@ enum class Stage : Index {
   Mass, Factor, Minv, Coriolis, Kinetic, Potential, Mechanical,
   InverseDerivatives, ForwardDerivatives, GravityDerivatives, StaticDerivatives, ComDerivatives, SecondOrder,
   CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives, CentroidalRateDerivative,
+  Distances,
   TorqueRegressor, StaticRegressor, KineticRegressor, PotentialRegressor,
   count_
 };
@@ -45,6 +47,9 @@ inline constexpr unsigned stage_inputs(Stage s) {
 
 // Numbers of degrees of freedom in whole tiles of four (algorithm/tiles.hpp).
 inline std::ptrdiff_t tile_room(std::ptrdiff_t n) { return (n + 3) / 4 * 4; }
+
+// And in whole packs of eight (algorithm/cholesky.hpp).
+inline std::ptrdiff_t factor_room(const Model& m) { return (std::ptrdiff_t(m.n.nv) + 7) & ~std::ptrdiff_t(7); }
 
 // First expanded degree of freedom at or after body i.
 inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
@@ -89,24 +94,25 @@ struct Data {
 #include "dyn/model/data_fields.def"
 
   dynParts parts;
-  std::uint64_t version[input_count];                           // of q, v, a, tau: bumped when the value changes
-  std::uint64_t stamp[std::size_t(Stage::count_)][input_count];  // versions that each stage was computed for
-  bool valid[std::size_t(Stage::count_)];
+  std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them
+  std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
+  std::uint64_t stamp[std::size_t(Stage::count_)];  // the newest of the versions that each stage was computed for; 0: not computed
 
   bool has(dynParts p) const { return p == 0 || (parts & p) != 0; }
-  bool fresh(Stage s) const {
-    if (s == Stage::State) return true;
-    if (!valid[std::size_t(s)]) return false;
+  bool fresh(Stage s) const { return s == Stage::State || stamp[std::size_t(s)] == newest(s); }
+  void done(Stage s) { stamp[std::size_t(s)] = newest(s); }
+  void drop(Stage s) { stamp[std::size_t(s)] = 0; }
+  // Tells the inputs of a stage apart: none can change without a version that is newer than all others.
+  std::uint64_t newest(Stage s) const {
     const unsigned inputs = stage_inputs(s);
+    std::uint64_t n = 0;
     for (int i = 0; i < input_count; ++i)
-      if ((inputs >> i & 1u) && stamp[std::size_t(s)][i] != version[i]) return false;
-    return true;
+      if ((inputs >> i & 1u) && version[i] > n) n = version[i];
+    return n;
   }
-  void done(Stage s) {
-    valid[std::size_t(s)] = true;
-    for (int i = 0; i < input_count; ++i) stamp[std::size_t(s)][i] = version[i];
-  }
-  void drop(Stage s) { valid[std::size_t(s)] = false; }
+
+  // An input was written.
+  void changed(Input input) { version[input] = *std::max_element(version, version + input_count) + 1; }
 
   // Coordinates as the recursions read them: followers of a mimic have their own entries.
   const T* expand_q(const Model& m) const {
@@ -136,7 +142,7 @@ inline dynParts complete_parts(dynParts p) {
   if (p & DYN_PART_FACTOR) p |= DYN_PART_MASS;
   if (p & DYN_PART_IK) p |= DYN_PART_COM;
   if (p & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES |
-           DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR | DYN_PART_IK)) p |= DYN_PART_KINEMATICS;
+           DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR | DYN_PART_IK | DYN_PART_COLLISION)) p |= DYN_PART_KINEMATICS;
   return p;
 }
 
@@ -151,8 +157,8 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d);
 namespace detail {
 template <class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
-  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m);
-  (void)nq, (void)nv, (void)nframes, (void)nparameters;
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
 #define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(count) : 0);
@@ -167,6 +173,25 @@ std::size_t data_bytes(const Model& m, dynParts parts) {
   detail::for_each_buffer(m, complete_parts(parts), unused,
                           [&](auto*& p, std::size_t count) { bytes += (count * sizeof(*p) + 63) / 64 * 64; });
   return bytes;
+}
+
+// Fills in the coefficients of the effects that are switched on.
+template <class T>
+void apply_effects(const Model& m, Data<T>& d) {
+  const struct {
+    std::uint32_t bit;
+    const double* from;
+    T* to;
+  } rows[] = {{DYN_EFFECT_ARMATURE, m.armature(), d.armature}, {DYN_EFFECT_DAMPING, m.damping(), d.damping},
+              {DYN_EFFECT_SPRINGS, m.stiffness(), d.stiffness}, {DYN_EFFECT_FRICTION, m.friction(), d.friction}};
+  d.acting = 0;
+  for (Index j = 1; j < m.n.joints; ++j)
+    for (Index k = m.joints()[j].idx_v, end = k + m.joints()[j].nv; k < end; ++k)
+      for (const auto& r : rows) {
+        if (!r.to) continue;
+        r.to[k] = d.effects[j] & r.bit ? T(r.from[k]) : T(0);
+        if (r.to[k] != T(0)) d.acting |= r.bit;
+      }
 }
 
 template <class T>
@@ -192,15 +217,19 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (T* x : {d.M, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
                d.lambda_d2tau_dadq})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
-  for (T* x : {d.Mx, d.dqx, d.dvx})
+  for (T* x : {d.Mx, d.dqx, d.dvx, d.d2x})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
+  if (d.Linv) std::fill_n(d.Linv, m.n.nv * factor_room(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
+  for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_ARMATURE;
+  apply_effects(m, d);
+  if (d.geoms) collision::set_up(m, d);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
   for (int k = 0; k < 3; ++k) d.extent[k] = T(0);
   for (auto& v : d.version) v = 1;
-  for (auto& v : d.valid) v = false;
+  for (auto& s : d.stamp) s = 0;
 }
 
 }  // namespace dyn

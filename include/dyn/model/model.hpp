@@ -38,7 +38,8 @@ struct JointRecord {
   double axis[3], axis2[3], pitch;
   double placement[12];
   Index first_part, parts;            // composite: its simple joints, in order; otherwise none
-  double armature, damping, friction; // own, of a joint with one coordinate: a follower's are also part of its leader's
+  // own, of a joint with one coordinate: a follower's are also part of its leader's
+  double armature, damping, friction, stiffness, spring_reference;
 };
 
 // A simple joint of a composite.
@@ -53,7 +54,12 @@ struct FrameRecord {
   Index name;
   dynFrameType type;
   Index joint, body;
+  Index link;            // BODY: its number among the links; otherwise -1
   double placement[12];  // in the joint's frame
+};
+
+// Of a link itself, in its frame.
+struct LinkRecord {
   double mass, com[3], inertia[9];
 };
 
@@ -65,6 +71,20 @@ struct ShapeRecord {
   double placement[12], size[3];
 };
 
+// A collision shape.
+struct GeomRecord {
+  Index shape;  // its number among all shapes
+};
+
+// Pairs are listed up to so many collision shapes.
+inline constexpr Index most_geoms = 1000;
+
+// Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child.
+struct PairRecord {
+  std::uint16_t a, b;
+  std::uint16_t reason;  // dynPairReason: whether new data tests it
+};
+
 struct ReportRecord {
   dynReportLevel level;
   Index line, message;
@@ -74,7 +94,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, reports, configurations, text;
+  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text;
 };
 
 struct Model {
@@ -86,6 +106,7 @@ struct Model {
   ModelSizes n;
   Index model_name;  // offset in text
   Index has_mimic;   // 1: some joint follows another
+  std::uint32_t effects;  // DYN_EFFECT_... that some joint has
   double gravity[3];
   double total_mass;
 

@@ -5,11 +5,19 @@
 
 namespace dyn {
 
-// v' = v + h ddq(q, v), q' = q (+) h v'. First order; the energy of oscillations stays bounded.
+// v' = v + h ddq(q, v'), q' = q (+) h v'. First order; the energy of oscillations stays bounded. Damping and dry friction, D(v) v, take
+// v', so that no coefficient is too large for the step: (M + h D) ddq = tau - nle.
 // Reads and writes d.q, d.v. Returns 0 or the joint whose forward dynamics failed (the state is then as before).
 template <class T>
 Index step_semi_implicit_euler(const Model& m, Data<T>& d, T h) {
-  if (const Index joint = forward_dynamics(m, d, d.v, d.tau_applied, static_cast<const T*>(nullptr), d.ddq)) return joint;
+  T* const armature = d.armature;
+  if (d.acting & (DYN_EFFECT_DAMPING | DYN_EFFECT_FRICTION)) {
+    d.armature = d.net + m.n.nv;
+    implicit_armature(m, d, armature, h);
+  }
+  const Index joint = forward_dynamics(m, d, d.v, d.tau_applied, static_cast<const T*>(nullptr), d.ddq);
+  d.armature = armature;
+  if (joint) return joint;
   T* hv = d.stepper;
   for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k], hv[k] = h * d.v[k];
   integrate(m, d.q, hv, d.q);

@@ -138,6 +138,33 @@ inline Mat3<T> Jlog3(const Vec3<T>& w) {
   return Mat3<T>::diagonal(d, d, d) + outer(w, w) * k + skew(w) * T(0.5);
 }
 
+// Derivative of log_coefficient by t^2
+template <class T>
+inline T log_coefficient_rate(T t2) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  if (t2 < T(1)) {
+    // h cot h = 1 - 2 sum over n of zeta(2n) (h / pi)^2n: the closed form cancels. a_n = 2 zeta(2n) / pi^2n
+    constexpr double a[] = {1. / 45, 2. / 945, 1. / 4725, 2. / 93555, 1382. / 638512875, 4. / 18243225, 3617. / 162820783125, 87734. / 38979295480125,
+                            349222. / 1531329465290625};
+    const T x = t2 * T(0.25);
+    T sum = T(0);
+    for (int n = 8; n >= 0; --n) sum = sum * x + T((n + 1) * a[n]);
+    return sum * T(0.0625);
+  }
+  const T h = sqrt(t2) * T(0.5), s = sin(h);
+  return (h * h / (s * s) + h * cos(h) / s - T(2)) / (T(2) * t2 * t2);
+}
+
+// Derivative of Jlog3(w)^T l by w.
+template <class T>
+inline Mat3<T> dJlog3(const Vec3<T>& w, const Vec3<T>& l) {
+  const T t2 = dot(w, w), k = log_coefficient(t2), dk = log_coefficient_rate(t2), wl = dot(w, l);
+  // Jlog3^T l = l + l x w / 2 + k (w (w . l) - t^2 l)
+  return skew(l) * T(0.5) + (Mat3<T>::diagonal(wl, wl, wl) + outer(w, l) - outer(l, w) * T(2)) * k + outer(w * wl - l * t2, w) * (T(2) * dk);
+}
+
 // exp of a twist [linear; angular]: the pose after one second of the constant body velocity m
 template <class T>
 inline SE3<T> exp6(const Motion<T>& m) {

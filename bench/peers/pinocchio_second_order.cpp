@@ -1,0 +1,21 @@
+// Part of pinocchio_bench: the four tensors of second derivatives of inverse dynamics.
+#include "pinocchio_bench.hpp"
+
+#include <pinocchio/algorithm/rnea-second-order-derivatives.hpp>
+
+void addSecondOrderRows(Bench & b)
+{
+  if (b.model.nv > kTensorColumns) return;
+  const Model & model = b.model;
+  Data & data = b.data;
+  Data::Tensor3x qq(model.nv, model.nv, model.nv);
+  qq.setZero();
+  Data::Tensor3x vv(qq), qv(qq), aq(qq);
+  b.add("second_order", b.noMimic, [&, qq, vv, qv, aq](S s, S) {
+    pin::ComputeRNEASecondOrderDerivatives(model, data, s.q, s.v, s.a, qq, vv, qv, aq);
+    keep(qq);
+    keep(vv);
+    keep(qv);
+    keep(aq);
+  });
+}

@@ -1,0 +1,217 @@
+#!/usr/bin/env python3
+"""Measure libdyn and write the tables and the plot of the README.
+
+Usage:  report.py [--sections speed,instructions,scaling,python] [--dyn EXE] [--pinocchio EXE ...] [--python PY]
+                  [--runs N] [--seconds S] [--readme FILE] [--json FILE]
+
+  speed         time of every algorithm over that of the fastest build of Pinocchio (compare.py), and its plot (plot.py)
+  instructions  instructions of a call, by single steps (dyn_bench --count), beside time and operations counted from the
+                formulas (flops.py)
+  scaling       derivatives of RNEA on chains and trees of up to 1,999 joints: time over the sum of depths
+  python        what Python adds to a call, and what a second thread brings to a batch (python_overhead.py)
+
+  --dyn EXE        libdyn's bench program (default build/release/bin/dyn_bench)
+  --pinocchio EXE  those made by bench/peers/build_pinocchio.py (default build/peers-bin/pinocchio_bench_*)
+  --python PY      Python with Pinocchio, numpy and matplotlib (default build/peers/bin/python)
+  --runs, --seconds  interleaved runs and seconds per row of one of them, for speed (default 3, 0.03)
+  --readme FILE    where the tables go, each between <!-- bench NAME --> and <!-- /bench --> (default README.md)
+  --json FILE      the figures as well
+
+Takes four to five minutes on an idle machine. Under load: chrt -f 50 python3 bench/report.py
+"""
+import argparse
+import json
+import math
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import compare
+
+PROJECT = Path(__file__).resolve().parent.parent
+PLOT = PROJECT / "bench/speed.svg"
+COMMAND = "python3 bench/peers/build_pinocchio.py && python3 bench/report.py"
+NAMES = {"panda": "arm with mimic", "panda_no_mimic": "arm", "go2": "quadruped", "humanoid": "humanoid", "chain100": "chain of 100"}
+MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating", "models/robots/humanoid.urdf:floating", "chain:100"]
+COUNTED = ["fk", "rnea", "aba", "crba", "rnea_derivatives"]
+SHAPES = [("chain of 100", ("chain", "100")), ("chain of 1,000", ("chain", "1000")), ("star of 100", ("star", "100")),
+          ("star of 1,000", ("star", "1000")), ("binary tree of 1,000 leaves", ("tree", "1999", "--branching", "2"))]
+
+
+def die(text):
+    sys.exit("report: " + text)
+
+
+def run(command, what, env=None):
+    try:
+        done = subprocess.run([str(c) for c in command], capture_output=True, text=True, env=env, timeout=900)
+    except (OSError, subprocess.TimeoutExpired) as e:
+        raise RuntimeError(f"{what}: {e}")
+    if done.returncode:
+        raise RuntimeError(f"{what}: exit status {done.returncode}: {done.stderr.strip()[-600:]}")
+    return done.stdout
+
+
+def number(x):
+    return f"{x:,.0f}" if x >= 100 else f"{x:.3g}"
+
+
+def geometric_mean(values):
+    return math.exp(statistics.fmean(map(math.log, values))) if values else None
+
+
+def bar(row):
+    return 0.4 if row in ("fk", "rnea") else 0.6
+
+
+def speed(args, tmp):
+    out = tmp / "speed.json"
+    command = [sys.executable, PROJECT / "bench/compare.py", "--dyn", args.dyn, "--python", args.python, "--models", *MODELS, "--runs", args.runs,
+               "--seconds", args.seconds, "--rounds", 2, "--quiet", "--json", out]
+    run(command + (["--pinocchio", *args.pinocchio] if args.pinocchio else []), "compare.py")
+    report = json.loads(out.read_text())
+    models = [n for n in NAMES if n in report["results"]]
+    ratios = {row: {n: report["results"][n][row]["ratio"] for n in models} for row in compare.ROWS}
+    ratios = {row: r for row, r in ratios.items() if any(r.values())}
+    cell = lambda row, x: "" if x is None else f"**{x:.2f}**" if x > bar(row) else f"{x:.2f}"
+    lines = [[f"`{row}`"] + [cell(row, r[n]) for n in models] for row, r in ratios.items()]
+    means = [geometric_mean([r[n] for r in ratios.values() if r[n]]) for n in models]
+    every = geometric_mean([x for r in ratios.values() for x in r.values() if x])
+    lines.append(["**geometric mean**"] + [f"{x:.2f}" for x in means])
+    sizes = [f"{NAMES[n]} ({report['models'][n]['nq']}/{report['models'][n]['nv']})" for n in models]
+    (tmp / "plot.json").write_text(json.dumps({"ratios": ratios, "models": {n: NAMES[n] for n in models}, "mean": every}))
+    run([args.python, PROJECT / "bench/plot.py", tmp / "plot.json", PLOT], "plot.py")
+    builds = {f"{h['compiler'].strip()} `{h['flags']}`" for n, h in report["programs"].items() if n != "libdyn"}
+    fastest = [e["pinocchio_build"] for n in models for e in report["results"][n].values() if e["ratio"]]
+    head = report["programs"]["libdyn"]
+    version = next(h["version"] for n, h in report["programs"].items() if n != "libdyn")
+    above = sum(x > bar(row) for row, r in ratios.items() for x in r.values() if x)
+    text = (f"Time of libdyn ({head['compiler']}) through its C interface over that of the fastest of {len(builds)} builds of Pinocchio {version} "
+            f"({', '.join(sorted(builds))}), medians of {report['runs']} interleaved runs, {report['machine']}, {report['date']}. Below 1 libdyn is faster; "
+            f"sizes are nq/nv; empty where Pinocchio has no such algorithm for the model. The bar is 0.6, and 0.4 for FK and RNEA; figures above it are "
+            f"bold ({above} of {len(fastest)}). The geometric mean of all is **{every:.2f}**.\n\n![Ratios of times]({PLOT.relative_to(PROJECT)})\n\n"
+            + compare.table(["algorithm"] + sizes, lines))
+    return text, {"report": report, "mean": every}
+
+
+def dyn_bench(args, urdf, base, *more):
+    return json.loads(run([args.dyn, urdf, base, "--json", *more], f"dyn_bench on {urdf.stem}"))
+
+
+def instructions(args, tmp):
+    models = [m for m in compare.make_models(MODELS, tmp, args.python, 300) if m.name in NAMES and m.name != "panda"]
+    only = ",".join(COUNTED)
+    lines, figures = [], {}
+    for m in models:
+        counted = dyn_bench(args, m.urdf, m.base, "--count", "--only", only)
+        count = {r["name"]: r["instructions"] for r in counted["rows"]}
+        ns = {r["name"]: r["ns_median"] for r in dyn_bench(args, m.urdf, m.base, "--seconds", "0.2", "--only", only)["rows"]}
+        flops = {name: f["mul"] + f["add"] for name, f in json.loads(
+            run([args.python, PROJECT / "bench/flops.py", m.urdf, m.base, "--json"], "flops.py")).items()}
+        figures[m.name] = {name: {"ns": ns[name], "instructions": count[name], "flops": flops[name]} for name in COUNTED}
+        lines += [[NAMES[m.name] if name == COUNTED[0] else "", f"`{name}`", number(ns[name]), number(count[name]), number(flops[name]),
+                   number(flops[name] / counted["nv"]), f"{count[name] / flops[name]:.2f}", f"{flops[name] / ns[name]:.1f}"] for name in COUNTED]
+    text = (f"Instructions of a call, one by one ({counted['compiler']}: the build that is timed; valgrind, which would count the same, does not know all of its "
+            "instructions), beside the multiplications and additions of the textbook recursion, which `bench/flops.py` counts by running it on "
+            "each robot and comparing the result with Pinocchio's. One four-lane instruction can do eight of them.\n\n"
+            + compare.table(["robot", "algorithm", "ns", "instructions", "operations", "per degree of freedom", "instructions per operation", "operations per ns"], lines))
+    return text, figures
+
+
+def depths(urdf):
+    """Of each joint that moves: its number of moving joints up to the root, itself included."""
+    joints = re.findall(r'<joint name="[^"]*" type="(\w+)">.*?<parent link="([^"]*)"/>.*?<child link="([^"]*)"/>', urdf.read_text(), re.S)
+    depth = {}
+    for kind, parent, child in joints:
+        depth[child] = depth.get(parent, 0) + (kind != "fixed")
+    return list(depth.values())
+
+
+def scaling(args, tmp):
+    lines, figures = [], {}
+    for name, shape in SHAPES:
+        urdf = tmp / ("_".join(shape).replace("--", "") + ".urdf")
+        urdf.write_text(run([sys.executable, compare.GENERATE, *shape], "generate.py"))
+        pairs = sum(depths(urdf))
+        r = dyn_bench(args, urdf, "--fixed", "--only", "rnea,rnea_derivatives", "--seconds", "0.5")
+        rnea, ns = (next(x["ns_median"] for x in r["rows"] if x["name"] == row) for row in ("rnea", "rnea_derivatives"))
+        figures[name] = {"n": r["nv"], "pairs": pairs, "rnea": rnea, "rnea_derivatives": ns}
+        lines.append([name, number(r["nv"]), number(pairs), number(rnea / 1e3), number(ns / 1e3), f"{rnea / r['nv']:.1f}", f"{ns / pairs:.2f}", f"{ns / r['nv'] ** 2:.2f}"])
+    text = ("Derivatives of RNEA (three matrices) grow with n times the mean depth, not with n²: nanoseconds over the sum of depths, which is the number of pairs of "
+            "joints of which one supports the other. `tests/algorithm/scaling_test.cpp` says the same of operations, without a clock. At 1,000 joints in a chain writing "
+            "24 MB is what takes the time.\n\n"
+            + compare.table(["robot", "n", "n times mean depth", "RNEA, µs", "its derivatives, µs", "RNEA, ns / n", "derivatives, ns / (n depth)", "derivatives, ns / n²"], lines))
+    return text, figures
+
+
+def python(args, tmp):
+    library = args.dyn.resolve().parent.parent / "lib"
+    env = {**os.environ, "PYTHONPATH": str(PROJECT / "capi/python"), "DYN_LIBRARY": str(library)}
+    rows = json.loads(run([args.python, PROJECT / "bench/python_overhead.py", "--json"], "python_overhead.py", env))["rows"]
+    span = lambda key, digits=1: "{:.{d}f} to {:.{d}f}".format(min(r[key] for r in rows), max(r[key] for r in rows), d=digits)
+    body = [["on the data's own arrays: `d.rnea()`", span("held") + " µs"], ["on the caller's arrays: `d.rnea(q, v, a)`", span("given") + " µs"],
+            ["a batch: `batch.rnea(q, v, a)`, any number of states", span("batch") + " µs"],
+            ["a batch of 1,000 states, one thread", span("share", 2) + " %"]]
+    gains = [["a batch on two threads is faster", f"1,000 states: {span('gain', 2)} times; 10,000 states: {span('gain_large', 2)} times"]]
+    text = "Least of many runs over RNEA, ABA, CRBA and the centre of mass's Jacobian, on arm, quadruped and humanoid.\n\n" + compare.table(["call", "Python adds"], body + gains)
+    return text, rows
+
+
+SECTIONS = {"speed": speed, "instructions": instructions, "scaling": scaling, "python": python}
+
+
+def replace(readme, section, text):
+    """The text between the section's markers; the command that makes it follows."""
+    pattern = re.compile(rf"(<!-- bench {section} -->\n).*?(<!-- /bench -->)", re.S)
+    content = readme.read_text(encoding="utf-8")
+    if not pattern.search(content):
+        raise RuntimeError(f"{readme} has no markers <!-- bench {section} --> ... <!-- /bench -->")
+    only = "" if section == "speed" else f" --sections {section}"
+    new = f"{text}\n\n```\n{COMMAND}{only}\n```\n"
+    readme.write_text(pattern.sub(lambda m: m[1] + new + m[2], content), encoding="utf-8")
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--sections", default=",".join(SECTIONS))
+    p.add_argument("--dyn", type=Path, default=PROJECT / "build/release/bin/dyn_bench")
+    p.add_argument("--pinocchio", nargs="+", type=Path)
+    p.add_argument("--python", type=Path, default=PROJECT / "build/peers/bin/python")
+    p.add_argument("--runs", type=int, default=3)
+    p.add_argument("--seconds", type=float, default=0.03)
+    p.add_argument("--readme", type=Path, default=PROJECT / "README.md")
+    p.add_argument("--json", type=Path)
+    args = p.parse_args()
+    sections = args.sections.split(",")
+    if unknown := [s for s in sections if s not in SECTIONS]:
+        die(f"unknown sections: {', '.join(unknown)} (known: {', '.join(SECTIONS)})")
+    if args.runs < 1 or not args.seconds > 0:
+        die("--runs and --seconds must be positive")
+    if not args.readme.is_file():
+        die(f"no such file: {args.readme}")
+    if not os.access(args.dyn, os.X_OK):
+        die(f"{args.dyn} is missing: build it (tools/run does), or give --dyn")
+    if not os.access(args.python, os.X_OK):
+        die(f"{args.python} is missing: run bench/peers/build_pinocchio.py first, or give --python")
+    figures, failed = {}, False
+    with tempfile.TemporaryDirectory(prefix="dyn-report-") as d:
+        for section in sections:
+            print(f"report: {section}", file=sys.stderr, flush=True)
+            try:
+                text, figures[section] = SECTIONS[section](args, Path(d))
+                replace(args.readme, section, text)
+                print(text + "\n", flush=True)
+            except RuntimeError as e:
+                print(f"report: {section} is left as it was: {e}", file=sys.stderr)
+                failed = True
+    if args.json:
+        args.json.write_text(json.dumps(figures, indent=1) + "\n")
+    sys.exit(failed)
+
+
+if __name__ == "__main__":
+    main()

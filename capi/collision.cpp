@@ -1,0 +1,181 @@
+// Collision and distance: thin wrappers.
+#include "dyn/collision/pairs.hpp"
+
+#include <cmath>
+
+#include "checks.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+void fill(const collision::Result& r, dynDistance* out) {
+  out->status = dynDistanceStatus(r.status), out->unique = r.unique, out->iterations = r.iterations;
+  out->distance = r.distance, out->residual = r.residual;
+  store3(r.normal, out->normal), store3(r.point_a, out->point_a), store3(r.point_b, out->point_b);
+}
+
+dynStatus check_struct(const char* function, const dynDistance* out) {
+  if (!out) return fail(DYN_ERROR_ARGUMENT, "%s: out is NULL: it is required", function);
+  if (out->struct_size < sizeof(dynDistance))
+    return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(dynDistance)", function, out->struct_size, sizeof(dynDistance));
+  return DYN_OK;
+}
+
+using collision::largest;
+using collision::smallest;
+
+dynStatus read_geometry(const char* name, const dynGeometry* g, shape::Shape& out) {
+  if (!g) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s is NULL: it is required", name);
+  if (g->struct_size < sizeof(dynGeometry))
+    return fail(DYN_ERROR_SIZE, "dyn_shape_distance: %s: struct_size is %u, needs %zu: call dyn_geometry_init", name, g->struct_size, sizeof(dynGeometry));
+  if (g->type == DYN_SHAPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "dyn_shape_distance: %s is a mesh: give a convex shape", name);
+  if (!collision::geometry_of(g->type, g->size, g->radius, out))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s: type %d does not exist: use DYN_SHAPE_... values", name, raw(g->type));
+  for (int k = 0; k < collision::size_count(g->type); ++k)
+    if (!(g->size[k] >= smallest && g->size[k] <= largest))
+      return fail(std::isfinite(g->size[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "dyn_shape_distance: %s: size[%d] is %g: give metres from %g to %g", name, k,
+                  g->size[k], smallest, largest);
+  if (!(g->radius >= 0 && g->radius <= largest))
+    return fail(std::isfinite(g->radius) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "dyn_shape_distance: %s: radius is %g: give metres from 0 to %g", name, g->radius, largest);
+  return DYN_OK;
+}
+
+dynStatus read_placement(const char* name, const double* x, collision::Pose& out) {
+  if (!x) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s is NULL: it is required", name);
+  for (int k = 0; k < 12; ++k)
+    if (!(std::abs(x[k]) <= largest))
+      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "dyn_shape_distance: %s[%d] is %g: give numbers within %g", name, k, x[k], largest);
+  out = load_se3(x);
+  const Mat3<double> E = transpose(out.R) * out.R;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (!(std::abs(E(i, j) - (i == j)) <= 1e-6) || !(dot(cross(out.R.x, out.R.y), out.R.z) > 0))
+        return fail(DYN_ERROR_INVALID, "dyn_shape_distance: %s is no rotation and translation: its columns are not orthonormal", name);
+  return DYN_OK;
+}
+
+dynStatus check_pair(const char* function, const Model& m, int pair, int first = 0) {
+  if (pair >= first && pair < m.n.pairs) return DYN_OK;
+  return fail(DYN_ERROR_ARGUMENT, "%s: pair %d does not exist: the model has %d", function, pair, int(m.n.pairs));
+}
+
+// So many shapes that pairs are not listed would otherwise look like none that collide.
+bool listed(Call& call) {
+  if (call.m().n.geoms <= most_geoms) return true;
+  call.status = fail(DYN_ERROR_LIMIT, "%s: the model has %d collision shapes: pairs are listed up to %d", call.function, int(call.m().n.geoms), int(most_geoms));
+  return false;
+}
+
+}  // namespace
+
+extern "C" {
+
+void dyn_geometry_init(dynGeometry* geometry) {
+  if (!geometry) return;
+  *geometry = {};
+  geometry->struct_size = sizeof(dynGeometry);
+  geometry->type = DYN_SHAPE_SPHERE;
+}
+
+dynStatus dyn_shape_distance(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b, double tolerance,
+                             dynDistance* out) {
+  shape::Shape A, B;
+  collision::Pose X_WA, X_WB;
+  dynStatus s = read_geometry("a", a, A);
+  if (s == DYN_OK) s = read_geometry("b", b, B);
+  if (s == DYN_OK) s = read_placement("placement_a", placement_a, X_WA);
+  if (s == DYN_OK) s = read_placement("placement_b", placement_b, X_WB);
+  if (s == DYN_OK) s = check_struct("dyn_shape_distance", out);
+  if (s != DYN_OK) return s;
+  collision::Options options;
+  if (tolerance != 0) options.tolerance = tolerance;
+  if (!(options.tolerance > 0 && options.tolerance < 1))
+    return fail(std::isfinite(tolerance) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "dyn_shape_distance: tolerance is %g: give a number between 0 and 1, or 0 for the default", tolerance);
+  collision::Workspace workspace;
+  fill(collision::distance(A, X_WA, B, X_WB, workspace, options), out);
+  return DYN_OK;
+}
+
+int dyn_npairs(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.pairs) : -1; }
+
+dynStatus dyn_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, dynPairReason* reason) {
+  if (const dynStatus s = check(model)) return s;
+  const Model& m = *model->m;
+  if (const dynStatus s = check_pair("dyn_pair", m, pair)) return s;
+  const PairRecord& p = m.pairs()[pair];
+  if (shape_a) *shape_a = int(m.geoms()[p.a].shape);
+  if (shape_b) *shape_b = int(m.geoms()[p.b].shape);
+  if (reason) *reason = dynPairReason(p.reason);
+  return DYN_OK;
+}
+
+dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int tested) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_data_set_pair");
+  if (!call) return call.status;
+  const Model& m = call.m();
+  if (const dynStatus s = check_pair(call.function, m, pair, -1)) return s;
+  if (pair >= 0 && tested && m.pairs()[pair].reason == DYN_PAIR_MESH)
+    return fail(DYN_ERROR_UNSUPPORTED, "dyn_data_set_pair: pair %d has a mesh, of which only the name is known", pair);
+  for (Index k = pair < 0 ? 0 : pair, end = pair < 0 ? m.n.pairs : pair + 1; k < end; ++k) {
+    const auto before = dynPairReason(m.pairs()[k].reason);
+    if (before != DYN_PAIR_MESH) call.d().pair_states[k] = tested ? DYN_PAIR_TESTED : before == DYN_PAIR_TESTED ? DYN_PAIR_OFF : before;
+  }
+  call.d().drop(Stage::Distances);
+  return DYN_OK;
+}
+
+dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, dynPairReason* reason) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_data_pair");
+  if (!call || !call.required("reason", reason)) return call.status;
+  if (const dynStatus s = check_pair(call.function, call.m(), pair)) return s;
+  *reason = call.d().pair_states[pair];
+  return DYN_OK;
+}
+
+dynStatus dyn_distances(const dynModel* model, dynData* data, const double* q, double* distances) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_distances");
+  if (!call || !listed(call) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  Data<double>& d = call.d();
+  ensure_position(call.m(), d);
+  if (!moderate(call, 0, largest)) return call.status;
+  collision::distances(call.m(), d);
+  copy_out(d.distances, call.m().n.pairs, distances);
+  return DYN_OK;
+}
+
+dynStatus dyn_pair_distance(const dynModel* model, dynData* data, int pair, dynDistance* out) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_pair_distance");
+  if (!call) return call.status;
+  if (const dynStatus s = check_pair(call.function, call.m(), pair)) return s;
+  if (const dynStatus s = check_struct(call.function, out)) return s;
+  if (!call.fresh(Stage::Distances, "the distance", "dyn_distances")) return call.status;
+  if (call.d().pair_states[pair] != DYN_PAIR_TESTED)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_pair_distance: pair %d is not tested: dyn_data_pair says why, dyn_data_set_pair switches it on", pair);
+  fill(call.d().results[pair], out);
+  return DYN_OK;
+}
+
+dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, double* gradients) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_distance_gradients");
+  const std::ptrdiff_t pairs = call ? call.m().n.pairs : 0;
+  if (!call || !call.required("gradients", gradients, pairs * call.m().n.nv) || !call.fresh(Stage::Distances, "the distance", "dyn_distances")) return call.status;
+  for (std::ptrdiff_t k = 0; k < pairs; ++k) collision::distance_gradient(call.m(), call.d(), Index(k), gradients + k, pairs);
+  return DYN_OK;
+}
+
+dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_collisions");
+  if (!call || !listed(call)) return call.status;
+  if (!(margin >= 0 && margin <= largest))
+    return fail(std::isfinite(margin) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "dyn_collisions: margin is %g: give metres from 0 to %g", margin, largest);
+  if (capacity < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_collisions: capacity is %d: it can't be negative", capacity);
+  if (!call.required("pairs", pairs, capacity) || !call.required("count", count) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  ensure_position(call.m(), call.d());
+  if (!moderate(call, 0, largest)) return call.status;
+  *count = int(collision::collisions(call.m(), call.d(), margin, pairs, capacity));
+  return DYN_OK;
+}
+
+}  // extern "C"

@@ -1,0 +1,111 @@
+"""Collision and distance: between two shapes, and between the parts of a robot."""
+
+from __future__ import annotations
+
+from ctypes import byref, c_int
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import abi
+from .arrays import address, checked, numbers
+from .arrays import placement as twelve
+from .enums import DistanceStatus, PairReason, ShapeType
+from .library import check, lib
+from .model import member
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .model import Model
+
+
+class Distance(NamedTuple):
+    """What was found between two shapes A and B, in axes of the world."""
+
+    status: DistanceStatus
+    distance: float
+    """m; below zero they overlap, and it is minus the depth."""
+    normal: np.ndarray
+    """(3,): unit, from A to B."""
+    point_a: np.ndarray
+    """(3,): the witness point on A; point_b - point_a = distance * normal."""
+    point_b: np.ndarray
+    residual: float
+    """m: bounds the error of the distance."""
+    unique: bool
+    """False: other points or another normal are as good, so that the distance has no gradient there."""
+    iterations: int
+
+
+def _distance(d: abi.Distance) -> Distance:
+    vectors = (np.array(x) for x in (d.normal, d.point_a, d.point_b))
+    return Distance(DistanceStatus(d.status), d.distance, *vectors, d.residual, bool(d.unique), d.iterations)
+
+
+def _geometry(type: Any, size: ArrayLike, radius: float, what: str) -> abi.Geometry:
+    out = abi.Geometry()
+    lib.dyn_geometry_init(byref(out))
+    out.type, out.radius = member(ShapeType, type, f"{what}: type"), radius
+    given = np.atleast_1d(numbers(size, f"{what}: size")).tolist()
+    out.size[: len(given)] = checked(given, (min(len(given), 3),), f"{what}: size").tolist()
+    return out
+
+
+def shape_distance(
+    a: tuple, placement_a: Any, b: tuple, placement_b: Any, tolerance: float = 0.0
+) -> Distance:
+    """Distance between two convex shapes, each (type, size) or (type, size, rounding radius), as ("box", (1, 2, 3)) or ("sphere", 0.5);
+    sizes as in dyn.ShapeInfo. tolerance: of the distance, relative to the size of the smaller shape; 0: the default."""
+    A, B = (_geometry(*x, *(0.0,) * (3 - len(x)), what) for x, what in ((a, "a"), (b, "b")))
+    X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
+    out = abi.Distance()
+    check(lib.dyn_shape_distance(byref(A), address(X_a), byref(B), address(X_b), tolerance, byref(out)))
+    return _distance(out)
+
+
+class CollisionQueries:
+    """The part of Data that asks how far the collision shapes of a robot are from each other."""
+
+    if TYPE_CHECKING:
+        model: Model
+        _m: Any
+        _d: Any
+
+        def _q(self, q: Any) -> Any: ...
+
+    def distances(self, q: Any = None) -> np.ndarray:
+        """(npairs,), m: signed distance of each pair of Model.pairs, infinite where a pair is not tested."""
+        out = np.empty(self.model.npairs)
+        check(lib.dyn_distances(self._m, self._d, self._q(q), address(out)))
+        return out
+
+    def pair_distance(self, pair: int) -> Distance:
+        """What was found of a pair. Needs distances of q."""
+        out = abi.Distance()
+        check(lib.dyn_pair_distance(self._m, self._d, self.model._index(pair, self.model.npairs, "pair"), byref(out)))
+        return _distance(out)
+
+    def distance_gradients(self) -> np.ndarray:
+        """(npairs, nv): derivatives of distances by q on the tangent space; zero where a pair is not tested or its distance has none.
+        Needs distances of q."""
+        out = np.empty((self.model.npairs, self.model.nv), order="F")
+        check(lib.dyn_distance_gradients(self._m, self._d, address(out)))
+        return out
+
+    def collisions(self, q: Any = None, margin: float = 0.0) -> np.ndarray:
+        """Pairs at a distance of at most margin: their numbers, ascending."""
+        out, count = np.empty(self.model.npairs, np.int32), c_int()
+        check(lib.dyn_collisions(self._m, self._d, self._q(q), margin, address(out), out.size, byref(count)))
+        return out[: count.value].copy()
+
+    def set_pair(self, pair: int | None, tested: bool) -> None:
+        """Switches a pair, or with None all pairs without meshes, on or off."""
+        id = -1 if pair is None else self.model._index(pair, self.model.npairs, "pair")
+        check(lib.dyn_data_set_pair(self._m, self._d, id, bool(tested)))
+
+    def pair_reason(self, pair: int) -> PairReason:
+        """Whether a pair is tested, and why it is not."""
+        out = c_int()
+        check(lib.dyn_data_pair(self._m, self._d, self.model._index(pair, self.model.npairs, "pair"), byref(out)))
+        return PairReason(out.value)

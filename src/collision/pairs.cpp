@@ -1,0 +1,84 @@
+#include "dyn/collision/pairs.hpp"
+
+#include "dyn/algorithm/kinematics.hpp"
+#include "dyn/collision/gradient.hpp"
+
+namespace dyn::collision {
+
+namespace {
+
+Result pair_distance(const Model& m, Data<double>& d, Index pair) {
+  const Index a = m.pairs()[pair].a, b = m.pairs()[pair].b;
+  return distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace);
+}
+
+// A ball that holds a shape.
+struct Ball {
+  Vec center;
+  double radius;
+};
+Ball ball_of(const Geom& g, const Pose& X) {
+  double radius = 0;
+  shape::visit(g.shape, [&](const auto& s) { radius = s.extent() + s.radius; });
+  return {X.p, g.shape.type == shape::Type::HalfSpace ? shape::infinity : radius};
+}
+
+}  // namespace
+
+void place_geoms(const Model& m, Data<double>& d) {
+  ensure_position(m, d);
+  for (Index k = 0; k < m.n.geoms; ++k) {
+    const Geom& g = d.geoms[k];
+    const SE3<double> X{d.R[g.body], d.p[g.body]};
+    d.geom_poses[k] = X * g.X;
+  }
+}
+
+void distances(const Model& m, Data<double>& d) {
+  place_geoms(m, d);
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    const bool tested = d.pair_states[k] == DYN_PAIR_TESTED;
+    if (tested) d.results[k] = pair_distance(m, d, k);
+    d.distances[k] = tested ? d.results[k].distance : shape::infinity;
+  }
+  d.done(Stage::Distances);
+}
+
+Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Index capacity) {
+  place_geoms(m, d);
+  Index count = 0;
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
+    const PairRecord& p = m.pairs()[k];
+    const Ball a = ball_of(d.geoms[p.a], d.geom_poses[p.a]), b = ball_of(d.geoms[p.b], d.geom_poses[p.b]);
+    if (shape::norm(a.center - b.center) - a.radius - b.radius > margin) continue;
+    if (!(pair_distance(m, d, k).distance <= margin)) continue;
+    if (count < capacity) pairs[count] = int(k);
+    ++count;
+  }
+  return count;
+}
+
+void distance_gradient(const Model& m, const Data<double>& d, Index pair, double* out, std::ptrdiff_t stride) {
+  for (Index k = 0; k < m.n.nv; ++k) out[stride * k] = 0;
+  if (d.pair_states[pair] != DYN_PAIR_TESTED || !d.results[pair].unique) return;
+  const Result& r = d.results[pair];
+  // up from both bodies to where their ways join
+  auto carry = [&](Index i, Force<double> Gradient::*side) {
+    const Body& b = m.bodies()[i];
+    const Force<double> slope = gradient(r, d.p[i], d.p[i]).*side;
+    visit(b.type, [&]<class J>() {
+      for (int k = 0; k < J::nv; ++k) out[stride * (b.user_v + k)] += b.ratio * dot(J::column(b, d.R[i], k), slope);
+    });
+    return b.parent;
+  };
+  Index a = d.geoms[m.pairs()[pair].a].body, b = d.geoms[m.pairs()[pair].b].body;
+  while (a != b) {  // bodies come after those that carry them
+    if (a > b)
+      a = carry(a, &Gradient::a);
+    else
+      b = carry(b, &Gradient::b);
+  }
+}
+
+}  // namespace dyn::collision

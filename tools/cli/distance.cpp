@@ -1,0 +1,63 @@
+// dyn distance: how far the parts of a robot are from each other.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+
+#include "cli.hpp"
+
+namespace cli {
+namespace {
+
+struct Options {
+  RobotOptions robot;
+  StateOptions state;
+  bool all = false;
+};
+
+constexpr std::size_t shown_pairs = 10;
+
+std::string text_of(const json& answer, bool all) {
+  const json& pairs = answer["pairs"];
+  if (pairs.empty()) return "no pair of collision shapes is tested: dyn info --pairs says why\n";
+  std::string out = std::to_string(pairs.size()) + " pairs, " + std::to_string(answer["collisions"].get<int>()) + " in collision\n";
+  char line[256];
+  std::snprintf(line, sizeof line, "%12s  %-11s  %s\n", "distance m", "", "between");
+  out += line;
+  for (std::size_t k = 0; k < pairs.size() && (all || k < shown_pairs); ++k) {
+    const json& p = pairs[k];
+    std::snprintf(line, sizeof line, "%12.6g  %-11s  ", p["distance"].get<double>(), p["status"].get<std::string>().c_str());
+    out += line + p["a"].get<std::string>() + " - " + p["b"].get<std::string>() + "\n";
+  }
+  if (!all && pairs.size() > shown_pairs) out += "and " + std::to_string(pairs.size() - shown_pairs) + " farther apart: --pairs lists them\n";
+  return out;
+}
+
+void run(const Options& options) {
+  check_lists(options.state);
+  const Robot robot(options.robot);
+  const Data data(robot, DYN_PART_COLLISION);
+  const State state = read_state(robot, options.state);
+  check(dyn_distances(robot, data, state.q.data(), nullptr));
+  std::vector<json> pairs;
+  int collisions = 0;
+  for (const int pair : tested_pairs(robot, data)) {
+    pairs.push_back(distance_json(robot, data, pair));
+    collisions += pairs.back()["distance"].get<double>() <= 0;
+  }
+  std::stable_sort(pairs.begin(), pairs.end(), [](const json& a, const json& b) { return a["distance"].get<double>() < b["distance"].get<double>(); });
+  const json answer = {{"collisions", collisions}, {"pairs", pairs}};
+  print(options.robot.json ? json_text(answer) : text_of(answer, options.all));
+}
+
+}  // namespace
+
+void add_distance(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("distance", "Distances between a robot's collision shapes, the nearest first");
+  add_robot_options(*command, options->robot);
+  add_state_options(*command, options->state, false);
+  command->add_flag("--pairs", options->all, "List all pairs, not the nearest ten");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cli
