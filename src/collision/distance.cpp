@@ -13,6 +13,7 @@
 #include "dyn/collision/analytic/half_spaces.hpp"
 #include "dyn/collision/analytic/sphere.hpp"
 #include "dyn/collision/convex_pair.hpp"
+#include "dyn/shape/list.hpp"
 
 namespace dyn::collision {
 namespace {

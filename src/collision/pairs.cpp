@@ -2,6 +2,7 @@
 
 #include "dyn/algorithm/kinematics.hpp"
 #include "dyn/collision/gradient.hpp"
+#include "dyn/shape/list.hpp"
 
 namespace dyn::collision {
 
