@@ -776,6 +776,29 @@ DYN_API dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, d
    are. Those whose bounding boxes are farther apart cost next to nothing. Includes placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count);
 
+/* ------------------------------------------------------------------------------------------------------- contacts */
+
+/* Contact points: where the faces, edges and caps that two convex shapes turn to each other overlap, seen along their common normal
+   (that of dyn_shape_distance). Up to eight a pair at a distance of at most margin (m, >= 0): the deepest, and of more those that span the
+   largest area (Visvalingam and Whyatt 1993). A circular cap is taken as the octagon of eight points of its rim that turn with it, and
+   the deepest point. Two half-spaces have none. */
+typedef struct dynContact {
+  int32_t pair;            /* of the robot's pairs, and its shapes; -1 between shapes by themselves */
+  int32_t shape_a, shape_b;
+  int32_t reserved;
+  uint64_t feature;        /* which corner, edge or inside of A (high 32 bits) and of B: the same contact has the same in the next step */
+  double distance;         /* m, along the normal; below zero: depth */
+  double position[3];      /* world, half way between the shapes: position -/+ distance / 2 normal lie on A and B */
+  double normal[3];        /* unit, from A to B, world */
+} dynContact;
+enum { DYN_CONTACTS_OF_A_PAIR = 8 };
+/* contacts: room for DYN_CONTACTS_OF_A_PAIR, written in ascending order of feature. tolerance: as in dyn_shape_distance. */
+DYN_API dynStatus dyn_shape_contacts(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
+                                     double margin, double tolerance, dynContact* contacts, int* count);
+/* Of all tested pairs, ascending by pair, then by feature: at most capacity of them are written; count: how many there are. Includes
+   placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity, int* count);
+
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
 /* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, damping and dry

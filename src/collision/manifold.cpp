@@ -1,6 +1,7 @@
 #include "dyn/collision/manifold.hpp"
 
 #include "dyn/collision/manifold_clip.hpp"
+#include "dyn/shape/list.hpp"
 
 namespace dyn::collision {
 

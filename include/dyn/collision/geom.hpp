@@ -11,6 +11,7 @@ struct Geom {
   shape::Shape shape;
   Pose X;
   Index body;
+  double reach;  // of the shape's farthest point from its origin
 };
 
 // m: within them no product of sizes and distances overflows or vanishes.
@@ -51,6 +52,7 @@ inline Geom geom_of(const Model& m, Index geom) {
   geometry_of(s.type, s.size, 0, g.shape);
   g.X = f.X * load_se3(s.placement);
   g.body = f.body;
+  shape::visit(g.shape, [&](const auto& x) { g.reach = x.extent() + x.radius; });
   return g;
 }
 
