@@ -25,7 +25,7 @@ class BroadPhase {
   Index insert(const Bounds& b);
   void update(Index id, const Bounds& b);
   void remove(Index id);
-  bool has(Index id) const { return id >= 0 && id < capacity_ && state_[id] != free_slot; }
+  bool has(Index id) const { return id >= 0 && id < used_ && state_[id] != free_slot; }
   Index count() const { return count_; }
   const Bounds& bounds(Index id) const { return tight_[id]; }
 
