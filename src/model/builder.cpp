@@ -328,6 +328,8 @@ void Builder::shape(const Shape& shape) {
   for (std::size_t k = 0; k < std::size_t(collision::size_count(shape.type)); ++k)
     if (!(shape.size[k] >= collision::smallest && shape.size[k] <= collision::largest))
       refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
+  if (!(shape.radius >= 0 && shape.radius <= collision::largest)) refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
+  if (shape.radius > 0 && shape.type == DYN_SHAPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
   impl->shapes.push_back(std::move(entry));
 }
 

@@ -1,4 +1,5 @@
 // Which pairs of collision shapes there are, and which of them a new data tests.
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <new>
@@ -29,9 +30,14 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
       const Index i = joint(a), j = joint(b);
       if (i == j || parent_and_child(joints, i, j) || parent_and_child(joints, j, i)) continue;
       const bool mesh = shape(a).type == DYN_SHAPE_MESH || shape(b).type == DYN_SHAPE_MESH;
-      pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint16_t(mesh ? DYN_PAIR_MESH : DYN_PAIR_TESTED)});
+      const bool masked = !collision::masks_meet({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
+      pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint16_t(mesh ? DYN_PAIR_MESH : masked ? DYN_PAIR_MASK : DYN_PAIR_TESTED)});
     }
   return pairs;
+}
+
+bool tests_nothing(Index geoms, const std::vector<PairRecord>& pairs) {
+  return geoms >= 2 && geoms <= most_geoms && std::none_of(pairs.begin(), pairs.end(), [](const PairRecord& p) { return p.reason == DYN_PAIR_TESTED; });
 }
 
 void judge_pairs(const Model& m, PairRecord* pairs) {

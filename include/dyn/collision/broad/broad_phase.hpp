@@ -46,6 +46,7 @@ class BroadPhase {
   void ray(const shape::Vec& o, const shape::Vec& d, double far, F&& take);
 
   std::ptrdiff_t pair_capacity() const { return pair_capacity_; }
+  std::ptrdiff_t candidates() const { return candidates_; }
 
   static bool overlap(const Bounds& a, const Bounds& b) {
 #if defined(__AVX__)
