@@ -322,7 +322,7 @@ void Builder::frame(const std::string& name, const Parent& parent, const Placeme
 
 void Builder::shape(const Shape& shape) {
   const std::string who = "shape of body '" + shape.body + "'";
-  ShapeEntry entry{shape, impl->find({shape.body, DYN_FRAME_BODY}, who)};
+  ShapeEntry entry{shape, shape.body == "universe" ? 0 : impl->find({shape.body, DYN_FRAME_BODY}, who)};
   check_placement(who, shape.placement);
   check_finite(who + ": size", shape.size.data(), 3);
   for (std::size_t k = 0; k < std::size_t(collision::size_count(shape.type)); ++k)
