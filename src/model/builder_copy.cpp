@@ -83,6 +83,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     const ShapeRecord& r = m.shapes()[k];
     Shape s{m.string(r.name), r.type, r.role, m.string(m.frames()[r.frame].name), placement_of(r.placement), {}, m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
+    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity;
     impl->shapes.push_back({std::move(s), r.frame});
   }
   for (Index k = 0; k < m.n.reports; ++k) {

@@ -240,6 +240,7 @@ ModelPtr Builder::finish() const {
     r.frame = Index(s.frame);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
+    r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity;
     if (r.role == DYN_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }
@@ -248,7 +249,9 @@ ModelPtr Builder::finish() const {
   n.disabled = Index(a.disabled_pairs.size());
   a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs);
   n.pairs = Index(a.pairs.size());
-  for (const ReportEntry& r : in.reports) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
+  for (const ReportEntry& r : in.reports)
+    if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
+  if (tests_nothing(n.geoms, a.pairs)) a.reports.push_back({DYN_REPORT_WARNING, 0, text.add(nothing_tested)});
   n.reports = Index(a.reports.size());
 
   // configurations; "neutral" is the first

@@ -119,6 +119,9 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
 // Pairs of collision shapes but those of one body and of a body and its parent; none when there are more than most_geoms shapes.
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames,
                                  const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled);
+// Several collision shapes, and no pair of them is tested: the load report says so.
+inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
+bool tests_nothing(Index geoms, const std::vector<PairRecord>& pairs);
 // Marks those that overlap in the neutral configuration.
 void judge_pairs(const Model& m, PairRecord* pairs);
 

@@ -16,6 +16,18 @@ from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
 from .collision import Distance, shape_distance
+from .contact import (
+    BroadPhase,
+    ClosestPoint,
+    Contact,
+    Impact,
+    RayHit,
+    Rays,
+    shape_closest_point,
+    shape_contacts,
+    shape_ray,
+    shape_sweep,
+)
 from .convert import State, StateLayout
 from .data import (
     FIELDS,
@@ -52,6 +64,7 @@ from .enums import (
     ShapeRole,
     ShapeType,
     Status,
+    SweepStatus,
     Term,
 )
 from .errors import (
@@ -108,11 +121,14 @@ __all__ = [
     "Base",
     "BaseChoiceError",
     "Batch",
+    "BroadPhase",
     "Builder",
     "BusyError",
     "CenterOfMassVelocityDerivatives",
     "Centroidal",
     "CentroidalDerivatives",
+    "ClosestPoint",
+    "Contact",
     "Convention",
     "Data",
     "Direction",
@@ -132,6 +148,7 @@ __all__ = [
     "HandleError",
     "IkReason",
     "IkTaskType",
+    "Impact",
     "Integrator",
     "InternalError",
     "InvalidRobotError",
@@ -156,6 +173,8 @@ __all__ = [
     "PartError",
     "Placement",
     "QuaternionError",
+    "RayHit",
+    "Rays",
     "Reference",
     "ReportEntry",
     "ReportLevel",
@@ -170,6 +189,7 @@ __all__ = [
     "StateLayout",
     "Status",
     "StrictError",
+    "SweepStatus",
     "Term",
     "UnknownNameError",
     "UnsupportedError",
@@ -187,4 +207,8 @@ __all__ = [
     "parameters_from_log_cholesky",
     "parameters_from_pseudo_inertia",
     "pseudo_inertia_from_parameters",
-]
+    "shape_closest_point",
+    "shape_contacts",
+    "shape_ray",
+    "shape_sweep",
+]  # fmt: skip

@@ -58,6 +58,8 @@ struct Shape {
   Placement placement = identity_placement;
   std::array<double, 3> size = {0, 0, 0};
   std::string mesh;
+  double radius = 0;                           // of rounding
+  std::uint32_t contype = 1, conaffinity = 1;  // groups it is in, groups it collides with
 };
 
 // nq and nv of a type with no parts.

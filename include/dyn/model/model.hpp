@@ -74,6 +74,8 @@ struct ShapeRecord {
   dynShapeRole role;
   Index frame;
   double placement[12], size[3];
+  double radius;  // of rounding
+  std::uint32_t contype, conaffinity;
 };
 
 // A collision shape.
