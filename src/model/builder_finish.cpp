@@ -317,14 +317,16 @@ ModelPtr Builder::finish() const {
   a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_depth = a.dof_descendants_end = a.dof_run = a.dof_parent, a.dof_forks.assign(std::size_t(n.nv), 0);  // filled in below
 
   // one block
-  std::uint64_t bytes = (sizeof(Model) + 63) / 64 * 64;
+  auto round_up = [](std::uint64_t x, std::uint64_t boundary) { return (x + boundary - 1) / boundary * boundary; };  // vectors on lines of the cache
+  std::uint64_t bytes = sizeof(Model);
   std::uint64_t offset[std::size_t(Model::Field::count_)];
 #define FIELD(type, field, count, sentence)                                                  \
   if (a.field.size() != std::size_t(count)) throw Error(DYN_ERROR_INTERNAL, "model field " #field " has a wrong size"); \
-  offset[std::size_t(Model::Field::field)] = bytes;                                           \
-  bytes = (bytes + a.field.size() * sizeof(type) + 63) / 64 * 64;
+  offset[std::size_t(Model::Field::field)] = bytes = round_up(bytes, alignof(type) > alignof(double) ? 64 : alignof(double)); \
+  bytes += a.field.size() * sizeof(type);
 #include "dyn/model/model_fields.def"
 #undef FIELD
+  bytes = round_up(bytes, 64);
   ModelPtr model(static_cast<Model*>(allocate_block(bytes)));
   if (!model) throw std::bad_alloc();
   std::memset(static_cast<void*>(model.get()), 0, bytes);

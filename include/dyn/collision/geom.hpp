@@ -58,7 +58,7 @@ inline Geom geom_of(const Model& m, Index geom) {
   geometry_of(s.type, s.size, s.radius, g.shape);
   g.X = f.X * load_se3(s.placement);
   g.body = f.body;
-  shape::visit(g.shape, [&](const auto& x) { g.reach = x.extent() + x.radius; });
+  g.reach = reach(g.shape);
   return g;
 }
 

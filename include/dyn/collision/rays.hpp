@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dyn/model/data.hpp"
+#include "dyn/shape/list.hpp"
 
 namespace dyn::collision {
 
