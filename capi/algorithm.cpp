@@ -101,8 +101,7 @@ dynStatus inverse(Call& call, const double* v, const double* a, const double* fe
 
 bool dyn::capi::finite_mass(Call& call) {
   if (!moderate(call, 0)) return false;
-  const double trace = call.d().extent[3];
-  return trace * 0 == 0 || call.numeric(call.d().M, call.m().n.nv * call.m().n.nv, "M", Stage::Mass);
+  return call.m().moderate || call.numeric(call.d().M, call.m().n.nv * call.m().n.nv, "M", Stage::Mass);
 }
 
 dynStatus dyn::capi::factor(Call& call) {

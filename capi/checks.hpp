@@ -17,7 +17,7 @@ bool moderate_frame(Call& call, int frame, int level, double bound = most);
 inline bool check_fext(Call& call, const double* fext) { return call.finite("fext", fext, 6 * call.m().n.joints, 6); }
 // Forward dynamics failed at a joint.
 dynStatus singular(Call& call, Index joint, Stage stage);
-// d.M is finite: its diagonal is when it is, for placements within bounds.
+// d.M is finite. Of placements within bounds it is looked at only where the model is not moderate.
 bool finite_mass(Call& call);
 // Products of the columns d.S to d.Q, as they are in the data, do not overflow. false: they may.
 bool small_columns(const Call& call);

@@ -341,6 +341,11 @@ ModelPtr Builder::finish() const {
   };
   model->effects = if_some(DYN_EFFECT_ARMATURE, a.armature) | if_some(DYN_EFFECT_DAMPING, a.damping) | if_some(DYN_EFFECT_SPRINGS, a.stiffness) |
                    if_some(DYN_EFFECT_FRICTION, a.friction);
+  auto small = [](double x) { return std::abs(x) < 1e25; };
+  auto all_small = [&](const Vec3<double>& x) { return small(x[0]) && small(x[1]) && small(x[2]); };
+  model->moderate = std::all_of(a.armature.begin(), a.armature.end(), small) && std::all_of(a.bodies.begin(), a.bodies.end(), [&](const Body& b) {
+                      return small(b.m) && small(b.pitch) && small(b.ratio) && all_small(b.h) && all_small(b.I.x) && all_small(b.I.y) && all_small(b.I.z);
+                    });
   std::copy(in.gravity.begin(), in.gravity.end(), model->gravity);
   for (Index i = 1; i < n.bodies; ++i) model->total_mass += a.bodies[std::size_t(i)].m;
   std::copy(std::begin(offset), std::end(offset), model->offset);

@@ -8,14 +8,11 @@
 
 namespace dyn {
 
-// Rotors on the diagonal of d.M, which is then complete, and its trace in d.extent[3].
+// Rotors on the diagonal of d.M, which is then complete.
 template <class T>
 void add_armature(const Model& m, Data<T>& d) {
-  T trace = T(0);
-  T* at = d.M;
-#pragma GCC unroll 4
-  for (Index k = 0; k < m.n.nv; ++k, at += m.n.nv + 1) trace += *at += d.armature[k];
-  d.extent[3] = trace;
+  if (!(d.acting & DYN_EFFECT_ARMATURE)) return;
+  for (std::ptrdiff_t k = 0; k < m.n.nv; ++k) d.M[k + m.n.nv * k] += d.armature[k];
 }
 
 // d.M, full and symmetric.
@@ -40,6 +37,7 @@ void crba(const Model& m, Data<T>& d) {
   });
 
   const TiledMatrix<T> M{m.has_mimic ? d.Mx : d.M, m.n.nvx};
+  const bool large = m.n.nvx > 256;  // beyond the cache nearby
   for_each_tile<T>(
       m, [&](std::ptrdiff_t i0) DYN_INLINE_LAMBDA { return Six<T>::transposed(d.S + i0); },
       [&](const Six<T>& S, std::ptrdiff_t i0, std::ptrdiff_t j0, auto&& mask) DYN_INLINE_LAMBDA {
@@ -47,7 +45,7 @@ void crba(const Model& m, Data<T>& d) {
         const Tile<T> t{mask(j0, S.dot(F[0])), mask(j0 + 1, S.dot(F[1])), mask(j0 + 2, S.dot(F[2])), mask(j0 + 3, S.dot(F[3]))};
         const Tile<T> other = t.transposed();
         if (i0 == j0) return M.store_diagonal(t, other, i0);
-        M.prefetch(i0 + 8, j0);
+        if (large) M.prefetch(i0 + 8, j0);
         M.store(t, i0, j0);
         M.store(other, j0, i0);
       });

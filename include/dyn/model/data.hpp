@@ -227,7 +227,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
-  for (int k = 0; k < 4; ++k) d.extent[k] = T(0);
+  for (int k = 0; k < 3; ++k) d.extent[k] = T(0);
   for (auto& v : d.version) v = 1;
   for (auto& s : d.stamp) s = 0;
 }

@@ -119,6 +119,7 @@ struct Model {
   Index model_name;  // offset in text
   Index has_mimic;   // 1: some joint follows another
   std::uint32_t effects;  // DYN_EFFECT_... that some joint has
+  Index moderate;         // 1: masses, moments, pitches, ratios, armatures below 1e25: M is finite where all placements are below 1e100
   double gravity[3];
   double total_mass;
 

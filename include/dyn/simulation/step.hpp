@@ -11,12 +11,14 @@ namespace dyn {
 template <class T>
 Index step_semi_implicit_euler(const Model& m, Data<T>& d, T h) {
   T* const armature = d.armature;
+  const std::uint32_t acting = d.acting;
   if (d.acting & (DYN_EFFECT_DAMPING | DYN_EFFECT_FRICTION)) {
     d.armature = d.net + m.n.nv;
     implicit_armature(m, d, armature, h);
+    d.acting |= DYN_EFFECT_ARMATURE;
   }
   const Index joint = forward_dynamics(m, d, d.v, d.tau_applied, static_cast<const T*>(nullptr), d.ddq);
-  d.armature = armature;
+  d.armature = armature, d.acting = acting;
   if (joint) return joint;
   T* hv = d.stepper;
   for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k], hv[k] = h * d.v[k];
