@@ -231,45 +231,43 @@ bool Call::inputs(const double* q, const double* v, const double* a, const doubl
   Data<double>& x = d();
   const Index nq = m.n.nq, nv = m.n.nv;
   was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
-  struct {
-    const double* from;
-    double *to, *kept;
-    Index n;
-    bool replaced;
-  } set[input_count] = {{q, x.q, x.backup, nq, false},
-                        {v, x.v, x.backup + nq, nv, false},
-                        {a, x.a, x.backup + nq + nv, nv, false},
-                        {tau, x.tau_applied, x.backup + nq + 2 * nv, nv, false}};
+  double *const kept_q = x.backup, *const kept_v = kept_q + nq, *const kept_a = kept_v + nv, *const kept_tau = kept_a + nv;
   bool good = true;
-  for (int k = 0; k < input_count; ++k) {
-    auto& s = set[k];
-    if (!s.from || s.n == 0) continue;
-    // an input may be an array of the data itself: what was replaced is in the backup
-    for (int l = 0; l < k; ++l)
-      if (set[l].replaced && s.from >= set[l].to && s.from < set[l].to + set[l].n) {
-        s.from = set[l].kept + (s.from - set[l].to);
-        break;
-      }
-    if (s.from == s.to) {
-      good = good && finite_count(s.from, s.n) == s.n;
-      continue;
+  unsigned replaced = 0;
+  auto take = [&](Input which, const double* from, double* to, double* kept, Index n) {
+    if (!from || n == 0) return;
+    if (from == to) {
+      good = good && finite_count(from, n) == n;
+      return;
     }
-    const Exchange e = exchange(s.from, s.to, s.kept, s.n);
+    const Exchange e = exchange(from, to, kept, n);
     good = good && e.finite;
-    s.replaced = e.changed;
-  }
+    replaced |= unsigned(e.changed) << which;
+  };
+  // an input may be an array of the data itself: what was replaced is in the backup
+  auto before_it = [&](const double* from, Input which, const double* to, const double* kept, Index n) {
+    return replaced >> which & 1u && from >= to && from < to + n ? kept + (from - to) : from;
+  };
+  take(input_q, q, x.q, kept_q, nq);
+  if (v) take(input_v, before_it(v, input_q, x.q, kept_q, nq), x.v, kept_v, nv);
+  if (a) take(input_a, before_it(before_it(a, input_q, x.q, kept_q, nq), input_v, x.v, kept_v, nv), x.a, kept_a, nv);
+  if (tau)
+    take(input_tau, before_it(before_it(before_it(tau, input_q, x.q, kept_q, nq), input_v, x.v, kept_v, nv), input_a, x.a, kept_a, nv), x.tau_applied,
+         kept_tau, nv);
   if (good && q && nq != nv) good = zero_norm_joint(m, x.q) == 0;
   if (!good) [[unlikely]] {
-    for (const auto& s : set)
-      if (s.replaced) copy_out(s.kept, s.n, s.to);
+    if (replaced >> input_q & 1u) copy_out(kept_q, nq, x.q);
+    if (replaced >> input_v & 1u) copy_out(kept_v, nv, x.v);
+    if (replaced >> input_a & 1u) copy_out(kept_a, nv, x.a);
+    if (replaced >> input_tau & 1u) copy_out(kept_tau, nv, x.tau_applied);
     return finite("q", q, nq) && finite("v", v, nv) && finite("a", a, nv) && finite("tau", tau, nv) && nonzero(q);
   }
   for (int k = 0; k < input_count; ++k)
-    if (set[k].replaced) {
+    if (replaced >> k & 1u) {
       before[k] = x.version[k];
       x.version[k] = ++handle->counter;
-      changed |= 1u << k;
     }
+  changed |= replaced;
   return true;
 }
 
