@@ -3,6 +3,7 @@
 // Sources: Murray, Li, Sastry 1994, 2.3; Barfoot 2017, 7.1 (left Jacobians; here the right ones: arguments negated).
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -24,6 +25,20 @@ inline T alternating_series(T x, T first, Ratio ratio) {
     if (abs(term) <= std::numeric_limits<T>::epsilon() * T(0.125) * abs(sum)) break;
   }
   return sum;
+}
+// Of doubles, with as many terms as x < 4 needs where the ratios fall like those of sines and cosines: a polynomial.
+template <class Ratio>
+inline double alternating_series(double x, double first, Ratio) {
+  constexpr int degree = 14;
+  constexpr auto c = [] {
+    std::array<double, degree + 1> a{1};
+    for (int k = 0; k < degree; ++k) a[std::size_t(k + 1)] = -a[std::size_t(k)] * Ratio{}(k);
+    return a;
+  }();
+  double sum = c[degree];
+#pragma GCC unroll 14
+  for (int k = degree - 1; k >= 0; --k) sum = sum * x + c[std::size_t(k)];
+  return first * sum;
 }
 
 }  // namespace detail
@@ -81,9 +96,15 @@ inline Mat3<T> exp3(const Vec3<T>& w) {
   return rotation(exp_quaternion(w));
 }
 
-// Rotation vector of a unit quaternion, norm in [0, pi]. By atan2: right near 0 and near pi.
+// A rotation vector, norm in [0, pi], and the cotangent of half its norm.
 template <class T>
-inline Vec3<T> log_quaternion(const Quaternion<T>& a) {
+struct RotationLog {
+  Vec3<T> w;
+  T cot;  // of a rotation that is not tiny
+};
+// Of a unit quaternion. By atan2: right near 0 and near pi.
+template <class T>
+inline RotationLog<T> rotation_log(const Quaternion<T>& a) {
   using std::atan2;
   using std::sqrt;
   const T s = a.w < T(0) ? T(-1) : T(1);
@@ -94,11 +115,15 @@ inline Vec3<T> log_quaternion(const Quaternion<T>& a) {
     const T x = a.v[i] < T(0) ? -a.v[i] : a.v[i];
     if (x > big) big = x;
   }
-  if (big == T(0)) return Vec3<T>::zero();
+  if (big == T(0)) return {Vec3<T>::zero(), T(0)};
   const Vec3<T> u = Vec3<T>::make(a.v[0] / big, a.v[1] / big, a.v[2] / big);
   const T n = sqrt(dot(u, u)), norm = n * big;
   const T ratio = norm < T(1e-9) * w ? T(2) / w : T(2) * atan2(norm, w) / norm;
-  return a.v * (s * ratio);
+  return {a.v * (s * ratio), w / norm};
+}
+template <class T>
+inline Vec3<T> log_quaternion(const Quaternion<T>& a) {
+  return rotation_log(a).w;
 }
 
 template <class T>
@@ -115,11 +140,10 @@ inline Mat3<T> Jexp3(const Vec3<T>& w) {
   return Mat3<T>::diagonal(d, d, d) + outer(w, w) * e.c - skew(w) * e.b;
 }
 
-// (1 - h cot h) / t^2 with h = t / 2
-template <class T>
-inline T log_coefficient(T t2) {
+// (1 - h cot h) / t^2 with h = t / 2; cot() gives cot h where t >= 1
+template <class T, class Cot>
+inline T log_coefficient(T t2, Cot&& cot) {
   using std::sqrt;
-  using std::tan;
   if (t2 < T(1)) {
     // (sin h - h cos h) / h^3 over 4 sin h / h: neither series cancels
     const T h2 = t2 * T(0.25);
@@ -128,7 +152,12 @@ inline T log_coefficient(T t2) {
     return numerator / (T(4) * sinc);
   }
   const T h = sqrt(t2) * T(0.5);
-  return (T(1) - h / tan(h)) / t2;
+  return (T(1) - h * cot(h)) / t2;
+}
+template <class T>
+inline T log_coefficient(T t2) {
+  using std::tan;
+  return log_coefficient(t2, [](T h) { return T(1) / tan(h); });
 }
 
 // Inverse of Jexp3 at w = log3(R): Jlog = 1 + [w]/2 + k [w]^2
@@ -178,8 +207,9 @@ inline SE3<T> exp6(const Motion<T>& m) {
 // Twist of a pose; angular part with norm in [0, pi].
 template <class T>
 inline Motion<T> log6(const Quaternion<T>& rotation, const Vec3<T>& p) {
-  const Vec3<T> w = log_quaternion(rotation);
-  const T k = log_coefficient(dot(w, w));
+  const RotationLog<T> log = rotation_log(rotation);
+  const Vec3<T>& w = log.w;
+  const T k = log_coefficient(dot(w, w), [&](T) { return log.cot; });
   const Vec3<T> wp = cross(w, p);
   return {p - wp * T(0.5) + cross(w, wp) * k, w};
 }
