@@ -205,7 +205,10 @@ TEST_F(Scene, MasksSwitchPairs) {
   dynPairReason reason;
   auto reasons = [&] {
     std::vector<int> out;
-    for (int k = 0; k < dyn_npairs(m); ++k) EXPECT_EQ(DYN_OK, dyn_data_pair(m, d, k, &reason)), out.push_back(reason);
+    for (int k = 0; k < dyn_npairs(m); ++k) {
+      EXPECT_EQ(DYN_OK, dyn_data_pair(m, d, k, &reason));
+      out.push_back(reason);
+    }
     return out;
   };
   const auto before = reasons();

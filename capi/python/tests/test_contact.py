@@ -15,7 +15,7 @@ def at(x, y, z):
 
 def scene():
     b = dyn.Builder("scene").shape("universe", "half_space")
-    b.joint("f", "free_flyer").body("box", "f", 1).shape("box", "box", (1, 1, 1), radius=0.1, contype=2, conaffinity=1)
+    b.joint("f", "free_flyer").body("box", "f", 1, inertia=I).shape("box", "box", (1, 1, 1), radius=0.1, contype=2, conaffinity=1)
     return b.finish()
 
 
