@@ -177,7 +177,7 @@ TEST_F(Scene, SmoothDistances) {
   const int pairs = dyn_npairs(m), nv = m.nv();
   const double s = 1e-2;
   auto at = [&](double angle, Numbers* gradient, int* points) {
-    Numbers x = q, d_s(std::size_t(pairs)), g(std::size_t(pairs * nv));
+    Numbers x = q, d_s(static_cast<std::size_t>(pairs)), g(static_cast<std::size_t>(pairs * nv));
     std::vector<int> n(static_cast<std::size_t>(pairs));
     x[3] = std::sin(angle / 2), x[6] = std::cos(angle / 2);
     EXPECT_EQ(DYN_OK, dyn_smooth_distances(m, d, x.data(), s, d_s.data(), g.data(), n.data())) << dyn_last_error();
