@@ -3,6 +3,7 @@
 
 #include "collision.hpp"
 #include "dyn/collision/pair_contacts.hpp"
+#include "dyn/collision/smooth.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -35,6 +36,26 @@ dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, do
   if (!call.required("contacts", contacts, capacity) || !call.required("count", count) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   if (!placed(call)) return call.status;
   *count = int(collision::contacts(call.m(), call.d(), margin, contacts, capacity));
+  return DYN_OK;
+}
+
+dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const double* q, double smoothing, double* distances, double* gradients, int* points) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_smooth_distances");
+  if (!call || !listed(call)) return call.status;
+  if (!(smoothing >= collision::smallest && smoothing <= collision::largest))
+    return fail(std::isfinite(smoothing) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "dyn_smooth_distances: smoothing is %g: give metres from %g to %g", smoothing,
+                collision::smallest, collision::largest);
+  if (!call.inputs(q, nullptr, nullptr, nullptr) || !placed(call)) return call.status;
+  const Model& m = call.m();
+  collision::place_geoms(m, call.d());
+  if (gradients) std::fill_n(gradients, std::ptrdiff_t(m.n.pairs) * m.n.nv, 0.0);
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    double distance = shape::infinity;
+    int count = 0;
+    if (call.d().pair_states[k] == DYN_PAIR_TESTED) count = collision::smooth_distance(m, call.d(), k, smoothing, distance, gradients ? gradients + k : nullptr, m.n.pairs);
+    if (distances) distances[k] = distance;
+    if (points) points[k] = count;
+  }
   return DYN_OK;
 }
 

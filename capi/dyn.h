@@ -819,6 +819,15 @@ DYN_API dynStatus dyn_shape_contacts(const dynGeometry* a, const double placemen
    placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity, int* count);
 
+/* Distances of all pairs, and their gradients by q on the tangent space, without kinks where faces or edges lie along each other: the soft
+   minimum of the gaps g_i of the contact points, d = -s log sum exp(-g_i / s), with s = smoothing (m, > 0; Boyd and Vandenberghe 2004,
+   3.1.5): below the distance by at most s log 8. The gradient is exact where the features are parallel or one point counts alone; in
+   between its error is of the order of s over their size. distances: npairs, infinite where not tested; gradients: npairs x nv; points (npairs):
+   how many points count: 1: the plain distance, more: it is smoothed, 0: not tested. Any output may be NULL. Includes placements. Needs part
+   COLLISION. */
+DYN_API dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const double* q, double smoothing, double* distances, double* gradients,
+                                       int* points);
+
 /* ------------------------------------------------------------------------------------------------------- rays, points, sweeps */
 
 /* The first point of a ray in a solid: origin + t direction, t >= 0 (0: the origin lies inside). */

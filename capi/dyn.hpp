@@ -733,6 +733,17 @@ class Data {
     out.resize(static_cast<std::size_t>(count));
     return out;
   }
+  struct SmoothDistances {
+    Vector distances;
+    Matrix gradients;         // npairs x nv
+    std::vector<int> points;  // 1: the plain distance, more: smoothed
+  };
+  SmoothDistances smooth_distances(double smoothing, Input q = held) {
+    const int n = model_.npairs();
+    SmoothDistances out{Vector(static_cast<std::size_t>(n)), Matrix(n, static_cast<int>(nv())), std::vector<int>(static_cast<std::size_t>(n))};
+    check(dyn_smooth_distances(m(), get(), q.of(nq(), "q"), smoothing, out.distances.data(), out.gradients.data(), out.points.data()));
+    return out;
+  }
   // What rays hit first; origins and directions are 3 x n.
   struct Rays {
     Vector t;

@@ -38,11 +38,13 @@ void over_plane(const Figure& f, double plane, bool swapped, Overlap& out) {
 
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin, Workspace& workspace,
               Manifold& out, const Options& options) {
+  contacts(a, X_WA, b, X_WB, distance(a, X_WA, b, X_WB, workspace, options), margin, out);
+}
+
+void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& r, double margin, Manifold& out) {
   out.count = 0, out.normal = Vec::zero();
   const bool plane_a = a.type == shape::Type::HalfSpace, plane_b = b.type == shape::Type::HalfSpace;
-  if (plane_a && plane_b) return;
-  const Result r = distance(a, X_WA, b, X_WB, workspace, options);
-  if (!(r.distance <= margin)) return;
+  if ((plane_a && plane_b) || !(r.distance <= margin)) return;
   out.normal = r.normal;
 
   const double size = std::min(size_of(a), size_of(b)), eps = coincident * size, same = same_point * size;

@@ -74,9 +74,10 @@ void clip_lines(const Figure& a, const Figure& b, double bend_a, double bend_b, 
 void merge(Overlap& o, double eps) {
   int kept = 0;
   for (int i = 0; i < o.count; ++i) {
-    bool twice = false;
-    for (int k = 0; k < kept; ++k) twice |= shape::length2(o.p[k].x - o.p[i].x, o.p[k].y - o.p[i].y) <= eps;
-    if (!twice) o.p[kept++] = o.p[i];
+    int same = 0;
+    while (same < kept && shape::length2(o.p[same].x - o.p[i].x, o.p[same].y - o.p[i].y) > eps) ++same;
+    if (same == kept) o.p[kept++] = o.p[i];
+    if (o.p[i].gap < o.p[same].gap) o.p[same] = o.p[i];
   }
   o.count = kept;
 }

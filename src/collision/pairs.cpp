@@ -49,16 +49,13 @@ Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Ind
   return count;
 }
 
-void distance_gradient(const Model& m, const Data<double>& d, Index pair, double* out, std::ptrdiff_t stride) {
-  for (Index k = 0; k < m.n.nv; ++k) out[stride * k] = 0;
-  if (d.pair_states[pair] != DYN_PAIR_TESTED || !d.results[pair].unique) return;
-  const Result& r = d.results[pair];
+void add_gradient(const Model& m, const Data<double>& d, Index pair, const Result& r, double weight, double* out, std::ptrdiff_t stride) {
   // up from both bodies to where their ways join
   auto carry = [&](Index i, Force<double> Gradient::*side) {
     const Body& b = m.bodies()[i];
     const Force<double> slope = gradient(r, d.p[i], d.p[i]).*side;
     visit(b.type, [&]<class J>() {
-      for (int k = 0; k < J::nv; ++k) out[stride * (b.user_v + k)] += b.ratio * dot(J::column(b, d.R[i], k), slope);
+      for (int k = 0; k < J::nv; ++k) out[stride * (b.user_v + k)] += weight * b.ratio * dot(J::column(b, d.R[i], k), slope);
     });
     return b.parent;
   };
@@ -69,6 +66,11 @@ void distance_gradient(const Model& m, const Data<double>& d, Index pair, double
     else
       b = carry(b, &Gradient::b);
   }
+}
+
+void distance_gradient(const Model& m, const Data<double>& d, Index pair, double* out, std::ptrdiff_t stride) {
+  for (Index k = 0; k < m.n.nv; ++k) out[stride * k] = 0;
+  if (d.pair_states[pair] == DYN_PAIR_TESTED && d.results[pair].unique) add_gradient(m, d, pair, d.results[pair], 1, out, stride);
 }
 
 }  // namespace dyn::collision

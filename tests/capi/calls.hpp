@@ -54,6 +54,7 @@ inline std::size_t nv_parameters(const dynModel* m, int) { return nv(m, 0) * par
 inline std::size_t six_ten(const dynModel*, int) { return 60; }
 inline std::size_t solution_and_residual(const dynModel* m, int k) { return k ? 2 : std::size_t(dyn_nq(m)); }
 inline std::size_t pairs(const dynModel* m, int) { return std::size_t(dyn_npairs(m)); }
+inline std::size_t pairs_and_gradients(const dynModel* m, int k) { return pairs(m, 0) * (k ? nv(m, 0) : 1); }
 inline std::size_t point_and_mass(const dynModel*, int k) { return k ? 1 : 3; }
 }  // namespace sizes
 
@@ -188,6 +189,8 @@ inline const CallRow call_rows[] = {
        int count;
        return dyn_contacts(m, d, x.q, 0.01, nullptr, 0, &count);
      }},
+    {"dyn_smooth_distances", DYN_PART_COLLISION, uses_q, Needs::nothing, false, 2, sizes::pairs_and_gradients,
+     DYN_CALL { return dyn_smooth_distances(m, d, x.q, 1e-3, x.out[0], x.out[1], nullptr); }},
     {"dyn_rays", DYN_PART_COLLISION, uses_q, Needs::nothing, false, 1, sizes::two, DYN_CALL {
        static const double origins[6] = {0, 0, 9, 5, 0, 0.3}, directions[6] = {0, 0, -1, -1, 0, 0};
        return dyn_rays(m, d, x.q, origins, directions, 2, 100, 0xffffffffu, x.out[0], nullptr, nullptr);
@@ -200,7 +203,10 @@ inline const CallRow call_rows[] = {
 #undef DYN_CALL
 
 // Distances of pairs that are not tested, rays that hit nothing.
-inline bool may_be_infinite(const CallRow& row) { return std::string(row.name) == "dyn_distances" || std::string(row.name) == "dyn_rays"; }
+inline bool may_be_infinite(const CallRow& row) {
+  const std::string name = row.name;
+  return name == "dyn_distances" || name == "dyn_smooth_distances" || name == "dyn_rays";
+}
 
 // A call with its arguments, its outputs in buffers with a guard behind each.
 struct Prepared {

@@ -172,6 +172,35 @@ TEST_F(Scene, ContactsOfAStack) {
   EXPECT_EQ(-3, count);
 }
 
+// A box that rocks over the floor: the gradient is that of the smoothed distance, and has no jump where its face lies flat.
+TEST_F(Scene, SmoothDistances) {
+  const int pairs = dyn_npairs(m), nv = m.nv();
+  const double s = 1e-2;
+  auto at = [&](double angle, Numbers* gradient, int* points) {
+    Numbers x = q, d_s(static_cast<std::size_t>(pairs)), g(static_cast<std::size_t>(pairs * nv));
+    std::vector<int> n(static_cast<std::size_t>(pairs));
+    x[3] = std::sin(angle / 2), x[6] = std::cos(angle / 2);
+    EXPECT_EQ(DYN_OK, dyn_smooth_distances(m, d, x.data(), s, d_s.data(), g.data(), n.data())) << dyn_last_error();
+    if (gradient) *gradient = g;
+    if (points) *points = n[0];
+    return d_s[0];
+  };
+  Numbers flat, g;
+  int points = 0;
+  EXPECT_NEAR(-1e-3 - s * std::log(4), at(0, &flat, &points), 1e-12);
+  EXPECT_EQ(4, points);
+  EXPECT_NEAR(1, flat[std::size_t(2 * pairs)], 1e-9);  // by height
+  EXPECT_NEAR(0, flat[std::size_t(3 * pairs)], 1e-9);  // by tilt: the plain distance has a kink here
+  for (double angle : {-0.3, -0.02, -1e-3, -1e-6, 0.0, 1e-6, 1e-3, 0.02, 0.3}) {
+    at(angle, &g, nullptr);
+    const double h = 1e-6, slope = (at(angle + h, nullptr, nullptr) - at(angle - h, nullptr, nullptr)) / (2 * h);
+    EXPECT_NEAR(slope, g[std::size_t(3 * pairs)], 1e-6) << angle;
+  }
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_smooth_distances(m, d, nullptr, 0, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_smooth_distances(m, d, nullptr, nan, nullptr, nullptr, nullptr));
+  EXPECT_TRUE(says({"smoothing"}));
+}
+
 TEST_F(Scene, Rays) {
   const double origins[] = {0, 0, 9, 3, 0, 9, 9, 9, 9, 0, 0, 9, 0, 0, 0.5}, directions[] = {0, 0, -1, 0, 0, -2, 0, 0, -1, 0, 0, 1, 1, 0, 0};
   double t[5], normals[15];

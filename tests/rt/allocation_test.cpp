@@ -299,6 +299,48 @@ TEST(SystemCalls, NoneAfterCreation) {
   }
 }
 
+// Shapes by themselves, and the broad phase through a life of its boxes.
+TEST(Allocations, NoneInShapesAndTheBroadPhase) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
+  dynGeometry box, drum;
+  dyn_geometry_init(&box), dyn_geometry_init(&drum);
+  box.type = DYN_SHAPE_BOX, box.size[0] = box.size[1] = box.size[2] = 1;
+  drum.type = DYN_SHAPE_CYLINDER, drum.size[0] = drum.size[1] = 1;
+  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0.9}, motion[6] = {0, 0, -1, 1, 0, 0}, *const point = motion;
+  dynBroadPhase* b = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_broad_phase_new(1000, 100000, 0.01, &b));
+  dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
+  dynRayHit hit{};
+  dynClosestPoint near{};
+  dynImpact impact{};
+  hit.struct_size = sizeof hit, near.struct_size = sizeof near, impact.struct_size = sizeof impact;
+  const long before = allocations, locked = locks;
+  int count = 0, id = 0;
+  std::int64_t pairs = 0;
+  dyn_shape_contacts(&box, X, &drum, Y, 0.1, 0, contacts, &count);
+  EXPECT_GT(count, 2);
+  dyn_shape_ray(&drum, X, motion + 3, motion, &hit), dyn_shape_closest_point(&drum, X, point, &near);
+  dyn_shape_sweep(&box, X, nullptr, &drum, Y, motion, 1, 0, &impact);
+  for (int step = 0; step < 20; ++step) {
+    for (int k = 0; k < 1000; ++k) {
+      const double lower[3] = {0.03 * k + 0.02 * step * (k % 7), 0.01 * ((k * step) % 50), 0}, upper[3] = {lower[0] + 0.1, lower[1] + 0.1, 0.1};
+      if (step == 0)
+        dyn_broad_phase_insert(b, lower, upper, &id);
+      else if (k % step == 0)
+        dyn_broad_phase_update(b, k, lower, upper);
+    }
+    EXPECT_EQ(DYN_OK, dyn_broad_phase_pairs(b, nullptr, 0, &pairs));
+    EXPECT_GT(pairs, 0);
+    const double lower[3] = {0, 0, 0}, upper[3] = {9, 9, 9};
+    dyn_broad_phase_query(b, lower, upper, &id, 1, &count), dyn_broad_phase_ray(b, lower, upper, 1, &id, 1, &count);
+  }
+  for (int k = 0; k < 1000; k += 3) dyn_broad_phase_remove(b, k);
+  EXPECT_EQ(DYN_OK, dyn_broad_phase_pairs(b, nullptr, 0, &pairs));
+  EXPECT_EQ(before, allocations);
+  EXPECT_EQ(locked, locks);
+  dyn_broad_phase_free(b);
+}
+
 // Every algorithm, states that fail among them: nothing is allocated or locked in any thread, and there are as many system calls
 // for thousands of states as for a few.
 TEST(Allocations, NoneInBatches) {

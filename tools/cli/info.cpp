@@ -1,5 +1,6 @@
 // dyn info: sizes, joints, frames, shapes, masses, effects and why, the load report, bytes of model and data.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 
 #include "cli.hpp"
@@ -162,6 +163,8 @@ std::string info_text(const json& info) {
     rows.clear();
     for (const auto& p : info["pairs"]) rows.push_back({str(p["a"]), str(p["b"]), p["tested"].get<bool>() ? "tested" : "not tested: " + str(p["reason"])});
     out += "\npairs of collision shapes\n" + (rows.empty() ? "  none\n" : table(rows));
+    const bool any = std::any_of(info["pairs"].begin(), info["pairs"].end(), [](const json& p) { return p["tested"].get<bool>(); });
+    if (!rows.empty() && !any) out += "  warning: none of them is tested\n";
   }
   rows.clear();
   for (const auto& e : info["report"])

@@ -359,6 +359,7 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_data_shape_masks": (STATUS, [_p, _p, _i, _ref, _ref]),
     "dyn_shape_contacts": (STATUS, [_ref, _p, _ref, _p, _d, _d, _ref, _ref]),
     "dyn_contacts": (STATUS, [_p, _p, _p, _d, _ref, _i, _ref]),
+    "dyn_smooth_distances": (STATUS, [_p, _p, _p, _d, _p, _p, _p]),
     "dyn_shape_ray": (STATUS, [_ref, _p, _p, _p, _ref]),
     "dyn_rays": (STATUS, [_p, _p, _p, _p, _p, _i, _d, c_uint32, _p, _p, _p]),
     "dyn_shape_closest_point": (STATUS, [_ref, _p, _p, _ref]),

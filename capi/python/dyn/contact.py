@@ -61,6 +61,17 @@ class Rays(NamedTuple):
     """(N, 3): outward unit normals, zero where nothing is hit."""
 
 
+class SmoothDistances(NamedTuple):
+    """Distances of pairs without kinks where faces or edges lie along each other."""
+
+    distances: np.ndarray
+    """(npairs,), m; infinite where a pair is not tested."""
+    gradients: np.ndarray
+    """(npairs, nv): derivatives by q on the tangent space."""
+    points: np.ndarray
+    """(npairs,): how many contact points count: 1: the plain distance, more: it is smoothed, 0: not tested."""
+
+
 class ClosestPoint(NamedTuple):
     distance: float
     """m; below zero inside."""
@@ -204,6 +215,13 @@ class ContactQueries:
             if count.value <= room:
                 return [_contact(c) for c in out[: count.value]]
             room = count.value
+
+    def smooth_distances(self, smoothing: float, q: Any = None) -> SmoothDistances:
+        """Soft minima of the gaps of contact points, s = smoothing (m): below the distance by at most s log 8."""
+        n = self.model.npairs
+        d, g, p = np.empty(n), np.empty((n, self.model.nv), order="F"), np.empty(n, np.int32)
+        check(lib.dyn_smooth_distances(self._m, self._d, self._q(q), smoothing, address(d), address(g), address(p)))
+        return SmoothDistances(d, g, p)
 
     def rays(
         self, origins: ArrayLike, directions: ArrayLike, q: Any = None, far: float = np.inf, mask: int = 0xFFFFFFFF

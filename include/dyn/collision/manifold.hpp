@@ -25,5 +25,8 @@ struct Manifold {
 // Two half-spaces have none. Never allocates.
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin, Workspace& workspace,
               Manifold& out, const Options& options = Options());
+// The same, where the distance is known.
+void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& distance, double margin,
+              Manifold& out);
 
 }  // namespace dyn::collision

@@ -133,7 +133,7 @@ void clip_faces(const Figure& a, const Figure& b, double eps, Overlap& out);
 void clip_line(const Figure& line, const Figure& face, double eps, bool swapped, Overlap& out);
 // Two lines, each on a surface of that radius of curvature across: the ends of one over the other's surface, which falls off beside it.
 void clip_lines(const Figure& a, const Figure& b, double bend_a, double bend_b, double eps, Overlap& out);
-// Drops points that lie on one another.
+// Of points that lie on one another the deepest stays.
 void merge(Overlap& overlap, double eps);
 // Down to `most` points: again and again the one that spans the smallest triangle with its neighbours goes (Visvalingam, Whyatt, Cartographic
 // Journal 30(1), 1993), never one that is deeper than all others by more than eps.
