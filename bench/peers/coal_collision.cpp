@@ -29,12 +29,12 @@ std::shared_ptr<coal::CollisionGeometry> convert(const Solid& s) {
   }
   const shape::Hull& hull = s.hull->hull;
   auto points = std::make_shared<std::vector<coal::Vec3s>>();
-  auto triangles = std::make_shared<std::vector<coal::Triangle32>>();
+  auto triangles = std::make_shared<std::vector<coal::Triangle>>();
   for (Index i = 0; i < hull.vertices; ++i) points->emplace_back(hull.x[i], hull.y[i], hull.z[i]);
   for (Index f = 0; f < hull.faces; ++f)
     for (Index k = hull.face_start[f] + 1; k + 1 < hull.face_start[f + 1]; ++k)
       triangles->emplace_back(hull.face_vertices[hull.face_start[f]], hull.face_vertices[k], hull.face_vertices[k + 1]);
-  return std::make_shared<coal::Convex<coal::Triangle32>>(points, unsigned(points->size()), triangles, unsigned(triangles->size()));
+  return std::make_shared<coal::Convex<coal::Triangle>>(points, unsigned(points->size()), triangles, unsigned(triangles->size()));
 }
 
 coal::Transform3s convert(const Pose& X) {
