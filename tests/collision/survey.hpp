@@ -60,7 +60,7 @@ class BruteForce {
   }
 };
 
-// Of an answer, relative to the size of the smaller shape.
+// Of an answer, relative to the size of the smaller shape, beyond what rounding of the poses does.
 struct Faults {
   bool failed;      // by its status, or not a number
   double witness;   // how far its points are outside the shapes, and from where distance and normal put them
@@ -75,12 +75,13 @@ inline Faults faults(const Scene& s, const Result& r, bool brute = true) {
   if (r.distance == -shape::infinity) return f;  // half-spaces
   f.failed = f.failed || !std::isfinite(r.distance) || !(std::abs(shape::norm(r.normal) - 1) < 1e-12) || !std::isfinite(dot(r.point_a, r.point_b));
   if (f.failed) return f;
-  const double small = smaller(s);
-  f.witness = std::max({outside(s.a, s.A, r.point_a), outside(s.b, s.B, r.point_b), shape::norm(r.point_b - r.point_a - r.normal * r.distance)}) / small;
-  f.plane = (r.distance + overlap(s, r.normal)) / small;
+  const double small = smaller(s), rounding = 2e-15 * (size_of(s.a) + size_of(s.b) + shape::norm(s.A.p) + shape::norm(s.B.p));
+  auto beyond_rounding = [&](double error) { return std::max(0.0, error - rounding) / small; };
+  f.witness = beyond_rounding(std::max({outside(s.a, s.A, r.point_a), outside(s.b, s.B, r.point_b), shape::norm(r.point_b - r.point_a - r.normal * r.distance)}));
+  f.plane = beyond_rounding(r.distance + overlap(s, r.normal));
   if (brute && r.distance < -1e-6 * small && s.a.shape.type != Type::HalfSpace && s.b.shape.type != Type::HalfSpace) {
     const double least = BruteForce(s).depth();
-    f.depth = std::max(0.0, -r.distance - least - 1e-9 * small) / least;
+    f.depth = std::max(0.0, -r.distance - least - 1e-9 * small - rounding) / least;
   }
   return f;
 }
