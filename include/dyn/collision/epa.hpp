@@ -40,9 +40,10 @@ class Epa {
     for (;;) {
       const Index nearest = nearest_face();
       const double offset = w_.offset[nearest], apart = std::min(refined_upper_, r.upper) - offset;
-      if (apart <= (refined() ? tie_ : wanted_) || r.iterations == o_.max_iterations) break;
+      if (apart <= (refined() ? tie_ : wanted_) || r.iterations == 2 * o_.max_iterations) break;
       const Vec n = w_.face[nearest].normal;
-      const bool rival = minima_ > 0 && apart <= certain * d_.small;
+      stuck_ = stuck_ || r.iterations == o_.max_iterations;
+      const bool rival = stuck_ || (minima_ > 0 && apart <= certain * d_.small);
       if (rival && refined() && known(n)) {
         close(nearest);
         continue;
@@ -74,9 +75,9 @@ class Epa {
       for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
       const Index nearest = nearest_face();
       const double upper = dot(w_.face[nearest].normal, d_.support(w_.face[nearest].normal).w);
-      if (upper <= r.upper + wanted_) r.normal = w_.face[nearest].normal, r.upper = upper;
-      witness(nearest);
       r.lower = w_.offset[nearest], r.residual = r.upper - r.lower;
+      if (upper <= r.upper + wanted_) r.normal = w_.face[nearest].normal, r.upper = upper;
+      witness(upper <= r.upper + wanted_ ? nearest : face_along(r.normal * r.upper));
     }
     return r;
   }
@@ -252,22 +253,34 @@ class Epa {
     return true;
   }
 
-  Part nearest_part(Index f) const {
+  Part nearest_part(Index f, const Vec& to = Vec::zero()) const {
     const Index* at = w_.face[f].at;
-    return nearest_on_triangle(w_.vertex[at[0]].w, w_.vertex[at[1]].w, w_.vertex[at[2]].w);
+    return nearest_on_triangle(w_.vertex[at[0]].w - to, w_.vertex[at[1]].w - to, w_.vertex[at[2]].w - to);
+  }
+  // the face nearest to a point of D's boundary, when another face as near to the origin looks elsewhere
+  Index face_along(const Vec& p) const {
+    Index best = 0;
+    double least = shape::infinity;
+    for (Index f = 0; f < faces_; ++f) {
+      if (w_.face[f].removed()) continue;
+      const double distance = nearest_part(f, p).vv;
+      if (distance < least) least = distance, best = f;
+    }
+    return best;
   }
 
   // the point of the face nearest to the origin, taken apart; other faces as near
   void witness(Index f) {
     // of triangles in one plane, that with the foot of the origin in it
     const double offset = w_.face[f].offset;
-    Part nearest = nearest_part(f);
+    const Vec foot = r_.normal * offset;
+    Part nearest = nearest_part(f, foot);
     for (Index g = 0; g < faces_; ++g) {
       if (w_.offset[g] > offset + tie_) continue;
       if (dot(w_.face[g].normal, r_.normal) < 1 - 1e-12) {
         r_.unique = r_.unique && dot(w_.face[g].normal, r_.normal) > 1 - 1e-6;
       } else if (w_.offset[g] <= offset + 4 * rounding_) {
-        const Part other = nearest_part(g);
+        const Part other = nearest_part(g, foot);
         if (other.vv < nearest.vv) nearest = other, f = g;
       }
     }

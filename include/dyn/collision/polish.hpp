@@ -130,15 +130,17 @@ namespace detail {
 template <class D>
 inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
   Pieces<D> best = p;
-  double before = shape::infinity;
   const double first = p.residual;
-  for (int i = 0; i < 24; ++i) {
-    if (i == 6 && p.residual > 0.1 * first) break;
+  double before = shape::infinity, least = shape::infinity;
+  for (int i = 0, stale = 0; i < 40 && stale < 8; ++i) {
     if (p.residual <= std::min(acceptable, best.residual)) best = p;
     if (p.residual <= 0.1 * wanted || !(p.residual < shape::infinity)) break;
+    stale = p.residual < least ? 0 : stale + 1;
+    least = std::min(least, p.residual);
+    if (i == 6 && least > 0.1 * first) break;  // no root is near
     p.plan();
     const bool slow = p.near && p.residual >= before * 0.5;
-    if (slow ? i > 2 || p.residual <= wanted : p.residual <= wanted && !p.near) break;
+    if (slow ? i > 2 && least <= acceptable : p.residual <= wanted && !p.near) break;
     before = p.residual;
     p.take();
   }
