@@ -10,8 +10,7 @@ namespace dyn::collision {
 
 struct EpaResult {
   Vec normal;    // outward of D
-  double upper;  // the depth is at most this,
-  double lower;  // and at least this (both signed)
+  double upper;  // the depth (signed)
   Vec a, b;      // witness points
   double residual;
   Index iterations;
@@ -29,17 +28,19 @@ class Epa {
   // From the vertices of a simplex near the origin.
   EpaResult run(const Simplex& s) {
     EpaResult& r = r_;
-    r.upper = shape::infinity, r.lower = -shape::infinity, r.residual = 0, r.iterations = 0, r.unique = true;
+    r.upper = shape::infinity, r.residual = 0, r.iterations = 0, r.unique = true;
     Vec n;
     if (!tetrahedron(s, n)) {  // D is flat: its own normal
       const Vertex p = d_.support(n);
-      r.normal = n, r.upper = r.lower = dot(n, p.w), r.a = p.a, r.b = p.b;
+      r.normal = n, r.upper = dot(n, p.w), r.a = p.a, r.b = p.b;
       return r;
     }
+    double apart = 0;              // how much nearer than what is found the face of interest is
     double next = 0.1 * d_.small;  // the gap at which refinement is tried next
     for (;;) {
       const Index nearest = nearest_face();
-      const double offset = w_.offset[nearest], apart = std::min(refined_upper_, r.upper) - offset;
+      const double offset = w_.offset[nearest];
+      apart = std::min(refined_upper_, r.upper) - offset;
       if (apart <= (refined() ? tie_ : wanted_) || r.iterations == 2 * o_.max_iterations) break;
       const Vec n = w_.face[nearest].normal;
       stuck_ = stuck_ || r.iterations == o_.max_iterations;
@@ -51,7 +52,6 @@ class Epa {
       ++r.iterations;
       const Vertex p = d_.support(n);
       const double upper = dot(n, p.w);
-      r.lower = offset;
       if (upper < r.upper) r.normal = n, r.upper = upper;
       // what has come close is finished by refinement; where that fails, by growth
       if (D::curved && (rival || (minima_ == 0 && upper - offset <= next))) {
@@ -62,7 +62,10 @@ class Epa {
         }
       }
       const bool exact = upper - offset <= wanted_;
-      if (exact && minima_ == 0) break;
+      if (exact && minima_ == 0) {
+        apart = upper - offset;
+        break;
+      }
       if (exact || stuck_)
         close(nearest);
       else
@@ -75,9 +78,11 @@ class Epa {
       for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
       const Index nearest = nearest_face();
       const double upper = dot(w_.face[nearest].normal, d_.support(w_.face[nearest].normal).w);
-      r.lower = w_.offset[nearest], r.residual = r.upper - r.lower;
-      if (upper <= r.upper + wanted_) r.normal = w_.face[nearest].normal, r.upper = upper;
-      witness(upper <= r.upper + wanted_ ? nearest : face_along(r.normal * r.upper));
+      if (upper <= r.upper + wanted_)
+        r.normal = w_.face[nearest].normal, r.upper = upper, witness(nearest);
+      else
+        witness(face_along(r.normal * r.upper));
+      r.residual = std::max(apart, shape::norm(r.a - r.b - r.normal * r.upper));
     }
     return r;
   }
