@@ -35,7 +35,10 @@ Result half_space(const Shape& a, const Shape& b, const Pose& X, Workspace&, con
 }
 template <class A>
 Result sphere(const Shape& a, const Shape& b, const Pose& X, Workspace&, const Options& o) {
-  return finish(sphere_pair(A(a), Sphere(b), X), A(a), Sphere(b), o);
+  if constexpr (A::type == Type::Convex)
+    return finish(sphere_pair(A(a), Sphere(b), X, o), A(a), Sphere(b), o);
+  else
+    return finish(sphere_pair(A(a), Sphere(b), X), A(a), Sphere(b), o);
 }
 Result capsules(const Shape& a, const Shape& b, const Pose& X, Workspace&, const Options& o) {
   return finish(capsule_pair(Capsule(a), Capsule(b), X), Capsule(a), Capsule(b), o);
