@@ -140,6 +140,7 @@ void dyn_shape_spec_init(dynShapeSpec* spec) {
   std::memset(spec, 0, sizeof *spec);
   spec->struct_size = sizeof *spec;
   spec->type = DYN_SHAPE_BOX, spec->role = DYN_ROLE_COLLISION;
+  spec->contype = spec->conaffinity = 1;
   spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
 }
 
@@ -156,6 +157,7 @@ dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* s) {
   return with(builder, [&](Builder& b) {
     Shape shape{text(s->name), s->type, s->role, text(s->body), read_placement(s->placement), {}, text(s->mesh)};
     std::copy(s->size, s->size + 3, shape.size.begin());
+    shape.radius = s->radius, shape.contype = s->contype, shape.conaffinity = s->conaffinity;
     b.shape(shape);
   });
 }

@@ -138,12 +138,14 @@ typedef struct dynLoadOptions {
   const char* const* package_dirs;  /* where package://NAME/... is looked up: DIR/NAME/... and DIR/... ; may be NULL */
   size_t package_dirs_count;
   double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81) */
+  const char* srdf;                 /* path of an SRDF for this robot; NULL: none */
 } dynLoadOptions;
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
 
 /* Reads a robot from a URDF file. *model is written only on success. options may be NULL (the defaults of
-   dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used. */
+   dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used; what it says of the SRDF
+   begins with that file's name, and names that the robot has not are warnings there (errors under strict). */
 DYN_API dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model);
 /* The same from text in memory (zero-terminated). Relative paths in it refer to the working directory. */
 DYN_API dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model);
@@ -220,9 +222,16 @@ typedef struct dynShapeInfo {
   double size[3];         /* box: full lengths; sphere: radius; cylinder, capsule, cone (apex up): radius, length along z; ellipsoid: semi-axes;
                              half-space, all below z = 0: none; mesh: scale */
   const char* mesh;       /* resolved path; "" for others */
+  double radius;          /* m, of rounding: points within that distance belong to the shape */
+  uint32_t contype, conaffinity; /* groups it is in, groups it collides with, a bit each: see DYN_PAIR_MASK */
 } dynShapeInfo;
 DYN_API int dyn_nshapes(const dynModel* model);
 DYN_API dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
+
+/* Pairs of links that an SRDF takes out of collision tests: <disable_collisions>, and <disable_default_collisions> as MoveIt reads it.
+   frame1 and frame2 are BODY frames; reason is the file's, "" when it gives none. Any output may be NULL. */
+DYN_API int dyn_ndisabled_pairs(const dynModel* model);
+DYN_API dynStatus dyn_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason);
 
 /* Per-degree-of-freedom numbers of the model, each nv (limits: nq) doubles that live as long as the model; NULL for an
    invalid handle. Absent limits are infinite. */
@@ -243,7 +252,8 @@ DYN_API const double* dyn_model_array(const dynModel* model, dynModelArray which
    invalid handle. */
 DYN_API double dyn_total_mass(const dynModel* model);
 
-/* Named configurations ("neutral" is always there as index 0). */
+/* Named configurations ("neutral" is always there as index 0). Each <group_state> of an SRDF is one, under its own name, or as
+   "group/state" when several groups have a state of that name; joints that it does not name are neutral. */
 DYN_API int dyn_nconfigurations(const dynModel* model);
 DYN_API const char* dyn_configuration_name(const dynModel* model, int index);
 DYN_API dynStatus dyn_configuration(const dynModel* model, const char* name, double* q);
@@ -295,6 +305,8 @@ typedef struct dynShapeSpec {
   double placement[12];   /* in the link's frame; default identity */
   double size[3];         /* as in dynShapeInfo, metres > 0 */
   const char* mesh;       /* MESH: its file, kept as a name */
+  double radius;          /* m, >= 0; of rounding, not of a mesh */
+  uint32_t contype, conaffinity; /* default 1, 1 */
 } dynShapeSpec;
 DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
 DYN_API dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* spec);
@@ -756,7 +768,9 @@ typedef enum dynPairReason {
   DYN_PAIR_TESTED = 0,
   DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration */
   DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known */
-  DYN_PAIR_OFF = 3         /* switched off in the data */
+  DYN_PAIR_OFF = 3,        /* switched off in the data */
+  DYN_PAIR_DISABLED = 4,   /* the SRDF says so: see dyn_disabled_pair */
+  DYN_PAIR_MASK = 5        /* neither is in a group that the other collides with: contype of one & conaffinity of the other, MuJoCo's rule */
 } dynPairReason;
 DYN_API int dyn_npairs(const dynModel* model); /* -1 for an invalid handle */
 /* The shapes of a pair, shape_a < shape_b, and whether new data tests it; any output may be NULL. */
@@ -764,6 +778,12 @@ DYN_API dynStatus dyn_pair(const dynModel* model, int pair, int* shape_a, int* s
 /* Switches a pair, or with -1 all pairs without meshes, on or off. */
 DYN_API dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int tested);
 DYN_API dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, dynPairReason* reason);
+
+/* Groups of a collision shape in the data, or with -1 of all: those it is in, those it collides with. New data has the model's. Pairs that
+   have no group in common any more are not tested (DYN_PAIR_MASK), and those that were not for that reason alone are again; what
+   dyn_data_set_pair says afterwards counts. */
+DYN_API dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t contype, uint32_t conaffinity);
+DYN_API dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t* contype, uint32_t* conaffinity);
 
 /* Distances of all pairs, npairs, infinite where a pair is not tested. Includes placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_distances(const dynModel* model, dynData* data, const double* q, double* distances);
@@ -776,12 +796,178 @@ DYN_API dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, d
    are. Those whose bounding boxes are farther apart cost next to nothing. Includes placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count);
 
+/* ------------------------------------------------------------------------------------------------------- contacts */
+
+/* Contact points: where the faces, edges and caps that two convex shapes turn to each other overlap, seen along their common normal
+   (that of dyn_shape_distance). Up to eight a pair at a distance of at most margin (m, >= 0): the deepest, and of more those that span the
+   largest area (Visvalingam and Whyatt 1993). A circular cap is taken as the octagon of eight points of its rim that turn with it, and
+   the deepest point. Two half-spaces have none. */
+typedef struct dynContact {
+  int32_t pair;            /* of the robot's pairs, and its shapes; -1 between shapes by themselves */
+  int32_t shape_a, shape_b;
+  int32_t reserved;
+  uint64_t feature;        /* which corner, edge or inside of A (high 32 bits) and of B: the same contact has the same in the next step */
+  double distance;         /* m, along the normal; below zero: depth */
+  double position[3];      /* world, half way between the shapes: position -/+ distance / 2 normal lie on A and B */
+  double normal[3];        /* unit, from A to B, world */
+} dynContact;
+enum { DYN_CONTACTS_OF_A_PAIR = 8 };
+/* contacts: room for DYN_CONTACTS_OF_A_PAIR, written in ascending order of feature. tolerance: as in dyn_shape_distance. */
+DYN_API dynStatus dyn_shape_contacts(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
+                                     double margin, double tolerance, dynContact* contacts, int* count);
+/* Of all tested pairs, ascending by pair, then by feature: at most capacity of them are written; count: how many there are. Includes
+   placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity, int* count);
+
+/* ------------------------------------------------------------------------------------------------------- rays, points, sweeps */
+
+/* The first point of a ray in a solid: origin + t direction, t >= 0 (0: the origin lies inside). */
+typedef struct dynRayHit {
+  uint32_t struct_size;
+  int32_t shape;           /* of the robot's; -1: none is hit. Of a shape by itself: 0 */
+  double t;                /* in lengths of the direction; infinite: none is hit */
+  double position[3];      /* world */
+  double normal[3];        /* outward unit normal, world */
+} dynRayHit;
+DYN_API dynStatus dyn_shape_ray(const dynGeometry* shape, const double placement[12], const double origin[3], const double direction[3], dynRayHit* out);
+
+/* n rays against the robot's collision shapes that are in a group of mask (contype & mask; 0xffffffff: all in any group), meshes left out.
+   origins and directions are 3 x n. t (n): as in dynRayHit, up to far (> 0, may be infinite); shapes (n), normals (3 x n, zero where nothing is
+   hit); any output may be NULL. Includes placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins, const double* directions, int n,
+                           double far, uint32_t mask, double* t, int* shapes, double* normals);
+
+/* The point of a shape's surface that is closest to a point. Closed forms; for an ellipsoid Eberly 2013. */
+typedef struct dynClosestPoint {
+  uint32_t struct_size;
+  int32_t unique;          /* 0: another point is as near */
+  double distance;         /* m; below zero inside */
+  double point[3];         /* on the surface, world */
+  double normal[3];        /* outward unit normal there: the given point is point + distance normal */
+} dynClosestPoint;
+DYN_API dynStatus dyn_shape_closest_point(const dynGeometry* shape, const double placement[12], const double point[3], dynClosestPoint* out);
+
+/* When two moving shapes meet: conservative advancement (Mirtich 1996), which no wall is too thin for. Motions are [velocity of the frame's
+   origin; angular velocity], world axes, m/s and rad/s, constant; NULL: at rest. A half-space must not turn. */
+typedef enum dynSweepStatus {
+  DYN_SWEEP_NONE = 0,      /* they stay farther apart than margin */
+  DYN_SWEEP_HIT = 1,       /* at that time they are margin apart, to 1e-7 of the size of the smaller one (or less from the start: time 0) */
+  DYN_SWEEP_UNDECIDED = 2  /* they do not meet before that time; later was not looked at: they keep close for a thousand steps */
+} dynSweepStatus;
+typedef struct dynImpact {
+  uint32_t struct_size;
+  dynSweepStatus status;
+  double time;             /* s; NONE: the duration */
+  double distance;         /* m, at that time */
+  double normal[3];        /* unit, from A to B, world */
+  double point_a[3], point_b[3]; /* witness points, world */
+} dynImpact;
+DYN_API dynStatus dyn_shape_sweep(const dynGeometry* a, const double placement_a[12], const double motion_a[6], const dynGeometry* b,
+                                  const double placement_b[12], const double motion_b[6], double duration, double margin, dynImpact* out);
+
+/* ------------------------------------------------------------------------------------------------------- broad phase */
+
+/* Which of many boxes overlap: a packed bounding-volume tree with eight children a node (Kamel and Faloutsos 1993) of boxes made larger by
+   margin, so that one that moves less costs a comparison; overlaps are kept from query to query, and only boxes that left theirs are
+   searched for again. No allocation after creation. One thread at a time. Boxes: lower <= upper, world, may be infinite. */
+typedef struct dynBroadPhase dynBroadPhase;
+/* capacity: room for boxes, up to 2^24; pair_capacity: for overlaps of the larger boxes, up to 2^30; margin: m, >= 0. */
+DYN_API dynStatus dyn_broad_phase_new(int capacity, int64_t pair_capacity, double margin, dynBroadPhase** broad_phase);
+DYN_API void dyn_broad_phase_free(dynBroadPhase* broad_phase); /* NULL is allowed */
+/* *id: the smallest number that is free. DYN_ERROR_LIMIT: full. */
+DYN_API dynStatus dyn_broad_phase_insert(dynBroadPhase* broad_phase, const double lower[3], const double upper[3], int* id);
+DYN_API dynStatus dyn_broad_phase_update(dynBroadPhase* broad_phase, int id, const double lower[3], const double upper[3]);
+DYN_API dynStatus dyn_broad_phase_remove(dynBroadPhase* broad_phase, int id);
+/* All pairs of boxes that overlap or touch, each smaller number first, in ascending order: at most capacity of them are written (2 numbers
+   each); count: how many there are. DYN_ERROR_LIMIT: more overlaps than pair_capacity. */
+DYN_API dynStatus dyn_broad_phase_pairs(dynBroadPhase* broad_phase, int* pairs, int64_t capacity, int64_t* count);
+/* Boxes that overlap a box, or that the ray origin + t direction meets at a t from 0 to far, in ascending order: at most capacity of them
+   are written; count: how many there are (when it is more than capacity, which of them is not said). */
+DYN_API dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double lower[3], const double upper[3], int* ids, int capacity, int* count);
+DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double origin[3], const double direction[3], double far, int* ids,
+                                      int capacity, int* count);
+
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
 /* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, damping and dry
    friction not applied. The state and the time advance; after an error they are as before the failing step. */
 typedef enum dynIntegrator { DYN_SEMI_IMPLICIT_EULER = 0, DYN_RK4 = 1 } dynIntegrator;
 DYN_API dynStatus dyn_step(const dynModel* model, dynData* data, dynIntegrator integrator, double dt);
+
+/* ------------------------------------------------------------------------------------------------------- meshes */
+
+/* Triangle meshes, in metres, immutable: threads may share one. Equal vertices are made one, and triangles without area, or there twice,
+   are dropped; dynMeshInfo counts both. At most 10^7 triangles. Files and hulls need the module libdyn_mesh.so (assimp, qhull), which is
+   opened from beside libdyn.so when it is first needed: DYN_ERROR_UNSUPPORTED says where it was looked for. */
+typedef struct dynMesh dynMesh;
+
+typedef struct dynMeshOptions {
+  uint32_t struct_size;            /* set by dyn_mesh_options_init */
+  double scale[3];                 /* factors along the file's axes; default 1. Triangles of a mirrored mesh are turned round */
+  double weld_tolerance;           /* m: vertices as close as this are made one; default 0: equal ones only */
+  int32_t up_z;                    /* non-zero: what the file calls up becomes z; default 0: the file's axes are the mesh's */
+  const char* const* package_dirs; /* where package://NAME/... is looked up, as in dynLoadOptions; may be NULL */
+  size_t package_dirs_count;
+  const char* relative_to;         /* the robot file that names the mesh: relative paths begin in its folder, package:// is also looked up
+                                      above it; NULL: the working directory */
+} dynMeshOptions;
+DYN_API void dyn_mesh_options_init(dynMeshOptions* options);
+
+/* Reads an STL (binary, ASCII), OBJ, COLLADA (.dae) or glTF (.gltf, .glb) file: the triangles of the whole scene, each where its nodes
+   put it. Units: COLLADA's <unit> is applied, glTF is in metres, numbers of STL and OBJ are taken as metres (see scale). Axes: those of the
+   file, for URDF's meshes are in their link's axes; with up_z COLLADA's <up_axis>, and y in glTF, become z. Files hold single
+   precision. options may be NULL. */
+DYN_API dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options, dynMesh** mesh);
+/* vertices: 3 x vertex_count; triangles: 3 x triangle_count indices, counter-clockwise seen from outside. Without triangles (0, NULL): a
+   cloud of points, of which dyn_mesh_hull makes a mesh. Vertices that no triangle has are dropped. */
+DYN_API dynStatus dyn_mesh_from_arrays(const double* vertices, size_t vertex_count, const int32_t* triangles, size_t triangle_count, dynMesh** mesh);
+DYN_API void dyn_mesh_free(dynMesh* mesh); /* NULL is allowed */
+
+typedef struct dynMeshInfo {
+  uint32_t struct_size;
+  int32_t vertices, triangles;
+  int64_t welded;           /* vertices that were made one with another */
+  int64_t degenerate;       /* triangles without area that were dropped */
+  int64_t duplicates;       /* triangles there before that were dropped */
+  int64_t skipped;          /* points and lines of the file */
+  double lower[3], upper[3]; /* bounding box */
+  double area;
+  int32_t components;       /* parts that share no edge */
+  int32_t open_edges;       /* of one triangle */
+  int32_t flipped_edges;    /* that two triangles pass the same way: one of the two is inside out */
+  int32_t nonmanifold_edges; /* of more than two triangles */
+  int32_t closed;           /* 1: the triangles pass each edge as often one way as the other, and so bound a solid */
+  int32_t orientation;      /* 1: seen from outside counter-clockwise, -1: inside out; 0: not closed, or no volume */
+  double volume;            /* m^3. This and the next two are exact but for rounding where orientation is not 0 (inside out: of the mesh */
+  double com[3];            /* turned round; parts that overlap count twice), and NaN where it is 0 */
+  double inertia[9];        /* about com, at density 1 kg/m^3: kg m^2 */
+  dynStatus hull_status;    /* DYN_OK, or why there is no hull: DYN_ERROR_INVALID: flat, DYN_ERROR_UNSUPPORTED: no module */
+  double hull_volume;       /* NaN without a hull */
+  double hull_volume_ratio; /* hull_volume / volume: 1 for a convex mesh. NaN without either */
+  double hull_depth;        /* m: the largest depth of a triangle's middle under the hull's faces; NaN without a hull */
+  int32_t convex;           /* 1: closed, of one component, hull_depth at most 1e-6 of the box's diagonal; 0: not; -1: no module to tell */
+} dynMeshInfo;
+/* Makes the hull, which takes time. */
+DYN_API dynStatus dyn_mesh_info(const dynMesh* mesh, dynMeshInfo* info);
+
+/* Views, which live as long as the mesh. */
+typedef struct dynMeshArrays {
+  uint32_t struct_size;
+  const double* vertices;     /* 3 x vertex_count */
+  const int32_t* triangles;   /* 3 x triangle_count */
+  size_t vertex_count, triangle_count;
+  /* of a hull, otherwise NULL and 0 */
+  size_t face_count;
+  const double* planes;           /* 4 x face_count: outward unit normal n and offset: n . x <= offset */
+  const int32_t* face_start;      /* face_count + 1: where each face begins in face_corners */
+  const int32_t* face_corners;    /* vertices, counter-clockwise seen from outside; coplanar triangles are one face */
+  const int32_t* neighbour_start; /* vertex_count + 1 */
+  const int32_t* neighbours;      /* vertices that share an edge with each vertex */
+} dynMeshArrays;
+DYN_API dynStatus dyn_mesh_arrays(const dynMesh* mesh, dynMeshArrays* arrays);
+
+/* The convex hull of the vertices, another mesh. DYN_ERROR_INVALID: fewer than four points, or all in a plane. */
+DYN_API dynStatus dyn_mesh_hull(const dynMesh* mesh, dynMesh** hull);
 
 /* ------------------------------------------------------------------------------------------------------- batches */
 

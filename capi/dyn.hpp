@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -107,6 +108,7 @@ using Placement = std::array<double, 12>;  // rotation by columns, then translat
 struct LoadOptions {
   dynLoadOptions value;
   std::vector<std::string> folders;
+  std::string srdf_path;
   LoadOptions() { dyn_load_options_init(&value); }
   LoadOptions& base(dynBase b) { return value.base = b, *this; }
   LoadOptions& strict(bool on = true) { return value.strict = on, *this; }
@@ -115,6 +117,7 @@ struct LoadOptions {
     return value.gravity[0] = x, value.gravity[1] = y, value.gravity[2] = z, *this;
   }
   LoadOptions& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
+  LoadOptions& srdf(std::string path) { return srdf_path = std::move(path), *this; }
 };
 
 // How another library stores the state of the same robot.
@@ -230,6 +233,22 @@ class Model {
     if (!p && n) throw Error(DYN_ERROR_ARGUMENT);
     return View({sizeof(dynArray), n, 1, {1, n}, p});
   }
+  // Two links that an SRDF takes out of collision tests.
+  struct DisabledPair {
+    int frame1, frame2;
+    std::string reason;
+  };
+  std::vector<DisabledPair> disabled_pairs() const {
+    std::vector<DisabledPair> out;
+    for (int i = 0; i < dyn_ndisabled_pairs(get()); ++i) {
+      DisabledPair pair;
+      const char* reason;
+      check(dyn_disabled_pair(get(), i, &pair.frame1, &pair.frame2, &reason));
+      pair.reason = reason;
+      out.push_back(std::move(pair));
+    }
+    return out;
+  }
   std::vector<std::string> configurations() const {
     std::vector<std::string> names;
     for (int i = 0; i < dyn_nconfigurations(get()); ++i) names.push_back(name_(dyn_configuration_name(get(), i)));
@@ -314,6 +333,7 @@ class Model {
     for (const auto& f : options.folders) folders.push_back(f.c_str());
     dynLoadOptions o = options.value;
     if (!folders.empty()) o.package_dirs = folders.data(), o.package_dirs_count = folders.size();
+    if (!options.srdf_path.empty()) o.srdf = options.srdf_path.c_str();
     dynModel* model = nullptr;
     check(call(what.c_str(), &o, &model));
     return Model(model);
@@ -700,6 +720,37 @@ class Data {
     check(dyn_data_pair(m(), get(), pair, &out));
     return out;
   }
+  // Contact points of all tested pairs.
+  std::vector<dynContact> contacts(Input q = held, double margin = 0) {
+    std::vector<dynContact> out(64);
+    int count = 0;
+    const double* at = q.of(nq(), "q");
+    check(dyn_contacts(m(), get(), at, margin, out.data(), static_cast<int>(out.size()), &count));
+    if (static_cast<std::size_t>(count) > out.size()) {
+      out.resize(static_cast<std::size_t>(count));
+      check(dyn_contacts(m(), get(), nullptr, margin, out.data(), count, &count));
+    }
+    out.resize(static_cast<std::size_t>(count));
+    return out;
+  }
+  // What rays hit first; origins and directions are 3 x n.
+  struct Rays {
+    Vector t;
+    std::vector<int> shapes;  // -1: nothing
+    Matrix normals;           // 3 x n
+  };
+  Rays rays(Input origins, Input directions, int n, Input q = held, double far = std::numeric_limits<double>::infinity(), uint32_t mask = 0xffffffffu) {
+    Rays out{Vector(static_cast<std::size_t>(n)), std::vector<int>(static_cast<std::size_t>(n)), Matrix(3, n)};
+    check(dyn_rays(m(), get(), q.of(nq(), "q"), origins.of(3 * n, "origins"), directions.of(3 * n, "directions"), n, far, mask, out.t.data(),
+                   out.shapes.data(), out.normals.data()));
+    return out;
+  }
+  void set_shape_masks(int shape, uint32_t contype, uint32_t conaffinity) { check(dyn_data_set_shape_masks(m(), get(), shape, contype, conaffinity)); }
+  std::pair<uint32_t, uint32_t> shape_masks(int shape) {
+    std::pair<uint32_t, uint32_t> out;
+    check(dyn_data_shape_masks(m(), get(), shape, &out.first, &out.second));
+    return out;
+  }
 
   // simulation
   void step(double dt, dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER) { check(dyn_step(m(), get(), integrator, dt)); }
@@ -892,6 +943,81 @@ inline dynDistance shape_distance(const dynGeometry& a, const Placement& X_a, co
   return out;
 }
 
+inline std::vector<dynContact> shape_contacts(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double margin = 0,
+                                              double tolerance = 0) {
+  std::vector<dynContact> out(DYN_CONTACTS_OF_A_PAIR);
+  int count = 0;
+  check(dyn_shape_contacts(&a, X_a.data(), &b, X_b.data(), margin, tolerance, out.data(), &count));
+  out.resize(static_cast<std::size_t>(count));
+  return out;
+}
+inline dynRayHit shape_ray(const dynGeometry& shape, const Placement& X, const Vector3& origin, const Vector3& direction) {
+  dynRayHit out{};
+  out.struct_size = sizeof out;
+  check(dyn_shape_ray(&shape, X.data(), origin.data(), direction.data(), &out));
+  return out;
+}
+inline dynClosestPoint shape_closest_point(const dynGeometry& shape, const Placement& X, const Vector3& point) {
+  dynClosestPoint out{};
+  out.struct_size = sizeof out;
+  check(dyn_shape_closest_point(&shape, X.data(), point.data(), &out));
+  return out;
+}
+inline dynImpact shape_sweep(const dynGeometry& a, const Placement& X_a, const std::array<double, 6>& motion_a, const dynGeometry& b, const Placement& X_b,
+                             const std::array<double, 6>& motion_b, double duration, double margin = 0) {
+  dynImpact out{};
+  out.struct_size = sizeof out;
+  check(dyn_shape_sweep(&a, X_a.data(), motion_a.data(), &b, X_b.data(), motion_b.data(), duration, margin, &out));
+  return out;
+}
+
+// Which of many boxes overlap.
+class BroadPhase {
+ public:
+  BroadPhase(int capacity, int64_t pair_capacity, double margin = 0) : capacity_(capacity) {
+    dynBroadPhase* made = nullptr;
+    check(dyn_broad_phase_new(capacity, pair_capacity, margin, &made));
+    broad_phase_.reset(made);
+  }
+  dynBroadPhase* get() const noexcept { return broad_phase_.get(); }
+  int insert(const Vector3& lower, const Vector3& upper) {
+    int id = 0;
+    check(dyn_broad_phase_insert(get(), lower.data(), upper.data(), &id));
+    return id;
+  }
+  void update(int id, const Vector3& lower, const Vector3& upper) { check(dyn_broad_phase_update(get(), id, lower.data(), upper.data())); }
+  void remove(int id) { check(dyn_broad_phase_remove(get(), id)); }
+  std::vector<std::array<int, 2>> pairs() {
+    int64_t count = 0;
+    check(dyn_broad_phase_pairs(get(), nullptr, 0, &count));
+    std::vector<std::array<int, 2>> out(static_cast<std::size_t>(count));
+    if (count > 0) check(dyn_broad_phase_pairs(get(), out.front().data(), count, &count));
+    return out;
+  }
+  std::vector<int> query(const Vector3& lower, const Vector3& upper) {
+    return ids_([&](int* out, int* count) { return dyn_broad_phase_query(get(), lower.data(), upper.data(), out, capacity_, count); });
+  }
+  std::vector<int> ray(const Vector3& origin, const Vector3& direction, double far = std::numeric_limits<double>::infinity()) {
+    return ids_([&](int* out, int* count) { return dyn_broad_phase_ray(get(), origin.data(), direction.data(), far, out, capacity_, count); });
+  }
+
+ private:
+  struct Free {
+    void operator()(dynBroadPhase* b) const noexcept { dyn_broad_phase_free(b); }
+  };
+  int capacity_;
+  std::unique_ptr<dynBroadPhase, Free> broad_phase_;
+
+  template <class F>
+  std::vector<int> ids_(F call) {
+    std::vector<int> out(static_cast<std::size_t>(capacity_));
+    int count = 0;
+    check(call(out.data(), &count));
+    out.resize(static_cast<std::size_t>(count));
+    return out;
+  }
+};
+
 // Makes models.
 class Builder {
  public:
@@ -926,9 +1052,11 @@ class Builder {
     return ok(dyn_builder_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
   }
   Builder& shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
-                 dynShapeRole role = DYN_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "") {
+                 dynShapeRole role = DYN_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "", double radius = 0,
+                 uint32_t contype = 1, uint32_t conaffinity = 1) {
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
+    s.radius = radius, s.contype = contype, s.conaffinity = conaffinity;
     s.name = name.c_str(), s.type = type, s.role = role, s.body = body.c_str(), s.mesh = mesh.c_str();
     for (std::size_t k = 0; k < 3; ++k) s.size[k] = size[k];
     if (const double* X = placement.of(12, "placement"))
@@ -1010,6 +1138,66 @@ class Builder {
       default:
         return {1, 1};
     }
+  }
+};
+
+// Triangles in metres; copies share them.
+class Mesh {
+ public:
+  // Takes over a mesh made by dyn.h.
+  explicit Mesh(dynMesh* mesh) : mesh_(mesh, dyn_mesh_free) {
+    if (!mesh) throw Error(DYN_ERROR_HANDLE, "the mesh is NULL.");
+  }
+  struct Options {
+    dynMeshOptions value;
+    std::vector<std::string> folders;
+    std::string robot;
+    Options() { dyn_mesh_options_init(&value); }
+    Options& scale(double x, double y, double z) { return value.scale[0] = x, value.scale[1] = y, value.scale[2] = z, *this; }
+    Options& weld_tolerance(double metres) { return value.weld_tolerance = metres, *this; }
+    Options& up_z(bool on = true) { return value.up_z = on, *this; }
+    Options& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
+    Options& relative_to(std::string file) { return robot = std::move(file), *this; }
+  };
+  static Mesh load(const std::string& path) { return load(path, Options()); }
+  static Mesh load(const std::string& path, const Options& options) {
+    std::vector<const char*> folders;
+    for (const auto& f : options.folders) folders.push_back(f.c_str());
+    dynMeshOptions o = options.value;
+    if (!folders.empty()) o.package_dirs = folders.data(), o.package_dirs_count = folders.size();
+    if (!options.robot.empty()) o.relative_to = options.robot.c_str();
+    return make_([&](dynMesh** out) { return dyn_mesh_load(path.c_str(), &o, out); });
+  }
+  // Three numbers a vertex, three indices a triangle; without triangles: points for hull().
+  static Mesh from_arrays(Input vertices, int64_t count, const std::vector<int32_t>& triangles = {}) {
+    const double* x = vertices.of(3 * count, "vertices");
+    if (triangles.size() % 3) throw Error(DYN_ERROR_SIZE, "triangles has " + std::to_string(triangles.size()) + " indices, but needs three for each triangle.");
+    return make_([&](dynMesh** out) {
+      return dyn_mesh_from_arrays(x, static_cast<std::size_t>(count), triangles.empty() ? nullptr : triangles.data(), triangles.size() / 3, out);
+    });
+  }
+  const dynMesh* get() const noexcept { return mesh_.get(); }
+  dynMeshInfo info() const { return get_<dynMeshInfo>(dyn_mesh_info); }
+  dynMeshArrays arrays() const { return get_<dynMeshArrays>(dyn_mesh_arrays); }
+  Mesh hull() const {
+    return make_([&](dynMesh** out) { return dyn_mesh_hull(get(), out); });
+  }
+
+ private:
+  std::shared_ptr<dynMesh> mesh_;
+
+  template <class F>
+  static Mesh make_(F call) {
+    dynMesh* mesh = nullptr;
+    check(call(&mesh));
+    return Mesh(mesh);
+  }
+  template <class S>
+  S get_(dynStatus (*call)(const dynMesh*, S*)) const {
+    S out{};
+    out.struct_size = sizeof out;
+    check(call(get(), &out));
+    return out;
   }
 };
 

@@ -33,11 +33,13 @@ LoadOptions read_options(const dynLoadOptions* o) {
     if (!std::isfinite(o->gravity[k])) throw Error(DYN_ERROR_NONFINITE, "dynLoadOptions: gravity[" + std::to_string(k) + "] is not finite");
     out.gravity[k] = o->gravity[k];
   }
+  if (o->srdf) out.srdf = o->srdf;
+  if (o->srdf && out.srdf.empty()) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");
   return out;
 }
 
 template <class Load>
-dynStatus load(const char* text, const dynLoadOptions* options, dynModel** model, const char* function, const char* what, Load f) {
+dynStatus load_model(const char* text, const dynLoadOptions* options, dynModel** model, const char* function, const char* what, Load f) {
   if (!text || !model) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL", function, text ? "model" : what);
   return guarded([&] { return publish(f(text, read_options(options)), model); });
 }
@@ -127,11 +129,11 @@ void dyn_load_options_init(dynLoadOptions* options) {
 }
 
 dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model) {
-  return load(path, options, model, "dyn_model_load", "path", [](const char* p, const LoadOptions& o) { return load_file(p, o); });
+  return load_model(path, options, model, "dyn_model_load", "path", [](const char* p, const LoadOptions& o) { return load_file(p, o); });
 }
 
 dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model) {
-  return load(text, options, model, "dyn_model_load_string", "text", [](const char* t, const LoadOptions& o) { return load_string(t, o); });
+  return load_model(text, options, model, "dyn_model_load_string", "text", [](const char* t, const LoadOptions& o) { return load_string(t, o); });
 }
 
 void dyn_model_free(dynModel* model) {
@@ -256,6 +258,20 @@ dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
   const ShapeRecord& r = m.shapes()[shape];
   info->name = m.string(r.name), info->mesh = m.string(r.mesh), info->type = r.type, info->role = r.role, info->frame = r.frame;
   std::memcpy(info->placement, r.placement, sizeof r.placement), std::memcpy(info->size, r.size, sizeof r.size);
+  info->radius = r.radius, info->contype = r.contype, info->conaffinity = r.conaffinity;
+  return DYN_OK;
+}
+
+int dyn_ndisabled_pairs(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.disabled) : -1; }
+
+dynStatus dyn_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason) {
+  if (const dynStatus s = check(model)) return s;
+  const Model& m = *model->m;
+  if (const dynStatus s = check_index(model, pair, m.n.disabled, "dyn_disabled_pair", "pair")) return s;
+  const DisabledRecord& r = m.disabled_pairs()[pair];
+  if (frame1) *frame1 = r.frame1;
+  if (frame2) *frame2 = r.frame2;
+  if (reason) *reason = m.string(r.reason);
   return DYN_OK;
 }
 

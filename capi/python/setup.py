@@ -21,6 +21,7 @@ except ImportError:  # setuptools has it from version 70 on
 CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
 SCRATCH = CHECKOUT / "build" / "python-package"  # nothing is written beside the sources
 SONAME = "libdyn.so.1"
+MODULE = "libdyn_mesh.so"  # beside it, where assimp and qhull were there
 
 
 def build_prefix(work):
@@ -50,7 +51,7 @@ class BuildWithLibrary(build_py):
             if len(folders) != 1:
                 raise SystemExit(f"{prefix} holds {len(folders)} libraries named {SONAME}, not one: set DYN_PREFIX to an installed libdyn.")
             folder = folders.pop()
-            for file in [folder / SONAME, *sorted(folder.glob(f"glibc-hwcaps/*/{SONAME}"))]:
+            for file in [folder / SONAME, *sorted(folder.glob(MODULE)), *sorted(folder.glob(f"glibc-hwcaps/*/{SONAME}"))]:
                 copy = target / file.relative_to(folder)
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(file, copy)  # the file, not the link

@@ -149,4 +149,10 @@ Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_
   return r;
 }
 
+double reach(const Shape& s) {
+  double r = 0;
+  visit(s, [&](const auto& x) { r = x.extent() + x.radius; });
+  return r;
+}
+
 }  // namespace dyn::collision

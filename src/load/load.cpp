@@ -1,12 +1,7 @@
 // Files to text, and text to the loader of its format: content decides, not the name.
 #include "dyn/model/load.hpp"
 
-#include <cerrno>
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-#include <system_error>
-
+#include "file.hpp"
 #include "xml.hpp"
 
 namespace dyn {
@@ -14,29 +9,6 @@ namespace dyn {
 namespace {
 
 using load::Report;
-
-std::string reason(int code) { return std::error_code(code, std::generic_category()).message(); }
-
-// Also reads pipes, such as the output of xacro.
-std::string read_file(const std::string& path) {
-  const Report report(path, false);
-  if (path.empty()) throw Error(DYN_ERROR_FILE, "the path is empty: give the name of a URDF file");
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    report.fail(DYN_ERROR_FILE, 0, "this is a directory: give the name of a URDF file in it");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + reason(errno));
-  std::string text;
-  if (const auto size = std::filesystem::file_size(path, ignored); !ignored && size <= load::max_file_bytes) text.reserve(size);
-  char part[1 << 16];
-  for (size_t n; (n = std::fread(part, 1, sizeof part, file.get())) > 0;) {
-    text.append(part, n);
-    if (text.size() > load::max_file_bytes)
-      report.fail(DYN_ERROR_LIMIT, 0, "larger than " + std::to_string(load::max_file_bytes) + " bytes, which is the limit");
-  }
-  if (std::ferror(file.get())) report.fail(DYN_ERROR_FILE, 0, "cannot be read: " + reason(errno));
-  return text;
-}
 
 ModelPtr load_content(const std::string& text, const std::string& file, const LoadOptions& options) {
   const Report report(file, options.strict);
@@ -66,7 +38,7 @@ ModelPtr load_content(const std::string& text, const std::string& file, const Lo
 
 }  // namespace
 
-ModelPtr load_file(const std::string& path, const LoadOptions& options) { return load_content(read_file(path), path, options); }
+ModelPtr load_file(const std::string& path, const LoadOptions& options) { return load_content(load::read_file(path, "a URDF file"), path, options); }
 
 ModelPtr load_string(const std::string& text, const LoadOptions& options) { return load_content(text, "", options); }
 

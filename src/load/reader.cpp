@@ -60,19 +60,26 @@ std::string Reader::name(const Element& e, const char* attribute) const {
   return value;
 }
 
-std::optional<std::vector<double>> Reader::numbers(const Element& e, const char* attribute, size_t count) const {
+void Reader::bad_numbers(const Element& e, const char* attribute, const std::string& what) const {
   const tinyxml2::XMLAttribute* a = e.FindAttribute(attribute);
-  if (!a) return std::nullopt;
-  const auto fail = [&](const std::string& what) {
-    report.fail(DYN_ERROR_PARSE, a->GetLineNum(), at(e) + " " + attribute + "=\"" + shown(a->Value()) + "\": " + what);
-  };
-  const auto parts = split(a->Value());
+  report.fail(DYN_ERROR_PARSE, a->GetLineNum(), at(e) + " " + attribute + "=\"" + shown(a->Value()) + "\": " + what);
+}
+
+std::optional<std::vector<double>> Reader::numbers(const Element& e, const char* attribute) const {
+  const char* all = e.Attribute(attribute);
+  if (!all) return std::nullopt;
+  const auto parts = split(all);
   std::vector<double> values(parts.size());
   for (size_t i = 0; i < parts.size(); ++i)
-    if (const std::string wrong = parse_number(parts[i], values[i]); !wrong.empty()) fail("'" + shown(parts[i]) + "' " + wrong);
-  if (values.size() != count)
-    fail(std::to_string(values.size()) + (values.size() == 1 ? " number where " : " numbers where ") + std::to_string(count) +
-         (count == 1 ? " is expected" : " are expected"));
+    if (const std::string wrong = parse_number(parts[i], values[i]); !wrong.empty()) bad_numbers(e, attribute, "'" + shown(parts[i]) + "' " + wrong);
+  return values;
+}
+
+std::optional<std::vector<double>> Reader::numbers(const Element& e, const char* attribute, size_t count) const {
+  auto values = numbers(e, attribute);
+  if (values && values->size() != count)
+    bad_numbers(e, attribute, std::to_string(values->size()) + (values->size() == 1 ? " number where " : " numbers where ") + std::to_string(count) +
+                                  (count == 1 ? " is expected" : " are expected"));
   return values;
 }
 

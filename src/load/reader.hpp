@@ -23,7 +23,9 @@ struct Reader {
   // One number; missing is an error.
   double number(const Element& e, const char* attribute) const;
   std::optional<double> optional_number(const Element& e, const char* attribute) const;
-  // count numbers, or nullopt when the attribute is missing.
+  // The numbers of an attribute, or nullopt when it is missing.
+  std::optional<std::vector<double>> numbers(const Element& e, const char* attribute) const;
+  // The same, count of them.
   std::optional<std::vector<double>> numbers(const Element& e, const char* attribute, size_t count) const;
   std::optional<std::array<double, 3>> vector3(const Element& e, const char* attribute) const;
 
@@ -32,6 +34,8 @@ struct Reader {
   // Everything that stands in e and is not named here goes into the report: as dropped physics or as something harmless.
   void unread(const Element& e, std::initializer_list<std::string_view> attributes,
               std::initializer_list<std::string_view> children, bool physics = true) const;
+
+  [[noreturn]] void bad_numbers(const Element& e, const char* attribute, const std::string& what) const;
 
   // Rotation and translation of e's <origin>; the identity when there is none.
   Placement origin(const Element& e, bool physics = true) const;

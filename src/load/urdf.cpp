@@ -1,4 +1,5 @@
 // URDF to model: read, check, read again, build.
+#include "srdf.hpp"
 #include "urdf_robot.hpp"
 
 namespace dyn {
@@ -37,7 +38,8 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   check_moving_mass(robot, tree, report);
   report_kept(robot, report);
   compare_with_urdfdom(text, robot, tree, report);
-  const auto entries = report.finish();
+  auto entries = report.finish();
+  const Srdf srdf = options.srdf.empty() ? Srdf() : load_srdf(options.srdf, robot, tree, floating, options.strict, entries);
 
   Builder builder(robot.name);
   located(report, 0, [&] { builder.gravity(options.gravity); });
@@ -56,6 +58,8 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
     located(report, joint.line, [&] { builder.joint(joint.spec); });
     add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_JOINT | DYN_FRAME_FIXED_JOINT}, report);
   }
+  for (const Srdf::State& s : srdf.states) located(Report(options.srdf, false), s.line, [&] { builder.configuration(s.name, s.joints); });
+  for (const Srdf::Pair& p : srdf.pairs) builder.disabled_pair(p.link1, p.link2, p.reason);
   for (const Report::Entry& e : entries) builder.report(e.level, e.line, e.message);
   return located(report, 0, [&] { return builder.finish(); });
 }

@@ -322,22 +322,47 @@ void Builder::frame(const std::string& name, const Parent& parent, const Placeme
 
 void Builder::shape(const Shape& shape) {
   const std::string who = "shape of body '" + shape.body + "'";
-  ShapeEntry entry{shape, impl->find({shape.body, DYN_FRAME_BODY}, who)};
+  ShapeEntry entry{shape, shape.body == "universe" ? 0 : impl->find({shape.body, DYN_FRAME_BODY}, who)};
   check_placement(who, shape.placement);
   check_finite(who + ": size", shape.size.data(), 3);
   for (std::size_t k = 0; k < std::size_t(collision::size_count(shape.type)); ++k)
     if (!(shape.size[k] >= collision::smallest && shape.size[k] <= collision::largest))
       refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
+  if (!(shape.radius >= 0 && shape.radius <= collision::largest)) refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
+  if (shape.radius > 0 && shape.type == DYN_SHAPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
   impl->shapes.push_back(std::move(entry));
 }
 
-void Builder::configuration(const std::string& name, const std::vector<double>& q) {
+void Builder::Impl::check_configuration_name(const std::string& name) const {
   check_name("configuration", name);
   if (name == "neutral") refuse(DYN_ERROR_NAME, "configuration 'neutral' is always there: choose another name");
-  check_finite("configuration '" + name + "'", q.data(), q.size());
-  for (const ConfigurationEntry& c : impl->configurations)
+  for (const ConfigurationEntry& c : configurations)
     if (c.name == name) refuse(DYN_ERROR_NAME, "configuration '" + name + "' is there already: choose another name");
+}
+
+void Builder::configuration(const std::string& name, const std::vector<double>& q) {
+  impl->check_configuration_name(name);
+  check_finite("configuration '" + name + "'", q.data(), q.size());
   impl->configurations.push_back({name, false, q, {}});
+}
+
+void Builder::configuration(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints) {
+  impl->check_configuration_name(name);
+  ConfigurationEntry entry{name, true, {}, std::vector<std::vector<double>>(impl->joints.size())};
+  for (const auto& [joint, q] : joints) {
+    const std::string who = "configuration '" + name + "', joint '" + joint + "'";
+    const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&](const JointEntry& e) { return e.spec.name == joint; });
+    if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no such moving joint");
+    check_finite(who, q.data(), q.size());
+    if (int(q.size()) != own_nq(*at)) refuse(DYN_ERROR_SIZE, who + " has " + std::to_string(q.size()) + " numbers, needs " + std::to_string(own_nq(*at)));
+    entry.by_joint[std::size_t(at - impl->joints.begin())] = q;
+  }
+  impl->configurations.push_back(std::move(entry));
+}
+
+void Builder::disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason) {
+  const std::string who = "pair '" + body1 + "', '" + body2 + "'";
+  impl->disabled.push_back({impl->find({body1, DYN_FRAME_BODY}, who), impl->find({body2, DYN_FRAME_BODY}, who), reason});
 }
 
 void Builder::report(dynReportLevel level, int line, const std::string& message) { impl->reports.push_back({level, line, message}); }

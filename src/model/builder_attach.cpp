@@ -61,6 +61,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     s.frame += frames_before - 1;  // the world's own frame does not come along
     next.shapes.push_back(std::move(s));
   }
+  for (DisabledEntry& p : other.disabled) next.disabled.push_back({p.frame1 + frames_before - 1, p.frame2 + frames_before - 1, std::move(p.reason)});
   next.reports.insert(next.reports.end(), other.reports.begin(), other.reports.end());
 
   // configurations of one name are one; what only one of the two names is neutral in the other

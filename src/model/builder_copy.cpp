@@ -83,11 +83,16 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     const ShapeRecord& r = m.shapes()[k];
     Shape s{m.string(r.name), r.type, r.role, m.string(m.frames()[r.frame].name), placement_of(r.placement), {}, m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
+    s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity;
     impl->shapes.push_back({std::move(s), r.frame});
   }
   for (Index k = 0; k < m.n.reports; ++k) {
     const ReportRecord& r = m.reports()[k];
     impl->reports.push_back({r.level, r.line, m.string(r.message)});
+  }
+  for (Index k = 0; k < m.n.disabled; ++k) {
+    const DisabledRecord& r = m.disabled_pairs()[k];
+    impl->disabled.push_back({r.frame1, r.frame2, m.string(r.reason)});
   }
   for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral
     const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;

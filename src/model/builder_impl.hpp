@@ -64,6 +64,11 @@ struct ReportEntry {
   std::string message;
 };
 
+struct DisabledEntry {
+  int frame1, frame2;
+  std::string reason;
+};
+
 struct Builder::Impl {
   std::string name;
   std::array<double, 3> gravity = {0, 0, -9.81};
@@ -73,10 +78,12 @@ struct Builder::Impl {
   std::vector<ShapeEntry> shapes;
   std::vector<ConfigurationEntry> configurations;
   std::vector<ReportEntry> reports;
+  std::vector<DisabledEntry> disabled;  // not tested for collision
 
   int find(const Parent& parent, const std::string& who) const;
   void add_frame(FrameEntry entry, const std::string& who);
   void add_joint(const JointSpec& spec);
+  void check_configuration_name(const std::string& name) const;
   // Makes every configuration one by joints.
   void split_configurations();
   // Drops the joints not marked, with the frames, shapes and numbers that they carry; world: what is fixed to it stays.
@@ -102,6 +109,8 @@ struct Leader {
 std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints);
 // Chains of one type, as long as they can be, and chunks of them.
 void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vector<Chunk>& chunks);
+// Coordinates of vector spaces, as many side by side as there are, and the bodies that have others.
+void make_spans(const std::vector<Body>& bodies, std::vector<Span>& spans, std::vector<Index>& curved);
 // Elimination tree of M: the parent of each degree of freedom, or -1.
 void elimination_tree(const Model& m, std::vector<Index>& parent);
 // Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.
@@ -109,7 +118,10 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
 
 // Pairs of collision shapes but those of one body and of a body and its parent; none when there are more than most_geoms shapes.
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames,
-                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms);
+                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled);
+// Several collision shapes, and no pair of them is tested: the load report says so.
+inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
+bool tests_nothing(Index geoms, const std::vector<PairRecord>& pairs);
 // Marks those that overlap in the neutral configuration.
 void judge_pairs(const Model& m, PairRecord* pairs);
 

@@ -1,7 +1,9 @@
 // Which pairs of collision shapes there are, and which of them a new data tests.
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <set>
 
 #include "builder_impl.hpp"
 #include "dyn/collision/pairs.hpp"
@@ -18,10 +20,12 @@ bool parent_and_child(const std::vector<JointRecord>& joints, Index parent, Inde
 
 }  // namespace
 
-std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames,
-                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms) {
+std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames, const std::vector<ShapeRecord>& shapes,
+                                 const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled) {
   std::vector<PairRecord> pairs;
   if (geoms.size() > std::size_t(most_geoms)) return pairs;
+  std::set<std::pair<Index, Index>> off;  // links
+  for (const DisabledRecord& d : disabled) off.insert(std::minmax(d.frame1, d.frame2));
   auto shape = [&](std::size_t geom) -> const ShapeRecord& { return shapes[std::size_t(geoms[geom].shape)]; };
   auto joint = [&](std::size_t geom) { return frames[std::size_t(shape(geom).frame)].joint; };
   for (std::size_t a = 0; a < geoms.size(); ++a)
@@ -29,9 +33,18 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
       const Index i = joint(a), j = joint(b);
       if (i == j || parent_and_child(joints, i, j) || parent_and_child(joints, j, i)) continue;
       const bool mesh = shape(a).type == DYN_SHAPE_MESH || shape(b).type == DYN_SHAPE_MESH;
-      pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint16_t(mesh ? DYN_PAIR_MESH : DYN_PAIR_TESTED)});
+      const bool masked = !collision::masks_meet({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
+      const dynPairReason reason = mesh                                                    ? DYN_PAIR_MESH
+                                   : off.count(std::minmax(shape(a).frame, shape(b).frame)) ? DYN_PAIR_DISABLED
+                                   : masked                                                ? DYN_PAIR_MASK
+                                                                                           : DYN_PAIR_TESTED;
+      pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint16_t(reason)});
     }
   return pairs;
+}
+
+bool tests_nothing(Index geoms, const std::vector<PairRecord>& pairs) {
+  return geoms >= 2 && geoms <= most_geoms && std::none_of(pairs.begin(), pairs.end(), [](const PairRecord& p) { return p.reason == DYN_PAIR_TESTED; });
 }
 
 void judge_pairs(const Model& m, PairRecord* pairs) {

@@ -49,6 +49,8 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
   frames = std::move(seen);
   std::erase_if(shapes, [&](const ShapeEntry& s) { return frame[std::size_t(s.frame)] < 0; });
   for (ShapeEntry& s : shapes) s.frame = frame[std::size_t(s.frame)];
+  std::erase_if(disabled, [&](const DisabledEntry& p) { return frame[std::size_t(p.frame1)] < 0 || frame[std::size_t(p.frame2)] < 0; });
+  for (DisabledEntry& p : disabled) p.frame1 = frame[std::size_t(p.frame1)], p.frame2 = frame[std::size_t(p.frame2)];
 
   for (ConfigurationEntry& c : configurations) {
     c.by_joint.resize(joint.size());

@@ -116,6 +116,13 @@ const ModelFunction model_functions[] = {
     {"dyn_frame_info", [](auto* m) { return keeps(dyn_frame_info, m, DYN_ERROR_HANDLE); }},
     {"dyn_nshapes", [](auto* m) { return dyn_nshapes(m) == -1; }},
     {"dyn_shape_info", [](auto* m) { return keeps(dyn_shape_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_ndisabled_pairs", [](auto* m) { return dyn_ndisabled_pairs(m) == -1; }},
+    {"dyn_disabled_pair",
+     [](auto* m) {
+       int a = -7, b = -7;
+       const char* reason = nullptr;
+       return dyn_disabled_pair(m, 0, &a, &b, &reason) == DYN_ERROR_HANDLE && a == -7 && b == -7 && !reason;
+     }},
     {"dyn_model_array", [](auto* m) { return dyn_model_array(m, DYN_GRAVITY) == nullptr; }},
     {"dyn_total_mass", [](auto* m) { return std::isnan(dyn_total_mass(m)); }},
     {"dyn_nconfigurations", [](auto* m) { return dyn_nconfigurations(m) == -1; }},
@@ -278,8 +285,15 @@ TEST(Handles, TablesAreComplete) {
       "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",
       // collision_test.cpp
       "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_shape", "dyn_shape_distance", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
+      // contact_test.cpp
+      "dyn_shape_contacts", "dyn_shape_ray", "dyn_shape_closest_point", "dyn_shape_sweep", "dyn_data_set_shape_masks", "dyn_data_shape_masks",
+      // broad_phase_test.cpp
+      "dyn_broad_phase_new", "dyn_broad_phase_free", "dyn_broad_phase_insert", "dyn_broad_phase_update", "dyn_broad_phase_remove", "dyn_broad_phase_pairs",
+      "dyn_broad_phase_query", "dyn_broad_phase_ray",
       // effects_test.cpp
       "dyn_batch_set_effects",
+      // tests/mesh
+      "dyn_mesh_options_init", "dyn_mesh_load", "dyn_mesh_from_arrays", "dyn_mesh_free", "dyn_mesh_info", "dyn_mesh_arrays", "dyn_mesh_hull",
       // batch_test.cpp
       "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_batch_info"};
   for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {

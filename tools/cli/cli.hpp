@@ -42,6 +42,7 @@ std::string not_empty(const std::string& text);
 struct RobotOptions {
   std::string file;
   std::vector<std::string> package_dirs;
+  std::string srdf;
   bool fixed = false, floating = false, strict = false, cos_sin = false, json = false;
 };
 void add_robot_options(CLI::App& command, RobotOptions& options);
@@ -122,9 +123,15 @@ std::string short_number(double x, int digits = 6);
 void print(const std::string& answer);
 // Shortened, when it is absurdly long.
 std::string shown(const std::string& name);
+// Columns one below another.
+std::string table(const std::vector<std::vector<std::string>>& rows);
 std::string join(const std::vector<std::string>& words, const char* separator = ", ");
 
 // ---------------------------------------------------------------------------------------------------- the subcommands
+
+// What dyn_mesh_info says of each of the robot's meshes, or why it cannot be read.
+json meshes_json(const Robot& robot);
+std::string meshes_text(const json& meshes);
 
 void add_info(CLI::App& app);
 void add_eval(CLI::App& app);

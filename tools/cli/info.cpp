@@ -68,6 +68,15 @@ json info_json(const Robot& robot) {
                              {"size", vector_json(s.size, 3)},
                              {"mesh", s.mesh}});
   }
+  out["configurations"] = json::array();
+  for (int i = 0; i < dyn_nconfigurations(robot); ++i) out["configurations"].push_back(dyn_configuration_name(robot, i));
+  out["disabled_pairs"] = json::array();
+  for (int i = 0; i < dyn_ndisabled_pairs(robot); ++i) {
+    int frame1, frame2;
+    const char* reason;
+    check(dyn_disabled_pair(robot, i, &frame1, &frame2, &reason));
+    out["disabled_pairs"].push_back({{"frame1", dyn_frame_name(robot, frame1)}, {"frame2", dyn_frame_name(robot, frame2)}, {"reason", reason}});
+  }
   out["effects"] = effects(robot);
   out["report"] = json::array();
   for (int i = 0; i < dyn_report_count(robot); ++i) {
@@ -90,6 +99,8 @@ std::string limit_text(const json& limits) {
   return out;
 }
 
+}  // namespace
+
 std::string table(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> width;
   for (const auto& row : rows)
@@ -105,6 +116,8 @@ std::string table(const std::vector<std::vector<std::string>>& rows) {
   }
   return out;
 }
+
+namespace {
 
 std::string info_text(const json& info) {
   const auto str = [](const json& x) { return x.get<std::string>(); };
@@ -138,6 +151,13 @@ std::string info_text(const json& info) {
   for (const auto& e : info["effects"])
     rows.push_back({str(e["name"]), e["active"].get<bool>() ? "on" : "off", str(e["reason"])});
   out += "\neffects\n" + table(rows);
+  if (info["configurations"].size() > 1) {
+    out += "\nconfigurations\n ";
+    for (const auto& name : info["configurations"]) out += " " + str(name);
+    out += "\n";
+  }
+  if (!info["disabled_pairs"].empty()) out += "\ndisabled pairs\n  " + std::to_string(info["disabled_pairs"].size()) + " pairs of links are not tested for collision\n";
+  if (info.contains("meshes")) out += "\nmeshes\n" + meshes_text(info["meshes"]);
   if (info.contains("pairs")) {
     rows.clear();
     for (const auto& p : info["pairs"]) rows.push_back({str(p["a"]), str(p["b"]), p["tested"].get<bool>() ? "tested" : "not tested: " + str(p["reason"])});
@@ -158,11 +178,14 @@ void add_info(CLI::App& app) {
   CLI::App* command = app.add_subcommand("info", "Sizes, joints, frames, masses, effects, the load report");
   command->footer("Joint 0 and frame 0 are the universe, the world: a joint whose parent is 0 stands on it.");
   add_robot_options(*command, *options);
+  auto meshes = std::make_shared<bool>(false);
+  command->add_flag("--meshes", *meshes, "Read the robot's mesh files, too: what they bound, and whether they are convex");
   command->add_flag("--pairs", *pairs, "Which pairs of collision shapes are tested, and why others are not");
-  command->callback([options, pairs] {
+  command->callback([options, pairs, meshes] {
     const Robot robot(*options);
     json info = info_json(robot);
     if (*pairs) info["pairs"] = pairs_json(robot);
+    if (*meshes) info["meshes"] = meshes_json(robot);
     print(options->json ? json_text(info) : info_text(info));
   });
 }

@@ -19,6 +19,7 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->allow_extra_args(false)
       ->check(not_empty)
       ->type_name("DIR");
+  command.add_option("--srdf", options.srdf, "An SRDF for this robot: named configurations, disabled pairs")->check(not_empty)->type_name("FILE");
   command.add_flag("--strict", options.strict, "Physics that would be dropped is an error");
   command.add_flag("--cos-sin", options.cos_sin, "Continuous joints store (cos, sin)");
   command.add_flag("--json", options.json, "Answer in JSON");
@@ -34,6 +35,7 @@ Robot::Robot(const RobotOptions& options) {
   load.cos_sin = options.cos_sin;
   if (!folders.empty()) load.package_dirs = folders.data();
   load.package_dirs_count = folders.size();
+  if (!options.srdf.empty()) load.srdf = options.srdf.c_str();
   dynModel* model = nullptr;
   const dynStatus status = dyn_model_load(options.file.c_str(), &load, &model);
   check(status);

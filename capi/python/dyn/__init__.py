@@ -16,6 +16,18 @@ from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
 from .collision import Distance, shape_distance
+from .contact import (
+    BroadPhase,
+    ClosestPoint,
+    Contact,
+    Impact,
+    RayHit,
+    Rays,
+    shape_closest_point,
+    shape_contacts,
+    shape_ray,
+    shape_sweep,
+)
 from .convert import State, StateLayout
 from .data import (
     FIELDS,
@@ -52,6 +64,7 @@ from .enums import (
     ShapeRole,
     ShapeType,
     Status,
+    SweepStatus,
     Term,
 )
 from .errors import (
@@ -91,7 +104,8 @@ from .inertia import (
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
-from .model import FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, load, load_string
+from .mesh import Mesh, MeshInfo, load_mesh
+from .model import DisabledPair, FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, load, load_string
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
@@ -107,14 +121,18 @@ __all__ = [
     "Base",
     "BaseChoiceError",
     "Batch",
+    "BroadPhase",
     "Builder",
     "BusyError",
     "CenterOfMassVelocityDerivatives",
     "Centroidal",
     "CentroidalDerivatives",
+    "ClosestPoint",
+    "Contact",
     "Convention",
     "Data",
     "Direction",
+    "DisabledPair",
     "Distance",
     "DistanceStatus",
     "Effect",
@@ -130,6 +148,7 @@ __all__ = [
     "HandleError",
     "IkReason",
     "IkTaskType",
+    "Impact",
     "Integrator",
     "InternalError",
     "InvalidRobotError",
@@ -139,19 +158,23 @@ __all__ = [
     "LibraryError",
     "LimitError",
     "LoadError",
+    "Mesh",
+    "MeshInfo",
     "Model",
     "ModelArray",
     "ModelError",
     "NonFiniteError",
     "NumericError",
     "OutOfMemoryError",
-    "ParseError",
     "Pair",
     "PairReason",
+    "ParseError",
     "Part",
     "PartError",
     "Placement",
     "QuaternionError",
+    "RayHit",
+    "Rays",
     "Reference",
     "ReportEntry",
     "ReportLevel",
@@ -166,6 +189,7 @@ __all__ = [
     "StateLayout",
     "Status",
     "StrictError",
+    "SweepStatus",
     "Term",
     "UnknownNameError",
     "UnsupportedError",
@@ -176,10 +200,15 @@ __all__ = [
     "last_error",
     "library_path",
     "load",
+    "load_mesh",
     "load_string",
     "log_cholesky_from_parameters",
     "log_cholesky_jacobian",
     "parameters_from_log_cholesky",
     "parameters_from_pseudo_inertia",
     "pseudo_inertia_from_parameters",
+    "shape_closest_point",
+    "shape_contacts",
+    "shape_ray",
+    "shape_sweep",
 ]  # fmt: skip

@@ -23,7 +23,7 @@ class Array(Grown):
 class LoadOptions(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("base", c_int), ("strict", c_int32), ("cos_sin", c_int32),
-        ("package_dirs", POINTER(c_char_p)), ("package_dirs_count", c_size_t), ("gravity", c_double * 3),
+        ("package_dirs", POINTER(c_char_p)), ("package_dirs_count", c_size_t), ("gravity", c_double * 3), ("srdf", c_char_p),
     ]  # fmt: skip
 
 
@@ -51,6 +51,7 @@ class ShapeInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("frame", c_int32),
         ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
+        ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32),
     ]  # fmt: skip
 
 
@@ -71,6 +72,7 @@ class ShapeSpec(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("body", c_char_p),
         ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
+        ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32),
     ]  # fmt: skip
 
 
@@ -104,6 +106,31 @@ class BatchInfo(Grown):
     ]  # fmt: skip
 
 
+class MeshOptions(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("scale", c_double * 3), ("weld_tolerance", c_double), ("up_z", c_int32),
+        ("package_dirs", POINTER(c_char_p)), ("package_dirs_count", c_size_t), ("relative_to", c_char_p),
+    ]  # fmt: skip
+
+
+class MeshInfo(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("vertices", c_int32), ("triangles", c_int32), ("welded", c_int64), ("degenerate", c_int64),
+        ("duplicates", c_int64), ("skipped", c_int64), ("lower", c_double * 3), ("upper", c_double * 3), ("area", c_double),
+        ("components", c_int32), ("open_edges", c_int32), ("flipped_edges", c_int32), ("nonmanifold_edges", c_int32), ("closed", c_int32),
+        ("orientation", c_int32), ("volume", c_double), ("com", c_double * 3), ("inertia", c_double * 9), ("hull_status", c_int),
+        ("hull_volume", c_double), ("hull_volume_ratio", c_double), ("hull_depth", c_double), ("convex", c_int32),
+    ]  # fmt: skip
+
+
+class MeshArrays(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("vertices", c_void_p), ("triangles", c_void_p), ("vertex_count", c_size_t),
+        ("triangle_count", c_size_t), ("face_count", c_size_t), ("planes", c_void_p), ("face_start", c_void_p),
+        ("face_corners", c_void_p), ("neighbour_start", c_void_p), ("neighbours", c_void_p),
+    ]  # fmt: skip
+
+
 class Distance(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("status", c_int), ("unique", c_int32), ("iterations", c_int32), ("distance", c_double),
@@ -113,6 +140,32 @@ class Distance(Grown):
 
 class Geometry(Grown):
     _fields_ = [("struct_size", c_uint32), ("type", c_int), ("size", c_double * 3), ("radius", c_double)]
+
+
+class Contact(Structure):
+    _fields_ = [
+        ("pair", c_int32), ("shape_a", c_int32), ("shape_b", c_int32), ("reserved", c_int32), ("feature", c_uint64),
+        ("distance", c_double), ("position", c_double * 3), ("normal", c_double * 3),
+    ]  # fmt: skip
+
+
+class RayHit(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("shape", c_int32), ("t", c_double), ("position", c_double * 3), ("normal", c_double * 3),
+    ]  # fmt: skip
+
+
+class ClosestPoint(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("unique", c_int32), ("distance", c_double), ("point", c_double * 3), ("normal", c_double * 3),
+    ]  # fmt: skip
+
+
+class Impact(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("status", c_int), ("time", c_double), ("distance", c_double), ("normal", c_double * 3),
+        ("point_a", c_double * 3), ("point_b", c_double * 3),
+    ]  # fmt: skip
 
 
 class IkTask(Grown):
@@ -171,6 +224,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_frame_info": (STATUS, [_p, _i, _ref]),
     "dyn_nshapes": (_i, [_p]),
     "dyn_shape_info": (STATUS, [_p, _i, _ref]),
+    "dyn_ndisabled_pairs": (_i, [_p]),
+    "dyn_disabled_pair": (STATUS, [_p, _i, _ref, _ref, _ref]),
     "dyn_model_array": (_p, [_p, _i]),
     "dyn_total_mass": (_d, [_p]),
     "dyn_nconfigurations": (_i, [_p]),
@@ -299,7 +354,32 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_pair_distance": (STATUS, [_p, _p, _i, _ref]),
     "dyn_distance_gradients": (STATUS, [_p, _p, _p]),
     "dyn_collisions": (STATUS, [_p, _p, _p, _d, _p, _i, _ref]),
+    # contacts, rays, the broad phase
+    "dyn_data_set_shape_masks": (STATUS, [_p, _p, _i, c_uint32, c_uint32]),
+    "dyn_data_shape_masks": (STATUS, [_p, _p, _i, _ref, _ref]),
+    "dyn_shape_contacts": (STATUS, [_ref, _p, _ref, _p, _d, _d, _ref, _ref]),
+    "dyn_contacts": (STATUS, [_p, _p, _p, _d, _ref, _i, _ref]),
+    "dyn_shape_ray": (STATUS, [_ref, _p, _p, _p, _ref]),
+    "dyn_rays": (STATUS, [_p, _p, _p, _p, _p, _i, _d, c_uint32, _p, _p, _p]),
+    "dyn_shape_closest_point": (STATUS, [_ref, _p, _p, _ref]),
+    "dyn_shape_sweep": (STATUS, [_ref, _p, _p, _ref, _p, _p, _d, _d, _ref]),
+    "dyn_broad_phase_new": (STATUS, [_i, c_int64, _d, _ref]),
+    "dyn_broad_phase_free": (None, [_p]),
+    "dyn_broad_phase_insert": (STATUS, [_p, _p, _p, _ref]),
+    "dyn_broad_phase_update": (STATUS, [_p, _i, _p, _p]),
+    "dyn_broad_phase_remove": (STATUS, [_p, _i]),
+    "dyn_broad_phase_pairs": (STATUS, [_p, _p, c_int64, _ref]),
+    "dyn_broad_phase_query": (STATUS, [_p, _p, _p, _p, _i, _ref]),
+    "dyn_broad_phase_ray": (STATUS, [_p, _p, _p, _d, _p, _i, _ref]),
     "dyn_step": (STATUS, [_p, _p, _i, _d]),
+    # meshes
+    "dyn_mesh_options_init": (None, [_ref]),
+    "dyn_mesh_load": (STATUS, [_s, _ref, _ref]),
+    "dyn_mesh_from_arrays": (STATUS, [_p, c_size_t, _p, c_size_t, _ref]),
+    "dyn_mesh_free": (None, [_p]),
+    "dyn_mesh_info": (STATUS, [_p, _ref]),
+    "dyn_mesh_arrays": (STATUS, [_p, _ref]),
+    "dyn_mesh_hull": (STATUS, [_p, _ref]),
     # batches
     "dyn_batch_new": (STATUS, [_p, c_uint32, _i, _ref]),
     "dyn_batch_free": (None, [_p]),

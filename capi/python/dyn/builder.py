@@ -139,12 +139,17 @@ class Builder:
         role: str | ShapeRole = ShapeRole.COLLISION,
         name: str = "",
         mesh: str = "",
+        radius: float = 0.0,
+        contype: int = 1,
+        conaffinity: int = 1,
     ) -> Builder:
-        """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo."""
+        """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo. radius: of rounding (m); contype, conaffinity:
+        groups it is in, groups it collides with, a bit each."""
         spec = abi.ShapeSpec()
         lib.dyn_shape_spec_init(byref(spec))
         spec.body, spec.name, spec.mesh = text(body, "body"), text(name, "name"), text(mesh, "mesh")
         spec.type, spec.role = member(ShapeType, type, "type"), member(ShapeRole, role, "role")
+        spec.radius, spec.contype, spec.conaffinity = radius, contype, conaffinity
         sizes = np.atleast_1d(numbers(size, "size")).tolist()
         spec.size[: len(sizes)] = checked(sizes, (min(len(sizes), 3),), "size").tolist()
         if placement is not None:

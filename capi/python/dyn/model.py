@@ -96,6 +96,20 @@ class ShapeInfo(NamedTuple):
     """(3,), m: box: full lengths; sphere: radius; cylinder, capsule, cone: radius, length; ellipsoid: semi-axes; mesh: scale."""
     mesh: str
     """Resolved path; "" for others."""
+    radius: float
+    """m, of rounding: points within that distance belong to the shape."""
+    contype: int
+    """Groups it is in, a bit each."""
+    conaffinity: int
+    """Groups it collides with."""
+
+
+class DisabledPair(NamedTuple):
+    """Two links that an SRDF takes out of collision tests."""
+
+    frame1: int
+    frame2: int
+    reason: str
 
 
 E = TypeVar("E")
@@ -151,7 +165,7 @@ def _string(s: bytes | None) -> str:
     return "" if s is None else s.decode("utf-8", "surrogateescape")
 
 
-def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any):
+def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any):
     options = abi.LoadOptions()
     lib.dyn_load_options_init(byref(options))
     if base is not None:
@@ -165,6 +179,8 @@ def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity:
         options.package_dirs_count = len(folders)
     if gravity is not None:
         options.gravity[:] = checked(gravity, (3,), "gravity").tolist()
+    if srdf is not None:
+        options.srdf = os.fsencode(srdf)
     return options
 
 
@@ -176,6 +192,7 @@ def load(
     cos_sin: bool = False,
     package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
     gravity: ArrayLike | None = None,
+    srdf: str | os.PathLike | None = None,
 ) -> Model:
     """Reads a robot from a URDF file.
 
@@ -185,12 +202,13 @@ def load(
     cos_sin       continuous joints store (cos, sin)
     package_dirs  where package://NAME/... is looked up
     gravity       (3,), m/s^2, world axes; default (0, 0, -9.81)
+    srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
     """
     name = os.fsencode(path)
     if b"\0" in name:
         raise ArgumentError(f"path holds a zero character: {path!r}.")
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf)
     check(lib.dyn_model_load(name, byref(options), byref(out)))
     return Model(out.value)
 
@@ -203,10 +221,11 @@ def load_string(
     cos_sin: bool = False,
     package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
     gravity: ArrayLike | None = None,
+    srdf: str | os.PathLike | None = None,
 ) -> Model:
     """Reads a robot from the text of a URDF; otherwise as dyn.load."""
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf)
     check(lib.dyn_model_load_string(text(urdf, "urdf"), byref(options), byref(out)))
     return Model(out.value)
 
@@ -323,8 +342,19 @@ class Model:
         check(lib.dyn_shape_info(self._m, id, byref(info)))
         return ShapeInfo(
             id, _string(info.name), _kind(ShapeType, info.type), _kind(ShapeRole, info.role), info.frame,
-            to_placement(np.array(info.placement)), np.array(info.size), _string(info.mesh),
+            to_placement(np.array(info.placement)), np.array(info.size), _string(info.mesh), info.radius, info.contype,
+            info.conaffinity,
         )  # fmt: skip
+
+    @cached_property
+    def disabled_pairs(self) -> tuple[DisabledPair, ...]:
+        """Pairs of links that an SRDF takes out of collision tests."""
+        out = []
+        for i in range(_size(lib.dyn_ndisabled_pairs(self._m))):
+            frame1, frame2, reason = c_int(), c_int(), c_char_p()
+            check(lib.dyn_disabled_pair(self._m, i, byref(frame1), byref(frame2), byref(reason)))
+            out.append(DisabledPair(frame1.value, frame2.value, _string(reason.value)))
+        return tuple(out)
 
     @cached_property
     def joints(self) -> tuple[JointInfo, ...]:

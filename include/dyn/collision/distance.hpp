@@ -10,4 +10,7 @@ namespace dyn::collision {
 Result distance(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, Workspace& workspace,
                 const Options& options = Options());
 
+// Of the shape's farthest point from its frame's origin.
+double reach(const shape::Shape& s);
+
 }  // namespace dyn::collision

@@ -58,6 +58,8 @@ struct Shape {
   Placement placement = identity_placement;
   std::array<double, 3> size = {0, 0, 0};
   std::string mesh;
+  double radius = 0;                           // of rounding
+  std::uint32_t contype = 1, conaffinity = 1;  // groups it is in, groups it collides with
 };
 
 // nq and nv of a type with no parts.
@@ -93,6 +95,10 @@ class Builder {
   void frame(const std::string& name, const Parent& parent, const Placement& placement, dynFrameType type);
   void shape(const Shape& shape);
   void configuration(const std::string& name, const std::vector<double>& q);
+  // The same by joints, each with its own coordinates; the others are neutral.
+  void configuration(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);
+  // Two bodies that are not tested for collision.
+  void disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason);
   void report(dynReportLevel level, int line, const std::string& message);
 
   // Operations on the whole; one that throws changes nothing. (builder_lock.cpp, builder_attach.cpp, builder_subtree.cpp)

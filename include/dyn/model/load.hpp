@@ -11,6 +11,7 @@ struct LoadOptions {
   bool cos_sin = false;
   std::vector<std::string> package_dirs;
   std::array<double, 3> gravity = {0, 0, -9.81};
+  std::string srdf;  // path, or ""
 };
 
 // Content decides the format. Throws Error with file, line, element and remedy.

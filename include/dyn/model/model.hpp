@@ -23,7 +23,12 @@ struct Chunk {
   static constexpr Index size = 64;
   Index first;               // body
   Index first_run, last_run;
-  Index first_q, last_q;     // expanded coordinates that hold its angles; first_q is a multiple of 8
+  Index first_q, last_q;     // expanded coordinates that hold its angles; the sweep's last four end within the array's padding
+};
+
+// Neighbouring coordinates, in q and in v, that form a vector space.
+struct Span {
+  Index first_q, first_v, count;
 };
 
 struct JointRecord {
@@ -69,6 +74,8 @@ struct ShapeRecord {
   dynShapeRole role;
   Index frame;
   double placement[12], size[3];
+  double radius;  // of rounding
+  std::uint32_t contype, conaffinity;
 };
 
 // A collision shape.
@@ -85,6 +92,11 @@ struct PairRecord {
   std::uint16_t reason;  // dynPairReason: whether new data tests it
 };
 
+// Two links that are not tested for collision.
+struct DisabledRecord {
+  Index frame1, frame2, reason;
+};
+
 struct ReportRecord {
   dynReportLevel level;
   Index line, message;
@@ -94,7 +106,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text;
+  Index bodies, runs, chunks, sweep, spans, curved, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
 };
 
 struct Model {

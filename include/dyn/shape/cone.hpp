@@ -43,6 +43,13 @@ struct Cone : Solid<Cone> {
   }
   Face face(const Vec& n) const { return {n[2] < -face_cosine, -axis(2)}; }
   bool under_face(const Vec&, const Vec& p) const { return p[0] * p[0] + p[1] * p[1] <= r * r; }
+  // the base, or the line from the apex to the rim: which of the two turns to n more
+  void facing(const Vec& n, double, Feature& f) const {
+    const double rho = length2(n[0], n[1]), slant = length2(r, 2 * half);
+    if (-n[2] * slant >= 2 * half * rho + r * n[2]) return f.add_rim(r, -half, 0);
+    f.add(axis(2) * half, Feature::rim);
+    if (rho > flat_slope) f.add(on_rim(n, r, -half), Feature::rim + 1);
+  }
   double extent() const { return length2(r, half); }
 
   using Solid::bounds;

@@ -1,0 +1,158 @@
+// Meshes: C structs to the loader's own.
+#include "load/mesh.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "guard.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+constexpr double convex_tolerance = 1e-6;  // of the bounding box's diagonal
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+meshes::MeshOptions read_options(const dynMeshOptions* o) {
+  meshes::MeshOptions out;
+  if (!o) return out;
+  if (o->struct_size < sizeof(dynMeshOptions))
+    throw Error(DYN_ERROR_SIZE, "dynMeshOptions: struct_size is " + std::to_string(o->struct_size) + ", needs " + std::to_string(sizeof(dynMeshOptions)) +
+                                    ": call dyn_mesh_options_init first");
+  if (o->package_dirs_count && !o->package_dirs) throw Error(DYN_ERROR_ARGUMENT, "dynMeshOptions: package_dirs is NULL but package_dirs_count is not 0");
+  for (std::size_t k = 0; k < o->package_dirs_count; ++k) {
+    if (!o->package_dirs[k]) throw Error(DYN_ERROR_ARGUMENT, "dynMeshOptions: package_dirs[" + std::to_string(k) + "] is NULL");
+    out.package_dirs.push_back(o->package_dirs[k]);
+  }
+  std::copy(o->scale, o->scale + 3, out.scale.begin());
+  out.weld_tolerance = o->weld_tolerance;
+  out.up_z = o->up_z != 0;
+  if (o->relative_to) out.relative_to = o->relative_to;
+  return out;
+}
+
+template <class Make>
+dynStatus make(dynMesh** out, const char* function, Make f) {
+  if (!out) return fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
+  return guarded([&] {
+    auto mesh = std::make_unique<meshes::Mesh>(f());
+    dynMesh* handle = new_mesh_handle();
+    if (!handle) throw std::bad_alloc();
+    handle->m = mesh.release();
+    handle->magic = live_mesh;
+    *out = handle;
+    return DYN_OK;
+  });
+}
+
+template <class S>
+dynStatus check_struct(const S* s, const char* function, const char* name) {
+  if (!s) return fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
+  if (s->struct_size < sizeof(S)) return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(%s)", function, s->struct_size, sizeof(S), name);
+  return DYN_OK;
+}
+
+// What the triangles bound.
+void describe_solid(const meshes::Mesh& mesh, dynMeshInfo& info) {
+  info.volume = nan;
+  std::fill_n(info.com, 3, nan), std::fill_n(info.inertia, 9, nan);
+  if (!mesh.topology.closed) return;
+  const meshes::Solid solid = meshes::solid_of(mesh);
+  info.orientation = solid.volume > 0 ? 1 : solid.volume < 0 ? -1 : 0;
+  if (info.orientation == 0) return;
+  info.volume = std::fabs(solid.volume);
+  store3(solid.com, info.com);
+  const Mat3<double> I = (solid.inertia * double(info.orientation)).full();
+  store3(I.x, info.inertia), store3(I.y, info.inertia + 3), store3(I.z, info.inertia + 6);
+}
+
+// How it compares with its hull.
+void describe_hull(const meshes::Mesh& mesh, double diagonal, dynMeshInfo& info) {
+  info.hull_volume = info.hull_volume_ratio = info.hull_depth = nan;
+  info.hull_status = guarded([&] {
+    const meshes::Mesh hull = meshes::hull_of(mesh);
+    info.hull_volume = meshes::solid_of(hull).volume;
+    info.hull_volume_ratio = info.hull_volume / info.volume;
+    info.hull_depth = meshes::depth_under(mesh, *hull.polytope);
+    return DYN_OK;
+  });
+  if (info.orientation == 0 || info.components != 1) info.convex = 0;
+  else info.convex = info.hull_status == DYN_ERROR_UNSUPPORTED ? -1 : info.hull_depth <= convex_tolerance * diagonal;
+}
+
+}  // namespace
+
+extern "C" {
+
+void dyn_mesh_options_init(dynMeshOptions* options) {
+  if (!options) return;
+  std::memset(options, 0, sizeof *options);
+  options->struct_size = sizeof *options;
+  std::fill_n(options->scale, 3, 1.0);
+}
+
+dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options, dynMesh** mesh) {
+  if (!path) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_load: path is NULL");
+  return make(mesh, "dyn_mesh_load", [&] { return meshes::read_mesh(path, read_options(options)); });
+}
+
+dynStatus dyn_mesh_from_arrays(const double* vertices, size_t n, const int32_t* triangles, size_t m, dynMesh** mesh) {
+  const char* function = "dyn_mesh_from_arrays";
+  if (!vertices || n == 0) return fail(DYN_ERROR_ARGUMENT, "%s: there are no vertices", function);
+  if (!triangles && m) return fail(DYN_ERROR_ARGUMENT, "%s: triangles is NULL but triangle_count is not 0", function);
+  constexpr size_t most = size_t(1) << 40;
+  return make(mesh, function, [&] { return meshes::make_mesh(vertices, std::int64_t(std::min(n, most)), triangles, std::int64_t(std::min(m, most)), 0, function); });
+}
+
+void dyn_mesh_free(dynMesh* mesh) {
+  if (!mesh || mesh->magic != live_mesh) return;
+  delete mesh->m;
+  mesh->m = nullptr;
+  free_handle(mesh);
+}
+
+dynStatus dyn_mesh_info(const dynMesh* handle, dynMeshInfo* out) {
+  if (const dynStatus s = check(handle)) return s;
+  if (const dynStatus s = check_struct(out, "dyn_mesh_info", "dynMeshInfo")) return s;
+  const meshes::Mesh& mesh = *handle->m;
+  const meshes::Topology& t = mesh.topology;
+  const meshes::Box box = meshes::box_of(mesh);
+  dynMeshInfo info{};
+  info.struct_size = out->struct_size;
+  info.vertices = mesh.vertex_count(), info.triangles = mesh.triangle_count();
+  info.welded = mesh.welded, info.degenerate = mesh.degenerate, info.duplicates = mesh.duplicates, info.skipped = mesh.skipped;
+  store3(box.low, info.lower), store3(box.high, info.upper);
+  info.area = meshes::area_of(mesh);
+  info.components = t.components, info.open_edges = t.open, info.flipped_edges = t.flipped, info.nonmanifold_edges = t.crowded, info.closed = t.closed;
+  describe_solid(mesh, info);
+  describe_hull(mesh, box.diagonal(), info);
+  if (info.hull_status == DYN_ERROR_MEMORY) return info.hull_status;
+  *out = info;
+  return DYN_OK;
+}
+
+dynStatus dyn_mesh_arrays(const dynMesh* handle, dynMeshArrays* out) {
+  if (const dynStatus s = check(handle)) return s;
+  if (const dynStatus s = check_struct(out, "dyn_mesh_arrays", "dynMeshArrays")) return s;
+  const meshes::Mesh& mesh = *handle->m;
+  dynMeshArrays a{};
+  a.struct_size = out->struct_size;
+  a.vertices = mesh.vertices.data(), a.vertex_count = std::size_t(mesh.vertex_count());
+  a.triangles = mesh.triangles.data(), a.triangle_count = std::size_t(mesh.triangle_count());
+  if (const auto& p = mesh.polytope) {
+    a.face_count = p->face_start.size() - 1;
+    a.planes = p->planes.data(), a.face_start = p->face_start.data(), a.face_corners = p->face_corners.data();
+    a.neighbour_start = p->neighbour_start.data(), a.neighbours = p->neighbours.data();
+  }
+  *out = a;
+  return DYN_OK;
+}
+
+dynStatus dyn_mesh_hull(const dynMesh* handle, dynMesh** hull) {
+  if (const dynStatus s = check(handle)) return s;
+  return make(hull, "dyn_mesh_hull", [&] { return meshes::hull_of(*handle->m); });
+}
+
+}  // extern "C"

@@ -1,0 +1,105 @@
+"""Meshes and SRDF files."""
+
+import numpy as np
+import pytest
+from conftest import ARM
+from test_cli import CLI, answer, run
+
+import dyn
+
+CUBE = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)], float)
+TRIANGLES = [
+    [0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5],
+]  # fmt: skip
+
+
+def obj(path, vertices=CUBE):
+    lines = ["v " + " ".join(map(str, v)) for v in vertices] + ["f " + " ".join(str(i + 1) for i in t) for t in TRIANGLES]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def has_module(tmp_path):
+    try:
+        dyn.load_mesh(obj(tmp_path / "probe.obj"))
+    except dyn.UnsupportedError:
+        return False
+    return True
+
+
+def test_arrays():
+    mesh = dyn.Mesh.from_arrays(CUBE * [1, 2, 3], TRIANGLES)
+    i = mesh.info
+    assert (i.vertices, i.triangles, i.closed, i.orientation, i.components) == (8, 12, True, 1, 1)
+    assert i.volume == pytest.approx(6, rel=1e-14) and np.allclose(i.com, [0.5, 1, 1.5])
+    assert np.allclose(i.inertia, np.diag([0.5 * 13, 0.5 * 10, 0.5 * 5]))
+    assert mesh.vertices.shape == (8, 3) and mesh.triangles.shape == (12, 3) and not mesh.vertices.flags.writeable
+    assert mesh.faces == [] and mesh.planes.shape == (0, 4)
+    view = mesh.vertices
+    del mesh
+    assert view[7].tolist() == [1, 2, 3]  # keeps the mesh alive
+
+
+def test_bad_arrays():
+    with pytest.raises(dyn.SizeError):
+        dyn.Mesh.from_arrays(np.zeros((3, 2)), TRIANGLES)
+    with pytest.raises(dyn.ArgumentError, match="integers"):
+        dyn.Mesh.from_arrays(CUBE, np.zeros((1, 3)))
+    with pytest.raises(dyn.ArgumentError):
+        dyn.Mesh.from_arrays(CUBE, [[0, 1, -1]])
+    with pytest.raises(dyn.ArgumentError, match="triangle 0 has the vertex 8"):
+        dyn.Mesh.from_arrays(CUBE, [[0, 1, 8]])
+    with pytest.raises(dyn.NonFiniteError, match="vertex 0 has x = NaN"):
+        dyn.Mesh.from_arrays(CUBE * np.nan, TRIANGLES)
+    with pytest.raises(dyn.FileError, match="not found: tried"):
+        dyn.load_mesh("no/such/file.stl")
+
+
+def test_files_and_hulls(tmp_path):
+    if not has_module(tmp_path):
+        pytest.skip("built without assimp and qhull")
+    mesh = dyn.load_mesh(obj(tmp_path / "a.obj"), scale=(1, 1, -2))
+    assert mesh.info.convex and mesh.info.volume == pytest.approx(2, rel=1e-14) and mesh.info.orientation == 1
+    assert dyn.load_mesh("a.obj", relative_to=tmp_path / "robot.urdf").info.hull_volume_ratio == pytest.approx(1)
+    assert len(dyn.load_mesh("package://p/a.obj", package_dirs=tmp_path).vertices) == 8
+    hull = dyn.Mesh.from_arrays(np.random.default_rng(1).normal(size=(200, 3))).hull()
+    assert hull.info.convex and len(hull.faces) == len(hull.planes) and len(hull.neighbours) == len(hull.vertices)
+    assert (hull.planes[:, :3] @ hull.vertices.T <= hull.planes[:, 3:] + 1e-13).all()
+    with pytest.raises(dyn.InvalidRobotError, match="plane"):
+        dyn.Mesh.from_arrays(CUBE * [1, 1, 0]).hull()
+
+
+def test_srdf(tmp_path):
+    path = tmp_path / "arm.srdf"
+    joint = dyn.load_string(ARM, "fixed").joints[1].name
+    links = [f.name for f in dyn.load_string(ARM, "fixed").frames if f.type == dyn.FrameType.BODY]
+    path.write_text(
+        f'<robot name="arm"><group_state name="up" group="g"><joint name="{joint}" value="0.5"/></group_state>'
+        f'<disable_collisions link1="{links[0]}" link2="{links[1]}" reason="Adjacent"/></robot>'
+    )
+    m = dyn.load_string(ARM, "fixed", srdf=path)
+    assert m.configurations["up"][0] == 0.5
+    (pair,) = m.disabled_pairs
+    assert (m.frame_name(pair.frame1), m.frame_name(pair.frame2), pair.reason) == (links[0], links[1], "Adjacent")
+
+
+@pytest.mark.skipif(not CLI, reason="the command dyn is not built")
+def test_command(tmp_path):
+    path = tmp_path / "arm.urdf"
+    obj(tmp_path / "cube.obj")
+    mesh = '<collision><geometry><mesh filename="cube.obj" scale="1 2 3"/></geometry></collision><visual><geometry><mesh filename="none.obj"/></geometry></visual>'
+    path.write_text(ARM.replace('<link name="base"/>', f'<link name="base">{mesh}</link>'))
+    srdf = tmp_path / "arm.srdf"
+    srdf.write_text('<robot name="arm"><group_state name="up" group="g"/><disable_collisions link1="base" link2="tool" reason="Never"/></robot>')
+    info = answer("info", path, "--fixed", "--srdf", srdf, "--meshes")
+    assert info["configurations"] == ["neutral", "up"]
+    assert info["disabled_pairs"] == [{"frame1": "base", "frame2": "tool", "reason": "Never"}]
+    cube, none = info["meshes"]
+    assert "not found" in none["error"] and none["link"] == "base"
+    if has_module(tmp_path):
+        assert cube["info"]["volume"] == pytest.approx(6) and cube["info"]["convex"]
+        assert "hull/mesh" in run("info", path, "--fixed", "--meshes")
+    else:
+        assert "libdyn_mesh.so" in cube["error"]
+    assert "meshes" not in answer("info", path, "--fixed")
+    assert "none.srdf" in run("info", path, "--fixed", "--srdf", tmp_path / "none.srdf", status=1)

@@ -1,0 +1,13 @@
+// Files to text.
+#pragma once
+
+#include <string>
+
+#include "report.hpp"
+
+namespace dyn::load {
+
+// The whole file; also reads pipes, such as the output of xacro. what: "a URDF file". Throws through a report of the path.
+std::string read_file(const std::string& path, const std::string& what);
+
+}  // namespace dyn::load

@@ -1,0 +1,122 @@
+// What is looked at before a parser sees a mesh file: kinds of file, sizes that cannot be, and nesting that parsers drown in.
+#include "mesh_check.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "file.hpp"
+#include "mesh.hpp"
+#include "xml.hpp"
+
+namespace dyn::load {
+
+using meshes::max_triangles;
+
+namespace {
+
+constexpr std::uint64_t max_mesh_bytes = std::uint64_t(2) << 30;
+constexpr int max_json_depth = 100;
+constexpr int max_gltf_parents = 2000;  // nodes with children: a chain of them is walked by recursion
+
+std::string read(std::ifstream& file, std::uint64_t from, std::uint64_t bytes) {
+  std::string text(std::size_t(bytes), '\0');
+  file.clear();
+  file.seekg(std::streamoff(from)), file.read(text.data(), std::streamsize(bytes));
+  text.resize(std::size_t(std::max<std::streamsize>(file.gcount(), 0)));
+  return text;
+}
+
+std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
+  std::uint32_t x = 0;
+  for (std::size_t k = 0; k < 4 && at + k < bytes.size(); ++k) x |= std::uint32_t(static_cast<unsigned char>(bytes[at + k])) << 8 * k;
+  return x;
+}
+
+bool holds(const std::string& text, std::string_view word) {
+  return std::search(text.begin(), text.end(), word.begin(), word.end(), [](char a, char b) { return (a >= 'A' && a <= 'Z' ? char(a - 'A' + 'a') : a) == b; }) != text.end();
+}
+
+// Binary: 80 bytes, a count, 50 bytes a triangle. Anything else that begins with "solid" is ASCII.
+void check_stl(std::ifstream& file, std::uint64_t size, const Report& report) {
+  const std::string head = read(file, 0, std::min<std::uint64_t>(size, 84));
+  const std::uint64_t count = little_endian(head, 80), needed = 84 + 50 * count;
+  const bool ascii = head.substr(0, 5) == "solid" && size != needed;
+  if (ascii) {
+    const std::uint64_t tail = std::min<std::uint64_t>(size, 4096);
+    if (!holds(read(file, size - tail, tail), "endsolid")) report.fail(DYN_ERROR_PARSE, 0, "the file is cut off: an ASCII STL ends with 'endsolid'");
+    return;
+  }
+  if (size < 84) report.fail(DYN_ERROR_PARSE, 0, "this is no STL: it has " + std::to_string(size) + " bytes, and the header of a binary one alone has 84");
+  if (count > std::uint64_t(max_triangles))
+    report.fail(size == needed ? DYN_ERROR_LIMIT : DYN_ERROR_PARSE, 0,
+                "its header says " + std::to_string(count) + " triangles, and the limit is " + std::to_string(max_triangles) +
+                    (size == needed ? "" : " (the file has " + std::to_string(size) + " bytes: it is damaged, or no STL)"));
+  if (size != needed)
+    report.fail(DYN_ERROR_PARSE, 0, "its header says " + std::to_string(count) + " triangles, which take " + std::to_string(needed) + " bytes, but the file has " +
+                                        std::to_string(size) + ": it is " + (size < needed ? "cut off" : "damaged") + ", or no STL");
+  if (count == 0) report.fail(DYN_ERROR_INVALID, 0, "no triangles: its header says 0");
+}
+
+void check_json(std::string_view text, const Report& report) {
+  int depth = 0, parents = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      if (c == '\\') ++i;
+      else if (c == '"') quoted = false;
+    } else if (c == '"') {
+      quoted = true;
+      parents += text.substr(i).starts_with("\"children\"");
+    } else if (c == '[' || c == '{') {
+      if (++depth > max_json_depth) report.fail(DYN_ERROR_LIMIT, 0, "its JSON is nested more than " + std::to_string(max_json_depth) + " deep, which is the limit");
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  if (quoted || depth != 0) report.fail(DYN_ERROR_PARSE, 0, "its JSON is cut off or damaged: a quote or bracket is missing");
+  if (parents > max_gltf_parents) report.fail(DYN_ERROR_LIMIT, 0, std::to_string(parents) + " nodes with children, and the limit is " + std::to_string(max_gltf_parents));
+}
+
+// magic, version, length; then chunks of length, type, bytes, of which the first is JSON
+void check_glb(std::ifstream& file, std::uint64_t size, const Report& report) {
+  const std::string head = read(file, 0, std::min<std::uint64_t>(size, 20));
+  if (!head.starts_with("glTF")) report.fail(DYN_ERROR_PARSE, 0, "this is no binary glTF: it does not begin with 'glTF'");
+  const std::uint64_t length = little_endian(head, 8), json = little_endian(head, 12);
+  if (head.size() < 20 || length != size || 20 + json > size)
+    report.fail(DYN_ERROR_PARSE, 0, "its header says " + std::to_string(length) + " bytes, but the file has " + std::to_string(size) + ": it is cut off or damaged");
+  check_json(read(file, 20, json), report);
+}
+
+}  // namespace
+
+std::string extension(const std::string& path) {
+  std::string out = std::filesystem::path(path).extension().string();
+  std::transform(out.begin(), out.end(), out.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return out;
+}
+
+void check_mesh_file(const std::string& path) {
+  const Report report(path, false);
+  const std::string kind = extension(path);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) report.fail(DYN_ERROR_FILE, 0, "this is a directory: give the name of a mesh file in it");
+  if (kind != ".stl" && kind != ".obj" && kind != ".dae" && kind != ".gltf" && kind != ".glb")
+    report.fail(DYN_ERROR_UNSUPPORTED, 0, "mesh files are .stl, .obj, .dae, .gltf and .glb: convert it to one of them");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + std::string(std::strerror(errno)));
+  const std::uint64_t size = std::filesystem::file_size(path, ignored);
+  if (ignored) report.fail(DYN_ERROR_FILE, 0, "is no regular file: " + ignored.message());
+  if (size == 0) report.fail(DYN_ERROR_PARSE, 0, "the file is empty");
+  if (size > max_mesh_bytes) report.fail(DYN_ERROR_LIMIT, 0, std::to_string(size) + " bytes, and the limit is " + std::to_string(max_mesh_bytes) + ": simplify the mesh");
+  if (read(file, 0, std::min<std::uint64_t>(size, 40)).starts_with("version https://git-lfs"))
+    report.fail(DYN_ERROR_PARSE, 0, "this is a placeholder of Git LFS, not the mesh: run git lfs pull");
+  if (kind == ".stl") check_stl(file, size, report);
+  if (kind == ".glb") check_glb(file, size, report);
+  if (kind == ".gltf") check_json(read(file, 0, size), report);
+  if (kind == ".dae") check_xml(read_file(path, "a mesh file"), report);
+}
+
+}  // namespace dyn::load

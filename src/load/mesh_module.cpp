@@ -1,0 +1,82 @@
+#include "mesh_module.hpp"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "dyn/model/builder.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* file_name = "libdyn_mesh.so";
+
+// Beside the library that this code is in, and, for a variant in LIB/glibc-hwcaps/LEVEL, in LIB.
+void add_folders(const fs::path& library, std::vector<std::string>& files) {
+  const auto add = [&](const fs::path& folder) {
+    const std::string file = (folder / file_name).string();
+    if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+  };
+  const fs::path folder = library.parent_path();
+  add(folder);
+  if (folder.parent_path().filename() == "glibc-hwcaps") add(folder.parent_path().parent_path());
+}
+
+std::vector<std::string> candidates() {
+  std::vector<std::string> files;
+  Dl_info here{};
+  if (dladdr(reinterpret_cast<const void*>(&mesh_module), &here) && here.dli_fname) {
+    std::error_code ignored;
+    const fs::path library = fs::absolute(here.dli_fname, ignored);
+    add_folders(library, files);
+    add_folders(fs::canonical(library, ignored), files);
+  }
+  files.push_back(file_name);  // where the loader looks
+  return files;
+}
+
+const mesh::Module* open(const std::string& file, std::string& why) {
+  std::error_code ignored;
+  if (file.find('/') != file.npos && !fs::exists(file, ignored)) {
+    why = "no such file";
+    return nullptr;
+  }
+  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!library) {
+    const char* error = dlerror();
+    why = error ? error : "cannot be opened";
+    return nullptr;
+  }
+  const auto get = reinterpret_cast<mesh::GetModule>(dlsym(library, mesh::module_function));
+  const mesh::Module* module = get ? get(mesh::module_version) : nullptr;
+  if (module && module->size >= sizeof(mesh::Module)) return module;
+  why = "another version than this libdyn";
+  dlclose(library);
+  return nullptr;
+}
+
+}  // namespace
+
+const mesh::Module& mesh_module() {
+  static std::mutex mutex;
+  static const mesh::Module* module = nullptr;
+  const std::lock_guard lock(mutex);
+  if (module) return *module;
+  std::string tried;
+  for (const std::string& file : candidates()) {
+    std::string why;
+    if ((module = open(file, why))) return *module;
+    tried += (tried.empty() ? "" : ", ") + file + " (" + why + ")";
+  }
+  throw Error(DYN_ERROR_UNSUPPORTED, "mesh files and hulls need libdyn's module " + std::string(file_name) +
+                                         ", which cannot be opened: install it beside libdyn.so with the packages of assimp and qhull, or build libdyn "
+                                         "where libassimp-dev and libqhull-dev are installed; tried " + tried);
+}
+
+}  // namespace dyn::load

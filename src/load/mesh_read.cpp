@@ -1,0 +1,62 @@
+// Mesh files to meshes: found, looked at, read by the module, scaled, welded.
+#include <cmath>
+#include <filesystem>
+
+#include "mesh.hpp"
+#include "mesh_check.hpp"
+#include "mesh_module.hpp"
+#include "mesh_path.hpp"
+#include "report.hpp"
+
+namespace dyn::meshes {
+
+using namespace load;
+
+namespace {
+
+std::string found(const std::string& name, const MeshOptions& options) {
+  if (name.empty()) throw Error(DYN_ERROR_FILE, "the path is empty: give the name of a mesh file");
+  MeshPaths paths(options.relative_to, options.package_dirs);
+  const MeshPaths::Found& f = paths.find(name);
+  if (!f.path.empty()) return f.path;
+  std::string tried;
+  for (const std::string& path : f.tried) {
+    if (std::filesystem::exists(path)) check_mesh_file(path);  // says what is there instead of a file
+    tried += (tried.empty() ? ": tried " : ", ") + quoted(path);
+  }
+  if (name.find("://") != name.npos) tried += tried.empty() ? ": give package_dirs" : "; give the folder above the package in package_dirs";
+  throw Error(DYN_ERROR_FILE, "mesh " + quoted(name) + " is not found" + tried);
+}
+
+// The module's triangles, freed with this.
+struct Soup : mesh::Soup {
+  const mesh::Module& module;
+  explicit Soup(const mesh::Module& m) : mesh::Soup{}, module(m) {}
+  Soup(const Soup&) = delete;
+  ~Soup() { module.free_soup(this); }
+};
+
+}  // namespace
+
+Mesh read_mesh(const std::string& name, const MeshOptions& options) {
+  const std::string path = found(name, options);
+  const Report report(path, false);
+  check_mesh_file(path);
+  const double mirror = options.scale[0] * options.scale[1] * options.scale[2];
+  for (double s : options.scale)
+    if (!std::isfinite(s) || s == 0) throw Error(DYN_ERROR_ARGUMENT, "the scale of mesh " + quoted(name) + " has " + text(s) + ": give finite numbers that are not zero");
+
+  Soup soup(mesh_module());
+  mesh::Failure failure{};
+  if (!soup.module.read(path.c_str(), options.up_z, max_triangles, &soup, &failure)) report.fail(failure.status, 0, failure.message);
+  if (soup.triangle_count == 0)
+    report.fail(DYN_ERROR_INVALID, 0, "no triangles" + (soup.skipped ? ", only " + std::to_string(soup.skipped) + " points and lines" : std::string()));
+  for (std::int64_t i = 0; i < 3 * soup.vertex_count; ++i) soup.vertices[i] *= options.scale[std::size_t(i % 3)];
+  if (mirror < 0)  // what was counter-clockwise is not any more
+    for (std::int64_t t = 0; t < soup.triangle_count; ++t) std::swap(soup.triangles[3 * t + 1], soup.triangles[3 * t + 2]);
+  Mesh out = make_mesh(soup.vertices, soup.vertex_count, soup.triangles, soup.triangle_count, options.weld_tolerance, printable(path));
+  out.skipped = soup.skipped;
+  return out;
+}
+
+}  // namespace dyn::meshes

@@ -1,0 +1,103 @@
+// The top level of an SRDF: what is used, and what is listed with its line.
+#include "srdf.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "file.hpp"
+#include "reader.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+const std::initializer_list<std::string_view> known_elements = {
+    "group_state", "disable_collisions", "enable_collisions", "disable_default_collisions", "virtual_joint", "group", "end_effector", "passive_joint",
+    "joint_property", "link_sphere_approximation", "gripper", "handle", "contact", "specificities", "rotor_params"};
+
+template <class Thing, class Name>
+bool known(const Element& e, const char* kind, const std::string& name, const std::string& owner, const SrdfContext& context, const std::vector<Thing>& things,
+           const Name& name_of) {
+  std::vector<const std::string*> all;
+  for (const Thing& t : things) {
+    if (name_of(t) == name) return true;
+    all.push_back(&name_of(t));
+  }
+  context.report.physics(line(e), owner + ": there is no " + kind + " " + quoted(name) + " in the robot" + did_you_mean(name, all));
+  return false;
+}
+
+// The names that groups and the like refer to.
+void check_references(const Element& e, const std::string& owner, const SrdfContext& context) {
+  for (const char* attribute : {"base_link", "tip_link", "parent_link", "child_link", "link"})
+    if (const char* name = e.Attribute(attribute)) known_link(e, name, owner, context);
+  for (const Element* c = first(e); c; c = next(*c)) {
+    const std::string_view kind = c->Name();
+    const char* name = c->Attribute("name");
+    if (name && kind == "link") known_link(*c, name, owner, context);
+    if (name && kind == "joint" && !is_virtual(*e.Parent()->ToElement(), name)) known_joint(*c, name, owner, context);
+    if (kind == "chain") check_references(*c, owner, context);
+  }
+}
+
+void list_unused(const Element& root, const SrdfContext& context) {
+  for (const Element* e = first(root); e; e = next(*e)) {
+    const std::string kind = e->Name();
+    const std::string name = e->Attribute("name") ? e->Attribute("name") : "";
+    const std::string owner = kind + (name.empty() ? "" : " " + quoted(name));
+    if (kind == "virtual_joint") {
+      context.report.info(line(*e), owner + ": the base is " + (context.floating ? "floating" : "fixed") + ", as said at loading");
+      check_references(*e, owner, context);
+    } else if (kind == "group" || kind == "end_effector" || kind == "link_sphere_approximation") {
+      context.report.info(line(*e), owner + ": not used");
+      check_references(*e, owner, context);
+    } else if (kind == "passive_joint" || kind == "joint_property") {
+      const char* joint = kind == "passive_joint" ? e->Attribute("name") : e->Attribute("joint_name");
+      context.report.info(line(*e), kind + (joint ? " " + quoted(joint) : "") + ": not used: forces on joints are the caller's");
+      if (joint && !is_virtual(root, joint)) known_joint(*e, joint, kind, context);
+    } else if (kind == "rotor_params") {
+      context.report.physics(line(*e), "<rotor_params>: the rotors' inertias are not used");
+    } else if (kind == "gripper" || kind == "handle" || kind == "contact" || kind == "specificities") {
+      context.report.count("<" + kind + ">: not used", line(*e));
+    }
+  }
+}
+
+}  // namespace
+
+bool is_virtual(const Element& root, const std::string& joint) {
+  if (joint == "root_joint") return true;
+  for (const Element* e = first(root, "virtual_joint"); e; e = next(*e, "virtual_joint"))
+    if (e->Attribute("name", joint.c_str())) return true;
+  return false;
+}
+
+bool known_link(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context) {
+  return known(e, "link", name, owner, context, context.robot.links, [](const UrdfLink& l) -> const std::string& { return l.name; });
+}
+bool known_joint(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context) {
+  return known(e, "joint", name, owner, context, context.robot.joints, [](const UrdfJoint& j) -> const std::string& { return j.spec.name; });
+}
+
+Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& tree, bool floating, bool strict, std::vector<Report::Entry>& entries) {
+  Report report(file, strict);
+  const std::string text = read_file(file, "an SRDF file");
+  check_xml(text, report);
+  const Document document(text, report);
+  const Element& root = document.root();
+  if (std::string_view(root.Name()) != "robot" || first(root, "link"))
+    report.fail(DYN_ERROR_PARSE, line(root), first(root, "link") ? "this is a URDF: an SRDF has no links of its own" : "<" + std::string(root.Name()).substr(0, 60) + ">: an SRDF begins with <robot>");
+  Reader{report, "the SRDF"}.unread(root, {"name", "version"}, known_elements);
+  if (const char* name = root.Attribute("name"); name && name != robot.name)
+    report.warning(line(root), "this SRDF is for robot " + quoted(name) + ", and the robot is " + quoted(robot.name));
+  const SrdfContext context{robot, robot.links[std::size_t(tree.root)].name, floating, report};
+  Srdf out;
+  out.states = read_states(root, context);
+  out.pairs = read_pairs(root, context);
+  list_unused(root, context);
+  const std::string begin = std::filesystem::path(file).filename().string() + ": ";
+  for (Report::Entry& e : report.finish()) entries.push_back({e.level, e.line, printable(begin) + e.message});
+  return out;
+}
+
+}  // namespace dyn::load

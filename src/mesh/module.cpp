@@ -1,0 +1,80 @@
+// The module's table, and the one place where exceptions become failures.
+#include "module.hpp"
+
+#include <assimp/version.h>
+#include <libqhull_r/libqhull_r.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "parts.hpp"
+
+namespace dyn::mesh {
+
+namespace {
+
+template <class F>
+bool guarded(Failure* failure, F&& f) noexcept {
+  const auto fail = [&](dynStatus status, const char* message) {
+    failure->status = status;
+    std::string_view text = message;
+    text = text.substr(0, sizeof failure->message - 1);
+    failure->message[text.copy(failure->message, text.size())] = '\0';
+    return false;
+  };
+  try {
+    f();
+    return true;
+  } catch (const Refusal& e) {
+    return fail(e.status, e.what());
+  } catch (const std::bad_alloc&) {
+    return fail(DYN_ERROR_MEMORY, "out of memory");
+  } catch (const std::exception& e) {
+    return fail(DYN_ERROR_PARSE, e.what());
+  } catch (...) {
+    return fail(DYN_ERROR_INTERNAL, "internal error");
+  }
+}
+
+template <class T>
+T* handed_over(const std::vector<T>& from) {
+  T* to = static_cast<T*>(std::malloc(std::max<std::size_t>(from.size(), 1) * sizeof(T)));
+  if (!to) throw std::bad_alloc();
+  std::copy(from.begin(), from.end(), to);
+  return to;
+}
+
+bool read(const char* path, bool up_z, std::int64_t max_triangles, Soup* out, Failure* failure) {
+  *out = {};
+  return guarded(failure, [&] {
+    const Triangles t = read_assimp(path, up_z, max_triangles);
+    out->vertices = handed_over(t.vertices), out->vertex_count = std::int64_t(t.vertices.size() / 3);
+    out->triangles = handed_over(t.corners), out->triangle_count = std::int64_t(t.corners.size() / 3);
+    out->skipped = t.skipped;
+  });
+}
+
+bool hull(const double* points, std::int32_t count, HullFaces* out, Failure* failure) {
+  *out = {};
+  return guarded(failure, [&] {
+    const Faces f = hull_qhull(points, count);
+    out->corners = handed_over(f.corners), out->corner_count = std::int32_t(f.corners.size());
+    out->face_start = handed_over(f.start), out->face_corners = handed_over(f.of_face);
+    out->face_count = std::int32_t(f.start.size()) - 1;
+  });
+}
+
+void free_soup(Soup* s) { std::free(s->vertices), std::free(s->triangles), *s = {}; }
+void free_hull(HullFaces* h) { std::free(h->corners), std::free(h->face_start), std::free(h->face_corners), *h = {}; }
+
+}  // namespace
+
+}  // namespace dyn::mesh
+
+extern "C" __attribute__((visibility("default"))) const dyn::mesh::Module* dyn_mesh_module(std::uint32_t version) {
+  using namespace dyn::mesh;
+  static const std::string libraries = "assimp " + std::to_string(aiGetVersionMajor()) + "." + std::to_string(aiGetVersionMinor()) + "." +
+                                       std::to_string(aiGetVersionPatch()) + ", qhull " + qh_version2;
+  static const Module module = {module_version, sizeof(Module), read, hull, free_soup, free_hull, libraries.c_str()};
+  return version == module_version ? &module : nullptr;
+}

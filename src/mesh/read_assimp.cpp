@@ -1,0 +1,133 @@
+// Mesh files by assimp: the triangles of all nodes of the scene, where the nodes put them.
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "parts.hpp"
+
+namespace dyn::mesh {
+
+namespace {
+
+// y = A x + p
+struct Affine {
+  double A[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, p[3] = {0, 0, 0};
+
+  friend Affine operator*(const Affine& X, const Affine& Y) {
+    Affine Z;
+    for (int r = 0; r < 3; ++r) {
+      Z.p[r] = X.p[r];
+      for (int c = 0; c < 3; ++c) {
+        Z.A[r][c] = 0;
+        for (int k = 0; k < 3; ++k) Z.A[r][c] += X.A[r][k] * Y.A[k][c];
+        Z.p[r] += X.A[r][c] * Y.p[c];
+      }
+    }
+    return Z;
+  }
+  double determinant() const {
+    return A[0][0] * (A[1][1] * A[2][2] - A[1][2] * A[2][1]) - A[0][1] * (A[1][0] * A[2][2] - A[1][2] * A[2][0]) +
+           A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0]);
+  }
+};
+
+std::string lower_extension(std::string_view path) {
+  const std::size_t dot = path.find_last_of("./");
+  std::string out(dot == path.npos || path[dot] == '/' ? "" : path.substr(dot + 1));
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+  return out;
+}
+
+// assimp keeps single precision; what a text says in up to seven digits comes back exactly.
+double from_decimal(float x) {
+  char digits[32];
+  const char* end = std::to_chars(digits, digits + sizeof digits, x).ptr;
+  double value = x;
+  std::from_chars(digits, end, value);
+  return value;
+}
+
+struct Reading {
+  bool decimal;
+  Triangles out;
+
+  double number(ai_real x) const { return decimal ? from_decimal(float(x)) : double(x); }
+
+  Affine placement(const aiMatrix4x4& m) const {
+    Affine X;
+    for (unsigned r = 0; r < 3; ++r) {
+      for (unsigned c = 0; c < 3; ++c) X.A[r][c] = number(m[r][c]);
+      X.p[r] = number(m[r][3]);
+    }
+    return X;
+  }
+
+  void add(const aiMesh& mesh, const Affine& X) {
+    const std::size_t first = out.vertices.size() / 3;
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const double v[3] = {number(mesh.mVertices[i].x), number(mesh.mVertices[i].y), number(mesh.mVertices[i].z)};
+      for (int c = 0; c < 3; ++c)
+        if (!std::isfinite(v[c]))
+          throw Refusal(DYN_ERROR_NONFINITE, "vertex " + std::to_string(first + i) + " has " + "xyz"[c] + " = " + (std::isnan(v[c]) ? "NaN" : "infinity") + ": export the mesh again");
+      for (int r = 0; r < 3; ++r) out.vertices.push_back(X.A[r][0] * v[0] + X.A[r][1] * v[1] + X.A[r][2] * v[2] + X.p[r]);
+    }
+    const bool mirrored = X.determinant() < 0;
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      if (face.mNumIndices != 3) {
+        ++out.skipped;
+        continue;
+      }
+      for (unsigned k = 0; k < 3; ++k) {
+        const unsigned i = face.mIndices[mirrored ? 2 - k : k];
+        if (i >= mesh.mNumVertices)
+          throw Refusal(DYN_ERROR_PARSE, "a face refers to vertex " + std::to_string(i) + " of " + std::to_string(mesh.mNumVertices));
+        out.corners.push_back(std::int32_t(first + i));
+      }
+    }
+  }
+};
+
+struct Placed {
+  const aiNode* node;
+  Affine X;
+};
+
+}  // namespace
+
+Triangles read_assimp(const char* path, bool up_z, std::int64_t max_triangles) {
+  const std::string kind = lower_extension(path);
+  const bool collada = kind == "dae", gltf = kind == "gltf" || kind == "glb";
+  Assimp::Importer importer;
+  // assimp's own convention is y up, to which it turns what COLLADA says
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, !up_z);
+  const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+  if (!scene || !scene->mRootNode) {
+    const std::string why = importer.GetErrorString();
+    throw Refusal(DYN_ERROR_PARSE, why.empty() ? "it cannot be read" : why);
+  }
+
+  Affine root;
+  if (up_z && (collada || gltf)) root = {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {0, 0, 0}};
+  std::vector<Placed> all = {{scene->mRootNode, root}};
+  Reading reading{!(kind == "glb" || kind == "gltf"), {}};
+  std::int64_t triangles = 0;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const aiNode& node = *all[k].node;
+    all[k].X = all[k].X * reading.placement(node.mTransformation);
+    for (unsigned c = 0; c < node.mNumChildren; ++c) all.push_back({node.mChildren[c], all[k].X});
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) triangles += scene->mMeshes[node.mMeshes[i]]->mNumFaces;
+  }
+  if (triangles > max_triangles)
+    throw Refusal(DYN_ERROR_LIMIT, std::to_string(triangles) + " triangles, and the limit is " + std::to_string(max_triangles));
+  for (const Placed& p : all)
+    for (unsigned i = 0; i < p.node->mNumMeshes; ++i) reading.add(*scene->mMeshes[p.node->mMeshes[i]], p.X);
+  return std::move(reading.out);
+}
+
+}  // namespace dyn::mesh

@@ -1,0 +1,300 @@
+// Mesh files: each format gives the same solid; units, axes, scales; and files that are cut off, damaged, missing or hostile.
+#include <sys/stat.h>
+
+#include <clocale>
+#include <cstdlib>
+
+#include "mesh/meshes.hpp"
+
+namespace dyn_test {
+namespace {
+
+const Solid brick = box(0.1, 0.25, 0.7).moved(-3, 1, 0.3);
+
+// The brick in every format, named.
+std::map<std::string, std::string> all_formats(const Folder& folder) {
+  folder.write("sub/brick.bin", gltf_buffer(brick));
+  return {{"ascii", folder.write("ascii.stl", ascii_stl(brick))},
+          {"binary", folder.write("binary.STL", binary_stl(brick))},
+          {"solid", folder.write("solid.stl", binary_stl(brick, "solid made by a program that says so in binary files"))},
+          {"obj", folder.write("brick.obj", obj(brick))},
+          {"dae", folder.write("brick.dae", dae(brick))},
+          {"gltf", folder.write("sub/brick.gltf", gltf(brick, "brick.bin"))},
+          {"glb", folder.write("brick.glb", glb(brick))}};
+}
+
+// tolerance: relative. Texts of few digits come back exactly; binary files hold single precision.
+void expect_brick(const Made& m, double tolerance) {
+  ASSERT_EQ(DYN_OK, m.status) << m.error;
+  const dynMeshInfo i = m.info();
+  EXPECT_EQ(8, i.vertices);
+  EXPECT_EQ(12, i.triangles);
+  EXPECT_EQ(1, i.closed);
+  EXPECT_EQ(1, i.orientation);
+  EXPECT_EQ(1, i.convex);
+  EXPECT_EQ(0, i.skipped + i.degenerate + i.duplicates);
+  const double low[3] = {-3, 1, 0.3}, high[3] = {-2.9, 1.25, 1};
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(low[k], i.lower[k], 3 * tolerance) << k;
+    EXPECT_NEAR(high[k], i.upper[k], 3 * tolerance) << k;
+    EXPECT_NEAR((low[k] + high[k]) / 2, i.com[k], 3 * tolerance) << k;
+  }
+  EXPECT_NEAR(0.0175, i.volume, 0.0175 * 60 * tolerance);
+}
+
+constexpr double single = 6e-8, exact = 1e-15;
+
+TEST(MeshFile, EveryFormat) {
+  NEEDS_MODULE();
+  const Folder folder;
+  for (const auto& [name, path] : all_formats(folder)) {
+    SCOPED_TRACE(name);
+    expect_brick(mesh_file(path), name == "ascii" || name == "obj" || name == "dae" ? exact : single);
+  }
+}
+
+TEST(MeshFile, WithACommaAsDecimalPoint) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const auto files = all_formats(folder);
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  if (!std::setlocale(LC_ALL, "de_DE.UTF-8")) GTEST_SKIP() << "no such locale";
+  for (const auto& [name, path] : files) {
+    SCOPED_TRACE(name);
+    expect_brick(mesh_file(path), single);
+  }
+  std::setlocale(LC_ALL, before.c_str());
+}
+
+TEST(MeshFile, UnitsOfCollada) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const Solid centimetres = box(10, 25, 70).moved(-300, 100, 30);
+  expect_brick(mesh_file(folder.write("a.dae", dae(centimetres, "<unit name=\"centimeter\" meter=\"0.01\"/>"))), exact * 10);
+  // a node's translation is in the file's unit, too
+  expect_brick(mesh_file(folder.write("b.dae", dae(box(10, 25, 70), "<unit name=\"centimeter\" meter=\"0.01\"/>", "<translate>-300 100 30</translate>"))), exact * 10);
+}
+
+// URDF's meshes are in the axes of their link: what the file calls up counts only when asked for.
+TEST(MeshFile, UpAxis) {
+  NEEDS_MODULE();
+  const Folder folder;
+  MeshOptions up;
+  up.up_z = 1;
+  const auto expect_box = [](const Made& m, double x, double y, double z) {
+    ASSERT_EQ(DYN_OK, m.status) << m.error;
+    const dynMeshInfo i = m.info();
+    EXPECT_NEAR(x, i.upper[0] - i.lower[0], 1e-6);
+    EXPECT_NEAR(y, i.upper[1] - i.lower[1], 1e-6);
+    EXPECT_NEAR(z, i.upper[2] - i.lower[2], 1e-6);
+    EXPECT_EQ(1, i.orientation);
+  };
+  const Solid s = box(1, 2, 3);
+  for (const std::string axis : {"X_UP", "Y_UP", "Z_UP"}) {
+    SCOPED_TRACE(axis);
+    const std::string path = folder.write(axis + ".dae", dae(s, "<up_axis>" + axis + "</up_axis>"));
+    expect_box(mesh_file(path), 1, 2, 3);
+    const Made turned = mesh_file(path, up);
+    if (axis == "X_UP") expect_box(turned, 2, 3, 1);
+    if (axis == "Y_UP") expect_box(turned, 1, 3, 2);
+    if (axis == "Z_UP") expect_box(turned, 1, 2, 3);
+  }
+  const std::string path = folder.write("a.glb", glb(s));
+  expect_box(mesh_file(path), 1, 2, 3);
+  expect_box(mesh_file(path, up), 1, 3, 2);
+  EXPECT_NEAR(-3, mesh_file(path, up).info().lower[1], 1e-6);  // (x, y, z) is at (x, -z, y)
+  expect_box(mesh_file(folder.write("a.stl", binary_stl(s)), up), 1, 2, 3);
+}
+
+TEST(MeshFile, ScaleAndMirror) {
+  NEEDS_MODULE();
+  const Folder folder;
+  MeshOptions o;
+  o.scale[0] = 0.001, o.scale[1] = -0.001, o.scale[2] = 0.001;
+  const dynMeshInfo i = mesh_file(folder.write("a.stl", binary_stl(box(100, 200, 300))), o).info();
+  EXPECT_NEAR(0.006, i.volume, 1e-15);
+  EXPECT_NEAR(-0.2, i.lower[1], 1e-16);
+  EXPECT_EQ(1, i.orientation);  // still counter-clockwise from outside
+  // the same in a node
+  EXPECT_EQ(1, mesh_file(folder.write("a.dae", dae(box(1, 1, 1), "", "<scale>1 -1 1</scale>"))).info().orientation);
+  EXPECT_EQ(1, mesh_file(folder.write("a.gltf", gltf(box(1, 1, 1), "a.bin", ",\"scale\":[1,1,-1]"))).status != DYN_OK);  // no a.bin
+  folder.write("a.bin", gltf_buffer(box(1, 1, 1)));
+  EXPECT_EQ(1, mesh_file(folder.write("a.gltf", gltf(box(1, 1, 1), "a.bin", ",\"scale\":[1,1,-1]"))).info().orientation);
+  for (double bad : {0.0, double(NAN), double(INFINITY)}) {
+    o.scale[1] = bad;
+    const Made m = mesh_file((folder.path / "a.stl").string(), o);
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, m.status);
+    m.says("the scale of mesh");
+  }
+}
+
+TEST(MeshFile, WeldTolerance) {
+  NEEDS_MODULE();
+  const Folder folder;
+  Solid cracked;  // each triangle on its own, its corners off by 1e-5
+  for (std::size_t t = 0; t < brick.m(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t c = 0; c < 3; ++c) cracked.vertices.push_back(brick.vertices[3 * std::size_t(brick.triangles[3 * t + k]) + c] + 1e-5 * double((7 * t + 3 * k + c) % 3));
+      cracked.triangles.push_back(std::int32_t(3 * t + k));
+    }
+  const std::string path = folder.write("a.obj", obj(cracked));
+  EXPECT_GT(mesh_file(path).info().open_edges, 0);
+  MeshOptions o;
+  o.weld_tolerance = 1e-4;
+  const dynMeshInfo i = mesh_file(path, o).info();
+  EXPECT_EQ(8, i.vertices);
+  EXPECT_EQ(1, i.closed);
+  EXPECT_NEAR(0.0175, i.volume, 1e-5);
+  for (double bad : {-1.0, double(NAN), double(INFINITY)}) {
+    o.weld_tolerance = bad;
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, mesh_file(path, o).status);
+  }
+}
+
+TEST(MeshFile, QuadsPointsAndLines) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const std::string quads = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  EXPECT_NEAR(1, mesh_file(folder.write("quads.obj", quads)).info().volume, 1e-15);
+  const Made lines = mesh_file(folder.write("lines.obj", quads.substr(0, quads.find("f ")) + "l 1 2\nl 2 3\n"));
+  EXPECT_EQ(DYN_ERROR_INVALID, lines.status);
+  lines.says("no triangles");
+}
+
+// ---------------------------------------------------------------------------------------------------- where files are
+
+TEST(MeshFile, SearchAndWhatWasTried) {
+  NEEDS_MODULE();
+  const Folder folder;
+  folder.write("ws/arm/meshes/a.stl", binary_stl(brick));
+  const std::string robot = folder.write("ws/arm/urdf/arm.urdf", "");
+  const std::string ws = (folder.path / "ws").string(), other = (folder.path / "other").string();
+  const char* dirs[] = {other.c_str(), ws.c_str()};
+  MeshOptions o;
+  EXPECT_EQ(DYN_ERROR_FILE, mesh_file("package://arm/meshes/a.stl", o).status);
+  o.package_dirs = dirs, o.package_dirs_count = 2;
+  expect_brick(mesh_file("package://arm/meshes/a.stl", o), single);
+  Made m = mesh_file("package://arm/meshes/b.stl", o);
+  EXPECT_EQ(DYN_ERROR_FILE, m.status);
+  for (const std::string& tried : {other + "/arm/meshes/b.stl", other + "/meshes/b.stl", ws + "/arm/meshes/b.stl"}) m.says(tried);
+  MeshOptions relative;
+  relative.relative_to = robot.c_str();
+  expect_brick(mesh_file("../meshes/a.stl", relative), single);
+  expect_brick(mesh_file("package://arm/meshes/a.stl", relative), single);  // above the robot file
+  expect_brick(mesh_file("file://" + ws + "/arm/meshes/a.stl"), single);
+  m = mesh_file("../meshes/c.stl", relative);
+  m.says("is not found: tried");
+  m = mesh_file("");
+  EXPECT_EQ(DYN_ERROR_FILE, m.status);
+  m.says("path is empty");
+  m = mesh_file(ws);
+  EXPECT_EQ(DYN_ERROR_FILE, m.status);
+  m.says("directory");
+}
+
+// ---------------------------------------------------------------------------------------------------- damage
+
+void expect_refused(const std::string& path, dynStatus status, const std::string& words) {
+  const Made m = mesh_file(path);
+  EXPECT_EQ(status, m.status) << path;
+  EXPECT_TRUE(m.says(words));
+  EXPECT_TRUE(m.says(path.substr(path.rfind('/')))) << "the file is named";
+}
+
+TEST(MeshFileErrors, Stl) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const std::string good = binary_stl(brick), text = ascii_stl(brick);
+  const auto with_count = [&](std::uint32_t n, std::string s) {
+    std::memcpy(s.data() + 80, &n, 4);
+    return s;
+  };
+  expect_refused(folder.write("empty.stl", ""), DYN_ERROR_PARSE, "the file is empty");
+  expect_refused(folder.write("short.stl", good.substr(0, 50)), DYN_ERROR_PARSE, "50 bytes");
+  expect_refused(folder.write("cut.stl", good.substr(0, good.size() - 1)), DYN_ERROR_PARSE, "cut off");
+  expect_refused(folder.write("long.stl", good + "x"), DYN_ERROR_PARSE, "damaged");
+  expect_refused(folder.write("none.stl", with_count(0, good.substr(0, 84))), DYN_ERROR_INVALID, "no triangles");
+  expect_refused(folder.write("4GB.stl", with_count(85899345, good)), DYN_ERROR_PARSE, "85899345 triangles");
+  expect_refused(folder.write("claim.stl", with_count(0xffffffffu, good)), DYN_ERROR_PARSE, "4294967295 triangles");
+  expect_refused(folder.write("million.stl", with_count(1000000, good)), DYN_ERROR_PARSE, "cut off");
+  expect_refused(folder.write("cut_text.stl", text.substr(0, text.size() / 2)), DYN_ERROR_PARSE, "endsolid");
+  expect_refused(folder.write("nothing.stl", "solid a\nendsolid a\n"), DYN_ERROR_INVALID, "no triangles");
+  std::string nan = good;
+  const float bad = NAN;
+  std::memcpy(nan.data() + 84 + 12 + 4, &bad, 4);
+  expect_refused(folder.write("nan.stl", nan), DYN_ERROR_NONFINITE, "vertex 0 has y = NaN");
+  expect_refused(folder.write("flat.stl", binary_stl({{0, 0, 0, 1, 1, 1, 2, 2, 2}, {0, 1, 2}})), DYN_ERROR_INVALID, "degenerate");
+  expect_refused(folder.write("lfs.stl", "version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n"), DYN_ERROR_PARSE, "git lfs pull");
+  expect_refused(folder.write("a.ply", "ply\n"), DYN_ERROR_UNSUPPORTED, ".stl, .obj, .dae, .gltf and .glb");
+}
+
+// 10^7 triangles and one more: 500 MB of nothing, which takes no room on the disk.
+TEST(MeshFileErrors, TooManyTriangles) {
+  NEEDS_MODULE();
+  const Folder folder;
+  std::string head(80, ' ');
+  append(head, std::uint32_t(10000001));
+  const std::string path = folder.write("big.stl", head);
+  std::filesystem::resize_file(path, 84 + 50ull * 10000001);
+  expect_refused(path, DYN_ERROR_LIMIT, "10000001 triangles, and the limit is 10000000");
+  std::filesystem::resize_file(path, 3ull << 30);
+  expect_refused(path, DYN_ERROR_LIMIT, "bytes, and the limit is");
+}
+
+TEST(MeshFileErrors, OthersAreCutOff) {
+  NEEDS_MODULE();
+  const Folder folder;
+  expect_refused(folder.write("a.obj", "hello\n"), DYN_ERROR_PARSE, "");
+  expect_refused(folder.write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), DYN_ERROR_PARSE, "");
+  const std::string d = dae(brick), g = gltf(brick, "brick.bin"), b = glb(brick);
+  expect_refused(folder.write("a.dae", d.substr(0, d.size() / 2)), DYN_ERROR_PARSE, "");
+  expect_refused(folder.write("b.dae", "<COLLADA/>"), DYN_ERROR_PARSE, "");
+  expect_refused(folder.write("c.dae", "<!DOCTYPE a [<!ENTITY b \"bbb\">]>" + d), DYN_ERROR_PARSE, "not allowed");
+  std::string deep;
+  for (int i = 0; i < 100000; ++i) deep += "<node>";
+  expect_refused(folder.write("d.dae", "<COLLADA>" + deep), DYN_ERROR_LIMIT, "nested");
+  expect_refused(folder.write("a.gltf", g.substr(0, g.size() / 2)), DYN_ERROR_PARSE, "cut off");
+  expect_refused(folder.write("b.gltf", g), DYN_ERROR_PARSE, "");  // its buffer is not there
+  expect_refused(folder.write("c.gltf", std::string(1000000, '[')), DYN_ERROR_LIMIT, "nested");
+  expect_refused(folder.write("a.glb", b.substr(0, b.size() - 4)), DYN_ERROR_PARSE, "cut off");
+  expect_refused(folder.write("b.glb", "nonsense that is no glTF at all"), DYN_ERROR_PARSE, "no binary glTF");
+}
+
+// Cut anywhere: an error or a mesh, never a crash.
+TEST(MeshFileErrors, EveryPrefix) {
+  NEEDS_MODULE();
+  const Folder folder;
+  const std::pair<const char*, std::string> files[] = {{"a.stl", binary_stl(brick)}, {"b.stl", ascii_stl(brick)}, {"a.obj", obj(brick)}, {"a.dae", dae(brick)},
+                                                       {"a.gltf", gltf(brick, "brick.bin")}, {"a.glb", glb(brick)}};
+  folder.write("brick.bin", gltf_buffer(brick).substr(0, 100));
+  for (const auto& [name, content] : files)
+    for (std::size_t n = 0; n < content.size(); n += 1 + content.size() / 60) {
+      const Made m = mesh_file(folder.write(name, content.substr(0, n)));
+      EXPECT_TRUE(m.status == DYN_OK || !m.error.empty()) << name << " " << n;
+      if (std::string(name) != "a.obj" && n + 10 < content.size()) {
+        EXPECT_NE(DYN_OK, m.status) << name << " " << n;
+      }
+    }
+}
+
+TEST(MeshFileErrors, Options) {
+  dynMeshOptions o;
+  dyn_mesh_options_init(nullptr);
+  dyn_mesh_options_init(&o);
+  dynMesh* m = nullptr;
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_load(nullptr, &o, &m));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_load("a.stl", &o, nullptr));
+  o.struct_size -= 1;
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_mesh_load("a.stl", &o, &m));
+  dyn_mesh_options_init(&o);
+  o.package_dirs_count = 1;
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_load("a.stl", &o, &m));
+  const char* none[] = {nullptr};
+  o.package_dirs = none;
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_load("a.stl", &o, &m));
+  EXPECT_EQ(DYN_ERROR_FILE, dyn_mesh_load("no/such/file.stl", nullptr, &m));
+  EXPECT_EQ(nullptr, m);
+}
+
+}  // namespace
+}  // namespace dyn_test
