@@ -139,9 +139,31 @@ constexpr Pair table[type_count][type_count] = {
 #undef DYN_ROW
 };
 
-}  // namespace
+// What the second method finds, if it holds: the depth is that along its normal, the witness points lie within it from A and B.
+bool second_opinion(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, const Options& o, Result& r) {
+  SecondAnswer found;
+  if (!o.second(a, XA, b, XB, o.tolerance, found)) return false;
+  double reach = 0, small = infinity, outside = 0;
+  r.point_a = found.position + found.normal * (found.depth / 2), r.point_b = found.position - found.normal * (found.depth / 2);
+  auto measure = [&](const Shape& s, const Pose& X, const Vec& n, const Vec& witness) {
+    visit(s, [&]<class S>(const S& x) {
+      if constexpr (S::type != Type::HalfSpace) reach += dot(n, X.R * x.support(transpose_times(X.R, n))) + x.radius;
+      small = std::min(small, x.extent() + x.radius);
+      outside = std::max(outside, x.signed_distance(X.act_inverse(witness)).distance);
+    });
+  };
+  measure(a, XA, found.normal, r.point_a), measure(b, XB, -found.normal, r.point_b);
+  const double depth = reach - dot(found.normal, XB.p - XA.p);
+  r.second = true, r.unique = false, r.iterations = 0, r.distance = -depth, r.normal = found.normal;
+  r.residual = std::max(std::abs(depth - found.depth), outside);
+  r.status = depth > o.touching * small ? Status::Penetrating : Status::Touching;
+  return r.residual <= std::max(o.accepted, o.tolerance) * small;
+}
 
-Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+// no closed form, and support points on both sides
+bool general(Type a, Type b) { return std::min(a, b) >= Type::Capsule && std::max(a, b) >= Type::Cylinder; }
+
+Result first_opinion(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
   const Pair pair = table[Index(a.type)][Index(b.type)];
   if (!pair.exchanged) return pair.method(a, X_WA, b, X_WB, workspace, options);
   Result r = pair.method(b, X_WB, a, X_WA, workspace, options);
@@ -149,9 +171,13 @@ Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_
   return r;
 }
 
-double reach(const Shape& s) {
-  double r = 0;
-  visit(s, [&](const auto& x) { r = x.extent() + x.radius; });
+}  // namespace
+
+Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+  Result second;
+  if (options.second_first && options.second && general(a.type, b.type) && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
+  const Result r = first_opinion(a, X_WA, b, X_WB, workspace, options);
+  if (r.status == Status::Failed && options.second && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
   return r;
 }
 
