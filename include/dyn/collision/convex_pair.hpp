@@ -57,7 +57,7 @@ inline Result rounded(const Cores& c, double radius_a, double radius_b, double s
   r.distance = c.distance - radius_a - radius_b;
   r.point_a = c.a + c.normal * radius_a, r.point_b = c.b - c.normal * radius_b;
   const double touching = options.touching * size;
-  r.status = !(c.residual <= options.accepted * size) ? Status::Failed
+  r.status = !(c.residual <= std::max(options.accepted, options.tolerance) * size) ? Status::Failed
              : r.distance > touching                  ? Status::Separated
              : r.distance >= -touching                ? Status::Touching
                                                       : Status::Penetrating;
