@@ -78,11 +78,14 @@ class Epa {
       for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
       const Index nearest = nearest_face();
       const double upper = dot(w_.face[nearest].normal, d_.support(w_.face[nearest].normal).w);
-      if (upper <= r.upper + wanted_)
-        r.normal = w_.face[nearest].normal, r.upper = upper, witness(nearest);
-      else
+      // the least support found, where the polytope has come as close there as wanted; else that of its nearest face
+      if (upper > r.upper + wanted_) {
         witness(face_along(r.normal * r.upper));
-      r.residual = std::max(apart, shape::norm(r.a - r.b - r.normal * r.upper));
+        r.residual = std::max(apart, shape::norm(r.a - r.b - r.normal * r.upper));
+        if (r.residual <= upper - w_.offset[nearest]) return r;
+      }
+      r.normal = w_.face[nearest].normal, r.upper = upper, r.residual = upper - w_.offset[nearest];
+      witness(nearest);
     }
     return r;
   }
