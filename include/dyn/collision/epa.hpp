@@ -23,7 +23,7 @@ template <class D>
 class Epa {
  public:
   Epa(const D& d, EpaWorkspace& w, const Options& o)
-      : d_(d), w_(w), o_(o), rounding_(d.rounding()), wanted_(o.tolerance * d.small + rounding_), tie_(1e-7 * d.small) {}
+      : d_(d), w_(w), o_(o), rounding_(d.rounding()), wanted_(std::min(o.tolerance, 1e-6) * d.small + rounding_), tie_(1e-7 * d.small) {}
 
   // From the vertices of a simplex near the origin.
   EpaResult run(const Simplex& s) {
