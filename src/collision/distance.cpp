@@ -163,22 +163,26 @@ bool second_opinion(const Shape& a, const Pose& XA, const Shape& b, const Pose& 
 // no closed form, and support points on both sides
 bool general(Type a, Type b) { return std::min(a, b) >= Type::Capsule && std::max(a, b) >= Type::Cylinder; }
 
-Result first_opinion(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+inline Result first_opinion(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
   const Pair pair = table[Index(a.type)][Index(b.type)];
   if (!pair.exchanged) return pair.method(a, X_WA, b, X_WB, workspace, options);
   Result r = pair.method(b, X_WB, a, X_WA, workspace, options);
   r.normal = -r.normal, std::swap(r.point_a, r.point_b);
   return r;
 }
+[[gnu::noinline]] Result both_opinions(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+  Result second;
+  if (options.second_first && general(a.type, b.type) && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
+  const Result first = first_opinion(a, X_WA, b, X_WB, workspace, options);
+  if (first.status == Status::Failed && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
+  return first;
+}
 
 }  // namespace
 
 Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
-  Result second;
-  if (options.second_first && options.second && general(a.type, b.type) && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
-  const Result r = first_opinion(a, X_WA, b, X_WB, workspace, options);
-  if (r.status == Status::Failed && options.second && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
-  return r;
+  if (options.second) return both_opinions(a, X_WA, b, X_WB, workspace, options);
+  return first_opinion(a, X_WA, b, X_WB, workspace, options);
 }
 
 }  // namespace dyn::collision
