@@ -185,4 +185,10 @@ Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_
   return first_opinion(a, X_WA, b, X_WB, workspace, options);
 }
 
+double reach(const Shape& s) {
+  double r = 0;
+  visit(s, [&](const auto& x) { r = x.extent() + x.radius; });
+  return r;
+}
+
 }  // namespace dyn::collision
