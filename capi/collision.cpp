@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "dyn/collision/ccd.hpp"
+
 using namespace dyn;
 using namespace dyn::capi;
 
@@ -10,6 +12,7 @@ namespace dyn::capi {
 
 void fill(const collision::Result& r, dynDistance* out) {
   out->status = dynDistanceStatus(r.status), out->unique = r.unique, out->iterations = r.iterations;
+  out->method = r.second ? DYN_METHOD_CCD : DYN_METHOD_GJK;
   out->distance = r.distance, out->residual = r.residual;
   store3(r.normal, out->normal), store3(r.point_a, out->point_a), store3(r.point_b, out->point_b);
 }
@@ -76,6 +79,17 @@ dynStatus read_tolerance(const char* function, double tolerance, collision::Opti
   return fail(std::isfinite(tolerance) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: tolerance is %g: give a number between 0 and 1, or 0 for the default", function, tolerance);
 }
 
+dynStatus read_options(const char* function, const dynDistanceOptions& given, collision::Options& out) {
+  if (given.struct_size < sizeof given)
+    return fail(DYN_ERROR_SIZE, "%s: options: struct_size is %u, needs %zu: call dyn_distance_options_init", function, given.struct_size, sizeof given);
+  if (given.method != DYN_METHOD_GJK && given.method != DYN_METHOD_CCD)
+    return fail(DYN_ERROR_ARGUMENT, "%s: options: method %d does not exist: use DYN_METHOD_... values", function, raw(given.method));
+  if (given.method == DYN_METHOD_CCD && !collision::ccd_available())
+    return fail(DYN_ERROR_UNSUPPORTED, "%s: method CCD needs libccd.so.2, which cannot be opened: install it (Debian: libccd2)", function);
+  out.second_first = given.method == DYN_METHOD_CCD;
+  return read_tolerance(function, given.tolerance, out);
+}
+
 dynStatus read_pair(const char* function, const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
                     PlacedShape& A, PlacedShape& B) {
   dynStatus s = read_geometry(function, "a", a, A.shape);
@@ -96,17 +110,22 @@ void dyn_geometry_init(dynGeometry* geometry) {
   geometry->type = DYN_SHAPE_SPHERE;
 }
 
-dynStatus dyn_shape_distance(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b, double tolerance,
-                             dynDistance* out) {
+void dyn_distance_options_init(dynDistanceOptions* options) {
+  if (options) *options = {sizeof(dynDistanceOptions), DYN_METHOD_GJK, collision::Options().tolerance};
+}
+
+dynStatus dyn_shape_distance(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
+                             const dynDistanceOptions* options, dynDistance* out) {
   constexpr const char* function = "dyn_shape_distance";
   PlacedShape A, B;
-  collision::Options options;
+  collision::Options inner;
   dynStatus s = read_pair(function, a, placement_a, b, placement_b, A, B);
   if (s == DYN_OK) s = check_out(function, "dynDistance", out);
-  if (s == DYN_OK) s = read_tolerance(function, tolerance, options);
+  if (s == DYN_OK && options) s = read_options(function, *options, inner);
   if (s != DYN_OK) return s;
+  inner.second = collision::ccd_overlap;
   collision::Workspace workspace;
-  fill(collision::distance(A.shape, A.X, B.shape, B.X, workspace, options), out);
+  fill(collision::distance(A.shape, A.X, B.shape, B.X, workspace, inner), out);
   return DYN_OK;
 }
 

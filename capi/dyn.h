@@ -732,7 +732,7 @@ DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, 
 /* Distance between two convex shapes, signed: below zero they overlap, and it is minus the depth, the length of the shortest translation
    that parts them (two half-spaces: minus infinity unless they face each other). Closed forms where there are any; else GJK (Gilbert et
    al. 1988) and EPA (van den Bergen 2003), finished by Newton's method on the normal, and checked by the supporting planes: residual
-   bounds the error apart, and that of the depth along this normal; that no other one is shorter is sure to 1e-3 of the size. */
+   bounds the error apart, and that of the depth along this normal. */
 typedef enum dynDistanceStatus {
   DYN_SEPARATED = 0,
   DYN_TOUCHING = 1,        /* |distance| within 1e-9 of the size of the smaller shape */
@@ -740,11 +740,17 @@ typedef enum dynDistanceStatus {
   DYN_DISTANCE_FAILED = 3  /* the residual is beyond 1e-6 of that size: the best there is */
 } dynDistanceStatus;
 
+typedef enum dynDistanceMethod {
+  DYN_METHOD_GJK = 0, /* libdyn's own, with its closed forms */
+  DYN_METHOD_CCD = 1  /* libccd's GJK and EPA, of overlapping shapes without a closed form; for all others as above. It allocates. */
+} dynDistanceMethod;
+
 typedef struct dynDistance {
   uint32_t struct_size;
   dynDistanceStatus status;
   int32_t unique;          /* 0: other points or another normal are as good, so that the distance has no gradient there */
   int32_t iterations;
+  dynDistanceMethod method; /* that found this */
   double distance;         /* m */
   double residual;         /* m */
   double normal[3];        /* unit, from A to B, world */
@@ -759,9 +765,16 @@ typedef struct dynGeometry {
   double radius;           /* m, >= 0; of rounding */
 } dynGeometry;
 DYN_API void dyn_geometry_init(dynGeometry* geometry);
-/* tolerance: of the distance, relative to the size of the smaller shape; 0: the default, 1e-10. */
+
+typedef struct dynDistanceOptions {
+  uint32_t struct_size;     /* set by dyn_distance_options_init */
+  dynDistanceMethod method; /* asked first; default GJK. What it finds must hold, within 1e-6 of the size or the tolerance: else the other is asked. */
+  double tolerance;         /* of the distance, relative to the size of the smaller shape; default 1e-10 */
+} dynDistanceOptions;
+DYN_API void dyn_distance_options_init(dynDistanceOptions* options);
+/* options may be NULL (the defaults). CCD needs the library libccd.so.2: DYN_ERROR_UNSUPPORTED without it. */
 DYN_API dynStatus dyn_shape_distance(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
-                                     double tolerance, dynDistance* out);
+                                     const dynDistanceOptions* options, dynDistance* out);
 
 /* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. */
 typedef enum dynPairReason {

@@ -947,10 +947,14 @@ inline dynGeometry geometry(dynShapeType type, const Vector3& size, double radiu
   for (std::size_t k = 0; k < 3; ++k) g.size[k] = size[k];
   return g;
 }
-inline dynDistance shape_distance(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double tolerance = 0) {
+inline dynDistance shape_distance(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double tolerance = 0,
+                                  dynDistanceMethod method = DYN_METHOD_GJK) {
   dynDistance out{};
   out.struct_size = sizeof out;
-  check(dyn_shape_distance(&a, X_a.data(), &b, X_b.data(), tolerance, &out));
+  dynDistanceOptions options;
+  dyn_distance_options_init(&options);
+  options.tolerance = tolerance, options.method = method;
+  check(dyn_shape_distance(&a, X_a.data(), &b, X_b.data(), &options, &out));
   return out;
 }
 

@@ -19,46 +19,83 @@ namespace dyn::collision {
 namespace {
 
 using namespace shape;
-using Method = Result (*)(const Shape&, const Shape&, const Pose&, Workspace&, const Options&);
+// of A and B at their poses in the world, answered there
+using Method = Result (*)(const Shape&, const Pose&, const Shape&, const Pose&, Workspace&, const Options&);
 
 template <class A, class B>
 Result finish(const Cores& c, const A& a, const B& b, const Options& options) {
   return rounded(c, a.radius, b.radius, std::min(a.extent() + a.radius, b.extent() + b.radius), options);
 }
 
-Result half_spaces(const Shape& a, const Shape& b, const Pose& X, Workspace&, const Options& o) {
-  return finish(half_space_pair(HalfSpace(a), HalfSpace(b), X), HalfSpace(a), HalfSpace(b), o);
+// Pairs that need no turning: answered from A's origin, in the axes of the world.
+Result moved(Result r, const Vec& origin) {
+  r.point_a += origin, r.point_b += origin;
+  return r;
 }
-template <class B>
-Result half_space(const Shape& a, const Shape& b, const Pose& X, Workspace&, const Options& o) {
-  return finish(half_space_pair(HalfSpace(a), B(b), X), HalfSpace(a), B(b), o);
+Result spheres(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
+  return moved(finish(round_pair(Vec::zero(), XB.p - XA.p, axis(2)), Sphere(a), Sphere(b), o), XA.p);
+}
+Result capsule_sphere(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
+  const Capsule capsule(a);
+  const Vec z = XA.R.z, p = XB.p - XA.p;
+  return moved(finish(round_pair(z * std::clamp(dot(z, p), -capsule.half, capsule.half), p, XA.R.x), capsule, Sphere(b), o), XA.p);
+}
+Result capsules(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
+  return moved(finish(capsule_pair(Capsule(a), Capsule(b), XA.R.z, XB.R.z, XB.p - XA.p), Capsule(a), Capsule(b), o), XA.p);
+}
+Result half_space_sphere(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
+  const Vec n = XA.R.z, p = XB.p - XA.p;
+  const double height = dot(n, p);
+  return moved(finish(Cores{n, p - n * height, p, height, 0, 0, true}, HalfSpace(a), Sphere(b), o), XA.p);
 }
 template <class A>
-Result sphere(const Shape& a, const Shape& b, const Pose& X, Workspace&, const Options& o) {
-  return finish(sphere_pair(A(a), Sphere(b), X), A(a), Sphere(b), o);
+Result sphere(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
+  const Vec p = XA.act_inverse(XB.p);
+  Result r;
+  if constexpr (A::type == Type::Convex)
+    r = finish(sphere_pair(A(a), Sphere(b), p, o), A(a), Sphere(b), o);
+  else
+    r = finish(sphere_pair(A(a), p), A(a), Sphere(b), o);
+  r.normal = XA.R * r.normal, r.point_a = XA.act(r.point_a), r.point_b = XB.p - r.normal * b.radius;
+  return r;
 }
-Result capsules(const Shape& a, const Shape& b, const Pose& X, Workspace&, const Options& o) {
-  return finish(capsule_pair(Capsule(a), Capsule(b), X), Capsule(a), Capsule(b), o);
+
+// B in the frame of A: positions are subtracted first, so that a pair far from the world's origin loses nothing.
+Pose relative(const Pose& A, const Pose& B) {
+  const Mat Rt = transpose(A.R);
+  return {Rt * B.R, Rt * (B.p - A.p)};
+}
+// Pairs answered in the frame of A.
+Result turned(Result r, const Pose& XA) {
+  r.normal = XA.R * r.normal, r.point_a = XA.act(r.point_a), r.point_b = XA.act(r.point_b);
+  return r;
+}
+Result half_spaces(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
+  return turned(finish(half_space_pair(HalfSpace(a), HalfSpace(b), relative(XA, XB)), HalfSpace(a), HalfSpace(b), o), XA);
+}
+template <class B>
+Result half_space(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
+  return turned(finish(half_space_pair(HalfSpace(a), B(b), relative(XA, XB)), HalfSpace(a), B(b), o), XA);
 }
 // of shapes with straight features, which may be parallel
 template <class A, class B, class F>
-Result general(const Shape& shape_a, const Shape& shape_b, const Pose& X, const Options& o, F&& method) {
+Result general(const Shape& shape_a, const Pose& XA, const Shape& shape_b, const Pose& XB, const Options& o, F&& method) {
   const A a(shape_a);
   const B b(shape_b);
-  const Difference<A, B> d(a, b, X);
+  const Difference<A, B> d(a, b, relative(XA, XB));
   Cores c = method(d);
   c.unique = c.unique && !d.parallel(c.normal);
-  return rounded(c, a.radius, b.radius, d.small, o);
+  return turned(rounded(c, a.radius, b.radius, d.small, o), XA);
 }
-Result boxes(const Shape& a, const Shape& b, const Pose& X, Workspace& w, const Options& o) {
-  return general<Box, Box>(a, b, X, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });
+Result boxes(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
+  return general<Box, Box>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });
 }
-Result box_capsule(const Shape& a, const Shape& b, const Pose& X, Workspace& w, const Options& o) {
-  return general<Box, Capsule>(a, b, X, o, [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
+Result box_capsule(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
+  return general<Box, Capsule>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
 }
 template <class A, class B>
-Result convex(const Shape& a, const Shape& b, const Pose& X, Workspace& w, const Options& o) {
-  return general<A, B>(a, b, X, o, [&](const auto& d) { return convex_pair(d, w, o); });
+Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
+  return general<A, B>(a, XA, b, XB, o, [&](const auto& d) { return convex_pair(d, w, o); });
 }
 
 struct Pair {
@@ -71,8 +108,14 @@ template <class A, class B>
 constexpr Pair pair() {
   if constexpr (A::type == Type::HalfSpace && B::type == Type::HalfSpace)
     return {half_spaces, false};
+  else if constexpr (A::type == Type::HalfSpace && B::type == Type::Sphere)
+    return {half_space_sphere, false};
   else if constexpr (A::type == Type::HalfSpace)
     return {half_space<B>, false};
+  else if constexpr (A::type == Type::Sphere && B::type == Type::Sphere)
+    return {spheres, false};
+  else if constexpr (A::type == Type::Capsule && B::type == Type::Sphere)
+    return {capsule_sphere, false};
   else if constexpr (B::type == Type::Sphere)
     return {sphere<A>, false};
   else if constexpr (A::type == Type::Capsule && B::type == Type::Capsule)
@@ -96,22 +139,50 @@ constexpr Pair table[type_count][type_count] = {
 #undef DYN_ROW
 };
 
-// B in the frame of A: positions are subtracted first, so that a pair far from the world's origin loses nothing.
-Pose relative(const Pose& A, const Pose& B) {
-  const Mat Rt = transpose(A.R);
-  return {Rt * B.R, Rt * (B.p - A.p)};
+// What the second method finds, if it holds: the depth is that along its normal, the witness points lie within it from A and B.
+bool second_opinion(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, const Options& o, Result& r) {
+  SecondAnswer found;
+  if (!o.second(a, XA, b, XB, o.tolerance, found)) return false;
+  double reach = 0, small = infinity, outside = 0;
+  r.point_a = found.position + found.normal * (found.depth / 2), r.point_b = found.position - found.normal * (found.depth / 2);
+  auto measure = [&](const Shape& s, const Pose& X, const Vec& n, const Vec& witness) {
+    visit(s, [&]<class S>(const S& x) {
+      if constexpr (S::type != Type::HalfSpace) reach += dot(n, X.R * x.support(transpose_times(X.R, n))) + x.radius;
+      small = std::min(small, x.extent() + x.radius);
+      outside = std::max(outside, x.signed_distance(X.act_inverse(witness)).distance);
+    });
+  };
+  measure(a, XA, found.normal, r.point_a), measure(b, XB, -found.normal, r.point_b);
+  const double depth = reach - dot(found.normal, XB.p - XA.p);
+  r.second = true, r.unique = false, r.iterations = 0, r.distance = -depth, r.normal = found.normal;
+  r.residual = std::max(std::abs(depth - found.depth), outside);
+  r.status = depth > o.touching * small ? Status::Penetrating : Status::Touching;
+  return r.residual <= std::max(o.accepted, o.tolerance) * small;
+}
+
+// no closed form, and support points on both sides
+bool general(Type a, Type b) { return std::min(a, b) >= Type::Capsule && std::max(a, b) >= Type::Cylinder; }
+
+inline Result first_opinion(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+  const Pair pair = table[Index(a.type)][Index(b.type)];
+  if (!pair.exchanged) return pair.method(a, X_WA, b, X_WB, workspace, options);
+  Result r = pair.method(b, X_WB, a, X_WA, workspace, options);
+  r.normal = -r.normal, std::swap(r.point_a, r.point_b);
+  return r;
+}
+[[gnu::noinline]] Result both_opinions(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+  Result second;
+  if (options.second_first && general(a.type, b.type) && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
+  const Result first = first_opinion(a, X_WA, b, X_WB, workspace, options);
+  if (first.status == Status::Failed && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
+  return first;
 }
 
 }  // namespace
 
 Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
-  const Pair pair = table[Index(a.type)][Index(b.type)];
-  const Pose& X_W1 = pair.exchanged ? X_WB : X_WA;
-  Result r = pair.exchanged ? pair.method(b, a, relative(X_WB, X_WA), workspace, options)
-                            : pair.method(a, b, relative(X_WA, X_WB), workspace, options);
-  r.normal = X_W1.R * r.normal, r.point_a = X_W1.act(r.point_a), r.point_b = X_W1.act(r.point_b);
-  if (pair.exchanged) r.normal = -r.normal, std::swap(r.point_a, r.point_b);
-  return r;
+  if (options.second) return both_opinions(a, X_WA, b, X_WB, workspace, options);
+  return first_opinion(a, X_WA, b, X_WB, workspace, options);
 }
 
 double reach(const Shape& s) {

@@ -21,7 +21,7 @@ std::array<double, 12> at(double x, double y, double z) {
 dynDistance distance(const dynGeometry& a, const std::array<double, 12>& X_a, const dynGeometry& b, const std::array<double, 12>& X_b) {
   dynDistance d{};
   d.struct_size = sizeof d;
-  EXPECT_EQ(DYN_OK, dyn_shape_distance(&a, X_a.data(), &b, X_b.data(), 0, &d)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_shape_distance(&a, X_a.data(), &b, X_b.data(), nullptr, &d)) << dyn_last_error();
   return d;
 }
 
@@ -51,7 +51,10 @@ TEST(ShapeDistance, BadArguments) {
   out.struct_size = sizeof out, out.distance = 7;
   before = out;
   auto refused = [&](dynStatus status, const dynGeometry* a, const double* X, double tolerance, std::initializer_list<std::string> words) {
-    EXPECT_EQ(status, dyn_shape_distance(a, X, &box, identity, tolerance, &out));
+    dynDistanceOptions options;
+    dyn_distance_options_init(&options);
+    options.tolerance = tolerance;
+    EXPECT_EQ(status, dyn_shape_distance(a, X, &box, identity, &options, &out));
     EXPECT_TRUE(says(words)) << dyn_last_error();
     EXPECT_EQ(0, std::memcmp(&before, &out, sizeof out));
   };
@@ -90,9 +93,42 @@ TEST(ShapeDistance, BadArguments) {
     refused(DYN_ERROR_ARGUMENT, &g, identity, 0, {"type " + std::to_string(bad)});
   }
   dyn_geometry_init(nullptr);
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_distance(&ball, identity, &ball, identity, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_distance(&ball, identity, &ball, identity, nullptr, nullptr));
   out.struct_size = 8;
-  EXPECT_EQ(DYN_ERROR_SIZE, dyn_shape_distance(&ball, identity, &ball, identity, 0, &out));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_shape_distance(&ball, identity, &ball, identity, nullptr, &out));
+}
+
+TEST(ShapeDistance, OptionsAndTheSecondMethod) {
+  const dynGeometry box = geometry(DYN_SHAPE_BOX, 2, 2, 2), tube = geometry(DYN_SHAPE_CYLINDER, 0.5, 2), ball = geometry(DYN_SHAPE_SPHERE, 0.5);
+  dynDistanceOptions o;
+  dyn_distance_options_init(nullptr);
+  dyn_distance_options_init(&o);
+  EXPECT_EQ(DYN_METHOD_GJK, o.method);
+  EXPECT_EQ(1e-10, o.tolerance);
+  dynDistance out{};
+  out.struct_size = sizeof out;
+  auto ask = [&](const dynGeometry& a, const std::array<double, 12>& X) { return dyn_shape_distance(&a, X.data(), &box, identity, &o, &out); };
+  o.method = DYN_METHOD_CCD;
+  const dynStatus status = ask(tube, at(0, 0, 1.9));
+  if (status == DYN_ERROR_UNSUPPORTED) GTEST_SKIP() << dyn_last_error();
+  // the cap is 0.1 inside: by libccd, what holds of its answer
+  ASSERT_EQ(DYN_OK, status) << dyn_last_error();
+  EXPECT_NEAR(-0.1, out.distance, 1e-6);
+  EXPECT_EQ(DYN_METHOD_CCD, out.method);
+  // closed forms, and shapes apart
+  ASSERT_EQ(DYN_OK, ask(ball, at(0, 0, 1.4)));
+  EXPECT_EQ(DYN_METHOD_GJK, out.method);
+  ASSERT_EQ(DYN_OK, ask(tube, at(0, 0, 3)));
+  EXPECT_EQ(DYN_METHOD_GJK, out.method);
+  EXPECT_NEAR(1, out.distance, 1e-10);
+  for (int bad : outside({-1, 2, 99}, 1)) {
+    std::memcpy(&o.method, &bad, sizeof bad);
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, ask(tube, at(0, 0, 3)));
+    EXPECT_TRUE(says({"method " + std::to_string(bad)})) << dyn_last_error();
+  }
+  dyn_distance_options_init(&o);
+  o.struct_size = 4;
+  EXPECT_EQ(DYN_ERROR_SIZE, ask(tube, at(0, 0, 3)));
 }
 
 struct Collision : testing::Test {

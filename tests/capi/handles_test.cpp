@@ -284,7 +284,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",
       "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",
       // collision_test.cpp
-      "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_shape", "dyn_shape_distance", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
+      "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_shape", "dyn_shape_distance", "dyn_distance_options_init", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
       // contact_test.cpp
       "dyn_shape_contacts", "dyn_shape_ray", "dyn_shape_closest_point", "dyn_shape_sweep", "dyn_data_set_shape_masks", "dyn_data_shape_masks",
       // broad_phase_test.cpp

@@ -1,5 +1,5 @@
 // Poses on which other engines are known to throw, hang, or answer wrongly.
-#include "collision/scene.hpp"
+#include "collision/survey.hpp"
 
 namespace dyn_test {
 namespace {
@@ -122,6 +122,47 @@ TEST(Drake, Boxes21673) {
                         -6.1232339957367660359e-17, -1, 3.7493994566546440196e-33, .15};
   consistent({box(.05, .55, .3), box(.25, .2, .15), pose(X), pose(Y)});
 }
+// Prisms: a regular polygon along x and a triangle along z (Drake 21673, of test_fcl_signed_distance.cpp).
+TEST(Drake, Prisms21673) {
+  struct Prisms {
+    int corners;            // -4: a rectangle, the octagon's every other edge
+    double R[2][2], p[2];   // the polygon's y and z in the world's x and y; its x is the world's z, but for 3e-9
+    double triangle[3][2];
+  };
+  static constexpr Prisms cases[] = {
+      {8, {{0.77129744817973977522, 0.63647485922966484662}, {-0.63647485922966484662, 0.77129744817973977522}}, {11.477445682202462862, 9.7785056920756936449},
+       {{10.294759, 8.932157}, {11.618371, 9.456563}, {11.452373, 8.227672}}},
+      {6, {{0.34009658459984087875, 0.94039051098122172778}, {-0.94039051098122172778, 0.34009658459984087875}}, {4.2864836941313040342, 7.3869576872253679412},
+       {{4.149402, 8.493709}, {5.188451, 7.476263}, {3.931647, 7.374503}}},
+      {7, {{-0.76923712747984118732, 0.63896341186844385351}, {-0.63896341186844385351, -0.76923712747984118732}}, {13.670417904867957049, 13.169816779836704512},
+       {{14.835101, 13.060409}, {13.785037, 12.890524}, {14.767995, 13.150248}}},
+      {-4, {{-0.56303944378188575115, 0.82643002410717436579}, {-0.82643002410717436579, -0.56303944378188575115}}, {15.712812998638135298, 10.219809745800642276},
+       {{15.417082, 9.698621}, {16.236605, 9.233231}, {16.22432, 8.915849}}},
+      {6, {{0.7148738189791493669, 0.69925347545662319693}, {-0.69925347545662319693, 0.7148738189791493669}}, {6.3335747278141161232, 8.4631576303276716544},
+       {{5.242363, 9.122811}, {6.359664, 8.28526}, {5.670377, 7.598539}}},
+      {5, {{-0.085331461972016672823, 0.99635261910516315087}, {-0.99635261910516315087, -0.085331461972016672823}}, {11.261494468063983021, 5.7102314848013024928},
+       {{10.924769, 5.670102}, {10.839257, 4.83299}, {11.452507, 5.520981}}},
+      {3, {{-0.17548349096519452739, 0.98448237383849002136}, {-0.98448237383849002136, -0.17548349096519452739}}, {9.4277544959429171456, 4.3549730982604870633},
+       {{7.502455, 3.992667}, {7.91275, 2.73346}, {8.674382, 3.710847}}},
+  };
+  for (const Prisms& c : cases) {
+    SCOPED_TRACE(c.corners);
+    std::vector<Vec> polygon, triangle;
+    auto millionths = [](double x) { return std::round(x * 1e6) / 1e6; };
+    for (int k = 0; k < std::abs(c.corners); ++k) {
+      const double angle = c.corners > 0 ? 2 * pi * k / c.corners : pi / 8 * (k < 2 ? 2 * k - 1 : 2 * k + 3);
+      for (double x : {-0.5, 0.5}) polygon.push_back(Vec::make(x, millionths(std::cos(angle)), millionths(std::sin(angle))));
+    }
+    for (const auto& t : c.triangle)
+      for (double z : {-0.5, 0.5}) triangle.push_back(Vec::make(t[0], t[1], z));
+    const Vec y = Vec::make(c.R[0][0], c.R[0][1], 0), z = Vec::make(c.R[1][0], c.R[1][1], -3.2051032938795742666e-09);
+    const Scene s = {make_convex(polygon), make_convex(triangle), {{cross(y, z), y, z}, Vec::make(c.p[0], c.p[1], 0)}, at(0, 0, 0)};
+    const Result r = consistent(s);
+    const Faults f = faults(s, r);
+    EXPECT_LE(f.plane, 1e-9);
+    EXPECT_LE(f.depth, 1e-9);
+  }
+}
 TEST(Drake, BoxAndFlatCylinder10578) {
   for (int i = 0; i < 200; ++i) {
     Chance g{std::uint64_t(i)};
@@ -178,6 +219,33 @@ TEST(MuJoCo, CapsuleWhoseAxisEntersABox) {
   expect(s, -(0.7 + 0.1), 1e-12);
   const Scene tiny = {capsule(1e-6, 2e-6), box(2, 2, 2), turned(0.3, 0.2, 1 + 0.5e-6, 0, c, 0, c), at(0, 0, 0)};
   expect(tiny, -0.5e-6, 1e-15);
+}
+
+// FCL does not return within 25 s.
+TEST(Fcl, SpheresThatAllButCoincide) {
+  for (double offset : {0., 1e-12, 1e-3}) expect({sphere(1), sphere(1), at(0, 0, 0), at(offset, 0, 0)}, offset - 2);
+}
+// FCL crashes for five of these.
+TEST(Fcl, ShapesAgainstAHalfSpace) {
+  const Solid plane = make(Type::HalfSpace, Vec::zero(), 0);
+  const Solid solids[] = {sphere(0.5), capsule(0.2, 0.6), box(1, 1, 1), cylinder(0.3, 1), make(Type::Cone, Vec::make(0.3, 0.3, 0.5), 0),
+                          make(Type::Ellipsoid, Vec::make(0.3, 0.4, 0.5), 0), make_convex(corners(1, 1, 1))};
+  for (const Solid& s : solids)
+    for (double height : {-3., 0., 0.4, 0.5, 2.}) expect({s, plane, at(0, 0, height), at(0, 0, 0)}, height - 0.5);
+}
+// Coal is off by up to 1.7e-2.
+TEST(Coal, CoincidentCurvedShapes) {
+  const Type curved[] = {Type::Cylinder, Type::Cone, Type::Ellipsoid};
+  for (Type a : curved)
+    for (Type b : curved)
+      for (int i = 0; i < 100; ++i) {
+        Scene s = scene(a, b, Case::Random, std::uint64_t(i));
+        s.B.p = s.A.p;
+        const Result r = query(s);
+        const Faults f = faults(s, r);
+        EXPECT_FALSE(f.failed);
+        EXPECT_LE(f.depth, 1e-6) << name_of(a) << ' ' << name_of(b) << ' ' << i;
+      }
 }
 
 // Coal ignores the caps when the sphere's centre is inside.

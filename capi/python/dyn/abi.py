@@ -133,9 +133,13 @@ class MeshArrays(Grown):
 
 class Distance(Grown):
     _fields_ = [
-        ("struct_size", c_uint32), ("status", c_int), ("unique", c_int32), ("iterations", c_int32), ("distance", c_double),
-        ("residual", c_double), ("normal", c_double * 3), ("point_a", c_double * 3), ("point_b", c_double * 3),
+        ("struct_size", c_uint32), ("status", c_int), ("unique", c_int32), ("iterations", c_int32), ("method", c_int),
+        ("distance", c_double), ("residual", c_double), ("normal", c_double * 3), ("point_a", c_double * 3), ("point_b", c_double * 3),
     ]  # fmt: skip
+
+
+class DistanceOptions(Grown):
+    _fields_ = [("struct_size", c_uint32), ("method", c_int), ("tolerance", c_double)]
 
 
 class Geometry(Grown):
@@ -345,7 +349,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_ik": (STATUS, [_p, _p, _p, _ref, _i, _ref, _p, _p, _ref]),
     # simulation
     "dyn_geometry_init": (None, [_ref]),
-    "dyn_shape_distance": (STATUS, [_ref, _p, _ref, _p, _d, _ref]),
+    "dyn_distance_options_init": (None, [_ref]),
+    "dyn_shape_distance": (STATUS, [_ref, _p, _ref, _p, _ref, _ref]),
     "dyn_npairs": (_i, [_p]),
     "dyn_pair": (STATUS, [_p, _i, _ref, _ref, _ref]),
     "dyn_data_set_pair": (STATUS, [_p, _p, _i, _i]),

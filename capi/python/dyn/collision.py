@@ -10,7 +10,7 @@ import numpy as np
 from . import abi
 from .arrays import address, checked, numbers
 from .arrays import placement as twelve
-from .enums import DistanceStatus, PairReason, ShapeType
+from .enums import DistanceMethod, DistanceStatus, PairReason, ShapeType
 from .library import check, lib
 from .model import member
 
@@ -36,11 +36,13 @@ class Distance(NamedTuple):
     unique: bool
     """False: other points or another normal are as good, so that the distance has no gradient there."""
     iterations: int
+    method: DistanceMethod = DistanceMethod.GJK
+    """What found it."""
 
 
 def _distance(d: abi.Distance) -> Distance:
     vectors = (np.array(x) for x in (d.normal, d.point_a, d.point_b))
-    return Distance(DistanceStatus(d.status), d.distance, *vectors, d.residual, bool(d.unique), d.iterations)
+    return Distance(DistanceStatus(d.status), d.distance, *vectors, d.residual, bool(d.unique), d.iterations, DistanceMethod(d.method))
 
 
 def _geometry(type: Any, size: ArrayLike, radius: float, what: str) -> abi.Geometry:
@@ -53,14 +55,18 @@ def _geometry(type: Any, size: ArrayLike, radius: float, what: str) -> abi.Geome
 
 
 def shape_distance(
-    a: tuple, placement_a: Any, b: tuple, placement_b: Any, tolerance: float = 0.0
+    a: tuple, placement_a: Any, b: tuple, placement_b: Any, tolerance: float = 0.0, method: Any = DistanceMethod.GJK
 ) -> Distance:
     """Distance between two convex shapes, each (type, size) or (type, size, rounding radius), as ("box", (1, 2, 3)) or ("sphere", 0.5);
-    sizes as in dyn.ShapeInfo. tolerance: of the distance, relative to the size of the smaller shape; 0: the default."""
+    sizes as in dyn.ShapeInfo. tolerance: of the distance, relative to the size of the smaller shape; 0: the default. method: asked first; "ccd" (libccd) answers for
+    overlapping shapes without a closed form, where what it finds holds."""
     A, B = (_geometry(*x, *(0.0,) * (3 - len(x)), what) for x, what in ((a, "a"), (b, "b")))
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     out = abi.Distance()
-    check(lib.dyn_shape_distance(byref(A), address(X_a), byref(B), address(X_b), tolerance, byref(out)))
+    options = abi.DistanceOptions()
+    lib.dyn_distance_options_init(byref(options))
+    options.tolerance, options.method = tolerance, member(DistanceMethod, method, "method")
+    check(lib.dyn_shape_distance(byref(A), address(X_a), byref(B), address(X_b), byref(options), byref(out)))
     return _distance(out)
 
 

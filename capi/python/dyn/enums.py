@@ -100,6 +100,13 @@ class DistanceStatus(enum.IntEnum):
     DISTANCE_FAILED = 3
 
 
+class DistanceMethod(enum.IntEnum):
+    """What finds it."""
+
+    GJK = 0
+    CCD = 1
+
+
 class PairReason(enum.IntEnum):
     """Whether a pair of collision shapes is tested."""
 

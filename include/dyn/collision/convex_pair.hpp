@@ -27,18 +27,14 @@ inline double wanted(const D& d, const Options& options) {
 template <class D>
 inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const Options& options) {
   const double enough = wanted(d, options);
-  auto refine = [&](const Vertex* points, const double* weights, int size, const Vec& normal, Polished& p) {
-    if constexpr (D::curved)
-      return polish(d, points, weights, size, normal, enough, p);
-    else
-      return false;
-  };
   Polished p{};
   bool refined = false;
   auto finish = [&](const GjkResult& g) {
     // apart: the witness points bound the distance from above, the plane from below
-    refined = refine(g.simplex.p, g.simplex.weight, g.simplex.size, g.v * (-1 / g.norm), p) && p.distance > -enough &&
-              shape::norm(p.b - p.a) - p.distance <= enough;
+    const Vec n = g.v * (-1 / g.norm);
+    if constexpr (D::curved)
+      refined = (on_face(d, n, p) || polish(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p)) && p.distance > -enough &&
+                shape::norm(p.b - p.a) - p.distance <= enough;
     return refined;
   };
   GjkResult g = gjk(d, guess, options, finish);
@@ -49,18 +45,19 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
   }
   if (refined) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, true};
   if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, true};
-  const EpaResult e = epa(d, g.simplex, workspace, options, refine);
+  const EpaResult e = epa(d, g.simplex, workspace, options);
   return {e.normal, e.a, e.b, -e.upper, e.residual, g.iterations + e.iterations, e.unique};
 }
 
 // of the rounded shapes, in the frame of A
 inline Result rounded(const Cores& c, double radius_a, double radius_b, double size, const Options& options) {
   Result r;
+  r.second = false;
   r.normal = c.normal, r.iterations = c.iterations, r.unique = c.unique, r.residual = c.residual;
   r.distance = c.distance - radius_a - radius_b;
   r.point_a = c.a + c.normal * radius_a, r.point_b = c.b - c.normal * radius_b;
   const double touching = options.touching * size;
-  r.status = !(c.residual <= options.accepted * size) ? Status::Failed
+  r.status = !(c.residual <= std::max(options.accepted, options.tolerance) * size) ? Status::Failed
              : r.distance > touching                  ? Status::Separated
              : r.distance >= -touching                ? Status::Touching
                                                       : Status::Penetrating;

@@ -10,8 +10,7 @@ namespace dyn::collision {
 
 struct EpaResult {
   Vec normal;    // outward of D
-  double upper;  // the depth is at most this,
-  double lower;  // and at least this (both signed)
+  double upper;  // the depth (signed)
   Vec a, b;      // witness points
   double residual;
   Index iterations;
@@ -20,56 +19,90 @@ struct EpaResult {
 
 namespace detail {
 
-template <class D, class Refine>
+template <class D>
 class Epa {
  public:
-  Epa(const D& d, EpaWorkspace& w, const Options& o, Refine& refine)
-      : d_(d), w_(w), o_(o), refine_(refine), rounding_(d.rounding()), wanted_(o.tolerance * d.small + rounding_), tie_(1e-7 * d.small) {}
+  Epa(const D& d, EpaWorkspace& w, const Options& o)
+      : d_(d), w_(w), o_(o), rounding_(d.rounding()), wanted_(std::min(o.tolerance, 1e-6) * d.small + rounding_), tie_(1e-7 * d.small) {}
 
   // From the vertices of a simplex near the origin.
   EpaResult run(const Simplex& s) {
     EpaResult& r = r_;
-    r.upper = shape::infinity, r.lower = -shape::infinity, r.residual = 0, r.iterations = 0, r.unique = true;
+    r.upper = shape::infinity, r.residual = 0, r.iterations = 0, r.unique = true;
     Vec n;
     if (!tetrahedron(s, n)) {  // D is flat: its own normal
       const Vertex p = d_.support(n);
-      r.normal = n, r.upper = r.lower = dot(n, p.w), r.a = p.a, r.b = p.b;
+      r.normal = n, r.upper = dot(n, p.w), r.a = p.a, r.b = p.b;
       return r;
     }
-    double close = 0.1 * d_.small;
-    for (;; ++r.iterations) {
+    double apart = 0;              // how much nearer than what is found the face of interest is
+    double next = 0.1 * d_.small;  // the gap at which refinement is tried next
+    for (;;) {
       const Index nearest = nearest_face();
-      const EpaFace f = w_.face[nearest];
-      const Vertex p = d_.support(f.normal);
-      const double upper = dot(f.normal, p.w);
-      r.lower = f.offset;
-      if (upper < r.upper) r.normal = f.normal, r.upper = upper;
-      if (upper - f.offset <= close) refine(nearest), close = (upper - f.offset) * 0.1;
-      const bool enough = refined() ? refined_upper_ - r.lower <= certain * d_.small : upper - f.offset <= wanted_;
-      if (!enough && r.iterations < o_.max_iterations && grow(nearest, p)) continue;
-      if (upper <= r.upper + wanted_) r.normal = f.normal, r.upper = upper;
-      if (!refined()) refine(nearest);
-      rivals();
-      if (refined()) {
-        r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
-        r.unique = polished_.unique;
-      } else {
-        witness(nearest);
-        r.residual = r.upper - r.lower;
+      const double offset = w_.offset[nearest];
+      apart = std::min(refined_upper_, r.upper) - offset;
+      if (apart <= (refined() ? tie_ : wanted_) || r.iterations == 2 * o_.max_iterations) break;
+      const Vec n = w_.face[nearest].normal;
+      stuck_ = stuck_ || r.iterations == o_.max_iterations;
+      const bool rival = stuck_ || (minima_ > 0 && apart <= certain * d_.small);
+      if (rival && refined() && known(n)) {
+        close(nearest);
+        continue;
       }
-      return r;
+      ++r.iterations;
+      const Vertex p = d_.support(n);
+      const double upper = dot(n, p.w);
+      if (upper < r.upper) r.normal = n, r.upper = upper;
+      // what has come close is finished by refinement; where that fails, by growth
+      if (D::curved && (rival || (minima_ == 0 && upper - offset <= next))) {
+        next = (upper - offset) * 0.1;
+        if (refine(nearest) && rival) {
+          close(nearest);
+          continue;
+        }
+      }
+      const bool exact = upper - offset <= wanted_;
+      if (exact && minima_ == 0) {
+        apart = upper - offset;
+        break;
+      }
+      if (exact || stuck_)
+        close(nearest);
+      else
+        stuck_ = !grow(nearest, p);
     }
+    if (refined()) {
+      r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
+      r.unique = polished_.unique;
+    } else {
+      for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
+      const Index nearest = nearest_face();
+      const double upper = dot(w_.face[nearest].normal, d_.support(w_.face[nearest].normal).w);
+      // the least support found, where the polytope has come as close there as wanted; else that of its nearest face
+      if (upper > r.upper + wanted_) {
+        witness(face_along(r.normal * r.upper));
+        r.residual = std::max(apart, shape::norm(r.a - r.b - r.normal * r.upper));
+        if (r.residual <= upper - w_.offset[nearest]) return r;
+      }
+      r.normal = w_.face[nearest].normal, r.upper = upper, r.residual = upper - w_.offset[nearest];
+      witness(nearest);
+    }
+    return r;
   }
 
  private:
   const D& d_;
   EpaWorkspace& w_;
   const Options& o_;
-  Refine& refine_;
   const double rounding_, wanted_, tie_;
   EpaResult r_;
   Polished polished_{};
   double refined_upper_ = shape::infinity;
+  static constexpr int most_minima = 8;
+  static constexpr double same = 0.999;  // cosine between directions that lead to the same minimum
+  Vec minimum_[most_minima];  // directions of those found
+  int minima_ = 0;
+  bool stuck_ = false;  // the polytope grows no more
   Index vertices_ = 0, faces_ = 0, free_ = 0;
 
   static constexpr double certain = 1e-3;  // how far below a refined depth the polytope must rule out others, before rivals are looked at
@@ -83,27 +116,34 @@ class Epa {
     return nearest;
   }
 
-  // a local minimum of the depth near a face, if it is less than what is known
-  [[gnu::noinline]] void refine(Index f) {
-    if constexpr (!D::curved) return;
+  // Has the local minimum in this direction been found?
+  bool known(const Vec& n) const {
+    for (int i = 0; i < minima_; ++i)
+      if (dot(n, minimum_[i]) > same) return true;
+    return false;
+  }
+  void close(Index f) { w_.offset[f] = shape::infinity; }
+
+  // A local minimum of the depth near a face: where a flat face is nearest, or where Newton's method leads.
+  [[gnu::noinline]] bool refine(Index f) {
+    Polished p;
+    const Vec n = w_.face[f].normal;
+    if (on_face(d_, n, p) && !known(p.normal)) {
+      take(p);
+      if (dot(n, p.normal) > same) return true;
+    }
     const Part part = nearest_part(f);
     Vertex at[3];
     for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
-    Polished p;
-    if (!refine_(at, part.weight, part.size, w_.face[f].normal, p)) return;
+    if (!polish(d_, at, part.weight, part.size, n, wanted_, p)) return false;
+    take(p);
+    return true;
+  }
+  void take(Polished p) {
+    if (minima_ < most_minima) minimum_[minima_++] = p.normal;
     const double less = refined_upper_ + p.distance;
     if (std::abs(less) <= tie_ && dot(p.normal, polished_.normal) < 1 - 1e-6) p.unique = polished_.unique = false;
     if (less > 0) polished_ = p, refined_upper_ = -p.distance;
-  }
-  // other directions, in which the depth may still be less
-  void rivals() {
-    if constexpr (!D::curved) return;
-    int most = 8;
-    for (Index f = 0; f < faces_ && most > 0; ++f) {
-      if (!(w_.offset[f] < std::min(refined_upper_, r_.upper) + tie_)) continue;
-      if (refined() && dot(w_.face[f].normal, polished_.normal) > 0.999) continue;
-      refine(f), --most;
-    }
   }
 
   // Four vertices that span a volume: those of s, and farthest support points for what is missing.
@@ -178,7 +218,7 @@ class Epa {
     if (vertices_ == EpaWorkspace::max_vertices) return false;
     auto sees = [&](Index f) { return dot(w_.face[f].normal, p.w) - w_.face[f].offset > -rounding_; };
     Index depth = 0, visible = 0, horizon = 0;
-    auto remove = [&](Index f) { w_.offset[f] = shape::infinity, w_.visible[visible++] = f, w_.stack[depth++] = f; };
+    auto remove = [&](Index f) { w_.offset[f] = w_.face[f].offset = shape::infinity, w_.visible[visible++] = f, w_.stack[depth++] = f; };
     const Index top = vertices_++;
     w_.vertex[top] = p;
     for (Index v = 0; v < top; ++v) w_.from[v] = -1;
@@ -188,7 +228,7 @@ class Epa {
       const Index f = w_.stack[--depth];
       for (int i = 0; i < 3; ++i) {
         const Index g = w_.face[f].across[i];
-        if (w_.offset[g] == shape::infinity) continue;
+        if (w_.face[g].removed()) continue;
         if (sees(g)) {
           remove(g);
           continue;
@@ -221,22 +261,34 @@ class Epa {
     return true;
   }
 
-  Part nearest_part(Index f) const {
+  Part nearest_part(Index f, const Vec& to = Vec::zero()) const {
     const Index* at = w_.face[f].at;
-    return nearest_on_triangle(w_.vertex[at[0]].w, w_.vertex[at[1]].w, w_.vertex[at[2]].w);
+    return nearest_on_triangle(w_.vertex[at[0]].w - to, w_.vertex[at[1]].w - to, w_.vertex[at[2]].w - to);
+  }
+  // the face nearest to a point of D's boundary, when another face as near to the origin looks elsewhere
+  Index face_along(const Vec& p) const {
+    Index best = 0;
+    double least = shape::infinity;
+    for (Index f = 0; f < faces_; ++f) {
+      if (w_.face[f].removed()) continue;
+      const double distance = nearest_part(f, p).vv;
+      if (distance < least) least = distance, best = f;
+    }
+    return best;
   }
 
   // the point of the face nearest to the origin, taken apart; other faces as near
   void witness(Index f) {
     // of triangles in one plane, that with the foot of the origin in it
     const double offset = w_.face[f].offset;
-    Part nearest = nearest_part(f);
+    const Vec foot = r_.normal * offset;
+    Part nearest = nearest_part(f, foot);
     for (Index g = 0; g < faces_; ++g) {
       if (w_.offset[g] > offset + tie_) continue;
       if (dot(w_.face[g].normal, r_.normal) < 1 - 1e-12) {
         r_.unique = r_.unique && dot(w_.face[g].normal, r_.normal) > 1 - 1e-6;
       } else if (w_.offset[g] <= offset + 4 * rounding_) {
-        const Part other = nearest_part(g);
+        const Part other = nearest_part(g, foot);
         if (other.vv < nearest.vv) nearest = other, f = g;
       }
     }
@@ -250,10 +302,9 @@ class Epa {
 
 }  // namespace detail
 
-// refine(vertices, weights, size, normal, polished) may finish what EPA has come close to: see polish().
-template <class D, class Refine>
-[[gnu::noinline]] inline EpaResult epa(const D& difference, const Simplex& s, EpaWorkspace& workspace, const Options& options, Refine&& refine) {
-  return detail::Epa<D, Refine>(difference, workspace, options, refine).run(s);
+template <class D>
+[[gnu::noinline]] inline EpaResult epa(const D& difference, const Simplex& s, EpaWorkspace& workspace, const Options& options) {
+  return detail::Epa<D>(difference, workspace, options).run(s);
 }
 
 }  // namespace dyn::collision

@@ -130,13 +130,17 @@ namespace detail {
 template <class D>
 inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
   Pieces<D> best = p;
-  double before = shape::infinity;
-  for (int i = 0; i < 24; ++i) {
+  const double first = p.residual;
+  double before = shape::infinity, least = shape::infinity;
+  for (int i = 0, stale = 0; i < 40 && stale < 8; ++i) {
     if (p.residual <= std::min(acceptable, best.residual)) best = p;
     if (p.residual <= 0.1 * wanted || !(p.residual < shape::infinity)) break;
+    stale = p.residual < least ? 0 : stale + 1;
+    least = std::min(least, p.residual);
+    if (i == 6 && least > 0.1 * first) break;  // no root is near
     p.plan();
     const bool slow = p.near && p.residual >= before * 0.5;
-    if (slow ? i > 2 || p.residual <= wanted : p.residual <= wanted && !p.near) break;
+    if (slow ? i > 2 && least <= acceptable : p.residual <= wanted && !p.near) break;
     before = p.residual;
     p.take();
   }
@@ -145,6 +149,37 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
 }
 
 }  // namespace detail
+
+// A flat face of one shape under which the support point of the other lies: the solution is its normal, where f has a kink and the
+// equations above no root.
+template <class D>
+inline bool on_face(const D& d, const Vec& n, Polished& out) {
+  using A = std::decay_t<decltype(d.A_)>;
+  using B = std::decay_t<decltype(d.B_)>;
+  if constexpr (A::faced) {
+    const shape::Face face = d.A_.face(n);
+    if (face.exists) {
+      const Vec m = face.normal, b = d.X.act(d.B_.support(d.Rt * -m));
+      if (d.A_.under_face(m, b)) {
+        const double distance = dot(m, b - d.A_.support(m));
+        out = {m, b - m * distance, b, distance, 0, true};
+        return true;
+      }
+    }
+  }
+  if constexpr (B::faced) {
+    const shape::Face face = d.B_.face(d.Rt * -n);
+    if (face.exists) {
+      const Vec m = d.X.R * -face.normal, a = d.A_.support(m);
+      if (d.B_.under_face(face.normal, d.X.act_inverse(a))) {
+        const double distance = dot(m, d.X.act(d.B_.support(face.normal)) - a);
+        out = {m, a, a + m * distance, distance, 0, true};
+        return true;
+      }
+    }
+  }
+  return false;
+}
 
 // From support points near the solution, their weights, and a normal. false: no solution was found from there.
 template <class D>

@@ -1,7 +1,7 @@
 // What a query between two shapes answers.
 #pragma once
 
-#include "dyn/shape/shape.hpp"
+#include "dyn/collision/second.hpp"
 
 namespace dyn::collision {
 
@@ -20,6 +20,7 @@ enum class Status : Index {
 // parts the two, and that translation of B is along the normal. point_b - point_a = distance normal.
 struct Result {
   Status status;
+  bool second;  // found by the second method
   bool unique;  // no other pair of points, and no other normal, is as good: the distance is differentiable (gradient.hpp)
   Index iterations;
   double distance;
@@ -34,6 +35,8 @@ struct Options {
   double accepted = 1e-6;    // beyond: Failed
   double touching = 1e-9;
   Index max_iterations = 128;
+  SecondMethod second = nullptr;  // asked when the answer fails, or
+  bool second_first = false;      // first, of pairs without a closed form that overlap
 };
 
 }  // namespace dyn::collision

@@ -17,13 +17,15 @@ struct EpaFace {
   Vec normal;
   double offset;  // normal.x of its plane; infinite: removed
   Index at[3], across[3];
+
+  bool removed() const { return offset == shape::infinity; }
 };
 
 struct EpaWorkspace {
   static constexpr Index max_vertices = 160, max_faces = 2 * max_vertices;
   Vertex vertex[max_vertices];
   EpaFace face[max_faces];
-  double offset[max_faces];    // of the faces alone, to be searched
+  double offset[max_faces];    // of the faces that are still of interest, alone, to be searched; others: infinite
   Index free[max_faces];       // numbers of removed faces
   Index stack[max_faces], visible[max_faces];
   Index from[max_vertices];    // the new face that begins at a vertex of the horizon

@@ -8,6 +8,7 @@ namespace dyn::shape {
 struct Box : Solid<Box> {
   static constexpr Type type = Type::Box;
   static constexpr const char* name = "box";
+  static constexpr bool faced = true;
   Vec half;
   double radius;
 
@@ -28,6 +29,17 @@ struct Box : Solid<Box> {
     for (int i = 0; i < 3; ++i)
       if (s[i] <= flat_slope) (f.dimension++ == 0 ? f.u : f.v) = axis(i);
     return f;
+  }
+  Face face(const Vec& n) const {
+    const Vec s = sizes(n);
+    const int i = s[0] > face_cosine ? 0 : s[1] > face_cosine ? 1 : 2;
+    return {s[i] > face_cosine, axis(i) * std::copysign(1.0, n[i])};
+  }
+  bool under_face(const Vec& n, const Vec& p) const {
+    const Vec over = sizes(p) - half;
+    for (int i = 0; i < 3; ++i)
+      if (n[i] == 0 && over[i] > 0) return false;
+    return true;
   }
   // the face that turns to n; corners are numbered by their signs
   void facing(const Vec& n, double, Feature& f) const {

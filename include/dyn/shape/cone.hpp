@@ -8,7 +8,7 @@ namespace dyn::shape {
 struct Cone : Solid<Cone> {
   static constexpr Type type = Type::Cone;
   static constexpr const char* name = "cone";
-  static constexpr bool curved = true;
+  static constexpr bool curved = true, faced = true;
   double r, half, radius;
 
   explicit Cone(const Shape& s) : r(s.size[0]), half(s.size[2]), radius(s.radius) {}
@@ -41,6 +41,8 @@ struct Cone : Solid<Cone> {
     const bool side = std::abs(2 * half * n[2] - r * rho) <= flat_slope * slant;
     return {side, Vec::make(n[0] / rho * r, n[1] / rho * r, -2 * half) * (1 / slant), Vec::zero()};
   }
+  Face face(const Vec& n) const { return {n[2] < -face_cosine, -axis(2)}; }
+  bool under_face(const Vec&, const Vec& p) const { return p[0] * p[0] + p[1] * p[1] <= r * r; }
   // the base, or the line from the apex to the rim: which of the two turns to n more
   void facing(const Vec& n, double, Feature& f) const {
     const double rho = length2(n[0], n[1]), slant = length2(r, 2 * half);

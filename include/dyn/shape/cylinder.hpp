@@ -8,7 +8,7 @@ namespace dyn::shape {
 struct Cylinder : Solid<Cylinder> {
   static constexpr Type type = Type::Cylinder;
   static constexpr const char* name = "cylinder";
-  static constexpr bool curved = true;
+  static constexpr bool curved = true, faced = true;
   double r, half, radius;
 
   explicit Cylinder(const Shape& s) : r(s.size[0]), half(s.size[2]), radius(s.radius) {}
@@ -31,6 +31,8 @@ struct Cylinder : Solid<Cylinder> {
     if (n[0] * n[0] + n[1] * n[1] <= flat_slope * flat_slope) return {2, axis(0), axis(1)};
     return {std::abs(n[2]) <= flat_slope, axis(2), Vec::zero()};
   }
+  Face face(const Vec& n) const { return {std::abs(n[2]) > face_cosine, axis(2) * std::copysign(1.0, n[2])}; }
+  bool under_face(const Vec&, const Vec& p) const { return p[0] * p[0] + p[1] * p[1] <= r * r; }
   // a cap, or the line on the side
   void facing(const Vec& n, double, Feature& f) const {
     if (n[2] * n[2] >= n[0] * n[0] + n[1] * n[1]) return f.add_rim(r, std::copysign(half, n[2]), n[2] > 0 ? 0 : Feature::rim);

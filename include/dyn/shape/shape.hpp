@@ -6,6 +6,7 @@
 //   curved                    the core's boundary bends; then also
 //   slide(from, n)            the support point along n on the smooth piece of the boundary that the support point `from` lies on
 //   curvature(from, n)        its derivative by n: radii of curvature
+//   faced                     it has few flat faces; then also face(n) and under_face(n, p)
 //   support(d)                the point farthest along d (of any length but zero)
 //   nearest(p)                the boundary point nearest to p (see Nearest)
 //   flat(n)                   the straight directions of the feature that faces n
@@ -83,10 +84,18 @@ DYN_INLINE Vec with_sign(const Vec& size, const Vec& d) {
   return Vec::make(std::copysign(size[0], d[0]), std::copysign(size[1], d[1]), std::copysign(size[2], d[2]));
 }
 
+// A flat face whose normal is within 25 degrees of the direction asked for, if there is one.
+struct Face {
+  bool exists;
+  Vec normal;
+};
+inline constexpr double face_cosine = 0.9;
+
 // What every shape has.
 template <class S>
 struct Solid {
   static constexpr bool curved = false;
+  static constexpr bool faced = false;
 
   // the rounded shape's box at a pose
   Bounds bounds(const Pose& X) const {

@@ -93,11 +93,11 @@ inline void box_witness(const Vec& ha, const Vec& hb, const Pose& X, const BoxAx
 template <class A, class B>
 inline Cores box_pair(const Difference<A, B>& d, const Vec& ha, const Vec& hb, EpaWorkspace& workspace, const Options& options) {
   const BoxAxis axis = box_axis(ha, hb, d.X, d.rounding());
-  if (axis.distance > 1e-10 * d.small + d.rounding()) return cores(d, axis.n * -axis.distance, workspace, options);
   Cores c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0, axis.unique};
   box_witness(ha, hb, d.X, axis, c.a, c.b);
   c.residual = shape::norm(c.b - c.a - c.normal * c.distance);
-  return c;
+  if (axis.distance <= 1e-10 * d.small + d.rounding() || c.residual <= d.rounding()) return c;
+  return cores(d, axis.n * -axis.distance, workspace, options);
 }
 
 }  // namespace dyn::collision

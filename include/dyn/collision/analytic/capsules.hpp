@@ -30,16 +30,16 @@ inline SegmentPair nearest_on_segments(const Vec& u, double hs, const Vec& c, co
   return p;
 }
 
-inline Cores capsule_pair(const shape::Capsule& a, const shape::Capsule& b, const Pose& X) {
-  const Vec z = shape::axis(2);
-  const SegmentPair p = nearest_on_segments(z, a.half, X.p, X.R.z, b.half);
-  const Vec pa = z * p.s, pb = X.p + X.R.z * p.t, r = pb - pa;
+// p: from A's centre to B's; za, zb: their axes
+inline Cores capsule_pair(const shape::Capsule& a, const shape::Capsule& b, const Vec& za, const Vec& zb, const Vec& p) {
+  const SegmentPair s = nearest_on_segments(za, a.half, p, zb, b.half);
+  const Vec pa = za * s.s, pb = p + zb * s.t, r = pb - pa;
   const double d = shape::norm(r);
-  if (d > 1e-15 * (a.half + b.half)) return {r * (1 / d), pa, pb, d, 0, 0, !p.parallel};
+  if (d > 1e-15 * (a.half + b.half)) return {r * (1 / d), pa, pb, d, 0, 0, !s.parallel};
   // the segments cross: either side across both is as good
-  const Vec n = cross(z, X.R.z);
+  const Vec n = cross(za, zb);
   const double sine = shape::norm(n);
-  return {sine > 0 ? n * (1 / sine) : shape::axis(0), pa, pb, 0, 0, 0, false};
+  return {sine > 0 ? n * (1 / sine) : shape::across(za), pa, pb, 0, 0, 0, false};
 }
 
 }  // namespace dyn::collision

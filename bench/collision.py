@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""Compare distance queries with Coal, MuJoCo and libccd on the same poses in one run, and write the table of the README.
+
+Usage:  collision.py [--python PY] [--library FILE] [--out DIR] [--adversarial N] [--readme FILE] [--json FILE] [--pair PART]
+
+  --python PY       Python with the wheels coal (with headers) and mujoco; both are installed into it when missing (default
+                    build/peers/bin/python)
+  --library FILE    libdyn.a to link (default build/release/lib/libdyn.a, or the newest variant beside it)
+  --out DIR         where the program goes (default build/peers-bin)
+  --adversarial N   poses of each adversarial kind and pair (default 60)
+  --pair PART       pairs whose name holds PART alone; the README is left as it is
+  --readme FILE     where the table goes, between <!-- bench collision --> and <!-- /bench --> (default README.md)
+  --json FILE       the figures as well
+
+The program (bench/peers/collision) is built with g++ -O3 -march=native; libccd is the system's (libccd-dev). Under load:
+chrt -f 50 python3 bench/collision.py
+"""
+import argparse
+import datetime
+import json
+import math
+import os
+import re
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+import compare
+
+PROJECT = Path(__file__).resolve().parent.parent
+SOURCES = sorted((PROJECT / "bench/peers/collision").glob("*.cpp"))
+PEERS = ["Coal", "MuJoCo"]
+CLASSES = ["apart", "near", "penetrating"]
+
+
+def die(text):
+    sys.exit("collision: " + text)
+
+
+def run(command, what):
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+    if done.returncode:
+        die(f"{what}: exit status {done.returncode}: {done.stderr.strip()[-2000:]}")
+    return done.stdout
+
+
+def packages(python):
+    """Where the wheels are, and their versions."""
+    probe = ("import importlib.metadata as m, mujoco, pathlib; p = pathlib.Path(mujoco.__file__).parent; "
+             "print(p, next(p.glob('libmujoco.so*')), p.parent / 'cmeel.prefix', m.version('coal'), m.version('mujoco'))")
+    if subprocess.run([python, "-c", "import coal, mujoco"], capture_output=True).returncode:
+        run([python, "-m", "pip", "install", "--quiet", "coal", "mujoco"], "pip install coal mujoco")
+    return run([python, "-c", probe], "coal and mujoco").split()
+
+
+def build(args, mujoco, library, coal):
+    program = args.out / "collision_bench"
+    args.out.mkdir(parents=True, exist_ok=True)
+    flags = ["-O3", "-march=native", "-std=c++20", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math", "-Wno-psabi"]
+    folders = [PROJECT / "tests", PROJECT / "bench/collision", PROJECT / "include", PROJECT / "capi"]
+    system = ["/usr/include/eigen3", f"{coal}/include", f"{mujoco}/include"]
+    libraries = [args.library, f"-L{coal}/lib", "-lcoal", f"-Wl,-rpath,{coal}/lib", library, f"-Wl,-rpath,{mujoco}", "-lccd", "-lurdfdom_model",
+                 "-ltinyxml2", "-lconsole_bridge"]
+    run([os.environ.get("GXX", "g++"), *flags, *(f"-I{f}" for f in folders), *(x for f in system for x in ("-isystem", f)), *SOURCES, *libraries,
+         "-o", program], "building")
+    return program
+
+
+def tables(rows):
+    pairs = list(dict.fromkeys(r["pair"] for r in rows))
+    at = {(r["pair"], r["poses"]): r for r in rows}
+    times, errors, ratios = [], [], []
+    for pair in pairs:
+        cells = []
+        for c in CLASSES:
+            r = at[pair, c]
+            peers = [r[p]["ns"] for p in PEERS if p in r]
+            ratio = r["libdyn"]["ns"] / min(peers)
+            ratios.append(ratio)
+            cells += [f"{r['libdyn']['ns']:.0f}", *(f"{r[p]['ns']:.0f}" if p in r else "" for p in PEERS), f"**{ratio:.2f}**" if ratio > 0.8 else f"{ratio:.2f}"]
+        times.append([pair.replace("_", " "), *cells])
+        plain = lambda e: max((at[pair, c][e]["error"] for c in CLASSES if e in at[pair, c]), default=None)
+        hard = at.get((pair, "adversarial"), {})
+        wrong = lambda e: f"{hard[e]['wrong']} of {hard[e]['asked']}" if e in hard else ""
+        errors.append([pair.replace("_", " "), *("" if plain(e) is None else f"{plain(e):.0e}" for e in ["libdyn", *PEERS]),
+                       *(wrong(e) for e in ["libdyn", *PEERS, "libccd"])])
+    head = ["pair"] + [f"{c}: {n}" for c in CLASSES for n in ["libdyn", *PEERS, "ratio"]]
+    sums = [sum(r[e]["wrong"] for r in rows if r["poses"] == "adversarial" and e in r) for e in ["libdyn", *PEERS, "libccd"]]
+    errors.append(["**all**", "", "", "", *(f"**{s}**" for s in sums)])
+    return (compare.table(head, times),
+            compare.table(["pair", *(f"{e}: error" for e in ["libdyn", *PEERS]), *(f"{e}: wrong" for e in ["libdyn", *PEERS, "libccd"])], errors), ratios)
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--python", type=Path, default=PROJECT / "build/peers/bin/python")
+    p.add_argument("--library", type=Path)
+    p.add_argument("--out", type=Path, default=PROJECT / "build/peers-bin")
+    p.add_argument("--adversarial", type=int, default=60)
+    p.add_argument("--pair", default="")
+    p.add_argument("--readme", type=Path, default=PROJECT / "README.md")
+    p.add_argument("--json", type=Path)
+    args = p.parse_args()
+    found = sorted((PROJECT / "build/release/lib").rglob("libdyn.a"))
+    args.library = args.library or (found[-1] if found else die("no libdyn.a under build/release: build it (tools/run does), or give --library"))
+    if not os.access(args.python, os.X_OK):
+        die(f"{args.python} is missing: run bench/peers/build_pinocchio.py first, or give --python")
+    mujoco, library, coal, coal_version, mujoco_version = packages(args.python)
+    program = build(args, mujoco, library, coal)
+    rows = [json.loads(line) for line in run([program, "--adversarial", args.adversarial, *([args.pair] if args.pair else [])], "collision_bench").splitlines()]
+    times, errors, ratios = tables(rows)
+    mean = math.exp(statistics.fmean(map(math.log, ratios)))
+    text = (f"Nanoseconds of a distance query in batches of 1,000 poses, least of nine interleaved passes, beside Coal {coal_version} and MuJoCo "
+            f"{mujoco_version} (`mj_geomDistance`) with their default tolerances of 1e-6, on the same poses of shapes of about 1 m: apart, a gap of 1 mm, an "
+            f"overlap of 5 cm; {compare.cpu_name()}, {datetime.date.today()}. The ratio is to the faster of the two; above 0.8 it is bold "
+            f"({sum(r > 0.8 for r in ratios)} of {len(ratios)}). Geometric mean **{mean:.2f}**. libdyn's tolerance is 1e-10.\n\n{times}\n\n"
+            "Largest error on these poses relative to the size of the smaller shape (of MuJoCo's meshes it is that of their vertices, kept in single precision), "
+            "and wrong answers, off by more than 1e-3 of it, on adversarial ones: touching, nearly touching, aligned, coincident, sizes 10^3 to 10^6 apart, "
+            "1e-4 thin, 1 km away, deep. Truth: libdyn at 1e-15, its depths against brute force over all directions. libccd (MPR) knows depths alone, and not the least ones.\n\n"
+            + errors)
+    if args.json:
+        args.json.write_text(json.dumps(rows, indent=1) + "\n")
+    if not args.pair:
+        pattern = re.compile(r"(<!-- bench collision -->\n).*?(<!-- /bench -->)", re.S)
+        content = args.readme.read_text(encoding="utf-8")
+        if not pattern.search(content):
+            die(f"{args.readme} has no markers <!-- bench collision --> ... <!-- /bench -->")
+        args.readme.write_text(pattern.sub(lambda m: f"{m[1]}{text}\n\n```\npython3 bench/collision.py\n```\n{m[2]}", content), encoding="utf-8")
+    print(text)
+
+
+if __name__ == "__main__":
+    main()

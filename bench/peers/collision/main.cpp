@@ -1,0 +1,130 @@
+// Distance queries of libdyn, Coal, MuJoCo and libccd on the same poses, in batches, turn by turn; as JSON, a line for each pair of
+// shapes and class of poses.   usage: collision_bench [--adversarial N] [part of a pair's name]
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include "collision/survey.hpp"
+#include "engine.hpp"
+
+namespace {
+
+using namespace dyn_bench;
+
+// the true distance: within the bounds of the planes apart, and no deeper than brute force finds
+double truth(const Scene& s) {
+  collision::Options exact;
+  exact.tolerance = 1e-15;
+  const dyn_test::Result r = query(s, exact);
+  const bool deep = r.distance < 0 && s.a.shape.type != Type::HalfSpace && s.b.shape.type != Type::HalfSpace;
+  if (!deep) return r.distance;
+  const double least = BruteForce(s).depth();
+  return least < -r.distance * (1 - 1e-6) ? -least : r.distance;
+}
+
+struct Score {
+  double ns = NAN, worst = 0;
+  int asked = 0, wrong = 0;  // wrong: off by more than a thousandth of the size, or not a number
+  void add(double found, double truth, double size, bool depths_only) {
+    if (depths_only && truth > 0 && !(found < 0)) return;  // apart, and said so
+    if (depths_only && !(found < 0)) found = 0;
+    ++asked;
+    const double error = std::abs(found - truth) / size;
+    if (error <= 1e-3)
+      worst = std::max(worst, error);
+    else
+      ++wrong;
+  }
+};
+
+void print(const std::string& pair, const char* poses, const std::vector<std::unique_ptr<Engine>>& engines, const std::vector<Score>& scores) {
+  std::printf("{\"pair\": \"%s\", \"poses\": \"%s\"", pair.c_str(), poses);
+  for (std::size_t e = 0; e < engines.size(); ++e) {
+    const Score& s = scores[e];
+    if (s.asked == 0) continue;
+    std::printf(", \"%s\": {\"asked\": %d, \"wrong\": %d, \"error\": %.2g", engines[e]->name(), s.asked, s.wrong, s.worst);
+    if (!std::isnan(s.ns)) std::printf(", \"ns\": %.4g", s.ns);
+    std::printf("}");
+  }
+  std::printf("}\n");
+  std::fflush(stdout);
+}
+
+// the least over passes of the mean time
+void measure(const PairOfShapes& pair, const std::vector<Scene>& scenes, const std::vector<double>& truths, std::vector<std::unique_ptr<Engine>>& engines,
+             std::vector<Score>& scores) {
+  std::vector<double> found(scenes.size());
+  std::vector<bool> loaded;
+  for (std::size_t e = 0; e < engines.size(); ++e) {
+    loaded.push_back(engines[e]->load(pair.a, pair.b));
+    if (!loaded[e]) continue;
+    engines[e]->place(scenes);
+    engines[e]->ask(found.data());
+    for (std::size_t i = 0; i < scenes.size(); ++i) scores[e].add(found[i], truths[i], smaller(scenes[i]), engines[e]->depths_only());
+    scores[e].ns = shape::infinity;
+  }
+  for (int k = 0; k < passes; ++k)
+    for (std::size_t e = 0; e < engines.size(); ++e) {
+      if (!loaded[e]) continue;
+      const auto start = std::chrono::steady_clock::now();
+      engines[e]->ask(found.data());
+      const std::chrono::duration<double, std::nano> t = std::chrono::steady_clock::now() - start;
+      scores[e].ns = std::min(scores[e].ns, t.count() / double(scenes.size()));
+    }
+}
+
+bool round_core(const Solid& s) { return s.shape.type == Type::Sphere || s.shape.type == Type::Capsule || s.shape.radius == 0; }
+
+// Touching, aligned, coincident, of extreme sizes, thin, far from the origin, deep; without the roundings that only libdyn has.
+void adversarial(Type a, Type b, int count, std::vector<std::unique_ptr<Engine>>& engines, std::vector<Score>& scores) {
+  for (int c = 1; c < int(Case::count); ++c)
+    for (int i = 0; i < count; ++i) {
+      const Scene s = scene(a, b, Case(c), std::uint64_t(i));
+      if (!round_core(s.a) || !round_core(s.b)) continue;
+      const double d = truth(s);
+      if (!std::isfinite(d)) continue;
+      for (std::size_t e = 0; e < engines.size(); ++e) {
+        double found = NAN;
+        try {
+          if (!engines[e]->load(s.a, s.b)) continue;
+          engines[e]->place({s});
+          engines[e]->ask(&found);
+        } catch (const std::exception&) {
+        }
+        scores[e].add(found, d, smaller(s), engines[e]->depths_only());
+      }
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int count = 20;
+  const char* part = "";
+  for (int i = 1; i < argc; ++i)
+    if (!std::strcmp(argv[i], "--adversarial") && i + 1 < argc)
+      count = std::atoi(argv[++i]);
+    else
+      part = argv[i];
+  std::vector<std::unique_ptr<Engine>> engines;
+  engines.push_back(make_dyn()), engines.push_back(make_coal()), engines.push_back(make_mujoco()), engines.push_back(make_ccd());
+  static const char* const names[classes] = {"apart", "near", "penetrating"};
+  for (int a = 0; a < shape::type_count; ++a)
+    for (int b = std::max(a, 1); b < shape::type_count; ++b) {
+      const std::string name = std::string(name_of(Type(a))) + "-" + name_of(Type(b));
+      if (name.find(part) == std::string::npos) continue;
+      const PairOfShapes pair = make_pair(Type(a), Type(b));
+      for (int c = 0; c < classes; ++c) {
+        std::vector<double> truths;
+        for (const Scene& s : pair.scenes[c]) truths.push_back(truth(s));
+        std::vector<Score> scores(engines.size());
+        measure(pair, pair.scenes[c], truths, engines, scores);
+        print(name, names[c], engines, scores);
+      }
+      if (count == 0) continue;
+      std::vector<Score> scores(engines.size());
+      adversarial(Type(a), Type(b), count, engines, scores);
+      print(name, "adversarial", engines, scores);
+    }
+}

@@ -1,0 +1,76 @@
+// libccd beside libdyn: the second opinion on what overlaps and how deep, and the fallback.
+#include "collision/survey.hpp"
+#include "dyn/collision/ccd.hpp"
+
+namespace dyn_test {
+namespace {
+
+TEST(Second, AgreesOnOverlaps) {
+  if (!collision::ccd_available()) GTEST_SKIP() << "no libccd.so.2";
+  int seen = 0, agreed = 0;
+  for (int a = int(Type::Capsule); a < shape::type_count; ++a)
+    for (int b = a; b < shape::type_count; ++b)
+      for (int i = 0; i < 60; ++i) {
+        SCOPED_TRACE(testing::Message() << name_of(Type(a)) << ' ' << name_of(Type(b)) << ' ' << i);
+        const Scene s = scene(Type(a), Type(b), i % 2 ? Case::Random : Case::Deep, std::uint64_t(i));
+        const Result r = query(s);
+        collision::SecondAnswer found;
+        const bool overlaps = collision::ccd_overlap(s.a.shape, s.A, s.b.shape, s.B, 1e-6, found);
+        if (std::abs(r.distance) > 1e-3 * smaller(s)) {
+          EXPECT_EQ(r.distance < 0, overlaps) << r.distance;
+        }
+        if (!overlaps || r.distance > 0) continue;
+        ++seen;
+        // along its normal they reach into each other at least as far as the least depth
+        EXPECT_GE(overlap(s, found.normal), -r.distance - 1e-9);
+        agreed += std::abs(found.depth + r.distance) < 0.01 * smaller(s);
+      }
+  EXPECT_GT(seen, 400);
+  EXPECT_GT(agreed, 0.8 * seen);  // its EPA ends early on curved shapes
+}
+
+TEST(Second, AskedFirstItsAnswerHolds) {
+  if (!collision::ccd_available()) GTEST_SKIP() << "no libccd.so.2";
+  collision::Options o;
+  o.second = collision::ccd_overlap, o.second_first = true, o.tolerance = 1e-3;
+  int second = 0;
+  for (int a = int(Type::Capsule); a < shape::type_count; ++a)
+    for (int b = std::max(a, int(Type::Cylinder)); b < shape::type_count; ++b)
+      for (int i = 0; i < 60; ++i) {
+        SCOPED_TRACE(testing::Message() << name_of(Type(a)) << ' ' << name_of(Type(b)) << ' ' << i);
+        const Scene s = scene(Type(a), Type(b), Case::Random, std::uint64_t(i));
+        const Result r = query(s, o);
+        ASSERT_NE(Status::Failed, r.status);
+        second += r.second;
+        const Faults f = faults(s, r, false);
+        ASSERT_LE(f.witness, 3e-3);
+        ASSERT_LE(f.plane, 3e-3);
+      }
+  EXPECT_GT(second, 20);  // its position is seldom within a thousandth of both
+}
+
+// What fails is handed on.
+bool stubborn(const Shape&, const Pose&, const Shape&, const Pose&, double, collision::SecondAnswer& out) {
+  out = {shape::axis(0), Vec::make(0.95, 0, 0), 0.1};
+  return true;
+}
+bool liar(const Shape&, const Pose&, const Shape&, const Pose&, double, collision::SecondAnswer& out) {
+  out = {shape::axis(0), Vec::make(0.5, 0, 0), 0.9};
+  return true;
+}
+TEST(Second, IsMeasured) {
+  const Scene s = {cylinder(1, 2), make(Type::Ellipsoid, Vec::make(1, 2, 3), 0), Pose::identity(), {Mat3<double>::identity(), Vec::make(1.9, 0, 0)}};
+  collision::Options o;
+  o.second = stubborn, o.second_first = true;
+  EXPECT_TRUE(query(s, o).second);
+  EXPECT_NEAR(-0.1, query(s, o).distance, 1e-12);
+  o.second = liar;
+  EXPECT_FALSE(query(s, o).second);
+  EXPECT_NEAR(-0.1, query(s, o).distance, 1e-9);
+  // when nothing will do, it is said so
+  o.second_first = false, o.second = stubborn, o.accepted = o.tolerance = -1;
+  EXPECT_EQ(Status::Failed, query(s, o).status);
+}
+
+}  // namespace
+}  // namespace dyn_test

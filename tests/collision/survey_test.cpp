@@ -1,0 +1,69 @@
+// Every pair of shapes in random and adversarial poses: no failure, witness points on both shapes, a supporting plane, the least depth.
+#include <cstdio>
+
+#include "collision/survey.hpp"
+
+namespace dyn_test {
+namespace {
+
+struct Tally {
+  long poses = 0, failed = 0, wrong = 0, deeper = 0;
+  double witness = 0, plane = 0, depth = 0;
+  std::string first;  // of what is wrong
+};
+
+bool closed_form(Type a, Type b) {
+  const Type low = std::min(a, b), high = std::max(a, b);
+  return low <= Type::Sphere || (low <= Type::Box && high <= Type::Box);
+}
+
+void take(Tally& t, const Scene& s, Case c, int seed, double tol) {
+  const Result r = query(s);
+  const Faults f = faults(s, r);
+  const bool wrong = f.witness > tol || f.plane > tol, deeper = f.depth > 1e-3;
+  ++t.poses, t.failed += f.failed, t.wrong += wrong, t.deeper += deeper;
+  if (f.failed) return;
+  t.witness = std::max(t.witness, f.witness), t.plane = std::max(t.plane, f.plane), t.depth = std::max(t.depth, f.depth);
+  if ((wrong || deeper) && t.first.size() < 300) {
+    char text[160];
+    std::snprintf(text, sizeof text, "; %s %d: distance %.3g, witness %.1e, plane %.1e, depth %.1e", name_of(c), seed, r.distance, f.witness, f.plane, f.depth);
+    t.first += text;
+  }
+}
+
+void survey(std::pair<Type, Type> pair, int random, int adversarial) {
+  const double tol = closed_form(pair.first, pair.second) ? 1e-9 : 1e-6;
+  for (int c = 0; c < int(Case::count); ++c) {
+    Tally t;
+    const int count = Case(c) == Case::Random ? random : (adversarial + int(Case::count) - 2) / (int(Case::count) - 1);
+    for (int i = 0; i < count; ++i) take(t, scene(pair.first, pair.second, Case(c), std::uint64_t(i)), Case(c), i, tol);
+    if (random > 5000)
+      std::printf("%-20s %-20s %-16s %7ld poses: %ld failed, %ld wrong, %ld deeper; witness %.1e, plane %.1e, depth %.1e\n", name_of(pair.first),
+                  name_of(pair.second), name_of(Case(c)), t.poses, t.failed, t.wrong, t.deeper, t.witness, t.plane, t.depth);
+    EXPECT_EQ(0, t.failed) << name_of(Case(c)) << t.first;
+    EXPECT_EQ(0, t.wrong) << name_of(Case(c)) << t.first;
+    EXPECT_EQ(0, t.deeper) << name_of(Case(c)) << t.first;
+  }
+}
+
+std::vector<std::pair<Type, Type>> pairs() {
+  std::vector<std::pair<Type, Type>> p;
+  for (int a = 0; a < shape::type_count; ++a)
+    for (int b = std::max(a, 1); b < shape::type_count; ++b) p.push_back({Type(a), Type(b)});
+  return p;
+}
+std::string pair_name(const testing::TestParamInfo<std::pair<Type, Type>>& info) {
+  return std::string(name_of(info.param.first)) + "_" + name_of(info.param.second);
+}
+
+class Survey : public testing::TestWithParam<std::pair<Type, Type>> {};
+TEST_P(Survey, Sample) { survey(GetParam(), samples(300), samples(300)); }
+INSTANTIATE_TEST_SUITE_P(All, Survey, testing::ValuesIn(pairs()), pair_name);
+
+// 10^5 random and 10^4 adversarial poses a pair.
+class SlowSurvey : public testing::TestWithParam<std::pair<Type, Type>> {};
+TEST_P(SlowSurvey, All) { survey(GetParam(), samples(100000), std::min(samples(100000), 10000)); }
+INSTANTIATE_TEST_SUITE_P(All, SlowSurvey, testing::ValuesIn(pairs()), pair_name);
+
+}  // namespace
+}  // namespace dyn_test
