@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "checks.hpp"
+#include "surfaces.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -26,11 +27,20 @@ dynStatus check_struct(const char* function, const dynDistance* out) {
 using collision::largest;
 using collision::smallest;
 
-dynStatus read_geometry(const char* name, const dynGeometry* g, shape::Shape& out) {
+// A shape, and what it points to.
+struct Read {
+  shape::Shape shape;
+  shape::Hull hull;
+  shape::TriangleTree tree;
+  shape::Grid grid;
+};
+
+dynStatus read_geometry(const char* name, const dynGeometry* g, Read& read) {
+  shape::Shape& out = read.shape;
   if (!g) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s is NULL: it is required", name);
   if (g->struct_size < sizeof(dynGeometry))
     return fail(DYN_ERROR_SIZE, "dyn_shape_distance: %s: struct_size is %u, needs %zu: call dyn_geometry_init", name, g->struct_size, sizeof(dynGeometry));
-  if (g->type == DYN_SHAPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "dyn_shape_distance: %s is a mesh: give a convex shape", name);
+  if (g->type == DYN_SHAPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "dyn_shape_distance: %s is a mesh, a name alone: use DYN_SHAPE_CONVEX or DYN_SHAPE_TRIANGLES with a dynMesh", name);
   if (!collision::geometry_of(g->type, g->size, g->radius, out))
     return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s: type %d does not exist: use DYN_SHAPE_... values", name, raw(g->type));
   for (int k = 0; k < collision::size_count(g->type); ++k)
@@ -39,6 +49,12 @@ dynStatus read_geometry(const char* name, const dynGeometry* g, shape::Shape& ou
                   g->size[k], smallest, largest);
   if (!(g->radius >= 0 && g->radius <= largest))
     return fail(std::isfinite(g->radius) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "dyn_shape_distance: %s: radius is %g: give metres from 0 to %g", name, g->radius, largest);
+  SurfacePtr surface;
+  if (const dynStatus s = surface_argument(name[0] == 'a' ? "dyn_shape_distance: a" : "dyn_shape_distance: b", g->type, g->surface, surface)) return s;
+  if (!surface) return DYN_OK;
+  if (const auto* hull = std::get_if<Held<shape::Hull>>(&surface->held)) read.hull = hull->view(), out.hull = &read.hull;
+  if (const auto* tree = std::get_if<Held<shape::TriangleTree>>(&surface->held)) read.tree = tree->view(), out.triangles = &read.tree;
+  if (const auto* grid = std::get_if<Held<shape::Grid>>(&surface->held)) read.grid = grid->view(), out.grid = &read.grid;
   return DYN_OK;
 }
 
@@ -81,7 +97,7 @@ void dyn_geometry_init(dynGeometry* geometry) {
 
 dynStatus dyn_shape_distance(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b, double tolerance,
                              dynDistance* out) {
-  shape::Shape A, B;
+  Read A, B;
   collision::Pose X_WA, X_WB;
   dynStatus s = read_geometry("a", a, A);
   if (s == DYN_OK) s = read_geometry("b", b, B);
@@ -94,7 +110,7 @@ dynStatus dyn_shape_distance(const dynGeometry* a, const double* placement_a, co
   if (!(options.tolerance > 0 && options.tolerance < 1))
     return fail(std::isfinite(tolerance) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "dyn_shape_distance: tolerance is %g: give a number between 0 and 1, or 0 for the default", tolerance);
   collision::Workspace workspace;
-  fill(collision::distance(A, X_WA, B, X_WB, workspace, options), out);
+  fill(collision::distance(A.shape, X_WA, B.shape, X_WB, workspace, options), out);
   return DYN_OK;
 }
 

@@ -22,12 +22,13 @@ inline int size_count(dynShapeType type) {
     case DYN_SHAPE_BOX: case DYN_SHAPE_ELLIPSOID: return 3;
     case DYN_SHAPE_SPHERE: return 1;
     case DYN_SHAPE_CYLINDER: case DYN_SHAPE_CAPSULE: case DYN_SHAPE_CONE: return 2;
-    case DYN_SHAPE_HALF_SPACE: case DYN_SHAPE_MESH: break;
+    case DYN_SHAPE_HALF_SPACE: case DYN_SHAPE_MESH: case DYN_SHAPE_CONVEX: case DYN_SHAPE_TRIANGLES: case DYN_SHAPE_HEIGHT_FIELD: break;
   }
   return 0;
 }
 
-// Shapes have radius and length where the core has semi-axes and half lengths. False for meshes: of these only the name is known.
+// Shapes have radius and length where the core has semi-axes and half lengths. Pointers stay empty. False for meshes: of these only the
+// name is known.
 inline bool geometry_of(dynShapeType type, const double* size, double radius, shape::Shape& out) {
   using shape::Type;
   out = {Type::Sphere, radius, Vec::zero(), nullptr};
@@ -39,6 +40,9 @@ inline bool geometry_of(dynShapeType type, const double* size, double radius, sh
     case DYN_SHAPE_CONE: out.type = Type::Cone, out.size = Vec::make(size[0], size[0], size[1] / 2); return true;
     case DYN_SHAPE_ELLIPSOID: out.type = Type::Ellipsoid, out.size = load3(size); return true;
     case DYN_SHAPE_HALF_SPACE: out.type = Type::HalfSpace; return true;
+    case DYN_SHAPE_CONVEX: out.type = Type::Convex; return true;
+    case DYN_SHAPE_TRIANGLES: out.type = Type::Triangles; return true;
+    case DYN_SHAPE_HEIGHT_FIELD: out.type = Type::HeightField; return true;
     case DYN_SHAPE_MESH: break;
   }
   return false;
@@ -57,7 +61,18 @@ inline Geom geom_of(const Model& m, Index geom) {
 // Fills in what of data belongs to shapes.
 template <class D>
 void set_up(const Model& m, D& d) {
-  for (Index k = 0; k < m.n.geoms; ++k) d.geoms[k] = geom_of(m, k);
+  auto place = [&]<class T>(T* to, const Stored<T>* from, Index count) {
+    for (Index k = 0; k < count; ++k) to[k] = view(from[k].header, m.surface_numbers() + from[k].numbers, m.surface_indices() + from[k].indices);
+  };
+  place(d.hulls, m.hulls(), m.n.hulls), place(d.trees, m.trees(), m.n.trees), place(d.grids, m.grids(), m.n.grids);
+  for (Index k = 0; k < m.n.geoms; ++k) {
+    d.geoms[k] = geom_of(m, k);
+    const Index surface = m.shapes()[m.geoms()[k].shape].surface;
+    shape::Shape& s = d.geoms[k].shape;
+    if (s.type == shape::Type::Convex) s.hull = d.hulls + surface;
+    if (s.type == shape::Type::Triangles) s.triangles = d.trees + surface;
+    if (s.type == shape::Type::HeightField) s.grid = d.grids + surface;
+  }
   for (Index k = 0; k < m.n.pairs; ++k) d.pair_states[k] = dynPairReason(m.pairs()[k].reason);
 }
 

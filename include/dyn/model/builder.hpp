@@ -16,6 +16,7 @@
 namespace dyn {
 
 struct Model;
+struct SurfaceData;
 
 // An error on its way to the C boundary: the status and one sentence saying what, where, and what to do.
 struct Error : std::runtime_error {
@@ -58,6 +59,7 @@ struct Shape {
   Placement placement = identity_placement;
   std::array<double, 3> size = {0, 0, 0};
   std::string mesh;
+  std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
 };
 
 // nq and nv of a type with no parts.
@@ -94,7 +96,7 @@ class Builder {
   void shape(const Shape& shape);
   void configuration(const std::string& name, const std::vector<double>& q);
   // The same by joints, each with its own coordinates; the others are neutral.
-  void configuration(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);
+  void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);
   // Two bodies that are not tested for collision.
   void disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason);
   void report(dynReportLevel level, int line, const std::string& message);
