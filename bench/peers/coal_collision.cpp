@@ -25,7 +25,7 @@ std::shared_ptr<coal::CollisionGeometry> convert(const Solid& s) {
     case Type::Cylinder: return std::make_shared<coal::Cylinder>(h[0], 2 * h[2]);
     case Type::Cone: return std::make_shared<coal::Cone>(h[0], 2 * h[2]);
     case Type::Ellipsoid: return std::make_shared<coal::Ellipsoid>(h[0], h[1], h[2]);
-    case Type::Convex: break;
+    case Type::Convex: case Type::Triangles: case Type::HeightField: break;
   }
   const shape::Hull& hull = s.hull->hull;
   auto points = std::make_shared<std::vector<coal::Vec3s>>();

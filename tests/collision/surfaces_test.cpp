@@ -54,7 +54,8 @@ TEST(Surfaces, DistanceToConvexShapesIsTheLeastOfAllPieces) {
           continue;
         }
         if (s.shape.type == Type::HeightField && t == Type::Sphere && r.distance < 0) continue;  // by its centre: below
-        ASSERT_NEAR(expected, r.distance, 1e-9);
+        // that no direction gives a smaller depth is sure to 1e-3 (EPA)
+        ASSERT_NEAR(expected, r.distance, r.distance > 0 ? 1e-9 : 1e-3 * size_of(b));
         (r.distance > 0 ? apart : meeting)++;
       }
   });

@@ -51,7 +51,7 @@ class FrameInfo(Grown):
 class ShapeInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("frame", c_int32),
-        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p), ("surface", c_void_p),
+        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
     ]  # fmt: skip
 
 
@@ -71,7 +71,7 @@ JointSpec._fields_ = [
 class ShapeSpec(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("body", c_char_p),
-        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
+        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p), ("surface", c_void_p),
     ]  # fmt: skip
 
 
