@@ -1,5 +1,5 @@
-// Pieces of surfaces are convex shapes: a search through the trees for the nearest two. What lies below a node is no nearer than its box,
-// and no nearer than the plane across the normal of the best pair so far lets it be.
+// Pieces of surfaces are convex shapes: a search through the trees for the nearest two. What lies below two nodes is no nearer than any
+// two planes between them: those of their boxes and slabs, and those across the normal of the best pair so far.
 #include "dyn/collision/surface_distance.hpp"
 
 #include "dyn/shape/list.hpp"
@@ -46,12 +46,11 @@ template <class S>
 double size_of(const S& s) {
   return s.extent() + s.radius;
 }
-// A box in another frame, and its reach along n.
+// A box in another frame.
 Bounds turned(const Bounds& b, const Pose& X) {
   const Vec c = X.act(middle(b)), h = half_of(b), r = sizes(X.R.x) * h[0] + sizes(X.R.y) * h[1] + sizes(X.R.z) * h[2];
   return {c - r, c + r};
 }
-double reach(const Bounds& b, const Vec& n) { return dot(n, middle(b)) + dot(sizes(n), half_of(b)); }
 Bounds box_of(const Facet& f, const Pose& X) {
   Bounds b = {X.act(f.corner(0)), X.act(f.corner(0))};
   for (int k = 1; k < f.hull.vertices; ++k) {
@@ -60,6 +59,13 @@ Bounds box_of(const Facet& f, const Pose& X) {
   }
   return b;
 }
+// How far a piece reaches along n, and the plane of its triangle.
+double reach(const Facet& f, const Vec& n) {
+  double most = dot(n, f.hull.vertex(0));
+  for (int k = 1; k < f.hull.vertices; ++k) most = std::max(most, dot(n, f.hull.vertex(k)));
+  return most + dot(n, f.origin);
+}
+
 // The point of a shape farthest along n, both in the frame that X leads to.
 template <class B>
 Vec farthest(const B& b, const Pose& X, const Vec& n) {
@@ -107,15 +113,35 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
     const Vec between = middle(box) - middle(a.box(S::root(a)));
     look_along(dot(between, between) > 0 ? between * (1 / norm(between)) : axis(2));
   }
-  auto lower = [&](const Bounds& of) {
-    const double along = level - reach(of, n);
-    return (flat ? along : std::max(along, distance_between(of, box))) - a.radius;
+  // the planes across m: how far B is beyond what reaches up and down along it
+  auto beyond = [&](const Vec& m, double up, double down) {
+    if constexpr (flat) return -infinity;
+    else return std::max(dot(m, farthest(b, X, -m)) - up, -dot(m, farthest(b, X, m)) - down);
+  };
+  auto lower = [&](const auto& node) {
+    const Bounds of = a.box(node);
+    const Slab slab = a.slab(node);
+    double least = level - reach(of, slab, n);
+    if constexpr (!flat) {
+      least = std::max(least, distance_between(of, box));
+      if (least - a.radius <= nearest.limit) least = std::max(least, beyond(slab.normal, slab.high, -slab.low));
+    }
+    return least - a.radius;
+  };
+  auto lower_of_piece = [&](const Facet& f) {
+    double least = level - reach(f, n);
+    if constexpr (!flat) {
+      if (least - a.radius <= nearest.limit) least = std::max(least, distance_between(box_of(f, Pose::identity()), box));
+      const Vec m = f.hull.normal(0);
+      if (least - a.radius <= nearest.limit) least = std::max(least, beyond(m, reach(f, m), reach(f, -m)));
+    }
+    return least - a.radius;
   };
   Facet piece;
   search(a, nearest.limit, lower, [&](auto node) {
     for (Index i = 0, count = a.pieces(node); i < count; ++i) {
       a.piece(node, i, piece);
-      if (!(lower(box_of(piece, Pose::identity())) <= nearest.limit)) continue;
+      if (!(lower_of_piece(piece) <= nearest.limit)) continue;
       const Result r = distance(piece.shape(a.radius), {Mat::identity(), piece.origin}, shape_b, X, w, o);
       if (nearest.consider(r)) look_along(r.normal);
     }
@@ -144,9 +170,36 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
   Entry stack[S::most_stack + T::most_stack];
   Index depth = 0;
   Vec n = axis(2);
-  auto lower = [&](const Bounds& x, const Bounds& y) { return std::max(distance_between(x, y), -reach(y, -n) - reach(x, n)) - a.radius - b.radius; };
+  // along m, a direction of A: from what reaches so far in A to the part of B that `along` bounds
+  auto between = [&](const Vec& m, double up, auto&& reach_b) { return dot(m, X.p) - reach_b(transpose_times(X.R, -m)) - up; };
+  auto lower = [&](const typename S::Node& i, const typename T::Node& j, const Bounds& x, const Bounds& y) {
+    const double rounding = a.radius + b.radius;
+    double least = distance_between(x, y) - rounding;
+    if (!(least <= nearest.limit)) return least;
+    const Slab p = a.slab(i), q = b.slab(j);
+    const Bounds in_b = b.box(j);
+    auto reach_b = [&](const Vec& m) { return reach(in_b, q, m); };
+    auto consider = [&](const Vec& m, double up) { least = std::max(least, between(m, up, reach_b) - rounding); };
+    consider(n, reach(x, p, n));
+    if (least <= nearest.limit) consider(p.normal, p.high), consider(-p.normal, -p.low);
+    const Vec m = X.R * q.normal;
+    if (least <= nearest.limit) consider(m, reach(x, p, m)), consider(-m, reach(x, p, -m));
+    return least;
+  };
+  auto lower_of_pieces = [&](const Facet& p, const Facet& q) {
+    const double rounding = a.radius + b.radius;
+    double least = -infinity;
+    auto reach_b = [&](const Vec& m) { return reach(q, m); };
+    auto consider = [&](const Vec& m) { least = std::max(least, between(m, reach(p, m), reach_b) - rounding); };
+    consider(n);
+    const Vec m = p.hull.normal(0), k = X.R * q.hull.normal(0);
+    if (least <= nearest.limit) consider(m), consider(-m);
+    if (least <= nearest.limit) consider(k), consider(-k);
+    if (least <= nearest.limit) least = std::max(least, distance_between(box_of(p, Pose::identity()), box_of(q, X)) - rounding);
+    return least;
+  };
   auto push = [&](const typename S::Node& i, const typename T::Node& j, const Bounds& x, const Bounds& y, Index first) {
-    const Entry e = {i, j, x, y, lower(x, y)};
+    const Entry e = {i, j, x, y, lower(i, j, x, y)};
     if (!(e.lower <= nearest.limit)) return;
     Index at = depth++;
     for (; at > first && stack[at - 1].lower < e.lower; --at) stack[at] = stack[at - 1];
@@ -156,11 +209,9 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
   auto leaves = [&](const Entry& e) {
     for (Index i = 0, m = a.pieces(e.a); i < m; ++i) {
       a.piece(e.a, i, p);
-      const Bounds of_p = box_of(p, Pose::identity());
-      if (!(lower(of_p, e.box_b) <= nearest.limit)) continue;
       for (Index j = 0, k = b.pieces(e.b); j < k; ++j) {
         b.piece(e.b, j, q);
-        if (!(lower(of_p, box_of(q, X)) <= nearest.limit)) continue;
+        if (!(lower_of_pieces(p, q) <= nearest.limit)) continue;
         const Result r = distance(p.shape(a.radius), {Mat::identity(), p.origin}, q.shape(b.radius), {X.R, X.act(q.origin)}, w, o);
         if (nearest.consider(r)) n = r.normal;
       }
@@ -169,7 +220,7 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
   push(S::root(a), T::root(b), a.box(S::root(a)), turned(b.box(T::root(b)), X), 0);
   while (depth > 0) {
     const Entry e = stack[--depth];
-    if (!(std::max(e.lower, lower(e.box_a, e.box_b)) <= nearest.limit)) continue;
+    if (!(e.lower <= nearest.limit)) continue;
     typename S::Node of_a[S::most_children];
     typename T::Node of_b[T::most_children];
     const Index in_a = a.split(e.a, of_a), in_b = b.split(e.b, of_b), first = depth;

@@ -18,7 +18,7 @@ struct TreeMaker {
   const std::vector<Index>& triangles;
   std::vector<Index> order;     // triangles, as the leaves have them
   std::vector<Vec3<double>> middles;
-  std::vector<double> boxes;
+  std::vector<double> boxes, slabs;
   std::vector<Index> links;
 
   const double* corner(Index t, int k) const { return vertices.data() + 3 * std::ptrdiff_t(triangles[3 * std::size_t(t) + std::size_t(k)]); }
@@ -27,6 +27,23 @@ struct TreeMaker {
     const Index n = Index(triangles.size() / 3);
     for (Index t = 0; t < n; ++t) order.push_back(t), middles.push_back((load3(corner(t, 0)) + load3(corner(t, 1)) + load3(corner(t, 2))) * (1.0 / 3));
     node(0, n);
+  }
+
+  void add_slab(Index begin, Index end) {
+    Vec sum = Vec::zero();
+    for (Index i = begin; i < end; ++i) {
+      const Vec a = load3(corner(order[std::size_t(i)], 0));
+      sum += cross(load3(corner(order[std::size_t(i)], 1)) - a, load3(corner(order[std::size_t(i)], 2)) - a);
+    }
+    const double length = norm(sum);
+    const Vec n = length > 0 ? sum * (1 / length) : axis(2);
+    double low = infinity, high = -infinity;
+    for (Index i = begin; i < end; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const double h = dot(n, load3(corner(order[std::size_t(i)], k)));
+        low = std::min(low, h), high = std::max(high, h);
+      }
+    slabs.insert(slabs.end(), {n[0], n[1], n[2], low, high});
   }
 
   void node(Index begin, Index end) {
@@ -39,6 +56,7 @@ struct TreeMaker {
       extend(spread, middles[std::size_t(t)]);
     }
     for (const Vec& p : {box.lower, box.upper}) boxes.insert(boxes.end(), {p[0], p[1], p[2]});
+    add_slab(begin, end);
     links.insert(links.end(), {begin, end - begin});
     if (end - begin <= TriangleTree::leaf_size) return;
     const Vec side = spread.upper - spread.lower;
@@ -76,7 +94,7 @@ dynShapeType type_of(const SurfaceData& s) {
 }
 
 SurfacePtr triangle_tree(const std::vector<double>& vertices, const std::vector<Index>& triangles, bool closed) {
-  TreeMaker maker{vertices, triangles, {}, {}, {}, {}};
+  TreeMaker maker{vertices, triangles, {}, {}, {}, {}, {}};
   maker.run();
   // vertices in the order in which the leaves meet them
   std::vector<Index> number(vertices.size() / 3, -1), corners;
@@ -96,7 +114,7 @@ SurfacePtr triangle_tree(const std::vector<double>& vertices, const std::vector<
   if (!(t.extent <= collision::largest)) too_far(t.extent);
   t.vertices = Index(met.size() / 3), t.triangles = Index(triangles.size() / 3), t.nodes = Index(maker.links.size() / 2);
   t.closed = closed;
-  t.vertex = met.data(), t.box = maker.boxes.data(), t.corner = corners.data(), t.link = maker.links.data();
+  t.vertex = met.data(), t.box = maker.boxes.data(), t.slab = maker.slabs.data(), t.corner = corners.data(), t.link = maker.links.data();
   return std::make_shared<SurfaceData>(SurfaceData{Held<TriangleTree>(t)});
 }
 

@@ -51,6 +51,10 @@ struct HeightField : Surface<HeightField> {
     const Index i = std::min((n.i + 1) << n.level, grid.columns - 1), j = std::min((n.j + 1) << n.level, grid.rows - 1);
     return {Vec::make(grid.x(n.i << n.level), grid.y(n.j << n.level), grid.bottom), Vec::make(grid.x(i), grid.y(j), r[1])};
   }
+  Slab slab(const Node& n) const {
+    const Bounds b = box(n);
+    return {axis(2), b.lower[2], b.upper[2]};
+  }
   Index split(const Node& n, Node* out) const {
     if (n.level == 0) return 0;
     Index count = 0;

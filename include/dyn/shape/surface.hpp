@@ -3,6 +3,7 @@
 //   type, name
 //   Node, root, most_children    a node of the tree, its first one, into how many others a node splits at most
 //   box(node)                    holds all pieces below the node
+//   slab(node)                   likewise, and where they are flat it is thin
 //   split(node, out)             the nodes below it: how many; 0: a leaf
 //   pieces(node), piece(node, i, facet)    the pieces of a leaf, as convex shapes (facet.hpp)
 //   triangle(node, i, corners)   the triangle of a piece that belongs to the surface, counter-clockwise seen from outside
@@ -15,7 +16,7 @@
 
 namespace dyn::shape {
 
-// Goes to the leaves whose lower(box) is not above the limit, those with less first; leaf(node) may lower the limit.
+// Goes to the leaves whose lower(node) is not above the limit, those with less first; leaf(node) may lower the limit.
 template <class S, class Lower, class Leaf>
 inline void search(const S& s, const double& limit, Lower&& lower, Leaf&& leaf) {
   struct Entry {
@@ -24,7 +25,7 @@ inline void search(const S& s, const double& limit, Lower&& lower, Leaf&& leaf) 
   };
   Entry stack[S::most_stack];
   Index depth = 0;
-  stack[depth++] = {S::root(s), lower(s.box(S::root(s)))};
+  stack[depth++] = {S::root(s), lower(S::root(s))};
   while (depth > 0) {
     const Entry e = stack[--depth];
     if (!(e.lower <= limit)) continue;
@@ -36,7 +37,7 @@ inline void search(const S& s, const double& limit, Lower&& lower, Leaf&& leaf) 
     }
     const Index first = depth;
     for (Index i = 0; i < n; ++i) {
-      const Entry x = {below[i], lower(s.box(below[i]))};
+      const Entry x = {below[i], lower(below[i])};
       if (!(x.lower <= limit)) continue;
       Index at = depth++;
       for (; at > first && stack[at - 1].lower < x.lower; --at) stack[at] = stack[at - 1];
@@ -56,6 +57,20 @@ DYN_INLINE double distance_between(const Bounds& a, const Bounds& b) {
   const Vec gap = sizes(middle(a) - middle(b)) - half_of(a) - half_of(b);
   const double most = largest(gap);
   return most <= 0 ? most : norm(positive(gap));
+}
+
+// How far a box reaches along n.
+DYN_INLINE double reach(const Bounds& b, const Vec& n) { return dot(n, middle(b)) + dot(sizes(n), half_of(b)); }
+
+// All between two planes across a unit normal.
+struct Slab {
+  Vec normal;
+  double low, high;
+};
+// How far what lies in both reaches along n, at most: what n has along the normal is bounded by the slab, the rest by the box.
+DYN_INLINE double reach(const Bounds& b, const Slab& s, const Vec& n) {
+  const double along = dot(n, s.normal);
+  return std::min(reach(b, n), reach(b, n - s.normal * along) + std::max(along * s.low, along * s.high));
 }
 
 // Where a ray meets a triangle from either side (Moeller, Trumbore 1997): t, and the two weights; t infinite: nowhere.
@@ -101,9 +116,8 @@ struct Surface {
   Vec support(const Vec& d) const {
     double limit = infinity;  // of minus the height
     Vec best = Vec::zero();
-    const Vec sides = sizes(d);
     Facet piece;
-    search(self(), limit, [&](const Bounds& b) { return -dot(d, middle(b)) - dot(sides, half_of(b)); },
+    search(self(), limit, [&](const auto& node) { return -reach(self().box(node), d); },
            [&](auto node) {
              for (Index i = 0, n = self().pieces(node); i < n; ++i) {
                self().piece(node, i, piece);
@@ -133,7 +147,7 @@ struct Surface {
       const double limit = 0;  // lower() answers infinity for what is not met
       bool clear = true;
       crossings = 0;
-      search(self(), limit, [&](const Bounds& b) { return enters(b, p, direction) < infinity ? 0 : infinity; },
+      search(self(), limit, [&](const auto& node) { return enters(self().box(node), p, direction) < infinity ? 0 : infinity; },
              [&](auto node) {
                Vec corner[3];
                for (Index i = 0, n = self().pieces(node); i < n; ++i) {
@@ -160,7 +174,11 @@ struct Surface {
     const double r = self().radius;
     const Vec rounding = Vec::make(r, r, r);
     Facet piece;
-    search(self(), best.t, [&](const Bounds& b) { return enters({b.lower - rounding, b.upper + rounding}, origin, direction); },
+    search(self(), best.t,
+           [&](const auto& node) {
+             const Bounds b = self().box(node);
+             return enters({b.lower - rounding, b.upper + rounding}, origin, direction);
+           },
            [&](auto node) {
              for (Index i = 0, n = self().pieces(node); i < n; ++i) {
                self().piece(node, i, piece);
@@ -206,7 +224,7 @@ struct Surface {
     Nearest best = {Vec::zero(), Vec::zero(), infinity, true};
     double limit = infinity;
     Facet piece;
-    search(self(), limit, [&](const Bounds& b) { return distance_to(b, p); },
+    search(self(), limit, [&](const auto& node) { return distance_to(self().box(node), p); },
            [&](auto node) {
              for (Index i = 0, n = self().pieces(node); i < n; ++i) {
                const Nearest x = of(node, i, piece);

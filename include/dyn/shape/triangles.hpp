@@ -14,13 +14,14 @@ struct TriangleTree {
   double extent;        // farthest vertex from the origin
   const double* vertex; // 3 each
   const double* box;    // 6 a node: lower and upper corner of its box
+  const double* slab;   // 5 a node: the mean normal of its triangles, and between which two planes across it they lie
   const Index* corner;  // 3 a triangle, in the order of the leaves
   const Index* link;    // 2 a node: second child and 0; of a leaf the first of its triangles and how many
 
   // its arrays, in the order in which they are stored
   template <class F>
   void each_array(F&& f) {
-    f(vertex, 3 * std::size_t(vertices)), f(box, 6 * std::size_t(nodes));
+    f(vertex, 3 * std::size_t(vertices)), f(box, 6 * std::size_t(nodes)), f(slab, 5 * std::size_t(nodes));
     f(corner, 3 * std::size_t(triangles)), f(link, 2 * std::size_t(nodes));
   }
   DYN_INLINE Vec at(Index triangle, int k) const { return load3(vertex + 3 * std::ptrdiff_t(corner[3 * std::ptrdiff_t(triangle) + k])); }
@@ -38,6 +39,10 @@ struct Triangles : Surface<Triangles> {
   static constexpr Index most_children = 2, most_stack = TriangleTree::most_depth + 2;
   static Node root(const Triangles&) { return 0; }
   DYN_INLINE Bounds box(Node n) const { return {load3(tree.box + 6 * std::ptrdiff_t(n)), load3(tree.box + 6 * std::ptrdiff_t(n) + 3)}; }
+  DYN_INLINE Slab slab(Node n) const {
+    const double* s = tree.slab + 5 * std::ptrdiff_t(n);
+    return {load3(s), s[3], s[4]};
+  }
   DYN_INLINE Index split(Node n, Node* out) const {
     if (tree.link[2 * std::ptrdiff_t(n) + 1] > 0) return 0;
     out[0] = n + 1, out[1] = tree.link[2 * std::ptrdiff_t(n)];
