@@ -3,35 +3,29 @@
 #include "dyn/collision/surface_distance.hpp"
 
 #include "dyn/shape/list.hpp"
+#include "surface_bounds.hpp"
 
 namespace dyn::collision {
 namespace {
 
 using namespace shape;
 
-// The nearest pair of pieces so far.
-struct NearestPair {
-  Result best{};
-  double limit = infinity;  // pairs farther apart don't matter
-  double tie, same;         // distances are equal within tie, points within same
-
-  explicit NearestPair(double size) : tie(1e-9 * size), same(1e-5 * size) { best.distance = infinity, best.unique = true; }
-
-  // true: it is the new one
-  bool consider(const Result& r) {
-    best.iterations += r.iterations;
-    if (!(r.distance <= limit)) return false;
-    const bool better = r.distance < best.distance, tied = std::abs(r.distance - best.distance) <= tie;
-    const bool other = tied && (norm(r.point_a - best.point_a) > same || norm(r.normal - best.normal) > 1e-5);
-    const bool unique = (r.unique || !(better || tied)) && (best.unique || !tied) && !other;
-    if (better) {
-      const Index iterations = best.iterations;
-      best = r, best.iterations = iterations, limit = r.distance + tie;
-    }
-    best.unique = better || tied ? unique : best.unique;
-    return better;
+// From point to nearest point, there and back: pairs of points that bound the distance from above, and where to look first.
+template <class S, class B>
+void guess(const S& a, const B& b, const Pose& X, NearestPair& nearest, Vec& n) {
+  Vec p = X.p;
+  double least = infinity;
+  for (int i = 0; i < 2; ++i) {
+    const Vec on_a = a.nearest(p).point;
+    const Nearest on_b = b.nearest(X.act_inverse(on_a));
+    p = X.act(on_b.point);
+    const double d = std::max(on_b.distance, 0.0);
+    if (d > 0 && d < least) n = (p - on_a) * (1 / norm(p - on_a));
+    if (!(d < 0.9 * least)) break;
+    least = d;
   }
-};
+  nearest.limit = least - a.radius - b.radius + nearest.tie;
+}
 
 void judge(Result& r, double size, const Options& o) {
   const double touching = o.touching * size;
@@ -46,32 +40,6 @@ template <class S>
 double size_of(const S& s) {
   return s.extent() + s.radius;
 }
-// A box in another frame.
-Bounds turned(const Bounds& b, const Pose& X) {
-  const Vec c = X.act(middle(b)), h = half_of(b), r = sizes(X.R.x) * h[0] + sizes(X.R.y) * h[1] + sizes(X.R.z) * h[2];
-  return {c - r, c + r};
-}
-Bounds box_of(const Facet& f, const Pose& X) {
-  Bounds b = {X.act(f.corner(0)), X.act(f.corner(0))};
-  for (int k = 1; k < f.hull.vertices; ++k) {
-    const Vec p = X.act(f.corner(k));
-    b = {lesser(b.lower, p), greater(b.upper, p)};
-  }
-  return b;
-}
-// How far a piece reaches along n, and the plane of its triangle.
-double reach(const Facet& f, const Vec& n) {
-  double most = dot(n, f.hull.vertex(0));
-  for (int k = 1; k < f.hull.vertices; ++k) most = std::max(most, dot(n, f.hull.vertex(k)));
-  return most + dot(n, f.origin);
-}
-
-// The point of a shape farthest along n, both in the frame that X leads to.
-template <class B>
-Vec farthest(const B& b, const Pose& X, const Vec& n) {
-  return X.act(b.support(transpose_times(X.R, n))) + n * b.radius;
-}
-
 // What touches no triangle of a closed surface may lie inside of it, as `point` tells, a point of B. It is parted by the plane of the
 // nearest triangle, beyond which B reaches as far as along(-n). The depth is at least the point's.
 template <class S, class Along>
@@ -110,13 +78,19 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
   };
   if constexpr (!flat) {
     box = b.bounds(X);
-    const Vec between = middle(box) - middle(a.box(S::root(a)));
-    look_along(dot(between, between) > 0 ? between * (1 / norm(between)) : axis(2));
+    Vec first = axis(2);
+    guess(a, b, X, nearest, first);
+    look_along(first);
   }
-  // the planes across m: how far B is beyond what reaches up and down along it
-  auto beyond = [&](const Vec& m, double up, double down) {
-    if constexpr (flat) return -infinity;
-    else return std::max(dot(m, farthest(b, X, -m)) - up, -dot(m, farthest(b, X, m)) - down);
+  // the planes across m: how far B is beyond what reaches `up` and, the other way, `down` along it
+  const Vec center = middle(box);
+  auto beyond = [&](const Vec& m, double up, double down = infinity) {
+    double least = -infinity;
+    if constexpr (!flat) {
+      least = dot(m, farthest(b, X, -m)) - up;
+      if (down < infinity) least = std::max(least, -dot(m, farthest(b, X, m)) - down);
+    }
+    return least;
   };
   auto lower = [&](const auto& node) {
     const Bounds of = a.box(node);
@@ -124,28 +98,35 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
     double least = level - reach(of, slab, n);
     if constexpr (!flat) {
       least = std::max(least, distance_between(of, box));
+      if (least - a.radius <= nearest.limit) {
+        const Vec across = toward(middle(of), center);
+        least = std::max(least, beyond(across, reach(of, slab, across)));
+      }
       if (least - a.radius <= nearest.limit) least = std::max(least, beyond(slab.normal, slab.high, -slab.low));
     }
     return least - a.radius;
   };
-  auto lower_of_piece = [&](const Facet& f) {
-    double least = level - reach(f, n);
+  auto lower_of_piece = [&](const Corners& f) {
+    double least = level - f.reach(n);
     if constexpr (!flat) {
-      if (least - a.radius <= nearest.limit) least = std::max(least, distance_between(box_of(f, Pose::identity()), box));
-      const Vec m = f.hull.normal(0);
-      if (least - a.radius <= nearest.limit) least = std::max(least, beyond(m, reach(f, m), reach(f, -m)));
+      if (least - a.radius <= nearest.limit) least = std::max(least, distance_between(f.box, box));
+      const Vec across = toward(f.center, center), m = f.normal;
+      if (least - a.radius <= nearest.limit) least = std::max(least, beyond(across, f.reach(across)));
+      if (least - a.radius <= nearest.limit) least = std::max(least, beyond(m, f.reach(m), f.reach(-m)));
     }
     return least - a.radius;
   };
   Facet piece;
-  search(a, nearest.limit, lower, [&](auto node) {
+  auto leaf = [&](auto node) {
     for (Index i = 0, count = a.pieces(node); i < count; ++i) {
       a.piece(node, i, piece);
-      if (!(lower_of_piece(piece) <= nearest.limit)) continue;
+      if (!(lower_of_piece({piece, Pose::identity()}) <= nearest.limit)) continue;
       const Result r = distance(piece.shape(a.radius), {Mat::identity(), piece.origin}, shape_b, X, w, o);
       if (nearest.consider(r)) look_along(r.normal);
     }
-  });
+  };
+  search(a, nearest.limit, lower, leaf);
+  if (nearest.nothing()) search(a, nearest.limit, lower, leaf);
   Result r = nearest.best;
   judge(r, size, o);
   if constexpr (!flat) {
@@ -170,6 +151,7 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
   Entry stack[S::most_stack + T::most_stack];
   Index depth = 0;
   Vec n = axis(2);
+  guess(a, b, X, nearest, n);
   // along m, a direction of A: from what reaches so far in A to the part of B that `along` bounds
   auto between = [&](const Vec& m, double up, auto&& reach_b) { return dot(m, X.p) - reach_b(transpose_times(X.R, -m)) - up; };
   auto lower = [&](const typename S::Node& i, const typename T::Node& j, const Bounds& x, const Bounds& y) {
@@ -181,21 +163,22 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
     auto reach_b = [&](const Vec& m) { return reach(in_b, q, m); };
     auto consider = [&](const Vec& m, double up) { least = std::max(least, between(m, up, reach_b) - rounding); };
     consider(n, reach(x, p, n));
+    const Vec across = toward(middle(x), middle(y));
+    if (least <= nearest.limit) consider(across, reach(x, p, across));
     if (least <= nearest.limit) consider(p.normal, p.high), consider(-p.normal, -p.low);
     const Vec m = X.R * q.normal;
     if (least <= nearest.limit) consider(m, reach(x, p, m)), consider(-m, reach(x, p, -m));
     return least;
   };
-  auto lower_of_pieces = [&](const Facet& p, const Facet& q) {
+  auto lower_of_pieces = [&](const Corners& p, const Corners& q) {
     const double rounding = a.radius + b.radius;
     double least = -infinity;
-    auto reach_b = [&](const Vec& m) { return reach(q, m); };
-    auto consider = [&](const Vec& m) { least = std::max(least, between(m, reach(p, m), reach_b) - rounding); };
+    auto consider = [&](const Vec& m) { least = std::max(least, -q.reach(-m) - p.reach(m) - rounding); };
     consider(n);
-    const Vec m = p.hull.normal(0), k = X.R * q.hull.normal(0);
-    if (least <= nearest.limit) consider(m), consider(-m);
-    if (least <= nearest.limit) consider(k), consider(-k);
-    if (least <= nearest.limit) least = std::max(least, distance_between(box_of(p, Pose::identity()), box_of(q, X)) - rounding);
+    if (least <= nearest.limit) consider(toward(p.center, q.center));
+    if (least <= nearest.limit) consider(p.normal), consider(-p.normal);
+    if (least <= nearest.limit) consider(q.normal), consider(-q.normal);
+    if (least <= nearest.limit) least = std::max(least, distance_between(p.box, q.box) - rounding);
     return least;
   };
   auto push = [&](const typename S::Node& i, const typename T::Node& j, const Bounds& x, const Bounds& y, Index first) {
@@ -205,32 +188,39 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
     for (; at > first && stack[at - 1].lower < e.lower; --at) stack[at] = stack[at - 1];
     stack[at] = e;
   };
-  Facet p, q;
+  Facet p, q[most_pieces];
   auto leaves = [&](const Entry& e) {
-    for (Index i = 0, m = a.pieces(e.a); i < m; ++i) {
+    const Index count_a = a.pieces(e.a), count_b = b.pieces(e.b);
+    Corners of_q[most_pieces];
+    for (Index j = 0; j < count_b; ++j) b.piece(e.b, j, q[j]), of_q[j] = Corners(q[j], X);
+    for (Index i = 0; i < count_a; ++i) {
       a.piece(e.a, i, p);
-      for (Index j = 0, k = b.pieces(e.b); j < k; ++j) {
-        b.piece(e.b, j, q);
-        if (!(lower_of_pieces(p, q) <= nearest.limit)) continue;
-        const Result r = distance(p.shape(a.radius), {Mat::identity(), p.origin}, q.shape(b.radius), {X.R, X.act(q.origin)}, w, o);
+      const Corners of_p(p, Pose::identity());
+      for (Index j = 0; j < count_b; ++j) {
+        if (!(lower_of_pieces(of_p, of_q[j]) <= nearest.limit)) continue;
+        const Result r = distance(p.shape(a.radius), {Mat::identity(), p.origin}, q[j].shape(b.radius), {X.R, of_q[j].center}, w, o);
         if (nearest.consider(r)) n = r.normal;
       }
     }
   };
-  push(S::root(a), T::root(b), a.box(S::root(a)), turned(b.box(T::root(b)), X), 0);
-  while (depth > 0) {
-    const Entry e = stack[--depth];
-    if (!(e.lower <= nearest.limit)) continue;
-    typename S::Node of_a[S::most_children];
-    typename T::Node of_b[T::most_children];
-    const Index in_a = a.split(e.a, of_a), in_b = b.split(e.b, of_b), first = depth;
-    if (in_a == 0 && in_b == 0)
-      leaves(e);
-    else if (in_a > 0 && (in_b == 0 || largest(half_of(e.box_a)) >= largest(half_of(e.box_b))))
-      for (Index i = 0; i < in_a; ++i) push(of_a[i], e.b, a.box(of_a[i]), e.box_b, first);
-    else
-      for (Index i = 0; i < in_b; ++i) push(e.a, of_b[i], e.box_a, turned(b.box(of_b[i]), X), first);
-  }
+  auto descend = [&] {
+    push(S::root(a), T::root(b), a.box(S::root(a)), turned(b.box(T::root(b)), X), 0);
+    while (depth > 0) {
+      const Entry e = stack[--depth];
+      if (!(e.lower <= nearest.limit)) continue;
+      typename S::Node of_a[S::most_children];
+      typename T::Node of_b[T::most_children];
+      const Index in_a = a.split(e.a, of_a), in_b = b.split(e.b, of_b), first = depth;
+      if (in_a == 0 && in_b == 0)
+        leaves(e);
+      else if (in_a > 0 && (in_b == 0 || largest(half_of(e.box_a)) >= largest(half_of(e.box_b))))
+        for (Index i = 0; i < in_a; ++i) push(of_a[i], e.b, a.box(of_a[i]), e.box_b, first);
+      else
+        for (Index i = 0; i < in_b; ++i) push(e.a, of_b[i], e.box_a, turned(b.box(of_b[i]), X), first);
+    }
+  };
+  descend();
+  if (nearest.nothing()) descend();
   Result r = nearest.best;
   judge(r, size, o);
   if (enclosed(a, Pose::identity(), farthest(b, X, n), r, [&](const Vec& d) { return farthest(b, X, d); })) return r;
