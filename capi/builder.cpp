@@ -140,6 +140,7 @@ void dyn_shape_spec_init(dynShapeSpec* spec) {
   std::memset(spec, 0, sizeof *spec);
   spec->struct_size = sizeof *spec;
   spec->type = DYN_SHAPE_BOX, spec->role = DYN_ROLE_COLLISION;
+  spec->contype = spec->conaffinity = 1;
   spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
 }
 
@@ -154,10 +155,12 @@ dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* s) {
   for (const auto& c : choices)
     if (c.value < 1 || c.value > c.last) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_shape: %s %d does not exist", c.name, c.value);
   SurfacePtr surface;
-  if (const dynStatus status = surface_argument("dyn_builder_shape", s->type, s->surface, surface)) return status;
+  if (const dynStatus status = surface_argument("dyn_builder_shape", "spec", s->type, s->surface, surface)) return status;
   return with(builder, [&](Builder& b) {
-    Shape shape{text(s->name), s->type, s->role, text(s->body), read_placement(s->placement), {}, text(s->mesh), surface};
+    Shape shape{text(s->name), s->type, s->role, text(s->body), read_placement(s->placement), {}, text(s->mesh)};
     std::copy(s->size, s->size + 3, shape.size.begin());
+    shape.surface = surface;
+    shape.radius = s->radius, shape.contype = s->contype, shape.conaffinity = s->conaffinity;
     b.shape(shape);
   });
 }

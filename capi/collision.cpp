@@ -1,15 +1,14 @@
 // Collision and distance: thin wrappers.
-#include "dyn/collision/pairs.hpp"
+#include "collision.hpp"
 
 #include <cmath>
 
-#include "checks.hpp"
 #include "surfaces.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
 
-namespace {
+namespace dyn::capi {
 
 void fill(const collision::Result& r, dynDistance* out) {
   out->status = dynDistanceStatus(r.status), out->unique = r.unique, out->iterations = r.iterations;
@@ -17,40 +16,22 @@ void fill(const collision::Result& r, dynDistance* out) {
   store3(r.normal, out->normal), store3(r.point_a, out->point_a), store3(r.point_b, out->point_b);
 }
 
-dynStatus check_struct(const char* function, const dynDistance* out) {
-  if (!out) return fail(DYN_ERROR_ARGUMENT, "%s: out is NULL: it is required", function);
-  if (out->struct_size < sizeof(dynDistance))
-    return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(dynDistance)", function, out->struct_size, sizeof(dynDistance));
-  return DYN_OK;
-}
-
-using collision::largest;
-using collision::smallest;
-
-// A shape, and what it points to.
-struct Read {
-  shape::Shape shape;
-  shape::Hull hull;
-  shape::TriangleTree tree;
-  shape::Grid grid;
-};
-
-dynStatus read_geometry(const char* name, const dynGeometry* g, Read& read) {
+dynStatus read_geometry(const char* function, const char* name, const dynGeometry* g, PlacedShape& read) {
   shape::Shape& out = read.shape;
-  if (!g) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s is NULL: it is required", name);
+  if (!g) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   if (g->struct_size < sizeof(dynGeometry))
-    return fail(DYN_ERROR_SIZE, "dyn_shape_distance: %s: struct_size is %u, needs %zu: call dyn_geometry_init", name, g->struct_size, sizeof(dynGeometry));
-  if (g->type == DYN_SHAPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "dyn_shape_distance: %s is a mesh, a name alone: use DYN_SHAPE_CONVEX or DYN_SHAPE_TRIANGLES with a dynMesh", name);
+    return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: call dyn_geometry_init", function, name, g->struct_size, sizeof(dynGeometry));
+  if (g->type == DYN_SHAPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a mesh, a name alone: use DYN_SHAPE_CONVEX or DYN_SHAPE_TRIANGLES with a dynMesh", function, name);
   if (!collision::geometry_of(g->type, g->size, g->radius, out))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s: type %d does not exist: use DYN_SHAPE_... values", name, raw(g->type));
+    return fail(DYN_ERROR_ARGUMENT, "%s: %s: type %d does not exist: use DYN_SHAPE_... values", function, name, raw(g->type));
   for (int k = 0; k < collision::size_count(g->type); ++k)
-    if (!(g->size[k] >= smallest && g->size[k] <= largest))
-      return fail(std::isfinite(g->size[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "dyn_shape_distance: %s: size[%d] is %g: give metres from %g to %g", name, k,
-                  g->size[k], smallest, largest);
-  if (!(g->radius >= 0 && g->radius <= largest))
-    return fail(std::isfinite(g->radius) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "dyn_shape_distance: %s: radius is %g: give metres from 0 to %g", name, g->radius, largest);
+    if (!(g->size[k] >= collision::smallest && g->size[k] <= collision::largest))
+      return fail(std::isfinite(g->size[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s: size[%d] is %g: give metres from %g to %g", function, name, k,
+                  g->size[k], collision::smallest, collision::largest);
+  if (!(g->radius >= 0 && g->radius <= collision::largest))
+    return fail(std::isfinite(g->radius) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s: radius is %g: give metres from 0 to %g", function, name, g->radius, collision::largest);
   SurfacePtr surface;
-  if (const dynStatus s = surface_argument(name[0] == 'a' ? "dyn_shape_distance: a" : "dyn_shape_distance: b", g->type, g->surface, surface)) return s;
+  if (const dynStatus s = surface_argument(function, name, g->type, g->surface, surface)) return s;
   if (!surface) return DYN_OK;
   if (const auto* hull = std::get_if<Held<shape::Hull>>(&surface->held)) read.hull = hull->view(), out.hull = &read.hull;
   if (const auto* tree = std::get_if<Held<shape::TriangleTree>>(&surface->held)) read.tree = tree->view(), out.triangles = &read.tree;
@@ -58,21 +39,21 @@ dynStatus read_geometry(const char* name, const dynGeometry* g, Read& read) {
   return DYN_OK;
 }
 
-dynStatus read_placement(const char* name, const double* x, collision::Pose& out) {
-  if (!x) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_distance: %s is NULL: it is required", name);
+dynStatus read_placement(const char* function, const char* name, const double* x, collision::Pose& out) {
+  if (!x) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   for (int k = 0; k < 12; ++k)
-    if (!(std::abs(x[k]) <= largest))
-      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "dyn_shape_distance: %s[%d] is %g: give numbers within %g", name, k, x[k], largest);
+    if (!(std::abs(x[k]) <= collision::largest))
+      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%d] is %g: give numbers within %g", function, name, k, x[k], collision::largest);
   out = load_se3(x);
   const Mat3<double> E = transpose(out.R) * out.R;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       if (!(std::abs(E(i, j) - (i == j)) <= 1e-6) || !(dot(cross(out.R.x, out.R.y), out.R.z) > 0))
-        return fail(DYN_ERROR_INVALID, "dyn_shape_distance: %s is no rotation and translation: its columns are not orthonormal", name);
+        return fail(DYN_ERROR_INVALID, "%s: %s is no rotation and translation: its columns are not orthonormal", function, name);
   return DYN_OK;
 }
 
-dynStatus check_pair(const char* function, const Model& m, int pair, int first = 0) {
+dynStatus check_pair(const char* function, const Model& m, int pair, int first) {
   if (pair >= first && pair < m.n.pairs) return DYN_OK;
   return fail(DYN_ERROR_ARGUMENT, "%s: pair %d does not exist: the model has %d", function, pair, int(m.n.pairs));
 }
@@ -84,7 +65,36 @@ bool listed(Call& call) {
   return false;
 }
 
-}  // namespace
+bool placed(Call& call) {
+  ensure_position(call.m(), call.d());
+  return moderate(call, 0, collision::largest);
+}
+
+dynStatus check_margin(const char* function, double margin) {
+  if (margin >= 0 && margin <= collision::largest) return DYN_OK;
+  return fail(std::isfinite(margin) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: margin is %g: give metres from 0 to %g", function, margin, collision::largest);
+}
+
+dynStatus check_capacity(const char* function, int capacity) {
+  return capacity >= 0 ? DYN_OK : fail(DYN_ERROR_ARGUMENT, "%s: capacity is %d: it can't be negative", function, capacity);
+}
+
+dynStatus read_tolerance(const char* function, double tolerance, collision::Options& options) {
+  if (tolerance != 0) options.tolerance = tolerance;
+  if (options.tolerance > 0 && options.tolerance < 1) return DYN_OK;
+  return fail(std::isfinite(tolerance) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: tolerance is %g: give a number between 0 and 1, or 0 for the default", function, tolerance);
+}
+
+dynStatus read_pair(const char* function, const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
+                    PlacedShape& A, PlacedShape& B) {
+  dynStatus s = read_geometry(function, "a", a, A);
+  if (s == DYN_OK) s = read_geometry(function, "b", b, B);
+  if (s == DYN_OK) s = read_placement(function, "placement_a", placement_a, A.X);
+  if (s == DYN_OK) s = read_placement(function, "placement_b", placement_b, B.X);
+  return s;
+}
+
+}  // namespace dyn::capi
 
 extern "C" {
 
@@ -97,20 +107,15 @@ void dyn_geometry_init(dynGeometry* geometry) {
 
 dynStatus dyn_shape_distance(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b, double tolerance,
                              dynDistance* out) {
-  Read A, B;
-  collision::Pose X_WA, X_WB;
-  dynStatus s = read_geometry("a", a, A);
-  if (s == DYN_OK) s = read_geometry("b", b, B);
-  if (s == DYN_OK) s = read_placement("placement_a", placement_a, X_WA);
-  if (s == DYN_OK) s = read_placement("placement_b", placement_b, X_WB);
-  if (s == DYN_OK) s = check_struct("dyn_shape_distance", out);
-  if (s != DYN_OK) return s;
+  constexpr const char* function = "dyn_shape_distance";
+  PlacedShape A, B;
   collision::Options options;
-  if (tolerance != 0) options.tolerance = tolerance;
-  if (!(options.tolerance > 0 && options.tolerance < 1))
-    return fail(std::isfinite(tolerance) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "dyn_shape_distance: tolerance is %g: give a number between 0 and 1, or 0 for the default", tolerance);
+  dynStatus s = read_pair(function, a, placement_a, b, placement_b, A, B);
+  if (s == DYN_OK) s = check_out(function, "dynDistance", out);
+  if (s == DYN_OK) s = read_tolerance(function, tolerance, options);
+  if (s != DYN_OK) return s;
   collision::Workspace workspace;
-  fill(collision::distance(A.shape, X_WA, B.shape, X_WB, workspace, options), out);
+  fill(collision::distance(A.shape, A.X, B.shape, B.X, workspace, options), out);
   return DYN_OK;
 }
 
@@ -154,8 +159,7 @@ dynStatus dyn_distances(const dynModel* model, dynData* data, const double* q, d
   Call call(model, data, DYN_PART_COLLISION, "dyn_distances");
   if (!call || !listed(call) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
-  ensure_position(call.m(), d);
-  if (!moderate(call, 0, largest)) return call.status;
+  if (!placed(call)) return call.status;
   collision::distances(call.m(), d);
   copy_out(d.distances, call.m().n.pairs, distances);
   return DYN_OK;
@@ -165,7 +169,7 @@ dynStatus dyn_pair_distance(const dynModel* model, dynData* data, int pair, dynD
   Call call(model, data, DYN_PART_COLLISION, "dyn_pair_distance");
   if (!call) return call.status;
   if (const dynStatus s = check_pair(call.function, call.m(), pair)) return s;
-  if (const dynStatus s = check_struct(call.function, out)) return s;
+  if (const dynStatus s = check_out(call.function, "dynDistance", out)) return s;
   if (!call.fresh(Stage::Distances, "the distance", "dyn_distances")) return call.status;
   if (call.d().pair_states[pair] != DYN_PAIR_TESTED)
     return fail(DYN_ERROR_ARGUMENT, "dyn_pair_distance: pair %d is not tested: dyn_data_pair says why, dyn_data_set_pair switches it on", pair);
@@ -184,12 +188,10 @@ dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, double* g
 dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_collisions");
   if (!call || !listed(call)) return call.status;
-  if (!(margin >= 0 && margin <= largest))
-    return fail(std::isfinite(margin) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "dyn_collisions: margin is %g: give metres from 0 to %g", margin, largest);
-  if (capacity < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_collisions: capacity is %d: it can't be negative", capacity);
+  if (const dynStatus s = check_margin(call.function, margin)) return s;
+  if (const dynStatus s = check_capacity(call.function, capacity)) return s;
   if (!call.required("pairs", pairs, capacity) || !call.required("count", count) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
-  ensure_position(call.m(), call.d());
-  if (!moderate(call, 0, largest)) return call.status;
+  if (!placed(call)) return call.status;
   *count = int(collision::collisions(call.m(), call.d(), margin, pairs, capacity));
   return DYN_OK;
 }

@@ -1,7 +1,5 @@
 // Operations on configurations: no data, the model alone.
-#include <initializer_list>
 #include <limits>
-#include <utility>
 
 #include "dyn/algorithm/configuration.hpp"
 #include "guard.hpp"
@@ -16,6 +14,7 @@ struct Check {
   dynStatus status;
   const Model* m = nullptr;
   const char* function;
+  bool large = false;  // a number was so large that what is made of it may overflow
 
   Check(const dynModel* model, const char* f) : status(check(model)), function(f) {
     if (status == DYN_OK) m = model->m;
@@ -23,8 +22,11 @@ struct Check {
   Check& vector(const char* name, const double* x, Index n) {
     if (status != DYN_OK) return *this;
     if (!x && n > 0) status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
-    else if (const Index k = finite_count(x, n); k < n)
-      status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
+    else if (any_beyond(x, n, 166)) {  // 1e50
+      large = true;
+      if (const Index k = finite_count(x, n); k < n)
+        status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
+    }
     return *this;
   }
   Check& q(const char* name, const double* x) {
@@ -37,14 +39,11 @@ struct Check {
     return *this;
   }
   Check& v(const char* name, const double* x) { return status == DYN_OK ? vector(name, x, m->n.nv) : *this; }
-  // Runs f<J>(body, result) for each joint, result being room for what it writes, when the numbers given are so large that something
-  // may overflow: so that an output is written whole or not at all.
+  // Runs f<J>(body, result) for each joint, result being room for what it writes, when something may overflow: so that an output is
+  // written whole or not at all.
   template <class F>
-  Check& fits(std::initializer_list<std::pair<const double*, Index>> given, F f) {
-    if (status != DYN_OK) return *this;
-    bool large = false;
-    for (const auto& [x, n] : given) large |= any_beyond(x, n, 166);  // 1e50
-    if (!large) return *this;
+  Check& fits(F f) {
+    if (status != DYN_OK || !large) return *this;
     for_each_leader(*m, [&]<class J>(const Body& b) {
       double result[72] = {};
       f.template operator()<J>(b, result);
@@ -69,7 +68,7 @@ extern "C" {
 
 dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v, double* out) {
   Check c(model, "dyn_integrate");
-  if (c.q("q", q).v("v", v).output(out, c.nq()).fits({{q, c.nq()}, {v, c.nv()}}, [&]<class J>(const Body& b, double* x) {
+  if (c.q("q", q).v("v", v).output(out, c.nq()).fits([&]<class J>(const Body& b, double* x) {
         J::integrate(q + b.user_q, v + b.user_v, x);
       }))
     integrate(*c.m, q, v, out);
@@ -78,7 +77,7 @@ dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v,
 
 dynStatus dyn_difference(const dynModel* model, const double* q0, const double* q1, double* v) {
   Check c(model, "dyn_difference");
-  if (c.q("q0", q0).q("q1", q1).output(v, c.nv()).fits({{q0, c.nq()}, {q1, c.nq()}}, [&]<class J>(const Body& b, double* x) {
+  if (c.q("q0", q0).q("q1", q1).output(v, c.nv()).fits([&]<class J>(const Body& b, double* x) {
         J::difference(b, q0 + b.user_q, q1 + b.user_q, x);
       }))
     difference(*c.m, q0, q1, v);
@@ -87,7 +86,7 @@ dynStatus dyn_difference(const dynModel* model, const double* q0, const double* 
 
 dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double* q1, double u, double* out) {
   Check c(model, "dyn_interpolate");
-  if (c.q("q0", q0).q("q1", q1).vector("u", &u, 1).output(out, c.nq()).fits({{q0, c.nq()}, {q1, c.nq()}, {&u, 1}}, [&]<class J>(const Body& b, double* x) {
+  if (c.q("q0", q0).q("q1", q1).vector("u", &u, 1).output(out, c.nq()).fits([&]<class J>(const Body& b, double* x) {
         double v[6];
         J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
         for (int k = 0; k < J::nv; ++k) v[k] *= u;
@@ -145,7 +144,7 @@ dynStatus dyn_is_normalized(const dynModel* model, const double* q, double toler
 
 dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const double* v, double* dq, double* dv) {
   Check c(model, "dyn_integrate_jacobians");
-  if (c.q("q", q).v("v", v).fits({{q, c.nq()}, {v, c.nv()}}, [&]<class J>(const Body& b, double* x) {
+  if (c.q("q", q).v("v", v).fits([&]<class J>(const Body& b, double* x) {
         J::integrate_jacobians(q + b.user_q, v + b.user_v, Block<double>{x, 6}, Block<double>{x + 36, 6});
       }))
     integrate_jacobians(*c.m, q, v, dq, dv);
@@ -154,7 +153,7 @@ dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const 
 
 dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1, double* dq0, double* dq1) {
   Check c(model, "dyn_difference_jacobians");
-  if (c.q("q0", q0).q("q1", q1).fits({{q0, c.nq()}, {q1, c.nq()}}, [&]<class J>(const Body& b, double* x) {
+  if (c.q("q0", q0).q("q1", q1).fits([&]<class J>(const Body& b, double* x) {
         J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, Block<double>{x, 6}, Block<double>{x + 36, 6});
       }))
     difference_jacobians(*c.m, q0, q1, dq0, dq1);

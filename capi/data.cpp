@@ -3,6 +3,7 @@
 #include <cstring>
 #include <new>
 
+#include "dyn/model/block.hpp"
 #include "guard.hpp"
 
 using namespace dyn;
@@ -47,7 +48,7 @@ dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data) {
   if (const dynStatus s = check_parts("dyn_data_new", parts)) return s;
   return guarded([&] {
     const std::size_t bytes = data_bytes<double>(*model->m, parts);
-    void* arena = std::aligned_alloc(64, bytes);
+    void* arena = allocate_block(bytes);
     if (!arena)
       return fail(DYN_ERROR_MEMORY, "dyn_data_new: no memory for %zu bytes: ask for fewer parts (nv x nv matrices are MASS, FACTOR, MINV, CORIOLIS; nv x 10 njoints is REGRESSOR)", bytes);
     dynData* handle = new_data_slot();

@@ -233,6 +233,8 @@ typedef struct dynShapeInfo {
   double size[3];         /* box: full lengths; sphere: radius; cylinder, capsule, cone (apex up): radius, length along z; ellipsoid: semi-axes;
                              half-space, all below z = 0: none; mesh, and what was made of one: scale, applied already */
   const char* mesh;       /* resolved path, also of what stands for a mesh (dynMeshUse); "" for others */
+  double radius;          /* m, of rounding: points within that distance belong to the shape */
+  uint32_t contype, conaffinity; /* groups it is in, groups it collides with, a bit each: see DYN_PAIR_MASK */
 } dynShapeInfo;
 DYN_API int dyn_nshapes(const dynModel* model);
 DYN_API dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
@@ -316,6 +318,8 @@ typedef struct dynShapeSpec {
   double placement[12];   /* in the link's frame; default identity */
   double size[3];         /* as in dynShapeInfo, metres > 0 */
   const char* mesh;       /* MESH: its file, kept as a name; also of what was made of it */
+  double radius;          /* m, >= 0; of rounding, not of a mesh */
+  uint32_t contype, conaffinity; /* default 1, 1 */
   const dynMesh* surface; /* CONVEX: a hull (dyn_mesh_hull), TRIANGLES: a mesh, HEIGHT_FIELD: one of dyn_mesh_height_field; copied */
 } dynShapeSpec;
 DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
@@ -786,7 +790,8 @@ typedef enum dynPairReason {
   DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration */
   DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known: see dynMeshUse */
   DYN_PAIR_OFF = 3,        /* switched off in the data */
-  DYN_PAIR_DISABLED = 4    /* the SRDF says so: see dyn_disabled_pair */
+  DYN_PAIR_DISABLED = 4,   /* the SRDF says so: see dyn_disabled_pair */
+  DYN_PAIR_MASK = 5        /* neither is in a group that the other collides with: contype of one & conaffinity of the other, MuJoCo's rule */
 } dynPairReason;
 DYN_API int dyn_npairs(const dynModel* model); /* -1 for an invalid handle */
 /* The shapes of a pair, shape_a < shape_b, and whether new data tests it; any output may be NULL. */
@@ -794,6 +799,12 @@ DYN_API dynStatus dyn_pair(const dynModel* model, int pair, int* shape_a, int* s
 /* Switches a pair, or with -1 all pairs without meshes, on or off. */
 DYN_API dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int tested);
 DYN_API dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, dynPairReason* reason);
+
+/* Groups of a collision shape in the data, or with -1 of all: those it is in, those it collides with. New data has the model's. Pairs that
+   have no group in common any more are not tested (DYN_PAIR_MASK), and those that were not for that reason alone are again; what
+   dyn_data_set_pair says afterwards counts. */
+DYN_API dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t contype, uint32_t conaffinity);
+DYN_API dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t* contype, uint32_t* conaffinity);
 
 /* Distances of all pairs, npairs, infinite where a pair is not tested. Includes placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_distances(const dynModel* model, dynData* data, const double* q, double* distances);
@@ -805,6 +816,98 @@ DYN_API dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, d
 /* Pairs at a distance of at most margin (m, >= 0), in ascending order: at most capacity of them are written; count: how many there
    are. Those whose bounding boxes are farther apart cost next to nothing. Includes placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count);
+
+/* ------------------------------------------------------------------------------------------------------- contacts */
+
+/* Contact points: where the faces, edges and caps that two convex shapes turn to each other overlap, seen along their common normal
+   (that of dyn_shape_distance). Up to eight a pair at a distance of at most margin (m, >= 0): the deepest, and of more those that span the
+   largest area (Visvalingam and Whyatt 1993). A circular cap is taken as the octagon of eight points of its rim that turn with it, and
+   the deepest point. Two half-spaces have none. */
+typedef struct dynContact {
+  int32_t pair;            /* of the robot's pairs, and its shapes; -1 between shapes by themselves */
+  int32_t shape_a, shape_b;
+  int32_t reserved;
+  uint64_t feature;        /* which corner, edge or inside of A (high 32 bits) and of B: the same contact has the same in the next step */
+  double distance;         /* m, along the normal; below zero: depth */
+  double position[3];      /* world, half way between the shapes: position -/+ distance / 2 normal lie on A and B */
+  double normal[3];        /* unit, from A to B, world */
+} dynContact;
+enum { DYN_CONTACTS_OF_A_PAIR = 8 };
+/* Of surfaces (TRIANGLES, HEIGHT_FIELD) the witness points alone are a contact.
+   contacts: room for DYN_CONTACTS_OF_A_PAIR, written in ascending order of feature. tolerance: as in dyn_shape_distance. */
+DYN_API dynStatus dyn_shape_contacts(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
+                                     double margin, double tolerance, dynContact* contacts, int* count);
+/* Of all tested pairs, ascending by pair, then by feature: at most capacity of them are written; count: how many there are. Includes
+   placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity, int* count);
+
+/* ------------------------------------------------------------------------------------------------------- rays, points, sweeps */
+
+/* The first point of a ray in a solid: origin + t direction, t >= 0 (0: the origin lies inside). */
+typedef struct dynRayHit {
+  uint32_t struct_size;
+  int32_t shape;           /* of the robot's; -1: none is hit. Of a shape by itself: 0 */
+  double t;                /* in lengths of the direction; infinite: none is hit */
+  double position[3];      /* world */
+  double normal[3];        /* outward unit normal, world */
+} dynRayHit;
+DYN_API dynStatus dyn_shape_ray(const dynGeometry* shape, const double placement[12], const double origin[3], const double direction[3], dynRayHit* out);
+
+/* n rays against the robot's collision shapes that are in a group of mask (contype & mask; 0xffffffff: all in any group), meshes left out.
+   origins and directions are 3 x n. t (n): as in dynRayHit, up to far (> 0, may be infinite); shapes (n), normals (3 x n, zero where nothing is
+   hit); any output may be NULL. Includes placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins, const double* directions, int n,
+                           double far, uint32_t mask, double* t, int* shapes, double* normals);
+
+/* The point of a shape's surface that is closest to a point. Closed forms; for an ellipsoid Eberly 2013. */
+typedef struct dynClosestPoint {
+  uint32_t struct_size;
+  int32_t unique;          /* 0: another point is as near */
+  double distance;         /* m; below zero inside */
+  double point[3];         /* on the surface, world */
+  double normal[3];        /* outward unit normal there: the given point is point + distance normal */
+} dynClosestPoint;
+DYN_API dynStatus dyn_shape_closest_point(const dynGeometry* shape, const double placement[12], const double point[3], dynClosestPoint* out);
+
+/* When two moving shapes meet: conservative advancement (Mirtich 1996), which no wall is too thin for. Motions are [velocity of the frame's
+   origin; angular velocity], world axes, m/s and rad/s, constant; NULL: at rest. A half-space must not turn. */
+typedef enum dynSweepStatus {
+  DYN_SWEEP_NONE = 0,      /* they stay farther apart than margin */
+  DYN_SWEEP_HIT = 1,       /* at that time they are margin apart, to 1e-7 of the size of the smaller one (or less from the start: time 0) */
+  DYN_SWEEP_UNDECIDED = 2  /* they do not meet before that time; later was not looked at: they keep close for a thousand steps */
+} dynSweepStatus;
+typedef struct dynImpact {
+  uint32_t struct_size;
+  dynSweepStatus status;
+  double time;             /* s; NONE: the duration */
+  double distance;         /* m, at that time */
+  double normal[3];        /* unit, from A to B, world */
+  double point_a[3], point_b[3]; /* witness points, world */
+} dynImpact;
+DYN_API dynStatus dyn_shape_sweep(const dynGeometry* a, const double placement_a[12], const double motion_a[6], const dynGeometry* b,
+                                  const double placement_b[12], const double motion_b[6], double duration, double margin, dynImpact* out);
+
+/* ------------------------------------------------------------------------------------------------------- broad phase */
+
+/* Which of many boxes overlap: a packed bounding-volume tree with eight children a node (Kamel and Faloutsos 1993) of boxes made larger by
+   margin, so that one that moves less costs a comparison; overlaps are kept from query to query, and only boxes that left theirs are
+   searched for again. No allocation after creation. One thread at a time. Boxes: lower <= upper, world, may be infinite. */
+typedef struct dynBroadPhase dynBroadPhase;
+/* capacity: room for boxes, up to 2^24; pair_capacity: for overlaps of the larger boxes, up to 2^30; margin: m, >= 0. */
+DYN_API dynStatus dyn_broad_phase_new(int capacity, int64_t pair_capacity, double margin, dynBroadPhase** broad_phase);
+DYN_API void dyn_broad_phase_free(dynBroadPhase* broad_phase); /* NULL is allowed */
+/* *id: the smallest number that is free. DYN_ERROR_LIMIT: full. */
+DYN_API dynStatus dyn_broad_phase_insert(dynBroadPhase* broad_phase, const double lower[3], const double upper[3], int* id);
+DYN_API dynStatus dyn_broad_phase_update(dynBroadPhase* broad_phase, int id, const double lower[3], const double upper[3]);
+DYN_API dynStatus dyn_broad_phase_remove(dynBroadPhase* broad_phase, int id);
+/* All pairs of boxes that overlap or touch, each smaller number first, in ascending order: at most capacity of them are written (2 numbers
+   each); count: how many there are. DYN_ERROR_LIMIT: more overlaps than pair_capacity. */
+DYN_API dynStatus dyn_broad_phase_pairs(dynBroadPhase* broad_phase, int* pairs, int64_t capacity, int64_t* count);
+/* Boxes that overlap a box, or that the ray origin + t direction meets at a t from 0 to far, in ascending order: at most capacity of them
+   are written; count: how many there are (when it is more than capacity, which of them is not said). */
+DYN_API dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double lower[3], const double upper[3], int* ids, int capacity, int* count);
+DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double origin[3], const double direction[3], double far, int* ids,
+                                      int capacity, int* count);
 
 /* ------------------------------------------------------------------------------------------------------- simulation */
 

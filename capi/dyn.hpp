@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -720,6 +721,37 @@ class Data {
     check(dyn_data_pair(m(), get(), pair, &out));
     return out;
   }
+  // Contact points of all tested pairs.
+  std::vector<dynContact> contacts(Input q = held, double margin = 0) {
+    std::vector<dynContact> out(64);
+    int count = 0;
+    const double* at = q.of(nq(), "q");
+    check(dyn_contacts(m(), get(), at, margin, out.data(), static_cast<int>(out.size()), &count));
+    if (static_cast<std::size_t>(count) > out.size()) {
+      out.resize(static_cast<std::size_t>(count));
+      check(dyn_contacts(m(), get(), nullptr, margin, out.data(), count, &count));
+    }
+    out.resize(static_cast<std::size_t>(count));
+    return out;
+  }
+  // What rays hit first; origins and directions are 3 x n.
+  struct Rays {
+    Vector t;
+    std::vector<int> shapes;  // -1: nothing
+    Matrix normals;           // 3 x n
+  };
+  Rays rays(Input origins, Input directions, int n, Input q = held, double far = std::numeric_limits<double>::infinity(), uint32_t mask = 0xffffffffu) {
+    Rays out{Vector(static_cast<std::size_t>(n)), std::vector<int>(static_cast<std::size_t>(n)), Matrix(3, n)};
+    check(dyn_rays(m(), get(), q.of(nq(), "q"), origins.of(3 * n, "origins"), directions.of(3 * n, "directions"), n, far, mask, out.t.data(),
+                   out.shapes.data(), out.normals.data()));
+    return out;
+  }
+  void set_shape_masks(int shape, uint32_t contype, uint32_t conaffinity) { check(dyn_data_set_shape_masks(m(), get(), shape, contype, conaffinity)); }
+  std::pair<uint32_t, uint32_t> shape_masks(int shape) {
+    std::pair<uint32_t, uint32_t> out;
+    check(dyn_data_shape_masks(m(), get(), shape, &out.first, &out.second));
+    return out;
+  }
 
   // simulation
   void step(double dt, dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER) { check(dyn_step(m(), get(), integrator, dt)); }
@@ -912,6 +944,81 @@ inline dynDistance shape_distance(const dynGeometry& a, const Placement& X_a, co
   return out;
 }
 
+inline std::vector<dynContact> shape_contacts(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double margin = 0,
+                                              double tolerance = 0) {
+  std::vector<dynContact> out(DYN_CONTACTS_OF_A_PAIR);
+  int count = 0;
+  check(dyn_shape_contacts(&a, X_a.data(), &b, X_b.data(), margin, tolerance, out.data(), &count));
+  out.resize(static_cast<std::size_t>(count));
+  return out;
+}
+inline dynRayHit shape_ray(const dynGeometry& shape, const Placement& X, const Vector3& origin, const Vector3& direction) {
+  dynRayHit out{};
+  out.struct_size = sizeof out;
+  check(dyn_shape_ray(&shape, X.data(), origin.data(), direction.data(), &out));
+  return out;
+}
+inline dynClosestPoint shape_closest_point(const dynGeometry& shape, const Placement& X, const Vector3& point) {
+  dynClosestPoint out{};
+  out.struct_size = sizeof out;
+  check(dyn_shape_closest_point(&shape, X.data(), point.data(), &out));
+  return out;
+}
+inline dynImpact shape_sweep(const dynGeometry& a, const Placement& X_a, const std::array<double, 6>& motion_a, const dynGeometry& b, const Placement& X_b,
+                             const std::array<double, 6>& motion_b, double duration, double margin = 0) {
+  dynImpact out{};
+  out.struct_size = sizeof out;
+  check(dyn_shape_sweep(&a, X_a.data(), motion_a.data(), &b, X_b.data(), motion_b.data(), duration, margin, &out));
+  return out;
+}
+
+// Which of many boxes overlap.
+class BroadPhase {
+ public:
+  BroadPhase(int capacity, int64_t pair_capacity, double margin = 0) : capacity_(capacity) {
+    dynBroadPhase* made = nullptr;
+    check(dyn_broad_phase_new(capacity, pair_capacity, margin, &made));
+    broad_phase_.reset(made);
+  }
+  dynBroadPhase* get() const noexcept { return broad_phase_.get(); }
+  int insert(const Vector3& lower, const Vector3& upper) {
+    int id = 0;
+    check(dyn_broad_phase_insert(get(), lower.data(), upper.data(), &id));
+    return id;
+  }
+  void update(int id, const Vector3& lower, const Vector3& upper) { check(dyn_broad_phase_update(get(), id, lower.data(), upper.data())); }
+  void remove(int id) { check(dyn_broad_phase_remove(get(), id)); }
+  std::vector<std::array<int, 2>> pairs() {
+    int64_t count = 0;
+    check(dyn_broad_phase_pairs(get(), nullptr, 0, &count));
+    std::vector<std::array<int, 2>> out(static_cast<std::size_t>(count));
+    if (count > 0) check(dyn_broad_phase_pairs(get(), out.front().data(), count, &count));
+    return out;
+  }
+  std::vector<int> query(const Vector3& lower, const Vector3& upper) {
+    return ids_([&](int* out, int* count) { return dyn_broad_phase_query(get(), lower.data(), upper.data(), out, capacity_, count); });
+  }
+  std::vector<int> ray(const Vector3& origin, const Vector3& direction, double far = std::numeric_limits<double>::infinity()) {
+    return ids_([&](int* out, int* count) { return dyn_broad_phase_ray(get(), origin.data(), direction.data(), far, out, capacity_, count); });
+  }
+
+ private:
+  struct Free {
+    void operator()(dynBroadPhase* b) const noexcept { dyn_broad_phase_free(b); }
+  };
+  int capacity_;
+  std::unique_ptr<dynBroadPhase, Free> broad_phase_;
+
+  template <class F>
+  std::vector<int> ids_(F call) {
+    std::vector<int> out(static_cast<std::size_t>(capacity_));
+    int count = 0;
+    check(call(out.data(), &count));
+    out.resize(static_cast<std::size_t>(count));
+    return out;
+  }
+};
+
 // Makes models.
 class Builder {
  public:
@@ -946,11 +1053,11 @@ class Builder {
     return ok(dyn_builder_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
   }
   Builder& shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
-                 dynShapeRole role = DYN_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "",
-                 const dynMesh* surface = nullptr) {
+                 dynShapeRole role = DYN_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "", double radius = 0,
+                 uint32_t contype = 1, uint32_t conaffinity = 1, const dynMesh* surface = nullptr) {
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
-    s.surface = surface;
+    s.radius = radius, s.contype = contype, s.conaffinity = conaffinity, s.surface = surface;
     s.name = name.c_str(), s.type = type, s.role = role, s.body = body.c_str(), s.mesh = mesh.c_str();
     for (std::size_t k = 0; k < 3; ++k) s.size[k] = size[k];
     if (const double* X = placement.of(12, "placement"))

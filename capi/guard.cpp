@@ -83,16 +83,19 @@ dynData* new_data_slot() { return pool<dynData>().get(); }
 dynBuilder* new_builder_handle() { return pool<dynBuilder>().get(); }
 dynBatch* new_batch_handle() { return pool<dynBatch>().get(); }
 dynMesh* new_mesh_handle() { return pool<dynMesh>().get(); }
+dynBroadPhase* new_broad_phase_handle() { return pool<dynBroadPhase>().get(); }
 void free_handle(dynModel* h) { h->magic = freed, pool<dynModel>().put(h); }
 void free_handle(dynData* h) { h->magic = freed, pool<dynData>().put(h); }
 void free_handle(dynBuilder* h) { h->magic = freed, pool<dynBuilder>().put(h); }
 void free_handle(dynBatch* h) { h->magic = freed, pool<dynBatch>().put(h); }
 void free_handle(dynMesh* h) { h->magic = freed, pool<dynMesh>().put(h); }
+void free_handle(dynBroadPhase* h) { h->magic = freed, pool<dynBroadPhase>().put(h); }
 
 dynStatus check(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
 dynStatus check(const dynBuilder* builder) { return check_magic(builder, live_builder, "builder", "dyn_builder_new"); }
 dynStatus check(const dynBatch* batch) { return check_magic(batch, live_batch, "batch", "dyn_batch_new"); }
 dynStatus check(const dynMesh* mesh) { return check_magic(mesh, live_mesh, "mesh", "dyn_mesh_load or dyn_mesh_from_arrays"); }
+dynStatus check(const dynBroadPhase* broad_phase) { return check_magic(broad_phase, live_broad_phase, "broad phase", "dyn_broad_phase_new"); }
 
 dynStatus publish(ModelPtr model, dynModel** out) {
   dynModel* handle = new_model_handle();
@@ -183,9 +186,31 @@ struct Exchange {
   bool finite, changed;
 };
 Exchange exchange(const double* from, double* to, double* kept, Index n) {
+#if DYN_LANES == 4
+  using P = Pack<double, 4>;
+  FourIntegers bad{}, difference{};
+  auto look = [&](const P& from, const P& to) {
+    const FourIntegers x = (FourIntegers)from.x, y = (FourIntegers)to.x;
+    constexpr long long exponent = 0x7ff0000000000000;
+    bad |= (x & exponent) == exponent;
+    difference |= x ^ y;
+  };
+  Index i = 0;
+  for (; i + 4 <= n; i += 4) {
+    const P x = P::load(from + i), y = P::load(to + i);
+    look(x, y);
+    y.store(kept + i), x.store(to + i);
+  }
+  if (const int rest = int(n - i)) {
+    const P x = load(from + i, rest), y = load(to + i, rest);
+    look(x, y);
+    store(y, kept + i, rest), store(x, to + i, rest);
+  }
+  auto some = [](const FourIntegers& x) { return ((x[0] | x[1]) | (x[2] | x[3])) != 0; };
+  return {!some(bad), some(difference)};
+#else
   constexpr std::uint64_t exponent = 0x7ff0000000000000u;
   std::uint64_t bad = 0, difference = 0;
-#pragma GCC ivdep
   for (Index i = 0; i < n; ++i) {
     std::uint64_t x, y;
     __builtin_memcpy(&x, from + i, 8);
@@ -196,6 +221,7 @@ Exchange exchange(const double* from, double* to, double* kept, Index n) {
     __builtin_memcpy(to + i, &x, 8);
   }
   return {bad == 0, difference != 0};
+#endif
 }
 
 }  // namespace

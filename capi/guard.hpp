@@ -40,7 +40,7 @@ dynStatus guarded(F&& f) noexcept {
 }
 
 inline constexpr std::uint64_t live_model = 0x6c65646f6d6e7964u, live_data = 0x617461646d6e7964u, live_builder = 0x726c6475626e7964u,
-                               live_batch = 0x68637461626e7964u, live_mesh = 0x6873656d6e7964u;
+                               live_batch = 0x68637461626e7964u, live_mesh = 0x6873656d6e7964u, live_broad_phase = 0x64616f72626e7964u;
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
@@ -111,12 +111,22 @@ struct dynMesh {
   const dyn::meshes::Mesh* m;
 };
 
+namespace dyn::collision {
+class BroadPhase;
+}
+struct dynBroadPhase {
+  std::uint64_t magic;
+  dyn::collision::BroadPhase* b;
+  void* memory;  // of b and its arrays
+};
+
 namespace dyn::capi {
 
 dynStatus check(const dynModel* model);
 dynStatus check(const dynBuilder* builder);
 dynStatus check(const dynBatch* batch);
 dynStatus check(const dynMesh* mesh);
+dynStatus check(const dynBroadPhase* broad_phase);
 
 // Slots for handles; a freed one is handed out again only after 256 others. Null when there is no memory.
 dynModel* new_model_handle();
@@ -124,11 +134,13 @@ dynData* new_data_slot();
 dynBuilder* new_builder_handle();
 dynBatch* new_batch_handle();
 dynMesh* new_mesh_handle();
+dynBroadPhase* new_broad_phase_handle();
 void free_handle(dynModel*);
 void free_handle(dynData*);
 void free_handle(dynBuilder*);
 void free_handle(dynBatch*);
 void free_handle(dynMesh*);
+void free_handle(dynBroadPhase*);
 
 // Wraps a finished model.
 dynStatus publish(ModelPtr model, dynModel** out);

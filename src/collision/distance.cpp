@@ -15,6 +15,7 @@
 #include "dyn/collision/analytic/sphere.hpp"
 #include "dyn/collision/convex_pair.hpp"
 #include "dyn/collision/surface_distance.hpp"
+#include "dyn/shape/list.hpp"
 
 namespace dyn::collision {
 namespace {
@@ -113,6 +114,12 @@ Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_
                             : pair.method(a, b, relative(X_WA, X_WB), workspace, options);
   r.normal = X_W1.R * r.normal, r.point_a = X_W1.act(r.point_a), r.point_b = X_W1.act(r.point_b);
   if (pair.exchanged) r.normal = -r.normal, std::swap(r.point_a, r.point_b);
+  return r;
+}
+
+double reach(const Shape& s) {
+  double r = 0;
+  visit(s, [&](const auto& x) { r = x.extent() + x.radius; });
   return r;
 }
 

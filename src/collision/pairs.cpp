@@ -1,7 +1,9 @@
 #include "dyn/collision/pairs.hpp"
 
 #include "dyn/algorithm/kinematics.hpp"
+#include "dyn/collision/cull.hpp"
 #include "dyn/collision/gradient.hpp"
+#include "dyn/shape/list.hpp"
 
 namespace dyn::collision {
 
@@ -10,17 +12,6 @@ namespace {
 Result pair_distance(const Model& m, Data<double>& d, Index pair) {
   const Index a = m.pairs()[pair].a, b = m.pairs()[pair].b;
   return distance(d.geoms[a].shape, d.geom_poses[a], d.geoms[b].shape, d.geom_poses[b], *d.collision_workspace);
-}
-
-// A ball that holds a shape.
-struct Ball {
-  Vec center;
-  double radius;
-};
-Ball ball_of(const Geom& g, const Pose& X) {
-  double radius = 0;
-  shape::visit(g.shape, [&](const auto& s) { radius = s.extent() + s.radius; });
-  return {X.p, g.shape.type == shape::Type::HalfSpace ? shape::infinity : radius};
 }
 
 }  // namespace
@@ -50,8 +41,7 @@ Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Ind
   for (Index k = 0; k < m.n.pairs; ++k) {
     if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
     const PairRecord& p = m.pairs()[k];
-    const Ball a = ball_of(d.geoms[p.a], d.geom_poses[p.a]), b = ball_of(d.geoms[p.b], d.geom_poses[p.b]);
-    if (shape::norm(a.center - b.center) - a.radius - b.radius > margin) continue;
+    if (distance_at_least(d.geoms[p.a], d.geom_poses[p.a], d.geoms[p.b], d.geom_poses[p.b]) > margin) continue;
     if (!(pair_distance(m, d, k).distance <= margin)) continue;
     if (count < capacity) pairs[count] = int(k);
     ++count;

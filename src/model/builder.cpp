@@ -323,12 +323,14 @@ void Builder::frame(const std::string& name, const Parent& parent, const Placeme
 
 void Builder::shape(const Shape& shape) {
   const std::string who = "shape of body '" + shape.body + "'";
-  ShapeEntry entry{shape, impl->find({shape.body, DYN_FRAME_BODY}, who)};
+  ShapeEntry entry{shape, shape.body == "universe" ? 0 : impl->find({shape.body, DYN_FRAME_BODY}, who)};
   check_placement(who, shape.placement);
   check_finite(who + ": size", shape.size.data(), 3);
   for (std::size_t k = 0; k < std::size_t(collision::size_count(shape.type)); ++k)
     if (!(shape.size[k] >= collision::smallest && shape.size[k] <= collision::largest))
       refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
+  if (!(shape.radius >= 0 && shape.radius <= collision::largest)) refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
+  if (shape.radius > 0 && shape.type == DYN_SHAPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
   const bool made_of_facets = shape.type == DYN_SHAPE_CONVEX || shape.type == DYN_SHAPE_TRIANGLES || shape.type == DYN_SHAPE_HEIGHT_FIELD;
   if (made_of_facets != bool(shape.surface) || (shape.surface && type_of(*shape.surface) != shape.type))
     refuse(DYN_ERROR_ARGUMENT, who + ": its type and its surface don't belong together");

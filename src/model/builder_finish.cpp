@@ -14,6 +14,7 @@
 #include "dyn/algorithm/declarations.hpp"
 #include "dyn/base/sincos.hpp"
 #include "dyn/joint/list.hpp"
+#include "dyn/model/block.hpp"
 
 namespace dyn {
 
@@ -269,6 +270,7 @@ ModelPtr Builder::finish() const {
     r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
+    r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity;
     if (r.role == DYN_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }
@@ -279,7 +281,9 @@ ModelPtr Builder::finish() const {
   n.disabled = Index(a.disabled_pairs.size());
   a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs);
   n.pairs = Index(a.pairs.size());
-  for (const ReportEntry& r : in.reports) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
+  for (const ReportEntry& r : in.reports)
+    if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
+  if (tests_nothing(n.geoms, a.pairs)) a.reports.push_back({DYN_REPORT_WARNING, 0, text.add(nothing_tested)});
   n.reports = Index(a.reports.size());
 
   // configurations; "neutral" is the first
@@ -303,6 +307,8 @@ ModelPtr Builder::finish() const {
 
   make_runs(a.bodies, a.runs, a.chunks);
   n.runs = Index(a.runs.size()), n.chunks = Index(a.chunks.size());
+  make_spans(a.bodies, a.spans, a.curved);
+  n.spans = Index(a.spans.size()), n.curved = Index(a.curved.size());
   for (const Chunk& c : a.chunks) n.sweep = std::max(n.sweep, sweep_room(c.last_q - c.first_q));
 
   // subtrees
@@ -322,6 +328,8 @@ ModelPtr Builder::finish() const {
     for (int k = 0; k < primitive_nv(b.type); ++k)
       a.dof_end[std::size_t(b.idx_v + k)] = next < n.bodies ? a.bodies[std::size_t(next)].idx_v : n.nvx;
   }
+  for (auto e = a.dof_end.begin(); e != a.dof_end.end(); e += 4)
+    a.band_full.push_back(*std::min_element(e, e + 4)), a.band_end.push_back(*std::max_element(e, e + 4));
 
   // ids by name
   auto precedence = [&](Index k) { return a.frames[std::size_t(k)].type == DYN_FRAME_BODY ? 1 : 0; };
@@ -341,15 +349,17 @@ ModelPtr Builder::finish() const {
   a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_depth = a.dof_descendants_end = a.dof_run = a.dof_parent, a.dof_forks.assign(std::size_t(n.nv), 0);  // filled in below
 
   // one block
-  std::uint64_t bytes = (sizeof(Model) + 63) / 64 * 64;
+  auto round_up = [](std::uint64_t x, std::uint64_t boundary) { return (x + boundary - 1) / boundary * boundary; };  // vectors on lines of the cache
+  std::uint64_t bytes = sizeof(Model);
   std::uint64_t offset[std::size_t(Model::Field::count_)];
 #define FIELD(type, field, count, sentence)                                                  \
   if (a.field.size() != std::size_t(count)) throw Error(DYN_ERROR_INTERNAL, "model field " #field " has a wrong size"); \
-  offset[std::size_t(Model::Field::field)] = bytes;                                           \
-  bytes = (bytes + a.field.size() * sizeof(type) + 63) / 64 * 64;
+  offset[std::size_t(Model::Field::field)] = bytes = round_up(bytes, alignof(type) > alignof(double) ? 64 : alignof(double)); \
+  bytes += a.field.size() * sizeof(type);
 #include "dyn/model/model_fields.def"
 #undef FIELD
-  ModelPtr model(static_cast<Model*>(std::aligned_alloc(64, bytes)));
+  bytes = round_up(bytes, 64);
+  ModelPtr model(static_cast<Model*>(allocate_block(bytes)));
   if (!model) throw std::bad_alloc();
   std::memset(static_cast<void*>(model.get()), 0, bytes);
   model->magic = Model::magic_value;

@@ -109,6 +109,8 @@ struct Leader {
 std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints);
 // Chains of one type, as long as they can be, and chunks of them.
 void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vector<Chunk>& chunks);
+// Coordinates of vector spaces, as many side by side as there are, and the bodies that have others.
+void make_spans(const std::vector<Body>& bodies, std::vector<Span>& spans, std::vector<Index>& curved);
 // Elimination tree of M: the parent of each degree of freedom, or -1.
 void elimination_tree(const Model& m, std::vector<Index>& parent);
 // Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.
@@ -117,6 +119,9 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
 // Pairs of collision shapes but those of one body and of a body and its parent; none when there are more than most_geoms shapes.
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames,
                                  const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled);
+// Several collision shapes, and no pair of them is tested: the load report says so.
+inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
+bool tests_nothing(Index geoms, const std::vector<PairRecord>& pairs);
 // Marks those that overlap in the neutral configuration.
 void judge_pairs(const Model& m, PairRecord* pairs);
 

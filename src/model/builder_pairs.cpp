@@ -33,12 +33,18 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
       const Index i = joint(a), j = joint(b);
       if (i == j || parent_and_child(joints, i, j) || parent_and_child(joints, j, i)) continue;
       const bool mesh = shape(a).type == DYN_SHAPE_MESH || shape(b).type == DYN_SHAPE_MESH;
+      const bool masked = !collision::masks_meet({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
       const dynPairReason reason = mesh                                                    ? DYN_PAIR_MESH
                                    : off.count(std::minmax(shape(a).frame, shape(b).frame)) ? DYN_PAIR_DISABLED
-                                                                                            : DYN_PAIR_TESTED;
+                                   : masked                                                ? DYN_PAIR_MASK
+                                                                                           : DYN_PAIR_TESTED;
       pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint16_t(reason)});
     }
   return pairs;
+}
+
+bool tests_nothing(Index geoms, const std::vector<PairRecord>& pairs) {
+  return geoms >= 2 && geoms <= most_geoms && std::none_of(pairs.begin(), pairs.end(), [](const PairRecord& p) { return p.reason == DYN_PAIR_TESTED; });
 }
 
 void judge_pairs(const Model& m, PairRecord* pairs) {

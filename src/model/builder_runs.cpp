@@ -1,4 +1,4 @@
-// Bodies in chains of one type, and the chains in chunks.
+// Bodies in chains of one type, and the chains in chunks; coordinates in spans.
 #include <algorithm>
 
 #include "builder_impl.hpp"
@@ -8,6 +8,7 @@ namespace dyn {
 
 void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vector<Chunk>& chunks) {
   const Index n = Index(bodies.size());
+  Index end_q = 0;
   std::vector<bool> forks(bodies.size(), false);  // carries a body other than the next one
   for (Index i = 1; i < n; ++i)
     if (bodies[std::size_t(i)].parent != i - 1) forks[std::size_t(bodies[std::size_t(i)].parent)] = true;
@@ -22,8 +23,25 @@ void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vec
     c.last_run = Index(runs.size());
     visit(b.type, [&]<class J>() {
       if (!J::angle) return;
-      if (c.last_q == 0) c.first_q = b.idx_q / 4 * 4;
+      if (c.last_q == 0) c.first_q = b.idx_q;
       c.last_q = b.idx_q + 1;
+    });
+    end_q = b.idx_q + primitive_nq(b.type);
+  }
+  for (Chunk& c : chunks) c.first_q = std::min(c.first_q, (end_q + 7) / 8 * 8 - (c.last_q - c.first_q + 3) / 4 * 4);
+}
+
+void make_spans(const std::vector<Body>& bodies, std::vector<Span>& spans, std::vector<Index>& curved) {
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    const Body& b = bodies[i];
+    if (b.follower) continue;
+    visit(b.type, [&]<class J>() {
+      if (J::nq != J::nv || b.wraps)
+        curved.push_back(Index(i));
+      else if (!spans.empty() && spans.back().first_q + spans.back().count == b.user_q && spans.back().first_v + spans.back().count == b.user_v)
+        spans.back().count += J::nv;
+      else
+        spans.push_back({b.user_q, b.user_v, J::nv});
     });
   }
 }

@@ -36,6 +36,7 @@ struct CallRow {
 namespace sizes {
 inline std::size_t none(const dynModel*, int) { return 0; }
 inline std::size_t one(const dynModel*, int) { return 1; }
+inline std::size_t two(const dynModel*, int) { return 2; }
 inline std::size_t three(const dynModel*, int) { return 3; }
 inline std::size_t six(const dynModel*, int) { return 6; }
 inline std::size_t twelve(const dynModel*, int) { return 12; }
@@ -182,12 +183,24 @@ inline const CallRow call_rows[] = {
        int count;
        return dyn_collisions(m, d, x.q, 0, nullptr, 0, &count);
      }},
+    {"dyn_contacts", DYN_PART_COLLISION, uses_q, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL {
+       int count;
+       return dyn_contacts(m, d, x.q, 0.01, nullptr, 0, &count);
+     }},
+    {"dyn_rays", DYN_PART_COLLISION, uses_q, Needs::nothing, false, 1, sizes::two, DYN_CALL {
+       static const double origins[6] = {0, 0, 9, 5, 0, 0.3}, directions[6] = {0, 0, -1, -1, 0, 0};
+       return dyn_rays(m, d, x.q, origins, directions, 2, 100, 0xffffffffu, x.out[0], nullptr, nullptr);
+     }},
     {"dyn_all_terms", DYN_PART_ALL, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_all_terms(m, d, x.mask, x.q, x.v, x.filled); }},
     {"dyn_step", DYN_PART_FORWARD, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_step(m, d, x.integrator, x.dt); }},
     {"dyn_data_array", 0, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_array(m, d, x.field, x.array); }},
 };
 #undef DYN_CALL
+
+// Distances of pairs that are not tested, rays that hit nothing.
+inline bool may_be_infinite(const CallRow& row) { return std::string(row.name) == "dyn_distances" || std::string(row.name) == "dyn_rays"; }
 
 // A call with its arguments, its outputs in buffers with a guard behind each.
 struct Prepared {

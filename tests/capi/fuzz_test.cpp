@@ -103,7 +103,7 @@ void run(std::uint64_t first, std::uint64_t last) {
       ASSERT_TRUE(s >= DYN_OK && s <= DYN_ERROR_INTERNAL && s != DYN_ERROR_INTERNAL) << row.name;
       ++statuses[s];
       if (s == DYN_OK) {
-        for (const Numbers& out : p.results()) ASSERT_TRUE(std::string(row.name) == "dyn_distances" || finite(out)) << row.name << " sequence " << sequence;
+        for (const Numbers& out : p.results()) ASSERT_TRUE(may_be_infinite(row) || finite(out)) << row.name << " sequence " << sequence;
         if (row.uses & uses_fext && p.x.fext) forces = true;
       } else {
         const std::uint32_t size = p.array.struct_size;
@@ -176,7 +176,7 @@ TEST(Fuzz, Builders) {
       const dynStatus status = p(m, d);
       ASSERT_TRUE(status == DYN_OK || status == DYN_ERROR_STALE || status == DYN_ERROR_NUMERIC) << row.name << dyn_last_error() << seed;
       if (status != DYN_OK) continue;
-      for (const Numbers& out : p.results()) ASSERT_TRUE(finite(out)) << row.name << " seed " << seed;
+      for (const Numbers& out : p.results()) ASSERT_TRUE(may_be_infinite(row) || finite(out)) << row.name << " seed " << seed;
     }
   }
   EXPECT_GT(made, 300);

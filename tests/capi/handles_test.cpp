@@ -290,6 +290,11 @@ TEST(Handles, TablesAreComplete) {
       "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",
       // collision_test.cpp
       "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_shape", "dyn_shape_distance", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
+      // contact_test.cpp
+      "dyn_shape_contacts", "dyn_shape_ray", "dyn_shape_closest_point", "dyn_shape_sweep", "dyn_data_set_shape_masks", "dyn_data_shape_masks",
+      // broad_phase_test.cpp
+      "dyn_broad_phase_new", "dyn_broad_phase_free", "dyn_broad_phase_insert", "dyn_broad_phase_update", "dyn_broad_phase_remove", "dyn_broad_phase_pairs",
+      "dyn_broad_phase_query", "dyn_broad_phase_ray",
       // effects_test.cpp
       "dyn_batch_set_effects",
       // tests/mesh

@@ -9,6 +9,7 @@
 #include "common/eigen.hpp"
 #include "dyn/collision/distance.hpp"
 #include "dyn/joint/spherical.hpp"
+#include "dyn/shape/list.hpp"
 
 namespace dyn_test {
 

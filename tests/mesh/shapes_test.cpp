@@ -67,6 +67,39 @@ TEST(MeshShapes, TrianglesOfABox) {
   EXPECT_NEAR(0.5, distance(a, a, at(1.5, 0, 0)), 1e-9);
 }
 
+TEST(MeshShapes, RaysClosestPointsSweepsAndContacts) {
+  const Made mesh = mesh_of(box(1, 1, 1).moved(-0.5, -0.5, -0.5));
+  const dynGeometry a = geometry(DYN_SHAPE_TRIANGLES, mesh.mesh.get()), ball = geometry(DYN_SHAPE_SPHERE, nullptr, {0.1, 0, 0});
+  const Pose here = at(0, 0, 0), side = at(0, 0.8, 0), above = at(0.1, 0.2, 0.65);
+  dynRayHit hit{};
+  hit.struct_size = sizeof hit;
+  const double from[] = {2, 0.1, 0.2}, along[] = {-2, 0, 0};
+  ASSERT_EQ(DYN_OK, dyn_shape_ray(&a, here.data(), from, along, &hit)) << dyn_last_error();
+  EXPECT_NEAR(0.75, hit.t, 1e-12);
+  EXPECT_NEAR(1, hit.normal[0], 1e-12);
+  dynClosestPoint near{};
+  near.struct_size = sizeof near;
+  ASSERT_EQ(DYN_OK, dyn_shape_closest_point(&a, here.data(), from, &near)) << dyn_last_error();
+  EXPECT_NEAR(1.5, near.distance, 1e-12);
+  // past the side of the box, whose normal the motion is across, into a wall far ahead
+  Solid two = box(1, 1, 1).moved(-0.5, -0.5, -0.5);
+  two.add(box(1, 1, 1).moved(3, 0.3, -0.5));
+  const Made walls = mesh_of(two);
+  const dynGeometry b = geometry(DYN_SHAPE_TRIANGLES, walls.mesh.get());
+  const double still[6] = {}, motion[6] = {1, 0, 0, 0, 0, 0};
+  dynImpact impact{};
+  impact.struct_size = sizeof impact;
+  ASSERT_EQ(DYN_OK, dyn_shape_sweep(&b, here.data(), still, &ball, side.data(), motion, 5, 0, &impact)) << dyn_last_error();
+  EXPECT_EQ(DYN_SWEEP_HIT, impact.status);
+  EXPECT_NEAR(2.9, impact.time, 1e-3);
+  dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
+  int count = 0;
+  ASSERT_EQ(DYN_OK, dyn_shape_contacts(&a, here.data(), &ball, above.data(), 0.1, 0, contacts, &count)) << dyn_last_error();
+  ASSERT_EQ(1, count);
+  EXPECT_NEAR(0.05, contacts[0].distance, 1e-12);
+  EXPECT_NEAR(0.525, contacts[0].position[2], 1e-12);
+}
+
 TEST(MeshShapes, HeightFields) {
   const Made flat = height_field(std::vector<double>(15, 0.5), 5, 3);  // 2 x 1, from -1 to 0.5
   ASSERT_EQ(DYN_OK, flat.status) << flat.error;

@@ -123,17 +123,5 @@ TEST(Inertia, ArticulatedMinusOuter) {
   });
 }
 
-TEST(Inertia, MotionToForce) {
-  for_samples([](Sample& s) {
-    M6 A;
-    for (int k = 0; k < 36; ++k) A.data()[k] = s.dice.in(-1, 1);
-    const MotionToForce<double> B = {mat3(A.topLeftCorner<3, 3>()), mat3(A.topRightCorner<3, 3>()), mat3(A.bottomLeftCorner<3, 3>()),
-                                     mat3(A.bottomRightCorner<3, 3>())};
-    EXPECT_LE(gap(eigen(B * motion(s.v)), A * s.v), tol);
-    EXPECT_LE(gap(eigen(B.transposed_times(motion(s.v))), A.transpose() * s.v), tol);
-    EXPECT_LE(gap(eigen((B + B) * motion(s.v)), 2 * A * s.v), tol);
-  });
-}
-
 }  // namespace
 }  // namespace dyn_test

@@ -26,6 +26,7 @@ const char* reason_text(dynPairReason reason) {
     case DYN_PAIR_MESH: return "one is a mesh, of which only the file's name is known: see --collision-meshes";
     case DYN_PAIR_OFF: return "switched off";
     case DYN_PAIR_DISABLED: return "disabled in the SRDF";
+    case DYN_PAIR_MASK: return "neither is in a group that the other collides with";
   }
   return "unknown";
 }

@@ -16,6 +16,18 @@ from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
 from .collision import Distance, shape_distance
+from .contact import (
+    BroadPhase,
+    ClosestPoint,
+    Contact,
+    Impact,
+    RayHit,
+    Rays,
+    shape_closest_point,
+    shape_contacts,
+    shape_ray,
+    shape_sweep,
+)
 from .convert import State, StateLayout
 from .data import (
     FIELDS,
@@ -53,6 +65,7 @@ from .enums import (
     ShapeRole,
     ShapeType,
     Status,
+    SweepStatus,
     Term,
 )
 from .errors import (
@@ -109,11 +122,14 @@ __all__ = [
     "Base",
     "BaseChoiceError",
     "Batch",
+    "BroadPhase",
     "Builder",
     "BusyError",
     "CenterOfMassVelocityDerivatives",
     "Centroidal",
     "CentroidalDerivatives",
+    "ClosestPoint",
+    "Contact",
     "Convention",
     "Data",
     "Direction",
@@ -133,6 +149,7 @@ __all__ = [
     "HandleError",
     "IkReason",
     "IkTaskType",
+    "Impact",
     "Integrator",
     "InternalError",
     "InvalidRobotError",
@@ -158,6 +175,8 @@ __all__ = [
     "PartError",
     "Placement",
     "QuaternionError",
+    "RayHit",
+    "Rays",
     "Reference",
     "ReportEntry",
     "ReportLevel",
@@ -172,6 +191,7 @@ __all__ = [
     "StateLayout",
     "Status",
     "StrictError",
+    "SweepStatus",
     "Term",
     "UnknownNameError",
     "UnsupportedError",
@@ -189,4 +209,8 @@ __all__ = [
     "parameters_from_log_cholesky",
     "parameters_from_pseudo_inertia",
     "pseudo_inertia_from_parameters",
-]
+    "shape_closest_point",
+    "shape_contacts",
+    "shape_ray",
+    "shape_sweep",
+]  # fmt: skip

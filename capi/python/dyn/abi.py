@@ -52,6 +52,7 @@ class ShapeInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("frame", c_int32),
         ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
+        ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32),
     ]  # fmt: skip
 
 
@@ -71,7 +72,8 @@ JointSpec._fields_ = [
 class ShapeSpec(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("body", c_char_p),
-        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p), ("surface", c_void_p),
+        ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
+        ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32), ("surface", c_void_p),
     ]  # fmt: skip
 
 
@@ -139,6 +141,32 @@ class Distance(Grown):
 
 class Geometry(Grown):
     _fields_ = [("struct_size", c_uint32), ("type", c_int), ("size", c_double * 3), ("radius", c_double), ("surface", c_void_p)]
+
+
+class Contact(Structure):
+    _fields_ = [
+        ("pair", c_int32), ("shape_a", c_int32), ("shape_b", c_int32), ("reserved", c_int32), ("feature", c_uint64),
+        ("distance", c_double), ("position", c_double * 3), ("normal", c_double * 3),
+    ]  # fmt: skip
+
+
+class RayHit(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("shape", c_int32), ("t", c_double), ("position", c_double * 3), ("normal", c_double * 3),
+    ]  # fmt: skip
+
+
+class ClosestPoint(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("unique", c_int32), ("distance", c_double), ("point", c_double * 3), ("normal", c_double * 3),
+    ]  # fmt: skip
+
+
+class Impact(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("status", c_int), ("time", c_double), ("distance", c_double), ("normal", c_double * 3),
+        ("point_a", c_double * 3), ("point_b", c_double * 3),
+    ]  # fmt: skip
 
 
 class IkTask(Grown):
@@ -329,6 +357,23 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_pair_distance": (STATUS, [_p, _p, _i, _ref]),
     "dyn_distance_gradients": (STATUS, [_p, _p, _p]),
     "dyn_collisions": (STATUS, [_p, _p, _p, _d, _p, _i, _ref]),
+    # contacts, rays, the broad phase
+    "dyn_data_set_shape_masks": (STATUS, [_p, _p, _i, c_uint32, c_uint32]),
+    "dyn_data_shape_masks": (STATUS, [_p, _p, _i, _ref, _ref]),
+    "dyn_shape_contacts": (STATUS, [_ref, _p, _ref, _p, _d, _d, _ref, _ref]),
+    "dyn_contacts": (STATUS, [_p, _p, _p, _d, _ref, _i, _ref]),
+    "dyn_shape_ray": (STATUS, [_ref, _p, _p, _p, _ref]),
+    "dyn_rays": (STATUS, [_p, _p, _p, _p, _p, _i, _d, c_uint32, _p, _p, _p]),
+    "dyn_shape_closest_point": (STATUS, [_ref, _p, _p, _ref]),
+    "dyn_shape_sweep": (STATUS, [_ref, _p, _p, _ref, _p, _p, _d, _d, _ref]),
+    "dyn_broad_phase_new": (STATUS, [_i, c_int64, _d, _ref]),
+    "dyn_broad_phase_free": (None, [_p]),
+    "dyn_broad_phase_insert": (STATUS, [_p, _p, _p, _ref]),
+    "dyn_broad_phase_update": (STATUS, [_p, _i, _p, _p]),
+    "dyn_broad_phase_remove": (STATUS, [_p, _i]),
+    "dyn_broad_phase_pairs": (STATUS, [_p, _p, c_int64, _ref]),
+    "dyn_broad_phase_query": (STATUS, [_p, _p, _p, _p, _i, _ref]),
+    "dyn_broad_phase_ray": (STATUS, [_p, _p, _p, _d, _p, _i, _ref]),
     "dyn_step": (STATUS, [_p, _p, _i, _d]),
     # meshes
     "dyn_mesh_options_init": (None, [_ref]),

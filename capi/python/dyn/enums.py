@@ -119,6 +119,15 @@ class PairReason(enum.IntEnum):
     MESH = 2
     OFF = 3
     DISABLED = 4
+    MASK = 5
+
+
+class SweepStatus(enum.IntEnum):
+    """What a swept test found."""
+
+    NONE = 0
+    HIT = 1
+    UNDECIDED = 2
 
 
 class ShapeRole(enum.IntEnum):

@@ -97,6 +97,12 @@ class ShapeInfo(NamedTuple):
     """(3,), m: box: full lengths; sphere: radius; cylinder, capsule, cone: radius, length; ellipsoid: semi-axes; mesh: scale."""
     mesh: str
     """Resolved path; "" for others."""
+    radius: float
+    """m, of rounding: points within that distance belong to the shape."""
+    contype: int
+    """Groups it is in, a bit each."""
+    conaffinity: int
+    """Groups it collides with."""
 
 
 class DisabledPair(NamedTuple):
@@ -342,7 +348,8 @@ class Model:
         check(lib.dyn_shape_info(self._m, id, byref(info)))
         return ShapeInfo(
             id, _string(info.name), _kind(ShapeType, info.type), _kind(ShapeRole, info.role), info.frame,
-            to_placement(np.array(info.placement)), np.array(info.size), _string(info.mesh),
+            to_placement(np.array(info.placement)), np.array(info.size), _string(info.mesh), info.radius, info.contype,
+            info.conaffinity,
         )  # fmt: skip
 
     def shape_mesh(self, shape: int) -> Mesh:

@@ -14,53 +14,79 @@ DYN_INLINE void for_each_leader(const Model& m, F&& f) {
   });
 }
 
-// The same with the places of its coordinates: f(body, in q, in v). Without mimic they lie side by side in a run, and the loop over joints of one
-// coordinate is one over numbers.
-template <class F>
-DYN_INLINE void for_each_place(const Model& m, F&& f) {
-  if (m.has_mimic) return for_each_leader(m, [&]<class J>(const Body& b) DYN_INLINE_LAMBDA { f.template operator()<J>(b, b.user_q, b.user_v); });
-  for (Index l = 0; l < m.n.runs; ++l) {
-    const Run& run = m.runs()[l];
-    const Body* bodies = m.bodies() + run.first;
-    visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
-      for (Index k = 0; k < run.last - run.first; ++k) f.template operator()<J>(bodies[k], run.idx_q + J::nq * k, run.idx_v + J::nv * k);
-    });
+// The factors of the configuration space: flat(in q, in v, count) for coordinates of vector spaces side by side, and
+// curved.template operator()<J>(body) for the bodies that have others.
+template <class Flat, class Curved>
+DYN_INLINE void for_each_factor(const Model& m, Flat&& flat, Curved&& curved) {
+  for (Index k = 0; k < m.n.spans; ++k) flat(m.spans()[k].first_q, m.spans()[k].first_v, m.spans()[k].count);
+  for (Index k = 0; k < m.n.curved; ++k) {
+    const Body& b = m.bodies()[m.curved()[k]];
+    visit(b.type, [&]<class J>() DYN_INLINE_LAMBDA { curved.template operator()<J>(b); });
   }
 }
 
 // out = q (+) v; out may be q.
 template <class T>
 void integrate(const Model& m, const T* q, const T* v, T* out) {
-  for_each_place(m, [&]<class J>(const Body&, Index iq, Index iv) DYN_INLINE_LAMBDA { J::integrate(q + iq, v + iv, out + iq); });
+  for_each_factor(
+      m,
+      [&](Index iq, Index iv, Index n) DYN_INLINE_LAMBDA {
+#pragma GCC ivdep
+        for (Index k = 0; k < n; ++k) out[iq + k] = q[iq + k] + v[iv + k];
+      },
+      [&]<class J>(const Body& b) DYN_INLINE_LAMBDA { J::integrate(q + b.user_q, v + b.user_v, out + b.user_q); });
 }
 
 // v = q1 (-) q0
 template <class T>
 void difference(const Model& m, const T* q0, const T* q1, T* v) {
-  for_each_place(m, [&]<class J>(const Body& b, Index iq, Index iv) DYN_INLINE_LAMBDA { J::difference(b, q0 + iq, q1 + iq, v + iv); });
+  for_each_factor(
+      m,
+      [&](Index iq, Index iv, Index n) DYN_INLINE_LAMBDA {
+#pragma GCC ivdep
+        for (Index k = 0; k < n; ++k) v[iv + k] = q1[iq + k] - q0[iq + k];
+      },
+      [&]<class J>(const Body& b) DYN_INLINE_LAMBDA { J::difference(b, q0 + b.user_q, q1 + b.user_q, v + b.user_v); });
 }
 
 // out = q0 (+) u (q1 (-) q0); out may be q0 or q1.
 template <class T>
 void interpolate(const Model& m, const T* q0, const T* q1, T u, T* out) {
-  for_each_place(m, [&]<class J>(const Body& b, Index iq, Index) {
-    T v[6];
-    J::difference(b, q0 + iq, q1 + iq, v);
-    for (int k = 0; k < J::nv; ++k) v[k] *= u;
-    J::integrate(q0 + iq, v, out + iq);
-  });
+  for_each_factor(
+      m,
+      [&](Index iq, Index, Index n) DYN_INLINE_LAMBDA {
+#pragma GCC ivdep
+        for (Index k = 0; k < n; ++k) out[iq + k] = q0[iq + k] + (q1[iq + k] - q0[iq + k]) * u;
+      },
+      [&]<class J>(const Body& b) DYN_INLINE_LAMBDA {
+        T v[6];
+        J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
+        for (int k = 0; k < J::nv; ++k) v[k] *= u;
+        J::integrate(q0 + b.user_q, v, out + b.user_q);
+      });
 }
 
 template <class T>
 T distance(const Model& m, const T* q0, const T* q1) {
   using std::sqrt;
-  T sum = T(0);
-  for_each_place(m, [&]<class J>(const Body& b, Index iq, Index) {
-    T v[6];
-    J::difference(b, q0 + iq, q1 + iq, v);
-    for (int k = 0; k < J::nv; ++k) sum += v[k] * v[k];
-  });
-  return sqrt(sum);
+  constexpr int lanes = 4;
+  T sum[lanes] = {T(0), T(0), T(0), T(0)};
+  auto square = [](T x) { return x * x; };
+  for_each_factor(
+      m,
+      [&](Index iq, Index, Index n) DYN_INLINE_LAMBDA {
+        const T *a = q0 + iq, *b = q1 + iq;
+        Index k = 0;
+        for (; k + lanes <= n; k += lanes)
+          for (int l = 0; l < lanes; ++l) sum[l] += square(b[k + l] - a[k + l]);
+        for (; k < n; ++k) sum[0] += square(b[k] - a[k]);
+      },
+      [&]<class J>(const Body& b) DYN_INLINE_LAMBDA {
+        T v[6];
+        J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
+        for (int k = 0; k < J::nv; ++k) sum[0] += square(v[k]);
+      });
+  return sqrt((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
 // Uniform between lower and upper, nq each.
@@ -86,13 +112,12 @@ T norm_error(const Model& m, const T* q) {
 template <class T>
 Index zero_norm_joint(const Model& m, const T* q) {
   Index joint = 0;
-  const Run* runs = m.runs();
-  for (Index k = 0; k < m.n.runs; ++k)
-    visit(runs[k].type, [&]<class J>() {
-      if constexpr (J::nq != J::nv)
-        for (Index i = runs[k].first; i < runs[k].last; ++i)
-          if (J::zero_norm(q + m.bodies()[i].user_q)) joint = m.bodies()[i].joint;
+  for (Index k = 0; k < m.n.curved; ++k) {
+    const Body& b = m.bodies()[m.curved()[k]];
+    visit(b.type, [&]<class J>() DYN_INLINE_LAMBDA {
+      if (J::zero_norm(q + b.user_q)) joint = b.joint;
     });
+  }
   return joint;
 }
 
@@ -109,6 +134,11 @@ template <class T>
 inline void clear(const Model& m, T* out) {
   for (std::ptrdiff_t k = 0; out && k < std::ptrdiff_t(m.n.nv) * m.n.nv; ++k) out[k] = T(0);
 }
+// x on some of the diagonal
+template <class T>
+inline void put_diagonal(const Model& m, Index first, Index n, T x, T* out) {
+  for (Index k = first; out && k < first + n; ++k) out[k + std::ptrdiff_t(m.n.nv) * k] = x;
+}
 
 }  // namespace detail
 
@@ -116,20 +146,24 @@ inline void clear(const Model& m, T* out) {
 template <class T>
 void integrate_jacobians(const Model& m, const T* q, const T* v, T* dq, T* dv) {
   detail::clear(m, dq), detail::clear(m, dv);
-  for_each_leader(m, [&]<class J>(const Body& b) {
-    T by_q[36] = {}, by_v[36] = {};
-    J::integrate_jacobians(q + b.user_q, v + b.user_v, Block<T>{by_q, 6}, Block<T>{by_v, 6});
-    detail::put_block<J>(by_q, m, b.user_v, dq), detail::put_block<J>(by_v, m, b.user_v, dv);
-  });
+  for_each_factor(
+      m, [&](Index, Index iv, Index n) { detail::put_diagonal(m, iv, n, T(1), dq), detail::put_diagonal(m, iv, n, T(1), dv); },
+      [&]<class J>(const Body& b) {
+        T by_q[36] = {}, by_v[36] = {};
+        J::integrate_jacobians(q + b.user_q, v + b.user_v, Block<T>{by_q, 6}, Block<T>{by_v, 6});
+        detail::put_block<J>(by_q, m, b.user_v, dq), detail::put_block<J>(by_v, m, b.user_v, dv);
+      });
 }
 template <class T>
 void difference_jacobians(const Model& m, const T* q0, const T* q1, T* d0, T* d1) {
   detail::clear(m, d0), detail::clear(m, d1);
-  for_each_leader(m, [&]<class J>(const Body& b) {
-    T by_0[36] = {}, by_1[36] = {};
-    J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, Block<T>{by_0, 6}, Block<T>{by_1, 6});
-    detail::put_block<J>(by_0, m, b.user_v, d0), detail::put_block<J>(by_1, m, b.user_v, d1);
-  });
+  for_each_factor(
+      m, [&](Index, Index iv, Index n) { detail::put_diagonal(m, iv, n, T(-1), d0), detail::put_diagonal(m, iv, n, T(1), d1); },
+      [&]<class J>(const Body& b) {
+        T by_0[36] = {}, by_1[36] = {};
+        J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, Block<T>{by_0, 6}, Block<T>{by_1, 6});
+        detail::put_block<J>(by_0, m, b.user_v, d0), detail::put_block<J>(by_1, m, b.user_v, d1);
+      });
 }
 
 // Rate of the exponential coordinates u at which the configuration q (+) u moves with velocity v: the inverse of the

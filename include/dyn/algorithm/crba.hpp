@@ -8,10 +8,14 @@
 
 namespace dyn {
 
-// Rotors on the diagonal of d.M, which is then complete.
+// Rotors on the diagonal of d.M, which is then complete, and its trace in d.extent[3].
 template <class T>
 void add_armature(const Model& m, Data<T>& d) {
-  for (std::ptrdiff_t k = 0; k < m.n.nv; ++k) d.M[k + m.n.nv * k] += d.armature[k];
+  T trace = T(0);
+  T* at = d.M;
+#pragma GCC unroll 4
+  for (Index k = 0; k < m.n.nv; ++k, at += m.n.nv + 1) trace += *at += d.armature[k];
+  d.extent[3] = trace;
 }
 
 // d.M, full and symmetric.
@@ -43,6 +47,7 @@ void crba(const Model& m, Data<T>& d) {
         const Tile<T> t{mask(j0, S.dot(F[0])), mask(j0 + 1, S.dot(F[1])), mask(j0 + 2, S.dot(F[2])), mask(j0 + 3, S.dot(F[3]))};
         const Tile<T> other = t.transposed();
         if (i0 == j0) return M.store_diagonal(t, other, i0);
+        M.prefetch(i0 + 8, j0);
         M.store(t, i0, j0);
         M.store(other, j0, i0);
       });

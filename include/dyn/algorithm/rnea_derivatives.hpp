@@ -7,22 +7,19 @@
 // Every entry is a product of 6-vectors, four by four in tiles.
 #pragma once
 
-#include "dyn/algorithm/crba.hpp"
+#include "dyn/algorithm/coriolis.hpp"
 
 namespace dyn {
 
 template <class T>
-struct SpatialState : RelativePose<T> {
-  Motion<T> v, a;
+struct SpatialState : VelocityState<T> {
+  Motion<T> a;
 
-  explicit DYN_INLINE SpatialState(const Model& m, const Data<T>& d) : RelativePose<T>(d), v(Motion<T>::zero()) {
+  explicit DYN_INLINE SpatialState(const Model& m, const Data<T>& d) : VelocityState<T>(d) {
     a = {Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2])), Vec3<T>::zero()};
   }
-  DYN_INLINE void enter(const Data<T>& d, Index parent) {
-    RelativePose<T>::enter(d, parent);
-    v = d.spatial_v[parent], a = d.spatial_a[parent];
-  }
-  DYN_INLINE void leave(Data<T>& d, Index i) const { d.spatial_v[i] = v, d.spatial_a[i] = a; }
+  DYN_INLINE void enter(const Data<T>& d, Index parent) { VelocityState<T>::enter(d, parent), a = d.spatial_a[parent]; }
+  DYN_INLINE void leave(Data<T>& d, Index i) const { VelocityState<T>::leave(d, i), d.spatial_a[i] = a; }
 };
 
 // Columns S, psi', psi'', psi' + S', and what moves with each body, at the tree's root.

@@ -69,6 +69,11 @@ struct TiledMatrix {
   T* p;
   std::ptrdiff_t n;
 
+  // Lines that will be written: of a large matrix each column is on a page of its own, which no machine foresees.
+  DYN_INLINE void prefetch(std::ptrdiff_t i0, std::ptrdiff_t j0) const {
+    const T* at = p + i0 + n * j0;
+    for (int k = 0; k < 4; ++k) __builtin_prefetch(at + n * k, 1, 3);
+  }
   DYN_INLINE void store(const Tile<T>& t, std::ptrdiff_t i0, std::ptrdiff_t j0) const {
     T* at = p + i0 + n * j0;
     if (i0 + 4 <= n && j0 + 4 <= n) [[likely]] {
@@ -98,24 +103,23 @@ struct TiledMatrix {
 template <class T, class Begin, class F, class Next>
 DYN_INLINE void for_each_tile_of_rows(const Model& m, std::ptrdiff_t i0, std::ptrdiff_t j0, std::ptrdiff_t columns_end, Begin&& begin, F&& f, Next&& next) {
   using P = Pack<T, 4>;
-  const Index* e = m.dof_end() + i0;
-  const std::ptrdiff_t longest = std::min<std::ptrdiff_t>(std::max(std::max(e[0], e[1]), std::max(e[2], e[3])), columns_end);
-  const std::ptrdiff_t shortest = std::min<std::ptrdiff_t>(std::min(std::min(e[0], e[1]), std::min(e[2], e[3])), columns_end);
+  const std::ptrdiff_t longest = std::min<std::ptrdiff_t>(m.band_end()[i0 / 4], columns_end);
+  const std::ptrdiff_t shortest = std::min<std::ptrdiff_t>(m.band_full()[i0 / 4], columns_end);
   if (j0 >= longest) return;
-  const P end = P::from(e);
   const auto rows = begin(i0);
   for (; j0 + 4 <= shortest; j0 = next(j0)) f(rows, i0, j0, [](std::ptrdiff_t, const P& x) DYN_INLINE_LAMBDA { return x; });
+  const P end = P::from(m.dof_end() + i0);
   for (; j0 < longest; j0 = next(j0))
     f(rows, i0, j0, [&](std::ptrdiff_t j, const P& x) DYN_INLINE_LAMBDA { return x.where_above(end, T(double(j))); });
 }
 
 // f(rows, i0, j0, mask) for the tiles on and above the diagonal that are not zero; mask(j, x) clears the lanes whose degree of
-// freedom does not support j. rows = begin(i0) is what the tiles of four rows share. Panels of 256 columns keep what is being
+// freedom does not support j. rows = begin(i0) is what the tiles of four rows share. Panels of 128 columns keep what is being
 // written, and its mirror image, in the cache.
 template <class T, class Begin, class F>
 DYN_INLINE void for_each_tile(const Model& m, Begin&& begin, F&& f) {
-  for (std::ptrdiff_t panel = 0; panel < m.n.nvx; panel += 256) {
-    const std::ptrdiff_t panel_end = std::min<std::ptrdiff_t>(panel + 256, m.n.nvx);
+  for (std::ptrdiff_t panel = 0; panel < m.n.nvx; panel += 128) {
+    const std::ptrdiff_t panel_end = std::min<std::ptrdiff_t>(panel + 128, m.n.nvx);
     for (std::ptrdiff_t i0 = 0; i0 < panel_end; i0 += 4)
       for_each_tile_of_rows<T>(m, i0, std::max(i0, panel), panel_end, begin, f, [](std::ptrdiff_t j0) DYN_INLINE_LAMBDA { return j0 + 4; });
   }

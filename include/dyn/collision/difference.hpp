@@ -3,13 +3,9 @@
 #pragma once
 
 #include "dyn/collision/result.hpp"
+#include "dyn/collision/workspace.hpp"
 
 namespace dyn::collision {
-
-// A point of D and the points of the two cores it is made of.
-struct Vertex {
-  Vec w, a, b;  // w = a - b
-};
 
 template <class A, class B>
 struct Difference {

@@ -8,23 +8,6 @@
 
 namespace dyn::collision {
 
-// A triangle, counter-clockwise seen from outside; across[i] is the face beyond the edge from vertex i to the next.
-struct EpaFace {
-  Vec normal;
-  double offset;  // normal.x of its plane; infinite: removed
-  Index at[3], across[3];
-};
-
-struct EpaWorkspace {
-  static constexpr Index max_vertices = 160, max_faces = 2 * max_vertices;
-  Vertex vertex[max_vertices];
-  EpaFace face[max_faces];
-  double offset[max_faces];    // of the faces alone, to be searched
-  Index free[max_faces];       // numbers of removed faces
-  Index stack[max_faces], visible[max_faces];
-  Index from[max_vertices];    // the new face that begins at a vertex of the horizon
-};
-
 struct EpaResult {
   Vec normal;    // outward of D
   double upper;  // the depth is at most this,

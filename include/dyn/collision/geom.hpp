@@ -11,7 +11,14 @@ struct Geom {
   shape::Shape shape;
   Pose X;
   Index body;
+  double reach;  // of the shape's farthest point from its origin
 };
+
+// Groups of a shape, a bit each: those it is in, and those it collides with. Of two shapes one must want it: MuJoCo's rule.
+struct Masks {
+  std::uint32_t contype, conaffinity;
+};
+inline bool masks_meet(const Masks& a, const Masks& b) { return (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0; }
 
 // m: within them no product of sizes and distances overflows or vanishes.
 inline constexpr double smallest = 1e-12, largest = 1e12;
@@ -48,13 +55,19 @@ inline bool geometry_of(dynShapeType type, const double* size, double radius, sh
   return false;
 }
 
-inline Geom geom_of(const Model& m, Index geom) {
+// d: what shapes point to
+template <class D>
+Geom geom_of(const Model& m, const D& d, Index geom) {
   const ShapeRecord& s = m.shapes()[m.geoms()[geom].shape];
   const FrameRecord& f = m.frames()[s.frame];
   Geom g;
-  geometry_of(s.type, s.size, 0, g.shape);
+  geometry_of(s.type, s.size, s.radius, g.shape);
+  if (g.shape.type == shape::Type::Convex) g.shape.hull = d.hulls + s.surface;
+  if (g.shape.type == shape::Type::Triangles) g.shape.triangles = d.trees + s.surface;
+  if (g.shape.type == shape::Type::HeightField) g.shape.grid = d.grids + s.surface;
   g.X = f.X * load_se3(s.placement);
   g.body = f.body;
+  g.reach = reach(g.shape);
   return g;
 }
 
@@ -66,12 +79,9 @@ void set_up(const Model& m, D& d) {
   };
   place(d.hulls, m.hulls(), m.n.hulls), place(d.trees, m.trees(), m.n.trees), place(d.grids, m.grids(), m.n.grids);
   for (Index k = 0; k < m.n.geoms; ++k) {
-    d.geoms[k] = geom_of(m, k);
-    const Index surface = m.shapes()[m.geoms()[k].shape].surface;
-    shape::Shape& s = d.geoms[k].shape;
-    if (s.type == shape::Type::Convex) s.hull = d.hulls + surface;
-    if (s.type == shape::Type::Triangles) s.triangles = d.trees + surface;
-    if (s.type == shape::Type::HeightField) s.grid = d.grids + surface;
+    d.geoms[k] = geom_of(m, d, k);
+    const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];
+    d.geom_masks[k] = {s.contype, s.conaffinity};
   }
   for (Index k = 0; k < m.n.pairs; ++k) d.pair_states[k] = dynPairReason(m.pairs()[k].reason);
 }

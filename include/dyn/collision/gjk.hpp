@@ -22,7 +22,7 @@ template <class D, class Finish>
 inline GjkResult gjk(const D& difference, Vec guess, const Options& options, Finish&& finish) {
   const double rounding = difference.rounding();
   const double wanted = options.tolerance * difference.small + rounding, contact = 1e-10 * difference.small + rounding;
-  double close = 0.1 * difference.small;
+  double close = 0.03 * difference.small;
   GjkResult r, best;
   best.gap = shape::infinity;
   Simplex& s = r.simplex;

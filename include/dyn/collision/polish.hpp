@@ -133,7 +133,7 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
   double before = shape::infinity;
   for (int i = 0; i < 24; ++i) {
     if (p.residual <= std::min(acceptable, best.residual)) best = p;
-    if (p.residual <= 1e-3 * wanted || !(p.residual < shape::infinity)) break;
+    if (p.residual <= 0.1 * wanted || !(p.residual < shape::infinity)) break;
     p.plan();
     const bool slow = p.near && p.residual >= before * 0.5;
     if (slow ? i > 2 || p.residual <= wanted : p.residual <= wanted && !p.near) break;

@@ -59,6 +59,8 @@ struct Shape {
   Placement placement = identity_placement;
   std::array<double, 3> size = {0, 0, 0};
   std::string mesh;
+  double radius = 0;                           // of rounding
+  std::uint32_t contype = 1, conaffinity = 1;  // groups it is in, groups it collides with
   std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
 };
 

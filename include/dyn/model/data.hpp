@@ -214,7 +214,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
-  for (T* x : {d.M, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
+  for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
                d.lambda_d2tau_dadq})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx, d.d2x})
@@ -227,7 +227,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
-  for (int k = 0; k < 3; ++k) d.extent[k] = T(0);
+  for (int k = 0; k < 4; ++k) d.extent[k] = T(0);
   for (auto& v : d.version) v = 1;
   for (auto& s : d.stamp) s = 0;
 }

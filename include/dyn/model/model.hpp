@@ -26,7 +26,12 @@ struct Chunk {
   static constexpr Index size = 64;
   Index first;               // body
   Index first_run, last_run;
-  Index first_q, last_q;     // expanded coordinates that hold its angles; first_q is a multiple of 8
+  Index first_q, last_q;     // expanded coordinates that hold its angles; the sweep's last four end within the array's padding
+};
+
+// Neighbouring coordinates, in q and in v, that form a vector space.
+struct Span {
+  Index first_q, first_v, count;
 };
 
 struct JointRecord {
@@ -73,6 +78,8 @@ struct ShapeRecord {
   Index frame;
   Index surface;  // CONVEX, TRIANGLES, HEIGHT_FIELD: its number among the hulls, trees or grids; otherwise -1
   double placement[12], size[3];
+  double radius;  // of rounding
+  std::uint32_t contype, conaffinity;
 };
 
 // A collision shape.
@@ -103,7 +110,7 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, runs, chunks, sweep, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
+  Index bodies, runs, chunks, sweep, spans, curved, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
   Index hulls, trees, grids, surface_numbers, surface_indices;
 };
 

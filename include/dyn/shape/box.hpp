@@ -29,6 +29,16 @@ struct Box : Solid<Box> {
       if (s[i] <= flat_slope) (f.dimension++ == 0 ? f.u : f.v) = axis(i);
     return f;
   }
+  // the face that turns to n; corners are numbered by their signs
+  void facing(const Vec& n, double, Feature& f) const {
+    const Vec s = sizes(n);
+    const int i = s[0] >= s[1] && s[0] >= s[2] ? 0 : s[1] >= s[2] ? 1 : 2, j = (i + 1) % 3, k = (i + 2) % 3;
+    static constexpr int corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    for (const auto& c : corners) {
+      const int number = int(n[i] > 0) << i | c[0] << j | c[1] << k;
+      f.add(Vec::make(number & 1 ? half[0] : -half[0], number & 2 ? half[1] : -half[1], number & 4 ? half[2] : -half[2]), number);
+    }
+  }
   double extent() const { return norm(half); }
 
   using Solid::bounds;

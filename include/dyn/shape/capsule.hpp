@@ -20,6 +20,10 @@ struct Capsule : Solid<Capsule> {
     return {c, r * (1 / d), d, true};
   }
   Flat flat(const Vec& n) const { return {half > 0 && std::abs(n[2]) <= flat_slope, axis(2), Vec::zero()}; }
+  void facing(const Vec&, double, Feature& f) const {
+    f.add(Vec::make(0, 0, half), 0);
+    if (half > 0) f.add(Vec::make(0, 0, -half), 1);
+  }
   double extent() const { return half; }
 
   using Solid::bounds;

@@ -41,6 +41,13 @@ struct Cone : Solid<Cone> {
     const bool side = std::abs(2 * half * n[2] - r * rho) <= flat_slope * slant;
     return {side, Vec::make(n[0] / rho * r, n[1] / rho * r, -2 * half) * (1 / slant), Vec::zero()};
   }
+  // the base, or the line from the apex to the rim: which of the two turns to n more
+  void facing(const Vec& n, double, Feature& f) const {
+    const double rho = length2(n[0], n[1]), slant = length2(r, 2 * half);
+    if (-n[2] * slant >= 2 * half * rho + r * n[2]) return f.add_rim(r, -half, 0);
+    f.add(axis(2) * half, Feature::rim);
+    if (rho > flat_slope) f.add(on_rim(n, r, -half), Feature::rim + 1);
+  }
   double extent() const { return length2(r, half); }
 
   using Solid::bounds;

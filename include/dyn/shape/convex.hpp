@@ -46,6 +46,7 @@ struct Convex : Solid<Convex> {
   Vec support(const Vec& d) const { return hull.vertex(hull.vertices <= search_all ? farthest(d) : climb(d)); }
   Nearest nearest(const Vec& p) const;
   Flat flat(const Vec& n) const;
+  void facing(const Vec& n, double band, Feature& f) const;
   double extent() const { return hull.extent; }
   Inertia<double> solid() const;
 
@@ -145,6 +146,27 @@ inline Flat Convex::flat(const Vec& n) const {
     }
   }
   return f;
+}
+
+// Of the faces through the support point the one with most corners in the band, and among equals the one that turns to n most.
+inline void Convex::facing(const Vec& n, double band, Feature& f) const {
+  const Vec top = support(n);
+  const double height = dot(top, n), on = 1e-9 * hull.extent;
+  Index best = -1;
+  int most = 0;
+  double turned = 0;
+  for (Index k = 0; k < hull.faces; ++k) {
+    const Vec m = hull.normal(k);
+    const double slope = dot(m, n);
+    if (hull.offset(k) - dot(m, top) > on || slope <= 0) continue;
+    int within = 0;
+    for (Index c = hull.face_start[k]; c < hull.face_start[k + 1]; ++c) within += height - dot(hull.vertex(hull.face_vertices[c]), n) <= band;
+    if (within > most || (within == most && slope > turned)) best = k, most = within, turned = slope;
+  }
+  if (best < 0) return f.add(top, 0);
+  const Index start = hull.face_start[best], corners = hull.face_start[best + 1] - start;
+  const Index step = (corners + Feature::most - 1) / Feature::most;
+  for (Index c = 0; c < corners; c += step) f.add(hull.vertex(hull.face_vertices[start + c]), hull.face_vertices[start + c]);
 }
 
 // The core alone, by tetrahedra from the centre to the triangles of its faces: with corners 0, a, b, c and 6 V = det(a, b, c) the second

@@ -31,6 +31,12 @@ struct Cylinder : Solid<Cylinder> {
     if (n[0] * n[0] + n[1] * n[1] <= flat_slope * flat_slope) return {2, axis(0), axis(1)};
     return {std::abs(n[2]) <= flat_slope, axis(2), Vec::zero()};
   }
+  // a cap, or the line on the side
+  void facing(const Vec& n, double, Feature& f) const {
+    if (n[2] * n[2] >= n[0] * n[0] + n[1] * n[1]) return f.add_rim(r, std::copysign(half, n[2]), n[2] > 0 ? 0 : Feature::rim);
+    f.add(on_rim(n, r, half), 2 * Feature::rim), f.add(on_rim(n, r, -half), 2 * Feature::rim + 1);
+    f.bend = r;
+  }
   double extent() const { return length2(r, half); }
 
   using Solid::bounds;

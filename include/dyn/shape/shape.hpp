@@ -9,6 +9,8 @@
 //   support(d)                the point farthest along d (of any length but zero)
 //   nearest(p)                the boundary point nearest to p (see Nearest)
 //   flat(n)                   the straight directions of the feature that faces n
+//   facing(n, band, feature)  the feature that faces n (feature.hpp); of several through the support point the one with most corners within
+//                             band of the support plane; Solid: the support point
 //   extent()                  a length that says how large it is: the farthest point from the frame's origin
 //   solid()                   mass, first and second moment about the origin at density 1, rounding included
 // and may give, where it knows better than Solid, bounds(R) and ray(origin, direction).
@@ -18,6 +20,7 @@
 #include <cmath>
 #include <limits>
 
+#include "dyn/shape/feature.hpp"
 #include "dyn/spatial/inertia.hpp"
 
 namespace dyn::shape {
@@ -102,6 +105,7 @@ struct Solid {
     auto extreme = [&](int i, double sign) { return dot(Rt[i], self().support(Rt[i] * sign)); };
     return {Vec::make(extreme(0, -1), extreme(1, -1), extreme(2, -1)), Vec::make(extreme(0, 1), extreme(1, 1), extreme(2, 1))};
   }
+  void facing(const Vec& n, double, Feature& f) const { f.add(self().support(n), 0); }
   // of the rounded shape
   Nearest signed_distance(const Vec& p) const {
     const Nearest n = self().nearest(p);

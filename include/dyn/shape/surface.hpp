@@ -128,6 +128,9 @@ struct Surface {
     return best;
   }
 
+  // no feature: contacts of surfaces are the witness points alone
+  void facing(const Vec&, double, Feature&) const {}
+
   // of the rounded surface; inside is below zero where the surface is closed
   Nearest signed_distance(const Vec& p) const {
     const Nearest n = self().nearest(p);

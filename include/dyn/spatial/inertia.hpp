@@ -65,19 +65,4 @@ struct ArticulatedInertia {
   }
 };
 
-// 6 x 6 map from motions to forces.
-template <class T>
-struct MotionToForce {
-  Mat3<T> ll, la, al, aa;
-  DYN_INLINE Force<T> operator*(const Motion<T>& x) const {
-    return {ll * x.linear + la * x.angular, al * x.linear + aa * x.angular};
-  }
-  DYN_INLINE Force<T> transposed_times(const Motion<T>& x) const {
-    return {transpose_times(ll, x.linear) + transpose_times(al, x.angular), transpose_times(la, x.linear) + transpose_times(aa, x.angular)};
-  }
-  friend DYN_INLINE MotionToForce operator+(const MotionToForce& a, const MotionToForce& b) {
-    return {a.ll + b.ll, a.la + b.la, a.al + b.al, a.aa + b.aa};
-  }
-};
-
 }  // namespace dyn

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "dyn/collision/convex_pair.hpp"
+#include "dyn/shape/capsule.hpp"
 
 namespace dyn::collision {
 

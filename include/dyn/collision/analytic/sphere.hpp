@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dyn/collision/convex_pair.hpp"
+#include "dyn/shape/sphere.hpp"
 
 namespace dyn::collision {
 

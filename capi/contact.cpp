@@ -1,0 +1,41 @@
+// Contact points: thin wrappers.
+#include <cmath>
+
+#include "collision.hpp"
+#include "dyn/collision/pair_contacts.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+extern "C" {
+
+dynStatus dyn_shape_contacts(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b, double margin,
+                             double tolerance, dynContact* contacts, int* count) {
+  constexpr const char* function = "dyn_shape_contacts";
+  PlacedShape A, B;
+  collision::Options options;
+  dynStatus s = read_pair(function, a, placement_a, b, placement_b, A, B);
+  if (s == DYN_OK) s = check_margin(function, margin);
+  if (s == DYN_OK) s = read_tolerance(function, tolerance, options);
+  if (s != DYN_OK) return s;
+  if (!contacts || !count) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, contacts ? "count" : "contacts");
+  collision::Workspace workspace;
+  collision::Manifold found;
+  collision::contacts(A.shape, A.X, B.shape, B.X, margin, workspace, found, options);
+  for (int i = 0; i < found.count; ++i) contacts[i] = collision::contact_of(found, i);
+  *count = found.count;
+  return DYN_OK;
+}
+
+dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity, int* count) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_contacts");
+  if (!call || !listed(call)) return call.status;
+  if (const dynStatus s = check_margin(call.function, margin)) return s;
+  if (const dynStatus s = check_capacity(call.function, capacity)) return s;
+  if (!call.required("contacts", contacts, capacity) || !call.required("count", count) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  if (!placed(call)) return call.status;
+  *count = int(collision::contacts(call.m(), call.d(), margin, contacts, capacity));
+  return DYN_OK;
+}
+
+}  // extern "C"

@@ -1,0 +1,232 @@
+"""Contact points, rays, closest points, swept tests, and the broad phase."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import byref, c_int, c_uint32, c_void_p
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import abi
+from .arrays import Owner, address, checked
+from .arrays import placement as twelve
+from .collision import _geometry
+from .enums import SweepStatus
+from .library import check, lib
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .model import Model
+
+_MOST = 8  # contacts of a pair
+
+
+class Contact(NamedTuple):
+    """A contact point between shapes A and B, in axes of the world."""
+
+    pair: int
+    """Of Model.pairs; -1 between shapes by themselves."""
+    shape_a: int
+    shape_b: int
+    feature: int
+    """Which corner, edge or inside of A and of B: the same contact has the same in the next step."""
+    distance: float
+    """m, along the normal; below zero it is minus the depth."""
+    position: np.ndarray
+    """(3,): half way between the shapes."""
+    normal: np.ndarray
+    """(3,): unit, from A to B."""
+
+
+class RayHit(NamedTuple):
+    """The first point of a ray on a shape; None stands for no hit."""
+
+    t: float
+    """In lengths of the direction; 0: the origin lies inside."""
+    position: np.ndarray
+    normal: np.ndarray
+    """(3,): outward unit normal."""
+
+
+class Rays(NamedTuple):
+    """What rays hit, one row each."""
+
+    t: np.ndarray
+    """(N,): in lengths of the direction, infinite where nothing is hit."""
+    shapes: np.ndarray
+    """(N,): of Model.shapes; -1 where nothing is hit."""
+    normals: np.ndarray
+    """(N, 3): outward unit normals, zero where nothing is hit."""
+
+
+class ClosestPoint(NamedTuple):
+    distance: float
+    """m; below zero inside."""
+    point: np.ndarray
+    """(3,): on the surface."""
+    normal: np.ndarray
+    """(3,): outward unit normal there: the given point is point + distance * normal."""
+    unique: bool
+
+
+class Impact(NamedTuple):
+    """What a swept test found."""
+
+    status: SweepStatus
+    time: float
+    """s."""
+    distance: float
+    """m, at that time."""
+    normal: np.ndarray
+    point_a: np.ndarray
+    point_b: np.ndarray
+
+
+def _contact(c: abi.Contact) -> Contact:
+    return Contact(c.pair, c.shape_a, c.shape_b, c.feature, c.distance, np.array(c.position), np.array(c.normal))
+
+
+def _shape(x: tuple, what: str) -> abi.Geometry:
+    return _geometry(*x, *(0.0,) * (3 - len(x)), what)
+
+
+def shape_contacts(
+    a: tuple, placement_a: Any, b: tuple, placement_b: Any, margin: float = 0.0, tolerance: float = 0.0
+) -> list[Contact]:
+    """Contact points, at most eight, at a distance of at most margin (m); shapes as in dyn.shape_distance."""
+    A, B = _shape(a, "a"), _shape(b, "b")
+    X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
+    out, count = (abi.Contact * _MOST)(), c_int()
+    check(lib.dyn_shape_contacts(byref(A), address(X_a), byref(B), address(X_b), margin, tolerance, out, byref(count)))
+    return [_contact(c) for c in out[: count.value]]
+
+
+def shape_ray(shape: tuple, placement: Any, origin: ArrayLike, direction: ArrayLike) -> RayHit | None:
+    """Where the ray origin + t direction first meets a solid."""
+    S, X = _shape(shape, "shape"), twelve(placement, "placement")
+    o, d, out = checked(origin, (3,), "origin"), checked(direction, (3,), "direction"), abi.RayHit()
+    check(lib.dyn_shape_ray(byref(S), address(X), address(o), address(d), byref(out)))
+    return None if out.shape < 0 else RayHit(out.t, np.array(out.position), np.array(out.normal))
+
+
+def shape_closest_point(shape: tuple, placement: Any, point: ArrayLike) -> ClosestPoint:
+    """The point of a shape's surface that is closest to a point."""
+    S, X, p, out = _shape(shape, "shape"), twelve(placement, "placement"), checked(point, (3,), "point"), abi.ClosestPoint()
+    check(lib.dyn_shape_closest_point(byref(S), address(X), address(p), byref(out)))
+    return ClosestPoint(out.distance, np.array(out.point), np.array(out.normal), bool(out.unique))
+
+
+def shape_sweep(
+    a: tuple,
+    placement_a: Any,
+    motion_a: ArrayLike | None,
+    b: tuple,
+    placement_b: Any,
+    motion_b: ArrayLike | None,
+    duration: float,
+    margin: float = 0.0,
+) -> Impact:
+    """When two moving shapes come within margin; motions are [linear; angular] (6,) of their frames, in axes of the world, None: at rest."""
+    A, B = _shape(a, "a"), _shape(b, "b")
+    X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
+    V_a, V_b = (None if v is None else checked(v, (6,), name) for v, name in ((motion_a, "motion_a"), (motion_b, "motion_b")))
+    out = abi.Impact()
+    check(lib.dyn_shape_sweep(byref(A), address(X_a), address(V_a), byref(B), address(X_b), address(V_b), duration, margin, byref(out)))
+    vectors = (np.array(x) for x in (out.normal, out.point_a, out.point_b))
+    return Impact(SweepStatus(out.status), out.time, out.distance, *vectors)
+
+
+class BroadPhase:
+    """Which of many boxes overlap. One thread at a time."""
+
+    def __init__(self, capacity: int, pair_capacity: int | None = None, margin: float = 0.0):
+        """capacity: room for boxes; pair_capacity: for overlaps of boxes made larger by margin (m), by default 64 for each box."""
+        out = c_void_p()
+        check(lib.dyn_broad_phase_new(capacity, 64 * capacity if pair_capacity is None else pair_capacity, margin, byref(out)))
+        self._owner = Owner(out.value, lib.dyn_broad_phase_free)
+        self._b, self._capacity = out.value, capacity
+
+    def insert(self, lower: ArrayLike, upper: ArrayLike) -> int:
+        """The new box's number: the smallest that is free."""
+        a, b, id = checked(lower, (3,), "lower"), checked(upper, (3,), "upper"), c_int()
+        check(lib.dyn_broad_phase_insert(self._b, address(a), address(b), byref(id)))
+        return id.value
+
+    def update(self, id: int, lower: ArrayLike, upper: ArrayLike) -> None:
+        a, b = checked(lower, (3,), "lower"), checked(upper, (3,), "upper")
+        check(lib.dyn_broad_phase_update(self._b, id, address(a), address(b)))
+
+    def remove(self, id: int) -> None:
+        check(lib.dyn_broad_phase_remove(self._b, id))
+
+    def pairs(self) -> np.ndarray:
+        """(N, 2): numbers of boxes that overlap or touch, ascending."""
+        count = ctypes.c_int64()
+        check(lib.dyn_broad_phase_pairs(self._b, None, 0, byref(count)))
+        out = np.empty((count.value, 2), np.int32)
+        check(lib.dyn_broad_phase_pairs(self._b, address(out), len(out), byref(count)))
+        return out
+
+    def query(self, lower: ArrayLike, upper: ArrayLike) -> np.ndarray:
+        """Numbers of the boxes that overlap a box, ascending."""
+        a, b = checked(lower, (3,), "lower"), checked(upper, (3,), "upper")
+        return self._ids(lambda out, n, count: lib.dyn_broad_phase_query(self._b, address(a), address(b), out, n, count))
+
+    def ray(self, origin: ArrayLike, direction: ArrayLike, far: float = np.inf) -> np.ndarray:
+        """Numbers of the boxes that the ray origin + t direction meets at a t from 0 to far, ascending."""
+        o, d = checked(origin, (3,), "origin"), checked(direction, (3,), "direction")
+        return self._ids(lambda out, n, count: lib.dyn_broad_phase_ray(self._b, address(o), address(d), far, out, n, count))
+
+    def _ids(self, call: Any) -> np.ndarray:
+        out, count = np.empty(self._capacity, np.int32), c_int()
+        check(call(address(out), out.size, byref(count)))
+        return out[: count.value].copy()
+
+
+class ContactQueries:
+    """The part of Data about contacts, rays, and groups of shapes."""
+
+    if TYPE_CHECKING:
+        model: Model
+        _m: Any
+        _d: Any
+
+        def _q(self, q: Any) -> Any: ...
+
+    def contacts(self, q: Any = None, margin: float = 0.0) -> list[Contact]:
+        """Contact points of all tested pairs at a distance of at most margin (m), by pairs."""
+        room, count, held = 64, c_int(), self._q(q)
+        while True:
+            out = (abi.Contact * room)()
+            check(lib.dyn_contacts(self._m, self._d, held, margin, out, room, byref(count)))
+            if count.value <= room:
+                return [_contact(c) for c in out[: count.value]]
+            room = count.value
+
+    def rays(
+        self, origins: ArrayLike, directions: ArrayLike, q: Any = None, far: float = np.inf, mask: int = 0xFFFFFFFF
+    ) -> Rays:
+        """What rays, (N, 3) each, hit first of the collision shapes in a group of mask."""
+        o = np.ascontiguousarray(origins, np.float64)
+        o = checked(o.T, (3, len(o)), "origins (transposed)")
+        d = checked(np.asarray(directions, np.float64).T, o.shape, "directions (transposed)")
+        n = o.shape[1]
+        t, shapes, normals = np.empty(n), np.empty(n, np.int32), np.empty((3, n), order="F")
+        check(
+            lib.dyn_rays(
+                self._m, self._d, self._q(q), address(o), address(d), n, far, mask, address(t), address(shapes), address(normals)
+            )
+        )
+        return Rays(t, shapes, normals.T)
+
+    def set_shape_masks(self, shape: int | None, contype: int, conaffinity: int) -> None:
+        """Groups that a collision shape, or with None all, is in and collides with, a bit each."""
+        check(lib.dyn_data_set_shape_masks(self._m, self._d, -1 if shape is None else shape, contype, conaffinity))
+
+    def shape_masks(self, shape: int) -> tuple[int, int]:
+        """The groups that a collision shape is in, and those it collides with."""
+        a, b = c_uint32(), c_uint32()
+        check(lib.dyn_data_shape_masks(self._m, self._d, shape, byref(a), byref(b)))
+        return a.value, b.value

@@ -1,0 +1,151 @@
+// Rays, closest points, swept tests, groups of shapes: thin wrappers.
+#include <cmath>
+
+#include "collision.hpp"
+#include "dyn/collision/masks.hpp"
+#include "dyn/collision/rays.hpp"
+#include "dyn/collision/sweep.hpp"
+#include "dyn/shape/list.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+using collision::largest;
+
+namespace {
+
+// n numbers of the caller's, each within bounds of what queries compute with.
+dynStatus check_numbers(const char* function, const char* name, const double* x, std::ptrdiff_t n) {
+  if (!x && n > 0) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
+  for (std::ptrdiff_t k = 0; k < n; ++k)
+    if (!(std::abs(x[k]) <= largest))
+      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%td] is %g: give numbers within %g", function, name, k, x[k], largest);
+  return DYN_OK;
+}
+
+dynStatus check_directions(const char* function, const char* name, const double* x, std::ptrdiff_t rays) {
+  if (const dynStatus s = check_numbers(function, name, x, 3 * rays)) return s;
+  for (std::ptrdiff_t k = 0; k < rays; ++k)
+    if (!(shape::norm(load3(x + 3 * k)) >= collision::smallest))
+      return fail(DYN_ERROR_INVALID, "%s: %s: column %td is (%g, %g, %g): it has no direction", function, name, k, x[3 * k], x[3 * k + 1], x[3 * k + 2]);
+  return DYN_OK;
+}
+
+// The geom of one of the model's shapes; -1 and an error when it is none.
+Index geom_of_shape(Call& call, int shape, int first) {
+  const Model& m = call.m();
+  for (Index k = 0; k < m.n.geoms; ++k)
+    if (m.geoms()[k].shape == shape) return k;
+  if (shape >= 0 && shape < m.n.shapes)
+    call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d is no collision shape", call.function, shape);
+  else if (shape < first || shape >= m.n.shapes)
+    call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d does not exist: the model has %d", call.function, shape, int(m.n.shapes));
+  return -1;
+}
+
+}  // namespace
+
+extern "C" {
+
+dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t contype, uint32_t conaffinity) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_data_set_shape_masks");
+  if (!call) return call.status;
+  const Index geom = geom_of_shape(call, shape, -1);
+  if (!call) return call.status;
+  for (Index k = geom < 0 ? 0 : geom, end = geom < 0 ? call.m().n.geoms : geom + 1; k < end; ++k) collision::set_masks(call.m(), call.d(), k, {contype, conaffinity});
+  return DYN_OK;
+}
+
+dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t* contype, uint32_t* conaffinity) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_data_shape_masks");
+  if (!call) return call.status;
+  const Index geom = geom_of_shape(call, shape, 0);
+  if (!call) return call.status;
+  if (contype) *contype = call.d().geom_masks[geom].contype;
+  if (conaffinity) *conaffinity = call.d().geom_masks[geom].conaffinity;
+  return DYN_OK;
+}
+
+dynStatus dyn_shape_ray(const dynGeometry* shape, const double* placement, const double* origin, const double* direction, dynRayHit* out) {
+  constexpr const char* function = "dyn_shape_ray";
+  PlacedShape S;
+  dynStatus s = read_geometry(function, "shape", shape, S);
+  if (s == DYN_OK) s = read_placement(function, "placement", placement, S.X);
+  if (s == DYN_OK) s = check_numbers(function, "origin", origin, 3);
+  if (s == DYN_OK) s = check_directions(function, "direction", direction, 1);
+  if (s == DYN_OK) s = check_out(function, "dynRayHit", out);
+  if (s != DYN_OK) return s;
+  const auto o = load3(origin), d = load3(direction);
+  shape::Hit h{};
+  shape::visit(S.shape, [&](const auto& x) { h = x.ray(S.X.act_inverse(o), transpose_times(S.X.R, d)); });
+  const bool hit = h.t < shape::infinity;
+  out->shape = hit ? 0 : -1, out->t = h.t;
+  store3(hit ? o + d * h.t : shape::Vec::zero(), out->position), store3(hit ? S.X.R * h.normal : shape::Vec::zero(), out->normal);
+  return DYN_OK;
+}
+
+dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins, const double* directions, int n, double far,
+                   uint32_t mask, double* t, int* shapes, double* normals) {
+  Call call(model, data, DYN_PART_COLLISION, "dyn_rays");
+  if (!call) return call.status;
+  if (n < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_rays: n is %d: it can't be negative", n);
+  if (!(far > 0)) return fail(std::isnan(far) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "dyn_rays: far is %g: give a number above 0", far);
+  if (const dynStatus s = check_numbers(call.function, "origins", origins, 3 * std::ptrdiff_t(n))) return s;
+  if (const dynStatus s = check_directions(call.function, "directions", directions, n)) return s;
+  if (!call.inputs(q, nullptr, nullptr, nullptr) || !placed(call)) return call.status;
+  const Model& m = call.m();
+  const Data<double>& d = call.d();
+  collision::place_geoms(m, call.d());
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    const collision::RayHit h = collision::cast(m, d, load3(origins + 3 * k), load3(directions + 3 * k), far, [&](Index geom) {
+      return (d.geom_masks[geom].contype & mask) != 0 && m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_MESH;
+    });
+    if (t) t[k] = h.t;
+    if (shapes) shapes[k] = h.geom < 0 ? -1 : int(m.geoms()[h.geom].shape);
+    if (normals) store3(h.normal, normals + 3 * k);
+  }
+  return DYN_OK;
+}
+
+dynStatus dyn_shape_closest_point(const dynGeometry* shape, const double* placement, const double* point, dynClosestPoint* out) {
+  constexpr const char* function = "dyn_shape_closest_point";
+  PlacedShape S;
+  dynStatus s = read_geometry(function, "shape", shape, S);
+  if (s == DYN_OK) s = read_placement(function, "placement", placement, S.X);
+  if (s == DYN_OK) s = check_numbers(function, "point", point, 3);
+  if (s == DYN_OK) s = check_out(function, "dynClosestPoint", out);
+  if (s != DYN_OK) return s;
+  shape::Nearest near{};
+  shape::visit(S.shape, [&](const auto& x) { near = x.signed_distance(S.X.act_inverse(load3(point))); });
+  out->unique = near.unique, out->distance = near.distance;
+  store3(S.X.act(near.point), out->point), store3(S.X.R * near.normal, out->normal);
+  return DYN_OK;
+}
+
+dynStatus dyn_shape_sweep(const dynGeometry* a, const double* placement_a, const double* motion_a, const dynGeometry* b, const double* placement_b,
+                          const double* motion_b, double duration, double margin, dynImpact* out) {
+  constexpr const char* function = "dyn_shape_sweep";
+  static constexpr double rest[6] = {};
+  if (!motion_a) motion_a = rest;
+  if (!motion_b) motion_b = rest;
+  PlacedShape A, B;
+  dynStatus s = read_pair(function, a, placement_a, b, placement_b, A, B);
+  if (s == DYN_OK) s = check_numbers(function, "motion_a", motion_a, 6);
+  if (s == DYN_OK) s = check_numbers(function, "motion_b", motion_b, 6);
+  if (s == DYN_OK) s = check_margin(function, margin);
+  if (s == DYN_OK) s = check_out(function, "dynImpact", out);
+  if (s != DYN_OK) return s;
+  if (!(duration >= 0 && duration <= largest))
+    return fail(std::isfinite(duration) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: duration is %g: give seconds from 0 to %g", function, duration, largest);
+  const collision::Moving moving_a = {A.shape, A.X, load3(motion_a), load3(motion_a + 3)}, moving_b = {B.shape, B.X, load3(motion_b), load3(motion_b + 3)};
+  for (const auto& [x, name] : {std::pair{&moving_a, "a"}, std::pair{&moving_b, "b"}})
+    if (x->shape.type == shape::Type::HalfSpace && dot(x->w, x->w) > 0) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a half-space that turns: it would sweep everything", function, name);
+  collision::Workspace workspace;
+  collision::SweepOptions options;
+  options.margin = margin;
+  const collision::Impact i = collision::sweep(moving_a, moving_b, duration, workspace, options);
+  out->status = dynSweepStatus(i.status), out->time = i.time, out->distance = i.result.distance;
+  store3(i.result.normal, out->normal), store3(i.result.point_a, out->point_a), store3(i.result.point_b, out->point_b);
+  return DYN_OK;
+}
+
+}  // extern "C"

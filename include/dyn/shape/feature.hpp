@@ -1,0 +1,30 @@
+// The part of a core's boundary that faces a direction: what contact manifolds are cut from.
+#pragma once
+
+#include <cstdint>
+
+#include "dyn/spatial/vec3.hpp"
+
+namespace dyn::shape {
+
+// One corner: a point; two: a straight line; more: a flat face, its corners in order round it. Each corner has a number that it keeps
+// when the shape moves.
+struct Feature {
+  static constexpr int most = 32;
+  static constexpr int rim = 8;  // a circle is given by so many corners, fixed to the shape
+
+  int count = 0;
+  double bend = 0;  // of a line: the radius of curvature of the surface across it
+  Vec3<double> p[most];
+  std::uint16_t id[most];
+
+  void add(const Vec3<double>& x, int number) { p[count] = x, id[count++] = std::uint16_t(number); }
+  // a circle about z of radius r at height z
+  void add_rim(double r, double z, int first) {
+    constexpr double d = 0.70710678118654752;
+    static constexpr double c[rim + 2] = {1, d, 0, -d, -1, -d, 0, d, 1, d};
+    for (int k = 0; k < rim; ++k) add(Vec3<double>::make(r * c[k], r * c[(k + 6) % rim], z), first + k);
+  }
+};
+
+}  // namespace dyn::shape

@@ -1,0 +1,283 @@
+// Contact manifolds: closed forms, what must hold of every pair, and a reference by sampling.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "collision/scene.hpp"
+#include "dyn/collision/manifold.hpp"
+
+namespace dyn_test {
+namespace {
+
+using collision::Contact;
+using collision::Manifold;
+
+Manifold manifold(const Scene& s, double margin) {
+  Manifold m;
+  collision::contacts(s.a.shape, s.A, s.b.shape, s.B, margin, workspace(), m);
+  return m;
+}
+Pose at(double x, double y, double z) { return {Mat3<double>::identity(), Vec::make(x, y, z)}; }
+Mat3<double> turn(const Vec& axis, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return Mat3<double>::identity() * c + skew(axis) * s + outer(axis, axis) * (1 - c);
+}
+Solid ground() { return make(Type::HalfSpace, Vec::zero(), 0); }
+std::vector<Vec> positions(const Manifold& m) {
+  std::vector<Vec> out;
+  for (int i = 0; i < m.count; ++i) out.push_back(m.points[i].position);
+  return out;
+}
+// the farthest that a point of one set is from all of the other
+double apart(const std::vector<Vec>& a, const std::vector<Vec>& b) {
+  double worst = 0;
+  for (const Vec& x : a) {
+    double near = shape::infinity;
+    for (const Vec& y : b) near = std::min(near, shape::norm(x - y));
+    worst = std::max(worst, near);
+  }
+  return worst;
+}
+void expect_points(const Manifold& m, const std::vector<Vec>& expected, double tolerance = 1e-9) {
+  EXPECT_EQ(expected.size(), std::size_t(m.count));
+  EXPECT_LE(apart(expected, positions(m)), tolerance);
+  EXPECT_LE(apart(positions(m), expected), tolerance);
+}
+
+TEST(Manifold, BoxOnAPlane) {
+  const Scene flat = {ground(), box(2, 4, 6), at(0, 0, 0), at(1, 2, 2.99)};
+  const Manifold m = manifold(flat, 0.1);
+  expect_points(m, {Vec::make(0, 0, -0.005), Vec::make(2, 0, -0.005), Vec::make(0, 4, -0.005), Vec::make(2, 4, -0.005)});
+  EXPECT_NEAR(1, m.normal[2], 1e-15);
+  for (int i = 0; i < m.count; ++i) EXPECT_NEAR(-0.01, m.points[i].distance, 1e-14);
+  // on an edge, on a corner, in the air
+  Scene edge = flat;
+  edge.B.R = turn(shape::axis(0), 0.8), edge.B.p = Vec::make(0, 0, 2 * std::sin(0.8) + 3 * std::cos(0.8));
+  EXPECT_EQ(2, manifold(edge, 1e-3).count);
+  Scene corner = edge;
+  corner.B = {turn(shape::axis(0), 0.8) * turn(shape::axis(1), 0.5), Vec::zero()};
+  corner.B.p = Vec::make(0, 0, -query(corner).distance);
+  EXPECT_EQ(1, manifold(corner, 1e-3).count);
+  Scene air = flat;
+  air.B.p = Vec::make(0, 0, 3.2);
+  EXPECT_EQ(0, manifold(air, 0.1).count);
+  EXPECT_EQ(4, manifold(air, 0.3).count);
+}
+
+TEST(Manifold, BoxOnABox) {
+  Scene s = {box(2, 2, 2), box(2, 2, 2), at(0, 0, 0), at(0, 0, 1.99)};
+  expect_points(manifold(s, 0.01), {Vec::make(1, 1, 0.995), Vec::make(-1, 1, 0.995), Vec::make(1, -1, 0.995), Vec::make(-1, -1, 0.995)});
+  s.B.p = Vec::make(0.5, 1.5, 1.99);
+  expect_points(manifold(s, 0.01), {Vec::make(1, 1, 0.995), Vec::make(-0.5, 1, 0.995), Vec::make(1, 0.5, 0.995), Vec::make(-0.5, 0.5, 0.995)});
+  // turned by 45 degrees: the corners of an octagon
+  s.B = {turn(shape::axis(2), std::acos(-1.0) / 4), Vec::make(0, 0, 1.99)};
+  const double t = std::sqrt(2.0) - 1;
+  std::vector<Vec> octagon;
+  for (double x : {1.0, -1.0})
+    for (double y : {t, -t}) octagon.push_back(Vec::make(x, y, 0.995)), octagon.push_back(Vec::make(y, x, 0.995));
+  expect_points(manifold(s, 0.01), octagon, 1e-7);
+  // a small one over the middle, over an edge, over a corner
+  s.b = box(0.2, 0.2, 0.2), s.B = at(0.3, 0.3, 1.1);
+  EXPECT_EQ(4, manifold(s, 0.01).count);
+  s.B = at(1, 0.3, 1.1);
+  expect_points(manifold(s, 0.01), {Vec::make(1, 0.2, 1), Vec::make(1, 0.4, 1), Vec::make(0.9, 0.2, 1), Vec::make(0.9, 0.4, 1)});
+  s.B = at(1, 1, 1.1);
+  expect_points(manifold(s, 0.01), {Vec::make(1, 1, 1), Vec::make(1, 0.9, 1), Vec::make(0.9, 1, 1), Vec::make(0.9, 0.9, 1)});
+  // edges that cross
+  s = {box(2, 2, 2), box(2, 2, 2), {turn(shape::axis(0), std::acos(-1.0) / 4), Vec::zero()},
+       {turn(shape::axis(1), std::acos(-1.0) / 4), Vec::make(0, 0, 2 * std::sqrt(2.0) - 0.01)}};
+  expect_points(manifold(s, 0.005), {Vec::make(0, 0, std::sqrt(2.0) - 0.005)}, 1e-7);
+}
+
+TEST(Manifold, RoundShapes) {
+  const double half_turn = std::acos(-1.0);
+  // a cylinder on its cap and on its side, a capsule on its side and on its end
+  Scene s = {ground(), cylinder(0.5, 2), at(0, 0, 0), at(0, 0, 0.99)};
+  Manifold m = manifold(s, 0.1);
+  EXPECT_EQ(8, m.count);
+  for (int i = 0; i < m.count; ++i) EXPECT_NEAR(0.5, shape::length2(m.points[i].position[0], m.points[i].position[1]), 1e-14);
+  s.B = {turn(shape::axis(1), half_turn / 2), Vec::make(0, 0, 0.5)};
+  expect_points(manifold(s, 0.1), {Vec::make(1, 0, 0), Vec::make(-1, 0, 0)});
+  s.b = capsule(0.5, 2);
+  expect_points(manifold(s, 0.1), {Vec::make(1, 0, 0), Vec::make(-1, 0, 0)});
+  s.B = at(0, 0, 1.5);
+  expect_points(manifold(s, 0.1), {Vec::make(0, 0, 0)});
+  s.a = box(1, 4, 2), s.A = at(0, 0, -1), s.B = {turn(shape::axis(1), half_turn / 2), Vec::make(0.2, 0, 0.5)};
+  expect_points(manifold(s, 0.1), {Vec::make(0.5, 0, 0), Vec::make(-0.5, 0, 0)});
+  // two capsules, parallel and crossed
+  s.a = capsule(0.25, 2), s.A = {turn(shape::axis(1), half_turn / 2), Vec::make(0.5, 0, -0.25)};
+  expect_points(manifold(s, 0.1), {Vec::make(1.2, 0, 0), Vec::make(-0.5, 0, 0)}, 1e-7);
+  s.A.R = turn(shape::axis(0), half_turn / 2);
+  expect_points(manifold(s, 0.1), {Vec::make(0.5, 0, 0)}, 1e-7);
+  // a cone on its base, on its side, on its apex
+  s = {ground(), make(Type::Cone, Vec::make(0.5, 0.5, 1), 0), at(0, 0, 0), at(0, 0, 1)};
+  EXPECT_EQ(8, manifold(s, 0.1).count);
+  s.B.R = turn(shape::axis(1), half_turn);
+  EXPECT_EQ(1, manifold(s, 0.1).count);
+  s.B.R = turn(shape::axis(1), half_turn / 2 + std::atan(0.25));
+  s.B.p = Vec::zero();
+  s.B.p = Vec::make(0, 0, -query(s).distance);
+  EXPECT_EQ(2, manifold(s, 0.1).count);
+  for (const Solid& round : {sphere(0.5), make(Type::Ellipsoid, Vec::make(0.3, 0.2, 0.5), 0)}) {
+    s = {ground(), round, at(0, 0, 0), at(0.7, 0, 0.5)};
+    expect_points(manifold(s, 0.1), {Vec::make(0.7, 0, 0)});
+  }
+  EXPECT_EQ(0, manifold({ground(), ground(), at(0, 0, 0), at(0, 0, -1)}, 1).count);
+  // a hull that is a box
+  s = {ground(), make_convex(corners(2, 4, 6)), at(0, 0, 0), at(1, 2, 3)};
+  expect_points(manifold(s, 0.1), {Vec::make(0, 0, 0), Vec::make(2, 0, 0), Vec::make(0, 4, 0), Vec::make(2, 4, 0)});
+}
+
+// Poses near touching: what must hold of every pair.
+struct Sample {
+  Scene s;
+  Result r;
+  double size, margin;
+};
+template <class F>
+void for_each_sample(int count, F&& f) {
+  for (int a = 0; a < shape::type_count; ++a)
+    for (int b = 0; b < shape::type_count; ++b)
+      for (int k = 0; k < count && (a != 0 || b != 0); ++k) {
+        static constexpr Case cases[] = {Case::Touching, Case::NearlyTouching, Case::Aligned, Case::Random, Case::Far};
+        Sample x;
+        x.s = scene(Type(a), Type(b), cases[k % 5], std::uint64_t(k) + 77);
+        x.size = std::min(a == 0 ? 1e9 : size_of(x.s.a), b == 0 ? 1e9 : size_of(x.s.b));
+        Chance g{std::uint64_t(k)};
+        // shallow, apart, deep
+        x.r = query(x.s);
+        x.s.B.p -= x.r.normal * (x.r.distance - x.size * (k % 3 == 0 ? -1e-3 : k % 3 == 1 ? 1e-3 : -0.05));
+        x.r = query(x.s);
+        x.margin = x.size * g.uniform(0.002, 0.02);
+        SCOPED_TRACE(std::string(name_of(Type(a))) + "-" + name_of(Type(b)) + " " + std::to_string(k));
+        f(x);
+        if (testing::Test::HasFailure()) return;
+      }
+}
+
+TEST(Manifold, HoldsOfEveryPair) {
+  for_each_sample(samples(200), [](const Sample& x) {
+    const Manifold m = manifold(x.s, x.margin);
+    EXPECT_EQ(x.r.distance <= x.margin, m.count > 0);
+    if (m.count == 0) return;
+    const double far = 1e-13 * (shape::norm(x.s.A.p) + shape::norm(x.s.B.p)), tolerance = 2e-6 * x.size + far;
+    EXPECT_LE(shape::norm(m.normal - x.r.normal), 1e-12);
+    double deepest = shape::infinity;
+    for (int i = 0; i < m.count; ++i) {
+      const Contact& c = m.points[i];
+      deepest = std::min(deepest, c.distance);
+      EXPECT_LE(c.distance, x.margin);
+      EXPECT_GE(c.distance, x.r.distance - tolerance);
+      EXPECT_TRUE(i == 0 || m.points[i - 1].feature < c.feature);
+      // on both shapes, or within one of them that slopes away from the other
+      const double a = outside(x.s.a, x.s.A, c.position - m.normal * (c.distance / 2)), b = outside(x.s.b, x.s.B, c.position + m.normal * (c.distance / 2));
+      EXPECT_LE(std::max(a, b), tolerance);
+      EXPECT_GE(std::min(a, b), x.r.distance - x.margin - tolerance);
+    }
+    EXPECT_NEAR(x.r.distance, deepest, tolerance);
+  });
+}
+
+TEST(Manifold, ExchangedAndMoved) {
+  int compared = 0, equal_ids = 0;
+  for_each_sample(samples(100), [&](const Sample& x) {
+    const Manifold m = manifold(x.s, x.margin), other = manifold({x.s.b, x.s.a, x.s.B, x.s.A}, x.margin);
+    Chance g(7);
+    const Pose X = {g.rotation(), g.direction()};
+    const Manifold moved = manifold({x.s.a, x.s.b, X * x.s.A, X * x.s.B}, x.margin);
+    // where another normal is as good, another one may be found
+    if (shape::norm(m.normal + other.normal) > 1e-9 || shape::norm(X.R * m.normal - moved.normal) > 1e-9) return;
+    auto near_margin = [&](const Manifold& a) {
+      for (int i = 0; i < a.count; ++i)
+        if (a.points[i].distance > x.margin - 1e-4 * x.size) return true;
+      return false;
+    };
+    if (near_margin(m) || near_margin(other) || near_margin(moved)) return;
+    if (m.count == 8) return;                  // may be thinned out: ThinnedOut
+    if (m.count == 1 && !x.r.unique) return;  // the witness points, one choice of many
+    ++compared;
+    std::vector<Vec> back;
+    for (const Vec& p : positions(moved)) back.push_back(X.act_inverse(p));
+    const double tolerance = 3e-5 * x.size;
+    EXPECT_LE(apart(positions(m), positions(other)), tolerance);
+    EXPECT_LE(apart(positions(other), positions(m)), tolerance);
+    EXPECT_LE(apart(positions(m), back), tolerance);
+    EXPECT_LE(apart(back, positions(m)), tolerance);
+    bool same = m.count == moved.count;
+    for (int i = 0; same && i < m.count; ++i) same = m.points[i].feature == moved.points[i].feature;
+    equal_ids += same;
+  });
+  EXPECT_GT(compared, samples(100) * 20);
+  EXPECT_GE(equal_ids, compared * 0.98);
+}
+
+// Numbers stay, and points move no more than the shapes, through small motions.
+TEST(Manifold, ContinuousAndPersistent) {
+  int kept = 0, all = 0;
+  for_each_sample(samples(60), [&](const Sample& x) {
+    const double step = 1e-7;
+    Chance g{std::uint64_t(x.size * 1e6)};
+    const Vec axis = g.direction();
+    Scene next = x.s;
+    next.B.R = turn(axis, step) * next.B.R, next.B.p += g.direction() * (step * x.size);
+    const Manifold m = manifold(x.s, x.margin), n = manifold(next, x.margin);
+    if (m.count == 0 || n.count == 0 || shape::norm(m.normal - n.normal) > 1e-4 || !x.r.unique) return;
+    for (int i = 0; i < m.count; ++i) {
+      if (m.points[i].distance > 0.9 * x.margin) continue;
+      ++all;
+      for (int k = 0; k < n.count; ++k) kept += n.points[k].feature == m.points[i].feature && shape::norm(n.points[k].position - m.points[i].position) < 0.01 * x.size;
+    }
+  });
+  EXPECT_GT(all, 1000);
+  EXPECT_GE(kept, all * 0.998);
+}
+
+// Two boxes, face on face: the points span the overlap of the faces as samples find it.
+TEST(Manifold, SpansTheOverlap) {
+  Chance g(5);
+  int seen = 0;
+  for (int k = 0; k < samples(100); ++k) {
+    Scene s = {box(g.uniform(0.5, 2), g.uniform(0.5, 2), 1), g.pick(2) ? box(g.uniform(0.5, 2), g.uniform(0.5, 2), 1) : make_convex(corners(g.uniform(0.5, 2), g.uniform(0.5, 2), 1)),
+               at(0, 0, 0), {turn(shape::axis(2), g.uniform(0, 6)), Vec::make(g.uniform(-0.7, 0.7), g.uniform(-0.7, 0.7), 0.999)}};
+    const Manifold m = manifold(s, 1e-3);
+    if (m.count == 0) continue;  // beside each other
+    ASSERT_NEAR(1, m.normal[2], 1e-9);
+    ++seen;
+    const int n = 60;
+    for (int d = 0; d < 32; ++d) {
+      const Vec along = Vec::make(std::cos(d * 0.2), std::sin(d * 0.2), 0);
+      double most = -1e9, spanned = -1e9;
+      for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j) {
+          const Vec p = Vec::make(s.a.shape.size[0] * (2.0 * i / n - 1), s.a.shape.size[1] * (2.0 * j / n - 1), 0.4995);
+          if (outside(s.b, s.B, p) <= 1e-9) most = std::max(most, dot(along, p));
+        }
+      for (const Vec& p : positions(m)) spanned = std::max(spanned, dot(along, p));
+      EXPECT_GE(spanned, most - 1e-6);
+      EXPECT_LE(spanned, most + 2 * 2.0 / n);
+    }
+  }
+  EXPECT_GT(seen, samples(100) / 2);
+}
+
+// More corners than eight: two drums, cap on cap. The deepest stays, and most of the area.
+TEST(Manifold, ThinnedOut) {
+  for (double angle : {0.1, 0.3, 0.35})
+    for (double tilt : {0.0, 1e-3}) {
+      Scene s = {cylinder(1, 1), cylinder(1, 1), at(0, 0, 0), {turn(shape::axis(1), tilt) * turn(shape::axis(2), angle), Vec::make(0.01, 0.02, 0.999)}};
+      const Manifold m = manifold(s, 0.1);
+      EXPECT_EQ(8, m.count);
+      double deepest = 1, reach = 0;
+      for (int i = 0; i < m.count; ++i) deepest = std::min(deepest, m.points[i].distance);
+      EXPECT_NEAR(query(s).distance, deepest, 1e-6);
+      for (int d = 0; d < 64; ++d) {
+        double most = 0;
+        for (const Vec& p : positions(m)) most = std::max(most, dot(p, Vec::make(std::cos(d * 0.1), std::sin(d * 0.1), 0)));
+        reach = d == 0 ? most : std::min(reach, most);
+      }
+      EXPECT_GT(reach, 0.8);
+    }
+}
+
+}  // namespace
+}  // namespace dyn_test
