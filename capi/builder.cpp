@@ -1,7 +1,7 @@
 // The builder: C structs to the builder's own.
 #include <cstring>
 
-#include "guard.hpp"
+#include "surfaces.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -151,12 +151,15 @@ dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* s) {
   const struct {
     int value, last;
     const char* name;
-  } choices[] = {{raw(s->type), DYN_SHAPE_HALF_SPACE, "type"}, {raw(s->role), DYN_ROLE_VISUAL, "role"}};
+  } choices[] = {{raw(s->type), DYN_SHAPE_HEIGHT_FIELD, "type"}, {raw(s->role), DYN_ROLE_VISUAL, "role"}};
   for (const auto& c : choices)
     if (c.value < 1 || c.value > c.last) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_shape: %s %d does not exist", c.name, c.value);
+  SurfacePtr surface;
+  if (const dynStatus status = surface_argument("dyn_builder_shape", "spec", s->type, s->surface, surface)) return status;
   return with(builder, [&](Builder& b) {
     Shape shape{text(s->name), s->type, s->role, text(s->body), read_placement(s->placement), {}, text(s->mesh)};
     std::copy(s->size, s->size + 3, shape.size.begin());
+    shape.surface = surface;
     shape.radius = s->radius, shape.contype = s->contype, shape.conaffinity = s->conaffinity;
     b.shape(shape);
   });

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dyn/collision/ccd.hpp"
+#include "surfaces.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -17,11 +18,12 @@ void fill(const collision::Result& r, dynDistance* out) {
   store3(r.normal, out->normal), store3(r.point_a, out->point_a), store3(r.point_b, out->point_b);
 }
 
-dynStatus read_geometry(const char* function, const char* name, const dynGeometry* g, shape::Shape& out) {
+dynStatus read_geometry(const char* function, const char* name, const dynGeometry* g, PlacedShape& read) {
+  shape::Shape& out = read.shape;
   if (!g) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   if (g->struct_size < sizeof(dynGeometry))
     return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: call dyn_geometry_init", function, name, g->struct_size, sizeof(dynGeometry));
-  if (g->type == DYN_SHAPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a mesh: give a convex shape", function, name);
+  if (g->type == DYN_SHAPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a mesh, a name alone: use DYN_SHAPE_CONVEX or DYN_SHAPE_TRIANGLES with a dynMesh", function, name);
   if (!collision::geometry_of(g->type, g->size, g->radius, out))
     return fail(DYN_ERROR_ARGUMENT, "%s: %s: type %d does not exist: use DYN_SHAPE_... values", function, name, raw(g->type));
   for (int k = 0; k < collision::size_count(g->type); ++k)
@@ -30,6 +32,12 @@ dynStatus read_geometry(const char* function, const char* name, const dynGeometr
                   g->size[k], collision::smallest, collision::largest);
   if (!(g->radius >= 0 && g->radius <= collision::largest))
     return fail(std::isfinite(g->radius) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s: radius is %g: give metres from 0 to %g", function, name, g->radius, collision::largest);
+  SurfacePtr surface;
+  if (const dynStatus s = surface_argument(function, name, g->type, g->surface, surface)) return s;
+  if (!surface) return DYN_OK;
+  if (const auto* hull = std::get_if<Held<shape::Hull>>(&surface->held)) read.hull = hull->view(), out.hull = &read.hull;
+  if (const auto* tree = std::get_if<Held<shape::TriangleTree>>(&surface->held)) read.tree = tree->view(), out.triangles = &read.tree;
+  if (const auto* grid = std::get_if<Held<shape::Grid>>(&surface->held)) read.grid = grid->view(), out.grid = &read.grid;
   return DYN_OK;
 }
 
@@ -92,8 +100,8 @@ dynStatus read_options(const char* function, const dynDistanceOptions& given, co
 
 dynStatus read_pair(const char* function, const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
                     PlacedShape& A, PlacedShape& B) {
-  dynStatus s = read_geometry(function, "a", a, A.shape);
-  if (s == DYN_OK) s = read_geometry(function, "b", b, B.shape);
+  dynStatus s = read_geometry(function, "a", a, A);
+  if (s == DYN_OK) s = read_geometry(function, "b", b, B);
   if (s == DYN_OK) s = read_placement(function, "placement_a", placement_a, A.X);
   if (s == DYN_OK) s = read_placement(function, "placement_b", placement_b, B.X);
   return s;

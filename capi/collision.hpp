@@ -7,8 +7,20 @@
 namespace dyn::capi {
 
 void fill(const collision::Result& r, dynDistance* out);
-// A shape and a placement of the caller's, checked; name: the argument's.
-dynStatus read_geometry(const char* function, const char* name, const dynGeometry* g, shape::Shape& out);
+// A shape of the caller's, placed, with what it points to.
+struct PlacedShape {
+  shape::Shape shape;
+  collision::Pose X;
+  shape::Hull hull;
+  shape::TriangleTree tree;
+  shape::Grid grid;
+
+  PlacedShape() = default;
+  PlacedShape(const PlacedShape&) = delete;
+  PlacedShape& operator=(const PlacedShape&) = delete;
+};
+// A shape and a placement, checked; name: the argument's.
+dynStatus read_geometry(const char* function, const char* name, const dynGeometry* g, PlacedShape& read);
 dynStatus read_placement(const char* function, const char* name, const double* x, collision::Pose& out);
 dynStatus check_pair(const char* function, const Model& m, int pair, int first = 0);
 // So many shapes that pairs are not listed would otherwise look like none that collide.
@@ -20,10 +32,6 @@ dynStatus check_margin(const char* function, double margin);
 dynStatus check_capacity(const char* function, int capacity);
 dynStatus read_tolerance(const char* function, double tolerance, collision::Options& options);
 
-struct PlacedShape {
-  shape::Shape shape;
-  collision::Pose X;
-};
 dynStatus read_pair(const char* function, const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
                     PlacedShape& A, PlacedShape& B);
 

@@ -83,6 +83,7 @@ DYN_API const char* dyn_build_info(void);
 typedef struct dynModel dynModel;     /* what the robot is: immutable, shared by threads */
 typedef struct dynData dynData;       /* what it is doing: every buffer, one per thread */
 typedef struct dynBuilder dynBuilder; /* makes a model */
+typedef struct dynMesh dynMesh;       /* triangles; see meshes below */
 
 typedef enum dynReference { DYN_LOCAL = 0, DYN_WORLD = 1, DYN_LOCAL_WORLD_ALIGNED = 2 } dynReference;
 
@@ -130,6 +131,14 @@ typedef enum dynBase {
   DYN_BASE_FLOATING = 2     /* a free flyer named "root_joint" carries the root link */
 } dynBase;
 
+/* What stands for the collision meshes of a robot file. A mesh that is there twice is kept once. */
+typedef enum dynMeshUse {
+  DYN_MESH_NONE = 0,      /* the default: their names alone; no file is opened, and pairs with them are not tested (DYN_PAIR_MESH) */
+  DYN_MESH_HULL = 1,      /* their convex hulls: shapes of type CONVEX. The load report has a line for each, a warning where the mesh is not
+                             convex, with hull_volume_ratio and hull_depth as in dynMeshInfo. At most 65,536 vertices */
+  DYN_MESH_TRIANGLES = 2  /* their triangles: shapes of type TRIANGLES. A line in the load report, a warning where they enclose nothing */
+} dynMeshUse;
+
 typedef struct dynLoadOptions {
   uint32_t struct_size;             /* sizeof(dynLoadOptions): set by dyn_load_options_init */
   dynBase base;
@@ -139,6 +148,7 @@ typedef struct dynLoadOptions {
   size_t package_dirs_count;
   double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81) */
   const char* srdf;                 /* path of an SRDF for this robot; NULL: none */
+  dynMeshUse meshes;                /* anything but NONE needs libdyn_mesh.so, and a mesh that cannot be read is an error */
 } dynLoadOptions;
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
@@ -210,7 +220,8 @@ DYN_API dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo*
 
 /* Shapes of the file, kept as data. */
 typedef enum dynShapeType { DYN_SHAPE_BOX = 1, DYN_SHAPE_SPHERE = 2, DYN_SHAPE_CYLINDER = 3, DYN_SHAPE_MESH = 4, DYN_SHAPE_CAPSULE = 5,
-                            DYN_SHAPE_CONE = 6, DYN_SHAPE_ELLIPSOID = 7, DYN_SHAPE_HALF_SPACE = 8 } dynShapeType;
+                            DYN_SHAPE_CONE = 6, DYN_SHAPE_ELLIPSOID = 7, DYN_SHAPE_HALF_SPACE = 8, DYN_SHAPE_CONVEX = 9,
+                            DYN_SHAPE_TRIANGLES = 10, DYN_SHAPE_HEIGHT_FIELD = 11 } dynShapeType;
 typedef enum dynShapeRole { DYN_ROLE_COLLISION = 1, DYN_ROLE_VISUAL = 2 } dynShapeRole;
 typedef struct dynShapeInfo {
   uint32_t struct_size;
@@ -220,13 +231,15 @@ typedef struct dynShapeInfo {
   int32_t frame;          /* BODY frame that carries it */
   double placement[12];   /* in that frame */
   double size[3];         /* box: full lengths; sphere: radius; cylinder, capsule, cone (apex up): radius, length along z; ellipsoid: semi-axes;
-                             half-space, all below z = 0: none; mesh: scale */
-  const char* mesh;       /* resolved path; "" for others */
+                             half-space, all below z = 0: none; mesh, and what was made of one: scale, applied already */
+  const char* mesh;       /* resolved path, also of what stands for a mesh (dynMeshUse); "" for others */
   double radius;          /* m, of rounding: points within that distance belong to the shape */
   uint32_t contype, conaffinity; /* groups it is in, groups it collides with, a bit each: see DYN_PAIR_MASK */
 } dynShapeInfo;
 DYN_API int dyn_nshapes(const dynModel* model);
 DYN_API dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
+/* What a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD is made of, a new mesh in the shape's frame; triangles in an order of their own. */
+DYN_API dynStatus dyn_shape_mesh(const dynModel* model, int shape, dynMesh** mesh);
 
 /* Pairs of links that an SRDF takes out of collision tests: <disable_collisions>, and <disable_default_collisions> as MoveIt reads it.
    frame1 and frame2 are BODY frames; reason is the file's, "" when it gives none. Any output may be NULL. */
@@ -304,9 +317,10 @@ typedef struct dynShapeSpec {
   const char* body;       /* the link that carries it; NULL or "universe": the world */
   double placement[12];   /* in the link's frame; default identity */
   double size[3];         /* as in dynShapeInfo, metres > 0 */
-  const char* mesh;       /* MESH: its file, kept as a name */
+  const char* mesh;       /* MESH: its file, kept as a name; also of what was made of it */
   double radius;          /* m, >= 0; of rounding, not of a mesh */
   uint32_t contype, conaffinity; /* default 1, 1 */
+  const dynMesh* surface; /* CONVEX: a hull (dyn_mesh_hull), TRIANGLES: a mesh, HEIGHT_FIELD: one of dyn_mesh_height_field; copied */
 } dynShapeSpec;
 DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
 DYN_API dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* spec);
@@ -729,7 +743,13 @@ DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, 
 
 /* ------------------------------------------------------------------------------------------------------- collision */
 
-/* Distance between two convex shapes, signed: below zero they overlap, and it is minus the depth, the length of the shortest translation
+/* Surfaces. TRIANGLES are the triangles themselves: the distance is the least signed distance of any of them, each a flat shape of its own.
+   Where a shape touches none but lies inside of a closed mesh, it penetrates: a sphere, by its centre, as deep as it is (also where
+   it touches); any other shape as deep as it lies below the plane of the nearest triangle, with unique = 0 and the residual between
+   that and the depth of its middle. A HEIGHT_FIELD is solid from its surface to its bottom, made of a prism for each triangle: an overlap is
+   measured prism by prism, so that it is right while it is less deep than a cell is wide. */
+
+/* Distance between two shapes, signed: below zero they overlap, and it is minus the depth, the length of the shortest translation
    that parts them (two half-spaces: minus infinity unless they face each other). Closed forms where there are any; else GJK (Gilbert et
    al. 1988) and EPA (van den Bergen 2003), finished by Newton's method on the normal, and checked by the supporting planes: residual
    bounds the error apart, and that of the depth along this normal. */
@@ -763,6 +783,7 @@ typedef struct dynGeometry {
   dynShapeType type;       /* any but MESH */
   double size[3];          /* as in dynShapeInfo */
   double radius;           /* m, >= 0; of rounding */
+  const dynMesh* surface;  /* as in dynShapeSpec */
 } dynGeometry;
 DYN_API void dyn_geometry_init(dynGeometry* geometry);
 
@@ -780,7 +801,7 @@ DYN_API dynStatus dyn_shape_distance(const dynGeometry* a, const double placemen
 typedef enum dynPairReason {
   DYN_PAIR_TESTED = 0,
   DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration */
-  DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known */
+  DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known: see dynMeshUse */
   DYN_PAIR_OFF = 3,        /* switched off in the data */
   DYN_PAIR_DISABLED = 4,   /* the SRDF says so: see dyn_disabled_pair */
   DYN_PAIR_MASK = 5        /* neither is in a group that the other collides with: contype of one & conaffinity of the other, MuJoCo's rule */
@@ -825,7 +846,8 @@ typedef struct dynContact {
   double normal[3];        /* unit, from A to B, world */
 } dynContact;
 enum { DYN_CONTACTS_OF_A_PAIR = 8 };
-/* contacts: room for DYN_CONTACTS_OF_A_PAIR, written in ascending order of feature. tolerance: as in dyn_shape_distance. */
+/* Of surfaces (TRIANGLES, HEIGHT_FIELD) the witness points alone are a contact.
+   contacts: room for DYN_CONTACTS_OF_A_PAIR, written in ascending order of feature. tolerance: as in dyn_shape_distance. */
 DYN_API dynStatus dyn_shape_contacts(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
                                      double margin, double tolerance, dynContact* contacts, int* count);
 /* Of all tested pairs, ascending by pair, then by feature: at most capacity of them are written; count: how many there are. Includes
@@ -921,8 +943,6 @@ DYN_API dynStatus dyn_step(const dynModel* model, dynData* data, dynIntegrator i
 /* Triangle meshes, in metres, immutable: threads may share one. Equal vertices are made one, and triangles without area, or there twice,
    are dropped; dynMeshInfo counts both. At most 10^7 triangles. Files and hulls need the module libdyn_mesh.so (assimp, qhull), which is
    opened from beside libdyn.so when it is first needed: DYN_ERROR_UNSUPPORTED says where it was looked for. */
-typedef struct dynMesh dynMesh;
-
 typedef struct dynMeshOptions {
   uint32_t struct_size;            /* set by dyn_mesh_options_init */
   double scale[3];                 /* factors along the file's axes; default 1. Triangles of a mirrored mesh are turned round */
@@ -943,6 +963,9 @@ DYN_API dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options,
 /* vertices: 3 x vertex_count; triangles: 3 x triangle_count indices, counter-clockwise seen from outside. Without triangles (0, NULL): a
    cloud of points, of which dyn_mesh_hull makes a mesh. Vertices that no triangle has are dropped. */
 DYN_API dynStatus dyn_mesh_from_arrays(const double* vertices, size_t vertex_count, const int32_t* triangles, size_t triangle_count, dynMesh** mesh);
+/* A height field: heights over a grid of columns x rows points, heights[i + columns j] at x = (i - (columns - 1) / 2) step_x, y likewise; all
+   above bottom (m), where its solid ends. As a mesh it has the triangles of the surface, two a cell, without walls. At most 5 10^6 points. */
+DYN_API dynStatus dyn_mesh_height_field(const double* heights, int columns, int rows, double step_x, double step_y, double bottom, dynMesh** mesh);
 DYN_API void dyn_mesh_free(dynMesh* mesh); /* NULL is allowed */
 
 typedef struct dynMeshInfo {

@@ -117,6 +117,7 @@ struct LoadOptions {
     return value.gravity[0] = x, value.gravity[1] = y, value.gravity[2] = z, *this;
   }
   LoadOptions& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
+  LoadOptions& meshes(dynMeshUse use) { return value.meshes = use, *this; }
   LoadOptions& srdf(std::string path) { return srdf_path = std::move(path), *this; }
 };
 
@@ -940,10 +941,10 @@ struct JointSpec {
 };
 
 // A shape by itself, for shape_distance.
-inline dynGeometry geometry(dynShapeType type, const Vector3& size, double radius = 0) {
+inline dynGeometry geometry(dynShapeType type, const Vector3& size, double radius = 0, const dynMesh* surface = nullptr) {
   dynGeometry g;
   dyn_geometry_init(&g);
-  g.type = type, g.radius = radius;
+  g.type = type, g.radius = radius, g.surface = surface;
   for (std::size_t k = 0; k < 3; ++k) g.size[k] = size[k];
   return g;
 }
@@ -1068,10 +1069,10 @@ class Builder {
   }
   Builder& shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
                  dynShapeRole role = DYN_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "", double radius = 0,
-                 uint32_t contype = 1, uint32_t conaffinity = 1) {
+                 uint32_t contype = 1, uint32_t conaffinity = 1, const dynMesh* surface = nullptr) {
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
-    s.radius = radius, s.contype = contype, s.conaffinity = conaffinity;
+    s.radius = radius, s.contype = contype, s.conaffinity = conaffinity, s.surface = surface;
     s.name = name.c_str(), s.type = type, s.role = role, s.body = body.c_str(), s.mesh = mesh.c_str();
     for (std::size_t k = 0; k < 3; ++k) s.size[k] = size[k];
     if (const double* X = placement.of(12, "placement"))
@@ -1190,6 +1191,15 @@ class Mesh {
     return make_([&](dynMesh** out) {
       return dyn_mesh_from_arrays(x, static_cast<std::size_t>(count), triangles.empty() ? nullptr : triangles.data(), triangles.size() / 3, out);
     });
+  }
+  // Heights of columns x rows points, row after row.
+  static Mesh height_field(Input heights, int columns, int rows, double step_x, double step_y, double bottom) {
+    const double* h = heights.of(std::int64_t(columns) * rows, "heights");
+    return make_([&](dynMesh** out) { return dyn_mesh_height_field(h, columns, rows, step_x, step_y, bottom, out); });
+  }
+  // What a shape of a model is made of.
+  static Mesh of_shape(const Model& model, int shape) {
+    return make_([&](dynMesh** out) { return dyn_shape_mesh(model.get(), shape, out); });
   }
   const dynMesh* get() const noexcept { return mesh_.get(); }
   dynMeshInfo info() const { return get_<dynMeshInfo>(dyn_mesh_info); }

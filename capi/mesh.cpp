@@ -6,13 +6,13 @@
 #include <limits>
 
 #include "guard.hpp"
+#include "model/builder_surface.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
 
 namespace {
 
-constexpr double convex_tolerance = 1e-6;  // of the bounding box's diagonal
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 meshes::MeshOptions read_options(const dynMeshOptions* o) {
@@ -38,6 +38,7 @@ dynStatus make(dynMesh** out, const char* function, Make f) {
   if (!out) return fail(DYN_ERROR_ARGUMENT, "%s: the output is NULL", function);
   return guarded([&] {
     auto mesh = std::make_unique<meshes::Mesh>(f());
+    meshes::prepare(*mesh);
     dynMesh* handle = new_mesh_handle();
     if (!handle) throw std::bad_alloc();
     handle->m = mesh.release();
@@ -79,7 +80,7 @@ void describe_hull(const meshes::Mesh& mesh, double diagonal, dynMeshInfo& info)
     return DYN_OK;
   });
   if (info.orientation == 0 || info.components != 1) info.convex = 0;
-  else info.convex = info.hull_status == DYN_ERROR_UNSUPPORTED ? -1 : info.hull_depth <= convex_tolerance * diagonal;
+  else info.convex = info.hull_status == DYN_ERROR_UNSUPPORTED ? -1 : info.hull_depth <= meshes::convex_tolerance * diagonal;
 }
 
 }  // namespace
@@ -104,6 +105,24 @@ dynStatus dyn_mesh_from_arrays(const double* vertices, size_t n, const int32_t* 
   if (!triangles && m) return fail(DYN_ERROR_ARGUMENT, "%s: triangles is NULL but triangle_count is not 0", function);
   constexpr size_t most = size_t(1) << 40;
   return make(mesh, function, [&] { return meshes::make_mesh(vertices, std::int64_t(std::min(n, most)), triangles, std::int64_t(std::min(m, most)), 0, function); });
+}
+
+dynStatus dyn_mesh_height_field(const double* heights, int columns, int rows, double step_x, double step_y, double bottom, dynMesh** mesh) {
+  if (!heights) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_height_field: heights is NULL");
+  return make(mesh, "dyn_mesh_height_field", [&] { return meshes::height_field(heights, columns, rows, step_x, step_y, bottom); });
+}
+
+dynStatus dyn_shape_mesh(const dynModel* model, int shape, dynMesh** mesh) {
+  if (const dynStatus s = check(model)) return s;
+  const Model& m = *model->m;
+  if (shape < 0 || shape >= m.n.shapes) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_mesh: shape %d does not exist: the model has %d", shape, int(m.n.shapes));
+  return make(mesh, "dyn_shape_mesh", [&] {
+    const SurfacePtr surface = surface_of(m, shape);
+    if (!surface)
+      throw Error(DYN_ERROR_ARGUMENT, "dyn_shape_mesh: shape " + std::to_string(shape) + " is not made of triangles" +
+                                          (m.shapes()[shape].type == DYN_SHAPE_MESH ? ": load the robot with meshes, or give its file to dyn_mesh_load" : ""));
+    return meshes::mesh_of(surface);
+  });
 }
 
 void dyn_mesh_free(dynMesh* mesh) {

@@ -33,6 +33,9 @@ LoadOptions read_options(const dynLoadOptions* o) {
     if (!std::isfinite(o->gravity[k])) throw Error(DYN_ERROR_NONFINITE, "dynLoadOptions: gravity[" + std::to_string(k) + "] is not finite");
     out.gravity[k] = o->gravity[k];
   }
+  if (raw(o->meshes) < DYN_MESH_NONE || raw(o->meshes) > DYN_MESH_TRIANGLES)
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: meshes is " + std::to_string(raw(o->meshes)) + ": use DYN_MESH_NONE, DYN_MESH_HULL or DYN_MESH_TRIANGLES");
+  out.meshes = o->meshes;
   if (o->srdf) out.srdf = o->srdf;
   if (o->srdf && out.srdf.empty()) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");
   return out;

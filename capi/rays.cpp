@@ -68,7 +68,7 @@ dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, 
 dynStatus dyn_shape_ray(const dynGeometry* shape, const double* placement, const double* origin, const double* direction, dynRayHit* out) {
   constexpr const char* function = "dyn_shape_ray";
   PlacedShape S;
-  dynStatus s = read_geometry(function, "shape", shape, S.shape);
+  dynStatus s = read_geometry(function, "shape", shape, S);
   if (s == DYN_OK) s = read_placement(function, "placement", placement, S.X);
   if (s == DYN_OK) s = check_numbers(function, "origin", origin, 3);
   if (s == DYN_OK) s = check_directions(function, "direction", direction, 1);
@@ -109,7 +109,7 @@ dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const 
 dynStatus dyn_shape_closest_point(const dynGeometry* shape, const double* placement, const double* point, dynClosestPoint* out) {
   constexpr const char* function = "dyn_shape_closest_point";
   PlacedShape S;
-  dynStatus s = read_geometry(function, "shape", shape, S.shape);
+  dynStatus s = read_geometry(function, "shape", shape, S);
   if (s == DYN_OK) s = read_placement(function, "placement", placement, S.X);
   if (s == DYN_OK) s = check_numbers(function, "point", point, 3);
   if (s == DYN_OK) s = check_out(function, "dynClosestPoint", out);

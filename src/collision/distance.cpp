@@ -5,6 +5,7 @@
 //   capsule                             segments    axes      gjk
 //   box                                             axes      gjk        separating axes when they meet, else GJK
 //   others                                                    gjk        GJK, EPA, Newton
+// Surfaces are searched for the nearest piece: surface_distance.cpp.
 #include "dyn/collision/distance.hpp"
 
 #include "dyn/collision/analytic/boxes.hpp"
@@ -13,6 +14,7 @@
 #include "dyn/collision/analytic/half_spaces.hpp"
 #include "dyn/collision/analytic/sphere.hpp"
 #include "dyn/collision/convex_pair.hpp"
+#include "dyn/collision/surface_distance.hpp"
 #include "dyn/shape/list.hpp"
 
 namespace dyn::collision {
@@ -181,6 +183,7 @@ inline Result first_opinion(const Shape& a, const Pose& X_WA, const Shape& b, co
 }  // namespace
 
 Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+  if (is_surface(a.type) || is_surface(b.type)) return surface_distance(a, X_WA, b, X_WB, workspace, options);
   if (options.second) return both_opinions(a, X_WA, b, X_WB, workspace, options);
   return first_opinion(a, X_WA, b, X_WB, workspace, options);
 }

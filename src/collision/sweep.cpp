@@ -1,5 +1,6 @@
 #include "dyn/collision/sweep.hpp"
 
+#include "dyn/collision/surface_distance.hpp"
 #include "dyn/shape/list.hpp"
 #include "dyn/spatial/explog.hpp"
 
@@ -38,7 +39,10 @@ Impact sweep(const Moving& a, const Moving& b, double duration, Workspace& works
     const double gap = r.distance > 0 ? r.distance - r.residual : r.distance;
     if (gap <= enough) return out.status = Impact::Status::Hit, out;
     if (++out.steps > options.max_steps) return out.status = Impact::Status::Undecided, out;
-    const double nearing = dot(a.v - b.v, r.normal) + turning(r.normal, a.w, ra.core) + turning(r.normal, b.w, rb.core);
+    // convex shapes are parted by the plane across the normal; other parts of a surface come nearer from anywhere
+    const bool convex = !is_surface(a.shape.type) && !is_surface(b.shape.type);
+    const double nearing = convex ? dot(a.v - b.v, r.normal) + turning(r.normal, a.w, ra.core) + turning(r.normal, b.w, rb.core)
+                                  : shape::norm(a.v - b.v) + shape::norm(a.w) * ra.core + shape::norm(b.w) * rb.core;
     if (!(nearing > 0) || out.time + (gap - options.margin) / nearing > duration) return out.time = duration, out;
     out.time += (gap - options.margin) / nearing;
   }

@@ -38,6 +38,8 @@ struct Mesh {
   std::int64_t welded = 0, degenerate = 0, duplicates = 0, skipped = 0;  // what is not there any more
   Topology topology;
   std::optional<Polytope> polytope;  // of a hull
+  // what shapes are made of, where there is any: a hull, the triangles, a height field (prepare)
+  std::shared_ptr<const SurfaceData> convex, tree, grid;
 
   Index vertex_count() const { return Index(vertices.size() / 3); }
   Index triangle_count() const { return Index(triangles.size() / 3); }
@@ -79,5 +81,15 @@ Box box_of(const Mesh& mesh);
 Mesh hull_of(const Mesh& mesh);
 // How deep the middles of the triangles lie under the hull's faces, at most.
 double depth_under(const Mesh& mesh, const Polytope& hull);
+
+inline constexpr double convex_tolerance = 1e-6;  // of the box's diagonal, for that depth
+inline constexpr Index most_hull_vertices = 65536;
+// mesh_surface.cpp: what shapes are made of. A hull has to be one.
+std::shared_ptr<const SurfaceData> convex_of(const Mesh& hull);
+std::shared_ptr<const SurfaceData> tree_of(const Mesh& mesh);
+void prepare(Mesh& mesh);
+Mesh height_field(const double* heights, Index columns, Index rows, double step_x, double step_y, double bottom);
+// The mesh that a surface of a model is.
+Mesh mesh_of(const std::shared_ptr<const SurfaceData>& surface);
 
 }  // namespace dyn::meshes

@@ -38,6 +38,7 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   check_moving_mass(robot, tree, report);
   report_kept(robot, report);
   compare_with_urdfdom(text, robot, tree, report);
+  read_collision_meshes(robot, report, options);
   auto entries = report.finish();
   const Srdf srdf = options.srdf.empty() ? Srdf() : load_srdf(options.srdf, robot, tree, floating, options.strict, entries);
 
@@ -58,7 +59,7 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
     located(report, joint.line, [&] { builder.joint(joint.spec); });
     add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_JOINT | DYN_FRAME_FIXED_JOINT}, report);
   }
-  for (const Srdf::State& s : srdf.states) located(Report(options.srdf, false), s.line, [&] { builder.configuration(s.name, s.joints); });
+  for (const Srdf::State& s : srdf.states) located(Report(options.srdf, false), s.line, [&] { builder.configuration_of_joints(s.name, s.joints); });
   for (const Srdf::Pair& p : srdf.pairs) builder.disabled_pair(p.link1, p.link2, p.reason);
   for (const Report::Entry& e : entries) builder.report(e.level, e.line, e.message);
   return located(report, 0, [&] { return builder.finish(); });

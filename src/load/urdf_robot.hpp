@@ -43,6 +43,8 @@ struct UrdfTree {
 
 // urdf_read.cpp, urdf_link.cpp, urdf_joint.cpp: the walk over the XML.
 UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& options);
+// Meshes of collision shapes to what stands for them.
+void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& options);
 UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes);
 UrdfJoint read_joint(const Element& e, Report& report, const LoadOptions& options);
 

@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "builder_impl.hpp"
+#include "builder_surface.hpp"
 #include "dyn/collision/geom.hpp"
 
 namespace dyn {
@@ -330,6 +331,9 @@ void Builder::shape(const Shape& shape) {
       refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
   if (!(shape.radius >= 0 && shape.radius <= collision::largest)) refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
   if (shape.radius > 0 && shape.type == DYN_SHAPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
+  const bool made_of_facets = shape.type == DYN_SHAPE_CONVEX || shape.type == DYN_SHAPE_TRIANGLES || shape.type == DYN_SHAPE_HEIGHT_FIELD;
+  if (made_of_facets != bool(shape.surface) || (shape.surface && type_of(*shape.surface) != shape.type))
+    refuse(DYN_ERROR_ARGUMENT, who + ": its type and its surface don't belong together");
   impl->shapes.push_back(std::move(entry));
 }
 
@@ -346,7 +350,7 @@ void Builder::configuration(const std::string& name, const std::vector<double>& 
   impl->configurations.push_back({name, false, q, {}});
 }
 
-void Builder::configuration(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints) {
+void Builder::configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints) {
   impl->check_configuration_name(name);
   ConfigurationEntry entry{name, true, {}, std::vector<std::vector<double>>(impl->joints.size())};
   for (const auto& [joint, q] : joints) {

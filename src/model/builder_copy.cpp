@@ -1,7 +1,9 @@
 // A builder that holds what a model was made from: finished again, it makes the same model.
 #include <algorithm>
+#include <map>
 
 #include "builder_impl.hpp"
+#include "builder_surface.hpp"
 
 namespace dyn {
 
@@ -79,11 +81,17 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     impl->frame_index[e.name].push_back(int(f));
     impl->frames.push_back(std::move(e));
   }
+  std::map<std::pair<dynShapeType, Index>, SurfacePtr> surfaces;  // each once
   for (Index k = 0; k < m.n.shapes; ++k) {
     const ShapeRecord& r = m.shapes()[k];
     Shape s{m.string(r.name), r.type, r.role, m.string(m.frames()[r.frame].name), placement_of(r.placement), {}, m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
     s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity;
+    if (r.surface >= 0) {
+      SurfacePtr& surface = surfaces[{r.type, r.surface}];
+      if (!surface) surface = surface_of(m, k);
+      s.surface = surface;
+    }
     impl->shapes.push_back({std::move(s), r.frame});
   }
   for (Index k = 0; k < m.n.reports; ++k) {

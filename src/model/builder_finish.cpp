@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "builder_impl.hpp"
+#include "builder_surface.hpp"
 #include "dyn/algorithm/declarations.hpp"
 #include "dyn/base/sincos.hpp"
 #include "dyn/joint/list.hpp"
@@ -35,6 +36,34 @@ struct Arrays {
 #define FIELD(type, name, count, sentence) std::vector<type> name;
 #include "dyn/model/model_fields.def"
 #undef FIELD
+};
+
+// Puts each surface once into the arrays; its number there.
+struct Surfaces {
+  Arrays& a;
+  std::unordered_map<const SurfaceData*, Index> known = {};
+
+  Index add(const SurfacePtr& surface) {
+    if (!surface) return -1;
+    const auto found = known.find(surface.get());
+    return found != known.end() ? found->second : known[surface.get()] = put(*surface);
+  }
+
+ private:
+  template <class T>
+  Index append(const Held<T>& h, std::vector<Stored<T>>& list) {
+    list.push_back({h.header, a.surface_numbers.size(), a.surface_indices.size()});
+    a.surface_numbers.insert(a.surface_numbers.end(), h.numbers.begin(), h.numbers.end());
+    a.surface_indices.insert(a.surface_indices.end(), h.indices.begin(), h.indices.end());
+    if (std::max(a.surface_numbers.size(), a.surface_indices.size()) > std::size_t(std::numeric_limits<Index>::max()))
+      throw Error(DYN_ERROR_LIMIT, "the meshes of the model have more than 2^31 numbers: simplify them");
+    return Index(list.size() - 1);
+  }
+  Index put(const SurfaceData& s) {
+    if (const auto* hull = std::get_if<Held<shape::Hull>>(&s.held)) return append(*hull, a.hulls);
+    if (const auto* tree = std::get_if<Held<shape::TriangleTree>>(&s.held)) return append(*tree, a.trees);
+    return append(std::get<Held<shape::Grid>>(s.held), a.grids);
+  }
 };
 
 SE3<double> rotation_only(const Mat3<double>& R) { return {R, Vec3<double>::zero()}; }
@@ -233,11 +262,12 @@ ModelPtr Builder::finish() const {
     b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
   }
   n.frames = Index(a.frames.size());
+  Surfaces surfaces{a};
   for (const ShapeEntry& s : in.shapes) {
     ShapeRecord r{};
     r.name = text.add(s.shape.name), r.mesh = text.add(s.shape.mesh);
     r.type = s.shape.type, r.role = s.shape.role;
-    r.frame = Index(s.frame);
+    r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
     r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity;
@@ -245,6 +275,8 @@ ModelPtr Builder::finish() const {
     a.shapes.push_back(r);
   }
   n.shapes = Index(a.shapes.size()), n.geoms = Index(a.geoms.size());
+  n.hulls = Index(a.hulls.size()), n.trees = Index(a.trees.size()), n.grids = Index(a.grids.size());
+  n.surface_numbers = Index(a.surface_numbers.size()), n.surface_indices = Index(a.surface_indices.size());
   for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
   n.disabled = Index(a.disabled_pairs.size());
   a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs);

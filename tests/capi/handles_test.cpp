@@ -100,6 +100,11 @@ bool keeps(dynStatus (*call)(const dynModel*, int, Info*), const dynModel* m, dy
 const ModelFunction model_functions[] = {
     {"dyn_report_count", [](auto* m) { return dyn_report_count(m) == -1; }},
     {"dyn_report_entry", [](auto* m) { return keeps(dyn_report_entry, m, DYN_ERROR_HANDLE); }},
+    {"dyn_shape_mesh",
+     [](auto* m) {
+       dynMesh* mesh = nullptr;
+       return dyn_shape_mesh(m, 0, &mesh) == DYN_ERROR_HANDLE && !mesh;
+     }},
     {"dyn_nq", [](auto* m) { return dyn_nq(m) == -1; }},
     {"dyn_nv", [](auto* m) { return dyn_nv(m) == -1; }},
     {"dyn_njoints", [](auto* m) { return dyn_njoints(m) == -1; }},
@@ -294,6 +299,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_batch_set_effects",
       // tests/mesh
       "dyn_mesh_options_init", "dyn_mesh_load", "dyn_mesh_from_arrays", "dyn_mesh_free", "dyn_mesh_info", "dyn_mesh_arrays", "dyn_mesh_hull",
+      "dyn_mesh_height_field",
       // batch_test.cpp
       "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_batch_info"};
   for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {

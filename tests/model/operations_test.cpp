@@ -50,7 +50,7 @@ ModelPtr model_of(const Tree& t, std::uint64_t seed) {
   b.report(DYN_REPORT_WARNING, 7, "a remark");
   const ModelPtr m = b.finish();
   const State x(*m, seed);
-  b.configuration("home", std::vector<double>(x.q.begin(), x.q.end()));
+  b.configuration("home", {x.q.begin(), x.q.end()});
   return b.finish();
 }
 

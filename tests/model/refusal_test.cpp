@@ -122,10 +122,10 @@ const Case cases[] = {
     {"ShapeWithoutBody", DYN_ERROR_NAME, {"shape of body 'nobody'"}, [](Builder& b) { Shape s; s.body = "nobody"; b.shape(s); }},
     {"ShapeOnAJoint", DYN_ERROR_NAME, {"shape of body 'ok'"}, [](Builder& b) { Shape s; s.body = "ok"; b.shape(s); }},
     {"ShapeSizeNaN", DYN_ERROR_NONFINITE, {"size[0] is nan"}, [](Builder& b) { Shape s; s.body = "ok_link"; s.size = {nan, 0, 0}; b.shape(s); }},
-    {"ConfigurationNeutral", DYN_ERROR_NAME, {"'neutral' is always there"}, [](Builder& b) { b.configuration("neutral", std::vector<double>{0}); }},
-    {"ConfigurationTwice", DYN_ERROR_NAME, {"configuration 'home' is there already"}, [](Builder& b) { b.configuration("home", std::vector<double>{0}); }},
-    {"ConfigurationNaN", DYN_ERROR_NONFINITE, {"configuration 'x'[0] is nan"}, [](Builder& b) { b.configuration("x", std::vector<double>{nan}); }},
-    {"ConfigurationWithoutName", DYN_ERROR_ARGUMENT, {"configuration has no name"}, [](Builder& b) { b.configuration("", std::vector<double>{0}); }},
+    {"ConfigurationNeutral", DYN_ERROR_NAME, {"'neutral' is always there"}, [](Builder& b) { b.configuration("neutral", {0}); }},
+    {"ConfigurationTwice", DYN_ERROR_NAME, {"configuration 'home' is there already"}, [](Builder& b) { b.configuration("home", {0}); }},
+    {"ConfigurationNaN", DYN_ERROR_NONFINITE, {"configuration 'x'[0] is nan"}, [](Builder& b) { b.configuration("x", {nan}); }},
+    {"ConfigurationWithoutName", DYN_ERROR_ARGUMENT, {"configuration has no name"}, [](Builder& b) { b.configuration("", {0}); }},
 };
 
 class Refusal : public testing::TestWithParam<Case> {};
@@ -134,7 +134,7 @@ TEST_P(Refusal, SaysWhatWhereAndLeavesTheBuilderUsable) {
   Builder b("refusal");
   b.joint(joint("ok"));
   link(b, "ok_link", "ok");
-  b.configuration("home", std::vector<double>{0.5});
+  b.configuration("home", {0.5});
   try {
     GetParam().act(b);
     FAIL() << "accepted";
@@ -166,7 +166,7 @@ TEST(Finish, AConfigurationOfAnotherSize) {
   Builder b("size");
   b.joint(joint("j"));
   link(b, "l", "j");
-  b.configuration("home", std::vector<double>{1, 2});
+  b.configuration("home", {1, 2});
   EXPECT_SAYS("configuration 'home' has 2 numbers, the model needs nq = 1", refused(b, DYN_ERROR_SIZE));
 }
 

@@ -75,6 +75,31 @@ struct Robot {
   const char* name;
   Model m;
 };
+// Two pyramids and a ball over a height field.
+Model surfaces() {
+  const double corner[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, height[] = {0, 0.1, 0, 0.2, 0.3, 0, 0, 0.1, 0};
+  const std::int32_t side[] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  dynMesh *pyramid = nullptr, *field = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_mesh_from_arrays(corner, 4, side, 4, &pyramid));
+  EXPECT_EQ(DYN_OK, dyn_mesh_height_field(height, 3, 3, 1, 1, -1, &field));
+  Builder b("surfaces");
+  b.body("ground", nullptr, 0, {0, 0, 0}, no_inertia);
+  const auto shape = [&](const char* body, dynShapeType type, const dynMesh* surface) {
+    dynShapeSpec s;
+    dyn_shape_spec_init(&s);
+    s.body = body, s.type = type, s.surface = surface, s.size[0] = 0.2;
+    EXPECT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
+  };
+  shape("ground", DYN_SHAPE_HEIGHT_FIELD, field);
+  for (const char* name : {"one", "two", "ball"}) {
+    b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_FREE_FLYER)).body(name, (std::string(name) + "_joint").c_str());
+    const bool ball = std::string(name) == "ball";
+    shape(name, ball ? DYN_SHAPE_SPHERE : DYN_SHAPE_TRIANGLES, ball ? nullptr : pyramid);
+  }
+  dyn_mesh_free(pyramid), dyn_mesh_free(field);
+  return b.finish();
+}
+
 std::vector<Robot> robots() {
   std::vector<Robot> all;
   all.push_back({"panda", robot("panda")});
@@ -85,6 +110,7 @@ std::vector<Robot> robots() {
   all.push_back({"all types without mimic", all_types(false)});
   all.push_back({"singular", singular_at_zero()});
   all.push_back({"singular with mimic", singular_at_zero(true)});
+  all.push_back({"surfaces", surfaces()});
   return all;
 }
 

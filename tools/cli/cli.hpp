@@ -43,6 +43,7 @@ struct RobotOptions {
   std::string file;
   std::vector<std::string> package_dirs;
   std::string srdf;
+  std::string meshes = "none";
   bool fixed = false, floating = false, strict = false, cos_sin = false, json = false;
 };
 void add_robot_options(CLI::App& command, RobotOptions& options);

@@ -26,6 +26,12 @@ const char* shape_type_name(dynShapeType type) {
       return "ellipsoid";
     case DYN_SHAPE_HALF_SPACE:
       return "half_space";
+    case DYN_SHAPE_CONVEX:
+      return "convex";
+    case DYN_SHAPE_TRIANGLES:
+      return "triangles";
+    case DYN_SHAPE_HEIGHT_FIELD:
+      return "height_field";
   }
   return "unknown";
 }

@@ -43,7 +43,7 @@ json meshes_json(const Robot& robot) {
     dynShapeInfo s{};
     s.struct_size = sizeof s;
     check(dyn_shape_info(robot, k, &s));
-    if (s.type != DYN_SHAPE_MESH) continue;
+    if (!*s.mesh) continue;
     json entry = {{"shape", k}, {"link", dyn_frame_name(robot, s.frame)}, {"role", s.role == DYN_ROLE_COLLISION ? "collision" : "visual"}, {"mesh", s.mesh}};
     dynMeshOptions options;
     dyn_mesh_options_init(&options);

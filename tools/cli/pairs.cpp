@@ -23,7 +23,7 @@ const char* reason_text(dynPairReason reason) {
   switch (reason) {
     case DYN_PAIR_TESTED: return "tested";
     case DYN_PAIR_OVERLAPS: return "they overlap in the neutral configuration";
-    case DYN_PAIR_MESH: return "one is a mesh, of which only the file's name is known";
+    case DYN_PAIR_MESH: return "one is a mesh, of which only the file's name is known: see --collision-meshes";
     case DYN_PAIR_OFF: return "switched off";
     case DYN_PAIR_DISABLED: return "disabled in the SRDF";
     case DYN_PAIR_MASK: return "neither is in a group that the other collides with";

@@ -20,6 +20,10 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->check(not_empty)
       ->type_name("DIR");
   command.add_option("--srdf", options.srdf, "An SRDF for this robot: named configurations, disabled pairs")->check(not_empty)->type_name("FILE");
+  command.add_option("--collision-meshes", options.meshes, "What stands for collision meshes: nothing, their convex hulls, or their triangles")
+      ->check(CLI::IsMember({"none", "hull", "triangles"}))
+      ->type_name("none|hull|triangles")
+      ->capture_default_str();
   command.add_flag("--strict", options.strict, "Physics that would be dropped is an error");
   command.add_flag("--cos-sin", options.cos_sin, "Continuous joints store (cos, sin)");
   command.add_flag("--json", options.json, "Answer in JSON");
@@ -35,6 +39,7 @@ Robot::Robot(const RobotOptions& options) {
   load.cos_sin = options.cos_sin;
   if (!folders.empty()) load.package_dirs = folders.data();
   load.package_dirs_count = folders.size();
+  load.meshes = options.meshes == "hull" ? DYN_MESH_HULL : options.meshes == "triangles" ? DYN_MESH_TRIANGLES : DYN_MESH_NONE;
   if (!options.srdf.empty()) load.srdf = options.srdf.c_str();
   dynModel* model = nullptr;
   const dynStatus status = dyn_model_load(options.file.c_str(), &load, &model);

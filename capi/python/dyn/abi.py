@@ -24,6 +24,7 @@ class LoadOptions(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("base", c_int), ("strict", c_int32), ("cos_sin", c_int32),
         ("package_dirs", POINTER(c_char_p)), ("package_dirs_count", c_size_t), ("gravity", c_double * 3), ("srdf", c_char_p),
+        ("meshes", c_int),
     ]  # fmt: skip
 
 
@@ -72,7 +73,7 @@ class ShapeSpec(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("body", c_char_p),
         ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
-        ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32),
+        ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32), ("surface", c_void_p),
     ]  # fmt: skip
 
 
@@ -143,7 +144,7 @@ class DistanceOptions(Grown):
 
 
 class Geometry(Grown):
-    _fields_ = [("struct_size", c_uint32), ("type", c_int), ("size", c_double * 3), ("radius", c_double)]
+    _fields_ = [("struct_size", c_uint32), ("type", c_int), ("size", c_double * 3), ("radius", c_double), ("surface", c_void_p)]
 
 
 class Contact(Structure):
@@ -228,6 +229,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_frame_info": (STATUS, [_p, _i, _ref]),
     "dyn_nshapes": (_i, [_p]),
     "dyn_shape_info": (STATUS, [_p, _i, _ref]),
+    "dyn_shape_mesh": (STATUS, [_p, _i, _ref]),
+    "dyn_mesh_height_field": (STATUS, [_p, _i, _i, _d, _d, _d, _ref]),
     "dyn_ndisabled_pairs": (_i, [_p]),
     "dyn_disabled_pair": (STATUS, [_p, _i, _ref, _ref, _ref]),
     "dyn_model_array": (_p, [_p, _i]),

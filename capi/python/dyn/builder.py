@@ -14,6 +14,7 @@ from .arrays import placement as twelve
 from .enums import FrameType, JointType, ShapeRole, ShapeType
 from .errors import ArgumentError
 from .library import check, lib
+from .mesh import Mesh
 from .model import Model, member, text
 
 if TYPE_CHECKING:
@@ -142,14 +143,18 @@ class Builder:
         radius: float = 0.0,
         contype: int = 1,
         conaffinity: int = 1,
+        surface: Mesh | None = None,
     ) -> Builder:
         """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo. radius: of rounding (m); contype, conaffinity:
-        groups it is in, groups it collides with, a bit each."""
+        groups it is in, groups it collides with, a bit each; surface: of "convex" a hull, of "triangles" a mesh, of "height_field" one of
+        Mesh.height_field."""
         spec = abi.ShapeSpec()
         lib.dyn_shape_spec_init(byref(spec))
         spec.body, spec.name, spec.mesh = text(body, "body"), text(name, "name"), text(mesh, "mesh")
         spec.type, spec.role = member(ShapeType, type, "type"), member(ShapeRole, role, "role")
         spec.radius, spec.contype, spec.conaffinity = radius, contype, conaffinity
+        if surface is not None:
+            spec.surface = surface._owner.address
         sizes = np.atleast_1d(numbers(size, "size")).tolist()
         spec.size[: len(sizes)] = checked(sizes, (min(len(sizes), 3),), "size").tolist()
         if placement is not None:

@@ -12,6 +12,7 @@ from .arrays import address, checked, numbers
 from .arrays import placement as twelve
 from .enums import DistanceMethod, DistanceStatus, PairReason, ShapeType
 from .library import check, lib
+from .mesh import Mesh
 from .model import member
 
 if TYPE_CHECKING:
@@ -45,10 +46,15 @@ def _distance(d: abi.Distance) -> Distance:
     return Distance(DistanceStatus(d.status), d.distance, *vectors, d.residual, bool(d.unique), d.iterations, DistanceMethod(d.method))
 
 
-def _geometry(type: Any, size: ArrayLike, radius: float, what: str) -> abi.Geometry:
+def _geometry(type: Any, size: ArrayLike | Mesh, radius: float, what: str) -> abi.Geometry:
     out = abi.Geometry()
     lib.dyn_geometry_init(byref(out))
     out.type, out.radius = member(ShapeType, type, f"{what}: type"), radius
+    if out.type == ShapeType.CONVEX and not isinstance(size, Mesh):
+        size = Mesh.from_arrays(size).hull()
+    if isinstance(size, Mesh):
+        out.surface, out.mesh = size._owner.address, size  # kept alive
+        return out
     given = np.atleast_1d(numbers(size, f"{what}: size")).tolist()
     out.size[: len(given)] = checked(given, (min(len(given), 3),), f"{what}: size").tolist()
     return out
@@ -57,9 +63,10 @@ def _geometry(type: Any, size: ArrayLike, radius: float, what: str) -> abi.Geome
 def shape_distance(
     a: tuple, placement_a: Any, b: tuple, placement_b: Any, tolerance: float = 0.0, method: Any = DistanceMethod.GJK
 ) -> Distance:
-    """Distance between two convex shapes, each (type, size) or (type, size, rounding radius), as ("box", (1, 2, 3)) or ("sphere", 0.5);
-    sizes as in dyn.ShapeInfo. tolerance: of the distance, relative to the size of the smaller shape; 0: the default. method: asked first; "ccd" (libccd) answers for
-    overlapping shapes without a closed form, where what it finds holds."""
+    """Distance between two shapes, each (type, size) or (type, size, rounding radius), as ("box", (1, 2, 3)) or ("sphere", 0.5);
+    sizes as in dyn.ShapeInfo. ("convex", points) is the hull of points (n, 3), or of a dyn.Mesh that is a hull; ("triangles", mesh) and
+    ("height_field", mesh) take a dyn.Mesh. tolerance: of the distance, relative to the size of the smaller shape; 0: the default.
+    method: asked first; "ccd" (libccd) answers for overlapping convex shapes without a closed form, where what it finds holds."""
     A, B = (_geometry(*x, *(0.0,) * (3 - len(x)), what) for x, what in ((a, "a"), (b, "b")))
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     out = abi.Distance()

@@ -89,6 +89,17 @@ class ShapeType(enum.IntEnum):
     CONE = 6
     ELLIPSOID = 7
     HALF_SPACE = 8
+    CONVEX = 9
+    TRIANGLES = 10
+    HEIGHT_FIELD = 11
+
+
+class MeshUse(enum.IntEnum):
+    """What stands for the collision meshes of a robot file."""
+
+    NONE = 0
+    HULL = 1
+    TRIANGLES = 2
 
 
 class DistanceStatus(enum.IntEnum):

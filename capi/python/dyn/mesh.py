@@ -100,6 +100,18 @@ class Mesh:
         check(lib.dyn_mesh_from_arrays(address(points), len(points), address(corners) if len(corners) else None, len(corners), byref(out)))
         return cls(out.value)
 
+    @classmethod
+    def height_field(cls, heights: ArrayLike, step: float | Sequence[float], bottom: float) -> Mesh:
+        """Heights over a grid, (rows, columns), all above bottom, m; the point of column i has x = (i - (columns - 1) / 2) * step, that of a
+        row y likewise. step: a number, or one for x and one for y."""
+        h, steps = np.ascontiguousarray(numbers(heights, "heights")), numbers(step, "step")
+        if h.ndim != 2 or steps.shape not in ((), (2,)):
+            raise SizeError(f"heights must have shape (rows, columns) and step be one or two numbers, but their shapes are {h.shape} and {steps.shape}.")
+        x, y = np.broadcast_to(steps, 2).tolist()
+        out = c_void_p()
+        check(lib.dyn_mesh_height_field(address(h), h.shape[1], h.shape[0], x, y, float(bottom), byref(out)))
+        return cls(out.value)
+
     def __repr__(self) -> str:
         return f"<dyn.Mesh: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
 

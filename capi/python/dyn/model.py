@@ -16,9 +16,10 @@ import numpy as np
 
 from . import abi
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
-from .enums import Base, Direction, FrameType, JointType, ModelArray, PairReason, Part, ReportLevel, ShapeRole, ShapeType
+from .enums import Base, Direction, FrameType, JointType, MeshUse, ModelArray, PairReason, Part, ReportLevel, ShapeRole, ShapeType
 from .errors import ArgumentError, SizeError, UnknownNameError
 from .library import check, fail, last_error, lib
+from .mesh import Mesh
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -165,7 +166,7 @@ def _string(s: bytes | None) -> str:
     return "" if s is None else s.decode("utf-8", "surrogateescape")
 
 
-def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any):
+def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any):
     options = abi.LoadOptions()
     lib.dyn_load_options_init(byref(options))
     if base is not None:
@@ -181,6 +182,7 @@ def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity:
         options.gravity[:] = checked(gravity, (3,), "gravity").tolist()
     if srdf is not None:
         options.srdf = os.fsencode(srdf)
+    options.meshes = member(MeshUse, meshes, "meshes")
     return options
 
 
@@ -193,6 +195,7 @@ def load(
     package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
     gravity: ArrayLike | None = None,
     srdf: str | os.PathLike | None = None,
+    meshes: str | MeshUse = MeshUse.NONE,
 ) -> Model:
     """Reads a robot from a URDF file.
 
@@ -202,13 +205,15 @@ def load(
     cos_sin       continuous joints store (cos, sin)
     package_dirs  where package://NAME/... is looked up
     gravity       (3,), m/s^2, world axes; default (0, 0, -9.81)
+    meshes        what stands for collision meshes: "none", their names alone; "hull", their convex hulls (report says which are not
+                  convex); "triangles". Other than "none", a mesh that cannot be read is an error
     srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
     """
     name = os.fsencode(path)
     if b"\0" in name:
         raise ArgumentError(f"path holds a zero character: {path!r}.")
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes)
     check(lib.dyn_model_load(name, byref(options), byref(out)))
     return Model(out.value)
 
@@ -222,10 +227,11 @@ def load_string(
     package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
     gravity: ArrayLike | None = None,
     srdf: str | os.PathLike | None = None,
+    meshes: str | MeshUse = MeshUse.NONE,
 ) -> Model:
     """Reads a robot from the text of a URDF; otherwise as dyn.load."""
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes)
     check(lib.dyn_model_load_string(text(urdf, "urdf"), byref(options), byref(out)))
     return Model(out.value)
 
@@ -345,6 +351,12 @@ class Model:
             to_placement(np.array(info.placement)), np.array(info.size), _string(info.mesh), info.radius, info.contype,
             info.conaffinity,
         )  # fmt: skip
+
+    def shape_mesh(self, shape: int) -> Mesh:
+        """What a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD is made of, in the shape's frame."""
+        out = c_void_p()
+        check(lib.dyn_shape_mesh(self._m, self._index(shape, self.nshapes, "shape"), byref(out)))
+        return Mesh(out.value)
 
     @cached_property
     def disabled_pairs(self) -> tuple[DisabledPair, ...]:

@@ -42,6 +42,7 @@ def test_number_of_arguments():
         (enums.Base, "DYN_BASE_", None),
         (enums.ShapeType, "DYN_SHAPE_", None),
         (enums.ShapeRole, "DYN_ROLE_", None),
+        (enums.MeshUse, "DYN_MESH_", None),
         (enums.Convention, "DYN_CONVENTION_", None),
         (enums.Angle, "DYN_ANGLE_", None),
         (enums.Part, "DYN_PART_", None),

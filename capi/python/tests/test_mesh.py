@@ -103,3 +103,80 @@ def test_command(tmp_path):
         assert "libdyn_mesh.so" in cube["error"]
     assert "meshes" not in answer("info", path, "--fixed")
     assert "none.srdf" in run("info", path, "--fixed", "--srdf", tmp_path / "none.srdf", status=1)
+
+
+def test_shapes_of_meshes(tmp_path):
+    cube = dyn.Mesh.from_arrays(CUBE - 0.5, TRIANGLES)
+    X = [1, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0.2, 0.1]
+    here = [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]
+    expected = dyn.shape_distance(("box", (1, 1, 1)), here, ("cylinder", (0.3, 0.5)), X)
+    found = dyn.shape_distance(("triangles", cube), here, ("cylinder", (0.3, 0.5)), X)
+    assert found.distance == pytest.approx(expected.distance, abs=1e-9)
+    field = dyn.Mesh.height_field(np.full((3, 5), 0.5), 0.5, -1)
+    assert field.info.triangles == 16 and field.info.area == pytest.approx(2)
+    X[9:] = [0.3, 0.1, 0.6]
+    assert dyn.shape_distance(("height_field", field), here, ("sphere", 0.2), X).distance == pytest.approx(-0.1)
+    with pytest.raises(dyn.ArgumentError, match="no hull"):
+        dyn.shape_distance(("convex", cube), here, ("sphere", 0.2), X)
+    with pytest.raises(dyn.SizeError):
+        dyn.Mesh.height_field(np.zeros(4), 1, -1)
+    with pytest.raises(dyn.InvalidRobotError, match="not above the bottom"):
+        dyn.Mesh.height_field(np.zeros((2, 2)), 1, 0)
+    b = dyn.Builder("scene").body("ground", None, 0, [0, 0, 0], np.zeros((3, 3))).joint("slide", "prismatic").joint("turn", "revolute", "slide")
+    b.body("cube", "turn", 1, [0, 0, 0], np.eye(3)).shape("ground", "height_field", surface=field).shape("cube", "triangles", surface=cube)
+    m = b.finish()
+    d = m.data()
+    d.set_pair(None, True)
+    assert d.distances([1.5, 0.0]) == pytest.approx([0.5])
+    assert len(m.shape_mesh(1).triangles) == 12 and m.shapes[1].type == dyn.ShapeType.TRIANGLES
+    with pytest.raises(dyn.ArgumentError):
+        dyn.Builder("scene").body("a", None, 0, [0, 0, 0], np.zeros((3, 3))).shape("a", "triangles")
+
+
+def test_meshes_of_robots(tmp_path):
+    if not has_module(tmp_path):
+        pytest.skip("built without assimp and qhull")
+    dented = CUBE.copy()
+    dented[7] = [0.6, 0.6, 0.6]
+    obj(tmp_path / "a.obj", dented)
+    part = "<collision><geometry><mesh filename='a.obj'/></geometry></collision>"
+    mass = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
+    joint = "<joint name='{0}' type='prismatic'><parent link='{1}'/><child link='{2}'/><axis xyz='1 0 0'/><limit effort='1' velocity='1' lower='-9' upper='9'/></joint>"
+    path = tmp_path / "r.urdf"
+    path.write_text(
+        f"<robot name='r'><link name='a'>{part}</link><link name='b'>{mass}</link><link name='c'>{mass}{part}</link>"
+        + joint.format("x", "a", "b") + joint.format("y", "b", "c") + "</robot>"
+    )  # fmt: skip
+    names = dyn.load(path, "fixed")
+    assert names.shapes[0].type == dyn.ShapeType.MESH and names.pairs[0].reason == dyn.PairReason.MESH
+    hull, triangles = dyn.load(path, "fixed", meshes="hull"), dyn.load(path, "fixed", meshes="triangles")
+    assert hull.shapes[0].type == dyn.ShapeType.CONVEX and triangles.shapes[0].type == dyn.ShapeType.TRIANGLES
+    assert any("not convex" in str(r.message) for r in hull.report)
+    for m in (hull, triangles):
+        d = m.data()
+        d.set_pair(None, True)
+        assert d.distances([1.0, 2.0]) == pytest.approx([2.0])
+    assert hull.shape_mesh(0).info.convex and not triangles.shape_mesh(0).info.convex
+    (tmp_path / "a.obj").unlink()
+    with pytest.raises(dyn.FileError, match="link 'a'"):
+        dyn.load(path, "fixed", meshes="hull")
+
+
+@pytest.mark.skipif(not CLI, reason="the command dyn is not built")
+def test_cli_collision_meshes(tmp_path):
+    if not has_module(tmp_path):
+        pytest.skip("built without assimp and qhull")
+    obj(tmp_path / "a.obj")
+    part = "<collision><geometry><mesh filename='a.obj'/></geometry></collision>"
+    path = tmp_path / "r.urdf"
+    path.write_text(
+        f"<robot name='r'><link name='w'/><link name='a'>{part}</link><link name='b'>{part}</link><joint name='x' type='floating'><parent link='w'/>"
+        "<child link='a'/></joint><joint name='y' type='floating'><parent link='w'/><child link='b'/></joint></robot>".replace(
+            part, part + "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
+        )
+    )
+    assert "--collision-meshes" in run("info", path, "--fixed", "--pairs")
+    for kind, name in (("hull", "convex"), ("triangles", "triangles")):
+        info = answer("info", path, "--fixed", "--collision-meshes", kind)
+        assert [s["type"] for s in info["shapes"]] == [name, name]
+    run("info", path, "--fixed", "--collision-meshes", "boxes", status=2)

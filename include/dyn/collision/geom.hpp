@@ -29,12 +29,13 @@ inline int size_count(dynShapeType type) {
     case DYN_SHAPE_BOX: case DYN_SHAPE_ELLIPSOID: return 3;
     case DYN_SHAPE_SPHERE: return 1;
     case DYN_SHAPE_CYLINDER: case DYN_SHAPE_CAPSULE: case DYN_SHAPE_CONE: return 2;
-    case DYN_SHAPE_HALF_SPACE: case DYN_SHAPE_MESH: break;
+    case DYN_SHAPE_HALF_SPACE: case DYN_SHAPE_MESH: case DYN_SHAPE_CONVEX: case DYN_SHAPE_TRIANGLES: case DYN_SHAPE_HEIGHT_FIELD: break;
   }
   return 0;
 }
 
-// Shapes have radius and length where the core has semi-axes and half lengths. False for meshes: of these only the name is known.
+// Shapes have radius and length where the core has semi-axes and half lengths. Pointers stay empty. False for meshes: of these only the
+// name is known.
 inline bool geometry_of(dynShapeType type, const double* size, double radius, shape::Shape& out) {
   using shape::Type;
   out = {Type::Sphere, radius, Vec::zero(), nullptr};
@@ -46,16 +47,24 @@ inline bool geometry_of(dynShapeType type, const double* size, double radius, sh
     case DYN_SHAPE_CONE: out.type = Type::Cone, out.size = Vec::make(size[0], size[0], size[1] / 2); return true;
     case DYN_SHAPE_ELLIPSOID: out.type = Type::Ellipsoid, out.size = load3(size); return true;
     case DYN_SHAPE_HALF_SPACE: out.type = Type::HalfSpace; return true;
+    case DYN_SHAPE_CONVEX: out.type = Type::Convex; return true;
+    case DYN_SHAPE_TRIANGLES: out.type = Type::Triangles; return true;
+    case DYN_SHAPE_HEIGHT_FIELD: out.type = Type::HeightField; return true;
     case DYN_SHAPE_MESH: break;
   }
   return false;
 }
 
-inline Geom geom_of(const Model& m, Index geom) {
+// d: what shapes point to
+template <class D>
+Geom geom_of(const Model& m, const D& d, Index geom) {
   const ShapeRecord& s = m.shapes()[m.geoms()[geom].shape];
   const FrameRecord& f = m.frames()[s.frame];
   Geom g;
   geometry_of(s.type, s.size, s.radius, g.shape);
+  if (g.shape.type == shape::Type::Convex) g.shape.hull = d.hulls + s.surface;
+  if (g.shape.type == shape::Type::Triangles) g.shape.triangles = d.trees + s.surface;
+  if (g.shape.type == shape::Type::HeightField) g.shape.grid = d.grids + s.surface;
   g.X = f.X * load_se3(s.placement);
   g.body = f.body;
   g.reach = reach(g.shape);
@@ -65,8 +74,12 @@ inline Geom geom_of(const Model& m, Index geom) {
 // Fills in what of data belongs to shapes.
 template <class D>
 void set_up(const Model& m, D& d) {
+  auto place = [&]<class T>(T* to, const Stored<T>* from, Index count) {
+    for (Index k = 0; k < count; ++k) to[k] = view(from[k].header, m.surface_numbers() + from[k].numbers, m.surface_indices() + from[k].indices);
+  };
+  place(d.hulls, m.hulls(), m.n.hulls), place(d.trees, m.trees(), m.n.trees), place(d.grids, m.grids(), m.n.grids);
   for (Index k = 0; k < m.n.geoms; ++k) {
-    d.geoms[k] = geom_of(m, k);
+    d.geoms[k] = geom_of(m, d, k);
     const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];
     d.geom_masks[k] = {s.contype, s.conaffinity};
   }

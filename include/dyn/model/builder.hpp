@@ -16,6 +16,7 @@
 namespace dyn {
 
 struct Model;
+struct SurfaceData;
 
 // An error on its way to the C boundary: the status and one sentence saying what, where, and what to do.
 struct Error : std::runtime_error {
@@ -60,6 +61,7 @@ struct Shape {
   std::string mesh;
   double radius = 0;                           // of rounding
   std::uint32_t contype = 1, conaffinity = 1;  // groups it is in, groups it collides with
+  std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
 };
 
 // nq and nv of a type with no parts.
@@ -96,7 +98,7 @@ class Builder {
   void shape(const Shape& shape);
   void configuration(const std::string& name, const std::vector<double>& q);
   // The same by joints, each with its own coordinates; the others are neutral.
-  void configuration(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);
+  void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);
   // Two bodies that are not tested for collision.
   void disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason);
   void report(dynReportLevel level, int line, const std::string& message);

@@ -12,6 +12,7 @@ struct LoadOptions {
   std::vector<std::string> package_dirs;
   std::array<double, 3> gravity = {0, 0, -9.81};
   std::string srdf;  // path, or ""
+  dynMeshUse meshes = DYN_MESH_NONE;
 };
 
 // Content decides the format. Throws Error with file, line, element and remedy.

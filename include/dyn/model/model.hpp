@@ -7,6 +7,9 @@
 
 #include "dyn.h"
 #include "dyn/model/body.hpp"
+#include "dyn/model/stored.hpp"
+#include "dyn/shape/height_field.hpp"
+#include "dyn/shape/triangles.hpp"
 
 namespace dyn {
 
@@ -73,6 +76,7 @@ struct ShapeRecord {
   dynShapeType type;
   dynShapeRole role;
   Index frame;
+  Index surface;  // CONVEX, TRIANGLES, HEIGHT_FIELD: its number among the hulls, trees or grids; otherwise -1
   double placement[12], size[3];
   double radius;  // of rounding
   std::uint32_t contype, conaffinity;
@@ -107,6 +111,7 @@ struct ModelSizes {
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
   Index bodies, runs, chunks, sweep, spans, curved, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
+  Index hulls, trees, grids, surface_numbers, surface_indices;
 };
 
 struct Model {

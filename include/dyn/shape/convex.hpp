@@ -11,19 +11,28 @@ struct Hull {
   static constexpr Index lanes = 8;
   static constexpr Index padded(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
-  Index vertices, faces;
+  Index vertices, faces, corners;  // corners of all faces
   const double *x, *y, *z;         // padded(vertices)
   const double* planes;            // 4 a face: unit normal, offset
   const Index* face_start;         // faces + 1
-  const Index* face_vertices;      // face_start[faces]
+  const Index* face_vertices;      // corners
   const Index* neighbour_start;    // vertices + 1
-  const Index* neighbours;         // neighbour_start[vertices]
+  const Index* neighbours;         // corners
   Vec center;                      // mean of the vertices
   double extent;                   // farthest vertex from the origin
 
   DYN_INLINE Vec vertex(Index i) const { return Vec::make(x[i], y[i], z[i]); }
   Vec normal(Index f) const { return load3(planes + 4 * f); }
   double offset(Index f) const { return planes[4 * f + 3]; }
+
+  // its arrays, in the order in which they are stored
+  template <class F>
+  void each_array(F&& f) {
+    const std::size_t room = std::size_t(padded(vertices));
+    f(x, room), f(y, room), f(z, room), f(planes, 4 * std::size_t(faces));
+    f(face_start, std::size_t(faces) + 1), f(face_vertices, std::size_t(corners));
+    f(neighbour_start, std::size_t(vertices) + 1), f(neighbours, std::size_t(corners));
+  }
 };
 
 struct Convex : Solid<Convex> {
@@ -45,10 +54,12 @@ struct Convex : Solid<Convex> {
   static constexpr Index search_all = 128;  // up to here all vertices are looked at
 
   Index farthest(const Vec& d) const;
-  // from neighbour to neighbour: on a hull every local maximum is the global one
+  mutable Index last_ = 0;
+
+  // from neighbour to neighbour, beginning where the last search ended: on a hull every local maximum is the global one
   Index climb(const Vec& d) const {
-    Index best = 0;
-    double most = dot(hull.vertex(0), d);
+    Index best = last_;
+    double most = dot(hull.vertex(best), d);
     for (bool up = true; up;) {
       up = false;
       const Index at = best;
@@ -57,7 +68,7 @@ struct Convex : Solid<Convex> {
         if (along > most) most = along, best = hull.neighbours[k], up = true;
       }
     }
-    return best;
+    return last_ = best;
   }
 };
 

@@ -9,12 +9,17 @@
 #include "dyn/shape/cylinder.hpp"
 #include "dyn/shape/ellipsoid.hpp"
 #include "dyn/shape/half_space.hpp"
+#include "dyn/shape/height_field.hpp"
 #include "dyn/shape/sphere.hpp"
+#include "dyn/shape/triangles.hpp"
 
 namespace dyn::shape {
 
 #define DYN_SHAPES(X) X(HalfSpace) X(Sphere) X(Capsule) X(Box) X(Cylinder) X(Cone) X(Ellipsoid) X(Convex)
+// not convex: see surface.hpp
+#define DYN_SURFACES(X) X(Triangles) X(HeightField)
 
+// of convex types, which come first
 inline constexpr int type_count = 0
 #define DYN_COUNT(S) +1
     DYN_SHAPES(DYN_COUNT)
@@ -30,6 +35,7 @@ DYN_INLINE void visit(const Shape& shape, F&& f) {
     f(S(shape));    \
     break;
     DYN_SHAPES(DYN_CASE)
+    DYN_SURFACES(DYN_CASE)
 #undef DYN_CASE
   }
 }

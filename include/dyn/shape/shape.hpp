@@ -26,9 +26,12 @@
 
 namespace dyn::shape {
 
-enum class Type : Index { HalfSpace, Sphere, Capsule, Box, Cylinder, Cone, Ellipsoid, Convex };
+// surfaces (surface.hpp) come last
+enum class Type : Index { HalfSpace, Sphere, Capsule, Box, Cylinder, Cone, Ellipsoid, Convex, Triangles, HeightField };
 
 struct Hull;
+struct TriangleTree;
+struct Grid;
 
 // One shape as plain values. The meaning of `size` is the type's: see its file.
 struct Shape {
@@ -36,6 +39,8 @@ struct Shape {
   double radius;      // rounding, m
   Vec3<double> size;  // m
   const Hull* hull;   // Convex alone
+  const TriangleTree* triangles = nullptr;  // Triangles alone
+  const Grid* grid = nullptr;               // HeightField alone
 };
 
 using Vec = Vec3<double>;
