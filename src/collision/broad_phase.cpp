@@ -115,19 +115,20 @@ void BroadPhase::settle() {
 
 void BroadPhase::pack() {
   loose_count_ = 0;
-  // centres in cells of the box about them
+  // centres in cells of the cube about them
   auto center = [&](Index id, int i) { return std::clamp(tight_[id].lower[i] / 2 + tight_[id].upper[i] / 2, -1e30, 1e30); };
-  double lower[3], scale[3];
+  double lower[3], extent = 0;
   for (int i = 0; i < 3; ++i) {
     double least = shape::infinity, most = -shape::infinity;
     for (Index id = 0; id < used_; ++id)
       if (state_[id] != free_slot) least = std::min(least, center(id, i)), most = std::max(most, center(id, i));
-    lower[i] = least, scale[i] = most > least ? 1023.99 / (most - least) : 0;
+    lower[i] = least, extent = std::max(extent, most - least);
   }
+  const double scale = extent > 0 ? 1023.99 / extent : 0;
   Index n = 0;
   for (Index id = 0; id < used_; ++id) {
     if (state_[id] == free_slot) continue;
-    auto cell = [&](int i) { return std::uint32_t((center(id, i) - lower[i]) * scale[i]); };
+    auto cell = [&](int i) { return std::uint32_t((center(id, i) - lower[i]) * scale); };
     key_[n++] = std::uint64_t(hilbert(cell(0), cell(1), cell(2))) << 32 | std::uint32_t(id);
   }
   std::uint64_t *from = key_, *to = key_ + capacity_;
