@@ -37,7 +37,7 @@ ModelPtr load_content(const std::string& text, const std::string& file, const Lo
 
 }  // namespace
 
-ModelPtr load_file(const std::string& path, const LoadOptions& options) { return load_content(load::read_file(path, "a URDF file"), path, options); }
+ModelPtr load_file(const std::string& path, const LoadOptions& options) { return load_content(load::read_file(path, "a robot file"), path, options); }
 
 ModelPtr load_string(const std::string& text, const LoadOptions& options) { return load_content(text, "", options); }
 

@@ -66,6 +66,7 @@ ModelPtr load_mjcf(const std::string& text, const std::string& file, const LoadO
   robot.bodies.push_back(std::move(world));
   MjcfFile main(source, robot, options);
   read_mjcf_file(main, root, MjcfContext());
+  if (options.gravity != LoadOptions().gravity) robot.gravity = options.gravity;
   return build_mjcf(robot, source);
 }
 

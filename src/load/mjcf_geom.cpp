@@ -57,6 +57,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   reader.unread(e, {"name", "class", "type", "contype", "conaffinity", "group", "size", "material", "rgba", "mass", "density", "fromto", "pos", "quat", "axisangle",
                     "euler", "xyaxes", "zaxis", "hfield", "mesh", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"},
                 {"plugin"});
+  count_unused(reader, e, "geom", {"friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap"});
   const GeomType* type = type_of(reader, e);
   if (!type) return geom.place.physics("a geom of type sdf is not used");
 

@@ -63,6 +63,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (context.body == 0) reader.fail(DYN_ERROR_INVALID, e, "the world has no joints: put it into a <body>");
   reader.unread(e, {"name", "class", "type", "group", "pos", "axis", "limited", "range", "actuatorfrclimited", "actuatorfrcrange", "stiffness", "springref", "ref",
                     "armature", "damping", "frictionloss", "user", "align", "margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"}, {});
+  count_unused(reader, e, "joint", {"margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
   JointSpec& spec = joint.spec;
   spec.type = type_of(reader, e);
   const bool hinge = spec.type == DYN_JOINT_REVOLUTE, scalar = hinge || spec.type == DYN_JOINT_PRISMATIC;

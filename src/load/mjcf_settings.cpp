@@ -38,6 +38,11 @@ std::optional<bool> read_switch(const Reader& reader, const Element& e, const ch
   reader.fail(DYN_ERROR_PARSE, e, "<" + std::string(e.Name()) + " " + attribute + "> is " + load::quoted(text) + ": true or false is expected");
 }
 
+void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes) {
+  for (const char* name : attributes)
+    if (e.Attribute(name)) reader.report.count("<" + std::string(kind) + " " + name + ">: not used: no contact or limit exerts a force yet", line(e));
+}
+
 void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {
   const Reader reader = source.reader(e, "the model");
   reader.unread(e, {"angle", "eulerseq", "autolimits", "inertiafromgeom", "inertiagrouprange", "boundmass", "boundinertia", "settotalmass", "balanceinertia",

@@ -41,6 +41,9 @@ inline constexpr std::initializer_list<const char*> rotation_attributes = {"quat
 // true, false, auto; what: the value without the attribute
 std::optional<bool> read_switch(const Reader& reader, const Element& e, const char* attribute, std::optional<bool> missing);
 
+// Attributes that nothing uses yet, one line of the report for each.
+void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes);
+
 // Classes of defaults.
 class MjcfDefaults {
  public:
