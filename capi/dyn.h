@@ -380,7 +380,8 @@ enum {
   DYN_PART_IK = 1u << 15,                  /* inverse kinematics: two nv x nv (includes COM) */
   DYN_PART_SECOND_ORDER = 1u << 16,        /* lambda_d2tau_...: nv x nv each (includes INVERSE_DERIVATIVES) */
   DYN_PART_COLLISION = 1u << 17,           /* distances of all pairs */
-  DYN_PART_ALL = 0x3ffff
+  DYN_PART_SIMULATION = 1u << 20,          /* stages of the integrators (includes FORWARD) */
+  DYN_PART_ALL = 0x13ffff
 };
 
 /* parts = 0 means DYN_PART_ALL. */
@@ -941,10 +942,45 @@ DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double o
 
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
-/* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, damping and dry
-   friction not applied. The state and the time advance; after an error they are as before the failing step. */
-typedef enum dynIntegrator { DYN_SEMI_IMPLICIT_EULER = 0, DYN_RK4 = 1 } dynIntegrator;
-DYN_API dynStatus dyn_step(const dynModel* model, dynData* data, dynIntegrator integrator, double dt);
+/* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, with the effects that are switched on.
+   Rotations are integrated on the group, so that the orders hold for them, too. */
+typedef enum dynIntegrator {
+  DYN_SEMI_IMPLICIT_EULER = 0, /* order 1; damping and dry friction at the end of the step: no coefficient is too large */
+  DYN_RK4 = 1,                 /* order 4, four evaluations of forward dynamics a step */
+  DYN_IMPLICIT_FAST = 2,       /* order 1; damping, dry friction and springs at the end of the step: no stiffness is too large */
+  DYN_IMPLICIT_MIDPOINT = 3,   /* order 2, time-reversible, symplectic on vector spaces: for long times; solved to rounding */
+  DYN_RK45 = 4,                /* order 5 with an estimate of the error (Dormand and Prince), seven evaluations */
+  DYN_REFERENCE = 5            /* as good as rounding allows: order 8 (DOP853) in as many steps within dt as that takes */
+} dynIntegrator;
+
+/* How data steps. Kept in the data. */
+typedef struct dynStepOptions {
+  uint32_t struct_size;     /* set by dyn_step_options_init */
+  dynIntegrator integrator; /* default SEMI_IMPLICIT_EULER */
+  double dt;                /* s, > 0; default 1e-3 */
+  double accuracy;          /* > 0: dyn_advance chooses its steps by itself, so that their errors add up to at most this: m and rad, m/s and rad/s;
+                               by order 8, with integrator RK45 by order 5. What grows by itself (chaos) grows beyond. default 0: steps of dt */
+} dynStepOptions;
+DYN_API void dyn_step_options_init(dynStepOptions* options);
+DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options);
+DYN_API dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options);
+
+/* One step of dt. The state and the time advance; after an error they are as before. */
+DYN_API dynStatus dyn_step(const dynModel* model, dynData* data);
+/* Steps that make up duration (s, >= 0), a shorter one at the end, or of the lengths that accuracy takes. After an error the state and the time are
+   those before the failing step. */
+DYN_API dynStatus dyn_advance(const dynModel* model, dynData* data, double duration);
+
+/* What the last of these calls did. */
+typedef struct dynStepReport {
+  uint32_t struct_size;
+  int64_t steps, rejected; /* made; tried with an error too large */
+  int64_t evaluations;     /* of forward dynamics */
+  double time;             /* s, advanced */
+  double smallest_dt;      /* s */
+  double error_estimate;   /* sum of the estimated errors of the steps; 0 from integrators that have none */
+} dynStepReport;
+DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
 
 /* ------------------------------------------------------------------------------------------------------- meshes */
 

@@ -1,4 +1,4 @@
-#include "dyn/simulation/step.hpp"
+#include "dyn/integrator/advance.hpp"
 
 namespace dyn {
 template void inverse_dynamics(const Model&, Data<double>&, const double*, const double*, const double*, double*);
@@ -8,6 +8,7 @@ template void crba(const Model&, Data<double>&);
 template Index factorize(const Model&, Data<double>&);
 template void solve(const Model&, const Data<double>&, double*);
 template void invert(const Model&, Data<double>&);
-template Index step_semi_implicit_euler(const Model&, Data<double>&, double);
-template Index step_rk4(const Model&, Data<double>&, double);
+template Index integrator::step(const Model&, Data<double>&, dynIntegrator, double, dynStepReport&);
+template Index integrator::advance_to_accuracy<integrator::DormandPrince5>(const Model&, Data<double>&, const integrator::Stages<double>&, double, double, dynStepReport&);
+template Index integrator::advance_to_accuracy<integrator::DormandPrince8>(const Model&, Data<double>&, const integrator::Stages<double>&, double, double, dynStepReport&);
 }  // namespace dyn

@@ -51,6 +51,9 @@ inline std::ptrdiff_t tile_room(std::ptrdiff_t n) { return (n + 3) / 4 * 4; }
 // And in whole packs of eight (algorithm/cholesky.hpp).
 inline std::ptrdiff_t factor_room(const Model& m) { return (std::ptrdiff_t(m.n.nv) + 7) & ~std::ptrdiff_t(7); }
 
+// Of an integrator: q at the beginning of a step, the state there and in a stage, and its rate in up to 12 stages.
+inline std::ptrdiff_t stages_room(std::ptrdiff_t nq, std::ptrdiff_t nv) { return nq + 2 * nv * (2 + 12); }
+
 // First expanded degree of freedom at or after body i.
 inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
 
@@ -93,6 +96,8 @@ struct Data {
 #define BUFFER(type, name, count, part, sentence) type* name;
 #include "dyn/model/data_fields.def"
 
+  dynStepOptions stepping;
+  dynStepReport stepped;                             // of the last call that made steps
   dynParts parts;
   std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them
   std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
@@ -135,6 +140,7 @@ struct Data {
 // Parts with what they imply.
 inline dynParts complete_parts(dynParts p) {
   if (p == 0) p = DYN_PART_ALL;
+  if (p & DYN_PART_SIMULATION) p |= DYN_PART_FORWARD;
   if (p & DYN_PART_SECOND_ORDER) p |= DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_FORWARD_DERIVATIVES) p |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_INVERSE_DERIVATIVES) p |= DYN_PART_INVERSE | DYN_PART_MASS;

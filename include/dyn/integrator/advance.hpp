@@ -1,0 +1,102 @@
+// Steps whose lengths follow from the error asked for: an embedded Runge-Kutta method, error per unit step (Hairer, Norsett, Wanner 1993,
+// II.4), so that the local errors add up to at most `accuracy` over the duration.
+#pragma once
+
+#include "dyn/integrator/implicit_midpoint.hpp"
+#include "dyn/integrator/runge_kutta.hpp"
+#include "dyn/integrator/semi_implicit_euler.hpp"
+
+namespace dyn::integrator {
+
+inline constexpr Index no_step_left = -2;  // steps became shorter than time can tell apart
+
+template <class T>
+T largest(const T* x, Index n) {
+  T out = T(0);
+  for (Index k = 0; k < n; ++k)
+    if (const T size = std::abs(x[k]); !(size <= out)) out = size;
+  return out;
+}
+
+// Where rounding ends what a smaller step could gain, rad and m and their rates.
+template <class T>
+T rounding(const Model& m, const Data<T>& d) {
+  return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
+}
+
+// First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
+template <class T>
+Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T tolerance, T longest, T& h) {
+  s.begin(m, d);
+  const ChartMotion<T> motion{m, d, s.q0};
+  T *f = s.stage(0), *g = s.stage(1);
+  if (const Index joint = motion(s.y0, f)) return s.undo(m, d), joint;
+  const T size = std::max(T(1), largest(s.y0, s.n)), rate = largest(f, s.n);
+  const T h0 = rate > T(0) ? std::min(longest, T(0.01) * size / rate) : longest;
+  for (Index k = 0; k < s.n; ++k) s.y[k] = s.y0[k] + h0 * f[k];
+  const Index joint = motion(s.y, g);
+  for (Index k = 0; k < s.n; ++k) g[k] -= f[k];
+  const T second = std::max(largest(g, s.n) / h0, rate);
+  s.undo(m, d);
+  if (joint || !(second < std::numeric_limits<T>::infinity())) return h = h0, 0;  // the first step will tell
+  h = std::min(longest, second > T(0) ? std::min(100 * h0, std::pow(T(0.01) * tolerance / second, T(1) / order) * 4) : longest);
+  return 0;
+}
+
+// Advances d by duration. accuracy 0: as good as rounding allows. Returns 0, the joint whose forward dynamics failed, or no_step_left; the
+// state is then that of report.time.
+template <class Tableau, class T>
+Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
+  constexpr T power = T(1) / (Tableau::order - 1);
+  T h = duration, t = 0;
+  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, rounding(m, d)), duration, h)) return joint;
+  report.evaluations += 2;
+  while (t < duration) {
+    const bool last = h >= (duration - t) * (1 - 1e-12);
+    if (last) h = duration - t;
+    if (!(t + h > t)) return no_step_left;
+    const Index joint = explicit_step<Tableau>(m, d, s, h);
+    report.evaluations += Tableau::stages;
+    const T error = joint ? std::numeric_limits<T>::infinity() : step_error(Tableau(), s, h), floor = rounding(m, d);
+    const T allowed = std::max(accuracy * (h / duration), floor);
+    if (error <= allowed) {
+      t = last ? duration : t + h;
+      ++report.steps, report.time = t, report.error_estimate += error;
+      report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+    } else {
+      if (joint && h < duration * T(1e-12)) return joint;
+      if (!joint) s.undo(m, d);
+      ++report.rejected;
+    }
+    const T factor = error > T(0) ? T(0.9) * std::pow(allowed / error, power) : T(5);
+    h *= error < std::numeric_limits<T>::infinity() ? std::clamp(factor, T(0.2), T(5)) : T(0.1);
+  }
+  return 0;
+}
+
+// One step of h by the integrator. Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.
+template <class T>
+Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
+  const Stages<T> s(m, d);
+  Index failed = 0;
+  switch (integrator) {
+    case DYN_SEMI_IMPLICIT_EULER: failed = euler_step(m, d, s, h, false), report.evaluations += 1; break;
+    case DYN_IMPLICIT_FAST: failed = euler_step(m, d, s, h, true), report.evaluations += 1; break;
+    case DYN_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
+    case DYN_RK45:
+      failed = explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
+      if (!failed) report.error_estimate += step_error(DormandPrince5(), s, h);
+      break;
+    case DYN_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations); break;
+    case DYN_REFERENCE: {
+      dynStepReport inner{};
+      failed = advance_to_accuracy<DormandPrince8>(m, d, s, h, T(0), inner);
+      report.evaluations += inner.evaluations, report.rejected += inner.rejected, report.error_estimate += inner.error_estimate;
+      break;
+    }
+  }
+  if (!failed) ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+  return failed;
+}
+
+}  // namespace dyn::integrator

@@ -1,0 +1,40 @@
+// Euler steps: the velocity first, then the configuration with the new velocity.
+//   v' = v + h ddq(q, v')      q' = q (+) h v'
+// First order. What resists the velocity is taken at v', so that no coefficient is too large for the step: (M + h D) ddq = tau - nle.
+#pragma once
+
+#include "dyn/integrator/chart.hpp"
+
+namespace dyn::integrator {
+
+// springs: they, too, are taken at the end of the step: implicit_fast, (M + h D + h^2 K) ddq = tau - nle - h K v. Without, the energy of
+// oscillations stays bounded (symplectic); with, no stiffness is too large. Returns 0, or the joint whose forward dynamics failed: the state
+// is then as before.
+template <class T>
+Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
+  T* const armature = d.armature;
+  T* tau = d.tau_applied;
+  const std::uint32_t acting = d.acting, implicit = DYN_EFFECT_DAMPING | DYN_EFFECT_FRICTION | (springs ? DYN_EFFECT_SPRINGS : 0u);
+  if (d.acting & implicit) {
+    d.armature = d.net + m.n.nv;
+    implicit_armature(m, d, armature, h);
+    if (springs && (d.acting & DYN_EFFECT_SPRINGS)) {
+      tau = s.y;
+      for (Index k = 0; k < m.n.nv; ++k) {
+        d.armature[k] += h * h * d.stiffness[k];
+        tau[k] = d.tau_applied[k] - h * d.stiffness[k] * d.v[k];
+      }
+    }
+    d.acting |= DYN_EFFECT_ARMATURE;
+  }
+  const Index joint = forward_dynamics(m, d, d.v, tau, static_cast<const T*>(nullptr), d.ddq);
+  d.armature = armature, d.acting = acting;
+  if (joint) return joint;
+  s.begin(m, d);
+  T* hv = s.y;
+  for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k], hv[k] = h * d.v[k];
+  integrate(m, d.q, hv, d.q);
+  return 0;
+}
+
+}  // namespace dyn::integrator
