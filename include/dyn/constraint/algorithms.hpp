@@ -19,5 +19,9 @@ template <class T> void delassus_times(const Model&, Data<T>&, const T* x, T* by
 template <class T> Index project(const Model&, Data<T>&, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult&);
 template <class T>
 Index constrained_inverse_dynamics(const Model&, Data<T>&, const T* v, const T* a, const T* fext, const std::int32_t* actuated, T* tau, dynConstraintResult&);
+// derivatives.hpp
+template <class T>
+Index constrained_dynamics_derivatives(const Model&, Data<T>&, const T* v, const T* tau, const T* fext, const ProximalOptions&, dynConstraintResult&);
+template <class T> Index constraint_impulse_derivatives(const Model&, Data<T>&, const T* v, const ProximalOptions&, dynConstraintResult&);
 
 }  // namespace dyn
