@@ -35,7 +35,7 @@ dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const d
   if (!call || !good_result(call, result) || !read_options(call, options, given) || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  d.drop(Stage::ConstrainedDdq), d.drop(Stage::Ddq);  // being written
+  d.drop(Stage::ConstrainedDdq);  // being written
   dynConstraintResult found{};
   if (const Index failed = constrained_dynamics(m, d, d.v, d.tau_applied, fext, given, d.constraint_ddq, found)) return singular(call, failed, Stage::ConstrainedDdq);
   const Index rows = found.rows;
