@@ -153,8 +153,8 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
     return fail(DYN_ERROR_SIZE, "dyn_data_array: struct_size is %u, needs %zu: set it to sizeof(dynArray)", out->struct_size, sizeof(dynArray));
   if (!call.fresh(rows[field].stage, rows[field].info.name, rows[field].info.producer)) return call.status;
   const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames, nparameters = parameter_count(call.m()),
-                       npairs = call.m().n.pairs;
-  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs;
+                       npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows;
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
     out->rows = int32_t(height), out->cols = int32_t(width), out->data = numbers;
   };

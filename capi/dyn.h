@@ -149,6 +149,7 @@ typedef struct dynLoadOptions {
   double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's: anything else counts */
   const char* srdf;                 /* path of an SRDF for this robot; NULL: none */
   dynMeshUse meshes;                /* anything but NONE needs libdyn_mesh.so, and a mesh that cannot be read is an error */
+  int32_t constraint_slots;         /* spare slots for constraints, 0 to 1000; default 8 */
 } dynLoadOptions;
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
@@ -380,8 +381,10 @@ enum {
   DYN_PART_IK = 1u << 15,                  /* inverse kinematics: two nv x nv (includes COM) */
   DYN_PART_SECOND_ORDER = 1u << 16,        /* lambda_d2tau_...: nv x nv each (includes INVERSE_DERIVATIVES) */
   DYN_PART_COLLISION = 1u << 17,           /* distances of all pairs */
+  DYN_PART_CONSTRAINTS = 1u << 18,         /* slots, Delassus matrix (includes FORWARD; FACTOR when there are mimic joints) */
+  DYN_PART_CONSTRAINT_DERIVATIVES = 1u << 19, /* nv x rows, rows x nv (includes CONSTRAINTS and FORWARD_DERIVATIVES) */
   DYN_PART_SIMULATION = 1u << 20,          /* stages of the integrators (includes FORWARD) */
-  DYN_PART_ALL = 0x13ffff
+  DYN_PART_ALL = 0x1fffff
 };
 
 /* parts = 0 means DYN_PART_ALL. */
@@ -749,6 +752,170 @@ typedef struct dynIkResult {
    options may be NULL (the defaults). Needs part IK. */
 DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks,
                          const dynIkOptions* options, double* solution, double* residuals, dynIkResult* result);
+
+/* ------------------------------------------------------------------------------------------------------- constraints */
+
+/* What ties bodies or joints together. A constraint lies in a slot of the data: the model's own in the first dyn_nconstraints(model)
+   slots, then spare ones (dynLoadOptions.constraint_slots, dyn_builder_constraint_slots) that a program sets as it goes: feet that
+   touch down, objects that are grasped. C(q) are the rows of the enabled ones in the order of their slots, J their Jacobian, lambda
+   the forces of the rows:
+     M ddq + nle = tau + J' lambda        J ddq + drift = - stiffness C - damping J v
+   Constraints between frames: their rows are those of first as seen from second, axes of second's placement (the world's, when second
+   is the universe); lambda acts on first at its placement's origin, and the opposite on second. */
+typedef enum dynConstraintType {
+  DYN_CONSTRAINT_NONE = 0,     /* an empty slot */
+  DYN_CONSTRAINT_POINT = 1,    /* 3 rows: contact of a point of first */
+  DYN_CONSTRAINT_FRAME = 2,    /* 6 rows: contact of a face of first, [linear; angular] */
+  DYN_CONSTRAINT_CONNECT = 3,  /* 3 rows: two points of two bodies are one */
+  DYN_CONSTRAINT_WELD = 4,     /* 6 rows: two frames are one */
+  DYN_CONSTRAINT_DISTANCE = 5, /* 1 row: two points are length apart, as by a rod */
+  DYN_CONSTRAINT_LOOP = 6,     /* 6 - nv rows: closed by a joint of joint_type, first as the child of second; linear rows, then angular ones */
+  DYN_CONSTRAINT_COUPLING = 7, /* 1 row: q_first = c0 + c1 q_second + c2 q_second^2 + ..., joints of one coordinate */
+  DYN_CONSTRAINT_LIMIT = 8,    /* 1 row: joint first stays within its limits; lambda >= 0 at the lower one, <= 0 at the upper one, else 0 */
+  DYN_CONSTRAINT_FRICTION = 9  /* 1 row: dry friction in joint first: |lambda| <= force, as much of it as ddq = - damping v takes */
+} dynConstraintType;
+
+typedef struct dynConstraint {
+  uint32_t struct_size;      /* set by dyn_constraint_init */
+  dynConstraintType type;
+  int32_t first, second;     /* frames (0: the universe); COUPLING, LIMIT, FRICTION: joints */
+  double placement1[12], placement2[12]; /* of the constraint in first and in second; default identity */
+  dynJointType joint_type;   /* LOOP: any simple joint but FIXED (that is WELD) and FREE_FLYER */
+  double axis[3], axis2[3];  /* LOOP: of the joint, in its placements; default z, x */
+  double pitch;              /* LOOP, helical: m/rad */
+  double length;             /* DISTANCE: m, > 0 */
+  double coefficients[5];    /* COUPLING: c0 .. c4; default q_first = q_second */
+  double force;              /* FRICTION: N m or N, >= 0 */
+  double stiffness, damping; /* Baumgarte gains, 1/s^2 and 1/s, >= 0; default 0: drift is left to dyn_project (FRICTION: damping 100) */
+  double restitution;        /* of impulses, 0 .. 1; default 0 */
+  int32_t enabled;           /* default 1 */
+} dynConstraint;
+DYN_API void dyn_constraint_init(dynConstraint* constraint, dynConstraintType type);
+
+/* In the builder first and second are names, of frames or of joints, and replace those of constraint (second NULL: the universe). */
+DYN_API dynStatus dyn_builder_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second);
+/* Spare slots of the model, 0 to 1000; default 8. */
+DYN_API dynStatus dyn_builder_constraint_slots(dynBuilder* builder, int slots);
+DYN_API int dyn_nconstraints(const dynModel* model);
+DYN_API int dyn_nconstraint_slots(const dynModel* model); /* nconstraints and the spare ones */
+DYN_API const char* dyn_constraint_name(const dynModel* model, int constraint);
+DYN_API int dyn_constraint_id(const dynModel* model, const char* name);
+/* A constraint of the model. constraint->struct_size says how much is written. */
+DYN_API dynStatus dyn_constraint_info(const dynModel* model, int constraint, dynConstraint* out);
+
+/* Slots of a data; all need part CONSTRAINTS. Results of constraints are stale after each change. Rows of all slots together are at most
+   those of the model's constraints and six for each spare slot (DYN_ERROR_LIMIT). NULL empties a slot. */
+DYN_API dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, const dynConstraint* constraint);
+DYN_API dynStatus dyn_constraint_get(const dynModel* model, dynData* data, int slot, dynConstraint* constraint);
+DYN_API dynStatus dyn_constraint_enable(const dynModel* model, dynData* data, int slot, int enabled);
+/* Moves placement2 so that the constraint of a slot holds at q: a foot stays where it is. Includes placements. */
+DYN_API dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, const double* q);
+/* Number of rows of what is enabled; with slot >= 0 the first row and the rows of that slot (0 rows when it is empty or off). */
+DYN_API dynStatus dyn_constraint_rows(const dynModel* model, dynData* data, int slot, int* first, int* rows);
+
+/* C, J v and drift (the acceleration of the rows at ddq = 0), rows numbers each, and J, rows x nv. Includes placements. */
+DYN_API dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const double* q, const double* v, double* C, double* J, double* Jv, double* drift);
+
+typedef enum dynConstraintReason {
+  DYN_CONSTRAINED = 0,              /* solved to the tolerance */
+  DYN_CONSTRAINTS_CONTRADICT = 1,   /* no motion satisfies all rows: the least-squares one, each row weighted by the inverse of its Delassus entry */
+  DYN_CONSTRAINT_ITERATIONS = 2     /* max_iterations were not enough */
+} dynConstraintReason;
+
+typedef struct dynConstraintOptions {
+  uint32_t struct_size;      /* set by dyn_constraint_options_init */
+  int32_t max_iterations;    /* proximal iterations; default 100 */
+  double regularisation;     /* relative to each row's Delassus entry; 0, the default: none where the rows are independent, else 1e-9 */
+  double tolerance;          /* of the rows' residual, relative to what they ask for; default 1e-12 */
+} dynConstraintOptions;
+DYN_API void dyn_constraint_options_init(dynConstraintOptions* options);
+
+typedef struct dynConstraintResult {
+  uint32_t struct_size;
+  dynConstraintReason reason;
+  int32_t rows, rank;        /* rank of the rows that act */
+  int32_t iterations;
+  double residual;           /* largest |J ddq + drift + stiffness C + damping J v| of the rows that act; of impulses, of their velocities */
+  double contradiction;      /* the part of it that no motion can remove */
+  double condition;          /* of the Delassus matrix with unit diagonal, of its independent rows: an estimate, from pivots */
+  double regularisation;     /* what was used */
+} dynConstraintResult;
+
+/* Constrained forward dynamics. ddq: nv; lambda: rows. Redundant rows are fine: lambda is then one of many (the least one in the
+   weighted norm), ddq the only one. Proximal iteration on a Delassus matrix that is factored once (Carpentier, Budhiraja, Mansard
+   2021), which comes from articulated inertias in a time that grows with the depth of what the constraints hold (Sathya, Carpentier
+   2024). Limits and friction: exact, by an active set. options NULL: the defaults; result may be NULL. Not to converge is no error:
+   see result->reason. Includes placements. */
+DYN_API dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
+                                           const double* fext, const dynConstraintOptions* options, double* ddq, double* lambda,
+                                           dynConstraintResult* result);
+/* tau and lambda for a given acceleration: of degrees of freedom that are not actuated (actuated[k] = 0; NULL: those of free flyers on
+   the world) tau is zero, and lambda, the least that holds them, in the least-squares sense when none does; the others get what is
+   left, tau = M a + nle - J' lambda - J' fext. residual of result: largest |tau| that is missing where nothing is actuated. */
+DYN_API dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+                                                   const double* fext, const int32_t* actuated, double* tau, double* lambda,
+                                                   dynConstraintResult* result);
+/* Impact: J v_plus = - restitution J v, M (v_plus - v) = J' lambda. lambda: impulses. Limits take part when they are reached and approached. */
+DYN_API dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const double* q, const double* v, const dynConstraintOptions* options,
+                                         double* v_plus, double* lambda, dynConstraintResult* result);
+
+typedef struct dynProjectOptions {
+  uint32_t struct_size;      /* set by dyn_project_options_init */
+  int32_t max_iterations;    /* default 100 */
+  int32_t weigh;             /* 1, the default: steps are the least in kinetic energy; 0: the least in the norm of the coordinates */
+  double tolerance;          /* largest |C|; default 1e-12 */
+} dynProjectOptions;
+DYN_API void dyn_project_options_init(dynProjectOptions* options);
+/* q, and v when v_out is not NULL, that satisfy the constraints, near those given: damped Gauss-Newton on the manifold. Where they
+   contradict each other, the least-squares q, and result->reason says so. q_out: nq, v_out: nv. data is left at the solution. */
+DYN_API dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, const double* v, const dynProjectOptions* options, double* q_out,
+                              double* v_out, dynConstraintResult* result);
+
+/* The Delassus matrix G = J M^-1 J', in four forms. Dense: rows x rows. Includes placements. */
+DYN_API dynStatus dyn_delassus(const dynModel* model, dynData* data, const double* q, double* G);
+/* Factored: G = Y' diag(D) Y, Y nv x rows with the sparsity of the tree (row k of a constraint is zero unless degree of freedom k carries it), D nv. */
+DYN_API dynStatus dyn_delassus_factor(const dynModel* model, dynData* data, const double* q, double* Y, double* D);
+/* out = G x by the factors, G is not formed. */
+DYN_API dynStatus dyn_delassus_times(const dynModel* model, dynData* data, const double* q, const double* x, double* out);
+/* out = (G + mu 1)^-1 x, mu > 0; mu = 0 needs independent rows (DYN_ERROR_NUMERIC). */
+DYN_API dynStatus dyn_delassus_solve(const dynModel* model, dynData* data, const double* q, double mu, const double* x, double* out);
+
+/* Analytic derivatives of dyn_constrained_dynamics on the tangent space, with its result; any output may be NULL. ddq_...: nv x nv,
+   lambda_...: rows x nv. Of redundant rows lambda moves as the least-norm one does. Needs part CONSTRAINT_DERIVATIVES. */
+typedef struct dynConstraintDerivatives {
+  uint32_t struct_size;
+  double *ddq_dq, *ddq_dv, *ddq_dtau;
+  double *lambda_dq, *lambda_dv, *lambda_dtau;
+} dynConstraintDerivatives;
+DYN_API dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
+                                                       const double* fext, const dynConstraintOptions* options, const dynConstraintDerivatives* out,
+                                                       dynConstraintResult* result);
+/* The same of dyn_constraint_impulse: v_plus in the place of ddq; the derivatives by tau are not written. */
+DYN_API dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynData* data, const double* q, const double* v,
+                                                     const dynConstraintOptions* options, const dynConstraintDerivatives* out, dynConstraintResult* result);
+
+/* The doctor: what is wrong with the enabled constraints at q. */
+typedef enum dynRowVerdict {
+  DYN_ROW_INDEPENDENT = 0,
+  DYN_ROW_REDUNDANT = 1,     /* a combination of other rows, with which it agrees */
+  DYN_ROW_CONTRADICTORY = 2, /* a combination of other rows that asks for something else: no q nearby satisfies all of them */
+  DYN_ROW_IMMOBILE = 3       /* nothing that moves carries it */
+} dynRowVerdict;
+typedef struct dynRowReport {
+  int32_t slot, row;         /* row: within its constraint */
+  dynRowVerdict verdict;
+  double share;              /* 0 .. 1: how much of the row is made up by others: the square of its part in the null space of J' */
+  double error;              /* C of the row */
+} dynRowReport;
+typedef struct dynConstraintReport {
+  uint32_t struct_size;
+  int32_t rows, rank, redundant, contradictory;
+  double condition;          /* of the Delassus matrix with unit diagonal, of its independent rows: from its eigenvalues */
+  double smallest, largest;  /* its eigenvalues other than zero */
+  double error, contradiction; /* largest |C|, and of it what no small motion can remove */
+} dynConstraintReport;
+/* rows_out: room for `capacity` rows, NULL: none. Includes placements. */
+DYN_API dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const double* q, dynConstraintReport* report, dynRowReport* rows_out, int capacity);
 
 /* ------------------------------------------------------------------------------------------------------- collision */
 

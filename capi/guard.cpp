@@ -126,7 +126,7 @@ Call::Call(const dynModel* model, dynData* data, dynParts part, const char* func
   if ((d().parts & part) != part) {
     static constexpr const char* names[] = {"KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS",
                                             "FACTOR", "MINV", "CORIOLIS", "ENERGY", "FRAMES",
-                                            "CENTROIDAL", "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION"};
+                                            "CENTROIDAL", "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION", "CONSTRAINTS", "CONSTRAINT_DERIVATIVES", "SIMULATION"};
     const dynParts missing = part & ~d().parts;
     const char* name = "?";
     for (std::size_t k = 0; k < sizeof names / sizeof *names; ++k)

@@ -36,6 +36,9 @@ LoadOptions read_options(const dynLoadOptions* o) {
   if (raw(o->meshes) < DYN_MESH_NONE || raw(o->meshes) > DYN_MESH_TRIANGLES)
     throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: meshes is " + std::to_string(raw(o->meshes)) + ": use DYN_MESH_NONE, DYN_MESH_HULL or DYN_MESH_TRIANGLES");
   out.meshes = o->meshes;
+  if (o->constraint_slots < 0 || o->constraint_slots > 1000)
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: constraint_slots is " + std::to_string(o->constraint_slots) + ": give 0 to 1000");
+  out.constraint_slots = o->constraint_slots;
   if (o->srdf) out.srdf = o->srdf;
   if (o->srdf && out.srdf.empty()) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");
   return out;
@@ -129,6 +132,7 @@ void dyn_load_options_init(dynLoadOptions* options) {
   std::memset(options, 0, sizeof *options);
   options->struct_size = sizeof *options;
   options->gravity[2] = -9.81;
+  options->constraint_slots = 8;
 }
 
 dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "builder_impl.hpp"
+#include "dyn/constraint/list.hpp"
 
 namespace dyn {
 
@@ -29,6 +30,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
   if (joint) next.add_joint(*joint);
   const FrameEntry carrier = joint ? next.frames.back() : next.frames.front();
 
+  const int carrier_frame = joint ? int(next.frames.size()) - 1 : 0;
   const int before = int(next.joints.size()), frames_before = int(next.frames.size());
   for (JointEntry& e : other.joints) {
     e.spec.name = prefix + e.spec.name;
@@ -62,6 +64,20 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     next.shapes.push_back(std::move(s));
   }
   for (DisabledEntry& p : other.disabled) next.disabled.push_back({p.frame1 + frames_before - 1, p.frame2 + frames_before - 1, std::move(p.reason)});
+  for (ConstraintEntry& c : other.constraints) {
+    const int shift = between_joints(c.spec.type) ? before : frames_before - 1;
+    c.first += shift;
+    if (between_joints(c.spec.type) ? c.second >= 0 : c.second > 0) c.second += shift;
+    else if (!between_joints(c.spec.type) && joint) {
+      c.second = carrier_frame;  // what was tied to the world is tied to what carries it
+    } else if (!between_joints(c.spec.type)) {
+      c.second = 0;
+    }
+    c.name = prefix + c.name;
+    next.check_constraint_name(c.name);
+    next.constraints.push_back(std::move(c));
+  }
+  next.constraint_slots = std::max(next.constraint_slots, other.constraint_slots);
   next.reports.insert(next.reports.end(), other.reports.begin(), other.reports.end());
 
   // configurations of one name are one; what only one of the two names is neutral in the other

@@ -4,6 +4,7 @@
 
 #include "builder_impl.hpp"
 #include "builder_surface.hpp"
+#include "dyn/constraint/list.hpp"
 
 namespace dyn {
 
@@ -102,6 +103,12 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     const DisabledRecord& r = m.disabled_pairs()[k];
     impl->disabled.push_back({r.frame1, r.frame2, m.string(r.reason)});
   }
+  for (Index k = 0; k < m.n.constraints; ++k) {
+    const ConstraintRecord& r = m.constraints()[k];
+    const int less = between_joints(r.spec.type) ? 1 : 0;
+    impl->constraints.push_back({m.string(r.name), r.spec, r.spec.first - less, r.spec.second - less});
+  }
+  impl->constraint_slots = m.n.slots - m.n.constraints;
   for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral
     const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;
     impl->configurations.push_back({m.string(m.configuration_names()[k]), true, {}, by_joint(impl->joints, {q, q + m.n.nq})});

@@ -286,6 +286,10 @@ ModelPtr Builder::finish() const {
   if (tests_nothing(n.geoms, a.pairs)) a.reports.push_back({DYN_REPORT_WARNING, 0, text.add(nothing_tested)});
   n.reports = Index(a.reports.size());
 
+  for (const dynConstraint& c : constraints_of(in.constraints, id)) a.constraints.push_back({c, text.add(in.constraints[a.constraints.size()].name)});
+  n.constraints = Index(a.constraints.size()), n.slots = n.constraints + Index(in.constraint_slots);
+  n.constraint_rows = room_for_rows(in.constraints, in.constraint_slots);
+
   // configurations; "neutral" is the first
   a.configuration_names.push_back(text.add("neutral"));
   a.configurations = a.neutral;
@@ -406,6 +410,7 @@ ModelPtr Builder::finish() const {
   fill_in(Model::Field::dof_parent, a.dof_parent), fill_in(Model::Field::dof_depth, a.dof_depth), fill_in(Model::Field::dof_run, a.dof_run);
   fill_in(Model::Field::dof_descendants_end, a.dof_descendants_end), fill_in(Model::Field::dof_forks, a.dof_forks);
   check_dynamics(*model, order, in.joints, in.frames);
+  check_constraints(*model);
   judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
   return model;
 }

@@ -69,6 +69,13 @@ struct DisabledEntry {
   std::string reason;
 };
 
+// first, second: indices of frames, or of joints.
+struct ConstraintEntry {
+  std::string name;
+  dynConstraint spec;
+  int first, second;
+};
+
 struct Builder::Impl {
   std::string name;
   std::array<double, 3> gravity = {0, 0, -9.81};
@@ -79,11 +86,14 @@ struct Builder::Impl {
   std::vector<ConfigurationEntry> configurations;
   std::vector<ReportEntry> reports;
   std::vector<DisabledEntry> disabled;  // not tested for collision
+  std::vector<ConstraintEntry> constraints;
+  int constraint_slots = 8;  // spare ones
 
   int find(const Parent& parent, const std::string& who) const;
   void add_frame(FrameEntry entry, const std::string& who);
   void add_joint(const JointSpec& spec);
   void check_configuration_name(const std::string& name) const;
+  void check_constraint_name(const std::string& name) const;
   // Makes every configuration one by joints.
   void split_configurations();
   // Drops the joints not marked, with the frames, shapes and numbers that they carry; world: what is fixed to it stays.
@@ -128,6 +138,13 @@ void judge_pairs(const Model& m, PairRecord* pairs);
 // Sizes of a primitive joint.
 int primitive_nq(BodyType t);
 int primitive_nv(BodyType t);
+
+// Constraints as the model keeps them; id: of each added joint. (builder_constraint.cpp)
+std::vector<dynConstraint> constraints_of(const std::vector<ConstraintEntry>& constraints, const std::vector<Index>& id);
+// Rows of all of them, and six for each spare slot.
+Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare);
+// Throws when the model can't have one.
+void check_constraints(const Model& m);
 
 std::string number(double x);          // six digits, independent of the locale
 Mat3<double> z_to(const Axis& a);      // smallest rotation that takes z to the unit vector a

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "builder_impl.hpp"
+#include "dyn/constraint/list.hpp"
 
 namespace dyn {
 
@@ -51,6 +52,14 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
   for (ShapeEntry& s : shapes) s.frame = frame[std::size_t(s.frame)];
   std::erase_if(disabled, [&](const DisabledEntry& p) { return frame[std::size_t(p.frame1)] < 0 || frame[std::size_t(p.frame2)] < 0; });
   for (DisabledEntry& p : disabled) p.frame1 = frame[std::size_t(p.frame1)], p.frame2 = frame[std::size_t(p.frame2)];
+
+  std::erase_if(constraints, [&](ConstraintEntry& c) {
+    const std::vector<int>& at = between_joints(c.spec.type) ? joint : frame;
+    c.first = c.first < 0 ? c.first : at[std::size_t(c.first)], c.second = c.second < 0 ? c.second : at[std::size_t(c.second)];
+    if (c.first < 0 || (c.second < 0 && (!between_joints(c.spec.type) || c.spec.type == DYN_CONSTRAINT_COUPLING))) return true;
+    // two frames that a locked joint has made one body
+    return !between_joints(c.spec.type) && frames[std::size_t(c.first)].joint == frames[std::size_t(c.second)].joint;
+  });
 
   for (ConfigurationEntry& c : configurations) {
     c.by_joint.resize(joint.size());

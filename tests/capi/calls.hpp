@@ -42,6 +42,7 @@ inline std::size_t six(const dynModel*, int) { return 6; }
 inline std::size_t twelve(const dynModel*, int) { return 12; }
 inline std::size_t frames(const dynModel* m, int) { return 12 * std::size_t(dyn_nframes(m)); }
 inline std::size_t nv(const dynModel* m, int) { return std::size_t(dyn_nv(m)); }
+inline std::size_t state(const dynModel* m, int k) { return k ? nv(m, 0) : std::size_t(dyn_nq(m)); }
 inline std::size_t three_nv(const dynModel* m, int) { return 3 * nv(m, 0); }
 inline std::size_t six_nv(const dynModel* m, int) { return 6 * nv(m, 0); }
 inline std::size_t hessian(const dynModel* m, int) { return 6 * nv(m, 0) * nv(m, 0); }
@@ -194,6 +195,50 @@ inline const CallRow call_rows[] = {
     {"dyn_rays", DYN_PART_COLLISION, uses_q, Needs::nothing, false, 1, sizes::two, DYN_CALL {
        static const double origins[6] = {0, 0, 9, 5, 0, 0.3}, directions[6] = {0, 0, -1, -1, 0, 0};
        return dyn_rays(m, d, x.q, origins, directions, 2, 100, 0xffffffffu, x.out[0], nullptr, nullptr);
+     }},
+    // without constraints: constraint_test.cpp has those with
+    {"dyn_constraint_set", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_constraint_set(m, d, 0, nullptr); }},
+    {"dyn_constraint_get", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL {
+       dynConstraint c;
+       dyn_constraint_init(&c, DYN_CONSTRAINT_NONE);
+       return dyn_constraint_get(m, d, 0, &c);
+     }},
+    {"dyn_constraint_enable", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_constraint_enable(m, d, 0, 0); }},
+    {"dyn_constraint_rows", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_constraint_rows(m, d, -1, nullptr, nullptr); }},
+    {"dyn_constraint_terms", DYN_PART_CONSTRAINTS, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_constraint_terms(m, d, x.q, x.v, nullptr, nullptr, nullptr, nullptr); }},
+    {"dyn_constrained_dynamics", DYN_PART_CONSTRAINTS, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 1, sizes::nv,
+     DYN_CALL { return dyn_constrained_dynamics(m, d, x.q, x.v, x.tau, x.fext, nullptr, x.out[0], nullptr, nullptr); }},
+    {"dyn_constrained_inverse_dynamics", DYN_PART_CONSTRAINTS, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 1, sizes::nv,
+     DYN_CALL { return dyn_constrained_inverse_dynamics(m, d, x.q, x.v, x.a, x.fext, nullptr, x.out[0], nullptr, nullptr); }},
+    {"dyn_constraint_impulse", DYN_PART_CONSTRAINTS, uses_q | uses_v, Needs::nothing, false, 1, sizes::nv,
+     DYN_CALL { return dyn_constraint_impulse(m, d, x.q, x.v, nullptr, x.out[0], nullptr, nullptr); }},
+    {"dyn_project", DYN_PART_CONSTRAINTS, uses_q | uses_v, Needs::nothing, false, 2, sizes::state,
+     DYN_CALL { return dyn_project(m, d, x.q, x.v, nullptr, x.out[0], x.out[1], nullptr); }},
+    {"dyn_delassus", DYN_PART_CONSTRAINTS, uses_q, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_delassus(m, d, x.q, nullptr); }},
+    {"dyn_delassus_factor", DYN_PART_CONSTRAINTS, uses_q, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_delassus_factor(m, d, x.q, nullptr, nullptr); }},
+    {"dyn_delassus_times", DYN_PART_CONSTRAINTS, uses_q, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_delassus_times(m, d, x.q, nullptr, nullptr); }},
+    {"dyn_delassus_solve", DYN_PART_CONSTRAINTS, uses_q, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_delassus_solve(m, d, x.q, 0.1, nullptr, nullptr); }},
+    {"dyn_constrained_dynamics_derivatives", DYN_PART_CONSTRAINT_DERIVATIVES, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 3, sizes::square,
+     DYN_CALL {
+       const dynConstraintDerivatives out = {sizeof out, x.out[0], x.out[1], x.out[2], nullptr, nullptr, nullptr};
+       return dyn_constrained_dynamics_derivatives(m, d, x.q, x.v, x.tau, x.fext, nullptr, &out, nullptr);
+     }},
+    {"dyn_constraint_impulse_derivatives", DYN_PART_CONSTRAINT_DERIVATIVES, uses_q | uses_v, Needs::nothing, false, 2, sizes::square,
+     DYN_CALL {
+       const dynConstraintDerivatives out = {sizeof out, x.out[0], x.out[1], nullptr, nullptr, nullptr, nullptr};
+       return dyn_constraint_impulse_derivatives(m, d, x.q, x.v, nullptr, &out, nullptr);
+     }},
+    {"dyn_constraint_report", DYN_PART_CONSTRAINTS, uses_q, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL {
+       dynConstraintReport report{};
+       report.struct_size = sizeof report;
+       return dyn_constraint_report(m, d, x.q, &report, nullptr, 0);
      }},
     {"dyn_all_terms", DYN_PART_ALL, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_all_terms(m, d, x.mask, x.q, x.v, x.filled); }},

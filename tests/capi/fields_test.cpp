@@ -42,6 +42,7 @@ int dimension(const dynModel* m, const std::string& text) {
   if (text == "nq") return dyn_nq(m);
   if (text == "nv") return dyn_nv(m);
   if (text == "nframes") return dyn_nframes(m);
+  if (text == "nrows") return 6 * dyn_nconstraint_slots(m);  // of models without constraints of their own
   if (text == "npairs") return dyn_npairs(m);
   if (text == "nparameters") return 10 * (dyn_njoints(m) - 1);
   return std::stoi(text);

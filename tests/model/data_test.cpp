@@ -9,8 +9,8 @@ namespace {
 // every buffer of data with its count, as the table says
 template <class F>
 void for_buffers(const Model& m, dynParts parts, Data<double>& d, F&& f) {
-  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs;
-  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs;
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs, nrows = m.n.constraint_rows;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   f(#name, (const char*)d.name, ((part) == 0 || (parts & (part))) ? std::size_t((rows) * (cols)) * sizeof(*d.name) : 0);
 #define BUFFER(type, name, count, part, sentence) \
@@ -23,7 +23,7 @@ TEST(Data, BuffersAreAlignedDisjointAndOnlyWhatWasAskedFor) {
     const ModelPtr m = random_tree(seed).build();
     for (dynParts parts = 0; parts <= DYN_PART_ALL; parts = parts == 0 ? 1 : parts * 2) {
       Work<double> w(*m, parts);
-      const dynParts complete = complete_parts(parts);
+      const dynParts complete = complete_parts(*m, parts);
       EXPECT_EQ(complete, w.d.parts);
       const char* end = nullptr;
       std::size_t used = 0;

@@ -11,7 +11,7 @@ q = [position; quaternion] and v = [linear; angular] in the body's frame. A Mode
 threads; a Data is what it is doing, one for each thread. Every call releases the GIL. Errors are dyn.Error.
 """
 
-from . import ik
+from . import constraint, ik
 from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
@@ -48,6 +48,8 @@ from .data import (
 from .enums import (
     Angle,
     Base,
+    ConstraintReason,
+    ConstraintType,
     Convention,
     Direction,
     DistanceMethod,
@@ -64,6 +66,7 @@ from .enums import (
     Part,
     Reference,
     ReportLevel,
+    RowVerdict,
     ShapeRole,
     ShapeType,
     Status,
@@ -131,6 +134,8 @@ __all__ = [
     "Centroidal",
     "CentroidalDerivatives",
     "ClosestPoint",
+    "ConstraintReason",
+    "ConstraintType",
     "Contact",
     "Convention",
     "Data",
@@ -183,6 +188,7 @@ __all__ = [
     "Reference",
     "ReportEntry",
     "ReportLevel",
+    "RowVerdict",
     "SecondOrderDerivatives",
     "SecondOrderProduct",
     "ShapeInfo",
@@ -201,6 +207,7 @@ __all__ = [
     "UnsupportedError",
     "body_regressor",
     "build_info",
+    "constraint",
     "ik",
     "is_physically_consistent",
     "last_error",

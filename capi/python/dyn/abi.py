@@ -24,7 +24,7 @@ class LoadOptions(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("base", c_int), ("strict", c_int32), ("cos_sin", c_int32),
         ("package_dirs", POINTER(c_char_p)), ("package_dirs_count", c_size_t), ("gravity", c_double * 3), ("srdf", c_char_p),
-        ("meshes", c_int),
+        ("meshes", c_int), ("constraint_slots", c_int32),
     ]  # fmt: skip
 
 
@@ -74,6 +74,48 @@ class ShapeSpec(Grown):
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("body", c_char_p),
         ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
         ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32), ("surface", c_void_p),
+    ]  # fmt: skip
+
+
+class Constraint(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("type", c_int), ("first", c_int32), ("second", c_int32), ("placement1", c_double * 12),
+        ("placement2", c_double * 12), ("joint_type", c_int), ("axis", c_double * 3), ("axis2", c_double * 3), ("pitch", c_double),
+        ("length", c_double), ("coefficients", c_double * 5), ("force", c_double), ("stiffness", c_double), ("damping", c_double),
+        ("restitution", c_double), ("enabled", c_int32),
+    ]  # fmt: skip
+
+
+class ConstraintOptions(Grown):
+    _fields_ = [("struct_size", c_uint32), ("max_iterations", c_int32), ("regularisation", c_double), ("tolerance", c_double)]
+
+
+class ConstraintResult(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("reason", c_int), ("rows", c_int32), ("rank", c_int32), ("iterations", c_int32),
+        ("residual", c_double), ("contradiction", c_double), ("condition", c_double), ("regularisation", c_double),
+    ]  # fmt: skip
+
+
+class ProjectOptions(Grown):
+    _fields_ = [("struct_size", c_uint32), ("max_iterations", c_int32), ("weigh", c_int32), ("tolerance", c_double)]
+
+
+class ConstraintDerivatives(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("ddq_dq", c_void_p), ("ddq_dv", c_void_p), ("ddq_dtau", c_void_p), ("lambda_dq", c_void_p),
+        ("lambda_dv", c_void_p), ("lambda_dtau", c_void_p),
+    ]  # fmt: skip
+
+
+class RowReport(Structure):
+    _fields_ = [("slot", c_int32), ("row", c_int32), ("verdict", c_int), ("share", c_double), ("error", c_double)]
+
+
+class ConstraintReport(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("rows", c_int32), ("rank", c_int32), ("redundant", c_int32), ("contradictory", c_int32),
+        ("condition", c_double), ("smallest", c_double), ("largest", c_double), ("error", c_double), ("contradiction", c_double),
     ]  # fmt: skip
 
 
@@ -256,6 +298,34 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_builder_subtree": (STATUS, [_p, _s]),
     "dyn_builder_remove": (STATUS, [_p, _s]),
     "dyn_builder_finish": (STATUS, [_p, _ref]),
+    # constraints
+    "dyn_constraint_init": (None, [_ref, _i]),
+    "dyn_builder_constraint": (STATUS, [_p, _s, _ref, _s, _s]),
+    "dyn_builder_constraint_slots": (STATUS, [_p, _i]),
+    "dyn_nconstraints": (_i, [_p]),
+    "dyn_nconstraint_slots": (_i, [_p]),
+    "dyn_constraint_name": (_s, [_p, _i]),
+    "dyn_constraint_id": (_i, [_p, _s]),
+    "dyn_constraint_info": (STATUS, [_p, _i, _ref]),
+    "dyn_constraint_set": (STATUS, [_p, _p, _i, _ref]),
+    "dyn_constraint_get": (STATUS, [_p, _p, _i, _ref]),
+    "dyn_constraint_enable": (STATUS, [_p, _p, _i, _i]),
+    "dyn_constraint_anchor": (STATUS, [_p, _p, _i, _p]),
+    "dyn_constraint_rows": (STATUS, [_p, _p, _i, _ref, _ref]),
+    "dyn_constraint_terms": (STATUS, [_p, _p, _p, _p, _p, _p, _p, _p]),
+    "dyn_constraint_options_init": (None, [_ref]),
+    "dyn_constrained_dynamics": (STATUS, [_p, _p, _p, _p, _p, _p, _ref, _p, _p, _ref]),
+    "dyn_constrained_inverse_dynamics": (STATUS, [_p, _p, _p, _p, _p, _p, _p, _p, _p, _ref]),
+    "dyn_constraint_impulse": (STATUS, [_p, _p, _p, _p, _ref, _p, _p, _ref]),
+    "dyn_project_options_init": (None, [_ref]),
+    "dyn_project": (STATUS, [_p, _p, _p, _p, _ref, _p, _p, _ref]),
+    "dyn_delassus": (STATUS, [_p, _p, _p, _p]),
+    "dyn_delassus_factor": (STATUS, [_p, _p, _p, _p, _p]),
+    "dyn_delassus_times": (STATUS, [_p, _p, _p, _p, _p]),
+    "dyn_delassus_solve": (STATUS, [_p, _p, _p, c_double, _p, _p]),
+    "dyn_constrained_dynamics_derivatives": (STATUS, [_p, _p, _p, _p, _p, _p, _ref, _ref, _ref]),
+    "dyn_constraint_impulse_derivatives": (STATUS, [_p, _p, _p, _p, _ref, _ref, _ref]),
+    "dyn_constraint_report": (STATUS, [_p, _p, _p, _ref, _p, _i]),
     # data
     "dyn_data_new": (STATUS, [_p, c_uint32, _ref]),
     "dyn_data_size": (c_size_t, [_p, c_uint32]),

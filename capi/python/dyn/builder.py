@@ -11,6 +11,7 @@ import numpy as np
 from . import abi
 from .arrays import Owner, address, checked, numbers
 from .arrays import placement as twelve
+from .constraint import structure
 from .enums import FrameType, JointType, ShapeRole, ShapeType
 from .errors import ArgumentError
 from .library import check, lib
@@ -166,6 +167,17 @@ class Builder:
         """Names a configuration: q, (nq,), in the finished model's order."""
         a = np.ascontiguousarray(numbers(q, "q").reshape(-1))
         check(lib.dyn_builder_configuration(self._b, text(name, "name"), address(a), a.size))
+        return self
+
+    def constraint(self, name: str, constraint: Any) -> Builder:
+        """Adds a constraint of dyn.constraint: its first and second are names of frames or joints."""
+        names = [None if x is None else text(x, "name") for x in (constraint.first, constraint.second)]
+        check(lib.dyn_builder_constraint(self._b, text(name, "name"), byref(structure(constraint)), *names))
+        return self
+
+    def constraint_slots(self, slots: int) -> Builder:
+        """Spare slots that a data of the model has."""
+        check(lib.dyn_builder_constraint_slots(self._b, slots))
         return self
 
     def lock(self, joints: str | Sequence[str], q: ArrayLike) -> Builder:

@@ -12,6 +12,7 @@ from . import abi
 from . import ik as inverse_kinematics
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
 from .collision import CollisionQueries
+from .constraint import ConstraintCalls
 from .contact import ContactQueries
 from .enums import Effect, IkReason, Integrator, Part, Reference, Term
 from .errors import ArgumentError, UnknownNameError
@@ -188,7 +189,7 @@ _static_torque = lib.dyn_static_torque
 _step = lib.dyn_step
 
 
-class Data(CollisionQueries, ContactQueries):
+class Data(CollisionQueries, ContactQueries, ConstraintCalls):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 
     A call with q, v, a or tau sets the state that data holds; None uses what is held. Methods return new arrays.

@@ -102,6 +102,38 @@ class MeshUse(enum.IntEnum):
     TRIANGLES = 2
 
 
+class ConstraintType(enum.IntEnum):
+    """What a constraint ties together; NONE: an empty slot."""
+
+    NONE = 0
+    POINT = 1
+    FRAME = 2
+    CONNECT = 3
+    WELD = 4
+    DISTANCE = 5
+    LOOP = 6
+    COUPLING = 7
+    LIMIT = 8
+    FRICTION = 9
+
+
+class ConstraintReason(enum.IntEnum):
+    """How a problem with constraints ended."""
+
+    SOLVED = 0
+    CONTRADICT = 1
+    ITERATIONS = 2
+
+
+class RowVerdict(enum.IntEnum):
+    """What the doctor says of a row."""
+
+    INDEPENDENT = 0
+    REDUNDANT = 1
+    CONTRADICTORY = 2
+    IMMOBILE = 3
+
+
 class DistanceStatus(enum.IntEnum):
     """What stands between two shapes."""
 
@@ -209,7 +241,9 @@ class Part(enum.IntFlag):
     IK = 1 << 15
     SECOND_ORDER = 1 << 16
     COLLISION = 1 << 17
-    ALL = 0x3FFFF
+    CONSTRAINTS = 1 << 18
+    CONSTRAINT_DERIVATIVES = 1 << 19
+    ALL = 0xFFFFF
 
 
 class Term(enum.IntFlag):

@@ -16,6 +16,7 @@ import numpy as np
 
 from . import abi
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
+from .constraint import ModelConstraints
 from .enums import Base, Direction, FrameType, JointType, MeshUse, ModelArray, PairReason, Part, ReportLevel, ShapeRole, ShapeType
 from .errors import ArgumentError, SizeError, UnknownNameError
 from .library import check, fail, last_error, lib
@@ -166,7 +167,7 @@ def _string(s: bytes | None) -> str:
     return "" if s is None else s.decode("utf-8", "surrogateescape")
 
 
-def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any):
+def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any, slots: Any):
     options = abi.LoadOptions()
     lib.dyn_load_options_init(byref(options))
     if base is not None:
@@ -183,6 +184,7 @@ def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity:
     if srdf is not None:
         options.srdf = os.fsencode(srdf)
     options.meshes = member(MeshUse, meshes, "meshes")
+    options.constraint_slots = slots
     return options
 
 
@@ -196,6 +198,7 @@ def load(
     gravity: ArrayLike | None = None,
     srdf: str | os.PathLike | None = None,
     meshes: str | MeshUse = MeshUse.NONE,
+    constraint_slots: int = 8,
 ) -> Model:
     """Reads a robot from a URDF file, or a model from an MJCF file.
 
@@ -207,13 +210,14 @@ def load(
     gravity       (3,), m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's
     meshes        what stands for collision meshes: "none", their names alone; "hull", their convex hulls (report says which are not
                   convex); "triangles". Other than "none", a mesh that cannot be read is an error
+    constraint_slots  spare slots for constraints that a data of the model has
     srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
     """
     name = os.fsencode(path)
     if b"\0" in name:
         raise ArgumentError(f"path holds a zero character: {path!r}.")
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots)
     check(lib.dyn_model_load(name, byref(options), byref(out)))
     return Model(out.value)
 
@@ -228,10 +232,11 @@ def load_string(
     gravity: ArrayLike | None = None,
     srdf: str | os.PathLike | None = None,
     meshes: str | MeshUse = MeshUse.NONE,
+    constraint_slots: int = 8,
 ) -> Model:
     """Reads a robot from the text of a URDF or MJCF; otherwise as dyn.load."""
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots)
     check(lib.dyn_model_load_string(text(urdf, "urdf"), byref(options), byref(out)))
     return Model(out.value)
 
@@ -255,7 +260,7 @@ class _Scratch(threading.local):
         self.nq, self.nv = result((nq,)), result((nv,))
 
 
-class Model:
+class Model(ModelConstraints):
     """What the robot is: immutable, and safe to share between threads. From dyn.load, dyn.load_string or dyn.Builder.
 
     q has nq numbers, v, a and tau have nv; they differ on manifolds: use integrate and difference, never q + v.

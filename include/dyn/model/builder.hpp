@@ -102,6 +102,9 @@ class Builder {
   // Two bodies that are not tested for collision.
   void disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason);
   void report(dynReportLevel level, int line, const std::string& message);
+  // first and second name frames, or joints; "": the universe, or none.
+  void constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second);
+  void constraint_slots(int spare);
 
   // Operations on the whole; one that throws changes nothing. (builder_lock.cpp, builder_attach.cpp, builder_subtree.cpp)
   // Fixes joints, and their followers, at q (nq numbers in the order of the model that would be made).

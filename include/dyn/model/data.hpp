@@ -8,6 +8,7 @@
 
 #include "dyn/base/sincos.hpp"
 #include "dyn/collision/geom.hpp"
+#include "dyn/constraint/slot.hpp"
 #include "dyn/model/model.hpp"
 #include "dyn/spatial/inertia_rate.hpp"
 #include "dyn/spatial/moments.hpp"
@@ -22,6 +23,7 @@ enum class Stage : Index {
   CentroidalMap, CentroidalMapRate, CentroidalMomentum, CentroidalMomentumRate, CentroidalDerivatives, CentroidalRateDerivative,
   Distances,
   TorqueRegressor, StaticRegressor, KineticRegressor, PotentialRegressor,
+  ConstrainedDdq,
   count_
 };
 
@@ -40,7 +42,7 @@ inline constexpr unsigned stage_inputs(Stage s) {
     case Stage::CentroidalMomentumRate: case Stage::CentroidalRateDerivative: case Stage::TorqueRegressor: return Q | V | A;
     case Stage::Acceleration: case Stage::Acom: case Stage::Tau: case Stage::InverseDerivatives:
     case Stage::SecondOrder: return Q | V | A;
-    case Stage::Ddq: case Stage::ForwardDerivatives: return Q | V | TAU;
+    case Stage::Ddq: case Stage::ForwardDerivatives: case Stage::ConstrainedDdq: return Q | V | TAU;
     default: return Q;
   }
 }
@@ -141,6 +143,8 @@ struct Data {
 inline dynParts complete_parts(dynParts p) {
   if (p == 0) p = DYN_PART_ALL;
   if (p & DYN_PART_SIMULATION) p |= DYN_PART_FORWARD;
+  if (p & DYN_PART_CONSTRAINT_DERIVATIVES) p |= DYN_PART_CONSTRAINTS | DYN_PART_FORWARD_DERIVATIVES;
+  if (p & DYN_PART_CONSTRAINTS) p |= DYN_PART_FORWARD | DYN_PART_INVERSE | DYN_PART_KINEMATICS;
   if (p & DYN_PART_SECOND_ORDER) p |= DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_FORWARD_DERIVATIVES) p |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_INVERSE_DERIVATIVES) p |= DYN_PART_INVERSE | DYN_PART_MASS;
@@ -152,9 +156,18 @@ inline dynParts complete_parts(dynParts p) {
   return p;
 }
 
+inline dynParts complete_parts(const Model& m, dynParts p) {
+  p = complete_parts(p);
+  return m.has_mimic && (p & DYN_PART_CONSTRAINTS) ? complete_parts(p | DYN_PART_FACTOR) : p;
+}
+
 // Bytes of the arena (a multiple of 64).
 template <class T>
 std::size_t data_bytes(const Model& m, dynParts parts);
+
+// The model's constraints in their slots (constraint/set.hpp).
+template <class T>
+void set_up_slots(const Model& m, Data<T>& d);
 
 // Lays the buffers out in memory (64-byte aligned, data_bytes long) and sets the neutral state at rest.
 template <class T>
@@ -163,8 +176,9 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d);
 namespace detail {
 template <class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
-  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs;
-  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs;
+  const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs,
+                       nrows = m.n.constraint_rows;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
 #define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(count) : 0);
@@ -176,7 +190,7 @@ template <class T>
 std::size_t data_bytes(const Model& m, dynParts parts) {
   Data<T> unused;
   std::size_t bytes = 0;
-  detail::for_each_buffer(m, complete_parts(parts), unused,
+  detail::for_each_buffer(m, complete_parts(m, parts), unused,
                           [&](auto*& p, std::size_t count) { bytes += (count * sizeof(*p) + 63) / 64 * 64; });
   return bytes;
 }
@@ -203,7 +217,7 @@ void apply_effects(const Model& m, Data<T>& d) {
 template <class T>
 void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   char* at = static_cast<char*>(memory);
-  d.parts = complete_parts(parts);
+  d.parts = complete_parts(m, parts);
   detail::for_each_buffer(m, d.parts, d, [&](auto*& p, std::size_t count) {
     using E = std::remove_reference_t<decltype(*p)>;
     p = count ? reinterpret_cast<E*>(at) : nullptr;
@@ -230,6 +244,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_ARMATURE;
   apply_effects(m, d);
   if (d.geoms) collision::set_up(m, d);
+  if (d.slots) set_up_slots(m, d);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
@@ -239,3 +254,5 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
 }
 
 }  // namespace dyn
+
+#include "dyn/constraint/set.hpp"

@@ -13,6 +13,7 @@ struct LoadOptions {
   std::array<double, 3> gravity = {0, 0, -9.81};
   std::string srdf;  // path, or ""
   dynMeshUse meshes = DYN_MESH_NONE;
+  int constraint_slots = 8;
 };
 
 // Content decides the format. Throws Error with file, line, element and remedy.

@@ -1,0 +1,145 @@
+// Constraints: of the model, in the builder, and in the slots of a data.
+#include <algorithm>
+#include <cstring>
+
+#include "constraint.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+extern "C" {
+
+void dyn_constraint_init(dynConstraint* constraint, dynConstraintType type) {
+  if (constraint) *constraint = default_constraint(type);
+}
+
+dynStatus dyn_builder_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second) {
+  if (const dynStatus s = check(builder)) return s;
+  if (!constraint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_constraint: constraint is NULL");
+  if (const dynStatus s = sized("dyn_builder_constraint", "dynConstraint", "dyn_constraint_init", constraint)) return s;
+  return guarded([&] {
+    builder->b->constraint(name ? name : "", *constraint, {first ? first : "", 0}, {second ? second : "", 0});
+    return DYN_OK;
+  });
+}
+
+dynStatus dyn_builder_constraint_slots(dynBuilder* builder, int slots) {
+  if (const dynStatus s = check(builder)) return s;
+  return guarded([&] {
+    builder->b->constraint_slots(slots);
+    return DYN_OK;
+  });
+}
+
+int dyn_nconstraints(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.constraints) : -1; }
+int dyn_nconstraint_slots(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.slots) : -1; }
+
+const char* dyn_constraint_name(const dynModel* model, int constraint) {
+  if (check(model) != DYN_OK) return nullptr;
+  const Model& m = *model->m;
+  if (constraint >= 0 && constraint < m.n.constraints) return m.string(m.constraints()[constraint].name);
+  fail(DYN_ERROR_ARGUMENT, "dyn_constraint_name: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
+  return nullptr;
+}
+
+int dyn_constraint_id(const dynModel* model, const char* name) {
+  if (check(model) != DYN_OK) return -1;
+  const Model& m = *model->m;
+  for (Index k = 0; name && k < m.n.constraints; ++k)
+    if (std::strcmp(m.string(m.constraints()[k].name), name) == 0) return int(k);
+  fail(DYN_ERROR_NAME, "there is no constraint '%.200s': the model has %d, see dyn_constraint_name", name ? name : "(NULL)", int(m.n.constraints));
+  return -1;
+}
+
+dynStatus dyn_constraint_info(const dynModel* model, int constraint, dynConstraint* out) {
+  if (const dynStatus s = check(model)) return s;
+  if (!out) return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_info: out is NULL");
+  if (const dynStatus s = sized("dyn_constraint_info", "dynConstraint", "dyn_constraint_init", out)) return s;
+  const Model& m = *model->m;
+  if (constraint < 0 || constraint >= m.n.constraints)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_info: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
+  *out = m.constraints()[constraint].spec;
+  return DYN_OK;
+}
+
+dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, const dynConstraint* constraint) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_set");
+  if (!call || !good_slot(call, slot)) return call.status;
+  if (constraint)
+    if (const dynStatus s = sized("dyn_constraint_set", "dynConstraint", "dyn_constraint_init", constraint)) return s;
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  const dynConstraint spec = constraint ? *constraint : dynConstraint{};
+  char message[256];
+  if (const dynStatus s = check_constraint(m, spec, message, sizeof message)) return fail(s, "dyn_constraint_set: slot %d: %s", slot, message);
+  Index rows = constraint_rows(resolve_constraint(m, spec));
+  for (Index s = 0; s < m.n.slots; ++s)
+    if (s != slot) rows += constraint_rows(d.slots[s].c);
+  if (rows > m.n.constraint_rows)
+    return fail(DYN_ERROR_LIMIT, "dyn_constraint_set: slot %d: all slots together would have %d rows, and there is room for %d: give the model more "
+                                 "constraint_slots", slot, int(rows), int(m.n.constraint_rows));
+  set_slot(m, d, slot, spec);
+  number_rows(m, d);
+  drop_constraints(d);
+  return DYN_OK;
+}
+
+dynStatus dyn_constraint_get(const dynModel* model, dynData* data, int slot, dynConstraint* constraint) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_get");
+  if (!call || !good_slot(call, slot) || !call.required("constraint", constraint)) return call.status;
+  if (const dynStatus s = sized("dyn_constraint_get", "dynConstraint", "dyn_constraint_init", constraint)) return s;
+  *constraint = call.d().slot_specs[slot];
+  return DYN_OK;
+}
+
+dynStatus dyn_constraint_enable(const dynModel* model, dynData* data, int slot, int enabled) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_enable");
+  if (!call || !good_slot(call, slot)) return call.status;
+  Data<double>& d = call.d();
+  d.slots[slot].enabled = d.slot_specs[slot].enabled = enabled != 0;
+  number_rows(call.m(), d);
+  drop_constraints(d);
+  return DYN_OK;
+}
+
+dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, const double* q) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_anchor");
+  if (!call || !good_slot(call, slot) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  dynConstraint spec = d.slot_specs[slot];
+  if (spec.type == DYN_CONSTRAINT_NONE || between_joints(spec.type))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_anchor: slot %d holds no constraint between frames", slot);
+  forward_kinematics<0>(m, d);
+  if (!moderate(call, 0)) return call.status;
+  const Constraint& c = d.slots[slot].c;
+  const SE3<double> W1 = SE3<double>{d.R[c.body1], d.p[c.body1]} * c.X1, W2 = SE3<double>{d.R[c.body2], d.p[c.body2]} * c.X2;
+  const SE3<double> to = W2.inverse() * W1;
+  SE3<double> X = load_se3(spec.placement2);
+  if (spec.type == DYN_CONSTRAINT_DISTANCE) {
+    spec.length = std::sqrt(dot(to.p, to.p));
+    if (!(spec.length > 0)) return fail(DYN_ERROR_INVALID, "dyn_constraint_anchor: slot %d: the two points are one at q: use CONNECT", slot);
+  } else if (spec.type == DYN_CONSTRAINT_POINT || spec.type == DYN_CONSTRAINT_CONNECT) {
+    X.p = X.p + X.R * to.p;  // the axes stay
+  } else {
+    X = X * to;
+  }
+  store_se3(X, spec.placement2);
+  const int enabled = d.slots[slot].enabled;
+  set_slot(m, d, slot, spec);
+  d.slots[slot].enabled = d.slot_specs[slot].enabled = enabled;
+  number_rows(m, d);
+  drop_constraints(d);
+  return DYN_OK;
+}
+
+dynStatus dyn_constraint_rows(const dynModel* model, dynData* data, int slot, int* first, int* rows) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_rows");
+  if (!call || (slot >= 0 && !good_slot(call, slot))) return call.status;
+  const Data<double>& d = call.d();
+  if (first) *first = slot < 0 ? 0 : int(d.slots[slot].first);
+  if (rows) *rows = slot < 0 ? int(active_rows(call.m(), d)) : int(d.slots[slot].rows);
+  return DYN_OK;
+}
+
+}  // extern "C"

@@ -1,0 +1,430 @@
+"""Constraints: loops, contacts, limits, and what Data computes under them.
+
+    for foot in ("FL_foot", "FR_foot", "RL_foot", "RR_foot"):
+        d.add_constraint(dyn.constraint.point(foot))
+    ddq, forces = d.constrained_dynamics(q, v, tau)
+
+first and second name frames (second None: the world) or joints; placements are where the constraint is in them. stiffness and
+damping are Baumgarte's gains (1/s^2, 1/s), restitution that of impulses.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import byref, c_int
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from . import abi
+from .arrays import address, checked, numbers
+from .arrays import placement as twelve
+from .enums import ConstraintReason, ConstraintType, JointType, RowVerdict
+from .errors import ArgumentError, UnknownNameError
+from .library import check, last_error, lib
+
+if TYPE_CHECKING:
+    from .model import Model
+
+
+class Constraint(NamedTuple):
+    """What a slot holds: made by point, frame, connect, weld, distance, loop, coupling, limit and friction."""
+
+    type: ConstraintType
+    first: str | int
+    second: str | int | None
+    values: dict[str, Any]
+    """Fields of dynConstraint."""
+
+
+def _make(type: ConstraintType, first: Any, second: Any, placement1: Any = None, placement2: Any = None, **values: Any) -> Constraint:
+    for key, x in (("placement1", placement1), ("placement2", placement2)):
+        if x is not None:
+            values[key] = twelve(x, key).tolist()
+    return Constraint(type, first, second, values)
+
+
+def point(first: Any, second: Any = None, **more: Any) -> Constraint:
+    """Contact of a point of first: 3 rows, the force in second's axes. more: placement1, placement2, stiffness, damping,
+    restitution, here as in the others."""
+    return _make(ConstraintType.POINT, first, second, **more)
+
+
+def frame(first: Any, second: Any = None, **more: Any) -> Constraint:
+    """Contact of a face of first: 6 rows, [force; moment] in second's axes."""
+    return _make(ConstraintType.FRAME, first, second, **more)
+
+
+def connect(first: Any, second: Any = None, **more: Any) -> Constraint:
+    """Two points are one: 3 rows."""
+    return _make(ConstraintType.CONNECT, first, second, **more)
+
+
+def weld(first: Any, second: Any = None, **more: Any) -> Constraint:
+    """Two frames are one: 6 rows."""
+    return _make(ConstraintType.WELD, first, second, **more)
+
+
+def distance(first: Any, second: Any, length: float, **more: Any) -> Constraint:
+    """Two points are length (m) apart: 1 row."""
+    return _make(ConstraintType.DISTANCE, first, second, length=length, **more)
+
+
+def loop(joint_type: str | JointType, first: Any, second: Any = None, axis: Any = None, axis2: Any = None, pitch: float = 0.0, **more: Any) -> Constraint:
+    """first moves as the child of such a joint in second: 6 - nv rows."""
+    from .model import member
+
+    values: dict[str, Any] = {"joint_type": int(member(JointType, joint_type, "joint_type")), "pitch": pitch, **more}
+    for key, x in (("axis", axis), ("axis2", axis2)):
+        if x is not None:
+            values[key] = checked(x, (3,), key).tolist()
+    return _make(ConstraintType.LOOP, first, second, **values)
+
+
+def coupling(first: Any, second: Any, coefficients: Any = (0.0, 1.0), **more: Any) -> Constraint:
+    """q_first = c0 + c1 q_second + c2 q_second^2 + ..., up to the fourth power: 1 row."""
+    c = np.zeros(5)
+    given = numbers(coefficients, "coefficients").reshape(-1)
+    if given.size > 5:
+        raise ArgumentError(f"coefficients has {given.size} numbers, but a coupling has at most 5.")
+    c[: given.size] = given
+    return _make(ConstraintType.COUPLING, first, second, coefficients=c.tolist(), **more)
+
+
+def limit(first: Any, **more: Any) -> Constraint:
+    """A joint stays within its limits: 1 row."""
+    return _make(ConstraintType.LIMIT, first, None, **more)
+
+
+def friction(first: Any, force: float, **more: Any) -> Constraint:
+    """Dry friction in a joint, at most force (N m or N): 1 row."""
+    return _make(ConstraintType.FRICTION, first, None, force=force, **more)
+
+
+def structure(c: Any, find: Any = None) -> abi.Constraint:
+    """As dyn.h takes it. find(what, name): an id."""
+    if not isinstance(c, Constraint):
+        raise ArgumentError(f"{c!r} is no constraint of dyn.constraint: point, frame, connect, weld, distance, loop, coupling, limit, friction.")
+    out = abi.Constraint()
+    lib.dyn_constraint_init(byref(out), int(c.type))
+    for key, x in c.values.items():
+        if key not in _FIELDS:
+            raise ArgumentError(f"a constraint has no {key!r}: it has {', '.join(sorted(_FIELDS))}.")
+        if isinstance(x, list):
+            getattr(out, key)[:] = x
+        else:
+            setattr(out, key, x)
+    if find:
+        what = "joint" if c.type >= ConstraintType.COUPLING else "frame"
+        out.first = find(what, c.first)
+        out.second = 0 if c.second is None else find(what, c.second)
+    return out
+
+
+_FIELDS = {name for name, *_ in abi.Constraint._fields_} - {"struct_size", "type", "first", "second"}
+
+
+class Result(NamedTuple):
+    """How a problem with constraints ended."""
+
+    reason: ConstraintReason
+    rows: int
+    rank: int
+    iterations: int
+    residual: float
+    contradiction: float
+    condition: float
+    regularisation: float
+
+    @property
+    def solved(self) -> bool:
+        return self.reason == ConstraintReason.SOLVED
+
+
+class Constrained(NamedTuple):
+    """ddq (nv,) and the forces of the rows."""
+
+    ddq: np.ndarray
+    forces: np.ndarray
+
+
+class Held(NamedTuple):
+    """tau (nv,) and the forces of the rows that give an acceleration."""
+
+    tau: np.ndarray
+    forces: np.ndarray
+
+
+class Impulse(NamedTuple):
+    """Velocity (nv,) after an impact and the impulses of the rows."""
+
+    v: np.ndarray
+    impulses: np.ndarray
+
+
+class Projection(NamedTuple):
+    """q and v that satisfy the constraints."""
+
+    q: np.ndarray
+    v: np.ndarray
+    result: Result
+
+
+class Terms(NamedTuple):
+    """Of the enabled rows: C, J (rows, nv), J v, and drift, their acceleration at ddq = 0."""
+
+    C: np.ndarray
+    J: np.ndarray
+    Jv: np.ndarray
+    drift: np.ndarray
+
+
+class ConstrainedDerivatives(NamedTuple):
+    """On the tangent space: (nv, nv) each of ddq, (rows, nv) each of the forces. Of impulses: of v_plus, without those by tau."""
+
+    ddq_dq: np.ndarray
+    ddq_dv: np.ndarray
+    ddq_dtau: np.ndarray
+    lambda_dq: np.ndarray
+    lambda_dv: np.ndarray
+    lambda_dtau: np.ndarray
+
+
+class Row(NamedTuple):
+    """What the doctor says of a row."""
+
+    constraint: str
+    """Its name; of a spare slot "slot 3"."""
+    row: int
+    verdict: RowVerdict
+    share: float
+    error: float
+
+
+class Report(NamedTuple):
+    """The doctor's: rank, condition, and every row."""
+
+    rank: int
+    redundant: int
+    contradictory: int
+    condition: float
+    error: float
+    contradiction: float
+    rows: list[Row]
+
+
+def _result(r: abi.ConstraintResult) -> Result:
+    return Result(ConstraintReason(r.reason), r.rows, r.rank, r.iterations, r.residual, r.contradiction, r.condition, r.regularisation)
+
+
+class ModelConstraints:
+    """The part of Model that knows its constraints."""
+
+    if TYPE_CHECKING:
+        _m: Any
+
+    @property
+    def nconstraints(self) -> int:
+        """The model's own constraints: they are in the first slots of a data."""
+        return lib.dyn_nconstraints(self._m)
+
+    @property
+    def nconstraint_slots(self) -> int:
+        """nconstraints and the spare ones."""
+        return lib.dyn_nconstraint_slots(self._m)
+
+    @property
+    def constraint_names(self) -> list[str]:
+        return [lib.dyn_constraint_name(self._m, k).decode() for k in range(self.nconstraints)]
+
+    def constraint_id(self, name: str) -> int:
+        id = lib.dyn_constraint_id(self._m, name.encode())
+        if id < 0:
+            raise UnknownNameError(last_error())
+        return id
+
+    def constraint_info(self, constraint: str | int) -> abi.Constraint:
+        """The fields of dynConstraint."""
+        out = abi.Constraint()
+        id = self.constraint_id(constraint) if isinstance(constraint, str) else constraint
+        check(lib.dyn_constraint_info(self._m, id, byref(out)))
+        return out
+
+
+class ConstraintCalls:
+    """The part of Data that works under constraints."""
+
+    if TYPE_CHECKING:
+        model: Model
+        _m: Any
+        _d: Any
+        _q: Any
+        _v: Any
+        _a: Any
+        _tau: Any
+        _fext: Any
+
+    constraint_result: Result | None = None
+    """Of the last call that solved for constraint forces."""
+
+    def _slot(self, slot: str | int) -> int:
+        return self.model.constraint_id(slot) if isinstance(slot, str) else slot
+
+    def set_constraint(self, slot: str | int, constraint: Constraint | None) -> None:
+        """Puts a constraint into a slot, or empties it. Slots of the model's own constraints may be given by name."""
+        find = lambda what, x: self.model._joint(x) if what == "joint" else self.model._frame(x)
+        s = None if constraint is None else byref(structure(constraint, find))
+        check(lib.dyn_constraint_set(self._m, self._d, self._slot(slot), s))
+
+    def add_constraint(self, constraint: Constraint) -> int:
+        """Puts a constraint into the first empty slot; answers its number."""
+        held = abi.Constraint()
+        for slot in range(self.model.nconstraint_slots):
+            check(lib.dyn_constraint_get(self._m, self._d, slot, byref(held)))
+            if held.type == ConstraintType.NONE:
+                self.set_constraint(slot, constraint)
+                return slot
+        raise ArgumentError(f"all {self.model.nconstraint_slots} slots are full: load the model with more constraint_slots, or empty one.")
+
+    def enable_constraint(self, slot: str | int, enabled: bool = True) -> None:
+        """Switches a slot on or off."""
+        check(lib.dyn_constraint_enable(self._m, self._d, self._slot(slot), bool(enabled)))
+
+    def anchor_constraint(self, slot: str | int, q: Any = None) -> None:
+        """Moves placement2 so that the constraint holds at q."""
+        check(lib.dyn_constraint_anchor(self._m, self._d, self._slot(slot), self._q(q)))
+
+    def constraint_rows(self, slot: str | int | None = None) -> slice:
+        """Rows of a slot among those that are enabled, or of all."""
+        first, rows = c_int(), c_int()
+        check(lib.dyn_constraint_rows(self._m, self._d, -1 if slot is None else self._slot(slot), byref(first), byref(rows)))
+        return slice(first.value, first.value + rows.value)
+
+    def _nrows(self) -> int:
+        return self.constraint_rows().stop
+
+    def _options(self, max_iterations: int | None, regularisation: float, tolerance: float | None) -> Any:
+        options = abi.ConstraintOptions()
+        lib.dyn_constraint_options_init(byref(options))
+        options.regularisation = regularisation
+        if max_iterations is not None:
+            options.max_iterations = max_iterations
+        if tolerance is not None:
+            options.tolerance = tolerance
+        return byref(options)
+
+    def constraint_terms(self, q: Any = None, v: Any = None) -> Terms:
+        """C, J, J v and drift of the enabled rows."""
+        n = self._nrows()
+        out = np.empty(n), np.empty((n, self.model.nv), order="F"), np.empty(n), np.empty(n)
+        check(lib.dyn_constraint_terms(self._m, self._d, self._q(q), self._v(v), *map(address, out)))
+        return Terms(*out)
+
+    def constrained_dynamics(
+        self, q: Any = None, v: Any = None, tau: Any = None, fext: Any = None, *, max_iterations: int | None = None,
+        regularisation: float = 0.0, tolerance: float | None = None,
+    ) -> Constrained:  # fmt: skip
+        """Forward dynamics under the constraints: (ddq, forces). How it went: constraint_result."""
+        ddq, forces, result = np.empty(self.model.nv), np.empty(self._nrows()), abi.ConstraintResult()
+        options = self._options(max_iterations, regularisation, tolerance)
+        check(lib.dyn_constrained_dynamics(self._m, self._d, self._q(q), self._v(v), self._tau(tau), self._fext(fext), options,
+                                           address(ddq), address(forces), byref(result)))  # fmt: skip
+        self.constraint_result = _result(result)
+        return Constrained(ddq, forces)
+
+    def constrained_inverse_dynamics(self, q: Any = None, v: Any = None, a: Any = None, fext: Any = None, *, actuated: Any = None) -> Held:
+        """tau and the least forces that give the acceleration a. actuated: (nv,) of bool; None: all but a floating base."""
+        tau, forces, result = np.empty(self.model.nv), np.empty(self._nrows()), abi.ConstraintResult()
+        driven = None
+        if actuated is not None:
+            driven = np.ascontiguousarray(np.asarray(actuated, bool), np.int32)
+            if driven.shape != (self.model.nv,):
+                raise ArgumentError(f"actuated has shape {driven.shape}, but must have shape {(self.model.nv,)}.")
+        check(lib.dyn_constrained_inverse_dynamics(self._m, self._d, self._q(q), self._v(v), self._a(a), self._fext(fext), address(driven),
+                                                   address(tau), address(forces), byref(result)))  # fmt: skip
+        self.constraint_result = _result(result)
+        return Held(tau, forces)
+
+    def constraint_impulse(
+        self, q: Any = None, v: Any = None, *, max_iterations: int | None = None, regularisation: float = 0.0, tolerance: float | None = None
+    ) -> Impulse:
+        """Impact: the velocity after it, and the impulses."""
+        out, impulses, result = np.empty(self.model.nv), np.empty(self._nrows()), abi.ConstraintResult()
+        options = self._options(max_iterations, regularisation, tolerance)
+        check(lib.dyn_constraint_impulse(self._m, self._d, self._q(q), self._v(v), options, address(out), address(impulses), byref(result)))
+        self.constraint_result = _result(result)
+        return Impulse(out, impulses)
+
+    def project(self, q: Any = None, v: Any = None, *, weigh: bool = True, tolerance: float = 1e-12, max_iterations: int = 100) -> Projection:
+        """q and v near those given that satisfy the constraints; weigh: near in kinetic energy, else in the coordinates."""
+        options = abi.ProjectOptions()
+        lib.dyn_project_options_init(byref(options))
+        options.weigh, options.tolerance, options.max_iterations = bool(weigh), tolerance, max_iterations
+        q_out, v_out, result = np.empty(self.model.nq), np.empty(self.model.nv), abi.ConstraintResult()
+        check(lib.dyn_project(self._m, self._d, self._q(q), self._v(v), byref(options), address(q_out), address(v_out), byref(result)))
+        self.constraint_result = _result(result)
+        return Projection(q_out, v_out, self.constraint_result)
+
+    def delassus(self, q: Any = None) -> np.ndarray:
+        """J M^-1 J', (rows, rows)."""
+        n = self._nrows()
+        out = np.empty((n, n), order="F")
+        check(lib.dyn_delassus(self._m, self._d, self._q(q), address(out)))
+        return out
+
+    def delassus_factor(self, q: Any = None) -> tuple[np.ndarray, np.ndarray]:
+        """Y (nv, rows) and D (nv,): the Delassus matrix is Y' diag(D) Y."""
+        Y, D = np.empty((self.model.nv, self._nrows()), order="F"), np.empty(self.model.nv)
+        check(lib.dyn_delassus_factor(self._m, self._d, self._q(q), address(Y), address(D)))
+        return Y, D
+
+    def delassus_times(self, x: Any, q: Any = None) -> np.ndarray:
+        """The Delassus matrix times x, without forming it."""
+        out = np.empty(self._nrows())
+        check(lib.dyn_delassus_times(self._m, self._d, self._q(q), address(checked(x, out.shape, "x")), address(out)))
+        return out
+
+    def delassus_solve(self, x: Any, mu: float = 0.0, q: Any = None) -> np.ndarray:
+        """(G + mu 1)^-1 x."""
+        out = np.empty(self._nrows())
+        check(lib.dyn_delassus_solve(self._m, self._d, self._q(q), mu, address(checked(x, out.shape, "x")), address(out)))
+        return out
+
+    def _derivatives(self, call: Any, with_tau: bool) -> ConstrainedDerivatives:
+        n, nv = self._nrows(), self.model.nv
+        out = [np.zeros((nv, nv), order="F") for _ in range(3)] + [np.zeros((n, nv), order="F") for _ in range(3)]
+        s, result = abi.ConstraintDerivatives(), abi.ConstraintResult()
+        for name, x in zip(ConstrainedDerivatives._fields, out):
+            if with_tau or not name.endswith("tau"):
+                setattr(s, name, address(x))
+        check(call(byref(s), byref(result)))
+        self.constraint_result = _result(result)
+        return ConstrainedDerivatives(*out)
+
+    def constrained_dynamics_derivatives(self, q: Any = None, v: Any = None, tau: Any = None, fext: Any = None) -> ConstrainedDerivatives:
+        """Derivatives of constrained_dynamics by q, v, tau."""
+        q, v, tau, fext = self._q(q), self._v(v), self._tau(tau), self._fext(fext)
+        return self._derivatives(
+            lambda s, r: lib.dyn_constrained_dynamics_derivatives(self._m, self._d, q, v, tau, fext, None, s, r), True
+        )
+
+    def constraint_impulse_derivatives(self, q: Any = None, v: Any = None) -> ConstrainedDerivatives:
+        """Derivatives of constraint_impulse by q and v; those by tau are zero."""
+        q, v = self._q(q), self._v(v)
+        return self._derivatives(lambda s, r: lib.dyn_constraint_impulse_derivatives(self._m, self._d, q, v, None, s, r), False)
+
+    def constraint_report(self, q: Any = None) -> Report:
+        """The doctor: rank, condition, which rows are redundant and which contradict each other, by name."""
+        n = self._nrows()
+        rows, report = (abi.RowReport * max(n, 1))(), abi.ConstraintReport()
+        check(lib.dyn_constraint_report(self._m, self._d, self._q(q), byref(report), ctypes.addressof(rows), n))
+        names = self.model.constraint_names
+        name = lambda k: names[k] if k < len(names) else f"slot {k}"
+        return Report(report.rank, report.redundant, report.contradictory, report.condition, report.error, report.contradiction,
+                      [Row(name(r.slot), r.row, RowVerdict(r.verdict), r.share, r.error) for r in rows[:n]])  # fmt: skip
+
+
+__all__ = [
+    "Constrained", "ConstrainedDerivatives", "Constraint", "ConstraintReason", "ConstraintType", "Held", "Impulse", "Projection", "Report", "Result", "Row",
+    "RowVerdict", "Terms", "connect", "coupling", "distance", "frame", "friction", "limit", "loop", "point", "weld",
+]  # fmt: skip

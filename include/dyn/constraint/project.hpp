@@ -1,0 +1,101 @@
+// q that satisfies the constraints, near a given one: Levenberg and Marquardt on the manifold. In the metric of M the step is
+//   dq = - M^-1 J^T (G + mu 1)^-1 C        G = J M^-1 J^T
+// which is the least that takes the linearised C away; where rows contradict each other it ends at the least sum of their squares.
+#pragma once
+
+#include "dyn/constraint/constrained_dynamics.hpp"
+
+namespace dyn {
+
+// The factor of M^-1 = 1 in its place.
+template <class T>
+void forget_masses(const Model& m, Data<T>& d) {
+  if (m.has_mimic) {
+    std::fill_n(d.L, m.n.nv * factor_room(m), T(0));
+    std::fill_n(d.D, m.n.nv, T(1));
+    d.drop(Stage::Factor);
+    return;
+  }
+  for (Index k = 0; k < m.n.nvx; ++k) d.U_root[k] = Force<T>::zero(), d.Dinv[k] = T(1);
+}
+
+// Factor and rows at d.q. A limit that is kept, or dry friction, asks for no motion. Returns 0 or the joint that is singular.
+template <class T>
+Index project_rows(const Model& m, Data<T>& d, bool weigh) {
+  if (const Index failed = constraint_factor(m, d)) return failed;
+  if (!weigh) forget_masses(m, d);
+  evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
+  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+    if (one_sided(s.c.type) && s.error[0] == T(0)) s.g1 = T(0);
+  });
+  return 0;
+}
+template <class T>
+T gather_errors(const Model& m, Data<T>& d, T* C) {
+  T sum = T(0);
+  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+    for (Index r = 0; r < s.rows; ++r) C[s.first + r] = s.error[r], sum += s.error[r] * s.error[r];
+  });
+  return sum;
+}
+
+// d.q becomes the solution; v, unless it is nullptr, the velocity nearest to itself that the rows allow there.
+template <class T>
+Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result) {
+  constexpr double least = 1e-9, most = 1e6;
+  const Index rows = active_rows(m, d);
+  const std::ptrdiff_t ld = row_room(rows);
+  const RowWork<T> work = row_work(m, d);
+  T *C = row_vector(m, d, 0), *lambda = row_vector(m, d, 1), *Dinv = work.vector(0), *step = d.constraint_step, *before = d.constraint_q;
+  if (const Index failed = project_rows(m, d, weigh)) return failed;
+  T cost = gather_errors(m, d, C), damping = T(least);
+  int iteration = 0;
+  for (; iteration < max_iterations && largest_size(C, rows) > tolerance && damping < T(most); ++iteration) {
+    propagate_rows(m, d), delassus(m, d, rows, d.row_matrix);
+    T trace = T(0);
+    for (Index i = 0; i < rows; ++i) trace += d.row_matrix[ld * i + i];
+    const T mu = damping * trace / T(double(rows));
+    if (!(mu > T(0))) break;
+    factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
+    for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
+    solve_factored(work.factor, Dinv, ld, rows, lambda);
+    gather(m, d, lambda, step);
+    scatter(m, d, step);
+    std::copy(d.q, d.q + m.n.nq, before);
+    integrate(m, static_cast<const T*>(before), static_cast<const T*>(step), d.q);
+    if (const Index failed = project_rows(m, d, weigh)) return failed;
+    T* trial = lambda;
+    const T now = gather_errors(m, d, trial);
+    if (now < cost) {
+      std::copy(trial, trial + rows, C);
+      cost = now, damping = std::max(T(least), damping / T(10));
+      continue;
+    }
+    std::copy(before, before + m.n.nq, d.q);
+    damping = damping * T(10);
+    if (const Index failed = project_rows(m, d, weigh)) return failed;
+  }
+  result.rows = rows, result.iterations = iteration, result.residual = double(largest_size(C, rows));
+  result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINED : iteration == max_iterations ? DYN_CONSTRAINT_ITERATIONS : DYN_CONSTRAINTS_CONTRADICT;
+  result.contradiction = result.reason == DYN_CONSTRAINTS_CONTRADICT ? result.residual : 0;
+
+  // the same metric for velocities; at a limit they may leave it
+  ProximalResult<T> found;
+  const bool bounded = any_bounded(m, d);
+  T* b = row_vector(m, d, 0);
+  evaluate_rows(m, d, d.expand(m, v ? v : d.zero, d.vx), static_cast<const T*>(nullptr));
+  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+    if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = s.upper[0] = T(0);
+    for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -s.rate[r];
+  });
+  propagate_rows(m, d);
+  solve_rows(m, d, rows, b, bounded, ProximalOptions{}, d.lambda, found);
+  result.rank = found.rank, result.condition = double(found.condition);
+  if (!v) return 0;
+  gather(m, d, d.lambda, step);
+  scatter(m, d, step);
+  for (Index k = 0; k < m.n.nv; ++k) v[k] += step[k];
+  return 0;
+}
+
+}  // namespace dyn

@@ -1,0 +1,7 @@
+#include "dyn/constraint/inverse.hpp"
+#include "dyn/constraint/project.hpp"
+
+namespace dyn {
+template Index project(const Model&, Data<double>&, int, bool, double, double*, dynConstraintResult&);
+template Index constrained_inverse_dynamics(const Model&, Data<double>&, const double*, const double*, const double*, const std::int32_t*, double*, dynConstraintResult&);
+}  // namespace dyn

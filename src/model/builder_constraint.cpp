@@ -1,0 +1,85 @@
+// Constraints between frames and between joints.
+#include <algorithm>
+
+#include "builder_impl.hpp"
+#include "dyn/constraint/set.hpp"
+
+namespace dyn {
+
+namespace {
+
+[[noreturn]] void refuse(dynStatus status, const std::string& message) { throw Error(status, message); }
+
+int find_joint(const std::vector<JointEntry>& joints, const std::string& name, const std::string& who) {
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (joints[j].spec.name == name) return int(j);
+  refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + name + "'");
+}
+
+}  // namespace
+
+void Builder::Impl::check_constraint_name(const std::string& name) const {
+  if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "constraint has no name: give one");
+  if (name.find('\0') != std::string::npos) refuse(DYN_ERROR_ARGUMENT, "constraint '" + std::string(name.c_str()) + "': the name holds a zero byte");
+  for (const ConstraintEntry& c : constraints)
+    if (c.name == name) refuse(DYN_ERROR_NAME, "constraint '" + name + "' is there already: choose another name");
+}
+
+void Builder::constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second) {
+  impl->check_constraint_name(name);
+  const std::string who = "constraint '" + name + "'";
+  char message[256];
+  if (const dynStatus status = check_constraint_numbers(spec, message, sizeof message)) refuse(status, who + ": " + message);
+  if (spec.type == DYN_CONSTRAINT_NONE) refuse(DYN_ERROR_ARGUMENT, who + ": its type is NONE: spare slots are empty by themselves");
+  ConstraintEntry entry{name, spec, -1, -1};
+  if (between_joints(spec.type)) {
+    entry.first = find_joint(impl->joints, first.name, who);
+    if (spec.type == DYN_CONSTRAINT_COUPLING) entry.second = find_joint(impl->joints, second.name, who);
+  } else {
+    auto frame = [&](const Parent& p) { return p.name.empty() || p.name == "universe" ? 0 : impl->find(p, who); };
+    entry.first = frame(first), entry.second = frame(second);
+    const FrameEntry &a = impl->frames[std::size_t(entry.first)], &b = impl->frames[std::size_t(entry.second)];
+    if (a.joint == b.joint)
+      refuse(DYN_ERROR_INVALID, who + ": first, '" + a.name + "', and second, '" + b.name + "', are on the same body: nothing can move between them");
+  }
+  impl->constraints.push_back(std::move(entry));
+}
+
+void Builder::constraint_slots(int spare) {
+  if (spare < 0 || spare > 1000) refuse(DYN_ERROR_ARGUMENT, "constraint slots: " + std::to_string(spare) + " are asked for: give 0 to 1000");
+  impl->constraint_slots = spare;
+}
+
+std::vector<dynConstraint> constraints_of(const std::vector<ConstraintEntry>& constraints, const std::vector<Index>& id) {
+  std::vector<dynConstraint> out;
+  for (const ConstraintEntry& c : constraints) {
+    dynConstraint spec = c.spec;
+    spec.struct_size = sizeof spec;
+    auto joint = [&](int j) { return j < 0 ? 0 : id[std::size_t(j)]; };
+    spec.first = between_joints(spec.type) ? joint(c.first) : c.first;
+    spec.second = between_joints(spec.type) ? joint(c.second) : c.second;
+    out.push_back(spec);
+  }
+  return out;
+}
+
+Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare) {
+  Index rows = most_rows * Index(spare);
+  for (const ConstraintEntry& e : constraints) {
+    Constraint c{};
+    c.type = e.spec.type, c.joint_type = e.spec.joint_type;
+    rows += constraint_rows(c);
+  }
+  return rows;
+}
+
+void check_constraints(const Model& m) {
+  char message[256];
+  for (Index k = 0; k < m.n.constraints; ++k) {
+    const ConstraintRecord& c = m.constraints()[k];
+    if (const dynStatus status = check_constraint(m, c.spec, message, sizeof message))
+      refuse(status, "constraint '" + std::string(m.string(c.name)) + "': " + message);
+  }
+}
+
+}  // namespace dyn
