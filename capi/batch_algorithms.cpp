@@ -21,7 +21,11 @@ dynStatus solve_one(const dynModel* m, dynData* d, const dynBatchArrays& x) {
 
 dynStatus step_one(const dynModel* m, dynData* d, const dynBatchArrays& x) {
   dynStatus status = dyn_data_set_state(m, d, x.q, x.v, nullptr, x.tau);
-  if (status == DYN_OK) status = dyn_step(m, d, x.integrator, x.dt);
+  dynStepOptions options;
+  dyn_step_options_init(&options);
+  options.integrator = x.integrator, options.dt = x.dt;
+  if (status == DYN_OK) status = dyn_data_set_step_options(m, d, &options);
+  if (status == DYN_OK) status = dyn_step(m, d);
   if (status == DYN_OK) copy_out(d->d.q, m->m->n.nq, x.out[0]), copy_out(d->d.v, m->m->n.nv, x.out[1]);
   return status;
 }

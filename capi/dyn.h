@@ -383,7 +383,7 @@ enum {
   DYN_PART_COLLISION = 1u << 17,           /* distances of all pairs */
   DYN_PART_CONSTRAINTS = 1u << 18,         /* slots, Delassus matrix (includes FORWARD; FACTOR when there are mimic joints) */
   DYN_PART_CONSTRAINT_DERIVATIVES = 1u << 19, /* nv x rows, rows x nv (includes CONSTRAINTS and FORWARD_DERIVATIVES) */
-  DYN_PART_SIMULATION = 1u << 20,          /* stages of the integrators (includes FORWARD) */
+  DYN_PART_SIMULATION = 1u << 20,          /* stages of the integrators (includes FORWARD; FACTOR when there are mimic joints) */
   DYN_PART_ALL = 0x1fffff
 };
 

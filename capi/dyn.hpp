@@ -765,7 +765,26 @@ class Data {
   }
 
   // simulation
-  void step(double dt, dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER) { check(dyn_step(m(), get(), integrator, dt)); }
+  void set_stepping(dynIntegrator integrator, double dt = 1e-3, double accuracy = 0) {
+    dynStepOptions options;
+    dyn_step_options_init(&options);
+    options.integrator = integrator, options.dt = dt, options.accuracy = accuracy;
+    check(dyn_data_set_step_options(m(), get(), &options));
+  }
+  dynStepOptions stepping() const {
+    dynStepOptions options;
+    dyn_step_options_init(&options);
+    check(dyn_data_step_options(m(), get(), &options));
+    return options;
+  }
+  void step() { check(dyn_step(m(), get())); }
+  void advance(double duration) { check(dyn_advance(m(), get(), duration)); }
+  dynStepReport step_report() const {
+    dynStepReport report{};
+    report.struct_size = sizeof report;
+    check(dyn_data_step_report(m(), get(), &report));
+    return report;
+  }
 
  private:
   struct Free {

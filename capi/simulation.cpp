@@ -4,34 +4,120 @@
 using namespace dyn;
 using namespace dyn::capi;
 
-extern "C" dynStatus dyn_step(const dynModel* model, dynData* data, dynIntegrator integrator, double dt) {
-  Call call(model, data, DYN_PART_FORWARD, "dyn_step");
-  if (!call || !call.finite("dt", &dt, 1)) return call.status;
-  if (!(dt > 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_step: dt is %g s: it must be positive", dt);
-  if (integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_RK4)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_step: integrator %d does not exist: use DYN_SEMI_IMPLICIT_EULER or DYN_RK4", int(integrator));
-  if (call.m().has_mimic && !call.d().has(DYN_PART_FACTOR))
-    return fail(DYN_ERROR_PART, "dyn_step: the model has mimic joints, so that it needs part DYN_PART_FACTOR as well: name it in dyn_data_new");
+namespace {
+
+constexpr const char* integrators = "DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45 or DYN_REFERENCE";
+
+const char* joint_at(const Model& m, Index k, bool in_v) {
+  const char* name = "?";
+  for (Index j = 1; j < m.n.joints; ++j)
+    if ((in_v ? m.joints()[j].idx_v : m.joints()[j].idx_q) <= k) name = m.string(m.joints()[j].name);
+  return name;
+}
+
+// Why steps ended at t, from what they answered and the state that they left.
+dynStatus explain(const Model& m, const Data<double>& d, Index answer, const char* function, double t) {
+  if (answer > 0)
+    return fail(DYN_ERROR_NUMERIC, "%s: forward dynamics is singular at joint '%s' near t = %g s: the state is as before the step", function,
+                m.string(m.joints()[answer].name), t);
+  if (answer == integrator::not_converged)
+    return fail(DYN_ERROR_NUMERIC, "%s: the implicit midpoint rule does not converge near t = %g s: the state is as before the step; use a smaller dt", function, t);
+  if (answer == integrator::no_step_left)
+    return fail(DYN_ERROR_NUMERIC, "%s: no step is short enough near t = %g s: the motion is singular there, or the accuracy beyond what rounding allows; the state is as before the step",
+                function, t);
+  const Index bad_v = finite_count(d.v, m.n.nv), bad_q = finite_count(d.q, m.n.nq);
+  if (bad_v == m.n.nv && bad_q == m.n.nq) return DYN_OK;
+  return fail(DYN_ERROR_NUMERIC, "%s: the state of joint '%s' is no longer finite near t = %g s: the state is as before the step; use a smaller dt", function,
+              joint_at(m, bad_v < m.n.nv ? bad_v : bad_q, bad_v < m.n.nv), t);
+}
+
+// One step of h; the state is as before after an error.
+dynStatus make_step(Call& call, const char* function, double h) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   call.begin_step();
-  const Index joint = integrator == DYN_RK4 ? step_rk4(m, d, dt) : step_semi_implicit_euler(m, d, dt);
-  if (joint) {
-    call.take_back();
-    return fail(DYN_ERROR_NUMERIC, "dyn_step: forward dynamics is singular at joint '%s' near t = %g s: the state is as before the step",
-                m.string(m.joints()[joint].name), d.time[0]);
-  }
-  Index bad = finite_count(d.v, m.n.nv);
-  const bool in_v = bad < m.n.nv;
-  if (!in_v) bad = finite_count(d.q, m.n.nq);
-  if (in_v || bad < m.n.nq) {
-    const char* name = "?";
-    for (Index j = 1; j < m.n.joints; ++j)
-      if ((in_v ? m.joints()[j].idx_v : m.joints()[j].idx_q) <= bad) name = m.string(m.joints()[j].name);
-    call.take_back();
-    return fail(DYN_ERROR_NUMERIC, "dyn_step: the state of joint '%s' is no longer finite near t = %g s: the state is as before the step; use a smaller dt", name, d.time[0]);
-  }
+  const Index answer = integrator::step(m, d, d.stepping.integrator, h, d.stepped);
+  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.take_back(), status;
   call.end_step();
-  d.time[0] += dt;
+  d.time[0] += h;
   return DYN_OK;
 }
+
+dynStatus advance_to_accuracy(Call& call, const char* function, double duration) {
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  call.begin_step();
+  const Index answer = integrator::advance(m, d, d.stepping.integrator, duration, d.stepping.accuracy, d.stepped);
+  d.time[0] += d.stepped.time;
+  if (d.stepped.steps == 0) call.take_back();
+  else call.end_step();
+  return explain(m, d, answer, function, d.time[0]);
+}
+
+}  // namespace
+
+extern "C" {
+
+void dyn_step_options_init(dynStepOptions* options) {
+  if (options) *options = {sizeof *options, DYN_SEMI_IMPLICIT_EULER, 1e-3, 0};
+}
+
+dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_set_step_options");
+  if (!call || !call.required("options", options)) return call.status;
+  if (options->struct_size < sizeof *options)
+    return fail(DYN_ERROR_SIZE, "dyn_data_set_step_options: struct_size is %u, needs %zu: call dyn_step_options_init", options->struct_size, sizeof *options);
+  if (int(options->integrator) < 0 || int(options->integrator) > DYN_REFERENCE)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: integrator %d does not exist: use %s", int(options->integrator), integrators);
+  if (!call.finite("dt", &options->dt, 1) || !call.finite("accuracy", &options->accuracy, 1)) return call.status;
+  if (!(options->dt > 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: dt is %g s: it must be positive", options->dt);
+  if (!(options->accuracy >= 0))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: accuracy is %g: give what the errors may add up to, or 0 for steps of dt", options->accuracy);
+  call.d().stepping = *options;
+  call.d().stepping.struct_size = sizeof *options;
+  return DYN_OK;
+}
+
+dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_step_options");
+  if (!call || !call.required("options", options)) return call.status;
+  *options = call.d().stepping;
+  return DYN_OK;
+}
+
+dynStatus dyn_step(const dynModel* model, dynData* data) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_step");
+  if (!call) return call.status;
+  call.d().stepped = {};
+  return make_step(call, "dyn_step", call.d().stepping.dt);
+}
+
+dynStatus dyn_advance(const dynModel* model, dynData* data, double duration) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_advance");
+  if (!call || !call.finite("duration", &duration, 1)) return call.status;
+  Data<double>& d = call.d();
+  if (!(duration >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_advance: duration is %g s: time does not run backwards", duration);
+  d.stepped = {};
+  if (duration == 0) return DYN_OK;
+  if (d.stepping.accuracy > 0) return advance_to_accuracy(call, "dyn_advance", duration);
+  const double dt = d.stepping.dt, ratio = duration / dt;
+  if (!(ratio <= 1e15)) return fail(DYN_ERROR_ARGUMENT, "dyn_advance: %g s in steps of %g s are too many: take a larger dt", duration, dt);
+  // a remainder of a billionth of a step is rounding of duration, not a step
+  const std::int64_t whole = std::int64_t(std::floor(ratio * (1 + 1e-12) + 1e-9));
+  for (std::int64_t k = 0; k < whole; ++k)
+    if (const dynStatus status = make_step(call, "dyn_advance", dt)) return status;
+  const double rest = duration - double(whole) * dt;
+  return rest > 1e-9 * dt ? make_step(call, "dyn_advance", rest) : DYN_OK;
+}
+
+dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_step_report");
+  if (!call || !call.required("report", report)) return call.status;
+  if (report->struct_size < sizeof *report)
+    return fail(DYN_ERROR_SIZE, "dyn_data_step_report: struct_size is %u, needs %zu: set it to sizeof(dynStepReport)", report->struct_size, sizeof *report);
+  *report = call.d().stepped;
+  report->struct_size = sizeof *report;
+  return DYN_OK;
+}
+
+}  // extern "C"

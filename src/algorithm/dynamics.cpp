@@ -9,6 +9,5 @@ template Index factorize(const Model&, Data<double>&);
 template void solve(const Model&, const Data<double>&, double*);
 template void invert(const Model&, Data<double>&);
 template Index integrator::step(const Model&, Data<double>&, dynIntegrator, double, dynStepReport&);
-template Index integrator::advance_to_accuracy<integrator::DormandPrince5>(const Model&, Data<double>&, const integrator::Stages<double>&, double, double, dynStepReport&);
-template Index integrator::advance_to_accuracy<integrator::DormandPrince8>(const Model&, Data<double>&, const integrator::Stages<double>&, double, double, dynStepReport&);
+template Index integrator::advance(const Model&, Data<double>&, dynIntegrator, double, double, dynStepReport&);
 }  // namespace dyn

@@ -4,7 +4,7 @@
 #include "dyn/algorithm/energy.hpp"
 #include "dyn/algorithm/gravity_derivatives.hpp"
 #include "dyn/algorithm/second_order_tensors.hpp"
-#include "dyn/simulation/step.hpp"
+#include "dyn/integrator/runge_kutta.hpp"
 
 namespace dyn_test {
 namespace {
@@ -245,7 +245,7 @@ TEST(Effects, RungeKuttaOnDampedOscillation) {
   s.stiffness = {18}, s.damping = {1.2}, s.spring_reference = {0.3};  // I = 2: omega_0 = 3, delta = 0.3
   Wheel x(s);
   x.w.q(std::vector{1.3});
-  for (int k = 0; k < 2000; ++k) ASSERT_EQ(0, step_rk4(*x.model, x.w.d, 1e-3));
+  for (int k = 0; k < 2000; ++k) ASSERT_EQ(0, take_step(*x.model, x.w.d, DYN_RK4, 1e-3));
   const double t = 2, delta = 0.3, omega = std::sqrt(9 - delta * delta);
   EXPECT_NEAR(0.3 + std::exp(-delta * t) * (std::cos(omega * t) + delta / omega * std::sin(omega * t)), x.w.d.q[0], 1e-11);
 }
@@ -260,7 +260,7 @@ TEST(Effects, StiffDampingAndFrictionStayStable) {
       x.w.v(std::vector{5.});
       double before = 5;
       for (int k = 0; k < 1000; ++k) {
-        ASSERT_EQ(0, step_semi_implicit_euler(*x.model, x.w.d, 1e-2));
+        ASSERT_EQ(0, take_step(*x.model, x.w.d, DYN_SEMI_IMPLICIT_EULER, 1e-2));
         ASSERT_LE(0, x.w.d.v[0]);
         ASSERT_LE(x.w.d.v[0], before);
         before = x.w.d.v[0];
@@ -275,7 +275,7 @@ TEST(Effects, DryFrictionStops) {
   s.friction = {0.5};
   Wheel x(s);
   x.w.v(std::vector{2.});
-  for (int k = 0; k < 100000; ++k) ASSERT_EQ(0, step_semi_implicit_euler(*x.model, x.w.d, 1e-4));
+  for (int k = 0; k < 100000; ++k) ASSERT_EQ(0, take_step(*x.model, x.w.d, DYN_SEMI_IMPLICIT_EULER, 1e-4));
   // 4 s of -0.25 rad/s^2 a second: 2^2 * 2 / (2 * 0.5) / 2 = 8 ... less what tanh lacks
   EXPECT_NEAR(2. * 2 * 2 / (2 * 0.5), x.w.d.q[0], 2e-3);
   EXPECT_LE(x.w.d.v[0], 1e-12);

@@ -3,7 +3,7 @@
 #include "algorithm/trees.hpp"
 #include "dyn/algorithm/coriolis.hpp"
 #include "dyn/algorithm/forward_dynamics.hpp"
-#include "dyn/simulation/step.hpp"
+#include "dyn/integrator/runge_kutta.hpp"
 
 namespace dyn_test {
 namespace {
@@ -108,8 +108,8 @@ TEST(Quadruple, StepsAgreeToRounding) {
         if (c.M().diagonal().minCoeff() < 1e-3) return;  // tiny inertias make the short motion wild
         Work<Quad> q(c.m);
         q.q(c.x.q).v(c.x.v).tau(c.x.tau);
-        ASSERT_EQ(0, step_rk4(c.m, c.w.d, 0.001));
-        ASSERT_EQ(0, step_rk4(c.m, q.d, Quad(0.001)));
+        ASSERT_EQ(0, integrator::explicit_step<integrator::Classical>(c.m, c.w.d, integrator::Stages<double>(c.m, c.w.d), 0.001));
+        ASSERT_EQ(0, integrator::explicit_step<integrator::Classical>(c.m, q.d, integrator::Stages<Quad>(c.m, q.d), Quad(0.001)));
         EXPECT_LE(gap(matrix(c.w.d.q, c.m.n.nq), matrix(q.d.q, c.m.n.nq)), 1e-10);
       },
       20, options);

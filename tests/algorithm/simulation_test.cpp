@@ -50,8 +50,8 @@ struct Flight {
     kinetic_energy(*model, w.d), potential_energy(*model, w.d);
     return w.d.kinetic[0] + w.d.potential[0];
   }
-  void advance(bool rk4, double duration, int steps) {
-    for (int k = 0; k < steps; ++k) ASSERT_EQ(0, rk4 ? step_rk4(*model, w.d, duration / steps) : step_semi_implicit_euler(*model, w.d, duration / steps));
+  void advance(dynIntegrator integrator, double duration, int steps) {
+    for (int k = 0; k < steps; ++k) ASSERT_EQ(0, take_step(*model, w.d, integrator, duration / steps));
   }
 };
 double apart(Flight& a, Flight& b) {
@@ -63,27 +63,58 @@ double apart(Flight& a, Flight& b) {
 class Steps : public testing::TestWithParam<Tree (*)()> {};
 
 // error(h) / error(h / 2) = 2^order
-double observed_order(Tree (*make)(), bool rk4, int steps) {
+double observed_order(Tree (*make)(), dynIntegrator integrator, int steps) {
   Flight reference(make()), coarse(make()), fine(make());
   const double duration = 0.5;
-  reference.advance(true, duration, 4000);
-  coarse.advance(rk4, duration, steps);
-  fine.advance(rk4, duration, 2 * steps);
+  reference.advance(DYN_REFERENCE, duration, 10);
+  coarse.advance(integrator, duration, steps);
+  fine.advance(integrator, duration, 2 * steps);
   return std::log2(apart(coarse, reference) / apart(fine, reference));
 }
 
-TEST_P(Steps, RungeKuttaIsOfOrderFour) {
-  // the asymptotic order shows within a quarter at steps of 2 ms, where the error is near 1e-9, far above rounding
-  EXPECT_NEAR(4, observed_order(GetParam(), true, 250), 0.25);
+// The asymptotic order shows within a quarter where the error is near 1e-9, far above rounding.
+TEST_P(Steps, RungeKuttaIsOfOrderFour) { EXPECT_NEAR(4, observed_order(GetParam(), DYN_RK4, 250), 0.25); }
+TEST_P(Steps, DormandPrinceIsOfOrderFive) { EXPECT_NEAR(5, observed_order(GetParam(), DYN_RK45, 100), 0.4); }
+TEST_P(Steps, TheMidpointRuleIsOfOrderTwo) { EXPECT_NEAR(2, observed_order(GetParam(), DYN_IMPLICIT_MIDPOINT, 500), 0.1); }
+TEST_P(Steps, EulerStepsAreOfOrderOne) {
+  EXPECT_NEAR(1, observed_order(GetParam(), DYN_SEMI_IMPLICIT_EULER, 1000), 0.1);
+  EXPECT_NEAR(1, observed_order(GetParam(), DYN_IMPLICIT_FAST, 1000), 0.1);
 }
-TEST_P(Steps, SemiImplicitEulerIsOfOrderOne) { EXPECT_NEAR(1, observed_order(GetParam(), false, 1000), 0.1); }
+
+// Steps of the reference do not matter, and those that an accuracy takes keep it: an error that grows little within the time.
+TEST_P(Steps, AccuracyIsKept) {
+  Flight reference(GetParam()()), other(GetParam()());
+  reference.advance(DYN_REFERENCE, 0.5, 10);
+  other.advance(DYN_REFERENCE, 0.5, 1);
+  EXPECT_LE(apart(reference, other), 1e-11);
+  for (const double accuracy : {1e-3, 1e-6, 1e-9}) {
+    Flight flight(GetParam()());
+    dynStepReport report{};
+    ASSERT_EQ(0, integrator::advance(*flight.model, flight.w.d, DYN_RK4, 0.5, accuracy, report));
+    EXPECT_LE(apart(flight, reference), 30 * accuracy) << accuracy;
+    EXPECT_LE(report.error_estimate, accuracy * (1 + 1e-12));
+    EXPECT_EQ(0.5, report.time);
+    EXPECT_EQ(2 + 12 * (report.steps + report.rejected), report.evaluations);
+  }
+}
+
+// There and back again: the midpoint rule with -v retraces its steps.
+TEST_P(Steps, TheMidpointRuleIsReversible) {
+  Flight flight(GetParam()()), start(GetParam()());
+  const auto turn = [&] { for (Index k = 0; k < flight.model->n.nv; ++k) flight.w.d.v[k] = -flight.w.d.v[k]; };
+  flight.advance(DYN_IMPLICIT_MIDPOINT, 0.2, 200);
+  turn();
+  flight.advance(DYN_IMPLICIT_MIDPOINT, 0.2, 200);
+  turn();
+  EXPECT_LE(apart(flight, start), 1e-10);
+}
 
 TEST_P(Steps, RungeKuttaKeepsEnergyToItsOrder) {
   double drift[2];
   for (int k : {0, 1}) {
     Flight flight(GetParam()());
     const double before = flight.energy();
-    flight.advance(true, 0.5, 250 << k);
+    flight.advance(DYN_RK4, 0.5, 250 << k);
     drift[k] = std::abs(flight.energy() - before);
     EXPECT_LE(drift[k], 1e-6 * (1 + std::abs(before)));
   }
@@ -91,8 +122,8 @@ TEST_P(Steps, RungeKuttaKeepsEnergyToItsOrder) {
 }
 TEST_P(Steps, OrientationsStayUnit) {
   Flight flight(GetParam()());
-  flight.advance(true, 1, 300);
-  flight.advance(false, 1, 300);
+  flight.advance(DYN_RK4, 1, 300);
+  for (const dynIntegrator i : {DYN_SEMI_IMPLICIT_EULER, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) flight.advance(i, 1, 300);
   EXPECT_LE(norm_error(*flight.model, flight.w.d.q), 4e-16);
 }
 INSTANTIATE_TEST_SUITE_P(Robots, Steps, testing::Values(free_body, chain, geared), [](const auto& p) {
@@ -114,7 +145,7 @@ TEST(Steps, AFreeBodyKeepsItsMomentum) {
     return h;
   };
   const V6 before = momentum();
-  flight.advance(true, 2, 2000);
+  flight.advance(DYN_RK4, 2, 2000);
   EXPECT_LE(gap(momentum(), before), 1e-10);  // the method's error at steps of 1 ms: h^4 = 1e-12 times two seconds of turning
 }
 
@@ -125,8 +156,45 @@ TEST(Steps, FreeFallIsExact) {
   Flight flight(t);
   flight.w.v(VectorXd::Zero(6));
   const V3 start(flight.w.d.q);
-  flight.advance(true, 1, 10);
+  flight.advance(DYN_RK4, 1, 10);
   EXPECT_LE(gap(V3(flight.w.d.q), start + 0.5 * t.gravity), 1e-14);
+}
+
+TEST(Steps, TheMidpointRuleKeepsTheEnergyOfAPendulumForever) {
+  Tree t;
+  JointSpec s;
+  s.name = "pin", s.axis = {0, 1, 0};
+  t.joints.push_back(s);
+  BodySpec b;
+  b.name = "bob", b.parent = "pin", b.com = V3(0, 0, -1), b.inertia.setZero();
+  t.bodies.push_back(b);
+  Flight flight(t);
+  flight.w.q(std::vector{2.0}).v(std::vector{0.0});
+  const double before = flight.energy();
+  double early = 0, late = 0;
+  for (int k = 0; k < 20000; ++k) {
+    flight.advance(DYN_IMPLICIT_MIDPOINT, 0.05, 1);
+    double& drift = k < 1000 ? early : late;
+    drift = std::max(drift, std::abs(flight.energy() - before));
+  }
+  EXPECT_LE(late, 1.05 * early) << early;  // no drift over 1000 s
+}
+
+// A spring a million times too stiff for the step: implicit_fast settles, with semi-implicit Euler it would burst.
+TEST(Steps, ImplicitFastBearsAnySpring) {
+  for (const double stiffness : {1e2, 1e6, 1e12}) {
+    Tree t;
+    JointSpec s;
+    s.name = "pin", s.stiffness = {stiffness}, s.spring_reference = {0.3};
+    t.joints.push_back(s);
+    BodySpec b;
+    b.name = "disc", b.parent = "pin", b.com = V3::Zero(), b.inertia = M3::Identity();
+    t.bodies.push_back(b);
+    Flight flight(t);
+    flight.w.q(std::vector{1.0}).v(std::vector{0.0});
+    flight.advance(DYN_IMPLICIT_FAST, 200, 4000);
+    EXPECT_NEAR(0.3, flight.w.d.q[0], 1e-9) << stiffness;
+  }
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ struct BatchCase {
     }
     if (algorithm == DYN_BATCH_STEP) {
       EXPECT_EQ(DYN_OK, dyn_data_set_state(m, d, at(q), at(v), nullptr, at(tau)));
-      EXPECT_EQ(DYN_OK, dyn_step(m, d, x.integrator, x.dt));
+      EXPECT_EQ(DYN_OK, take_step(m, d, x.integrator, x.dt));
       return {field(m, d, "q"), field(m, d, "v")};
     }
     const CallRow& call = call_row("dyn_" + std::string(info.name));

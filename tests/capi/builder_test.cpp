@@ -415,7 +415,7 @@ TEST(BuilderFinish, NothingAtAll) {
                       dyn_distance(m, nullptr, nullptr, &distance), dyn_frame_jacobian(m, d, 0, DYN_WORLD, nullptr)})
     EXPECT_EQ(DYN_OK, s) << dyn_last_error();
   EXPECT_EQ(0, distance);
-  EXPECT_EQ(DYN_OK, dyn_step(m, d, DYN_RK4, 0.1));
+  EXPECT_EQ(DYN_OK, take_step(m, d, DYN_RK4, 0.1));
   EXPECT_EQ(0.1, field(m, d, "time")[0]);
 }
 

@@ -242,7 +242,7 @@ inline const CallRow call_rows[] = {
      }},
     {"dyn_all_terms", DYN_PART_ALL, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_all_terms(m, d, x.mask, x.q, x.v, x.filled); }},
-    {"dyn_step", DYN_PART_FORWARD, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_step(m, d, x.integrator, x.dt); }},
+    {"dyn_step", DYN_PART_SIMULATION, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return take_step(m, d, x.integrator, x.dt); }},
     {"dyn_data_array", 0, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_array(m, d, x.field, x.array); }},
 };
 #undef DYN_CALL

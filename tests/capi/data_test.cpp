@@ -78,7 +78,7 @@ TEST(DataInit, AnyAddress) {
       ASSERT_EQ(DYN_OK, dyn_data_init(m, 0, at, size, &d)) << dyn_last_error();
       compute_all(m, d, s);
       EXPECT_EQ("", expected.differs(Snapshot(m, d))) << offset;
-      ASSERT_EQ(DYN_OK, dyn_step(m, d, DYN_RK4, 1e-3));
+      ASSERT_EQ(DYN_OK, take_step(m, d, DYN_RK4, 1e-3));
       for (std::size_t k = 0; k < memory.size(); ++k)
         ASSERT_TRUE((k >= 64 + offset && k < 64 + offset + size) || memory[k] == 0x3c) << offset << " " << k;
       dyn_data_free(d);

@@ -143,17 +143,17 @@ TEST_F(Refused, WhatIsPeculiarToOneCall) {
   for (double dt : {0.0, -1e-3, -0.0}) {
     Prepared p(call_row("dyn_step"), m, other);
     p.x.dt = dt;
-    expect(p, DYN_ERROR_ARGUMENT, {"dyn_step", "dt", "positive"});
+    expect(p, DYN_ERROR_ARGUMENT, {"step_options", "dt", "positive"});
   }
   for (double dt : {nan, inf, -inf}) {
     Prepared p(call_row("dyn_step"), m, other);
     p.x.dt = dt;
-    expect(p, DYN_ERROR_NONFINITE, {"dyn_step", "dt"});
+    expect(p, DYN_ERROR_NONFINITE, {"step_options", "dt"});
   }
-  for (int bad : outside({-1, 2, 77}, 1)) {
+  for (int bad : outside({-1, 6, 77}, 7)) {
     Prepared p(call_row("dyn_step"), m, other);
     std::memcpy(&p.x.integrator, &bad, sizeof bad);
-    expect(p, DYN_ERROR_ARGUMENT, {"dyn_step", "integrator " + std::to_string(bad), "DYN_RK4"});
+    expect(p, DYN_ERROR_ARGUMENT, {"step_options", "integrator " + std::to_string(bad), "DYN_RK4"});
   }
   for (std::uint32_t mask : {0x2000u, 0x80000000u, 0xffffffffu}) {
     Prepared p(call_row("dyn_all_terms"), m, other);

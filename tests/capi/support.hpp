@@ -211,6 +211,14 @@ inline State random_state(const dynModel* m, std::uint64_t seed) {
   return s;
 }
 
+inline dynStatus take_step(const dynModel* m, dynData* d, dynIntegrator integrator, double dt) {
+  dynStepOptions options;
+  dyn_step_options_init(&options);
+  options.integrator = integrator, options.dt = dt;
+  const dynStatus status = dyn_data_set_step_options(m, d, &options);
+  return status == DYN_OK ? dyn_step(m, d) : status;
+}
+
 inline void compute_centroidal_and_regressors(const dynModel* m, dynData* d) {
   ASSERT_EQ(DYN_OK, dyn_centroidal_derivatives(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_centroidal_map_time_variation(m, d, nullptr, nullptr, nullptr));

@@ -118,4 +118,10 @@ MatrixXd second_rate(F&& f, Eigen::Index rows) {
   return scaled_difference(sum, middle, Quad(1) / (h * h), rows);
 }
 
+// One step of an integrator, or the joint that it failed at.
+inline Index take_step(const Model& m, Data<double>& d, dynIntegrator integrator, double h) {
+  dynStepReport report{};
+  return integrator::step(m, d, integrator, h, report);
+}
+
 }  // namespace dyn_test

@@ -63,7 +63,7 @@ TEST(Traps, T9_AddingToQ) {
     // a step moves by it, too
     Data d(m);
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), nullptr, nullptr));
-    for (int k = 0; k < 100; ++k) ASSERT_EQ(DYN_OK, dyn_step(m, d, k % 2 ? DYN_RK4 : DYN_SEMI_IMPLICIT_EULER, 1e-5)) << dyn_last_error();
+    for (int k = 0; k < 100; ++k) ASSERT_EQ(DYN_OK, take_step(m, d, k % 2 ? DYN_RK4 : DYN_SEMI_IMPLICIT_EULER, 1e-5)) << dyn_last_error();
     ASSERT_EQ(DYN_OK, dyn_is_normalized(m, field(m, d, "q").data(), 1e-14, &normalized));
     EXPECT_EQ(1, normalized);
   }

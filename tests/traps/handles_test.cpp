@@ -67,7 +67,7 @@ void shared_data() {
   compute_all(m, d, s);
   const Snapshot before(m, d);
   compute_all(m, e, t);
-  ASSERT_EQ(DYN_OK, dyn_step(m, e, DYN_RK4, 1e-3));
+  ASSERT_EQ(DYN_OK, take_step(m, e, DYN_RK4, 1e-3));
   EXPECT_EQ("", before.differs(Snapshot(m, d)));
 }
 TEST(Traps, T21_SharedData) { shared_data(); }

@@ -91,8 +91,8 @@ TEST(Traps, T26_DampingLoadedButUnused) {
   Data d(m[0]), e(m[1]);
   compute_all(m[0], d, s), compute_all(m[1], e, s);
   EXPECT_EQ("", Snapshot(m[0], d).differs(Snapshot(m[1], e)));
-  ASSERT_EQ(DYN_OK, dyn_step(m[0], d, DYN_RK4, 0.1));
-  ASSERT_EQ(DYN_OK, dyn_step(m[1], e, DYN_RK4, 0.1));
+  ASSERT_EQ(DYN_OK, take_step(m[0], d, DYN_RK4, 0.1));
+  ASSERT_EQ(DYN_OK, take_step(m[1], e, DYN_RK4, 0.1));
   EXPECT_TRUE(same_bits(field(m[0], d, "v"), field(m[1], e, "v")));
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(m[1], e, 0, DYN_EFFECT_ALL));
   const double v = 2, a = 0.5;

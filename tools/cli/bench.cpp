@@ -33,6 +33,14 @@ struct Algorithm {
   std::function<dynStatus(const Sample&)> prepare;  // before each batch: what the call needs; may be empty
 };
 
+dynStatus step(const dynModel* m, dynData* d, dynIntegrator integrator) {
+  dynStepOptions options;
+  dyn_step_options_init(&options);
+  options.integrator = integrator, options.dt = 1e-6;
+  check(dyn_data_set_step_options(m, d, &options));
+  return dyn_step(m, d);
+}
+
 std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& out) {
   const dynModel* m = robot;
   dynData* d = data;
@@ -124,8 +132,8 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
       {"all_terms", true, [=](S s) { return dyn_all_terms(m, d, DYN_TERM_ALL, s.q.data(), s.v.data(), nullptr); }, {}},
       {"integrate", false, [=](S s) { return dyn_integrate(m, s.q.data(), s.v.data(), x); }, {}},
       {"difference", false, [=, home = robot.neutral()](S s) { return dyn_difference(m, home.data(), s.q.data(), x); }, {}},
-      {"step_semi_implicit_euler", false, [=](S) { return dyn_step(m, d, DYN_SEMI_IMPLICIT_EULER, 1e-6); }, set},
-      {"step_rk4", false, [=](S) { return dyn_step(m, d, DYN_RK4, 1e-6); }, set},
+      {"step_semi_implicit_euler", false, [=](S) { return step(m, d, DYN_SEMI_IMPLICIT_EULER); }, set},
+      {"step_rk4", false, [=](S) { return step(m, d, DYN_RK4); }, set},
   };
 }
 
@@ -195,7 +203,7 @@ void run(const Options& options) {
       DYN_PART_KINEMATICS | DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_INVERSE | DYN_PART_ENERGY | DYN_PART_FRAMES |
       DYN_PART_CENTROIDAL;
   const bool dense = robot.nv <= max_dense;
-  const Data data(robot, dense ? dynParts(DYN_PART_ALL) : sparse | robot.forward_parts(), on);
+  const Data data(robot, dense ? dynParts(DYN_PART_ALL) : sparse | DYN_PART_SIMULATION, on);
   const auto samples = random_states(robot);
   Vector out(12 * static_cast<std::size_t>(std::max(robot.nq, robot.nv)) + 12);
   auto table = algorithms(robot, data, out);

@@ -18,7 +18,8 @@ namespace {
 struct Options {
   RobotOptions robot;
   StateOptions state;
-  double duration = 0, dt = 1e-3;
+  double duration = 0, dt = 1e-3, accuracy = 0;
+  bool dt_given = false;
   std::string integrator = "semi_implicit_euler", csv, effects = "armature";
   bool no_error_estimate = false;
 };
@@ -158,16 +159,39 @@ class Limits {
   std::vector<bool> said_;
 };
 
+constexpr struct {
+  const char* name;
+  dynIntegrator id;
+  double order;  // 0: it says its error itself
+} integrators[] = {{"semi_implicit_euler", DYN_SEMI_IMPLICIT_EULER, 1}, {"rk4", DYN_RK4, 4}, {"implicit_fast", DYN_IMPLICIT_FAST, 1},
+                   {"implicit_midpoint", DYN_IMPLICIT_MIDPOINT, 2}, {"rk45", DYN_RK45, 0}, {"reference", DYN_REFERENCE, 0}};
+
+const auto& integrator_named(const std::string& name) {
+  std::string known;
+  for (const auto& i : integrators) {
+    if (name == i.name) return i;
+    known += (known.empty() ? "" : ", ") + std::string(i.name);
+  }
+  bad_usage("--integrator: \"" + name + "\" is not one of " + known + ".");
+}
+
+void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy) {
+  dynStepOptions options;
+  dyn_step_options_init(&options);
+  options.integrator = integrator, options.dt = dt, options.accuracy = accuracy;
+  check(dyn_data_set_step_options(robot, data, &options));
+}
+
 // The same simulation at half the step: its distance at the end, extrapolated by the integrator's order.
-json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, std::uint32_t effects, const Schedule& schedule,
+json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, double order, std::uint32_t effects, const Schedule& schedule,
                     const double* q_end, json& warnings) {
-  const Data fine(robot, robot.forward_parts(), effects);
+  const Data fine(robot, DYN_PART_SIMULATION, effects);
   check(dyn_data_set_state(robot, fine, state.q.data(), state.v.data(), nullptr, state.tau.data()));
   Progress progress(schedule.steps);
   for (long long i = 0; i < schedule.steps; ++i) {
-    const double h = schedule.length(i) / 2;
+    set_stepping(robot, fine, integrator, schedule.length(i) / 2, 0);
     for (int half = 0; half < 2; ++half)
-      if (dyn_step(robot, fine, integrator, h) != DYN_OK) {
+      if (dyn_step(robot, fine) != DYN_OK) {
         warnings.push_back(std::string("no error estimate: the run at half the step failed: ") + dyn_last_error());
         return nullptr;
       }
@@ -175,7 +199,6 @@ json error_estimate(const Robot& robot, const State& state, dynIntegrator integr
   }
   double distance;
   check(dyn_distance(robot, state_view(robot, fine, "q"), q_end, &distance));
-  const double order = integrator == DYN_RK4 ? 4 : 1;
   return distance * std::exp2(order) / (std::exp2(order) - 1);
 }
 
@@ -202,13 +225,12 @@ std::string text_of(const json& a) {
 void run(const Options& options) {
   if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
   if (!(options.dt > 0) || !std::isfinite(options.dt)) bad_usage("--dt must be a positive number of seconds.");
-  dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER;
-  if (options.integrator == "rk4")
-    integrator = DYN_RK4;
-  else if (options.integrator != "semi_implicit_euler")
-    bad_usage("--integrator: \"" + options.integrator + "\" is not semi_implicit_euler or rk4.");
+  if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) bad_usage("--accuracy must be a positive number.");
+  const auto& integrator = integrator_named(options.integrator);
   const std::uint32_t on = parse_effects(options.effects);
-  const Schedule schedule(options.duration, options.dt);
+  const bool adaptive = options.accuracy > 0;
+  const double dt = adaptive && !options.dt_given ? options.duration / 100 : options.dt;
+  const Schedule schedule(options.duration, dt);
   std::error_code ignored;
   const auto overwrites = [&](const std::string& file) { return !options.csv.empty() && std::filesystem::equivalent(options.csv, file, ignored); };
   if (overwrites(options.robot.file)) bad_usage("--csv would overwrite the robot's file.");
@@ -216,7 +238,7 @@ void run(const Options& options) {
 
   check_lists(options.state);
   const Robot robot(options.robot);
-  const Data data(robot, robot.forward_parts() | DYN_PART_ENERGY, on);
+  const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY, on);
   const State state = read_state(robot, options.state);
   const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
   if (!options.csv.empty() && bytes > max_csv_bytes)
@@ -251,14 +273,20 @@ void run(const Options& options) {
   Limits limits(robot);
   limits.look(q, *time, warnings);
   Clock::duration wall{};
-  double drift_max = 0;
+  double drift_max = 0, estimate = 0;
+  long long steps = 0, evaluations = 0;
   {
     Progress progress(schedule.steps);
     for (long long i = 0; i < schedule.steps; ++i) {
       const double h = schedule.length(i);
       const auto before = Clock::now();
-      const dynStatus status = dyn_step(robot, data, integrator, h);
+      set_stepping(robot, data, integrator.id, h, options.accuracy * h / options.duration);
+      const dynStatus status = adaptive ? dyn_advance(robot, data, h) : dyn_step(robot, data);
       wall += Clock::now() - before;
+      dynStepReport report{};
+      report.struct_size = sizeof report;
+      check(dyn_data_step_report(robot, data, &report));
+      steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate;
       if (status != DYN_OK)
         fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + dyn_last_error());
       check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
@@ -271,7 +299,7 @@ void run(const Options& options) {
   if (csv) csv->close();
 
   const double wall_s = std::chrono::duration<double>(wall).count();
-  json answer = {{"duration", options.duration}, {"steps", schedule.steps}, {"wall_s", wall_s}};
+  json answer = {{"duration", options.duration}, {"steps", steps}, {"evaluations", evaluations}, {"wall_s", wall_s}};
   answer["real_time_factor"] = options.duration / std::max(wall_s, 1e-9);
   answer["q"] = vector_json(q, robot.nq);
   answer["v"] = vector_json(v, robot.nv);
@@ -282,14 +310,17 @@ void run(const Options& options) {
   answer["residual_max"] = 0.0;
   answer["integrator"] = options.integrator;
   answer["solver"] = "none";
-  answer["dt"] = options.dt;
+  answer["dt"] = adaptive ? options.duration / static_cast<double>(std::max(steps, 1LL)) : dt;
+  if (adaptive) answer["accuracy"] = options.accuracy;
   const Vector q_end(q, q + robot.nq);
-  answer["error_estimate"] =
-      options.no_error_estimate ? json(nullptr) : error_estimate(robot, state, integrator, on, schedule, q_end.data(), warnings);
-  answer["error_estimate_method"] =
-      options.no_error_estimate
-          ? "not asked for"
-          : "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
+  if (options.no_error_estimate) {
+    answer["error_estimate"] = nullptr, answer["error_estimate_method"] = "not asked for";
+  } else if (adaptive || integrator.order == 0) {
+    answer["error_estimate"] = estimate, answer["error_estimate_method"] = "sum of the estimated errors of the steps";
+  } else {
+    answer["error_estimate"] = error_estimate(robot, state, integrator.id, integrator.order, on, schedule, q_end.data(), warnings);
+    answer["error_estimate_method"] = "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
+  }
   answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
   print(options.robot.json ? json_text(answer) : text_of(answer));
@@ -303,13 +334,17 @@ void add_sim(CLI::App& app) {
       app.add_subcommand("sim", "Smooth dynamics under a constant tau (no contact, no limits)");
   add_robot_options(*command, options->robot);
   command->add_option("--duration", options->duration, "Seconds to simulate")->required();
-  command->add_option("--dt", options->dt, "Step, seconds")->capture_default_str();
-  command->add_option("--integrator", options->integrator, "semi_implicit_euler or rk4")->capture_default_str();
+  CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy the time between rows of --csv")->capture_default_str();
+  command->add_option("--accuracy", options->accuracy, "What the errors of the steps may add up to (m, rad and their rates): the steps' lengths follow");
+  command->add_option("--integrator", options->integrator, "semi_implicit_euler, rk4, implicit_fast, implicit_midpoint, rk45 or reference")->capture_default_str();
   add_state_options(*command, options->state, false);
   add_effects_option(*command, options->effects);
   command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);
   command->add_flag("--no-error-estimate", options->no_error_estimate, "Leave out the second run, at half the step");
-  command->callback([options] { run(*options); });
+  command->callback([options, dt] {
+    options->dt_given = dt->count() > 0;
+    run(*options);
+  });
 }
 
 }  // namespace cli

@@ -237,6 +237,17 @@ class IkResult(Grown):
     ]  # fmt: skip
 
 
+class StepOptions(Grown):
+    _fields_ = [("struct_size", c_uint32), ("integrator", c_int), ("dt", c_double), ("accuracy", c_double)]  # fmt: skip
+
+
+class StepReport(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("steps", c_int64), ("rejected", c_int64), ("evaluations", c_int64), ("time", c_double),
+        ("smallest_dt", c_double), ("error_estimate", c_double),
+    ]  # fmt: skip
+
+
 _p, _s, _i, _d = c_void_p, c_char_p, c_int, c_double
 _ref = _p  # of a structure or a handle that the call writes: byref() or an address
 
@@ -450,7 +461,12 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_broad_phase_pairs": (STATUS, [_p, _p, c_int64, _ref]),
     "dyn_broad_phase_query": (STATUS, [_p, _p, _p, _p, _i, _ref]),
     "dyn_broad_phase_ray": (STATUS, [_p, _p, _p, _d, _p, _i, _ref]),
-    "dyn_step": (STATUS, [_p, _p, _i, _d]),
+    "dyn_step_options_init": (None, [_ref]),
+    "dyn_data_set_step_options": (STATUS, [_p, _p, _ref]),
+    "dyn_data_step_options": (STATUS, [_p, _p, _ref]),
+    "dyn_step": (STATUS, [_p, _p]),
+    "dyn_advance": (STATUS, [_p, _p, _d]),
+    "dyn_data_step_report": (STATUS, [_p, _p, _ref]),
     # meshes
     "dyn_mesh_options_init": (None, [_ref]),
     "dyn_mesh_load": (STATUS, [_s, _ref, _ref]),

@@ -14,10 +14,11 @@ from .arrays import Owner, Placement, address, checked, numbers, result, slot, t
 from .collision import CollisionQueries
 from .constraint import ConstraintCalls
 from .contact import ContactQueries
-from .enums import Effect, IkReason, Integrator, Part, Reference, Term
+from .enums import Effect, IkReason, Part, Reference, Term
 from .errors import ArgumentError, UnknownNameError
 from .library import check, fail, last_error, lib
 from .model import Model, mask, member, text
+from .simulation import Stepping
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -147,7 +148,6 @@ for _f in FIELDS.values():
     _SHAPES[_f.id] = [] if set(_dims) == {"1"} else _dims[:1] if _dims[1:] in ([], ["1"]) else _dims
 
 _REFERENCES: dict[Any, int] = {key: int(r) for r in Reference for key in (r, r.name, r.name.lower())}
-_INTEGRATORS: dict[Any, int] = {key: int(i) for i in Integrator for key in (i, i.name, i.name.lower())}
 
 _ID = {name: info.id for name, info in FIELDS.items()}
 _STATE = {"q": "q", "v": "v", "a": "a", "tau_applied": "tau"}  # field: argument
@@ -186,10 +186,9 @@ _rnea = lib.dyn_rnea
 _rnea_derivatives = lib.dyn_rnea_derivatives
 _set_state = lib.dyn_data_set_state
 _static_torque = lib.dyn_static_torque
-_step = lib.dyn_step
 
 
-class Data(CollisionQueries, ContactQueries, ConstraintCalls):
+class Data(CollisionQueries, ContactQueries, ConstraintCalls, Stepping):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 
     A call with q, v, a or tau sets the state that data holds; None uses what is held. Methods return new arrays.
@@ -633,15 +632,6 @@ class Data(CollisionQueries, ContactQueries, ConstraintCalls):
             fail(status)
         joint = m.joint_name(r.joint) if r.joint >= 0 else None
         return inverse_kinematics.Result(solution, IkReason(r.reason), residuals, r.iterations, r.restarts, joint, r.cost, r.optimality)
-
-    # ------------------------------------------------------------------------------------------- simulation
-
-    def step(self, dt: float, integrator: str | Integrator = Integrator.SEMI_IMPLICIT_EULER) -> None:
-        """Advances q, v and the time by dt seconds of smooth dynamics under the held tau."""
-        kind = _INTEGRATORS.get(integrator)
-        status = _step(self._m, self._d, member(Integrator, integrator, "integrator") if kind is None else kind, dt)
-        if status:
-            fail(status)
 
 
 def _property(info: FieldInfo) -> property:

@@ -243,7 +243,8 @@ class Part(enum.IntFlag):
     COLLISION = 1 << 17
     CONSTRAINTS = 1 << 18
     CONSTRAINT_DERIVATIVES = 1 << 19
-    ALL = 0xFFFFF
+    SIMULATION = 1 << 20
+    ALL = 0x1FFFFF
 
 
 class Term(enum.IntFlag):
@@ -268,6 +269,10 @@ class Term(enum.IntFlag):
 class Integrator(enum.IntEnum):
     SEMI_IMPLICIT_EULER = 0
     RK4 = 1
+    IMPLICIT_FAST = 2
+    IMPLICIT_MIDPOINT = 3
+    RK45 = 4
+    REFERENCE = 5
 
 
 class IkTaskType(enum.IntEnum):

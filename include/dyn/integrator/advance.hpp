@@ -8,8 +8,6 @@
 
 namespace dyn::integrator {
 
-inline constexpr Index no_step_left = -2;  // steps became shorter than time can tell apart
-
 template <class T>
 T largest(const T* x, Index n) {
   T out = T(0);
@@ -72,6 +70,14 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     h *= error < std::numeric_limits<T>::infinity() ? std::clamp(factor, T(0.2), T(5)) : T(0.1);
   }
   return 0;
+}
+
+// By order 5 with RK45, by order 8 with any other.
+template <class T>
+Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
+  const Stages<T> s(m, d);
+  return integrator == DYN_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
+                                : advance_to_accuracy<DormandPrince8>(m, d, s, duration, accuracy, report);
 }
 
 // One step of h by the integrator. Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.

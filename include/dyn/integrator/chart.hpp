@@ -3,6 +3,7 @@
 //   du/dt = J(u)^-1 v      dv/dt = ddq(q0 (+) u, v, tau)
 #pragma once
 
+#include "dyn/algorithm/declarations.hpp"
 #include "dyn/algorithm/forward_dynamics.hpp"
 
 namespace dyn::integrator {

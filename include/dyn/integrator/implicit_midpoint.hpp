@@ -11,8 +11,6 @@
 
 namespace dyn::integrator {
 
-inline constexpr Index not_converged = -1;
-
 // Fixed point of w, by Anderson's mixing of the last two iterates (Walker and Ni 2011). Returns 0, the joint whose forward dynamics
 // failed, or not_converged; the state is then as before.
 template <class T>

@@ -14,7 +14,7 @@ template <class T>
 Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
   T* const armature = d.armature;
   T* tau = d.tau_applied;
-  const std::uint32_t acting = d.acting, implicit = DYN_EFFECT_DAMPING | DYN_EFFECT_FRICTION | (springs ? DYN_EFFECT_SPRINGS : 0u);
+  const std::uint32_t acting = d.acting, implicit = std::uint32_t(DYN_EFFECT_DAMPING) | DYN_EFFECT_FRICTION | (springs ? std::uint32_t(DYN_EFFECT_SPRINGS) : 0u);
   if (d.acting & implicit) {
     d.armature = d.net + m.n.nv;
     implicit_armature(m, d, armature, h);
