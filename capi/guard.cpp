@@ -91,7 +91,7 @@ void free_handle(dynBatch* h) { h->magic = freed, pool<dynBatch>().put(h); }
 void free_handle(dynMesh* h) { h->magic = freed, pool<dynMesh>().put(h); }
 void free_handle(dynBroadPhase* h) { h->magic = freed, pool<dynBroadPhase>().put(h); }
 
-dynStatus check(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
+dynStatus no_model(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
 dynStatus check(const dynBuilder* builder) { return check_magic(builder, live_builder, "builder", "dyn_builder_new"); }
 dynStatus check(const dynBatch* batch) { return check_magic(batch, live_batch, "batch", "dyn_batch_new"); }
 dynStatus check(const dynMesh* mesh) { return check_magic(mesh, live_mesh, "mesh", "dyn_mesh_load or dyn_mesh_from_arrays"); }

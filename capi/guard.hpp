@@ -126,7 +126,8 @@ struct dynBroadPhase {
 
 namespace dyn::capi {
 
-dynStatus check(const dynModel* model);
+dynStatus no_model(const dynModel* model);
+inline dynStatus check(const dynModel* model) { return model && model->magic == live_model ? DYN_OK : no_model(model); }
 dynStatus check(const dynBuilder* builder);
 dynStatus check(const dynBatch* batch);
 dynStatus check(const dynMesh* mesh);
