@@ -341,14 +341,14 @@ dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int n
   for (int k = 0; k < nrhs; ++k)
     if (!call.finite("b", b + nv * k, Index(nv))) return call.status;
   if (!call.fresh(Stage::Factor, "the factor of M", "dyn_factorize")) return call.status;
-  double* column = call.d().backup;  // this call replaces no input
-  for (int k = 0; k < nrhs; ++k) {
-    copy_out(b + nv * k, nv, column);
-    solve(call.m(), call.d(), column);
-    if (const Index bad = finite_count(column, Index(nv)); bad < nv)
-      return fail(DYN_ERROR_NUMERIC, "dyn_solve: x[%d] of right-hand side %d overflows: b is too large for double precision; x is written before this one",
-                  int(bad), k);
-    copy_out(column, nv, x + nv * k);
+  double* before = call.d().backup;  // this call replaces no input
+  for (int k = 0; k < nrhs; ++k, b += nv, x += nv) {
+    if (solve(call.m(), call.d(), b, x, before)) continue;
+    const Index bad = finite_count(x, Index(nv));
+    if (bad == nv) continue;
+    copy_out(before, nv, x);
+    return fail(DYN_ERROR_NUMERIC, "dyn_solve: x[%d] of right-hand side %d overflows: b is too large for double precision; x is written before this one",
+                int(bad), k);
   }
   return DYN_OK;
 }

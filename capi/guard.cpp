@@ -91,7 +91,7 @@ void free_handle(dynBatch* h) { h->magic = freed, pool<dynBatch>().put(h); }
 void free_handle(dynMesh* h) { h->magic = freed, pool<dynMesh>().put(h); }
 void free_handle(dynBroadPhase* h) { h->magic = freed, pool<dynBroadPhase>().put(h); }
 
-dynStatus check(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
+dynStatus no_model(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
 dynStatus check(const dynBuilder* builder) { return check_magic(builder, live_builder, "builder", "dyn_builder_new"); }
 dynStatus check(const dynBatch* batch) { return check_magic(batch, live_batch, "batch", "dyn_batch_new"); }
 dynStatus check(const dynMesh* mesh) { return check_magic(mesh, live_mesh, "mesh", "dyn_mesh_load or dyn_mesh_from_arrays"); }
@@ -106,7 +106,7 @@ dynStatus publish(ModelPtr model, dynModel** out) {
   return DYN_OK;
 }
 
-Call::Call(const dynModel* model, dynData* data, dynParts part, const char* function_) : function(function_) {
+void Call::enter(const dynModel* model, dynData* data, dynParts part) {
   if ((status = check(model)) != DYN_OK) return;
   if ((status = check_magic(data, live_data, "data", "dyn_data_new")) != DYN_OK) return;
   if (data->model_id != model->m->id) {
@@ -135,16 +135,14 @@ Call::Call(const dynModel* model, dynData* data, dynParts part, const char* func
   }
 }
 
-bool Call::finite(const char* name, const double* x, Index n, Index first) {
-  if (status != DYN_OK || !x) return status == DYN_OK;
-  const Index k = first + finite_count(x + first, n - first);
-  if (k < n) status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
-  return status == DYN_OK;
+bool Call::not_finite(const char* name, const double* x, Index k) {
+  status = fail(DYN_ERROR_NONFINITE, "%s: %s[%d] is %s: give a finite number", function, name, int(k), x[k] != x[k] ? "NaN" : "infinite");
+  return false;
 }
 
-bool Call::required(const char* name, const void* p, std::ptrdiff_t n) {
-  if (status == DYN_OK && !p && n > 0) status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
-  return status == DYN_OK;
+bool Call::missing(const char* name) {
+  status = fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
+  return false;
 }
 
 bool Call::frame(int id) {
@@ -173,10 +171,9 @@ bool Call::reference(dynReference r) {
   return status == DYN_OK;
 }
 
-bool Call::fresh(Stage stage, const char* what, const char* producer) {
-  if (status == DYN_OK && !d().fresh(stage))
-    status = fail(DYN_ERROR_STALE, "%s: %s was not computed for the current state: call %s first", function, what, producer);
-  return status == DYN_OK;
+bool Call::stale(const char* what, const char* producer) {
+  status = fail(DYN_ERROR_STALE, "%s: %s was not computed for the current state: call %s first", function, what, producer);
+  return false;
 }
 
 namespace {

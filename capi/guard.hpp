@@ -46,15 +46,19 @@ inline constexpr std::uint64_t freed = 0x6465657266u;
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
 inline Index finite_count(const double* x, Index n) {
   using P = Pack<double, widest_pack>;
-  P a = P::zero(), b = a, c = a, d = a;  // 0 times what is not finite is not a number
+  using Four = Pack<double, 4>;
+  constexpr Index w = widest_pack;
+  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
   Index i = 0;
-  for (constexpr Index w = widest_pack; i + 4 * w <= n; i += 4 * w)
-    a = a + P::load(x + i) * 0.0, b = b + P::load(x + i + w) * 0.0, c = c + P::load(x + i + 2 * w) * 0.0, d = d + P::load(x + i + 3 * w) * 0.0;
-  a = (a + b) + (c + d);
-  double sum = 0;
-  for (int k = 0; k < widest_pack; ++k) sum += a[k];
-  for (; i < n; ++i) sum += x[i] * 0.0;
-  if (sum == 0) return n;
+  if (n >= 4 * w) {
+    P a = P::zero(), b = a, c = a, d = a;
+    for (; i + 4 * w <= n; i += 4 * w)
+      a = a + P::load(x + i) * 0.0, b = b + P::load(x + i + w) * 0.0, c = c + P::load(x + i + 2 * w) * 0.0, d = d + P::load(x + i + 3 * w) * 0.0;
+    a = (a + b) + (c + d);
+    sum = sum + four_of<0>(a) + four_of<w - 4>(a);
+  }
+  for (; i + 4 < n; i += 4) sum = sum + Four::load(x + i) * 0.0;
+  if ((sum[0] + sum[1]) + (sum[2] + sum[3]) == 0) return n;
   for (i = 0; i < n; ++i)
     if (!(x[i] * 0.0 == 0)) return i;
   return n;
@@ -122,7 +126,8 @@ struct dynBroadPhase {
 
 namespace dyn::capi {
 
-dynStatus check(const dynModel* model);
+dynStatus no_model(const dynModel* model);
+inline dynStatus check(const dynModel* model) { return model && model->magic == live_model ? DYN_OK : no_model(model); }
 dynStatus check(const dynBuilder* builder);
 dynStatus check(const dynBatch* batch);
 dynStatus check(const dynMesh* mesh);
@@ -148,7 +153,16 @@ dynStatus publish(ModelPtr model, dynModel** out);
 // One call on a model and its data: checks the handles and the part; in checked builds that no other thread is in.
 class Call {
  public:
-  Call(const dynModel* model, dynData* data, dynParts part, const char* function);
+  Call(const dynModel* model, dynData* data, dynParts part, const char* function_) : function(function_) {
+#if !DYN_CHECKED
+    if (model && data && model->magic == live_model && data->magic == live_data && data->model_id == model->m->id && (data->d.parts & part) == part)
+        [[likely]] {
+      model_ = model->m, handle = data;
+      return;
+    }
+#endif
+    enter(model, data, part);
+  }
   ~Call() {
 #if DYN_CHECKED
     if (entered) handle->busy.store(0, std::memory_order_release);
@@ -166,15 +180,21 @@ class Call {
   // Checks the given inputs, then sets them: all or none. nullptr: the held value stays.
   bool inputs(const double* q, const double* v, const double* a, const double* tau);
   // An argument that is not held.
-  bool finite(const char* name, const double* x, Index n, Index first = 0);
+  bool finite(const char* name, const double* x, Index n, Index first = 0) {
+    if (status != DYN_OK || !x) return status == DYN_OK;
+    const Index k = first + finite_count(x + first, n - first);
+    return k >= n || not_finite(name, x, k);
+  }
   bool nonzero(const double* q);
-  bool required(const char* name, const void* p, std::ptrdiff_t n = 1);  // an array of no numbers may be NULL
+  bool required(const char* name, const void* p, std::ptrdiff_t n = 1) {  // an array of no numbers may be NULL
+    return status == DYN_OK && (p || n <= 0 || missing(name));
+  }
   bool frame(int id);
   bool joint(int id);
   bool joint_or_all(int id);  // 0: all; not a follower
   bool reference(dynReference r);
   // DYN_ERROR_STALE unless the stage is fresh.
-  bool fresh(Stage stage, const char* what, const char* producer);
+  bool fresh(Stage stage, const char* what, const char* producer) { return status == DYN_OK && (d().fresh(stage) || stale(what, producer)); }
   // A result of n numbers that must be finite: otherwise the inputs of this call are taken back.
   bool numeric(const double* x, Index n, const char* what, Stage stage);
   // After an overflow nothing that belongs to these inputs is a result. (Frame queries look for themselves.)
@@ -188,6 +208,12 @@ class Call {
   void end_search();
 
  private:
+  // what went wrong, if anything did
+  void enter(const dynModel* model, dynData* data, dynParts part);
+  bool not_finite(const char* name, const double* x, Index k);
+  bool missing(const char* name);
+  bool stale(const char* what, const char* producer);
+
   const Model* model_ = nullptr;
   dynData* handle = nullptr;
   bool entered = false;

@@ -350,7 +350,7 @@ ModelPtr Builder::finish() const {
   const Index name = text.add(in.name);
   a.text.assign(text.pool.begin(), text.pool.end());
   n.text = Index(a.text.size());
-  a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_depth = a.dof_descendants_end = a.dof_run = a.dof_parent, a.dof_forks.assign(std::size_t(n.nv), 0);  // filled in below
+  a.dof_parent.assign(std::size_t(n.nv), -1), a.dof_depth = a.dof_descendants_end = a.dof_run = a.dof_parent, a.dof_forks.assign(std::size_t(n.nv), 0), a.dof_groups.resize(std::size_t(n.nv));  // filled in below
 
   // one block
   auto round_up = [](std::uint64_t x, std::uint64_t boundary) { return (x + boundary - 1) / boundary * boundary; };  // vectors on lines of the cache
@@ -404,6 +404,8 @@ ModelPtr Builder::finish() const {
       Index& up = a.dof_descendants_end[std::size_t(a.dof_parent[k])];
       up = std::max(up, a.dof_descendants_end[k]);
     }
+  DofGroup* groups = reinterpret_cast<DofGroup*>(base + offset[std::size_t(Model::Field::dof_groups)]);
+  model->groups = make_dof_groups(a.dof_parent, a.dof_depth, a.dof_descendants_end, groups);
   auto fill_in = [&](Model::Field field, const std::vector<Index>& x) {
     std::copy(x.begin(), x.end(), reinterpret_cast<Index*>(base + offset[std::size_t(field)]));
   };

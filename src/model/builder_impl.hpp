@@ -121,6 +121,8 @@ std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints);
 void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vector<Chunk>& chunks);
 // Coordinates of vector spaces, as many side by side as there are, and the bodies that have others.
 void make_spans(const std::vector<Body>& bodies, std::vector<Span>& spans, std::vector<Index>& curved);
+// The groups of degrees of freedom, from their parents, depths and ends of descendants in the elimination tree. Returns how many there are.
+Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>& depth, const std::vector<Index>& end, DofGroup* groups);
 // Elimination tree of M: the parent of each degree of freedom, or -1.
 void elimination_tree(const Model& m, std::vector<Index>& parent);
 // Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.

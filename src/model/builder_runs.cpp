@@ -46,4 +46,15 @@ void make_spans(const std::vector<Body>& bodies, std::vector<Span>& spans, std::
   }
 }
 
+Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>& depth, const std::vector<Index>& end, DofGroup* groups) {
+  Index count = 0;
+  for (std::size_t k = 0; k < parent.size(); ++k) {
+    DofGroup* g = groups + count - 1;
+    const bool only_child = k > 0 && parent[k] == Index(k) - 1 && end[k] == end[k - 1];
+    if (only_child && g->count < 4) ++g->count;
+    else groups[count++] = {Index(k), 1, depth[k], parent[k], end[k]};
+  }
+  return count;
+}
+
 }  // namespace dyn

@@ -84,7 +84,7 @@ T distance(const Model& m, const T* q0, const T* q1) {
       [&]<class J>(const Body& b) DYN_INLINE_LAMBDA {
         T v[6];
         J::difference(b, q0 + b.user_q, q1 + b.user_q, v);
-        for (int k = 0; k < J::nv; ++k) sum[0] += square(v[k]);
+        for (int k = 0; k < J::nv; ++k) sum[k % lanes] += square(v[k]);
       });
   return sqrt((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
@@ -123,16 +123,14 @@ Index zero_norm_joint(const Model& m, const T* q) {
 
 namespace detail {
 
-// J's block on the diagonal of an nv x nv matrix, where one is asked for.
-template <class J, class T>
-inline void put_block(const T* block, const Model& m, Index at, T* out) {
-  if (!out) return;
-  for (int c = 0; c < J::nv; ++c)
-    for (int r = 0; r < J::nv; ++r) out[at + r + std::ptrdiff_t(at + c) * m.n.nv] = block[r + 6 * c];
+// The block on the diagonal of an nv x nv matrix; room for one where none is asked for.
+template <class T>
+inline Block<T> diagonal_block(const Model& m, Index at, T* out, T* room) {
+  return out ? Block<T>{out + at + std::ptrdiff_t(at) * m.n.nv, m.n.nv} : Block<T>{room, 6};
 }
 template <class T>
 inline void clear(const Model& m, T* out) {
-  for (std::ptrdiff_t k = 0; out && k < std::ptrdiff_t(m.n.nv) * m.n.nv; ++k) out[k] = T(0);
+  if (out) std::fill_n(out, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
 }
 // x on some of the diagonal
 template <class T>
@@ -149,9 +147,8 @@ void integrate_jacobians(const Model& m, const T* q, const T* v, T* dq, T* dv) {
   for_each_factor(
       m, [&](Index, Index iv, Index n) { detail::put_diagonal(m, iv, n, T(1), dq), detail::put_diagonal(m, iv, n, T(1), dv); },
       [&]<class J>(const Body& b) {
-        T by_q[36] = {}, by_v[36] = {};
-        J::integrate_jacobians(q + b.user_q, v + b.user_v, Block<T>{by_q, 6}, Block<T>{by_v, 6});
-        detail::put_block<J>(by_q, m, b.user_v, dq), detail::put_block<J>(by_v, m, b.user_v, dv);
+        T room[36];
+        J::integrate_jacobians(q + b.user_q, v + b.user_v, detail::diagonal_block(m, b.user_v, dq, room), detail::diagonal_block(m, b.user_v, dv, room));
       });
 }
 template <class T>
@@ -160,9 +157,8 @@ void difference_jacobians(const Model& m, const T* q0, const T* q1, T* d0, T* d1
   for_each_factor(
       m, [&](Index, Index iv, Index n) { detail::put_diagonal(m, iv, n, T(-1), d0), detail::put_diagonal(m, iv, n, T(1), d1); },
       [&]<class J>(const Body& b) {
-        T by_0[36] = {}, by_1[36] = {};
-        J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, Block<T>{by_0, 6}, Block<T>{by_1, 6});
-        detail::put_block<J>(by_0, m, b.user_v, d0), detail::put_block<J>(by_1, m, b.user_v, d1);
+        T room[36];
+        J::difference_jacobians(b, q0 + b.user_q, q1 + b.user_q, detail::diagonal_block(m, b.user_v, d0, room), detail::diagonal_block(m, b.user_v, d1, room));
       });
 }
 

@@ -17,7 +17,7 @@ template <class T> void inverse_dynamics(const Model&, Data<T>&, const T* v, con
 template <class T> Index forward_dynamics(const Model&, Data<T>&, const T* v, const T* tau, const T* fext, T* ddq);
 template <class T> void crba(const Model&, Data<T>&);
 template <class T> Index factorize(const Model&, Data<T>&);
-template <class T> void solve(const Model&, const Data<T>&, T* x);
+template <class T> bool solve(const Model&, const Data<T>&, const T* b, T* x, T* before);
 template <class T> void invert(const Model&, Data<T>&);
 template <class T> void coriolis_matrix(const Model&, Data<T>&);
 // rnea_derivatives.hpp

@@ -32,7 +32,7 @@ Index forward_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, con
   for (Index k = 0; k < m.n.nv; ++k) ddq[k] = tau[k] - ddq[k];
   crba(m, d);
   if (const Index failed = factorize(m, d)) return joint_of(m, failed - 1);
-  solve(m, d, ddq);
+  solve(m, d, ddq, ddq, ddq);
   return 0;
 }
 

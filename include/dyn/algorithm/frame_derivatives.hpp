@@ -91,22 +91,31 @@ void frame_kinematic_hessian(const Model& m, Data<T>& d, Index frame, dynReferen
   const FramePose<T> F = frame_pose(m, d, frame);
   const std::ptrdiff_t page = 6 * std::ptrdiff_t(m.n.nv);
   std::fill_n(H, page * m.n.nv, T(0));
-  for_each_carrier(m, d, F, [&](Index i, int k, const Motion<T>& S) { d.carriers[m.bodies()[i].idx_v + k] = S; });
+  // the reference may be taken beforehand: it moves the product of two motions as it moves the two
+  for_each_carrier(m, d, F, [&](Index i, int k, const Motion<T>& S) {
+    d.carriers[m.bodies()[i].idx_v + k] = express(F, reference, S) * T(m.bodies()[i].ratio);
+  });
+  auto put = [&](T* column, const Motion<T>& x) DYN_INLINE_LAMBDA {
+    if (m.has_mimic) add6(column, x, T(1));
+    else store6(x, column);
+  };
   const Body* bodies = m.bodies();
   for (Index i = F.body; i != 0; i = bodies[i].parent)
-    for (Index l = i; l != 0; l = bodies[l].parent) {
-      // columns j of i, pages k of l, and the reverse
-      const T ratio = T(bodies[i].ratio) * T(bodies[l].ratio);
-      for (Index j = bodies[i].idx_v; j < first_dof(m, i + 1); ++j)
+    for (Index j = bodies[i].idx_v; j < first_dof(m, i + 1); ++j) {
+      const std::ptrdiff_t at_j = j - bodies[i].idx_v + bodies[i].user_v;
+      const Motion<T> Sj = d.carriers[j];
+      for (Index l = i; l != 0; l = bodies[l].parent)
         for (Index k = bodies[l].idx_v; k < first_dof(m, l + 1); ++k) {
-          const std::ptrdiff_t at_j = j - bodies[i].idx_v + bodies[i].user_v, at_k = k - bodies[l].idx_v + bodies[l].user_v;
-          const Motion<T> Sj = d.carriers[j], Sk = d.carriers[k], turned = carried(DYN_LOCAL_WORLD_ALIGNED, Sk, Sj);
+          const std::ptrdiff_t at_k = k - bodies[l].idx_v + bodies[l].user_v;
+          const Motion<T> Sk = d.carriers[k];
           T *jk = H + 6 * at_j + page * at_k, *kj = H + 6 * at_k + page * at_j;
-          if (reference == DYN_WORLD) add6(jk, express(F, reference, cross(Sk, Sj)), ratio);
-          if (reference == DYN_LOCAL_WORLD_ALIGNED) add6(jk, turned, ratio);
-          if (l == i) continue;  // S_j does not turn S_k
-          if (reference == DYN_LOCAL) add6(kj, express(F, reference, cross(Sk, Sj)), ratio);
-          if (reference == DYN_LOCAL_WORLD_ALIGNED) add6(kj, Motion<T>{turned.linear, Vec3<T>::zero()}, ratio);
+          if (reference == DYN_WORLD) put(jk, cross(Sk, Sj));
+          if (reference == DYN_LOCAL && l != i) put(kj, cross(Sk, Sj));  // S_j does not turn S_k of its own body
+          if (reference == DYN_LOCAL_WORLD_ALIGNED) {
+            const Motion<T> turned = carried(reference, Sk, Sj);
+            put(jk, turned);
+            if (l != i) put(kj, Motion<T>{turned.linear, Vec3<T>::zero()});
+          }
         }
     }
 }

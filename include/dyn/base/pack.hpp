@@ -64,6 +64,13 @@ struct Pack {
     for (int k = 0; k < W; ++k) c.x[k] = a.x[k] > b ? x[k] : T(0);
     return c;
   }
+  // one lane everywhere
+  template <int lane>
+  DYN_INLINE Pack all() const {
+    Pack c;
+    for (int k = 0; k < W; ++k) c.x[k] = x[lane];
+    return c;
+  }
   // lanes first and on from a
   template <int first>
   DYN_INLINE Pack with_tail(const Pack& a) const {
@@ -110,6 +117,11 @@ struct Pack<double, W> {
     return {__builtin_convertvector(i, FourNumbers)};
   }
   DYN_INLINE Pack where_above(const Pack& a, double b) const { return {a.x > b ? x : Lanes{}}; }
+  template <int lane>
+  DYN_INLINE Pack all() const {
+    static_assert(W == 4);
+    return {__builtin_shufflevector(x, x, lane, lane, lane, lane)};
+  }
   template <int first>
   DYN_INLINE Pack with_tail(const Pack& a) const {
     static_assert(W == 4);
@@ -135,6 +147,35 @@ DYN_INLINE Pack<double, 4> load(const double* p, int count) {
 }
 DYN_INLINE void store(const Pack<double, 4>& a, double* p, int count) {
   __builtin_ia32_maskstorepd256(reinterpret_cast<FourNumbers*>(p), FourIntegers{0, 1, 2, 3} < (long long)count, a.x);
+}
+#endif
+
+// The same of a count known beforehand, in pieces that are read back as fast as they are written.
+template <int count, class T>
+DYN_INLINE void store_first(const Pack<T, 4>& a, T* p) {
+  for (int k = 0; k < count; ++k) p[k] = a[k];
+}
+template <int count, class T>
+DYN_INLINE Pack<T, 4> load_first(const T* p) {
+  return load(p, count);
+}
+#if DYN_LANES == 4
+typedef double TwoNumbers __attribute__((vector_size(16)));
+template <int count>
+DYN_INLINE void store_first(const Pack<double, 4>& a, double* p) {
+  if constexpr (count == 4) return a.store(p);
+  const TwoNumbers low = __builtin_shufflevector(a.x, a.x, 0, 1), high = __builtin_shufflevector(a.x, a.x, 2, 3);
+  if constexpr (count > 1) std::memcpy(p, &low, 16);
+  if constexpr (count != 2) p[count - 1] = count == 1 ? low[0] : high[0];
+}
+template <int count>
+DYN_INLINE Pack<double, 4> load_first(const double* p) {
+  if constexpr (count == 4) return Pack<double, 4>::load(p);
+  TwoNumbers low{}, high{};
+  if constexpr (count > 1) std::memcpy(&low, p, 16);
+  if constexpr (count == 1) low[0] = p[0];
+  if constexpr (count == 3) high[0] = p[2];
+  return {__builtin_shufflevector(low, high, 0, 1, 2, 3)};
 }
 #endif
 

@@ -42,10 +42,11 @@ struct FreeFlyer : Joint<FreeFlyer> {
   }
   template <class T>
   static void integrate(const T* q, const T* v, T* out) {
-    const SE3<T> step = exp6(load_motion(v));
-    const Vec3<T> p = load3(q) + rotation(load_quaternion(q + 3)) * step.p;
-    Spherical::integrate(q + 3, v + 3, out + 3);
-    store3(p, out);
+    const Motion<T> m = load_motion(v);
+    const auto e = exp_coefficients(m.angular);
+    const Quaternion<T> a = load_quaternion(q + 3);
+    store3(load3(q) + rotation(a) * exp_translation(m, e), out);
+    store(normalized(moderate(a) * exp_quaternion(m.angular, e)), out + 3);
   }
   // pose of q1 in q0
   template <class T>

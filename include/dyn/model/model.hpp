@@ -34,6 +34,13 @@ struct Span {
   Index first_q, first_v, count;
 };
 
+// Degrees of freedom in a row in the elimination tree of M: up to four, each but the last with the next one as its only child.
+struct DofGroup {
+  Index first, count;
+  Index depth, parent;  // of the first
+  Index end;            // one past their last descendant
+};
+
 struct JointRecord {
   Mat3<double> C;  // axes of the joint's own frame in the last body's internal frame (same origin)
   Index name;      // offset in text
@@ -131,6 +138,7 @@ struct Model {
   Index model_name;  // offset in text
   Index has_mimic;   // 1: some joint follows another
   std::uint32_t effects;  // DYN_EFFECT_... that some joint has
+  Index groups;           // how many of dof_groups there are
   Index moderate;         // 1: masses, moments, pitches, ratios, armatures below 1e25: M is finite where all placements are below 1e100
   double gravity[3];
   double total_mass;

@@ -3,6 +3,7 @@
 // Sources: Murray, Li, Sastry 1994, 2.3; Barfoot 2017, 7.1 (left Jacobians; here the right ones: arguments negated).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -15,7 +16,7 @@ namespace dyn {
 namespace detail {
 
 // sum over k of (-x)^k c_k with c_0 = first and c_{k+1} / c_k = ratio(k), to the last bit
-template <class T, class Ratio>
+template <int, class T, class Ratio>
 inline T alternating_series(T x, T first, Ratio ratio) {
   using std::abs;
   T term = first, sum = first;
@@ -26,10 +27,10 @@ inline T alternating_series(T x, T first, Ratio ratio) {
   }
   return sum;
 }
-// Of doubles, with as many terms as x < 4 needs where the ratios fall like those of sines and cosines: a polynomial.
-template <class Ratio>
+// Of doubles a polynomial. Where the ratios fall like those of sines and cosines these degrees are enough:
+inline constexpr int below_quarter = 7, below_one = 9, below_four = 14;
+template <int degree, class Ratio>
 inline double alternating_series(double x, double first, Ratio) {
-  constexpr int degree = 14;
   constexpr auto c = [] {
     std::array<double, degree + 1> a{1};
     for (int k = 0; k < degree; ++k) a[std::size_t(k + 1)] = -a[std::size_t(k)] * Ratio{}(k);
@@ -43,13 +44,15 @@ inline double alternating_series(double x, double first, Ratio) {
 
 }  // namespace detail
 
-// Coefficients of the rotation vector w, t = |w|.
+// Coefficients of the rotation vector w, t = |w|, h = t / 2.
 template <class T>
 struct ExpCoefficients {
-  T t2, t;
-  T a;  // sin t / t
-  T b;  // (1 - cos t) / t^2
-  T c;  // (t - sin t) / t^3
+  T t2;
+  T sinc;  // sin h / h
+  T cos;   // cos h
+  T a;     // sin t / t
+  T b;     // (1 - cos t) / t^2
+  T c;     // (t - sin t) / t^3
 };
 
 template <class T>
@@ -57,38 +60,33 @@ inline ExpCoefficients<T> exp_coefficients(const Vec3<T>& w) {
   using std::cos;
   using std::sin;
   using std::sqrt;
+  using namespace detail;
   ExpCoefficients<T> e;
   e.t2 = dot(w, w);
-  e.t = sqrt(e.t2);
+  const T h2 = e.t2 * T(0.25);
   if (e.t2 < T(1)) {
-    using detail::alternating_series;
-    e.a = alternating_series(e.t2, T(1), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 3)); });
-    e.b = alternating_series(e.t2, T(0.5), [](int k) { return T(1) / T((2 * k + 3) * (2 * k + 4)); });
-    e.c = alternating_series(e.t2, T(1) / T(6), [](int k) { return T(1) / T((2 * k + 4) * (2 * k + 5)); });
+    e.sinc = alternating_series<below_quarter>(h2, T(1), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 3)); });
+    e.cos = T(1) - h2 * alternating_series<below_quarter>(h2, T(0.5), [](int k) { return T(1) / T((2 * k + 3) * (2 * k + 4)); });
+    e.a = e.sinc * e.cos;
+    e.c = alternating_series<below_one>(e.t2, T(1) / T(6), [](int k) { return T(1) / T((2 * k + 4) * (2 * k + 5)); });
   } else {
-    const T s = sin(e.t), half = sin(e.t * T(0.5));
-    e.a = s / e.t;
-    e.b = T(2) * half * half / e.t2;
-    e.c = (e.t - s) / (e.t2 * e.t);
+    const T h = sqrt(h2);
+    e.sinc = sin(h) / h, e.cos = cos(h);
+    e.a = e.sinc * e.cos;
+    e.c = (T(1) - e.a) / e.t2;
   }
+  e.b = e.sinc * e.sinc * T(0.5);
   return e;
 }
 
 // exp of w: a rotation by |w| about w
 template <class T>
+inline Quaternion<T> exp_quaternion(const Vec3<T>& w, const ExpCoefficients<T>& e) {
+  return {w * (T(0.5) * e.sinc), e.cos};
+}
+template <class T>
 inline Quaternion<T> exp_quaternion(const Vec3<T>& w) {
-  using std::cos;
-  using std::sin;
-  using std::sqrt;
-  const T t2 = dot(w, w);
-  if (t2 < T(1)) {
-    const auto e = exp_coefficients(w * T(0.5));
-    const T half2 = t2 * T(0.25);
-    // cos h = 1 - h^2 b
-    return {w * (T(0.5) * e.a), T(1) - half2 * e.b};
-  }
-  const T t = sqrt(t2), h = t * T(0.5);
-  return {w * (sin(h) / t), cos(h)};
+  return exp_quaternion(w, exp_coefficients(w));
 }
 
 template <class T>
@@ -96,30 +94,30 @@ inline Mat3<T> exp3(const Vec3<T>& w) {
   return rotation(exp_quaternion(w));
 }
 
-// A rotation vector, norm in [0, pi], and the cotangent of half its norm.
+// A rotation vector, norm t in [0, pi], and what log_coefficient needs of it where t is not small.
 template <class T>
 struct RotationLog {
   Vec3<T> w;
-  T cot;  // of a rotation that is not tiny
+  T half, cot;  // t / 2 and its cotangent
 };
-// Of a unit quaternion. By atan2: right near 0 and near pi.
+// Of a quaternion of any moderate norm. By atan2: right near 0 and near pi.
 template <class T>
 inline RotationLog<T> rotation_log(const Quaternion<T>& a) {
+  using std::abs;
   using std::atan2;
   using std::sqrt;
-  const T s = a.w < T(0) ? T(-1) : T(1);
-  const T w = s * a.w;
-  // the largest component is divided out so that tiny rotations (1e-160) keep their direction
-  T big = T(0);
-  for (int i = 0; i < 3; ++i) {
-    const T x = a.v[i] < T(0) ? -a.v[i] : a.v[i];
-    if (x > big) big = x;
+  const T s = a.w < T(0) ? T(-1) : T(1), w = s * a.w;
+  const T n2 = dot(a.v, a.v);
+  T norm = sqrt(n2);
+  if (!(n2 > T(1e-280))) [[unlikely]] {  // the largest component is divided out so that tiny rotations keep their direction
+    const T big = std::max(abs(a.v[0]), std::max(abs(a.v[1]), abs(a.v[2])));
+    if (big == T(0)) return {Vec3<T>::zero(), T(0), T(0)};
+    const Vec3<T> u = Vec3<T>::make(a.v[0] / big, a.v[1] / big, a.v[2] / big);
+    norm = sqrt(dot(u, u)) * big;
   }
-  if (big == T(0)) return {Vec3<T>::zero(), T(0)};
-  const Vec3<T> u = Vec3<T>::make(a.v[0] / big, a.v[1] / big, a.v[2] / big);
-  const T n = sqrt(dot(u, u)), norm = n * big;
-  const T ratio = norm < T(1e-9) * w ? T(2) / w : T(2) * atan2(norm, w) / norm;
-  return {a.v * (s * ratio), w / norm};
+  if (norm < T(1e-9) * w) return {a.v * (s * T(2) / w), norm / w, w / norm};
+  const T half = atan2(norm, w), inverse = T(1) / norm;
+  return {a.v * (s * T(2) * half * inverse), half, w * inverse};
 }
 template <class T>
 inline Vec3<T> log_quaternion(const Quaternion<T>& a) {
@@ -140,24 +138,27 @@ inline Mat3<T> Jexp3(const Vec3<T>& w) {
   return Mat3<T>::diagonal(d, d, d) + outer(w, w) * e.c - skew(w) * e.b;
 }
 
-// (1 - h cot h) / t^2 with h = t / 2; cot() gives cot h where t >= 1
-template <class T, class Cot>
-inline T log_coefficient(T t2, Cot&& cot) {
-  using std::sqrt;
-  if (t2 < T(1)) {
-    // (sin h - h cos h) / h^3 over 4 sin h / h: neither series cancels
-    const T h2 = t2 * T(0.25);
-    const T numerator = detail::alternating_series(h2, T(1) / T(3), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 5)); });
-    const T sinc = detail::alternating_series(h2, T(1), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 3)); });
-    return numerator / (T(4) * sinc);
-  }
-  const T h = sqrt(t2) * T(0.5);
-  return (T(1) - h * cot(h)) / t2;
+// (1 - h cot h) / t^2 with h = t / 2
+template <class T>
+inline T log_coefficient_series(T t2) {
+  // (sin h - h cos h) / h^3 over 4 sin h / h: neither series cancels
+  const T h2 = t2 * T(0.25);
+  const T numerator = detail::alternating_series<detail::below_quarter>(h2, T(1) / T(3), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 5)); });
+  const T sinc = detail::alternating_series<detail::below_quarter>(h2, T(1), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 3)); });
+  return numerator / (T(4) * sinc);
+}
+template <class T>
+inline T log_coefficient(const RotationLog<T>& log) {
+  const T t2 = T(4) * log.half * log.half;
+  return t2 < T(1) ? log_coefficient_series(t2) : (T(1) - log.half * log.cot) / t2;
 }
 template <class T>
 inline T log_coefficient(T t2) {
+  using std::sqrt;
   using std::tan;
-  return log_coefficient(t2, [](T h) { return T(1) / tan(h); });
+  if (t2 < T(1)) return log_coefficient_series(t2);
+  const T h = sqrt(t2) * T(0.5);
+  return (T(1) - h / tan(h)) / t2;
 }
 
 // Inverse of Jexp3 at w = log3(R): Jlog = 1 + [w]/2 + k [w]^2
@@ -194,14 +195,17 @@ inline Mat3<T> dJlog3(const Vec3<T>& w, const Vec3<T>& l) {
   return skew(l) * T(0.5) + (Mat3<T>::diagonal(wl, wl, wl) + outer(w, l) - outer(l, w) * T(2)) * k + outer(w * wl - l * t2, w) * (T(2) * dk);
 }
 
+// V m = (1 + b [w] + c [w]^2) m
+template <class T>
+inline Vec3<T> exp_translation(const Motion<T>& m, const ExpCoefficients<T>& e) {
+  const Vec3<T> wv = cross(m.angular, m.linear);
+  return m.linear + wv * e.b + cross(m.angular, wv) * e.c;
+}
 // exp of a twist [linear; angular]: the pose after one second of the constant body velocity m
 template <class T>
 inline SE3<T> exp6(const Motion<T>& m) {
   const auto e = exp_coefficients(m.angular);
-  const Vec3<T>& w = m.angular;
-  // V m = (1 + b [w] + c [w]^2) m
-  const Vec3<T> wv = cross(w, m.linear);
-  return {exp3(w), m.linear + wv * e.b + cross(w, wv) * e.c};
+  return {rotation(exp_quaternion(m.angular, e)), exp_translation(m, e)};
 }
 
 // Twist of a pose; angular part with norm in [0, pi].
@@ -209,7 +213,7 @@ template <class T>
 inline Motion<T> log6(const Quaternion<T>& rotation, const Vec3<T>& p) {
   const RotationLog<T> log = rotation_log(rotation);
   const Vec3<T>& w = log.w;
-  const T k = log_coefficient(dot(w, w), [&](T) { return log.cot; });
+  const T k = log_coefficient(log);
   const Vec3<T> wp = cross(w, p);
   return {p - wp * T(0.5) + cross(w, wp) * k, w};
 }
@@ -232,18 +236,16 @@ namespace detail {
 // The linear-angular block of the right Jacobian of exp6 (Barfoot 2017, 7.86, arguments negated).
 template <class T>
 inline Mat3<T> Jexp6_block(const Vec3<T>& rho, const Vec3<T>& w) {
-  using std::cos;
-  using std::sin;
   const auto e = exp_coefficients(w);
   T d, f;  // (t^2 + 2 cos t - 2) / (2 t^4) and (2 t - 3 sin t + t cos t) / (2 t^5)
   if (e.t2 < T(4)) {
-    d = alternating_series(e.t2, T(1) / T(24), [](int k) { return T(1) / T((2 * k + 5) * (2 * k + 6)); });
+    d = alternating_series<below_four>(e.t2, T(1) / T(24), [](int k) { return T(1) / T((2 * k + 5) * (2 * k + 6)); });
     // coefficients (k + 1) / (2 k + 5)!
-    f = alternating_series(e.t2, T(1) / T(120), [](int k) { return T(k + 2) / T((k + 1) * (2 * k + 6) * (2 * k + 7)); });
+    f = alternating_series<below_four>(e.t2, T(1) / T(120), [](int k) { return T(k + 2) / T((k + 1) * (2 * k + 6) * (2 * k + 7)); });
   } else {
-    const T s = sin(e.t), co = cos(e.t);
+    const T co = T(1) - e.b * e.t2;  // sin t = a t
     d = (e.t2 + T(2) * co - T(2)) / (T(2) * e.t2 * e.t2);
-    f = (T(2) * e.t - T(3) * s + e.t * co) / (T(2) * e.t2 * e.t2 * e.t);
+    f = (T(2) - T(3) * e.a + co) / (T(2) * e.t2 * e.t2);
   }
   const Mat3<T> W = skew(-w), P = skew(-rho);
   const Mat3<T> WP = W * P, PW = P * W, WPW = WP * W;

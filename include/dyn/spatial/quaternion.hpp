@@ -52,6 +52,13 @@ inline Quaternion<T> normalized(const Quaternion<T>& a) {
   return {Vec3<T>::make(x * r, y * r, z * r), w * r};
 }
 
+// a, normalised only where squares of products with its like would overflow or lose digits.
+template <class T>
+inline Quaternion<T> moderate(const Quaternion<T>& a) {
+  const T n2 = dot(a.v, a.v) + a.w * a.w;
+  return n2 > T(1e-60) && n2 < T(1e60) ? a : normalized(a);
+}
+
 // Rotation matrix of a quaternion of any norm: 2 / |a|^2 is multiplied in, which takes no square root.
 template <class T>
 inline Mat3<T> rotation(const Quaternion<T>& a) {
