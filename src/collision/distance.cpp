@@ -13,6 +13,7 @@
 #include "dyn/collision/analytic/half_space.hpp"
 #include "dyn/collision/analytic/half_spaces.hpp"
 #include "dyn/collision/analytic/sphere.hpp"
+#include "dyn/collision/analytic/sums.hpp"
 #include "dyn/collision/convex_pair.hpp"
 #include "dyn/collision/surface_distance.hpp"
 #include "dyn/shape/list.hpp"
@@ -97,7 +98,13 @@ Result box_capsule(const Shape& a, const Pose& XA, const Shape& b, const Pose& X
 }
 template <class A, class B>
 Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
-  return general<A, B>(a, XA, b, XB, o, [&](const auto& d) { return convex_pair(d, w, o); });
+  return general<A, B>(a, XA, b, XB, o, [&](const auto& d) {
+    if constexpr (is_sum<A> && is_sum<B>) {
+      Cores c;
+      if (sum_pair(d, d.X.p, wanted(d, o), c)) return c;
+    }
+    return convex_pair(d, w, o);
+  });
 }
 
 struct Pair {
