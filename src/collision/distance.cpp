@@ -87,7 +87,7 @@ Result general(const Shape& shape_a, const Pose& XA, const Shape& shape_b, const
   const B b(shape_b);
   const Difference<A, B> d(a, b, relative(XA, XB));
   Cores c = method(d);
-  c.unique = c.unique && !d.parallel(c.normal);
+  c.unique = c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));
   return turned(rounded(c, a.radius, b.radius, d.small, o), XA);
 }
 Result boxes(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
