@@ -22,7 +22,7 @@ double error(const Scene& s, double slope, int k) {
     return query(m, exact).distance;
   };
   double least = shape::infinity;
-  for (double h = 1e-5; h > 5e-9 && least > 1e-6; h /= 10) {
+  for (double h = 1e-5; h > 5e-10 && least > 1e-6; h /= 10) {
     const double central = (at(h) - at(-h)) / (2 * h), far = (at(2 * h) - at(-2 * h)) / (4 * h);
     // Richardson: the third derivative cancels
     least = std::min(least, std::abs(central + (central - far) / 3 - slope));

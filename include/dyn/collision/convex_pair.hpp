@@ -45,10 +45,10 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
   }
   if (refined || (D::curved && g.apart && finish(g))) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, true};
   // a gap leaves the normal of a curved pair uncertain by its root
-  auto certain = [&](double gap) { return !D::curved || gap <= 1e-14 * d.small + d.rounding(); };
-  if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap)};
+  auto certain = [&](double gap, double radius) { return !D::curved || gap <= 1e-14 * radius; };
+  if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap, g.norm)};
   const EpaResult e = epa(d, g.simplex, workspace, options);
-  return {e.normal, e.a, e.b, -e.upper, e.residual, g.iterations + e.iterations, e.unique && (e.refined || certain(e.residual))};
+  return {e.normal, e.a, e.b, -e.upper, e.residual, g.iterations + e.iterations, e.unique && (e.refined || certain(e.residual, d.small))};
 }
 
 // of the rounded shapes, in the frame of A

@@ -55,7 +55,7 @@ struct Difference {
   }
 
   // Of cores that touch with the normal n: is the origin at an edge or a corner of D, so that planes of other normals hold it as well?
-  // The least height of the support planes tilted by a thousandth, all around, tells it: an edge has no radius of curvature.
+  // The support planes tilted by a thousandth, all around, tell it: across an edge, which has no radius of curvature, they rise no higher.
   bool sharp(const Vec& n) const {
     constexpr int directions = 16;
     constexpr double tilt = 1e-3, radius = 1e-3, turn = 6.2831853071795865 / directions;
@@ -74,7 +74,7 @@ struct Difference {
           if (const double at = height(side); at < h) h = at, angle = side;
       least = std::min(least, h);
     }
-    return least <= 0.5 * tilt * tilt * radius * small;
+    return least - dot(n, support(n).w) <= 0.5 * tilt * tilt * radius * small;
   }
 };
 

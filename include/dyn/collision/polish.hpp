@@ -204,6 +204,9 @@ template <class D>
   // the pieces hold the plane: nothing of D lies beyond it
   const double h = dot(p.n, d.support(p.n).w);
   out.distance = -h;
+  // where a weight was below zero the points are not quite on the normal, which then is another one
+  const Vec between = out.b - out.a;
+  if (shape::norm(between + p.n * h) > 1e-7 * std::abs(h) + 8 * d.rounding()) out.unique = false;
   return h + p.f <= std::max(wanted, p.residual);
 }
 
