@@ -133,7 +133,8 @@ void hull(Overlap& o, double eps) {
   first = count - 1;
   for (int i = o.count - 2; i >= 0; --i) take(o.p[i]);
   --count;  // the first point again
-  std::copy(ring, ring + count, o.p), o.count = count;
+  o.count = count;
+  for (int i = 0; i < count; ++i) o.p[i] = ring[i];
   for (int i = 0; i < count; ++i)
     if (o.p[i].gap <= deepest.gap + eps) return;
   o.insert(deepest);
