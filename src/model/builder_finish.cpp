@@ -283,7 +283,9 @@ ModelPtr Builder::finish() const {
   n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports)
     if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
-  if (tests_nothing(n.geoms, a.pairs)) a.reports.push_back({DYN_REPORT_WARNING, 0, text.add(nothing_tested)});
+  // room for it: it goes again when the pairs have been judged, which takes the finished model
+  const bool several = n.geoms >= 2 && n.geoms <= most_geoms;
+  if (several) a.reports.push_back({DYN_REPORT_WARNING, 0, text.add(nothing_tested)});
   n.reports = Index(a.reports.size());
 
   // configurations; "neutral" is the first
@@ -407,6 +409,7 @@ ModelPtr Builder::finish() const {
   fill_in(Model::Field::dof_descendants_end, a.dof_descendants_end), fill_in(Model::Field::dof_forks, a.dof_forks);
   check_dynamics(*model, order, in.joints, in.frames);
   judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
+  if (several && !tests_nothing(*model)) --model->n.reports;
   return model;
 }
 
