@@ -1,10 +1,11 @@
 // The table of pairs. Which method answers which pair (the other half is exchanged):
-//               half-space   sphere     capsule     box       others
-//   half-space  planes       deepest    deepest     deepest   deepest    point below the plane
-//   sphere                   nearest    nearest     nearest   nearest    point to the sphere's centre
-//   capsule                             segments    axes      gjk
-//   box                                             axes      gjk        separating axes when they meet, else GJK
-//   others                                                    gjk        GJK, EPA, Newton
+//               half-space   sphere     capsule     box       cylinder   others
+//   half-space  planes       deepest    deepest     deepest   deepest    deepest    point below the plane
+//   sphere                   nearest    nearest     nearest   nearest    nearest    point to the sphere's centre
+//   capsule                             segments    axes      sums       gjk
+//   box                                             axes      sums       gjk        separating axes when they meet, else sums
+//   cylinder                                                  sums       gjk        sums of segments and discs apart, else as others
+//   others                                                               gjk        GJK, EPA, Newton
 // Surfaces are searched for the nearest piece: surface_distance.cpp.
 #include "dyn/collision/distance.hpp"
 
