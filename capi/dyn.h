@@ -922,7 +922,8 @@ DYN_API dynStatus dyn_constraint_report(const dynModel* model, dynData* data, co
 /* Surfaces. TRIANGLES are the triangles themselves: the distance is the least signed distance of any of them, each a flat shape of its own.
    Where a shape touches none but lies inside of a closed mesh, it penetrates: a sphere, by its centre, as deep as it is (also where
    it touches); any other shape as deep as it lies below the plane of the nearest triangle, with unique = 0 and the residual between
-   that and the depth of its middle. A HEIGHT_FIELD is solid from its surface to its bottom, made of a prism for each triangle: an overlap is
+   that and the depth of its middle. Where triangles are crossed the depth is that of the deepest triangle, or pair of them: it parts these, and
+   others may still overlap. Two closed meshes that coincide touch. A HEIGHT_FIELD is solid from its surface to its bottom, made of a prism for each triangle: an overlap is
    measured prism by prism, so that it is right while it is less deep than a cell is wide. */
 
 /* Distance between two shapes, signed: below zero they overlap, and it is minus the depth, the length of the shortest translation
@@ -1008,7 +1009,7 @@ DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const dou
 
 /* ------------------------------------------------------------------------------------------------------- contacts */
 
-/* Contact points: where the faces, edges and caps that two convex shapes turn to each other overlap, seen along their common normal
+/* Contact points: where the faces, edges and caps that two shapes turn to each other overlap, seen along their common normal
    (that of dyn_shape_distance). Up to eight a pair at a distance of at most margin (m, >= 0): the deepest, and of more those that span the
    largest area (Visvalingam and Whyatt 1993). A circular cap is taken as the octagon of eight points of its rim that turn with it, and
    the deepest point. Two half-spaces have none. */
@@ -1022,7 +1023,9 @@ typedef struct dynContact {
   double normal[3];        /* unit, from A to B, world */
 } dynContact;
 enum { DYN_CONTACTS_OF_A_PAIR = 8 };
-/* Of surfaces (TRIANGLES, HEIGHT_FIELD) the witness points alone are a contact.
+/* Of surfaces (TRIANGLES, HEIGHT_FIELD) the overlaps of all triangles that turn to the other shape, seen along the one normal of the nearest
+   point: triangles of one plane are taken together, of all points the corners of the convex hull and the deepest stay. Names in `feature` are
+   those of the mesh's vertices, by 2^16.
    contacts: room for DYN_CONTACTS_OF_A_PAIR, written in ascending order of feature. tolerance: as in dyn_shape_distance. */
 DYN_API dynStatus dyn_shape_contacts(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
                                      double margin, double tolerance, dynContact* contacts, int* count);

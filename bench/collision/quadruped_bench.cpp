@@ -1,7 +1,7 @@
 // A quadruped's distances beside Coal's on the same pairs and poses, its own and those to the ground, us for all pairs of one configuration.
 //   usage: quadruped_bench go2.urdf
 // Build: c++ -O3 -march=native -ffp-contract=fast -fno-math-errno -fno-trapping-math -std=c++20 -I include -I capi -isystem <eigen> -isystem <coal>/include
-//        bench/collision/quadruped_bench.cpp src/collision/{distance,manifold,manifold_clip}.cpp -L build/.../lib -ldyn -L <coal>/lib -lcoal, both with -Wl,-rpath
+//        bench/collision/quadruped_bench.cpp src/collision/{distance,surface_distance,manifold,manifold_clip}.cpp -L build/.../lib -ldyn -L <coal>/lib -lcoal, both with -Wl,-rpath
 // The robot is loaded and placed by the library; distances of shapes at given placements are timed, as Coal's are.
 #include <coal/collision.h>
 #include <coal/distance.h>
@@ -150,6 +150,8 @@ int main(int, char** argv) {
     }
   });
   std::printf("distances of all pairs: dyn %.2f us, Coal %.2f: %.2f\n", dyn_us, coal_us, dyn_us / coal_us);
+  const double whole_us = median_us([&](int c) { dyn_distances(m, d, q[std::size_t(c)].data(), nullptr), sum += 1; });
+  std::printf("dyn_distances, kinematics and placements included: %.2f us: %.2f of Coal's queries alone\n", whole_us, whole_us / coal_us);
   for (const double margin : {0.0, 0.05}) {
     int count = 0, points = 0, coal_count = 0;
     const double t = median_us([&](int c) {

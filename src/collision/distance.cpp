@@ -1,10 +1,11 @@
 // The table of pairs. Which method answers which pair (the other half is exchanged):
-//               half-space   sphere     capsule     box       others
-//   half-space  planes       deepest    deepest     deepest   deepest    point below the plane
-//   sphere                   nearest    nearest     nearest   nearest    point to the sphere's centre
-//   capsule                             segments    axes      gjk
-//   box                                             axes      gjk        separating axes when they meet, else GJK
-//   others                                                    gjk        GJK, EPA, Newton
+//               half-space   sphere     capsule     box       cylinder   others
+//   half-space  planes       deepest    deepest     deepest   deepest    deepest    point below the plane
+//   sphere                   nearest    nearest     nearest   nearest    nearest    point to the sphere's centre
+//   capsule                             segments    axes      sums       gjk
+//   box                                             axes      sums       gjk        separating axes when they meet, else sums
+//   cylinder                                                  sums       gjk        sums of segments and discs apart, else as others
+//   others                                                               gjk        GJK, EPA, Newton
 // Surfaces are searched for the nearest piece: surface_distance.cpp.
 #include "dyn/collision/distance.hpp"
 
@@ -13,6 +14,7 @@
 #include "dyn/collision/analytic/half_space.hpp"
 #include "dyn/collision/analytic/half_spaces.hpp"
 #include "dyn/collision/analytic/sphere.hpp"
+#include "dyn/collision/analytic/sums.hpp"
 #include "dyn/collision/convex_pair.hpp"
 #include "dyn/collision/surface_distance.hpp"
 #include "dyn/shape/list.hpp"
@@ -86,7 +88,7 @@ Result general(const Shape& shape_a, const Pose& XA, const Shape& shape_b, const
   const B b(shape_b);
   const Difference<A, B> d(a, b, relative(XA, XB));
   Cores c = method(d);
-  c.unique = c.unique && !d.parallel(c.normal);
+  c.unique = c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));
   return turned(rounded(c, a.radius, b.radius, d.small, o), XA);
 }
 Result boxes(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
@@ -97,7 +99,13 @@ Result box_capsule(const Shape& a, const Pose& XA, const Shape& b, const Pose& X
 }
 template <class A, class B>
 Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
-  return general<A, B>(a, XA, b, XB, o, [&](const auto& d) { return convex_pair(d, w, o); });
+  return general<A, B>(a, XA, b, XB, o, [&](const auto& d) {
+    if constexpr (is_sum<A> && is_sum<B>) {
+      Cores c;
+      if (sum_pair(d, d.X.p, wanted(d, o), c)) return c;
+    }
+    return convex_pair(d, w, o);
+  });
 }
 
 struct Pair {

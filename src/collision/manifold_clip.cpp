@@ -1,7 +1,37 @@
 #include "dyn/collision/manifold.hpp"
 #include "dyn/collision/manifold_clip.hpp"
+#include "dyn/shape/list.hpp"
 
 namespace dyn::collision {
+
+Figure figure_of(const shape::Shape& s, const Pose& X, const Across& plane, double towards, double band, shape::Feature& feature) {
+  const Vec local = transpose_times(X.R, plane.n * towards);
+  shape::visit(s, [&]<class S>(const S& x) {
+    if constexpr (S::type != shape::Type::HalfSpace) x.facing(local, band, feature);
+  });
+  Figure f = project(feature, X, plane, towards);
+  f.h += towards * s.radius;
+  if (f.count > 2) orient(f);
+  return f;
+}
+
+void overlap_of(const Figure& a, double bend_a, const Figure& b, double bend_b, double eps, Overlap& out) {
+  if (a.count > 2 && b.count > 2) return clip_faces(a, b, eps, out);
+  if (a.count == 2 && b.count == 2) return clip_lines(a, b, bend_a, bend_b, eps, out);
+  if (a.count == 2 && b.count > 2) return clip_line(a, b, eps, false, out);
+  if (b.count == 2 && a.count > 2) return clip_line(b, a, eps, true, out);
+}
+
+void over_plane(const Figure& f, double plane, bool swapped, Overlap& out) {
+  for (int k = 0; k < f.count; ++k) {
+    const Corner& p = f.p[k];
+    const double high = f.height(p.x, p.y);
+    if (swapped)
+      out.add({p.x, p.y, plane, high - plane});
+    else
+      out.add({p.x, p.y, high, plane - high});
+  }
+}
 
 void clip_faces(const Figure& a, const Figure& b, double eps, Overlap& out) {
   ClipPoint buffers[2][Overlap::most];
@@ -80,6 +110,34 @@ void merge(Overlap& o, double eps) {
     if (o.p[i].gap < o.p[same].gap) o.p[same] = o.p[i];
   }
   o.count = kept;
+}
+
+// Andrew, Inf. Proc. Letters 9(5), 1979
+void hull(Overlap& o, double eps) {
+  if (o.count < 3) return;
+  std::sort(o.p, o.p + o.count, [](const ClipPoint& a, const ClipPoint& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  ClipPoint deepest = o.p[0], ring[Overlap::most + 1];
+  for (int i = 1; i < o.count; ++i)
+    if (o.p[i].gap < deepest.gap) deepest = o.p[i];
+  int count = 0, first = 0;
+  auto take = [&](const ClipPoint& p) {
+    while (count - first >= 2) {
+      const ClipPoint &a = ring[count - 2], &b = ring[count - 1];
+      const double ex = p.x - a.x, ey = p.y - a.y;
+      if (ex * (b.y - a.y) - ey * (b.x - a.x) < -eps * shape::length2(ex, ey)) break;  // b lies to the right: it stays
+      --count;
+    }
+    ring[count++] = p;
+  };
+  for (int i = 0; i < o.count; ++i) take(o.p[i]);
+  first = count - 1;
+  for (int i = o.count - 2; i >= 0; --i) take(o.p[i]);
+  --count;  // the first point again
+  o.count = count;
+  for (int i = 0; i < count; ++i) o.p[i] = ring[i];
+  for (int i = 0; i < count; ++i)
+    if (o.p[i].gap <= deepest.gap + eps) return;
+  o.insert(deepest);
 }
 
 void thin_out(Overlap& o, int most, double eps) {

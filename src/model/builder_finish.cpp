@@ -283,7 +283,9 @@ ModelPtr Builder::finish() const {
   n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports)
     if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
-  if (tests_nothing(n.geoms, a.pairs)) a.reports.push_back({DYN_REPORT_WARNING, 0, text.add(nothing_tested)});
+  // room for it: it goes again when the pairs have been judged, which takes the finished model
+  const bool several = n.geoms >= 2 && n.geoms <= most_geoms;
+  if (several) a.reports.push_back({DYN_REPORT_WARNING, 0, text.add(nothing_tested)});
   n.reports = Index(a.reports.size());
 
   for (const dynConstraint& c : constraints_of(in.constraints, id)) a.constraints.push_back({c, text.add(in.constraints[a.constraints.size()].name)});
@@ -414,6 +416,7 @@ ModelPtr Builder::finish() const {
   check_dynamics(*model, order, in.joints, in.frames);
   check_constraints(*model);
   judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
+  if (several && !tests_nothing(*model)) --model->n.reports;
   return model;
 }
 

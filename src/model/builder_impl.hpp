@@ -133,7 +133,7 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
                                  const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled);
 // Several collision shapes, and no pair of them is tested: the load report says so.
 inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
-bool tests_nothing(Index geoms, const std::vector<PairRecord>& pairs);
+bool tests_nothing(const Model& m);
 // Marks those that overlap in the neutral configuration.
 void judge_pairs(const Model& m, PairRecord* pairs);
 

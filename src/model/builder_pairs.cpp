@@ -43,8 +43,8 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
   return pairs;
 }
 
-bool tests_nothing(Index geoms, const std::vector<PairRecord>& pairs) {
-  return geoms >= 2 && geoms <= most_geoms && std::none_of(pairs.begin(), pairs.end(), [](const PairRecord& p) { return p.reason == DYN_PAIR_TESTED; });
+bool tests_nothing(const Model& m) {
+  return std::none_of(m.pairs(), m.pairs() + m.n.pairs, [](const PairRecord& p) { return p.reason == DYN_PAIR_TESTED; });
 }
 
 void judge_pairs(const Model& m, PairRecord* pairs) {

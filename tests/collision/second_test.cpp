@@ -1,13 +1,17 @@
 // libccd beside libdyn: the second opinion on what overlaps and how deep, and the fallback.
+#include <cstdio>
+
 #include "collision/survey.hpp"
 #include "dyn/collision/ccd.hpp"
 
 namespace dyn_test {
 namespace {
 
-TEST(Second, AgreesOnOverlaps) {
+// Where the two differ, it is proven who is right: along our normal the shapes reach into each other as far as our depth says, and
+// along libccd's at least as far. A larger depth of its is not the least, a smaller one does not part them.
+TEST(Second, NeverBeatsOurDepth) {
   if (!collision::ccd_available()) GTEST_SKIP() << "no libccd.so.2";
-  int seen = 0, agreed = 0;
+  int seen = 0, larger = 0, smaller_ones = 0;
   for (int a = int(Type::Capsule); a < shape::type_count; ++a)
     for (int b = a; b < shape::type_count; ++b)
       for (int i = 0; i < 60; ++i) {
@@ -21,12 +25,12 @@ TEST(Second, AgreesOnOverlaps) {
         }
         if (!overlaps || r.distance > 0) continue;
         ++seen;
-        // along its normal they reach into each other at least as far as the least depth
-        EXPECT_GE(overlap(s, found.normal), -r.distance - 1e-9);
-        agreed += std::abs(found.depth + r.distance) < 0.01 * smaller(s);
+        EXPECT_NEAR(-r.distance, overlap(s, r.normal), 1e-9 * smaller(s));
+        EXPECT_GE(overlap(s, found.normal), -r.distance - 1e-9 * smaller(s));
+        larger += found.depth > -r.distance + 1e-3 * smaller(s), smaller_ones += found.depth < -r.distance - 1e-3 * smaller(s);
       }
   EXPECT_GT(seen, 400);
-  EXPECT_GT(agreed, 0.8 * seen);  // its EPA ends early on curved shapes
+  std::printf("of %d overlaps libccd finds %d deeper and %d less deep by a thousandth of the size\n", seen, larger, smaller_ones);
 }
 
 TEST(Second, AskedFirstItsAnswerHolds) {

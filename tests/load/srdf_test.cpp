@@ -286,6 +286,19 @@ TEST(Srdf, SubtreesKeepTheirPairs) {
   EXPECT_EQ((std::vector<Pair>{{"a", "c", ""}}), pairs(finish(b).get()));
 }
 
+// The only pair overlaps from the start: that nothing is tested is said, and it is not said of the same robot with longer links.
+TEST(Pairs, NoneTestedIsReported) {
+  for (const bool overlap : {true, false}) {
+    const std::string ball = solid + "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision>";
+    const std::string away = std::string("<origin xyz=\"0 0 ") + (overlap ? "0.05" : "1") + "\"/><axis xyz=\"0 1 0\"/>";
+    const Loaded l = good(robot(link("base", ball) + link("upper", solid) + link("lower", ball) + joint("shoulder", "continuous", "base", "upper", away) +
+                                joint("elbow", "continuous", "upper", "lower", away)));
+    ASSERT_EQ(1, dyn_npairs(l.model.get()));
+    const auto report = l.report();
+    EXPECT_EQ(overlap, Loaded::find(report, "no pair of the collision shapes is tested") != nullptr);
+  }
+}
+
 // The collision shapes of the links are then no pair that is tested, unless the data is told to.
 TEST(Srdf, DisabledPairsAreNotTested) {
   const std::string ball = solid + "<collision><geometry><sphere radius=\"0.01\"/></geometry></collision>", away = "<origin xyz=\"0 0 1\"/>";

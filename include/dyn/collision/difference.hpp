@@ -53,6 +53,29 @@ struct Difference {
     if (fa.dimension + fb.dimension > 2) return true;
     return shape::norm(cross(fa.u, X.R * fb.u)) <= 1e-7;
   }
+
+  // Of cores that touch with the normal n: is the origin at an edge or a corner of D, so that planes of other normals hold it as well?
+  // The support planes tilted by a thousandth, all around, tell it: across an edge, which has no radius of curvature, they rise no higher.
+  bool sharp(const Vec& n) const {
+    constexpr int directions = 16;
+    constexpr double tilt = 1e-3, radius = 1e-3, turn = 6.2831853071795865 / directions;
+    const Vec u = shape::across(n), v = cross(n, u);
+    auto height = [&](double angle) {
+      const Vec m = n + u * (tilt * std::cos(angle)) + v * (tilt * std::sin(angle));
+      return dot(m, support(m).w);
+    };
+    double around[directions], least = shape::infinity;
+    for (int i = 0; i < directions; ++i) around[i] = height(turn * i);
+    for (int i = 0; i < directions; ++i) {
+      double h = around[i], angle = turn * i;
+      if (h > around[(i + 1) % directions] || h > around[(i + directions - 1) % directions]) continue;
+      for (double step = turn / 2; step > 1e-8; step /= 2)
+        for (const double side : {angle - step, angle + step})
+          if (const double at = height(side); at < h) h = at, angle = side;
+      least = std::min(least, h);
+    }
+    return least - dot(n, support(n).w) <= 0.5 * tilt * tilt * radius * small;
+  }
 };
 
 }  // namespace dyn::collision

@@ -15,6 +15,7 @@ struct EpaResult {
   double residual;
   Index iterations;
   bool unique;   // no other face of another direction is as near
+  bool refined;  // by Newton's method, or on a face
 };
 
 namespace detail {
@@ -28,7 +29,7 @@ class Epa {
   // From the vertices of a simplex near the origin.
   EpaResult run(const Simplex& s) {
     EpaResult& r = r_;
-    r.upper = shape::infinity, r.residual = 0, r.iterations = 0, r.unique = true;
+    r.upper = shape::infinity, r.residual = 0, r.iterations = 0, r.unique = true, r.refined = false;
     Vec n;
     if (!tetrahedron(s, n)) {  // D is flat: its own normal
       const Vertex p = d_.support(n);
@@ -73,7 +74,7 @@ class Epa {
     }
     if (refined()) {
       r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
-      r.unique = polished_.unique;
+      r.unique = polished_.unique, r.refined = true;
     } else {
       for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
       const Index nearest = nearest_face();

@@ -7,9 +7,10 @@
 
 namespace dyn::collision {
 
-// A point of the overlap: the height of A's surface, and the gap from there to B's.
+// A point of the overlap: the height of A's surface, the gap from there to B's, and what of both it lies on (Contact).
 struct ClipPoint {
   double x, y, high, gap;
+  std::uint64_t feature = ~std::uint64_t(0);
 };
 
 struct Corner {
@@ -89,6 +90,10 @@ inline std::uint32_t part_of(const Figure& f, double x, double y, double eps) {
   return 0xffffffff;
 }
 
+inline std::uint64_t feature_of(const Figure& a, const Figure& b, const ClipPoint& p, double eps) {
+  return std::uint64_t(part_of(a, p.x, p.y, eps)) << 32 | part_of(b, p.x, p.y, eps);
+}
+
 // Counter-clockwise, as the clipping takes it.
 inline void orient(Figure& f) {
   double area = 0;
@@ -133,6 +138,14 @@ void clip_faces(const Figure& a, const Figure& b, double eps, Overlap& out);
 void clip_line(const Figure& line, const Figure& face, double eps, bool swapped, Overlap& out);
 // Two lines, each on a surface of that radius of curvature across: the ends of one over the other's surface, which falls off beside it.
 void clip_lines(const Figure& a, const Figure& b, double bend_a, double bend_b, double eps, Overlap& out);
+// The figure of a convex shape that faces the other one, which lies along the plane's normal (towards: +1) or against it (-1).
+Figure figure_of(const shape::Shape& s, const Pose& X, const Across& plane, double towards, double band, shape::Feature& feature);
+// Any two figures, faces counter-clockwise; a point has no overlap.
+void overlap_of(const Figure& a, double bend_a, const Figure& b, double bend_b, double eps, Overlap& out);
+// Over a plane at that height all corners count. swapped: they are B's
+void over_plane(const Figure& f, double plane, bool swapped, Overlap& out);
+// The convex hull of the points, and the deepest when it lies deeper inside by more than eps.
+void hull(Overlap& overlap, double eps);
 // Of points that lie on one another the deepest stays.
 void merge(Overlap& overlap, double eps);
 // Down to `most` points: again and again the one that spans the smallest triangle with its neighbours goes (Visvalingam, Whyatt, Cartographic

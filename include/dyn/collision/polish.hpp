@@ -32,6 +32,7 @@ struct Pieces {
   // the next step
   Vec next;
   double change[3];    // of the weights
+  double length;       // of the normal
   bool near;           // it is Newton's own
   bool flat;           // f is as large in some direction
 
@@ -90,7 +91,8 @@ struct Pieces {
       const double me = (ru * hv - rv * hu) / det, mg = (rv * eu - ru * ev) / det;
       change[1] = me, change[2] = mg, change[0] = -me - mg;
     }
-    const double length = std::sqrt(du * du + dv * dv), shorter = std::min(1.0, 0.3 / length);
+    length = std::sqrt(du * du + dv * dv);
+    const double shorter = std::min(1.0, 0.3 / length);
     near = near && shorter == 1;
     next = n + u * (du * shorter) + v * (dv * shorter);
     next = next * (1 / shape::norm(next));
@@ -133,12 +135,14 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
   const double first = p.residual;
   double before = shape::infinity, least = shape::infinity;
   for (int i = 0, stale = 0; i < 40 && stale < 8; ++i) {
+    if (!(p.residual < shape::infinity)) break;
+    p.plan();
     if (p.residual <= std::min(acceptable, best.residual)) best = p;
-    if (p.residual <= 0.1 * wanted || !(p.residual < shape::infinity)) break;
+    // where f is nearly flat a small residual does not make the normal a good one
+    if (p.residual <= 0.1 * wanted && (p.length <= 1e-8 || p.flat)) break;
     stale = p.residual < least ? 0 : stale + 1;
     least = std::min(least, p.residual);
     if (i == 6 && least > 0.1 * first) break;  // no root is near
-    p.plan();
     const bool slow = p.near && p.residual >= before * 0.5;
     if (slow ? i > 2 && least <= acceptable : p.residual <= wanted && !p.near) break;
     before = p.residual;
@@ -184,11 +188,10 @@ inline bool on_face(const D& d, const Vec& n, Polished& out) {
 // From support points near the solution, their weights, and a normal. false: no solution was found from there.
 template <class D>
 [[gnu::noinline]] inline bool polish(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Polished& out) {
-  detail::Pieces<D> p{&d, {}, {}, size, {}, {}, 0, 0, {}, {}, true, false};
+  detail::Pieces<D> p{&d, {}, {}, size, {}, {}, 0, 0, {}, {}, 0, true, false};
   for (int i = 0; i < size; ++i) p.s[i] = points[i], p.weight[i] = weights[i];
   p.evaluate(normal);
   if (!detail::solve(p, wanted, std::max(wanted, 1e-7 * d.small))) return false;
-  p.plan();
   out.normal = p.n, out.residual = p.residual, out.unique = !p.flat;
   out.a = out.b = Vec::zero();
   double sum = 0;
@@ -201,6 +204,9 @@ template <class D>
   // the pieces hold the plane: nothing of D lies beyond it
   const double h = dot(p.n, d.support(p.n).w);
   out.distance = -h;
+  // where a weight was below zero the points are not quite on the normal, which then is another one
+  const Vec between = out.b - out.a;
+  if (shape::norm(between + p.n * h) > 1e-7 * std::abs(h) + 8 * d.rounding()) out.unique = false;
   return h + p.f <= std::max(wanted, p.residual);
 }
 

@@ -69,6 +69,10 @@ struct HeightField : Surface<HeightField> {
     corner[1] = k == 0 ? grid.at(n.i + 1, n.j) : grid.at(n.i + 1, n.j + 1);
     corner[2] = k == 0 ? grid.at(n.i + 1, n.j + 1) : grid.at(n.i, n.j + 1);
   }
+  int number(const Node& n, Index piece, int k) const {
+    const Index right = k == 0 || (piece == 1 && k == 2) ? 0 : 1, up = k == 0 || (piece == 0 && k == 1) ? 0 : 1;
+    return (n.j + up) * grid.columns + n.i + right;
+  }
   void piece(const Node& n, Index k, Facet& f) const {
     Vec corner[3];
     triangle(n, k, corner);

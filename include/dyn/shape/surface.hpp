@@ -7,6 +7,7 @@
 //   split(node, out)             the nodes below it: how many; 0: a leaf
 //   pieces(node), piece(node, i, facet)    the pieces of a leaf, as convex shapes (facet.hpp)
 //   triangle(node, i, corners)   the triangle of a piece that belongs to the surface, counter-clockwise seen from outside
+//   number(node, i, k)           that of its corner k among the surface's vertices
 //   closed()                     the surface bounds a solid
 //   extent(), solid()            as in shape.hpp; solid() is NaN where nothing is bounded
 // and gets what shapes have: support, bounds, signed_distance, ray, mass_properties, volume.
@@ -128,7 +129,7 @@ struct Surface {
     return best;
   }
 
-  // no feature: contacts of surfaces are the witness points alone
+  // no feature: contacts of surfaces are cut from their triangles
   void facing(const Vec&, double, Feature&) const {}
 
   // of the rounded surface; inside is below zero where the surface is closed

@@ -53,6 +53,7 @@ struct Triangles : Surface<Triangles> {
     const Index t = tree.link[2 * std::ptrdiff_t(n)] + i;
     for (int k = 0; k < 3; ++k) corner[k] = tree.at(t, k);
   }
+  int number(Node n, Index i, int k) const { return tree.corner[3 * std::ptrdiff_t(tree.link[2 * std::ptrdiff_t(n)] + i) + k]; }
   DYN_INLINE void piece(Node n, Index i, Facet& f) const {
     Vec corner[3];
     triangle(n, i, corner);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "dyn/collision/analytic/capsules.hpp"
+#include "dyn/collision/analytic/sums.hpp"
 
 namespace dyn::collision {
 
@@ -92,11 +93,17 @@ inline void box_witness(const Vec& ha, const Vec& hb, const Pose& X, const BoxAx
 
 template <class A, class B>
 inline Cores box_pair(const Difference<A, B>& d, const Vec& ha, const Vec& hb, EpaWorkspace& workspace, const Options& options) {
+  Cores c;
+  const double enough = wanted(d, options);
+  // far apart along the line between the centres: no need to know the best axis
+  const Vec& p = d.X.p;
+  if (dot(sizes(p), ha) + dot(sizes(d.Rt * p), hb) < dot(p, p) && sum_pair(d, p, enough, c)) return c;
   const BoxAxis axis = box_axis(ha, hb, d.X, d.rounding());
-  Cores c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0, axis.unique};
+  c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0, axis.unique};
   box_witness(ha, hb, d.X, axis, c.a, c.b);
   c.residual = shape::norm(c.b - c.a - c.normal * c.distance);
   if (axis.distance <= 1e-10 * d.small + d.rounding() || c.residual <= d.rounding()) return c;
+  if (sum_pair(d, axis.n, enough, c)) return c;
   return cores(d, axis.n * -axis.distance, workspace, options);
 }
 

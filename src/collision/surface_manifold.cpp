@@ -1,0 +1,136 @@
+#include "dyn/collision/surface_manifold.hpp"
+
+#include "dyn/collision/surface_distance.hpp"
+
+#include "dyn/shape/list.hpp"
+
+namespace dyn::collision {
+
+namespace {
+
+using namespace shape;
+
+constexpr double steep = 0.05;  // cosine to the normal below which a triangle is an edge: its neighbours count
+constexpr Bounds everywhere = {{{-infinity, -infinity, -infinity, 0}}, {{infinity, infinity, infinity, 0}}};
+
+Bounds grown(const Bounds& b, double by) {
+  const Vec r = Vec::make(by, by, by);
+  return {b.lower - r, b.upper + r};
+}
+
+// f(figure) of all triangles in a region of the surface's frame that turn to the other shape and reach as far as `level` along the normal.
+// towards: +1 when the other lies along it, -1 when against it.
+template <class S, class F>
+void figures(const S& s, const Pose& X, const Across& plane, double towards, double level, const Bounds& region, F&& f) {
+  const Vec n = transpose_times(X.R, plane.n) * towards;
+  const double origin = towards * dot(plane.n, X.p - plane.origin) + s.radius;
+  const bool everything = region.upper[0] == infinity;
+  const double limit = 0;
+  auto lower = [&](const auto& node) {
+    const Bounds box = s.box(node);
+    const bool out = origin + reach(box, s.slab(node), n) < level || (!everything && distance_between(box, region) > 0);
+    return out ? infinity : 0;
+  };
+  auto leaf = [&](auto node) {
+    for (Index i = 0, count = s.pieces(node); i < count; ++i) {
+      Vec corner[3];
+      s.triangle(node, i, corner);
+      const Vec normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+      const double facing = dot(normal, n);
+      if ((s.closed() ? facing : std::abs(facing)) <= steep * norm(normal)) continue;
+      const Bounds box = {lesser(lesser(corner[0], corner[1]), corner[2]), greater(greater(corner[0], corner[1]), corner[2])};
+      if (!everything && distance_between(box, region) > 0) continue;
+      if (origin + std::max({dot(n, corner[0]), dot(n, corner[1]), dot(n, corner[2])}) < level) continue;
+      Feature feature;
+      for (int k = 0; k < 3; ++k) feature.add(corner[k], s.number(node, i, k));
+      Figure figure = project(feature, X, plane, towards);
+      orient(figure);
+      figure.h += towards * s.radius;
+      f(figure, box);
+    }
+  };
+  search(s, limit, lower, leaf);
+}
+
+Bounds bounds_in(const Pose& X_WS, const Shape& other, const Pose& X_WO) {
+  const Mat Rt = transpose(X_WS.R);
+  const Pose X = {Rt * X_WO.R, Rt * (X_WO.p - X_WS.p)};
+  Bounds b = everywhere;
+  visit(other, [&]<class S>(const S& s) {
+    if constexpr (S::type != Type::HalfSpace) b = s.bounds(X);
+  });
+  return b;
+}
+Bounds turned(const Bounds& b, const Pose& X) {
+  const Vec c = X.act(middle(b)), h = half_of(b), r = sizes(X.R.x) * h[0] + sizes(X.R.y) * h[1] + sizes(X.R.z) * h[2];
+  return {c - r, c + r};
+}
+
+// Points of overlaps, as many as there are.
+struct Gathered {
+  const ContactSearch& s;
+  Overlap& out;
+
+  void take(const Overlap& part, const Figure& a, const Figure& b) {
+    for (int i = 0; i < part.count; ++i) {
+      ClipPoint p = part.p[i];
+      if (!(p.gap <= s.margin) || p.gap < s.nearest.distance - s.eps) continue;
+      p.feature = feature_of(a, b, p, s.same);
+      if (out.count == Overlap::most - 1) merge(out, s.same), hull(out, s.eps), thin_out(out, Overlap::most / 2, s.eps);
+      out.add(p);
+    }
+  }
+};
+
+}  // namespace
+
+void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, const ContactSearch& s, Overlap& out) {
+  Gathered all = {s, out};
+  const double wide = s.band + s.margin + s.eps;
+  // heights are from the witness point of A
+  const double level_a = -s.band, level_b = -s.nearest.distance - s.band;
+  auto over_all_of = [&](const Shape& surface, const Pose& X, double towards, double level, const Bounds& region, auto&& f) {
+    visit(surface, [&]<class S>(const S& x) {
+      if constexpr (is_surface(S::type)) figures(x, X, s.plane, towards, level, region, f);
+    });
+  };
+  auto clip = [&](const Figure& fa, double bend_a, const Figure& fb, double bend_b) {
+    Overlap part;
+    overlap_of(fa, bend_a, fb, bend_b, s.eps, part);
+    all.take(part, fa, fb);
+  };
+  auto against = [&](const Shape& surface, const Pose& X, const Shape& other, const Pose& X_O, double towards, double level) {
+    Feature feature;
+    Figure of_other;
+    const bool plane = other.type == Type::HalfSpace;
+    if (!plane) of_other = figure_of(other, X_O, s.plane, -towards, s.band, feature);
+    if (of_other.count > 2) orient(of_other);
+    const double bend = feature.bend + other.radius;
+    over_all_of(surface, X, towards, level, grown(bounds_in(X, other, X_O), wide), [&](const Figure& f, const Bounds&) {
+      if (plane) {
+        Overlap part;
+        over_plane(f, towards > 0 ? s.nearest.distance : 0, towards < 0, part);
+        towards > 0 ? all.take(part, f, of_other) : all.take(part, of_other, f);
+      } else if (towards > 0) {
+        clip(f, 0, of_other, bend);
+      } else {
+        clip(of_other, bend, f, 0);
+      }
+    });
+  };
+  if (!is_surface(b.type)) {
+    against(a, X_WA, b, X_WB, 1, level_a);
+  } else if (!is_surface(a.type)) {
+    against(b, X_WB, a, X_WA, -1, level_b);
+  } else {
+    const Mat Rt = transpose(X_WB.R);
+    const Pose X_BA = {Rt * X_WA.R, Rt * (X_WA.p - X_WB.p)};
+    over_all_of(a, X_WA, 1, level_a, grown(bounds_in(X_WA, b, X_WB), wide), [&](const Figure& fa, const Bounds& box) {
+      over_all_of(b, X_WB, -1, level_b, grown(turned(box, X_BA), wide + a.radius + b.radius), [&](const Figure& fb, const Bounds&) { clip(fa, 0, fb, 0); });
+    });
+  }
+  merge(out, s.same);
+  hull(out, s.eps);
+}
+
+}  // namespace dyn::collision
