@@ -743,7 +743,7 @@ class Data {
   };
   Constrained constrained_dynamics(Input q = held, Input v = held, Input tau = held, Input fext = none, const ConstraintOptions& options = {}) {
     return constrained_([&](Constrained& out) {
-      return dyn_constrained_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), fext.of(6 * njoints(), "fext"), &options.value,
+      return dyn_constrained_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), fext.of(6 * model_.njoints(), "fext"), &options.value,
                                       out.x.data(), out.lambda.data(), &out.result);
     });
   }
@@ -751,7 +751,7 @@ class Data {
   Constrained constrained_inverse_dynamics(Input q = held, Input v = held, Input a = held, Input fext = none, const std::vector<int32_t>& actuated = {}) {
     if (!actuated.empty() && actuated.size() != static_cast<std::size_t>(nv())) throw Error(DYN_ERROR_SIZE, "actuated must have nv numbers.");
     return constrained_([&](Constrained& out) {
-      return dyn_constrained_inverse_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), fext.of(6 * njoints(), "fext"),
+      return dyn_constrained_inverse_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), fext.of(6 * model_.njoints(), "fext"),
                                               actuated.empty() ? nullptr : actuated.data(), out.x.data(), out.lambda.data(), &out.result);
     });
   }
@@ -797,7 +797,7 @@ class Data {
   };
   ConstrainedDerivatives constrained_dynamics_derivatives(Input q = held, Input v = held, Input tau = held, Input fext = none) {
     return derivatives_(true, [&](const dynConstraintDerivatives* out, dynConstraintResult* result) {
-      return dyn_constrained_dynamics_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), fext.of(6 * njoints(), "fext"), nullptr, out, result);
+      return dyn_constrained_dynamics_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), fext.of(6 * model_.njoints(), "fext"), nullptr, out, result);
     });
   }
   ConstrainedDerivatives constraint_impulse_derivatives(Input q = held, Input v = held) {
