@@ -127,8 +127,8 @@ TEST(Bounded, Complementarity) {
       const double low = lower[std::size_t(i)], high = upper[std::size_t(i)], tolerance = 1e-8 * (1 + b.norm());
       EXPECT_TRUE(lambda[i] >= low - 1e-12 && lambda[i] <= high + 1e-12) << seed;
       if (low == high) continue;
-      if (lambda[i] > low + 1e-9) EXPECT_LE(w[i], tolerance) << seed << " " << i;
-      if (lambda[i] < high - 1e-9) EXPECT_GE(w[i], -tolerance) << seed << " " << i;
+      if (lambda[i] > low + 1e-9) { EXPECT_LE(w[i], tolerance) << seed << " " << i; }
+      if (lambda[i] < high - 1e-9) { EXPECT_GE(w[i], -tolerance) << seed << " " << i; }
     }
   }
 }
