@@ -113,7 +113,7 @@ def test_pinocchio(robot):
     contacts, work = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
     for foot in feet:
         f = pm.frames[pm.getFrameId(foot)]
-        type, reference = (pin.CONTACT_3D, pin.LOCAL_WORLD_ALIGNED) if kind == "point" else (pin.CONTACT_6D, pin.LOCAL)
+        type, reference = (pin.ContactType.CONTACT_3D, pin.LOCAL_WORLD_ALIGNED) if kind == "point" else (pin.ContactType.CONTACT_6D, pin.LOCAL)
         contacts.append(pin.RigidConstraintModel(type, pm, f.parentJoint, f.placement, reference))
         work.append(contacts[-1].createData())
     pin.initConstraintDynamics(pm, pd, contacts, work)
