@@ -105,6 +105,18 @@ using Vector6 = std::array<double, 6>;  // [linear; angular]
 using Vector3 = std::array<double, 3>;
 using Placement = std::array<double, 12>;  // rotation by columns, then translation
 
+struct ConstraintOptions {
+  dynConstraintOptions value;
+  ConstraintOptions() { dyn_constraint_options_init(&value); }
+  ConstraintOptions& regularisation(double x) { return value.regularisation = x, *this; }
+  ConstraintOptions& tolerance(double x) { return value.tolerance = x, *this; }
+  ConstraintOptions& max_iterations(int n) { return value.max_iterations = n, *this; }
+};
+struct ProjectOptions {
+  dynProjectOptions value;
+  ProjectOptions() { dyn_project_options_init(&value); }
+};
+
 struct LoadOptions {
   dynLoadOptions value;
   std::vector<std::string> folders;
@@ -117,6 +129,7 @@ struct LoadOptions {
     return value.gravity[0] = x, value.gravity[1] = y, value.gravity[2] = z, *this;
   }
   LoadOptions& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
+  LoadOptions& constraint_slots(int n) { return value.constraint_slots = n, *this; }
   LoadOptions& meshes(dynMeshUse use) { return value.meshes = use, *this; }
   LoadOptions& srdf(std::string path) { return srdf_path = std::move(path), *this; }
 };
@@ -217,6 +230,11 @@ class Model {
     check(dyn_pair(get(), pair, &out.first, &out.second, nullptr));
     return out;
   }
+  int nconstraints() const noexcept { return dyn_nconstraints(get()); }
+  int nconstraint_slots() const noexcept { return dyn_nconstraint_slots(get()); }
+  std::string constraint_name(int constraint) const { return name_(dyn_constraint_name(get(), constraint)); }
+  int constraint_id(const std::string& name) const { return id_(dyn_constraint_id(get(), name.c_str())); }
+  dynConstraint constraint(int constraint) const { return info_<dynConstraint>(dyn_constraint_info, constraint); }
   int report_count() const noexcept { return dyn_report_count(get()); }
   dynReportEntry report(int index) const { return info_<dynReportEntry>(dyn_report_entry, index); }
 
@@ -691,6 +709,110 @@ class Data {
     return out;
   }
 
+  // constraints: slots
+  void set_constraint(int slot, const dynConstraint& c) { check(dyn_constraint_set(m(), get(), slot, &c)); }
+  void clear_constraint(int slot) { check(dyn_constraint_set(m(), get(), slot, nullptr)); }
+  dynConstraint constraint(int slot) {
+    dynConstraint out;
+    dyn_constraint_init(&out, DYN_CONSTRAINT_NONE);
+    check(dyn_constraint_get(m(), get(), slot, &out));
+    return out;
+  }
+  void enable_constraint(int slot, bool on = true) { check(dyn_constraint_enable(m(), get(), slot, on)); }
+  void anchor_constraint(int slot, Input q = held) { check(dyn_constraint_anchor(m(), get(), slot, q.of(nq(), "q"))); }
+  // First row and number of rows of a slot; -1: of all.
+  std::pair<int, int> constraint_rows(int slot = -1) {
+    std::pair<int, int> out;
+    check(dyn_constraint_rows(m(), get(), slot, &out.first, &out.second));
+    return out;
+  }
+  struct ConstraintTerms {
+    Vector C, Jv, drift;
+    Matrix J;
+  };
+  ConstraintTerms constraint_terms(Input q = held, Input v = held) {
+    const int n = constraint_rows().second;
+    ConstraintTerms out{rows_(), rows_(), rows_(), Matrix(n, nv())};
+    check(dyn_constraint_terms(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), out.C.data(), out.J.data(), out.Jv.data(), out.drift.data()));
+    return out;
+  }
+  // x: ddq, tau, or the velocity after an impact; lambda: forces or impulses of the rows.
+  struct Constrained {
+    Vector x, lambda;
+    dynConstraintResult result;
+  };
+  Constrained constrained_dynamics(Input q = held, Input v = held, Input tau = held, Input fext = none, const ConstraintOptions& options = {}) {
+    return constrained_([&](Constrained& out) {
+      return dyn_constrained_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), fext.of(6 * model_.njoints(), "fext"), &options.value,
+                                      out.x.data(), out.lambda.data(), &out.result);
+    });
+  }
+  // actuated: one number for each degree of freedom, 0: not; empty: all but a floating base.
+  Constrained constrained_inverse_dynamics(Input q = held, Input v = held, Input a = held, Input fext = none, const std::vector<int32_t>& actuated = {}) {
+    if (!actuated.empty() && actuated.size() != static_cast<std::size_t>(nv())) throw Error(DYN_ERROR_SIZE, "actuated must have nv numbers.");
+    return constrained_([&](Constrained& out) {
+      return dyn_constrained_inverse_dynamics(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), fext.of(6 * model_.njoints(), "fext"),
+                                              actuated.empty() ? nullptr : actuated.data(), out.x.data(), out.lambda.data(), &out.result);
+    });
+  }
+  Constrained constraint_impulse(Input q = held, Input v = held, const ConstraintOptions& options = {}) {
+    return constrained_([&](Constrained& out) {
+      return dyn_constraint_impulse(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), &options.value, out.x.data(), out.lambda.data(), &out.result);
+    });
+  }
+  struct Projection {
+    Vector q, v;
+    dynConstraintResult result;
+  };
+  Projection project(Input q = held, Input v = held, const ProjectOptions& options = {}) {
+    Projection out{Vector(static_cast<std::size_t>(nq())), Vector(static_cast<std::size_t>(nv())), {}};
+    out.result.struct_size = sizeof out.result;
+    check(dyn_project(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), &options.value, out.q.data(), out.v.data(), &out.result));
+    return out;
+  }
+  Matrix delassus(Input q = held) {
+    Matrix out(constraint_rows().second, constraint_rows().second);
+    check(dyn_delassus(m(), get(), q.of(nq(), "q"), out.data()));
+    return out;
+  }
+  // Y (nv x rows) and D (nv) of Y' diag(D) Y.
+  std::pair<Matrix, Vector> delassus_factor(Input q = held) {
+    std::pair<Matrix, Vector> out{Matrix(nv(), constraint_rows().second), Vector(static_cast<std::size_t>(nv()))};
+    check(dyn_delassus_factor(m(), get(), q.of(nq(), "q"), out.first.data(), out.second.data()));
+    return out;
+  }
+  Vector delassus_times(Input x, Input q = held) {
+    Vector out = rows_();
+    check(dyn_delassus_times(m(), get(), q.of(nq(), "q"), x.of(static_cast<int>(out.size()), "x"), out.data()));
+    return out;
+  }
+  Vector delassus_solve(Input x, double mu = 0, Input q = held) {
+    Vector out = rows_();
+    check(dyn_delassus_solve(m(), get(), q.of(nq(), "q"), mu, x.of(static_cast<int>(out.size()), "x"), out.data()));
+    return out;
+  }
+  struct ConstrainedDerivatives {
+    Matrix ddq_dq, ddq_dv, ddq_dtau, lambda_dq, lambda_dv, lambda_dtau;  // of impulses: v_plus, and nothing by tau
+    dynConstraintResult result;
+  };
+  ConstrainedDerivatives constrained_dynamics_derivatives(Input q = held, Input v = held, Input tau = held, Input fext = none) {
+    return derivatives_(true, [&](const dynConstraintDerivatives* out, dynConstraintResult* result) {
+      return dyn_constrained_dynamics_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), tau.of(nv(), "tau"), fext.of(6 * model_.njoints(), "fext"), nullptr, out, result);
+    });
+  }
+  ConstrainedDerivatives constraint_impulse_derivatives(Input q = held, Input v = held) {
+    return derivatives_(false, [&](const dynConstraintDerivatives* out, dynConstraintResult* result) {
+      return dyn_constraint_impulse_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr, out, result);
+    });
+  }
+  std::pair<dynConstraintReport, std::vector<dynRowReport>> constraint_report(Input q = held) {
+    std::pair<dynConstraintReport, std::vector<dynRowReport>> out;
+    out.first = {}, out.first.struct_size = sizeof out.first;
+    out.second.resize(static_cast<std::size_t>(constraint_rows().second));
+    check(dyn_constraint_report(m(), get(), q.of(nq(), "q"), &out.first, out.second.data(), static_cast<int>(out.second.size())));
+    return out;
+  }
+
   // collision
   Vector distances(Input q = held) {
     Vector out(static_cast<std::size_t>(model_.npairs()));
@@ -787,6 +909,24 @@ class Data {
   }
 
  private:
+  Vector rows_() { return Vector(static_cast<std::size_t>(constraint_rows().second)); }
+  template <class F>
+  Constrained constrained_(F f) {
+    Constrained out{Vector(static_cast<std::size_t>(nv())), rows_(), {}};
+    out.result.struct_size = sizeof out.result;
+    check(f(out));
+    return out;
+  }
+  template <class F>
+  ConstrainedDerivatives derivatives_(bool by_tau, F f) {
+    const int n = nv(), rows = constraint_rows().second;
+    ConstrainedDerivatives out{Matrix(n, n), Matrix(n, n), Matrix(n, n), Matrix(rows, n), Matrix(rows, n), Matrix(rows, n), {}};
+    out.result.struct_size = sizeof out.result;
+    const dynConstraintDerivatives where = {sizeof where, out.ddq_dq.data(), out.ddq_dv.data(), by_tau ? out.ddq_dtau.data() : nullptr,
+                                            out.lambda_dq.data(), out.lambda_dv.data(), by_tau ? out.lambda_dtau.data() : nullptr};
+    check(f(&where, &out.result));
+    return out;
+  }
   struct Free {
     void operator()(dynData* data) const noexcept { dyn_data_free(data); }
   };
@@ -1114,6 +1254,11 @@ class Builder {
   Builder& attach(const Model& model, const std::string& prefix) {
     return ok(dyn_builder_attach(get(), model.get(), prefix.c_str(), nullptr));
   }
+  // first, second: names of frames or joints; second "": the universe.
+  Builder& constraint(const std::string& name, const dynConstraint& c, const std::string& first, const std::string& second = "") {
+    return ok(dyn_builder_constraint(get(), name.c_str(), &c, first.c_str(), above(second)));
+  }
+  Builder& constraint_slots(int slots) { return ok(dyn_builder_constraint_slots(get(), slots)); }
   Builder& subtree(const std::string& joint) { return ok(dyn_builder_subtree(get(), joint.c_str())); }
   Builder& remove(const std::string& joint) { return ok(dyn_builder_remove(get(), joint.c_str())); }
   Model finish() {

@@ -59,6 +59,8 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
     located(report, joint.line, [&] { builder.joint(joint.spec); });
     add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_JOINT | DYN_FRAME_FIXED_JOINT}, report);
   }
+  for (const UrdfConstraint& c : robot.constraints)
+    located(report, c.line, [&] { builder.constraint(c.name, c.spec, {c.first, 0}, {c.second, 0}); });
   for (const Srdf::State& s : srdf.states) located(Report(options.srdf, false), s.line, [&] { builder.configuration_of_joints(s.name, s.joints); });
   for (const Srdf::Pair& p : srdf.pairs) builder.disabled_pair(p.link1, p.link2, p.reason);
   for (const Report::Entry& e : entries) builder.report(e.level, e.line, e.message);

@@ -10,7 +10,7 @@ namespace {
 
 const std::initializer_list<std::string_view> known_elements = {
     "link",   "joint",  "gazebo", "transmission", "material", "sensor",   "ros2_control",
-    "mujoco", "webots", "group",  "actuator",     "hardware", "isaac_sim"};
+    "mujoco", "webots", "group",  "actuator",     "hardware", "isaac_sim",    "libdyn"};
 
 // Walks everything below e without recursion; visit gets each element.
 template <class Visit>
@@ -107,6 +107,8 @@ UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& opti
       robot.links.push_back(read_link(*e, report, meshes));
     else if (name == "joint")
       robot.joints.push_back(read_joint(*e, report, options));
+    else if (name == "libdyn")
+      read_constraints(*e, report, robot.constraints);
     else if (std::find(known_elements.begin(), known_elements.end(), name) != known_elements.end())
       block_of_others(*e, report);
   }

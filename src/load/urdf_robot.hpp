@@ -29,10 +29,17 @@ struct UrdfJoint {
   int line = 0, parent_line = 0, child_line = 0, mimic_line = 0;
 };
 
+struct UrdfConstraint {
+  std::string name, first, second;  // second: "": the world
+  dynConstraint spec;
+  int line = 0;
+};
+
 struct UrdfRobot {
   std::string name;
   std::vector<UrdfLink> links;    // in the file's order
   std::vector<UrdfJoint> joints;  // in the file's order
+  std::vector<UrdfConstraint> constraints;
 };
 
 struct UrdfTree {
@@ -46,6 +53,8 @@ UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& opti
 // Meshes of collision shapes to what stands for them.
 void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& options);
 UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes);
+// urdf_constraint.cpp: what a <libdyn> block holds.
+void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out);
 UrdfJoint read_joint(const Element& e, Report& report, const LoadOptions& options);
 
 // urdf_tree.cpp: one root, no cycle, every link known and with one parent; mimic leaders exist and move.

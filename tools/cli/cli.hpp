@@ -57,7 +57,7 @@ struct Deleter {
 };
 
 struct Robot {
-  explicit Robot(const RobotOptions& options);
+  explicit Robot(const RobotOptions& options, int contacts = 0);
   std::unique_ptr<dynModel, Deleter<dyn_model_free>> handle;
   int nq, nv, njoints, nframes;
   bool has_mimic = false;
@@ -84,6 +84,18 @@ json effects(const Robot& robot, std::uint32_t on = DYN_EFFECT_ALL);
 // Option --effects: names with commas between, "all" or "none".
 void add_effects_option(CLI::App& command, std::string& names);
 std::uint32_t parse_effects(const std::string& names);
+
+// Contacts with the ground, in spare slots.
+struct ContactOptions {
+  std::vector<std::string> points, faces;
+};
+void add_contact_options(CLI::App& command, ContactOptions& options);
+int contact_count(const ContactOptions& options);
+void set_contacts(const Robot& robot, const Data& data, const ContactOptions& options);
+// Constrained acceleration or forces; the Delassus matrix; C or J of the constraints.
+json constrained_json(const Robot& robot, const Data& data, const double* q, const double* v, const double* tau, bool forces);
+json delassus_json(const Robot& robot, const Data& data, const double* q);
+json constraint_terms_json(const Robot& robot, const Data& data, const double* q, const double* v, const char* what);
 
 // {"pair", "a", "b", "shape_a", "shape_b"}: a pair of collision shapes; with "tested" and "reason": all there could be; with
 // "distance", "status", "normal", "point_a", "point_b", "unique": after dyn_distances.
@@ -138,6 +150,7 @@ void add_info(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_ik(CLI::App& app);
 void add_distance(CLI::App& app);
+void add_check(CLI::App& app);
 void add_sim(CLI::App& app);
 void add_bench(CLI::App& app);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <set>
 #include <sstream>
 
 #include "cli.hpp"
@@ -16,6 +15,7 @@ struct Options {
   StateOptions state;
   std::vector<std::string> compute;
   std::string frame, reference = "LOCAL", effects = "armature";
+  ContactOptions contacts;
 };
 
 // What the quantities are computed from.
@@ -286,13 +286,15 @@ const std::vector<Quantity>& quantities() {
       {"inertial_parameters", DYN_PART_KINEMATICS, false, inertial_parameters},
       {"distances", DYN_PART_COLLISION, false, distances},
       {"collisions", DYN_PART_COLLISION, false, collisions},
+      {"constrained_ddq", DYN_PART_CONSTRAINTS, false, [](C c) { return constrained_json(c.robot, c.data, c.q, c.v, c.tau, false); }},
+      {"lambda", DYN_PART_CONSTRAINTS, false, [](C c) { return constrained_json(c.robot, c.data, c.q, c.v, c.tau, true); }},
+      {"delassus", DYN_PART_CONSTRAINTS, false, [](C c) { return delassus_json(c.robot, c.data, c.q); }},
+      {"constraint_error", DYN_PART_CONSTRAINTS, false, [](C c) { return constraint_terms_json(c.robot, c.data, c.q, c.v, "C"); }},
+      {"constraint_jacobian", DYN_PART_CONSTRAINTS, false, [](C c) { return constraint_terms_json(c.robot, c.data, c.q, c.v, "J"); }},
       {"distance_gradients", DYN_PART_COLLISION, false, distance_gradients},
   };
   return table;
 }
-
-// Names of the contract that later versions answer.
-const std::set<std::string> later = {"lambda", "delassus"};
 
 std::vector<const Quantity*> select(const Options& options) {
   std::vector<const Quantity*> out;
@@ -303,7 +305,6 @@ std::vector<const Quantity*> select(const Options& options) {
       const auto& table = quantities();
       const auto found = std::find_if(table.begin(), table.end(), [&](const Quantity& x) { return word == x.name; });
       if (found == table.end()) {
-        if (later.count(word)) fail("--compute: \"" + word + "\" is not available in this version (" + dyn_version() + ").");
         std::vector<std::string> known;
         for (const auto& x : table) known.push_back(x.name);
         bad_usage("--compute: unknown name \"" + shown(word) + "\"; the names are " + join(known) + ".");
@@ -351,10 +352,11 @@ void run(const Options& options) {
   const std::uint32_t on = parse_effects(options.effects);
 
   check_lists(options.state);
-  const Robot robot(options.robot);
+  const Robot robot(options.robot, contact_count(options.contacts));
   dynParts parts = DYN_PART_KINEMATICS;
   for (const Quantity* quantity : wanted) parts |= quantity->parts ? quantity->parts : robot.forward_parts();
   const Data data(robot, parts, on);
+  if (parts & DYN_PART_CONSTRAINTS) set_contacts(robot, data, options.contacts);
   const State state = read_state(robot, options.state);
   int frame = -1;
   if (!options.frame.empty() && (frame = dyn_frame_id(robot, options.frame.c_str())) < 0) fail(dyn_last_error());
@@ -385,6 +387,7 @@ void add_eval(CLI::App& app) {
   command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...")->check(not_empty);
   command->add_option("--reference", options->reference, "LOCAL, WORLD or LOCAL_WORLD_ALIGNED")->capture_default_str();
   add_effects_option(*command, options->effects);
+  add_contact_options(*command, options->contacts);
   command->callback([options] { run(*options); });
 }
 

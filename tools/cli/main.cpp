@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   cli::add_eval(app);
   cli::add_ik(app);
   cli::add_distance(app);
+  cli::add_check(app);
   cli::add_sim(app);
   cli::add_bench(app);
   try {

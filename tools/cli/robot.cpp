@@ -29,13 +29,14 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
   command.add_flag("--json", options.json, "Answer in JSON");
 }
 
-Robot::Robot(const RobotOptions& options) {
+Robot::Robot(const RobotOptions& options, int contacts) {
   std::vector<const char*> folders;
   for (const auto& f : options.package_dirs) folders.push_back(f.c_str());
   dynLoadOptions load;
   dyn_load_options_init(&load);
   load.base = options.fixed ? DYN_BASE_FIXED : options.floating ? DYN_BASE_FLOATING : DYN_BASE_UNSPECIFIED;
   load.strict = options.strict;
+  load.constraint_slots = contacts;
   load.cos_sin = options.cos_sin;
   if (!folders.empty()) load.package_dirs = folders.data();
   load.package_dirs_count = folders.size();

@@ -94,7 +94,6 @@ def test_bad_usage(words):
 def test_unknown_quantity_lists_the_known():
     error = run("eval", GO2, "--fixed", "--compute", "Mass", status=2)
     assert '"Mass"' in error and "Minv" in error and "frame_classical_acceleration" in error
-    assert "not available in this version" in run("eval", GO2, "--fixed", "--compute", "lambda", status=1)
 
 
 def test_bad_robots(tmp_path):

@@ -113,7 +113,7 @@ def test_pinocchio(robot):
     contacts, work = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
     for foot in feet:
         f = pm.frames[pm.getFrameId(foot)]
-        type, reference = (pin.CONTACT_3D, pin.LOCAL_WORLD_ALIGNED) if kind == "point" else (pin.CONTACT_6D, pin.LOCAL)
+        type, reference = (pin.ContactType.CONTACT_3D, pin.LOCAL_WORLD_ALIGNED) if kind == "point" else (pin.ContactType.CONTACT_6D, pin.LOCAL)
         contacts.append(pin.RigidConstraintModel(type, pm, f.parentJoint, f.placement, reference))
         work.append(contacts[-1].createData())
     pin.initConstraintDynamics(pm, pd, contacts, work)
@@ -205,7 +205,6 @@ def test_singular_pose_of_the_parallel_four_bar():
 def bricard():
     """Six hinges, each across the next, of a regular orthogonal linkage: one degree of freedom, one redundant row of five."""
     b = dyn.Builder("bricard")
-    R = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])  # the next hinge: x to y to z
     parent, placement = None, None
     for k in range(5):
         b.joint(f"h{k}", "revolute", parent, placement, axis=(0, 0, 1))
@@ -213,7 +212,8 @@ def bricard():
         sign = 1 if k % 2 == 0 else -1
         parent, placement = f"h{k}", (np.array([[1.0, 0, 0], [0, 0, -sign], [0, sign, 0]]), np.array([1.0, 0, 0]))
     b.frame("end", parent, placement)
-    b.constraint("sixth", dc.loop("revolute", "end", None, axis=(0, 0, 1)))
+    # the sixth link is the ground: its far end is where the first hinge is
+    b.constraint("sixth", dc.loop("revolute", "end", None, axis=(0, 0, 1), placement2=(np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), (-1, 0, 0))))
     return b.finish()
 
 
@@ -500,7 +500,7 @@ def test_refusals():
         d.enable_constraint(9)
     with pytest.raises(dyn.UnknownNameError):
         dyn.Builder("x").constraint("c", dc.point("nobody"))
-    b = dyn.Builder(m)
+    b = dyn.Builder.from_model(m)
     b.constraint("c", dc.point("FL_foot"))
     with pytest.raises(dyn.UnknownNameError, match="already"):
         b.constraint("c", dc.point("FR_foot"))
@@ -509,11 +509,11 @@ def test_refusals():
 def test_operations_on_models_keep_constraints():
     m = four_bar(crank=0.7, coupler=1.2, rocker=0.9)
     assert m.constraint_names == ["pin0"] and m.nconstraint_slots == 9
-    again = dyn.Builder(m).finish()
+    again = dyn.Builder.from_model(m).finish()
     assert again.constraint_names == ["pin0"] and again.constraint_info("pin0").joint_type == dyn.JointType.REVOLUTE
-    two = dyn.Builder(m).attach(m, "other_").finish()
+    two = dyn.Builder.from_model(m).attach(m, "other_").finish()
     assert two.constraint_names == ["pin0", "other_pin0"]
     d = two.data()
     assert d.constraint_rows() == slice(0, 10)
-    assert dyn.Builder(m).remove("c").finish().constraint_names == []
-    assert dyn.Builder(m).lock(["a", "b", "c"], np.zeros(3)).finish().constraint_names == []
+    assert dyn.Builder.from_model(m).remove("c").finish().constraint_names == []
+    assert dyn.Builder.from_model(m).lock(["a", "b", "c"], np.zeros(3)).finish().constraint_names == []

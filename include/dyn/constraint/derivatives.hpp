@@ -61,7 +61,7 @@ const T* forces_on_joints(const Model& m, Data<T>& d, const T* fext) {
 template <class T>
 void subtract_force_changes(const Model& m, Data<T>& d, const Slot<T>& s, const RowDerivatives<T>& x, T* H) {
   const std::ptrdiff_t n = m.n.nv;
-  for_each_of_both(m, d, s, x.x1, x.x2, [&](Index l, bool lb, bool la, const Vec3<T>& at) {
+  for_each_of_both(m, s, x.x1, x.x2, [&](Index l, bool lb, bool la, const Vec3<T>& at) {
     if (la && lb) return;
     const T sign = lb ? T(1) : T(-1);
     const Motion<T> S = shift(d.S[l], at);
@@ -71,7 +71,7 @@ void subtract_force_changes(const Model& m, Data<T>& d, const Slot<T>& s, const 
       for (int r = 0; r < 6; ++r) own[r] += x.P[k][r] * part;
     }
     const Force<T> P = load_force(static_cast<const T*>(own)), beside = P - cross(S, x.F);
-    for_each_of_both(m, d, s, x.x1, x.x2, [&](Index k, bool kb, bool ka, const Vec3<T>& from) {
+    for_each_of_both(m, s, x.x1, x.x2, [&](Index k, bool kb, bool ka, const Vec3<T>& from) {
       const Motion<T> row = shift(d.S[k], from);
       T change = T(0);
       if (kb) change += dot(row, beside);
@@ -125,7 +125,7 @@ void differentiate_rows(const Model& m, Data<T>& d, const T* v, const T* a, cons
     if (between_joints(s.c.type)) return joint_row_derivatives(m, d, s, v, a, X), subtract_joint_force_changes(m, d, s, H);
     RowDerivatives<T> x;
     frame_row_derivatives(m, d, s, v, a, d.lambda + s.first, x);
-    for_each_of_both(m, d, s, x.x1, x.x2, [&](Index k, bool b, bool both_a, const Vec3<T>& at) {
+    for_each_of_both(m, s, x.x1, x.x2, [&](Index k, bool b, bool both_a, const Vec3<T>& at) {
       if (b && both_a) return;
       const T sign = b ? T(1) : T(-1);
       const Motion<T> S = shift(d.S[k], at), dS = shift(d.dS[k], at), ddS = shift(d.ddS[k], at), W = shift(d.W[k], at);
@@ -153,7 +153,7 @@ void differentiate_rates(const Model& m, Data<T>& d, const T* v, bool restitutio
     }
     RowDerivatives<T> x;
     frame_row_derivatives(m, d, s, v, static_cast<const T*>(nullptr), d.lambda + s.first, x);
-    for_each_of_both(m, d, s, x.x1, x.x2, [&](Index k, bool b, bool both_a, const Vec3<T>& at) {
+    for_each_of_both(m, s, x.x1, x.x2, [&](Index k, bool b, bool both_a, const Vec3<T>& at) {
       if (b && both_a) return;
       const Motion<T> S = shift(d.S[k], at), dV = shift(d.dS[k], at) + cross(S, x.V);
       for (Index r = 0; r < s.rows; ++r) add_entry(m, X.Dq + X.ld * (s.first + r), k, (b ? factor : -factor) * apply(x.rate[r], S, dV));

@@ -22,7 +22,7 @@ struct Loop {
   }
 
   template <class T, class Out>
-  static inline void evaluate(const Constraint& c, const Relative<T>& X, Out&& out) {
+  static DYN_INLINE void evaluate(const Constraint& c, const Relative<T>& X, Out&& out) {
     const Vec3<T> a = cast<T>(c.axis), n1 = cast<T>(c.n1), n2 = cast<T>(c.n2), o = Vec3<T>::zero();
     int i = 0;
     auto point = [&] {

@@ -104,12 +104,33 @@ bool iterate(const T* G, std::ptrdiff_t ld, Index n, const T* W, const T* Dinv, 
   return false;
 }
 
+// S = G with a unit diagonal. Rows that nothing carries have no scale; entries that are round-off of others count as such.
+template <class T>
+void scale_rows(const T* G, std::ptrdiff_t ld, Index n, T* scale, T* S) {
+  using std::sqrt;
+  T most = T(0);
+  for (Index i = 0; i < n; ++i) most = std::max(most, G[ld * i + i]);
+  for (Index i = 0; i < n; ++i) scale[i] = G[ld * i + i] > T(1e-24) * most ? T(1) / sqrt(G[ld * i + i]) : T(0);
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < ld; ++i) S[ld * j + i] = i < n ? G[ld * j + i] * scale[i] * scale[j] : T(0);
+}
+
+// lambda = (G + mu D)^-1 b, D the diagonal of G.
+template <class T>
+void solve_regularised(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, T mu, T* lambda) {
+  T *Dinv = work.vector(0), *scale = work.vector(3);
+  scale_rows(G, ld, n, scale, work.scaled);
+  factor_rows(work.scaled, ld, n, mu, mu / T(2), work.factor, Dinv);
+  for (Index i = 0; i < n; ++i) lambda[i] = b[i] * scale[i];
+  solve_factored(work.factor, Dinv, ld, n, lambda);
+  for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
+}
+
 // lambda for n rows with the matrix G; all vectors of n numbers. What b asks for and no lambda gives is the contradiction.
 template <class T>
 void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const ProximalOptions& options, T* lambda,
                       ProximalResult<T>& result) {
   using std::abs;
-  using std::sqrt;
   T *Dinv = work.vector(0), *step = work.vector(1), *asked = work.vector(2), *scale = work.vector(3), *z = work.vector(4);
   result = {};
   result.rank = n;
@@ -123,15 +144,12 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
     }
   }
 
-  // rows that nothing carries have no scale; entries that are round-off of others count as such
-  T most = T(0);
-  for (Index i = 0; i < n; ++i) most = std::max(most, G[ld * i + i]);
-  for (Index i = 0; i < n; ++i) scale[i] = G[ld * i + i] > T(1e-24) * most ? T(1) / sqrt(G[ld * i + i]) : T(0);
   T* S = work.scaled;
+  scale_rows(G, ld, n, scale, S);
+  const T heard = std::max(T(contradiction_tolerance) * largest_size(b, n), T(1e-12));  // less is round-off
   for (Index j = 0; j < n; ++j) {
-    for (Index i = 0; i < ld; ++i) S[ld * j + i] = i < n ? G[ld * j + i] * scale[i] * scale[j] : T(0);
     asked[j] = b[j] * scale[j];
-    if (scale[j] == T(0)) result.contradiction = std::max(result.contradiction, abs(b[j]));
+    if (scale[j] == T(0) && abs(b[j]) > heard) result.contradiction = std::max(result.contradiction, abs(b[j]));
   }
   T first, last;
   result.rank = pivoted_factor(S, ld, n, T(independent), work.range, z, first, last);

@@ -114,7 +114,7 @@ void frame_row_derivatives(const Model& m, const Data<T>& d, const Slot<T>& s, c
 
 // f(expanded degree of freedom, carries B, carries A, its column at B's origin) over those that carry one of the two or both.
 template <class T, class F>
-void for_each_of_both(const Model& m, const Data<T>& d, const Slot<T>& s, const Vec3<T>& x1, const Vec3<T>& x2, F&& f) {
+void for_each_of_both(const Model& m, const Slot<T>& s, const Vec3<T>& x1, const Vec3<T>& x2, F&& f) {
   auto parent = [&](Index i) { return m.bodies()[i].parent; };
   for (Index i = s.c.body1, j = s.c.body2; i != 0 || j != 0;) {
     const bool b = i >= j, a = j >= i;

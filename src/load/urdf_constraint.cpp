@@ -1,0 +1,86 @@
+// <libdyn> in a URDF: constraints, which the format itself has no place for.
+//   <constraint name="pin" type="revolute" stiffness="0" damping="0">
+//     <first link="rocker"><origin xyz="0.8 0 0"/></first>
+//     <second link="ground"/>                                  (none: the world)
+//     <axis xyz="0 0 1"/>
+//   </constraint>
+// type: point, frame, connect, weld, distance (length), a joint's type, which closes a loop (pitch; <axis2>), coupling (coefficients), limit,
+// friction (force); the last three have <first joint="..."/>.
+#include <algorithm>
+
+#include "dyn/constraint/set.hpp"
+#include "reader.hpp"
+#include "urdf_robot.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+const struct {
+  const char* name;
+  dynConstraintType type;
+} types[] = {{"point", DYN_CONSTRAINT_POINT}, {"frame", DYN_CONSTRAINT_FRAME}, {"connect", DYN_CONSTRAINT_CONNECT}, {"weld", DYN_CONSTRAINT_WELD},
+             {"distance", DYN_CONSTRAINT_DISTANCE}, {"coupling", DYN_CONSTRAINT_COUPLING}, {"limit", DYN_CONSTRAINT_LIMIT},
+             {"friction", DYN_CONSTRAINT_FRICTION}};
+
+dynConstraint of_type(const Element& e, const Reader& reader, const std::string& type) {
+  for (const auto& t : types)
+    if (type == t.name) return default_constraint(t.type);
+  dynConstraint c = default_constraint(DYN_CONSTRAINT_LOOP);
+  c.joint_type = DYN_JOINT_FIXED;
+  for (int k = DYN_JOINT_REVOLUTE; k < DYN_JOINT_FREE_FLYER; ++k)
+    if (type == joint_type_name(dynJointType(k))) c.joint_type = dynJointType(k);
+  if (c.joint_type == DYN_JOINT_FIXED)
+    reader.fail(DYN_ERROR_INVALID, e,
+                "type " + quoted(type) + " is no constraint: point, frame, connect, weld, distance, coupling, limit, friction, or the type of a joint that "
+                "closes a loop");
+  return c;
+}
+
+UrdfConstraint read_constraint(const Element& e, Report& report) {
+  UrdfConstraint out;
+  out.line = line(e);
+  out.name = Reader{report, "a constraint"}.name(e, "name");
+  const Reader reader{report, "constraint " + quoted(out.name)};
+  reader.unread(e, {"name", "type", "stiffness", "damping", "restitution", "length", "pitch", "force", "coefficients"}, {"first", "second", "axis", "axis2"});
+  dynConstraint& c = out.spec;
+  c = of_type(e, reader, reader.name(e, "type"));
+  const bool joints = between_joints(c.type);
+  const struct {
+    const char* name;
+    double* to;
+  } numbers[] = {{"stiffness", &c.stiffness}, {"damping", &c.damping}, {"restitution", &c.restitution}, {"length", &c.length}, {"pitch", &c.pitch}, {"force", &c.force}};
+  for (const auto& n : numbers) *n.to = reader.optional_number(e, n.name).value_or(*n.to);
+  if (const auto p = reader.numbers(e, "coefficients")) {
+    if (p->empty() || p->size() > 5) reader.bad_numbers(e, "coefficients", "has " + std::to_string(p->size()) + " numbers: give 1 to 5");
+    std::fill(c.coefficients, c.coefficients + 5, 0.0);
+    std::copy(p->begin(), p->end(), c.coefficients);
+  }
+  auto end = [&](const char* which, std::string& name, double* placement) {
+    const Element* x = reader.only(e, which);
+    if (!x) return;
+    reader.unread(*x, {joints ? "joint" : "link"}, {"origin"});
+    name = reader.name(*x, joints ? "joint" : "link");
+    const Placement X = reader.origin(*x);
+    std::copy(X.begin(), X.end(), placement);
+  };
+  end("first", out.first, c.placement1), end("second", out.second, c.placement2);
+  if (out.first.empty()) reader.fail(DYN_ERROR_PARSE, e, std::string("no <first> element: add <first ") + (joints ? "joint" : "link") + "=\"...\"/>");
+  auto vector = [&](const char* name, double* to) {
+    const Element* x = reader.only(e, name);
+    if (!x) return;
+    reader.unread(*x, {"xyz"}, {});
+    if (const auto a = reader.vector3(*x, "xyz")) std::copy(a->begin(), a->end(), to);
+  };
+  vector("axis", c.axis), vector("axis2", c.axis2);
+  return out;
+}
+
+}  // namespace
+
+void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out) {
+  Reader{report, "<libdyn>"}.unread(block, {}, {"constraint"});
+  for (const Element* e = first(block, "constraint"); e; e = next(*e, "constraint")) out.push_back(read_constraint(*e, report));
+}
+
+}  // namespace dyn::load

@@ -1,0 +1,154 @@
+// Constraints through dyn.h: slots, what is refused and leaves all as it was, huge states, and what a failure leaves behind.
+#include <cmath>
+#include <limits>
+
+#include "capi/support.hpp"
+
+namespace dyn_test {
+namespace {
+
+dynConstraint make(dynConstraintType type, int first = 0, int second = 0) {
+  dynConstraint c;
+  dyn_constraint_init(&c, type);
+  c.first = first, c.second = second;
+  return c;
+}
+dynConstraintResult empty_result() {
+  dynConstraintResult r{};
+  r.struct_size = sizeof r;
+  return r;
+}
+
+// A quadruped with its feet on the ground.
+struct Standing {
+  Model m = robot("go2", DYN_BASE_FLOATING);
+  Data d{m};
+  State s = random_state(m, 3);
+  Standing() {
+    int slot = 0;
+    for (const char* foot : {"FL_foot", "FR_foot", "RL_foot", "RR_foot"}) {
+      const dynConstraint c = make(DYN_CONSTRAINT_POINT, dyn_frame_id(m, foot));
+      EXPECT_EQ(DYN_OK, dyn_constraint_set(m, d, slot++, &c)) << dyn_last_error();
+    }
+  }
+  dynStatus solve(Numbers& ddq, Numbers& lambda, dynConstraintResult& r) {
+    ddq.assign(std::size_t(m.nv()), 0), lambda.assign(12, 0);
+    return dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, ddq.data(), lambda.data(), &r);
+  }
+};
+
+TEST(Constraint, FeetStayWhereTheyAre) {
+  Standing x;
+  Numbers ddq, lambda;
+  dynConstraintResult r = empty_result();
+  ASSERT_EQ(DYN_OK, x.solve(ddq, lambda, r)) << dyn_last_error();
+  EXPECT_TRUE(r.reason == DYN_CONSTRAINED && r.rows == 12 && r.rank == 12 && r.contradiction == 0 && r.residual < 1e-11);
+  Numbers J(12 * std::size_t(x.m.nv())), drift(12);
+  ASSERT_EQ(DYN_OK, dyn_constraint_terms(x.m, x.d, nullptr, nullptr, nullptr, J.data(), nullptr, drift.data()));
+  for (std::size_t i = 0; i < 12; ++i) {
+    double a = drift[i];
+    for (std::size_t k = 0; k < ddq.size(); ++k) a += J[i + 12 * k] * ddq[k];
+    EXPECT_NEAR(0, a, 1e-10);
+  }
+  EXPECT_TRUE(finite(lambda));
+}
+
+TEST(Constraint, SlotsAreSetSwitchedAndEmptied) {
+  Standing x;
+  int first = -1, rows = -1;
+  ASSERT_EQ(DYN_OK, dyn_constraint_enable(x.m, x.d, 1, 0));
+  ASSERT_EQ(DYN_OK, dyn_constraint_rows(x.m, x.d, 2, &first, &rows));
+  EXPECT_TRUE(first == 3 && rows == 3);
+  ASSERT_EQ(DYN_OK, dyn_constraint_set(x.m, x.d, 0, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_constraint_rows(x.m, x.d, -1, &first, &rows));
+  EXPECT_TRUE(first == 0 && rows == 6);
+  dynConstraint c = make(DYN_CONSTRAINT_NONE);
+  ASSERT_EQ(DYN_OK, dyn_constraint_get(x.m, x.d, 1, &c));
+  EXPECT_TRUE(c.type == DYN_CONSTRAINT_POINT && c.enabled == 0 && c.first == dyn_frame_id(x.m, "FR_foot"));
+  EXPECT_EQ(8, dyn_nconstraint_slots(x.m));
+  EXPECT_EQ(0, dyn_nconstraints(x.m));
+  EXPECT_EQ(nullptr, dyn_constraint_name(x.m, 0));
+  EXPECT_EQ(-1, dyn_constraint_id(x.m, "knee"));
+  EXPECT_TRUE(says({"no constraint 'knee'"}));
+}
+
+TEST(Constraint, Refusals) {
+  Standing x;
+  Numbers ddq, lambda;
+  dynConstraintResult r = empty_result();
+  ASSERT_EQ(DYN_OK, x.solve(ddq, lambda, r));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const int foot = dyn_frame_id(x.m, "FL_foot"), hip = dyn_joint_id(x.m, "FL_hip_joint");
+  auto refuse = [&](dynConstraint c, dynStatus status, std::initializer_list<std::string> words) {
+    const Snapshot before(x.m, x.d);
+    EXPECT_EQ(status, dyn_constraint_set(x.m, x.d, 5, &c)) << *words.begin();
+    for (const std::string& w : words) EXPECT_NE(nullptr, std::strstr(dyn_last_error(), w.c_str())) << dyn_last_error();
+    EXPECT_EQ("", before.differs(Snapshot(x.m, x.d)));
+  };
+  auto with = [&](dynConstraint c, auto change) { return change(c), c; };
+  const dynConstraint point = make(DYN_CONSTRAINT_POINT, foot);
+  refuse(make(dynConstraintType(77), foot), DYN_ERROR_ARGUMENT, {"slot 5", "type is 77"});
+  refuse(make(DYN_CONSTRAINT_POINT, 1000), DYN_ERROR_ARGUMENT, {"frame 1000"});
+  refuse(make(DYN_CONSTRAINT_POINT, foot, foot), DYN_ERROR_INVALID, {"same body", "FL_foot"});
+  refuse(make(DYN_CONSTRAINT_POINT, 0, 0), DYN_ERROR_INVALID, {"same body"});
+  refuse(with(point, [](auto& c) { c.struct_size = 8; }), DYN_ERROR_SIZE, {"struct_size is 8", "dyn_constraint_init"});
+  refuse(with(point, [](auto& c) { c.stiffness = -1; }), DYN_ERROR_ARGUMENT, {"stiffness is -1"});
+  refuse(with(point, [](auto& c) { c.restitution = 1.5; }), DYN_ERROR_ARGUMENT, {"restitution is 1.5"});
+  refuse(with(point, [&](auto& c) { c.damping = nan; }), DYN_ERROR_NONFINITE, {"damping"});
+  refuse(with(point, [&](auto& c) { c.placement1[3] = 2; }), DYN_ERROR_ARGUMENT, {"placement1 has no rotation"});
+  refuse(with(make(DYN_CONSTRAINT_LOOP, foot), [](auto& c) { c.joint_type = DYN_JOINT_FIXED; }), DYN_ERROR_ARGUMENT, {"WELD"});
+  refuse(with(make(DYN_CONSTRAINT_LOOP, foot), [](auto& c) { c.axis[2] = 0; }), DYN_ERROR_INVALID, {"axis is zero"});
+  refuse(with(make(DYN_CONSTRAINT_DISTANCE, foot), [](auto& c) { c.length = 0; }), DYN_ERROR_ARGUMENT, {"length is 0"});
+  refuse(with(make(DYN_CONSTRAINT_FRICTION, hip), [](auto& c) { c.force = -1; }), DYN_ERROR_ARGUMENT, {"force is -1"});
+  refuse(make(DYN_CONSTRAINT_COUPLING, hip, hip), DYN_ERROR_INVALID, {"coupled with itself"});
+  refuse(make(DYN_CONSTRAINT_LIMIT, 1), DYN_ERROR_INVALID, {"not one coordinate"});
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_enable(x.m, x.d, 8, 1));
+  EXPECT_TRUE(says({"slot 8", "0 to 7"}));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_anchor(x.m, x.d, 7, nullptr));
+  dynConstraintOptions o;
+  dyn_constraint_options_init(&o);
+  o.regularisation = nan;
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constrained_dynamics(x.m, x.d, nullptr, nullptr, nullptr, nullptr, &o, nullptr, nullptr, nullptr));
+  dynProjectOptions p;
+  dyn_project_options_init(&p);
+  p.tolerance = 0;
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_project(x.m, x.d, nullptr, nullptr, &p, nullptr, nullptr, nullptr));
+}
+
+// Finite or refused, and the state as it was.
+TEST(Constraint, HugeStates) {
+  for (double size : {1e20, 1e80, 1e140, 1e200, 1e300}) {
+    Standing x;
+    const State before = x.s;
+    ASSERT_EQ(DYN_OK, dyn_data_set_state(x.m, x.d, before.q.data(), before.v.data(), before.a.data(), before.tau.data()));
+    for (double& v : x.s.v) v *= size;
+    Numbers ddq, lambda;
+    dynConstraintResult r = empty_result();
+    const dynStatus status = x.solve(ddq, lambda, r);
+    EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_NUMERIC) << dyn_last_error();
+    EXPECT_TRUE(finite(ddq) && finite(lambda));
+    EXPECT_TRUE(same_bits(status == DYN_OK ? x.s.v : before.v, field(x.m, x.d, "v")));
+  }
+}
+
+TEST(Constraint, MoreThanThereIsRoomFor) {
+  dynLoadOptions o;
+  dyn_load_options_init(&o);
+  o.base = DYN_BASE_FLOATING;
+  o.constraint_slots = 0;
+  dynModel* m = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_model_load(DYN_MODELS_DIR "/robots/go2.urdf", &o, &m)) << dyn_last_error();
+  EXPECT_EQ(0, dyn_nconstraint_slots(m));
+  dynData* d = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_data_new(m, 0, &d));
+  const dynConstraint c = make(DYN_CONSTRAINT_POINT, 5);
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_set(m, d, 0, &c));
+  EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr));
+  dyn_data_free(d), dyn_model_free(m);
+  o.constraint_slots = -1;
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_load(DYN_MODELS_DIR "/robots/go2.urdf", &o, &m));
+  EXPECT_TRUE(says({"constraint_slots is -1"}));
+}
+
+}  // namespace
+}  // namespace dyn_test

@@ -1,0 +1,150 @@
+// Constraints: what eval says of them, and `dyn check`.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "cli.hpp"
+
+namespace cli {
+
+namespace {
+
+std::string slot_name(const Robot& robot, int slot) {
+  return slot < dyn_nconstraints(robot) ? dyn_constraint_name(robot, slot) : "contact " + std::to_string(slot - dyn_nconstraints(robot) + 1);
+}
+
+int row_count(const Robot& robot, const Data& data) {
+  int rows;
+  check(dyn_constraint_rows(robot, data, -1, nullptr, &rows));
+  return rows;
+}
+
+const char* verdict_text(dynRowVerdict verdict) {
+  switch (verdict) {
+    case DYN_ROW_INDEPENDENT: return "independent";
+    case DYN_ROW_REDUNDANT: return "redundant";
+    case DYN_ROW_CONTRADICTORY: return "contradictory";
+    case DYN_ROW_IMMOBILE: return "immobile";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+void add_contact_options(CLI::App& command, ContactOptions& options) {
+  command.add_option("--points", options.points, "Frames with a point that rests on the ground, separated by commas")->allow_extra_args(false)->type_name("LIST");
+  command.add_option("--faces", options.faces, "Frames with a face that does")->allow_extra_args(false)->type_name("LIST");
+}
+
+int contact_count(const ContactOptions& options) {
+  int count = 0;
+  for (const auto* list : {&options.points, &options.faces})
+    for (std::string words : *list) {
+      std::replace(words.begin(), words.end(), ',', ' ');
+      std::istringstream in(words);
+      for (std::string word; in >> word;) ++count;
+    }
+  return count;
+}
+
+void set_contacts(const Robot& robot, const Data& data, const ContactOptions& options) {
+  int slot = dyn_nconstraints(robot);
+  auto add = [&](std::string words, dynConstraintType type) {
+    std::replace(words.begin(), words.end(), ',', ' ');
+    std::istringstream in(words);
+    for (std::string word; in >> word;) {
+      dynConstraint c;
+      dyn_constraint_init(&c, type);
+      if ((c.first = dyn_frame_id(robot, word.c_str())) < 0) fail(dyn_last_error());
+      check(dyn_constraint_set(robot, data, slot++, &c));
+    }
+  };
+  for (const auto& words : options.points) add(words, DYN_CONSTRAINT_POINT);
+  for (const auto& words : options.faces) add(words, DYN_CONSTRAINT_FRAME);
+}
+
+json constrained_json(const Robot& robot, const Data& data, const double* q, const double* v, const double* tau, bool forces) {
+  Vector ddq(static_cast<std::size_t>(robot.nv)), lambda(static_cast<std::size_t>(row_count(robot, data)));
+  check(dyn_constrained_dynamics(robot, data, q, v, tau, nullptr, nullptr, ddq.data(), lambda.data(), nullptr));
+  return forces ? vector_json(lambda.data(), static_cast<int>(lambda.size())) : vector_json(ddq.data(), robot.nv);
+}
+
+json delassus_json(const Robot& robot, const Data& data, const double* q) {
+  const int rows = row_count(robot, data);
+  Vector G(static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows));
+  check(dyn_delassus(robot, data, q, G.data()));
+  return matrix_json(G.data(), rows, rows);
+}
+
+json constraint_terms_json(const Robot& robot, const Data& data, const double* q, const double* v, const char* what) {
+  const int rows = row_count(robot, data);
+  const std::size_t n = static_cast<std::size_t>(rows);
+  Vector C(n), J(n * static_cast<std::size_t>(robot.nv));
+  check(dyn_constraint_terms(robot, data, q, v, C.data(), J.data(), nullptr, nullptr));
+  return std::string(what) == "J" ? matrix_json(J.data(), rows, robot.nv) : vector_json(C.data(), rows);
+}
+
+namespace {
+
+struct CheckOptions {
+  RobotOptions robot;
+  StateOptions state;
+  ContactOptions contacts;
+  bool as_is = false;
+};
+
+// The nearest q that satisfies the constraints, and what is wrong with them there.
+void run(const CheckOptions& options) {
+  check_lists(options.state);
+  const Robot robot(options.robot, contact_count(options.contacts));
+  const Data data(robot, DYN_PART_CONSTRAINTS);
+  set_contacts(robot, data, options.contacts);
+  const State state = read_state(robot, options.state);
+  Vector q = state.q;
+  dynConstraintResult found{};
+  found.struct_size = sizeof found;
+  if (!options.as_is) check(dyn_project(robot, data, q.data(), nullptr, nullptr, q.data(), nullptr, &found));
+
+  const int rows = row_count(robot, data);
+  std::vector<dynRowReport> list(static_cast<std::size_t>(rows));
+  dynConstraintReport report{};
+  report.struct_size = sizeof report;
+  check(dyn_constraint_report(robot, data, q.data(), &report, list.data(), rows));
+  json answer = {{"constraints", 0}, {"rows", report.rows}, {"rank", report.rank}, {"redundant", report.redundant}, {"contradictory", report.contradictory},
+                 {"mobility", robot.nv - report.rank}, {"condition", report.condition}, {"error", report.error}, {"contradiction", report.contradiction},
+                 {"satisfied", report.error < 1e-9}, {"q", vector_json(q.data(), robot.nq)}, {"dependent", json::array()}};
+  std::set<int> slots;
+  for (const dynRowReport& r : list) {
+    slots.insert(r.slot);
+    if (r.verdict == DYN_ROW_INDEPENDENT) continue;
+    answer["dependent"].push_back({{"constraint", slot_name(robot, r.slot)}, {"row", r.row}, {"verdict", verdict_text(r.verdict)}, {"share", r.share}, {"error", r.error}});
+  }
+  answer["constraints"] = slots.size();
+  if (options.robot.json) return print(json_text(answer));
+  std::string text = std::to_string(slots.size()) + " constraints, " + std::to_string(report.rows) + " rows, rank " + std::to_string(report.rank) + ": " +
+                     std::to_string(robot.nv - report.rank) + " of " + std::to_string(robot.nv) + " degrees of freedom are left\n";
+  text += report.error < 1e-9 ? "q satisfies them" : "no q nearby satisfies them";
+  text += ": largest error " + short_number(report.error) + "; condition " + short_number(report.condition) + "\n";
+  if (!answer["dependent"].empty()) {
+    std::vector<std::vector<std::string>> lines = {{"constraint", "row", "verdict", "share", "error"}};
+    for (const json& r : answer["dependent"])
+      lines.push_back({r["constraint"], std::to_string(r["row"].get<int>()), r["verdict"], short_number(r["share"].get<double>(), 3), short_number(r["error"].get<double>(), 3)});
+    text += table(lines);
+  }
+  print(text);
+}
+
+}  // namespace
+
+void add_check(CLI::App& app) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = app.add_subcommand("check", "What is wrong with the constraints of a robot: redundant and contradictory rows, by name");
+  add_robot_options(*command, options->robot);
+  add_state_options(*command, options->state, false);
+  add_contact_options(*command, options->contacts);
+  command->add_flag("--as-is", options->as_is, "At the given q, not at the nearest one that satisfies the constraints");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cli
