@@ -33,6 +33,7 @@ Robot::Robot(const dynModel* model, const std::string& name) : nq(dyn_nq(model))
   add_kinematics();
   add_dynamics();
   add_derivatives();
+  add_constraints();
   add_centroidal();
   add_regressors();
   add_configurations();
@@ -99,6 +100,34 @@ void Robot::add_derivatives() {
     const std::ptrdiff_t cube = std::ptrdiff_t(nv) * nv * nv;
     double* t = x.data();
     dyn_rnea_second_order_derivatives(m, d, Q(k), V(k), A(k), nullptr, t, t + cube, t + 2 * cube, t + 3 * cube);
+  });
+}
+
+// Feet on the ground: points of frames named ..._foot, faces of ..._sole; robots without any have no rows here.
+void Robot::add_constraints() {
+  if (nv > dense) return;
+  int slot = 0;
+  for (int f = 0; f < dyn_nframes(m) && slot < dyn_nconstraint_slots(m); ++f) {
+    const std::string name = dyn_frame_name(m, f);
+    const bool foot = name.size() > 5 && name.compare(name.size() - 5, 5, "_foot") == 0, sole = name.size() > 5 && name.compare(name.size() - 5, 5, "_sole") == 0;
+    dynFrameInfo info{};
+    info.struct_size = sizeof info;
+    require(dyn_frame_info(m, f, &info));
+    const bool soles = dyn_frame_id(m, "left_sole") >= 0;
+    if (info.type != DYN_FRAME_BODY || !(soles ? sole : foot)) continue;
+    dynConstraint c;
+    dyn_constraint_init(&c, soles ? DYN_CONSTRAINT_FRAME : DYN_CONSTRAINT_POINT);
+    c.first = f;
+    require(dyn_constraint_set(m, d, slot++, &c));
+  }
+  if (!slot) return;
+  add("constrained_dynamics", [this](int k) { dyn_constrained_dynamics(m, d, Q(k), V(k), U(k), nullptr, nullptr, nullptr, nullptr, nullptr); });
+  add("constraint_impulse", [this](int k) { dyn_constraint_impulse(m, d, Q(k), V(k), nullptr, nullptr, nullptr, nullptr); });
+  add("delassus", [this](int k) { dyn_delassus(m, d, Q(k), nullptr); });
+  add("constrained_dynamics_derivatives", [this](int k) {
+    dynConstraintDerivatives out{};
+    out.struct_size = sizeof out;
+    dyn_constrained_dynamics_derivatives(m, d, Q(k), V(k), U(k), nullptr, nullptr, &out, nullptr);
   });
 }
 

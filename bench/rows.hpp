@@ -39,6 +39,7 @@ class Robot {
   void add_kinematics();
   void add_dynamics();
   void add_derivatives();
+  void add_constraints();
   void add_centroidal();
   void add_regressors();
   void add_configurations();

@@ -37,7 +37,9 @@ dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const d
   Data<double>& d = call.d();
   d.drop(Stage::ConstrainedDdq);  // being written
   dynConstraintResult found{};
-  if (const Index failed = constrained_dynamics(m, d, d.v, d.tau_applied, fext, given, d.constraint_ddq, found)) return singular(call, failed, Stage::ConstrainedDdq);
+  const Index failed = constrained_dynamics(m, d, d.v, d.tau_applied, fext, given, d.constraint_ddq, found);
+  forget_mass(call);
+  if (failed) return singular(call, failed, Stage::ConstrainedDdq);
   const Index rows = found.rows;
   if (finite_count(d.constraint_ddq, m.n.nv) != m.n.nv) return not_finite(call, "ddq");
   if (finite_count(d.lambda, rows) != rows) return not_finite(call, "lambda");
@@ -58,7 +60,9 @@ dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const dou
   Data<double>& d = call.d();
   d.drop(Stage::ConstrainedDdq);  // lambda is this call's
   dynConstraintResult found{};
-  if (const Index failed = constraint_impulse(m, d, d.v, given, d.constraint_ddq, found)) return singular(call, failed, Stage::ConstrainedDdq);
+  const Index failed = constraint_impulse(m, d, d.v, given, d.constraint_ddq, found);
+  forget_mass(call);
+  if (failed) return singular(call, failed, Stage::ConstrainedDdq);
   if (finite_count(d.constraint_ddq, m.n.nv) != m.n.nv) return not_finite(call, "v_plus");
   if (finite_count(d.lambda, found.rows) != found.rows) return not_finite(call, "lambda");
   copy_out(d.constraint_ddq, m.n.nv, v_plus), copy_out(d.lambda, found.rows, lambda);
@@ -72,7 +76,9 @@ dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const doubl
   const Model& m = call.m();
   Data<double>& d = call.d();
   d.drop(Stage::ConstrainedDdq);
-  if (const Index failed = constraint_factor(m, d)) return singular(call, failed, Stage::ConstrainedDdq);
+  const Index failed = constraint_factor(m, d);
+  forget_mass(call);
+  if (failed) return singular(call, failed, Stage::ConstrainedDdq);
   if (!moderate(call, 0)) return call.status;
   evaluate_rows(m, d, d.expand(m, static_cast<const double*>(d.v), d.vx), static_cast<const double*>(nullptr));
   bool good = true;
@@ -95,7 +101,9 @@ static bool factored(Call& call, const double* q) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   d.drop(Stage::ConstrainedDdq);
-  if (const Index failed = constraint_factor(m, d)) {
+  const Index failed = constraint_factor(m, d);
+  forget_mass(call);
+  if (failed) {
     call.status = singular(call, failed, Stage::ConstrainedDdq);
     return false;
   }

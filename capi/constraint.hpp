@@ -22,6 +22,11 @@ inline bool good_slot(Call& call, int slot) {
 // Nothing that was computed belongs to the slots any more.
 inline void drop_constraints(Data<double>& d) { d.drop(Stage::ConstrainedDdq); }
 
+// With mimic joints M and its factor were made on the way; nobody has looked whether they are finite.
+inline void forget_mass(Call& call) {
+  if (call.m().has_mimic) call.d().drop(Stage::Mass), call.d().drop(Stage::Factor);
+}
+
 inline bool good_result(Call& call, const dynConstraintResult* result) {
   if (!result) return true;
   call.status = sized(call.function, "dynConstraintResult", "a setting of struct_size to sizeof(dynConstraintResult)", result);

@@ -42,6 +42,7 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
     call.drop_results();
   };
   const Index failed = project(m, d, given.max_iterations, given.weigh != 0, given.tolerance, v_out ? d.v : nullptr, found);
+  forget_mass(call);
   if (failed) {
     go_back();
     return singular(call, failed, Stage::ConstrainedDdq);
@@ -68,7 +69,9 @@ dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data,
   d.drop(Stage::ConstrainedDdq);
   dynConstraintResult found{};
   double* out = d.constraint_ddq;
-  if (const Index failed = constrained_inverse_dynamics(m, d, d.v, d.a, fext, actuated, out, found)) return singular(call, failed, Stage::ConstrainedDdq);
+  const Index failed = constrained_inverse_dynamics(m, d, d.v, d.a, fext, actuated, out, found);
+  forget_mass(call);
+  if (failed) return singular(call, failed, Stage::ConstrainedDdq);
   if (!call.numeric(out, m.n.nv, "tau", Stage::ConstrainedDdq) || !call.numeric(d.lambda, found.rows, "lambda", Stage::ConstrainedDdq)) return call.status;
   copy_out(out, m.n.nv, tau), copy_out(d.lambda, found.rows, lambda);
   copy_result(found, result);
@@ -91,6 +94,7 @@ dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const doub
     while (!(d.slots[slot].rows && row < d.slots[slot].first + d.slots[slot].rows)) ++slot;
     rows_out[row] = {int32_t(slot), int32_t(row - d.slots[slot].first), verdict, share, error};
   });
+  forget_mass(call);
   if (failed) return singular(call, failed, Stage::ConstrainedDdq);
   if (!moderate(call, 0) || !(found.error < HUGE_VAL)) {
     call.take_back();
