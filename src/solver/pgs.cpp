@@ -99,34 +99,42 @@ void solve_cone(const Cone& cone, const LocalCone& l, double Gnn, const double* 
 
 }  // namespace
 
-void pgs(Workspace& w, Budget& b) {
+void prepare_sweeps(Workspace& w) {
+  for (Index k = 0; k < w.problem.cones; ++k) w.local[k] = local_cone(w.problem, w.problem.cone[k]);
+}
+
+void sweep(const Workspace& w, double omega, double* y, double* c) {
   const Problem& p = w.problem;
-  const double omega = b.relaxation > 0 ? b.relaxation : 1;
-  double *y = w.x, *c = w.v;
-  std::copy_n(w.y, p.n, y), std::copy_n(w.c, p.n, c);
-  for (Index k = 0; k < p.cones; ++k) w.local[k] = local_cone(p, p.cone[k]);
   const auto move = [&](Index i, double to) {
     const double change = to - y[i];
     if (change == 0) return;
     y[i] = to;
     axpy(change, p.G.column(i), c, p.n);
   };
+  for (Index i = 0; i < p.boxes; ++i)
+    if (const double G = p.G(i, i); G > tiny) move(i, project_box(p, i, y[i] - omega * c[i] / G));
+  for (Index k = 0; k < p.cones; ++k) {
+    const Cone& cone = p.cone[k];
+    double v[6], to[6];
+    for (Index i = 0; i < cone.size; ++i) {
+      v[i] = c[cone.row + i];
+      for (Index j = 0; j < cone.size; ++j) v[i] -= p.G(cone.row + i, cone.row + j) * y[cone.row + j];
+    }
+    solve_cone(cone, w.local[k], p.G(cone.row, cone.row), v, to);
+    for (Index i = 0; i < cone.size; ++i) to[i] = omega == 1 ? to[i] : (1 - omega) * y[cone.row + i] + omega * to[i];
+    if (omega > 1) project_cone(cone.mu, cone.size, to, to);
+    for (Index i = 0; i < cone.size; ++i) move(cone.row + i, to[i]);
+  }
+}
+
+void pgs(Workspace& w, Budget& b) {
+  const Problem& p = w.problem;
+  double *y = w.x, *c = w.v;
+  std::copy_n(w.y, p.n, y), std::copy_n(w.c, p.n, c);
+  prepare_sweeps(w);
   while (!b.spent()) {
     ++b.iterations;
-    for (Index i = 0; i < p.boxes; ++i)
-      if (const double G = p.G(i, i); G > tiny) move(i, project_box(p, i, y[i] - omega * c[i] / G));
-    for (Index k = 0; k < p.cones; ++k) {
-      const Cone& cone = p.cone[k];
-      double v[6], to[6];
-      for (Index i = 0; i < cone.size; ++i) {
-        v[i] = c[cone.row + i];
-        for (Index j = 0; j < cone.size; ++j) v[i] -= p.G(cone.row + i, cone.row + j) * y[cone.row + j];
-      }
-      solve_cone(cone, w.local[k], p.G(cone.row, cone.row), v, to);
-      for (Index i = 0; i < cone.size; ++i) to[i] = omega == 1 ? to[i] : (1 - omega) * y[cone.row + i] + omega * to[i];
-      if (omega > 1) project_cone(cone.mu, cone.size, to, to);
-      for (Index i = 0; i < cone.size; ++i) move(cone.row + i, to[i]);
-    }
+    sweep(w, b.relaxation > 0 ? b.relaxation : 1, y, c);
     if (residual(p, y, c).residual > b.tolerance && b.iterations % 50 != 0 && b.iterations < b.max_iterations) continue;
     times(p.G, y, p.g, c, p.n);  // without what the updates have gathered
     if (keep_best(w, b, y, c)) return;

@@ -10,6 +10,12 @@
 
 namespace dyn::solver {
 
+// What sweeps need of G, into w.local.
+void prepare_sweeps(Workspace& w);
+// One sweep over y, c = G y + g follows.
+void sweep(const Workspace& w, double relaxation, double* y, double* c);
+
+// From w.y to w.y.
 void pgs(Workspace& w, Budget& b);
 
 }  // namespace dyn::solver
