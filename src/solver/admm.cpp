@@ -10,7 +10,7 @@ void admm(Workspace& w, Budget& b) {
   double tried = HUGE_VAL;  // error at which Newton's method was last tried
   while (!b.spent()) {
     const bool slow = b.newton && b.iterations % patience == patience - 1;
-    if (!(slow ? m.jointly(10) : m.alternate())) return;
+    if (!(slow ? m.jointly(5) : m.alternate())) return;
     if (!(m.error <= b.tolerance || slow || (b.newton && m.error < 0.3 * tried) || b.iterations % 10 == 0)) continue;
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return;

@@ -10,6 +10,8 @@ void newton(Workspace& w, Budget& b) {
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return;
     if (b.newton && alart_curnier(w, b, m.y, w.newton_c, 1, 4)) return;
+    for (int k = 0; b.newton && k < 10 && !b.spent(); ++k)  // which follow the correction more closely
+      if (!m.alternate()) return;
   }
 }
 

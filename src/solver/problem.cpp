@@ -86,6 +86,14 @@ void scale(const dynContactProblem& x, Problem& p) {
   }
 }
 
+void velocity(const dynContactProblem& x, const double* lambda, double* c) {
+  const Index rows = Index(row_count(x));
+  const std::ptrdiff_t stride = x.G_stride ? x.G_stride : rows;
+  for (Index i = 0; i < rows; ++i) c[i] = x.g[i] + at(x.bias, i) + at(x.compliance, i) * lambda[i];
+  for (Index j = 0; j < rows; ++j)
+    if (lambda[j] != 0) axpy(lambda[j], x.G + j * stride, c, rows);
+}
+
 void unscale(const dynContactProblem& x, const Problem& p, const double* y, double* lambda) {
   std::fill_n(lambda, row_count(x), 0.0);
   for (Index i = 0; i < p.n; ++i) lambda[p.source[i]] = p.d[i] * y[i];

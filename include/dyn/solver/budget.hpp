@@ -16,11 +16,14 @@ struct Budget {
   const void* clock = nullptr;
 
   Index iterations = 0, newton_steps = 0, factorizations = 0;
-  dynContactStatus status = DYN_CONTACT_MAX_ITERATIONS;
+  dynContactStatus status = DYN_CONTACT_STALLED;
   double best = HUGE_VAL;  // residual of w.y
 
   bool spent() {
-    if (iterations + newton_steps >= max_iterations) return true;
+    if (iterations + newton_steps >= max_iterations) {
+      status = DYN_CONTACT_MAX_ITERATIONS;
+      return true;
+    }
     if (!expired || !expired(clock)) return false;
     status = DYN_CONTACT_TIME;
     return true;

@@ -49,7 +49,9 @@ inline std::ptrdiff_t row_count(const dynContactProblem& x) {
 
 // Fills p, whose arrays have room for the caller's rows.
 void scale(const dynContactProblem& x, Problem& p);
-// The caller's lambda from y (rows that were left out: zero), and back.
+// c = (G + diag(compliance)) lambda + g + bias, of all the caller's rows.
+void velocity(const dynContactProblem& x, const double* lambda, double* c);
+// The caller's lambda from y (rows that were left out: zero), and back, into the cones.
 void unscale(const dynContactProblem& x, const Problem& p, const double* y, double* lambda);
 void scale_guess(const Problem& p, const double* lambda, double* y);
 
