@@ -115,7 +115,7 @@ void sweep(const Workspace& w, double omega, double* y, double* c) {
     if (const double G = p.G(i, i); G > tiny) move(i, project_box(p, i, y[i] - omega * c[i] / G));
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];
-    double v[6], to[6];
+    double v[6] = {}, to[6];
     for (Index i = 0; i < cone.size; ++i) {
       v[i] = c[cone.row + i];
       for (Index j = 0; j < cone.size; ++j) v[i] -= p.G(cone.row + i, cone.row + j) * y[cone.row + j];

@@ -140,9 +140,12 @@ TEST(Contact, PointMass) {
     const Answer apart = point({1, 2, 3}, 0.5), stuck = point({0.3, 0.4, -2}, 0.5), slides = point({3, 4, -2}, 0.5), limit = point({0.6, 0.8, -2}, 0.5);
     EXPECT_EQ((Vector{0, 0, 0}), apart.lambda);
     for (int i = 0; i < 3; ++i) {
-      EXPECT_NEAR((Vector{-0.3, -0.4, 2})[i], stuck.lambda[i], 1e-14), EXPECT_NEAR(0, stuck.velocity[i], 1e-14);
-      EXPECT_NEAR((Vector{-0.6, -0.8, 2})[i], slides.lambda[i], 1e-10), EXPECT_NEAR((Vector{2.4, 3.2, 0})[i], slides.velocity[i], 1e-10);
-      EXPECT_NEAR((Vector{-0.6, -0.8, 2})[i], limit.lambda[i], 1e-9), EXPECT_NEAR(0, limit.velocity[i], 1e-9);
+      EXPECT_NEAR((Vector{-0.3, -0.4, 2})[i], stuck.lambda[i], 1e-14);
+      EXPECT_NEAR(0, stuck.velocity[i], 1e-14);
+      EXPECT_NEAR((Vector{-0.6, -0.8, 2})[i], slides.lambda[i], 1e-10);
+      EXPECT_NEAR((Vector{2.4, 3.2, 0})[i], slides.velocity[i], 1e-10);
+      EXPECT_NEAR((Vector{-0.6, -0.8, 2})[i], limit.lambda[i], 1e-9);
+      EXPECT_NEAR(0, limit.velocity[i], 1e-9);
     }
     EXPECT_EQ(0, apart.report.energy);
     EXPECT_NEAR(-0.5 * (0.09 + 0.16 + 4), stuck.report.energy, 1e-13);
@@ -191,7 +194,10 @@ TEST(Contact, BoxesAndEqualities) {
     Answer a = solve(s, with(type));
     EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status);
     const Vector lambda{-0.5, 0.5, -0.5, -0.05}, velocity{0, 0, 2, 0};
-    for (int i = 0; i < 4; ++i) EXPECT_NEAR(lambda[i], a.lambda[i], 1e-10), EXPECT_NEAR(velocity[i], a.velocity[i], 1e-10);
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_NEAR(lambda[i], a.lambda[i], 1e-10);
+      EXPECT_NEAR(velocity[i], a.velocity[i], 1e-10);
+    }
   }
 }
 
@@ -218,7 +224,9 @@ TEST(Contact, ImmovableRows) {
     planar.G = {1, 0, 0, 0, 0, 0, 0, 0, 1}, planar.g = {0.1, 0, -1}, planar.friction = {0.5};
     const Answer a = solve(planar, with(type));
     EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status);
-    EXPECT_NEAR(-0.1, a.lambda[0], 1e-12), EXPECT_NEAR(0, a.lambda[1], 1e-12), EXPECT_NEAR(1, a.lambda[2], 1e-12);
+    EXPECT_NEAR(-0.1, a.lambda[0], 1e-12);
+    EXPECT_NEAR(0, a.lambda[1], 1e-12);
+    EXPECT_NEAR(1, a.lambda[2], 1e-12);
     Scene belt = planar;  // carried past in the direction that cannot move
     belt.g = {0, 0.3, -1};
     const Answer b = solve(belt, with(type));
