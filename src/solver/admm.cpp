@@ -15,7 +15,7 @@ void admm(Workspace& w, Budget& b) {
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return;
     tried = m.error;
-    if (b.newton && alart_curnier(w, b, m.y, w.newton_c, 1, 4)) return;
+    if (b.newton && alart_curnier(w, b, m.y, w.newton_c)) return;
   }
 }
 

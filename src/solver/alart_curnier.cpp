@@ -6,6 +6,7 @@ namespace {
 
 // Relative to the unit diagonal: what makes steps unique where contacts are redundant. The method converges as if it were not there.
 constexpr double proximal = 1e-11;
+constexpr Index most_steps = 20;
 
 // An orthonormal basis of dimension m whose first vector is a / |a| (Householder).
 void basis(const double* a, Index m, double (*out)[5]) {
@@ -21,14 +22,13 @@ void basis(const double* a, Index m, double (*out)[5]) {
 
 class Newton {
  public:
-  Newton(Workspace& w, Budget& b, double rho) : w(w), p(w.problem), b(b), rho(rho) {}
-  bool run(const double* y, const double* c, Index most);
+  Newton(Workspace& w, Budget& b) : w(w), p(w.problem), b(b) {}
+  bool run(const double* y, const double* c);
 
  private:
   Workspace& w;
   const Problem& p;
   Budget& b;
-  const double rho;
   Index active = 0, free_boxes = 0;  // rows of blocks that are not at a bound; those of boxes come first
   Index m = 0;                       // unknowns: the same but for the directions of sliding
   bool symmetric = true;
@@ -54,13 +54,13 @@ class Newton {
 // The function's largest component, as a velocity.
 double Newton::error(const double* y, const double* c) const {
   double worst = 0;
-  const auto take = [&](Index i, double e) { worst = std::max(worst, rho * std::fabs(e) / p.unit[i]); };
-  for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i] / rho));
+  const auto take = [&](Index i, double e) { worst = std::max(worst, std::fabs(e) / p.unit[i]); };
+  for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];
-    const double *yk = y + cone.row, *ck = c + cone.row, r = std::max(0.0, yk[0] - ck[0] / rho);
+    const double *yk = y + cone.row, *ck = c + cone.row, r = std::max(0.0, yk[0] - ck[0]);
     double a[5];
-    for (Index i = 1; i < cone.size; ++i) a[i - 1] = yk[i] - ck[i] / rho;
+    for (Index i = 1; i < cone.size; ++i) a[i - 1] = yk[i] - ck[i];
     const double length = norm(a, cone.size - 1), scale = length > cone.mu * r ? cone.mu * r / length : 1;
     take(cone.row, yk[0] - r);
     for (Index i = 1; i < cone.size; ++i) take(cone.row + i, yk[i] - scale * a[i - 1]);
@@ -73,7 +73,7 @@ void Newton::states() {
   const double *y = w.newton, *c = w.newton_c;
   active = m = 0, symmetric = true;
   for (Index i = 0; i < p.boxes; ++i) {
-    const double a = y[i] - c[i] / rho, at = project_box(p, i, a);
+    const double a = y[i] - c[i], at = project_box(p, i, a);
     w.step[i] = at == a ? 0 : at - y[i];
     if (at == a) w.rows[active++] = i;
   }
@@ -83,9 +83,9 @@ void Newton::states() {
     const Index t = cone.row + 1, size = cone.size - 1;
     ConeState& s = w.state[k];
     double a[5], *step = w.step + cone.row;
-    for (Index i = 0; i < size; ++i) a[i] = y[t + i] - c[t + i] / rho;
+    for (Index i = 0; i < size; ++i) a[i] = y[t + i] - c[t + i];
     const double length = norm(a, size);
-    s.normal = y[cone.row] - c[cone.row] / rho;
+    s.normal = y[cone.row] - c[cone.row];
     s.is = s.normal <= 0 ? ConeState::apart : length <= cone.mu * s.normal ? ConeState::stuck : ConeState::slides;
     for (Index i = 0; i < cone.size; ++i) step[i] = s.is == ConeState::apart ? -y[cone.row + i] : 0.0;
     if (s.is == ConeState::apart) continue;
@@ -127,7 +127,7 @@ void Newton::compress() {
       if (i != 1 || s.is == ConeState::stuck) keep[kept++] = row + i;
     if (s.is == ConeState::stuck) return;
     axpy(cone.mu, B.column(row + 1), B.column(row), active);
-    for (Index i = 2; i < cone.size; ++i) B(row + i, row + i) += rho * (1 / s.across - 1);
+    for (Index i = 2; i < cone.size; ++i) B(row + i, row + i) += 1 / s.across - 1;
   });
   const Matrix from = B;
   B.ld = padded(m);
@@ -196,11 +196,11 @@ bool Newton::direction() {
   return true;
 }
 
-bool Newton::run(const double* y, const double* c, Index most) {
+bool Newton::run(const double* y, const double* c) {
   const Index n = p.n;
   std::copy_n(y, n, w.newton), std::copy_n(c, n, w.newton_c);
   double now = error(w.newton, w.newton_c);
-  for (Index k = 0; k < most && !b.spent(); ++k) {
+  for (Index k = 0; k < most_steps && !b.spent(); ++k) {
     ++b.newton_steps;
     if (!direction()) return false;
     // the longest of the steps that makes the error smaller
@@ -217,7 +217,6 @@ bool Newton::run(const double* y, const double* c, Index most) {
     for (Index i = 0; i < n; ++i) w.t[i] = w.trial[i] - w.newton[i];
     times(p.G, w.t, w.newton_c, w.trial_c, n);
     if (keep_best(w, b, w.trial, w.trial_c)) return true;
-    if (next > 0.5 * now && k > 3) return false;
     now = next;
   }
   return false;
@@ -225,6 +224,6 @@ bool Newton::run(const double* y, const double* c, Index most) {
 
 }  // namespace
 
-bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, double rho, Index most) { return Newton(w, b, rho).run(y, c, most); }
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c) { return Newton(w, b).run(y, c); }
 
 }  // namespace dyn::solver

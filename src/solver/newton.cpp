@@ -9,7 +9,7 @@ void newton(Workspace& w, Budget& b) {
     if (!m.jointly(20)) return;
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return;
-    if (b.newton && alart_curnier(w, b, m.y, w.newton_c, 1, 4)) return;
+    if (b.newton && alart_curnier(w, b, m.y, w.newton_c)) return;
     for (int k = 0; b.newton && k < 10 && !b.spent(); ++k)  // which follow the correction more closely
       if (!m.alternate()) return;
   }

@@ -10,8 +10,7 @@
 
 namespace dyn::solver {
 
-// At most so many steps from y with c = G y + g, as long as they make the error smaller; the best iterate goes to w.y. true: it is good
-// enough.
-bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, double rho, Index most);
+// Steps from y with c = G y + g as long as they make the error smaller; the best iterate goes to w.y. true: it is good enough.
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c);
 
 }  // namespace dyn::solver

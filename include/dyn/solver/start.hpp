@@ -11,12 +11,12 @@ namespace dyn::solver {
 inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
   if (!b.newton) return false;
-  if (b.warm && alart_curnier(w, b, w.y, w.c, 1, 4)) return true;
+  if (b.warm && alart_curnier(w, b, w.y, w.c)) return true;
   prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   for (int k = 0; k < 2 && !b.spent(); ++k, ++b.iterations) sweep(w, 1, w.x, w.v);
   if (keep_best(w, b, w.x, w.v)) return true;
-  return alart_curnier(w, b, w.x, w.v, 1, 4);
+  return alart_curnier(w, b, w.x, w.v);
 }
 
 }  // namespace dyn::solver
