@@ -1,10 +1,14 @@
 // The contact problem alone: what a caller's problem may be, handles, and the calls.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <new>
+#include <tuple>
 
 #include "dyn/solver/list.hpp"
+#include "dyn/solver/qp.hpp"
 #include "guard.hpp"
 
 using namespace dyn;
@@ -42,7 +46,8 @@ struct Reader {
   bool sizes(Index max_rows);
   bool matrix();
   bool bounds();
-  bool read(Index max_rows);
+  bool vectors();
+  bool read(Index max_rows) { return sizes(max_rows) && matrix() && vectors(); }
 };
 
 bool Reader::sizes(Index max_rows) {
@@ -94,10 +99,9 @@ bool Reader::bounds() {
   return true;
 }
 
-bool Reader::read(Index max_rows) {
-  if (!sizes(max_rows)) return false;
+bool Reader::vectors() {
   const Index n = Index(solver::row_count(p));
-  return matrix() && required("g", p.g, n) && finite("g", p.g, n) && bounds() && within("friction", p.friction, p.contacts, HUGE_VAL) &&
+  return required("g", p.g, n) && finite("g", p.g, n) && bounds() && within("friction", p.friction, p.contacts, HUGE_VAL) &&
          within("torsion", p.torsion, p.contacts, HUGE_VAL) && within("rolling", p.rolling, p.contacts, HUGE_VAL) &&
          within("compliance", p.compliance, n, HUGE_VAL) && finite("bias", p.bias, n) && within("restitution", p.restitution, p.contacts, 1) &&
          finite("v_minus", p.v_minus, n);
@@ -250,6 +254,30 @@ dynStatus dyn_contact_residuals(dynContactSolver* solver, const dynContactProble
   answer.struct_size = report->struct_size;
   solver::evaluate(*problem, w, lambda, answer);
   *report = answer;
+  return DYN_OK;
+}
+
+dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp) {
+  constexpr const char* function = "dyn_friction_cone_qp";
+  if (!problem || !qp) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, problem ? "qp" : "problem");
+  if (qp->struct_size < sizeof *qp) return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(dynQp)", function, qp->struct_size, sizeof *qp);
+  if (facets != 0 && (facets < 3 || facets > 1024)) return fail(DYN_ERROR_ARGUMENT, "%s: facets is %d: give 0, or a number from 3 to 1024", function, facets);
+  Reader reader{function, *problem};
+  if (!reader.sizes(most_rows) || (problem->G && !reader.matrix()) || !reader.vectors()) return reader.status;
+  dynQp sizes{};
+  sizes.struct_size = qp->struct_size;
+  solver::friction_cone_qp(*problem, facets, inscribed, sizes);
+  const void* const arrays[] = {qp->H_columns, qp->H_rows, qp->A_columns, qp->A_rows, qp->H, qp->g, qp->A, qp->lower, qp->upper};
+  if (std::all_of(std::begin(arrays), std::end(arrays), [](const void* a) { return !a; })) {
+    *qp = sizes;
+    return DYN_OK;
+  }
+  if ((qp->H && !qp->H_columns) || (qp->H_rows && !qp->H_columns) || (qp->A && !qp->A_columns) || (qp->A_rows && !qp->A_columns))
+    return fail(DYN_ERROR_ARGUMENT, "%s: rows or values without columns: pass these as well", function);
+  for (const auto& [name, given, needed] : {std::tuple("n", qp->n, sizes.n), std::tuple("m", qp->m, sizes.m),
+                                            std::tuple("H_nonzeros", qp->H_nonzeros, sizes.H_nonzeros), std::tuple("A_nonzeros", qp->A_nonzeros, sizes.A_nonzeros)})
+    if (given != needed) return fail(DYN_ERROR_SIZE, "%s: %s is %d, needs %d: ask for the sizes first, with all pointers NULL", function, name, int(given), int(needed));
+  solver::friction_cone_qp(*problem, facets, inscribed, *qp);
   return DYN_OK;
 }
 

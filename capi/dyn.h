@@ -986,7 +986,7 @@ typedef enum dynContactStatus {
   DYN_CONTACT_CONVERGED = 0,      /* residual <= tolerance */
   DYN_CONTACT_MAX_ITERATIONS = 1, /* the best iterate: in its cones, with its residual */
   DYN_CONTACT_TIME = 2,           /* likewise, the time budget is used up */
-  DYN_CONTACT_STALLED = 3         /* likewise, no progress: round-off, or the problem has no solution (rows that contradict) */
+  DYN_CONTACT_STALLED = 3         /* likewise, no progress: a matrix could not be factorised (numbers of very different sizes) */
 } dynContactStatus;
 
 /* Residuals of lambda (largest over rows or contacts; Le Lidec et al. 2024, Tsounis et al. 2025), in the caller's units, torsion and rolling
@@ -994,11 +994,12 @@ typedef enum dynContactStatus {
 typedef struct dynContactReport {
   uint32_t struct_size;
   dynContactStatus status;
-  int32_t iterations;       /* sweeps of pgs or admm, Newton steps of newton; with newton_steps the whole work */
-  int32_t newton_steps;     /* that finished */
+  int32_t iterations;       /* sweeps, alternating steps, joint steps */
+  int32_t newton_steps;     /* on the whole problem; with iterations at most max_iterations */
   int32_t factorizations;   /* of matrices of the size of the problem, or of its active part */
   int32_t worst;            /* row of the largest residual; -1: no rows */
-  double residual;          /* largest natural map in units of velocity, G_ii |lambda - P_K(lambda - u / G_ii)|, divided by the largest |g + bias| */
+  double residual;          /* |y - P_K(y - u)| in coordinates y of lambda in which G has a unit diagonal, each row as a velocity; the largest, divided
+                               by the largest velocity without impulses. Independent of units */
   double primal;            /* dist(lambda, K) */
   double dual;              /* dist(u, K*) */
   double complementarity;   /* |lambda . u| */
@@ -1031,6 +1032,26 @@ DYN_API dynStatus dyn_contact_compliance(double stiffness, double damping, doubl
 /* The same from a frequency (Hz) and a damping ratio at an effective mass (kg; 1 / G_nn): k = m (2 pi f)^2, d = 2 ratio m 2 pi f. */
 DYN_API dynStatus dyn_contact_compliance_hertz(double frequency, double damping_ratio, double mass, double dt, double gap, double* compliance,
                                                double* bias);
+
+/* The same problem for solvers of quadratic and conic programs: min 1/2 lambda'H lambda + g'lambda over lower <= A lambda <= upper, H = G + diag(compliance)
+   whole, g with bias and restitution, CSC: column j has rows[columns[j] .. columns[j+1]-1], ascending. That is the convex relaxation (Anitescu 2006): the
+   minimum over the cones, of which sliding contacts drift apart by mu |c_t| dt; where all stick it is the same. Rows of A: equalities are free and
+   have none, boxes one each, then contact after contact:
+     facets = 0   the cone itself: (friction lambda_n, lambda_t, lambda_r friction / rolling, lambda_torsion friction / torsion) is in the second-order cone,
+                  first number >= length of the others (bounds are infinite); rows without a coefficient, and contacts of 1 row, as below
+     facets >= 3  lambda_n >= 0 and pyramids of so many facets for lambda_t and for lambda_r, two for torsion. inscribed: every point of it is in the cone
+                  (with 4 and 6 rows coefficients are divided by the root of how many of the three kinds there are); otherwise the cone is in it.
+   rows without a coefficient: 0 <= lambda <= 0. */
+typedef struct dynQp {
+  uint32_t struct_size;
+  int32_t n, m, H_nonzeros, A_nonzeros; /* variables, rows of A */
+  int32_t reserved;
+  int32_t *H_columns, *H_rows, *A_columns, *A_rows; /* n+1, H_nonzeros, n+1, A_nonzeros */
+  double *H, *g, *A, *lower, *upper;                /* H_nonzeros, n, A_nonzeros, m, m */
+} dynQp;
+/* With all pointers NULL the sizes are written; otherwise they must be those, and what is not NULL is filled. G may be NULL: H has no entries, and the
+   linearisation alone is wanted. */
+DYN_API dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp);
 
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
