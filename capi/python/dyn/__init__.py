@@ -29,6 +29,16 @@ from .contact import (
     shape_ray,
     shape_sweep,
 )
+from .contact_solver import (
+    ConeQp,
+    ContactReport,
+    ContactSolution,
+    ContactSolver,
+    contact_compliance,
+    contact_compliance_hertz,
+    contact_solve,
+    friction_cone_qp,
+)
 from .convert import State, StateLayout
 from .data import (
     FIELDS,
@@ -48,6 +58,8 @@ from .data import (
 from .enums import (
     Angle,
     Base,
+    ContactSolverType,
+    ContactStatus,
     Convention,
     Direction,
     DistanceMethod,
@@ -131,7 +143,13 @@ __all__ = [
     "Centroidal",
     "CentroidalDerivatives",
     "ClosestPoint",
+    "ConeQp",
     "Contact",
+    "ContactReport",
+    "ContactSolution",
+    "ContactSolver",
+    "ContactSolverType",
+    "ContactStatus",
     "Convention",
     "Data",
     "Direction",
@@ -201,6 +219,10 @@ __all__ = [
     "UnsupportedError",
     "body_regressor",
     "build_info",
+    "contact_compliance",
+    "contact_compliance_hertz",
+    "contact_solve",
+    "friction_cone_qp",
     "ik",
     "is_physically_consistent",
     "last_error",
