@@ -104,7 +104,9 @@ TEST_F(ContactSolve, Extremes) {
           const dynStatus status = x(s);
           EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_NUMERIC) << dyn_last_error();
           for (int i = 0; i < 3; ++i) EXPECT_TRUE(std::isfinite(x.lambda[i]) && std::isfinite(x.velocity[i]));
-          if (status != DYN_OK) EXPECT_EQ(7, x.lambda[0]);
+          if (status != DYN_OK) {
+            EXPECT_EQ(7, x.lambda[0]);
+          }
         }
 }
 

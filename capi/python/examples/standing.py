@@ -58,7 +58,7 @@ def inverse_dynamics(model, data, q, v, a):
     need = data.rnea(q, v, a)  # M a + h
     J_b, w = J[:, :6], need[:6]
     G, g = J_b @ J_b.T + EPSILON * np.eye(len(J)), -J_b @ w
-    solution = dyn.contact_solve((G + G.T) / 2, g, friction=np.full(len(FEET), MU))
+    solution = dyn.contact_solve((G + G.T) / 2, g, friction=np.full(len(FEET), MU), tolerance=1e-13)
     if not solution.report.converged:
         raise RuntimeError(f"no forces were found: {solution.report}")
     f = solution.impulse
