@@ -127,7 +127,7 @@ class Pinocchio:
         start = time.perf_counter()
         self.solver.solve(delassus, self.g, self.models, self.datas, s, self.result)
         wall = time.perf_counter() - start
-        inner = self.solver.getElapsedTime().user * 1e-6
+        inner = self.solver.getElapsedTime() * 1e-6
         return min(wall, inner) if inner > 0 else wall, np.array(self.result.retrieveConstraintImpulses())
 
 

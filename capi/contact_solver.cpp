@@ -44,6 +44,7 @@ struct Reader {
     return true;
   }
   bool sizes(Index max_rows);
+  bool pair(Index i, Index j, double upper, double lower, double Gii, double Gjj);
   bool matrix();
   bool bounds();
   bool vectors();
@@ -66,8 +67,20 @@ bool Reader::sizes(Index max_rows) {
 }
 
 // Symmetric, and no 2 x 2 minor below zero, to round-off of whoever computed it.
-bool Reader::matrix() {
+bool Reader::pair(Index i, Index j, double upper, double lower, double Gii, double Gjj) {
   constexpr double slack = 1e-8;
+  const double square = upper * upper;
+  if (upper == lower && square <= Gii * Gjj && (square > 1e-250 || upper == 0)) return true;  // the usual case, without roots
+  const double bound = std::sqrt(Gii) * std::sqrt(Gjj);
+  if (!(std::fabs(upper - lower) <= slack * bound))
+    return refuse(DYN_ERROR_INVALID, "%s: G(%d, %d) is %.17g and G(%d, %d) is %.17g: G must be symmetric", int(i), int(j), upper, int(j), int(i), lower);
+  if (!(std::fabs(upper) <= (1 + slack) * bound))
+    return refuse(DYN_ERROR_INVALID, "%s: |G(%d, %d)| = %g is more than the geometric mean %g of G's diagonal there: G must be positive semi-definite", int(i), int(j),
+                  std::fabs(upper), bound);
+  return true;
+}
+
+bool Reader::matrix() {
   const Index n = Index(solver::row_count(p));
   const std::ptrdiff_t stride = p.G_stride ? p.G_stride : n;
   if (!required("G", p.G, n)) return false;
@@ -76,15 +89,8 @@ bool Reader::matrix() {
     if (const Index i = finite_count(column, n); i < n)
       return refuse(DYN_ERROR_NONFINITE, "%s: G(%d, %d) is %s: give a finite number", int(i), int(j), column[i] != column[i] ? "NaN" : "infinite");
     if (column[j] < 0) return refuse(DYN_ERROR_INVALID, "%s: G(%d, %d) is %g: a Delassus matrix has no negative diagonal", int(j), int(j), column[j]);
-    const double root = std::sqrt(column[j]);
-    for (Index i = 0; i < j; ++i) {
-      const double bound = root * std::sqrt(p.G[i + i * stride]), other = p.G[j + i * stride];
-      if (!(std::fabs(column[i] - other) <= slack * bound))
-        return refuse(DYN_ERROR_INVALID, "%s: G(%d, %d) is %.17g and G(%d, %d) is %.17g: G must be symmetric", int(i), int(j), column[i], int(j), int(i), other);
-      if (!(std::fabs(column[i]) <= (1 + slack) * bound))
-        return refuse(DYN_ERROR_INVALID, "%s: |G(%d, %d)| = %g is more than the geometric mean %g of G's diagonal there: G must be positive semi-definite", int(i), int(j),
-                      std::fabs(column[i]), bound);
-    }
+    for (Index i = 0; i < j; ++i)
+      if (!pair(i, j, column[i], p.G[j + i * stride], p.G[i + i * stride], column[j])) return false;
   }
   return true;
 }

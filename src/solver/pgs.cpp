@@ -39,6 +39,7 @@ void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
 
 LocalCone local_cone(const Problem& p, const Cone& cone) {
   LocalCone l;
+  l.resistance = 0;
   const Index n = cone.row, t = n + 1, m = cone.size - 1;
   const double Gnn = p.G(n, n);
   double S[5][5];
@@ -54,7 +55,7 @@ LocalCone local_cone(const Problem& p, const Cone& cone) {
 }
 
 // The cone's impulse for the velocity b.
-void solve_cone(const Cone& cone, const LocalCone& l, double Gnn, const double* b, double* y) {
+void solve_cone(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y) {
   const Index m = cone.size - 1;
   std::fill_n(y, cone.size, 0.0);
   if (b[0] >= 0 || Gnn == 0) return;
@@ -80,16 +81,18 @@ void solve_cone(const Cone& cone, const LocalCone& l, double Gnn, const double* 
   };
   const double stuck = at(0);
   if (!(length == 0 || stuck >= 0)) {
-    double low = 0, high = 0, a = norm(bt, m) * Gnn / (cone.mu * -b[0]);  // where mu lambda_n = |lambda_t|, were there nothing but a
+    double low = 0, high = 0, a = l.resistance;
+    if (a == 0) a = norm(bt, m) * Gnn / (cone.mu * -b[0]);  // where mu lambda_n = |lambda_t|, were there nothing but a
     for (int k = 0; k < 100; ++k) {
       const double f = at(a);
-      if (std::fabs(f) <= 4e-16) break;
+      if (std::fabs(f) <= 1e-14) break;
       (f < 0 ? low : high) = a;
       double next = a - f / slope;
       if (!(next > low && (high == 0 || next < high))) next = high == 0 ? 4 * a : 0.5 * (low + high);
       if (std::fabs(next - a) <= 4e-16 * a) break;
       a = next;
     }
+    l.resistance = a;
   }
   y[0] = n;
   for (Index i = 0; i < m; ++i)

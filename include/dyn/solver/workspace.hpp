@@ -15,6 +15,7 @@ struct ConeState {
 // A cone of projected Gauss-Seidel, with its own part of G: the tangential block without the normal has eigenvectors q, eigenvalues e.
 struct LocalCone {
   double q[5][5], e[5], coupling[5];  // coupling: with the normal, in eigenvectors
+  double resistance;                // a of the last sweep in which it slid
 };
 
 struct Workspace {
