@@ -976,7 +976,7 @@ typedef struct dynContactOptions {
   int32_t warm_start;            /* 0; 1: lambda is a guess */
   double tolerance;              /* 1e-10: of the report's residual */
   double time_budget;            /* s, 0: none, and no clock is read */
-  double relaxation;             /* 0: the solver's own; over 0, below 2 */
+  double relaxation;             /* 0: the solver's own (pgs 1.1, admm 1.6); below 2 */
   int32_t newton;                /* 1; 0: admm and newton are not finished by Newton's method on the whole problem */
   int32_t reserved;
 } dynContactOptions;

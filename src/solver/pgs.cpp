@@ -4,6 +4,7 @@ namespace dyn::solver {
 
 namespace {
 
+constexpr double relaxation = 1.1;
 constexpr double tiny = 1e-14;  // relative to a unit diagonal: nothing moves that way
 
 // Eigenvectors (columns of q) and eigenvalues of a symmetric matrix by cyclic Jacobi rotations.
@@ -137,7 +138,7 @@ void pgs(Workspace& w, Budget& b) {
   prepare_sweeps(w);
   while (!b.spent()) {
     ++b.iterations;
-    sweep(w, b.relaxation > 0 ? b.relaxation : 1, y, c);
+    sweep(w, b.relaxation > 0 ? b.relaxation : relaxation, y, c);
     if (residual(p, y, c).residual > b.tolerance && b.iterations % 50 != 0 && b.iterations < b.max_iterations) continue;
     times(p.G, y, p.g, c, p.n);  // without what the updates have gathered
     if (keep_best(w, b, y, c)) return;
