@@ -138,7 +138,7 @@ void pgs(Workspace& w, Budget& b) {
   prepare_sweeps(w);
   while (!b.spent()) {
     ++b.iterations;
-    sweep(w, b.relaxation > 0 ? b.relaxation : relaxation, y, c);
+    sweep(w, b.relaxation > 0 ? b.relaxation : b.iterations == 1 ? 1 : relaxation, y, c);  // one contact is solved by one sweep
     if (residual(p, y, c).residual > b.tolerance && b.iterations % 50 != 0 && b.iterations < b.max_iterations) continue;
     times(p.G, y, p.g, c, p.n);  // without what the updates have gathered
     if (keep_best(w, b, y, c)) return;
