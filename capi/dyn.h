@@ -1110,6 +1110,128 @@ DYN_API dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double
 DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double origin[3], const double direction[3], double far, int* ids,
                                       int capacity, int* count);
 
+/* ------------------------------------------------------------------------------------------------------- the contact problem */
+
+/* Contact with friction on a given Delassus matrix, no model needed: find impulses lambda and velocities c with
+     c = (G + diag(compliance)) lambda + g + bias                              rows: equalities, then boxes, then contacts
+     equality   c = 0
+     box        lower <= lambda <= upper;  c = 0 between them, c >= 0 at lower, c <= 0 at upper   (limits: 0, infinity; dry friction: -f dt, f dt)
+     contact    Signorini: 0 <= lambda_n _|_ c_n >= 0;  Coulomb: |lambda_t| <= mu lambda_n;  maximum dissipation: lambda_t = -mu lambda_n c_t / |c_t|
+                where it slides. The cone is exact (no pyramid), sticking is exact (no creep): K lambda _|_ c + (mu |c_t|, 0) in K* (de Saxce and Feng 1998).
+   Rows of a contact, in its own frame with z the normal that pushes it apart: 3: (t1, t2, n); 4: with torsion about n; 6: with rolling,
+   (t1, t2, n, r1, r2, torsion) = [linear; angular]; 1: n alone, no friction. Of 4 and 6 rows the cone is the ellipsoid
+     |lambda_t|^2 / friction^2 + |lambda_r|^2 / rolling^2 + lambda_torsion^2 / torsion^2 <= lambda_n^2    (torsion, rolling: m)
+   and a coefficient of 0 holds its rows at zero. Any consistent unit will do: impulses and velocities, or forces and accelerations.
+   Restitution e is Moreau's law: c_n + e min(0, v_minus_n) takes the place of c_n; all impacts at once (three equal balls, e = 1: -1/3, 2/3, 2/3).
+   That law can gain energy, when coefficients differ or with friction (Kane and Levinson 1985): where the impulses' work lambda'(g + G lambda / 2)
+   would be positive, the coefficients are taken smaller, all by the factor that the report gives; with factor 0 impulses never do work. */
+typedef enum dynContactSolverType {
+  DYN_CONTACT_PGS = 0,   /* projected Gauss-Seidel, each contact solved exactly: cheap sweeps, many where mass ratios or redundancy are large */
+  DYN_CONTACT_ADMM = 1,  /* proximal ADMM (Carpentier, Le Lidec and Montaut 2024), finished by Newton's method: robust; the default */
+  DYN_CONTACT_NEWTON = 2 /* Newton's method on the augmented Lagrangian of the convex problem for a given |c_t|, which it iterates; finished likewise */
+} dynContactSolverType;
+
+typedef struct dynContactProblem {
+  uint32_t struct_size;         /* set by dyn_contact_problem_init, which makes all else zero */
+  int32_t equalities, boxes, contacts;
+  const int32_t* contact_rows;  /* contacts: 1, 3, 4 or 6 each; NULL: 3 */
+  const double* G;              /* rows x rows, symmetric to round-off, positive semi-definite */
+  int32_t G_stride;             /* from column to column; 0: rows */
+  int32_t reserved;
+  const double* g;              /* rows: free velocity */
+  const double *lower, *upper;  /* boxes: lower <= upper, may be infinite */
+  const double *friction, *torsion, *rolling; /* contacts, >= 0: 1, m, m; NULL: 0 */
+  const double* compliance;     /* rows, >= 0; NULL: 0, rigid (dyn_contact_compliance) */
+  const double* bias;           /* rows: added to the velocity that is asked for; NULL: 0 */
+  const double* restitution;    /* contacts, 0 to 1; NULL: 0 */
+  const double* v_minus;        /* rows: velocity before the impact; NULL: g. Its normal rows count, with restitution */
+} dynContactProblem;
+DYN_API void dyn_contact_problem_init(dynContactProblem* problem);
+
+typedef struct dynContactOptions {
+  uint32_t struct_size;          /* set by dyn_contact_options_init */
+  dynContactSolverType solver;   /* ADMM */
+  int32_t max_iterations;        /* 1000 */
+  int32_t warm_start;            /* 0; 1: lambda is a guess */
+  double tolerance;              /* 1e-10: of the report's residual */
+  double time_budget;            /* s, 0: none, and no clock is read */
+  double relaxation;             /* 0: the solver's own (pgs 1.1, admm 1.6); below 2 */
+  int32_t newton;                /* 1; 0: admm and newton are not finished by Newton's method on the whole problem */
+  int32_t reserved;
+} dynContactOptions;
+DYN_API void dyn_contact_options_init(dynContactOptions* options);
+
+typedef enum dynContactStatus {
+  DYN_CONTACT_CONVERGED = 0,      /* residual <= tolerance */
+  DYN_CONTACT_MAX_ITERATIONS = 1, /* the best iterate: in its cones, with its residual */
+  DYN_CONTACT_TIME = 2,           /* likewise, the time budget is used up */
+  DYN_CONTACT_STALLED = 3         /* likewise, no progress: a matrix could not be factorised (numbers of very different sizes) */
+} dynContactStatus;
+
+/* Residuals of lambda (largest over rows or contacts; Le Lidec et al. 2024, Tsounis et al. 2025), in the caller's units, torsion and rolling
+   divided by their lengths torsion / friction and rolling / friction. u = c + (mu |c_t|, 0). */
+typedef struct dynContactReport {
+  uint32_t struct_size;
+  dynContactStatus status;
+  int32_t iterations;       /* sweeps, alternating steps, joint steps */
+  int32_t newton_steps;     /* on the whole problem; with iterations at most max_iterations */
+  int32_t factorizations;   /* of matrices of the size of the problem, or of its active part */
+  int32_t worst;            /* row of the largest residual; -1: no rows */
+  double residual;          /* |y - P_K(y - u)| in coordinates y of lambda in which G has a unit diagonal, each row as a velocity; the largest, divided
+                               by the largest velocity without impulses. Independent of units */
+  double primal;            /* dist(lambda, K) */
+  double dual;              /* dist(u, K*) */
+  double complementarity;   /* |lambda . u| */
+  double natural_map;       /* |lambda - P_K(lambda - u)| */
+  double signorini;         /* |lambda_n c_n| */
+  double dissipation;       /* |c_t| (mu lambda_n - |lambda_t|): what is missing to maximum dissipation */
+  double energy;            /* lambda'(g + G lambda / 2), work of the impulses */
+  double restitution_scale; /* 1, or the factor that keeps energy from growing */
+} dynContactReport;
+
+typedef struct dynContactSolver dynContactSolver; /* the workspace: room for so many rows; one thread at a time */
+DYN_API dynStatus dyn_contact_solver_new(int max_rows, dynContactSolver** solver);
+DYN_API size_t dyn_contact_solver_size(int max_rows); /* bytes for dyn_contact_solver_init; 0: max_rows is out of range */
+/* In the caller's memory, aligned to 64: no heap. Freeing it leaves the memory. */
+DYN_API dynStatus dyn_contact_solver_init(int max_rows, void* memory, size_t size, dynContactSolver** solver);
+DYN_API void dyn_contact_solver_free(dynContactSolver* solver); /* NULL is allowed */
+
+/* lambda (rows): in with warm_start, out. velocity: c, rows, or NULL. options: NULL: the defaults. A problem that does not converge is
+   no error: see status and residual. Bit for bit the same answer every time (but with a time budget). DYN_ERROR_LIMIT: more rows than the
+   solver has room for. */
+DYN_API dynStatus dyn_contact_solve(dynContactSolver* solver, const dynContactProblem* problem, const dynContactOptions* options,
+                                    double* lambda, double* velocity, dynContactReport* report);
+
+/* Residuals and energy of a given lambda: status is CONVERGED, counts are 0, restitution is taken as given. */
+DYN_API dynStatus dyn_contact_residuals(dynContactSolver* solver, const dynContactProblem* problem, const double* lambda, dynContactReport* report);
+
+/* A spring and damper at the end of the step, f = -k (gap + dt c) - d c >= 0, as a row: compliance = 1 / (dt (dt k + d)) and
+   bias = k gap / (dt k + d), for impulses f dt; gap (m) below zero: depth. */
+DYN_API dynStatus dyn_contact_compliance(double stiffness, double damping, double dt, double gap, double* compliance, double* bias);
+/* The same from a frequency (Hz) and a damping ratio at an effective mass (kg; 1 / G_nn): k = m (2 pi f)^2, d = 2 ratio m 2 pi f. */
+DYN_API dynStatus dyn_contact_compliance_hertz(double frequency, double damping_ratio, double mass, double dt, double gap, double* compliance,
+                                               double* bias);
+
+/* The same problem for solvers of quadratic and conic programs: min 1/2 lambda'H lambda + g'lambda over lower <= A lambda <= upper, H = G + diag(compliance)
+   whole, g with bias and restitution, CSC: column j has rows[columns[j] .. columns[j+1]-1], ascending. That is the convex relaxation (Anitescu 2006): the
+   minimum over the cones, of which sliding contacts drift apart by mu |c_t| dt; where all stick it is the same. Rows of A: equalities are free and
+   have none, boxes one each, then contact after contact:
+     facets = 0   the cone itself: (friction lambda_n, lambda_t, lambda_r friction / rolling, lambda_torsion friction / torsion) is in the second-order cone,
+                  first number >= length of the others (bounds are infinite); rows without a coefficient, and contacts of 1 row, as below
+     facets >= 3  lambda_n >= 0 and pyramids of so many facets for lambda_t and for lambda_r, two for torsion. inscribed: every point of it is in the cone
+                  (with 4 and 6 rows coefficients are divided by the root of how many of the three kinds there are); otherwise the cone is in it.
+   rows without a coefficient: 0 <= lambda <= 0. */
+typedef struct dynQp {
+  uint32_t struct_size;
+  int32_t n, m, H_nonzeros, A_nonzeros; /* variables, rows of A */
+  int32_t reserved;
+  int32_t *H_columns, *H_rows, *A_columns, *A_rows; /* n+1, H_nonzeros, n+1, A_nonzeros */
+  double *H, *g, *A, *lower, *upper;                /* H_nonzeros, n, A_nonzeros, m, m */
+} dynQp;
+/* With all pointers NULL the sizes are written; otherwise they must be those, and what is not NULL is filled. G may be NULL: H has no entries, and the
+   linearisation alone is wanted. */
+DYN_API dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp);
+
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
 /* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, with the effects that are switched on.

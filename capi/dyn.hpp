@@ -1146,6 +1146,77 @@ inline dynImpact shape_sweep(const dynGeometry& a, const Placement& X_a, const s
   return out;
 }
 
+// The contact problem on a given Delassus matrix: room for so many rows.
+class ContactSolver {
+ public:
+  explicit ContactSolver(int max_rows) {
+    dynContactSolver* made = nullptr;
+    check(dyn_contact_solver_new(max_rows, &made));
+    solver_.reset(made);
+  }
+  dynContactSolver* get() const noexcept { return solver_.get(); }
+  // lambda: in with options->warm_start, out; velocity may be null.
+  dynContactReport solve(const dynContactProblem& problem, double* lambda, double* velocity = nullptr, const dynContactOptions* options = nullptr) {
+    dynContactReport report{};
+    report.struct_size = sizeof report;
+    check(dyn_contact_solve(get(), &problem, options, lambda, velocity, &report));
+    return report;
+  }
+  dynContactReport residuals(const dynContactProblem& problem, const double* lambda) {
+    dynContactReport report{};
+    report.struct_size = sizeof report;
+    check(dyn_contact_residuals(get(), &problem, lambda, &report));
+    return report;
+  }
+
+ private:
+  struct Free {
+    void operator()(dynContactSolver* s) const noexcept { dyn_contact_solver_free(s); }
+  };
+  std::unique_ptr<dynContactSolver, Free> solver_;
+};
+inline dynContactProblem contact_problem() {
+  dynContactProblem problem;
+  dyn_contact_problem_init(&problem);
+  return problem;
+}
+inline dynContactOptions contact_options() {
+  dynContactOptions options;
+  dyn_contact_options_init(&options);
+  return options;
+}
+// (compliance, bias) of a spring and damper; of a frequency and a damping ratio at a mass.
+inline std::array<double, 2> contact_compliance(double stiffness, double damping, double dt, double gap = 0) {
+  std::array<double, 2> out{};
+  check(dyn_contact_compliance(stiffness, damping, dt, gap, &out[0], &out[1]));
+  return out;
+}
+inline std::array<double, 2> contact_compliance_hertz(double frequency, double damping_ratio, double mass, double dt, double gap = 0) {
+  std::array<double, 2> out{};
+  check(dyn_contact_compliance_hertz(frequency, damping_ratio, mass, dt, gap, &out[0], &out[1]));
+  return out;
+}
+// A quadratic program that owns its arrays.
+struct Qp {
+  dynQp sizes{};
+  std::vector<int32_t> H_columns, H_rows, A_columns, A_rows;
+  std::vector<double> H, g, A, lower, upper;
+};
+inline Qp friction_cone_qp(const dynContactProblem& problem, int facets = 8, bool inscribed = true) {
+  Qp q;
+  q.sizes.struct_size = sizeof q.sizes;
+  check(dyn_friction_cone_qp(&problem, facets, inscribed, &q.sizes));
+  const auto n = static_cast<std::size_t>(q.sizes.n), m = static_cast<std::size_t>(q.sizes.m);
+  q.H_columns.resize(n + 1), q.A_columns.resize(n + 1), q.g.resize(n), q.lower.resize(m), q.upper.resize(m);
+  q.H_rows.resize(static_cast<std::size_t>(q.sizes.H_nonzeros)), q.H.resize(q.H_rows.size());
+  q.A_rows.resize(static_cast<std::size_t>(q.sizes.A_nonzeros)), q.A.resize(q.A_rows.size());
+  dynQp fill = q.sizes;
+  fill.H_columns = q.H_columns.data(), fill.H_rows = q.H_rows.data(), fill.A_columns = q.A_columns.data(), fill.A_rows = q.A_rows.data();
+  fill.H = q.H.data(), fill.g = q.g.data(), fill.A = q.A.data(), fill.lower = q.lower.data(), fill.upper = q.upper.data();
+  check(dyn_friction_cone_qp(&problem, facets, inscribed, &fill));
+  return q;
+}
+
 // Which of many boxes overlap.
 class BroadPhase {
  public:

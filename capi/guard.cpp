@@ -84,18 +84,21 @@ dynBuilder* new_builder_handle() { return pool<dynBuilder>().get(); }
 dynBatch* new_batch_handle() { return pool<dynBatch>().get(); }
 dynMesh* new_mesh_handle() { return pool<dynMesh>().get(); }
 dynBroadPhase* new_broad_phase_handle() { return pool<dynBroadPhase>().get(); }
+dynContactSolver* new_contact_solver_handle() { return pool<dynContactSolver>().get(); }
 void free_handle(dynModel* h) { h->magic = freed, pool<dynModel>().put(h); }
 void free_handle(dynData* h) { h->magic = freed, pool<dynData>().put(h); }
 void free_handle(dynBuilder* h) { h->magic = freed, pool<dynBuilder>().put(h); }
 void free_handle(dynBatch* h) { h->magic = freed, pool<dynBatch>().put(h); }
 void free_handle(dynMesh* h) { h->magic = freed, pool<dynMesh>().put(h); }
 void free_handle(dynBroadPhase* h) { h->magic = freed, pool<dynBroadPhase>().put(h); }
+void free_handle(dynContactSolver* h) { h->magic = freed, pool<dynContactSolver>().put(h); }
 
 dynStatus no_model(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
 dynStatus check(const dynBuilder* builder) { return check_magic(builder, live_builder, "builder", "dyn_builder_new"); }
 dynStatus check(const dynBatch* batch) { return check_magic(batch, live_batch, "batch", "dyn_batch_new"); }
 dynStatus check(const dynMesh* mesh) { return check_magic(mesh, live_mesh, "mesh", "dyn_mesh_load or dyn_mesh_from_arrays"); }
 dynStatus check(const dynBroadPhase* broad_phase) { return check_magic(broad_phase, live_broad_phase, "broad phase", "dyn_broad_phase_new"); }
+dynStatus check(const dynContactSolver* solver) { return check_magic(solver, live_contact_solver, "contact solver", "dyn_contact_solver_new"); }
 
 dynStatus publish(ModelPtr model, dynModel** out) {
   dynModel* handle = new_model_handle();

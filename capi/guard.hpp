@@ -40,7 +40,8 @@ dynStatus guarded(F&& f) noexcept {
 }
 
 inline constexpr std::uint64_t live_model = 0x6c65646f6d6e7964u, live_data = 0x617461646d6e7964u, live_builder = 0x726c6475626e7964u,
-                               live_batch = 0x68637461626e7964u, live_mesh = 0x6873656d6e7964u, live_broad_phase = 0x64616f72626e7964u;
+                               live_batch = 0x68637461626e7964u, live_mesh = 0x6873656d6e7964u, live_broad_phase = 0x64616f72626e7964u,
+                               live_contact_solver = 0x746e6f63626e7964u;
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
@@ -124,6 +125,15 @@ struct dynBroadPhase {
   void* memory;  // of b and its arrays
 };
 
+namespace dyn::solver {
+struct Workspace;
+}
+struct dynContactSolver {
+  std::uint64_t magic;
+  dyn::solver::Workspace* w;
+  void* memory;  // of w and its arrays, from the heap; nullptr: w and this handle are in the caller's memory
+};
+
 namespace dyn::capi {
 
 dynStatus no_model(const dynModel* model);
@@ -132,6 +142,7 @@ dynStatus check(const dynBuilder* builder);
 dynStatus check(const dynBatch* batch);
 dynStatus check(const dynMesh* mesh);
 dynStatus check(const dynBroadPhase* broad_phase);
+dynStatus check(const dynContactSolver* solver);
 
 // Slots for handles; a freed one is handed out again only after 256 others. Null when there is no memory.
 dynModel* new_model_handle();
@@ -140,12 +151,14 @@ dynBuilder* new_builder_handle();
 dynBatch* new_batch_handle();
 dynMesh* new_mesh_handle();
 dynBroadPhase* new_broad_phase_handle();
+dynContactSolver* new_contact_solver_handle();
 void free_handle(dynModel*);
 void free_handle(dynData*);
 void free_handle(dynBuilder*);
 void free_handle(dynBatch*);
 void free_handle(dynMesh*);
 void free_handle(dynBroadPhase*);
+void free_handle(dynContactSolver*);
 
 // Wraps a finished model.
 dynStatus publish(ModelPtr model, dynModel** out);

@@ -300,6 +300,10 @@ TEST(Handles, TablesAreComplete) {
       // broad_phase_test.cpp
       "dyn_broad_phase_new", "dyn_broad_phase_free", "dyn_broad_phase_insert", "dyn_broad_phase_update", "dyn_broad_phase_remove", "dyn_broad_phase_pairs",
       "dyn_broad_phase_query", "dyn_broad_phase_ray",
+      // contact_solver_test.cpp
+      "dyn_contact_problem_init", "dyn_contact_options_init", "dyn_contact_solver_new", "dyn_contact_solver_size", "dyn_contact_solver_init",
+      "dyn_contact_solver_free", "dyn_contact_solve", "dyn_contact_residuals", "dyn_contact_compliance", "dyn_contact_compliance_hertz",
+      "dyn_friction_cone_qp",
       // effects_test.cpp
       "dyn_batch_set_effects",
       // constraint_test.cpp

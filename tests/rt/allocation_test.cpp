@@ -367,6 +367,38 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   dyn_broad_phase_free(b);
 }
 
+// Contact problems of every solver, errors among them.
+TEST(Allocations, NoneInContactSolvers) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
+  constexpr int rows = 12;
+  double G[rows * rows] = {}, g[rows], friction[4] = {0.5, 0.6, 0.7, 0.8}, lambda[rows];
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < rows; ++i) G[i + rows * j] = (i == j ? 1.0 : 0.0) + std::cos(i) * std::cos(j);
+  for (int i = 0; i < rows; ++i) g[i] = std::sin(2.5 * i) - (i % 3 == 2);
+  dynContactProblem p;
+  dynContactOptions o;
+  dynContactReport r{};
+  dyn_contact_problem_init(&p), dyn_contact_options_init(&o);
+  p.contacts = 4, p.G = G, p.g = g, p.friction = friction, r.struct_size = sizeof r;
+  dynContactSolver* s = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_contact_solver_new(rows, &s));
+  const long before = allocations, locked = locks;
+  for (const int type : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON})
+    for (const int newton : {0, 1}) {
+      o.solver = static_cast<dynContactSolverType>(type), o.newton = newton;
+      EXPECT_EQ(DYN_OK, dyn_contact_solve(s, &p, &o, lambda, nullptr, &r));
+      EXPECT_EQ(DYN_CONTACT_CONVERGED, r.status);
+      o.time_budget = 1;
+      dyn_contact_solve(s, &p, &o, lambda, nullptr, &r), dyn_contact_residuals(s, &p, lambda, &r);
+      o.time_budget = -1;
+      EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solve(s, &p, &o, lambda, nullptr, &r));
+      o.time_budget = 0;
+    }
+  EXPECT_EQ(before, allocations);
+  EXPECT_EQ(locked, locks);
+  dyn_contact_solver_free(s);
+}
+
 // Every algorithm, states that fail among them: nothing is allocated or locked in any thread, and there are as many system calls
 // for thousands of states as for a few.
 TEST(Allocations, NoneInBatches) {

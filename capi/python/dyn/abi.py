@@ -248,6 +248,39 @@ class StepReport(Grown):
     ]  # fmt: skip
 
 
+class ContactProblem(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("equalities", c_int32), ("boxes", c_int32), ("contacts", c_int32), ("contact_rows", c_void_p),
+        ("G", c_void_p), ("G_stride", c_int32), ("reserved", c_int32), ("g", c_void_p), ("lower", c_void_p), ("upper", c_void_p),
+        ("friction", c_void_p), ("torsion", c_void_p), ("rolling", c_void_p), ("compliance", c_void_p), ("bias", c_void_p),
+        ("restitution", c_void_p), ("v_minus", c_void_p),
+    ]  # fmt: skip
+
+
+class ContactOptions(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("solver", c_int), ("max_iterations", c_int32), ("warm_start", c_int32), ("tolerance", c_double),
+        ("time_budget", c_double), ("relaxation", c_double), ("newton", c_int32), ("reserved", c_int32),
+    ]  # fmt: skip
+
+
+class ContactReport(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("status", c_int), ("iterations", c_int32), ("newton_steps", c_int32), ("factorizations", c_int32),
+        ("worst", c_int32), ("residual", c_double), ("primal", c_double), ("dual", c_double), ("complementarity", c_double),
+        ("natural_map", c_double), ("signorini", c_double), ("dissipation", c_double), ("energy", c_double),
+        ("restitution_scale", c_double),
+    ]  # fmt: skip
+
+
+class Qp(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("n", c_int32), ("m", c_int32), ("H_nonzeros", c_int32), ("A_nonzeros", c_int32),
+        ("reserved", c_int32), ("H_columns", c_void_p), ("H_rows", c_void_p), ("A_columns", c_void_p), ("A_rows", c_void_p),
+        ("H", c_void_p), ("g", c_void_p), ("A", c_void_p), ("lower", c_void_p), ("upper", c_void_p),
+    ]  # fmt: skip
+
+
 _p, _s, _i, _d = c_void_p, c_char_p, c_int, c_double
 _ref = _p  # of a structure or a handle that the call writes: byref() or an address
 
@@ -461,6 +494,18 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_broad_phase_pairs": (STATUS, [_p, _p, c_int64, _ref]),
     "dyn_broad_phase_query": (STATUS, [_p, _p, _p, _p, _i, _ref]),
     "dyn_broad_phase_ray": (STATUS, [_p, _p, _p, _d, _p, _i, _ref]),
+    # the contact problem
+    "dyn_contact_problem_init": (None, [_ref]),
+    "dyn_contact_options_init": (None, [_ref]),
+    "dyn_contact_solver_new": (STATUS, [_i, _ref]),
+    "dyn_contact_solver_size": (c_size_t, [_i]),
+    "dyn_contact_solver_init": (STATUS, [_i, _p, c_size_t, _ref]),
+    "dyn_contact_solver_free": (None, [_p]),
+    "dyn_contact_solve": (STATUS, [_p, _ref, _ref, _p, _p, _ref]),
+    "dyn_contact_residuals": (STATUS, [_p, _ref, _p, _ref]),
+    "dyn_contact_compliance": (STATUS, [_d, _d, _d, _d, _ref, _ref]),
+    "dyn_contact_compliance_hertz": (STATUS, [_d, _d, _d, _d, _d, _ref, _ref]),
+    "dyn_friction_cone_qp": (STATUS, [_ref, _i, _i, _ref]),
     "dyn_step_options_init": (None, [_ref]),
     "dyn_data_set_step_options": (STATUS, [_p, _p, _ref]),
     "dyn_data_step_options": (STATUS, [_p, _p, _ref]),

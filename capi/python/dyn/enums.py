@@ -293,3 +293,18 @@ class IkReason(enum.IntEnum):
     SINGULAR = 2
     LOCAL_MINIMUM = 3
     ITERATIONS = 4
+
+
+class ContactSolverType(enum.IntEnum):
+    PGS = 0
+    ADMM = 1
+    NEWTON = 2
+
+
+class ContactStatus(enum.IntEnum):
+    """Why a contact solver ended."""
+
+    CONVERGED = 0
+    MAX_ITERATIONS = 1
+    TIME = 2
+    STALLED = 3

@@ -184,6 +184,17 @@ void gather(const Model& m, Data<T>& d, const T* lambda, T* x) {
   });
 }
 
+// D L_i x over the ancestors of i.
+template <class T>
+T row_times(const Model& m, const Data<T>& d, Index i, const T* x) {
+  const T* row = factor_row(m, d, i);
+  T sum = T(0);
+  for_each_run(m, m.dof_parent()[i], [&](Index first, Index last, Index at) {
+    for (Index j = first; j < last; ++j) sum += row[at + j - first] * x[j];
+  });
+  return sum;
+}
+
 // x = M^-1 J^T lambda from x = Y^T lambda.
 template <class T>
 void scatter(const Model& m, Data<T>& d, T* x) {

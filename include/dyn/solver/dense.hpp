@@ -1,0 +1,136 @@
+// Dense linear algebra of the contact solvers, in place, without heap: column-major, the leading dimension a multiple of 8, rows up to it
+// readable and writable, columns 64-byte aligned.
+#pragma once
+
+#include <cmath>
+
+#include "dyn/base/pack.hpp"
+
+namespace dyn::solver {
+
+inline constexpr Index lanes = 8;
+inline constexpr Index padded(Index n) { return (n + lanes - 1) / lanes * lanes; }
+using Lanes = Pack<double, lanes>;
+
+// A matrix of the workspace.
+struct Matrix {
+  double* x;
+  Index ld;
+  double* column(Index j) const { return x + std::ptrdiff_t(j) * ld; }
+  double& operator()(Index i, Index j) const { return column(j)[i]; }
+};
+
+DYN_INLINE double sum(const Lanes& a) {
+  double s = 0;
+  for (Index k = 0; k < lanes; ++k) s += a[k];
+  return s;
+}
+
+inline double dot(const double* a, const double* b, Index n) {
+  Lanes s = Lanes::zero();
+  Index i = 0;
+  for (; i + lanes <= n; i += lanes) s = s + Lanes::load(a + i) * Lanes::load(b + i);
+  double r = sum(s);
+  for (; i < n; ++i) r += a[i] * b[i];
+  return r;
+}
+
+// y[from .. n-1] += a x
+inline void axpy(double a, const double* x, double* y, Index n, Index from = 0) {
+  for (Index i = from; i < n; ++i) y[i] += a * x[i];
+}
+
+// y = A x + b, columns of zeros in x skipped.
+inline void times(const Matrix& A, const double* x, const double* b, double* y, Index n) {
+  for (Index i = 0; i < n; ++i) y[i] = b ? b[i] : 0.0;
+  for (Index j = 0; j < n; ++j)
+    if (x[j] != 0) axpy(x[j], A.column(j), y, n);
+}
+
+// Rows from first - first % 8 of the four columns j .. j+3 of A lose L(:, 0 .. k-1) U, U(l, c) at u[l row + c column].
+inline void subtract_product(const Matrix& A, const Matrix& L, Index j, Index k, Index first, Index n, const double* u, std::ptrdiff_t row, std::ptrdiff_t column) {
+  for (Index i = first / lanes * lanes; i < n; i += lanes) {
+    Lanes a0 = Lanes::load(A.column(j) + i), a1 = Lanes::load(A.column(j + 1) + i), a2 = Lanes::load(A.column(j + 2) + i), a3 = Lanes::load(A.column(j + 3) + i);
+    for (Index l = 0; l < k; ++l) {
+      const Lanes x = Lanes::load(L.column(l) + i);
+      const double* v = u + l * row;
+      a0 = a0 - x * v[0], a1 = a1 - x * v[column], a2 = a2 - x * v[2 * column], a3 = a3 - x * v[3 * column];
+    }
+    a0.store(A.column(j) + i), a1.store(A.column(j + 1) + i), a2.store(A.column(j + 2) + i), a3.store(A.column(j + 3) + i);
+  }
+}
+
+// The lower triangle of A becomes its Cholesky factor, the upper one is overwritten. false: not positive definite.
+inline bool cholesky(const Matrix& A, Index n) {
+  for (Index j = 0; j < n; j += 4) {
+    const Index width = std::min<Index>(4, n - j);
+    if (width == 4)
+      subtract_product(A, A, j, j, j, n, A.x + j, A.ld, 1);
+    else
+      for (Index c = 0; c < width; ++c)
+        for (Index l = 0; l < j; ++l) axpy(-A(j + c, l), A.column(l), A.column(j + c), n, j);
+    for (Index c = j; c < j + width; ++c) {
+      for (Index l = j; l < c; ++l) axpy(-A(c, l), A.column(l), A.column(c), n, c);
+      const double pivot = A(c, c);
+      if (!(pivot > 0)) return false;
+      const double scale = 1 / std::sqrt(pivot);
+      for (Index i = c; i < n; ++i) A(i, c) *= scale;
+    }
+  }
+  return true;
+}
+
+// x = (L L^T)^-1 x
+inline void cholesky_solve(const Matrix& L, Index n, double* x) {
+  for (Index j = 0; j < n; ++j) {
+    x[j] /= L(j, j);
+    axpy(-x[j], L.column(j), x, n, j + 1);
+  }
+  for (Index j = n - 1; j >= 0; --j) x[j] = (x[j] - dot(L.column(j) + j + 1, x + j + 1, n - j - 1)) / L(j, j);
+}
+
+// A = P^T L U, partial pivoting. false: singular.
+inline bool lu(const Matrix& A, Index n, Index* pivots) {
+  const auto eliminate = [&](Index c, Index from) {  // column c by the columns from .. c-1
+    for (Index l = from; l < c; ++l) axpy(-A(l, c), A.column(l), A.column(c), n, l + 1);
+  };
+  for (Index j = 0; j < n; j += 4) {
+    const Index width = std::min<Index>(4, n - j);
+    for (Index c = j; c < j + width; ++c)
+      for (Index l = 0; l < j; ++l) axpy(-A(l, c), A.column(l), A.column(c), j, l + 1);
+    if (width == 4) {
+      const Index whole = std::min(n, padded(j));  // rows j .. whole-1 share their eight with rows of U
+      for (Index c = j; c < j + 4; ++c)
+        for (Index l = 0; l < j; ++l)
+          for (Index i = j; i < whole; ++i) A(i, c) -= A(l, c) * A(i, l);
+      if (whole < n) subtract_product(A, A, j, j, whole, n, A.column(j), 1, A.ld);
+    } else {
+      for (Index c = j; c < j + width; ++c)
+        for (Index l = 0; l < j; ++l) axpy(-A(l, c), A.column(l), A.column(c), n, j);
+    }
+    for (Index c = j; c < j + width; ++c) {
+      eliminate(c, j);
+      Index p = c;
+      for (Index i = c + 1; i < n; ++i)
+        if (std::fabs(A(i, c)) > std::fabs(A(p, c))) p = i;
+      pivots[c] = p;
+      if (!(std::fabs(A(p, c)) > 0)) return false;
+      if (p != c)
+        for (Index l = 0; l < n; ++l) std::swap(A(c, l), A(p, l));
+      const double scale = 1 / A(c, c);
+      for (Index i = c + 1; i < n; ++i) A(i, c) *= scale;
+    }
+  }
+  return true;
+}
+
+inline void lu_solve(const Matrix& A, Index n, const Index* pivots, double* x) {
+  for (Index j = 0; j < n; ++j) std::swap(x[j], x[pivots[j]]);
+  for (Index j = 0; j < n; ++j) axpy(-x[j], A.column(j), x, n, j + 1);
+  for (Index j = n - 1; j >= 0; --j) {
+    x[j] /= A(j, j);
+    axpy(-x[j], A.column(j), x, j);
+  }
+}
+
+}  // namespace dyn::solver

@@ -1,0 +1,12 @@
+// Newton's method on the augmented Lagrangian: the joint steps of multipliers.hpp, each a convex problem with exact cones for a given
+// correction Gamma, which is iterated. Finished by Newton's method on the whole problem.
+#pragma once
+
+#include "dyn/solver/start.hpp"
+
+namespace dyn::solver {
+
+// From w.y to w.y.
+void newton(Workspace& w, Budget& b);
+
+}  // namespace dyn::solver

@@ -1,0 +1,229 @@
+#include "dyn/solver/alart_curnier.hpp"
+
+namespace dyn::solver {
+
+namespace {
+
+// Relative to the unit diagonal: what makes steps unique where contacts are redundant. The method converges as if it were not there.
+constexpr double proximal = 1e-11;
+constexpr Index most_steps = 20;
+
+// An orthonormal basis of dimension m whose first vector is a / |a| (Householder).
+void basis(const double* a, Index m, double (*out)[5]) {
+  const double length = norm(a, m);
+  double v[5], square = 0;
+  for (Index i = 0; i < m; ++i) v[i] = a[i] / length;
+  const double sign = v[0] > 0 ? -1.0 : 1.0;
+  v[0] -= sign;
+  for (Index i = 0; i < m; ++i) square += v[i] * v[i];
+  for (Index k = 0; k < m; ++k)
+    for (Index i = 0; i < m; ++i) out[k][i] = (k == 0 ? sign : 1.0) * ((i == k) - 2 * v[i] * v[k] / square);
+}
+
+class Newton {
+ public:
+  Newton(Workspace& w, Budget& b) : w(w), p(w.problem), b(b) {}
+  bool run(const double* y, const double* c);
+
+ private:
+  Workspace& w;
+  const Problem& p;
+  Budget& b;
+  Index active = 0, free_boxes = 0;  // rows of blocks that are not at a bound; those of boxes come first
+  Index m = 0;                       // unknowns: the same but for the directions of sliding
+  bool symmetric = true;
+
+  double error(const double* y, const double* c) const;
+  void states();
+  template <class F>
+  void each_active_cone(F&& f) const {  // f(cone, state, its first row among the active ones, its first unknown)
+    Index row = free_boxes, unknown = free_boxes;
+    for (Index k = 0; k < p.cones; ++k) {
+      const Cone& cone = p.cone[k];
+      if (w.state[k].is == ConeState::apart) continue;
+      f(cone, w.state[k], row, unknown);
+      row += cone.size, unknown += cone.size - (w.state[k].is == ConeState::slides);
+    }
+  }
+  void rotate(const Cone& cone, const ConeState& s, Index row);
+  void compress();
+  void matrix();
+  bool direction();
+};
+
+// The function's largest component, as a velocity.
+double Newton::error(const double* y, const double* c) const {
+  double worst = 0;
+  const auto take = [&](Index i, double e) { worst = std::max(worst, std::fabs(e) / p.unit[i]); };
+  for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));
+  for (Index k = 0; k < p.cones; ++k) {
+    const Cone& cone = p.cone[k];
+    const double *yk = y + cone.row, *ck = c + cone.row, r = std::max(0.0, yk[0] - ck[0]);
+    double a[5];
+    for (Index i = 1; i < cone.size; ++i) a[i - 1] = yk[i] - ck[i];
+    const double length = norm(a, cone.size - 1), scale = length > cone.mu * r ? cone.mu * r / length : 1;
+    take(cone.row, yk[0] - r);
+    for (Index i = 1; i < cone.size; ++i) take(cone.row + i, yk[i] - scale * a[i - 1]);
+  }
+  return worst;
+}
+
+// The blocks' states; the known part of the step, and the rows of its unknowns.
+void Newton::states() {
+  const double *y = w.newton, *c = w.newton_c;
+  active = m = 0, symmetric = true;
+  for (Index i = 0; i < p.boxes; ++i) {
+    const double a = y[i] - c[i], at = project_box(p, i, a);
+    w.step[i] = at == a ? 0 : at - y[i];
+    if (at == a) w.rows[active++] = i;
+  }
+  free_boxes = m = active;
+  for (Index k = 0; k < p.cones; ++k) {
+    const Cone& cone = p.cone[k];
+    const Index t = cone.row + 1, size = cone.size - 1;
+    ConeState& s = w.state[k];
+    double a[5], *step = w.step + cone.row;
+    for (Index i = 0; i < size; ++i) a[i] = y[t + i] - c[t + i];
+    const double length = norm(a, size);
+    s.normal = y[cone.row] - c[cone.row];
+    s.is = s.normal <= 0 ? ConeState::apart : length <= cone.mu * s.normal ? ConeState::stuck : ConeState::slides;
+    for (Index i = 0; i < cone.size; ++i) step[i] = s.is == ConeState::apart ? -y[cone.row + i] : 0.0;
+    if (s.is == ConeState::apart) continue;
+    for (Index i = 0; i < cone.size; ++i) w.rows[active++] = cone.row + i;
+    m += cone.size - (s.is == ConeState::slides);
+    if (s.is == ConeState::stuck) continue;
+    symmetric = false;
+    s.across = cone.mu * s.normal / length;
+    basis(a, size, s.direction);
+    double excess = cone.mu * y[cone.row];  // of mu y_n over y_d
+    for (Index i = 0; i < size; ++i) excess -= y[t + i] * s.direction[0][i];
+    for (Index i = 0; i < size; ++i) step[1 + i] = excess * s.direction[0][i];
+  }
+}
+
+// Rows and columns of a sliding cone in its own directions.
+void Newton::rotate(const Cone& cone, const ConeState& s, Index row) {
+  const Matrix& B = w.active;
+  const Index t = row + 1, size = cone.size - 1;
+  const auto turn = [&](double* x, std::ptrdiff_t stride) {
+    double turned[5];
+    for (Index k = 0; k < size; ++k) {
+      turned[k] = 0;
+      for (Index l = 0; l < size; ++l) turned[k] += s.direction[k][l] * x[l * stride];
+    }
+    for (Index k = 0; k < size; ++k) x[k * stride] = turned[k];
+  };
+  for (Index i = 0; i < active; ++i) turn(&B(i, t), B.ld);
+  for (Index j = 0; j < active; ++j) turn(&B(t, j), 1);
+}
+
+// The directions of sliding leave the matrix, after their columns have gone into those of the normals.
+void Newton::compress() {
+  Matrix& B = w.active;
+  Index kept = free_boxes, *keep = w.pivots;
+  for (Index i = 0; i < free_boxes; ++i) keep[i] = i;
+  each_active_cone([&](const Cone& cone, const ConeState& s, Index row, Index) {
+    for (Index i = 0; i < cone.size; ++i)
+      if (i != 1 || s.is == ConeState::stuck) keep[kept++] = row + i;
+    if (s.is == ConeState::stuck) return;
+    axpy(cone.mu, B.column(row + 1), B.column(row), active);
+    for (Index i = 2; i < cone.size; ++i) B(row + i, row + i) += 1 / s.across - 1;
+  });
+  const Matrix from = B;
+  B.ld = padded(m);
+  for (Index j = 0; j < m; ++j) {
+    const double* column = from.column(keep[j]);
+    for (Index i = 0; i < m; ++i) B(i, j) = column[keep[i]];
+  }
+}
+
+// w.active: the system's matrix.
+void Newton::matrix() {
+  Matrix& B = w.active;
+  B.ld = padded(active);
+  for (Index j = 0; j < active; ++j) {
+    const double* column = p.G.column(w.rows[j]);
+    for (Index i = 0; i < active; ++i) B(i, j) = column[w.rows[i]];
+    B(j, j) += proximal;
+  }
+  if (symmetric) return;
+  each_active_cone([&](const Cone& cone, const ConeState& s, Index row, Index) {
+    if (s.is == ConeState::slides) rotate(cone, s, row);
+  });
+  compress();
+}
+
+// w.step and w.step_c = G w.step. false: singular.
+bool Newton::direction() {
+  states();
+  matrix();
+  double *e = w.step_c, *x = w.t;
+  times(p.G, w.step, w.newton_c, e, p.n);
+  for (Index i = 0; i < free_boxes; ++i) x[i] = -e[w.rows[i]];
+  each_active_cone([&](const Cone& cone, const ConeState& s, Index, Index u) {
+    const Index row = cone.row, size = cone.size - 1;
+    x[u] = -e[row];
+    if (s.is == ConeState::stuck)
+      for (Index i = 1; i <= size; ++i) x[u + i] = -e[row + i];
+    else
+      for (Index k = 1; k < size; ++k) {
+        x[u + k] = 0;
+        for (Index l = 0; l < size; ++l) x[u + k] -= s.direction[k][l] * (e[row + 1 + l] + (1 / s.across - 1) * w.newton_c[row + 1 + l]);
+      }
+  });
+  ++b.factorizations;
+  if (symmetric) {
+    if (!cholesky(w.active, m)) return false;
+    cholesky_solve(w.active, m, x);
+  } else {
+    if (!lu(w.active, m, w.pivots)) return false;
+    lu_solve(w.active, m, w.pivots, x);
+  }
+  for (Index i = 0; i < free_boxes; ++i) w.step[w.rows[i]] = x[i];
+  each_active_cone([&](const Cone& cone, const ConeState& s, Index, Index u) {
+    double* step = w.step + cone.row;
+    step[0] = x[u];
+    for (Index l = 0; l < cone.size - 1; ++l) {
+      if (s.is == ConeState::stuck) {
+        step[1 + l] = x[u + 1 + l];
+        continue;
+      }
+      step[1 + l] += cone.mu * x[u] * s.direction[0][l];
+      for (Index k = 1; k < cone.size - 1; ++k) step[1 + l] += x[u + k] * s.direction[k][l];
+    }
+  });
+  times(p.G, w.step, nullptr, w.step_c, p.n);
+  return true;
+}
+
+bool Newton::run(const double* y, const double* c) {
+  const Index n = p.n;
+  std::copy_n(y, n, w.newton), std::copy_n(c, n, w.newton_c);
+  double now = error(w.newton, w.newton_c);
+  for (Index k = 0; k < most_steps && !b.spent(); ++k) {
+    ++b.newton_steps;
+    if (!direction()) return false;
+    // the longest of the steps that makes the error smaller
+    double t = 1, next = HUGE_VAL;
+    for (; t > 0.05; t /= 2) {
+      for (Index i = 0; i < n; ++i) w.trial[i] = w.newton[i] + t * w.step[i], w.trial_c[i] = w.newton_c[i] + t * w.step_c[i];
+      next = error(w.trial, w.trial_c);
+      if (next < now) break;
+    }
+    if (!(next < now)) return false;
+    std::swap(w.trial, w.newton), std::swap(w.trial_c, w.newton_c);
+    // into the cones, from which a step along them is off by a little
+    project(p, w.newton, w.trial);
+    for (Index i = 0; i < n; ++i) w.t[i] = w.trial[i] - w.newton[i];
+    times(p.G, w.t, w.newton_c, w.trial_c, n);
+    if (keep_best(w, b, w.trial, w.trial_c)) return true;
+    now = next;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c) { return Newton(w, b).run(y, c); }
+
+}  // namespace dyn::solver

@@ -1,0 +1,148 @@
+#include "dyn/solver/pgs.hpp"
+
+namespace dyn::solver {
+
+namespace {
+
+constexpr double relaxation = 1.1;
+constexpr double tiny = 1e-14;  // relative to a unit diagonal: nothing moves that way
+
+// Eigenvectors (columns of q) and eigenvalues of a symmetric matrix by cyclic Jacobi rotations.
+void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
+  for (Index i = 0; i < m; ++i)
+    for (Index j = 0; j < m; ++j) q[i][j] = i == j;
+  for (int sweep = 0; sweep < 20; ++sweep) {
+    double off = 0, on = 0;
+    for (Index i = 0; i < m; ++i)
+      for (Index j = 0; j < m; ++j) (i == j ? on : off) += a[i][j] * a[i][j];
+    if (off <= 1e-32 * on) break;
+    for (Index i = 0; i < m; ++i)
+      for (Index j = i + 1; j < m; ++j) {
+        if (a[i][j] == 0) continue;
+        const double theta = (a[j][j] - a[i][i]) / (2 * a[i][j]);
+        const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1)), c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (Index k = 0; k < m; ++k) {
+          const double x = a[k][i], y = a[k][j];
+          a[k][i] = c * x - s * y, a[k][j] = s * x + c * y;
+        }
+        for (Index k = 0; k < m; ++k) {
+          const double x = a[i][k], y = a[j][k];
+          a[i][k] = c * x - s * y, a[j][k] = s * x + c * y;
+        }
+        for (Index k = 0; k < m; ++k) {
+          const double x = q[k][i], y = q[k][j];
+          q[k][i] = c * x - s * y, q[k][j] = s * x + c * y;
+        }
+      }
+  }
+  for (Index i = 0; i < m; ++i) e[i] = a[i][i];
+}
+
+LocalCone local_cone(const Problem& p, const Cone& cone) {
+  LocalCone l;
+  l.resistance = 0;
+  const Index n = cone.row, t = n + 1, m = cone.size - 1;
+  const double Gnn = p.G(n, n);
+  double S[5][5];
+  for (Index i = 0; i < m; ++i)
+    for (Index j = 0; j < m; ++j) S[i][j] = p.G(t + i, t + j) - (Gnn > 0 ? p.G(t + i, n) * p.G(t + j, n) / Gnn : 0);
+  eigen(S, m, l.q, l.e);
+  for (Index k = 0; k < m; ++k) {
+    l.e[k] = l.e[k] > tiny ? l.e[k] : 0;
+    l.coupling[k] = 0;
+    for (Index i = 0; i < m; ++i) l.coupling[k] += l.q[i][k] * p.G(t + i, n);
+  }
+  return l;
+}
+
+// The cone's impulse for the velocity b.
+void solve_cone(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y) {
+  const Index m = cone.size - 1;
+  std::fill_n(y, cone.size, 0.0);
+  if (b[0] >= 0 || Gnn == 0) return;
+  double bt[5], yt[5];
+  for (Index k = 0; k < m; ++k) {
+    bt[k] = -l.coupling[k] * b[0] / Gnn;
+    for (Index i = 0; i < m; ++i) bt[k] += l.q[i][k] * b[1 + i];
+  }
+  const double noise = 1e-15 * (std::fabs(b[0]) + norm(b + 1, m));
+  double n = 0, length = 0, slope = 0;  // lambda_n, |lambda_t|, and d/da of mu lambda_n / |lambda_t|
+  const auto at = [&](double a) {
+    double dn = 0, dl = 0;
+    n = -b[0];
+    for (Index k = 0; k < m; ++k) {
+      const double stiffness = l.e[k] + a;
+      yt[k] = stiffness > 0 ? -bt[k] / stiffness : std::fabs(bt[k]) <= noise ? 0.0 : std::copysign(HUGE_VAL, -bt[k]);
+      n -= l.coupling[k] * yt[k];
+      dn += l.coupling[k] * yt[k] / stiffness, dl -= yt[k] * yt[k] / stiffness;
+    }
+    length = norm(yt, m), n /= Gnn, dn /= Gnn, dl /= length;
+    slope = cone.mu * (dn * length - n * dl) / (length * length);
+    return cone.mu * n / length - 1;  // not below zero: within the cone
+  };
+  const double stuck = at(0);
+  if (!(length == 0 || stuck >= 0)) {
+    double low = 0, high = 0, a = l.resistance;
+    if (a == 0) a = norm(bt, m) * Gnn / (cone.mu * -b[0]);  // where mu lambda_n = |lambda_t|, were there nothing but a
+    for (int k = 0; k < 100; ++k) {
+      const double f = at(a);
+      if (std::fabs(f) <= 1e-14) break;
+      (f < 0 ? low : high) = a;
+      double next = a - f / slope;
+      if (!(next > low && (high == 0 || next < high))) next = high == 0 ? 4 * a : 0.5 * (low + high);
+      if (std::fabs(next - a) <= 4e-16 * a) break;
+      a = next;
+    }
+    l.resistance = a;
+  }
+  y[0] = n;
+  for (Index i = 0; i < m; ++i)
+    for (Index k = 0; k < m; ++k) y[1 + i] += l.q[i][k] * yt[k];
+  project_cone(cone.mu, cone.size, y, y);  // off it by round-off
+}
+
+}  // namespace
+
+void prepare_sweeps(Workspace& w) {
+  for (Index k = 0; k < w.problem.cones; ++k) w.local[k] = local_cone(w.problem, w.problem.cone[k]);
+}
+
+void sweep(const Workspace& w, double omega, double* y, double* c) {
+  const Problem& p = w.problem;
+  const auto move = [&](Index i, double to) {
+    const double change = to - y[i];
+    if (change == 0) return;
+    y[i] = to;
+    axpy(change, p.G.column(i), c, p.n);
+  };
+  for (Index i = 0; i < p.boxes; ++i)
+    if (const double G = p.G(i, i); G > tiny) move(i, project_box(p, i, y[i] - omega * c[i] / G));
+  for (Index k = 0; k < p.cones; ++k) {
+    const Cone& cone = p.cone[k];
+    double v[6] = {}, to[6];
+    for (Index i = 0; i < cone.size; ++i) {
+      v[i] = c[cone.row + i];
+      for (Index j = 0; j < cone.size; ++j) v[i] -= p.G(cone.row + i, cone.row + j) * y[cone.row + j];
+    }
+    solve_cone(cone, w.local[k], p.G(cone.row, cone.row), v, to);
+    for (Index i = 0; i < cone.size; ++i) to[i] = omega == 1 ? to[i] : (1 - omega) * y[cone.row + i] + omega * to[i];
+    if (omega > 1) project_cone(cone.mu, cone.size, to, to);
+    for (Index i = 0; i < cone.size; ++i) move(cone.row + i, to[i]);
+  }
+}
+
+void pgs(Workspace& w, Budget& b) {
+  const Problem& p = w.problem;
+  double *y = w.x, *c = w.v;
+  std::copy_n(w.y, p.n, y), std::copy_n(w.c, p.n, c);
+  prepare_sweeps(w);
+  while (!b.spent()) {
+    ++b.iterations;
+    sweep(w, b.relaxation > 0 ? b.relaxation : b.iterations == 1 ? 1 : relaxation, y, c);  // one contact is solved by one sweep
+    if (residual(p, y, c).residual > b.tolerance && b.iterations % 50 != 0 && b.iterations < b.max_iterations) continue;
+    times(p.G, y, p.g, c, p.n);  // without what the updates have gathered
+    if (keep_best(w, b, y, c)) return;
+  }
+}
+
+}  // namespace dyn::solver

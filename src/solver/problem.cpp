@@ -1,0 +1,107 @@
+#include "dyn/solver/problem.hpp"
+
+namespace dyn::solver {
+
+namespace {
+
+double at(const double* x, Index i) { return x ? x[i] : 0.0; }
+
+// Rows of a contact with the normal first.
+constexpr Index order[7][6] = {{}, {0}, {}, {2, 0, 1}, {2, 0, 1, 3}, {}, {2, 0, 1, 3, 4, 5}};
+
+// The coefficient of row j in that order: which of them its impulse is bounded by.
+double coefficient(const dynContactProblem& x, Index k, Index rows, Index j) {
+  if (j < 3) return at(x.friction, k);
+  return j == rows - 1 ? at(x.torsion, k) : at(x.rolling, k);
+}
+
+struct Scaler {
+  const dynContactProblem& x;
+  Problem& p;
+  std::ptrdiff_t stride;
+  double fallback;  // of rows that nothing moves
+
+  double diagonal(Index row) const { return x.G[row * stride + row] + at(x.compliance, row); }
+  double root(double diagonal) const { return diagonal > 0 ? 1 / std::sqrt(diagonal) : fallback; }
+  void add(Index row, double d, double unit, double lower, double upper) {
+    const Index i = p.n++;
+    p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.lower[i] = lower / d, p.upper[i] = upper / d, p.approach[i] = 0;
+  }
+  void rebound(Index k, Index row) {
+    const double e = at(x.restitution, k), v = (x.v_minus ? x.v_minus : x.g)[row];
+    if (e > 0 && v < 0) p.approach[p.n - 1] = p.d[p.n - 1] * e * v, p.bounces = true;
+  }
+  void contact(Index k, Index first, Index rows);
+};
+
+// Rows that the cone leaves free; without any, the normal is a limit.
+void Scaler::contact(Index k, Index first, Index rows) {
+  double largest = 0, mu = 0;
+  for (Index j = 1; j < rows; ++j)
+    if (const double m = coefficient(x, k, rows, j); m > 0) {
+      if (mu == 0) mu = m;
+      largest = std::max(largest, m / mu * m / mu * diagonal(first + order[rows][j]));
+    }
+  const bool cone = mu > 0;
+  if (cone != (p.n >= p.boxes)) return;  // limits come first
+  const Index normal = first + order[rows][0];
+  const double d = root(diagonal(normal)), dt = largest > 0 ? 1 / std::sqrt(largest) : d;
+  const Index row = p.n;
+  add(normal, d, d, 0, HUGE_VAL);
+  rebound(k, normal);
+  if (!cone) return;
+  for (Index j = 1; j < rows; ++j)
+    if (const double m = coefficient(x, k, rows, j); m > 0) add(first + order[rows][j], dt * m / mu, dt, -HUGE_VAL, HUGE_VAL);
+  p.cone[p.cones++] = {row, p.n - row, mu * d / dt};
+}
+
+}  // namespace
+
+void scale(const dynContactProblem& x, Problem& p) {
+  const Index first = x.equalities + x.boxes;
+  const std::ptrdiff_t rows = row_count(x);
+  Scaler s{x, p, x.G_stride ? x.G_stride : rows, 1};
+  double largest = 0;
+  for (Index i = 0; i < rows; ++i) largest = std::max(largest, s.diagonal(i));
+  if (largest > 0) s.fallback = 1 / std::sqrt(largest);
+  p.n = p.cones = 0;
+  p.bounces = false;
+  for (Index i = 0; i < first; ++i) {
+    const bool box = i >= x.equalities;
+    const double d = s.root(s.diagonal(i));
+    s.add(i, d, d, box ? x.lower[i - x.equalities] : -HUGE_VAL, box ? x.upper[i - x.equalities] : HUGE_VAL);
+  }
+  for (const bool cones : {false, true}) {
+    p.boxes = cones ? p.n : INT32_MAX;
+    for (Index k = 0, row = first; k < x.contacts; row += rows_of(x, k), ++k) s.contact(k, row, rows_of(x, k));
+  }
+  p.G.ld = padded(p.n);
+  for (Index j = 0; j < p.n; ++j) {
+    const double *column = x.G + p.source[j] * s.stride, dj = p.d[j];
+    double* out = p.G.column(j);
+    for (Index i = 0; i < p.n; ++i) out[i] = p.d[i] * dj * column[p.source[i]];
+    for (Index i = p.n; i < p.G.ld; ++i) out[i] = 0;
+    out[j] += dj * dj * at(x.compliance, p.source[j]);
+    p.g[j] = dj * (x.g[p.source[j]] + at(x.bias, p.source[j]));
+  }
+}
+
+void velocity(const dynContactProblem& x, const double* lambda, double* c) {
+  const Index rows = Index(row_count(x));
+  const std::ptrdiff_t stride = x.G_stride ? x.G_stride : rows;
+  for (Index i = 0; i < rows; ++i) c[i] = x.g[i] + at(x.bias, i) + at(x.compliance, i) * lambda[i];
+  for (Index j = 0; j < rows; ++j)
+    if (lambda[j] != 0) axpy(lambda[j], x.G + j * stride, c, rows);
+}
+
+void unscale(const dynContactProblem& x, const Problem& p, const double* y, double* lambda) {
+  std::fill_n(lambda, row_count(x), 0.0);
+  for (Index i = 0; i < p.n; ++i) lambda[p.source[i]] = p.d[i] * y[i];
+}
+
+void scale_guess(const Problem& p, const double* lambda, double* y) {
+  for (Index i = 0; i < p.n; ++i) y[i] = lambda[p.source[i]] / p.d[i];
+  project(p, y, y);
+}
+
+}  // namespace dyn::solver

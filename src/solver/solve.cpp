@@ -1,0 +1,99 @@
+#include "dyn/solver/list.hpp"
+
+namespace dyn::solver {
+
+namespace {
+
+struct Run {
+  const dynContactProblem& x;
+  Solver solver;
+  Workspace& w;
+  Budget& b;
+  dynContactReport& out;
+
+  double free_speed();
+  void operator()(double restitution);
+  // The impulses do work, beyond what the tolerance leaves open.
+  bool gains() const {
+    double size = 0;
+    for (Index i = 0; i < w.problem.n; ++i) size += std::fabs(w.y[i] * w.free_g[i]);
+    return out.energy > (1e-10 + 10 * b.tolerance) * size;
+  }
+};
+
+// The largest velocity without impulses, or with those that boxes force.
+double Run::free_speed() {
+  const Problem& p = w.problem;
+  std::fill_n(w.x, p.n, 0.0);
+  project(p, w.x, w.x);
+  times(p.G, w.x, p.g, w.v, p.n);
+  double speed = 0;
+  for (Index i = 0; i < p.n; ++i) speed = std::max(speed, std::fabs(w.v[i]) / p.unit[i]);
+  return speed;
+}
+
+// From w.y to w.y, with restitution by a factor.
+void Run::operator()(double restitution) {
+  Problem& p = w.problem;
+  for (Index i = 0; i < p.n; ++i) p.g[i] = w.free_g[i] + restitution * p.approach[i];
+  p.speed = free_speed();
+  const double tolerance = b.tolerance;
+  b.tolerance *= p.speed, b.best = HUGE_VAL, b.status = DYN_CONTACT_STALLED;
+  std::copy_n(w.y, p.n, w.x);
+  times(p.G, w.x, p.g, w.v, p.n);
+  if (p.speed == 0) {  // nothing moves
+    std::fill_n(w.x, p.n, 0.0);
+    project(p, w.x, w.x);
+    times(p.G, w.x, p.g, w.v, p.n);
+  }
+  if (!keep_best(w, b, w.x, w.v)) solver(w, b);
+  b.tolerance = tolerance;
+  report(x, p, w.y, w.c, out);
+  out.restitution_scale = restitution;
+}
+
+}  // namespace
+
+void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, const double* lambda, dynContactReport& out) {
+  Problem& p = w.problem;
+  scale(x, p);
+  std::copy_n(p.g, p.n, w.free_g);
+  if (b.warm)
+    scale_guess(p, lambda, w.y);
+  else {
+    std::fill_n(w.y, p.n, 0.0);
+    project(p, w.y, w.y);
+  }
+  Run run{x, solver, w, b, out};
+  run(1);
+  if (p.bounces && run.gains()) {
+    b.warm = true;
+    double low = 0, high = 1;
+    while (high - low > 1e-3) {
+      const double factor = 0.5 * (low + high);
+      run(factor);
+      (run.gains() ? high : low) = factor;
+    }
+    run(low);
+  }
+  out.status = b.status, out.iterations = b.iterations, out.newton_steps = b.newton_steps, out.factorizations = b.factorizations;
+}
+
+void evaluate(const dynContactProblem& x, Workspace& w, const double* lambda, dynContactReport& out) {
+  Problem& p = w.problem;
+  scale(x, p);
+  Budget b;
+  Run run{x, nullptr, w, b, out};
+  for (Index i = 0; i < p.n; ++i) p.g[i] += p.approach[i], w.y[i] = lambda[p.source[i]] / p.d[i];
+  p.speed = run.free_speed();
+  times(p.G, w.y, p.g, w.c, p.n);
+  report(x, p, w.y, w.c, out);
+  // rows without a coefficient should hold nothing
+  const Index rows = Index(row_count(x));
+  std::copy_n(lambda, rows, w.x);
+  for (Index i = 0; i < p.n; ++i) w.x[p.source[i]] = 0;
+  for (Index i = 0; i < rows; ++i) out.primal = std::max(out.primal, std::fabs(w.x[i]));
+  out.restitution_scale = 1;
+}
+
+}  // namespace dyn::solver
