@@ -1123,8 +1123,9 @@ DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double o
      |lambda_t|^2 / friction^2 + |lambda_r|^2 / rolling^2 + lambda_torsion^2 / torsion^2 <= lambda_n^2    (torsion, rolling: m)
    and a coefficient of 0 holds its rows at zero. Any consistent unit will do: impulses and velocities, or forces and accelerations.
    Restitution e is Moreau's law: c_n + e min(0, v_minus_n) takes the place of c_n; all impacts at once (three equal balls, e = 1: -1/3, 2/3, 2/3).
-   That law can gain energy, when coefficients differ or with friction (Kane and Levinson 1985): where the impulses' work lambda'(g + G lambda / 2)
-   would be positive, the coefficients are taken smaller, all by the factor that the report gives; with factor 0 impulses never do work. */
+   That law can gain energy, when coefficients differ or with friction (Kane and Levinson 1985), or ask for velocities that no impulses give: where the
+   impulses' work lambda'(g + G lambda / 2) would be positive, or nothing comes near a solution, the coefficients are taken smaller, all by the factor
+   that the report gives (of some eight solves, each with max_iterations); with factor 0 impulses never do work. */
 typedef enum dynContactSolverType {
   DYN_CONTACT_PGS = 0,   /* projected Gauss-Seidel, each contact solved exactly: cheap sweeps, many where mass ratios or redundancy are large */
   DYN_CONTACT_ADMM = 1,  /* proximal ADMM (Carpentier, Le Lidec and Montaut 2024), finished by Newton's method: robust; the default */

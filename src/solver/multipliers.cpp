@@ -137,7 +137,8 @@ bool Multipliers::jointly(Index most_steps) {
   std::copy_n(w.t, n, z);
   double primal = 0;
   for (Index i = 0; i < n; ++i) primal = std::max(primal, std::fabs(x[i] - y[i]) / p.unit[i]);
-  if (primal > 0.1 * primal_before && gradient < 0.1 * p.speed) joint_rho = std::min(3 * joint_rho, most_rho);
+  if (primal > 0.1 * primal_before && gradient < 0.1 * p.speed)
+    joint_rho = std::min(3 * joint_rho, std::max(1.0, 0.1 * b.tolerance / (2.2e-16 * size(y))));  // beyond that its round-off is felt
   primal_before = primal;
   error = std::max(primal, gradient);
   return true;
