@@ -7,7 +7,8 @@ Usage:  report.py [--sections speed,instructions,scaling,python] [--dyn EXE] [--
   speed         time of every algorithm over that of the fastest build of Pinocchio (compare.py), and its plot (plot.py)
   instructions  instructions of a call, by single steps (dyn_bench --count), beside time and operations counted from the
                 formulas (flops.py)
-  scaling       derivatives of RNEA on chains and trees of up to 1,999 joints: time over the sum of depths
+  scaling       cost per joint on chains of up to 10,000 joints, beside that of moving the same bytes (dyn_stream); derivatives
+                of RNEA on chains and trees of up to 1,999 joints: time over the sum of depths
   python        what Python adds to a call, and what a second thread brings to a batch (python_overhead.py)
 
   --dyn EXE        libdyn's bench program (default build/release/bin/dyn_bench)
@@ -40,6 +41,8 @@ MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating", "
 COUNTED = ["fk", "rnea", "aba", "crba", "rnea_derivatives"]
 SHAPES = [("chain of 100", ("chain", "100")), ("chain of 1,000", ("chain", "1000")), ("star of 100", ("star", "100")),
           ("star of 1,000", ("star", "1000")), ("binary tree of 1,000 leaves", ("tree", "1999", "--branching", "2"))]
+LENGTHS = [100, 1000, 10000]
+RECURSIONS = ["fk", "rnea", "aba"]
 
 
 def die(text):
@@ -131,17 +134,39 @@ def depths(urdf):
     return list(depth.values())
 
 
+def generated(tmp, shape):
+    urdf = tmp / ("_".join(shape).replace("--", "") + ".urdf")
+    urdf.write_text(run([sys.executable, compare.GENERATE, *shape], "generate.py"))
+    return urdf
+
+
+def cost_per_joint(args, tmp):
+    """{recursion: {"bytes": a joint, "ns": {length: (recursion, its bytes moved)}}}"""
+    figures = {}
+    for n in LENGTHS:
+        urdf = generated(tmp, ("chain", str(n)))
+        rows = {r["name"]: r["ns_median"] for r in dyn_bench(args, urdf, "--fixed", "--only", ",".join(RECURSIONS), "--seconds", "0.2")["rows"]}
+        for r in json.loads(run([args.dyn.parent / "dyn_stream", n], "dyn_stream"))["rows"]:
+            f = figures.setdefault(r["name"], {"bytes": r["bytes"], "ns": {}})
+            f["ns"][n] = rows[r["name"]] / n, r["ns"] / n
+    body = [[f"`{name}`", number(f["bytes"])] + [f"{ns[0]:.1f} ({ns[1]:.1f})" for ns in f["ns"].values()] for name, f in figures.items()]
+    text = ("Nanoseconds a joint, in a chain; in brackets what it takes to read and write once the bytes that the recursion keeps for each joint, without computing "
+            "(`dyn_stream`). The work is the same for every joint; where the bytes of all no longer fit into the core's own cache (2 MB here), moving them is what takes the time.\n\n"
+            + compare.table(["recursion", "bytes a joint"] + [f"{n:,} joints" for n in LENGTHS], body))
+    return text, figures
+
+
 def scaling(args, tmp):
-    lines, figures = [], {}
+    chains, per_joint = cost_per_joint(args, tmp)
+    lines, figures = [], {"per_joint": per_joint}
     for name, shape in SHAPES:
-        urdf = tmp / ("_".join(shape).replace("--", "") + ".urdf")
-        urdf.write_text(run([sys.executable, compare.GENERATE, *shape], "generate.py"))
+        urdf = generated(tmp, shape)
         pairs = sum(depths(urdf))
         r = dyn_bench(args, urdf, "--fixed", "--only", "rnea,rnea_derivatives", "--seconds", "0.5")
         rnea, ns = (next(x["ns_median"] for x in r["rows"] if x["name"] == row) for row in ("rnea", "rnea_derivatives"))
         figures[name] = {"n": r["nv"], "pairs": pairs, "rnea": rnea, "rnea_derivatives": ns}
         lines.append([name, number(r["nv"]), number(pairs), number(rnea / 1e3), number(ns / 1e3), f"{rnea / r['nv']:.1f}", f"{ns / pairs:.2f}", f"{ns / r['nv'] ** 2:.2f}"])
-    text = ("Derivatives of RNEA (three matrices) grow with n times the mean depth, not with n²: nanoseconds over the sum of depths, which is the number of pairs of "
+    text = (chains + "\n\nDerivatives of RNEA (three matrices) grow with n times the mean depth, not with n²: nanoseconds over the sum of depths, which is the number of pairs of "
             "joints of which one supports the other. `tests/algorithm/scaling_test.cpp` says the same of operations, without a clock. At 1,000 joints in a chain writing "
             "24 MB is what takes the time.\n\n"
             + compare.table(["robot", "n", "n times mean depth", "RNEA, µs", "its derivatives, µs", "RNEA, ns / n", "derivatives, ns / (n depth)", "derivatives, ns / n²"], lines))

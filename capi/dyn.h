@@ -146,7 +146,7 @@ typedef struct dynLoadOptions {
   int32_t cos_sin;                  /* non-zero: continuous joints store (cos, sin): DYN_JOINT_REVOLUTE_UNBOUNDED */
   const char* const* package_dirs;  /* where package://NAME/... is looked up: DIR/NAME/... and DIR/... ; may be NULL */
   size_t package_dirs_count;
-  double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81) */
+  double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's: anything else counts */
   const char* srdf;                 /* path of an SRDF for this robot; NULL: none */
   dynMeshUse meshes;                /* anything but NONE needs libdyn_mesh.so, and a mesh that cannot be read is an error */
   int32_t constraint_slots;         /* spare slots for constraints, 0 to 1000; default 8 */
@@ -154,9 +154,17 @@ typedef struct dynLoadOptions {
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
 
-/* Reads a robot from a URDF file. *model is written only on success. options may be NULL (the defaults of
+/* Reads a robot from a URDF file or a model from an MJCF file: the first element decides. *model is written only on success. options may be NULL (the defaults of
    dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used; what it says of the SRDF
-   begins with that file's name, and names that the robot has not are warnings there (errors under strict). */
+   begins with that file's name, and names that the robot has not are warnings there (errors under strict).
+
+   MJCF: bodies, frames, replicas, attached models, included files; inertials and the masses of geoms by MuJoCo's rules; hinge, slide, ball
+   and free joints, several on a body, with reference, limits, armature, damping, dry friction and springs; geoms as shapes (of contype and
+   conaffinity 0: visual), meshes (STL, OBJ, MSH, vertices in the file), height fields, sites as frames, classes of defaults, excluded pairs,
+   gravity. q is MuJoCo's qpos with quaternions as (x, y, z, w), a free joint's velocity is in the body's axes: see dynStateLayout. The configuration
+   that the file draws is named "qpos0" where it is not the neutral one, keys are named configurations. Joints without a name have their
+   body's, with _joint behind it; bodies without one are body_<number in the file>. Tendons, actuators, equalities, sensors, flexible bodies and
+   plugins are in the load report, each with its line. base must be left out or is ignored: the file has free joints; srdf is refused. */
 DYN_API dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model);
 /* The same from text in memory (zero-terminated). Relative paths in it refer to the working directory. */
 DYN_API dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model);

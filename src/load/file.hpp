@@ -7,7 +7,7 @@
 
 namespace dyn::load {
 
-// The whole file; also reads pipes, such as the output of xacro. what: "a URDF file". Throws through a report of the path.
+// The whole file; also reads pipes, such as the output of xacro. what: "a robot file". Throws through a report of the path.
 std::string read_file(const std::string& path, const std::string& what);
 
 }  // namespace dyn::load

@@ -28,9 +28,8 @@ ModelPtr load_content(const std::string& text, const std::string& file, const Lo
                     (file.empty() && path ? ": the text of a URDF is expected, and dyn_model_load takes a path" : ""));
   }
   const std::string root = load::root_element(text);
-  if (root == "mujoco")
-    report.fail(DYN_ERROR_UNSUPPORTED, 0,
-                "this is an MJCF model (<mujoco>), which this version does not read: convert it to URDF");
+  if (root == "mujoco") return load_mjcf(text, file, options);
+  if (root == "mujocoinclude") report.fail(DYN_ERROR_PARSE, 0, "this is a part of an MJCF model: load the file that includes it");
   if (root == "sdf")
     report.fail(DYN_ERROR_UNSUPPORTED, 0, "this is an SDF model (<sdf>), which libdyn does not read: convert it to URDF");
   return load_urdf(text, file, options);
@@ -38,7 +37,7 @@ ModelPtr load_content(const std::string& text, const std::string& file, const Lo
 
 }  // namespace
 
-ModelPtr load_file(const std::string& path, const LoadOptions& options) { return load_content(load::read_file(path, "a URDF file"), path, options); }
+ModelPtr load_file(const std::string& path, const LoadOptions& options) { return load_content(load::read_file(path, "a robot file"), path, options); }
 
 ModelPtr load_string(const std::string& text, const LoadOptions& options) { return load_content(text, "", options); }
 

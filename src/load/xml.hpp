@@ -25,6 +25,7 @@ class Document {
  public:
   Document(const std::string& text, const Report& report);
   const Element& root() const { return *xml_.RootElement(); }
+  Element& root() { return *xml_.RootElement(); }
 
  private:
   tinyxml2::XMLDocument xml_;

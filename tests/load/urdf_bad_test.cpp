@@ -52,7 +52,7 @@ const Case cases[] = {
     {"Blank", " \n\t ", DYN_ERROR_PARSE, {"empty"}},
     {"Words", "hello\nworld", DYN_ERROR_PARSE, {"not XML"}},
     {"Path", "models/robot.urdf", DYN_ERROR_PARSE, {"not XML", "dyn_model_load"}},
-    {"Mjcf", "<?xml version=\"1.0\"?><!-- x --><mujoco model=\"m\"/>", DYN_ERROR_UNSUPPORTED, {"MJCF", "URDF"}},
+    {"Mjcf", "<?xml version=\"1.0\"?><!-- x --><mujocoinclude/>", DYN_ERROR_PARSE, {"MJCF", "include"}},
     {"Sdf", "<sdf version=\"1.6\"/>", DYN_ERROR_UNSUPPORTED, {"SDF"}},
     {"OtherRoot", "\n<robots/>", DYN_ERROR_PARSE, {"line 2", "<robots>", "<robot>"}},
     {"Binary", "DYNB\x01\x02", DYN_ERROR_UNSUPPORTED, {"binary"}},

@@ -11,7 +11,7 @@
 namespace cli {
 
 void add_robot_options(CLI::App& command, RobotOptions& options) {
-  command.add_option("FILE", options.file, "The robot: a URDF file")->required();
+  command.add_option("FILE", options.file, "The robot: a URDF or MJCF file")->required();
   auto* fixed = command.add_flag("--fixed", options.fixed, "The root link is welded to the world");
   auto* floating = command.add_flag("--floating", options.floating, "A free flyer carries the root link");
   fixed->excludes(floating);

@@ -200,14 +200,14 @@ def load(
     meshes: str | MeshUse = MeshUse.NONE,
     constraint_slots: int = 8,
 ) -> Model:
-    """Reads a robot from a URDF file.
+    """Reads a robot from a URDF file, or a model from an MJCF file.
 
     base          "fixed": the root link is welded to the world; "floating": a free flyer carries it. A root link with
                   mass needs one of them.
     strict        physics that would be dropped is an error
     cos_sin       continuous joints store (cos, sin)
     package_dirs  where package://NAME/... is looked up
-    gravity       (3,), m/s^2, world axes; default (0, 0, -9.81)
+    gravity       (3,), m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's
     meshes        what stands for collision meshes: "none", their names alone; "hull", their convex hulls (report says which are not
                   convex); "triangles". Other than "none", a mesh that cannot be read is an error
     constraint_slots  spare slots for constraints that a data of the model has
@@ -234,7 +234,7 @@ def load_string(
     meshes: str | MeshUse = MeshUse.NONE,
     constraint_slots: int = 8,
 ) -> Model:
-    """Reads a robot from the text of a URDF; otherwise as dyn.load."""
+    """Reads a robot from the text of a URDF or MJCF; otherwise as dyn.load."""
     out = c_void_p()
     options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots)
     check(lib.dyn_model_load_string(text(urdf, "urdf"), byref(options), byref(out)))

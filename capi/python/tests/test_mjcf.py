@@ -1,0 +1,232 @@
+"""MJCF models: against MuJoCo's figures (tests/mjcf/generate.py makes golden.json), and what bad ones get."""
+
+import json
+from pathlib import Path
+
+import dyn
+import numpy as np
+import pytest
+
+MJCF = Path(__file__).resolve().parents[3] / "tests" / "mjcf"
+GOLDEN = json.loads((MJCF / "golden.json").read_text())["models"]
+FREE, BALL = 0, 1
+TIGHT = 1e-11
+AXES = 1e-9  # MuJoCo's principal axes of inertia are iterated, to about 1e-10
+
+
+@pytest.fixture(scope="module", params=GOLDEN)
+def both(request):
+    return dyn.load(MJCF / "models" / request.param), GOLDEN[request.param]
+
+
+def configuration(golden, qpos):
+    q = np.array(qpos)
+    for j in golden["joints"]:
+        if j["type"] in (FREE, BALL):
+            k = j["qpos"] + (3 if j["type"] == FREE else 0)
+            q[k : k + 4] = np.roll(q[k : k + 4], -1)  # (w, x, y, z) to (x, y, z, w)
+    return q
+
+
+def velocity_map(golden, q):
+    """v = T v_MuJoCo, and the acceleration that MuJoCo's zero acceleration is, for a velocity v."""
+    T = np.eye(golden["nv"])
+    for j in golden["joints"]:
+        if j["type"] == FREE:
+            x, y, z, w = q[j["qpos"] + 3 : j["qpos"] + 7]
+            R = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                          [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                          [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+            T[j["dof"] : j["dof"] + 3, j["dof"] : j["dof"] + 3] = R.T
+
+    def zero_acceleration(v):
+        a = np.zeros(golden["nv"])
+        for j in golden["joints"]:
+            if j["type"] == FREE:
+                k = j["dof"]
+                a[k : k + 3] = -np.cross(v[k + 3 : k + 6], v[k : k + 3])
+        return a
+
+    return T, zero_acceleration
+
+
+def close(a, b):
+    a, b = np.asarray(a), np.asarray(b)
+    assert np.abs(a - b).max() <= TIGHT * max(1.0, np.abs(b).max())
+
+
+def test_sizes_and_masses(both):
+    model, golden = both
+    assert (model.nq, model.nv) == (golden["nq"], golden["nv"])
+    close(model.gravity, golden["gravity"])
+    for name, body in golden["bodies"].items():
+        frame = model.frame(model.frame_id(name, "BODY"))
+        assert frame.mass == pytest.approx(body["mass"], rel=TIGHT)
+        close(frame.com, body["com"])
+        scale = np.abs(body["inertia"]).max()
+        assert np.abs(np.reshape(frame.inertia, (3, 3)) - body["inertia"]).max() <= AXES * scale
+
+
+def test_dynamics(both):
+    model, golden = both
+    d = model.data()
+    for s in golden["states"]:
+        q = configuration(golden, s["qpos"])
+        T, zero_acceleration = velocity_map(golden, q)
+        v = T @ s["qvel"]
+        close(T.T @ d.crba(q) @ T, s["M"])
+        close(T.T @ d.rnea(q, v, zero_acceleration(v)), s["bias"])
+        d.forward_kinematics(q)
+        placements = d.frame_placements()
+        for k, name in enumerate(golden["bodies"]):
+            f = model.frame_id(name, "BODY")
+            close(placements.translation[f], s["x"][k])
+            close(placements.rotation[f].ravel(), s["R"][k])
+
+
+def test_joints(both):
+    model, golden = both
+    for mine, theirs in ((model.damping, "damping"), (model.armature, "armature"), (model.friction, "friction")):
+        close(mine, golden[theirs])
+    for k, j in enumerate(golden["joints"]):
+        if j["type"] in (FREE, BALL):
+            continue
+        limits = j["range"] or [-np.inf, np.inf]
+        assert np.allclose([model.lower_limit[j["qpos"]], model.upper_limit[j["qpos"]]], limits, rtol=1e-15)
+        assert model.stiffness[j["dof"]] == pytest.approx(golden["stiffness"][k])
+        if golden["stiffness"][k]:
+            assert model.spring_reference[j["qpos"]] == pytest.approx(golden["spring"][j["qpos"]], rel=1e-14)
+
+
+def test_configurations_and_frames(both):
+    model, golden = both
+    close(model.configuration("qpos0") if "qpos0" in model.configurations else model.configuration("neutral"), configuration(golden, golden["qpos0"]))
+    for name, qpos in golden["keys"].items():
+        q = configuration(golden, qpos)
+        for j in golden["joints"]:
+            if j["type"] in (FREE, BALL):
+                k = j["qpos"] + (3 if j["type"] == FREE else 0)
+                q[k : k + 4] /= np.linalg.norm(q[k : k + 4])
+        close(model.configuration(name), q)
+    for site in golden["sites"]:
+        assert model.frame_id(site) > 0
+
+
+def test_collision_geometry():
+    model = dyn.load(MJCF / "models" / "meshes.xml", meshes="hull")
+    shapes = model.shapes
+    assert [s.type.name for s in shapes] == ["HEIGHT_FIELD"] + ["CONVEX"] * 5
+    assert any("not convex" in r.message for r in model.report)
+    assert any("legacy" in r.message for r in model.report)
+    bare = dyn.load(MJCF / "models" / "meshes.xml")
+    assert [s.type.name for s in bare.shapes] == ["HEIGHT_FIELD"] + ["MESH"] * 5
+    tree = dyn.load(MJCF / "models" / "tree.xml")
+    kinds = [(s.type.name, s.role.name) for s in tree.shapes]
+    assert ("HALF_SPACE", "COLLISION") in kinds and ("BOX", "VISUAL") in kinds
+
+
+def test_report_and_strict():
+    text = """<mujoco><worldbody><body name="a"><joint name="j" springdamper="1 1"/><geom size=".1"/></body><camera/><light/></worldbody>
+<tendon><spatial name="t"/></tendon><equality><connect body1="a" anchor="0 0 0"/></equality><actuator><motor name="m" joint="j"/></actuator>
+<sensor><jointpos joint="j"/></sensor><custom/></mujoco>"""
+    messages = [r.message for r in dyn.load_string(text).report]
+    for part in ("springdamper", "<tendon>", "<equality>", "<actuator>", "<sensor>", "<camera>"):
+        assert any(part in m for m in messages), part
+    with pytest.raises(dyn.Error, match="line 1: joint 'j'.*springdamper.*<tendon>"):
+        dyn.load_string(text, strict=True)
+
+
+BODY = '<body name="a"><joint name="j"/><geom size=".1"/></body>'
+
+
+@pytest.mark.parametrize("text, message", [
+    ("<mujoco><worldbody>" + BODY + BODY + "</worldbody></mujoco>", "the name 'j?a?'|taken"),
+    ('<mujoco><worldbody><joint/></worldbody></mujoco>', "the world has no joints"),
+    ('<mujoco><worldbody><body><freejoint/><geom size=".1"/><body><freejoint/><geom size=".1"/></body></body></worldbody></mujoco>', "a free joint belongs to a body of the world"),
+    ('<mujoco><worldbody><body><joint/><freejoint/><geom size=".1"/></body></worldbody></mujoco>', "only one"),
+    ('<mujoco><worldbody><body><joint type="screw"/></body></worldbody></mujoco>', "hinge, slide, ball or free"),
+    ('<mujoco><worldbody><body><joint axis="0 0 0"/></body></worldbody></mujoco>', "no direction"),
+    ('<mujoco><worldbody><body><joint range="1 -1"/></body></worldbody></mujoco>', "not below"),
+    ('<mujoco><worldbody><body><joint limited="true"/></body></worldbody></mujoco>', "needs range"),
+    ('<mujoco><compiler autolimits="false"/><worldbody><body><joint range="0 1"/></body></worldbody></mujoco>', "autolimits"),
+    ('<mujoco><worldbody><body><joint limited="maybe"/></body></worldbody></mujoco>', "true or false"),
+    ('<mujoco><worldbody><body><joint damping="-1"/></body></worldbody></mujoco>', "negative"),
+    ('<mujoco><worldbody><body><joint armature="nan"/></body></worldbody></mujoco>', "nan"),
+    ('<mujoco><worldbody><geom type="blob" size="1"/></worldbody></mujoco>', "<geom type> is 'blob'"),
+    ('<mujoco><worldbody><geom type="box" size="1 1"/></worldbody></mujoco>', "needs 3 numbers"),
+    ('<mujoco><worldbody><geom size="-1"/></worldbody></mujoco>', "positive"),
+    ('<mujoco><worldbody><geom size="1e400"/></worldbody></mujoco>', "1e400"),
+    ('<mujoco><worldbody><geom type="capsule" size="1" fromto="0 0 0 0 0 0"/></worldbody></mujoco>', "same point"),
+    ('<mujoco><worldbody><geom size="1" mass="-1"/></worldbody></mujoco>', "negative"),
+    ('<mujoco><worldbody><geom size="1" contype="1.5"/></worldbody></mujoco>', "integer of 32 bits"),
+    ('<mujoco><worldbody><geom size="1" class="no"/></worldbody></mujoco>', "no class 'no'"),
+    ('<mujoco><worldbody><body childclass="no"/></worldbody></mujoco>', "no class 'no'"),
+    ('<mujoco><worldbody><geom type="mesh" mesh="no"/></worldbody></mujoco>', "no mesh 'no'"),
+    ('<mujoco><worldbody><geom type="hfield" hfield="no"/></worldbody></mujoco>', "no height field 'no'"),
+    ('<mujoco><worldbody><body quat="0 0 0 0"/></worldbody></mujoco>', "no rotation"),
+    ('<mujoco><worldbody><body quat="1 0 0 0" euler="0 0 0"/></worldbody></mujoco>', "twice"),
+    ('<mujoco><worldbody><body pos="1 2"/></worldbody></mujoco>', "2 numbers where 3"),
+    ('<mujoco><compiler angle="turns"/></mujoco>', "degree or radian"),
+    ('<mujoco><compiler eulerseq="xyzx"/></mujoco>', "three of x, y, z"),
+    ('<mujoco><compiler coordinate="global"/></mujoco>', "local coordinates"),
+    ('<mujoco><worldbody><body><joint/><inertial pos="0 0 0" mass="-1"/></body></worldbody></mujoco>', "negative"),
+    ('<mujoco><worldbody><body><joint/><inertial mass="1"/></body></worldbody></mujoco>', "no attribute pos"),
+    ('<mujoco><worldbody><body><joint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 9"/></body></worldbody></mujoco>', "impossible"),
+    ('<mujoco><worldbody><body><joint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 -1"/></body></worldbody></mujoco>', "negative principal"),
+    ('<mujoco><worldbody><body name="b"><joint name="j"/></body></worldbody></mujoco>', "mass"),
+    ('<mujoco><worldbody><replicate count="0"><geom size="1"/></replicate></worldbody></mujoco>', "integer from 1"),
+    ('<mujoco><worldbody><replicate count="1e9"><geom size="1"/></replicate></worldbody></mujoco>', "integer from 1"),
+    ('<mujoco><worldbody><attach model="no"/></worldbody></mujoco>', "no model 'no'"),
+    ('<mujoco><include file="/nowhere/x.xml"/></mujoco>', "does not exist"),
+    ('<mujoco><contact><exclude body1="a" body2="b"/></contact></mujoco>', "no body 'a'"),
+    ('<mujoco><worldbody>' + BODY + '</worldbody><keyframe><key qpos="1 2"/></keyframe></mujoco>', "2 numbers"),
+    ('<mujoco><default><default class="c"/><default class="c"/></default></mujoco>', "there already"),
+    ('<mujoco><asset><mesh name="m"/><mesh name="m"/></asset></mujoco>', "two of this name"),
+    ('<mujoco><asset><mesh name="m" vertex="0 0 0 1 1"/></asset><worldbody><body><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>', "three numbers a vertex"),
+    ('<mujoco><asset><mesh name="m" vertex="0 0 0 1 1 1" face="0 1 2"/></asset><worldbody><body><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>', "vertex 2 does not exist"),
+    ('<mujoco><asset><mesh name="m" vertex="0 0 0 1 1 1"/></asset><worldbody><body><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>', "fewer than four|four points"),
+    ('<mujoco><asset><mesh name="m" file="none.stl"/></asset><worldbody><body><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>', "none.stl"),
+    ('<mujoco><asset><hfield name="h" nrow="2" ncol="2" elevation="1 2 3" size="1 1 1 1"/></asset><worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>', "3 numbers where 4"),
+    ('<mujoco><asset><hfield name="h" nrow="1" ncol="2" size="1 1 1 1"/></asset><worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>', "at least 2"),
+    ('<mujoco><asset><hfield name="h" nrow="1e5" ncol="1e5" size="1 1 1 1"/></asset><worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>', "at most"),
+    ("<mujocoinclude/>", "a part of an MJCF model"),
+    ("<mujoco><worldbody>", "closed"),
+])
+def test_bad_models(text, message):
+    with pytest.raises(dyn.Error, match=message):
+        dyn.load_string(text)
+
+
+def test_files_that_include_and_attach_themselves(tmp_path):
+    (tmp_path / "a.xml").write_text('<mujoco><include file="b.xml"/></mujoco>')
+    (tmp_path / "b.xml").write_text('<mujocoinclude><include file="b.xml"/></mujocoinclude>')
+    with pytest.raises(dyn.Error, match="b.xml:1: .*a second time"):
+        dyn.load(tmp_path / "a.xml")
+    (tmp_path / "c.xml").write_text('<mujoco><asset><model name="c" file="c.xml"/></asset><worldbody><attach model="c"/></worldbody></mujoco>')
+    with pytest.raises(dyn.Error, match="attaches itself"):
+        dyn.load(tmp_path / "c.xml")
+    (tmp_path / "d.xml").write_text('<mujoco><include file="e.xml"/></mujoco>')
+    (tmp_path / "e.xml").write_text('<mujoco><worldbody>\n<geom size="x"/></worldbody></mujoco>')
+    with pytest.raises(dyn.Error, match="e.xml:2: .*'x'"):
+        dyn.load(tmp_path / "d.xml")
+
+
+def test_binary_assets(tmp_path):
+    """A box as MuJoCo's .msh, and a height field in a file."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 2) for z in (0, 3)], np.float32)
+    faces = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]], np.int32)
+    (tmp_path / "box.msh").write_bytes(np.array([8, 0, 0, 12], np.int32).tobytes() + corners.tobytes() + faces.tobytes())
+    (tmp_path / "hills.bin").write_bytes(np.array([2, 3], np.int32).tobytes() + np.arange(6, dtype=np.float32).tobytes())
+    text = """<mujoco><asset><mesh file="box.msh"/><hfield name="h" file="hills.bin" size="1 1 2 1"/></asset><worldbody><geom type="hfield" hfield="h"/>
+<body name="b"><freejoint/><geom type="mesh" mesh="box" density="10"/></body></worldbody></mujoco>"""
+    (tmp_path / "m.xml").write_text(text)
+    model = dyn.load(tmp_path / "m.xml")
+    body = model.frame(model.frame_id("b", "BODY"))
+    assert body.mass == pytest.approx(60, rel=1e-14) and np.allclose(body.com, [0.5, 1, 1.5], rtol=1e-14)
+    for cut in (3, 20, 60):
+        (tmp_path / "box.msh").write_bytes((np.array([8, 0, 0, 12], np.int32).tobytes() + corners.tobytes())[:cut])
+        with pytest.raises(dyn.Error, match="ends early"):
+            dyn.load(tmp_path / "m.xml")
+    (tmp_path / "box.msh").write_bytes(np.array([-1, 0, 0, 12], np.int32).tobytes())
+    with pytest.raises(dyn.Error, match="not of MuJoCo's format"):
+        dyn.load(tmp_path / "m.xml")

@@ -1,0 +1,36 @@
+#include "mesh_stand.hpp"
+
+#include <cmath>
+
+#include "model/builder_impl.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+std::string count(long n, const char* one, const char* many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
+
+MeshStand hull(const meshes::Mesh& mesh) {
+  const meshes::Mesh hull = meshes::hull_of(mesh);
+  const double depth = meshes::depth_under(mesh, *hull.polytope);
+  const std::string vertices = count(hull.vertex_count(), "vertex", "vertices");
+  const bool closed = mesh.topology.closed && meshes::solid_of(mesh).volume != 0;
+  if (depth <= meshes::convex_tolerance * meshes::box_of(mesh).diagonal())
+    return {meshes::convex_of(hull), false, " is convex: a hull of " + vertices + " stands for it"};
+  std::string ratio = "unknown times the mesh's, which is not closed";
+  if (closed) ratio = number(meshes::solid_of(hull).volume / std::abs(meshes::solid_of(mesh).volume)) + " times the mesh's";
+  return {meshes::convex_of(hull), true, " is not convex, and its hull of " + vertices + " stands for it: hull_volume_ratio: the hull's volume is " + ratio +
+                                             "; hull_depth: the mesh lies up to " + number(depth) + " m below the hull"};
+}
+
+MeshStand triangles(const meshes::Mesh& mesh) {
+  const std::string what = ": " + count(mesh.triangle_count(), "triangle", "triangles");
+  if (mesh.topology.closed) return {meshes::tree_of(mesh), false, what + " that enclose a solid"};
+  return {meshes::tree_of(mesh), true, what + " that enclose nothing (" + count(mesh.topology.open, "open edge", "open edges") + "): what lies inside touches nothing"};
+}
+
+}  // namespace
+
+MeshStand stand_for(const meshes::Mesh& mesh, dynMeshUse use) { return use == DYN_MESH_HULL ? hull(mesh) : triangles(mesh); }
+
+}  // namespace dyn::load

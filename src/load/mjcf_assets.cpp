@@ -1,0 +1,210 @@
+// <asset>: meshes, height fields, and models to attach.
+#include <cmath>
+#include <fstream>
+
+#include "mesh_stand.hpp"
+#include "mjcf_robot.hpp"
+#include "model/builder_surface.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
+
+// Vertices as the geom's frame sees them: moved and turned by refpos and refquat, then scaled.
+meshes::Mesh in_frame(meshes::Mesh mesh, const SE3<double>& reference, const std::array<double, 3>& scale, const std::string& who) {
+  const bool mirrored = scale[0] * scale[1] * scale[2] < 0;
+  for (size_t i = 0; i < mesh.vertices.size(); i += 3) {
+    const Vec3<double> p = reference.act_inverse(load3(&mesh.vertices[i]));
+    for (size_t k = 0; k < 3; ++k) mesh.vertices[i + k] = scale[k] * p[int(k)];
+  }
+  if (mirrored)
+    for (size_t t = 0; t < mesh.triangles.size(); t += 3) std::swap(mesh.triangles[t], mesh.triangles[t + 1]);
+  if (mesh.triangles.empty()) return mesh;
+  return meshes::make_mesh(mesh.vertices.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(), 0, who);
+}
+
+// MuJoCo's own format: four counts (vertices, normals, texture coordinates, faces), then those numbers.
+meshes::Mesh read_msh(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  const auto read = [&](void* to, size_t bytes) {
+    if (!in.read(static_cast<char*>(to), std::streamsize(bytes))) throw Error(DYN_ERROR_FILE, "file " + load::quoted(path) + " cannot be read, or ends early");
+  };
+  std::int32_t counts[4];
+  read(counts, sizeof counts);
+  for (const std::int32_t n : counts)
+    if (n < 0 || n > meshes::max_triangles) throw Error(DYN_ERROR_PARSE, "file " + load::quoted(path) + " is not of MuJoCo's format: " + std::to_string(n) + " vertices or faces");
+  std::vector<float> vertices(3 * size_t(counts[0]));
+  std::vector<std::int32_t> faces(3 * size_t(counts[3]));
+  read(vertices.data(), vertices.size() * sizeof(float));
+  in.seekg(std::streamoff(sizeof(float)) * (3 * std::streamoff(counts[1]) + 2 * std::streamoff(counts[2])), std::ios::cur);
+  read(faces.data(), faces.size() * sizeof(std::int32_t));
+  for (const std::int32_t f : faces)
+    if (f < 0 || f >= counts[0]) throw Error(DYN_ERROR_PARSE, "file " + load::quoted(path) + ": vertex " + std::to_string(f) + " does not exist");
+  for (const float v : vertices)
+    if (!std::isfinite(v)) throw Error(DYN_ERROR_NONFINITE, "file " + load::quoted(path) + " has a vertex that is not finite");
+  const std::vector<double> numbers(vertices.begin(), vertices.end());
+  const std::vector<Index> corners(faces.begin(), faces.end());
+  if (corners.empty()) {
+    meshes::Mesh cloud;
+    cloud.vertices = numbers;
+    return cloud;
+  }
+  return meshes::make_mesh(numbers.data(), counts[0], corners.data(), counts[3], 0, "file " + load::quoted(path));
+}
+
+struct Grid {
+  std::vector<double> heights;  // from 0 to 1
+  Index columns, rows;
+};
+
+Grid read_grid(const MjcfSource& source, const Reader& reader, const Element& e) {
+  Grid g{{}, 0, 0};
+  const std::string file = attribute(e, "file");
+  if (!file.empty()) {
+    std::ifstream in(source.path(file), std::ios::binary);
+    std::int32_t size[2];
+    if (!in.read(reinterpret_cast<char*>(size), sizeof size)) reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " cannot be read");
+    if (size[0] < 2 || size[1] < 2 || std::int64_t(size[0]) * size[1] > most_heights) reader.fail(DYN_ERROR_LIMIT, e, "file " + load::quoted(file) + " has " + std::to_string(size[0]) + " rows of " + std::to_string(size[1]));
+    g.rows = size[0], g.columns = size[1];
+    std::vector<float> data(size_t(g.rows) * size_t(g.columns));
+    if (!in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size() * sizeof(float)))) reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " ends early");
+    g.heights.assign(data.begin(), data.end());
+  } else {
+    const double rows = reader.number(e, "nrow"), columns = reader.number(e, "ncol");
+    if (!(rows >= 2 && columns >= 2 && rows * columns <= double(most_heights))) reader.fail(DYN_ERROR_INVALID, e, "nrow and ncol are at least 2, and their product at most " + std::to_string(most_heights));
+    g.rows = Index(rows), g.columns = Index(columns);
+    g.heights.assign(size_t(g.rows) * size_t(g.columns), 0);
+    if (const auto text = reader.numbers(e, "elevation", g.heights.size()))  // the first row of the text is the farthest
+      for (Index r = 0; r < g.rows; ++r)
+        std::copy_n(text->begin() + std::ptrdiff_t(r) * g.columns, g.columns, g.heights.begin() + std::ptrdiff_t(g.rows - 1 - r) * g.columns);
+  }
+  const auto [low, high] = std::minmax_element(g.heights.begin(), g.heights.end());
+  const double least = *low, range = *high - *low;
+  for (double& h : g.heights) h = range > 0 ? (h - least) / range : 0;
+  return g;
+}
+
+}  // namespace
+
+void MjcfAssets::add(Element& asset, const MjcfDefaults& defaults) {
+  for (Element* c : source_.children(asset)) {
+    const std::string_view kind = c->Name();
+    if (kind == "mesh" || kind == "hfield" || kind == "model") {
+      std::string name = attribute(*c, "name");
+      if (name.empty()) name = std::filesystem::path(attribute(*c, "file")).stem().string();
+      const Reader reader = source_.reader(*c, "<" + std::string(kind) + "> " + load::quoted(name));
+      if (name.empty()) reader.fail(DYN_ERROR_PARSE, *c, "it has neither name nor file");
+      if (kind == "mesh") defaults.apply(source_, *c, "mesh", "");
+      auto& all = kind == "mesh" ? meshes_ : kind == "hfield" ? fields_ : models_;
+      if (!all.emplace(name, Entry{c, nullptr, ""}).second) reader.fail(DYN_ERROR_NAME, *c, "there are two of this name");
+    } else if (kind == "material" || kind == "texture") {
+      source_.report(*c).count("<" + std::string(kind) + ">: not used", line(*c));
+    } else {
+      source_.report(*c).physics(line(*c), "<asset>: element <" + std::string(kind.substr(0, 60)) + "> is not used");
+    }
+  }
+}
+
+MjcfAssets::Entry& MjcfAssets::find(std::map<std::string, Entry>& all, const char* kind, const Element& e, const std::string& name) const {
+  if (const auto at = all.find(name); at != all.end()) return at->second;
+  std::vector<const std::string*> names;
+  for (const auto& entry : all) names.push_back(&entry.first);
+  source_.report(e).fail(DYN_ERROR_NAME, line(e), std::string("there is no ") + kind + " " + load::quoted(name) + " among the assets" + did_you_mean(name, names));
+}
+
+const Element& MjcfAssets::model(const Element& e, const std::string& name) const {
+  return *find(const_cast<MjcfAssets*>(this)->models_, "model", e, name).element;
+}
+
+void MjcfAssets::read(Entry& entry) const {
+  const Element& e = *entry.element;
+  const Reader reader = source_.reader(e, "mesh " + load::quoted(entry.path));
+  reader.unread(e, {"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "normal", "texcoord", "smoothnormal", "maxhullvert", "inertia", "content_type", "material"}, {});
+  const auto scale = reader.vector3(e, "scale").value_or(std::array<double, 3>{1, 1, 1});
+  SE3<double> reference = SE3<double>::identity();
+  if (const auto p = reader.vector3(e, "refpos")) reference.p = load3(p->data());
+  if (const auto q = reader.numbers(e, "refquat", 4)) {
+    const double n = (*q)[0] * (*q)[0] + (*q)[1] * (*q)[1] + (*q)[2] * (*q)[2] + (*q)[3] * (*q)[3];
+    if (!(n > 0)) reader.bad_numbers(e, "refquat", "this is no rotation: it is zero");
+    reference.R = from_quaternion((*q)[0], (*q)[1], (*q)[2], (*q)[3]);
+  }
+  try {
+    meshes::Mesh mesh;
+    if (const auto vertices = reader.numbers(e, "vertex")) {
+      if (vertices->size() % 3) reader.bad_numbers(e, "vertex", "three numbers a vertex are expected");
+      std::vector<Index> faces;
+      for (double f : reader.numbers(e, "face").value_or(std::vector<double>())) {
+        if (f < 0 || f >= double(vertices->size() / 3)) reader.bad_numbers(e, "face", "vertex " + text(f) + " does not exist");
+        faces.push_back(Index(f));
+      }
+      if (faces.size() % 3) reader.bad_numbers(e, "face", "three vertices a face are expected");
+      if (faces.empty()) mesh.vertices = *vertices;
+      else mesh = meshes::make_mesh(vertices->data(), std::int64_t(vertices->size() / 3), faces.data(), std::int64_t(faces.size() / 3), 0, reader.owner);
+    } else if (entry.path.ends_with(".msh")) {
+      mesh = read_msh(entry.path);
+    } else {
+      meshes::MeshOptions how;
+      how.package_dirs = options_.package_dirs;
+      mesh = meshes::read_mesh(entry.path, how);
+    }
+    mesh = in_frame(std::move(mesh), reference, scale, reader.owner);
+    if (mesh.triangles.empty()) mesh = meshes::hull_of(mesh);
+    entry.mesh = std::make_shared<meshes::Mesh>(std::move(mesh));
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    if (what.starts_with(reader.report.where(line(e)))) throw;
+    reader.fail(error.status, e, what);
+  }
+}
+
+void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, MjcfGeom& geom) {
+  Entry& entry = find(meshes_, "mesh", e, name);
+  const Element& asset = *entry.element;
+  if (entry.path.empty()) {
+    std::string file = attribute(asset, "file");
+    if (compiler_.strip_path) file = std::filesystem::path(file).filename().string();
+    entry.path = file.empty() ? name : source_.path((std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
+  }
+  const bool touches = options_.meshes != DYN_MESH_NONE && geom.shape.role == DYN_ROLE_COLLISION;
+  geom.shape.mesh = entry.path;
+  geom.shape.size = {1, 1, 1};
+  if (!needed && !touches) return;
+  if (!entry.mesh) read(entry);
+  geom.mesh = entry.mesh;
+  geom.rule = attribute(asset, "inertia");
+  if (!touches) return;
+  const MeshStand stand = stand_for(*entry.mesh, options_.meshes);
+  const std::string said = "mesh " + load::quoted(name) + stand.said;
+  if (stand.warning) geom.place.warning(said);
+  else geom.place.info(said);
+  geom.shape.type = options_.meshes == DYN_MESH_HULL ? DYN_SHAPE_CONVEX : DYN_SHAPE_TRIANGLES;
+  geom.shape.surface = stand.surface;
+}
+
+bool MjcfAssets::height_field(const Element& e, const std::string& name, MjcfGeom& geom) {
+  const Element& asset = *find(fields_, "height field", e, name).element;
+  const Reader reader = source_.reader(asset, "height field " + load::quoted(name));
+  reader.unread(asset, {"name", "file", "nrow", "ncol", "elevation", "size", "content_type"}, {});
+  if (const std::string file = attribute(asset, "file"); file.ends_with(".png") || file.ends_with(".PNG")) {
+    geom.place.physics("the height field " + load::quoted(name) + " is a picture (" + load::quoted(file) + "), which is not read: the geom is left out; give elevation, or a binary file");
+    return false;
+  }
+  const Grid g = read_grid(source_, reader, asset);
+  const auto size = reader.numbers(asset, "size", 4);
+  if (!size) reader.fail(DYN_ERROR_PARSE, asset, "it has no attribute size: half lengths along x and y, height, depth below zero");
+  for (double s : *size)
+    if (!(s > 0)) reader.bad_numbers(asset, "size", "sizes are positive metres");
+  std::vector<double> heights = g.heights;
+  for (double& h : heights) h *= (*size)[2];
+  geom.shape.size = {1, 1, 1};
+  try {
+    geom.shape.surface = height_grid(heights.data(), g.columns, g.rows, 2 * (*size)[0] / (g.columns - 1), 2 * (*size)[1] / (g.rows - 1), -(*size)[3]);
+  } catch (const Error& error) {
+    reader.fail(error.status, asset, error.what());
+  }
+  return true;
+}
+
+}  // namespace dyn::load

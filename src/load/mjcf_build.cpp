@@ -1,0 +1,166 @@
+// An MJCF model's values to the builder. A joint's frame lies at its anchor with the body's axes at qpos 0: several joints of one body
+// are a chain of joints, and what lies on the body hangs on the last of them.
+#include <cmath>
+#include <set>
+
+#include "dyn/spatial/explog.hpp"
+#include "mjcf_robot.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+using Pose = SE3<double>;
+
+Placement placement(const Pose& X) {
+  Placement out;
+  store_se3(X, out.data());
+  return out;
+}
+
+template <class Call>
+auto located(const MjcfPlace& place, const Call& call) {
+  try {
+    return call();
+  } catch (const Error& e) {
+    place.report->fail(e.status, place.line, e.what());
+  }
+}
+
+// The motion of a joint's frame by a coordinate.
+Pose moved(const MjcfJoint& j, double q) {
+  Pose X = Pose::identity();
+  if (j.spec.type == DYN_JOINT_REVOLUTE) X.R = exp3(j.axis * q);
+  if (j.spec.type == DYN_JOINT_PRISMATIC) X.p = j.axis * q;
+  return X;
+}
+
+void name_joints(MjcfBody& body) {
+  const size_t n = body.joints.size();
+  for (size_t k = 0; k < n; ++k)
+    if (std::string& name = body.joints[k].spec.name; name.empty()) name = body.name + "_joint" + (n > 1 ? std::to_string(k) : "");
+}
+
+// What a body's links, shapes and frames hang on, and where the body is there.
+struct Carrier {
+  Parent parent;
+  Pose X;
+};
+
+Carrier add_joints(Builder& builder, const MjcfRobot& robot, MjcfBody& body) {
+  Parent on = body.parent == 0 ? Parent{"", 0} : Parent{robot.bodies[size_t(body.parent)].name, DYN_FRAME_BODY};
+  Pose X = body.X;  // of the body at the drawn configuration, in what carries the next joint
+  for (MjcfJoint& j : body.joints) {
+    if (j.spec.type == DYN_JOINT_FREE_FLYER) {
+      X = Pose::identity();  // its coordinates are the body's pose in the world
+    } else {
+      X.p += X.R * j.anchor;
+      X = X * moved(j, -j.reference);
+      j.spec.axis = {j.axis[0], j.axis[1], j.axis[2]};
+    }
+    j.spec.parent = on;
+    j.spec.placement = placement(X);
+    located(j.place, [&] { builder.joint(j.spec); });
+    on = {j.spec.name, DYN_FRAME_JOINT};
+    X = {Mat3<double>::identity(), -j.anchor};
+  }
+  return {on, X};
+}
+
+void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const MjcfMass& mass) {
+  name_joints(body);
+  const Carrier carrier = add_joints(builder, robot, body);
+  std::array<double, 9> inertia;
+  store33(mass.inertia.full(), inertia.data());
+  located(body.place, [&] {
+    builder.body(body.name, carrier.parent, placement(carrier.X), mass.mass, {mass.com[0], mass.com[1], mass.com[2]}, inertia);
+  });
+}
+
+// joints: their names, which sites, that are frames too, must not have.
+void add_shapes_and_sites(Builder& builder, MjcfBody& body, bool world, const std::set<std::string>& joints) {
+  for (MjcfGeom& g : body.geoms) {
+    if (g.shape.type == DYN_SHAPE_HALF_SPACE && g.shape.role == DYN_ROLE_VISUAL) continue;  // a picture of the ground
+    g.shape.body = world ? "universe" : body.name;
+    g.shape.placement = placement(g.X);
+    located(g.place, [&] { builder.shape(g.shape); });
+  }
+  for (MjcfSite& s : body.sites) {
+    if (joints.count(s.name)) {
+      s.place.info("the frame is called " + load::quoted(s.name + "_site"));
+      s.name += "_site";
+    }
+    located(s.place, [&] { builder.frame(s.name, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_BODY}, placement(s.X), DYN_FRAME_OP_FRAME); });
+  }
+}
+
+// A joint's coordinates from MuJoCo's: quaternions are (w, x, y, z) there.
+std::vector<double> coordinates(const MjcfJoint& j, const double* qpos) {
+  const size_t nq = size_t(joint_nq(j.spec.type));
+  std::vector<double> q(qpos, qpos + nq);
+  if (nq >= 4) q.insert(q.end(), q[nq - 4]), q.erase(q.end() - 5);
+  return q;
+}
+
+void add_configurations(Builder& builder, MjcfRobot& robot) {
+  size_t nq = 0;
+  bool drawn = false;  // the configuration that the file draws is not the neutral one
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints) nq += size_t(joint_nq(j.spec.type)), drawn = drawn || j.reference != 0 || j.spec.type == DYN_JOINT_FREE_FLYER;
+  MjcfKey qpos0{robot.bodies[0].place, "qpos0", {}};
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints) {
+      const size_t n = size_t(joint_nq(j.spec.type));
+      if (n == 1) {
+        qpos0.qpos.push_back(j.reference);
+        continue;
+      }
+      const Pose& X = body.X;
+      if (n == 7) qpos0.qpos.insert(qpos0.qpos.end(), {X.p[0], X.p[1], X.p[2]});
+      const Quaternion<double> u = n == 7 ? quaternion(X.R) : Quaternion<double>::identity();
+      qpos0.qpos.insert(qpos0.qpos.end(), {u.w, u.v[0], u.v[1], u.v[2]});
+    }
+  if (drawn) robot.keys.insert(robot.keys.begin(), qpos0);
+  for (const MjcfKey& key : robot.keys) {
+    if (key.qpos.size() != nq)
+      key.place.fail(DYN_ERROR_SIZE, "qpos has " + std::to_string(key.qpos.size()) + " numbers, and the model's configurations have " + std::to_string(nq));
+    std::vector<std::pair<std::string, std::vector<double>>> joints;
+    const double* q = key.qpos.data();
+    for (const MjcfBody& body : robot.bodies)
+      for (const MjcfJoint& j : body.joints) joints.emplace_back(j.spec.name, coordinates(j, q)), q += joint_nq(j.spec.type);
+    located(key.place, [&] { builder.configuration_of_joints(key.name, joints); });
+  }
+}
+
+void check_body(const MjcfRobot& robot, const MjcfPlace& place, const std::string& name) {
+  std::vector<const std::string*> names;
+  for (const MjcfBody& b : robot.bodies) {
+    if (b.name == name) return;
+    names.push_back(&b.name);
+  }
+  place.fail(DYN_ERROR_NAME, "there is no body " + load::quoted(name) + did_you_mean(name, names));
+}
+std::string universe(const std::string& body) { return body == "world" ? "universe" : body; }
+
+}  // namespace
+
+ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source) {
+  const std::vector<MjcfMass> masses = mjcf_masses(robot);
+  Builder builder(robot.name);
+  const MjcfPlace file{robot.bodies[0].place.report, 0, ""};
+  located(file, [&] { builder.gravity(robot.gravity); });
+  for (size_t i = 1; i < robot.bodies.size(); ++i) add_body(builder, robot, robot.bodies[i], masses[i]);
+  std::set<std::string> joints;
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints) joints.insert(j.spec.name);
+  for (size_t i = 0; i < robot.bodies.size(); ++i) add_shapes_and_sites(builder, robot.bodies[i], i == 0, joints);
+  for (const MjcfExclude& x : robot.excludes) {
+    for (const std::string& name : x.bodies) check_body(robot, x.place, name);
+    located(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
+  }
+  add_configurations(builder, robot);
+  for (const Report::Entry& e : source.finish()) builder.report(e.level, e.line, e.message);
+  return located(file, [&] { return builder.finish(); });
+}
+
+}  // namespace dyn::load

@@ -1,0 +1,107 @@
+// <geom>: shapes for collision, for looks, and for masses.
+#include <cmath>
+
+#include "mjcf_robot.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+using Vec = Vec3<double>;
+
+struct GeomType {
+  const char* name;
+  dynShapeType type;
+  size_t sizes;  // numbers of size that it needs
+  bool along;    // may be given by the two ends of its axis
+};
+constexpr GeomType types[] = {{"plane", DYN_SHAPE_HALF_SPACE, 0, false}, {"sphere", DYN_SHAPE_SPHERE, 1, false},     {"capsule", DYN_SHAPE_CAPSULE, 2, true},
+                              {"cylinder", DYN_SHAPE_CYLINDER, 2, true}, {"ellipsoid", DYN_SHAPE_ELLIPSOID, 3, true}, {"box", DYN_SHAPE_BOX, 3, true},
+                              {"mesh", DYN_SHAPE_MESH, 0, false},        {"hfield", DYN_SHAPE_HEIGHT_FIELD, 0, false}};
+
+const GeomType* type_of(const Reader& reader, const Element& e) {
+  const std::string type = e.Attribute("type") ? e.Attribute("type") : "sphere";
+  for (const GeomType& t : types)
+    if (t.name == type) return &t;
+  if (type == "sdf") return nullptr;
+  reader.fail(DYN_ERROR_PARSE, e, "<geom type> is " + load::quoted(type) + ": plane, hfield, sphere, capsule, ellipsoid, cylinder, box or mesh is expected");
+}
+
+// From half sizes of the file to those of dynShapeInfo.
+std::array<double, 3> sizes_of(dynShapeType type, const std::array<double, 3>& s) {
+  switch (type) {
+    case DYN_SHAPE_SPHERE: return {s[0], 0, 0};
+    case DYN_SHAPE_CAPSULE: case DYN_SHAPE_CYLINDER: return {s[0], 2 * s[1], 0};
+    case DYN_SHAPE_BOX: return {2 * s[0], 2 * s[1], 2 * s[2]};
+    case DYN_SHAPE_ELLIPSOID: return s;
+    default: return {0, 0, 0};
+  }
+}
+
+std::uint32_t mask(const Reader& reader, const Element& e, const char* attribute) {
+  const double value = reader.optional_number(e, attribute).value_or(1);
+  if (value < 0 || value > 4294967295.0 || value != std::floor(value)) reader.bad_numbers(e, attribute, "an integer of 32 bits is expected");
+  return std::uint32_t(value);
+}
+
+}  // namespace
+
+void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
+  MjcfBody& body = file.robot.bodies[size_t(context.body)];
+  file.defaults.apply(file.source, e, "geom", context.childclass);
+  MjcfGeom geom;
+  geom.shape.name = context.name(e.Attribute("name") ? e.Attribute("name") : "");
+  const std::string owner = geom.shape.name.empty() ? body.place.owner + ": a geom" : "geom " + load::quoted(geom.shape.name);
+  const Reader reader = file.source.reader(e, owner);
+  geom.place = {&file.source.report(e), line(e), owner};
+  reader.unread(e, {"name", "class", "type", "contype", "conaffinity", "group", "size", "material", "rgba", "mass", "density", "fromto", "pos", "quat", "axisangle",
+                    "euler", "xyaxes", "zaxis", "hfield", "mesh", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"},
+                {"plugin"});
+  count_unused(reader, e, "geom", {"friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap"});
+  const GeomType* type = type_of(reader, e);
+  if (!type) return geom.place.physics("a geom of type sdf is not used");
+
+  geom.shape.type = type->type;
+  geom.shape.contype = mask(reader, e, "contype"), geom.shape.conaffinity = mask(reader, e, "conaffinity");
+  geom.shape.role = geom.shape.contype == 0 && geom.shape.conaffinity == 0 ? DYN_ROLE_VISUAL : DYN_ROLE_COLLISION;
+  geom.group = int(reader.optional_number(e, "group").value_or(0));
+  geom.mass = reader.optional_number(e, "mass");
+  geom.density = reader.optional_number(e, "density").value_or(1000);
+  if (geom.mass.value_or(0) < 0) reader.bad_numbers(e, "mass", "it is negative");
+  if (geom.density < 0) reader.bad_numbers(e, "density", "it is negative");
+  geom.X = read_pose(reader, e, file.compiler);
+
+  std::array<double, 3> size = {0, 0, 0};
+  size_t given = 0;
+  if (const auto s = reader.numbers(e, "size")) {
+    given = std::min<size_t>(s->size(), 3);
+    for (size_t k = 0; k < given; ++k) size[k] = (*s)[k];
+  }
+  size_t needed = type->sizes;
+  const auto ends = reader.numbers(e, "fromto", 6);
+  if (ends && type->along) {
+    const Vec from = load3(ends->data()), to = load3(ends->data() + 3), d = from - to;
+    const double length = std::sqrt(dot(d, d));
+    if (!(length > 1e-12)) reader.bad_numbers(e, "fromto", "both ends are the same point");
+    const bool round = needed == 2;
+    const double half = length / 2;
+    if (round) size[1] = half, needed = 1;
+    else size = {size[0], given > 1 ? size[1] : size[0], half}, needed = 1;
+    geom.X = {turn_z_to(d * (1 / length)), (from + to) * 0.5};
+  }
+  if (e.Attribute("mesh") && type->type != DYN_SHAPE_MESH)
+    return geom.place.physics("a " + std::string(type->name) + " fitted to a mesh is not read: the geom is left out; give its size instead, or type=\"mesh\"");
+  if (given < needed) reader.fail(DYN_ERROR_INVALID, e, "<geom size>: a " + std::string(type->name) + " needs " + std::to_string(needed) + " numbers");
+  for (size_t k = 0; k < needed; ++k)
+    if (!(size[k] > 0)) reader.bad_numbers(e, "size", "sizes are positive metres");
+  geom.shape.size = sizes_of(type->type, size);
+
+  const bool counts = geom.mass.value_or(geom.density) > 0 && context.body != 0 && mass_from_geoms(body);
+  if (type->type == DYN_SHAPE_MESH) file.assets.mesh(e, reader.name(e, "mesh"), counts, geom);
+  if (type->type == DYN_SHAPE_HEIGHT_FIELD && !file.assets.height_field(e, reader.name(e, "hfield"), geom)) return;
+  geom.X = context.X * geom.X;
+  if (file.compiler.discard_visual && geom.shape.role == DYN_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0) return;
+  body.geoms.push_back(std::move(geom));
+}
+
+}  // namespace dyn::load

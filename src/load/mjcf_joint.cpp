@@ -1,0 +1,101 @@
+// <joint> and <freejoint>.
+#include <cmath>
+
+#include "mjcf_robot.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+dynJointType type_of(const Reader& reader, const Element& e) {
+  const std::string_view type = e.Attribute("type") ? e.Attribute("type") : "hinge";
+  if (type == "hinge") return DYN_JOINT_REVOLUTE;
+  if (type == "slide") return DYN_JOINT_PRISMATIC;
+  if (type == "ball") return DYN_JOINT_SPHERICAL;
+  if (type == "free") return DYN_JOINT_FREE_FLYER;
+  reader.fail(DYN_ERROR_PARSE, e, "<joint type> is " + load::quoted(std::string(type)) + ": hinge, slide, ball or free is expected");
+}
+
+// The pair of numbers of a range that counts: switched on, or given while "auto".
+std::optional<std::array<double, 2>> range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits) {
+  const auto pair = reader.numbers(e, attribute, 2);
+  const std::optional<bool> on = read_switch(reader, e, limited, std::nullopt);
+  if (!pair) {
+    if (on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
+    return std::nullopt;
+  }
+  if (!on && !autolimits && ((*pair)[0] != 0 || (*pair)[1] != 0))
+    reader.fail(DYN_ERROR_INVALID, e, std::string(attribute) + " without " + limited + ", and <compiler autolimits> is false: add " + limited + "=\"true\"");
+  if (!on.value_or((*pair)[0] != 0 || (*pair)[1] != 0)) return std::nullopt;
+  if (!((*pair)[0] < (*pair)[1])) reader.bad_numbers(e, attribute, "the lower end is not below the upper one");
+  return std::array<double, 2>{(*pair)[0], (*pair)[1]};
+}
+
+// One number for all degrees of freedom; newer files may give a polynomial, of which the linear term counts.
+double coefficient(const Reader& reader, const Element& e, const char* attribute) {
+  const auto terms = reader.numbers(e, attribute);
+  if (!terms) return 0;
+  if (terms->empty()) reader.bad_numbers(e, attribute, "a number is expected");
+  for (size_t k = 1; k < terms->size(); ++k)
+    if ((*terms)[k] != 0) {
+      reader.report.physics(line(e), reader.owner + ": <joint " + attribute + ">: terms of higher order are not used");
+      break;
+    }
+  if ((*terms)[0] < 0) reader.bad_numbers(e, attribute, "it is negative");
+  return (*terms)[0];
+}
+
+}  // namespace
+
+void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
+  MjcfBody& body = file.robot.bodies[size_t(context.body)];
+  const bool free_joint = std::string_view(e.Name()) == "freejoint";
+  if (free_joint) e.SetAttribute("type", "free");
+  else file.defaults.apply(file.source, e, "joint", context.childclass);
+  MjcfJoint joint;
+  const char* given = e.Attribute("name");
+  joint.spec.name = context.name(given ? given : "");
+  const std::string owner = joint.spec.name.empty() ? body.place.owner + ": a joint" : "joint " + load::quoted(joint.spec.name);
+  const Reader reader = file.source.reader(e, owner);
+  joint.place = {&file.source.report(e), line(e), owner};
+  if (context.body == 0) reader.fail(DYN_ERROR_INVALID, e, "the world has no joints: put it into a <body>");
+  reader.unread(e, {"name", "class", "type", "group", "pos", "axis", "limited", "range", "actuatorfrclimited", "actuatorfrcrange", "stiffness", "springref", "ref",
+                    "armature", "damping", "frictionloss", "user", "align", "margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"}, {});
+  count_unused(reader, e, "joint", {"margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
+  JointSpec& spec = joint.spec;
+  spec.type = type_of(reader, e);
+  const bool hinge = spec.type == DYN_JOINT_REVOLUTE, scalar = hinge || spec.type == DYN_JOINT_PRISMATIC;
+  const double unit = hinge || spec.type == DYN_JOINT_SPHERICAL ? file.compiler.angle : 1;
+  if (spec.type == DYN_JOINT_FREE_FLYER && body.parent != 0)
+    reader.fail(DYN_ERROR_INVALID, e, "a free joint belongs to a body of the world, and " + body.place.owner + " is in another body");
+  if (spec.type == DYN_JOINT_FREE_FLYER && context.suffix.empty() && !body.joints.empty()) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
+  if (!body.joints.empty() && body.joints.back().spec.type == DYN_JOINT_FREE_FLYER) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
+
+  const size_t nv = size_t(joint_nv(spec.type)), nq = size_t(joint_nq(spec.type));
+  if (const auto p = reader.vector3(e, "pos"); p && spec.type != DYN_JOINT_FREE_FLYER) joint.anchor = context.X.act(load3(p->data()));
+  else if (spec.type != DYN_JOINT_FREE_FLYER) joint.anchor = context.X.p;
+  if (const auto a = reader.vector3(e, "axis")) joint.axis = load3(a->data());
+  if (const double length = std::sqrt(dot(joint.axis, joint.axis)); scalar && !(length > 1e-10)) reader.bad_numbers(e, "axis", "this is no direction: it is zero");
+  else joint.axis = context.X.R * (joint.axis * (1 / length));
+  if (scalar) joint.reference = unit * reader.optional_number(e, "ref").value_or(0);
+
+  if (const auto limits = range(reader, e, "range", "limited", file.compiler.autolimits)) {
+    if (scalar) spec.lower = {unit * (*limits)[0]}, spec.upper = {unit * (*limits)[1]};
+    else joint.place.physics("the limit of a ball joint's angle is not used");
+  }
+  if (const auto force = range(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar)
+    spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
+  spec.armature.assign(nv, coefficient(reader, e, "armature"));
+  spec.damping.assign(nv, coefficient(reader, e, "damping"));
+  spec.friction.assign(nv, coefficient(reader, e, "frictionloss"));
+  if (const double stiffness = coefficient(reader, e, "stiffness"); stiffness > 0) {
+    if (spec.type == DYN_JOINT_FREE_FLYER) joint.place.physics("the spring of a free joint is not used");
+    else spec.stiffness.assign(nv, stiffness);
+  }
+  if (scalar && (!spec.stiffness.empty() || e.Attribute("springref"))) spec.spring_reference.assign(nq, unit * reader.optional_number(e, "springref").value_or(0));
+  body.joints.push_back(std::move(joint));
+}
+
+}  // namespace dyn::load

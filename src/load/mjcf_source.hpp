@@ -1,0 +1,52 @@
+// The files of an MJCF model: the main one, what it includes, and models that it attaches. Each element knows its file.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+
+#include "reader.hpp"
+
+namespace dyn::load {
+
+class MjcfSource {
+ public:
+  // file: "" for text in memory; relative names then refer to the working directory.
+  MjcfSource(const std::string& text, const std::string& file, bool strict);
+
+  Element& root() { return *root_; }
+  // Elements in e; what an <include> names stands in its place.
+  std::vector<Element*> children(Element& e);
+  std::vector<Element*> children(Element& e, std::string_view name);
+  // Another model's file, from its <mujoco>. A model that attaches itself is an error at e.
+  Element& open_model(const Element& e, const std::string& file);
+  void close_model() { opening_.pop_back(); }
+
+  Report& report(const Element& e) const;  // of the file that e stands in
+  Reader reader(const Element& e, const std::string& owner) const { return {report(e), owner}; }
+  // A name in the model as a path: relative to the main file.
+  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+
+  // The load reports of all files, those of other files than the main one with their names in front.
+  std::vector<Report::Entry> finish();
+
+ private:
+  struct File {
+    std::unique_ptr<Report> report;
+    std::unique_ptr<Document> document;
+  };
+  Element& open(const std::string& text, const std::string& file);
+  void include(Element& e, std::vector<Element*>& out);
+
+  std::filesystem::path folder_;
+  bool strict_;
+  std::vector<File> files_;  // the first one is the main one
+  std::map<const tinyxml2::XMLDocument*, Report*> reports_;
+  std::map<const Element*, Element*> included_;  // <include> elements to their files' roots
+  std::set<std::string> names_;                  // included files
+  std::vector<std::string> opening_;             // models within models
+  Element* root_;
+};
+
+}  // namespace dyn::load

@@ -1,0 +1,118 @@
+// <body>, <frame>, <replicate>, <attach>, <site>: the tree of an MJCF model.
+#include <cmath>
+
+#include "mjcf_robot.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+constexpr int max_bodies = 200000;
+
+std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
+
+void read_site(MjcfFile& file, Element& e, const MjcfContext& context) {
+  MjcfBody& body = file.robot.bodies[size_t(context.body)];
+  file.defaults.apply(file.source, e, "site", context.childclass);
+  MjcfSite site;
+  site.name = context.name(attribute(e, "name"));
+  const Reader reader = file.source.reader(e, site.name.empty() ? body.place.owner + ": a site" : "site " + load::quoted(site.name));
+  site.place = {&reader.report, line(e), reader.owner};
+  SE3<double> X = read_pose(reader, e, file.compiler);
+  if (const auto ends = reader.numbers(e, "fromto", 6)) {
+    const Vec3<double> from = load3(ends->data()), to = load3(ends->data() + 3), d = from - to;
+    const double length = std::sqrt(dot(d, d));
+    if (!(length > 1e-12)) reader.bad_numbers(e, "fromto", "both ends are the same point");
+    X = {turn_z_to(d * (1 / length)), (from + to) * 0.5};
+  }
+  site.X = context.X * X;
+  if (!site.name.empty()) body.sites.push_back(std::move(site));
+}
+
+void read_frame(MjcfFile& file, Element& e, MjcfContext context) {
+  const Reader reader = file.source.reader(e, "a <frame>");
+  reader.unread(e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"},
+                {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp", "composite", "inertial", "plugin"});
+  context.X = context.X * read_pose(reader, e, file.compiler);
+  context.childclass = file.defaults.around(file.source, e, context.childclass);
+  read_mjcf_content(file, e, context);
+}
+
+// Each replica stands in the frame of the one before it, turned and moved; its names end with its number.
+void read_replicate(MjcfFile& file, Element& e, MjcfContext context) {
+  const Reader reader = file.source.reader(e, "a <replicate>");
+  reader.unread(e, {"count", "sep", "offset", "euler", "childclass"},
+                {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp", "composite", "plugin"});
+  const double count = reader.number(e, "count");
+  if (!(count >= 1 && count <= max_bodies && count == std::floor(count))) reader.bad_numbers(e, "count", "an integer from 1 to " + std::to_string(max_bodies) + " is expected");
+  SE3<double> step = SE3<double>::identity();
+  if (const auto p = reader.vector3(e, "offset")) step.p = load3(p->data());
+  if (const auto angles = reader.vector3(e, "euler")) step.R = from_euler(*angles, file.compiler);
+  context.childclass = file.defaults.around(file.source, e, context.childclass);
+  const std::string separator = attribute(e, "sep"), outer = context.suffix;
+  const size_t digits = std::to_string(int(count) - 1).size();
+  for (int k = 0; k < int(count); ++k) {
+    const std::string number = std::to_string(k);
+    context.suffix = separator + std::string(digits - number.size(), '0') + number + outer;
+    read_mjcf_content(file, e, context);
+    context.X = context.X * step;
+  }
+}
+
+void read_attach(MjcfFile& file, Element& e, MjcfContext context) {
+  const Reader reader = file.source.reader(e, "an <attach>");
+  reader.unread(e, {"model", "body", "prefix"}, {});
+  const Element& asset = file.assets.model(e, reader.name(e, "model"));
+  Element& root = file.source.open_model(asset, reader.name(asset, "file"));
+  MjcfFile child(file.source, file.robot, file.options);
+  context.prefix += attribute(e, "prefix");
+  context.childclass.clear();
+  read_mjcf_file(child, root, context, e.Attribute("body"));
+  file.source.close_model();
+}
+
+}  // namespace
+
+void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) {
+  MjcfRobot& robot = file.robot;
+  const int at = int(robot.bodies.size());
+  MjcfBody body;
+  body.name = context.name(attribute(e, "name"));
+  if (body.name.empty()) body.name = "body_" + std::to_string(at);
+  body.parent = context.body;
+  const Reader reader = file.source.reader(e, "body " + load::quoted(body.name));
+  body.place = {&reader.report, line(e), reader.owner};
+  if (at > max_bodies) reader.fail(DYN_ERROR_LIMIT, e, "more than " + std::to_string(max_bodies) + " bodies");
+  reader.unread(e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "user", "mocap", "sleep"},
+                {"inertial", "joint", "freejoint", "geom", "site", "camera", "light", "body", "frame", "replicate", "attach", "composite", "flexcomp", "plugin"});
+  if (read_switch(reader, e, "mocap", false).value_or(false)) body.place.info("a mocap body: fixed to the world");
+  body.X = context.X * read_pose(reader, e, file.compiler);
+  body.rules = file.compiler.masses;
+  if (const auto inertials = file.source.children(e, "inertial"); !inertials.empty()) {
+    if (inertials.size() > 1) reader.fail(DYN_ERROR_INVALID, *inertials[1], "a second <inertial>");
+    body.inertial = read_mjcf_inertial(file, *inertials[0], reader.owner);
+  }
+  MjcfContext inside = context;
+  inside.body = at, inside.X = SE3<double>::identity();
+  inside.childclass = file.defaults.around(file.source, e, context.childclass);
+  robot.bodies.push_back(std::move(body));
+  read_mjcf_content(file, e, inside);
+}
+
+void read_mjcf_content(MjcfFile& file, Element& e, const MjcfContext& context) {
+  for (Element* c : file.source.children(e)) {
+    const std::string_view kind = c->Name();
+    if (kind == "body") read_mjcf_body(file, *c, context);
+    else if (kind == "joint" || kind == "freejoint") read_mjcf_joint(file, *c, context);
+    else if (kind == "geom") read_mjcf_geom(file, *c, context);
+    else if (kind == "site") read_site(file, *c, context);
+    else if (kind == "frame") read_frame(file, *c, context);
+    else if (kind == "replicate") read_replicate(file, *c, context);
+    else if (kind == "attach") read_attach(file, *c, context);
+    else if (kind == "camera" || kind == "light") file.source.report(*c).count("<" + std::string(kind) + ">: not used", line(*c));
+    else if (kind == "composite" || kind == "flexcomp" || kind == "plugin")
+      file.source.report(*c).physics(line(*c), "<" + std::string(kind) + "> is not used: what it would make is missing from the model");
+  }
+}
+
+}  // namespace dyn::load
