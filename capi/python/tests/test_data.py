@@ -41,6 +41,7 @@ def test_every_field_has_its_shape(go2, d, state):
     d.rnea_derivatives(q, v, a)
     d.static_torque(q)
     d.rnea(q, v, a)
+    d.constrained_dynamics(q, v, tau)
     d.forward_kinematics(q, v, a)
     d.frame_placements()
     d.joint_jacobians_time_variation(q, v)

@@ -300,10 +300,16 @@ bool beyond_tree(const Model& m, Data<T>& d) {
   return found;
 }
 
-// d.Minv from d.M, Z. Returns 0 or the joint that is singular.
+// Inverse dynamics leaves entries of unrelated degrees of freedom zero for good; forces between bodies have filled them.
+template <class T>
+void clear_unrelated(const Model& m, Data<T>& d) {
+  std::fill_n(d.dtau_dq, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
+}
+
+// d.Minv from d.M, Z. Returns 0 or the joint that is singular; d.dtau_dq is then cleared.
 template <class T>
 Index prepare_derivatives(const Model& m, Data<T>& d, Index rows, const RowMatrices<T>& X) {
-  if (const Index failed = factorize(m, d)) return joint_of(m, failed - 1);
+  if (const Index failed = factorize(m, d)) return clear_unrelated(m, d), joint_of(m, failed - 1);
   invert(m, d);
   jacobian_rows(m, d, X.Dt, X.ld);
   rows_times(m, rows, X.Dt, d.Minv, X.Z, X.ld);
@@ -341,6 +347,7 @@ Index constrained_dynamics_derivatives(const Model& m, Data<T>& d, const T* v, c
   add_forces(m, rows, X.Z, X.Dq, X.ld, d.ddq_dq);
   add_forces(m, rows, X.Z, X.Dv, X.ld, d.ddq_dv);
   add_forces(m, rows, X.Z, X.Dt, X.ld, d.constrained_Minv);
+  clear_unrelated(m, d);
   return 0;
 }
 
@@ -357,6 +364,7 @@ Index constraint_impulse_derivatives(const Model& m, Data<T>& d, const T* v, con
   const bool bounded = any_bounded(m, d);
 
   // by q: H of M jump - J^T lambda, what gravity and springs do left out
+  std::fill_n(at_rest, n * n, T(0));
   static_torque_derivatives(m, d, none, at_rest);
   for (Index k = 0; k < m.n.nv; ++k) jump[k] = v_plus[k] - v[k];
   rnea_derivatives(m, d, zero, static_cast<const T*>(jump), forces_on_joints(m, d, none));
@@ -387,6 +395,7 @@ Index constraint_impulse_derivatives(const Model& m, Data<T>& d, const T* v, con
   for (std::ptrdiff_t k = 0; k < n; ++k) d.ddq_dv[k + n * k] = T(1);
   add_forces(m, rows, X.Z, X.Dq, X.ld, d.ddq_dq);
   add_forces(m, rows, X.Z, X.Dv, X.ld, d.ddq_dv);
+  clear_unrelated(m, d);
   return 0;
 }
 
