@@ -74,7 +74,7 @@ double observed_order(Tree (*make)(), dynIntegrator integrator, int steps) {
 
 // The asymptotic order shows within a quarter where the error is near 1e-9, far above rounding.
 TEST_P(Steps, RungeKuttaIsOfOrderFour) { EXPECT_NEAR(4, observed_order(GetParam(), DYN_RK4, 250), 0.25); }
-TEST_P(Steps, DormandPrinceIsOfOrderFive) { EXPECT_NEAR(5, observed_order(GetParam(), DYN_RK45, 100), 0.4); }
+TEST_P(Steps, DormandPrinceIsOfOrderFive) { EXPECT_NEAR(5, observed_order(GetParam(), DYN_RK45, 60), 0.4); }
 TEST_P(Steps, TheMidpointRuleIsOfOrderTwo) { EXPECT_NEAR(2, observed_order(GetParam(), DYN_IMPLICIT_MIDPOINT, 500), 0.1); }
 TEST_P(Steps, EulerStepsAreOfOrderOne) {
   EXPECT_NEAR(1, observed_order(GetParam(), DYN_SEMI_IMPLICIT_EULER, 1000), 0.1);
@@ -121,10 +121,11 @@ TEST_P(Steps, RungeKuttaKeepsEnergyToItsOrder) {
   EXPECT_GE(std::log2(drift[0] / drift[1]), 3.5) << drift[0] << " " << drift[1];
 }
 TEST_P(Steps, OrientationsStayUnit) {
-  Flight flight(GetParam()());
-  flight.advance(DYN_RK4, 1, 300);
-  for (const dynIntegrator i : {DYN_SEMI_IMPLICIT_EULER, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) flight.advance(i, 1, 300);
-  EXPECT_LE(norm_error(*flight.model, flight.w.d.q), 4e-16);
+  for (const dynIntegrator i : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) {
+    Flight flight(GetParam()());
+    flight.advance(i, 1, 600);
+    EXPECT_LE(norm_error(*flight.model, flight.w.d.q), 4e-16) << i;
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Robots, Steps, testing::Values(free_body, chain, geared), [](const auto& p) {
   return std::string(p.index == 0 ? "FreeBody" : p.index == 1 ? "Chain" : "Mimic");

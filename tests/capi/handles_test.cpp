@@ -304,6 +304,8 @@ TEST(Handles, TablesAreComplete) {
       "dyn_contact_problem_init", "dyn_contact_options_init", "dyn_contact_solver_new", "dyn_contact_solver_size", "dyn_contact_solver_init",
       "dyn_contact_solver_free", "dyn_contact_solve", "dyn_contact_residuals", "dyn_contact_compliance", "dyn_contact_compliance_hertz",
       "dyn_friction_cone_qp",
+      // stepping_test.cpp
+      "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance",
       // effects_test.cpp
       "dyn_batch_set_effects",
       // constraint_test.cpp

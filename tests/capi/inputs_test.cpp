@@ -182,7 +182,8 @@ TEST(Parts, Absent) {
     const State s = random_state(m, 5), other = random_state(m, 6);
     static const char* const names[] = {"KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS",
                                         "FACTOR", "MINV", "CORIOLIS", "ENERGY", "FRAMES", "CENTROIDAL",
-                                        "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION"};
+                                        "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION",
+                                        "CONSTRAINTS", "CONSTRAINT_DERIVATIVES", "SIMULATION"};
     int refused = 0;
     for (const CallRow& row : call_rows)
       for (unsigned bit = 0; bit < std::size(names); ++bit) {
@@ -190,6 +191,10 @@ TEST(Parts, Absent) {
         ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()));
         // a part brings what it includes
         dynParts has = 1u << bit;
+        if (has & DYN_PART_CONSTRAINT_DERIVATIVES) has |= DYN_PART_CONSTRAINTS | DYN_PART_FORWARD_DERIVATIVES;
+        if (has & DYN_PART_CONSTRAINTS) has |= DYN_PART_FORWARD | DYN_PART_INVERSE | DYN_PART_KINEMATICS;
+        if (has & DYN_PART_SIMULATION) has |= DYN_PART_FORWARD;
+        if (mimic && has & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) has |= DYN_PART_FACTOR;
         if (has & DYN_PART_FORWARD_DERIVATIVES) has |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES | DYN_PART_FORWARD;
         if (has & DYN_PART_SECOND_ORDER) has |= DYN_PART_INVERSE_DERIVATIVES;
         if (has & DYN_PART_INVERSE_DERIVATIVES) has |= DYN_PART_INVERSE | DYN_PART_MASS;

@@ -216,7 +216,7 @@ inline dynStatus take_step(const dynModel* m, dynData* d, dynIntegrator integrat
   dyn_step_options_init(&options);
   options.integrator = integrator, options.dt = dt;
   const dynStatus status = dyn_data_set_step_options(m, d, &options);
-  return status == DYN_OK ? dyn_step(m, d) : status;
+  return status == DYN_ERROR_ARGUMENT || status == DYN_ERROR_NONFINITE ? status : dyn_step(m, d);
 }
 
 inline void compute_centroidal_and_regressors(const dynModel* m, dynData* d) {
@@ -243,6 +243,7 @@ inline dynStatus compute_derivatives(const dynModel* m, dynData* d, const double
 inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data())) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, s.tau.data()));
+  ASSERT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, compute_derivatives(m, d, s.fext.data())) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_all_terms(m, d, DYN_TERM_ALL, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_center_of_mass(m, d, nullptr, s.v.data(), s.a.data(), nullptr, nullptr, nullptr));
@@ -252,7 +253,6 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   compute_centroidal_and_regressors(m, d);
   compute_other_derivatives(m, d, s.fext.data(), s.a.data());
   ASSERT_EQ(DYN_OK, dyn_distances(m, d, nullptr, nullptr)) << dyn_last_error();
-  ASSERT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
 }
 
 inline dynArray view() {

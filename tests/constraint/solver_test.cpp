@@ -78,7 +78,7 @@ TEST(Proximal, ContradictionIsTheLeastSquares) {
   EXPECT_EQ(DYN_CONSTRAINTS_CONTRADICT, result.reason);
   EXPECT_NEAR(0.5, result.contradiction, 1e-12);
   EXPECT_LE((J.transpose() * lambda - Eigen::Vector2d(1.5, 3)).norm(), 1e-9);
-  EXPECT_NEAR(lambda[0], lambda[1], 1e-9);
+  EXPECT_NEAR(lambda[0], lambda[1], 1e-6);  // the share of equal rows: rounding over the regularisation, 1e-16 / 1e-9
 }
 
 TEST(Proximal, TwelveDecadesOfRegularisation) {

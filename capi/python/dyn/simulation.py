@@ -49,6 +49,7 @@ class Stepping:
     def stepping(self) -> abi.StepOptions:
         """integrator, dt and accuracy, as set_stepping left them."""
         options = abi.StepOptions()
+        lib.dyn_step_options_init(byref(options))
         check(lib.dyn_data_step_options(self._m, self._d, byref(options)))
         return options
 

@@ -52,7 +52,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
-    if (!(t + h > t)) return no_step_left;
+    if (!(h > duration * T(1e-13))) return no_step_left;
     const Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
     const T error = joint ? std::numeric_limits<T>::infinity() : step_error(Tableau(), s, h), floor = rounding(m, d);

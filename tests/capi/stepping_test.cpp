@@ -1,0 +1,145 @@
+// Options of stepping, steps of a duration, steps by an accuracy, and what they report.
+#include "capi/support.hpp"
+
+namespace dyn_test {
+namespace {
+
+dynStepOptions options_of(dynIntegrator integrator, double dt, double accuracy = 0) {
+  dynStepOptions o;
+  dyn_step_options_init(&o);
+  o.integrator = integrator, o.dt = dt, o.accuracy = accuracy;
+  return o;
+}
+dynStepReport report_of(const dynModel* m, dynData* d) {
+  dynStepReport r{};
+  r.struct_size = sizeof r;
+  EXPECT_EQ(DYN_OK, dyn_data_step_report(m, d, &r)) << dyn_last_error();
+  return r;
+}
+
+struct Flight {
+  Model m = all_types();
+  Data d{m};
+  Flight() {
+    const State s = random_state(m, 3);
+    EXPECT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()));
+  }
+};
+
+TEST(Stepping, OptionsAreKept) {
+  Flight f;
+  dynStepOptions o;
+  ASSERT_EQ(DYN_OK, dyn_data_step_options(f.m, f.d, &o));
+  EXPECT_EQ(DYN_SEMI_IMPLICIT_EULER, o.integrator);
+  EXPECT_EQ(1e-3, o.dt);
+  EXPECT_EQ(0, o.accuracy);
+  const dynStepOptions mine = options_of(DYN_RK45, 0.25, 1e-6);
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(f.m, f.d, &mine));
+  ASSERT_EQ(DYN_OK, dyn_data_step_options(f.m, f.d, &o));
+  EXPECT_EQ(DYN_RK45, o.integrator);
+  EXPECT_EQ(0.25, o.dt);
+  EXPECT_EQ(1e-6, o.accuracy);
+}
+
+TEST(Stepping, ADurationIsSteps) {
+  Flight one, many;
+  const dynStepOptions o = options_of(DYN_RK4, 1e-3);
+  for (Flight* f : {&one, &many}) ASSERT_EQ(DYN_OK, dyn_data_set_step_options(f->m, f->d, &o));
+  ASSERT_EQ(DYN_OK, dyn_advance(one.m, one.d, 0.0105)) << dyn_last_error();
+  EXPECT_EQ(11, report_of(one.m, one.d).steps);
+  EXPECT_EQ(44, report_of(one.m, one.d).evaluations);
+  EXPECT_NEAR(5e-4, report_of(one.m, one.d).smallest_dt, 1e-12);
+  for (int k = 0; k < 10; ++k) ASSERT_EQ(DYN_OK, dyn_step(many.m, many.d));
+  ASSERT_EQ(DYN_OK, take_step(many.m, many.d, DYN_RK4, report_of(one.m, one.d).smallest_dt));
+  EXPECT_TRUE(same_bits(field(one.m, one.d, "q"), field(many.m, many.d, "q")));
+  EXPECT_NEAR(0.0105, field(one.m, one.d, "time")[0], 1e-15);
+  // what divides is not followed by a step of rounding
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(one.m, one.d, &o));
+  ASSERT_EQ(DYN_OK, dyn_advance(one.m, one.d, 0.3));
+  EXPECT_EQ(300, report_of(one.m, one.d).steps);
+  ASSERT_EQ(DYN_OK, dyn_advance(one.m, one.d, 0));
+  EXPECT_EQ(0, report_of(one.m, one.d).steps);
+}
+
+TEST(Stepping, AnAccuracyIsKept) {
+  Flight reference;
+  dynStepOptions o = options_of(DYN_REFERENCE, 0.01);
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(reference.m, reference.d, &o));
+  ASSERT_EQ(DYN_OK, dyn_advance(reference.m, reference.d, 0.05)) << dyn_last_error();
+  for (const dynIntegrator integrator : {DYN_RK45, DYN_RK4})
+    for (const double accuracy : {1e-4, 1e-8}) {
+      Flight f;
+      o = options_of(integrator, 1, accuracy);
+      ASSERT_EQ(DYN_OK, dyn_data_set_step_options(f.m, f.d, &o));
+      ASSERT_EQ(DYN_OK, dyn_advance(f.m, f.d, 0.05)) << dyn_last_error();
+      double distance;
+      ASSERT_EQ(DYN_OK, dyn_distance(f.m, field(f.m, f.d, "q").data(), field(reference.m, reference.d, "q").data(), &distance));
+      EXPECT_LE(distance, 10 * accuracy);
+      EXPECT_LE(report_of(f.m, f.d).error_estimate, accuracy);
+      EXPECT_EQ(0.05, report_of(f.m, f.d).time);
+    }
+}
+
+TEST(Stepping, BadOptions) {
+  Flight f;
+  const auto expect = [&](dynStatus status, const dynStepOptions& o, const char* word) {
+    EXPECT_EQ(status, dyn_data_set_step_options(f.m, f.d, &o)) << word;
+    EXPECT_TRUE(says({"dyn_data_set_step_options", word}));
+  };
+  expect(DYN_ERROR_ARGUMENT, options_of(DYN_RK4, 0), "dt");
+  expect(DYN_ERROR_ARGUMENT, options_of(DYN_RK4, -1), "dt");
+  expect(DYN_ERROR_NONFINITE, options_of(DYN_RK4, nan), "dt");
+  expect(DYN_ERROR_NONFINITE, options_of(DYN_RK4, inf), "dt");
+  expect(DYN_ERROR_ARGUMENT, options_of(DYN_RK4, 1, -1e-3), "accuracy");
+  expect(DYN_ERROR_NONFINITE, options_of(DYN_RK4, 1, nan), "accuracy");
+  dynStepOptions small = options_of(DYN_RK4, 1);
+  small.struct_size = 4;
+  expect(DYN_ERROR_SIZE, small, "struct_size");
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_step_options(f.m, f.d, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_step_options(f.m, f.d, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_step_report(f.m, f.d, nullptr));
+  dynStepReport none{};
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_data_step_report(f.m, f.d, &none));
+  dyn_step_options_init(nullptr);
+  dynStepOptions kept;
+  ASSERT_EQ(DYN_OK, dyn_data_step_options(f.m, f.d, &kept));
+  EXPECT_EQ(1e-3, kept.dt);
+}
+
+TEST(Stepping, BadDurations) {
+  Flight f;
+  const Numbers q = field(f.m, f.d, "q");
+  for (const double bad : {-1.0, -1e-300}) EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_advance(f.m, f.d, bad));
+  for (const double bad : {nan, inf, -inf}) EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_advance(f.m, f.d, bad));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_advance(f.m, f.d, 1e300));
+  EXPECT_TRUE(says({"dyn_advance", "too many"}));
+  EXPECT_TRUE(same_bits(q, field(f.m, f.d, "q")));
+  const Data bare(f.m, DYN_PART_FORWARD);
+  for (const dynStatus s : {dyn_step(f.m, bare), dyn_advance(f.m, bare, 1)}) EXPECT_EQ(DYN_ERROR_PART, s);
+  EXPECT_TRUE(says({"DYN_PART_SIMULATION"}));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_advance(nullptr, f.d, 1));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_advance(f.m, nullptr, 1));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_step(nullptr, nullptr));
+}
+
+// A failing step leaves the state that the steps before it made.
+TEST(Stepping, AFailureKeepsWhatWasReached) {
+  Flight f;
+  Numbers v = field(f.m, f.d, "v");
+  for (double& x : v) x *= 1e150;
+  for (const double accuracy : {0.0, 1e-6}) {
+    ASSERT_EQ(DYN_OK, dyn_data_set_state(f.m, f.d, nullptr, v.data(), nullptr, nullptr));
+    const Numbers q = field(f.m, f.d, "q");
+    const dynStepOptions o = options_of(DYN_RK4, 1e-3, accuracy);
+    ASSERT_EQ(DYN_OK, dyn_data_set_step_options(f.m, f.d, &o));
+    EXPECT_EQ(DYN_ERROR_NUMERIC, dyn_advance(f.m, f.d, 1)) << accuracy;
+    EXPECT_TRUE(says({"dyn_advance", "as before the step"}));
+    for (double x : field(f.m, f.d, "q")) EXPECT_TRUE(std::isfinite(x));
+    if (report_of(f.m, f.d).steps == 0) {
+      EXPECT_TRUE(same_bits(q, field(f.m, f.d, "q")));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dyn_test
