@@ -36,7 +36,7 @@ Robot::Robot(const RobotOptions& options, int contacts) {
   dyn_load_options_init(&load);
   load.base = options.fixed ? DYN_BASE_FIXED : options.floating ? DYN_BASE_FLOATING : DYN_BASE_UNSPECIFIED;
   load.strict = options.strict;
-  load.constraint_slots = contacts;
+  load.constraint_slots = std::max(load.constraint_slots, contacts);
   load.cos_sin = options.cos_sin;
   if (!folders.empty()) load.package_dirs = folders.data();
   load.package_dirs_count = folders.size();

@@ -122,8 +122,11 @@ int main(int argc, char** argv) {
   assert(tied.constraint_impulse_derivatives(q, v).ddq_dv.cols == 2 && tied.constraint_report(q).first.redundant == 1);
   tied.set_constraint(1, tied.constraint(0)), tied.enable_constraint(1, false), tied.clear_constraint(1);
   data.set_state(q, v);
-  data.step(1e-3, DYN_RK4);
-  assert(data.time() == 1e-3);
+  data.set_stepping(DYN_RK4, 1e-3);
+  data.step();
+  data.advance(2e-3);
+  assert(data.stepping().integrator == DYN_RK4 && data.step_report().steps == 2);
+  assert(std::abs(data.time() - 3e-3) < 1e-15);
   assert(status_of([&] { data.rnea(user::Vector{1}, v, a); }) == DYN_ERROR_SIZE);
   assert(status_of([&] { data.rnea(user::Vector{}, v, a); }) == DYN_ERROR_SIZE);
   assert(status_of([&] { data.set_state(q); data.field("M"); }) == DYN_ERROR_STALE);
