@@ -144,11 +144,11 @@ std::string universe(const std::string& body) { return body == "world" ? "univer
 
 }  // namespace
 
-ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source) {
+ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, int constraint_slots) {
   const std::vector<MjcfMass> masses = mjcf_masses(robot);
   Builder builder(robot.name);
   const MjcfPlace file{robot.bodies[0].place.report, 0, ""};
-  located(file, [&] { builder.gravity(robot.gravity); });
+  located(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(constraint_slots); });
   for (size_t i = 1; i < robot.bodies.size(); ++i) add_body(builder, robot, robot.bodies[i], masses[i]);
   std::set<std::string> joints;
   for (const MjcfBody& body : robot.bodies)

@@ -155,6 +155,6 @@ void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context);
 void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
 void report_mjcf_section(MjcfFile& file, Element& e);
 // mjcf_build.cpp
-ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source);
+ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, int constraint_slots);
 
 }  // namespace dyn::load

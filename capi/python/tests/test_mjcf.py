@@ -230,3 +230,8 @@ def test_binary_assets(tmp_path):
     (tmp_path / "box.msh").write_bytes(np.array([-1, 0, 0, 12], np.int32).tobytes())
     with pytest.raises(dyn.Error, match="not of MuJoCo's format"):
         dyn.load(tmp_path / "m.xml")
+
+
+def test_constraint_slots():
+    text = "<mujoco><worldbody>" + BODY + "</worldbody></mujoco>"
+    assert dyn.load_string(text, constraint_slots=3).nconstraint_slots == 3
