@@ -435,6 +435,15 @@ def test_locale_does_not_matter(arm_file):
     assert run(*words, env=env) == run(*words)
 
 
+def test_sim_to_an_accuracy(arm_file):
+    words = ("sim", arm_file, "--fixed", "--duration", "1", "--q", "1,0.5", "--accuracy")
+    tight, loose = answer(*words, "1e-11"), answer(*words, "1e-4")
+    assert tight["integrator"] == "reference" and tight["steps"] > loose["steps"]
+    assert np.abs(np.subtract(tight["q"], loose["q"])).max() < 1e-3 and loose["error_estimate"] <= 1e-4
+    for bad in ("-1", "nan", "inf"):
+        run(*words, bad, status=2)
+
+
 # ------------------------------------------------------------------------------------------------- bench
 
 
