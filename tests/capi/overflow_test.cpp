@@ -183,6 +183,10 @@ TEST(Overflow, FailedStep) {
         const Snapshot before(m, d);
         EXPECT_EQ(DYN_ERROR_NUMERIC, take_step(m, d, integrator, dt)) << dt;
         EXPECT_TRUE(says({"dyn_step", "as before"}));
+        // an iteration that does not end, or steps that none is short enough for, are nobody's
+        if (integrator != DYN_IMPLICIT_MIDPOINT && integrator != DYN_REFERENCE) {
+          EXPECT_TRUE(says({"joint '"}));
+        }
         EXPECT_EQ("", before.differs(Snapshot(m, d), true)) << "mimic " << mimic << " integrator " << integrator;
         // placements and the frame queries survive
         double X[12], V[6];
