@@ -141,6 +141,7 @@ void dyn_shape_spec_init(dynShapeSpec* spec) {
   spec->struct_size = sizeof *spec;
   spec->type = DYN_SHAPE_BOX, spec->role = DYN_ROLE_COLLISION;
   spec->contype = spec->conaffinity = 1;
+  spec->material = simulation::default_material();
   spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
 }
 
@@ -160,7 +161,7 @@ dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* s) {
     Shape shape{text(s->name), s->type, s->role, text(s->body), read_placement(s->placement), {}, text(s->mesh)};
     std::copy(s->size, s->size + 3, shape.size.begin());
     shape.surface = surface;
-    shape.radius = s->radius, shape.contype = s->contype, shape.conaffinity = s->conaffinity;
+    shape.radius = s->radius, shape.contype = s->contype, shape.conaffinity = s->conaffinity, shape.material = s->material;
     b.shape(shape);
   });
 }

@@ -61,6 +61,17 @@ dynStatus check_pair(const char* function, const Model& m, int pair, int first) 
 }
 
 // So many shapes that pairs are not listed would otherwise look like none that collide.
+Index geom_of_shape(Call& call, int shape, int first) {
+  const Model& m = call.m();
+  for (Index k = 0; k < m.n.geoms; ++k)
+    if (m.geoms()[k].shape == shape) return k;
+  if (shape >= 0 && shape < m.n.shapes)
+    call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d is no collision shape", call.function, shape);
+  else if (shape < first || shape >= m.n.shapes)
+    call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d does not exist: the model has %d", call.function, shape, int(m.n.shapes));
+  return -1;
+}
+
 bool listed(Call& call) {
   if (call.m().n.geoms <= most_geoms) return true;
   call.status = fail(DYN_ERROR_LIMIT, "%s: the model has %d collision shapes: pairs are listed up to %d", call.function, int(call.m().n.geoms), int(most_geoms));

@@ -35,6 +35,9 @@ dynStatus read_tolerance(const char* function, double tolerance, collision::Opti
 dynStatus read_pair(const char* function, const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
                     PlacedShape& A, PlacedShape& B);
 
+// The geom of one of the model's shapes; -1 and an error when it is none. Shapes from first on: -1 stands for all.
+Index geom_of_shape(Call& call, int shape, int first);
+
 // A structure that answers are written into.
 template <class T>
 dynStatus check_out(const char* function, const char* type, const T* out) {

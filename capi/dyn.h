@@ -232,6 +232,17 @@ typedef enum dynShapeType { DYN_SHAPE_BOX = 1, DYN_SHAPE_SPHERE = 2, DYN_SHAPE_C
                             DYN_SHAPE_CONE = 6, DYN_SHAPE_ELLIPSOID = 7, DYN_SHAPE_HALF_SPACE = 8, DYN_SHAPE_CONVEX = 9,
                             DYN_SHAPE_TRIANGLES = 10, DYN_SHAPE_HEIGHT_FIELD = 11 } dynShapeType;
 typedef enum dynShapeRole { DYN_ROLE_COLLISION = 1, DYN_ROLE_VISUAL = 2 } dynShapeRole;
+/* What happens where a shape touches another. Of two shapes: the larger friction, torsion, rolling, restitution and damping, the springs in
+   a row, and a slip velocity that is the difference of the two. */
+typedef struct dynMaterial {
+  double friction;          /* Coulomb's coefficient; default 1 */
+  double torsion, rolling;  /* m: moment about the normal, and across it, by the normal force; default 0: none */
+  double restitution;       /* 0 .. 1; default 0 */
+  double stiffness;         /* N/m; default 0: rigid */
+  double damping;           /* N s/m of a contact with stiffness */
+  double surface_velocity[3]; /* m/s, in the shape's frame: a conveyor belt; default 0 */
+} dynMaterial;
+
 typedef struct dynShapeInfo {
   uint32_t struct_size;
   const char* name;       /* "" when the file gives none */
@@ -244,6 +255,7 @@ typedef struct dynShapeInfo {
   const char* mesh;       /* resolved path, also of what stands for a mesh (dynMeshUse); "" for others */
   double radius;          /* m, of rounding: points within that distance belong to the shape */
   uint32_t contype, conaffinity; /* groups it is in, groups it collides with, a bit each: see DYN_PAIR_MASK */
+  dynMaterial material;
 } dynShapeInfo;
 DYN_API int dyn_nshapes(const dynModel* model);
 DYN_API dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
@@ -330,6 +342,7 @@ typedef struct dynShapeSpec {
   double radius;          /* m, >= 0; of rounding, not of a mesh */
   uint32_t contype, conaffinity; /* default 1, 1 */
   const dynMesh* surface; /* CONVEX: a hull (dyn_mesh_hull), TRIANGLES: a mesh, HEIGHT_FIELD: one of dyn_mesh_height_field; copied */
+  dynMaterial material;
 } dynShapeSpec;
 DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
 DYN_API dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* spec);
@@ -410,7 +423,8 @@ enum {
   DYN_EFFECT_DAMPING = 1u << 1,
   DYN_EFFECT_SPRINGS = 1u << 2,
   DYN_EFFECT_FRICTION = 1u << 3,
-  DYN_EFFECT_ALL = 0xf
+  DYN_EFFECT_LIMITS = 1u << 4,
+  DYN_EFFECT_ALL = 0x1f
 };
 /* Switches the effects of a joint, or with joint 0 of all, to those of the mask. A follower's are part of its leader's: name that one.
    All results are stale afterwards. */
@@ -977,7 +991,7 @@ DYN_API dynStatus dyn_shape_distance(const dynGeometry* a, const double placemen
 /* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. */
 typedef enum dynPairReason {
   DYN_PAIR_TESTED = 0,
-  DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration */
+  DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration; not where one flies freely relative to the other */
   DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known: see dynMeshUse */
   DYN_PAIR_OFF = 3,        /* switched off in the data */
   DYN_PAIR_DISABLED = 4,   /* the SRDF says so: see dyn_disabled_pair */
@@ -1253,6 +1267,9 @@ typedef struct dynStepOptions {
   double dt;                /* s, > 0; default 1e-3 */
   double accuracy;          /* > 0: dyn_advance chooses its steps by itself, so that their errors add up to at most this: m and rad, m/s and rad/s;
                                by order 8, with integrator RK45 by order 5. What grows by itself (chaos) grows beyond. default 0: steps of dt */
+  dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
+  int32_t max_iterations;   /* of the solver, an island and step; default 100 */
+  double tolerance;         /* of its residual (dynContactReport); default 1e-9 */
 } dynStepOptions;
 DYN_API void dyn_step_options_init(dynStepOptions* options);
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options);
@@ -1272,8 +1289,26 @@ typedef struct dynStepReport {
   double time;             /* s, advanced */
   double smallest_dt;      /* s */
   double error_estimate;   /* sum of the estimated errors of the steps; 0 from integrators that have none */
+  int32_t contacts, rows, islands; /* most of them in a step: contact points, rows that acted, groups of bodies that they join */
+  int32_t dropped;         /* contact points beyond the room for them, the shallowest: in all steps */
+  int64_t iterations;      /* of the contact solver, its Newton steps included */
+  double residual;         /* largest of the contact solver */
+  double penetration;      /* m, largest depth at the beginning of a step */
 } dynStepReport;
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
+
+/* Contact points of the last step, in the order of the pairs and of their features, and what they exert: mean forces over the step. At most
+   capacity of them are written; count: how many there are. */
+typedef struct dynContactForce {
+  dynContact contact;          /* as it was at the beginning of the step */
+  double force_on_b[3];        /* N, world, on shape_b; the opposite on shape_a */
+  double moment_on_b[3];       /* N m, world: of torsion and rolling */
+} dynContactForce;
+DYN_API dynStatus dyn_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts, int capacity, int* count);
+
+/* Material of a collision shape in this data, or with shape -1 of all of them; checked as in the builder. */
+DYN_API dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape, const dynMaterial* material);
+DYN_API dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, int shape, dynMaterial* material);
 
 /* ------------------------------------------------------------------------------------------------------- meshes */
 

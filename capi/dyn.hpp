@@ -891,8 +891,9 @@ class Data {
     dynStepOptions options;
     dyn_step_options_init(&options);
     options.integrator = integrator, options.dt = dt, options.accuracy = accuracy;
-    check(dyn_data_set_step_options(m(), get(), &options));
+    set_stepping(options);
   }
+  void set_stepping(const dynStepOptions& options) { check(dyn_data_set_step_options(m(), get(), &options)); }
   dynStepOptions stepping() const {
     dynStepOptions options;
     dyn_step_options_init(&options);
@@ -906,6 +907,20 @@ class Data {
     report.struct_size = sizeof report;
     check(dyn_data_step_report(m(), get(), &report));
     return report;
+  }
+  // Contact points of the last step with their forces.
+  std::vector<dynContactForce> step_contacts() {
+    int count = 0;
+    check(dyn_step_contacts(m(), get(), nullptr, 0, &count));
+    std::vector<dynContactForce> out(static_cast<std::size_t>(count));
+    check(dyn_step_contacts(m(), get(), out.data(), count, &count));
+    return out;
+  }
+  void set_shape_material(int shape, const dynMaterial& material) { check(dyn_data_set_shape_material(m(), get(), shape, &material)); }
+  dynMaterial shape_material(int shape) {
+    dynMaterial out;
+    check(dyn_data_shape_material(m(), get(), shape, &out));
+    return out;
   }
 
  private:

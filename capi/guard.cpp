@@ -202,9 +202,9 @@ Exchange exchange(const double* from, double* to, double* kept, Index n) {
     y.store(kept + i), x.store(to + i);
   }
   if (const int rest = int(n - i)) {
-    const P x = load(from + i, rest), y = load(to + i, rest);
+    const P x = load_some(from + i, rest), y = load_some(to + i, rest);
     look(x, y);
-    store(y, kept + i, rest), store(x, to + i, rest);
+    store_some(y, kept + i, rest), store_some(x, to + i, rest);
   }
   auto some = [](const FourIntegers& x) { return ((x[0] | x[1]) | (x[2] | x[3])) != 0; };
   return {!some(bad), some(difference)};

@@ -49,7 +49,7 @@ inline Index finite_count(const double* x, Index n) {
   using P = Pack<double, widest_pack>;
   using Four = Pack<double, 4>;
   constexpr Index w = widest_pack;
-  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
+  Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load_some(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
   Index i = 0;
   if (n >= 4 * w) {
     P a = P::zero(), b = a, c = a, d = a;

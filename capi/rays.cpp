@@ -30,18 +30,6 @@ dynStatus check_directions(const char* function, const char* name, const double*
   return DYN_OK;
 }
 
-// The geom of one of the model's shapes; -1 and an error when it is none.
-Index geom_of_shape(Call& call, int shape, int first) {
-  const Model& m = call.m();
-  for (Index k = 0; k < m.n.geoms; ++k)
-    if (m.geoms()[k].shape == shape) return k;
-  if (shape >= 0 && shape < m.n.shapes)
-    call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d is no collision shape", call.function, shape);
-  else if (shape < first || shape >= m.n.shapes)
-    call.status = fail(DYN_ERROR_ARGUMENT, "%s: shape %d does not exist: the model has %d", call.function, shape, int(m.n.shapes));
-  return -1;
-}
-
 }  // namespace
 
 extern "C" {

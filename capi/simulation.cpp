@@ -1,4 +1,6 @@
-// Steps of smooth dynamics.
+// Steps.
+#include "collision.hpp"
+#include "dyn/simulation/material.hpp"
 #include "guard.hpp"
 
 using namespace dyn;
@@ -59,7 +61,7 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
 extern "C" {
 
 void dyn_step_options_init(dynStepOptions* options) {
-  if (options) *options = {sizeof *options, DYN_SEMI_IMPLICIT_EULER, 1e-3, 0};
+  if (options) *options = simulation::default_options();
 }
 
 dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options) {
@@ -73,6 +75,12 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   if (!(options->dt > 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: dt is %g s: it must be positive", options->dt);
   if (!(options->accuracy >= 0))
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: accuracy is %g: give what the errors may add up to, or 0 for steps of dt", options->accuracy);
+  if (raw(options->solver) < DYN_CONTACT_PGS || raw(options->solver) > DYN_CONTACT_NEWTON)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: solver %d is none of DYN_CONTACT_PGS, _ADMM, _NEWTON", raw(options->solver));
+  if (options->max_iterations < 1)
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more", int(options->max_iterations));
+  if (!call.finite("tolerance", &options->tolerance, 1)) return call.status;
+  if (!(options->tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: tolerance is %g: it can't be negative", options->tolerance);
   call.d().stepping = *options;
   call.d().stepping.struct_size = sizeof *options;
   return DYN_OK;
@@ -117,6 +125,39 @@ dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepRepo
     return fail(DYN_ERROR_SIZE, "dyn_data_step_report: struct_size is %u, needs %zu: set it to sizeof(dynStepReport)", report->struct_size, sizeof *report);
   *report = call.d().stepped;
   report->struct_size = sizeof *report;
+  return DYN_OK;
+}
+
+dynStatus dyn_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts, int capacity, int* count) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_step_contacts");
+  if (!call) return call.status;
+  if (const dynStatus s = check_capacity(call.function, capacity)) return s;
+  if (!call.required("contacts", contacts, capacity) || !call.required("count", count)) return call.status;
+  const Data<double>& d = call.d();
+  if (capacity > 0) std::copy_n(d.contact_forces, std::min<Index>(capacity, d.contact_count), contacts);
+  *count = int(d.contact_count);
+  return DYN_OK;
+}
+
+dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape, const dynMaterial* material) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_set_shape_material");
+  if (!call || !call.required("material", material)) return call.status;
+  const Index geom = geom_of_shape(call, shape, -1);
+  if (!call) return call.status;
+  if (const simulation::BadNumber bad = simulation::bad_number(*material); bad.name)
+    return fail(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: %s is %g: give 0 or more, restitution up to 1, finite velocities", call.function, bad.name,
+                bad.value);
+  if (geom < 0) std::fill_n(call.d().materials, call.m().n.geoms, *material);
+  else call.d().materials[geom] = *material;
+  return DYN_OK;
+}
+
+dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, int shape, dynMaterial* material) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_shape_material");
+  if (!call || !call.required("material", material)) return call.status;
+  const Index geom = geom_of_shape(call, shape, 0);
+  if (!call) return call.status;
+  *material = call.d().materials[geom];
   return DYN_OK;
 }
 

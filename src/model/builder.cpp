@@ -331,6 +331,8 @@ void Builder::shape(const Shape& shape) {
       refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
   if (!(shape.radius >= 0 && shape.radius <= collision::largest)) refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
   if (shape.radius > 0 && shape.type == DYN_SHAPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
+  if (const simulation::BadNumber bad = simulation::bad_number(shape.material); bad.name)
+    refuse(DYN_ERROR_INVALID, who + ": material: " + bad.name + " is " + number(bad.value) + ": give 0 or more, restitution up to 1, finite velocities");
   const bool made_of_facets = shape.type == DYN_SHAPE_CONVEX || shape.type == DYN_SHAPE_TRIANGLES || shape.type == DYN_SHAPE_HEIGHT_FIELD;
   if (made_of_facets != bool(shape.surface) || (shape.surface && type_of(*shape.surface) != shape.type))
     refuse(DYN_ERROR_ARGUMENT, who + ": its type and its surface don't belong together");

@@ -270,7 +270,7 @@ ModelPtr Builder::finish() const {
     r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
-    r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity;
+    r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity, r.material = s.shape.material;
     if (r.role == DYN_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }
@@ -315,6 +315,14 @@ ModelPtr Builder::finish() const {
   n.runs = Index(a.runs.size()), n.chunks = Index(a.chunks.size());
   make_spans(a.bodies, a.spans, a.curved);
   n.spans = Index(a.spans.size()), n.curved = Index(a.curved.size());
+  for (const Span& s : a.spans)
+    for (Index k = 0; k < s.count; ++k) {
+      const Index q = s.first_q + k, v = s.first_v + k;
+      if (!std::isfinite(a.lower_limit[std::size_t(q)]) && !std::isfinite(a.upper_limit[std::size_t(q)])) continue;
+      const auto owner = std::find_if(a.joints.begin() + 1, a.joints.end(), [&](const JointRecord& j) { return j.idx_v <= v && v < j.idx_v + j.nv; });
+      a.limits.push_back({q, v, n.mimic_v ? a.own_v[std::size_t(v)] : v, Index(owner - a.joints.begin())});
+    }
+  n.limits = Index(a.limits.size());
   for (const Chunk& c : a.chunks) n.sweep = std::max(n.sweep, sweep_room(c.last_q - c.first_q));
 
   // subtrees
@@ -378,7 +386,7 @@ ModelPtr Builder::finish() const {
     return std::any_of(x.begin(), x.end(), [](double e) { return e != 0; }) ? effect : 0u;
   };
   model->effects = if_some(DYN_EFFECT_ARMATURE, a.armature) | if_some(DYN_EFFECT_DAMPING, a.damping) | if_some(DYN_EFFECT_SPRINGS, a.stiffness) |
-                   if_some(DYN_EFFECT_FRICTION, a.friction);
+                   if_some(DYN_EFFECT_FRICTION, a.friction) | (n.limits > 0 ? std::uint32_t(DYN_EFFECT_LIMITS) : 0u);
   auto small = [](double x) { return std::abs(x) < 1e25; };
   auto all_small = [&](const Vec3<double>& x) { return small(x[0]) && small(x[1]) && small(x[2]); };
   model->moderate = std::all_of(a.armature.begin(), a.armature.end(), small) && std::all_of(a.bodies.begin(), a.bodies.end(), [&](const Body& b) {
@@ -415,8 +423,11 @@ ModelPtr Builder::finish() const {
   fill_in(Model::Field::dof_descendants_end, a.dof_descendants_end), fill_in(Model::Field::dof_forks, a.dof_forks);
   check_dynamics(*model, order, in.joints, in.frames);
   check_constraints(*model);
+  for (std::size_t k = 0; k < std::size_t(n.nv); ++k) model->n.carriers = std::max(model->n.carriers, std::min(n.nv, 2 * (a.dof_depth[k] + 1)));
+  if (mimic) model->n.carriers = n.nv;
   judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
   if (several && !tests_nothing(*model)) --model->n.reports;
+  model->n.contacts = std::min(8 * n.pairs, 16 + 8 * n.geoms);
   return model;
 }
 

@@ -57,8 +57,17 @@ void judge_pairs(const Model& m, PairRecord* pairs) {
   for (Index k = 0; k < m.n.geoms; ++k)
     if (!(sizes(d.geom_poses[k].p)[0] + sizes(d.geom_poses[k].p)[1] + sizes(d.geom_poses[k].p)[2] <= collision::largest)) return;
   collision::distances(m, d);
+  auto tree = [&](Index i) {
+    while (m.bodies()[i].parent) i = m.bodies()[i].parent;
+    return i;
+  };
+  auto flies = [&](Index i) { return i && m.bodies()[i].type == BodyType::FreeFlyer; };
+  auto apart = [&](const PairRecord& p) {  // where something flies says nothing of what it may touch
+    const Index a = tree(d.geoms[p.a].body), b = tree(d.geoms[p.b].body);
+    return a != b && (flies(a) || flies(b));
+  };
   for (Index k = 0; k < m.n.pairs; ++k)
-    if (pairs[k].reason == DYN_PAIR_TESTED && d.results[k].status == collision::Status::Penetrating) pairs[k].reason = DYN_PAIR_OVERLAPS;
+    if (pairs[k].reason == DYN_PAIR_TESTED && !apart(pairs[k]) && d.results[k].status == collision::Status::Penetrating) pairs[k].reason = DYN_PAIR_OVERLAPS;
 }
 
 }  // namespace dyn

@@ -122,8 +122,10 @@ from .inertia import (
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
+from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
 from .model import DisabledPair, FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, load, load_string
+from .simulation import ContactForce, StepReport
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
@@ -185,6 +187,7 @@ __all__ = [
     "LibraryError",
     "LimitError",
     "LoadError",
+    "Material",
     "Mesh",
     "MeshInfo",
     "MeshUse",
@@ -217,6 +220,7 @@ __all__ = [
     "StaleError",
     "State",
     "StateLayout",
+    "StepReport",
     "Status",
     "StrictError",
     "SweepStatus",

@@ -48,11 +48,18 @@ class FrameInfo(Grown):
     ]  # fmt: skip
 
 
+class Material(Structure):
+    _fields_ = [
+        ("friction", c_double), ("torsion", c_double), ("rolling", c_double), ("restitution", c_double), ("stiffness", c_double),
+        ("damping", c_double), ("surface_velocity", c_double * 3),
+    ]  # fmt: skip
+
+
 class ShapeInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("frame", c_int32),
         ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
-        ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32),
+        ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32), ("material", Material),
     ]  # fmt: skip
 
 
@@ -74,6 +81,7 @@ class ShapeSpec(Grown):
         ("struct_size", c_uint32), ("name", c_char_p), ("type", c_int), ("role", c_int), ("body", c_char_p),
         ("placement", c_double * 12), ("size", c_double * 3), ("mesh", c_char_p),
         ("radius", c_double), ("contype", c_uint32), ("conaffinity", c_uint32), ("surface", c_void_p),
+        ("material", Material),
     ]  # fmt: skip
 
 
@@ -238,14 +246,22 @@ class IkResult(Grown):
 
 
 class StepOptions(Grown):
-    _fields_ = [("struct_size", c_uint32), ("integrator", c_int), ("dt", c_double), ("accuracy", c_double)]  # fmt: skip
+    _fields_ = [
+        ("struct_size", c_uint32), ("integrator", c_int), ("dt", c_double), ("accuracy", c_double), ("solver", c_int),
+        ("max_iterations", c_int32), ("tolerance", c_double),
+    ]  # fmt: skip
 
 
 class StepReport(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("steps", c_int64), ("rejected", c_int64), ("evaluations", c_int64), ("time", c_double),
-        ("smallest_dt", c_double), ("error_estimate", c_double),
+        ("smallest_dt", c_double), ("error_estimate", c_double), ("contacts", c_int32), ("rows", c_int32), ("islands", c_int32),
+        ("dropped", c_int32), ("iterations", c_int64), ("residual", c_double), ("penetration", c_double),
     ]  # fmt: skip
+
+
+class ContactForce(Structure):
+    _fields_ = [("contact", Contact), ("force_on_b", c_double * 3), ("moment_on_b", c_double * 3)]
 
 
 class ContactProblem(Grown):
@@ -510,6 +526,9 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_data_set_step_options": (STATUS, [_p, _p, _ref]),
     "dyn_data_step_options": (STATUS, [_p, _p, _ref]),
     "dyn_step": (STATUS, [_p, _p]),
+    "dyn_step_contacts": (STATUS, [_p, _p, _ref, _i, _ref]),
+    "dyn_data_set_shape_material": (STATUS, [_p, _p, _i, _ref]),
+    "dyn_data_shape_material": (STATUS, [_p, _p, _i, _ref]),
     "dyn_advance": (STATUS, [_p, _p, _d]),
     "dyn_data_step_report": (STATUS, [_p, _p, _ref]),
     # meshes

@@ -15,6 +15,7 @@ from .constraint import structure
 from .enums import FrameType, JointType, ShapeRole, ShapeType
 from .errors import ArgumentError
 from .library import check, lib
+from .material import Material
 from .mesh import Mesh
 from .model import Model, member, text
 
@@ -145,10 +146,11 @@ class Builder:
         contype: int = 1,
         conaffinity: int = 1,
         surface: Mesh | None = None,
+        material: Material | None = None,
     ) -> Builder:
         """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo. radius: of rounding (m); contype, conaffinity:
         groups it is in, groups it collides with, a bit each; surface: of "convex" a hull, of "triangles" a mesh, of "height_field" one of
-        Mesh.height_field."""
+        Mesh.height_field; material: what happens where it touches."""
         spec = abi.ShapeSpec()
         lib.dyn_shape_spec_init(byref(spec))
         spec.body, spec.name, spec.mesh = text(body, "body"), text(name, "name"), text(mesh, "mesh")
@@ -156,6 +158,8 @@ class Builder:
         spec.radius, spec.contype, spec.conaffinity = radius, contype, conaffinity
         if surface is not None:
             spec.surface = surface._owner.address
+        if material is not None:
+            spec.material = material.structure()
         sizes = np.atleast_1d(numbers(size, "size")).tolist()
         spec.size[: len(sizes)] = checked(sizes, (min(len(sizes), 3),), "size").tolist()
         if placement is not None:

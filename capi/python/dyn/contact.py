@@ -95,7 +95,7 @@ class Impact(NamedTuple):
     point_b: np.ndarray
 
 
-def _contact(c: abi.Contact) -> Contact:
+def to_contact(c: abi.Contact) -> Contact:
     return Contact(c.pair, c.shape_a, c.shape_b, c.feature, c.distance, np.array(c.position), np.array(c.normal))
 
 
@@ -111,7 +111,7 @@ def shape_contacts(
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     out, count = (abi.Contact * _MOST)(), c_int()
     check(lib.dyn_shape_contacts(byref(A), address(X_a), byref(B), address(X_b), margin, tolerance, out, byref(count)))
-    return [_contact(c) for c in out[: count.value]]
+    return [to_contact(c) for c in out[: count.value]]
 
 
 def shape_ray(shape: tuple, placement: Any, origin: ArrayLike, direction: ArrayLike) -> RayHit | None:
@@ -213,7 +213,7 @@ class ContactQueries:
             out = (abi.Contact * room)()
             check(lib.dyn_contacts(self._m, self._d, held, margin, out, room, byref(count)))
             if count.value <= room:
-                return [_contact(c) for c in out[: count.value]]
+                return [to_contact(c) for c in out[: count.value]]
             room = count.value
 
     def smooth_distances(self, smoothing: float, q: Any = None) -> SmoothDistances:

@@ -217,7 +217,8 @@ class Effect(enum.IntFlag):
     DAMPING = 2
     SPRINGS = 4
     FRICTION = 8
-    ALL = 15
+    LIMITS = 16
+    ALL = 31
 
 
 class Part(enum.IntFlag):

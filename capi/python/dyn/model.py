@@ -20,6 +20,7 @@ from .constraint import ModelConstraints
 from .enums import Base, Direction, FrameType, JointType, MeshUse, ModelArray, PairReason, Part, ReportLevel, ShapeRole, ShapeType
 from .errors import ArgumentError, SizeError, UnknownNameError
 from .library import check, fail, last_error, lib
+from .material import Material
 from .mesh import Mesh
 
 if TYPE_CHECKING:
@@ -104,6 +105,8 @@ class ShapeInfo(NamedTuple):
     """Groups it is in, a bit each."""
     conaffinity: int
     """Groups it collides with."""
+    material: Material
+    """What happens where it touches."""
 
 
 class DisabledPair(NamedTuple):
@@ -354,7 +357,7 @@ class Model(ModelConstraints):
         return ShapeInfo(
             id, _string(info.name), _kind(ShapeType, info.type), _kind(ShapeRole, info.role), info.frame,
             to_placement(np.array(info.placement)), np.array(info.size), _string(info.mesh), info.radius, info.contype,
-            info.conaffinity,
+            info.conaffinity, Material.of(info.material),
         )  # fmt: skip
 
     def shape_mesh(self, shape: int) -> Mesh:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from ctypes import byref
+from ctypes import byref, c_int
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from . import abi
-from .enums import Integrator
+from .contact import Contact, to_contact
+from .enums import ContactSolverType, Integrator
 from .library import check, fail, lib
+from .material import Material
 from .model import member
 
 _INTEGRATORS: dict[Any, int] = {key: int(i) for i in Integrator for key in (i, i.name, i.name.lower())}
@@ -27,14 +31,48 @@ class StepReport(NamedTuple):
     smallest_dt: float
     error_estimate: float
     """Sum of the estimated errors of the steps; 0 from integrators that have none."""
+    contacts: int
+    """Most contact points in a step."""
+    rows: int
+    """Most rows that acted in a step."""
+    islands: int
+    """Most groups of bodies that rows join, in a step."""
+    dropped: int
+    """Contact points beyond the room for them, the shallowest, in all steps."""
+    iterations: int
+    """Of the contact solver, its Newton steps included."""
+    residual: float
+    """Largest of the contact solver."""
+    penetration: float
+    """m, largest depth at the beginning of a step."""
+
+
+class ContactForce(NamedTuple):
+    """A contact point of the last step, and what it exerts."""
+
+    contact: Contact
+    force_on_b: np.ndarray
+    """(3,): N, world, mean over the step; the opposite on shape A."""
+    moment_on_b: np.ndarray
+    """(3,): N m, world: of torsion and rolling."""
 
 
 class Stepping:
     """The part of Data that moves it in time."""
 
-    def set_stepping(self, integrator: str | Integrator | None = None, dt: float | None = None, accuracy: float | None = None) -> None:
+    def set_stepping(
+        self,
+        integrator: str | Integrator | None = None,
+        dt: float | None = None,
+        accuracy: float | None = None,
+        *,
+        solver: str | ContactSolverType | None = None,
+        tolerance: float | None = None,
+        max_iterations: int | None = None,
+    ) -> None:
         """How step and advance go: by which integrator, in steps of dt seconds or (accuracy > 0, advance alone) of those that take
-        the sum of their errors to at most accuracy. None leaves a value as it is."""
+        the sum of their errors to at most accuracy; which contact solver, to which residual, in how many iterations. None leaves a
+        value as it is."""
         options = self.stepping
         if integrator is not None:
             kind = _INTEGRATORS.get(integrator)
@@ -43,18 +81,24 @@ class Stepping:
             options.dt = dt
         if accuracy is not None:
             options.accuracy = accuracy
+        if solver is not None:
+            options.solver = member(ContactSolverType, solver, "solver")
+        if tolerance is not None:
+            options.tolerance = tolerance
+        if max_iterations is not None:
+            options.max_iterations = max_iterations
         check(lib.dyn_data_set_step_options(self._m, self._d, byref(options)))
 
     @property
     def stepping(self) -> abi.StepOptions:
-        """integrator, dt and accuracy, as set_stepping left them."""
+        """What set_stepping left."""
         options = abi.StepOptions()
         lib.dyn_step_options_init(byref(options))
         check(lib.dyn_data_step_options(self._m, self._d, byref(options)))
         return options
 
     def step(self, dt: float | None = None, integrator: str | Integrator | None = None) -> None:
-        """Advances q, v and the time by one step of smooth dynamics under the held tau. dt and integrator are kept (set_stepping)."""
+        """Advances q, v and the time by one step under the held tau. dt and integrator are kept (set_stepping)."""
         if dt is not None or integrator is not None:
             self.set_stepping(integrator, dt)
         status = _step(self._m, self._d)
@@ -71,4 +115,26 @@ class Stepping:
         """What the last step or advance did."""
         r = abi.StepReport()
         check(lib.dyn_data_step_report(self._m, self._d, byref(r)))
-        return StepReport(r.steps, r.rejected, r.evaluations, r.time, r.smallest_dt, r.error_estimate)
+        return StepReport(*(getattr(r, name) for name in StepReport._fields))
+
+    def step_contacts(self) -> list[ContactForce]:
+        """Contact points of the last step with their forces, by pairs."""
+        room, count = 64, c_int()
+        while True:
+            out = (abi.ContactForce * room)()
+            check(lib.dyn_step_contacts(self._m, self._d, out, room, byref(count)))
+            if count.value <= room:
+                return [
+                    ContactForce(to_contact(f.contact), np.array(f.force_on_b), np.array(f.moment_on_b)) for f in out[: count.value]
+                ]
+            room = count.value
+
+    def set_shape_material(self, shape: int | None, material: Material) -> None:
+        """What happens where a collision shape (None: any) touches, in this data."""
+        check(lib.dyn_data_set_shape_material(self._m, self._d, -1 if shape is None else shape, byref(material.structure())))
+
+    def shape_material(self, shape: int) -> Material:
+        """What holds of a collision shape in this data."""
+        out = abi.Material()
+        check(lib.dyn_data_shape_material(self._m, self._d, shape, byref(out)))
+        return Material.of(out)

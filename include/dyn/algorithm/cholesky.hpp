@@ -102,7 +102,7 @@ DYN_INLINE void copy_group(const Model& m, const Data<T>& d, std::ptrdiff_t room
         const T* a = from + n * r + first + k;
         T* b = to + room * r + at + k;
         if (at + end >= 4) P::load(a).store(b);
-        else store(load(a, at + end), b, at + end);
+        else store_some(load_some(a, at + end), b, at + end);
       }
     }
   });

@@ -81,10 +81,10 @@ struct TiledMatrix {
       return;
     }
     const int rows = int(i0 + 4 <= n ? 4 : n - i0), columns = int(j0 + 4 <= n ? 4 : n - j0);
-    dyn::store(t.a, at, rows);
-    if (columns > 1) dyn::store(t.b, at + n, rows);
-    if (columns > 2) dyn::store(t.c, at + 2 * n, rows);
-    if (columns > 3) dyn::store(t.d, at + 3 * n, rows);
+    dyn::store_some(t.a, at, rows);
+    if (columns > 1) dyn::store_some(t.b, at + n, rows);
+    if (columns > 2) dyn::store_some(t.c, at + 2 * n, rows);
+    if (columns > 3) dyn::store_some(t.d, at + 3 * n, rows);
   }
   // the tile on the diagonal from its upper and, transposed, its lower triangle
   DYN_INLINE void store_diagonal(const Tile<T>& upper, const Tile<T>& lower, std::ptrdiff_t i0) const {

@@ -132,20 +132,20 @@ struct Pack<double, W> {
 
 // The first count lanes alone; loaded, the others are zero.
 template <class T>
-DYN_INLINE void store(const Pack<T, 4>& a, T* p, int count) {
+DYN_INLINE void store_some(const Pack<T, 4>& a, T* p, int count) {
   for (int k = 0; k < count; ++k) p[k] = a[k];
 }
 template <class T>
-DYN_INLINE Pack<T, 4> load(const T* p, int count) {
+DYN_INLINE Pack<T, 4> load_some(const T* p, int count) {
   Pack<T, 4> a;
   for (int k = 0; k < 4; ++k) a.x[k] = k < count ? p[k] : T(0);
   return a;
 }
 #ifdef __AVX__
-DYN_INLINE Pack<double, 4> load(const double* p, int count) {
+DYN_INLINE Pack<double, 4> load_some(const double* p, int count) {
   return {__builtin_ia32_maskloadpd256(reinterpret_cast<const FourNumbers*>(p), FourIntegers{0, 1, 2, 3} < (long long)count)};
 }
-DYN_INLINE void store(const Pack<double, 4>& a, double* p, int count) {
+DYN_INLINE void store_some(const Pack<double, 4>& a, double* p, int count) {
   __builtin_ia32_maskstorepd256(reinterpret_cast<FourNumbers*>(p), FourIntegers{0, 1, 2, 3} < (long long)count, a.x);
 }
 #endif
@@ -157,7 +157,7 @@ DYN_INLINE void store_first(const Pack<T, 4>& a, T* p) {
 }
 template <int count, class T>
 DYN_INLINE Pack<T, 4> load_first(const T* p) {
-  return load(p, count);
+  return load_some(p, count);
 }
 #if DYN_LANES == 4
 typedef double TwoNumbers __attribute__((vector_size(16)));

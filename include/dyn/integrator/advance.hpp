@@ -80,11 +80,23 @@ Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, 
                                 : advance_to_accuracy<DormandPrince8>(m, d, s, duration, accuracy, report);
 }
 
-// One step of h by the integrator. Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.
+// Whether contacts, limits or constraints act in a step of h: velocities jump, and no smooth method keeps its order.
+template <class T>
+bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+  if constexpr (std::is_same_v<T, double>) {
+    if (!simulation::has_rows(m, d) || forward_dynamics(m, d, d.v, d.tau_applied, static_cast<const T*>(nullptr), d.ddq)) return false;
+    for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
+    return simulation::find_slots(m, d, s.y, h) > 0;
+  }
+  return false;
+}
+
+// One step of h by the integrator; where something acts that velocities jump at, by implicit_fast if it is none of the two of order 1. Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.
 template <class T>
 Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
   const Stages<T> s(m, d);
   Index failed = 0;
+  if (integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST && meets_rows(m, d, s, h)) integrator = DYN_IMPLICIT_FAST;
   switch (integrator) {
     case DYN_SEMI_IMPLICIT_EULER: failed = euler_step(m, d, s, h, false), report.evaluations += 1; break;
     case DYN_IMPLICIT_FAST: failed = euler_step(m, d, s, h, true), report.evaluations += 1; break;

@@ -4,8 +4,17 @@
 #pragma once
 
 #include "dyn/integrator/chart.hpp"
+#include "dyn/simulation/step.hpp"
 
 namespace dyn::integrator {
+
+// From the free velocity to that at the end of the step. true: the configuration is to be corrected, too, by s.f.
+template <class T>
+bool meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+  if constexpr (std::is_same_v<T, double>)
+    if (const Index slots = simulation::find_slots(m, d, d.v, h)) return simulation::solve_slots(m, d, slots, s.y0 + m.n.nv, h, d.v, s.f);
+  return false;
+}
 
 // springs: they, too, are taken at the end of the step: implicit_fast, (M + h D + h^2 K) ddq = tau - nle - h K v. Without, the energy of
 // oscillations stays bounded (symplectic); with, no stiffness is too large. Returns 0, or the joint whose forward dynamics failed: the state
@@ -32,7 +41,9 @@ Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool sprin
   if (joint) return joint;
   s.begin(m, d);
   T* hv = s.y;
-  for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k], hv[k] = h * d.v[k];
+  for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k];
+  const bool corrected = simulation::has_rows(m, d) && meet_rows(m, d, s, h);
+  for (Index k = 0; k < m.n.nv; ++k) hv[k] = h * d.v[k] + (corrected ? s.f[k] : T(0));
   integrate(m, d.q, hv, d.q);
   return 0;
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "dyn.h"
+#include "dyn/simulation/material.hpp"
 
 namespace dyn {
 
@@ -61,6 +62,7 @@ struct Shape {
   std::string mesh;
   double radius = 0;                           // of rounding
   std::uint32_t contype = 1, conaffinity = 1;  // groups it is in, groups it collides with
+  dynMaterial material = simulation::default_material();
   std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
 };
 

@@ -10,6 +10,8 @@
 #include "dyn/collision/geom.hpp"
 #include "dyn/constraint/slot.hpp"
 #include "dyn/model/model.hpp"
+#include "dyn/simulation/active_slot.hpp"
+#include "dyn/solver/workspace.hpp"
 #include "dyn/spatial/inertia_rate.hpp"
 #include "dyn/spatial/moments.hpp"
 
@@ -100,6 +102,8 @@ struct Data {
 
   dynStepOptions stepping;
   dynStepReport stepped;                             // of the last call that made steps
+  solver::Workspace contact_workspace;               // in solver_memory
+  Index contact_count, contacts_before_count;        // of contact_forces, contacts_before
   dynParts parts;
   std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them
   std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
@@ -158,6 +162,7 @@ inline dynParts complete_parts(dynParts p) {
 
 inline dynParts complete_parts(const Model& m, dynParts p) {
   p = complete_parts(p);
+  if ((p & DYN_PART_SIMULATION) && m.n.step_slots() > 0) p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.pairs > 0 ? DYN_PART_COLLISION : 0));
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_FACTOR) : p;
 }
 
@@ -168,6 +173,12 @@ std::size_t data_bytes(const Model& m, dynParts parts);
 // The model's constraints in their slots (constraint/set.hpp).
 template <class T>
 void set_up_slots(const Model& m, Data<T>& d);
+
+// Trees, materials, the solver's workspace (simulation/set_up.hpp).
+namespace simulation {
+template <class D>
+void set_up(const Model& m, D& d);
+}
 
 // Lays the buffers out in memory (64-byte aligned, data_bytes long) and sets the neutral state at rest.
 template <class T>
@@ -212,6 +223,8 @@ void apply_effects(const Model& m, Data<T>& d) {
         r.to[k] = d.effects[j] & r.bit ? T(r.from[k]) : T(0);
         if (r.to[k] != T(0)) d.acting |= r.bit;
       }
+  for (Index k = 0; k < m.n.limits; ++k)
+    if (d.effects[m.limits()[k].joint] & DYN_EFFECT_LIMITS) d.acting |= DYN_EFFECT_LIMITS;
 }
 
 template <class T>
@@ -233,7 +246,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nv; ++i) d.v[i] = d.a[i] = d.tau_applied[i] = T(0);
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
-  d.stepping = {sizeof(dynStepOptions), DYN_SEMI_IMPLICIT_EULER, 1e-3, 0};
+  d.stepping = simulation::default_options();
   d.stepped = {};
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
   for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
@@ -243,10 +256,11 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   if (d.Linv) std::fill_n(d.Linv, m.n.nv * factor_room(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
-  for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_ARMATURE;
+  for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_ARMATURE | DYN_EFFECT_LIMITS;
   apply_effects(m, d);
   if (d.geoms) collision::set_up(m, d);
   if (d.slots) set_up_slots(m, d);
+  if (d.active_slots) simulation::set_up(m, d);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
@@ -258,3 +272,4 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
 }  // namespace dyn
 
 #include "dyn/constraint/set.hpp"
+#include "dyn/simulation/set_up.hpp"

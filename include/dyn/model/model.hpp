@@ -87,6 +87,13 @@ struct ShapeRecord {
   double placement[12], size[3];
   double radius;  // of rounding
   std::uint32_t contype, conaffinity;
+  dynMaterial material;
+};
+
+// A coordinate with a finite limit.
+struct LimitRecord {
+  Index q, v, dof;  // the user's coordinates, the expanded degree of freedom
+  Index joint;
 };
 
 // A collision shape.
@@ -126,6 +133,13 @@ struct ModelSizes {
   Index bodies, runs, chunks, sweep, spans, curved, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
   Index hulls, trees, grids, surface_numbers, surface_indices;
   Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
+  Index contacts, limits, carriers;           // contact points that a step has room for; degrees of freedom that carry two bodies, at most
+
+  // Of a step: what may act in it, its rows, and rows of an island that is solved with its whole matrix.
+  Index step_slots() const { return slots + contacts + limits; }
+  Index step_rows() const { return constraint_rows + 6 * contacts + limits; }
+  Index island_rows() const { return step_rows() < most_island_rows ? step_rows() : most_island_rows; }
+  static constexpr Index most_island_rows = 240;
 };
 
 struct Model {

@@ -1,0 +1,35 @@
+// A step with contacts, limits and constraints (Stewart and Trinkle 1996; Anitescu and Potra 1997; Moreau's law for impacts): the free
+// velocity at the end of the step, the impulses lambda that the rows of all that acts need there, and the configuration that follows:
+//   v_free = v + h ddq(q, v, tau)      v' = v_free + M^-1 J^T lambda      q' = q (+) (h v' + M^-1 J^T mu)
+// What is still apart may close its gap, not more: c_n >= -gap / h. What overlaps, and constraints that drifted, are corrected by mu in q
+// alone, so that no correction becomes velocity.
+#pragma once
+
+#include "dyn/model/data.hpp"
+
+namespace dyn::simulation {
+
+// Whether steps of this data may meet rows at all.
+inline bool has_rows(const Model& m, const Data<double>& d) {
+  return d.active_slots && (m.n.contacts > 0 || m.n.slots > 0 || (d.acting & DYN_EFFECT_LIMITS) != 0);
+}
+
+// After forward dynamics, with its free velocity v_free: contacts within reach of a step of h, limits, constraints. Answers how many slots
+// act; they are in d.active_slots, in the order of d.slot_order, and their contacts in d.contact_forces.
+Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h);
+
+// The impulses of all islands: v becomes v', and dq the correction. Answers whether there is one. v_before: at the beginning of the step.
+bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq);
+
+// steps of this file
+Index find_contacts(const Model& m, Data<double>& d, double h);                       // contact_points.cpp
+void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<double>& s);  // contact_rows.cpp
+void order_by_islands(const Model& m, Data<double>& d, Index slots);                  // islands.cpp
+
+// Velocity of the point of a body that is at x of the world, by d.root_velocity.
+inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x) {
+  const Motion<double>& V = d.root_velocity[body];
+  return V.linear + cross(V.angular, x - (d.p[body] - d.rel[body]));
+}
+
+}  // namespace dyn::simulation

@@ -1,0 +1,84 @@
+// Which contact points a step may meet.
+#include <utility>
+
+#include "dyn/collision/cull.hpp"
+#include "dyn/collision/pair_contacts.hpp"
+#include "dyn/simulation/step.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+using collision::Geom;
+using collision::Manifold;
+using collision::Pose;
+
+// No point of the shape is faster.
+double fastest(const Data<double>& d, Index geom) {
+  const Geom& g = d.geoms[geom];
+  if (g.body == 0) return 0;
+  const Vec3<double> u = velocity_at(d, g.body, d.geom_poses[geom].p), &w = d.root_velocity[g.body].angular;
+  const double reach = g.reach < shape::infinity ? g.reach : 0;
+  return shape::norm(u) + shape::norm(w) * reach;
+}
+
+// Lists by pairs, then by features.
+bool before(const dynContact& a, const dynContact& b) { return a.pair != b.pair ? a.pair < b.pair : a.feature < b.feature; }
+
+// Appends; beyond the room the shallowest goes.
+void append(const Model& m, Data<double>& d, const dynContact& c) {
+  if (d.contact_count == m.n.contacts) {
+    ++d.stepped.dropped;
+    Index shallowest = 0;
+    for (Index k = 1; k < d.contact_count; ++k)
+      if (d.contact_forces[k].contact.distance > d.contact_forces[shallowest].contact.distance) shallowest = k;
+    if (!(c.distance < d.contact_forces[shallowest].contact.distance)) return;
+    std::copy(d.contact_forces + shallowest + 1, d.contact_forces + d.contact_count, d.contact_forces + shallowest);
+    --d.contact_count;
+  }
+  dynContactForce& f = d.contact_forces[d.contact_count++];
+  f = {};
+  f.contact = c;
+}
+
+// What the same contact exerted in the step before is the guess.
+void carry_over(Data<double>& d) {
+  Index k = 0;
+  for (Index i = 0; i < d.contact_count; ++i) {
+    dynContactForce& f = d.contact_forces[i];
+    while (k < d.contacts_before_count && before(d.contacts_before[k].contact, f.contact)) ++k;
+    if (k == d.contacts_before_count || before(f.contact, d.contacts_before[k].contact)) continue;
+    std::copy_n(d.contacts_before[k].force_on_b, 3, f.force_on_b), std::copy_n(d.contacts_before[k].moment_on_b, 3, f.moment_on_b);
+  }
+}
+
+}  // namespace
+
+Index find_contacts(const Model& m, Data<double>& d, double h) {
+  std::swap(d.contact_forces, d.contacts_before);
+  d.contacts_before_count = d.contact_count, d.contact_count = 0;
+  for (Index k = 0; k < m.n.geoms; ++k) d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
+  Manifold found;
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
+    const Index ia = m.pairs()[k].a, ib = m.pairs()[k].b;
+    const Geom &a = d.geoms[ia], &b = d.geoms[ib];
+    const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
+    // impulses of the step change velocities: shapes this near one another always count
+    const double near = 0.02 * std::min(a.reach, b.reach), margin = near + 1.5 * h * (fastest(d, ia) + fastest(d, ib));
+    if (!(near < shape::infinity) || collision::distance_at_least(a, A, b, B) > margin) continue;
+    collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
+    for (int i = 0; i < found.count; ++i) {
+      const auto& point = found.points[i];
+      const double closing = dot(found.normal, velocity_at(d, b.body, point.position) - velocity_at(d, a.body, point.position));
+      if (point.distance > near && point.distance + h * closing > 0) continue;
+      dynContact c = collision::contact_of(found, i);
+      c.pair = int(k), c.shape_a = int(m.geoms()[ia].shape), c.shape_b = int(m.geoms()[ib].shape);
+      append(m, d, c);
+    }
+  }
+  carry_over(d);
+  return d.contact_count;
+}
+
+}  // namespace dyn::simulation

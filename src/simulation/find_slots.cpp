@@ -1,0 +1,109 @@
+// What acts in a step: the slots of constraints, of limits and of contacts, each with what its rows leave at the degrees of freedom.
+#include "dyn/constraint/constrained_dynamics.hpp"
+#include "dyn/simulation/step.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+void root_velocities(const Model& m, Data<double>& d, const double* v) {
+  static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // in the order of BodyType
+  d.root_velocity[0] = Motion<double>::zero();
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    Motion<double> V = d.root_velocity[b.parent];
+    for (Index k = b.idx_v, end = k + sizes[Index(b.type)]; k < end; ++k) V = V + d.S[k] * v[k];
+    d.root_velocity[i] = V;
+  }
+}
+
+Index body_of_dof(const Model& m, Index dof) {
+  Index low = 1, high = m.n.bodies;
+  while (high - low > 1) {
+    const Index middle = (low + high) / 2;
+    (m.bodies()[middle].idx_v <= dof ? low : high) = middle;
+  }
+  return low;
+}
+
+struct Finder {
+  const Model& m;
+  Data<double>& d;
+  const double* v;  // free
+  double h;
+  Index count = 0, added = 0;  // active slots, those in d.step_slots
+
+  // The side of a limit that is nearer: C = gap >= 0.
+  void limit(Slot<double>& s, double q, double lower, double upper) const {
+    const bool low = q - lower <= upper - q;
+    s.g1 = low ? 1 : -1, s.g2 = 0;
+    s.error[0] = low ? q - lower : upper - q;
+    s.lower[0] = 0, s.upper[0] = HUGE_VAL;
+  }
+  void append(Slot<double>& s, Index* support, double* carried, RowKind kind, Index index) {
+    if (m.has_mimic) eliminate_slot(m, d, s, support, carried);
+    else propagate(m, d, s, support, carried);
+    const bool joints = between_joints(s.c.type);
+    auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : d.tree_of[joints ? body_of_dof(m, dof) : body]; };
+    d.active_slots[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0};
+  }
+  Slot<double>& next() { return d.step_slots[added]; }
+  void append_next(RowKind kind, Index index) {
+    append(next(), d.step_support + added * std::ptrdiff_t(m.n.carriers), d.step_carried + row_lanes * added * std::ptrdiff_t(m.n.carriers), kind, index);
+    ++added;
+  }
+
+  void constraints() {
+    if (active_rows(m, d) == 0) return;
+    evaluate_rows(m, d, v, static_cast<const double*>(nullptr));
+    for_each_slot(m, d, [&](Slot<double>& s, Index k) {
+      const bool box = one_sided(s.c.type);
+      if (s.c.type == DYN_CONSTRAINT_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = s.g1 * v[s.c.v1];
+      if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = -h * s.c.force, s.upper[0] = h * s.c.force, s.error[0] = 0;
+      append(s, support_of(m, d, k), carried_of(m, d, k), box ? RowKind::Box : RowKind::Equality, -1);
+    });
+  }
+  void limits() {
+    if (!(d.acting & DYN_EFFECT_LIMITS)) return;
+    for (Index k = 0; k < m.n.limits; ++k) {
+      const LimitRecord& r = m.limits()[k];
+      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], reach = 3 * h * std::abs(v[r.dof]) + 1e-4;
+      if (q - lower > reach && upper - q > reach) [[likely]] continue;
+      if (!(d.effects[r.joint] & DYN_EFFECT_LIMITS)) continue;
+      Slot<double>& s = next();
+      s.c = Constraint{};
+      s.c.type = DYN_CONSTRAINT_LIMIT, s.c.body1 = body_of_dof(m, r.dof), s.c.v1 = r.dof, s.c.q1 = r.q;
+      s.rows = 1;
+      limit(s, q, lower, upper);
+      s.rate[0] = s.g1 * v[r.dof];
+      append_next(RowKind::Box, -1);
+    }
+  }
+  void contacts() {
+    if (m.n.contacts == 0) return;
+    find_contacts(m, d, h);
+    for (Index k = 0; k < d.contact_count; ++k) {
+      Slot<double>& s = next();
+      contact_slot(m, d, k, s);
+      using Six = SixEights<double>;
+      using P = Six::P;
+      P rate = Six::load(s.F1).dot(d.root_velocity[s.c.body1]) + Six::load(s.F2).dot(d.root_velocity[s.c.body2]);
+      rate.store(s.rate);
+      append_next(RowKind::Contact, k);
+    }
+  }
+};
+
+}  // namespace
+
+Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h) {
+  prepare_columns(m, d);
+  const double* v = d.expand(m, v_free, d.vx);
+  root_velocities(m, d, v);
+  Finder find{m, d, v, h};
+  find.constraints(), find.limits(), find.contacts();
+  order_by_islands(m, d, find.count);
+  return find.count;
+}
+
+}  // namespace dyn::simulation
