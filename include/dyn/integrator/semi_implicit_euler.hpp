@@ -4,6 +4,7 @@
 #pragma once
 
 #include "dyn/integrator/chart.hpp"
+#include "dyn/integrator/free_flight.hpp"
 #include "dyn/simulation/step.hpp"
 
 namespace dyn::integrator {
@@ -42,9 +43,11 @@ Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool sprin
   s.begin(m, d);
   T* hv = s.y;
   for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k];
+  free_flight(m, s.y0 + m.n.nv, d.ddq, h, d.v);
   const bool corrected = simulation::has_rows(m, d) && meet_rows(m, d, s, h);
   for (Index k = 0; k < m.n.nv; ++k) hv[k] = h * d.v[k] + (corrected ? s.f[k] : T(0));
   integrate(m, d.q, hv, d.q);
+  end_flight(m, s.q0, h, corrected ? s.f : nullptr, d.q, d.v);
   return 0;
 }
 
