@@ -20,6 +20,14 @@ namespace dyn {
 
 namespace {
 
+// Where x is, one of them if it is new.
+Index number_of(std::vector<dynMaterial>& materials, const dynMaterial& x) {
+  for (std::size_t k = 0; k < materials.size(); ++k)
+    if (std::memcmp(&materials[k], &x, sizeof x) == 0) return Index(k);
+  materials.push_back(x);
+  return Index(materials.size() - 1);
+}
+
 // All strings of the model, at its end, each once: a joint and its frame share their name.
 struct Text {
   std::string pool = std::string(1, '\0');
@@ -270,11 +278,11 @@ ModelPtr Builder::finish() const {
     r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
-    r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity, r.material = s.shape.material;
+    r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity, r.material = number_of(a.materials, s.shape.material);
     if (r.role == DYN_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }
-  n.shapes = Index(a.shapes.size()), n.geoms = Index(a.geoms.size());
+  n.shapes = Index(a.shapes.size()), n.geoms = Index(a.geoms.size()), n.materials = Index(a.materials.size());
   n.hulls = Index(a.hulls.size()), n.trees = Index(a.trees.size()), n.grids = Index(a.grids.size());
   n.surface_numbers = Index(a.surface_numbers.size()), n.surface_indices = Index(a.surface_indices.size());
   for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});

@@ -154,7 +154,7 @@ void Island::impulses(dynContactReport& report) {
   if (bounces) p.restitution = restitution, p.v_minus = v_minus;
   solver::Budget b;
   b.tolerance = d.stepping.tolerance, b.max_iterations = d.stepping.max_iterations, b.warm = true;
-  solver::Workspace& w = d.contact_workspace;
+  solver::Workspace& w = *d.contact_workspace;
   solver::solve(p, solver::solvers[d.stepping.solver], w, b, lambda, report);
   solver::unscale(p, w.problem, w.y, lambda);
   p.bias = nullptr, p.compliance = nullptr;
@@ -221,7 +221,7 @@ bool Island::correct(double* by_dof) {
   solver::Budget b;
   b.tolerance = 1e-6, b.max_iterations = d.stepping.max_iterations;
   dynContactReport report{};
-  solver::Workspace& w = d.contact_workspace;
+  solver::Workspace& w = *d.contact_workspace;
   solver::solve(p, solver::solvers[d.stepping.solver], w, b, lambda, report);
   solver::unscale(p, w.problem, w.y, lambda);
   add(by_dof);

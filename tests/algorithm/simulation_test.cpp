@@ -20,7 +20,7 @@ Tree chain() {
   Dice dice(21);
   for (int k = 0; k < 6; ++k) {
     JointSpec s = random_joint(dice, types[k]);
-    s.name = "j" + std::to_string(k);
+    s.name = "j" + std::to_string(k), s.lower.clear(), s.upper.clear();  // velocities jump at limits
     if (k) s.parent.name = "j" + std::to_string(k - 1);
     t.joints.push_back(s);
     t.bodies.push_back(random_body(dice, "b" + std::to_string(k), s.name));

@@ -7,10 +7,11 @@ namespace {
 // Two hinges; the first one has all effects, the second damping, and a third follows the first.
 Model arm() {
   Builder b("arm");
-  const double one = 1, two = 2, three = 3, four = 4, half = 0.5;
+  const double one = 1, two = 2, three = 3, four = 4, half = 0.5, low = -3, high = 3;
   Spec shoulder("shoulder", DYN_JOINT_REVOLUTE), elbow("elbow", DYN_JOINT_REVOLUTE, "shoulder", {0, 0, 1}), finger("finger", DYN_JOINT_PRISMATIC, "elbow");
   shoulder.about(0, 1, 0), elbow.about(0, 1, 0);
   shoulder.armature = &one, shoulder.damping = &two, shoulder.friction = &three, shoulder.stiffness = &four, shoulder.spring_reference = &half;
+  shoulder.lower = &low, shoulder.upper = &high;
   elbow.damping = &four;
   finger.mimic = "shoulder";
   b.joint(shoulder).body("upper", "shoulder").joint(elbow).body("lower", "elbow").joint(finger).body("tip", "finger");
@@ -34,10 +35,11 @@ struct Effects : testing::Test {
   void set(int joint, std::uint32_t effects) { ASSERT_EQ(DYN_OK, dyn_data_set_effects(m, d, joint, effects)) << dyn_last_error(); }
 };
 
-TEST_F(Effects, NewDataHasArmatureAlone) {
-  EXPECT_EQ(std::uint32_t(DYN_EFFECT_ARMATURE), on(1));
-  EXPECT_EQ(std::uint32_t(DYN_EFFECT_ARMATURE), on(2));
-  EXPECT_EQ(std::uint32_t(DYN_EFFECT_ARMATURE), on(0));
+TEST_F(Effects, NewDataHasArmatureAndLimits) {
+  const std::uint32_t both = std::uint32_t(DYN_EFFECT_ARMATURE) | DYN_EFFECT_LIMITS;
+  EXPECT_EQ(both, on(1));
+  EXPECT_EQ(both, on(2));
+  EXPECT_EQ(both, on(0));
   set(0, DYN_EFFECT_ALL);
   EXPECT_EQ(std::uint32_t(DYN_EFFECT_ALL), on(0));
   set(1, 0);
@@ -83,8 +85,8 @@ TEST_F(Effects, BadArgumentsChangeNothing) {
   set(0, DYN_EFFECT_ALL);
   const auto before = rnea();
   std::uint32_t effects = 7;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_effects(m, d, 0, 16));
-  EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "0x10"));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_effects(m, d, 0, 32));
+  EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "0x20"));
   for (const int joint : {-1, 4}) {
     EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_effects(m, d, joint, 0));
     EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_effects(m, d, joint, &effects));

@@ -191,9 +191,9 @@ TEST(Parts, Absent) {
         ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()));
         // a part brings what it includes
         dynParts has = 1u << bit;
+        if (has & DYN_PART_SIMULATION) has |= DYN_PART_FORWARD | DYN_PART_CONSTRAINTS | (dyn_npairs(m) > 0 ? DYN_PART_COLLISION : 0);
         if (has & DYN_PART_CONSTRAINT_DERIVATIVES) has |= DYN_PART_CONSTRAINTS | DYN_PART_FORWARD_DERIVATIVES;
         if (has & DYN_PART_CONSTRAINTS) has |= DYN_PART_FORWARD | DYN_PART_INVERSE | DYN_PART_KINEMATICS;
-        if (has & DYN_PART_SIMULATION) has |= DYN_PART_FORWARD;
         if (mimic && has & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) has |= DYN_PART_FACTOR;
         if (has & DYN_PART_FORWARD_DERIVATIVES) has |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES | DYN_PART_FORWARD;
         if (has & DYN_PART_SECOND_ORDER) has |= DYN_PART_INVERSE_DERIVATIVES;

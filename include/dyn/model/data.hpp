@@ -102,7 +102,6 @@ struct Data {
 
   dynStepOptions stepping;
   dynStepReport stepped;                             // of the last call that made steps
-  solver::Workspace contact_workspace;               // in solver_memory
   Index contact_count, contacts_before_count;        // of contact_forces, contacts_before
   dynParts parts;
   std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them

@@ -87,7 +87,7 @@ struct ShapeRecord {
   double placement[12], size[3];
   double radius;  // of rounding
   std::uint32_t contype, conaffinity;
-  dynMaterial material;
+  Index material;  // its number among the materials
 };
 
 // A coordinate with a finite limit.
@@ -133,6 +133,7 @@ struct ModelSizes {
   Index bodies, runs, chunks, sweep, spans, curved, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
   Index hulls, trees, grids, surface_numbers, surface_indices;
   Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
+  Index materials;
   Index contacts, limits, carriers;           // contact points that a step has room for; degrees of freedom that carry two bodies, at most
 
   // Of a step: what may act in it, its rows, and rows of an island that is solved with its whole matrix.

@@ -18,8 +18,8 @@ void set_up(const Model& m, D& d) {
         for (Index k = 1; k < m.n.bodies; ++k)
           if (d.tree_of[k] == other) d.tree_of[k] = one;
     }
-  for (Index k = 0; k < m.n.geoms; ++k) d.materials[k] = m.shapes()[m.geoms()[k].shape].material;
-  solver::place(d.contact_workspace, m.n.island_rows(), d.solver_memory);
+  for (Index k = 0; k < m.n.geoms; ++k) d.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
+  solver::place(*d.contact_workspace, m.n.island_rows(), d.solver_memory);
   d.contact_count = d.contacts_before_count = 0;
 }
 
