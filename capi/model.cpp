@@ -263,7 +263,7 @@ dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
   if (const dynStatus s = check_struct(info, "dyn_shape_info", "dynShapeInfo")) return s;
   if (const dynStatus s = check_index(model, shape, m.n.shapes, "dyn_shape_info", "shape")) return s;
   const ShapeRecord& r = m.shapes()[shape];
-  info->name = m.string(r.name), info->mesh = m.string(r.mesh), info->type = r.type, info->role = r.role, info->frame = r.frame;
+  info->name = m.string(r.name), info->mesh = m.string(r.mesh), info->type = r.type, info->role = dynShapeRole(r.role), info->frame = r.frame;
   std::memcpy(info->placement, r.placement, sizeof r.placement), std::memcpy(info->size, r.size, sizeof r.size);
   info->radius = r.radius, info->contype = r.contype, info->conaffinity = r.conaffinity, info->material = m.materials()[r.material];
   return DYN_OK;

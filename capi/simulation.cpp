@@ -1,6 +1,7 @@
 // Steps.
 #include "collision.hpp"
 #include "dyn/simulation/material.hpp"
+#include "dyn/simulation/workspace.hpp"
 #include "guard.hpp"
 
 using namespace dyn;
@@ -38,7 +39,7 @@ dynStatus make_step(Call& call, const char* function, double h) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   call.begin_step();
-  const Index answer = integrator::step(m, d, d.stepping.integrator, h, d.stepped);
+  const Index answer = integrator::step(m, d, d.step->options.integrator, h, d.step->report);
   if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.take_back(), status;
   call.end_step();
   d.time[0] += h;
@@ -49,9 +50,9 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
   const Model& m = call.m();
   Data<double>& d = call.d();
   call.begin_step();
-  const Index answer = integrator::advance(m, d, d.stepping.integrator, duration, d.stepping.accuracy, d.stepped);
-  d.time[0] += d.stepped.time;
-  if (d.stepped.steps == 0) call.take_back();
+  const Index answer = integrator::advance(m, d, d.step->options.integrator, duration, d.step->options.accuracy, d.step->report);
+  d.time[0] += d.step->report.time;
+  if (d.step->report.steps == 0) call.take_back();
   else call.end_step();
   return explain(m, d, answer, function, d.time[0]);
 }
@@ -81,23 +82,23 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more", int(options->max_iterations));
   if (!call.finite("tolerance", &options->tolerance, 1)) return call.status;
   if (!(options->tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: tolerance is %g: it can't be negative", options->tolerance);
-  call.d().stepping = *options;
-  call.d().stepping.struct_size = sizeof *options;
+  call.d().step->options = *options;
+  call.d().step->options.struct_size = sizeof *options;
   return DYN_OK;
 }
 
 dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_step_options");
   if (!call || !call.required("options", options)) return call.status;
-  *options = call.d().stepping;
+  *options = call.d().step->options;
   return DYN_OK;
 }
 
 dynStatus dyn_step(const dynModel* model, dynData* data) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_step");
   if (!call) return call.status;
-  call.d().stepped = {};
-  return make_step(call, "dyn_step", call.d().stepping.dt);
+  call.d().step->report = {};
+  return make_step(call, "dyn_step", call.d().step->options.dt);
 }
 
 dynStatus dyn_advance(const dynModel* model, dynData* data, double duration) {
@@ -105,10 +106,10 @@ dynStatus dyn_advance(const dynModel* model, dynData* data, double duration) {
   if (!call || !call.finite("duration", &duration, 1)) return call.status;
   Data<double>& d = call.d();
   if (!(duration >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_advance: duration is %g s: time does not run backwards", duration);
-  d.stepped = {};
+  d.step->report = {};
   if (duration == 0) return DYN_OK;
-  if (d.stepping.accuracy > 0) return advance_to_accuracy(call, "dyn_advance", duration);
-  const double dt = d.stepping.dt, ratio = duration / dt;
+  if (d.step->options.accuracy > 0) return advance_to_accuracy(call, "dyn_advance", duration);
+  const double dt = d.step->options.dt, ratio = duration / dt;
   if (!(ratio <= 1e15)) return fail(DYN_ERROR_ARGUMENT, "dyn_advance: %g s in steps of %g s are too many: take a larger dt", duration, dt);
   // a remainder of a billionth of a step is rounding of duration, not a step
   const std::int64_t whole = std::int64_t(std::floor(ratio * (1 + 1e-12) + 1e-9));
@@ -123,7 +124,7 @@ dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepRepo
   if (!call || !call.required("report", report)) return call.status;
   if (report->struct_size < sizeof *report)
     return fail(DYN_ERROR_SIZE, "dyn_data_step_report: struct_size is %u, needs %zu: set it to sizeof(dynStepReport)", report->struct_size, sizeof *report);
-  *report = call.d().stepped;
+  *report = call.d().step->report;
   report->struct_size = sizeof *report;
   return DYN_OK;
 }
@@ -134,8 +135,8 @@ dynStatus dyn_step_contacts(const dynModel* model, dynData* data, dynContactForc
   if (const dynStatus s = check_capacity(call.function, capacity)) return s;
   if (!call.required("contacts", contacts, capacity) || !call.required("count", count)) return call.status;
   const Data<double>& d = call.d();
-  if (capacity > 0) std::copy_n(d.contact_forces, std::min<Index>(capacity, d.contact_count), contacts);
-  *count = int(d.contact_count);
+  if (capacity > 0) std::copy_n(d.step->contacts, std::min<Index>(capacity, d.step->contact_count), contacts);
+  *count = int(d.step->contact_count);
   return DYN_OK;
 }
 
@@ -147,8 +148,8 @@ dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int 
   if (const simulation::BadNumber bad = simulation::bad_number(*material); bad.name)
     return fail(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: %s is %g: give 0 or more, restitution up to 1, finite velocities", call.function, bad.name,
                 bad.value);
-  if (geom < 0) std::fill_n(call.d().materials, call.m().n.geoms, *material);
-  else call.d().materials[geom] = *material;
+  if (geom < 0) std::fill_n(call.d().step->materials, call.m().n.geoms, *material);
+  else call.d().step->materials[geom] = *material;
   return DYN_OK;
 }
 
@@ -157,7 +158,7 @@ dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, int shap
   if (!call || !call.required("material", material)) return call.status;
   const Index geom = geom_of_shape(call, shape, 0);
   if (!call) return call.status;
-  *material = call.d().materials[geom];
+  *material = call.d().step->materials[geom];
   return DYN_OK;
 }
 

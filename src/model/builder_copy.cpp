@@ -85,7 +85,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   std::map<std::pair<dynShapeType, Index>, SurfacePtr> surfaces;  // each once
   for (Index k = 0; k < m.n.shapes; ++k) {
     const ShapeRecord& r = m.shapes()[k];
-    Shape s{m.string(r.name), r.type, r.role, m.string(m.frames()[r.frame].name), placement_of(r.placement), {}, m.string(r.mesh)};
+    Shape s{m.string(r.name), r.type, dynShapeRole(r.role), m.string(m.frames()[r.frame].name), placement_of(r.placement), {}, m.string(r.mesh)};
     std::copy(r.size, r.size + 3, s.size.begin());
     s.radius = r.radius, s.contype = r.contype, s.conaffinity = r.conaffinity, s.material = m.materials()[r.material];
     if (r.surface >= 0) {

@@ -21,11 +21,12 @@ namespace dyn {
 namespace {
 
 // Where x is, one of them if it is new.
-Index number_of(std::vector<dynMaterial>& materials, const dynMaterial& x) {
-  for (std::size_t k = 0; k < materials.size(); ++k)
-    if (std::memcmp(&materials[k], &x, sizeof x) == 0) return Index(k);
-  materials.push_back(x);
-  return Index(materials.size() - 1);
+std::uint16_t number_of(std::vector<dynMaterial>& materials, const dynMaterial& x) {
+  std::size_t k = 0;
+  while (k < materials.size() && std::memcmp(&materials[k], &x, sizeof x) != 0) ++k;
+  if (k > UINT16_MAX) throw Error(DYN_ERROR_LIMIT, "more than 65536 different materials");
+  if (k == materials.size()) materials.push_back(x);
+  return std::uint16_t(k);
 }
 
 // All strings of the model, at its end, each once: a joint and its frame share their name.
@@ -274,7 +275,7 @@ ModelPtr Builder::finish() const {
   for (const ShapeEntry& s : in.shapes) {
     ShapeRecord r{};
     r.name = text.add(s.shape.name), r.mesh = text.add(s.shape.mesh);
-    r.type = s.shape.type, r.role = s.shape.role;
+    r.type = s.shape.type, r.role = std::uint16_t(s.shape.role);
     r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
@@ -327,8 +328,9 @@ ModelPtr Builder::finish() const {
     for (Index k = 0; k < s.count; ++k) {
       const Index q = s.first_q + k, v = s.first_v + k;
       if (!std::isfinite(a.lower_limit[std::size_t(q)]) && !std::isfinite(a.upper_limit[std::size_t(q)])) continue;
-      const auto owner = std::find_if(a.joints.begin() + 1, a.joints.end(), [&](const JointRecord& j) { return j.idx_v <= v && v < j.idx_v + j.nv; });
-      a.limits.push_back({q, v, n.mimic_v ? a.own_v[std::size_t(v)] : v, Index(owner - a.joints.begin())});
+      const Index dof = n.mimic_v ? a.own_v[std::size_t(v)] : v;
+      const auto after = std::find_if(a.bodies.begin() + 1, a.bodies.end(), [&](const Body& b) { return b.idx_v > dof; });
+      a.limits.push_back({q, Index(after - a.bodies.begin()) - 1, dof});
     }
   n.limits = Index(a.limits.size());
   for (const Chunk& c : a.chunks) n.sweep = std::max(n.sweep, sweep_room(c.last_q - c.first_q));

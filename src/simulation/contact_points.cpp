@@ -17,7 +17,7 @@ using collision::Pose;
 double fastest(const Data<double>& d, Index geom) {
   const Geom& g = d.geoms[geom];
   if (g.body == 0) return 0;
-  const Vec3<double> u = velocity_at(d, g.body, d.geom_poses[geom].p), &w = d.root_velocity[g.body].angular;
+  const Vec3<double> u = velocity_at(d, g.body, d.geom_poses[geom].p), &w = d.step->root_velocity[g.body].angular;
   const double reach = g.reach < shape::infinity ? g.reach : 0;
   return shape::norm(u) + shape::norm(w) * reach;
 }
@@ -26,37 +26,38 @@ double fastest(const Data<double>& d, Index geom) {
 bool before(const dynContact& a, const dynContact& b) { return a.pair != b.pair ? a.pair < b.pair : a.feature < b.feature; }
 
 // Appends; beyond the room the shallowest goes.
-void append(const Model& m, Data<double>& d, const dynContact& c) {
-  if (d.contact_count == m.n.contacts) {
-    ++d.stepped.dropped;
+void append(const Model& m, Workspace& w, const dynContact& c) {
+  if (w.contact_count == m.n.contacts) {
+    ++w.report.dropped;
     Index shallowest = 0;
-    for (Index k = 1; k < d.contact_count; ++k)
-      if (d.contact_forces[k].contact.distance > d.contact_forces[shallowest].contact.distance) shallowest = k;
-    if (!(c.distance < d.contact_forces[shallowest].contact.distance)) return;
-    std::copy(d.contact_forces + shallowest + 1, d.contact_forces + d.contact_count, d.contact_forces + shallowest);
-    --d.contact_count;
+    for (Index k = 1; k < w.contact_count; ++k)
+      if (w.contacts[k].contact.distance > w.contacts[shallowest].contact.distance) shallowest = k;
+    if (!(c.distance < w.contacts[shallowest].contact.distance)) return;
+    std::copy(w.contacts + shallowest + 1, w.contacts + w.contact_count, w.contacts + shallowest);
+    --w.contact_count;
   }
-  dynContactForce& f = d.contact_forces[d.contact_count++];
+  dynContactForce& f = w.contacts[w.contact_count++];
   f = {};
   f.contact = c;
 }
 
 // What the same contact exerted in the step before is the guess.
-void carry_over(Data<double>& d) {
+void carry_over(Workspace& w) {
   Index k = 0;
-  for (Index i = 0; i < d.contact_count; ++i) {
-    dynContactForce& f = d.contact_forces[i];
-    while (k < d.contacts_before_count && before(d.contacts_before[k].contact, f.contact)) ++k;
-    if (k == d.contacts_before_count || before(f.contact, d.contacts_before[k].contact)) continue;
-    std::copy_n(d.contacts_before[k].force_on_b, 3, f.force_on_b), std::copy_n(d.contacts_before[k].moment_on_b, 3, f.moment_on_b);
+  for (Index i = 0; i < w.contact_count; ++i) {
+    dynContactForce& f = w.contacts[i];
+    while (k < w.before_count && before(w.before[k].contact, f.contact)) ++k;
+    if (k == w.before_count || before(f.contact, w.before[k].contact)) continue;
+    std::copy_n(w.before[k].force_on_b, 3, f.force_on_b), std::copy_n(w.before[k].moment_on_b, 3, f.moment_on_b);
   }
 }
 
 }  // namespace
 
 Index find_contacts(const Model& m, Data<double>& d, double h) {
-  std::swap(d.contact_forces, d.contacts_before);
-  d.contacts_before_count = d.contact_count, d.contact_count = 0;
+  Workspace& w = *d.step;
+  std::swap(w.contacts, w.before);
+  w.before_count = w.contact_count, w.contact_count = 0;
   for (Index k = 0; k < m.n.geoms; ++k) d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
   Manifold found;
   for (Index k = 0; k < m.n.pairs; ++k) {
@@ -74,11 +75,11 @@ Index find_contacts(const Model& m, Data<double>& d, double h) {
       if (point.distance > near && point.distance + h * closing > 0) continue;
       dynContact c = collision::contact_of(found, i);
       c.pair = int(k), c.shape_a = int(m.geoms()[ia].shape), c.shape_b = int(m.geoms()[ib].shape);
-      append(m, d, c);
+      append(m, w, c);
     }
   }
-  carry_over(d);
-  return d.contact_count;
+  carry_over(w);
+  return w.contact_count;
 }
 
 }  // namespace dyn::simulation

@@ -14,15 +14,16 @@ void across(const Vec3<double>& n, Vec3<double>& x, Vec3<double>& y) {
   y = Vec3<double>::make(b, sign + n[1] * n[1] * a, -n[1]);
 }
 
-Vec3<double> surface_velocity(const Data<double>& d, Index geom) { return d.geom_poses[geom].R * load3(d.materials[geom].surface_velocity); }
+Vec3<double> surface_velocity(const Data<double>& d, Index geom) { return d.geom_poses[geom].R * load3(d.step->materials[geom].surface_velocity); }
 
 }  // namespace
 
 void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<double>& s) {
-  const dynContact& c = d.contact_forces[contact].contact;
-  ContactLaw& law = d.contact_laws[contact];
+  Workspace& w = *d.step;
+  const dynContact& c = w.contacts[contact].contact;
+  ContactLaw& law = w.laws[contact];
   const Index a = m.pairs()[c.pair].a, b = m.pairs()[c.pair].b;
-  law.material = combined(d.materials[a], d.materials[b]);
+  law.material = combined(w.materials[a], w.materials[b]);
   law.rows = contact_rows(law.material);
   law.axes[2] = load3(c.normal);
   across(law.axes[2], law.axes[0], law.axes[1]);
@@ -38,7 +39,7 @@ void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<dou
     if (!body) return;
     const Vec3<double> arm = at - (d.p[body] - d.rel[body]);
     for (Index k = 0; k < law.rows; ++k) {
-      const Vec3<double> axis = law.axes[law.rows == 1 ? 2 : k < 3 ? k : law.rows == 4 ? 2 : k - 3] * sign;
+      const Vec3<double> axis = law.axis(k) * sign;
       store_lane(k < 3 ? Force<double>{axis, cross(arm, axis)} : Force<double>{Vec3<double>::zero(), axis}, lanes, int(k));
     }
   };

@@ -8,12 +8,13 @@ namespace {
 
 void root_velocities(const Model& m, Data<double>& d, const double* v) {
   static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // in the order of BodyType
-  d.root_velocity[0] = Motion<double>::zero();
+  Workspace& w = *d.step;
+  w.root_velocity[0] = Motion<double>::zero();
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
-    Motion<double> V = d.root_velocity[b.parent];
+    Motion<double> V = w.root_velocity[b.parent];
     for (Index k = b.idx_v, end = k + sizes[Index(b.type)]; k < end; ++k) V = V + d.S[k] * v[k];
-    d.root_velocity[i] = V;
+    w.root_velocity[i] = V;
   }
 }
 
@@ -29,9 +30,10 @@ Index body_of_dof(const Model& m, Index dof) {
 struct Finder {
   const Model& m;
   Data<double>& d;
+  Workspace& w;
   const double* v;  // free
   double h;
-  Index count = 0, added = 0;  // active slots, those in d.step_slots
+  Index count = 0, added = 0;  // active slots, those in w.slots
 
   // The side of a limit that is nearer: C = gap >= 0.
   void limit(Slot<double>& s, double q, double lower, double upper) const {
@@ -44,12 +46,12 @@ struct Finder {
     if (m.has_mimic) eliminate_slot(m, d, s, support, carried);
     else propagate(m, d, s, support, carried);
     const bool joints = between_joints(s.c.type);
-    auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : d.tree_of[joints ? body_of_dof(m, dof) : body]; };
-    d.active_slots[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0};
+    auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : w.tree_of[joints ? body_of_dof(m, dof) : body]; };
+    w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0};
   }
-  Slot<double>& next() { return d.step_slots[added]; }
+  Slot<double>& next() { return w.slots[added]; }
   void append_next(RowKind kind, Index index) {
-    append(next(), d.step_support + added * std::ptrdiff_t(m.n.carriers), d.step_carried + row_lanes * added * std::ptrdiff_t(m.n.carriers), kind, index);
+    append(next(), w.support + added * std::ptrdiff_t(m.n.carriers), w.carried + row_lanes * added * std::ptrdiff_t(m.n.carriers), kind, index);
     ++added;
   }
 
@@ -69,10 +71,10 @@ struct Finder {
       const LimitRecord& r = m.limits()[k];
       const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], reach = 3 * h * std::abs(v[r.dof]) + 1e-4;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
-      if (!(d.effects[r.joint] & DYN_EFFECT_LIMITS)) continue;
+      if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS)) continue;
       Slot<double>& s = next();
       s.c = Constraint{};
-      s.c.type = DYN_CONSTRAINT_LIMIT, s.c.body1 = body_of_dof(m, r.dof), s.c.v1 = r.dof, s.c.q1 = r.q;
+      s.c.type = DYN_CONSTRAINT_LIMIT, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q;
       s.rows = 1;
       limit(s, q, lower, upper);
       s.rate[0] = s.g1 * v[r.dof];
@@ -82,12 +84,12 @@ struct Finder {
   void contacts() {
     if (m.n.contacts == 0) return;
     find_contacts(m, d, h);
-    for (Index k = 0; k < d.contact_count; ++k) {
+    for (Index k = 0; k < w.contact_count; ++k) {
       Slot<double>& s = next();
       contact_slot(m, d, k, s);
       using Six = SixEights<double>;
       using P = Six::P;
-      P rate = Six::load(s.F1).dot(d.root_velocity[s.c.body1]) + Six::load(s.F2).dot(d.root_velocity[s.c.body2]);
+      P rate = Six::load(s.F1).dot(w.root_velocity[s.c.body1]) + Six::load(s.F2).dot(w.root_velocity[s.c.body2]);
       rate.store(s.rate);
       append_next(RowKind::Contact, k);
     }
@@ -100,7 +102,7 @@ Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h
   prepare_columns(m, d);
   const double* v = d.expand(m, v_free, d.vx);
   root_velocities(m, d, v);
-  Finder find{m, d, v, h};
+  Finder find{m, d, *d.step, v, h};
   find.constraints(), find.limits(), find.contacts();
   order_by_islands(m, d, find.count);
   return find.count;

@@ -15,22 +15,23 @@ Index find(Index* links, Index tree) {
 }  // namespace
 
 void order_by_islands(const Model& m, Data<double>& d, Index slots) {
-  Index* links = d.tree_links;
+  Workspace& w = *d.step;
+  Index* links = w.tree_links;
   for (Index i = 0; i < m.n.bodies; ++i) links[i] = i;
   for (Index k = 0; k < slots; ++k) {
-    const ActiveSlot& x = d.active_slots[k];
+    const ActiveSlot& x = w.active[k];
     if (x.tree1 < 0 || x.tree2 < 0) continue;
     const Index a = find(links, x.tree1), b = find(links, x.tree2);
     links[std::max(a, b)] = std::min(a, b);  // named by its first tree
   }
   for (Index k = 0; k < slots; ++k) {
-    ActiveSlot& x = d.active_slots[k];
+    ActiveSlot& x = w.active[k];
     x.island = find(links, x.tree1 < 0 ? x.tree2 : x.tree1);
-    d.slot_order[k] = k;
+    w.order[k] = k;
   }
   // stable by the numbers of the slots
-  std::sort(d.slot_order, d.slot_order + slots, [&](Index a, Index b) {
-    const ActiveSlot &x = d.active_slots[a], &y = d.active_slots[b];
+  std::sort(w.order, w.order + slots, [&](Index a, Index b) {
+    const ActiveSlot &x = w.active[a], &y = w.active[b];
     return x.island != y.island ? x.island < y.island : x.kind != y.kind ? x.kind < y.kind : a < b;
   });
 }

@@ -14,6 +14,7 @@ constexpr double fastest_correction = 1;  // m/s, rad/s
 struct Island {
   const Model& m;
   Data<double>& d;
+  Workspace& w;
   const Index* order;  // of its slots
   Index slots;
   double h;
@@ -22,11 +23,11 @@ struct Island {
   bool bounces = false;
   double worst = 0;  // what a correction is made for
 
-  double* vector(int k) const { return d.island_vectors + k * row_room(m.n.step_rows()); }
+  double* vector(int k) const { return w.vectors + k * row_room(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),
          *upper = vector(7), *friction = vector(8), *torsion = vector(9), *rolling = vector(10), *restitution = vector(11);
 
-  ActiveSlot& slot(Index k) const { return d.active_slots[order[k]]; }
+  ActiveSlot& slot(Index k) const { return w.active[order[k]]; }
   std::ptrdiff_t stride() const { return row_room(rows); }
 
   void number();
@@ -46,7 +47,7 @@ void Island::number() {
     x.s->first = rows, rows += x.s->rows;
     if (x.kind == RowKind::Equality) equalities += x.s->rows;
     else if (x.kind == RowKind::Box) ++boxes;
-    else d.island_rows[contacts++] = x.s->rows;
+    else w.contact_rows[contacts++] = x.s->rows;
   }
 }
 
@@ -54,7 +55,7 @@ void Island::number() {
 void Island::matrix() const {
   const std::ptrdiff_t ld = stride();
   const double* Dinv = inverse_pivots(m, d);
-  double* G = d.island_matrix;
+  double* G = w.matrix;
   auto apart = [](const ActiveSlot& a, const ActiveSlot& b) {
     auto in = [&](Index tree) { return tree >= 0 && (tree == b.tree1 || tree == b.tree2); };
     return !in(a.tree1) && !in(a.tree2);
@@ -103,14 +104,14 @@ void Island::box(const Slot<double>& s, Index k) const {
 
 void Island::contact(const ActiveSlot& x, Index k) {
   const Slot<double>& s = *x.s;
-  const dynContactForce& f = d.contact_forces[x.index];
-  const ContactLaw& law = d.contact_laws[x.index];
+  const dynContactForce& f = w.contacts[x.index];
+  const ContactLaw& law = w.laws[x.index];
   const dynMaterial& material = law.material;
   const double gap = f.contact.distance;
   friction[k] = material.friction, torsion[k] = material.torsion, rolling[k] = material.rolling, restitution[k] = 0;
   for (Index r = 0; r < s.rows; ++r) {
     const Index i = s.first + r;
-    const Vec3<double>& axis = law.axes[s.rows == 1 ? 2 : r < 3 ? r : s.rows == 4 ? 2 : r - 3];
+    const Vec3<double>& axis = law.axis(r);
     g[i] = s.rate[r] + (r < 2 && s.rows > 1 ? law.slip[r] : 0);
     lambda[i] = h * dot(axis, load3(r < 3 ? f.force_on_b : f.moment_on_b));
     bias[i] = compliance[i] = v_minus[i] = 0;
@@ -130,14 +131,14 @@ void Island::contact(const ActiveSlot& x, Index k) {
     if (before < -2 * gained)  // less than what the step's own acceleration makes is rest, not an impact
       restitution[k] = material.restitution, v_minus[n] = before, bias[n] = 0, bounces = true;
   }
-  d.stepped.penetration = std::max(d.stepped.penetration, -gap);
+  w.report.penetration = std::max(w.report.penetration, -gap);
 }
 
 dynContactProblem Island::problem() const {
   dynContactProblem p{};
   p.struct_size = sizeof p;
   p.equalities = equalities, p.boxes = boxes, p.contacts = contacts;
-  p.contact_rows = d.island_rows, p.G = d.island_matrix, p.G_stride = std::int32_t(stride());
+  p.contact_rows = w.contact_rows, p.G = w.matrix, p.G_stride = std::int32_t(stride());
   p.g = g, p.bias = bias, p.lower = lower, p.upper = upper;
   return p;
 }
@@ -153,22 +154,20 @@ void Island::impulses(dynContactReport& report) {
   p.friction = friction, p.torsion = torsion, p.rolling = rolling, p.compliance = compliance;
   if (bounces) p.restitution = restitution, p.v_minus = v_minus;
   solver::Budget b;
-  b.tolerance = d.stepping.tolerance, b.max_iterations = d.stepping.max_iterations, b.warm = true;
-  solver::Workspace& w = *d.contact_workspace;
-  solver::solve(p, solver::solvers[d.stepping.solver], w, b, lambda, report);
-  solver::unscale(p, w.problem, w.y, lambda);
+  b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = true;
+  solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
+  solver::unscale(p, w.solver.problem, w.solver.y, lambda);
   p.bias = nullptr, p.compliance = nullptr;
   solver::velocity(p, lambda, c);
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
     if (x.kind != RowKind::Contact) continue;
-    dynContactForce& f = d.contact_forces[x.index];
-    const ContactLaw& law = d.contact_laws[x.index];
+    dynContactForce& f = w.contacts[x.index];
+    const ContactLaw& law = w.laws[x.index];
     Vec3<double> force = Vec3<double>::zero(), moment = force;
     for (Index r = 0; r < x.s->rows; ++r) {
       const double l = lambda[x.s->first + r] / h;
-      if (r < 3) force = force + law.axes[x.s->rows == 1 ? 2 : r] * l;
-      else moment = moment + law.axes[x.s->rows == 4 ? 2 : r - 3] * l;
+      (r < 3 ? force : moment) = (r < 3 ? force : moment) + law.axis(r) * l;
     }
     store3(force, f.force_on_b), store3(moment, f.moment_on_b);
   }
@@ -206,8 +205,8 @@ bool Island::correct(double* by_dof) {
       } else if (x.kind == RowKind::Box) {
         lower[in_boxes] = upper[in_boxes] = 0;
       } else if (x.kind == RowKind::Contact && r == (s.rows == 1 ? 0 : 2)) {
-        const dynMaterial& material = d.contact_laws[x.index].material;
-        wrong = d.contact_forces[x.index].contact.distance + h * c[i];
+        const dynMaterial& material = w.laws[x.index].material;
+        wrong = w.contacts[x.index].contact.distance + h * c[i];
         if (material.stiffness > 0 || material.damping > 0) wrong = std::max(wrong, most);
         largest = std::max(largest, -wrong);
         if (wrong < 0) wrong = part(wrong);
@@ -219,11 +218,10 @@ bool Island::correct(double* by_dof) {
   if (!(largest > slop)) return false;
   const dynContactProblem p = problem();
   solver::Budget b;
-  b.tolerance = 1e-6, b.max_iterations = d.stepping.max_iterations;
+  b.tolerance = 1e-6, b.max_iterations = w.options.max_iterations;
   dynContactReport report{};
-  solver::Workspace& w = *d.contact_workspace;
-  solver::solve(p, solver::solvers[d.stepping.solver], w, b, lambda, report);
-  solver::unscale(p, w.problem, w.y, lambda);
+  solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
+  solver::unscale(p, w.solver.problem, w.solver.y, lambda);
   add(by_dof);
   return true;
 }
@@ -231,6 +229,7 @@ bool Island::correct(double* by_dof) {
 }  // namespace
 
 bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq) {
+  Workspace& w = *d.step;
   v_before = d.expand(m, v_before, d.ax);
   double *impulse = d.constraint_step, *displacement = d.constraint_ddq;
   std::fill_n(impulse, m.n.nv, 0.0), std::fill_n(displacement, m.n.nv, 0.0);
@@ -238,19 +237,19 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
   Index islands = 0, rows = 0;
   for (Index begin = 0, end; begin < slots; begin = end, ++islands) {
     end = begin + 1;
-    while (end < slots && d.active_slots[d.slot_order[end]].island == d.active_slots[d.slot_order[begin]].island) ++end;
-    Island island{m, d, d.slot_order + begin, end - begin, h, v_before};
+    while (end < slots && w.active[w.order[end]].island == w.active[w.order[begin]].island) ++end;
+    Island island{m, d, w, w.order + begin, end - begin, h, v_before};
     island.number(), island.matrix();
     dynContactReport report{};
     island.impulses(report);
     island.add(impulse);
     corrected |= island.correct(displacement);
     rows += island.rows;
-    d.stepped.iterations += report.iterations + report.newton_steps;
-    d.stepped.residual = std::max(d.stepped.residual, report.residual);
+    w.report.iterations += report.iterations + report.newton_steps;
+    w.report.residual = std::max(w.report.residual, report.residual);
   }
-  d.stepped.islands = std::max(d.stepped.islands, islands), d.stepped.rows = std::max(d.stepped.rows, rows);
-  d.stepped.contacts = std::max(d.stepped.contacts, d.contact_count);
+  w.report.islands = std::max(w.report.islands, islands), w.report.rows = std::max(w.report.rows, rows);
+  w.report.contacts = std::max(w.report.contacts, w.contact_count);
   scatter(m, d, impulse);
   for (Index k = 0; k < m.n.nv; ++k) v[k] += impulse[k];
   if (!corrected) return false;

@@ -20,7 +20,7 @@ Tree chain() {
   Dice dice(21);
   for (int k = 0; k < 6; ++k) {
     JointSpec s = random_joint(dice, types[k]);
-    s.name = "j" + std::to_string(k), s.lower.clear(), s.upper.clear();  // velocities jump at limits
+    s.name = "j" + std::to_string(k);
     if (k) s.parent.name = "j" + std::to_string(k - 1);
     t.joints.push_back(s);
     t.bodies.push_back(random_body(dice, "b" + std::to_string(k), s.name));
@@ -44,6 +44,8 @@ struct Flight {
   explicit Flight(const Tree& t) : model(t.build()), w(*model) {
     const State x(*model, 3);
     w.q(x.q).v(x.v * 2);
+    std::fill_n(w.d.effects, model->n.joints, std::uint32_t(DYN_EFFECT_ARMATURE));  // velocities jump at limits
+    apply_effects(*model, w.d);
   }
   double energy() {
     w.d.changed(input_q), w.d.changed(input_v);

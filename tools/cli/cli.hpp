@@ -58,6 +58,7 @@ struct Deleter {
 
 struct Robot {
   explicit Robot(const RobotOptions& options, int contacts = 0);
+  void add_ground();  // the half-space below z = 0, its friction that of what touches it
   std::unique_ptr<dynModel, Deleter<dyn_model_free>> handle;
   int nq, nv, njoints, nframes;
   bool has_mimic = false;
@@ -69,7 +70,7 @@ struct Robot {
 };
 
 struct Data {
-  Data(const Robot& robot, dynParts parts, std::uint32_t effects = DYN_EFFECT_ARMATURE);
+  Data(const Robot& robot, dynParts parts, std::uint32_t effects = DYN_EFFECT_ARMATURE | DYN_EFFECT_LIMITS);
   std::unique_ptr<dynData, Deleter<dyn_data_free>> handle;
   operator dynData*() const { return handle.get(); }
 };

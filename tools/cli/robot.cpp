@@ -53,6 +53,19 @@ Robot::Robot(const RobotOptions& options, int contacts) {
   for (int i = 1; i < njoints; ++i) has_mimic |= joint(i).mimic_leader >= 0;
 }
 
+void Robot::add_ground() {
+  dynBuilder* made = nullptr;
+  check(dyn_builder_from_model(*this, &made));
+  const std::unique_ptr<dynBuilder, Deleter<dyn_builder_free>> builder(made);
+  dynShapeSpec ground;
+  dyn_shape_spec_init(&ground);
+  ground.type = DYN_SHAPE_HALF_SPACE, ground.name = "ground", ground.material.friction = 0;
+  check(dyn_builder_shape(made, &ground));
+  dynModel* model = nullptr;
+  check(dyn_builder_finish(made, &model));
+  handle.reset(model);
+}
+
 dynJointInfo Robot::joint(int id) const {
   dynJointInfo info{};
   info.struct_size = sizeof info;
@@ -121,10 +134,10 @@ constexpr struct {
   const char* name;
   std::uint32_t bits;
 } effect_names[] = {{"armature", DYN_EFFECT_ARMATURE}, {"damping", DYN_EFFECT_DAMPING}, {"springs", DYN_EFFECT_SPRINGS},
-                    {"friction", DYN_EFFECT_FRICTION}, {"all", DYN_EFFECT_ALL}, {"none", 0}};
+                    {"friction", DYN_EFFECT_FRICTION}, {"limits", DYN_EFFECT_LIMITS}, {"all", DYN_EFFECT_ALL}, {"none", 0}};
 
 void add_effects_option(CLI::App& command, std::string& names) {
-  command.add_option("--effects", names, "What joints do: armature, damping, springs, friction with commas between, all or none")
+  command.add_option("--effects", names, "What joints do: armature, damping, springs, friction, limits with commas between, all or none")
       ->check(not_empty)
       ->type_name("LIST")
       ->capture_default_str();
@@ -136,7 +149,7 @@ std::uint32_t parse_effects(const std::string& names) {
   for (std::string word; std::getline(words, word, ',');) {
     const auto* found = std::find_if(std::begin(effect_names), std::end(effect_names), [&](const auto& e) { return word == e.name; });
     if (found == std::end(effect_names))
-      bad_usage("--effects: \"" + shown(word) + "\" is none of armature, damping, springs, friction, all, none.");
+      bad_usage("--effects: \"" + shown(word) + "\" is none of armature, damping, springs, friction, limits, all, none.");
     bits |= found->bits;
   }
   return bits;
@@ -168,10 +181,19 @@ json effects(const Robot& robot, std::uint32_t on) {
   of_joints("friction", DYN_FRICTION, DYN_EFFECT_FRICTION, "dry friction");
   const auto finite = [](double x) { return std::isfinite(x); };
   const int limits = std::max(count(DYN_LOWER_LIMIT, robot.nq, finite), count(DYN_UPPER_LIMIT, robot.nq, finite));
-  add("limits", false,
-      limits ? std::to_string(limits) + " of " + std::to_string(robot.nq) +
-                   " coordinates have limits; kept as data, not enforced in this version"
+  add("limits", limits && on & DYN_EFFECT_LIMITS,
+      limits ? std::to_string(limits) + " of " + std::to_string(robot.nq) + " coordinates have limits" + (on & DYN_EFFECT_LIMITS ? "" : "; switched off")
              : "no joint has limits");
+  int tested = 0;
+  for (int k = 0, n = dyn_npairs(robot); k < n; ++k) {
+    dynPairReason reason;
+    check(dyn_pair(robot, k, nullptr, nullptr, &reason));
+    tested += reason == DYN_PAIR_TESTED;
+  }
+  add("contact", tested > 0, tested ? std::to_string(tested) + (tested == 1 ? " pair" : " pairs") + " of shapes may touch" : "no pair of shapes is tested");
+  const int constraints = dyn_nconstraints(robot);
+  add("constraints", constraints > 0,
+      constraints ? "the file has " + std::to_string(constraints) + (constraints == 1 ? " constraint" : " constraints") : "the file has none");
   int followers = 0;
   for (int i = 1; i < robot.njoints; ++i) followers += robot.joint(i).mimic_leader >= 0;
   add("mimic", followers > 0,

@@ -1,4 +1,4 @@
-// dyn sim: smooth dynamics under a constant tau, with an account of energy, error and time.
+// dyn sim: a robot under a constant tau, with its contacts, limits and constraints, and an account of energy, error and time.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -20,8 +20,9 @@ struct Options {
   StateOptions state;
   double duration = 0, dt = 1e-3, accuracy = 0;
   bool dt_given = false;
-  std::string integrator = "semi_implicit_euler", csv, effects = "armature";
-  bool no_error_estimate = false;
+  std::string integrator = "semi_implicit_euler", solver = "admm", csv, effects = "all";
+  double tolerance = 1e-9;
+  bool no_error_estimate = false, ground = false;
 };
 
 constexpr double max_steps = 1e9;
@@ -128,7 +129,7 @@ const double* state_view(const Robot& robot, const Data& data, const char* name)
   return array.data;
 }
 
-// First passing of each coordinate's limit: limits are not enforced, so say it.
+// First passing of each coordinate's limit, where limits are switched off.
 class Limits {
  public:
   explicit Limits(const Robot& robot)
@@ -142,7 +143,7 @@ class Limits {
       said_[i] = true;
       warnings.push_back("q[" + std::to_string(i) + "] (joint " + owner(i) + ") is " + short_number(q[i]) +
                          " at t = " + short_number(t) + " s, beyond its limits [" + short_number(lower_[i]) + ", " +
-                         short_number(upper_[i]) + "], which this version does not enforce");
+                         short_number(upper_[i]) + "]: --effects limits keeps it within");
     }
   }
 
@@ -175,21 +176,57 @@ const auto& integrator_named(const std::string& name) {
   bad_usage("--integrator: \"" + name + "\" is not one of " + known + ".");
 }
 
-void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy) {
+constexpr struct {
+  const char* name;
+  dynContactSolverType id;
+} solvers[] = {{"pgs", DYN_CONTACT_PGS}, {"admm", DYN_CONTACT_ADMM}, {"newton", DYN_CONTACT_NEWTON}};
+
+dynContactSolverType solver_named(const std::string& name) {
+  for (const auto& s : solvers)
+    if (name == s.name) return s.id;
+  bad_usage("--solver: \"" + shown(name) + "\" is none of pgs, admm, newton.");
+}
+
+struct ContactSolver {
+  dynContactSolverType type;
+  double tolerance;
+};
+
+void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver) {
   dynStepOptions options;
   dyn_step_options_init(&options);
+  options.solver = solver.type, options.tolerance = solver.tolerance;
   options.integrator = integrator, options.dt = dt, options.accuracy = accuracy;
   check(dyn_data_set_step_options(robot, data, &options));
 }
 
+// Lifts what flies freely until nothing is below the ground.
+void lift(const Robot& robot, Vector& q, json& warnings) {
+  const Data data(robot, DYN_PART_COLLISION);
+  Vector distances(dyn_npairs(robot));
+  check(dyn_distances(robot, data, q.data(), distances.data()));
+  double lowest = HUGE_VAL;
+  const int ground = dyn_nshapes(robot) - 1;
+  for (int k = 0; k < dyn_npairs(robot); ++k) {
+    int a, b;
+    check(dyn_pair(robot, k, &a, &b, nullptr));
+    if (a == ground || b == ground) lowest = std::min(lowest, distances[k]);
+  }
+  if (!(lowest < HUGE_VAL)) return;
+  bool lifted = false;
+  for (int j = 1; j < robot.njoints; ++j)
+    if (const dynJointInfo joint = robot.joint(j); joint.type == DYN_JOINT_FREE_FLYER && joint.parent == 0) q[joint.idx_q + 2] -= lowest, lifted = true;
+  if (lifted) warnings.push_back("the robot starts on the ground: its free joint is moved by " + short_number(-lowest) + " m along z; --q says another place");
+}
+
 // The same simulation at half the step: its distance at the end, extrapolated by the integrator's order.
-json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, double order, std::uint32_t effects, const Schedule& schedule,
-                    const double* q_end, json& warnings) {
+json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, double order, const ContactSolver& solver, std::uint32_t effects,
+                    const Schedule& schedule, const double* q_end, json& warnings) {
   const Data fine(robot, DYN_PART_SIMULATION, effects);
   check(dyn_data_set_state(robot, fine, state.q.data(), state.v.data(), nullptr, state.tau.data()));
   Progress progress(schedule.steps);
   for (long long i = 0; i < schedule.steps; ++i) {
-    set_stepping(robot, fine, integrator, schedule.length(i) / 2, 0);
+    set_stepping(robot, fine, integrator, schedule.length(i) / 2, 0, solver);
     for (int half = 0; half < 2; ++half)
       if (dyn_step(robot, fine) != DYN_OK) {
         warnings.push_back(std::string("no error estimate: the run at half the step failed: ") + dyn_last_error());
@@ -210,6 +247,9 @@ std::string text_of(const json& a) {
   out += "energy            " + number(a["energy"]["initial"]) + " J at the start, " + number(a["energy"]["final"]) +
          " J at the end, largest drift " + number(a["energy"]["drift_max"]) + " J\n";
   out += "error estimate    " + number(a["error_estimate"]) + " (" + a["error_estimate_method"].get<std::string>() + ")\n";
+  if (a["contacts_max"] > 0 || a["residual_max"] > 0)
+    out += "contact           up to " + std::to_string(a["contacts_max"].get<int>()) + " points, deepest " + number(a["penetration_max"]) +
+           " m, largest residual " + number(a["residual_max"]) + " (" + a["solver"].get<std::string>() + ")\n";
   for (const char* key : {"q", "v"}) {
     out += std::string(key) + "                ";
     for (const auto& x : a[key]) out += " " + short_number(x.get<double>(), 9);
@@ -227,6 +267,8 @@ void run(const Options& options) {
   if (!(options.dt > 0) || !std::isfinite(options.dt)) bad_usage("--dt must be a positive number of seconds.");
   if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) bad_usage("--accuracy must be a positive number.");
   const auto& integrator = integrator_named(options.integrator);
+  const ContactSolver solver{solver_named(options.solver), options.tolerance};
+  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a positive number.");
   const std::uint32_t on = parse_effects(options.effects);
   const bool adaptive = options.accuracy > 0;
   const double dt = adaptive && !options.dt_given ? options.duration / 100 : options.dt;
@@ -237,9 +279,12 @@ void run(const Options& options) {
   if (overwrites(options.state.file)) bad_usage("--csv would overwrite the state's file.");
 
   check_lists(options.state);
-  const Robot robot(options.robot);
+  json warnings = json::array();
+  Robot robot(options.robot);
+  if (options.ground) robot.add_ground();
   const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY, on);
-  const State state = read_state(robot, options.state);
+  State state = read_state(robot, options.state);
+  if (options.ground && options.state.file.empty() && options.state.q.empty()) lift(robot, state.q, warnings);
   const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
   if (!options.csv.empty() && bytes > max_csv_bytes)
     fail("--csv would be about " + short_number(bytes / 1e9, 3) + " GB, more than " + short_number(max_csv_bytes / 1e9) +
@@ -258,7 +303,6 @@ void run(const Options& options) {
   if (!options.csv.empty()) csv = std::make_unique<Csv>(options.csv, robot, state.has_tau);
   record();
 
-  json warnings = json::array();
   for (const auto& effect : effects(robot, on)) {
     const std::string name = effect["name"], reason = effect["reason"];
     if (reason.find("switched off") != std::string::npos) warnings.push_back(name + ": " + reason + ": --effects applies it");
@@ -271,28 +315,33 @@ void run(const Options& options) {
 
   using Clock = std::chrono::steady_clock;
   Limits limits(robot);
-  limits.look(q, *time, warnings);
+  const bool watch_limits = !(on & DYN_EFFECT_LIMITS);
+  if (watch_limits) limits.look(q, *time, warnings);
   Clock::duration wall{};
   double drift_max = 0, estimate = 0;
-  long long steps = 0, evaluations = 0;
+  long long steps = 0, evaluations = 0, dropped = 0;
+  int contacts_max = 0, rows_max = 0;
+  double penetration_max = 0, residual_max = 0;
   {
     Progress progress(schedule.steps);
     for (long long i = 0; i < schedule.steps; ++i) {
       const double h = schedule.length(i);
       const auto before = Clock::now();
-      set_stepping(robot, data, integrator.id, h, options.accuracy * h / options.duration);
+      set_stepping(robot, data, integrator.id, h, options.accuracy * h / options.duration, solver);
       const dynStatus status = adaptive ? dyn_advance(robot, data, h) : dyn_step(robot, data);
       wall += Clock::now() - before;
       dynStepReport report{};
       report.struct_size = sizeof report;
       check(dyn_data_step_report(robot, data, &report));
-      steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate;
+      steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped;
+      contacts_max = std::max(contacts_max, report.contacts), rows_max = std::max(rows_max, report.rows);
+      penetration_max = std::max(penetration_max, report.penetration), residual_max = std::max(residual_max, report.residual);
       if (status != DYN_OK)
         fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + dyn_last_error());
       check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
       drift_max = std::max(drift_max, std::abs(kinetic + potential - initial));
       record();
-      limits.look(q, *time, warnings);
+      if (watch_limits) limits.look(q, *time, warnings);
       progress.at(i);
     }
   }
@@ -305,11 +354,11 @@ void run(const Options& options) {
   answer["v"] = vector_json(v, robot.nv);
   answer["time"] = *time;
   answer["energy"] = {{"initial", initial}, {"final", kinetic + potential}, {"drift_max", drift_max}};
-  answer["contacts_max"] = 0;
-  answer["penetration_max"] = 0.0;
-  answer["residual_max"] = 0.0;
+  answer["contacts_max"] = contacts_max;
+  answer["penetration_max"] = penetration_max;
+  answer["residual_max"] = residual_max;
   answer["integrator"] = adaptive && integrator.id != DYN_RK45 ? "reference" : options.integrator;  // whose methods an accuracy takes
-  answer["solver"] = "none";
+  answer["solver"] = rows_max > 0 ? options.solver : "none";
   answer["dt"] = adaptive ? options.duration / static_cast<double>(std::max(steps, 1LL)) : dt;
   if (adaptive) answer["accuracy"] = options.accuracy;
   const Vector q_end(q, q + robot.nq);
@@ -318,9 +367,10 @@ void run(const Options& options) {
   } else if (adaptive || integrator.order == 0) {
     answer["error_estimate"] = estimate, answer["error_estimate_method"] = "sum of the estimated errors of the steps";
   } else {
-    answer["error_estimate"] = error_estimate(robot, state, integrator.id, integrator.order, on, schedule, q_end.data(), warnings);
+    answer["error_estimate"] = error_estimate(robot, state, integrator.id, integrator.order, solver, on, schedule, q_end.data(), warnings);
     answer["error_estimate_method"] = "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
   }
+  if (dropped) warnings.push_back("there was no room for " + std::to_string(dropped) + " contact points in all steps: the shallowest were left out");
   answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
   print(options.robot.json ? json_text(answer) : text_of(answer));
@@ -331,12 +381,15 @@ void run(const Options& options) {
 void add_sim(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("sim", "Smooth dynamics under a constant tau (no contact, no limits)");
+      app.add_subcommand("sim", "Dynamics under a constant tau, with contacts, limits and constraints");
   add_robot_options(*command, options->robot);
   command->add_option("--duration", options->duration, "Seconds to simulate")->required();
   CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy the time between rows of --csv")->capture_default_str();
   command->add_option("--accuracy", options->accuracy, "What the errors of the steps may add up to (m, rad and their rates): the steps' lengths follow");
   command->add_option("--integrator", options->integrator, "semi_implicit_euler, rk4, implicit_fast, implicit_midpoint, rk45 or reference")->capture_default_str();
+  command->add_option("--solver", options->solver, "Of contacts, limits and constraints: pgs, admm or newton")->capture_default_str();
+  command->add_option("--tolerance", options->tolerance, "Residual that it goes on to")->capture_default_str();
+  command->add_flag("--ground", options->ground, "Adds the half-space below z = 0; without a state the robot starts on it");
   add_state_options(*command, options->state, false);
   add_effects_option(*command, options->effects);
   command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);

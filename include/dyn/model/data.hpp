@@ -10,12 +10,18 @@
 #include "dyn/collision/geom.hpp"
 #include "dyn/constraint/slot.hpp"
 #include "dyn/model/model.hpp"
-#include "dyn/simulation/active_slot.hpp"
-#include "dyn/solver/workspace.hpp"
 #include "dyn/spatial/inertia_rate.hpp"
 #include "dyn/spatial/moments.hpp"
 
 namespace dyn {
+
+// Of steps (simulation/workspace.hpp), in the memory given, aligned to 64 bytes.
+namespace simulation {
+struct Workspace;
+std::size_t workspace_bytes(const Model& m);
+Workspace* place(const Model& m, void* memory);
+dynStepOptions default_options();
+}  // namespace simulation
 
 // What is computed, and from what: a field is fresh when its stage was computed for the current versions of its inputs.
 enum class Stage : Index {
@@ -100,9 +106,7 @@ struct Data {
 #define BUFFER(type, name, count, part, sentence) type* name;
 #include "dyn/model/data_fields.def"
 
-  dynStepOptions stepping;
-  dynStepReport stepped;                             // of the last call that made steps
-  Index contact_count, contacts_before_count;        // of contact_forces, contacts_before
+  simulation::Workspace* step;                       // in step_memory
   dynParts parts;
   std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them
   std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
@@ -161,7 +165,7 @@ inline dynParts complete_parts(dynParts p) {
 
 inline dynParts complete_parts(const Model& m, dynParts p) {
   p = complete_parts(p);
-  if ((p & DYN_PART_SIMULATION) && m.n.step_slots() > 0) p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.pairs > 0 ? DYN_PART_COLLISION : 0));
+  if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits > 0) p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.pairs > 0 ? DYN_PART_COLLISION : 0));
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_FACTOR) : p;
 }
 
@@ -172,12 +176,6 @@ std::size_t data_bytes(const Model& m, dynParts parts);
 // The model's constraints in their slots (constraint/set.hpp).
 template <class T>
 void set_up_slots(const Model& m, Data<T>& d);
-
-// Trees, materials, the solver's workspace (simulation/set_up.hpp).
-namespace simulation {
-template <class D>
-void set_up(const Model& m, D& d);
-}
 
 // Lays the buffers out in memory (64-byte aligned, data_bytes long) and sets the neutral state at rest.
 template <class T>
@@ -223,7 +221,7 @@ void apply_effects(const Model& m, Data<T>& d) {
         if (r.to[k] != T(0)) d.acting |= r.bit;
       }
   for (Index k = 0; k < m.n.limits; ++k)
-    if (d.effects[m.limits()[k].joint] & DYN_EFFECT_LIMITS) d.acting |= DYN_EFFECT_LIMITS;
+    if (d.effects[m.bodies()[m.limits()[k].body].joint] & DYN_EFFECT_LIMITS) d.acting |= DYN_EFFECT_LIMITS;
 }
 
 template <class T>
@@ -245,8 +243,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nv; ++i) d.v[i] = d.a[i] = d.tau_applied[i] = T(0);
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
-  d.stepping = simulation::default_options();
-  d.stepped = {};
+  d.step = d.step_memory ? simulation::place(m, d.step_memory) : nullptr;
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
   for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
                d.lambda_d2tau_dadq})
@@ -259,7 +256,6 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   apply_effects(m, d);
   if (d.geoms) collision::set_up(m, d);
   if (d.slots) set_up_slots(m, d);
-  if (d.active_slots) simulation::set_up(m, d);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();
@@ -271,4 +267,3 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
 }  // namespace dyn
 
 #include "dyn/constraint/set.hpp"
-#include "dyn/simulation/set_up.hpp"

@@ -81,19 +81,17 @@ struct LinkRecord {
 struct ShapeRecord {
   Index name, mesh;
   dynShapeType type;
-  dynShapeRole role;
+  std::uint16_t role, material;  // dynShapeRole; its number among the materials
   Index frame;
   Index surface;  // CONVEX, TRIANGLES, HEIGHT_FIELD: its number among the hulls, trees or grids; otherwise -1
   double placement[12], size[3];
   double radius;  // of rounding
   std::uint32_t contype, conaffinity;
-  Index material;  // its number among the materials
 };
 
 // A coordinate with a finite limit.
 struct LimitRecord {
-  Index q, v, dof;  // the user's coordinates, the expanded degree of freedom
-  Index joint;
+  Index q, body, dof;  // the user's coordinate; the body that it moves, its expanded degree of freedom
 };
 
 // A collision shape.
@@ -135,12 +133,6 @@ struct ModelSizes {
   Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
   Index materials;
   Index contacts, limits, carriers;           // contact points that a step has room for; degrees of freedom that carry two bodies, at most
-
-  // Of a step: what may act in it, its rows, and rows of an island that is solved with its whole matrix.
-  Index step_slots() const { return slots + contacts + limits; }
-  Index step_rows() const { return constraint_rows + 6 * contacts + limits; }
-  Index island_rows() const { return step_rows() < most_island_rows ? step_rows() : most_island_rows; }
-  static constexpr Index most_island_rows = 240;
 };
 
 struct Model {

@@ -5,17 +5,17 @@
 // alone, so that no correction becomes velocity.
 #pragma once
 
-#include "dyn/model/data.hpp"
+#include "dyn/simulation/workspace.hpp"
 
 namespace dyn::simulation {
 
 // Whether steps of this data may meet rows at all.
 inline bool has_rows(const Model& m, const Data<double>& d) {
-  return d.active_slots && (m.n.contacts > 0 || m.n.slots > 0 || (d.acting & DYN_EFFECT_LIMITS) != 0);
+  return m.n.contacts > 0 || m.n.slots > 0 || (d.acting & DYN_EFFECT_LIMITS) != 0;
 }
 
 // After forward dynamics, with its free velocity v_free: contacts within reach of a step of h, limits, constraints. Answers how many slots
-// act; they are in d.active_slots, in the order of d.slot_order, and their contacts in d.contact_forces.
+// act; by islands in d.step->order, and contacts in d.step->contacts.
 Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h);
 
 // The impulses of all islands: v becomes v', and dq the correction. Answers whether there is one. v_before: at the beginning of the step.
@@ -26,9 +26,9 @@ Index find_contacts(const Model& m, Data<double>& d, double h);                 
 void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<double>& s);  // contact_rows.cpp
 void order_by_islands(const Model& m, Data<double>& d, Index slots);                  // islands.cpp
 
-// Velocity of the point of a body that is at x of the world, by d.root_velocity.
+// Velocity of the point of a body that is at x of the world, by d.step->root_velocity.
 inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x) {
-  const Motion<double>& V = d.root_velocity[body];
+  const Motion<double>& V = d.step->root_velocity[body];
   return V.linear + cross(V.angular, x - (d.p[body] - d.rel[body]));
 }
 

@@ -1,0 +1,60 @@
+// What steps need beside the fields of data: options, report, contacts, and the slots of rows that act in a step.
+#pragma once
+
+#include "dyn/model/data.hpp"
+#include "dyn/solver/workspace.hpp"
+
+namespace dyn::simulation {
+
+enum class RowKind : Index { Equality, Box, Contact };
+
+struct ActiveSlot {
+  Slot<double>* s;
+  Index* support;   // degrees of freedom that carry it, descending
+  double* carried;  // what its rows leave there (constraint/delassus.hpp)
+  RowKind kind;
+  Index index;         // number of the contact, or -1
+  Index tree1, tree2;  // islands are connected trees; -1: the world
+  Index island;
+};
+
+// What a contact is beside its rows.
+struct ContactLaw {
+  Vec3<double> axes[3];  // two across the normal, the normal
+  dynMaterial material;
+  double slip[2];        // wanted velocity of B relative to A across the normal
+  Index rows;
+  // of its moments and forces: the axis of a row
+  const Vec3<double>& axis(Index row) const { return axes[rows == 1 || (rows == 4 && row == 3) ? 2 : row % 3]; }
+};
+
+inline constexpr int island_vectors = 12;
+
+struct Workspace {
+  dynStepOptions options;
+  dynStepReport report;  // of the last call that made steps
+  Index contact_count, before_count;
+
+  // the rest is there when something may act
+  dynMaterial* materials;       // of collision shapes
+  Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
+  Motion<double>* root_velocity;  // of bodies: free, W at the tree's root
+  Slot<double>* slots;          // of contacts and limits
+  Index* support;
+  double* carried;
+  ActiveSlot* active;
+  Index* order;                 // the same by islands
+  dynContactForce *contacts, *before;  // of the last step, and of the one before
+  ContactLaw* laws;
+  double *vectors, *matrix;     // of an island's problem
+  Index* contact_rows;
+  char* solver_memory;
+  solver::Workspace solver;
+};
+
+// Of an island that is solved by its whole matrix.
+inline Index step_slots(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }
+inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits; }
+inline Index island_rows(const Model& m) { return std::min<Index>(step_rows(m), 240); }
+
+}  // namespace dyn::simulation

@@ -1,0 +1,62 @@
+#include "dyn/simulation/workspace.hpp"
+
+#include <new>
+
+namespace dyn::simulation {
+
+namespace {
+
+template <class F>
+void for_each_array(const Model& m, Workspace& w, F&& f) {
+  const std::ptrdiff_t slots = step_slots(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers, room = row_room(island_rows(m));
+  if (slots == 0) return;
+  f(w.materials, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
+  f(w.slots, own), f(w.support, own * carriers), f(w.carried, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
+  f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.laws, m.n.contacts);
+  f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));
+  f(w.matrix, room * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
+}
+
+std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
+
+// Trees; those that mimic joints couple are one.
+void find_trees(const Model& m, Index* tree_of) {
+  tree_of[0] = -1;
+  for (Index i = 1; i < m.n.bodies; ++i) tree_of[i] = m.bodies()[i].parent ? tree_of[m.bodies()[i].parent] : i;
+  if (!m.has_mimic) return;
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body* const leader = std::find_if(m.bodies() + 1, m.bodies() + i, [&](const Body& b) { return b.user_v == m.bodies()[i].user_v; });
+    const Index one = tree_of[leader - m.bodies()], other = tree_of[i];
+    if (one != other) std::replace(tree_of + 1, tree_of + m.n.bodies, other, one);
+  }
+}
+
+}  // namespace
+
+std::size_t workspace_bytes(const Model& m) {
+  Workspace w;
+  std::size_t bytes = rounded(sizeof w);
+  for_each_array(m, w, [&](auto* array, std::ptrdiff_t n) { bytes += rounded(std::size_t(n) * sizeof *array); });
+  return bytes;
+}
+
+Workspace* place(const Model& m, void* memory) {
+  char* next = static_cast<char*>(memory);
+  std::fill_n(next, workspace_bytes(m), char(0));
+  Workspace& w = *new (next) Workspace{};
+  next += rounded(sizeof w);
+  for_each_array(m, w, [&](auto*& array, std::ptrdiff_t n) {
+    array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
+    next += rounded(std::size_t(n) * sizeof *array);
+  });
+  w.options = default_options();
+  if (step_slots(m) == 0) return &w;
+  find_trees(m, w.tree_of);
+  for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
+  solver::place(w.solver, island_rows(m), w.solver_memory);
+  return &w;
+}
+
+dynStepOptions default_options() { return {sizeof(dynStepOptions), DYN_SEMI_IMPLICIT_EULER, 1e-3, 0, DYN_CONTACT_ADMM, 100, 1e-9}; }
+
+}  // namespace dyn::simulation
