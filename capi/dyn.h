@@ -1268,7 +1268,8 @@ typedef struct dynStepOptions {
   double accuracy;          /* > 0: dyn_advance chooses its steps by itself, so that their errors add up to at most this: m and rad, m/s and rad/s;
                                by order 8, with integrator RK45 by order 5. What grows by itself (chaos) grows beyond. default 0: steps of dt */
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
-  int32_t max_iterations;   /* of the solver, an island and step; default 100 */
+  int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin
+                               again from nothing, and then the other one is asked */
   double tolerance;         /* of its residual (dynContactReport); default 1e-9 */
 } dynStepOptions;
 DYN_API void dyn_step_options_init(dynStepOptions* options);

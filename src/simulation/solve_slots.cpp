@@ -36,6 +36,7 @@ struct Island {
   void box(const Slot<double>& s, Index row) const;
   void contact(const ActiveSlot& x, Index number);
   dynContactProblem problem() const;
+  void solve(const dynContactProblem& p, dynContactReport& best);
   void impulses(dynContactReport& report);
   void add(double* by_dof) const;
   bool correct(double* by_dof);
@@ -143,6 +144,27 @@ dynContactProblem Island::problem() const {
   return p;
 }
 
+// From the guess lambda to lambda; where that does not get far enough, from nothing, and by the other of the exact solvers.
+void Island::solve(const dynContactProblem& p, dynContactReport& best) {
+  const dynContactSolverType other = w.options.solver == DYN_CONTACT_ADMM ? DYN_CONTACT_NEWTON : DYN_CONTACT_ADMM;
+  const struct {
+    dynContactSolverType solver;
+    bool warm;
+  } tries[] = {{w.options.solver, true}, {w.options.solver, false}, {other, false}};
+  best.residual = HUGE_VAL;
+  std::int32_t iterations = 0, newton_steps = 0;
+  for (const auto& t : tries) {
+    solver::Budget b;
+    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm;
+    dynContactReport report{};
+    solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
+    iterations += report.iterations, newton_steps += report.newton_steps;
+    if (report.residual < best.residual) best = report, solver::unscale(p, w.solver.problem, w.solver.y, lambda);
+    if (best.residual <= w.options.tolerance || w.options.solver == DYN_CONTACT_PGS) break;
+  }
+  best.iterations = iterations, best.newton_steps = newton_steps;
+}
+
 void Island::impulses(dynContactReport& report) {
   for (Index k = 0, in_boxes = 0, in_contacts = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
@@ -153,10 +175,7 @@ void Island::impulses(dynContactReport& report) {
   dynContactProblem p = problem();
   p.friction = friction, p.torsion = torsion, p.rolling = rolling, p.compliance = compliance;
   if (bounces) p.restitution = restitution, p.v_minus = v_minus;
-  solver::Budget b;
-  b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = true;
-  solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
-  solver::unscale(p, w.solver.problem, w.solver.y, lambda);
+  solve(p, report);
   p.bias = nullptr, p.compliance = nullptr;
   solver::velocity(p, lambda, c);
   for (Index k = 0; k < slots; ++k) {

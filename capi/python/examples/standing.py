@@ -52,17 +52,17 @@ def qp_forces(G, g):
     return np.array(x).reshape(-1, 3) if flag == 1 else None
 
 
-def inverse_dynamics(model, data, q, v, a):
+def inverse_dynamics(model, data, q, v, a, tolerance=1e-13, epsilon=EPSILON, weights=np.ones(6)):
     data.forward_kinematics(q, v)
     J = np.vstack([data.frame_jacobian(foot, reference=dyn.LOCAL_WORLD_ALIGNED)[:3] for foot in FEET])
     need = data.rnea(q, v, a)  # M a + h
-    J_b, w = J[:, :6], need[:6]
-    G, g = J_b @ J_b.T + EPSILON * np.eye(len(J)), -J_b @ w
-    solution = dyn.contact_solve((G + G.T) / 2, g, friction=np.full(len(FEET), MU), tolerance=1e-13)
+    J_b, w = J[:, :6] * weights, need[:6] * weights  # what matters more where the feet cannot provide all
+    G, g = J_b @ J_b.T + epsilon * np.eye(len(J)), -J_b @ w
+    solution = dyn.contact_solve((G + G.T) / 2, g, friction=np.full(len(FEET), MU), tolerance=tolerance)
     if not solution.report.converged:
         raise RuntimeError(f"no forces were found: {solution.report}")
     f = solution.impulse
-    return Answer((need - J.T @ f)[6:], f.reshape(-1, 3), need[:6] - J_b.T @ f, qp_forces(G, g))
+    return Answer((need - J.T @ f)[6:], f.reshape(-1, 3), need[:6] - J[:, :6].T @ f, qp_forces(G, g))
 
 
 def main(path=GO2):
