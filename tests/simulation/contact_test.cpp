@@ -1,0 +1,170 @@
+// Contact in steps against closed forms: friction, rolling, restitution, rest, compliance, belts.
+#include "simulation/scene.hpp"
+
+namespace dyn_test {
+namespace {
+
+constexpr double g = 9.81;
+
+class Incline : public testing::TestWithParam<double> {};
+
+// A box at a fraction of the friction angle: it sticks below it, and slides with g (sin a - mu cos a) beyond.
+TEST_P(Incline, SticksOrSlides) {
+  const double mu = 0.5, angle = std::atan(mu * GetParam());
+  Play run(Scene({g * std::sin(angle), 0, -g * std::cos(angle)}).ground().box("box", 1, {0.2, 0.2, 0.2}, material(mu)).finish());
+  run.place({{0, 0, 0.1}});
+  run.steps(1000);
+  EXPECT_LE(run.residual, 1.01e-9);
+  const double a = g * (std::sin(angle) - mu * std::cos(angle));
+  if (a < 0) {
+    EXPECT_LT(std::abs(run.velocity()[0]), 1e-9);
+    EXPECT_LT(std::abs(run.q[0]), 1e-9);
+  } else {
+    EXPECT_NEAR(a, run.velocity()[0], 1e-3 * a);
+    EXPECT_NEAR(a / 2, run.q[0], 1.5e-3 * a);
+  }
+  EXPECT_NEAR(0.1, run.q[2], 1e-9);
+}
+INSTANTIATE_TEST_SUITE_P(Angles, Incline, testing::Values(0.99, 0.999, 1.01, 1.5));
+
+// v0 = 1 m/s without spin: it slides until v = 5/7 v0, then rolls.
+TEST(Contact, ASphereThatSlidesComesToRoll) {
+  Play run(Scene().ground().sphere("ball", 2, 0.1, material(0.3)).finish());
+  run.place({{0, 0, 0.1}});
+  run.set({}, {1, 0, 0, 0, 0, 0});
+  run.steps(1000);
+  EXPECT_NEAR(5.0 / 7, run.velocity()[0], 1e-6);
+  EXPECT_NEAR(50.0 / 7, run.v[4], 1e-5);
+}
+
+// Heights of a ball that bounces: e^2 each time; it comes to rest when the sum of its flights is over.
+TEST(Contact, RestitutionAndZeno) {
+  const double e = 0.5, height = 1, dt = 1e-4;
+  Play run(Scene().ground().sphere("ball", 1, 0.1, material(0.5, e)).finish(), dt);
+  run.place({{0, 0, height + 0.1}});
+  std::vector<double> peaks;
+  double before = 2 * height, last = height, rest = 0;
+  for (int k = 0; k < 20000; ++k) {
+    run.steps(1);
+    const double z = run.q[2] - 0.1;
+    EXPECT_GE(z, -1e-9);
+    if (last >= before && last > z) peaks.push_back(last);
+    before = last, last = z;
+    if (std::abs(run.v[2]) > 1e-9) rest = (k + 1) * dt;
+  }
+  ASSERT_GE(peaks.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(std::pow(e, 2.0 * double(k + 1)) * height, peaks[k], dt * std::sqrt(2 * g * height)) << k;  // the way of a step
+  EXPECT_NEAR(std::sqrt(2 * height / g) * (1 + e) / (1 - e), rest, 0.01);
+}
+
+TEST(Contact, ForcesOnARestingStackAddUpToItsWeight) {
+  Play run(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(1)).box("b", 2, {0.2, 0.2, 0.2}, material(1)).box("c", 1e-3, {0.2, 0.2, 0.2}, material(1)).finish());
+  run.place({{0, 0, 0.1}, {0.01, 0, 0.3}, {0, 0.02, 0.5}});
+  run.steps(500);
+  EXPECT_LE(run.residual, 1.01e-9);
+  double on_ground = 0;
+  for (const dynContactForce& f : run.contacts()) {
+    if (f.contact.shape_a == 0) on_ground += f.force_on_b[2];
+    EXPECT_GE(f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2], -1e-9);
+  }
+  EXPECT_NEAR(3.001 * g, on_ground, 1e-7);
+  for (int k = 0; k < 18; ++k) EXPECT_NEAR(0, run.v[k], 1e-8) << k;
+}
+
+// 64 directions: the cone is round.
+TEST(Contact, SlidesTheSameDistanceInAllDirections) {
+  double least = inf, most = 0;
+  for (int k = 0; k < 64; ++k) {
+    const double angle = 2 * M_PI * k / 64;
+    Play run(Scene().ground().sphere("ball", 1, 0.1, material(0.2)).finish(), 1e-3);
+    run.place({{0, 0, 0.1}});
+    run.set({}, {std::cos(angle), std::sin(angle), 0, -10 * std::sin(angle) * -1, 10 * std::cos(angle) * -1, 0});  // spinning backwards: it slides to the end
+    run.steps(300);
+    const double distance = std::hypot(run.q[0], run.q[1]);
+    least = std::min(least, distance), most = std::max(most, distance);
+  }
+  EXPECT_GT(least, 0.1);
+  EXPECT_LT((most - least) / most, 1e-8);
+}
+
+// Energy of what nothing drives never grows: a box that falls on an edge, and comes to rest.
+TEST(Contact, EnergyNeverGrows) {
+  Play run(Scene().ground().box("box", 1, {0.2, 0.3, 0.1}, material(0.7)).finish());
+  run.set({0, 0, 0.5, 0.3, 0.1, 0.05, std::sqrt(1 - 0.09 - 0.01 - 0.0025)});
+  double before = run.energy();
+  for (int k = 0; k < 3000; ++k) {
+    run.steps(1);
+    const double now = run.energy();
+    EXPECT_LE(now, before + 2e-5 * std::max(1.0, std::abs(before))) << k;  // first-order steps: m g^2 h^2 in free fall
+    before = now;
+  }
+  EXPECT_NEAR(0.05 * g, before, 1e-6);
+  EXPECT_LT(run.report().residual, 1.01e-9);
+}
+
+// A spring under a load: depth m g / k; a belt carries what lies on it.
+TEST(Contact, ComplianceAndBelts) {
+  dynMaterial soft = material(0.5);
+  soft.stiffness = 1e4, soft.damping = 200;
+  Play run(Scene().ground().sphere("ball", 2, 0.1, soft).finish());
+  run.place({{0, 0, 0.1}});
+  run.steps(2000);
+  EXPECT_NEAR(0.1 - 2 * g / 1e4, run.q[2], 1e-8);
+  EXPECT_NEAR(2 * g, run.contacts().at(0).force_on_b[2], 1e-5);
+
+  dynMaterial belt = material(0.5);
+  belt.surface_velocity[0] = 0.7;
+  Scene scene;
+  scene.shape("universe", DYN_SHAPE_HALF_SPACE, {0, 0, 0}, belt).box("box", 1, {0.2, 0.2, 0.2}, material(0.2));
+  Play carried(scene.finish());
+  carried.place({{0, 0, 0.1}});
+  carried.steps(100);
+  EXPECT_NEAR(0.5 * g * 0.1, carried.velocity()[0], 1e-6);  // friction accelerates it,
+  carried.steps(400);
+  EXPECT_NEAR(0.7, carried.velocity()[0], 1e-8);  // until it moves with the belt
+}
+
+// A ball with rolling friction stops: m a = F, I alpha = F r - M, v = omega r, M = c N; one that spins stops by torsion, I alpha = c N.
+TEST(Contact, TorsionAndRolling) {
+  dynMaterial x = material(0.8);
+  x.rolling = 1e-3, x.torsion = 2e-3;
+  Play run(Scene().ground().sphere("ball", 1, 0.1, x).finish());
+  run.place({{0, 0, 0.1}});
+  run.set({}, {0.5, 0, 0, 0, 5, 0});
+  run.steps(1000);
+  const double a = 1e-3 * g / 0.1 / 1.4;
+  EXPECT_NEAR(0.5 - a, run.velocity()[0], 1e-4);
+  Play spin(Scene().ground().sphere("ball", 1, 0.1, x).finish());
+  spin.place({{0, 0, 0.1}});
+  spin.set({}, {0, 0, 0, 0, 0, 6});
+  spin.steps(1000);
+  EXPECT_NEAR(6 - 2e-3 * g / 0.004, spin.v[5], 1e-4);
+  spin.steps(1000);
+  EXPECT_NEAR(0, spin.v[5], 1e-8);
+}
+
+// Impacts are found before they happen: nothing passes through, however fast.
+TEST(Contact, FastBodiesDoNotPassThrough) {
+  for (const double speed : {10.0, 100.0, 1000.0}) {
+    Scene scene({0, 0, 0});
+    scene.shape("universe", DYN_SHAPE_BOX, {1, 1, 0.01}, material(0)).sphere("ball", 1, 0.02, material(0.5));
+    Play run(scene.finish());
+    run.place({{0, 0, 0.6}});
+    run.set({}, {0, 0, -speed, 0, 0, 0});
+    run.steps(100);
+    EXPECT_NEAR(0.025, run.q[2], 1e-6) << speed;
+  }
+}
+
+// An overlap at the beginning goes slowly, and leaves no velocity.
+TEST(Contact, OverlapsAreTakenOutWithoutVelocity) {
+  Play run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
+  run.place({{0, 0, 0.05}});
+  double fastest = 0;
+  for (int k = 0; k < 200; ++k) run.steps(1), fastest = std::max(fastest, std::abs(run.v[2]));
+  EXPECT_NEAR(0.1, run.q[2], 1e-6);
+  EXPECT_LT(fastest, 0.02);
+}
+
+}  // namespace
+}  // namespace dyn_test

@@ -1,0 +1,200 @@
+// What holds of steps whatever the scene: momentum, limits, constraints, islands, repetition.
+#include "simulation/scene.hpp"
+
+namespace dyn_test {
+namespace {
+
+Numbers momentum(Play& run) {
+  Numbers h(6);
+  EXPECT_EQ(DYN_OK, dyn_centroidal_momentum(run.m, run.d, nullptr, nullptr, h.data())) << dyn_last_error();
+  return h;
+}
+
+// A body that tumbles with its centre of mass off the joint's origin.
+TEST(Step, FreeBodiesKeepTheirMomentum) {
+  Play run(Scene({0, 0, 0}).free("stone", 2, {0.1, 0.2, 0.25}, {0.1, 0.2, 0.3}).finish());
+  run.set({}, {1, 2, 3, 4, 5, -6});
+  Numbers before = momentum(run);
+  for (int k = 0; k < 1000; ++k) {
+    run.steps(1);
+    const Numbers now = momentum(run);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(before[i], now[i], 1e-12) << k;
+    before = now;
+  }
+}
+
+// Two bodies that collide without anything else.
+TEST(Step, CollisionsKeepMomentum) {
+  Scene scene({0, 0, 0});
+  scene.sphere("a", 1, 0.1, material(0.5, 0.8)).box("b", 3, {0.3, 0.2, 0.2}, material(0.5));
+  Play run(scene.finish());
+  run.place({{0, 0, 0}, {0.5, 0.05, 0.03}});
+  run.set({}, {3, 0, 0, 0, 0, 10, 0, 0, 0, 0, 0, 0});
+  const Numbers before = momentum(run);
+  run.steps(300);
+  const Numbers now = momentum(run);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(before[i], now[i], 1e-12);
+  for (std::size_t i = 3; i < 6; ++i) EXPECT_NEAR(before[i], now[i], 1e-3);  // moments of an impact by its place at the beginning of the step
+  EXPECT_GT(std::abs(run.velocity(1)[0]), 0.5);
+}
+
+Model pendulum(double lower, double upper) {
+  Builder b;
+  Spec hinge("hinge", DYN_JOINT_REVOLUTE);
+  hinge.about(0, 1, 0), hinge.lower = &lower, hinge.upper = &upper;
+  b.joint(hinge).body("bob", "hinge", 1, {0, 0, -1});
+  return b.finish();
+}
+
+TEST(Step, LimitsHold) {
+  Play run(pendulum(-0.5, 0.2));
+  run.set({0.1}, {4});
+  double most = -1, least = 1;
+  for (int k = 0; k < 2000; ++k) run.steps(1), most = std::max(most, run.q[0]), least = std::min(least, run.q[0]);
+  EXPECT_NEAR(0.2, most, 1e-9);
+  EXPECT_GE(least, -0.5 - 1e-9);
+  // where the effect is off, they do not
+  ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ARMATURE));
+  run.set({0.1}, {4});
+  run.steps(100);
+  EXPECT_GT(run.q[0], 0.3);
+  // and one that starts beyond a limit comes back
+  ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ALL));
+  run.set({0.4}, {0});
+  run.steps(1000);
+  EXPECT_LE(run.q[0], 0.2 + 1e-8);
+}
+
+// A loop stays closed: a four-bar linkage that swings.
+TEST(Step, ConstraintsHold) {
+  dynModel* loaded = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_model_load(DYN_MODELS_DIR "/mechanisms/four_bar.urdf", nullptr, &loaded)) << dyn_last_error();
+  Play run{Model(loaded)};
+  ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ARMATURE));
+  Numbers q(static_cast<std::size_t>(run.m.nq()));
+  ASSERT_EQ(DYN_OK, dyn_neutral(run.m, q.data()));
+  dynData* d = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_data_new(run.m, 0, &d));
+  int rows = 0;
+  ASSERT_EQ(DYN_OK, dyn_constraint_rows(run.m, d, -1, nullptr, &rows)) << dyn_last_error();
+  ASSERT_GT(rows, 0);
+  Numbers C(static_cast<std::size_t>(rows));
+  for (double& x : q) x += 0.3;
+  ASSERT_EQ(DYN_OK, dyn_project(run.m, d, q.data(), nullptr, nullptr, q.data(), nullptr, nullptr)) << dyn_last_error();
+  run.set(q);
+  double worst = 0;
+  for (int k = 0; k < 1000; ++k) {
+    run.steps(1);
+    ASSERT_EQ(DYN_OK, dyn_constraint_terms(run.m, d, run.q, run.v, C.data(), nullptr, nullptr, nullptr)) << dyn_last_error();
+    for (const double c : C) worst = std::max(worst, std::abs(c));
+  }
+  EXPECT_LT(worst, 1e-6);
+  dyn_data_free(d);
+}
+
+// Islands do not know of each other: each moves as it would alone, bit for bit.
+TEST(Step, IslandsAreAlone) {
+  auto boxes = [](int n) {
+    Scene scene;
+    scene.ground();
+    for (int k = 0; k < n; ++k) scene.box(k ? "second" : "first", 1 + k, {0.2, 0.2, 0.2}, material(0.4));
+    return scene.finish();
+  };
+  Play one(boxes(1)), two(boxes(2));
+  one.place({{0, 0, 0.15}});
+  two.place({{0, 0, 0.15}, {5, 0, 0.3}});
+  for (int k = 0; k < 500; ++k) {
+    one.steps(1), two.steps(1);
+    for (int i = 0; i < 7; ++i) ASSERT_EQ(one.q[i], two.q[i]) << k;
+  }
+  EXPECT_EQ(2, two.report().islands);
+}
+
+TEST(Step, IsRepeatedBitForBit) {
+  Numbers end[2];
+  for (Numbers& x : end) {
+    Scene scene;
+    scene.ground();
+    for (const char* name : {"a", "b", "c"}) scene.box(name, 1, {0.2, 0.2, 0.2}, material(0.6, 0.2));
+    Play run(scene.finish());
+    run.place({{0, 0, 0.3}, {0.05, 0.02, 0.6}, {0.1, 0, 0.9}});
+    run.steps(1000);
+    x.assign(run.q, run.q + 21);
+  }
+  EXPECT_EQ(end[0], end[1]);
+}
+
+// The other integrators go through contact, too.
+TEST(Step, EveryIntegratorLands) {
+  for (const dynIntegrator integrator : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) {
+    Play run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
+    run.options.integrator = integrator;
+    ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
+    run.place({{0, 0, 0.5}});
+    run.steps(600);
+    EXPECT_NEAR(0.1, run.q[2], 1e-9) << int(integrator);
+  }
+}
+
+TEST(Step, EverySolverHoldsAStack) {
+  for (const dynContactSolverType solver : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON}) {
+    Scene scene;
+    scene.ground();
+    std::vector<std::array<double, 3>> at;
+    const char* names[] = {"b0", "b1", "b2", "b3", "b4"};
+    for (int k = 0; k < 5; ++k) scene.box(names[k], 1, {0.2, 0.2, 0.2}, material(0.6)), at.push_back({0, 0, 0.1 + 0.2 * k});
+    Play run(scene.finish(), 1e-3, solver);
+    run.options.max_iterations = 2000;
+    ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
+    run.place(at);
+    run.steps(300);
+    for (int k = 0; k < 5; ++k) EXPECT_NEAR(0.1 + 0.2 * k, run.q[7 * k + 2], 1e-6) << int(solver);
+    EXPECT_EQ(20, run.report().contacts);
+  }
+}
+
+TEST(Step, MaterialsAndBadOnes) {
+  Play run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.25)).finish());
+  dynMaterial x;
+  ASSERT_EQ(DYN_OK, dyn_data_shape_material(run.m, run.d, 1, &x));
+  EXPECT_EQ(0.25, x.friction);
+  dynShapeInfo info{};
+  info.struct_size = sizeof info;
+  ASSERT_EQ(DYN_OK, dyn_shape_info(run.m, 1, &info));
+  EXPECT_EQ(0.25, info.material.friction);
+  const dynMaterial good = material(0.75);
+  ASSERT_EQ(DYN_OK, dyn_data_set_shape_material(run.m, run.d, -1, &good));
+  ASSERT_EQ(DYN_OK, dyn_data_shape_material(run.m, run.d, 0, &x));
+  EXPECT_EQ(0.75, x.friction);
+  for (double dynMaterial::*number : {&dynMaterial::friction, &dynMaterial::torsion, &dynMaterial::rolling, &dynMaterial::restitution, &dynMaterial::stiffness,
+                                      &dynMaterial::damping})
+    for (const double bad : {-1.0, nan, inf, 1e16}) {
+      dynMaterial wrong = good;
+      wrong.*number = bad;
+      EXPECT_NE(DYN_OK, dyn_data_set_shape_material(run.m, run.d, 1, &wrong)) << bad;
+      ASSERT_EQ(DYN_OK, dyn_data_shape_material(run.m, run.d, 1, &x));
+      EXPECT_EQ(0.75, x.friction);
+      dynShapeSpec spec;
+      dyn_shape_spec_init(&spec);
+      spec.size[0] = spec.size[1] = spec.size[2] = 1, spec.material = wrong;
+      dynBuilder* b = nullptr;
+      ASSERT_EQ(DYN_OK, dyn_builder_new("x", &b));
+      EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_shape(b, &spec));
+      EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "material"));
+      dyn_builder_free(b);
+    }
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_shape_material(run.m, run.d, 7, &good));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_shape_material(run.m, run.d, 1, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_shape_material(run.m, run.d, -1, &x));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_shape_material(run.m, run.d, 0, nullptr));
+  int count = 0;
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_step_contacts(run.m, run.d, nullptr, 1, &count));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_step_contacts(run.m, run.d, nullptr, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_step_contacts(run.m, run.d, nullptr, -1, &count));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_step_contacts(nullptr, run.d, nullptr, 0, &count));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_data_shape_material(run.m, nullptr, 0, &x));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_data_set_shape_material(nullptr, run.d, 0, &good));
+}
+
+}  // namespace
+}  // namespace dyn_test
