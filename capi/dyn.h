@@ -237,7 +237,7 @@ typedef enum dynShapeRole { DYN_ROLE_COLLISION = 1, DYN_ROLE_VISUAL = 2 } dynSha
 typedef struct dynMaterial {
   double friction;          /* Coulomb's coefficient; default 1 */
   double torsion, rolling;  /* m: moment about the normal, and across it, by the normal force; default 0: none */
-  double restitution;       /* 0 .. 1; default 0 */
+  double restitution;       /* 0 .. 1; default 0. Of impacts faster than twice what the step's own acceleration makes, or than 0.05 m/s */
   double stiffness;         /* N/m; default 0: rigid */
   double damping;           /* N s/m of a contact with stiffness */
   double surface_velocity[3]; /* m/s, in the shape's frame: a conveyor belt; default 0 */

@@ -44,6 +44,20 @@ std::uint32_t mask(const Reader& reader, const Element& e, const char* attribute
   return std::uint32_t(value);
 }
 
+// condim says which kinds of friction act: 1 none, 3 sliding, 4 torsion, too, 6 rolling, too.
+dynMaterial material_of(const Reader& reader, const Element& e) {
+  const double condim = reader.optional_number(e, "condim").value_or(3);
+  if (condim != 1 && condim != 3 && condim != 4 && condim != 6) reader.bad_numbers(e, "condim", "1, 3, 4 or 6 is expected");
+  std::array<double, 3> friction = {1, 0.005, 0.0001};
+  if (const auto given = reader.numbers(e, "friction"))
+    for (size_t k = 0; k < std::min<size_t>(given->size(), 3); ++k) friction[k] = (*given)[k];
+  for (const double x : friction)
+    if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
+  dynMaterial x = simulation::default_material();
+  x.friction = condim > 1 ? friction[0] : 0, x.torsion = condim > 3 ? friction[1] : 0, x.rolling = condim > 4 ? friction[2] : 0;
+  return x;
+}
+
 }  // namespace
 
 void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
@@ -57,13 +71,14 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   reader.unread(e, {"name", "class", "type", "contype", "conaffinity", "group", "size", "material", "rgba", "mass", "density", "fromto", "pos", "quat", "axisangle",
                     "euler", "xyaxes", "zaxis", "hfield", "mesh", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"},
                 {"plugin"});
-  count_unused(reader, e, "geom", {"friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap"});
+  count_unused(reader, e, "geom", {"priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"});
   const GeomType* type = type_of(reader, e);
   if (!type) return geom.place.physics("a geom of type sdf is not used");
 
   geom.shape.type = type->type;
   geom.shape.contype = mask(reader, e, "contype"), geom.shape.conaffinity = mask(reader, e, "conaffinity");
   geom.shape.role = geom.shape.contype == 0 && geom.shape.conaffinity == 0 ? DYN_ROLE_VISUAL : DYN_ROLE_COLLISION;
+  geom.shape.material = material_of(reader, e);
   geom.group = int(reader.optional_number(e, "group").value_or(0));
   geom.mass = reader.optional_number(e, "mass");
   geom.density = reader.optional_number(e, "density").value_or(1000);

@@ -40,7 +40,7 @@ std::optional<bool> read_switch(const Reader& reader, const Element& e, const ch
 
 void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes) {
   for (const char* name : attributes)
-    if (e.Attribute(name)) reader.report.count("<" + std::string(kind) + " " + name + ">: not used: no contact or limit exerts a force yet", line(e));
+    if (e.Attribute(name)) reader.report.count("<" + std::string(kind) + " " + name + ">: not used: contacts and limits are rigid", line(e));
 }
 
 void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {

@@ -10,6 +10,7 @@ namespace {
 constexpr double slop = 1e-9;         // m, rad: what no correction is made for
 constexpr double correction = 0.5;    // of what is wrong, in a step
 constexpr double fastest_correction = 1;  // m/s, rad/s
+constexpr double rest = 0.05;             // m/s: what is faster is an impact however long the step
 
 struct Island {
   const Model& m;
@@ -129,7 +130,7 @@ void Island::contact(const ActiveSlot& x, Index k) {
     using Six = SixEights<double>;
     const double before = (Six::load(s.F1).dot(speed(s.c.body1)) + Six::load(s.F2).dot(speed(s.c.body2)))[int(n - s.first)];
     const double gained = std::abs(s.rate[n - s.first] - before);
-    if (before < -2 * gained)  // less than what the step's own acceleration makes is rest, not an impact
+    if (before < -std::min(2 * gained, rest))  // less than what the step's own acceleration makes is rest, not an impact
       restitution[k] = material.restitution, v_minus[n] = before, bias[n] = 0, bounces = true;
   }
   w.report.penetration = std::max(w.report.penetration, -gap);

@@ -136,6 +136,21 @@ TEST(Step, EveryIntegratorLands) {
   }
 }
 
+// Steps that follow from an accuracy: a ball that falls, bounces and rises is where the closed form says.
+TEST(Step, AccuracyHoldsThroughImpacts) {
+  const double height = 1, e = 0.5, g = 9.81, fall = std::sqrt(2 * height / g), rise = std::sqrt(2 * g * height) * e;
+  for (const double accuracy : {1e-3, 1e-4, 1e-5}) {
+    Play play(Scene().ground().sphere("ball", 1, 0.1, material(0.5, e)).finish());
+    play.options.accuracy = accuracy;
+    ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
+    play.place({{0, 0, height + 0.1}});
+    const double after = 0.2;
+    ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, fall + after)) << dyn_last_error();
+    EXPECT_NEAR(0.1 + rise * after - g * after * after / 2, play.q[2], 3 * accuracy) << accuracy;
+    EXPECT_LT(play.report().steps, 200);
+  }
+}
+
 TEST(Step, EverySolverHoldsAStack) {
   for (const dynContactSolverType solver : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON}) {
     Scene scene;

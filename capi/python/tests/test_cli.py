@@ -363,6 +363,7 @@ def test_sim(arm_file, arm, tmp_path):
         0,
     )
     d = arm.data()
+    d.set_effects("armature")
     d.set_state([1, 0.5], [0, 0])
     start = d.energy().mechanical
     for _ in range(500):
@@ -401,8 +402,11 @@ def test_sim_tau_and_text(arm_file, tmp_path):
 
 
 def test_sim_limits_are_mentioned(arm_file):
-    warnings = answer("sim", arm_file, "--fixed", "--duration", "1", "--v", "8,0")["warnings"]
+    words = ("sim", arm_file, "--fixed", "--duration", "1", "--v", "8,0")
+    warnings = answer(*words, "--effects", "armature")["warnings"]
     assert sum("shoulder" in w and "beyond its limits" in w for w in warnings) == 1
+    found = answer(*words)
+    assert not any("limits" in w for w in found["warnings"]) and found["solver"] == "admm" and found["residual_max"] <= 1e-9
 
 
 def test_sim_failures(arm_file, tmp_path):
@@ -473,8 +477,9 @@ def test_effects(tmp_path):
         found = answer("sim", robot, "--fixed", "--duration", "1", "--dt", "1e-4", "--v", "2", *more)
         return found["v"][0], {e["name"] for e in found["effects"] if e["active"]}
 
-    assert final("--effects", "none") == final() == (pytest.approx(2), {"gravity"})
-    warnings = answer("sim", robot, "--fixed", "--duration", "0.01")["warnings"]
+    assert final("--effects", "none") == (pytest.approx(2), {"gravity"})
+    assert final() == final("--effects", "all")
+    warnings = answer("sim", robot, "--fixed", "--duration", "0.01", "--effects", "armature")["warnings"]
     assert [w.split(":")[0] for w in warnings if "--effects" in w] == ["damping", "friction"]
     v, active = final("--effects", "damping")
     assert v == pytest.approx(2 * math.exp(-0.5), rel=1e-4) and active == {"gravity", "damping"}

@@ -10,7 +10,7 @@ from dyn import Effect
 @pytest.fixture
 def pendulum():
     b = dyn.Builder("pendulum").joint(
-        "hinge", "revolute", axis=(0, 1, 0), armature=0.1, damping=0.2, friction=0.3, stiffness=4, spring_reference=0.5
+        "hinge", "revolute", axis=(0, 1, 0), lower=-9, upper=9, armature=0.1, damping=0.2, friction=0.3, stiffness=4, spring_reference=0.5
     )
     return b.body("rod", "hinge", 1, (0, 0, -0.5), np.eye(3)).finish()
 
@@ -18,7 +18,7 @@ def pendulum():
 def test_they_are_switched_on(pendulum):
     assert pendulum.stiffness == 4 and pendulum.spring_reference == 0.5
     d = pendulum.data()
-    assert d.effects() == d.effects("hinge") == Effect.ARMATURE
+    assert d.effects() == d.effects("hinge") == Effect.ARMATURE | Effect.LIMITS
     bare = d.rnea([0.2], [1.0], [2.0]).copy()
     for effects, added in ((("damping",), 0.2), ("springs", 4 * (0.2 - 0.5)), (Effect.FRICTION, 0.3)):
         d.set_effects(effects, joint="hinge")

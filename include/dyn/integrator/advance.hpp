@@ -72,14 +72,6 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   return 0;
 }
 
-// By order 5 with RK45, by order 8 with any other.
-template <class T>
-Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
-  const Stages<T> s(m, d);
-  return integrator == DYN_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
-                                : advance_to_accuracy<DormandPrince8>(m, d, s, duration, accuracy, report);
-}
-
 // Whether contacts, limits or constraints act in a step of h: velocities jump, and no smooth method keeps its order.
 template <class T>
 bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
@@ -89,6 +81,75 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
     return simulation::find_slots(m, d, s.y, h) > 0;
   }
   return false;
+}
+
+// The same where velocities may jump. Steps that meet nothing are those of the tableau; the others of order 1, once in one step and once in two:
+// what the two halves give stands, and how far the two are apart is the error.
+template <class Tableau>
+Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
+  double h = std::min(duration, 1e-3), t = 0;
+  double *q0 = s.stage(1), *v0 = q0 + m.n.nq, *q1 = v0 + m.n.nv, *v1 = q1 + m.n.nq, *apart = v1 + m.n.nv;
+  const auto keep = [&] { std::copy_n(d.q, m.n.nq, q0), std::copy_n(d.v, m.n.nv, v0); };
+  const auto restore = [&] { std::copy_n(q0, m.n.nq, d.q), std::copy_n(v0, m.n.nv, d.v); };
+  const auto twice = [&](double& error) -> Index {
+    keep();
+    if (const Index joint = euler_step(m, d, s, h, true)) return restore(), joint;
+    std::copy_n(d.q, m.n.nq, q1), std::copy_n(d.v, m.n.nv, v1);
+    restore();
+    for (int half = 0; half < 2; ++half)
+      if (const Index joint = euler_step(m, d, s, h / 2, true)) return restore(), joint;
+    difference(m, q1, d.q, apart);
+    error = largest(apart, m.n.nv);
+    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::abs(d.v[k] - v1[k]));
+    report.evaluations += 3;
+    return 0;
+  };
+  while (t < duration) {
+    const bool last = h >= (duration - t) * (1 - 1e-12);
+    if (last) h = duration - t;
+    if (!(h > duration * 1e-13)) return no_step_left;
+    const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);
+    double error = 0, allowed = std::max(accuracy * (h / duration), rounding(m, d)), power = 1.0 / (Tableau::order - 1);
+    const bool rows = meets_rows(m, d, s, h);
+    Index joint = 0;
+    if (rows) {
+      allowed = std::max(allowed, 0.02 * accuracy), power = 0.5;
+      joint = twice(error);
+    } else {
+      joint = explicit_step<Tableau>(m, d, s, h);
+      report.evaluations += Tableau::stages + 1;
+      if (!joint) error = step_error(Tableau(), s, h);
+    }
+    if (joint) {
+      if (h < duration * 1e-12) return joint;
+      ++report.rejected, h *= 0.1;
+      continue;
+    }
+    if (error <= allowed || (rows && h <= smallest)) {
+      t = last ? duration : t + h;
+      ++report.steps, report.time = t, report.error_estimate += error;
+      report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+    } else {
+      if (rows) restore();
+      else s.undo(m, d);
+      ++report.rejected;
+    }
+    const double factor = error > 0 ? 0.9 * std::pow(allowed / error, power) : 5;
+    h *= error < HUGE_VAL ? std::clamp(factor, 0.2, rows ? 2.0 : 5.0) : 0.1;
+  }
+  return 0;
+}
+
+// By order 5 with RK45, by order 8 with any other.
+template <class T>
+Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
+  const Stages<T> s(m, d);
+  if constexpr (std::is_same_v<T, double>)
+    if (simulation::has_rows(m, d))
+      return integrator == DYN_RK45 ? advance_through_contact<DormandPrince5>(m, d, s, duration, accuracy, report)
+                                    : advance_through_contact<DormandPrince8>(m, d, s, duration, accuracy, report);
+  return integrator == DYN_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
+                                : advance_to_accuracy<DormandPrince8>(m, d, s, duration, accuracy, report);
 }
 
 // One step of h by the integrator; where something acts that velocities jump at, by implicit_fast if it is none of the two of order 1. Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.

@@ -1,0 +1,79 @@
+"""Steps with contact: what a robot on the ground feels, materials, the command, and the example of a quadruped that stands."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_cli import GO2, answer, run
+
+import dyn
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+
+
+def box_on_ground(material=None, **kwargs):
+    b = dyn.Builder("box").joint("free", "free_flyer").body("box", "free", 2.0, inertia=np.eye(3) * 2 / 150)
+    b.shape("universe", "half_space", name="ground", material=dyn.Material(friction=0))
+    return b.shape("box", "box", (0.2, 0.2, 0.2), material=material, **kwargs).finish()
+
+
+def test_a_box_rests():
+    m = box_on_ground(dyn.Material(friction=0.3))
+    d = m.data()
+    q = m.neutral()
+    q[2] = 0.25
+    d.set_state(q)
+    d.set_stepping("semi_implicit_euler", 1e-3, solver="newton", tolerance=1e-10, max_iterations=500)
+    report = d.advance(1.0)
+    assert report.contacts == 4 and report.islands == 1 and report.rows == 12 and report.dropped == 0
+    assert report.residual <= 1.01e-10 and report.penetration < 1e-9
+    assert d.q[2] == pytest.approx(0.1, abs=1e-9)
+    contacts = d.step_contacts()
+    assert len(contacts) == 4 and sum(c.force_on_b[2] for c in contacts) == pytest.approx(2 * 9.81, rel=1e-8)
+    assert all(c.contact.normal == pytest.approx([0, 0, 1]) and c.contact.shape_b == 1 for c in contacts)
+
+
+def test_materials():
+    m = box_on_ground(dyn.Material(0.3, torsion=0.01, surface_velocity=(1, 2, 3)))
+    assert m.shape(1).material == dyn.Material(0.3, torsion=0.01, surface_velocity=(1, 2, 3)) and m.shape(0).material.friction == 0
+    d = m.data()
+    d.set_shape_material(1, dyn.Material(restitution=0.5))
+    assert d.shape_material(1).restitution == 0.5 and d.shape_material(0).friction == 0
+    with pytest.raises(dyn.ArgumentError, match="restitution"):
+        d.set_shape_material(None, dyn.Material(restitution=1.5))
+    with pytest.raises(dyn.InvalidRobotError, match="friction"):
+        box_on_ground(dyn.Material(friction=-1))
+
+
+def test_a_pair_that_is_off_does_not_touch():
+    m = box_on_ground()
+    d = m.data()
+    d.set_pair(0, False)
+    q = m.neutral()
+    q[2] = 0.11
+    d.set_state(q)
+    d.advance(0.5)
+    assert d.q[2] < -1 and d.step_contacts() == []
+
+
+def test_the_command_on_the_ground():
+    found = answer("sim", GO2, "--floating", "--ground", "--duration", "0.6", "--no-error-estimate")
+    assert found["contacts_max"] >= 4 and found["residual_max"] < 1e-2 and found["penetration_max"] < 1e-4 and found["solver"] == "admm"
+    assert any("starts on the ground" in w for w in found["warnings"])
+    assert {e["name"] for e in found["effects"] if e["active"]} >= {"gravity", "contact", "limits"}
+    assert "contact " in run("sim", GO2, "--floating", "--ground", "--duration", "0.1", "--solver", "pgs", "--no-error-estimate")
+    assert "lcp" in run("sim", GO2, "--floating", "--ground", "--duration", "0.1", "--solver", "lcp", status=2)
+    assert "tolerance" in run("sim", GO2, "--floating", "--ground", "--duration", "0.1", "--tolerance", "-1", status=2)
+
+
+def test_a_quadruped_stands(capsys, monkeypatch):
+    monkeypatch.syspath_prepend(str(EXAMPLES))
+    spec = importlib.util.spec_from_file_location("quadruped_stands", EXAMPLES / "quadruped_stands.py")
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    monkeypatch.delitem(sys.modules, "standing")
+    assert example.main(5.0) == 0
+    text = capsys.readouterr().out
+    assert text.count("pushed from the") == 4 and "never fewer than 4 contact points" in text
