@@ -38,6 +38,8 @@ void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
   for (Index i = 0; i < m; ++i) e[i] = a[i][i];
 }
 
+}  // namespace
+
 LocalCone local_cone(const Problem& p, const Cone& cone) {
   LocalCone l;
   l.resistance = 0;
@@ -55,7 +57,6 @@ LocalCone local_cone(const Problem& p, const Cone& cone) {
   return l;
 }
 
-// The cone's impulse for the velocity b.
 void solve_cone(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y) {
   const Index m = cone.size - 1;
   std::fill_n(y, cone.size, 0.0);
@@ -100,8 +101,6 @@ void solve_cone(const Cone& cone, LocalCone& l, double Gnn, const double* b, dou
     for (Index k = 0; k < m; ++k) y[1 + i] += l.q[i][k] * yt[k];
   project_cone(cone.mu, cone.size, y, y);  // off it by round-off
 }
-
-}  // namespace
 
 void prepare_sweeps(Workspace& w) {
   for (Index k = 0; k < w.problem.cones; ++k) w.local[k] = local_cone(w.problem, w.problem.cone[k]);

@@ -28,6 +28,17 @@ struct ContactLaw {
   const Vec3<double>& axis(Index row) const { return axes[rows == 1 || (rows == 4 && row == 3) ? 2 : row % 3]; }
 };
 
+inline bool is_soft(const dynMaterial& x) { return x.stiffness > 0 || x.damping > 0; }
+// Of a contact's rows.
+inline Index normal_row(Index rows) { return rows == 1 ? 0 : 2; }
+
+// What Gauss-Seidel without a matrix needs of a slot: its own block of G with the normal first, rows scaled so that the cone is round.
+struct SlotBlock {
+  alignas(64) double G[most_rows * row_lanes];
+  double diagonal[most_rows], scale[most_rows];
+  solver::LocalCone local;
+};
+
 inline constexpr int island_vectors = 12;
 
 struct Workspace {
@@ -48,6 +59,8 @@ struct Workspace {
   ContactLaw* laws;
   double *vectors, *matrix;     // of an island's problem
   Index* contact_rows;
+  SlotBlock* blocks;            // of the slots of an island
+  double* by_dof;
   char* solver_memory;
   solver::Workspace solver;
 };

@@ -10,6 +10,11 @@
 
 namespace dyn::solver {
 
+// What solve_cone needs of the cone's own block of p.G, its rows one after another, the normal first.
+LocalCone local_cone(const Problem& p, const Cone& cone);
+// The cone's impulse for the velocity b that it has without it; Gnn: the normal's diagonal.
+void solve_cone(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y);
+
 // What sweeps need of G, into w.local.
 void prepare_sweeps(Workspace& w);
 // One sweep over y, c = G y + g follows.

@@ -1,0 +1,93 @@
+#include "dyn/simulation/island.hpp"
+
+#include "dyn/constraint/constrained_dynamics.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+constexpr double rest = 0.05;  // m/s: what is faster is an impact however long the step
+
+// With gains the acceleration is what these ask for; without, the velocity is zero and what is wrong goes by a correction.
+void fill_equality(const Island& x, const Slot<double>& s) {
+  const bool gains = s.c.stiffness > 0 || s.c.damping > 0;
+  for (Index r = 0; r < s.rows; ++r) {
+    const Index i = s.first + r;
+    x.g[i] = s.rate[r];
+    x.bias[i] = gains ? x.h * s.c.stiffness * s.error[r] - std::max(0.0, 1 - x.h * s.c.damping) * s.rate[r] : 0;
+    x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
+  }
+}
+
+void fill_box(const Island& x, const Slot<double>& s, Index k) {
+  const Index i = s.first;
+  x.g[i] = s.rate[0], x.bias[i] = std::max(0.0, s.error[0]) / x.h;
+  x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
+  x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
+}
+
+// Velocity of the normal row at the beginning of the step.
+double approach(const Island& x, const Slot<double>& s, Index normal) {
+  using Six = SixEights<double>;
+  auto speed = [&](Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; };
+  return (Six::load(s.F1).dot(speed(s.c.body1)) + Six::load(s.F2).dot(speed(s.c.body2)))[int(normal)];
+}
+
+void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
+  const Slot<double>& s = *slot.s;
+  const dynContactForce& f = x.w.contacts[slot.index];
+  const ContactLaw& law = x.w.laws[slot.index];
+  const dynMaterial& material = law.material;
+  const double gap = f.contact.distance;
+  x.friction[k] = material.friction, x.torsion[k] = material.torsion, x.rolling[k] = material.rolling, x.restitution[k] = 0;
+  for (Index r = 0; r < s.rows; ++r) {
+    const Index i = s.first + r;
+    x.g[i] = s.rate[r] + (r < 2 && s.rows > 1 ? law.slip[r] : 0);
+    x.lambda[i] = x.h * dot(law.axis(r), load3(r < 3 ? f.force_on_b : f.moment_on_b));
+    x.bias[i] = x.compliance[i] = x.v_minus[i] = 0;
+  }
+  const Index normal = normal_row(s.rows), n = s.first + normal;
+  x.bias[n] = std::max(0.0, gap) / x.h;
+  if (is_soft(material)) {
+    const double total = x.h * material.stiffness + material.damping;
+    x.compliance[n] = 1 / (x.h * total), x.bias[n] = material.stiffness * gap / total;
+  } else if (material.restitution > 0 && gap + x.h * s.rate[normal] <= 0) {
+    const double before = approach(x, s, normal), gained = std::abs(s.rate[normal] - before);
+    if (before < -std::min(2 * gained, rest))  // less than what the step's own acceleration makes is rest, not an impact
+      x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;
+  }
+  x.w.report.penetration = std::max(x.w.report.penetration, -gap);
+}
+
+}  // namespace
+
+void Island::number() {
+  for (Index k = 0; k < slots; ++k) {
+    ActiveSlot& x = slot(k);
+    x.s->first = rows, rows += x.s->rows;
+    if (x.kind == RowKind::Equality) equalities += x.s->rows;
+    else if (x.kind == RowKind::Box) ++boxes;
+    else w.contact_rows[contacts++] = x.s->rows;
+  }
+}
+
+void Island::fill() {
+  for (Index k = 0, in_boxes = 0, in_contacts = 0; k < slots; ++k) {
+    const ActiveSlot& x = slot(k);
+    if (x.kind == RowKind::Equality) fill_equality(*this, *x.s);
+    else if (x.kind == RowKind::Box) fill_box(*this, *x.s, in_boxes++);
+    else fill_contact(*this, x, in_contacts++);
+  }
+}
+
+// by_dof += Y^T lambda
+void Island::add(double* by_dof) const {
+  for (Index k = 0; k < slots; ++k) {
+    const ActiveSlot& x = slot(k);
+    const double *y = x.carried, *l = lambda + x.s->first;
+    for (Index n = 0; n < x.s->support; ++n, y += row_lanes)
+      for (Index r = 0; r < x.s->rows; ++r) by_dof[x.support[n]] += y[r] * l[r];
+  }
+}
+
+}  // namespace dyn::simulation

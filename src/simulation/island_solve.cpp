@@ -1,0 +1,91 @@
+// An island by its whole Delassus matrix and the solvers of contact problems.
+#include "dyn/constraint/delassus.hpp"
+#include "dyn/simulation/island.hpp"
+#include "dyn/solver/list.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+bool apart(const ActiveSlot& a, const ActiveSlot& b) {
+  auto in = [&](Index tree) { return tree >= 0 && (tree == b.tree1 || tree == b.tree2); };
+  return !in(a.tree1) && !in(a.tree2);
+}
+
+template <int columns>
+void couple_slots(const ActiveSlot& a, const ActiveSlot& b, const double* Dinv, double* block, std::ptrdiff_t ld) {
+  couple<columns>(a.support, a.s->support, a.carried, b.support, b.s->support, b.carried, Dinv, block, ld);
+}
+
+dynContactProblem problem(const Island& x) {
+  dynContactProblem p{};
+  p.struct_size = sizeof p;
+  p.equalities = x.equalities, p.boxes = x.boxes, p.contacts = x.contacts;
+  p.contact_rows = x.w.contact_rows, p.G = x.w.matrix, p.G_stride = std::int32_t(x.stride());
+  p.g = x.g, p.bias = x.bias, p.lower = x.lower, p.upper = x.upper;
+  return p;
+}
+
+}  // namespace
+
+// Slots come in the order of their rows: lanes beyond those of a slot are zero, and overwritten by the next.
+void Island::matrix() {
+  if (has_matrix) return;
+  has_matrix = true;
+  static constexpr auto couples = std::array{couple_slots<1>, couple_slots<2>, couple_slots<3>, couple_slots<4>, couple_slots<5>, couple_slots<6>};
+  const std::ptrdiff_t ld = stride();
+  const double* Dinv = inverse_pivots(m, d);
+  double* G = w.matrix;
+  std::fill_n(G, ld * rows, 0.0);
+  for (Index i = 0; i < slots; ++i) {
+    const ActiveSlot& a = slot(i);
+    for (Index j = i; j < slots; ++j) {
+      const ActiveSlot& b = slot(j);
+      if (apart(a, b)) continue;
+      double *block = G + b.s->first + ld * a.s->first, *mirrored = G + a.s->first + ld * b.s->first;
+      couples[std::size_t(a.s->rows - 1)](a, b, Dinv, block, ld);
+      for (Index col = 0; col < a.s->rows; ++col)
+        for (Index row = 0; row < b.s->rows; ++row) mirrored[col + ld * row] = block[row + ld * col];
+    }
+  }
+}
+
+// From the guess lambda; where that does not get far enough, from nothing, and by the other of the exact solvers.
+void Island::solve(dynContactReport& best) {
+  matrix();
+  dynContactProblem p = problem(*this);
+  p.friction = friction, p.torsion = torsion, p.rolling = rolling, p.compliance = compliance;
+  if (bounces) p.restitution = restitution, p.v_minus = v_minus;
+  const dynContactSolverType other = w.options.solver == DYN_CONTACT_ADMM ? DYN_CONTACT_NEWTON : DYN_CONTACT_ADMM;
+  const struct {
+    dynContactSolverType solver;
+    bool warm;
+  } tries[] = {{w.options.solver, true}, {w.options.solver, false}, {other, false}};
+  best.residual = HUGE_VAL;
+  std::int32_t iterations = 0, newton_steps = 0;
+  for (const auto& t : tries) {
+    solver::Budget b;
+    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm;
+    dynContactReport report{};
+    solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
+    iterations += report.iterations, newton_steps += report.newton_steps;
+    if (report.residual < best.residual) best = report, solver::unscale(p, w.solver.problem, w.solver.y, lambda);
+    if (best.residual <= w.options.tolerance || w.options.solver == DYN_CONTACT_PGS) break;
+  }
+  best.iterations = iterations, best.newton_steps = newton_steps;
+  p.bias = nullptr, p.compliance = nullptr;
+  solver::velocity(p, lambda, c);
+}
+
+// lambda of the least displacement that takes away what bias says is wrong, without friction.
+void Island::displace() {
+  matrix();
+  const dynContactProblem p = problem(*this);
+  solver::Budget b;
+  b.tolerance = 1e-6, b.max_iterations = w.options.max_iterations;
+  dynContactReport report{};
+  solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
+  solver::unscale(p, w.solver.problem, w.solver.y, lambda);
+}
+
+}  // namespace dyn::simulation
