@@ -1307,6 +1307,13 @@ typedef struct dynContactForce {
 } dynContactForce;
 DYN_API dynStatus dyn_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts, int capacity, int* count);
 
+/* The state of a simulation: q, v, a, tau, the time, and the contacts of the last step, which the next one begins from. Steps after
+   dyn_state_restore are those after dyn_state_save, bit for bit, where the data (or one of the same model, in the same process) has the same options,
+   effects, pairs, materials and constraints. memory needs dyn_state_size bytes (0 for an invalid handle). */
+DYN_API size_t dyn_state_size(const dynModel* model);
+DYN_API dynStatus dyn_state_save(const dynModel* model, dynData* data, void* memory, size_t size);
+DYN_API dynStatus dyn_state_restore(const dynModel* model, dynData* data, const void* memory, size_t size);
+
 /* Material of a collision shape in this data, or with shape -1 of all of them; checked as in the builder. */
 DYN_API dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape, const dynMaterial* material);
 DYN_API dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, int shape, dynMaterial* material);

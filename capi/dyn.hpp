@@ -916,6 +916,13 @@ class Data {
     check(dyn_step_contacts(m(), get(), out.data(), count, &count));
     return out;
   }
+  // The state, with the contacts that the next step begins from.
+  std::vector<unsigned char> save() {
+    std::vector<unsigned char> out(dyn_state_size(m()));
+    check(dyn_state_save(m(), get(), out.data(), out.size()));
+    return out;
+  }
+  void restore(const std::vector<unsigned char>& state) { check(dyn_state_restore(m(), get(), state.data(), state.size())); }
   void set_shape_material(int shape, const dynMaterial& material) { check(dyn_data_set_shape_material(m(), get(), shape, &material)); }
   dynMaterial shape_material(int shape) {
     dynMaterial out;

@@ -307,7 +307,7 @@ TEST(Handles, TablesAreComplete) {
       // stepping_test.cpp
       "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance",
       // tests/simulation
-      "dyn_step_contacts", "dyn_data_set_shape_material", "dyn_data_shape_material",
+      "dyn_state_size", "dyn_state_save", "dyn_state_restore", "dyn_step_contacts", "dyn_data_set_shape_material", "dyn_data_shape_material",
       // effects_test.cpp
       "dyn_batch_set_effects",
       // constraint_test.cpp

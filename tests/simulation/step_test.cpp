@@ -124,6 +124,67 @@ TEST(Step, IsRepeatedBitForBit) {
   EXPECT_EQ(end[0], end[1]);
 }
 
+// From a state that was kept, in another data: the same steps.
+TEST(Step, StatesAreKeptBitForBit) {
+  auto scene = [] {
+    Scene x;
+    x.ground();
+    for (const char* name : {"a", "b", "c"}) x.box(name, 1, {0.2, 0.2, 0.2}, material(0.6, 0.2));
+    return x.finish();
+  };
+  Play play(scene());
+  play.place({{0, 0, 0.3}, {0.05, 0.02, 0.6}, {0.1, 0, 0.9}});
+  play.steps(300);
+  std::vector<unsigned char> kept(dyn_state_size(play.m));
+  ASSERT_EQ(DYN_OK, dyn_state_save(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
+  play.steps(300);
+  const Numbers end(play.q, play.q + 21), speed(play.v, play.v + 18);
+  ASSERT_EQ(DYN_OK, dyn_state_restore(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
+  EXPECT_NEAR(0.3, play.array("time")[0], 1e-12);
+  play.steps(300);
+  EXPECT_EQ(end, Numbers(play.q, play.q + 21));
+  EXPECT_EQ(speed, Numbers(play.v, play.v + 18));
+
+  const Numbers before(play.q, play.q + 21);
+  Play other(scene());
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_restore(other.m, other.d, kept.data(), kept.size()));
+  EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "another model"));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_state_restore(play.m, play.d, kept.data(), kept.size() - 1));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_state_save(play.m, play.d, kept.data(), 3));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_restore(play.m, play.d, nullptr, kept.size()));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_state_save(nullptr, play.d, kept.data(), kept.size()));
+  EXPECT_EQ(0u, dyn_state_size(nullptr));
+  for (const std::size_t at : {std::size_t(0), std::size_t(16), std::size_t(32)}) {
+    std::vector<unsigned char> damaged = kept;
+    std::fill_n(damaged.begin() + std::ptrdiff_t(at), 8, static_cast<unsigned char>(0xff));
+    EXPECT_NE(DYN_OK, dyn_state_restore(play.m, play.d, damaged.data(), damaged.size())) << at;
+  }
+  EXPECT_EQ(before, Numbers(play.q, play.q + 21));
+}
+
+// Islands of more rows than a matrix is kept for.
+TEST(Step, APileOfManySpheres) {
+  Scene scene;
+  scene.ground();
+  std::vector<std::array<double, 3>> at;
+  std::vector<std::string> names;
+  for (int k = 0; k < 64; ++k) names.push_back("s" + std::to_string(k));
+  for (int k = 0; k < 64; ++k) {
+    scene.sphere(names[std::size_t(k)].c_str(), 1, 0.1, material(0.5));
+    at.push_back({0.19 * (k % 4) + 0.001 * (k % 3), 0.19 * (k / 4 % 4) + 0.001 * (k % 5), 0.1 + 0.2 * (k / 16)});
+  }
+  Play play(scene.finish());
+  play.place(at);
+  const double start = play.energy();
+  play.steps(1000);
+  EXPECT_GT(play.report().rows, 0);
+  EXPECT_LT(play.energy(), start);
+  double lowest = inf;
+  for (int k = 0; k < 64; ++k) lowest = std::min(lowest, play.q[7 * k + 2]);
+  EXPECT_GT(lowest, 0.1 - 1e-3);
+  EXPECT_LT(play.residual, 0.5);
+}
+
 // The other integrators go through contact, too.
 TEST(Step, EveryIntegratorLands) {
   for (const dynIntegrator integrator : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) {

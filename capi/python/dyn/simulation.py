@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import byref, c_int
+from ctypes import byref, c_int, create_string_buffer
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -128,6 +128,17 @@ class Stepping:
                     ContactForce(to_contact(f.contact), np.array(f.force_on_b), np.array(f.moment_on_b)) for f in out[: count.value]
                 ]
             room = count.value
+
+    def save(self) -> bytes:
+        """The state: q, v, a, tau, the time, and the contacts that the next step begins from."""
+        n = lib.dyn_state_size(self._m)
+        out = create_string_buffer(n)
+        check(lib.dyn_state_save(self._m, self._d, out, n))
+        return out.raw
+
+    def restore(self, state: bytes) -> None:
+        """Brings back a state of the same model that save gave: steps go on from it bit for bit."""
+        check(lib.dyn_state_restore(self._m, self._d, bytes(state), len(state)))
 
     def set_shape_material(self, shape: int | None, material: Material) -> None:
         """What happens where a collision shape (None: any) touches, in this data."""

@@ -77,3 +77,21 @@ def test_a_quadruped_stands(capsys, monkeypatch):
     assert example.main(5.0) == 0
     text = capsys.readouterr().out
     assert text.count("pushed from the") == 4 and "never fewer than 4 contact points" in text
+
+
+def test_states_are_kept():
+    m = box_on_ground(dyn.Material(friction=0.3, restitution=0.4))
+    d = m.data()
+    q = m.neutral()
+    q[2] = 0.4
+    d.set_state(q, [1, 0, 0, 0, 3, 1])
+    d.advance(0.3)
+    kept = d.save()
+    d.advance(0.2)
+    end = d.q.copy()
+    d.restore(kept)
+    assert d.time == pytest.approx(0.3)
+    d.advance(0.2)
+    assert np.array_equal(d.q, end)
+    with pytest.raises(dyn.SizeError, match="dyn_state_size"):
+        d.restore(kept[:-1])

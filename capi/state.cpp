@@ -1,0 +1,89 @@
+// The state of a simulation, kept and brought back bit for bit.
+#include "dyn/simulation/workspace.hpp"
+#include "guard.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+constexpr std::uint64_t magic_of_states = 0x3145544154534e59u;  // "YNSTATE1"
+
+struct Header {
+  std::uint64_t magic, model_id;
+  std::int64_t contacts;
+  double time;
+};
+
+std::size_t numbers(const Model& m) { return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv); }
+std::size_t bytes(const Model& m) { return sizeof(Header) + numbers(m) * sizeof(double) + std::size_t(m.n.contacts) * sizeof(dynContactForce); }
+
+// f(array of the data, numbers) for q, v, a, tau
+template <class F>
+void for_each_input(const Model& m, Data<double>& d, F&& f) {
+  f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv);
+}
+
+bool room(Call& call, const void* memory, std::size_t size) {
+  if (!call.required("memory", memory)) return false;
+  if (size >= bytes(call.m())) return true;
+  call.status = fail(DYN_ERROR_SIZE, "%s: memory has %zu bytes, needs %zu (dyn_state_size)", call.function, size, bytes(call.m()));
+  return false;
+}
+
+}  // namespace
+
+extern "C" {
+
+size_t dyn_state_size(const dynModel* model) { return check(model) == DYN_OK ? bytes(*model->m) : 0; }
+
+dynStatus dyn_state_save(const dynModel* model, dynData* data, void* memory, size_t size) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_state_save");
+  if (!call || !room(call, memory, size)) return call.status;
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  char* at = static_cast<char*>(memory);
+  const auto put = [&](const void* x, std::size_t n) { n ? std::memcpy(at, x, n) : nullptr, at += n; };
+  const Header header{magic_of_states, m.id, d.step->contact_count, d.time[0]};
+  put(&header, sizeof header);
+  for_each_input(m, d, [&](const double* x, Index n) { put(x, std::size_t(n) * sizeof(double)); });
+  put(d.step->contacts, std::size_t(d.step->contact_count) * sizeof(dynContactForce));
+  std::memset(at, 0, std::size_t(m.n.contacts - d.step->contact_count) * sizeof(dynContactForce));
+  return DYN_OK;
+}
+
+dynStatus dyn_state_restore(const dynModel* model, dynData* data, const void* memory, size_t size) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_state_restore");
+  if (!call || !room(call, memory, size)) return call.status;
+  const Model& m = call.m();
+  Data<double>& d = call.d();
+  const char* at = static_cast<const char*>(memory);
+  Header header;
+  std::memcpy(&header, at, sizeof header);
+  at += sizeof header;
+  if (header.magic != magic_of_states) return fail(DYN_ERROR_ARGUMENT, "%s: memory holds no state: dyn_state_save writes one", call.function);
+  if (header.model_id != m.id) return fail(DYN_ERROR_ARGUMENT, "%s: the state is that of another model", call.function);
+  bool sound = header.contacts >= 0 && header.contacts <= m.n.contacts && std::isfinite(header.time);
+  const char* next = at;
+  for_each_input(m, d, [&](double*, Index n) {
+    for (Index k = 0; k < n; ++k, next += sizeof(double)) {
+      double x;
+      std::memcpy(&x, next, sizeof x);
+      sound = sound && std::isfinite(x);
+    }
+  });
+  for (std::int64_t k = 0; sound && k < header.contacts; ++k) {
+    dynContactForce f;
+    std::memcpy(&f, next + std::size_t(k) * sizeof f, sizeof f);
+    sound = finite_count(f.force_on_b, 3) == 3 && finite_count(f.moment_on_b, 3) == 3 && f.contact.pair >= 0 && f.contact.pair < m.n.pairs;
+  }
+  if (!sound) return fail(DYN_ERROR_NONFINITE, "%s: the state is damaged: it holds numbers that no step leaves", call.function);
+  for_each_input(m, d, [&](double* x, Index n) { n ? std::memcpy(x, at, std::size_t(n) * sizeof(double)) : nullptr, at += std::size_t(n) * sizeof(double); });
+  for (Index i = 0; i < input_count; ++i) d.changed(Input(i));
+  d.time[0] = header.time;
+  d.step->contact_count = Index(header.contacts);
+  if (header.contacts) std::memcpy(d.step->contacts, at, std::size_t(header.contacts) * sizeof(dynContactForce));
+  return DYN_OK;
+}
+
+}  // extern "C"
