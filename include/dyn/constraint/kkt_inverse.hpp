@@ -1,0 +1,212 @@
+// The inverse of the KKT matrix and its products. With Z = M^-1 J^T, W = Z G^-1, the changes of ddq and lambda for those H of
+// M ddq - J^T lambda and D of J ddq, both at fixed ddq and lambda, are
+//   [dddq; dlambda] = -[M^-1 - Z W^T, W; -W^T, G^-1] [H; D]
+// Of dependent rows and rows at a bound G^-1 is the pseudoinverse on those that are free: of redundant ones the least dlambda.
+#pragma once
+
+#include "dyn/algorithm/cholesky.hpp"
+#include "dyn/constraint/constrained_dynamics.hpp"
+
+namespace dyn {
+
+template <class T>
+struct KktSystem {
+  Index rows;
+  std::ptrdiff_t ld;  // of inverse, by_q, by_v
+  T *inverse, *by_q, *by_v, *Z;
+  T *Dq, *Dv;  // rows x nv
+};
+template <class T>
+KktSystem<T> kkt_system(const Model& m, const Data<T>& d, Index rows) {
+  const std::ptrdiff_t nv = m.n.nv, most = m.n.constraint_rows, ld = kkt_room(nv + most);
+  return {rows, kkt_room(nv + rows), d.kkt_inverse, d.kkt_by_state, d.kkt_by_state + ld * nv, d.inverse_rows, d.row_by_state, d.row_by_state + kkt_room(most * nv) + row_lanes};
+}
+
+// X = (L D L^T)^-1, n x n with the leading dimension of the factor; two packs of columns at a time hide each other's latency.
+template <class T>
+void invert_rows(const T* W, const T* Dinv, std::ptrdiff_t ld, std::ptrdiff_t n, T* X) {
+  using P = Pack<T, row_lanes>;
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    std::fill_n(X + ld * i, ld, T(0));
+    X[ld * i + i] = T(1);
+  }
+  auto columns = [&]<int packs>(std::ptrdiff_t c) {
+    P sum[packs];
+    auto load = [&](const T* row) {
+      for (int p = 0; p < packs; ++p) sum[p] = P::load(row + row_lanes * p);
+    };
+    auto subtract = [&](const T* row, T x) {
+      for (int p = 0; p < packs; ++p) sum[p] = sum[p] - P::load(row + row_lanes * p) * x;
+    };
+    for (std::ptrdiff_t i = c + 1; i < n; ++i) {
+      load(X + ld * i + c);
+      for (std::ptrdiff_t j = c; j < i; ++j) subtract(X + ld * j + c, W[ld * j + i] * Dinv[j]);
+      for (int p = 0; p < packs; ++p) sum[p].store(X + ld * i + c + row_lanes * p);
+    }
+    for (std::ptrdiff_t i = n - 1; i >= 0; --i) {
+      load(X + ld * i + c);
+      for (std::ptrdiff_t j = n - 1; j > i; --j) subtract(X + ld * j + c, W[ld * i + j]);
+      for (int p = 0; p < packs; ++p) (sum[p] * Dinv[i]).store(X + ld * i + c + row_lanes * p);
+    }
+  };
+  std::ptrdiff_t c = 0;
+  for (; c + row_lanes < n; c += 2 * row_lanes) columns.template operator()<2>(c);
+  if (c < n) columns.template operator()<1>(c);
+}
+
+// The pseudoinverse of the part of G whose state is 0 (nullptr: all), zero elsewhere: on the range of that part by the proximal iteration.
+template <class T>
+void pseudoinvert_rows(const RowWork<T>& work, const T* G, const Index* state, std::ptrdiff_t ld, Index n, T* X) {
+  T *Dinv = work.vector(0), *step = work.vector(1), *scale = work.vector(3), *z = work.vector(4), *x = work.vector(5), *S = work.scaled;
+  scale_rows(G, ld, n, scale, S);
+  for (Index i = 0; i < n; ++i)
+    if (state && state[i]) scale[i] = T(0);
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) S[ld * j + i] = G[ld * j + i] * scale[i] * scale[j];
+  T first, last;
+  const Index rank = pivoted_factor(S, ld, n, T(independent), work.range, z, first, last);
+  factor_range(work.range, ld, rank, n, work.factor, Dinv);
+  for (Index i = 0; i < n; ++i) {
+    T* column = X + ld * i;
+    std::fill_n(column, ld, T(0));
+    column[i] = T(scale[i] > T(0));
+    if (rank < n) project_on_range(work.range, ld, rank, n, work.factor, Dinv, z, column);
+  }
+  const T mu = T(automatic_regularisation);
+  factor_rows(S, ld, n, mu, mu / T(2), work.factor, Dinv);
+  for (Index j = 0; j < n; ++j) {
+    ProximalResult<T> result;
+    iterate(S, ld, n, work.factor, Dinv, X + ld * j, ProximalOptions{20, 0, 1e-13}, step, x, result);
+    for (Index i = 0; i < n; ++i) X[ld * j + i] = x[i] * scale[i] * scale[j];
+  }
+}
+
+// G^-1, of G = d.row_matrix, whose factor may be in the place where solve_equalities leaves it.
+template <class T>
+const T* row_inverse(const Model& m, Data<T>& d, bool bounded, bool factored, Index rows) {
+  const std::ptrdiff_t ld = row_room(rows);
+  const RowWork<T> work = row_work(m, d);
+  if (factored || (!bounded && factor_rows(d.row_matrix, ld, rows, T(0), T(0), work.factor, work.vector(0)) > T(clearly_independent)))
+    invert_rows(work.factor, work.vector(0), ld, rows, d.row_free);
+  else pseudoinvert_rows(work, d.row_matrix, bounded ? d.row_state : nullptr, ld, rows, d.row_free);
+  return d.row_free;
+}
+
+// Some packs of a column.
+template <int packs, class T>
+struct PackColumn {
+  using P = Pack<T, row_lanes>;
+  P sum[packs];
+  DYN_INLINE void load(const T* from) {
+    for (int p = 0; p < packs; ++p) sum[p] = P::load(from + row_lanes * p);
+  }
+  DYN_INLINE void subtract(const T* column, T x) {
+    for (int p = 0; p < packs; ++p) sum[p] = sum[p] - P::load(column + row_lanes * p) * x;
+  }
+  DYN_INLINE void store(T* to) const {
+    for (int p = 0; p < packs; ++p) sum[p].store(to + row_lanes * p);
+  }
+};
+
+// f.template operator()<packs>(first row) over n rows
+template <class F>
+DYN_INLINE void for_each_packs(std::ptrdiff_t n, F&& f) {
+  std::ptrdiff_t i = 0;
+  for (; i + row_lanes < n; i += 2 * row_lanes) f.template operator()<2>(i);
+  if (i < n) f.template operator()<1>(i);
+}
+
+// Z, nv x rows with the leading dimension of the system, from d.Minv and the rows' J by their carriers.
+template <class T>
+void inverse_times_rows(const Model& m, Data<T>& d, std::ptrdiff_t ld, T* Z) {
+  using P = Pack<T, row_lanes>;
+  const std::ptrdiff_t n = m.n.nv;
+  for_each_slot(m, d, [&](Slot<T>& s, Index slot) {
+    const Index* carriers = support_of(m, d, slot);
+    const T* J = carried_of(m, d, slot);
+    auto columns = [&]<int count>() {
+      for (std::ptrdiff_t i = 0; i < n; i += row_lanes) {
+        P sum[count];
+#pragma GCC unroll 6
+        for (int r = 0; r < count; ++r) sum[r] = P::zero();
+        for (Index c = 0; c < s.support; ++c) {
+          const P column = P::load(d.Minv + n * carriers[c] + i);
+#pragma GCC unroll 6
+          for (int r = 0; r < count; ++r) sum[r] = sum[r] + column * J[row_lanes * c + r];
+        }
+#pragma GCC unroll 6
+        for (int r = 0; r < count; ++r) sum[r].store(Z + ld * (s.first + r) + i);
+      }
+    };
+    visit_rows(s.rows, columns);
+  });
+}
+
+// The inverse of the system, from d.Minv, the rows' J, and G^-1.
+template <class T>
+void invert_kkt(const Model& m, Data<T>& d, bool bounded, bool factored, const KktSystem<T>& K) {
+  const std::ptrdiff_t n = m.n.nv, ld = K.ld, rows = K.rows, ldg = row_room(rows);
+  T *Z = K.Z, *W = K.inverse + ld * n;
+  if (rows) {
+    const T* Ginv = row_inverse(m, d, bounded, factored, K.rows);
+    inverse_times_rows(m, d, ld, Z);
+    for (std::ptrdiff_t r = 0; r < rows; ++r) {
+      for_each_packs(n, [&]<int packs>(std::ptrdiff_t i) {
+        PackColumn<packs, T> x{};
+        for (std::ptrdiff_t l = 0; l < rows; ++l) x.subtract(Z + ld * l + i, -Ginv[ldg * r + l]);
+        x.store(W + ld * r + i);
+      });
+      std::copy_n(Ginv + ldg * r, rows, W + ld * r + n);
+    }
+  }
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    T* column = K.inverse + ld * k;
+    for_each_packs(n, [&]<int packs>(std::ptrdiff_t i) {
+      PackColumn<packs, T> x;
+      x.load(d.Minv + n * k + i);
+      for (std::ptrdiff_t r = 0; r < rows; ++r) x.subtract(Z + ld * r + i, W[ld * r + k]);
+      x.store(column + i);
+    });
+    for (std::ptrdiff_t r = 0; r < rows; ++r) column[n + r] = -W[ld * r + k];
+  }
+}
+
+// out = -inverse [H; D] for the columns j .. j + width - 1: of H the rows of related degrees of freedom (related) or all; H: nv x nv, or nullptr: 0.
+template <int width, class T>
+DYN_INLINE void minus_kkt_columns(const Model& m, const KktSystem<T>& K, bool related, const T* H, const T* D, T* out, std::ptrdiff_t j) {
+  const std::ptrdiff_t n = m.n.nv;
+  Index end = 0;
+  for (int l = 0; l < width; ++l) end = std::max(end, m.dof_descendants_end()[j + l]);
+  for_each_packs(K.ld, [&]<int packs>(std::ptrdiff_t i) DYN_INLINE_LAMBDA {
+    PackColumn<packs, T> x[width];
+#pragma GCC unroll 4
+    for (int l = 0; l < width; ++l) x[l] = {};
+    auto add = [&](std::ptrdiff_t first, std::ptrdiff_t last, const T* from, std::ptrdiff_t stride) DYN_INLINE_LAMBDA {
+      const T* column = K.inverse + K.ld * first + i;
+      for (std::ptrdiff_t k = first; k < last; ++k, column += K.ld, ++from) {
+#pragma GCC unroll 4
+        for (int l = 0; l < width; ++l) x[l].subtract(column, from[stride * l]);
+      }
+    };
+    auto add_H = [&](std::ptrdiff_t first, std::ptrdiff_t last) DYN_INLINE_LAMBDA { add(first, last, H + n * j + first, n); };
+    if (H && related) {
+      for_each_run(m, m.dof_parent()[j], [&](Index first, Index last, Index) DYN_INLINE_LAMBDA { add_H(first, last); });
+      add_H(j, end);
+    } else if (H) {
+      add_H(0, n);
+    }
+    add(n, n + K.rows, D + K.rows * j, K.rows);
+#pragma GCC unroll 4
+    for (int l = 0; l < width; ++l) x[l].store(out + K.ld * (j + l) + i);
+  });
+}
+template <class T>
+void minus_kkt_product(const Model& m, const KktSystem<T>& K, bool related, const T* H, const T* D, T* out) {
+  const std::ptrdiff_t n = m.n.nv;
+  if (n < 4)
+    for (std::ptrdiff_t j = 0; j < n; ++j) minus_kkt_columns<1>(m, K, related, H, D, out, j);
+  else
+    for (std::ptrdiff_t j = 0; j < n; j += 4) minus_kkt_columns<4>(m, K, related, H, D, out, std::min(j, n - 4));  // the last ones overlap
+}
+
+}  // namespace dyn
