@@ -65,20 +65,25 @@ void pseudoinvert_rows(const RowWork<T>& work, const T* G, const Index* state, s
     for (Index i = 0; i < n; ++i) S[ld * j + i] = G[ld * j + i] * scale[i] * scale[j];
   T first, last;
   const Index rank = pivoted_factor(S, ld, n, T(independent), work.range, z, first, last);
-  factor_range(work.range, ld, rank, n, work.factor, Dinv);
+  auto project = [&] {
+    factor_range(work.range, ld, rank, n, work.factor, Dinv);
+    for (Index i = 0; i < n; ++i) project_on_range(work.range, ld, rank, n, work.factor, Dinv, z, X + ld * i);
+  };
   for (Index i = 0; i < n; ++i) {
-    T* column = X + ld * i;
-    std::fill_n(column, ld, T(0));
-    column[i] = T(scale[i] > T(0));
-    if (rank < n) project_on_range(work.range, ld, rank, n, work.factor, Dinv, z, column);
+    std::fill_n(X + ld * i, ld, T(0));
+    X[ld * i + i] = T(scale[i] > T(0));
   }
+  if (rank < n) project();
   const T mu = T(automatic_regularisation);
   factor_rows(S, ld, n, mu, mu / T(2), work.factor, Dinv);
   for (Index j = 0; j < n; ++j) {
     ProximalResult<T> result;
     iterate(S, ld, n, work.factor, Dinv, X + ld * j, ProximalOptions{20, 0, 1e-13}, step, x, result);
-    for (Index i = 0; i < n; ++i) X[ld * j + i] = x[i] * scale[i] * scale[j];
+    std::copy_n(x, n, X + ld * j);
   }
+  if (rank < n) project();  // round-off off the range has grown by 1 / mu
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < n; ++i) X[ld * j + i] *= scale[i] * scale[j];
 }
 
 // G^-1, of G = d.row_matrix, whose factor may be in the place where solve_equalities leaves it.
