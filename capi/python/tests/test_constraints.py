@@ -1,5 +1,8 @@
 """Constraints: against dense solutions of the KKT system, closed forms, differences, and Pinocchio where it is installed."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from conftest import MODELS
@@ -129,7 +132,23 @@ def test_pinocchio(robot):
         pin.computeConstraintDynamicsDerivatives(pm, pd, contacts, work, pin.ProximalSettings(1e-15, 1e-15, 50))
         ours = d.constrained_dynamics_derivatives(q, v, tau)
         for mine, theirs in ((ours.ddq_dq, pd.ddq_dq), (ours.ddq_dv, pd.ddq_dv), (ours.ddq_dtau, pd.ddq_dtau)):
-            np.testing.assert_allclose(mine[np.ix_(order_v, order_v)], theirs, rtol=0, atol=1e-8 * max(1, abs(theirs).max()))
+            np.testing.assert_allclose(mine[np.ix_(order_v, order_v)], theirs, rtol=0, atol=1e-9 * max(1, abs(theirs).max()))
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_golden(robot):
+    """Pinocchio's figures (tests/golden/constraints)."""
+    golden = json.loads((Path(__file__).resolve().parents[3] / "tests/golden/constraints/figures.json").read_text())["robots"][robot]
+    m, d = standing(robot, golden["kind"], golden["feet"])
+    for state in golden["states"]:
+        expected = {k: np.array(x) for k, x in state.items()}
+        q, v, tau = expected["q"], expected["v"], expected["tau"]
+        ddq, forces = d.constrained_dynamics(q, v, tau)
+        got = {"ddq": ddq, "push": d.constraint_terms(q, v).J.T @ forces}
+        by = d.constrained_dynamics_derivatives(q, v, tau)
+        got |= {name: getattr(by, name) for name in ("ddq_dq", "ddq_dv", "ddq_dtau")}
+        for name, x in got.items():
+            assert abs(x - expected[name]).max() < 1e-9 * max(1, abs(expected[name]).max()), name
 
 
 def test_delassus_in_four_forms():
