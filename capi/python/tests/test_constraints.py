@@ -399,6 +399,35 @@ def test_derivatives(name):
         assert np.array_equal(mine, fresh)
 
 
+def test_humanoid_on_both_feet():
+    m = dyn.load(MODELS / "mechanisms" / "humanoid_on_both_feet.urdf", base="fixed")
+    d, zero = m.data(), np.zeros(m.nv)
+    p = d.project(m.neutral())  # the pelvis in the ground
+    assert p.result.solved and p.result.rank == 12
+    np.testing.assert_allclose(p.q[:3], [0, 0, 0.88], atol=1e-9)
+    report = d.constraint_report(p.q)
+    assert (report.rank, report.redundant, report.contradictory) == (12, 0, 0)
+    # it stands still: each sole carries half of the weight, by least forces, and symmetrical ones
+    tau, forces = d.constrained_inverse_dynamics(p.q, zero, zero)
+    left, right = forces.reshape(2, 6)
+    np.testing.assert_allclose(left[2] + right[2], 66.7 * 9.81, rtol=1e-12)
+    np.testing.assert_allclose(left * [1, -1, 1, -1, 1, -1], right, atol=1e-9)
+    ddq, again = d.constrained_dynamics(p.q, zero, tau)
+    np.testing.assert_allclose(ddq, 0, atol=1e-9)
+
+
+def test_duplicates_share_the_force():
+    """Of the same foot three times each has a third of its force, to round-off: the least forces."""
+    m, d = go2()
+    q, v, tau = random_state(m, 3)
+    once = d.constrained_dynamics(q, v, tau).forces
+    for _ in range(2):
+        d.add_constraint(dc.point(FEET[0]))
+    forces = d.constrained_dynamics(q, v, tau).forces
+    for part in (forces[:3], forces[12:15], forces[15:18]):
+        np.testing.assert_allclose(part, once[:3] / 3, atol=1e-11 * abs(once).max())
+
+
 def test_mimic_joints():
     m = dyn.load(MODELS / "robots" / "gripper.urdf", base="fixed")
     assert any(j.mimic_leader is not None and j.nv == 0 for j in m.joints[1:])

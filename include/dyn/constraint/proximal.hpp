@@ -180,6 +180,10 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   factor_rows(S, ld, n, mu, mu / T(2), work.factor, Dinv);
   if (!iterate(S, ld, n, work.factor, Dinv, asked, options, step, lambda, result) && result.reason == DYN_CONSTRAINED)
     result.reason = DYN_CONSTRAINT_ITERATIONS;
+  if (result.rank < n) {  // round-off off the range has grown by 1 / mu
+    factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
+    project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, lambda);
+  }
   for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
 }
 
