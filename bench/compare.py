@@ -56,10 +56,12 @@ ROWS = ["fk", "fk_qv", "fk_qva", "jacobians", "djacobians", "frame_jacobian", "c
         "centroidal_derivatives", "body_regressor", "torque_regressor", "static_regressor",
         "kinetic_energy_regressor", "potential_energy_regressor",
         "integrate", "difference", "interpolate", "distance", "integrate_jacobians",
-        "difference_jacobians"]
+        "difference_jacobians",
+        "constrained_dynamics", "constrained_dynamics_derivatives", "delassus"]
 VARIANTS = {"aba": ["aba", "aba_local", "aba_world"], "crba": ["crba", "crba_local", "crba_world"],
             "com": ["com", "com_subtrees"], "jcom": ["jcom", "jcom_subtrees"],
-            "frame_velocity_derivatives": ["frame_velocity_derivatives", "frame_velocity_derivatives_dj"]}
+            "frame_velocity_derivatives": ["frame_velocity_derivatives", "frame_velocity_derivatives_dj"],
+            "delassus": ["delassus", "delassus_cholesky", "delassus_efpa"]}
 DEFAULT_MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating",
                   "models/robots/humanoid.urdf:floating", "chain:12", "chain:100", "chain:1000"]
 

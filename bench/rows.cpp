@@ -103,7 +103,7 @@ void Robot::add_derivatives() {
   });
 }
 
-// Feet on the ground: points of frames named ..._foot, faces of ..._sole; robots without any have no rows here.
+// Feet on the ground: points of frames named ..._foot, faces of ..._sole. Robots without any have no rows here, but chains.
 void Robot::add_constraints() {
   if (nv > dense) return;
   int slot = 0;
@@ -120,6 +120,14 @@ void Robot::add_constraints() {
     c.first = f;
     require(dyn_constraint_set(m, d, slot++, &c));
   }
+  // a chain rests on two points: of its last joint's frame and of the one half-way
+  if (std::string(dyn_model_name(m)).starts_with("chain"))
+    for (int j : {dyn_njoints(m) - 1, (dyn_njoints(m) - 1) / 2}) {
+      dynConstraint c;
+      dyn_constraint_init(&c, DYN_CONSTRAINT_POINT);
+      c.first = dyn_frame_id_of_type(m, dyn_joint_name(m, j), DYN_FRAME_JOINT);
+      require(dyn_constraint_set(m, d, slot++, &c));
+    }
   if (!slot) return;
   add("constrained_dynamics", [this](int k) { dyn_constrained_dynamics(m, d, Q(k), V(k), U(k), nullptr, nullptr, nullptr, nullptr, nullptr); });
   add("constraint_impulse", [this](int k) { dyn_constraint_impulse(m, d, Q(k), V(k), nullptr, nullptr, nullptr, nullptr); });

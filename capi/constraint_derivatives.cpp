@@ -1,34 +1,36 @@
 // Derivatives of constrained dynamics and of impulses: thin wrappers.
+#include <span>
+
 #include "constraint.hpp"
+#include "dyn/constraint/kkt_inverse.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
 
 namespace {
 
-// Which of the outputs are wanted, where they are in the data, and whether they are by rows.
+// What of the results is finite goes to the outputs that are wanted.
 dynStatus write(Call& call, const dynConstraintDerivatives& out, Index rows, bool by_tau) {
   const Model& m = call.m();
   Data<double>& d = call.d();
-  const std::ptrdiff_t nv = m.n.nv, ld = (nv + 7) / 8 * 8, size = ld * m.n.constraint_rows;
-  const double *lambda_dq = d.row_by_dof + size, *lambda_dv = lambda_dq + size, *lambda_dtau = lambda_dv + size;
+  const std::ptrdiff_t nv = m.n.nv;
+  const KktSystem<double> K = kkt_system(m, d, rows);
+  const struct { const double* x; double *ddq, *lambda; } results[] = {
+      {K.by_q, out.ddq_dq, out.lambda_dq}, {K.by_v, out.ddq_dv, out.lambda_dv}, {K.inverse, out.ddq_dtau, out.lambda_dtau}};
+  const auto wanted = std::span(results).first(by_tau ? 3 : 2);
   bool good = finite_count(d.constraint_ddq, Index(nv)) == nv && finite_count(d.lambda, rows) == rows;
-  for (const double* x : {static_cast<const double*>(d.ddq_dq), static_cast<const double*>(d.ddq_dv), static_cast<const double*>(by_tau ? d.constrained_Minv : d.ddq_dv)})
-    good = good && finite_count(x, Index(nv * nv)) == nv * nv;
-  for (const double* x : {lambda_dq, lambda_dv, by_tau ? lambda_dtau : lambda_dv})
-    for (Index r = 0; r < rows; ++r) good = good && finite_count(x + ld * r, Index(nv)) == nv;
+  for (const auto& r : wanted)
+    for (Index k = 0; k < nv; ++k) good = good && finite_count(r.x + K.ld * k, Index(nv) + rows) == nv + rows;
   if (!good) {
     call.drop_results();
     call.take_back();
     return fail(DYN_ERROR_NUMERIC, "%s: a derivative overflows: the inputs are too large for double precision", call.function);
   }
-  copy_out(d.ddq_dq, nv * nv, out.ddq_dq), copy_out(d.ddq_dv, nv * nv, out.ddq_dv);
-  if (by_tau) copy_out(d.constrained_Minv, nv * nv, out.ddq_dtau);
-  auto transposed = [&](const double* x, double* to) {
-    if (to) transpose(x, ld, nv, rows, 1.0, to, rows);
-  };
-  transposed(lambda_dq, out.lambda_dq), transposed(lambda_dv, out.lambda_dv);
-  if (by_tau) transposed(lambda_dtau, out.lambda_dtau);
+  for (const auto& r : wanted)
+    for (Index k = 0; k < nv; ++k) {
+      if (r.ddq) copy_out(r.x + K.ld * k, Index(nv), r.ddq + nv * k);
+      if (r.lambda) copy_out(r.x + K.ld * k + nv, rows, r.lambda + std::ptrdiff_t(rows) * k);
+    }
   return DYN_OK;
 }
 

@@ -19,6 +19,8 @@ Format, one line per item, numbers with 17 digits:
   gravity X Y Z
   universe INERTIA                     bodies welded to the world
   joint NAME PARENT TYPE AXIS R P ARMATURE [MIMIC-DATA] INERTIA
+  contact NAME point|frame JOINT R P   feet on the ground: faces of links ..._sole, else
+                                         points of ..._foot; of a chain points at its end and half-way
 Joints are numbered from 1 in the order of the file, 0 is the universe. TYPE: RX RY RZ RU
 (revolute), PX PY PZ PU (prismatic), RUBX RUBY RUBZ RUBU (unbounded, cos/sin), SPHERICAL, PLANAR,
 FREE or MIMIC; AXIS: 3 numbers; R: 9 numbers, by rows, and P: 3, placement in the parent joint;
@@ -134,6 +136,13 @@ def from_urdf(args):
         lines.append(f"joint {word(name)} {model.parents[i]} {kind} {numbers(axis)} "
                      f"{numbers(place.rotation.flatten())} {numbers(place.translation)} "
                      f"{numbers((armature,))} {mimic}{inertia(model.inertias[i])}")
+    links = [f for f in model.frames if f.type == pin.FrameType.BODY]
+    soles = [f for f in links if f.name.endswith("_sole")]
+    for f in soles or [f for f in links if f.name.endswith("_foot")]:
+        lines.append(f"contact {word(f.name)} {'frame' if soles else 'point'} {f.parentJoint} "
+                     f"{numbers(f.placement.rotation.flatten())} {numbers(f.placement.translation)}")
+    if model.name.startswith("chain"):
+        lines += [f"contact point_{j} point {j} 1 0 0 0 1 0 0 0 1 0 0 0" for j in (model.njoints - 1, (model.njoints - 1) // 2)]
     return lines
 
 

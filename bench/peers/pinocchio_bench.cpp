@@ -31,7 +31,7 @@
 // does not depend on the values), "solve" solves with that factor for the right-hand side tau_i,
 // one copy of the right-hand side included, since Pinocchio solves in place. Rows about one frame are
 // about that of the last joint of the dump, kinematics included; rows with n^3 numbers are left out
-// beyond 150 velocities.
+// beyond 150 velocities. Rows with constraints need contacts in the dump.
 #include "pinocchio_model.hpp"
 
 #include <algorithm>
@@ -252,6 +252,7 @@ int run(int argc, char ** argv)
   addConfigurationRows(bench);
   addFrameRows(bench);
   addSecondOrderRows(bench);
+  addConstraintRows(bench, loaded.contacts);
   std::vector<Row> & rows = bench.rows;
   if (results)
   {

@@ -143,6 +143,20 @@ Loaded loadModel(const std::string & path)
       else
         model.appendBodyToJoint(id, Y, pinocchio::SE3::Identity());
     }
+    else if (key == "contact")
+    {
+      std::string name, kind;
+      std::size_t joint = 0;
+      Eigen::Matrix3d R;
+      Eigen::Vector3d p;
+      if (!(s >> name >> kind >> joint)) fail("bad contact");
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c)
+          s >> R(r, c);
+      if (!(s >> p[0] >> p[1] >> p[2])) fail("bad placement");
+      if (joint >= (std::size_t)model.njoints) fail("no such joint");
+      out.contacts.push_back({joint, pinocchio::SE3(R, p), kind == "point"});
+    }
     else
       fail("unknown key '" + key + "'");
   }

@@ -12,12 +12,23 @@ struct JointKind
   int q;
 };
 
+// A foot on the ground.
+struct Contact
+{
+  pinocchio::JointIndex joint;
+  pinocchio::SE3 placement;
+  bool point;
+};
+
 struct Loaded
 {
   std::string name;
   Model model;
   std::vector<JointKind> kinds;
+  std::vector<Contact> contacts;
 };
+
+void addConstraintRows(Bench &, const std::vector<Contact> &);
 
 Loaded loadModel(const std::string & path);
 

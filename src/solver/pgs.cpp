@@ -38,6 +38,106 @@ void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
   for (Index i = 0; i < m; ++i) e[i] = a[i][i];
 }
 
+// The cone's impulse for the velocity b; m: its size less 1.
+template <int m>
+void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y) {
+  std::fill_n(y, m + 1, 0.0);
+  if (b[0] >= 0 || Gnn == 0) return;
+  const double inverse_Gnn = 1 / Gnn;
+  double bt[m + 1], yt[m + 1];
+  for (int k = 0; k < m; ++k) {
+    bt[k] = -l.coupling[k] * b[0] * inverse_Gnn;
+    for (int i = 0; i < m; ++i) bt[k] += l.q[i][k] * b[1 + i];
+  }
+  const auto noise = [&] { return 1e-15 * (std::fabs(b[0]) + norm(b + 1, m)); };
+  double n = 0, length = 0, slope = 0;  // lambda_n, |lambda_t|, and d/da of mu lambda_n / |lambda_t|
+  const auto at = [&](double a) {
+    double dn = 0, dl = 0;
+    n = -b[0];
+    for (int k = 0; k < m; ++k) {
+      const double stiffness = l.e[k] + a, give = 1 / stiffness;
+      yt[k] = stiffness > 0 ? -bt[k] * give : std::fabs(bt[k]) <= noise() ? 0.0 : std::copysign(HUGE_VAL, -bt[k]);
+      n -= l.coupling[k] * yt[k];
+      dn += l.coupling[k] * yt[k] * give, dl -= yt[k] * yt[k] * give;
+    }
+    length = norm(yt, m);
+    const double per = 1 / length;
+    n *= inverse_Gnn, dn *= inverse_Gnn, dl *= per;
+    slope = cone.mu * (dn - n * dl * per) * per;
+    return cone.mu * n * per - 1;  // not below zero: within the cone
+  };
+  const auto stuck = [&] {
+    const double f = at(0);
+    return length == 0 || f >= 0;
+  };
+  // one that slid before slides on, and sweep by sweep its resistance converges with the rest: a step of Newton is enough
+  const auto slid_on = [&] {
+    double a = l.resistance;
+    if (a == 0) return false;
+    const double f = at(a), next = a - f / slope;
+    if (!(next > 0.5 * a && next < 2 * a)) return false;
+    l.resistance = next;
+    at(next);
+    return true;
+  };
+  if (!slid_on() && !stuck()) {
+    double low = 0, high = 0, a = l.resistance;
+    if (a == 0) a = norm(bt, m) * Gnn / (cone.mu * -b[0]);  // where mu lambda_n = |lambda_t|, were there nothing but a
+    for (int k = 0; k < 100; ++k) {
+      const double f = at(a);
+      if (std::fabs(f) <= 1e-14) break;
+      (f < 0 ? low : high) = a;
+      double next = a - f / slope;
+      if (!(next > low && (high == 0 || next < high))) next = high == 0 ? 4 * a : 0.5 * (low + high);
+      if (std::fabs(next - a) <= 4e-16 * a) break;
+      a = next;
+    }
+    l.resistance = a;
+  }
+  y[0] = n;
+  for (int i = 0; i < m; ++i)
+    for (int k = 0; k < m; ++k) y[1 + i] += l.q[i][k] * yt[k];
+}
+
+// Its new impulse, and c with it.
+template <int m>
+void sweep_cone(const Problem& p, const Cone& cone, LocalCone& l, double omega, double* y, double* c) {
+  constexpr int size = m + 1;
+  double v[size], to[size], change[size], *mine = y + cone.row;
+  const double* column[size];
+  for (int i = 0; i < size; ++i) column[i] = p.G.column(cone.row + i);
+  for (int i = 0; i < size; ++i) {
+    v[i] = c[cone.row + i];
+    for (int j = 0; j < size; ++j) v[i] -= column[j][cone.row + i] * mine[j];
+  }
+  solve<m>(cone, l, column[0][cone.row], v, to);
+  for (int i = 0; i < size; ++i) to[i] = omega == 1 ? to[i] : (1 - omega) * mine[i] + omega * to[i];
+  project_cone(cone.mu, size, to, to);  // off it by relaxation and round-off
+  bool moves = false;
+  for (int i = 0; i < size; ++i) {
+    change[i] = to[i] - mine[i], mine[i] = to[i];
+    moves = moves || change[i] != 0;
+  }
+  if (!moves) return;
+  for (Index r = 0; r < p.n; ++r) {
+    double sum = c[r];
+    for (int i = 0; i < size; ++i) sum += column[i][r] * change[i];
+    c[r] = sum;
+  }
+}
+// f.template operator()<m>() for a cone of m + 1 rows.
+template <class F>
+void by_size(Index size, F&& f) {
+  switch (size) {
+    case 1: return f.template operator()<0>();
+    case 2: return f.template operator()<1>();
+    case 3: return f.template operator()<2>();
+    case 4: return f.template operator()<3>();
+    case 5: return f.template operator()<4>();
+    default: return f.template operator()<5>();
+  }
+}
+
 }  // namespace
 
 LocalCone local_cone(const Problem& p, const Cone& cone) {
@@ -58,47 +158,7 @@ LocalCone local_cone(const Problem& p, const Cone& cone) {
 }
 
 void solve_cone(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y) {
-  const Index m = cone.size - 1;
-  std::fill_n(y, cone.size, 0.0);
-  if (b[0] >= 0 || Gnn == 0) return;
-  double bt[5], yt[5];
-  for (Index k = 0; k < m; ++k) {
-    bt[k] = -l.coupling[k] * b[0] / Gnn;
-    for (Index i = 0; i < m; ++i) bt[k] += l.q[i][k] * b[1 + i];
-  }
-  const double noise = 1e-15 * (std::fabs(b[0]) + norm(b + 1, m));
-  double n = 0, length = 0, slope = 0;  // lambda_n, |lambda_t|, and d/da of mu lambda_n / |lambda_t|
-  const auto at = [&](double a) {
-    double dn = 0, dl = 0;
-    n = -b[0];
-    for (Index k = 0; k < m; ++k) {
-      const double stiffness = l.e[k] + a;
-      yt[k] = stiffness > 0 ? -bt[k] / stiffness : std::fabs(bt[k]) <= noise ? 0.0 : std::copysign(HUGE_VAL, -bt[k]);
-      n -= l.coupling[k] * yt[k];
-      dn += l.coupling[k] * yt[k] / stiffness, dl -= yt[k] * yt[k] / stiffness;
-    }
-    length = norm(yt, m), n /= Gnn, dn /= Gnn, dl /= length;
-    slope = cone.mu * (dn * length - n * dl) / (length * length);
-    return cone.mu * n / length - 1;  // not below zero: within the cone
-  };
-  const double stuck = at(0);
-  if (!(length == 0 || stuck >= 0)) {
-    double low = 0, high = 0, a = l.resistance;
-    if (a == 0) a = norm(bt, m) * Gnn / (cone.mu * -b[0]);  // where mu lambda_n = |lambda_t|, were there nothing but a
-    for (int k = 0; k < 100; ++k) {
-      const double f = at(a);
-      if (std::fabs(f) <= 1e-14) break;
-      (f < 0 ? low : high) = a;
-      double next = a - f / slope;
-      if (!(next > low && (high == 0 || next < high))) next = high == 0 ? 4 * a : 0.5 * (low + high);
-      if (std::fabs(next - a) <= 4e-16 * a) break;
-      a = next;
-    }
-    l.resistance = a;
-  }
-  y[0] = n;
-  for (Index i = 0; i < m; ++i)
-    for (Index k = 0; k < m; ++k) y[1 + i] += l.q[i][k] * yt[k];
+  by_size(cone.size, [&]<int m>() { solve<m>(cone, l, Gnn, b, y); });
   project_cone(cone.mu, cone.size, y, y);  // off it by round-off
 }
 
@@ -116,18 +176,8 @@ void sweep(const Workspace& w, double omega, double* y, double* c) {
   };
   for (Index i = 0; i < p.boxes; ++i)
     if (const double G = p.G(i, i); G > tiny) move(i, project_box(p, i, y[i] - omega * c[i] / G));
-  for (Index k = 0; k < p.cones; ++k) {
-    const Cone& cone = p.cone[k];
-    double v[6] = {}, to[6];
-    for (Index i = 0; i < cone.size; ++i) {
-      v[i] = c[cone.row + i];
-      for (Index j = 0; j < cone.size; ++j) v[i] -= p.G(cone.row + i, cone.row + j) * y[cone.row + j];
-    }
-    solve_cone(cone, w.local[k], p.G(cone.row, cone.row), v, to);
-    for (Index i = 0; i < cone.size; ++i) to[i] = omega == 1 ? to[i] : (1 - omega) * y[cone.row + i] + omega * to[i];
-    if (omega > 1) project_cone(cone.mu, cone.size, to, to);
-    for (Index i = 0; i < cone.size; ++i) move(cone.row + i, to[i]);
-  }
+  for (Index k = 0; k < p.cones; ++k)
+    by_size(p.cone[k].size, [&]<int m>() { sweep_cone<m>(p, p.cone[k], w.local[k], omega, y, c); });
 }
 
 void pgs(Workspace& w, Budget& b) {

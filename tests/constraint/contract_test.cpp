@@ -23,7 +23,7 @@ Found evaluate(const Constraint& c, const Relative<double>& X) {
   const int n = K::rows(c);
   Found out{Eigen::VectorXd(n), Eigen::VectorXd(n), Rows(n, 6)};
   int count = 0;
-  K::evaluate(c, X, [&](int i, const Vec3<double>& f, const Vec3<double>& t, double error, double extra) {
+  K::evaluate(c, X, [&](int i, const Vec3<double>& f, const Vec3<double>& t, double error, double extra, auto&&...) {
     EXPECT_EQ(count++, i);
     out.error[i] = error, out.extra[i] = extra;
     for (int k = 0; k < 3; ++k) out.J(i, k) = f[k], out.J(i, 3 + k) = t[k];

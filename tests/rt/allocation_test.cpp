@@ -9,6 +9,7 @@
 
 #include <linux/seccomp.h>
 
+#include <array>
 #include <atomic>
 #include <cstdarg>
 #include <functional>
@@ -302,6 +303,60 @@ TEST(Allocations, NoneAfterCreation) {
       }
   }
   EXPECT_GT(calls, 2000u);
+}
+
+// With constraints that act: independent ones, then some twice, with a limit and dry friction, then a loop.
+TEST(Allocations, NoneUnderConstraints) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
+  const Model m = robot("go2", DYN_BASE_FLOATING);
+  Data d(m);
+  const State s = random_state(m, 1);
+  const std::size_t nv = std::size_t(m.nv());
+  Numbers ddq(nv), lambda(64), square(nv * nv), J(64 * nv), G(64 * 64);
+  dynConstraintResult result{};
+  result.struct_size = sizeof result;
+  dynConstraintDerivatives out{};
+  out.struct_size = sizeof out, out.ddq_dq = square.data(), out.lambda_dq = J.data();
+  dynConstraintReport report{};
+  report.struct_size = sizeof report;
+  dynConstraint c[8];
+  for (int k = 0; k < 4; ++k) {
+    dyn_constraint_init(&c[k], DYN_CONSTRAINT_POINT);
+    c[k].first = dyn_frame_id(m, std::array{"FL_foot", "FR_foot", "RL_foot", "RR_foot"}[std::size_t(k)]);
+  }
+  c[4] = c[0], c[5] = c[1];
+  dyn_constraint_init(&c[6], DYN_CONSTRAINT_LIMIT), dyn_constraint_init(&c[7], DYN_CONSTRAINT_FRICTION);
+  c[6].first = 2, c[7].first = 3, c[7].force = 1;
+  auto calls = [&] {
+    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, ddq.data(), lambda.data(), &result)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constrained_dynamics_derivatives(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, &out, &result)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constraint_impulse(m, d, s.q.data(), s.v.data(), nullptr, ddq.data(), lambda.data(), &result)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constrained_inverse_dynamics(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr, ddq.data(), lambda.data(), &result));
+    EXPECT_EQ(DYN_OK, dyn_constraint_terms(m, d, s.q.data(), s.v.data(), lambda.data(), J.data(), lambda.data(), lambda.data())) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_delassus(m, d, s.q.data(), G.data())) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_delassus_times(m, d, s.q.data(), J.data(), lambda.data())) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_delassus_solve(m, d, s.q.data(), 1e-3, J.data(), lambda.data())) << dyn_last_error();
+    dyn_constraint_report(m, d, s.q.data(), &report, nullptr, 0);
+  };
+  auto quiet = [&](const char* what) {
+    const long before = allocations, locked = locks;
+    calls();
+    EXPECT_EQ(before, allocations) << what;
+    EXPECT_EQ(locked, locks) << what;
+  };
+  dyn_nq(nullptr);  // the thread's first error
+  for (int k = 0; k < 8; ++k) {
+    const long before = allocations;
+    ASSERT_EQ(DYN_OK, dyn_constraint_set(m, d, k, &c[k])) << dyn_last_error();
+    EXPECT_EQ(before, allocations);
+    if (k == 3) quiet("four feet");
+    if (k == 5) quiet("two of them twice");
+  }
+  quiet("a limit and dry friction");
+  dyn_constraint_init(&c[0], DYN_CONSTRAINT_LOOP);
+  c[0].joint_type = DYN_JOINT_UNIVERSAL, c[0].first = c[1].first, c[0].second = c[2].first;
+  ASSERT_EQ(DYN_OK, dyn_constraint_set(m, d, 4, &c[0])) << dyn_last_error();
+  quiet("a loop");
 }
 
 // A process that may only read, write and leave (seccomp's strict mode; the kernel kills it for anything else).

@@ -1,5 +1,8 @@
 """Constraints: against dense solutions of the KKT system, closed forms, differences, and Pinocchio where it is installed."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from conftest import MODELS
@@ -129,7 +132,23 @@ def test_pinocchio(robot):
         pin.computeConstraintDynamicsDerivatives(pm, pd, contacts, work, pin.ProximalSettings(1e-15, 1e-15, 50))
         ours = d.constrained_dynamics_derivatives(q, v, tau)
         for mine, theirs in ((ours.ddq_dq, pd.ddq_dq), (ours.ddq_dv, pd.ddq_dv), (ours.ddq_dtau, pd.ddq_dtau)):
-            np.testing.assert_allclose(mine[np.ix_(order_v, order_v)], theirs, rtol=0, atol=1e-8 * max(1, abs(theirs).max()))
+            np.testing.assert_allclose(mine[np.ix_(order_v, order_v)], theirs, rtol=0, atol=1e-9 * max(1, abs(theirs).max()))
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_golden(robot):
+    """Pinocchio's figures (tests/golden/constraints)."""
+    golden = json.loads((Path(__file__).resolve().parents[3] / "tests/golden/constraints/figures.json").read_text())["robots"][robot]
+    m, d = standing(robot, golden["kind"], golden["feet"])
+    for state in golden["states"]:
+        expected = {k: np.array(x) for k, x in state.items()}
+        q, v, tau = expected["q"], expected["v"], expected["tau"]
+        ddq, forces = d.constrained_dynamics(q, v, tau)
+        got = {"ddq": ddq, "push": d.constraint_terms(q, v).J.T @ forces}
+        by = d.constrained_dynamics_derivatives(q, v, tau)
+        got |= {name: getattr(by, name) for name in ("ddq_dq", "ddq_dv", "ddq_dtau")}
+        for name, x in got.items():
+            assert abs(x - expected[name]).max() < 1e-9 * max(1, abs(expected[name]).max()), name
 
 
 def test_delassus_in_four_forms():
@@ -378,6 +397,35 @@ def test_derivatives(name):
     a = np.ones(m.nv)
     for mine, fresh in zip(d.rnea_derivatives(q, v, a), m.data().rnea_derivatives(q, v, a)):
         assert np.array_equal(mine, fresh)
+
+
+def test_humanoid_on_both_feet():
+    m = dyn.load(MODELS / "mechanisms" / "humanoid_on_both_feet.urdf", base="fixed")
+    d, zero = m.data(), np.zeros(m.nv)
+    p = d.project(m.neutral())  # the pelvis in the ground
+    assert p.result.solved and p.result.rank == 12
+    np.testing.assert_allclose(p.q[:3], [0, 0, 0.88], atol=1e-9)
+    report = d.constraint_report(p.q)
+    assert (report.rank, report.redundant, report.contradictory) == (12, 0, 0)
+    # it stands still: each sole carries half of the weight, by least forces, and symmetrical ones
+    tau, forces = d.constrained_inverse_dynamics(p.q, zero, zero)
+    left, right = forces.reshape(2, 6)
+    np.testing.assert_allclose(left[2] + right[2], 66.7 * 9.81, rtol=1e-12)
+    np.testing.assert_allclose(left * [1, -1, 1, -1, 1, -1], right, atol=1e-9)
+    ddq, again = d.constrained_dynamics(p.q, zero, tau)
+    np.testing.assert_allclose(ddq, 0, atol=1e-9)
+
+
+def test_duplicates_share_the_force():
+    """Of the same foot three times each has a third of its force, to round-off: the least forces."""
+    m, d = go2()
+    q, v, tau = random_state(m, 3)
+    once = d.constrained_dynamics(q, v, tau).forces
+    for _ in range(2):
+        d.add_constraint(dc.point(FEET[0]))
+    forces = d.constrained_dynamics(q, v, tau).forces
+    for part in (forces[:3], forces[12:15], forces[15:18]):
+        np.testing.assert_allclose(part, once[:3] / 3, atol=1e-11 * abs(once).max())
 
 
 def test_mimic_joints():

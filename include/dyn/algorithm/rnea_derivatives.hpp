@@ -91,12 +91,9 @@ void composite_forces(const Model& m, Data<T>& d, T* tau) {
   });
 }
 
-// d.dtau_dq, d.dtau_dv, d.M, nv x nv, and d.tau; fext 6 x njoints in joint frames, or nullptr.
+// d.dtau_dq, d.dtau_dv, d.M, nv x nv, and d.tau, from the columns and each body's forces.
 template <class T>
-void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext) {
-  derivative_columns(m, d, d.expand(m, v, d.vx), d.expand(m, a, d.ax));
-  if (fext) subtract_external_at_root(m, d, fext);
-
+void torque_derivatives(const Model& m, Data<T>& d, const T* v, const T* a) {
   composite_forces(m, d, m.has_mimic ? d.taux : d.tau);
 
   const TiledMatrix<T> dq{m.has_mimic ? d.dqx : d.dtau_dq, m.n.nvx}, dv{m.has_mimic ? d.dvx : d.dtau_dv, m.n.nvx},
@@ -140,6 +137,14 @@ void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const 
   if (resists(d)) add_resistance(m, d, v, d.tau), add_resistance_derivatives(m, d, v, d.dtau_dq, d.dtau_dv);
   for (Index k = 0; k < m.n.nv; ++k) d.tau[k] += d.armature[k] * a[k];
   d.done(Stage::Mass);
+}
+
+// The same; fext 6 x njoints in joint frames, or nullptr.
+template <class T>
+void rnea_derivatives(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext) {
+  derivative_columns(m, d, d.expand(m, v, d.vx), d.expand(m, a, d.ax));
+  if (fext) subtract_external_at_root(m, d, fext);
+  torque_derivatives(m, d, v, a);
 }
 
 }  // namespace dyn

@@ -1,6 +1,7 @@
 // Forward dynamics, impulses and inverse dynamics under the constraints of a data's slots.
 #pragma once
 
+#include "dyn/algorithm/articulated_factor.hpp"
 #include "dyn/algorithm/forward_dynamics.hpp"
 #include "dyn/constraint/bounded.hpp"
 #include "dyn/constraint/delassus.hpp"
@@ -30,8 +31,7 @@ Index constraint_factor(const Model& m, Data<T>& d) {
     crba(m, d);
     if (const Index failed = factorize(m, d)) return joint_of(m, failed - 1);
   } else {
-    if (const Index failed = aba(m, d, d.zero, d.zero, static_cast<const T*>(nullptr), d.constraint_ddq)) return m.bodies()[failed].joint;
-    articulated_columns(m, d);
+    if (const Index failed = articulated_factor(m, d)) return m.bodies()[failed].joint;
   }
   return 0;
 }

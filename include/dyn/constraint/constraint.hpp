@@ -5,9 +5,10 @@
 // Each type is one file, its C, J and drift derived at its top; list.hpp names them. A type K gives, as static members,
 //   type                       its dynConstraintType
 //   rows(c)                    number of rows
-//   evaluate(c, X, out)        out(i, f_i, t_i, error_i, extra_i) for each row, i ascending
-// One between joints has a single row C(q1, q2) of two coordinates and gives
-//   evaluate(c, q1, q2)        C, its derivatives by q1 and q2, and the second one by q2
+//   evaluate(c, X, out)        out(i, f_i, t_i, error_i, extra_i[, change]) for each row, i ascending; change(by) says how the row
+//                              changes with a small displacement of B (RowChange) where that is not what dC/dt says
+// One between joints has a single row C(q1, q2) = C1(q1) + C2(q2) of two coordinates and gives
+//   evaluate(c, q1, q2)        C and its derivatives (JointRow)
 #pragma once
 
 #include "dyn.h"
@@ -39,10 +40,26 @@ struct Relative {
   Mat3<T> R;
 };
 
+// Derivatives of a row by a displacement of B as seen from A: a step of its origin and a turn of its axes; of extra by v and w as well.
+template <class T>
+struct RowChange {
+  bool of_error;  // whether those of the error are wanted
+  Vec3<T> error_step, error_turn;
+  Mat3<T> f_step, t_turn;
+  Vec3<T> extra_step, extra_turn, extra_v, extra_w;
+
+  // of a row whose f and t are fixed
+  static RowChange fixed(const Vec3<T>& f, const Vec3<T>& t, bool of_error) {
+    const Vec3<T> o = Vec3<T>::zero();
+    return {of_error, f, t, {o, o, o}, {o, o, o}, o, o, o, o};
+  }
+};
+
 // Of a row between joints.
 template <class T>
 struct JointRow {
-  T error, g1, g2, curvature;  // C, dC/dq1, dC/dq2, d2C/dq2^2
+  T error, g1, g2, curvature;  // C; of its second derivative the factors of a1, a2 and v2^2: dC/dq1, dC/dq2, d2C/dq2^2
+  T slope = T(0), third = T(0);  // of C by q1, where it is not constant; d3C/dq2^3
 };
 
 template <class T>

@@ -11,9 +11,9 @@ struct Coupling {
   static int rows(const Constraint&) { return 1; }
   template <class T>
   static DYN_INLINE JointRow<T> evaluate(const Constraint& c, T q1, T q2) {
-    T p = T(0), dp = T(0), ddp = T(0);  // Horner's scheme: ddp is half of p''
-    for (int k = 4; k >= 0; --k) ddp = ddp * q2 + dp, dp = dp * q2 + p, p = p * q2 + T(c.coefficients[k]);
-    return {q1 - p, T(1), -dp, T(-2) * ddp};
+    T p = T(0), dp = T(0), ddp = T(0), dddp = T(0);  // Horner's scheme: ddp is half of p'', dddp a sixth of p'''
+    for (int k = 4; k >= 0; --k) dddp = dddp * q2 + ddp, ddp = ddp * q2 + dp, dp = dp * q2 + p, p = p * q2 + T(c.coefficients[k]);
+    return {q1 - p, T(1), -dp, T(-2) * ddp, T(1), T(-6) * dddp};
   }
 };
 

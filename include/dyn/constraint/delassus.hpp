@@ -115,6 +115,19 @@ void propagate_rows(const Model& m, Data<T>& d) {
 }
 
 
+// f.template operator()<rows>()
+template <class F>
+DYN_INLINE void visit_rows(Index rows, F&& f) {
+  switch (rows) {
+    case 1: return f.template operator()<1>();
+    case 2: return f.template operator()<2>();
+    case 3: return f.template operator()<3>();
+    case 4: return f.template operator()<4>();
+    case 5: return f.template operator()<5>();
+    default: return f.template operator()<6>();
+  }
+}
+
 // Sum of y_s y_t^T / D over the degrees of freedom that carry both: columns are the rows of s, in lanes those of t.
 template <int columns, class T>
 DYN_INLINE void couple(const Index* ks, Index ns, const T* ys, const Index* kt, Index nt, const T* yt, const T* Dinv, T* G, std::ptrdiff_t ld) {
@@ -153,14 +166,7 @@ void delassus(const Model& m, Data<T>& d, Index rows, T* G) {
         couple<columns>(support_of(m, d, i), s.support, carried_of(m, d, i), support_of(m, d, j), t.support, carried_of(m, d, j), Dinv,
                         G + t.first + ld * s.first, ld);
       };
-      switch (s.rows) {
-        case 1: block.template operator()<1>(); break;
-        case 2: block.template operator()<2>(); break;
-        case 3: block.template operator()<3>(); break;
-        case 4: block.template operator()<4>(); break;
-        case 5: block.template operator()<5>(); break;
-        default: block.template operator()<6>(); break;
-      }
+      visit_rows(s.rows, block);
     }
   });
   for (Index c = 0; c < rows; ++c)

@@ -17,7 +17,13 @@ struct Distance {
     if (!(size > T(0))) return out(0, unit3<T>(0), Vec3<T>::zero(), T(-c.length), T(0));
     const Vec3<T> n = X.r * (T(1) / size);
     const T along = dot(n, X.v);
-    out(0, n, Vec3<T>::zero(), size - T(c.length), (dot(X.v, X.v) - along * along) / size);
+    const T extra = (dot(X.v, X.v) - along * along) / size;
+    out(0, n, Vec3<T>::zero(), size - T(c.length), extra, [&](auto& by) {
+      auto across = [&](const Vec3<T>& a) { return (a - n * dot(n, a)) * (T(1) / size); };  // dn = across(dr)
+      by.f_step = {across(unit3<T>(0)), across(unit3<T>(1)), across(unit3<T>(2))};
+      by.extra_v = across(X.v) * T(2);
+      by.extra_step = (across(X.v) * (T(2) * along) + n * extra) * (T(-1) / size);
+    });
   }
 };
 

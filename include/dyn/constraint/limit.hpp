@@ -13,7 +13,7 @@ struct Limit {
   template <class T>
   static DYN_INLINE JointRow<T> evaluate(const Constraint& c, T q1, T) {
     const T below = q1 - T(c.lower), above = q1 - T(c.upper);
-    return {below <= T(0) ? below : above >= T(0) ? above : T(0), T(1), T(0), T(0)};
+    return {below <= T(0) ? below : above >= T(0) ? above : T(0), T(1), T(0), T(0), T(below <= T(0) || above >= T(0))};
   }
   // bounds of lambda
   template <class T>

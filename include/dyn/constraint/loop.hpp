@@ -6,7 +6,7 @@
 //   helical     C = a . r - h phi, phi the angle of R about a, to the nearest turn: dC/dt = a . v - h a . w
 #pragma once
 
-#include "dyn/constraint/constraint.hpp"
+#include "dyn/constraint/orientation.hpp"
 
 namespace dyn::constraint {
 
@@ -30,12 +30,12 @@ struct Loop {
     };
     auto across = [&] { out(i++, n1, o, dot(n1, X.r), T(0)), out(i++, n2, o, dot(n2, X.r), T(0)); };
     auto axis = [&] {
-      const Vec3<T> lean = cross(a, X.R * a);
-      out(i++, o, n1, dot(n1, lean), T(0)), out(i++, o, n2, dot(n2, lean), T(0));
+      const Vec3<T> leaning = X.R * a;
+      for (const Vec3<T>& n : {n1, n2}) out(i++, o, n, dot(n, cross(a, leaning)), T(0), [&](auto& by) { by.error_turn = cross(leaning, cross(n, a)); });
     };
     auto orientation = [&] {
       const Vec3<T> turn = log3(X.R);
-      for (int k = 0; k < 3; ++k) out(i++, o, unit3<T>(k), turn[k], T(0));
+      for (int k = 0; k < 3; ++k) out(i++, o, unit3<T>(k), turn[k], T(0), [&](auto& by) { set_turn(turn, k, by); });
     };
     switch (c.joint_type) {
       case DYN_JOINT_REVOLUTE: case DYN_JOINT_CONTINUOUS: case DYN_JOINT_REVOLUTE_UNBOUNDED: return point(), axis();
@@ -45,16 +45,23 @@ struct Loop {
         using std::atan2;
         using std::remainder;
         const Vec3<T> x = X.R * n1;
-        const T phi = atan2(dot(n2, x), dot(n1, x)), h = T(c.pitch), turn = T(6.283185307179586477) * h;
+        const T y1 = dot(n1, x), y2 = dot(n2, x), phi = atan2(y2, y1), h = T(c.pitch), turn = T(6.283185307179586477) * h;
         out(i++, n1, o, dot(n1, X.r), T(0)), out(i++, n2, o, dot(n2, X.r), T(0));
         const T e = dot(a, X.r) - h * phi;
-        out(i++, a, a * -h, turn != T(0) ? T(remainder(e, turn)) : e, T(0));
+        out(i++, a, a * -h, turn != T(0) ? T(remainder(e, turn)) : e, T(0), [&](auto& by) {
+          by.error_turn = (cross(x, n2) * y1 - cross(x, n1) * y2) * (-h / (y1 * y1 + y2 * y2));
+        });
         return axis();
       }
       case DYN_JOINT_UNIVERSAL: {
         const Vec3<T> b = X.R * cast<T>(c.axis2);
         point();
-        return out(i, o, cross(b, a), dot(a, b) - dot(a, cast<T>(c.axis2)), dot(cross(cross(X.w, b), a), X.w));
+        return out(i, o, cross(b, a), dot(a, b) - dot(a, cast<T>(c.axis2)), dot(cross(cross(X.w, b), a), X.w), [&](auto& by) {
+          const T ab = dot(a, b), wa = dot(X.w, a), wb = dot(X.w, b);  // extra = wa wb - ab w . w
+          by.t_turn = {b * a[0] - unit3<T>(0) * ab, b * a[1] - unit3<T>(1) * ab, b * a[2] - unit3<T>(2) * ab};
+          by.extra_w = a * wb + b * wa - X.w * (T(2) * ab);
+          by.extra_turn = cross(b, X.w) * wa - cross(b, a) * dot(X.w, X.w);
+        });
       }
       case DYN_JOINT_SPHERICAL: case DYN_JOINT_SPHERICAL_ZYX: return point();
       case DYN_JOINT_PLANAR: return out(i++, a, o, dot(a, X.r), T(0)), axis();

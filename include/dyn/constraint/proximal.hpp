@@ -62,9 +62,9 @@ Index pivoted_factor(const T* G, std::ptrdiff_t ld, Index n, T tolerance, T* R, 
   return rank;
 }
 
-// b = the part of b in the range of G = R^T R; K: room for rank x rank.
+// The factor of R R^T in K, Dinv.
 template <class T>
-void project_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, T* K, T* Dinv, T* z, T* b) {
+void factor_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, T* K, T* Dinv) {
   for (Index i = 0; i < rank; ++i)
     for (Index j = 0; j <= i; ++j) {
       T sum = T(0);
@@ -72,6 +72,11 @@ void project_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, T* K, 
       K[ld * j + i] = K[ld * i + j] = sum;
     }
   factor_rows(K, ld, rank, T(0), T(0), K, Dinv);
+}
+
+// b = the part of b in the range of G = R^T R; K, Dinv: factor_range.
+template <class T>
+void project_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const T* K, const T* Dinv, T* z, T* b) {
   for (Index i = 0; i < rank; ++i) {
     z[i] = T(0);
     for (Index k = 0; k < n; ++k) z[i] += R[ld * i + k] * b[k];
@@ -157,6 +162,7 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   if (result.rank < n) {
     T* consistent = step;
     for (Index i = 0; i < n; ++i) consistent[i] = asked[i];
+    factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
     project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, consistent);
     const T size = largest_size(asked, n);
     T off = T(0);
@@ -174,6 +180,10 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   factor_rows(S, ld, n, mu, mu / T(2), work.factor, Dinv);
   if (!iterate(S, ld, n, work.factor, Dinv, asked, options, step, lambda, result) && result.reason == DYN_CONSTRAINED)
     result.reason = DYN_CONSTRAINT_ITERATIONS;
+  if (result.rank < n) {  // round-off off the range has grown by 1 / mu
+    factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
+    project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, lambda);
+  }
   for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
 }
 

@@ -88,7 +88,7 @@ DYN_INLINE void evaluate_frames(const Model& m, const Data<T>& d, Slot<T>& s, co
   const RelativeMotion<T> X = relative_motion(A, B);
   const Vec3<T> at2 = A.x + (B.p - A.p);  // B's origin from the root of A's tree
   visit_frame_constraint(s.c.type, [&]<class K>() DYN_INLINE_LAMBDA {
-    K::evaluate(s.c, X.X, [&](int i, const Vec3<T>& f, const Vec3<T>& t, T error, T extra) DYN_INLINE_LAMBDA {
+    K::evaluate(s.c, X.X, [&](int i, const Vec3<T>& f, const Vec3<T>& t, T error, T extra, auto&&...) DYN_INLINE_LAMBDA {
       const Vec3<T> force = A.R * f, moment = A.R * t;
       if (s.c.body1) store_lane(Force<T>{force, moment + cross(B.x, force)}, s.F1, i);
       if (s.c.body2) store_lane(Force<T>{-force, -moment - cross(at2, force)}, s.F2, i);

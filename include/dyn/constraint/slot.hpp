@@ -5,6 +5,8 @@
 
 namespace dyn {
 
+// The leading dimension of matrices by degrees of freedom and rows: whole packs.
+inline std::ptrdiff_t kkt_room(std::ptrdiff_t n) { return (n + row_lanes - 1) / row_lanes * row_lanes; }
 // The leading dimension of matrices between rows: whole packs from any row on stay within a column.
 inline std::ptrdiff_t row_room(std::ptrdiff_t rows) { return (rows + row_lanes - 1) / row_lanes * row_lanes + row_lanes; }
 

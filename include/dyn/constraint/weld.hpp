@@ -1,8 +1,8 @@
 // A and B are one frame.
-//   C = [r; log3 R]        dC/dt = [v; w] where C = 0: d(log3 R)/dt = Jlog w, and Jlog is 1 there        d2C/dt2 = [dv; dw]
+//   C = [r; log3 R]        dC/dt = [v; w] where C = 0: d(log3 R)/dt = Jlog^T w, and Jlog is 1 there        d2C/dt2 = [dv; dw]
 #pragma once
 
-#include "dyn/constraint/constraint.hpp"
+#include "dyn/constraint/orientation.hpp"
 
 namespace dyn::constraint {
 
@@ -13,7 +13,7 @@ struct Weld {
   static DYN_INLINE void evaluate(const Constraint&, const Relative<T>& X, Out&& out) {
     const Vec3<T> turn = log3(X.R);
     for (int i = 0; i < 3; ++i) out(i, unit3<T>(i), Vec3<T>::zero(), X.r[i], T(0));
-    for (int i = 0; i < 3; ++i) out(3 + i, Vec3<T>::zero(), unit3<T>(i), turn[i], T(0));
+    for (int i = 0; i < 3; ++i) out(3 + i, Vec3<T>::zero(), unit3<T>(i), turn[i], T(0), [&](auto& by) { set_turn(turn, i, by); });
   }
 };
 

@@ -5,7 +5,7 @@
 
 #include "dyn/base/types.hpp"
 
-namespace dyn {
+namespace dyn_test {
 
 #define DYN_CALL __attribute__((noinline))
 
@@ -56,4 +56,4 @@ struct Dual {
 
 #undef DYN_CALL
 
-}  // namespace dyn
+}  // namespace dyn_test
