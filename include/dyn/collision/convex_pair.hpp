@@ -43,7 +43,7 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
     const GjkResult other = gjk(d, shape::across(g.v * (1 / g.norm)), options, finish);
     if (!other.apart || other.gap < g.gap) g = other;
   }
-  if (refined || (D::curved && g.apart && finish(g))) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, true};
+  if (refined || (D::curved && g.apart && finish(g))) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, p.unique};
   // a gap leaves the normal of a curved pair uncertain by its root
   auto certain = [&](double gap, double radius) { return !D::curved || gap <= 1e-14 * radius; };
   if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap, g.norm)};
