@@ -3,7 +3,7 @@
 #include "dyn/collision/surface_distance.hpp"
 
 #include "dyn/shape/list.hpp"
-#include "surface_bounds.hpp"
+#include "surface_face.hpp"
 
 namespace dyn::collision {
 namespace {
@@ -128,10 +128,12 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
   search(a, nearest.limit, lower, leaf);
   if (nearest.nothing()) search(a, nearest.limit, lower, leaf);
   Result r = nearest.best;
+  Vec inner = X.p;
+  if constexpr (B::type == Type::Convex) inner = X.act(b.hull.center);
+  if constexpr (!flat)
+    if (r.distance < 0) leave_by_face(a, b, X, inner, box, r);
   judge(r, size, o);
   if constexpr (!flat) {
-    Vec inner = X.p;
-    if constexpr (B::type == Type::Convex) inner = X.act(b.hull.center);
     enclosed(a, Pose::identity(), inner, r, [&](const Vec& d) { return farthest(b, X, d); });
   }
   return r;
