@@ -49,13 +49,10 @@ inline FaceAbove face_above(const S& s, const B& b, const Pose& X, const Vec& ce
   return best;
 }
 
-// Of an overlap that the nearest pieces tell: another answer, where the way they tell leads the lowest point under the surface again.
-template <class S, class B>
-inline void leave_by_face(const S& s, const B& b, const Pose& X, const Vec& center, const Bounds& region, Result& r) {
-  const FaceAbove face = face_above(s, b, X, center, region);
-  if (!(face.depth < infinity) || dot(face.normal, r.normal) > 1 - 1e-9 || face.depth <= -r.distance) return;
-  const Vec moved = face.lowest - r.normal * r.distance;
-  const Vec around = Vec::make(face.depth, face.depth, face.depth) * 2;
+// Does the way out that r tells lead the lowest point under the surface again, not past its border?
+template <class S>
+inline bool stays_below(const S& s, const FaceAbove& face, const Result& r) {
+  const Vec moved = face.lowest - r.normal * r.distance, around = Vec::make(face.depth, face.depth, face.depth) * 2;
   bool below = false;
   each_triangle(s, {moved - around, moved + around}, [&](const Vec corner[3]) {
     const Vec n = cross(corner[1] - corner[0], corner[2] - corner[0]);
@@ -66,9 +63,7 @@ inline void leave_by_face(const S& s, const B& b, const Pose& X, const Vec& cent
     }
     return !below;
   });
-  if (!below) return;
-  r.normal = face.normal, r.distance = -face.depth, r.residual = 0;
-  r.point_b = face.lowest, r.point_a = face.lowest + face.normal * face.depth;
+  return below;
 }
 
 }  // namespace dyn::collision
