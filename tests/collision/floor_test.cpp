@@ -50,7 +50,7 @@ TEST(Floor, PushesUpwards) {
   const Type types[] = {Type::Sphere, Type::Capsule, Type::Box, Type::Cylinder, Type::Cone, Type::Ellipsoid, Type::Convex};
   on_each_floor([&](const Shape& floor) {
     for (const Type type : types)
-      for (int i = 0; i < samples(200); ++i) {
+      for (int i = 0; i < 200; ++i) {
         SCOPED_TRACE(std::string(name_of(type)) + " " + std::to_string(i));
         Chance g(std::uint64_t(i) * 16 + std::uint64_t(type));
         const Solid s = g.shape(type, 0.5);
