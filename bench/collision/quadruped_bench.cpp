@@ -1,7 +1,7 @@
 // A quadruped's distances beside Coal's on the same pairs and poses, its own and those to the ground, us for all pairs of one configuration.
 //   usage: quadruped_bench go2.urdf
 // Build: c++ -O3 -march=native -ffp-contract=fast -fno-math-errno -fno-trapping-math -std=c++20 -I include -I capi -isystem <eigen> -isystem <coal>/include
-//        bench/collision/quadruped_bench.cpp src/collision/{distance,surface_distance,manifold,manifold_clip}.cpp -L build/.../lib -ldyn -L <coal>/lib -lcoal, both with -Wl,-rpath
+//        bench/collision/quadruped_bench.cpp src/collision/{distance,convex_straight,convex_cylinder,convex_other,surface_distance,surface_manifold,manifold,manifold_clip}.cpp -L build/.../lib -ldyn -L <coal>/lib -lcoal, both with -Wl,-rpath
 // The robot is loaded and placed by the library; distances of shapes at given placements are timed, as Coal's are.
 #include <coal/collision.h>
 #include <coal/distance.h>

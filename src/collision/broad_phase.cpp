@@ -57,6 +57,7 @@ Index BroadPhase::insert(const Bounds& b) {
   ++count_;
   tight_[id] = b;
   state_[id] = nowhere;
+  same_boxes_ = false;
   mark(id);
   return id;
 }
@@ -70,6 +71,7 @@ void BroadPhase::remove(Index id) {
   mark(id);
   release(id);
   state_[id] = free_slot;
+  same_boxes_ = false;
   lowest_free_ = std::min(lowest_free_, id);
   --count_;
 }
@@ -113,8 +115,21 @@ void BroadPhase::settle() {
   unplaced_count_ = 0;
 }
 
+// The boxes where they are now in the order of the last packing: as good while neighbours stay neighbours.
+bool BroadPhase::refit() {
+  constexpr double wider = 0.1;  // in the mean
+  if (!same_boxes_) return false;
+  for (Index k = 0; k < count_; ++k) {
+    const Index id = id_[k];
+    tree_.block[0][k / Block::lanes].set(k % Block::lanes, Box::of(tight_[id], margin_));
+    state_[id] = k;
+  }
+  return tree_.raise() <= spread_ + wider * PackedTree::room(count_);
+}
+
 void BroadPhase::pack() {
   loose_count_ = 0;
+  if (refit()) return;
   // centres in cells of the cube about them
   auto center = [&](Index id, int i) { return std::clamp(tight_[id].lower[i] / 2 + tight_[id].upper[i] / 2, -1e30, 1e30); };
   double lower[3], extent = 0;
@@ -142,7 +157,8 @@ void BroadPhase::pack() {
     block.set(k % Block::lanes, Box::of(tight_[id], margin_));
     id_[k] = id, state_[id] = k;
   }
-  tree_.raise();
+  spread_ = tree_.raise();
+  same_boxes_ = true;
 }
 
 bool BroadPhase::refresh() {

@@ -14,10 +14,10 @@
 #include "dyn/collision/analytic/half_space.hpp"
 #include "dyn/collision/analytic/half_spaces.hpp"
 #include "dyn/collision/analytic/sphere.hpp"
-#include "dyn/collision/analytic/sums.hpp"
-#include "dyn/collision/convex_pair.hpp"
 #include "dyn/collision/surface_distance.hpp"
 #include "dyn/shape/list.hpp"
+
+#include "convex_methods.hpp"
 
 namespace dyn::collision {
 namespace {
@@ -64,16 +64,6 @@ Result sphere(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wo
   return r;
 }
 
-// B in the frame of A: positions are subtracted first, so that a pair far from the world's origin loses nothing.
-Pose relative(const Pose& A, const Pose& B) {
-  const Mat Rt = transpose(A.R);
-  return {Rt * B.R, Rt * (B.p - A.p)};
-}
-// Pairs answered in the frame of A.
-Result turned(Result r, const Pose& XA) {
-  r.normal = XA.R * r.normal, r.point_a = XA.act(r.point_a), r.point_b = XA.act(r.point_b);
-  return r;
-}
 Result half_spaces(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
   return turned(finish(half_space_pair(HalfSpace(a), HalfSpace(b), relative(XA, XB)), HalfSpace(a), HalfSpace(b), o), XA);
 }
@@ -81,33 +71,12 @@ template <class B>
 Result half_space(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
   return turned(finish(half_space_pair(HalfSpace(a), B(b), relative(XA, XB)), HalfSpace(a), B(b), o), XA);
 }
-// of shapes with straight features, which may be parallel
-template <class A, class B, class F>
-Result general(const Shape& shape_a, const Pose& XA, const Shape& shape_b, const Pose& XB, const Options& o, F&& method) {
-  const A a(shape_a);
-  const B b(shape_b);
-  const Difference<A, B> d(a, b, relative(XA, XB));
-  Cores c = method(d);
-  c.unique = c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));
-  return turned(rounded(c, a.radius, b.radius, d.small, o), XA);
-}
 Result boxes(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
   return general<Box, Box>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });
 }
 Result box_capsule(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
   return general<Box, Capsule>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
 }
-template <class A, class B>
-Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
-  return general<A, B>(a, XA, b, XB, o, [&](const auto& d) {
-    if constexpr (is_sum<A> && is_sum<B>) {
-      Cores c;
-      if (sum_pair(d, d.X.p, wanted(d, o), c)) return c;
-    }
-    return convex_pair(d, w, o);
-  });
-}
-
 struct Pair {
   Method method;
   bool exchanged;

@@ -3,7 +3,7 @@
 #include "dyn/collision/surface_distance.hpp"
 
 #include "dyn/shape/list.hpp"
-#include "surface_bounds.hpp"
+#include "surface_face.hpp"
 
 namespace dyn::collision {
 namespace {
@@ -64,8 +64,9 @@ Result with_sphere(const S& a, const Sphere& b, const Pose& X, const Options& o)
   return r;
 }
 
+// parted: by a way out that is to be judged
 template <class S, class B>
-Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, Workspace& w, const Options& o) {
+Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, Workspace& w, const Options& o, bool parted = false) {
   constexpr bool flat = B::type == Type::HalfSpace;
   const double size = std::min(size_of(a), size_of(b));
   NearestPair nearest(size);
@@ -128,10 +129,22 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
   search(a, nearest.limit, lower, leaf);
   if (nearest.nothing()) search(a, nearest.limit, lower, leaf);
   Result r = nearest.best;
+  Vec inner = X.p;
+  if constexpr (B::type == Type::Convex) inner = X.act(b.hull.center);
+  if constexpr (!flat)
+    if (r.distance < 0 && !parted) {
+      const FaceAbove face = face_above(a, b, X, inner, box);
+      const bool longer = face.depth < infinity && face.depth > -r.distance && dot(face.normal, r.normal) < 1 - 1e-9;
+      // what is left of the overlap tells for sure
+      auto left = [&](const Vec& way) { return -with_convex(a, shape_b, b, Pose{X.R, X.p + way}, w, o, true).distance; };
+      const bool tie = face.depth <= -1.001 * r.distance;
+      if (longer && stays_below(a, face, r) && (tie || left(r.normal * -r.distance) > 1e-9 * size) && left(face.normal * face.depth) <= 1e-8 * size) {
+        r.normal = face.normal, r.distance = -face.depth, r.residual = 0;
+        r.point_b = face.lowest, r.point_a = face.lowest + face.normal * face.depth;
+      }
+    }
   judge(r, size, o);
   if constexpr (!flat) {
-    Vec inner = X.p;
-    if constexpr (B::type == Type::Convex) inner = X.act(b.hull.center);
     enclosed(a, Pose::identity(), inner, r, [&](const Vec& d) { return farthest(b, X, d); });
   }
   return r;

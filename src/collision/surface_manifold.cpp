@@ -11,6 +11,7 @@ namespace {
 using namespace shape;
 
 constexpr double steep = 0.05;  // cosine to the normal below which a triangle is an edge: its neighbours count
+constexpr double flat = 1e-6;   // slope below which it lies across the normal
 constexpr Bounds everywhere = {{{-infinity, -infinity, -infinity, 0}}, {{infinity, infinity, infinity, 0}}};
 
 Bounds grown(const Bounds& b, double by) {
@@ -66,16 +67,29 @@ Bounds turned(const Bounds& b, const Pose& X) {
   return {c - r, c + r};
 }
 
+// A corner of the other shape keeps its name as it slides over the edges of a floor.
+std::uint64_t corner_alone(std::uint64_t feature) {
+  constexpr std::uint64_t inside = 0xffffffff;
+  auto corner = [](std::uint64_t part) { return part != inside && part >> 16 == (part & 0xffff); };
+  const std::uint64_t a = feature >> 32, b = feature & inside;
+  if (corner(a) && !corner(b)) return a << 32 | inside;
+  if (corner(b) && !corner(a)) return inside << 32 | b;
+  return feature;
+}
+
 // Points of overlaps, as many as there are.
 struct Gathered {
   const ContactSearch& s;
   Overlap& out;
 
-  void take(const Overlap& part, const Figure& a, const Figure& b) {
+  // level: the surface's triangle lies across the normal at the witness point. Of such, points beyond the margin count in the hull, too,
+  // which then is that of one large face: what only the edges between its triangles cut out is inside.
+  void take(const Overlap& part, const Figure& a, const Figure& b, bool level) {
     for (int i = 0; i < part.count; ++i) {
       ClipPoint p = part.p[i];
-      if (!(p.gap <= s.margin) || p.gap < s.nearest.distance - s.eps) continue;
+      if (!(level || p.gap <= s.margin) || p.gap < s.nearest.distance - s.eps) continue;
       p.feature = feature_of(a, b, p, s.same);
+      if (level) p.feature = corner_alone(p.feature);
       if (out.count == Overlap::most - 1) merge(out, s.same), hull(out, s.eps), thin_out(out, Overlap::most / 2, s.eps);
       out.add(p);
     }
@@ -94,11 +108,12 @@ void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pos
       if constexpr (is_surface(S::type)) figures(x, X, s.plane, towards, level, region, f);
     });
   };
-  auto clip = [&](const Figure& fa, double bend_a, const Figure& fb, double bend_b) {
+  auto clip = [&](const Figure& fa, double bend_a, const Figure& fb, double bend_b, bool level) {
     Overlap part;
     overlap_of(fa, bend_a, fb, bend_b, s.eps, part);
-    all.take(part, fa, fb);
+    all.take(part, fa, fb, level);
   };
+  auto is_level = [&](const Figure& f, double height) { return std::max(std::abs(f.gx), std::abs(f.gy)) <= flat && std::abs(f.h - height) <= s.eps; };
   auto against = [&](const Shape& surface, const Pose& X, const Shape& other, const Pose& X_O, double towards, double level) {
     Feature feature;
     Figure of_other;
@@ -110,11 +125,11 @@ void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pos
       if (plane) {
         Overlap part;
         over_plane(f, towards > 0 ? s.nearest.distance : 0, towards < 0, part);
-        towards > 0 ? all.take(part, f, of_other) : all.take(part, of_other, f);
+        towards > 0 ? all.take(part, f, of_other, false) : all.take(part, of_other, f, false);
       } else if (towards > 0) {
-        clip(f, 0, of_other, bend);
+        clip(f, 0, of_other, bend, is_level(f, 0));
       } else {
-        clip(of_other, bend, f, 0);
+        clip(of_other, bend, f, 0, is_level(f, s.nearest.distance));
       }
     });
   };
@@ -126,7 +141,7 @@ void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pos
     const Mat Rt = transpose(X_WB.R);
     const Pose X_BA = {Rt * X_WA.R, Rt * (X_WA.p - X_WB.p)};
     over_all_of(a, X_WA, 1, level_a, grown(bounds_in(X_WA, b, X_WB), wide), [&](const Figure& fa, const Bounds& box) {
-      over_all_of(b, X_WB, -1, level_b, grown(turned(box, X_BA), wide + a.radius + b.radius), [&](const Figure& fb, const Bounds&) { clip(fa, 0, fb, 0); });
+      over_all_of(b, X_WB, -1, level_b, grown(turned(box, X_BA), wide + a.radius + b.radius), [&](const Figure& fb, const Bounds&) { clip(fa, 0, fb, 0, false); });
     });
   }
   merge(out, s.same);

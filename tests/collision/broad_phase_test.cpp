@@ -102,6 +102,26 @@ TEST(BroadPhase, AllPairsThroughALife) {
     }
 }
 
+// The same boxes move for long: at first next to nothing, then across each other; one is infinite.
+TEST(BroadPhase, AllMoveForLong) {
+  for (double margin : {0.0, 0.02}) {
+    Chance g{11};
+    Boxes b(600, 200000, margin);
+    const double inf = shape::infinity;
+    b.insert({Vec::make(-inf, -inf, -inf), Vec::make(inf, inf, -0.9)});
+    for (int k = 1; k < 600; ++k) b.insert(box_at(g, 1, 0.05));
+    for (int step = 0; step < 120; ++step) {
+      if (step == 50) b.remove(17), b.insert(box_at(g, 1, 0.05));
+      const double most = step < 40 ? 1e-3 : step < 80 ? 0.1 : step == 100 ? 2 : 0.02;
+      for (Index id = 1; id < 600; ++id) {
+        const Vec d = g.direction() * g.uniform(0, most);
+        b.update(id, {b.box[std::size_t(id)].lower + d, b.box[std::size_t(id)].upper + d});
+      }
+      ASSERT_EQ(b.expected(), b.found()) << step;
+    }
+  }
+}
+
 TEST(BroadPhase, InfiniteBoxesAndFullRoom) {
   Chance g{3};
   Boxes b(300, 40000, 0.01);

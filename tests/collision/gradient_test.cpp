@@ -10,7 +10,8 @@ namespace {
 Pose moved(const Pose& X, const Vec& linear, const Vec& angular) { return {exp3(angular) * X.R, X.p + linear}; }
 
 // Differences of distances to the last digits, over steps from 1e-5 down: of the first one that tells the slope to 1e-6, or of the best,
-// how far it is off.
+// how far it is off. Where the nearest point passes from one piece of a boundary to another within a step, the second derivative jumps
+// there: then differences to the other side count, if those to this side are off by no more than a second derivative can make them.
 double error(const Scene& s, double slope, int k) {
   collision::Options exact;
   exact.tolerance = 1e-15;
@@ -21,11 +22,16 @@ double error(const Scene& s, double slope, int k) {
     X = k % 6 < 3 ? moved(X, e, none) : moved(X, none, e);
     return query(m, exact).distance;
   };
+  const double here = at(0), arm = 1 + std::min(size_of(s.a), size_of(s.b)), most_bend = arm * arm / std::abs(here);
   double least = shape::infinity;
   for (double h = 1e-5; h > 5e-10 && least > 1e-6; h /= 10) {
-    const double central = (at(h) - at(-h)) / (2 * h), far = (at(2 * h) - at(-2 * h)) / (4 * h);
+    const double up = at(h), up2 = at(2 * h), down = at(-h), down2 = at(-2 * h), central = (up - down) / (2 * h), far = (up2 - down2) / (4 * h);
     // Richardson: the third derivative cancels
     least = std::min(least, std::abs(central + (central - far) / 3 - slope));
+    auto one_sided = [&](double near, double twice, double other, double step) {
+      if (std::abs((here - other) / step - slope) <= most_bend * h) least = std::min(least, std::abs((4 * near - 3 * here - twice) / (2 * step) - slope));
+    };
+    one_sided(up, up2, down, h), one_sided(down, down2, up, -h);
   }
   return least;
 }

@@ -35,7 +35,8 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
     if constexpr (D::curved)
       refined = (on_face(d, n, p) || polish(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p)) && p.distance > -enough &&
                 shape::norm(p.b - p.a) - p.distance <= enough;
-    return refined;
+    // what is not on its normal may be so when GJK has come closer
+    return refined && p.unique;
   };
   GjkResult g = gjk(d, guess, options, finish);
   if (!refined && g.apart && g.gap > options.accepted * d.small) {
@@ -43,7 +44,8 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
     const GjkResult other = gjk(d, shape::across(g.v * (1 / g.norm)), options, finish);
     if (!other.apart || other.gap < g.gap) g = other;
   }
-  if (refined || (D::curved && g.apart && finish(g))) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, true};
+  if (D::curved && g.apart && !(refined && p.unique)) finish(g);
+  if (refined) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, p.unique};
   // a gap leaves the normal of a curved pair uncertain by its root
   auto certain = [&](double gap, double radius) { return !D::curved || gap <= 1e-14 * radius; };
   if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap, g.norm)};

@@ -26,19 +26,25 @@ struct Difference {
     const Vec a = A_.support(d), b = X.act(B_.support(Rt * -d));
     return {a - b, a, b};
   }
-  // the support point on the smooth piece of the boundary that p lies on, and its derivative
-  Vertex slide(const Vertex& p, const Vec& n) const {
+  // the support point on the smooth piece of the boundary that p lies on; m: against n, in B
+  DYN_INLINE Vertex slide(const Vertex& p, const Vec& n, const Vec& m) const {
     Vertex q = p;
     if constexpr (A::curved) q.a = A_.slide(p.a, n);
-    if constexpr (B::curved) q.b = X.act(B_.slide(X.act_inverse(p.b), Rt * -n));
+    if constexpr (B::curved) q.b = X.act(B_.slide(X.act_inverse(p.b), m));
     q.w = q.a - q.b;
     return q;
   }
-  Sym3<double> curvature(const Vertex& p, const Vec& n) const {
-    Sym3<double> H = Sym3<double>::zero();
-    if constexpr (A::curved) H = H + A_.curvature(p.a, n);
-    if constexpr (B::curved) H = H + congruence(X.R, B_.curvature(X.act_inverse(p.b), Rt * -n).full());
-    return H;
+  // its derivative, of several pieces the weighted sum
+  DYN_INLINE shape::Bend bend(const Vertex* p, const double* weight, int count, const Vec& n, const Vec& u, const Vec& v) const {
+    shape::Bend sum = {0, 0, 0};
+    auto add = [&](const shape::Bend& k, double w) { sum = {sum.uu + k.uu * w, sum.uv + k.uv * w, sum.vv + k.vv * w}; };
+    if constexpr (A::curved)
+      for (int i = 0; i < count; ++i) add(A_.bend(p[i].a, n, u, v), weight[i]);
+    if constexpr (B::curved) {
+      const Vec m = Rt * -n, s = Rt * u, t = Rt * v;
+      for (int i = 0; i < count; ++i) add(B_.bend(X.act_inverse(p[i].b), m, s, t), weight[i]);
+    }
+    return sum;
   }
   // numbers of this pair carry errors of about this size
   double rounding() const { return 1e-15 * (large + shape::norm(X.p)); }

@@ -4,7 +4,7 @@
 // slightly outside the polytope, or outside D, is no special case: touching shapes need no separate treatment.
 #pragma once
 
-#include "dyn/collision/polish.hpp"
+#include "dyn/collision/descent.hpp"
 
 namespace dyn::collision {
 
@@ -72,6 +72,8 @@ class Epa {
       else
         stuck_ = !grow(nearest, p);
     }
+    if constexpr (D::curved)
+      if (Polished p; !refined() && r.upper - lower_bound() > o_.accepted * d_.small && descend(d_, r.normal, wanted_, p)) take(p);
     if (refined()) {
       r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
       r.unique = polished_.unique, r.refined = true;
@@ -115,6 +117,12 @@ class Epa {
     for (Index f = 1; f < faces_; ++f)
       if (w_.offset[f] < w_.offset[nearest]) nearest = f;
     return nearest;
+  }
+
+  double lower_bound() const {
+    double least = shape::infinity;
+    for (Index f = 0; f < faces_; ++f) least = std::min(least, w_.face[f].offset);
+    return least;
   }
 
   // Has the local minimum in this direction been found?

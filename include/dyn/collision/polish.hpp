@@ -40,11 +40,16 @@ struct Pieces {
   void evaluate(const Vec& normal) {
     const D& d = *difference;
     n = normal;
+    const Vec against = d.Rt * -n;
     int kept = 0;
     for (int i = 0; i < size; ++i) {
-      const Vertex p = d.slide(s[i], n);
+      const Vertex p = d.slide(s[i], n, against);
+      auto apart = [&](const Vertex& q) {
+        const Vec e = p.w - q.w;
+        return dot(e, e) > 1e-24 * (dot(p.w, p.w) + d.small * d.small);
+      };
       int same = 0;
-      while (same < kept && shape::norm(p.w - s[same].w) > 1e-12 * (shape::norm(p.w) + d.small)) ++same;
+      while (same < kept && apart(s[same])) ++same;
       if (same < kept)
         weight[same] += weight[i];
       else
@@ -63,10 +68,8 @@ struct Pieces {
   void plan() {
     const Vec u = shape::across(n), v = cross(n, u);
     change[0] = change[1] = change[2] = 0, near = true, flat = false;
-    Sym3<double> H = Sym3<double>::zero();
-    for (int i = 0; i < size; ++i) H = H + difference->curvature(s[i], n) * weight[i];
-    const Vec Hu = H * u, Hv = H * v;
-    const double a = dot(u, Hu) + f, b = dot(u, Hv), c = dot(v, Hv) + f, gu = -dot(u, y), gv = -dot(v, y);
+    const shape::Bend H = difference->bend(s, weight, size, n, u, v);
+    const double a = H.uu + f, b = H.uv, c = H.vv + f, gu = -dot(u, y), gv = -dot(v, y);
     double du, dv;
     if (size == 1) {
       const double mean = (a + c) / 2, least = mean - std::sqrt((a - c) * (a - c) / 4 + b * b), shift = uphill(least, mean) - least;
@@ -105,6 +108,9 @@ struct Pieces {
  private:
   // three in a line are two
   void drop_middle() {
+    const Vec p = s[1].w - s[0].w, q = s[2].w - s[0].w, area = cross(p, q);
+    const double longest2 = dot(p, p) + dot(q, q);
+    if (dot(area, area) > 1e-17 * longest2 * longest2) return;
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       const Vec e = s[k].w - s[j].w, g = s[i].w - s[j].w;
@@ -137,9 +143,9 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
   for (int i = 0, stale = 0; i < 40 && stale < 8; ++i) {
     if (!(p.residual < shape::infinity)) break;
     p.plan();
-    if (p.residual <= std::min(acceptable, best.residual)) best = p;
     // where f is nearly flat a small residual does not make the normal a good one
-    if (p.residual <= 0.1 * wanted && (p.length <= 1e-8 || p.flat)) break;
+    if (p.residual <= 0.1 * wanted && (p.length <= 1e-8 || p.flat)) return true;
+    if (p.residual <= std::min(acceptable, best.residual)) best = p;
     stale = p.residual < least ? 0 : stale + 1;
     least = std::min(least, p.residual);
     if (i == 6 && least > 0.1 * first) break;  // no root is near
@@ -147,6 +153,8 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
     if (slow ? i > 2 && least <= acceptable : p.residual <= wanted && !p.near) break;
     before = p.residual;
     p.take();
+    // the next step would be as much shorter as the residual is smaller
+    if (p.near && !p.flat && p.residual <= 0.1 * wanted && p.length * p.residual <= 1e-9 * before) return true;
   }
   p = best;
   return p.residual <= acceptable;

@@ -34,7 +34,7 @@ struct Cone : Solid<Cone> {
     return on_side ? m.outside(rho_s, z_s) : m.outside(rho_b, -half);
   }
   Vec slide(const Vec& from, const Vec& n) const { return from[2] > 0 ? from : on_rim(n, r, -half); }
-  Sym3<double> curvature(const Vec& from, const Vec& n) const { return from[2] > 0 ? Sym3<double>::zero() : rim_curvature(n, r); }
+  Bend bend(const Vec& from, const Vec& n, const Vec& u, const Vec& v) const { return from[2] > 0 ? Bend{0, 0, 0} : rim_bend(n, u, v, r); }
   Flat flat(const Vec& n) const {
     const double rho = length2(n[0], n[1]), slant = length2(r, 2 * half);
     if (rho <= flat_slope) return {n[2] < 0 ? 2 : 0, axis(0), axis(1)};

@@ -26,7 +26,7 @@ struct Cylinder : Solid<Cylinder> {
     return m.outside(std::min(m.rho, r), std::clamp(p[2], -half, half));
   }
   Vec slide(const Vec& from, const Vec& n) const { return on_rim(n, r, from[2]); }
-  Sym3<double> curvature(const Vec&, const Vec& n) const { return rim_curvature(n, r); }
+  Bend bend(const Vec&, const Vec& n, const Vec& u, const Vec& v) const { return rim_bend(n, u, v, r); }
   Flat flat(const Vec& n) const {
     if (n[0] * n[0] + n[1] * n[1] <= flat_slope * flat_slope) return {2, axis(0), axis(1)};
     return {std::abs(n[2]) <= flat_slope, axis(2), Vec::zero()};

@@ -20,12 +20,11 @@ struct Ellipsoid : Solid<Ellipsoid> {
     return hadamard(semi, e) * (1 / norm(e));
   }
   Vec slide(const Vec&, const Vec& n) const { return support(n); }
-  Sym3<double> curvature(const Vec&, const Vec& n) const {
-    const Vec e = hadamard(semi, n);
-    const double h = norm(e);
-    const Vec s = hadamard(semi, e) * (1 / h), a2 = hadamard(semi, semi);
-    const Sym3<double> diagonal = {a2, Vec::zero()};
-    return (diagonal - symmetric_outer(s, s)) * (1 / h);
+  Bend bend(const Vec&, const Vec& n, const Vec& u, const Vec& v) const {
+    // (A^2 - s s^T) / h
+    const Vec e = hadamard(semi, n), au = hadamard(semi, u), av = hadamard(semi, v);
+    const double scale = 1 / norm(e), su = dot(e, au) * scale, sv = dot(e, av) * scale;
+    return {(dot(au, au) - su * su) * scale, (dot(au, av) - su * sv) * scale, (dot(av, av) - sv * sv) * scale};
   }
   Nearest nearest(const Vec& p) const;
   Flat flat(const Vec&) const { return {0, Vec::zero(), Vec::zero()}; }

@@ -26,11 +26,12 @@ inline Vec on_rim(const Vec& n, double r, double z) {
 }
 
 // Its derivative: one radius of curvature r / |(n_x, n_y)|, along the circle.
-inline Sym3<double> rim_curvature(const Vec& n, double r) {
-  const double rho = length2(n[0], n[1]);
-  if (rho == 0) return Sym3<double>::zero();
-  const Vec tangent = Vec::make(-n[1] / rho, n[0] / rho, 0);
-  return symmetric_outer(tangent, tangent * (r / rho));
+DYN_INLINE Bend rim_bend(const Vec& n, const Vec& u, const Vec& v, double r) {
+  const double rho2 = n[0] * n[0] + n[1] * n[1];
+  if (rho2 == 0) return {0, 0, 0};
+  // rho times the parts along the tangent
+  const double tu = n[0] * u[1] - n[1] * u[0], tv = n[0] * v[1] - n[1] * v[0], scale = r / (rho2 * std::sqrt(rho2));
+  return {scale * tu * tu, scale * tu * tv, scale * tv * tv};
 }
 
 // How far a unit circle about z reaches along the world's axes, z given in the world.

@@ -5,7 +5,7 @@
 //   type, name
 //   curved                    the core's boundary bends; then also
 //   slide(from, n)            the support point along n on the smooth piece of the boundary that the support point `from` lies on
-//   curvature(from, n)        its derivative by n: radii of curvature
+//   bend(from, n, u, v)       its derivative by n, u and v across n: radii of curvature
 //   faced                     it has few flat faces; then also face(n) and under_face(n, p)
 //   support(d)                the point farthest along d (of any length but zero)
 //   nearest(p)                the boundary point nearest to p (see Nearest)
@@ -72,6 +72,11 @@ struct Hit {
 struct Flat {
   int dimension;
   Vec u, v;
+};
+
+// Of a symmetric form on the plane across n: its entries along two directions u and v there.
+struct Bend {
+  double uu, uv, vv;
 };
 
 DYN_INLINE double norm(const Vec& a) { return std::sqrt(dot(a, a)); }

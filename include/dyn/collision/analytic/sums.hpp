@@ -61,6 +61,7 @@ class SumPair {
   Vec n_, c_;
   Vec foot_;          // c less the discs' points
   Vec on_a_, on_b_;   // the discs' points
+  double sine_;       // the smaller of n to the discs' axes: over angles of this size the rims bend
   double length_[6], height_[6];  // of the segments, and n.e_k
   double place_[6];   // of the foot, along each segment
   int across_[2], fixed_ = 0;  // segments that n stays across
@@ -90,11 +91,10 @@ class SumPair {
   }
   // the points of the discs at n_; false: no distance is left, or n is a disc's axis
   bool at_rims() {
-    foot_ = c_;
-    if constexpr (disc_a)
-      if (!(rim(n_, shape::axis(2), a_.disc, on_a_) > straight)) return false;
-    if constexpr (disc_b)
-      if (!(rim(n_, R_.z, b_.disc, on_b_) > straight)) return false;
+    foot_ = c_, sine_ = 1;
+    if constexpr (disc_a) sine_ = std::min(sine_, rim(n_, shape::axis(2), a_.disc, on_a_));
+    if constexpr (disc_b) sine_ = std::min(sine_, rim(n_, R_.z, b_.disc, on_b_));
+    if (!(sine_ > straight)) return false;
     if constexpr (disc_a) foot_ -= on_a_;
     if constexpr (disc_b) foot_ -= on_b_;
     return dot(foot_, n_) > 0;
@@ -122,7 +122,7 @@ class SumPair {
       if (std::abs(step) <= 1e-15) return true;
       n_ = n_ + m * std::clamp(step, -0.5, 0.5);
       n_ = n_ * (1 / shape::norm(n_));
-      if (std::abs(step) <= 1e-7) return at_rims();
+      if (std::abs(step) <= 1e-7 * sine_) return at_rims();
     }
     return false;
   }
@@ -159,7 +159,7 @@ class SumPair {
       if (step2 <= 1e-30) return true;
       n_ = n_ + u * (du * shorter) + v * (dv * shorter);
       n_ = n_ * (1 / shape::norm(n_));
-      if (step2 <= 1e-14) return at_rims();
+      if (step2 <= 1e-14 * sine_ * sine_) return at_rims();
     }
     return false;
   }

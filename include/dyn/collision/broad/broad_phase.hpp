@@ -67,6 +67,7 @@ class BroadPhase {
   void release(Index id);
   void settle();
   void pack();
+  bool refit();
   bool refresh();
   void join();
   void replace_stale();
@@ -84,6 +85,8 @@ class BroadPhase {
   bool candidates_valid_ = true;
   double margin_;
   PackedTree tree_;
+  bool same_boxes_ = false;  // the tree was packed of the boxes that there are
+  double spread_ = 0;        // when it was packed (raise)
   Bounds* tight_;
   Index* state_;  // of an id: where it lies, 8 block + lane, in the tree or (loose_bit) in loose blocks; free_slot or nowhere
   Index* id_;     // of a lane of the tree

@@ -21,14 +21,23 @@ struct PackedTree {
     do blocks[levels++] = n = room(n);
     while (n > 1);
   }
-  // the levels above the boxes
-  void raise() {
+  // The levels above the boxes. How wide the blocks of boxes are, as the sum of logarithms, in which a few vast ones hide nothing.
+  double raise() {
+    double spread = 0;
     for (int l = 1; l < levels; ++l)
       for (Index b = 0; b < blocks[l]; ++b) {
         block[l][b].clear();
         const Index first = b * Block::lanes, end = std::min(first + Block::lanes, blocks[l - 1]);
-        for (Index c = first; c < end; ++c) block[l][b].set(c - first, block[l - 1][c].hull());
+        for (Index c = first; c < end; ++c) {
+          const Box hull = block[l - 1][c].hull();
+          block[l][b].set(c - first, hull);
+          if (l > 1) continue;
+          double width = 1e-300;
+          for (int i = 0; i < 3; ++i) width += std::max(double(hull.upper[i]) - hull.lower[i], 0.0);
+          spread += std::log(width);
+        }
       }
+    return spread;
   }
 
   // visit(leaf block) where test(block) has a bit for each lane to be followed; blocks before `from` are left out

@@ -1,0 +1,55 @@
+// Pairs of convex shapes without a closed form, as distance.cpp has them in its table. They are instantiated in convex_*.cpp, a few in each:
+// every pair is a GJK, an EPA and a Newton's method of its own.
+#pragma once
+
+#include "dyn/collision/analytic/sums.hpp"
+#include "dyn/collision/convex_pair.hpp"
+#include "dyn/shape/list.hpp"
+
+namespace dyn::collision {
+
+using namespace shape;
+
+// B in the frame of A: positions are subtracted first, so that a pair far from the world's origin loses nothing.
+inline Pose relative(const Pose& A, const Pose& B) {
+  const Mat Rt = transpose(A.R);
+  return {Rt * B.R, Rt * (B.p - A.p)};
+}
+// Pairs answered in the frame of A.
+inline Result turned(Result r, const Pose& XA) {
+  r.normal = XA.R * r.normal, r.point_a = XA.act(r.point_a), r.point_b = XA.act(r.point_b);
+  return r;
+}
+// of shapes with straight features, which may be parallel
+template <class A, class B, class F>
+Result general(const Shape& shape_a, const Pose& XA, const Shape& shape_b, const Pose& XB, const Options& o, F&& method) {
+  const A a(shape_a);
+  const B b(shape_b);
+  const Difference<A, B> d(a, b, relative(XA, XB));
+  Cores c = method(d);
+  c.unique = c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));
+  return turned(rounded(c, a.radius, b.radius, d.small, o), XA);
+}
+template <class A, class B>
+Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
+  return general<A, B>(a, XA, b, XB, o, [&](const auto& d) {
+    if constexpr (is_sum<A> && is_sum<B>) {
+      Cores c;
+      if (sum_pair(d, d.X.p, wanted(d, o), c)) return c;
+    }
+    return convex_pair(d, w, o);
+  });
+}
+
+// f(A, B) of all, by the file that holds them
+#define DYN_CONVEX_STRAIGHT(F) \
+  F(Capsule, Cylinder) F(Capsule, Cone) F(Capsule, Ellipsoid) F(Capsule, Convex) F(Box, Cylinder) F(Box, Cone) F(Box, Ellipsoid) F(Box, Convex)
+#define DYN_CONVEX_CYLINDER(F) F(Cylinder, Cylinder) F(Cylinder, Cone) F(Cylinder, Ellipsoid) F(Cylinder, Convex)
+#define DYN_CONVEX_OTHER(F) F(Cone, Cone) F(Cone, Ellipsoid) F(Cone, Convex) F(Ellipsoid, Ellipsoid) F(Ellipsoid, Convex) F(Convex, Convex)
+#define DYN_CONVEX_INSTANCE(A, B) template Result convex<A, B>(const Shape&, const Pose&, const Shape&, const Pose&, Workspace&, const Options&);
+#define DYN_CONVEX_ELSEWHERE(A, B) extern DYN_CONVEX_INSTANCE(A, B)
+DYN_CONVEX_STRAIGHT(DYN_CONVEX_ELSEWHERE)
+DYN_CONVEX_CYLINDER(DYN_CONVEX_ELSEWHERE)
+DYN_CONVEX_OTHER(DYN_CONVEX_ELSEWHERE)
+
+}  // namespace dyn::collision
