@@ -70,14 +70,17 @@ void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* 
     const double f = at(0);
     return length == 0 || f >= 0;
   };
-  // one that slid before slides on, and sweep by sweep its resistance converges with the rest: a step of Newton is enough
+  // one that slid before slides on: where its resistance has hardly changed, a step of Newton is enough
   const auto slid_on = [&] {
     double a = l.resistance;
     if (a == 0) return false;
-    const double f = at(a), next = a - f / slope;
-    if (!(next > 0.5 * a && next < 2 * a)) return false;
-    l.resistance = next;
-    at(next);
+    for (int k = 0; k < 4; ++k) {
+      const double f = at(a), next = a - f / slope, change = std::fabs(next - a);
+      if (!(change < 0.5 * a)) return false;
+      l.resistance = a = next;
+      if (change < 1e-3 * a) break;
+    }
+    at(a);
     return true;
   };
   if (!slid_on() && !stuck()) {
