@@ -396,7 +396,7 @@ enum {
   DYN_PART_COLLISION = 1u << 17,           /* distances of all pairs */
   DYN_PART_CONSTRAINTS = 1u << 18,         /* slots, Delassus matrix (includes FORWARD; FACTOR when there are mimic joints) */
   DYN_PART_CONSTRAINT_DERIVATIVES = 1u << 19, /* nv x rows, rows x nv (includes CONSTRAINTS and FORWARD_DERIVATIVES) */
-  DYN_PART_SIMULATION = 1u << 20,          /* stages of the integrators (includes FORWARD; FACTOR when there are mimic joints) */
+  DYN_PART_SIMULATION = 1u << 20,          /* steps (includes FORWARD; FACTOR with mimic joints; COLLISION and CONSTRAINTS where there are pairs, limits, slots) */
   DYN_PART_ALL = 0x1fffff
 };
 
@@ -412,7 +412,7 @@ DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
    neutral configuration and rest. */
 DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* tau);
 
-/* Effects of the joints that the algorithms apply, a bit each; data has them switched on or off joint by joint. New data: ARMATURE alone.
+/* Effects of the joints that the algorithms apply, a bit each; data has them switched on or off joint by joint. New data: ARMATURE and LIMITS, which act in steps alone.
      M = rigid bodies' + armature        M a + nle = tau + J' fext
      nle = Coriolis, centrifugal and gravity forces + damping v + friction tanh(v / DYN_FRICTION_VELOCITY) + stiffness (q (-) reference)
    Inverse and forward dynamics, steps, their derivatives of all orders, static torque and energies (of rotors and springs) take the same
@@ -1249,8 +1249,13 @@ DYN_API dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int fac
 
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
-/* Smooth dynamics (no contact, no limits) of q, v held in data under the constant tau held there, with the effects that are switched on.
-   Rotations are integrated on the group, so that the orders hold for them, too. */
+/* Motion of q, v held in data under the constant tau held there, with the effects that are switched on, the contacts of the pairs that are tested,
+   and the constraints of the slots that are enabled. Rotations are integrated on the group, so that the orders hold for them, too.
+   A step that may meet contacts, limits or constraints solves for their impulses (dynContactProblem: Signorini, Coulomb's cone, maximum dissipation), one
+   problem for each island of bodies that they join, beginning with those of the step before:
+     v_free = v + dt ddq      v' = v_free + M^-1 J' lambda, with c_n >= -gap / dt      q' = q (+) (dt v' + M^-1 J' mu)
+   (Stewart and Trinkle 1996; Anitescu and Potra 1997; impacts by Moreau's law). mu takes half of an overlap away in a step, at most 1 m/s, and leaves v'
+   alone. Such steps are of order 1: those of the other integrators are then IMPLICIT_FAST's. Free flyers keep their momentum. */
 typedef enum dynIntegrator {
   DYN_SEMI_IMPLICIT_EULER = 0, /* order 1; damping and dry friction at the end of the step: no coefficient is too large */
   DYN_RK4 = 1,                 /* order 4, four evaluations of forward dynamics a step */
