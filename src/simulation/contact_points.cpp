@@ -58,7 +58,10 @@ Index find_contacts(const Model& m, Data<double>& d, double h) {
   Workspace& w = *d.step;
   std::swap(w.contacts, w.before);
   w.before_count = w.contact_count, w.contact_count = 0;
-  for (Index k = 0; k < m.n.geoms; ++k) d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
+  for (Index k = 0; k < m.n.geoms; ++k) {
+    d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
+    w.speeds[k] = fastest(d, k);
+  }
   Manifold found;
   for (Index k = 0; k < m.n.pairs; ++k) {
     if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
@@ -66,7 +69,7 @@ Index find_contacts(const Model& m, Data<double>& d, double h) {
     const Geom &a = d.geoms[ia], &b = d.geoms[ib];
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
     // impulses of the step change velocities: shapes this near one another always count
-    const double near = 0.02 * std::min(a.reach, b.reach), margin = near + 1.5 * h * (fastest(d, ia) + fastest(d, ib));
+    const double near = 0.02 * std::min(a.reach, b.reach), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
     if (!(near < shape::infinity) || collision::distance_at_least(a, A, b, B) > margin) continue;
     collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
     for (int i = 0; i < found.count; ++i) {

@@ -48,6 +48,7 @@ struct Workspace {
 
   // the rest is there when something may act
   dynMaterial* materials;       // of collision shapes
+  double* speeds;               // no point of theirs is faster
   Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
   Motion<double>* root_velocity;  // of bodies: free, W at the tree's root
   Slot<double>* slots;          // of contacts and limits
