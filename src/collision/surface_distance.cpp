@@ -138,7 +138,7 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
       // what is left of the overlap tells for sure
       auto left = [&](const Vec& way) { return -with_convex(a, shape_b, b, Pose{X.R, X.p + way}, w, o, true).distance; };
       const bool tie = face.depth <= -1.001 * r.distance;
-      if (longer && stays_below(a, face, r) && (tie || left(r.normal * -r.distance) > 1e-9 * size) && left(face.normal * face.depth) <= 1e-8 * size) {
+      if (longer && stays_below(a, face, r) && (tie || left(r.normal * -r.distance) > 1e-9 * size) && left(face.normal * face.depth) <= o.accepted * size) {
         r.normal = face.normal, r.distance = -face.depth, r.residual = 0;
         r.point_b = face.lowest, r.point_a = face.lowest + face.normal * face.depth;
       }

@@ -55,8 +55,7 @@ struct Cone : Solid<Cone> {
   using Solid::bounds;
   Bounds bounds(const Mat& R) const {
     const Vec apex = R.z * half, reach = rim_reach(R.z) * r;
-    auto least = [](const Vec& a, const Vec& b) { return Vec::make(std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])); };
-    return {least(apex, -apex - reach), -least(-apex, apex - reach)};
+    return {lesser(apex, -apex - reach), greater(apex, reach - apex)};
   }
   Inertia<double> solid() const {
     const Side side = {r, -half, 0, half};

@@ -50,8 +50,6 @@ inline void search(const S& s, const double& limit, Lower&& lower, Leaf&& leaf) 
 DYN_INLINE Vec middle(const Bounds& b) { return (b.lower + b.upper) * 0.5; }
 DYN_INLINE Vec half_of(const Bounds& b) { return (b.upper - b.lower) * 0.5; }
 DYN_INLINE Vec positive(const Vec& a) { return Vec::make(std::max(a[0], 0.0), std::max(a[1], 0.0), std::max(a[2], 0.0)); }
-DYN_INLINE Vec lesser(const Vec& a, const Vec& b) { return Vec::make(std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])); }
-DYN_INLINE Vec greater(const Vec& a, const Vec& b) { return Vec::make(std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])); }
 // From a point to a box; from box to box, below zero the least overlap along an axis: no two shapes in them are nearer.
 DYN_INLINE double distance_to(const Bounds& b, const Vec& p) { return norm(positive(sizes(p - middle(b)) - half_of(b))); }
 DYN_INLINE double distance_between(const Bounds& a, const Bounds& b) {
