@@ -148,3 +148,35 @@ def test_planted_redundancy_and_contradiction_are_named(kind):
         assert apart.rank == alone.rank and named(apart, dyn.RowVerdict.CONTRADICTORY) == both
         assert named(apart, dyn.RowVerdict.INDEPENDENT) == {"beside"} and 1e-4 < apart.contradiction < 1e-3
     assert cases >= 5
+
+
+def test_branch_without_mass():
+    """The builder refuses it; where only an armature resisted, and is switched off, each call names the joint and leaves q, v as they were."""
+
+    def tool(armature):
+        b = dyn.Builder("tool")
+        b.joint("arm", "revolute", axis=(0, 1, 0)).body("arm_link", "arm", mass=1, com=(0.2, 0, 0), inertia=np.diag([0.01, 0.1, 0.1]))
+        b.joint("pointer", "revolute", "arm", (0.5, 0, 0), axis=(0, 1, 0), armature=armature).frame("tip", "pointer", (0.3, 0, 0))
+        return b.constraint("on_the_wall", dc.point("tip", placement2=(0.7, 0, 0))).finish()
+
+    with pytest.raises(dyn.InvalidRobotError, match="pointer.*no mass"):
+        tool(None)
+    d = tool([0.1]).data()
+    d.set_effects(())
+    q, v, tau = np.array([0.3, -0.5]), np.array([0.1, 0.2]), np.array([1.0, 2.0])
+    d.forward_kinematics(q, v)
+    before = d.q.copy(), d.v.copy()
+    elsewhere = q + 1
+    calls = {
+        "constrained_dynamics": lambda: d.constrained_dynamics(elsewhere, v, tau),
+        "derivatives": lambda: d.constrained_dynamics_derivatives(elsewhere, v, tau),
+        "impulse": lambda: d.constraint_impulse(elsewhere, v),
+        "impulse derivatives": lambda: d.constraint_impulse_derivatives(elsewhere, v),
+        "delassus": lambda: d.delassus(elsewhere),
+        "project": lambda: d.project(elsewhere),
+        "report": lambda: d.constraint_report(elsewhere),
+    }
+    for name, call in calls.items():
+        with pytest.raises(dyn.NumericError, match="pointer"):
+            call()
+        assert np.array_equal(d.q, before[0]) and np.array_equal(d.v, before[1]), name
