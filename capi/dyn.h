@@ -881,7 +881,8 @@ typedef struct dynProjectOptions {
 } dynProjectOptions;
 DYN_API void dyn_project_options_init(dynProjectOptions* options);
 /* q, and v when v_out is not NULL, that satisfy the constraints, near those given: damped Gauss-Newton on the manifold. Where they
-   contradict each other, the least-squares q, and result->reason says so. q_out: nq, v_out: nv. data is left at the solution. */
+   contradict each other, the least-squares q, and result->reason says so; so it does where no small step makes |C| less, as of a linkage
+   stretched flat: start elsewhere. q_out: nq, v_out: nv. data is left at the solution. */
 DYN_API dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, const double* v, const dynProjectOptions* options, double* q_out,
                               double* v_out, dynConstraintResult* result);
 

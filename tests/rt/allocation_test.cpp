@@ -312,7 +312,7 @@ TEST(Allocations, NoneUnderConstraints) {
   Data d(m);
   const State s = random_state(m, 1);
   const std::size_t nv = std::size_t(m.nv());
-  Numbers ddq(nv), lambda(64), square(nv * nv), J(64 * nv), G(64 * 64);
+  Numbers ddq(nv), lambda(64), square(nv * nv), J(64 * nv), G(64 * 64), projected(std::size_t(m.nq()));
   dynConstraintResult result{};
   result.struct_size = sizeof result;
   dynConstraintDerivatives out{};
@@ -331,12 +331,16 @@ TEST(Allocations, NoneUnderConstraints) {
     EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, ddq.data(), lambda.data(), &result)) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_constrained_dynamics_derivatives(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, &out, &result)) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_constraint_impulse(m, d, s.q.data(), s.v.data(), nullptr, ddq.data(), lambda.data(), &result)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constraint_impulse_derivatives(m, d, s.q.data(), s.v.data(), nullptr, &out, &result)) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_constrained_inverse_dynamics(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr, ddq.data(), lambda.data(), &result));
     EXPECT_EQ(DYN_OK, dyn_constraint_terms(m, d, s.q.data(), s.v.data(), lambda.data(), J.data(), lambda.data(), lambda.data())) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_delassus(m, d, s.q.data(), G.data())) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_delassus_factor(m, d, s.q.data(), J.data(), lambda.data())) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_delassus_times(m, d, s.q.data(), J.data(), lambda.data())) << dyn_last_error();
     EXPECT_EQ(DYN_OK, dyn_delassus_solve(m, d, s.q.data(), 1e-3, J.data(), lambda.data())) << dyn_last_error();
     dyn_constraint_report(m, d, s.q.data(), &report, nullptr, 0);
+    EXPECT_EQ(DYN_OK, dyn_project(m, d, s.q.data(), s.v.data(), nullptr, projected.data(), ddq.data(), &result)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_constraint_anchor(m, d, 0, s.q.data())) << dyn_last_error();
   };
   auto quiet = [&](const char* what) {
     const long before = allocations, locked = locks;

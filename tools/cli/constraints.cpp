@@ -94,17 +94,33 @@ struct CheckOptions {
   bool as_is = false;
 };
 
-// The nearest q that satisfies the constraints, and what is wrong with them there.
+// A q that satisfies the constraints, from q and, as a linkage stretched flat lets no step go anywhere, from starts ever farther from it; where
+// none leads to one, what q itself led to.
+Vector satisfying(const Robot& robot, const Data& data, const Vector& q) {
+  constexpr int starts = 32;
+  dynConstraintResult found{};
+  found.struct_size = sizeof found;
+  Vector nearest(q), start(q), trial(q);
+  for (int k = 0; k <= starts; ++k) {
+    if (k > 0) {
+      check(dyn_random(robot, static_cast<uint64_t>(k), nullptr, nullptr, start.data()));
+      check(dyn_interpolate(robot, q.data(), start.data(), static_cast<double>(k) / starts, start.data()));
+    }
+    check(dyn_project(robot, data, start.data(), nullptr, nullptr, trial.data(), nullptr, &found));
+    if (found.reason == DYN_CONSTRAINED) return trial;
+    if (k == 0) nearest = trial;
+  }
+  return nearest;
+}
+
+// What is wrong with the constraints where they are satisfied.
 void run(const CheckOptions& options) {
   check_lists(options.state);
   const Robot robot(options.robot, contact_count(options.contacts));
   const Data data(robot, DYN_PART_CONSTRAINTS);
   set_contacts(robot, data, options.contacts);
   const State state = read_state(robot, options.state);
-  Vector q = state.q;
-  dynConstraintResult found{};
-  found.struct_size = sizeof found;
-  if (!options.as_is) check(dyn_project(robot, data, q.data(), nullptr, nullptr, q.data(), nullptr, &found));
+  const Vector q = options.as_is ? state.q : satisfying(robot, data, state.q);
 
   const int rows = row_count(robot, data);
   std::vector<dynRowReport> list(static_cast<std::size_t>(rows));
@@ -124,7 +140,7 @@ void run(const CheckOptions& options) {
   if (options.robot.json) return print(json_text(answer));
   std::string text = std::to_string(slots.size()) + " constraints, " + std::to_string(report.rows) + " rows, rank " + std::to_string(report.rank) + ": " +
                      std::to_string(robot.nv - report.rank) + " of " + std::to_string(robot.nv) + " degrees of freedom are left\n";
-  text += report.error < 1e-9 ? "q satisfies them" : "no q nearby satisfies them";
+  text += report.error < 1e-9 ? "q satisfies them" : options.as_is ? "q does not satisfy them" : "no q was found that satisfies them";
   text += ": largest error " + short_number(report.error) + "; condition " + short_number(report.condition) + "\n";
   if (!answer["dependent"].empty()) {
     std::vector<std::vector<std::string>> lines = {{"constraint", "row", "verdict", "share", "error"}};
@@ -143,7 +159,7 @@ void add_check(CLI::App& app) {
   add_robot_options(*command, options->robot);
   add_state_options(*command, options->state, false);
   add_contact_options(*command, options->contacts);
-  command->add_flag("--as-is", options->as_is, "At the given q, not at the nearest one that satisfies the constraints");
+  command->add_flag("--as-is", options->as_is, "At the given q, not at one that satisfies the constraints");
   command->callback([options] { run(*options); });
 }
 

@@ -276,12 +276,16 @@ class ConstraintCalls:
         s = None if constraint is None else byref(structure(constraint, find))
         check(lib.dyn_constraint_set(self._m, self._d, self._slot(slot), s))
 
+    def get_constraint(self, slot: str | int) -> abi.Constraint:
+        """What a slot holds: the fields of dynConstraint, of type NONE when it is empty."""
+        out = abi.Constraint()
+        check(lib.dyn_constraint_get(self._m, self._d, self._slot(slot), byref(out)))
+        return out
+
     def add_constraint(self, constraint: Constraint) -> int:
         """Puts a constraint into the first empty slot; answers its number."""
-        held = abi.Constraint()
         for slot in range(self.model.nconstraint_slots):
-            check(lib.dyn_constraint_get(self._m, self._d, slot, byref(held)))
-            if held.type == ConstraintType.NONE:
+            if self.get_constraint(slot).type == ConstraintType.NONE:
                 self.set_constraint(slot, constraint)
                 return slot
         raise ArgumentError(f"all {self.model.nconstraint_slots} slots are full: load the model with more constraint_slots, or empty one.")

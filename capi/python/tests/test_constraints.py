@@ -521,6 +521,11 @@ def test_anchor():
     for slot in range(4):
         d.anchor_constraint(slot, q)
     assert abs(d.constraint_terms(q, v).C).max() < 1e-14
+    d.forward_kinematics(q)
+    held = d.get_constraint(2)
+    assert held.type == dyn.constraint.ConstraintType.POINT and m.frames[held.first].name == FEET[2]
+    np.testing.assert_allclose(np.array(held.placement2)[-3:], d.frame_placement(FEET[2])[1], atol=1e-14)
+    assert d.get_constraint(4).type == dyn.constraint.ConstraintType.NONE
     moved = m.integrate(q, 0.05 * np.ones(m.nv))
     assert abs(d.constraint_terms(moved, v).C).max() > 1e-3
     p = d.project(moved)

@@ -87,7 +87,7 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
       const Motion<T> s = J::column(b, d.R[i], k);
       const Force<T> U = times_column<J>(IA, s);
       const T D = dot_column<J>(s, U) + d.armature[at];
-      if (!(D > T(0))) singular = i;
+      if (!(D > T(0)) && !singular) singular = i;
       const T Dinv = T(1) / D, u = tau[at] - dot_column<J>(s, pA);
       IA = IA.minus_outer(U, Dinv);
       pA = pA + U * (u * Dinv);

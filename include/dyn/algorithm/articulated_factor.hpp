@@ -30,7 +30,7 @@ Index articulated_factor(const Model& m, Data<T>& d) {
       const Motion<T> s = J::column(m.bodies()[i], d.R[i], k);
       const Force<T> U = times_column<J>(IA, s);
       const T D = dot_column<J>(s, U) + d.armature[at];
-      if (!(D > T(0))) singular = i;
+      if (!(D > T(0)) && !singular) singular = i;
       const T Dinv = T(1) / D;
       IA = IA.minus_outer(U, Dinv);
       d.U_root[at] = shift(U, d.rel[i]);
