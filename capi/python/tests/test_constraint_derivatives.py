@@ -3,22 +3,10 @@
 import numpy as np
 import pytest
 from conftest import MODELS
-from test_constraints import TIES, arms, random_state
+from test_constraints import TIES, arms, differences, random_state
 
 import dyn
 from dyn import constraint as dc
-
-
-def differences(f, n):
-    """Extrapolated central differences, a column for each direction."""
-    out = []
-    for k in range(n):
-        e = np.zeros(n)
-        e[k] = 1.0
-        D = lambda h: (f(h * e) - f(-h * e)) / (2 * h)
-        h = 2e-3
-        out.append((64 * D(h / 4) - 20 * D(h / 2) + D(h)) / 45)
-    return np.array(out).T
 
 
 def agree(got, expected, what):

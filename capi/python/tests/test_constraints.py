@@ -361,22 +361,24 @@ def test_rows_are_derivatives_of_each_other(name):
     np.testing.assert_allclose(rate, t.drift, atol=2e-6 * max(1, abs(t.drift).max()))
 
 
+def differences(f, n):
+    """Extrapolated central differences, a column for each direction."""
+    out = []
+    for k in range(n):
+        e = np.zeros(n)
+        e[k] = 1.0
+        D = lambda h: (f(h * e) - f(-h * e)) / (2 * h)
+        h = 2e-3
+        out.append((64 * D(h / 4) - 20 * D(h / 2) + D(h)) / 45)
+    return np.array(out).T
+
+
 @pytest.mark.parametrize("name", TIES)
 def test_derivatives(name):
     m = arms(TIES[name])
     d = m.data()
     q, v, tau = random_state(m, 6)
     base = d.constrained_dynamics_derivatives(q, v, tau)
-
-    def differences(f, n):
-        out = []
-        for k in range(n):
-            e = np.zeros(n)
-            e[k] = 1.0
-            D = lambda h: (f(h * e) - f(-h * e)) / (2 * h)
-            h = 2e-3
-            out.append((64 * D(h / 4) - 20 * D(h / 2) + D(h)) / 45)
-        return np.array(out).T
 
     both = lambda q, v, tau: np.concatenate(d.constrained_dynamics(q, v, tau))
     expected = {
