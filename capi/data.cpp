@@ -117,7 +117,15 @@ dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, 
 dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects) {
   Call call(model, data, 0, "dyn_data_effects");
   if (!call || !call.joint_or_all(joint) || !call.required("effects", effects)) return call.status;
-  *effects = joint ? call.d().effects[joint] : call.d().acting;
+  *effects = joint ? call.d().effects[joint] : call.d().acting & std::uint32_t(DYN_EFFECT_ALL);
+  return DYN_OK;
+}
+
+dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, const double gravity[3]) {
+  Call call(model, data, 0, "dyn_data_set_gravity");
+  if (!call || !call.required("gravity", gravity) || !call.finite("gravity", gravity, 3)) return call.status;
+  copy_out(gravity, 3, call.d().gravity);
+  call.drop_results();
   return DYN_OK;
 }
 
@@ -153,8 +161,8 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
     return fail(DYN_ERROR_SIZE, "dyn_data_array: struct_size is %u, needs %zu: set it to sizeof(dynArray)", out->struct_size, sizeof(dynArray));
   if (!call.fresh(rows[field].stage, rows[field].info.name, rows[field].info.producer)) return call.status;
   const std::ptrdiff_t nq = call.m().n.nq, nv = call.m().n.nv, nframes = call.m().n.frames, nparameters = parameter_count(call.m()),
-                       npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows;
-  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows;
+                       npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows, nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators;
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
     out->rows = int32_t(height), out->cols = int32_t(width), out->data = numbers;
   };

@@ -329,6 +329,15 @@ DYN_API dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* spe
 DYN_API dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
                                    const double com[3], const double inertia[9]);
 DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
+/* A share of a link's weight that is held from outside, at its centre of mass: 1 makes it weightless in steps. Any finite number. */
+DYN_API dynStatus dyn_builder_gravity_compensation(dynBuilder* builder, const char* body, double share);
+/* What the links move in: density (kg/m^3), viscosity (Pa s), both >= 0, and the velocity it moves with (m/s, world; NULL: it stands still). Steps
+   take the drag on each link as on the box of equal inertia with sides 2 r, relative to the medium and in the principal axes, with
+   b_i = 4 r_j r_k (the face across axis i) and d the mean of the sides:
+     force_i  = - density / 2 b_i |v_i| v_i - 3 pi d viscosity v_i
+     moment_i = - density / 2 r_i (r_j^4 + r_k^4) |w_i| w_i - pi d^3 viscosity w_i
+   (MuJoCo's inertia-based fluid model, documentation, Computation: Passive forces). */
+DYN_API dynStatus dyn_builder_medium(dynBuilder* builder, double density, double viscosity, const double wind[3]);
 /* A shape on a link. */
 typedef struct dynShapeSpec {
   uint32_t struct_size;   /* set by dyn_shape_spec_init */
@@ -346,6 +355,9 @@ typedef struct dynShapeSpec {
 } dynShapeSpec;
 DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
 DYN_API dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* spec);
+/* Two collision shapes of different bodies, by their names, that are tested whatever the filter says; material: of their contacts in steps, NULL: it
+   follows from those of the shapes. */
+DYN_API dynStatus dyn_builder_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material);
 /* A named configuration: nq numbers in the finished model's order. Its quaternions and (cos, sin) pairs need not be unit: the model
    keeps them normalised. A zero one is refused by dyn_builder_finish (DYN_ERROR_QUATERNION). */
 DYN_API dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
@@ -412,7 +424,8 @@ DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
    neutral configuration and rest. */
 DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* tau);
 
-/* Effects of the joints that the algorithms apply, a bit each; data has them switched on or off joint by joint. New data: ARMATURE and LIMITS, which act in steps alone.
+/* Effects that the algorithms apply, a bit each; data has them switched on or off joint by joint. New data: those of DYN_EFFECT_DEFAULT. LIMITS and
+   those after it act in steps alone; ACTUATORS are those of the joint, FLUID and GRAVITY_COMPENSATION act on the links that it carries.
      M = rigid bodies' + armature        M a + nle = tau + J' fext
      nle = Coriolis, centrifugal and gravity forces + damping v + friction tanh(v / DYN_FRICTION_VELOCITY) + stiffness (q (-) reference)
    Inverse and forward dynamics, steps, their derivatives of all orders, static torque and energies (of rotors and springs) take the same
@@ -424,13 +437,19 @@ enum {
   DYN_EFFECT_SPRINGS = 1u << 2,
   DYN_EFFECT_FRICTION = 1u << 3,
   DYN_EFFECT_LIMITS = 1u << 4,
-  DYN_EFFECT_ALL = 0x1f
+  DYN_EFFECT_ACTUATORS = 1u << 5,
+  DYN_EFFECT_FLUID = 1u << 6,
+  DYN_EFFECT_GRAVITY_COMPENSATION = 1u << 7,
+  DYN_EFFECT_DEFAULT = 0xf1,
+  DYN_EFFECT_ALL = 0xff
 };
 /* Switches the effects of a joint, or with joint 0 of all, to those of the mask. A follower's are part of its leader's: name that one.
    All results are stale afterwards. */
 DYN_API dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects);
 /* Those that are on; with joint 0 those that act: on at some joint that has them. */
 DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects);
+/* Gravity in this data (m/s^2, world axes); new data has the model's. All results are stale afterwards. The field "gravity" reads it. */
+DYN_API dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, const double gravity[3]);
 
 /* Fields: everything that data holds, by id. Ids are never renumbered. */
 typedef int32_t dynField;
@@ -1248,9 +1267,53 @@ typedef struct dynQp {
    linearisation alone is wanted. */
 DYN_API dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp);
 
+/* ------------------------------------------------------------------------------------------------------- actuators */
+
+/* What controls u drive in steps (forward dynamics by itself takes tau alone). Of the coordinate x that it acts on, in a joint whose neutral
+   configuration is 0, with the length l = gear x:
+     w' = (u - w) / time_constant, or w = u      f = gain w + bias[0] + bias[1] l + bias[2] l', within force_range      tau += gear f
+   Euler steps and those that meet contacts take what grows with l and l' at the end of the step, so that no gain is too large. */
+typedef enum dynActuatorType {
+  DYN_ACTUATOR_MOTOR = 0,    /* f = w */
+  DYN_ACTUATOR_POSITION = 1, /* f = kp (w - l) - kv l' */
+  DYN_ACTUATOR_VELOCITY = 2, /* f = kv (w - l') */
+  DYN_ACTUATOR_PD = 3,       /* f = kp (w - l) + kv (u[1] - l') + u[2]: three controls, target, its rate, and the force that is known beforehand */
+  DYN_ACTUATOR_AFFINE = 4    /* gain and bias as given */
+} dynActuatorType;
+
+typedef struct dynActuator {
+  uint32_t struct_size;      /* set by dyn_actuator_init */
+  dynActuatorType type;
+  int32_t joint, component;  /* id of the joint, and which of its degrees of freedom; the builder takes the joint by name. What depends on l needs
+                                a coordinate whose rate is the velocity: not those of quaternions, planar and Euler-angle joints */
+  double gear;               /* default 1 */
+  double kp, kv;             /* POSITION, VELOCITY, PD: >= 0 */
+  double gain, bias[3];      /* AFFINE */
+  double time_constant;      /* s, >= 0, of the filter of the first control; default 0: none */
+  double control_range[2];   /* which the first control is moved to; default: infinite */
+  double force_range[2];     /* of f; default: infinite */
+  int32_t idx_u, controls;   /* of a model: its first control, how many it has */
+} dynActuator;
+DYN_API void dyn_actuator_init(dynActuator* actuator, dynActuatorType type);
+DYN_API dynStatus dyn_builder_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint);
+DYN_API int dyn_nactuators(const dynModel* model);
+DYN_API int dyn_nu(const dynModel* model); /* controls of all actuators */
+DYN_API const char* dyn_actuator_name(const dynModel* model, int actuator);
+DYN_API int dyn_actuator_id(const dynModel* model, const char* name);
+DYN_API dynStatus dyn_actuator_info(const dynModel* model, int actuator, dynActuator* out);
+/* Controls held in data, nu; new data: zeros. The fields "ctrl", "act" (w of the filters, in the order of their actuators) and "actuator_force" (f
+   where the last step ended, nactuators) read what there is. Needs part SIMULATION. */
+DYN_API dynStatus dyn_data_set_control(const dynModel* model, dynData* data, const double* u);
+
+/* Adds a force and moment [N; N m] that acts in steps until dyn_data_clear_wrenches: at point of the frame (3, in its axes; NULL: its origin).
+   LOCAL: in the frame's axes, turning with it; LOCAL_WORLD_ALIGNED: in world axes, at the point; WORLD: in world axes, the moment about the world's
+   origin (point must be NULL). Any number of them. Needs part SIMULATION. */
+DYN_API dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame, const double* point, const double wrench[6], dynReference reference);
+DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
+
 /* ------------------------------------------------------------------------------------------------------- simulation */
 
-/* Motion of q, v held in data under the constant tau held there, with the effects that are switched on, the contacts of the pairs that are tested,
+/* Motion of q, v held in data under the constant tau, controls and wrenches held there, with the effects that are switched on, the contacts of the pairs that are tested,
    and the constraints of the slots that are enabled. Rotations are integrated on the group, so that the orders hold for them, too.
    A step that may meet contacts, limits or constraints solves for their impulses (dynContactProblem: Signorini, Coulomb's cone, maximum dissipation), one
    problem for each island of bodies that they join, beginning with those of the step before:
@@ -1313,9 +1376,9 @@ typedef struct dynContactForce {
 } dynContactForce;
 DYN_API dynStatus dyn_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts, int capacity, int* count);
 
-/* The state of a simulation: q, v, a, tau, the time, and the contacts of the last step, which the next one begins from. Steps after
+/* The state of a simulation: q, v, a, tau, controls and their filters, the time, and the contacts of the last step, which the next one begins from. Steps after
    dyn_state_restore are those after dyn_state_save, bit for bit, where the data (or one of the same model, in the same process) has the same options,
-   effects, pairs, materials and constraints. memory needs dyn_state_size bytes (0 for an invalid handle). */
+   effects, gravity, wrenches, pairs, materials and constraints. memory needs dyn_state_size bytes (0 for an invalid handle). */
 DYN_API size_t dyn_state_size(const dynModel* model);
 DYN_API dynStatus dyn_state_save(const dynModel* model, dynData* data, void* memory, size_t size);
 DYN_API dynStatus dyn_state_restore(const dynModel* model, dynData* data, const void* memory, size_t size);

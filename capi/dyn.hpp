@@ -235,6 +235,11 @@ class Model {
   std::string constraint_name(int constraint) const { return name_(dyn_constraint_name(get(), constraint)); }
   int constraint_id(const std::string& name) const { return id_(dyn_constraint_id(get(), name.c_str())); }
   dynConstraint constraint(int constraint) const { return info_<dynConstraint>(dyn_constraint_info, constraint); }
+  int nactuators() const noexcept { return dyn_nactuators(get()); }
+  int nu() const noexcept { return dyn_nu(get()); }
+  std::string actuator_name(int actuator) const { return name_(dyn_actuator_name(get(), actuator)); }
+  int actuator_id(const std::string& name) const { return id_(dyn_actuator_id(get(), name.c_str())); }
+  dynActuator actuator(int actuator) const { return info_<dynActuator>(dyn_actuator_info, actuator); }
   int report_count() const noexcept { return dyn_report_count(get()); }
   dynReportEntry report(int index) const { return info_<dynReportEntry>(dyn_report_entry, index); }
 
@@ -893,6 +898,13 @@ class Data {
     options.integrator = integrator, options.dt = dt, options.accuracy = accuracy;
     set_stepping(options);
   }
+  // actuators, and forces from outside
+  void set_control(const Vector& u) { check(dyn_data_set_control(m(), get(), Input(u).of(dyn_nu(m()), "u"))); }
+  void apply_wrench(int frame, const Vector& wrench, dynReference reference = DYN_LOCAL_WORLD_ALIGNED, Input point = none) {
+    check(dyn_data_apply_wrench(m(), get(), frame, point.of(3, "point"), Input(wrench).of(6, "wrench"), reference));
+  }
+  void clear_wrenches() { check(dyn_data_clear_wrenches(m(), get())); }
+  void set_gravity(const Vector3& gravity) { check(dyn_data_set_gravity(m(), get(), gravity.data())); }
   void set_stepping(const dynStepOptions& options) { check(dyn_data_set_step_options(m(), get(), &options)); }
   dynStepOptions stepping() const {
     dynStepOptions options;
@@ -1330,6 +1342,19 @@ class Builder {
     if (const double* X = placement.of(12, "placement"))
       for (int k = 0; k < 12; ++k) s.placement[k] = X[k];
     return ok(dyn_builder_shape(get(), &s));
+  }
+  // Two collision shapes that are tested whatever the filter says; material: nullptr, that of the shapes.
+  Builder& pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material = nullptr) {
+    return ok(dyn_builder_pair(get(), shape1.c_str(), shape2.c_str(), material));
+  }
+  Builder& actuator(const std::string& name, const dynActuator& a, const std::string& joint) {
+    return ok(dyn_builder_actuator(get(), name.c_str(), &a, joint.c_str()));
+  }
+  Builder& gravity_compensation(const std::string& body, double share = 1) {
+    return ok(dyn_builder_gravity_compensation(get(), body.c_str(), share));
+  }
+  Builder& medium(double density, double viscosity, Input wind = none) {
+    return ok(dyn_builder_medium(get(), density, viscosity, wind.of(3, "wind")));
   }
   Builder& configuration(const std::string& name, const Vector& q) {
     return ok(dyn_builder_configuration(get(), name.c_str(), q.data(), q.size()));

@@ -284,6 +284,8 @@ void Call::begin_step() {
   x.drop(Stage::Ddq), x.drop(Stage::Factor);  // their buffers are the step's
   copy_out(x.q, m().n.nq, x.backup);
   copy_out(x.v, m().n.nv, x.backup + m().n.nq);
+  copy_out(x.act, m().n.na, x.backup + m().n.nq + 3 * m().n.nv);
+  stepping = true;
   for (Input which : {input_q, input_v}) {
     before[which] = x.version[which];
     x.version[which] = ++handle->counter;
@@ -315,6 +317,7 @@ void Call::take_back() {
   restore(input_v, x.v, m().n.nv);
   restore(input_a, x.a, m().n.nv);
   restore(input_tau, x.tau_applied, m().n.nv);
+  if (stepping) copy_out(backup, m().n.na, x.act);
   // the buffers behind the frame queries held the old state
   x.drop(Stage::Position), x.drop(Stage::Velocity), x.drop(Stage::Acceleration);
   if (was_acceleration) forward_kinematics<2>(m(), x);

@@ -232,6 +232,7 @@ class Call {
   bool entered = false;
   unsigned changed = 0;            // inputs that this call replaced
   std::uint64_t before[input_count];  // their versions
+  bool stepping = false;
   bool was_position = false, was_velocity = false, was_acceleration = false;
 };
 

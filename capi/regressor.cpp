@@ -17,7 +17,7 @@ dynStatus deliver(Call& call, const double* field, std::ptrdiff_t n, const char*
 // The 6 x 10 regressor of a body seen from a frame.
 dynStatus of_frame(Call& call, const FramePose<double>& F, double* out) {
   double Y[60];
-  frame_body_regressor(call.m(), call.d(), F, Y);
+  frame_body_regressor(call.d(), F, Y);
   if (finite_count(Y, 60) < 60) return fail(DYN_ERROR_NUMERIC, "%s: the regressor overflows: the state is too large for double precision", call.function);
   copy_out(Y, 60, out);
   return DYN_OK;

@@ -1,5 +1,6 @@
 // Steps.
 #include "collision.hpp"
+#include "dyn/simulation/actuators.hpp"
 #include "dyn/simulation/material.hpp"
 #include "dyn/simulation/workspace.hpp"
 #include "guard.hpp"
@@ -40,8 +41,9 @@ dynStatus make_step(Call& call, const char* function, double h) {
   Data<double>& d = call.d();
   call.begin_step();
   const Index answer = integrator::step(m, d, d.step->options.integrator, h, d.step->report);
-  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.take_back(), status;
+  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.take_back(), simulation::record_forces(m, d), status;
   call.end_step();
+  simulation::record_forces(m, d);
   d.time[0] += h;
   return DYN_OK;
 }
@@ -54,6 +56,7 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
   d.time[0] += d.step->report.time;
   if (d.step->report.steps == 0) call.take_back();
   else call.end_step();
+  simulation::record_forces(m, d);
   return explain(m, d, answer, function, d.time[0]);
 }
 

@@ -15,13 +15,13 @@ struct Header {
   double time;
 };
 
-std::size_t numbers(const Model& m) { return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv); }
+std::size_t numbers(const Model& m) { return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na); }
 std::size_t bytes(const Model& m) { return sizeof(Header) + numbers(m) * sizeof(double) + std::size_t(m.n.contacts) * sizeof(dynContactForce); }
 
-// f(array of the data, numbers) for q, v, a, tau
+// f(array of the data, numbers) for q, v, a, tau, controls and their filters
 template <class F>
 void for_each_input(const Model& m, Data<double>& d, F&& f) {
-  f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv);
+  f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv), f(d.ctrl, m.n.nu), f(d.act, m.n.na);
 }
 
 bool room(Call& call, const void* memory, std::size_t size) {

@@ -36,13 +36,16 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
   each("asset", [&](Element& e) { file.assets.add(e, file.defaults); });
   each("worldbody", [&](Element& e) { read_world(file, e, context, body); });
   each("contact", [&](Element& e) { read_mjcf_contact(file, e, context); });
+  each("actuator", [&](Element& e) { read_mjcf_actuators(file, e, context); });
+  each("equality", [&](Element& e) { read_mjcf_equalities(file, e, context); });
   each("keyframe", [&](Element& e) {
     if (main) read_mjcf_keys(file, e, context);
     else source.report(e).info(line(e), "<keyframe> of an attached model: not used");
   });
   for (Element* e : sections) {
     const std::string_view name = e->Name();
-    if (name != "compiler" && name != "default" && name != "option" && name != "asset" && name != "worldbody" && name != "contact" && name != "keyframe")
+    if (name != "compiler" && name != "default" && name != "option" && name != "asset" && name != "worldbody" && name != "contact" && name != "keyframe" && name != "actuator" &&
+        name != "equality")
       report_mjcf_section(file, *e);
   }
 }

@@ -18,15 +18,6 @@ Placement placement(const Pose& X) {
   return out;
 }
 
-template <class Call>
-auto located(const MjcfPlace& place, const Call& call) {
-  try {
-    return call();
-  } catch (const Error& e) {
-    place.report->fail(e.status, place.line, e.what());
-  }
-}
-
 // The motion of a joint's frame by a coordinate.
 Pose moved(const MjcfJoint& j, double q) {
   Pose X = Pose::identity();
@@ -74,6 +65,7 @@ void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const Mj
   store33(mass.inertia.full(), inertia.data());
   located(body.place, [&] {
     builder.body(body.name, carrier.parent, placement(carrier.X), mass.mass, {mass.com[0], mass.com[1], mass.com[2]}, inertia);
+    if (body.compensation != 0) builder.gravity_compensation(body.name, body.compensation);
   });
 }
 
@@ -148,7 +140,8 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, int constraint_slots) 
   const std::vector<MjcfMass> masses = mjcf_masses(robot);
   Builder builder(robot.name);
   const MjcfPlace file{robot.bodies[0].place.report, 0, ""};
-  located(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(constraint_slots); });
+  located(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(constraint_slots), builder.medium(robot.density, robot.viscosity, robot.wind); });
+  mark_mjcf_pairs(robot);
   for (size_t i = 1; i < robot.bodies.size(); ++i) add_body(builder, robot, robot.bodies[i], masses[i]);
   std::set<std::string> joints;
   for (const MjcfBody& body : robot.bodies)
@@ -159,6 +152,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, int constraint_slots) 
     located(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
   }
   add_configurations(builder, robot);
+  add_mjcf_actuators(builder, robot), add_mjcf_equalities(builder, robot), add_mjcf_pairs(builder, robot);
   for (const Report::Entry& e : source.finish()) builder.report(e.level, e.line, e.message);
   return located(file, [&] { return builder.finish(); });
 }

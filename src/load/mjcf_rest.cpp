@@ -17,8 +17,9 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
                     "noslip_tolerance", "ccd_iterations", "ccd_tolerance", "sdf_iterations", "sdf_initpoints", "impratio", "apirate", "actuatorgroupdisable", "magnetic",
                     "o_margin", "o_solref", "o_solimp", "o_friction", "wind", "density", "viscosity", "sleep_tolerance"}, {"flag"});
   if (const auto g = reader.vector3(e, "gravity")) file.robot.gravity = *g;
-  for (const char* fluid : {"density", "viscosity"})
-    if (reader.optional_number(e, fluid).value_or(0) != 0) reader.report.physics(line(e), std::string("<option ") + fluid + ">: drag of a fluid is not used");
+  if (const auto x = reader.optional_number(e, "density")) file.robot.density = *x;
+  if (const auto x = reader.optional_number(e, "viscosity")) file.robot.viscosity = *x;
+  if (const auto x = reader.vector3(e, "wind")) file.robot.wind = *x;
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
     const std::string_view name = a->Name();
     if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind")
@@ -45,9 +46,10 @@ void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context) {
     if (kind == "exclude") {
       reader.unread(*c, {"name", "class", "body1", "body2"}, {});
       file.robot.excludes.push_back({{&reader.report, line(*c), reader.owner}, {context.name(reader.name(*c, "body1")), context.name(reader.name(*c, "body2"))}});
+    } else if (kind == "pair") {
+      read_mjcf_pair(file, *c, context);
     } else {
-      reader.report.physics(line(*c), "<contact>: element <" + std::string(kind.substr(0, 60)) + "> is not used" +
-                                          (kind == "pair" ? ": what touches follows from contype and conaffinity" : ""));
+      reader.report.physics(line(*c), "<contact>: element <" + std::string(kind.substr(0, 60)) + "> is not used");
     }
   }
 }
@@ -75,8 +77,6 @@ void report_mjcf_section(MjcfFile& file, Element& e) {
     const std::string name = attribute(*c, "name");
     const std::string what = "<" + kind + ">: " + c->Name() + (name.empty() ? "" : " " + load::quoted(name));
     if (kind == "sensor") report.count("<sensor>: not used", line(*c));
-    else if (kind == "actuator") report.physics(line(*c), what + " is not used: forces on joints are the caller's");
-    else if (kind == "equality") report.physics(line(*c), what + " is not used: the loop stays open");
     else if (kind == "tendon") report.physics(line(*c), what + " is not used");
     else report.physics(line(*c), what + " is not used");
   }

@@ -1,7 +1,8 @@
 // An MJCF model as values, and the steps between the file and the builder.
 #pragma once
 
-#include "dyn/spatial/inertia.hpp"
+#include "dyn/constraint/set.hpp"
+#include "dyn/simulation/actuators.hpp"
 #include "mjcf_settings.hpp"
 
 namespace dyn::meshes {
@@ -21,6 +22,16 @@ struct MjcfPlace {
   void info(const std::string& message) const { report->info(line, owner + ": " + message); }
   void warning(const std::string& message) const { report->warning(line, owner + ": " + message); }
 };
+
+// What a call of the builder throws, with the place in front.
+template <class Call>
+auto located(const MjcfPlace& place, const Call& call) {
+  try {
+    return call();
+  } catch (const Error& e) {
+    place.report->fail(e.status, place.line, e.what());
+  }
+}
 
 struct MjcfJoint {
   MjcfPlace place;
@@ -63,6 +74,7 @@ struct MjcfBody {
   std::vector<MjcfGeom> geoms;
   std::vector<MjcfSite> sites;
   MjcfMassRules rules;  // of its file
+  double compensation = 0;
 };
 
 inline bool mass_from_geoms(const MjcfBody& b) {
@@ -72,6 +84,28 @@ inline bool mass_from_geoms(const MjcfBody& b) {
 struct MjcfExclude {
   MjcfPlace place;
   std::string bodies[2];
+};
+
+struct MjcfActuator {
+  MjcfPlace place;
+  std::string name;
+  dynActuator spec;
+  std::string joint;
+};
+
+// first, second: bodies, sites or joints. numbers: relpose or polycoef, as given.
+struct MjcfEquality {
+  MjcfPlace place;
+  std::string name, kind, first, second;
+  std::optional<std::array<double, 3>> anchor;
+  std::vector<double> numbers;
+  bool enabled, sites;
+};
+
+struct MjcfPair {
+  MjcfPlace place;
+  std::string geoms[2];
+  std::optional<dynMaterial> material;
 };
 
 struct MjcfKey {
@@ -87,6 +121,11 @@ struct MjcfRobot {
   std::vector<MjcfBody> bodies;  // depth first in the file's order; 0 is the world
   std::vector<MjcfExclude> excludes;
   std::vector<MjcfKey> keys;
+  std::vector<MjcfActuator> actuators;
+  std::vector<MjcfEquality> equalities;
+  std::vector<MjcfPair> pairs;
+  double density = 0, viscosity = 0;
+  std::array<double, 3> wind = {0, 0, 0};
 };
 
 // Meshes and height fields that a file's geoms name.
@@ -154,6 +193,14 @@ void read_mjcf_option(MjcfFile& file, Element& e);
 void read_mjcf_contact(MjcfFile& file, Element& e, const MjcfContext& context);
 void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
 void report_mjcf_section(MjcfFile& file, Element& e);
+// mjcf_actuator.cpp, mjcf_equality.cpp
+void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context);
+void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot);
+void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& context);
+void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot);
+void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context);
+void mark_mjcf_pairs(MjcfRobot& robot);  // geoms that a pair names collide, whatever their masks say
+void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot);
 // mjcf_build.cpp
 ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, int constraint_slots);
 

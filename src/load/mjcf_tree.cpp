@@ -83,11 +83,12 @@ void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) {
   const Reader reader = file.source.reader(e, "body " + load::quoted(body.name));
   body.place = {&reader.report, line(e), reader.owner};
   if (at > max_bodies) reader.fail(DYN_ERROR_LIMIT, e, "more than " + std::to_string(max_bodies) + " bodies");
-  reader.unread(e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "user", "mocap", "sleep"},
+  reader.unread(e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "user", "mocap", "sleep", "gravcomp"},
                 {"inertial", "joint", "freejoint", "geom", "site", "camera", "light", "body", "frame", "replicate", "attach", "composite", "flexcomp", "plugin"});
   if (read_switch(reader, e, "mocap", false).value_or(false)) body.place.info("a mocap body: fixed to the world");
   body.X = context.X * read_pose(reader, e, file.compiler);
   body.rules = file.compiler.masses;
+  body.compensation = reader.optional_number(e, "gravcomp").value_or(0);
   if (const auto inertials = file.source.children(e, "inertial"); !inertials.empty()) {
     if (inertials.size() > 1) reader.fail(DYN_ERROR_INVALID, *inertials[1], "a second <inertial>");
     body.inertial = read_mjcf_inertial(file, *inertials[0], reader.owner);

@@ -57,6 +57,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     next.frame_index[e.name].push_back(int(next.frames.size()));
     next.frames.push_back(std::move(e));
   }
+  const int shapes_before = int(next.shapes.size());
   for (ShapeEntry& s : other.shapes) {
     if (!s.shape.name.empty()) s.shape.name = prefix + s.shape.name;
     s.shape.body = prefix + s.shape.body;
@@ -77,6 +78,12 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     next.check_constraint_name(c.name);
     next.constraints.push_back(std::move(c));
   }
+  for (ActuatorEntry& a : other.actuators) {
+    a.joint += before, a.name = prefix + a.name;
+    next.check_actuator_name(a.name);
+    next.actuators.push_back(std::move(a));
+  }
+  for (const PairEntry& p : other.pairs) next.pairs.push_back({p.shape1 + shapes_before, p.shape2 + shapes_before, p.material});
   next.constraint_slots = std::max(next.constraint_slots, other.constraint_slots);
   next.reports.insert(next.reports.end(), other.reports.begin(), other.reports.end());
 

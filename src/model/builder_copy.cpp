@@ -77,6 +77,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
       e.mass = link.mass;
       std::copy(link.com, link.com + 3, e.com.begin());
       std::copy(link.inertia, link.inertia + 9, e.inertia.begin());
+      e.compensation = link.compensation;
       e.Y = act(e.X, Inertia<double>::at_com(link.mass, load3(link.com), load33(link.inertia)));
     }
     impl->frame_index[e.name].push_back(int(f));
@@ -109,6 +110,19 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     impl->constraints.push_back({m.string(r.name), r.spec, r.spec.first - less, r.spec.second - less});
   }
   impl->constraint_slots = m.n.slots - m.n.constraints;
+  impl->density = m.density, impl->viscosity = m.viscosity;
+  std::copy(m.wind, m.wind + 3, impl->wind.begin());
+  for (Index k = 0; k < m.n.actuators; ++k) {
+    const ActuatorRecord& r = m.actuators()[k];
+    impl->actuators.push_back({m.string(r.name), r.spec, r.spec.joint - 1});
+  }
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    const PairRecord& r = m.pairs()[k];
+    if (!r.wanted) continue;
+    PairEntry pair{int(m.geoms()[r.a].shape), int(m.geoms()[r.b].shape), std::nullopt};
+    if (r.material) pair.material = m.materials()[r.material - 1];
+    impl->pairs.push_back(pair);
+  }
   for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral
     const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;
     impl->configurations.push_back({m.string(m.configuration_names()[k]), true, {}, by_joint(impl->joints, {q, q + m.n.nq})});

@@ -259,18 +259,21 @@ ModelPtr Builder::finish() const {
     store_se3(f.X, r.placement);
     r.link = -1;
     if (f.type == DYN_FRAME_BODY) {
-      LinkRecord link{f.mass, {}, {}};
+      LinkRecord link{f.mass, {}, {}, f.compensation};
       std::copy(f.com.begin(), f.com.end(), link.com);
       std::copy(f.inertia.begin(), f.inertia.end(), link.inertia);
       r.link = n.links++;
       a.links.push_back(link);
     }
+    if (f.mass > 0 && f.compensation != 0 && r.joint > 0) a.held_weights.push_back({r.X.act(load3(f.com.data())), f.mass * f.compensation, r.joint, r.body});
+    if ((in.density > 0 || in.viscosity > 0) && r.joint > 0)
+      if (std::optional<DragBox> box = drag_box(f, r.X)) box->joint = r.joint, box->body = r.body, a.drag_boxes.push_back(*box);
     a.frames.push_back(r);
     Body& b = a.bodies[std::size_t(r.body)];
     const Inertia<double> Y = f.Y.rotated(joint.C);
     b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
   }
-  n.frames = Index(a.frames.size());
+  n.frames = Index(a.frames.size()), n.held_weights = Index(a.held_weights.size()), n.drag_boxes = Index(a.drag_boxes.size());
   Surfaces surfaces{a};
   for (const ShapeEntry& s : in.shapes) {
     ShapeRecord r{};
@@ -288,7 +291,10 @@ ModelPtr Builder::finish() const {
   n.surface_numbers = Index(a.surface_numbers.size()), n.surface_indices = Index(a.surface_indices.size());
   for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
   n.disabled = Index(a.disabled_pairs.size());
-  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs);
+  WantedPairs wanted;
+  for (const PairEntry& p : in.pairs) wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(a.materials, *p.material) : 0;
+  n.materials = Index(a.materials.size());
+  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs, wanted);
   n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports)
     if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
@@ -324,6 +330,10 @@ ModelPtr Builder::finish() const {
   n.runs = Index(a.runs.size()), n.chunks = Index(a.chunks.size());
   make_spans(a.bodies, a.spans, a.curved);
   n.spans = Index(a.spans.size()), n.curved = Index(a.curved.size());
+  for (const ActuatorRecord& r : actuators_of(in.actuators, id, a.joints, a.spans, n)) {
+    a.actuators.push_back(r);
+    a.actuators.back().name = text.add(in.actuators[a.actuators.size() - 1].name);
+  }
   for (const Span& s : a.spans)
     for (Index k = 0; k < s.count; ++k) {
       const Index q = s.first_q + k, v = s.first_v + k;
@@ -396,13 +406,17 @@ ModelPtr Builder::finish() const {
     return std::any_of(x.begin(), x.end(), [](double e) { return e != 0; }) ? effect : 0u;
   };
   model->effects = if_some(DYN_EFFECT_ARMATURE, a.armature) | if_some(DYN_EFFECT_DAMPING, a.damping) | if_some(DYN_EFFECT_SPRINGS, a.stiffness) |
-                   if_some(DYN_EFFECT_FRICTION, a.friction) | (n.limits > 0 ? std::uint32_t(DYN_EFFECT_LIMITS) : 0u);
+                   if_some(DYN_EFFECT_FRICTION, a.friction) | (n.limits > 0 ? std::uint32_t(DYN_EFFECT_LIMITS) : 0u) |
+                   (n.actuators > 0 ? std::uint32_t(DYN_EFFECT_ACTUATORS) : 0u) | (n.drag_boxes > 0 ? std::uint32_t(DYN_EFFECT_FLUID) : 0u) |
+                   (n.held_weights > 0 ? std::uint32_t(DYN_EFFECT_GRAVITY_COMPENSATION) : 0u);
   auto small = [](double x) { return std::abs(x) < 1e25; };
   auto all_small = [&](const Vec3<double>& x) { return small(x[0]) && small(x[1]) && small(x[2]); };
   model->moderate = std::all_of(a.armature.begin(), a.armature.end(), small) && std::all_of(a.bodies.begin(), a.bodies.end(), [&](const Body& b) {
                       return small(b.m) && small(b.pitch) && small(b.ratio) && all_small(b.h) && all_small(b.I.x) && all_small(b.I.y) && all_small(b.I.z);
                     });
   std::copy(in.gravity.begin(), in.gravity.end(), model->gravity);
+  model->density = in.density, model->viscosity = in.viscosity;
+  std::copy(in.wind.begin(), in.wind.end(), model->wind);
   for (Index i = 1; i < n.bodies; ++i) model->total_mass += a.bodies[std::size_t(i)].m;
   std::copy(std::begin(offset), std::end(offset), model->offset);
   char* base = reinterpret_cast<char*>(model.get());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -42,6 +43,7 @@ struct FrameEntry {
   double mass = 0;          // as given, in the frame
   std::array<double, 3> com{};
   std::array<double, 9> inertia{};
+  double compensation = 0;  // share of its weight that is held
 };
 
 struct ShapeEntry {
@@ -76,9 +78,23 @@ struct ConstraintEntry {
   int first, second;
 };
 
+struct ActuatorEntry {
+  std::string name;
+  dynActuator spec;
+  int joint;  // index
+};
+
+// A pair of shapes that is tested whatever the filter says; material: of its contacts, or that of the shapes.
+struct PairEntry {
+  int shape1, shape2;
+  std::optional<dynMaterial> material;
+};
+
 struct Builder::Impl {
   std::string name;
   std::array<double, 3> gravity = {0, 0, -9.81};
+  double density = 0, viscosity = 0;
+  std::array<double, 3> wind{};
   std::vector<JointEntry> joints;  // in the order of addition: parents first
   std::vector<FrameEntry> frames;  // 0 is the universe
   std::unordered_map<std::string, std::vector<int>> frame_index;
@@ -88,12 +104,15 @@ struct Builder::Impl {
   std::vector<DisabledEntry> disabled;  // not tested for collision
   std::vector<ConstraintEntry> constraints;
   int constraint_slots = 8;  // spare ones
+  std::vector<ActuatorEntry> actuators;
+  std::vector<PairEntry> pairs;
 
   int find(const Parent& parent, const std::string& who) const;
   void add_frame(FrameEntry entry, const std::string& who);
   void add_joint(const JointSpec& spec);
   void check_configuration_name(const std::string& name) const;
   void check_constraint_name(const std::string& name) const;
+  void check_actuator_name(const std::string& name) const;
   // Makes every configuration one by joints.
   void split_configurations();
   // Drops the joints not marked, with the frames, shapes and numbers that they carry; world: what is fixed to it stays.
@@ -128,9 +147,11 @@ void elimination_tree(const Model& m, std::vector<Index>& parent);
 // Throws DYN_ERROR_INVALID, naming the joint, when forward dynamics is undefined. order: joints of the model as added.
 void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames);
 
-// Pairs of collision shapes but those of one body and of a body and its parent; none when there are more than most_geoms shapes.
-std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames,
-                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled);
+// Two shapes, the lower number first, that are tested whatever the filter says, and 1 + the number of their own material or 0.
+using WantedPairs = std::map<std::pair<Index, Index>, std::int32_t>;
+// Pairs of collision shapes but those of one body and of a body and its parent, if they are not wanted; none when there are more than most_geoms shapes.
+std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames, const std::vector<ShapeRecord>& shapes,
+                                 const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted);
 // Several collision shapes, and no pair of them is tested: the load report says so.
 inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
 bool tests_nothing(const Model& m);
@@ -147,6 +168,11 @@ std::vector<dynConstraint> constraints_of(const std::vector<ConstraintEntry>& co
 Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare);
 // Throws when the model can't have one.
 void check_constraints(const Model& m);
+// Actuators as the model keeps them, and their sizes. (builder_actuator.cpp)
+std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id, const std::vector<JointRecord>& joints,
+                                         const std::vector<Span>& spans, ModelSizes& n);
+// On which a medium drags; X: the link's frame in its body's internal one. None of a link without mass.
+std::optional<DragBox> drag_box(const FrameEntry& link, const SE3<double>& X);
 
 std::string number(double x);          // six digits, independent of the locale
 Mat3<double> z_to(const Axis& a);      // smallest rotation that takes z to the unit vector a

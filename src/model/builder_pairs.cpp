@@ -21,7 +21,7 @@ bool parent_and_child(const std::vector<JointRecord>& joints, Index parent, Inde
 }  // namespace
 
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames, const std::vector<ShapeRecord>& shapes,
-                                 const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled) {
+                                 const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted) {
   std::vector<PairRecord> pairs;
   if (geoms.size() > std::size_t(most_geoms)) return pairs;
   std::set<std::pair<Index, Index>> off;  // links
@@ -31,14 +31,17 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
   for (std::size_t a = 0; a < geoms.size(); ++a)
     for (std::size_t b = a + 1; b < geoms.size(); ++b) {
       const Index i = joint(a), j = joint(b);
-      if (i == j || parent_and_child(joints, i, j) || parent_and_child(joints, j, i)) continue;
+      const auto special = wanted.find(std::minmax(geoms[a].shape, geoms[b].shape));
+      const bool is_wanted = special != wanted.end();
+      if (i == j || (!is_wanted && (parent_and_child(joints, i, j) || parent_and_child(joints, j, i)))) continue;
       const bool mesh = shape(a).type == DYN_SHAPE_MESH || shape(b).type == DYN_SHAPE_MESH;
       const bool masked = !collision::masks_meet({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
       const dynPairReason reason = mesh                                                    ? DYN_PAIR_MESH
+                                   : is_wanted                                             ? DYN_PAIR_TESTED
                                    : off.count(std::minmax(shape(a).frame, shape(b).frame)) ? DYN_PAIR_DISABLED
                                    : masked                                                ? DYN_PAIR_MASK
                                                                                            : DYN_PAIR_TESTED;
-      pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint16_t(reason)});
+      pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint16_t(reason), is_wanted, is_wanted ? special->second : 0});
     }
   return pairs;
 }
@@ -67,7 +70,7 @@ void judge_pairs(const Model& m, PairRecord* pairs) {
     return a != b && (flies(a) || flies(b));
   };
   for (Index k = 0; k < m.n.pairs; ++k)
-    if (pairs[k].reason == DYN_PAIR_TESTED && !apart(pairs[k]) && d.results[k].status == collision::Status::Penetrating) pairs[k].reason = DYN_PAIR_OVERLAPS;
+    if (pairs[k].reason == DYN_PAIR_TESTED && !pairs[k].wanted && !apart(pairs[k]) && d.results[k].status == collision::Status::Penetrating) pairs[k].reason = DYN_PAIR_OVERLAPS;
 }
 
 }  // namespace dyn

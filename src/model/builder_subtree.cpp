@@ -48,11 +48,15 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
     seen.push_back(std::move(e));
   }
   frames = std::move(seen);
+  std::vector<int> shape(shapes.size());
+  for (std::size_t k = 0, next = 0; k < shapes.size(); ++k) shape[k] = frame[std::size_t(shapes[k].frame)] < 0 ? -1 : int(next++);
+  std::erase_if(pairs, [&](PairEntry& p) { return (p.shape1 = shape[std::size_t(p.shape1)]) < 0 || (p.shape2 = shape[std::size_t(p.shape2)]) < 0; });
   std::erase_if(shapes, [&](const ShapeEntry& s) { return frame[std::size_t(s.frame)] < 0; });
   for (ShapeEntry& s : shapes) s.frame = frame[std::size_t(s.frame)];
   std::erase_if(disabled, [&](const DisabledEntry& p) { return frame[std::size_t(p.frame1)] < 0 || frame[std::size_t(p.frame2)] < 0; });
   for (DisabledEntry& p : disabled) p.frame1 = frame[std::size_t(p.frame1)], p.frame2 = frame[std::size_t(p.frame2)];
 
+  std::erase_if(actuators, [&](ActuatorEntry& a) { return (a.joint = joint[std::size_t(a.joint)]) < 0; });
   std::erase_if(constraints, [&](ConstraintEntry& c) {
     const std::vector<int>& at = between_joints(c.spec.type) ? joint : frame;
     c.first = c.first < 0 ? c.first : at[std::size_t(c.first)], c.second = c.second < 0 ? c.second : at[std::size_t(c.second)];

@@ -55,7 +55,9 @@ from .data import (
     SecondOrderDerivatives,
     SecondOrderProduct,
 )
+from .actuator import Actuator
 from .enums import (
+    ActuatorType,
     Angle,
     Base,
     ConstraintReason,
@@ -130,6 +132,8 @@ from .simulation import ContactForce, StepReport
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
 __all__ = [
+    "Actuator",
+    "ActuatorType",
     "ALGORITHMS",
     "FIELDS",
     "LOCAL",

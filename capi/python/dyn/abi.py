@@ -94,6 +94,14 @@ class Constraint(Grown):
     ]  # fmt: skip
 
 
+class Actuator(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("type", c_int), ("joint", c_int32), ("component", c_int32), ("gear", c_double), ("kp", c_double),
+        ("kv", c_double), ("gain", c_double), ("bias", c_double * 3), ("time_constant", c_double), ("control_range", c_double * 2),
+        ("force_range", c_double * 2), ("idx_u", c_int32), ("controls", c_int32),
+    ]  # fmt: skip
+
+
 class ConstraintOptions(Grown):
     _fields_ = [("struct_size", c_uint32), ("max_iterations", c_int32), ("regularisation", c_double), ("tolerance", c_double)]
 
@@ -522,6 +530,20 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_contact_compliance": (STATUS, [_d, _d, _d, _d, _ref, _ref]),
     "dyn_contact_compliance_hertz": (STATUS, [_d, _d, _d, _d, _d, _ref, _ref]),
     "dyn_friction_cone_qp": (STATUS, [_ref, _i, _i, _ref]),
+    "dyn_actuator_init": (None, [_ref, _i]),
+    "dyn_builder_actuator": (STATUS, [_p, _s, _ref, _s]),
+    "dyn_builder_gravity_compensation": (STATUS, [_p, _s, _d]),
+    "dyn_builder_medium": (STATUS, [_p, _d, _d, _p]),
+    "dyn_builder_pair": (STATUS, [_p, _s, _s, _ref]),
+    "dyn_nactuators": (_i, [_p]),
+    "dyn_nu": (_i, [_p]),
+    "dyn_actuator_name": (_s, [_p, _i]),
+    "dyn_actuator_id": (_i, [_p, _s]),
+    "dyn_actuator_info": (STATUS, [_p, _i, _ref]),
+    "dyn_data_set_control": (STATUS, [_p, _p, _p]),
+    "dyn_data_apply_wrench": (STATUS, [_p, _p, _i, _p, _p, _i]),
+    "dyn_data_clear_wrenches": (STATUS, [_p, _p]),
+    "dyn_data_set_gravity": (STATUS, [_p, _p, _p]),
     "dyn_step_options_init": (None, [_ref]),
     "dyn_data_set_step_options": (STATUS, [_p, _p, _ref]),
     "dyn_data_step_options": (STATUS, [_p, _p, _ref]),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import abi
+from .actuator import Actuator
 from .arrays import Owner, address, checked, numbers
 from .arrays import placement as twelve
 from .constraint import structure
@@ -182,6 +183,28 @@ class Builder:
     def constraint_slots(self, slots: int) -> Builder:
         """Spare slots that a data of the model has."""
         check(lib.dyn_builder_constraint_slots(self._b, slots))
+        return self
+
+    def actuator(self, name: str, joint: str, actuator: Actuator | None = None, **values: Any) -> Builder:
+        """Adds an actuator of a joint: a dyn.Actuator, or its values, as in actuator("hip", "hip_joint", type="position", kp=40, kv=1)."""
+        spec = Actuator(**values) if actuator is None else actuator._replace(**values)
+        check(lib.dyn_builder_actuator(self._b, text(name, "name"), byref(spec.structure()), text(joint, "joint")))
+        return self
+
+    def gravity_compensation(self, body: str, share: float = 1.0) -> Builder:
+        """Holds a share of a link's weight from outside, in steps."""
+        check(lib.dyn_builder_gravity_compensation(self._b, text(body, "body"), share))
+        return self
+
+    def medium(self, density: float = 0.0, viscosity: float = 0.0, wind: ArrayLike = (0.0, 0.0, 0.0)) -> Builder:
+        """What the links move in, whose drag steps take: kg/m^3, Pa s, and its own velocity (3,), m/s."""
+        check(lib.dyn_builder_medium(self._b, density, viscosity, address(checked(wind, (3,), "wind"))))
+        return self
+
+    def pair(self, shape1: str, shape2: str, material: Material | None = None) -> Builder:
+        """Two collision shapes, by name, that are tested whatever the filter says; material: of their contacts, None: from the shapes'."""
+        own = None if material is None else byref(material.structure())
+        check(lib.dyn_builder_pair(self._b, text(shape1, "shape1"), text(shape2, "shape2"), own))
         return self
 
     def lock(self, joints: str | Sequence[str], q: ArrayLike) -> Builder:

@@ -12,6 +12,7 @@ from . import abi
 from . import ik as inverse_kinematics
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
 from .collision import CollisionQueries
+from .actuator import Driving
 from .constraint import ConstraintCalls
 from .contact import ContactQueries
 from .enums import Effect, IkReason, Part, Reference, Term
@@ -188,7 +189,7 @@ _set_state = lib.dyn_data_set_state
 _static_torque = lib.dyn_static_torque
 
 
-class Data(CollisionQueries, ContactQueries, ConstraintCalls, Stepping):
+class Data(CollisionQueries, ContactQueries, ConstraintCalls, Driving, Stepping):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 
     A call with q, v, a or tau sets the state that data holds; None uses what is held. Methods return new arrays.

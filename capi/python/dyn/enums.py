@@ -218,7 +218,21 @@ class Effect(enum.IntFlag):
     SPRINGS = 4
     FRICTION = 8
     LIMITS = 16
-    ALL = 31
+    ACTUATORS = 32
+    FLUID = 64
+    GRAVITY_COMPENSATION = 128
+    DEFAULT = 0xF1
+    ALL = 0xFF
+
+
+class ActuatorType(enum.IntEnum):
+    """What an actuator's controls are: see dyn.Actuator."""
+
+    MOTOR = 0
+    POSITION = 1
+    VELOCITY = 2
+    PD = 3
+    AFFINE = 4
 
 
 class Part(enum.IntFlag):

@@ -16,6 +16,7 @@ import numpy as np
 
 from . import abi
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
+from .actuator import ModelActuators
 from .constraint import ModelConstraints
 from .enums import Base, Direction, FrameType, JointType, MeshUse, ModelArray, PairReason, Part, ReportLevel, ShapeRole, ShapeType
 from .errors import ArgumentError, SizeError, UnknownNameError
@@ -263,7 +264,7 @@ class _Scratch(threading.local):
         self.nq, self.nv = result((nq,)), result((nv,))
 
 
-class Model(ModelConstraints):
+class Model(ModelConstraints, ModelActuators):
     """What the robot is: immutable, and safe to share between threads. From dyn.load, dyn.load_string or dyn.Builder.
 
     q has nq numbers, v, a and tau have nv; they differ on manifolds: use integrate and difference, never q + v.

@@ -25,7 +25,7 @@ void kinetic_energy(const Model& m, Data<T>& d) {
 template <class T>
 void potential_energy(const Model& m, Data<T>& d) {
   ensure_position(m, d);
-  const Vec3<T> g = Vec3<T>::make(T(m.gravity[0]), T(m.gravity[1]), T(m.gravity[2]));
+  const Vec3<T> g = load3(d.gravity);
   T sum = T(0);
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];

@@ -11,7 +11,7 @@ namespace dyn {
 // out, nv x nv; fext 6 x njoints in joint frames, or nullptr.
 template <class T>
 void gravity_derivatives(const Model& m, Data<T>& d, const T* fext, T* out) {
-  const Motion<T> a0 = SpatialState<T>(m, d).a;
+  const Motion<T> a0 = SpatialState<T>(d).a;
   place_forward(m, d, RelativePose<T>(d), [&]<class J>(Index i, Index dof, const SE3<T>& X, RelativePose<T>& s) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     s.place(d, i, X, b.parent == 0);

@@ -29,18 +29,13 @@ DYN_INLINE void body_regressor(const Mat3<T>& E, const Vec3<T>& w, const Vec3<T>
   F[9] = {zero, moment(2, 2)};
 }
 
-template <class T>
-DYN_INLINE Vec3<T> gravity(const Model& m) {
-  return Vec3<T>::make(T(m.gravity[0]), T(m.gravity[1]), T(m.gravity[2]));
-}
-
 // Y of a body that moves with a frame: pi and the force in its axes, at its origin.
 template <class T>
-void frame_body_regressor(const Model& m, const Data<T>& d, const FramePose<T>& P, T* Y) {
+void frame_body_regressor(const Data<T>& d, const FramePose<T>& P, T* Y) {
   const Mat3<T> Rt = transpose(P.R);
   const Motion<T> a = frame_classical_acceleration(P, d);
   Force<T> F[10];
-  body_regressor(Mat3<T>::identity(), Rt * d.w[P.body], Rt * a.angular, Rt * (a.linear - gravity<T>(m)), F);
+  body_regressor(Mat3<T>::identity(), Rt * d.w[P.body], Rt * a.angular, Rt * (a.linear - load3(d.gravity)), F);
   for (int c = 0; c < 10; ++c) store6(F[c], Y + 6 * c);
 }
 // The joint's frame, as its body carries it.
@@ -92,7 +87,7 @@ void kinetic_energy_regressor(const Model& m, Data<T>& d) {
 // d.potential_energy_regressor y, 10 (njoints - 1): -m g . com = y . pi.
 template <class T>
 void potential_energy_regressor(const Model& m, Data<T>& d) {
-  const Vec3<T> g = gravity<T>(m);
+  const Vec3<T> g = load3(d.gravity);
   forward_joints<0>(m, d, [&](Index i, std::ptrdiff_t first, const Mat3<T>& E) DYN_INLINE_LAMBDA {
     store_parameters<T>({-dot(g, d.p[i]), -transpose_times(E, g), Sym3<T>::zero()}, d.potential_energy_regressor + first);
   });

@@ -23,8 +23,8 @@ template <class T>
 struct NewtonEulerState : Pose<T> {
   Vec3<T> w, dw, acc;
 
-  explicit DYN_INLINE NewtonEulerState(const Model& m, const Data<T>& d)
-      : Pose<T>(d), w(Vec3<T>::zero()), dw(Vec3<T>::zero()), acc(Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2]))) {}
+  explicit DYN_INLINE NewtonEulerState(const Data<T>& d)
+      : Pose<T>(d), w(Vec3<T>::zero()), dw(Vec3<T>::zero()), acc(-load3(d.gravity)) {}
   DYN_INLINE void enter(const Data<T>& d, Index parent) {
     Pose<T>::enter(d, parent);
     w = d.wd[parent], dw = d.al[parent], acc = d.ac[parent];
@@ -36,7 +36,7 @@ struct NewtonEulerState : Pose<T> {
 template <class T>
 void rnea(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* tau) {
   using State = NewtonEulerState<T>;
-  const State world(m, d);
+  const State world(d);
   world.leave(d, 0);
   d.f[0] = Force<T>::zero();
 

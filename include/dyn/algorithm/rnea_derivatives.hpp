@@ -15,8 +15,8 @@ template <class T>
 struct SpatialState : VelocityState<T> {
   Motion<T> a;
 
-  explicit DYN_INLINE SpatialState(const Model& m, const Data<T>& d) : VelocityState<T>(d) {
-    a = {Vec3<T>::make(T(-m.gravity[0]), T(-m.gravity[1]), T(-m.gravity[2])), Vec3<T>::zero()};
+  explicit DYN_INLINE SpatialState(const Data<T>& d) : VelocityState<T>(d) {
+    a = {-load3(d.gravity), Vec3<T>::zero()};
   }
   DYN_INLINE void enter(const Data<T>& d, Index parent) { VelocityState<T>::enter(d, parent), a = d.spatial_a[parent]; }
   DYN_INLINE void leave(Data<T>& d, Index i) const { VelocityState<T>::leave(d, i), d.spatial_a[i] = a; }
@@ -26,7 +26,7 @@ struct SpatialState : VelocityState<T> {
 template <class T>
 void derivative_columns(const Model& m, Data<T>& d, const T* v, const T* a) {
   using State = SpatialState<T>;
-  const State world(m, d);
+  const State world(d);
   world.leave(d, 0);
   place_forward(m, d, world, [&]<class J>(Index i, Index dof, const SE3<T>& X, State& state) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];

@@ -76,7 +76,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
 template <class T>
 bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if constexpr (std::is_same_v<T, double>) {
-    if (!simulation::has_rows(m, d) || forward_dynamics(m, d, d.v, d.tau_applied, static_cast<const T*>(nullptr), d.ddq)) return false;
+    if (!simulation::has_rows(m, d) || simulation::step_dynamics(m, d, static_cast<const T*>(d.tau_applied), d.ddq)) return false;
     for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
     return simulation::find_slots(m, d, s.y, h) > 0;
   }
@@ -88,9 +88,9 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
   double h = std::min(duration, 1e-3), t = 0;
-  double *q0 = s.stage(1), *v0 = q0 + m.n.nq, *q1 = v0 + m.n.nv, *v1 = q1 + m.n.nq, *apart = v1 + m.n.nv;
-  const auto keep = [&] { std::copy_n(d.q, m.n.nq, q0), std::copy_n(d.v, m.n.nv, v0); };
-  const auto restore = [&] { std::copy_n(q0, m.n.nq, d.q), std::copy_n(v0, m.n.nv, d.v); };
+  double *q0 = s.stage(1), *v0 = q0 + m.n.nq, *q1 = v0 + m.n.nv, *v1 = q1 + m.n.nq, *apart = v1 + m.n.nv, *act0 = apart + m.n.nv;
+  const auto keep = [&] { std::copy_n(d.q, m.n.nq, q0), std::copy_n(d.v, m.n.nv, v0), std::copy_n(d.act, m.n.na, act0); };
+  const auto restore = [&] { std::copy_n(q0, m.n.nq, d.q), std::copy_n(v0, m.n.nv, d.v), std::copy_n(act0, m.n.na, d.act); };
   const auto twice = [&](double& error) -> Index {
     keep();
     if (const Index joint = euler_step(m, d, s, h, true)) return restore(), joint;

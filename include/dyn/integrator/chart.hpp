@@ -1,10 +1,11 @@
 // The equations of motion in exponential coordinates about q0: y = (u, v) with q = q0 (+) u, so that every method for vector spaces
 // keeps its order on rotations (Munthe-Kaas 1999; Hairer, Lubich, Wanner 2006, IV.8.2):
 //   du/dt = J(u)^-1 v      dv/dt = ddq(q0 (+) u, v, tau)
+// After v follow the filters of actuators, which have equations of their own: dw/dt = (u - w) / time_constant.
 #pragma once
 
 #include "dyn/algorithm/declarations.hpp"
-#include "dyn/algorithm/forward_dynamics.hpp"
+#include "dyn/simulation/forces.hpp"
 
 namespace dyn::integrator {
 
@@ -14,18 +15,21 @@ struct ChartMotion {
   Data<T>& d;
   const T* q0;
 
-  Index size() const { return 2 * m.n.nv; }
   // The state at y, in d.q and d.v.
   void place(const T* y) const {
     integrate(m, q0, y, d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y[m.n.nv + k];
+    for (Index k = 0; k < m.n.na; ++k) d.act[k] = y[2 * m.n.nv + k];
   }
   // f = dy/dt. Returns 0, or the joint whose forward dynamics failed.
   Index operator()(const T* y, T* f) const {
     place(y);
-    if (const Index joint = forward_dynamics(m, d, d.v, d.tau_applied, static_cast<const T*>(nullptr), d.ddq)) return joint;
+    if (const Index joint = simulation::step_dynamics(m, d, static_cast<const T*>(d.tau_applied), d.ddq)) return joint;
     chart_rate(m, y, d.v, f);
     for (Index k = 0; k < m.n.nv; ++k) f[m.n.nv + k] = d.ddq[k];
+    for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
+      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0)
+        f[2 * m.n.nv + r.act] = (simulation::command(r, d) - d.act[r.act]) * T(1 / r.spec.time_constant);
     return 0;
   }
 };
@@ -36,17 +40,19 @@ struct Stages {
   T *q0, *y0, *y, *f;
   Index n;
 
-  Stages(const Model& m, Data<T>& d) : q0(d.stages), y0(q0 + m.n.nq), y(y0 + 2 * m.n.nv), f(y + 2 * m.n.nv), n(2 * m.n.nv) {}
+  Stages(const Model& m, Data<T>& d) : q0(d.stages), y0(q0 + m.n.nq), n(2 * m.n.nv + m.n.na) { y = y0 + n, f = y + n; }
   T* stage(int k) const { return f + k * n; }
 
   // Begins a step: the chart lies about the state held in d.
   void begin(const Model& m, const Data<T>& d) const {
     for (Index k = 0; k < m.n.nq; ++k) q0[k] = d.q[k];
     for (Index k = 0; k < m.n.nv; ++k) y0[k] = T(0), y0[m.n.nv + k] = d.v[k];
+    for (Index k = 0; k < m.n.na; ++k) y0[2 * m.n.nv + k] = d.act[k];
   }
   void undo(const Model& m, Data<T>& d) const {
     for (Index k = 0; k < m.n.nq; ++k) d.q[k] = q0[k];
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y0[m.n.nv + k];
+    for (Index k = 0; k < m.n.na; ++k) d.act[k] = y0[2 * m.n.nv + k];
   }
 };
 }  // namespace dyn::integrator

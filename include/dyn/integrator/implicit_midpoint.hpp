@@ -19,6 +19,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
   s.begin(m, d);
   const Index nv = m.n.nv;
   const T *v0 = s.y0 + nv;
+  simulation::advance_filters(m, d, s.y0 + 2 * nv, h / 2);
   T *w = s.y, *next = w + nv, *half = s.stage(0), *residual = half + nv, *old_residual = residual + nv, *old_next = old_residual + nv;
   for (Index k = 0; k < nv; ++k) w[k] = v0[k];
   T best = std::numeric_limits<T>::infinity();
@@ -27,7 +28,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
     for (Index k = 0; k < nv; ++k) half[k] = h / 2 * w[k], d.v[k] = w[k];
     integrate(m, s.q0, half, d.q);
     ++evaluations;
-    if (const Index joint = forward_dynamics(m, d, d.v, d.tau_applied, static_cast<const T*>(nullptr), d.ddq)) return s.undo(m, d), joint;
+    if (const Index joint = simulation::step_dynamics(m, d, static_cast<const T*>(d.tau_applied), d.ddq)) return s.undo(m, d), joint;
     T error = T(0), size = T(0);
     for (Index k = 0; k < nv; ++k) {
       next[k] = v0[k] + h / 2 * d.ddq[k];
@@ -42,6 +43,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
     if (error <= rounding || (stalled >= 3 && error <= 64 * rounding)) {
       for (Index k = 0; k < nv; ++k) d.v[k] = v0[k] + h * d.ddq[k], half[k] = h * next[k];
       integrate(m, s.q0, half, d.q);
+      simulation::advance_filters(m, d, s.y0 + 2 * nv, h);
       return 0;
     }
     // w' = (1 - c) next + c old_next with the c that makes the mixed residual least

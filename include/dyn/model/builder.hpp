@@ -107,6 +107,12 @@ class Builder {
   // first and second name frames, or joints; "": the universe, or none.
   void constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second);
   void constraint_slots(int spare);
+  // joint: its name. (builder_actuator.cpp)
+  void actuator(const std::string& name, const dynActuator& spec, const std::string& joint);
+  void gravity_compensation(const std::string& body, double share);
+  void medium(double density, double viscosity, const std::array<double, 3>& wind);
+  // Two collision shapes, by their names, that are tested whatever the filter says. material: nullptr, that of the shapes.
+  void pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material);
 
   // Operations on the whole; one that throws changes nothing. (builder_lock.cpp, builder_attach.cpp, builder_subtree.cpp)
   // Fixes joints, and their followers, at q (nq numbers in the order of the model that would be made).

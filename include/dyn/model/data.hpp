@@ -10,6 +10,7 @@
 #include "dyn/collision/geom.hpp"
 #include "dyn/constraint/slot.hpp"
 #include "dyn/model/model.hpp"
+#include "dyn/simulation/wrench.hpp"
 #include "dyn/spatial/inertia_rate.hpp"
 #include "dyn/spatial/moments.hpp"
 
@@ -62,7 +63,7 @@ inline std::ptrdiff_t tile_room(std::ptrdiff_t n) { return (n + 3) / 4 * 4; }
 inline std::ptrdiff_t factor_room(const Model& m) { return (std::ptrdiff_t(m.n.nv) + 7) & ~std::ptrdiff_t(7); }
 
 // Of an integrator: q at the beginning of a step, the state there and in a stage, and its rate in up to 12 stages.
-inline std::ptrdiff_t stages_room(std::ptrdiff_t nq, std::ptrdiff_t nv) { return nq + 2 * nv * (2 + 12); }
+inline std::ptrdiff_t stages_room(std::ptrdiff_t nq, std::ptrdiff_t nv, std::ptrdiff_t na) { return nq + (2 * nv + na) * (2 + 12); }
 
 // First expanded degree of freedom at or after body i.
 inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
@@ -108,7 +109,8 @@ struct Data {
 
   simulation::Workspace* step;                       // in step_memory
   dynParts parts;
-  std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them
+  std::uint32_t acting;                              // DYN_EFFECT_... that are switched on at a joint which has them, and acting_wrenches
+  std::uint32_t pushed;                              // acting_wrenches when there are any
   std::uint64_t version[input_count];                // of q, v, a, tau: a number larger than all before when the value changes
   std::uint64_t stamp[std::size_t(Stage::count_)];  // the newest of the versions that each stage was computed for; 0: not computed
 
@@ -166,6 +168,7 @@ inline dynParts complete_parts(dynParts p) {
 inline dynParts complete_parts(const Model& m, dynParts p) {
   p = complete_parts(p);
   if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits > 0) p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.pairs > 0 ? DYN_PART_COLLISION : 0));
+  if ((p & DYN_PART_SIMULATION) && m.n.drag_boxes > 0) p = complete_parts(p | DYN_PART_KINEMATICS);
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_FACTOR) : p;
 }
 
@@ -185,8 +188,8 @@ namespace detail {
 template <class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
   const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs,
-                       nrows = m.n.constraint_rows;
-  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows;
+                       nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators;
+  (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
 #define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(count) : 0);
@@ -212,7 +215,11 @@ void apply_effects(const Model& m, Data<T>& d) {
     T* to;
   } rows[] = {{DYN_EFFECT_ARMATURE, m.armature(), d.armature}, {DYN_EFFECT_DAMPING, m.damping(), d.damping},
               {DYN_EFFECT_SPRINGS, m.stiffness(), d.stiffness}, {DYN_EFFECT_FRICTION, m.friction(), d.friction}};
-  d.acting = 0;
+  d.acting = d.pushed;
+  const auto on = [&](Index joint, std::uint32_t bit) { d.acting |= d.effects[joint] & bit; };
+  for (Index k = 0; k < m.n.actuators && d.has(DYN_PART_SIMULATION); ++k) on(m.actuators()[k].spec.joint, DYN_EFFECT_ACTUATORS);
+  for (Index k = 0; k < m.n.held_weights && d.has(DYN_PART_SIMULATION); ++k) on(m.held_weights()[k].joint, DYN_EFFECT_GRAVITY_COMPENSATION);
+  for (Index k = 0; k < m.n.drag_boxes && d.has(DYN_PART_SIMULATION); ++k) on(m.drag_boxes()[k].joint, DYN_EFFECT_FLUID);
   for (Index j = 1; j < m.n.joints; ++j)
     for (Index k = m.joints()[j].idx_v, end = k + m.joints()[j].nv; k < end; ++k)
       for (const auto& r : rows) {
@@ -243,6 +250,12 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nv; ++i) d.v[i] = d.a[i] = d.tau_applied[i] = T(0);
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
+  for (int k = 0; k < 3; ++k) d.gravity[k] = T(m.gravity[k]);
+  for (Index k = 0; k < (d.ctrl ? m.n.nu : 0); ++k) d.ctrl[k] = T(0);
+  for (Index k = 0; k < (d.act ? m.n.na : 0); ++k) d.act[k] = T(0);
+  for (Index k = 0; k < (d.actuator_force ? m.n.actuators : 0); ++k) d.actuator_force[k] = T(0);
+  for (Index k = 0; k < (d.wrenches ? m.n.joints : 0); ++k) d.wrenches[k] = simulation::HeldWrench<T>::none();
+  d.pushed = 0;
   d.step = d.step_memory ? simulation::place(m, d.step_memory) : nullptr;
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
   for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
@@ -252,7 +265,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
   if (d.Linv) std::fill_n(d.Linv, m.n.nv * factor_room(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
-  for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_ARMATURE | DYN_EFFECT_LIMITS;
+  for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_DEFAULT;
   apply_effects(m, d);
   if (d.geoms) collision::set_up(m, d);
   if (d.slots) set_up_slots(m, d);

@@ -76,6 +76,28 @@ struct FrameRecord {
 // Of a link itself, in its frame.
 struct LinkRecord {
   double mass, com[3], inertia[9];
+  double compensation;  // share of its weight that is held from outside
+};
+
+// A weight that is held, at a point of the body.
+struct HeldWeight {
+  Vec3<double> at;  // in the body's internal frame
+  double mass;
+  Index joint, body;
+};
+
+// The box of equal inertia, on which a medium drags.
+struct DragBox {
+  SE3<double> X;  // centre and principal axes in the body's internal frame
+  double half[3];
+  Index joint, body;
+};
+
+// Of an actuator: force = gain . controls + bias . (1, length, its rate).
+struct ActuatorRecord {
+  dynActuator spec;
+  double gain[3], bias[3];
+  Index name, q, v, act;  // the user's coordinate (or -1) and degree of freedom; of the filter, or -1
 };
 
 struct ShapeRecord {
@@ -105,7 +127,9 @@ inline constexpr Index most_geoms = 1000;
 // Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child.
 struct PairRecord {
   std::uint16_t a, b;
-  std::uint16_t reason;  // dynPairReason: whether new data tests it
+  std::uint16_t reason;    // dynPairReason: whether new data tests it
+  std::uint16_t wanted;    // 1: tested whatever the filter says
+  std::int32_t material;   // 1 + its own material's number; 0: that of its shapes
 };
 
 // Two links that are not tested for collision.
@@ -132,6 +156,7 @@ struct ModelSizes {
   Index hulls, trees, grids, surface_numbers, surface_indices;
   Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
   Index materials;
+  Index actuators, nu, na, held_weights, drag_boxes;
   Index contacts, limits, carriers;           // contact points that a step has room for; degrees of freedom that carry two bodies, at most
 };
 
@@ -148,6 +173,7 @@ struct Model {
   Index groups;           // how many of dof_groups there are
   Index moderate;         // 1: masses, moments, pitches, ratios, armatures below 1e25: M is finite where all placements are below 1e100
   double gravity[3];
+  double density, viscosity, wind[3];  // of the medium
   double total_mass;
 
   enum class Field : Index {

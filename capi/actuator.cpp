@@ -1,0 +1,130 @@
+// Actuators, controls, and forces from outside.
+#include <cstring>
+
+#include "dyn/simulation/actuators.hpp"
+#include "guard.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+dynStatus check_size(const char* function, const dynActuator* a) {
+  if (!a) return fail(DYN_ERROR_ARGUMENT, "%s: actuator is NULL", function);
+  if (a->struct_size >= sizeof *a) return DYN_OK;
+  return fail(DYN_ERROR_SIZE, "%s: dynActuator's struct_size is %u, needs %zu: call dyn_actuator_init", function, a->struct_size, sizeof *a);
+}
+
+template <class F>
+dynStatus with(dynBuilder* builder, F&& f) {
+  if (const dynStatus s = check(builder)) return s;
+  return guarded([&] {
+    f(*builder->b);
+    return DYN_OK;
+  });
+}
+
+std::string text(const char* s) { return s ? s : ""; }
+
+bool exists(const char* function, const Model& m, int actuator) {
+  if (actuator >= 0 && actuator < m.n.actuators) return true;
+  fail(DYN_ERROR_ARGUMENT, "%s: actuator %d does not exist: the model has %d", function, actuator, int(m.n.actuators));
+  return false;
+}
+
+Force<double> shifted(const Force<double>& f, const Vec3<double>& p) { return {f.linear, f.angular + cross(p, f.linear)}; }
+
+}  // namespace
+
+extern "C" {
+
+void dyn_actuator_init(dynActuator* actuator, dynActuatorType type) {
+  if (actuator) *actuator = simulation::default_actuator(type);
+}
+
+dynStatus dyn_builder_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint) {
+  if (const dynStatus s = check(builder)) return s;
+  if (const dynStatus s = check_size("dyn_builder_actuator", actuator)) return s;
+  return with(builder, [&](Builder& b) { b.actuator(text(name), *actuator, text(joint)); });
+}
+
+dynStatus dyn_builder_gravity_compensation(dynBuilder* builder, const char* body, double share) {
+  return with(builder, [&](Builder& b) { b.gravity_compensation(text(body), share); });
+}
+
+dynStatus dyn_builder_medium(dynBuilder* builder, double density, double viscosity, const double wind[3]) {
+  const std::array<double, 3> still{};
+  return with(builder, [&](Builder& b) { b.medium(density, viscosity, wind ? std::array<double, 3>{wind[0], wind[1], wind[2]} : still); });
+}
+
+dynStatus dyn_builder_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material) {
+  return with(builder, [&](Builder& b) { b.pair(text(shape1), text(shape2), material); });
+}
+
+int dyn_nactuators(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.actuators) : -1; }
+int dyn_nu(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nu) : -1; }
+
+const char* dyn_actuator_name(const dynModel* model, int actuator) {
+  if (check(model) != DYN_OK || !exists("dyn_actuator_name", *model->m, actuator)) return nullptr;
+  return model->m->string(model->m->actuators()[actuator].name);
+}
+
+int dyn_actuator_id(const dynModel* model, const char* name) {
+  if (check(model) != DYN_OK) return -1;
+  const Model& m = *model->m;
+  for (Index k = 0; name && k < m.n.actuators; ++k)
+    if (std::strcmp(m.string(m.actuators()[k].name), name) == 0) return int(k);
+  fail(DYN_ERROR_NAME, "there is no actuator '%.200s': the model has %d, see dyn_actuator_name", name ? name : "(NULL)", int(m.n.actuators));
+  return -1;
+}
+
+dynStatus dyn_actuator_info(const dynModel* model, int actuator, dynActuator* out) {
+  if (const dynStatus s = check(model)) return s;
+  if (const dynStatus s = check_size("dyn_actuator_info", out)) return s;
+  if (!exists("dyn_actuator_info", *model->m, actuator)) return DYN_ERROR_ARGUMENT;
+  *out = model->m->actuators()[actuator].spec;
+  return DYN_OK;
+}
+
+dynStatus dyn_data_set_control(const dynModel* model, dynData* data, const double* u) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_set_control");
+  if (!call || !call.required("u", u, call.m().n.nu) || !call.finite("u", u, call.m().n.nu)) return call.status;
+  copy_out(u, call.m().n.nu, call.d().ctrl);
+  return DYN_OK;
+}
+
+dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame, const double* point, const double wrench[6], dynReference reference) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_apply_wrench");
+  if (!call || !call.frame(frame) || !call.reference(reference) || !call.required("wrench", wrench) || !call.finite("wrench", wrench, 6) ||
+      !call.finite("point", point, 3))
+    return call.status;
+  const FrameRecord& f = call.m().frames()[frame];
+  if (f.joint == 0) return fail(DYN_ERROR_ARGUMENT, "%s: frame '%s' does not move: name one that a joint carries", call.function, call.m().string(f.name));
+  if (reference == DYN_WORLD && point)
+    return fail(DYN_ERROR_ARGUMENT, "%s: a moment about the world's origin has no point on the body: pass NULL, or use DYN_LOCAL_WORLD_ALIGNED", call.function);
+  Data<double>& d = call.d();
+  simulation::HeldWrench<double>& held = d.wrenches[f.joint];
+  const Force<double> w = load_force(wrench);
+  const Vec3<double> at = point ? f.X.act(load3(point)) : f.X.p;
+  if (reference == DYN_LOCAL) {
+    held.local = held.local + shifted({f.X.R * w.linear, f.X.R * w.angular}, at);
+  } else if (reference == DYN_LOCAL_WORLD_ALIGNED) {
+    held.aligned = held.aligned + w;
+    held.arm = held.arm + outer(at, w.linear);
+  } else {
+    held.world = held.world + w;
+  }
+  d.pushed = simulation::acting_wrenches, d.acting |= d.pushed;
+  return DYN_OK;
+}
+
+dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_clear_wrenches");
+  if (!call) return call.status;
+  Data<double>& d = call.d();
+  for (Index j = 0; j < call.m().n.joints; ++j) d.wrenches[j] = simulation::HeldWrench<double>::none();
+  d.acting &= ~d.pushed, d.pushed = 0;
+  return DYN_OK;
+}
+
+}  // extern "C"

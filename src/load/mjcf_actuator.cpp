@@ -1,0 +1,124 @@
+// <actuator>: motors, servos and affine laws on joints. What drives anything else, or by another law, is reported.
+#include <algorithm>
+
+#include "mjcf_robot.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+constexpr const char* kinds[] = {"general", "motor", "position", "velocity"};
+
+
+// Joint of that name; nullptr: there is none yet.
+const MjcfJoint* find_joint(const MjcfRobot& robot, const std::string& name) {
+  for (const MjcfBody& b : robot.bodies)
+    for (const MjcfJoint& j : b.joints)
+      if (j.spec.name == name) return &j;
+  return nullptr;
+}
+
+// Component and gear of the one degree of freedom that is driven; a reason why there is not one otherwise.
+const char* transmission(const MjcfJoint& j, const std::vector<double>& gear, dynActuator& a) {
+  if (j.spec.type == DYN_JOINT_REVOLUTE || j.spec.type == DYN_JOINT_PRISMATIC) return a.gear = gear.empty() ? 1 : gear[0], nullptr;
+  const size_t first = 0, count = j.spec.type == DYN_JOINT_FREE_FLYER ? 6 : 3;
+  int driven = 0;
+  for (size_t k = first; k < std::min(count, gear.size()); ++k)
+    if (gear[k] != 0) ++driven, a.component = int(k), a.gear = gear[k];
+  if (driven != 1) return "it drives a direction across several degrees of freedom";
+  return count == 6 && a.component < 3 ? "it pushes a free joint along an axis of the world" : nullptr;
+}
+
+void read_range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits, double (&out)[2]) {
+  const auto pair = reader.numbers(e, attribute, 2);
+  const auto on = read_switch(reader, e, limited, std::nullopt);
+  if (!pair && on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
+  if (!pair || !on.value_or(autolimits && ((*pair)[0] != 0 || (*pair)[1] != 0))) return;
+  if (!((*pair)[0] <= (*pair)[1])) reader.bad_numbers(e, attribute, "the lower end is above the upper one");
+  out[0] = (*pair)[0], out[1] = (*pair)[1];
+}
+
+// gainprm, biasprm, dynprm: missing numbers are the defaults'.
+double parameter(const Reader& reader, const Element& e, const char* attribute, size_t k, double missing) {
+  const auto given = reader.numbers(e, attribute);
+  return given && k < given->size() ? (*given)[k] : missing;
+}
+
+// The law; a reason why it is not read otherwise.
+const char* law(const Reader& reader, const Element& e, std::string_view kind, dynActuator& a) {
+  if (kind == "motor") return a.type = DYN_ACTUATOR_MOTOR, nullptr;
+  if (kind == "velocity") return a.type = DYN_ACTUATOR_VELOCITY, a.kv = reader.optional_number(e, "kv").value_or(1), nullptr;
+  if (kind == "position") {
+    a.type = DYN_ACTUATOR_POSITION, a.kp = reader.optional_number(e, "kp").value_or(1), a.kv = reader.optional_number(e, "kv").value_or(0);
+    a.time_constant = reader.optional_number(e, "timeconst").value_or(0);
+    return e.Attribute("dampratio") ? "its damping is given as a ratio (dampratio): give kv" : nullptr;
+  }
+  a.type = DYN_ACTUATOR_AFFINE;
+  const std::string_view dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none", gain = e.Attribute("gaintype") ? e.Attribute("gaintype") : "fixed",
+                         bias = e.Attribute("biastype") ? e.Attribute("biastype") : "none";
+  if (dynamics == "filter" || dynamics == "filterexact") a.time_constant = parameter(reader, e, "dynprm", 0, 1);
+  else if (dynamics != "none") return "its activation is no first-order filter";
+  a.gain = parameter(reader, e, "gainprm", 0, 1);
+  if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0)) return "its gain changes with its length or speed";
+  if (gain != "fixed" && gain != "affine") return "its gain is no number";
+  if (bias == "affine")
+    for (size_t k = 0; k < 3; ++k) a.bias[k] = parameter(reader, e, "biasprm", k, 0);
+  else if (bias != "none") return "its bias is not affine";
+  return nullptr;
+}
+
+}  // namespace
+
+void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context) {
+  for (Element* e : file.source.children(section)) {
+    const std::string_view kind = e->Name();
+    const std::string given = e->Attribute("name") ? e->Attribute("name") : "";
+    const std::string name = context.name(given.empty() ? std::string(kind) + "_" + std::to_string(file.robot.actuators.size()) : given);
+    const Reader reader = file.source.reader(*e, "actuator " + load::quoted(name));
+    const MjcfPlace place{&reader.report, line(*e), reader.owner};
+    const auto leave_out = [&](const std::string& why) { place.physics(why + ": it is left out"); };
+    if (std::find(std::begin(kinds), std::end(kinds), kind) == std::end(kinds)) {
+      leave_out("<" + std::string(kind.substr(0, 60)) + "> is not read");
+      continue;
+    }
+    reader.unread(*e, {"name", "class", "group", "nsample", "interp", "delay", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange", "actrange", "lengthrange", "gear", "joint",
+                       "jointinparent", "tendon", "site", "refsite", "body", "slidersite", "cranksite", "cranklength", "user", "actdim", "dyntype", "gaintype",
+                       "biastype", "dynprm", "gainprm", "biasprm", "actearly", "kp", "kv", "dampratio", "timeconst", "inheritrange", "armature", "damping"}, {"plugin"});
+    // the defaults of all actuators are one set in MuJoCo: each writes what the others then have
+    file.defaults.apply(file.source, *e, std::string(kind), context.childclass);
+    for (const char* other : kinds)
+      if (kind != other) file.defaults.apply(file.source, *e, other, context.childclass);
+    const char* joint_name = e->Attribute("joint");
+    if (!joint_name && e->Attribute("jointinparent")) joint_name = e->Attribute("jointinparent");
+    if (!joint_name) {
+      leave_out("it drives no joint, and nothing else is read");
+      continue;
+    }
+    MjcfActuator actuator{place, name, {}, context.name(joint_name)};
+    actuator.spec = simulation::default_actuator(DYN_ACTUATOR_MOTOR);
+    const MjcfJoint* joint = find_joint(file.robot, actuator.joint);
+    if (!joint) reader.fail(DYN_ERROR_NAME, *e, "there is no joint " + load::quoted(actuator.joint));
+    if (const char* why = transmission(*joint, reader.numbers(*e, "gear").value_or(std::vector<double>()), actuator.spec)) {
+      leave_out(why);
+      continue;
+    }
+    if (const char* why = law(reader, *e, kind, actuator.spec)) {
+      leave_out(why);
+      continue;
+    }
+    read_range(reader, *e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
+    read_range(reader, *e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);
+    if (const double inherit = reader.optional_number(*e, "inheritrange").value_or(0); inherit > 0 && !joint->spec.lower.empty()) {
+      const double middle = (joint->spec.lower[0] + joint->spec.upper[0]) / 2, half = inherit * (joint->spec.upper[0] - joint->spec.lower[0]) / 2;
+      actuator.spec.control_range[0] = middle - half, actuator.spec.control_range[1] = middle + half;
+    }
+    if (e->Attribute("actrange") && actuator.spec.time_constant > 0) place.physics("actrange is not used: its control is limited, not its activation");
+    file.robot.actuators.push_back(std::move(actuator));
+  }
+}
+
+void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot) {
+  for (const MjcfActuator& a : robot.actuators) located(a.place, [&] { builder.actuator(a.name, a.spec, a.joint); });
+}
+
+}  // namespace dyn::load

@@ -1,0 +1,151 @@
+// <equality> as constraints, and <contact> <pair>. MuJoCo's are springs (solref, solimp); these are rigid.
+#include <cmath>
+
+#include "mjcf_robot.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+using Pose = SE3<double>;
+
+std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
+
+const MjcfBody& body_named(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
+  std::vector<const std::string*> names;
+  for (const MjcfBody& b : robot.bodies) {
+    if (b.name == name) return b;
+    names.push_back(&b.name);
+  }
+  e.place.fail(DYN_ERROR_NAME, "there is no body " + load::quoted(name) + did_you_mean(name, names));
+}
+
+// Where the file draws a body, in the world.
+Pose drawn(const MjcfRobot& robot, const MjcfBody& b) { return b.parent < 0 ? b.X : drawn(robot, robot.bodies[size_t(b.parent)]) * b.X; }
+
+const MjcfJoint& joint_named(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
+  for (const MjcfBody& b : robot.bodies)
+    for (const MjcfJoint& j : b.joints)
+      if (j.spec.name == name) return j;
+  e.place.fail(DYN_ERROR_NAME, "there is no joint " + load::quoted(name));
+}
+
+// Coefficients of c0 + c1 (x - at) + ... as those of powers of x.
+void shift(const std::vector<double>& c, double at, double (&out)[5]) {
+  std::fill(out, out + 5, 0.0);
+  for (size_t k = c.size(); k-- > 0;) {  // Horner: out = out (x - at) + c_k
+    for (size_t j = 4; j > 0; --j) out[j] = out[j - 1] - at * out[j];
+    out[0] = c[k] - at * out[0];
+  }
+}
+
+Parent frame_of(const MjcfBody& b) { return b.parent < 0 ? Parent{"", 0} : Parent{b.name, DYN_FRAME_BODY}; }
+
+Pose relative_pose(const std::vector<double>& x) { return {from_quaternion(x[3], x[4], x[5], x[6]), load3(x.data())}; }
+
+}  // namespace
+
+void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& context) {
+  for (Element* e : file.source.children(section)) {
+    const std::string kind = e->Name();
+    file.defaults.apply(file.source, *e, "equality", context.childclass);
+    std::string name = context.name(attribute(*e, "name"));
+    if (name.empty()) name = kind + "_" + std::to_string(file.robot.equalities.size());
+    const Reader reader = file.source.reader(*e, "equality " + load::quoted(name));
+    MjcfEquality x{{&reader.report, line(*e), reader.owner}, name, kind, {}, {}, {}, {}, true, false};
+    if (kind != "connect" && kind != "weld" && kind != "joint") {
+      x.place.physics("<" + kind.substr(0, 60) + "> is not read: what it ties stays loose");
+      continue;
+    }
+    reader.unread(*e, {"name", "class", "active", "solref", "solimp", "body1", "body2", "site1", "site2", "anchor", "relpose", "torquescale", "joint1", "joint2", "polycoef"}, {});
+    count_unused(reader, *e, kind.c_str(), {"solref", "solimp", "torquescale"});
+    x.enabled = read_switch(reader, *e, "active", true).value_or(true);
+    if (kind == "joint") {
+      x.first = context.name(reader.name(*e, "joint1")), x.second = context.name(attribute(*e, "joint2"));
+      x.numbers = reader.numbers(*e, "polycoef").value_or(std::vector<double>{0, 1, 0, 0, 0});
+      if (x.numbers.size() > 5) reader.bad_numbers(*e, "polycoef", "five numbers are expected");
+    } else if (e->Attribute("site1")) {
+      x.sites = true;
+      x.first = context.name(reader.name(*e, "site1")), x.second = context.name(reader.name(*e, "site2"));
+    } else {
+      x.first = context.name(reader.name(*e, "body1")), x.second = e->Attribute("body2") ? context.name(attribute(*e, "body2")) : "world";
+      if (kind == "connect") x.anchor = reader.vector3(*e, "anchor");
+      else x.anchor = reader.vector3(*e, "anchor").value_or(std::array<double, 3>{0, 0, 0});
+      if (!x.anchor) reader.fail(DYN_ERROR_INVALID, *e, "<connect> has no anchor");
+      if (const auto pose = reader.numbers(*e, "relpose", 7)) x.numbers = *pose;
+    }
+    file.robot.equalities.push_back(std::move(x));
+  }
+}
+
+void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
+  for (const MjcfEquality& e : robot.equalities) {
+    dynConstraint c = default_constraint(e.kind == "connect" ? DYN_CONSTRAINT_CONNECT : e.kind == "weld" ? DYN_CONSTRAINT_WELD : DYN_CONSTRAINT_COUPLING);
+    c.enabled = e.enabled;
+    if (e.kind == "joint") {
+      const MjcfJoint& first = joint_named(robot, e, e.first);
+      if (e.second.empty()) {
+        e.place.physics("it holds one joint at a place, which is not read: the joint stays free");
+        continue;
+      }
+      const MjcfJoint& second = joint_named(robot, e, e.second);
+      shift(e.numbers, second.reference, c.coefficients);
+      c.coefficients[0] += first.reference;
+      located(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {e.second, 0}); });
+      continue;
+    }
+    if (e.sites) {
+      located(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {e.second, 0}); });
+      continue;
+    }
+    const MjcfBody &a = body_named(robot, e, e.first), &b = body_named(robot, e, e.second);
+    const Pose X_ab = drawn(robot, a).inverse() * drawn(robot, b);
+    const Vec3<double> anchor = load3(e.anchor->data());
+    Pose in_a = {Mat3<double>::identity(), anchor}, in_b = in_a;
+    if (e.kind == "connect") {
+      in_b.p = X_ab.inverse().act(anchor);
+    } else {  // the anchor is in the second body
+      const bool given = e.numbers.size() == 7 && (e.numbers[3] != 0 || e.numbers[4] != 0 || e.numbers[5] != 0 || e.numbers[6] != 0);
+      in_a = (given ? relative_pose(e.numbers) : X_ab) * in_b;
+    }
+    store_se3(in_a, c.placement1), store_se3(in_b, c.placement2);
+    // a body that is fixed to the world may be first: the constraint is the same with the two exchanged
+    located(e.place, [&] { builder.constraint(e.name, c, frame_of(a), frame_of(b)); });
+  }
+}
+
+void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
+  file.defaults.apply(file.source, e, "pair", context.childclass);
+  const Reader reader = file.source.reader(e, "<pair>");
+  reader.unread(e, {"name", "class", "geom1", "geom2", "condim", "friction", "solref", "solreffriction", "solimp", "gap", "margin"}, {});
+  count_unused(reader, e, "pair", {"solref", "solreffriction", "solimp", "gap", "margin"});
+  MjcfPair pair{{&reader.report, line(e), reader.owner}, {context.name(reader.name(e, "geom1")), context.name(reader.name(e, "geom2"))}, std::nullopt};
+  if (e.Attribute("friction") || e.Attribute("condim")) {
+    const double condim = reader.optional_number(e, "condim").value_or(3);
+    if (condim != 1 && condim != 3 && condim != 4 && condim != 6) reader.bad_numbers(e, "condim", "1, 3, 4 or 6 is expected");
+    std::vector<double> f = {1, 1, 0.005, 0.0001, 0.0001};
+    if (const auto given = reader.numbers(e, "friction"))
+      for (size_t k = 0; k < std::min<size_t>(given->size(), 5); ++k) f[k] = (*given)[k];
+    for (const double x : f)
+      if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
+    if (f[0] != f[1] || f[3] != f[4]) pair.place.physics("friction differs by direction: the first of each is used");
+    dynMaterial x = simulation::default_material();
+    x.friction = condim > 1 ? f[0] : 0, x.torsion = condim > 3 ? f[2] : 0, x.rolling = condim > 4 ? f[3] : 0;
+    pair.material = x;
+  }
+  file.robot.pairs.push_back(std::move(pair));
+}
+
+void mark_mjcf_pairs(MjcfRobot& robot) {
+  std::set<std::string> named;
+  for (const MjcfPair& p : robot.pairs) named.insert({p.geoms[0], p.geoms[1]});
+  for (MjcfBody& b : robot.bodies)
+    for (MjcfGeom& g : b.geoms)
+      if (g.shape.role == DYN_ROLE_VISUAL && named.count(g.shape.name)) g.shape.role = DYN_ROLE_COLLISION;
+}
+
+void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {
+  for (const MjcfPair& p : robot.pairs) located(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], p.material ? &*p.material : nullptr); });
+}
+
+}  // namespace dyn::load

@@ -1,0 +1,133 @@
+// Actuators, weights that are held, and the medium.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "builder_impl.hpp"
+
+namespace dyn {
+
+namespace {
+
+[[noreturn]] void refuse(dynStatus status, const std::string& message) { throw Error(status, message); }
+
+void check_number(const std::string& who, const char* what, double x, bool negative_too) {
+  if (!std::isfinite(x)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(x) + ": give a finite number");
+  if (!negative_too && x < 0) refuse(DYN_ERROR_INVALID, who + ": " + what + " is " + number(x) + ": it can't be negative");
+}
+
+void check_ends(const std::string& who, const char* what, const double (&range)[2]) {
+  if (!(range[0] <= range[1]) || range[0] == HUGE_VAL || range[1] == -HUGE_VAL)
+    refuse(DYN_ERROR_INVALID, who + ": " + what + " is [" + number(range[0]) + ", " + number(range[1]) + "]: give a lower end, then an upper one");
+}
+
+// gain and bias of the type's formula
+void set_law(const dynActuator& x, ActuatorRecord& r) {
+  const auto set = [](double* to, double a, double b, double c) { to[0] = a, to[1] = b, to[2] = c; };
+  set(r.gain, 1, 0, 0), set(r.bias, 0, 0, 0);
+  switch (x.type) {
+    case DYN_ACTUATOR_MOTOR: break;
+    case DYN_ACTUATOR_POSITION: set(r.gain, x.kp, 0, 0), set(r.bias, 0, -x.kp, -x.kv); break;
+    case DYN_ACTUATOR_VELOCITY: set(r.gain, x.kv, 0, 0), set(r.bias, 0, 0, -x.kv); break;
+    case DYN_ACTUATOR_PD: set(r.gain, x.kp, x.kv, 1), set(r.bias, 0, -x.kp, -x.kv); break;
+    case DYN_ACTUATOR_AFFINE: set(r.gain, x.gain, 0, 0), set(r.bias, x.bias[0], x.bias[1], x.bias[2]); break;
+  }
+}
+
+}  // namespace
+
+void Builder::Impl::check_actuator_name(const std::string& name) const {
+  if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "actuator has no name: give one");
+  if (name.find('\0') != std::string::npos) refuse(DYN_ERROR_ARGUMENT, "actuator '" + std::string(name.c_str()) + "': the name holds a zero byte");
+  for (const ActuatorEntry& a : actuators)
+    if (a.name == name) refuse(DYN_ERROR_NAME, "actuator '" + name + "' is there already: choose another name");
+}
+
+void Builder::actuator(const std::string& name, const dynActuator& spec, const std::string& joint) {
+  impl->check_actuator_name(name);
+  const std::string who = "actuator '" + name + "'";
+  const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&](const JointEntry& j) { return j.spec.name == joint; });
+  if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + joint + "'");
+  if (!at->spec.mimic.empty()) refuse(DYN_ERROR_INVALID, who + ": joint '" + joint + "' follows '" + at->spec.mimic + "': name that one");
+  if (int(spec.type) < DYN_ACTUATOR_MOTOR || int(spec.type) > DYN_ACTUATOR_AFFINE)
+    refuse(DYN_ERROR_ARGUMENT, who + ": type " + std::to_string(int(spec.type)) + " is none of DYN_ACTUATOR_MOTOR, _POSITION, _VELOCITY, _PD, _AFFINE");
+  if (spec.component < 0 || spec.component >= spec_nv(at->spec))
+    refuse(DYN_ERROR_ARGUMENT, who + ": component is " + std::to_string(spec.component) + ", and joint '" + joint + "' has " + std::to_string(spec_nv(at->spec)) +
+                                   " degrees of freedom");
+  check_number(who, "gear", spec.gear, true);
+  check_number(who, "kp", spec.kp, false), check_number(who, "kv", spec.kv, false);
+  check_number(who, "gain", spec.gain, true);
+  for (const double b : spec.bias) check_number(who, "bias", b, true);
+  check_number(who, "time_constant", spec.time_constant, false);
+  check_ends(who, "control_range", spec.control_range), check_ends(who, "force_range", spec.force_range);
+  impl->actuators.push_back({name, spec, int(at - impl->joints.begin())});
+}
+
+void Builder::gravity_compensation(const std::string& body, double share) {
+  const std::string who = "gravity compensation of body '" + body + "'";
+  check_number(who, "share", share, true);
+  impl->frames[std::size_t(impl->find({body, DYN_FRAME_BODY}, who))].compensation = share;
+}
+
+void Builder::medium(double density, double viscosity, const std::array<double, 3>& wind) {
+  check_number("medium", "density", density, false), check_number("medium", "viscosity", viscosity, false);
+  for (const double w : wind) check_number("medium", "wind", w, true);
+  impl->density = density, impl->viscosity = viscosity, impl->wind = wind;
+}
+
+void Builder::pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material) {
+  const std::string who = "pair of '" + shape1 + "' and '" + shape2 + "'";
+  const auto find = [&](const std::string& name) {
+    int found = -1;
+    for (std::size_t k = 0; k < impl->shapes.size(); ++k)
+      if (const Shape& s = impl->shapes[k].shape; s.role == DYN_ROLE_COLLISION && s.name == name) {
+        if (found >= 0) refuse(DYN_ERROR_NAME, who + ": there are several shapes '" + name + "'");
+        found = int(k);
+      }
+    if (name.empty() || found < 0) refuse(DYN_ERROR_NAME, who + ": there is no collision shape '" + name + "': add it first");
+    return found;
+  };
+  const int a = find(shape1), b = find(shape2);
+  if (a == b) refuse(DYN_ERROR_INVALID, who + ": that is one shape");
+  if (impl->frames[std::size_t(impl->shapes[std::size_t(a)].frame)].joint == impl->frames[std::size_t(impl->shapes[std::size_t(b)].frame)].joint)
+    refuse(DYN_ERROR_INVALID, who + ": both are on the same body");
+  if (material)
+    if (const simulation::BadNumber bad = simulation::bad_number(*material); bad.name)
+      refuse(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, who + ": " + bad.name + " is " + number(bad.value));
+  impl->pairs.push_back({a, b, material ? std::optional(*material) : std::nullopt});
+}
+
+std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id, const std::vector<JointRecord>& joints,
+                                         const std::vector<Span>& spans, ModelSizes& n) {
+  std::vector<ActuatorRecord> out;
+  for (const ActuatorEntry& a : actuators) {
+    ActuatorRecord r{};
+    r.spec = a.spec;
+    r.spec.struct_size = sizeof r.spec, r.spec.joint = id[std::size_t(a.joint)];
+    r.spec.controls = a.spec.type == DYN_ACTUATOR_PD ? 3 : 1, r.spec.idx_u = n.nu;
+    n.nu += r.spec.controls;
+    set_law(a.spec, r);
+    r.v = joints[std::size_t(r.spec.joint)].idx_v + a.spec.component, r.q = -1;
+    for (const Span& s : spans)
+      if (r.v >= s.first_v && r.v < s.first_v + s.count) r.q = s.first_q + r.v - s.first_v;
+    if (r.bias[1] != 0 && r.q < 0)
+      refuse(DYN_ERROR_INVALID, "actuator '" + a.name + "' depends on a length, and the coordinates of its joint are no lengths: use MOTOR or VELOCITY");
+    r.act = a.spec.time_constant > 0 ? n.na++ : -1;
+    out.push_back(r);
+  }
+  n.actuators = Index(out.size());
+  return out;
+}
+
+std::optional<DragBox> drag_box(const FrameEntry& link, const SE3<double>& X) {
+  if (!(link.mass > 0)) return std::nullopt;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(Eigen::Map<const Eigen::Matrix3d>(link.inertia.data()));
+  Eigen::Matrix3d axes = principal.eigenvectors();
+  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
+  const Eigen::Vector3d I = principal.eigenvalues();
+  DragBox box{};
+  box.X = X * SE3<double>{load33(axes.data()), load3(link.com.data())};
+  for (int i = 0; i < 3; ++i) box.half[i] = std::sqrt(std::max(0.0, 1.5 / link.mass * (I.sum() - 2 * I[i])));
+  return box;
+}
+
+}  // namespace dyn
