@@ -124,7 +124,7 @@ dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint
 dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, const double gravity[3]) {
   Call call(model, data, 0, "dyn_data_set_gravity");
   if (!call || !call.required("gravity", gravity) || !call.finite("gravity", gravity, 3)) return call.status;
-  copy_out(gravity, 3, call.d().gravity);
+  copy_out(gravity, 3, call.d().world_gravity);
   call.drop_results();
   return DYN_OK;
 }
@@ -164,7 +164,7 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
                        npairs = call.m().n.pairs, nrows = call.m().n.constraint_rows, nu = call.m().n.nu, na = call.m().n.na, nactuators = call.m().n.actuators;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators;
   auto view = [&](std::ptrdiff_t height, std::ptrdiff_t width, const double* numbers) {
-    out->rows = int32_t(height), out->cols = int32_t(width), out->data = numbers;
+    out->rows = int32_t(height), out->cols = int32_t(width), out->data = numbers ? numbers : call.d().time;  // NULL is for no one, not for no numbers
   };
   switch (FieldId(field)) {
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \

@@ -448,7 +448,18 @@ enum {
 DYN_API dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects);
 /* Those that are on; with joint 0 those that act: on at some joint that has them. */
 DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects);
-/* Gravity in this data (m/s^2, world axes); new data has the model's. All results are stale afterwards. The field "gravity" reads it. */
+/* What a step of this data takes into account, one by one: what acts in it, and what only it takes of its memory. What is absent takes no instruction
+   and no byte of a step, but for the room of wrenches, which may come at any time. */
+typedef struct dynEffectInfo {
+  uint32_t struct_size;
+  const char* name; /* gravity, armature, damping, springs, friction, limits, mimic, contact, constraints, actuators, wrenches, gravity_compensation, fluid */
+  int32_t present;  /* how many joints, pairs, constraints, actuators, links of the model may have it */
+  int32_t acting;   /* not 0: it acts in this data; of contact and constraints how many pairs are tested, slots enabled */
+  uint64_t bytes;   /* of the data */
+} dynEffectInfo;
+DYN_API int dyn_neffects(void);
+DYN_API dynStatus dyn_effect_info(const dynModel* model, dynData* data, int effect, dynEffectInfo* info);
+/* Gravity in this data (m/s^2, world axes); new data has the model's. All results are stale afterwards. The field "world_gravity" reads it. */
 DYN_API dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, const double gravity[3]);
 
 /* Fields: everything that data holds, by id. Ids are never renumbered. */

@@ -427,6 +427,15 @@ class Data {
     check(dyn_data_set_state(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), tau.of(nv(), "tau")));
   }
   // DYN_EFFECT_... of a joint, or of all (0).
+  // What a step takes into account, and what it takes of the memory.
+  std::vector<dynEffectInfo> plan() {
+    std::vector<dynEffectInfo> out(static_cast<std::size_t>(dyn_neffects()));
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      out[k].struct_size = sizeof out[k];
+      check(dyn_effect_info(m(), get(), static_cast<int>(k), &out[k]));
+    }
+    return out;
+  }
   void set_effects(uint32_t effects, int joint = 0) { check(dyn_data_set_effects(m(), get(), joint, effects)); }
   uint32_t effects(int joint = 0) const {
     uint32_t out;

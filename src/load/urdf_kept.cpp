@@ -1,5 +1,5 @@
 // What a robot says and the model keeps, but no algorithm applies by itself: one line of the report for damping and dry friction, one for
-// limits.
+// limits of speeds and efforts.
 #include <algorithm>
 
 #include "urdf_robot.hpp"
@@ -8,7 +8,7 @@ namespace dyn::load {
 
 void report_kept(const UrdfRobot& robot, Report& report) {
   const auto nonzero = [](const std::vector<double>& x) { return std::any_of(x.begin(), x.end(), [](double e) { return e != 0; }); };
-  int damping = 0, friction = 0, position = 0, velocity = 0, effort = 0;
+  int damping = 0, friction = 0, velocity = 0, effort = 0;
   for (const UrdfJoint& j : robot.joints) {
     const JointSpec& s = j.spec;
     damping += nonzero(s.damping), friction += nonzero(s.friction);
@@ -17,7 +17,7 @@ void report_kept(const UrdfRobot& robot, Report& report) {
       if (limited) report.count("<limit> of a mimicking joint: not kept", j.line);
       continue;
     }
-    position += !s.lower.empty(), velocity += !s.velocity.empty(), effort += !s.effort.empty();
+    velocity += !s.velocity.empty(), effort += !s.effort.empty();
   }
   std::string all;
   const auto add = [&](const char* what, int n) {
@@ -25,7 +25,7 @@ void report_kept(const UrdfRobot& robot, Report& report) {
   };
   add("damping", damping), add("dry friction", friction);
   if (!all.empty()) report.info(0, "acts when switched on (dyn_data_set_effects): " + all), all.clear();
-  add("position limit", position), add("velocity limit", velocity), add("effort limit", effort);
+  add("velocity limit", velocity), add("effort limit", effort);
   if (!all.empty()) report.info(0, "kept as data, not applied by the algorithms: " + all);
 }
 

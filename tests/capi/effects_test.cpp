@@ -35,13 +35,13 @@ struct Effects : testing::Test {
   void set(int joint, std::uint32_t effects) { ASSERT_EQ(DYN_OK, dyn_data_set_effects(m, d, joint, effects)) << dyn_last_error(); }
 };
 
-TEST_F(Effects, NewDataHasArmatureAndLimits) {
-  const std::uint32_t both = std::uint32_t(DYN_EFFECT_ARMATURE) | DYN_EFFECT_LIMITS;
-  EXPECT_EQ(both, on(1));
-  EXPECT_EQ(both, on(2));
-  EXPECT_EQ(both, on(0));
+TEST_F(Effects, NewDataHasTheDefault) {
+  const std::uint32_t of_joints = DYN_EFFECT_ARMATURE | DYN_EFFECT_DAMPING | DYN_EFFECT_SPRINGS | DYN_EFFECT_FRICTION | DYN_EFFECT_LIMITS;
+  EXPECT_EQ(std::uint32_t(DYN_EFFECT_DEFAULT), on(1));
+  EXPECT_EQ(std::uint32_t(DYN_EFFECT_DEFAULT), on(2));
+  EXPECT_EQ(std::uint32_t(DYN_EFFECT_ARMATURE) | DYN_EFFECT_LIMITS, on(0));
   set(0, DYN_EFFECT_ALL);
-  EXPECT_EQ(std::uint32_t(DYN_EFFECT_ALL), on(0));
+  EXPECT_EQ(of_joints, on(0));  // there are no actuators
   set(1, 0);
   EXPECT_EQ(0u, on(1));
   EXPECT_EQ(std::uint32_t(DYN_EFFECT_ALL), on(2));
@@ -85,8 +85,8 @@ TEST_F(Effects, BadArgumentsChangeNothing) {
   set(0, DYN_EFFECT_ALL);
   const auto before = rnea();
   std::uint32_t effects = 7;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_effects(m, d, 0, 32));
-  EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "0x20"));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_effects(m, d, 0, 256));
+  EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "0x100"));
   for (const int joint : {-1, 4}) {
     EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_effects(m, d, joint, 0));
     EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_effects(m, d, joint, &effects));

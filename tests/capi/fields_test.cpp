@@ -44,6 +44,9 @@ int dimension(const dynModel* m, const std::string& text) {
   if (text == "nframes") return dyn_nframes(m);
   if (text == "nrows") return 6 * dyn_nconstraint_slots(m);  // of models without constraints of their own
   if (text == "npairs") return dyn_npairs(m);
+  if (text == "nu") return dyn_nu(m);
+  if (text == "nactuators") return dyn_nactuators(m);
+  if (text == "na") return 0;  // of models without filters
   if (text == "nparameters") return 10 * (dyn_njoints(m) - 1);
   return std::stoi(text);
 }

@@ -154,6 +154,11 @@ const ModelFunction model_functions[] = {
     {"dyn_constraint_name", [](auto* m) { return dyn_constraint_name(m, 0) == nullptr; }},
     {"dyn_constraint_id", [](auto* m) { return dyn_constraint_id(m, "loop") == -1; }},
     {"dyn_constraint_info", [](auto* m) { return keeps(dyn_constraint_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_nactuators", [](auto* m) { return dyn_nactuators(m) == -1; }},
+    {"dyn_nu", [](auto* m) { return dyn_nu(m) == -1; }},
+    {"dyn_actuator_name", [](auto* m) { return dyn_actuator_name(m, 0) == nullptr; }},
+    {"dyn_actuator_id", [](auto* m) { return dyn_actuator_id(m, "drive") == -1; }},
+    {"dyn_actuator_info", [](auto* m) { return keeps(dyn_actuator_info, m, DYN_ERROR_HANDLE); }},
     {"dyn_npairs", [](auto* m) { return dyn_npairs(m) == -1; }},
     {"dyn_pair", [](auto* m) { return dyn_pair(m, 0, nullptr, nullptr, nullptr) == DYN_ERROR_HANDLE; }},
     {"dyn_data_new",
@@ -238,6 +243,12 @@ TEST(Handles, EveryFunctionOfABuilder) {
     refused(dyn_builder_attach(b, m, "x", nullptr));
     refused(dyn_builder_subtree(b, joint));
     refused(dyn_builder_remove(b, joint));
+    dynActuator motor;
+    dyn_actuator_init(&motor, DYN_ACTUATOR_MOTOR);
+    refused(dyn_builder_actuator(b, "m", &motor, joint));
+    refused(dyn_builder_gravity_compensation(b, "l", 1));
+    refused(dyn_builder_medium(b, 1, 0, nullptr));
+    refused(dyn_builder_pair(b, "x", "y", nullptr));
     dynModel* none = nullptr;
     refused(dyn_builder_finish(b, &none));
     EXPECT_EQ(nullptr, none);
@@ -289,7 +300,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_model_load_string", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
       "dyn_builder_joint", "dyn_builder_body", "dyn_builder_frame", "dyn_builder_configuration", "dyn_builder_finish", "dyn_data_free",
       "dyn_builder_lock", "dyn_builder_subtree", "dyn_builder_remove",
-      "dyn_nfields", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",
+      "dyn_neffects", "dyn_effect_info", "dyn_nfields", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",
       // numbers alone: inertial_parameters_test.cpp
       "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",
       "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",
@@ -308,6 +319,9 @@ TEST(Handles, TablesAreComplete) {
       "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance",
       // tests/simulation
       "dyn_state_size", "dyn_state_save", "dyn_state_restore", "dyn_step_contacts", "dyn_data_set_shape_material", "dyn_data_shape_material",
+      // tests/simulation/driving_test.cpp
+      "dyn_actuator_init", "dyn_builder_actuator", "dyn_builder_gravity_compensation", "dyn_builder_medium", "dyn_builder_pair", "dyn_data_set_control",
+      "dyn_data_apply_wrench", "dyn_data_clear_wrenches", "dyn_data_set_gravity",
       // effects_test.cpp
       "dyn_batch_set_effects",
       // constraint_test.cpp

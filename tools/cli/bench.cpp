@@ -19,7 +19,7 @@ constexpr int max_dense = 2000;  // nv beyond which the nv x nv quantities are l
 struct Options {
   RobotOptions robot;
   double seconds = 5;
-  std::string effects = "armature";
+  EffectOptions effects{"armature", ""};
 };
 
 struct Sample {

@@ -69,8 +69,11 @@ struct Robot {
   dynParts forward_parts() const;  // what forward dynamics and steps need
 };
 
+// Effects that are no bits of dyn.h.
+inline constexpr std::uint32_t has_gravity = 1u << 16, has_contact = 1u << 17, has_constraints = 1u << 18, of_the_whole = has_gravity | has_contact | has_constraints;
+
 struct Data {
-  Data(const Robot& robot, dynParts parts, std::uint32_t effects = DYN_EFFECT_ARMATURE | DYN_EFFECT_LIMITS);
+  Data(const Robot& robot, dynParts parts, std::uint32_t effects = std::uint32_t(DYN_EFFECT_DEFAULT) | of_the_whole);
   std::unique_ptr<dynData, Deleter<dyn_data_free>> handle;
   operator dynData*() const { return handle.get(); }
 };
@@ -80,11 +83,15 @@ Vector field(const Robot& robot, const Data& data, const char* name);
 const char* joint_type_name(dynJointType type);  // "revolute"
 const char* frame_type_name(dynFrameType type);  // "FIXED_JOINT"
 
-// [{"name", "active", "reason"}]: which effects the robot calls for, as far as they are switched on.
-json effects(const Robot& robot, std::uint32_t on = DYN_EFFECT_ALL);
-// Option --effects: names with commas between, "all" or "none".
-void add_effects_option(CLI::App& command, std::string& names);
-std::uint32_t parse_effects(const std::string& names);
+// [{"name", "active", "reason", "bytes"}]: which effects the robot calls for, as far as they are switched on.
+json effects(const Robot& robot, std::uint32_t on = std::uint32_t(DYN_EFFECT_ALL) | of_the_whole);
+// Options --effects and --without: names with commas between.
+struct EffectOptions {
+  std::string with = "all", without;
+};
+void add_effects_option(CLI::App& command, EffectOptions& options);
+std::uint32_t parse_effects(const EffectOptions& options);
+void apply_effects(const Robot& robot, dynData* data, std::uint32_t effects);
 
 // Contacts with the ground, in spare slots.
 struct ContactOptions {
@@ -115,7 +122,7 @@ struct StateOptions {
 void add_state_options(CLI::App& command, StateOptions& options, bool with_acceleration);
 
 struct State {
-  Vector q, v, a, tau;
+  Vector q, v, a, tau, ctrl;
   bool has_tau = false;
 };
 void check_lists(const StateOptions& options);  // what is wrong with the lists whatever the robot
@@ -154,5 +161,6 @@ void add_distance(CLI::App& app);
 void add_check(CLI::App& app);
 void add_sim(CLI::App& app);
 void add_bench(CLI::App& app);
+void add_effects(CLI::App& app);
 
 }  // namespace cli

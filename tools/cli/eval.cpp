@@ -14,7 +14,8 @@ struct Options {
   RobotOptions robot;
   StateOptions state;
   std::vector<std::string> compute;
-  std::string frame, reference = "LOCAL", effects = "armature";
+  std::string frame, reference = "LOCAL";
+  EffectOptions effects{"armature", ""};
   ContactOptions contacts;
 };
 

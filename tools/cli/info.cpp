@@ -156,7 +156,7 @@ std::string info_text(const json& info) {
   out += "\nframes\n" + table(rows);
   rows.clear();
   for (const auto& e : info["effects"])
-    rows.push_back({str(e["name"]), e["active"].get<bool>() ? "on" : "off", str(e["reason"])});
+    rows.push_back({str(e["name"]), e["active"].get<bool>() ? "on" : "off", num(e["bytes"]) + " bytes", str(e["reason"])});
   out += "\neffects\n" + table(rows);
   if (info["configurations"].size() > 1) {
     out += "\nconfigurations\n ";

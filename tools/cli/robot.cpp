@@ -92,7 +92,7 @@ Data::Data(const Robot& robot, dynParts parts, std::uint32_t effects) {
   dynData* data = nullptr;
   check(dyn_data_new(robot, parts, &data));
   handle.reset(data);
-  check(dyn_data_set_effects(robot, data, 0, effects));
+  apply_effects(robot, data, effects);
 }
 
 Vector field(const Robot& robot, const Data& data, const char* name) {
@@ -128,78 +128,6 @@ const char* frame_type_name(dynFrameType type) {
       return "SENSOR";
   }
   return "unknown";
-}
-
-constexpr struct {
-  const char* name;
-  std::uint32_t bits;
-} effect_names[] = {{"armature", DYN_EFFECT_ARMATURE}, {"damping", DYN_EFFECT_DAMPING}, {"springs", DYN_EFFECT_SPRINGS},
-                    {"friction", DYN_EFFECT_FRICTION}, {"limits", DYN_EFFECT_LIMITS}, {"all", DYN_EFFECT_ALL}, {"none", 0}};
-
-void add_effects_option(CLI::App& command, std::string& names) {
-  command.add_option("--effects", names, "What joints do: armature, damping, springs, friction, limits with commas between, all or none")
-      ->check(not_empty)
-      ->type_name("LIST")
-      ->capture_default_str();
-}
-
-std::uint32_t parse_effects(const std::string& names) {
-  std::uint32_t bits = 0;
-  std::istringstream words(names);
-  for (std::string word; std::getline(words, word, ',');) {
-    const auto* found = std::find_if(std::begin(effect_names), std::end(effect_names), [&](const auto& e) { return word == e.name; });
-    if (found == std::end(effect_names))
-      bad_usage("--effects: \"" + shown(word) + "\" is none of armature, damping, springs, friction, limits, all, none.");
-    bits |= found->bits;
-  }
-  return bits;
-}
-
-json effects(const Robot& robot, std::uint32_t on) {
-  json list = json::array();
-  const auto add = [&](const char* name, bool active, const std::string& reason) {
-    list.push_back({{"name", name}, {"active", active}, {"reason", reason}});
-  };
-  const auto count = [&](dynModelArray which, int n, auto&& present) {
-    const double* x = dyn_model_array(robot, which);
-    return x ? static_cast<int>(std::count_if(x, x + n, present)) : 0;
-  };
-  const auto nonzero = [](double x) { return x != 0; };
-  const auto of_nv = [&](int n) { return std::to_string(n) + " of " + std::to_string(robot.nv) + " degrees of freedom"; };
-  const auto of_joints = [&](const char* name, dynModelArray which, std::uint32_t bit, const char* what) {
-    const int n = count(which, robot.nv, nonzero);
-    add(name, n && on & bit, !n ? std::string("no joint has ") + what : of_nv(n) + " have " + what + (on & bit ? "" : "; switched off"));
-  };
-  const double* g = dyn_model_array(robot, DYN_GRAVITY);
-  const bool falls = g && (g[0] != 0 || g[1] != 0 || g[2] != 0);
-  add("gravity", falls,
-      falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2"
-            : "gravity is zero");
-  of_joints("armature", DYN_ARMATURE, DYN_EFFECT_ARMATURE, "armature");
-  of_joints("damping", DYN_DAMPING, DYN_EFFECT_DAMPING, "damping");
-  of_joints("springs", DYN_STIFFNESS, DYN_EFFECT_SPRINGS, "springs");
-  of_joints("friction", DYN_FRICTION, DYN_EFFECT_FRICTION, "dry friction");
-  const auto finite = [](double x) { return std::isfinite(x); };
-  const int limits = std::max(count(DYN_LOWER_LIMIT, robot.nq, finite), count(DYN_UPPER_LIMIT, robot.nq, finite));
-  add("limits", limits && on & DYN_EFFECT_LIMITS,
-      limits ? std::to_string(limits) + " of " + std::to_string(robot.nq) + " coordinates have limits" + (on & DYN_EFFECT_LIMITS ? "" : "; switched off")
-             : "no joint has limits");
-  int tested = 0;
-  for (int k = 0, n = dyn_npairs(robot); k < n; ++k) {
-    dynPairReason reason;
-    check(dyn_pair(robot, k, nullptr, nullptr, &reason));
-    tested += reason == DYN_PAIR_TESTED;
-  }
-  add("contact", tested > 0, tested ? std::to_string(tested) + (tested == 1 ? " pair" : " pairs") + " of shapes may touch" : "no pair of shapes is tested");
-  const int constraints = dyn_nconstraints(robot);
-  add("constraints", constraints > 0,
-      constraints ? "the file has " + std::to_string(constraints) + (constraints == 1 ? " constraint" : " constraints") : "the file has none");
-  int followers = 0;
-  for (int i = 1; i < robot.njoints; ++i) followers += robot.joint(i).mimic_leader >= 0;
-  add("mimic", followers > 0,
-      followers ? std::to_string(followers) + (followers == 1 ? " joint follows" : " joints follow") + " another"
-                : "no joint follows another");
-  return list;
 }
 
 }  // namespace cli

@@ -1,6 +1,4 @@
 // dyn sim: a robot under a constant tau, with its contacts, limits and constraints, and an account of energy, error and time.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <chrono>
@@ -8,43 +6,20 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <limits>
+#include <algorithm>
 
-#include "cli.hpp"
+#include "stepping.hpp"
 
 namespace cli {
 namespace {
 
-struct Options {
-  RobotOptions robot;
-  StateOptions state;
-  double duration = 0, dt = 1e-3, accuracy = 0;
-  bool dt_given = false;
-  std::string integrator = "semi_implicit_euler", solver = "admm", csv, effects = "all";
-  double tolerance = 1e-9;
-  bool no_error_estimate = false, ground = false;
+struct Options : SteppingOptions {
+  double accuracy = 0;
+  std::string csv, postmortem;
+  bool dt_given = false, no_error_estimate = false, profile = false;
 };
 
-constexpr double max_steps = 1e9;
 constexpr double max_csv_bytes = 16e9;
-
-// Steps of dt, and a shorter last one when dt does not divide the duration.
-struct Schedule {
-  double dt, last;
-  long long steps;
-  Schedule(double duration, double h) : dt(h), last(h) {
-    const double ratio = duration / h;
-    if (!(ratio <= max_steps))
-      bad_usage("--duration " + short_number(duration) + " at --dt " + short_number(h) + " is " + short_number(ratio) +
-                " steps, more than " + short_number(max_steps) + ": take a larger --dt.");
-    steps = std::llround(ratio);
-    if (std::abs(ratio - static_cast<double>(steps)) > 1e-9 * ratio || steps == 0) {
-      steps = static_cast<long long>(std::floor(ratio)) + 1;
-      last = duration - static_cast<double>(steps - 1) * h;
-    }
-  }
-  double length(long long i) const { return i + 1 == steps ? last : dt; }
-};
 
 // t, q, v, tau when given, energies: 17 digits.
 class Csv {
@@ -99,36 +74,6 @@ class Csv {
   std::FILE* file_ = nullptr;
 };
 
-// On a terminal only.
-class Progress {
- public:
-  explicit Progress(long long total) : total_(total), on_(isatty(STDERR_FILENO)) {}
-  ~Progress() {
-    if (shown_) std::fprintf(stderr, "\r\033[K");
-  }
-  void at(long long i) {
-    if (!on_ || i % 256) return;
-    const auto now = std::chrono::steady_clock::now();
-    if (now - last_ < std::chrono::milliseconds(200)) return;
-    last_ = now;
-    shown_ = true;
-    std::fprintf(stderr, "\r%3d %% of %lld steps", static_cast<int>(100 * i / total_), total_);
-  }
-
- private:
-  long long total_;
-  bool on_, shown_ = false;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
-// The state in data, without copies.
-const double* state_view(const Robot& robot, const Data& data, const char* name) {
-  dynArray array{};
-  array.struct_size = sizeof array;
-  check(dyn_data_array(robot, data, dyn_field_id(name), &array));
-  return array.data;
-}
-
 // First passing of each coordinate's limit, where limits are switched off.
 class Limits {
  public:
@@ -160,70 +105,55 @@ class Limits {
   std::vector<bool> said_;
 };
 
-constexpr struct {
-  const char* name;
-  dynIntegrator id;
-  double order;  // 0: it says its error itself
-} integrators[] = {{"semi_implicit_euler", DYN_SEMI_IMPLICIT_EULER, 1}, {"rk4", DYN_RK4, 4}, {"implicit_fast", DYN_IMPLICIT_FAST, 1},
-                   {"implicit_midpoint", DYN_IMPLICIT_MIDPOINT, 2}, {"rk45", DYN_RK45, 0}, {"reference", DYN_REFERENCE, 0}};
-
-const auto& integrator_named(const std::string& name) {
-  std::string known;
-  for (const auto& i : integrators) {
-    if (name == i.name) return i;
-    known += (known.empty() ? "" : ", ") + std::string(i.name);
+// The last states, for dyn sim --postmortem.
+class Blackbox {
+ public:
+  Blackbox(const Robot& robot, const std::string& path) : robot_(robot), path_(path) {}
+  void record(double t, const double* q, const double* v) {
+    if (path_.empty()) return;
+    if (last_.size() == kept) last_.erase(last_.begin());
+    last_.push_back({t, Vector(q, q + robot_.nq), Vector(v, v + robot_.nv)});
   }
-  bad_usage("--integrator: \"" + name + "\" is not one of " + known + ".");
-}
+  // The states before the failure, and the joints by how their speeds grew over them; each state is one that --state takes.
+  void write(const std::string& error, double h, const std::string& integrator, const State& start) const {
+    if (path_.empty()) return;
+    json out = {{"error", error}, {"dt", h}, {"integrator", integrator}, {"states", json::array()}, {"grew", json::array()}};
+    for (const Entry& e : last_) out["states"].push_back({{"time", e.t}, {"q", e.q}, {"v", e.v}, {"tau", start.tau}, {"ctrl", start.ctrl}});
+    std::vector<std::pair<double, int>> growth;
+    for (int j = 1; j < robot_.njoints; ++j) {
+      const dynJointInfo joint = robot_.joint(j);
+      const auto speed = [&](const Entry& e) {
+        double most = 0;
+        for (int k = joint.idx_v; k < joint.idx_v + joint.nv; ++k) most = std::max(most, std::abs(e.v[k]));
+        return most;
+      };
+      growth.emplace_back(speed(last_.back()) / std::max(speed(last_.front()), 1e-9), j);
+    }
+    std::sort(growth.rbegin(), growth.rend());
+    for (std::size_t k = 0; k < std::min<std::size_t>(growth.size(), 10); ++k)
+      out["grew"].push_back({{"joint", robot_.joint(growth[k].second).name}, {"factor", growth[k].first}});
+    std::FILE* file = std::fopen(path_.c_str(), "wb");
+    const std::string text = json_text(out);
+    if (!file || std::fwrite(text.data(), 1, text.size(), file) != text.size() || std::fclose(file) != 0)
+      fail(path_ + ": cannot be written: " + std::strerror(errno) + "; and the simulation failed: " + error);
+  }
 
-constexpr struct {
-  const char* name;
-  dynContactSolverType id;
-} solvers[] = {{"pgs", DYN_CONTACT_PGS}, {"admm", DYN_CONTACT_ADMM}, {"newton", DYN_CONTACT_NEWTON}};
-
-dynContactSolverType solver_named(const std::string& name) {
-  for (const auto& s : solvers)
-    if (name == s.name) return s.id;
-  bad_usage("--solver: \"" + shown(name) + "\" is none of pgs, admm, newton.");
-}
-
-struct ContactSolver {
-  dynContactSolverType type;
-  double tolerance;
+ private:
+  static constexpr std::size_t kept = 100;
+  struct Entry {
+    double t;
+    Vector q, v;
+  };
+  const Robot& robot_;
+  std::string path_;
+  std::vector<Entry> last_;
 };
-
-void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver) {
-  dynStepOptions options;
-  dyn_step_options_init(&options);
-  options.solver = solver.type, options.tolerance = solver.tolerance;
-  options.integrator = integrator, options.dt = dt, options.accuracy = accuracy;
-  check(dyn_data_set_step_options(robot, data, &options));
-}
-
-// Lifts what flies freely until nothing is below the ground.
-void lift(const Robot& robot, Vector& q, json& warnings) {
-  const Data data(robot, DYN_PART_COLLISION);
-  Vector distances(dyn_npairs(robot));
-  check(dyn_distances(robot, data, q.data(), distances.data()));
-  double lowest = HUGE_VAL;
-  const int ground = dyn_nshapes(robot) - 1;
-  for (int k = 0; k < dyn_npairs(robot); ++k) {
-    int a, b;
-    check(dyn_pair(robot, k, &a, &b, nullptr));
-    if (a == ground || b == ground) lowest = std::min(lowest, distances[k]);
-  }
-  if (!(lowest < HUGE_VAL)) return;
-  bool lifted = false;
-  for (int j = 1; j < robot.njoints; ++j)
-    if (const dynJointInfo joint = robot.joint(j); joint.type == DYN_JOINT_FREE_FLYER && joint.parent == 0) q[joint.idx_q + 2] -= lowest, lifted = true;
-  if (lifted) warnings.push_back("the robot starts on the ground: its free joint is moved by " + short_number(-lowest) + " m along z; --q says another place");
-}
 
 // The same simulation at half the step: its distance at the end, extrapolated by the integrator's order.
 json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, double order, const ContactSolver& solver, std::uint32_t effects,
                     const Schedule& schedule, const double* q_end, json& warnings) {
   const Data fine(robot, DYN_PART_SIMULATION, effects);
-  check(dyn_data_set_state(robot, fine, state.q.data(), state.v.data(), nullptr, state.tau.data()));
+  set_start(robot, fine, state);
   Progress progress(schedule.steps);
   for (long long i = 0; i < schedule.steps; ++i) {
     set_stepping(robot, fine, integrator, schedule.length(i) / 2, 0, solver);
@@ -258,17 +188,16 @@ std::string text_of(const json& a) {
   for (const auto& e : a["effects"])
     if (e["active"].get<bool>())
       out += "effect            " + e["name"].get<std::string>() + ": " + e["reason"].get<std::string>() + "\n";
+  if (a.contains("profile")) out += "\n" + effects_text(a["profile"]);
   for (const auto& w : a["warnings"]) out += "warning           " + w.get<std::string>() + "\n";
   return out;
 }
 
 void run(const Options& options) {
-  if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
-  if (!(options.dt > 0) || !std::isfinite(options.dt)) bad_usage("--dt must be a positive number of seconds.");
+  check_stepping(options);
   if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) bad_usage("--accuracy must be a positive number.");
   const auto& integrator = integrator_named(options.integrator);
-  const ContactSolver solver{solver_named(options.solver), options.tolerance};
-  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a positive number.");
+  const ContactSolver solver{solver_named(options.solver).id, options.tolerance};
   const std::uint32_t on = parse_effects(options.effects);
   const bool adaptive = options.accuracy > 0;
   const double dt = adaptive && !options.dt_given ? options.duration / 100 : options.dt;
@@ -278,19 +207,17 @@ void run(const Options& options) {
   if (overwrites(options.robot.file)) bad_usage("--csv would overwrite the robot's file.");
   if (overwrites(options.state.file)) bad_usage("--csv would overwrite the state's file.");
 
-  check_lists(options.state);
   json warnings = json::array();
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
   const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY, on);
-  State state = read_state(robot, options.state);
-  if (options.ground && options.state.file.empty() && options.state.q.empty()) lift(robot, state.q, warnings);
+  const State state = start_of(robot, options, warnings);
   const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
   if (!options.csv.empty() && bytes > max_csv_bytes)
     fail("--csv would be about " + short_number(bytes / 1e9, 3) + " GB, more than " + short_number(max_csv_bytes / 1e9) +
          " GB: take a larger --dt, or leave it out.");
 
-  check(dyn_data_set_state(robot, data, state.q.data(), state.v.data(), nullptr, state.tau.data()));
+  set_start(robot, data, state);
   double kinetic, potential;
   check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
   const double initial = kinetic + potential;
@@ -307,6 +234,8 @@ void run(const Options& options) {
     const std::string name = effect["name"], reason = effect["reason"];
     if (reason.find("switched off") != std::string::npos) warnings.push_back(name + ": " + reason + ": --effects applies it");
   }
+  Blackbox blackbox(robot, options.postmortem);
+  blackbox.record(*time, q, v);
   for (const double x : state.tau)
     if (x != 0) {
       warnings.push_back("tau is not zero: the energy drift includes the work it does");
@@ -336,11 +265,13 @@ void run(const Options& options) {
       steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped;
       contacts_max = std::max(contacts_max, report.contacts), rows_max = std::max(rows_max, report.rows);
       penetration_max = std::max(penetration_max, report.penetration), residual_max = std::max(residual_max, report.residual);
+      if (status != DYN_OK) blackbox.write(dyn_last_error(), h, options.integrator, state);
       if (status != DYN_OK)
         fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + dyn_last_error());
       check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
       drift_max = std::max(drift_max, std::abs(kinetic + potential - initial));
       record();
+      blackbox.record(*time, q, v);
       if (watch_limits) limits.look(q, *time, warnings);
       progress.at(i);
     }
@@ -373,6 +304,7 @@ void run(const Options& options) {
   if (dropped) warnings.push_back("there was no room for " + std::to_string(dropped) + " contact points in all steps: the shallowest were left out");
   answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
+  if (options.profile) answer["profile"] = measure_effects(robot, state, options, on);
   print(options.robot.json ? json_text(answer) : text_of(answer));
 }
 
@@ -382,17 +314,13 @@ void add_sim(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("sim", "Dynamics under a constant tau, with contacts, limits and constraints");
-  add_robot_options(*command, options->robot);
+  add_stepping_options(*command, *options);
   command->add_option("--duration", options->duration, "Seconds to simulate")->required();
   CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy the time between rows of --csv")->capture_default_str();
   command->add_option("--accuracy", options->accuracy, "What the errors of the steps may add up to (m, rad and their rates): the steps' lengths follow");
-  command->add_option("--integrator", options->integrator, "semi_implicit_euler, rk4, implicit_fast, implicit_midpoint, rk45 or reference")->capture_default_str();
-  command->add_option("--solver", options->solver, "Of contacts, limits and constraints: pgs, admm or newton")->capture_default_str();
-  command->add_option("--tolerance", options->tolerance, "Residual that it goes on to")->capture_default_str();
-  command->add_flag("--ground", options->ground, "Adds the half-space below z = 0; without a state the robot starts on it");
-  add_state_options(*command, options->state, false);
-  add_effects_option(*command, options->effects);
   command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);
+  command->add_option("--postmortem", options->postmortem, "After a failure: the last 100 states into this file, and which joints' speeds grew most")->check(not_empty);
+  command->add_flag("--profile", options->profile, "What each effect takes and changes, as dyn effects measures it");
   command->add_flag("--no-error-estimate", options->no_error_estimate, "Leave out the second run, at half the step");
   command->callback([options, dt] {
     options->dt_given = dt->count() > 0;

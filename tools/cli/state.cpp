@@ -14,7 +14,7 @@
 namespace cli {
 
 void add_state_options(CLI::App& command, StateOptions& options, bool with_acceleration) {
-  auto* file = command.add_option("--state", options.file, "State: JSON with any of q, v, a, tau")->check(not_empty)->type_name("S.json");
+  auto* file = command.add_option("--state", options.file, "State: JSON with any of q, v, a, tau, ctrl")->check(not_empty)->type_name("S.json");
   const auto list = [&](const char* name, std::vector<std::string>& words, const char* what) {
     command.add_option(name, words, what)->type_name("NUMBERS")->excludes(file);
   };
@@ -96,6 +96,14 @@ void from_json(const Robot& robot, const std::string& file, const std::string& k
   for (int i = 0; i < n; ++i) out[i] = number(value[i], where + "[" + std::to_string(i) + "]");
 }
 
+// Controls: one list.
+void from_json_list(const std::string& file, const std::string& key, const json& value, Vector& out) {
+  const std::string where = file + ": \"" + key + "\"";
+  if (!value.is_array()) fail(where + " must be a list of numbers.");
+  if (value.size() != out.size()) fail(sizes(where, value.size(), static_cast<int>(out.size()), "nu"));
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = number(value[i], where + "[" + std::to_string(i) + "]");
+}
+
 std::string read_text(const std::string& file) {
   constexpr std::size_t limit = std::size_t(128) << 20;
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"), &std::fclose);
@@ -140,7 +148,7 @@ void check_lists(const StateOptions& options) {
 }
 
 State read_state(const Robot& robot, const StateOptions& options) {
-  State state{robot.neutral(), Vector(robot.nv), Vector(robot.nv), Vector(robot.nv)};
+  State state{robot.neutral(), Vector(robot.nv), Vector(robot.nv), Vector(robot.nv), Vector(dyn_nu(robot))};
   from_list(robot, "q", options.q, state.q);
   from_list(robot, "v", options.v, state.v);
   from_list(robot, "a", options.a, state.a);
@@ -149,7 +157,7 @@ State read_state(const Robot& robot, const StateOptions& options) {
   if (options.file.empty()) return state;
 
   const json object = read_json(options.file);
-  if (!object.is_object()) fail(options.file + ": must be an object with any of \"q\", \"v\", \"a\", \"tau\".");
+  if (!object.is_object()) fail(options.file + ": must be an object with any of \"q\", \"v\", \"a\", \"tau\", \"ctrl\".");
   for (const auto& [key, value] : object.items()) {
     if (key == "q")
       from_json(robot, options.file, key, value, state.q);
@@ -159,8 +167,10 @@ State read_state(const Robot& robot, const StateOptions& options) {
       from_json(robot, options.file, key, value, state.a);
     else if (key == "tau")
       from_json(robot, options.file, key, value, state.tau), state.has_tau = true;
+    else if (key == "ctrl")
+      from_json_list(options.file, key, value, state.ctrl);
     else
-      fail(options.file + ": unknown key \"" + shown(key) + "\"; the keys are \"q\", \"v\", \"a\", \"tau\".");
+      fail(options.file + ": unknown key \"" + shown(key) + "\"; the keys are \"q\", \"v\", \"a\", \"tau\", \"ctrl\".");
   }
   return state;
 }

@@ -94,6 +94,10 @@ class Constraint(Grown):
     ]  # fmt: skip
 
 
+class EffectInfo(Grown):
+    _fields_ = [("struct_size", c_uint32), ("name", c_char_p), ("present", c_int32), ("acting", c_int32), ("bytes", c_uint64)]
+
+
 class Actuator(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("type", c_int), ("joint", c_int32), ("component", c_int32), ("gear", c_double), ("kp", c_double),
@@ -530,6 +534,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_contact_compliance": (STATUS, [_d, _d, _d, _d, _ref, _ref]),
     "dyn_contact_compliance_hertz": (STATUS, [_d, _d, _d, _d, _d, _ref, _ref]),
     "dyn_friction_cone_qp": (STATUS, [_ref, _i, _i, _ref]),
+    "dyn_neffects": (_i, []),
+    "dyn_effect_info": (STATUS, [_p, _p, _i, _ref]),
     "dyn_actuator_init": (None, [_ref, _i]),
     "dyn_builder_actuator": (STATUS, [_p, _s, _ref, _s]),
     "dyn_builder_gravity_compensation": (STATUS, [_p, _s, _d]),

@@ -125,5 +125,5 @@ class Driving:
         check(lib.dyn_data_clear_wrenches(self._m, self._d))
 
     def set_gravity(self, gravity: ArrayLike) -> None:
-        """Gravity in this data, (3,), m/s^2, world axes; the field gravity reads it."""
+        """Gravity in this data, (3,), m/s^2, world axes; the field world_gravity reads it."""
         check(lib.dyn_data_set_gravity(self._m, self._d, address(checked(gravity, (3,), "gravity"))))

@@ -10,9 +10,9 @@ import numpy as np
 
 from . import abi
 from . import ik as inverse_kinematics
+from .actuator import Driving
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
 from .collision import CollisionQueries
-from .actuator import Driving
 from .constraint import ConstraintCalls
 from .contact import ContactQueries
 from .enums import Effect, IkReason, Part, Reference, Term
@@ -189,6 +189,17 @@ _set_state = lib.dyn_data_set_state
 _static_torque = lib.dyn_static_torque
 
 
+class EffectPlan(NamedTuple):
+    """One effect of a data's steps."""
+
+    present: int
+    """How many joints, pairs, constraints, actuators, links may have it."""
+    acting: int
+    """Not 0: it acts; of contact and constraints how many pairs are tested, slots enabled."""
+    bytes: int
+    """Of the data's memory, for it alone."""
+
+
 class Data(CollisionQueries, ContactQueries, ConstraintCalls, Driving, Stepping):
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 
@@ -267,6 +278,14 @@ class Data(CollisionQueries, ContactQueries, ConstraintCalls, Driving, Stepping)
     def state(self) -> dict[str, np.ndarray]:
         """Copies of the state: {"q", "v", "a", "tau"}, as set_state takes it."""
         return {name: self.field(field).copy() for field, name in _STATE.items()}
+
+    def plan(self) -> dict[str, EffectPlan]:
+        """What a step of this data takes into account, by name."""
+        out, info = {}, abi.EffectInfo()
+        for k in range(lib.dyn_neffects()):
+            check(lib.dyn_effect_info(self._m, self._d, k, byref(info)))
+            out[info.name.decode()] = EffectPlan(info.present, info.acting, info.bytes)
+        return out
 
     def set_effects(self, effects: Any, joint: str | int = 0) -> None:
         """Switches the effects of a joint, or of all, to those given: dyn.Effect members or names, as "damping", ("armature",

@@ -102,7 +102,7 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
   if (singular) return singular;
 
   // accelerations, root to leaves
-  d.ac[0] = -load3(d.gravity);
+  d.ac[0] = -load3(d.world_gravity);
   d.al[0] = Vec3<T>::zero();
   struct Acceleration : Motion<T> {
     DYN_INLINE void enter(const Data<T>& d, Index parent) { this->linear = d.ac[parent], this->angular = d.al[parent]; }

@@ -25,7 +25,7 @@ void kinetic_energy(const Model& m, Data<T>& d) {
 template <class T>
 void potential_energy(const Model& m, Data<T>& d) {
   ensure_position(m, d);
-  const Vec3<T> g = load3(d.gravity);
+  const Vec3<T> g = load3(d.world_gravity);
   T sum = T(0);
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];

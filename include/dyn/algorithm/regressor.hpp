@@ -35,7 +35,7 @@ void frame_body_regressor(const Data<T>& d, const FramePose<T>& P, T* Y) {
   const Mat3<T> Rt = transpose(P.R);
   const Motion<T> a = frame_classical_acceleration(P, d);
   Force<T> F[10];
-  body_regressor(Mat3<T>::identity(), Rt * d.w[P.body], Rt * a.angular, Rt * (a.linear - load3(d.gravity)), F);
+  body_regressor(Mat3<T>::identity(), Rt * d.w[P.body], Rt * a.angular, Rt * (a.linear - load3(d.world_gravity)), F);
   for (int c = 0; c < 10; ++c) store6(F[c], Y + 6 * c);
 }
 // The joint's frame, as its body carries it.
@@ -87,7 +87,7 @@ void kinetic_energy_regressor(const Model& m, Data<T>& d) {
 // d.potential_energy_regressor y, 10 (njoints - 1): -m g . com = y . pi.
 template <class T>
 void potential_energy_regressor(const Model& m, Data<T>& d) {
-  const Vec3<T> g = load3(d.gravity);
+  const Vec3<T> g = load3(d.world_gravity);
   forward_joints<0>(m, d, [&](Index i, std::ptrdiff_t first, const Mat3<T>& E) DYN_INLINE_LAMBDA {
     store_parameters<T>({-dot(g, d.p[i]), -transpose_times(E, g), Sym3<T>::zero()}, d.potential_energy_regressor + first);
   });

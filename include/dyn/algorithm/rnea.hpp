@@ -24,7 +24,7 @@ struct NewtonEulerState : Pose<T> {
   Vec3<T> w, dw, acc;
 
   explicit DYN_INLINE NewtonEulerState(const Data<T>& d)
-      : Pose<T>(d), w(Vec3<T>::zero()), dw(Vec3<T>::zero()), acc(-load3(d.gravity)) {}
+      : Pose<T>(d), w(Vec3<T>::zero()), dw(Vec3<T>::zero()), acc(-load3(d.world_gravity)) {}
   DYN_INLINE void enter(const Data<T>& d, Index parent) {
     Pose<T>::enter(d, parent);
     w = d.wd[parent], dw = d.al[parent], acc = d.ac[parent];

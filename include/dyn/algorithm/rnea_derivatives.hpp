@@ -16,7 +16,7 @@ struct SpatialState : VelocityState<T> {
   Motion<T> a;
 
   explicit DYN_INLINE SpatialState(const Data<T>& d) : VelocityState<T>(d) {
-    a = {-load3(d.gravity), Vec3<T>::zero()};
+    a = {-load3(d.world_gravity), Vec3<T>::zero()};
   }
   DYN_INLINE void enter(const Data<T>& d, Index parent) { VelocityState<T>::enter(d, parent), a = d.spatial_a[parent]; }
   DYN_INLINE void leave(Data<T>& d, Index i) const { VelocityState<T>::leave(d, i), d.spatial_a[i] = a; }

@@ -85,7 +85,7 @@ void torque_rows_mimic(const Model& m, const Data<T>& d, Index i, const Force<T>
 // d.regressor. Answers the sum of the squares of all that its elements are sums of products of: where that is small, no element overflows.
 template <class T>
 T joint_torque_regressor(const Model& m, Data<T>& d) {
-  const Vec3<T> g = load3(d.gravity);
+  const Vec3<T> g = load3(d.world_gravity);
   const std::ptrdiff_t room = regressor_room(m);
   ensure_acceleration(m, d);
   Vec3<T> size = Vec3<T>::zero();

@@ -250,7 +250,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index i = 0; i < m.n.nv; ++i) d.v[i] = d.a[i] = d.tau_applied[i] = T(0);
   for (Index i = 0; i < m.n.nvx; ++i) d.zero[i] = T(0);
   d.time[0] = T(0);
-  for (int k = 0; k < 3; ++k) d.gravity[k] = T(m.gravity[k]);
+  for (int k = 0; k < 3; ++k) d.world_gravity[k] = T(m.gravity[k]);
   for (Index k = 0; k < (d.ctrl ? m.n.nu : 0); ++k) d.ctrl[k] = T(0);
   for (Index k = 0; k < (d.act ? m.n.na : 0); ++k) d.act[k] = T(0);
   for (Index k = 0; k < (d.actuator_force ? m.n.actuators : 0); ++k) d.actuator_force[k] = T(0);

@@ -46,7 +46,7 @@ const T* forces_on_bodies(const Model& m, Data<T>& d) {
     for (Index k = 0; k < m.n.held_weights; ++k) {
       const HeldWeight& x = m.held_weights()[k];
       if (!(d.effects[x.joint] & DYN_EFFECT_GRAVITY_COMPENSATION)) continue;
-      const Vec3<T> force = load3(d.gravity) * T(-x.mass);
+      const Vec3<T> force = load3(d.world_gravity) * T(-x.mass);
       add(x.joint, x.body, {force, cross(d.R[x.body] * cast<T>(x.at), force)});
     }
   if (d.acting & DYN_EFFECT_FLUID)

@@ -1,0 +1,127 @@
+"""Actuators, constraints and pairs of MJCF files, and what drives steps, beside MuJoCo where it is installed."""
+
+import math
+
+import dyn
+import numpy as np
+import pytest
+
+SERVOS = """<mujoco><option timestep="1e-4" integrator="RK4" {option}/>
+<default><motor ctrlrange="-1 1"/><default class="soft"><position kp="3" kv="0.5"/></default></default>
+<worldbody><body name="upper"><joint name="shoulder" axis="0 1 0" range="-90 90"/><geom type="capsule" fromto="0 0 0 0 0 -.5" size=".04"/>
+<body name="lower" pos="0 0 -.5" gravcomp="0.7"><joint name="elbow" axis="0 1 0" ref="10"/><geom type="box" pos="0 0 -.2" size=".03 .05 .2"/></body></body></worldbody>
+<actuator>{actuators}</actuator></mujoco>"""
+
+ACTUATORS = {
+    "motor": '<motor joint="shoulder" gear="2"/><motor joint="elbow"/>',
+    "position": '<position joint="shoulder" kp="40" kv="2"/><position joint="elbow" class="soft" ctrlrange="-0.1 0.1"/>',
+    "velocity": '<velocity joint="shoulder" kv="3" gear="0.5"/><velocity joint="elbow" kv="0.2" forcerange="-0.01 0.02"/>',
+    "general": '<general joint="shoulder" gainprm="3" biastype="affine" biasprm="1 -20 -1"/><general joint="elbow" gainprm="2"/>',
+    "drag": '<motor joint="shoulder"/><motor joint="elbow"/>',
+}
+
+
+@pytest.mark.parametrize("kind", ACTUATORS)
+def test_steps_are_mujocos(kind):
+    mujoco = pytest.importorskip("mujoco")
+    text = SERVOS.format(actuators=ACTUATORS[kind], option='density="1000" viscosity="2" wind="0.3 1 0"' if kind == "drag" else "")
+    theirs = mujoco.MjModel.from_xml_string(text)
+    state = mujoco.MjData(theirs)
+    d = dyn.load_string(text).data()
+    q = state.qpos.copy()
+    d.set_state(q=q)
+    d.set_control([0.4, -0.7])
+    state.ctrl[:] = 0.4, -0.7
+    d.set_stepping("rk4", 1e-4)
+    for _ in range(3000):
+        d.step()
+        mujoco.mj_step(theirs, state)
+    assert np.abs(d.q - q).max() > 1e-3
+    np.testing.assert_allclose(d.q, state.qpos, atol=1e-9)
+    np.testing.assert_allclose(d.v, state.qvel, atol=1e-8)
+
+
+def test_what_is_read_of_actuators():
+    text = SERVOS.format(option="", actuators="""<motor name="m" joint="shoulder" gear="5"/><position joint="shoulder" inheritrange="0.5"/>
+<general joint="elbow" gainprm="3" biastype="affine" biasprm="1 -2 -0.1" dyntype="filter" dynprm="0.02"/>
+<position joint="elbow" dampratio="1"/><general joint="elbow" dyntype="integrator"/><motor site="s"/>""")
+    m = dyn.load_string(text)
+    assert m.actuator_names == ["m", "position_1", "general_2"]
+    motor, servo, affine = (m.actuator(k) for k in range(3))
+    assert (motor.type, motor.gear, motor.control_range) == (dyn.ActuatorType.MOTOR, 5, (-1, 1))
+    assert (servo.kp, servo.control_range) == (1, pytest.approx((-math.pi / 4, math.pi / 4)))
+    assert (affine.gain, affine.bias, affine.time_constant) == (3, (1, -2, -0.1), 0.02)
+    messages = "\n".join(r.message for r in m.report)
+    for part in ("dampratio", "no first-order filter", "drives no joint"):
+        assert part in messages
+    for bad, message in (('<motor joint="none"/>', "no joint 'none'"), ('<motor joint="elbow" ctrlrange="1 0"/>', "lower end"), ('<position joint="elbow" kp="-1"/>', "kp is -1")):
+        with pytest.raises(dyn.Error, match=message):
+            dyn.load_string(SERVOS.format(option="", actuators=bad))
+
+
+LOOP = """<mujoco><worldbody>
+<body name="crank"><joint name="a" axis="0 1 0" damping="0"/><geom type="capsule" fromto="0 0 0 0.3 0 0" size=".02"/>
+ <body name="rod" pos="0.3 0 0"><joint name="b" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0.6 0 -0.3" size=".02"/><site name="tip" pos="0.6 0 -0.3"/></body></body>
+<body name="follower" pos="0 1 0"><joint name="c" axis="0 1 0" ref="20"/><geom size=".05" pos=".1 0 0"/></body>
+<body name="stone" pos="2 0 0"><freejoint/><geom size=".05"/></body><site name="here" pos="2.2 0 0"/></worldbody>
+<equality>{equality}</equality></mujoco>"""
+
+
+def test_equalities_hold():
+    m = dyn.load_string(LOOP.format(equality="""<connect body1="rod" anchor="0.6 0 -0.3"/><joint joint1="c" joint2="a" polycoef="0.1 2 0 0 0"/>
+<weld body1="stone" body2="follower"/><connect name="off" site1="tip" site2="here" active="false"/>"""))
+    assert m.constraint_names == ["connect_0", "joint_1", "weld_2", "off"]
+    assert [m.constraint_info(k).enabled for k in range(4)] == [1, 1, 1, 0]
+    d = m.data()
+    d.set_state(q=m.configuration("qpos0"))
+    tip = m.frame_id("tip")
+    d.forward_kinematics(d.q)
+    start = d.frame_placement(tip).translation.copy()
+    d.set_stepping(dt=1e-3)
+    for k in range(500):
+        d.step()
+        if k > 200:
+            q = dict(zip("abc", (d.q[m.joint(n).idx_q] for n in "abc")))
+            assert q["c"] - math.radians(20) == pytest.approx(0.1 + 2 * q["a"], abs=1e-4)
+    d.forward_kinematics(d.q)
+    np.testing.assert_allclose(d.frame_placement(tip).translation, start, atol=1e-5)
+
+
+def test_pairs():
+    text = """<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1" contype="0" conaffinity="0"/>
+<body name="box" pos="0 0 .1"><freejoint/><geom name="side" type="box" size=".1 .1 .1"/></body></worldbody>
+<contact><pair geom1="floor" geom2="side" friction="0.2 0.2 0.01 0.001 0.001" condim="3"/></contact></mujoco>"""
+    m = dyn.load_string(text)
+    d = m.data()
+    d.set_state(q=m.configuration("qpos0"), v=[1, 0, 0, 0, 0, 0])
+    d.set_stepping(dt=1e-3)
+    for _ in range(200):
+        d.step()
+    assert d.v[0] == pytest.approx(1 - 0.2 * 9.81 * 0.2, abs=1e-6)
+    with pytest.raises(dyn.Error, match="no collision shape 'roof'"):
+        dyn.load_string(text.replace('geom1="floor"', 'geom1="roof"'))
+
+
+def test_python_calls():
+    b = dyn.Builder("arm")
+    b.joint("hinge", "revolute", None, axis=(0, 1, 0)).body("arm", "hinge", 2.0, (0.5, 0, 0)).actuator("servo", "hinge", type="position", kp=1e4, kv=1e3)
+    b.gravity_compensation("arm").medium(1.2, 1e-5)
+    m = b.finish()
+    assert (m.nu, m.nactuators, m.actuator("servo").kp) == (1, 1, 1e4)
+    d = m.data()
+    d.set_control([0.3])
+    d.set_stepping(dt=0.01)
+    d.advance(5.0)
+    assert d.q[0] == pytest.approx(0.3, abs=1e-6) and abs(d.actuator_force[0]) < 1e-3
+    d.set_gravity([0, 0, 0])
+    assert list(d.world_gravity) == [0, 0, 0]
+    d.apply_wrench("arm", [0, 0, -10, 0, 0, 0], point=[0.5, 0, 0])
+    d.advance(5.0)
+    assert d.actuator_force[0] == pytest.approx(-5 * math.cos(d.q[0]), abs=1e-3)
+    d.clear_wrenches()
+    for call, message in (
+        (lambda: d.set_control([1, 2]), "u"), (lambda: d.set_control([math.nan]), "u"), (lambda: d.apply_wrench("none", [0] * 6), "none"),
+        (lambda: m.actuator("x"), "no actuator"), (lambda: b.actuator("x", "none"), "none"), (lambda: b.medium(-1), "density"),
+    ):
+        with pytest.raises(dyn.Error, match=message):
+            call()

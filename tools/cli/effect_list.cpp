@@ -1,0 +1,132 @@
+// Effects by name: which of them a robot calls for, and switching them.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "cli.hpp"
+
+namespace cli {
+
+namespace {
+
+constexpr std::uint32_t of_joints = DYN_EFFECT_ALL;
+
+constexpr struct {
+  const char* name;
+  std::uint32_t bits;
+} names[] = {{"armature", DYN_EFFECT_ARMATURE}, {"damping", DYN_EFFECT_DAMPING}, {"springs", DYN_EFFECT_SPRINGS}, {"friction", DYN_EFFECT_FRICTION},
+             {"limits", DYN_EFFECT_LIMITS}, {"actuators", DYN_EFFECT_ACTUATORS}, {"fluid", DYN_EFFECT_FLUID},
+             {"gravity_compensation", DYN_EFFECT_GRAVITY_COMPENSATION}, {"gravity", has_gravity}, {"contact", has_contact}, {"constraints", has_constraints},
+             {"all", of_joints | of_the_whole}, {"none", 0}};
+
+std::uint32_t bits_of(const std::string& list, const char* option) {
+  std::uint32_t bits = 0;
+  std::istringstream words(list);
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto* found = std::find_if(std::begin(names), std::end(names), [&](const auto& e) { return word == e.name; });
+    if (found == std::end(names)) {
+      std::string known;
+      for (const auto& e : names) known += (known.empty() ? "" : ", ") + std::string(e.name);
+      bad_usage(std::string(option) + ": \"" + shown(word) + "\" is none of " + known + ".");
+    }
+    bits |= found->bits;
+  }
+  return bits;
+}
+
+}  // namespace
+
+void add_effects_option(CLI::App& command, EffectOptions& options) {
+  command
+      .add_option("--effects", options.with,
+                  "What joints and links do: armature, damping, springs, friction, limits, actuators, fluid, gravity_compensation with commas between, all or none")
+      ->check(not_empty)
+      ->type_name("LIST")
+      ->capture_default_str();
+  command.add_option("--without", options.without, "Effects that are left out: those, or gravity, contact, constraints")->check(not_empty)->type_name("LIST");
+}
+
+std::uint32_t parse_effects(const EffectOptions& options) {
+  return (bits_of(options.with, "--effects") | of_the_whole) & ~bits_of(options.without, "--without");
+}
+
+void apply_effects(const Robot& robot, dynData* data, std::uint32_t effects) {
+  check(dyn_data_set_effects(robot, data, 0, effects & of_joints));
+  const double none[3] = {};
+  if (!(effects & has_gravity)) check(dyn_data_set_gravity(robot, data, none));
+  if (effects & has_contact && effects & has_constraints) return;
+  if (!(effects & has_contact))
+    for (int k = 0; k < dyn_npairs(robot); ++k)
+      if (dyn_data_set_pair(robot, data, k, 0) == DYN_ERROR_PART) break;  // data that knows no pairs
+  if (!(effects & has_constraints))
+    for (int k = 0; k < dyn_nconstraints(robot); ++k)
+      if (dyn_constraint_enable(robot, data, k, 0) == DYN_ERROR_PART) break;
+}
+
+json effects(const Robot& robot, std::uint32_t on) {
+  const Data data(robot, DYN_PART_SIMULATION, on);
+  json list = json::array();
+  const auto add = [&](const char* name, bool active, const std::string& reason) {
+    std::uint64_t bytes = 0;
+    for (int k = 0; k < dyn_neffects(); ++k) {
+      dynEffectInfo info{};
+      info.struct_size = sizeof info;
+      check(dyn_effect_info(robot, data, k, &info));
+      if (std::string(name) == info.name) bytes = info.bytes;
+    }
+    list.push_back({{"name", name}, {"active", active}, {"reason", reason}, {"bytes", bytes}});
+  };
+  const auto count = [&](dynModelArray which, int n, auto&& present) {
+    const double* x = dyn_model_array(robot, which);
+    return x ? static_cast<int>(std::count_if(x, x + n, present)) : 0;
+  };
+  const auto nonzero = [](double x) { return x != 0; };
+  const auto off = [&](std::uint32_t bit) { return on & bit ? "" : "; switched off"; };
+  const auto of_nv = [&](int n) { return std::to_string(n) + " of " + std::to_string(robot.nv) + " degrees of freedom"; };
+  const auto joints = [&](const char* name, dynModelArray which, std::uint32_t bit, const char* what) {
+    const int n = count(which, robot.nv, nonzero);
+    add(name, n && on & bit, !n ? std::string("no joint has ") + what : of_nv(n) + " have " + what + off(bit));
+  };
+  const auto several = [](int n, const char* one, const char* more) { return std::to_string(n) + (n == 1 ? one : more); };
+  const auto present = [&](const char* name) {
+    for (int k = 0; k < dyn_neffects(); ++k) {
+      dynEffectInfo info{};
+      info.struct_size = sizeof info;
+      check(dyn_effect_info(robot, data, k, &info));
+      if (std::string(name) == info.name) return int(info.present);
+    }
+    return 0;
+  };
+  const double* g = dyn_model_array(robot, DYN_GRAVITY);
+  const bool falls = g && (g[0] != 0 || g[1] != 0 || g[2] != 0);
+  add("gravity", falls && on & has_gravity,
+      falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2" + off(has_gravity) : "gravity is zero");
+  joints("armature", DYN_ARMATURE, DYN_EFFECT_ARMATURE, "armature");
+  joints("damping", DYN_DAMPING, DYN_EFFECT_DAMPING, "damping");
+  joints("springs", DYN_STIFFNESS, DYN_EFFECT_SPRINGS, "springs");
+  joints("friction", DYN_FRICTION, DYN_EFFECT_FRICTION, "dry friction");
+  const auto finite = [](double x) { return std::isfinite(x); };
+  const int limits = std::max(count(DYN_LOWER_LIMIT, robot.nq, finite), count(DYN_UPPER_LIMIT, robot.nq, finite));
+  add("limits", limits && on & DYN_EFFECT_LIMITS,
+      limits ? std::to_string(limits) + " of " + std::to_string(robot.nq) + " coordinates have limits" + off(DYN_EFFECT_LIMITS) : "no joint has limits");
+  const int tested = present("contact");
+  add("contact", tested && on & has_contact, tested ? several(tested, " pair", " pairs") + " of shapes may touch" + off(has_contact) : "no pair of shapes is tested");
+  const int constraints = dyn_nconstraints(robot);
+  add("constraints", constraints && on & has_constraints,
+      constraints ? "the file has " + several(constraints, " constraint", " constraints") + off(has_constraints) : "the file has none");
+  const int actuators = dyn_nactuators(robot);
+  add("actuators", actuators && on & DYN_EFFECT_ACTUATORS,
+      actuators ? several(actuators, " actuator", " actuators") + " with " + several(dyn_nu(robot), " control", " controls") + off(DYN_EFFECT_ACTUATORS) : "the file has none");
+  const int drag = present("fluid");
+  add("fluid", drag && on & DYN_EFFECT_FLUID, drag ? "a medium drags on " + several(drag, " link", " links") + off(DYN_EFFECT_FLUID) : "there is no medium");
+  const int held = present("gravity_compensation");
+  add("gravity_compensation", held && on & DYN_EFFECT_GRAVITY_COMPENSATION,
+      held ? "the weight of " + several(held, " link is", " links is") + " held" + off(DYN_EFFECT_GRAVITY_COMPENSATION) : "no link's weight is held");
+  int followers = 0;
+  for (int i = 1; i < robot.njoints; ++i) followers += robot.joint(i).mimic_leader >= 0;
+  add("mimic", followers > 0, followers ? several(followers, " joint follows", " joints follow") + " another" : "no joint follows another");
+  return list;
+}
+
+}  // namespace cli

@@ -1,0 +1,188 @@
+// dyn effects: what a scene calls for, measured. Each effect that acts is left out once: how far the result then is from that with all of
+// them is its magnitude, and what the steps then take less is its price.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "counter.hpp"
+#include "stepping.hpp"
+
+namespace cli {
+
+namespace {
+
+constexpr int samples = 50;
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+struct Rollout {
+  std::vector<Vector> q;  // at samples
+  double ns = 0;          // a step
+  double instructions = unknown;
+  std::string error;      // why it ended early
+};
+
+Rollout roll_out(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on) {
+  using Clock = std::chrono::steady_clock;
+  const Schedule schedule(options.duration, options.dt);
+  Rollout out;
+  for (int run = 0; run < 2; ++run) {  // the first one also warms caches
+    const Data data(robot, DYN_PART_SIMULATION, on);
+    set_start(robot, data, state);
+    set_stepping(robot, data, integrator_named(options.integrator).id, options.dt, 0, {solver_named(options.solver).id, options.tolerance});
+    const double* q = state_view(robot, data, "q");
+    const long long every = std::max(schedule.steps / samples, 1LL);
+    const InstructionCounter counter;
+    std::uint64_t counted = 0;
+    Clock::duration wall{};
+    bool known = true;
+    out.q.clear();
+    for (long long i = 0; i < schedule.steps && out.error.empty();) {
+      const long long end = std::min(i + every, schedule.steps);
+      const auto before = counter.read();
+      const auto start = Clock::now();
+      for (; i < end; ++i)
+        if (dyn_step(robot, data) != DYN_OK) {
+          out.error = dyn_last_error();
+          break;
+        }
+      wall += Clock::now() - start;
+      if (const auto after = counter.read(); before && after) counted += *after - *before;
+      else known = false;
+      out.q.emplace_back(q, q + robot.nq);
+    }
+    const double ns = std::chrono::duration<double, std::nano>(wall).count() / static_cast<double>(schedule.steps);
+    out.ns = run ? std::min(out.ns, ns) : ns;
+    if (known) out.instructions = static_cast<double>(counted) / static_cast<double>(schedule.steps);
+    if (!out.error.empty()) break;
+  }
+  return out;
+}
+
+// Largest coordinate of the difference, m or rad, over all samples; infinite where one of them ended early.
+double distance(const Robot& robot, const Rollout& a, const Rollout& b) {
+  if (!a.error.empty() || !b.error.empty()) return HUGE_VAL;
+  double most = 0;
+  Vector d(robot.nv);
+  for (std::size_t k = 0; k < a.q.size(); ++k) {
+    check(dyn_difference(robot, a.q[k].data(), b.q[k].data(), d.data()));
+    for (const double x : d) most = std::max(most, std::abs(x));
+  }
+  return most;
+}
+
+json number_or_null(double x) { return std::isfinite(x) ? json(x) : json(nullptr); }
+
+// Of one effect.
+std::uint32_t bit_of(const std::string& name) { return parse_effects({"all", ""}) & ~parse_effects({"all", name}); }
+
+struct Measured {
+  Rollout all;
+  json effects;
+};
+
+Measured measure(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on) {
+  Measured out{roll_out(robot, state, options, on), effects(robot, on)};
+  if (!out.all.error.empty()) fail("with all effects: " + out.all.error);
+  Progress progress(static_cast<long long>(out.effects.size()), "effects");
+  long long done = 0;
+  for (json& e : out.effects) {
+    progress.at(done++);
+    if (!e["active"].get<bool>() || e["name"] == "mimic") continue;
+    const Rollout without = roll_out(robot, state, options, on & ~bit_of(e["name"]));
+    e["magnitude"] = number_or_null(distance(robot, out.all, without));
+    e["instructions"] = number_or_null(out.all.instructions - without.instructions);
+    e["ns"] = out.all.ns - without.ns;
+    if (!without.error.empty()) e["failed_without"] = without.error;
+  }
+  return out;
+}
+
+// The most effects, the least ones first, that can be left out together.
+json suggest(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on, const Measured& measured, double allowed) {
+  std::vector<std::pair<double, std::string>> candidates;
+  for (const json& e : measured.effects)
+    if (e.contains("magnitude") && !e["magnitude"].is_null() && e["magnitude"].get<double>() < allowed) candidates.emplace_back(e["magnitude"].get<double>(), e["name"].get<std::string>());
+  std::sort(candidates.begin(), candidates.end());
+  for (;; candidates.pop_back()) {
+    std::uint32_t kept = on;
+    std::vector<std::string> without;
+    for (const auto& c : candidates) kept &= ~bit_of(c.second), without.push_back(c.second);
+    const Rollout run = candidates.empty() ? measured.all : roll_out(robot, state, options, kept);
+    const double error = distance(robot, measured.all, run);
+    if (!(error < allowed) && !candidates.empty()) continue;
+    json keep = json::array();
+    for (const json& e : measured.effects)
+      if (e["active"].get<bool>() && std::find(without.begin(), without.end(), e["name"]) == without.end()) keep.push_back(e["name"]);
+    return {{"allowed", allowed}, {"keep", keep}, {"without", without}, {"error", error}, {"ns_per_step", run.ns}, {"instructions_per_step", number_or_null(run.instructions)},
+            {"options", without.empty() ? std::string() : "--without " + join(without, ",")}};
+  }
+}
+
+std::string amount(const json& x, const char* unit) { return x.is_null() ? "unknown" : short_number(x.get<double>(), 3) + unit; }
+
+json answer_of(const SteppingOptions& options, const Measured& m) {
+  return {{"duration", options.duration}, {"dt", options.dt}, {"integrator", options.integrator}, {"ns_per_step", m.all.ns},
+          {"instructions_per_step", number_or_null(m.all.instructions)}, {"effects", m.effects}};
+}
+
+struct Options : SteppingOptions {
+  double allowed = 0;
+};
+
+void run(const Options& options, bool asked) {
+  check_stepping(options);
+  if (asked && (!(options.allowed > 0) || !std::isfinite(options.allowed))) bad_usage("--suggest must be a positive number of metres and radians.");
+  const std::uint32_t on = parse_effects(options.effects);
+  Robot robot(options.robot);
+  if (options.ground) robot.add_ground();
+  json warnings = json::array();
+  const State state = start_of(robot, options, warnings);
+  const Measured measured = measure(robot, state, options, on);
+  json answer = answer_of(options, measured);
+  answer["warnings"] = warnings;
+  if (asked) answer["suggested"] = suggest(robot, state, options, on, measured, options.allowed);
+  print(options.robot.json ? json_text(answer) : effects_text(answer));
+}
+
+}  // namespace
+
+json measure_effects(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on) {
+  return answer_of(options, measure(robot, state, options, on));
+}
+
+std::string effects_text(const json& a) {
+  std::string out = "a step of " + short_number(a["dt"].get<double>()) + " s with all of them takes " + short_number(a["ns_per_step"].get<double>() / 1000, 3) + " us" +
+                    (a["instructions_per_step"].is_null() ? "" : ", " + short_number(a["instructions_per_step"].get<double>(), 4) + " instructions") +
+                    "; magnitude: what " + short_number(a["duration"].get<double>()) + " s end without it, m or rad\n";
+  std::vector<std::vector<std::string>> rows = {{"effect", "", "magnitude", "instructions", "us", "bytes", "why"}};
+  for (const json& e : a["effects"]) {
+    const bool measured = e.contains("magnitude");
+    rows.push_back({e["name"], e["active"].get<bool>() ? "on" : "off", measured ? amount(e["magnitude"], "") : "", measured ? amount(e["instructions"], "") : "",
+                    measured ? short_number(e["ns"].get<double>() / 1000, 3) : "", std::to_string(e["bytes"].get<long long>()),
+                    e["reason"].get<std::string>() + (e.contains("failed_without") ? "; without it: " + e["failed_without"].get<std::string>() : "")});
+  }
+  out += table(rows);
+  if (a.contains("suggested")) {
+    const json& s = a["suggested"];
+    if (s["without"].empty()) out += "\nnothing can be left out: each effect changes the result by " + short_number(s["allowed"].get<double>()) + " or more\n";
+    else
+      out += "\n" + s["options"].get<std::string>() + " changes the result by " + short_number(s["error"].get<double>(), 3) + ", and a step then takes " +
+             short_number(s["ns_per_step"].get<double>() / 1000, 3) + " us\n";
+  }
+  if (a.contains("warnings"))
+    for (const auto& w : a["warnings"]) out += "warning: " + w.get<std::string>() + "\n";
+  return out;
+}
+
+void add_effects(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  options->duration = 1;
+  CLI::App* command = app.add_subcommand("effects", "What a scene calls for: each effect, its price and what leaving it out changes, measured");
+  add_stepping_options(*command, *options);
+  command->add_option("--duration", options->duration, "Seconds to simulate for it")->capture_default_str();
+  command->add_option("--dt", options->dt, "Step, seconds")->capture_default_str();
+  CLI::Option* suggest = command->add_option("--suggest", options->allowed, "The fewest effects whose result is closer than this to that of all of them: m and rad");
+  command->callback([options, suggest] { run(*options, suggest->count() > 0); });
+}
+
+}  // namespace cli

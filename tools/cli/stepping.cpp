@@ -1,0 +1,140 @@
+#include "stepping.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace cli {
+
+namespace {
+
+constexpr double max_steps = 1e9;
+
+// Lifts what flies freely until nothing is below the ground.
+void lift(const Robot& robot, Vector& q, json& warnings) {
+  const Data data(robot, DYN_PART_COLLISION);
+  Vector distances(dyn_npairs(robot));
+  check(dyn_distances(robot, data, q.data(), distances.data()));
+  double lowest = HUGE_VAL;
+  const int ground = dyn_nshapes(robot) - 1;
+  for (int k = 0; k < dyn_npairs(robot); ++k) {
+    int a, b;
+    check(dyn_pair(robot, k, &a, &b, nullptr));
+    if (a == ground || b == ground) lowest = std::min(lowest, distances[k]);
+  }
+  if (!(lowest < HUGE_VAL)) return;
+  bool lifted = false;
+  for (int j = 1; j < robot.njoints; ++j)
+    if (const dynJointInfo joint = robot.joint(j); joint.type == DYN_JOINT_FREE_FLYER && joint.parent == 0) q[joint.idx_q + 2] -= lowest, lifted = true;
+  if (lifted) warnings.push_back("the robot starts on the ground: its free joint is moved by " + short_number(-lowest) + " m along z; --q says another place");
+}
+
+bool has_configuration(const Robot& robot, const std::string& name) {
+  for (int k = 0; k < dyn_nconfigurations(robot); ++k)
+    if (name == dyn_configuration_name(robot, k)) return true;
+  return false;
+}
+
+}  // namespace
+
+const Integrator& integrator_named(const std::string& name) {
+  std::string known;
+  for (const auto& i : integrators) {
+    if (name == i.name) return i;
+    known += (known.empty() ? "" : ", ") + std::string(i.name);
+  }
+  bad_usage("--integrator: \"" + shown(name) + "\" is not one of " + known + ".");
+}
+
+const Solver& solver_named(const std::string& name) {
+  for (const auto& s : solvers)
+    if (name == s.name) return s;
+  bad_usage("--solver: \"" + shown(name) + "\" is none of pgs, admm, newton.");
+}
+
+void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver) {
+  dynStepOptions options;
+  dyn_step_options_init(&options);
+  options.solver = solver.type, options.tolerance = solver.tolerance;
+  options.integrator = integrator, options.dt = dt, options.accuracy = accuracy;
+  check(dyn_data_set_step_options(robot, data, &options));
+}
+
+void add_stepping_options(CLI::App& command, SteppingOptions& options) {
+  add_robot_options(command, options.robot);
+  command.add_option("--integrator", options.integrator, "semi_implicit_euler, rk4, implicit_fast, implicit_midpoint, rk45 or reference")->capture_default_str();
+  command.add_option("--solver", options.solver, "Of contacts, limits and constraints: pgs, admm or newton")->capture_default_str();
+  command.add_option("--tolerance", options.tolerance, "Residual that it goes on to")->capture_default_str();
+  command.add_flag("--ground", options.ground, "Adds the half-space below z = 0; without a state the robot starts on it");
+  add_state_options(command, options.state, false);
+  command.add_option("--configuration", options.configuration, "Start in this configuration of the file; default: qpos0 of an MJCF file, else neutral")->check(not_empty);
+  command.add_option("--ctrl", options.ctrl, "Controls of the actuators, nu numbers; default zero")->type_name("NUMBERS");
+  add_effects_option(command, options.effects);
+}
+
+void check_stepping(const SteppingOptions& options) {
+  if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
+  if (!(options.dt > 0) || !std::isfinite(options.dt)) bad_usage("--dt must be a positive number of seconds.");
+  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a positive number.");
+  check_lists(options.state);
+  parse_list("--ctrl", options.ctrl);
+}
+
+State start_of(const Robot& robot, const SteppingOptions& options, json& warnings) {
+  State state = read_state(robot, options.state);
+  const bool said = !options.state.file.empty() || !options.state.q.empty();
+  if (said && !options.configuration.empty()) bad_usage("--configuration and --q or --state say two places to start in: keep one.");
+  if (!options.configuration.empty()) check(dyn_configuration(robot, options.configuration.c_str(), state.q.data()));
+  else if (!said && has_configuration(robot, "qpos0")) check(dyn_configuration(robot, "qpos0", state.q.data()));
+  if (options.ground && !said && options.configuration.empty()) lift(robot, state.q, warnings);
+  if (const Vector given = parse_list("--ctrl", options.ctrl); !given.empty()) {
+    if (given.size() != state.ctrl.size())
+      fail("--ctrl has " + std::to_string(given.size()) + " numbers, but the robot has " + std::to_string(state.ctrl.size()) + " controls (nu).");
+    state.ctrl = given;
+  }
+  return state;
+}
+
+void set_start(const Robot& robot, const Data& data, const State& state) {
+  check(dyn_data_set_state(robot, data, state.q.data(), state.v.data(), nullptr, state.tau.data()));
+  check(dyn_data_set_control(robot, data, state.ctrl.data()));
+}
+
+Schedule::Schedule(double duration, double h) : dt(h), last(h) {
+  const double ratio = duration / h;
+  if (!(ratio <= max_steps))
+    bad_usage("--duration " + short_number(duration) + " at --dt " + short_number(h) + " is " + short_number(ratio) + " steps, more than " +
+              short_number(max_steps) + ": take a larger --dt.");
+  steps = std::llround(ratio);
+  if (std::abs(ratio - static_cast<double>(steps)) > 1e-9 * ratio || steps == 0) {
+    steps = static_cast<long long>(std::floor(ratio)) + 1;
+    last = duration - static_cast<double>(steps - 1) * h;
+  }
+}
+
+const double* state_view(const Robot& robot, const Data& data, const char* name) {
+  dynArray array{};
+  array.struct_size = sizeof array;
+  check(dyn_data_array(robot, data, dyn_field_id(name), &array));
+  return array.data;
+}
+
+Progress::Progress(long long total, const char* what) : total_(total), what_(what), on_(isatty(STDERR_FILENO)) {}
+
+Progress::~Progress() {
+  if (shown_) std::fprintf(stderr, "\r\033[K");
+}
+
+void Progress::at(long long i) {
+  if (!on_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_ < std::chrono::milliseconds(200)) return;
+  last_ = now;
+  shown_ = true;
+  std::fprintf(stderr, "\r%3d %% of %lld %s", static_cast<int>(100 * i / std::max(total_, 1LL)), total_, what_);
+}
+
+}  // namespace cli

@@ -1,0 +1,81 @@
+// What the commands that step a robot have in common: options, integrators and solvers by name, where it starts.
+#pragma once
+
+#include <chrono>
+
+#include "cli.hpp"
+
+namespace cli {
+
+struct Integrator {
+  const char* name;
+  dynIntegrator id;
+  double order;  // 0: it says its error itself
+};
+inline constexpr Integrator integrators[] = {{"semi_implicit_euler", DYN_SEMI_IMPLICIT_EULER, 1}, {"rk4", DYN_RK4, 4},
+                                             {"implicit_fast", DYN_IMPLICIT_FAST, 1},             {"implicit_midpoint", DYN_IMPLICIT_MIDPOINT, 2},
+                                             {"rk45", DYN_RK45, 0},                               {"reference", DYN_REFERENCE, 0}};
+struct Solver {
+  const char* name;
+  dynContactSolverType id;
+};
+inline constexpr Solver solvers[] = {{"pgs", DYN_CONTACT_PGS}, {"admm", DYN_CONTACT_ADMM}, {"newton", DYN_CONTACT_NEWTON}};
+
+const Integrator& integrator_named(const std::string& name);
+const Solver& solver_named(const std::string& name);
+
+struct ContactSolver {
+  dynContactSolverType type;
+  double tolerance;
+};
+void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver);
+
+// Of the command line.
+struct SteppingOptions {
+  RobotOptions robot;
+  StateOptions state;
+  EffectOptions effects;
+  std::string integrator = "semi_implicit_euler", solver = "admm", configuration;
+  double duration = 0, dt = 1e-3, tolerance = 1e-9;
+  bool ground = false;
+  std::vector<std::string> ctrl;
+};
+// All but --duration and --dt.
+void add_stepping_options(CLI::App& command, SteppingOptions& options);
+void check_stepping(const SteppingOptions& options);
+
+// Where the steps begin: as --state or --q say, else in --configuration, else where an MJCF file draws the robot (qpos0), else neutral;
+// with --ground on it, if nothing was said. Controls are those of --ctrl.
+State start_of(const Robot& robot, const SteppingOptions& options, json& warnings);
+void set_start(const Robot& robot, const Data& data, const State& state);
+
+// Steps of dt, and a shorter last one when dt does not divide the duration.
+struct Schedule {
+  double dt, last;
+  long long steps;
+  Schedule(double duration, double h);
+  double length(long long i) const { return i + 1 == steps ? last : dt; }
+};
+
+// What each effect that acts takes of a step and changes of the result, by runs without it: the array of objects of dyn effects. (effects.cpp)
+json measure_effects(const Robot& robot, const State& state, const SteppingOptions& options, std::uint32_t on);
+std::string effects_text(const json& measured);
+
+// The state in data, without copies.
+const double* state_view(const Robot& robot, const Data& data, const char* name);
+
+// On a terminal only.
+class Progress {
+ public:
+  explicit Progress(long long total, const char* what = "steps");
+  ~Progress();
+  void at(long long i);
+
+ private:
+  long long total_;
+  const char* what_;
+  bool on_, shown_ = false;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace cli
