@@ -265,10 +265,11 @@ void run(const Options& options) {
       steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped;
       contacts_max = std::max(contacts_max, report.contacts), rows_max = std::max(rows_max, report.rows);
       penetration_max = std::max(penetration_max, report.penetration), residual_max = std::max(residual_max, report.residual);
-      if (status != DYN_OK) blackbox.write(dyn_last_error(), h, options.integrator, state);
-      if (status != DYN_OK)
-        fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + dyn_last_error());
-      check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
+      if (status != DYN_OK || dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential) != DYN_OK) {
+        const std::string error = dyn_last_error();
+        blackbox.write(error, h, options.integrator, state);
+        fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + error);
+      }
       drift_max = std::max(drift_max, std::abs(kinetic + potential - initial));
       record();
       blackbox.record(*time, q, v);
