@@ -29,7 +29,7 @@ void admm(Workspace& w, Budget& b) {
   }
   // where they get nowhere, the other method from another start
   double factor = 1;
-  for (Index steps = 10; !b.spent(); steps *= 3, factor *= 0.1)
+  for (Index steps = 10; steps < 10000 && !b.spent(); steps *= 3, factor *= 0.1)
     if (alternate(w, b, steps) || interior(w, b, factor)) return;
 }
 

@@ -28,7 +28,7 @@ void newton(Workspace& w, Budget& b) {
   }
   // where the path ends, the other method, and from another start
   double factor = 1;
-  for (Index steps = 1; !b.spent(); steps *= 2, factor *= 0.1)
+  for (Index steps = 1; steps < 100 && !b.spent(); steps *= 2, factor *= 0.1)
     if (interior(w, b, factor) || jointly(w, b, steps)) return;
 }
 
