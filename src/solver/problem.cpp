@@ -23,7 +23,7 @@ struct Scaler {
 
   double diagonal(Index row) const { return x.G[row * stride + row] + at(x.compliance, row); }
   // a power of two, for scaling without round-off
-  double root(double diagonal) const { return diagonal > 0 ? std::exp2(std::round(-0.5 * std::log2(diagonal))) : fallback; }
+  double root(double diagonal) const { return diagonal > 0 ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback; }
   void add(Index row, double d, double unit, double lower, double upper) {
     const Index i = p.n++;
     p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.lower[i] = lower / d, p.upper[i] = upper / d, p.approach[i] = 0;
