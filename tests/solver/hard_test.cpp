@@ -104,5 +104,43 @@ TEST(HardContacts, SharesThatAreSolved) {
     }
 }
 
+// Everything in one problem: equalities, limits, dry friction, contacts with torsion and rolling, compliance, redundant rows.
+TEST(HardContacts, AllKindsOfRows) {
+  for (const dynContactSolverType type : {DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON}) {
+    int solved = 0;
+    constexpr int count = 100;
+    for (int seed = 1; seed <= count; ++seed) {
+      Draw draw(seed);
+      Scene s;
+      const int limits = draw.below(5), dry = draw.below(4), contacts = 1 + draw.below(10);
+      s.problem.equalities = draw.below(4), s.problem.boxes = limits + dry;
+      for (int k = 0; k < limits + dry; ++k) {
+        const double force = draw.uniform(0.01, 1);
+        s.lower.push_back(k < limits ? 0 : -force), s.upper.push_back(k < limits ? HUGE_VAL : force);
+      }
+      int rows = s.problem.equalities + limits + dry;
+      for (int k = 0; k < contacts; ++k) {
+        static const int sizes[] = {1, 3, 4, 6};
+        s.rows_of.push_back(sizes[draw.below(4)]), rows += s.rows_of.back();
+        s.friction.push_back(draw.uniform(0, 1)), s.torsion.push_back(draw.uniform(0, 0.1)), s.rolling.push_back(draw.uniform(0, 0.1));
+      }
+      const int dof = std::max(int(s.problem.equalities) + 1, rows / 2 + draw.below(rows));
+      s.J.resize(std::size_t(rows) * dof), s.minv.assign(dof, 1);
+      for (double& x : s.J) x = draw.normal();
+      Vector v(dof);
+      for (double& x : v) x = draw.normal();
+      s.from_jacobian(rows, v);
+      if (seed % 3 == 0)
+        for (int i = 0; i < rows; ++i) s.compliance.push_back(draw.uniform(0, 0.1));
+      const Answer a = solve(s, with(type, 100));
+      solved += a.report.status == DYN_CONTACT_CONVERGED;
+      EXPECT_EQ(a.report.residual <= 1e-10, a.report.status == DYN_CONTACT_CONVERGED);
+      EXPECT_LE(a.report.status == DYN_CONTACT_CONVERGED ? a.report.natural_map : 0, 1e-8) << solver_names[type] << " " << seed;
+    }
+    EXPECT_GE(solved, count - 3) << solver_names[type];
+    RecordProperty(solver_names[type], solved);
+  }
+}
+
 }  // namespace
 }  // namespace dyn_test
