@@ -911,8 +911,8 @@ typedef struct dynProjectOptions {
 } dynProjectOptions;
 DYN_API void dyn_project_options_init(dynProjectOptions* options);
 /* q, and v when v_out is not NULL, that satisfy the constraints, near those given: damped Gauss-Newton on the manifold. Where they
-   contradict each other, the least-squares q, and result->reason says so; so it does where no small step makes |C| less, as of a linkage
-   stretched flat: start elsewhere. q_out: nq, v_out: nv. data is left at the solution. */
+   contradict each other, the least-squares q, and result->reason says so. From where no small step makes |C| less, as of a linkage stretched
+   flat, it goes on from beside it, twice, each time with max_iterations of its own. q_out: nq, v_out: nv. data is left at the solution. */
 DYN_API dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, const double* v, const dynProjectOptions* options, double* q_out,
                               double* v_out, dynConstraintResult* result);
 
@@ -1174,7 +1174,7 @@ DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double o
 typedef enum dynContactSolverType {
   DYN_CONTACT_PGS = 0,   /* projected Gauss-Seidel, each contact solved exactly: cheap sweeps, many where mass ratios or redundancy are large */
   DYN_CONTACT_ADMM = 1,  /* proximal ADMM (Carpentier, Le Lidec and Montaut 2024), finished by Newton's method: robust; the default */
-  DYN_CONTACT_NEWTON = 2 /* Newton's method on the augmented Lagrangian of the convex problem for a given |c_t|, which it iterates; finished likewise */
+  DYN_CONTACT_NEWTON = 2 /* an interior point method, friction's law whole in its equations (Acary et al. 2024); finished likewise: extreme masses */
 } dynContactSolverType;
 
 typedef struct dynContactProblem {

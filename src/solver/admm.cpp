@@ -2,21 +2,35 @@
 
 namespace dyn::solver {
 
-constexpr Index patience = 30;
+namespace {
+
+// true: good enough.
+bool alternate(Workspace& w, Budget& b, Index steps) {
+  Multipliers m(w, b);
+  double tried = HUGE_VAL;  // error at which Newton's method was last tried
+  for (Index k = 1; k <= steps && !b.spent(); ++k) {
+    if (!m.alternate()) return false;
+    if (!(m.error <= b.tolerance || (b.newton && m.error < 0.3 * tried) || k % 10 == 0)) continue;
+    m.velocity();
+    if (keep_best(w, b, m.y, w.newton_c)) return true;
+    tried = m.error;
+    if (b.newton && alart_curnier(w, b, m.y, w.newton_c)) return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 void admm(Workspace& w, Budget& b) {
   if (start(w, b)) return;
-  Multipliers m(w, b);
-  double tried = HUGE_VAL;  // error at which Newton's method was last tried
-  while (!b.spent()) {
-    const bool slow = b.newton && b.iterations % patience == patience - 1;
-    if (!(slow ? m.jointly(5) : m.alternate())) return;
-    if (!(m.error <= b.tolerance || slow || (b.newton && m.error < 0.3 * tried) || b.iterations % 10 == 0)) continue;
-    m.velocity();
-    if (keep_best(w, b, m.y, w.newton_c)) return;
-    tried = m.error;
-    if (b.newton && alart_curnier(w, b, m.y, w.newton_c)) return;
+  if (!b.newton) {
+    alternate(w, b, b.max_iterations);
+    return;
   }
+  // where they get nowhere, the other method from another start
+  double factor = 1;
+  for (Index steps = 10; steps < 10000 && !b.spent(); steps *= 3, factor *= 0.1)
+    if (alternate(w, b, steps) || interior(w, b, factor)) return;
 }
 
 }  // namespace dyn::solver

@@ -213,6 +213,10 @@ bool Newton::run(const double* y, const double* c) {
     if (!(next < now)) return false;
     std::swap(w.trial, w.newton), std::swap(w.trial_c, w.newton_c);
     // into the cones, from which a step along them is off by a little
+    if (next < 10 * round_off(p, w.newton)) {
+      exact_velocity(p, w.newton, w.newton_c);
+      next = error(w.newton, w.newton_c);
+    }
     project(p, w.newton, w.trial);
     for (Index i = 0; i < n; ++i) w.t[i] = w.trial[i] - w.newton[i];
     times(p.G, w.t, w.newton_c, w.trial_c, n);

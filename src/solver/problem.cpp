@@ -22,7 +22,8 @@ struct Scaler {
   double fallback;  // of rows that nothing moves
 
   double diagonal(Index row) const { return x.G[row * stride + row] + at(x.compliance, row); }
-  double root(double diagonal) const { return diagonal > 0 ? 1 / std::sqrt(diagonal) : fallback; }
+  // a power of two, for scaling without round-off
+  double root(double diagonal) const { return diagonal > 0 ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback; }
   void add(Index row, double d, double unit, double lower, double upper) {
     const Index i = p.n++;
     p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.lower[i] = lower / d, p.upper[i] = upper / d, p.approach[i] = 0;
@@ -45,7 +46,7 @@ void Scaler::contact(Index k, Index first, Index rows) {
   const bool cone = mu > 0;
   if (cone != (p.n >= p.boxes)) return;  // limits come first
   const Index normal = first + order[rows][0];
-  const double d = root(diagonal(normal)), dt = largest > 0 ? 1 / std::sqrt(largest) : d;
+  const double d = root(diagonal(normal)), dt = largest > 0 ? root(largest) : d;
   const Index row = p.n;
   add(normal, d, d, 0, HUGE_VAL);
   rebound(k, normal);
@@ -92,6 +93,21 @@ void velocity(const dynContactProblem& x, const double* lambda, double* c) {
   for (Index i = 0; i < rows; ++i) c[i] = x.g[i] + at(x.bias, i) + at(x.compliance, i) * lambda[i];
   for (Index j = 0; j < rows; ++j)
     if (lambda[j] != 0) axpy(lambda[j], x.G + j * stride, c, rows);
+}
+
+void exact_velocity(const Problem& p, const double* y, double* c) {
+  for (Index i = 0; i < p.n; ++i) {
+    long double sum = p.g[i];
+    const double* row = p.G.column(i);  // symmetric
+    for (Index j = 0; j < p.n; ++j) sum += static_cast<long double>(row[j]) * y[j];
+    c[i] = static_cast<double>(sum);
+  }
+}
+
+double round_off(const Problem& p, const double* y) {
+  double sum = 0, unit = HUGE_VAL;
+  for (Index i = 0; i < p.n; ++i) sum += std::fabs(y[i]), unit = std::min(unit, p.unit[i]);
+  return 2.2e-16 * sum / unit;
 }
 
 void unscale(const dynContactProblem& x, const Problem& p, const double* y, double* lambda) {

@@ -96,7 +96,7 @@ void evaluate(const dynContactProblem& x, Workspace& w, const double* lambda, dy
   Run run{x, nullptr, w, b, out};
   for (Index i = 0; i < p.n; ++i) p.g[i] += p.approach[i], w.y[i] = lambda[p.source[i]] / p.d[i];
   p.speed = run.free_speed();
-  times(p.G, w.y, p.g, w.c, p.n);
+  exact_velocity(p, w.y, w.c);
   report(x, p, w.y, w.c, out);
   // rows without a coefficient should hold nothing
   const Index rows = Index(row_count(x));

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#define EIGEN_DONT_VECTORIZE  // plain loops: quicker to compile, and GCC 12 warns about its own AVX-512 headers (GCC bug 105593)
+#define EIGEN_DONT_VECTORIZE  // plain loops: quicker to compile, and GCC 12 warns about its own AVX-512 headers (GCC bug 105593).
+// All of a program must: how Eigen aligns what it allocates depends on it, and the linker keeps one of two.
 #include <Eigen/Dense>
 #include <limits>
 

@@ -2,9 +2,9 @@
 // motions that it allows, and its number of rows is what it says. And of those between joints.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <random>
 
+#include "common/eigen.hpp"
 #include "dyn/constraint/list.hpp"
 
 namespace dyn {

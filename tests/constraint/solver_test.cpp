@@ -1,10 +1,10 @@
 // The solvers between rows: semidefinite G of any rank and scale, contradictions, bounds.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <random>
 #include <vector>
 
+#include "common/eigen.hpp"
 #include "dyn/constraint/bounded.hpp"
 
 namespace dyn {

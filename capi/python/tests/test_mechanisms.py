@@ -150,6 +150,53 @@ def test_planted_redundancy_and_contradiction_are_named(kind):
     assert cases >= 5
 
 
+# of hinges a and b at q, pairs that are the same row; and by how much each pair is off (m or rad), where it contradicts itself
+JOINT_ROWS = {
+    "coupling": (lambda a, b, qa, qb, off: (dc.coupling(a, b, (qa - 0.7 * qb, 0.7)), dc.coupling(a, b, (qa - 0.7 * qb - off, 0.7))), True),
+    "curved coupling": (lambda a, b, qa, qb, off: (dc.coupling(a, b, (qa - 0.3 * qb**2, 0, 0.3)), dc.coupling(a, b, (qa - 0.3 * qb**2 - off, 0, 0.3))), True),
+    "limit": (lambda a, b, qa, qb, off: (dc.limit(a), dc.limit(a)), False),
+    "limit and coupling": (lambda a, b, qa, qb, off: (dc.limit(a), dc.coupling(a, b, (qa - off,))), True),
+    "friction": (lambda a, b, qa, qb, off: (dc.friction(b, 1.0), dc.friction(b, 2.0)), False),
+    "friction and coupling": (lambda a, b, qa, qb, off: (dc.friction(b, 1.0), dc.coupling(b, a, (qb - off,))), False),
+    "friction and limit": (lambda a, b, qa, qb, off: (dc.friction(a, 1.0), dc.limit(a)), False),
+}
+
+
+@pytest.mark.parametrize("kind", JOINT_ROWS)
+def test_planted_rows_of_joints_are_named(kind):
+    make, contradicts = JOINT_ROWS[kind]
+    for seed in range(1, 21):
+        g = np.random.default_rng(seed)
+        at = g.uniform(-1, 1, 6)  # of six hinges; the limited one at its limit
+        b = dyn.Builder("hinges")  # a chain: q in their order
+        limited, other, third = g.permutation(6)[:3]
+        for k in range(6):
+            bounds = {"lower": [at[k]], "upper": [at[k] + 1]} if k == limited else {}
+            b.joint(f"j{k}", "revolute", f"j{k - 1}" if k else None, tuple(0.3 * g.normal(size=3)), axis=tuple(g.normal(size=3)), **bounds)
+            b.body(f"link{k}", f"j{k}", mass=1, com=tuple(0.1 * g.normal(size=3)), inertia=np.diag([0.1, 0.12, 0.15]))
+        m = b.finish()
+
+        def report(off):
+            b = dyn.Builder.from_model(m)
+            b.constraint("beside", dc.coupling(f"j{third}", f"j{other}", (at[third] - 0.5 * at[other], 0.5)))
+            for k, c in enumerate(make(f"j{limited}", f"j{other}", at[limited], at[other], off)):
+                b.constraint(f"planted {k}", c)
+            return b.finish().data().constraint_report(at)
+
+        def named(r, verdict):
+            return {row.constraint for row in r.rows if row.verdict == verdict}
+
+        r = report(0)
+        assert (r.rank, r.redundant, r.contradictory) == (2, 1, 0) and r.error < 1e-12, (seed, r)
+        assert named(r, dyn.RowVerdict.REDUNDANT) == {"planted 0", "planted 1"} and named(r, dyn.RowVerdict.INDEPENDENT) == {"beside"}
+        r = report(1e-3)
+        if not contradicts:  # friction asks for no position
+            assert r.contradictory == 0 and r.contradiction < 1e-12
+        else:
+            assert named(r, dyn.RowVerdict.CONTRADICTORY) == {"planted 0", "planted 1"} and named(r, dyn.RowVerdict.INDEPENDENT) == {"beside"}
+            assert 1e-4 < r.contradiction < 1e-3
+
+
 def test_branch_without_mass():
     """The builder refuses it; where only an armature resisted, and is switched off, each call names the joint and leaves q, v as they were."""
 

@@ -39,44 +39,90 @@ T gather_errors(const Model& m, Data<T>& d, T* C) {
   return sum;
 }
 
-// d.q becomes the solution; v, unless it is nullptr, the velocity nearest to itself that the rows allow there.
+// What steps have come to.
 template <class T>
-Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result) {
-  constexpr double least = 1e-9, most = 1e6;
+struct Descent {
+  T cost = T(0);     // |C|^2
+  int iterations = 0;
+  bool ended = true;  // solved, or no step makes |C| less
+};
+
+// Steps from d.q as long as they make |C| less. The damping goes with |C|, so that it ends where J loses rank at the solution, too (a linkage
+// stretched to its full length; Sugihara 2011), each step there leaving a quarter of C, which is row vector 0.
+template <class T>
+Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, Descent<T>& found) {
+  constexpr double least = 1e-9, most = 1e6, round_off = 1e-14;
   const Index rows = active_rows(m, d);
   const std::ptrdiff_t ld = row_room(rows);
   const RowWork<T> work = row_work(m, d);
   T *C = row_vector(m, d, 0), *lambda = row_vector(m, d, 1), *Dinv = work.vector(0), *step = d.constraint_step, *before = d.constraint_q;
   if (const Index failed = project_rows(m, d, weigh)) return failed;
-  T cost = gather_errors(m, d, C), damping = T(least);
-  int iteration = 0;
-  for (; iteration < max_iterations && largest_size(C, rows) > tolerance && damping < T(most); ++iteration) {
+  found.cost = gather_errors(m, d, C), found.ended = false;
+  T damping = T(least);
+  for (int k = 0; k < max_iterations && largest_size(C, rows) > tolerance && damping < T(most); ++k) {
+    ++found.iterations;
     propagate_rows(m, d), delassus(m, d, rows, d.row_matrix);
     T trace = T(0);
     for (Index i = 0; i < rows; ++i) trace += d.row_matrix[ld * i + i];
-    const T mu = damping * trace / T(double(rows));
+    const T mu = std::max(damping * std::min(T(1), largest_size(C, rows)), T(round_off)) * trace / T(double(rows));
     if (!(mu > T(0))) break;
     factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
     for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
     solve_factored(work.factor, Dinv, ld, rows, lambda);
     gather(m, d, lambda, step);
     scatter(m, d, step);
+    // no joint turns more than a radian, or slides a metre farther than C: past that C is not linear
+    const T longest = largest_size(step, m.n.nv), allowed = T(1) + largest_size(C, rows);
+    for (Index k = 0; k < m.n.nv && longest > allowed; ++k) step[k] *= allowed / longest;
     std::copy(d.q, d.q + m.n.nq, before);
     integrate(m, static_cast<const T*>(before), static_cast<const T*>(step), d.q);
     if (const Index failed = project_rows(m, d, weigh)) return failed;
     T* trial = lambda;
     const T now = gather_errors(m, d, trial);
-    if (now < cost) {
+    if (now < found.cost) {
       std::copy(trial, trial + rows, C);
-      cost = now, damping = std::max(T(least), damping / T(10));
+      found.cost = now, damping = std::max(T(least), damping / T(10));
       continue;
     }
     std::copy(before, before + m.n.nq, d.q);
     damping = damping * T(10);
     if (const Index failed = project_rows(m, d, weigh)) return failed;
   }
-  result.rows = rows, result.iterations = iteration, result.residual = double(largest_size(C, rows));
-  result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINED : iteration == max_iterations ? DYN_CONSTRAINT_ITERATIONS : DYN_CONSTRAINTS_CONTRADICT;
+  found.ended = largest_size(C, rows) <= tolerance || !(damping < T(most));
+  return 0;
+}
+
+// From a q that no small step makes better, a saddle perhaps, as of a linkage stretched flat: again from beside it. d.q: the better one.
+template <class T>
+Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, Descent<T>& found) {
+  T *kept = d.constraint_q + m.n.nq, *step = d.constraint_step;
+  Random random{1};
+  for (const double size : {0.01, 0.3}) {
+    if (!found.ended || largest_size(row_vector(m, d, 0), active_rows(m, d)) <= tolerance) break;
+    std::copy(d.q, d.q + m.n.nq, kept);
+    for (Index k = 0; k < m.n.nv; ++k) step[k] = T(random.uniform(-size, size));
+    integrate(m, static_cast<const T*>(kept), static_cast<const T*>(step), d.q);
+    const T before = found.cost;
+    if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, found)) return failed;
+    if (found.cost < T(0.999) * before) continue;
+    std::copy(kept, kept + m.n.nq, d.q);
+    if (const Index failed = project_rows(m, d, weigh)) return failed;
+    found.cost = gather_errors(m, d, row_vector(m, d, 0)), found.ended = true;
+  }
+  return 0;
+}
+
+// d.q becomes the solution; v, unless it is nullptr, the velocity nearest to itself that the rows allow there.
+template <class T>
+Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result) {
+  const Index rows = active_rows(m, d);
+  const T* C = row_vector(m, d, 0);
+  T* step = d.constraint_step;
+  Descent<T> descent;
+  if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, descent)) return failed;
+  if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, descent)) return failed;
+  result.rows = rows, result.iterations = descent.iterations, result.residual = double(largest_size(C, rows));
+  result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINED : descent.ended ? DYN_CONSTRAINTS_CONTRADICT : DYN_CONSTRAINT_ITERATIONS;
   result.contradiction = result.reason == DYN_CONSTRAINTS_CONTRADICT ? result.residual : 0;
 
   // the same metric for velocities; at a limit they may leave it

@@ -53,9 +53,18 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
   });
   for (Index i = 0; i < n; ++i) most = std::max(most, d.row_matrix[ld * i + i]);
   for (Index i = 0; i < n; ++i) scale[i] = d.row_matrix[ld * i + i] > T(1e-24) * most ? T(1) / sqrt(d.row_matrix[ld * i + i]) : T(0);
-  for (Index j = 0; j < n; ++j)
-    for (Index i = 0; i < n; ++i) A[ld * j + i] = d.row_matrix[ld * j + i] * scale[i] * scale[j];
-  jacobi_eigenvectors(A, V, ld, n);
+  bool slips = false;
+  const auto decompose = [&](bool with_friction) {
+    for (Index j = 0; j < n; ++j)
+      for (Index i = 0; i < n; ++i) A[ld * j + i] = d.row_matrix[ld * j + i] * scale[i] * scale[j];
+    for_each_slot(m, d, [&](const Slot<T>& s, Index) {
+      if (s.c.type != DYN_CONSTRAINT_FRICTION) return;
+      slips = true;
+      for (Index i = 0; i < n && !with_friction; ++i) A[ld * s.first + i] = A[ld * i + s.first] = T(0);
+    });
+    jacobi_eigenvectors(A, V, ld, n);
+  };
+  decompose(true);
 
   report.rows = n, report.rank = 0;
   report.smallest = report.largest = 0;
@@ -67,9 +76,14 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
       ++report.rank;
       continue;
     }
+    for (Index i = 0; i < n; ++i) share[i] += V[ld * k + i] * V[ld * k + i];
+  }
+  if (slips) decompose(false);  // friction asks for no position: it contradicts nothing
+  for (Index k = 0; k < n; ++k) {
+    if (double(A[ld * k + k]) > zero) continue;
     T c = T(0);
     for (Index i = 0; i < n; ++i) c += V[ld * k + i] * C[i] * scale[i];
-    for (Index i = 0; i < n; ++i) along[i] += c * V[ld * k + i], share[i] += V[ld * k + i] * V[ld * k + i];
+    for (Index i = 0; i < n; ++i) along[i] += c * V[ld * k + i];
   }
   report.condition = report.rank ? report.largest / report.smallest : 1;
   report.redundant = n - report.rank, report.contradictory = 0, report.error = report.contradiction = 0;

@@ -1,7 +1,8 @@
 // Proximal ADMM: the alternating steps of multipliers.hpp. What it finds roughly, which contacts are apart, stuck, sliding, Newton's method
-// on the whole problem finishes; where the steps get nowhere (extreme mass ratios) a joint one is put between.
+// on the whole problem finishes; where the steps get nowhere (light bodies that slide under heavy ones) the path of interior.hpp does it.
 #pragma once
 
+#include "dyn/solver/interior.hpp"
 #include "dyn/solver/start.hpp"
 
 namespace dyn::solver {

@@ -39,6 +39,11 @@ inline void project(const Problem& p, const double* w, double* y) {
   }
 }
 
+// c = G y + g, the sums in more digits than a double's, which matter where impulses are large beside the speeds they make.
+void exact_velocity(const Problem& p, const double* y, double* c);
+// What c = G y + g has of round-off, as a velocity in the caller's unit.
+double round_off(const Problem& p, const double* y);
+
 // Rows of the caller's contact k.
 inline Index rows_of(const dynContactProblem& x, Index k) { return x.contact_rows ? x.contact_rows[k] : 3; }
 inline std::ptrdiff_t row_count(const dynContactProblem& x) {

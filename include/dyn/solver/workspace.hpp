@@ -25,7 +25,7 @@ struct Workspace {
   double *y = nullptr, *c = nullptr;       // the best iterate, in its cones, and G y + g
   double *x = nullptr, *z = nullptr, *s = nullptr, *r = nullptr, *v = nullptr, *u = nullptr;  // those of a solver
   double *newton = nullptr, *newton_c = nullptr, *trial = nullptr, *trial_c = nullptr;        // those of Newton's method
-  double *step = nullptr, *step_c = nullptr, *t = nullptr;
+  double *step = nullptr, *step_c = nullptr, *t = nullptr, *exact = nullptr;
   Matrix factor, active;
   Index *pivots = nullptr, *rows = nullptr;
   ConeState* state = nullptr;
@@ -38,7 +38,7 @@ struct Workspace {
     Problem& p = problem;
     for (double** a : {&p.G.x, &factor.x, &active.x}) f(*a, square);
     for (double** a : {&p.g, &p.lower, &p.upper, &p.d, &p.unit, &p.approach, &free_g, &y, &c, &x, &z, &s, &r, &v, &u, &newton, &newton_c, &trial, &trial_c,
-                       &step, &step_c, &t})
+                       &step, &step_c, &t, &exact})
       f(*a, n);
     f(p.cone, n), f(p.source, n), f(pivots, n), f(rows, n), f(state, n / 2), f(local, n / 2);
   }

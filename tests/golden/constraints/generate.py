@@ -67,7 +67,7 @@ class Robot:
         return v
 
     def dense(self, q, v, tau):
-        """ddq of the KKT system."""
+        """ddq and lambda of the KKT system, lambda along the world's axes."""
         M = pin.crba(self.model, self.data, q)
         h, J = pin.nonLinearEffects(self.model, self.data, q, v), self.jacobian(q)
         pin.forwardKinematics(self.model, self.data, q, v, 0 * v)
@@ -77,7 +77,29 @@ class Robot:
             drift.append(a[:3] if self.point else a)
         n, r = len(v), len(J)
         K = np.block([[M, J.T], [J, np.zeros((r, r))]])
-        return np.linalg.solve(K, np.concatenate([tau - h, -np.concatenate(drift)]))[:n]
+        x = np.linalg.solve(K, np.concatenate([tau - h, -np.concatenate(drift)]))
+        return np.concatenate([x[:n], -x[n:]])
+
+    def forces(self, q):
+        """lambda and its derivatives by q, v, tau, along the world's axes; Pinocchio's are in the frames' where these are faces."""
+        d, value, by = self.data, [], [[], [], []]
+        pin.computeJointJacobians(self.model, d, q)
+        pin.updateFramePlacements(self.model, d)
+        size = 3 if self.point else 6
+        for k, f in enumerate(self.frames):
+            rows = slice(size * k, size * (k + 1))
+            force = d.lambda_c[rows].copy()
+            parts = [x[rows].copy() for x in (d.dlambda_dq, d.dlambda_dv, d.dlambda_dtau)]
+            if not self.point:
+                R = d.oMf[f].rotation
+                turn = np.kron(np.eye(2), R)
+                w = pin.getFrameJacobian(self.model, d, f, pin.LOCAL_WORLD_ALIGNED)[3:]
+                force, parts = turn @ force, [turn @ x for x in parts]
+                parts[0] = parts[0] + np.vstack([np.cross(w.T, half).T for half in (force[:3], force[3:])])
+            value.append(force)
+            for of, x in zip(by, parts):
+                of.append(x)
+        return np.concatenate(value), [np.vstack(x) for x in by]
 
     def state(self, seed):
         g = np.random.default_rng(seed)
@@ -85,9 +107,13 @@ class Robot:
         q = pin.integrate(self.model, q, g.uniform(-0.8, 0.8, self.model.nv))
         v, tau = self.still(q, g.normal(size=self.model.nv)), g.normal(size=self.model.nv)
         ddq = pin.constraintDynamics(self.model, self.data, q, v, tau, self.contacts, self.work, SETTINGS).copy()
-        assert abs(ddq - self.dense(q, v, tau)).max() < 1e-10 * abs(ddq).max()
+        n, dense = self.model.nv, self.dense(q, v, tau)
+        assert abs(ddq - dense[:n]).max() < 1e-10 * abs(ddq).max()
         pin.computeConstraintDynamicsDerivatives(self.model, self.data, self.contacts, self.work, SETTINGS)
         by = {"ddq_dq": self.data.ddq_dq.copy(), "ddq_dv": self.data.ddq_dv.copy(), "ddq_dtau": self.data.ddq_dtau.copy()}
+        force, parts = self.forces(q)
+        assert abs(force - dense[n:]).max() < 1e-9 * abs(force).max()
+        by |= dict(zip(("lambda_dq", "lambda_dv", "lambda_dtau"), parts))
         push = pin.rnea(self.model, self.data, q, v, ddq) - tau
         moves = {"ddq_dq": lambda e: (pin.integrate(self.model, q, e), v, tau), "ddq_dv": lambda e: (q, v + e, tau), "ddq_dtau": lambda e: (q, v, tau + e)}
         for name, move in moves.items():
@@ -96,9 +122,10 @@ class Robot:
                 e[k] = 1
                 slope = lambda h: (self.dense(*move(h * e)) - self.dense(*move(-h * e))) / (2 * h)
                 expected = (4 * slope(5e-4) - slope(1e-3)) / 3
-                assert abs(by[name][:, k] - expected).max() < 1e-6 * max(1, abs(by[name]).max()), name
-        out = {"q": q[self.q], "v": v[self.v], "tau": tau[self.v], "ddq": ddq[self.v], "push": push[self.v]}
-        return out | {name: x[np.ix_(self.v, self.v)] for name, x in by.items()}
+                for part, at in ((name, slice(0, n)), (name.replace("ddq", "lambda", 1), slice(n, None))):
+                    assert abs(by[part][:, k] - expected[at]).max() < 1e-6 * max(1, abs(by[part]).max()), part
+        out = {"q": q[self.q], "v": v[self.v], "tau": tau[self.v], "ddq": ddq[self.v], "push": push[self.v], "lambda": force}
+        return out | {name: x[np.ix_(self.v, self.v)] if name.startswith("ddq") else x[:, self.v] for name, x in by.items()}
 
 
 def main():
