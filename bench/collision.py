@@ -128,7 +128,7 @@ def main():
     rows = [json.loads(line) for line in run([program, "--adversarial", args.adversarial, *([args.pair] if args.pair else [])], "collision_bench").splitlines()]
     times, errors, ratios = tables(rows)
     mean = math.exp(statistics.fmean(map(math.log, ratios))) if ratios else math.nan
-    text = (f"Nanoseconds of a distance query in batches of 1,000 poses, least of nine interleaved passes, beside Coal {coal_version} and MuJoCo "
+    text = (f"Nanoseconds of a distance query in batches of 1,000 poses, least of nine and more interleaved passes, beside Coal {coal_version} and MuJoCo "
             f"{mujoco_version} (`mj_geomDistance`) with their default tolerances of 1e-6, on the same poses of shapes of about 1 m: apart, a gap of 1 mm, an "
             f"overlap of 5 cm; {compare.cpu_name()}, {datetime.date.today()}. The ratio is to the faster of the two; above 0.8 it is bold "
             f"({sum(r > 0.8 for r in ratios)} of {len(ratios)}). Geometric mean **{mean:.2f}**. libdyn's tolerance is 1e-10.\n\n{times}\n\n"
