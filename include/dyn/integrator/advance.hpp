@@ -58,6 +58,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     const T error = joint ? std::numeric_limits<T>::infinity() : step_error(Tableau(), s, h), floor = rounding(m, d);
     const T allowed = std::max(accuracy * (h / duration), floor);
     if (error <= allowed) {
+      if (const Index singular = close_rows(m, d)) return s.undo(m, d), singular;
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
@@ -72,13 +73,16 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   return 0;
 }
 
-// Whether contacts, limits or constraints act in a step of h: velocities jump, and no smooth method keeps its order.
+// Whether contacts, limits or dry friction act in a step of h, or constraints are open: velocities jump, and no smooth method keeps its order.
 template <class T>
 bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if constexpr (std::is_same_v<T, double>) {
-    if (!simulation::has_rows(m, d) || forward_dynamics(m, d, d.v, d.tau_applied, static_cast<const T*>(nullptr), d.ddq)) return false;
+    if (!simulation::has_rows(m, d) || held_dynamics(m, d)) return false;
+    if (is_open(m, d)) return true;
+    if (!simulation::may_jump(m, d)) return false;
     for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
-    return simulation::find_slots(m, d, s.y, h) > 0;
+    const simulation::ActiveSlot* active = d.step->active;
+    return std::any_of(active, active + simulation::find_slots(m, d, s.y, h), [](const auto& x) { return x.kind != simulation::RowKind::Equality; });
   }
   return false;
 }
@@ -119,6 +123,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       joint = explicit_step<Tableau>(m, d, s, h);
       report.evaluations += Tableau::stages + 1;
       if (!joint) error = step_error(Tableau(), s, h);
+      if (!joint && error <= allowed && (joint = close_rows(m, d))) s.undo(m, d);
     }
     if (joint) {
       if (h < duration * 1e-12) return joint;
@@ -145,7 +150,7 @@ template <class T>
 Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
   const Stages<T> s(m, d);
   if constexpr (std::is_same_v<T, double>)
-    if (simulation::has_rows(m, d))
+    if (simulation::may_jump(m, d) || (simulation::has_rows(m, d) && meets_rows(m, d, s, duration)))
       return integrator == DYN_RK45 ? advance_through_contact<DormandPrince5>(m, d, s, duration, accuracy, report)
                                     : advance_through_contact<DormandPrince8>(m, d, s, duration, accuracy, report);
   return integrator == DYN_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
@@ -174,6 +179,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
       break;
     }
   }
+  if (!failed && integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST) failed = close_rows(m, d);
   if (!failed) ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
   return failed;
 }

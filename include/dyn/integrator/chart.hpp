@@ -4,7 +4,7 @@
 #pragma once
 
 #include "dyn/algorithm/declarations.hpp"
-#include "dyn/algorithm/forward_dynamics.hpp"
+#include "dyn/integrator/held.hpp"
 
 namespace dyn::integrator {
 
@@ -23,7 +23,7 @@ struct ChartMotion {
   // f = dy/dt. Returns 0, or the joint whose forward dynamics failed.
   Index operator()(const T* y, T* f) const {
     place(y);
-    if (const Index joint = forward_dynamics(m, d, d.v, d.tau_applied, static_cast<const T*>(nullptr), d.ddq)) return joint;
+    if (const Index joint = held_dynamics(m, d)) return joint;
     chart_rate(m, y, d.v, f);
     for (Index k = 0; k < m.n.nv; ++k) f[m.n.nv + k] = d.ddq[k];
     return 0;
