@@ -131,6 +131,19 @@ void solve_regularised(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, In
   for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
 }
 
+// Rows that nothing carries and that ask for nothing, as those across a planar mechanism: S = G with a one on their diagonals. Returns how many.
+template <class T>
+Index set_idle_apart(const T* G, std::ptrdiff_t ld, Index n, const T* b, T* S) {
+  const auto idle = [&](Index i) { return G[ld * i + i] == T(0) && b[i] == T(0); };
+  Index count = 0;
+  for (Index i = 0; i < n; ++i) count += idle(i);
+  if (count == 0 || count == n) return 0;
+  std::copy(G, G + ld * n, S);
+  for (Index i = 0; i < n; ++i)
+    if (idle(i)) S[ld * i + i] = T(1);
+  return count;
+}
+
 // lambda for n rows with the matrix G; all vectors of n numbers. What b asks for and no lambda gives is the contradiction.
 template <class T>
 void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const ProximalOptions& options, T* lambda,
@@ -141,8 +154,10 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   result.rank = n;
   if (n == 0) return;
   if (options.regularisation == 0) {
-    const T smallest = factor_rows(G, ld, n, T(0), T(0), work.factor, Dinv);
+    const Index idle = set_idle_apart(G, ld, n, b, work.scaled);
+    const T smallest = factor_rows(idle ? work.scaled : G, ld, n, T(0), T(0), work.factor, Dinv);
     if (smallest > T(clearly_independent)) {
+      result.rank = n - idle;
       result.condition = T(1) / smallest;
       if (!iterate(G, ld, n, work.factor, Dinv, b, options, step, lambda, result)) result.reason = DYN_CONSTRAINT_ITERATIONS;
       return;

@@ -16,11 +16,25 @@ T largest(const T* x, Index n) {
   return out;
 }
 
-// Where rounding ends what a smaller step could gain, rad and m and their rates.
+// Where rounding ends what a smaller step could gain, rad and m and their rates: of what a step adds; or, where accelerations are known
+// less well, from where on the errors of shorter steps fall no more.
 template <class T>
-T rounding(const Model& m, const Data<T>& d) {
-  return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
-}
+struct Rounding {
+  T noise = T(0), rejected = T(0), tried = T(0);  // of errors, per second; of the last step that was not short enough, and its length
+
+  static T of_state(const Model& m, const Data<T>& d) {
+    return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
+  }
+  T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
+    return std::min(of_state(m, d), std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), 2 * noise * h));
+  }
+  void accept() { rejected = T(0); }
+  void reject(T error, T h) {
+    const T ratio = h / tried;
+    if (rejected > T(0) && error > rejected * ratio * ratio * ratio) noise = std::max(noise, error / h);
+    rejected = error, tried = h;
+  }
+};
 
 // First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
 template <class T>
@@ -47,23 +61,26 @@ template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   constexpr T power = T(1) / (Tableau::order - 1);
   T h = duration, t = 0;
-  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, rounding(m, d)), duration, h)) return joint;
+  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
+  Rounding<T> rounding;
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
     if (!(h > duration * T(1e-13))) return no_step_left;
     const Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T error = joint ? std::numeric_limits<T>::infinity() : step_error(Tableau(), s, h), floor = rounding(m, d);
-    const T allowed = std::max(accuracy * (h / duration), floor);
+    const T error = joint ? std::numeric_limits<T>::infinity() : step_error(Tableau(), s, h);
+    const T allowed = std::max(accuracy * (h / duration), rounding(m, d, s, h));
     if (error <= allowed) {
       if (const Index singular = close_rows(m, d)) return s.undo(m, d), singular;
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+      rounding.accept();
     } else {
       if (joint && h < duration * T(1e-12)) return joint;
+      if (!joint) rounding.reject(error, h);
       if (!joint) s.undo(m, d);
       ++report.rejected;
     }
@@ -113,7 +130,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     if (last) h = duration - t;
     if (!(h > duration * 1e-13)) return no_step_left;
     const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);
-    double error = 0, allowed = std::max(accuracy * (h / duration), rounding(m, d)), power = 1.0 / (Tableau::order - 1);
+    double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
     const bool rows = meets_rows(m, d, s, h);
     Index joint = 0;
     if (rows) {
