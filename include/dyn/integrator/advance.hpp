@@ -68,12 +68,12 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
     if (!(h > duration * T(1e-13))) return no_step_left;
-    const Index joint = explicit_step<Tableau>(m, d, s, h);
+    Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T error = joint ? std::numeric_limits<T>::infinity() : step_error(Tableau(), s, h);
     const T allowed = std::max(accuracy * (h / duration), rounding(m, d, s, h));
+    T error = std::numeric_limits<T>::infinity();
+    if (!joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error);
     if (error <= allowed) {
-      if (const Index singular = close_rows(m, d)) return s.undo(m, d), singular;
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
@@ -139,8 +139,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     } else {
       joint = explicit_step<Tableau>(m, d, s, h);
       report.evaluations += Tableau::stages + 1;
-      if (!joint) error = step_error(Tableau(), s, h);
-      if (!joint && error <= allowed && (joint = close_rows(m, d))) s.undo(m, d);
+      if (!joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error);
     }
     if (joint) {
       if (h < duration * 1e-12) return joint;
@@ -186,7 +185,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
     case DYN_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
     case DYN_RK45:
       failed = explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
-      if (!failed) report.error_estimate += step_error(DormandPrince5(), s, h);
+      if (!failed) report.error_estimate += step_error(DormandPrince5(), m, d, s, h, false);
       break;
     case DYN_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations); break;
     case DYN_REFERENCE: {

@@ -18,6 +18,10 @@ Outcome bricard_five_rows();
 Outcome bricard_six_rows();
 Outcome bricard_energy();
 Outcome andrews_squeezer();
+Outcome governor_reference();
+Outcome governor_5s();
+Outcome governor_rk4();
+Outcome governor_implicit();
 // tops.cpp
 Outcome box_simple();
 Outcome box_complex();
@@ -56,6 +60,10 @@ Outcome isotropy();
 Outcome drag();
 Outcome painleve();
 Outcome cards();
+// blocks.cpp
+Outcome arch_stands();
+Outcome arch_falls();
+Outcome overhang();
 // impacts.cpp
 Outcome zeno();
 Outcome zeno_energy();

@@ -204,4 +204,47 @@ Outcome andrews_squeezer() {
   return out;
 }
 
+// ---------------------------------------------------------------------------------------------------- flyball governor (IFToMM A05)
+
+namespace {
+
+// On a shaft about z a slider of 3 kg; from it springs of 8e5 N/m with dampers of 4e4 N s/m to the middles of two rods that hang on the shaft at 1 m,
+// 5 kg at their tips. Each spring is a telescope that carries its rod, whose upper end closes the loop. Height of the slider at time t.
+Outcome governor(dynIntegrator integrator, double dt, double duration, double expected) {
+  Builder b("governor");
+  const double side = 0.01, rod_mass = 0.3, along = rod_mass * side * side / 6, across = rod_mass * (1 + side * side) / 12;
+  b.joint(hinge("shaft", "", {0, 0, 1})).body("shaft_bar", "shaft", rod_mass, {0, 0, 0.5}, diagonal(across, across, along));
+  b.joint(slide("slider", "shaft", {0, 0, 1})).body("slider_block", "slider", 3, {0, 0, 0}, diagonal(0.005, 0.005, 0.005));
+  Vector q = {0, 0.5}, v = {2 * pi, 0};
+  for (const double sign : {1.0, -1.0}) {
+    const std::string name = sign > 0 ? "right" : "left";
+    b.joint(hinge(name + "_foot", "slider", {0, -1, 0}, turned({0, 0, 1}, sign > 0 ? 0 : pi, {sign * 0.05, 0, 0})));
+    JointSpec spring = slide(name + "_spring", name + "_foot", {1, 0, 0});
+    spring.stiffness = {8e5}, spring.damping = {4e4}, spring.spring_reference = {0.5};
+    b.joint(spring).joint(hinge(name + "_middle", name + "_spring", {0, -1, 0}));
+    b.body(name + "_rod", name + "_middle", rod_mass, {0, 0, 0}, diagonal(along, across, across));
+    b.body(name + "_ball", name + "_middle", 5, {0.5, 0, 0}, no_inertia());
+    b.constraint(name + "_top", connect({-0.5, 0, 0}, {sign * 0.05, 0, 1}), name + "_rod", "shaft_bar");
+    q.insert(q.end(), {pi / 6, 0.5, -pi / 3}), v.insert(v.end(), {0, 0, 0});
+  }
+  Play play(b.finish(), integrator, dt);
+  play.set_state(q, v);
+  Outcome out;
+  out.picture = {"time, s", "height of the slider, m", false, {}};
+  Curve& curve = out.curve("s");
+  const int steps = static_cast<int>(std::lround(duration / dt)), every = std::max(1, steps / 500);
+  for (int k = 0; k < steps; ++k) {
+    play.step();
+    if (k % every == 0) curve.add(play.time(), play.q()[1]);
+  }
+  return out.compare(expected, play.q()[1]);
+}
+
+}  // namespace
+
+Outcome governor_reference() { return governor(DYN_REFERENCE, 1e-3, 1, 0.501420922379567651); }
+Outcome governor_5s() { return governor(DYN_REFERENCE, 1e-3, 5, 0.535563103721643485); }
+Outcome governor_rk4() { return governor(DYN_RK4, 1e-4, 1, 0.501420922379567651); }
+Outcome governor_implicit() { return governor(DYN_IMPLICIT_FAST, 1e-3, 1, 0.501420922379567651); }
+
 }  // namespace cli::stress
