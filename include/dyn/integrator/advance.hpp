@@ -16,11 +16,25 @@ T largest(const T* x, Index n) {
   return out;
 }
 
-// Where rounding ends what a smaller step could gain, rad and m and their rates.
+// Where rounding ends what a smaller step could gain, rad and m and their rates: of what a step adds; or, where accelerations are known
+// less well, from where on the errors of shorter steps fall no more.
 template <class T>
-T rounding(const Model& m, const Data<T>& d) {
-  return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
-}
+struct Rounding {
+  T noise = T(0), rejected = T(0), tried = T(0);  // of errors, per second; of the last step that was not short enough, and its length
+
+  static T of_state(const Model& m, const Data<T>& d) {
+    return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
+  }
+  T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
+    return std::min(of_state(m, d), std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), 2 * noise * h));
+  }
+  void accept() { rejected = T(0); }
+  void reject(T error, T h) {
+    const T ratio = h / tried;
+    if (rejected > T(0) && error > rejected * ratio * ratio * ratio) noise = std::max(noise, error / h);
+    rejected = error, tried = h;
+  }
+};
 
 // First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
 template <class T>
@@ -47,22 +61,26 @@ template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   constexpr T power = T(1) / (Tableau::order - 1);
   T h = duration, t = 0;
-  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, rounding(m, d)), duration, h)) return joint;
+  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
+  Rounding<T> rounding;
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
     if (!(h > duration * T(1e-13))) return no_step_left;
-    const Index joint = explicit_step<Tableau>(m, d, s, h);
+    Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T error = joint ? std::numeric_limits<T>::infinity() : step_error(Tableau(), s, h), floor = rounding(m, d);
-    const T allowed = std::max(accuracy * (h / duration), floor);
+    const T allowed = std::max(accuracy * (h / duration), rounding(m, d, s, h));
+    T error = std::numeric_limits<T>::infinity();
+    if (!joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error);
     if (error <= allowed) {
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+      rounding.accept();
     } else {
       if (joint && h < duration * T(1e-12)) return joint;
+      if (!joint) rounding.reject(error, h);
       if (!joint) s.undo(m, d);
       ++report.rejected;
     }
@@ -72,13 +90,16 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   return 0;
 }
 
-// Whether contacts, limits or constraints act in a step of h: velocities jump, and no smooth method keeps its order.
+// Whether contacts, limits or dry friction act in a step of h, or constraints are open: velocities jump, and no smooth method keeps its order.
 template <class T>
 bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if constexpr (std::is_same_v<T, double>) {
-    if (!simulation::has_rows(m, d) || simulation::step_dynamics(m, d, static_cast<const T*>(d.tau_applied), d.ddq)) return false;
+    if (!simulation::has_rows(m, d) || held_dynamics(m, d)) return false;
+    if (is_open(m, d)) return true;
+    if (!simulation::may_jump(m, d)) return false;
     for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
-    return simulation::find_slots(m, d, s.y, h) > 0;
+    const simulation::ActiveSlot* active = d.step->active;
+    return std::any_of(active, active + simulation::find_slots(m, d, s.y, h), [](const auto& x) { return x.kind != simulation::RowKind::Equality; });
   }
   return false;
 }
@@ -109,7 +130,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     if (last) h = duration - t;
     if (!(h > duration * 1e-13)) return no_step_left;
     const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);
-    double error = 0, allowed = std::max(accuracy * (h / duration), rounding(m, d)), power = 1.0 / (Tableau::order - 1);
+    double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
     const bool rows = meets_rows(m, d, s, h);
     Index joint = 0;
     if (rows) {
@@ -118,7 +139,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     } else {
       joint = explicit_step<Tableau>(m, d, s, h);
       report.evaluations += Tableau::stages + 1;
-      if (!joint) error = step_error(Tableau(), s, h);
+      if (!joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error);
     }
     if (joint) {
       if (h < duration * 1e-12) return joint;
@@ -145,7 +166,7 @@ template <class T>
 Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
   const Stages<T> s(m, d);
   if constexpr (std::is_same_v<T, double>)
-    if (simulation::has_rows(m, d))
+    if (simulation::may_jump(m, d) || (simulation::has_rows(m, d) && meets_rows(m, d, s, duration)))
       return integrator == DYN_RK45 ? advance_through_contact<DormandPrince5>(m, d, s, duration, accuracy, report)
                                     : advance_through_contact<DormandPrince8>(m, d, s, duration, accuracy, report);
   return integrator == DYN_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
@@ -164,7 +185,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
     case DYN_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
     case DYN_RK45:
       failed = explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
-      if (!failed) report.error_estimate += step_error(DormandPrince5(), s, h);
+      if (!failed) report.error_estimate += step_error(DormandPrince5(), m, d, s, h, false);
       break;
     case DYN_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations); break;
     case DYN_REFERENCE: {
@@ -174,6 +195,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
       break;
     }
   }
+  if (!failed && integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST) failed = close_rows(m, d);
   if (!failed) ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
   return failed;
 }

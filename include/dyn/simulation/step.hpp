@@ -5,6 +5,7 @@
 // alone, so that no correction becomes velocity.
 #pragma once
 
+#include "dyn/constraint/list.hpp"
 #include "dyn/simulation/workspace.hpp"
 
 namespace dyn::simulation {
@@ -14,6 +15,14 @@ inline bool has_rows(const Model& m, const Data<double>& d) {
   if (m.n.contacts > 0 || (d.acting & DYN_EFFECT_LIMITS)) return true;
   for (Index k = 0; k < m.n.slots; ++k)
     if (d.slots[k].rows) return true;
+  return false;
+}
+
+// Whether some of them may make velocities jump: contacts, limits, dry friction. Constraints that hold at every moment do not.
+inline bool may_jump(const Model& m, const Data<double>& d) {
+  if (m.n.contacts > 0 || (d.acting & DYN_EFFECT_LIMITS)) return true;
+  for (Index k = 0; k < m.n.slots; ++k)
+    if (d.slots[k].rows && one_sided(d.slots[k].c.type)) return true;
   return false;
 }
 
