@@ -138,7 +138,6 @@ template <class T>
 Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result) {
   const Index rows = active_rows(m, d);
   const T* C = row_vector(m, d, 0);
-  T* step = d.constraint_step;
   Descent<T> descent;
   if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, descent)) return failed;
   if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, descent)) return failed;
