@@ -51,7 +51,7 @@ json point_json(const Point& p) {
 
 // dt of an adaptive run: the time between its samples, which the steps end at.
 std::string sim_options(const Point& p, double duration, bool contact) {
-  std::string out = p.setting.accuracy > 0 ? "--accuracy " + short_number(p.setting.accuracy) + " --dt " + short_number(duration / accuracy::samples, 17) + (p.setting.integrator.id == DYN_RK45 ? " --integrator rk45" : "")
+  std::string out = p.setting.accuracy > 0 ? "--accuracy " + short_number(p.setting.accuracy) + " --dt " + short_number(duration / (accuracy::samples * p.setting.parts), 17) + (p.setting.integrator.id == DYN_RK45 ? " --integrator rk45" : "")
                                            : "--integrator " + std::string(p.setting.integrator.name) + " --dt " + short_number(p.setting.dt);
   if (contact) out += " --solver " + std::string(solvers[p.setting.solver].name) + " --tolerance " + short_number(p.setting.tolerance);
   return out;
@@ -100,7 +100,7 @@ class Store {
   void add(const std::string& key, const Point& p) {
     if (!file_) return;
     json x = point_json(p);
-    x["key"] = key, x["integrator_id"] = static_cast<int>(p.setting.integrator.id);
+    x["key"] = key, x["parts"] = p.setting.parts, x["integrator_id"] = static_cast<int>(p.setting.integrator.id);
     put(x);
   }
 
@@ -114,7 +114,7 @@ class Store {
     p.setting.integrator = integrators[x.at("integrator_id").get<int>()];
     if (!x.at("dt").is_null()) p.setting.dt = x.at("dt");
     if (!x.at("accuracy").is_null()) p.setting.accuracy = x.at("accuracy");
-    p.setting.solver = solver_named(x.at("solver")).id, p.setting.tolerance = x.at("tolerance");
+    p.setting.solver = solver_named(x.at("solver")).id, p.setting.tolerance = x.at("tolerance"), p.setting.parts = x.at("parts");
     if (!x.at("errors").is_null()) {
       const json& e = x.at("errors");
       p.error.m = e.at("m"), p.error.rad = e.at("rad"), p.error.energy = e.at("J"), p.error.momentum = e.at("kg m/s");
@@ -249,7 +249,10 @@ void run(const Options& options, const std::vector<std::string>& words) {
     std::vector<Vector> states;
     for (const Sample& s : reference.run.samples) states.push_back(s.q);
     const auto sweep = distance_sweep(robot, states, 3);
-    answer["distances"] = sweep_json(sweep), distances = sweep_text(sweep);
+    answer["distances"] = sweep_json(sweep);
+    std::vector<DistanceCost> together;  // the kinds one by one are in the JSON, and in dyn distance --sweep
+    std::copy_if(sweep.begin(), sweep.end(), std::back_inserter(together), [](const DistanceCost& d) { return d.kind == "all"; });
+    distances = sweep_text(together);
   }
   if (budget.left() > 0)
     for (const DerivativeCost& d : derivative_sweep(scene))

@@ -16,12 +16,15 @@ struct Setting {
   double accuracy = 0;  // or steps that their own error chooses
   dynContactSolverType solver = DYN_CONTACT_ADMM;
   double tolerance = 1e-9;
+  int parts = 1;  // calls in which a sample is reached
 };
 
 struct Sample {
   Vector q, places;  // of all frames, 12 numbers each
   double energy = 0, momentum[3] = {};
 };
+
+inline constexpr const char* too_long = "it took longer than its share of the budget";
 
 struct Run {
   std::vector<Sample> samples;
@@ -40,8 +43,9 @@ struct Scene {
   double duration;
 };
 
-// split: samples are reached in so many calls each. A run that would take longer than most_s ends with an error that says so.
-Run run(const Scene& scene, const Setting& setting, int split = 1, double most_s = HUGE_VAL);
+Run run(const Scene& scene, const Setting& setting);
+// In a process of its own, which is ended after most_s seconds: the error then says so.
+Run run_within(const Scene& scene, const Setting& setting, double most_s);
 
 // Between two runs, the largest over all samples.
 struct Error {

@@ -14,7 +14,7 @@ constexpr double short_run = 0.02;  // s: those below are run again, for their t
 Point point_of(const Scene& scene, const Setting& setting, const Run& reference, double most_s) {
   Point p;
   p.setting = setting;
-  Run first = run(scene, setting, 1, most_s);
+  Run first = run_within(scene, setting, most_s);
   p.wall_s = first.wall_s, p.evaluations = first.evaluations, p.steps = first.steps;
   p.penetration = first.penetration, p.residual = first.residual, p.failure = first.error;
   if (!p.failure.empty()) return p;
@@ -42,15 +42,16 @@ std::string key_of(const Setting& s) { return name_of(s) + " " + solvers[s.solve
 Reference make_reference(const Scene& scene, const Setting& contact, const Budget& budget) {
   Setting probe = contact;
   probe.integrator = integrators[DYN_RK4], probe.dt = std::min(1e-3, scene.duration / samples);
-  const Run first = run(scene, probe, 1, budget.left() / 4);
-  if (!first.error.empty() && first.samples.empty() && first.steps < 3) fail("the scene cannot be simulated: " + first.error);
+  const Run first = run_within(scene, probe, budget.left() / 4);
+  if (!first.error.empty() && first.error != too_long && first.steps < 3) fail("the scene cannot be simulated: " + first.error);
   Reference out;
   out.smooth = first.error.empty() && first.rows == 0;
   if (out.smooth) {
     Setting best = contact;
     best.integrator = integrators[DYN_REFERENCE];
-    out.run = run(scene, best, 1, budget.left() / 3);
-    const Run other = run(scene, best, 3, budget.left() / 3);
+    out.run = run_within(scene, best, budget.left() / 3);
+    best.parts = 3;
+    const Run other = run_within(scene, best, budget.left() / 3);
     if (out.run.error.empty() && other.error.empty()) {
       out.kind = "order 8 to rounding";
       out.uncertainty = error_between(scene.robot, out.run, other);
@@ -61,14 +62,14 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
   // velocities jump: the finest steps that a third of the budget allows
   Setting fine = contact;
   fine.integrator = integrators[DYN_IMPLICIT_FAST];
-  const double per_step = std::max(first.wall_s / static_cast<double>(std::max(first.steps, 1LL)), 1e-7);
-  const double most_steps = std::max(budget.left() / 3 / 1.75 / per_step, 100.0);
-  fine.dt = std::max(scene.duration / most_steps, 1e-6);
-  fine.dt = scene.duration / samples / std::ceil(scene.duration / samples / fine.dt);
+  fine.dt = std::min(4e-4, scene.duration / samples);
+  const Run trial = run_within(scene, fine, budget.left() / 3);
+  const double affordable = budget.left() / 3 / 1.75 / std::max(trial.wall_s, 1e-6);
+  fine.dt /= std::exp2(std::clamp(std::floor(std::log2(affordable)), 0.0, 12.0));
   Setting coarse = fine, coarser = fine;
   coarse.dt *= 2, coarser.dt *= 4;
-  const Run far = run(scene, coarser, 1, budget.left()), near = run(scene, coarse, 1, budget.left());
-  out.run = run(scene, fine, 1, budget.left());
+  const Run far = run_within(scene, coarser, budget.left()), near = run_within(scene, coarse, budget.left());
+  out.run = run_within(scene, fine, budget.left());
   for (const Run* r : {&far, &near, static_cast<const Run*>(&out.run)})
     if (!r->error.empty()) fail("there is no reference, since steps of " + short_number(fine.dt) + " s and more end early: " + r->error + " (--budget gives it more time, --reference another one)");
   out.smooth = false;
@@ -98,6 +99,7 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
     Setting setting;
     bool adaptive;
     double last_s = 0, last = 0;  // of the run before: its time, its step or accuracy
+    double growth = 2;            // of the time of an adaptive one, from rung to rung
     bool ended = false;
   };
   std::vector<Method> methods;
@@ -105,7 +107,7 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
     Setting s = contact;
     s.integrator = i;
     if (i.id != DYN_REFERENCE) methods.push_back({s, false});
-    if (i.id == DYN_REFERENCE || i.id == DYN_RK45) methods.push_back({s, true});
+    if (i.id == DYN_REFERENCE || i.id == DYN_RK45) methods.push_back({s, true, 0, 0, reference.smooth ? 2.0 : 12.0});
   }
   std::vector<Point> points;
   const std::size_t rungs = std::max(std::size(steps_of), std::size(accuracies));
@@ -123,15 +125,16 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
         continue;
       }
       // the next one is not begun where it would hardly end
-      const double expected = m.last > 0 ? m.last_s * (m.adaptive ? 2 : m.last / value) : 0;
-      if (expected > budget.left()) {
+      const double expected = m.last > 0 ? m.last_s * (m.adaptive ? m.growth : m.last / value) : 0;
+      if (expected > budget.share()) {
         m.ended = true;
         continue;
       }
-      Point p = point_of(scene, s, reference.run, budget.left());
+      Point p = point_of(scene, s, reference.run, budget.share());
+      if (m.last_s > short_run) m.growth = std::max(m.growth, p.wall_s / m.last_s);
       m.last_s = p.wall_s, m.last = value;
-      if (p.failure.empty() || budget.left() > 0) done(p), points.push_back(std::move(p));
-      else m.ended = true;
+      m.ended = p.failure == too_long;
+      if (!m.ended) done(p), points.push_back(std::move(p));
     }
   mark_front(points);
   std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) {
@@ -143,7 +146,7 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
 std::vector<Point> solver_sweep(const Scene& scene, double dt, const Budget& budget, const Known& known, const Done& done) {
   Setting s;
   s.integrator = integrators[DYN_IMPLICIT_FAST], s.dt = dt, s.tolerance = 1e-12;
-  const Run best = run(scene, s, 1, budget.left());
+  const Run best = run_within(scene, s, budget.left());
   std::vector<Point> points;
   if (!best.error.empty()) return points;
   for (const Solver& solver : solvers)

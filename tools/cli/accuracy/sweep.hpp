@@ -1,6 +1,7 @@
 // Work and precision of a scene: every integrator at every step or accuracy that the budget allows, and the contact solvers at every tolerance.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 
 #include "run.hpp"
@@ -30,10 +31,12 @@ struct Reference {
 // Seconds that are left, for all of it.
 class Budget {
  public:
-  explicit Budget(double seconds) : end_(std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds))) {}
+  explicit Budget(double seconds) : seconds_(seconds), end_(std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds))) {}
+  double share() const { return std::min(left(), seconds_ / 10); }  // of one run
   double left() const { return std::chrono::duration<double>(end_ - std::chrono::steady_clock::now()).count(); }
 
  private:
+  double seconds_;
   std::chrono::steady_clock::time_point end_;
 };
 
