@@ -83,9 +83,9 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
 
 Reference given_reference(const Scene& scene, const Vector& q, const Vector& v) {
   Scene end = scene;
-  end.start.q = q, end.start.v = v, end.duration = 1e-12 * samples;
+  end.start.q = q, end.start.v = v, end.duration = 1e-18 * samples;  // it is where it is
   Setting still;
-  still.integrator = integrators[DYN_SEMI_IMPLICIT_EULER], still.dt = 1e-12;
+  still.integrator = integrators[DYN_SEMI_IMPLICIT_EULER], still.dt = 1e-18;
   Reference out;
   const Run all = run(end, still);
   if (all.samples.empty()) fail("--reference: " + all.error);
