@@ -20,21 +20,32 @@ T largest(const T* x, Index n) {
 // less well, from where on the errors of shorter steps fall no more. (Where a mechanism passes a singular configuration these come near none: it steps over.)
 template <class T>
 struct Rounding {
-  T noise = T(0), rejected = T(0), tried = T(0);  // of errors, per second; of the last step that was not short enough, and its length
+  bool held;                         // rows hold
+  T noise = T(0), over = T(0);       // of errors, per second: everywhere; of the step over a singular configuration
+  T rejected = T(0), tried = T(0);   // error and length of the last step that was not short enough
+  int tries = 0, stuck = 0;          // of this step; those of them that did not help
+  bool singular = false;
 
   static T of_state(const Model& m, const Data<T>& d) {
     return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
   }
   T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
-    const T least = std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), most = active_rows(m, d) > 0 ? std::numeric_limits<T>::infinity() : of_state(m, d);
-    return std::min(most, std::max(least, 2 * noise * h));
+    const T state = of_state(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
+    return std::max(std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h)), 2 * over * h);
   }
-  void accept() { rejected = T(0); }
-  void reject(T error, T h) {
+  void accept() { tries = stuck = 0, over = T(0); }
+  void reject(T error, T h, T allowed) {
     const T ratio = h / tried;
-    if (rejected > T(0) && error > rejected * ratio * ratio * ratio) noise = std::max(noise, error / h);
+    const bool helped = tries > 0 && error <= rejected * ratio * ratio * ratio;
+    singular = held && !helped && error > 1000 * allowed;
+    if (tries++ > 0 && !helped) {
+      if (!singular) noise = std::max(noise, error / h);
+      else if (++stuck >= 8) over = error / h;
+    }
     rejected = error, tried = h;
   }
+  // A stage that came too near to a singular configuration is elsewhere in a step that is a little shorter.
+  T shortest() const { return singular ? T(0.8) : T(0.2); }
 };
 
 // First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
@@ -64,7 +75,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   T h = duration, t = 0;
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
-  Rounding<T> rounding;
+  Rounding<T> rounding{active_rows(m, d) > 0};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
@@ -81,12 +92,12 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
       rounding.accept();
     } else {
       if (joint && h < duration * T(1e-12)) return joint;
-      if (!joint) rounding.reject(error, h);
+      if (!joint) rounding.reject(error, h, allowed);
       if (!joint) s.undo(m, d);
       ++report.rejected;
     }
     const T factor = error > T(0) ? T(0.9) * std::pow(allowed / error, power) : T(5);
-    h *= error < std::numeric_limits<T>::infinity() ? std::clamp(factor, T(0.2), T(5)) : T(0.1);
+    h *= error < std::numeric_limits<T>::infinity() ? std::clamp(factor, error <= allowed ? T(0.2) : rounding.shortest(), T(5)) : T(0.1);
   }
   return 0;
 }
