@@ -22,9 +22,9 @@ template <class T>
 struct Rounding {
   bool held;                         // rows hold
   T noise = T(0), over = T(0);       // of errors, per second: everywhere; of the step over a singular configuration
-  T rejected = T(0), tried = T(0);   // error and length of the last step that was not short enough
-  int tries = 0, stuck = 0;          // of this step; those of them that did not help
-  bool singular = false;
+  T first = T(0), rejected = T(0), tried = T(0);  // length of the first try of this step; error and length of the last one
+  int tries = 0;
+  bool near = false;                 // perhaps, to a singular configuration: a stage came too near to it, and is elsewhere in a step that is a little shorter
 
   static T of_state(const Model& m, const Data<T>& d) {
     return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
@@ -33,19 +33,17 @@ struct Rounding {
     const T state = of_state(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
     return std::max(std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h)), 2 * over * h);
   }
-  void accept() { tries = stuck = 0, over = T(0); }
+  void accept() { tries = 0, over = T(0); }
   void reject(T error, T h, T allowed) {
     const T ratio = h / tried;
     const bool helped = tries > 0 && error <= rejected * ratio * ratio * ratio;
-    singular = held && !helped && error > 1000 * allowed;
-    if (tries++ > 0 && !helped) {
-      if (!singular) noise = std::max(noise, error / h);
-      else if (++stuck >= 8) over = error / h;
-    }
+    near = held && !helped && error > 1000 * allowed;
+    if (tries++ == 0) first = h;
+    else if (near && h < T(0.4) * first) over = std::max(over, error / h);
+    else if (!near && !helped) noise = std::max(noise, error / h);
     rejected = error, tried = h;
   }
-  // A stage that came too near to a singular configuration is elsewhere in a step that is a little shorter.
-  T shortest() const { return singular ? T(0.8) : T(0.2); }
+  T shortest() const { return near ? T(0.8) : T(0.2); }
 };
 
 // First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
