@@ -115,7 +115,7 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
 }
 
 // The same where velocities may jump. Steps that meet nothing are those of the tableau; the others of order 1, once in one step and once in two:
-// how far the two are apart is the error, and q is extrapolated from them, as the method is of order 1 there alone.
+// how far the two are apart is the error, and what stands is extrapolated from them: order 2 where nothing begins or ends.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
   double h = std::min(duration, 1e-3), t = 0;
@@ -157,7 +157,10 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       continue;
     }
     if (error <= allowed || (rows && h <= smallest)) {
-      if (rows) std::copy_n(d.q, m.n.nq, q1), integrate(m, static_cast<const double*>(q1), static_cast<const double*>(apart), d.q);
+      if (rows && error <= allowed) {
+        std::copy_n(d.q, m.n.nq, q1), integrate(m, static_cast<const double*>(q1), static_cast<const double*>(apart), d.q);
+        for (Index k = 0; k < m.n.nv; ++k) d.v[k] += d.v[k] - v1[k];
+      }
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);

@@ -57,7 +57,6 @@ const std::vector<Case>& cases() {
       {"stack-iterations", "stacks", "iterations of the solver in a step", "", 100, "Gauss-Seidel would take 1.4e7", false, stack_iterations},
       {"stack-forces", "stacks", "forces between boxes, relative", "weight above", 1e-6, "up to 1e6 times the mass on top", false, stack_forces},
       {"table-sums", "stacks", "sum and moments of forces / W", "statics", 1e-9, "four legs: forces are not unique, their sums are", false, table_sums},
-      {"table-least-forces", "stacks", "forces / W", "the least in the norm", 1e-6, "of all that carry the table the least", false, table_least_forces},
 
       {"incline-sticks", "friction", "speed, m/s", "at rest", 1e-9, "up to 99.9 % of the friction angle", false, incline_sticks},
       {"incline-slides", "friction", "speed at 3 s, m/s", "g (sin - mu cos) t", 1e-9, "from 100.1 % of the friction angle on", false, incline_slides},
