@@ -88,6 +88,18 @@ void project_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const 
   }
 }
 
+// x += G^+ b = R^T (R R^T)^-2 R b for b in the range of G = R^T R.
+template <class T>
+void solve_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const T* K, const T* Dinv, T* z, const T* b, T* x) {
+  for (Index i = 0; i < rank; ++i) {
+    z[i] = T(0);
+    for (Index k = 0; k < n; ++k) z[i] += R[ld * i + k] * b[k];
+  }
+  solve_factored(K, Dinv, ld, rank, z), solve_factored(K, Dinv, ld, rank, z);
+  for (Index k = 0; k < n; ++k)
+    for (Index i = 0; i < rank; ++i) x[k] += R[ld * i + k] * z[i];
+}
+
 // The iteration itself; W, Dinv: factor of G + mu 1.
 template <class T>
 bool iterate(const T* G, std::ptrdiff_t ld, Index n, const T* W, const T* Dinv, const T* b, const ProximalOptions& options, T* step, T* lambda,
@@ -206,6 +218,8 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   if (result.rank < n) {  // round-off off the range has grown by 1 / mu
     factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
     project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, lambda);
+    row_residual(S, ld, n, asked, lambda, step);
+    solve_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, step, lambda);
   }
   for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
 }

@@ -17,23 +17,33 @@ T largest(const T* x, Index n) {
 }
 
 // Where rounding ends what a smaller step could gain, rad and m and their rates: of what a step adds; or, where accelerations are known
-// less well, from where on the errors of shorter steps fall no more.
+// less well, from where on the errors of shorter steps fall no more. (Where a mechanism passes a singular configuration these come near none: it steps over.)
 template <class T>
 struct Rounding {
-  T noise = T(0), rejected = T(0), tried = T(0);  // of errors, per second; of the last step that was not short enough, and its length
+  bool held;                         // rows hold
+  T noise = T(0), over = T(0);       // of errors, per second: everywhere; of the step over a singular configuration
+  T first = T(0), rejected = T(0), tried = T(0);  // length of the first try of this step; error and length of the last one
+  int tries = 0;
+  bool near = false;                 // perhaps, to a singular configuration: a stage came too near to it, and is elsewhere in a step that is a little shorter
 
   static T of_state(const Model& m, const Data<T>& d) {
     return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
   }
   T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
-    return std::min(of_state(m, d), std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), 2 * noise * h));
+    const T state = of_state(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
+    return std::max(std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h)), 2 * over * h);
   }
-  void accept() { rejected = T(0); }
-  void reject(T error, T h) {
+  void accept() { tries = 0, over = T(0); }
+  void reject(T error, T h, T allowed) {
     const T ratio = h / tried;
-    if (rejected > T(0) && error > rejected * ratio * ratio * ratio) noise = std::max(noise, error / h);
+    const bool helped = tries > 0 && error <= rejected * ratio * ratio * ratio;
+    near = held && !helped && error > 1000 * allowed;
+    if (tries++ == 0) first = h;
+    else if (near && h < T(0.4) * first) over = std::max(over, error / h);
+    else if (!near && !helped) noise = std::max(noise, error / h);
     rejected = error, tried = h;
   }
+  T shortest() const { return near ? T(0.8) : T(0.2); }
 };
 
 // First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
@@ -63,7 +73,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   T h = duration, t = 0;
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
-  Rounding<T> rounding;
+  Rounding<T> rounding{active_rows(m, d) > 0};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
@@ -80,12 +90,12 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
       rounding.accept();
     } else {
       if (joint && h < duration * T(1e-12)) return joint;
-      if (!joint) rounding.reject(error, h);
+      if (!joint) rounding.reject(error, h, allowed);
       if (!joint) s.undo(m, d);
       ++report.rejected;
     }
     const T factor = error > T(0) ? T(0.9) * std::pow(allowed / error, power) : T(5);
-    h *= error < std::numeric_limits<T>::infinity() ? std::clamp(factor, T(0.2), T(5)) : T(0.1);
+    h *= error < std::numeric_limits<T>::infinity() ? std::clamp(factor, error <= allowed ? T(0.2) : rounding.shortest(), T(5)) : T(0.1);
   }
   return 0;
 }
@@ -105,7 +115,7 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
 }
 
 // The same where velocities may jump. Steps that meet nothing are those of the tableau; the others of order 1, once in one step and once in two:
-// what the two halves give stands, and how far the two are apart is the error.
+// how far the two are apart is the error, and what stands is extrapolated from them: order 2 where nothing begins or ends.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
   double h = std::min(duration, 1e-3), t = 0;
@@ -154,6 +164,10 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       continue;
     }
     if (error <= allowed || (rows && h <= smallest)) {
+      if (rows && std::max(by_q, by_v) <= allowed) {
+        std::copy_n(d.q, m.n.nq, q1), integrate(m, static_cast<const double*>(q1), static_cast<const double*>(apart), d.q);
+        for (Index k = 0; k < m.n.nv; ++k) d.v[k] += d.v[k] - v1[k];
+      }
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);

@@ -49,7 +49,6 @@ Outcome stack_residual();
 Outcome stack_iterations();
 Outcome stack_forces();
 Outcome table_sums();
-Outcome table_least_forces();
 // friction.cpp
 Outcome incline_sticks();
 Outcome incline_slides();

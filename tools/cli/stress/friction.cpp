@@ -190,10 +190,10 @@ Outcome cards() {
       Vector q;
       for (const double side : {-1.0, 1.0}) {  // in the x-z plane
         const std::string name = side < 0 ? "left" : "right";
-        b.joint(slide(name + "_x", "", {1, 0, 0})).joint(slide(name + "_z", name + "_x", {0, 0, 1})).joint(hinge(name + "_turn", name + "_z", {0, 1, 0}));
+        b.joint(slide(name + "_x", "", {1, 0, 0}, at(3 * side, 0, 3))).joint(slide(name + "_z", name + "_x", {0, 0, 1})).joint(hinge(name + "_turn", name + "_z", {0, 1, 0}));
         b.body(name, name + "_turn", 1, {0, 0, 0}, box_inertia(1, {1e-3, 1, length}));
         add_shape(b, name, DYN_SHAPE_CAPSULE, {r, length, 0}, material(mu));
-        q.insert(q.end(), {side * (length / 2 * s + r), length / 2 * c + r, -side * angle});
+        q.insert(q.end(), {side * (length / 2 * s + r - 3), length / 2 * c + r - 3, -side * angle});  // (shapes that overlap at q = 0 are not tested)
       }
       Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3);
       tighten(play, 1e-12);

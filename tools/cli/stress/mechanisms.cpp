@@ -48,16 +48,17 @@ Play windows(int count) {
 Outcome four_bars(bool angles) {
   constexpr int count = 40;
   Play play = windows(count);
-  play.set_stepping(DYN_REFERENCE, 0.05, 0);
+  play.set_stepping(DYN_REFERENCE, 0.05, 1e-13);
   Outcome out;
   out.picture = {"time, s", "x of B0, m", false, {}};
   Curve& curve = out.curve("x");
   const auto at0 = [&](std::size_t k) { return play.q()[k]; };
-  play.steps(400, [&](double t) {
-    curve.add(t, std::cos(at0(0)));
-    if (!angles) return;
+  for (int k = 0; k < 400; ++k) {
+    play.advance(0.05);
+    curve.add(play.time(), std::cos(at0(0)));
+    if (!angles) continue;
     for (std::size_t i = 1; i <= count; ++i) out.off_by(std::abs(at0(2 * i) - at0(0)));
-  });
+  }
   if (angles) return out;
   const double a = at0(0), w = play.v()[0];
   return out.compare(0.4109011537629452, std::cos(a)).compare(0.9116799009719807, std::sin(a)).compare(1.56678537190907, -w * std::sin(a))

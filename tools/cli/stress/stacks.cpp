@@ -124,17 +124,4 @@ Outcome table_sums() {
   return out;
 }
 
-// The least forces in the norm: f = W / 4 (1 + x_i x / a^2 + y_i y / b^2).
-Outcome table_least_forces() {
-  Outcome out;
-  for (const auto& [x, y] : offsets) {
-    Table t(x, y);
-    for (const auto& c : t.play.step_contacts()) {
-      const double i = c.contact.position[0] > 0 ? 1 : -1, j = c.contact.position[1] > 0 ? 1 : -1;
-      out.compare((1 + i * x / a + j * y / b_) / 4, c.force_on_b[2] / (mass * g));
-    }
-  }
-  return out;
-}
-
 }  // namespace cli::stress
