@@ -162,5 +162,6 @@ void add_check(CLI::App& app);
 void add_sim(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_effects(CLI::App& app);
+void add_convert(CLI::App& app);
 
 }  // namespace cli

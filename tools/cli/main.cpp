@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   cli::add_check(app);
   cli::add_sim(app);
   cli::add_effects(app);
+  cli::add_convert(app);
   cli::add_bench(app);
   try {
     std::vector<std::string> names;
