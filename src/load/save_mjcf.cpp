@@ -1,4 +1,6 @@
 // Model to MJCF: the tree. A body's frame has the axes of its last joint's, so that the joints before it are anchors and axes in that frame.
+#include <Eigen/Eigenvalues>
+
 #include <cmath>
 
 #include "dyn/spatial/quaternion.hpp"
@@ -217,6 +219,11 @@ void MjcfWriter::add_link(Out& body, Index frame) {
     put(inertial, "pos", std::span(l.com)), put(inertial, "mass", l.mass);
     const double* I = l.inertia;
     put(inertial, "fullinertia", {I[0], I[4], I[8], I[3], I[6], I[7]});
+    const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Map<const Eigen::Matrix3d>(I), Eigen::EigenvaluesOnly).eigenvalues();
+    if (moments[0] + moments[1] < moments[2] * (1 - 1e-9)) {
+      losses.loss("inertias that no body has: the mean of the principal moments stands for each (balanceinertia)", frame_name(frame));
+      put(section("compiler"), "balanceinertia", std::string("true"));
+    }
   }
   for (Index k = 0; k < m.n.shapes; ++k)
     if (m.shapes()[k].frame == frame) add_geom(body, m.shapes()[k], k);
