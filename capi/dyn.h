@@ -154,7 +154,8 @@ typedef struct dynLoadOptions {
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
 
-/* Reads a robot from a URDF file or a model from an MJCF file: the first element decides. *model is written only on success. options may be NULL (the defaults of
+/* Reads a robot from a URDF file, a model from an MJCF file, or what was saved as .dynb (with gravity and constraint_slots as the only options): the
+   content decides. *model is written only on success. options may be NULL (the defaults of
    dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used; what it says of the SRDF
    begins with that file's name, and names that the robot has not are warnings there (errors under strict).
 
@@ -180,6 +181,29 @@ typedef struct dynReportEntry {
 } dynReportEntry;
 DYN_API int dyn_report_count(const dynModel* model);
 DYN_API dynStatus dyn_report_entry(const dynModel* model, int index, dynReportEntry* entry);
+
+/* ------------------------------------------------------------------------------------------------------- saving */
+
+typedef enum dynFormat {
+  DYN_FORMAT_URDF = 1,  /* .urdf */
+  DYN_FORMAT_MJCF = 2,  /* .xml, .mjcf */
+  DYN_FORMAT_DYNB = 3   /* .dynb: the compiled model as it is, with a checksum; read by builds with the same layout of memory alone, which it says */
+} dynFormat;
+
+/* Called for each thing that the format has no place for (WARNING) or says in another way (INFO): one line, valid during the call. */
+typedef void (*dynSaveReport)(void* context, dynReportLevel level, const char* message);
+
+/* Writes a model in the format that the path's extension names; a file that is there stays as it is until the new one is complete. report may be
+   NULL. strict, non-zero: a WARNING is DYN_ERROR_STRICT, and nothing is written. Numbers read back as the same doubles.
+
+   URDF: joints of other types are chains of its own joints with links without mass between them, frames are links on fixed joints, constraints stand
+   in a <libdyn> block; what holds the root link is again an option of loading. MJCF: the joints of a body, frames as sites, mimic joints as
+   equalities (a WARNING: they are no reduction), actuators, constraints, pairs, keys. The lines say what is lost. */
+DYN_API dynStatus dyn_model_save(const dynModel* model, const char* path, int strict, dynSaveReport report, void* context);
+/* The same into memory: capacity bytes of buffer (NULL with 0: none), which text does not end with a zero; size: how many there are. DYN_ERROR_SIZE
+   when they don't fit. */
+DYN_API dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, int strict, dynSaveReport report, void* context, void* buffer, size_t capacity,
+                                        size_t* size);
 
 /* ------------------------------------------------------------------------------------------------------- the model */
 

@@ -203,6 +203,14 @@ class Model {
   static Model load_string(const std::string& text, const LoadOptions& options = {}) {
     return load_(dyn_model_load_string, text, options);
   }
+  // By the extension: .urdf, .xml or .mjcf, .dynb. What the format has no place for (WARNING), or says in another way (INFO).
+  std::vector<std::pair<dynReportLevel, std::string>> save(const std::string& path, bool strict = false) const {
+    std::vector<std::pair<dynReportLevel, std::string>> lines;
+    check(dyn_model_save(get(), path.c_str(), strict, [](void* to, dynReportLevel level, const char* message) {
+      static_cast<decltype(lines)*>(to)->emplace_back(level, message);
+    }, &lines));
+    return lines;
+  }
   const dynModel* get() const noexcept { return model_.get(); }
 
   int nq() const noexcept { return nq_; }

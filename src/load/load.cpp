@@ -13,12 +13,11 @@ using load::Report;
 ModelPtr load_content(const std::string& text, const std::string& file, const LoadOptions& options) {
   const Report report(file, options.strict);
   const auto starts = [&](std::string_view head) { return std::string_view(text).starts_with(head); };
+  if (starts("DYNB")) return load_dynb(text, file, options);
   const size_t visible = text.find_first_not_of(starts("\xEF\xBB\xBF") ? "\xEF\xBB\xBF \t\r\n" : " \t\r\n");
   if (visible == text.npos) report.fail(DYN_ERROR_PARSE, 0, "the " + std::string(file.empty() ? "text" : "file") + " is empty");
   if (starts("\xFF\xFE") || starts("\xFE\xFF") || starts(std::string_view("<\0", 2)) || starts(std::string_view("\0<", 2)))
     report.fail(DYN_ERROR_PARSE, 0, "this is UTF-16 or UTF-32: save it as UTF-8");
-  if (starts("DYNB") || starts("dynb") || starts(".dynb"))
-    report.fail(DYN_ERROR_UNSUPPORTED, 0, "this is a binary model (.dynb), which this version does not read: load the URDF");
   if ((text[visible] != '<' && text.substr(0, 512).find('\0') != text.npos) || starts("\x1F\x8B") || starts("PK\x03\x04"))
     report.fail(DYN_ERROR_UNSUPPORTED, 0, "this is a binary file: libdyn reads URDF");
   if (text[visible] != '<') {

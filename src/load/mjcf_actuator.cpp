@@ -35,7 +35,8 @@ void read_range(const Reader& reader, const Element& e, const char* attribute, c
   if (!pair && on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
   if (!pair || !on.value_or(autolimits && ((*pair)[0] != 0 || (*pair)[1] != 0))) return;
   if (!((*pair)[0] <= (*pair)[1])) reader.bad_numbers(e, attribute, "the lower end is above the upper one");
-  out[0] = (*pair)[0], out[1] = (*pair)[1];
+  for (size_t k = 0; k < 2; ++k)  // the largest number stands for none
+    if (std::abs((*pair)[k]) < std::numeric_limits<double>::max()) out[k] = (*pair)[k];
 }
 
 // gainprm, biasprm, dynprm: missing numbers are the defaults'.

@@ -82,7 +82,8 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (scalar) joint.reference = unit * reader.optional_number(e, "ref").value_or(0);
 
   if (const auto limits = range(reader, e, "range", "limited", file.compiler.autolimits)) {
-    if (scalar) spec.lower = {unit * (*limits)[0]}, spec.upper = {unit * (*limits)[1]};
+    const auto end = [&](double x) { return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x; };  // one end alone
+    if (scalar) spec.lower = {end((*limits)[0])}, spec.upper = {end((*limits)[1])};
     else joint.place.physics("the limit of a ball joint's angle is not used");
   }
   if (const auto force = range(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar)

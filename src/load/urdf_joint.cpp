@@ -21,6 +21,9 @@ constexpr Type types[] = {
     {"spherical", DYN_JOINT_SPHERICAL, false}, {"ball", DYN_JOINT_SPHERICAL, false},
 };
 
+// The largest number stands for no limit where the format requires one.
+constexpr double no_limit = std::numeric_limits<double>::max();
+
 bool one_axis(dynJointType t) {
   return t == DYN_JOINT_REVOLUTE || t == DYN_JOINT_CONTINUOUS || t == DYN_JOINT_PRISMATIC || t == DYN_JOINT_REVOLUTE_UNBOUNDED;
 }
@@ -83,7 +86,7 @@ void read_limit(const Element& e, const Reader& reader, JointSpec& spec) {
     if (*value < 0) reader.fail(DYN_ERROR_INVALID, *l, std::string("<limit ") + name + "> is negative: " + text(*value));
     if (*value == 0)
       reader.report.count(std::string("<limit ") + name + "=\"0\">: kept, but a joint so limited cannot be driven", line(*l));
-    out = {*value};
+    if (*value < no_limit) out = {*value};
   };
   magnitude("velocity", spec.velocity);
   magnitude("effort", spec.effort);
@@ -103,6 +106,8 @@ void read_limit(const Element& e, const Reader& reader, JointSpec& spec) {
     reader.report.warning(line(*l), reader.at(*l) + " has no " + (lower ? "upper" : "lower") + ": 0, as the URDF standard says");
   spec.lower = {lower.value_or(0)};
   spec.upper = {upper.value_or(0)};
+  if (spec.lower[0] == -no_limit) spec.lower[0] = -HUGE_VAL;
+  if (spec.upper[0] == no_limit) spec.upper[0] = HUGE_VAL;
   if (spec.lower[0] > spec.upper[0])
     reader.fail(DYN_ERROR_INVALID, *l, "<limit> lower " + text(spec.lower[0]) + " is above upper " + text(spec.upper[0]));
   if (spec.lower[0] == spec.upper[0])

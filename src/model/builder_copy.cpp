@@ -17,6 +17,8 @@ Placement placement_of(const double* x) {
 }
 Axis axis_of(const double* x) { return {x[0], x[1], x[2]}; }
 
+}  // namespace
+
 JointSpec spec_of(const Model& m, const JointRecord& r) {
   JointSpec s;
   s.name = m.string(r.name), s.type = r.type;
@@ -54,8 +56,6 @@ std::vector<JointPart> parts_of(const JointSpec& s) {
   for (const JointSpec& p : s.parts) out.push_back({p.type, p.axis, p.axis2, p.pitch, load_se3(p.placement.data())});
   return out;
 }
-
-}  // namespace
 
 Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   std::copy(m.gravity, m.gravity + 3, impl->gravity.begin());

@@ -119,6 +119,9 @@ struct Builder::Impl {
   void keep(const std::vector<bool>& joints, bool world = true);
 };
 
+// What a joint of a model was made from, and its parts. (builder_copy.cpp)
+JointSpec spec_of(const Model& m, const JointRecord& joint);
+std::vector<JointPart> parts_of(const JointSpec& s);
 // The chain of primitives of a joint's parts.
 std::vector<PlacedElement> elements_of(const JointSpec& s, const std::vector<JointPart>& parts);
 // Joints depth first, siblings in the order of addition.

@@ -32,7 +32,7 @@ std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints) {
     Leader base = leader[std::size_t(at)];
     if (base.joint < 0) base = {at, 1, 0};
     if (path.empty()) {
-      leader[std::size_t(at)] = {-1, 1, 0};
+      if (leader[std::size_t(at)].joint == -2) leader[std::size_t(at)].joint = -1;
       continue;
     }
     if (spec_nq(joints[std::size_t(base.joint)].spec) != 1)

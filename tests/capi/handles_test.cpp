@@ -100,6 +100,12 @@ bool keeps(dynStatus (*call)(const dynModel*, int, Info*), const dynModel* m, dy
 const ModelFunction model_functions[] = {
     {"dyn_report_count", [](auto* m) { return dyn_report_count(m) == -1; }},
     {"dyn_report_entry", [](auto* m) { return keeps(dyn_report_entry, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_save", [](auto* m) { return dyn_model_save(m, "/nowhere/m.urdf", 0, nullptr, nullptr) == DYN_ERROR_HANDLE; }},
+    {"dyn_model_save_memory",
+     [](auto* m) {
+       size_t size = 7;
+       return dyn_model_save_memory(m, DYN_FORMAT_URDF, 0, nullptr, nullptr, nullptr, 0, &size) == DYN_ERROR_HANDLE && size == 7;
+     }},
     {"dyn_shape_mesh",
      [](auto* m) {
        dynMesh* mesh = nullptr;

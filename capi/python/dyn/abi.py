@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_ssize_t, c_uint32, c_uint64, c_void_p
+from ctypes import CFUNCTYPE, POINTER, Structure, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_ssize_t, c_uint32, c_uint64, c_void_p
 
 MAJOR = 1  # of the interface this package was written for
 
@@ -309,6 +309,8 @@ class Qp(Grown):
     ]  # fmt: skip
 
 
+SAVE_REPORT = CFUNCTYPE(None, c_void_p, c_int, c_char_p)  # dynSaveReport
+
 _p, _s, _i, _d = c_void_p, c_char_p, c_int, c_double
 _ref = _p  # of a structure or a handle that the call writes: byref() or an address
 
@@ -324,6 +326,9 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_model_load": (STATUS, [_s, _ref, _ref]),
     "dyn_model_load_string": (STATUS, [_s, _ref, _ref]),
     "dyn_model_free": (None, [_p]),
+    # saving
+    "dyn_model_save": (STATUS, [_p, _s, _i, _p, _p]),
+    "dyn_model_save_memory": (STATUS, [_p, _i, _i, _p, _p, _p, c_size_t, _ref]),
     "dyn_report_count": (_i, [_p]),
     "dyn_report_entry": (STATUS, [_p, _i, _ref]),
     # model

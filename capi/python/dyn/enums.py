@@ -67,6 +67,14 @@ class FrameType(enum.IntFlag):
     SENSOR = 16
 
 
+class Format(enum.IntEnum):
+    """What models are saved as."""
+
+    URDF = 1
+    MJCF = 2
+    DYNB = 3
+
+
 class ReportLevel(enum.IntEnum):
     INFO = 0
     WARNING = 1

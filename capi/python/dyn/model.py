@@ -8,7 +8,7 @@ import secrets
 import threading
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
-from ctypes import byref, c_char_p, c_double, c_int, c_void_p
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p, create_string_buffer
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -18,7 +18,7 @@ from . import abi
 from .arrays import Owner, Placement, address, checked, numbers, result, slot, to_placement, view
 from .actuator import ModelActuators
 from .constraint import ModelConstraints
-from .enums import Base, Direction, FrameType, JointType, MeshUse, ModelArray, PairReason, Part, ReportLevel, ShapeRole, ShapeType
+from .enums import Base, Direction, Format, FrameType, JointType, MeshUse, ModelArray, PairReason, Part, ReportLevel, ShapeRole, ShapeType
 from .errors import ArgumentError, SizeError, UnknownNameError
 from .library import check, fail, last_error, lib
 from .material import Material
@@ -39,6 +39,13 @@ class ReportEntry(NamedTuple):
     message: str
     line: int
     """1-based; 0 when no line applies."""
+
+
+class SaveLine(NamedTuple):
+    """Something that a format has no place for (WARNING), or says in another way (INFO)."""
+
+    level: ReportLevel
+    message: str
 
 
 class JointInfo(NamedTuple):
@@ -254,6 +261,10 @@ def _size(n: int) -> int:
     return n
 
 
+def _teller(lines: list[SaveLine]):
+    return abi.SAVE_REPORT(lambda _, level, message: lines.append(SaveLine(_kind(ReportLevel, level), message.decode("utf-8", "replace"))))
+
+
 class _Scratch(threading.local):
     """Inputs and outputs of the configuration functions: a model is shared by threads, so each has its own."""
 
@@ -293,6 +304,24 @@ class Model(ModelConstraints, ModelActuators):
 
     def __repr__(self) -> str:
         return f"<dyn.Model {self.name!r}: nq {self.nq}, nv {self.nv}, {self.njoints} joints, {self.nframes} frames>"
+
+    def save(self, path: str | os.PathLike, strict: bool = False) -> list[SaveLine]:
+        """Writes the model as URDF (.urdf), MJCF (.xml, .mjcf) or compiled (.dynb): see dyn_model_save. What the format has no place for is in the
+        list as WARNING, and an error with strict; what it says in another way as INFO."""
+        name = os.fsencode(path)
+        if b"\0" in name:
+            raise ArgumentError(f"path holds a zero character: {path!r}.")
+        lines: list[SaveLine] = []
+        check(lib.dyn_model_save(self._m, name, bool(strict), _teller(lines), None))
+        return lines
+
+    def to_bytes(self, format: str | Format, strict: bool = False) -> bytes:
+        """What save writes."""
+        kind, size, none = member(Format, format, "format"), c_size_t(), _teller([])
+        check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, None, 0, byref(size)))
+        out = create_string_buffer(size.value)
+        check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, out, len(out), byref(size)))
+        return out.raw
 
     @property
     def size(self) -> int:

@@ -23,6 +23,9 @@ ModelPtr load_string(const std::string& text, const LoadOptions& options);
 // MJCF text; file is also the base of included files and meshes.
 ModelPtr load_mjcf(const std::string& text, const std::string& file, const LoadOptions& options);
 
+// The bytes of a .dynb.
+ModelPtr load_dynb(const std::string& bytes, const std::string& file, const LoadOptions& options);
+
 // URDF text; file names messages ("robot.urdf:12: ...") and is the base of relative mesh paths.
 ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadOptions& options);
 

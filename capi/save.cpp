@@ -1,0 +1,57 @@
+// Models to files and to memory.
+#include "dyn/model/save.hpp"
+
+#include <cstring>
+
+#include "guard.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+// What there is to say is said also when strict makes it an error.
+template <class Save>
+dynStatus save(dynSaveReport report, void* context, Save&& f) {
+  return guarded([&] {
+    SaveReport lines;
+    const auto tell = [&] {
+      for (const SaveEntry& e : lines)
+        if (report) report(context, e.level, e.message.c_str());
+    };
+    try {
+      f(lines);
+    } catch (const Error&) {
+      tell();
+      throw;
+    }
+    tell();
+    return DYN_OK;
+  });
+}
+
+}  // namespace
+
+extern "C" {
+
+dynStatus dyn_model_save(const dynModel* model, const char* path, int strict, dynSaveReport report, void* context) {
+  if (const dynStatus s = check(model)) return s;
+  if (!path) return fail(DYN_ERROR_ARGUMENT, "dyn_model_save: path is NULL");
+  return save(report, context, [&](SaveReport& lines) { save_file(*model->m, path, strict != 0, lines); });
+}
+
+dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, int strict, dynSaveReport report, void* context, void* buffer, size_t capacity, size_t* size) {
+  if (const dynStatus s = check(model)) return s;
+  if (!size) return fail(DYN_ERROR_ARGUMENT, "dyn_model_save_memory: size is NULL");
+  if (!buffer && capacity) return fail(DYN_ERROR_ARGUMENT, "dyn_model_save_memory: buffer is NULL but capacity is not 0");
+  return save(report, context, [&](SaveReport& lines) {
+    const std::string out = save_string(*model->m, dynFormat(raw(format)), strict != 0, lines);
+    *size = out.size();
+    if (!buffer) return;
+    if (out.size() > capacity)
+      throw Error(DYN_ERROR_SIZE, "dyn_model_save_memory: capacity is " + std::to_string(capacity) + ", and there are " + std::to_string(out.size()) + " bytes");
+    std::memcpy(buffer, out.data(), out.size());
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,302 @@
+// Model to MJCF: the tree. A body's frame has the axes of its last joint's, so that the joints before it are anchors and axes in that frame.
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+
+#include "dyn/spatial/quaternion.hpp"
+#include "save_mjcf.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+using Pose = SE3<double>;
+
+constexpr int most_depth = 75;  // xml.cpp
+
+bool is_identity_rotation(const Mat3<double>& R) {
+  double off = 0;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(R(r, c) - (r == c)));
+  return off < 1e-15;
+}
+bool is_identity_pose(const Pose& X) { return is_identity_rotation(X.R) && X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0; }
+
+bool alike(const std::vector<double>& x, int first, int n) {
+  return std::all_of(x.begin() + first, x.begin() + first + n, [&](double e) { return e == x[size_t(first)]; });
+}
+
+}  // namespace
+
+void put_pose(Out& e, const Pose& X) {
+  if (X.p[0] != 0 || X.p[1] != 0 || X.p[2] != 0) put(e, "pos", {X.p[0], X.p[1], X.p[2]});
+  if (is_identity_rotation(X.R)) return;
+  const Quaternion<double> u = quaternion(X.R);
+  put(e, "quat", {u.w, u.v[0], u.v[1], u.v[2]});
+}
+
+MjcfWriter::MjcfWriter(const Model& model, SaveReport& report) : m(model), losses(report), on(frames_by_joint(model)), children(on.size()), carriers(on.size()) {
+  root = doc.NewElement("mujoco");
+  doc.InsertEndChild(root);
+  put(*root, "model", std::string(m.string(m.model_name)));
+  bodies.reserve("world");
+  for (Index f = 1; f < m.n.frames; ++f)
+    if (m.frames()[f].type == DYN_FRAME_BODY) {
+      body_names[f] = bodies.claim(frame_name(f));
+      if (body_names[f] != frame_name(f)) losses.note("bodies of another name, theirs being the world's", frame_name(f));
+    } else {
+      joints.reserve(frame_name(f));
+    }
+  for (Index j = 1; j < m.n.joints; ++j) children[size_t(m.joints()[j].parent)].push_back(j);
+  for (Index k = 1; k < m.n.configurations; ++k)
+    if (std::string_view(m.string(m.configuration_names()[k])) == "qpos0") drawn = k;
+}
+
+Out& MjcfWriter::section(const char* name) {
+  Out* e = root->FirstChildElement(name);
+  return e ? *e : *root->InsertNewChildElement(name);
+}
+
+void MjcfWriter::add_option() {
+  Out& option = section("option");
+  put(option, "gravity", std::span(m.gravity));
+  if (m.density != 0) put(option, "density", m.density);
+  if (m.viscosity != 0) put(option, "viscosity", m.viscosity);
+  if (m.wind[0] != 0 || m.wind[1] != 0 || m.wind[2] != 0) put(option, "wind", std::span(m.wind));
+}
+
+// Joints with nothing but each other on them, the last one excepted.
+std::vector<Index> MjcfWriter::joints_of_one_body(Index first) const {
+  std::vector<Index> out = {first};
+  for (;;) {
+    const Index j = out.back();
+    if (on[size_t(j)].size() != 1 || children[size_t(j)].size() != 1) return out;
+    const Index child = children[size_t(j)][0];
+    if (m.joints()[j].type == DYN_JOINT_FREE_FLYER || m.joints()[child].type == DYN_JOINT_FREE_FLYER || !is_identity_rotation(load_se3(m.joints()[child].placement).R)) return out;
+    out.push_back(child);
+  }
+}
+
+// Free joints are those of the format only where nothing moves them; elsewhere they are three slides and a ball.
+std::vector<MjcfWriter::Piece> MjcfWriter::pieces_of(const std::vector<Index>& group) {
+  std::vector<Piece> out;
+  for (const Index j : group) {
+    const JointRecord& r = m.joints()[j];
+    Pose X = load_se3(r.placement);
+    const std::vector<SimpleJoint> chain = chain_of(m, j, joints);
+    for (const SimpleJoint& s : chain) {
+      const Pose before = X * s.before;
+      X = Pose::identity();
+      if (s.type != DYN_JOINT_FREE_FLYER || (r.parent == 0 && chain.size() == 1 && is_identity_pose(before))) {
+        out.push_back({j, s, before});
+        continue;
+      }
+      losses.loss("free joints that stand on something are three slides and a ball: their velocities are along its axes, not the body's", s.name);
+      SimpleJoint part = s;
+      for (int k = 0; k < 3; ++k) {
+        part.type = DYN_JOINT_PRISMATIC, part.axis = {double(k == 0), double(k == 1), double(k == 2)}, part.name = joints.claim(s.name + "_" + "xyz"[k]);
+        part.q = s.q + k, part.v = s.v + k;
+        out.push_back({j, part, k == 0 ? before : Pose::identity()});
+      }
+      part.type = DYN_JOINT_SPHERICAL, part.name = s.name, part.q = s.q + 3, part.v = s.v + 3;
+      out.push_back({j, part, Pose::identity()});
+    }
+    if (chain.size() > 1) losses.note("joints of types that MJCF has not are several joints of a body", m.string(r.name));
+  }
+  return out;
+}
+
+void MjcfWriter::add_moving(Index first) {
+  const std::vector<Index> group = joints_of_one_body(first);
+  const Index last = group.back();
+  const std::vector<Piece> chain = pieces_of(group);
+  Index main = -1;  // the body itself: the first one with the axes of the joint
+  for (const Index f : on[size_t(last)])
+    if (main < 0 && m.frames()[f].type == DYN_FRAME_BODY && is_identity_rotation(load_se3(m.frames()[f].placement).R)) main = f;
+  const Pose in_joint = main < 0 ? Pose::identity() : Pose{Mat3<double>::identity(), load3(m.frames()[main].placement + 9)};
+  const Carrier& parent = carriers[size_t(m.joints()[first].parent)];
+  Out* at = parent.element;
+  Pose X = parent.X.inverse();  // of the joint that carries this, in the element
+  for (size_t begin = 0; begin < chain.size();) {
+    size_t end = begin + 1;  // a ball's coordinates are in the body's axes: what is turned behind it is another body
+    bool ball = chain[begin].simple.type == DYN_JOINT_SPHERICAL;
+    for (; end < chain.size() && !(ball && !is_identity_rotation(chain[end].before.R)); ++end) ball |= chain[end].simple.type == DYN_JOINT_SPHERICAL;
+    const bool whole = end == chain.size();
+    for (size_t k = begin; k < end; ++k) X = X * chain[k].before;
+    const Pose frame = whole ? in_joint : Pose::identity();
+    Out& body = *at->InsertNewChildElement("body");
+    if (++depth > most_depth) throw Error(DYN_ERROR_LIMIT, "bodies stand in each other more than " + std::to_string(most_depth) + " deep, which readers of MJCF refuse: save it as URDF or .dynb");
+    if (whole && main >= 0) {
+      put(body, "name", body_name(main));
+    } else {
+      put(body, "name", bodies.claim(chain[end - 1].simple.name + "_body"));
+      losses.note("bodies without mass were added, which MuJoCo itself may refuse", body.Attribute("name"));
+    }
+    Pose pose = X * frame;
+    if (chain[begin].simple.type == DYN_JOINT_FREE_FLYER) {
+      const double* q = drawn >= 0 ? m.configurations() + std::ptrdiff_t(drawn) * m.n.nq + m.joints()[first].idx_q : nullptr;
+      pose = q ? Pose{rotation(Quaternion<double>{load3(q + 3), q[6]}), load3(q)} * frame : frame;
+      if (!is_identity_pose(frame)) losses.loss("free joints whose body has its frame elsewhere: their coordinates are the body's", chain[begin].simple.name);
+    }
+    put_pose(body, pose);
+    if (whole && main >= 0) add_link(body, main);
+    Pose to_end = frame;  // of the body in the frame of the piece
+    std::vector<Pose> ends(end - begin);
+    for (size_t k = end; k-- > begin;) ends[k - begin] = to_end, to_end = chain[k].before * to_end;
+    for (size_t k = begin; k < end; ++k) add_joint(body, chain[k], ends[k - begin]), pieces.push_back(chain[k]);
+    at = &body, X = Pose::identity();
+    begin = end;
+  }
+  for (const Index j : group) carriers[size_t(j)] = {at, in_joint};
+  add_content(last, main);
+}
+
+void MjcfWriter::add_joint(Out& body, const Piece& p, const Pose& end) {
+  const SimpleJoint& s = p.simple;
+  Out& e = *body.InsertNewChildElement("joint");
+  put(e, "name", s.name);
+  const bool slides = s.type == DYN_JOINT_PRISMATIC, ball = s.type == DYN_JOINT_SPHERICAL, free = s.type == DYN_JOINT_FREE_FLYER;
+  put(e, "type", std::string(slides ? "slide" : ball ? "ball" : free ? "free" : "hinge"));
+  const Vec3<double> anchor = end.inverse().p;
+  if (!free && (anchor[0] != 0 || anchor[1] != 0 || anchor[2] != 0)) put(e, "pos", {anchor[0], anchor[1], anchor[2]});
+  if (!free && !ball) {
+    const Vec3<double> axis = is_identity_rotation(end.R) ? load3(s.axis.data()) : transpose(end.R) * load3(s.axis.data());
+    put(e, "axis", {axis[0], axis[1], axis[2]});
+  }
+  add_numbers(e, p);
+  if (s.type == DYN_JOINT_CONTINUOUS) losses.note("continuous joints are hinges without a range: differences of their angles are not wrapped", s.name);
+  if (s.type == DYN_JOINT_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are hinges with an angle", s.name);
+  if (s.leader.empty()) return;
+  losses.loss("joints that follow another are held by an equality, which is no exact reduction: each is a degree of freedom more", s.name);
+  Out& equality = *section("equality").InsertNewChildElement("joint");
+  put(equality, "name", s.name + "_follows"), put(equality, "joint1", s.name), put(equality, "joint2", s.leader);
+  put(equality, "polycoef", {s.offset, s.ratio, 0, 0, 0});
+}
+
+void MjcfWriter::add_numbers(Out& e, const Piece& p) {
+  const SimpleJoint& s = p.simple;
+  const JointSpec spec = spec_of(m, m.joints()[p.joint]);
+  if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) {
+    const int nv = joint_nv(s.type), nq = joint_nq(s.type);
+    const auto one = [&](const char* attribute, const std::vector<double>& x) {
+      if (!alike(x, s.v, nv)) losses.loss("armature, damping or dry friction that differs between a joint's degrees of freedom: the first one counts", s.name);
+      if (x[size_t(s.v)] != 0) put(e, attribute, x[size_t(s.v)]);
+    };
+    one("armature", spec.armature), one("damping", spec.damping), one("frictionloss", spec.friction);
+    if (spec.stiffness[size_t(s.v)] != 0) {
+      put(e, "stiffness", spec.stiffness[size_t(s.v)]);
+      const double* rest = spec.spring_reference.data() + s.q;
+      if (rest[0] != 0 || rest[1] != 0 || rest[2] != 0) losses.loss("places of rest of a ball joint's spring", s.name);
+    }
+    const auto limited = [&](const std::vector<double>& x, int first, int n) { return std::any_of(x.begin() + first, x.begin() + first + n, [](double l) { return std::isfinite(l); }); };
+    if (limited(spec.lower, s.q, nq) || limited(spec.upper, s.q, nq) || limited(spec.velocity, s.v, nv) || limited(spec.effort, s.v, nv))
+      losses.loss("limits of ball and free joints", s.name);
+    return;
+  }
+  const ScalarNumbers x = numbers_of(spec, s);
+  constexpr double most = std::numeric_limits<double>::max();  // read back as no limit
+  if (std::isfinite(x.lower) || std::isfinite(x.upper)) {
+    if (x.lower < x.upper) put(e, "range", {std::max(x.lower, -most), std::min(x.upper, most)});
+    else losses.loss("ranges of a single point", s.name);
+  }
+  if (std::isfinite(x.effort)) {
+    if (x.effort > 0) put(e, "actuatorfrcrange", {-x.effort, x.effort});
+    else losses.loss("limits of effort that are zero", s.name);
+  }
+  if (std::isfinite(x.velocity)) losses.loss("velocity limits of joints", s.name);
+  if (x.armature != 0) put(e, "armature", x.armature);
+  if (x.damping != 0) put(e, "damping", x.damping);
+  if (x.friction != 0) put(e, "frictionloss", x.friction);
+  if (x.stiffness != 0) put(e, "stiffness", x.stiffness);
+  if (x.rest != 0) put(e, "springref", x.rest);
+}
+
+void MjcfWriter::add_link(Out& body, Index frame) {
+  const LinkRecord& l = m.links()[m.frames()[frame].link];
+  if (l.compensation != 0) put(body, "gravcomp", l.compensation);
+  if (l.mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
+    Out& inertial = *body.InsertNewChildElement("inertial");
+    put(inertial, "pos", std::span(l.com)), put(inertial, "mass", l.mass);
+    const double* I = l.inertia;
+    put(inertial, "fullinertia", {I[0], I[4], I[8], I[3], I[6], I[7]});
+    const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Map<const Eigen::Matrix3d>(I), Eigen::EigenvaluesOnly).eigenvalues();
+    if (moments[0] + moments[1] < moments[2] * (1 - 1e-9)) {
+      losses.loss("inertias that no body has: the mean of the principal moments stands for each (balanceinertia)", frame_name(frame));
+      put(section("compiler"), "balanceinertia", std::string("true"));
+    }
+  }
+  for (Index k = 0; k < m.n.shapes; ++k)
+    if (m.shapes()[k].frame == frame) add_geom(body, m.shapes()[k], k);
+}
+
+// What a joint carries beside the body itself: bodies that are fixed to it, frames, and the joints on it.
+void MjcfWriter::add_content(Index joint, Index main) {
+  const Carrier carrier = carriers[size_t(joint)];
+  for (const Index f : on[size_t(joint)]) {
+    const FrameRecord& r = m.frames()[f];
+    if (r.type == DYN_FRAME_JOINT || f == main) continue;
+    const Pose X = carrier.X.inverse() * load_se3(r.placement);
+    Out& e = *carrier.element->InsertNewChildElement(r.type == DYN_FRAME_BODY ? "body" : "site");
+    put(e, "name", r.type == DYN_FRAME_BODY ? body_name(f) : frame_name(f));
+    put_pose(e, X);
+    if (r.type == DYN_FRAME_BODY) add_link(e, f);
+    if (r.type == DYN_FRAME_FIXED_JOINT) losses.note("fixed joints are sites", frame_name(f));
+    if (r.type == DYN_FRAME_SENSOR) losses.note("frames of sensors are sites", frame_name(f));
+  }
+  const int here = depth;
+  for (const Index j : children[size_t(joint)]) add_moving(j), depth = here;
+}
+
+void MjcfWriter::add_keys() {
+  Names names;
+  for (Index k = 1; k < m.n.configurations; ++k) {
+    const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;
+    std::vector<double> qpos;
+    bool is_drawn = k == drawn;
+    for (const Piece& p : pieces) {
+      const JointRecord& r = m.joints()[p.joint];
+      const SimpleJoint& s = p.simple;
+      const double* own = q + r.idx_q + s.q;
+      if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) {
+        const int n = joint_nq(s.type);
+        qpos.insert(qpos.end(), own, own + n - 4);
+        qpos.insert(qpos.end(), {own[n - 1], own[n - 4], own[n - 3], own[n - 2]});
+        is_drawn &= n == 7 || own[3] == 1;
+        continue;
+      }
+      double x = s.type == DYN_JOINT_REVOLUTE_UNBOUNDED ? std::atan2(own[1], own[0]) : own[0];
+      if (r.leader >= 0) x = r.ratio * x + r.offset;
+      if (!s.leader.empty() && (r.leader < 0 || s.leader != m.string(m.joints()[r.leader].name))) x *= s.ratio;  // the slide of a helical joint
+      qpos.push_back(x);
+      is_drawn &= x == 0;
+    }
+    if (is_drawn) continue;  // the file draws it
+    std::string name = m.string(m.configuration_names()[k]);
+    if (k == drawn) losses.note("the configuration qpos0 is key 'qpos0_2': the file draws another"), name = "qpos0_2";
+    Out& key = *section("keyframe").InsertNewChildElement("key");
+    put(key, "name", names.claim(name)), put(key, "qpos", qpos);
+  }
+}
+
+std::string MjcfWriter::write() {
+  Out& compiler = section("compiler");
+  put(compiler, "angle", std::string("radian")), put(compiler, "autolimits", std::string("true")), put(compiler, "inertiafromgeom", std::string("false"));
+  add_option();
+  section("asset");
+  Out& world = section("worldbody");
+  carriers[0].element = &world;
+  for (Index k = 0; k < m.n.shapes; ++k)
+    if (m.shapes()[k].frame == 0) add_geom(world, m.shapes()[k], k);
+  add_content(0, -1);
+  add_contacts(), add_constraints(), add_actuators(), add_keys();
+  if (section("asset").NoChildren()) root->DeleteChild(&section("asset"));
+  return printed(doc);
+}
+
+}  // namespace dyn::load
+
+namespace dyn {
+
+std::string save_mjcf(const Model& m, SaveReport& report) { return load::MjcfWriter(m, report).write(); }
+
+}  // namespace dyn

@@ -1,0 +1,70 @@
+// The writer of MJCF.
+#pragma once
+
+#include "save_xml.hpp"
+
+namespace dyn::load {
+
+class MjcfWriter {
+ public:
+  MjcfWriter(const Model& m, SaveReport& report);
+  std::string write();
+
+ private:
+  // A simple joint and where the body's frame is in its own, at q = 0: a turned axis and an anchor say the same in the body's frame.
+  struct Piece {
+    Index joint;
+    SimpleJoint simple;
+    SE3<double> before;
+  };
+  // The element that a joint's frames, shapes and children stand in, and its place in the joint's frame.
+  struct Carrier {
+    Out* element = nullptr;
+    SE3<double> X = SE3<double>::identity();
+  };
+
+  std::string frame_name(Index f) const { return m.string(m.frames()[f].name); }
+  std::string body_name(Index f) const { return f == 0 ? "world" : body_names.at(f); }
+  Out& section(const char* name);
+
+  // save_mjcf.cpp
+  void add_option();
+  std::vector<Index> joints_of_one_body(Index first) const;
+  std::vector<Piece> pieces_of(const std::vector<Index>& group);
+  void add_moving(Index first);
+  void add_joint(Out& body, const Piece& p, const SE3<double>& end);
+  void add_numbers(Out& e, const Piece& p);
+  void add_content(Index joint, Index main);
+  void add_link(Out& body, Index frame);
+  void add_keys();
+  // save_mjcf_geom.cpp
+  void add_geom(Out& body, const ShapeRecord& s, Index k);
+  std::string mesh_asset(const ShapeRecord& s);
+  std::string mesh_file(const ShapeRecord& s);
+  double height_asset(const ShapeRecord& s, std::string& name);  // how far its lowest point is above its origin
+  void add_contacts();
+  // save_mjcf_laws.cpp
+  void add_actuators();
+  void add_constraints();
+  std::string site(Index frame, const double (&placement)[12], const std::string& name);
+  const Piece& piece(Index joint, int dof) const;
+
+  const Model& m;
+  Losses losses;
+  tinyxml2::XMLDocument doc;
+  Out* root;
+  std::vector<std::vector<Index>> on, children;  // frames and joints that each joint carries
+  std::vector<Carrier> carriers;                 // of each joint
+  std::vector<Piece> pieces;                     // in the file's order
+  std::map<Index, std::string> body_names;       // of BODY frames
+  std::map<Index, std::string> geom_names;       // of shapes
+  std::map<std::pair<int, Index>, std::string> surface_assets;
+  std::map<std::string, std::string> file_assets;
+  Names bodies, joints, geoms, assets;
+  int depth = 0;                                 // of elements that are open
+  Index drawn = -1;                              // the configuration that the file draws
+};
+
+void put_pose(Out& e, const SE3<double>& X);
+
+}  // namespace dyn::load

@@ -1,0 +1,147 @@
+// Model to MJCF: shapes, the meshes and height fields that they are, and which of them are tested.
+#include <cmath>
+#include <filesystem>
+
+#include "model/builder_surface.hpp"
+#include "save_mjcf.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+// Which kinds of friction a material has, as condim says it; the file's default otherwise.
+void put_friction(Out& e, const dynMaterial& x, bool of_pair) {
+  const int condim = x.rolling != 0 ? 6 : x.torsion != 0 ? 4 : x.friction != 0 ? 3 : 1;
+  if (!of_pair && condim == 3 && x.friction == 1) return;
+  e.SetAttribute("condim", condim);
+  if (of_pair) put(e, "friction", {x.friction, x.friction, x.torsion, x.rolling, x.rolling});
+  else put(e, "friction", {x.friction, x.torsion, x.rolling});
+}
+
+}  // namespace
+
+void MjcfWriter::add_geom(Out& body, const ShapeRecord& s, Index k) {
+  const std::string name = m.string(s.name), called = name.empty() ? (body.Attribute("name") ? body.Attribute("name") : "world") : name;
+  const bool visual = s.role == DYN_ROLE_VISUAL;
+  if (s.type == DYN_SHAPE_CONE) return losses.loss("cones are left out", called);
+  Out& e = *body.InsertNewChildElement("geom");
+  if (!name.empty()) {
+    geom_names[k] = geoms.claim(name);
+    put(e, "name", geom_names[k]);
+    if (geom_names[k] != name) losses.note("geoms of another name, theirs being taken", name);
+  }
+  SE3<double> X = load_se3(s.placement);
+  const auto type = [&](const char* kind) { put(e, "type", std::string(kind)); };
+  switch (s.type) {
+    case DYN_SHAPE_BOX: type("box"), put(e, "size", {s.size[0] / 2, s.size[1] / 2, s.size[2] / 2}); break;
+    case DYN_SHAPE_SPHERE: type("sphere"), put(e, "size", s.size[0]); break;
+    case DYN_SHAPE_CYLINDER: type("cylinder"), put(e, "size", {s.size[0], s.size[1] / 2}); break;
+    case DYN_SHAPE_CAPSULE: type("capsule"), put(e, "size", {s.size[0], s.size[1] / 2}); break;
+    case DYN_SHAPE_ELLIPSOID: type("ellipsoid"), put(e, "size", std::span(s.size)); break;
+    case DYN_SHAPE_HALF_SPACE:
+      type("plane"), put(e, "size", {0, 0, 1});
+      if (visual) losses.note("half-spaces that are for looks alone are pictures, which loading leaves out", called);
+      break;
+    case DYN_SHAPE_HEIGHT_FIELD: {
+      std::string asset;
+      const double up = height_asset(s, asset);
+      if (up != 0) X.p += X.R * Vec3<double>::make(0, 0, up);
+      type("hfield"), put(e, "hfield", asset);
+      break;
+    }
+    default:
+      type("mesh"), put(e, "mesh", mesh_asset(s));
+      if (s.type != DYN_SHAPE_MESH) losses.note("hulls and triangles are meshes: load with meshes = DYN_MESH_HULL or DYN_MESH_TRIANGLES", called);
+  }
+  put_pose(e, X);
+  if (s.radius > 0) losses.loss("rounding of shapes", called);
+  if (visual) return put(e, "contype", 0), put(e, "conaffinity", 0);
+  if (s.contype != 1) put(e, "contype", s.contype);
+  if (s.conaffinity != 1) put(e, "conaffinity", s.conaffinity);
+  const dynMaterial& material = m.materials()[s.material];
+  put_friction(e, material, false);
+  if (!is_default(material, false)) losses.loss("restitution, stiffness, damping and surface velocity of materials", called);
+  bool wanted = false;
+  for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p) wanted |= p->wanted && (m.geoms()[p->a].shape == k || m.geoms()[p->b].shape == k);
+  if (s.contype == 0 && s.conaffinity == 0 && !wanted) losses.loss("collision shapes whose masks are empty are for looks alone", called);
+}
+
+std::string MjcfWriter::mesh_file(const ShapeRecord& s) {
+  std::string path = m.string(s.mesh);
+  std::error_code none;
+  if (std::filesystem::exists(path, none)) path = std::filesystem::absolute(path).string();
+  std::string& name = file_assets[path + " " + words(s.size)];
+  if (!name.empty()) return name;
+  name = assets.claim(std::filesystem::path(path).stem().string());
+  Out& mesh = *section("asset").InsertNewChildElement("mesh");
+  put(mesh, "name", name), put(mesh, "file", path);
+  if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(mesh, "scale", std::span(s.size));
+  return name;
+}
+
+std::string MjcfWriter::mesh_asset(const ShapeRecord& s) {
+  if (*m.string(s.mesh) && std::filesystem::path(m.string(s.mesh)).has_extension()) return mesh_file(s);
+  std::string& name = surface_assets[{int(s.type), s.surface}];
+  if (!name.empty()) return name;
+  name = assets.claim(*m.string(s.mesh) ? m.string(s.mesh) : "mesh");
+  Out& mesh = *section("asset").InsertNewChildElement("mesh");
+  put(mesh, "name", name);
+  if (s.type == DYN_SHAPE_CONVEX) {
+    const Stored<shape::Hull>& at = m.hulls()[s.surface];
+    const shape::Hull h = view(at.header, m.surface_numbers() + at.numbers, m.surface_indices() + at.indices);
+    std::vector<double> vertices;
+    for (Index i = 0; i < h.vertices; ++i) vertices.insert(vertices.end(), {h.x[i], h.y[i], h.z[i]});
+    put(mesh, "vertex", vertices);
+  } else if (s.type == DYN_SHAPE_TRIANGLES) {
+    const Stored<shape::TriangleTree>& at = m.trees()[s.surface];
+    const shape::TriangleTree t = view(at.header, m.surface_numbers() + at.numbers, m.surface_indices() + at.indices);
+    put(mesh, "vertex", {t.vertex, 3 * size_t(t.vertices)});
+    put(mesh, "face", std::vector<double>(t.corner, t.corner + 3 * std::ptrdiff_t(t.triangles)));
+  }
+  return name;
+}
+
+double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {
+  const Stored<shape::Grid>& at = m.grids()[s.surface];
+  const shape::Grid g = view(at.header, m.surface_numbers() + at.numbers, m.surface_indices() + at.indices);
+  const auto [low, high] = std::minmax_element(g.height, g.height + std::ptrdiff_t(g.columns) * g.rows);
+  const double least = *low, range = *high - *low;
+  std::string& name = surface_assets[{int(s.type), s.surface}];
+  if (name.empty()) {
+    name = assets.claim("height_field");
+    Out& field = *section("asset").InsertNewChildElement("hfield");
+    put(field, "name", name), put(field, "nrow", g.rows), put(field, "ncol", g.columns);
+    put(field, "size", {(g.columns - 1) * g.step_x / 2, (g.rows - 1) * g.step_y / 2, range > 0 ? range : 1, least - g.bottom});
+    std::vector<double> heights;  // the first row of the text is the farthest
+    for (Index j = g.rows; j-- > 0;)
+      for (Index i = 0; i < g.columns; ++i) heights.push_back(g.at(i, j)[2] - least);
+    put(field, "elevation", heights);
+  }
+  asset = name;
+  return least;
+}
+
+void MjcfWriter::add_contacts() {
+  for (Index k = 0; k < m.n.disabled; ++k) {
+    const DisabledRecord& d = m.disabled_pairs()[k];
+    Out& e = *section("contact").InsertNewChildElement("exclude");
+    put(e, "body1", body_name(d.frame1)), put(e, "body2", body_name(d.frame2));
+  }
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    const PairRecord& p = m.pairs()[k];
+    if (!p.wanted) continue;
+    const Index a = m.geoms()[p.a].shape, b = m.geoms()[p.b].shape;
+    if (!geom_names.count(a) || !geom_names.count(b)) {
+      losses.loss("pairs with shapes that are left out", m.string(m.shapes()[a].name));
+      continue;
+    }
+    Out& e = *section("contact").InsertNewChildElement("pair");
+    put(e, "geom1", geom_names[a]), put(e, "geom2", geom_names[b]);
+    if (p.material == 0) continue;
+    const dynMaterial& x = m.materials()[p.material - 1];
+    put_friction(e, x, true);
+    if (!is_default(x, false)) losses.loss("restitution, stiffness, damping and surface velocity of materials", geom_names[a]);
+  }
+}
+
+}  // namespace dyn::load

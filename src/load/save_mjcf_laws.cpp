@@ -1,0 +1,100 @@
+// Model to MJCF: actuators and equalities.
+#include <cmath>
+
+#include "dyn/constraint/list.hpp"
+#include "save_mjcf.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+constexpr double most = std::numeric_limits<double>::max();  // read back as no limit
+
+void put_range(Out& e, const char* attribute, const double (&range)[2]) {
+  if (std::isfinite(range[0]) || std::isfinite(range[1])) put(e, attribute, {std::max(range[0], -most), std::min(range[1], most)});
+}
+
+}  // namespace
+
+const MjcfWriter::Piece& MjcfWriter::piece(Index joint, int dof) const {
+  const Piece* found = nullptr;
+  for (const Piece& p : pieces)
+    if (p.joint == joint && p.simple.v <= dof) found = &p;
+  return *found;
+}
+
+void MjcfWriter::add_actuators() {
+  for (Index k = 0; k < m.n.actuators; ++k) {
+    const dynActuator& a = m.actuators()[k].spec;
+    const std::string name = m.string(m.actuators()[k].name);
+    const SimpleJoint& s = piece(a.joint, a.component).simple;
+    const int component = a.component - s.v;
+    if (a.type == DYN_ACTUATOR_PD) {
+      losses.loss("actuators of type PD, which have three controls, are left out", name);
+      continue;
+    }
+    if (s.type == DYN_JOINT_FREE_FLYER && component < 3) {
+      losses.loss("actuators that push a free joint along its own axes are left out", name);
+      continue;
+    }
+    const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_AFFINE || (filtered && a.type != DYN_ACTUATOR_POSITION);
+    Out& e = *section("actuator").InsertNewChildElement(affine ? "general" : a.type == DYN_ACTUATOR_MOTOR ? "motor" : a.type == DYN_ACTUATOR_POSITION ? "position" : "velocity");
+    put(e, "name", name), put(e, "joint", s.name);
+    if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) {
+      std::vector<double> gear(s.type == DYN_JOINT_SPHERICAL ? 3 : 6, 0);
+      gear[size_t(component)] = a.gear;
+      put(e, "gear", gear);
+      if (a.gear == 0) losses.loss("actuators with a gear of zero on joints of several degrees of freedom", name);
+    } else if (a.gear != 1) {
+      put(e, "gear", a.gear);
+    }
+    if (affine) {
+      const ActuatorRecord& law = m.actuators()[k];
+      put(e, "gaintype", std::string("fixed")), put(e, "gainprm", law.gain[0]);
+      put(e, "biastype", std::string("affine")), put(e, "biasprm", std::span(law.bias));
+      if (filtered) put(e, "dyntype", std::string("filterexact")), put(e, "dynprm", a.time_constant);
+    } else if (a.type == DYN_ACTUATOR_POSITION) {
+      put(e, "kp", a.kp), put(e, "kv", a.kv);
+      if (filtered) put(e, "timeconst", a.time_constant);
+    } else if (a.type == DYN_ACTUATOR_VELOCITY) {
+      put(e, "kv", a.kv);
+    }
+    put_range(e, "ctrlrange", a.control_range), put_range(e, "forcerange", a.force_range);
+  }
+}
+
+// The name of a site there: the frame itself, or one that is added.
+std::string MjcfWriter::site(Index frame, const double (&placement)[12], const std::string& wanted) {
+  const FrameRecord& r = m.frames()[frame];
+  if (frame != 0 && r.type != DYN_FRAME_BODY && r.type != DYN_FRAME_JOINT && is_identity(placement)) return frame_name(frame);
+  const Carrier& carrier = carriers[size_t(r.joint)];
+  const std::string name = joints.claim(wanted);
+  Out& e = *carrier.element->InsertNewChildElement("site");
+  put(e, "name", name);
+  put_pose(e, carrier.X.inverse() * load_se3(r.placement) * load_se3(placement));
+  losses.note("sites were added for the ends of constraints", name);
+  return name;
+}
+
+void MjcfWriter::add_constraints() {
+  for (Index k = 0; k < m.n.constraints; ++k) {
+    const dynConstraint& c = m.constraints()[k].spec;
+    const std::string name = m.string(m.constraints()[k].name);
+    const bool coupling = c.type == DYN_CONSTRAINT_COUPLING;
+    if (!coupling && c.type != DYN_CONSTRAINT_CONNECT && c.type != DYN_CONSTRAINT_WELD) {
+      losses.loss("constraints that are no connect, weld or coupling are left out", name);
+      continue;
+    }
+    if (c.stiffness != 0 || c.damping != 0 || c.restitution != 0) losses.loss("gains and restitution of constraints", name);
+    Out& e = *section("equality").InsertNewChildElement(coupling ? "joint" : c.type == DYN_CONSTRAINT_WELD ? "weld" : "connect");
+    put(e, "name", name);
+    if (!c.enabled) put(e, "active", std::string("false"));
+    if (coupling) {
+      put(e, "joint1", piece(c.first, 0).simple.name), put(e, "joint2", piece(c.second, 0).simple.name), put(e, "polycoef", std::span(c.coefficients));
+    } else {
+      put(e, "site1", site(c.first, c.placement1, name + "_1")), put(e, "site2", site(c.second, c.placement2, name + "_2"));
+    }
+  }
+}
+
+}  // namespace dyn::load

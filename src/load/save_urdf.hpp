@@ -1,0 +1,35 @@
+// The writer of URDF.
+#pragma once
+
+#include "save_xml.hpp"
+
+namespace dyn::load {
+
+class UrdfWriter {
+ public:
+  UrdfWriter(const Model& m, SaveReport& report);
+  std::string write();
+
+ private:
+  std::string frame_name(Index f) const { return m.string(m.frames()[f].name); }
+  Out& add_link(const std::string& name, Index frame);  // frame: BODY, 0: the world, -1: none
+  void add_shape(Out& link, const ShapeRecord& s);
+  Out& add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child, const SE3<double>& X);
+  void add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s);
+  void add_moving(Index j);
+  void add_fixed(Index f, std::set<Index>& done);
+  void add_constraints();
+  void say_what_is_lost();
+
+  const Model& m;
+  Losses losses;
+  tinyxml2::XMLDocument doc;
+  Out* robot;
+  std::vector<std::vector<Index>> on;  // frames of each joint
+  std::vector<Index> main;             // BODY frame in each joint's own frame, or -1
+  std::vector<std::string> main_name;
+  Names links, joints;
+  bool floating;  // the root link is free, which the reader says
+};
+
+}  // namespace dyn::load

@@ -1,0 +1,83 @@
+// What the writers of URDF and MJCF share: elements with numbers, a report of losses, names that are free, joints as chains of simple ones.
+#pragma once
+
+#include <tinyxml2.h>
+
+#include <map>
+#include <set>
+#include <span>
+
+#include "dyn/model/save.hpp"
+#include "model/builder_impl.hpp"
+#include "report.hpp"
+
+namespace dyn::load {
+
+using Out = tinyxml2::XMLElement;
+
+// Numbers with spaces between, each as the shortest text that reads back as the same double.
+std::string words(std::span<const double> x);
+inline std::string words(std::initializer_list<double> x) { return words({x.begin(), x.size()}); }
+inline void put(Out& e, const char* attribute, std::span<const double> x) { e.SetAttribute(attribute, words(x).c_str()); }
+inline void put(Out& e, const char* attribute, std::initializer_list<double> x) { e.SetAttribute(attribute, words(x).c_str()); }
+inline void put(Out& e, const char* attribute, double x) { put(e, attribute, {x}); }
+inline void put(Out& e, const char* attribute, const std::string& x) { e.SetAttribute(attribute, x.c_str()); }
+std::string printed(const tinyxml2::XMLDocument& doc);
+
+// Losses of one kind are one line with all their names.
+class Losses {
+ public:
+  explicit Losses(SaveReport& report) : report_(report) {}
+  ~Losses();
+  Losses(const Losses&) = delete;
+  void loss(const std::string& what, const std::string& name = "") { add(DYN_REPORT_WARNING, what, name); }
+  void note(const std::string& what, const std::string& name = "") { add(DYN_REPORT_INFO, what, name); }
+
+ private:
+  struct Line {
+    dynReportLevel level;
+    std::string what;
+    std::vector<std::string> names;
+  };
+  void add(dynReportLevel level, const std::string& what, const std::string& name);
+  SaveReport& report_;
+  std::vector<Line> lines_;
+};
+
+// Names of one kind of thing: each once.
+class Names {
+ public:
+  std::string claim(const std::string& wanted);
+  void reserve(const std::string& name) { taken_.insert(name); }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+// A revolute, continuous, prismatic, spherical, free or (cos, sin) joint of a chain; the last one has the joint's name and frame.
+struct SimpleJoint {
+  dynJointType type;
+  Axis axis;
+  SE3<double> before;  // from the frame before, at q = 0
+  std::string name;
+  int q, v;            // its first coordinate among the joint's own, and degree of freedom
+  std::string leader;  // of a follower, or ""
+  double ratio, offset;
+};
+// A helical joint is a slide that follows a rotation.
+std::vector<SimpleJoint> chain_of(const Model& m, Index joint, Names& names);
+
+// Numbers of a joint with one coordinate.
+struct ScalarNumbers {
+  double lower, upper, velocity, effort, armature, damping, friction, stiffness, rest;
+};
+ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& joint);
+
+inline bool is_identity(const double (&placement)[12]) { return std::equal(placement, placement + 12, identity_placement.begin()); }
+// Angles of rotations about the fixed axes x, then y, then z.
+std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R);
+bool is_default(const dynMaterial& material, bool with_friction);
+// Frames that each joint carries, in order; the world's without the universe.
+std::vector<std::vector<Index>> frames_by_joint(const Model& m);
+
+}  // namespace dyn::load

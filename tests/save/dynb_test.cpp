@@ -1,0 +1,142 @@
+// Tests .dynb: what comes back is bit for bit what was saved, and no file makes the reader crash.
+#include "load/dynb.hpp"
+#include "model/builder_surface.hpp"
+#include "save/same.hpp"
+
+namespace dyn_test {
+namespace {
+
+std::string bytes_of(const Model& m) { return save_dynb(m); }
+
+void expect_identical(const Model& m) {
+  const std::string saved = bytes_of(m);
+  const ModelPtr back = load_string(saved, {});
+  const std::string again = bytes_of(*back);
+  ASSERT_EQ(saved.size(), again.size());
+  EXPECT_TRUE(saved == again);
+  EXPECT_NE(m.id, back->id);
+}
+
+// Shapes of every kind that has arrays, an actuator, a constraint, a pair, a configuration: all that a block may hold.
+ModelPtr furnished() {
+  Tree t = random_tree(4, {5, 0.3, 0.3, 0.1, 0.35, 0.5, {}});
+  Builder b("furnished");
+  for (const JointSpec& s : t.joints) b.joint(s);
+  for (const BodySpec& s : t.bodies) b.body(s.name, {s.parent, 0}, placement(s.placement), s.mass, array3(s.com), array9(s.inertia));
+  Dice dice(8);
+  std::vector<double> corners;
+  std::vector<Index> faces;
+  for (int k = 0; k < 20; ++k) {
+    for (int i = 0; i < 9; ++i) corners.push_back(dice.in(-1, 1));
+    faces.insert(faces.end(), {3 * k, 3 * k + 1, 3 * k + 2});
+  }
+  Shape soup{"soup", DYN_SHAPE_TRIANGLES, DYN_ROLE_COLLISION, t.bodies[0].name, placement(dice.pose(5)), {1, 1, 1}, ""};
+  soup.surface = triangle_tree(corners, faces, false);
+  b.shape(soup);
+  const std::vector<double> heights = {0, 0.1, 0.2, 0, 0.3, 0.1, 0.2, 0.1, 0};
+  Shape ground{"ground", DYN_SHAPE_HEIGHT_FIELD, DYN_ROLE_COLLISION, "universe", placement(dice.pose(5)), {1, 1, 1}, ""};
+  ground.surface = height_grid(heights.data(), 3, 3, 1, 1, -1);
+  b.shape(ground);
+  b.shape({"box", DYN_SHAPE_BOX, DYN_ROLE_COLLISION, t.bodies[1].name, placement(dice.pose(5)), {1, 2, 3}, ""});
+  b.pair("box", "ground", nullptr);
+  for (const JointSpec& s : t.joints)
+    if (s.type != DYN_JOINT_FIXED && s.mimic.empty()) {
+      dynActuator a{};
+      a.struct_size = sizeof a, a.gear = 1, a.control_range[0] = a.force_range[0] = -1, a.control_range[1] = a.force_range[1] = 1;
+      b.actuator("motor", a, s.name);
+      break;
+    }
+  dynConstraint c{};
+  c.struct_size = sizeof c, c.type = DYN_CONSTRAINT_WELD, c.enabled = 1;
+  std::copy(identity_placement.begin(), identity_placement.end(), c.placement1), std::copy(identity_placement.begin(), identity_placement.end(), c.placement2);
+  b.constraint("weld", c, {t.bodies[0].name, DYN_FRAME_BODY}, {"", 0});
+  b.disabled_pair(t.bodies[0].name, t.bodies[1].name, "because");
+  b.report(DYN_REPORT_INFO, 3, "a remark");
+  b.medium(1, 0.1, {1, 2, 3});
+  const ModelPtr m = b.finish();
+  const State x(*m, 2);
+  b.configuration("home", {x.q.begin(), x.q.end()});
+  return b.finish();
+}
+
+TEST(Dynb, ModelsComeBackBitForBit) {
+  for (const auto& [path, base] : robots()) {
+    SCOPED_TRACE(path);
+    expect_identical(*robot(path, base));
+  }
+  for (std::uint64_t seed = 1; seed <= tree_count; ++seed) {
+    SCOPED_TRACE(seed);
+    expect_identical(*random_tree(seed).build());
+  }
+  expect_identical(*furnished());
+}
+
+TEST(Dynb, OtherFilesAreRefused) {
+  const std::string good = bytes_of(*furnished());
+  const auto refused = [&](std::string bytes, dynStatus status, const char* why) {
+    try {
+      load_string(bytes, {});
+      ADD_FAILURE() << why;
+    } catch (const Error& e) {
+      EXPECT_EQ(status, e.status) << e.what();
+      EXPECT_NE(std::string::npos, std::string(e.what()).find(why)) << e.what();
+    }
+  };
+  const auto changed = [&](std::size_t at) {
+    std::string out = good;
+    out[at] = char(out[at] ^ 0x10);
+    return out;
+  };
+  refused(changed(5), DYN_ERROR_PARSE, "first eight bytes");
+  refused(changed(offsetof(load::DynbHeader, version)), DYN_ERROR_UNSUPPORTED, "version");
+  refused(changed(offsetof(load::DynbHeader, byte_order)), DYN_ERROR_UNSUPPORTED, "order of bytes");
+  refused(changed(offsetof(load::DynbHeader, tag)), DYN_ERROR_UNSUPPORTED, "build");
+  refused(changed(offsetof(load::DynbHeader, bytes)), DYN_ERROR_PARSE, "bytes after its header");
+  refused(changed(good.size() / 2), DYN_ERROR_PARSE, "checksum");
+  refused(good.substr(0, good.size() - 8), DYN_ERROR_PARSE, "bytes after its header");
+  refused(good.substr(0, 20), DYN_ERROR_PARSE, "within its header");
+  LoadOptions options;
+  options.base = DYN_BASE_FIXED;
+  EXPECT_THROW(load_string(good, options), Error);
+}
+
+// Every file that is not the one that was saved is refused, or is a model all of whose algorithms run.
+void fuzz(bool sealed) {
+  const ModelPtr m = furnished();
+  const std::string good = bytes_of(*m);
+  Dice dice(sealed ? 3 : 4);
+  int loaded = 0, refused = 0;
+  for (int k = 0; k < 20000; ++k) {
+    std::string bad = good;
+    const int kind = dice.below(4);
+    if (kind == 0) bad.resize(std::size_t(dice.below(int(bad.size()))));
+    for (int flips = kind == 0 ? dice.below(2) : 1 + dice.below(4); flips > 0; --flips) {
+      if (bad.empty()) break;
+      const std::size_t at = std::size_t(dice.below(int(bad.size())));
+      if (kind == 3) {  // a whole index: negative, large, off by one
+        const std::int32_t values[] = {-1, 1 << 30, INT32_MAX, INT32_MIN, 1000, 0}, x = values[dice.below(6)];
+        if (bad.size() >= 8) std::memcpy(bad.data() + at / 4 * 4 % (bad.size() - 4) / 4 * 4, &x, 4);
+      } else {
+        bad[at] = char(bad[at] ^ (1 << dice.below(8)));
+      }
+    }
+    if (bad == good) continue;
+    if (sealed && bad.size() >= sizeof(load::DynbHeader)) load::seal_dynb(bad);
+    try {
+      const ModelPtr back = load_string(bad, {});
+      EXPECT_TRUE(sealed) << "a file with a wrong checksum was read";
+      ++loaded;
+      if (loaded % 16 == 0 && back->n.nv == m->n.nv) Results(*back, State(*m, 1).q, VectorXd::Zero(m->n.nv));
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 1000);
+  EXPECT_EQ(sealed, loaded > 100);
+}
+
+TEST(Dynb, DamagedFilesAreRefused) { fuzz(false); }
+TEST(Dynb, FilesThatAreSealedAgainDoNoHarm) { fuzz(true); }
+
+}  // namespace
+}  // namespace dyn_test

@@ -1,0 +1,210 @@
+// Tests URDF and MJCF: a model that is saved and loaded again moves as it did, and what is lost is said.
+#include "save/same.hpp"
+
+namespace dyn_test {
+namespace {
+
+bool lost(const SaveReport& lines, const char* what) {
+  return std::any_of(lines.begin(), lines.end(), [&](const SaveEntry& e) { return e.level == DYN_REPORT_WARNING && e.message.find(what) != std::string::npos; });
+}
+
+TEST(Urdf, RobotsComeBack) {
+  for (const auto& [path, base] : robots()) {
+    SCOPED_TRACE(path);
+    const ModelPtr m = robot(path, base);
+    const ModelPtr back = again(*m, DYN_FORMAT_URDF, base);
+    expect_same(*m, *back, 3, true);
+    EXPECT_EQ(m->n.joints, back->n.joints);
+    EXPECT_EQ(m->n.frames, back->n.frames);
+    EXPECT_EQ(m->n.shapes, back->n.shapes);
+    EXPECT_EQ(m->n.pairs, back->n.pairs);
+    ASSERT_EQ(m->n.constraints, back->n.constraints);
+    for (Index j = 1; j < m->n.joints; ++j) {
+      EXPECT_EQ(name_of(*m, j), name_of(*back, j));
+      EXPECT_EQ(m->joints()[j].type, back->joints()[j].type);
+    }
+    for (Index k = 0; k < m->n.constraints; ++k) {
+      const dynConstraint &a = m->constraints()[k].spec, &b = back->constraints()[k].spec;
+      EXPECT_EQ(a.type, b.type);
+      EXPECT_EQ(a.stiffness, b.stiffness);
+      EXPECT_EQ(a.damping, b.damping);
+      for (int i = 0; i < 12; ++i) {
+        EXPECT_NEAR(a.placement1[i], b.placement1[i], 1e-14);
+        EXPECT_NEAR(a.placement2[i], b.placement2[i], 1e-14);
+      }
+    }
+  }
+}
+
+TEST(Urdf, TreesOfAllJointsComeBack) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    TreeOptions options;
+    options.resistance = 0.3, options.armature = 0;
+    options.types = {DYN_JOINT_REVOLUTE, DYN_JOINT_CONTINUOUS, DYN_JOINT_PRISMATIC, DYN_JOINT_HELICAL, DYN_JOINT_CYLINDRICAL, DYN_JOINT_UNIVERSAL, DYN_JOINT_SPHERICAL,
+                     DYN_JOINT_SPHERICAL_ZYX, DYN_JOINT_PLANAR, DYN_JOINT_TRANSLATION, DYN_JOINT_FREE_FLYER};
+    Tree tree = random_tree(seed, options);
+    for (JointSpec& s : tree.joints) {
+      s.stiffness.clear(), s.spring_reference.clear();
+      if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) s.damping.clear(), s.friction.clear();
+    }
+    const ModelPtr m = tree.build();
+    expect_same(*m, *again(*m, DYN_FORMAT_URDF, DYN_BASE_FIXED), seed, false);
+  }
+}
+
+TEST(Urdf, CompositesAreChains) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    TreeOptions options;
+    options.joints = 6, options.types = {DYN_JOINT_COMPOSITE}, options.mimic = 0, options.armature = 0;
+    const ModelPtr m = random_tree(seed, options).build();
+    bool unbounded = false;
+    for (Index i = 1; i < m->n.bodies; ++i) unbounded |= m->bodies()[i].type == BodyType::RevoluteUnbounded;
+    if (!unbounded) expect_same(*m, *again(*m, DYN_FORMAT_URDF, DYN_BASE_FIXED), seed, false);
+  }
+}
+
+TEST(Mjcf, RobotsComeBack) {
+  for (const auto& [path, base] : robots()) {
+    SCOPED_TRACE(path);
+    const ModelPtr m = robot(path, base);
+    SaveReport lines;
+    const ModelPtr back = again(*m, DYN_FORMAT_MJCF, DYN_BASE_UNSPECIFIED, &lines);
+    if (follows(*m)) {
+      EXPECT_TRUE(lost(lines, "joints that follow another"));
+      EXPECT_EQ(m->n.nvx, back->n.nv);
+      continue;
+    }
+    EXPECT_EQ(m->n.shapes, back->n.shapes);
+    if (!lost(lines, "inertias that no body has")) expect_same(*m, *back, 5, true);
+  }
+}
+
+TEST(Mjcf, TreesComeBack) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    TreeOptions options;
+    options.joints = 1 + int(seed % 12), options.mimic = 0;
+    options.types = {DYN_JOINT_REVOLUTE, DYN_JOINT_CONTINUOUS, DYN_JOINT_PRISMATIC, DYN_JOINT_CYLINDRICAL, DYN_JOINT_UNIVERSAL, DYN_JOINT_SPHERICAL, DYN_JOINT_SPHERICAL_ZYX,
+                     DYN_JOINT_PLANAR, DYN_JOINT_TRANSLATION};
+    Tree tree = random_tree(seed, options);
+    for (JointSpec& s : tree.joints)
+      if (s.type == DYN_JOINT_SPHERICAL) s.armature.assign(s.armature.size(), 0.01);
+    const ModelPtr m = tree.build();
+    expect_same(*m, *again(*m, DYN_FORMAT_MJCF, DYN_BASE_UNSPECIFIED), seed, false);
+    for (Index k = 0; k < 3; ++k) EXPECT_EQ(m->gravity[k], again(*m, DYN_FORMAT_MJCF, DYN_BASE_UNSPECIFIED)->gravity[k]);
+  }
+}
+
+constexpr const char* scene = R"(<mujoco model="scene"><option gravity="0 0.5 -9" density="1.2" viscosity="0.01" wind="1 0 0"/>
+<asset><hfield name="hill" nrow="3" ncol="4" size="2 1 0.5 0.2" elevation="0 0 0 0 0.1 0.7 1 0 0 0.2 0 0"/></asset>
+<worldbody><geom name="floor" type="plane" size="0 0 1" friction="0.7"/><geom name="hill" type="hfield" hfield="hill" pos="5 0 0"/>
+<body name="box" pos="0 0 2" quat="0.6 0.8 0 0" gravcomp="0.5"><freejoint name="free"/><inertial pos="0.1 0 0" mass="2" fullinertia="0.1 0.2 0.25 0.01 0 0.02"/>
+  <geom name="cube" type="box" size="0.1 0.2 0.3" contype="3" conaffinity="5"/><site name="corner" pos="0.1 0.2 0.3"/>
+  <geom type="ellipsoid" size="0.1 0.2 0.3" contype="0" conaffinity="0"/></body>
+<body name="arm" pos="1 0 0"><joint name="a" axis="0 1 0" range="-90 45" damping="0.3" frictionloss="0.1" armature="0.02" stiffness="3" springref="20"/>
+  <joint name="b" type="slide" axis="1 0 1" pos="0.1 0 0.2"/><inertial pos="0 0 0.3" mass="1" diaginertia="0.1 0.1 0.02"/>
+  <geom name="rod" type="capsule" size="0.05 0.2" condim="6" friction="0.5 0.02 0.003"/>
+  <body name="ball" pos="0 0 0.5"><joint name="c" type="ball" damping="0.1"/><inertial pos="0 0 0.1" mass="0.5" diaginertia="0.01 0.01 0.01"/>
+    <geom name="bob" type="sphere" size="0.1"/><site name="tip" pos="0 0 0.2"/></body></body></worldbody>
+<contact><exclude body1="arm" body2="box"/><pair geom1="bob" geom2="floor" condim="4" friction="0.9 0.9 0.01 0 0"/></contact>
+<equality><connect name="rope" site1="tip" site2="corner" active="false"/><weld name="glue" site1="tip" site2="corner" active="false"/>
+  <joint name="couple" joint1="a" joint2="b" polycoef="0.1 2 0 0 0"/></equality>
+<actuator><motor name="m" joint="a" gear="3" ctrlrange="-1 2"/><position name="p" joint="b" kp="20" kv="2" timeconst="0.1" forcerange="-5 5"/><velocity name="v" joint="a" kv="3"/>
+  <general name="g" joint="b" gainprm="4" biastype="affine" biasprm="1 -2 -3" dyntype="filter" dynprm="0.2"/><motor name="turn" joint="c" gear="0 2 0"/></actuator>
+<keyframe><key name="bent" qpos="0 0 1 1 0 0 0 0.3 0.1 0.6 0 0.8 0"/></keyframe></mujoco>)";
+
+TEST(Mjcf, ASceneComesBackWithAllItHas) {
+  const ModelPtr m = load_string(scene, {}), back = again(*m, DYN_FORMAT_MJCF, DYN_BASE_UNSPECIFIED);
+  expect_same(*m, *back, 7, true);
+  const Model &a = *m, &b = *back;
+  EXPECT_EQ(a.n.joints, b.n.joints);
+  EXPECT_EQ(a.n.frames, b.n.frames);
+  EXPECT_EQ(a.density, b.density);
+  EXPECT_EQ(a.viscosity, b.viscosity);
+  EXPECT_EQ(a.wind[0], b.wind[0]);
+  ASSERT_EQ(a.n.shapes, b.n.shapes);
+  for (Index k = 0; k < a.n.shapes; ++k) {
+    const ShapeRecord &x = a.shapes()[k], &y = b.shapes()[k];
+    EXPECT_STREQ(a.string(x.name), b.string(y.name));
+    EXPECT_EQ(x.type, y.type);
+    EXPECT_EQ(x.role, y.role);
+    EXPECT_EQ(x.contype, y.contype);
+    EXPECT_EQ(x.conaffinity, y.conaffinity);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(x.size[i], y.size[i]);
+    EXPECT_EQ(0, std::memcmp(&a.materials()[x.material], &b.materials()[y.material], sizeof(dynMaterial))) << a.string(x.name);
+  }
+  ASSERT_EQ(a.n.pairs, b.n.pairs);
+  for (Index k = 0; k < a.n.pairs; ++k) {
+    EXPECT_EQ(a.pairs()[k].wanted, b.pairs()[k].wanted);
+    EXPECT_EQ(a.pairs()[k].reason, b.pairs()[k].reason);
+  }
+  ASSERT_EQ(a.n.actuators, b.n.actuators);
+  for (Index k = 0; k < a.n.actuators; ++k) {
+    const ActuatorRecord &x = a.actuators()[k], &y = b.actuators()[k];
+    EXPECT_STREQ(a.string(x.name), b.string(y.name));
+    EXPECT_EQ(x.v, y.v);
+    EXPECT_EQ(x.q, y.q);
+    EXPECT_EQ(x.spec.gear, y.spec.gear);
+    EXPECT_EQ(x.spec.time_constant, y.spec.time_constant);
+    EXPECT_EQ(x.spec.type, y.spec.type);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(x.gain[i], y.gain[i]);
+      EXPECT_EQ(x.bias[i], y.bias[i]);
+    }
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_EQ(x.spec.control_range[i], y.spec.control_range[i]);
+      EXPECT_EQ(x.spec.force_range[i], y.spec.force_range[i]);
+    }
+  }
+  ASSERT_EQ(a.n.constraints, b.n.constraints);
+  for (Index k = 0; k < a.n.constraints; ++k) {
+    const dynConstraint &x = a.constraints()[k].spec, &y = b.constraints()[k].spec;
+    EXPECT_EQ(x.type, y.type);
+    EXPECT_EQ(x.first, y.first);
+    EXPECT_EQ(x.second, y.second);
+    EXPECT_EQ(x.enabled, y.enabled);
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(x.coefficients[i], y.coefficients[i]);
+  }
+  ASSERT_EQ(a.n.configurations, b.n.configurations);
+  for (Index k = 0; k < a.n.configurations * a.n.nq; ++k) EXPECT_NEAR(a.configurations()[k], b.configurations()[k], 1e-15);
+  for (Index k = 0; k < a.n.links; ++k) EXPECT_EQ(a.links()[k].compensation, b.links()[k].compensation);
+  for (Index k = 0; k < a.n.nv; ++k) {
+    EXPECT_EQ(a.stiffness()[k], b.stiffness()[k]);
+    EXPECT_EQ(a.armature()[k], b.armature()[k]);
+  }
+  for (Index k = 0; k < a.n.nq; ++k) EXPECT_EQ(a.spring_reference()[k], b.spring_reference()[k]);
+}
+
+TEST(Urdf, WhatASceneLosesIsSaid) {
+  const ModelPtr m = load_string(scene, {});
+  SaveReport lines;
+  save_string(*m, DYN_FORMAT_URDF, false, lines);
+  for (const char* what : {"actuators: 'm', 'p', 'v', 'g', 'turn'", "gravity", "medium", "shapes that are no box", "materials", "masks", "armature of joints: 'a'", "springs of joints: 'a'",
+                           "named configurations", "disabled pairs", "weights that are held"})
+    EXPECT_TRUE(lost(lines, what)) << what;
+  SaveReport none;
+  try {
+    save_string(*m, DYN_FORMAT_URDF, true, none);
+    FAIL() << "strict";
+  } catch (const Error& e) {
+    EXPECT_EQ(DYN_ERROR_STRICT, e.status);
+  }
+}
+
+TEST(Save, TheExtensionNamesTheFormat) {
+  EXPECT_EQ(DYN_FORMAT_URDF, format_of("a/b.urdf"));
+  EXPECT_EQ(DYN_FORMAT_MJCF, format_of("b.xml"));
+  EXPECT_EQ(DYN_FORMAT_DYNB, format_of("b.x.dynb"));
+  for (const char* path : {"robot", "robot.sdf", "", ".urdf"}) {
+    try {
+      format_of(path);
+      FAIL() << path;
+    } catch (const Error& e) {
+      EXPECT_EQ(DYN_ERROR_ARGUMENT, e.status);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dyn_test
