@@ -9,6 +9,9 @@ namespace dyn::simulation {
 namespace {
 
 constexpr double proximal = 1e-11;  // of the unit diagonal: steps are unique where contacts are redundant
+constexpr double damping = 1e-2;    // the same, where a step without makes nothing better (Levenberg and Marquardt)
+constexpr double least_step = 0.2;
+constexpr double jammed = 100;      // impulses that exceed those of all free velocities so much are stress that friction locks in
 constexpr Index most_steps = 30;
 constexpr Index order_of[7][6] = {{}, {0}, {}, {2, 0, 1}, {2, 0, 1, 3}, {}, {2, 0, 1, 3, 4, 5}};  // the normal first
 constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
@@ -30,7 +33,7 @@ class Newton {
   Workspace& w;
   const double* Dinv;
   std::ptrdiff_t room;
-  double speed;
+  double speed, damped = proximal;
   Factor factor;
   // of rows, in the slots' own order and units
   double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *before = dc + room, *best = before + room;
@@ -220,7 +223,7 @@ void Newton<R>::fill(Index p, double* D) const {
   block(s, s, G, D, nullptr);
   for (Index i = 0; i < s.unknowns; ++i) {
     const Index row = a.s->first + s.order[i];
-    D[i + Factor::W * i] += proximal + x.compliance[row] * s.unit[i] * s.unit[i];
+    D[i + Factor::W * i] += damped + x.compliance[row] * s.unit[i] * s.unit[i];
     if (s.is == solver::ConeState::slides && i > 0) D[i + Factor::W * i] += 1 / s.across - 1;
   }
   auto with = [&](Index tree, Index not_of) {
@@ -300,26 +303,42 @@ bool Newton<R>::run(double tolerance, Index most_iterations, dynContactReport& r
       }
     });
   };
-  velocities();
+  std::fill_n(y, x.rows, 0.0), velocities();
+  double bound = 0;
+  for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(c[i]);
+  std::copy_n(before, x.rows, y), velocities();
   std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0);
   Error now = error(0);
-  const double residual = report.residual;
+  const double first = now.sum, residual = report.residual;
+  auto better = [&] {  // the candidate's residual becomes that of the report
+    candidate(best);
+    to_impulses(best, x.lambda);
+    report.residual = x.residual() / speed;
+    return report.residual <= tolerance;
+  };
   for (Index k = 0; k < most_steps && report.iterations + report.newton_steps < most_iterations; ++k) {
     ++report.newton_steps;
     if (!direction()) break;
     double t = 1;
-    Error next{};
-    for (; t > 0.03; t /= 2)
-      if (next = error(t); next.sum < now.sum) break;
-    if (!(next.sum < now.sum)) break;
-    for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i];
+    Error next = error(t);
+    while (!(next.sum < now.sum) && t > least_step) next = error(t /= 2);
+    if (!(next.sum < now.sum)) {
+      if (damped == damping) break;
+      damped = damping;
+      continue;
+    }
+    damped = proximal;
+    double largest = 0;
+    for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], largest = std::max(largest, std::abs(y[i]));
     now = next;
-    if (!(now.most < 1e-2 * speed)) continue;
-    candidate(best);
-    to_impulses(best, x.lambda);
-    report.residual = x.residual() / speed;
-    if (report.residual <= tolerance) return true;
+    if (!(largest <= bound)) {
+      now.sum = first;
+      break;
+    }
+    if (now.most < 1e-2 * speed && better()) return true;
   }
+  // a better start of what comes next, or the same
+  if (now.sum < first && (better(), report.residual < residual)) return false;
   to_impulses(before, x.lambda);
   report.residual = residual;
   return false;

@@ -34,7 +34,7 @@ struct Island {
   void solve(dynContactReport& best);
   void displace();
 
-  // by its blocks (newton.cpp): from lambda, which stays as it is where that gets nowhere
+  // by its blocks (newton.cpp): from lambda, to a better one. true: it is good enough
   bool newton(dynContactReport& report);
 
   // without (sweeps.cpp): Gauss-Seidel that knows what rows leave at degrees of freedom. Whether the guess will do; otherwise sweeps
