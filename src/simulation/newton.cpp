@@ -218,7 +218,6 @@ void Newton<R>::fill(Index p, double* D) const {
   };
   std::fill_n(D, Factor::size, 0.0);
   for (Index i = s.unknowns; i < R; ++i) D[i + Factor::W * i] = 1;
-  if (s.unknowns == 0) return;
   coupled(a);
   block(s, s, G, D, nullptr);
   for (Index i = 0; i < s.unknowns; ++i) {
@@ -246,7 +245,9 @@ bool Newton<R>::direction() {
   const Elimination& e = w.elimination;
   if (states() > 0) times(dy, dc);
   else std::fill_n(dc, x.rows, 0.0);
-  if (!factor([&](Index p, double* D) { fill(p, D); })) return false;
+  bool* const acts = w.newton_acts;
+  each([&](const ActiveSlot&, const State& s, Index k) { acts[e.position[k]] = s.unknowns > 0; });
+  if (!factor([=](Index p) { return acts[p]; }, [&](Index p, double* D) { fill(p, D); })) return false;
   double* const rhs = w.newton_rhs;
   std::fill_n(rhs, Factor::W * std::ptrdiff_t(x.slots), 0.0);
   each([&](const ActiveSlot& a, const State& s, Index k) {

@@ -19,7 +19,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.blocks, slots), f(w.by_dof, m.n.nv);
   w.elimination.arrays(Index(slots), m.n.bodies, f);
   f(w.newton, slots), f(w.newton_vectors, newton_vectors * row_room(step_rows(m)));
-  f(w.newton_rhs, 8 * slots), f(w.diagonal, 48 * slots), f(w.where, slots);
+  f(w.newton_rhs, 8 * slots), f(w.diagonal, 48 * slots), f(w.where, slots), f(w.newton_acts, slots);
   w.block_room = 2 * BlockFactor<3>::size * std::ptrdiff_t(Elimination::entry_room(Index(slots)));
   f(w.blocks_above, w.block_room);
   f(w.matrix, room * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));

@@ -66,20 +66,27 @@ struct BlockFactor {
   }
 
   // fill(position): writes the blocks of A there, of its diagonal and of its entries, which are zero, with where[] of the later positions.
-  template <class Fill>
-  bool operator()(Fill&& fill) const {
+  // acts(position): has unknowns; the others are skipped
+  template <class Acts, class Fill>
+  bool operator()(Acts&& acts, Fill&& fill) const {
     for (Index i = 0; i < n; ++i) {
       const Index begin = order.first[i], end = order.first[i + 1];
       std::fill_n(upper + std::ptrdiff_t(size) * begin, size * (end - begin), 0.0);
       std::fill_n(lower + std::ptrdiff_t(size) * begin, size * (end - begin), 0.0);
       for (Index e = begin; e < end; ++e) where[order.later[e]] = e;
       double* const D = diagonal + size * i;
+      if (!acts(i)) {
+        std::fill_n(D, size, 0.0);
+        continue;
+      }
       fill(i, D);
       for (Index at = order.first_in[i]; at < order.first_in[i + 1]; ++at) {
         const Index e = order.in[at], last = order.first[order.earlier[e] + 1];
+        if (!acts(order.earlier[e])) continue;
         const double *L = lower + std::ptrdiff_t(size) * e, *U = upper + std::ptrdiff_t(size) * e;
         subtract(D, L, U);
         for (Index f = e + 1; f < last; ++f) {
+          if (!acts(order.later[f])) continue;
           const Index to = where[order.later[f]];
           subtract(upper + std::ptrdiff_t(size) * to, L, upper + std::ptrdiff_t(size) * f);
           subtract(lower + std::ptrdiff_t(size) * to, lower + std::ptrdiff_t(size) * f, U);

@@ -81,6 +81,7 @@ struct Workspace {
   NewtonSlot* newton;
   double *newton_vectors, *newton_rhs, *diagonal, *blocks_above;
   Index* where;
+  bool* newton_acts;
   std::ptrdiff_t block_room;    // numbers
   char* solver_memory;
   solver::Workspace solver;
