@@ -206,7 +206,7 @@ void Island::sweep_to_rest(dynContactReport& report) {
   report.residual = most > 0 ? sweep.residual() / most : 0;
   prepare_cones();
   // ever more of them before Newton's method has another try, of which the third is the last
-  for (Index some = 5; report.residual > w.options.tolerance && report.iterations + report.newton_steps < w.options.max_iterations; some *= 2) {
+  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && report.iterations + report.newton_steps < w.options.max_iterations; some *= 2) {
     for (Index k = 0; k < some && report.iterations + report.newton_steps < w.options.max_iterations; ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
     if (report.residual <= w.options.tolerance || (some <= 20 && newton(report))) break;
