@@ -17,6 +17,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));
   f(w.blocks, slots), f(w.by_dof, m.n.nv);
+  f(w.clearance.limit_runs, m.n.limits), f(w.clearance.q, m.n.nq), f(w.clearance.lever, m.n.nv);
   w.elimination.arrays(Index(slots), m.n.bodies, f);
   f(w.newton, slots), f(w.newton_vectors, newton_vectors * row_room(step_rows(m)));
   f(w.newton_rhs, 8 * slots), f(w.diagonal, 48 * slots), f(w.where, slots), f(w.newton_acts, slots);
@@ -59,7 +60,7 @@ Workspace* place(const Model& m, void* memory) {
   });
   w.options = default_options();
   if (step_slots(m) == 0) return &w;
-  find_trees(m, w.tree_of);
+  find_trees(m, w.tree_of), place_clearance(m, w.clearance);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
   solver::place(w.solver, island_rows(m), w.solver_memory);
   return &w;

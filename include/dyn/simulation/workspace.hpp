@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dyn/model/data.hpp"
+#include "dyn/simulation/clearance.hpp"
 #include "dyn/simulation/elimination.hpp"
 #include "dyn/solver/workspace.hpp"
 
@@ -62,6 +63,7 @@ struct Workspace {
   Index contact_count, before_count;
 
   // the rest is there when something may act
+  Clearance clearance;
   dynMaterial* materials;       // of collision shapes
   double* speeds;               // no point of theirs is faster
   Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
