@@ -34,7 +34,8 @@ Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h
 bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq);
 
 // steps of this file
-Index find_contacts(const Model& m, Data<double>& d, double h);                       // contact_points.cpp
+// contact_points.cpp; between: no two shapes are nearer, if positive
+Index find_contacts(const Model& m, Data<double>& d, double h, double& between);
 void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<double>& s);  // contact_rows.cpp
 void order_by_islands(const Model& m, Data<double>& d, Index slots);                  // islands.cpp
 
