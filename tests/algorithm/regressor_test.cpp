@@ -125,7 +125,7 @@ TEST(Regressor, OfTheBodyOfAFrame) {
       if (f.type != DYN_FRAME_BODY) continue;
       const LinkRecord& link = c.m.links()[f.link];
       MatrixXd Y(6, 10);
-      frame_body_regressor(c.m, c.w.d, frame_pose(c.m, c.w.d, k), Y.data());
+      frame_body_regressor(c.w.d, frame_pose(c.m, c.w.d, k), Y.data());
       VectorXd pi(10);
       store_parameters(Inertia<double>::at_com(link.mass, load3(link.com), load33(link.inertia)), pi.data());
       const V6 force = newton_euler(c, k);
@@ -137,7 +137,7 @@ TEST(Regressor, OfTheBodyOfAFrame) {
     }
     for (Index j = 1; j < c.m.n.joints; ++j) {
       MatrixXd Y(6, 10);
-      frame_body_regressor(c.m, c.w.d, joint_pose(c.m, c.w.d, j), Y.data());
+      frame_body_regressor(c.w.d, joint_pose(c.m, c.w.d, j), Y.data());
       const VectorXd pi = parameters(c.m).segment(10 * (j - 1), 10);
       EXPECT_LE(gap(Y * pi, sums.col(j)), 10 * tol * (scale[j] + (Y.cwiseAbs() * pi.cwiseAbs()).maxCoeff()));
     }

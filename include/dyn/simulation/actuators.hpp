@@ -40,8 +40,9 @@ T command(const ActuatorRecord& r, const Data<T>& d) {
 // w after h: exact, for u does not change.
 template <class T>
 T filtered(const ActuatorRecord& r, const Data<T>& d, T w, T h) {
+  using std::exp;
   const T u = command(r, d);
-  return u + (w - u) * std::exp(-h / T(r.spec.time_constant));
+  return u + (w - u) * exp(-h / T(r.spec.time_constant));
 }
 
 template <class T>

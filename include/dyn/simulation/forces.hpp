@@ -12,14 +12,15 @@ inline constexpr std::uint32_t on_bodies = DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY
 // Of a medium on a body that moves in it by v, w, in the box's axes (dyn_builder_medium).
 template <class T>
 Force<T> drag(const Model& m, const DragBox& box, const Vec3<T>& v, const Vec3<T>& w) {
+  using std::abs;
   constexpr double pi = 3.14159265358979323846;
   const double mean = (box.half[0] + box.half[1] + box.half[2]) / 3;
   T force[3], moment[3];
   for (int i = 0; i < 3; ++i) {
     const double r = box.half[i], a = box.half[(i + 1) % 3], b = box.half[(i + 2) % 3];
     const T vi = v[i], wi = w[i];
-    force[i] = -(T(2 * m.density * a * b) * std::abs(vi) + T(6 * pi * m.viscosity * mean)) * vi;
-    moment[i] = -(T(0.5 * m.density * r * (a * a * a * a + b * b * b * b)) * std::abs(wi) + T(8 * pi * m.viscosity * mean * mean * mean)) * wi;
+    force[i] = -(T(2 * m.density * a * b) * abs(vi) + T(6 * pi * m.viscosity * mean)) * vi;
+    moment[i] = -(T(0.5 * m.density * r * (a * a * a * a + b * b * b * b)) * abs(wi) + T(8 * pi * m.viscosity * mean * mean * mean)) * wi;
   }
   return {load3(force), load3(moment)};
 }
