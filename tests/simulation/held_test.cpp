@@ -9,10 +9,10 @@ struct Linkage : Play {
     EXPECT_EQ(DYN_OK, dyn_data_set_effects(m, d, 0, DYN_EFFECT_ARMATURE));
     options.integrator = integrator;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
-    Numbers at(static_cast<std::size_t>(m.nq()), 0.3);
+    Numbers at(static_cast<std::size_t>(m.nq()), 0.3), rates(at.size(), 5);
     EXPECT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_CONSTRAINTS, &other));
-    EXPECT_EQ(DYN_OK, dyn_project(m, other, at.data(), nullptr, nullptr, at.data(), nullptr, nullptr)) << dyn_last_error();
-    set(at);
+    EXPECT_EQ(DYN_OK, dyn_project(m, other, at.data(), rates.data(), nullptr, at.data(), rates.data(), nullptr)) << dyn_last_error();
+    set(at, rates);
   }
   ~Linkage() { dyn_data_free(other); }
   static Model load() {
@@ -46,9 +46,9 @@ void check_order(dynIntegrator integrator, double order, int n) {
 }
 
 TEST(Held, OrdersStay) {
-  check_order(DYN_RK4, 4, 50);
-  check_order(DYN_RK45, 5, 20);
-  check_order(DYN_IMPLICIT_MIDPOINT, 2, 100);
+  check_order(DYN_RK4, 4, 100);
+  check_order(DYN_RK45, 5, 50);
+  check_order(DYN_IMPLICIT_MIDPOINT, 2, 200);
 }
 
 TEST(Held, EnergyIsKeptAndLoopsStayClosed) {
@@ -73,14 +73,14 @@ TEST(Held, AccuracyIsMet) {
   }
 }
 
-// A loop that is open closes first, in steps of order 1.
+// A loop that is open closes first, in steps of order 1, by at most 1 m/s.
 TEST(Held, OpenLoopsClose) {
   Linkage run(DYN_RK4, 1e-3);
   Numbers at(run.q, run.q + run.m.nq());
-  at[0] += 0.01;
+  at[0] += 0.1;
   run.set(at);
-  EXPECT_GT(run.open(), 1e-3);
-  run.steps(100);
+  EXPECT_GT(run.open(), 1e-2);
+  run.steps(200);
   EXPECT_LT(run.open(), 1e-12);
 }
 

@@ -7,7 +7,7 @@
 
 namespace dyn::integrator {
 
-inline constexpr double open_rows = 1e-6;        // of what the rows reach, rad: those that are farther apart close in steps of order 1 first
+inline constexpr double open_rows = 1e-3;        // of what the rows reach, rad: those that are farther apart close in steps of order 1 first
 inline constexpr double rows_precision = 1e-15;  // of the accelerations
 
 // Forward dynamics at d.q, d.v under all that acts and the constraints. Returns 0, or the joint that is singular.

@@ -48,7 +48,7 @@ Play windows(int count) {
 Outcome four_bars(bool angles) {
   constexpr int count = 40;
   Play play = windows(count);
-  play.set_stepping(DYN_REFERENCE, 0.05, 1e-13);
+  play.set_stepping(DYN_REFERENCE, 0.05, 1e-12);
   Outcome out;
   out.picture = {"time, s", "x of B0, m", false, {}};
   Curve& curve = out.curve("x");

@@ -209,7 +209,7 @@ Outcome units_contact() {
     play.set_state(Vector{0, 0, 0.1 * L, 0, 0, 0, 1, 0, L, 0.1 * L, 0, 0, 0, 1, 0.02 * L, L, 0.3 * L, 0, 0, 0, 1},
                    Vector{v, 0, 0, 0, 0, 0, v, 0.5 * v, 0, 0, 0, 0, v, 0.5 * v, 0, 0, 0, 0});
     dynStepOptions options = play.stepping();
-    options.tolerance = 1e-14;
+    options.tolerance = 1e-15;
     play.set_stepping(options);
     play.steps(500);
     Vector out;

@@ -34,7 +34,7 @@ std::vector<const Case*> chosen(const Options& options) {
       bad_usage("there is no case \"" + shown(name) + "\"; themes: " + join({themes.begin(), themes.end()}) + "; cases: " + all + ".");
     }
   for (const Case& c : cases())
-    if (asked.count(c.name) || ((asked.empty() || asked.count(c.theme)) && (options.slow || !c.slow))) out.push_back(&c);
+    if (asked.count(c.name) || ((asked.empty() || asked.count(c.theme)) && (options.slow || options.list || !c.slow))) out.push_back(&c);
   return out;
 }
 
