@@ -217,9 +217,15 @@ void MjcfWriter::add_link(Out& body, Index frame) {
   if (l.mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
     Out& inertial = *body.InsertNewChildElement("inertial");
     put(inertial, "pos", std::span(l.com)), put(inertial, "mass", l.mass);
-    const double* I = l.inertia;
-    put(inertial, "fullinertia", {I[0], I[4], I[8], I[3], I[6], I[7]});
-    const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Map<const Eigen::Matrix3d>(I), Eigen::EigenvaluesOnly).eigenvalues();
+    Eigen::Matrix3d I = Eigen::Map<const Eigen::Matrix3d>(l.inertia);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(I);
+    const Eigen::Vector3d moments = principal.eigenvalues();
+    if (moments[0] < -1e-9 * moments[2]) {
+      losses.loss("inertias with a negative principal moment: it is zero", frame_name(frame));
+      I = principal.eigenvectors() * moments.cwiseMax(0).asDiagonal() * principal.eigenvectors().transpose();
+    }
+    if (I(0, 1) == 0 && I(0, 2) == 0 && I(1, 2) == 0) put(inertial, "diaginertia", {I(0, 0), I(1, 1), I(2, 2)});
+    else put(inertial, "fullinertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)});
     if (moments[0] + moments[1] < moments[2] * (1 - 1e-9)) {
       losses.loss("inertias that no body has: the mean of the principal moments stands for each (balanceinertia)", frame_name(frame));
       put(section("compiler"), "balanceinertia", std::string("true"));

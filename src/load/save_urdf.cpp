@@ -213,6 +213,10 @@ void UrdfWriter::add_constraints() {
   for (Index k = 0; k < m.n.constraints; ++k) {
     const dynConstraint& c = m.constraints()[k].spec;
     const std::string name = m.string(m.constraints()[k].name);
+    if (c.first == 0 && floating) {
+      losses.loss("constraints whose first end is the world, which has no link, are left out", name);
+      continue;
+    }
     Out& e = *block.InsertNewChildElement("constraint");
     put(e, "name", name);
     put(e, "type", std::string(c.type == DYN_CONSTRAINT_LOOP ? joint_type_name(c.joint_type) : types[c.type]));
@@ -224,13 +228,13 @@ void UrdfWriter::add_constraints() {
     number("length", c.length, standard.length), number("pitch", c.pitch, standard.pitch), number("force", c.force, standard.force);
     if (c.type == DYN_CONSTRAINT_COUPLING) put(e, "coefficients", std::span(c.coefficients));
     const bool of_joints = between_joints(c.type);
-    const auto end = [&](const char* which, int at, const double* placement) {
-      if (at <= 0) return;
+    const auto end = [&](const char* which, int at, const double* placement, bool needed) {
+      if (at == 0 && !needed) return;
       Out& x = *e.InsertNewChildElement(which);
-      put(x, of_joints ? "joint" : "link", of_joints ? std::string(m.string(m.joints()[at].name)) : frame_name(at));
+      put(x, of_joints ? "joint" : "link", of_joints ? std::string(m.string(m.joints()[at].name)) : at == 0 ? main_name[0] : frame_name(at));
       put_origin(x, load_se3(placement));
     };
-    end("first", c.first, c.placement1), end("second", c.second, c.placement2);
+    end("first", c.first, c.placement1, true), end("second", c.second, c.placement2, c.second == 0 && !of_joints && !floating && !is_identity(c.placement2));
     if (c.type == DYN_CONSTRAINT_LOOP) put(*e.InsertNewChildElement("axis"), "xyz", std::span(c.axis)), put(*e.InsertNewChildElement("axis2"), "xyz", std::span(c.axis2));
     if (!c.enabled) losses.loss("that constraints are switched off", name);
     losses.note("constraints stand in a <libdyn> block, which other readers skip", name);
