@@ -15,6 +15,7 @@ import collections
 import csv
 import re
 import sys
+import textwrap
 import warnings
 from pathlib import Path
 
@@ -104,7 +105,7 @@ def table(rows):
         lines += ["", "<details><summary>Refused, and why</summary>", ""]
         for same in sorted(refused.values(), key=lambda s: -len(s)):
             names = [f"{r['file']}{' (mujoco or pin loads it)' if r['peer'] == 'yes' else ''}" for r, _ in same[:6]]
-            lines.append(f"- {', '.join(names)}{f' and {len(same) - 6} more' if len(same) > 6 else ''}: {same[0][1][:220]}")
+            lines.append(f"- {', '.join(names)}{f' and {len(same) - 6} more' if len(same) > 6 else ''}: {textwrap.shorten(same[0][1], 170, placeholder=' ...')}")
         lines += ["", "</details>"]
     return "\n".join(lines)
 
