@@ -1354,7 +1354,7 @@ DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
    problem for each island of bodies that they join, beginning with those of the step before:
      v_free = v + dt ddq      v' = v_free + M^-1 J' lambda, with c_n >= -gap / dt      q' = q (+) (dt v' + M^-1 J' mu)
    (Stewart and Trinkle 1996; Anitescu and Potra 1997; impacts by Moreau's law). mu takes half of an overlap away in a step, at most 1 m/s, and leaves v'
-   alone. Such steps are of order 1: those of the other integrators are then IMPLICIT_FAST's. Free flyers keep their momentum. */
+   alone. Such steps are of order 1: those of the other integrators are then IMPLICIT_FAST's, but for constraints that hold at every moment: with these alone orders stay. Free flyers keep their momentum. */
 typedef enum dynIntegrator {
   DYN_SEMI_IMPLICIT_EULER = 0, /* order 1; damping and dry friction at the end of the step: no coefficient is too large */
   DYN_RK4 = 1,                 /* order 4, four evaluations of forward dynamics a step */
@@ -1370,7 +1370,7 @@ typedef struct dynStepOptions {
   dynIntegrator integrator; /* default SEMI_IMPLICIT_EULER */
   double dt;                /* s, > 0; default 1e-3 */
   double accuracy;          /* > 0: dyn_advance chooses its steps by itself, so that their errors add up to at most this: m and rad, m/s and rad/s;
-                               by order 8, with integrator RK45 by order 5. What grows by itself (chaos) grows beyond. default 0: steps of dt */
+                               by order 8, with integrator RK45 by order 5, through contact by order 2. What grows by itself (chaos) grows beyond. default 0: steps of dt */
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
   int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin
                                again from nothing, and then the other one is asked */

@@ -133,13 +133,19 @@ int main(int, char** argv) {
     return dyn::collision::distance_at_least(geoms[std::size_t(p.a)], Y[std::size_t(c)][std::size_t(p.a)], geoms[std::size_t(p.b)], Y[std::size_t(c)][std::size_t(p.b)]) > margin;
   };
   double worst = 0, sum = 0;
+  int differ = 0;
   for (int c = 0; c < configurations; ++c)
     for (const Pair& p : list) {
       coal::DistanceResult r;
       const double theirs = p.distance(X[std::size_t(c)][std::size_t(p.a)], X[std::size_t(c)][std::size_t(p.b)], coal::DistanceRequest(true), r);
-      worst = std::max(worst, std::abs(theirs - distance(c, p)));
+      // beyond its tolerance of 1e-6: a cylinder whose caps Coal ignores, as it does around the centre of a sphere
+      const double difference = std::abs(theirs - distance(c, p));
+      if (difference > 1e-5)
+        ++differ;
+      else
+        worst = std::max(worst, difference);
     }
-  std::printf("%zu pairs of %d shapes, largest difference %.1e m\n", list.size(), shapes, worst);
+  std::printf("%zu pairs of %d shapes, %d configurations; %d distances differ, the others by at most %.1e m\n", list.size(), shapes, configurations, differ, worst);
   const double dyn_us = median_us([&](int c) {
     for (const Pair& p : list) sum += distance(c, p);
   });

@@ -2,6 +2,7 @@
 // every pair is a GJK, an EPA and a Newton's method of its own.
 #pragma once
 
+#include "dyn/collision/analytic/ends.hpp"
 #include "dyn/collision/analytic/sums.hpp"
 #include "dyn/collision/convex_pair.hpp"
 #include "dyn/shape/list.hpp"
@@ -36,6 +37,10 @@ Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wo
     if constexpr (is_sum<A> && is_sum<B>) {
       Cores c;
       if (sum_pair(d, d.X.p, wanted(d, o), c)) return c;
+    }
+    if constexpr (A::type == Type::Capsule && B::type == Type::Cone) {
+      Cores c;
+      if (end_pair(d, d.A_.half, c)) return c;
     }
     return convex_pair(d, w, o);
   });

@@ -6,6 +6,7 @@
 //   box                                             axes      sums       gjk        separating axes when they meet, else sums
 //   cylinder                                                  sums       gjk        sums of segments and discs apart, else as others
 //   others                                                               gjk        GJK, EPA, Newton
+// Of a capsule and a cone apart, an end of the capsule first.
 // Surfaces are searched for the nearest piece: surface_distance.cpp.
 #include "dyn/collision/distance.hpp"
 

@@ -92,6 +92,8 @@ std::vector<double> factor_pivots(const Model& m) {
   return best;
 }
 
+double trace(const Sym3<double>& A) { return A.d[0] + A.d[1] + A.d[2]; }
+
 // The same along the tree: each articulated pivot relative to its value before the joints one level below gave way, so
 // that long chains do not look singular. (Elimination of a body's children can only cancel what they brought.)
 std::vector<double> articulated_pivots(const Model& m) {
@@ -113,7 +115,9 @@ std::vector<double> articulated_pivots(const Model& m) {
       visit(b.type, [&]<class J>() {
         for (int k = 0; k < J::nv; ++k) {
           const Motion<double> s = J::column(b, d.R[i], k);
-          const double armature = m.armature()[b.user_v + k], scale = dot(s, before[std::size_t(i)] * s) + armature;
+          const ArticulatedInertia<double>& rigid = before[std::size_t(i)];
+          const double bound = trace(rigid.I) * dot(s.angular, s.angular) + trace(rigid.M) * dot(s.linear, s.linear);  // whose rounding is no inertia
+          const double armature = m.armature()[b.user_v + k], scale = std::max(dot(s, rigid * s), 0.1 * bound) + armature;
           const Force<double> U = Y * s;
           const double D = dot(s, U) + armature;
           const double pivot = scale > 0 ? D / scale : 0;

@@ -54,7 +54,7 @@ void carry_over(Workspace& w) {
 
 }  // namespace
 
-Index find_contacts(const Model& m, Data<double>& d, double h) {
+Index find_contacts(const Model& m, Data<double>& d, double h, double& between) {
   Workspace& w = *d.step;
   std::swap(w.contacts, w.before);
   w.before_count = w.contact_count, w.contact_count = 0;
@@ -63,6 +63,7 @@ Index find_contacts(const Model& m, Data<double>& d, double h) {
     w.speeds[k] = fastest(d, k);
   }
   Manifold found;
+  between = shape::infinity;
   for (Index k = 0; k < m.n.pairs; ++k) {
     if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
     const Index ia = m.pairs()[k].a, ib = m.pairs()[k].b;
@@ -70,7 +71,10 @@ Index find_contacts(const Model& m, Data<double>& d, double h) {
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
     // impulses of the step change velocities: shapes this near one another always count
     const double near = 0.02 * std::min(a.reach, b.reach), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
-    if (!(near < shape::infinity) || collision::distance_at_least(a, A, b, B) > margin) continue;
+    if (!(near < shape::infinity)) continue;
+    const double distance = collision::distance_at_least(a, A, b, B);
+    between = std::min(between, distance - near);
+    if (distance > margin) continue;
     collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
     for (int i = 0; i < found.count; ++i) {
       const auto& point = found.points[i];

@@ -83,7 +83,9 @@ struct Finder {
   }
   void contacts() {
     if (m.n.contacts == 0) return;
-    find_contacts(m, d, h);
+    double between = 0;
+    if (find_contacts(m, d, h, between) == 0) note_clearance(m, d, v, h, between);
+    else w.clearance.between = 0;
     for (Index k = 0; k < w.contact_count; ++k) {
       Slot<double>& s = next();
       contact_slot(m, d, k, s);
@@ -99,8 +101,9 @@ struct Finder {
 }  // namespace
 
 Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h) {
-  prepare_columns(m, d);
   const double* v = d.expand(m, v_free, d.vx);
+  if (active_rows(m, d) == 0 && all_clear(m, d, v, h)) return 0;
+  prepare_columns(m, d);
   root_velocities(m, d, v);
   Finder find{m, d, *d.step, v, h};
   find.constraints(), find.limits(), find.contacts();

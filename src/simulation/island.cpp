@@ -80,14 +80,14 @@ void Island::fill() {
   }
 }
 
+void Island::clear(double* z) const {
+  for (Index k = 0; k < slots; ++k)
+    for (Index n = 0; n < slot(k).s->support; ++n) z[slot(k).support[n]] = 0;
+}
+
 // by_dof += Y^T lambda
 void Island::add(double* by_dof) const {
-  for (Index k = 0; k < slots; ++k) {
-    const ActiveSlot& x = slot(k);
-    const double *y = x.carried, *l = lambda + x.s->first;
-    for (Index n = 0; n < x.s->support; ++n, y += row_lanes)
-      for (Index r = 0; r < x.s->rows; ++r) by_dof[x.support[n]] += y[r] * l[r];
-  }
+  for (Index k = 0; k < slots; ++k) pass(slot(k), lambda + slot(k).s->first, by_dof);
 }
 
 }  // namespace dyn::simulation

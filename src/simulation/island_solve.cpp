@@ -1,5 +1,5 @@
 // An island by its whole Delassus matrix and the solvers of contact problems.
-#include "dyn/constraint/delassus.hpp"
+#include "dyn/constraint/constrained_dynamics.hpp"
 #include "dyn/simulation/island.hpp"
 #include "dyn/solver/list.hpp"
 
@@ -80,6 +80,11 @@ void Island::solve(dynContactReport& best) {
 // lambda of the least displacement that takes away what bias says is wrong, without friction.
 void Island::displace() {
   matrix();
+  if (equalities == rows) {  // least squares where they contradict each other
+    for (Index i = 0; i < rows; ++i) g[i] = -bias[i];
+    ProximalResult<double> found;
+    return solve_equalities(row_work(m, d), w.matrix, stride(), rows, static_cast<const double*>(g), ProximalOptions{}, lambda, found);
+  }
   const dynContactProblem p = problem(*this);
   solver::Budget b;
   b.tolerance = 1e-6, b.max_iterations = w.options.max_iterations;

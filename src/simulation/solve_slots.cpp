@@ -14,7 +14,14 @@ constexpr double fastest_correction = 1;  // m/s, rad/s
 
 void Island::impulses(dynContactReport& report) {
   prepare_blocks();
-  if (!stays(report)) large() ? sweep_to_rest(report) : solve(report);
+  report.residual = HUGE_VAL;
+  if (stays(report)) {
+  } else if (!bounces && newton(report)) {
+    velocities();
+  } else {
+    if (large() || !bounces) sweep_to_rest(report);
+    if (!large() && report.residual > w.options.tolerance) solve(report);
+  }
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
     if (x.kind != RowKind::Contact) continue;

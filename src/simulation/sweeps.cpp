@@ -20,25 +20,8 @@ struct Sweeper {
   double* z;
   bool frictionless;
 
-  // G lambda of a slot, in all lanes.
-  Pack<double, row_lanes> moved(const ActiveSlot& a) const {
-    using P = Pack<double, row_lanes>;
-    P sum = P::zero();
-    const double* y = a.carried;
-    for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
-      const Index k = a.support[n];
-      sum = sum + P::load(y) * (Dinv[k] * z[k]);
-    }
-    return sum;
-  }
-  void change(const ActiveSlot& a, const double* by) const {
-    const double* y = a.carried;
-    for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
-      double sum = 0;
-      for (Index r = 0; r < a.s->rows; ++r) sum += y[r] * by[r];
-      z[a.support[n]] += sum;
-    }
-  }
+  Pack<double, row_lanes> moved(const ActiveSlot& a) const { return x.moved(a, Dinv, z); }  // G lambda, in lanes
+  void change(const ActiveSlot& a, const double* by) const { x.pass(a, by, z); }
   double wanted(Index i) const { return x.g[i] + x.bias[i]; }
   double soft(Index i) const { return frictionless ? 0 : x.compliance[i]; }
 
@@ -121,7 +104,7 @@ struct Sweeper {
     return worst;
   }
   void start() const {
-    std::fill_n(z, x.m.n.nv, 0.0);
+    x.clear(z);
     x.add(z);
   }
 };
@@ -152,6 +135,19 @@ void Island::prepare_blocks() {
     for (Index j = 0; j < rows_; ++j)
       for (Index i = 0; i < rows_; ++i)
         s.G[i + row_lanes * j] = s.scale[i] * s.scale[j] * (G[order[j]][int(order[i])] + (i == j ? compliance[a.s->first + order[i]] : 0));
+  }
+}
+
+// What sweeps need more.
+void Island::prepare_cones() {
+  if (has_cones) return;
+  has_cones = true;
+  for (Index k = 0, contact = 0; k < slots; ++k) {
+    if (slot(k).kind != RowKind::Contact) continue;
+    const double mu = friction[contact++];
+    const Index rows_ = slot(k).s->rows;
+    if (rows_ == 1 || mu == 0) continue;
+    SlotBlock& s = w.blocks[k];
     solver::Problem p;
     p.G = {s.G, row_lanes};
     s.local = solver::local_cone(p, {0, rows_, mu});
@@ -174,13 +170,20 @@ void Island::velocities() const {
   }
 }
 
-bool Island::stays(dynContactReport& report) const {
+double Island::residual() const {
+  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, false};
+  sweep.start();
+  return sweep.residual();
+}
+
+bool Island::stays(dynContactReport& report) {
   if (bounces) return false;
   const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, false};
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
   for (int k = 0; k < few_sweeps && report.residual > w.options.tolerance && report.residual < 1e-5; ++k) {
+    prepare_cones();
     sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
   }
@@ -201,9 +204,13 @@ void Island::sweep_to_rest(dynContactReport& report) {
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
-  while (report.residual > w.options.tolerance && report.iterations < w.options.max_iterations) {
-    sweep(), ++report.iterations;
-    if (report.iterations % 5 == 0 || report.iterations == w.options.max_iterations) report.residual = sweep.residual() / most;
+  prepare_cones();
+  // ever more of them before Newton's method has another try, of which the third is the last
+  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && report.iterations + report.newton_steps < w.options.max_iterations; some *= 2) {
+    for (Index k = 0; k < some && report.iterations + report.newton_steps < w.options.max_iterations; ++k) sweep(), ++report.iterations;
+    report.residual = sweep.residual() / most;
+    if (report.residual <= w.options.tolerance || (some <= 20 && newton(report))) break;
+    sweep.start();
   }
   velocities();
 }

@@ -1,5 +1,7 @@
 #include "dyn/simulation/workspace.hpp"
 
+#include "dyn/simulation/block_factor.hpp"
+
 #include <new>
 
 namespace dyn::simulation {
@@ -15,6 +17,12 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));
   f(w.blocks, slots), f(w.by_dof, m.n.nv);
+  f(w.clearance.limit_runs, m.n.limits), f(w.clearance.q, m.n.nq), f(w.clearance.lever, m.n.nv);
+  w.elimination.arrays(Index(slots), m.n.bodies, f);
+  f(w.newton, slots), f(w.newton_vectors, newton_vectors * row_room(step_rows(m)));
+  f(w.newton_rhs, 8 * slots), f(w.diagonal, 48 * slots), f(w.where, slots), f(w.newton_acts, slots);
+  w.block_room = 2 * BlockFactor<3>::size * std::ptrdiff_t(Elimination::entry_room(Index(slots)));
+  f(w.blocks_above, w.block_room);
   f(w.matrix, room * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
 }
 
@@ -52,7 +60,7 @@ Workspace* place(const Model& m, void* memory) {
   });
   w.options = default_options();
   if (step_slots(m) == 0) return &w;
-  find_trees(m, w.tree_of);
+  find_trees(m, w.tree_of), place_clearance(m, w.clearance);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
   solver::place(w.solver, island_rows(m), w.solver_memory);
   return &w;

@@ -8,18 +8,6 @@ namespace {
 constexpr double proximal = 1e-11;
 constexpr Index most_steps = 20;
 
-// An orthonormal basis of dimension m whose first vector is a / |a| (Householder).
-void basis(const double* a, Index m, double (*out)[5]) {
-  const double length = norm(a, m);
-  double v[5], square = 0;
-  for (Index i = 0; i < m; ++i) v[i] = a[i] / length;
-  const double sign = v[0] > 0 ? -1.0 : 1.0;
-  v[0] -= sign;
-  for (Index i = 0; i < m; ++i) square += v[i] * v[i];
-  for (Index k = 0; k < m; ++k)
-    for (Index i = 0; i < m; ++i) out[k][i] = (k == 0 ? sign : 1.0) * ((i == k) - 2 * v[i] * v[k] / square);
-}
-
 class Newton {
  public:
   Newton(Workspace& w, Budget& b) : w(w), p(w.problem), b(b) {}

@@ -19,11 +19,11 @@ struct Scaler {
   const dynContactProblem& x;
   Problem& p;
   std::ptrdiff_t stride;
-  double fallback;  // of rows that nothing moves
+  double fallback, least;  // of rows that nothing moves, but by rounding
 
   double diagonal(Index row) const { return x.G[row * stride + row] + at(x.compliance, row); }
   // a power of two, for scaling without round-off
-  double root(double diagonal) const { return diagonal > 0 ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback; }
+  double root(double diagonal) const { return diagonal > least ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback; }
   void add(Index row, double d, double unit, double lower, double upper) {
     const Index i = p.n++;
     p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.lower[i] = lower / d, p.upper[i] = upper / d, p.approach[i] = 0;
@@ -61,10 +61,10 @@ void Scaler::contact(Index k, Index first, Index rows) {
 void scale(const dynContactProblem& x, Problem& p) {
   const Index first = x.equalities + x.boxes;
   const std::ptrdiff_t rows = row_count(x);
-  Scaler s{x, p, x.G_stride ? x.G_stride : rows, 1};
+  Scaler s{x, p, x.G_stride ? x.G_stride : rows, 1, 0};
   double largest = 0;
   for (Index i = 0; i < rows; ++i) largest = std::max(largest, s.diagonal(i));
-  if (largest > 0) s.fallback = 1 / std::sqrt(largest);
+  if (largest > 0) s.fallback = 1 / std::sqrt(largest), s.least = 1e-24 * largest;
   p.n = p.cones = 0;
   p.bounces = false;
   for (Index i = 0; i < first; ++i) {

@@ -254,6 +254,20 @@ TEST(Coal, SphereInACylinder) {
   expect({sphere(0.1), cylinder(1, 4), at(0, 0, 0), at(0, 0, 0)}, -1.1);
   expect({sphere(0.1), cylinder(1, 4), at(0.9, 0, 0), at(0, 0, 0)}, -0.2);
 }
+// A foot in another leg's hip on the go2: Coal answers the way out through the side, 1.5 cm deeper than that through the cap.
+TEST(Coal, FootInACylinderOfTheGo2) {
+  const Pose foot = at(0.07816108330756405, 0.19404302073175989, 0.63663705484369637);
+  const Pose hip = {{Vec::make(0.24157705261448326, -0.96914757452577027, -0.048923475356067989), Vec::make(0.032792291126815171, 0.058541217972520279, -0.99774625603955425),
+                     Vec::make(0.96982740386769506, 0.2394282869443593, 0.045922784302959443)},
+                    Vec::make(0.056543629518687938, 0.21104419375336689, 0.6516454493683933)};
+  const Vec c = hip.act_inverse(foot.p);
+  const double cap = 0.02 - std::abs(c[2]), side = 0.046 - std::hypot(c[0], c[1]);
+  ASSERT_TRUE(0 < cap && cap < side);
+  const Scene s = {sphere(0.022), cylinder(0.046, 0.04), foot, hip};
+  expect(s, -(cap + 0.022));
+  EXPECT_NEAR(-0.0411859965, -(side + 0.022), 1e-9);  // what Coal 3.0.3 answers
+  EXPECT_NEAR(cap + 0.022, BruteForce(s).depth(), 1e-9);
+}
 TEST(Coal, SizeRatio) {
   for (double size : {1., 1e-3, 1e-6})
     for (double depth : {0.5, 0.01, -0.01, -0.5}) {

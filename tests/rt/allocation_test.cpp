@@ -15,6 +15,7 @@
 #include <functional>
 
 #include "capi/batch.hpp"
+#include "capi/surfaces.hpp"
 
 // ---------------------------------------------------------------------------------------------------- what is counted
 // These definitions come before those of libc for the library, too. (Sanitizers bring their own.)
@@ -78,11 +79,7 @@ struct Robot {
 };
 // Two pyramids and a ball over a height field.
 Model surfaces() {
-  const double corner[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, height[] = {0, 0.1, 0, 0.2, 0.3, 0, 0, 0.1, 0};
-  const std::int32_t side[] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
-  dynMesh *pyramid = nullptr, *field = nullptr;
-  EXPECT_EQ(DYN_OK, dyn_mesh_from_arrays(corner, 4, side, 4, &pyramid));
-  EXPECT_EQ(DYN_OK, dyn_mesh_height_field(height, 3, 3, 1, 1, -1, &field));
+  const Surfaces made;
   Builder b("surfaces");
   b.body("ground", nullptr, 0, {0, 0, 0}, no_inertia);
   const auto shape = [&](const char* body, dynShapeType type, const dynMesh* surface) {
@@ -91,13 +88,12 @@ Model surfaces() {
     s.body = body, s.type = type, s.surface = surface, s.size[0] = 0.2;
     EXPECT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
   };
-  shape("ground", DYN_SHAPE_HEIGHT_FIELD, field);
+  shape("ground", DYN_SHAPE_HEIGHT_FIELD, made.field);
   for (const char* name : {"one", "two", "ball"}) {
     b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_FREE_FLYER)).body(name, (std::string(name) + "_joint").c_str());
     const bool ball = std::string(name) == "ball";
-    shape(name, ball ? DYN_SHAPE_SPHERE : DYN_SHAPE_TRIANGLES, ball ? nullptr : pyramid);
+    shape(name, ball ? DYN_SHAPE_SPHERE : DYN_SHAPE_TRIANGLES, ball ? nullptr : made.pyramid);
   }
-  dyn_mesh_free(pyramid), dyn_mesh_free(field);
   return b.finish();
 }
 
@@ -424,6 +420,48 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   EXPECT_EQ(before, allocations);
   EXPECT_EQ(locked, locks);
   dyn_broad_phase_free(b);
+}
+
+// Every pair of types of shapes, apart, touching, overlapping, at one place; each by itself under rays and points; and what is refused.
+TEST(Allocations, NoneInAnyPairOfShapes) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
+  const Surfaces surfaces;
+  std::vector<dynGeometry> shapes;
+  for (const dynShapeType type : {DYN_SHAPE_HALF_SPACE, DYN_SHAPE_SPHERE, DYN_SHAPE_CAPSULE, DYN_SHAPE_BOX, DYN_SHAPE_CYLINDER, DYN_SHAPE_CONE, DYN_SHAPE_ELLIPSOID,
+                                  DYN_SHAPE_TRIANGLES, DYN_SHAPE_HEIGHT_FIELD, DYN_SHAPE_CONVEX}) {
+    if (type == DYN_SHAPE_CONVEX && !surfaces.hull) continue;
+    dynGeometry g;
+    dyn_geometry_init(&g);
+    g.type = type, g.surface = surfaces.of(type);
+    if (!g.surface) g.size[0] = 0.4, g.size[1] = 0.5, g.size[2] = 0.6;
+    shapes.push_back(g);
+  }
+  dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
+  dynDistance d{};
+  dynRayHit hit{};
+  dynClosestPoint near{};
+  dynImpact impact{};
+  d.struct_size = sizeof d, hit.struct_size = sizeof hit, near.struct_size = sizeof near, impact.struct_size = sizeof impact;
+  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, motion[6] = {0.1, 0, -1, 0, 0.2, 0}, up[3] = {0.1, 0.2, 1}, skew[12] = {};
+  int queries = 0;
+  for (const dynGeometry& a : shapes)
+    for (const dynGeometry& b : shapes)
+      for (const double z : {3., 1., 0.3, 0., -0.2}) {
+        double Y[12] = {0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1, 0.05, 0.02, z};
+        if (z == 0) std::copy(X, X + 12, Y);
+        const long before = allocations, locked = locks;
+        int count = 0;
+        const dynStatus status = dyn_shape_distance(&a, X, &b, Y, nullptr, &d);
+        dyn_shape_contacts(&a, X, &b, Y, 0.05, 0, contacts, &count);
+        dyn_shape_sweep(&a, X, nullptr, &b, Y, motion, 1, 0, &impact);
+        dyn_shape_ray(&b, Y, motion, up, &hit), dyn_shape_closest_point(&b, Y, motion, &near);
+        dyn_shape_distance(&a, X, &b, nullptr, nullptr, &d), dyn_shape_distance(&a, skew, &b, Y, nullptr, &d);
+        EXPECT_EQ(before, allocations) << int(a.type) << " and " << int(b.type) << " at " << z << ": " << dyn_last_error();
+        EXPECT_EQ(locked, locks) << int(a.type) << " and " << int(b.type) << " at " << z;
+        EXPECT_EQ(DYN_OK, status);
+        ++queries;
+      }
+  EXPECT_GE(queries, 5 * 81);
 }
 
 // Contact problems of every solver, errors among them.

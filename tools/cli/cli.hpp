@@ -162,6 +162,8 @@ void add_check(CLI::App& app);
 void add_sim(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_effects(CLI::App& app);
+void add_accuracy(CLI::App& app);
+void add_stress(CLI::App& app);
 void add_convert(CLI::App& app);
 
 }  // namespace cli

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "cli.hpp"
+#include "accuracy/distance_sweep.hpp"
 
 namespace cli {
 namespace {
@@ -11,7 +11,8 @@ namespace {
 struct Options {
   RobotOptions robot;
   StateOptions state;
-  bool all = false;
+  bool all = false, sweep = false;
+  int samples = 20;
 };
 
 constexpr std::size_t shown_pairs = 10;
@@ -30,6 +31,26 @@ std::string text_of(const json& answer, bool all) {
   }
   if (!all && pairs.size() > shown_pairs) out += "and " + std::to_string(pairs.size() - shown_pairs) + " farther apart: --pairs lists them\n";
   return out;
+}
+
+// The state given, and random ones.
+std::vector<Vector> sampled(const Robot& robot, const Options& options) {
+  std::vector<Vector> out = {read_state(robot, options.state).q};
+  for (int k = 0; k < options.samples; ++k) {
+    out.push_back(robot.neutral());
+    check(dyn_random(robot, std::uint64_t(k), nullptr, nullptr, out.back().data()));
+  }
+  return out;
+}
+
+void run_sweep(const Options& options) {
+  check_lists(options.state);
+  const Robot robot(options.robot);
+  const std::vector<Vector> states = sampled(robot, options);
+  const std::vector<DistanceCost> sweep = distance_sweep(robot, states);
+  const json answer = {{"reference", distance_reference}, {"states", states.size()}, {"sweep", sweep_json(sweep)}};
+  const std::string text = sweep.empty() ? text_of({{"pairs", json::array()}}, true) : sweep_text(sweep);
+  print(options.robot.json ? json_text(answer) : text);
 }
 
 void run(const Options& options) {
@@ -57,7 +78,9 @@ void add_distance(CLI::App& app) {
   add_robot_options(*command, options->robot);
   add_state_options(*command, options->state, false);
   command->add_flag("--pairs", options->all, "List all pairs, not the nearest ten");
-  command->callback([options] { run(*options); });
+  CLI::Option* sweep = command->add_flag("--sweep", options->sweep, "Errors and times of all pairs by method and tolerance, here and in random configurations");
+  command->add_option("--samples", options->samples, "Random configurations of --sweep (20)")->check(CLI::Range(0, 100000))->needs(sweep);
+  command->callback([options] { options->sweep ? run_sweep(*options) : run(*options); });
 }
 
 }  // namespace cli

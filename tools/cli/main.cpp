@@ -20,9 +20,11 @@ int main(int argc, char** argv) {
   cli::add_distance(app);
   cli::add_check(app);
   cli::add_sim(app);
+  cli::add_accuracy(app);
   cli::add_effects(app);
   cli::add_convert(app);
   cli::add_bench(app);
+  cli::add_stress(app);
   try {
     std::vector<std::string> names;
     for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());

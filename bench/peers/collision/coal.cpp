@@ -1,4 +1,5 @@
 // Coal: the functor of a pair, signed distance, its defaults otherwise.
+#include <coal/BVH/BVH_model.h>
 #include <coal/distance.h>
 #include <coal/shape/convex.h>
 #include <coal/shape/geometric_shapes.h>
@@ -10,6 +11,18 @@
 namespace dyn_bench {
 namespace {
 
+std::shared_ptr<coal::CollisionGeometry> convert(const shape::TriangleTree& tree) {
+  std::vector<coal::Vec3s> points;
+  std::vector<coal::Triangle> triangles;
+  for (Index v = 0; v < tree.vertices; ++v) points.emplace_back(tree.vertex[3 * v], tree.vertex[3 * v + 1], tree.vertex[3 * v + 2]);
+  for (Index t = 0; t < tree.triangles; ++t) triangles.emplace_back(tree.corner[3 * t], tree.corner[3 * t + 1], tree.corner[3 * t + 2]);
+  auto out = std::make_shared<coal::BVHModel<coal::OBBRSS>>();
+  out->beginModel();
+  out->addSubModel(points, triangles);
+  out->endModel();
+  return out;
+}
+
 std::shared_ptr<coal::CollisionGeometry> convert(const Solid& s) {
   const Vec& h = s.shape.size;
   switch (s.shape.type) {
@@ -20,7 +33,8 @@ std::shared_ptr<coal::CollisionGeometry> convert(const Solid& s) {
     case Type::Cylinder: return std::make_shared<coal::Cylinder>(h[0], 2 * h[2]);
     case Type::Cone: return std::make_shared<coal::Cone>(h[0], 2 * h[2]);
     case Type::Ellipsoid: return std::make_shared<coal::Ellipsoid>(h[0], h[1], h[2]);
-    case Type::Convex: break;
+    case Type::Triangles: return convert(*s.shape.triangles);
+    case Type::Convex: case Type::HeightField: break;
   }
   const shape::Hull& hull = s.hull->hull;
   auto points = std::make_shared<std::vector<coal::Vec3s>>();

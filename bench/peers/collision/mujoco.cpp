@@ -31,6 +31,7 @@ std::string geom(const Solid& s, const std::string& name, std::string& assets) {
     case Type::Cylinder: return plain("cylinder", {h[0], h[2]});
     case Type::Cone: return "";
     case Type::Ellipsoid: return plain("ellipsoid", {h[0], h[1], h[2]});
+    case Type::Triangles: case Type::HeightField: return "";  // it takes the hull of a mesh
     case Type::Convex: break;
   }
   const shape::Hull& hull = s.hull->hull;

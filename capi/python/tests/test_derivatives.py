@@ -47,3 +47,14 @@ def test_forward(go2, state):
 def test_parts(go2):
     with pytest.raises(dyn.PartError, match="FORWARD_DERIVATIVES"):
         go2.data(parts=dyn.Part.INVERSE_DERIVATIVES).aba_derivatives()
+
+
+def test_minverse_alone_of_a_long_chain():
+    """Beyond the size that goes by a dense factor, with no part but its own."""
+    b = dyn.Builder("chain")
+    for k in range(128):
+        b.joint(f"j{k}", "revolute", parent=f"j{k - 1}" if k else None, axis=(k % 2, 1, 0))
+        b.body(f"b{k}", f"j{k}", 1.0, (0, 0, 0.1), np.eye(3) * 0.01)
+    m = b.finish()
+    d = m.data(dyn.Part.MINV)
+    assert np.abs(d.minverse(m.neutral()) @ d.crba(m.neutral()) - np.eye(128)).max() < 1e-9

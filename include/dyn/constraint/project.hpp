@@ -39,6 +39,27 @@ T gather_errors(const Model& m, Data<T>& d, T* C) {
   return sum;
 }
 
+// out = v, or the velocity nearest to it in the metric of M that the rows allow at d.q, where the factor is; at a limit it may leave it. nullptr: the
+// result alone.
+template <class T>
+void hold_velocity(const Model& m, Data<T>& d, const T* v, T* out, dynConstraintResult& result) {
+  ProximalResult<T> found;
+  const bool bounded = any_bounded(m, d);
+  T *b = row_vector(m, d, 0), *step = d.constraint_step;
+  evaluate_rows(m, d, d.expand(m, v, d.vx), static_cast<const T*>(nullptr));
+  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+    if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = s.upper[0] = T(0);
+    for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -s.rate[r];
+  });
+  propagate_rows(m, d);
+  solve_rows(m, d, active_rows(m, d), b, bounded, ProximalOptions{}, d.lambda, found);
+  result.rank = found.rank, result.condition = double(found.condition);
+  if (!out) return;
+  gather(m, d, d.lambda, step);
+  scatter(m, d, step);
+  for (Index k = 0; k < m.n.nv; ++k) out[k] = v[k] + step[k];
+}
+
 // What steps have come to.
 template <class T>
 struct Descent {
@@ -117,7 +138,6 @@ template <class T>
 Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result) {
   const Index rows = active_rows(m, d);
   const T* C = row_vector(m, d, 0);
-  T* step = d.constraint_step;
   Descent<T> descent;
   if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, descent)) return failed;
   if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, descent)) return failed;
@@ -125,22 +145,7 @@ Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
   result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINED : descent.ended ? DYN_CONSTRAINTS_CONTRADICT : DYN_CONSTRAINT_ITERATIONS;
   result.contradiction = result.reason == DYN_CONSTRAINTS_CONTRADICT ? result.residual : 0;
 
-  // the same metric for velocities; at a limit they may leave it
-  ProximalResult<T> found;
-  const bool bounded = any_bounded(m, d);
-  T* b = row_vector(m, d, 0);
-  evaluate_rows(m, d, d.expand(m, v ? v : d.zero, d.vx), static_cast<const T*>(nullptr));
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
-    if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = s.upper[0] = T(0);
-    for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -s.rate[r];
-  });
-  propagate_rows(m, d);
-  solve_rows(m, d, rows, b, bounded, ProximalOptions{}, d.lambda, found);
-  result.rank = found.rank, result.condition = double(found.condition);
-  if (!v) return 0;
-  gather(m, d, d.lambda, step);
-  scatter(m, d, step);
-  for (Index k = 0; k < m.n.nv; ++k) v[k] += step[k];
+  hold_velocity(m, d, v ? v : static_cast<const T*>(d.zero), v, result);
   return 0;
 }
 

@@ -88,6 +88,18 @@ void project_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const 
   }
 }
 
+// x += G^+ b = R^T (R R^T)^-2 R b for b in the range of G = R^T R.
+template <class T>
+void solve_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const T* K, const T* Dinv, T* z, const T* b, T* x) {
+  for (Index i = 0; i < rank; ++i) {
+    z[i] = T(0);
+    for (Index k = 0; k < n; ++k) z[i] += R[ld * i + k] * b[k];
+  }
+  solve_factored(K, Dinv, ld, rank, z), solve_factored(K, Dinv, ld, rank, z);
+  for (Index k = 0; k < n; ++k)
+    for (Index i = 0; i < rank; ++i) x[k] += R[ld * i + k] * z[i];
+}
+
 // The iteration itself; W, Dinv: factor of G + mu 1.
 template <class T>
 bool iterate(const T* G, std::ptrdiff_t ld, Index n, const T* W, const T* Dinv, const T* b, const ProximalOptions& options, T* step, T* lambda,
@@ -102,7 +114,7 @@ bool iterate(const T* G, std::ptrdiff_t ld, Index n, const T* W, const T* Dinv, 
     ++result.iterations;
     row_residual(G, ld, n, b, lambda, step);
     const T left = largest_size(step, n), noise = T(4e-16) * T(double(n)) * most * largest_size(lambda, n);
-    if (left <= std::max(T(options.tolerance) * asked, noise)) return true;
+    if (left <= noise || (left <= T(options.tolerance) * asked && left > T(0.1) * before)) return true;
     if (result.iterations > 3 && left > T(0.99) * before && left <= T(1e-9) * asked) return true;  // round-off of G itself
     before = left;
   }
@@ -131,6 +143,26 @@ void solve_regularised(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, In
   for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
 }
 
+// Rows that nothing carries and that ask for nothing, as those across a planar mechanism: S = G with them apart, wanted = b without. Returns how
+// many. heard: what they may ask for by rounding.
+template <class T>
+Index set_idle_apart(const T* G, std::ptrdiff_t ld, Index n, const T* b, T heard, T* S, T* wanted) {
+  using std::abs;
+  T most = T(0);
+  for (Index i = 0; i < n; ++i) most = std::max(most, G[ld * i + i]);
+  const auto idle = [&](Index i) { return !(G[ld * i + i] > T(1e-24) * most) && abs(b[i]) <= heard; };
+  Index count = 0;
+  for (Index i = 0; i < n; ++i) count += idle(i);
+  if (count == 0 || count == n) return 0;
+  std::copy(G, G + ld * n, S), std::copy(b, b + n, wanted);
+  for (Index i = 0; i < n; ++i) {
+    if (!idle(i)) continue;
+    for (Index j = 0; j < n; ++j) S[ld * i + j] = S[ld * j + i] = T(0);
+    S[ld * i + i] = most, wanted[i] = T(0);
+  }
+  return count;
+}
+
 // lambda for n rows with the matrix G; all vectors of n numbers. What b asks for and no lambda gives is the contradiction.
 template <class T>
 void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const ProximalOptions& options, T* lambda,
@@ -140,18 +172,21 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   result = {};
   result.rank = n;
   if (n == 0) return;
+  const T heard = std::max(T(contradiction_tolerance) * largest_size(b, n), T(1e-12));  // less is round-off
   if (options.regularisation == 0) {
-    const T smallest = factor_rows(G, ld, n, T(0), T(0), work.factor, Dinv);
+    const Index idle = set_idle_apart(G, ld, n, b, heard, work.scaled, asked);
+    const T *matrix = idle ? work.scaled : G, *wanted = idle ? asked : b;
+    const T smallest = factor_rows(matrix, ld, n, T(0), T(0), work.factor, Dinv);
     if (smallest > T(clearly_independent)) {
+      result.rank = n - idle;
       result.condition = T(1) / smallest;
-      if (!iterate(G, ld, n, work.factor, Dinv, b, options, step, lambda, result)) result.reason = DYN_CONSTRAINT_ITERATIONS;
+      if (!iterate(matrix, ld, n, work.factor, Dinv, wanted, options, step, lambda, result)) result.reason = DYN_CONSTRAINT_ITERATIONS;
       return;
     }
   }
 
   T* S = work.scaled;
   scale_rows(G, ld, n, scale, S);
-  const T heard = std::max(T(contradiction_tolerance) * largest_size(b, n), T(1e-12));  // less is round-off
   for (Index j = 0; j < n; ++j) {
     asked[j] = b[j] * scale[j];
     if (scale[j] == T(0) && abs(b[j]) > heard) result.contradiction = std::max(result.contradiction, abs(b[j]));
@@ -183,6 +218,8 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   if (result.rank < n) {  // round-off off the range has grown by 1 / mu
     factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
     project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, lambda);
+    row_residual(S, ld, n, asked, lambda, step);
+    solve_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, step, lambda);
   }
   for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
 }

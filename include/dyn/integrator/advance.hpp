@@ -16,11 +16,35 @@ T largest(const T* x, Index n) {
   return out;
 }
 
-// Where rounding ends what a smaller step could gain, rad and m and their rates.
+// Where rounding ends what a smaller step could gain, rad and m and their rates: of what a step adds; or, where accelerations are known
+// less well, from where on the errors of shorter steps fall no more. (Where a mechanism passes a singular configuration these come near none: it steps over.)
 template <class T>
-T rounding(const Model& m, const Data<T>& d) {
-  return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
-}
+struct Rounding {
+  bool held;                         // rows hold
+  T noise = T(0), over = T(0);       // of errors, per second: everywhere; of the step over a singular configuration
+  T first = T(0), rejected = T(0), tried = T(0);  // length of the first try of this step; error and length of the last one
+  int tries = 0;
+  bool near = false;                 // perhaps, to a singular configuration: a stage came too near to it, and is elsewhere in a step that is a little shorter
+
+  static T of_state(const Model& m, const Data<T>& d) {
+    return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
+  }
+  T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
+    const T state = of_state(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
+    return std::max(std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h)), 2 * over * h);
+  }
+  void accept() { tries = 0, over = T(0); }
+  void reject(T error, T h, T allowed) {
+    const T ratio = h / tried;
+    const bool helped = tries > 0 && error <= rejected * ratio * ratio * ratio;
+    near = held && !helped && error > 1000 * allowed;
+    if (tries++ == 0) first = h;
+    else if (near && h < T(0.4) * first) over = std::max(over, error / h);
+    else if (!near && !helped) noise = std::max(noise, error / h);
+    rejected = error, tried = h;
+  }
+  T shortest() const { return near ? T(0.8) : T(0.2); }
+};
 
 // First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
 template <class T>
@@ -47,51 +71,60 @@ template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   constexpr T power = T(1) / (Tableau::order - 1);
   T h = duration, t = 0;
-  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, rounding(m, d)), duration, h)) return joint;
+  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
+  Rounding<T> rounding{active_rows(m, d) > 0};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
     if (!(h > duration * T(1e-13))) return no_step_left;
-    const Index joint = explicit_step<Tableau>(m, d, s, h);
+    Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T error = joint ? std::numeric_limits<T>::infinity() : step_error(Tableau(), s, h), floor = rounding(m, d);
-    const T allowed = std::max(accuracy * (h / duration), floor);
+    const T allowed = std::max(accuracy * (h / duration), rounding(m, d, s, h));
+    T error = std::numeric_limits<T>::infinity();
+    if (!joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error);
     if (error <= allowed) {
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+      rounding.accept();
     } else {
       if (joint && h < duration * T(1e-12)) return joint;
+      if (!joint) rounding.reject(error, h, allowed);
       if (!joint) s.undo(m, d);
       ++report.rejected;
     }
     const T factor = error > T(0) ? T(0.9) * std::pow(allowed / error, power) : T(5);
-    h *= error < std::numeric_limits<T>::infinity() ? std::clamp(factor, T(0.2), T(5)) : T(0.1);
+    h *= error < std::numeric_limits<T>::infinity() ? std::clamp(factor, error <= allowed ? T(0.2) : rounding.shortest(), T(5)) : T(0.1);
   }
   return 0;
 }
 
-// Whether contacts, limits or constraints act in a step of h: velocities jump, and no smooth method keeps its order.
+// Whether contacts, limits or dry friction act in a step of h, or constraints are open: velocities jump, and no smooth method keeps its order.
 template <class T>
 bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if constexpr (std::is_same_v<T, double>) {
-    if (!simulation::has_rows(m, d) || simulation::step_dynamics(m, d, static_cast<const T*>(d.tau_applied), d.ddq)) return false;
+    if (!simulation::has_rows(m, d) || held_dynamics(m, d)) return false;
+    if (is_open(m, d)) return true;
+    if (!simulation::may_jump(m, d)) return false;
     for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
-    return simulation::find_slots(m, d, s.y, h) > 0;
+    const simulation::ActiveSlot* active = d.step->active;
+    return std::any_of(active, active + simulation::find_slots(m, d, s.y, h), [](const auto& x) { return x.kind != simulation::RowKind::Equality; });
   }
   return false;
 }
 
 // The same where velocities may jump. Steps that meet nothing are those of the tableau; the others of order 1, once in one step and once in two:
-// what the two halves give stands, and how far the two are apart is the error.
+// how far the two are apart is the error, and what stands is extrapolated from them: order 2 where nothing begins or ends.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
   double h = std::min(duration, 1e-3), t = 0;
   double *q0 = s.stage(1), *v0 = q0 + m.n.nq, *q1 = v0 + m.n.nv, *v1 = q1 + m.n.nq, *apart = v1 + m.n.nv, *act0 = apart + m.n.nv;
   const auto keep = [&] { std::copy_n(d.q, m.n.nq, q0), std::copy_n(d.v, m.n.nv, v0), std::copy_n(d.act, m.n.na, act0); };
   const auto restore = [&] { std::copy_n(q0, m.n.nq, d.q), std::copy_n(v0, m.n.nv, d.v), std::copy_n(act0, m.n.na, d.act); };
-  const auto twice = [&](double& error) -> Index {
+  double by_q = 0, by_v = 0;                          // how far apart
+  double refused_v = 0, refused_h = 0, refused_t = 0;  // by_v of a step that was too long, a while ago; h = 0: none was
+  const auto twice = [&]() -> Index {
     keep();
     if (const Index joint = euler_step(m, d, s, h, true)) return restore(), joint;
     std::copy_n(d.q, m.n.nq, q1), std::copy_n(d.v, m.n.nv, v1);
@@ -99,8 +132,9 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     for (int half = 0; half < 2; ++half)
       if (const Index joint = euler_step(m, d, s, h / 2, true)) return restore(), joint;
     difference(m, q1, d.q, apart);
-    error = largest(apart, m.n.nv);
-    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::abs(d.v[k] - v1[k]));
+    by_q = largest(apart, m.n.nv), by_v = 0;
+    for (Index k = 0; k < m.n.nv; ++k)
+      if (const double x = std::abs(d.v[k] - v1[k]); !(x <= by_v)) by_v = x;
     report.evaluations += 3;
     return 0;
   };
@@ -109,16 +143,20 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     if (last) h = duration - t;
     if (!(h > duration * 1e-13)) return no_step_left;
     const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);
-    double error = 0, allowed = std::max(accuracy * (h / duration), rounding(m, d)), power = 1.0 / (Tableau::order - 1);
+    double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
     const bool rows = meets_rows(m, d, s, h);
     Index joint = 0;
     if (rows) {
       allowed = std::max(allowed, 0.02 * accuracy), power = 0.5;
-      joint = twice(error);
+      joint = twice();
+      // a velocity that jumps does so in whichever step, while errors of smooth ones go with h^2: what counts then is how far it leads in this step
+      if (t > refused_t + 10 * refused_h) refused_h = 0;
+      const bool jumps = refused_h > 0 && h < 0.5 * refused_h && by_v > 0.5 * refused_v;
+      error = std::max(by_q, jumps ? h * by_v : by_v);
     } else {
       joint = explicit_step<Tableau>(m, d, s, h);
       report.evaluations += Tableau::stages + 1;
-      if (!joint) error = step_error(Tableau(), s, h);
+      if (!joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error);
     }
     if (joint) {
       if (h < duration * 1e-12) return joint;
@@ -126,10 +164,15 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       continue;
     }
     if (error <= allowed || (rows && h <= smallest)) {
+      if (rows && std::max(by_q, by_v) <= allowed) {
+        std::copy_n(d.q, m.n.nq, q1), integrate(m, static_cast<const double*>(q1), static_cast<const double*>(apart), d.q);
+        for (Index k = 0; k < m.n.nv; ++k) d.v[k] += d.v[k] - v1[k];
+      }
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
     } else {
+      if (rows && refused_h == 0) refused_h = h, refused_v = by_v, refused_t = t;
       if (rows) restore();
       else s.undo(m, d);
       ++report.rejected;
@@ -145,7 +188,7 @@ template <class T>
 Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
   const Stages<T> s(m, d);
   if constexpr (std::is_same_v<T, double>)
-    if (simulation::has_rows(m, d))
+    if (simulation::may_jump(m, d) || (simulation::has_rows(m, d) && meets_rows(m, d, s, duration)))
       return integrator == DYN_RK45 ? advance_through_contact<DormandPrince5>(m, d, s, duration, accuracy, report)
                                     : advance_through_contact<DormandPrince8>(m, d, s, duration, accuracy, report);
   return integrator == DYN_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
@@ -164,7 +207,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
     case DYN_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
     case DYN_RK45:
       failed = explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
-      if (!failed) report.error_estimate += step_error(DormandPrince5(), s, h);
+      if (!failed) report.error_estimate += step_error(DormandPrince5(), m, d, s, h, false);
       break;
     case DYN_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations); break;
     case DYN_REFERENCE: {
@@ -174,6 +217,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
       break;
     }
   }
+  if (!failed && integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST) failed = close_rows(m, d);
   if (!failed) ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
   return failed;
 }

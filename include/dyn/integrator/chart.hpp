@@ -5,7 +5,7 @@
 #pragma once
 
 #include "dyn/algorithm/declarations.hpp"
-#include "dyn/simulation/forces.hpp"
+#include "dyn/integrator/held.hpp"
 
 namespace dyn::integrator {
 
@@ -24,7 +24,7 @@ struct ChartMotion {
   // f = dy/dt. Returns 0, or the joint whose forward dynamics failed.
   Index operator()(const T* y, T* f) const {
     place(y);
-    if (const Index joint = simulation::step_dynamics(m, d, static_cast<const T*>(d.tau_applied), d.ddq)) return joint;
+    if (const Index joint = held_dynamics(m, d)) return joint;
     chart_rate(m, y, d.v, f);
     for (Index k = 0; k < m.n.nv; ++k) f[m.n.nv + k] = d.ddq[k];
     for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)

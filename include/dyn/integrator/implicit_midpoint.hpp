@@ -28,7 +28,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
     for (Index k = 0; k < nv; ++k) half[k] = h / 2 * w[k], d.v[k] = w[k];
     integrate(m, s.q0, half, d.q);
     ++evaluations;
-    if (const Index joint = simulation::step_dynamics(m, d, static_cast<const T*>(d.tau_applied), d.ddq)) return s.undo(m, d), joint;
+    if (const Index joint = held_dynamics(m, d)) return s.undo(m, d), joint;
     T error = T(0), size = T(0);
     for (Index k = 0; k < nv; ++k) {
       next[k] = v0[k] + h / 2 * d.ddq[k];

@@ -30,25 +30,51 @@ Index explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   return 0;
 }
 
-// Largest component of h sum_j weights_j f_j.
+// out = h sum_j weights_j f_j; the stages that have no weight may be its place.
 template <class T>
-T largest_defect(const Stages<T>& s, const double* weights, int count, T h) {
-  T largest = T(0);
+void defect(const Stages<T>& s, const double* weights, int count, T h, T* out) {
   for (Index k = 0; k < s.n; ++k) {
     T sum = T(0);
-    for (int j = 0; j < count; ++j) sum += T(weights[j]) * s.stage(j)[k];
-    if (const T size = std::abs(h * sum); !(size <= largest)) largest = size;  // also NaN
+    for (int j = 0; j < count; ++j)
+      if (weights[j] != 0) sum += T(weights[j]) * s.stage(j)[k];
+    out[k] = h * sum;
   }
+}
+// Largest component; under constraints only of what they leave. The step has been made.
+template <class T>
+T largest_defect(const Model& m, Data<T>& d, const Stages<T>& s, T* x, bool held) {
+  if constexpr (std::is_same_v<T, double>)
+    if (held) hold_errors(m, d, x);
+  T largest = T(0);
+  for (Index k = 0; k < s.n; ++k)
+    if (const T size = std::abs(x[k]); !(size <= largest)) largest = size;  // also NaN
   return largest;
 }
 
-// What a step that was just made is off by, in rad, m and their rates.
+// What a step that was just made is off by, in rad, m and their rates. held: under constraints, whose factor is that of the end of the step.
 template <class T>
-T step_error(DormandPrince5, const Stages<T>& s, T h) { return largest_defect(s, DormandPrince5::e, DormandPrince5::stages, h); }
+T step_error(DormandPrince5, const Model& m, Data<T>& d, const Stages<T>& s, T h, bool held) {
+  defect(s, DormandPrince5::e, DormandPrince5::stages, h, s.y);
+  return largest_defect(m, d, s, s.y, held);
+}
 template <class T>
-T step_error(DormandPrince8, const Stages<T>& s, T h) {
-  const T e5 = largest_defect(s, DormandPrince8::e5, DormandPrince8::stages, h), e3 = largest_defect(s, DormandPrince8::e3, DormandPrince8::stages, h);
+T step_error(DormandPrince8, const Model& m, Data<T>& d, const Stages<T>& s, T h, bool held) {
+  T *five = s.y, *three = s.stage(1);
+  defect(s, DormandPrince8::e5, DormandPrince8::stages, h, five), defect(s, DormandPrince8::e3, DormandPrince8::stages, h, three);
+  const T e5 = largest_defect(m, d, s, five, held), e3 = largest_defect(m, d, s, three, held);
   return e5 == T(0) ? T(0) : e5 * e5 / std::sqrt(e5 * e5 + T(0.01) * e3 * e3);
+}
+
+// The same, and the end of the step: where rows hold, errors count at the place that they lead to, and only when they are too large as they are.
+template <class Tableau, class T>
+Index finish_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, T allowed, T& error) {
+  error = step_error(Tableau(), m, d, s, h, false);
+  if constexpr (std::is_same_v<T, double>) {
+    if (active_rows(m, d) == 0) return 0;
+    if (const Index joint = close_rows(m, d)) return s.undo(m, d), error = std::numeric_limits<T>::infinity(), joint;
+    if (error > allowed) error = step_error(Tableau(), m, d, s, h, true);
+  }
+  return 0;
 }
 
 }  // namespace dyn::integrator

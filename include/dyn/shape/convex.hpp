@@ -1,6 +1,7 @@
 // A convex polytope: the hull of its vertices, with its faces and the neighbours of each vertex, in arrays that lie elsewhere.
 #pragma once
 
+#include "dyn/shape/lanes.hpp"
 #include "dyn/shape/shape.hpp"
 
 namespace dyn::shape {
@@ -8,7 +9,7 @@ namespace dyn::shape {
 // What a Convex points to. Coordinates are by component, each array padded to a multiple of `lanes` by repeating the last vertex, so
 // that a search goes over whole registers. Faces are planes n.x <= offset with their vertices counter-clockwise seen from outside.
 struct Hull {
-  static constexpr Index lanes = 8;
+  static constexpr Index lanes = Lanes::count;
   static constexpr Index padded(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
   Index vertices, faces, corners;  // corners of all faces
@@ -43,7 +44,7 @@ struct Convex : Solid<Convex> {
 
   explicit Convex(const Shape& s) : hull(*s.hull), radius(s.radius) {}
 
-  Vec support(const Vec& d) const { return hull.vertex(hull.vertices <= search_all ? farthest(d) : climb(d)); }
+  Vec support(const Vec& d) const { return hull.vertex(last_ = hull.vertices <= search_all ? farthest(d) : climb(d)); }
   Nearest nearest(const Vec& p) const;
   Flat flat(const Vec& n) const;
   void facing(const Vec& n, double band, Feature& f) const;
@@ -54,7 +55,8 @@ struct Convex : Solid<Convex> {
   static constexpr Index search_all = 128;  // up to here all vertices are looked at
 
   Index farthest(const Vec& d) const;
-  mutable Index last_ = 0;
+  bool flat_at(Index top, const Vec& n, Flat& f) const;
+  mutable Index last_ = 0;  // support vertex
 
   // from neighbour to neighbour, beginning where the last search ended: on a hull every local maximum is the global one
   Index climb(const Vec& d) const {
@@ -68,31 +70,17 @@ struct Convex : Solid<Convex> {
         if (along > most) most = along, best = hull.neighbours[k], up = true;
       }
     }
-    return last_ = best;
+    return best;
   }
 };
 
 inline Index Convex::farthest(const Vec& d) const {
-  typedef double Lanes __attribute__((vector_size(8 * Hull::lanes)));
-  typedef std::int64_t Ids __attribute__((vector_size(8 * Hull::lanes)));
-  auto along = [&](Index i) {
-    Lanes x, y, z;
+  const std::int64_t best = Lanes::largest(hull.vertices, [&](std::int64_t i, Lanes::Numbers& along) {
+    Lanes::Numbers x, y, z;
     __builtin_memcpy(&x, hull.x + i, sizeof x), __builtin_memcpy(&y, hull.y + i, sizeof y), __builtin_memcpy(&z, hull.z + i, sizeof z);
-    return x * d[0] + y * d[1] + z * d[2];
-  };
-  Lanes most = along(0);
-  Ids at = {}, base = {};
-  for (Index i = Hull::lanes; i < hull.vertices; i += Hull::lanes) {
-    const Lanes a = along(i);
-    base += Hull::lanes;
-    const Ids more = a > most;
-    most = more ? a : most;
-    at = more ? base : at;
-  }
-  Index best = 0;
-  for (Index k = 1; k < Hull::lanes; ++k)
-    if (most[k] > most[best]) best = k;
-  return std::min(Index(at[best]) + best, hull.vertices - 1);
+    along = x * d[0] + y * d[1] + z * d[2];
+  });
+  return std::min(Index(best), hull.vertices - 1);
 }
 
 // the nearest point of the polygon of a face, and the nearest face
@@ -130,21 +118,31 @@ inline Nearest Convex::nearest(const Vec& p) const {
   return {p - n * height, n, height, !tie};
 }
 
-inline Flat Convex::flat(const Vec& n) const {
-  const Index top = farthest(n);
+// The edges from a vertex across n. false: one of them rises, so that it is not the support vertex.
+inline bool Convex::flat_at(Index top, const Vec& n, Flat& f) const {
   const Vec v = hull.vertex(top);
-  Flat f = {0, Vec::zero(), Vec::zero()};
-  for (Index k = hull.neighbour_start[top]; k < hull.neighbour_start[top + 1] && f.dimension < 2; ++k) {
+  f = {0, Vec::zero(), Vec::zero()};
+  for (Index k = hull.neighbour_start[top]; k < hull.neighbour_start[top + 1]; ++k) {
     const Vec e = hull.vertex(hull.neighbours[k]) - v;
-    const double length = norm(e);
-    if (std::abs(dot(e, n)) > flat_slope * length) continue;
+    const double rise = dot(e, n), length2 = dot(e, e);
+    if (rise * rise > flat_slope * flat_slope * length2) {
+      if (rise > 0) return false;
+      continue;
+    }
+    const double length = std::sqrt(length2);
     if (f.dimension == 0) {
       f = {1, e * (1 / length), Vec::zero()};
-    } else {
+    } else if (f.dimension == 1) {
       const Vec rest = e - f.u * dot(e, f.u);
       if (norm(rest) > flat_slope * length) f = {2, f.u, rest * (1 / norm(rest))};
     }
   }
+  return true;
+}
+// The vertex last found mostly is that of n, too.
+inline Flat Convex::flat(const Vec& n) const {
+  Flat f;
+  if (!flat_at(last_, n, f)) flat_at(farthest(n), n, f);
   return f;
 }
 

@@ -1,4 +1,4 @@
-// What acts in steps from outside: actuators, wrenches, weights that are held, a medium's drag; and forward dynamics under it.
+// What acts in steps from outside: actuators, wrenches, weights that are held, a medium's drag.
 #pragma once
 
 #include "dyn/algorithm/declarations.hpp"
@@ -61,13 +61,6 @@ const T* forces_on_bodies(const Model& m, Data<T>& d) {
       add(x.joint, x.body, {force, R * f.angular + cross(arm, force)});
     }
   return d.step_fext;
-}
-
-// ddq of the state held in d under tau and all that acts. Returns 0 or the joint whose forward dynamics failed.
-template <class T>
-Index step_dynamics(const Model& m, Data<T>& d, const T* tau, T* ddq) {
-  if (d.acting & DYN_EFFECT_ACTUATORS) tau = actuated(m, d, tau);
-  return forward_dynamics(m, d, d.v, tau, forces_on_bodies(m, d), ddq);
 }
 
 }  // namespace dyn::simulation

@@ -14,7 +14,8 @@ struct Island {
   double h;
   const double* v_before;
   Index rows = 0, equalities = 0, boxes = 0, contacts = 0;
-  bool bounces = false, has_matrix = false;
+  bool bounces = false, has_matrix = false, has_cones = false;
+  Index eliminated = 0;  // -1: does not fit
 
   double* vector(int k) const { return w.vectors + k * row_room(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),
@@ -33,17 +34,39 @@ struct Island {
   void solve(dynContactReport& best);
   void displace();
 
+  // by its blocks (newton.cpp): from lambda, to a better one. true: it is good enough
+  bool newton(dynContactReport& report);
+
   // without (sweeps.cpp): Gauss-Seidel that knows what rows leave at degrees of freedom. Whether the guess will do; otherwise sweeps
   void prepare_blocks();
-  bool stays(dynContactReport& report) const;
+  void prepare_cones();
+  bool stays(dynContactReport& report);
   void sweep_to_rest(dynContactReport& report);
   void sweep_apart();
+  double residual() const;
   double speed() const;  // largest velocity that is to change
   void velocities() const;
 
   // lambda, c = G lambda + g; the corrections of position: bias is what is wrong, g zero, lambda the displacement (solve_slots.cpp)
   void impulses(dynContactReport& report);
   void add(double* by_dof) const;
+  // z = Y^T lambda of a slot's rows, cleared before where slots carry, and G lambda in lanes
+  void clear(double* z) const;
+  DYN_INLINE void pass(const ActiveSlot& a, const double* by, double* z) const {
+    const double* y = a.carried;
+    for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
+      double sum = 0;
+      for (Index r = 0; r < a.s->rows; ++r) sum += y[r] * by[r];
+      z[a.support[n]] += sum;
+    }
+  }
+  DYN_INLINE Pack<double, row_lanes> moved(const ActiveSlot& a, const double* Dinv, const double* z) const {
+    using P = Pack<double, row_lanes>;
+    P sum = P::zero();
+    const double* y = a.carried;
+    for (Index n = 0; n < a.s->support; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
+    return sum;
+  }
   bool correct(double* by_dof);
 };
 

@@ -5,6 +5,7 @@
 // alone, so that no correction becomes velocity.
 #pragma once
 
+#include "dyn/constraint/list.hpp"
 #include "dyn/simulation/workspace.hpp"
 
 namespace dyn::simulation {
@@ -17,6 +18,14 @@ inline bool has_rows(const Model& m, const Data<double>& d) {
   return false;
 }
 
+// Whether some of them may make velocities jump: contacts, limits, dry friction. Constraints that hold at every moment do not.
+inline bool may_jump(const Model& m, const Data<double>& d) {
+  if (m.n.contacts > 0 || (d.acting & DYN_EFFECT_LIMITS)) return true;
+  for (Index k = 0; k < m.n.slots; ++k)
+    if (d.slots[k].rows && one_sided(d.slots[k].c.type)) return true;
+  return false;
+}
+
 // After forward dynamics, with its free velocity v_free: contacts within reach of a step of h, limits, constraints. Answers how many slots
 // act; by islands in d.step->order, and contacts in d.step->contacts.
 Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h);
@@ -25,7 +34,8 @@ Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h
 bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq);
 
 // steps of this file
-Index find_contacts(const Model& m, Data<double>& d, double h);                       // contact_points.cpp
+// contact_points.cpp; between: no two shapes are nearer, if positive
+Index find_contacts(const Model& m, Data<double>& d, double h, double& between);
 void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<double>& s);  // contact_rows.cpp
 void order_by_islands(const Model& m, Data<double>& d, Index slots);                  // islands.cpp
 

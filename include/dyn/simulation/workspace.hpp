@@ -2,6 +2,8 @@
 #pragma once
 
 #include "dyn/model/data.hpp"
+#include "dyn/simulation/clearance.hpp"
+#include "dyn/simulation/elimination.hpp"
 #include "dyn/solver/workspace.hpp"
 
 namespace dyn::simulation {
@@ -17,6 +19,10 @@ struct ActiveSlot {
   Index tree1, tree2;  // islands are connected trees; -1: the world
   Index island;
 };
+
+// The trees of a slot, the second -1 where there is one.
+inline Index tree_a(const ActiveSlot& s) { return s.tree1 < 0 ? s.tree2 : s.tree1; }
+inline Index tree_b(const ActiveSlot& s) { return s.tree1 < 0 || s.tree2 == s.tree1 ? -1 : s.tree2; }
 
 // What a contact is beside its rows.
 struct ContactLaw {
@@ -39,7 +45,17 @@ struct SlotBlock {
   solver::LocalCone local;
 };
 
-inline constexpr int island_vectors = 12;
+// A slot in a step of Newton's method, its rows with the normal first, in units in which diagonals are 1 and cones round.
+struct NewtonSlot {
+  const Index* order;   // of its rows
+  Index rows, unknowns;  // none: at a bound, or apart
+  bool cone;
+  decltype(solver::ConeState::is) is;
+  double mu, across, lower, upper;
+  double unit[most_rows], speed[2];  // of impulses; of normal and other velocities of a cone
+  double direction[5][5];            // along the sliding, then across
+};
+inline constexpr int island_vectors = 12, newton_vectors = 6;
 
 struct Workspace {
   dynStepOptions options;
@@ -47,6 +63,7 @@ struct Workspace {
   Index contact_count, before_count;
 
   // the rest is there when something may act
+  Clearance clearance;
   dynMaterial* materials;       // of collision shapes
   double* speeds;               // no point of theirs is faster
   Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
@@ -62,6 +79,12 @@ struct Workspace {
   Index* contact_rows;
   SlotBlock* blocks;            // of the slots of an island
   double* by_dof;
+  Elimination elimination;      // of Newton's method
+  NewtonSlot* newton;
+  double *newton_vectors, *newton_rhs, *diagonal, *blocks_above;
+  Index* where;
+  bool* newton_acts;
+  std::ptrdiff_t block_room;    // numbers
   char* solver_memory;
   solver::Workspace solver;
 };

@@ -57,6 +57,18 @@ inline double distance_to_dual_cone(double mu, Index d, const double* w) {
   return norm(p, d);
 }
 
+// An orthonormal basis of dimension m whose first vector is a / |a| (Householder).
+inline void basis(const double* a, Index m, double (*out)[5]) {
+  const double length = norm(a, m);
+  double v[5], square = 0;
+  for (Index i = 0; i < m; ++i) v[i] = a[i] / length;
+  const double sign = v[0] > 0 ? -1.0 : 1.0;
+  v[0] -= sign;
+  for (Index i = 0; i < m; ++i) square += v[i] * v[i];
+  for (Index k = 0; k < m; ++k)
+    for (Index i = 0; i < m; ++i) out[k][i] = (k == 0 ? sign : 1.0) * ((i == k) - 2 * v[i] * v[k] / square);
+}
+
 // Gamma(c) = (mu |c_t|, 0): K lambda _|_ c + Gamma(c) in K* is Signorini's condition and Coulomb's law (de Saxce and Feng 1998).
 inline double de_saxce(double mu, Index d, const double* c) { return mu * norm(c + 1, d - 1); }
 

@@ -1,0 +1,88 @@
+// Smooth motion under constraints: the integrators keep their orders, constraints stay closed, and mechanisms pass singular configurations.
+#include "simulation/scene.hpp"
+
+namespace dyn_test {
+namespace {
+
+struct Linkage : Play {
+  explicit Linkage(dynIntegrator integrator, double dt) : Play(load(), dt) {
+    EXPECT_EQ(DYN_OK, dyn_data_set_effects(m, d, 0, DYN_EFFECT_ARMATURE));
+    options.integrator = integrator;
+    EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
+    Numbers at(static_cast<std::size_t>(m.nq()), 0.3);
+    EXPECT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_CONSTRAINTS, &other));
+    EXPECT_EQ(DYN_OK, dyn_project(m, other, at.data(), nullptr, nullptr, at.data(), nullptr, nullptr)) << dyn_last_error();
+    set(at);
+  }
+  ~Linkage() { dyn_data_free(other); }
+  static Model load() {
+    dynModel* loaded = nullptr;
+    EXPECT_EQ(DYN_OK, dyn_model_load(DYN_MODELS_DIR "/mechanisms/four_bar.urdf", nullptr, &loaded)) << dyn_last_error();
+    return Model(loaded);
+  }
+  double open() const {  // the largest error of position and velocity
+    int rows = 0;
+    EXPECT_EQ(DYN_OK, dyn_constraint_rows(m, other, -1, nullptr, &rows));
+    Numbers C(static_cast<std::size_t>(rows)), Jv(C);
+    EXPECT_EQ(DYN_OK, dyn_constraint_terms(m, other, q, v, C.data(), nullptr, Jv.data(), nullptr)) << dyn_last_error();
+    double most = 0;
+    for (std::size_t k = 0; k < C.size(); ++k) most = std::max({most, std::abs(C[k]), std::abs(Jv[k])});
+    return most;
+  }
+  dynData* other = nullptr;
+};
+
+double apart(const Play& a, const Play& b) {
+  double most = 0;
+  for (int k = 0; k < a.m.nv(); ++k) most = std::max({most, std::abs(a.q[k] - b.q[k]), std::abs(a.v[k] - b.v[k])});
+  return most;
+}
+
+void check_order(dynIntegrator integrator, double order, int n) {
+  Linkage reference(DYN_REFERENCE, 0.05), coarse(integrator, 0.5 / n), fine(integrator, 0.25 / n);
+  reference.steps(10), coarse.steps(n), fine.steps(2 * n);
+  EXPECT_NEAR(order, std::log2(apart(coarse, reference) / apart(fine, reference)), 0.3) << apart(coarse, reference) << ' ' << apart(fine, reference);
+  EXPECT_LT(fine.open(), 1e-12);
+}
+
+TEST(Held, OrdersStay) {
+  check_order(DYN_RK4, 4, 50);
+  check_order(DYN_RK45, 5, 20);
+  check_order(DYN_IMPLICIT_MIDPOINT, 2, 100);
+}
+
+TEST(Held, EnergyIsKeptAndLoopsStayClosed) {
+  Linkage run(DYN_REFERENCE, 0.05);
+  const double before = run.energy();
+  for (int k = 0; k < 100; ++k) {
+    run.steps(1);
+    ASSERT_LT(run.open(), 1e-12);
+    EXPECT_NEAR(before, run.energy(), 1e-11);
+  }
+}
+
+TEST(Held, AccuracyIsMet) {
+  Linkage reference(DYN_REFERENCE, 0.05), run(DYN_REFERENCE, 0.05);
+  reference.steps(20);
+  for (const double accuracy : {1e-6, 1e-9}) {
+    Linkage asked(DYN_REFERENCE, 0.05);
+    asked.options.accuracy = accuracy;
+    ASSERT_EQ(DYN_OK, dyn_data_set_step_options(asked.m, asked.d, &asked.options));
+    ASSERT_EQ(DYN_OK, dyn_advance(asked.m, asked.d, 1)) << dyn_last_error();
+    EXPECT_LT(apart(asked, reference), 10 * accuracy);
+  }
+}
+
+// A loop that is open closes first, in steps of order 1.
+TEST(Held, OpenLoopsClose) {
+  Linkage run(DYN_RK4, 1e-3);
+  Numbers at(run.q, run.q + run.m.nq());
+  at[0] += 0.01;
+  run.set(at);
+  EXPECT_GT(run.open(), 1e-3);
+  run.steps(100);
+  EXPECT_LT(run.open(), 1e-12);
+}
+
+}  // namespace
+}  // namespace dyn_test

@@ -1,0 +1,174 @@
+#include "run.hpp"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+namespace cli::accuracy {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
+
+Sample look(const Robot& robot, const Data& data) {
+  Sample s;
+  const double* q = state_view(robot, data, "q");
+  s.q.assign(q, q + robot.nq);
+  s.places.resize(12 * static_cast<std::size_t>(robot.nframes));
+  check(dyn_forward_kinematics(robot, data, nullptr, nullptr, nullptr));
+  check(dyn_frame_placements(robot, data, s.places.data()));
+  double kinetic, potential, momentum[6];
+  check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
+  check(dyn_centroidal_momentum(robot, data, nullptr, nullptr, momentum));
+  s.energy = kinetic + potential;
+  std::copy(momentum, momentum + 3, s.momentum);
+  return s;
+}
+
+// Angle of A^T B, from the sine's norm and the cosine: accurate where it is small.
+double angle(const double* A, const double* B) {
+  double R[9];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      R[i + 3 * j] = 0;
+      for (int k = 0; k < 3; ++k) R[i + 3 * j] += A[k + 3 * i] * B[k + 3 * j];
+    }
+  const double s = std::hypot(R[5] - R[7], R[6] - R[2], R[1] - R[3]) / 2, c = (R[0] + R[4] + R[8] - 1) / 2;
+  return std::atan2(s, c);
+}
+
+// Numbers that are not finite are null there.
+json json_of(const Run& r) {
+  json out = {{"wall_s", r.wall_s}, {"evaluations", r.evaluations}, {"steps", r.steps}, {"penetration", r.penetration}, {"residual", r.residual}, {"rows", r.rows}, {"error", r.error}, {"samples", json::array()}};
+  for (const Sample& s : r.samples) out["samples"].push_back({s.q, s.places, s.energy, s.momentum});
+  return out;
+}
+
+Run run_of(const json& x) {
+  Run r;
+  r.wall_s = x.at("wall_s"), r.evaluations = x.at("evaluations"), r.steps = x.at("steps"), r.penetration = x.at("penetration"), r.residual = x.at("residual");
+  r.rows = x.at("rows"), r.error = x.at("error");
+  for (const json& s : x.at("samples")) {
+    Sample y;
+    y.q = s.at(0).get<Vector>(), y.places = s.at(1).get<Vector>(), y.energy = s.at(2);
+    for (std::size_t k = 0; k < 3; ++k) y.momentum[k] = s.at(3).at(k);
+    r.samples.push_back(std::move(y));
+  }
+  return r;
+}
+
+}  // namespace
+
+Run run(const Scene& scene, const Setting& setting) {
+  const Robot& robot = scene.robot;
+  const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL, scene.effects);
+  set_start(robot, data, scene.start);
+  Run out;
+  const double part = scene.duration / samples, call = part / setting.parts;
+  const bool adaptive = setting.accuracy > 0;
+  set_stepping(robot, data, setting.integrator.id, adaptive || setting.dt <= 0 ? call : setting.dt, adaptive ? setting.accuracy / (samples * setting.parts) : 0,
+               {setting.solver, setting.tolerance});
+  Clock::duration wall{};
+  for (int k = 0; k < samples; ++k) {
+    for (int i = 0; i < setting.parts; ++i) {
+      const auto before = Clock::now();
+      const dynStatus status = dyn_advance(robot, data, call);
+      wall += Clock::now() - before;
+      dynStepReport report{};
+      report.struct_size = sizeof report;
+      if (status == DYN_OK) {
+        check(dyn_data_step_report(robot, data, &report));
+        out.evaluations += report.evaluations, out.steps += report.steps;
+        out.penetration = std::max(out.penetration, report.penetration), out.residual = std::max(out.residual, report.residual);
+        out.rows = std::max(out.rows, int(report.rows));
+      } else {
+        out.error = dyn_last_error();
+      }
+      if (!out.error.empty()) return out.wall_s = seconds(wall), out;
+    }
+    try {
+      out.samples.push_back(look(robot, data));
+    } catch (const Failure& failure) {  // a state so large that its energy is none
+      out.error = failure.message;
+      return out.wall_s = seconds(wall), out;
+    }
+  }
+  out.wall_s = seconds(wall);
+  return out;
+}
+
+Run run_within(const Scene& scene, const Setting& setting, double most_s) {
+  int ends[2];
+  if (pipe(ends) != 0) fail(std::string("no pipe: ") + std::strerror(errno) + ".");
+  const pid_t child = fork();
+  if (child < 0) fail(std::string("no process: ") + std::strerror(errno) + ".");
+  if (child == 0) {
+    std::string text;
+    try {
+      text = json_of(run(scene, setting)).dump();
+    } catch (const Failure& failure) {
+      Run ended;
+      ended.error = failure.message;
+      text = json_of(ended).dump();
+    }
+    for (std::size_t at = 0; at < text.size();) {
+      const ssize_t n = ::write(ends[1], text.data() + at, text.size() - at);
+      if (n <= 0) break;
+      at += static_cast<std::size_t>(n);
+    }
+    _exit(0);
+  }
+  close(ends[1]);
+  const auto start = Clock::now();
+  std::string text;
+  bool late = false;
+  for (char part[1 << 14];;) {
+    const double left = most_s - seconds(Clock::now() - start);
+    pollfd wait{ends[0], POLLIN, 0};
+    const int ready = poll(&wait, 1, static_cast<int>(std::clamp(left * 1000, 0.0, 1e9)));
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready <= 0) {
+      late = true;
+      break;
+    }
+    const ssize_t n = ::read(ends[0], part, sizeof part);
+    if (n <= 0) break;
+    text.append(part, static_cast<std::size_t>(n));
+  }
+  close(ends[0]);
+  if (late) kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  Run out;
+  if (late) return out.error = too_long, out.wall_s = most_s, out;
+  try {
+    return run_of(json::parse(text));
+  } catch (const json::exception&) {
+    return out.error = "its process ended early", out;
+  }
+}
+
+Error error_between(const Robot& robot, const Run& a, const Run& b) {
+  Error e;
+  const bool end_alone = b.samples.size() == 1;
+  for (std::size_t k = 0; k < std::min(a.samples.size(), b.samples.size()); ++k) {
+    const Sample &x = end_alone ? a.samples.back() : a.samples[k], &y = b.samples[k];
+    for (int f = 1; f < robot.nframes; ++f) {
+      const double *A = x.places.data() + 12 * f, *B = y.places.data() + 12 * f;
+      e.m = std::max(e.m, std::hypot(A[9] - B[9], A[10] - B[10], A[11] - B[11]));
+      e.rad = std::max(e.rad, angle(A, B));
+    }
+    e.energy = std::max(e.energy, std::abs(x.energy - y.energy));
+    e.momentum = std::max(e.momentum, std::hypot(x.momentum[0] - y.momentum[0], x.momentum[1] - y.momentum[1], x.momentum[2] - y.momentum[2]));
+  }
+  return e;
+}
+
+}  // namespace cli::accuracy
