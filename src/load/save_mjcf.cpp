@@ -14,19 +14,16 @@ using Pose = SE3<double>;
 
 constexpr int most_depth = 75;  // xml.cpp
 
+bool is_identity_pose(const Pose& X) { return is_identity_rotation(X.R) && X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0; }
+
+}  // namespace
+
 bool is_identity_rotation(const Mat3<double>& R) {
   double off = 0;
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(R(r, c) - (r == c)));
   return off < 1e-15;
 }
-bool is_identity_pose(const Pose& X) { return is_identity_rotation(X.R) && X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0; }
-
-bool alike(const std::vector<double>& x, int first, int n) {
-  return std::all_of(x.begin() + first, x.begin() + first + n, [&](double e) { return e == x[size_t(first)]; });
-}
-
-}  // namespace
 
 void put_pose(Out& e, const Pose& X) {
   if (X.p[0] != 0 || X.p[1] != 0 || X.p[2] != 0) put(e, "pos", {X.p[0], X.p[1], X.p[2]});
@@ -151,75 +148,21 @@ void MjcfWriter::add_moving(Index first) {
   add_content(last, main);
 }
 
-void MjcfWriter::add_joint(Out& body, const Piece& p, const Pose& end) {
-  const SimpleJoint& s = p.simple;
-  Out& e = *body.InsertNewChildElement("joint");
-  put(e, "name", s.name);
-  const bool slides = s.type == DYN_JOINT_PRISMATIC, ball = s.type == DYN_JOINT_SPHERICAL, free = s.type == DYN_JOINT_FREE_FLYER;
-  put(e, "type", std::string(slides ? "slide" : ball ? "ball" : free ? "free" : "hinge"));
-  const Vec3<double> anchor = end.inverse().p;
-  if (!free && (anchor[0] != 0 || anchor[1] != 0 || anchor[2] != 0)) put(e, "pos", {anchor[0], anchor[1], anchor[2]});
-  if (!free && !ball) {
-    const Vec3<double> axis = is_identity_rotation(end.R) ? load3(s.axis.data()) : transpose(end.R) * load3(s.axis.data());
-    put(e, "axis", {axis[0], axis[1], axis[2]});
-  }
-  add_numbers(e, p);
-  if (s.type == DYN_JOINT_CONTINUOUS) losses.note("continuous joints are hinges without a range: differences of their angles are not wrapped", s.name);
-  if (s.type == DYN_JOINT_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are hinges with an angle", s.name);
-  if (s.leader.empty()) return;
-  losses.loss("joints that follow another are held by an equality, which is no exact reduction: each is a degree of freedom more", s.name);
-  Out& equality = *section("equality").InsertNewChildElement("joint");
-  put(equality, "name", s.name + "_follows"), put(equality, "joint1", s.name), put(equality, "joint2", s.leader);
-  put(equality, "polycoef", {s.offset, s.ratio, 0, 0, 0});
-}
-
-void MjcfWriter::add_numbers(Out& e, const Piece& p) {
-  const SimpleJoint& s = p.simple;
-  const JointSpec spec = spec_of(m, m.joints()[p.joint]);
-  if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) {
-    const int nv = joint_nv(s.type), nq = joint_nq(s.type);
-    const auto one = [&](const char* attribute, const std::vector<double>& x) {
-      if (!alike(x, s.v, nv)) losses.loss("armature, damping or dry friction that differs between a joint's degrees of freedom: the first one counts", s.name);
-      if (x[size_t(s.v)] != 0) put(e, attribute, x[size_t(s.v)]);
-    };
-    one("armature", spec.armature), one("damping", spec.damping), one("frictionloss", spec.friction);
-    if (spec.stiffness[size_t(s.v)] != 0) {
-      put(e, "stiffness", spec.stiffness[size_t(s.v)]);
-      const double* rest = spec.spring_reference.data() + s.q;
-      if (rest[0] != 0 || rest[1] != 0 || rest[2] != 0) losses.loss("places of rest of a ball joint's spring", s.name);
-    }
-    const auto limited = [&](const std::vector<double>& x, int first, int n) { return std::any_of(x.begin() + first, x.begin() + first + n, [](double l) { return std::isfinite(l); }); };
-    if (limited(spec.lower, s.q, nq) || limited(spec.upper, s.q, nq) || limited(spec.velocity, s.v, nv) || limited(spec.effort, s.v, nv))
-      losses.loss("limits of ball and free joints", s.name);
-    return;
-  }
-  const ScalarNumbers x = numbers_of(spec, s);
-  constexpr double most = std::numeric_limits<double>::max();  // read back as no limit
-  if (std::isfinite(x.lower) || std::isfinite(x.upper)) {
-    if (x.lower < x.upper) put(e, "range", {std::max(x.lower, -most), std::min(x.upper, most)});
-    else losses.loss("ranges of a single point", s.name);
-  }
-  if (std::isfinite(x.effort)) {
-    if (x.effort > 0) put(e, "actuatorfrcrange", {-x.effort, x.effort});
-    else losses.loss("limits of effort that are zero", s.name);
-  }
-  if (std::isfinite(x.velocity)) losses.loss("velocity limits of joints", s.name);
-  if (x.armature != 0) put(e, "armature", x.armature);
-  if (x.damping != 0) put(e, "damping", x.damping);
-  if (x.friction != 0) put(e, "frictionloss", x.friction);
-  if (x.stiffness != 0) put(e, "stiffness", x.stiffness);
-  if (x.rest != 0) put(e, "springref", x.rest);
-}
-
 void MjcfWriter::add_link(Out& body, Index frame) {
   const LinkRecord& l = m.links()[m.frames()[frame].link];
   if (l.compensation != 0) put(body, "gravcomp", l.compensation);
   if (l.mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
     Out& inertial = *body.InsertNewChildElement("inertial");
     put(inertial, "pos", std::span(l.com)), put(inertial, "mass", l.mass);
-    const double* I = l.inertia;
-    put(inertial, "fullinertia", {I[0], I[4], I[8], I[3], I[6], I[7]});
-    const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Map<const Eigen::Matrix3d>(I), Eigen::EigenvaluesOnly).eigenvalues();
+    Eigen::Matrix3d I = Eigen::Map<const Eigen::Matrix3d>(l.inertia);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(I);
+    const Eigen::Vector3d moments = principal.eigenvalues();
+    if (moments[0] < -1e-9 * moments[2]) {
+      losses.loss("inertias with a negative principal moment: it is zero", frame_name(frame));
+      I = principal.eigenvectors() * moments.cwiseMax(0).asDiagonal() * principal.eigenvectors().transpose();
+    }
+    if (I(0, 1) == 0 && I(0, 2) == 0 && I(1, 2) == 0) put(inertial, "diaginertia", {I(0, 0), I(1, 1), I(2, 2)});
+    else put(inertial, "fullinertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)});
     if (moments[0] + moments[1] < moments[2] * (1 - 1e-9)) {
       losses.loss("inertias that no body has: the mean of the principal moments stands for each (balanceinertia)", frame_name(frame));
       put(section("compiler"), "balanceinertia", std::string("true"));
@@ -245,37 +188,6 @@ void MjcfWriter::add_content(Index joint, Index main) {
   }
   const int here = depth;
   for (const Index j : children[size_t(joint)]) add_moving(j), depth = here;
-}
-
-void MjcfWriter::add_keys() {
-  Names names;
-  for (Index k = 1; k < m.n.configurations; ++k) {
-    const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;
-    std::vector<double> qpos;
-    bool is_drawn = k == drawn;
-    for (const Piece& p : pieces) {
-      const JointRecord& r = m.joints()[p.joint];
-      const SimpleJoint& s = p.simple;
-      const double* own = q + r.idx_q + s.q;
-      if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) {
-        const int n = joint_nq(s.type);
-        qpos.insert(qpos.end(), own, own + n - 4);
-        qpos.insert(qpos.end(), {own[n - 1], own[n - 4], own[n - 3], own[n - 2]});
-        is_drawn &= n == 7 || own[3] == 1;
-        continue;
-      }
-      double x = s.type == DYN_JOINT_REVOLUTE_UNBOUNDED ? std::atan2(own[1], own[0]) : own[0];
-      if (r.leader >= 0) x = r.ratio * x + r.offset;
-      if (!s.leader.empty() && (r.leader < 0 || s.leader != m.string(m.joints()[r.leader].name))) x *= s.ratio;  // the slide of a helical joint
-      qpos.push_back(x);
-      is_drawn &= x == 0;
-    }
-    if (is_drawn) continue;  // the file draws it
-    std::string name = m.string(m.configuration_names()[k]);
-    if (k == drawn) losses.note("the configuration qpos0 is key 'qpos0_2': the file draws another"), name = "qpos0_2";
-    Out& key = *section("keyframe").InsertNewChildElement("key");
-    put(key, "name", names.claim(name)), put(key, "qpos", qpos);
-  }
 }
 
 std::string MjcfWriter::write() {

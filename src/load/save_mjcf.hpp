@@ -32,10 +32,11 @@ class MjcfWriter {
   std::vector<Index> joints_of_one_body(Index first) const;
   std::vector<Piece> pieces_of(const std::vector<Index>& group);
   void add_moving(Index first);
-  void add_joint(Out& body, const Piece& p, const SE3<double>& end);
-  void add_numbers(Out& e, const Piece& p);
   void add_content(Index joint, Index main);
   void add_link(Out& body, Index frame);
+  // save_mjcf_joint.cpp
+  void add_joint(Out& body, const Piece& p, const SE3<double>& end);
+  void add_numbers(Out& e, const Piece& p);
   void add_keys();
   // save_mjcf_geom.cpp
   void add_geom(Out& body, const ShapeRecord& s, Index k);
@@ -66,5 +67,6 @@ class MjcfWriter {
 };
 
 void put_pose(Out& e, const SE3<double>& X);
+bool is_identity_rotation(const Mat3<double>& R);  // to rounding
 
 }  // namespace dyn::load

@@ -2,7 +2,6 @@
 // have had them. What is no joint of the format is a chain of joints that are, with links without mass between them.
 #include <cmath>
 
-#include "dyn/constraint/set.hpp"
 #include "save_urdf.hpp"
 
 namespace dyn::load {
@@ -34,14 +33,6 @@ bool unlimited(const JointSpec& s) {
 
 }  // namespace
 
-void put_origin(Out& parent, const SE3<double>& X) {
-  const auto rpy = roll_pitch_yaw(X.R);
-  if (X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0 && rpy[0] == 0 && rpy[1] == 0 && rpy[2] == 0) return;
-  Out& origin = *parent.InsertNewChildElement("origin");
-  put(origin, "xyz", {X.p[0], X.p[1], X.p[2]});
-  if (rpy[0] != 0 || rpy[1] != 0 || rpy[2] != 0) put(origin, "rpy", rpy);
-}
-
 UrdfWriter::UrdfWriter(const Model& model, SaveReport& report) : m(model), losses(report), on(frames_by_joint(model)), main(size_t(model.n.joints), -1) {
   robot = doc.NewElement("robot");
   doc.InsertEndChild(robot);
@@ -60,61 +51,6 @@ UrdfWriter::UrdfWriter(const Model& model, SaveReport& report) : m(model), losse
   floating = m.n.joints > 1 && on[0].empty() && !shapes_on_world && m.joints()[1].type == DYN_JOINT_FREE_FLYER && is_identity(m.joints()[1].placement) &&
              std::string_view(m.string(m.joints()[1].name)) == "root_joint" && main[1] >= 0;
   for (Index j = 2; j < m.n.joints; ++j) floating &= m.joints()[j].parent != 0;
-}
-
-Out& UrdfWriter::add_link(const std::string& name, Index frame) {
-  Out& link = *robot->InsertNewChildElement("link");
-  put(link, "name", name);
-  if (frame < 0) return link;
-  if (m.frames()[frame].link >= 0) {
-    const LinkRecord& l = m.links()[m.frames()[frame].link];
-    if (l.compensation != 0) losses.loss("weights that are held (gravity compensation)", name);
-    if (l.mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
-      Out& inertial = *link.InsertNewChildElement("inertial");
-      put_origin(inertial, {Mat3<double>::identity(), load3(l.com)});
-      put(*inertial.InsertNewChildElement("mass"), "value", l.mass);
-      Out& I = *inertial.InsertNewChildElement("inertia");
-      const double* x = l.inertia;
-      put(I, "ixx", x[0]), put(I, "ixy", x[3]), put(I, "ixz", x[6]), put(I, "iyy", x[4]), put(I, "iyz", x[7]), put(I, "izz", x[8]);
-    }
-  }
-  for (Index k = 0; k < m.n.shapes; ++k)
-    if (m.shapes()[k].frame == frame) add_shape(link, m.shapes()[k]);
-  return link;
-}
-
-void UrdfWriter::add_shape(Out& link, const ShapeRecord& s) {
-  const std::string name = m.string(s.name), mesh = m.string(s.mesh), called = name.empty() ? link.Attribute("name") : name;
-  Out* geometry = doc.NewElement("geometry");
-  const auto shape = [&](const char* kind) -> Out& { return *geometry->InsertNewChildElement(kind); };
-  switch (s.type) {
-    case DYN_SHAPE_BOX: put(shape("box"), "size", std::span(s.size)); break;
-    case DYN_SHAPE_SPHERE: put(shape("sphere"), "radius", s.size[0]); break;
-    case DYN_SHAPE_CAPSULE: losses.note("shape 'capsule', which is not in the URDF standard", called); [[fallthrough]];
-    case DYN_SHAPE_CYLINDER: {
-      Out& e = shape(s.type == DYN_SHAPE_CYLINDER ? "cylinder" : "capsule");
-      put(e, "radius", s.size[0]), put(e, "length", s.size[1]);
-      break;
-    }
-    case DYN_SHAPE_MESH: case DYN_SHAPE_CONVEX: case DYN_SHAPE_TRIANGLES:
-      if (!mesh.empty()) {
-        Out& e = shape("mesh");
-        put(e, "filename", mesh);
-        if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(e, "scale", std::span(s.size));
-        if (s.type != DYN_SHAPE_MESH) losses.note("the hull or the triangles of a mesh file are its name alone: load with the same option for meshes", called);
-        break;
-      }
-      [[fallthrough]];
-    default: losses.loss("shapes that are no box, sphere, cylinder, capsule or mesh file are left out", called); return doc.DeleteNode(geometry);
-  }
-  const dynMaterial& material = m.materials()[s.material];
-  if (s.role == DYN_ROLE_COLLISION && !is_default(material, true)) losses.loss("materials of shapes (friction, restitution, ...)", called);
-  if (s.role == DYN_ROLE_COLLISION && (s.contype != 1 || s.conaffinity != 1)) losses.loss("collision masks of shapes", called);
-  if (s.radius > 0) losses.loss("rounding of shapes", called);
-  Out& e = *link.InsertNewChildElement(s.role == DYN_ROLE_COLLISION ? "collision" : "visual");
-  if (!name.empty()) put(e, "name", name);
-  put_origin(e, load_se3(s.placement));
-  e.InsertEndChild(geometry);
 }
 
 Out& UrdfWriter::add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child, const SE3<double>& X) {
@@ -203,52 +139,6 @@ void UrdfWriter::add_fixed(Index f, std::set<Index>& done) {
   const std::string link = links.claim(name);
   losses.note("frames without a link are fixed joints with a link without mass", name);
   add_joint(name, "fixed", parent, link, X), add_link(link, -1);
-}
-
-// As urdf_constraint.cpp reads them.
-void UrdfWriter::add_constraints() {
-  static constexpr const char* types[] = {"", "point", "frame", "connect", "weld", "distance", "", "coupling", "limit", "friction"};
-  if (m.n.constraints == 0) return;
-  Out& block = *robot->InsertNewChildElement("libdyn");
-  for (Index k = 0; k < m.n.constraints; ++k) {
-    const dynConstraint& c = m.constraints()[k].spec;
-    const std::string name = m.string(m.constraints()[k].name);
-    Out& e = *block.InsertNewChildElement("constraint");
-    put(e, "name", name);
-    put(e, "type", std::string(c.type == DYN_CONSTRAINT_LOOP ? joint_type_name(c.joint_type) : types[c.type]));
-    const dynConstraint standard = default_constraint(c.type);
-    const auto number = [&](const char* attribute, double x, double missing) {
-      if (x != missing) put(e, attribute, x);
-    };
-    number("stiffness", c.stiffness, standard.stiffness), number("damping", c.damping, standard.damping), number("restitution", c.restitution, standard.restitution);
-    number("length", c.length, standard.length), number("pitch", c.pitch, standard.pitch), number("force", c.force, standard.force);
-    if (c.type == DYN_CONSTRAINT_COUPLING) put(e, "coefficients", std::span(c.coefficients));
-    const bool of_joints = between_joints(c.type);
-    const auto end = [&](const char* which, int at, const double* placement) {
-      if (at <= 0) return;
-      Out& x = *e.InsertNewChildElement(which);
-      put(x, of_joints ? "joint" : "link", of_joints ? std::string(m.string(m.joints()[at].name)) : frame_name(at));
-      put_origin(x, load_se3(placement));
-    };
-    end("first", c.first, c.placement1), end("second", c.second, c.placement2);
-    if (c.type == DYN_CONSTRAINT_LOOP) put(*e.InsertNewChildElement("axis"), "xyz", std::span(c.axis)), put(*e.InsertNewChildElement("axis2"), "xyz", std::span(c.axis2));
-    if (!c.enabled) losses.loss("that constraints are switched off", name);
-    losses.note("constraints stand in a <libdyn> block, which other readers skip", name);
-  }
-}
-
-void UrdfWriter::say_what_is_lost() {
-  for (Index k = 0; k < m.n.actuators; ++k) losses.loss("actuators", m.string(m.actuators()[k].name));
-  for (Index k = 1; k < m.n.configurations; ++k) losses.loss("named configurations (an SRDF has them)", m.string(m.configuration_names()[k]));
-  for (Index k = 0; k < m.n.disabled; ++k) losses.loss("disabled pairs (an SRDF has them)", frame_name(m.disabled_pairs()[k].frame1));
-  for (Index k = 0; k < m.n.pairs; ++k)
-    if (m.pairs()[k].wanted) losses.loss("pairs that are tested whatever the filter says", m.string(m.shapes()[m.geoms()[m.pairs()[k].a].shape].name));
-  if (m.gravity[0] != 0 || m.gravity[1] != 0 || m.gravity[2] != -9.81) losses.loss("gravity (an option of loading): it is " + words(m.gravity) + " m/s^2");
-  if (m.density != 0 || m.viscosity != 0) losses.loss("the medium: its density, viscosity and wind");
-  if (floating) losses.note("what holds the root link is an option of loading: load with base = DYN_BASE_FLOATING");
-  else if (main[0] >= 0) losses.note("what holds the root link is an option of loading: load with base = DYN_BASE_FIXED");
-  for (Index k = 0; floating && k < 6; ++k)
-    if (m.armature()[k] != 0 || m.damping()[k] != 0 || m.friction()[k] != 0) return losses.loss("armature, damping and dry friction of the floating base");
 }
 
 std::string UrdfWriter::write() {

@@ -32,4 +32,6 @@ class UrdfWriter {
   bool floating;  // the root link is free, which the reader says
 };
 
+void put_origin(Out& parent, const SE3<double>& X);
+
 }  // namespace dyn::load

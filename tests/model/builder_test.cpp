@@ -24,6 +24,29 @@ const FrameRecord& frame(const Model& m, const std::string& name) {
   throw std::runtime_error("no frame " + name);
 }
 
+// q_a = 2 q_b + 1, q_b = 3 q_c + 5, whichever is added first.
+TEST(Builder, MimicOfMimicInAnyOrder) {
+  std::vector<std::string> order = {"a", "b", "c"};
+  do {
+    Builder b("chain");
+    for (const std::string& name : order) {
+      JointSpec s = hinge(name);
+      if (name == "a") s.mimic = "b", s.mimic_ratio = 2, s.mimic_offset = 1;
+      if (name == "b") s.mimic = "c", s.mimic_ratio = 3, s.mimic_offset = 5;
+      b.joint(s), link(b, name);
+    }
+    const ModelPtr m = b.finish();
+    EXPECT_EQ(1, m->n.nv) << order[0] << order[1] << order[2];
+    for (Index j = 1; j < m->n.joints; ++j) {
+      const JointRecord& r = m->joints()[j];
+      const char name = *m->string(r.name);
+      EXPECT_EQ(name == 'c', r.leader < 0) << order[0] << order[1] << order[2];
+      EXPECT_EQ(name == 'a' ? 6 : name == 'b' ? 3 : 1, r.ratio);
+      EXPECT_EQ(name == 'a' ? 11 : name == 'b' ? 5 : 0, r.offset);
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
 TEST(Builder, DepthFirstChildrenInTheOrderOfAddition) {
   Builder b("order");
   for (const auto& [name, parent] : std::vector<std::pair<std::string, std::string>>{

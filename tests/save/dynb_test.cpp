@@ -17,6 +17,14 @@ void expect_identical(const Model& m) {
   EXPECT_NE(m.id, back->id);
 }
 
+SurfacePtr tetrahedron() {
+  const double x[8] = {0, 1, 0, 0}, y[8] = {0, 0, 1, 0}, z[8] = {0, 0, 0, 1, 1, 1, 1, 1}, s = std::sqrt(1 / 3.0);  // the last vertex repeated
+  const double planes[16] = {0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, 0, s, s, s, s};
+  const Index start[5] = {0, 3, 6, 9, 12}, faces[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}, neighbours[12] = {1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2};
+  const shape::Hull h{4, 4, 12, x, y, z, planes, start, faces, start, neighbours, Vec3<double>::make(0.25, 0.25, 0.25), 1};
+  return std::make_shared<SurfaceData>(SurfaceData{Held<shape::Hull>(h)});
+}
+
 // Shapes of every kind that has arrays, an actuator, a constraint, a pair, a configuration: all that a block may hold.
 ModelPtr furnished() {
   Tree t = random_tree(4, {5, 0.3, 0.3, 0.1, 0.35, 0.5, {}});
@@ -37,6 +45,9 @@ ModelPtr furnished() {
   Shape ground{"ground", DYN_SHAPE_HEIGHT_FIELD, DYN_ROLE_COLLISION, "universe", placement(dice.pose(5)), {1, 1, 1}, ""};
   ground.surface = height_grid(heights.data(), 3, 3, 1, 1, -1);
   b.shape(ground);
+  Shape hull{"hull", DYN_SHAPE_CONVEX, DYN_ROLE_COLLISION, t.bodies[2].name, placement(dice.pose(5)), {1, 1, 1}, ""};
+  hull.surface = tetrahedron();
+  b.shape(hull);
   b.shape({"box", DYN_SHAPE_BOX, DYN_ROLE_COLLISION, t.bodies[1].name, placement(dice.pose(5)), {1, 2, 3}, ""});
   b.pair("box", "ground", nullptr);
   for (const JointSpec& s : t.joints)

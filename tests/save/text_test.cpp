@@ -96,6 +96,28 @@ TEST(Mjcf, TreesComeBack) {
   }
 }
 
+// Three slides and a ball: the same places, other velocities.
+TEST(Mjcf, FreeJointsOnSomethingKeepTheirCoordinates) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    TreeOptions options;
+    options.joints = 5, options.mimic = 0, options.types = {DYN_JOINT_FREE_FLYER, DYN_JOINT_REVOLUTE};
+    const ModelPtr m = random_tree(seed, options).build();
+    SaveReport lines;
+    const ModelPtr back = again(*m, DYN_FORMAT_MJCF, DYN_BASE_UNSPECIFIED, &lines);
+    bool free = false;
+    for (Index i = 1; i < m->n.bodies; ++i) free |= m->bodies()[i].type == BodyType::FreeFlyer;
+    EXPECT_EQ(free, lost(lines, "free joints that stand on something"));
+    ASSERT_EQ(m->n.nq, back->n.nq);
+    const State s(*m, seed);
+    const Results x(*m, s.q, VectorXd::Zero(m->n.nv)), y(*back, s.q, VectorXd::Zero(m->n.nv));
+    for (Index f = 1; f < m->n.frames; ++f)
+      for (Index g = 1; g < back->n.frames; ++g) {
+        if (std::strcmp(m->string(m->frames()[f].name), back->string(back->frames()[g].name))) continue;
+        EXPECT_LE((x.frames[std::size_t(f)] - y.frames[std::size_t(g)]).cwiseAbs().maxCoeff(), 1e-12);
+      }
+  }
+}
+
 constexpr const char* scene = R"(<mujoco model="scene"><option gravity="0 0.5 -9" density="1.2" viscosity="0.01" wind="1 0 0"/>
 <asset><hfield name="hill" nrow="3" ncol="4" size="2 1 0.5 0.2" elevation="0 0 0 0 0.1 0.7 1 0 0 0.2 0 0"/></asset>
 <worldbody><geom name="floor" type="plane" size="0 0 1" friction="0.7"/><geom name="hill" type="hfield" hfield="hill" pos="5 0 0"/>
