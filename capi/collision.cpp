@@ -174,7 +174,7 @@ dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int 
     if (before != DYN_PAIR_MESH) call.d().pair_states[k] = tested ? DYN_PAIR_TESTED : before == DYN_PAIR_TESTED ? DYN_PAIR_OFF : before;
   }
   call.d().drop(Stage::Distances);
-  if (call.d().step) call.d().step->clearance.between = 0;
+  if (call.d().step) call.d().step->clearance.square = 0, call.d().step->pair_count = -1;
   return DYN_OK;
 }
 

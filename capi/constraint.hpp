@@ -1,6 +1,7 @@
 // What the wrappers of constraints share.
 #pragma once
 
+#include "dyn/simulation/workspace.hpp"
 #include "checks.hpp"
 #include "dyn/constraint/algorithms.hpp"
 
@@ -20,7 +21,10 @@ inline bool good_slot(Call& call, int slot) {
 }
 
 // Nothing that was computed belongs to the slots any more.
-inline void drop_constraints(Data<double>& d) { d.drop(Stage::ConstrainedDdq); }
+inline void drop_constraints(Data<double>& d) {
+  d.drop(Stage::ConstrainedDdq);
+  if (d.step) d.step->clearance.square = 0;
+}
 
 // With mimic joints M and its factor were made on the way; nobody has looked whether they are finite.
 inline void forget_mass(Call& call) {

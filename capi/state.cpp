@@ -81,7 +81,7 @@ dynStatus dyn_state_restore(const dynModel* model, dynData* data, const void* me
   for_each_input(m, d, [&](double* x, Index n) { n ? std::memcpy(x, at, std::size_t(n) * sizeof(double)) : nullptr, at += std::size_t(n) * sizeof(double); });
   for (Index i = 0; i < input_count; ++i) d.changed(Input(i));
   d.time[0] = header.time;
-  d.step->contact_count = Index(header.contacts);
+  d.step->contact_count = Index(header.contacts), d.step->clearance.square = 0;
   if (header.contacts) std::memcpy(d.step->contacts, at, std::size_t(header.contacts) * sizeof(dynContactForce));
   return DYN_OK;
 }

@@ -52,20 +52,55 @@ void carry_over(Workspace& w) {
   }
 }
 
+// The ball that a body's points at a distance of `reach` from it stay in: chains of revolute and spherical joints keep their lengths.
+struct Ball {
+  Vec3<double> center;
+  double radius;
+};
+Ball within(const Model& m, const Data<double>& d, Index geom) {
+  const Geom& g = d.geoms[geom];
+  if (g.body == 0) return {g.X.p, g.reach};
+  double radius = shape::norm(g.X.p) + g.reach;
+  for (Index i = g.body;; i = m.bodies()[i].parent) {
+    const Body& b = m.bodies()[i];
+    if (b.type != BodyType::Revolute && b.type != BodyType::RevoluteUnbounded && b.type != BodyType::Spherical) return {d.p[i], shape::infinity};
+    if (b.parent == 0) return {d.p[i], radius};
+    radius += shape::norm(d.p[i] - d.p[b.parent]);
+  }
+}
+
+// Pairs that are tested and can ever meet, and their shapes.
+void find_pairs(const Model& m, const Data<double>& d) {
+  Workspace& w = *d.step;
+  w.pair_count = w.geom_count = 0;
+  std::fill_n(w.speeds, m.n.geoms, 0.0);
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
+    const Index a = m.pairs()[k].a, b = m.pairs()[k].b;
+    const Ball A = within(m, d, a), B = within(m, d, b);
+    const double near = 0.02 * std::min(d.geoms[a].reach, d.geoms[b].reach);
+    if (!(shape::norm(A.center - B.center) * (1 - 1e-9) > A.radius + B.radius + near)) w.pairs[w.pair_count++] = k, w.speeds[a] = w.speeds[b] = 1;
+  }
+  for (Index k = 0; k < m.n.geoms; ++k)
+    if (w.speeds[k] > 0) w.geoms[w.geom_count++] = k;
+}
+
 }  // namespace
 
 Index find_contacts(const Model& m, Data<double>& d, double h, double& between) {
   Workspace& w = *d.step;
   std::swap(w.contacts, w.before);
   w.before_count = w.contact_count, w.contact_count = 0;
-  for (Index k = 0; k < m.n.geoms; ++k) {
+  if (w.pair_count < 0) find_pairs(m, d);
+  for (Index i = 0; i < w.geom_count; ++i) {
+    const Index k = w.geoms[i];
     d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
     w.speeds[k] = fastest(d, k);
   }
   Manifold found;
   between = shape::infinity;
-  for (Index k = 0; k < m.n.pairs; ++k) {
-    if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
+  for (Index n = 0; n < w.pair_count; ++n) {
+    const Index k = w.pairs[n];
     const Index ia = m.pairs()[k].a, ib = m.pairs()[k].b;
     const Geom &a = d.geoms[ia], &b = d.geoms[ib];
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];

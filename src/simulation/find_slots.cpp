@@ -34,6 +34,7 @@ struct Finder {
   const double* v;  // free
   double h;
   Index count = 0, added = 0;  // active slots, those in w.slots
+  double between = shape::infinity;  // the nearest two shapes
 
   // The side of a limit that is nearer: C = gap >= 0.
   void limit(Slot<double>& s, double q, double lower, double upper) const {
@@ -69,7 +70,7 @@ struct Finder {
     if (!(d.acting & DYN_EFFECT_LIMITS)) return;
     for (Index k = 0; k < m.n.limits; ++k) {
       const LimitRecord& r = m.limits()[k];
-      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], reach = 3 * h * std::abs(v[r.dof]) + 1e-4;
+      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], reach = 3 * h * std::abs(v[r.dof]) + limit_reach;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
       if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS)) continue;
       Slot<double>& s = next();
@@ -83,9 +84,7 @@ struct Finder {
   }
   void contacts() {
     if (m.n.contacts == 0) return;
-    double between = 0;
-    if (find_contacts(m, d, h, between) == 0) note_clearance(m, d, v, h, between);
-    else w.clearance.between = 0;
+    find_contacts(m, d, h, between);
     for (Index k = 0; k < w.contact_count; ++k) {
       Slot<double>& s = next();
       contact_slot(m, d, k, s);
@@ -102,11 +101,12 @@ struct Finder {
 
 Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);
-  if (active_rows(m, d) == 0 && all_clear(m, d, v, h)) return 0;
+  if (m.n.contacts == 0 && active_rows(m, d) == 0 && limits_far(m, d, v, h)) return note_clearance(m, d, v, h, shape::infinity), 0;
   prepare_columns(m, d);
   root_velocities(m, d, v);
   Finder find{m, d, *d.step, v, h};
   find.constraints(), find.limits(), find.contacts();
+  note_clearance(m, d, v, h, find.count == 0 && active_rows(m, d) == 0 ? find.between : 0);
   order_by_islands(m, d, find.count);
   return find.count;
 }

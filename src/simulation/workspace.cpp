@@ -12,12 +12,12 @@ template <class F>
 void for_each_array(const Model& m, Workspace& w, F&& f) {
   const std::ptrdiff_t slots = step_slots(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers, room = row_room(island_rows(m));
   if (slots == 0) return;
-  f(w.materials, m.n.geoms), f(w.speeds, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
+  f(w.materials, m.n.geoms), f(w.speeds, m.n.geoms), f(w.pairs, m.n.pairs), f(w.geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.slots, own), f(w.support, own * carriers), f(w.carried, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));
   f(w.blocks, slots), f(w.by_dof, m.n.nv);
-  f(w.clearance.limit_runs, m.n.limits), f(w.clearance.q, m.n.nq), f(w.clearance.lever, m.n.nv);
+  f(w.clearance.q, m.n.nq), f(w.clearance.lever, m.n.nv);
   w.elimination.arrays(Index(slots), m.n.bodies, f);
   f(w.newton, slots), f(w.newton_vectors, newton_vectors * row_room(step_rows(m)));
   f(w.newton_rhs, 8 * slots), f(w.diagonal, 48 * slots), f(w.where, slots), f(w.newton_acts, slots);
@@ -60,7 +60,7 @@ Workspace* place(const Model& m, void* memory) {
   });
   w.options = default_options();
   if (step_slots(m) == 0) return &w;
-  find_trees(m, w.tree_of), place_clearance(m, w.clearance);
+  w.pair_count = -1, find_trees(m, w.tree_of), w.clearance.possible = has_clearance(m);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
   solver::place(w.solver, island_rows(m), w.solver_memory);
   return &w;

@@ -13,8 +13,10 @@ namespace dyn::integrator {
 // From the free velocity to that at the end of the step. true: the configuration is to be corrected, too, by s.f.
 template <class T>
 bool meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
-  if constexpr (std::is_same_v<T, double>)
+  if constexpr (std::is_same_v<T, double>) {
+    if (simulation::all_clear(m, d, h)) return false;
     if (const Index slots = simulation::find_slots(m, d, d.v, h)) return simulation::solve_slots(m, d, slots, s.y0 + m.n.nv, h, d.v, s.f);
+  }
   return false;
 }
 

@@ -1,31 +1,27 @@
-// What need not be looked for again. After contacts were looked for and nothing was near, no two shapes meet before the joints have moved by
-// what was between the nearest two: a joint moves what it carries by at most its lever times its change. A step within that is left out, and
-// with it placements, pairs and rows; its result is the same to the last bit. Of trees of joints with one coordinate.
+// What need not be looked for again. After a search in which nothing was near, neither limits nor two shapes meet before the joints have moved
+// by what was left: a joint moves what it carries by at most its lever times its change. Steps within that leave out placements, pairs and
+// rows; their results are the same to the last bit. Of trees of joints with one coordinate.
 #pragma once
 
 #include "dyn/model/data.hpp"
 
 namespace dyn::simulation {
 
-struct LimitRun {
-  Index q, dof, count;
-};
-
 struct Clearance {
-  double between;        // what is left, m; not above 0: unknown
-  double *q, *lever;     // where that was; of degrees of freedom
-  LimitRun* limit_runs;  // coordinates one after another
-  Index runs;
+  double square;      // of what is left, over twice the number of joints; 0: unknown
+  double *q, *lever;  // where that was; m of contact for each unit of the coordinate. Whole packs
   bool possible;
 };
 
-// Neither limits nor contacts act in a step of h with the free velocity v (one for each degree of freedom).
-bool all_clear(const Model& m, const Data<double>& d, const double* v, double h);
+// Nothing acts in a step of h that would end with the velocities of d.
+bool all_clear(const Model& m, const Data<double>& d, double h);
 
-// After contacts were looked for in vain, with nothing nearer than that.
+// After a search in vain, with the velocities v, in which no two shapes were nearer than `between`, if that is positive.
 void note_clearance(const Model& m, Data<double>& d, const double* v, double h, double between);
 
-// Of a new data.
-void place_clearance(const Model& m, Clearance& c);
+bool has_clearance(const Model& m);
+
+// No limit is within reach.
+bool limits_far(const Model& m, const Data<double>& d, const double* v, double h);
 
 }  // namespace dyn::simulation

@@ -12,7 +12,7 @@ namespace dyn::simulation {
 
 // Whether steps of this data may meet rows at all.
 inline bool has_rows(const Model& m, const Data<double>& d) {
-  if (m.n.contacts > 0 || (d.acting & DYN_EFFECT_LIMITS)) return true;
+  if ((m.n.contacts > 0 && d.step->pair_count != 0) || (d.acting & DYN_EFFECT_LIMITS)) return true;
   for (Index k = 0; k < m.n.slots; ++k)
     if (d.slots[k].rows) return true;
   return false;
@@ -25,6 +25,8 @@ inline bool may_jump(const Model& m, const Data<double>& d) {
     if (d.slots[k].rows && one_sided(d.slots[k].c.type)) return true;
   return false;
 }
+
+inline constexpr double limit_reach = 1e-4;  // m, rad: limits this near count however slow the joint is
 
 // After forward dynamics, with its free velocity v_free: contacts within reach of a step of h, limits, constraints. Answers how many slots
 // act; by islands in d.step->order, and contacts in d.step->contacts.

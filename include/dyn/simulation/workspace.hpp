@@ -66,6 +66,8 @@ struct Workspace {
   Clearance clearance;
   dynMaterial* materials;       // of collision shapes
   double* speeds;               // no point of theirs is faster
+  Index *pairs, *geoms;         // pairs that can ever meet, and their shapes
+  Index pair_count, geom_count;  // -1: to be found
   Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
   Motion<double>* root_velocity;  // of bodies: free, W at the tree's root
   Slot<double>* slots;          // of contacts and limits

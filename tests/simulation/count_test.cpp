@@ -1,0 +1,79 @@
+// A step takes instructions for what acts in it alone: counted one by one, and the same to the last bit with what does not act.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "capi/support.hpp"
+#include "effects/scenes.hpp"
+
+namespace {
+
+using bench::Counted;
+
+long count(const std::string& text, std::uint32_t effects = DYN_EFFECT_ALL) {
+  Counted c(text, effects);
+  const long n = c.step();
+  EXPECT_EQ("", c.error);
+  return n;
+}
+#define SKIP_UNCOUNTED(n) \
+  if ((n) < 0) GTEST_SKIP() << "this system does not let a process trace its child"
+
+TEST(StepInstructions, ChainIsForwardDynamicsAndIntegration) {
+  Counted c(bench::scene(bench::chain(10, "", bench::masked)));
+  const long step = c.step(), bare = c.bare();
+  SKIP_UNCOUNTED(step);
+  EXPECT_LE(double(step), 1.02 * double(bare));
+}
+
+TEST(StepInstructions, FarShapesAddNothing) {
+  const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
+  SKIP_UNCOUNTED(alone);
+  EXPECT_LE(double(count(bench::scene(bench::chain(10, "", bench::touching) + bench::far_boxes(900)))), 1.01 * double(alone));
+}
+
+TEST(StepInstructions, InactiveLimits) {
+  const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
+  SKIP_UNCOUNTED(alone);
+  EXPECT_LE(count(bench::scene(bench::chain(10, bench::limited, bench::masked))) - alone, 10 * 10);
+}
+
+// What a model has and its data leaves out costs what a model without it does.
+TEST(StepInstructions, EffectsSwitchedOff) {
+  const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
+  SKIP_UNCOUNTED(alone);
+  const struct {
+    const char* joint;
+    std::uint32_t effect;
+  } effects[] = {{bench::limited, DYN_EFFECT_LIMITS}, {bench::damped, DYN_EFFECT_DAMPING}, {"stiffness='1'", DYN_EFFECT_SPRINGS}, {"armature='.01'", DYN_EFFECT_ARMATURE}};
+  for (const auto& e : effects)
+    EXPECT_NEAR(double(count(bench::scene(bench::chain(10, e.joint, bench::masked)), DYN_EFFECT_ALL & ~e.effect)), double(alone), 0.01 * double(alone)) << e.joint;
+}
+
+// The chain swings past a box and to its limits and back: steps that leave the search out end where those without clearance do.
+TEST(Clearance, ChangesNothing) {
+  const std::string box = "<geom type='box' size='.1 .1 .1' pos='.3 0 -.9' contype='0' conaffinity='1'/>";
+  const std::string text = bench::scene(bench::chain(6, "limited='true' range='-100 100'", bench::touching) + box);
+  Counted a(text), b(text);
+  ASSERT_EQ("", a.error + b.error);
+  dynArray qa{}, qb{};
+  qa.struct_size = qb.struct_size = sizeof qa;
+  ASSERT_EQ(DYN_OK, dyn_data_array(a.m, a.d, dyn_field_id("q"), &qa));
+  ASSERT_EQ(DYN_OK, dyn_data_array(b.m, b.d, dyn_field_id("q"), &qb));
+  int met = 0;
+  for (int k = 0; k < 3000; ++k) {
+    ASSERT_EQ(DYN_OK, dyn_data_set_pair(b.m, b.d, 0, 0));  // forgets what was found
+    ASSERT_EQ(DYN_OK, dyn_data_set_pair(b.m, b.d, 0, 1));
+    ASSERT_EQ(DYN_OK, dyn_step(a.m, a.d));
+    ASSERT_EQ(DYN_OK, dyn_step(b.m, b.d));
+    dynStepReport r{};
+    r.struct_size = sizeof r;
+    ASSERT_EQ(DYN_OK, dyn_data_step_report(a.m, a.d, &r));
+    met += r.rows > 0;
+    for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_EQ(qa.data[i], qb.data[i]) << k << " " << i;
+  }
+  EXPECT_GT(met, 10);
+  EXPECT_LT(met, 2900);
+}
+
+}  // namespace
