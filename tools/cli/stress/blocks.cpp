@@ -35,6 +35,9 @@ double arch_sinks(int count, double thickness, double duration, Curve& curve) {
   }
   Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3);
   play.set_state(q);
+  dynStepOptions options = play.stepping();
+  options.max_iterations = 200;  // more rows than are solved by one matrix: sweeps
+  play.set_stepping(options);
   const auto crown = static_cast<std::size_t>(7 * (count / 2) + 2);
   double sunk = 0;
   for (int k = 0; k < static_cast<int>(duration / 1e-3) && std::abs(sunk) < 0.05; ++k) {

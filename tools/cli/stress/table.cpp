@@ -68,7 +68,7 @@ const std::vector<Case>& cases() {
       {"painleve", "friction", "residual of the contact problem", "0", 1e-8, "1002 states for which rigid bodies have no acceleration or two", false, painleve},
       {"cards", "friction", "sunk in 3 s, m (those that must fall do)", "mu = tan(phi) / 2", 1e-6, "three angles, mu 0.1 % above and below what they need", false, cards},
       {"overhang", "blocks", "top moved in 3 s, m (it falls where it must)", "sum of 1 / (2 k)", 1e-6, "ten blocks over an edge, 0.1 % less and more than they can", false, overhang},
-      {"arch-stands", "blocks", "crown sunk in 10 s, m", "limit analysis: t/R = 0.10746", 1e-4, "20 voussoirs, t/R = 0.110", true, arch_stands},
+      {"arch-stands", "blocks", "crown sunk in 10 s, m", "limit analysis: t/R = 0.10746", 1e-4, "20 voussoirs, t/R = 0.110", false, arch_stands},
       {"arch-falls", "blocks", "it falls", "limit analysis: t/R = 0.10746", 0, "20 voussoirs, t/R = 0.104", true, arch_falls},
 
       {"zeno", "impacts", "time of rest, in steps of 1 ms", "sqrt(2 h / g) (1 + e) / (1 - e)", 1, "bounces without number in a finite time", false, zeno},
