@@ -141,9 +141,9 @@ struct Free {
 ModelPtr load_dynb(const std::string& bytes, const std::string& file, const LoadOptions& options) {
   const std::string where = file.empty() ? "" : load::printable(file) + ": ";
   try {
+    load::check_header(bytes);
     if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() || options.meshes != DYN_MESH_NONE)
       throw Error(DYN_ERROR_ARGUMENT, "a .dynb holds the model as it was loaded: leave out base, cos_sin, srdf and meshes, or load the robot file");
-    load::check_header(bytes);
     const std::size_t size = bytes.size() - sizeof(load::DynbHeader);
     const std::unique_ptr<void, load::Free> block(allocate_block(size));
     if (!block) throw std::bad_alloc();

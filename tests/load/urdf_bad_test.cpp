@@ -55,7 +55,7 @@ const Case cases[] = {
     {"Mjcf", "<?xml version=\"1.0\"?><!-- x --><mujocoinclude/>", DYN_ERROR_PARSE, {"MJCF", "include"}},
     {"Sdf", "<sdf version=\"1.6\"/>", DYN_ERROR_UNSUPPORTED, {"SDF"}},
     {"OtherRoot", "\n<robots/>", DYN_ERROR_PARSE, {"line 2", "<robots>", "<robot>"}},
-    {"Binary", "DYNB\x01\x02", DYN_ERROR_UNSUPPORTED, {"binary"}},
+    {"Dynb", "DYNB\x01\x02", DYN_ERROR_PARSE, {"damaged", "header"}},
     {"Zip", "PK\x03\x04 zip", DYN_ERROR_UNSUPPORTED, {"binary"}},
     {"Utf16", "\xFF\xFE<", DYN_ERROR_PARSE, {"UTF-16", "UTF-8"}},
     {"Xacro", robot("<xacro:macro name=\"leg\"/>"), DYN_ERROR_UNSUPPORTED, {"line 2", "xacro:macro", "run xacro first"}},
