@@ -13,7 +13,6 @@ constexpr double damping = 1e-2;    // the same, where a step without makes noth
 constexpr double least_step = 0.2;
 constexpr double jammed = 100;      // impulses that exceed those of all free velocities so much are stress that friction locks in
 constexpr Index most_steps = 30;
-constexpr Index order_of[7][6] = {{}, {0}, {}, {2, 0, 1}, {2, 0, 1, 3}, {}, {2, 0, 1, 3, 4, 5}};  // the normal first
 constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 
 template <int R>
@@ -347,11 +346,15 @@ bool Newton<R>::run(double tolerance, Index most_iterations, dynContactReport& r
 
 }  // namespace
 
+bool Island::sparse() {
+  if (!eliminated) eliminated = w.elimination(*this) ? 1 : -1;
+  return eliminated > 0 && (large() || 4 * std::ptrdiff_t(w.elimination.entries(slots)) < std::ptrdiff_t(slots) * (slots - 1));
+}
+
 bool Island::newton(dynContactReport& report) {
+  if (!sparse()) return false;
   Index most = 0;
   for (Index k = 0; k < slots; ++k) most = std::max(most, slot(k).s->rows);
-  if (!eliminated) eliminated = w.elimination(*this) ? 1 : -1;
-  if (eliminated < 0) return false;
   const std::ptrdiff_t entries = w.elimination.entries(slots);
   auto run = [&]<int R>() {
     if (2 * BlockFactor<R>::size * entries > w.block_room) return false;

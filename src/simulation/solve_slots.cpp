@@ -16,10 +16,10 @@ void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
   if (stays(report)) {
-  } else if (!bounces && newton(report)) {
+  } else if (!bounces && sparse() && newton(report)) {
     velocities();
   } else {
-    if (large() || !bounces) sweep_to_rest(report);
+    if (large() || (!bounces && sparse())) sweep_to_rest(report);
     if (!large() && report.residual > w.options.tolerance) solve(report);
   }
   for (Index k = 0; k < slots; ++k) {

@@ -10,8 +10,6 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr Index order_of[7][6] = {{}, {0}, {}, {2, 0, 1}, {2, 0, 1, 3}, {}, {2, 0, 1, 3, 4, 5}};  // the normal first
-
 constexpr int few_sweeps = 4;  // of a guess that is nearly good: cheaper than a matrix
 
 struct Sweeper {

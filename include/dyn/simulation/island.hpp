@@ -5,6 +5,9 @@
 
 namespace dyn::simulation {
 
+// Rows of a contact, by how many they are: the normal first.
+inline constexpr Index order_of[7][6] = {{}, {0}, {}, {2, 0, 1}, {2, 0, 1, 3}, {}, {2, 0, 1, 3, 4, 5}};
+
 struct Island {
   const Model& m;
   Data<double>& d;
@@ -36,6 +39,7 @@ struct Island {
 
   // by its blocks (newton.cpp): from lambda, to a better one. true: it is good enough
   bool newton(dynContactReport& report);
+  bool sparse();  // less than half of the blocks are filled; those of one tree or two are better off with the whole matrix
 
   // without (sweeps.cpp): Gauss-Seidel that knows what rows leave at degrees of freedom. Whether the guess will do; otherwise sweeps
   void prepare_blocks();
