@@ -19,11 +19,11 @@ struct Scaler {
   const dynContactProblem& x;
   Problem& p;
   std::ptrdiff_t stride;
-  double fallback, least;  // of rows that nothing moves, but by rounding
+  double fallback, least;  // of rows that nothing moves; of equalities and limits that rounding alone moves
 
   double diagonal(Index row) const { return x.G[row * stride + row] + at(x.compliance, row); }
   // a power of two, for scaling without round-off
-  double root(double diagonal) const { return diagonal > least ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback; }
+  double root(double diagonal, double least_one = 0) const { return diagonal > least_one ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback; }
   void add(Index row, double d, double unit, double lower, double upper) {
     const Index i = p.n++;
     p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.lower[i] = lower / d, p.upper[i] = upper / d, p.approach[i] = 0;
@@ -69,7 +69,7 @@ void scale(const dynContactProblem& x, Problem& p) {
   p.bounces = false;
   for (Index i = 0; i < first; ++i) {
     const bool box = i >= x.equalities;
-    const double d = s.root(s.diagonal(i));
+    const double d = s.root(s.diagonal(i), s.least);
     s.add(i, d, d, box ? x.lower[i - x.equalities] : -HUGE_VAL, box ? x.upper[i - x.equalities] : HUGE_VAL);
   }
   for (const bool cones : {false, true}) {
