@@ -93,7 +93,7 @@ void check_by_building(const Model& m) {
       std::array<double, 9> inertia;
       std::copy(l.inertia, l.inertia + 9, inertia.begin());
       b.body(name, on(r.joint), placement(r.placement), l.mass, {l.com[0], l.com[1], l.com[2]}, inertia);
-      b.gravity_compensation(name, l.compensation);
+      b.gravity_compensation(name, m.compensation(r.link));
     } else if (r.type == DYN_FRAME_FIXED_JOINT) {
       JointSpec s;
       s.name = name, s.type = DYN_JOINT_FIXED, s.parent = on(r.joint), s.placement = placement(r.placement);
@@ -122,7 +122,7 @@ void check_by_building(const Model& m) {
   for (Index k = 0; k < m.n.pairs; ++k) {
     const PairRecord& p = m.pairs()[k];
     const auto name = [&](Index geom) { return std::string(m.string(m.shapes()[m.geoms()[geom].shape].name)); };
-    if (p.wanted) b.pair(name(p.a), name(p.b), p.material ? &m.materials()[p.material - 1] : nullptr);
+    if (p.wanted()) b.pair(name(p.a), name(p.b), p.material() ? &m.materials()[p.material() - 1] : nullptr);
   }
   for (Index k = 1; k < m.n.configurations; ++k) {
     const double* q = m.configurations() + std::ptrdiff_t(k) * m.n.nq;

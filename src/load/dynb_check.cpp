@@ -19,7 +19,7 @@ bool laid_out(const Model& m, const ModelSizes& n, std::size_t bytes) {
   std::uint64_t end = sizeof(Model);
 #define FIELD(type, field, count, sentence)                                    \
   end = round_up(end, alignof(type) > alignof(double) ? 64 : alignof(double)); \
-  if (m.offset[std::size_t(Model::Field::field)] != end) return false;         \
+  if (8 * std::uint64_t(m.offset[std::size_t(Model::Field::field)]) != end) return false;         \
   end += std::uint64_t(count) * sizeof(type);                                  \
   if (end > bytes) return false;
 #include "dyn/model/model_fields.def"
@@ -56,7 +56,7 @@ class Checker {
     for (Index k = 0; k < n.geoms; ++k) index(m.geoms()[k].shape, n.shapes, "shape of a collision shape");
     for (Index k = 0; k < n.pairs; ++k) {
       const PairRecord& p = m.pairs()[k];
-      index(p.a, n.geoms, "shape of a pair"), index(p.b, n.geoms, "shape of a pair"), index(p.material, n.materials + 1, "material of a pair");
+      index(p.a, n.geoms, "shape of a pair"), index(p.b, n.geoms, "shape of a pair"), index(p.material(), n.materials + 1, "material of a pair");
     }
     for (Index k = 0; k < n.reports; ++k) {
       text(m.reports()[k].message);

@@ -35,7 +35,7 @@ std::string save_dynb(const Model& m) {
     if (!aligned) throw std::bad_alloc();                                                                               \
     std::memcpy(aligned.get(), m.field(), bytes);                                                                       \
     clear_padding(static_cast<type*>(aligned.get()), std::size_t(count));                                               \
-    std::memcpy(block + m.offset[std::size_t(Model::Field::field)], aligned.get(), bytes);                              \
+    std::memcpy(block + 8 * std::size_t(m.offset[std::size_t(Model::Field::field)]), aligned.get(), bytes);                              \
   }
 #include "dyn/model/model_fields.def"
 #undef FIELD

@@ -150,7 +150,7 @@ void MjcfWriter::add_moving(Index first) {
 
 void MjcfWriter::add_link(Out& body, Index frame) {
   const LinkRecord& l = m.links()[m.frames()[frame].link];
-  if (l.compensation != 0) put(body, "gravcomp", l.compensation);
+  if (const double held = m.compensation(m.frames()[frame].link); held != 0) put(body, "gravcomp", held);
   if (l.mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
     Out& inertial = *body.InsertNewChildElement("inertial");
     put(inertial, "pos", std::span(l.com)), put(inertial, "mass", l.mass);

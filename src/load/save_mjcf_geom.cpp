@@ -62,7 +62,7 @@ void MjcfWriter::add_geom(Out& body, const ShapeRecord& s, Index k) {
   put_friction(e, material, false);
   if (!is_default(material, false)) losses.loss("restitution, stiffness, damping and surface velocity of materials", called);
   bool wanted = false;
-  for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p) wanted |= p->wanted && (m.geoms()[p->a].shape == k || m.geoms()[p->b].shape == k);
+  for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p) wanted |= p->wanted() && (m.geoms()[p->a].shape == k || m.geoms()[p->b].shape == k);
   if (s.contype == 0 && s.conaffinity == 0 && !wanted) losses.loss("collision shapes whose masks are empty are for looks alone", called);
 }
 
@@ -129,7 +129,7 @@ void MjcfWriter::add_contacts() {
   }
   for (Index k = 0; k < m.n.pairs; ++k) {
     const PairRecord& p = m.pairs()[k];
-    if (!p.wanted) continue;
+    if (!p.wanted()) continue;
     const Index a = m.geoms()[p.a].shape, b = m.geoms()[p.b].shape;
     if (!geom_names.count(a) || !geom_names.count(b)) {
       losses.loss("pairs with shapes that are left out", m.string(m.shapes()[a].name));
@@ -137,8 +137,8 @@ void MjcfWriter::add_contacts() {
     }
     Out& e = *section("contact").InsertNewChildElement("pair");
     put(e, "geom1", geom_names[a]), put(e, "geom2", geom_names[b]);
-    if (p.material == 0) continue;
-    const dynMaterial& x = m.materials()[p.material - 1];
+    if (p.material() == 0) continue;
+    const dynMaterial& x = m.materials()[p.material() - 1];
     put_friction(e, x, true);
     if (!is_default(x, false)) losses.loss("restitution, stiffness, damping and surface velocity of materials", geom_names[a]);
   }

@@ -17,7 +17,7 @@ Out& UrdfWriter::add_link(const std::string& name, Index frame) {
   if (frame < 0) return link;
   if (m.frames()[frame].link >= 0) {
     const LinkRecord& l = m.links()[m.frames()[frame].link];
-    if (l.compensation != 0) losses.loss("weights that are held (gravity compensation)", name);
+    if (m.compensation(m.frames()[frame].link) != 0) losses.loss("weights that are held (gravity compensation)", name);
     if (l.mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
       Out& inertial = *link.InsertNewChildElement("inertial");
       put_origin(inertial, {Mat3<double>::identity(), load3(l.com)});

@@ -45,7 +45,7 @@ void UrdfWriter::say_what_is_lost() {
   for (Index k = 1; k < m.n.configurations; ++k) losses.loss("named configurations (an SRDF has them)", m.string(m.configuration_names()[k]));
   for (Index k = 0; k < m.n.disabled; ++k) losses.loss("disabled pairs (an SRDF has them)", frame_name(m.disabled_pairs()[k].frame1));
   for (Index k = 0; k < m.n.pairs; ++k)
-    if (m.pairs()[k].wanted) losses.loss("pairs that are tested whatever the filter says", m.string(m.shapes()[m.geoms()[m.pairs()[k].a].shape].name));
+    if (m.pairs()[k].wanted()) losses.loss("pairs that are tested whatever the filter says", m.string(m.shapes()[m.geoms()[m.pairs()[k].a].shape].name));
   if (m.gravity[0] != 0 || m.gravity[1] != 0 || m.gravity[2] != -9.81) losses.loss("gravity (an option of loading): it is " + words(m.gravity) + " m/s^2");
   if (m.density != 0 || m.viscosity != 0) losses.loss("the medium: its density, viscosity and wind");
   if (floating) losses.note("what holds the root link is an option of loading: load with base = DYN_BASE_FLOATING");

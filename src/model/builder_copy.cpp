@@ -77,7 +77,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
       e.mass = link.mass;
       std::copy(link.com, link.com + 3, e.com.begin());
       std::copy(link.inertia, link.inertia + 9, e.inertia.begin());
-      e.compensation = link.compensation;
+      e.compensation = m.compensation(r.link);
       e.Y = act(e.X, Inertia<double>::at_com(link.mass, load3(link.com), load33(link.inertia)));
     }
     impl->frame_index[e.name].push_back(int(f));
@@ -118,9 +118,9 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
   }
   for (Index k = 0; k < m.n.pairs; ++k) {
     const PairRecord& r = m.pairs()[k];
-    if (!r.wanted) continue;
+    if (!r.wanted()) continue;
     PairEntry pair{int(m.geoms()[r.a].shape), int(m.geoms()[r.b].shape), std::nullopt};
-    if (r.material) pair.material = m.materials()[r.material - 1];
+    if (r.material()) pair.material = m.materials()[r.material() - 1];
     impl->pairs.push_back(pair);
   }
   for (Index k = 1; k < m.n.configurations; ++k) {  // 0: neutral

@@ -259,13 +259,13 @@ ModelPtr Builder::finish() const {
     store_se3(f.X, r.placement);
     r.link = -1;
     if (f.type == DYN_FRAME_BODY) {
-      LinkRecord link{f.mass, {}, {}, f.compensation};
+      LinkRecord link{f.mass, {}, {}};
       std::copy(f.com.begin(), f.com.end(), link.com);
       std::copy(f.inertia.begin(), f.inertia.end(), link.inertia);
       r.link = n.links++;
       a.links.push_back(link);
     }
-    if (f.mass > 0 && f.compensation != 0 && r.joint > 0) a.held_weights.push_back({r.X.act(load3(f.com.data())), f.mass * f.compensation, r.joint, r.body});
+    if (f.mass > 0 && f.compensation != 0 && r.joint > 0) a.held_weights.push_back({r.X.act(load3(f.com.data())), f.mass * f.compensation, r.joint, r.body, r.link});
     if ((in.density > 0 || in.viscosity > 0) && r.joint > 0)
       if (std::optional<DragBox> box = drag_box(f, r.X)) box->joint = r.joint, box->body = r.body, a.drag_boxes.push_back(*box);
     a.frames.push_back(r);
@@ -274,6 +274,9 @@ ModelPtr Builder::finish() const {
     b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
   }
   n.frames = Index(a.frames.size()), n.held_weights = Index(a.held_weights.size()), n.drag_boxes = Index(a.drag_boxes.size());
+  WantedPairs wanted;
+  for (const PairEntry& p : in.pairs) wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(a.materials, *p.material) : 0;
+  if (a.materials.size() > std::size_t(PairRecord::most_own)) throw Error(DYN_ERROR_LIMIT, "more than 253 different materials of wanted pairs");
   Surfaces surfaces{a};
   for (const ShapeEntry& s : in.shapes) {
     ShapeRecord r{};
@@ -291,9 +294,6 @@ ModelPtr Builder::finish() const {
   n.surface_numbers = Index(a.surface_numbers.size()), n.surface_indices = Index(a.surface_indices.size());
   for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
   n.disabled = Index(a.disabled_pairs.size());
-  WantedPairs wanted;
-  for (const PairEntry& p : in.pairs) wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(a.materials, *p.material) : 0;
-  n.materials = Index(a.materials.size());
   a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs, wanted);
   n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports)
@@ -418,7 +418,8 @@ ModelPtr Builder::finish() const {
   model->density = in.density, model->viscosity = in.viscosity;
   std::copy(in.wind.begin(), in.wind.end(), model->wind);
   for (Index i = 1; i < n.bodies; ++i) model->total_mass += a.bodies[std::size_t(i)].m;
-  std::copy(std::begin(offset), std::end(offset), model->offset);
+  if (bytes / 8 > UINT32_MAX) throw Error(DYN_ERROR_LIMIT, "the model has more than 2^35 bytes: simplify its meshes");
+  std::transform(std::begin(offset), std::end(offset), model->offset, [](std::uint64_t x) { return std::uint32_t(x / 8); });
   char* base = reinterpret_cast<char*>(model.get());
 #define FIELD(type, field, count, sentence) \
   if (!a.field.empty()) std::memcpy(base + offset[std::size_t(Model::Field::field)], a.field.data(), a.field.size() * sizeof(type));

@@ -41,7 +41,7 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
                                    : off.count(std::minmax(shape(a).frame, shape(b).frame)) ? DYN_PAIR_DISABLED
                                    : masked                                                ? DYN_PAIR_MASK
                                                                                            : DYN_PAIR_TESTED;
-      pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint16_t(reason), is_wanted, is_wanted ? special->second : 0});
+      pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint8_t(reason), std::uint8_t(is_wanted ? 1 + special->second : 0)});
     }
   return pairs;
 }
@@ -70,7 +70,7 @@ void judge_pairs(const Model& m, PairRecord* pairs) {
     return a != b && (flies(a) || flies(b));
   };
   for (Index k = 0; k < m.n.pairs; ++k)
-    if (pairs[k].reason == DYN_PAIR_TESTED && !pairs[k].wanted && !apart(pairs[k]) && d.results[k].status == collision::Status::Penetrating) pairs[k].reason = DYN_PAIR_OVERLAPS;
+    if (pairs[k].reason == DYN_PAIR_TESTED && !pairs[k].wanted() && !apart(pairs[k]) && d.results[k].status == collision::Status::Penetrating) pairs[k].reason = DYN_PAIR_OVERLAPS;
 }
 
 }  // namespace dyn

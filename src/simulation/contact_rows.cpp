@@ -23,7 +23,7 @@ void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<dou
   const dynContact& c = w.contacts[contact].contact;
   ContactLaw& law = w.laws[contact];
   const Index a = m.pairs()[c.pair].a, b = m.pairs()[c.pair].b;
-  const Index own = m.pairs()[c.pair].material;
+  const Index own = m.pairs()[c.pair].material();
   law.material = own ? m.materials()[own - 1] : combined(w.materials[a], w.materials[b]);
   law.rows = contact_rows(law.material);
   law.axes[2] = load3(c.normal);

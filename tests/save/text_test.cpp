@@ -158,7 +158,7 @@ TEST(Mjcf, ASceneComesBackWithAllItHas) {
   }
   ASSERT_EQ(a.n.pairs, b.n.pairs);
   for (Index k = 0; k < a.n.pairs; ++k) {
-    EXPECT_EQ(a.pairs()[k].wanted, b.pairs()[k].wanted);
+    EXPECT_EQ(a.pairs()[k].wanted(), b.pairs()[k].wanted());
     EXPECT_EQ(a.pairs()[k].reason, b.pairs()[k].reason);
   }
   ASSERT_EQ(a.n.actuators, b.n.actuators);
@@ -190,7 +190,7 @@ TEST(Mjcf, ASceneComesBackWithAllItHas) {
   }
   ASSERT_EQ(a.n.configurations, b.n.configurations);
   for (Index k = 0; k < a.n.configurations * a.n.nq; ++k) EXPECT_NEAR(a.configurations()[k], b.configurations()[k], 1e-15);
-  for (Index k = 0; k < a.n.links; ++k) EXPECT_EQ(a.links()[k].compensation, b.links()[k].compensation);
+  for (Index k = 0; k < a.n.links; ++k) EXPECT_EQ(a.compensation(k), b.compensation(k));
   for (Index k = 0; k < a.n.nv; ++k) {
     EXPECT_EQ(a.stiffness()[k], b.stiffness()[k]);
     EXPECT_EQ(a.armature()[k], b.armature()[k]);

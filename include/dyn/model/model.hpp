@@ -76,14 +76,13 @@ struct FrameRecord {
 // Of a link itself, in its frame.
 struct LinkRecord {
   double mass, com[3], inertia[9];
-  double compensation;  // share of its weight that is held from outside
 };
 
 // A weight that is held, at a point of the body.
 struct HeldWeight {
   Vec3<double> at;  // in the body's internal frame
   double mass;
-  Index joint, body;
+  Index joint, body, link;
 };
 
 // The box of equal inertia, on which a medium drags.
@@ -127,9 +126,11 @@ inline constexpr Index most_geoms = 1000;
 // Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child.
 struct PairRecord {
   std::uint16_t a, b;
-  std::uint16_t reason;    // dynPairReason: whether new data tests it
-  std::uint16_t wanted;    // 1: tested whatever the filter says
-  std::int32_t material;   // 1 + its own material's number; 0: that of its shapes
+  std::uint8_t reason;  // dynPairReason: whether new data tests it
+  std::uint8_t own;     // 0: the filter decides; else it is wanted: 1: with the material of its shapes, or 2 + the number of another
+  static constexpr Index most_own = 253;
+  bool wanted() const { return own > 0; }
+  Index material() const { return own > 1 ? own - 1 : 0; }  // 1 + its own material's number; 0: that of its shapes
 };
 
 // Two links that are not tested for collision.
@@ -182,14 +183,20 @@ struct Model {
 #undef FIELD
     count_
   };
-  std::uint64_t offset[std::size_t(Field::count_)];
+  std::uint32_t offset[std::size_t(Field::count_)];  // of arrays, by eights of bytes
 
 #define FIELD(type, name, count, sentence) \
-  const type* name() const { return reinterpret_cast<const type*>(reinterpret_cast<const char*>(this) + offset[std::size_t(Field::name)]); }
+  const type* name() const { return reinterpret_cast<const type*>(reinterpret_cast<const char*>(this) + 8 * std::size_t(offset[std::size_t(Field::name)])); }
 #include "dyn/model/model_fields.def"
 #undef FIELD
 
   const char* string(Index at) const { return text() + at; }
+  // Share of a link's weight that is held from outside.
+  double compensation(Index link) const {
+    for (const HeldWeight *w = held_weights(), *end = w + n.held_weights; w != end; ++w)
+      if (w->link == link) return w->mass / links()[link].mass;
+    return 0;
+  }
 };
 
 }  // namespace dyn
