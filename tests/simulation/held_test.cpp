@@ -9,7 +9,7 @@ struct Linkage : Play {
     EXPECT_EQ(DYN_OK, dyn_data_set_effects(m, d, 0, DYN_EFFECT_ARMATURE));
     options.integrator = integrator;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
-    Numbers at(static_cast<std::size_t>(m.nq()), 0.3), rates(at.size(), 5);
+    Numbers at = {-5.852, 6.519, 3.858}, rates(at.size(), 5);
     EXPECT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_CONSTRAINTS, &other));
     EXPECT_EQ(DYN_OK, dyn_project(m, other, at.data(), rates.data(), nullptr, at.data(), rates.data(), nullptr)) << dyn_last_error();
     set(at, rates);

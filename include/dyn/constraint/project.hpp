@@ -71,8 +71,8 @@ struct Descent {
 // Steps from d.q as long as they make |C| less. The damping goes with |C|, so that it ends where J loses rank at the solution, too (a linkage
 // stretched to its full length; Sugihara 2011), each step there leaving a quarter of C, which is row vector 0.
 template <class T>
-Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, Descent<T>& found) {
-  constexpr double least = 1e-9, most = 1e6, round_off = 1e-14;
+Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T least_damping, Descent<T>& found) {
+  constexpr double least = 1e-9, most = 1e6;
   const Index rows = active_rows(m, d);
   const std::ptrdiff_t ld = row_room(rows);
   const RowWork<T> work = row_work(m, d);
@@ -85,7 +85,7 @@ Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
     propagate_rows(m, d), delassus(m, d, rows, d.row_matrix);
     T trace = T(0);
     for (Index i = 0; i < rows; ++i) trace += d.row_matrix[ld * i + i];
-    const T mu = std::max(damping * std::min(T(1), largest_size(C, rows)), T(round_off)) * trace / T(double(rows));
+    const T mu = std::max(damping * std::min(T(1), largest_size(C, rows)), least_damping) * trace / T(double(rows));
     if (!(mu > T(0))) break;
     factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
     for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
@@ -115,7 +115,7 @@ Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
 
 // From a q that no small step makes better, a saddle perhaps, as of a linkage stretched flat: again from beside it. d.q: the better one.
 template <class T>
-Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, Descent<T>& found) {
+Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T least_damping, Descent<T>& found) {
   T *kept = d.constraint_q + m.n.nq, *step = d.constraint_step;
   Random random{1};
   for (const double size : {0.01, 0.3}) {
@@ -124,7 +124,7 @@ Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tol
     for (Index k = 0; k < m.n.nv; ++k) step[k] = T(random.uniform(-size, size));
     integrate(m, static_cast<const T*>(kept), static_cast<const T*>(step), d.q);
     const T before = found.cost;
-    if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, found)) return failed;
+    if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, least_damping, found)) return failed;
     if (found.cost < T(0.999) * before) continue;
     std::copy(kept, kept + m.n.nq, d.q);
     if (const Index failed = project_rows(m, d, weigh)) return failed;
@@ -133,14 +133,15 @@ Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tol
   return 0;
 }
 
-// d.q becomes the solution; v, unless it is nullptr, the velocity nearest to itself that the rows allow there.
+// d.q becomes the solution; v, unless it is nullptr, the velocity nearest to itself that the rows allow there. least_damping: of what the rows
+// take up; more of it keeps rounding from moving d.q where J nearly loses rank.
 template <class T>
-Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result) {
+Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result, T least_damping) {
   const Index rows = active_rows(m, d);
   const T* C = row_vector(m, d, 0);
   Descent<T> descent;
-  if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, descent)) return failed;
-  if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, descent)) return failed;
+  if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, least_damping, descent)) return failed;
+  if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, least_damping, descent)) return failed;
   result.rows = rows, result.iterations = descent.iterations, result.residual = double(largest_size(C, rows));
   result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINED : descent.ended ? DYN_CONSTRAINTS_CONTRADICT : DYN_CONSTRAINT_ITERATIONS;
   result.contradiction = result.reason == DYN_CONSTRAINTS_CONTRADICT ? result.residual : 0;

@@ -122,9 +122,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
   double *q0 = s.stage(1), *v0 = q0 + m.n.nq, *q1 = v0 + m.n.nv, *v1 = q1 + m.n.nq, *apart = v1 + m.n.nv, *act0 = apart + m.n.nv;
   const auto keep = [&] { std::copy_n(d.q, m.n.nq, q0), std::copy_n(d.v, m.n.nv, v0), std::copy_n(d.act, m.n.na, act0); };
   const auto restore = [&] { std::copy_n(q0, m.n.nq, d.q), std::copy_n(v0, m.n.nv, d.v), std::copy_n(act0, m.n.na, d.act); };
-  double by_q = 0, by_v = 0;                          // how far apart
-  double refused_v = 0, refused_h = 0, refused_t = 0;  // by_v of a step that was too long, a while ago; h = 0: none was
-  const auto twice = [&]() -> Index {
+  const auto twice = [&](double& error) -> Index {
     keep();
     if (const Index joint = euler_step(m, d, s, h, true)) return restore(), joint;
     std::copy_n(d.q, m.n.nq, q1), std::copy_n(d.v, m.n.nv, v1);
@@ -132,9 +130,8 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     for (int half = 0; half < 2; ++half)
       if (const Index joint = euler_step(m, d, s, h / 2, true)) return restore(), joint;
     difference(m, q1, d.q, apart);
-    by_q = largest(apart, m.n.nv), by_v = 0;
-    for (Index k = 0; k < m.n.nv; ++k)
-      if (const double x = std::abs(d.v[k] - v1[k]); !(x <= by_v)) by_v = x;
+    error = largest(apart, m.n.nv);
+    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::abs(d.v[k] - v1[k]));
     report.evaluations += 3;
     return 0;
   };
@@ -148,11 +145,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     Index joint = 0;
     if (rows) {
       allowed = std::max(allowed, 0.02 * accuracy), power = 0.5;
-      joint = twice();
-      // a velocity that jumps does so in whichever step, while errors of smooth ones go with h^2: what counts then is how far it leads in this step
-      if (t > refused_t + 10 * refused_h) refused_h = 0;
-      const bool jumps = refused_h > 0 && h < 0.5 * refused_h && by_v > 0.5 * refused_v;
-      error = std::max(by_q, jumps ? h * by_v : by_v);
+      joint = twice(error);
     } else {
       joint = explicit_step<Tableau>(m, d, s, h);
       report.evaluations += Tableau::stages + 1;
@@ -164,7 +157,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       continue;
     }
     if (error <= allowed || (rows && h <= smallest)) {
-      if (rows && std::max(by_q, by_v) <= allowed) {
+      if (rows && error <= allowed) {
         std::copy_n(d.q, m.n.nq, q1), integrate(m, static_cast<const double*>(q1), static_cast<const double*>(apart), d.q);
         for (Index k = 0; k < m.n.nv; ++k) d.v[k] += d.v[k] - v1[k];
       }
@@ -172,7 +165,6 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
     } else {
-      if (rows && refused_h == 0) refused_h = h, refused_v = by_v, refused_t = t;
       if (rows) restore();
       else s.undo(m, d);
       ++report.rejected;

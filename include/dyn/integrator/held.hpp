@@ -62,7 +62,7 @@ Index close_rows(const Model& m, Data<T>& d) {
     for_each_slot(m, d, [&](const Slot<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
     if (gains || active_rows(m, d) == 0) return 0;
     dynConstraintResult result;
-    return project(m, d, 1, true, T(0), d.v, result);  // converges quadratically: once is to rounding
+    return project(m, d, 1, true, T(0), d.v, result, T(1e-9));  // converges quadratically: once is to rounding
   }
   return 0;
 }

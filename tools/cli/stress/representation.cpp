@@ -211,7 +211,7 @@ Outcome units_contact() {
     dynStepOptions options = play.stepping();
     options.tolerance = 1e-15;
     play.set_stepping(options);
-    play.steps(500);
+    play.steps(100);
     Vector out;
     for (const std::size_t body : {0u, 7u, 14u})
       for (std::size_t k = 0; k < 3; ++k) out.push_back(play.q()[body + k] / L);
