@@ -12,14 +12,14 @@ constexpr double worth = 4;   // steps, that a search in vain should spare
 
 // |a| + |b| <= sqrt(2 (a^2 + b^2)), and a sum of n sizes <= sqrt(n sum of squares): with a the changes, b those of this step, limits' reach of three.
 double squares(const Model& m, const Clearance& c, const double* q, const double* v, double h) {
-  using P = Pack<double, 8>;
+  using P = Pack<double, 4>;
   P sums = P::zero();
-  for (Index k = 0; k < m.n.nv; k += 8) {
+  for (Index k = 0; k < m.n.nv; k += 4) {
     const P l = P::load(c.lever + k), a = (P::load(q + k) - P::load(c.q + k)) * l, b = P::load(v + k) * (3 * h) * l;
     sums = sums + a * a + b * b;
   }
   double sum = 0;
-  for (int i = 0; i < 8; ++i) sum += sums[i];
+  for (int i = 0; i < 4; ++i) sum += sums[i];
   return sum;
 }
 
