@@ -162,7 +162,8 @@ DYN_API void dyn_load_options_init(dynLoadOptions* options);
    MJCF: bodies, frames, replicas, attached models, included files; inertials and the masses of geoms by MuJoCo's rules; hinge, slide, ball
    and free joints, several on a body, with reference, limits, armature, damping, dry friction and springs; geoms as shapes (of contype and
    conaffinity 0: visual), meshes (STL, OBJ, MSH, vertices in the file), height fields, sites as frames, classes of defaults, excluded and wanted pairs,
-   actuators of one degree of freedom with affine laws, connect, weld and joint equalities (rigid), gravity, gravcomp, the medium. q is MuJoCo's qpos with quaternions as (x, y, z, w), a free joint's velocity is in the body's axes: see dynStateLayout. The configuration
+   actuators of one degree of freedom with affine laws, connect, weld and joint equalities (rigid), gravity, gravcomp, the medium.
+   q is MuJoCo's qpos with quaternions as (x, y, z, w), a free joint's velocity is in the body's axes: see dynStateLayout. The configuration
    that the file draws is named "qpos0" where it is not the neutral one, keys are named configurations. Joints without a name have their
    body's, with _joint behind it; bodies without one are body_<number in the file>. Tendons, other actuators and equalities, sensors, flexible bodies
    and plugins are in the load report, each with its line. base must be left out or is ignored: the file has free joints; srdf is refused. */
