@@ -194,9 +194,9 @@ Outcome units_mechanism() {
   });
 }
 
-// A ball that comes to roll, and a box that slides to a stop against friction.
-Outcome units_contact() {
-  return in_units([](const Units& u) {
+// A ball that comes to roll, and boxes that slide against friction.
+Outcome sliding_in_units(int steps) {
+  return in_units([steps](const Units& u) {
     Builder b("sliding");
     b.gravity({0, 0, -gravity_in(u)});
     add_ground(b);
@@ -211,12 +211,16 @@ Outcome units_contact() {
     dynStepOptions options = play.stepping();
     options.tolerance = 1e-15;
     play.set_stepping(options);
-    play.steps(100);
+    play.steps(steps);
     Vector out;
     for (const std::size_t body : {0u, 7u, 14u})
       for (std::size_t k = 0; k < 3; ++k) out.push_back(play.q()[body + k] / L);
     return out;
   });
 }
+
+Outcome units_contact() { return sliding_in_units(100); }
+// Until all has come to rest.
+Outcome units_contact_to_rest() { return sliding_in_units(500); }
 
 }  // namespace cli::stress
