@@ -97,6 +97,9 @@ Index find_contacts(const Model& m, Data<double>& d, double h, double& between) 
     d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
     w.speeds[k] = fastest(d, k);
   }
+  double fast = 0;
+  for (Index i = 0; i < w.geom_count; ++i) fast = std::max(fast, w.speeds[w.geoms[i]]);
+  const double most = within_reach(w, h, fast);
   Manifold found;
   between = shape::infinity;
   for (Index n = 0; n < w.pair_count; ++n) {
@@ -105,7 +108,7 @@ Index find_contacts(const Model& m, Data<double>& d, double h, double& between) 
     const Geom &a = d.geoms[ia], &b = d.geoms[ib];
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
     // impulses of the step change velocities: shapes this near one another always count
-    const double near = 0.02 * std::min(a.reach, b.reach), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
+    const double near = std::min(0.02 * std::min(a.reach, b.reach), most), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
     if (!(near < shape::infinity)) continue;
     const double distance = collision::distance_at_least(a, A, b, B);
     between = std::min(between, distance - near);

@@ -68,9 +68,12 @@ struct Finder {
   }
   void limits() {
     if (!(d.acting & DYN_EFFECT_LIMITS)) return;
+    double fast = 0;
+    for (Index k = 0; k < m.n.limits && w.closed > 0; ++k) fast = std::max(fast, std::abs(v[m.limits()[k].dof]));
+    const double near = std::min(limit_reach, within_reach(w, h, fast));
     for (Index k = 0; k < m.n.limits; ++k) {
       const LimitRecord& r = m.limits()[k];
-      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], reach = 3 * h * std::abs(v[r.dof]) + limit_reach;
+      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], reach = 3 * h * std::abs(v[r.dof]) + near;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
       if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS)) continue;
       Slot<double>& s = next();

@@ -8,6 +8,13 @@ namespace {
 
 constexpr double rest = 0.05;  // m/s: what is faster is an impact however long the step
 
+// How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what comes as near as errors may is closed at once:
+// else velocities would depend on gaps that are errors, and on the step.
+double may_close(const Island& x, double gap, double rate) {
+  const double closed = x.w.closed;
+  return gap + x.h * rate <= closed && closed > 0 ? 0 : std::max(0.0, gap - closed) / x.h;
+}
+
 // With gains the acceleration is what these ask for; without, the velocity is zero and what is wrong goes by a correction.
 void fill_equality(const Island& x, const Slot<double>& s) {
   const bool gains = s.c.stiffness > 0 || s.c.damping > 0;
@@ -21,16 +28,24 @@ void fill_equality(const Island& x, const Slot<double>& s) {
 
 void fill_box(const Island& x, const Slot<double>& s, Index k) {
   const Index i = s.first;
-  x.g[i] = s.rate[0], x.bias[i] = std::max(0.0, s.error[0]) / x.h;
+  x.g[i] = s.rate[0], x.bias[i] = may_close(x, s.error[0], s.rate[0]);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
   x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
 }
 
+// At the beginning of the step.
+Motion<double> velocity(const Island& x, Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; }
+
 // Velocity of the normal row at the beginning of the step.
 double approach(const Island& x, const Slot<double>& s, Index normal) {
   using Six = SixEights<double>;
-  auto speed = [&](Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; };
-  return (Six::load(s.F1).dot(speed(s.c.body1)) + Six::load(s.F2).dot(speed(s.c.body2)))[int(normal)];
+  return (Six::load(s.F1).dot(velocity(x, s.c.body1)) + Six::load(s.F2).dot(velocity(x, s.c.body2)))[int(normal)];
+}
+
+// Errors leave a gap where bodies roll on each other, either way: it goes as fast as they turn.
+double lost(const Island& x, const Slot<double>& s, double gap) {
+  const auto turns = [&](Index body) { return std::sqrt(dot(velocity(x, body).angular, velocity(x, body).angular)); };
+  return x.w.closed > 0 ? std::clamp(gap, -x.w.closed, x.w.closed) * (turns(s.c.body1) + turns(s.c.body2)) : 0;
 }
 
 void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
@@ -47,13 +62,15 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
     x.bias[i] = x.compliance[i] = x.v_minus[i] = 0;
   }
   const Index normal = normal_row(s.rows), n = s.first + normal;
-  x.bias[n] = std::max(0.0, gap) / x.h;
+  x.bias[n] = may_close(x, gap, s.rate[normal]) + lost(x, s, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
     x.compliance[n] = 1 / (x.h * total), x.bias[n] = material.stiffness * gap / total;
-  } else if (material.restitution > 0 && gap + x.h * s.rate[normal] <= 0) {
+  } else if (material.restitution > 0 && gap + x.h * s.rate[normal] <= x.w.closed) {
     const double before = approach(x, s, normal), gained = std::abs(s.rate[normal] - before);
-    if (before < -std::min(2 * gained, rest))  // less than what the step's own acceleration makes is rest, not an impact
+    // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed
+    const double least = x.w.closed > 0 ? std::sqrt(2 * x.w.closed * gained / x.h) : std::min(2 * gained, rest);
+    if (before < -least)
       x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;
   }
   x.w.report.penetration = std::max(x.w.report.penetration, -gap);

@@ -56,11 +56,11 @@ bool Island::correct(double* by_dof) {
         largest = std::max(largest, std::abs(wrong));
         wrong = part(wrong);
       } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_LIMIT) {
-        wrong = one_sided(s.error[0] + h * c[i]);
+        wrong = one_sided(s.error[0] + h * c[i] + w.closed);
       } else if (x.kind == RowKind::Box) {
         lower[in_boxes] = upper[in_boxes] = 0;
       } else if (x.kind == RowKind::Contact && r == normal_row(s.rows)) {
-        const double gap = w.contacts[x.index].contact.distance + h * c[i];
+        const double gap = w.contacts[x.index].contact.distance + h * c[i] + w.closed;
         wrong = is_soft(w.laws[x.index].material) ? std::max(gap, most) : one_sided(gap);
       }
       g[i] = 0, bias[i] = wrong;

@@ -50,6 +50,11 @@ class Scene {
     const double I = 0.4 * mass * r * r;
     return free(name, mass, {I, I, I}).shape(name, DYN_SHAPE_SPHERE, {r, 0, 0}, x);
   }
+  // Thin, along z, with round ends beyond its length.
+  Scene& rod(const char* name, double mass, double r, double length, const dynMaterial& x) {
+    const double I = mass * length * length / 12;
+    return free(name, mass, {I, I, mass * r * r / 2}).shape(name, DYN_SHAPE_CAPSULE, {r, length, 0}, x);
+  }
   dynBuilder* builder() { return b_; }
   Model finish() {
     dynModel* m = nullptr;

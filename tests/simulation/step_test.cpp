@@ -212,6 +212,43 @@ TEST(Step, AccuracyHoldsThroughImpacts) {
   }
 }
 
+// A sphere slides, then rolls; a block slides, then rests.
+TEST(Step, AccuracyHoldsThroughFriction) {
+  const double mu = 0.2, g = 9.81, v0 = 1, duration = 0.5, rolls = 2 * v0 / (7 * mu * g);
+  for (const double accuracy : {1e-3, 1e-5, 1e-7}) {
+    const auto slide = [&](Model model, double height) {
+      Play play(std::move(model));
+      play.options.accuracy = accuracy;
+      EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
+      play.set({0, 0, height, 0, 0, 0, 1}, {v0, 0, 0, 0, 0, 0});
+      EXPECT_EQ(DYN_OK, dyn_advance(play.m, play.d, duration)) << dyn_last_error();
+      EXPECT_LT(play.report().steps, 500);
+      return play.q[0];
+    };
+    EXPECT_NEAR(v0 * rolls - mu * g * rolls * rolls / 2 + 5 * v0 / 7 * (duration - rolls), slide(Scene().ground().sphere("ball", 1, 0.1, material(mu)).finish(), 0.1), 3 * accuracy) << accuracy;
+    EXPECT_NEAR(v0 * v0 / (2 * 2 * mu * g), slide(Scene().ground().box("block", 1, {0.2, 0.2, 0.2}, material(2 * mu)).finish(), 0.1), 3 * accuracy) << accuracy;
+  }
+}
+
+// A rod that stands on its end, which sticks, falls: contact that lasts while everything turns. What is asked for is met, and steps stay long.
+TEST(Step, AccuracyHoldsThroughLastingContact) {
+  const auto fall = [](double accuracy, std::int64_t steps) {
+    Play play(Scene().ground().rod("rod", 1, 0.02, 1, material(1)).finish());
+    play.options.accuracy = accuracy, play.options.tolerance = 1e-12;
+    EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
+    const double lean = 0.3;
+    play.set({0, 0, 0.02 + 0.5 * std::cos(lean), 0, std::sin(lean / 2), 0, std::cos(lean / 2)});
+    EXPECT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.4)) << dyn_last_error();
+    EXPECT_LT(play.report().steps, steps);
+    return Numbers(play.q, play.q + 7);
+  };
+  const Numbers best = fall(1e-8, 20000);
+  for (const double accuracy : {1e-3, 1e-5, 1e-6}) {
+    const Numbers q = fall(accuracy, 2000);
+    for (std::size_t k = 0; k < q.size(); ++k) EXPECT_NEAR(best[k], q[k], 3 * accuracy) << accuracy << " " << k;
+  }
+}
+
 TEST(Step, EverySolverHoldsAStack) {
   for (const dynContactSolverType solver : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON}) {
     Scene scene;

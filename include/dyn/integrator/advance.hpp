@@ -114,27 +114,69 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   return false;
 }
 
-// The same where velocities may jump. Steps that meet nothing are those of the tableau; the others of order 1, once in one step and once in two:
-// how far the two are apart is the error, and what stands is extrapolated from them: order 2 where nothing begins or ends.
+// Steps of order 1 extrapolated: h in one step, in two and in three (Aitken and Neville; Hairer and Wanner 1996, IV.9): order 3 where nothing
+// begins or ends. What is close enough counts as closed (Workspace::closed), so that velocities do not depend on gaps that are errors.
+class Extrapolated {
+ public:
+  static constexpr int order = 3, evaluations = 6;
+  Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_) : m(m_), d(d_), s(s_), closed(closed_) {
+    double* next = s.stage(1);
+    for (State& x : kept) x.q = next, x.v = x.q + m.n.nq, x.act = x.v + m.n.nv, next = x.act + m.n.na;
+  }
+
+  // To the limit, and its error. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
+  Index step(double h, double& error) {
+    keep(before);
+    d.step->closed = closed;
+    Index joint = substeps(h, 1);
+    if (!joint) keep(one), restore(), joint = substeps(h, 2);
+    if (!joint) keep(two), restore(), joint = substeps(h, 3);
+    d.step->closed = 0;
+    if (joint) return restore(), joint;
+    // of differences to what three steps lead to
+    error = 0;
+    const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
+    double *a = s.y, *b = a + m.n.nv;
+    difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
+    for (Index k = 0; k < m.n.nv; ++k) a[k] = limit(a[k], b[k]), b[k] = limit(one.v[k] - d.v[k], two.v[k] - d.v[k]);
+    for (Index k = 0; k < m.n.na; ++k) two.act[k] = limit(one.act[k] - d.act[k], two.act[k] - d.act[k]);
+    keep(three);
+    integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
+    for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];
+    for (Index k = 0; k < m.n.na; ++k) d.act[k] += two.act[k];
+    // what all of them stopped at once moved on between: the trapezoidal rule is of the same order
+    difference(m, before.q, d.q, a);
+    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, 0.1 * std::abs(a[k] - h / 2 * (before.v[k] + d.v[k])));
+    return 0;
+  }
+  void restore() { take(before); }
+  void three_steps() { take(three); }
+
+ private:
+  struct State {
+    double *q, *v, *act;
+  };
+  const Model& m;
+  Data<double>& d;
+  const Stages<double>& s;
+  double closed;
+  State kept[3];
+  State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;
+
+  void keep(const State& x) const { std::copy_n(d.q, m.n.nq, x.q), std::copy_n(d.v, m.n.nv, x.v), std::copy_n(d.act, m.n.na, x.act); }
+  void take(const State& x) const { std::copy_n(x.q, m.n.nq, d.q), std::copy_n(x.v, m.n.nv, d.v), std::copy_n(x.act, m.n.na, d.act); }
+  Index substeps(double h, int n) const {
+    Index joint = 0;
+    for (int k = 0; k < n && !joint; ++k) joint = euler_step(m, d, s, h / n, true);
+    return joint;
+  }
+};
+
+// The same where velocities may jump. Steps that meet nothing are those of the tableau.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
+  Extrapolated extrapolated(m, d, s, std::max(0.1 * accuracy, 1e-12));
   double h = std::min(duration, 1e-3), t = 0;
-  double *q0 = s.stage(1), *v0 = q0 + m.n.nq, *q1 = v0 + m.n.nv, *v1 = q1 + m.n.nq, *apart = v1 + m.n.nv, *act0 = apart + m.n.nv;
-  const auto keep = [&] { std::copy_n(d.q, m.n.nq, q0), std::copy_n(d.v, m.n.nv, v0), std::copy_n(d.act, m.n.na, act0); };
-  const auto restore = [&] { std::copy_n(q0, m.n.nq, d.q), std::copy_n(v0, m.n.nv, d.v), std::copy_n(act0, m.n.na, d.act); };
-  const auto twice = [&](double& error) -> Index {
-    keep();
-    if (const Index joint = euler_step(m, d, s, h, true)) return restore(), joint;
-    std::copy_n(d.q, m.n.nq, q1), std::copy_n(d.v, m.n.nv, v1);
-    restore();
-    for (int half = 0; half < 2; ++half)
-      if (const Index joint = euler_step(m, d, s, h / 2, true)) return restore(), joint;
-    difference(m, q1, d.q, apart);
-    error = largest(apart, m.n.nv);
-    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::abs(d.v[k] - v1[k]));
-    report.evaluations += 3;
-    return 0;
-  };
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
@@ -144,8 +186,9 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     const bool rows = meets_rows(m, d, s, h);
     Index joint = 0;
     if (rows) {
-      allowed = std::max(allowed, 0.02 * accuracy), power = 0.5;
-      joint = twice(error);
+      allowed = std::max(allowed, 0.02 * accuracy), power = 1.0 / Extrapolated::order;
+      joint = extrapolated.step(h, error);
+      report.evaluations += Extrapolated::evaluations;
     } else {
       joint = explicit_step<Tableau>(m, d, s, h);
       report.evaluations += Tableau::stages + 1;
@@ -157,15 +200,12 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       continue;
     }
     if (error <= allowed || (rows && h <= smallest)) {
-      if (rows && error <= allowed) {
-        std::copy_n(d.q, m.n.nq, q1), integrate(m, static_cast<const double*>(q1), static_cast<const double*>(apart), d.q);
-        for (Index k = 0; k < m.n.nv; ++k) d.v[k] += d.v[k] - v1[k];
-      }
+      if (rows && error > allowed) extrapolated.three_steps();
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
     } else {
-      if (rows) restore();
+      if (rows) extrapolated.restore();
       else s.undo(m, d);
       ++report.rejected;
     }

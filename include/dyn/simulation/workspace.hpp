@@ -61,6 +61,7 @@ struct Workspace {
   dynStepOptions options;
   dynStepReport report;  // of the last call that made steps
   Index contact_count, before_count;
+  double closed;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
 
   // the rest is there when something may act
   Clearance clearance;

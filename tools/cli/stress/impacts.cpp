@@ -61,7 +61,7 @@ Outcome zeno() {
     play.set_state(Vector{0, 0, 1.1, 0, 0, 0, 1});
     Curve& curve = out.curve("e = " + std::to_string(e).substr(0, 3));
     const double dt = 1e-3;
-    set_accuracy(play, dt, 1e-7);
+    set_accuracy(play, dt, 1e-8);
     double rest = 0;
     for (int k = 0; k < static_cast<int>((end + 0.5) / dt); ++k) {
       play.advance(dt);
