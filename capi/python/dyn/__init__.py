@@ -11,7 +11,7 @@ q = [position; quaternion] and v = [linear; angular] in the body's frame. A Mode
 threads; a Data is what it is doing, one for each thread. Every call releases the GIL. Errors are dyn.Error.
 """
 
-from . import constraint, ik
+from . import accuracy, constraint, ik
 from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
@@ -233,6 +233,7 @@ __all__ = [
     "Term",
     "UnknownNameError",
     "UnsupportedError",
+    "accuracy",
     "body_regressor",
     "build_info",
     "constraint",

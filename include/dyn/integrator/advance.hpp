@@ -65,37 +65,57 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
   return 0;
 }
 
+// What the next step's length is of this one's: by its error over what is allowed, and by that of the step before (PI: Gustafsson 1991), so that
+// lengths follow errors that grow and fade without trying in vain.
+template <class T>
+struct Controller {
+  T power;          // 1 / (order of the error per unit step)
+  T before = T(1);  // error over what was allowed, of the step before
+  bool tried = false;
+
+  T accept(T ratio) {
+    T factor = ratio > T(0) ? T(0.9) * std::pow(ratio, T(-0.8) * power) * std::pow(before, T(0.28) * power) : T(5);
+    if (tried) factor = std::min(factor, T(1));
+    before = std::max(ratio, T(1e-4)), tried = false;
+    return std::clamp(factor, T(0.2), T(5));
+  }
+  T reject(T ratio, T shortest) {
+    tried = true;
+    return ratio < std::numeric_limits<T>::infinity() ? std::clamp(T(0.9) * std::pow(ratio, -power), shortest, T(0.9)) : T(0.1);
+  }
+};
+
 // Advances d by duration. accuracy 0: as good as rounding allows. Returns 0, the joint whose forward dynamics failed, or no_step_left; the
-// state is then that of report.time.
+// state is then that of report.time. A step may take up to three times its share of the error where earlier ones left as much of theirs.
 template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
-  constexpr T power = T(1) / (Tableau::order - 1);
-  T h = duration, t = 0;
+  T h = duration, t = 0, left = 0;
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
   Rounding<T> rounding{active_rows(m, d) > 0};
+  Controller<T> controller{T(1) / (Tableau::order - 1)};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
     if (!(h > duration * T(1e-13))) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T allowed = std::max(accuracy * (h / duration), rounding(m, d, s, h));
+    const T share = accuracy * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = std::max(allowed, share + std::min(left, 3 * share));
     T error = std::numeric_limits<T>::infinity();
-    if (!joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error);
-    if (error <= allowed) {
+    if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error);
+    if (error <= most) {
       t = last ? duration : t + h;
+      left = std::max(T(0), left + share - error);
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       rounding.accept();
+      h *= controller.accept(error / allowed);
     } else {
       if (joint && h < duration * T(1e-12)) return joint;
-      if (!joint) rounding.reject(error, h, allowed);
-      if (!joint) s.undo(m, d);
+      if (!joint) rounding.reject(error, h, allowed), s.undo(m, d);
       ++report.rejected;
+      h *= controller.reject(error / allowed, rounding.shortest());
     }
-    const T factor = error > T(0) ? T(0.9) * std::pow(allowed / error, power) : T(5);
-    h *= error < std::numeric_limits<T>::infinity() ? std::clamp(factor, error <= allowed ? T(0.2) : rounding.shortest(), T(5)) : T(0.1);
   }
   return 0;
 }

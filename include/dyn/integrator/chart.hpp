@@ -1,10 +1,13 @@
 // The equations of motion in exponential coordinates about q0: y = (u, v) with q = q0 (+) u, so that every method for vector spaces
 // keeps its order on rotations (Munthe-Kaas 1999; Hairer, Lubich, Wanner 2006, IV.8.2):
 //   du/dt = J(u)^-1 v      dv/dt = ddq(q0 (+) u, v, tau)
+// Free flyers' places and linear velocities are in the axes that the step begins in instead, so that turning does not mix into them:
+//   p = p0 + R0 u      du/dt = w      dw/dt = E (a + omega x v),  E = R0' R = exp(u_angular),  v = E' w
 // After v follow the filters of actuators, which have equations of their own: dw/dt = (u - w) / time_constant.
 #pragma once
 
 #include "dyn/algorithm/declarations.hpp"
+#include "dyn/integrator/free_flight.hpp"
 #include "dyn/integrator/held.hpp"
 
 namespace dyn::integrator {
@@ -20,6 +23,10 @@ struct ChartMotion {
     integrate(m, q0, y, d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y[m.n.nv + k];
     for (Index k = 0; k < m.n.na; ++k) d.act[k] = y[2 * m.n.nv + k];
+    for_each_free_flyer<T>(m, [&](const Body& b, Index, const Vec3<T>&) {
+      store3(load3(q0 + b.user_q) + rotation(load_quaternion(q0 + b.user_q + 3)) * load3(y + b.user_v), d.q + b.user_q);
+      store3(transpose_times(exp3(load3(y + b.user_v + 3)), load3(d.v + b.user_v)), d.v + b.user_v);
+    });
   }
   // f = dy/dt. Returns 0, or the joint whose forward dynamics failed.
   Index operator()(const T* y, T* f) const {
@@ -27,6 +34,11 @@ struct ChartMotion {
     if (const Index joint = held_dynamics(m, d)) return joint;
     chart_rate(m, y, d.v, f);
     for (Index k = 0; k < m.n.nv; ++k) f[m.n.nv + k] = d.ddq[k];
+    for_each_free_flyer<T>(m, [&](const Body& b, Index, const Vec3<T>&) {
+      const Vec3<T> v = load3(d.v + b.user_v), omega = load3(d.v + b.user_v + 3), a = load3(d.ddq + b.user_v);
+      store3(load3(y + m.n.nv + b.user_v), f + b.user_v);
+      store3(exp3(load3(y + b.user_v + 3)) * (a + cross(omega, v)), f + m.n.nv + b.user_v);
+    });
     for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
       if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0)
         f[2 * m.n.nv + r.act] = (simulation::command(r, d) - d.act[r.act]) * T(1 / r.spec.time_constant);
@@ -48,6 +60,13 @@ struct Stages {
     for (Index k = 0; k < m.n.nq; ++k) q0[k] = d.q[k];
     for (Index k = 0; k < m.n.nv; ++k) y0[k] = T(0), y0[m.n.nv + k] = d.v[k];
     for (Index k = 0; k < m.n.na; ++k) y0[2 * m.n.nv + k] = d.act[k];
+  }
+  // x, 2 nv: changes of the chart's coordinates, as those of q and v in the axes of the state that d holds, but for what turning by a step changes in angles.
+  void refer(const Model& m, const Data<T>& d, T* x) const {
+    for_each_free_flyer<T>(m, [&](const Body& b, Index, const Vec3<T>&) {
+      const Mat3<T> R0 = rotation(load_quaternion(q0 + b.user_q + 3)), R = rotation(load_quaternion(d.q + b.user_q + 3));
+      for (T* part : {x + b.user_v, x + m.n.nv + b.user_v}) store3(transpose_times(R, R0 * load3(part)), part);
+    });
   }
   void undo(const Model& m, Data<T>& d) const {
     for (Index k = 0; k < m.n.nq; ++k) d.q[k] = q0[k];
