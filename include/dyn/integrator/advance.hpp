@@ -65,17 +65,21 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
   return 0;
 }
 
+inline constexpr double held_leak = 1e-2;  // of an error that rows take away at the end of a step: they have turned since the stage that it is of
+inline constexpr int most_doubts = 4;      // steps made anew for that
+
 // What the next step's length is of this one's: by its error over what is allowed, and by that of the step before (PI: Gustafsson 1991), so that
-// lengths follow errors that grow and fade without trying in vain.
+// lengths follow errors that grow and fade without trying in vain. Where rows hold, by this one's alone: errors near singular configurations say nothing of the next.
 template <class T>
 struct Controller {
   T power;          // 1 / (order of the error per unit step)
+  bool held;
   T before = T(1);  // error over what was allowed, of the step before
   bool tried = false;
 
   T accept(T ratio) {
-    T factor = ratio > T(0) ? T(0.9) * std::pow(ratio, T(-0.8) * power) * std::pow(before, T(0.28) * power) : T(5);
-    if (tried) factor = std::min(factor, T(1));
+    T factor = !(ratio > T(0)) ? T(5) : held ? T(0.9) * std::pow(ratio, -power) : T(0.9) * std::pow(ratio, T(-0.8) * power) * std::pow(before, T(0.28) * power);
+    if (tried && !held) factor = std::min(factor, T(1));
     before = std::max(ratio, T(1e-4)), tried = false;
     return std::clamp(factor, T(0.2), T(5));
   }
@@ -90,20 +94,27 @@ struct Controller {
 template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   T h = duration, t = 0, left = 0;
+  int doubts = 0;
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
   Rounding<T> rounding{active_rows(m, d) > 0};
-  Controller<T> controller{T(1) / (Tableau::order - 1)};
+  Controller<T> controller{T(1) / (Tableau::order - 1), rounding.held};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
     if (!(h > duration * T(1e-13))) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T share = accuracy * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = std::max(allowed, share + std::min(left, 3 * share));
-    T error = std::numeric_limits<T>::infinity();
-    if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error);
+    const T share = accuracy * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
+    T error = std::numeric_limits<T>::infinity(), raw = T(0);
+    if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw);
+    if (error <= most && T(held_leak) * raw > most && rounding.tries == 0 && doubts < most_doubts) {  // a stage came near a singular configuration: elsewhere it will not
+      s.undo(m, d);
+      ++doubts, ++report.rejected, h *= T(0.85);
+      continue;
+    }
     if (error <= most) {
+      doubts = 0;
       t = last ? duration : t + h;
       left = std::max(T(0), left + share - error);
       ++report.steps, report.time = t, report.error_estimate += error;
@@ -212,7 +223,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     } else {
       joint = explicit_step<Tableau>(m, d, s, h);
       report.evaluations += Tableau::stages + 1;
-      if (!joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error);
+      if (double raw; !joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error, raw);
     }
     if (joint) {
       if (h < duration * 1e-12) return joint;

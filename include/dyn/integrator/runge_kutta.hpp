@@ -66,9 +66,10 @@ T step_error(DormandPrince8, const Model& m, Data<T>& d, const Stages<T>& s, T h
 }
 
 // The same, and the end of the step: where rows hold, errors count at the place that they lead to, and only when they are too large as they are.
+// raw: the error before rows took their part away.
 template <class Tableau, class T>
-Index finish_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, T allowed, T& error) {
-  error = step_error(Tableau(), m, d, s, h, false);
+Index finish_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, T allowed, T& error, T& raw) {
+  raw = error = step_error(Tableau(), m, d, s, h, false);
   if constexpr (std::is_same_v<T, double>) {
     if (active_rows(m, d) == 0) return 0;
     if (const Index joint = close_rows(m, d)) return s.undo(m, d), error = std::numeric_limits<T>::infinity(), joint;
