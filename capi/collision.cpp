@@ -74,7 +74,7 @@ Index geom_of_shape(Call& call, int shape, int first) {
 }
 
 bool listed(Call& call) {
-  if (call.m().n.geoms <= most_geoms) return true;
+  if (lists_pairs(call.m())) return true;
   call.status = fail(DYN_ERROR_LIMIT, "%s: the model has %d collision shapes: pairs are listed up to %d", call.function, int(call.m().n.geoms), int(most_geoms));
   return false;
 }
@@ -169,11 +169,13 @@ dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int 
   if (const dynStatus s = check_pair(call.function, m, pair, -1)) return s;
   if (pair >= 0 && tested && m.pairs()[pair].reason == DYN_PAIR_MESH)
     return fail(DYN_ERROR_UNSUPPORTED, "dyn_data_set_pair: pair %d has a mesh, of which only the name is known", pair);
+  if (pair < 0 && !listed(call)) return call.status;
   for (Index k = pair < 0 ? 0 : pair, end = pair < 0 ? m.n.pairs : pair + 1; k < end; ++k) {
     const auto before = dynPairReason(m.pairs()[k].reason);
     if (before != DYN_PAIR_MESH) call.d().pair_states[k] = tested ? DYN_PAIR_TESTED : before == DYN_PAIR_TESTED ? DYN_PAIR_OFF : before;
   }
   call.d().drop(Stage::Distances);
+  simulation::disturb(call.d());
   if (call.d().step) call.d().step->clearance.square = 0, call.d().step->pair_count = -1;
   return DYN_OK;
 }

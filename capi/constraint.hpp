@@ -23,6 +23,7 @@ inline bool good_slot(Call& call, int slot) {
 // Nothing that was computed belongs to the slots any more.
 inline void drop_constraints(Data<double>& d) {
   d.drop(Stage::ConstrainedDdq);
+  simulation::disturb(d);
   if (d.step) d.step->clearance.square = 0;
 }
 

@@ -30,7 +30,7 @@ dynStatus dyn_shape_contacts(const dynGeometry* a, const double* placement_a, co
 
 dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity, int* count) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_contacts");
-  if (!call || !listed(call)) return call.status;
+  if (!call) return call.status;
   if (const dynStatus s = check_margin(call.function, margin)) return s;
   if (const dynStatus s = check_capacity(call.function, capacity)) return s;
   if (!call.required("contacts", contacts, capacity) || !call.required("count", count) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;

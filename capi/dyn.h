@@ -465,8 +465,9 @@ enum {
   DYN_EFFECT_ACTUATORS = 1u << 5,
   DYN_EFFECT_FLUID = 1u << 6,
   DYN_EFFECT_GRAVITY_COMPENSATION = 1u << 7,
+  DYN_EFFECT_SLEEPING = 1u << 8, /* what rests may sleep: see dynStepOptions */
   DYN_EFFECT_DEFAULT = 0xf1,
-  DYN_EFFECT_ALL = 0xff
+  DYN_EFFECT_ALL = 0x1ff
 };
 /* Switches the effects of a joint, or with joint 0 of all, to those of the mask. A follower's are part of its leader's: name that one.
    All results are stale afterwards. */
@@ -477,9 +478,10 @@ DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joi
    and no byte of a step, but for the room of wrenches, which may come at any time. */
 typedef struct dynEffectInfo {
   uint32_t struct_size;
-  const char* name; /* gravity, armature, damping, springs, friction, limits, mimic, contact, constraints, actuators, wrenches, gravity_compensation, fluid */
+  const char* name; /* gravity, armature, damping, springs, friction, limits, mimic, contact, constraints, actuators, wrenches, gravity_compensation, fluid, sleeping */
   int32_t present;  /* how many joints, pairs, constraints, actuators, links of the model may have it */
-  int32_t acting;   /* not 0: it acts in this data; of contact and constraints how many pairs are tested, slots enabled */
+  int32_t acting;   /* not 0: it acts in this data; of contact and constraints how many pairs are tested (shapes, where pairs are not listed), slots
+                       enabled; of sleeping how many trees of bodies may */
   uint64_t bytes;   /* of the data */
 } dynEffectInfo;
 DYN_API int dyn_neffects(void);
@@ -1044,7 +1046,9 @@ DYN_API void dyn_distance_options_init(dynDistanceOptions* options);
 DYN_API dynStatus dyn_shape_distance(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
                                      const dynDistanceOptions* options, dynDistance* out);
 
-/* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. */
+/* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. Of more than 1,000 shapes
+   only those are listed that are no ordinary ones: wanted (dyn_builder_pair), disabled, overlapping. The others are tested if their masks want it,
+   in steps and by dyn_contacts; functions that number pairs (dyn_distances, dyn_smooth_distances, dyn_collisions) are DYN_ERROR_LIMIT then. */
 typedef enum dynPairReason {
   DYN_PAIR_TESTED = 0,
   DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration; not where one flies freely relative to the other */
@@ -1056,7 +1060,7 @@ typedef enum dynPairReason {
 DYN_API int dyn_npairs(const dynModel* model); /* -1 for an invalid handle */
 /* The shapes of a pair, shape_a < shape_b, and whether new data tests it; any output may be NULL. */
 DYN_API dynStatus dyn_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, dynPairReason* reason);
-/* Switches a pair, or with -1 all pairs without meshes, on or off. */
+/* Switches a pair, or with -1 all pairs without meshes, on or off (DYN_ERROR_LIMIT where not all are listed). */
 DYN_API dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int tested);
 DYN_API dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, dynPairReason* reason);
 
@@ -1084,7 +1088,7 @@ DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const dou
    largest area (Visvalingam and Whyatt 1993). A circular cap is taken as the octagon of eight points of its rim that turn with it, and
    the deepest point. Two half-spaces have none. */
 typedef struct dynContact {
-  int32_t pair;            /* of the robot's pairs, and its shapes; -1 between shapes by themselves */
+  int32_t pair;            /* of the robot's pairs, and its shapes; -1 between shapes by themselves, and where the pair is not listed */
   int32_t shape_a, shape_b;
   int32_t reserved;
   uint64_t feature;        /* which corner, edge or inside of A (high 32 bits) and of B: the same contact has the same in the next step */
@@ -1099,7 +1103,7 @@ enum { DYN_CONTACTS_OF_A_PAIR = 8 };
    contacts: room for DYN_CONTACTS_OF_A_PAIR, written in ascending order of feature. tolerance: as in dyn_shape_distance. */
 DYN_API dynStatus dyn_shape_contacts(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
                                      double margin, double tolerance, dynContact* contacts, int* count);
-/* Of all tested pairs, ascending by pair, then by feature: at most capacity of them are written; count: how many there are. Includes
+/* Of all tested pairs, ascending by shapes (which is by pair), then by feature: at most capacity of them are written; count: how many there are. Includes
    placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity, int* count);
 
@@ -1376,6 +1380,9 @@ typedef struct dynStepOptions {
   int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin
                                again from nothing, and then the other one is asked */
   double tolerance;         /* of its residual (dynContactReport); default 1e-9 */
+  double sleep_speed;       /* m/s, rad/s, > 0; default 1e-4 */
+  double sleep_time;        /* s, > 0; default 0.5 */
+  int32_t visit_sleepers;   /* not 0: steps compute what sleeps all the same, and end at the same bits; default 0 */
 } dynStepOptions;
 DYN_API void dyn_step_options_init(dynStepOptions* options);
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options);
@@ -1399,12 +1406,15 @@ typedef struct dynStepReport {
   int32_t dropped;         /* contact points beyond the room for them, the shallowest: in all steps */
   int64_t iterations;      /* of the contact solver, its Newton steps included */
   double residual;         /* largest of the contact solver */
-  double penetration;      /* m, largest depth at the beginning of a step */
+  double penetration;      /* m, largest depth at the beginning of a step, of what is awake */
+  int32_t sleeping;        /* islands that slept in the last step */
+  int32_t reserved;
 } dynStepReport;
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
 
-/* Contact points of the last step, in the order of the pairs and of their features, and what they exert: mean forces over the step. At most
-   capacity of them are written; count: how many there are. */
+/* Contact points of the last step, in the order of their shapes and features, and what they exert: mean forces over the step. At most
+   capacity of them are written; count: how many there are. A step has room for the lesser of 8 a pair and 16 + 8 a shape (where pairs are not listed,
+   16 + 8 a shape that moves). */
 typedef struct dynContactForce {
   dynContact contact;          /* as it was at the beginning of the step */
   double force_on_b[3];        /* N, world, on shape_b; the opposite on shape_a */

@@ -1,5 +1,7 @@
 #include "guard.hpp"
 
+#include "dyn/simulation/workspace.hpp"
+
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -282,8 +284,11 @@ void Call::begin_step() {
   Data<double>& x = d();
   was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
   x.drop(Stage::Ddq), x.drop(Stage::Factor);  // their buffers are the step's
-  copy_out(x.q, m().n.nq, x.backup);
-  copy_out(x.v, m().n.nv, x.backup + m().n.nq);
+  simulation::with_trees(x, [&](const auto& part) {
+    part.for_each_group(m(), [&](const simulation::Trees& t) {
+      copy_out(x.q + t.q, t.q_end - t.q, x.backup + t.q), copy_out(x.v + t.v, t.v_end - t.v, x.backup + m().n.nq + t.v);
+    });
+  });
   copy_out(x.act, m().n.na, x.backup + m().n.nq + 3 * m().n.nv);
   stepping = true;
   for (Input which : {input_q, input_v}) {
@@ -308,11 +313,17 @@ void Call::take_back() {
   const double* backup = x.backup;
   auto restore = [&](Input which, double* to, Index n) {
     if (changed >> which & 1u) {
-      copy_out(backup, n, to);
+      if (!stepping) copy_out(backup, n, to);
       x.version[which] = before[which];
     }
     backup += n;
   };
+  if (stepping)
+    simulation::with_trees(x, [&](const auto& part) {
+      part.for_each_group(m(), [&](const simulation::Trees& t) {
+        copy_out(backup + t.q, t.q_end - t.q, x.q + t.q), copy_out(backup + m().n.nq + t.v, t.v_end - t.v, x.v + t.v);
+      });
+    });
   restore(input_q, x.q, m().n.nq);
   restore(input_v, x.v, m().n.nv);
   restore(input_a, x.a, m().n.nv);

@@ -1,6 +1,7 @@
 // The plan of a step: which effects a data has, and what they take of its memory.
 #include <algorithm>
 
+#include "dyn/simulation/workspace.hpp"
 #include "guard.hpp"
 
 using namespace dyn;
@@ -58,6 +59,9 @@ constexpr Row rows[] = {
     {"gravity_compensation", [](const Model& m) { return int(m.n.held_weights); }, acts<DYN_EFFECT_GRAVITY_COMPENSATION>, [](const Model&, dynParts) { return std::size_t(0); }},
     {"fluid", [](const Model& m) { return int(m.n.drag_boxes); }, acts<DYN_EFFECT_FLUID>,
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.drag_boxes = 0; }); }},
+    {"sleeping", [](const Model& m) { return int(simulation::resting_trees(m)); },
+     [](const Model& m, const Data<double>& d) { return d.acting & DYN_EFFECT_SLEEPING ? int(simulation::resting_trees(m)) : 0; },
+     [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? simulation::sleep_bytes(m) : 0; }},
 };
 constexpr int row_count = int(sizeof rows / sizeof *rows);
 

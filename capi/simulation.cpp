@@ -29,7 +29,13 @@ dynStatus explain(const Model& m, const Data<double>& d, Index answer, const cha
   if (answer == integrator::no_step_left)
     return fail(DYN_ERROR_NUMERIC, "%s: no step is short enough near t = %g s: the motion is singular there, or the accuracy beyond what rounding allows; the state is as before the step",
                 function, t);
-  const Index bad_v = finite_count(d.v, m.n.nv), bad_q = finite_count(d.q, m.n.nq);
+  Index bad_v = m.n.nv, bad_q = m.n.nq;
+  simulation::with_trees(d, [&](const auto& part) {
+    part.for_each_group(m, [&](const simulation::Trees& t) {
+      if (const Index n = finite_count(d.v + t.v, t.v_end - t.v); t.v + n < t.v_end) bad_v = std::min(bad_v, t.v + n);
+      if (const Index n = finite_count(d.q + t.q, t.q_end - t.q); t.q + n < t.q_end) bad_q = std::min(bad_q, t.q + n);
+    });
+  });
   if (bad_v == m.n.nv && bad_q == m.n.nq) return DYN_OK;
   return fail(DYN_ERROR_NUMERIC, "%s: the state of joint '%s' is no longer finite near t = %g s: the state is as before the step; use a smaller dt", function,
               joint_at(m, bad_v < m.n.nv ? bad_v : bad_q, bad_v < m.n.nv), t);
@@ -39,10 +45,12 @@ dynStatus explain(const Model& m, const Data<double>& d, Index answer, const cha
 dynStatus make_step(Call& call, const char* function, double h) {
   const Model& m = call.m();
   Data<double>& d = call.d();
+  simulation::begin_sleep(m, d, h);
   call.begin_step();
   const Index answer = integrator::step(m, d, d.step->options.integrator, h, d.step->report);
-  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.take_back(), simulation::record_forces(m, d), status;
+  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.take_back(), simulation::disturb(d), simulation::record_forces(m, d), status;
   call.end_step();
+  simulation::end_sleep(m, d, h);
   simulation::record_forces(m, d);
   d.time[0] += h;
   return DYN_OK;
@@ -51,6 +59,7 @@ dynStatus make_step(Call& call, const char* function, double h) {
 dynStatus advance_to_accuracy(Call& call, const char* function, double duration) {
   const Model& m = call.m();
   Data<double>& d = call.d();
+  simulation::wake_all(m, d);
   call.begin_step();
   const Index answer = integrator::advance(m, d, d.step->options.integrator, duration, d.step->options.accuracy, d.step->report);
   d.time[0] += d.step->report.time;
@@ -85,6 +94,13 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more", int(options->max_iterations));
   if (!call.finite("tolerance", &options->tolerance, 1)) return call.status;
   if (!(options->tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: tolerance is %g: it can't be negative", options->tolerance);
+  if (!call.finite("sleep_speed", &options->sleep_speed, 1) || !call.finite("sleep_time", &options->sleep_time, 1)) return call.status;
+  if (!(options->sleep_speed > 0 && options->sleep_time > 0))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: sleep_speed is %g and sleep_time %g s: both must be positive", options->sleep_speed, options->sleep_time);
+  const dynStepOptions& now = call.d().step->options;  // a step knows its length
+  if (now.integrator != options->integrator || now.solver != options->solver || now.max_iterations != options->max_iterations || now.tolerance != options->tolerance ||
+      now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time)
+    simulation::disturb(call.d());
   call.d().step->options = *options;
   call.d().step->options.struct_size = sizeof *options;
   return DYN_OK;
@@ -138,8 +154,12 @@ dynStatus dyn_step_contacts(const dynModel* model, dynData* data, dynContactForc
   if (const dynStatus s = check_capacity(call.function, capacity)) return s;
   if (!call.required("contacts", contacts, capacity) || !call.required("count", count)) return call.status;
   const Data<double>& d = call.d();
-  if (capacity > 0) std::copy_n(d.step->contacts, std::min<Index>(capacity, d.step->contact_count), contacts);
-  *count = int(d.step->contact_count);
+  int n = 0;
+  simulation::for_each_contact(*d.step, [&](const dynContactForce& f) {
+    if (n < capacity) contacts[n] = f;
+    ++n;
+  });
+  *count = n;
   return DYN_OK;
 }
 
@@ -151,6 +171,7 @@ dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int 
   if (const simulation::BadNumber bad = simulation::bad_number(*material); bad.name)
     return fail(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: %s is %g: give 0 or more, restitution up to 1, finite velocities", call.function, bad.name,
                 bad.value);
+  simulation::disturb(call.d());
   if (geom < 0) std::fill_n(call.d().step->materials, call.m().n.geoms, *material);
   else call.d().step->materials[geom] = *material;
   return DYN_OK;

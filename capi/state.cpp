@@ -7,7 +7,7 @@ using namespace dyn::capi;
 
 namespace {
 
-constexpr std::uint64_t magic_of_states = 0x3145544154534e59u;  // "YNSTATE1"
+constexpr std::uint64_t magic_of_states = 0x3245544154534e59u;  // "YNSTATE2"
 
 struct Header {
   std::uint64_t magic, model_id;
@@ -16,13 +16,16 @@ struct Header {
 };
 
 std::size_t numbers(const Model& m) { return std::size_t(m.n.nq) + 3 * std::size_t(m.n.nv) + std::size_t(m.n.nu) + std::size_t(m.n.na); }
-std::size_t bytes(const Model& m) { return sizeof(Header) + numbers(m) * sizeof(double) + std::size_t(m.n.contacts) * sizeof(dynContactForce); }
+std::size_t bytes(const Model& m) { return sizeof(Header) + (numbers(m) + std::size_t(simulation::resting_trees(m))) * sizeof(double) + std::size_t(m.n.contacts) * sizeof(dynContactForce); }
 
-// f(array of the data, numbers) for q, v, a, tau, controls and their filters
+// f(array of the data, numbers) for q, v, a, tau, controls and their filters, and how long trees have been slow
 template <class F>
 void for_each_input(const Model& m, Data<double>& d, F&& f) {
   f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv), f(d.ctrl, m.n.nu), f(d.act, m.n.na);
+  f(d.step->sleep.still, d.step->sleep.count);
 }
+
+bool is_geom(const Model& m, Index shape) { return shape >= 0 && shape < m.n.shapes && m.shapes()[shape].role == DYN_ROLE_COLLISION; }
 
 bool room(Call& call, const void* memory, std::size_t size) {
   if (!call.required("memory", memory)) return false;
@@ -44,11 +47,12 @@ dynStatus dyn_state_save(const dynModel* model, dynData* data, void* memory, siz
   Data<double>& d = call.d();
   char* at = static_cast<char*>(memory);
   const auto put = [&](const void* x, std::size_t n) { n ? std::memcpy(at, x, n) : nullptr, at += n; };
-  const Header header{magic_of_states, m.id, d.step->contact_count, d.time[0]};
+  const std::int64_t contacts = d.step->contact_count + d.step->sleep.held_count;
+  const Header header{magic_of_states, m.id, contacts, d.time[0]};
   put(&header, sizeof header);
   for_each_input(m, d, [&](const double* x, Index n) { put(x, std::size_t(n) * sizeof(double)); });
-  put(d.step->contacts, std::size_t(d.step->contact_count) * sizeof(dynContactForce));
-  std::memset(at, 0, std::size_t(m.n.contacts - d.step->contact_count) * sizeof(dynContactForce));
+  simulation::for_each_contact(*d.step, [&](const dynContactForce& f) { put(&f, sizeof f); });
+  std::memset(at, 0, std::size_t(m.n.contacts - contacts) * sizeof(dynContactForce));
   return DYN_OK;
 }
 
@@ -75,9 +79,11 @@ dynStatus dyn_state_restore(const dynModel* model, dynData* data, const void* me
   for (std::int64_t k = 0; sound && k < header.contacts; ++k) {
     dynContactForce f;
     std::memcpy(&f, next + std::size_t(k) * sizeof f, sizeof f);
-    sound = finite_count(f.force_on_b, 3) == 3 && finite_count(f.moment_on_b, 3) == 3 && f.contact.pair >= 0 && f.contact.pair < m.n.pairs;
+    sound = finite_count(f.force_on_b, 3) == 3 && finite_count(f.moment_on_b, 3) == 3 && f.contact.pair < m.n.pairs &&
+            (f.contact.pair >= 0 || (!lists_pairs(m) && is_geom(m, f.contact.shape_a) && is_geom(m, f.contact.shape_b)));
   }
   if (!sound) return fail(DYN_ERROR_NONFINITE, "%s: the state is damaged: it holds numbers that no step leaves", call.function);
+  simulation::wake_all(m, d);
   for_each_input(m, d, [&](double* x, Index n) { n ? std::memcpy(x, at, std::size_t(n) * sizeof(double)) : nullptr, at += std::size_t(n) * sizeof(double); });
   for (Index i = 0; i < input_count; ++i) d.changed(Input(i));
   d.time[0] = header.time;

@@ -42,7 +42,7 @@ struct Counted {
   dynModel* m = nullptr;
   dynData* d = nullptr;
   std::string error;
-  Counted(const std::string& text, std::uint32_t effects = DYN_EFFECT_ALL) {
+  Counted(const std::string& text, std::uint32_t effects = DYN_EFFECT_ALL & ~DYN_EFFECT_SLEEPING) {
     dynLoadOptions load;
     dyn_load_options_init(&load);
     if (dyn_model_load_string(text.c_str(), &load, &m) || dyn_data_new(m, DYN_PART_SIMULATION, &d) || dyn_data_set_effects(m, d, 0, effects)) error = dyn_last_error();

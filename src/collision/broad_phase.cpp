@@ -76,6 +76,14 @@ void BroadPhase::remove(Index id) {
   --count_;
 }
 
+void BroadPhase::put_back(Index id, const Bounds& b) {
+  tight_[id] = b;
+  state_[id] = nowhere;
+  same_boxes_ = false;
+  mark(id);
+  ++count_;
+}
+
 void BroadPhase::mark(Index id) {
   if (!(flags_[id] & stale)) stale_[stale_count_++] = id;
   if (!(flags_[id] & unplaced)) unplaced_[unplaced_count_++] = id;

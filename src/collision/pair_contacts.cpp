@@ -1,7 +1,6 @@
 #include "dyn/collision/pair_contacts.hpp"
 
-#include "dyn/collision/cull.hpp"
-#include "dyn/collision/pairs.hpp"
+#include "dyn/collision/pair_search.hpp"
 
 namespace dyn::collision {
 
@@ -9,19 +8,30 @@ Index contacts(const Model& m, Data<double>& d, double margin, dynContact* out, 
   place_geoms(m, d);
   Index count = 0;
   Manifold found;
-  for (Index k = 0; k < m.n.pairs; ++k) {
-    if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
-    const PairRecord& p = m.pairs()[k];
-    const Geom &a = d.geoms[p.a], &b = d.geoms[p.b];
-    const Pose &A = d.geom_poses[p.a], &B = d.geom_poses[p.b];
-    if (distance_at_least(a, A, b, B) > margin) continue;
+  const auto look = [&](Index ia, Index ib, Index pair) {
+    const Geom &a = d.geoms[ia], &b = d.geoms[ib];
+    const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
+    if (distance_at_least(a, A, b, B) > margin) return;
     contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
     for (int i = 0; i < found.count; ++i, ++count) {
       if (count >= capacity) continue;
       out[count] = contact_of(found, i);
-      out[count].pair = int(k), out[count].shape_a = int(m.geoms()[p.a].shape), out[count].shape_b = int(m.geoms()[p.b].shape);
+      out[count].pair = int(pair), out[count].shape_a = int(m.geoms()[ia].shape), out[count].shape_b = int(m.geoms()[ib].shape);
     }
+  };
+  if (lists_pairs(m)) {
+    for (Index k = 0; k < m.n.pairs; ++k)
+      if (d.pair_states[k] == DYN_PAIR_TESTED) look(m.pairs()[k].a, m.pairs()[k].b, k);
+    return count;
   }
+  PairSearch& search = *PairSearch::of(d);
+  search.set_up(m, d);
+  search.place_all(d, margin);
+  const bool ascending = search.for_each(d, [&](Index a, Index b) {
+    if (Index pair; tests(m, d, a, b, pair)) look(a, b, pair);
+  });
+  search.ready = false;  // steps have them otherwise
+  if (!ascending) std::sort(out, out + std::min(count, capacity), comes_before);
   return count;
 }
 

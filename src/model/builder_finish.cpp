@@ -294,7 +294,7 @@ ModelPtr Builder::finish() const {
   n.surface_numbers = Index(a.surface_numbers.size()), n.surface_indices = Index(a.surface_indices.size());
   for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
   n.disabled = Index(a.disabled_pairs.size());
-  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs, wanted);
+  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs, wanted, in.overlapping);
   n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports)
     if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
@@ -450,6 +450,19 @@ ModelPtr Builder::finish() const {
   check_constraints(*model);
   for (std::size_t k = 0; k < std::size_t(n.nv); ++k) model->n.carriers = std::max(model->n.carriers, std::min(n.nv, 2 * (a.dof_depth[k] + 1)));
   if (mimic) model->n.carriers = n.nv;
+  if (!lists_pairs(*model)) {
+    // what overlaps is listed: once more, with them
+    if (GeomPairs found = dyn::overlapping(*model); !found.empty()) {
+      found.insert(found.end(), in.overlapping.begin(), in.overlapping.end());
+      impl->overlapping = std::move(found);
+      ModelPtr again = finish();
+      impl->overlapping.clear();
+      return again;
+    }
+    const auto moving = std::count_if(a.geoms.begin(), a.geoms.end(), [&](const GeomRecord& g) { return a.frames[std::size_t(a.shapes[std::size_t(g.shape)].frame)].joint > 0; });
+    model->n.contacts = moving ? 16 + 8 * Index(moving) : 0;
+    return model;
+  }
   judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
   if (several && !tests_nothing(*model)) --model->n.reports;
   model->n.contacts = std::min(8 * n.pairs, 16 + 8 * n.geoms);

@@ -106,6 +106,7 @@ struct Builder::Impl {
   int constraint_slots = 8;  // spare ones
   std::vector<ActuatorEntry> actuators;
   std::vector<PairEntry> pairs;
+  std::vector<std::pair<Index, Index>> overlapping;  // geoms, where pairs are not listed; found by finish()
 
   int find(const Parent& parent, const std::string& who) const;
   void add_frame(FrameEntry entry, const std::string& who);
@@ -152,14 +153,19 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
 
 // Two shapes, the lower number first, that are tested whatever the filter says, and 1 + the number of their own material or 0.
 using WantedPairs = std::map<std::pair<Index, Index>, std::int32_t>;
-// Pairs of collision shapes but those of one body and of a body and its parent, if they are not wanted; none when there are more than most_geoms shapes.
+using GeomPairs = std::vector<std::pair<Index, Index>>;
+// Pairs of collision shapes but those of one body and of a body and its parent, if they are not wanted; of more than most_geoms shapes those that are wanted,
+// disabled, or known to overlap.
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames, const std::vector<ShapeRecord>& shapes,
-                                 const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted);
+                                 const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
+                                 const GeomPairs& overlapping);
 // Several collision shapes, and no pair of them is tested: the load report says so.
 inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";
 bool tests_nothing(const Model& m);
 // Marks those that overlap in the neutral configuration.
 void judge_pairs(const Model& m, PairRecord* pairs);
+// Of a model that does not list its pairs, those of which it knows by itself left out.
+GeomPairs overlapping(const Model& m);
 
 // Sizes of a primitive joint.
 int primitive_nq(BodyType t);

@@ -1,14 +1,15 @@
 // Which contact points a step may meet.
 #include <utility>
 
-#include "dyn/collision/cull.hpp"
 #include "dyn/collision/pair_contacts.hpp"
+#include "dyn/collision/pair_search.hpp"
 #include "dyn/simulation/step.hpp"
 
 namespace dyn::simulation {
 
 namespace {
 
+using collision::comes_before;
 using collision::Geom;
 using collision::Manifold;
 using collision::Pose;
@@ -22,12 +23,10 @@ double fastest(const Data<double>& d, Index geom) {
   return shape::norm(u) + shape::norm(w) * reach;
 }
 
-// Lists by pairs, then by features.
-bool before(const dynContact& a, const dynContact& b) { return a.pair != b.pair ? a.pair < b.pair : a.feature < b.feature; }
-
 // Appends; beyond the room the shallowest goes.
 void append(const Model& m, Workspace& w, const dynContact& c) {
-  if (w.contact_count == m.n.contacts) {
+  if (w.contact_count + w.sleep.held_count >= m.n.contacts) {
+    if (w.sleep.held_count > 0) return void(w.sleep.all = true);
     ++w.report.dropped;
     Index shallowest = 0;
     for (Index k = 1; k < w.contact_count; ++k)
@@ -39,17 +38,6 @@ void append(const Model& m, Workspace& w, const dynContact& c) {
   dynContactForce& f = w.contacts[w.contact_count++];
   f = {};
   f.contact = c;
-}
-
-// What the same contact exerted in the step before is the guess.
-void carry_over(Workspace& w) {
-  Index k = 0;
-  for (Index i = 0; i < w.contact_count; ++i) {
-    dynContactForce& f = w.contacts[i];
-    while (k < w.before_count && before(w.before[k].contact, f.contact)) ++k;
-    if (k == w.before_count || before(f.contact, w.before[k].contact)) continue;
-    std::copy_n(w.before[k].force_on_b, 3, f.force_on_b), std::copy_n(w.before[k].moment_on_b, 3, f.moment_on_b);
-  }
 }
 
 // The ball that a body's points at a distance of `reach` from it stay in: chains of revolute and spherical joints keep their lengths.
@@ -69,21 +57,110 @@ Ball within(const Model& m, const Data<double>& d, Index geom) {
   }
 }
 
-// Pairs that are tested and can ever meet, and their shapes.
+// Pairs that are tested and can ever meet, and their shapes; too many for the list: pairs are found by boxes.
 void find_pairs(const Model& m, const Data<double>& d) {
   Workspace& w = *d.step;
-  w.pair_count = w.geom_count = 0;
+  w.pair_count = w.geom_count = 0, w.by_boxes = false;
   std::fill_n(w.speeds, m.n.geoms, 0.0);
-  for (Index k = 0; k < m.n.pairs; ++k) {
-    if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
-    const Index a = m.pairs()[k].a, b = m.pairs()[k].b;
+  const auto room = Index(pair_room(m));
+  const auto add = [&](Index a, Index b, Index number) {
     const Ball A = within(m, d, a), B = within(m, d, b);
     const double near = 0.02 * std::min(d.geoms[a].reach, d.geoms[b].reach);
-    if (!(shape::norm(A.center - B.center) * (1 - 1e-9) > A.radius + B.radius + near)) w.pairs[w.pair_count++] = k, w.speeds[a] = w.speeds[b] = 1;
+    if (shape::norm(A.center - B.center) * (1 - 1e-9) > A.radius + B.radius + near) return;
+    if (w.pair_count < room) w.pairs[w.pair_count] = {a, b, number}, w.speeds[a] = w.speeds[b] = 1;
+    ++w.pair_count;
+  };
+  if (lists_pairs(m)) {
+    for (Index k = 0; k < m.n.pairs && w.pair_count <= room; ++k)
+      if (d.pair_states[k] == DYN_PAIR_TESTED) add(m.pairs()[k].a, m.pairs()[k].b, k);
+  } else if (w.clearance.possible) {
+    Index pair;
+    for (Index a = 0; a < m.n.geoms; ++a)
+      for (Index b = a + 1; b < m.n.geoms && w.pair_count <= room; ++b)
+        if ((d.geoms[a].body || d.geoms[b].body) && collision::tests(m, d, a, b, pair)) add(a, b, pair);
+  } else {
+    w.pair_count = room + 1;
   }
+  w.by_boxes = w.pair_count > room;
   for (Index k = 0; k < m.n.geoms; ++k)
     if (w.speeds[k] > 0) w.geoms[w.geom_count++] = k;
+  if (w.by_boxes) std::fill_n(w.speeds, m.n.geoms, 0.0), w.geom_count = 0;
 }
+
+}  // namespace
+
+// near and what both shapes reach share out what their boxes are wider by.
+double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h) { return 0.01 * d.geoms[geom].reach + 1.5 * h * w.speeds[geom]; }
+
+namespace {
+
+// The contact points of pairs of shapes, in the step's workspace.
+struct Search {
+  const Model& m;
+  Data<double>& d;
+  const double h;
+  Workspace& w = *d.step;
+  Manifold found{};
+  double between = shape::infinity, fast = 0;  // of the shapes that are placed
+
+  bool sleeps(Index geom) const { return w.sleep.sleeps(d.geoms[geom].body); }
+  void place(Index k) {
+    if (sleeps(k)) return;
+    d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
+    w.speeds[k] = fastest(d, k), fast = std::max(fast, w.speeds[k]);
+  }
+
+  // is_tested(pair): whether it is, and its number
+  template <class F>
+  void look(Index ia, Index ib, F&& is_tested) {
+    const Geom &a = d.geoms[ia], &b = d.geoms[ib];
+    const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
+    // impulses of the step change velocities: shapes this near one another always count
+    const double near = std::min(0.02 * std::min(a.reach, b.reach), within_reach(w, h, fast)), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
+    if (!(near < shape::infinity) || (w.sleep.some && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body))) return;
+    const double distance = collision::distance_at_least(a, A, b, B);
+    between = std::min(between, distance - near);
+    Index pair = -1;
+    if (distance > margin || !is_tested(pair)) return;
+    collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
+    for (int i = 0; i < found.count; ++i) {
+      const auto& point = found.points[i];
+      const double closing = dot(found.normal, velocity_at(d, b.body, point.position) - velocity_at(d, a.body, point.position));
+      if (point.distance > near && point.distance + h * closing > 0) continue;
+      dynContact c = collision::contact_of(found, i);
+      c.pair = int(pair), c.shape_a = int(m.geoms()[ia].shape), c.shape_b = int(m.geoms()[ib].shape);
+      append(m, w, c);
+      for (const Index geom : {ia, ib})
+        if (sleeps(geom)) w.sleep.is[w.sleep.number[d.geoms[geom].body]] = Sleeper::Met, w.sleep.met = true;
+    }
+  }
+  void by_list() {
+    for (Index i = 0; i < w.geom_count; ++i) place(w.geoms[i]);
+    for (Index n = 0; n < w.pair_count; ++n) {
+      const NearPair& p = w.pairs[n];
+      look(p.a, p.b, [&](Index& pair) { return pair = p.number, true; });
+    }
+  }
+  void set_up(collision::PairSearch& search) {
+    search.set_up(m, d);
+    for (Index k = 0; w.sleep.some && k < search.moving_count; ++k)
+      if (const Index geom = search.moving_geoms[k]; sleeps(geom)) search.rest(d, geom, box_margin(w, d, geom, h));
+    search.list_active();
+  }
+  void by_boxes() {
+    collision::PairSearch& search = *collision::PairSearch::of(d);
+    if (!search.ready) set_up(search);
+    for (Index k = 0; k < search.active_count; ++k) {
+      const Index geom = search.moving_geoms[search.active[k]];
+      place(geom);
+      search.moving->update(search.active[k], collision::swollen(d.geoms[geom], d.geom_poses[geom], box_margin(w, d, geom, h)));
+    }
+    for (Index k = 0; k < search.vast_count; ++k) place(search.vast_geoms[k]);
+    const bool ascending = search.for_each(d, [&](Index a, Index b) { look(a, b, [&](Index& pair) { return collision::tests(m, d, a, b, pair); }); });
+    if (!ascending) std::sort(w.contacts, w.contacts + w.contact_count, [](const dynContactForce& x, const dynContactForce& y) { return comes_before(x.contact, y.contact); });
+    between = 0;  // of other pairs nothing is known
+  }
+};
 
 }  // namespace
 
@@ -92,38 +169,10 @@ Index find_contacts(const Model& m, Data<double>& d, double h, double& between) 
   std::swap(w.contacts, w.before);
   w.before_count = w.contact_count, w.contact_count = 0;
   if (w.pair_count < 0) find_pairs(m, d);
-  for (Index i = 0; i < w.geom_count; ++i) {
-    const Index k = w.geoms[i];
-    d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
-    w.speeds[k] = fastest(d, k);
-  }
-  double fast = 0;
-  for (Index i = 0; i < w.geom_count; ++i) fast = std::max(fast, w.speeds[w.geoms[i]]);
-  const double most = within_reach(w, h, fast);
-  Manifold found;
-  between = shape::infinity;
-  for (Index n = 0; n < w.pair_count; ++n) {
-    const Index k = w.pairs[n];
-    const Index ia = m.pairs()[k].a, ib = m.pairs()[k].b;
-    const Geom &a = d.geoms[ia], &b = d.geoms[ib];
-    const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
-    // impulses of the step change velocities: shapes this near one another always count
-    const double near = std::min(0.02 * std::min(a.reach, b.reach), most), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
-    if (!(near < shape::infinity)) continue;
-    const double distance = collision::distance_at_least(a, A, b, B);
-    between = std::min(between, distance - near);
-    if (distance > margin) continue;
-    collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
-    for (int i = 0; i < found.count; ++i) {
-      const auto& point = found.points[i];
-      const double closing = dot(found.normal, velocity_at(d, b.body, point.position) - velocity_at(d, a.body, point.position));
-      if (point.distance > near && point.distance + h * closing > 0) continue;
-      dynContact c = collision::contact_of(found, i);
-      c.pair = int(k), c.shape_a = int(m.geoms()[ia].shape), c.shape_b = int(m.geoms()[ib].shape);
-      append(m, w, c);
-    }
-  }
-  carry_over(w);
+  Search search{m, d, h};
+  w.by_boxes ? search.by_boxes() : search.by_list();
+  between = search.between;
+  with_before(w, [](const dynContactForce&) { return true; }, take_over);  // the guess
   return w.contact_count;
 }
 

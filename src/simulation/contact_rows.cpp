@@ -22,8 +22,10 @@ void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<dou
   Workspace& w = *d.step;
   const dynContact& c = w.contacts[contact].contact;
   ContactLaw& law = w.laws[contact];
-  const Index a = m.pairs()[c.pair].a, b = m.pairs()[c.pair].b;
-  const Index own = m.pairs()[c.pair].material();
+  const auto geom = [&](Index shape) { return Index(std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, [](const GeomRecord& g, Index s) { return g.shape < s; }) - m.geoms()); };
+  const bool listed = c.pair >= 0;
+  const Index a = listed ? m.pairs()[c.pair].a : geom(c.shape_a), b = listed ? m.pairs()[c.pair].b : geom(c.shape_b);
+  const Index own = listed ? m.pairs()[c.pair].material() : 0;
   law.material = own ? m.materials()[own - 1] : combined(w.materials[a], w.materials[b]);
   law.rows = contact_rows(law.material);
   law.axes[2] = load3(c.normal);

@@ -10,12 +10,16 @@ void root_velocities(const Model& m, Data<double>& d, const double* v) {
   static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // in the order of BodyType
   Workspace& w = *d.step;
   w.root_velocity[0] = Motion<double>::zero();
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Body& b = m.bodies()[i];
-    Motion<double> V = w.root_velocity[b.parent];
-    for (Index k = b.idx_v, end = k + sizes[Index(b.type)]; k < end; ++k) V = V + d.S[k] * v[k];
-    w.root_velocity[i] = V;
-  }
+  with_trees(d, [&](const auto& part) {
+    part.for_each_group(m, [&](const Trees& t) {
+      for (Index i = t.first; i < t.end; ++i) {
+        const Body& b = m.bodies()[i];
+        Motion<double> V = w.root_velocity[b.parent];
+        for (Index k = b.idx_v, end = k + sizes[Index(b.type)]; k < end; ++k) V = V + d.S[k] * v[k];
+        w.root_velocity[i] = V;
+      }
+    });
+  });
 }
 
 Index body_of_dof(const Model& m, Index dof) {
@@ -75,7 +79,7 @@ struct Finder {
       const LimitRecord& r = m.limits()[k];
       const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], reach = 3 * h * std::abs(v[r.dof]) + near;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
-      if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS)) continue;
+      if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) continue;
       Slot<double>& s = next();
       s.c = Constraint{};
       s.c.type = DYN_CONSTRAINT_LIMIT, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q;
@@ -104,13 +108,14 @@ struct Finder {
 
 Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);
-  if (m.n.contacts == 0 && active_rows(m, d) == 0 && limits_far(m, d, v, h)) return note_clearance(m, d, v, h, shape::infinity), 0;
-  prepare_columns(m, d);
+  const bool some_sleep = d.step->sleep.some;  // then of clearance nothing is known
+  if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_far(m, d, v, h)) return note_clearance(m, d, v, h, shape::infinity), 0;
+  if (!m.has_mimic) with_trees(d, [&](const auto& part) { articulated_columns(m, d, part); });
   root_velocities(m, d, v);
   Finder find{m, d, *d.step, v, h};
   find.constraints(), find.limits(), find.contacts();
-  note_clearance(m, d, v, h, find.count == 0 && active_rows(m, d) == 0 ? find.between : 0);
-  order_by_islands(m, d, find.count);
+  note_clearance(m, d, v, h, !some_sleep && find.count == 0 && active_rows(m, d) == 0 ? find.between : 0);
+  order_by_islands(d, find.count);
   return find.count;
 }
 

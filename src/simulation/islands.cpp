@@ -14,10 +14,12 @@ Index find(Index* links, Index tree) {
 
 }  // namespace
 
-void order_by_islands(const Model& m, Data<double>& d, Index slots) {
+void order_by_islands(Data<double>& d, Index slots) {
   Workspace& w = *d.step;
   Index* links = w.tree_links;
-  for (Index i = 0; i < m.n.bodies; ++i) links[i] = i;
+  for (Index k = 0; k < slots; ++k)
+    for (const Index tree : {w.active[k].tree1, w.active[k].tree2})
+      if (tree >= 0) links[tree] = tree;
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = w.active[k];
     if (x.tree1 < 0 || x.tree2 < 0) continue;

@@ -78,7 +78,9 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
   Workspace& w = *d.step;
   v_before = d.expand(m, v_before, d.ax);
   double *impulse = d.constraint_step, *displacement = d.constraint_ddq;
-  std::fill_n(impulse, m.n.nv, 0.0), std::fill_n(displacement, m.n.nv, 0.0);
+  with_trees(d, [&](const auto& part) {
+    part.for_each_group(m, [&](const Trees& t) { std::fill(impulse + t.v, impulse + t.v_end, 0.0), std::fill(displacement + t.v, displacement + t.v_end, 0.0); });
+  });
   bool corrected = false;
   Index islands = 0, rows = 0;
   for (Index begin = 0, end; begin < slots; begin = end, ++islands) {
@@ -96,12 +98,16 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
   }
   w.report.islands = std::max(w.report.islands, islands), w.report.rows = std::max(w.report.rows, rows);
   w.report.contacts = std::max(w.report.contacts, w.contact_count);
-  scatter(m, d, impulse);
-  for (Index k = 0; k < m.n.nv; ++k) v[k] += impulse[k];
-  if (!corrected) return false;
-  scatter(m, d, displacement);
-  std::copy_n(displacement, m.n.nv, dq);
-  return true;
+  with_trees(d, [&](const auto& part) {
+    part.for_each_group(m, [&](const Trees& t) {
+      scatter(m, d, impulse, t.v, t.v_end);
+      for (Index k = t.v; k < t.v_end; ++k) v[k] += impulse[k];
+      if (!corrected) return;
+      scatter(m, d, displacement, t.v, t.v_end);
+      std::copy(displacement + t.v, displacement + t.v_end, dq + t.v);
+    });
+  });
+  return corrected;
 }
 
 }  // namespace dyn::simulation

@@ -9,10 +9,18 @@ namespace dyn::simulation {
 namespace {
 
 template <class F>
+void for_each_array(const Model& m, Sleep& z, F&& f) {
+  f(z.number, m.n.bodies), f(z.trees, m.n.bodies), f(z.still, m.n.bodies), f(z.largest, m.n.bodies), f(z.steps, m.n.bodies), f(z.is, m.n.bodies), f(z.flags, m.n.bodies);
+  f(z.next, m.n.bodies), f(z.island, m.n.bodies), f(z.list, m.n.bodies), f(z.tau, m.n.nv);
+  f(z.runs, m.n.runs), f(z.chunks, m.n.chunks + m.n.bodies), f(z.groups, m.n.bodies), f(z.spans, m.n.spans + m.n.bodies), f(z.curved, m.n.curved);
+  f(z.held, m.n.contacts);
+}
+
+template <class F>
 void for_each_array(const Model& m, Workspace& w, F&& f) {
   const std::ptrdiff_t slots = step_slots(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers, room = row_room(island_rows(m));
   if (slots == 0) return;
-  f(w.materials, m.n.geoms), f(w.speeds, m.n.geoms), f(w.pairs, m.n.pairs), f(w.geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
+  f(w.materials, m.n.geoms), f(w.speeds, m.n.geoms), f(w.pairs, pair_room(m)), f(w.geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.slots, own), f(w.support, own * carriers), f(w.carried, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));
@@ -23,6 +31,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.newton_rhs, 8 * slots), f(w.diagonal, 48 * slots), f(w.where, slots), f(w.newton_acts, slots);
   w.block_room = 2 * BlockFactor<3>::size * std::ptrdiff_t(Elimination::entry_room(Index(slots)));
   f(w.blocks_above, w.block_room);
+  if (!m.has_mimic) for_each_array(m, w.sleep, f);
   f(w.matrix, room * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
 }
 
@@ -62,10 +71,23 @@ Workspace* place(const Model& m, void* memory) {
   if (step_slots(m) == 0) return &w;
   w.pair_count = -1, find_trees(m, w.tree_of), w.clearance.possible = has_clearance(m);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
+  set_up_sleep(m, w);
   solver::place(w.solver, island_rows(m), w.solver_memory);
   return &w;
 }
 
-dynStepOptions default_options() { return {sizeof(dynStepOptions), DYN_SEMI_IMPLICIT_EULER, 1e-3, 0, DYN_CONTACT_ADMM, 100, 1e-9}; }
+Index resting_trees(const Model& m) {
+  if (step_slots(m) == 0 || m.has_mimic) return 0;
+  return Index(std::count_if(m.bodies() + 1, m.bodies() + m.n.bodies, [](const Body& b) { return b.parent == 0; }));
+}
+
+std::size_t sleep_bytes(const Model& m) {
+  Sleep z;
+  std::size_t bytes = 0;
+  for_each_array(m, z, [&](auto* array, std::ptrdiff_t n) { bytes += rounded(std::size_t(n) * sizeof *array); });
+  return bytes;
+}
+
+dynStepOptions default_options() { return {sizeof(dynStepOptions), DYN_SEMI_IMPLICIT_EULER, 1e-3, 0, DYN_CONTACT_ADMM, 100, 1e-9, 1e-4, 0.5, 0}; }
 
 }  // namespace dyn::simulation

@@ -84,7 +84,7 @@ const char* joint_type_name(dynJointType type);  // "revolute"
 const char* frame_type_name(dynFrameType type);  // "FIXED_JOINT"
 
 // [{"name", "active", "reason", "bytes"}]: which effects the robot calls for, as far as they are switched on.
-json effects(const Robot& robot, std::uint32_t on = std::uint32_t(DYN_EFFECT_ALL) | of_the_whole);
+json effects(const Robot& robot, std::uint32_t on = (std::uint32_t(DYN_EFFECT_ALL) & ~std::uint32_t(DYN_EFFECT_SLEEPING)) | of_the_whole);
 // Options --effects and --without: names with commas between.
 struct EffectOptions {
   std::string with = "all", without;

@@ -10,7 +10,7 @@ namespace cli {
 
 namespace {
 
-constexpr std::uint32_t of_joints = DYN_EFFECT_ALL;
+constexpr std::uint32_t of_joints = DYN_EFFECT_ALL & ~DYN_EFFECT_SLEEPING;  // which is asked for by name
 
 constexpr struct {
   const char* name;
@@ -18,6 +18,7 @@ constexpr struct {
 } names[] = {{"armature", DYN_EFFECT_ARMATURE}, {"damping", DYN_EFFECT_DAMPING}, {"springs", DYN_EFFECT_SPRINGS}, {"friction", DYN_EFFECT_FRICTION},
              {"limits", DYN_EFFECT_LIMITS}, {"actuators", DYN_EFFECT_ACTUATORS}, {"fluid", DYN_EFFECT_FLUID},
              {"gravity_compensation", DYN_EFFECT_GRAVITY_COMPENSATION}, {"gravity", has_gravity}, {"contact", has_contact}, {"constraints", has_constraints},
+             {"sleeping", DYN_EFFECT_SLEEPING},
              {"all", of_joints | of_the_whole}, {"none", 0}};
 
 std::uint32_t bits_of(const std::string& list, const char* option) {
@@ -40,7 +41,7 @@ std::uint32_t bits_of(const std::string& list, const char* option) {
 void add_effects_option(CLI::App& command, EffectOptions& options) {
   command
       .add_option("--effects", options.with,
-                  "What joints and links do: armature, damping, springs, friction, limits, actuators, fluid, gravity_compensation with commas between, all or none")
+                  "What joints and links do: armature, damping, springs, friction, limits, actuators, fluid, gravity_compensation, sleeping with commas between, all (but sleeping) or none")
       ->check(not_empty)
       ->type_name("LIST")
       ->capture_default_str();
@@ -59,6 +60,7 @@ void apply_effects(const Robot& robot, dynData* data, std::uint32_t effects) {
   if (!(effects & has_contact))
     for (int k = 0; k < dyn_npairs(robot); ++k)
       if (dyn_data_set_pair(robot, data, k, 0) == DYN_ERROR_PART) break;  // data that knows no pairs
+  if (!(effects & has_contact)) dyn_data_set_shape_masks(robot, data, -1, 0, 0);  // of pairs that are not listed
   if (!(effects & has_constraints))
     for (int k = 0; k < dyn_nconstraints(robot); ++k)
       if (dyn_constraint_enable(robot, data, k, 0) == DYN_ERROR_PART) break;
@@ -126,6 +128,9 @@ json effects(const Robot& robot, std::uint32_t on) {
   int followers = 0;
   for (int i = 1; i < robot.njoints; ++i) followers += robot.joint(i).mimic_leader >= 0;
   add("mimic", followers > 0, followers ? several(followers, " joint follows", " joints follow") + " another" : "no joint follows another");
+  const int trees = present("sleeping");
+  add("sleeping", trees && on & DYN_EFFECT_SLEEPING,
+      !trees ? "nothing can come to rest" : several(trees, " tree of bodies", " trees of bodies") + " may sleep" + (on & DYN_EFFECT_SLEEPING ? "" : "; switched off"));
   return list;
 }
 

@@ -249,7 +249,7 @@ void run(const Options& options) {
   Clock::duration wall{};
   double drift_max = 0, estimate = 0;
   long long steps = 0, evaluations = 0, dropped = 0;
-  int contacts_max = 0, rows_max = 0;
+  int contacts_max = 0, rows_max = 0, sleeping = 0;
   double penetration_max = 0, residual_max = 0;
   {
     Progress progress(schedule.steps);
@@ -263,6 +263,7 @@ void run(const Options& options) {
       report.struct_size = sizeof report;
       check(dyn_data_step_report(robot, data, &report));
       steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped;
+      sleeping = report.sleeping;
       contacts_max = std::max(contacts_max, report.contacts), rows_max = std::max(rows_max, report.rows);
       penetration_max = std::max(penetration_max, report.penetration), residual_max = std::max(residual_max, report.residual);
       if (status != DYN_OK || dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential) != DYN_OK) {
@@ -289,6 +290,7 @@ void run(const Options& options) {
   answer["contacts_max"] = contacts_max;
   answer["penetration_max"] = penetration_max;
   answer["residual_max"] = residual_max;
+  answer["sleeping"] = sleeping;
   answer["integrator"] = adaptive && integrator.id != DYN_RK45 ? "reference" : options.integrator;  // whose methods an accuracy takes
   answer["solver"] = rows_max > 0 ? options.solver : "none";
   answer["dt"] = adaptive ? options.duration / static_cast<double>(std::max(steps, 1LL)) : dt;

@@ -229,8 +229,9 @@ class Effect(enum.IntFlag):
     ACTUATORS = 32
     FLUID = 64
     GRAVITY_COMPENSATION = 128
+    SLEEPING = 256
     DEFAULT = 0xF1
-    ALL = 0xFF
+    ALL = 0x1FF
 
 
 class ActuatorType(enum.IntEnum):

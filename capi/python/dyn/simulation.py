@@ -44,7 +44,9 @@ class StepReport(NamedTuple):
     residual: float
     """Largest of the contact solver."""
     penetration: float
-    """m, largest depth at the beginning of a step."""
+    """m, largest depth at the beginning of a step, of what is awake."""
+    sleeping: int
+    """Islands that slept in the last step."""
 
 
 class ContactForce(NamedTuple):
@@ -69,9 +71,13 @@ class Stepping:
         solver: str | ContactSolverType | None = None,
         tolerance: float | None = None,
         max_iterations: int | None = None,
+        sleep_speed: float | None = None,
+        sleep_time: float | None = None,
+        visit_sleepers: bool | None = None,
     ) -> None:
         """How step and advance go: by which integrator, in steps of dt seconds or (accuracy > 0, advance alone) of those that take
-        the sum of their errors to at most accuracy; which contact solver, to which residual, in how many iterations. None leaves a
+        the sum of their errors to at most accuracy; which contact solver, to which residual, in how many iterations; with the effect SLEEPING
+        how slow (m/s, rad/s) and for how long (s) what may sleep has been, and whether steps compute it all the same. None leaves a
         value as it is."""
         options = self.stepping
         if integrator is not None:
@@ -87,6 +93,12 @@ class Stepping:
             options.tolerance = tolerance
         if max_iterations is not None:
             options.max_iterations = max_iterations
+        if sleep_speed is not None:
+            options.sleep_speed = sleep_speed
+        if sleep_time is not None:
+            options.sleep_time = sleep_time
+        if visit_sleepers is not None:
+            options.visit_sleepers = visit_sleepers
         check(lib.dyn_data_set_step_options(self._m, self._d, byref(options)))
 
     @property

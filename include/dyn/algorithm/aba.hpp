@@ -46,9 +46,9 @@ struct ArticulatedBody {
 };
 
 // ddq = M^-1 (tau - C v - g + J^T fext) for a model without mimic joints. Returns 0, or the body whose joint has an
-// articulated inertia that is not positive: ddq is then not written.
-template <class T>
-Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T* ddq) {
+// articulated inertia that is not positive: ddq is then not written. Of part of the trees it is that of each by itself, to the last bit.
+template <class T, class Part = WholeModel>
+Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T* ddq, const Part& part = {}) {
   using State = ArticulatedState<T>;
   const State world(d);
   world.leave(d, 0);
@@ -71,7 +71,7 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
     const Inertia<T> Y = world_inertia(b, s.R);
     d.Y[i] = Y;
     d.f[i] = {cross(w, cross(w, Y.h)), cross(w, Y.I * w)};
-  }).done(d);
+  }, part).done(d);
   if (fext) subtract_external(m, d, fext);
 
   // articulated inertias IA and bias forces pA, leaves to root
@@ -98,7 +98,7 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
     up = {IA.shifted(d.r[i]), shift(pA + IA * d.c[i], d.r[i])};
   }, [&](Index parent, const Up& up) DYN_INLINE_LAMBDA {
     if (parent) d.IA[parent] = d.IA[parent] + up.IA, d.f[parent] = d.f[parent] + up.pA;
-  });
+  }, part);
   if (singular) return singular;
 
   // accelerations, root to leaves
@@ -116,7 +116,7 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
       a = a + J::column(m.bodies()[i], d.R[i], k) * ddq[at];
     }
     state = {a};
-  });
+  }, part);
   return 0;
 }
 

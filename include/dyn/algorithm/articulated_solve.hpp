@@ -11,19 +11,21 @@ namespace dyn {
 inline constexpr int solve_width = 16;
 
 // S and U referred to the tree's root.
-template <class T>
-void articulated_columns(const Model& m, Data<T>& d) {
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Index p = m.bodies()[i].parent;
-    d.rel[i] = p == 0 ? Vec3<T>::zero() : d.rel[p] + d.r[i];
+template <class T, class Part = WholeModel>
+void articulated_columns(const Model& m, Data<T>& d, const Part& part = {}) {
+  for (Index l = 0; l < part.run_count(m); ++l) {
+    const Run& run = part.runs(m)[l];
+    visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
+      for (Index i = run.first; i < run.last; ++i) {
+        const Body& b = m.bodies()[i];
+        d.rel[i] = b.parent == 0 ? Vec3<T>::zero() : d.rel[b.parent] + d.r[i];
+        for (int k = 0; k < J::nv; ++k) {
+          d.S[b.idx_v + k] = shift(J::column(b, d.R[i], k), -d.rel[i]);
+          d.U_root[b.idx_v + k] = shift(d.U[b.idx_v + k], d.rel[i]);
+        }
+      }
+    });
   }
-  forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
-    const Body& b = m.bodies()[i];
-    for (int k = 0; k < J::nv; ++k) {
-      d.S[b.idx_v + k] = shift(J::column(b, d.R[i], k), -d.rel[i]);
-      d.U_root[b.idx_v + k] = shift(d.U[b.idx_v + k], d.rel[i]);
-    }
-  });
 }
 
 // Eight 6-vectors.

@@ -16,25 +16,33 @@ DYN_INLINE void for_each_leader(const Model& m, F&& f) {
 
 // The factors of the configuration space: flat(in q, in v, count) for coordinates of vector spaces side by side, and
 // curved.template operator()<J>(body) for the bodies that have others.
-template <class Flat, class Curved>
-DYN_INLINE void for_each_factor(const Model& m, Flat&& flat, Curved&& curved) {
-  for (Index k = 0; k < m.n.spans; ++k) flat(m.spans()[k].first_q, m.spans()[k].first_v, m.spans()[k].count);
-  for (Index k = 0; k < m.n.curved; ++k) {
-    const Body& b = m.bodies()[m.curved()[k]];
+template <class Part, class Flat, class Curved>
+DYN_INLINE void for_each_factor(const Model& m, const Part& part, Flat&& flat, Curved&& curved) {
+  for (Index k = 0; k < part.span_count(m); ++k) flat(part.spans(m)[k].first_q, part.spans(m)[k].first_v, part.spans(m)[k].count);
+  for (Index k = 0; k < part.curved_count(m); ++k) {
+    const Body& b = m.bodies()[part.curved(m)[k]];
     visit(b.type, [&]<class J>() DYN_INLINE_LAMBDA { curved.template operator()<J>(b); });
   }
 }
+template <class Flat, class Curved>
+DYN_INLINE void for_each_factor(const Model& m, Flat&& flat, Curved&& curved) {
+  for_each_factor(m, WholeModel{}, flat, curved);
+}
 
-// out = q (+) v; out may be q.
-template <class T>
-void integrate(const Model& m, const T* q, const T* v, T* out) {
+// out = q (+) v; out may be q. Part: of some of the trees.
+template <class T, class Part>
+void integrate(const Model& m, const Part& part, const T* q, const T* v, T* out) {
   for_each_factor(
-      m,
+      m, part,
       [&](Index iq, Index iv, Index n) DYN_INLINE_LAMBDA {
 #pragma GCC ivdep
         for (Index k = 0; k < n; ++k) out[iq + k] = q[iq + k] + v[iv + k];
       },
       [&]<class J>(const Body& b) DYN_INLINE_LAMBDA { J::integrate(q + b.user_q, v + b.user_v, out + b.user_q); });
+}
+template <class T>
+void integrate(const Model& m, const T* q, const T* v, T* out) {
+  integrate(m, WholeModel{}, q, v, out);
 }
 
 // v = q1 (-) q0

@@ -52,12 +52,39 @@ DYN_INLINE Carry backward(const Model& m, Carry carry, F&& f) {
   return carry;
 }
 
+// What a pass goes along: all, or the chains and coordinates of some trees.
+struct WholeModel {
+  static DYN_INLINE const Run* runs(const Model& m) { return m.runs(); }
+  static DYN_INLINE Index run_count(const Model& m) { return m.n.runs; }
+  static DYN_INLINE const Chunk* chunks(const Model& m) { return m.chunks(); }
+  static DYN_INLINE Index chunk_count(const Model& m) { return m.n.chunks; }
+  static DYN_INLINE const Span* spans(const Model& m) { return m.spans(); }
+  static DYN_INLINE Index span_count(const Model& m) { return m.n.spans; }
+  static DYN_INLINE const Index* curved(const Model& m) { return m.curved(); }
+  static DYN_INLINE Index curved_count(const Model& m) { return m.n.curved; }
+};
+struct SomeTrees {
+  const Run* first_run;
+  const Chunk* first_chunk;  // of these runs
+  const Span* first_span;
+  const Index* first_curved;
+  Index of_runs, of_chunks, of_spans, of_curved;
+  DYN_INLINE const Run* runs(const Model&) const { return first_run; }
+  DYN_INLINE Index run_count(const Model&) const { return of_runs; }
+  DYN_INLINE const Chunk* chunks(const Model&) const { return first_chunk; }
+  DYN_INLINE Index chunk_count(const Model&) const { return of_chunks; }
+  DYN_INLINE const Span* spans(const Model&) const { return first_span; }
+  DYN_INLINE Index span_count(const Model&) const { return of_spans; }
+  DYN_INLINE const Index* curved(const Model&) const { return first_curved; }
+  DYN_INLINE Index curved_count(const Model&) const { return of_curved; }
+};
+
 // Root to leaves along chains: f(body, its first degree of freedom, carry); the carry's enter(d, parent) where a chain starts,
 // its leave(d, body) where one ends.
-template <class T, class Carry, class F>
-DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f) {
-  for (Index l = 0; l < m.n.runs; ++l) {
-    const Run& run = m.runs()[l];
+template <class T, class Carry, class F, class Part = WholeModel>
+DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f, const Part& part = {}) {
+  for (Index l = 0; l < part.run_count(m); ++l) {
+    const Run& run = part.runs(m)[l];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
       if (run.parent != run.first - 1) here.enter(d, run.parent);
@@ -70,11 +97,11 @@ DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f) {
 
 // Leaves to root along chains: f(body, its first degree of freedom, whether it ends the chain, carry), where the carry is what the body receives from the
 // next one of the chain, zero at a leaf, and becomes what it passes on; add(parent, carry) where the parent is not the next.
-template <class Carry, class F, class Add>
-DYN_INLINE void backward_chains(const Model& m, const Carry& zero, F&& f, Add&& add) {
-  const Run* runs = m.runs();
+template <class Carry, class F, class Add, class Part = WholeModel>
+DYN_INLINE void backward_chains(const Model& m, const Carry& zero, F&& f, Add&& add, const Part& part = {}) {
+  const Run* runs = part.runs(m);
   Carry carry = zero;
-  for (Index k = m.n.runs - 1; k >= 0; --k) {
+  for (Index k = part.run_count(m) - 1; k >= 0; --k) {
     const Run& run = runs[k];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
@@ -146,14 +173,14 @@ struct RelativePose : Pose<T> {
 // Root to leaves, f(body, its first degree of freedom, its placement X in its parent, carry): the sines and cosines of a
 // chunk's angles come first, then the X of a chain, which depend on no other body, so that what follows along the chain is one
 // product of matrices. Returns the carry.
-template <class T, class Carry, class F>
-DYN_INLINE Carry place_forward(const Model& m, Data<T>& d, Carry carry, F&& f) {
+template <class T, class Carry, class F, class Part = WholeModel>
+DYN_INLINE Carry place_forward(const Model& m, Data<T>& d, Carry carry, F&& f, const Part& part = {}) {
   const T* q = d.expand_q(m);
-  for (Index k = 0; k < m.n.chunks; ++k) {
-    const Chunk& chunk = m.chunks()[k];
+  for (Index k = 0; k < part.chunk_count(m); ++k) {
+    const Chunk& chunk = part.chunks(m)[k];
     sincos_sweep(q + chunk.first_q, chunk.last_q - chunk.first_q, d.cosine, d.sine);
     for (Index l = chunk.first_run; l < chunk.last_run; ++l) {
-      const Run& run = m.runs()[l];
+      const Run& run = part.runs(m)[l];
       visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
         const Index n = run.last - run.first, angle = run.idx_q - chunk.first_q;
         SE3<T>* X = d.X + (run.first - chunk.first);

@@ -15,7 +15,12 @@ inline dynContact contact_of(const Manifold& m, int i) {
   return c;
 }
 
-// Of all tested pairs, at a distance of at most margin, by pairs, then by features: the first `capacity` of them. Answers how many
+// By shapes (which is by pairs), then by features.
+inline bool comes_before(const dynContact& a, const dynContact& b) {
+  return a.shape_a != b.shape_a ? a.shape_a < b.shape_a : a.shape_b != b.shape_b ? a.shape_b < b.shape_b : a.feature < b.feature;
+}
+
+// Of all tested pairs, at a distance of at most margin, by shapes, then by features: the first `capacity` of them. Answers how many
 // there are.
 Index contacts(const Model& m, Data<double>& d, double margin, dynContact* out, Index capacity);
 

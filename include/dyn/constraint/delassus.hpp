@@ -201,22 +201,26 @@ T row_times(const Model& m, const Data<T>& d, Index i, const T* x) {
   return sum;
 }
 
-// x = M^-1 J^T lambda from x = Y^T lambda.
+// x = M^-1 J^T lambda from x = Y^T lambda; of the degrees of freedom of some trees side by side.
 template <class T>
-void scatter(const Model& m, Data<T>& d, T* x) {
+void scatter(const Model& m, Data<T>& d, T* x, Index begin, Index end) {
   if (m.has_mimic) {
     for (Index i = 0; i < m.n.nv; ++i) x[i] = (x[i] - row_times(m, d, i, x)) * d.D[i];
     return;
   }
   const Index *parent = m.dof_parent(), *forks = m.dof_forks();
   Motion<T> a = Motion<T>::zero();
-  for (Index k = 0; k < m.n.nv; ++k) {
+  for (Index k = begin; k < end; ++k) {
     const Index p = parent[k];
     if (p != k - 1) a = p >= 0 ? d.moved[p] : Motion<T>::zero();
     x[k] = (x[k] - dot(a, d.U_root[k])) * d.Dinv[k];
     a = a + d.S[k] * x[k];
     if (forks[k]) d.moved[k] = a;
   }
+}
+template <class T>
+void scatter(const Model& m, Data<T>& d, T* x) {
+  scatter(m, d, x, 0, m.n.nv);
 }
 
 // out = G x: of a vector, by the factors.

@@ -258,6 +258,13 @@ Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, 
                                 : advance_to_accuracy<DormandPrince8>(m, d, s, duration, accuracy, report);
 }
 
+template <class T>
+Index one_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
+  if constexpr (std::is_same_v<T, double>)
+    if (d.step->sleep.acts) return euler_step_of_awake(m, d, s, h, springs);
+  return euler_step(m, d, s, h, springs);
+}
+
 // One step of h by the integrator; where something acts that velocities jump at, by implicit_fast if it is none of the two of order 1. Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.
 template <class T>
 Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
@@ -265,8 +272,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
   Index failed = 0;
   if (integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST && meets_rows(m, d, s, h)) integrator = DYN_IMPLICIT_FAST;
   switch (integrator) {
-    case DYN_SEMI_IMPLICIT_EULER: failed = euler_step(m, d, s, h, false), report.evaluations += 1; break;
-    case DYN_IMPLICIT_FAST: failed = euler_step(m, d, s, h, true), report.evaluations += 1; break;
+    case DYN_SEMI_IMPLICIT_EULER: case DYN_IMPLICIT_FAST: failed = one_euler_step(m, d, s, h, integrator == DYN_IMPLICIT_FAST), report.evaluations += 1; break;
     case DYN_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
     case DYN_RK45:
       failed = explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;

@@ -9,6 +9,7 @@
 #include "dyn/algorithm/declarations.hpp"
 #include "dyn/integrator/free_flight.hpp"
 #include "dyn/integrator/held.hpp"
+#include "dyn/simulation/sleep.hpp"
 
 namespace dyn::integrator {
 
@@ -56,9 +57,13 @@ struct Stages {
   T* stage(int k) const { return f + k * n; }
 
   // Begins a step: the chart lies about the state held in d.
-  void begin(const Model& m, const Data<T>& d) const {
-    for (Index k = 0; k < m.n.nq; ++k) q0[k] = d.q[k];
-    for (Index k = 0; k < m.n.nv; ++k) y0[k] = T(0), y0[m.n.nv + k] = d.v[k];
+  void begin(const Model& m, const Data<T>& d) const { begin(m, d, simulation::AllTrees{}); }
+  template <class Part>
+  void begin(const Model& m, const Data<T>& d, const Part& part) const {
+    part.for_each_group(m, [&](const simulation::Trees& t) {
+      for (Index k = t.q; k < t.q_end; ++k) q0[k] = d.q[k];
+      for (Index k = t.v; k < t.v_end; ++k) y0[k] = T(0), y0[m.n.nv + k] = d.v[k];
+    });
     for (Index k = 0; k < m.n.na; ++k) y0[2 * m.n.nv + k] = d.act[k];
   }
   // x, 2 nv: changes of the chart's coordinates, as those of q and v in the axes of the state that d holds, but for what turning by a step changes in angles.

@@ -11,10 +11,10 @@
 namespace dyn::integrator {
 
 // f(body, number of the body, centre of mass)
-template <class T, class F>
-void for_each_free_flyer(const Model& m, F&& f) {
-  for (Index k = 0; k < m.n.curved; ++k) {
-    const Index i = m.curved()[k];
+template <class T, class Part, class F>
+void for_each_free_flyer(const Model& m, const Part& part, F&& f) {
+  for (Index k = 0; k < part.curved_count(m); ++k) {
+    const Index i = part.curved(m)[k];
     const Body& b = m.bodies()[i];
     if (b.type == BodyType::FreeFlyer) f(b, i, b.m > 0 ? cast<T>(b.h) * T(1 / b.m) : Vec3<T>::zero());
   }
@@ -48,9 +48,9 @@ Vec3<T> turned_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& 
 }
 
 // v holds v0 + h ddq: it becomes the velocity after what acts, still in the axes before the step.
-template <class T>
-void free_flight(const Model& m, const T* v0, const T* ddq, T h, T* v) {
-  for_each_free_flyer<T>(m, [&](const Body& b, Index i, const Vec3<T>& c) {
+template <class T, class Part>
+void free_flight(const Model& m, const Part& part, const T* v0, const T* ddq, T h, T* v) {
+  for_each_free_flyer<T>(m, part, [&](const Body& b, Index i, const Vec3<T>& c) {
     const Vec3<T> u = load3(v0 + b.user_v), w = load3(v0 + b.user_v + 3), dw = load3(ddq + b.user_v + 3);
     const Vec3<T> a = load3(ddq + b.user_v) + cross(w, u) + cross(dw, c) + cross(w, cross(w, c));
     Vec3<T> w1 = w + dw * h;
@@ -64,9 +64,9 @@ void free_flight(const Model& m, const T* v0, const T* ddq, T h, T* v) {
 }
 
 // After q = q0 (+) (h v + correction): where the centre of mass moves by its own velocity, and v in the axes at the end. correction: nullptr, none.
-template <class T>
-void end_flight(const Model& m, const T* q0, T h, const T* correction, T* q, T* v) {
-  for_each_free_flyer<T>(m, [&](const Body& b, Index, const Vec3<T>& c) {
+template <class T, class Part>
+void end_flight(const Model& m, const Part& part, const T* q0, T h, const T* correction, T* q, T* v) {
+  for_each_free_flyer<T>(m, part, [&](const Body& b, Index, const Vec3<T>& c) {
     const Mat3<T> R0 = rotation(load_quaternion(q0 + b.user_q + 3)), R = rotation(load_quaternion(q + b.user_q + 3));
     const Vec3<T> w = load3(v + b.user_v + 3), vc = load3(v + b.user_v) + cross(w, c);
     Vec3<T> moved = vc * h;

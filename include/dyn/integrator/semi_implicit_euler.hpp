@@ -10,14 +10,22 @@
 
 namespace dyn::integrator {
 
-// From the free velocity to that at the end of the step. true: the configuration is to be corrected, too, by s.f.
+enum class Meeting { Nothing, Rows, Correction, Sleeper };
+
+// From the free velocity to that at the end of the step. Correction: the configuration is to be corrected, too, by s.f. Sleeper: something that
+// sleeps was met, and nothing done.
 template <class T>
-bool meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+Meeting meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if constexpr (std::is_same_v<T, double>) {
-    if (simulation::all_clear(m, d, h)) return false;
-    if (const Index slots = simulation::find_slots(m, d, d.v, h)) return simulation::solve_slots(m, d, slots, s.y0 + m.n.nv, h, d.v, s.f);
+    simulation::Workspace& w = *d.step;
+    w.slot_count = 0;
+    if (!simulation::has_rows(m, d) || simulation::all_clear(m, d, h)) return Meeting::Nothing;
+    w.slot_count = simulation::find_slots(m, d, d.v, h);
+    if (w.sleep.met || w.sleep.all) return Meeting::Sleeper;
+    if (w.slot_count == 0) return Meeting::Nothing;
+    return simulation::solve_slots(m, d, w.slot_count, s.y0 + m.n.nv, h, d.v, s.f) ? Meeting::Correction : Meeting::Rows;
   }
-  return false;
+  return Meeting::Nothing;
 }
 
 // d.ddq under tau with the actuators at the end of a step of h; d.armature is added to. Returns 0 or the joint whose forward dynamics failed.
@@ -34,11 +42,9 @@ Index driven_dynamics(const Model& m, Data<T>& d, const T* tau, T h) {
   }
 }
 
-// springs: they, too, are taken at the end of the step: implicit_fast, (M + h D + h^2 K) ddq = tau - nle - h K v. Without, the energy of
-// oscillations stays bounded (symplectic); with, no stiffness is too large. Returns 0, or the joint whose forward dynamics failed: the state
-// is then as before.
+// Forward dynamics of an Euler step, with what it takes at its end.
 template <class T>
-Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
+Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
   T* const armature = d.armature;
   const T* tau = d.tau_applied;
   const std::uint32_t acting = d.acting, implicit = std::uint32_t(DYN_EFFECT_DAMPING) | DYN_EFFECT_FRICTION | DYN_EFFECT_ACTUATORS | (springs ? std::uint32_t(DYN_EFFECT_SPRINGS) : 0u);
@@ -56,17 +62,59 @@ Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool sprin
   }
   const Index joint = driven_dynamics(m, d, tau, h);
   d.armature = armature, d.acting = acting;
-  if (joint) return joint;
-  s.begin(m, d);
-  T* hv = s.y;
-  for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k];
-  free_flight(m, s.y0 + m.n.nv, d.ddq, h, d.v);
-  const bool corrected = simulation::has_rows(m, d) && meet_rows(m, d, s, h);
-  for (Index k = 0; k < m.n.nv; ++k) hv[k] = h * d.v[k] + (corrected ? s.f[k] : T(0));
-  integrate(m, d.q, hv, d.q);
-  end_flight(m, s.q0, h, corrected ? s.f : nullptr, d.q, d.v);
+  return joint;
+}
+
+// The rest of it, of some of the trees. rests: what is slow may come to rest. Answers false where something that sleeps was met: v is then as before.
+template <class T, class Part>
+bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const Part& part, bool rests) {
+  s.begin(m, d, part);
+  T *const hv = s.y, *const v0 = s.y0 + m.n.nv;
+  part.for_each_group(m, [&](const simulation::Trees& t) {
+    for (Index k = t.v; k < t.v_end; ++k) d.v[k] += h * d.ddq[k];
+  });
+  free_flight(m, part, v0, d.ddq, h, d.v);
+  const Meeting met = meet_rows(m, d, s, h);
+  if (met == Meeting::Sleeper) {
+    part.for_each_group(m, [&](const simulation::Trees& t) { std::copy(v0 + t.v, v0 + t.v_end, d.v + t.v); });
+    return false;
+  }
+  const T* const correction = met == Meeting::Correction ? s.f : nullptr;
+  if constexpr (std::is_same_v<T, double>)
+    if (rests) simulation::find_rest(m, d, v0, correction, h);
+  part.for_each_group(m, [&](const simulation::Trees& t) {
+    for (Index k = t.v; k < t.v_end; ++k) hv[k] = h * d.v[k] + (correction ? correction[k] : T(0));
+  });
+  integrate(m, part, static_cast<const T*>(d.q), static_cast<const T*>(hv), d.q);
+  end_flight(m, part, s.q0, h, correction, d.q, d.v);
   simulation::advance_filters(m, d, s.y0 + 2 * m.n.nv, h);
+  if constexpr (std::is_same_v<T, double>)
+    if (rests) simulation::keep_rest(m, d, s.q0);
+  return true;
+}
+
+// springs: they, too, are taken at the end of the step: implicit_fast, (M + h D + h^2 K) ddq = tau - nle - h K v. Without, the energy of
+// oscillations stays bounded (symplectic); with, no stiffness is too large. Returns 0, or the joint whose forward dynamics failed: the state
+// is then as before.
+template <class T>
+Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
+  if (const Index joint = implicit_dynamics(m, d, s, h, springs)) return joint;
+  end_euler_step(m, d, s, h, simulation::AllTrees{}, false);
   return 0;
+}
+
+// The same after begin_sleep: trees that sleep are left out, until they are met. (With nothing asleep by the same code: to the same bits.)
+inline Index euler_step_of_awake(const Model& m, Data<double>& d, const Stages<double>& s, double h, bool springs) {
+  const simulation::Sleep& z = d.step->sleep;
+  for (;;) {
+    if (!z.plain) {
+      if (const Index joint = implicit_dynamics(m, d, s, h, springs)) return joint;
+    } else if (const Index body = aba(m, d, static_cast<const double*>(d.v), static_cast<const double*>(d.tau_applied), static_cast<const double*>(nullptr), d.ddq, z.awake)) {
+      return m.bodies()[body].joint;
+    }
+    if (end_euler_step(m, d, s, h, z.awake, true)) return 0;
+    simulation::wake_met(m, d);
+  }
 }
 
 }  // namespace dyn::integrator

@@ -148,6 +148,12 @@ struct Data {
   }
 };
 
+// Of a search for pairs by boxes (collision/pair_search.hpp), in the memory given, aligned to 64 bytes.
+namespace collision {
+struct PairSearch;
+std::size_t search_bytes(const Model& m);
+}  // namespace collision
+
 // Parts with what they imply.
 inline dynParts complete_parts(dynParts p) {
   if (p == 0) p = DYN_PART_ALL;
@@ -167,7 +173,7 @@ inline dynParts complete_parts(dynParts p) {
 
 inline dynParts complete_parts(const Model& m, dynParts p) {
   p = complete_parts(p);
-  if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits > 0) p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.pairs > 0 ? DYN_PART_COLLISION : 0));
+  if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits > 0) p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.contacts > 0 ? DYN_PART_COLLISION : 0));
   if ((p & DYN_PART_SIMULATION) && m.n.drag_boxes > 0) p = complete_parts(p | DYN_PART_KINEMATICS);
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_FACTOR) : p;
 }
@@ -229,6 +235,7 @@ void apply_effects(const Model& m, Data<T>& d) {
       }
   for (Index k = 0; k < m.n.limits; ++k)
     if (d.effects[m.bodies()[m.limits()[k].body].joint] & DYN_EFFECT_LIMITS) d.acting |= DYN_EFFECT_LIMITS;
+  for (Index j = 1; j < m.n.joints && d.has(DYN_PART_SIMULATION); ++j) on(j, DYN_EFFECT_SLEEPING);
 }
 
 template <class T>

@@ -120,10 +120,10 @@ struct GeomRecord {
   Index shape;  // its number among all shapes
 };
 
-// Pairs are listed up to so many collision shapes.
+// Pairs are listed up to so many collision shapes; of more only those that are no ordinary ones: wanted, disabled, overlapping.
 inline constexpr Index most_geoms = 1000;
 
-// Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child.
+// Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child; ascending.
 struct PairRecord {
   std::uint16_t a, b;
   std::uint8_t reason;  // dynPairReason: whether new data tests it
@@ -198,5 +198,7 @@ struct Model {
     return 0;
   }
 };
+
+inline bool lists_pairs(const Model& m) { return m.n.geoms <= most_geoms; }
 
 }  // namespace dyn

@@ -5,6 +5,7 @@
 // alone, so that no correction becomes velocity.
 #pragma once
 
+#include "dyn/collision/pair_contacts.hpp"
 #include "dyn/constraint/list.hpp"
 #include "dyn/simulation/workspace.hpp"
 
@@ -43,7 +44,27 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
 // contact_points.cpp; between: no two shapes are nearer, if positive
 Index find_contacts(const Model& m, Data<double>& d, double h, double& between);
 void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<double>& s);  // contact_rows.cpp
-void order_by_islands(const Model& m, Data<double>& d, Index slots);                  // islands.cpp
+void order_by_islands(Data<double>& d, Index slots);                  // islands.cpp
+
+// What a step's box of a shape is wider by.
+double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h);
+
+// f(contact, the same one in the step before or nullptr), of those that are asked for.
+template <class Asked, class F>
+void with_before(Workspace& w, Asked&& asked, F&& f) {
+  using collision::comes_before;
+  Index k = 0;
+  for (Index i = 0; i < w.contact_count; ++i) {
+    dynContactForce& x = w.contacts[i];
+    if (!asked(x)) continue;
+    while (k < w.before_count && comes_before(w.before[k].contact, x.contact)) ++k;
+    f(x, k < w.before_count && !comes_before(x.contact, w.before[k].contact) ? w.before + k : nullptr);
+  }
+}
+// What it exerted then.
+inline void take_over(dynContactForce& f, const dynContactForce* before) {
+  for (int i = 0; i < 3; ++i) f.force_on_b[i] = before ? before->force_on_b[i] : 0, f.moment_on_b[i] = before ? before->moment_on_b[i] : 0;
+}
 
 // Velocity of the point of a body that is at x of the world, by d.step->root_velocity.
 inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x) {

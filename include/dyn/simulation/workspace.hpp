@@ -1,9 +1,11 @@
 // What steps need beside the fields of data: options, report, contacts, and the slots of rows that act in a step.
 #pragma once
 
-#include "dyn/model/data.hpp"
+#include "dyn/collision/pair_contacts.hpp"
+#include "dyn/collision/pair_search.hpp"
 #include "dyn/simulation/clearance.hpp"
 #include "dyn/simulation/elimination.hpp"
+#include "dyn/simulation/sleep.hpp"
 #include "dyn/solver/workspace.hpp"
 
 namespace dyn::simulation {
@@ -57,6 +59,11 @@ struct NewtonSlot {
 };
 inline constexpr int island_vectors = 12, newton_vectors = 6;
 
+// Two shapes that may meet, a < b, and the number of their pair, if it is listed.
+struct NearPair {
+  Index a, b, number;
+};
+
 struct Workspace {
   dynStepOptions options;
   dynStepReport report;  // of the last call that made steps
@@ -67,8 +74,10 @@ struct Workspace {
   Clearance clearance;
   dynMaterial* materials;       // of collision shapes
   double* speeds;               // no point of theirs is faster
-  Index *pairs, *geoms;         // pairs that can ever meet, and their shapes
+  NearPair* pairs;              // that can ever meet,
+  Index* geoms;                 // and their shapes
   Index pair_count, geom_count;  // -1: to be found
+  bool by_boxes;                // there are more than the list has room for: pairs are found by boxes (collision/pair_search.hpp)
   Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
   Motion<double>* root_velocity;  // of bodies: free, W at the tree's root
   Slot<double>* slots;          // of contacts and limits
@@ -88,9 +97,40 @@ struct Workspace {
   Index* where;
   bool* newton_acts;
   std::ptrdiff_t block_room;    // numbers
+  Sleep sleep;
+  Index slot_count;             // that act in this step
   char* solver_memory;
   solver::Workspace solver;
 };
+
+// Of the list of pairs. Where clearance leaves most searches out (has_clearance) it pays to have all of them.
+inline std::ptrdiff_t pair_room(const Model& m) {
+  const std::ptrdiff_t some = collision::pairs_a_shape * std::ptrdiff_t(m.n.geoms), listed = m.n.pairs;
+  if (!lists_pairs(m)) return some;
+  const bool single = m.n.nq == m.n.nv && m.n.bodies - 1 == m.n.nv;  // joints of one coordinate
+  return single ? listed : std::min(listed, some);
+}
+
+// Trees of bodies that may rest; what these take of the workspace.
+Index resting_trees(const Model& m);
+std::size_t sleep_bytes(const Model& m);
+void set_up_sleep(const Model& m, Workspace& w);  // sleep.cpp
+
+// f(trees that this step goes through)
+template <class F>
+decltype(auto) with_trees(const Data<double>& d, F&& f) {
+  return d.step && d.step->sleep.acts ? f(d.step->sleep.awake) : f(AllTrees{});
+}
+// f(contact) of the last step, of what is awake and of what sleeps, in order.
+template <class F>
+void for_each_contact(const Workspace& w, F&& f) {
+  const dynContactForce *a = w.contacts, *const a_end = a + w.contact_count, *b = w.sleep.held, *const b_end = b + w.sleep.held_count;
+  while (a != a_end || b != b_end) f(b == b_end || (a != a_end && collision::comes_before(a->contact, b->contact)) ? *a++ : *b++);
+}
+// What steps begin from may have changed.
+inline void disturb(Data<double>& d) {
+  if (d.step) d.step->sleep.known = false;
+}
 
 // Of an island that is solved by its whole matrix.
 inline Index step_slots(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }

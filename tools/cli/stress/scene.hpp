@@ -81,7 +81,7 @@ inline void add_sphere(Builder& b, const std::string& name, double mass, double 
 struct Play : Data {
   explicit Play(const Model& model, dynIntegrator integrator = DYN_REFERENCE, double dt = 0.1)
       : Data(model, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_KINEMATICS | DYN_PART_CENTROIDAL) {
-    set_effects(DYN_EFFECT_ALL);
+    set_effects(DYN_EFFECT_ALL & ~DYN_EFFECT_SLEEPING);
     set_stepping(integrator, dt);
   }
   // f(time) before the first step of dt and after each of them.

@@ -25,6 +25,8 @@ class BroadPhase {
   Index insert(const Bounds& b);
   void update(Index id, const Bounds& b);
   void remove(Index id);
+  // A box whose id was removed, and is free.
+  void put_back(Index id, const Bounds& b);
   bool has(Index id) const { return id >= 0 && id < used_ && state_[id] != free_slot; }
   Index count() const { return count_; }
   const Bounds& bounds(Index id) const { return tight_[id]; }

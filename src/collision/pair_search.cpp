@@ -1,0 +1,107 @@
+#include "dyn/collision/pair_search.hpp"
+
+#include <new>
+
+#include "dyn/shape/list.hpp"
+
+namespace dyn::collision {
+
+namespace {
+
+constexpr double fat = 0.1;  // margin of boxes, of the mean reach
+std::ptrdiff_t pair_room(const Model& m) { return 1024 + 16 * std::ptrdiff_t(m.n.geoms); }
+std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
+
+// f(array, numbers)
+template <class F>
+void for_each_array(const Model& m, PairSearch& s, char*& moving, char*& fixed, char*& resting, F&& f) {
+  f(moving, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, pair_room(m)))), f(fixed, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
+  f(resting, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
+  f(s.moving, 1), f(s.fixed, 1), f(s.resting, 1);
+  for (Index** list : {&s.active, &s.moving_geoms, &s.fixed_geoms, &s.vast_geoms}) f(*list, m.n.geoms);
+  f(s.found, pair_room(m));
+}
+
+}  // namespace
+
+std::size_t search_bytes(const Model& m) {
+  if (!may_search(m)) return 0;
+  PairSearch s;
+  char *moving, *fixed, *resting;
+  std::size_t bytes = rounded(sizeof s);
+  for_each_array(m, s, moving, fixed, resting, [&](auto* array, std::ptrdiff_t n) { bytes += rounded(std::size_t(n) * sizeof *array); });
+  return bytes;
+}
+
+Bounds swollen(const Geom& g, const Pose& X, double more) {
+  Bounds b{};
+  shape::visit(g.shape, [&](const auto& s) { b = s.bounds(X); });
+  const double e = more + 1e-9 * (g.reach + more);  // beyond what distances are known to
+  const auto by = shape::Vec::make(e, e, e);
+  return {b.lower - by, b.upper + by};
+}
+
+void PairSearch::set_up(const Model& m, Data<double>& d) {
+  char *next = d.pair_search + rounded(sizeof *this), *of_moving, *of_fixed, *of_resting;
+  for_each_array(m, *this, of_moving, of_fixed, of_resting, [&](auto*& array, std::ptrdiff_t n) {
+    array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
+    next += rounded(std::size_t(n) * sizeof *array);
+  });
+  moving_count = fixed_count = vast_count = 0, room = pair_room(m);
+  double sum = 0;
+  for (Index k = 0; k < m.n.geoms; ++k) {
+    if (!known(m, k)) continue;
+    const Geom& g = d.geoms[k];
+    if (!(g.reach < shape::infinity)) vast_geoms[vast_count++] = k;
+    else if (g.body == 0) fixed_geoms[fixed_count++] = k;
+    else moving_geoms[moving_count++] = k, sum += g.reach;
+  }
+  new (moving) BroadPhase(m.n.geoms, room, moving_count ? fat * sum / moving_count : 0, of_moving);
+  new (fixed) BroadPhase(m.n.geoms, 1, 0, of_fixed);
+  for (Index k = 0; k < fixed_count; ++k) {
+    const Geom& g = d.geoms[fixed_geoms[k]];
+    d.geom_poses[fixed_geoms[k]] = SE3<double>{d.R[0], d.p[0]} * g.X;
+    fixed->insert(swollen(g, d.geom_poses[fixed_geoms[k]], 0.01 * g.reach));
+  }
+  new (resting) BroadPhase(m.n.geoms, 1, 0, of_resting);
+  for (Index k = 0; k < moving_count; ++k) moving->insert({shape::Vec::zero(), shape::Vec::zero()}), resting->insert({shape::Vec::zero(), shape::Vec::zero()});
+  for (Index k = 0; k < moving_count; ++k) resting->remove(k);
+  list_active();
+  ready = true;
+}
+
+void PairSearch::rest(const Data<double>& d, Index geom, double more) {
+  const Index id = id_of(geom);
+  moving->remove(id), resting->put_back(id, swollen(d.geoms[geom], d.geom_poses[geom], more));
+}
+
+void PairSearch::stir(Index geom) {
+  const Index id = id_of(geom);
+  moving->put_back(id, resting->bounds(id)), resting->remove(id);
+}
+
+void PairSearch::list_active() {
+  active_count = 0;
+  for (Index k = 0; k < moving_count; ++k)
+    if (moving->has(k)) active[active_count++] = k;
+}
+
+void PairSearch::place_all(const Data<double>& d, double margin) {
+  for (Index k = 0; k < moving_count; ++k) moving->update(k, swollen(d.geoms[moving_geoms[k]], d.geom_poses[moving_geoms[k]], margin));
+}
+
+bool PairSearch::collect(const Data<double>& d) {
+  found_count = 0;
+  const auto take = [&](Index a, Index b) {
+    if (found_count < room) found[found_count] = id_pair(a, b);
+    ++found_count;
+  };
+  if (!moving->pairs([&](Index a, Index b) { take(moving_geoms[a], moving_geoms[b]); })) return false;
+  others = found_count;
+  each_other(d, take);
+  if (found_count > room) return false;
+  std::sort(found + others, found + found_count);
+  return true;
+}
+
+}  // namespace dyn::collision

@@ -1,0 +1,293 @@
+#include <algorithm>
+#include <cstring>
+
+#include "dyn/constraint/rows.hpp"
+#include "dyn/simulation/step.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+using collision::PairSearch;
+
+enum : std::uint8_t { slow = 1, ready = 2, steady = 4, still_before = 8, alike = 16, deep = 32 };  // of an island; deep: it may be left out
+constexpr std::uint8_t at_rest = slow | ready | steady, stays = at_rest | still_before | alike;
+constexpr double solved = 1e-6;  // of the largest: how far forces of one problem may differ, solved again
+
+Index body_of(const Model& m, const Data<double>& d, Index shape) {
+  const GeomRecord* g = std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, [](const GeomRecord& x, Index s) { return x.shape < s; });
+  return d.geoms[g - m.geoms()].body;
+}
+// The tree that moves one of a contact's shapes: one in the contact's island.
+Index tree_of(const Model& m, const Data<double>& d, const dynContact& c) {
+  const Sleep& z = d.step->sleep;
+  const Index a = z.number[body_of(m, d, c.shape_a)];
+  return a >= 0 ? a : z.number[body_of(m, d, c.shape_b)];
+}
+
+// What steps go through: trees that are awake, neighbours together.
+void list_awake(const Model& m, Workspace& w) {
+  Sleep& z = w.sleep;
+  AwakeTrees& a = z.awake;
+  a = {};
+  a.first_run = z.runs, a.first_chunk = z.chunks, a.first_span = z.spans, a.first_curved = z.curved, a.groups = z.groups;
+  z.awake_count = 0;
+  for (Index t = 0; t < z.count; ++t) {
+    if (z.is[t] != Sleeper::Awake) continue;
+    z.list[z.awake_count++] = t;
+    if (a.of_groups > 0 && z.groups[a.of_groups - 1].end == z.trees[t].first) {
+      Trees& g = z.groups[a.of_groups - 1];
+      g.end = z.trees[t].end, g.end_run = z.trees[t].end_run, g.q_end = z.trees[t].q_end, g.v_end = z.trees[t].v_end;
+    } else {
+      z.groups[a.of_groups++] = z.trees[t];
+    }
+  }
+  Index chunk = 0, span = 0, curved = 0;
+  for (Index k = 0; k < a.of_groups; ++k) {
+    const Trees& g = z.groups[k];
+    for (; chunk < m.n.chunks && m.chunks()[chunk].last_run <= g.first_run; ++chunk) {}
+    for (; chunk < m.n.chunks && m.chunks()[chunk].first_run < g.end_run; ++chunk) {
+      Chunk c = m.chunks()[chunk];
+      const Index first = std::max(c.first_run, g.first_run), last = std::min(c.last_run, g.end_run);
+      c.first = m.runs()[first].first, c.first_run = first - g.first_run + a.of_runs, c.last_run = last - g.first_run + a.of_runs;
+      z.chunks[a.of_chunks++] = c;
+      if (m.chunks()[chunk].last_run > g.end_run) break;  // the next group has a part of it, too
+    }
+    std::copy(m.runs() + g.first_run, m.runs() + g.end_run, z.runs + a.of_runs), a.of_runs += g.end_run - g.first_run;
+    for (; span < m.n.spans && m.spans()[span].first_v + m.spans()[span].count <= g.v; ++span) {}
+    for (Index l = span; l < m.n.spans && m.spans()[l].first_v < g.v_end; ++l) {
+      const Span& s = m.spans()[l];
+      const Index begin = std::max(s.first_v, g.v), end = std::min(s.first_v + s.count, g.v_end);
+      z.spans[a.of_spans++] = {s.first_q + (begin - s.first_v), begin, end - begin};
+    }
+    for (; curved < m.n.curved && m.curved()[curved] < g.first; ++curved) {}
+    for (; curved < m.n.curved && m.curved()[curved] < g.end; ++curved) z.curved[a.of_curved++] = m.curved()[curved];
+  }
+}
+
+// Contacts of `from` that are asked for go into `to`, in order; the others close up.
+template <class F>
+void move_contacts(dynContactForce* from, Index& from_count, dynContactForce* to, Index& to_count, F&& asked) {
+  const Index before = to_count;
+  Index kept = 0;
+  for (Index k = 0; k < from_count; ++k) {
+    if (asked(from[k].contact)) to[to_count++] = from[k];
+    else if (kept++ != k) from[kept - 1] = from[k];
+  }
+  from_count = kept;
+  // two ascending parts become one
+  if (before < to_count && before > 0 && collision::comes_before(to[before].contact, to[before - 1].contact))
+    std::sort(to, to + to_count, [](const dynContactForce& x, const dynContactForce& y) { return collision::comes_before(x.contact, y.contact); });
+}
+
+// Shapes of trees that fell asleep, or woke.
+template <class F>
+void for_each_boxed_geom(const Model& m, Data<double>& d, F&& f) {
+  if (!d.step->by_boxes || !d.pair_search || !PairSearch::of(d)->ready) return;
+  PairSearch& search = *PairSearch::of(d);
+  for (Index k = 0; k < search.moving_count; ++k) f(search, search.moving_geoms[k], d.step->sleep.number[d.geoms[search.moving_geoms[k]].body]);
+  search.list_active();
+  (void)m;
+}
+
+void wake_ring(Sleep& z, Index tree) {
+  Index t = tree;
+  do z.is[t] = Sleeper::Awake, z.steps[t] = 0, t = z.next[t];
+  while (t != tree);
+  --z.islands;
+}
+
+// After trees were marked awake.
+void settle_awake(const Model& m, Data<double>& d) {
+  Workspace& w = *d.step;
+  Sleep& z = w.sleep;
+  move_contacts(z.held, z.held_count, w.contacts, w.contact_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Awake; });
+  for_each_boxed_geom(m, d, [&](PairSearch& search, Index geom, Index tree) {
+    const Index id = Index(std::lower_bound(search.moving_geoms, search.moving_geoms + search.moving_count, geom) - search.moving_geoms);
+    if (z.is[tree] == Sleeper::Awake && search.resting->has(id)) search.stir(geom);
+  });
+  list_awake(m, w);
+  z.some = z.islands > 0;
+}
+
+// Nothing drives its joints, and all of them may sleep.
+bool may_sleep(const Model& m, const Data<double>& d, const Trees& t) {
+  const Index first = m.bodies()[t.first].joint, last = m.bodies()[t.end - 1].joint;
+  for (Index j = first; j <= last; ++j)
+    if (!(d.effects[j] & DYN_EFFECT_SLEEPING)) return false;
+  for (Index k = 0; k < m.n.actuators; ++k)
+    if (const Index j = m.actuators()[k].spec.joint; j >= first && j <= last && d.effects[j] & DYN_EFFECT_ACTUATORS) return false;
+  return true;
+}
+
+}  // namespace
+
+void set_up_sleep(const Model& m, Workspace& w) {
+  Sleep& z = w.sleep;
+  if (m.has_mimic) return;  // trees that move together
+  z.number[0] = -1;
+  Index run = 0;
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    if (b.parent == 0) {
+      while (m.runs()[run].first < i) ++run;
+      const Index end = m.subtree_end()[i];
+      Index end_run = run;
+      while (end_run < m.n.runs && m.runs()[end_run].first < end) ++end_run;
+      const bool last = end == m.n.bodies;
+      z.trees[z.count++] = {i, end, run, end_run, b.idx_q, last ? m.n.nq : m.bodies()[end].idx_q, b.idx_v, last ? m.n.nv : m.bodies()[end].idx_v};
+    }
+    z.number[i] = z.count - 1;
+  }
+}
+
+void begin_sleep(const Model& m, Data<double>& d, double h) {
+  Workspace& w = *d.step;
+  Sleep& z = w.sleep;
+  z.met = z.all = false;
+  const dynIntegrator i = w.options.integrator;
+  if (z.count == 0 || !(d.acting & DYN_EFFECT_SLEEPING) || (i != DYN_SEMI_IMPLICIT_EULER && i != DYN_IMPLICIT_FAST)) {
+    if (z.acts || z.some) wake_all(m, d);
+    return;
+  }
+  z.plain = !(d.acting & ~std::uint32_t(DYN_EFFECT_ARMATURE | DYN_EFFECT_LIMITS | DYN_EFFECT_SLEEPING)) && active_rows(m, d) == 0;
+  const bool same = z.acts && z.known && z.h == h && z.version[input_q] == d.version[input_q] && z.version[input_v] == d.version[input_v];
+  if (!same || !z.acts || (z.some && (!z.plain || w.options.visit_sleepers))) wake_all(m, d);
+  if (!z.acts) {
+    list_awake(m, w);
+    z.acts = true;
+  }
+  if (!same) {
+    std::fill_n(z.steps, z.count, std::uint8_t(0));
+    std::copy_n(d.tau_applied, m.n.nv, z.tau);
+  } else if (z.version[input_tau] != d.version[input_tau]) {
+    bool woke = false;
+    for (Index t = 0; t < z.count; ++t) {
+      const Trees& x = z.trees[t];
+      if (std::memcmp(d.tau_applied + x.v, z.tau + x.v, std::size_t(x.v_end - x.v) * sizeof(double)) == 0) continue;
+      std::copy(d.tau_applied + x.v, d.tau_applied + x.v_end, z.tau + x.v), z.steps[t] = 0;
+      if (z.is[t] != Sleeper::Awake) wake_ring(z, t), woke = true;
+    }
+    if (woke) settle_awake(m, d);
+  }
+  z.known = true;
+}
+
+void wake_all(const Model& m, Data<double>& d) {
+  Workspace& w = *d.step;
+  Sleep& z = w.sleep;
+  z.acts = false;
+  if (!z.some) return;
+  for (Index t = 0; t < z.count; ++t)
+    if (z.is[t] != Sleeper::Awake) wake_ring(z, t);
+  settle_awake(m, d);
+}
+
+// The search for contacts begins again: those of the last step are where it found them.
+void wake_met(const Model& m, Data<double>& d) {
+  Workspace& w = *d.step;
+  Sleep& z = w.sleep;
+  std::swap(w.contacts, w.before);
+  w.contact_count = w.before_count;
+  double *const q = d.backup, *const v = q + m.n.nq;
+  for (Index t = 0; t < z.count; ++t)
+    if (z.is[t] == Sleeper::Met || (z.all && z.is[t] == Sleeper::Asleep)) wake_ring(z, t);
+  for (Index t = 0; t < z.count; ++t) {  // of all that woke
+    const Trees& x = z.trees[t];
+    if (z.is[t] != Sleeper::Awake || std::binary_search(z.list, z.list + z.awake_count, t)) continue;
+    std::copy(d.q + x.q, d.q + x.q_end, q + x.q), std::copy(d.v + x.v, d.v + x.v_end, v + x.v);
+  }
+  z.met = z.all = false;
+  settle_awake(m, d);
+}
+
+void find_rest(const Model& m, Data<double>& d, const double* v0, const double* dq, double h) {
+  Workspace& w = *d.step;
+  Sleep& z = w.sleep;
+  const double speed = w.options.sleep_speed, time = w.options.sleep_time, change = speed / time * h;
+  for (Index k = 0; k < z.awake_count; ++k) z.island[z.list[k]] = z.list[k], z.flags[z.list[k]] = stays | deep, z.largest[z.list[k]] = 0;
+  for (Index k = 0; k < w.slot_count; ++k) {
+    const ActiveSlot& s = w.active[k];
+    for (const Index tree : {s.tree1, s.tree2})
+      if (tree >= 0) z.island[z.number[tree]] = z.number[s.island];
+  }
+  for (Index k = 0; k < z.awake_count; ++k) {
+    const Index t = z.list[k];
+    const Trees& x = z.trees[t];
+    double fastest = 0, changed = 0, before = 0, corrected = 0;
+    for (Index i = x.v; i < x.v_end; ++i) {
+      fastest = std::max(fastest, std::abs(d.v[i])), changed = std::max(changed, std::abs(d.v[i] - v0[i])), before = std::max(before, std::abs(v0[i]));
+      if (dq) corrected = std::max(corrected, std::abs(dq[i]));
+    }
+    std::uint8_t is = alike | deep;
+    if (fastest <= speed && corrected <= speed * h) is |= slow;
+    if (changed <= change) is |= steady;
+    if (before == 0) is |= still_before;
+    if (z.still[t] >= time && may_sleep(m, d, x)) is |= ready;
+    z.flags[z.island[t]] &= is;
+  }
+  // what they exert is what it was, if inputs have not changed
+  const auto stood = [&](const dynContactForce& f) { return (z.flags[z.island[tree_of(m, d, f.contact)]] & (at_rest | still_before)) == (at_rest | still_before); };
+  const auto force = [](const dynContactForce& f, int i) { return i < 3 ? f.force_on_b[i] : f.moment_on_b[i - 3]; };
+  for (Index k = 0; k < w.contact_count; ++k)
+    for (int i = 0; i < 6; ++i) {
+      double& largest = z.largest[z.island[tree_of(m, d, w.contacts[k].contact)]];
+      largest = std::max(largest, std::abs(force(w.contacts[k], i)));
+    }
+  with_before(w, stood, [&](const dynContactForce& f, const dynContactForce* before) {
+    const Index t = z.island[tree_of(m, d, f.contact)];
+    for (int i = 0; i < 6; ++i)
+      if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > solved * z.largest[t]) z.flags[t] &= std::uint8_t(~alike);
+  });
+  with_before(w, [&](const dynContactForce& f) { return (z.flags[z.island[tree_of(m, d, f.contact)]] & stays) == stays; }, take_over);
+  w.report.sleeping = z.islands;
+  for (Index k = 0; k < z.awake_count; ++k) {
+    const Index t = z.list[k];
+    const std::uint8_t is = z.flags[z.island[t]];
+    if (!(is & slow)) z.still[t] = 0;
+    else if (z.still[t] < time) z.still[t] += h;
+    z.steps[t] = (is & stays) == stays ? std::uint8_t(std::min(2, z.steps[t] + 1)) : std::uint8_t(0);
+  }
+  for (Index k = 0; k < z.awake_count; ++k)
+    if (const Index t = z.list[k]; z.steps[t] < 2) z.flags[z.island[t]] &= std::uint8_t(~deep);
+  for (Index k = 0; k < z.awake_count; ++k) w.report.sleeping += z.island[z.list[k]] == z.list[k] && (z.flags[z.list[k]] & deep);
+}
+
+void keep_rest(const Model& m, Data<double>& d, const double* q0) {
+  const Sleep& z = d.step->sleep;
+  for (Index k = 0; k < z.awake_count; ++k) {
+    const Index t = z.list[k];
+    const std::uint8_t is = z.flags[z.island[t]];
+    if ((is & at_rest) != at_rest) continue;
+    const Trees& x = z.trees[t];
+    std::copy(q0 + x.q, q0 + x.q_end, d.q + x.q), std::fill(d.v + x.v, d.v + x.v_end, 0.0);
+  }
+  (void)m;
+}
+
+void end_sleep(const Model& m, Data<double>& d, double h) {
+  Workspace& w = *d.step;
+  Sleep& z = w.sleep;
+  if (!z.acts) return;
+  z.h = h;
+  std::copy_n(d.version, input_count, z.version);
+  if (!z.plain || w.options.visit_sleepers) return;
+  bool some = false;
+  for (Index k = 0; k < z.awake_count; ++k) {
+    const Index t = z.list[k], first = z.island[t];
+    if (!(z.flags[first] & deep)) continue;
+    z.is[t] = Sleeper::Asleep, some = true;
+    if (t == first) z.next[t] = t, ++z.islands;
+    else z.next[t] = z.next[first], z.next[first] = t;
+  }
+  if (!some) return;
+  z.some = true, w.clearance.square = 0;
+  move_contacts(w.contacts, w.contact_count, z.held, z.held_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Asleep; });
+  for_each_boxed_geom(m, d, [&](PairSearch& search, Index geom, Index tree) {
+    const Index id = Index(std::lower_bound(search.moving_geoms, search.moving_geoms + search.moving_count, geom) - search.moving_geoms);
+    if (z.is[tree] == Sleeper::Asleep && search.moving->has(id)) search.rest(d, geom, box_margin(w, d, geom, h));
+  });
+  list_awake(m, w);
+}
+
+}  // namespace dyn::simulation

@@ -1,0 +1,202 @@
+// What rests may sleep: steps that leave it out end at the same bits as those that do not.
+#include "simulation/scene.hpp"
+
+#include "count.hpp"
+
+namespace dyn_test {
+namespace {
+
+constexpr double g = 9.81;
+
+void may_sleep(Play& run, bool visit) {
+  ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_DEFAULT | DYN_EFFECT_SLEEPING));
+  run.options.visit_sleepers = visit;
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
+}
+
+// Stacks of three boxes each, far apart, and a ball that flies.
+Model stacks(int n, int far = 0) {
+  Scene scene;
+  scene.ground();
+  for (int k = 0; k < n; ++k)
+    for (int i = 0; i < 3; ++i) scene.box(("box" + std::to_string(3 * k + i)).c_str(), 1, {0.2, 0.2, 0.2}, material(0.6));
+  scene.sphere("ball", 2, 0.1, material(0.3));
+  dynShapeSpec s;
+  dyn_shape_spec_init(&s);
+  s.body = "universe", s.type = DYN_SHAPE_BOX, s.placement[11] = -50;
+  for (int i = 0; i < 3; ++i) s.size[i] = 0.5;
+  for (int k = 0; k < far; ++k) EXPECT_EQ(DYN_OK, dyn_builder_shape(scene.builder(), &s)) << dyn_last_error();
+  return scene.finish();
+}
+void place_stacks(Play& run, int n, std::array<double, 3> ball) {
+  std::vector<std::array<double, 3>> at;
+  for (int k = 0; k < n; ++k)
+    for (int i = 0; i < 3; ++i) at.push_back({1.0 * k, 0.002 * i, 0.1 + 0.2 * i});
+  at.push_back(ball);
+  run.place(at);
+}
+
+struct Pair {
+  Play a, b;  // a leaves out what sleeps
+  Pair(int n, int far = 0) : a(stacks(n, far)), b(stacks(n, far)) { may_sleep(a, false), may_sleep(b, true); }
+  int compared = 0, slept = 0;
+  template <class F>
+  void both(F&& f) { f(a), f(b); }
+  void steps(int n) {
+    for (int k = 0; k < n; ++k) {
+      a.steps(1), b.steps(1);
+      ++compared;
+      for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_EQ(a.q[i], b.q[i]) << "step " << compared << ", q " << i;
+      for (int i = 0; i < dyn_nv(a.m); ++i) ASSERT_EQ(a.v[i], b.v[i]) << "step " << compared << ", v " << i;
+      ASSERT_EQ(a.report().sleeping, b.report().sleeping) << compared;
+      slept = std::max(slept, a.report().sleeping);
+      const auto x = a.contacts(), y = b.contacts();
+      ASSERT_EQ(x.size(), y.size()) << compared;
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        ASSERT_EQ(x[i].contact.shape_a, y[i].contact.shape_a);
+        ASSERT_EQ(x[i].contact.shape_b, y[i].contact.shape_b);
+        for (int j = 0; j < 3; ++j) ASSERT_EQ(x[i].force_on_b[j], y[i].force_on_b[j]) << compared;
+      }
+    }
+  }
+};
+
+class Sleeping : public testing::TestWithParam<std::pair<int, int>> {};
+
+// A ball hits one stack of those that sleep; gravity turns; a body is pushed, moved, and the effect switched off.
+TEST_P(Sleeping, WakesAsIfItHadNeverSlept) {
+  const auto [n, far] = GetParam();
+  Pair run(n, far);
+  run.both([&](Play& p) { place_stacks(p, n, {0.5, 3, 40}); });
+  run.steps(800);
+  EXPECT_EQ(n, run.slept);
+  EXPECT_EQ(n, run.a.report().sleeping);
+  for (int k = 0; k < 18 * n; ++k) EXPECT_EQ(0, run.a.v[k]);
+  double weight = 0;
+  for (const dynContactForce& f : run.a.contacts())
+    if (f.contact.shape_a == 0) weight += f.force_on_b[2];
+  EXPECT_NEAR(3 * n * g, weight, 1e-6 * weight);
+  // the ball flies into the first stack
+  run.both([&](Play& p) {
+    Numbers q(p.q, p.q + dyn_nq(p.m)), v(p.v, p.v + dyn_nv(p.m));
+    double *at = q.data() + 21 * n, *u = v.data() + 18 * n;
+    at[0] = -1, at[1] = 0, at[2] = 0.5, u[0] = 4, u[1] = 0, u[2] = 1;
+    p.set(q, v);
+  });
+  run.steps(250);
+  EXPECT_EQ(n - 1, run.a.report().sleeping);
+  EXPECT_GT(std::abs(run.a.q[14]), 1e-3);
+  // heavier: they rest as they did, under other forces
+  const double heavy[3] = {0, 0, -20}, turned[3] = {5, 0, -8}, down[3] = {0, 0, -g};
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, heavy)); });
+  run.steps(20);
+  double last = 0;  // under the last stack
+  for (const dynContactForce& f : run.a.contacts())
+    if (f.contact.shape_a == 0 && f.contact.shape_b > 3 * (n - 1) && f.contact.shape_b <= 3 * n) last += f.force_on_b[2];
+  EXPECT_NEAR(60, last, 1e-6);
+  EXPECT_GE(run.a.report().sleeping, n - 1);
+  // it turns: they fall over
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, turned)); });
+  run.steps(50);
+  EXPECT_EQ(0, run.a.report().sleeping);
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, down)); });
+  run.steps(1500);
+  const int again = run.a.report().sleeping;
+  EXPECT_GT(again, 0);
+  // one box is pushed
+  run.both([&](Play& p) {
+    Numbers tau(std::size_t(dyn_nv(p.m)), 0);
+    tau[std::size_t(18 * n - 6)] = 8;
+    ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, tau.data()));
+  });
+  run.steps(50);
+  EXPECT_EQ(again - 1, run.a.report().sleeping);
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, Numbers(std::size_t(dyn_nv(p.m)), 0).data())); });
+  run.steps(50);
+  const double push[6] = {0, 0, 30, 0, 0, 0};
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_frame_id(p.m, "box2"), nullptr, push, DYN_LOCAL_WORLD_ALIGNED)); });
+  run.steps(30);
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
+  run.steps(300);
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_effects(p.m, p.d, 0, DYN_EFFECT_DEFAULT)); });
+  run.steps(10);
+  EXPECT_EQ(0, run.a.report().sleeping);
+}
+// with pairs in a list, by boxes, and not listed
+INSTANTIATE_TEST_SUITE_P(Scenes, Sleeping, testing::Values(std::pair{3, 0}, std::pair{12, 0}, std::pair{3, 1000}));
+
+// A state that was saved asleep, in another data, goes on to the same bits.
+TEST(Sleep, StatesAreKeptBitForBit) {
+  Play a(stacks(3)), b(stacks(3));
+  may_sleep(a, false);
+  dynData* d = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_data_new(a.m, DYN_PART_SIMULATION, &d));
+  ASSERT_EQ(DYN_OK, dyn_data_set_effects(a.m, d, 0, DYN_EFFECT_DEFAULT | DYN_EFFECT_SLEEPING));
+  dynArray q{};
+  q.struct_size = sizeof q;
+  ASSERT_EQ(DYN_OK, dyn_data_array(a.m, d, dyn_field_id("q"), &q));
+  // the ball falls onto the second stack
+  place_stacks(a, 3, {1.05, 0.01, 4});
+  std::vector<unsigned char> memory(dyn_state_size(a.m));
+  int asleep = 0;
+  for (int k = 0; k < 20; ++k) {
+    a.steps(60);
+    asleep += a.report().sleeping;
+    ASSERT_EQ(DYN_OK, dyn_state_save(a.m, a.d, memory.data(), memory.size()));
+    ASSERT_EQ(DYN_OK, dyn_state_restore(a.m, d, memory.data(), memory.size())) << dyn_last_error();
+    for (int i = 0; i < 40; ++i) {
+      a.steps(1);
+      ASSERT_EQ(DYN_OK, dyn_step(a.m, d));
+      for (int j = 0; j < dyn_nq(a.m); ++j) ASSERT_EQ(a.q[j], q.data[j]) << k << " " << i << " " << j;
+    }
+  }
+  EXPECT_GT(asleep, 10);
+  dyn_data_free(d);
+}
+
+// Nothing sleeps that moves slowly for a moment, or that some joint may not.
+TEST(Sleep, WhatMovesIsAwake) {
+  Scene scene({0, 0, 0});
+  scene.ground().sphere("slow", 1, 0.1, material(0.5)).sphere("thrown", 1, 0.1, material(0.5));
+  Play run(scene.finish());
+  may_sleep(run, false);
+  run.place({{0, 0, 1}, {5, 0, 1}});
+  run.set({}, {2e-4, 0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0, 0});
+  const double pull[6] = {0, 0, -0.1, 0, 0, 0};
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_frame_id(run.m, "thrown"), nullptr, pull, DYN_LOCAL_WORLD_ALIGNED));
+  run.steps(2000);
+  EXPECT_EQ(0, run.report().sleeping);
+  EXPECT_NEAR(4e-4, run.q[0], 1e-12);
+  EXPECT_NEAR(1 + 0.1 * 2 - 0.05 * 4, run.q[9], 1e-3);
+  // within the bounds it is stopped, at most as far as sleep_speed sleep_time on
+  run.set({}, {5e-5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  run.steps(700);
+  EXPECT_EQ(1, run.report().sleeping);
+  EXPECT_EQ(0, run.v[0]);
+  EXPECT_NEAR(4e-4 + 5e-5 * 0.5, run.q[0], 1e-7);
+}
+
+// Ten thousand balls that sleep and one that flies: instructions and all that a step does are those of the one.
+TEST(Sleep, SleepersTakeNoInstructions) {
+  const auto count = [](int sleepers) -> long {
+    Scene scene;
+    scene.ground().sphere("awake", 1, 0.05, material(0.5));
+    std::vector<std::array<double, 3>> at = {{0.5, 0.55, 30}};
+    for (int k = 0; k < sleepers; ++k) {
+      scene.sphere(("b" + std::to_string(k)).c_str(), 0.5, 0.05, material(0.5));
+      at.push_back({0.11 * (k % 100), 0.11 * (k / 100), 0.05});
+    }
+    Play run(scene.finish(), 2e-3);
+    may_sleep(run, false);
+    run.place(at);
+    run.steps(600);
+    EXPECT_EQ(sleepers, run.report().sleeping);
+    return bench::instructions([&] { dyn_step(run.m, run.d); });
+  };
+  const long alone = count(0), beside = count(10000);
+  if (alone < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+  EXPECT_LE(double(beside), 1.01 * double(alone)) << alone << " " << beside;
+}
+
+}  // namespace
+}  // namespace dyn_test
