@@ -19,7 +19,7 @@ void for_each_array(const Model& m, PairSearch& s, char*& moving, char*& fixed, 
   f(resting, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
   f(s.moving, 1), f(s.fixed, 1), f(s.resting, 1);
   for (Index** list : {&s.active, &s.moving_geoms, &s.fixed_geoms, &s.vast_geoms}) f(*list, m.n.geoms);
-  f(s.found, pair_room(m));
+  f(s.alone, m.n.geoms), f(s.found, pair_room(m));
 }
 
 }  // namespace
@@ -82,12 +82,30 @@ void PairSearch::stir(Index geom) {
 
 void PairSearch::list_active() {
   active_count = 0;
-  for (Index k = 0; k < moving_count; ++k)
+  for (Index k = 0; k < moving_count; ++k) {
+    alone[k].radius = 0;
     if (moving->has(k)) active[active_count++] = k;
+  }
+}
+
+void PairSearch::move(const Geom& g, const Pose& X, Index id, double more) {
+  constexpr double wider = 20;
+  constexpr Index few = 32;  // of more, some are near most of the time
+  if (moving->count() > few) return moving->update(id, swollen(g, X, more));
+  const double radius = g.reach + wider * more, half = g.reach + radius + 1e-9 * radius;
+  const auto by = shape::Vec::make(half, half, half);
+  const Bounds ball{X.p - by, X.p + by};
+  bool is_alone = true;
+  const auto other = [&](Index k) { is_alone &= k == id; };
+  moving->query(ball, other);
+  if (is_alone) fixed->query(ball, [&](Index) { is_alone = false; });
+  if (is_alone) resting->query(ball, [&](Index) { is_alone = false; });
+  alone[id] = {X.p, is_alone ? radius : 0};
+  moving->update(id, is_alone ? ball : swollen(g, X, more));
 }
 
 void PairSearch::place_all(const Data<double>& d, double margin) {
-  for (Index k = 0; k < moving_count; ++k) moving->update(k, swollen(d.geoms[moving_geoms[k]], d.geom_poses[moving_geoms[k]], margin));
+  for (Index k = 0; k < moving_count; ++k) alone[k].radius = 0, moving->update(k, swollen(d.geoms[moving_geoms[k]], d.geom_poses[moving_geoms[k]], margin));
 }
 
 bool PairSearch::collect(const Data<double>& d) {

@@ -60,7 +60,7 @@ Ball within(const Model& m, const Data<double>& d, Index geom) {
 // Pairs that are tested and can ever meet, and their shapes; too many for the list: pairs are found by boxes.
 void find_pairs(const Model& m, const Data<double>& d) {
   Workspace& w = *d.step;
-  w.pair_count = w.geom_count = 0, w.by_boxes = false;
+  w.pair_count = w.geom_count = 0, w.awake_pair_count = -1, w.by_boxes = false;
   std::fill_n(w.speeds, m.n.geoms, 0.0);
   const auto room = Index(pair_room(m));
   const auto add = [&](Index a, Index b, Index number) {
@@ -134,10 +134,21 @@ struct Search {
         if (sleeps(geom)) w.sleep.is[w.sleep.number[d.geoms[geom].body]] = Sleeper::Met, w.sleep.met = true;
     }
   }
+  bool still(Index geom) const { return !d.geoms[geom].body || sleeps(geom); }
+  void list_awake() {
+    w.awake_pair_count = w.awake_geom_count = 0;
+    for (Index i = 0; i < w.geom_count; ++i)
+      if (!still(w.geoms[i])) w.awake_geoms[w.awake_geom_count++] = w.geoms[i];
+    for (Index n = 0; n < w.pair_count; ++n)
+      if (!still(w.pairs[n].a) || !still(w.pairs[n].b)) w.awake_pairs[w.awake_pair_count++] = w.pairs[n];
+  }
   void by_list() {
-    for (Index i = 0; i < w.geom_count; ++i) place(w.geoms[i]);
-    for (Index n = 0; n < w.pair_count; ++n) {
-      const NearPair& p = w.pairs[n];
+    if (w.sleep.some && w.awake_pair_count < 0) list_awake();
+    const Index *const geoms = w.sleep.some ? w.awake_geoms : w.geoms, geom_count = w.sleep.some ? w.awake_geom_count : w.geom_count;
+    const NearPair* const pairs = w.sleep.some ? w.awake_pairs : w.pairs;
+    for (Index i = 0; i < geom_count; ++i) place(geoms[i]);
+    for (Index n = 0; n < (w.sleep.some ? w.awake_pair_count : w.pair_count); ++n) {
+      const NearPair& p = pairs[n];
       look(p.a, p.b, [&](Index& pair) { return pair = p.number, true; });
     }
   }
@@ -153,7 +164,7 @@ struct Search {
     for (Index k = 0; k < search.active_count; ++k) {
       const Index geom = search.moving_geoms[search.active[k]];
       place(geom);
-      search.moving->update(search.active[k], collision::swollen(d.geoms[geom], d.geom_poses[geom], box_margin(w, d, geom, h)));
+      search.place(d, search.active[k], box_margin(w, d, geom, h));
     }
     for (Index k = 0; k < search.vast_count; ++k) place(search.vast_geoms[k]);
     const bool ascending = search.for_each(d, [&](Index a, Index b) { look(a, b, [&](Index& pair) { return collision::tests(m, d, a, b, pair); }); });

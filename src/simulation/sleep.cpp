@@ -31,7 +31,7 @@ void list_awake(const Model& m, Workspace& w) {
   AwakeTrees& a = z.awake;
   a = {};
   a.first_run = z.runs, a.first_chunk = z.chunks, a.first_span = z.spans, a.first_curved = z.curved, a.groups = z.groups;
-  z.awake_count = 0;
+  z.awake_count = 0, w.awake_pair_count = -1;
   for (Index t = 0; t < z.count; ++t) {
     if (z.is[t] != Sleeper::Awake) continue;
     z.list[z.awake_count++] = t;

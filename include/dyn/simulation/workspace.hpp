@@ -77,6 +77,9 @@ struct Workspace {
   NearPair* pairs;              // that can ever meet,
   Index* geoms;                 // and their shapes
   Index pair_count, geom_count;  // -1: to be found
+  NearPair* awake_pairs;        // those of which something is awake,
+  Index* awake_geoms;           // and what is of their shapes
+  Index awake_pair_count, awake_geom_count;  // -1: to be found
   bool by_boxes;                // there are more than the list has room for: pairs are found by boxes (collision/pair_search.hpp)
   Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
   Motion<double>* root_velocity;  // of bodies: free, W at the tree's root
