@@ -1375,7 +1375,7 @@ typedef struct dynStepOptions {
   dynIntegrator integrator; /* default SEMI_IMPLICIT_EULER */
   double dt;                /* s, > 0; default 1e-3 */
   double accuracy;          /* > 0: dyn_advance chooses its steps by itself, so that their errors add up to at most this: m and rad, m/s and rad/s;
-                               by order 8, with integrator RK45 by order 5, through contact by order 2. What grows by itself (chaos) grows beyond. default 0: steps of dt */
+                               by order 8, with integrator RK45 by order 5, through contact by order 3. What grows by itself (chaos) grows beyond. default 0: steps of dt */
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
   int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin
                                again from nothing, and then the other one is asked */
@@ -1383,6 +1383,7 @@ typedef struct dynStepOptions {
   double sleep_speed;       /* m/s, rad/s, > 0; default 1e-4 */
   double sleep_time;        /* s, > 0; default 0.5 */
   int32_t visit_sleepers;   /* not 0: steps compute what sleeps all the same, and end at the same bits; default 0 */
+  int32_t ledger;           /* not 0: steps keep the error ledger (dyn_data_ledger), for DYN_PART_ENERGY; default 0, which costs nothing */
 } dynStepOptions;
 DYN_API void dyn_step_options_init(dynStepOptions* options);
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options);
@@ -1411,6 +1412,27 @@ typedef struct dynStepReport {
   int32_t reserved;
 } dynStepReport;
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
+
+/* What the steps of the last call did to energy and momentum, and what of it nothing accounts for: their error. Work in J. Forces by the trapezoidal rule over
+   each step; impulses of contacts, limits and constraints times the mean of their row's velocity before and after, which is what they add to the kinetic
+   energy. (Hairer, Lubich, Wanner 2006, IX: what of an integrator's error shows in energy.) All zero without the option `ledger`. */
+typedef struct dynErrorLedger {
+  uint32_t struct_size;
+  int64_t steps;
+  double energy_change;       /* kinetic and potential, springs included */
+  double applied, actuators;  /* work of tau, of actuators; */
+  double wrenches;            /* of wrenches and of weights that are held; */
+  double damping, friction, fluid;         /* of the joints' damping and dry friction, of a medium's drag; */
+  double contact_normal, contact_friction; /* of contacts along their normals, impacts included, and across; */
+  double limits, constraints; /* of limits and dry friction rows, of equalities; */
+  double correction;          /* of the correction of overlaps and drift, which moves q alone */
+  double energy_defect;       /* energy_change less all of these */
+  double momentum_defect[3];  /* N s: change of linear momentum less the impulses from outside; zero where anything but a free flyer joins a tree to the world */
+  double constraint_drift;    /* m, rad: largest error of an equality row at the beginning of a step */
+  double cone;                /* N: largest of |f_t| - mu f_n over contacts, at least 0 */
+  double complementarity;     /* W: largest |f_n (c_n + bias)| over contacts: force where nothing touches */
+} dynErrorLedger;
+DYN_API dynStatus dyn_data_ledger(const dynModel* model, dynData* data, dynErrorLedger* ledger);
 
 /* Contact points of the last step, in the order of their shapes and features, and what they exert: mean forces over the step. At most
    capacity of them are written; count: how many there are. A step has room for the lesser of 8 a pair and 16 + 8 a shape (where pairs are not listed,

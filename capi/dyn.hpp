@@ -937,6 +937,13 @@ class Data {
     check(dyn_data_step_report(m(), get(), &report));
     return report;
   }
+  // Where energy and momentum went in them, with the option `ledger`.
+  dynErrorLedger ledger() const {
+    dynErrorLedger out{};
+    out.struct_size = sizeof out;
+    check(dyn_data_ledger(m(), get(), &out));
+    return out;
+  }
   // Contact points of the last step with their forces.
   std::vector<dynContactForce> step_contacts() {
     int count = 0;

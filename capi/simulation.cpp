@@ -1,6 +1,7 @@
 // Steps.
 #include "collision.hpp"
 #include "dyn/simulation/actuators.hpp"
+#include "dyn/simulation/ledger.hpp"
 #include "dyn/simulation/material.hpp"
 #include "dyn/simulation/workspace.hpp"
 #include "guard.hpp"
@@ -39,6 +40,11 @@ dynStatus explain(const Model& m, const Data<double>& d, Index answer, const cha
   if (bad_v == m.n.nv && bad_q == m.n.nq) return DYN_OK;
   return fail(DYN_ERROR_NUMERIC, "%s: the state of joint '%s' is no longer finite near t = %g s: the state is as before the step; use a smaller dt", function,
               joint_at(m, bad_v < m.n.nv ? bad_v : bad_q, bad_v < m.n.nv), t);
+}
+
+void begin_report(Call& call) {
+  call.d().step->report = {};
+  simulation::open_ledger(call.m(), call.d());
 }
 
 // One step of h; the state is as before after an error.
@@ -101,6 +107,8 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   if (now.integrator != options->integrator || now.solver != options->solver || now.max_iterations != options->max_iterations || now.tolerance != options->tolerance ||
       now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time)
     simulation::disturb(call.d());
+  if (options->ledger && !(call.d().parts & DYN_PART_ENERGY))
+    return fail(DYN_ERROR_PART, "dyn_data_set_step_options: ledger needs data with DYN_PART_ENERGY");
   call.d().step->options = *options;
   call.d().step->options.struct_size = sizeof *options;
   return DYN_OK;
@@ -116,7 +124,7 @@ dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOpt
 dynStatus dyn_step(const dynModel* model, dynData* data) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_step");
   if (!call) return call.status;
-  call.d().step->report = {};
+  begin_report(call);
   return make_step(call, "dyn_step", call.d().step->options.dt);
 }
 
@@ -125,7 +133,7 @@ dynStatus dyn_advance(const dynModel* model, dynData* data, double duration) {
   if (!call || !call.finite("duration", &duration, 1)) return call.status;
   Data<double>& d = call.d();
   if (!(duration >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_advance: duration is %g s: time does not run backwards", duration);
-  d.step->report = {};
+  begin_report(call);
   if (duration == 0) return DYN_OK;
   if (d.step->options.accuracy > 0) return advance_to_accuracy(call, "dyn_advance", duration);
   const double dt = d.step->options.dt, ratio = duration / dt;
@@ -145,6 +153,16 @@ dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepRepo
     return fail(DYN_ERROR_SIZE, "dyn_data_step_report: struct_size is %u, needs %zu: set it to sizeof(dynStepReport)", report->struct_size, sizeof *report);
   *report = call.d().step->report;
   report->struct_size = sizeof *report;
+  return DYN_OK;
+}
+
+dynStatus dyn_data_ledger(const dynModel* model, dynData* data, dynErrorLedger* ledger) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_ledger");
+  if (!call || !call.required("ledger", ledger)) return call.status;
+  if (ledger->struct_size < sizeof *ledger)
+    return fail(DYN_ERROR_SIZE, "dyn_data_ledger: struct_size is %u, needs %zu: set it to sizeof(dynErrorLedger)", ledger->struct_size, sizeof *ledger);
+  *ledger = call.d().step->ledger.report;
+  ledger->struct_size = sizeof *ledger;
   return DYN_OK;
 }
 

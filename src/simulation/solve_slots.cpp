@@ -1,6 +1,7 @@
 // The contact problems of a step, island by island, and the corrections of its configuration.
 #include "dyn/constraint/delassus.hpp"
 #include "dyn/simulation/island.hpp"
+#include "dyn/simulation/ledger.hpp"
 
 namespace dyn::simulation {
 
@@ -90,6 +91,7 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
     island.number(), island.fill();
     dynContactReport report{};
     island.impulses(report);
+    if (w.ledger.open) enter_rows(island);
     island.add(impulse);
     corrected |= island.correct(displacement);
     rows += island.rows;

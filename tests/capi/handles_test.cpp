@@ -324,7 +324,7 @@ TEST(Handles, TablesAreComplete) {
       // stepping_test.cpp
       "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance",
       // tests/simulation
-      "dyn_state_size", "dyn_state_save", "dyn_state_restore", "dyn_step_contacts", "dyn_data_set_shape_material", "dyn_data_shape_material",
+      "dyn_state_size", "dyn_state_save", "dyn_state_restore", "dyn_step_contacts", "dyn_data_ledger", "dyn_data_set_shape_material", "dyn_data_shape_material",
       // tests/simulation/driving_test.cpp
       "dyn_actuator_init", "dyn_builder_actuator", "dyn_builder_gravity_compensation", "dyn_builder_medium", "dyn_builder_pair", "dyn_data_set_control",
       "dyn_data_apply_wrench", "dyn_data_clear_wrenches", "dyn_data_set_gravity",

@@ -16,7 +16,7 @@ namespace {
 struct Options : SteppingOptions {
   double accuracy = 0;
   std::string csv, postmortem;
-  bool dt_given = false, no_error_estimate = false, profile = false;
+  bool dt_given = false, no_error_estimate = false, profile = false, ledger = false;
 };
 
 constexpr double max_csv_bytes = 16e9;
@@ -169,6 +169,51 @@ json error_estimate(const Robot& robot, const State& state, dynIntegrator integr
   return distance * std::exp2(order) / (std::exp2(order) - 1);
 }
 
+// Of all calls that made steps.
+class Ledger {
+ public:
+  void add(const Robot& robot, const Data& data) {
+    dynErrorLedger l{};
+    l.struct_size = sizeof l;
+    check(dyn_data_ledger(robot, data, &l));
+    for (const auto& e : sums) at(sum_, e.of) += at(l, e.of);
+    for (const auto& e : largest) at(sum_, e.of) = std::max(at(sum_, e.of), at(l, e.of));
+    for (int i = 0; i < 3; ++i) sum_.momentum_defect[i] += l.momentum_defect[i];
+  }
+  json answer() {
+    json out;
+    for (const auto& e : sums) out[e.name] = at(sum_, e.of);
+    out["momentum_defect"] = {sum_.momentum_defect[0], sum_.momentum_defect[1], sum_.momentum_defect[2]};
+    for (const auto& e : largest) out[e.name] = at(sum_, e.of);
+    return out;
+  }
+  static std::string text(const json& a) {
+    std::string out = "ledger            change of energy, J, by what did it; the rest is the steps' error\n";
+    for (const auto& e : sums)
+      if (const double x = a[e.name]; x != 0) out += "  " + std::string(e.name) + std::string(20 - std::strlen(e.name), ' ') + short_number(x) + "\n";
+    out += "  momentum_defect     " + short_number(a["momentum_defect"][0].get<double>()) + " " + short_number(a["momentum_defect"][1].get<double>()) + " " +
+           short_number(a["momentum_defect"][2].get<double>()) + " N s\n";
+    out += "  constraint_drift    " + short_number(a["constraint_drift"].get<double>()) + " m or rad\n  cone                " + short_number(a["cone"].get<double>()) +
+           " N\n  complementarity     " + short_number(a["complementarity"].get<double>()) + " W\n";
+    return out;
+  }
+
+ private:
+  struct Entry {
+    const char* name;
+    double dynErrorLedger::*of;
+  };
+  static constexpr Entry sums[] = {{"energy_change", &dynErrorLedger::energy_change}, {"applied", &dynErrorLedger::applied}, {"actuators", &dynErrorLedger::actuators},
+                                   {"wrenches", &dynErrorLedger::wrenches}, {"damping", &dynErrorLedger::damping}, {"friction", &dynErrorLedger::friction},
+                                   {"fluid", &dynErrorLedger::fluid}, {"contact_normal", &dynErrorLedger::contact_normal},
+                                   {"contact_friction", &dynErrorLedger::contact_friction}, {"limits", &dynErrorLedger::limits},
+                                   {"constraints", &dynErrorLedger::constraints}, {"correction", &dynErrorLedger::correction},
+                                   {"energy_defect", &dynErrorLedger::energy_defect}};
+  static constexpr Entry largest[] = {{"constraint_drift", &dynErrorLedger::constraint_drift}, {"cone", &dynErrorLedger::cone}, {"complementarity", &dynErrorLedger::complementarity}};
+  static double& at(dynErrorLedger& l, double dynErrorLedger::*of) { return l.*of; }
+  dynErrorLedger sum_{};
+};
+
 std::string text_of(const json& a) {
   const auto number = [](const json& x) { return x.is_null() ? std::string("unknown") : short_number(x.get<double>()); };
   std::string out = number(a["duration"]) + " s in " + std::to_string(a["steps"].get<long long>()) + " steps of " +
@@ -180,6 +225,7 @@ std::string text_of(const json& a) {
   if (a["contacts_max"] > 0 || a["residual_max"] > 0)
     out += "contact           up to " + std::to_string(a["contacts_max"].get<int>()) + " points, deepest " + number(a["penetration_max"]) +
            " m, largest residual " + number(a["residual_max"]) + " (" + a["solver"].get<std::string>() + ")\n";
+  if (a.contains("ledger")) out += Ledger::text(a["ledger"]);
   for (const char* key : {"q", "v"}) {
     out += std::string(key) + "                ";
     for (const auto& x : a[key]) out += " " + short_number(x.get<double>(), 9);
@@ -247,6 +293,7 @@ void run(const Options& options) {
   const bool watch_limits = !(on & DYN_EFFECT_LIMITS);
   if (watch_limits) limits.look(q, *time, warnings);
   Clock::duration wall{};
+  Ledger ledger;
   double drift_max = 0, estimate = 0;
   long long steps = 0, evaluations = 0, dropped = 0;
   int contacts_max = 0, rows_max = 0, sleeping = 0;
@@ -256,12 +303,13 @@ void run(const Options& options) {
     for (long long i = 0; i < schedule.steps; ++i) {
       const double h = schedule.length(i);
       const auto before = Clock::now();
-      set_stepping(robot, data, integrator.id, h, options.accuracy * h / options.duration, solver);
+      set_stepping(robot, data, integrator.id, h, options.accuracy * h / options.duration, solver, options.ledger);
       const dynStatus status = adaptive ? dyn_advance(robot, data, h) : dyn_step(robot, data);
       wall += Clock::now() - before;
       dynStepReport report{};
       report.struct_size = sizeof report;
       check(dyn_data_step_report(robot, data, &report));
+      if (options.ledger) ledger.add(robot, data);
       steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped;
       sleeping = report.sleeping;
       contacts_max = std::max(contacts_max, report.contacts), rows_max = std::max(rows_max, report.rows);
@@ -305,6 +353,7 @@ void run(const Options& options) {
     answer["error_estimate_method"] = "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
   }
   if (dropped) warnings.push_back("there was no room for " + std::to_string(dropped) + " contact points in all steps: the shallowest were left out");
+  if (options.ledger) answer["ledger"] = ledger.answer();
   answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
   if (options.profile) answer["profile"] = measure_effects(robot, state, options, on);
@@ -324,6 +373,7 @@ void add_sim(CLI::App& app) {
   command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);
   command->add_option("--postmortem", options->postmortem, "After a failure: the last 100 states into this file, and which joints' speeds grew most")->check(not_empty);
   command->add_flag("--profile", options->profile, "What each effect takes and changes, as dyn effects measures it");
+  command->add_flag("--ledger", options->ledger, "Where the energy and the momentum went, by source, and what nothing accounts for");
   command->add_flag("--no-error-estimate", options->no_error_estimate, "Leave out the second run, at half the step");
   command->callback([options, dt] {
     options->dt_given = dt->count() > 0;

@@ -55,11 +55,11 @@ const Solver& solver_named(const std::string& name) {
   bad_usage("--solver: \"" + shown(name) + "\" is none of pgs, admm, newton.");
 }
 
-void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver) {
+void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver, bool ledger) {
   dynStepOptions options;
   dyn_step_options_init(&options);
   options.solver = solver.type, options.tolerance = solver.tolerance;
-  options.integrator = integrator, options.dt = dt, options.accuracy = accuracy;
+  options.integrator = integrator, options.dt = dt, options.accuracy = accuracy, options.ledger = ledger;
   check(dyn_data_set_step_options(robot, data, &options));
 }
 

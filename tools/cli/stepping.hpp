@@ -28,7 +28,7 @@ struct ContactSolver {
   dynContactSolverType type;
   double tolerance;
 };
-void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver);
+void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver, bool ledger = false);
 
 // Of the command line.
 struct SteppingOptions {

@@ -128,7 +128,7 @@ from .library import version as __version__
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
 from .model import DisabledPair, FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, load, load_string
-from .simulation import ContactForce, StepReport
+from .simulation import ContactForce, ErrorLedger, StepReport
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
 
@@ -226,6 +226,7 @@ __all__ = [
     "StaleError",
     "State",
     "StateLayout",
+    "ErrorLedger",
     "StepReport",
     "Status",
     "StrictError",

@@ -261,7 +261,7 @@ class StepOptions(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("integrator", c_int), ("dt", c_double), ("accuracy", c_double), ("solver", c_int),
         ("max_iterations", c_int32), ("tolerance", c_double), ("sleep_speed", c_double), ("sleep_time", c_double),
-        ("visit_sleepers", c_int32),
+        ("visit_sleepers", c_int32), ("ledger", c_int32),
     ]  # fmt: skip
 
 
@@ -271,6 +271,16 @@ class StepReport(Grown):
         ("smallest_dt", c_double), ("error_estimate", c_double), ("contacts", c_int32), ("rows", c_int32), ("islands", c_int32),
         ("dropped", c_int32), ("iterations", c_int64), ("residual", c_double), ("penetration", c_double),
         ("sleeping", c_int32), ("reserved", c_int32),
+    ]  # fmt: skip
+
+
+class ErrorLedger(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("steps", c_int64), ("energy_change", c_double), ("applied", c_double), ("actuators", c_double),
+        ("wrenches", c_double), ("damping", c_double), ("friction", c_double), ("fluid", c_double), ("contact_normal", c_double),
+        ("contact_friction", c_double), ("limits", c_double), ("constraints", c_double), ("correction", c_double),
+        ("energy_defect", c_double), ("momentum_defect", c_double * 3), ("constraint_drift", c_double), ("cone", c_double),
+        ("complementarity", c_double),
     ]  # fmt: skip
 
 
@@ -564,6 +574,7 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_state_size": (c_size_t, [_p]),
     "dyn_state_save": (STATUS, [_p, _p, _ref, c_size_t]),
     "dyn_state_restore": (STATUS, [_p, _p, _ref, c_size_t]),
+    "dyn_data_ledger": (STATUS, [_p, _p, _ref]),
     "dyn_step_contacts": (STATUS, [_p, _p, _ref, _i, _ref]),
     "dyn_data_set_shape_material": (STATUS, [_p, _p, _i, _ref]),
     "dyn_data_shape_material": (STATUS, [_p, _p, _i, _ref]),

@@ -49,6 +49,41 @@ class StepReport(NamedTuple):
     """Islands that slept in the last step."""
 
 
+class ErrorLedger(NamedTuple):
+    """What the steps of the last call did to energy (J) and momentum, by source, and what nothing accounts for."""
+
+    steps: int
+    energy_change: float
+    """Kinetic and potential, springs included."""
+    applied: float
+    """Work of tau."""
+    actuators: float
+    wrenches: float
+    """Of wrenches and of weights that are held."""
+    damping: float
+    friction: float
+    """Of the joints' dry friction."""
+    fluid: float
+    contact_normal: float
+    """Along the contacts' normals, impacts included."""
+    contact_friction: float
+    limits: float
+    """Of limits and dry friction rows."""
+    constraints: float
+    correction: float
+    """Of the correction of overlaps and drift, which moves q alone."""
+    energy_defect: float
+    """energy_change less all of these: the steps' error."""
+    momentum_defect: np.ndarray
+    """(3,): N s, change of linear momentum less the impulses from outside; zero where anything but a free flyer joins a tree to the world."""
+    constraint_drift: float
+    """m, rad: largest error of an equality row at the beginning of a step."""
+    cone: float
+    """N: largest of |f_t| - mu f_n over contacts, at least 0."""
+    complementarity: float
+    """W: largest |f_n (c_n + bias)| over contacts."""
+
+
 class ContactForce(NamedTuple):
     """A contact point of the last step, and what it exerts."""
 
@@ -74,11 +109,12 @@ class Stepping:
         sleep_speed: float | None = None,
         sleep_time: float | None = None,
         visit_sleepers: bool | None = None,
+        ledger: bool | None = None,
     ) -> None:
         """How step and advance go: by which integrator, in steps of dt seconds or (accuracy > 0, advance alone) of those that take
         the sum of their errors to at most accuracy; which contact solver, to which residual, in how many iterations; with the effect SLEEPING
-        how slow (m/s, rad/s) and for how long (s) what may sleep has been, and whether steps compute it all the same. None leaves a
-        value as it is."""
+        how slow (m/s, rad/s) and for how long (s) what may sleep has been, and whether steps compute it all the same; whether they keep the error ledger, for data
+        with the part ENERGY. None leaves a value as it is."""
         options = self.stepping
         if integrator is not None:
             kind = _INTEGRATORS.get(integrator)
@@ -99,6 +135,8 @@ class Stepping:
             options.sleep_time = sleep_time
         if visit_sleepers is not None:
             options.visit_sleepers = visit_sleepers
+        if ledger is not None:
+            options.ledger = ledger
         check(lib.dyn_data_set_step_options(self._m, self._d, byref(options)))
 
     @property
@@ -128,6 +166,14 @@ class Stepping:
         r = abi.StepReport()
         check(lib.dyn_data_step_report(self._m, self._d, byref(r)))
         return StepReport(*(getattr(r, name) for name in StepReport._fields))
+
+    @property
+    def ledger(self) -> ErrorLedger:
+        """Where energy and momentum went in the last step or advance (set_stepping(ledger=True))."""
+        x = abi.ErrorLedger()
+        check(lib.dyn_data_ledger(self._m, self._d, byref(x)))
+        values = {name: getattr(x, name) for name in ErrorLedger._fields}
+        return ErrorLedger(**values | {"momentum_defect": np.array(x.momentum_defect)})
 
     def step_contacts(self) -> list[ContactForce]:
         """Contact points of the last step with their forces, by pairs."""

@@ -89,6 +89,12 @@ struct Controller {
   }
 };
 
+template <class T>
+void enter(const Model& m, Data<T>& d, T h) {
+  if constexpr (std::is_same_v<T, double>)
+    if (simulation::keeps_ledger(d)) simulation::enter_step(m, d, h);
+}
+
 // Advances d by duration. accuracy 0: as good as rounding allows. Returns 0, the joint whose forward dynamics failed, or no_step_left; the
 // state is then that of report.time. A step may take up to three times its share of the error where earlier ones left as much of theirs.
 template <class Tableau, class T>
@@ -119,6 +125,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
       left = std::max(T(0), left + share - error);
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+      enter(m, d, h);
       rounding.accept();
       h *= controller.accept(error / allowed);
     } else {
@@ -198,6 +205,7 @@ class Extrapolated {
   void take(const State& x) const { std::copy_n(x.q, m.n.nq, d.q), std::copy_n(x.v, m.n.nv, d.v), std::copy_n(x.act, m.n.na, d.act); }
   Index substeps(double h, int n) const {
     Index joint = 0;
+    simulation::forget_rows(d);
     for (int k = 0; k < n && !joint; ++k) joint = euler_step(m, d, s, h / n, true);
     return joint;
   }
@@ -235,6 +243,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+      enter(m, d, h);
     } else {
       if (rows) extrapolated.restore();
       else s.undo(m, d);
@@ -287,8 +296,10 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
     }
   }
   if (!failed && integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST) failed = close_rows(m, d);
-  if (!failed) ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
-  return failed;
+  if (failed) return failed;
+  ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+  enter(m, d, integrator == DYN_REFERENCE ? T(0) : h);  // its own steps are entered
+  return 0;
 }
 
 }  // namespace dyn::integrator

@@ -6,6 +6,7 @@
 
 #include "dyn/integrator/chart.hpp"
 #include "dyn/integrator/free_flight.hpp"
+#include "dyn/simulation/ledger.hpp"
 #include "dyn/simulation/step.hpp"
 
 namespace dyn::integrator {
@@ -88,6 +89,8 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   integrate(m, part, static_cast<const T*>(d.q), static_cast<const T*>(hv), d.q);
   end_flight(m, part, s.q0, h, correction, d.q, d.v);
   simulation::advance_filters(m, d, s.y0 + 2 * m.n.nv, h);
+  if constexpr (std::is_same_v<T, double>)
+    if (correction && simulation::keeps_ledger(d)) simulation::enter_correction(m, d, s.q0, hv, correction);
   if constexpr (std::is_same_v<T, double>)
     if (rests) simulation::keep_rest(m, d, s.q0);
   return true;

@@ -64,11 +64,34 @@ struct NearPair {
   Index a, b, number;
 };
 
+// What the ledger needs of a state: energy, powers by source, momentum and its rate by what comes from outside.
+struct LedgerState {
+  struct Power {
+    double applied, actuators, wrenches, damping, friction, fluid;
+  };
+  double energy;
+  Power power;
+  double momentum[3], force[3];
+};
+// Work of the impulses of a step, and what is wrong with them.
+struct LedgerRows {
+  double normal, sliding, limits, constraints, correction, impulse[3], drift, cone, complementarity;
+};
+struct Ledger {
+  bool open;
+  dynErrorLedger report;  // of the last call that made steps
+  LedgerState before;
+  LedgerRows rows;
+  double* q;
+};
+
 struct Workspace {
   dynStepOptions options;
   dynStepReport report;  // of the last call that made steps
   Index contact_count, before_count;
   double closed;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
+
+  Ledger ledger;
 
   // the rest is there when something may act
   Clearance clearance;

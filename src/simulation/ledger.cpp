@@ -1,0 +1,157 @@
+#include "dyn/simulation/ledger.hpp"
+
+#include "dyn/algorithm/energy.hpp"
+#include "dyn/constraint/constrained_dynamics.hpp"
+#include "dyn/simulation/forces.hpp"
+#include "dyn/simulation/island.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+struct Energies {
+  double kinetic, potential;
+  double sum() const { return kinetic + potential; }
+};
+// d.q and d.v may have changed without notice.
+Energies energies(const Model& m, Data<double>& d) {
+  d.drop(Stage::Position), d.drop(Stage::Velocity);
+  kinetic_energy(m, d), potential_energy(m, d);
+  const Energies out{d.kinetic[0], d.potential[0]};
+  d.drop(Stage::Kinetic), d.drop(Stage::Potential), d.drop(Stage::Position), d.drop(Stage::Velocity);
+  return out;
+}
+
+// After forward_kinematics<1>: the power of forces on bodies, and their sum; of those effects alone.
+double of_bodies(const Model& m, Data<double>& d, std::uint32_t effects, Vec3<double>& sum) {
+  const std::uint32_t acting = d.acting;
+  d.acting &= effects;
+  const double* const fext = forces_on_bodies(m, d);
+  d.acting = acting;
+  forward_kinematics<1>(m, d);
+  double power = 0;
+  for (Index j = 1; fext && j < m.n.joints; ++j) {
+    const Index body = m.joints()[j].last_body;
+    const Mat3<double> R = d.R[body] * m.joints()[j].C;
+    const Vec3<double> force = R * load3(fext + 6 * j);
+    sum = sum + force;
+    power += dot(force, d.u[body]) + dot(R * load3(fext + 6 * j + 3), d.w[body]);
+  }
+  return power;
+}
+
+bool flies(const Model& m) {
+  for (Index i = 1; i < m.n.bodies; ++i)
+    if (m.bodies()[i].parent == 0 && m.bodies()[i].type != BodyType::FreeFlyer) return false;
+  return true;
+}
+
+LedgerState state_of(const Model& m, Data<double>& d) {
+  LedgerState x{};
+  x.energy = energies(m, d).sum();
+  Vec3<double> force = Vec3<double>::zero();
+  x.power.wrenches = of_bodies(m, d, acting_wrenches | DYN_EFFECT_GRAVITY_COMPENSATION, force), x.power.fluid = of_bodies(m, d, DYN_EFFECT_FLUID, force);
+  double* const t = d.step_tau;  // of all that acts at joints
+  const double* const with_actuators = actuated(m, d, d.tau_applied);
+  const bool damped = d.acting & DYN_EFFECT_DAMPING, rubs = d.acting & DYN_EFFECT_FRICTION;
+  for (Index k = 0; k < m.n.nv; ++k) {
+    const double v = d.v[k], D = damped ? d.damping[k] * v : 0, F = rubs ? d.friction[k] * std::tanh(v / DYN_FRICTION_VELOCITY) : 0;
+    x.power.applied += d.tau_applied[k] * v, x.power.actuators += (with_actuators[k] - d.tau_applied[k]) * v;
+    x.power.damping -= D * v, x.power.friction -= F * v;
+    t[k] -= D + F;
+  }
+  double mass = 0;
+  Vec3<double> momentum = Vec3<double>::zero();
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    mass += b.m;
+    momentum = momentum + d.u[i] * b.m + cross(d.w[i], d.R[i] * b.h);
+    if (b.parent == 0 && b.type == BodyType::FreeFlyer) force = force + d.R[i] * load3(t + b.user_v);
+  }
+  store3(momentum, x.momentum), store3(force + load3(d.world_gravity) * mass, x.force);
+  return x;
+}
+
+}  // namespace
+
+void open_ledger(const Model& m, Data<double>& d) {
+  Ledger& l = d.step->ledger;
+  l.open = d.step->options.ledger != 0, l.report = {}, l.rows = {};
+  if (l.open) l.before = state_of(m, d);
+}
+
+void enter_step(const Model& m, Data<double>& d, double h) {
+  Ledger& l = d.step->ledger;
+  dynErrorLedger& out = l.report;
+  const LedgerState after = state_of(m, d);
+  const auto mean = [&](double LedgerState::Power::*p) { return h / 2 * (l.before.power.*p + after.power.*p); };
+  using Power = LedgerState::Power;
+  const double change = after.energy - l.before.energy;
+  const double work[] = {mean(&Power::applied), mean(&Power::actuators), mean(&Power::wrenches), mean(&Power::damping), mean(&Power::friction), mean(&Power::fluid),
+                         l.rows.normal, l.rows.sliding, l.rows.limits, l.rows.constraints, l.rows.correction};
+  double* const entries[] = {&out.applied, &out.actuators, &out.wrenches, &out.damping, &out.friction, &out.fluid,
+                             &out.contact_normal, &out.contact_friction, &out.limits, &out.constraints, &out.correction};
+  double sum = 0;
+  for (int k = 0; k < 11; ++k) *entries[k] += work[k], sum += work[k];
+  out.energy_change += change, out.energy_defect += change - sum;
+  const bool free = flies(m);
+  for (int i = 0; free && i < 3; ++i)
+    out.momentum_defect[i] += after.momentum[i] - l.before.momentum[i] - h / 2 * (l.before.force[i] + after.force[i]) - l.rows.impulse[i];
+  out.constraint_drift = std::max(out.constraint_drift, l.rows.drift), out.cone = std::max(out.cone, l.rows.cone);
+  out.complementarity = std::max(out.complementarity, l.rows.complementarity);
+  ++out.steps;
+  l.before = after, l.rows = {};
+}
+
+void enter_rows(const Island& x) {
+  using Six = SixEights<double>;
+  LedgerRows& l = x.w.ledger.rows;
+  const auto before = [&](Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; };
+  for (Index k = 0; k < x.slots; ++k) {
+    const ActiveSlot& a = x.slot(k);
+    const Slot<double>& s = *a.s;
+    const bool joints = between_joints(s.c.type);
+    double c0[most_rows] = {};
+    if (joints) {
+      c0[0] = s.g1 * x.v_before[s.c.v1] + (s.g2 != 0 ? s.g2 * x.v_before[s.c.v2] : 0);
+    } else {
+      const auto rate = Six::load(s.F1).dot(before(s.c.body1)) + Six::load(s.F2).dot(before(s.c.body2));
+      for (Index r = 0; r < s.rows; ++r) c0[r] = rate[int(r)];
+    }
+    const Index normal = a.kind == RowKind::Contact ? normal_row(s.rows) : -1;
+    double across = 0, pressed = 0;
+    for (Index r = 0; r < s.rows; ++r) {
+      const Index i = s.first + r;
+      const double slip = a.kind == RowKind::Contact && r < 2 && s.rows > 1 ? x.w.laws[a.index].slip[r] : 0;  // of belts
+      const double work = x.lambda[i] * (c0[r] + x.c[i] - slip) / 2;
+      if (a.kind == RowKind::Equality) l.constraints += work, l.drift = std::max(l.drift, std::abs(s.error[r]));
+      else if (a.kind == RowKind::Box) l.limits += work;
+      else (r == normal ? l.normal : l.sliding) += work;
+      if (r == normal) pressed = x.lambda[i], l.complementarity = std::max(l.complementarity, std::abs(x.lambda[i] * (x.c[i] + x.bias[i] + x.compliance[i] * x.lambda[i])) / x.h);
+      else if (a.kind == RowKind::Contact && r < 3) across = std::hypot(across, x.lambda[i]);
+    }
+    if (a.kind == RowKind::Contact) {
+      const ContactLaw& law = x.w.laws[a.index];
+      l.cone = std::max(l.cone, (across - law.material.friction * pressed) / x.h);
+      const dynContactForce& f = x.w.contacts[a.index];
+      const bool one = s.c.body1 == 0, two = s.c.body2 == 0;
+      for (int i = 0; one != two && i < 3; ++i) l.impulse[i] += (two ? 1 : -1) * x.h * f.force_on_b[i];
+    } else if (!joints && a.kind == RowKind::Equality && (s.c.body1 == 0) != (s.c.body2 == 0)) {
+      for (Index r = 0; r < s.rows; ++r)
+        for (int i = 0; i < 3; ++i) l.impulse[i] += x.lambda[s.first + r] * (s.c.body1 ? s.F1 : s.F2)[row_lanes * i + r];
+    }
+  }
+}
+
+void enter_correction(const Model& m, Data<double>& d, const double* q0, const double* hv, const double* dq) {
+  double *const without = d.step->by_dof, *const q = d.q;
+  double* const there = d.step->ledger.q;
+  for (Index k = 0; k < m.n.nv; ++k) without[k] = hv[k] - dq[k];
+  integrate(m, q0, without, there);
+  const double corrected = energies(m, d).potential;
+  d.q = there;
+  d.step->ledger.rows.correction += corrected - energies(m, d).potential;
+  d.q = q;
+}
+
+}  // namespace dyn::simulation

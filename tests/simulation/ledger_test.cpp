@@ -1,0 +1,111 @@
+// The error ledger: what forces and impulses do to energy and momentum is what these change by, to the order of the steps.
+#include <vector>
+
+#include "simulation/scene.hpp"
+
+namespace {
+
+using namespace dyn_test;
+
+dynErrorLedger ledger_of(Play& play) {
+  dynErrorLedger out{};
+  out.struct_size = sizeof out;
+  EXPECT_EQ(DYN_OK, dyn_data_ledger(play.m, play.d, &out)) << dyn_last_error();
+  return out;
+}
+void keep(Play& play, dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER) {
+  play.options.ledger = 1, play.options.integrator = integrator;
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options)) << dyn_last_error();
+}
+double sources(const dynErrorLedger& l) {
+  return l.applied + l.actuators + l.wrenches + l.damping + l.friction + l.fluid + l.contact_normal + l.contact_friction + l.limits + l.constraints + l.correction;
+}
+
+// A block slides to rest: friction takes m v^2 / 2, at every step to rounding.
+TEST(Ledger, FrictionTakesWhatSlidingLoses) {
+  Play play(Scene().ground().box("block", 2, {0.2, 0.2, 0.2}, material(0.4)).finish());
+  keep(play);
+  play.set({0, 0, 0.1, 0, 0, 0, 1}, {1, 0, 0, 0, 0, 0});
+  ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.5)) << dyn_last_error();
+  const dynErrorLedger l = ledger_of(play);
+  EXPECT_EQ(500, l.steps);
+  EXPECT_NEAR(-1.0, l.energy_change, 1e-9);
+  EXPECT_NEAR(-1.0, l.contact_friction, 1e-8);
+  EXPECT_NEAR(0, l.energy_defect, 1e-8);
+  EXPECT_NEAR(l.energy_change, sources(l) + l.energy_defect, 1e-14);
+  for (const double p : l.momentum_defect) EXPECT_NEAR(0, p, 1e-12);
+  EXPECT_LE(l.cone, 1e-6);
+  EXPECT_LE(l.complementarity, 1e-6);
+}
+
+// An impact loses (1 - e^2) of the energy along the normal.
+TEST(Ledger, ImpactsLoseWhatRestitutionLeaves) {
+  Play play(Scene({0, 0, 0}).ground().sphere("ball", 1, 0.1, material(0, 0.5)).finish());
+  keep(play);
+  play.set({0, 0, 0.3, 0, 0, 0, 1}, {0, 0, -2, 0, 0, 0});
+  ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.3)) << dyn_last_error();
+  const dynErrorLedger l = ledger_of(play);
+  EXPECT_NEAR(-1.5, l.contact_normal, 1e-9);
+  EXPECT_NEAR(-1.5, l.energy_change, 1e-9);
+  EXPECT_NEAR(0, l.energy_defect, 1e-9);
+  for (const double p : l.momentum_defect) EXPECT_NEAR(0, p, 1e-12);
+}
+
+// What nothing accounts for is the integrator's error: it falls with its order.
+TEST(Ledger, DefectIsOfTheIntegratorsOrder) {
+  const struct {
+    dynIntegrator integrator;
+    double order;
+  } cases[] = {{DYN_SEMI_IMPLICIT_EULER, 1}, {DYN_RK4, 4}, {DYN_IMPLICIT_MIDPOINT, 2}};
+  for (const auto& c : cases) {
+    std::vector<double> defects;
+    for (const double dt : {4e-3, 2e-3}) {
+      dynModel* m = nullptr;
+      const char* text = "<mujoco><compiler angle='radian'/><worldbody><body><joint axis='0 1 0'/><geom type='capsule' size='.02' fromto='0 0 0 .5 0 0' contype='0' conaffinity='0'/>"
+                          "<body pos='.5 0 0'><joint axis='0 1 0'/><geom type='capsule' size='.02' fromto='0 0 0 .5 0 0' contype='0' conaffinity='0'/></body></body></worldbody></mujoco>";
+      ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
+      Play play(Model(m), dt);
+      keep(play, c.integrator);
+      play.set({0.3, 0.8}, {1, -2});
+      ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.4)) << dyn_last_error();
+      const dynErrorLedger l = ledger_of(play);
+      EXPECT_EQ(l.energy_change, l.energy_defect);  // nothing else acts
+      defects.push_back(std::abs(l.energy_defect));
+    }
+    EXPECT_NEAR(c.order, std::log2(defects[0] / defects[1]), 0.5) << c.integrator;
+  }
+}
+
+// Steps are the same bits with it and without.
+TEST(Ledger, ChangesNothing) {
+  const auto run = [](bool kept, double accuracy) {
+    Play play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
+    play.options.accuracy = accuracy;
+    play.options.ledger = kept;
+    EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
+    play.set({0, 0, 0.15, 0, 0, 0, 1, 0.05, 0, 0.4, 0.1, 0, 0, 0.995}, {0.5, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0});
+    EXPECT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.3)) << dyn_last_error();
+    const dynErrorLedger l = ledger_of(play);
+    EXPECT_EQ(kept, l.steps > 0);
+    if (kept) EXPECT_NEAR(l.energy_change, sources(l) + l.energy_defect, 1e-12);
+    return Numbers(play.q, play.q + 14);
+  };
+  EXPECT_EQ(run(false, 0), run(true, 0));
+  EXPECT_EQ(run(false, 1e-3), run(true, 1e-3));
+}
+
+TEST(Ledger, AsksForThePartEnergy) {
+  Model m(Scene().ground().finish());
+  dynData* d = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_SIMULATION, &d));
+  dynStepOptions options;
+  dyn_step_options_init(&options);
+  options.ledger = 1;
+  EXPECT_EQ(DYN_ERROR_PART, dyn_data_set_step_options(m, d, &options));
+  dynErrorLedger l{};
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_data_ledger(m, d, &l));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_ledger(m, d, nullptr));
+  dyn_data_free(d);
+}
+
+}  // namespace
