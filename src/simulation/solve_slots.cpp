@@ -16,7 +16,7 @@ void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
   if (stays(report)) {
-  } else if (!bounces && sparse() && newton(report)) {
+  } else if (!bounces && sparse() && newton(report, false)) {
     velocities();
   } else {
     if (large() || (!bounces && sparse())) sweep_to_rest(report);

@@ -203,11 +203,11 @@ void Island::sweep_to_rest(dynContactReport& report) {
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
   prepare_cones();
-  // ever more of them before Newton's method has another try, of which the third is the last
-  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && report.iterations + report.newton_steps < w.options.max_iterations; some *= 2) {
-    for (Index k = 0; k < some && report.iterations + report.newton_steps < w.options.max_iterations; ++k) sweep(), ++report.iterations;
+  // ever more of them before the other methods have another try
+  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_go_on(report); some *= 2) {
+    for (Index k = 0; k < some && may_go_on(report); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
-    if (report.residual <= w.options.tolerance || (some <= 20 && newton(report))) break;
+    if (report.residual <= w.options.tolerance || newton(report, true)) break;
     sweep.start();
   }
   velocities();
