@@ -207,7 +207,7 @@ void Island::sweep_to_rest(dynContactReport& report) {
   for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_go_on(report); some *= 2) {
     for (Index k = 0; k < some && may_go_on(report); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
-    if (report.residual <= w.options.tolerance || newton(report, true)) break;
+    if (report.residual <= w.options.tolerance || newton(report, large())) break;
     sweep.start();
   }
   velocities();
