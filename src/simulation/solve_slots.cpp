@@ -8,6 +8,7 @@ namespace {
 
 constexpr double slop = 1e-9;             // m, rad: what no correction is made for
 constexpr double share = 0.5;             // of what is wrong, that a step corrects
+constexpr double nearly = 1e-5;           // a residual that sweeps take down
 constexpr double fastest_correction = 1;  // m/s, rad/s
 
 }  // namespace
@@ -21,6 +22,7 @@ void Island::impulses(dynContactReport& report) {
   } else {
     if (large() || (!bounces && sparse())) sweep_to_rest(report);
     if (!large() && report.residual > w.options.tolerance) solve(report);
+    if (!bounces && report.residual > w.options.tolerance && report.residual < nearly) sweep_on(report);
   }
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);

@@ -213,6 +213,24 @@ void Island::sweep_to_rest(dynContactReport& report) {
   velocities();
 }
 
+void Island::sweep_on(dynContactReport& report) {
+  double* const best = w.newton_vectors;
+  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, false};
+  const double most = speed();
+  prepare_cones();
+  std::copy_n(lambda, rows, best);
+  for (int worse = 0, k = 0; worse < 3 && k < 50 && report.residual > w.options.tolerance; ++k) {
+    sweep.start();
+    for (int i = 0; i < 20; ++i) sweep();
+    report.iterations += 20;
+    const double now = sweep.residual() / most;
+    worse = now < 0.9 * report.residual ? 0 : worse + 1;
+    if (now < report.residual) report.residual = now, std::copy_n(lambda, rows, best);
+  }
+  std::copy_n(best, rows, lambda);
+  sweep.start(), velocities();
+}
+
 // Enough for corrections, of which the next steps make more.
 void Island::sweep_apart() {
   std::fill_n(lambda, rows, 0.0);

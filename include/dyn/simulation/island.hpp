@@ -46,6 +46,7 @@ struct Island {
   void prepare_cones();
   bool stays(dynContactReport& report);
   void sweep_to_rest(dynContactReport& report);
+  void sweep_on(dynContactReport& report);  // as long as that makes the residual smaller
   void sweep_apart();
   bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < 3 * w.options.max_iterations; }  // as with the whole matrix
   double residual() const;
