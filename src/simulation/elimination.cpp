@@ -1,85 +1,155 @@
 #include "dyn/simulation/island.hpp"
 
-#include <climits>
-
 namespace dyn::simulation {
 
-namespace {
-constexpr Index gone = INT_MAX;
+Segments find_segments(const Model& m, Index* of, Index* first) {
+  Segments s{0, 0, of, first};
+  const Index *parent = m.dof_parent(), *forks = m.dof_forks();
+  Index begin = 0;
+  auto starts = [&](Index k) { return k == 0 || parent[k] != k - 1 || forks[k - 1] || k - begin == segment_size; };
+  for (Index k = 0; k < m.n.nv; ++k) {
+    if (starts(k)) {
+      begin = k;
+      if (first) first[s.count] = k;
+      ++s.count;
+    }
+    if (of) of[k] = s.count - 1;
+  }
+  if (first) first[s.count] = m.n.nv;
+  // a segment that is not full ends at a fork or a leaf
+  for (Index k = 0; k < m.n.nv; ++k) {
+    if (k + 1 < m.n.nv && parent[k + 1] == k) continue;
+    Index path = 0, ends = 1;
+    for (Index i = k; i >= 0; i = parent[i], ++path) ends += parent[i] >= 0 && (parent[i] != i - 1 || forks[parent[i]]);
+    s.depth = std::max(s.depth, path / segment_size + ends);
+  }
+  return s;
 }
 
-bool Elimination::operator()(const Island& x) {
-  const Index n = x.slots;
-  auto each_end = [&](auto&& f) {
-    for (Index k = 0; k < n; ++k) {
-      const ActiveSlot& s = x.slot(k);
-      f(2 * k, tree_a(s));
-      if (tree_b(s) >= 0) f(2 * k + 1, tree_b(s));
+// What each slot is carried by. Degrees of freedom descend: those of a segment follow one another.
+bool Elimination::find_runs(const Island& x) {
+  const Segments& s = x.w.segments;
+  Index count = 0;
+  for (Index k = 0; k < x.slots; ++k)
+    for (Index n = 0; n < x.slot(k).s->support; ++n) local[s.of[x.slot(k).support[n]]] = -1;
+  size = 0;
+  for (Index k = 0; k < x.slots; ++k) {
+    const ActiveSlot& a = x.slot(k);
+    first_run[k] = count;
+    for (Index n = 0, last = -1; n < a.s->support; ++n) {
+      const Index now = s.of[a.support[n]];
+      if (now == last) continue;
+      if (count == most_runs) return false;
+      last = now;
+      if (local[now] < 0) segment[size] = now, first_of[size] = -1, local[now] = size++;
+      runs[count] = {local[now], k, nullptr};
+      next_of[count] = first_of[local[now]], first_of[local[now]] = count;
+      ++count;
     }
-  };
-  each_end([&](Index, Index t) { head[t] = tail[t] = -1, links[t] = t, count[t] = 0; });
-  each_end([&](Index end, Index t) {  // in the slots' order
-    next[end] = -1, ++count[t];
-    if (tail[t] < 0) head[t] = end;
-    else next[tail[t]] = end;
-    tail[t] = end;
-  });
-  each_end([&](Index end, Index t) { shared[end] = next[end], first_head[t] = head[t]; });
-  for (Index k = 0; k < n; ++k) {
-    const Index b = tree_b(x.slot(k));
-    degree[k] = count[tree_a(x.slot(k))] + (b < 0 ? 0 : count[b]);
-    position[k] = -1;
   }
-  first[0] = 0;
-  for (Index step = 0; step < n; ++step)
-    if (!contract(x, step)) return false;
-  for (Index e = 0; e < first[n]; ++e) later[e] = position[later[e]];
-  sort(n);
+  first_run[x.slots] = count;
   return true;
 }
 
-bool Elimination::contract(const Island& x, Index step) {
-  Index k = 0;
-  for (Index i = 1; i < x.slots; ++i)
-    if (degree[i] < degree[k]) k = i;
-  const Index b_tree = tree_b(x.slot(k)), A = find(tree_a(x.slot(k))), B = b_tree < 0 ? A : find(b_tree);
-  order[step] = k, position[k] = step, degree[k] = gone;
-  // the slots that remain, once each, are those of the tree that both become
-  Index fill = first[step], last = -1, kept = 0;
-  const Index room = most_entries;
-  bool fits = true;
-  auto take = [&](Index end) {
-    for (Index after; end >= 0; end = after) {
-      after = next[end];
-      const Index s = end / 2;
-      if (degree[s] >= gone - 1) continue;  // eliminated, or taken
-      if (fill == room) {
-        fits = false;
-        return;
-      }
-      later[fill++] = s, degree[s] = gone - 1, ++kept;
-      if (last < 0) head[A] = end;
-      else next[last] = end;
-      last = end, next[end] = -1;
-    }
-  };
-  const Index a_head = head[A], b_head = head[B];
-  head[A] = -1;
-  take(a_head);
-  if (A != B) take(b_head);
-  if (!fits) return false;
-  links[B] = A, count[A] = kept;
-  for (Index e = first[step]; e < fill; ++e) {
-    const ActiveSlot& s = x.slot(later[e]);
-    const Index a = find(tree_a(s)), b = tree_b(s) < 0 ? a : find(tree_b(s));
-    degree[later[e]] = a == b ? count[a] : count[a] + count[b];
+// Lists: a run stands for its slot, an entry e, as most_runs + e, for the position it is of.
+template <class F>
+void Elimination::for_each_listed(Index slots, Index list, F&& f) const {
+  if (list < slots) for_each_run(list, [&](const Run& r) { f(r.segment); });
+  else
+    for (Index e = first[list - slots]; e < first[list - slots + 1]; ++e) f(later[e]);
+}
+
+void Elimination::link(Index s) {
+  const Index next = of_degree[degree[s]];
+  before[s] = -1, after[s] = next, of_degree[degree[s]] = s;
+  if (next >= 0) before[next] = s;
+}
+
+void Elimination::unlink(Index s) {
+  if (after[s] >= 0) before[after[s]] = before[s];
+  if (before[s] >= 0) after[before[s]] = after[s];
+  else of_degree[degree[s]] = after[s];
+}
+
+// Slots that are carried by what the one before is add nothing.
+void Elimination::begin(Index slots) {
+  for (Index s = 0; s < size; ++s) lists[s] = mark[s] = of_degree[s] = -1;
+  for (Index k = 0; k < slots; ++k) {
+    const Index n = first_run[k + 1] - first_run[k];
+    const Run* own = runs + first_run[k];
+    dead[k] = k > 0 && first_run[k] - first_run[k - 1] == n && std::equal(own, own + n, own - n, [](const Run& a, const Run& b) { return a.segment == b.segment; });
+    for (Index r = first_run[k]; r < first_run[k + 1] && !dead[k]; ++r) next_list[r] = lists[runs[r].segment], lists[runs[r].segment] = r;
   }
-  first[step + 1] = fill;
+  for (Index s = size - 1; s >= 0; --s) degree[s] = count(slots, s, s), link(s);
+  std::fill_n(mark, size, -1);
+}
+
+// How many segments are coupled with s, while lists that are dead leave its own.
+Index Elimination::count(Index slots, Index s, Index stamp) {
+  Index sum = 0;
+  mark[s] = stamp;
+  for (Index *at = &lists[s], node; (node = *at) >= 0;) {
+    const Index list = node < most_runs ? runs[node].slot : slots + earlier[node - most_runs];
+    if (dead[list]) {
+      *at = next_list[node];
+      continue;
+    }
+    for_each_listed(slots, list, [&](Index t) {
+      if (mark[t] != stamp) mark[t] = stamp, ++sum;
+    });
+    at = &next_list[node];
+  }
+  return sum;
+}
+
+bool Elimination::eliminate(Index slots, Index s, Index step) {
+  unlink(s);
+  order[step] = s, position[s] = step;
+  Index fill = first[step];
+  mark[s] = step;
+  for (Index node = lists[s]; node >= 0; node = next_list[node]) {
+    const Index list = node < most_runs ? runs[node].slot : slots + earlier[node - most_runs];
+    if (dead[list]) continue;
+    bool fits = true;
+    for_each_listed(slots, list, [&](Index t) {
+      if (mark[t] == step) return;
+      if (fill == most_entries) fits = false;
+      else mark[t] = step, earlier[fill] = step, later[fill++] = t;
+    });
+    if (!fits) return false;
+    dead[list] = true;
+  }
+  first[step + 1] = fill, dead[slots + step] = false;
+  for (Index e = first[step]; e < fill; ++e) {
+    const Index t = later[e];
+    next_list[most_runs + e] = lists[t], lists[t] = most_runs + e;
+  }
+  return true;
+}
+
+bool Elimination::operator()(const Island& x) {
+  if (!find_runs(x)) return false;
+  begin(x.slots);
+  first[0] = 0;
+  Index least = 0, stamp = size;
+  for (Index step = 0; step < size; ++step) {
+    while (of_degree[least] < 0) ++least;
+    if (!eliminate(x.slots, of_degree[least], step)) return false;
+    for (Index e = first[step]; e < first[step + 1]; ++e) {
+      const Index t = later[e];
+      unlink(t);
+      degree[t] = count(x.slots, t, stamp++), link(t);
+      least = std::min(least, degree[t]);
+    }
+  }
+  for (Index e = 0; e < first[size]; ++e) later[e] = position[later[e]];
+  sort();
   return true;
 }
 
 // Twice transposed, lists are ascending.
-void Elimination::sort(Index n) {
+void Elimination::sort() {
+  const Index n = size;
   std::fill_n(first_in, n + 2, 0);
   for (Index e = 0; e < first[n]; ++e) ++first_in[later[e] + 2];
   for (Index p = 0; p < n; ++p) first_in[p + 2] += first_in[p + 1];

@@ -1,66 +1,73 @@
-// Newton's method of Alart and Curnier (solver/alart_curnier.hpp) on an island as it lies: rows are carried by degrees of freedom, and its
-// matrix is factorised in blocks, of which there are as many as slots that share a tree.
+#include "dyn/simulation/newton.hpp"
+
 #include "dyn/constraint/delassus.hpp"
-#include "dyn/simulation/block_factor.hpp"
-#include "dyn/solver/residuals.hpp"
 
 namespace dyn::simulation {
 
 namespace {
 
-constexpr double proximal = 1e-11;  // of the unit diagonal: steps are unique where contacts are redundant
-constexpr double damping = 1e-2;    // the same, where a step without makes nothing better (Levenberg and Marquardt)
+constexpr double least_compliance = 1e-6;  // of the unit diagonal: steps are unique where contacts are redundant
+constexpr double damping = 1e-2;           // the same, where a step without makes nothing better (Levenberg and Marquardt)
+constexpr int refinements = 1;             // of a step, after which it is as if there were no such compliance
 constexpr double least_step = 0.2;
-constexpr double jammed = 100;      // impulses that exceed those of all free velocities so much are stress that friction locks in
-constexpr Index most_steps = 30;
+constexpr double jammed = 100;             // impulses that exceed those of all free velocities so much are stress that friction locks in
+constexpr Index most_steps = 15;
 constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 
-template <int R>
-class Newton {
- public:
-  Newton(const Island& x_, double most)
-      : x(x_), w(x.w), Dinv(inverse_pivots(x.m, x.d)), room(row_room(x.rows)), speed(most), factor{w.elimination, x.slots, w.diagonal, w.blocks_above,
-        w.blocks_above + Factor::size * std::ptrdiff_t(w.elimination.entries(x.slots)), w.where} {}
-
-  void scale();
-  bool run(double tolerance, Index most_iterations, dynContactReport& report);
-
- private:
-  using Factor = BlockFactor<R>;
-  using State = NewtonSlot;
-  const Island& x;
-  Workspace& w;
-  const double* Dinv;
-  std::ptrdiff_t room;
-  double speed, damped = proximal;
-  Factor factor;
-  // of rows, in the slots' own order and units
-  double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *before = dc + room, *best = before + room;
-
-  struct Error {
-    double most = 0, sum = 0;
-  };
-  template <class F>
-  void each(F&& f) const {
-    for (Index k = 0; k < x.slots; ++k) f(x.slot(k), w.newton[k], k);
+// Rows' impulses by unknowns: where it slides, the normal with the friction along it, and directions across.
+void to_rows(const NewtonSlot& s, const double* unknowns, double* rows) {
+  if (s.is != solver::ConeState::slides) {
+    for (Index i = 0; i < s.rows; ++i) rows[i] = i < s.unknowns ? unknowns[i] : 0;
+    return;
   }
-  void to_impulses(const double* from, double* lambda) const {
-    each([&](const ActiveSlot& a, const State& s, Index) {
-      for (Index i = 0; i < a.s->rows; ++i) lambda[a.s->first + s.order[i]] = s.unit[i] * from[a.s->first + i];
-    });
+  rows[0] = unknowns[0];
+  for (Index l = 0; l < s.rows - 1; ++l) {
+    rows[1 + l] = s.mu * unknowns[0] * s.direction[0][l];
+    for (Index i = 1; i < s.rows - 1; ++i) rows[1 + l] += unknowns[i] * s.direction[i][l];
   }
-  void times(const double* of, double* G_of) const;
-  Error error(double t) const;
-  double states();
-  void fill(Index position, double* D) const;
-  void block(const State& a, const State& b, const double* G, double* U, double* L) const;
-  bool direction();
-  void candidate(double* into);
-};
+}
+
+// Equations by rows: the normal, and the directions across.
+void to_unknowns(const NewtonSlot& s, const double* rows, double* unknowns) {
+  if (s.is != solver::ConeState::slides) {
+    std::copy_n(rows, s.unknowns, unknowns);
+    return;
+  }
+  unknowns[0] = rows[0];
+  for (Index i = 1; i < s.rows - 1; ++i) {
+    unknowns[i] = 0;
+    for (Index l = 0; l < s.rows - 1; ++l) unknowns[i] += s.direction[i][l] * rows[1 + l];
+  }
+}
+
+// C += a law b^T, rows of a in lanes; a, b: rows of slots in lanes
+template <int rows>
+DYN_INLINE void add_product(const NewtonSlot& s, const double* a, const double* b, double* C) {
+  using P = BlockFactor::P;
+  constexpr int W = BlockFactor::W;
+  alignas(64) double lawb[rows * W];
+  P A[rows], B[rows];
+#pragma GCC unroll 6
+  for (int i = 0; i < rows; ++i) A[i] = P::load(a + W * i), B[i] = P::load(b + W * i);
+#pragma GCC unroll 6
+  for (int i = 0; i < rows; ++i) {
+    P sum = P::zero();
+#pragma GCC unroll 6
+    for (int j = 0; j < rows; ++j) sum = sum + B[j] * s.law[i][j];
+    sum.store(lawb + W * i);
+  }
+  for (int q = 0; q < BlockFactor::R; ++q) {
+    P sum = P::load(C + W * q);
+#pragma GCC unroll 6
+    for (int i = 0; i < rows; ++i) sum = sum + A[i] * lawb[W * i + q];
+    sum.store(C + W * q);
+  }
+}
+
+}  // namespace
 
 // Units in which diagonals are 1 and cones round; and the guess.
-template <int R>
-void Newton<R>::scale() {
+void Newton::scale() {
   Index boxes = 0, contacts = 0;
   each([&](const ActiveSlot& a, State& s, Index k) {
     const SlotBlock& own = w.blocks[k];
@@ -94,28 +101,52 @@ void Newton<R>::scale() {
   });
 }
 
-// G y in these units, with what is soft.
-template <int R>
-void Newton<R>::times(const double* of, double* G_of) const {
-  double* const z = w.by_dof;
-  x.clear(z);
-  each([&](const ActiveSlot& a, const State& s, Index) {
-    double by[most_rows] = {};
-    for (Index i = 0; i < s.rows; ++i) by[s.order[i]] = s.unit[i] * of[a.s->first + i];
-    x.pass(a, by, z);
-  });
-  each([&](const ActiveSlot& a, const State& s, Index) {
-    const auto moved = x.moved(a, Dinv, z);
-    for (Index i = 0; i < s.rows; ++i) {
-      const Index row = a.s->first + s.order[i];
-      G_of[a.s->first + i] = s.unit[i] * (moved[int(s.order[i])] + x.compliance[row] * s.unit[i] * of[a.s->first + i]);
+// Rows by segments, and pivots.
+void Newton::carry() {
+  const double* Dinv = inverse_pivots(x.m, x.d);
+  const Segments& segments = w.segments;
+  std::fill_n(w.pivots, W * std::ptrdiff_t(e.size), 0.0);
+  for (Index i = 0; i < e.size; ++i) {
+    const Index s = e.segment[e.order[i]], first = segments.first[s];
+    for (Index k = first; k < segments.first[s + 1]; ++k) w.pivots[W * i + k - first] = Dinv[k];
+  }
+  double* to = w.run_rows;
+  each([&](const ActiveSlot& a, const State& s, Index k) {
+    Index n = 0;
+    const double* carried = a.carried;
+    for (Index r = e.first_run[k]; r < e.first_run[k + 1]; ++r) {
+      Run& run = e.runs[r];
+      const Index of = e.segment[run.segment], first = segments.first[of];
+      run.rows = to;
+      std::fill_n(to, W * s.rows, 0.0);
+      for (; n < a.s->support && segments.of[a.support[n]] == of; ++n, carried += row_lanes)
+        for (Index i = 0; i < s.rows; ++i) to[W * i + a.support[n] - first] = s.unit[i] * carried[s.order[i]];
+      to += W * s.rows;
     }
   });
 }
 
+// G y in these units, with what is soft.
+void Newton::times(const double* of, double* G_of) const {
+  clear();
+  each([&](const ActiveSlot& a, const State& s, Index k) { pass(k, s.rows, of + a.s->first); });
+  for (std::ptrdiff_t i = 0; i < W * std::ptrdiff_t(e.size); ++i) w.by_segment[i] *= w.pivots[i];
+  each([&](const ActiveSlot& a, const State& s, Index k) {
+    double* to = G_of + a.s->first;
+    meet(k, s.rows, w.by_segment, to);
+    for (Index i = 0; i < s.rows; ++i) to[i] += soft(a, s, i) * of[a.s->first + i];
+  });
+}
+
+void Newton::velocities() const {
+  times(y, c);
+  each([&](const ActiveSlot& a, const State& s, Index) {
+    for (Index i = 0; i < s.rows; ++i) c[a.s->first + i] += s.unit[i] * (x.g[a.s->first + s.order[i]] + x.bias[a.s->first + s.order[i]]);
+  });
+}
+
 // Of the function whose zero is looked for, at y + t dy: largest and squares, as velocities.
-template <int R>
-typename Newton<R>::Error Newton<R>::error(double t) const {
+Newton::Error Newton::error(double t) const {
   Error out;
   each([&](const ActiveSlot& a, const State& s, Index) {
     const Index first = a.s->first;
@@ -137,18 +168,17 @@ typename Newton<R>::Error Newton<R>::error(double t) const {
 }
 
 // What each slot does in the step, and the known part of dy. Answers its largest number.
-template <int R>
-double Newton<R>::states() {
+double Newton::states() {
   double known = 0;
   each([&](const ActiveSlot& a, State& s, Index) {
     const double *yk = y + a.s->first, *ck = c + a.s->first;
-    double* step = dy + a.s->first;
-    std::fill_n(step, s.rows, 0.0);
+    double* to = dy + a.s->first;
+    std::fill_n(to, s.rows, 0.0);
     s.is = solver::ConeState::stuck, s.unknowns = s.rows;
     if (!s.cone) {
       if (s.lower == -HUGE_VAL && s.upper == HUGE_VAL) return;
-      const double to = yk[0] - ck[0], at = std::clamp(to, s.lower, s.upper);
-      if (at != to) s.unknowns = 0, step[0] = at - yk[0];
+      const double aim = yk[0] - ck[0], at = std::clamp(aim, s.lower, s.upper);
+      if (at != aim) s.unknowns = 0, to[0] = at - yk[0];
     } else {
       double t[5];
       const Index size = s.rows - 1;
@@ -156,133 +186,112 @@ double Newton<R>::states() {
       const double normal = yk[0] - ck[0], length = solver::norm(t, size);
       if (normal <= 0) {
         s.is = solver::ConeState::apart, s.unknowns = 0;
-        for (Index i = 0; i < s.rows; ++i) step[i] = -yk[i];
+        for (Index i = 0; i < s.rows; ++i) to[i] = -yk[i];
       } else if (length > s.mu * normal) {
         s.is = solver::ConeState::slides, s.unknowns = s.rows - 1;
         s.across = s.mu * normal / length;
         solver::basis(t, size, s.direction);
         double excess = s.mu * yk[0];
         for (Index i = 0; i < size; ++i) excess -= yk[1 + i] * s.direction[0][i];
-        for (Index i = 0; i < size; ++i) step[1 + i] = excess * s.direction[0][i];
+        for (Index i = 0; i < size; ++i) to[1 + i] = excess * s.direction[0][i];
       }
     }
-    for (Index i = 0; i < s.rows; ++i) known = std::max(known, std::abs(step[i]));
+    for (Index i = 0; i < s.rows; ++i) known = std::max(known, std::abs(to[i]));
   });
   return known;
 }
 
-// U = rows of a, columns of b of the matrix, L the other way round; G: rows of b in lanes, by rows of a.
-template <int R>
-void Newton<R>::block(const State& a, const State& b, const double* G, double* U, double* L) const {
-  double g[6][6];  // rows of a, rows of b
-  for (Index i = 0; i < a.rows; ++i)
-    for (Index j = 0; j < b.rows; ++j) g[i][j] = a.unit[i] * b.unit[j] * G[b.order[j] + row_lanes * a.order[i]];
-  // equations: the normal and the directions across the sliding; unknowns: the normal with the friction along it, and the same directions
-  auto reduce = [&](const State& s, auto&& at, Index others, bool equations) {
-    if (s.is != solver::ConeState::slides) return;
-    const Index size = s.rows - 1;
-    for (Index o = 0; o < others; ++o) {
-      double turned[5] = {};
-      for (Index k = 0; k < size; ++k) {
-        turned[k] = 0;
-        for (Index l = 0; l < size; ++l) turned[k] += s.direction[k][l] * at(1 + l, o);
-      }
-      if (!equations) at(0, o) += s.mu * turned[0];
-      for (Index k = 1; k < size; ++k) at(k, o) = turned[k];
-    }
-  };
-  double h[6][6];
-  auto by_a = [](double(*m)[6]) { return [m](Index i, Index o) -> double& { return m[i][o]; }; };
-  auto by_b = [](double(*m)[6]) { return [m](Index i, Index o) -> double& { return m[o][i]; }; };
-  if (L) {
-    std::copy_n(&g[0][0], 36, &h[0][0]);
-    reduce(b, by_b(h), a.rows, true), reduce(a, by_a(h), b.unknowns, false);
-    for (Index i = 0; i < a.unknowns; ++i)
-      for (Index j = 0; j < b.unknowns; ++j) L[j + Factor::W * i] = h[i][j];
+// Where it sticks there is no compliance but the one that makes steps unique; across the sliding, that of the cone's width.
+void Newton::stiffen(const ActiveSlot& a, State& s) const {
+  for (Index i = 0; i < s.unknowns; ++i) {
+    const double across = s.is == solver::ConeState::slides && i > 0 ? 1 / s.across - 1 : 0;
+    s.stiffness[i] = 1 / (compliant + across + soft(a, s, i));
   }
-  reduce(a, by_a(g), b.rows, true), reduce(b, by_b(g), a.unknowns, false);
-  for (Index i = 0; i < a.unknowns; ++i)
-    for (Index j = 0; j < b.unknowns; ++j) U[i + Factor::W * j] = g[i][j];
+  for (Index j = 0; j < s.rows; ++j) {
+    double unit[most_rows] = {}, by[most_rows] = {}, column[most_rows] = {};
+    unit[j] = 1;
+    to_unknowns(s, unit, by);
+    for (Index i = 0; i < s.unknowns; ++i) by[i] *= s.stiffness[i];
+    to_rows(s, by, column);
+    for (Index i = 0; i < s.rows; ++i) s.law[i][j] = column[i];
+  }
 }
 
-template <int R>
-void Newton<R>::fill(Index p, double* D) const {
-  const Elimination& e = w.elimination;
-  const Index k = e.order[p];
-  const ActiveSlot& a = x.slot(k);
-  const State& s = w.newton[k];
-  alignas(64) double G[row_lanes * most_rows];
-  auto coupled = [&](const ActiveSlot& b) {
-    visit_rows(a.s->rows, [&]<int columns>() { couple<columns>(a.support, a.s->support, a.carried, b.support, b.s->support, b.carried, Dinv, G, row_lanes); });
-  };
-  std::fill_n(D, Factor::size, 0.0);
-  for (Index i = s.unknowns; i < R; ++i) D[i + Factor::W * i] = 1;
-  coupled(a);
-  block(s, s, G, D, nullptr);
-  for (Index i = 0; i < s.unknowns; ++i) {
-    const Index row = a.s->first + s.order[i];
-    D[i + Factor::W * i] += damped + x.compliance[row] * s.unit[i] * s.unit[i];
-    if (s.is == solver::ConeState::slides && i > 0) D[i + Factor::W * i] += 1 / s.across - 1;
-  }
-  auto with = [&](Index tree, Index not_of) {
-    if (tree < 0) return;
-    e.for_each_of(tree, [&](Index j) {
-      if (e.position[j] <= p || w.newton[j].unknowns == 0) return;
-      const ActiveSlot& b = x.slot(j);
-      if (not_of >= 0 && (tree_a(b) == not_of || tree_b(b) == not_of)) return;
-      const std::ptrdiff_t to = Factor::size * std::ptrdiff_t(w.where[e.position[j]]);
-      coupled(b);
-      block(s, w.newton[j], G, factor.upper + to, factor.lower + to);
+// D of the pivots, to which each slot adds its rows by its law.
+void Newton::fill(Index p, double* D) const {
+  std::fill_n(D, BlockFactor::size, 0.0);
+  for (Index i = 0; i < BlockFactor::R; ++i) D[i + W * i] = w.pivots[W * p + i] > 0 ? 1 / w.pivots[W * p + i] : 1;
+  e.for_each_of(e.order[p], [&](const Run& a) {
+    const State& s = w.newton[a.slot];
+    if (s.unknowns == 0) return;
+    visit_rows(s.rows, [&]<int rows>() {
+      e.for_each_run(a.slot, [&](const Run& b) {
+        const Index q = e.position[b.segment];
+        if (q == p) add_product<rows>(s, a.rows, a.rows, D);
+        if (q <= p) return;
+        const Index entry = w.where[q];
+        w.newton_filled[entry] = true;
+        add_product<rows>(s, a.rows, b.rows, factor.upper + BlockFactor::size * std::ptrdiff_t(entry));
+        add_product<rows>(s, b.rows, a.rows, factor.lower + BlockFactor::size * std::ptrdiff_t(entry));
+      });
     });
-  };
-  with(tree_a(a), -1), with(tree_b(a), tree_a(a));
+  });
+}
+
+bool Newton::factorize() const {
+  return factor([this](Index p, double* D) { fill(p, D); });
 }
 
 // dy and dc = G dy. false: singular.
-template <int R>
-bool Newton<R>::direction() {
-  const Elimination& e = w.elimination;
+bool Newton::direction() {
   if (states() > 0) times(dy, dc);
   else std::fill_n(dc, x.rows, 0.0);
-  bool* const acts = w.newton_acts;
-  each([&](const ActiveSlot&, const State& s, Index k) { acts[e.position[k]] = s.unknowns > 0; });
-  if (!factor([=](Index p) { return acts[p]; }, [&](Index p, double* D) { fill(p, D); })) return false;
-  double* const rhs = w.newton_rhs;
-  std::fill_n(rhs, Factor::W * std::ptrdiff_t(x.slots), 0.0);
-  each([&](const ActiveSlot& a, const State& s, Index k) {
-    if (s.unknowns == 0) return;
-    double* r = rhs + Factor::W * e.position[k];
-    const double *ck = c + a.s->first, *known = dc + a.s->first;
-    if (s.is == solver::ConeState::stuck) {
-      for (Index i = 0; i < s.rows; ++i) r[i] = -(ck[i] + known[i]);
-      return;
-    }
-    r[0] = -(ck[0] + known[0]);
-    for (Index i = 1; i < s.rows - 1; ++i)
-      for (Index l = 0; l < s.rows - 1; ++l) r[i] -= s.direction[i][l] * (ck[1 + l] / s.across + known[1 + l]);
+  std::fill_n(w.newton_acts, e.size, false);
+  each([&](const ActiveSlot& a, State& s, Index k) {
+    if (s.unknowns > 0) stiffen(a, s), act(k);
   });
-  factor.solve(rhs);
-  each([&](const ActiveSlot& a, const State& s, Index k) {
-    if (s.unknowns == 0) return;
-    const double* r = rhs + Factor::W * e.position[k];
-    double* step = dy + a.s->first;
-    if (s.is == solver::ConeState::stuck) {
-      std::copy_n(r, s.rows, step);
-      return;
-    }
-    step[0] = r[0];
-    for (Index l = 0; l < s.rows - 1; ++l) {
-      step[1 + l] += s.mu * r[0] * s.direction[0][l];
-      for (Index i = 1; i < s.rows - 1; ++i) step[1 + l] += r[i] * s.direction[i][l];
-    }
+  if (!factorize()) return false;
+  // of unknowns: the wanted change, what of it is left to be found, what has been found; of rows: the step so far, and G times it
+  double *wanted = before + room, *left = wanted + room, *found = left + room, *step = found + room, *G_step = step + room;
+  each([&](const ActiveSlot& a, const State& s, Index) {
+    const Index first = a.s->first;
+    double minus[most_rows] = {};
+    for (Index i = 0; i < s.rows; ++i) minus[i] = -dc[first + i] - (s.is == solver::ConeState::slides && i > 0 ? c[first + i] / s.across : c[first + i]);
+    to_unknowns(s, minus, wanted + first);
+    std::copy_n(wanted + first, s.unknowns, left + first);
+    std::fill_n(found + first, s.rows, 0.0);
   });
-  times(dy, dc);
+  for (int k = 0;; ++k) {
+    clear();
+    each([&](const ActiveSlot& a, const State& s, Index slot) {
+      if (s.unknowns == 0) return;
+      double by[most_rows] = {}, rows[most_rows] = {};
+      for (Index i = 0; i < s.unknowns; ++i) by[i] = s.stiffness[i] * left[a.s->first + i];
+      to_rows(s, by, rows), pass(slot, s.rows, rows);
+    });
+    factor.solve(w.by_segment);
+    each([&](const ActiveSlot& a, const State& s, Index slot) {
+      const Index first = a.s->first;
+      double rows[most_rows] = {}, by[most_rows] = {};
+      if (s.unknowns) meet(slot, s.rows, w.by_segment, rows), to_unknowns(s, rows, by);
+      for (Index i = 0; i < s.unknowns; ++i) found[first + i] += s.stiffness[i] * (left[first + i] - by[i]);
+      to_rows(s, found + first, step + first);
+    });
+    times(step, G_step);
+    if (k == refinements || compliant != least_compliance) break;
+    each([&](const ActiveSlot& a, const State& s, Index) {  // with the compliance that is meant
+      const Index first = a.s->first;
+      double by[most_rows];
+      to_unknowns(s, G_step + first, by);
+      for (Index i = 0; i < s.unknowns; ++i) left[first + i] = wanted[first + i] - by[i] - (1 / s.stiffness[i] - compliant - soft(a, s, i)) * found[first + i];
+    });
+  }
+  for (Index i = 0; i < x.rows; ++i) dy[i] += step[i], dc[i] += G_step[i];
   return true;
 }
 
 // The nearest impulses that are allowed.
-template <int R>
-void Newton<R>::candidate(double* into) {
+void Newton::candidate(double* into) const {
   each([&](const ActiveSlot& a, const State& s, Index) {
     const Index first = a.s->first;
     if (s.cone) solver::project_cone(s.mu, s.rows, y + first, into + first);
@@ -291,76 +300,77 @@ void Newton<R>::candidate(double* into) {
   });
 }
 
-template <int R>
-bool Newton<R>::run(double tolerance, Index most_iterations, dynContactReport& report) {
-  scale();
-  auto velocities = [&] {
-    times(y, c);
-    each([&](const ActiveSlot& a, const State& s, Index) {
-      for (Index i = 0; i < s.rows; ++i) {
-        const Index row = a.s->first + s.order[i];
-        c[a.s->first + i] += s.unit[i] * (x.g[row] + x.bias[row]);
-      }
-    });
-  };
+double Newton::residual() const {
+  candidate(best), to_impulses(best);
+  return x.residual() / speed;
+}
+
+void Newton::to_impulses(const double* from) const {
+  each([&](const ActiveSlot& a, const State& s, Index) {
+    for (Index i = 0; i < a.s->rows; ++i) x.lambda[a.s->first + s.order[i]] = s.unit[i] * from[a.s->first + i];
+  });
+}
+
+Newton::Newton(const Island& island)
+    : x(island), w(x.w), e(w.elimination),
+      factor{e, w.diagonal, w.blocks_above, w.blocks_above + BlockFactor::size * std::ptrdiff_t(e.entries()), w.where, w.newton_acts, w.newton_filled},
+      room(row_room(x.rows)), speed(x.speed()), bound(0), compliant(least_compliance) {
+  scale(), carry();
   std::fill_n(y, x.rows, 0.0), velocities();
-  double bound = 0;
   for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(c[i]);
   std::copy_n(before, x.rows, y), velocities();
-  std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0);
-  Error now = error(0);
-  const double first = now.sum, residual = report.residual;
-  auto better = [&] {  // the candidate's residual becomes that of the report
-    candidate(best);
-    to_impulses(best, x.lambda);
-    report.residual = x.residual() / speed;
-    return report.residual <= tolerance;
-  };
-  for (Index k = 0; k < most_steps && report.iterations + report.newton_steps < most_iterations; ++k) {
+}
+
+bool Newton::run(Index most, double share, dynContactReport& report) {
+  Error now = error();
+  for (Index k = 0; k < most && x.may_go_on(report); ++k) {
     ++report.newton_steps;
     if (!direction()) break;
-    double t = 1;
+    double t = 1, largest = 0;
     Error next = error(t);
     while (!(next.sum < now.sum) && t > least_step) next = error(t /= 2);
     if (!(next.sum < now.sum)) {
-      if (damped == damping) break;
-      damped = damping;
+      if (compliant == damping) break;
+      compliant = damping;
       continue;
     }
-    damped = proximal;
-    double largest = 0;
+    compliant = least_compliance;
     for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], largest = std::max(largest, std::abs(y[i]));
-    now = next;
     if (!(largest <= bound)) {
-      now.sum = first;
+      std::copy_n(before, x.rows, y), velocities();
       break;
     }
-    if (now.most < 1e-2 * speed && better()) return true;
+    if (next.most < 1e-2 * speed && (report.residual = residual()) <= x.w.options.tolerance) return true;
+    if (!(next.sum < share * now.sum)) break;
+    now = next;
   }
-  // a better start of what comes next, or the same
-  if (now.sum < first && (better(), report.residual < residual)) return false;
-  to_impulses(before, x.lambda);
-  report.residual = residual;
+  compliant = least_compliance;
   return false;
 }
 
-}  // namespace
+bool Newton::run(dynContactReport& report) { return run(most_steps, 1, report); }
 
-bool Island::sparse() {
-  if (!eliminated) eliminated = w.elimination(*this) ? 1 : -1;
-  return eliminated > 0 && (large() || 4 * std::ptrdiff_t(w.elimination.entries(slots)) < std::ptrdiff_t(slots) * (slots - 1));
+void Newton::leave(dynContactReport& report) {
+  const double found = residual();
+  to_impulses(before);
+  report.residual = x.residual() / speed;
+  if (found < report.residual) to_impulses(best), report.residual = found;
 }
 
-bool Island::newton(dynContactReport& report) {
+// The costs of a step by the whole matrix and by segments, as measured, are about as these numbers.
+bool Island::sparse() {
+  if (!eliminated) eliminated = w.elimination(*this) ? 1 : -1;
+  const double whole = double(rows) * rows * rows, blocks = 4000.0 * (w.elimination.size + (eliminated > 0 ? w.elimination.entries() : 0));
+  return eliminated > 0 && (large() || whole > blocks);
+}
+
+bool Island::newton(dynContactReport& report, bool from_inside) {
   if (!sparse()) return false;
-  Index most = 0;
-  for (Index k = 0; k < slots; ++k) most = std::max(most, slot(k).s->rows);
-  const std::ptrdiff_t entries = w.elimination.entries(slots);
-  auto run = [&]<int R>() {
-    if (2 * BlockFactor<R>::size * entries > w.block_room) return false;
-    return Newton<R>(*this, speed()).run(w.options.tolerance, w.options.max_iterations, report);
-  };
-  return most <= 3 ? run.template operator()<3>() : run.template operator()<6>();
+  if (from_inside) return interior(*this, report);
+  Newton method(*this);
+  if (method.run(report)) return true;
+  method.leave(report);
+  return false;
 }
 
 }  // namespace dyn::simulation

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double slop = 1e-9;             // m, rad: what no correction is made for
 constexpr double share = 0.5;             // of what is wrong, that a step corrects
+constexpr double nearly = 1e-5;           // a residual that sweeps take down
 constexpr double fastest_correction = 1;  // m/s, rad/s
 
 }  // namespace
@@ -17,11 +18,16 @@ void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
   if (stays(report)) {
-  } else if (!bounces && sparse() && newton(report)) {
+  } else if (!bounces && sparse() && newton(report, false)) {
     velocities();
   } else {
     if (large() || (!bounces && sparse())) sweep_to_rest(report);
+    auto sweep_nearly = [&] {
+      if (!bounces && report.residual > w.options.tolerance && report.residual < nearly) sweep_on(report);
+    };
+    if (!large()) sweep_nearly();
     if (!large() && report.residual > w.options.tolerance) solve(report);
+    sweep_nearly();
   }
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);

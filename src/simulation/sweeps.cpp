@@ -203,14 +203,32 @@ void Island::sweep_to_rest(dynContactReport& report) {
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
   prepare_cones();
-  // ever more of them before Newton's method has another try, of which the third is the last
-  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && report.iterations + report.newton_steps < w.options.max_iterations; some *= 2) {
-    for (Index k = 0; k < some && report.iterations + report.newton_steps < w.options.max_iterations; ++k) sweep(), ++report.iterations;
+  // ever more of them before the other methods have another try
+  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_go_on(report); some *= 2) {
+    for (Index k = 0; k < some && may_go_on(report); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
-    if (report.residual <= w.options.tolerance || (some <= 20 && newton(report))) break;
+    if (report.residual <= w.options.tolerance || newton(report, large())) break;
     sweep.start();
   }
   velocities();
+}
+
+void Island::sweep_on(dynContactReport& report) {
+  double* const best = w.newton_vectors;
+  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, false};
+  const double most = speed();
+  prepare_cones();
+  std::copy_n(lambda, rows, best);
+  for (int worse = 0, k = 0; worse < 3 && k < 50 && report.residual > w.options.tolerance; ++k) {
+    sweep.start();
+    for (int i = 0; i < 20; ++i) sweep();
+    report.iterations += 20;
+    const double now = sweep.residual() / most;
+    worse = now < 0.9 * report.residual ? 0 : worse + 1;
+    if (now < report.residual) report.residual = now, std::copy_n(lambda, rows, best);
+  }
+  std::copy_n(best, rows, lambda);
+  sweep.start(), velocities();
 }
 
 // Enough for corrections, of which the next steps make more.

@@ -1,5 +1,5 @@
-// A = L U of a matrix of R x R blocks in the order of an elimination, without exchanges between blocks: of the Newton matrix of contacts,
-// which is symmetric and positive definite but for what sliding adds. Columns of blocks lie in lanes.
+// A = L U of a matrix of 6 x 6 blocks in the order of an elimination, without exchanges between blocks: of the matrix of contacts' Newton
+// steps, which is symmetric and positive definite but for what sliding adds. Columns of blocks lie in lanes.
 #pragma once
 
 #include "dyn/base/pack.hpp"
@@ -7,16 +7,14 @@
 
 namespace dyn::simulation {
 
-template <int R>
 struct BlockFactor {
-  static constexpr int W = R <= 4 ? 4 : 8;
-  static constexpr int size = W * R;
+  static constexpr int R = segment_size, W = segment_lanes, size = W * R;
   using P = Pack<double, W>;
 
   const Elimination& order;
-  Index n;
   double *diagonal, *upper, *lower;  // of positions: the inverse; of entries: (earlier, later) and (later, earlier)
-  Index* where;                      // of n
+  Index* where;                      // of positions
+  bool *acts, *filled;               // of positions: has unknowns, the others are skipped; of entries: is not zero
 
   // c -= a b
   static DYN_INLINE void subtract(double* c, const double* a, const double* b) {
@@ -39,61 +37,61 @@ struct BlockFactor {
     sum.store(x);
   }
 
-  // By Gauss and Jordan with exchanges of rows. false: singular
+  // By Gauss and Jordan in place, by columns in lanes. false: singular
+  template <int k>
+  static DYN_INLINE bool pivot(P* c) {
+    const P column = c[k];
+    const double own = column[k];
+    if (!(std::abs(own) > 0)) return false;
+    const double inverse = 1 / own;
+    double unit[W] = {}, others[W];
+    for (int i = 0; i < W; ++i) unit[i] = i == k, others[i] = i != k;
+    const P lane = P::load(unit), rest = P::load(others);
+#pragma GCC unroll 6
+    for (int j = 0; j < R; ++j) {
+      if (j == k) continue;
+      const double f = c[j][k] * inverse;
+      c[j] = (c[j] - column * f) * rest + lane * f;
+    }
+    c[k] = column * rest * -inverse + lane * inverse;
+    return true;
+  }
   static bool invert(double* a) {
-    double b[R][2 * R] = {};
-    for (int i = 0; i < R; ++i) {
-      for (int j = 0; j < R; ++j) b[i][j] = a[i + W * j];
-      b[i][R + i] = 1;
-    }
-    for (int k = 0; k < R; ++k) {
-      int p = k;
-      for (int i = k + 1; i < R; ++i)
-        if (std::abs(b[i][k]) > std::abs(b[p][k])) p = i;
-      if (!(std::abs(b[p][k]) > 0)) return false;
-      for (int j = k; p != k && j < 2 * R; ++j) std::swap(b[p][j], b[k][j]);
-      const double scale = 1 / b[k][k];
-      for (int j = k; j < 2 * R; ++j) b[k][j] *= scale;
-      for (int i = 0; i < R; ++i) {
-        if (i == k) continue;
-        const double x = b[i][k];
-        for (int j = k; j < 2 * R; ++j) b[i][j] -= x * b[k][j];
-      }
-    }
-    for (int i = 0; i < R; ++i)
-      for (int j = 0; j < R; ++j) a[i + W * j] = b[i][R + j];
+    P c[R];
+    for (int j = 0; j < R; ++j) c[j] = P::load(a + W * j);
+    if (!(pivot<0>(c) && pivot<1>(c) && pivot<2>(c) && pivot<3>(c) && pivot<4>(c) && pivot<5>(c))) return false;
+    for (int j = 0; j < R; ++j) c[j].store(a + W * j);
     return true;
   }
 
   // fill(position): writes the blocks of A there, of its diagonal and of its entries, which are zero, with where[] of the later positions.
-  // acts(position): has unknowns; the others are skipped
-  template <class Acts, class Fill>
-  bool operator()(Acts&& acts, Fill&& fill) const {
-    for (Index i = 0; i < n; ++i) {
+  template <class Fill>
+  bool operator()(Fill&& fill) const {
+    for (Index i = 0; i < order.size; ++i) {
       const Index begin = order.first[i], end = order.first[i + 1];
+      std::fill_n(filled + begin, end - begin, false);
+      if (!acts[i]) continue;
       std::fill_n(upper + std::ptrdiff_t(size) * begin, size * (end - begin), 0.0);
       std::fill_n(lower + std::ptrdiff_t(size) * begin, size * (end - begin), 0.0);
       for (Index e = begin; e < end; ++e) where[order.later[e]] = e;
       double* const D = diagonal + size * i;
-      if (!acts(i)) {
-        std::fill_n(D, size, 0.0);
-        continue;
-      }
       fill(i, D);
       for (Index at = order.first_in[i]; at < order.first_in[i + 1]; ++at) {
         const Index e = order.in[at], last = order.first[order.earlier[e] + 1];
-        if (!acts(order.earlier[e])) continue;
+        if (!filled[e]) continue;
         const double *L = lower + std::ptrdiff_t(size) * e, *U = upper + std::ptrdiff_t(size) * e;
         subtract(D, L, U);
         for (Index f = e + 1; f < last; ++f) {
-          if (!acts(order.later[f])) continue;
+          if (!filled[f]) continue;
           const Index to = where[order.later[f]];
+          filled[to] = true;
           subtract(upper + std::ptrdiff_t(size) * to, L, upper + std::ptrdiff_t(size) * f);
           subtract(lower + std::ptrdiff_t(size) * to, lower + std::ptrdiff_t(size) * f, U);
         }
       }
       if (!invert(D)) return false;
       for (Index e = begin; e < end; ++e) {
+        if (!filled[e]) continue;
         double* L = lower + std::ptrdiff_t(size) * e;
         alignas(64) double minus[size] = {};
         subtract(minus, L, D);
@@ -104,11 +102,14 @@ struct BlockFactor {
   }
   // x: W numbers for each position
   void solve(double* x) const {
-    for (Index i = 0; i < n; ++i)
-      for (Index e = order.first[i]; e < order.first[i + 1]; ++e) subtract_times(x + W * order.later[e], lower + std::ptrdiff_t(size) * e, x + W * i);
-    for (Index i = n - 1; i >= 0; --i) {
+    for (Index i = 0; i < order.size; ++i)
+      for (Index e = order.first[i]; e < order.first[i + 1]; ++e)
+        if (filled[e]) subtract_times(x + W * order.later[e], lower + std::ptrdiff_t(size) * e, x + W * i);
+    for (Index i = order.size - 1; i >= 0; --i) {
+      if (!acts[i]) continue;
       alignas(64) double sum[W] = {};
-      for (Index e = order.first[i]; e < order.first[i + 1]; ++e) subtract_times(x + W * i, upper + std::ptrdiff_t(size) * e, x + W * order.later[e]);
+      for (Index e = order.first[i]; e < order.first[i + 1]; ++e)
+        if (filled[e]) subtract_times(x + W * i, upper + std::ptrdiff_t(size) * e, x + W * order.later[e]);
       subtract_times(sum, diagonal + size * i, x + W * i);
       for (int k = 0; k < W; ++k) x[W * i + k] = -sum[k];
     }

@@ -1,6 +1,7 @@
-// In which order the slots of an island leave its Newton matrix, and what that fills. Trees are the vertices of a graph and slots its edges:
-// slots are coupled where they share a tree, and to eliminate one is to contract its edge, after which all slots of both trees are coupled.
-// Least degree first (George and Liu 1989, "The evolution of the minimum degree ordering algorithm"), ties by the slots' order.
+// In which order the degrees of freedom of an island leave the matrix of Newton's method, and what that fills. They go by segments, up to six
+// that follow one another in a tree without a fork: the vertices of a graph, of which each slot couples those that carry it. To eliminate one is
+// to couple all those that shared a slot or an earlier one with it. Least degree first (George and Liu 1989, "The evolution of the minimum degree
+// ordering algorithm"); what is coupled is kept as lists of vertices, that of an eliminated one in place of those it was on.
 #pragma once
 
 #include <algorithm>
@@ -8,49 +9,82 @@
 
 #include "dyn/base/types.hpp"
 
+namespace dyn {
+struct Model;
+}
+
 namespace dyn::simulation {
 
 struct Island;
 
-// Where nothing is said of positions, slots are numbered within the island. entries: pairs of positions that are coupled, the earlier one's
-// in a row, ascending.
-struct Elimination {
-  Index *order, *position;         // slots by position, and the inverse
-  Index *first;                    // entries of a position: first[p] .. first[p + 1] - 1
-  Index *later, *earlier;          // positions of an entry
-  Index *first_in, *in;            // entries by the later position
-  Index *degree, *next, *shared;   // of contraction: links of lists by trees, two for each slot; the lists as they were
-  Index *head, *first_head, *tail, *links, *count;  // of trees
-  Index most_entries;
+inline constexpr Index segment_size = 6, segment_lanes = 8;
 
-  static Index entry_room(Index slots) { return Index(std::min<std::ptrdiff_t>(std::ptrdiff_t(slots) * (slots - 1) / 2, 12 * std::ptrdiff_t(slots)) + 1); }
+// Of a model.
+struct Segments {
+  Index count = 0, depth = 0;  // depth: the most that one body hangs on
+  Index *of, *first;           // of degrees of freedom; first degrees of freedom of segments
+};
+// of, first: room for nv, or null
+Segments find_segments(const Model& m, Index* of, Index* first);
+
+// The part of a slot that a segment carries: its rows in lanes by degree of freedom, in the units of newton.cpp.
+struct Run {
+  Index segment, slot;  // of the island
+  double* rows;
+};
+
+// Segments and slots are numbered within the island. entries: pairs of positions that are coupled, the earlier one's in a row, ascending.
+struct Elimination {
+  Index size = 0;               // segments of the island
+  Index *segment, *local;       // the model's segments of the island; the island's of the model's
+  Index *order, *position;      // segments by position, and the inverse
+  Index *first;                 // entries of a position: first[p] .. first[p + 1] - 1
+  Index *later, *earlier;       // positions of an entry
+  Index *first_in, *in;         // entries by the later position
+  Index *first_run;             // of slots
+  Run* runs;
+  Index *first_of, *next_of;    // runs of a segment, a list
+  Index *degree, *mark, *of_degree, *before, *after;  // segments by degree, as lists
+  Index *lists, *next_list;     // of segments: what couples them, runs and entries
+  bool* dead;                   // slots and positions whose lists are in another's
+  Index most_entries, most_runs;
+
+  static std::ptrdiff_t entry_room(Index segments) { return std::min<std::ptrdiff_t>(std::ptrdiff_t(segments) * (segments - 1) / 2, 16 * std::ptrdiff_t(segments)) + 1; }
+  static std::ptrdiff_t run_room(Index slots, const Segments& s) { return std::max<std::ptrdiff_t>(2, std::min<std::ptrdiff_t>(2 * s.depth, 8)) * slots + 2 * s.depth; }
 
   template <class F>
-  void arrays(Index slots, Index trees, F&& f) {
-    most_entries = entry_room(slots);
-    for (Index** a : {&order, &position, &first, &first_in, &degree}) f(*a, slots + 2);
-    for (Index** a : {&next, &shared}) f(*a, 2 * std::ptrdiff_t(slots));
+  void arrays(Index slots, const Segments& s, F&& f) {
+    most_entries = Index(entry_room(s.count)), most_runs = Index(run_room(slots, s));
+    for (Index** a : {&segment, &local, &order, &position, &first, &first_in, &first_of, &degree, &mark, &of_degree, &before, &after, &lists}) f(*a, s.count + 2);
     for (Index** a : {&later, &earlier, &in}) f(*a, most_entries);
-    for (Index** a : {&head, &first_head, &tail, &links, &count}) f(*a, trees);
+    f(first_run, slots + 1), f(runs, most_runs), f(next_of, most_runs);
+    f(next_list, std::ptrdiff_t(most_runs) + most_entries), f(dead, std::ptrdiff_t(slots) + s.count);
   }
 
   // false: there is no room for what it fills
   bool operator()(const Island& x);
 
-  // f(slot) for slots that act on the tree
+  Index entries() const { return first[size]; }
+  // f(run)
   template <class F>
-  void for_each_of(Index tree, F&& f) const {
-    for (Index k = first_head[tree]; k >= 0; k = shared[k]) f(k / 2);
+  void for_each_of(Index a_segment, F&& f) const {
+    for (Index r = first_of[a_segment]; r >= 0; r = next_of[r]) f(runs[r]);
   }
-  Index entries(const Index slots) const { return first[slots]; }
+  template <class F>
+  void for_each_run(Index slot, F&& f) const {
+    for (Index r = first_run[slot]; r < first_run[slot + 1]; ++r) f(runs[r]);
+  }
 
  private:
-  Index find(Index tree) const {
-    while (links[tree] != tree) tree = links[tree] = links[links[tree]];
-    return tree;
-  }
-  bool contract(const Island& x, Index step);
-  void sort(Index slots);
+  bool find_runs(const Island& x);
+  void begin(Index slots);
+  void link(Index a_segment);
+  void unlink(Index a_segment);
+  bool eliminate(Index slots, Index a_segment, Index step);
+  Index count(Index slots, Index a_segment, Index stamp);
+  template <class F>
+  void for_each_listed(Index slots, Index list, F&& f) const;
+  void sort();
 };
 
 }  // namespace dyn::simulation

@@ -37,16 +37,18 @@ struct Island {
   void solve(dynContactReport& best);
   void displace();
 
-  // by its blocks (newton.cpp): from lambda, to a better one. true: it is good enough
-  bool newton(dynContactReport& report);
-  bool sparse();  // less than half of the blocks are filled; those of one tree or two are better off with the whole matrix
+  // by segments (newton.cpp, interior.cpp): from lambda, to a better one. true: it is good enough
+  bool newton(dynContactReport& report, bool from_inside);
+  bool sparse();  // worth it: there are more rows than degrees of freedom, or many
 
   // without (sweeps.cpp): Gauss-Seidel that knows what rows leave at degrees of freedom. Whether the guess will do; otherwise sweeps
   void prepare_blocks();
   void prepare_cones();
   bool stays(dynContactReport& report);
   void sweep_to_rest(dynContactReport& report);
+  void sweep_on(dynContactReport& report);  // as long as that makes the residual smaller
   void sweep_apart();
+  bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < 3 * w.options.max_iterations; }  // as with the whole matrix
   double residual() const;
   double speed() const;  // largest velocity that is to change
   void velocities() const;

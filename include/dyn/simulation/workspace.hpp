@@ -56,8 +56,10 @@ struct NewtonSlot {
   double mu, across, lower, upper;
   double unit[most_rows], speed[2];  // of impulses; of normal and other velocities of a cone
   double direction[5][5];            // along the sliding, then across
+  double stiffness[most_rows];       // of unknowns: impulse by velocity
+  double law[most_rows][most_rows];  // the same of rows: impulse (first index) by velocity
 };
-inline constexpr int island_vectors = 12, newton_vectors = 6;
+inline constexpr int island_vectors = 12, newton_vectors = 17;
 
 // Two shapes that may meet, a < b, and the number of their pair, if it is listed.
 struct NearPair {
@@ -117,12 +119,12 @@ struct Workspace {
   Index* contact_rows;
   SlotBlock* blocks;            // of the slots of an island
   double* by_dof;
-  Elimination elimination;      // of Newton's method
+  Segments segments;            // of Newton's method
+  Elimination elimination;
   NewtonSlot* newton;
-  double *newton_vectors, *newton_rhs, *diagonal, *blocks_above;
+  double *newton_vectors, *run_rows, *by_segment, *pivots, *diagonal, *blocks_above;
   Index* where;
-  bool* newton_acts;
-  std::ptrdiff_t block_room;    // numbers
+  bool *newton_acts, *newton_filled;
   Sleep sleep;
   Index slot_count;             // that act in this step
   char* solver_memory;

@@ -1,0 +1,253 @@
+// An interior-point method for Coulomb's law: Y = (mu y_n, y_t) and U in the cone |.| <= ._0 follow Y o U = sigma (1, 0) to sigma = 0, where
+//   U_0 = c_n / mu - y_t . c_t / Y_0,   U_t = c_t
+// De Saxce's correction is |c_t| in place of - y_t . c_t / Y_0, and the same where contacts stick, c_t = 0, or slide, y_t = - Y_0 c_t / |c_t|; this
+// one has no kink where they stick, and Y . U = y_n c_n. Steps scaled after Nesterov and Todd, centred after Mehrotra (1992):
+//   (B G + W^2 S + N) dy = sigma Y^-1 - U        S = dY/dy,  B = dU/dc,  N = dU/dy,  W^2 Y = U
+// From the guess, as far inside as its error says. Boxes y in [l, u] have z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c.
+#include "dyn/simulation/newton.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+constexpr double to_boundary = 0.99, least_centring = 1e-6, least_compliance = 1e-6;
+constexpr double inside = 10;  // of the guess's error
+constexpr Index most_steps = 30, most_newton_steps = 6;
+
+double lorentz(double a0, const double* a, double b0, const double* b, Index m) {
+  double s = a0 * b0;
+  for (Index i = 0; i < m; ++i) s -= a[i] * b[i];
+  return s;
+}
+// The largest t with a + t d in the cone |a_t| <= a_0, a inside.
+double within_cone(double a0, const double* a, double d0, const double* d, Index m) {
+  const double A = lorentz(d0, d, d0, d, m), B = lorentz(a0, a, d0, d, m), C = lorentz(a0, a, a0, a, m);
+  const double root = std::sqrt(std::max(B * B - A * C, 0.0));
+  if (B < 0) return B * B >= A * C ? C / (root - B) : HUGE_VAL;
+  return A < 0 ? (-B - root) / A : HUGE_VAL;
+}
+class Interior : public Newton {
+ public:
+  using Newton::Newton;
+  bool run(dynContactReport& report);
+
+ private:
+  double *rhs = before + room, *U = before + 6 * room, *upper = U + room, *dU = upper + room, *dupper = dU + room, *y_here = dupper + room, *c_here = y_here + room;
+  // U of boxes: z_l; upper: z_u
+
+  void begin(double shift);
+  double complementarity() const;
+  void scaled(const ActiveSlot& a, State& s) const;
+  bool barrier() const;
+  void toward(double sigma);
+  double longest() const;
+};
+
+// The nearest point that far inside.
+void Interior::begin(double shift) {
+  each([&](const ActiveSlot& a, const State& s, Index) {
+    double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
+    const double* ck = c + a.s->first;
+    if (!s.cone) {
+      for (Index i = 0; i < s.rows; ++i) {
+        const bool l = std::isfinite(s.lower), u = std::isfinite(s.upper);
+        Uk[i] = top[i] = 0;
+        if (l && u) yk[i] = std::clamp(yk[i], s.lower + 0.1 * (s.upper - s.lower), s.upper - 0.1 * (s.upper - s.lower));
+        else if (l) yk[i] = std::max(yk[i], s.lower + shift);
+        else if (u) yk[i] = std::min(yk[i], s.upper - shift);
+        if (l) Uk[i] = std::max(ck[i], shift);
+        if (u) top[i] = std::max(-ck[i], shift);
+      }
+      return;
+    }
+    solver::project_cone(s.mu, s.rows, yk, yk);
+    const double Yt = solver::norm(yk + 1, s.rows - 1), Ut = solver::norm(ck + 1, s.rows - 1);
+    yk[0] = std::max(yk[0], (Yt + shift) / s.mu);
+    Uk[0] = std::max(std::max(ck[0] / s.mu, 0.0), Ut) + shift;
+    for (Index i = 1; i < s.rows; ++i) Uk[i] = ck[i];
+  });
+}
+
+// sigma of the point of the path that is nearest
+double Interior::complementarity() const {
+  double sum = 0;
+  Index count = 0;
+  each([&](const ActiveSlot& a, const State& s, Index) {
+    const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
+    if (s.cone) {
+      sum += s.mu * yk[0] * Uk[0], ++count;
+      for (Index i = 1; i < s.rows; ++i) sum += yk[i] * Uk[i];
+      return;
+    }
+    for (Index i = 0; i < s.rows; ++i) {
+      if (Uk[i] > 0) sum += Uk[i] * (yk[i] - s.lower), ++count;
+      if (top[i] > 0) sum += top[i] * (s.upper - yk[i]), ++count;
+    }
+  });
+  return count ? sum / count : 0;
+}
+
+// law = (W^2 S + N)^-1 B of a cone, W^-2 = (2 v v' - J) / ratio; what is soft joins its inverse.
+void Interior::scaled(const ActiveSlot& a, State& s) const {
+  const double *yk = y + a.s->first, *Uk = U + a.s->first, *ck = c + a.s->first;
+  const Index m = s.rows - 1;
+  const double Y0 = s.mu * yk[0], U0 = Uk[0];
+  const double Y_size = std::sqrt(lorentz(Y0, yk + 1, Y0, yk + 1, m)), U_size = std::sqrt(lorentz(U0, Uk + 1, U0, Uk + 1, m));
+  double inner = Y0 * U0, v[6], A[6][6], n[6] = {}, nA[6] = {};
+  for (Index i = 1; i <= m; ++i) inner += yk[i] * Uk[i];
+  const double scale = 1 / std::sqrt(2 * (1 + inner / (Y_size * U_size))), ratio = Y_size / U_size;
+  v[0] = scale * (U0 / U_size + Y0 / Y_size);
+  for (Index i = 1; i <= m; ++i) v[i] = scale * (yk[i] / Y_size - Uk[i] / U_size);
+  for (Index i = 1; i <= m; ++i) n[0] += yk[i] * ck[i] * s.mu / (Y0 * Y0), n[i] = -ck[i] / Y0;
+  for (Index i = 0; i <= m; ++i)
+    for (Index j = 0; j <= m; ++j) A[i][j] = ratio * (2 * v[i] * v[j] - (i == j) * (i == 0 ? 1 : -1)) / (i == 0 ? s.mu : 1);
+  for (Index j = 0; j <= m; ++j)
+    for (Index i = 0; i <= m; ++i) nA[j] += n[i] * A[i][j];
+  // by Sherman and Morrison, N = (1, 0) n'; left out where that turns the sign
+  if (const double own = 1 + nA[0]; own > 1e-3)
+    for (Index i = 0; i <= m; ++i) {
+      const double first = A[i][0] / own;
+      for (Index j = 0; j <= m; ++j) A[i][j] -= first * nA[j];
+    }
+  for (Index i = 0; i <= m; ++i) {
+    s.law[i][0] = A[i][0] / s.mu;
+    for (Index j = 1; j <= m; ++j) s.law[i][j] = A[i][j] - A[i][0] * yk[j] / Y0;
+  }
+  if (const double R = soft(a, s, 0); R > 0) {
+    const double share = R / (1 + R * s.law[0][0]);
+    double column[6], row[6];
+    for (Index i = 0; i <= m; ++i) column[i] = s.law[i][0], row[i] = s.law[0][i];
+    for (Index i = 0; i <= m; ++i)
+      for (Index j = 0; j <= m; ++j) s.law[i][j] -= share * column[i] * row[j];
+  }
+}
+
+bool Interior::barrier() const {
+  each([&](const ActiveSlot& a, State& s, Index k) {
+    s.unknowns = s.rows, act(k);
+    if (s.cone) return scaled(a, s);
+    const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
+    for (Index i = 0; i < s.rows; ++i) {
+      double E = least_compliance + soft(a, s, i);
+      if (Uk[i] > 0) E += Uk[i] / (yk[i] - s.lower);
+      if (top[i] > 0) E += top[i] / (s.upper - yk[i]);
+      for (Index j = 0; j < s.rows; ++j) s.law[i][j] = i == j ? 1 / E : 0;
+    }
+  });
+  return factorize();
+}
+
+// To the point of the path at sigma, dy and dc = G dy, and what U and the boxes' z do on the way.
+void Interior::toward(double sigma) {
+  each([&](const ActiveSlot& a, const State& s, Index) {
+    const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first;
+    double* r = rhs + a.s->first;
+    if (!s.cone) {
+      for (Index i = 0; i < s.rows; ++i) {
+        r[i] = -ck[i];
+        if (Uk[i] > 0) r[i] += sigma / (yk[i] - s.lower);
+        if (top[i] > 0) r[i] -= sigma / (s.upper - yk[i]);
+      }
+      return;
+    }
+    const Index m = s.rows - 1;
+    const double Y0 = s.mu * yk[0], inverse = sigma / lorentz(Y0, yk + 1, Y0, yk + 1, m);
+    double head = inverse * Y0;
+    for (Index i = 1; i <= m; ++i) {
+      const double t = -inverse * yk[i];
+      head += yk[i] / Y0 * t;
+      r[i] = t - ck[i];
+    }
+    r[0] = s.mu * head - ck[0];
+  });
+  auto apply = [&](const State& s, const double* r, double* to) {
+    for (Index i = 0; i < s.rows; ++i) {
+      to[i] = 0;
+      for (Index j = 0; j < s.rows; ++j) to[i] += s.law[i][j] * r[j];
+    }
+  };
+  clear();
+  each([&](const ActiveSlot& a, const State& s, Index slot) {
+    double by[most_rows];
+    apply(s, rhs + a.s->first, by), pass(slot, s.rows, by);
+  });
+  factor.solve(w.by_segment);
+  each([&](const ActiveSlot& a, const State& s, Index slot) {
+    double v[most_rows];
+    meet(slot, s.rows, w.by_segment, v);
+    for (Index i = 0; i < s.rows; ++i) v[i] = rhs[a.s->first + i] - v[i];
+    apply(s, v, dy + a.s->first);
+  });
+  times(dy, dc);
+  each([&](const ActiveSlot& a, const State& s, Index) {
+    const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first, *dyk = dy + a.s->first, *dck = dc + a.s->first;
+    double *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
+    if (!s.cone) {
+      for (Index i = 0; i < s.rows; ++i) {
+        dUk[i] = Uk[i] > 0 ? (sigma - Uk[i] * dyk[i]) / (yk[i] - s.lower) - Uk[i] : 0;
+        dtop[i] = top[i] > 0 ? (sigma + top[i] * dyk[i]) / (s.upper - yk[i]) - top[i] : 0;
+      }
+      return;
+    }
+    const double Y0 = s.mu * yk[0];
+    dUk[0] = (ck[0] + dck[0]) / s.mu - Uk[0];
+    for (Index i = 1; i < s.rows; ++i) dUk[0] -= (yk[i] * (ck[i] + dck[i]) + ck[i] * (dyk[i] - yk[i] / yk[0] * dyk[0])) / Y0;
+    for (Index i = 1; i < s.rows; ++i) dUk[i] = ck[i] + dck[i] - Uk[i];
+  });
+}
+
+// The step to the boundary.
+double Interior::longest() const {
+  double t = HUGE_VAL;
+  const auto limit = [&](double a, double d) { t = d < 0 ? std::min(t, -a / d) : t; };
+  each([&](const ActiveSlot& a, const State& s, Index) {
+    const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *dyk = dy + a.s->first, *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
+    if (s.cone) {
+      t = std::min(t, within_cone(s.mu * yk[0], yk + 1, s.mu * dyk[0], dyk + 1, s.rows - 1));
+      t = std::min(t, within_cone(Uk[0], Uk + 1, dUk[0], dUk + 1, s.rows - 1));
+      return;
+    }
+    for (Index i = 0; i < s.rows; ++i) {
+      if (Uk[i] > 0) limit(Uk[i], dUk[i]), limit(yk[i] - s.lower, dyk[i]);
+      if (top[i] > 0) limit(top[i], dtop[i]), limit(s.upper - yk[i], -dyk[i]);
+    }
+  });
+  return t;
+}
+
+bool Interior::run(dynContactReport& report) {
+  Error now = error();
+  begin(inside * std::sqrt(now.sum / x.rows));
+  velocities();
+  double tried = HUGE_VAL;
+  for (Index k = 0, short_steps = 0; k < most_steps && short_steps < 3 && x.may_go_on(report); ++k) {
+    ++report.newton_steps;
+    if (!barrier()) return false;
+    const double sigma = complementarity();
+    toward(0);
+    const double left = 1 - std::min(1.0, longest());  // how much of sigma a step aiming at 0 would leave
+    toward(sigma * std::max(least_centring, left * left * left));
+    const double t = std::min(1.0, to_boundary * longest());
+    if (!(t > 0)) return false;
+    for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], U[i] += t * dU[i], upper[i] += t * dupper[i];
+    short_steps = t < 0.1 ? short_steps + 1 : 0;
+    now = error();
+    if (!(now.most < 1e-2 * speed && now.most < 0.1 * tried)) continue;
+    tried = now.most;
+    std::copy_n(y, x.rows, y_here), std::copy_n(c, x.rows, c_here);
+    if (Newton::run(most_newton_steps, 0.5, report)) return true;
+    std::copy_n(y_here, x.rows, y), std::copy_n(c_here, x.rows, c);
+  }
+  return false;
+}
+
+}  // namespace
+
+bool interior(const Island& x, dynContactReport& report) {
+  Interior method(x);
+  if (method.Newton::run(report) || method.run(report)) return true;
+  method.leave(report);
+  return false;
+}
+
+}  // namespace dyn::simulation

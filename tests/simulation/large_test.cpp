@@ -1,0 +1,105 @@
+// Islands of many bodies and of trees with many contacts: the problem of each step is solved to the tolerance asked, and momentum is kept.
+#include "simulation/scene.hpp"
+
+namespace dyn_test {
+namespace {
+
+// Spheres in layers of n x n, each a little off the grid.
+struct Spheres {
+  Scene scene;
+  std::vector<std::array<double, 3>> at;
+  Spheres(int n, int count, double spacing, double friction, std::array<double, 3> gravity) : scene(gravity) {
+    for (int k = 0; k < count; ++k) {
+      scene.sphere(("s" + std::to_string(k)).c_str(), 1, 0.1, material(friction));
+      at.push_back({spacing * (k % n) + 0.001 * (k % 3), spacing * (k / n % n) + 0.001 * (k % 5), 0.1 + spacing * (k / (n * n))});
+    }
+  }
+};
+
+TEST(Large, PouredSpheresAreSolvedInEveryStep) {
+  Spheres s(5, 125, 0.21, 0.5, {0, 0, -9.81});
+  s.scene.ground();
+  Play play(s.scene.finish(), 2e-3);
+  play.place(s.at);
+  int rows = 0;
+  for (int k = 0; k < 250; ++k) {
+    play.steps(1);
+    rows = std::max(rows, play.report().rows);
+    ASSERT_LE(play.report().residual, 1.01e-9) << k;
+    for (const dynContactForce& f : play.contacts()) {
+      const double n = f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2];
+      double across = 0;
+      for (int i = 0; i < 3; ++i) across += std::pow(f.force_on_b[i] - n * f.contact.normal[i], 2);
+      ASSERT_GE(n, -1e-9) << k;
+      ASSERT_LE(std::sqrt(across), 0.5 * n + 1e-6) << k;
+    }
+  }
+  EXPECT_GT(rows, 240);
+}
+
+// A cloud that falls together without anything outside: 27 spheres, then as many as make islands of more rows than a matrix is kept for.
+TEST(Large, FreePilesKeepTheirMomentum) {
+  for (const int n : {3, 5}) {
+    Spheres s(n, n * n * n, 0.22, 0.5, {0, 0, 0});
+    Play play(s.scene.finish(), 2e-3);
+    play.place(s.at);
+    Numbers v, before(6), now(6);
+    double size = 0;
+    for (const auto& p : s.at) {
+      const double middle = 0.11 * (n - 1);
+      const std::array<double, 3> to = {3 * (middle - p[0]), 3 * (middle - p[1]), 3 * (middle - p[2])};
+      v.insert(v.end(), {to[0], to[1], to[2], 0, 0, 0});
+      size += std::sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+    }
+    play.set({}, v);
+    ASSERT_EQ(DYN_OK, dyn_centroidal_momentum(play.m, play.d, nullptr, nullptr, before.data()));
+    int contacts = 0;
+    for (int k = 0; k < 100; ++k) {
+      play.steps(1);
+      contacts = std::max(contacts, play.report().contacts);
+      ASSERT_EQ(DYN_OK, dyn_centroidal_momentum(play.m, play.d, nullptr, nullptr, now.data()));
+      for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(before[i], now[i], 1e-12 * size) << n << ' ' << k;
+      before = now;
+    }
+    EXPECT_GT(contacts, n * n * n);
+  }
+}
+
+// A trunk on a free joint with two legs and two arms of three links each, all capsules, falls on its front and comes to rest.
+TEST(Large, ATreeThatFallsIsSolvedInEveryStep) {
+  Scene scene;
+  scene.ground().free("trunk", 20, {0.8, 0.8, 0.15}).shape("trunk", DYN_SHAPE_CAPSULE, {0.1, 0.5, 0}, material(0.5));
+  auto limb = [&](const std::string& name, double x, double z, double swing) {
+    std::string parent = "trunk";
+    for (int k = 0; k < 3; ++k) {
+      const std::string joint = name + "_joint" + std::to_string(k), body = name + std::to_string(k);
+      Spec s(joint.c_str(), DYN_JOINT_REVOLUTE, parent.c_str(), {k ? 0 : x, 0, k ? -0.3 : z});
+      const double lower = k == 1 ? -2.0 : -0.8, upper = k == 1 ? 0.1 : swing;
+      s.about(k == 0 ? 1 : 0, k == 0 ? 0 : 1, 0), s.lower = &lower, s.upper = &upper;
+      EXPECT_EQ(DYN_OK, dyn_builder_joint(scene.builder(), &s)) << dyn_last_error();
+      const double I[9] = {0.02, 0, 0, 0, 0.02, 0, 0, 0, 0.004}, com[3] = {0, 0, -0.15};
+      EXPECT_EQ(DYN_OK, dyn_builder_body(scene.builder(), body.c_str(), joint.c_str(), nullptr, 3.0 - k, com, I)) << dyn_last_error();
+      dynShapeSpec c;
+      dyn_shape_spec_init(&c);
+      c.body = body.c_str(), c.type = DYN_SHAPE_CAPSULE, c.material = material(0.5), c.size[0] = 0.04, c.size[1] = 0.25, c.placement[11] = -0.15;
+      EXPECT_EQ(DYN_OK, dyn_builder_shape(scene.builder(), &c)) << dyn_last_error();
+      parent = joint;
+    }
+  };
+  limb("left_leg", 0.1, -0.35, 0.5), limb("right_leg", -0.1, -0.35, 0.7), limb("left_arm", 0.25, 0.25, 1.0), limb("right_arm", -0.25, 0.25, 1.2);
+  Play play(scene.finish(), 2e-3);
+  Numbers q(std::size_t(7 + 12));
+  q[2] = 1.4, q[3] = 0.1, q[6] = std::sqrt(0.99);
+  play.set(q);
+  int most = 0;
+  for (int k = 0; k < 1500; ++k) {
+    play.steps(1);
+    most = std::max(most, play.report().rows);
+    ASSERT_LE(play.report().residual, 1.01e-9) << k;
+  }
+  EXPECT_GT(most, 20);
+  EXPECT_LT(play.q[2], 0.5);
+}
+
+}  // namespace
+}  // namespace dyn_test
