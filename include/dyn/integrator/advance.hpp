@@ -69,17 +69,18 @@ inline constexpr double held_leak = 1e-2;  // of an error that rows take away at
 inline constexpr int most_doubts = 4;      // steps made anew for that
 
 // What the next step's length is of this one's: by its error over what is allowed, and by that of the step before (PI: Gustafsson 1991), so that
-// lengths follow errors that grow and fade without trying in vain. Where rows hold, by this one's alone: errors near singular configurations say nothing of the next.
+// lengths follow errors that grow and fade without trying in vain. By this one's alone where errors are those of rounding, or of rows near a
+// singular configuration: they say nothing of the next.
 template <class T>
 struct Controller {
   T power;          // 1 / (order of the error per unit step)
-  bool held;
+  bool alone;
   T before = T(1);  // error over what was allowed, of the step before
   bool tried = false;
 
   T accept(T ratio) {
-    T factor = !(ratio > T(0)) ? T(5) : held ? T(0.9) * std::pow(ratio, -power) : T(0.9) * std::pow(ratio, T(-0.8) * power) * std::pow(before, T(0.28) * power);
-    if (tried && !held) factor = std::min(factor, T(1));
+    T factor = !(ratio > T(0)) ? T(5) : alone ? T(0.9) * std::pow(ratio, -power) : T(0.9) * std::pow(ratio, T(-0.8) * power) * std::pow(before, T(0.28) * power);
+    if (tried && !alone) factor = std::min(factor, T(1));
     before = std::max(ratio, T(1e-4)), tried = false;
     return std::clamp(factor, T(0.2), T(5));
   }
@@ -104,7 +105,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
   Rounding<T> rounding{active_rows(m, d) > 0};
-  Controller<T> controller{T(1) / (Tableau::order - 1), rounding.held};
+  Controller<T> controller{T(1) / (Tableau::order - 1), rounding.held || accuracy == T(0)};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;

@@ -19,6 +19,7 @@ Outcome bricard_six_rows();
 Outcome bricard_energy();
 Outcome andrews_squeezer();
 Outcome governor_reference();
+Outcome governor_100ms();
 Outcome governor_5s();
 Outcome governor_rk4();
 Outcome governor_implicit();
@@ -66,6 +67,7 @@ Outcome overhang();
 // impacts.cpp
 Outcome zeno();
 Outcome zeno_energy();
+Outcome elastic_balls();
 Outcome cradle();
 Outcome euler_disk();
 Outcome rolling_disc_above();

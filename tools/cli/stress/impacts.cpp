@@ -90,6 +90,29 @@ Outcome zeno_energy() {
   return out;
 }
 
+// SimBenchmark's bouncing: 7 x 7 balls of 10 kg fall from 5 m, e = 1, 20 s. Energy of all, and the height of each against the parabola.
+Outcome elastic_balls() {
+  constexpr int count = 49;
+  constexpr double radius = 0.1, top = 5;
+  Builder b("balls");
+  add_ground(b, material(0, 1));
+  Vector q;
+  for (int k = 0; k < count; ++k) add_sphere(b, "ball" + std::to_string(k), 10, radius, material(0, 1)), q.insert(q.end(), {2.0 * (k / 7), 2.0 * (k % 7), top, 0, 0, 0, 1});
+  Play play(b.finish());
+  play.set_state(q);
+  set_accuracy(play, 0.1, 1e-5);
+  Outcome out;
+  EnergyDrift drift(out, play, count * 10 * g * top);
+  const double fall = std::sqrt(2 * (top - radius) / g);
+  for (int k = 0; k < 200; ++k) {
+    play.advance(0.1);
+    drift.look();
+    const double s = std::fmod(play.time() + fall, 2 * fall) - fall;
+    for (int i = 0; i < count; ++i) out.off_by(std::abs(play.q()[7 * static_cast<std::size_t>(i) + 2] - (top - g * s * s / 2)) / top);
+  }
+  return out;
+}
+
 // Equal balls that touch, e = 1, the first one at 1 m/s: Moreau's law, all impacts at once.
 Outcome cradle() {
   Builder b("cradle");

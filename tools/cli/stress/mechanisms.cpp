@@ -244,6 +244,7 @@ Outcome governor(dynIntegrator integrator, double dt, double duration, double ex
 }  // namespace
 
 Outcome governor_reference() { return governor(DYN_REFERENCE, 1e-3, 1, 0.501420922379567651); }
+Outcome governor_100ms() { return governor(DYN_REFERENCE, 1e-3, 0.1, 0.523836475569575694); }
 Outcome governor_5s() { return governor(DYN_REFERENCE, 1e-3, 5, 0.535563103721643485); }
 Outcome governor_rk4() { return governor(DYN_RK4, 1e-4, 1, 0.501420922379567651); }
 Outcome governor_implicit() { return governor(DYN_IMPLICIT_FAST, 1e-3, 1, 0.501420922379567651); }

@@ -125,6 +125,24 @@ Outcome inertias() {
   say(wrong(true, 1, diagonal(-1, 1, 1), false));                    // a negative moment
   say(wrong(true, 1, diagonal(0, 1, 1), true));                      // a rod that flies freely: nothing resists its spin
   say(wrong(true, 1, diagonal(1, 1, 0), false));                     // a rod along its own hinge
+  // no masses are spread like that: the triangle inequality, of files (a builder's links may be parts of a body)
+  const auto refused = [](const std::string& text, const dyn::LoadOptions& options) {
+    try {
+      Model::load_string(text, options);
+    } catch (const dyn::Error& e) {
+      return std::string(e.what()).find("culprit") != std::string::npos;
+    }
+    return false;
+  };
+  const auto urdf = [](const char* izz) {
+    return std::string("<robot name='r'><link name='culprit'><inertial><mass value='1'/><inertia ixx='1' iyy='1' ixy='0' ixz='0' iyz='0' izz='") + izz + "'/></inertial></link></robot>";
+  };
+  const auto mjcf = [](const char* moments) {
+    return std::string("<mujoco><worldbody><body name='culprit'><freejoint/><inertial pos='0 0 0' mass='1' diaginertia='") + moments + "'/></body></worldbody></mujoco>";
+  };
+  const auto floating = dyn::LoadOptions().base(DYN_BASE_FLOATING).strict();
+  say(!refused(urdf("2.001"), floating) || refused(urdf("2"), floating));
+  say(!refused(mjcf("1 1 2.001"), {}) || refused(mjcf("1 1 2"), {}));
   say(wrong(false, 1, diagonal(1, 1, 2), false));                    // a disc
   say(wrong(false, 1, diagonal(0.1, 0.1, 0.1), false));
   return out;

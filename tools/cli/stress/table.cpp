@@ -25,6 +25,7 @@ const std::vector<Case>& cases() {
       {"bricard-energy", "mechanisms", "energy over 10 s / 29.43 J", "conserved", 1e-9, "rods without inertia about their axes", false, bricard_energy},
       {"andrews-squeezer", "mechanisms", "angles at 0.03 s, rad", "extrapolation in 113 bits (IVP test set 3)", 1e-10, "seven bodies, a stiff spring, 1140 rad/s", false,
        andrews_squeezer},
+      {"governor-0.1s", "mechanisms", "height of the slider at 0.1 s, m", "extrapolation in 113 bits (IFToMM A05)", 1e-9, "dampers of 2.7e4 1/s", false, governor_100ms},
       {"governor", "mechanisms", "height of the slider at 1 s, m", "extrapolation in 113 bits (IFToMM A05)", 1e-9, "dampers of 2.7e4 1/s", false, governor_reference},
       {"governor-5s", "mechanisms", "height of the slider at 5 s, m", "extrapolation in 113 bits (IFToMM A05)", 1e-9, "dampers of 2.7e4 1/s", true, governor_5s},
       {"governor-rk4", "mechanisms", "height at 1 s in steps of 0.1 ms, m", "extrapolation in 113 bits (IFToMM A05)", 1e-6, "dampers of 2.7e4 1/s", false, governor_rk4},
@@ -73,6 +74,8 @@ const std::vector<Case>& cases() {
 
       {"zeno", "impacts", "time of rest, in steps of 1 ms", "sqrt(2 h / g) (1 + e) / (1 - e)", 1, "bounces without number in a finite time", false, zeno},
       {"zeno-energy", "impacts", "growth of the energy / m g h", "0", 1e-9, "no bounce adds any", false, zeno_energy},
+      {"elastic-balls", "impacts", "energy and heights over 20 s, relative", "parabolas (Kang and Hwangbo)", 5.7e-6, "49 balls, 10 bounces each; the best published energy in steps of 1 ms", false,
+       elastic_balls},
       {"cradle", "impacts", "velocities, m/s", "Moreau's law: -1/3, 2/3, 2/3", 1e-14, "all impacts at once", false, cradle},
       {"euler-disk", "impacts", "change of 30 deg over 100 turns, rad", "steady", 1e-6, "rolls on its rim, its centre at rest", true, euler_disk},
       {"rolling-disc-above", "impacts", "largest lean, relative", "linear solution", 0.05, "10 % faster than sqrt(g a / 3)", false, rolling_disc_above},

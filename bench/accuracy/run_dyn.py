@@ -1,0 +1,82 @@
+"""libdyn: every integrator in steps, and steps for an accuracy."""
+
+import dyn
+import numpy as np
+from dyn.library import last_error, lib
+
+from common import Failed, ladder, measured, steps_of
+
+NAME, VERSION = "libdyn", dyn.__version__
+
+
+class Scene:
+    def __init__(self, problem):
+        self.problem = problem
+        self.model = m = dyn.load_string(problem.mjcf)
+        self.data = d = m.data()
+        d.set_effects(dyn.Effect.ALL)
+        if problem.restitution:
+            d.set_shape_material(None, dyn.Material(restitution=problem.restitution))
+        self.q, self.v, self.tau = m.configurations.get("qpos0", m.configuration("neutral")).copy(), np.zeros(m.nv), np.zeros(m.nv)
+        for name, x in problem.q.items():
+            self.q[m.joint(name).idx_q] = x
+        for values, out in ((problem.v, self.v), (problem.tau, self.tau)):
+            for name, x in values.items():
+                j, x = m.joint(name), np.atleast_1d(x)
+                out[j.idx_v:j.idx_v + len(x)] = x
+        self.frames = [(m.frame_id(body), np.array(point)) for body, point in problem.markers]
+        self.start = None
+
+    def begin(self):
+        d = self.data
+        if self.start is None:
+            d.set_state(self.q, self.v, tau=self.tau)
+            if self.problem.ctrl:
+                d.set_control(list(self.problem.ctrl.values()))
+            self.start = d.save()
+        d.restore(self.start)
+        self.evaluations = 0
+
+    def move(self, k):
+        if lib.dyn_advance(self.data._m, self.data._d, self.problem.duration / 10):
+            raise Failed(last_error())
+
+    def look(self):
+        d = self.data
+        self.evaluations += d.step_report.evaluations
+        d.forward_kinematics()
+        X = d.frame_placements()
+        return np.array([X.translation[f] + X.rotation[f] @ p for f, p in self.frames])
+
+
+def reference(problem):
+    """To rounding, and how far a run in other steps is from it."""
+    scene = Scene(problem)
+    out = []
+    for parts in (1, 3):
+        scene.data.set_stepping("reference", problem.duration / 10 / parts)
+        scene.begin()
+        places = []
+        for k in range(10):
+            scene.move(k)
+            places.append(scene.look())
+        out.append(np.array(places))
+    return out[0], float(np.abs(out[0] - out[1]).max())
+
+
+def points(problem, reference):
+    scene = Scene(problem)
+
+    def measure(method, value):
+        kind, _, how = method.partition(", ")
+        if how == "accuracy":
+            scene.data.set_stepping({"order 8": "reference", "order 5": "rk45"}[kind], dt=1e-3, accuracy=value)
+        else:
+            scene.data.set_stepping(kind, dt=value, accuracy=0)
+        return measured(method, value, scene.begin, scene.move, scene.look, reference, problem, lambda: scene.evaluations)
+
+    # of order 1 alone where something touches: the others are one of these there
+    steps = ["semi_implicit_euler", "implicit_fast"] + ([] if problem.kind == "contact" else ["implicit_midpoint", "rk4", "rk45"])
+    accuracies = [10.0**-e for e in range(0, 14)]
+    return [p for method in steps for p in ladder(method, steps_of(problem), measure)] + [
+        p for method in ("order 8, accuracy", "order 5, accuracy") for p in ladder(method, accuracies, measure)]
