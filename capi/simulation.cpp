@@ -44,7 +44,7 @@ dynStatus explain(const Model& m, const Data<double>& d, Index answer, const cha
 
 void begin_report(Call& call) {
   call.d().step->report = {};
-  simulation::open_ledger(call.m(), call.d());
+  if (const simulation::Workspace& w = *call.d().step; w.options.ledger || w.ledger.open) simulation::open_ledger(call.m(), call.d());
 }
 
 // One step of h; the state is as before after an error.

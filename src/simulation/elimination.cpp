@@ -54,7 +54,7 @@ bool Elimination::find_runs(const Island& x) {
 // Lists: a run stands for its slot, an entry e, as most_runs + e, for the position it is of.
 template <class F>
 void Elimination::for_each_listed(Index slots, Index list, F&& f) const {
-  if (list < slots) for_each_run(list, [&](const Run& r) { f(r.segment); });
+  if (list < slots) for_each_run(list, [&](const SlotRun& r) { f(r.segment); });
   else
     for (Index e = first[list - slots]; e < first[list - slots + 1]; ++e) f(later[e]);
 }
@@ -76,8 +76,8 @@ void Elimination::begin(Index slots) {
   for (Index s = 0; s < size; ++s) lists[s] = mark[s] = of_degree[s] = -1;
   for (Index k = 0; k < slots; ++k) {
     const Index n = first_run[k + 1] - first_run[k];
-    const Run* own = runs + first_run[k];
-    dead[k] = k > 0 && first_run[k] - first_run[k - 1] == n && std::equal(own, own + n, own - n, [](const Run& a, const Run& b) { return a.segment == b.segment; });
+    const SlotRun* own = runs + first_run[k];
+    dead[k] = k > 0 && first_run[k] - first_run[k - 1] == n && std::equal(own, own + n, own - n, [](const SlotRun& a, const SlotRun& b) { return a.segment == b.segment; });
     for (Index r = first_run[k]; r < first_run[k + 1] && !dead[k]; ++r) next_list[r] = lists[runs[r].segment], lists[runs[r].segment] = r;
   }
   for (Index s = size - 1; s >= 0; --s) degree[s] = count(slots, s, s), link(s);

@@ -51,12 +51,16 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   x.energy = energies(m, d).sum();
   Vec3<double> force = Vec3<double>::zero();
   x.power.wrenches = of_bodies(m, d, acting_wrenches | DYN_EFFECT_GRAVITY_COMPENSATION, force), x.power.fluid = of_bodies(m, d, DYN_EFFECT_FLUID, force);
-  double* const t = d.step_tau;  // of all that acts at joints
-  const double* const with_actuators = actuated(m, d, d.tau_applied);
+  double* const t = d.step->ledger.tau;  // of all that acts at joints
+  std::copy_n(d.tau_applied, m.n.nv, t);
+  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
+    const double force = r.spec.gear * actuator_force(r, d);
+    t[r.v] += force, x.power.actuators += force * d.v[r.v];
+  });
   const bool damped = d.acting & DYN_EFFECT_DAMPING, rubs = d.acting & DYN_EFFECT_FRICTION;
   for (Index k = 0; k < m.n.nv; ++k) {
     const double v = d.v[k], D = damped ? d.damping[k] * v : 0, F = rubs ? d.friction[k] * std::tanh(v / DYN_FRICTION_VELOCITY) : 0;
-    x.power.applied += d.tau_applied[k] * v, x.power.actuators += (with_actuators[k] - d.tau_applied[k]) * v;
+    x.power.applied += d.tau_applied[k] * v;
     x.power.damping -= D * v, x.power.friction -= F * v;
     t[k] -= D + F;
   }
@@ -76,7 +80,7 @@ LedgerState state_of(const Model& m, Data<double>& d) {
 
 void open_ledger(const Model& m, Data<double>& d) {
   Ledger& l = d.step->ledger;
-  l.open = d.step->options.ledger != 0, l.report = {}, l.rows = {};
+  l = {d.step->options.ledger != 0, {}, {}, {}, l.q, l.tau};
   if (l.open) l.before = state_of(m, d);
 }
 

@@ -115,7 +115,7 @@ void Newton::carry() {
     Index n = 0;
     const double* carried = a.carried;
     for (Index r = e.first_run[k]; r < e.first_run[k + 1]; ++r) {
-      Run& run = e.runs[r];
+      SlotRun& run = e.runs[r];
       const Index of = e.segment[run.segment], first = segments.first[of];
       run.rows = to;
       std::fill_n(to, W * s.rows, 0.0);
@@ -221,11 +221,11 @@ void Newton::stiffen(const ActiveSlot& a, State& s) const {
 void Newton::fill(Index p, double* D) const {
   std::fill_n(D, BlockFactor::size, 0.0);
   for (Index i = 0; i < BlockFactor::R; ++i) D[i + W * i] = w.pivots[W * p + i] > 0 ? 1 / w.pivots[W * p + i] : 1;
-  e.for_each_of(e.order[p], [&](const Run& a) {
+  e.for_each_of(e.order[p], [&](const SlotRun& a) {
     const State& s = w.newton[a.slot];
     if (s.unknowns == 0) return;
     visit_rows(s.rows, [&]<int rows>() {
-      e.for_each_run(a.slot, [&](const Run& b) {
+      e.for_each_run(a.slot, [&](const SlotRun& b) {
         const Index q = e.position[b.segment];
         if (q == p) add_product<rows>(s, a.rows, a.rows, D);
         if (q <= p) return;

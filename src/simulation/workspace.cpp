@@ -19,7 +19,7 @@ void for_each_array(const Model& m, Sleep& z, F&& f) {
 template <class F>
 void for_each_array(const Model& m, Workspace& w, F&& f) {
   const std::ptrdiff_t slots = step_slots(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers, room = row_room(island_rows(m));
-  f(w.ledger.q, m.n.nq);
+  f(w.ledger.q, m.n.nq), f(w.ledger.tau, m.n.nv);
   if (slots == 0) return;
   f(w.materials, m.n.geoms), f(w.speeds, m.n.geoms), f(w.pairs, pair_room(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_room(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.slots, own), f(w.support, own * carriers), f(w.carried, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);

@@ -52,6 +52,34 @@ TEST(StepInstructions, EffectsSwitchedOff) {
     EXPECT_NEAR(double(count(bench::scene(bench::chain(10, e.joint, bench::masked)), awake & ~e.effect)), double(alone), 0.01 * double(alone)) << e.joint;
 }
 
+// The same of what is not said at the joints.
+TEST(StepInstructions, EffectsOfTheSceneSwitchedOff) {
+  const std::string chain = bench::chain(10, "name='j' frictionloss='.1'", bench::masked), plain = bench::chain(10, "name='j'", bench::masked);
+  const auto unnamed = [](std::string text) {  // but for the first joint
+    for (std::size_t at = text.find("name='j'") + 1; (at = text.find("name='j'", at)) != std::string::npos;) text.erase(at, 8);
+    return text;
+  };
+  const long alone = count("<mujoco><worldbody>" + unnamed(plain) + "</worldbody></mujoco>");
+  SKIP_UNCOUNTED(alone);
+  const auto expect_alone = [&](const std::string& text, std::uint32_t effect) {
+    EXPECT_GT(double(count(text)), 1.01 * double(alone)) << effect;  // it does act
+    EXPECT_NEAR(double(count(text, awake & ~effect)), double(alone), 0.01 * double(alone)) << effect;
+  };
+  expect_alone("<mujoco><worldbody>" + unnamed(chain) + "</worldbody></mujoco>", DYN_EFFECT_FRICTION);
+  expect_alone("<mujoco><worldbody>" + unnamed(plain) + "</worldbody><actuator><position joint='j' kp='10' kv='1'/></actuator></mujoco>", DYN_EFFECT_ACTUATORS);
+  expect_alone("<mujoco><option density='1.2' viscosity='1e-5'/><worldbody>" + unnamed(plain) + "</worldbody></mujoco>", DYN_EFFECT_FLUID);
+}
+
+// A box within reach whose pairs are switched off.
+TEST(StepInstructions, PairsSwitchedOff) {
+  const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
+  SKIP_UNCOUNTED(alone);
+  Counted c(bench::scene(bench::chain(10, "", bench::touching) + "<geom type='box' size='.3 .3 .3' pos='.5 0 -.3' contype='0' conaffinity='1'/>"), awake);
+  ASSERT_EQ("", c.error);
+  ASSERT_EQ(DYN_OK, dyn_data_set_pair(c.m, c.d, -1, 0)) << dyn_last_error();
+  EXPECT_NEAR(double(c.step()), double(alone), 0.01 * double(alone));
+}
+
 // The chain swings past a box and to its limits and back: steps that leave the search out end where those without clearance do.
 TEST(Clearance, ChangesNothing) {
   const std::string box = "<geom type='box' size='.1 .1 .1' pos='.3 0 -.9' contype='0' conaffinity='1'/>";

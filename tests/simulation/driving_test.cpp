@@ -327,4 +327,26 @@ TEST(Pairs, WantedOnesAreTested) {
 }
 
 }  // namespace
+// A capsule of 45 g between two pads that press it with 20 to 95 times the force that friction needs (mujoco#3328: soft friction lets it sink
+// by 50 to 2,300 um/s): it stays where it is.
+TEST(Grasp, WhatIsPinchedDoesNotSlip) {
+  const char* text = R"(<mujoco><option timestep='.002'/><default><geom friction='1 0 0' condim='3'/></default><worldbody>
+      <body pos='0 -.04 0'><joint name='left' type='slide' axis='0 1 0' damping='5'/><geom type='box' size='.05 .02 .05' mass='.2'/></body>
+      <body pos='0 .04 0'><joint name='right' type='slide' axis='0 -1 0' damping='5'/><geom type='box' size='.05 .02 .05' mass='.2'/></body>
+      <body name='held'><freejoint/><geom type='capsule' size='.02 .03' euler='0 90 0' mass='.045'/></body></worldbody>
+      <actuator><motor joint='left'/><motor joint='right'/></actuator></mujoco>)";
+  for (const double times : {20.0, 95.0}) {
+    dynModel* m = nullptr;
+    ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
+    Play run(Model(m), 2e-3);
+    const double force = times * 0.045 * 9.81 / 2;
+    control(run, {force, force});
+    run.steps(500);
+    const double before = run.q[4];
+    run.steps(5000);
+    EXPECT_NEAR(before, run.q[4], 1e-9) << times;  // 10 s: 1 um/s would be 1e-5
+    EXPECT_NEAR(0, run.q[4], 1e-5) << times;
+  }
+}
+
 }  // namespace dyn_test

@@ -28,7 +28,7 @@ struct Segments {
 Segments find_segments(const Model& m, Index* of, Index* first);
 
 // The part of a slot that a segment carries: its rows in lanes by degree of freedom, in the units of newton.cpp.
-struct Run {
+struct SlotRun {
   Index segment, slot;  // of the island
   double* rows;
 };
@@ -42,7 +42,7 @@ struct Elimination {
   Index *later, *earlier;       // positions of an entry
   Index *first_in, *in;         // entries by the later position
   Index *first_run;             // of slots
-  Run* runs;
+  SlotRun* runs;
   Index *first_of, *next_of;    // runs of a segment, a list
   Index *degree, *mark, *of_degree, *before, *after;  // segments by degree, as lists
   Index *lists, *next_list;     // of segments: what couples them, runs and entries

@@ -7,7 +7,7 @@
 
 namespace dyn::simulation {
 
-// Before the first step of a call, where the option asks for it.
+// Before the first step of a call, where the option asks for it or did so before.
 void open_ledger(const Model& m, Data<double>& d);
 // After a step of h: to the state that d holds.
 void enter_step(const Model& m, Data<double>& d, double h);

@@ -41,7 +41,7 @@ class Newton {
   void clear() const { std::fill_n(w.by_segment, W * std::ptrdiff_t(e.size), 0.0); }
   // w.by_segment += Y of a slot's impulses; velocities of its rows, Y^T of
   DYN_INLINE void pass(Index slot, Index rows, const double* by) const {
-    e.for_each_run(slot, [&](const Run& r) {
+    e.for_each_run(slot, [&](const SlotRun& r) {
       double* const to = w.by_segment + W * e.position[r.segment];
       P sum = P::load(to);
       for (Index i = 0; i < rows; ++i) sum = sum + P::load(r.rows + W * i) * by[i];
@@ -51,7 +51,7 @@ class Newton {
   DYN_INLINE void meet(Index slot, Index rows, const double* of, double* velocity) const {
     P sum[most_rows];
     for (Index i = 0; i < rows; ++i) sum[i] = P::zero();
-    e.for_each_run(slot, [&](const Run& r) {
+    e.for_each_run(slot, [&](const SlotRun& r) {
       const P at = P::load(of + W * e.position[r.segment]);
       for (Index i = 0; i < rows; ++i) sum[i] = sum[i] + P::load(r.rows + W * i) * at;
     });
@@ -59,7 +59,7 @@ class Newton {
   }
   double soft(const ActiveSlot& a, const State& s, Index i) const { return x.compliance[a.s->first + s.order[i]] * s.unit[i] * s.unit[i]; }
   void act(Index slot) const {
-    e.for_each_run(slot, [&](const Run& r) { w.newton_acts[e.position[r.segment]] = true; });
+    e.for_each_run(slot, [&](const SlotRun& r) { w.newton_acts[e.position[r.segment]] = true; });
   }
 
   void times(const double* of, double* G_of) const;

@@ -84,7 +84,7 @@ struct Ledger {
   dynErrorLedger report;  // of the last call that made steps
   LedgerState before;
   LedgerRows rows;
-  double* q;
+  double *q, *tau;
 };
 
 struct Workspace {
