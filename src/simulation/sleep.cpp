@@ -122,7 +122,6 @@ bool may_sleep(const Model& m, const Data<double>& d, const Trees& t) {
 
 void set_up_sleep(const Model& m, Workspace& w) {
   Sleep& z = w.sleep;
-  if (m.has_mimic) return;  // trees that move together
   z.number[0] = -1;
   Index run = 0;
   for (Index i = 1; i < m.n.bodies; ++i) {

@@ -8,6 +8,9 @@ namespace dyn::simulation {
 
 namespace {
 
+// Trees of a model with mimic joints move together; without contacts little comes to rest.
+bool may_rest(const Model& m) { return m.n.contacts > 0 && !m.has_mimic; }
+
 template <class F>
 void for_each_array(const Model& m, Sleep& z, F&& f) {
   f(z.number, m.n.bodies), f(z.trees, m.n.bodies), f(z.still, m.n.bodies), f(z.largest, m.n.bodies), f(z.steps, m.n.bodies), f(z.is, m.n.bodies), f(z.flags, m.n.bodies);
@@ -31,7 +34,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.newton_rhs, 8 * slots), f(w.diagonal, 48 * slots), f(w.where, slots), f(w.newton_acts, slots);
   w.block_room = 2 * BlockFactor<3>::size * std::ptrdiff_t(Elimination::entry_room(Index(slots)));
   f(w.blocks_above, w.block_room);
-  if (!m.has_mimic) for_each_array(m, w.sleep, f);
+  if (may_rest(m)) for_each_array(m, w.sleep, f);
   f(w.matrix, room * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
 }
 
@@ -71,13 +74,13 @@ Workspace* place(const Model& m, void* memory) {
   if (step_slots(m) == 0) return &w;
   w.pair_count = -1, find_trees(m, w.tree_of), w.clearance.possible = has_clearance(m);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
-  set_up_sleep(m, w);
+  if (may_rest(m)) set_up_sleep(m, w);
   solver::place(w.solver, island_rows(m), w.solver_memory);
   return &w;
 }
 
 Index resting_trees(const Model& m) {
-  if (step_slots(m) == 0 || m.has_mimic) return 0;
+  if (!may_rest(m)) return 0;
   return Index(std::count_if(m.bodies() + 1, m.bodies() + m.n.bodies, [](const Body& b) { return b.parent == 0; }));
 }
 
