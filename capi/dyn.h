@@ -1380,11 +1380,20 @@ typedef struct dynStepOptions {
   int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin
                                again from nothing, and then the other one is asked */
   double tolerance;         /* of its residual (dynContactReport); default 1e-9 */
-  double sleep_speed;       /* m/s, rad/s, > 0; default 1e-4 */
+  double sleep_speed;       /* m/s, rad/s, > 0; default 1e-4: see below */
   double sleep_time;        /* s, > 0; default 0.5 */
   int32_t visit_sleepers;   /* not 0: steps compute what sleeps all the same, and end at the same bits; default 0 */
   int32_t ledger;           /* not 0: steps keep the error ledger (dyn_data_ledger), for DYN_PART_ENERGY; default 0, which costs nothing */
 } dynStepOptions;
+/* Sleep (DYN_EFFECT_SLEEPING, which is off in new data): in Euler steps (SEMI_IMPLICIT_EULER and IMPLICIT_FAST, not of error control) a tree of bodies comes to
+   rest when it was slower than sleep_speed for sleep_time, and so was all that contacts, limits and constraints join it to, its island. A step that would
+   change the velocities of such an island by no more than dt sleep_speed / sleep_time, and its coordinates by no more than dt sleep_speed, leaves it with
+   v' = 0, q' = q, and the contact forces as they were if they are solved for to the same (1e-6 of the largest). So less than sleep_speed / sleep_time,
+   2e-4 m/s^2, moves nothing that rests: with the effect on, that is part of every step. After two steps that left it as it was, bit for bit, an
+   island sleeps: steps leave it out until something awake meets it, or what it begins from changes: q, v, its own tau, dt, options, gravity, wrenches,
+   effects, materials, pairs, masks, constraints. It is then as if it had never slept: steps with visit_sleepers end at the same bits.
+   Trees stay awake with a joint that may not sleep, or that an actuator drives; so does all of a model with mimic joints. What rests is computed all the
+   same where damping, springs, dry friction, actuators, wrenches, a medium, held weights or enabled constraints act anywhere in the data. */
 DYN_API void dyn_step_options_init(dynStepOptions* options);
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options);
 DYN_API dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options);
@@ -1444,7 +1453,7 @@ typedef struct dynContactForce {
 } dynContactForce;
 DYN_API dynStatus dyn_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts, int capacity, int* count);
 
-/* The state of a simulation: q, v, a, tau, controls and their filters, the time, and the contacts of the last step, which the next one begins from. Steps after
+/* The state of a simulation: q, v, a, tau, controls and their filters, the time, how long bodies have been slow (for sleep), and the contacts of the last step, which the next one begins from. Steps after
    dyn_state_restore are those after dyn_state_save, bit for bit, where the data (or one of the same model, in the same process) has the same options,
    effects, gravity, wrenches, pairs, materials and constraints. memory needs dyn_state_size bytes (0 for an invalid handle). */
 DYN_API size_t dyn_state_size(const dynModel* model);

@@ -66,6 +66,7 @@ void PairSearch::set_up(const Model& m, Data<double>& d) {
   new (resting) BroadPhase(m.n.geoms, 1, 0, of_resting);
   for (Index k = 0; k < moving_count; ++k) moving->insert({shape::Vec::zero(), shape::Vec::zero()}), resting->insert({shape::Vec::zero(), shape::Vec::zero()});
   for (Index k = 0; k < moving_count; ++k) resting->remove(k);
+  for (Index k = 0; k < vast_count; ++k) d.geom_poses[vast_geoms[k]] = SE3<double>{d.R[d.geoms[vast_geoms[k]].body], d.p[d.geoms[vast_geoms[k]].body]} * d.geoms[vast_geoms[k]].X;
   list_active();
   ready = true;
 }
@@ -88,20 +89,25 @@ void PairSearch::list_active() {
   }
 }
 
-void PairSearch::move(const Geom& g, const Pose& X, Index id, double more) {
+bool PairSearch::move(const Data<double>& d, const Geom& g, const Pose& X, Index id, double more) {
   constexpr double wider = 20;
   constexpr Index few = 32;  // of more, some are near most of the time
-  if (moving->count() > few) return moving->update(id, swollen(g, X, more));
+  constexpr double pause = 8;  // moves before one that was not alone may be
   const double radius = g.reach + wider * more, half = g.reach + radius + 1e-9 * radius;
   const auto by = shape::Vec::make(half, half, half);
   const Bounds ball{X.p - by, X.p + by};
-  bool is_alone = true;
-  const auto other = [&](Index k) { is_alone &= k == id; };
-  moving->query(ball, other);
+  if (alone[id].radius < 0) return ++alone[id].radius, moving->update(id, swollen(g, X, more)), false;
+  bool is_alone = moving->count() <= few;
+  for (Index k = 0; is_alone && k < vast_count; ++k) {
+    const Geom& v = d.geoms[vast_geoms[k]];
+    is_alone = v.body == 0 && distance_at_least(g, X, v, d.geom_poses[vast_geoms[k]]) > radius + more;
+  }
+  if (is_alone) moving->query(ball, [&](Index k) { is_alone &= k == id; });
   if (is_alone) fixed->query(ball, [&](Index) { is_alone = false; });
   if (is_alone) resting->query(ball, [&](Index) { is_alone = false; });
-  alone[id] = {X.p, is_alone ? radius : 0};
+  alone[id] = {X.p, is_alone ? radius : -pause};
   moving->update(id, is_alone ? ball : swollen(g, X, more));
+  return is_alone;
 }
 
 void PairSearch::place_all(const Data<double>& d, double margin) {

@@ -161,15 +161,21 @@ struct Search {
   void by_boxes() {
     collision::PairSearch& search = *collision::PairSearch::of(d);
     if (!search.ready) set_up(search);
+    bool near = search.moving->count() > 1;
     for (Index k = 0; k < search.active_count; ++k) {
       const Index geom = search.moving_geoms[search.active[k]];
       place(geom);
-      search.place(d, search.active[k], box_margin(w, d, geom, h));
+      near |= !search.place(d, search.active[k], box_margin(w, d, geom, h));
     }
-    for (Index k = 0; k < search.vast_count; ++k) place(search.vast_geoms[k]);
+    between = 0;  // of other pairs nothing is known
+    for (Index k = 0; k < search.vast_count; ++k) {
+      if (d.geoms[search.vast_geoms[k]].body == 0) continue;
+      place(search.vast_geoms[k]);
+      near = true;
+    }
+    if (!near) return;
     const bool ascending = search.for_each(d, [&](Index a, Index b) { look(a, b, [&](Index& pair) { return collision::tests(m, d, a, b, pair); }); });
     if (!ascending) std::sort(w.contacts, w.contacts + w.contact_count, [](const dynContactForce& x, const dynContactForce& y) { return comes_before(x.contact, y.contact); });
-    between = 0;  // of other pairs nothing is known
   }
 };
 

@@ -80,14 +80,13 @@ void move_contacts(dynContactForce* from, Index& from_count, dynContactForce* to
     std::sort(to, to + to_count, [](const dynContactForce& x, const dynContactForce& y) { return collision::comes_before(x.contact, y.contact); });
 }
 
-// Shapes of trees that fell asleep, or woke.
+// Of shapes that lie in boxes: f(search, its id there, tree). What fell asleep, or woke, changes its place.
 template <class F>
-void for_each_boxed_geom(const Model& m, Data<double>& d, F&& f) {
-  if (!d.step->by_boxes || !d.pair_search || !PairSearch::of(d)->ready) return;
+void for_each_boxed_geom(Data<double>& d, F&& f) {
+  if (!d.step->by_boxes || !PairSearch::of(d)->ready) return;
   PairSearch& search = *PairSearch::of(d);
-  for (Index k = 0; k < search.moving_count; ++k) f(search, search.moving_geoms[k], d.step->sleep.number[d.geoms[search.moving_geoms[k]].body]);
+  for (Index id = 0; id < search.moving_count; ++id) f(search, id, d.step->sleep.number[d.geoms[search.moving_geoms[id]].body]);
   search.list_active();
-  (void)m;
 }
 
 void wake_ring(Sleep& z, Index tree) {
@@ -102,9 +101,8 @@ void settle_awake(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
   move_contacts(z.held, z.held_count, w.contacts, w.contact_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Awake; });
-  for_each_boxed_geom(m, d, [&](PairSearch& search, Index geom, Index tree) {
-    const Index id = Index(std::lower_bound(search.moving_geoms, search.moving_geoms + search.moving_count, geom) - search.moving_geoms);
-    if (z.is[tree] == Sleeper::Awake && search.resting->has(id)) search.stir(geom);
+  for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
+    if (z.is[tree] == Sleeper::Awake && search.resting->has(id)) search.stir(search.moving_geoms[id]);
   });
   list_awake(m, w);
   z.some = z.islands > 0;
@@ -124,7 +122,6 @@ bool may_sleep(const Model& m, const Data<double>& d, const Trees& t) {
 
 void set_up_sleep(const Model& m, Workspace& w) {
   Sleep& z = w.sleep;
-  if (m.has_mimic) return;  // trees that move together
   z.number[0] = -1;
   Index run = 0;
   for (Index i = 1; i < m.n.bodies; ++i) {
@@ -253,7 +250,7 @@ void find_rest(const Model& m, Data<double>& d, const double* v0, const double* 
   for (Index k = 0; k < z.awake_count; ++k) w.report.sleeping += z.island[z.list[k]] == z.list[k] && (z.flags[z.list[k]] & deep);
 }
 
-void keep_rest(const Model& m, Data<double>& d, const double* q0) {
+void keep_rest(const Model&, Data<double>& d, const double* q0) {
   const Sleep& z = d.step->sleep;
   for (Index k = 0; k < z.awake_count; ++k) {
     const Index t = z.list[k];
@@ -262,7 +259,6 @@ void keep_rest(const Model& m, Data<double>& d, const double* q0) {
     const Trees& x = z.trees[t];
     std::copy(q0 + x.q, q0 + x.q_end, d.q + x.q), std::fill(d.v + x.v, d.v + x.v_end, 0.0);
   }
-  (void)m;
 }
 
 void end_sleep(const Model& m, Data<double>& d, double h) {
@@ -283,8 +279,8 @@ void end_sleep(const Model& m, Data<double>& d, double h) {
   if (!some) return;
   z.some = true, w.clearance.square = 0;
   move_contacts(w.contacts, w.contact_count, z.held, z.held_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Asleep; });
-  for_each_boxed_geom(m, d, [&](PairSearch& search, Index geom, Index tree) {
-    const Index id = Index(std::lower_bound(search.moving_geoms, search.moving_geoms + search.moving_count, geom) - search.moving_geoms);
+  for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
+    const Index geom = search.moving_geoms[id];
     if (z.is[tree] == Sleeper::Asleep && search.moving->has(id)) search.rest(d, geom, box_margin(w, d, geom, h));
   });
   list_awake(m, w);

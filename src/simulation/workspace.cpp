@@ -8,6 +8,9 @@ namespace dyn::simulation {
 
 namespace {
 
+// Trees of a model with mimic joints move together; without contacts little comes to rest.
+bool may_rest(const Model& m) { return m.n.contacts > 0 && !m.has_mimic; }
+
 template <class F>
 void for_each_array(const Model& m, Sleep& z, F&& f) {
   f(z.number, m.n.bodies), f(z.trees, m.n.bodies), f(z.still, m.n.bodies), f(z.largest, m.n.bodies), f(z.steps, m.n.bodies), f(z.is, m.n.bodies), f(z.flags, m.n.bodies);
@@ -36,7 +39,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   for (double** a : {&w.by_segment, &w.pivots}) f(*a, segment_lanes * segments);
   f(w.diagonal, BlockFactor::size * segments), f(w.blocks_above, 2 * BlockFactor::size * entries);
   f(w.where, segments), f(w.newton_acts, segments), f(w.newton_filled, entries);
-  if (!m.has_mimic) for_each_array(m, w.sleep, f);
+  if (may_rest(m)) for_each_array(m, w.sleep, f);
   f(w.matrix, room * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
 }
 
@@ -77,13 +80,13 @@ Workspace* place(const Model& m, void* memory) {
   w.segments = find_segments(m, w.segments.of, w.segments.first);
   w.pair_count = -1, find_trees(m, w.tree_of), w.clearance.possible = has_clearance(m);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
-  set_up_sleep(m, w);
+  if (may_rest(m)) set_up_sleep(m, w);
   solver::place(w.solver, island_rows(m), w.solver_memory);
   return &w;
 }
 
 Index resting_trees(const Model& m) {
-  if (step_slots(m) == 0 || m.has_mimic) return 0;
+  if (!may_rest(m)) return 0;
   return Index(std::count_if(m.bodies() + 1, m.bodies() + m.n.bodies, [](const Body& b) { return b.parent == 0; }));
 }
 

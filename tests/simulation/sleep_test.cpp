@@ -191,7 +191,9 @@ TEST(Sleep, SleepersTakeNoInstructions) {
     run.place(at);
     run.steps(600);
     EXPECT_EQ(sleepers, run.report().sleeping);
-    return bench::instructions([&] { dyn_step(run.m, run.d); });
+    return bench::instructions([&] {
+      for (int k = 0; k < 40; ++k) dyn_step(run.m, run.d);
+    });
   };
   const long alone = count(0), beside = count(10000);
   if (alone < 0) GTEST_SKIP() << "this system does not let a process trace its child";

@@ -53,7 +53,7 @@ std::uint32_t parse_effects(const EffectOptions& options) {
 }
 
 void apply_effects(const Robot& robot, dynData* data, std::uint32_t effects) {
-  check(dyn_data_set_effects(robot, data, 0, effects & of_joints));
+  check(dyn_data_set_effects(robot, data, 0, effects & (of_joints | DYN_EFFECT_SLEEPING)));
   const double none[3] = {};
   if (!(effects & has_gravity)) check(dyn_data_set_gravity(robot, data, none));
   if (effects & has_contact && effects & has_constraints) return;
@@ -130,7 +130,7 @@ json effects(const Robot& robot, std::uint32_t on) {
   add("mimic", followers > 0, followers ? several(followers, " joint follows", " joints follow") + " another" : "no joint follows another");
   const int trees = present("sleeping");
   add("sleeping", trees && on & DYN_EFFECT_SLEEPING,
-      !trees ? "nothing can come to rest" : several(trees, " tree of bodies", " trees of bodies") + " may sleep" + (on & DYN_EFFECT_SLEEPING ? "" : "; switched off"));
+      !trees ? "nothing can come to rest" : several(trees, " tree of bodies", " trees of bodies") + " may sleep" + (on & DYN_EFFECT_SLEEPING ? "" : "; not asked for"));
   return list;
 }
 

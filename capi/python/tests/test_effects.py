@@ -27,7 +27,7 @@ def test_they_are_switched_on(pendulum):
     d.set_effects("all")
     tau = d.rnea().copy()
     assert d.aba(tau=tau) == pytest.approx(2)
-    assert d.effects() == Effect.ARMATURE | Effect.DAMPING | Effect.SPRINGS | Effect.FRICTION | Effect.LIMITS
+    assert d.effects() == Effect.ARMATURE | Effect.DAMPING | Effect.SPRINGS | Effect.FRICTION | Effect.LIMITS | Effect.SLEEPING
     energy = d.energy().potential
     d.set_effects(())
     assert energy - d.energy().potential == pytest.approx(0.5 * 4 * 0.3**2)

@@ -34,10 +34,10 @@ inline bool tests(const Model& m, const Data<double>& d, Index a, Index b, Index
 inline constexpr Index pairs_a_shape = 16;
 inline bool may_search(const Model& m) { return !lists_pairs(m) || m.n.pairs > pairs_a_shape * std::ptrdiff_t(m.n.geoms); }
 
-// A ball that a shape was alone in: while what it may reach stays in there, neither its box nor what does not move is looked at again.
+// A ball that a shape was alone in: while what it may reach stays in there, neither its box is looked at again nor what does not move.
 struct Alone {
   shape::Vec center;
-  double radius;  // less the shape's reach; 0: not alone
+  double radius;  // less the shape's reach; 0 or less: not alone
 };
 
 struct PairSearch {
@@ -59,14 +59,14 @@ struct PairSearch {
   void rest(const Data<double>& d, Index geom, double more);
   void stir(Index geom);
   void list_active();
-  // Where a moving shape is, and all within `more` of it.
-  void place(const Data<double>& d, Index id, double more) {
+  // Where a moving shape is, and all within `more` of it. Answers whether it is alone.
+  bool place(const Data<double>& d, Index id, double more) {
     const Geom& g = d.geoms[moving_geoms[id]];
     const Pose& X = d.geom_poses[moving_geoms[id]];
     const Alone& a = alone[id];
     const shape::Vec way = X.p - a.center;
-    if (const double left = a.radius - more; left > 0 && dot(way, way) <= left * left) return;
-    move(g, X, id, more);
+    if (const double left = a.radius - more; left > 0 && dot(way, way) <= left * left) return true;
+    return move(d, g, X, id, more);
   }
   // f(a, b), a < b, of pairs whose boxes overlap. Answers whether they came in ascending order: not where they are too many.
   template <class F>
@@ -88,7 +88,7 @@ struct PairSearch {
   }
 
  private:
-  void move(const Geom& g, const Pose& X, Index id, double more);
+  bool move(const Data<double>& d, const Geom& g, const Pose& X, Index id, double more);
   Index id_of(Index geom) const { return Index(std::lower_bound(moving_geoms, moving_geoms + moving_count, geom) - moving_geoms); }
   bool collect(const Data<double>& d);
   // What moves with what does not, and with what has no box.
@@ -97,10 +97,9 @@ struct PairSearch {
     for (Index i = 0; i < active_count; ++i) {
       const Index a = moving_geoms[active[i]];
       const Bounds& box = moving->bounds(active[i]);
-      if (!(alone[active[i]].radius > 0)) {
-        fixed->query(box, [&](Index k) { f(a, fixed_geoms[k]); });
-        if (active_count < moving_count) resting->query(box, [&](Index k) { f(a, moving_geoms[k]); });
-      }
+      if (alone[active[i]].radius > 0) continue;
+      fixed->query(box, [&](Index k) { f(a, fixed_geoms[k]); });
+      if (active_count < moving_count) resting->query(box, [&](Index k) { f(a, moving_geoms[k]); });
       for (Index k = 0; k < vast_count; ++k) f(a, vast_geoms[k]);
     }
     for (Index k = 0; k < vast_count; ++k) {

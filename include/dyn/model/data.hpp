@@ -235,7 +235,8 @@ void apply_effects(const Model& m, Data<T>& d) {
       }
   for (Index k = 0; k < m.n.limits; ++k)
     if (d.effects[m.bodies()[m.limits()[k].body].joint] & DYN_EFFECT_LIMITS) d.acting |= DYN_EFFECT_LIMITS;
-  for (Index j = 1; j < m.n.joints && d.has(DYN_PART_SIMULATION); ++j) on(j, DYN_EFFECT_SLEEPING);
+  const bool rests = d.has(DYN_PART_SIMULATION) && !m.has_mimic && m.n.slots + m.n.contacts + m.n.limits > 0;
+  for (Index j = 1; rests && j < m.n.joints; ++j) on(j, DYN_EFFECT_SLEEPING);
 }
 
 template <class T>
