@@ -2,28 +2,15 @@
 
 namespace dyn::simulation {
 
-Segments find_segments(const Model& m, Index* of, Index* first) {
-  Segments s{0, 0, of, first};
+void find_segments(const Model& m, Segments& s) {
   const Index *parent = m.dof_parent(), *forks = m.dof_forks();
   Index begin = 0;
-  auto starts = [&](Index k) { return k == 0 || parent[k] != k - 1 || forks[k - 1] || k - begin == segment_size; };
+  s.count = 0;
   for (Index k = 0; k < m.n.nv; ++k) {
-    if (starts(k)) {
-      begin = k;
-      if (first) first[s.count] = k;
-      ++s.count;
-    }
-    if (of) of[k] = s.count - 1;
+    if (k == 0 || parent[k] != k - 1 || forks[k - 1] || k - begin == segment_size) s.first[s.count++] = begin = k;
+    s.of[k] = s.count - 1;
   }
-  if (first) first[s.count] = m.n.nv;
-  // a segment that is not full ends at a fork or a leaf
-  for (Index k = 0; k < m.n.nv; ++k) {
-    if (k + 1 < m.n.nv && parent[k + 1] == k) continue;
-    Index path = 0, ends = 1;
-    for (Index i = k; i >= 0; i = parent[i], ++path) ends += parent[i] >= 0 && (parent[i] != i - 1 || forks[parent[i]]);
-    s.depth = std::max(s.depth, path / segment_size + ends);
-  }
-  return s;
+  s.first[s.count] = m.n.nv;
 }
 
 // What each slot is carried by. Degrees of freedom descend: those of a segment follow one another.

@@ -22,12 +22,8 @@ void Island::impulses(dynContactReport& report) {
     velocities();
   } else {
     if (large() || (!bounces && sparse())) sweep_to_rest(report);
-    auto sweep_nearly = [&] {
-      if (!bounces && report.residual > w.options.tolerance && report.residual < nearly) sweep_on(report);
-    };
-    if (!large()) sweep_nearly();
     if (!large() && report.residual > w.options.tolerance) solve(report);
-    sweep_nearly();
+    if (!bounces && report.residual > w.options.tolerance && report.residual < nearly) sweep_on(report);
   }
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);

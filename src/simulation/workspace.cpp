@@ -30,12 +30,11 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));
   f(w.blocks, slots), f(w.by_dof, m.n.nv);
   f(w.clearance.q, m.n.nq), f(w.clearance.lever, m.n.nv);
-  w.segments = find_segments(m, nullptr, nullptr);
-  f(w.segments.of, m.n.nv), f(w.segments.first, w.segments.count + 1);
-  w.elimination.arrays(Index(slots), w.segments, f);
+  const std::ptrdiff_t segments = segment_room(m), entries = Elimination::entry_room(segment_room(m));
+  f(w.segments.of, m.n.nv), f(w.segments.first, segments + 1);
+  w.elimination.arrays(m, Index(slots), f);
   f(w.newton, slots), f(w.newton_vectors, newton_vectors * row_room(step_rows(m)));
   f(w.run_rows, segment_lanes * most_rows * std::ptrdiff_t(w.elimination.most_runs));
-  const std::ptrdiff_t segments = w.segments.count, entries = Elimination::entry_room(w.segments.count);
   for (double** a : {&w.by_segment, &w.pivots}) f(*a, segment_lanes * segments);
   f(w.diagonal, BlockFactor::size * segments), f(w.blocks_above, 2 * BlockFactor::size * entries);
   f(w.where, segments), f(w.newton_acts, segments), f(w.newton_filled, entries);
@@ -77,7 +76,7 @@ Workspace* place(const Model& m, void* memory) {
   });
   w.options = default_options();
   if (step_slots(m) == 0) return &w;
-  w.segments = find_segments(m, w.segments.of, w.segments.first);
+  find_segments(m, w.segments);
   w.pair_count = -1, find_trees(m, w.tree_of), w.clearance.possible = has_clearance(m);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
   if (may_rest(m)) set_up_sleep(m, w);

@@ -7,11 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "dyn/base/types.hpp"
-
-namespace dyn {
-struct Model;
-}
+#include "dyn/model/model.hpp"
 
 namespace dyn::simulation {
 
@@ -19,13 +15,13 @@ struct Island;
 
 inline constexpr Index segment_size = 6, segment_lanes = 8;
 
-// Of a model.
+// Of a model. They end after six degrees of freedom or between bodies.
 struct Segments {
-  Index count = 0, depth = 0;  // depth: the most that one body hangs on
-  Index *of, *first;           // of degrees of freedom; first degrees of freedom of segments
+  Index count = 0;
+  Index *of = nullptr, *first = nullptr;  // of degrees of freedom; first degrees of freedom of segments
 };
-// of, first: room for nv, or null
-Segments find_segments(const Model& m, Index* of, Index* first);
+inline Index segment_room(const Model& m) { return m.has_mimic ? m.n.nv : std::min(m.n.nv, m.n.bodies - 1 + m.n.nv / segment_size); }
+void find_segments(const Model& m, Segments& s);
 
 // The part of a slot that a segment carries: its rows in lanes by degree of freedom, in the units of newton.cpp.
 struct SlotRun {
@@ -50,15 +46,17 @@ struct Elimination {
   Index most_entries, most_runs;
 
   static std::ptrdiff_t entry_room(Index segments) { return std::min<std::ptrdiff_t>(std::ptrdiff_t(segments) * (segments - 1) / 2, 16 * std::ptrdiff_t(segments)) + 1; }
-  static std::ptrdiff_t run_room(Index slots, const Segments& s) { return std::max<std::ptrdiff_t>(2, std::min<std::ptrdiff_t>(2 * s.depth, 8)) * slots + 2 * s.depth; }
+  // where slots are carried by more, on average, there is no room
+  static std::ptrdiff_t run_room(const Model& m, Index slots) { return std::min<std::ptrdiff_t>(m.n.carriers / segment_size + 2, 8) * slots + m.n.nv; }
 
   template <class F>
-  void arrays(Index slots, const Segments& s, F&& f) {
-    most_entries = Index(entry_room(s.count)), most_runs = Index(run_room(slots, s));
-    for (Index** a : {&segment, &local, &order, &position, &first, &first_in, &first_of, &degree, &mark, &of_degree, &before, &after, &lists}) f(*a, s.count + 2);
+  void arrays(const Model& m, Index slots, F&& f) {
+    const Index count = segment_room(m);
+    most_entries = Index(entry_room(count)), most_runs = Index(run_room(m, slots));
+    for (Index** a : {&segment, &local, &order, &position, &first, &first_in, &first_of, &degree, &mark, &of_degree, &before, &after, &lists}) f(*a, count + 2);
     for (Index** a : {&later, &earlier, &in}) f(*a, most_entries);
     f(first_run, slots + 1), f(runs, most_runs), f(next_of, most_runs);
-    f(next_list, std::ptrdiff_t(most_runs) + most_entries), f(dead, std::ptrdiff_t(slots) + s.count);
+    f(next_list, std::ptrdiff_t(most_runs) + most_entries), f(dead, std::ptrdiff_t(slots) + count);
   }
 
   // false: there is no room for what it fills
