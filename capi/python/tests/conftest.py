@@ -1,5 +1,6 @@
 """Robots and helpers of the tests. Environment: DYN_LIBRARY (the library), DYN_CLI (the command), DYN_MODELS_DIR (models/)."""
 
+import importlib.util
 import os
 import sys
 from pathlib import Path
@@ -53,3 +54,11 @@ def state(go2):
 
     random = np.random.default_rng(7)
     return (go2.random(7), *(random.standard_normal(go2.nv) for _ in range(3)))
+
+
+def bench_problem(name):
+    """A problem of bench/accuracy: its model, start, duration and closed form."""
+    spec = importlib.util.spec_from_file_location("bench_problems", CAPI.parent / "bench/accuracy/problems.py")
+    problems = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(problems)
+    return getattr(problems, name)()

@@ -1,15 +1,13 @@
 """What `dyn accuracy --target` recommends, run again: it meets the target, on the robots and mechanisms of models/ and the problems of bench/accuracy.
 All with DYN_SLOW (tools/test --slow), some otherwise."""
 
-import importlib.util
 import json
 import math
 import os
-import sys
 
 import numpy as np
 import pytest
-from conftest import CAPI, MODELS
+from conftest import MODELS, bench_problem
 from test_cli import CLI, answer
 
 import dyn
@@ -34,20 +32,12 @@ ROBOTS = {
     "linkage gripper": ("mechanisms/linkage_gripper.urdf", ["--fixed", "--without", "limits,contact"], "1e-6m"),
 }
 PROBLEMS = {"pendulum": "1e-6m", "box": "1e-6m", "heavy-top": "1e-6m", "chain": "1e-9m", "slide": "1e-4m", "stack": "1e-5m", "bouncing": "1e-3m"}
-QUICK = {"double pendulum", "arm falls", "four-bar", "slide"}
+QUICK = {"double pendulum", "arm falls", "four-bar"}
 
 
 def scene_of_bench(name, folder):
     """The problem's file and state; its MJCF says the rest."""
-    sys.path.insert(0, str(CAPI.parent / "bench/accuracy"))
-    try:
-        spec = importlib.util.spec_from_file_location("bench_problems", CAPI.parent / "bench/accuracy/problems.py")
-        problems = importlib.util.module_from_spec(spec)
-        sys.modules[spec.name] = problems
-        spec.loader.exec_module(problems)
-    finally:
-        sys.path.pop(0)
-    problem = getattr(problems, {"heavy-top": "heavy_top", "chain": "planar_chain"}.get(name, name))()
+    problem = bench_problem({"heavy-top": "heavy_top", "chain": "planar_chain"}.get(name, name))
     file = folder / f"{name}.xml"
     file.write_text(problem.mjcf)
     m = dyn.load(file)

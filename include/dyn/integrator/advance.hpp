@@ -21,6 +21,7 @@ T largest(const T* x, Index n) {
 template <class T>
 struct Rounding {
   bool held;                         // rows hold
+  T most_noise;                      // per second: more is no rounding
   T noise = T(0), over = T(0);       // of errors, per second: everywhere; of the step over a singular configuration
   T first = T(0), rejected = T(0), tried = T(0);  // length of the first try of this step; error and length of the last one
   int tries = 0;
@@ -40,7 +41,7 @@ struct Rounding {
     near = held && !helped && error > 1000 * allowed;
     if (tries++ == 0) first = h;
     else if (near && h < T(0.4) * first) over = std::max(over, error / h);
-    else if (!near && !helped) noise = std::max(noise, error / h);
+    else if (!near && !helped) noise = std::max(noise, std::min(error / h, most_noise));
     rejected = error, tried = h;
   }
   T shortest() const { return near ? T(0.8) : T(0.2); }
@@ -104,7 +105,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   int doubts = 0;
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
-  Rounding<T> rounding{active_rows(m, d) > 0};
+  Rounding<T> rounding{active_rows(m, d) > 0, std::max(accuracy / (4 * duration), T(1e-7))};
   Controller<T> controller{T(1) / (Tableau::order - 1), rounding.held || accuracy == T(0)};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);

@@ -63,15 +63,22 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
   Setting fine = contact;
   fine.integrator = integrators[DYN_IMPLICIT_FAST];
   fine.dt = std::min(4e-4, scene.duration / samples);
-  const Run trial = run_within(scene, fine, budget.left() / 3);
-  const double affordable = budget.left() / 3 / 1.75 / std::max(trial.wall_s, 1e-6);
-  fine.dt /= std::exp2(std::clamp(std::floor(std::log2(affordable)), 0.0, 12.0));
-  Setting coarse = fine, coarser = fine;
-  coarse.dt *= 2, coarser.dt *= 4;
-  const Run far = run_within(scene, coarser, budget.left()), near = run_within(scene, coarse, budget.left());
-  out.run = run_within(scene, fine, budget.left());
-  for (const Run* r : {&far, &near, static_cast<const Run*>(&out.run)})
-    if (!r->error.empty()) fail("there is no reference, since steps of " + short_number(fine.dt) + " s and more end early: " + r->error + " (--budget gives it more time, --reference another one)");
+  const double kept = budget.left() * 2 / 3;
+  Run far, near;
+  out.run = run_within(scene, fine, budget.left() / 3);
+  const auto halve = [&](double most_s) {
+    Setting next = fine;
+    next.dt /= 2;
+    Run r = run_within(scene, next, most_s);
+    if (r.error == too_long) return false;
+    far = std::move(near), near = std::move(out.run), out.run = std::move(r), fine = next;
+    return out.run.error.empty();
+  };
+  bool going = out.run.error.empty() && halve(budget.left()) && halve(budget.left());
+  while (going && fine.dt > 1e-8 && 2.5 * out.run.wall_s < budget.left() - kept) going = halve(budget.left() - kept);
+  for (const Run* r : std::initializer_list<const Run*>{&far, &near, &out.run})
+    if (!r->error.empty() || r->samples.empty())
+      fail("there is no reference, since steps of " + short_number(fine.dt) + " s and more end early: " + (r->error.empty() ? std::string(too_long) : r->error) + " (--budget gives it more time, --reference another one)");
   out.smooth = false;
   out.kind = "steps of " + short_number(fine.dt, 3) + " s, the finest that a third of the budget allows";
   out.uncertainty = error_between(scene.robot, out.run, near);
