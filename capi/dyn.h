@@ -1392,7 +1392,7 @@ typedef struct dynStepOptions {
    2e-4 m/s^2, moves nothing that rests: with the effect on, that is part of every step. After two steps that left it as it was, bit for bit, an
    island sleeps: steps leave it out until something awake meets it, or what it begins from changes: q, v, its own tau, dt, options, gravity, wrenches,
    effects, materials, pairs, masks, constraints. It is then as if it had never slept: steps with visit_sleepers end at the same bits.
-   Trees stay awake with a joint that may not sleep, or that an actuator drives; so does all of a model with mimic joints. What rests is computed all the
+   Trees stay awake with a joint that may not sleep, or that an actuator drives; so does all of a model with mimic joints, or without contacts. What rests is computed all the
    same where damping, springs, dry friction, actuators, wrenches, a medium, held weights or enabled constraints act anywhere in the data. */
 DYN_API void dyn_step_options_init(dynStepOptions* options);
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options);
