@@ -81,7 +81,8 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   else joint.axis = context.X.R * (joint.axis * (1 / length));
   if (scalar) joint.reference = unit * reader.optional_number(e, "ref").value_or(0);
 
-  if (const auto limits = range(reader, e, "range", "limited", file.compiler.autolimits)) {
+  // whatever its class says, a free joint is not limited
+  if (const auto limits = spec.type == DYN_JOINT_FREE_FLYER ? std::nullopt : range(reader, e, "range", "limited", file.compiler.autolimits)) {
     const auto end = [&](double x) { return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x; };  // one end alone
     if (scalar) spec.lower = {end((*limits)[0])}, spec.upper = {end((*limits)[1])};
     else joint.place.physics("the limit of a ball joint's angle is not used");
