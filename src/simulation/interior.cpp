@@ -5,27 +5,19 @@
 //   (B G + W^2 S + N) dy = sigma Y^-1 - U        S = dY/dy,  B = dU/dc,  N = dU/dy,  W^2 Y = U
 // From the guess, as far inside as its error says. Boxes y in [l, u] have z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c.
 #include "dyn/simulation/newton.hpp"
+#include "dyn/solver/lorentz.hpp"
 
 namespace dyn::simulation {
 
 namespace {
 
+using solver::lorentz;
+using solver::within_cone;
+
 constexpr double to_boundary = 0.99, least_centring = 1e-6, least_compliance = 1e-6;
 constexpr double inside = 10;  // of the guess's error
 constexpr Index most_steps = 30, most_newton_steps = 6;
 
-double lorentz(double a0, const double* a, double b0, const double* b, Index m) {
-  double s = a0 * b0;
-  for (Index i = 0; i < m; ++i) s -= a[i] * b[i];
-  return s;
-}
-// The largest t with a + t d in the cone |a_t| <= a_0, a inside.
-double within_cone(double a0, const double* a, double d0, const double* d, Index m) {
-  const double A = lorentz(d0, d, d0, d, m), B = lorentz(a0, a, d0, d, m), C = lorentz(a0, a, a0, a, m);
-  const double root = std::sqrt(std::max(B * B - A * C, 0.0));
-  if (B < 0) return B * B >= A * C ? C / (root - B) : HUGE_VAL;
-  return A < 0 ? (-B - root) / A : HUGE_VAL;
-}
 class Interior : public Newton {
  public:
   using Newton::Newton;

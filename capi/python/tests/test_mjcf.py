@@ -235,3 +235,13 @@ def test_binary_assets(tmp_path):
 def test_constraint_slots():
     text = "<mujoco><worldbody>" + BODY + "</worldbody></mujoco>"
     assert dyn.load_string(text, constraint_slots=3).nconstraint_slots == 3
+
+
+def test_a_free_joint_is_not_limited_whatever_its_class_says():
+    m = dyn.load_string(
+        "<mujoco><default><joint limited='true'/></default><worldbody><body><joint type='free'/><geom size='.1'/>"
+        "<body><joint name='hinge' range='-10 10'/><geom size='.1'/></body></body></worldbody></mujoco>"
+    )
+    assert m.nq == 8 and m.lower_limit[7] == pytest.approx(-np.pi / 18)
+    with pytest.raises(dyn.Error, match="needs range"):
+        dyn.load_string("<mujoco><worldbody><body><joint type='hinge' limited='true'/><geom size='.1'/></body></worldbody></mujoco>")

@@ -95,3 +95,34 @@ def test_states_are_kept():
     assert np.array_equal(d.q, end)
     with pytest.raises(dyn.SizeError, match="dyn_state_size"):
         d.restore(kept[:-1])
+
+
+def test_the_ledger():
+    m = box_on_ground(dyn.Material(friction=0.4))
+    d = m.data()
+    q, v = m.neutral(), np.zeros(6)
+    q[2], v[0] = 0.1, 1.0
+    d.set_state(q, v)
+    d.set_stepping("semi_implicit_euler", 1e-3, ledger=True)
+    d.advance(0.5)
+    x = d.ledger
+    assert x.steps == 500 and x.contact_friction == pytest.approx(-1, abs=1e-8) and x.energy_change == pytest.approx(-1, abs=1e-9)
+    assert abs(x.energy_defect) < 1e-8 and x.momentum_defect == pytest.approx(np.zeros(3), abs=1e-12)
+    d.set_stepping(ledger=False)
+    d.step()
+    assert d.ledger.steps == 0
+    with pytest.raises(dyn.PartError, match="DYN_PART_ENERGY"):
+        m.data(dyn.Part.SIMULATION).set_stepping(ledger=True)
+
+
+def test_sim_ledger():
+    x = answer("sim", GO2, "--floating", "--ground", "--duration", "0.05", "--ledger", "--no-error-estimate")["ledger"]
+    sources = sum(v for k, v in x.items() if isinstance(v, float) and not k.startswith(("energy", "constraint_drift", "cone", "complementarity")))
+    assert x["energy_change"] == pytest.approx(sources + x["energy_defect"], abs=1e-9)
+    assert x["damping"] < 0 and x["friction"] < 0
+    assert "energy_defect" in run("sim", GO2, "--floating", "--ground", "--duration", "0.05", "--ledger", "--no-error-estimate")
+
+
+def test_steps_for_an_accuracy_while_a_robot_lies_on_the_ground():
+    said = answer("sim", GO2, "--floating", "--ground", "--duration", "0.3", "--accuracy", "1e-2", "--q", "0,0,0.33331,0,0,0,1" + ",0,0.8,-1.5" * 4)
+    assert said["steps"] < 20000 and said["penetration_max"] < 1e-4
