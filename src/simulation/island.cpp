@@ -9,9 +9,9 @@ namespace {
 constexpr double rest = 0.05;  // m/s: what is faster is an impact however long the step
 
 // How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what comes as near as errors may is closed at once:
-// else velocities would depend on gaps that are errors, and on the step.
-double may_close(const Island& x, double gap, double rate) {
-  const double closed = x.w.closed;
+// else velocities would depend on gaps that are errors, and on the step. pressed: it was in the step before, and opens later than it would close.
+double may_close(const Island& x, double gap, double rate, bool pressed = false) {
+  const double closed = (pressed ? 3 : 1) * x.w.closed;
   return gap + x.h * rate <= closed && closed > 0 ? 0 : std::max(0.0, gap - closed) / x.h;
 }
 
@@ -62,7 +62,7 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
     x.bias[i] = x.compliance[i] = x.v_minus[i] = 0;
   }
   const Index normal = normal_row(s.rows), n = s.first + normal;
-  x.bias[n] = may_close(x, gap, s.rate[normal]) + lost(x, s, gap);
+  x.bias[n] = may_close(x, gap, s.rate[normal], dot(load3(f.force_on_b), load3(f.force_on_b)) > 0) + lost(x, s, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
     x.compliance[n] = 1 / (x.h * total), x.bias[n] = material.stiffness * gap / total;
