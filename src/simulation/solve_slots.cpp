@@ -18,12 +18,12 @@ void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
   if (stays(report)) {
-  } else if (!bounces && sparse() && newton(report, false)) {
+  } else if (!bounces && !sweeps_alone() && sparse() && newton(report, false)) {
     velocities();
   } else {
-    if (large() || (!bounces && sparse())) sweep_to_rest(report);
-    if (!large() && report.residual > w.options.tolerance) solve(report);
-    if (!bounces && report.residual > w.options.tolerance && report.residual < nearly) sweep_on(report);
+    if (large() || (!bounces && (sweeps_alone() || sparse()))) sweep_to_rest(report);
+    if (!large() && !sweeps_alone() && report.residual > w.options.tolerance) solve(report);
+    if (!bounces && !sweeps_alone() && report.residual > w.options.tolerance && report.residual < nearly) sweep_on(report);
   }
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
@@ -66,7 +66,7 @@ bool Island::correct(double* by_dof) {
         const double gap = w.contacts[x.index].contact.distance + h * c[i] + w.closed;
         wrong = is_soft(w.laws[x.index].material) ? std::max(gap, most) : one_sided(gap);
       }
-      g[i] = 0, bias[i] = wrong;
+      g[i] = compliance[i] = 0, bias[i] = wrong;
     }
     in_boxes += x.kind == RowKind::Box;
   }

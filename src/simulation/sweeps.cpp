@@ -16,28 +16,28 @@ struct Sweeper {
   const Island& x;
   const double* Dinv;
   double* z;
-  bool frictionless;
 
   Pack<double, row_lanes> moved(const ActiveSlot& a) const { return x.moved(a, Dinv, z); }  // G lambda, in lanes
   void change(const ActiveSlot& a, const double* by) const { x.pass(a, by, z); }
   double wanted(Index i) const { return x.g[i] + x.bias[i]; }
-  double soft(Index i) const { return frictionless ? 0 : x.compliance[i]; }
+  double soft(Index i) const { return x.compliance[i]; }
 
-  // A row of an equality or a box.
-  void row(const ActiveSlot& a, const SlotBlock& s, Index r, double lower, double upper) const {
+  // A row of an equality or a box. Answers by how much its velocity changes.
+  double row(const ActiveSlot& a, const SlotBlock& s, Index r, double lower, double upper) const {
     const Index i = a.s->first + r;
     const double G = s.diagonal[r] + soft(i);
-    if (!(G > 0)) return;
+    if (!(G > 0)) return 0;
     const double c = wanted(i) + moved(a)[int(r)] + soft(i) * x.lambda[i], to = std::clamp(x.lambda[i] - c / G, lower, upper);
     double by[most_rows] = {};
     by[r] = to - x.lambda[i];
-    if (by[r] == 0) return;
+    if (by[r] == 0) return 0;
     x.lambda[i] = to;
     change(a, by);
+    return std::abs(G * by[r]);
   }
   void contact(const ActiveSlot& a, SlotBlock& s, double mu) const {
     const Index first = a.s->first, rows = a.s->rows, normal = normal_row(rows);
-    if (rows == 1 || mu == 0 || frictionless) return row(a, s, normal, 0, HUGE_VAL);
+    if (rows == 1 || mu == 0) return void(row(a, s, normal, 0, HUGE_VAL));
     const Index* order = order_of[rows];
     const auto Gl = moved(a);
     double b[most_rows] = {}, now[most_rows] = {}, to[most_rows] = {}, by[most_rows] = {};
@@ -67,6 +67,21 @@ struct Sweeper {
         contact(a, s, x.friction[contacts]), ++contacts;
     }
   }
+  // Without friction. Answers the largest change of a velocity.
+  double apart() const {
+    double most = 0;
+    for (Index k = 0, boxes = 0; k < x.slots; ++k) {
+      const ActiveSlot& a = x.slot(k);
+      const SlotBlock& s = x.w.blocks[k];
+      if (a.kind == RowKind::Equality)
+        for (Index r = 0; r < a.s->rows; ++r) most = std::max(most, row(a, s, r, -HUGE_VAL, HUGE_VAL));
+      else if (a.kind == RowKind::Box)
+        most = std::max(most, row(a, s, 0, x.lower[boxes], x.upper[boxes])), ++boxes;
+      else
+        most = std::max(most, row(a, s, normal_row(a.s->rows), 0, HUGE_VAL));
+    }
+    return most;
+  }
   // Largest |y - P_K(y - u)| as a velocity: the residual of residuals.hpp, slot by slot.
   double residual() const {
     double worst = 0;
@@ -84,7 +99,7 @@ struct Sweeper {
         for (Index r = 0; r < rows; ++r) of_row(r, -HUGE_VAL, HUGE_VAL);
       } else if (a.kind == RowKind::Box) {
         of_row(0, x.lower[boxes], x.upper[boxes]), ++boxes;
-      } else if (const double mu = x.friction[contacts++]; rows == 1 || mu == 0 || frictionless) {
+      } else if (const double mu = x.friction[contacts++]; rows == 1 || mu == 0) {
         of_row(normal_row(rows), 0, HUGE_VAL);
       } else {
         const Index* order = order_of[rows];
@@ -160,7 +175,7 @@ double Island::speed() const {
 
 // c = G lambda + g
 void Island::velocities() const {
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, false};
+  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& a = slot(k);
     const auto Gl = sweep.moved(a);
@@ -169,18 +184,21 @@ void Island::velocities() const {
 }
 
 double Island::residual() const {
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, false};
+  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
   sweep.start();
   return sweep.residual();
 }
 
 bool Island::stays(dynContactReport& report) {
   if (bounces) return false;
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, false};
+  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
-  for (int k = 0; k < few_sweeps && report.residual > w.options.tolerance && report.residual < 1e-5; ++k) {
+  const auto another = [&](int done) {  // one at least where much is tolerated: cones have turned since the guess
+    return (report.residual > w.options.tolerance && report.residual < 1e-5) || (done == 0 && sweeps_alone() && report.residual <= w.options.tolerance);
+  };
+  for (int k = 0; k < few_sweeps && another(k); ++k) {
     prepare_cones();
     sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
@@ -198,16 +216,17 @@ void Island::sweep_to_rest(dynContactReport& report) {
     if (restitution[contact] > 0) bias[n] = restitution[contact] * v_minus[n];
     ++contact;
   }
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, false};
+  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
   prepare_cones();
-  // ever more of them before the other methods have another try
-  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_go_on(report); some *= 2) {
+  // ever more of them before Newton's method has another try, and then from inside
+  Index tries = 0;
+  for (Index some = 5; (large() || sweeps_alone() || some <= 10) && report.residual > w.options.tolerance && may_go_on(report); some *= sweeps_alone() ? 1 : 2) {
     for (Index k = 0; k < some && may_go_on(report); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
-    if (report.residual <= w.options.tolerance || newton(report, large())) break;
+    if (report.residual <= w.options.tolerance || (!sweeps_alone() && newton(report, ++tries >= 2))) break;
     sweep.start();
   }
   velocities();
@@ -215,7 +234,7 @@ void Island::sweep_to_rest(dynContactReport& report) {
 
 void Island::sweep_on(dynContactReport& report) {
   double* const best = w.newton_vectors;
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, false};
+  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
   const double most = speed();
   prepare_cones();
   std::copy_n(lambda, rows, best);
@@ -233,10 +252,13 @@ void Island::sweep_on(dynContactReport& report) {
 
 // Enough for corrections, of which the next steps make more.
 void Island::sweep_apart() {
+  constexpr int most_sweeps = 20;
+  constexpr double least = 0.02;  // of the first sweep's largest change
   std::fill_n(lambda, rows, 0.0);
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof, true};
+  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
   sweep.start();
-  for (int k = 0; k < 20; ++k) sweep();
+  const double first = sweep.apart();
+  for (int k = 1; k < most_sweeps && sweep.apart() > least * first; ++k) {}
 }
 
 }  // namespace dyn::simulation

@@ -37,6 +37,32 @@ TEST(Large, PouredSpheresAreSolvedInEveryStep) {
   EXPECT_GT(rows, 240);
 }
 
+// Gauss-Seidel alone, to two digits: each contact is within its cone all the same, nothing gains energy, and errors of velocities do not add up to overlap.
+TEST(Large, CoarseSweepsStayBounded) {
+  Spheres s(4, 64, 0.21, 0.5, {0, 0, -9.81});
+  s.scene.ground();
+  Play play(s.scene.finish(), 2e-3, DYN_CONTACT_PGS);
+  play.options.tolerance = 1e-2, play.options.max_iterations = 100;
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
+  play.place(s.at);
+  double least = play.energy();
+  for (int k = 0; k < 500; ++k) {
+    play.steps(1);
+    ASSERT_LE(play.report().residual, 1.01e-2) << k;
+    ASSERT_LE(play.report().penetration, 1e-3) << k;
+    const double now = play.energy();
+    ASSERT_LE(now, least + 1e-2) << k;  // of 700 J
+    least = std::min(least, now);
+    for (const dynContactForce& f : play.contacts()) {
+      const double n = f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2];
+      double across = 0;
+      for (int i = 0; i < 3; ++i) across += std::pow(f.force_on_b[i] - n * f.contact.normal[i], 2);
+      ASSERT_GE(n, -1e-9) << k;
+      ASSERT_LE(std::sqrt(across), 0.5 * n + 1e-6) << k;
+    }
+  }
+}
+
 // A cloud that falls together without anything outside: 27 spheres, then as many as make islands of more rows than a matrix is kept for.
 TEST(Large, FreePilesKeepTheirMomentum) {
   for (const int n : {3, 5}) {

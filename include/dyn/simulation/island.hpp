@@ -27,6 +27,7 @@ struct Island {
   ActiveSlot& slot(Index k) const { return w.active[order[k]]; }
   std::ptrdiff_t stride() const { return row_room(rows); }
   bool large() const { return rows > island_rows(m); }
+  bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_PGS && (large() || !bounces); }  // restitution's guard is the matrix's
 
   // numbers and their meaning (island.cpp)
   void number();
