@@ -31,6 +31,15 @@ dynStatus dyn_builder_constraint_slots(dynBuilder* builder, int slots) {
   });
 }
 
+dynStatus dyn_builder_contact_capacity(dynBuilder* builder, int contacts) {
+  if (const dynStatus s = check(builder)) return s;
+  return guarded([&] {
+    builder->b->contact_capacity(contacts);
+    return DYN_OK;
+  });
+}
+
+int dyn_contact_capacity(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.contacts) : -1; }
 int dyn_nconstraints(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.constraints) : -1; }
 int dyn_nconstraint_slots(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.slots) : -1; }
 

@@ -150,11 +150,12 @@ typedef struct dynLoadOptions {
   const char* srdf;                 /* path of an SRDF for this robot; NULL: none */
   dynMeshUse meshes;                /* anything but NONE needs libdyn_mesh.so, and a mesh that cannot be read is an error */
   int32_t constraint_slots;         /* spare slots for constraints, 0 to 1000; default 8 */
+  int32_t contact_capacity;         /* contact points that a step has room for, 1 to 10^6, the deepest: see dyn_builder_contact_capacity; default 0 */
 } dynLoadOptions;
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
 
-/* Reads a robot from a URDF file, a model from an MJCF file, or what was saved as .dynb (with gravity and constraint_slots as the only options): the
+/* Reads a robot from a URDF file, a model from an MJCF file, or what was saved as .dynb (with gravity, constraint_slots and contact_capacity as the only options): the
    content decides. *model is written only on success. options may be NULL (the defaults of
    dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used; what it says of the SRDF
    begins with that file's name, and names that the robot has not are warnings there (errors under strict).
@@ -879,6 +880,10 @@ DYN_API void dyn_constraint_init(dynConstraint* constraint, dynConstraintType ty
 DYN_API dynStatus dyn_builder_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second);
 /* Spare slots of the model, 0 to 1000; default 8. */
 DYN_API dynStatus dyn_builder_constraint_slots(dynBuilder* builder, int slots);
+/* For how many contact points, 1 to 10^6, data of the model have room in a step: about 5 kB each (by rows and what carries them; dyn_model_plan
+   says exactly). Of more, the deepest count, and dynStepReport.dropped says how many did not. 0: 16 and 8 for each shape, or for each that moves where they are over 1,000. */
+DYN_API dynStatus dyn_builder_contact_capacity(dynBuilder* builder, int contacts);
+DYN_API int dyn_contact_capacity(const dynModel* model);
 DYN_API int dyn_nconstraints(const dynModel* model);
 DYN_API int dyn_nconstraint_slots(const dynModel* model); /* nconstraints and the spare ones */
 DYN_API const char* dyn_constraint_name(const dynModel* model, int constraint);
@@ -1213,7 +1218,8 @@ DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double o
    impulses' work lambda'(g + G lambda / 2) would be positive, or nothing comes near a solution, the coefficients are taken smaller, all by the factor
    that the report gives (of some eight solves, each with max_iterations); with factor 0 impulses never do work. */
 typedef enum dynContactSolverType {
-  DYN_CONTACT_PGS = 0,   /* projected Gauss-Seidel, each contact solved exactly: cheap sweeps, many where mass ratios or redundancy are large */
+  DYN_CONTACT_PGS = 0,   /* projected Gauss-Seidel, each contact solved exactly: cheap sweeps, many where mass ratios or redundancy are large.
+                            The fastest in steps to tolerances of 1e-3 and more, which need no matrix */
   DYN_CONTACT_ADMM = 1,  /* proximal ADMM (Carpentier, Le Lidec and Montaut 2024), finished by Newton's method: robust; the default */
   DYN_CONTACT_NEWTON = 2 /* an interior point method, friction's law whole in its equations (Acary et al. 2024); finished likewise: extreme masses */
 } dynContactSolverType;

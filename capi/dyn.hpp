@@ -130,6 +130,7 @@ struct LoadOptions {
   }
   LoadOptions& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
   LoadOptions& constraint_slots(int n) { return value.constraint_slots = n, *this; }
+  LoadOptions& contact_capacity(int n) { return value.contact_capacity = n, *this; }
   LoadOptions& meshes(dynMeshUse use) { return value.meshes = use, *this; }
   LoadOptions& srdf(std::string path) { return srdf_path = std::move(path), *this; }
 };
@@ -254,6 +255,7 @@ class Model {
   }
   int nconstraints() const noexcept { return dyn_nconstraints(get()); }
   int nconstraint_slots() const noexcept { return dyn_nconstraint_slots(get()); }
+  int contact_capacity() const noexcept { return dyn_contact_capacity(get()); }
   std::string constraint_name(int constraint) const { return name_(dyn_constraint_name(get(), constraint)); }
   int constraint_id(const std::string& name) const { return id_(dyn_constraint_id(get(), name.c_str())); }
   dynConstraint constraint(int constraint) const { return info_<dynConstraint>(dyn_constraint_info, constraint); }
@@ -1415,6 +1417,7 @@ class Builder {
     return ok(dyn_builder_constraint(get(), name.c_str(), &c, first.c_str(), above(second)));
   }
   Builder& constraint_slots(int slots) { return ok(dyn_builder_constraint_slots(get(), slots)); }
+  Builder& contact_capacity(int contacts) { return ok(dyn_builder_contact_capacity(get(), contacts)); }
   Builder& subtree(const std::string& joint) { return ok(dyn_builder_subtree(get(), joint.c_str())); }
   Builder& remove(const std::string& joint) { return ok(dyn_builder_remove(get(), joint.c_str())); }
   Model finish() {

@@ -39,6 +39,9 @@ LoadOptions read_options(const dynLoadOptions* o) {
   if (o->constraint_slots < 0 || o->constraint_slots > 1000)
     throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: constraint_slots is " + std::to_string(o->constraint_slots) + ": give 0 to 1000");
   out.constraint_slots = o->constraint_slots;
+  if (o->contact_capacity < 0 || o->contact_capacity > most_contacts)
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: contact_capacity is " + std::to_string(o->contact_capacity) + ": give 1 to " + std::to_string(most_contacts) + ", or 0 for what the shapes need");
+  out.contact_capacity = o->contact_capacity;
   if (o->srdf) out.srdf = o->srdf;
   if (o->srdf && out.srdf.empty()) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");
   return out;

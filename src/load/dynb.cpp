@@ -41,7 +41,7 @@ void check_by_building(const Model& m) {
   Builder b(m.string(m.model_name));
   b.gravity({m.gravity[0], m.gravity[1], m.gravity[2]});
   b.medium(m.density, m.viscosity, {m.wind[0], m.wind[1], m.wind[2]});
-  b.constraint_slots(m.n.slots - m.n.constraints);
+  b.constraint_slots(m.n.slots - m.n.constraints), b.contact_capacity(m.contact_capacity);
   const auto placement = [](const double* x) {
     Placement out;
     std::copy(x, x + 12, out.begin());
@@ -125,6 +125,7 @@ ModelPtr load_dynb(const std::string& bytes, const std::string& file, const Load
     Builder builder(m);
     if (options.gravity != LoadOptions().gravity) builder.gravity(options.gravity);
     if (options.constraint_slots != LoadOptions().constraint_slots) builder.constraint_slots(options.constraint_slots);
+    if (options.contact_capacity != 0) builder.contact_capacity(options.contact_capacity);
     return builder.finish();
   } catch (const Error& e) {
     throw Error(e.status, where + e.what());

@@ -70,7 +70,7 @@ ModelPtr load_mjcf(const std::string& text, const std::string& file, const LoadO
   MjcfFile main(source, robot, options);
   read_mjcf_file(main, root, MjcfContext());
   if (options.gravity != LoadOptions().gravity) robot.gravity = options.gravity;
-  return build_mjcf(robot, source, options.constraint_slots);
+  return build_mjcf(robot, source, options);
 }
 
 }  // namespace dyn

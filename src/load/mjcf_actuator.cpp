@@ -1,5 +1,6 @@
 // <actuator>: motors, servos and affine laws on joints. What drives anything else, or by another law, is reported.
 #include <algorithm>
+#include <utility>
 
 #include "mjcf_robot.hpp"
 
@@ -11,9 +12,9 @@ constexpr const char* kinds[] = {"general", "motor", "position", "velocity"};
 
 
 // Joint of that name; nullptr: there is none yet.
-const MjcfJoint* find_joint(const MjcfRobot& robot, const std::string& name) {
-  for (const MjcfBody& b : robot.bodies)
-    for (const MjcfJoint& j : b.joints)
+MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name) {
+  for (MjcfBody& b : robot.bodies)
+    for (MjcfJoint& j : b.joints)
       if (j.spec.name == name) return &j;
   return nullptr;
 }
@@ -46,13 +47,19 @@ double parameter(const Reader& reader, const Element& e, const char* attribute, 
 }
 
 // The law; a reason why it is not read otherwise.
-const char* law(const Reader& reader, const Element& e, std::string_view kind, dynActuator& a) {
+const char* law(const Reader& reader, const Element& e, std::string_view kind, MjcfActuator& actuator) {
+  dynActuator& a = actuator.spec;
   if (kind == "motor") return a.type = DYN_ACTUATOR_MOTOR, nullptr;
   if (kind == "velocity") return a.type = DYN_ACTUATOR_VELOCITY, a.kv = reader.optional_number(e, "kv").value_or(1), nullptr;
   if (kind == "position") {
     a.type = DYN_ACTUATOR_POSITION, a.kp = reader.optional_number(e, "kp").value_or(1), a.kv = reader.optional_number(e, "kv").value_or(0);
     a.time_constant = reader.optional_number(e, "timeconst").value_or(0);
-    return e.Attribute("dampratio") ? "its damping is given as a ratio (dampratio): give kv" : nullptr;
+    if (const auto ratio = reader.optional_number(e, "dampratio")) {
+      if (e.Attribute("kv")) reader.fail(DYN_ERROR_INVALID, e, "it has kv and dampratio: give one of them");
+      if (!(*ratio >= 0)) reader.bad_numbers(e, "dampratio", "it is negative");
+      actuator.damping_ratio = *ratio;
+    }
+    return nullptr;
   }
   a.type = DYN_ACTUATOR_AFFINE;
   const std::string_view dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none", gain = e.Attribute("gaintype") ? e.Attribute("gaintype") : "fixed",
@@ -62,10 +69,22 @@ const char* law(const Reader& reader, const Element& e, std::string_view kind, d
   a.gain = parameter(reader, e, "gainprm", 0, 1);
   if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0)) return "its gain changes with its length or speed";
   if (gain != "fixed" && gain != "affine") return "its gain is no number";
-  if (bias == "affine")
-    for (size_t k = 0; k < 3; ++k) a.bias[k] = parameter(reader, e, "biasprm", k, 0);
-  else if (bias != "none") return "its bias is not affine";
+  if (bias == "none") return nullptr;
+  if (bias != "affine") return "its bias is not affine";
+  for (size_t k = 0; k < 3; ++k) a.bias[k] = parameter(reader, e, "biasprm", k, 0);
+  if (a.bias[2] > 0 && a.gain > 0 && a.gain == -a.bias[1]) actuator.damping_ratio = std::exchange(a.bias[2], 0);  // MuJoCo's rule for servos
   return nullptr;
+}
+
+// Armature and damping of the motor itself are the joint's, by the square of the gear.
+void carry(const Reader& reader, const Element& e, const MjcfActuator& actuator, MjcfJoint& joint) {
+  for (const auto& [attribute, values] : {std::pair{"armature", &joint.spec.armature}, {"damping", &joint.spec.damping}}) {
+    const auto given = reader.numbers(e, attribute);
+    if (!given || given->empty()) continue;
+    if (!((*given)[0] >= 0)) reader.bad_numbers(e, attribute, "it is negative");
+    (*values)[size_t(actuator.spec.component)] += actuator.spec.gear * actuator.spec.gear * (*given)[0];
+    if (std::any_of(given->begin() + 1, given->end(), [](double x) { return x != 0; })) actuator.place.physics(std::string(attribute) + " that changes with speed is not read: its first number is used");
+  }
 }
 
 }  // namespace
@@ -95,15 +114,15 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
       leave_out("it drives no joint, and nothing else is read");
       continue;
     }
-    MjcfActuator actuator{place, name, {}, context.name(joint_name)};
+    MjcfActuator actuator{place, name, {}, context.name(joint_name), 0};
     actuator.spec = simulation::default_actuator(DYN_ACTUATOR_MOTOR);
-    const MjcfJoint* joint = find_joint(file.robot, actuator.joint);
+    MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
     if (!joint) reader.fail(DYN_ERROR_NAME, *e, "there is no joint " + load::quoted(actuator.joint));
     if (const char* why = transmission(*joint, reader.numbers(*e, "gear").value_or(std::vector<double>()), actuator.spec)) {
       leave_out(why);
       continue;
     }
-    if (const char* why = law(reader, *e, kind, actuator.spec)) {
+    if (const char* why = law(reader, *e, kind, actuator)) {
       leave_out(why);
       continue;
     }
@@ -113,6 +132,7 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
       const double middle = (joint->spec.lower[0] + joint->spec.upper[0]) / 2, half = inherit * (joint->spec.upper[0] - joint->spec.lower[0]) / 2;
       actuator.spec.control_range[0] = middle - half, actuator.spec.control_range[1] = middle + half;
     }
+    carry(reader, *e, actuator, *joint);
     if (e->Attribute("actrange") && actuator.spec.time_constant > 0) place.physics("actrange is not used: its control is limited, not its activation");
     file.robot.actuators.push_back(std::move(actuator));
   }

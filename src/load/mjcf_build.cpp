@@ -136,11 +136,11 @@ std::string universe(const std::string& body) { return body == "world" ? "univer
 
 }  // namespace
 
-ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, int constraint_slots) {
+ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& options) {
   const std::vector<MjcfMass> masses = mjcf_masses(robot);
   Builder builder(robot.name);
   const MjcfPlace file{robot.bodies[0].place.report, 0, ""};
-  located(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(constraint_slots), builder.medium(robot.density, robot.viscosity, robot.wind); });
+  located(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind); });
   mark_mjcf_pairs(robot);
   for (size_t i = 1; i < robot.bodies.size(); ++i) add_body(builder, robot, robot.bodies[i], masses[i]);
   std::set<std::string> joints;
@@ -152,6 +152,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, int constraint_slots) 
     located(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
   }
   add_configurations(builder, robot);
+  if (damped_by_ratio(robot)) find_mjcf_damping(*located(file, [&] { return builder.finish(); }), robot);
   add_mjcf_actuators(builder, robot), add_mjcf_equalities(builder, robot), add_mjcf_pairs(builder, robot);
   for (const Report::Entry& e : source.finish()) builder.report(e.level, e.line, e.message);
   return located(file, [&] { return builder.finish(); });

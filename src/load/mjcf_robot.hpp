@@ -91,6 +91,7 @@ struct MjcfActuator {
   std::string name;
   dynActuator spec;
   std::string joint;
+  double damping_ratio = 0;  // in place of kv, or of the last number of the bias
 };
 
 // first, second: bodies, sites or joints. numbers: relpose or polycoef, as given.
@@ -196,12 +197,15 @@ void report_mjcf_section(MjcfFile& file, Element& e);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context);
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot);
+// mjcf_damping.cpp: whether there are servos that are damped by a ratio; their damping, by the model without actuators
+bool damped_by_ratio(const MjcfRobot& robot);
+void find_mjcf_damping(const Model& model, MjcfRobot& robot);
 void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& context);
 void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot);
 void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context);
 void mark_mjcf_pairs(MjcfRobot& robot);  // geoms that a pair names collide, whatever their masks say
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot);
 // mjcf_build.cpp
-ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, int constraint_slots);
+ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& options);
 
 }  // namespace dyn::load

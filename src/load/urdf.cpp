@@ -43,7 +43,7 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   const Srdf srdf = options.srdf.empty() ? Srdf() : load_srdf(options.srdf, robot, tree, floating, options.strict, entries);
 
   Builder builder(robot.name);
-  located(report, 0, [&] { builder.gravity(options.gravity), builder.constraint_slots(options.constraint_slots); });
+  located(report, 0, [&] { builder.gravity(options.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity); });
   Parent base;
   if (floating) {
     JointSpec free;

@@ -143,8 +143,7 @@ bool BlockChecker::shapes() {
       }) ||
       !require(geoms == n.geoms, "collision shapes"))
     return false;
-  const std::int64_t contacts = lists_pairs(m) ? std::min(8 * std::int64_t(n.pairs), 16 + 8 * std::int64_t(n.geoms)) : moving ? 16 + 8 * std::int64_t(moving) : 0;
-  return require(n.contacts == contacts, "room for contacts") && each(n.pairs, [&](Index k) {
+  return require(m.contact_capacity >= 0 && m.contact_capacity <= most_contacts && n.contacts == contact_room(m, moving), "room for contacts") && each(n.pairs, [&](Index k) {
     const PairRecord& p = m.pairs()[k];
     if (!index(p.a, n.geoms, "shape of a pair") || !index(p.b, n.geoms, "shape of a pair") || !index(p.material(), n.materials + 1, "material of a pair")) return false;
     const bool ascends = k == 0 || m.pairs()[k - 1].a < p.a || (m.pairs()[k - 1].a == p.a && m.pairs()[k - 1].b < p.b);

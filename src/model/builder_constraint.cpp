@@ -50,6 +50,12 @@ void Builder::constraint_slots(int spare) {
   impl->constraint_slots = spare;
 }
 
+void Builder::contact_capacity(int contacts) {
+  if (contacts < 0 || contacts > most_contacts)
+    refuse(DYN_ERROR_ARGUMENT, "contact capacity: " + std::to_string(contacts) + " contacts are asked for: give 1 to " + std::to_string(most_contacts) + ", or 0 for what the shapes need");
+  impl->contact_capacity = contacts;
+}
+
 std::vector<dynConstraint> constraints_of(const std::vector<ConstraintEntry>& constraints, const std::vector<Index>& id) {
   std::vector<dynConstraint> out;
   for (const ConstraintEntry& c : constraints) {

@@ -110,6 +110,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
     impl->constraints.push_back({m.string(r.name), r.spec, r.spec.first - less, r.spec.second - less});
   }
   impl->constraint_slots = m.n.slots - m.n.constraints;
+  impl->contact_capacity = m.contact_capacity;
   impl->density = m.density, impl->viscosity = m.viscosity;
   std::copy(m.wind, m.wind + 3, impl->wind.begin());
   for (Index k = 0; k < m.n.actuators; ++k) {

@@ -415,6 +415,7 @@ ModelPtr Builder::finish() const {
                       return small(b.m) && small(b.pitch) && small(b.ratio) && all_small(b.h) && all_small(b.I.x) && all_small(b.I.y) && all_small(b.I.z);
                     });
   std::copy(in.gravity.begin(), in.gravity.end(), model->gravity);
+  model->contact_capacity = in.contact_capacity;
   model->density = in.density, model->viscosity = in.viscosity;
   std::copy(in.wind.begin(), in.wind.end(), model->wind);
   for (Index i = 1; i < n.bodies; ++i) model->total_mass += a.bodies[std::size_t(i)].m;
@@ -460,12 +461,12 @@ ModelPtr Builder::finish() const {
       return again;
     }
     const auto moving = std::count_if(a.geoms.begin(), a.geoms.end(), [&](const GeomRecord& g) { return a.frames[std::size_t(a.shapes[std::size_t(g.shape)].frame)].joint > 0; });
-    model->n.contacts = moving ? 16 + 8 * Index(moving) : 0;
+    model->n.contacts = Index(contact_room(*model, moving));
     return model;
   }
   judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
   if (several && !tests_nothing(*model)) --model->n.reports;
-  model->n.contacts = std::min(8 * n.pairs, 16 + 8 * n.geoms);
+  model->n.contacts = Index(contact_room(*model, 0));
   return model;
 }
 

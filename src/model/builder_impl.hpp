@@ -104,6 +104,7 @@ struct Builder::Impl {
   std::vector<DisabledEntry> disabled;  // not tested for collision
   std::vector<ConstraintEntry> constraints;
   int constraint_slots = 8;  // spare ones
+  int contact_capacity = 0;  // 0: by the shapes
   std::vector<ActuatorEntry> actuators;
   std::vector<PairEntry> pairs;
   std::vector<std::pair<Index, Index>> overlapping;  // geoms, where pairs are not listed; found by finish()

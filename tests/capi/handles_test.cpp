@@ -162,6 +162,7 @@ const ModelFunction model_functions[] = {
      }},
     {"dyn_nconstraints", [](auto* m) { return dyn_nconstraints(m) == -1; }},
     {"dyn_nconstraint_slots", [](auto* m) { return dyn_nconstraint_slots(m) == -1; }},
+    {"dyn_contact_capacity", [](auto* m) { return dyn_contact_capacity(m) == -1; }},
     {"dyn_constraint_name", [](auto* m) { return dyn_constraint_name(m, 0) == nullptr; }},
     {"dyn_constraint_id", [](auto* m) { return dyn_constraint_id(m, "loop") == -1; }},
     {"dyn_constraint_info", [](auto* m) { return keeps(dyn_constraint_info, m, DYN_ERROR_HANDLE); }},
@@ -336,7 +337,7 @@ TEST(Handles, TablesAreComplete) {
       // effects_test.cpp
       "dyn_batch_set_effects",
       // constraint_test.cpp
-      "dyn_constraint_init", "dyn_constraint_options_init", "dyn_project_options_init", "dyn_builder_constraint", "dyn_builder_constraint_slots",
+      "dyn_constraint_init", "dyn_constraint_options_init", "dyn_project_options_init", "dyn_builder_constraint", "dyn_builder_constraint_slots", "dyn_builder_contact_capacity",
       "dyn_constraint_anchor",
       // tests/mesh
       "dyn_mesh_options_init", "dyn_mesh_load", "dyn_mesh_from_arrays", "dyn_mesh_free", "dyn_mesh_info", "dyn_mesh_arrays", "dyn_mesh_hull",

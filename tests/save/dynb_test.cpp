@@ -65,6 +65,7 @@ ModelPtr furnished() {
   b.disabled_pair(t.bodies[0].name, t.bodies[1].name, "because");
   b.report(DYN_REPORT_INFO, 3, "a remark");
   b.medium(1, 0.1, {1, 2, 3});
+  b.contact_capacity(5);
   const ModelPtr m = b.finish();
   const State x(*m, 2);
   b.configuration("home", {x.q.begin(), x.q.end()});

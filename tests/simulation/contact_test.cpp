@@ -157,6 +157,34 @@ TEST(Contact, FastBodiesDoNotPassThrough) {
 }
 
 // An overlap at the beginning goes slowly, and leaves no velocity.
+// A box on four corners with room for three contacts: the deepest are kept, and what is left out is said. With room for one it rests on one corner at a
+// time, never far from the ground.
+TEST(Contact, RoomForFewContacts) {
+  const auto room = [](int contacts) {
+    Scene scene;
+    scene.ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5));
+    EXPECT_EQ(DYN_OK, dyn_builder_contact_capacity(scene.builder(), contacts));
+    return scene.finish();
+  };
+  dynBuilder* b = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_builder_new("none", &b));
+  for (const int wrong : {-1, 1000001}) {
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_contact_capacity(b, wrong));
+    EXPECT_NE(nullptr, std::strstr(dyn_last_error(), std::to_string(wrong).c_str()));
+  }
+  dyn_builder_free(b);
+  for (const auto& [asked, there] : {std::pair{0, 8}, {3, 3}, {1, 1}, {8, 8}, {100, 8}}) {  // 8 for the only pair
+    Play play(room(asked));
+    EXPECT_EQ(there, dyn_contact_capacity(play.m)) << asked;
+    play.place({{0, 0, 0.1 - 1e-4}});
+    play.steps(1);
+    EXPECT_EQ(std::min(4, there), play.report().contacts) << asked;
+    EXPECT_EQ(4 - std::min(4, there), play.report().dropped) << asked;
+    play.steps(1000);
+    EXPECT_NEAR(0.1, play.q[2], 2e-3) << asked;
+  }
+}
+
 TEST(Contact, OverlapsAreTakenOutWithoutVelocity) {
   Play run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
   run.place({{0, 0, 0.05}});

@@ -44,6 +44,7 @@ struct RobotOptions {
   std::vector<std::string> package_dirs;
   std::string srdf;
   std::string meshes = "none";
+  int contact_capacity = 0;
   bool fixed = false, floating = false, strict = false, cos_sin = false, json = false;
 };
 void add_robot_options(CLI::App& command, RobotOptions& options);

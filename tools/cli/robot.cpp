@@ -24,6 +24,9 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->check(CLI::IsMember({"none", "hull", "triangles"}))
       ->type_name("none|hull|triangles")
       ->capture_default_str();
+  command.add_option("--contact-capacity", options.contact_capacity, "Contact points that a step has room for, the deepest; 0: what the shapes need")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
   command.add_flag("--strict", options.strict, "Physics that would be dropped is an error");
   command.add_flag("--cos-sin", options.cos_sin, "Continuous joints store (cos, sin)");
   command.add_flag("--json", options.json, "Answer in JSON");
@@ -37,6 +40,7 @@ Robot::Robot(const RobotOptions& options, int contacts) {
   load.base = options.fixed ? DYN_BASE_FIXED : options.floating ? DYN_BASE_FLOATING : DYN_BASE_UNSPECIFIED;
   load.strict = options.strict;
   load.constraint_slots = std::max(load.constraint_slots, contacts);
+  load.contact_capacity = options.contact_capacity;
   load.cos_sin = options.cos_sin;
   if (!folders.empty()) load.package_dirs = folders.data();
   load.package_dirs_count = folders.size();

@@ -24,7 +24,7 @@ class LoadOptions(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("base", c_int), ("strict", c_int32), ("cos_sin", c_int32),
         ("package_dirs", POINTER(c_char_p)), ("package_dirs_count", c_size_t), ("gravity", c_double * 3), ("srdf", c_char_p),
-        ("meshes", c_int), ("constraint_slots", c_int32),
+        ("meshes", c_int), ("constraint_slots", c_int32), ("contact_capacity", c_int32),
     ]  # fmt: skip
 
 
@@ -393,6 +393,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_constraint_init": (None, [_ref, _i]),
     "dyn_builder_constraint": (STATUS, [_p, _s, _ref, _s, _s]),
     "dyn_builder_constraint_slots": (STATUS, [_p, _i]),
+    "dyn_builder_contact_capacity": (STATUS, [_p, _i]),
+    "dyn_contact_capacity": (_i, [_p]),
     "dyn_nconstraints": (_i, [_p]),
     "dyn_nconstraint_slots": (_i, [_p]),
     "dyn_constraint_name": (_s, [_p, _i]),

@@ -185,6 +185,11 @@ class Builder:
         check(lib.dyn_builder_constraint_slots(self._b, slots))
         return self
 
+    def contact_capacity(self, contacts: int) -> Builder:
+        """For how many contact points a step has room, the deepest; 0: for what the shapes need."""
+        check(lib.dyn_builder_contact_capacity(self._b, contacts))
+        return self
+
     def actuator(self, name: str, joint: str, actuator: Actuator | None = None, **values: Any) -> Builder:
         """Adds an actuator of a joint: a dyn.Actuator, or its values, as in actuator("hip", "hip_joint", type="position", kp=40, kv=1)."""
         spec = Actuator(**values) if actuator is None else actuator._replace(**values)

@@ -229,6 +229,11 @@ class ModelConstraints:
         return lib.dyn_nconstraints(self._m)
 
     @property
+    def contact_capacity(self) -> int:
+        """Contact points that a step has room for."""
+        return lib.dyn_contact_capacity(self._m)
+
+    @property
     def nconstraint_slots(self) -> int:
         """nconstraints and the spare ones."""
         return lib.dyn_nconstraint_slots(self._m)

@@ -17,6 +17,7 @@ ACTUATORS = {
     "position": '<position joint="shoulder" kp="40" kv="2"/><position joint="elbow" class="soft" ctrlrange="-0.1 0.1"/>',
     "velocity": '<velocity joint="shoulder" kv="3" gear="0.5"/><velocity joint="elbow" kv="0.2" forcerange="-0.01 0.02"/>',
     "general": '<general joint="shoulder" gainprm="3" biastype="affine" biasprm="1 -20 -1"/><general joint="elbow" gainprm="2"/>',
+    "ratio": '<position joint="shoulder" kp="40" dampratio="0.5" gear="2"/><general joint="elbow" gainprm="9" biastype="affine" biasprm="1 -9 0.3" gear="3" armature="0.002" damping="0.01"/>',
     "drag": '<motor joint="shoulder"/><motor joint="elbow"/>',
 }
 
@@ -28,6 +29,7 @@ def test_steps_are_mujocos(kind):
     theirs = mujoco.MjModel.from_xml_string(text)
     state = mujoco.MjData(theirs)
     d = dyn.load_string(text).data()
+    d.set_effects(("armature", "damping"))
     q = state.qpos.copy()
     d.set_state(q=q)
     d.set_control([0.4, -0.7])
@@ -44,7 +46,7 @@ def test_steps_are_mujocos(kind):
 def test_what_is_read_of_actuators():
     text = SERVOS.format(option="", actuators="""<motor name="m" joint="shoulder" gear="5"/><position joint="shoulder" inheritrange="0.5"/>
 <general joint="elbow" gainprm="3" biastype="affine" biasprm="1 -2 -0.1" dyntype="filter" dynprm="0.02"/>
-<position joint="elbow" dampratio="1"/><general joint="elbow" dyntype="integrator"/><motor site="s"/>""")
+<general joint="elbow" dyntype="integrator"/><motor site="s"/>""")
     m = dyn.load_string(text)
     assert m.actuator_names == ["m", "position_1", "general_2"]
     motor, servo, affine = (m.actuator(k) for k in range(3))
@@ -52,11 +54,26 @@ def test_what_is_read_of_actuators():
     assert (servo.kp, servo.control_range) == (1, pytest.approx((-math.pi / 4, math.pi / 4)))
     assert (affine.gain, affine.bias, affine.time_constant) == (3, (1, -2, -0.1), 0.02)
     messages = "\n".join(r.message for r in m.report)
-    for part in ("dampratio", "no first-order filter", "drives no joint"):
+    for part in ("no first-order filter", "drives no joint"):
         assert part in messages
-    for bad, message in (('<motor joint="none"/>', "no joint 'none'"), ('<motor joint="elbow" ctrlrange="1 0"/>', "lower end"), ('<position joint="elbow" kp="-1"/>', "kp is -1")):
+    for bad, message in (('<motor joint="none"/>', "no joint 'none'"), ('<motor joint="elbow" ctrlrange="1 0"/>', "lower end"), ('<position joint="elbow" kp="-1"/>', "kp is -1"),
+                         ('<position joint="elbow" dampratio="-1"/>', "dampratio"), ('<position joint="elbow" kv="1" dampratio="1"/>', "give one of them"), ('<motor joint="elbow" armature="-1"/>', "armature")):
         with pytest.raises(dyn.Error, match=message):
             dyn.load_string(SERVOS.format(option="", actuators=bad))
+
+
+def test_damping_by_ratio():
+    """kv = 2 ratio sqrt(kp / (gear^2 (M^-1)_jj)) in the drawn configuration, with the motors' own armature, which joints get by the square of the gear."""
+    text = SERVOS.format(option="", actuators=ACTUATORS["ratio"])
+    m = dyn.load_string(text)
+    d = m.data()
+    inverse = np.linalg.inv(d.crba(m.configuration("qpos0")))
+    plain = dyn.load_string(text.replace('armature="0.002" damping="0.01"', "")).data()
+    difference = np.linalg.inv(inverse) - plain.crba(m.configuration("qpos0"))
+    np.testing.assert_allclose(difference, np.diag([0, 9 * 0.002]), atol=1e-13)
+    assert m.damping[1] == pytest.approx(9 * 0.01, rel=1e-15)
+    assert m.actuator(0).kv == pytest.approx(2 * 0.5 * math.sqrt(40 / (4 * inverse[0, 0])), rel=1e-12)
+    assert m.actuator(1).bias == pytest.approx((1, -9, -2 * 0.3 * math.sqrt(9 / (9 * inverse[1, 1]))), rel=1e-12)
 
 
 LOOP = """<mujoco><worldbody>

@@ -107,6 +107,7 @@ class Builder {
   // first and second name frames, or joints; "": the universe, or none.
   void constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second);
   void constraint_slots(int spare);
+  void contact_capacity(int contacts);  // of a step; 0: by its shapes
   // joint: its name. (builder_actuator.cpp)
   void actuator(const std::string& name, const dynActuator& spec, const std::string& joint);
   void gravity_compensation(const std::string& body, double share);

@@ -172,6 +172,7 @@ struct Model {
   Index has_mimic;   // 1: some joint follows another
   std::uint32_t effects;  // DYN_EFFECT_... that some joint has
   Index groups;           // how many of dof_groups there are
+  Index contact_capacity; // that was asked for; 0: by the shapes
   Index moderate;         // 1: masses, moments, pitches, ratios, armatures below 1e25: M is finite where all placements are below 1e100
   double gravity[3];
   double density, viscosity, wind[3];  // of the medium
@@ -200,5 +201,13 @@ struct Model {
 };
 
 inline bool lists_pairs(const Model& m) { return m.n.geoms <= most_geoms; }
+
+// For how many contact points a step has room. moving: shapes that can move.
+inline constexpr Index most_contacts = 1000000;
+inline std::int64_t contact_room(const Model& m, std::int64_t moving) {
+  const std::int64_t all = 8 * std::int64_t(m.n.pairs), some = 16 + 8 * (lists_pairs(m) ? std::int64_t(m.n.geoms) : moving);
+  if (lists_pairs(m)) return std::min(all, m.contact_capacity > 0 ? m.contact_capacity : some);
+  return moving == 0 ? 0 : m.contact_capacity > 0 ? m.contact_capacity : some;
+}
 
 }  // namespace dyn

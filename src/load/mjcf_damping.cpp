@@ -1,0 +1,62 @@
+// Servos whose damping is a ratio: kv = 2 ratio sqrt(kp m), m the inertia that the actuator feels in the configuration that the file draws while all
+// else is free (MuJoCo's rule), 1 / m = gear^2 (M^-1)_jj.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#include "dyn/algorithm/forward_dynamics.hpp"
+#include "dyn/model/block.hpp"
+#include "mjcf_robot.hpp"
+
+namespace dyn::load {
+
+namespace {
+
+struct FreeBlock {
+  void operator()(void* p) const { std::free(p); }
+};
+
+// Of M^-1 at the model's configuration "qpos0", or its neutral one, by the acceleration that a unit force adds.
+struct Response {
+  const Model& m;
+  std::unique_ptr<void, FreeBlock> arena;
+  Data<double> d;
+  std::vector<double> zero, tau, rest, pushed;
+
+  explicit Response(const Model& model)
+      : m(model), arena(allocate_block(data_bytes<double>(m, DYN_PART_FORWARD))), zero(size_t(m.n.nv)), tau(size_t(m.n.nv)), rest(size_t(m.n.nv)), pushed(size_t(m.n.nv)) {
+    if (!arena) throw std::bad_alloc();
+    data_layout(m, DYN_PART_FORWARD, arena.get(), d);
+    for (Index k = 0; k < m.n.configurations; ++k)
+      if (m.string(m.configuration_names()[k]) == std::string_view("qpos0")) std::copy_n(m.configurations() + std::ptrdiff_t(k) * m.n.nq, m.n.nq, d.q);
+    forward_dynamics(m, d, zero.data(), zero.data(), static_cast<const double*>(nullptr), rest.data());
+  }
+  double operator()(Index dof) {
+    tau.assign(tau.size(), 0), tau[size_t(dof)] = 1;
+    forward_dynamics(m, d, zero.data(), tau.data(), static_cast<const double*>(nullptr), pushed.data());
+    return pushed[size_t(dof)] - rest[size_t(dof)];
+  }
+};
+
+}  // namespace
+
+bool damped_by_ratio(const MjcfRobot& robot) {
+  return std::any_of(robot.actuators.begin(), robot.actuators.end(), [](const MjcfActuator& a) { return a.damping_ratio > 0; });
+}
+
+void find_mjcf_damping(const Model& m, MjcfRobot& robot) {
+  Response response(m);
+  for (MjcfActuator& a : robot.actuators) {
+    if (!(a.damping_ratio > 0)) continue;
+    const JointRecord* const joint = std::find_if(m.joints(), m.joints() + m.n.joints, [&](const JointRecord& j) { return m.string(j.name) == a.joint; });
+    const double give = a.spec.gear * a.spec.gear * response(joint->idx_v + a.spec.component);
+    const bool servo = a.spec.type == DYN_ACTUATOR_POSITION;
+    const double kp = servo ? a.spec.kp : a.spec.gain, kv = give > 0 ? 2 * a.damping_ratio * std::sqrt(kp / give) : 0;
+    if (!(give > 0) || !std::isfinite(kv)) a.place.fail(DYN_ERROR_INVALID, "its damping is given as a ratio, and what it moves has no inertia");
+    (servo ? a.spec.kv : a.spec.bias[2]) = servo ? kv : -kv;
+  }
+}
+
+}  // namespace dyn::load
