@@ -29,7 +29,7 @@ def test_steps_are_mujocos(kind):
     theirs = mujoco.MjModel.from_xml_string(text)
     state = mujoco.MjData(theirs)
     d = dyn.load_string(text).data()
-    d.set_effects(("armature", "damping"))
+    d.set_effects("all")
     q = state.qpos.copy()
     d.set_state(q=q)
     d.set_control([0.4, -0.7])
