@@ -9,10 +9,12 @@ namespace {
 constexpr double rest = 0.05;  // m/s: what is faster is an impact however long the step
 
 // How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what comes as near as errors may is closed at once:
-// else velocities would depend on gaps that are errors, and on the step. pressed: it was in the step before, and opens later than it would close.
+// else velocities would depend on gaps that are errors, and on the step. pressed: it was in the step before.
 double may_close(const Island& x, double gap, double rate, bool pressed = false) {
-  const double closed = (pressed ? 3 : 1) * x.w.closed;
-  return gap + x.h * rate <= closed && closed > 0 ? 0 : std::max(0.0, gap - closed) / x.h;
+  const double closed = (pressed ? opens : 1) * x.w.closed;
+  const double open = std::max(0.0, gap - closed);
+  if (closed == 0) return open / x.h;
+  return gap + x.h * rate <= closed ? 0 : std::min(open, 10 * x.h * x.fast) / x.h;  // what residuals are relative to is then no gap that nothing closes
 }
 
 // With gains the acceleration is what these ask for; without, the velocity is zero and what is wrong goes by a correction.
@@ -36,10 +38,17 @@ void fill_box(const Island& x, const Slot<double>& s, Index k) {
 // At the beginning of the step.
 Motion<double> velocity(const Island& x, Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; }
 
-// Velocity of the normal row at the beginning of the step.
-double approach(const Island& x, const Slot<double>& s, Index normal) {
+// Velocity of the normal row at the beginning of the step, and what the step's own acceleration makes of it: of one body relative to the other, and
+// where the world holds one up, that of each.
+struct Approach {
+  double before, gained;
+};
+Approach approach(const Island& x, const Slot<double>& s, Index normal) {
   using Six = SixEights<double>;
-  return (Six::load(s.F1).dot(velocity(x, s.c.body1)) + Six::load(s.F2).dot(velocity(x, s.c.body2)))[int(normal)];
+  const auto along = [&](const double* F, const Motion<double>& V) { return Six::load(F).dot(V)[int(normal)]; };
+  const double first = along(s.F1, velocity(x, s.c.body1)), second = along(s.F2, velocity(x, s.c.body2));
+  const double by_first = along(s.F1, x.w.root_velocity[s.c.body1]) - first, by_second = along(s.F2, x.w.root_velocity[s.c.body2]) - second;
+  return {first + second, x.supported ? std::abs(by_first) + std::abs(by_second) : std::abs(by_first + by_second)};
 }
 
 // Errors leave a gap where bodies roll on each other, either way: it goes as fast as they turn.
@@ -67,9 +76,9 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
     const double total = x.h * material.stiffness + material.damping;
     x.compliance[n] = 1 / (x.h * total), x.bias[n] = material.stiffness * gap / total;
   } else if (material.restitution > 0 && gap + x.h * s.rate[normal] <= x.w.closed) {
-    const double before = approach(x, s, normal), gained = std::abs(s.rate[normal] - before);
-    // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed
-    const double least = x.w.closed > 0 ? std::sqrt(2 * x.w.closed * gained / x.h) : std::min(2 * gained, rest);
+    const auto [before, gained] = approach(x, s, normal);
+    // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed, or is as slow as errors
+    const double least = x.w.closed > 0 ? std::max(x.w.closed, std::sqrt(2 * x.w.closed * gained / x.h)) : std::min(2 * gained, rest);
     if (before < -least)
       x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;
   }
@@ -82,6 +91,7 @@ void Island::number() {
   for (Index k = 0; k < slots; ++k) {
     ActiveSlot& x = slot(k);
     x.s->first = rows, rows += x.s->rows;
+    supported = supported || (std::min(x.tree1, x.tree2) < 0 && !between_joints(x.s->c.type));
     if (x.kind == RowKind::Equality) equalities += x.s->rows;
     else if (x.kind == RowKind::Box) ++boxes;
     else w.contact_rows[contacts++] = x.s->rows;
@@ -89,6 +99,8 @@ void Island::number() {
 }
 
 void Island::fill() {
+  for (Index k = 0; k < slots && w.closed > 0; ++k)
+    for (Index r = 0; r < slot(k).s->rows; ++r) fast = std::max(fast, std::abs(slot(k).s->rate[r]));
   for (Index k = 0, in_boxes = 0, in_contacts = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
     if (x.kind == RowKind::Equality) fill_equality(*this, *x.s);

@@ -166,7 +166,7 @@ class Extrapolated {
 
   // To the limit, and its error. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
   Index step(double h, double& error) {
-    keep(before);
+    keep(before), simulation::keep_contacts(*d.step);
     d.step->closed = closed;
     Index joint = substeps(h, 1);
     if (!joint) keep(one), restore(), joint = substeps(h, 2);
@@ -189,7 +189,7 @@ class Extrapolated {
     for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, 0.1 * std::abs(a[k] - h / 2 * (before.v[k] + d.v[k])));
     return 0;
   }
-  void restore() { take(before); }
+  void restore() { take(before), simulation::take_contacts(*d.step); }
   void three_steps() { take(three); }
 
  private:

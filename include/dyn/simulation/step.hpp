@@ -31,7 +31,8 @@ inline constexpr double limit_reach = 1e-4;  // m, rad: limits this near count h
 
 // What is farther apart does not meet within a step of h, whatever impulses there are; fast: speeds before. Where steps follow from an
 // accuracy they may be so short that all that is near would be far.
-inline double within_reach(const Workspace& w, double h, double fast) { return w.closed > 0 ? w.closed + 10 * h * fast : HUGE_VAL; }
+inline constexpr double opens = 3;  // of w.closed: what was pressed in the step before opens later than it would close
+inline double within_reach(const Workspace& w, double h, double fast) { return w.closed > 0 ? opens * w.closed + 10 * h * fast : HUGE_VAL; }
 
 // After forward dynamics, with its free velocity v_free: contacts within reach of a step of h, limits, constraints. Answers how many slots
 // act; by islands in d.step->order, and contacts in d.step->contacts.
