@@ -2,6 +2,7 @@
 // II.4), so that the local errors add up to at most `accuracy` over the duration.
 #pragma once
 
+#include "dyn/integrator/extrapolated.hpp"
 #include "dyn/integrator/implicit_midpoint.hpp"
 #include "dyn/integrator/runge_kutta.hpp"
 #include "dyn/integrator/semi_implicit_euler.hpp"
@@ -153,65 +154,6 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   }
   return false;
 }
-
-// Steps of order 1 extrapolated: h in one step, in two and in three (Aitken and Neville; Hairer and Wanner 1996, IV.9): order 3 where nothing
-// begins or ends. What is close enough counts as closed (Workspace::closed), so that velocities do not depend on gaps that are errors.
-class Extrapolated {
- public:
-  static constexpr int order = 3, evaluations = 6;
-  Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_) : m(m_), d(d_), s(s_), closed(closed_) {
-    double* next = s.stage(1);
-    for (State& x : kept) x.q = next, x.v = x.q + m.n.nq, x.act = x.v + m.n.nv, next = x.act + m.n.na;
-  }
-
-  // To the limit, and its error. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
-  Index step(double h, double& error) {
-    keep(before), simulation::keep_contacts(*d.step);
-    d.step->closed = closed;
-    Index joint = substeps(h, 1);
-    if (!joint) keep(one), restore(), joint = substeps(h, 2);
-    if (!joint) keep(two), restore(), joint = substeps(h, 3);
-    d.step->closed = 0;
-    if (joint) return restore(), joint;
-    // of differences to what three steps lead to
-    error = 0;
-    const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
-    double *a = s.y, *b = a + m.n.nv;
-    difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
-    for (Index k = 0; k < m.n.nv; ++k) a[k] = limit(a[k], b[k]), b[k] = limit(one.v[k] - d.v[k], two.v[k] - d.v[k]);
-    for (Index k = 0; k < m.n.na; ++k) two.act[k] = limit(one.act[k] - d.act[k], two.act[k] - d.act[k]);
-    keep(three);
-    integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
-    for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];
-    for (Index k = 0; k < m.n.na; ++k) d.act[k] += two.act[k];
-    // what all of them stopped at once moved on between: the trapezoidal rule is of the same order
-    difference(m, before.q, d.q, a);
-    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, 0.1 * std::abs(a[k] - h / 2 * (before.v[k] + d.v[k])));
-    return 0;
-  }
-  void restore() { take(before), simulation::take_contacts(*d.step); }
-  void three_steps() { take(three); }
-
- private:
-  struct State {
-    double *q, *v, *act;
-  };
-  const Model& m;
-  Data<double>& d;
-  const Stages<double>& s;
-  double closed;
-  State kept[3];
-  State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;
-
-  void keep(const State& x) const { std::copy_n(d.q, m.n.nq, x.q), std::copy_n(d.v, m.n.nv, x.v), std::copy_n(d.act, m.n.na, x.act); }
-  void take(const State& x) const { std::copy_n(x.q, m.n.nq, d.q), std::copy_n(x.v, m.n.nv, d.v), std::copy_n(x.act, m.n.na, d.act); }
-  Index substeps(double h, int n) const {
-    Index joint = 0;
-    simulation::forget_rows(d);
-    for (int k = 0; k < n && !joint; ++k) joint = euler_step(m, d, s, h / n, true);
-    return joint;
-  }
-};
 
 // The same where velocities may jump. Steps that meet nothing are those of the tableau.
 template <class Tableau>
