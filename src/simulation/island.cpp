@@ -8,13 +8,12 @@ namespace {
 
 constexpr double rest = 0.05;  // m/s: what is faster is an impact however long the step
 
-// How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what comes as near as errors may is closed at once:
-// else velocities would depend on gaps that are errors, and on the step. pressed: it was in the step before.
-double may_close(const Island& x, double gap, double rate, bool pressed = false) {
-  const double closed = (pressed ? opens : 1) * x.w.closed;
-  const double open = std::max(0.0, gap - closed);
-  if (closed == 0) return open / x.h;
-  return gap + x.h * rate <= closed ? 0 : std::min(open, 10 * x.h * x.fast) / x.h;  // what residuals are relative to is then no gap that nothing closes
+// How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what is as near as errors may be is closed, and what is not may
+// close as it likes (no faster than this): else velocities would depend on gaps that are errors, and on the step. What was pressed in the step before
+// opens later, and not where what acts would close it again at once.
+double may_close(const Island& x, double gap, double rate, bool pressed) {
+  if (x.w.closed == 0) return std::max(0.0, gap) / x.h;
+  return gap <= x.w.closed || (pressed && (gap <= opens * x.w.closed || gap + x.h * rate <= x.w.closed)) ? 0 : 10 * x.fast;
 }
 
 // With gains the acceleration is what these ask for; without, the velocity is zero and what is wrong goes by a correction.
@@ -30,7 +29,7 @@ void fill_equality(const Island& x, const Slot<double>& s) {
 
 void fill_box(const Island& x, const Slot<double>& s, Index k) {
   const Index i = s.first;
-  x.g[i] = s.rate[0], x.bias[i] = may_close(x, s.error[0], s.rate[0]);
+  x.g[i] = s.rate[0], x.bias[i] = may_close(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
   x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
 }
@@ -75,7 +74,7 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
     x.compliance[n] = 1 / (x.h * total), x.bias[n] = material.stiffness * gap / total;
-  } else if (material.restitution > 0 && gap + x.h * s.rate[normal] <= x.w.closed) {
+  } else if (material.restitution > 0 && (x.w.closed > 0 ? gap <= x.w.closed : gap + x.h * s.rate[normal] <= 0)) {
     const auto [before, gained] = approach(x, s, normal);
     // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed, or is as slow as errors
     const double least = x.w.closed > 0 ? std::max(x.w.closed, std::sqrt(2 * x.w.closed * gained / x.h)) : std::min(2 * gained, rest);

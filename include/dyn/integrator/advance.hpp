@@ -142,31 +142,50 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
 }
 
 // Whether contacts, limits or dry friction act in a step of h, or constraints are open: velocities jump, and no smooth method keeps its order.
+// until: to when the first of them that is not yet as near as closed will have come so near, as it moves now; no sooner than h.
 template <class T>
-bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until) {
+  until = h;
   if constexpr (std::is_same_v<T, double>) {
     if (!simulation::has_rows(m, d) || held_dynamics(m, d)) return false;
     if (is_open(m, d)) return true;
     if (!simulation::may_jump(m, d)) return false;
     for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
-    const simulation::ActiveSlot* active = d.step->active;
-    return std::any_of(active, active + simulation::find_slots(m, d, s.y, h), [](const auto& x) { return x.kind != simulation::RowKind::Equality; });
+    bool jumps = false;
+    const T* const v = d.expand(m, static_cast<const T*>(d.v), d.ax);
+    for (Index k = 0, slots = simulation::find_slots(m, d, s.y, h); k < slots; ++k) {
+      const simulation::ActiveSlot& x = d.step->active[k];
+      if (x.kind == simulation::RowKind::Equality) continue;
+      jumps = true;
+      const bool contact = x.kind == simulation::RowKind::Contact;
+      const T gap = (contact ? d.step->contacts[x.index].contact.distance : x.s->error[0]) - closed, fast = simulation::closing(m, d, x, v);
+      if (gap > 0 && gap < until * fast) until = (gap + T(0.02) * closed) / fast;  // and a little, to be there
+    }
+    return jumps;
   }
   return false;
+}
+template <class T>
+bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+  T until;
+  return meets_rows(m, d, s, h, T(0), until);
 }
 
 // The same where velocities may jump. Steps that meet nothing are those of the tableau.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
-  Extrapolated extrapolated(m, d, s, std::max(0.1 * accuracy, 1e-12));
+  const double closed = std::max(0.1 * accuracy, 1e-12);
+  Extrapolated extrapolated(m, d, s, closed);
+  const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
   double h = std::min(duration, 1e-3), t = 0;
   while (t < duration) {
-    const bool last = h >= (duration - t) * (1 - 1e-12);
-    if (last) h = duration - t;
+    const double whole = h = std::min(h, duration - t);
     if (!(h > duration * 1e-13)) return no_step_left;
-    const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);
+    double until = h;
+    const bool rows = meets_rows(m, d, s, h, closed, until);
+    h = std::min(h, std::max(until, smallest));
+    const bool last = h >= (duration - t) * (1 - 1e-12), cut = h < whole;
     double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
-    const bool rows = meets_rows(m, d, s, h);
     Index joint = 0;
     if (rows) {
       allowed = std::max(allowed, 0.02 * accuracy), power = 1.0 / Extrapolated::order;
@@ -188,6 +207,10 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       enter(m, d, h);
+      if (cut) {  // to where something begins: what follows is as before
+        h = whole;
+        continue;
+      }
     } else {
       if (rows) extrapolated.restore();
       else s.undo(m, d);
@@ -195,6 +218,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     }
     const double factor = error > 0 ? 0.9 * std::pow(allowed / error, power) : 5;
     h *= error < HUGE_VAL ? std::clamp(factor, 0.2, rows ? 2.0 : 5.0) : 0.1;
+    if (rows) h = std::max(h, smallest);
   }
   return 0;
 }
