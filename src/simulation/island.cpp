@@ -16,6 +16,12 @@ double may_close(const Island& x, double gap, double rate, bool pressed) {
   return gap <= x.w.closed || (pressed && (gap <= opens * x.w.closed || gap + x.h * rate <= x.w.closed)) ? 0 : 10 * x.fast;
 }
 
+// What was met, not pressed before, has passed where it counts as closed by some of the step: how far and how long ago, at most.
+void note_late(const Island& x, double gap, double before) {
+  const double passed = std::min(x.w.closed - gap, -before * x.h);
+  if (passed > x.w.passed) x.w.passed = passed, x.w.late = passed / -before;
+}
+
 // With gains the acceleration is what these ask for; without, the velocity is zero and what is wrong goes by a correction.
 void fill_equality(const Island& x, const Slot<double>& s) {
   const bool gains = s.c.stiffness > 0 || s.c.damping > 0;
@@ -31,6 +37,7 @@ void fill_box(const Island& x, const Slot<double>& s, Index k) {
   const Index i = s.first;
   x.g[i] = s.rate[0], x.bias[i] = may_close(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
+  if (x.w.closed > 0 && s.c.type == DYN_CONSTRAINT_LIMIT) note_late(x, s.error[0], s.g1 * x.v_before[s.c.v1]);
   x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
 }
 
@@ -70,7 +77,8 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
     x.bias[i] = x.compliance[i] = x.v_minus[i] = 0;
   }
   const Index normal = normal_row(s.rows), n = s.first + normal;
-  x.bias[n] = may_close(x, gap, s.rate[normal], dot(load3(f.force_on_b), load3(f.force_on_b)) > 0) + lost(x, s, gap);
+  const bool pressed = dot(load3(f.force_on_b), load3(f.force_on_b)) > 0;
+  x.bias[n] = may_close(x, gap, s.rate[normal], pressed) + lost(x, s, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
     x.compliance[n] = 1 / (x.h * total), x.bias[n] = material.stiffness * gap / total;
@@ -81,6 +89,7 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
     if (before < -least)
       x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;
   }
+  if (x.w.closed > 0 && !pressed && !is_soft(material)) note_late(x, gap, approach(x, s, normal).before);
   x.w.report.penetration = std::max(x.w.report.penetration, -gap);
 }
 

@@ -215,6 +215,10 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       if (rows) extrapolated.restore();
       else s.undo(m, d);
       ++report.rejected;
+      if (rows && error == 2 * d.step->passed) {  // what was met was met too late
+        h = std::max(h - d.step->late * (1 - 0.02 * closed / d.step->passed), smallest);
+        continue;
+      }
     }
     const double factor = error > 0 ? 0.9 * std::pow(allowed / error, power) : 5;
     h *= error < HUGE_VAL ? std::clamp(factor, 0.2, rows ? 2.0 : 5.0) : 0.1;

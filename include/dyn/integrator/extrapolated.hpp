@@ -68,11 +68,11 @@ class Extrapolated {
     d.step->closed = closed;
     Index joint = substeps(h, 1);
     if (!joint) keep(one), restore(), joint = substeps(h, 2);
-    if (!joint) keep(two), restore(), joint = substeps(h, 3);
+    if (!joint) keep(two), restore(), d.step->passed = 0, joint = substeps(h, 3);
     d.step->closed = 0;
     if (joint) return restore(), joint;
     // of differences to what three steps lead to
-    error = 0;
+    error = 2 * d.step->passed;  // as all of them: what bounces is off by twice that
     const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
     double *a = s.y, *b = a + m.n.nv;
     difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
