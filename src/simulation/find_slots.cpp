@@ -114,6 +114,16 @@ double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const
   return -(of(s.F1, s.c.body1) + of(s.F2, s.c.body2));
 }
 
+void note_passed(const Model& m, Data<double>& d, const double* dq, double closed) {
+  Workspace& w = *d.step;
+  const double *const moved = d.expand(m, dq, d.ax), *const v = d.expand(m, static_cast<const double*>(d.v), d.vx);
+  for (Index k = 0; k < w.slot_count; ++k) {
+    const ActiveSlot& x = w.active[k];
+    const double gap = gap_of(w, x) - closed, passed = x.kind == RowKind::Equality || gap <= 0 ? 0 : closing(m, d, x, moved) - gap;
+    if (passed > w.passed) w.passed = passed, w.late = passed / closing(m, d, x, v);
+  }
+}
+
 Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);
   const bool some_sleep = d.step->sleep.some;  // then of clearance nothing is known

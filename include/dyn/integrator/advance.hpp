@@ -157,8 +157,7 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T
       const simulation::ActiveSlot& x = d.step->active[k];
       if (x.kind == simulation::RowKind::Equality) continue;
       jumps = true;
-      const bool contact = x.kind == simulation::RowKind::Contact;
-      const T gap = (contact ? d.step->contacts[x.index].contact.distance : x.s->error[0]) - closed, fast = simulation::closing(m, d, x, v);
+      const T gap = simulation::gap_of(*d.step, x) - closed, fast = simulation::closing(m, d, x, v);
       if (gap > 0 && gap < until * fast) until = (gap + T(0.02) * closed) / fast;  // and a little, to be there
     }
     return jumps;
@@ -215,7 +214,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       if (rows) extrapolated.restore();
       else s.undo(m, d);
       ++report.rejected;
-      if (rows && error == 2 * d.step->passed) {  // what was met was met too late
+      if (rows && error == 2 * d.step->passed && d.step->late > 0 && d.step->late < h) {  // what was met was met too late
         h = std::max(h - d.step->late * (1 - 0.02 * closed / d.step->passed), smallest);
         continue;
       }

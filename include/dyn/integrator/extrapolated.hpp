@@ -72,12 +72,14 @@ class Extrapolated {
     d.step->closed = 0;
     if (joint) return restore(), joint;
     // of differences to what three steps lead to
-    error = 2 * d.step->passed;  // as all of them: what bounces is off by twice that
+    error = 0;
     const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
     double *a = s.y, *b = a + m.n.nv;
     difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
     for (Index k = 0; k < m.n.nv; ++k) a[k] = limit(a[k], b[k]), b[k] = limit(one.v[k] - d.v[k], two.v[k] - d.v[k]);
     for (Index k = 0; k < m.n.na; ++k) two.act[k] = limit(one.act[k] - d.act[k], two.act[k] - d.act[k]);
+    simulation::note_passed(m, d, a, closed);
+    error = std::max(error, 2 * d.step->passed);  // for all of them: what bounces is off by twice that
     keep(three);
     integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];

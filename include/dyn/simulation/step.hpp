@@ -67,8 +67,12 @@ inline void take_over(dynContactForce& f, const dynContactForce* before) {
   for (int i = 0; i < 3; ++i) f.force_on_b[i] = before ? before->force_on_b[i] : 0, f.moment_on_b[i] = before ? before->moment_on_b[i] : 0;
 }
 
-// How fast the gap of a contact or a limit becomes smaller; v: of all coordinates (Data::expand).
+// Of a contact or a limit.
+inline double gap_of(const Workspace& w, const ActiveSlot& x) { return x.kind == RowKind::Contact ? w.contacts[x.index].contact.distance : x.s->error[0]; }
+// How fast it becomes smaller; v: of all coordinates (Data::expand).
 double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const double* v);
+// Of contacts and limits of the last step, which met none of these, what a further displacement dq makes nearer than closed: to passed and late.
+void note_passed(const Model& m, Data<double>& d, const double* dq, double closed);
 
 // Velocity of the point of a body that is at x of the world, by d.step->root_velocity.
 inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x) {
