@@ -119,7 +119,9 @@ void note_passed(const Model& m, Data<double>& d, const double* dq, double close
   const double *const moved = d.expand(m, dq, d.ax), *const v = d.expand(m, static_cast<const double*>(d.v), d.vx);
   for (Index k = 0; k < w.slot_count; ++k) {
     const ActiveSlot& x = w.active[k];
-    const double gap = gap_of(w, x) - closed, passed = x.kind == RowKind::Equality || gap <= 0 ? 0 : closing(m, d, x, moved) - gap;
+    const double gap = gap_of(w, x) - closed;
+    if (x.kind == RowKind::Equality || gap <= 0 || (x.kind == RowKind::Contact && presses(w.contacts[x.index]))) continue;
+    const double passed = closing(m, d, x, moved) - gap;
     if (passed > w.passed) w.passed = passed, w.late = passed / closing(m, d, x, v);
   }
 }

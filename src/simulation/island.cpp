@@ -60,7 +60,7 @@ Approach approach(const Island& x, const Slot<double>& s, Index normal) {
 // Errors leave a gap where bodies roll on each other, either way: it goes as fast as they turn.
 double lost(const Island& x, const Slot<double>& s, double gap) {
   const auto turns = [&](Index body) { return std::sqrt(dot(velocity(x, body).angular, velocity(x, body).angular)); };
-  return x.w.closed > 0 ? std::clamp(gap, -x.w.closed, x.w.closed) * (turns(s.c.body1) + turns(s.c.body2)) : 0;
+  return x.w.closed > 0 ? gap * (turns(s.c.body1) + turns(s.c.body2)) : 0;
 }
 
 void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
@@ -77,7 +77,7 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
     x.bias[i] = x.compliance[i] = x.v_minus[i] = 0;
   }
   const Index normal = normal_row(s.rows), n = s.first + normal;
-  const bool pressed = dot(load3(f.force_on_b), load3(f.force_on_b)) > 0;
+  const bool pressed = presses(f);
   x.bias[n] = may_close(x, gap, s.rate[normal], pressed) + lost(x, s, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;

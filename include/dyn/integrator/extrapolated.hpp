@@ -60,6 +60,7 @@ class Extrapolated {
   Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_) : m(m_), d(d_), s(s_), closed(closed_) {
     double* next = s.stage(1);
     for (State& x : kept) x.q = next, x.v = x.q + m.n.nq, x.act = x.v + m.n.nv, next = x.act + m.n.na;
+    for (double*& x : early) x = next, next += m.n.nv;
   }
 
   // To the limit, and its error. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
@@ -84,9 +85,8 @@ class Extrapolated {
     integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];
     for (Index k = 0; k < m.n.na; ++k) d.act[k] += two.act[k];
-    // what all of them stopped at once moved on between: the trapezoidal rule is of the same order
-    difference(m, before.q, d.q, a);
-    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, 0.1 * std::abs(a[k] - h / 2 * (before.v[k] + d.v[k])));
+    // what all of them stopped at once moved on between, which no difference of them shows
+    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, h / 12 * std::abs(before.v[k] - 2 * early[0][k] + early[1][k]));
     return 0;
   }
   void restore() { take(before), simulation::take_contacts(*d.step); }
@@ -101,14 +101,25 @@ class Extrapolated {
   const Stages<double>& s;
   double closed;
   State kept[3];
+  double* early[2];  // velocities after the first steps of three, in the axes at the beginning
   State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;
 
+  void refer(double* v) const {
+    std::copy_n(d.v, m.n.nv, v);
+    for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index, const Vec3<double>&) {
+      const Mat3<double> R0 = rotation(load_quaternion(before.q + b.user_q + 3)), R = rotation(load_quaternion(d.q + b.user_q + 3));
+      for (double* part : {v + b.user_v, v + b.user_v + 3}) store3(transpose_times(R0, R * load3(static_cast<const double*>(part))), part);
+    });
+  }
   void keep(const State& x) const { std::copy_n(d.q, m.n.nq, x.q), std::copy_n(d.v, m.n.nv, x.v), std::copy_n(d.act, m.n.na, x.act); }
   void take(const State& x) const { std::copy_n(x.q, m.n.nq, d.q), std::copy_n(x.v, m.n.nv, d.v), std::copy_n(x.act, m.n.na, d.act); }
   Index substeps(double h, int n) const {
     Index joint = 0;
     simulation::forget_rows(d);
-    for (int k = 0; k < n && !joint; ++k) drift(m, d, s, h / n), joint = kick(m, d, s, h / n);
+    for (int k = 0; k < n && !joint; ++k) {
+      drift(m, d, s, h / n), joint = kick(m, d, s, h / n);
+      if (k < 2) refer(early[k]);
+    }
     return joint;
   }
 };

@@ -67,6 +67,7 @@ inline void take_over(dynContactForce& f, const dynContactForce* before) {
   for (int i = 0; i < 3; ++i) f.force_on_b[i] = before ? before->force_on_b[i] : 0, f.moment_on_b[i] = before ? before->moment_on_b[i] : 0;
 }
 
+inline bool presses(const dynContactForce& f) { return dot(load3(f.force_on_b), load3(f.force_on_b)) > 0; }
 // Of a contact or a limit.
 inline double gap_of(const Workspace& w, const ActiveSlot& x) { return x.kind == RowKind::Contact ? w.contacts[x.index].contact.distance : x.s->error[0]; }
 // How fast it becomes smaller; v: of all coordinates (Data::expand).
