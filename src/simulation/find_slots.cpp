@@ -74,7 +74,7 @@ struct Finder {
     if (!(d.acting & DYN_EFFECT_LIMITS)) return;
     double fast = 0;
     for (Index k = 0; k < m.n.limits && w.closed > 0; ++k) fast = std::max(fast, std::abs(v[m.limits()[k].dof]));
-    const double near = std::min(limit_reach, within_reach(w, h, fast));
+    const double near = w.closed > 0 ? within_reach(w, h, fast) : limit_reach;
     for (Index k = 0; k < m.n.limits; ++k) {
       const LimitRecord& r = m.limits()[k];
       const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], reach = 3 * h * std::abs(v[r.dof]) + near;
@@ -105,6 +105,26 @@ struct Finder {
 };
 
 }  // namespace
+
+double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const double* v) {
+  using Six = SixEights<double>;
+  const Slot<double>& s = *x.s;
+  if (x.kind == RowKind::Box) return -s.g1 * v[s.c.v1];
+  const auto of = [&](const double* F, Index body) { return Six::load(F).dot(body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V)[int(normal_row(s.rows))]; };
+  return -(of(s.F1, s.c.body1) + of(s.F2, s.c.body2));
+}
+
+void note_passed(const Model& m, Data<double>& d, const double* dq, double closed) {
+  Workspace& w = *d.step;
+  const double *const moved = d.expand(m, dq, d.ax), *const v = d.expand(m, static_cast<const double*>(d.v), d.vx);
+  for (Index k = 0; k < w.slot_count; ++k) {
+    const ActiveSlot& x = w.active[k];
+    const double gap = gap_of(w, x) - closed;
+    if (x.kind == RowKind::Equality || gap <= 0 || (x.kind == RowKind::Contact && presses(w.contacts[x.index]))) continue;
+    const double passed = closing(m, d, x, moved) - gap;
+    if (passed > w.passed) w.passed = passed, w.late = passed / closing(m, d, x, v);
+  }
+}
 
 Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);

@@ -8,11 +8,18 @@ namespace {
 
 constexpr double rest = 0.05;  // m/s: what is faster is an impact however long the step
 
-// How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what comes as near as errors may is closed at once:
-// else velocities would depend on gaps that are errors, and on the step. pressed: it was in the step before, and opens later than it would close.
-double may_close(const Island& x, double gap, double rate, bool pressed = false) {
-  const double closed = (pressed ? 3 : 1) * x.w.closed;
-  return gap + x.h * rate <= closed && closed > 0 ? 0 : std::max(0.0, gap - closed) / x.h;
+// How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what is as near as errors may be is closed, and what is not may
+// close as it likes (no faster than this): else velocities would depend on gaps that are errors, and on the step. What was pressed in the step before
+// opens later, and not where what acts would close it again at once.
+double may_close(const Island& x, double gap, double rate, bool pressed) {
+  if (x.w.closed == 0) return std::max(0.0, gap) / x.h;
+  return gap <= x.w.closed || (pressed && (gap <= opens * x.w.closed || gap + x.h * rate <= x.w.closed)) ? 0 : 10 * x.fast;
+}
+
+// What was met, not pressed before, has passed where it counts as closed by some of the step: how far and how long ago, at most.
+void note_late(const Island& x, double gap, double before) {
+  const double passed = std::min(x.w.closed - gap, -before * x.h);
+  if (passed > x.w.passed) x.w.passed = passed, x.w.late = passed / -before;
 }
 
 // With gains the acceleration is what these ask for; without, the velocity is zero and what is wrong goes by a correction.
@@ -28,24 +35,32 @@ void fill_equality(const Island& x, const Slot<double>& s) {
 
 void fill_box(const Island& x, const Slot<double>& s, Index k) {
   const Index i = s.first;
-  x.g[i] = s.rate[0], x.bias[i] = may_close(x, s.error[0], s.rate[0]);
+  x.g[i] = s.rate[0], x.bias[i] = may_close(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
+  if (x.w.closed > 0 && s.c.type == DYN_CONSTRAINT_LIMIT) note_late(x, s.error[0], s.g1 * x.v_before[s.c.v1]);
   x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
 }
 
 // At the beginning of the step.
 Motion<double> velocity(const Island& x, Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; }
 
-// Velocity of the normal row at the beginning of the step.
-double approach(const Island& x, const Slot<double>& s, Index normal) {
+// Velocity of the normal row at the beginning of the step, and what the step's own acceleration makes of it: of one body relative to the other, and
+// where the world holds one up, that of each.
+struct Approach {
+  double before, gained;
+};
+Approach approach(const Island& x, const Slot<double>& s, Index normal) {
   using Six = SixEights<double>;
-  return (Six::load(s.F1).dot(velocity(x, s.c.body1)) + Six::load(s.F2).dot(velocity(x, s.c.body2)))[int(normal)];
+  const auto along = [&](const double* F, const Motion<double>& V) { return Six::load(F).dot(V)[int(normal)]; };
+  const double first = along(s.F1, velocity(x, s.c.body1)), second = along(s.F2, velocity(x, s.c.body2));
+  const double by_first = along(s.F1, x.w.root_velocity[s.c.body1]) - first, by_second = along(s.F2, x.w.root_velocity[s.c.body2]) - second;
+  return {first + second, x.supported ? std::abs(by_first) + std::abs(by_second) : std::abs(by_first + by_second)};
 }
 
 // Errors leave a gap where bodies roll on each other, either way: it goes as fast as they turn.
 double lost(const Island& x, const Slot<double>& s, double gap) {
   const auto turns = [&](Index body) { return std::sqrt(dot(velocity(x, body).angular, velocity(x, body).angular)); };
-  return x.w.closed > 0 ? std::clamp(gap, -x.w.closed, x.w.closed) * (turns(s.c.body1) + turns(s.c.body2)) : 0;
+  return x.w.closed > 0 ? gap * (turns(s.c.body1) + turns(s.c.body2)) : 0;
 }
 
 void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
@@ -62,17 +77,19 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
     x.bias[i] = x.compliance[i] = x.v_minus[i] = 0;
   }
   const Index normal = normal_row(s.rows), n = s.first + normal;
-  x.bias[n] = may_close(x, gap, s.rate[normal], dot(load3(f.force_on_b), load3(f.force_on_b)) > 0) + lost(x, s, gap);
+  const bool pressed = presses(f);
+  x.bias[n] = may_close(x, gap, s.rate[normal], pressed) + lost(x, s, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
     x.compliance[n] = 1 / (x.h * total), x.bias[n] = material.stiffness * gap / total;
-  } else if (material.restitution > 0 && gap + x.h * s.rate[normal] <= x.w.closed) {
-    const double before = approach(x, s, normal), gained = std::abs(s.rate[normal] - before);
-    // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed
-    const double least = x.w.closed > 0 ? std::sqrt(2 * x.w.closed * gained / x.h) : std::min(2 * gained, rest);
+  } else if (material.restitution > 0 && (x.w.closed > 0 ? gap <= x.w.closed : gap + x.h * s.rate[normal] <= 0)) {
+    const auto [before, gained] = approach(x, s, normal);
+    // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed, or is as slow as errors
+    const double least = x.w.closed > 0 ? std::max(x.w.closed, std::sqrt(2 * x.w.closed * gained / x.h)) : std::min(2 * gained, rest);
     if (before < -least)
       x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;
   }
+  if (x.w.closed > 0 && !pressed && !is_soft(material)) note_late(x, gap, approach(x, s, normal).before);
   x.w.report.penetration = std::max(x.w.report.penetration, -gap);
 }
 
@@ -82,6 +99,7 @@ void Island::number() {
   for (Index k = 0; k < slots; ++k) {
     ActiveSlot& x = slot(k);
     x.s->first = rows, rows += x.s->rows;
+    supported = supported || (std::min(x.tree1, x.tree2) < 0 && !between_joints(x.s->c.type));
     if (x.kind == RowKind::Equality) equalities += x.s->rows;
     else if (x.kind == RowKind::Box) ++boxes;
     else w.contact_rows[contacts++] = x.s->rows;
@@ -89,6 +107,8 @@ void Island::number() {
 }
 
 void Island::fill() {
+  for (Index k = 0; k < slots && w.closed > 0; ++k)
+    for (Index r = 0; r < slot(k).s->rows; ++r) fast = std::max(fast, std::abs(slot(k).s->rate[r]));
   for (Index k = 0, in_boxes = 0, in_contacts = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
     if (x.kind == RowKind::Equality) fill_equality(*this, *x.s);

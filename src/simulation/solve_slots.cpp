@@ -39,9 +39,9 @@ void Island::impulses(dynContactReport& report) {
   }
 }
 
-// What would be wrong at the end of the step, without friction.
+// What would be wrong at the end of the step, without friction; where steps follow from an accuracy, it is where the step ends (integrator/extrapolated.hpp).
 bool Island::correct(double* by_dof) {
-  const double most = fastest_correction * h;
+  const double most = fastest_correction * h, ahead = w.closed > 0 ? 0 : h;
   double largest = 0;
   auto part = [&](double wrong) { return std::clamp(share * wrong, -most, most); };
   auto one_sided = [&](double gap) {
@@ -55,15 +55,15 @@ bool Island::correct(double* by_dof) {
       const Index i = s.first + r;
       double wrong = 0;
       if (x.kind == RowKind::Equality && !(s.c.stiffness > 0 || s.c.damping > 0)) {
-        wrong = s.error[r] + h * c[i];
+        wrong = s.error[r] + ahead * c[i];
         largest = std::max(largest, std::abs(wrong));
         wrong = part(wrong);
       } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_LIMIT) {
-        wrong = one_sided(s.error[0] + h * c[i] + w.closed);
+        wrong = one_sided(s.error[0] + ahead * c[i] + w.closed);
       } else if (x.kind == RowKind::Box) {
         lower[in_boxes] = upper[in_boxes] = 0;
       } else if (x.kind == RowKind::Contact && r == normal_row(s.rows)) {
-        const double gap = w.contacts[x.index].contact.distance + h * c[i] + w.closed;
+        const double gap = w.contacts[x.index].contact.distance + ahead * c[i] + w.closed;
         wrong = is_soft(w.laws[x.index].material) ? std::max(gap, most) : one_sided(gap);
       }
       g[i] = compliance[i] = 0, bias[i] = wrong;

@@ -26,7 +26,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   if (slots == 0) return;
   f(w.materials, m.n.geoms), f(w.speeds, m.n.geoms), f(w.pairs, pair_room(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_room(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.slots, own), f(w.support, own * carriers), f(w.carried, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
-  f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.laws, m.n.contacts);
+  f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.kept, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));
   f(w.blocks, slots), f(w.by_dof, m.n.nv);
   f(w.clearance.q, m.n.nq), f(w.clearance.lever, m.n.nv);

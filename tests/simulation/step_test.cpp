@@ -249,6 +249,32 @@ TEST(Step, AccuracyHoldsThroughLastingContact) {
   }
 }
 
+// Two tilted boxes fall on one another and on the ground, bounce on their corners and come to rest: impacts without number, in few steps, and where they
+// come to rest is known as well as asked.
+TEST(Step, AccuracyPassesImpactsWithoutNumber) {
+  const auto fall = [](double accuracy) {
+    Play play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).finish());
+    play.options.accuracy = accuracy;
+    EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
+    play.set({0, 0, 0.3, 0.104612, 0.104612, 0.020922, 0.988771, 0.03, 0.01, 0.62, 0.026804, 0.089346, 0.035738, 0.995004});
+    double estimate = 0;
+    std::int64_t steps = 0;
+    for (int k = 0; k < 100; ++k) {
+      EXPECT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.01)) << dyn_last_error();
+      EXPECT_LT(play.report().steps + play.report().rejected, 600) << k;
+      steps += play.report().steps, estimate += play.report().error_estimate;
+    }
+    EXPECT_LT(steps, 2500) << accuracy;
+    EXPECT_LT(estimate, 100 * 3 * accuracy);  // of a hundred calls
+    for (int k = 0; k < 12; ++k) EXPECT_NEAR(0, play.v[k], 3 * accuracy) << k;
+    return Numbers(play.q, play.q + 14);
+  };
+  const Numbers best = fall(1e-5), q = fall(1e-3);
+  EXPECT_NEAR(0.1, best[2], 1e-5);
+  EXPECT_NEAR(0.3, best[9], 1e-5);
+  for (std::size_t k = 0; k < 14; ++k) EXPECT_NEAR(best[k], q[k], 0.01) << k;
+}
+
 TEST(Step, EverySolverHoldsAStack) {
   for (const dynContactSolverType solver : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON}) {
     Scene scene;

@@ -2,6 +2,7 @@
 // II.4), so that the local errors add up to at most `accuracy` over the duration.
 #pragma once
 
+#include "dyn/integrator/extrapolated.hpp"
 #include "dyn/integrator/implicit_midpoint.hpp"
 #include "dyn/integrator/runge_kutta.hpp"
 #include "dyn/integrator/semi_implicit_euler.hpp"
@@ -141,90 +142,49 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
 }
 
 // Whether contacts, limits or dry friction act in a step of h, or constraints are open: velocities jump, and no smooth method keeps its order.
+// until: to when the first of them that is not yet as near as closed will have come so near, as it moves now; no sooner than h.
 template <class T>
-bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until) {
+  until = h;
   if constexpr (std::is_same_v<T, double>) {
     if (!simulation::has_rows(m, d) || held_dynamics(m, d)) return false;
     if (is_open(m, d)) return true;
     if (!simulation::may_jump(m, d)) return false;
     for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
-    const simulation::ActiveSlot* active = d.step->active;
-    return std::any_of(active, active + simulation::find_slots(m, d, s.y, h), [](const auto& x) { return x.kind != simulation::RowKind::Equality; });
+    bool jumps = false;
+    const T* const v = d.expand(m, static_cast<const T*>(d.v), d.ax);
+    for (Index k = 0, slots = simulation::find_slots(m, d, s.y, h); k < slots; ++k) {
+      const simulation::ActiveSlot& x = d.step->active[k];
+      if (x.kind == simulation::RowKind::Equality) continue;
+      jumps = true;
+      const T gap = simulation::gap_of(*d.step, x) - closed, fast = simulation::closing(m, d, x, v);
+      if (gap > 0 && gap < until * fast) until = (gap + T(0.02) * closed) / fast;  // and a little, to be there
+    }
+    return jumps;
   }
   return false;
 }
-
-// Steps of order 1 extrapolated: h in one step, in two and in three (Aitken and Neville; Hairer and Wanner 1996, IV.9): order 3 where nothing
-// begins or ends. What is close enough counts as closed (Workspace::closed), so that velocities do not depend on gaps that are errors.
-class Extrapolated {
- public:
-  static constexpr int order = 3, evaluations = 6;
-  Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_) : m(m_), d(d_), s(s_), closed(closed_) {
-    double* next = s.stage(1);
-    for (State& x : kept) x.q = next, x.v = x.q + m.n.nq, x.act = x.v + m.n.nv, next = x.act + m.n.na;
-  }
-
-  // To the limit, and its error. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
-  Index step(double h, double& error) {
-    keep(before);
-    d.step->closed = closed;
-    Index joint = substeps(h, 1);
-    if (!joint) keep(one), restore(), joint = substeps(h, 2);
-    if (!joint) keep(two), restore(), joint = substeps(h, 3);
-    d.step->closed = 0;
-    if (joint) return restore(), joint;
-    // of differences to what three steps lead to
-    error = 0;
-    const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
-    double *a = s.y, *b = a + m.n.nv;
-    difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
-    for (Index k = 0; k < m.n.nv; ++k) a[k] = limit(a[k], b[k]), b[k] = limit(one.v[k] - d.v[k], two.v[k] - d.v[k]);
-    for (Index k = 0; k < m.n.na; ++k) two.act[k] = limit(one.act[k] - d.act[k], two.act[k] - d.act[k]);
-    keep(three);
-    integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
-    for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];
-    for (Index k = 0; k < m.n.na; ++k) d.act[k] += two.act[k];
-    // what all of them stopped at once moved on between: the trapezoidal rule is of the same order
-    difference(m, before.q, d.q, a);
-    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, 0.1 * std::abs(a[k] - h / 2 * (before.v[k] + d.v[k])));
-    return 0;
-  }
-  void restore() { take(before); }
-  void three_steps() { take(three); }
-
- private:
-  struct State {
-    double *q, *v, *act;
-  };
-  const Model& m;
-  Data<double>& d;
-  const Stages<double>& s;
-  double closed;
-  State kept[3];
-  State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;
-
-  void keep(const State& x) const { std::copy_n(d.q, m.n.nq, x.q), std::copy_n(d.v, m.n.nv, x.v), std::copy_n(d.act, m.n.na, x.act); }
-  void take(const State& x) const { std::copy_n(x.q, m.n.nq, d.q), std::copy_n(x.v, m.n.nv, d.v), std::copy_n(x.act, m.n.na, d.act); }
-  Index substeps(double h, int n) const {
-    Index joint = 0;
-    simulation::forget_rows(d);
-    for (int k = 0; k < n && !joint; ++k) joint = euler_step(m, d, s, h / n, true);
-    return joint;
-  }
-};
+template <class T>
+bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+  T until;
+  return meets_rows(m, d, s, h, T(0), until);
+}
 
 // The same where velocities may jump. Steps that meet nothing are those of the tableau.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
-  Extrapolated extrapolated(m, d, s, std::max(0.1 * accuracy, 1e-12));
+  const double closed = std::max(0.1 * accuracy, 1e-12);
+  Extrapolated extrapolated(m, d, s, closed);
+  const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
   double h = std::min(duration, 1e-3), t = 0;
   while (t < duration) {
-    const bool last = h >= (duration - t) * (1 - 1e-12);
-    if (last) h = duration - t;
+    const double whole = h = std::min(h, duration - t);
     if (!(h > duration * 1e-13)) return no_step_left;
-    const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);
+    double until = h;
+    const bool rows = meets_rows(m, d, s, h, closed, until);
+    h = std::min(h, std::max(until, smallest));
+    const bool last = h >= (duration - t) * (1 - 1e-12), cut = h < whole;
     double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
-    const bool rows = meets_rows(m, d, s, h);
     Index joint = 0;
     if (rows) {
       allowed = std::max(allowed, 0.02 * accuracy), power = 1.0 / Extrapolated::order;
@@ -246,13 +206,22 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       enter(m, d, h);
+      if (cut) {  // to where something begins: what follows is as before
+        h = whole;
+        continue;
+      }
     } else {
       if (rows) extrapolated.restore();
       else s.undo(m, d);
       ++report.rejected;
+      if (rows && error == 2 * d.step->passed && d.step->late > 0 && d.step->late < h) {  // what was met was met too late
+        h = std::max(h - d.step->late * (1 - 0.02 * closed / d.step->passed), smallest);
+        continue;
+      }
     }
     const double factor = error > 0 ? 0.9 * std::pow(allowed / error, power) : 5;
     h *= error < HUGE_VAL ? std::clamp(factor, 0.2, rows ? 2.0 : 5.0) : 0.1;
+    if (rows) h = std::max(h, smallest);
   }
   return 0;
 }

@@ -17,7 +17,8 @@ struct Island {
   double h;
   const double* v_before;
   Index rows = 0, equalities = 0, boxes = 0, contacts = 0;
-  bool bounces = false, has_matrix = false, has_cones = false;
+  bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
+  double fast = 0;     // the largest rate of its rows, where steps follow from an accuracy
   Index eliminated = 0;  // -1: does not fit
 
   double* vector(int k) const { return w.vectors + k * row_room(step_rows(m)); }

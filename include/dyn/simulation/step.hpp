@@ -31,7 +31,8 @@ inline constexpr double limit_reach = 1e-4;  // m, rad: limits this near count h
 
 // What is farther apart does not meet within a step of h, whatever impulses there are; fast: speeds before. Where steps follow from an
 // accuracy they may be so short that all that is near would be far.
-inline double within_reach(const Workspace& w, double h, double fast) { return w.closed > 0 ? w.closed + 10 * h * fast : HUGE_VAL; }
+inline constexpr double opens = 3;  // of w.closed: what was pressed in the step before opens later than it would close
+inline double within_reach(const Workspace& w, double h, double fast) { return w.closed > 0 ? opens * w.closed + 10 * h * fast : HUGE_VAL; }
 
 // After forward dynamics, with its free velocity v_free: contacts within reach of a step of h, limits, constraints. Answers how many slots
 // act; by islands in d.step->order, and contacts in d.step->contacts.
@@ -65,6 +66,14 @@ void with_before(Workspace& w, Asked&& asked, F&& f) {
 inline void take_over(dynContactForce& f, const dynContactForce* before) {
   for (int i = 0; i < 3; ++i) f.force_on_b[i] = before ? before->force_on_b[i] : 0, f.moment_on_b[i] = before ? before->moment_on_b[i] : 0;
 }
+
+inline bool presses(const dynContactForce& f) { return dot(load3(f.force_on_b), load3(f.force_on_b)) > 0; }
+// Of a contact or a limit.
+inline double gap_of(const Workspace& w, const ActiveSlot& x) { return x.kind == RowKind::Contact ? w.contacts[x.index].contact.distance : x.s->error[0]; }
+// How fast it becomes smaller; v: of all coordinates (Data::expand).
+double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const double* v);
+// Of contacts and limits of the last step, which met none of these, what a further displacement dq makes nearer than closed: to passed and late.
+void note_passed(const Model& m, Data<double>& d, const double* dq, double closed);
 
 // Velocity of the point of a body that is at x of the world, by d.step->root_velocity.
 inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x) {

@@ -90,7 +90,8 @@ struct Ledger {
 struct Workspace {
   dynStepOptions options;
   dynStepReport report;  // of the last call that made steps
-  Index contact_count, before_count;
+  Index contact_count, before_count, kept_count;
+  double passed, late;     // since they were set to 0, at most: how far, m, rad, and how long, s, what was met had been nearer than closed
   double closed;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
 
   Ledger ledger;
@@ -113,7 +114,7 @@ struct Workspace {
   double* carried;
   ActiveSlot* active;
   Index* order;                 // the same by islands
-  dynContactForce *contacts, *before;  // of the last step, and of the one before
+  dynContactForce *contacts, *before, *kept;  // of the last step, of the one before, and of that after which tries of a step begin
   ContactLaw* laws;
   double *vectors, *matrix;     // of an island's problem
   Index* contact_rows;
@@ -155,6 +156,9 @@ void for_each_contact(const Workspace& w, F&& f) {
   const dynContactForce *a = w.contacts, *const a_end = a + w.contact_count, *b = w.sleep.held, *const b_end = b + w.sleep.held_count;
   while (a != a_end || b != b_end) f(b == b_end || (a != a_end && collision::comes_before(a->contact, b->contact)) ? *a++ : *b++);
 }
+// Tries of a step begin alike.
+inline void keep_contacts(Workspace& w) { std::copy_n(w.contacts, w.contact_count, w.kept), w.kept_count = w.contact_count; }
+inline void take_contacts(Workspace& w) { std::copy_n(w.kept, w.kept_count, w.contacts), w.contact_count = w.kept_count; }
 // What steps begin from may have changed.
 inline void disturb(Data<double>& d) {
   if (d.step) d.step->sleep.known = false;
