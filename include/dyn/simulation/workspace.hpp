@@ -5,6 +5,7 @@
 #include "dyn/collision/pair_search.hpp"
 #include "dyn/simulation/clearance.hpp"
 #include "dyn/simulation/elimination.hpp"
+#include "dyn/simulation/loose.hpp"
 #include "dyn/simulation/sleep.hpp"
 #include "dyn/solver/workspace.hpp"
 
@@ -94,6 +95,7 @@ struct Workspace {
   double closed;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
 
   Ledger ledger;
+  Loose loose;
 
   // the rest is there when something may act
   Clearance clearance;
@@ -148,6 +150,15 @@ void set_up_sleep(const Model& m, Workspace& w);  // sleep.cpp
 template <class F>
 decltype(auto) with_trees(const Data<double>& d, F&& f) {
   return d.step && d.step->sleep.acts ? f(d.step->sleep.awake) : f(AllTrees{});
+}
+// The same without those that fly by themselves in this step; part: otherwise.
+template <class Part, class F>
+decltype(auto) with_others(const Data<double>& d, const Part& part, F&& f) {
+  return d.step && d.step->loose.flying ? f(d.step->loose.others) : f(part);
+}
+template <class F>
+decltype(auto) with_others(const Data<double>& d, F&& f) {
+  return with_trees(d, [&](const auto& part) { return with_others(d, part, f); });
 }
 // f(contact) of the last step, of what is awake and of what sleeps, in order.
 template <class F>
