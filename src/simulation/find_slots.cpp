@@ -48,11 +48,10 @@ struct Finder {
     s.lower[0] = 0, s.upper[0] = HUGE_VAL;
   }
   void append(Slot<double>& s, Index* support, double* carried, RowKind kind, Index index) {
-    if (m.has_mimic) eliminate_slot(m, d, s, support, carried);
-    else propagate(m, d, s, support, carried);
     const bool joints = between_joints(s.c.type);
     auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : w.tree_of[joints ? body_of_dof(m, dof) : body]; };
-    w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0};
+    w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0, false};
+    if (kind != RowKind::Contact) carry(m, d, w.active[count - 1]);
   }
   Slot<double>& next() { return w.slots[added]; }
   void append_next(RowKind kind, Index index) {
@@ -95,12 +94,7 @@ struct Finder {
     find_contacts(m, d, h, between);
     for (Index k = 0; k < w.contact_count; ++k) {
       Slot<double>& s = next();
-      contact_slot(m, d, k, s);
-      need_columns(m, d, s.c.body1), need_columns(m, d, s.c.body2);
-      using Six = SixEights<double>;
-      using P = Six::P;
-      P rate = Six::load(s.F1).dot(w.root_velocity[s.c.body1]) + Six::load(s.F2).dot(w.root_velocity[s.c.body2]);
-      rate.store(s.rate);
+      meet_contact(m, d, k, h, s);
       append_next(RowKind::Contact, k);
     }
   }

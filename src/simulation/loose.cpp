@@ -209,7 +209,7 @@ void list_loose(const Model& m, Workspace& w) {
 void begin_flight(Data<double>& d) {
   Loose& l = d.step->loose;
   l.flying = l.count > 0 && !(d.acting & (std::uint32_t(DYN_EFFECT_FLUID) | acting_wrenches));
-  ++l.step;
+  ++l.step, l.pushed_count = 0;
 }
 
 void fly(const Model&, Data<double>& d, double h) {
@@ -247,7 +247,7 @@ void need_columns(const Model& m, Data<double>& d, Index body) {
     d.U_root[b.idx_v + k] = {R * x.U[k].linear, R * x.U[k].angular};
     d.Dinv[b.idx_v + k] = x.Dinv[k];
   }
-  l.has_columns[l.number[body]] = l.step;
+  l.has_columns[l.number[body]] = l.step, l.pushed[l.pushed_count++] = body;
 }
 
 void need_all_columns(const Model& m, Data<double>& d) {

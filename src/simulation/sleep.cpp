@@ -28,7 +28,7 @@ Index tree_of(const Model& m, const Data<double>& d, const dynContact& c) {
 // What steps go through: trees that are awake.
 void list_awake(const Model& m, Workspace& w) {
   Sleep& z = w.sleep;
-  z.awake_count = 0, w.awake_pair_count = -1;
+  z.awake_count = 0, w.awake_pair_count = w.row_count = -1;
   Index groups = 0;
   for (Index t = 0; t < z.count; ++t) {
     if (z.is[t] != Sleeper::Awake) continue;
@@ -170,36 +170,48 @@ void find_rest(const Model& m, Data<double>& d, const double* v0, const double* 
     const ActiveSlot& s = w.active[k];
     for (const Index tree : {s.tree1, s.tree2})
       if (tree >= 0) z.island[z.number[tree]] = z.number[s.island];
+    if (s.kind == RowKind::Contact) w.laws[s.index].island = z.number[s.island];
   }
   for (Index k = 0; k < z.awake_count; ++k) {
     const Index t = z.list[k];
     const Trees& x = z.trees[t];
-    double fastest = 0, changed = 0, before = 0, corrected = 0;
+    std::uint8_t is = alike | deep;
+    Index fast = x.v;
+    while (fast < x.v_end && std::abs(d.v[fast]) <= speed) ++fast;
+    if (fast < x.v_end) {  // then the rest does not matter
+      z.flags[z.island[t]] &= is;
+      continue;
+    }
+    double changed = 0, before = 0, corrected = 0;
     for (Index i = x.v; i < x.v_end; ++i) {
-      fastest = std::max(fastest, std::abs(d.v[i])), changed = std::max(changed, std::abs(d.v[i] - v0[i])), before = std::max(before, std::abs(v0[i]));
+      changed = std::max(changed, std::abs(d.v[i] - v0[i])), before = std::max(before, std::abs(v0[i]));
       if (dq) corrected = std::max(corrected, std::abs(dq[i]));
     }
-    std::uint8_t is = alike | deep;
-    if (fastest <= speed && corrected <= speed * h) is |= slow;
+    if (corrected <= speed * h) is |= slow;
     if (changed <= change) is |= steady;
     if (before == 0) is |= still_before;
     if (z.still[t] >= time && may_sleep(m, d, x)) is |= ready;
     z.flags[z.island[t]] &= is;
   }
   // what they exert is what it was, if inputs have not changed
-  const auto stood = [&](const dynContactForce& f) { return (z.flags[z.island[tree_of(m, d, f.contact)]] & (at_rest | still_before)) == (at_rest | still_before); };
+  const auto island = [&](const dynContactForce& f) { return w.laws[&f - w.contacts].island; };
+  const auto stood = [&](const dynContactForce& f) { return (z.flags[island(f)] & (at_rest | still_before)) == (at_rest | still_before); };
   const auto force = [](const dynContactForce& f, int i) { return i < 3 ? f.force_on_b[i] : f.moment_on_b[i - 3]; };
-  for (Index k = 0; k < w.contact_count; ++k)
-    for (int i = 0; i < 6; ++i) {
-      double& largest = z.largest[z.island[tree_of(m, d, w.contacts[k].contact)]];
-      largest = std::max(largest, std::abs(force(w.contacts[k], i)));
-    }
-  with_before(w, stood, [&](const dynContactForce& f, const dynContactForce* before) {
-    const Index t = z.island[tree_of(m, d, f.contact)];
-    for (int i = 0; i < 6; ++i)
-      if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > solved * z.largest[t]) z.flags[t] &= std::uint8_t(~alike);
-  });
-  with_before(w, [&](const dynContactForce& f) { return (z.flags[z.island[tree_of(m, d, f.contact)]] & stays) == stays; }, take_over);
+  bool some = false;
+  for (Index k = 0; k < w.contact_count; ++k) {
+    if (!stood(w.contacts[k])) continue;
+    some = true;
+    double& largest = z.largest[island(w.contacts[k])];
+    for (int i = 0; i < 6; ++i) largest = std::max(largest, std::abs(force(w.contacts[k], i)));
+  }
+  if (some) {
+    with_before(w, stood, [&](const dynContactForce& f, const dynContactForce* before) {
+      const Index t = island(f);
+      for (int i = 0; i < 6; ++i)
+        if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > solved * z.largest[t]) z.flags[t] &= std::uint8_t(~alike);
+    });
+    with_before(w, [&](const dynContactForce& f) { return (z.flags[island(f)] & stays) == stays; }, take_over);
+  }
   w.report.sleeping = z.islands;
   for (Index k = 0; k < z.awake_count; ++k) {
     const Index t = z.list[k];

@@ -23,7 +23,7 @@ template <class F>
 void for_each_array(const Model& m, Loose& l, F&& f) {
   const std::ptrdiff_t count = count_loose(m);
   if (count == 0) return;
-  f(l.eights, (count + Wide::lanes - 1) / Wide::lanes), f(l.acting, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count);
+  f(l.eights, (count + Wide::lanes - 1) / Wide::lanes), f(l.acting, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.pushed, count);
   f(l.number, m.n.bodies), f(l.trees, m.n.bodies);
   for_each_array(m, l.room, f);
 }
@@ -34,7 +34,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.ledger.q, m.n.nq), f(w.ledger.tau, m.n.nv);
   for_each_array(m, w.loose, f);
   if (slots == 0) return;
-  f(w.materials, m.n.geoms), f(w.speeds, m.n.geoms), f(w.pairs, pair_room(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_room(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
+  f(w.materials, m.n.geoms), f(w.speeds, geom_room(m)), f(w.centers, 4 * geom_room(m)), f(w.pairs, pair_room(m)), f(w.rows, pair_room(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_room(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.slots, own), f(w.support, own * carriers), f(w.carried, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));

@@ -27,10 +27,32 @@ struct Wide {
 };
 
 DYN_INLINE Wide select(const Wide::Mask& m, const Wide& a, const Wide& b) { return Wide(m ? a.x : b.x); }
-DYN_INLINE bool any(const Wide::Mask& m) {
-  typedef std::int64_t Four __attribute__((vector_size(32)));
-  const Four some = __builtin_shufflevector(m, m, 0, 1, 2, 3) | __builtin_shufflevector(m, m, 4, 5, 6, 7);
-  return ((some[0] | some[1]) | (some[2] | some[3])) != 0;
+DYN_INLINE Wide min(const Wide& a, const Wide& b) { return Wide(a.x < b.x ? a.x : b.x); }
+// A bit for each lane.
+DYN_INLINE unsigned bits_of(const Wide::Mask& m) {
+#if defined(__AVX512DQ__)
+  typedef long long Eight __attribute__((vector_size(64)));
+  return unsigned(__builtin_ia32_cvtq2mask512((Eight)m));
+#elif defined(__AVX__)
+  typedef double Four __attribute__((vector_size(32)));
+  const Four low = (Four)__builtin_shufflevector(m, m, 0, 1, 2, 3), high = (Four)__builtin_shufflevector(m, m, 4, 5, 6, 7);
+  return unsigned(__builtin_ia32_movmskpd256(low)) | unsigned(__builtin_ia32_movmskpd256(high)) << 4;
+#else
+  unsigned bits = 0;
+  for (int k = 0; k < Wide::lanes; ++k) bits |= unsigned(m[k] & 1) << k;
+  return bits;
+#endif
+}
+// f(lane) for each bit
+template <class F>
+DYN_INLINE void for_each_bit(unsigned bits, F&& f) {
+  for (; bits; bits &= bits - 1) f(int(__builtin_ctz(bits)));
+}
+DYN_INLINE bool any(const Wide::Mask& m) { return bits_of(m) != 0; }
+DYN_INLINE Wide load_wide(const double* p) {
+  Wide a;
+  std::memcpy(&a.x, p, sizeof a.x);
+  return a;
 }
 DYN_INLINE Wide sqrt(const Wide& a) {
   Wide b;

@@ -76,7 +76,7 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
 // The rest of it, of some of the trees. rests: what is slow may come to rest. Answers false where something that sleeps was met: v is then as before.
 template <class T, class Part>
 bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const Part& part, bool rests) {
-  s.begin(m, d, part);
+  s.keep(m, d, part);
   T *const hv = s.y, *const v0 = s.y0 + m.n.nv;
   bool flying = false;
   if constexpr (std::is_same_v<T, double>)

@@ -34,6 +34,8 @@ struct Loose {
   Index* number;        // of bodies, among these; -1
   LooseColumns* columns;
   std::uint64_t* has_columns;  // the step for which it has
+  Index* pushed;        // bodies that have, in this step
+  Index pushed_count;
   Trees* trees;         // of the model
   Index tree_count;
   ChosenTrees others;   // that steps go through
