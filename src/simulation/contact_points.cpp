@@ -165,8 +165,20 @@ struct Search {
     const double* const x = w.centers + row.b + k;
     const Vec3<Wide> to = Vec3<Wide>::make(load_wide(x) - A.p[0], load_wide(x + next) - A.p[1], load_wide(x + 2 * next) - A.p[2]);
     const Wide reach = load_wide(x + 3 * next);
-    const Vec3<double>& z = A.R.z;
-    const Wide distance = (a.shape.type == shape::Type::HalfSpace ? to.v[0] * z[0] + to.v[1] * z[1] + to.v[2] * z[2] - a.shape.radius : sqrt(dot(to, to)) - a.reach) - reach;
+    const auto along = [&](const Vec3<double>& axis) { return to.v[0] * axis[0] + to.v[1] * axis[1] + to.v[2] * axis[2]; };
+    Wide distance;
+    if (a.shape.type == shape::Type::HalfSpace) {
+      distance = along(A.R.z) - a.shape.radius - reach;
+    } else if (a.shape.type == shape::Type::Box) {
+      const auto beyond = [&](const Vec3<double>& axis, int i) {
+        const Wide x = along(axis);
+        return max(max(x, Wide(0.0) - x) - a.shape.size[i], 0.0);
+      };
+      const Vec3<Wide> off = Vec3<Wide>::make(beyond(A.R.x, 0), beyond(A.R.y, 1), beyond(A.R.z, 2));
+      distance = sqrt(dot(off, off)) - a.shape.radius - reach;
+    } else {
+      distance = sqrt(dot(to, to)) - a.reach - reach;
+    }
     const Wide near = min(min(reach, a.reach) * 0.02, within_reach(w, h, fast)), margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (1.5 * h);
     const unsigned lanes = row.count - k < Wide::lanes ? (1u << (row.count - k)) - 1 : 0xff, far = bits_of(distance > margin);
     if (w.clearance.possible) {

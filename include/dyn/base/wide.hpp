@@ -28,6 +28,7 @@ struct Wide {
 
 DYN_INLINE Wide select(const Wide::Mask& m, const Wide& a, const Wide& b) { return Wide(m ? a.x : b.x); }
 DYN_INLINE Wide min(const Wide& a, const Wide& b) { return Wide(a.x < b.x ? a.x : b.x); }
+DYN_INLINE Wide max(const Wide& a, const Wide& b) { return Wide(a.x < b.x ? b.x : a.x); }
 // A bit for each lane.
 DYN_INLINE unsigned bits_of(const Wide::Mask& m) {
 #if defined(__AVX512DQ__)
