@@ -34,6 +34,7 @@ struct Island {
 
   // by the whole matrix (island_solve.cpp)
   void matrix();
+  bool dense_matrix();
   void solve(dynContactReport& best);
   void displace();
 

@@ -129,6 +129,7 @@ struct Workspace {
   dynContactForce *contacts, *before;  // of the last step, and of the one before
   ContactLaw* laws;
   double *vectors, *matrix;     // of an island's problem
+  double* dense;                // what its rows leave at degrees of freedom side by side
   Index* contact_rows;
   SlotBlock* blocks;            // of the slots of an island
   double* by_dof;
@@ -196,5 +197,6 @@ inline std::ptrdiff_t geom_room(const Model& m) { return std::ptrdiff_t(m.n.geom
 inline Index step_slots(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }
 inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits; }
 inline Index island_rows(const Model& m) { return std::min<Index>(step_rows(m), 240); }
+inline constexpr Index most_dense_dofs = 64;
 
 }  // namespace dyn::simulation
