@@ -19,7 +19,9 @@ Errors, the largest of all steps, MuJoCo's at its fastest setting:
 """
 
 import argparse
+import os
 import re
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -27,7 +29,12 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-import dyn
+# The release build of this checkout, of which the package takes the variant for this machine, unless DYN_LIBRARY says otherwise.
+ROOT = Path(__file__).resolve().parents[1]
+if (ROOT / "build/release/lib").is_dir():
+    os.environ.setdefault("DYN_LIBRARY", str(ROOT / "build/release/lib"))
+sys.path.append(str(ROOT / "capi/python"))
+import dyn  # noqa: E402
 
 
 def free(pos, shape, euler=(0, 0, 0)):
@@ -264,6 +271,7 @@ def main():
     unknown = set(options.scenes) - set(scenes)
     if unknown:
         parser.error(f"no such scene{'' if options.humanoids else ' without --humanoids'}: {', '.join(sorted(unknown))}")
+    print(f"libdyn: {dyn.library_path}", file=sys.stderr)
     steps, rows = round(options.seconds / options.dt), []
     print("| scene | MuJoCo, us | its setting | libdyn, us | its setting | ratio | default | overlap, m | | slip, m | | energy grown, J | | momentum | | residual, default | steps above 1e-9 |")
     print("|---" * 17 + "|")

@@ -29,6 +29,13 @@ void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, co
   const bool plane_a = a.type == shape::Type::HalfSpace, plane_b = b.type == shape::Type::HalfSpace;
   if ((plane_a && plane_b) || !(r.distance <= margin)) return;
   out.normal = r.normal;
+  // the one point of two balls, or of a ball on a plane
+  const bool round_a = a.type == shape::Type::Sphere, round_b = b.type == shape::Type::Sphere;
+  if ((round_a || plane_a) && (round_b || plane_b)) {
+    constexpr std::uint64_t corner = 0, inside = 0xffffffff;
+    out.points[out.count++] = {r.point_a + r.normal * (r.distance / 2), r.distance, (plane_a ? inside : corner) << 32 | (plane_b ? inside : corner)};
+    return;
+  }
 
   const double size = std::min(size_of(a), size_of(b)), eps = coincident * size, same = same_point * size;
   const double band = std::max(margin - r.distance, 0.0) + eps;

@@ -60,7 +60,7 @@ Ball within(const Model& m, const Data<double>& d, Index geom) {
 // Pairs that are tested and can ever meet, and their shapes; too many for the list: pairs are found by boxes.
 void find_pairs(const Model& m, const Data<double>& d) {
   Workspace& w = *d.step;
-  w.pair_count = w.geom_count = 0, w.awake_pair_count = -1, w.by_boxes = false;
+  w.pair_count = w.geom_count = 0, w.awake_pair_count = w.row_count = -1, w.by_boxes = false;
   std::fill_n(w.speeds, m.n.geoms, 0.0);
   const auto room = Index(pair_room(m));
   const auto add = [&](Index a, Index b, Index number) {
@@ -142,15 +142,64 @@ struct Search {
     for (Index n = 0; n < w.pair_count; ++n)
       if (!still(w.pairs[n].a) || !still(w.pairs[n].b)) w.awake_pairs[w.awake_pair_count++] = w.pairs[n];
   }
+  void enter_center(Index geom) {
+    double* const x = w.centers + geom;
+    const std::ptrdiff_t next = geom_room(m);
+    const Vec3<double>& p = d.geom_poses[geom].p;
+    x[0] = p[0], x[next] = p[1], x[2 * next] = p[2], x[3 * next] = d.geoms[geom].reach;
+  }
+  void list_rows(const NearPair* pairs, Index count) {
+    w.row_count = 0;
+    for (Index n = 0; n < count; ++n) {
+      const NearPair& p = pairs[n];
+      if (PairRow* const last = w.row_count ? w.rows + w.row_count - 1 : nullptr; last && last->a == p.a && last->b + last->count == p.b) ++last->count;
+      else w.rows[w.row_count++] = {p.a, p.b, n, 1};
+    }
+    for (Index i = 0; i < w.geom_count; ++i) place(w.geoms[i]), enter_center(w.geoms[i]);  // once, of what does not move
+  }
+  // Of the pairs of a row from k on, which may be near: a bit each; as look has it, eight at a time.
+  unsigned near_of(const PairRow& row, Index k) {
+    const Geom& a = d.geoms[row.a];
+    const Pose& A = d.geom_poses[row.a];
+    const std::ptrdiff_t next = geom_room(m);
+    const double* const x = w.centers + row.b + k;
+    const Vec3<Wide> to = Vec3<Wide>::make(load_wide(x) - A.p[0], load_wide(x + next) - A.p[1], load_wide(x + 2 * next) - A.p[2]);
+    const Wide reach = load_wide(x + 3 * next);
+    const auto along = [&](const Vec3<double>& axis) { return to.v[0] * axis[0] + to.v[1] * axis[1] + to.v[2] * axis[2]; };
+    Wide distance;
+    if (a.shape.type == shape::Type::HalfSpace) {
+      distance = along(A.R.z) - a.shape.radius - reach;
+    } else if (a.shape.type == shape::Type::Box) {
+      const auto beyond = [&](const Vec3<double>& axis, int i) {
+        const Wide x = along(axis);
+        return max(max(x, Wide(0.0) - x) - a.shape.size[i], 0.0);
+      };
+      const Vec3<Wide> off = Vec3<Wide>::make(beyond(A.R.x, 0), beyond(A.R.y, 1), beyond(A.R.z, 2));
+      distance = sqrt(dot(off, off)) - a.shape.radius - reach;
+    } else {
+      distance = sqrt(dot(to, to)) - a.reach - reach;
+    }
+    const Wide near = min(min(reach, a.reach) * 0.02, within_reach(w, h, fast)), margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (1.5 * h);
+    const unsigned lanes = row.count - k < Wide::lanes ? (1u << (row.count - k)) - 1 : 0xff, far = bits_of(distance > margin);
+    if (w.clearance.possible) {
+      const Wide left = distance - near;
+      for_each_bit(far & lanes, [&](int l) { between = std::min(between, left[l]); });
+    }
+    return ~far & lanes;
+  }
   void by_list() {
     if (w.sleep.some && w.awake_pair_count < 0) list_awake();
-    const Index *const geoms = w.sleep.some ? w.awake_geoms : w.geoms, geom_count = w.sleep.some ? w.awake_geom_count : w.geom_count;
     const NearPair* const pairs = w.sleep.some ? w.awake_pairs : w.pairs;
-    for (Index i = 0; i < geom_count; ++i) place(geoms[i]);
-    for (Index n = 0; n < (w.sleep.some ? w.awake_pair_count : w.pair_count); ++n) {
-      const NearPair& p = pairs[n];
-      look(p.a, p.b, [&](Index& pair) { return pair = p.number, true; });
-    }
+    if (w.row_count < 0) list_rows(pairs, w.sleep.some ? w.awake_pair_count : w.pair_count);
+    const Index *const geoms = w.sleep.some ? w.awake_geoms : w.geoms, geom_count = w.sleep.some ? w.awake_geom_count : w.geom_count;
+    for (Index i = 0; i < geom_count; ++i)
+      if (d.geoms[geoms[i]].body) place(geoms[i]), enter_center(geoms[i]);
+    for (Index r = 0; r < w.row_count; ++r)
+      for (Index k = 0; k < w.rows[r].count; k += Wide::lanes)
+        for_each_bit(near_of(w.rows[r], k), [&](int l) {
+          const NearPair& p = pairs[w.rows[r].first + k + l];
+          look(p.a, p.b, [&](Index& pair) { return pair = p.number, true; });
+        });
   }
   void set_up(collision::PairSearch& search) {
     search.set_up(m, d);

@@ -1,5 +1,6 @@
 // From a contact point to the rows of a slot: the contact's frame has its normal as z, from A to B.
-#include "dyn/constraint/rows.hpp"
+#include <limits>
+
 #include "dyn/simulation/material.hpp"
 #include "dyn/simulation/step.hpp"
 
@@ -14,29 +15,52 @@ void across(const Vec3<double>& n, Vec3<double>& x, Vec3<double>& y) {
   y = Vec3<double>::make(b, sign + n[1] * n[1] * a, -n[1]);
 }
 
+// Velocity of the normal row, free; positive: it opens.
+double opens(const Data<double>& d, const dynContact& c, Index a, Index b) {
+  const Vec3<double> at = load3(c.position);
+  return dot(load3(c.normal), velocity_at(d, b, at) - velocity_at(d, a, at));
+}
+
+// No impulse is asked for: without one it is open at the end of the step, or touches and closes by no more than the places of bodies are rounded by.
+bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, double h) {
+  const Workspace& w = *d.step;
+  if (w.closed > 0 || w.ledger.open || is_soft(law.material)) return false;
+  const collision::Geom &a = d.geoms[law.geom_a], &b = d.geoms[law.geom_b];
+  const double opening = h * opens(d, c, a.body, b.body), rounding = std::numeric_limits<double>::epsilon() * std::min(a.reach, b.reach);
+  return c.distance + opening >= -slop && (law.material.restitution > 0 ? c.distance + opening > 0 : std::max(0.0, c.distance) + opening >= -rounding);
+}
+
 Vec3<double> surface_velocity(const Data<double>& d, Index geom) { return d.geom_poses[geom].R * load3(d.step->materials[geom].surface_velocity); }
 
 }  // namespace
 
-void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<double>& s) {
+void meet_contact(const Model& m, Data<double>& d, Index contact, double h, Slot<double>& s) {
   Workspace& w = *d.step;
   const dynContact& c = w.contacts[contact].contact;
   ContactLaw& law = w.laws[contact];
   const auto geom = [&](Index shape) { return Index(std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, [](const GeomRecord& g, Index s) { return g.shape < s; }) - m.geoms()); };
   const bool listed = c.pair >= 0;
-  const Index a = listed ? m.pairs()[c.pair].a : geom(c.shape_a), b = listed ? m.pairs()[c.pair].b : geom(c.shape_b);
+  const Index a = law.geom_a = listed ? m.pairs()[c.pair].a : geom(c.shape_a), b = law.geom_b = listed ? m.pairs()[c.pair].b : geom(c.shape_b);
   const Index own = listed ? m.pairs()[c.pair].material() : 0;
   law.material = own ? m.materials()[own - 1] : combined(w.materials[a], w.materials[b]);
   law.rows = contact_rows(law.material);
-  law.axes[2] = load3(c.normal);
-  across(law.axes[2], law.axes[0], law.axes[1]);
-  const Vec3<double> slip = surface_velocity(d, b) - surface_velocity(d, a);
-  for (int k = 0; k < 2; ++k) law.slip[k] = dot(law.axes[k], slip);
-
-  const Vec3<double> at = load3(c.position);
+  law.idle = is_idle(d, c, law, h);
   s.c.type = DYN_CONSTRAINT_POINT;
   s.c.body1 = d.geoms[b].body, s.c.body2 = d.geoms[a].body;
   s.rows = law.rows;
+}
+
+void assemble_contact(const Model& m, Data<double>& d, const ActiveSlot& x) {
+  Workspace& w = *d.step;
+  const dynContact& c = w.contacts[x.index].contact;
+  ContactLaw& law = w.laws[x.index];
+  Slot<double>& s = *x.s;
+  law.axes[2] = load3(c.normal);
+  across(law.axes[2], law.axes[0], law.axes[1]);
+  const Vec3<double> slip = surface_velocity(d, law.geom_b) - surface_velocity(d, law.geom_a);
+  for (int k = 0; k < 2; ++k) law.slip[k] = dot(law.axes[k], slip);
+
+  const Vec3<double> at = load3(c.position);
   auto fill = [&](Index body, double sign, double* lanes) {
     std::fill_n(lanes, 6 * row_lanes, 0.0);
     if (!body) return;
@@ -47,6 +71,10 @@ void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<dou
     }
   };
   fill(s.c.body1, 1, s.F1), fill(s.c.body2, -1, s.F2);
+  using Six = SixEights<double>;
+  (Six::load(s.F1).dot(w.root_velocity[s.c.body1]) + Six::load(s.F2).dot(w.root_velocity[s.c.body2])).store(s.rate);
+  need_columns(m, d, s.c.body1), need_columns(m, d, s.c.body2);
+  carry(m, d, x);
 }
 
 }  // namespace dyn::simulation

@@ -10,7 +10,7 @@ void root_velocities(const Model& m, Data<double>& d, const double* v) {
   static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // in the order of BodyType
   Workspace& w = *d.step;
   w.root_velocity[0] = Motion<double>::zero();
-  with_trees(d, [&](const auto& part) {
+  with_others(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) {
       for (Index i = t.first; i < t.end; ++i) {
         const Body& b = m.bodies()[i];
@@ -48,11 +48,10 @@ struct Finder {
     s.lower[0] = 0, s.upper[0] = HUGE_VAL;
   }
   void append(Slot<double>& s, Index* support, double* carried, RowKind kind, Index index) {
-    if (m.has_mimic) eliminate_slot(m, d, s, support, carried);
-    else propagate(m, d, s, support, carried);
     const bool joints = between_joints(s.c.type);
     auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : w.tree_of[joints ? body_of_dof(m, dof) : body]; };
-    w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0};
+    w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0, false};
+    if (kind != RowKind::Contact) carry(m, d, w.active[count - 1]);
   }
   Slot<double>& next() { return w.slots[added]; }
   void append_next(RowKind kind, Index index) {
@@ -62,6 +61,7 @@ struct Finder {
 
   void constraints() {
     if (active_rows(m, d) == 0) return;
+    need_all_columns(m, d);
     evaluate_rows(m, d, v, static_cast<const double*>(nullptr));
     for_each_slot(m, d, [&](Slot<double>& s, Index k) {
       const bool box = one_sided(s.c.type);
@@ -94,11 +94,7 @@ struct Finder {
     find_contacts(m, d, h, between);
     for (Index k = 0; k < w.contact_count; ++k) {
       Slot<double>& s = next();
-      contact_slot(m, d, k, s);
-      using Six = SixEights<double>;
-      using P = Six::P;
-      P rate = Six::load(s.F1).dot(w.root_velocity[s.c.body1]) + Six::load(s.F2).dot(w.root_velocity[s.c.body2]);
-      rate.store(s.rate);
+      meet_contact(m, d, k, h, s);
       append_next(RowKind::Contact, k);
     }
   }
@@ -130,7 +126,7 @@ Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h
   const double* v = d.expand(m, v_free, d.vx);
   const bool some_sleep = d.step->sleep.some;  // then of clearance nothing is known
   if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_far(m, d, v, h)) return note_clearance(m, d, v, h, shape::infinity), 0;
-  if (!m.has_mimic) with_trees(d, [&](const auto& part) { articulated_columns(m, d, part); });
+  if (!m.has_mimic) with_others(d, [&](const auto& part) { articulated_columns(m, d, part); });
   root_velocities(m, d, v);
   Finder find{m, d, *d.step, v, h};
   find.constraints(), find.limits(), find.contacts();

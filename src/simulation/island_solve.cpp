@@ -28,10 +28,51 @@ dynContactProblem problem(const Island& x) {
 
 }  // namespace
 
+// Where few degrees of freedom carry most slots, as those of one tree do: G = Z^T Z of all of them, Z = D^-1/2 Y row by row. false: they are many.
+bool Island::dense_matrix() {
+  using P = Pack<double, row_lanes>;
+  Index low = m.n.nvx, high = 0;
+  std::ptrdiff_t carried = 0;
+  for (Index k = 0; k < slots; ++k) {
+    const ActiveSlot& a = slot(k);
+    if (a.s->support == 0) continue;
+    low = std::min(low, a.support[a.s->support - 1]), high = std::max(high, a.support[0]), carried += a.s->support;
+  }
+  const Index dofs = high - low + 1;
+  if (dofs < 1 || dofs > most_dense_dofs || std::ptrdiff_t(dofs) * slots > 4 * carried) return false;
+  const std::ptrdiff_t ld = stride();
+  const double* Dinv = inverse_pivots(m, d) + low;
+  double *const Z = w.dense, *const G = w.matrix, root[most_dense_dofs];
+  for (Index k = 0; k < dofs; ++k) root[k] = std::sqrt(Dinv[k]);
+  std::fill_n(Z, ld * dofs, 0.0);
+  for (Index k = 0; k < slots; ++k) {
+    const ActiveSlot& a = slot(k);
+    for (Index n = 0; n < a.s->support; ++n) {
+      const Index dof = a.support[n] - low;
+      (P::load(a.carried + row_lanes * n) * root[dof]).store(Z + ld * dof + a.s->first);
+    }
+  }
+  constexpr int columns = 4;
+  for (Index c = 0; c < rows; c += columns)
+    for (Index r = c / row_lanes * row_lanes; r < rows; r += row_lanes) {
+      P sum[columns] = {P::zero(), P::zero(), P::zero(), P::zero()};
+      for (Index k = 0; k < dofs; ++k) {
+        const double* const z = Z + ld * k;
+        const P x = P::load(z + r);
+        for (int i = 0; i < columns; ++i) sum[i] = sum[i] + x * z[c + i];
+      }
+      for (int i = 0; i < columns && c + i < rows; ++i) sum[i].store(G + r + ld * (c + i));
+    }
+  for (Index c = 0; c < rows; ++c)
+    for (Index r = c + 1; r < rows; ++r) G[c + ld * r] = G[r + ld * c];
+  return true;
+}
+
 // Slots come in the order of their rows: lanes beyond those of a slot are zero, and overwritten by the next.
 void Island::matrix() {
   if (has_matrix) return;
   has_matrix = true;
+  if (dense_matrix()) return;
   static constexpr auto couples = std::array{couple_slots<1>, couple_slots<2>, couple_slots<3>, couple_slots<4>, couple_slots<5>, couple_slots<6>};
   const std::ptrdiff_t ld = stride();
   const double* Dinv = inverse_pivots(m, d);

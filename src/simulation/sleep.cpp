@@ -25,44 +25,18 @@ Index tree_of(const Model& m, const Data<double>& d, const dynContact& c) {
   return a >= 0 ? a : z.number[body_of(m, d, c.shape_b)];
 }
 
-// What steps go through: trees that are awake, neighbours together.
+// What steps go through: trees that are awake.
 void list_awake(const Model& m, Workspace& w) {
   Sleep& z = w.sleep;
-  AwakeTrees& a = z.awake;
-  a = {};
-  a.first_run = z.runs, a.first_chunk = z.chunks, a.first_span = z.spans, a.first_curved = z.curved, a.groups = z.groups;
-  z.awake_count = 0, w.awake_pair_count = -1;
+  z.awake_count = 0, w.awake_pair_count = w.row_count = -1;
+  Index groups = 0;
   for (Index t = 0; t < z.count; ++t) {
     if (z.is[t] != Sleeper::Awake) continue;
     z.list[z.awake_count++] = t;
-    if (a.of_groups > 0 && z.groups[a.of_groups - 1].end == z.trees[t].first) {
-      Trees& g = z.groups[a.of_groups - 1];
-      g.end = z.trees[t].end, g.end_run = z.trees[t].end_run, g.q_end = z.trees[t].q_end, g.v_end = z.trees[t].v_end;
-    } else {
-      z.groups[a.of_groups++] = z.trees[t];
-    }
+    append(z.trees[t], z.room.groups, groups);
   }
-  Index chunk = 0, span = 0, curved = 0;
-  for (Index k = 0; k < a.of_groups; ++k) {
-    const Trees& g = z.groups[k];
-    for (; chunk < m.n.chunks && m.chunks()[chunk].last_run <= g.first_run; ++chunk) {}
-    for (; chunk < m.n.chunks && m.chunks()[chunk].first_run < g.end_run; ++chunk) {
-      Chunk c = m.chunks()[chunk];
-      const Index first = std::max(c.first_run, g.first_run), last = std::min(c.last_run, g.end_run);
-      c.first = m.runs()[first].first, c.first_run = first - g.first_run + a.of_runs, c.last_run = last - g.first_run + a.of_runs;
-      z.chunks[a.of_chunks++] = c;
-      if (m.chunks()[chunk].last_run > g.end_run) break;  // the next group has a part of it, too
-    }
-    std::copy(m.runs() + g.first_run, m.runs() + g.end_run, z.runs + a.of_runs), a.of_runs += g.end_run - g.first_run;
-    for (; span < m.n.spans && m.spans()[span].first_v + m.spans()[span].count <= g.v; ++span) {}
-    for (Index l = span; l < m.n.spans && m.spans()[l].first_v < g.v_end; ++l) {
-      const Span& s = m.spans()[l];
-      const Index begin = std::max(s.first_v, g.v), end = std::min(s.first_v + s.count, g.v_end);
-      z.spans[a.of_spans++] = {s.first_q + (begin - s.first_v), begin, end - begin};
-    }
-    for (; curved < m.n.curved && m.curved()[curved] < g.first; ++curved) {}
-    for (; curved < m.n.curved && m.curved()[curved] < g.end; ++curved) z.curved[a.of_curved++] = m.curved()[curved];
-  }
+  z.awake = choose(m, z.room, groups);
+  list_loose(m, w);
 }
 
 // Contacts of `from` that are asked for go into `to`, in order; the others close up.
@@ -123,19 +97,8 @@ bool may_sleep(const Model& m, const Data<double>& d, const Trees& t) {
 void set_up_sleep(const Model& m, Workspace& w) {
   Sleep& z = w.sleep;
   z.number[0] = -1;
-  Index run = 0;
-  for (Index i = 1; i < m.n.bodies; ++i) {
-    const Body& b = m.bodies()[i];
-    if (b.parent == 0) {
-      while (m.runs()[run].first < i) ++run;
-      const Index end = m.subtree_end()[i];
-      Index end_run = run;
-      while (end_run < m.n.runs && m.runs()[end_run].first < end) ++end_run;
-      const bool last = end == m.n.bodies;
-      z.trees[z.count++] = {i, end, run, end_run, b.idx_q, last ? m.n.nq : m.bodies()[end].idx_q, b.idx_v, last ? m.n.nv : m.bodies()[end].idx_v};
-    }
-    z.number[i] = z.count - 1;
-  }
+  z.count = list_trees(m, z.trees);
+  for (Index t = 0; t < z.count; ++t) std::fill(z.number + z.trees[t].first, z.number + z.trees[t].end, t);
 }
 
 void begin_sleep(const Model& m, Data<double>& d, double h) {
@@ -207,36 +170,48 @@ void find_rest(const Model& m, Data<double>& d, const double* v0, const double* 
     const ActiveSlot& s = w.active[k];
     for (const Index tree : {s.tree1, s.tree2})
       if (tree >= 0) z.island[z.number[tree]] = z.number[s.island];
+    if (s.kind == RowKind::Contact) w.laws[s.index].island = z.number[s.island];
   }
   for (Index k = 0; k < z.awake_count; ++k) {
     const Index t = z.list[k];
     const Trees& x = z.trees[t];
-    double fastest = 0, changed = 0, before = 0, corrected = 0;
+    std::uint8_t is = alike | deep;
+    Index fast = x.v;
+    while (fast < x.v_end && std::abs(d.v[fast]) <= speed) ++fast;
+    if (fast < x.v_end) {  // then the rest does not matter
+      z.flags[z.island[t]] &= is;
+      continue;
+    }
+    double changed = 0, before = 0, corrected = 0;
     for (Index i = x.v; i < x.v_end; ++i) {
-      fastest = std::max(fastest, std::abs(d.v[i])), changed = std::max(changed, std::abs(d.v[i] - v0[i])), before = std::max(before, std::abs(v0[i]));
+      changed = std::max(changed, std::abs(d.v[i] - v0[i])), before = std::max(before, std::abs(v0[i]));
       if (dq) corrected = std::max(corrected, std::abs(dq[i]));
     }
-    std::uint8_t is = alike | deep;
-    if (fastest <= speed && corrected <= speed * h) is |= slow;
+    if (corrected <= speed * h) is |= slow;
     if (changed <= change) is |= steady;
     if (before == 0) is |= still_before;
     if (z.still[t] >= time && may_sleep(m, d, x)) is |= ready;
     z.flags[z.island[t]] &= is;
   }
   // what they exert is what it was, if inputs have not changed
-  const auto stood = [&](const dynContactForce& f) { return (z.flags[z.island[tree_of(m, d, f.contact)]] & (at_rest | still_before)) == (at_rest | still_before); };
+  const auto island = [&](const dynContactForce& f) { return w.laws[&f - w.contacts].island; };
+  const auto stood = [&](const dynContactForce& f) { return (z.flags[island(f)] & (at_rest | still_before)) == (at_rest | still_before); };
   const auto force = [](const dynContactForce& f, int i) { return i < 3 ? f.force_on_b[i] : f.moment_on_b[i - 3]; };
-  for (Index k = 0; k < w.contact_count; ++k)
-    for (int i = 0; i < 6; ++i) {
-      double& largest = z.largest[z.island[tree_of(m, d, w.contacts[k].contact)]];
-      largest = std::max(largest, std::abs(force(w.contacts[k], i)));
-    }
-  with_before(w, stood, [&](const dynContactForce& f, const dynContactForce* before) {
-    const Index t = z.island[tree_of(m, d, f.contact)];
-    for (int i = 0; i < 6; ++i)
-      if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > solved * z.largest[t]) z.flags[t] &= std::uint8_t(~alike);
-  });
-  with_before(w, [&](const dynContactForce& f) { return (z.flags[z.island[tree_of(m, d, f.contact)]] & stays) == stays; }, take_over);
+  bool some = false;
+  for (Index k = 0; k < w.contact_count; ++k) {
+    if (!stood(w.contacts[k])) continue;
+    some = true;
+    double& largest = z.largest[island(w.contacts[k])];
+    for (int i = 0; i < 6; ++i) largest = std::max(largest, std::abs(force(w.contacts[k], i)));
+  }
+  if (some) {
+    with_before(w, stood, [&](const dynContactForce& f, const dynContactForce* before) {
+      const Index t = island(f);
+      for (int i = 0; i < 6; ++i)
+        if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > solved * z.largest[t]) z.flags[t] &= std::uint8_t(~alike);
+    });
+    with_before(w, [&](const dynContactForce& f) { return (z.flags[island(f)] & stays) == stays; }, take_over);
+  }
   w.report.sleeping = z.islands;
   for (Index k = 0; k < z.awake_count; ++k) {
     const Index t = z.list[k];

@@ -7,10 +7,38 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double slop = 1e-9;             // m, rad: what no correction is made for
 constexpr double share = 0.5;             // of what is wrong, that a step corrects
 constexpr double nearly = 1e-5;           // a residual that sweeps take down
 constexpr double fastest_correction = 1;  // m/s, rad/s
+
+// f(first of w.order, one past the last) of each island
+template <class F>
+void for_each_island(const Workspace& w, Index slots, F&& f) {
+  for (Index begin = 0, end; begin < slots; begin = end) {
+    end = begin + 1;
+    while (end < slots && w.active[w.order[end]].island == w.active[w.order[begin]].island) ++end;
+    f(begin, end);
+  }
+}
+
+// All contacts of an island are idle: none exerts anything. Otherwise the rest of their slots.
+bool leave_idle(const Model& m, Data<double>& d, Index begin, Index end) {
+  Workspace& w = *d.step;
+  bool idle = true;
+  for (Index k = begin; idle && k < end; ++k) {
+    const ActiveSlot& x = w.active[w.order[k]];
+    idle = x.kind == RowKind::Contact && w.laws[x.index].idle;
+  }
+  for (Index k = begin; k < end; ++k) {
+    ActiveSlot& x = w.active[w.order[k]];
+    x.idle = idle;
+    if (!idle && x.kind == RowKind::Contact) assemble_contact(m, d, x);
+    if (!idle) continue;
+    take_over(w.contacts[x.index], nullptr);
+    w.report.penetration = std::max(w.report.penetration, -w.contacts[x.index].contact.distance);
+  }
+  return idle;
+}
 
 }  // namespace
 
@@ -79,16 +107,19 @@ bool Island::correct(double* by_dof) {
 
 bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq) {
   Workspace& w = *d.step;
+  bool corrected = false, pushed = false;
+  Index islands = 0, rows = 0;
+  for (Index k = 0; k < slots; ++k) rows += w.active[k].s->rows;
+  for_each_island(w, slots, [&](Index begin, Index end) { ++islands, pushed |= !leave_idle(m, d, begin, end); });
+  w.report.islands = std::max(w.report.islands, islands), w.report.rows = std::max(w.report.rows, rows);
+  w.report.contacts = std::max(w.report.contacts, w.contact_count);
+  if (!pushed) return false;
+
   v_before = d.expand(m, v_before, d.ax);
   double *impulse = d.constraint_step, *displacement = d.constraint_ddq;
-  with_trees(d, [&](const auto& part) {
-    part.for_each_group(m, [&](const Trees& t) { std::fill(impulse + t.v, impulse + t.v_end, 0.0), std::fill(displacement + t.v, displacement + t.v_end, 0.0); });
-  });
-  bool corrected = false;
-  Index islands = 0, rows = 0;
-  for (Index begin = 0, end; begin < slots; begin = end, ++islands) {
-    end = begin + 1;
-    while (end < slots && w.active[w.order[end]].island == w.active[w.order[begin]].island) ++end;
+  for_each_pushed(m, d, [&](Index v, Index v_end) { std::fill(impulse + v, impulse + v_end, 0.0), std::fill(displacement + v, displacement + v_end, 0.0); });
+  for_each_island(w, slots, [&](Index begin, Index end) {
+    if (w.active[w.order[begin]].idle) return;
     Island island{m, d, w, w.order + begin, end - begin, h, v_before};
     island.number(), island.fill();
     dynContactReport report{};
@@ -96,20 +127,17 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
     if (w.ledger.open) enter_rows(island);
     island.add(impulse);
     corrected |= island.correct(displacement);
-    rows += island.rows;
     w.report.iterations += report.iterations + report.newton_steps;
     w.report.residual = std::max(w.report.residual, report.residual);
-  }
-  w.report.islands = std::max(w.report.islands, islands), w.report.rows = std::max(w.report.rows, rows);
-  w.report.contacts = std::max(w.report.contacts, w.contact_count);
-  with_trees(d, [&](const auto& part) {
-    part.for_each_group(m, [&](const Trees& t) {
-      scatter(m, d, impulse, t.v, t.v_end);
-      for (Index k = t.v; k < t.v_end; ++k) v[k] += impulse[k];
-      if (!corrected) return;
-      scatter(m, d, displacement, t.v, t.v_end);
-      std::copy(displacement + t.v, displacement + t.v_end, dq + t.v);
-    });
+  });
+  if (corrected)
+    with_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { std::fill(dq + t.v, dq + t.v_end, 0.0); }); });
+  for_each_pushed(m, d, [&](Index first, Index end) {
+    scatter(m, d, impulse, first, end);
+    for (Index k = first; k < end; ++k) v[k] += impulse[k];
+    if (!corrected) return;
+    scatter(m, d, displacement, first, end);
+    std::copy(displacement + first, displacement + end, dq + first);
   });
   return corrected;
 }

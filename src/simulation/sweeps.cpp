@@ -138,7 +138,9 @@ void Island::prepare_blocks() {
       const P e = P::load(y) * Dinv[a.support[n]];
       for (Index r = 0; r < rows_; ++r) G[r] = G[r] + e * y[r];
     }
-    for (Index r = 0; r < rows_; ++r) s.diagonal[r] = G[r][int(r)];
+    double block[most_rows * row_lanes];
+    for (Index r = 0; r < rows_; ++r) G[r].store(block + row_lanes * r);
+    for (Index r = 0; r < rows_; ++r) s.diagonal[r] = block[r + row_lanes * r];
     if (a.kind != RowKind::Contact) continue;
     const Index contact = at++;
     const double mu = friction[contact];
@@ -147,7 +149,7 @@ void Island::prepare_blocks() {
     for (Index i = 0; i < rows_; ++i) s.scale[i] = i < 3 ? 1 : (i == rows_ - 1 ? torsion[contact] : rolling[contact]) / mu;
     for (Index j = 0; j < rows_; ++j)
       for (Index i = 0; i < rows_; ++i)
-        s.G[i + row_lanes * j] = s.scale[i] * s.scale[j] * (G[order[j]][int(order[i])] + (i == j ? compliance[a.s->first + order[i]] : 0));
+        s.G[i + row_lanes * j] = s.scale[i] * s.scale[j] * (block[order[i] + row_lanes * order[j]] + (i == j ? compliance[a.s->first + order[i]] : 0));
   }
 }
 

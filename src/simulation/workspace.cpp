@@ -15,16 +15,26 @@ template <class F>
 void for_each_array(const Model& m, Sleep& z, F&& f) {
   f(z.number, m.n.bodies), f(z.trees, m.n.bodies), f(z.still, m.n.bodies), f(z.largest, m.n.bodies), f(z.steps, m.n.bodies), f(z.is, m.n.bodies), f(z.flags, m.n.bodies);
   f(z.next, m.n.bodies), f(z.island, m.n.bodies), f(z.list, m.n.bodies), f(z.tau, m.n.nv);
-  f(z.runs, m.n.runs), f(z.chunks, m.n.chunks + m.n.bodies), f(z.groups, m.n.bodies), f(z.spans, m.n.spans + m.n.bodies), f(z.curved, m.n.curved);
+  for_each_array(m, z.room, f);
   f(z.held, m.n.contacts);
+}
+
+template <class F>
+void for_each_array(const Model& m, Loose& l, F&& f) {
+  const std::ptrdiff_t count = count_loose(m);
+  if (count == 0) return;
+  f(l.eights, (count + Wide::lanes - 1) / Wide::lanes), f(l.acting, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.pushed, count);
+  f(l.number, m.n.bodies), f(l.trees, m.n.bodies);
+  for_each_array(m, l.room, f);
 }
 
 template <class F>
 void for_each_array(const Model& m, Workspace& w, F&& f) {
   const std::ptrdiff_t slots = step_slots(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers, room = row_room(island_rows(m));
   f(w.ledger.q, m.n.nq), f(w.ledger.tau, m.n.nv);
+  for_each_array(m, w.loose, f);
   if (slots == 0) return;
-  f(w.materials, m.n.geoms), f(w.speeds, m.n.geoms), f(w.pairs, pair_room(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_room(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
+  f(w.materials, m.n.geoms), f(w.speeds, geom_room(m)), f(w.centers, 4 * geom_room(m)), f(w.pairs, pair_room(m)), f(w.rows, pair_room(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_room(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.slots, own), f(w.support, own * carriers), f(w.carried, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.kept, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));
@@ -39,7 +49,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.diagonal, BlockFactor::size * segments), f(w.blocks_above, 2 * BlockFactor::size * entries);
   f(w.where, segments), f(w.newton_acts, segments), f(w.newton_filled, entries);
   if (may_rest(m)) for_each_array(m, w.sleep, f);
-  f(w.matrix, room * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
+  f(w.matrix, room * room), f(w.dense, std::min(most_dense_dofs, m.n.nvx) * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
 }
 
 std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
@@ -75,6 +85,7 @@ Workspace* place(const Model& m, void* memory) {
     next += rounded(std::size_t(n) * sizeof *array);
   });
   w.options = default_options();
+  if (w.loose.eights) set_up_loose(m, w.loose), list_loose(m, w);
   if (step_slots(m) == 0) return &w;
   find_segments(m, w.segments);
   w.pair_count = -1, find_trees(m, w.tree_of), w.clearance.possible = has_clearance(m);

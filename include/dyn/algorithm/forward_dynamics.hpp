@@ -15,9 +15,10 @@ inline Index joint_of(const Model& m, Index dof) {
   return 1;
 }
 
-// ddq for the user's v and tau; q is d.q. Returns 0 or the joint at which M is not positive (ddq is then undefined).
-template <class T>
-Index forward_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T* ddq) {
+// ddq for the user's v and tau; q is d.q. Returns 0 or the joint at which M is not positive (ddq is then undefined). Part: of some of the trees,
+// where no joint follows another.
+template <class T, class Part>
+Index forward_dynamics(const Model& m, Data<T>& d, const Part& part, const T* v, const T* tau, const T* fext, T* ddq) {
   if (!m.has_mimic) {
     if (resists(d)) {
       std::fill_n(d.net, m.n.nv, T(0));
@@ -25,7 +26,7 @@ Index forward_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, con
       for (Index k = 0; k < m.n.nv; ++k) d.net[k] = tau[k] - d.net[k];
       tau = d.net;
     }
-    const Index body = aba(m, d, v, tau, fext, ddq);
+    const Index body = aba(m, d, v, tau, fext, ddq, part);
     return body ? m.bodies()[body].joint : 0;
   }
   inverse_dynamics(m, d, v, static_cast<const T*>(d.zero), fext, ddq);
@@ -34,6 +35,10 @@ Index forward_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, con
   if (const Index failed = factorize(m, d)) return joint_of(m, failed - 1);
   solve(m, d, ddq, ddq, ddq);
   return 0;
+}
+template <class T>
+Index forward_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T* ddq) {
+  return forward_dynamics(m, d, WholeModel{}, v, tau, fext, ddq);
 }
 
 }  // namespace dyn

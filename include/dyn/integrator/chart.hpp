@@ -57,12 +57,16 @@ struct Stages {
   T* stage(int k) const { return f + k * n; }
 
   // Begins a step: the chart lies about the state held in d.
-  void begin(const Model& m, const Data<T>& d) const { begin(m, d, simulation::AllTrees{}); }
+  void begin(const Model& m, const Data<T>& d) const {
+    keep(m, d, simulation::AllTrees{});
+    for (Index k = 0; k < m.n.nv; ++k) y0[k] = T(0);
+  }
+  // The state alone.
   template <class Part>
-  void begin(const Model& m, const Data<T>& d, const Part& part) const {
+  void keep(const Model& m, const Data<T>& d, const Part& part) const {
     part.for_each_group(m, [&](const simulation::Trees& t) {
       for (Index k = t.q; k < t.q_end; ++k) q0[k] = d.q[k];
-      for (Index k = t.v; k < t.v_end; ++k) y0[k] = T(0), y0[m.n.nv + k] = d.v[k];
+      for (Index k = t.v; k < t.v_end; ++k) y0[m.n.nv + k] = d.v[k];
     });
     for (Index k = 0; k < m.n.na; ++k) y0[2 * m.n.nv + k] = d.act[k];
   }

@@ -31,7 +31,7 @@ inline void drift(const Model& m, Data<double>& d, const Stages<double>& s, doub
 
 // v' at the place that d holds. Returns 0, or the joint whose forward dynamics failed.
 inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, double h) {
-  if (const Index joint = implicit_dynamics(m, d, s, h, true)) return joint;
+  if (const Index joint = implicit_dynamics(m, d, s, h, true, simulation::AllTrees{})) return joint;
   s.begin(m, d);
   const double* const v0 = s.y0 + m.n.nv;
   for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k];

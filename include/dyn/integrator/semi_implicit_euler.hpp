@@ -11,6 +11,13 @@
 
 namespace dyn::integrator {
 
+// f(part), without what flies by itself in this step (simulation/loose.hpp).
+template <class T, class Part, class F>
+DYN_INLINE decltype(auto) with_others(const Data<T>& d, const Part& part, F&& f) {
+  if constexpr (std::is_same_v<T, double>) return simulation::with_others(d, part, f);
+  else return f(part);
+}
+
 enum class Meeting { Nothing, Rows, Correction, Sleeper };
 
 // From the free velocity to that at the end of the step. Correction: the configuration is to be corrected, too, by s.f. Sleeper: something that
@@ -30,13 +37,13 @@ Meeting meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
 }
 
 // d.ddq under tau with the actuators at the end of a step of h; d.armature is added to. Returns 0 or the joint whose forward dynamics failed.
-template <class T>
-Index driven_dynamics(const Model& m, Data<T>& d, const T* tau, T h) {
+template <class T, class Part>
+Index driven_dynamics(const Model& m, Data<T>& d, const T* tau, T h, const Part& part) {
   const T* fext = simulation::forces_on_bodies(m, d);
-  if (!(d.acting & DYN_EFFECT_ACTUATORS)) return forward_dynamics(m, d, d.v, tau, fext, d.ddq);
+  if (!(d.acting & DYN_EFFECT_ACTUATORS)) return forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, fext, d.ddq);
   simulation::ImplicitActuators<T> actuators(m, d, h);
   for (int k = 0;; ++k) {
-    if (const Index joint = forward_dynamics(m, d, d.v, actuators.apply(tau), fext, d.ddq)) return joint;
+    if (const Index joint = forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq)) return joint;
     if (k == 3) return 0;
     actuators.withdraw();  // with the stiffness of those that are not held
     if (!actuators.saturate(d.ddq)) return 0;
@@ -44,8 +51,8 @@ Index driven_dynamics(const Model& m, Data<T>& d, const T* tau, T h) {
 }
 
 // Forward dynamics of an Euler step, with what it takes at its end.
-template <class T>
-DYN_INLINE Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
+template <class T, class Part>
+DYN_INLINE Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs, const Part& part) {
   T* const armature = d.armature;
   const T* tau = d.tau_applied;
   const std::uint32_t acting = d.acting, implicit = std::uint32_t(DYN_EFFECT_DAMPING) | DYN_EFFECT_FRICTION | DYN_EFFECT_ACTUATORS | (springs ? std::uint32_t(DYN_EFFECT_SPRINGS) : 0u);
@@ -61,7 +68,7 @@ DYN_INLINE Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& 
     }
     d.acting |= DYN_EFFECT_ARMATURE;
   }
-  const Index joint = driven_dynamics(m, d, tau, h);
+  const Index joint = driven_dynamics(m, d, tau, h, part);
   d.armature = armature, d.acting = acting;
   return joint;
 }
@@ -69,12 +76,17 @@ DYN_INLINE Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& 
 // The rest of it, of some of the trees. rests: what is slow may come to rest. Answers false where something that sleeps was met: v is then as before.
 template <class T, class Part>
 bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const Part& part, bool rests) {
-  s.begin(m, d, part);
+  s.keep(m, d, part);
   T *const hv = s.y, *const v0 = s.y0 + m.n.nv;
-  part.for_each_group(m, [&](const simulation::Trees& t) {
-    for (Index k = t.v; k < t.v_end; ++k) d.v[k] += h * d.ddq[k];
+  bool flying = false;
+  if constexpr (std::is_same_v<T, double>)
+    if ((flying = d.step->loose.flying)) simulation::fly(m, d, h);
+  with_others(d, part, [&](const auto& others) {
+    others.for_each_group(m, [&](const simulation::Trees& t) {
+      for (Index k = t.v; k < t.v_end; ++k) d.v[k] += h * d.ddq[k];
+    });
+    free_flight(m, others, v0, d.ddq, h, d.v);
   });
-  free_flight(m, part, v0, d.ddq, h, d.v);
   const Meeting met = meet_rows(m, d, s, h);
   if (met == Meeting::Sleeper) {
     part.for_each_group(m, [&](const simulation::Trees& t) { std::copy(v0 + t.v, v0 + t.v_end, d.v + t.v); });
@@ -86,8 +98,12 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   part.for_each_group(m, [&](const simulation::Trees& t) {
     for (Index k = t.v; k < t.v_end; ++k) hv[k] = h * d.v[k] + (correction ? correction[k] : T(0));
   });
-  integrate(m, part, static_cast<const T*>(d.q), static_cast<const T*>(hv), d.q);
-  end_flight(m, part, s.q0, h, correction, d.q, d.v);
+  with_others(d, part, [&](const auto& others) {
+    integrate(m, others, static_cast<const T*>(d.q), static_cast<const T*>(hv), d.q);
+    end_flight(m, others, s.q0, h, correction, d.q, d.v);
+  });
+  if constexpr (std::is_same_v<T, double>)
+    if (flying) simulation::land(d, h, correction);
   simulation::advance_filters(m, d, s.y0 + 2 * m.n.nv, h);
   if constexpr (std::is_same_v<T, double>)
     if (correction && simulation::keeps_ledger(d)) simulation::enter_correction(m, d, s.q0, hv, correction);
@@ -96,25 +112,37 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   return true;
 }
 
+// What flies by itself does so within this scope.
+struct Flight {
+  simulation::Workspace* w = nullptr;
+  explicit Flight(Data<double>& d) : w(d.step) { simulation::begin_flight(d); }
+  template <class T>
+  explicit Flight(const Data<T>&) {}
+  Flight(const Flight&) = delete;
+  ~Flight() {
+    if (w) w->loose.flying = false;
+  }
+};
+
 // springs: they, too, are taken at the end of the step: implicit_fast, (M + h D + h^2 K) ddq = tau - nle - h K v. Without, the energy of
 // oscillations stays bounded (symplectic); with, no stiffness is too large. Returns 0, or the joint whose forward dynamics failed: the state
 // is then as before.
 template <class T>
 Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
-  if (const Index joint = implicit_dynamics(m, d, s, h, springs)) return joint;
-  end_euler_step(m, d, s, h, simulation::AllTrees{}, false);
+  const simulation::AllTrees all;
+  const Flight flight(d);
+  if (const Index joint = with_others(d, all, [&](const auto& others) { return implicit_dynamics(m, d, s, h, springs, others); })) return joint;
+  end_euler_step(m, d, s, h, all, false);
   return 0;
 }
 
 // The same after begin_sleep: trees that sleep are left out, until they are met. (With nothing asleep by the same code: to the same bits.)
 inline Index euler_step_of_awake(const Model& m, Data<double>& d, const Stages<double>& s, double h, bool springs) {
   const simulation::Sleep& z = d.step->sleep;
+  const Flight flight(d);
   for (;;) {
-    if (!z.plain) {
-      if (const Index joint = implicit_dynamics(m, d, s, h, springs)) return joint;
-    } else if (const Index body = aba(m, d, static_cast<const double*>(d.v), static_cast<const double*>(d.tau_applied), static_cast<const double*>(nullptr), d.ddq, z.awake)) {
-      return m.bodies()[body].joint;
-    }
+    const auto dynamics = [&](const auto& part) { return implicit_dynamics(m, d, s, h, springs, part); };
+    if (const Index joint = z.plain ? with_others(d, z.awake, dynamics) : with_others(d, simulation::AllTrees{}, dynamics)) return joint;
     if (end_euler_step(m, d, s, h, z.awake, true)) return 0;
     simulation::wake_met(m, d);
   }

@@ -36,6 +36,7 @@ struct Island {
 
   // by the whole matrix (island_solve.cpp)
   void matrix();
+  bool dense_matrix();
   void solve(dynContactReport& best);
   void displace();
 
@@ -61,12 +62,15 @@ struct Island {
   // z = Y^T lambda of a slot's rows, cleared before where slots carry, and G lambda in lanes
   void clear(double* z) const;
   DYN_INLINE void pass(const ActiveSlot& a, const double* by, double* z) const {
-    const double* y = a.carried;
-    for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
-      double sum = 0;
-      for (Index r = 0; r < a.s->rows; ++r) sum += y[r] * by[r];
-      z[a.support[n]] += sum;
-    }
+    visit_rows(a.s->rows, [&]<int rows>() DYN_INLINE_LAMBDA {
+      const double* y = a.carried;
+      for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
+        double sum = 0;
+#pragma GCC unroll 6
+        for (int r = 0; r < rows; ++r) sum += y[r] * by[r];
+        z[a.support[n]] += sum;
+      }
+    });
   }
   DYN_INLINE Pack<double, row_lanes> moved(const ActiveSlot& a, const double* Dinv, const double* z) const {
     using P = Pack<double, row_lanes>;

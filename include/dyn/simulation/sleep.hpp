@@ -5,30 +5,9 @@
 // nothing that it begins from has changed: the island sleeps, and steps do without it until something that is awake meets it.
 #pragma once
 
-#include "dyn/algorithm/passes.hpp"
+#include "dyn/simulation/trees.hpp"
 
 namespace dyn::simulation {
-
-// Trees of bodies side by side, with all of their coordinates.
-struct Trees {
-  Index first, end;  // bodies
-  Index first_run, end_run;
-  Index q, q_end, v, v_end;
-};
-
-// Those that a step goes through.
-struct AllTrees : WholeModel {
-  template <class F>
-  static void for_each_group(const Model& m, F&& f) { f(Trees{1, m.n.bodies, 0, m.n.runs, 0, m.n.nq, 0, m.n.nv}); }
-};
-struct AwakeTrees : SomeTrees {
-  const Trees* groups;
-  Index of_groups;
-  template <class F>
-  void for_each_group(const Model&, F&& f) const {
-    for (Index k = 0; k < of_groups; ++k) f(groups[k]);
-  }
-};
 
 enum class Sleeper : std::uint8_t { Awake, Asleep, Met };
 
@@ -53,12 +32,8 @@ struct Sleep {
   std::uint64_t version[input_count];
   double h;
   double* tau;         // of those that sleep
-  AwakeTrees awake;
-  Run* runs;
-  Chunk* chunks;
-  Trees* groups;
-  Span* spans;
-  Index* curved;
+  ChosenTrees awake;
+  TreeRoom room;       // of these
   dynContactForce* held;  // contacts of those that sleep, in order
   Index held_count;
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "dyn/collision/pair_contacts.hpp"
+#include "dyn/constraint/delassus.hpp"
 #include "dyn/constraint/list.hpp"
 #include "dyn/simulation/workspace.hpp"
 
@@ -27,6 +28,7 @@ inline bool may_jump(const Model& m, const Data<double>& d) {
   return false;
 }
 
+inline constexpr double slop = 1e-9;         // m, rad: what no correction is made for
 inline constexpr double limit_reach = 1e-4;  // m, rad: limits this near count however slow the joint is
 
 // What is farther apart does not meet within a step of h, whatever impulses there are; fast: speeds before. Where steps follow from an
@@ -44,8 +46,16 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
 // steps of this file
 // contact_points.cpp; between: no two shapes are nearer, if positive
 Index find_contacts(const Model& m, Data<double>& d, double h, double& between);
-void contact_slot(const Model& m, const Data<double>& d, Index contact, Slot<double>& s);  // contact_rows.cpp
+// contact_rows.cpp: what a contact is between, by which law; the rest of its slot
+void meet_contact(const Model& m, Data<double>& d, Index contact, double h, Slot<double>& s);
+void assemble_contact(const Model& m, Data<double>& d, const ActiveSlot& x);
 void order_by_islands(Data<double>& d, Index slots);                  // islands.cpp
+
+// What the rows of a slot leave at degrees of freedom.
+inline void carry(const Model& m, Data<double>& d, const ActiveSlot& x) {
+  if (m.has_mimic) eliminate_slot(m, d, *x.s, x.support, x.carried);
+  else propagate(m, d, *x.s, x.support, x.carried);
+}
 
 // What a step's box of a shape is wider by.
 double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h);

@@ -5,6 +5,7 @@
 #include "dyn/collision/pair_search.hpp"
 #include "dyn/simulation/clearance.hpp"
 #include "dyn/simulation/elimination.hpp"
+#include "dyn/simulation/loose.hpp"
 #include "dyn/simulation/sleep.hpp"
 #include "dyn/solver/workspace.hpp"
 
@@ -20,6 +21,7 @@ struct ActiveSlot {
   Index index;         // number of the contact, or -1
   Index tree1, tree2;  // islands are connected trees; -1: the world
   Index island;
+  bool idle;           // with all of its island
 };
 
 // The trees of a slot, the second -1 where there is one.
@@ -28,10 +30,13 @@ inline Index tree_b(const ActiveSlot& s) { return s.tree1 < 0 || s.tree2 == s.tr
 
 // What a contact is beside its rows.
 struct ContactLaw {
+  Index geom_a, geom_b;
   Vec3<double> axes[3];  // two across the normal, the normal
   dynMaterial material;
   double slip[2];        // wanted velocity of B relative to A across the normal
   Index rows;
+  bool idle;             // it opens by itself, or stays as it is
+  Index island;          // its number, of what may rest (Sleep::island)
   // of its moments and forces: the axis of a row
   const Vec3<double>& axis(Index row) const { return axes[rows == 1 || (rows == 4 && row == 3) ? 2 : row % 3]; }
 };
@@ -66,6 +71,11 @@ struct NearPair {
   Index a, b, number;
 };
 
+// Pairs one after another in the list, from `first` on: the shape a with b, b + 1, ...
+struct PairRow {
+  Index a, b, first, count;
+};
+
 // What the ledger needs of a state: energy, powers by source, momentum and its rate by what comes from outside.
 struct LedgerState {
   struct Power {
@@ -95,17 +105,20 @@ struct Workspace {
   double closed;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
 
   Ledger ledger;
+  Loose loose;
 
   // the rest is there when something may act
   Clearance clearance;
   dynMaterial* materials;       // of collision shapes
-  double* speeds;               // no point of theirs is faster
+  double *speeds, *centers;     // no point of theirs is faster; where they are, x, y and z of all by components, and how far they reach
   NearPair* pairs;              // that can ever meet,
   Index* geoms;                 // and their shapes
   Index pair_count, geom_count;  // -1: to be found
   NearPair* awake_pairs;        // those of which something is awake,
   Index* awake_geoms;           // and what is of their shapes
   Index awake_pair_count, awake_geom_count;  // -1: to be found
+  PairRow* rows;                // of the pairs that are looked at now
+  Index row_count;              // -1: to be found
   bool by_boxes;                // there are more than the list has room for: pairs are found by boxes (collision/pair_search.hpp)
   Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
   Motion<double>* root_velocity;  // of bodies: free, W at the tree's root
@@ -117,6 +130,7 @@ struct Workspace {
   dynContactForce *contacts, *before, *kept;  // of the last step, of the one before, and of that after which tries of a step begin
   ContactLaw* laws;
   double *vectors, *matrix;     // of an island's problem
+  double* dense;                // what its rows leave at degrees of freedom side by side
   Index* contact_rows;
   SlotBlock* blocks;            // of the slots of an island
   double* by_dof;
@@ -150,6 +164,22 @@ template <class F>
 decltype(auto) with_trees(const Data<double>& d, F&& f) {
   return d.step && d.step->sleep.acts ? f(d.step->sleep.awake) : f(AllTrees{});
 }
+// The same without those that fly by themselves in this step; part: otherwise.
+template <class Part, class F>
+decltype(auto) with_others(const Data<double>& d, const Part& part, F&& f) {
+  return d.step && d.step->loose.flying ? f(d.step->loose.others) : f(part);
+}
+template <class F>
+decltype(auto) with_others(const Data<double>& d, F&& f) {
+  return with_trees(d, [&](const auto& part) { return with_others(d, part, f); });
+}
+// f(first, end) of degrees of freedom that impulses may change.
+template <class F>
+void for_each_pushed(const Model& m, const Data<double>& d, F&& f) {
+  with_others(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { f(t.v, t.v_end); }); });
+  const Loose& l = d.step->loose;
+  for (Index k = 0; l.flying && k < l.pushed_count; ++k) f(m.bodies()[l.pushed[k]].idx_v, m.bodies()[l.pushed[k]].idx_v + 6);
+}
 // f(contact) of the last step, of what is awake and of what sleeps, in order.
 template <class F>
 void for_each_contact(const Workspace& w, F&& f) {
@@ -164,9 +194,13 @@ inline void disturb(Data<double>& d) {
   if (d.step) d.step->sleep.known = false;
 }
 
+// Of a number by shapes that is read eight at a time.
+inline std::ptrdiff_t geom_room(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Wide::lanes; }
+
 // Of an island that is solved by its whole matrix.
 inline Index step_slots(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }
 inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits; }
 inline Index island_rows(const Model& m) { return std::min<Index>(step_rows(m), 240); }
+inline constexpr Index most_dense_dofs = 64;
 
 }  // namespace dyn::simulation

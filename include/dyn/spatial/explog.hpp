@@ -13,11 +13,19 @@
 
 namespace dyn {
 
+struct Wide;  // base/wide.hpp
+
 namespace detail {
+
+// Numbers of which sums of series are polynomials.
+template <class T>
+inline constexpr bool is_polynomial = std::is_same_v<T, double>;
+template <>
+inline constexpr bool is_polynomial<Wide> = true;
 
 // sum over k of (-x)^k c_k with c_0 = first and c_{k+1} / c_k = ratio(k), to the last bit
 template <int, class T, class Ratio>
-inline T alternating_series(T x, T first, Ratio ratio) {
+inline T alternating_series(T x, T first, Ratio ratio) requires(!is_polynomial<T>) {
   using std::abs;
   T term = first, sum = first;
   for (int k = 0; k < 60; ++k) {
@@ -29,16 +37,16 @@ inline T alternating_series(T x, T first, Ratio ratio) {
 }
 // Of doubles a polynomial. Where the ratios fall like those of sines and cosines these degrees are enough:
 inline constexpr int below_quarter = 7, below_one = 9, below_four = 14;
-template <int degree, class Ratio>
-inline double alternating_series(double x, double first, Ratio) {
+template <int degree, class T, class Ratio>
+inline T alternating_series(T x, T first, Ratio) requires is_polynomial<T> {
   constexpr auto c = [] {
     std::array<double, degree + 1> a{1};
     for (int k = 0; k < degree; ++k) a[std::size_t(k + 1)] = -a[std::size_t(k)] * Ratio{}(k);
     return a;
   }();
-  double sum = c[degree];
+  T sum = T(c[degree]);
 #pragma GCC unroll 14
-  for (int k = degree - 1; k >= 0; --k) sum = sum * x + c[std::size_t(k)];
+  for (int k = degree - 1; k >= 0; --k) sum = sum * x + T(c[std::size_t(k)]);
   return first * sum;
 }
 
@@ -55,6 +63,15 @@ struct ExpCoefficients {
   T c;     // (t - sin t) / t^3
 };
 
+// sin h / h and cos h for |h| < 1/2
+template <class T>
+inline void half_angle_series(T h2, T& sinc, T& cos) {
+  using namespace detail;
+  using Number = std::conditional_t<is_polynomial<T>, double, T>;
+  sinc = alternating_series<below_quarter>(h2, T(1), [](int k) { return Number(1) / Number((2 * k + 2) * (2 * k + 3)); });
+  cos = T(1) - h2 * alternating_series<below_quarter>(h2, T(0.5), [](int k) { return Number(1) / Number((2 * k + 3) * (2 * k + 4)); });
+}
+
 template <class T>
 inline ExpCoefficients<T> exp_coefficients(const Vec3<T>& w) {
   using std::cos;
@@ -65,8 +82,7 @@ inline ExpCoefficients<T> exp_coefficients(const Vec3<T>& w) {
   e.t2 = dot(w, w);
   const T h2 = e.t2 * T(0.25);
   if (e.t2 < T(1)) {
-    e.sinc = alternating_series<below_quarter>(h2, T(1), [](int k) { return T(1) / T((2 * k + 2) * (2 * k + 3)); });
-    e.cos = T(1) - h2 * alternating_series<below_quarter>(h2, T(0.5), [](int k) { return T(1) / T((2 * k + 3) * (2 * k + 4)); });
+    half_angle_series(h2, e.sinc, e.cos);
     e.a = e.sinc * e.cos;
     e.c = alternating_series<below_one>(e.t2, T(1) / T(6), [](int k) { return T(1) / T((2 * k + 4) * (2 * k + 5)); });
   } else {

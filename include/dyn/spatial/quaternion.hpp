@@ -59,17 +59,21 @@ inline Quaternion<T> moderate(const Quaternion<T>& a) {
   return n2 > T(1e-60) && n2 < T(1e60) ? a : normalized(a);
 }
 
-// Rotation matrix of a quaternion of any norm: 2 / |a|^2 is multiplied in, which takes no square root.
+// Rotation matrix of u, s = 2 / |u|^2.
 template <class T>
-inline Mat3<T> rotation(const Quaternion<T>& a) {
-  const T n2 = dot(a.v, a.v) + a.w * a.w;
-  const bool moderate = n2 > T(1e-200) && n2 < T(1e200);
-  const Quaternion<T> u = moderate ? a : normalized(a);
-  const T x = u.v[0], y = u.v[1], z = u.v[2], w = u.w, s = moderate ? T(2) / n2 : T(2);
+DYN_INLINE Mat3<T> rotation(const Quaternion<T>& u, T s) {
+  const T x = u.v[0], y = u.v[1], z = u.v[2], w = u.w;
   const T x2 = x * s, y2 = y * s, z2 = z * s;
   return {Vec3<T>::make(T(1) - (y * y2 + z * z2), x * y2 + w * z2, x * z2 - w * y2),
            Vec3<T>::make(x * y2 - w * z2, T(1) - (x * x2 + z * z2), y * z2 + w * x2),
            Vec3<T>::make(x * z2 + w * y2, y * z2 - w * x2, T(1) - (x * x2 + y * y2))};
+}
+// Of a quaternion of any norm: 2 / |a|^2 is multiplied in, which takes no square root.
+template <class T>
+inline Mat3<T> rotation(const Quaternion<T>& a) {
+  const T n2 = dot(a.v, a.v) + a.w * a.w;
+  const bool moderate = n2 > T(1e-200) && n2 < T(1e200);
+  return moderate ? rotation(a, T(2) / n2) : rotation(normalized(a), T(2));
 }
 
 // Quaternion of a rotation matrix, w >= 0: divides by the largest component (Shepperd 1978).

@@ -1,0 +1,284 @@
+#include "dyn/simulation/loose.hpp"
+
+#include <limits>
+
+#include "dyn/joint/free_flyer.hpp"
+#include "dyn/simulation/workspace.hpp"
+#include "dyn/spatial/explog.hpp"
+
+namespace dyn::simulation {
+
+namespace {
+
+constexpr int lanes = Wide::lanes;
+
+// false: some articulated inertia is not positive
+bool find_columns(const Body& b, LooseColumns& out) {
+  ArticulatedInertia<double> IA = ArticulatedInertia<double>::rigid({b.m, b.h, Sym3<double>::from(b.I)});
+  for (int k = 5; k >= 0; --k) {
+    const Motion<double> s = FreeFlyer::column(b, Mat3<double>::identity(), k);
+    const Force<double> U = IA * s;
+    const double D = dot(s, U);
+    if (!(D > 0)) return false;
+    out.U[k] = U, out.Dinv[k] = 1 / D;
+    IA = IA.minus_outer(U, 1 / D);
+  }
+  return true;
+}
+
+bool is_loose(const Model& m, Index i) {
+  const Body& b = m.bodies()[i];
+  if (b.type != BodyType::FreeFlyer || b.parent != 0 || m.subtree_end()[i] != i + 1 || !(b.m > 0)) return false;
+  for (const double* x : {m.armature(), m.damping(), m.friction(), m.stiffness()})
+    for (int k = 0; k < 6; ++k)
+      if (x[b.user_v + k] != 0) return false;
+  for (Index k = 0; k < m.n.actuators; ++k)
+    if (m.actuators()[k].spec.joint == b.joint) return false;
+  for (Index k = 0; k < m.n.held_weights; ++k)
+    if (m.held_weights()[k].body == i) return false;
+  LooseColumns columns;
+  return find_columns(b, columns);
+}
+
+template <class F>
+void for_each_loose(const Model& m, F&& f) {
+  if (m.has_mimic) return;
+  for (Index i = 1; i < m.n.bodies; ++i)
+    if (is_loose(m, i)) f(i);
+}
+
+void set(Vec3<Wide>& a, int lane, const Vec3<double>& b) {
+  for (int i = 0; i < 3; ++i) a.v[i].x[lane] = b[i];
+}
+void set(Mat3<Wide>& A, int lane, const Mat3<double>& B) { set(A.x, lane, B.x), set(A.y, lane, B.y), set(A.z, lane, B.z); }
+
+void fill(const Model& m, LooseEight& e, int lane, Index i) {
+  const Body& b = m.bodies()[i];
+  e.body[lane] = i, e.q[lane] = b.user_q, e.v[lane] = b.user_v;
+  const Vec3<double> c = b.h * (1 / b.m);
+  const Mat3<double> I = b.I - (Mat3<double>::identity() * dot(c, c) - outer(c, c)) * b.m;
+  const Vec3<double> yz = cross(I.y, I.z), zx = cross(I.z, I.x), xy = cross(I.x, I.y);
+  e.inverse_mass.x[lane] = 1 / b.m;
+  set(e.c, lane, c), set(e.I, lane, I), set(e.inverse, lane, transpose(Mat3<double>{yz, zx, xy} * (1 / dot(I.x, yz))));
+}
+
+// ---------------------------------------------------------------------------------------------------- states of eight
+struct Place {
+  Vec3<Wide> p;
+  Quaternion<Wide> a;
+  Mat3<Wide> R;
+};
+
+Vec3<Wide> first3(const Wide* x) { return Vec3<Wide>::make(x[0], x[1], x[2]); }
+
+// Quaternions whose squares could overflow or lose digits, as those of norm one.
+[[gnu::cold, gnu::noinline]] Quaternion<Wide> moderate_lanes(Quaternion<Wide> a, const Wide::Mask& bad) {
+  for (int k = 0; k < lanes; ++k) {
+    if (!bad[k]) continue;
+    const Quaternion<double> one = normalized(Quaternion<double>{Vec3<double>::make(a.v.v[0][k], a.v.v[1][k], a.v.v[2][k]), a.w[k]});
+    set(a.v, k, one.v), a.w.x[k] = one.w;
+  }
+  return a;
+}
+
+DYN_INLINE Place place_of(const double* q, const LooseEight& e) {
+  Wide x[7];
+  gather<7>(q, e.q, x);
+  const Vec3<Wide> p = first3(x);
+  Quaternion<Wide> a = {first3(x + 3), x[6]};
+  Wide square = dot(a.v, a.v) + a.w * a.w;
+  if (const Wide::Mask bad = ~((square > 1e-60) & (square < 1e60)); any(bad)) [[unlikely]]
+    a = moderate_lanes(a, bad), square = dot(a.v, a.v) + a.w * a.w;
+  return {p, a, rotation(a, Wide(2.0) / square)};
+}
+
+struct HalfAngle {
+  Wide sinc, cos;
+};
+[[gnu::cold, gnu::noinline]] HalfAngle far_lanes(HalfAngle of, const Wide& h2, const Wide::Mask& far) {
+  for (int k = 0; k < lanes; ++k) {
+    if (!far[k]) continue;
+    const double h = std::sqrt(h2[k]);
+    of.sinc.x[k] = std::sin(h) / h, of.cos.x[k] = std::cos(h);
+  }
+  return of;
+}
+
+// exp of a rotation vector: of x the turned one, or the one turned back.
+struct Turn {
+  Vec3<Wide> w;
+  HalfAngle half;
+  Wide a, b;  // sin t / t, (1 - cos t) / t^2
+
+  explicit DYN_INLINE Turn(const Vec3<Wide>& by) : w(by) {
+    const Wide t2 = dot(w, w), h2 = t2 * Wide(0.25);
+    half_angle_series(h2, half.sinc, half.cos);
+    if (const Wide::Mask far = ~(t2 < 1.0); any(far)) [[unlikely]]
+      half = far_lanes(half, h2, far);
+    a = half.sinc * half.cos, b = half.sinc * half.sinc * Wide(0.5);
+  }
+  DYN_INLINE Quaternion<Wide> quaternion() const { return {w * (half.sinc * Wide(0.5)), half.cos}; }
+  DYN_INLINE Vec3<Wide> operator()(const Vec3<Wide>& x) const {
+    const Vec3<Wide> wx = cross(w, x);
+    return x + wx * a + cross(w, wx) * b;
+  }
+  DYN_INLINE Vec3<Wide> back(const Vec3<Wide>& x) const {
+    const Vec3<Wide> wx = cross(w, x);
+    return x - wx * a + cross(w, wx) * b;
+  }
+};
+
+// w' with I w' = exp(-h w') L; each lane as long as it changes.
+DYN_INLINE Vec3<Wide> turned_velocity(const Mat3<Wide>& inverse, const Vec3<Wide>& L, const Wide& h, const Vec3<Wide>& guess) {
+  Vec3<Wide> w = guess;
+  Wide::Mask going = ~Wide::Mask{};
+  for (int k = 0; k < 20; ++k) {
+    const Vec3<Wide> next = inverse * Turn(w * h).back(L), change = next - w;
+    for (int i = 0; i < 3; ++i) w.v[i] = select(going, next.v[i], w.v[i]);
+    going &= dot(change, change) > Wide(1e-30) * dot(w, w);
+    if (!any(going)) break;
+  }
+  const Wide::Mask finite = dot(w, w) < std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) w.v[i] = select(finite, w.v[i], guess.v[i]);
+  return w;
+}
+
+// to(lane): where its numbers go
+template <class To>
+DYN_INLINE void scatter_four(const LooseEight& e, const Wide& a, const Wide& b, const Wide& c, const Wide& d, To&& to) {
+  for_each_lane(a, b, c, d, [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
+    if (e.acting >> lane & 1u) std::memcpy(to(lane), &four, sizeof four);
+  });
+}
+DYN_INLINE void scatter_velocity(const LooseEight& e, const Motion<Wide>& v, double* to) {
+  const Wide(&u)[3] = v.linear.v, (&w)[3] = v.angular.v;
+  scatter_four(e, u[0], u[1], u[2], w[0], [&](int l) { return to + e.v[l]; });
+  scatter_four(e, u[2], w[0], w[1], w[2], [&](int l) { return to + e.v[l] + 2; });
+}
+template <class To>
+DYN_INLINE void scatter_vector(const LooseEight& e, const Vec3<Wide>& x, To&& to) {
+  for_each_lane(x.v[0], x.v[1], x.v[2], Wide(0.0), [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
+    if (e.acting >> lane & 1u) std::memcpy(&to(e.body[lane]), &four, sizeof(Vec3<double>));
+  });
+}
+
+template <class F>
+DYN_INLINE void for_each_acting(const Loose& l, F&& f) {
+  for (Index k = 0; k < l.acting_count; ++k) f(l.eights[l.acting[k]]);
+}
+
+}  // namespace
+
+Index count_loose(const Model& m) {
+  Index count = 0;
+  for_each_loose(m, [&](Index) { ++count; });
+  return count;
+}
+
+void set_up_loose(const Model& m, Loose& l) {
+  std::fill_n(l.number, m.n.bodies, -1);
+  l.count = 0;
+  for_each_loose(m, [&](Index i) {
+    LooseEight& e = l.eights[l.count / lanes];
+    const int lane = l.count % lanes;
+    for (int k = lane; k < lanes; ++k) fill(m, e, k, i);
+    e.acting |= 1u << lane;
+    find_columns(m.bodies()[i], l.columns[l.count]);
+    l.number[i] = l.count++;
+  });
+  l.tree_count = list_trees(m, l.trees);
+}
+
+void list_loose(const Model& m, Workspace& w) {
+  Loose& l = w.loose;
+  if (l.count == 0) return;
+  Index groups = 0;
+  for (Index k = 0; k * lanes < l.count; ++k) l.eights[k].acting = 0;
+  for (Index t = 0; t < l.tree_count; ++t) {
+    const Index i = l.trees[t].first, number = l.number[i];
+    if (w.sleep.sleeps(i)) continue;
+    if (number < 0) append(l.trees[t], l.room.groups, groups);
+    else l.eights[number / lanes].acting |= 1u << number % lanes;
+  }
+  l.others = choose(m, l.room, groups);
+  l.acting_count = 0;
+  for (Index k = 0; k * lanes < l.count; ++k)
+    if (l.eights[k].acting) l.acting[l.acting_count++] = k;
+}
+
+void begin_flight(Data<double>& d) {
+  Loose& l = d.step->loose;
+  l.flying = l.count > 0 && !(d.acting & (std::uint32_t(DYN_EFFECT_FLUID) | acting_wrenches));
+  ++l.step, l.pushed_count = 0;
+}
+
+void fly(const Model&, Data<double>& d, double h) {
+  const Wide dt(h);
+  const Vec3<Wide> gravity = Vec3<Wide>::make(d.world_gravity[0], d.world_gravity[1], d.world_gravity[2]);
+  Motion<double>* const V = d.step->root_velocity;
+  for_each_acting(d.step->loose, [&](const LooseEight& e) {
+    const Place X = place_of(d.q, e);
+    Wide v[6], tau[6];
+    gather<6>(d.v, e.v, v), gather<6>(d.tau_applied, e.v, tau);
+    const Vec3<Wide> u = first3(v), w = first3(v + 3), f = first3(tau), t = first3(tau + 3) - cross(e.c, f), L = e.I * w;
+    const Vec3<Wide> vc = u + cross(w, e.c) + (transpose_times(X.R, gravity) + f * e.inverse_mass) * dt;
+    const Vec3<Wide> w1 = turned_velocity(e.inverse, L + t * dt, dt, w + e.inverse * (t - cross(w, L)) * dt);
+    const Motion<Wide> v1 = {vc - cross(w1, e.c), w1};
+    scatter_velocity(e, v1, d.v);
+    if (!V) return;
+    scatter_vector(e, X.R.x, [&](Index i) -> auto& { return d.R[i].x; });
+    scatter_vector(e, X.R.y, [&](Index i) -> auto& { return d.R[i].y; });
+    scatter_vector(e, X.R.z, [&](Index i) -> auto& { return d.R[i].z; });
+    scatter_vector(e, X.p, [&](Index i) -> auto& { return d.p[i]; });
+    scatter_vector(e, Vec3<Wide>::zero(), [&](Index i) -> auto& { return d.rel[i]; });
+    scatter_vector(e, X.R * v1.linear, [&](Index i) -> auto& { return V[i].linear; });
+    scatter_vector(e, X.R * v1.angular, [&](Index i) -> auto& { return V[i].angular; });
+  });
+}
+
+void need_columns(const Model& m, Data<double>& d, Index body) {
+  Loose& l = d.step->loose;
+  if (!l.flying || l.number[body] < 0 || l.has_columns[l.number[body]] == l.step) return;
+  const Body& b = m.bodies()[body];
+  const LooseColumns& x = l.columns[l.number[body]];
+  const Mat3<double>& R = d.R[body];
+  for (int k = 0; k < 6; ++k) {
+    d.S[b.idx_v + k] = FreeFlyer::column(b, R, k);
+    d.U_root[b.idx_v + k] = {R * x.U[k].linear, R * x.U[k].angular};
+    d.Dinv[b.idx_v + k] = x.Dinv[k];
+  }
+  l.has_columns[l.number[body]] = l.step, l.pushed[l.pushed_count++] = body;
+}
+
+void need_all_columns(const Model& m, Data<double>& d) {
+  for_each_acting(d.step->loose, [&](const LooseEight& e) {
+    for (int k = 0; k < lanes; ++k)
+      if (e.acting >> k & 1u) need_columns(m, d, e.body[k]);
+  });
+}
+
+void land(Data<double>& d, double h, const double* correction) {
+  const Wide dt(h);
+  for_each_acting(d.step->loose, [&](const LooseEight& e) {
+    const Place X = place_of(d.q, e);
+    Wide v[6];
+    gather<6>(d.v, e.v, v);
+    const Vec3<Wide> w = first3(v + 3), vc = first3(v) + cross(w, e.c);
+    Vec3<Wide> moved = vc * dt, turned = w * dt;
+    if (correction) {
+      Wide x[6];
+      gather<6>(correction, e.v, x);
+      moved = moved + first3(x) + cross(first3(x + 3), e.c), turned = turned + first3(x + 3);
+    }
+    const Turn turn(turned);
+    const Vec3<Wide> p = X.p + X.R * (e.c + moved - turn(e.c));
+    const Quaternion<Wide> a = X.a * turn.quaternion();
+    const Wide r = Wide(1.0) / sqrt(dot(a.v, a.v) + a.w * a.w);
+    const Vec3<Wide> n = a.v * r;
+    scatter_four(e, p.v[0], p.v[1], p.v[2], n.v[0], [&](int l) { return d.q + e.q[l]; });
+    scatter_four(e, n.v[0], n.v[1], n.v[2], a.w * r, [&](int l) { return d.q + e.q[l] + 3; });
+    scatter_velocity(e, {turn.back(vc) - cross(w, e.c), w}, d.v);
+  });
+}
+
+}  // namespace dyn::simulation
