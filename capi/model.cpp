@@ -39,6 +39,7 @@ LoadOptions read_options(const dynLoadOptions* o) {
   if (o->constraint_slots < 0 || o->constraint_slots > 1000)
     throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: constraint_slots is " + std::to_string(o->constraint_slots) + ": give 0 to 1000");
   out.constraint_slots = o->constraint_slots;
+  out.confined = o->confined != 0;
   if (o->srdf) out.srdf = o->srdf;
   if (o->srdf && out.srdf.empty()) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");
   return out;

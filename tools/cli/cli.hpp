@@ -44,7 +44,7 @@ struct RobotOptions {
   std::vector<std::string> package_dirs;
   std::string srdf;
   std::string meshes = "none";
-  bool fixed = false, floating = false, strict = false, cos_sin = false, json = false;
+  bool fixed = false, floating = false, strict = false, cos_sin = false, confined = false, json = false;
 };
 void add_robot_options(CLI::App& command, RobotOptions& options);
 

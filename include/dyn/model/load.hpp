@@ -14,6 +14,7 @@ struct LoadOptions {
   std::string srdf;  // path, or ""
   dynMeshUse meshes = DYN_MESH_NONE;
   int constraint_slots = 8;
+  bool confined = false;
 };
 
 // Content decides the format. Throws Error with file, line, element and remedy.
