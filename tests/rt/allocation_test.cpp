@@ -551,7 +551,9 @@ TEST(Warmup, NoPageIsMissingAfterIt) {
   const auto faults = [&](bool warm) {
     Data d(m);
     forget_library();
-    if (warm) EXPECT_EQ(DYN_OK, dyn_warmup(m, d)) << dyn_last_error();
+    if (warm) {
+      EXPECT_EQ(DYN_OK, dyn_warmup(m, d)) << dyn_last_error();
+    }
     rusage before{}, after{};
     getrusage(RUSAGE_THREAD, &before), getrusage(RUSAGE_THREAD, &before);
     dyn_rnea(m, d, nullptr, nullptr, nullptr, nullptr, nullptr), dyn_aba_derivatives(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
