@@ -34,7 +34,7 @@ struct FieldRow {
 
 const FieldRow rows[] = {
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
-  {{sizeof(dynFieldInfo), #name, #rows " x " #cols, unit, frame, producer, sentence, part}, Stage::stage},
+  {{sizeof(dynFieldInfo), #name, #rows " x " #cols, unit, frame, producer, sentence, part, 0}, Stage::stage},
 #include "dyn/model/data_fields.def"
 };
 constexpr int field_count = int(FieldId::count_);

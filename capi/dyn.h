@@ -151,6 +151,8 @@ typedef struct dynLoadOptions {
   dynMeshUse meshes;                /* anything but NONE needs libdyn_mesh.so, and a mesh that cannot be read is an error */
   int32_t constraint_slots;         /* spare slots for constraints, 0 to 1000; default 8 */
   int32_t contact_capacity;         /* contact points that a step has room for, 1 to 10^6, the deepest: see dyn_builder_contact_capacity; default 0 */
+  int32_t confined;                 /* for files that are not trusted: non-zero: an included file or a mesh outside of the robot file's folder (of text in
+                                       memory: the working directory) and of package_dirs is DYN_ERROR_FILE, links followed; default 0 */
 } dynLoadOptions;
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
@@ -457,6 +459,10 @@ DYN_API size_t dyn_data_size(const dynModel* model, dynParts parts);
 /* Makes the data in the caller's memory (any alignment): no heap. *data points into it; dyn_data_free only marks it dead. */
 DYN_API dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, size_t size, dynData** data);
 DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
+/* Touches what later calls on this data would be the first to touch, so that none of them waits for a page of memory: the library, the model, the data,
+   128 KiB of the thread's stack, the thread's place for errors. To be called once in each thread with a deadline, after creation; it changes nothing.
+   The one function besides those that create and free which may lock and allocate. */
+DYN_API dynStatus dyn_warmup(const dynModel* model, dynData* data);
 
 /* The state held in data. A call with q, v, a or tau sets them, too. NULL leaves a value as it is. New data is at the
    neutral configuration and rest. */
@@ -513,6 +519,7 @@ typedef struct dynFieldInfo {
   const char* producer;  /* the call that computes it; "" for the state */
   const char* sentence;  /* what it is */
   dynParts part;
+  int32_t reserved;
 } dynFieldInfo;
 DYN_API int dyn_nfields(void);
 DYN_API dynStatus dyn_field_info(dynField field, dynFieldInfo* info);
@@ -873,6 +880,7 @@ typedef struct dynConstraint {
   double stiffness, damping; /* Baumgarte gains, 1/s^2 and 1/s, >= 0; default 0: drift is left to dyn_project (FRICTION: damping 100) */
   double restitution;        /* of impulses, 0 .. 1; default 0 */
   int32_t enabled;           /* default 1 */
+  int32_t reserved;
 } dynConstraint;
 DYN_API void dyn_constraint_init(dynConstraint* constraint, dynConstraintType type);
 
@@ -1535,6 +1543,7 @@ typedef struct dynMeshInfo {
   double hull_volume_ratio; /* hull_volume / volume: 1 for a convex mesh. NaN without either */
   double hull_depth;        /* m: the largest depth of a triangle's middle under the hull's faces; NaN without a hull */
   int32_t convex;           /* 1: closed, of one component, hull_depth at most 1e-6 of the box's diagonal; 0: not; -1: no module to tell */
+  int32_t reserved;
 } dynMeshInfo;
 /* Makes the hull, which takes time. */
 DYN_API dynStatus dyn_mesh_info(const dynMesh* mesh, dynMeshInfo* info);

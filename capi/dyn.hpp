@@ -131,6 +131,7 @@ struct LoadOptions {
   LoadOptions& package_dir(std::string folder) { return folders.push_back(std::move(folder)), *this; }
   LoadOptions& constraint_slots(int n) { return value.constraint_slots = n, *this; }
   LoadOptions& contact_capacity(int n) { return value.contact_capacity = n, *this; }
+  LoadOptions& confined(bool yes = true) { return value.confined = yes, *this; }
   LoadOptions& meshes(dynMeshUse use) { return value.meshes = use, *this; }
   LoadOptions& srdf(std::string path) { return srdf_path = std::move(path), *this; }
 };
@@ -450,6 +451,8 @@ class Data {
   void set_state(Input q, Input v = held, Input a = held, Input tau = held) {
     check(dyn_data_set_state(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), tau.of(nv(), "tau")));
   }
+  // Once in each thread with a deadline: later calls wait for no page of memory.
+  void warmup() { check(dyn_warmup(m(), get())); }
   // DYN_EFFECT_... of a joint, or of all (0).
   // What a step takes into account, and what it takes of the memory.
   std::vector<dynEffectInfo> plan() {

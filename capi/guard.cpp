@@ -80,6 +80,8 @@ dynStatus fail(dynStatus status, const char* format, ...) {
   return status;
 }
 
+void touch_last_error() { static_cast<volatile char*>(last_error)[0] = last_error[0]; }
+
 dynModel* new_model_handle() { return pool<dynModel>().get(); }
 dynData* new_data_slot() { return pool<dynData>().get(); }
 dynBuilder* new_builder_handle() { return pool<dynBuilder>().get(); }

@@ -15,6 +15,9 @@ namespace dyn::capi {
 // Sets the thread's last error. printf's format; no heap. Returns the status.
 dynStatus fail(dynStatus status, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
+// Makes the thread's place for it.
+void touch_last_error();
+
 // What a caller has put where an enumeration is: any integer.
 template <class E>
 int raw(const E& e) {

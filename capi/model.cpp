@@ -42,6 +42,7 @@ LoadOptions read_options(const dynLoadOptions* o) {
   if (o->contact_capacity < 0 || o->contact_capacity > most_contacts)
     throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: contact_capacity is " + std::to_string(o->contact_capacity) + ": give 1 to " + std::to_string(most_contacts) + ", or 0 for what the shapes need");
   out.contact_capacity = o->contact_capacity;
+  out.confined = o->confined != 0;
   if (o->srdf) out.srdf = o->srdf;
   if (o->srdf && out.srdf.empty()) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: srdf is empty: give a path, or NULL for none");
   return out;

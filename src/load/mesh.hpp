@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "confined.hpp"
 #include "dyn/model/builder.hpp"
 #include "dyn/spatial/inertia.hpp"
 
@@ -60,6 +61,7 @@ struct MeshOptions {
   bool up_z = false;
   std::vector<std::string> package_dirs;
   std::string relative_to;  // the robot file that names the mesh
+  load::Confined confined = {};
 };
 
 // mesh_read.cpp

@@ -18,7 +18,7 @@ std::string found(const std::string& name, const MeshOptions& options) {
   if (name.empty()) throw Error(DYN_ERROR_FILE, "the path is empty: give the name of a mesh file");
   MeshPaths paths(options.relative_to, options.package_dirs);
   const MeshPaths::Found& f = paths.find(name);
-  if (!f.path.empty()) return f.path;
+  if (!f.path.empty()) return options.confined.check(f.path), f.path;
   std::string tried;
   for (const std::string& path : f.tried) {
     if (std::filesystem::exists(path)) check_mesh_file(path);  // says what is there instead of a file

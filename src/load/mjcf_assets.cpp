@@ -146,7 +146,7 @@ void MjcfAssets::read(Entry& entry) const {
       mesh = read_msh(entry.path);
     } else {
       meshes::MeshOptions how;
-      how.package_dirs = options_.package_dirs;
+      how.package_dirs = options_.package_dirs;  // that it may be read source.path has seen
       mesh = meshes::read_mesh(entry.path, how);
     }
     mesh = in_frame(std::move(mesh), reference, scale, reader.owner);

@@ -11,8 +11,8 @@ constexpr size_t max_files = 1000;
 constexpr size_t max_models = 16;  // within each other
 }  // namespace
 
-MjcfSource::MjcfSource(const std::string& text, const std::string& file, bool strict)
-    : folder_(std::filesystem::path(file).parent_path()), strict_(strict), root_(&open(text, file)) {}
+MjcfSource::MjcfSource(const std::string& text, const std::string& file, const LoadOptions& options)
+    : folder_(std::filesystem::path(file).parent_path()), strict_(options.strict), confined_(file, options), root_(&open(text, file)) {}
 
 Element& MjcfSource::open(const std::string& text, const std::string& file) {
   File f{std::make_unique<Report>(file, strict_), nullptr};

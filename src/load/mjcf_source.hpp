@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 
+#include "confined.hpp"
 #include "reader.hpp"
 
 namespace dyn::load {
@@ -13,7 +14,7 @@ namespace dyn::load {
 class MjcfSource {
  public:
   // file: "" for text in memory; relative names then refer to the working directory.
-  MjcfSource(const std::string& text, const std::string& file, bool strict);
+  MjcfSource(const std::string& text, const std::string& file, const LoadOptions& options);
 
   Element& root() { return *root_; }
   // Elements in e; what an <include> names stands in its place.
@@ -25,8 +26,11 @@ class MjcfSource {
 
   Report& report(const Element& e) const;  // of the file that e stands in
   Reader reader(const Element& e, const std::string& owner) const { return {report(e), owner}; }
-  // A name in the model as a path: relative to the main file.
-  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+  // A name in the model as a path: relative to the main file. Throws for files that may not be read.
+  std::filesystem::path path(const std::string& name) const {
+    const std::filesystem::path file = folder_ / name;
+    return confined_.check(file.string()), file;
+  }
 
   // The load reports of all files, those of other files than the main one with their names in front.
   std::vector<Report::Entry> finish();
@@ -41,6 +45,7 @@ class MjcfSource {
 
   std::filesystem::path folder_;
   bool strict_;
+  Confined confined_;
   std::vector<File> files_;  // the first one is the main one
   std::map<const tinyxml2::XMLDocument*, Report*> reports_;
   std::map<const Element*, Element*> included_;  // <include> elements to their files' roots

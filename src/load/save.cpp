@@ -1,6 +1,8 @@
 // Model to text by format, and text to file: a file that is there stays as it is until the new one is complete.
 #include "dyn/model/save.hpp"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -46,7 +48,8 @@ void save_file(const Model& m, const std::string& path, bool strict, SaveReport&
   std::FILE* file = std::fopen(part.c_str(), "wb");
   if (!file) fail("cannot be written");
   const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  if (std::fclose(file) != 0 || !written) fail("cannot be written");
+  const bool kept = written && std::fflush(file) == 0 && fsync(fileno(file)) == 0;  // on the disk before it takes the old one's place
+  if (std::fclose(file) != 0 || !kept) fail("cannot be written");
   if (std::rename(part.c_str(), path.c_str()) != 0) fail("cannot be replaced");
 }
 

@@ -202,6 +202,7 @@ std::string MjcfWriter::write() {
   add_content(0, -1);
   add_contacts(), add_constraints(), add_actuators(), add_keys();
   if (section("asset").NoChildren()) root->DeleteChild(&section("asset"));
+  losses.tell();
   return printed(doc);
 }
 

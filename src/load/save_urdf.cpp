@@ -160,6 +160,7 @@ std::string UrdfWriter::write() {
   }
   add_constraints();
   say_what_is_lost();
+  losses.tell();
   return printed(doc);
 }
 

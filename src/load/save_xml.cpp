@@ -29,7 +29,7 @@ void Losses::add(dynReportLevel level, const std::string& what, const std::strin
   if (!name.empty()) lines_.back().names.push_back(name);
 }
 
-Losses::~Losses() {
+void Losses::tell() const {
   for (const Line& l : lines_) {
     std::string out = l.what;
     const size_t shown = std::min<size_t>(l.names.size(), 5);

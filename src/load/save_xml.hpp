@@ -28,7 +28,7 @@ std::string printed(const tinyxml2::XMLDocument& doc);
 class Losses {
  public:
   explicit Losses(SaveReport& report) : report_(report) {}
-  ~Losses();
+  void tell() const;  // to the report
   Losses(const Losses&) = delete;
   void loss(const std::string& what, const std::string& name = "") { add(DYN_REPORT_WARNING, what, name); }
   void note(const std::string& what, const std::string& name = "") { add(DYN_REPORT_INFO, what, name); }

@@ -22,7 +22,7 @@ void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& 
       if (at == known.end()) {
         try {
           meshes::MeshOptions how;
-          how.scale = shape.size, how.package_dirs = options.package_dirs;
+          how.scale = shape.size, how.package_dirs = options.package_dirs, how.confined = Confined(report.file(), options);
           if (!std::filesystem::exists(shape.mesh)) how.relative_to = report.file();  // to say what was tried
           const meshes::Mesh mesh = meshes::read_mesh(shape.mesh, how);
           at = known.emplace(std::pair(shape.mesh, shape.size), stand_for(mesh, options.meshes)).first;

@@ -1,11 +1,14 @@
 // Mesh files by assimp: the triangles of all nodes of the scene, where the nodes put them.
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <string_view>
 
 #include "parts.hpp"
@@ -93,6 +96,22 @@ struct Reading {
   }
 };
 
+// What a mesh names itself (materials, buffers) is read from its own folder alone, and what is in that.
+class OneFolder : public Assimp::DefaultIOSystem {
+ public:
+  explicit OneFolder(const char* path) : folder_(std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path()) {}
+  bool Exists(const char* file) const override { return within(file) && DefaultIOSystem::Exists(file); }
+  Assimp::IOStream* Open(const char* file, const char* mode) override { return within(file) ? DefaultIOSystem::Open(file, mode) : nullptr; }
+
+ private:
+  bool within(const char* file) const {
+    std::error_code bad;
+    const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(file, bad), bad);
+    return !bad && std::mismatch(folder_.begin(), folder_.end(), path.begin(), path.end()).first == folder_.end();
+  }
+  std::filesystem::path folder_;
+};
+
 struct Placed {
   const aiNode* node;
   Affine X;
@@ -104,6 +123,7 @@ Triangles read_assimp(const char* path, bool up_z, std::int64_t max_triangles) {
   const std::string kind = lower_extension(path);
   const bool collada = kind == "dae", gltf = kind == "gltf" || kind == "glb";
   Assimp::Importer importer;
+  importer.SetIOHandler(new OneFolder(path));  // which the importer owns
   // assimp's own convention is y up, to which it turns what COLLADA says
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, !up_z);
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);

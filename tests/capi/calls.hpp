@@ -76,6 +76,7 @@ inline dynStatus solve_nothing(const dynModel* m, dynData* d, const Arguments& x
 inline const CallRow call_rows[] = {
     {"dyn_data_set_state", 0, uses_q | uses_v | uses_a | uses_tau, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_data_set_state(m, d, x.q, x.v, x.a, x.tau); }},
+    {"dyn_warmup", 0, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_warmup(m, d); }},
     {"dyn_data_set_effects", 0, 0, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_data_set_effects(m, d, 0, DYN_EFFECT_ARMATURE); }},
     {"dyn_data_effects", 0, 0, Needs::nothing, false, 0, sizes::none,

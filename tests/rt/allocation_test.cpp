@@ -1,8 +1,10 @@
 // Tests that after creation nothing allocates, locks, or makes a system call: every entry point on an arm, a quadruped, a humanoid,
 // a gripper with mimic joints, and a robot of all joint types; results and errors alike.
-#include <dlfcn.h>
+#include <link.h>
 #include <pthread.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,65 +12,11 @@
 #include <linux/seccomp.h>
 
 #include <array>
-#include <atomic>
-#include <cstdarg>
 #include <functional>
 
 #include "capi/batch.hpp"
 #include "capi/surfaces.hpp"
-
-// ---------------------------------------------------------------------------------------------------- what is counted
-// These definitions come before those of libc for the library, too. (Sanitizers bring their own.)
-namespace {
-thread_local long allocations, locks;
-std::atomic<long> anywhere{0}, system_calls{0};  // allocations and locks of all threads; calls of syscall(), which is how threads are woken
-[[maybe_unused]] void count(long& mine) { ++mine, anywhere.fetch_add(1, std::memory_order_relaxed); }  // unused under sanitizers
-}
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#pragma GCC visibility push(default)
-extern "C" {
-void* __libc_malloc(size_t);
-void* __libc_calloc(size_t, size_t);
-void* __libc_realloc(void*, size_t);
-void* __libc_memalign(size_t, size_t);
-void __libc_free(void*);
-
-void* malloc(size_t n) { return count(allocations), __libc_malloc(n); }
-void* calloc(size_t n, size_t size) { return count(allocations), __libc_calloc(n, size); }
-void* realloc(void* p, size_t n) { return count(allocations), __libc_realloc(p, n); }
-void* memalign(size_t alignment, size_t n) { return count(allocations), __libc_memalign(alignment, n); }
-void* aligned_alloc(size_t alignment, size_t n) { return count(allocations), __libc_memalign(alignment, n); }
-int posix_memalign(void** p, size_t alignment, size_t n) {
-  count(allocations);
-  *p = __libc_memalign(alignment, n);
-  return *p ? 0 : 12;
-}
-void free(void* p) {
-  if (p) count(allocations);
-  __libc_free(p);
-}
-
-using Lock = int (*)(pthread_mutex_t*);
-int pthread_mutex_lock(pthread_mutex_t* m) {
-  static const Lock real = reinterpret_cast<Lock>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
-  return count(locks), real(m);
-}
-
-using Call = long (*)(long, long, long, long, long, long, long);
-long syscall(long number, ...) {
-  static const Call real = reinterpret_cast<Call>(dlsym(RTLD_NEXT, "syscall"));
-  system_calls.fetch_add(1, std::memory_order_relaxed);
-  va_list args;
-  va_start(args, number);
-  long x[6];
-  for (long& e : x) e = va_arg(args, long);
-  va_end(args);
-  return real(number, x[0], x[1], x[2], x[3], x[4], x[5]);
-}
-}
-#pragma GCC visibility pop
-#endif
+#include "rt/interposed.hpp"
 
 namespace dyn_test {
 namespace {
@@ -543,6 +491,79 @@ TEST(SystemCalls, NoneInABatchOnOneThread) {
   ASSERT_EQ(child, waitpid(child, &status, 0));
   if (WIFEXITED(status) && WEXITSTATUS(status) == 77) GTEST_SKIP() << "no seccomp here";
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "a system call was made (status " << status << ")";
+}
+
+// ---------------------------------------------------------------------------------------------------- stack and pages
+
+// How far down the stack f goes: on a painted one of its own.
+std::size_t stack_of(const std::function<void()>& f) {
+  constexpr std::size_t size = 1 << 20;
+  constexpr unsigned char paint = 0xc5;
+  unsigned char* const memory = static_cast<unsigned char*>(std::aligned_alloc(4096, size));
+  std::memset(memory, paint, size);
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes), pthread_attr_setstack(&attributes, memory, size);
+  pthread_t thread;
+  EXPECT_EQ(0, pthread_create(&thread, &attributes, [](void* work) -> void* { return (*static_cast<const std::function<void()>*>(work))(), nullptr; }, const_cast<std::function<void()>*>(&f)));
+  pthread_join(thread, nullptr), pthread_attr_destroy(&attributes);
+  std::size_t untouched = 0;
+  while (untouched < size && memory[untouched] == paint) ++untouched;
+  std::free(memory);
+  return size - untouched;
+}
+
+// Every entry point stays within 128 KiB, of which dyn_warmup touches all; printed with what a thread takes that does nothing.
+TEST(Stack, IsBounded) {
+  if (sanitized) GTEST_SKIP() << "sanitizers make frames larger";
+  const std::size_t nothing = stack_of([] {});
+  std::size_t most = 0;
+  std::string where;
+  for (const Robot& r : robots()) {
+    Work work(r.m);
+    for (const Ready& c : work.calls) {
+      if (c.name.starts_with("dyn_warmup")) continue;  // which takes what it touches
+      const std::size_t bytes = stack_of(c.call) - nothing;
+      if (bytes > most) most = bytes, where = std::string(r.name) + ": " + c.name;
+    }
+  }
+  std::printf("stack: %zu bytes at most, %s (a thread itself: %zu)\n", most, where.c_str(), nothing);
+  EXPECT_LE(most, std::size_t(128) << 10);
+  EXPECT_GT(most, std::size_t(1) << 10);
+}
+
+// The pages of the library's code are no longer mapped, as before its first use.
+void forget_library() {
+  dl_iterate_phdr([](dl_phdr_info* info, std::size_t, void*) {
+    if (!std::strstr(info->dlpi_name, "libdyn.so")) return 0;
+    for (int k = 0; k < info->dlpi_phnum; ++k)
+      if (const auto& s = info->dlpi_phdr[k]; s.p_type == PT_LOAD && (s.p_flags & PF_X) && !(s.p_flags & PF_W)) {
+        const std::uintptr_t from = (std::uintptr_t(info->dlpi_addr) + s.p_vaddr) / 4096 * 4096;
+        madvise(reinterpret_cast<void*>(from), s.p_memsz, MADV_DONTNEED);
+      }
+    return 1;
+  }, nullptr);
+}
+
+// The first calls on a new data after dyn_warmup wait for no page of memory; without it they do.
+TEST(Warmup, NoPageIsMissingAfterIt) {
+  if (sanitized) GTEST_SKIP() << "sanitizers touch memory of their own";
+  const Model m = robot("humanoid", DYN_BASE_FLOATING);
+  const auto faults = [&](bool warm) {
+    Data d(m);
+    forget_library();
+    if (warm) {
+      EXPECT_EQ(DYN_OK, dyn_warmup(m, d)) << dyn_last_error();
+    }
+    rusage before{}, after{};
+    getrusage(RUSAGE_THREAD, &before), getrusage(RUSAGE_THREAD, &before);
+    dyn_rnea(m, d, nullptr, nullptr, nullptr, nullptr, nullptr), dyn_aba_derivatives(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
+    for (int k = 0; k < 5; ++k) dyn_step(m, d);
+    dyn_rnea(m, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
+    getrusage(RUSAGE_THREAD, &after);
+    return after.ru_minflt - before.ru_minflt;
+  };
+  EXPECT_GT(faults(false), 0);
+  EXPECT_EQ(0, faults(true));
 }
 
 }  // namespace

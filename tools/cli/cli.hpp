@@ -45,7 +45,7 @@ struct RobotOptions {
   std::string srdf;
   std::string meshes = "none";
   int contact_capacity = 0;
-  bool fixed = false, floating = false, strict = false, cos_sin = false, json = false;
+  bool fixed = false, floating = false, strict = false, cos_sin = false, confined = false, json = false;
 };
 void add_robot_options(CLI::App& command, RobotOptions& options);
 

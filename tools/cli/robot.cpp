@@ -28,6 +28,7 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   command.add_flag("--strict", options.strict, "Physics that would be dropped is an error");
+  command.add_flag("--confined", options.confined, "Included files and meshes outside of FILE's folder and --package-dir are errors");
   command.add_flag("--cos-sin", options.cos_sin, "Continuous joints store (cos, sin)");
   command.add_flag("--json", options.json, "Answer in JSON");
 }
@@ -42,6 +43,7 @@ Robot::Robot(const RobotOptions& options, int contacts) {
   load.constraint_slots = std::max(load.constraint_slots, contacts);
   load.contact_capacity = options.contact_capacity;
   load.cos_sin = options.cos_sin;
+  load.confined = options.confined;
   if (!folders.empty()) load.package_dirs = folders.data();
   load.package_dirs_count = folders.size();
   load.meshes = options.meshes == "hull" ? DYN_MESH_HULL : options.meshes == "triangles" ? DYN_MESH_TRIANGLES : DYN_MESH_NONE;

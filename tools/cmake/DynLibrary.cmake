@@ -57,12 +57,12 @@ function(dyn_library suffix arch folder)
   endforeach()
   set(host_libraries ${DYN_URDFDOM_LIBRARY} ${DYN_CONSOLE_BRIDGE_LIBRARY} ${DYN_TINYXML2_LIBRARY} ${CMAKE_DL_LIBS})
 
-  # libdyn.so.1: what dyn.map exports, nothing undefined, nothing unused
+  # libdyn.so.1: what dyn.map exports, nothing undefined, nothing unused, nothing to be looked up at a first call
   set(map ${PROJECT_SOURCE_DIR}/capi/dyn.map)
   add_library(dyn${suffix} SHARED ${objects})
   set_target_properties(dyn${suffix} PROPERTIES OUTPUT_NAME dyn VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR} EXPORT_NAME dyn
     LIBRARY_OUTPUT_DIRECTORY ${folder} LINK_DEPENDS ${map} LINKER_LANGUAGE CXX)
-  target_link_options(dyn${suffix} PRIVATE -Wl,--version-script=${map} -Wl,--gc-sections -Wl,--as-needed -Wl,-O1)
+  target_link_options(dyn${suffix} PRIVATE -Wl,--version-script=${map} -Wl,--gc-sections -Wl,--as-needed -Wl,-O1 -Wl,-z,now)
   if(NOT DYN_SANITIZE)
     target_link_options(dyn${suffix} PRIVATE -Wl,-z,defs)
   endif()

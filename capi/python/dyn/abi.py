@@ -24,7 +24,7 @@ class LoadOptions(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("base", c_int), ("strict", c_int32), ("cos_sin", c_int32),
         ("package_dirs", POINTER(c_char_p)), ("package_dirs_count", c_size_t), ("gravity", c_double * 3), ("srdf", c_char_p),
-        ("meshes", c_int), ("constraint_slots", c_int32), ("contact_capacity", c_int32),
+        ("meshes", c_int), ("constraint_slots", c_int32), ("contact_capacity", c_int32), ("confined", c_int32),
     ]  # fmt: skip
 
 
@@ -90,7 +90,7 @@ class Constraint(Grown):
         ("struct_size", c_uint32), ("type", c_int), ("first", c_int32), ("second", c_int32), ("placement1", c_double * 12),
         ("placement2", c_double * 12), ("joint_type", c_int), ("axis", c_double * 3), ("axis2", c_double * 3), ("pitch", c_double),
         ("length", c_double), ("coefficients", c_double * 5), ("force", c_double), ("stiffness", c_double), ("damping", c_double),
-        ("restitution", c_double), ("enabled", c_int32),
+        ("restitution", c_double), ("enabled", c_int32), ("reserved", c_int32),
     ]  # fmt: skip
 
 
@@ -150,7 +150,7 @@ class StateLayout(Grown):
 class FieldInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("shape", c_char_p), ("unit", c_char_p), ("frame", c_char_p),
-        ("producer", c_char_p), ("sentence", c_char_p), ("part", c_uint32),
+        ("producer", c_char_p), ("sentence", c_char_p), ("part", c_uint32), ("reserved", c_int32),
     ]  # fmt: skip
 
 
@@ -182,7 +182,7 @@ class MeshInfo(Grown):
         ("duplicates", c_int64), ("skipped", c_int64), ("lower", c_double * 3), ("upper", c_double * 3), ("area", c_double),
         ("components", c_int32), ("open_edges", c_int32), ("flipped_edges", c_int32), ("nonmanifold_edges", c_int32), ("closed", c_int32),
         ("orientation", c_int32), ("volume", c_double), ("com", c_double * 3), ("inertia", c_double * 9), ("hull_status", c_int),
-        ("hull_volume", c_double), ("hull_volume_ratio", c_double), ("hull_depth", c_double), ("convex", c_int32),
+        ("hull_volume", c_double), ("hull_volume_ratio", c_double), ("hull_depth", c_double), ("convex", c_int32), ("reserved", c_int32),
     ]  # fmt: skip
 
 
@@ -424,6 +424,7 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_data_size": (c_size_t, [_p, c_uint32]),
     "dyn_data_init": (STATUS, [_p, c_uint32, _p, c_size_t, _ref]),
     "dyn_data_free": (None, [_p]),
+    "dyn_warmup": (STATUS, [_p, _p]),
     "dyn_data_set_state": (STATUS, [_p, _p, _p, _p, _p, _p]),
     "dyn_data_set_effects": (STATUS, [_p, _p, _i, c_uint32]),
     "dyn_data_effects": (STATUS, [_p, _p, _i, _ref]),

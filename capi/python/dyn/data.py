@@ -292,6 +292,10 @@ class Data(CollisionQueries, ContactQueries, ConstraintCalls, Driving, Stepping)
         "springs"), "all" or (). New data: armature alone."""
         check(lib.dyn_data_set_effects(self._m, self._d, self.model._joint(joint), mask(Effect, effects, "effects")))
 
+    def warmup(self) -> None:
+        """Touches what later calls would be the first to touch: no call waits for a page of memory. Once in each thread with a deadline."""
+        check(lib.dyn_warmup(self._m, self._d))
+
     def effects(self, joint: str | int = 0) -> Effect:
         """Those that are on at a joint; without one, those that act at some joint."""
         out = c_uint32()

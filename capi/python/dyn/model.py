@@ -178,7 +178,7 @@ def _string(s: bytes | None) -> str:
     return "" if s is None else s.decode("utf-8", "surrogateescape")
 
 
-def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any, slots: Any, contacts: Any):
+def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any, slots: Any, contacts: Any, confined: bool):
     options = abi.LoadOptions()
     lib.dyn_load_options_init(byref(options))
     if base is not None:
@@ -195,7 +195,7 @@ def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity:
     if srdf is not None:
         options.srdf = os.fsencode(srdf)
     options.meshes = member(MeshUse, meshes, "meshes")
-    options.constraint_slots, options.contact_capacity = slots, contacts
+    options.constraint_slots, options.contact_capacity, options.confined = slots, contacts, bool(confined)
     return options
 
 
@@ -211,6 +211,7 @@ def load(
     meshes: str | MeshUse = MeshUse.NONE,
     constraint_slots: int = 8,
     contact_capacity: int = 0,
+    confined: bool = False,
 ) -> Model:
     """Reads a robot from a URDF file, or a model from an MJCF file.
 
@@ -224,13 +225,14 @@ def load(
                   convex); "triangles". Other than "none", a mesh that cannot be read is an error
     constraint_slots  spare slots for constraints that a data of the model has
     contact_capacity  contact points that a step has room for, the deepest; 0: what the shapes need
+    confined      for files that are not trusted: included files and meshes outside of the file's folder and package_dirs are errors
     srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
     """
     name = os.fsencode(path)
     if b"\0" in name:
         raise ArgumentError(f"path holds a zero character: {path!r}.")
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined)
     check(lib.dyn_model_load(name, byref(options), byref(out)))
     return Model(out.value)
 
@@ -247,10 +249,11 @@ def load_string(
     meshes: str | MeshUse = MeshUse.NONE,
     constraint_slots: int = 8,
     contact_capacity: int = 0,
+    confined: bool = False,
 ) -> Model:
     """Reads a robot from the text of a URDF or MJCF; otherwise as dyn.load."""
     out = c_void_p()
-    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity)
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined)
     check(lib.dyn_model_load_string(text(urdf, "urdf"), byref(options), byref(out)))
     return Model(out.value)
 

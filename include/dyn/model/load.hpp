@@ -15,6 +15,7 @@ struct LoadOptions {
   dynMeshUse meshes = DYN_MESH_NONE;
   int constraint_slots = 8;
   int contact_capacity = 0;
+  bool confined = false;
 };
 
 // Content decides the format. Throws Error with file, line, element and remedy.

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Builds the fuzzers with clang and runs each for some seconds, from tests/fuzz/corpus and what earlier runs found (build/fuzz/found).
+#   run.sh BUILD [SECONDS each] [NAME...]     BUILD: a build of the library, with libdyn.a; without clang: 77
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+build=$(cd "$1" && pwd) seconds=${2:-10}
+shift $(($# < 2 ? $# : 2))
+command -v clang++ >/dev/null || { echo "clang++ is not installed"; exit 77; }
+out=$PWD/build/fuzz
+level=$(sed -n 's/^DYN_ARCH:STRING=//p' "$build/CMakeCache.txt")
+[ "$level" != native ] || level=$(sed -n 's/.*-march=\(x86-64-v[234]\).*/\1/p' "$build/build.ninja" | head -1)
+mkdir -p "$out"
+cmake -S tests/fuzz -B "$out" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" -DDYN_BUILD="$build" -DDYN_FUZZ_ARCH="$level" >"$out/log" 2>&1 &&
+  cmake --build "$out" --parallel 2 >"$out/log" 2>&1 || { tail -n 40 "$out/log"; exit 1; }
+[ $# -gt 0 ] || set -- urdf srdf mjcf mesh dynb state calls
+export UBSAN_OPTIONS=print_stacktrace=1 ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
+# compiled models as they are today
+mkdir -p "$out/found/dynb"
+for robot in robots/double_pendulum mechanisms/four_bar; do
+  "$build/bin/dyn" convert --fixed models/$robot.urdf "$out/found/dynb/$(basename $robot).dynb" 2>/dev/null
+done
+failed=0
+for name in "$@"; do
+  mkdir -p "$out/found/$name" "$out/crashes"
+  seeds=()
+  [ ! -d "tests/fuzz/corpus/$name" ] || seeds=("tests/fuzz/corpus/$name")
+  dictionary=()
+  [ ! -e "tests/fuzz/$name.dict" ] || dictionary=(-dict="tests/fuzz/$name.dict")
+  if "$out/fuzz_$name" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2048 -max_len=40000 -print_final_stats=1 "${dictionary[@]}" \
+      -artifact_prefix="$out/crashes/$name-" "$out/found/$name" "${seeds[@]}" >"$out/$name.log" 2>&1; then
+    echo "$name: $(sed -n 's/.*number_of_executed_units: *//p' "$out/$name.log") inputs, nothing found"
+  else
+    failed=1
+    echo "$name: found something:"
+    grep -E -A12 'ERROR|runtime error|SUMMARY|artifact' "$out/$name.log" | head -n 40
+  fi
+done
+exit $failed
