@@ -1,4 +1,4 @@
-// Scalar and index types, and the one width that decides how 3-vectors lie in memory.
+// Scalar and index types, and the one width that decides how 3-vectors are computed with.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,11 @@ namespace dyn {
 
 using Index = std::int32_t;
 
-// Lanes of a double 3-vector: 4 (one AVX register, two of SSE or NEON) or 3 (no SIMD, as on a Cortex-M).
+// Lanes that a double 3-vector is computed in: 4 (one AVX register, two of SSE or NEON) or 3 (no SIMD, as on a Cortex-M). It lies in
+// memory as four numbers either way.
+// With DYN_REPRODUCIBLE 4 everywhere: sums are then formed in one order.
 #ifndef DYN_LANES
-#if defined(__SSE2__) || defined(__ARM_NEON)
+#if defined(__SSE2__) || defined(__ARM_NEON) || DYN_REPRODUCIBLE
 #define DYN_LANES 4
 #else
 #define DYN_LANES 3

@@ -1,5 +1,6 @@
-// 3-vectors. Vec3<double> fills four lanes (the fourth is always 0), so that a sum or a product by a scalar is one
-// instruction; every other scalar (references in long double, __float128) uses three plain numbers.
+// 3-vectors. Vec3<double> takes the room of four numbers everywhere, so that a compiled model is the same block on every machine. Where
+// there is SIMD it fills four lanes (the fourth is always 0), so that a sum or a product by a scalar is one instruction; elsewhere, and for
+// every other scalar (references in long double, __float128), the arithmetic is that of three plain numbers.
 #pragma once
 
 #include <cmath>
@@ -10,11 +11,11 @@
 namespace dyn {
 
 template <class T>
-struct Vec3 {
+struct alignas(std::is_same_v<T, double> ? 4 * sizeof(T) : alignof(T)) Vec3 {
   T v[3];
 
   static DYN_INLINE Vec3 zero() { return {{T(0), T(0), T(0)}}; }
-  static DYN_INLINE Vec3 make(T x, T y, T z) { return {{x, y, z}}; }
+  static DYN_INLINE constexpr Vec3 make(T x, T y, T z) { return {{x, y, z}}; }
   DYN_INLINE T operator[](int i) const { return v[i]; }
 
   friend DYN_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) { return make(a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2]); }
@@ -41,7 +42,7 @@ struct Vec3<double> {
   Lanes v;
 
   static DYN_INLINE Vec3 zero() { return {Lanes{0, 0, 0, 0}}; }
-  static DYN_INLINE Vec3 make(double x, double y, double z) { return {Lanes{x, y, z, 0}}; }
+  static DYN_INLINE constexpr Vec3 make(double x, double y, double z) { return {Lanes{x, y, z, 0}}; }
   DYN_INLINE double operator[](int i) const { return v[i]; }
 
   friend DYN_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.v + b.v}; }
