@@ -19,7 +19,7 @@ function(dyn_image kind robot)
   target_include_directories(${image} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${cortex_m} ${DYN_BOARD_TABLES})
   target_compile_definitions(${image} PRIVATE DYN_TABLES="${image}.hpp" DYN_FIGURES=${kind}_figures DYN_WORK=${work} ${ARGN})
   target_link_libraries(${image} PRIVATE dyn_core_static dyn_warnings)
-  target_link_options(${image} PRIVATE -nostdlib -T ${cortex_m}/mps2.ld ${no_heap} -Wl,--print-memory-usage -Wl,-Map=${image}.map)
+  target_link_options(${image} PRIVATE -nostdlib -Wl,--no-enum-size-warning -T ${cortex_m}/mps2.ld ${no_heap} -Wl,--print-memory-usage -Wl,-Map=${image}.map)
   target_link_libraries(${image} PRIVATE -lc -lm -lgcc)
   set_target_properties(${image} PROPERTIES LINK_DEPENDS ${cortex_m}/mps2.ld SUFFIX .elf)
   add_test(NAME ${image} COMMAND qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native

@@ -23,7 +23,7 @@ inline void sincos_sweep(const T* x, Index n, T* c, T* s) {
 namespace detail {
 
 inline constexpr double sweep_reach = 0x1p20;
-inline constexpr int sweep_lanes = 4;  // eight, where there are, are slower: they slow down everything about them
+inline constexpr int sweep_lanes = DYN_SIMD ? 4 : 1;  // eight, where there are, are slower: they slow down everything about them
 typedef double SweepD __attribute__((vector_size(8 * sweep_lanes)));
 typedef std::int64_t SweepI __attribute__((vector_size(8 * sweep_lanes)));
 
@@ -84,7 +84,9 @@ inline void sincos_sweep(const double* x, Index n, double* c, double* s) {
     __builtin_memcpy(s + i, &S, sizeof S);
     far |= ((SweepI)X & 0x7fffffffffffffff) > 0x4130000000000000;  // |x| > 2^20
   }
-  if ((far[0] | far[1]) | (far[2] | far[3])) [[unlikely]]
+  std::int64_t any = 0;
+  for (int k = 0; k < sweep_lanes; ++k) any |= far[k];
+  if (any) [[unlikely]]
     sincos_far(x, n, c, s);
 }
 

@@ -1,4 +1,4 @@
-// Scalar and index types, and the one width that decides how 3-vectors are computed with.
+// Scalar and index types, and the one width that decides how 3-vectors lie in memory.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,17 @@ namespace dyn {
 
 using Index = std::int32_t;
 
-// Lanes that a double 3-vector is computed in: 4 (one AVX register, two of SSE or NEON) or 3 (no SIMD, as on a Cortex-M). It lies in
-// memory as four numbers either way.
-// With DYN_REPRODUCIBLE 4 everywhere: sums are then formed in one order.
+// Instructions on several doubles at once.
+#if defined(__SSE2__) || defined(__aarch64__)
+#define DYN_SIMD 1
+#else
+#define DYN_SIMD 0
+#endif
+
+// Lanes of a double 3-vector: 4 (one AVX register, two of SSE or NEON) or 3 (no SIMD, as on a Cortex-M). With DYN_REPRODUCIBLE 4 everywhere:
+// sums are then formed in one order.
 #ifndef DYN_LANES
-#if defined(__SSE2__) || defined(__ARM_NEON) || DYN_REPRODUCIBLE
+#if DYN_SIMD || DYN_REPRODUCIBLE
 #define DYN_LANES 4
 #else
 #define DYN_LANES 3

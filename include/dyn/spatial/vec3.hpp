@@ -1,6 +1,5 @@
-// 3-vectors. Vec3<double> takes the room of four numbers everywhere, so that a compiled model is the same block on every machine. Where
-// there is SIMD it fills four lanes (the fourth is always 0), so that a sum or a product by a scalar is one instruction; elsewhere, and for
-// every other scalar (references in long double, __float128), the arithmetic is that of three plain numbers.
+// 3-vectors. Vec3<double> fills four lanes (the fourth is always 0), so that a sum or a product by a scalar is one
+// instruction; every other scalar (references in long double, __float128) uses three plain numbers.
 #pragma once
 
 #include <cmath>
@@ -11,7 +10,7 @@
 namespace dyn {
 
 template <class T>
-struct alignas(std::is_same_v<T, double> ? 4 * sizeof(T) : alignof(T)) Vec3 {
+struct Vec3 {
   T v[3];
 
   static DYN_INLINE Vec3 zero() { return {{T(0), T(0), T(0)}}; }
