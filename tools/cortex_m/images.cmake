@@ -1,6 +1,7 @@
 # The images that QEMU runs as tests: dyn_core, one robot in flash, and what a PC computed of it (DYN_BOARD_TABLES: where dyn_board_tables wrote that).
 # Nothing allocates: malloc and its kind are renamed to what nobody defines, so that an image that called one would not link.
 set(DYN_BOARD_TABLES "" CACHE PATH "Output of dyn_board_tables")
+set(DYN_BOARD mps2 CACHE STRING "Linker script: mps2, stm32h743")
 set(cortex_m ${PROJECT_SOURCE_DIR}/tools/cortex_m)
 foreach(name malloc calloc realloc free aligned_alloc _malloc_r _calloc_r _realloc_r _free_r _sbrk _sbrk_r)
   list(APPEND no_heap -Wl,--wrap=${name})
@@ -19,9 +20,9 @@ function(dyn_image kind robot)
   target_include_directories(${image} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${cortex_m} ${DYN_BOARD_TABLES})
   target_compile_definitions(${image} PRIVATE DYN_TABLES="${image}.hpp" DYN_FIGURES=${kind}_figures DYN_WORK=${work} ${ARGN})
   target_link_libraries(${image} PRIVATE dyn_core_static dyn_warnings)
-  target_link_options(${image} PRIVATE -nostdlib -Wl,--no-enum-size-warning -T ${cortex_m}/mps2.ld ${no_heap} -Wl,--print-memory-usage -Wl,-Map=${image}.map)
+  target_link_options(${image} PRIVATE -nostdlib -Wl,--no-enum-size-warning -L ${cortex_m} -T ${DYN_BOARD}.ld ${no_heap} -Wl,--print-memory-usage -Wl,-Map=${image}.map)
   target_link_libraries(${image} PRIVATE -lc -lm -lgcc)
-  set_target_properties(${image} PROPERTIES LINK_DEPENDS ${cortex_m}/mps2.ld SUFFIX .elf)
+  set_target_properties(${image} PROPERTIES LINK_DEPENDS "${cortex_m}/${DYN_BOARD}.ld;${cortex_m}/sections.ld" SUFFIX .elf)
   add_test(NAME ${image} COMMAND qemu-system-arm -M mps2-an500 -nographic -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native
            -kernel $<TARGET_FILE:${image}>)
   set_tests_properties(${image} PROPERTIES TIMEOUT 600)
