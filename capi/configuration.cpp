@@ -17,7 +17,7 @@ struct Check {
   bool large = false;  // a number was so large that what is made of it may overflow
 
   Check(const dynModel* model, const char* f) : status(check(model)), function(f) {
-    if (status == DYN_OK) m = model->m;
+    if (status == DYN_OK) m = model->m.get();
   }
   Check& vector(const char* name, const double* x, Index n) {
     if (status != DYN_OK) return *this;

@@ -188,7 +188,8 @@ DYN_API dynStatus dyn_report_entry(const dynModel* model, int index, dynReportEn
 typedef enum dynFormat {
   DYN_FORMAT_URDF = 1,  /* .urdf */
   DYN_FORMAT_MJCF = 2,  /* .xml, .mjcf */
-  DYN_FORMAT_DYNB = 3   /* .dynb: the compiled model as it is, with a checksum; read by builds with the same layout of memory alone, which it says */
+  DYN_FORMAT_DYNB = 3   /* .dynb: the compiled model as it is, with a checksum; read by builds with the same layout of memory alone, which it says:
+                           x86-64 and 64-bit ARM share one */
 } dynFormat;
 
 /* Called for each thing that the format has no place for (WARNING) or says in another way (INFO): one line, valid during the call. */
@@ -205,6 +206,17 @@ DYN_API dynStatus dyn_model_save(const dynModel* model, const char* path, int st
    when they don't fit. */
 DYN_API dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, int strict, dynSaveReport report, void* context, void* buffer, size_t capacity,
                                         size_t* size);
+
+/* A model without files and heap. An image is what a .dynb holds; dyn convert writes it as a C array, to be linked into a program. */
+enum {
+  DYN_IMAGE_NARROW = 1,  /* for machines without SIMD, as a Cortex-M: 3-vectors take three numbers, not four */
+  DYN_IMAGE_NAMELESS = 2 /* without names and load report: ids are as before, all names are "". It can be used in place alone */
+};
+DYN_API dynStatus dyn_model_image(const dynModel* model, uint32_t flags, void* buffer, size_t capacity, size_t* size);
+/* The model that lies in a buffer (flash, a mapped file, shared memory), used where it is: nothing is copied, nothing allocated. The buffer lies on a
+   boundary of 64 bytes, and neither changes nor goes while the model is in use; dyn_model_free does nothing to it. Its checksum, its layout, and every
+   size, offset, index, type and number in it are checked first. Two buffers of equal content are one model: each goes with the other's data. */
+DYN_API dynStatus dyn_model_from_buffer(const void* buffer, size_t size, const dynModel** model);
 
 /* ------------------------------------------------------------------------------------------------------- the model */
 

@@ -203,6 +203,20 @@ class Model {
   static Model load_string(const std::string& text, const LoadOptions& options = {}) {
     return load_(dyn_model_load_string, text, options);
   }
+  // What lies in a buffer, used where it is: on a boundary of 64 bytes, unchanged as long as a copy of the model lives.
+  static Model from_buffer(const void* buffer, std::size_t size) {
+    const dynModel* model = nullptr;
+    check(dyn_model_from_buffer(buffer, size, &model));
+    return Model(const_cast<dynModel*>(model));
+  }
+  // The bytes for it: flags DYN_IMAGE_...
+  std::vector<char> image(std::uint32_t flags = 0) const {
+    std::size_t size = 0;
+    check(dyn_model_image(get(), flags, nullptr, 0, &size));
+    std::vector<char> out(size);
+    check(dyn_model_image(get(), flags, out.data(), size, &size));
+    return out;
+  }
   // By the extension: .urdf, .xml or .mjcf, .dynb. What the format has no place for (WARNING), or says in another way (INFO).
   std::vector<std::pair<dynReportLevel, std::string>> save(const std::string& path, bool strict = false) const {
     std::vector<std::pair<dynReportLevel, std::string>> lines;

@@ -95,7 +95,7 @@ void free_handle(dynMesh* h) { h->magic = freed, pool<dynMesh>().put(h); }
 void free_handle(dynBroadPhase* h) { h->magic = freed, pool<dynBroadPhase>().put(h); }
 void free_handle(dynContactSolver* h) { h->magic = freed, pool<dynContactSolver>().put(h); }
 
-dynStatus no_model(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load or dyn_builder_finish"); }
+dynStatus no_model(const dynModel* model) { return check_magic(model, live_model, "model", "dyn_model_load, dyn_model_from_buffer or dyn_builder_finish"); }
 dynStatus check(const dynBuilder* builder) { return check_magic(builder, live_builder, "builder", "dyn_builder_new"); }
 dynStatus check(const dynBatch* batch) { return check_magic(batch, live_batch, "batch", "dyn_batch_new"); }
 dynStatus check(const dynMesh* mesh) { return check_magic(mesh, live_mesh, "mesh", "dyn_mesh_load or dyn_mesh_from_arrays"); }
@@ -106,6 +106,7 @@ dynStatus publish(ModelPtr model, dynModel** out) {
   dynModel* handle = new_model_handle();
   if (!handle) return fail(DYN_ERROR_MEMORY, "out of memory");
   handle->m = model.release();
+  handle->in_place = 0;
   handle->magic = live_model;
   *out = handle;
   return DYN_OK;
@@ -118,7 +119,7 @@ void Call::enter(const dynModel* model, dynData* data, dynParts part) {
     status = fail(DYN_ERROR_MODEL, "%s: the data belongs to another model (or to one that was freed): make data from the model you pass", function);
     return;
   }
-  model_ = model->m;
+  model_ = model->m.get();
   handle = data;
 #if DYN_CHECKED
   int idle = 0;

@@ -8,6 +8,7 @@
 #include "dyn/algorithm/declarations.hpp"
 #include "dyn/base/pack.hpp"
 #include "dyn/model/builder.hpp"
+#include "dyn/model/dynb.hpp"
 
 namespace dyn::capi {
 
@@ -39,7 +40,7 @@ dynStatus guarded(F&& f) noexcept {
   }
 }
 
-inline constexpr std::uint64_t live_model = 0x6c65646f6d6e7964u, live_data = 0x617461646d6e7964u, live_builder = 0x726c6475626e7964u,
+inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0x726c6475626e7964u,
                                live_batch = 0x68637461626e7964u, live_mesh = 0x6873656d6e7964u, live_broad_phase = 0x64616f72626e7964u,
                                live_contact_solver = 0x746e6f63626e7964u;
 inline constexpr std::uint64_t freed = 0x6465657266u;
@@ -79,12 +80,7 @@ inline bool any_beyond(const double* x, std::ptrdiff_t n, int exponent) {
 
 }  // namespace dyn::capi
 
-// The handles. Freed ones are recognised: their slots are not used again soon (handle.cpp).
-struct dynModel {
-  std::uint64_t magic;
-  const dyn::Model* m;
-};
-
+// The handles; a model's is in dyn/model/dynb.hpp. Freed ones are recognised: their slots are not used again soon (guard.cpp).
 struct dynData {
   std::uint64_t magic;
   std::uint64_t model_id;
@@ -170,7 +166,7 @@ class Call {
 #if !DYN_CHECKED
     if (model && data && model->magic == live_model && data->magic == live_data && data->model_id == model->m->id && (data->d.parts & part) == part)
         [[likely]] {
-      model_ = model->m, handle = data;
+      model_ = model->m.get(), handle = data;
       return;
     }
 #endif

@@ -13,7 +13,7 @@ constexpr int some = 4096;  // of joints or coordinates at a time: no heap
 
 Layout::Layout(const dynModel* model, const dynStateLayout* layout) {
   if ((status = check(model)) != DYN_OK) return;
-  m = model->m;
+  m = model->m.get();
   status = read(model, layout);
   if (status == DYN_OK) status = place();
   if (status == DYN_OK) status = complete();

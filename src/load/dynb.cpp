@@ -1,5 +1,6 @@
 #include "dynb.hpp"
 
+#include <cstddef>
 #include <cstring>
 
 #include "dyn/constraint/list.hpp"
@@ -12,59 +13,27 @@ namespace dyn {
 
 namespace load {
 
-namespace {
-
-constexpr std::uint64_t fnv_basis = 0xcbf29ce484222325u, fnv_prime = 0x100000001b3u;
-
-}  // namespace
-
-std::uint64_t dynb_checksum(const char* block, std::size_t bytes) {
-  std::uint64_t sum = fnv_basis;
-  for (std::size_t k = 0; k < bytes; k += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, block + k, std::min<std::size_t>(8, bytes - k));
-    sum = (sum ^ word) * fnv_prime;
-    sum ^= sum >> 32;  // so that high bits of a word reach low ones of the sum
-  }
-  return sum;
-}
-
-std::uint64_t dynb_tag() {
-  std::uint64_t sum = fnv_basis;
-  const auto add = [&](std::uint64_t x) { sum = (sum ^ x) * fnv_prime; };
-  for (const std::size_t size : {sizeof(Model), sizeof(ModelSizes), sizeof(void*), sizeof(Index), alignof(Vec3<double>), offsetof(Model, offset)}) add(size);
-#define FIELD(type, name, count, sentence) \
-  add(sizeof(type)), add(alignof(type));   \
-  for (const char c : std::string_view(#name)) add(std::uint64_t(c));
-#include "dyn/model/model_fields.def"
-#undef FIELD
-  return sum;
-}
-
-void seal_dynb(std::string& file) {
+void seal_dynb(std::string& file, std::uint64_t tag) {
+  constexpr std::size_t summed = offsetof(DynbHeader, handle);
   DynbHeader h{};
   std::memcpy(h.magic, dynb_magic, sizeof h.magic);
-  h.version = dynb_version, h.byte_order = dynb_byte_order, h.tag = dynb_tag(), h.bytes = file.size() - sizeof h;
-  h.checksum = dynb_checksum(file.data() + sizeof h, file.size() - sizeof h);
+  h.version = dynb_version, h.byte_order = dynb_byte_order, h.tag = tag, h.bytes = file.size() - sizeof h;
+  h.handle.magic = live_model, h.handle.in_place = 1;
+  h.handle.m.distance = sizeof h - summed - offsetof(dynModel, m);
   std::memcpy(file.data(), &h, sizeof h);
+  const std::uint64_t sum = dynb_checksum(file.data() + summed, file.size() - summed);
+  std::memcpy(file.data() + offsetof(DynbHeader, checksum), &sum, sizeof sum);
 }
-
-void damaged(const std::string& what) { throw Error(DYN_ERROR_PARSE, "the file is damaged: " + what + ": make it anew from the robot file"); }
 
 namespace {
 
-void check_header(const std::string& file) {
-  DynbHeader h;
-  if (file.size() < sizeof h) damaged("it ends within its header");
-  std::memcpy(&h, file.data(), sizeof h);
-  if (std::memcmp(h.magic, dynb_magic, sizeof h.magic) != 0) damaged("its first eight bytes are not those of a .dynb");
-  const auto other = [](const std::string& what) { throw Error(DYN_ERROR_UNSUPPORTED, "the .dynb is " + what + ": make it anew from the robot file"); };
-  if (h.byte_order != dynb_byte_order) other("of a machine with another order of bytes");
-  if (h.version != dynb_version) other("of version " + std::to_string(h.version) + ", and this library reads version " + std::to_string(dynb_version));
-  if (h.tag != dynb_tag()) other("of a build whose models lie in memory in another way");
-  if (h.bytes != file.size() - sizeof h) damaged("it should have " + std::to_string(h.bytes) + " bytes after its header, and has " + std::to_string(file.size() - sizeof h));
-  if (h.checksum != dynb_checksum(file.data() + sizeof h, h.bytes)) damaged("its checksum is wrong");
-  if (h.bytes < sizeof(Model)) damaged("it is too short for a model");
+[[noreturn]] void damaged(const std::string& what) { throw Error(DYN_ERROR_PARSE, "the file is damaged: " + what + ": make it anew from the robot file"); }
+
+void refuse(const Damage& d) {
+  if (!d) return;
+  const std::string what = d.what + (d.count >= 0 ? " is " + std::to_string(d.value) + " of " + std::to_string(d.count) : "");
+  if (d.status == DYN_ERROR_UNSUPPORTED) throw Error(d.status, "the .dynb can't be read: " + what + ": make it anew from the robot file");
+  damaged(what);
 }
 
 // Adds all of the model to a builder as a user would, for what the builder says of names and numbers.
@@ -141,15 +110,17 @@ struct Free {
 ModelPtr load_dynb(const std::string& bytes, const std::string& file, const LoadOptions& options) {
   const std::string where = file.empty() ? "" : load::printable(file) + ": ";
   try {
-    load::check_header(bytes);
+    load::refuse(check_header(bytes.data(), bytes.size()));
     if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() || options.meshes != DYN_MESH_NONE)
       throw Error(DYN_ERROR_ARGUMENT, "a .dynb holds the model as it was loaded: leave out base, cos_sin, srdf and meshes, or load the robot file");
-    const std::size_t size = bytes.size() - sizeof(load::DynbHeader);
+    const std::size_t size = bytes.size() - sizeof(DynbHeader);
     const std::unique_ptr<void, load::Free> block(allocate_block(size));
     if (!block) throw std::bad_alloc();
-    std::memcpy(block.get(), bytes.data() + sizeof(load::DynbHeader), size);
+    std::memcpy(block.get(), bytes.data() + sizeof(DynbHeader), size);
     const Model& m = *static_cast<const Model*>(block.get());
-    load::check_dynb_block(m, size);
+    load::refuse(check_block(m, size));
+    if (m.n.joints > 1 && *m.string(m.joints()[1].name) == '\0')
+      throw Error(DYN_ERROR_UNSUPPORTED, "the .dynb was made without names: it can be used where it lies (dyn_model_from_buffer), not loaded");
     load::check_by_building(m);
     Builder builder(m);
     if (options.gravity != LoadOptions().gravity) builder.gravity(options.gravity);

@@ -1,7 +1,5 @@
-#include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <new>
 
 #include "dyn/model/save.hpp"
 #include "dynb.hpp"
@@ -12,35 +10,101 @@ namespace {
 
 // Bytes between the members of a record hold anything: zeros, so that the same model is the same file.
 template <class T>
-void clear_padding([[maybe_unused]] T* x, [[maybe_unused]] std::size_t n) {
+void clear_padding([[maybe_unused]] T& x) {
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_clear_padding)
-  for (std::size_t k = 0; k < n; ++k) __builtin_clear_padding(x + k);
+  __builtin_clear_padding(&x);
 #endif
 #endif
+}
+
+// Records that begin with 3-vectors, and end with so many bytes that hold something behind them.
+template <class T>
+struct Vectors {
+  static constexpr std::size_t count = 0, rest = sizeof(T);
+};
+template <class T, std::size_t vectors, std::size_t end>
+struct Begins {
+  static constexpr std::size_t count = vectors, rest = end - vectors * sizeof(Vec3<double>);
+};
+#define DYN_BEGINS(T, vectors, last) \
+  template <>                        \
+  struct Vectors<T> : Begins<T, vectors, offsetof(T, last) + sizeof(T::last)> {}
+DYN_BEGINS(Vec3<double>, 1, v);
+DYN_BEGINS(Body, 4, joint);
+DYN_BEGINS(SE3<double>, 4, p);
+DYN_BEGINS(JointRecord, 3, spring_reference);
+DYN_BEGINS(FrameRecord, 4, placement);
+DYN_BEGINS(HeldWeight, 1, link);
+DYN_BEGINS(DragBox, 4, body);
+DYN_BEGINS(Stored<shape::Hull>, 1, indices);
+#undef DYN_BEGINS
+
+// Three lanes to a vector, none of which asks for a boundary of its own.
+struct NarrowLayout {
+  template <class T>
+  static constexpr std::size_t size = Vectors<T>::count ? (24 * Vectors<T>::count + Vectors<T>::rest + 7) / 8 * 8 : sizeof(T);
+  template <class T>
+  static constexpr std::size_t alignment = Vectors<T>::count ? 8 : alignof(T);
+};
+
+template <class Layout, class T>
+void put(const T& x, char* to) {
+  if constexpr (Layout::template size<T> == sizeof(T)) {
+    std::memcpy(to, &x, sizeof x);
+  } else {
+    const char* from = reinterpret_cast<const char*>(&x);
+    for (std::size_t k = 0; k < Vectors<T>::count; ++k) std::memcpy(to + 24 * k, from + k * sizeof(Vec3<double>), 24);
+    std::memcpy(to + 24 * Vectors<T>::count, from + Vectors<T>::count * sizeof(Vec3<double>), Vectors<T>::rest);
+  }
+}
+
+void drop_name(JointRecord& r) { r.name = 0; }
+void drop_name(FrameRecord& r) { r.name = 0; }
+void drop_name(ShapeRecord& r) { r.name = r.mesh = 0; }
+void drop_name(DisabledRecord& r) { r.reason = 0; }
+void drop_name(ActuatorRecord& r) { r.name = 0; }
+void drop_name(ConstraintRecord& r) { r.name = 0; }
+template <class T>
+void drop_name(T&) {}
+
+template <class Layout>
+std::string image(const Model& m, bool names) {
+  alignas(Model) char head_memory[sizeof(Model)];
+  std::memcpy(head_memory, &m, sizeof m);
+  Model& head = *reinterpret_cast<Model*>(head_memory);
+  head.id = 0;
+  if (!names) head.n.text = 1, head.n.reports = 0, head.model_name = 0;
+  const ModelSizes& n = head.n;
+  std::string block(sizeof(Model), '\0');
+  const auto pad = [&](std::size_t boundary) { block.resize((block.size() + boundary - 1) / boundary * boundary); };
+#define FIELD(type, field, count, sentence)                                                          \
+  pad(Layout::template alignment<type> > alignof(double) ? 64 : alignof(double));                    \
+  head.offset[std::size_t(Model::Field::field)] = std::uint32_t(block.size() / 8);                   \
+  for (std::size_t k = 0, at = block.size(), end = std::size_t(count); k < end; ++k) {               \
+    if (k == 0) block.resize(at + end * Layout::template size<type>);                                \
+    type x = m.field()[k];                                                                           \
+    clear_padding(x);                                                                                \
+    if (!names) drop_name(x);                                                                        \
+    if (!names && Model::Field::field == Model::Field::configuration_names) std::memset(&x, 0, sizeof(Index)); \
+    put<Layout>(x, block.data() + at + k * Layout::template size<type>);                             \
+  }
+#include "dyn/model/model_fields.def"
+#undef FIELD
+  pad(64);
+  head.bytes = block.size();
+  std::memcpy(block.data(), head_memory, sizeof head);
+  // of what it holds: in place a model has no other way to tell itself from others; those of a process count from 1
+  const std::uint64_t id = dynb_checksum(block.data(), block.size()) | std::uint64_t(1) << 63;
+  std::memcpy(block.data() + offsetof(Model, id), &id, sizeof id);
+  std::string out(sizeof(DynbHeader), '\0');
+  out += block;
+  load::seal_dynb(out, dynb_tag<Layout>());
+  return out;
 }
 
 }  // namespace
 
-std::string save_dynb(const Model& m) {
-  std::string out(sizeof(load::DynbHeader) + m.bytes, '\0');
-  char* block = out.data() + sizeof(load::DynbHeader);
-  std::memcpy(block, &m, m.bytes);
-  const std::uint64_t none = 0;  // the number of a model in its process
-  std::memcpy(block + offsetof(Model, id), &none, sizeof none);
-  const ModelSizes& n = m.n;
-#define FIELD(type, field, count, sentence)                                                                             \
-  if (const std::size_t bytes = std::size_t(count) * sizeof(type)) {                                                    \
-    std::unique_ptr<void, void (*)(void*)> aligned(std::aligned_alloc(64, (bytes + 63) / 64 * 64), std::free);          \
-    if (!aligned) throw std::bad_alloc();                                                                               \
-    std::memcpy(aligned.get(), m.field(), bytes);                                                                       \
-    clear_padding(static_cast<type*>(aligned.get()), std::size_t(count));                                               \
-    std::memcpy(block + 8 * std::size_t(m.offset[std::size_t(Model::Field::field)]), aligned.get(), bytes);                              \
-  }
-#include "dyn/model/model_fields.def"
-#undef FIELD
-  load::seal_dynb(out);
-  return out;
-}
+std::string save_dynb(const Model& m, bool narrow, bool names) { return narrow ? image<NarrowLayout>(m, names) : image<OwnLayout>(m, names); }
 
 }  // namespace dyn

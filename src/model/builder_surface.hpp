@@ -34,7 +34,7 @@ struct Held {
   T view() const { return dyn::view(header, numbers.data(), indices.data()); }
 };
 
-inline constexpr std::int64_t most_heights = 5000000;  // 10^7 triangles
+inline constexpr std::int64_t most_heights = shape::Grid::most_heights;
 
 struct SurfaceData {
   std::variant<Held<shape::Hull>, Held<shape::TriangleTree>, Held<shape::Grid>> held;

@@ -106,6 +106,11 @@ const ModelFunction model_functions[] = {
        size_t size = 7;
        return dyn_model_save_memory(m, DYN_FORMAT_URDF, 0, nullptr, nullptr, nullptr, 0, &size) == DYN_ERROR_HANDLE && size == 7;
      }},
+    {"dyn_model_image",
+     [](auto* m) {
+       size_t size = 7;
+       return dyn_model_image(m, 0, nullptr, 0, &size) == DYN_ERROR_HANDLE && size == 7;
+     }},
     {"dyn_shape_mesh",
      [](auto* m) {
        dynMesh* mesh = nullptr;
@@ -303,7 +308,7 @@ TEST(Handles, TablesAreComplete) {
   std::set<std::string> declared, tested = {
       // no handle, or a maker or a destroyer of one: tested by name elsewhere
       "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_ik_task_init", "dyn_ik_options_init", "dyn_model_load",
-      "dyn_model_load_string", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
+      "dyn_model_load_string", "dyn_model_from_buffer", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
       "dyn_builder_joint", "dyn_builder_body", "dyn_builder_frame", "dyn_builder_configuration", "dyn_builder_finish", "dyn_data_free",
       "dyn_builder_lock", "dyn_builder_subtree", "dyn_builder_remove",
       "dyn_neffects", "dyn_effect_info", "dyn_nfields", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",

@@ -124,6 +124,8 @@ struct Work {
   State s, odd;
   std::vector<std::unique_ptr<Prepared>> prepared;
   std::vector<unsigned char> memory;
+  std::unique_ptr<unsigned char, void (*)(void*)> image{nullptr, std::free};
+  std::size_t image_bytes = 0;
   Numbers x, y, J1, J2, parameters, peer = Numbers(1000);
   std::vector<const char*> names;
   std::vector<std::int32_t> ids;
@@ -239,6 +241,14 @@ struct Work {
       dyn_crba(m, placed, nullptr, nullptr);
       dyn_data_free(placed), dyn_data_free(placed);
       dyn_data_init(m, 0, memory.data(), 3, &placed);
+    });
+    dyn_model_image(m, 0, nullptr, 0, &image_bytes);
+    image.reset(static_cast<unsigned char*>(std::aligned_alloc(64, (image_bytes + 63) / 64 * 64)));
+    dyn_model_image(m, 0, image.get(), image_bytes, &image_bytes);
+    add("a model in place", [this] {
+      const dynModel* placed = nullptr;
+      EXPECT_EQ(DYN_OK, dyn_model_from_buffer(image.get(), image_bytes, &placed)) << dyn_last_error();
+      dyn_model_from_buffer(image.get(), image_bytes - 1, &placed), dyn_model_from_buffer(image.get() + 1, image_bytes, &placed);
     });
     add("other libraries' states", [this] {
       dynStateLayout layout;

@@ -1,4 +1,5 @@
 // Tests .dynb: what comes back is bit for bit what was saved, and no file makes the reader crash.
+#include "dyn/collision/pairs.hpp"
 #include "load/dynb.hpp"
 #include "model/builder_surface.hpp"
 #include "save/same.hpp"
@@ -21,7 +22,7 @@ SurfacePtr tetrahedron() {
   const double x[8] = {0, 1, 0, 0}, y[8] = {0, 0, 1, 0}, z[8] = {0, 0, 0, 1, 1, 1, 1, 1}, s = std::sqrt(1 / 3.0);  // the last vertex repeated
   const double planes[16] = {0, 0, -1, 0, 0, -1, 0, 0, -1, 0, 0, 0, s, s, s, s};
   const Index start[5] = {0, 3, 6, 9, 12}, faces[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}, neighbours[12] = {1, 2, 3, 0, 2, 3, 0, 1, 3, 0, 1, 2};
-  const shape::Hull h{4, 4, 12, x, y, z, planes, start, faces, start, neighbours, Vec3<double>::make(0.25, 0.25, 0.25), 1};
+  const shape::Hull h{Vec3<double>::make(0.25, 0.25, 0.25), 4, 4, 12, x, y, z, planes, start, faces, start, neighbours, 1};
   return std::make_shared<SurfaceData>(SurfaceData{Held<shape::Hull>(h)});
 }
 
@@ -99,10 +100,11 @@ TEST(Dynb, OtherFilesAreRefused) {
     return out;
   };
   refused(changed(5), DYN_ERROR_PARSE, "first eight bytes");
-  refused(changed(offsetof(load::DynbHeader, version)), DYN_ERROR_UNSUPPORTED, "version");
-  refused(changed(offsetof(load::DynbHeader, byte_order)), DYN_ERROR_UNSUPPORTED, "order of bytes");
-  refused(changed(offsetof(load::DynbHeader, tag)), DYN_ERROR_UNSUPPORTED, "build");
-  refused(changed(offsetof(load::DynbHeader, bytes)), DYN_ERROR_PARSE, "bytes after its header");
+  refused(changed(offsetof(DynbHeader, version)), DYN_ERROR_UNSUPPORTED, "version");
+  refused(changed(offsetof(DynbHeader, byte_order)), DYN_ERROR_UNSUPPORTED, "order of bytes");
+  refused(changed(offsetof(DynbHeader, tag)), DYN_ERROR_UNSUPPORTED, "build");
+  refused(changed(offsetof(DynbHeader, bytes)), DYN_ERROR_PARSE, "bytes after its header");
+  refused(changed(offsetof(DynbHeader, handle)), DYN_ERROR_PARSE, "checksum");
   refused(changed(good.size() / 2), DYN_ERROR_PARSE, "checksum");
   refused(good.substr(0, good.size() - 8), DYN_ERROR_PARSE, "bytes after its header");
   refused(good.substr(0, 20), DYN_ERROR_PARSE, "within its header");
@@ -132,7 +134,7 @@ void fuzz(bool sealed) {
       }
     }
     if (bad == good) continue;
-    if (sealed && bad.size() >= sizeof(load::DynbHeader)) load::seal_dynb(bad);
+    if (sealed && bad.size() >= sizeof(DynbHeader)) load::seal_dynb(bad);
     try {
       const ModelPtr back = load_string(bad, {});
       EXPECT_TRUE(sealed) << "a file with a wrong checksum was read";
@@ -144,6 +146,76 @@ void fuzz(bool sealed) {
   }
   EXPECT_GT(refused, 1000);
   EXPECT_EQ(sealed, loaded > 100);
+}
+
+// In place nothing is made anew: every byte of the block in turn, and every index in turn by what is out of its range, sealed again. What is still
+// taken for a model is one whose algorithms read and write nothing but their own memory (the sanitizers say).
+void fuzz_in_place(const Model& m, int every) {
+  std::string file = bytes_of(m);
+  const std::size_t header = sizeof(DynbHeader);
+  const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, file.size()), std::free);
+  ASSERT_EQ(0u, file.size() % 64);
+  int taken = 0, refused = 0;
+  const auto use = [&] {
+    load::seal_dynb(file);
+    std::memcpy(memory.get(), file.data(), file.size());
+    if (check_dynb(memory.get(), file.size())) {
+      ++refused;
+      return;
+    }
+    if (++taken % every) return;
+    const Model& bad = *reinterpret_cast<const Model*>(static_cast<const char*>(memory.get()) + header);
+    Work<double> w(bad);
+    w.v(VectorXd::Ones(bad.n.nv)).a(VectorXd::Ones(bad.n.nv));
+    VectorXd x(bad.n.nv);
+    inverse_dynamics<double>(w.m, w.d, w.d.v, w.d.a, nullptr, x.data());
+    forward_dynamics<double>(w.m, w.d, w.d.v, w.d.a, nullptr, x.data());
+    crba(w.m, w.d);
+    factorize(w.m, w.d);
+    if (w.d.geoms) collision::distances(w.m, w.d);
+  };
+  for (std::size_t at = header; at < file.size(); ++at) {
+    const char before = file[at];
+    file[at] = char(before ^ (1 << (at * 5 % 8)));
+    use();
+    file[at] = before;
+  }
+  for (std::size_t at = header; at + 4 <= file.size(); at += 4) {
+    std::int32_t before, x;
+    std::memcpy(&before, file.data() + at, 4);
+    const std::int32_t values[] = {-1, 1 << 30, INT32_MAX, INT32_MIN, before + 1, 0};
+    x = values[at / 4 % 6];
+    std::memcpy(file.data() + at, &x, 4), use(), std::memcpy(file.data() + at, &before, 4);
+  }
+  EXPECT_GT(refused, 1000);
+  EXPECT_GT(taken, 100);
+  use();
+  EXPECT_FALSE(check_dynb(memory.get(), file.size())) << check_dynb(memory.get(), file.size()).what;
+}
+
+TEST(Dynb, WhatIsUsedInPlaceIsCheckedWhole) { fuzz_in_place(*furnished(), 16); }
+TEST(Dynb, WhatIsUsedInPlaceIsCheckedWholeWithMimic) { fuzz_in_place(*robot(std::string(DYN_MODELS_DIR) + "/robots/gripper.urdf", DYN_BASE_FIXED), 16); }
+
+// All that a builder makes is taken in place, and is the same model.
+TEST(Dynb, EveryModelIsTakenInPlace) {
+  const auto expect_taken = [](const Model& m) {
+    const std::string file = bytes_of(m);
+    const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, file.size()), std::free);
+    std::memcpy(memory.get(), file.data(), file.size());
+    const Damage d = check_dynb(memory.get(), file.size());
+    ASSERT_FALSE(d) << d.what << ": " << d.value << " of " << d.count;
+    const dynModel& placed = static_cast<const DynbHeader*>(memory.get())->handle;
+    EXPECT_EQ(bytes_of(m), bytes_of(*placed.m));
+  };
+  for (const auto& [path, base] : robots()) {
+    SCOPED_TRACE(path);
+    expect_taken(*robot(path, base));
+  }
+  for (std::uint64_t seed = 1; seed <= tree_count; ++seed) {
+    SCOPED_TRACE(seed);
+    expect_taken(*random_tree(seed).build());
+  }
+  expect_taken(*furnished());
 }
 
 TEST(Dynb, DamagedFilesAreRefused) { fuzz(false); }

@@ -127,7 +127,7 @@ from .library import path as library_path
 from .library import version as __version__
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
-from .model import DisabledPair, FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, load, load_string
+from .model import DisabledPair, FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, from_buffer, load, load_string
 from .simulation import ContactForce, ErrorLedger, StepReport
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
@@ -242,6 +242,7 @@ __all__ = [
     "contact_compliance_hertz",
     "contact_solve",
     "friction_cone_qp",
+    "from_buffer",
     "ik",
     "is_physically_consistent",
     "last_error",

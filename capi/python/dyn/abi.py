@@ -341,6 +341,8 @@ SIGNATURES: dict[str, tuple] = {
     # saving
     "dyn_model_save": (STATUS, [_p, _s, _i, _p, _p]),
     "dyn_model_save_memory": (STATUS, [_p, _i, _i, _p, _p, _p, c_size_t, _ref]),
+    "dyn_model_image": (STATUS, [_p, c_uint32, _p, c_size_t, _ref]),
+    "dyn_model_from_buffer": (STATUS, [_p, c_size_t, _ref]),
     "dyn_report_count": (_i, [_p]),
     "dyn_report_entry": (STATUS, [_p, _i, _ref]),
     # model

@@ -252,6 +252,16 @@ def load_string(
     return Model(out.value)
 
 
+def from_buffer(buffer) -> Model:
+    """The model that lies in a buffer (numpy.memmap of a .dynb, shared memory, ...), used where it is: nothing is copied. The buffer lies on a boundary
+    of 64 bytes and must not change; the model keeps it alive."""
+    memory, out = np.frombuffer(buffer, np.uint8), c_void_p()
+    check(lib.dyn_model_from_buffer(memory.ctypes.data, memory.size, byref(out)))
+    model = Model(out.value)
+    model._buffer = memory
+    return model
+
+
 _integrate, _difference, _interpolate = lib.dyn_integrate, lib.dyn_difference, lib.dyn_interpolate
 
 
@@ -321,6 +331,15 @@ class Model(ModelConstraints, ModelActuators):
         check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, None, 0, byref(size)))
         out = create_string_buffer(size.value)
         check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, out, len(out), byref(size)))
+        return out.raw
+
+    def image(self, narrow: bool = False, names: bool = True) -> bytes:
+        """What dyn.from_buffer and dyn_model_from_buffer take: the bytes of a .dynb. narrow: for machines without SIMD; names: False leaves them out, with
+        the load report."""
+        size, flags = c_size_t(), (1 if narrow else 0) | (0 if names else 2)
+        check(lib.dyn_model_image(self._m, flags, None, 0, byref(size)))
+        out = create_string_buffer(size.value)
+        check(lib.dyn_model_image(self._m, flags, out, len(out), byref(size)))
         return out.raw
 
     @property

@@ -17,7 +17,8 @@ using SaveReport = std::vector<SaveEntry>;
 
 std::string save_urdf(const Model& m, SaveReport& report);
 std::string save_mjcf(const Model& m, SaveReport& report);
-std::string save_dynb(const Model& m);
+// narrow: for machines whose vectors have three lanes; without names (and load report) it can be used in place alone.
+std::string save_dynb(const Model& m, bool narrow = false, bool names = true);
 
 // The format that the path's extension names; throws for others.
 dynFormat format_of(const std::string& path);

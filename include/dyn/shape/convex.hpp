@@ -12,15 +12,15 @@ struct Hull {
   static constexpr Index lanes = Lanes::count;
   static constexpr Index padded(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
-  Index vertices, faces, corners;  // corners of all faces
-  const double *x, *y, *z;         // padded(vertices)
-  const double* planes;            // 4 a face: unit normal, offset
-  const Index* face_start;         // faces + 1
-  const Index* face_vertices;      // corners
-  const Index* neighbour_start;    // vertices + 1
-  const Index* neighbours;         // corners
-  Vec center;                      // mean of the vertices
-  double extent;                   // farthest vertex from the origin
+  Vec center;                               // mean of the vertices
+  Index vertices, faces, corners;           // corners of all faces
+  alignas(8) const double *x, *y, *z;       // padded(vertices); pointers have eight bytes on every machine: a model's block holds their places
+  alignas(8) const double* planes;          // 4 a face: unit normal, offset
+  alignas(8) const Index* face_start;       // faces + 1
+  alignas(8) const Index* face_vertices;    // corners
+  alignas(8) const Index* neighbour_start;  // vertices + 1
+  alignas(8) const Index* neighbours;       // corners
+  double extent;                            // farthest vertex from the origin
 
   DYN_INLINE Vec vertex(Index i) const { return Vec::make(x[i], y[i], z[i]); }
   Vec normal(Index f) const { return load3(planes + 4 * f); }

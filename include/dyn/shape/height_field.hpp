@@ -10,14 +10,15 @@ namespace dyn::shape {
 // likewise. Cells have the number of their lower corner; those of level k are 2^k x 2^k cells of the grid (at the margin fewer).
 struct Grid {
   static constexpr Index most_levels = 24;
+  static constexpr std::int64_t most_heights = 5000000;  // 10^7 triangles
 
   Index columns, rows;  // of points, at least 2
   Index levels;         // the last one is a single cell
   double step_x, step_y, bottom;
   double extent;        // farthest point from the origin
   Index first[most_levels];  // where each level begins in range
-  const double* height; // columns * rows, row after row
-  const double* range;  // 2 a cell: least and largest height
+  alignas(8) const double* height; // columns * rows, row after row
+  alignas(8) const double* range;  // 2 a cell: least and largest height
 
   Index cells_x(Index level) const { return ((columns - 2) >> level) + 1; }
   Index cells_y(Index level) const { return ((rows - 2) >> level) + 1; }

@@ -12,11 +12,11 @@ struct TriangleTree {
   Index vertices, triangles, nodes;
   Index closed;         // 1: the triangles bound a solid
   double extent;        // farthest vertex from the origin
-  const double* vertex; // 3 each
-  const double* box;    // 6 a node: lower and upper corner of its box
-  const double* slab;   // 5 a node: the mean normal of its triangles, and between which two planes across it they lie
-  const Index* corner;  // 3 a triangle, in the order of the leaves
-  const Index* link;    // 2 a node: second child and 0; of a leaf the first of its triangles and how many
+  alignas(8) const double* vertex; // 3 each
+  alignas(8) const double* box;    // 6 a node: lower and upper corner of its box
+  alignas(8) const double* slab;   // 5 a node: the mean normal of its triangles, and between which two planes across it they lie
+  alignas(8) const Index* corner;  // 3 a triangle, in the order of the leaves
+  alignas(8) const Index* link;    // 2 a node: second child and 0; of a leaf the first of its triangles and how many
 
   // its arrays, in the order in which they are stored
   template <class F>

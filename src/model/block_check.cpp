@@ -1,0 +1,174 @@
+// Sizes and offsets first, then whatever is an index.
+#include "block_check.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "dyn/algorithm/declarations.hpp"
+#include "dyn/constraint/list.hpp"
+#include "dyn/constraint/set.hpp"
+
+namespace dyn {
+
+namespace {
+
+// The layout is a function of the sizes (builder_finish.cpp).
+bool laid_out(const Model& m, const ModelSizes& n, std::size_t bytes) {
+  const auto round_up = [](std::uint64_t x, std::uint64_t boundary) { return (x + boundary - 1) / boundary * boundary; };
+  std::uint64_t end = sizeof(Model);
+#define FIELD(type, field, count, sentence)                                               \
+  end = round_up(end, alignof(type) > alignof(double) ? 64 : alignof(double));            \
+  if (8 * std::uint64_t(m.offset[std::size_t(Model::Field::field)]) != end) return false; \
+  end += std::uint64_t(count) * sizeof(type);                                             \
+  if (end > bytes) return false;
+#include "dyn/model/model_fields.def"
+#undef FIELD
+  return round_up(end, 64) == bytes;
+}
+
+}  // namespace
+
+bool BlockChecker::layout(std::size_t bytes) {
+  if (!require(m.magic == Model::magic_value && m.bytes == bytes, "the block's own header is wrong")) return false;
+  Index sizes[sizeof(ModelSizes) / sizeof(Index)];
+  static_assert(sizeof sizes == sizeof(ModelSizes));
+  std::memcpy(sizes, &m.n, sizeof sizes);
+  for (const Index size : sizes)
+    if (!require(size >= 0 && size <= Index(1) << 30, "a size is out of range")) return false;
+  if (!require(n.joints >= 1 && n.bodies >= 1 && n.frames >= 1 && n.configurations >= 1 && n.text >= 1, "it has no universe")) return false;
+  if (!require(std::uint64_t(n.configurations) * std::uint64_t(n.nq) <= bytes, "its configurations are larger than the file")) return false;
+  if (!require((n.mimic_v == 0 && n.mimic_q == 0 && n.nvx == n.nv && n.nqx == n.nq) || (n.mimic_v == n.nvx && n.mimic_q == n.nqx && n.nvx >= n.nv && n.nqx >= n.nq),
+               "sizes contradict each other"))
+    return false;
+  if (!require(m.has_mimic == 0 || m.has_mimic == 1, "sizes contradict each other")) return false;
+  if (!require((n.mimic_v > 0) == (m.has_mimic == 1) && n.slots >= n.constraints && n.slots - n.constraints <= 1000, "sizes contradict each other")) return false;
+  // room for a line of the load report that came and went
+  ModelSizes with_room = n;
+  ++with_room.reports;
+  return require(laid_out(m, n, bytes) || laid_out(m, with_room, bytes), "its arrays are not where their sizes put them, or larger than the file");
+}
+
+bool BlockChecker::names() {
+  if (!require(m.text()[0] == '\0' && m.text()[n.text - 1] == '\0', "the text has no end") || !text(m.model_name)) return false;
+  return each(n.joints, [&](Index k) { return index(m.joints_by_name()[k], n.joints, "joint of a name"); }) &&
+         each(n.frames, [&](Index k) { return index(m.frames_by_name()[k], n.frames, "frame of a name"); }) &&
+         each(n.configurations, [&](Index k) { return text(m.configuration_names()[k]); });
+}
+
+bool BlockChecker::coefficients() {
+  const auto known_range = [](double x) { return x >= 0; };
+  if (!numbers(m.armature(), n.nv, "an armature", is_coefficient) || !numbers(m.damping(), n.nv, "a damping", is_coefficient) ||
+      !numbers(m.friction(), n.nv, "a friction", is_coefficient) || !numbers(m.stiffness(), n.nv, "a stiffness", is_coefficient) ||
+      !numbers(m.spring_reference(), n.nq, "where a spring rests", [](double x) { return std::isfinite(x); }) ||
+      !numbers(m.velocity_limit(), n.nv, "a limit of velocity", known_range) || !numbers(m.effort_limit(), n.nv, "a limit of effort", known_range) ||
+      !numbers(m.lower_limit(), n.nq, "a limit", is_known) || !numbers(m.upper_limit(), n.nq, "a limit", is_known) ||
+      !numbers(m.neutral(), n.nq, "the neutral configuration", [](double x) { return std::isfinite(x); }) ||
+      !numbers(m.configurations(), std::int64_t(n.configurations) * n.nq, "a configuration", [](double x) { return std::isfinite(x); }))
+    return false;
+  for (Index k = 0; k < n.configurations; ++k)
+    if (!require(zero_norm_joint(m, m.configurations() + std::ptrdiff_t(k) * n.nq) == 0, "the quaternion of a configuration")) return false;
+  if (!require(zero_norm_joint(m, m.neutral()) == 0, "the quaternion of the neutral configuration")) return false;
+  const auto if_some = [](std::uint32_t effect, const double* x, Index count) {
+    return std::any_of(x, x + count, [](double e) { return e != 0; }) ? effect : 0u;
+  };
+  const std::uint32_t effects = if_some(DYN_EFFECT_ARMATURE, m.armature(), n.nv) | if_some(DYN_EFFECT_DAMPING, m.damping(), n.nv) |
+                                if_some(DYN_EFFECT_SPRINGS, m.stiffness(), n.nv) | if_some(DYN_EFFECT_FRICTION, m.friction(), n.nv) |
+                                (n.limits > 0 ? std::uint32_t(DYN_EFFECT_LIMITS) : 0u) | (n.actuators > 0 ? std::uint32_t(DYN_EFFECT_ACTUATORS) : 0u) |
+                                (n.drag_boxes > 0 ? std::uint32_t(DYN_EFFECT_FLUID) : 0u) | (n.held_weights > 0 ? std::uint32_t(DYN_EFFECT_GRAVITY_COMPENSATION) : 0u);
+  bool moderate = true;
+  const auto small = [&](double x) { moderate &= std::abs(x) < 1e25; };
+  for (Index k = 0; k < n.nv; ++k) small(m.armature()[k]);
+  for (Index i = 0; i < n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    small(b.m), small(b.pitch), small(b.ratio);
+    for (int k = 0; k < 3; ++k) small(b.h[k]), small(b.I.x[k]), small(b.I.y[k]), small(b.I.z[k]);
+  }
+  return require(m.effects == effects, "its effects") && require(m.moderate == Index(moderate), "the sizes of its numbers") &&
+         require(are_finite(m.gravity) && are_finite(m.wind), "gravity or wind") && require(is_coefficient(m.density) && is_coefficient(m.viscosity), "the medium") &&
+         require(is_coefficient(m.total_mass), "the mass");
+}
+
+bool BlockChecker::frames() {
+  Index links = 0;
+  const bool good = each(n.frames, [&](Index f) {
+    const FrameRecord& r = m.frames()[f];
+    if (!text(r.name) || !index(r.joint, n.joints, "joint of a frame")) return false;
+    if (!require(r.type == DYN_FRAME_OP_FRAME || r.type == DYN_FRAME_JOINT || r.type == DYN_FRAME_FIXED_JOINT || r.type == DYN_FRAME_BODY || r.type == DYN_FRAME_SENSOR,
+                 "type of a frame"))
+      return false;
+    return require(r.link == (r.type == DYN_FRAME_BODY ? links++ : -1), "link of a frame") && require(r.type != DYN_FRAME_JOINT || r.joint > 0, "joint of a frame") &&
+           require(r.body == m.joints()[r.joint].last_body, "body of a frame") && require(is_finite(r.X) && are_finite(r.placement), "placement of a frame");
+  });
+  if (!good || !require(m.frames()[0].joint == 0 && m.frames()[0].link == -1, "the frame of the universe") || !require(links == n.links, "links of the frames")) return false;
+  const auto on_a_body = [&](const auto& r) {
+    return require(r.joint > 0, "a joint of a weight") && index(r.joint, n.joints, "joint of a weight") && require(r.body == m.joints()[r.joint].last_body, "body of a weight");
+  };
+  return each(n.links, [&](Index k) {
+    const LinkRecord& l = m.links()[k];
+    return require(is_coefficient(l.mass) && are_finite(l.com) && are_finite(l.inertia), "inertia of a link");
+  }) && each(n.held_weights, [&](Index k) {
+    const HeldWeight& w = m.held_weights()[k];
+    return on_a_body(w) && index(w.link, n.links, "link of a weight") && require(is_finite(w.at) && std::isfinite(w.mass), "a weight");
+  }) && each(n.drag_boxes, [&](Index k) {
+    const DragBox& b = m.drag_boxes()[k];
+    return on_a_body(b) && require(is_finite(b.X) && are_finite(b.half), "a box that a medium drags on");
+  });
+}
+
+bool BlockChecker::constraints() {
+  char message[256];
+  Index rows = most_rows * (n.slots - n.constraints);
+  return each(n.constraints, [&](Index k) {
+    const ConstraintRecord& c = m.constraints()[k];
+    if (!text(c.name) || !require(int(c.spec.type) > DYN_CONSTRAINT_NONE && check_constraint(m, c.spec, message, sizeof message) == DYN_OK, "a constraint")) return false;
+    Constraint counted{};
+    counted.type = c.spec.type, counted.joint_type = c.spec.joint_type;
+    rows += constraint_rows(counted);
+    return true;
+  }) && require(rows == n.constraint_rows, "rows of the constraints");
+}
+
+bool BlockChecker::actuators() {
+  Index nu = 0, na = 0;
+  return each(n.actuators, [&](Index k) {
+    const ActuatorRecord& r = m.actuators()[k];
+    const dynActuator& a = r.spec;
+    if (!text(r.name) || !index(a.joint, n.joints, "joint of an actuator")) return false;
+    const JointRecord& j = m.joints()[a.joint];
+    if (!require(int(a.type) >= DYN_ACTUATOR_MOTOR && int(a.type) <= DYN_ACTUATOR_AFFINE, "type of an actuator") || !index(a.component, j.nv, "component of an actuator")) return false;
+    if (!require(a.controls == (a.type == DYN_ACTUATOR_PD ? 3 : 1) && a.idx_u == nu, "controls of an actuator")) return false;
+    nu += a.controls;
+    Index q = -1;
+    for (Index s = 0; s < n.spans; ++s)
+      if (const Span& span = m.spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count) q = span.first_q + r.v - span.first_v;
+    const bool filtered = a.time_constant > 0;
+    if (!require(r.v == j.idx_v + a.component && r.q == q && r.act == (filtered ? na : -1), "coordinates of an actuator")) return false;
+    na += filtered;
+    const double scalars[] = {a.gear, a.kp, a.kv, a.gain, a.time_constant};
+    return require(are_finite(scalars) && are_finite(a.bias) && are_finite(r.gain) && are_finite(r.bias) && a.time_constant >= 0, "a number of an actuator") &&
+           require(r.bias[1] == 0 || r.q >= 0, "an actuator depends on a length that is none") &&
+           require(a.control_range[0] <= a.control_range[1] && a.force_range[0] <= a.force_range[1], "a range of an actuator");
+  }) && require(nu == n.nu && na == n.na, "controls of the actuators");
+}
+
+bool BlockChecker::rest() {
+  return each(n.reports, [&](Index k) {
+    const ReportRecord& r = m.reports()[k];
+    return text(r.message) && require(r.level == DYN_REPORT_INFO || r.level == DYN_REPORT_WARNING, "level of a line of the load report");
+  }) && each(n.disabled, [&](Index k) {
+    const DisabledRecord& d = m.disabled_pairs()[k];
+    if (!text(d.reason)) return false;
+    for (const Index f : {d.frame1, d.frame2})
+      if (!index(f, n.frames, "frame of a disabled pair") || !require(f == 0 || m.frames()[f].type == DYN_FRAME_BODY, "a disabled pair is of no links")) return false;
+    return true;
+  });
+}
+
+Damage check_block(const Model& m, std::size_t bytes) {
+  BlockChecker c(m);
+  (void)(c.layout(bytes) && c.names() && c.joints() && c.expanded() && c.order() && c.coordinates() && c.elimination() && c.coefficients() && c.frames() &&
+         c.surfaces() && c.shapes() && c.constraints() && c.actuators() && c.rest());
+  return c.damage;
+}
+
+}  // namespace dyn
