@@ -134,8 +134,8 @@ double atan2(double y, double x) {
   if (x != x || y != y) return x + y;
   constexpr double pi = 3.1415926535897931160e+00, pi_low = 1.2246467991473531772e-16;
   const double a = std::fabs(y), b = std::fabs(x);
-  const bool infinite = std::isinf(a) && std::isinf(b);
-  const double angle = infinite ? pi / 4 : a == 0 ? 0.0 : b == 0 ? pi / 2 : atan(a / b);
+  if (std::isinf(a) ? !std::isinf(b) : b == 0 && a > 0) return std::copysign(pi / 2, y);
+  const double angle = std::isinf(a) ? pi / 4 : a == 0 ? 0.0 : atan(a / b);
   return std::copysign(std::signbit(x) ? pi - (angle - pi_low) : angle, y);
 }
 

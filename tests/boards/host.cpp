@@ -41,15 +41,27 @@ dynModel* on_floor(const dynModel* robot) {
   return m;
 }
 
+// As dyn convert does: 64-bit words.
+void write_image(std::FILE* f, const dynModel* m, std::uint32_t flags) {
+  std::size_t size = 0;
+  check(dyn_model_image(m, flags, nullptr, 0, &size));
+  std::vector<unsigned long long> image(size / 8);
+  check(dyn_model_image(m, flags, image.data(), size, &size));
+  std::fprintf(f, "alignas(64) constexpr unsigned long long image[] = {");
+  for (std::size_t k = 0; k < image.size(); ++k) std::fprintf(f, "%s0x%llx,", k % 8 ? " " : "\n", image[k]);
+  std::fprintf(f, "\n};\n");
+}
+
 template <class X, class Figures>
 void write(const std::string& dir, const char* name, const dynModel* handle, Figures&& figures) {
-  const dyn::Model& m = *handle->m;
+  const dyn::Model& m = *handle->m;  // with names: what they are is no figure
   std::FILE* f = std::fopen((dir + "/" + name + ".hpp").c_str(), "w");
   if (!f) std::perror(dir.c_str()), std::exit(1);
-  std::fprintf(f, "alignas(64) constexpr unsigned long long model[] = {");
-  const auto* words = reinterpret_cast<const unsigned long long*>(&m);
-  for (std::uint64_t k = 0; k < m.bytes / 8; ++k) std::fprintf(f, "%s0x%llx,", k % 8 ? " " : "\n", words[k]);
-  std::fprintf(f, "\n};\nconstexpr double figures[] = {");
+  std::fprintf(f, "#if DYN_LANES == 3\n");
+  write_image(f, handle, DYN_IMAGE_NARROW | DYN_IMAGE_NAMELESS);
+  std::fprintf(f, "#else\n");
+  write_image(f, handle, DYN_IMAGE_NAMELESS);
+  std::fprintf(f, "#endif\nconstexpr double figures[] = {");
   const std::size_t bytes = X::bytes(m);
   const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, bytes), std::free);
   int n = 0;

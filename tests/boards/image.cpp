@@ -1,6 +1,7 @@
 // On the board: computes what the PC has computed of the same model, and compares. DYN_IMAGE: kind of figures and robot, as rnea, arm.
 #include "board.hpp"
 #include "boards/figures.hpp"
+#include "dyn/model/dynb.hpp"
 #include DYN_TABLES
 
 namespace {
@@ -32,8 +33,8 @@ void clock(const char* name, int calls, Call&& call) {
 }  // namespace
 
 int main() {
-  const dyn::Model& m = *reinterpret_cast<const dyn::Model*>(model);
-  if (m.magic != dyn::Model::magic_value || m.bytes != sizeof model) return board::print("the model is of another library\n"), 1;
+  if (const dyn::Damage damage = dyn::check_header(image, sizeof image)) return board::print(damage.what), board::print("\n"), 1;
+  const dyn::Model& m = *reinterpret_cast<const dyn::DynbHeader*>(image)->handle.m;
   if (boards::DYN_WORK::bytes(m) > sizeof memory) return board::print("the data has no room\n"), 1;
   boards::DYN_FIGURES(m, memory, compare, [](const char* name, int calls, auto&& call) { clock(name, calls, call); });
   constexpr int count = sizeof figures / sizeof *figures;
