@@ -37,7 +37,7 @@ DYN_BEGINS(JointRecord, 3, spring_reference);
 DYN_BEGINS(FrameRecord, 4, placement);
 DYN_BEGINS(HeldWeight, 1, link);
 DYN_BEGINS(DragBox, 4, body);
-DYN_BEGINS(Stored<shape::Hull>, 1, indices);
+DYN_BEGINS(shape::Hull, 1, extent);
 #undef DYN_BEGINS
 
 // Three lanes to a vector, none of which asks for a boundary of its own.
@@ -48,6 +48,11 @@ struct NarrowLayout {
   static constexpr std::size_t alignment = Vectors<T>::count ? 8 : alignof(T);
 };
 
+template <class T>
+constexpr std::size_t NarrowLayout::size<Stored<T>> = NarrowLayout::size<T> + 2 * sizeof(std::uint64_t);
+template <class T>
+constexpr std::size_t NarrowLayout::alignment<Stored<T>> = NarrowLayout::alignment<T>;
+
 template <class Layout, class T>
 void put(const T& x, char* to) {
   if constexpr (Layout::template size<T> == sizeof(T)) {
@@ -57,6 +62,12 @@ void put(const T& x, char* to) {
     for (std::size_t k = 0; k < Vectors<T>::count; ++k) std::memcpy(to + 24 * k, from + k * sizeof(Vec3<double>), 24);
     std::memcpy(to + 24 * Vectors<T>::count, from + Vectors<T>::count * sizeof(Vec3<double>), Vectors<T>::rest);
   }
+}
+
+template <class Layout, class T>
+void put(const Stored<T>& x, char* to) {
+  put<Layout>(x.header, to);
+  std::memcpy(to + Layout::template size<T>, &x.numbers, 2 * sizeof x.numbers);
 }
 
 void drop_name(JointRecord& r) { r.name = 0; }
