@@ -25,7 +25,13 @@ using Index = std::int32_t;
 #endif
 #endif
 
+// What is one with its caller. On boards without an operating system the compiler decides (DYN_SMALL): memory for code is dear.
+#if DYN_SMALL
+#define DYN_INLINE inline
+#define DYN_INLINE_LAMBDA
+#else
 #define DYN_INLINE inline __attribute__((always_inline))
 #define DYN_INLINE_LAMBDA __attribute__((always_inline))
+#endif
 
 }  // namespace dyn
