@@ -25,7 +25,7 @@ using Index = std::int32_t;
 #endif
 #endif
 
-// What is one with its caller. On boards without an operating system the compiler decides (DYN_SMALL): memory for code is dear.
+// What is one with its caller. DYN_SMALL: the compiler decides, where memory for code is dear.
 #if DYN_SMALL
 #define DYN_INLINE inline
 #define DYN_INLINE_LAMBDA
