@@ -389,6 +389,9 @@ const char* dyn_build_info(void) {
 #if DYN_CHECKED
          ", checked"
 #endif
+#if DYN_REPRODUCIBLE
+         ", reproducible"
+#endif
       ;
 }
 

@@ -1,3 +1,4 @@
+#include "dyn/base/portable.hpp"
 #include "dyn/collision/smooth.hpp"
 
 #include "dyn/collision/manifold.hpp"
@@ -13,13 +14,13 @@ int smooth_distance(const Model& m, Data<double>& d, Index pair, double smoothin
   Manifold points;
   contacts(d.geoms[p.a].shape, A, d.geoms[p.b].shape, B, r, r.distance + negligible * smoothing, points);
   double sum = 0;
-  for (int i = 0; i < points.count; ++i) sum += std::exp((r.distance - points.points[i].distance) / smoothing);
-  out = points.count > 0 ? r.distance - smoothing * std::log(sum) : r.distance;
+  for (int i = 0; i < points.count; ++i) sum += math::exp((r.distance - points.points[i].distance) / smoothing);
+  out = points.count > 0 ? r.distance - smoothing * math::log(sum) : r.distance;
   for (int i = 0; gradient && i < points.count; ++i) {
     const Contact& c = points.points[i];
     Result at = r;
     at.point_a = c.position - r.normal * (c.distance / 2), at.point_b = c.position + r.normal * (c.distance / 2);
-    add_gradient(m, d, pair, at, std::exp((r.distance - c.distance) / smoothing) / sum, gradient, stride);
+    add_gradient(m, d, pair, at, math::exp((r.distance - c.distance) / smoothing) / sum, gradient, stride);
   }
   return points.count;
 }

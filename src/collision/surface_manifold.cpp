@@ -12,7 +12,7 @@ using namespace shape;
 
 constexpr double steep = 0.05;  // cosine to the normal below which a triangle is an edge: its neighbours count
 constexpr double flat = 1e-6;   // slope below which it lies across the normal
-constexpr Bounds everywhere = {{{-infinity, -infinity, -infinity, 0}}, {{infinity, infinity, infinity, 0}}};
+constexpr Bounds everywhere = {Vec::make(-infinity, -infinity, -infinity), Vec::make(infinity, infinity, infinity)};
 
 Bounds grown(const Bounds& b, double by) {
   const Vec r = Vec::make(by, by, by);

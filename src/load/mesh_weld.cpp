@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mesh.hpp"
+#include "dyn/base/portable.hpp"
 #include "report.hpp"
 
 namespace dyn::meshes {
@@ -47,7 +48,7 @@ class Cells {
     return std::size_t(h ^ h >> 32) & (heads_.size() - 1);
   }
   bool near(const double* p, const double* q) const {
-    if (tolerance_ > 0) return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) <= tolerance_;
+    if (tolerance_ > 0) return math::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]) <= tolerance_;
     return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
   }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "dyn/base/portable.hpp"
 #include "dyn/spatial/quaternion.hpp"
 
 namespace dyn::load {
@@ -20,8 +21,8 @@ Vec unit(const Reader& reader, const Element& e, const char* attribute, const Ve
 }
 
 Mat about(const Vec& axis, double angle) {
-  const double s = std::sin(angle / 2);
-  return from_quaternion(std::cos(angle / 2), axis[0] * s, axis[1] * s, axis[2] * s);
+  const double s = math::sin(angle / 2);
+  return from_quaternion(math::cos(angle / 2), axis[0] * s, axis[1] * s, axis[2] * s);
 }
 
 }  // namespace
@@ -87,7 +88,7 @@ Mat3<double> turn_z_to(const Vec3<double>& a) {
   const Vec axis = cross(Vec::make(0, 0, 1), a);
   const double s = std::sqrt(dot(axis, axis));
   if (s < enough) return a[2] > 0 ? Mat::identity() : about(Vec::make(1, 0, 0), 3.14159265358979324);
-  return about(axis * (1 / s), std::atan2(s, a[2]));
+  return about(axis * (1 / s), math::atan2(s, a[2]));
 }
 
 Mat3<double> from_euler(const std::array<double, 3>& angles, const MjcfCompiler& compiler) {

@@ -1,4 +1,5 @@
 #include "reader.hpp"
+#include "dyn/base/portable.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +25,8 @@ bool among(std::initializer_list<std::string_view> list, std::string_view name) 
 }
 
 Placement from_rpy(const std::array<double, 3>& xyz, double roll, double pitch, double yaw) {
-  const double cr = std::cos(roll), sr = std::sin(roll), cp = std::cos(pitch), sp = std::sin(pitch), cy = std::cos(yaw),
-               sy = std::sin(yaw);
+  const double cr = math::cos(roll), sr = math::sin(roll), cp = math::cos(pitch), sp = math::sin(pitch), cy = math::cos(yaw),
+               sy = math::sin(yaw);
   return {cy * cp,
           sy * cp,
           -sp,  // R = Rz(yaw) Ry(pitch) Rx(roll), by columns

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "save_mjcf.hpp"
+#include "dyn/base/portable.hpp"
 
 namespace dyn::load {
 
@@ -92,7 +93,7 @@ void MjcfWriter::add_keys() {
         is_drawn &= n == 7 || own[3] == 1;
         continue;
       }
-      double x = s.type == DYN_JOINT_REVOLUTE_UNBOUNDED ? std::atan2(own[1], own[0]) : own[0];
+      double x = s.type == DYN_JOINT_REVOLUTE_UNBOUNDED ? math::atan2(own[1], own[0]) : own[0];
       if (r.leader >= 0) x = r.ratio * x + r.offset;
       if (!s.leader.empty() && (r.leader < 0 || s.leader != m.string(m.joints()[r.leader].name))) x *= s.ratio;  // the slide of a helical joint
       qpos.push_back(x);

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "reader.hpp"
+#include "dyn/base/portable.hpp"
 #include "srdf.hpp"
 
 namespace dyn::load {
@@ -20,8 +21,8 @@ const JointSpec* find(const UrdfRobot& robot, const std::string& name) {
 // The joint's own coordinates from the file's numbers, which may have an angle where the model has (cos, sin), and the other way
 // round. Empty: they do not fit.
 std::vector<double> coordinates(dynJointType type, const std::vector<double>& given) {
-  if (type == DYN_JOINT_REVOLUTE_UNBOUNDED && given.size() == 1) return {std::cos(given[0]), std::sin(given[0])};
-  if (type == DYN_JOINT_CONTINUOUS && given.size() == 2) return {std::atan2(given[1], given[0])};
+  if (type == DYN_JOINT_REVOLUTE_UNBOUNDED && given.size() == 1) return {math::cos(given[0]), math::sin(given[0])};
+  if (type == DYN_JOINT_CONTINUOUS && given.size() == 2) return {math::atan2(given[1], given[0])};
   return given.size() == std::size_t(joint_nq(type)) ? given : std::vector<double>();
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "reader.hpp"
+#include "dyn/base/portable.hpp"
 #include "urdf_robot.hpp"
 
 namespace dyn::load {
@@ -58,7 +59,7 @@ void read_axis(const Element& e, const Reader& reader, JointSpec& spec) {
   const auto [x, y, z] = *xyz;
   const double largest = std::max({std::abs(x), std::abs(y), std::abs(z)});
   if (largest == 0) reader.fail(DYN_ERROR_INVALID, *a, "axis is zero: give a direction such as xyz=\"0 0 1\"");
-  const double norm = std::hypot(x / largest, y / largest, z / largest);
+  const double norm = math::hypot(x / largest, y / largest, z / largest);
   spec.axis = {x / largest / norm, y / largest / norm, z / largest / norm};
   if (std::abs(norm * largest - 1) > 1e-6)
     reader.report.info(line(*a), reader.owner + ": the axis has length " + text(norm * largest) + " and was normalised");

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "urdf_robot.hpp"
+#include "dyn/base/portable.hpp"
 
 namespace dyn::load {
 
@@ -98,7 +99,7 @@ std::string difference(const UrdfJoint& j, const urdf::Joint& other) {
   if (!same(s.placement, other.parent_to_joint_origin_transform)) return "origin";
   const bool has_axis = s.type != DYN_JOINT_FIXED && s.type != DYN_JOINT_FREE_FLYER;
   if (has_axis) {
-    const double norm = std::hypot(other.axis.x, other.axis.y, other.axis.z);
+    const double norm = math::hypot(other.axis.x, other.axis.y, other.axis.z);
     if (!near(s.axis[0] * norm, other.axis.x, norm) || !near(s.axis[1] * norm, other.axis.y, norm) ||
         !near(s.axis[2] * norm, other.axis.z, norm))
       return "axis";

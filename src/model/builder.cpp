@@ -1,3 +1,4 @@
+#include "dyn/base/portable.hpp"
 #include "dyn/model/builder.hpp"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ int primitive_nv(BodyType t) {
 // The smallest rotation that takes z to the unit vector a: c 1 + w x + w w' / (1 + c), w = z x a, c = z . a; about x when
 // a = -z. Its last column is a itself; for axes of the frame all entries are 0 or 1: no sines of pi/2.
 Mat3<double> z_to(const Axis& a) {
-  const double c = a[2], s = std::hypot(a[0], a[1]);
+  const double c = a[2], s = math::hypot(a[0], a[1]);
   if (s < 1e-300) return c > 0 ? Mat3<double>::identity() : Mat3<double>::diagonal(1, -1, -1);
   const Vec3<double> w = Vec3<double>::make(-a[1], a[0], 0), u = Vec3<double>::make(-a[1] / s, a[0] / s, 0);
   const Mat3<double> ww = c > 0 ? outer(w, w * (1 / (1 + c))) : outer(u, u * (1 - c));  // s^2 = (1 + c) (1 - c)

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "builder_impl.hpp"
+#include "dyn/base/portable.hpp"
 #include "dyn/joint/list.hpp"
 
 namespace dyn {
@@ -21,7 +22,7 @@ SE3<double> transform(const JointEntry& joint, const double* q) {
     X = X * e.before;
     X.R = X.R * Z;
     visit(e.element.type, [&]<class J>() {
-      J::place(b, q, std::cos(q[0]), std::sin(q[0]), X);
+      J::place(b, q, math::cos(q[0]), math::sin(q[0]), X);
       q += J::nq;
     });
     X.R = X.R * transpose(Z);

@@ -22,7 +22,8 @@ Damage check_header(const void* buffer, std::size_t bytes) {
   if (__builtin_memcmp(h.magic, dynb_magic, sizeof h.magic) != 0) return {DYN_ERROR_PARSE, "its first eight bytes are not those of a .dynb"};
   if (h.byte_order != dynb_byte_order) return {DYN_ERROR_UNSUPPORTED, "it is of a machine with another order of bytes"};
   if (h.version != dynb_version) return {DYN_ERROR_UNSUPPORTED, "it is of another version of the format: the version", h.version, dynb_version};
-  if (h.tag != dynb_tag()) return {DYN_ERROR_UNSUPPORTED, "it is of a build whose models lie in memory in another way"};
+  constexpr std::uint64_t tag = dynb_tag();
+  if (h.tag != tag) return {DYN_ERROR_UNSUPPORTED, "it is of a build whose models lie in memory in another way"};
   if (h.bytes != bytes - sizeof h) return {DYN_ERROR_PARSE, "the number of bytes after its header", std::int64_t(bytes - sizeof h), std::int64_t(h.bytes)};
   constexpr std::size_t summed = offsetof(DynbHeader, handle), to_block = sizeof(DynbHeader) - summed - offsetof(dynModel, m);
   if (h.checksum != dynb_checksum(static_cast<const char*>(buffer) + summed, bytes - summed)) return {DYN_ERROR_PARSE, "its checksum is wrong"};

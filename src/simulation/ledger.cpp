@@ -1,3 +1,4 @@
+#include "dyn/base/portable.hpp"
 #include "dyn/simulation/ledger.hpp"
 
 #include "dyn/algorithm/energy.hpp"
@@ -59,7 +60,7 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   });
   const bool damped = d.acting & DYN_EFFECT_DAMPING, rubs = d.acting & DYN_EFFECT_FRICTION;
   for (Index k = 0; k < m.n.nv; ++k) {
-    const double v = d.v[k], D = damped ? d.damping[k] * v : 0, F = rubs ? d.friction[k] * std::tanh(v / DYN_FRICTION_VELOCITY) : 0;
+    const double v = d.v[k], D = damped ? d.damping[k] * v : 0, F = rubs ? d.friction[k] * math::tanh(v / DYN_FRICTION_VELOCITY) : 0;
     x.power.applied += d.tau_applied[k] * v;
     x.power.damping -= D * v, x.power.friction -= F * v;
     t[k] -= D + F;
@@ -132,7 +133,7 @@ void enter_rows(const Island& x) {
       else if (a.kind == RowKind::Box) l.limits += work;
       else (r == normal ? l.normal : l.sliding) += work;
       if (r == normal) pressed = x.lambda[i], l.complementarity = std::max(l.complementarity, std::abs(x.lambda[i] * (x.c[i] + x.bias[i] + x.compliance[i] * x.lambda[i])) / x.h);
-      else if (a.kind == RowKind::Contact && r < 3) across = std::hypot(across, x.lambda[i]);
+      else if (a.kind == RowKind::Contact && r < 3) across = math::hypot(across, x.lambda[i]);
     }
     if (a.kind == RowKind::Contact) {
       const ContactLaw& law = x.w.laws[a.index];

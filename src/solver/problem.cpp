@@ -95,12 +95,53 @@ void velocity(const dynContactProblem& x, const double* lambda, double* c) {
     if (lambda[j] != 0) axpy(lambda[j], x.G + j * stride, c, rows);
 }
 
+namespace {
+
+// Sums of products with more digits than a double has: x87's where it is, else in two doubles (Ogita, Rump and Oishi 2005).
+#if defined(__x86_64__) && !DYN_REPRODUCIBLE
+class LongSum {
+ public:
+  explicit LongSum(double x) : sum_(x) {}
+  void add(double a, double b) { sum_ += static_cast<long double>(a) * b; }
+  double value() const { return static_cast<double>(sum_); }
+
+ private:
+  long double sum_;
+};
+#else
+class LongSum {
+ public:
+  explicit LongSum(double x) : high_(x) {}
+  void add(double a, double b) {
+    const double p = a * b, sum = high_ + p, of_p = sum - high_;
+    low_ += ((high_ - (sum - of_p)) + (p - of_p)) + rest(a, b, p);
+    high_ = sum;
+  }
+  double value() const { return high_ + low_; }
+
+ private:
+  double high_, low_ = 0;
+
+  // a b - p, exactly, however it is found
+  static double rest(double a, double b, double p) {
+#ifdef __FP_FAST_FMA
+    return __builtin_fma(a, b, -p);
+#else
+    const double split = 134217729, ca = split * a, cb = split * b, ah = ca - (ca - a), al = a - ah, bh = cb - (cb - b), bl = b - bh;
+    return ((ah * bh - p) + ah * bl + al * bh) + al * bl;
+#endif
+  }
+};
+#endif
+
+}  // namespace
+
 void exact_velocity(const Problem& p, const double* y, double* c) {
   for (Index i = 0; i < p.n; ++i) {
-    long double sum = p.g[i];
+    LongSum sum(p.g[i]);
     const double* row = p.G.column(i);  // symmetric
-    for (Index j = 0; j < p.n; ++j) sum += static_cast<long double>(row[j]) * y[j];
-    c[i] = static_cast<double>(sum);
+    for (Index j = 0; j < p.n; ++j) sum.add(row[j], y[j]);
+    c[i] = sum.value();
   }
 }
 

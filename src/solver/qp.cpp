@@ -1,3 +1,4 @@
+#include "dyn/base/portable.hpp"
 #include "dyn/solver/qp.hpp"
 
 namespace dyn::solver {
@@ -54,9 +55,9 @@ Index constraints(const dynContactProblem& x, Index facets, bool inscribed, Entr
         const Part& part = p.part[j];
         const Index sides = part.size == 1 ? 2 : facets;
         double mu = part.coefficient;
-        if (inscribed) mu *= (part.size == 1 ? 1 : std::cos(pi / facets)) / std::sqrt(double(p.count));
+        if (inscribed) mu *= (part.size == 1 ? 1 : math::cos(pi / facets)) / std::sqrt(double(p.count));
         for (Index s = 0; s < sides; ++s) {
-          const double angle = 2 * pi * s / sides, along[2] = {std::cos(angle), std::sin(angle)};
+          const double angle = 2 * pi * s / sides, along[2] = {math::cos(angle), math::sin(angle)};
           for (Index i = 0; i < part.size; ++i) entry(m, column + part.first + i, along[i]);
           entry(m, normal, -mu), row(-HUGE_VAL, 0);
         }

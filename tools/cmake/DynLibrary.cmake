@@ -14,13 +14,14 @@ endfunction()
 # function must be the same function everywhere.
 function(dyn_flags target arch)
   target_compile_features(${target} INTERFACE cxx_std_20)
-  target_compile_options(${target} INTERFACE -fno-math-errno -fno-trapping-math -ffp-contract=fast -Wno-psabi
+  target_compile_options(${target} INTERFACE -fno-math-errno -fno-trapping-math -Wno-psabi
+                         -ffp-contract=$<IF:$<BOOL:${DYN_REPRODUCIBLE}>,off,fast>
                          $<$<BOOL:${arch}>:-march=${arch}>)
   # GCC's generic tuning moves vectors through general registers: ABA takes 1.2 (v3) to 1.4 (v4) times as long
   if(arch MATCHES "x86-64-v[34]")
     target_compile_options(${target} INTERFACE $<$<CXX_COMPILER_ID:GNU>:-mtune=icelake-server>)
   endif()
-  target_compile_definitions(${target} INTERFACE $<$<BOOL:${DYN_CHECKED}>:DYN_CHECKED=1>)
+  target_compile_definitions(${target} INTERFACE $<$<BOOL:${DYN_CHECKED}>:DYN_CHECKED=1> $<$<BOOL:${DYN_REPRODUCIBLE}>:DYN_REPRODUCIBLE=1>)
   target_include_directories(${target} INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/capi ${PROJECT_SOURCE_DIR}/src)
   target_include_directories(${target} SYSTEM INTERFACE $<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES>)
 endfunction()

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "dyn/algorithm/configuration.hpp"
+#include "dyn/base/portable.hpp"
 #include "dyn/spatial/explog.hpp"
 
 namespace dyn {
@@ -32,7 +33,7 @@ void for_each_spring(const Model& m, const Data<T>& d, F&& f) {
 // tau += r
 template <class T>
 void add_resistance(const Model& m, const Data<T>& d, const T* v, T* tau) {
-  using std::tanh;
+  using math::tanh;
   if (d.acting & DYN_EFFECT_DAMPING)
     for (Index k = 0; k < m.n.nv; ++k) tau[k] += d.damping[k] * v[k];
   if (d.acting & DYN_EFFECT_FRICTION)
@@ -60,7 +61,7 @@ void add_spring_derivatives(const Model& m, const Data<T>& d, T* dq) {
 // dq += dr/dq, dv += dr/dv
 template <class T>
 void add_resistance_derivatives(const Model& m, const Data<T>& d, const T* v, T* dq, T* dv) {
-  using std::tanh;
+  using math::tanh;
   const std::ptrdiff_t diagonal = std::ptrdiff_t(m.n.nv) + 1;
   if (d.acting & DYN_EFFECT_DAMPING)
     for (Index k = 0; k < m.n.nv; ++k) dv[diagonal * k] += d.damping[k];
@@ -75,7 +76,7 @@ void add_resistance_derivatives(const Model& m, const Data<T>& d, const T* v, T*
 // Second derivatives of the sum of lambda(k) r_k, nv x nv each, either may be nullptr.
 template <class T, class Lambda>
 void add_resistance_second_order(const Model& m, const Data<T>& d, const T* v, Lambda&& lambda, T* dqdq, T* dvdv) {
-  using std::tanh;
+  using math::tanh;
   if (dvdv && d.acting & DYN_EFFECT_FRICTION)
     for (Index k = 0; k < m.n.nv; ++k) {
       constexpr double slope = 1 / DYN_FRICTION_VELOCITY;
@@ -108,7 +109,7 @@ T spring_energy(const Model& m, const Data<T>& d) {
 template <class T>
 void implicit_armature(const Model& m, Data<T>& d, const T* armature, T h) {
   using std::abs;
-  using std::tanh;
+  using math::tanh;
   for (Index k = 0; k < m.n.nv; ++k) {
     d.armature[k] = armature[k];
     if (d.acting & DYN_EFFECT_DAMPING) d.armature[k] += h * d.damping[k];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dyn/algorithm/ik_problem.hpp"
+#include "dyn/base/portable.hpp"
 
 namespace dyn {
 
@@ -16,7 +17,7 @@ struct IkRestarts : IkProblem<T> {
     auto failure = [&](Index k) {
       IkResidual e;
       ik_cost(m, d, tasks[k], e);
-      return tasks[k].priority ? 0 : std::hypot(e.linear, e.angular);
+      return tasks[k].priority ? 0 : math::hypot(e.linear, e.angular);
     };
     double worst = 0;
     for (Index k = 0; k < tasks.count; ++k) worst = std::max(worst, failure(k));

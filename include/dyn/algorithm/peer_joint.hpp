@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "dyn/base/portable.hpp"
 #include "dyn/spatial/quaternion.hpp"
 #include "dyn/spatial/se3.hpp"
 
@@ -118,30 +119,30 @@ inline void free_from_peer(Form form, const Ends& ends, const Coordinates& y, Co
 inline Vec3<double> turned(double c, double s, const Vec3<double>& u) { return Vec3<double>::make(c * u[0] + s * u[1], c * u[1] - s * u[0], u[2]); }
 
 inline void planar_to_peer(const Coordinates& x, Coordinates& y) {
-  const double c = std::cos(x.q[2]), s = std::sin(x.q[2]);
+  const double c = math::cos(x.q[2]), s = math::sin(x.q[2]);
   y.q[0] = x.q[0], y.q[1] = x.q[1], y.q[2] = c, y.q[3] = s;
   const Vec3<double> v = turned(c, s, load3(x.v)), w = Vec3<double>::make(0, 0, x.v[2]);
   store3(v, y.v), store3(rate_inverse(w, v, turned(c, s, load3(x.a))), y.a), store3(turned(c, s, load3(x.tau)), y.tau);
 }
 inline void planar_from_peer(const Coordinates& y, Coordinates& x) {
-  const double n = std::hypot(y.q[2], y.q[3]), c = y.q[2] / n, s = y.q[3] / n;
-  x.q[0] = y.q[0], x.q[1] = y.q[1], x.q[2] = std::atan2(y.q[3], y.q[2]);
+  const double n = math::hypot(y.q[2], y.q[3]), c = y.q[2] / n, s = y.q[3] / n;
+  x.q[0] = y.q[0], x.q[1] = y.q[1], x.q[2] = math::atan2(y.q[3], y.q[2]);
   const Vec3<double> v = load3(y.v), w = Vec3<double>::make(0, 0, y.v[2]);
   store3(turned(c, -s, v), x.v), store3(turned(c, -s, rate(w, v, load3(y.a))), x.a), store3(turned(c, -s, load3(y.tau)), x.tau);
 }
 
 inline void ball_to_rpy(const Coordinates& x, Coordinates& y) {
   const Mat3<double> R = rotation(load_quaternion(x.q));
-  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
-  const bool locked = std::hypot(R(0, 0), R(1, 0)) < 1e-12;  // roll and yaw turn about one axis: all of it is yaw
-  y.q[0] = locked ? 0 : std::atan2(R(2, 1), R(2, 2)), y.q[1] = pitch;
-  y.q[2] = locked ? std::atan2(-R(0, 1), R(1, 1)) : std::atan2(R(1, 0), R(0, 0));
+  const double pitch = math::atan2(-R(2, 0), math::hypot(R(0, 0), R(1, 0)));
+  const bool locked = math::hypot(R(0, 0), R(1, 0)) < 1e-12;  // roll and yaw turn about one axis: all of it is yaw
+  y.q[0] = locked ? 0 : math::atan2(R(2, 1), R(2, 2)), y.q[1] = pitch;
+  y.q[2] = locked ? math::atan2(-R(0, 1), R(1, 1)) : math::atan2(R(1, 0), R(0, 0));
   store3(R * load3(x.v), y.v), store3(R * load3(x.a), y.a), store3(R * load3(x.tau), y.tau);
 }
 inline void ball_from_rpy(const Coordinates& y, Coordinates& x) {
   auto about = [](int axis, double angle) {
-    const double s = std::sin(angle / 2);
-    return Quaternion<double>{Vec3<double>::make(axis == 0 ? s : 0, axis == 1 ? s : 0, axis == 2 ? s : 0), std::cos(angle / 2)};
+    const double s = math::sin(angle / 2);
+    return Quaternion<double>{Vec3<double>::make(axis == 0 ? s : 0, axis == 1 ? s : 0, axis == 2 ? s : 0), math::cos(angle / 2)};
   };
   const Quaternion<double> e = about(2, y.q[2]) * about(1, y.q[1]) * about(0, y.q[0]);
   const Mat3<double> Rt = transpose(rotation(e));
@@ -158,8 +159,8 @@ inline void to_peer(Form form, const Ends& ends, const Coordinates& x, Coordinat
     case Form::RollPitchYaw: return ball_to_rpy(x, y);
     default: y = x;
   }
-  if (form == Form::CosSin) y.q[0] = std::cos(x.q[0]), y.q[1] = std::sin(x.q[0]);
-  if (form == Form::Angle) y.q[0] = std::atan2(x.q[1], x.q[0]);
+  if (form == Form::CosSin) y.q[0] = math::cos(x.q[0]), y.q[1] = math::sin(x.q[0]);
+  if (form == Form::Angle) y.q[0] = math::atan2(x.q[1], x.q[0]);
   if (form == Form::Ball) pack(load_quaternion(x.q), y.q);
 }
 
@@ -170,8 +171,8 @@ inline void from_peer(Form form, const Ends& ends, const Coordinates& y, Coordin
     case Form::RollPitchYaw: return ball_from_rpy(y, x);
     default: x = y;
   }
-  if (form == Form::CosSin) x.q[0] = std::atan2(y.q[1], y.q[0]);
-  if (form == Form::Angle) x.q[0] = std::cos(y.q[0]), x.q[1] = std::sin(y.q[0]);
+  if (form == Form::CosSin) x.q[0] = math::atan2(y.q[1], y.q[0]);
+  if (form == Form::Angle) x.q[0] = math::cos(y.q[0]), x.q[1] = math::sin(y.q[0]);
   if (form == Form::Ball) store(unpack(y.q), x.q);
 }
 

@@ -13,7 +13,7 @@ namespace dyn {
 
 template <class T>
 DYN_INLINE Pack<T, 4> quad(const Vec3<T>& a) {
-  if constexpr (sizeof a == sizeof(Pack<T, 4>))
+  if constexpr (std::is_same_v<decltype(a.v), decltype(Pack<T, 4>::x)>)
     return {a.v};
   else
     return {{a[0], a[1], a[2], T(0)}};

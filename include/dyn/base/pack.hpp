@@ -8,8 +8,8 @@
 
 namespace dyn {
 
-// The most that one instruction takes.
-#ifdef __AVX512F__
+// The most that one instruction takes. (Sums depend on it.)
+#if defined(__AVX512F__) && !DYN_REPRODUCIBLE
 inline constexpr int widest_pack = 8;
 #else
 inline constexpr int widest_pack = 4;

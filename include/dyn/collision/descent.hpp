@@ -3,6 +3,7 @@
 // method on these.
 #pragma once
 
+#include "dyn/base/portable.hpp"
 #include "dyn/collision/polish.hpp"
 
 namespace dyn::collision {
@@ -20,7 +21,7 @@ inline Vec lowest(const D& d, Vec n) {
     const double before = least;
     for (int i = 0; i < directions; ++i) {
       const double angle = eighth * i + k;
-      Vec m = from + u * (step * std::cos(angle)) + v * (step * std::sin(angle));
+      Vec m = from + u * (step * math::cos(angle)) + v * (step * math::sin(angle));
       m = m * (1 / shape::norm(m));
       const double h = dot(m, d.support(m).w);
       if (h < least) least = h, n = m;
@@ -37,7 +38,7 @@ inline void pieces_around(const D& d, const Vec& n, Vertex* best, double* weight
   constexpr double tilt = 1e-7, turn = 6.2831853071795865 / around;
   const Vec u = shape::across(n), v = cross(n, u);
   Vertex p[around];
-  for (int i = 0; i < around; ++i) p[i] = d.support(n + u * (tilt * std::cos(turn * i)) + v * (tilt * std::sin(turn * i)));
+  for (int i = 0; i < around; ++i) p[i] = d.support(n + u * (tilt * math::cos(turn * i)) + v * (tilt * math::sin(turn * i)));
   double surest = -shape::infinity;
   for (int i = 0; i < around; ++i)
     for (int j = i + 1; j < around; ++j)

@@ -2,6 +2,7 @@
 // the origin is the shortest vector between them.
 #pragma once
 
+#include "dyn/base/portable.hpp"
 #include "dyn/collision/result.hpp"
 #include "dyn/collision/workspace.hpp"
 
@@ -67,7 +68,7 @@ struct Difference {
     constexpr double tilt = 1e-3, radius = 1e-3, turn = 6.2831853071795865 / directions;
     const Vec u = shape::across(n), v = cross(n, u);
     auto height = [&](double angle) {
-      const Vec m = n + u * (tilt * std::cos(angle)) + v * (tilt * std::sin(angle));
+      const Vec m = n + u * (tilt * math::cos(angle)) + v * (tilt * math::sin(angle));
       return dot(m, support(m).w);
     };
     double around[directions], least = shape::infinity;

@@ -6,6 +6,7 @@
 //   helical     C = a . r - h phi, phi the angle of R about a, to the nearest turn: dC/dt = a . v - h a . w
 #pragma once
 
+#include "dyn/base/portable.hpp"
 #include "dyn/constraint/orientation.hpp"
 
 namespace dyn::constraint {
@@ -42,7 +43,7 @@ struct Loop {
       case DYN_JOINT_PRISMATIC: return across(), orientation();
       case DYN_JOINT_CYLINDRICAL: return across(), axis();
       case DYN_JOINT_HELICAL: {
-        using std::atan2;
+        using math::atan2;
         using std::remainder;
         const Vec3<T> x = X.R * n1;
         const T y1 = dot(n1, x), y2 = dot(n2, x), phi = atan2(y2, y1), h = T(c.pitch), turn = T(6.283185307179586477) * h;

@@ -2,6 +2,7 @@
 // II.4), so that the local errors add up to at most `accuracy` over the duration.
 #pragma once
 
+#include "dyn/base/portable.hpp"
 #include "dyn/integrator/extrapolated.hpp"
 #include "dyn/integrator/implicit_midpoint.hpp"
 #include "dyn/integrator/runge_kutta.hpp"
@@ -63,7 +64,7 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
   const T second = std::max(largest(g, s.n) / h0, rate);
   s.undo(m, d);
   if (joint || !(second < std::numeric_limits<T>::infinity())) return h = h0, 0;  // the first step will tell
-  h = std::min(longest, second > T(0) ? std::min(100 * h0, std::pow(T(0.01) * tolerance / second, T(1) / order) * 4) : longest);
+  h = std::min(longest, second > T(0) ? std::min(100 * h0, math::pow(T(0.01) * tolerance / second, T(1) / order) * 4) : longest);
   return 0;
 }
 
@@ -81,14 +82,14 @@ struct Controller {
   bool tried = false;
 
   T accept(T ratio) {
-    T factor = !(ratio > T(0)) ? T(5) : alone ? T(0.9) * std::pow(ratio, -power) : T(0.9) * std::pow(ratio, T(-0.8) * power) * std::pow(before, T(0.28) * power);
+    T factor = !(ratio > T(0)) ? T(5) : alone ? T(0.9) * math::pow(ratio, -power) : T(0.9) * math::pow(ratio, T(-0.8) * power) * math::pow(before, T(0.28) * power);
     if (tried && !alone) factor = std::min(factor, T(1));
     before = std::max(ratio, T(1e-4)), tried = false;
     return std::clamp(factor, T(0.2), T(5));
   }
   T reject(T ratio, T shortest) {
     tried = true;
-    return ratio < std::numeric_limits<T>::infinity() ? std::clamp(T(0.9) * std::pow(ratio, -power), shortest, T(0.9)) : T(0.1);
+    return ratio < std::numeric_limits<T>::infinity() ? std::clamp(T(0.9) * math::pow(ratio, -power), shortest, T(0.9)) : T(0.1);
   }
 };
 
@@ -219,7 +220,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
         continue;
       }
     }
-    const double factor = error > 0 ? 0.9 * std::pow(allowed / error, power) : 5;
+    const double factor = error > 0 ? 0.9 * math::pow(allowed / error, power) : 5;
     h *= error < HUGE_VAL ? std::clamp(factor, 0.2, rows ? 2.0 : 5.0) : 0.1;
     if (rows) h = std::max(h, smallest);
   }

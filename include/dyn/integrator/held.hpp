@@ -2,6 +2,7 @@
 // each step ends with q and v brought back to what the rows allow, which keeps the order (Hairer and Wanner 1996, VII.2).
 #pragma once
 
+#include "dyn/base/portable.hpp"
 #include "dyn/constraint/algorithms.hpp"
 #include "dyn/simulation/forces.hpp"
 
@@ -28,7 +29,7 @@ Index held_dynamics(const Model& m, Data<T>& d) {
 inline bool is_open(const Model& m, Data<double>& d) {
   double lengths = 0, angles = 0, reach = 0;
   const auto look = [&](const double* F, Index r, bool& linear) {
-    const auto size = [&](int from) { return std::hypot(F[row_lanes * from + r], F[row_lanes * (from + 1) + r], F[row_lanes * (from + 2) + r]); };
+    const auto size = [&](int from) { return math::hypot(F[row_lanes * from + r], F[row_lanes * (from + 1) + r], F[row_lanes * (from + 2) + r]); };
     const double force = size(0);
     if (force > 0) linear = true, reach = std::max(reach, size(3) / force);
   };

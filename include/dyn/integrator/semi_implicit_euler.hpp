@@ -52,7 +52,7 @@ Index driven_dynamics(const Model& m, Data<T>& d, const T* tau, T h, const Part&
 
 // Forward dynamics of an Euler step, with what it takes at its end.
 template <class T, class Part>
-DYN_INLINE Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs, const Part& part) {
+Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs, const Part& part) {
   T* const armature = d.armature;
   const T* tau = d.tau_applied;
   const std::uint32_t acting = d.acting, implicit = std::uint32_t(DYN_EFFECT_DAMPING) | DYN_EFFECT_FRICTION | DYN_EFFECT_ACTUATORS | (springs ? std::uint32_t(DYN_EFFECT_SPRINGS) : 0u);

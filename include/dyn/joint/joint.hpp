@@ -19,6 +19,7 @@
 
 #include <cmath>
 
+#include "dyn/base/portable.hpp"
 #include "dyn/base/types.hpp"
 #include "dyn/model/body.hpp"
 #include "dyn/spatial/explog.hpp"
@@ -41,8 +42,8 @@ struct Random {
     return lower * (1 - u) + upper * u;
   }
   double normal() {  // Box and Muller
-    const double r = std::sqrt(-2 * std::log(1 - uniform()));
-    return r * std::cos(6.283185307179586 * uniform());
+    const double r = std::sqrt(-2 * math::log(1 - uniform()));
+    return r * math::cos(6.283185307179586 * uniform());
   }
 };
 

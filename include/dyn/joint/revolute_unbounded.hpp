@@ -1,6 +1,7 @@
 // Rotation about z stored as q = (cos, sin) of any non-zero norm. S = [0; z].
 #pragma once
 
+#include "dyn/base/portable.hpp"
 #include "dyn/joint/revolute.hpp"
 
 namespace dyn {
@@ -28,8 +29,8 @@ struct RevoluteUnbounded : AboutZ<RevoluteUnbounded> {
   }
   template <class T>
   static void integrate(const T* q, const T* v, T* out) {
-    using std::cos;
-    using std::sin;
+    using math::cos;
+    using math::sin;
     T c, s;
     unit(q, c, s);
     const T cv = cos(v[0]), sv = sin(v[0]);
@@ -38,7 +39,7 @@ struct RevoluteUnbounded : AboutZ<RevoluteUnbounded> {
   }
   template <class T>
   static void difference(const Body&, const T* q0, const T* q1, T* v) {
-    using std::atan2;
+    using math::atan2;
     T c0, s0, c1, s1;
     unit(q0, c0, s0), unit(q1, c1, s1);
     v[0] = atan2(c0 * s1 - s0 * c1, c0 * c1 + s0 * s1);
@@ -61,7 +62,7 @@ struct RevoluteUnbounded : AboutZ<RevoluteUnbounded> {
   }
   static void random(Random& g, const double*, const double*, double* q) {
     const double angle = g.uniform(-3.141592653589793, 3.141592653589793);
-    q[0] = std::cos(angle), q[1] = std::sin(angle);
+    q[0] = math::cos(angle), q[1] = math::sin(angle);
   }
 };
 

@@ -155,7 +155,7 @@ std::size_t search_bytes(const Model& m);
 }  // namespace collision
 
 // Parts with what they imply.
-inline dynParts complete_parts(dynParts p) {
+inline constexpr dynParts complete_parts(dynParts p) {
   if (p == 0) p = DYN_PART_ALL;
   if (p & DYN_PART_SIMULATION) p |= DYN_PART_FORWARD;
   if (p & DYN_PART_CONSTRAINT_DERIVATIVES) p |= DYN_PART_CONSTRAINTS | DYN_PART_FORWARD_DERIVATIVES;
@@ -178,8 +178,9 @@ inline dynParts complete_parts(const Model& m, dynParts p) {
   return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_FACTOR) : p;
 }
 
-// Bytes of the arena (a multiple of 64).
-template <class T>
+// Bytes of the arena (a multiple of 64). possible: parts that a program may ask for, with what they imply; where memory for code is dear, a few:
+// what lays out the others is then left out.
+template <class T, dynParts possible = DYN_PART_ALL>
 std::size_t data_bytes(const Model& m, dynParts parts);
 
 // The model's constraints in their slots (constraint/set.hpp).
@@ -187,27 +188,27 @@ template <class T>
 void set_up_slots(const Model& m, Data<T>& d);
 
 // Lays the buffers out in memory (64-byte aligned, data_bytes long) and sets the neutral state at rest.
-template <class T>
+template <dynParts possible = DYN_PART_ALL, class T>
 void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d);
 
 namespace detail {
-template <class T, class Visit>
+template <dynParts possible, class T, class Visit>
 inline void for_each_buffer(const Model& m, dynParts parts, Data<T>& d, Visit visit) {
   const std::ptrdiff_t nq = m.n.nq, nv = m.n.nv, nframes = m.n.frames, nparameters = parameter_count(m), npairs = m.n.pairs,
                        nrows = m.n.constraint_rows, nu = m.n.nu, na = m.n.na, nactuators = m.n.actuators;
   (void)nq, (void)nv, (void)nframes, (void)nparameters, (void)npairs, (void)nrows, (void)nu, (void)na, (void)nactuators;
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
-  visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
-#define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & (part)) ? std::size_t(count) : 0);
+  visit(d.name, (part) == 0 || (parts & possible & (part)) ? std::size_t(rows) * std::size_t(cols) : 0);
+#define BUFFER(type, name, count, part, sentence) visit(d.name, (part) == 0 || (parts & possible & (part)) ? std::size_t(count) : 0);
 #include "dyn/model/data_fields.def"
 }
 }  // namespace detail
 
-template <class T>
+template <class T, dynParts possible>
 std::size_t data_bytes(const Model& m, dynParts parts) {
   Data<T> unused;
   std::size_t bytes = 0;
-  detail::for_each_buffer(m, complete_parts(m, parts), unused,
+  detail::for_each_buffer<possible>(m, complete_parts(m, parts), unused,
                           [&](auto*& p, std::size_t count) { bytes += (count * sizeof(*p) + 63) / 64 * 64; });
   return bytes;
 }
@@ -239,11 +240,12 @@ void apply_effects(const Model& m, Data<T>& d) {
   for (Index j = 1; rests && j < m.n.joints; ++j) on(j, DYN_EFFECT_SLEEPING);
 }
 
-template <class T>
+template <dynParts possible, class T>
 void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
+  static_assert(complete_parts(possible) == possible);
   char* at = static_cast<char*>(memory);
   d.parts = complete_parts(m, parts);
-  detail::for_each_buffer(m, d.parts, d, [&](auto*& p, std::size_t count) {
+  detail::for_each_buffer<possible>(m, d.parts, d, [&](auto*& p, std::size_t count) {
     using E = std::remove_reference_t<decltype(*p)>;
     p = count ? reinterpret_cast<E*>(at) : nullptr;
     const std::size_t room = (count * sizeof(E) + 63) / 64 * 64;
@@ -264,7 +266,9 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index k = 0; k < (d.actuator_force ? m.n.actuators : 0); ++k) d.actuator_force[k] = T(0);
   for (Index k = 0; k < (d.wrenches ? m.n.joints : 0); ++k) d.wrenches[k] = simulation::HeldWrench<T>::none();
   d.pushed = 0;
-  d.step = d.step_memory ? simulation::place(m, d.step_memory) : nullptr;
+  d.step = nullptr;
+  if constexpr (possible & DYN_PART_SIMULATION)
+    if (d.step_memory) d.step = simulation::place(m, d.step_memory);
   // entries of unrelated joints are zero for good, and those of joints that do not carry the body
   for (T* x : {d.M, d.coriolis, d.dtau_dq, d.dtau_dv, d.dg_dq, d.dstatic_torque_dq, d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv,
                d.lambda_d2tau_dadq})
@@ -275,8 +279,10 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
   for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_DEFAULT;
   apply_effects(m, d);
-  if (d.geoms) collision::set_up(m, d);
-  if (d.slots) set_up_slots(m, d);
+  if constexpr (possible & DYN_PART_COLLISION)
+    if (d.geoms) collision::set_up(m, d);
+  if constexpr (possible & DYN_PART_CONSTRAINTS)
+    if (d.slots) set_up_slots(m, d);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();

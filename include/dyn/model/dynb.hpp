@@ -54,7 +54,7 @@ struct OwnLayout {
   static constexpr std::size_t alignment = alignof(T);
 };
 template <class Layout = OwnLayout>
-std::uint64_t dynb_tag() {
+constexpr std::uint64_t dynb_tag() {
   std::uint64_t sum = 0xcbf29ce484222325u;
   const auto add = [&](std::uint64_t x) { sum = (sum ^ x) * 0x100000001b3u; };
   for (const std::size_t size : {sizeof(DynbHeader), sizeof(Model), sizeof(ModelSizes), sizeof(Index), Layout::template alignment<Vec3<double>>, offsetof(Model, offset)}) add(size);

@@ -1,6 +1,7 @@
 // What cylinder and cone share: solids of revolution about z, seen in the half plane (rho, z) through a point.
 #pragma once
 
+#include "dyn/base/portable.hpp"
 #include "dyn/shape/shape.hpp"
 
 namespace dyn::shape {
@@ -64,7 +65,7 @@ inline Inertia<double> revolve(const Side& side, double radius) {
     }
   };
   const double length = length2(side.r1 - side.r0, side.z1 - side.z0);
-  const double nr = (side.z1 - side.z0) / length, nz = (side.r0 - side.r1) / length, slope = std::atan2(nz, nr);
+  const double nr = (side.z1 - side.z0) / length, nz = (side.r0 - side.r1) / length, slope = math::atan2(nz, nr);
   along([&](double s, double& r, double& z, double& dz) {
     const double t = (1 + s) / 2;
     r = side.r0 + t * (side.r1 - side.r0) + radius * nr, z = side.z0 + t * (side.z1 - side.z0) + radius * nz, dz = (side.z1 - side.z0) / 2;
@@ -74,7 +75,7 @@ inline Inertia<double> revolve(const Side& side, double radius) {
     for (int k = 0; k < 4; ++k)
       along([&](double s, double& r, double& z, double& dz) {
         const double a = from + quarter * (k + (1 + s) / 2);
-        r = r0 + radius * std::cos(a), z = z0 + radius * std::sin(a), dz = radius * std::cos(a) * quarter / 2;
+        r = r0 + radius * math::cos(a), z = z0 + radius * math::sin(a), dz = radius * math::cos(a) * quarter / 2;
       });
   };
   if (radius > 0) arc(side.r0, side.z0, -pi / 2, slope), arc(side.r1, side.z1, slope, pi / 2);

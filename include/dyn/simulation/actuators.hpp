@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dyn/base/portable.hpp"
 #include "dyn/model/data.hpp"
 
 namespace dyn::simulation {
@@ -40,7 +41,7 @@ T command(const ActuatorRecord& r, const Data<T>& d) {
 // w after h: exact, for u does not change.
 template <class T>
 T filtered(const ActuatorRecord& r, const Data<T>& d, T w, T h) {
-  using std::exp;
+  using math::exp;
   const T u = command(r, d);
   return u + (w - u) * exp(-h / T(r.spec.time_constant));
 }

@@ -1,6 +1,7 @@
 // What admm and newton begin with.
 #pragma once
 
+#include "dyn/base/portable.hpp"
 #include "dyn/solver/alart_curnier.hpp"
 #include "dyn/solver/multipliers.hpp"
 #include "dyn/solver/pgs.hpp"
@@ -15,7 +16,7 @@ inline bool start(Workspace& w, Budget& b) {
   if (b.warm && alart_curnier(w, b, w.y, w.c)) return true;
   prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
-  const double fast = std::min(0.7, std::exp(-12.0 / p.n));
+  const double fast = std::min(0.7, math::exp(-12.0 / p.n));
   double error = HUGE_VAL;
   for (bool going = true; going && !b.spent();) {
     sweep(w, 1, w.x, w.v);

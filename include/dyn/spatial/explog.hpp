@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "dyn/base/portable.hpp"
 #include "dyn/spatial/quaternion.hpp"
 #include "dyn/spatial/se3.hpp"
 
@@ -74,8 +75,8 @@ inline void half_angle_series(T h2, T& sinc, T& cos) {
 
 template <class T>
 inline ExpCoefficients<T> exp_coefficients(const Vec3<T>& w) {
-  using std::cos;
-  using std::sin;
+  using math::cos;
+  using math::sin;
   using std::sqrt;
   using namespace detail;
   ExpCoefficients<T> e;
@@ -120,7 +121,7 @@ struct RotationLog {
 template <class T>
 inline RotationLog<T> rotation_log(const Quaternion<T>& a) {
   using std::abs;
-  using std::atan2;
+  using math::atan2;
   using std::sqrt;
   const T s = a.w < T(0) ? T(-1) : T(1), w = s * a.w;
   const T n2 = dot(a.v, a.v);
@@ -171,7 +172,7 @@ inline T log_coefficient(const RotationLog<T>& log) {
 template <class T>
 inline T log_coefficient(T t2) {
   using std::sqrt;
-  using std::tan;
+  using math::tan;
   if (t2 < T(1)) return log_coefficient_series(t2);
   const T h = sqrt(t2) * T(0.5);
   return (T(1) - h / tan(h)) / t2;
@@ -187,8 +188,8 @@ inline Mat3<T> Jlog3(const Vec3<T>& w) {
 // Derivative of log_coefficient by t^2
 template <class T>
 inline T log_coefficient_rate(T t2) {
-  using std::cos;
-  using std::sin;
+  using math::cos;
+  using math::sin;
   using std::sqrt;
   if (t2 < T(1)) {
     // h cot h = 1 - 2 sum over n of zeta(2n) (h / pi)^2n: the closed form cancels. a_n = 2 zeta(2n) / pi^2n

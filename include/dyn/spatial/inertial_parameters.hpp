@@ -10,6 +10,7 @@
 
 #include <cmath>
 
+#include "dyn/base/portable.hpp"
 #include "dyn/spatial/inertia.hpp"
 
 namespace dyn {
@@ -66,7 +67,7 @@ inline constexpr LogCholeskyPlace log_cholesky_places[] = {{3, 3}, {0, 0}, {1, 1
 // False when the body cannot exist.
 template <class T>
 inline bool log_cholesky(const T* pi, T* theta) {
-  using std::log;
+  using math::log;
   T J[16], U[16];
   pseudo_inertia(pi, J);
   if (!upper_cholesky(J, U)) return false;
@@ -79,7 +80,7 @@ inline bool log_cholesky(const T* pi, T* theta) {
 }
 template <class T>
 inline void log_cholesky_factor(const T* theta, T* U) {
-  using std::exp;
+  using math::exp;
   for (int k = 0; k < 16; ++k) U[k] = T(0);
   const T scale = exp(theta[0]);
   U[15] = scale;

@@ -14,7 +14,7 @@ struct Vec3 {
   T v[3];
 
   static DYN_INLINE Vec3 zero() { return {{T(0), T(0), T(0)}}; }
-  static DYN_INLINE Vec3 make(T x, T y, T z) { return {{x, y, z}}; }
+  static DYN_INLINE constexpr Vec3 make(T x, T y, T z) { return {{x, y, z}}; }
   DYN_INLINE T operator[](int i) const { return v[i]; }
 
   friend DYN_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) { return make(a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2]); }
@@ -41,7 +41,7 @@ struct Vec3<double> {
   Lanes v;
 
   static DYN_INLINE Vec3 zero() { return {Lanes{0, 0, 0, 0}}; }
-  static DYN_INLINE Vec3 make(double x, double y, double z) { return {Lanes{x, y, z, 0}}; }
+  static DYN_INLINE constexpr Vec3 make(double x, double y, double z) { return {Lanes{x, y, z, 0}}; }
   DYN_INLINE double operator[](int i) const { return v[i]; }
 
   friend DYN_INLINE Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.v + b.v}; }

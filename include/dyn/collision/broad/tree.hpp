@@ -3,6 +3,7 @@
 // Source: Kamel, Faloutsos, "On packing R-trees", CIKM 1993.
 #pragma once
 
+#include "dyn/base/portable.hpp"
 #include "dyn/collision/broad/block.hpp"
 
 namespace dyn::collision {
@@ -34,7 +35,7 @@ struct PackedTree {
           if (l > 1) continue;
           double width = 1e-300;
           for (int i = 0; i < 3; ++i) width += std::max(double(hull.upper[i]) - hull.lower[i], 0.0);
-          spread += std::log(width);
+          spread += math::log(width);
         }
       }
     return spread;

@@ -1,0 +1,92 @@
+// On the PC: writes the models that the images hold and what the PC computes of them.   dyn_board_tables MODELS_DIR OUT_DIR
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "boards/figures.hpp"
+#include "guard.hpp"
+
+namespace {
+
+void check(dynStatus status) {
+  if (status == DYN_OK) return;
+  std::fprintf(stderr, "%s\n", dyn_last_error());
+  std::exit(1);
+}
+
+dynModel* load(const std::string& path, dynBase base) {
+  dynLoadOptions options;
+  dyn_load_options_init(&options);
+  options.base = base, options.constraint_slots = 0;
+  dynModel* m = nullptr;
+  check(dyn_model_load(path.c_str(), &options, &m));
+  return m;
+}
+
+// The quadruped over a floor, and where it lands from.
+dynModel* on_floor(const dynModel* robot) {
+  dynBuilder* b = nullptr;
+  check(dyn_builder_from_model(robot, &b));
+  dynShapeSpec floor;
+  dyn_shape_spec_init(&floor);
+  floor.type = DYN_SHAPE_HALF_SPACE, floor.name = "floor";
+  check(dyn_builder_shape(b, &floor));
+  std::vector<double> q = {0, 0, 0.331, 0, 0, 0, 1};
+  for (int leg = 0; leg < 4; ++leg) q.insert(q.end(), {0, 0.8, -1.5});
+  check(dyn_builder_configuration(b, "standing", q.data(), q.size()));
+  dynModel* m = nullptr;
+  check(dyn_builder_finish(b, &m));
+  return m;
+}
+
+// As dyn convert does: 64-bit words.
+void write_image(std::FILE* f, const dynModel* m, std::uint32_t flags) {
+  std::size_t size = 0;
+  check(dyn_model_image(m, flags, nullptr, 0, &size));
+  std::vector<unsigned long long> image(size / 8);
+  check(dyn_model_image(m, flags, image.data(), size, &size));
+  std::fprintf(f, "alignas(64) constexpr unsigned long long image[] = {");
+  for (std::size_t k = 0; k < image.size(); ++k) std::fprintf(f, "%s0x%llx,", k % 8 ? " " : "\n", image[k]);
+  std::fprintf(f, "\n};\n");
+}
+
+template <class X, class Figures>
+void write(const std::string& dir, const char* name, const dynModel* handle, Figures&& figures) {
+  const dyn::Model& m = *handle->m;  // with names: what they are is no figure
+  std::FILE* f = std::fopen((dir + "/" + name + ".hpp").c_str(), "w");
+  if (!f) std::perror(dir.c_str()), std::exit(1);
+  std::fprintf(f, "#if DYN_LANES == 3\n");
+  write_image(f, handle, DYN_IMAGE_NARROW | DYN_IMAGE_NAMELESS);
+  std::fprintf(f, "#else\n");
+  write_image(f, handle, DYN_IMAGE_NAMELESS);
+  std::fprintf(f, "#endif\nconstexpr double figures[] = {");
+  const std::size_t bytes = X::bytes(m);
+  const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, bytes), std::free);
+  int n = 0;
+  figures(m, memory.get(), [&](double x) { std::fprintf(f, "%s%a,", n++ % 8 ? " " : "\n", x); },
+          [](const char*, int calls, auto&& call) { while (calls--) call(); });
+  std::fprintf(f, "\n};\nconstexpr unsigned long data_bytes = %zu;\n", bytes);
+  std::fclose(f);
+  std::printf("%s: model %llu bytes, data %zu, %d figures\n", name, (unsigned long long)m.bytes, bytes, n);
+}
+
+}  // namespace
+
+int main(int count, char** argument) {
+  if (count != 3) return std::fprintf(stderr, "dyn_board_tables MODELS_DIR OUT_DIR\n"), 2;
+  const std::string models = argument[1], out = argument[2];
+  using namespace boards;
+  const auto rnea = [](auto&&... x) { rnea_figures(x...); };
+  const auto dynamics = [](auto&&... x) { dynamics_figures(x...); };
+  const auto contact = [](auto&&... x) { contact_figures(x...); };
+  dynModel* const arm = load(models + "/robots/panda.urdf", DYN_BASE_FIXED);
+  dynModel* const quadruped = load(models + "/robots/go2.urdf", DYN_BASE_FLOATING);
+  dynModel* const landing = on_floor(quadruped);
+  write<Rnea>(out, "rnea_arm", arm, rnea);
+  write<Dynamics>(out, "dynamics_arm", arm, dynamics);
+  write<Dynamics>(out, "dynamics_quadruped", quadruped, dynamics);
+  write<Steps>(out, "contact_quadruped", landing, contact);
+  return 0;
+}

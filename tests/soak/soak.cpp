@@ -1,0 +1,52 @@
+// Plays all scenes for many steps under changing controls, checks their states, and says what memory they took and the hash of all states.
+//   dyn_soak [--steps N] [--hash]     N in all, more of the cheap scenes; --hash: N of each, and nothing but the hashes
+// Exit status 0 only when no state left its bounds and memory did not grow.
+#include <chrono>
+#include <cstring>
+
+#include "soak/scenes.hpp"
+
+namespace {
+
+// Pages of memory that the process has.
+long resident() {
+  long pages = 0;
+  if (std::FILE* f = std::fopen("/proc/self/statm", "r")) {
+    if (std::fscanf(f, "%*d %ld", &pages) != 1) pages = 0;
+    std::fclose(f);
+  }
+  return pages;
+}
+
+}  // namespace
+
+int main(int count, char** argument) {
+  long steps = 1000000;
+  bool hash = false;
+  for (int k = 1; k < count; ++k) {
+    if (std::strcmp(argument[k], "--hash") == 0) hash = true;
+    else if (std::strcmp(argument[k], "--steps") == 0 && k + 1 < count) steps = std::atol(argument[++k]);
+    else return std::fprintf(stderr, "dyn_soak [--steps N] [--hash]\n"), 2;
+  }
+  bool good = true;
+  for (const soak::Scene& scene : soak::scenes) {
+    soak::Play play(scene);
+    const long each = hash ? steps : steps / 100 * scene.share;
+    const auto begin = std::chrono::steady_clock::now();
+    long pages = 0, grown = 0;
+    const char* wrong = nullptr;
+    while (play.steps < each && !wrong) {
+      if (play.step() != DYN_OK) wrong = dyn_last_error();
+      else if (play.steps % 256 == 0) wrong = play.complaint();
+      if (play.steps == 1) pages = resident();
+    }
+    grown = resident() - pages;
+    if (wrong) std::fprintf(stderr, "%s, step %ld: %s\n", scene.name, play.steps, wrong);
+    good = good && !wrong && grown <= 256;  // 1 MiB: the kernel counts in batches
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (hash) std::printf("%-16s %016llx\n", scene.name, (unsigned long long)play.hash());
+    else std::printf("%-16s %10ld steps, %6.1f s, %6.2f us a step, %ld pages more, %s\n", scene.name, play.steps, seconds, 1e6 * seconds / double(play.steps), grown, wrong ? wrong : "within bounds");
+    std::fflush(stdout);
+  }
+  return good ? 0 : 1;
+}
