@@ -99,7 +99,7 @@ struct HalfAngle {
   for (int k = 0; k < lanes; ++k) {
     if (!far[k]) continue;
     const double h = std::sqrt(h2[k]);
-    of.sinc.x[k] = std::sin(h) / h, of.cos.x[k] = std::cos(h);
+    of.sinc.x[k] = math::sin(h) / h, of.cos.x[k] = math::cos(h);
   }
   return of;
 }
