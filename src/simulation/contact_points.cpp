@@ -157,7 +157,7 @@ struct Search {
     }
     for (Index i = 0; i < w.geom_count; ++i) place(w.geoms[i]), enter_center(w.geoms[i]);  // once, of what does not move
   }
-  // Of the pairs of a row from k on, which may be near: a bit each; as look has it, eight at a time.
+  // Of the pairs of a row from k on, which may be near: a bit each; as look has it, four at a time.
   unsigned near_of(const PairRow& row, Index k) {
     const Geom& a = d.geoms[row.a];
     const Pose& A = d.geom_poses[row.a];
@@ -180,7 +180,7 @@ struct Search {
       distance = sqrt(dot(to, to)) - a.reach - reach;
     }
     const Wide near = min(min(reach, a.reach) * 0.02, within_reach(w, h, fast)), margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (1.5 * h);
-    const unsigned lanes = row.count - k < Wide::lanes ? (1u << (row.count - k)) - 1 : 0xff, far = bits_of(distance > margin);
+    const unsigned lanes = (1u << std::min(row.count - k, Wide::lanes)) - 1, far = bits_of(distance > margin);
     if (w.clearance.possible) {
       const Wide left = distance - near;
       for_each_bit(far & lanes, [&](int l) { between = std::min(between, left[l]); });

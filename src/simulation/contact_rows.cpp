@@ -1,6 +1,4 @@
 // From a contact point to the rows of a slot: the contact's frame has its normal as z, from A to B.
-#include <limits>
-
 #include "dyn/simulation/material.hpp"
 #include "dyn/simulation/step.hpp"
 
@@ -21,13 +19,21 @@ double opens(const Data<double>& d, const dynContact& c, Index a, Index b) {
   return dot(load3(c.normal), velocity_at(d, b, at) - velocity_at(d, a, at));
 }
 
-// No impulse is asked for: without one it is open at the end of the step, or touches and closes by no more than the places of bodies are rounded by.
+// How much a touching contact may close in a step without being pressed: of the smaller shape's reach, and of what gravity does in the step. It is what
+// tolerances leave of earlier impulses; should it add up, contacts are pressed as soon as they overlap by slop.
+double standstill(const Data<double>& d, double reach, double h) {
+  const double g = shape::norm(load3(d.world_gravity));
+  return std::min(1e-12 * reach, g > 0 ? 1e-6 * g * h * h : shape::infinity);
+}
+
+// No impulse is asked for: without one it is open at the end of the step, or touches and stands still.
 bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, double h) {
   const Workspace& w = *d.step;
   if (w.closed > 0 || w.ledger.open || is_soft(law.material)) return false;
   const collision::Geom &a = d.geoms[law.geom_a], &b = d.geoms[law.geom_b];
-  const double opening = h * opens(d, c, a.body, b.body), rounding = std::numeric_limits<double>::epsilon() * std::min(a.reach, b.reach);
-  return c.distance + opening >= -slop && (law.material.restitution > 0 ? c.distance + opening > 0 : std::max(0.0, c.distance) + opening >= -rounding);
+  const double opening = h * opens(d, c, a.body, b.body), gap = std::max(0.0, c.distance);
+  if (c.distance + opening < -slop) return false;
+  return law.material.restitution > 0 ? c.distance + opening > 0 : gap + opening >= -standstill(d, std::min(a.reach, b.reach), h);
 }
 
 Vec3<double> surface_velocity(const Data<double>& d, Index geom) { return d.geom_poses[geom].R * load3(d.step->materials[geom].surface_velocity); }

@@ -32,10 +32,11 @@ void order_by_islands(Data<double>& d, Index slots) {
     w.order[k] = k;
   }
   // stable by the numbers of the slots
-  std::sort(w.order, w.order + slots, [&](Index a, Index b) {
+  const auto before = [&](Index a, Index b) {
     const ActiveSlot &x = w.active[a], &y = w.active[b];
     return x.island != y.island ? x.island < y.island : x.kind != y.kind ? x.kind < y.kind : a < b;
-  });
+  };
+  if (!std::is_sorted(w.order, w.order + slots, before)) std::sort(w.order, w.order + slots, before);
 }
 
 }  // namespace dyn::simulation

@@ -52,7 +52,7 @@ void set(Vec3<Wide>& a, int lane, const Vec3<double>& b) {
 }
 void set(Mat3<Wide>& A, int lane, const Mat3<double>& B) { set(A.x, lane, B.x), set(A.y, lane, B.y), set(A.z, lane, B.z); }
 
-void fill(const Model& m, LooseEight& e, int lane, Index i) {
+void fill(const Model& m, LooseSet& e, int lane, Index i) {
   const Body& b = m.bodies()[i];
   e.body[lane] = i, e.q[lane] = b.user_q, e.v[lane] = b.user_v;
   const Vec3<double> c = b.h * (1 / b.m);
@@ -62,7 +62,7 @@ void fill(const Model& m, LooseEight& e, int lane, Index i) {
   set(e.c, lane, c), set(e.I, lane, I), set(e.inverse, lane, transpose(Mat3<double>{yz, zx, xy} * (1 / dot(I.x, yz))));
 }
 
-// ---------------------------------------------------------------------------------------------------- states of eight
+// ---------------------------------------------------------------------------------------------------- states of a set
 struct Place {
   Vec3<Wide> p;
   Quaternion<Wide> a;
@@ -81,7 +81,7 @@ Vec3<Wide> first3(const Wide* x) { return Vec3<Wide>::make(x[0], x[1], x[2]); }
   return a;
 }
 
-DYN_INLINE Place place_of(const double* q, const LooseEight& e) {
+DYN_INLINE Place place_of(const double* q, const LooseSet& e) {
   Wide x[7];
   gather<7>(q, e.q, x);
   const Vec3<Wide> p = first3(x);
@@ -145,18 +145,18 @@ DYN_INLINE Vec3<Wide> turned_velocity(const Mat3<Wide>& inverse, const Vec3<Wide
 
 // to(lane): where its numbers go
 template <class To>
-DYN_INLINE void scatter_four(const LooseEight& e, const Wide& a, const Wide& b, const Wide& c, const Wide& d, To&& to) {
+DYN_INLINE void scatter_four(const LooseSet& e, const Wide& a, const Wide& b, const Wide& c, const Wide& d, To&& to) {
   for_each_lane(a, b, c, d, [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
     if (e.acting >> lane & 1u) std::memcpy(to(lane), &four, sizeof four);
   });
 }
-DYN_INLINE void scatter_velocity(const LooseEight& e, const Motion<Wide>& v, double* to) {
+DYN_INLINE void scatter_velocity(const LooseSet& e, const Motion<Wide>& v, double* to) {
   const Wide(&u)[3] = v.linear.v, (&w)[3] = v.angular.v;
   scatter_four(e, u[0], u[1], u[2], w[0], [&](int l) { return to + e.v[l]; });
   scatter_four(e, u[2], w[0], w[1], w[2], [&](int l) { return to + e.v[l] + 2; });
 }
 template <class To>
-DYN_INLINE void scatter_vector(const LooseEight& e, const Vec3<Wide>& x, To&& to) {
+DYN_INLINE void scatter_vector(const LooseSet& e, const Vec3<Wide>& x, To&& to) {
   for_each_lane(x.v[0], x.v[1], x.v[2], Wide(0.0), [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
     if (e.acting >> lane & 1u) std::memcpy(&to(e.body[lane]), &four, sizeof(Vec3<double>));
   });
@@ -164,7 +164,7 @@ DYN_INLINE void scatter_vector(const LooseEight& e, const Vec3<Wide>& x, To&& to
 
 template <class F>
 DYN_INLINE void for_each_acting(const Loose& l, F&& f) {
-  for (Index k = 0; k < l.acting_count; ++k) f(l.eights[l.acting[k]]);
+  for (Index k = 0; k < l.acting_count; ++k) f(l.sets[l.acting[k]]);
 }
 
 }  // namespace
@@ -179,7 +179,7 @@ void set_up_loose(const Model& m, Loose& l) {
   std::fill_n(l.number, m.n.bodies, -1);
   l.count = 0;
   for_each_loose(m, [&](Index i) {
-    LooseEight& e = l.eights[l.count / lanes];
+    LooseSet& e = l.sets[l.count / lanes];
     const int lane = l.count % lanes;
     for (int k = lane; k < lanes; ++k) fill(m, e, k, i);
     e.acting |= 1u << lane;
@@ -193,17 +193,17 @@ void list_loose(const Model& m, Workspace& w) {
   Loose& l = w.loose;
   if (l.count == 0) return;
   Index groups = 0;
-  for (Index k = 0; k * lanes < l.count; ++k) l.eights[k].acting = 0;
+  for (Index k = 0; k * lanes < l.count; ++k) l.sets[k].acting = 0;
   for (Index t = 0; t < l.tree_count; ++t) {
     const Index i = l.trees[t].first, number = l.number[i];
     if (w.sleep.sleeps(i)) continue;
     if (number < 0) append(l.trees[t], l.room.groups, groups);
-    else l.eights[number / lanes].acting |= 1u << number % lanes;
+    else l.sets[number / lanes].acting |= 1u << number % lanes;
   }
   l.others = choose(m, l.room, groups);
   l.acting_count = 0;
   for (Index k = 0; k * lanes < l.count; ++k)
-    if (l.eights[k].acting) l.acting[l.acting_count++] = k;
+    if (l.sets[k].acting) l.acting[l.acting_count++] = k;
 }
 
 void begin_flight(Data<double>& d) {
@@ -216,7 +216,7 @@ void fly(const Model&, Data<double>& d, double h) {
   const Wide dt(h);
   const Vec3<Wide> gravity = Vec3<Wide>::make(d.world_gravity[0], d.world_gravity[1], d.world_gravity[2]);
   Motion<double>* const V = d.step->root_velocity;
-  for_each_acting(d.step->loose, [&](const LooseEight& e) {
+  for_each_acting(d.step->loose, [&](const LooseSet& e) {
     const Place X = place_of(d.q, e);
     Wide v[6], tau[6];
     gather<6>(d.v, e.v, v), gather<6>(d.tau_applied, e.v, tau);
@@ -251,7 +251,7 @@ void need_columns(const Model& m, Data<double>& d, Index body) {
 }
 
 void need_all_columns(const Model& m, Data<double>& d) {
-  for_each_acting(d.step->loose, [&](const LooseEight& e) {
+  for_each_acting(d.step->loose, [&](const LooseSet& e) {
     for (int k = 0; k < lanes; ++k)
       if (e.acting >> k & 1u) need_columns(m, d, e.body[k]);
   });
@@ -259,7 +259,7 @@ void need_all_columns(const Model& m, Data<double>& d) {
 
 void land(Data<double>& d, double h, const double* correction) {
   const Wide dt(h);
-  for_each_acting(d.step->loose, [&](const LooseEight& e) {
+  for_each_acting(d.step->loose, [&](const LooseSet& e) {
     const Place X = place_of(d.q, e);
     Wide v[6];
     gather<6>(d.v, e.v, v);

@@ -23,7 +23,7 @@ template <class F>
 void for_each_array(const Model& m, Loose& l, F&& f) {
   const std::ptrdiff_t count = count_loose(m);
   if (count == 0) return;
-  f(l.eights, (count + Wide::lanes - 1) / Wide::lanes), f(l.acting, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.pushed, count);
+  f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.acting, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.pushed, count);
   f(l.number, m.n.bodies), f(l.trees, m.n.bodies);
   for_each_array(m, l.room, f);
 }
@@ -85,7 +85,7 @@ Workspace* place(const Model& m, void* memory) {
     next += rounded(std::size_t(n) * sizeof *array);
   });
   w.options = default_options();
-  if (w.loose.eights) set_up_loose(m, w.loose), list_loose(m, w);
+  if (w.loose.sets) set_up_loose(m, w.loose), list_loose(m, w);
   if (step_slots(m) == 0) return &w;
   find_segments(m, w.segments);
   w.pair_count = -1, find_trees(m, w.tree_of), w.clearance.possible = has_clearance(m);

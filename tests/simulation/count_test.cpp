@@ -27,6 +27,13 @@ TEST(StepInstructions, ChainIsForwardDynamicsAndIntegration) {
   EXPECT_LE(double(step), 1.02 * double(bare));
 }
 
+TEST(StepInstructions, FreeBodyIsForwardDynamicsAndIntegration) {
+  Counted c(bench::scene(bench::free_body(bench::masked)));
+  const long step = c.step(), bare = c.bare();
+  SKIP_UNCOUNTED(step);
+  EXPECT_LE(double(step), 1.02 * double(bare));
+}
+
 TEST(StepInstructions, FarShapesAddNothing) {
   const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
   SKIP_UNCOUNTED(alone);

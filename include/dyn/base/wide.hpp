@@ -1,4 +1,5 @@
-// Eight numbers as one: a scalar for the templates that computes eight things of a kind side by side, each as it would be by itself.
+// Four numbers as one: a scalar for the templates that computes four things of a kind side by side, each as it would be by itself. (Eight, where one
+// instruction takes as many, are no faster.)
 #pragma once
 
 #include <cmath>
@@ -9,7 +10,7 @@
 namespace dyn {
 
 struct Wide {
-  static constexpr int lanes = 8;
+  static constexpr int lanes = 4;
   typedef double Lanes __attribute__((vector_size(8 * lanes)));
   typedef std::int64_t Mask __attribute__((vector_size(8 * lanes)));  // of a lane all bits, or none
   Lanes x;
@@ -31,13 +32,8 @@ DYN_INLINE Wide min(const Wide& a, const Wide& b) { return Wide(a.x < b.x ? a.x 
 DYN_INLINE Wide max(const Wide& a, const Wide& b) { return Wide(a.x < b.x ? b.x : a.x); }
 // A bit for each lane.
 DYN_INLINE unsigned bits_of(const Wide::Mask& m) {
-#if defined(__AVX512DQ__)
-  typedef long long Eight __attribute__((vector_size(64)));
-  return unsigned(__builtin_ia32_cvtq2mask512((Eight)m));
-#elif defined(__AVX__)
-  typedef double Four __attribute__((vector_size(32)));
-  const Four low = (Four)__builtin_shufflevector(m, m, 0, 1, 2, 3), high = (Four)__builtin_shufflevector(m, m, 4, 5, 6, 7);
-  return unsigned(__builtin_ia32_movmskpd256(low)) | unsigned(__builtin_ia32_movmskpd256(high)) << 4;
+#if defined(__AVX__)
+  return unsigned(__builtin_ia32_movmskpd256((Wide::Lanes)m));
 #else
   unsigned bits = 0;
   for (int k = 0; k < Wide::lanes; ++k) bits |= unsigned(m[k] & 1) << k;
@@ -63,12 +59,10 @@ DYN_INLINE Wide sqrt(const Wide& a) {
 
 namespace detail {
 
-typedef double WideHalf __attribute__((vector_size(32)));
-
 // Rows of a 4 x 4 matrix from its columns.
-DYN_INLINE void transpose4(WideHalf (&a)[4]) {
-  const WideHalf ab02 = __builtin_shufflevector(a[0], a[1], 0, 4, 2, 6), ab13 = __builtin_shufflevector(a[0], a[1], 1, 5, 3, 7);
-  const WideHalf cd02 = __builtin_shufflevector(a[2], a[3], 0, 4, 2, 6), cd13 = __builtin_shufflevector(a[2], a[3], 1, 5, 3, 7);
+DYN_INLINE void transpose4(Wide::Lanes (&a)[4]) {
+  const Wide::Lanes ab02 = __builtin_shufflevector(a[0], a[1], 0, 4, 2, 6), ab13 = __builtin_shufflevector(a[0], a[1], 1, 5, 3, 7);
+  const Wide::Lanes cd02 = __builtin_shufflevector(a[2], a[3], 0, 4, 2, 6), cd13 = __builtin_shufflevector(a[2], a[3], 1, 5, 3, 7);
   a[0] = __builtin_shufflevector(ab02, cd02, 0, 1, 4, 5), a[1] = __builtin_shufflevector(ab13, cd13, 0, 1, 4, 5);
   a[2] = __builtin_shufflevector(ab02, cd02, 2, 3, 6, 7), a[3] = __builtin_shufflevector(ab13, cd13, 2, 3, 6, 7);
 }
@@ -79,10 +73,10 @@ DYN_INLINE void transpose4(WideHalf (&a)[4]) {
 template <int n>
 DYN_INLINE void gather(const double* base, const Index* at, Wide* out) {
   const auto four = [&](int first) DYN_INLINE_LAMBDA {
-    detail::WideHalf low[4], high[4];
-    for (int l = 0; l < 4; ++l) std::memcpy(&low[l], base + at[l] + first, sizeof low[l]), std::memcpy(&high[l], base + at[4 + l] + first, sizeof high[l]);
-    detail::transpose4(low), detail::transpose4(high);
-    for (int k = 0; k < 4; ++k) out[first + k] = Wide(__builtin_shufflevector(low[k], high[k], 0, 1, 2, 3, 4, 5, 6, 7));
+    Wide::Lanes rows[4];
+    for (int l = 0; l < 4; ++l) std::memcpy(&rows[l], base + at[l] + first, sizeof rows[l]);
+    detail::transpose4(rows);
+    for (int k = 0; k < 4; ++k) out[first + k] = Wide(rows[k]);
   };
   four(0);
   if constexpr (n > 4) four(n - 4);
@@ -90,13 +84,9 @@ DYN_INLINE void gather(const double* base, const Index* at, Wide* out) {
 // f(lane, its a, b, c, d)
 template <class F>
 DYN_INLINE void for_each_lane(const Wide& a, const Wide& b, const Wide& c, const Wide& d, F&& f) {
-  const auto half = [&]<int first>() DYN_INLINE_LAMBDA {
-    const auto of = [](const Wide& w) DYN_INLINE_LAMBDA { return __builtin_shufflevector(w.x, w.x, first, first + 1, first + 2, first + 3); };
-    detail::WideHalf r[4] = {of(a), of(b), of(c), of(d)};
-    detail::transpose4(r);
-    for (int k = 0; k < 4; ++k) f(first + k, r[k]);
-  };
-  half.template operator()<0>(), half.template operator()<4>();
+  Wide::Lanes rows[4] = {a.x, b.x, c.x, d.x};
+  detail::transpose4(rows);
+  for (int l = 0; l < 4; ++l) f(l, rows[l]);
 }
 
 }  // namespace dyn

@@ -1,5 +1,5 @@
 // Bodies that fly by themselves: free flyers that carry nothing, on which contacts, gravity and the force at their own joint alone act. An Euler
-// step moves eight of them side by side, without a recursion, by the equations of integrator/free_flight.hpp: with c the centre of mass, f and t the
+// step moves four of them side by side, without a recursion, by the equations of integrator/free_flight.hpp: with c the centre of mass, f and t the
 // applied force and its moment there,
 //   v_c' = v_c + h (g + f / m)     I w' = exp(-h w') (I w + h t)     c' = c + h v_c'     R' = R exp(h w')
 #pragma once
@@ -10,7 +10,7 @@
 
 namespace dyn::simulation {
 
-struct LooseEight {
+struct LooseSet {
   Index body[Wide::lanes], q[Wide::lanes], v[Wide::lanes];  // beyond the last body it again
   unsigned acting;                                          // a bit for each lane that steps go through
   Wide inverse_mass;
@@ -28,7 +28,7 @@ struct Loose {
   Index count;
   bool flying;          // in this step
   std::uint64_t step;
-  LooseEight* eights;
+  LooseSet* sets;
   Index* acting;        // those of which something acts
   Index acting_count;
   Index* number;        // of bodies, among these; -1

@@ -194,7 +194,7 @@ inline void disturb(Data<double>& d) {
   if (d.step) d.step->sleep.known = false;
 }
 
-// Of a number by shapes that is read eight at a time.
+// Of a number by shapes that is read four at a time.
 inline std::ptrdiff_t geom_room(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Wide::lanes; }
 
 // Of an island that is solved by its whole matrix.

@@ -1,0 +1,112 @@
+// Bodies that fly by themselves are stepped without the recursion, to the same motion; contacts that nothing presses cost no solver.
+#include "simulation/scene.hpp"
+
+#include "count.hpp"
+
+namespace dyn_test {
+namespace {
+
+// The same with a wrench on the first body that is as good as none: then all bodies take the recursion.
+void take_recursion(Play& run) {
+  const double nothing[6] = {1e-300, 0, 0, 0, 0, 0};
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_frame_id(run.m, "body0"), nullptr, nothing, DYN_LOCAL_WORLD_ALIGNED)) << dyn_last_error();
+}
+
+// Nine bodies whose centres of mass are elsewhere, which turn, one (as round as a ball) by more than a radian a step, and are driven; a quaternion of any norm.
+struct Tumbling {
+  static constexpr int bodies = 9;
+  Play run;
+  explicit Tumbling(bool recursion) : run(model(), 2e-3) {
+    Numbers q, v, tau;
+    for (int k = 0; k < bodies; ++k) {
+      const double norm = k == 2 ? 1e-40 : k == 5 ? 3 : 1, fast = k == 0 ? 700 : 3;
+      q.insert(q.end(), {3.0 * k, 0.1 * k, 1, 0.5 * norm, -0.5 * norm, 0.1 * norm, 0.7 * norm});
+      v.insert(v.end(), {1, 0.2 * k, -0.5, k == 0 ? 0 : 2.0 - k, k == 0 ? 0 : 1.0, fast});
+      if (k == 0) tau.insert(tau.end(), {0, 0, 0, 0, 0, 0.5});  // about the axis it turns about
+      else tau.insert(tau.end(), {0.3 * k, 0, 0.1, 0.01, -0.02, 0.001 * k});
+    }
+    EXPECT_EQ(DYN_OK, dyn_data_set_state(run.m, run.d, q.data(), v.data(), nullptr, tau.data())) << dyn_last_error();
+    if (recursion) take_recursion(run);
+  }
+  static Model model() {
+    Scene scene;
+    for (int k = 0; k < bodies; ++k) scene.free(("body" + std::to_string(k)).c_str(), 1 + k, {k ? 0.2 : 0.4, k ? 0.3 : 0.4, 0.4}, {0, 0, 0.02 * k});
+    return scene.finish();
+  }
+};
+
+TEST(Loose, MoveAsByTheRecursion) {
+  Tumbling a(false), b(true);
+  for (int k = 0; k < 200; ++k) {
+    a.run.steps(1), b.run.steps(1);
+    for (int i = 0; i < dyn_nq(a.run.m); ++i) ASSERT_NEAR(b.run.q[i], a.run.q[i], 1e-11 * (1 + std::abs(b.run.q[i]))) << k << " " << i;
+    for (int i = 0; i < dyn_nv(a.run.m); ++i)  // points go as fast as the body turns
+      ASSERT_NEAR(b.run.v[i], a.run.v[i], 1e-11 * (1 + std::abs(b.run.v[i / 6 * 6 + 5]))) << k << " " << i;
+  }
+}
+
+TEST(Loose, TakeNoRecursion) {
+  Tumbling a(false), b(true);
+  a.run.steps(3), b.run.steps(3);
+  const long loose = bench::instructions([&] { dyn_step(a.run.m, a.run.d); }), others = bench::instructions([&] { dyn_step(b.run.m, b.run.d); });
+  if (loose < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+  EXPECT_LT(loose, 0.7 * double(others));
+}
+
+// A ball that rolls, its centre of mass beside its middle, on the ground and into a box.
+TEST(Loose, TouchAsByTheRecursion) {
+  const auto make = [] {
+    Scene scene;
+    scene.ground().free("body0", 1, {5e-3, 4e-3, 6e-3}, {0, 0.01, -0.02}).shape("body0", DYN_SHAPE_SPHERE, {0.1, 0, 0}, material(0.5));
+    scene.box("box", 2, {0.2, 0.2, 0.2}, material(0.4));
+    return scene.finish();
+  };
+  Play a(make()), b(make());
+  const Numbers at = {0, 0, 0.1, 0, 0, 0, 1, 0.35, 0, 0.1, 0, 0, 0, 1}, v = {1, 0, 0, 0, 10, 0, 0, 0, 0, 0, 0, 0};
+  a.set(at, v), b.set(at, v), take_recursion(b);
+  int met = 0;
+  for (int k = 0; k < 300; ++k) {
+    a.steps(1), b.steps(1);
+    met += a.contacts().size() > 5;
+    for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_NEAR(b.q[i], a.q[i], 1e-7) << k << " " << i;
+  }
+  EXPECT_GT(met, 0);
+}
+
+// Without gravity a row of balls that touch goes on together; the first step that presses them is solved.
+TEST(Loose, TouchingIsNotPressed) {
+  Scene scene({0, 0, 0});
+  for (int k = 0; k < 4; ++k) scene.sphere(("ball" + std::to_string(k)).c_str(), 1, 0.1, material(0.5));
+  Play run(scene.finish());
+  Numbers q, v;
+  for (int k = 0; k < 4; ++k) q.insert(q.end(), {0.2 * k, 0, 0, 0, 0, 0, 1}), v.insert(v.end(), {0.5, 0, 0, 0, 0, 0});
+  run.set(q, v);
+  run.steps(100);
+  EXPECT_EQ(3, run.report().contacts);
+  EXPECT_EQ(0, run.report().iterations);
+  for (const dynContactForce& f : run.contacts()) EXPECT_EQ(0, f.force_on_b[0]);
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(0.5, run.v[6 * k], 1e-14);
+  const double push[6] = {8, 0, 0, 0, 0, 0};  // the first pushes all
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_frame_id(run.m, "ball0"), nullptr, push, DYN_LOCAL_WORLD_ALIGNED));
+  run.steps(100);
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(0.5 + 2 * 0.1, run.v[6 * k], 1e-8);
+  const auto forces = run.contacts();
+  ASSERT_EQ(3u, forces.size());
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(6 - 2 * k, std::abs(forces[std::size_t(k)].force_on_b[0]), 1e-6);
+}
+
+// What rests is pressed however short the steps.
+TEST(Loose, RestingIsPressedInShortSteps) {
+  for (const double dt : {1e-2, 1e-4, 1e-6, 1e-8}) {
+    Scene scene;
+    Play run(scene.ground().sphere("ball", 1, 0.1, material(0.5)).finish(), dt);
+    run.place({{0, 0, 0.1}});
+    run.steps(20);
+    ASSERT_EQ(1u, run.contacts().size()) << dt;
+    EXPECT_NEAR(9.81, run.contacts()[0].force_on_b[2], 1e-5) << dt;
+    EXPECT_NEAR(0, run.v[2], 1e-5 * dt * 9.81) << dt;
+  }
+}
+
+}  // namespace
+}  // namespace dyn_test
