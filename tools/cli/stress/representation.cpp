@@ -125,7 +125,7 @@ Outcome inertias() {
   say(wrong(true, 1, diagonal(-1, 1, 1), false));                    // a negative moment
   say(wrong(true, 1, diagonal(0, 1, 1), true));                      // a rod that flies freely: nothing resists its spin
   say(wrong(true, 1, diagonal(1, 1, 0), false));                     // a rod along its own hinge
-  // no masses are spread like that: the triangle inequality, of files (a builder's links may be parts of a body)
+  say(wrong(true, 1, diagonal(1, 1, 2.001), false));                 // no masses are spread like that: the triangle inequality; the same of files
   const auto refused = [](const std::string& text, const dyn::LoadOptions& options) {
     try {
       Model::load_string(text, options);
