@@ -242,9 +242,9 @@ TEST(Step, AccuracyHoldsThroughLastingContact) {
     EXPECT_LT(play.report().steps, steps);
     return Numbers(play.q, play.q + 7);
   };
-  const Numbers best = fall(1e-8, 20000);
+  const Numbers best = fall(1e-8, 1500);
   for (const double accuracy : {1e-3, 1e-5, 1e-6}) {
-    const Numbers q = fall(accuracy, 2000);
+    const Numbers q = fall(accuracy, 300);
     for (std::size_t k = 0; k < q.size(); ++k) EXPECT_NEAR(best[k], q[k], 3 * accuracy) << accuracy << " " << k;
   }
 }
