@@ -127,6 +127,7 @@ dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* pa
   return with(builder, [&](Builder& b) {
     std::array<double, 9> I;
     std::copy(inertia, inertia + 9, I.begin());
+    check_moments(std::string("body '") + text(name) + "'", mass, I);
     b.body(text(name), {text(parent), 0}, read_placement(placement), mass, {com[0], com[1], com[2]}, I);
   });
 }

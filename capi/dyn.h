@@ -365,7 +365,7 @@ DYN_API dynStatus dyn_builder_gravity(dynBuilder* builder, const double gravity[
 /* Fixed joints become frames. A parent must have been added before; ids of the finished model are depth first. */
 DYN_API dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* spec);
 /* A link: mass (kg), centre of mass (m) and inertia about it (3 x 3, kg m^2), both in the link's frame, which lies at
-   placement (12 doubles, NULL: identity) in the frame or joint named parent. */
+   placement (12 doubles, NULL: identity) in the frame or joint named parent. A principal moment above the sum of the others: DYN_ERROR_INVALID. */
 DYN_API dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
                                    const double com[3], const double inertia[9]);
 DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);

@@ -137,6 +137,17 @@ std::vector<double> articulated_pivots(const Model& m) {
 
 }  // namespace
 
+// Beyond what six digits round, and what a radius of 10 nm makes. (Negative moments may be a part of a body: check_dynamics.)
+void check_moments(const std::string& who, double mass, const std::array<double, 9>& inertia) {
+  const Eigen::Matrix3d I = Eigen::Map<const Eigen::Matrix3d>(inertia.data());
+  if (!I.allFinite()) return;
+  const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I, Eigen::EigenvaluesOnly).eigenvalues();
+  const double slack = 1e-6 * moments[2] + mass * 1e-16;
+  if (moments[0] >= -slack && moments[2] > moments[0] + moments[1] + slack)
+    throw Error(DYN_ERROR_INVALID, who + ": the principal moments of its inertia are " + number(moments[0]) + ", " + number(moments[1]) + " and " + number(moments[2]) +
+                                       " kg m^2, and no body has one above the sum of the other two");
+}
+
 // Forward dynamics must be defined: M positive at some configurations off the singular ones.
 void check_dynamics(const Model& m, const std::vector<int>& order, const std::vector<JointEntry>& joints, const std::vector<FrameEntry>& frames) {
   for (Index i = 1; i < m.n.bodies; ++i) {

@@ -268,6 +268,8 @@ TEST_F(BuilderTest, Bodies) {
   refuse(DYN_ERROR_NONFINITE, dyn_builder_body(b, "x", "base", nullptr, 1, com0, inertia), {"body 'x'", "inertia[8]"});
   inertia[8] = 0.02, inertia[1] = 0.5;
   refuse(DYN_ERROR_INVALID, dyn_builder_body(b, "x", "base", nullptr, 1, com0, inertia), {"body 'x'", "not symmetric"});
+  const double impossible[9] = {1, 0, 0, 0, 3, 0, 0, 0, 1.5};
+  refuse(DYN_ERROR_INVALID, dyn_builder_body(b, "x", "base", nullptr, 1, com0, impossible), {"body 'x'", "and 3 kg m^2", "no body has one above the sum"});
 }
 
 TEST_F(BuilderTest, GravityAndConfigurations) {

@@ -242,9 +242,9 @@ TEST(Step, AccuracyHoldsThroughLastingContact) {
     EXPECT_LT(play.report().steps, steps);
     return Numbers(play.q, play.q + 7);
   };
-  const Numbers best = fall(1e-8, 20000);
+  const Numbers best = fall(1e-8, 1500);
   for (const double accuracy : {1e-3, 1e-5, 1e-6}) {
-    const Numbers q = fall(accuracy, 2000);
+    const Numbers q = fall(accuracy, 300);
     for (std::size_t k = 0; k < q.size(); ++k) EXPECT_NEAR(best[k], q[k], 3 * accuracy) << accuracy << " " << k;
   }
 }
@@ -272,7 +272,7 @@ TEST(Step, AccuracyPassesImpactsWithoutNumber) {
   const Numbers best = fall(1e-5), q = fall(1e-3);
   EXPECT_NEAR(0.1, best[2], 1e-5);
   EXPECT_NEAR(0.3, best[9], 1e-5);
-  for (std::size_t k = 0; k < 14; ++k) EXPECT_NEAR(best[k], q[k], 0.01) << k;
+  for (std::size_t k = 0; k < 14; ++k) EXPECT_NEAR(best[k], q[k], 0.03) << k;  // (which of two corners hits first decides by chance)
 }
 
 TEST(Step, EverySolverHoldsAStack) {

@@ -60,7 +60,7 @@ class Extrapolated {
   Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_) : m(m_), d(d_), s(s_), closed(closed_) {
     double* next = s.stage(1);
     for (State& x : kept) x.q = next, x.v = x.q + m.n.nq, x.act = x.v + m.n.nv, next = x.act + m.n.na;
-    for (double*& x : early) x = next, next += m.n.nv;
+    for (double*& x : by_three) x = next, next += m.n.nv;
   }
 
   // To the limit, and its error. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
@@ -72,8 +72,11 @@ class Extrapolated {
     if (!joint) keep(two), restore(), d.step->passed = 0, joint = substeps(h, 3);
     d.step->closed = 0;
     if (joint) return restore(), joint;
-    // of differences to what three steps lead to
+    // what all of them stop at once moves on between, which no difference of them shows: velocities bend. (At the end they may jump where something is met.)
     error = 0;
+    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::max(bent(before.v[k], by_three[0][k], by_three[1][k]), d.step->passed > 0 ? 0 : bent(by_three[0][k], by_three[1][k], by_three[2][k])));
+    error *= h / 6;
+    // of differences to what three steps lead to
     const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
     double *a = s.y, *b = a + m.n.nv;
     difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
@@ -85,8 +88,6 @@ class Extrapolated {
     integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];
     for (Index k = 0; k < m.n.na; ++k) d.act[k] += two.act[k];
-    // what all of them stopped at once moved on between, which no difference of them shows
-    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, h / 12 * std::abs(before.v[k] - 2 * early[0][k] + early[1][k]));
     return 0;
   }
   void restore() { take(before), simulation::take_contacts(*d.step); }
@@ -101,9 +102,10 @@ class Extrapolated {
   const Stages<double>& s;
   double closed;
   State kept[3];
-  double* early[2];  // velocities after the first steps of three, in the axes at the beginning
+  double* by_three[3];  // velocities after each step of three, in the axes at the beginning
   State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;
 
+  static double bent(double a, double b, double c) { return std::abs(a - 2 * b + c); }
   void refer(double* v) const {
     std::copy_n(d.v, m.n.nv, v);
     for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index, const Vec3<double>&) {
@@ -118,7 +120,7 @@ class Extrapolated {
     simulation::forget_rows(d);
     for (int k = 0; k < n && !joint; ++k) {
       drift(m, d, s, h / n), joint = kick(m, d, s, h / n);
-      if (k < 2) refer(early[k]);
+      refer(by_three[k]);
     }
     return joint;
   }

@@ -133,4 +133,7 @@ class Builder {
   std::unique_ptr<Impl> impl;
 };
 
+// Throws where no body has these principal moments; who begins the message. (Files say so in their report, or under strict.)
+void check_moments(const std::string& who, double mass, const std::array<double, 9>& inertia);
+
 }  // namespace dyn

@@ -83,6 +83,7 @@ Outcome inertias();
 Outcome units_pendulum();
 Outcome units_mechanism();
 Outcome units_contact();
+Outcome units_contact_exact();
 Outcome units_contact_to_rest();
 // collision.cpp
 Outcome fcl_poses();

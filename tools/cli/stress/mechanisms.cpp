@@ -147,7 +147,7 @@ struct Squeezer {
   static Model build() {
     Builder b("squeezer");
     b.gravity({0, 0, 0});
-    const auto body = [&](const char* name, const char* joint, double mass, double I, double x, double y) { b.body(name, joint, mass, {x, y, 0}, diagonal(0, 0, I)); };
+    const auto body = [&](const char* name, const char* joint, double mass, double I, double x, double y) { b.body(name, joint, mass, {x, y, 0}, diagonal(I / 2, I / 2, I)); };
     b.joint(hinge("beta", "", about_z));
     body("K1", "beta", 0.04325, 2.194e-6, ra, 0);
     b.joint(hinge("theta", "beta", about_z, at(rr, 0, 0)));

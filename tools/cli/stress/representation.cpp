@@ -1,4 +1,6 @@
 // Rotations near 0 and pi, joints without a third axis, bodies without inertia, other units.
+#include <span>
+
 #include "cases.hpp"
 #include "scene.hpp"
 
@@ -125,7 +127,7 @@ Outcome inertias() {
   say(wrong(true, 1, diagonal(-1, 1, 1), false));                    // a negative moment
   say(wrong(true, 1, diagonal(0, 1, 1), true));                      // a rod that flies freely: nothing resists its spin
   say(wrong(true, 1, diagonal(1, 1, 0), false));                     // a rod along its own hinge
-  // no masses are spread like that: the triangle inequality, of files (a builder's links may be parts of a body)
+  say(wrong(true, 1, diagonal(1, 1, 2.001), false));                 // no masses are spread like that: the triangle inequality; the same of files
   const auto refused = [](const std::string& text, const dyn::LoadOptions& options) {
     try {
       Model::load_string(text, options);
@@ -156,16 +158,20 @@ struct Units {
 };
 constexpr Units units[] = {{1, 1, 1}, {1e-6, 1, 1}, {1e6, 1, 1}, {1, 1e-9, 1}, {1, 1e9, 1}, {1e-6, 1e-9, 1e-3}, {1e6, 1e9, 1e3}};
 
+// Scaling by powers of two rounds nothing.
+constexpr double two_20 = 0x1p20, two_30 = 0x1p30, two_10 = 0x1p10;
+constexpr Units exact_units[] = {{1, 1, 1}, {1 / two_20, 1, 1}, {two_20, 1, 1}, {1, 1 / two_30, 1}, {1, two_30, 1}, {1 / two_20, 1 / two_30, 1 / two_10}, {two_20, two_30, two_10}};
+
 // q of joints of one coordinate, or of free flyers.
 template <class Scene>
-Outcome in_units(Scene&& scene) {
+Outcome in_units(Scene&& scene, std::span<const Units> others = units) {
   Outcome out;
   const Vector first = scene(units[0]);
-  for (const Units& u : units) {
+  for (const Units& u : others) {
     const Vector now = scene(u);
     for (std::size_t k = 0; k < first.size(); ++k) out.off_by(std::abs(now[k] - first[k]));
   }
-  out.reference = {first[0]}, out.result = {scene(units[5])[0]};
+  out.reference = {first[0]}, out.result = {scene(others[5])[0]};
   return out;
 }
 double gravity_in(const Units& u) { return g * u.length / (u.time * u.time); }
@@ -213,7 +219,7 @@ Outcome units_mechanism() {
 }
 
 // A ball that comes to roll, and boxes that slide against friction.
-Outcome sliding_in_units(int steps) {
+Outcome sliding_in_units(int steps, std::span<const Units> others = units) {
   return in_units([steps](const Units& u) {
     Builder b("sliding");
     b.gravity({0, 0, -gravity_in(u)});
@@ -234,11 +240,13 @@ Outcome sliding_in_units(int steps) {
     for (const std::size_t body : {0u, 7u, 14u})
       for (std::size_t k = 0; k < 3; ++k) out.push_back(play.q()[body + k] / L);
     return out;
-  });
+  }, others);
 }
 
 Outcome units_contact() { return sliding_in_units(100); }
-// Until all has come to rest.
+// Until all has come to rest: bit for bit, as no threshold anywhere has a unit.
+Outcome units_contact_exact() { return sliding_in_units(500, exact_units); }
+// The same in decimal units: what these round grows as it slides.
 Outcome units_contact_to_rest() { return sliding_in_units(500); }
 
 }  // namespace cli::stress

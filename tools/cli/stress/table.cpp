@@ -91,6 +91,7 @@ const std::vector<Case>& cases() {
       {"units-pendulum", "representation", "angles", "in metres", 1e-12, "lengths by 1e6, masses by 1e9, times by 1e3 either way", false, units_pendulum},
       {"units-mechanism", "representation", "angles", "in metres", 1e-12, "lengths by 1e6, masses by 1e9, times by 1e3 either way", false, units_mechanism},
       {"units-contact", "representation", "places / length", "in metres", 1e-12, "lengths by 1e6, masses by 1e9, times by 1e3 either way", false, units_contact},
+      {"units-contact-exact", "representation", "places / length", "in metres", 0, "the same to rest, by powers of two: bit for bit", false, units_contact_exact},
       {"units-contact-to-rest", "representation", "places / length", "in metres", 1e-12, "the same for 500 steps instead of 100", true, units_contact_to_rest},
 
       {"fcl-poses", "collision", "worst / allowed", "tests of FCL", 1, "poses that threw or hung elsewhere", false, fcl_poses},
