@@ -13,6 +13,7 @@ mkdir -p "$out"
 cmake -S tests/fuzz -B "$out" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" -DDYN_BUILD="$build" -DDYN_FUZZ_ARCH="$level" >"$out/log" 2>&1 &&
   cmake --build "$out" --parallel 2 >"$out/log" 2>&1 || { tail -n 40 "$out/log"; exit 1; }
 [ $# -gt 0 ] || set -- urdf srdf mjcf mesh dynb state calls
+export LD_LIBRARY_PATH=$build/lib  # of the module that reads meshes
 export UBSAN_OPTIONS=print_stacktrace=1 ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
 # compiled models as they are today
 mkdir -p "$out/found/dynb"
