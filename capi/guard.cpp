@@ -107,8 +107,8 @@ dynStatus check(const dynContactSolver* solver) { return check_magic(solver, liv
 dynStatus publish(ModelPtr model, dynModel** out) {
   dynModel* handle = new_model_handle();
   if (!handle) return fail(DYN_ERROR_MEMORY, "out of memory");
+  handle->in_place = reinterpret_cast<std::uintptr_t>(model.get());
   handle->m = model.release();
-  handle->in_place = 0;
   handle->magic = live_model;
   *out = handle;
   return DYN_OK;

@@ -148,7 +148,7 @@ dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options,
 }
 
 void dyn_model_free(dynModel* model) {
-  if (!model || model->magic != live_model || model->in_place) return;
+  if (!model || model->magic != live_model || model->in_place == 1) return;
   ModelDeleter{}(const_cast<Model*>(model->m.get()));
   free_handle(model);
 }

@@ -212,8 +212,9 @@ bool BlockChecker::elimination() {
     const Index p = parent[k];
     if (!require(p >= -1 && p < k, "the elimination tree") || !close(p, k)) return false;
     at = k;
-    carriers = m.has_mimic ? nv : std::max(carriers, std::min(nv, 2 * (m.dof_depth()[k] + 1)));
-    return require(m.dof_depth()[k] == (p >= 0 ? m.dof_depth()[p] + 1 : 0) && m.dof_run()[k] == (k > 0 && p == k - 1 ? m.dof_run()[k - 1] : k), "depths of the elimination tree");
+    const Index depth = p >= 0 ? m.dof_depth()[p] + 1 : 0;
+    carriers = m.has_mimic ? nv : std::max(carriers, std::min(nv, 2 * (depth + 1)));
+    return require(m.dof_depth()[k] == depth && m.dof_run()[k] == (k > 0 && p == k - 1 ? m.dof_run()[k - 1] : k), "depths of the elimination tree");
   });
   if (!ordered || !close(-1, nv) || !require(carriers == n.carriers, "depths of the elimination tree")) return false;
   if (!each(nv, [&](Index k) {

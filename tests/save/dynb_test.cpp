@@ -197,6 +197,22 @@ void fuzz_in_place(const Model& m, int every) {
 TEST(Dynb, WhatIsUsedInPlaceIsCheckedWhole) { fuzz_in_place(*furnished(), 16); }
 TEST(Dynb, WhatIsUsedInPlaceIsCheckedWholeWithMimic) { fuzz_in_place(*robot(std::string(DYN_MODELS_DIR) + "/robots/gripper.urdf", DYN_BASE_FIXED), 16); }
 
+// Found by fuzzing (under sanitizers): a depth whose double overflows.
+TEST(Dynb, DepthsOfTheEliminationTreeAreChecked) {
+  const ModelPtr m = furnished();
+  std::string file = bytes_of(*m);
+  const std::size_t at = sizeof(DynbHeader) + std::size_t(reinterpret_cast<const char*>(m->dof_depth()) - reinterpret_cast<const char*>(m.get()));
+  const std::unique_ptr<void, void (*)(void*)> memory(std::aligned_alloc(64, file.size()), std::free);
+  for (Index k = 0; k < m->n.nv; ++k) {
+    std::string bad = file;
+    const std::int32_t depth = 1577058305;
+    std::memcpy(bad.data() + at + 4 * std::size_t(k), &depth, 4);
+    load::seal_dynb(bad);
+    std::memcpy(memory.get(), bad.data(), bad.size());
+    EXPECT_STREQ("depths of the elimination tree", check_dynb(memory.get(), bad.size()).what);
+  }
+}
+
 // All that a builder makes is taken in place, and is the same model.
 TEST(Dynb, EveryModelIsTakenInPlace) {
   const auto expect_taken = [](const Model& m) {

@@ -263,9 +263,7 @@ def from_buffer(buffer) -> Model:
     of 64 bytes and must not change; the model keeps it alive."""
     memory, out = np.frombuffer(buffer, np.uint8), c_void_p()
     check(lib.dyn_model_from_buffer(memory.ctypes.data, memory.size, byref(out)))
-    model = Model(out.value)
-    model._buffer = memory
-    return model
+    return Model(out.value, memory)
 
 
 _integrate, _difference, _interpolate = lib.dyn_integrate, lib.dyn_difference, lib.dyn_interpolate
@@ -299,8 +297,8 @@ class Model(ModelConstraints, ModelActuators):
     are neutral or zero.
     """
 
-    def __init__(self, handle: int):
-        self._owner = Owner(handle, lib.dyn_model_free)
+    def __init__(self, handle: int, buffer: Any = None):
+        self._owner = Owner(handle, lib.dyn_model_free, buffer)
         self._m = handle
         self.nq: int = _size(lib.dyn_nq(handle))
         """Size of q."""

@@ -27,7 +27,7 @@ inline constexpr std::uint64_t live_model = 0x6c65646f6d6e7964u;
 struct dynModel {
   std::uint64_t magic;
   dyn::OffsetTo<dyn::Model> m;
-  std::uint64_t in_place;  // 1: in a buffer, which is not ours to free
+  std::uint64_t in_place;  // 1: in a buffer, which is not ours to free; else the block's address, which leak checkers look for
 };
 
 namespace dyn {
