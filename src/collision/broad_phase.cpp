@@ -137,6 +137,7 @@ bool BroadPhase::refit() {
 
 void BroadPhase::pack() {
   loose_count_ = 0;
+  candidates_valid_ = false;  // all fat boxes are others, also of boxes that have not left theirs
   if (refit()) return;
   // centres in cells of the cube about them
   auto center = [&](Index id, int i) { return std::clamp(tight_[id].lower[i] / 2 + tight_[id].upper[i] / 2, -1e30, 1e30); };

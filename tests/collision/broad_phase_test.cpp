@@ -122,6 +122,21 @@ TEST(BroadPhase, AllMoveForLong) {
   }
 }
 
+// All drift at speeds of their own, so that at any time few leave their fat boxes: after those of all were renewed, what has not left its own meets others, too.
+TEST(BroadPhase, AllDriftSlowly) {
+  Chance g{5};
+  Boxes b(220, 40000, 0.02);
+  std::vector<Vec> speed;
+  for (int k = 0; k < 220; ++k) b.insert(box_at(g, 0.7, 0.1)), speed.push_back(g.direction() * g.uniform(0, 4e-3));
+  for (int step = 0; step < 400; ++step) {
+    for (Index id = 0; id < 220; ++id) {
+      const Vec d = speed[std::size_t(id)] * (step % 200 < 100 ? 1 : -1);
+      b.update(id, {b.box[std::size_t(id)].lower + d, b.box[std::size_t(id)].upper + d});
+    }
+    ASSERT_EQ(b.expected(), b.found()) << step;
+  }
+}
+
 TEST(BroadPhase, InfiniteBoxesAndFullRoom) {
   Chance g{3};
   Boxes b(300, 40000, 0.01);
