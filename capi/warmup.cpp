@@ -51,7 +51,7 @@ extern "C" dynStatus dyn_warmup(const dynModel* model, dynData* data) {
   Call call(model, data, 0, "dyn_warmup");
   if (!call) return call.status;
   read(reinterpret_cast<const char*>(&call.m()), std::size_t(call.m().bytes));
-  detail::for_each_buffer(call.m(), call.d().parts, call.d(), [](auto* p, std::size_t count) { write(reinterpret_cast<char*>(p), count * sizeof *p); });
+  detail::for_each_buffer<DYN_PART_ALL>(call.m(), call.d().parts, call.d(), [](auto* p, std::size_t count) { write(reinterpret_cast<char*>(p), count * sizeof *p); });
   write(reinterpret_cast<char*>(data), sizeof *data);
   touch_stack(), touch_library();
   touch_last_error();

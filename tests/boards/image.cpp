@@ -32,7 +32,7 @@ void clock(const char* name, int calls, Call&& call) {
 
 }  // namespace
 
-int main() {
+int board::program() {
   if (const dyn::Damage damage = dyn::check_header(image, sizeof image)) return board::print(damage.what), board::print("\n"), 1;
   const dyn::Model& m = *reinterpret_cast<const dyn::DynbHeader*>(image)->handle.m;
   if (boards::DYN_WORK::bytes(m) > sizeof memory) return board::print("the data has no room\n"), 1;

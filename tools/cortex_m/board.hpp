@@ -24,6 +24,9 @@ inline void print(std::uint64_t n) {
   print(p);
 }
 
+// What runs, in the place of main.
+int program();
+
 // Bytes of stack since reset.
 std::uint32_t stack_used();
 

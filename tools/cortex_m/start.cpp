@@ -1,4 +1,4 @@
-// From reset to main, on any Cortex-M with an FPU: no heap, no files, no exceptions.
+// From reset to board::program, on any Cortex-M with an FPU: no heap, no files, no exceptions.
 #include <cstdint>
 
 #include "board.hpp"
@@ -7,7 +7,6 @@ extern "C" {
 extern char stack_top[], data_begin[], data_end[], data_image[], bss_begin[], bss_end[];
 extern void (*init_begin[])();
 extern void (*init_end[])();
-int main();
 void reset();
 }
 
@@ -45,5 +44,5 @@ void reset() {
   const char here = 0;
   for (volatile std::uint32_t* to = stack_bottom(); reinterpret_cast<std::uintptr_t>(to) + 64 < reinterpret_cast<std::uintptr_t>(&here); ++to) *to = paint;
   for (void (**f)() = init_begin; f < init_end; ++f) (*f)();
-  board::exit(main());
+  board::exit(board::program());
 }
