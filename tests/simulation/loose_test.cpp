@@ -53,7 +53,8 @@ TEST(Loose, TakeNoRecursion) {
   EXPECT_LT(loose, 0.7 * double(others));
 }
 
-// A ball that rolls, its centre of mass beside its middle, on the ground and into a box.
+// A ball that rolls, its centre of mass beside its middle, on the ground and into a box: alike to rounding until it is there. Then the box slides, and
+// how its four corners share its weight, which nothing determines, turns it.
 TEST(Loose, TouchAsByTheRecursion) {
   const auto make = [] {
     Scene scene;
@@ -62,13 +63,17 @@ TEST(Loose, TouchAsByTheRecursion) {
     return scene.finish();
   };
   Play a(make()), b(make());
+  for (Play* x : {&a, &b}) {
+    x->options.tolerance = 1e-12;
+    ASSERT_EQ(DYN_OK, dyn_data_set_step_options(x->m, x->d, &x->options));
+  }
   const Numbers at = {0, 0, 0.1, 0, 0, 0, 1, 0.35, 0, 0.1, 0, 0, 0, 1}, v = {1, 0, 0, 0, 10, 0, 0, 0, 0, 0, 0, 0};
   a.set(at, v), b.set(at, v), take_recursion(b);
   int met = 0;
   for (int k = 0; k < 300; ++k) {
     a.steps(1), b.steps(1);
     met += a.contacts().size() > 5;
-    for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_NEAR(b.q[i], a.q[i], 1e-7) << k << " " << i;
+    for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_NEAR(b.q[i], a.q[i], met ? 1e-6 : 1e-12) << k << " " << i;
   }
   EXPECT_GT(met, 0);
 }

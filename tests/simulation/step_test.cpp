@@ -261,10 +261,10 @@ TEST(Step, AccuracyPassesImpactsWithoutNumber) {
     std::int64_t steps = 0;
     for (int k = 0; k < 100; ++k) {
       EXPECT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.01)) << dyn_last_error();
-      EXPECT_LT(play.report().steps + play.report().rejected, 600) << k;
+      EXPECT_LT(play.report().steps + play.report().rejected, 3000) << k;  // by which corner hits first 100 to 1,400; stalled, 1e5
       steps += play.report().steps, estimate += play.report().error_estimate;
     }
-    EXPECT_LT(steps, 2500) << accuracy;
+    EXPECT_LT(steps, 6000) << accuracy;
     EXPECT_LT(estimate, 100 * 3 * accuracy);  // of a hundred calls
     for (int k = 0; k < 12; ++k) EXPECT_NEAR(0, play.v[k], 3 * accuracy) << k;
     return Numbers(play.q, play.q + 14);
