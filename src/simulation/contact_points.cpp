@@ -180,7 +180,7 @@ struct Search {
       distance = sqrt(dot(to, to)) - a.reach - reach;
     }
     const Wide near = min(min(reach, a.reach) * 0.02, within_reach(w, h, fast)), margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (1.5 * h);
-    const unsigned lanes = (1u << std::min(row.count - k, Wide::lanes)) - 1, far = bits_of(distance > margin);
+    const unsigned lanes = (1u << std::min<Index>(row.count - k, Wide::lanes)) - 1, far = bits_of(distance > margin);
     if (w.clearance.possible) {
       const Wide left = distance - near;
       for_each_bit(far & lanes, [&](int l) { between = std::min(between, left[l]); });

@@ -196,7 +196,7 @@ void find_rest(const Model& m, Data<double>& d, const double* v0, const double* 
   // what they exert is what it was, if inputs have not changed
   const auto island = [&](const dynContactForce& f) { return w.laws[&f - w.contacts].island; };
   const auto stood = [&](const dynContactForce& f) { return (z.flags[island(f)] & (at_rest | still_before)) == (at_rest | still_before); };
-  const auto force = [](const dynContactForce& f, int i) { return i < 3 ? f.force_on_b[i] : f.moment_on_b[i - 3]; };
+  const auto force = [](const dynContactForce& f, int i) { return (i < 3 ? f.force_on_b : f.moment_on_b)[i % 3]; };
   bool some = false;
   for (Index k = 0; k < w.contact_count; ++k) {
     if (!stood(w.contacts[k])) continue;
