@@ -23,7 +23,7 @@ enum class Meeting { Nothing, Rows, Correction, Sleeper };
 // From the free velocity to that at the end of the step. Correction: the configuration is to be corrected, too, by s.f. Sleeper: something that
 // sleeps was met, and nothing done.
 template <class T>
-Meeting meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+DYN_INLINE Meeting meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if constexpr (std::is_same_v<T, double>) {
     simulation::Workspace& w = *d.step;
     w.slot_count = 0;
