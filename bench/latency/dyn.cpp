@@ -37,6 +37,8 @@ int main(int argc, char** argv) {
   dynModel* m = load(argv[4], DYN_BASE_UNSPECIFIED);
   dynData* d = nullptr;
   check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_warmup(m, d));
+  std::vector<double> q(static_cast<std::size_t>(dyn_nq(m)));
+  check(dyn_configuration(m, "qpos0", q.data())), check(dyn_data_set_state(m, d, q.data(), nullptr, nullptr, nullptr));
   std::vector<char> start(dyn_state_size(m));
   for (int k = 0; k < 200; ++k) check(dyn_step(m, d));  // it has landed
   check(dyn_state_save(m, d, start.data(), start.size()));
