@@ -9,6 +9,7 @@ columns say as much about the machine as about the library: the system takes the
 
 import argparse
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -16,6 +17,9 @@ import mujoco
 import pinocchio
 
 BENCH = Path(__file__).resolve().parent
+sys.path.insert(0, str(BENCH / "peers"))
+from build_pinocchio import DEFINES  # noqa: E402
+
 MODELS = BENCH.parent / "models/robots"
 SCENE = """<mujoco><worldbody><geom type="plane" size="5 5 1"/>{}</worldbody></mujoco>""".format("".join(
     f'<body pos="{0.11 * (k % 2)} 0 {0.06 + 0.1 * (k // 2)}"><freejoint/><geom type="box" size=".05 .05 .05"/></body>' for k in range(8)))  # fmt: skip
@@ -48,7 +52,7 @@ def main():
             subprocess.run([str(options.dyn.parent / "dyn"), "convert", str(urdf), base, str(xmls[-1])], check=True, capture_output=True)
         ours = run(options.dyn, options.calls, *urdfs, folder / "scene.xml")
         theirs = run(build("mujoco.cpp", folder, f"-I{package}/include", next(package.glob("libmujoco.so*")), f"-Wl,-rpath,{package}"), options.calls, *xmls, folder / "scene.xml")
-        pin = run(build("pinocchio.cpp", folder, f"-I{prefix}/include", f"-I{prefix}/include/eigen3", "-DPINOCCHIO_ENABLE_COMPATIBILITY_WITH_VERSION_2", f"-L{prefix}/lib",
+        pin = run(build("pinocchio.cpp", folder, f"-I{prefix}/include", "-I/usr/include/eigen3", *DEFINES, f"-L{prefix}/lib",
                         "-lpinocchio_default", "-lpinocchio_parsers", f"-Wl,-rpath,{prefix}/lib"), options.calls, *urdfs)  # fmt: skip
     print(f"Microseconds: p50, p99, p99.99, maximum of {options.calls:,} calls (MuJoCo {mujoco.__version__}, Pinocchio {pinocchio.__version__}).\n")
     print("| call | libdyn | MuJoCo | Pinocchio |\n|---|---|---|---|")

@@ -169,12 +169,6 @@ DYN_INLINE void for_each_acting(const Loose& l, F&& f) {
 
 }  // namespace
 
-Index count_loose(const Model& m) {
-  Index count = 0;
-  for_each_loose(m, [&](Index) { ++count; });
-  return count;
-}
-
 void set_up_loose(const Model& m, Loose& l) {
   std::fill_n(l.number, m.n.bodies, -1);
   l.count = 0;

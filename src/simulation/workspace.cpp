@@ -21,7 +21,7 @@ void for_each_array(const Model& m, Sleep& z, F&& f) {
 
 template <class F>
 void for_each_array(const Model& m, Loose& l, F&& f) {
-  const std::ptrdiff_t count = count_loose(m);
+  const std::ptrdiff_t count = m.n.curved;  // free flyers are among them: rooms follow from sizes alone (plan.cpp)
   if (count == 0) return;
   f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.acting, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.pushed, count);
   f(l.number, m.n.bodies), f(l.trees, m.n.bodies);

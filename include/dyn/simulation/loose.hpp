@@ -44,7 +44,6 @@ struct Loose {
 
 struct Workspace;
 
-Index count_loose(const Model& m);
 void set_up_loose(const Model& m, Loose& l);
 // After trees fell asleep or woke.
 void list_loose(const Model& m, Workspace& w);
