@@ -14,7 +14,7 @@ threads; a Data is what it is doing, one for each thread. Every call releases th
 from . import accuracy, constraint, ik
 from .actuator import Actuator
 from .arrays import Placement
-from .batch import ALGORITHMS, Algorithm, Batch
+from .batch import ALGORITHMS, Algorithm, Batch, Rollout
 from .builder import Builder
 from .centroidal import Centroidal, CentroidalDerivatives
 from .collision import Distance, shape_distance
@@ -72,6 +72,7 @@ from .enums import (
     Reference,
     ReportLevel,
     RowVerdict,
+    SensorType,
     ShapeRole,
     ShapeType,
     Status,
@@ -82,6 +83,7 @@ from .errors import (
     ArgumentError,
     BaseChoiceError,
     BusyError,
+    CancelledError,
     Error,
     FileError,
     HandleError,
@@ -142,6 +144,7 @@ __all__ = [
     "BroadPhase",
     "Builder",
     "BusyError",
+    "CancelledError",
     "CenterOfMassVelocityDerivatives",
     "Centroidal",
     "CentroidalDerivatives",
@@ -208,9 +211,11 @@ __all__ = [
     "Reference",
     "ReportEntry",
     "ReportLevel",
+    "Rollout",
     "RowVerdict",
     "SecondOrderDerivatives",
     "SecondOrderProduct",
+    "SensorType",
     "ShapeInfo",
     "ShapeRole",
     "ShapeType",
