@@ -11,7 +11,7 @@ q = [position; quaternion] and v = [linear; angular] in the body's frame. A Mode
 threads; a Data is what it is doing, one for each thread. Every call releases the GIL. Errors are dyn.Error.
 """
 
-from . import accuracy, constraint, ik
+from . import accuracy, batch, constraint, ik
 from .actuator import Actuator
 from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch, Rollout
@@ -123,6 +123,7 @@ from .loading import from_buffer, load, load_string
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
 from .model import Model
+from .simulate import Simulation, Trajectory
 from .simulation import ContactForce, ErrorLedger, StepReport
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
@@ -219,6 +220,7 @@ __all__ = [
     "ShapeInfo",
     "ShapeRole",
     "ShapeType",
+    "Simulation",
     "SizeError",
     "SmoothDistances",
     "StaleError",
@@ -230,9 +232,11 @@ __all__ = [
     "StrictError",
     "SweepStatus",
     "Term",
+    "Trajectory",
     "UnknownNameError",
     "UnsupportedError",
     "accuracy",
+    "batch",
     "body_regressor",
     "build_info",
     "constraint",
