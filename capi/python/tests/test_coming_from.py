@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 from conftest import CAPI, MODELS
 
-import dyn
-
 GOLDEN = CAPI.parent / "tests/golden/coming_from.json"
 PEERS = {"Pinocchio": "pinocchio", "MuJoCo": "mujoco", "Drake": "pydrake"}
 
