@@ -45,7 +45,9 @@ bool leave_idle(const Model& m, Data<double>& d, Index begin, Index end) {
 void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
-  if (sweeps_alone()) {
+  if (bounces && large()) {
+    bounce(report);
+  } else if (sweeps_alone()) {
     sweep_alone(report);
   } else if (!stays(report) && !(!bounces && sparse() && newton(report, false))) {
     if (large() || (!bounces && sparse())) sweep_to_rest(report);
