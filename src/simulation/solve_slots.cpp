@@ -46,12 +46,15 @@ void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
   if (stays(report)) {
+  } else if (w.time_is_up()) {
+    sweep_to_rest(report);
   } else if (!bounces && !sweeps_alone() && sparse() && newton(report, false)) {
     velocities();
   } else {
+    const auto unsolved = [&] { return !sweeps_alone() && report.residual > w.options.tolerance && !w.time_is_up(); };
     if (large() || (!bounces && (sweeps_alone() || sparse()))) sweep_to_rest(report);
-    if (!large() && !sweeps_alone() && report.residual > w.options.tolerance) solve(report);
-    if (!bounces && !sweeps_alone() && report.residual > w.options.tolerance && report.residual < nearly) sweep_on(report);
+    if (!large() && unsolved()) solve(report);
+    if (!bounces && unsolved() && report.residual < nearly) sweep_on(report);
   }
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
@@ -128,7 +131,7 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
     island.add(impulse);
     corrected |= island.correct(displacement);
     w.report.iterations += report.iterations + report.newton_steps;
-    w.report.residual = std::max(w.report.residual, report.residual);
+    w.report.residual = std::max(w.report.residual, report.residual), w.report.unsolved += report.residual > w.options.tolerance;
   });
   if (corrected)
     with_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { std::fill(dq + t.v, dq + t.v_end, 0.0); }); });
