@@ -1,4 +1,4 @@
-// When a call's time is used up. The clock is the monotonic one, which Linux reads without a system call; without a budget nothing reads it.
+// When a call's time is used up. The clock is the monotonic one, which most machines read without a system call; without a budget nothing reads it.
 #pragma once
 
 #include <algorithm>

@@ -6,7 +6,7 @@ namespace {
 
 constexpr double mu = 0.5;
 
-// Layers of boxes, each over the gaps of the one below, pushed aside: one island with many contacts.
+// Layers of boxes, each over the gaps of the one below: one island with many contacts.
 struct Wall {
   Scene scene;
   std::vector<std::array<double, 3>> at;
@@ -22,6 +22,11 @@ struct Wall {
 
 struct Pile : Play {
   explicit Pile(int layers, dynContactSolverType solver, double restitution = 0) : Pile(Wall(layers, restitution), solver) {}
+  void kick() {
+    Numbers u(v, v + dyn_nv(m));
+    for (std::size_t k = 0; k < u.size(); ++k) u[k] += 0.1 * std::sin(2.7 * double(k));
+    set({}, u);
+  }
   void budget(int iterations, double seconds) {
     options.max_iterations = iterations, options.time_budget = seconds;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options)) << dyn_last_error();
@@ -30,9 +35,8 @@ struct Pile : Play {
  private:
   Pile(Wall wall, dynContactSolverType solver) : Play(wall.scene.finish(), 1e-3, solver) {
     place(wall.at);
-    Numbers v(std::size_t(dyn_nv(m)));
-    for (std::size_t k = 0; k < v.size(); ++k) v[k] = 0.3 * std::sin(double(k) + 1);
-    set({}, v);
+    steps(5);
+    kick();
   }
 };
 
@@ -66,9 +70,10 @@ TEST(Anytime, MoreIterationsMakeItNoWorse) {
         if (before == HUGE_VAL) first = r.residual;
         before = r.residual;
       }
+      EXPECT_GT(first, 1e-6) << layers << " " << solver;  // one is not enough
       EXPECT_LT(before, 0.1 * first) << layers << " " << solver;
-      if (solver != DYN_CONTACT_PGS) {
-        EXPECT_LE(before, 1e-9) << layers << " " << solver;
+      if (layers == 3 && solver != DYN_CONTACT_PGS) {
+        EXPECT_LE(before, 1e-9) << solver;
       }
     }
 }
@@ -80,11 +85,11 @@ TEST(Anytime, NoTimeIsOneSweep) {
       for (const dynContactSolverType solver : solvers) {
         Pile one(layers, solver, restitution), again(layers, solver, restitution), whole(layers, solver, restitution), free(layers, solver, restitution);
         one.budget(100, 1e-12), again.budget(100, 1e-12), whole.budget(100, 1e9);
-        for (int k = 0; k < 200; ++k) {
+        for (int k = 0; k < 100; ++k) {
           one.steps(1), again.steps(1);
           expect_in_cones(one);
           ASSERT_LE(one.report().iterations, 4 * one.report().islands) << k;  // sweeps of a guess that is nearly good are few
-          if (k < 20) whole.steps(1), free.steps(1);
+          if (k < 5) whole.steps(1), free.steps(1);
         }
         for (int k = 0; k < dyn_nq(one.m); ++k) {
           ASSERT_EQ(one.q[k], again.q[k]);
@@ -99,7 +104,7 @@ TEST(Anytime, ADeadlineWithinTheStep) {
   Pile pile(9, DYN_CONTACT_ADMM);
   for (const double seconds : {1e-6, 1e-5, 5e-5, 1e-4, 3e-4, 1e-3, 3e-3}) {
     pile.budget(100, seconds);
-    pile.steps(10);
+    pile.kick(), pile.steps(1);
     expect_in_cones(pile);
   }
 }
