@@ -246,9 +246,10 @@ void Island::sweep_alone(dynContactReport& report) {
   const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double tolerated = w.options.tolerance * speed();
   sweep.start(), prepare_cones();
-  while (report.iterations < w.options.max_iterations) {
+  for (bool last = false; !last;) {
     const double changed = sweep();
-    if (++report.iterations < w.options.max_iterations && changed > tolerated) continue;
+    last = ++report.iterations >= w.options.max_iterations || w.time_is_up();
+    if (!last && changed > tolerated) continue;
     const double left = sweep.residual();
     report.residual = left > 0 ? left / speed() : 0;
     if (left <= tolerated) break;
@@ -261,31 +262,34 @@ void Island::sweep_to_rest(dynContactReport& report) {
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
   prepare_cones();
-  // ever more of them before Newton's method has another try, and then from inside
+  // ever more of them before Newton's method has another try, and then from inside; one at least, for the guess need not be in its cones
   Index tries = 0;
-  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_go_on(report); some *= 2) {
-    for (Index k = 0; k < some && may_go_on(report); ++k) sweep(), ++report.iterations;
+  double best = HUGE_VAL;  // residual of what is kept
+  const auto may_sweep = [&] { return report.iterations == 0 || may_go_on(report); };
+  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_sweep(); some *= 2) {
+    for (Index k = 0; k < some && may_sweep(); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
     if (report.residual <= w.options.tolerance || newton(report, ++tries >= 2)) break;
+    if (report.residual < best) best = report.residual, std::copy_n(lambda, rows, kept);
     sweep.start();
   }
+  if (report.residual > best) report.residual = best, std::copy_n(kept, rows, lambda);
 }
 
 void Island::sweep_on(dynContactReport& report) {
-  double* const best = w.newton_vectors;
   const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   prepare_cones();
-  std::copy_n(lambda, rows, best);
-  for (int worse = 0, k = 0; worse < 3 && k < 50 && report.residual > w.options.tolerance; ++k) {
+  std::copy_n(lambda, rows, kept);
+  for (Index worse = 0, k = 0; worse < 3 && k < w.options.max_iterations / 2 && report.residual > w.options.tolerance && !w.time_is_up(); ++k) {
     sweep.start();
     for (int i = 0; i < 20; ++i) sweep();
     report.iterations += 20;
     const double now = sweep.residual() / most;
     worse = now < 0.9 * report.residual ? 0 : worse + 1;
-    if (now < report.residual) report.residual = now, std::copy_n(lambda, rows, best);
+    if (now < report.residual) report.residual = now, std::copy_n(lambda, rows, kept);
   }
-  std::copy_n(best, rows, lambda);
+  std::copy_n(kept, rows, lambda);
 }
 
 // Enough for corrections, of which the next steps make more. by_dof is zero.
