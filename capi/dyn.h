@@ -1405,12 +1405,17 @@ typedef struct dynStepOptions {
                                by order 8, with integrator RK45 by order 5, through contact by order 3. What grows by itself (chaos) grows beyond. default 0: steps of dt */
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
   int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin
-                               again from nothing, and then the other one is asked. Islands of more than 240 rows may take three times as many */
+                               again from nothing, and then the other one is asked. Islands of more than 240 rows may take three times as many, except
+                               PGS. Where that is not enough, the best impulses that were found act: in their cones, with their residual in the report */
   double tolerance;         /* of its residual (dynContactReport); default 1e-9 */
   double sleep_speed;       /* m/s, rad/s, > 0; default 1e-4: see below */
   double sleep_time;        /* s, > 0; default 0.5 */
   int32_t visit_sleepers;   /* not 0: steps compute what sleeps all the same, and end at the same bits; default 0 */
   int32_t ledger;           /* not 0: steps keep the error ledger (dyn_data_ledger), for DYN_PART_ENERGY; default 0, which costs nothing */
+  double time_budget;       /* s, of the solver, all islands of a step of dt together, from the step's beginning on: when it is used up, the best impulses so far
+                               act, as with max_iterations, of islands that were not begun those of one sweep from the step before. What is begun is
+                               ended: a sweep, a factorization; finding contacts and forward dynamics take what they take. Steps that follow from
+                               accuracy have no such limit. The only option that lets answers depend on a clock; default 0: none, and no clock is read */
 } dynStepOptions;
 /* Sleep (DYN_EFFECT_SLEEPING, which is off in new data): in Euler steps (SEMI_IMPLICIT_EULER and IMPLICIT_FAST, not of error control) a tree of bodies comes to
    rest when it was slower than sleep_speed for sleep_time, and so was all that contacts, limits and constraints join it to, its island. A step that would
@@ -1445,7 +1450,7 @@ typedef struct dynStepReport {
   double residual;         /* largest of the contact solver */
   double penetration;      /* m, largest depth at the beginning of a step, of what is awake */
   int32_t sleeping;        /* islands that slept in the last step */
-  int32_t reserved;
+  int32_t unsolved;        /* islands whose residual stayed above the tolerance, in all steps: max_iterations or time_budget were not enough */
 } dynStepReport;
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
 

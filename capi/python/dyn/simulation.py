@@ -48,6 +48,8 @@ class StepReport(NamedTuple):
     """m, largest depth at the beginning of a step, of what is awake."""
     sleeping: int
     """Islands that slept in the last step."""
+    unsolved: int
+    """Islands whose residual stayed above the tolerance, in all steps: iterations or time were not enough."""
 
 
 class ErrorLedger(NamedTuple):
@@ -126,15 +128,17 @@ class Stepping:
         sleep_time: float | None = None,
         visit_sleepers: bool | None = None,
         ledger: bool | None = None,
+        time_budget: float | None = None,
     ) -> None:
         """How step and advance go: by which integrator, in steps of dt seconds or (accuracy > 0, advance alone) of those that take
-        the sum of their errors to at most accuracy; which contact solver, to which residual, in how many iterations; with the effect SLEEPING
+        the sum of their errors to at most accuracy; which contact solver, to which residual, in how many iterations, and in what time (s a step; 0: any;
+        what was found until then acts, see step_report.unsolved); with the effect SLEEPING
         how slow (m/s, rad/s) and for how long (s) what may sleep has been, and whether steps compute it all the same; whether they keep the error ledger, for data
         with the part ENERGY. None leaves a value as it is."""
         options = self.stepping
         fill_stepping(
             options, integrator, dt=dt, accuracy=accuracy, solver=solver, tolerance=tolerance, max_iterations=max_iterations,
-            sleep_speed=sleep_speed, sleep_time=sleep_time, visit_sleepers=visit_sleepers, ledger=ledger,
+            sleep_speed=sleep_speed, sleep_time=sleep_time, visit_sleepers=visit_sleepers, ledger=ledger, time_budget=time_budget,
         )  # fmt: skip
         check(lib.dyn_data_set_step_options(self._m, self._d, byref(options)))
 
