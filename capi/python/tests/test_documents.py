@@ -54,7 +54,7 @@ def test_links(path):
 
 
 # names of examples, of what is made, and of what other packages hold
-MADE_UP = re.compile(r"^(build|PWD|/tmp|/usr|/ws|DIR|mujoco|NAME|<)|package:|\.\.\./|\bgo2\.xml|robot\.|arm\.|scene\.|out\.csv")
+MADE_UP = re.compile(r"^(build|PWD|/tmp|/usr|/ws|DIR|mujoco|NAME|<)|package:|\.\.\./|\bgo2\.xml|robot\.|arm\.|scene\.|out\.csv|NAME\.")
 FILE = re.compile(r"(?<![\w/.<$-])((?:[\w.-]+/)+[\w.-]+\.(?:py|cpp|hpp|h|c|sh|urdf|svg|png|md|def|xml|cmake|ld|lua|rb|pl|rs|go))\b")
 
 
@@ -218,3 +218,17 @@ def test_exercises_are_there():
     assert set(re.findall(r"\b(test_\w+)\b", page)) <= there
     assert {p.name for p in (CAPI / "python" / "examples").glob("*.py")} <= set(re.findall(r"(\w+\.py)\)", page)), "every example is in the table"
     assert os.listdir(CAPI / "examples")
+
+
+def test_recipes_name_what_is_there():
+    """Files and identifiers of CONTRIBUTING's recipes, wherever in the source they are."""
+    text = (ROOT / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    kinds = (".hpp", ".cpp", ".h", ".def", ".py")
+    source = "\n".join(
+        p.read_text(encoding="utf-8", errors="replace") for d in ("include", "src", "capi", "tests", "tools", "bench") for p in (ROOT / d).rglob("*") if p.suffix in kinds
+    )
+    for name in set(re.findall(r"`([A-Za-z_][\w:]*)`", text)):
+        assert re.search(rf"\b{name.split('::')[-1]}", source), f"CONTRIBUTING.md speaks of {name}, which is nowhere"
+    below = [ROOT, CAPI, CAPI / "pages", ROOT / "include/dyn", ROOT / "include/dyn/algorithm", ROOT / "include/dyn/joint", ROOT / "include/dyn/constraint", ROOT / "tools/cli"]
+    for name in set(re.findall(r"`([\w./]+\.(?:hpp|cpp|h|def|py|md|sh))`", text)):
+        assert name.split("/")[-1].startswith("NAME.") or any((b / name).exists() for b in below), f"CONTRIBUTING.md names {name}, which is not there"
