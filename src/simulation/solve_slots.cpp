@@ -45,12 +45,16 @@ bool leave_idle(const Model& m, Data<double>& d, Index begin, Index end) {
 void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
-  if (sweeps_alone()) {
+  if (bounces && large()) {
+    bounce(report);
+  } else if (sweeps_alone()) {
     sweep_alone(report);
-  } else if (!stays(report) && !(!bounces && sparse() && newton(report, false))) {
-    if (large() || (!bounces && sparse())) sweep_to_rest(report);
-    if (!large() && report.residual > w.options.tolerance) solve(report);
-    if (!bounces && report.residual > w.options.tolerance && report.residual < nearly) sweep_on(report);
+  } else if (!stays(report) && (w.time_is_up() || bounces || !sparse() || !newton(report, false))) {
+    const auto unsolved = [&] { return report.residual > w.options.tolerance && !w.time_is_up(); };
+    if (w.time_is_up()) rebound(1), sweep_to_rest(report);
+    else if (large() || (!bounces && sparse())) sweep_to_rest(report);
+    if (!large() && unsolved()) solve(report);
+    if (!bounces && unsolved() && report.residual < nearly) sweep_on(report);
     residual();  // by_dof and c of the best
   }
   for (Index k = 0; k < slots; ++k) {
@@ -126,7 +130,7 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
     if (w.ledger.open) enter_rows(island);
     island.by_dof = displacement, corrected |= island.correct();
     w.report.iterations += report.iterations + report.newton_steps;
-    w.report.residual = std::max(w.report.residual, report.residual);
+    w.report.residual = std::max(w.report.residual, report.residual), w.report.unsolved += report.residual > w.options.tolerance;
   });
   if (corrected)
     with_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { std::fill(dq + t.v, dq + t.v_end, 0.0); }); });

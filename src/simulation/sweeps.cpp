@@ -201,26 +201,55 @@ bool Island::stays(dynContactReport& report) {
   return report.residual <= w.options.tolerance;
 }
 
-// Where islands are too large for the guard of the whole matrix, restitution is by what bodies had before.
-void Island::rebound() {
+// Coefficients of restitution taken smaller by a factor.
+void Island::rebound(double factor) {
   for (Index k = 0, contact = 0; k < slots; ++k) {
     const ActiveSlot& a = slot(k);
     if (a.kind != RowKind::Contact) continue;
     const Index n = a.s->first + normal_row(a.s->rows);
-    if (restitution[contact] > 0) bias[n] = restitution[contact] * v_minus[n];
+    if (restitution[contact] > 0 && v_minus[n] < 0) bias[n] = factor * restitution[contact] * v_minus[n];
     ++contact;
   }
 }
 
+// The impulses do work, beyond what the tolerance leaves open, or nothing comes near a solution: as solver/solve.cpp refuses them.
+bool Island::gains(const dynContactReport& report) const {
+  double work = 0, size = 0;
+  for (Index i = 0; i < rows; ++i) work += lambda[i] * (g[i] + c[i]) / 2, size += std::abs(lambda[i] * g[i]);
+  return work > (1e-10 + 10 * w.options.tolerance) * size || report.residual > 1e-2;
+}
+
+// Islands too large for a matrix, with restitution: with as much of it as gains nothing.
+void Island::bounce(dynContactReport& report) {
+  Index iterations = 0, newton_steps = 0;
+  const auto refused = [&](double factor) {
+    report.iterations = report.newton_steps = 0;
+    rebound(factor);
+    sweeps_alone() ? sweep_alone(report) : sweep_to_rest(report);
+    residual();  // c of the best
+    iterations += report.iterations, newton_steps += report.newton_steps;
+    return gains(report);
+  };
+  if (refused(1)) {
+    double low = 0, high = 1;
+    while (high - low > 1e-2) {
+      const double factor = 0.5 * (low + high);
+      (refused(factor) ? high : low) = factor;
+    }
+    refused(low);
+  }
+  report.iterations = std::int32_t(iterations), report.newton_steps = std::int32_t(newton_steps);
+}
+
 // Until a sweep changes little, and then as long as the residual asks for more. One at least: cones have turned since the guess.
 void Island::sweep_alone(dynContactReport& report) {
-  rebound();
   const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double tolerated = w.options.tolerance * speed();
   sweep.start(), prepare_cones();
-  while (report.iterations < w.options.max_iterations) {
+  for (bool last = false; !last;) {
     const double changed = sweep();
-    if (++report.iterations < w.options.max_iterations && changed > tolerated) continue;
+    last = ++report.iterations >= w.options.max_iterations || w.time_is_up();
+    if (!last && changed > tolerated) continue;
     const double left = sweep.residual();
     report.residual = left > 0 ? left / speed() : 0;
     if (left <= tolerated) break;
@@ -228,37 +257,39 @@ void Island::sweep_alone(dynContactReport& report) {
 }
 
 void Island::sweep_to_rest(dynContactReport& report) {
-  rebound();
   const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
   prepare_cones();
-  // ever more of them before Newton's method has another try, and then from inside
+  // ever more of them before Newton's method has another try, and then from inside; one at least, for the guess need not be in its cones
   Index tries = 0;
-  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_go_on(report); some *= 2) {
-    for (Index k = 0; k < some && may_go_on(report); ++k) sweep(), ++report.iterations;
+  double best = HUGE_VAL;  // residual of what is kept
+  const auto may_sweep = [&] { return report.iterations == 0 || may_go_on(report); };
+  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_sweep(); some *= 2) {
+    for (Index k = 0; k < some && may_sweep(); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
     if (report.residual <= w.options.tolerance || newton(report, ++tries >= 2)) break;
+    if (report.residual < best) best = report.residual, std::copy_n(lambda, rows, kept);
     sweep.start();
   }
+  if (report.residual > best) report.residual = best, std::copy_n(kept, rows, lambda);
 }
 
 void Island::sweep_on(dynContactReport& report) {
-  double* const best = w.newton_vectors;
   const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   prepare_cones();
-  std::copy_n(lambda, rows, best);
-  for (int worse = 0, k = 0; worse < 3 && k < 50 && report.residual > w.options.tolerance; ++k) {
+  std::copy_n(lambda, rows, kept);
+  for (Index worse = 0, k = 0; worse < 3 && k < w.options.max_iterations / 2 && report.residual > w.options.tolerance && !w.time_is_up(); ++k) {
     sweep.start();
     for (int i = 0; i < 20; ++i) sweep();
     report.iterations += 20;
     const double now = sweep.residual() / most;
     worse = now < 0.9 * report.residual ? 0 : worse + 1;
-    if (now < report.residual) report.residual = now, std::copy_n(lambda, rows, best);
+    if (now < report.residual) report.residual = now, std::copy_n(lambda, rows, kept);
   }
-  std::copy_n(best, rows, lambda);
+  std::copy_n(kept, rows, lambda);
 }
 
 // Enough for corrections, of which the next steps make more. by_dof is zero.

@@ -24,12 +24,12 @@ struct Island {
 
   double* vector(int k) const { return w.vectors + k * row_room(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),
-         *upper = vector(7), *friction = vector(8), *torsion = vector(9), *rolling = vector(10), *restitution = vector(11);
+         *upper = vector(7), *friction = vector(8), *torsion = vector(9), *rolling = vector(10), *restitution = vector(11), *kept = vector(12);
 
   ActiveSlot& slot(Index k) const { return w.active[order[k]]; }
   std::ptrdiff_t stride() const { return row_room(rows); }
   bool large() const { return rows > island_rows(m); }
-  bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_PGS && (large() || !bounces); }  // restitution's guard is the matrix's
+  bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_PGS && (large() || !bounces); }  // of small ones restitution's guard is the matrix's
 
   // numbers and their meaning (island.cpp)
   void number();
@@ -49,12 +49,14 @@ struct Island {
   void prepare_blocks();
   void prepare_cones();
   bool stays(dynContactReport& report);
-  void rebound();
+  void rebound(double factor);
+  bool gains(const dynContactReport& report) const;
+  void bounce(dynContactReport& report);
   void sweep_alone(dynContactReport& report);
   void sweep_to_rest(dynContactReport& report);
   void sweep_on(dynContactReport& report);  // as long as that makes the residual smaller
   void sweep_apart();
-  bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < 3 * w.options.max_iterations; }  // as with the whole matrix
+  bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < 3 * w.options.max_iterations && !w.time_is_up(); }  // as with the whole matrix
   double residual() const;  // and by_dof and c of lambda
   double speed() const;  // largest velocity that is to change
 

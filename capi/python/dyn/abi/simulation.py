@@ -20,7 +20,7 @@ class StepOptions(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("integrator", c_int), ("dt", c_double), ("accuracy", c_double), ("solver", c_int),
         ("max_iterations", c_int32), ("tolerance", c_double), ("sleep_speed", c_double), ("sleep_time", c_double),
-        ("visit_sleepers", c_int32), ("ledger", c_int32),
+        ("visit_sleepers", c_int32), ("ledger", c_int32), ("time_budget", c_double),
     ]  # fmt: skip
 
 
@@ -29,7 +29,7 @@ class StepReport(Grown):
         ("struct_size", c_uint32), ("steps", c_int64), ("rejected", c_int64), ("evaluations", c_int64), ("time", c_double),
         ("smallest_dt", c_double), ("error_estimate", c_double), ("contacts", c_int32), ("rows", c_int32), ("islands", c_int32),
         ("dropped", c_int32), ("iterations", c_int64), ("residual", c_double), ("penetration", c_double),
-        ("sleeping", c_int32), ("reserved", c_int32),
+        ("sleeping", c_int32), ("unsolved", c_int32),
     ]  # fmt: skip
 
 
