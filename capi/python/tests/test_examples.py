@@ -1,6 +1,7 @@
 """Every example runs by itself, as a newcomer would run it, keeps what it claims (each asserts it), and prints what it found."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -43,3 +44,11 @@ def test_example(name):
     done = run(EXAMPLES / f"{name}.py", *arguments)
     assert done.returncode == 0, done.stdout + done.stderr
     assert said in done.stdout and not done.stderr
+
+
+def test_the_picture_of_the_readme(tmp_path):
+    pytest.importorskip("matplotlib")
+    done = run(CAPI.parent / "bench" / "picture.py", "--svg", str(tmp_path / "quadruped.svg"))
+    assert done.returncode == 0, done.stderr
+    carried, weight = (float(x) for x in re.search(r"carry ([\d.]+) N of ([\d.]+) N", done.stdout).groups())
+    assert abs(carried - weight) < 0.1 and (tmp_path / "quadruped.svg").stat().st_size > 10000
