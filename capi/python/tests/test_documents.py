@@ -111,6 +111,30 @@ def test_command(line, folder):
     assert done.stdout
 
 
+def scripts():
+    """Commands that run a script of the project: its file, and their options."""
+    for path in DOCUMENTS:
+        for line in {line for block in blocks(path) for line in block.splitlines()} | set(re.findall(r"`([^`\n]+)`", prose(path))):
+            for command in line.split("#")[0].split("&&"):
+                words = command.split()
+                file = next((w for w in words if re.fullmatch(r"(bench|tools|capi|tests|models)/[\w/.]+", w)), None)
+                if file and (ROOT / file).is_dir() and not (ROOT / file / "__main__.py").exists():
+                    continue  # a folder that is named
+                if file and (words[0] == file or any(w.startswith("python") for w in words[: words.index(file)])):
+                    yield path, file, [w.split("=")[0] for w in words[words.index(file) :] if w.startswith("--")]
+
+
+def test_scripts_have_the_options():
+    """What documents tell to run exists, and knows the options that it is given."""
+    found = list(scripts())
+    assert len(found) > 15
+    for path, file, options in found:
+        there = ROOT / file
+        source = (there / "__main__.py" if there.is_dir() else there).read_text(encoding="utf-8")
+        for option in options:
+            assert option in source, f"{path.name}: {file} has no {option}"
+
+
 # --------------------------------------------------------------------------------------------------- Python
 
 
