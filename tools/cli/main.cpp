@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   cli::add_convert(app);
   cli::add_bench(app);
   cli::add_stress(app);
+  cli::add_view(app);
   try {
     std::vector<std::string> names;
     for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
