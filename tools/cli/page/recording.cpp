@@ -9,7 +9,7 @@ namespace cli::page {
 
 namespace {
 
-constexpr std::size_t most_bytes = 2'200'000;
+constexpr std::size_t most_bytes = 2'400'000;
 constexpr double moment = 1.0 / 60;
 
 struct Pose {
@@ -98,7 +98,7 @@ void Recording::add(const Data& simulated, const Moment& m, const Ledger* ledger
 
 std::size_t Recording::numbers() const {
   const Sample& s = samples_.front();
-  const std::size_t each = 2 * (s.positions.size() + s.turns.size()) + 4 * (1 + 3 + s.q.size() + s.v.size() + s.tau.size() + s.actuators.size() + s.energy.size() + s.solver.size() + s.ledger.size());
+  const std::size_t each = 4 + 2 * (s.positions.size() + s.turns.size() + 3 + s.q.size() + s.v.size() + s.tau.size() + s.actuators.size() + s.energy.size() + s.solver.size() + s.ledger.size());
   return each * samples_.size() + 18 * contacts_;
 }
 
@@ -119,16 +119,17 @@ json Recording::packed(Pack& pack, json& notes) const {
     for (const Sample& s : samples_) out.insert(out.end(), (s.*what).begin(), (s.*what).end());
     return out;
   };
+  const std::size_t joints = static_cast<std::size_t>(robot_.njoints) - 1;
   Vector time;
   for (const Sample& s : samples_) time.push_back(s.time);
-  json out = {{"moments", samples_.size()}, {"time", pack.f32(time)}, {"positions", pack.q16(all(&Sample::positions))}, {"turns", pack.q16(all(&Sample::turns))}, {"com", pack.f32(all(&Sample::com))}};
+  json out = {{"moments", samples_.size()}, {"time", pack.f32(time)}, {"positions", pack.q16(all(&Sample::positions), 3 * joints)}, {"turns", pack.q16(all(&Sample::turns), 4 * joints)}, {"com", pack.q16(all(&Sample::com), 3)}};
   json plots = json::array();
   // columns of what, the first of them and as many as there are names
   const auto plot = [&](const char* title, const char* unit, const std::vector<std::string>& names, Vector Sample::*what, std::size_t first = 0) {
     if (names.empty()) return;
     Vector values;
     for (const Sample& s : samples_) values.insert(values.end(), (s.*what).begin() + static_cast<std::ptrdiff_t>(first), (s.*what).begin() + static_cast<std::ptrdiff_t>(first + names.size()));
-    plots.push_back({{"title", title}, {"unit", unit}, {"names", names}, {"values", pack.f32(values)}});
+    plots.push_back({{"title", title}, {"unit", unit}, {"names", names}, {"values", pack.q16(values, names.size())}});
   };
   plot("energy", "J", {"kinetic", "potential", "mechanical"}, &Sample::energy);
   plot("q", "rad, m", coordinate_names(robot_, true), &Sample::q);
@@ -153,7 +154,7 @@ json Recording::packed(Pack& pack, json& notes) const {
     }
     first.push_back(static_cast<std::uint32_t>(distance.size()));
   }
-  out["contacts"] = {{"first", pack.indices(first)}, {"position", pack.q16(position)}, {"force", pack.q16(force)}, {"distance", pack.q16(distance)}, {"shapes", pack.indices(shapes)}};
+  out["contacts"] = {{"first", pack.indices(first)}, {"position", pack.q16(position, 3)}, {"force", pack.q16(force, 3)}, {"distance", pack.q16(distance, 1)}, {"shapes", pack.indices(shapes)}};
   return out;
 }
 
