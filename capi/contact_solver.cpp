@@ -1,12 +1,12 @@
 // The contact problem alone: what a caller's problem may be, handles, and the calls.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
 #include <new>
 #include <tuple>
 
+#include "deadline.hpp"
 #include "dyn/solver/list.hpp"
 #include "dyn/solver/qp.hpp"
 #include "guard.hpp"
@@ -132,10 +132,6 @@ dynStatus check_report(const char* function, const dynContactReport* report) {
   return DYN_OK;
 }
 
-using Clock = std::chrono::steady_clock;
-
-bool past(const void* deadline) { return Clock::now() >= *static_cast<const Clock::time_point*>(deadline); }
-
 dynStatus check_max_rows(const char* function, int max_rows) {
   if (max_rows >= 1 && max_rows <= most_problem_rows) return DYN_OK;
   return fail(DYN_ERROR_LIMIT, "%s: max_rows is %d: give a number from 1 to %d", function, max_rows, most_problem_rows);
@@ -226,11 +222,8 @@ dynStatus dyn_contact_solve(dynContactSolver* solver, const dynContactProblem* p
 
   solver::Budget b;
   b.tolerance = o.tolerance, b.max_iterations = o.max_iterations, b.relaxation = o.relaxation, b.newton = o.newton, b.warm = o.warm_start;
-  Clock::time_point deadline;
-  if (o.time_budget > 0) {
-    deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(o.time_budget, 1e9)));
-    b.expired = past, b.clock = &deadline;
-  }
+  const Deadline deadline(o.time_budget);
+  if (o.time_budget > 0) b.expired = Deadline::past, b.clock = &deadline;
   dynContactReport answer{};
   answer.struct_size = report->struct_size;
   solver::solve(*problem, solver::solvers[o.solver], w, b, lambda, answer);

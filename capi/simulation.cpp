@@ -1,5 +1,6 @@
 // Steps.
 #include "collision.hpp"
+#include "deadline.hpp"
 #include "dyn/simulation/actuators.hpp"
 #include "dyn/simulation/ledger.hpp"
 #include "dyn/simulation/material.hpp"
@@ -51,9 +52,13 @@ void begin_report(Call& call) {
 dynStatus make_step(Call& call, const char* function, double h) {
   const Model& m = call.m();
   Data<double>& d = call.d();
+  simulation::Workspace& w = *d.step;
+  const Deadline deadline(w.options.time_budget);
+  if (w.options.time_budget > 0) w.expired = Deadline::past, w.clock = &deadline;
   simulation::begin_sleep(m, d, h);
   call.begin_step();
-  const Index answer = integrator::step(m, d, d.step->options.integrator, h, d.step->report);
+  const Index answer = integrator::step(m, d, w.options.integrator, h, w.report);
+  w.expired = nullptr;
   if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.take_back(), simulation::disturb(d), simulation::record_forces(m, d), status;
   call.end_step();
   simulation::end_sleep(m, d, h);
@@ -103,9 +108,12 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   if (!call.finite("sleep_speed", &options->sleep_speed, 1) || !call.finite("sleep_time", &options->sleep_time, 1)) return call.status;
   if (!(options->sleep_speed > 0 && options->sleep_time > 0))
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: sleep_speed is %g and sleep_time %g s: both must be positive", options->sleep_speed, options->sleep_time);
+  if (!call.finite("time_budget", &options->time_budget, 1)) return call.status;
+  if (!(options->time_budget >= 0))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: time_budget is %g s: give what the solver may take, or 0 for no limit", options->time_budget);
   const dynStepOptions& now = call.d().step->options;  // a step knows its length
   if (now.integrator != options->integrator || now.solver != options->solver || now.max_iterations != options->max_iterations || now.tolerance != options->tolerance ||
-      now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time)
+      now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time || now.time_budget != options->time_budget)
     simulation::disturb(call.d());
   if (options->ledger && !(call.d().parts & DYN_PART_ENERGY))
     return fail(DYN_ERROR_PART, "dyn_data_set_step_options: ledger needs data with DYN_PART_ENERGY");

@@ -106,16 +106,14 @@ void Island::solve(dynContactReport& best) {
   std::int32_t iterations = 0, newton_steps = 0;
   for (const auto& t : tries) {
     solver::Budget b;
-    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm;
+    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm, b.expired = w.expired, b.clock = w.clock;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;
     if (report.residual < best.residual) best = report, solver::unscale(p, w.solver.problem, w.solver.y, lambda);
-    if (best.residual <= w.options.tolerance || w.options.solver == DYN_CONTACT_PGS) break;
+    if (best.residual <= w.options.tolerance || w.options.solver == DYN_CONTACT_PGS || w.time_is_up()) break;
   }
   best.iterations = iterations, best.newton_steps = newton_steps;
-  p.bias = nullptr, p.compliance = nullptr;
-  solver::velocity(p, lambda, c);
 }
 
 // lambda of the least displacement that takes away what bias says is wrong, without friction.
@@ -128,7 +126,7 @@ void Island::displace() {
   }
   const dynContactProblem p = problem(*this);
   solver::Budget b;
-  b.tolerance = 1e-6, b.max_iterations = w.options.max_iterations;
+  b.tolerance = 1e-6, b.max_iterations = w.options.max_iterations, b.expired = w.expired, b.clock = w.clock;
   dynContactReport report{};
   solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
   solver::unscale(p, w.solver.problem, w.solver.y, lambda);

@@ -45,13 +45,17 @@ bool leave_idle(const Model& m, Data<double>& d, Index begin, Index end) {
 void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
-  if (stays(report)) {
-  } else if (!bounces && !sweeps_alone() && sparse() && newton(report, false)) {
-    velocities();
-  } else {
-    if (large() || (!bounces && (sweeps_alone() || sparse()))) sweep_to_rest(report);
-    if (!large() && !sweeps_alone() && report.residual > w.options.tolerance) solve(report);
-    if (!bounces && !sweeps_alone() && report.residual > w.options.tolerance && report.residual < nearly) sweep_on(report);
+  if (bounces && large()) {
+    bounce(report);
+  } else if (sweeps_alone()) {
+    sweep_alone(report);
+  } else if (!stays(report) && (w.time_is_up() || bounces || !sparse() || !newton(report, false))) {
+    const auto unsolved = [&] { return report.residual > w.options.tolerance && !w.time_is_up(); };
+    if (w.time_is_up()) rebound(1), sweep_to_rest(report);
+    else if (large() || (!bounces && sparse())) sweep_to_rest(report);
+    if (!large() && unsolved()) solve(report);
+    if (!bounces && unsolved() && report.residual < nearly) sweep_on(report);
+    residual();  // by_dof and c of the best
   }
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
@@ -68,7 +72,7 @@ void Island::impulses(dynContactReport& report) {
 }
 
 // What would be wrong at the end of the step, without friction; where steps follow from an accuracy, it is where the step ends (integrator/extrapolated.hpp).
-bool Island::correct(double* by_dof) {
+bool Island::correct() {
   const double most = fastest_correction * h, ahead = w.closed > 0 ? 0 : h;
   double largest = 0;
   auto part = [&](double wrong) { return std::clamp(share * wrong, -most, most); };
@@ -100,8 +104,7 @@ bool Island::correct(double* by_dof) {
   }
   if (!(largest > slop)) return false;
   if (large() || equalities == 0) sweep_apart();
-  else displace();
-  add(by_dof);
+  else displace(), add(by_dof);
   return true;
 }
 
@@ -123,12 +126,11 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
     Island island{m, d, w, w.order + begin, end - begin, h, v_before};
     island.number(), island.fill();
     dynContactReport report{};
-    island.impulses(report);
+    island.by_dof = impulse, island.impulses(report);
     if (w.ledger.open) enter_rows(island);
-    island.add(impulse);
-    corrected |= island.correct(displacement);
+    island.by_dof = displacement, corrected |= island.correct();
     w.report.iterations += report.iterations + report.newton_steps;
-    w.report.residual = std::max(w.report.residual, report.residual);
+    w.report.residual = std::max(w.report.residual, report.residual), w.report.unsolved += report.residual > w.options.tolerance;
   });
   if (corrected)
     with_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { std::fill(dq + t.v, dq + t.v_end, 0.0); }); });

@@ -75,15 +75,16 @@ void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, c
     run(factor);
     iterations += b.iterations, newton_steps += b.newton_steps;
   };
-  if (p.bounces && run.refused()) {
+  const auto late = [&] { return b.status == DYN_CONTACT_TIME; };  // what there is has to do
+  if (p.bounces && run.refused() && !late()) {
     b.warm = false;
     double low = 0, high = 1;
-    while (high - low > 1e-2) {
+    while (high - low > 1e-2 && !late()) {
       const double factor = 0.5 * (low + high);
       again(factor);
       (run.refused() ? high : low) = factor;
     }
-    again(low);
+    if (!late()) again(low);
   }
   b.iterations = iterations, b.newton_steps = newton_steps;
   out.status = b.status, out.iterations = b.iterations, out.newton_steps = b.newton_steps, out.factorizations = b.factorizations;

@@ -92,6 +92,9 @@ TEST(Stepping, BadOptions) {
   expect(DYN_ERROR_NONFINITE, options_of(DYN_RK4, inf), "dt");
   expect(DYN_ERROR_ARGUMENT, options_of(DYN_RK4, 1, -1e-3), "accuracy");
   expect(DYN_ERROR_NONFINITE, options_of(DYN_RK4, 1, nan), "accuracy");
+  dynStepOptions budget = options_of(DYN_RK4, 1);
+  budget.time_budget = -1e-3, expect(DYN_ERROR_ARGUMENT, budget, "time_budget");
+  budget.time_budget = nan, expect(DYN_ERROR_NONFINITE, budget, "time_budget");
   dynStepOptions small = options_of(DYN_RK4, 1);
   small.struct_size = 4;
   expect(DYN_ERROR_SIZE, small, "struct_size");

@@ -1,12 +1,17 @@
 #!/usr/bin/env bash
 # Builds the fuzzers with clang and runs each for some seconds, from tests/fuzz/corpus and what earlier runs found (build/fuzz/found).
-#   run.sh BUILD [SECONDS each] [NAME...]     BUILD: a build of the library, with libdyn.a; without clang: 77
+#   run.sh [--all] BUILD [SECONDS each] [NAME...]     BUILD: a build of the library, with libdyn.a; without clang: 77
+# --all: the builder, the algorithms and the C interface are watched, too (it takes some minutes to compile them so)
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+all=OFF out=$PWD/build/fuzz
+if [ "$1" = --all ]; then
+  shift
+  all=ON out=$PWD/build/fuzz_all
+fi
 build=$(cd "$1" && pwd) seconds=${2:-10}
 shift $(($# < 2 ? $# : 2))
 command -v clang++ >/dev/null || { echo "clang++ is not installed"; exit 77; }
-out=$PWD/build/fuzz
 level=$(sed -n 's/^DYN_ARCH:STRING=//p' "$build/CMakeCache.txt")
 [ "$level" != native ] || level=$(sed -n 's/.*-march=\(x86-64-v[234]\).*/\1/p' "$build/build.ninja" | head -1)
 archive=$build/lib/libdyn.a
@@ -15,7 +20,7 @@ for variant in "$build"/lib/glibc-hwcaps/*/libdyn.a; do
   [ ! -e "$variant" ] || { archive=$variant level=$(basename "$(dirname "$variant")"); }
 done
 mkdir -p "$out"
-cmake -S tests/fuzz -B "$out" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" -DDYN_BUILD="$build" -DDYN_FUZZ_ARCH="$level" -DDYN_ARCHIVE="$archive" >"$out/log" 2>&1 &&
+cmake -S tests/fuzz -B "$out" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" -DDYN_BUILD="$build" -DDYN_FUZZ_ALL=$all -DDYN_FUZZ_ARCH="$level" -DDYN_ARCHIVE="$archive" >"$out/log" 2>&1 &&
   cmake --build "$out" --parallel 2 >"$out/log" 2>&1 || { tail -n 40 "$out/log"; exit 1; }
 [ $# -gt 0 ] || set -- urdf srdf mjcf mesh dynb state calls
 export LD_LIBRARY_PATH=$build/lib  # of the module that reads meshes

@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 #include <execinfo.h>
 #include <pthread.h>
+#include <semaphore.h>
 
 #include <cerrno>
 #include <cstdarg>
@@ -84,11 +85,21 @@ void free(void* p) {
   __libc_free(p);
 }
 
-using Lock = int (*)(pthread_mutex_t*);
-int pthread_mutex_lock(pthread_mutex_t* m) {
-  static const Lock real = reinterpret_cast<Lock>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
-  return count(locks), real(m);
-}
+// Locks of every kind, and what waits or wakes.
+#define DYN_COUNTED(name, Object)                                                    \
+  int name(Object* x) {                                                              \
+    static const auto real = reinterpret_cast<int (*)(Object*)>(dlsym(RTLD_NEXT, #name)); \
+    return count(locks), real(x);                                                    \
+  }
+DYN_COUNTED(pthread_mutex_lock, pthread_mutex_t)
+DYN_COUNTED(pthread_mutex_trylock, pthread_mutex_t)
+DYN_COUNTED(pthread_rwlock_rdlock, pthread_rwlock_t)
+DYN_COUNTED(pthread_rwlock_wrlock, pthread_rwlock_t)
+DYN_COUNTED(pthread_cond_signal, pthread_cond_t)
+DYN_COUNTED(pthread_cond_broadcast, pthread_cond_t)
+DYN_COUNTED(sem_wait, sem_t)
+DYN_COUNTED(sem_post, sem_t)
+#undef DYN_COUNTED
 
 using Call = long (*)(long, long, long, long, long, long, long);
 long syscall(long number, ...) {

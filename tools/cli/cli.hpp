@@ -167,5 +167,6 @@ void add_accuracy(CLI::App& app);
 void add_stress(CLI::App& app);
 void add_view(CLI::App& app);
 void add_convert(CLI::App& app);
+void add_manual(CLI::App& app);
 
 }  // namespace cli

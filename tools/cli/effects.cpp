@@ -28,7 +28,7 @@ Rollout roll_out(const Robot& robot, const State& state, const SteppingOptions& 
   for (int run = 0; run < 2; ++run) {  // the first one also warms caches
     const Data data(robot, DYN_PART_SIMULATION, on);
     set_start(robot, data, state);
-    set_stepping(robot, data, integrator_named(options.integrator).id, options.dt, 0, {solver_named(options.solver).id, options.tolerance});
+    set_stepping(robot, data, integrator_named(options.integrator).id, options.dt, 0, {solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget});
     const double* q = state_view(robot, data, "q");
     const long long every = std::max(schedule.steps / samples, 1LL);
     const InstructionCounter counter;

@@ -158,7 +158,7 @@ json error_estimate(const Robot& robot, const State& state, dynIntegrator integr
   set_start(robot, fine, state);
   Progress progress(schedule.steps);
   for (long long i = 0; i < schedule.steps; ++i) {
-    set_stepping(robot, fine, integrator, schedule.length(i) / 2, 0, solver);
+    set_stepping(robot, fine, integrator, schedule.length(i) / 2, 0, {solver.type, solver.tolerance});
     for (int half = 0; half < 2; ++half)
       if (dyn_step(robot, fine) != DYN_OK) {
         warnings.push_back(std::string("no error estimate: the run at half the step failed: ") + dyn_last_error());
@@ -209,7 +209,7 @@ void run(const Options& options) {
   check_stepping(options);
   if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) bad_usage("--accuracy must be a positive number.");
   const auto& integrator = integrator_named(options.integrator);
-  const ContactSolver solver{solver_named(options.solver).id, options.tolerance};
+  const ContactSolver solver{solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget};
   const std::uint32_t on = parse_effects(options.effects);
   const bool adaptive = options.accuracy > 0;
   const bool page = !options.html.empty();
@@ -273,7 +273,7 @@ void run(const Options& options) {
   if (watch_limits) limits.look(q, *time, warnings);
   Clock::duration wall{};
   double drift_max = 0, estimate = 0;
-  long long steps = 0, evaluations = 0, dropped = 0;
+  long long steps = 0, evaluations = 0, dropped = 0, unsolved = 0;
   int contacts_max = 0, rows_max = 0, sleeping = 0;
   double penetration_max = 0, residual_max = 0;
   {
@@ -289,7 +289,7 @@ void run(const Options& options) {
       report.struct_size = sizeof report;
       check(dyn_data_step_report(robot, data, &report));
       if (keep_ledger) ledger.add(robot, data);
-      steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped;
+      steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped, unsolved += report.unsolved;
       sleeping = report.sleeping;
       contacts_max = std::max(contacts_max, report.contacts), rows_max = std::max(rows_max, report.rows);
       penetration_max = std::max(penetration_max, report.penetration), residual_max = std::max(residual_max, report.residual);
@@ -319,6 +319,7 @@ void run(const Options& options) {
   answer["contacts_max"] = contacts_max;
   answer["penetration_max"] = penetration_max;
   answer["residual_max"] = residual_max;
+  answer["unsolved"] = unsolved;
   answer["sleeping"] = sleeping;
   answer["integrator"] = adaptive && integrator.id != DYN_RK45 ? "reference" : options.integrator;  // whose methods an accuracy takes
   answer["solver"] = rows_max > 0 ? options.solver : "none";
@@ -333,6 +334,7 @@ void run(const Options& options) {
     answer["error_estimate"] = error_estimate(robot, state, integrator.id, integrator.order, solver, on, schedule, q_end.data(), warnings);
     answer["error_estimate_method"] = "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
   }
+  if (unsolved) warnings.push_back(std::to_string(unsolved) + " contact problems ended above --tolerance: their impulses are the best that --max-iterations and --time-budget left room for");
   if (dropped) warnings.push_back("there was no room for " + std::to_string(dropped) + " contact points in all steps: the shallowest were left out");
   if (options.ledger) answer["ledger"] = ledger.answer();
   answer["effects"] = effects(robot, on);

@@ -58,7 +58,7 @@ const Solver& solver_named(const std::string& name) {
 void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver, bool ledger) {
   dynStepOptions options;
   dyn_step_options_init(&options);
-  options.solver = solver.type, options.tolerance = solver.tolerance;
+  options.solver = solver.type, options.tolerance = solver.tolerance, options.max_iterations = solver.max_iterations, options.time_budget = solver.time_budget;
   options.integrator = integrator, options.dt = dt, options.accuracy = accuracy, options.ledger = ledger;
   check(dyn_data_set_step_options(robot, data, &options));
 }
@@ -68,6 +68,8 @@ void add_stepping_options(CLI::App& command, SteppingOptions& options) {
   command.add_option("--integrator", options.integrator, "semi_implicit_euler, rk4, implicit_fast, implicit_midpoint, rk45 or reference")->capture_default_str();
   command.add_option("--solver", options.solver, "Of contacts, limits and constraints: pgs, admm or newton")->capture_default_str();
   command.add_option("--tolerance", options.tolerance, "Residual that it goes on to")->capture_default_str();
+  command.add_option("--max-iterations", options.max_iterations, "Of it, an island and step: then the best impulses so far act")->capture_default_str();
+  command.add_option("--time-budget", options.time_budget, "Seconds that it may take a step, likewise; 0: no limit, and the same result every time")->capture_default_str();
   command.add_flag("--ground", options.ground, "Adds the half-space below z = 0; without a state the robot starts on it");
   add_state_options(command, options.state, false);
   command.add_option("--configuration", options.configuration, "Start in this configuration of the file; default: qpos0 of an MJCF file, else neutral")->check(not_empty);
@@ -79,6 +81,8 @@ void check_stepping(const SteppingOptions& options) {
   if (!(options.duration > 0) || !std::isfinite(options.duration)) bad_usage("--duration must be a positive number of seconds.");
   if (!(options.dt > 0) || !std::isfinite(options.dt)) bad_usage("--dt must be a positive number of seconds.");
   if (!(options.tolerance > 0) || !std::isfinite(options.tolerance)) bad_usage("--tolerance must be a positive number.");
+  if (options.max_iterations < 1) bad_usage("--max-iterations must be 1 or more.");
+  if (!(options.time_budget >= 0) || !std::isfinite(options.time_budget)) bad_usage("--time-budget must be a number of seconds, 0 or more.");
   check_lists(options.state);
   parse_list("--ctrl", options.ctrl);
 }

@@ -11,10 +11,12 @@ q = [position; quaternion] and v = [linear; angular] in the body's frame. A Mode
 threads; a Data is what it is doing, one for each thread. Every call releases the GIL. Errors are dyn.Error.
 """
 
-from . import accuracy, constraint, ik
+from . import accuracy, batch, constraint, ik
+from .actuator import Actuator
 from .arrays import Placement
-from .batch import ALGORITHMS, Algorithm, Batch
+from .batch import ALGORITHMS, Algorithm, Batch, Rollout
 from .builder import Builder
+from .centroidal import Centroidal, CentroidalDerivatives
 from .collision import Distance, shape_distance
 from .contact import (
     BroadPhase,
@@ -40,22 +42,10 @@ from .contact_solver import (
     friction_cone_qp,
 )
 from .convert import State, StateLayout
-from .data import (
-    FIELDS,
-    CenterOfMassVelocityDerivatives,
-    Centroidal,
-    CentroidalDerivatives,
-    Data,
-    Energy,
-    FieldInfo,
-    ForwardDerivatives,
-    FrameAccelerationDerivatives,
-    FrameVelocityDerivatives,
-    InverseDerivatives,
-    SecondOrderDerivatives,
-    SecondOrderProduct,
-)
-from .actuator import Actuator
+from .data import Data
+from .derivatives import ForwardDerivatives, InverseDerivatives, SecondOrderDerivatives, SecondOrderProduct
+from .describe import DisabledPair, FrameInfo, JointInfo, Pair, ReportEntry, ShapeInfo
+from .dynamics import Energy
 from .enums import (
     ActuatorType,
     Angle,
@@ -82,6 +72,7 @@ from .enums import (
     Reference,
     ReportLevel,
     RowVerdict,
+    SensorType,
     ShapeRole,
     ShapeType,
     Status,
@@ -92,6 +83,7 @@ from .errors import (
     ArgumentError,
     BaseChoiceError,
     BusyError,
+    CancelledError,
     Error,
     FileError,
     HandleError,
@@ -113,6 +105,7 @@ from .errors import (
     UnknownNameError,
     UnsupportedError,
 )
+from .fields import FIELDS, FieldInfo
 from .inertia import (
     body_regressor,
     is_physically_consistent,
@@ -122,12 +115,15 @@ from .inertia import (
     parameters_from_pseudo_inertia,
     pseudo_inertia_from_parameters,
 )
+from .kinematics import CenterOfMassVelocityDerivatives, FrameAccelerationDerivatives, FrameVelocityDerivatives
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
+from .loading import from_buffer, load, load_string
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
-from .model import DisabledPair, FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, from_buffer, load, load_string
+from .model import Model
+from .simulate import Simulation, Trajectory
 from .simulation import ContactForce, ErrorLedger, StepReport
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
@@ -149,6 +145,7 @@ __all__ = [
     "BroadPhase",
     "Builder",
     "BusyError",
+    "CancelledError",
     "CenterOfMassVelocityDerivatives",
     "Centroidal",
     "CentroidalDerivatives",
@@ -215,12 +212,15 @@ __all__ = [
     "Reference",
     "ReportEntry",
     "ReportLevel",
+    "Rollout",
     "RowVerdict",
     "SecondOrderDerivatives",
     "SecondOrderProduct",
+    "SensorType",
     "ShapeInfo",
     "ShapeRole",
     "ShapeType",
+    "Simulation",
     "SizeError",
     "SmoothDistances",
     "StaleError",
@@ -232,9 +232,11 @@ __all__ = [
     "StrictError",
     "SweepStatus",
     "Term",
+    "Trajectory",
     "UnknownNameError",
     "UnsupportedError",
     "accuracy",
+    "batch",
     "body_regressor",
     "build_info",
     "constraint",

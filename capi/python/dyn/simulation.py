@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import abi
+from .choices import member
 from .contact import Contact, to_contact
 from .enums import ContactSolverType, Integrator
+from .errors import ArgumentError
 from .library import check, fail, lib
 from .material import Material
-from .model import member
 
 _INTEGRATORS: dict[Any, int] = {key: int(i) for i in Integrator for key in (i, i.name, i.name.lower())}
 _step = lib.dyn_step
@@ -47,6 +48,8 @@ class StepReport(NamedTuple):
     """m, largest depth at the beginning of a step, of what is awake."""
     sleeping: int
     """Islands that slept in the last step."""
+    unsolved: int
+    """Islands whose residual stayed above the tolerance, in all steps: iterations or time were not enough."""
 
 
 class ErrorLedger(NamedTuple):
@@ -94,6 +97,21 @@ class ContactForce(NamedTuple):
     """(3,): N m, world: of torsion and rolling."""
 
 
+def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, **numbers: Any) -> None:
+    """What is not None of the arguments of Stepping.set_stepping."""
+    if integrator is not None:
+        kind = _INTEGRATORS.get(integrator)
+        options.integrator = member(Integrator, integrator, "integrator") if kind is None else kind
+    if solver is not None:
+        options.solver = member(ContactSolverType, solver, "solver")
+    for name, x in numbers.items():
+        if x is not None:
+            try:
+                setattr(options, name, x)
+            except TypeError:
+                raise ArgumentError(f"{name} is {x!r}, but must be a number.") from None
+
+
 class Stepping:
     """The part of Data that moves it in time."""
 
@@ -110,33 +128,18 @@ class Stepping:
         sleep_time: float | None = None,
         visit_sleepers: bool | None = None,
         ledger: bool | None = None,
+        time_budget: float | None = None,
     ) -> None:
         """How step and advance go: by which integrator, in steps of dt seconds or (accuracy > 0, advance alone) of those that take
-        the sum of their errors to at most accuracy; which contact solver, to which residual, in how many iterations; with the effect SLEEPING
+        the sum of their errors to at most accuracy; which contact solver, to which residual, in how many iterations, and in what time (s a step; 0: any;
+        what was found until then acts, see step_report.unsolved); with the effect SLEEPING
         how slow (m/s, rad/s) and for how long (s) what may sleep has been, and whether steps compute it all the same; whether they keep the error ledger, for data
         with the part ENERGY. None leaves a value as it is."""
         options = self.stepping
-        if integrator is not None:
-            kind = _INTEGRATORS.get(integrator)
-            options.integrator = member(Integrator, integrator, "integrator") if kind is None else kind
-        if dt is not None:
-            options.dt = dt
-        if accuracy is not None:
-            options.accuracy = accuracy
-        if solver is not None:
-            options.solver = member(ContactSolverType, solver, "solver")
-        if tolerance is not None:
-            options.tolerance = tolerance
-        if max_iterations is not None:
-            options.max_iterations = max_iterations
-        if sleep_speed is not None:
-            options.sleep_speed = sleep_speed
-        if sleep_time is not None:
-            options.sleep_time = sleep_time
-        if visit_sleepers is not None:
-            options.visit_sleepers = visit_sleepers
-        if ledger is not None:
-            options.ledger = ledger
+        fill_stepping(
+            options, integrator, dt=dt, accuracy=accuracy, solver=solver, tolerance=tolerance, max_iterations=max_iterations,
+            sleep_speed=sleep_speed, sleep_time=sleep_time, visit_sleepers=visit_sleepers, ledger=ledger, time_budget=time_budget,
+        )  # fmt: skip
         check(lib.dyn_data_set_step_options(self._m, self._d, byref(options)))
 
     @property

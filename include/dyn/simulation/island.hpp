@@ -18,17 +18,18 @@ struct Island {
   const double* v_before;
   Index rows = 0, equalities = 0, boxes = 0, contacts = 0;
   bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
+  double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double fast = 0;     // the largest rate of its rows, where steps follow from an accuracy
   Index eliminated = 0;  // -1: does not fit
 
   double* vector(int k) const { return w.vectors + k * row_room(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),
-         *upper = vector(7), *friction = vector(8), *torsion = vector(9), *rolling = vector(10), *restitution = vector(11);
+         *upper = vector(7), *friction = vector(8), *torsion = vector(9), *rolling = vector(10), *restitution = vector(11), *kept = vector(12);
 
   ActiveSlot& slot(Index k) const { return w.active[order[k]]; }
   std::ptrdiff_t stride() const { return row_room(rows); }
   bool large() const { return rows > island_rows(m); }
-  bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_PGS && (large() || !bounces); }  // restitution's guard is the matrix's
+  bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_PGS && (large() || !bounces); }  // of small ones restitution's guard is the matrix's
 
   // numbers and their meaning (island.cpp)
   void number();
@@ -48,18 +49,21 @@ struct Island {
   void prepare_blocks();
   void prepare_cones();
   bool stays(dynContactReport& report);
+  void rebound(double factor);
+  bool gains(const dynContactReport& report) const;
+  void bounce(dynContactReport& report);
+  void sweep_alone(dynContactReport& report);
   void sweep_to_rest(dynContactReport& report);
   void sweep_on(dynContactReport& report);  // as long as that makes the residual smaller
   void sweep_apart();
-  bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < 3 * w.options.max_iterations; }  // as with the whole matrix
-  double residual() const;
+  bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < 3 * w.options.max_iterations && !w.time_is_up(); }  // as with the whole matrix
+  double residual() const;  // and by_dof and c of lambda
   double speed() const;  // largest velocity that is to change
-  void velocities() const;
 
   // lambda, c = G lambda + g; the corrections of position: bias is what is wrong, g zero, lambda the displacement (solve_slots.cpp)
   void impulses(dynContactReport& report);
   void add(double* by_dof) const;
-  // z = Y^T lambda of a slot's rows, cleared before where slots carry, and G lambda in lanes
+  // z = 0 where slots carry; z += Y^T by of a slot's rows; G lambda in lanes
   void clear(double* z) const;
   DYN_INLINE void pass(const ActiveSlot& a, const double* by, double* z) const {
     visit_rows(a.s->rows, [&]<int rows>() DYN_INLINE_LAMBDA {
@@ -79,7 +83,7 @@ struct Island {
     for (Index n = 0; n < a.s->support; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
     return sum;
   }
-  bool correct(double* by_dof);
+  bool correct();
 };
 
 }  // namespace dyn::simulation

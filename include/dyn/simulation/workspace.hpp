@@ -64,7 +64,7 @@ struct NewtonSlot {
   double stiffness[most_rows];       // of unknowns: impulse by velocity
   double law[most_rows][most_rows];  // the same of rows: impulse (first index) by velocity
 };
-inline constexpr int island_vectors = 12, newton_vectors = 17;
+inline constexpr int island_vectors = 13, newton_vectors = 17;
 
 // Two shapes that may meet, a < b, and the number of their pair, if it is listed.
 struct NearPair {
@@ -100,6 +100,9 @@ struct Ledger {
 struct Workspace {
   dynStepOptions options;
   dynStepReport report;  // of the last call that made steps
+  bool (*expired)(const void*);  // null: the step has no deadline
+  const void* clock;
+  bool time_is_up() const { return expired && expired(clock); }
   Index contact_count, before_count, kept_count;
   double passed, late;     // since they were set to 0, at most: how far, m, rad, and how long, s, what was met had been nearer than closed
   double closed;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
