@@ -92,8 +92,10 @@ function startRecorded(view) {
     inspector.show({ q: recording.row("q", k), v: recording.row("v", k), tau: recording.row("tau", k), contacts: recording.contactsAt(k) });
     for (const plot of plots) plot.values(k);
   };
-  player.seek(recording.start);
-  player.play(true);
+  // page.html#t=0.35 stands still at that moment
+  const moment = Number(new URLSearchParams(location.hash.slice(1)).get("t") ?? NaN);
+  player.seek(Number.isFinite(moment) ? moment : recording.start);
+  player.play(!Number.isFinite(moment));
   draw(scene, (now) => {
     player.tick((now - before) / 1000);
     before = now;
