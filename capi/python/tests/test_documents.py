@@ -87,7 +87,7 @@ def commands():
 
 
 # what takes long, or files that are a user's own; such lines are tried with --help alone
-LONG = re.compile(r"dyn (stress( |$)(?!.*--list)|bench|view|accuracy)|arm\.urdf|F\b|FILE|\(some of")
+LONG = re.compile(r"dyn (stress( |$)(?!.*--list)|bench|view|accuracy)|--html|arm\.urdf|F\b|FILE|\(some of")
 
 
 @pytest.fixture
