@@ -1,15 +1,14 @@
 #!/usr/bin/env python3
-"""Compare distance queries with Coal, MuJoCo and libccd on the same poses in one run, and write the table of the README.
+"""Compare distance queries with Coal, MuJoCo and libccd on the same poses in one run, and write the table (pages.py).
 
-Usage:  collision.py [--python PY] [--library FILE] [--out DIR] [--adversarial N] [--readme FILE] [--json FILE] [--pair PART]
+Usage:  collision.py [--python PY] [--library FILE] [--out DIR] [--adversarial N] [--json FILE] [--pair PART]
 
   --python PY       Python with the wheels coal (with headers) and mujoco; both are installed into it when missing (default
                     build/peers/bin/python)
   --library FILE    libdyn.a to link (default build/release/lib/libdyn.a, or the newest variant beside it)
   --out DIR         where the program goes (default build/peers-bin)
   --adversarial N   poses of each adversarial kind and pair (default 60)
-  --pair PART       pairs whose name holds PART alone; the README is left as it is
-  --readme FILE     where the table goes, between <!-- bench collision --> and <!-- /bench --> (default README.md)
+  --pair PART       pairs whose name holds PART alone; the table is left as it is
   --json FILE       the figures as well
 
 The program (bench/peers/collision) is built with g++ -O3 -march=native; libccd is the system's (libccd-dev). Under load:
@@ -20,13 +19,13 @@ import datetime
 import json
 import math
 import os
-import re
 import statistics
 import subprocess
 import sys
 from pathlib import Path
 
 import compare
+import pages
 
 PROJECT = Path(__file__).resolve().parent.parent
 SOURCES = sorted((PROJECT / "bench/peers/collision").glob("*.cpp"))
@@ -116,7 +115,6 @@ def main():
     p.add_argument("--out", type=Path, default=PROJECT / "build/peers-bin")
     p.add_argument("--adversarial", type=int, default=60)
     p.add_argument("--pair", default="")
-    p.add_argument("--readme", type=Path, default=PROJECT / "README.md")
     p.add_argument("--json", type=Path)
     args = p.parse_args()
     found = sorted((PROJECT / "build/release/lib").rglob("libdyn.a"))
@@ -140,11 +138,7 @@ def main():
     if args.json:
         args.json.write_text(json.dumps(rows, indent=1) + "\n")
     if not args.pair:
-        pattern = re.compile(r"(<!-- bench collision -->\n).*?(<!-- /bench -->)", re.S)
-        content = args.readme.read_text(encoding="utf-8")
-        if not pattern.search(content):
-            die(f"{args.readme} has no markers <!-- bench collision --> ... <!-- /bench -->")
-        args.readme.write_text(pattern.sub(lambda m: f"{m[1]}{text}\n\n```\npython3 bench/collision.py\n```\n{m[2]}", content), encoding="utf-8")
+        pages.write("collision", f"{text}\n\n```\npython3 bench/collision.py\n```")
     print(text)
 
 

@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
 """Instructions of a step, scene by scene, beside MuJoCo's of the same files: what is absent, far or switched off should take none.
 
-    python bench/effects.py [--count build/release/bin/dyn_count_steps] [--readme README.md]
+    python bench/effects.py [--count build/release/bin/dyn_count_steps] [--write]
 
-Needs the package mujoco and a C++ compiler. Instructions are counted one by one (ptrace) in the sixth step from the start; writes the table
-between <!-- bench effects --> and <!-- /bench -->, or prints it.
+Needs the package mujoco and a C++ compiler. Instructions are counted one by one (ptrace) in the sixth step from the start. Prints the table;
+--write puts it in its place (pages.py).
 """
 
 import argparse
-import re
 import subprocess
 import tempfile
 from pathlib import Path
 
 import mujoco
+import pages
 
 BENCH = Path(__file__).resolve().parent
 
@@ -44,17 +44,12 @@ def table(count):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=Path, default=BENCH.parent / "build/release/bin/dyn_count_steps")
-    parser.add_argument("--readme", type=Path)
+    parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
     text = f"Instructions of a step (`python bench/effects.py`; MuJoCo {mujoco.__version__} with its options as they are by default).\n\n{table(options.count)}\n"
-    if not options.readme:
-        print(text)
-        return
-    readme = options.readme.read_text()
-    found, n = re.subn(r"(<!-- bench effects -->\n).*?(<!-- /bench -->)", lambda m: m[1] + text + m[2], readme, flags=re.S)
-    if not n:
-        parser.error(f"{options.readme} has no <!-- bench effects -->")
-    options.readme.write_text(found)
+    print(text)
+    if options.write:
+        pages.write("effects", text)
 
 
 if __name__ == "__main__":

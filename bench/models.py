@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Tries every robot file of some packages: all URDFs of example-robot-data, all MJCF files of mujoco and of unpacked wheels.
 
-Usage:  models.py [--more DIR]... [--readme [FILE]] [--csv FILE]
+Usage:  models.py [--more DIR]... [--write] [--csv FILE]
 
   --more DIR       a folder of unpacked wheels (dm_control, gymnasium_robotics, robosuite ...): each folder in it is a package
-  --readme [FILE]  writes the table between <!-- bench models --> and <!-- /bench --> (default README.md)
+  --write          puts the table in its place (pages.py)
   --csv FILE       every file with what became of it
 
 Needs packages example-robot-data and mujoco, and pin to say what else loads a refused URDF. Parts that other files include are left out.
@@ -23,6 +23,7 @@ PROJECT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(PROJECT / "capi" / "python"))
 
 import dyn  # noqa: E402
+import pages  # noqa: E402
 
 
 def packages(more):
@@ -113,7 +114,7 @@ def table(rows):
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--more", action="append", default=[])
-    p.add_argument("--readme", nargs="?", type=Path, const=PROJECT / "README.md")
+    p.add_argument("--write", action="store_true")
     p.add_argument("--csv", type=Path)
     args = p.parse_args()
     warnings.simplefilter("ignore")
@@ -125,13 +126,9 @@ def main():
             writer = csv.DictWriter(f, rows[0].keys())
             writer.writeheader()
             writer.writerows(rows)
-    if args.readme:
-        content = args.readme.read_text(encoding="utf-8")
-        pattern = re.compile(r"(<!-- bench models -->\n).*?(<!-- /bench -->)", re.S)
-        if not pattern.search(content):
-            sys.exit(f"{args.readme} has no markers <!-- bench models --> ... <!-- /bench -->")
-        command = "python3 bench/models.py --readme" + " --more DIR" * bool(args.more)
-        args.readme.write_text(pattern.sub(lambda m: f"{m[1]}{text}\n\n```\n{command}\n```\n{m[2]}", content), encoding="utf-8")
+    if args.write:
+        command = "python3 bench/models.py --write" + " --more DIR" * bool(args.more)
+        pages.write("models", f"{text}\n\n```\n{command}\n```")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Measure libdyn and write the tables and the plot of the README.
+"""Measure libdyn and write its tables into README.md and capi/pages (pages.py), and the plot.
 
 Usage:  report.py [--sections speed,instructions,scaling,python] [--dyn EXE] [--pinocchio EXE ...] [--python PY]
-                  [--runs N] [--seconds S] [--readme FILE] [--json FILE]
+                  [--runs N] [--seconds S] [--json FILE]
 
   speed         time of every algorithm over that of the fastest build of Pinocchio (compare.py), and its plot (plot.py)
   instructions  instructions of a call, by single steps (dyn_bench --count), beside time and operations counted from the
@@ -15,7 +15,6 @@ Usage:  report.py [--sections speed,instructions,scaling,python] [--dyn EXE] [--
   --pinocchio EXE  those made by bench/peers/build_pinocchio.py (default build/peers-bin/pinocchio_bench_*)
   --python PY      Python with Pinocchio, numpy and matplotlib (default build/peers/bin/python)
   --runs, --seconds  interleaved runs and seconds per row of one of them, for speed (default 3, 0.03)
-  --readme FILE    where the tables go, each between <!-- bench NAME --> and <!-- /bench --> (default README.md)
   --json FILE      the figures as well
 
 Takes four to five minutes on an idle machine. Under load: chrt -f 50 python3 bench/report.py
@@ -32,6 +31,7 @@ import tempfile
 from pathlib import Path
 
 import compare
+import pages
 
 PROJECT = Path(__file__).resolve().parent.parent
 PLOT = PROJECT / "bench/speed.svg"
@@ -189,15 +189,10 @@ def python(args, tmp):
 SECTIONS = {"speed": speed, "instructions": instructions, "scaling": scaling, "python": python}
 
 
-def replace(readme, section, text):
-    """The text between the section's markers; the command that makes it follows."""
-    pattern = re.compile(rf"(<!-- bench {section} -->\n).*?(<!-- /bench -->)", re.S)
-    content = readme.read_text(encoding="utf-8")
-    if not pattern.search(content):
-        raise RuntimeError(f"{readme} has no markers <!-- bench {section} --> ... <!-- /bench -->")
+def write(section, text):
+    """The section's table, and the command that makes it."""
     only = "" if section == "speed" else f" --sections {section}"
-    new = f"{text}\n\n```\n{COMMAND}{only}\n```\n"
-    readme.write_text(pattern.sub(lambda m: m[1] + new + m[2], content), encoding="utf-8")
+    pages.write(section, f"{text}\n\n```\n{COMMAND}{only}\n```")
 
 
 def main():
@@ -208,7 +203,6 @@ def main():
     p.add_argument("--python", type=Path, default=PROJECT / "build/peers/bin/python")
     p.add_argument("--runs", type=int, default=3)
     p.add_argument("--seconds", type=float, default=0.03)
-    p.add_argument("--readme", type=Path, default=PROJECT / "README.md")
     p.add_argument("--json", type=Path)
     args = p.parse_args()
     sections = args.sections.split(",")
@@ -216,8 +210,6 @@ def main():
         die(f"unknown sections: {', '.join(unknown)} (known: {', '.join(SECTIONS)})")
     if args.runs < 1 or not args.seconds > 0:
         die("--runs and --seconds must be positive")
-    if not args.readme.is_file():
-        die(f"no such file: {args.readme}")
     if not os.access(args.dyn, os.X_OK):
         die(f"{args.dyn} is missing: build it (tools/run does), or give --dyn")
     if not os.access(args.python, os.X_OK):
@@ -228,7 +220,7 @@ def main():
             print(f"report: {section}", file=sys.stderr, flush=True)
             try:
                 text, figures[section] = SECTIONS[section](args, Path(d))
-                replace(args.readme, section, text)
+                write(section, text)
                 print(text + "\n", flush=True)
             except RuntimeError as e:
                 print(f"report: {section} is left as it was: {e}", file=sys.stderr)

@@ -1404,8 +1404,8 @@ typedef struct dynStepOptions {
                                by order 8, with integrator RK45 by order 5, through contact by order 3. What grows by itself (chaos) grows beyond. default 0: steps of dt */
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
   int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin
-                               again from nothing, and then the other one is asked. Islands of more than 240 rows may take three times as many.
-                               Where that is not enough, the best impulses that were found act: in their cones, with their residual in the report */
+                               again from nothing, and then the other one is asked. Islands of more than 240 rows may take three times as many, except PGS.
+                               Where that is not enough, the best impulses that were found act, of PGS the last: in their cones, with their residual in the report */
   double tolerance;         /* of its residual (dynContactReport); default 1e-9 */
   double sleep_speed;       /* m/s, rad/s, > 0; default 1e-4: see below */
   double sleep_time;        /* s, > 0; default 0.5 */

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What accuracy costs, beside MuJoCo and Drake: work and precision of every integrator of each on the same models.
 
-    python bench/accuracy [--problems NAME,...] [--limit S] [--json FILE] [--svg FILE] [--readme FILE]
+    python bench/accuracy [--problems NAME,...] [--limit S] [--json FILE] [--svg FILE] [--write]
 
 The same MJCF file, state and duration for all (problems.py). Errors are the largest distance of a marker from where it should be, at ten times;
 the reference is a closed form, or libdyn's `reference`, which scipy's DOP853 at 2e-14 on MuJoCo's accelerations confirms (the table says how far
@@ -14,7 +14,6 @@ import argparse
 import json
 import logging
 import os
-import re
 import sys
 import tempfile
 from dataclasses import asdict
@@ -29,6 +28,10 @@ import run_dyn
 import run_mujoco
 
 PROJECT = Path(__file__).resolve().parents[2]
+sys.path.append(str(PROJECT / "bench"))
+
+import pages  # noqa: E402
+
 ENGINES = [run_dyn, run_mujoco, run_drake]
 LEVELS = [1e-2, 1e-4, 1e-6, 1e-8, 1e-10]
 COUNTS = 0.1  # m: larger errors are no results
@@ -110,7 +113,7 @@ def main():
     parser.add_argument("--limit", type=float, default=common.LIMIT, help="seconds of one run, beyond which no finer setting is tried")
     parser.add_argument("--json", type=Path)
     parser.add_argument("--svg", type=Path)
-    parser.add_argument("--readme", type=Path, help="writes the table between <!-- bench accuracy --> and <!-- /bench -->")
+    parser.add_argument("--write", action="store_true", help="puts the table in its place (bench/pages.py)")
     options = parser.parse_args()
     common.LIMIT = options.limit
     logging.getLogger("drake").setLevel(logging.ERROR)
@@ -134,11 +137,8 @@ def main():
             f"(alone: neither gets there; bold: libdyn is slower, or does not).\n\n{table(answers)}\n")
     print(detail(answers) + "\n\n" + text)
     print("\n".join(["libdyn is not cheaper there:", *lost] if lost else ["at every error that another reaches, libdyn is cheaper"]))
-    if options.readme:
-        found, n = re.subn(r"(<!-- bench accuracy -->\n).*?(<!-- /bench -->)", lambda m: m[1] + text + m[2], options.readme.read_text(), flags=re.S)
-        if not n:
-            parser.error(f"{options.readme} has no <!-- bench accuracy -->")
-        options.readme.write_text(found)
+    if options.write:
+        pages.write("accuracy", text)
 
 
 if __name__ == "__main__":

@@ -114,8 +114,6 @@ void Island::solve(dynContactReport& best) {
     if (best.residual <= w.options.tolerance || w.options.solver == DYN_CONTACT_PGS || w.time_is_up()) break;
   }
   best.iterations = iterations, best.newton_steps = newton_steps;
-  p.bias = nullptr, p.compliance = nullptr;
-  solver::velocity(p, lambda, c);
 }
 
 // lambda of the least displacement that takes away what bias says is wrong, without friction.

@@ -45,16 +45,14 @@ bool leave_idle(const Model& m, Data<double>& d, Index begin, Index end) {
 void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
-  if (stays(report)) {
-  } else if (w.time_is_up()) {
-    sweep_to_rest(report);
-  } else if (!bounces && !sweeps_alone() && sparse() && newton(report, false)) {
-    velocities();
-  } else {
-    const auto unsolved = [&] { return !sweeps_alone() && report.residual > w.options.tolerance && !w.time_is_up(); };
-    if (large() || (!bounces && (sweeps_alone() || sparse()))) sweep_to_rest(report);
+  const auto unsolved = [&] { return report.residual > w.options.tolerance && !w.time_is_up(); };
+  if (sweeps_alone() || w.time_is_up()) {
+    sweep_alone(report);
+  } else if (!stays(report) && !(!bounces && sparse() && newton(report, false))) {
+    if (large() || (!bounces && sparse())) sweep_to_rest(report);
     if (!large() && unsolved()) solve(report);
     if (!bounces && unsolved() && report.residual < nearly) sweep_on(report);
+    residual();  // by_dof and c of the best
   }
   for (Index k = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
@@ -71,7 +69,7 @@ void Island::impulses(dynContactReport& report) {
 }
 
 // What would be wrong at the end of the step, without friction; where steps follow from an accuracy, it is where the step ends (integrator/extrapolated.hpp).
-bool Island::correct(double* by_dof) {
+bool Island::correct() {
   const double most = fastest_correction * h, ahead = w.closed > 0 ? 0 : h;
   double largest = 0;
   auto part = [&](double wrong) { return std::clamp(share * wrong, -most, most); };
@@ -103,8 +101,7 @@ bool Island::correct(double* by_dof) {
   }
   if (!(largest > slop)) return false;
   if (large() || equalities == 0) sweep_apart();
-  else displace();
-  add(by_dof);
+  else displace(), add(by_dof);
   return true;
 }
 
@@ -126,10 +123,9 @@ bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_b
     Island island{m, d, w, w.order + begin, end - begin, h, v_before};
     island.number(), island.fill();
     dynContactReport report{};
-    island.impulses(report);
+    island.by_dof = impulse, island.impulses(report);
     if (w.ledger.open) enter_rows(island);
-    island.add(impulse);
-    corrected |= island.correct(displacement);
+    island.by_dof = displacement, corrected |= island.correct();
     w.report.iterations += report.iterations + report.newton_steps;
     w.report.residual = std::max(w.report.residual, report.residual), w.report.unsolved += report.residual > w.options.tolerance;
   });

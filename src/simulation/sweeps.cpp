@@ -35,9 +35,9 @@ struct Sweeper {
     change(a, by);
     return std::abs(G * by[r]);
   }
-  void contact(const ActiveSlot& a, SlotBlock& s, double mu) const {
+  double contact(const ActiveSlot& a, SlotBlock& s, double mu) const {
     const Index first = a.s->first, rows = a.s->rows, normal = normal_row(rows);
-    if (rows == 1 || mu == 0) return void(row(a, s, normal, 0, HUGE_VAL));
+    if (rows == 1 || mu == 0) return row(a, s, normal, 0, HUGE_VAL);
     const Index* order = order_of[rows];
     const auto Gl = moved(a);
     double b[most_rows] = {}, now[most_rows] = {}, to[most_rows] = {}, by[most_rows] = {};
@@ -48,26 +48,31 @@ struct Sweeper {
       for (Index j = 0; j < rows; ++j) b[i] -= s.G[i + row_lanes * j] * now[j];
     }
     solver::solve_cone({0, rows, mu}, s.local, s.G[0], b, to);
-    bool changes = false;
+    double most = 0;
     for (Index i = 0; i < rows; ++i) {
-      by[order[i]] = (to[i] - now[i]) * s.scale[i], changes |= to[i] != now[i];
+      by[order[i]] = (to[i] - now[i]) * s.scale[i];
+      most = std::max(most, std::abs(by[order[i]]) * s.diagonal[order[i]]);
       x.lambda[first + order[i]] = to[i] * s.scale[i];
     }
-    if (changes) change(a, by);
+    if (most > 0) change(a, by);
+    return most;
   }
-  void operator()() const {
+  // Once through the slots. Answers the largest change of a row's velocity by its own impulse.
+  double operator()() const {
+    double most = 0;
     for (Index k = 0, boxes = 0, contacts = 0; k < x.slots; ++k) {
       const ActiveSlot& a = x.slot(k);
       SlotBlock& s = x.w.blocks[k];
       if (a.kind == RowKind::Equality)
-        for (Index r = 0; r < a.s->rows; ++r) row(a, s, r, -HUGE_VAL, HUGE_VAL);
+        for (Index r = 0; r < a.s->rows; ++r) most = std::max(most, row(a, s, r, -HUGE_VAL, HUGE_VAL));
       else if (a.kind == RowKind::Box)
-        row(a, s, 0, x.lower[boxes], x.upper[boxes]), ++boxes;
+        most = std::max(most, row(a, s, 0, x.lower[boxes], x.upper[boxes])), ++boxes;
       else
-        contact(a, s, x.friction[contacts]), ++contacts;
+        most = std::max(most, contact(a, s, x.friction[contacts])), ++contacts;
     }
+    return most;
   }
-  // Without friction. Answers the largest change of a velocity.
+  // The same without friction.
   double apart() const {
     double most = 0;
     for (Index k = 0, boxes = 0; k < x.slots; ++k) {
@@ -82,7 +87,7 @@ struct Sweeper {
     }
     return most;
   }
-  // Largest |y - P_K(y - u)| as a velocity: the residual of residuals.hpp, slot by slot.
+  // Largest |y - P_K(y - u)| as a velocity: the residual of residuals.hpp, slot by slot; and c = G lambda + g.
   double residual() const {
     double worst = 0;
     for (Index k = 0, boxes = 0, contacts = 0; k < x.slots; ++k) {
@@ -90,6 +95,7 @@ struct Sweeper {
       const SlotBlock& s = x.w.blocks[k];
       const auto Gl = moved(a);
       const Index first = a.s->first, rows = a.s->rows;
+      for (Index r = 0; r < rows; ++r) x.c[first + r] = x.g[first + r] + Gl[int(r)];
       auto velocity = [&](Index r) { return wanted(first + r) + Gl[int(r)] + soft(first + r) * x.lambda[first + r]; };
       auto of_row = [&](Index r, double lower, double upper) {
         const double G = s.diagonal[r] + soft(first + r), l = x.lambda[first + r];
@@ -175,42 +181,28 @@ double Island::speed() const {
   return most;
 }
 
-// c = G lambda + g
-void Island::velocities() const {
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
-  for (Index k = 0; k < slots; ++k) {
-    const ActiveSlot& a = slot(k);
-    const auto Gl = sweep.moved(a);
-    for (Index r = 0; r < a.s->rows; ++r) c[a.s->first + r] = g[a.s->first + r] + Gl[int(r)];
-  }
-}
-
 double Island::residual() const {
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
+  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   sweep.start();
   return sweep.residual();
 }
 
 bool Island::stays(dynContactReport& report) {
   if (bounces) return false;
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
+  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
-  const auto another = [&](int done) {  // one at least where much is tolerated: cones have turned since the guess
-    return (report.residual > w.options.tolerance && report.residual < 1e-5) || (done == 0 && sweeps_alone() && report.residual <= w.options.tolerance);
-  };
-  for (int k = 0; k < few_sweeps && another(k); ++k) {
+  for (int k = 0; k < few_sweeps && report.residual > w.options.tolerance && report.residual < 1e-5; ++k) {
     prepare_cones();
     sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
   }
-  if (!(report.residual <= w.options.tolerance)) return false;
-  velocities();
-  return true;
+  return report.residual <= w.options.tolerance;
 }
 
-void Island::sweep_to_rest(dynContactReport& report) {
+// Where islands are too large for the guard of the whole matrix, restitution is by what bodies had before.
+void Island::rebound() {
   for (Index k = 0, contact = 0; k < slots; ++k) {
     const ActiveSlot& a = slot(k);
     if (a.kind != RowKind::Contact) continue;
@@ -218,7 +210,27 @@ void Island::sweep_to_rest(dynContactReport& report) {
     if (restitution[contact] > 0) bias[n] = restitution[contact] * v_minus[n];
     ++contact;
   }
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
+}
+
+// Until a sweep changes little, and then as long as the residual asks for more. One at least: cones have turned since the guess.
+void Island::sweep_alone(dynContactReport& report) {
+  rebound();
+  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
+  const double tolerated = w.options.tolerance * speed();
+  sweep.start(), prepare_cones();
+  for (bool last = false; !last;) {
+    const double changed = sweep();
+    last = ++report.iterations >= w.options.max_iterations || w.time_is_up();
+    if (!last && changed > tolerated) continue;
+    const double left = sweep.residual();
+    report.residual = left > 0 ? left / speed() : 0;
+    last = last || left <= tolerated;
+  }
+}
+
+void Island::sweep_to_rest(dynContactReport& report) {
+  rebound();
+  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
@@ -227,19 +239,18 @@ void Island::sweep_to_rest(dynContactReport& report) {
   Index tries = 0;
   double best = HUGE_VAL;  // residual of what is kept
   const auto may_sweep = [&] { return report.iterations == 0 || may_go_on(report); };
-  for (Index some = 5; (large() || sweeps_alone() || some <= 10) && report.residual > w.options.tolerance && may_sweep(); some *= sweeps_alone() ? 1 : 2) {
+  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_sweep(); some *= 2) {
     for (Index k = 0; k < some && may_sweep(); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
-    if (report.residual <= w.options.tolerance || (!sweeps_alone() && newton(report, ++tries >= 2))) break;
+    if (report.residual <= w.options.tolerance || newton(report, ++tries >= 2)) return;
     if (report.residual < best) best = report.residual, std::copy_n(lambda, rows, kept);
     sweep.start();
   }
-  if (report.residual > best) report.residual = best, std::copy_n(kept, rows, lambda), sweep.start();
-  velocities();
+  if (report.residual > best) report.residual = best, std::copy_n(kept, rows, lambda);
 }
 
 void Island::sweep_on(dynContactReport& report) {
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
+  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   prepare_cones();
   std::copy_n(lambda, rows, kept);
@@ -252,16 +263,14 @@ void Island::sweep_on(dynContactReport& report) {
     if (now < report.residual) report.residual = now, std::copy_n(lambda, rows, kept);
   }
   std::copy_n(kept, rows, lambda);
-  sweep.start(), velocities();
 }
 
-// Enough for corrections, of which the next steps make more.
+// Enough for corrections, of which the next steps make more. by_dof is zero.
 void Island::sweep_apart() {
   constexpr int most_sweeps = 20;
-  constexpr double least = 0.02;  // of the first sweep's largest change
+  const double least = std::max(0.02, sweeps_alone() ? w.options.tolerance : 0);  // of the first sweep's largest change
   std::fill_n(lambda, rows, 0.0);
-  const Sweeper sweep{*this, inverse_pivots(m, d), w.by_dof};
-  sweep.start();
+  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double first = sweep.apart();
   for (int k = 1; k < most_sweeps && sweep.apart() > least * first; ++k) {}
 }

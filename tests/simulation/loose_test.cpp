@@ -53,13 +53,12 @@ TEST(Loose, TakeNoRecursion) {
   EXPECT_LT(loose, 0.7 * double(others));
 }
 
-// A ball that rolls, its centre of mass beside its middle, on the ground and into a box: alike to rounding until it is there. Then the box slides, and
-// how its four corners share its weight, which nothing determines, turns it.
+// A ball that rolls, its centre of mass beside its middle, on the ground and into another: three contacts, whose forces one equation each determines.
 TEST(Loose, TouchAsByTheRecursion) {
   const auto make = [] {
     Scene scene;
     scene.ground().free("body0", 1, {5e-3, 4e-3, 6e-3}, {0, 0.01, -0.02}).shape("body0", DYN_SHAPE_SPHERE, {0.1, 0, 0}, material(0.5));
-    scene.box("box", 2, {0.2, 0.2, 0.2}, material(0.4));
+    scene.sphere("other", 2, 0.1, material(0.4));
     return scene.finish();
   };
   Play a(make()), b(make());
@@ -72,8 +71,8 @@ TEST(Loose, TouchAsByTheRecursion) {
   int met = 0;
   for (int k = 0; k < 300; ++k) {
     a.steps(1), b.steps(1);
-    met += a.contacts().size() > 5;
-    for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_NEAR(b.q[i], a.q[i], met ? 1e-6 : 1e-12) << k << " " << i;
+    met += a.contacts().size() > 2;
+    for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_NEAR(b.q[i], a.q[i], 1e-12) << k << " " << i;
   }
   EXPECT_GT(met, 0);
 }

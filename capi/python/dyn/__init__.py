@@ -12,9 +12,11 @@ threads; a Data is what it is doing, one for each thread. Every call releases th
 """
 
 from . import accuracy, constraint, ik
+from .actuator import Actuator
 from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch
 from .builder import Builder
+from .centroidal import Centroidal, CentroidalDerivatives
 from .collision import Distance, shape_distance
 from .contact import (
     BroadPhase,
@@ -40,22 +42,10 @@ from .contact_solver import (
     friction_cone_qp,
 )
 from .convert import State, StateLayout
-from .data import (
-    FIELDS,
-    CenterOfMassVelocityDerivatives,
-    Centroidal,
-    CentroidalDerivatives,
-    Data,
-    Energy,
-    FieldInfo,
-    ForwardDerivatives,
-    FrameAccelerationDerivatives,
-    FrameVelocityDerivatives,
-    InverseDerivatives,
-    SecondOrderDerivatives,
-    SecondOrderProduct,
-)
-from .actuator import Actuator
+from .data import Data
+from .derivatives import ForwardDerivatives, InverseDerivatives, SecondOrderDerivatives, SecondOrderProduct
+from .describe import DisabledPair, FrameInfo, JointInfo, Pair, ReportEntry, ShapeInfo
+from .dynamics import Energy
 from .enums import (
     ActuatorType,
     Angle,
@@ -113,6 +103,7 @@ from .errors import (
     UnknownNameError,
     UnsupportedError,
 )
+from .fields import FIELDS, FieldInfo
 from .inertia import (
     body_regressor,
     is_physically_consistent,
@@ -122,12 +113,14 @@ from .inertia import (
     parameters_from_pseudo_inertia,
     pseudo_inertia_from_parameters,
 )
+from .kinematics import CenterOfMassVelocityDerivatives, FrameAccelerationDerivatives, FrameVelocityDerivatives
 from .library import build_info, last_error
 from .library import path as library_path
 from .library import version as __version__
+from .loading import from_buffer, load, load_string
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
-from .model import DisabledPair, FrameInfo, JointInfo, Model, Pair, ReportEntry, ShapeInfo, from_buffer, load, load_string
+from .model import Model
 from .simulation import ContactForce, ErrorLedger, StepReport
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference

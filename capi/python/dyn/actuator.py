@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import abi
 from .arrays import address, checked
+from .choices import member
 from .enums import ActuatorType, Reference
 from .errors import UnknownNameError
 from .library import check, last_error, lib
@@ -46,8 +47,6 @@ class Actuator(NamedTuple):
 
     def structure(self) -> abi.Actuator:
         """As the library takes it."""
-        from .model import member
-
         out = abi.Actuator()
         lib.dyn_actuator_init(byref(out), member(ActuatorType, self.type, "type"))
         out.component, out.gear, out.kp, out.kv, out.gain = self.component, self.gear, self.kp, self.kv, self.gain
@@ -113,8 +112,6 @@ class Driving:
     ) -> None:
         """Adds [force; moment], (6,), that acts in steps until clear_wrenches, at point (3,) of a frame (None: its origin). "local": in the
         frame's axes, turning with it; "local_world_aligned": world axes; "world": world axes, moment about the world's origin."""
-        from .model import member
-
         at = None if point is None else checked(point, (3,), "point")
         kind = member(Reference, reference, "reference")
         w = checked(wrench, (6,), "wrench")

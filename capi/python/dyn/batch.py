@@ -14,10 +14,11 @@ import numpy as np
 
 from . import abi
 from .arrays import F64, Owner, Placement, address, checked, numbers
+from .choices import mask, member
 from .enums import Effect, Integrator, Part, Reference
 from .errors import ArgumentError, BusyError, SizeError
 from .library import check, fail, lib
-from .model import Model, mask, member
+from .model import Model
 
 _run = lib.dyn_batch_run
 _first = c_double.from_buffer

@@ -12,13 +12,14 @@ from . import abi
 from .actuator import Actuator
 from .arrays import Owner, address, checked, numbers
 from .arrays import placement as twelve
+from .choices import member, text
 from .constraint import structure
 from .enums import FrameType, JointType, ShapeRole, ShapeType
 from .errors import ArgumentError
 from .library import check, lib
 from .material import Material
 from .mesh import Mesh
-from .model import Model, member, text
+from .model import Model
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -10,10 +10,10 @@ import numpy as np
 from . import abi
 from .arrays import address, checked, numbers
 from .arrays import placement as twelve
+from .choices import member
 from .enums import DistanceMethod, DistanceStatus, PairReason, ShapeType
 from .library import check, lib
 from .mesh import Mesh
-from .model import member
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -19,6 +19,7 @@ import numpy as np
 from . import abi
 from .arrays import address, checked, numbers
 from .arrays import placement as twelve
+from .choices import member
 from .enums import ConstraintReason, ConstraintType, JointType, RowVerdict
 from .errors import ArgumentError, UnknownNameError
 from .library import check, last_error, lib
@@ -72,8 +73,6 @@ def distance(first: Any, second: Any, length: float, **more: Any) -> Constraint:
 
 def loop(joint_type: str | JointType, first: Any, second: Any = None, axis: Any = None, axis2: Any = None, pitch: float = 0.0, **more: Any) -> Constraint:
     """first moves as the child of such a joint in second: 6 - nv rows."""
-    from .model import member
-
     values: dict[str, Any] = {"joint_type": int(member(JointType, joint_type, "joint_type")), "pitch": pitch, **more}
     for key, x in (("axis", axis), ("axis2", axis2)):
         if x is not None:

@@ -10,10 +10,11 @@ import numpy as np
 
 from . import abi
 from .arrays import address, numbers
+from .choices import member, text
 from .enums import Angle, Convention, Direction
 from .errors import ArgumentError, SizeError
 from .library import check, lib
-from .model import Model, member, text
+from .model import Model
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

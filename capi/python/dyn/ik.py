@@ -10,7 +10,7 @@ those of priority 1 as far as they leave room.
 
 from __future__ import annotations
 
-import ctypes
+from ctypes import byref
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,7 +19,7 @@ from . import abi
 from .arrays import Placement, address, checked, numbers
 from .enums import IkReason, IkTaskType
 from .errors import ArgumentError, SizeError
-from .library import lib
+from .library import fail, lib
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -121,6 +121,7 @@ def posture(q: Any, *, weight: float = 1.0, weights: ArrayLike | None = None, pr
     return Task(IkTaskType.POSTURE, 0, None, q, weight, weights, priority)
 
 
+_ik = lib.dyn_ik  # bound once: an attribute of the CDLL costs a look-up in every call
 _SIZES = {IkTaskType.POSE: 6, IkTaskType.POSITION: 3, IkTaskType.ORIENTATION: 3, IkTaskType.COM: 3}
 
 
@@ -131,7 +132,7 @@ def structures(model: Model, tasks: Any) -> tuple[Any, list]:
     for k, (s, t) in enumerate(zip(out, tasks)):
         if not isinstance(t, Task):
             raise ArgumentError(f"tasks[{k}] is {t!r}, but must be a task of dyn.ik: pose, position, orientation, com, posture.")
-        lib.dyn_ik_task_init(ctypes.byref(s))
+        lib.dyn_ik_task_init(byref(s))
         s.type, s.priority, s.weight = t.type, t.priority, t.weight
         if t.type in (IkTaskType.POSE, IkTaskType.POSITION, IkTaskType.ORIENTATION):
             s.frame = model._frame(t.frame)
@@ -147,6 +148,52 @@ def structures(model: Model, tasks: Any) -> tuple[Any, list]:
             keep.append(x)
             setattr(s, name, address(x))
     return out, keep
+
+
+
+class InverseKinematics:
+    """The part of Data that finds configurations."""
+
+    def ik(
+        self,
+        tasks: Any,
+        q: Any = None,
+        *,
+        max_iterations: int | None = None,
+        restarts: int | None = None,
+        seed: int | None = None,
+        tolerance_linear: float | None = None,
+        tolerance_angular: float | None = None,
+        limits: bool | None = None,
+        lower: Any = None,
+        upper: Any = None,
+    ) -> Result:
+        """q that does the tasks (of dyn.ik) within the joint limits, starting at q (None: the held one); data is there
+        afterwards. Not to converge is no error: see the result's reason. restarts = 0 to follow a moving target.
+        Defaults: 500 iterations a start, 20 restarts, seed 0, 1e-6 m and rad, the model's limits."""
+        m = self.model
+        given, keep = structures(m, tasks)
+        options = abi.IkOptions()
+        lib.dyn_ik_options_init(byref(options))
+        for name, x in (
+            ("max_iterations", max_iterations), ("restarts", restarts), ("seed", seed), ("tolerance_linear", tolerance_linear),
+            ("tolerance_angular", tolerance_angular), ("limits", limits),
+        ):  # fmt: skip
+            if x is not None:
+                try:
+                    setattr(options, name, x)
+                except TypeError:
+                    raise ArgumentError(f"{name} is {x!r}, but must be a number.") from None
+        for name, x in (("lower", lower), ("upper", upper)):
+            if x is not None:
+                keep.append(checked(x, (m.nq,), name))
+                setattr(options, name, address(keep[-1]))
+        solution, residuals, r = np.empty(m.nq), np.empty((len(given), 2)), abi.IkResult()
+        status = _ik(self._m, self._d, self._q(q), given, len(given), byref(options), address(solution), address(residuals), byref(r))
+        if status:
+            fail(status)
+        joint = m.joint_name(r.joint) if r.joint >= 0 else None
+        return Result(solution, IkReason(r.reason), residuals, r.iterations, r.restarts, joint, r.cost, r.optimality)
 
 
 __all__ = ["IkReason", "Placement", "Result", "Task", "com", "orientation", "pose", "position", "posture"]

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import abi
+from .choices import member
 from .contact import Contact, to_contact
 from .enums import ContactSolverType, Integrator
 from .library import check, fail, lib
 from .material import Material
-from .model import member
 
 _INTEGRATORS: dict[Any, int] = {key: int(i) for i in Integrator for key in (i, i.name, i.name.lower())}
 _step = lib.dyn_step

@@ -1,9 +1,9 @@
-"""Derivatives of constrained dynamics and of impulses where test_constraints.py does not go: restitution, mimic joints, bounds, redundant rows."""
+"""Derivatives of constrained dynamics and of impulses where test_constraint_rows.py does not go: restitution, mimic joints, bounds, redundant rows."""
 
 import numpy as np
 import pytest
 from conftest import MODELS
-from test_constraints import TIES, arms, differences, random_state
+from linkages import TIES, arms, differences, random_state
 
 import dyn
 from dyn import constraint as dc

@@ -18,6 +18,7 @@ struct Island {
   const double* v_before;
   Index rows = 0, equalities = 0, boxes = 0, contacts = 0;
   bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
+  double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double fast = 0;     // the largest rate of its rows, where steps follow from an accuracy
   Index eliminated = 0;  // -1: does not fit
 
@@ -48,18 +49,19 @@ struct Island {
   void prepare_blocks();
   void prepare_cones();
   bool stays(dynContactReport& report);
+  void rebound();
+  void sweep_alone(dynContactReport& report);
   void sweep_to_rest(dynContactReport& report);
   void sweep_on(dynContactReport& report);  // as long as that makes the residual smaller
   void sweep_apart();
   bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < 3 * w.options.max_iterations && !w.time_is_up(); }  // as with the whole matrix
-  double residual() const;
+  double residual() const;  // and by_dof and c of lambda
   double speed() const;  // largest velocity that is to change
-  void velocities() const;
 
   // lambda, c = G lambda + g; the corrections of position: bias is what is wrong, g zero, lambda the displacement (solve_slots.cpp)
   void impulses(dynContactReport& report);
   void add(double* by_dof) const;
-  // z = Y^T lambda of a slot's rows, cleared before where slots carry, and G lambda in lanes
+  // z = 0 where slots carry; z += Y^T by of a slot's rows; G lambda in lanes
   void clear(double* z) const;
   DYN_INLINE void pass(const ActiveSlot& a, const double* by, double* z) const {
     visit_rows(a.s->rows, [&]<int rows>() DYN_INLINE_LAMBDA {
@@ -79,7 +81,7 @@ struct Island {
     for (Index n = 0; n < a.s->support; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
     return sum;
   }
-  bool correct(double* by_dof);
+  bool correct();
 };
 
 }  // namespace dyn::simulation

@@ -23,6 +23,10 @@ Outcome governor_100ms();
 Outcome governor_5s();
 Outcome governor_rk4();
 Outcome governor_implicit();
+// linear.cpp
+Outcome four_bar_frequency();
+Outcome four_bar_periods();
+Outcome bicycle();
 // tops.cpp
 Outcome box_simple();
 Outcome box_complex();
@@ -39,6 +43,8 @@ Outcome duplicate_rows();
 Outcome four_bar_in_space();
 Outcome contradictory_rows();
 Outcome slider_crank();
+Outcome stretched_arm();
+Outcome stretched_arm_at_wall();
 // chains.cpp
 Outcome chain_condition();
 Outcome chain_round_trip();
@@ -50,6 +56,7 @@ Outcome stack_residual();
 Outcome stack_iterations();
 Outcome stack_forces();
 Outcome table_sums();
+Outcome table_least();
 // friction.cpp
 Outcome incline_sticks();
 Outcome incline_slides();
@@ -59,6 +66,7 @@ Outcome block_stops();
 Outcome isotropy();
 Outcome drag();
 Outcome painleve();
+Outcome painleve_accelerations();
 Outcome cards();
 // blocks.cpp
 Outcome arch_stands();
@@ -66,6 +74,7 @@ Outcome arch_falls();
 Outcome overhang();
 // impacts.cpp
 Outcome zeno();
+Outcome zeno_90s();
 Outcome zeno_energy();
 Outcome elastic_balls();
 Outcome cradle();
@@ -79,6 +88,7 @@ Outcome gimbal();
 Outcome quaternion_sign();
 Outcome quaternion_norm();
 Outcome quaternion_norm_long();
+Outcome quaternion_norm_longest();
 Outcome inertias();
 Outcome units_pendulum();
 Outcome units_mechanism();
@@ -89,5 +99,7 @@ Outcome units_contact_to_rest();
 Outcome fcl_poses();
 Outcome kissing_cubes();
 Outcome touching_cubes();
+// prisms.cpp
+Outcome prisms();
 
 }  // namespace cli::stress

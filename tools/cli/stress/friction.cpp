@@ -176,6 +176,37 @@ Outcome painleve() {
   return out;
 }
 
+// The same for accelerations, where the tip slides: 0 <= f _|_ a + p f >= 0 with p = 1 + 3 cos^2 - 3 mu sin cos. Where p < 0 there is no f, or two:
+// said to be no solution, and never a force that pulls. Counts wrong answers.
+Outcome painleve_accelerations() {
+  Outcome out;
+  dyn::ContactSolver solver(1);
+  int wrong = 0;
+  for (const double mu : {0.5, 1.3, 1.4, 1.5, 2.0, 5.0})
+    for (int k = 1; k < 900; ++k) {
+      const double angle = k * pi / 1800, c = std::cos(angle), s = std::sin(angle);
+      const double p = 1 + 3 * c * c - 3 * mu * s * c;
+      for (const double a : {-g, -1e-6, 0.5, 40.0})
+        for (const dynContactSolverType type : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON}) {
+          const std::int32_t row = 1;
+          dynContactProblem problem = dyn::contact_problem();
+          problem.contacts = 1, problem.contact_rows = &row, problem.G = &p, problem.g = &a;
+          dynContactOptions options = dyn::contact_options();
+          options.solver = type;
+          double force = 0;
+          bool solved = false;
+          try {
+            solved = solver.solve(problem, &force, nullptr, &options).status == DYN_CONTACT_CONVERGED;
+          } catch (const dyn::Error&) {
+          }
+          const bool right = p > 0 ? solved && std::abs(force - std::max(0.0, -a / p)) <= 1e-8 * (1 + force) : !solved || (a >= 0 && force == 0);
+          wrong += !right || !(force >= 0);
+        }
+    }
+  out.reference = {0}, out.result = {static_cast<double>(wrong)};
+  return out.off_by(wrong);
+}
+
 // Two cards that lean against each other by an angle from the vertical, rounded by r: they stand from mu = L sin / (2 (L cos + r)) on.
 Outcome cards() {
   constexpr double length = 1, r = 1e-3, share = 1e-3;

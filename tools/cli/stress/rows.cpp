@@ -120,4 +120,52 @@ Outcome slider_crank() {
   return out.off_by(std::abs(play.mechanical() / energy - 1)).off_by(play.q()[0] > 4 * pi ? 0 : HUGE_VAL);
 }
 
+// Two links of 1 m in the x-y plane.
+namespace {
+Builder two_links() {
+  Builder b("arm");
+  b.gravity({0, -g, 0});
+  for (int k = 0; k < 2; ++k) {
+    const std::string name = k ? "elbow" : "shoulder";
+    b.joint(hinge(name, k ? "shoulder" : "", {0, 0, 1}, at(k, 0, 0))).body(name + "_link", name, 1, {0.5, 0, 0}, diagonal(0, 1.0 / 12, 1.0 / 12));
+  }
+  b.frame("tip", "elbow_link", at(1, 0, 0));
+  return b;
+}
+}  // namespace
+
+// The tip of a stretched arm (its Jacobian has lost a row) to places within reach, at the end of it, beyond it: as near as one can.
+Outcome stretched_arm() {
+  Data data(two_links().finish());
+  const int tip = data.model().frame_id("tip");
+  Outcome out;
+  for (const double reach : {0.0, 1e-3, 1.0, 1.999, 2.0, 2.001, 2.5, 10.0})
+    for (const double angle : {0.0, 1e-8, 0.5, pi / 2, pi})
+      for (const double elbow : {0.0, 1e-9, pi}) {
+        const auto found = data.ik({dyn::IkTask::position(tip, {reach * std::cos(angle), reach * std::sin(angle), 0})}, Vector{0, elbow});
+        out.compare(std::max(0.0, reach - 2), found.result.residual_linear);
+        if (found.converged() != (reach <= 2)) out.off_by(HUGE_VAL);
+      }
+  return out;
+}
+
+// The same with its tip tied to a slide along a wall at 2 m, which it reaches at one point only: no force that is finite holds it there, and what
+// rows are off by in a step of 1 ms, r, lets the tip move by sqrt(r) m: that and no more.
+Outcome stretched_arm_at_wall() {
+  Builder b = two_links();
+  b.joint(slide("wall", "", {0, 1, 0}, at(2, 0, 0))).body("block", "wall", 1, {0, 0, 0}, no_inertia());
+  b.constraint("hand", connect({1, 0, 0}, {0, 0, 0}), "elbow_link", "block");
+  Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3);
+  Outcome out;
+  out.picture = {"time, s", "m", true, {{"rows", {}, {}}, {"tip", {}, {}}}};
+  play.set_state(Vector(3));
+  play.steps(1000, [&](double t) {
+    const Vector3 x = play.point(play.model().frame_id("tip"));
+    const double off = std::hypot(x[0] - 2, x[1] - play.q()[2]);
+    out.picture.curves[0].add(t, off), out.picture.curves[1].add(t, std::abs(x[1]));
+    out.off_by(off).off_by(std::abs(x[1]) < 1e-4 ? 0 : HUGE_VAL);
+  });
+  return out;
+}
+
 }  // namespace cli::stress

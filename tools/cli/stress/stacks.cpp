@@ -124,4 +124,24 @@ Outcome table_sums() {
   return out;
 }
 
+// The least of all forces that hold it: W/4 (1 + x cx / a^2 + y cy / b^2), by W. Of inverse dynamics with its feet held.
+Outcome table_least() {
+  Outcome out;
+  for (const auto& [x, y] : offsets) {
+    Data data(Table::build(x, y), DYN_PART_CONSTRAINTS | DYN_PART_INVERSE);
+    int slot = 0;
+    for (const double i : {-1.0, 1.0})
+      for (const double j : {-1.0, 1.0}) {
+        dynConstraint c = connect({i * a, j * b_, -height}, {i * a, j * b_, 0});
+        c.type = DYN_CONSTRAINT_POINT, c.first = data.model().frame_id("table");
+        data.set_constraint(slot++, c);
+      }
+    const auto found = data.constrained_inverse_dynamics(Vector{0, 0, height, 0, 0, 0, 1}, Vector(6), Vector(6));
+    std::size_t row = 2;
+    for (const double i : {-1.0, 1.0})
+      for (const double j : {-1.0, 1.0}) out.compare((1 + i * x / a + j * y / b_) / 4, found.lambda[row] / (mass * g)), row += 3;
+  }
+  return out;
+}
+
 }  // namespace cli::stress

@@ -30,6 +30,9 @@ const std::vector<Case>& cases() {
       {"governor-5s", "mechanisms", "height of the slider at 5 s, m", "extrapolation in 113 bits (IFToMM A05)", 1e-9, "dampers of 2.7e4 1/s", true, governor_5s},
       {"governor-rk4", "mechanisms", "height at 1 s in steps of 0.1 ms, m", "extrapolation in 113 bits (IFToMM A05)", 1e-6, "dampers of 2.7e4 1/s", false, governor_rk4},
       {"governor-1ms", "mechanisms", "height at 1 s in steps of 1 ms, m", "extrapolation in 113 bits (IFToMM A05)", 1e-3, "a step of 27 time constants", false, governor_implicit},
+      {"four-bar-frequency", "mechanisms", "frequency, relative", "closed form", 1e-10, "a closed loop on a spring, by derivatives along what the loop allows", false, four_bar_frequency},
+      {"four-bar-spring", "mechanisms", "angle and rate after ten periods, rad", "quadrature of the energy", 1e-9, "the same, far from where it rests", false, four_bar_periods},
+      {"bicycle", "mechanisms", "eigenvalues at 0 to 10 m/s, 1/s", "Meijaard et al. 2007, table 2", 1e-12, "Whipple's: wheels roll, gyroscopes steer; 44 numbers of 14 decimals", false, bicycle},
 
       {"box-simple", "tops", "place and attitude at 10 s, m", "closed form (Peters and Hsu)", 1e-12, "turns about a principal axis", false, box_simple},
       {"box-complex", "tops", "place, attitude, rates at 10 s", "elliptic functions, 113 bits", 1e-9, "tumbles about its middle axis", false, box_complex},
@@ -47,6 +50,8 @@ const std::vector<Case>& cases() {
       {"four-bar-in-space", "rows", "accelerations of three free bodies", "the same as a tree", 1e-9, "20 rows of rank 17", false, four_bar_in_space},
       {"contradictory-rows", "rows", "place of the rod, m", "least squares", 1e-9, "1 m between points 1.001 m apart", false, contradictory_rows},
       {"slider-crank", "rows", "slider off 2 cos(crank), m; energy", "closed form", 1e-6, "passes where it may stand still, four times", false, slider_crank},
+      {"stretched-arm", "rows", "distance of the tip, m", "reach", 1e-6, "targets within, at and beyond the end of reach, from where the Jacobian has lost a row", false, stretched_arm},
+      {"stretched-arm-at-wall", "rows", "rows, m (the tip within 0.1 mm)", "one point", 1e-6, "held by rows that allow to begin to move, and nothing more", false, stretched_arm_at_wall},
 
       {"chain-condition", "chains", "cond(M), relative", "symmetric eigenvalues", 1e-3, "grows with the fourth power of the links", false, chain_condition},
       {"chain-round-trip", "chains", "|ID(FD(tau)) - tau| / (eps cond M)", "0", 50, "8 to 1000 links, straight, at random, coiled", false, chain_round_trip},
@@ -58,6 +63,7 @@ const std::vector<Case>& cases() {
       {"stack-iterations", "stacks", "iterations of the solver in a step", "", 100, "Gauss-Seidel would take 1.4e7", false, stack_iterations},
       {"stack-forces", "stacks", "forces between boxes, relative", "weight above", 1e-6, "up to 1e6 times the mass on top", false, stack_forces},
       {"table-sums", "stacks", "sum and moments of forces / W", "statics", 1e-9, "four legs: forces are not unique, their sums are", false, table_sums},
+      {"table-least", "stacks", "forces of the legs / W", "closed form of the least", 1e-9, "four legs: of all forces that hold it the least", false, table_least},
 
       {"incline-sticks", "friction", "speed, m/s", "at rest", 1e-9, "up to 99.9 % of the friction angle", false, incline_sticks},
       {"incline-slides", "friction", "speed at 3 s, m/s", "g (sin - mu cos) t", 1e-9, "from 100.1 % of the friction angle on", false, incline_slides},
@@ -67,12 +73,14 @@ const std::vector<Case>& cases() {
       {"isotropy", "friction", "distance and direction, relative", "closed form", 1e-8, "64 directions: the cone is round", false, isotropy},
       {"drag", "friction", "speed at 1 s, m/s", "closed form (Le Lidec et al. 2024)", 1e-3, "a growing force: stick, then slip", false, drag},
       {"painleve", "friction", "residual of the contact problem", "0", 1e-8, "1002 states for which rigid bodies have no acceleration or two", false, painleve},
+      {"painleve-accelerations", "friction", "wrong answers", "0", 0, "no force holds, or two do: none that pulls", false, painleve_accelerations},
       {"cards", "friction", "sunk in 3 s, m (those that must fall do)", "mu = tan(phi) / 2", 1e-6, "three angles, mu 0.1 % above and below what they need", false, cards},
       {"overhang", "blocks", "top moved in 3 s, m (it falls where it must)", "sum of 1 / (2 k)", 1e-6, "ten blocks over an edge, 0.1 % less and more than they can", false, overhang},
       {"arch-stands", "blocks", "crown sunk in 10 s, m", "limit analysis: t/R = 0.10746", 1e-4, "20 voussoirs, t/R = 0.110", false, arch_stands},
       {"arch-falls", "blocks", "it falls", "limit analysis: t/R = 0.10746", 0, "20 voussoirs, t/R = 0.104", true, arch_falls},
 
       {"zeno", "impacts", "time of rest, in steps of 1 ms", "sqrt(2 h / g) (1 + e) / (1 - e)", 1, "bounces without number in a finite time", false, zeno},
+      {"zeno-90s", "impacts", "time of rest, in steps of 1 ms", "sqrt(2 h / g) (1 + e) / (1 - e)", 1, "e = 0.99: 2700 bounces down to 1e-12 m/s", false, zeno_90s},
       {"zeno-energy", "impacts", "growth of the energy / m g h", "0", 1e-9, "no bounce adds any", false, zeno_energy},
       {"elastic-balls", "impacts", "energy and heights over 20 s, relative", "parabolas (Kang and Hwangbo)", 5.7e-6, "49 balls, 10 bounces each; the best published energy in steps of 1 ms", false,
        elastic_balls},
@@ -87,6 +95,7 @@ const std::vector<Case>& cases() {
       {"quaternion-sign", "representation", "difference of forces", "0", 0, "q and -q are one attitude", false, quaternion_sign},
       {"quaternion-norm", "representation", "| |q| - 1 |, 1e5 steps", "0", 4e-16, "rounding must not add up", false, quaternion_norm},
       {"quaternion-norm-long", "representation", "| |q| - 1 |, 1e7 steps", "0", 1e-15, "rounding must not add up", true, quaternion_norm_long},
+      {"quaternion-norm-longest", "representation", "| |q| - 1 |, 1e9 steps", "0", 1e-15, "rounding must not add up", true, quaternion_norm_longest},
       {"inertias", "representation", "wrong answers", "0", 0, "bodies that cannot be are refused by name", false, inertias},
       {"units-pendulum", "representation", "angles", "in metres", 1e-12, "lengths by 1e6, masses by 1e9, times by 1e3 either way", false, units_pendulum},
       {"units-mechanism", "representation", "angles", "in metres", 1e-12, "lengths by 1e6, masses by 1e9, times by 1e3 either way", false, units_mechanism},
@@ -97,6 +106,7 @@ const std::vector<Case>& cases() {
       {"fcl-poses", "collision", "worst / allowed", "tests of FCL", 1, "poses that threw or hung elsewhere", false, fcl_poses},
       {"kissing-cubes", "collision", "worst / allowed", "FCL 493", 1, "35 cubes that touch to rounding, 0.01 to 1000 m", false, kissing_cubes},
       {"touching-cubes", "collision", "worst / allowed", "closed forms (libccd 25, 49, 55)", 1, "faces, edges, corners, one in another", false, touching_cubes},
+      {"prisms", "collision", "worst / allowed", "polygons in the plane (Drake 21673)", 1, "six convex pairs that threw elsewhere, axes parallel to 3e-9", false, prisms},
   };
   return table;
 }

@@ -1,0 +1,32 @@
+"""Batches."""
+
+from __future__ import annotations
+
+from ctypes import c_char_p, c_double, c_int, c_int32, c_int64, c_uint32, c_void_p
+
+from .common import STATUS, Grown, i, p, ref
+
+
+class BatchArrays(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("frame", c_int32), ("joint", c_int32), ("reference", c_int), ("q", c_void_p), ("v", c_void_p),
+        ("a", c_void_p), ("tau", c_void_p), ("b", c_void_p), ("fext", c_void_p), ("q1", c_void_p), ("dt", c_double), ("integrator", c_int), ("out", c_void_p * 4),
+        ("status", c_void_p),
+    ]  # fmt: skip
+
+
+class BatchInfo(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("name", c_char_p), ("inputs", c_char_p), ("outputs", c_int32), ("output", c_char_p * 4),
+        ("rows", c_int32 * 4), ("cols", c_int32 * 4), ("pages", c_int32 * 4),
+    ]  # fmt: skip
+
+
+SIGNATURES: dict[str, tuple] = {
+    "dyn_batch_new": (STATUS, [p, c_uint32, i, ref]),
+    "dyn_batch_free": (None, [p]),
+    "dyn_batch_set_effects": (STATUS, [p, i, c_uint32]),
+    "dyn_batch_arrays_init": (None, [ref]),
+    "dyn_batch_run": (STATUS, [p, i, c_int64, ref]),
+    "dyn_batch_info": (STATUS, [p, i, ref]),
+}  # fmt: skip

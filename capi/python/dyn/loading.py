@@ -1,0 +1,109 @@
+"""A model from a file, a text, a buffer."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from ctypes import byref, c_char_p, c_void_p
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import abi
+from .arrays import checked
+from .choices import member, text
+from .enums import Base, MeshUse
+from .errors import ArgumentError
+from .library import check, lib
+from .model import Model
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+
+def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any, slots: Any, contacts: Any, confined: bool):
+    options = abi.LoadOptions()
+    lib.dyn_load_options_init(byref(options))
+    if base is not None:
+        options.base = member(Base, base, "base")
+    options.strict, options.cos_sin = bool(strict), bool(cos_sin)
+    if isinstance(package_dirs, (str, bytes, os.PathLike)):
+        package_dirs = [package_dirs]
+    folders = [os.fsencode(p) for p in package_dirs]
+    if folders:
+        options.package_dirs = (c_char_p * len(folders))(*folders)
+        options.package_dirs_count = len(folders)
+    if gravity is not None:
+        options.gravity[:] = checked(gravity, (3,), "gravity").tolist()
+    if srdf is not None:
+        options.srdf = os.fsencode(srdf)
+    options.meshes = member(MeshUse, meshes, "meshes")
+    options.constraint_slots, options.contact_capacity, options.confined = slots, contacts, bool(confined)
+    return options
+
+
+def load(
+    path: str | os.PathLike,
+    base: str | Base | None = None,
+    *,
+    strict: bool = False,
+    cos_sin: bool = False,
+    package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
+    gravity: ArrayLike | None = None,
+    srdf: str | os.PathLike | None = None,
+    meshes: str | MeshUse = MeshUse.NONE,
+    constraint_slots: int = 8,
+    contact_capacity: int = 0,
+    confined: bool = False,
+) -> Model:
+    """Reads a robot from a URDF file, or a model from an MJCF file.
+
+    base          "fixed": the root link is welded to the world; "floating": a free flyer carries it. A root link with
+                  mass needs one of them.
+    strict        physics that would be dropped is an error
+    cos_sin       continuous joints store (cos, sin)
+    package_dirs  where package://NAME/... is looked up
+    gravity       (3,), m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's
+    meshes        what stands for collision meshes: "none", their names alone; "hull", their convex hulls (report says which are not
+                  convex); "triangles". Other than "none", a mesh that cannot be read is an error
+    constraint_slots  spare slots for constraints that a data of the model has
+    contact_capacity  contact points that a step has room for, the deepest; 0: what the shapes need
+    confined      for files that are not trusted: included files and meshes outside of the file's folder and package_dirs are errors
+    srdf          an SRDF file for this robot: its states become named configurations, its pairs Model.disabled_pairs
+    """
+    name = os.fsencode(path)
+    if b"\0" in name:
+        raise ArgumentError(f"path holds a zero character: {path!r}.")
+    out = c_void_p()
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined)
+    check(lib.dyn_model_load(name, byref(options), byref(out)))
+    return Model(out.value)
+
+
+def load_string(
+    urdf: str,
+    base: str | Base | None = None,
+    *,
+    strict: bool = False,
+    cos_sin: bool = False,
+    package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
+    gravity: ArrayLike | None = None,
+    srdf: str | os.PathLike | None = None,
+    meshes: str | MeshUse = MeshUse.NONE,
+    constraint_slots: int = 8,
+    contact_capacity: int = 0,
+    confined: bool = False,
+) -> Model:
+    """Reads a robot from the text of a URDF or MJCF; otherwise as dyn.load."""
+    out = c_void_p()
+    options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined)
+    check(lib.dyn_model_load_string(text(urdf, "urdf"), byref(options), byref(out)))
+    return Model(out.value)
+
+
+def from_buffer(buffer) -> Model:
+    """The model that lies in a buffer (numpy.memmap of a .dynb, shared memory, ...), used where it is: nothing is copied. The buffer lies on a boundary
+    of 64 bytes and must not change; the model keeps it alive."""
+    memory, out = np.frombuffer(buffer, np.uint8), c_void_p()
+    check(lib.dyn_model_from_buffer(memory.ctypes.data, memory.size, byref(out)))
+    return Model(out.value, memory)

@@ -1,0 +1,55 @@
+"""A model as a file or as bytes."""
+
+from __future__ import annotations
+
+import os
+from ctypes import byref, c_size_t, create_string_buffer
+from typing import NamedTuple
+
+from . import abi
+from .choices import kind, member
+from .enums import Format, ReportLevel
+from .errors import ArgumentError
+from .library import check, lib
+
+
+class SaveLine(NamedTuple):
+    """Something that a format has no place for (WARNING), or says in another way (INFO)."""
+
+    level: ReportLevel
+    message: str
+
+
+def _teller(lines: list[SaveLine]):
+    return abi.SAVE_REPORT(lambda _, level, message: lines.append(SaveLine(kind(ReportLevel, level), message.decode("utf-8", "replace"))))
+
+
+class Saving:
+    """The part of Model that writes it."""
+
+    def save(self, path: str | os.PathLike, strict: bool = False) -> list[SaveLine]:
+        """Writes the model as URDF (.urdf), MJCF (.xml, .mjcf) or compiled (.dynb): see dyn_model_save. What the format has no place for is in the
+        list as WARNING, and an error with strict; what it says in another way as INFO."""
+        name = os.fsencode(path)
+        if b"\0" in name:
+            raise ArgumentError(f"path holds a zero character: {path!r}.")
+        lines: list[SaveLine] = []
+        check(lib.dyn_model_save(self._m, name, bool(strict), _teller(lines), None))
+        return lines
+
+    def to_bytes(self, format: str | Format, strict: bool = False) -> bytes:
+        """What save writes."""
+        kind, size, none = member(Format, format, "format"), c_size_t(), _teller([])
+        check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, None, 0, byref(size)))
+        out = create_string_buffer(size.value)
+        check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, out, len(out), byref(size)))
+        return out.raw
+
+    def image(self, narrow: bool = False, names: bool = True) -> bytes:
+        """What dyn.from_buffer and dyn_model_from_buffer take: the bytes of a .dynb. narrow: for machines without SIMD; names: False leaves them out, with
+        the load report."""
+        size, flags = c_size_t(), (1 if narrow else 0) | (0 if names else 2)
+        check(lib.dyn_model_image(self._m, flags, None, 0, byref(size)))
+        out = create_string_buffer(size.value)
+        check(lib.dyn_model_image(self._m, flags, out, len(out), byref(size)))
+        return out.raw

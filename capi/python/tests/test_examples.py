@@ -1,0 +1,45 @@
+"""Every example runs by itself, as a newcomer would run it, keeps what it claims (each asserts it), and prints what it found."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import CAPI
+
+import dyn
+
+EXAMPLES = CAPI / "python" / "examples"
+# arguments, and what a reader finds in the answer
+RUNS = {
+    "accuracy_study": ([], "cheapest for"),
+    "derivatives": ([], "best:"),
+    "effects_study": ([], "the scene does without contact"),
+    "four_bar": ([], "3 redundant"),
+    "grasp": ([], "the knuckle needs"),
+    "gravity_compensation": ([], "bit for bit"),
+    "identification": ([], "torques determine"),
+    "inverse_kinematics": (["100"], "dyn's ik met"),
+    "quadruped_project": ([], "nq 19, nv 18, 14 joints"),
+    "quadruped_stands": (["5"], "pushed from the left"),
+    "standing": ([], "share of the cone"),
+    "swing_up": ([], "it ends upright"),
+}
+
+
+def run(script, *arguments):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(dyn.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])}
+    return subprocess.run([sys.executable, str(script), *arguments], capture_output=True, text=True, timeout=300, env=environment)
+
+
+def test_all_of_them_are_here():
+    assert sorted(RUNS) == sorted(p.stem for p in EXAMPLES.glob("*.py"))
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_example(name):
+    arguments, said = RUNS[name]
+    done = run(EXAMPLES / f"{name}.py", *arguments)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert said in done.stdout and not done.stderr
