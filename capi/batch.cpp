@@ -34,12 +34,12 @@ bool of_one_state(dynStatus status) { return status == DYN_ERROR_NONFINITE || st
 
 }  // namespace
 
-// What one thread keeps of a call: its first failure.
-struct alignas(64) Batch::Worker {
-  std::int64_t failures, first;
-  dynStatus status;
-  char message[1024];
-};
+void Batch::Worker::failed(std::int64_t k, dynStatus s) {
+  if (failures++) return;
+  first = k, status = s;
+  std::snprintf(message, sizeof message, "%s", sentence(dyn_last_error()));
+  if (char* maker = std::strstr(message, "dyn_data_new")) std::snprintf(maker, 14, "dyn_batch_new");  // at the end
+}
 
 struct Batch::Job {
   const Batch& batch;
@@ -80,40 +80,29 @@ struct Batch::Job {
         forget(data);
         const dynStatus status = algorithm.call(batch.handle, data, row(k));
         if (first.status) first.status[k] = status;
-        if (status == DYN_OK || worker.failures++) continue;
-        worker.first = k, worker.status = status;
-        std::snprintf(worker.message, sizeof worker.message, "%s", sentence(dyn_last_error()));
-        if (char* maker = std::strstr(worker.message, "dyn_data_new")) std::snprintf(maker, 14, "dyn_batch_new");  // at the end
+        if (status != DYN_OK) worker.failed(k, status);
       }
   }
 };
 
-// One thread at a time uses the batch, and while its model lives.
-struct Batch::Turn {
-  Batch& batch;
-  const dynStatus status;
-  Turn(Batch& b, const char* function) : batch(b), status(take(function)) {}
-  ~Turn() {
-    if (status == DYN_OK) batch.busy.store(false, std::memory_order_release);
-  }
-  Turn(const Turn&) = delete;
-
- private:
-  dynStatus take(const char* function) {
-    if (const dynStatus s = check(batch.handle)) return s;
-    if (batch.handle->m->id != batch.model_id) return fail(DYN_ERROR_MODEL, "%s: the batch's model was freed: it must live as long as the batch", function);
-    if (batch.busy.exchange(true, std::memory_order_acquire))
-      return fail(DYN_ERROR_BUSY, "%s: another thread is using this batch: give each thread its own", function);
-    return DYN_OK;
-  }
-};
+dynStatus Batch::Turn::take(const char* function) {
+  if (const dynStatus s = check(batch.handle)) return s;
+  if (batch.handle->m->id != batch.model_id) return fail(DYN_ERROR_MODEL, "%s: the batch's model was freed: it must live as long as the batch", function);
+  if (batch.busy.exchange(true, std::memory_order_acquire))
+    return fail(DYN_ERROR_BUSY, "%s: another thread is using this batch: give each thread its own", function);
+  return DYN_OK;
+}
 
 Batch::Batch(const dynModel* model, dynParts parts, int count)
-    : handle(model), model_id(model->m->id), sizes(*model->m), threads(count), zeros(std::size_t(sizes.nv)), workers(new Worker[std::size_t(count)]), pool(count) {
+    : handle(model), model_id(model->m->id), sizes(*model->m), threads(count), zeros(std::size_t(sizes.nv)), accelerations(new double[std::size_t(count) * std::size_t(sizes.nv)]), workers(new Worker[std::size_t(count)]), pool(count) {
   for (int k = 0; k < count; ++k) {
     dynData* data = nullptr;
     if (const dynStatus s = dyn_data_new(model, parts, &data)) throw Error(s, dyn_last_error());
     datas.emplace_back(data);
+  }
+  if (parts == 0 || (parts & DYN_PART_SIMULATION)) {
+    fresh.resize(dyn_state_size(model));
+    if (const dynStatus s = dyn_state_save(model, datas[0].get(), fresh.data(), fresh.size())) throw Error(s, dyn_last_error());
   }
 }
 
@@ -129,12 +118,13 @@ dynStatus Batch::run(const BatchAlgorithm& algorithm, std::int64_t n, const dynB
   const Turn turn(*this, "dyn_batch_run");
   if (turn.status != DYN_OK) return turn.status;
   Job job(*this, algorithm, n, arrays);
-  for (int t = 0; t < threads; ++t) workers[std::size_t(t)].failures = 0;
-  auto work = [](void* j, int thread) { static_cast<Job*>(j)->work(thread); };
-  if (threads == 1 || n <= job.share) work(&job, 0);
-  else pool.run(work, &job);
+  char where[80];
+  std::snprintf(where, sizeof where, "dyn_batch_run: %s: ", algorithm.name);
+  return work(job, n, where, "state");
+}
 
-  const Worker* bad = nullptr;  // the one with the first state that failed
+dynStatus Batch::first_failure(std::int64_t n, const char* where, const char* what) const {
+  const Worker* bad = nullptr;
   std::int64_t failures = 0;
   for (int t = 0; t < threads; ++t) {
     const Worker& w = workers[std::size_t(t)];
@@ -142,9 +132,9 @@ dynStatus Batch::run(const BatchAlgorithm& algorithm, std::int64_t n, const dynB
     if (w.failures && (!bad || w.first < bad->first)) bad = &w;
   }
   if (!bad) return DYN_OK;
-  if (!of_one_state(bad->status)) return fail(bad->status, "dyn_batch_run: %s: %s", algorithm.name, bad->message);
-  return fail(bad->status, "dyn_batch_run: %s: state %lld: %s (%lld of %lld states failed)", algorithm.name, static_cast<long long>(bad->first), bad->message,
-              static_cast<long long>(failures), static_cast<long long>(n));
+  if (!of_one_state(bad->status)) return fail(bad->status, "%s%s", where, bad->message);
+  return fail(bad->status, "%s%s %lld: %s (%lld of %lld %ss failed)", where, what, static_cast<long long>(bad->first), bad->message,
+              static_cast<long long>(failures), static_cast<long long>(n), what);
 }
 
 extern "C" {

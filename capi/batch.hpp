@@ -46,11 +46,24 @@ class Batch {
   Batch(const dynModel* model, dynParts parts, int threads);
   dynStatus set_effects(int joint, std::uint32_t effects);
   dynStatus run(const BatchAlgorithm& algorithm, std::int64_t n, const dynBatchArrays& arrays);
+  dynStatus rollout(std::int64_t n, const dynRollout& rollout);
 
  private:
-  struct Worker;
+  // What one thread keeps of a call: its first failure.
+  struct alignas(64) Worker {
+    std::int64_t failures, first;
+    dynStatus status;
+    char message[1024];
+
+    void failed(std::int64_t k, dynStatus s);
+  };
   struct Job;
+  struct Rollout;
   struct Turn;
+  // With several threads where n rows are worth waking them; then the first failure. Rows are called `what`, the message begins with `where`.
+  template <class J>
+  dynStatus work(J& job, std::int64_t n, const char* where, const char* what);
+  dynStatus first_failure(std::int64_t n, const char* where, const char* what) const;
   struct Free {
     void operator()(dynData* d) const { dyn_data_free(d); }
   };
@@ -61,9 +74,34 @@ class Batch {
   const int threads;
   std::vector<std::unique_ptr<dynData, Free>> datas;
   std::vector<double> zeros;
+  std::vector<char> fresh;  // the state of new data, where it can step
+  std::unique_ptr<double[]> accelerations;  // nv for each thread: what rollouts' sensors read
   std::unique_ptr<Worker[]> workers;
   std::atomic<bool> busy{false};
   ThreadPool pool;  // the last member: its threads end before the others go
 };
+
+// One thread at a time uses the batch, and while its model lives.
+struct Batch::Turn {
+  Batch& batch;
+  const dynStatus status;
+  Turn(Batch& b, const char* function) : batch(b), status(take(function)) {}
+  ~Turn() {
+    if (status == DYN_OK) batch.busy.store(false, std::memory_order_release);
+  }
+  Turn(const Turn&) = delete;
+
+ private:
+  dynStatus take(const char* function);
+};
+
+template <class J>
+dynStatus Batch::work(J& job, std::int64_t n, const char* where, const char* what) {
+  for (int t = 0; t < threads; ++t) workers[std::size_t(t)].failures = 0;
+  auto of_thread = [](void* j, int thread) { static_cast<J*>(j)->work(thread); };
+  if (threads == 1 || n <= job.share) of_thread(&job, 0);
+  else pool.run(of_thread, &job);
+  return first_failure(n, where, what);
+}
 
 }  // namespace dyn::capi

@@ -65,7 +65,8 @@ typedef enum dynStatus {
   DYN_ERROR_MEMORY = 17,     /* out of memory */
   DYN_ERROR_LIMIT = 18,      /* larger than this library allows: the message says the limit */
   DYN_ERROR_UNSUPPORTED = 19,
-  DYN_ERROR_INTERNAL = 20
+  DYN_ERROR_INTERNAL = 20,
+  DYN_ERROR_CANCELLED = 21   /* the caller's progress function said so */
 } dynStatus;
 
 /* "DYN_OK", "DYN_ERROR_STALE", ...; never NULL. */
@@ -1404,8 +1405,8 @@ typedef struct dynStepOptions {
                                by order 8, with integrator RK45 by order 5, through contact by order 3. What grows by itself (chaos) grows beyond. default 0: steps of dt */
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
   int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin
-                               again from nothing, and then the other one is asked. Islands of more than 240 rows may take three times as many, except PGS.
-                               Where that is not enough, the best impulses that were found act, of PGS the last: in their cones, with their residual in the report */
+                               again from nothing, and then the other one is asked. Islands of more than 240 rows may take three times as many, except
+                               PGS. Where that is not enough, the best impulses that were found act: in their cones, with their residual in the report */
   double tolerance;         /* of its residual (dynContactReport); default 1e-9 */
   double sleep_speed;       /* m/s, rad/s, > 0; default 1e-4: see below */
   double sleep_time;        /* s, > 0; default 0.5 */
@@ -1673,6 +1674,53 @@ typedef struct dynBatchInfo {
   int32_t pages[4];         /* matrices one after another; 1 for others */
 } dynBatchInfo;
 DYN_API dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dynBatchInfo* info);
+
+/* ------------------------------------------------------------------------------------------------------- rollouts */
+
+/* What a rollout records beside states, of a frame where one is named: what sensors on a robot would say. */
+typedef enum dynSensorType {
+  DYN_SENSOR_PLACEMENT = 0, /* frame: 7, its position in the world, m, and its quaternion (x, y, z, w) */
+  DYN_SENSOR_VELOCITY = 1,  /* frame: 6, [linear; angular], m/s and rad/s, axes of the frame */
+  DYN_SENSOR_IMU = 2,       /* frame: 6, axes of the frame: the acceleration of its origin, mean over the last step, less gravity, m/s^2; its angular velocity, rad/s */
+  DYN_SENSOR_FORCE = 3,     /* link: 6, [force; moment] of all contacts on its shapes, mean over the last step, N and N m, axes of the world, about its origin */
+  DYN_SENSOR_COM = 4,       /* 6, the centre of mass of the robot and its velocity, m and m/s, world */
+  DYN_SENSOR_ENERGY = 5     /* 2, kinetic and potential, J */
+} dynSensorType;
+/* How many numbers a sensor has; 0 for one that does not exist. */
+DYN_API int dyn_sensor_size(dynSensorType sensor);
+
+/* n simulations of the batch's model by its threads: controls in; states, sensors and contacts out. Each makes `steps` steps of stepping->dt; controls
+   are held for `every` steps, at whose end a record is made: R = steps / every records. Arrays are plain, simulation after simulation, record after record;
+   NULL: not given, not wanted. Each begins as new data does, or at its row of states, with q0 and v0 in place of what they say.
+     The same bits   Simulation k is what dyn_data_set_control, dyn_data_set_state and dyn_step do on a data with the batch's effects: whatever the number of threads, and
+                     whether its n - 1 neighbours are there or not. Begun at final_states it goes on as one longer rollout would.
+     Errors          one that fails ends; its records from then on stay as they were, and its status says why. The others go on; the call answers the first one's.
+     progress        is called by the calling thread alone, soon after the beginning, every 10 ms or so, and at the end, with how many steps of how many all threads have made;
+                     what it returns, if not 0, ends all: unfinished simulations then have DYN_ERROR_CANCELLED, as has the call. */
+typedef struct dynRollout {
+  uint32_t struct_size;            /* set by dyn_rollout_init */
+  int32_t steps, every;            /* 1, 1; every divides steps */
+  int32_t contact_capacity;        /* 0: of a record */
+  int32_t sensors;                 /* 0: how many */
+  int32_t reserved;
+  const dynStepOptions* stepping;  /* NULL: as dyn_step_options_init leaves them */
+  const dynSensorType* sensor;     /* sensors of them */
+  const int32_t* sensor_frame;     /* a frame for each; read where the sensor has one */
+  const void* states;              /* n of dyn_state_size bytes, as dyn_state_save and final_states leave them */
+  const double *q0, *v0;           /* n x nq, n x nv */
+  const double* tau;               /* n x R x nv */
+  const double* control;           /* n x R x nu, for actuators */
+  double *q, *v;                   /* n x R x nq, n x R x nv */
+  double* sensor_data;             /* n x R x the sum of the sensors' sizes */
+  dynContactForce* contacts;       /* n x R x contact_capacity: of the last step, as dyn_step_contacts writes them */
+  int32_t* contact_count;          /* n x R: how many there were */
+  void* final_states;              /* n of dyn_state_size bytes */
+  dynStatus* status;               /* n */
+  int (*progress)(void* context, int64_t steps, int64_t of);
+  void* context;
+} dynRollout;
+DYN_API void dyn_rollout_init(dynRollout* rollout);
+DYN_API dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollout);
 
 #ifdef __cplusplus
 }

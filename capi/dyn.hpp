@@ -1035,6 +1035,13 @@ class Data {
   }
 };
 
+inline dynRollout rollout() {
+  dynRollout x;
+  dyn_rollout_init(&x);
+  return x;
+}
+inline int sensor_size(dynSensorType sensor) { return dyn_sensor_size(sensor); }
+
 // What goes into a batch and comes out, state after state; what an algorithm reads and writes is in dyn.h.
 class BatchArrays {
  public:
@@ -1102,6 +1109,10 @@ class Batch {
     const dynBatchArrays x = arrays.of(model_, info(algorithm), n);
     check(dyn_batch_run(get(), algorithm, n, &x));
   }
+  // Each thread's data.
+  void set_effects(std::uint32_t effects, int joint = 0) { check(dyn_batch_set_effects(get(), joint, effects)); }
+  // n simulations; sizes of the arrays are the caller's care (dynRollout). Throws for the first that fails; the others go on.
+  void rollout(int64_t n, const dynRollout& rollout) { check(dyn_batch_rollout(get(), n, &rollout)); }
 
  private:
   struct Free {

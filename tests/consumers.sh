@@ -39,6 +39,9 @@ if [ -x "$prefix/bin/dyn" ]; then
   loaded=$(env -u LD_LIBRARY_PATH ldd "$prefix/bin/dyn" | awk '$1 == "libdyn.so.1" {print $3}')
   case "$(realpath "$loaded")" in "$(realpath "$prefix")"/*) echo "bin/dyn loads ${loaded#"$prefix"/bin/../}";; *) fail "bin/dyn loads $loaded";; esac
   "$prefix/bin/dyn" info "$robot" --fixed >/dev/null || fail "the installed dyn info failed"
+  for file in man/man1/dyn.1 bash-completion/completions/dyn zsh/site-functions/_dyn fish/vendor_completions.d/dyn.fish; do
+    grep -q collision "$prefix/share/$file" || fail "not installed, or without the command's options: share/$file"
+  done
 fi
 
 # the README's programs: its first block of C and its first block of Python, run from the project's folder

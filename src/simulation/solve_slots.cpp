@@ -45,11 +45,14 @@ bool leave_idle(const Model& m, Data<double>& d, Index begin, Index end) {
 void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
-  const auto unsolved = [&] { return report.residual > w.options.tolerance && !w.time_is_up(); };
-  if (sweeps_alone() || w.time_is_up()) {
+  if (bounces && large()) {
+    bounce(report);
+  } else if (sweeps_alone()) {
     sweep_alone(report);
-  } else if (!stays(report) && !(!bounces && sparse() && newton(report, false))) {
-    if (large() || (!bounces && sparse())) sweep_to_rest(report);
+  } else if (!stays(report) && (w.time_is_up() || bounces || !sparse() || !newton(report, false))) {
+    const auto unsolved = [&] { return report.residual > w.options.tolerance && !w.time_is_up(); };
+    if (w.time_is_up()) rebound(1), sweep_to_rest(report);
+    else if (large() || (!bounces && sparse())) sweep_to_rest(report);
     if (!large() && unsolved()) solve(report);
     if (!bounces && unsolved() && report.residual < nearly) sweep_on(report);
     residual();  // by_dof and c of the best

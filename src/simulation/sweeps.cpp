@@ -201,20 +201,48 @@ bool Island::stays(dynContactReport& report) {
   return report.residual <= w.options.tolerance;
 }
 
-// Where islands are too large for the guard of the whole matrix, restitution is by what bodies had before.
-void Island::rebound() {
+// Coefficients of restitution taken smaller by a factor.
+void Island::rebound(double factor) {
   for (Index k = 0, contact = 0; k < slots; ++k) {
     const ActiveSlot& a = slot(k);
     if (a.kind != RowKind::Contact) continue;
     const Index n = a.s->first + normal_row(a.s->rows);
-    if (restitution[contact] > 0) bias[n] = restitution[contact] * v_minus[n];
+    if (restitution[contact] > 0 && v_minus[n] < 0) bias[n] = factor * restitution[contact] * v_minus[n];
     ++contact;
   }
 }
 
+// The impulses do work, beyond what the tolerance leaves open, or nothing comes near a solution: as solver/solve.cpp refuses them.
+bool Island::gains(const dynContactReport& report) const {
+  double work = 0, size = 0;
+  for (Index i = 0; i < rows; ++i) work += lambda[i] * (g[i] + c[i]) / 2, size += std::abs(lambda[i] * g[i]);
+  return work > (1e-10 + 10 * w.options.tolerance) * size || report.residual > 1e-2;
+}
+
+// Islands too large for a matrix, with restitution: with as much of it as gains nothing.
+void Island::bounce(dynContactReport& report) {
+  Index iterations = 0, newton_steps = 0;
+  const auto refused = [&](double factor) {
+    report.iterations = report.newton_steps = 0;
+    rebound(factor);
+    sweeps_alone() ? sweep_alone(report) : sweep_to_rest(report);
+    residual();  // c of the best
+    iterations += report.iterations, newton_steps += report.newton_steps;
+    return gains(report);
+  };
+  if (refused(1) && !w.time_is_up()) {
+    double low = 0, high = 1;
+    while (high - low > 1e-2 && !w.time_is_up()) {
+      const double factor = 0.5 * (low + high);
+      (refused(factor) ? high : low) = factor;
+    }
+    refused(low);
+  }
+  report.iterations = std::int32_t(iterations), report.newton_steps = std::int32_t(newton_steps);
+}
+
 // Until a sweep changes little, and then as long as the residual asks for more. One at least: cones have turned since the guess.
 void Island::sweep_alone(dynContactReport& report) {
-  rebound();
   const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double tolerated = w.options.tolerance * speed();
   sweep.start(), prepare_cones();
@@ -224,12 +252,11 @@ void Island::sweep_alone(dynContactReport& report) {
     if (!last && changed > tolerated) continue;
     const double left = sweep.residual();
     report.residual = left > 0 ? left / speed() : 0;
-    last = last || left <= tolerated;
+    if (left <= tolerated) break;
   }
 }
 
 void Island::sweep_to_rest(dynContactReport& report) {
-  rebound();
   const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   sweep.start();
@@ -242,7 +269,7 @@ void Island::sweep_to_rest(dynContactReport& report) {
   for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_sweep(); some *= 2) {
     for (Index k = 0; k < some && may_sweep(); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
-    if (report.residual <= w.options.tolerance || newton(report, ++tries >= 2)) return;
+    if (report.residual <= w.options.tolerance || newton(report, ++tries >= 2)) break;
     if (report.residual < best) best = report.residual, std::copy_n(lambda, rows, kept);
     sweep.start();
   }

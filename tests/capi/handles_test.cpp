@@ -343,7 +343,9 @@ TEST(Handles, TablesAreComplete) {
       "dyn_mesh_options_init", "dyn_mesh_load", "dyn_mesh_from_arrays", "dyn_mesh_free", "dyn_mesh_info", "dyn_mesh_arrays", "dyn_mesh_hull",
       "dyn_mesh_height_field",
       // batch_test.cpp
-      "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_batch_info"};
+      "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_batch_info",
+      // rollout_test.cpp
+      "dyn_rollout_init", "dyn_batch_rollout", "dyn_sensor_size"};
   for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {
     const std::size_t open = header.find('(', at), begin = header.find_last_of(" *", open) + 1;
     declared.insert(header.substr(begin, open - begin));

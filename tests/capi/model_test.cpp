@@ -7,7 +7,7 @@ namespace dyn_test {
 namespace {
 
 TEST(Errors, NamesOfStatuses) {
-  for (int s = DYN_OK; s <= DYN_ERROR_INTERNAL; ++s) {
+  for (int s = DYN_OK; s <= DYN_ERROR_CANCELLED; ++s) {
     const std::string name = dyn_status_name(dynStatus(s));
     EXPECT_EQ(0u, name.find(s == 0 ? "DYN_OK" : "DYN_ERROR_")) << s;
     EXPECT_NE("DYN_ERROR_UNKNOWN", name) << s;

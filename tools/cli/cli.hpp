@@ -166,5 +166,6 @@ void add_effects(CLI::App& app);
 void add_accuracy(CLI::App& app);
 void add_stress(CLI::App& app);
 void add_convert(CLI::App& app);
+void add_manual(CLI::App& app);
 
 }  // namespace cli

@@ -1,6 +1,5 @@
 // The command `dyn`.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
@@ -25,10 +24,15 @@ int main(int argc, char** argv) {
   cli::add_convert(app);
   cli::add_bench(app);
   cli::add_stress(app);
+  cli::add_manual(app);
   try {
     std::vector<std::string> names;
-    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
-    if (argc > 1 && *argv[1] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end())
+    bool known = argc < 2 || *argv[1] == '-';
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+      known = known || command->get_name() == argv[1];
+      if (!command->get_group().empty()) names.push_back(command->get_name());
+    }
+    if (!known)
       cli::bad_usage("there is no subcommand \"" + cli::shown(argv[1]) + "\"; they are " + cli::join(names) + ".");
     try {
       app.parse(argc, argv);

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <algorithm>
 
+#include "ledger.hpp"
+#include "page/recording.hpp"
 #include "stepping.hpp"
 
 namespace cli {
@@ -15,7 +17,7 @@ namespace {
 
 struct Options : SteppingOptions {
   double accuracy = 0;
-  std::string csv, postmortem;
+  std::string csv, html, postmortem;
   bool dt_given = false, no_error_estimate = false, profile = false, ledger = false;
 };
 
@@ -169,51 +171,6 @@ json error_estimate(const Robot& robot, const State& state, dynIntegrator integr
   return distance * std::exp2(order) / (std::exp2(order) - 1);
 }
 
-// Of all calls that made steps.
-class Ledger {
- public:
-  void add(const Robot& robot, const Data& data) {
-    dynErrorLedger l{};
-    l.struct_size = sizeof l;
-    check(dyn_data_ledger(robot, data, &l));
-    for (const auto& e : sums) at(sum_, e.of) += at(l, e.of);
-    for (const auto& e : largest) at(sum_, e.of) = std::max(at(sum_, e.of), at(l, e.of));
-    for (int i = 0; i < 3; ++i) sum_.momentum_defect[i] += l.momentum_defect[i];
-  }
-  json answer() {
-    json out;
-    for (const auto& e : sums) out[e.name] = at(sum_, e.of);
-    out["momentum_defect"] = {sum_.momentum_defect[0], sum_.momentum_defect[1], sum_.momentum_defect[2]};
-    for (const auto& e : largest) out[e.name] = at(sum_, e.of);
-    return out;
-  }
-  static std::string text(const json& a) {
-    std::string out = "ledger            change of energy, J, by what did it; the rest is the steps' error\n";
-    for (const auto& e : sums)
-      if (const double x = a[e.name]; x != 0) out += "  " + std::string(e.name) + std::string(20 - std::strlen(e.name), ' ') + short_number(x) + "\n";
-    out += "  momentum_defect     " + short_number(a["momentum_defect"][0].get<double>()) + " " + short_number(a["momentum_defect"][1].get<double>()) + " " +
-           short_number(a["momentum_defect"][2].get<double>()) + " N s\n";
-    out += "  constraint_drift    " + short_number(a["constraint_drift"].get<double>()) + " m or rad\n  cone                " + short_number(a["cone"].get<double>()) +
-           " N\n  complementarity     " + short_number(a["complementarity"].get<double>()) + " W\n";
-    return out;
-  }
-
- private:
-  struct Entry {
-    const char* name;
-    double dynErrorLedger::*of;
-  };
-  static constexpr Entry sums[] = {{"energy_change", &dynErrorLedger::energy_change}, {"applied", &dynErrorLedger::applied}, {"actuators", &dynErrorLedger::actuators},
-                                   {"wrenches", &dynErrorLedger::wrenches}, {"damping", &dynErrorLedger::damping}, {"friction", &dynErrorLedger::friction},
-                                   {"fluid", &dynErrorLedger::fluid}, {"contact_normal", &dynErrorLedger::contact_normal},
-                                   {"contact_friction", &dynErrorLedger::contact_friction}, {"limits", &dynErrorLedger::limits},
-                                   {"constraints", &dynErrorLedger::constraints}, {"correction", &dynErrorLedger::correction},
-                                   {"energy_defect", &dynErrorLedger::energy_defect}};
-  static constexpr Entry largest[] = {{"constraint_drift", &dynErrorLedger::constraint_drift}, {"cone", &dynErrorLedger::cone}, {"complementarity", &dynErrorLedger::complementarity}};
-  static double& at(dynErrorLedger& l, double dynErrorLedger::*of) { return l.*of; }
-  dynErrorLedger sum_{};
-};
-
 std::string text_of(const json& a) {
   const auto number = [](const json& x) { return x.is_null() ? std::string("unknown") : short_number(x.get<double>()); };
   std::string out = number(a["duration"]) + " s in " + std::to_string(a["steps"].get<long long>()) + " steps of " +
@@ -239,6 +196,17 @@ std::string text_of(const json& a) {
   return out;
 }
 
+constexpr double profiled_s = 2;
+
+void write_html(const std::string& html, const Options& options, const Robot& robot, const page::Recording& recording, const json& answer, json notes) {
+  page::Pack pack;
+  json head = {{"kind", "simulation"}, {"file", options.robot.file}, {"version", dyn_version()}, {"build", dyn_build_info()}};
+  head["model"] = page::model_json(robot, options.robot.package_dirs, pack, notes);
+  head["recording"] = recording.packed(pack, notes);
+  head["answer"] = answer, head["notes"] = notes;
+  page::write_file(options.html, page::filled(html, head, pack));
+}
+
 void run(const Options& options) {
   check_stepping(options);
   if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) bad_usage("--accuracy must be a positive number.");
@@ -246,12 +214,17 @@ void run(const Options& options) {
   const ContactSolver solver{solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget};
   const std::uint32_t on = parse_effects(options.effects);
   const bool adaptive = options.accuracy > 0;
-  const double dt = adaptive && !options.dt_given ? options.duration / 100 : options.dt;
+  const bool page = !options.html.empty();
+  const double rows = options.duration / 100;
+  const double dt = !adaptive || options.dt_given ? options.dt : page ? std::min(rows, 1.0 / 60) : rows;
   const Schedule schedule(options.duration, dt);
   std::error_code ignored;
-  const auto overwrites = [&](const std::string& file) { return !options.csv.empty() && std::filesystem::equivalent(options.csv, file, ignored); };
-  if (overwrites(options.robot.file)) bad_usage("--csv would overwrite the robot's file.");
-  if (overwrites(options.state.file)) bad_usage("--csv would overwrite the state's file.");
+  for (const auto& [option, out] : {std::pair<const char*, const std::string&>("--csv", options.csv), {"--html", options.html}}) {
+    const auto overwrites = [&, &out = out](const std::string& file) { return !out.empty() && std::filesystem::equivalent(out, file, ignored); };
+    if (overwrites(options.robot.file)) bad_usage(option + std::string(" would overwrite the robot's file."));
+    if (overwrites(options.state.file)) bad_usage(option + std::string(" would overwrite the state's file."));
+  }
+  const std::string html = page ? page::page_template() : "";  // first of all: whether there is one
 
   json warnings = json::array();
   Robot robot(options.robot);
@@ -273,8 +246,16 @@ void run(const Options& options) {
   const auto record = [&] {
     if (csv) csv->row(*time, q, robot.nq, v, robot.nv, tau, kinetic, potential);
   };
+  std::unique_ptr<page::Recording> recording;
+  if (page) recording = std::make_unique<page::Recording>(robot, on);
+  const auto film = [&](const Ledger* ledger, double step_s) {
+    if (recording && recording->due(*time)) recording->add(data, {*time, kinetic, potential, q, v, state.tau.data()}, ledger, step_s);
+  };
   if (!options.csv.empty()) csv = std::make_unique<Csv>(options.csv, robot, state.has_tau);
   record();
+  Ledger ledger;
+  const bool keep_ledger = options.ledger || page;
+  film(keep_ledger ? &ledger : nullptr, 0);
 
   for (const auto& effect : effects(robot, on)) {
     const std::string name = effect["name"], reason = effect["reason"];
@@ -293,7 +274,6 @@ void run(const Options& options) {
   const bool watch_limits = !(on & DYN_EFFECT_LIMITS);
   if (watch_limits) limits.look(q, *time, warnings);
   Clock::duration wall{};
-  Ledger ledger;
   double drift_max = 0, estimate = 0;
   long long steps = 0, evaluations = 0, dropped = 0, unsolved = 0;
   int contacts_max = 0, rows_max = 0, sleeping = 0;
@@ -303,13 +283,14 @@ void run(const Options& options) {
     for (long long i = 0; i < schedule.steps; ++i) {
       const double h = schedule.length(i);
       const auto before = Clock::now();
-      set_stepping(robot, data, integrator.id, h, options.accuracy * h / options.duration, solver, options.ledger);
+      set_stepping(robot, data, integrator.id, h, options.accuracy * h / options.duration, solver, keep_ledger);
       const dynStatus status = adaptive ? dyn_advance(robot, data, h) : dyn_step(robot, data);
-      wall += Clock::now() - before;
+      const auto step = Clock::now() - before;
+      wall += step;
       dynStepReport report{};
       report.struct_size = sizeof report;
       check(dyn_data_step_report(robot, data, &report));
-      if (options.ledger) ledger.add(robot, data);
+      if (keep_ledger) ledger.add(robot, data);
       steps += report.steps, evaluations += report.evaluations, estimate += report.error_estimate, dropped += report.dropped, unsolved += report.unsolved;
       sleeping = report.sleeping;
       contacts_max = std::max(contacts_max, report.contacts), rows_max = std::max(rows_max, report.rows);
@@ -317,10 +298,12 @@ void run(const Options& options) {
       if (status != DYN_OK || dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential) != DYN_OK) {
         const std::string error = dyn_last_error();
         blackbox.write(error, h, options.integrator, state);
+        if (page) write_html(html, options, robot, *recording, {}, {"the simulation failed at t = " + short_number(*time, 9) + " s: " + error});
         fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + error);
       }
       drift_max = std::max(drift_max, std::abs(kinetic + potential - initial));
       record();
+      film(&ledger, std::chrono::duration<double>(step).count() / static_cast<double>(std::max<std::int64_t>(report.steps, 1)));
       blackbox.record(*time, q, v);
       if (watch_limits) limits.look(q, *time, warnings);
       progress.at(i);
@@ -359,6 +342,16 @@ void run(const Options& options) {
   answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
   if (options.profile) answer["profile"] = measure_effects(robot, state, options, on);
+  if (page) {
+    json shown = answer;
+    shown["ledger"] = ledger.answer();
+    if (!options.profile) {
+      SteppingOptions beginning = options;  // what effects cost is told by the first seconds
+      beginning.duration = std::min(options.duration, profiled_s);
+      if (!adaptive) shown["profile"] = measure_effects(robot, state, beginning, on);
+    }
+    write_html(html, options, robot, *recording, shown, warnings);
+  }
   print(options.robot.json ? json_text(answer) : text_of(answer));
 }
 
@@ -373,6 +366,7 @@ void add_sim(CLI::App& app) {
   CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy the time between rows of --csv")->capture_default_str();
   command->add_option("--accuracy", options->accuracy, "What the errors of the steps may add up to (m, rad and their rates): the steps' lengths follow");
   command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);
+  command->add_option("--html", options->html, "A page to look at, into this file: the robot in motion, forces, plots, ledger, what each effect takes")->check(not_empty);
   command->add_option("--postmortem", options->postmortem, "After a failure: the last 100 states into this file, and which joints' speeds grew most")->check(not_empty);
   command->add_flag("--profile", options->profile, "What each effect takes and changes, as dyn effects measures it");
   command->add_flag("--ledger", options->ledger, "Where the energy and the momentum went, by source, and what nothing accounts for");

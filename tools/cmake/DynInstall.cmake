@@ -1,4 +1,4 @@
-# What `cmake --install` gives: header, libraries, the command, models, dyn.pc, find_package(dyn).
+# What `cmake --install` gives: header, libraries, the command with man page and completions, models, dyn.pc, find_package(dyn).
 include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/dyn)
 
@@ -13,6 +13,12 @@ if(DYN_MESH)
 endif()
 if(TARGET dyn_cli)
   install(TARGETS dyn_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+if(DYN_MANUAL)
+  install(FILES ${DYN_MANUAL}/man/dyn.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  install(FILES ${DYN_MANUAL}/bash/dyn DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+  install(FILES ${DYN_MANUAL}/zsh/_dyn DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+  install(FILES ${DYN_MANUAL}/fish/dyn.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 endif()
 if(EXISTS ${PROJECT_SOURCE_DIR}/models)
   install(DIRECTORY models DESTINATION ${CMAKE_INSTALL_DATADIR}/dyn)

@@ -11,10 +11,10 @@ q = [position; quaternion] and v = [linear; angular] in the body's frame. A Mode
 threads; a Data is what it is doing, one for each thread. Every call releases the GIL. Errors are dyn.Error.
 """
 
-from . import accuracy, constraint, ik
+from . import accuracy, batch, constraint, ik
 from .actuator import Actuator
 from .arrays import Placement
-from .batch import ALGORITHMS, Algorithm, Batch
+from .batch import ALGORITHMS, Algorithm, Batch, Rollout
 from .builder import Builder
 from .centroidal import Centroidal, CentroidalDerivatives
 from .collision import Distance, shape_distance
@@ -72,6 +72,7 @@ from .enums import (
     Reference,
     ReportLevel,
     RowVerdict,
+    SensorType,
     ShapeRole,
     ShapeType,
     Status,
@@ -82,6 +83,7 @@ from .errors import (
     ArgumentError,
     BaseChoiceError,
     BusyError,
+    CancelledError,
     Error,
     FileError,
     HandleError,
@@ -121,6 +123,7 @@ from .loading import from_buffer, load, load_string
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
 from .model import Model
+from .simulate import Simulation, Trajectory
 from .simulation import ContactForce, ErrorLedger, StepReport
 
 LOCAL, WORLD, LOCAL_WORLD_ALIGNED = Reference
@@ -142,6 +145,7 @@ __all__ = [
     "BroadPhase",
     "Builder",
     "BusyError",
+    "CancelledError",
     "CenterOfMassVelocityDerivatives",
     "Centroidal",
     "CentroidalDerivatives",
@@ -208,12 +212,15 @@ __all__ = [
     "Reference",
     "ReportEntry",
     "ReportLevel",
+    "Rollout",
     "RowVerdict",
     "SecondOrderDerivatives",
     "SecondOrderProduct",
+    "SensorType",
     "ShapeInfo",
     "ShapeRole",
     "ShapeType",
+    "Simulation",
     "SizeError",
     "SmoothDistances",
     "StaleError",
@@ -225,9 +232,11 @@ __all__ = [
     "StrictError",
     "SweepStatus",
     "Term",
+    "Trajectory",
     "UnknownNameError",
     "UnsupportedError",
     "accuracy",
+    "batch",
     "body_regressor",
     "build_info",
     "constraint",

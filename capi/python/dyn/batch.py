@@ -1,4 +1,4 @@
-"""Every algorithm over arrays of states: Batch."""
+"""Every algorithm over arrays of states, and simulations of many: Batch, rollout."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from .enums import Effect, Integrator, Part, Reference
 from .errors import ArgumentError, BusyError, SizeError
 from .library import check, fail, lib
 from .model import Model
+from .rollout import CONTACT, Rollout, Rollouts, rollout
 
 _run = lib.dyn_batch_run
 _first = c_double.from_buffer
@@ -114,7 +115,7 @@ class _Plan:
         self.quick = [(name, None if name == "fext" else shape) for name, shape in self.inputs] if self.simple else None
 
 
-class Batch:
+class Batch(Rollouts):
     """Every algorithm over N states with several threads: arrays in, arrays out. From Model.batch().
 
         batch = model.batch(threads=4)
@@ -319,6 +320,8 @@ def _method(algorithm: Algorithm) -> Callable[..., Any]:
         call.__doc__ += " b is lambda."
     return call
 
+
+__all__ = ["ALGORITHMS", "CONTACT", "Algorithm", "Batch", "Rollout", "rollout"]
 
 for _algorithm in ALGORITHMS.values():
     setattr(Batch, _algorithm.name, _method(_algorithm))

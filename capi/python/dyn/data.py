@@ -97,6 +97,11 @@ class Data(
         parts = "all parts" if self.parts == Part.ALL else "parts " + ", ".join(names)
         return f"<dyn.Data of {self.model.name!r}: nq {self.model.nq}, nv {self.model.nv}, {parts}>"
 
+    def _repr_html_(self) -> str:
+        from .html import data
+
+        return data(self)
+
     def _fext(self, fext: Any) -> int | None:
         if fext is None:
             return None

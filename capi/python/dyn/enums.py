@@ -29,6 +29,7 @@ class Status(enum.IntEnum):
     ERROR_LIMIT = 18
     ERROR_UNSUPPORTED = 19
     ERROR_INTERNAL = 20
+    ERROR_CANCELLED = 21
 
 
 class Reference(enum.IntEnum):
@@ -332,3 +333,20 @@ class ContactStatus(enum.IntEnum):
     MAX_ITERATIONS = 1
     TIME = 2
     STALLED = 3
+
+
+class SensorType(enum.IntEnum):
+    """What a rollout records beside states."""
+
+    PLACEMENT = 0
+    """Of a frame: position in the world, m, and quaternion (x, y, z, w): 7."""
+    VELOCITY = 1
+    """Of a frame: [linear; angular], m/s and rad/s, its axes: 6."""
+    IMU = 2
+    """In a frame's axes: acceleration of its origin, mean over the last step, less gravity, m/s^2; angular velocity, rad/s: 6."""
+    FORCE = 3
+    """On a link: [force; moment] of all contacts, mean over the last step, N and N m, axes of the world, about its origin: 6."""
+    COM = 4
+    """Centre of mass and its velocity, m and m/s, world: 6."""
+    ENERGY = 5
+    """Kinetic and potential, J: 2."""

@@ -154,11 +154,17 @@ class InternalError(Error):
     status = Status.ERROR_INTERNAL
 
 
+class CancelledError(Error):
+    """The caller's progress function ended the call."""
+
+    status = Status.ERROR_CANCELLED
+
+
 BY_STATUS: dict[int, type[Error]] = {
     int(c.status): c
     for c in (
         ArgumentError, HandleError, ModelError, SizeError, NonFiniteError, QuaternionError, StaleError, PartError,
         UnknownNameError, FileError, ParseError, InvalidRobotError, BaseChoiceError, StrictError, NumericError, BusyError,
-        OutOfMemoryError, LimitError, UnsupportedError, InternalError,
+        OutOfMemoryError, LimitError, UnsupportedError, InternalError, CancelledError,
     )
 }  # fmt: skip

@@ -107,3 +107,11 @@ def from_buffer(buffer) -> Model:
     memory, out = np.frombuffer(buffer, np.uint8), c_void_p()
     check(lib.dyn_model_from_buffer(memory.ctypes.data, memory.size, byref(out)))
     return Model(out.value, memory)
+
+
+def from_image(image: bytes) -> Model:
+    """The model of Model.image(), from bytes that lie anywhere: what unpickles a model."""
+    memory = np.empty(len(image) + 64, np.uint8)
+    memory = memory[-memory.ctypes.data % 64 :][: len(image)]
+    memory[:] = np.frombuffer(image, np.uint8)
+    return from_buffer(memory)

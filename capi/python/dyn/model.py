@@ -59,6 +59,16 @@ class Model(ModelParts, Configurations, ModelConstraints, ModelActuators, Saving
     def __repr__(self) -> str:
         return f"<dyn.Model {self.name!r}: nq {self.nq}, nv {self.nv}, {self.njoints} joints, {self.nframes} frames>"
 
+    def _repr_html_(self) -> str:
+        from .html import model
+
+        return model(self)
+
+    def __reduce__(self):
+        from .loading import from_image
+
+        return from_image, (self.image(),)
+
     @property
     def size(self) -> int:
         """Bytes of the compiled model."""

@@ -11,6 +11,7 @@ from . import abi
 from .choices import member
 from .contact import Contact, to_contact
 from .enums import ContactSolverType, Integrator
+from .errors import ArgumentError
 from .library import check, fail, lib
 from .material import Material
 
@@ -96,6 +97,21 @@ class ContactForce(NamedTuple):
     """(3,): N m, world: of torsion and rolling."""
 
 
+def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, **numbers: Any) -> None:
+    """What is not None of the arguments of Stepping.set_stepping."""
+    if integrator is not None:
+        kind = _INTEGRATORS.get(integrator)
+        options.integrator = member(Integrator, integrator, "integrator") if kind is None else kind
+    if solver is not None:
+        options.solver = member(ContactSolverType, solver, "solver")
+    for name, x in numbers.items():
+        if x is not None:
+            try:
+                setattr(options, name, x)
+            except TypeError:
+                raise ArgumentError(f"{name} is {x!r}, but must be a number.") from None
+
+
 class Stepping:
     """The part of Data that moves it in time."""
 
@@ -120,29 +136,10 @@ class Stepping:
         how slow (m/s, rad/s) and for how long (s) what may sleep has been, and whether steps compute it all the same; whether they keep the error ledger, for data
         with the part ENERGY. None leaves a value as it is."""
         options = self.stepping
-        if integrator is not None:
-            kind = _INTEGRATORS.get(integrator)
-            options.integrator = member(Integrator, integrator, "integrator") if kind is None else kind
-        if dt is not None:
-            options.dt = dt
-        if accuracy is not None:
-            options.accuracy = accuracy
-        if solver is not None:
-            options.solver = member(ContactSolverType, solver, "solver")
-        if tolerance is not None:
-            options.tolerance = tolerance
-        if max_iterations is not None:
-            options.max_iterations = max_iterations
-        if sleep_speed is not None:
-            options.sleep_speed = sleep_speed
-        if sleep_time is not None:
-            options.sleep_time = sleep_time
-        if visit_sleepers is not None:
-            options.visit_sleepers = visit_sleepers
-        if ledger is not None:
-            options.ledger = ledger
-        if time_budget is not None:
-            options.time_budget = time_budget
+        fill_stepping(
+            options, integrator, dt=dt, accuracy=accuracy, solver=solver, tolerance=tolerance, max_iterations=max_iterations,
+            sleep_speed=sleep_speed, sleep_time=sleep_time, visit_sleepers=visit_sleepers, ledger=ledger, time_budget=time_budget,
+        )  # fmt: skip
         check(lib.dyn_data_set_step_options(self._m, self._d, byref(options)))
 
     @property

@@ -378,6 +378,19 @@ def test_sim(arm_file, arm, tmp_path):
     assert rows["q1"][-1] == d.q[1] and rows["t"][0] == 0 and rows["mechanical"][0] == start  # 17 digits: no loss
 
 
+@pytest.mark.parametrize("integrator", ["semi_implicit_euler", "implicit_fast", "implicit_midpoint", "rk4", "rk45"])
+@pytest.mark.parametrize("robot", sorted(p.stem for p in ROBOTS.glob("*.urdf")))
+def test_sim_of_every_robot(robot, integrator, state_file):
+    """As tools/run has them move: nothing drives them, so limits, contacts and damping only take energy."""
+    robot = ROBOTS / f"{robot}.urdf"
+    base = "--floating" if robot.stem in ("go2", "humanoid") else "--fixed"
+    state = state_file({"v": [0.5] * answer("info", robot, base)["nv"]})
+    found = answer("sim", robot, base, "--duration", "0.2", "--dt", "1e-3", "--integrator", integrator, "--state", state)
+    assert found["steps"] == 200 and all(map(math.isfinite, found["q"] + found["v"]))
+    energy = found["energy"]
+    assert energy["final"] - energy["initial"] < 1e-2 * (abs(energy["initial"]) + abs(energy["final"]))  # of the first order: what Euler's steps of 1 ms make
+
+
 def test_sim_last_step_is_shorter(arm_file):
     found = answer("sim", arm_file, "--fixed", "--duration", "0.0105", "--dt", "1e-3")
     assert found["steps"] == 11 and found["time"] == pytest.approx(0.0105, abs=1e-15)

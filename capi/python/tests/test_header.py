@@ -61,10 +61,10 @@ def test_arrays_and_integrators():
     for enum, kind in (
         (enums.ModelArray, "dynModelArray"), (enums.Integrator, "dynIntegrator"), (enums.Direction, "dynDirection"),
         (enums.IkTaskType, "dynIkTaskType"), (enums.IkReason, "dynIkReason"),
-        (enums.ContactSolverType, "dynContactSolverType"), (enums.ContactStatus, "dynContactStatus"),
+        (enums.SensorType, "dynSensorType"), (enums.ContactSolverType, "dynContactSolverType"), (enums.ContactStatus, "dynContactStatus"),
     ):  # fmt: skip
         body = re.search(rf"typedef enum {kind} {{(.*?)}}", CODE, re.S).group(1)
-        declared = {n: int(v) for n, v in re.findall(r"DYN_(?:IK_|CONTACT_)?(\w+)\s*=\s*(\d+)", body)}
+        declared = {n: int(v) for n, v in re.findall(r"DYN_(?:IK_|CONTACT_|SENSOR_)?(\w+)\s*=\s*(\d+)", body)}
         assert declared == {name: int(member) for name, member in enum.__members__.items()}
 
 

@@ -174,7 +174,7 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
 // The same where velocities may jump. Steps that meet nothing are those of the tableau.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
-  const double closed = std::max(0.1 * accuracy, 1e-12);
+  const double closed = std::max(0.1 * accuracy, 256 * Rounding<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed);
   const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
   double h = std::min(duration, 1e-3), t = 0;
@@ -188,7 +188,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
     if (rows) {
-      allowed = std::max(allowed, 0.02 * accuracy), power = 1.0 / Extrapolated::order;
+      allowed = std::max(allowed, 0.2 * closed), power = 1.0 / Extrapolated::order;
       joint = extrapolated.step(h, error);
       report.evaluations += Extrapolated::evaluations;
     } else {

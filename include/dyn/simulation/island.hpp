@@ -29,7 +29,7 @@ struct Island {
   ActiveSlot& slot(Index k) const { return w.active[order[k]]; }
   std::ptrdiff_t stride() const { return row_room(rows); }
   bool large() const { return rows > island_rows(m); }
-  bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_PGS && (large() || !bounces); }  // restitution's guard is the matrix's
+  bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_PGS && (large() || !bounces); }  // of small ones restitution's guard is the matrix's
 
   // numbers and their meaning (island.cpp)
   void number();
@@ -49,7 +49,9 @@ struct Island {
   void prepare_blocks();
   void prepare_cones();
   bool stays(dynContactReport& report);
-  void rebound();
+  void rebound(double factor);
+  bool gains(const dynContactReport& report) const;
+  void bounce(dynContactReport& report);
   void sweep_alone(dynContactReport& report);
   void sweep_to_rest(dynContactReport& report);
   void sweep_on(dynContactReport& report);  // as long as that makes the residual smaller

@@ -1,8 +1,8 @@
-"""Batches."""
+"""Batches and rollouts."""
 
 from __future__ import annotations
 
-from ctypes import c_char_p, c_double, c_int, c_int32, c_int64, c_uint32, c_void_p
+from ctypes import CFUNCTYPE, c_char_p, c_double, c_int, c_int32, c_int64, c_uint32, c_void_p
 
 from .common import STATUS, Grown, i, p, ref
 
@@ -22,6 +22,18 @@ class BatchInfo(Grown):
     ]  # fmt: skip
 
 
+PROGRESS = CFUNCTYPE(c_int, c_void_p, c_int64, c_int64)
+
+
+class Rollout(Grown):
+    _fields_ = [
+        ("struct_size", c_uint32), ("steps", c_int32), ("every", c_int32), ("contact_capacity", c_int32), ("sensors", c_int32), ("reserved", c_int32),
+        ("stepping", c_void_p), ("sensor", c_void_p), ("sensor_frame", c_void_p), ("states", c_void_p), ("q0", c_void_p), ("v0", c_void_p),
+        ("tau", c_void_p), ("control", c_void_p), ("q", c_void_p), ("v", c_void_p), ("sensor_data", c_void_p), ("contacts", c_void_p),
+        ("contact_count", c_void_p), ("final_states", c_void_p), ("status", c_void_p), ("progress", PROGRESS), ("context", c_void_p),
+    ]  # fmt: skip
+
+
 SIGNATURES: dict[str, tuple] = {
     "dyn_batch_new": (STATUS, [p, c_uint32, i, ref]),
     "dyn_batch_free": (None, [p]),
@@ -29,4 +41,8 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_batch_arrays_init": (None, [ref]),
     "dyn_batch_run": (STATUS, [p, i, c_int64, ref]),
     "dyn_batch_info": (STATUS, [p, i, ref]),
+    # rollouts
+    "dyn_sensor_size": (i, [i]),
+    "dyn_rollout_init": (None, [ref]),
+    "dyn_batch_rollout": (STATUS, [p, c_int64, ref]),
 }  # fmt: skip

@@ -1,0 +1,249 @@
+"""Rollouts: many simulations of one model at once."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from ctypes import byref
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple
+
+import numpy as np
+
+from . import abi
+from .arrays import address, numbers
+from .choices import member
+from .enums import ContactSolverType, Integrator, Part, SensorType, Status
+from .errors import ArgumentError, SizeError
+from .library import fail, lib
+from .simulation import fill_stepping
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .model import Model
+
+Sensors = Mapping[str, Any]
+"""{name: dyn.SensorType or its name, or (that, frame)}, as {"imu": ("imu", "base"), "com": "com"}."""
+
+
+def _contact_type() -> np.dtype:
+    inner, outer = abi.Contact, abi.ContactForce
+    names = ["pair", "shape_a", "shape_b", "feature", "distance", "position", "normal", "force_on_b", "moment_on_b"]
+    formats = ["i4", "i4", "i4", "u8", "f8", "3f8", "3f8", "3f8", "3f8"]
+    offsets = [getattr(inner, n).offset for n in names[:7]] + [outer.force_on_b.offset, outer.moment_on_b.offset]
+    return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": ctypes.sizeof(outer)})
+
+
+CONTACT = _contact_type()
+"""A record of Rollout.contacts: dyn.Contact, and the force and the moment on shape B."""
+
+
+class Rollout(NamedTuple):
+    """What rollouts did: N simulations, R records of each."""
+
+    q: np.ndarray
+    """(N, R, nq)."""
+    v: np.ndarray
+    """(N, R, nv)."""
+    sensors: dict[str, np.ndarray]
+    """Of each name (N, R, its size): see dyn.SensorType."""
+    contacts: np.ndarray | None
+    """(N, R, capacity), of type CONTACT, if asked for; the first contact_count of them hold."""
+    contact_count: np.ndarray | None
+    """(N, R), how many contact points there were: more than the capacity may."""
+    states: np.ndarray | None
+    """(N, bytes), if asked for: what goes on from here as `states`, bit for bit, with the same model."""
+    status: np.ndarray
+    """(N,), a dyn.Status each: records of one that failed are NaN from then on."""
+
+
+class Plan:
+    """Sizes of a rollout: what is not said follows from the arrays that are given."""
+
+    def __init__(self, model: Model, q0: Any, v0: Any, tau: Any, control: Any, states: Any, n: int | None, steps: int | None, every: int):
+        self.model, self.steps, self.every, self.n = model, steps, every, n
+        if not isinstance(every, (int, np.integer)) or every < 1:
+            raise ArgumentError(f"every is {every!r}, but must be a number of steps, at least 1.")
+        driven = [(name, x) for name, x in (("control", control), ("tau", tau)) if x is not None]
+        for name, x in driven:
+            if x.ndim not in (2, 3):
+                raise SizeError(f"{name} has shape {x.shape}, but must have shape (N, R, {self.width(name)}), or (R, ...) for all simulations.")
+            self.agree("steps", x.shape[-2] * every, f"the {x.shape[-2]} records of {name}")
+        for name, x in [("q0", q0), ("v0", v0), *driven, ("states", states)]:
+            if x is not None and x.ndim == (3 if name in ("control", "tau") else 2):
+                self.agree("n", len(x), f"the shape of {name}")
+        if self.steps is None:
+            raise ArgumentError("steps is needed: nothing that is given says how many records there are.")
+        if self.n is None:
+            self.n = 1
+        if self.steps < 1 or self.steps % every:
+            raise ArgumentError(f"steps is {self.steps}, but must be at least 1 and a multiple of every, {every}.")
+        self.records = self.steps // every
+
+    def agree(self, name: str, value: int, why: str) -> None:
+        said = getattr(self, name)
+        if said is not None and said != value:
+            raise SizeError(f"{name} is {said}, but {why} says {value}.")
+        setattr(self, name, value)
+
+    def width(self, name: str) -> int:
+        return {"q0": self.model.nq, "control": self.model.nu}.get(name, self.model.nv)
+
+    def shaped(self, name: str, x: Any) -> tuple[int, ...]:
+        """The shape of x with a row for each simulation; x may have one row for all."""
+        shape = (self.n, self.records, self.width(name)) if name in ("control", "tau") else (self.n, self.width(name))
+        if x.shape not in (shape, shape[1:]):
+            raise SizeError(f"{name} has shape {x.shape}, but must have shape {shape} or {shape[1:]} of model {self.model.name!r}.")
+        return shape
+
+    def rows(self, name: str, x: Any) -> np.ndarray | None:
+        """x for all simulations, contiguous."""
+        return None if x is None else np.ascontiguousarray(np.broadcast_to(x, self.shaped(name, x)))
+
+
+def _sensors(model: Model, sensors: Sensors | None) -> tuple[np.ndarray, np.ndarray, dict[str, int]]:
+    """Types, frames, and the size of each by name."""
+    types, frames, sizes = [], [], {}
+    for name, what in (sensors or {}).items():
+        kind, frame = what if isinstance(what, (tuple, list)) and len(what) == 2 else (what, None)
+        kind = member(SensorType, kind, f"sensors[{name!r}]")
+        if frame is None and kind not in (SensorType.COM, SensorType.ENERGY):
+            raise ArgumentError(f"sensors[{name!r}] needs a frame: give ({kind.name.lower()!r}, frame).")
+        if isinstance(frame, str) and kind == SensorType.FORCE:
+            frame = model.frame_id(frame, "body")
+        types.append(kind)
+        frames.append(0 if frame is None else model._frame(frame))
+        sizes[name] = lib.dyn_sensor_size(kind)
+    return np.array(types, np.int32), np.array(frames, np.int32), sizes
+
+
+class _Progress:
+    """The caller's function as the library calls it; what it raises (a key pressed, too) ends the rollout and is raised again after it."""
+
+    def __init__(self, told: Callable[[int, int], Any] | None):
+        self.told, self.error = told, None
+        self.pointer = abi.PROGRESS(self.call)
+
+    def call(self, _: Any, steps: int, of: int) -> int:
+        try:
+            return int(self.told is not None and self.told(steps, of) is False)
+        except BaseException as error:
+            self.error = error
+            return 1
+
+
+class Rollouts:
+    """The part of Batch that simulates."""
+
+    def rollout(
+        self,
+        q0: ArrayLike | None = None,
+        v0: ArrayLike | None = None,
+        *,
+        control: ArrayLike | None = None,
+        tau: ArrayLike | None = None,
+        steps: int | None = None,
+        every: int = 1,
+        n: int | None = None,
+        dt: float | None = None,
+        integrator: str | Integrator | None = None,
+        solver: str | ContactSolverType | None = None,
+        tolerance: float | None = None,
+        max_iterations: int | None = None,
+        sensors: Sensors | None = None,
+        contacts: int = 0,
+        states: np.ndarray | None = None,
+        keep_states: bool = False,
+        strict: bool = True,
+        progress: Callable[[int, int], Any] | None = None,
+    ) -> Rollout:
+        """N simulations of `steps` steps of dt (1e-3 s). Simulation k is bit for bit what a Data does, whatever the number of threads.
+
+        q0, v0      (N, nq), (N, nv), or one row for all: where they begin; neutral, at rest
+        states      (N, bytes), Rollout.states of an earlier call: they go on from there
+        control     (N, R, nu), or (R, nu) for all: for actuators, each row held for `every` steps; R = steps / every
+        tau         (N, R, nv), or (R, nv): generalised forces, N m or N, in the same way
+        every       steps between records
+        n, steps    where no array says them
+        integrator, solver, tolerance, max_iterations  as in Data.set_stepping
+        sensors     {name: type or (type, frame)}: see dyn.SensorType
+        contacts    contact points to record, of the last step before each record, the rest is counted
+        keep_states whether to return what a later call goes on from
+        strict      the first simulation that fails raises, after all have ended; False: Rollout.status says it
+        progress    called with (steps made, steps in all) about every 10 ms by this thread; False from it, an exception in it, or Ctrl-C ends all:
+                    dyn.CancelledError, or that exception
+        """
+        model = self.model
+        given = {name: None if x is None else numbers(x, name) for name, x in (("q0", q0), ("v0", v0), ("control", control), ("tau", tau))}
+        size = lib.dyn_state_size(model._m)
+        if states is not None and (
+            not isinstance(states, np.ndarray) or states.dtype != np.uint8 or states.ndim != 2 or states.shape[1] != size
+        ):
+            raise SizeError(f"states must be what a rollout of this model left: uint8, of shape (N, {size}).")
+        plan = Plan(model, given["q0"], given["v0"], given["tau"], given["control"], states, n, steps, every)
+        N, R = plan.n, plan.records
+        types, frames, sizes = _sensors(model, sensors)
+        if not isinstance(contacts, (int, np.integer)) or contacts < 0:
+            raise ArgumentError(f"contacts is {contacts!r}, but must be a number of contact points.")
+
+        stepping, x = abi.StepOptions(), abi.Rollout()
+        lib.dyn_step_options_init(byref(stepping))
+        fill_stepping(stepping, integrator, solver, dt=dt, tolerance=tolerance, max_iterations=max_iterations)
+        lib.dyn_rollout_init(byref(x))
+        x.steps, x.every, x.sensors, x.contact_capacity = plan.steps, every, len(types), contacts
+        x.stepping, x.sensor, x.sensor_frame = ctypes.addressof(stepping), address(types), address(frames)
+        keep = {name: plan.rows(name, value) for name, value in given.items()}
+        if states is not None:
+            keep["states"] = np.ascontiguousarray(states)
+        empty = np.empty if strict else lambda shape: np.full(shape, np.nan)
+        out = {"q": empty((N, R, model.nq)), "v": empty((N, R, model.nv)), "status": np.zeros(N, np.int32)}
+        if sizes:
+            out["sensor_data"] = empty((N, R, sum(sizes.values())))
+        if contacts:
+            out["contacts"], out["contact_count"] = np.zeros((N, R, contacts), CONTACT), np.zeros((N, R), np.int32)
+        if keep_states:
+            out["final_states"] = np.zeros((N, size), np.uint8)
+        for name, array in (keep | out).items():
+            setattr(x, name, address(array))
+        told = _Progress(progress)
+        x.progress = told.pointer
+
+        status = lib.dyn_batch_rollout(self._b, N, byref(x))
+        if told.error is not None:
+            raise told.error
+        failed = out["status"].any()
+        if status and (strict or not failed or status == Status.ERROR_CANCELLED):
+            fail(status)
+        ends = np.cumsum([0, *sizes.values()])
+        data = {name: out["sensor_data"][..., a:b] for name, a, b in zip(sizes, ends, ends[1:])}
+        return Rollout(out["q"], out["v"], data, out.get("contacts"), out.get("contact_count"), out.get("final_states"), out["status"])
+
+
+def rollout(
+    model: Model,
+    q0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    *,
+    effects: Any = None,
+    threads: int | None = None,
+    engine: str = "threads",
+    **arguments: Any,
+) -> Rollout:
+    """Rollouts of a model: what Batch.rollout does, with its arguments.
+
+    effects  as in Data.set_effects; None: those of new data
+    threads  of this process; None: as many as it has processors
+    engine   "threads": here. "ray": by the workers of Ray (package ray), with the arguments of dyn.cluster.rollout
+    """
+    if engine == "ray":
+        from .cluster import rollout as elsewhere
+
+        return elsewhere(model, q0, v0, effects=effects, **arguments)
+    if engine != "threads":
+        raise ArgumentError(f"engine is {engine!r}, but must be 'threads' or 'ray'.")
+    batch = model.batch(threads, Part.ALL)
+    if effects is not None:
+        batch.set_effects(effects)
+    return batch.rollout(q0, v0, **arguments)
+
+

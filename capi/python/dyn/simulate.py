@@ -1,0 +1,89 @@
+"""A model that plays: Simulation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, NamedTuple
+
+import numpy as np
+
+from .errors import ArgumentError
+
+if TYPE_CHECKING:
+    from .data import Data
+    from .model import Model
+
+Controller = Callable[["Simulation"], Any]
+"""Called before each control period: it sets control, tau or wrenches of simulation.data, or returns controls, (nu,)."""
+
+
+class Trajectory(NamedTuple):
+    """What Simulation.run recorded, the beginning included."""
+
+    t: np.ndarray
+    """(R,), s."""
+    q: np.ndarray
+    """(R, nq)."""
+    v: np.ndarray
+    """(R, nv)."""
+
+
+class Simulation:
+    """A data that goes on in time: the loop that one would write oneself.
+
+        sim = dyn.Simulation(model, dt=1e-3, effects=("armature", "damping", "limits"))
+        trajectory = sim.run(2.0, lambda sim: kp * (target - sim.q))
+
+    stepping: more of Data.set_stepping. `data` is a Data like any other.
+    """
+
+    def __init__(self, model: Model, q: Any = None, v: Any = None, *, dt: float = 1e-3, integrator: Any = None, effects: Any = None, **stepping: Any):
+        self.model = model
+        self.data: Data = model.data()
+        self.dt = dt
+        self.data.set_stepping(integrator, dt, **stepping)
+        if effects is not None:
+            self.data.set_effects(effects)
+        self.data.set_state(q, v)
+        self._begin = self.data.save()
+
+    def __repr__(self) -> str:
+        return f"<dyn.Simulation of {self.model.name!r}: t {self.time:g} s, dt {self.dt:g} s>"
+
+    @property
+    def time(self) -> float:
+        """s."""
+        return float(self.data.field("time"))
+
+    @property
+    def q(self) -> np.ndarray:
+        """(nq,): a view of what is."""
+        return self.data.q
+
+    @property
+    def v(self) -> np.ndarray:
+        """(nv,): a view of what is."""
+        return self.data.v
+
+    def reset(self, q: Any = None, v: Any = None) -> None:
+        """Back to the beginning, with q or v in place of what was there."""
+        self.data.restore(self._begin)
+        self.data.set_state(q, v)
+
+    def step(self, steps: int = 1, control: Any = None) -> None:
+        """Some steps, under controls (nu,) or those that are held."""
+        if control is not None:
+            self.data.set_control(control)
+        for _ in range(steps):
+            self.data.step()
+
+    def run(self, duration: float, controller: Controller | None = None, *, every: int = 1) -> Trajectory:
+        """duration seconds, a whole number of steps; the controller and the record come every so many."""
+        steps = round(duration / self.dt)
+        if every < 1 or steps < 1 or steps % every or abs(steps * self.dt - duration) > 1e-9 * duration:
+            raise ArgumentError(f"duration is {duration} s, but must be a multiple of every * dt, {every} * {self.dt} s.")
+        t, q, v = np.empty(steps // every + 1), np.empty((steps // every + 1, self.model.nq)), np.empty((steps // every + 1, self.model.nv))
+        t[0], q[0], v[0] = self.time, self.q, self.v
+        for k in range(1, len(t)):
+            self.step(every, None if controller is None else controller(self))
+            t[k], q[k], v[k] = self.time, self.q, self.v
+        return Trajectory(t, q, v)

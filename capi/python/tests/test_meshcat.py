@@ -1,0 +1,85 @@
+"""Meshcat: every shape is drawn where it is."""
+
+import numpy as np
+import pytest
+from conftest import MODELS
+
+import dyn
+
+meshcat = pytest.importorskip("meshcat", reason="package meshcat is not installed")
+
+from dyn.meshcat import Display, pieces  # noqa: E402
+
+
+class Paper:
+    """Keeps what a meshcat.Visualizer is told."""
+
+    def __init__(self, path="", told=None):
+        self.path, self.told = path, {} if told is None else told
+
+    def __getitem__(self, path):
+        return Paper(f"{self.path}/{path}", self.told)
+
+    def set_object(self, geometry, material):
+        self.told[self.path, "object"] = geometry.lower({})["type"] if hasattr(geometry, "lower") else geometry
+
+    def set_transform(self, X):
+        self.told[self.path, "transform"] = np.array(X)
+
+
+def test_shapes_are_where_they_are(go2):
+    paper = Paper()
+    display = Display(go2, paper)
+    shown = {path for path, what in paper.told if what == "object"}
+    assert shown
+    q = go2.random(3)
+    display(q)
+    d = go2.data()
+    d.forward_kinematics(q)
+    for path in shown:
+        shape = go2.shapes[int(path.split("/")[2])]
+        X, at = d.frame_placement(go2.frame_name(shape.frame)), shape.placement
+        T = paper.told[path.rsplit("/", 1)[0], "transform"]
+        np.testing.assert_allclose(T[:3, 3], X.rotation @ at.translation + X.translation, atol=1e-13)
+        np.testing.assert_allclose(T[:3, :3], X.rotation @ at.rotation, atol=1e-13)
+    display.play([q, q], dt=1e-3)
+
+
+SIZES = {"box": (1, 2, 3), "sphere": (0.5,), "capsule": (0.2, 1), "cylinder": (0.2, 1), "cone": (0.3, 1), "ellipsoid": (1, 2, 3), "half_space": ()}
+
+
+@pytest.mark.parametrize("kind", SIZES)
+def test_every_primitive(kind):
+    b = dyn.Builder("one").joint("j", "free_flyer").body("x", "j", mass=1, inertia=np.eye(3))
+    m = b.shape("x" if kind != "half_space" else "universe", kind, SIZES[kind]).finish()
+    drawn = pieces(m, m.shapes[0])
+    assert len(drawn) == (3 if kind == "capsule" else 1)
+    if kind == "cone":  # closed, and of the right volume up to that of a polygon of 32 sides
+        x = drawn[0][0]
+        a, b, c = (x.vertices[x.faces[:, k]] for k in range(3))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+        assert volume == pytest.approx(np.pi * 0.09 / 3, rel=0.01)
+
+
+def test_meshes(tmp_path):
+    (tmp_path / "corner.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r"><link name="l"><visual><geometry><mesh filename="corner.obj" scale="2 2 2"/></geometry></visual></link></robot>'
+    )
+    m = dyn.load(tmp_path / "r.urdf", base="fixed")
+    try:
+        (geometry, _), = pieces(m, m.shapes[0])
+    except dyn.UnsupportedError as error:
+        pytest.skip(str(error))
+    assert np.max(geometry.vertices) == 2 and len(geometry.faces) == 4
+
+
+def test_a_server():
+    robot = dyn.load(MODELS / "robots" / "panda.urdf", base="fixed")
+    visualizer = meshcat.Visualizer()
+    try:
+        Display(robot, visualizer)(robot.random(1))
+        assert visualizer.url().startswith("http://127.0.0.1:")
+    finally:
+        if visualizer.window.server_proc is not None:
+            visualizer.window.server_proc.kill()

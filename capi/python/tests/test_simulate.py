@@ -1,0 +1,81 @@
+"""Simulation: the loop over Data's steps; and what notebooks show."""
+
+import html.parser
+
+import numpy as np
+import pytest
+
+import dyn
+
+
+def test_it_is_the_loop_over_steps(arm):
+    q = [0.4, -0.2]
+    sim = dyn.Simulation(arm, q, dt=1e-3, integrator="rk4", effects=("damping",))
+    d = arm.data()
+    d.set_effects("damping")
+    d.set_state(q)
+    times = []
+
+    def push(s):
+        times.append(s.time)
+        s.data.tau_applied = [0.3, -s.q[1]]
+
+    run = sim.run(0.1, push, every=5)
+    for _ in range(20):
+        d.tau_applied = [0.3, -d.q[1]]
+        for _ in range(5):
+            d.step(1e-3, "rk4")
+    assert np.array_equal(run.q[-1], d.q) and np.array_equal(run.v[-1], d.v) and np.array_equal(run.q[0], q)
+    np.testing.assert_allclose(run.t, 5e-3 * np.arange(21), atol=1e-15)
+    assert times == run.t[:-1].tolist() and "t 0.1 s" in repr(sim)
+    sim.reset()
+    again = sim.run(0.1, push, every=5)
+    assert np.array_equal(again.q, run.q) and again.t[0] == 0
+    sim.reset(v=[1.0, 0.0])
+    assert sim.v.tolist() == [1, 0] and sim.q.tolist() == q
+
+
+def test_refusals(arm):
+    with pytest.raises(dyn.ArgumentError, match="multiple of every"):
+        dyn.Simulation(arm).run(0.0105)
+    with pytest.raises(dyn.ArgumentError, match="dt"):
+        dyn.Simulation(arm, dt=-1)
+
+
+class Well(html.parser.HTMLParser):
+    """Counts cells; asserts that what opens closes."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.cells = [], []
+        self.feed(text)
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open[-1:] == ["td"]:
+            self.cells.append(data)
+
+
+def test_html(arm, gripper):
+    cells = Well(arm._repr_html_()).cells
+    assert "shoulder" in cells and "-2 to 2.5" in cells and "revolute" in cells
+    assert any(c.startswith(("1 ", "-1 ")) for c in Well(gripper._repr_html_()).cells), "what a follower follows"
+    evil = dyn.Builder("a<b>").joint("<i>&", "revolute").body("x", "<i>&", mass=1, inertia=np.eye(3)).finish()
+    assert "<i>&" in Well(evil._repr_html_()).cells
+    d = arm.data()
+    assert "M" not in Well(d._repr_html_()).cells
+    d.crba()
+    assert {"M", "q", "kg m^2, kg"} <= set(Well(d._repr_html_()).cells)
+
+
+def test_docstrings_say_shape_unit_and_frame():
+    for info in dyn.FIELDS.values():
+        doc = getattr(dyn.Data, info.name).__doc__
+        if isinstance(getattr(dyn.Data, info.name), property) and info.name not in ("ledger", "stepping"):
+            assert info.sentence in doc and info.shape in doc and (info.unit or "no unit") in doc, info.name

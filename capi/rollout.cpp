@@ -1,0 +1,157 @@
+// Rollouts: many simulations of one model by the threads of a batch.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <limits>
+
+#include "batch.hpp"
+#include "sensors.hpp"
+
+using namespace dyn;
+using namespace dyn::capi;
+
+namespace {
+
+constexpr std::int64_t steps_between_looks = 64;  // at the clock, and at the caller's wish to end
+constexpr std::chrono::milliseconds between_calls{10};
+using Clock = std::chrono::steady_clock;
+
+template <class T>
+T* row(T* array, std::ptrdiff_t size, std::int64_t k) {
+  return array ? array + k * size : nullptr;
+}
+
+dynStatus cancelled_at(std::int64_t made, std::int64_t of) {
+  return fail(DYN_ERROR_CANCELLED, "dyn_batch_rollout: cancelled after %lld of %lld steps", static_cast<long long>(made), static_cast<long long>(of));
+}
+
+}  // namespace
+
+struct Batch::Rollout {
+  const Batch& batch;
+  const dynRollout& x;
+  const std::int64_t n, records, steps, share;
+  const std::ptrdiff_t state, sensor_size;
+  const double dt;
+  const bool imu;
+  Clock::time_point told{};
+  alignas(64) std::atomic<std::int64_t> next{0};
+  alignas(64) std::atomic<std::int64_t> made{0};
+  std::atomic<bool> cancelled{false};
+
+  Rollout(const Batch& b, std::int64_t count, const dynRollout& r, double h)
+      : batch(b), x(r), n(count), records(r.steps / r.every), steps(count * r.steps),
+        // simulations of few steps are given out several at a time
+        share(std::clamp<std::int64_t>(std::min(n / (32 * b.threads), steps_between_looks / r.steps), 1, 64)),
+        state(std::ptrdiff_t(dyn_state_size(b.handle))), sensor_size(size_of(sensors())), dt(h), imu(reads_acceleration(sensors())) {}
+
+  Sensors sensors() const { return {x.sensor, x.sensor_frame, x.sensors}; }
+
+  void work(int thread) {
+    dynData* data = batch.datas[std::size_t(thread)].get();
+    double* acceleration = batch.accelerations.get() + std::ptrdiff_t(thread) * batch.sizes.nv;
+    for (std::int64_t begin; (begin = next.fetch_add(share, std::memory_order_relaxed)) < n;)
+      for (std::int64_t k = begin; k < std::min(begin + share, n); ++k) {
+        std::int64_t at = 0;  // steps
+        const dynStatus s = simulate(data, k, thread, acceleration, at);
+        if (x.status) x.status[k] = s;
+        if (s != DYN_OK && s != DYN_ERROR_CANCELLED) batch.workers[std::size_t(thread)].failed(k, s);
+        made.fetch_add(at % steps_between_looks, std::memory_order_relaxed);
+        look(thread);
+      }
+  }
+
+  // The caller's thread tells how far all are, at first and then when some time has passed: what it calls may take long.
+  void look(int thread) {
+    if (thread != 0 || !x.progress) return;
+    if (const auto now = Clock::now(); now - told >= between_calls) told = now, tell();
+  }
+  void tell() {
+    if (x.progress && x.progress(x.context, made.load(std::memory_order_relaxed), steps)) cancelled.store(true, std::memory_order_relaxed);
+  }
+
+  dynStatus simulate(dynData* data, std::int64_t k, int thread, double* acceleration, std::int64_t& at) {
+    const dynModel* m = batch.handle;
+    const Sizes& sizes = batch.sizes;
+    if (cancelled.load(std::memory_order_relaxed)) return DYN_ERROR_CANCELLED;
+    const void* begin = x.states ? static_cast<const char*>(x.states) + k * state : batch.fresh.data();
+    if (const dynStatus s = dyn_state_restore(m, data, begin, std::size_t(state))) return s;
+    if (x.q0 || x.v0)
+      if (const dynStatus s = dyn_data_set_state(m, data, row(x.q0, sizes.nq, k), row(x.v0, sizes.nv, k), nullptr, nullptr)) return s;
+    for (std::int64_t r = k * records; r < (k + 1) * records; ++r) {
+      if (x.control)
+        if (const dynStatus s = dyn_data_set_control(m, data, row(x.control, m->m->n.nu, r))) return s;
+      if (x.tau)
+        if (const dynStatus s = dyn_data_set_state(m, data, nullptr, nullptr, nullptr, row(x.tau, sizes.nv, r))) return s;
+      for (int i = 0; i < x.every; ++i) {
+        if (imu && i + 1 == x.every) std::copy_n(data->d.v, sizes.nv, acceleration);
+        if (const dynStatus s = dyn_step(m, data)) return s;
+        if (++at % steps_between_looks) continue;
+        made.fetch_add(steps_between_looks, std::memory_order_relaxed);
+        look(thread);
+        if (cancelled.load(std::memory_order_relaxed)) return DYN_ERROR_CANCELLED;
+      }
+      if (const dynStatus s = record(m, data, r, acceleration)) return s;
+    }
+    return DYN_OK;
+  }
+
+  dynStatus record(const dynModel* m, dynData* data, std::int64_t r, double* acceleration) const {
+    const Sizes& sizes = batch.sizes;
+    copy_out(data->d.q, sizes.nq, row(x.q, sizes.nq, r));
+    copy_out(data->d.v, sizes.nv, row(x.v, sizes.nv, r));
+    if (x.contact_count)
+      if (const dynStatus s = dyn_step_contacts(m, data, row(x.contacts, x.contact_capacity, r), x.contacts ? x.contact_capacity : 0, x.contact_count + r)) return s;
+    if (x.final_states && (r + 1) % records == 0)
+      if (const dynStatus s = dyn_state_save(m, data, static_cast<char*>(x.final_states) + r / records * state, std::size_t(state))) return s;
+    if (!x.sensor_data) return DYN_OK;
+    for (int i = 0; imu && i < sizes.nv; ++i) acceleration[i] = (data->d.v[i] - acceleration[i]) / dt;
+    return read_sensors(m, data, sensors(), imu ? acceleration : nullptr, row(x.sensor_data, sensor_size, r));
+  }
+};
+
+dynStatus Batch::rollout(std::int64_t n, const dynRollout& x) {
+  const Turn turn(*this, "dyn_batch_rollout");
+  if (turn.status != DYN_OK) return turn.status;
+  if (const dynStatus s = check_sensors(*handle->m, {x.sensor, x.sensor_frame, x.sensors}, "dyn_batch_rollout")) return s;
+  dynStepOptions stepping;
+  dyn_step_options_init(&stepping);
+  if (x.stepping) stepping = *x.stepping;
+  for (const auto& data : datas)
+    if (const dynStatus s = dyn_data_set_step_options(handle, data.get(), &stepping)) return s;  // the first one, if any
+  Rollout job(*this, n, x, stepping.dt);
+  const dynStatus status = work(job, n, "dyn_batch_rollout: ", "simulation");
+  if (job.cancelled) return cancelled_at(job.made, job.steps);
+  job.tell();
+  return status;
+}
+
+extern "C" {
+
+int dyn_sensor_size(dynSensorType sensor) { return sensor_size(sensor); }
+
+void dyn_rollout_init(dynRollout* rollout) {
+  if (!rollout) return;
+  *rollout = {};
+  rollout->struct_size = sizeof(dynRollout);
+  rollout->steps = rollout->every = 1;
+}
+
+dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollout) {
+  constexpr const char* function = "dyn_batch_rollout";
+  if (const dynStatus s = check(batch)) return s;
+  if (!rollout) return fail(DYN_ERROR_ARGUMENT, "%s: rollout is NULL: it is required", function);
+  const dynRollout& x = *rollout;
+  if (x.struct_size < sizeof(dynRollout))
+    return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: call dyn_rollout_init", function, x.struct_size, sizeof(dynRollout));
+  if (x.steps < 1 || x.every < 1 || x.steps % x.every)
+    return fail(DYN_ERROR_ARGUMENT, "%s: steps is %d and every is %d: give at least 1, and an every that divides steps", function, x.steps, x.every);
+  // so many records that the address of the last one does not exist
+  const std::int64_t most = (std::numeric_limits<std::ptrdiff_t>::max() >> 32) / x.steps;
+  if (n < 0 || n > most) return fail(DYN_ERROR_ARGUMENT, "%s: n is %lld: give a number of simulations from 0 to %lld", function, static_cast<long long>(n), static_cast<long long>(most));
+  if (x.contact_capacity < 0) return fail(DYN_ERROR_ARGUMENT, "%s: contact_capacity is %d: give 0 or more", function, x.contact_capacity);
+  if (x.contacts && !x.contact_count) return fail(DYN_ERROR_ARGUMENT, "%s: contact_count is NULL: contacts need it", function);
+  return n ? batch->b->rollout(n, x) : DYN_OK;
+}
+
+}  // extern "C"

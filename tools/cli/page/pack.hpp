@@ -1,0 +1,26 @@
+// Numbers of a page: typed arrays one behind another, little-endian, in base64. What refers to one is {"at": byte, "n": count, "as": type}.
+#pragma once
+
+#include <cstdint>
+
+#include "../cli.hpp"
+
+namespace cli::page {
+
+class Pack {
+ public:
+  json f32(const Vector& x);
+  // 16 bits between the least and the largest of them: {.., "as": "q16", "lower", "step"}.
+  json q16(const Vector& x);
+  // Indices: 16 bits where they fit.
+  json indices(const std::vector<std::uint32_t>& x);
+  std::string base64() const;
+  std::size_t size() const { return bytes_.size(); }
+
+ private:
+  template <class T>
+  json append(const std::vector<T>& x, const char* as);
+  std::vector<unsigned char> bytes_;
+};
+
+}  // namespace cli::page

@@ -1,0 +1,46 @@
+// What a simulation did, at about 60 moments a second, thinned to what a page can hold.
+#pragma once
+
+#include "../ledger.hpp"
+#include "page.hpp"
+
+namespace cli::page {
+
+class Recording {
+ public:
+  Recording(const Robot& robot, std::uint32_t effects);
+
+  struct Moment {
+    double time, kinetic, potential;
+    const double *q, *v, *tau;
+  };
+  bool due(double time) const { return time >= next_ - 1e-9; }
+  void add(const Data& simulated, const Moment& moment, const Ledger* ledger, double step_s);
+  json packed(Pack& pack, json& notes) const;
+
+ private:
+  struct Contact {
+    double position[3], force[3], distance;
+    std::uint32_t a, b;
+  };
+  struct Sample {
+    double time;
+    Vector positions, turns, com, q, v, tau, actuators, energy, solver, ledger;
+    std::vector<Contact> contacts;
+  };
+  Sample sample_of(const Data& simulated, const Moment& moment) const;
+  void thin();
+  std::size_t numbers() const;
+
+  const Robot& robot_;
+  Data mind_;                     // where placements are computed: the simulated data stays as it is
+  std::vector<int> frame_of_;     // a frame of each joint
+  std::vector<Sample> samples_;
+  std::size_t contacts_ = 0;
+  double every_, next_ = 0;
+};
+
+// Names of the coordinates of q (or v): the joint's, with a number behind it where it has several.
+std::vector<std::string> coordinate_names(const Robot& robot, bool of_q);
+
+}  // namespace cli::page

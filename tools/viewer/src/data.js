@@ -1,0 +1,24 @@
+// What the command wrote into the page: a head in JSON, and numbers in base64 that it refers to.
+
+export function bytesOf(base64) {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return bytes;
+}
+
+/** @returns a function that gives the typed array that {at, n, as} refers to */
+export function reader(bytes) {
+  const kinds = { f32: Float32Array, u16: Uint16Array, u32: Uint32Array };
+  return ({ at, n, as, lower, step }) => {
+    const start = bytes.byteOffset + at;
+    if (as === "q16") return Float32Array.from(new Uint16Array(bytes.buffer, start, n), (x) => lower + step * x);
+    return new kinds[as](bytes.buffer, start, n);
+  };
+}
+
+export function readPage() {
+  const head = document.getElementById("dyn-head");
+  if (!head) return null;
+  return { head: JSON.parse(head.textContent), read: reader(bytesOf(document.getElementById("dyn-numbers").textContent)) };
+}
