@@ -230,9 +230,9 @@ void Island::bounce(dynContactReport& report) {
     iterations += report.iterations, newton_steps += report.newton_steps;
     return gains(report);
   };
-  if (refused(1)) {
+  if (refused(1) && !w.time_is_up()) {
     double low = 0, high = 1;
-    while (high - low > 1e-2) {
+    while (high - low > 1e-2 && !w.time_is_up()) {
       const double factor = 0.5 * (low + high);
       (refused(factor) ? high : low) = factor;
     }
