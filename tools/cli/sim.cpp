@@ -240,6 +240,7 @@ void run(const Options& options) {
     if (drive) state.tau.assign(drive->at(time), drive->at(time) + robot.nv), state.has_tau = true;
   };
   act(0);
+  const State start = state;  // of it what effects take and change is measured
   const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
   if (!options.csv.empty() && bytes > max_csv_bytes)
     fail("--csv would be about " + short_number(bytes / 1e9, 3) + " GB, more than " + short_number(max_csv_bytes / 1e9) +
@@ -352,14 +353,14 @@ void run(const Options& options) {
   if (options.ledger) answer["ledger"] = ledger.answer();
   answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
-  if (options.profile) answer["profile"] = measure_effects(robot, state, options, on);
+  if (options.profile) answer["profile"] = measure_effects(robot, start, options, on);
   if (page) {
     json shown = answer;
     shown["ledger"] = ledger.answer();
     if (!options.profile) {
       SteppingOptions beginning = options;  // what effects cost is told by the first seconds
       beginning.duration = std::min(options.duration, profiled_s);
-      if (!adaptive) shown["profile"] = measure_effects(robot, state, beginning, on);
+      if (!adaptive) shown["profile"] = measure_effects(robot, start, beginning, on);
     }
     write_html(html, options, robot, *recording, shown, warnings);
   }
