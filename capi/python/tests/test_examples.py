@@ -49,7 +49,7 @@ def test_example(name):
     assert said in done.stdout and not done.stderr
 
 
-def test_the_picture_of_the_readme(tmp_path):
+def test_the_picture_of_a_push(tmp_path):
     pytest.importorskip("matplotlib")
     done = run(CAPI.parent / "bench" / "picture.py", "--svg", str(tmp_path / "quadruped.svg"))
     assert done.returncode == 0, done.stderr
