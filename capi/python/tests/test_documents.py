@@ -107,6 +107,8 @@ def test_command(line, folder):
     if LONG.search(line):
         words = [words[0], "--help"]
     done = subprocess.run([CLI, *words], cwd=folder, capture_output=True, text=True, timeout=300)
+    if "there is no page to fill" in done.stderr:
+        pytest.skip("built without npm: no viewer")
     assert done.returncode == 0, done.stderr
     assert done.stdout
 
