@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -29,9 +30,8 @@ void open_browser(const std::string& address) {
   const bool screen = (named && *named) || std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
   const pid_t child = screen ? fork() : -1;
   if (child == 0) {
-    std::freopen("/dev/null", "w", stdout);
-    std::freopen("/dev/null", "w", stderr);
-    execlp(browser.c_str(), browser.c_str(), address.c_str(), static_cast<char*>(nullptr));
+    std::signal(SIGPIPE, SIG_DFL);
+    if (std::freopen("/dev/null", "w", stdout) && std::freopen("/dev/null", "w", stderr)) execlp(browser.c_str(), browser.c_str(), address.c_str(), static_cast<char*>(nullptr));
     _exit(127);
   }
   std::fprintf(stderr, child > 0 ? "dyn: opening %s with %s; if nothing opens, open it yourself\n" : "dyn: there is no screen and no $BROWSER here: open %s yourself\n", address.c_str(), browser.c_str());
