@@ -188,11 +188,32 @@ def test_view_moves_joints_by_hand(page, tmp_path):
         slider.fill(str(x))
     assert len(state) == info["nv"]
     (tmp_path / "s.json").write_text(json.dumps({"q": state}))
-    placements = json.loads(dyn("eval", MODELS / "robots/gripper.urdf", "--fixed", "--compute", "placements", "--state", tmp_path / "s.json", "--json").stdout)["placements"]
+    placements = json.loads(dyn("eval", MODELS / "robots/gripper.urdf", "--fixed", "--compute", "placements,com", "--state", tmp_path / "s.json", "--json").stdout)
+    assert page("dynView.overlays.com.position.toArray()") == pytest.approx(placements["com"], abs=1e-6)
+    placements = placements["placements"]
     shown = dict(zip(page("dynView.head.model.frames.map((f) => f.name)"), page("dynView.robot.frames.map((f) => f.matrixWorld.elements)")))
     for name, placement in placements.items():
         if name in shown:
             assert shown[name][12:15] == pytest.approx(placement["translation"], abs=1e-6), name
+
+
+def test_inertia_ellipsoids_have_the_links_inertia(page, tmp_path):
+    """A solid ellipsoid x = M u, |u| <= 1 has the inertia m / 5 (tr(M M') 1 - M M')."""
+    values = {"ixx": 0.031, "iyy": 0.047, "izz": 0.055, "ixy": 0.006, "ixz": -0.004, "iyz": 0.003}
+    (tmp_path / "e.urdf").write_text(
+        '<robot name="e"><link name="a"><inertial><mass value="3"/><inertia ' + " ".join(f'{k}="{v}"' for k, v in values.items()) + "/></inertial>"
+        '<visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual></link></robot>'
+    )
+    assert dyn("view", tmp_path / "e.urdf", "--floating", "--html", tmp_path / "e.html").returncode == 0
+    page.open(f"file://{tmp_path}/e.html")
+    e = page("dynView.overlays.groups.inertia.map((mesh) => mesh.matrix.elements)")
+    assert len(e) == 1
+    product = [[sum(e[0][4 * k + i] * e[0][4 * k + j] for k in range(3)) for j in range(3)] for i in range(3)]
+    trace = sum(product[i][i] for i in range(3))
+    for i in range(3):
+        for j in range(3):
+            expected = values["i" + "".join(sorted("xyz"[i] + "xyz"[j]))]
+            assert 3 / 5 * ((trace if i == j else 0) - product[i][j]) == pytest.approx(expected, abs=1e-9)
 
 
 def test_info_page_shows_robot_and_tables(page, tmp_path):
