@@ -269,6 +269,15 @@ def test_accuracy_and_stress_pages(page, tmp_path):
     assert page.complaints == [] and page.requests == []
 
 
+def test_a_simulation_that_fails_leaves_what_it_was_until_then(page, tmp_path):
+    made = dyn("sim", MODELS / "robots/double_pendulum.urdf", "--fixed", "--duration", 300, "--dt", 1, "--integrator", "rk4", "--v", "100,-300", "--html", tmp_path / "f.html")
+    assert made.returncode == 1 and "overflows" in made.stderr
+    page.open(f"file://{tmp_path}/f.html")
+    assert page.complaints == []
+    assert page("dynView.recording.moments") > 1
+    assert "the simulation failed" in page("document.getElementById('side').innerText")
+
+
 def test_refusals(tmp_path):
     robot = tmp_path / "robot.urdf"
     robot.write_text((MODELS / "robots/double_pendulum.urdf").read_text())

@@ -25,9 +25,12 @@ struct Options : SteppingOptions {
 
 // Opens the address with $BROWSER or xdg-open; says so when there is neither.
 void open_browser(const std::string& address) {
-  const char* named = std::getenv("BROWSER");
-  const std::string browser = named && *named ? named : "xdg-open";
-  const bool screen = (named && *named) || std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  const std::string named = variable("BROWSER"), browser = named.empty() ? "xdg-open" : named;
+  const bool screen = !(named + variable("DISPLAY") + variable("WAYLAND_DISPLAY")).empty();
   const pid_t child = screen ? fork() : -1;
   if (child == 0) {
     std::signal(SIGPIPE, SIG_DFL);
