@@ -175,9 +175,18 @@ void Island::prepare_cones() {
   }
 }
 
+// Of torsion and rolling by their lengths, and where a coefficient is zero not at all.
 double Island::speed() const {
   double most = 0;
-  for (Index i = 0; i < rows; ++i) most = std::max(most, std::abs(g[i] + bias[i]));
+  for (Index k = 0, contact = 0; k < slots; ++k) {
+    const ActiveSlot& a = slot(k);
+    const bool touches = a.kind == RowKind::Contact;
+    for (Index r = 0; r < a.s->rows; ++r) {
+      const double length = r < 3 || !touches ? 1 : friction[contact] > 0 ? (r == a.s->rows - 1 ? torsion[contact] : rolling[contact]) / friction[contact] : 0;
+      most = std::max(most, length * std::abs(g[a.s->first + r] + bias[a.s->first + r]));
+    }
+    contact += touches;
+  }
   return most;
 }
 

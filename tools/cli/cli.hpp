@@ -165,6 +165,7 @@ void add_bench(CLI::App& app);
 void add_effects(CLI::App& app);
 void add_accuracy(CLI::App& app);
 void add_stress(CLI::App& app);
+void add_view(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_manual(CLI::App& app);
 

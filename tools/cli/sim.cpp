@@ -198,12 +198,10 @@ std::string text_of(const json& a) {
 
 constexpr double profiled_s = 2;
 
-void write_html(const std::string& html, const Options& options, const Robot& robot, const page::Recording& recording, const json& answer, json notes) {
+void write_html(const std::string& html, const Options& options, const Robot& robot, const page::Recording& recording, const json& answer, const json& notes) {
   page::Pack pack;
-  json head = {{"kind", "simulation"}, {"file", options.robot.file}, {"version", dyn_version()}, {"build", dyn_build_info()}};
-  head["model"] = page::model_json(robot, options.robot.package_dirs, pack, notes);
-  head["recording"] = recording.packed(pack, notes);
-  head["answer"] = answer, head["notes"] = notes;
+  json head = page::head("simulation", options.robot, robot, recording, pack, notes);
+  head["answer"] = answer;
   page::write_file(options.html, page::filled(html, head, pack));
 }
 

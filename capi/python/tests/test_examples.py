@@ -1,12 +1,14 @@
 """Every example runs by itself, as a newcomer would run it, keeps what it claims (each asserts it), and prints what it found."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from conftest import CAPI
+from test_cli import CLI
 
 import dyn
 
@@ -39,7 +41,17 @@ def test_all_of_them_are_here():
 
 @pytest.mark.parametrize("name", RUNS)
 def test_example(name):
+    if name.endswith("_study") and not CLI:
+        pytest.skip("the command dyn is not built")
     arguments, said = RUNS[name]
     done = run(EXAMPLES / f"{name}.py", *arguments)
     assert done.returncode == 0, done.stdout + done.stderr
     assert said in done.stdout and not done.stderr
+
+
+def test_the_picture_of_the_readme(tmp_path):
+    pytest.importorskip("matplotlib")
+    done = run(CAPI.parent / "bench" / "picture.py", "--svg", str(tmp_path / "quadruped.svg"))
+    assert done.returncode == 0, done.stderr
+    carried, weight = (float(x) for x in re.search(r"carry ([\d.]+) N of ([\d.]+) N", done.stdout).groups())
+    assert abs(carried - weight) < 0.1 and (tmp_path / "quadruped.svg").stat().st_size > 10000

@@ -99,6 +99,9 @@ void enter(const Model& m, Data<T>& d, T h) {
     if (simulation::keeps_ledger(d)) simulation::enter_step(m, d, h);
 }
 
+// How much errors of steps may grow until the end: those of a phase grow with the time, those near a singular configuration with each passage.
+inline constexpr double growth = 4, held_growth = 16;
+
 // Advances d by duration. accuracy 0: as good as rounding allows. Returns 0, the joint whose forward dynamics failed, or no_step_left; the
 // state is then that of report.time. A step may take up to three times its share of the error where earlier ones left as much of theirs.
 template <class Tableau, class T>
@@ -109,13 +112,14 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   report.evaluations += 2;
   Rounding<T> rounding{active_rows(m, d) > 0, std::max(accuracy / (4 * duration), T(1e-7))};
   Controller<T> controller{T(1) / (Tableau::order - 1), rounding.held || accuracy == T(0)};
+  const T grows = rounding.held ? T(held_growth) : T(growth);
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
     if (!(h > duration * T(1e-13))) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T share = accuracy * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
+    const T share = accuracy / grows * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
     T error = std::numeric_limits<T>::infinity(), raw = T(0);
     if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw);
     if (error <= most && T(held_leak) * raw > most && rounding.tries == 0 && doubts < most_doubts) {  // a stage came near a singular configuration: elsewhere it will not
@@ -127,7 +131,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
       doubts = 0;
       t = last ? duration : t + h;
       left = std::max(T(0), left + share - error);
-      ++report.steps, report.time = t, report.error_estimate += error;
+      ++report.steps, report.time = t, report.error_estimate += grows * error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       enter(m, d, h);
       rounding.accept();
@@ -171,13 +175,15 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   return meets_rows(m, d, s, h, T(0), until);
 }
 
-// The same where velocities may jump. Steps that meet nothing are those of the tableau.
+// The same where velocities may jump. Steps that meet nothing are those of the tableau. Where rows act a step may be off by a share of what counts as
+// closed, as long as those before have left of the accuracy; then by what shorter ones would be, too: errors of gaps and of the solver.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
   const double closed = std::max(0.1 * accuracy, 256 * Rounding<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed);
   const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
-  double h = std::min(duration, 1e-3), t = 0;
+  const double least = 0.2 * closed;
+  double h = std::min(duration, 1e-3), t = 0, spent = 0, noise = 0, tried = 0, tried_h = 0;  // error and length of a try that was not off by more than the least
   while (t < duration) {
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * 1e-13)) return no_step_left;
@@ -188,7 +194,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
     if (rows) {
-      allowed = std::max(allowed, 0.2 * closed), power = 1.0 / Extrapolated::order;
+      allowed = std::max(allowed, spent <= accuracy * (0.25 + t / duration) ? least : noise), power = 1.0 / Extrapolated::order;
       joint = extrapolated.step(h, error);
       report.evaluations += Extrapolated::evaluations;
     } else {
@@ -201,7 +207,11 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.rejected, h *= 0.1;
       continue;
     }
+    const bool could_pass = rows && error > allowed && error <= least;
+    if (could_pass && tried_h > 0 && error > 0.5 * tried * (h / tried_h)) allowed = noise = error;  // that a shorter step has not less of
     if (error <= allowed || (rows && h <= smallest)) {
+      if (rows) spent += error;
+      tried_h = 0;
       if (rows && error > allowed) extrapolated.three_steps();
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
@@ -215,6 +225,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       if (rows) extrapolated.restore();
       else s.undo(m, d);
       ++report.rejected;
+      tried = error, tried_h = could_pass ? h : 0;
       if (rows && error == 2 * d.step->passed && d.step->late > 0 && d.step->late < h) {  // what was met was met too late
         h = std::max(h - d.step->late * (1 - 0.02 * closed / d.step->passed), smallest);
         continue;

@@ -12,7 +12,7 @@ export function reader(bytes) {
   const kinds = { f32: Float32Array, u16: Uint16Array, u32: Uint32Array };
   return ({ at, n, as, lower, step }) => {
     const start = bytes.byteOffset + at;
-    if (as === "q16") return Float32Array.from(new Uint16Array(bytes.buffer, start, n), (x) => lower + step * x);
+    if (as === "q16") return Float32Array.from(new Uint16Array(bytes.buffer, start, n), (x, k) => lower[k % lower.length] + step[k % lower.length] * x); // by columns
     return new kinds[as](bytes.buffer, start, n);
   };
 }
