@@ -349,6 +349,9 @@ void run(const Options& options) {
     answer["error_estimate_method"] = "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
   }
   if (unsolved) warnings.push_back(std::to_string(unsolved) + " contact problems ended above --tolerance: their impulses are the best that --max-iterations and --time-budget left room for");
+  if (adaptive && estimate > 3 * options.accuracy)
+    warnings.push_back("the accuracy " + short_number(options.accuracy) + " was not reached: errors of the steps are estimated to add up to " + short_number(estimate, 2) +
+                       ". Where contacts open and close again, and where motion is chaotic, shorter steps do not help: q is one of many that are as likely; a shorter --duration is known better");
   if (dropped) warnings.push_back("there was no room for " + std::to_string(dropped) + " contact points in all steps: the shallowest were left out");
   if (options.ledger) answer["ledger"] = ledger.answer();
   answer["effects"] = effects(robot, on);

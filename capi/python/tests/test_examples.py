@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -61,3 +62,11 @@ def test_what_stood_is_simulated_again(tmp_path):
     again = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
     away = [x - y for x, y in zip(again["q"][:3], json.loads((tmp_path / "stands.json").read_text())["q"][:3])]
     assert f"at the end {1e3 * math.hypot(*away):.3g} mm from home, speed {max(map(abs, again['v'])):.2g}" in done.stdout
+
+
+def test_the_picture_of_a_push(tmp_path):
+    pytest.importorskip("matplotlib")
+    done = run(CAPI.parent / "bench" / "picture.py", "--svg", str(tmp_path / "quadruped.svg"))
+    assert done.returncode == 0, done.stderr
+    carried, weight = (float(x) for x in re.search(r"carry ([\d.]+) N of ([\d.]+) N", done.stdout).groups())
+    assert abs(carried - weight) < 0.1 and (tmp_path / "quadruped.svg").stat().st_size > 10000
