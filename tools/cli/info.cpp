@@ -2,8 +2,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
-#include "cli.hpp"
+#include "page/recording.hpp"
+#include "stepping.hpp"
 
 namespace cli {
 namespace {
@@ -179,6 +181,15 @@ std::string info_text(const json& info) {
   return out;
 }
 
+void write_html(const std::string& path, const std::string& html, const RobotOptions& options, const Robot& robot, const json& info) {
+  page::Pack pack;
+  SteppingOptions start;
+  json notes = json::array();
+  json head = page::still("model", options, robot, start_of(robot, start, notes), std::uint32_t(DYN_EFFECT_DEFAULT) | of_the_whole, pack, notes);
+  head["info"] = info;
+  page::write_file(path, page::filled(html, head, pack));
+}
+
 }  // namespace
 
 void add_info(CLI::App& app) {
@@ -190,11 +201,17 @@ void add_info(CLI::App& app) {
   auto meshes = std::make_shared<bool>(false);
   command->add_flag("--meshes", *meshes, "Read the robot's mesh files, too: what they bound, and whether they are convex");
   command->add_flag("--pairs", *pairs, "Which pairs of collision shapes are tested, and why others are not");
-  command->callback([options, pairs, meshes] {
+  auto html = std::make_shared<std::string>();
+  command->add_option("--html", *html, "A page that shows the robot and all of this, into this file")->check(not_empty);
+  command->callback([options, pairs, meshes, html] {
+    std::error_code ignored;
+    if (!html->empty() && std::filesystem::equivalent(*html, options->file, ignored)) bad_usage("--html would overwrite the robot's file.");
+    const std::string page = html->empty() ? "" : page::page_template();
     const Robot robot(*options);
     json info = info_json(robot);
     if (*pairs) info["pairs"] = pairs_json(robot);
     if (*meshes) info["meshes"] = meshes_json(robot);
+    if (!html->empty()) write_html(*html, page, *options, robot, info);
     print(options->json ? json_text(info) : info_text(info));
   });
 }

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   cli::add_convert(app);
   cli::add_bench(app);
   cli::add_stress(app);
+  cli::add_view(app);
   cli::add_manual(app);
   try {
     std::vector<std::string> names;

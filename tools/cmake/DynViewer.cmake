@@ -1,8 +1,8 @@
 # The page of `dyn view` and --html: tools/viewer bundled into share/dyn/viewer.html, in the build tree as in the installed one.
 # Without npm or a network it is left out, and the command says so when it is asked for.
-option(DYN_VIEWER "Make the page of dyn view and --html (npm, a network)" ON)
+option(DYN_VIEWER "Make the page of dyn view and --html (npm, a network)" ${PROJECT_IS_TOP_LEVEL})
 file(RELATIVE_PATH datadir_from_bindir ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR})
-target_compile_definitions(dyn_cli PRIVATE DYN_VIEWER_FROM_BIN="${datadir_from_bindir}/dyn/viewer.html")
+set_source_files_properties(tools/cli/page/page.cpp PROPERTIES COMPILE_DEFINITIONS "DYN_VIEWER_FROM_BIN=\"${datadir_from_bindir}/dyn/viewer.html\"")
 if(DYN_VIEWER)
   file(GLOB DYN_VIEWER_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tools/viewer/src/* ${PROJECT_SOURCE_DIR}/tools/viewer/package*.json)
   set(page ${PROJECT_BINARY_DIR}/share/dyn/viewer.html)

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../stepping.hpp"
+
 namespace cli::page {
 
 namespace {
 
-constexpr std::size_t most_bytes = 2'200'000;
+constexpr std::size_t most_bytes = 2'500'000;
 constexpr double moment = 1.0 / 60;
 
 struct Pose {
@@ -52,17 +54,22 @@ Recording::Recording(const Robot& robot, std::uint32_t effects) : robot_(robot),
   for (int f = robot.nframes - 1; f >= 0; --f) frame_of_[static_cast<std::size_t>(robot.frame(f).joint)] = f;
 }
 
-Recording::Sample Recording::sample_of(const Data& simulated, const Moment& m) const {
-  Sample s{m.time, {}, {}, Vector(3), Vector(m.q, m.q + robot_.nq), Vector(m.v, m.v + robot_.nv), Vector(m.tau, m.tau + robot_.nv), {}, {m.kinetic, m.potential, m.kinetic + m.potential}, {}, {}, {}};
-  check(dyn_center_of_mass(robot_, mind_, m.q, nullptr, nullptr, s.com.data(), nullptr, nullptr));
-  check(dyn_forward_kinematics(robot_, mind_, m.q, nullptr, nullptr));
+void Recording::poses(const double* q, Vector& positions, Vector& turns, Vector& com) const {
+  com.assign(3, 0);
+  check(dyn_center_of_mass(robot_, mind_, q, nullptr, nullptr, com.data(), nullptr, nullptr));
+  check(dyn_forward_kinematics(robot_, mind_, q, nullptr, nullptr));
   for (int j = 1; j < robot_.njoints; ++j) {
     double world[12];
     const int f = frame_of_[static_cast<std::size_t>(j)];
     check(dyn_frame_placement(robot_, mind_, f, world));
     const Pose pose = joint_pose(world, robot_.frame(f).placement);
-    s.positions.insert(s.positions.end(), pose.x, pose.x + 3), s.turns.insert(s.turns.end(), pose.turn, pose.turn + 4);
+    positions.insert(positions.end(), pose.x, pose.x + 3), turns.insert(turns.end(), pose.turn, pose.turn + 4);
   }
+}
+
+Recording::Sample Recording::sample_of(const Data& simulated, const Moment& m) const {
+  Sample s{m.time, {}, {}, {}, Vector(m.q, m.q + robot_.nq), Vector(m.v, m.v + robot_.nv), Vector(m.tau, m.tau + robot_.nv), {}, {m.kinetic, m.potential, m.kinetic + m.potential}, {}, {}, {}};
+  poses(m.q, s.positions, s.turns, s.com);
   if (dyn_nactuators(robot_)) s.actuators = field(robot_, simulated, "actuator_force");
   int count = 0;
   check(dyn_step_contacts(robot_, simulated, nullptr, 0, &count));
@@ -91,8 +98,8 @@ void Recording::add(const Data& simulated, const Moment& m, const Ledger* ledger
 
 std::size_t Recording::numbers() const {
   const Sample& s = samples_.front();
-  const std::size_t each = 2 * (s.positions.size() + s.turns.size()) + 4 * (1 + 3 + s.q.size() + s.v.size() + s.tau.size() + s.actuators.size() + s.energy.size() + s.solver.size() + s.ledger.size());
-  return each * samples_.size() + 18 * contacts_;
+  const std::size_t each = 4 + 2 * (s.positions.size() + s.turns.size() + 3 + s.q.size() + s.v.size() + s.tau.size() + s.actuators.size() + s.energy.size() + s.solver.size() + s.ledger.size());
+  return each * samples_.size() + 24 * contacts_;
 }
 
 // Every second moment goes, and only every second one comes.
@@ -112,16 +119,17 @@ json Recording::packed(Pack& pack, json& notes) const {
     for (const Sample& s : samples_) out.insert(out.end(), (s.*what).begin(), (s.*what).end());
     return out;
   };
+  const std::size_t joints = static_cast<std::size_t>(robot_.njoints) - 1;
   Vector time;
   for (const Sample& s : samples_) time.push_back(s.time);
-  json out = {{"moments", samples_.size()}, {"time", pack.f32(time)}, {"positions", pack.q16(all(&Sample::positions))}, {"turns", pack.q16(all(&Sample::turns))}, {"com", pack.f32(all(&Sample::com))}};
+  json out = {{"moments", samples_.size()}, {"time", pack.f32(time)}, {"positions", pack.q16(all(&Sample::positions), 3 * joints)}, {"turns", pack.q16(all(&Sample::turns), 4 * joints)}, {"com", pack.q16(all(&Sample::com), 3)}};
   json plots = json::array();
   // columns of what, the first of them and as many as there are names
   const auto plot = [&](const char* title, const char* unit, const std::vector<std::string>& names, Vector Sample::*what, std::size_t first = 0) {
     if (names.empty()) return;
     Vector values;
     for (const Sample& s : samples_) values.insert(values.end(), (s.*what).begin() + static_cast<std::ptrdiff_t>(first), (s.*what).begin() + static_cast<std::ptrdiff_t>(first + names.size()));
-    plots.push_back({{"title", title}, {"unit", unit}, {"names", names}, {"values", pack.f32(values)}});
+    plots.push_back({{"title", title}, {"unit", unit}, {"names", names}, {"values", pack.q16(values, names.size())}});
   };
   plot("energy", "J", {"kinetic", "potential", "mechanical"}, &Sample::energy);
   plot("q", "rad, m", coordinate_names(robot_, true), &Sample::q);
@@ -146,8 +154,26 @@ json Recording::packed(Pack& pack, json& notes) const {
     }
     first.push_back(static_cast<std::uint32_t>(distance.size()));
   }
-  out["contacts"] = {{"first", pack.indices(first)}, {"position", pack.q16(position)}, {"force", pack.q16(force)}, {"distance", pack.q16(distance)}, {"shapes", pack.indices(shapes)}};
+  out["contacts"] = {{"first", pack.indices(first)}, {"position", pack.q16(position, 3)}, {"force", pack.f32(force)}, {"distance", pack.q16(distance, 1)}, {"shapes", pack.indices(shapes)}};
   return out;
+}
+
+json head(const char* kind, const RobotOptions& options, const Robot& robot, const Recording& recording, Pack& pack, json notes) {
+  json out = {{"kind", kind}, {"file", options.file}, {"version", dyn_version()}, {"build", dyn_build_info()}};
+  out["model"] = model_json(robot, options.package_dirs, pack, notes);
+  out["recording"] = recording.packed(pack, notes);
+  out["notes"] = std::move(notes);
+  return out;
+}
+
+json still(const char* kind, const RobotOptions& options, const Robot& robot, const State& state, std::uint32_t effects, Pack& pack, const json& notes) {
+  const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY, effects);
+  set_start(robot, data, state);
+  Recording recording(robot, effects);
+  double kinetic, potential;
+  check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
+  recording.add(data, {0, kinetic, potential, state.q.data(), state.v.data(), state.tau.data()}, nullptr, 0);
+  return head(kind, options, robot, recording, pack, notes);
 }
 
 }  // namespace cli::page

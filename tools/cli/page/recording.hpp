@@ -17,6 +17,8 @@ class Recording {
   bool due(double time) const { return time >= next_ - 1e-9; }
   void add(const Data& simulated, const Moment& moment, const Ledger* ledger, double step_s);
   json packed(Pack& pack, json& notes) const;
+  // Placements of the joints but the universe's: 3 and a quaternion (x, y, z, w) each; the centre of mass.
+  void poses(const double* q, Vector& positions, Vector& turns, Vector& com) const;
 
  private:
   struct Contact {
@@ -39,6 +41,11 @@ class Recording {
   std::size_t contacts_ = 0;
   double every_, next_ = 0;
 };
+
+// The head of a page: what was recorded of the robot. More keys may come to it.
+json head(const char* kind, const RobotOptions& options, const Robot& robot, const Recording& recording, Pack& pack, json notes);
+// The robot where it begins, in a page without time.
+json still(const char* kind, const RobotOptions& options, const Robot& robot, const State& state, std::uint32_t effects, Pack& pack, const json& notes);
 
 // Names of the coordinates of q (or v): the joint's, with a number behind it where it has several.
 std::vector<std::string> coordinate_names(const Robot& robot, bool of_q);

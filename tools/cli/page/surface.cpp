@@ -56,7 +56,7 @@ Surface simplified(const Surface& fine, std::size_t bytes) {
 json packed(const Surface& surface, Pack& pack) {
   Vector x;
   for (const auto& v : surface.vertices) x.insert(x.end(), v.begin(), v.end());
-  return {{"vertices", pack.q16(x)}, {"triangles", pack.indices(surface.triangles)}};
+  return {{"vertices", pack.q16(x, 3)}, {"triangles", pack.indices(surface.triangles)}};
 }
 
 }  // namespace cli::page

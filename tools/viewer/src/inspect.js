@@ -19,10 +19,16 @@ export class Inspector {
     });
   }
 
-  /** the first thing drawn below the pointer */
-  hit(event) {
+  /** the ray from the eye through the pointer */
+  aim(event) {
     const box = this.scene.canvas.getBoundingClientRect();
     this.ray.setFromCamera(new THREE.Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height), this.scene.camera);
+    return this.ray.ray;
+  }
+
+  /** the first thing drawn below the pointer */
+  hit(event) {
+    this.aim(event);
     return this.ray.intersectObjects(this.robot.pickable.filter((mesh) => mesh.visible), false)[0];
   }
 

@@ -3,6 +3,8 @@ import "./style.css";
 import { readPage } from "./data.js";
 import { make, number } from "./dom.js";
 import { Inspector } from "./inspect.js";
+import { Kinematics } from "./kinematics.js";
+import { Live } from "./live.js";
 import { Overlays } from "./overlays.js";
 import { Player } from "./player.js";
 import { Plot } from "./plots.js";
@@ -21,7 +23,8 @@ function heading(head) {
   byId("header").append(make("b", {}, model.name), make("span", {}, `${model.joints.length - 1} joints, nq ${model.nq}, nv ${model.nv}, ${number(model.mass)} kg`), make("span", {}, `libdyn ${head.version}`));
 }
 
-function start({ head, read }) {
+// The robot, drawn, with its switches; a page is built on that.
+function stage(head, read) {
   heading(head);
   const robot = new Robot(head.model, read);
   const recording = new Recording(head.recording, head.model, read);
@@ -30,54 +33,82 @@ function start({ head, read }) {
   const scene = new Scene(byId("canvas"), robot);
   scene.settle();
   const overlays = new Overlays(robot, scene);
+  overlays.setCom(...first.com);
+  scene.track(overlays.com.position);
   addTools(byId("tools"), { robot, scene, overlays });
-  const inspector = new Inspector(byId("link"), robot, scene);
-  const side = byId("side");
+  return { head, robot, recording, scene, overlays, inspector: new Inspector(byId("link"), robot, scene), side: byId("side") };
+}
 
-  const moving = recording.moments > 1;
-  const contacts = moving && recording.contactPlot();
-  const plots = moving ? [contacts, ...recording.plots].filter(Boolean).map((plot) => new Plot({ ...plot, open: OPEN.includes(plot.title) }, recording.time, (t) => player.seek(t))) : [];
-  const show = (t) => {
-    const now = recording.at(t), k = recording.index(t);
-    robot.setPoses(now.positions, now.turns);
-    overlays.setCom(...now.com);
-    scene.track(overlays.com.position);
-    const touching = recording.contactsAt(k);
-    overlays.setContacts(touching);
-    for (const plot of plots) plot.mark(t);
-    inspector.state = { k, contacts: touching };
-    scene.redraw();
-  };
-  // what is text follows ten times a second
-  const state = () => {
-    const k = recording.index(player?.time ?? recording.start);
-    const row = (title) => {
-      const plot = recording.plots.find((p) => p.title === title);
-      return plot?.values.subarray(k * plot.names.length, (k + 1) * plot.names.length);
-    };
-    inspector.show({ q: row("q"), v: row("v"), tau: row("tau"), contacts: recording.contactsAt(k) });
-    for (const plot of plots) plot.values(k);
-  };
-
-  const player = moving ? new Player(byId("player"), recording, show) : null;
-  for (const plot of plots) side.append(plot.box), plot.once();
-  addTables(side, head);
-  if (player) player.seek(recording.start);
-  else show(recording.start);
-  state();
-  let before = performance.now(), told = 0;
+function draw(scene, each = () => {}) {
   const frame = (now) => {
-    player?.tick((now - before) / 1000);
-    before = now;
-    if (player?.playing ? now - told > 100 : player && player.time !== state.time) (told = now), (state.time = player.time), state();
+    each(now);
     scene.draw();
     requestAnimationFrame(frame);
   };
   requestAnimationFrame(frame);
-  if (player && head.play !== false) player.play(true);
-  window.dynView = { robot, scene, player, recording, inspector, plots }; // for the console, and for tests
+}
+
+function startLive(view) {
+  const live = new Live({ ...view, footer: byId("player"), message: byId("message") });
+  addTables(view.side, view.head);
+  draw(view.scene);
+  return { ...view, live };
+}
+
+function startStill(view) {
+  const { recording, robot, inspector } = view;
+  const kinematics = new Kinematics(robot, recording.row("q", 0));
+  const state = () => inspector.show({ q: kinematics.q, contacts: [] });
+  view.side.append(kinematics.panel(() => {
+    view.overlays.setCom(...kinematics.com().toArray());
+    view.scene.redraw();
+    state();
+  }));
+  addTables(view.side, view.head);
+  state();
+  draw(view.scene);
+  return { ...view, kinematics };
+}
+
+function startRecorded(view) {
+  const { head, recording, robot, scene, overlays, inspector, side } = view;
+  const plots = [recording.contactPlot(), ...recording.plots].filter(Boolean).map((plot) => new Plot({ ...plot, open: OPEN.includes(plot.title) }, recording.time, (t) => player.seek(t)));
+  const player = new Player(byId("player"), recording, (t) => {
+    const now = recording.at(t);
+    robot.setPoses(now.positions, now.turns);
+    overlays.setCom(...now.com);
+    scene.track(overlays.com.position);
+    overlays.setContacts(recording.contactsAt(recording.index(t)));
+    for (const plot of plots) plot.mark(t);
+    scene.redraw();
+  });
+  for (const plot of plots) side.append(plot.box), plot.once();
+  addTables(side, head);
+
+  let before = performance.now(), told = -Infinity, shown;
+  const tellState = () => {
+    const k = recording.index(player.time);
+    shown = player.time;
+    inspector.show({ q: recording.row("q", k), v: recording.row("v", k), tau: recording.row("tau", k), contacts: recording.contactsAt(k) });
+    for (const plot of plots) plot.values(k);
+  };
+  // page.html#t=0.35 stands still at that moment
+  const moment = Number(new URLSearchParams(location.hash.slice(1)).get("t") ?? NaN);
+  player.seek(Number.isFinite(moment) ? moment : recording.start);
+  player.play(!Number.isFinite(moment));
+  draw(scene, (now) => {
+    player.tick((now - before) / 1000);
+    before = now;
+    if (player.time !== shown && (!player.playing || now - told > 100)) (told = now), tellState(); // text follows ten times a second
+  });
+  return { ...view, player, plots };
 }
 
 const page = readPage();
-if (page) start(page);
-else byId("message").textContent = "This page has no data: it is the template that dyn view and --html fill.";
+if (page) {
+  const view = stage(page.head, page.read);
+  const start = page.head.kind === "live" ? startLive : view.recording.moments > 1 ? startRecorded : startStill;
+  window.dynView = start(view); // for the console, and for tests
+} else {
+  byId("message").textContent = "This page has no data: it is the template that dyn view and --html fill.";
+}

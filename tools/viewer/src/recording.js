@@ -64,9 +64,10 @@ export class Recording {
     return out;
   }
 
-  value(title, column, k) {
+  /** what the plot of that title has at moment k */
+  row(title, k) {
     const plot = this.plots.find((p) => p.title === title);
-    return plot ? plot.values[k * plot.names.length + column] : undefined;
+    return plot?.values.subarray(k * plot.names.length, (k + 1) * plot.names.length);
   }
 
   /** sums of contact forces by the link they act on, as a plot */

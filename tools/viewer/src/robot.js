@@ -62,7 +62,7 @@ export class Robot {
   }
 
   #skeleton() {
-    const material = new THREE.LineBasicMaterial({ color: 0x30507a });
+    const material = new THREE.LineBasicMaterial({ color: 0x30507a, depthTest: false, transparent: true }); // seen through shapes
     this.model.joints.forEach((joint, id) => {
       if (id === 0 || joint.parent === 0) return;
       const end = new THREE.Vector3().setFromMatrixPosition(matrixOf(joint.placement));

@@ -1,0 +1,80 @@
+"""Pages in a real browser, without a screen. DYN_CLI: the command; DYN_MODELS_DIR: models/. Skipped where there is no chromium or no playwright."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+MODELS = Path(os.environ.get("DYN_MODELS_DIR", ROOT / "models"))
+DYN = os.environ.get("DYN_CLI", ROOT / "build/release/bin/dyn")
+BROWSERS = ("chromium-headless-shell", "chromium", "google-chrome")
+
+
+def dyn(*arguments, **options):
+    return subprocess.run([DYN, *map(str, arguments)], capture_output=True, text=True, timeout=1200, **options)
+
+
+@pytest.fixture(scope="session")
+def browser():
+    api = pytest.importorskip("playwright.sync_api", reason="no browser tests: python package playwright is missing")
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if not found:
+        pytest.skip("no browser tests: chromium is missing (Debian: chromium-headless-shell)")
+    with api.sync_playwright() as playwright:
+        # WebGL by software, so that pixels are the same on every machine
+        browser = playwright.chromium.launch(executable_path=found, args=["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+        yield browser
+        browser.close()
+
+
+class Page:
+    """A page, what it complained of, and what it asked of the network."""
+
+    def __init__(self, page):
+        self.page, self.complaints, self.requests = page, [], []
+        page.on("console", lambda message: self.complaints.append(message.text) if message.type in ("error", "warning") and "GPU stall" not in message.text else None)
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("request", lambda request: self.requests.append(request.url) if request.url.startswith(("http", "ws")) else None)
+
+    def open(self, address):
+        self.page.goto(address)
+        self.page.wait_for_function("window.dynView && window.dynView.scene.drawn > 0")
+        return self
+
+    def __call__(self, script):
+        return self.page.evaluate(script)
+
+    def settle(self):
+        """Until two more pictures could be drawn."""
+        self.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done))))")
+
+    def changed(self, script):
+        """How much of the 3D picture, 0 to 1, changes by what the script does."""
+        self.settle()
+        return self.page.evaluate(
+            """async (script) => {
+            const canvas = document.getElementById("canvas"), scene = window.dynView.scene;
+            const picture = () => {
+              scene.redraw(), scene.draw();
+              const flat = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+              flat.drawImage(canvas, 0, 0);
+              return flat.getImageData(0, 0, canvas.width, canvas.height).data;
+            };
+            const before = picture();
+            (0, eval)(script);
+            const after = picture();
+            let n = 0;
+            for (let i = 0; i < before.length; i += 4) n += Math.abs(before[i] - after[i]) + Math.abs(before[i + 1] - after[i + 1]) + Math.abs(before[i + 2] - after[i + 2]) > 30;
+            return (4 * n) / before.length; }""",
+            script,
+        )
+
+
+@pytest.fixture
+def page(browser):
+    context = browser.new_context(viewport={"width": 800, "height": 500})
+    yield Page(context.new_page())
+    context.close()

@@ -1,0 +1,300 @@
+"""dyn sim, info, view, accuracy, stress --html: what the pages show, and that they need nothing else."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+
+import pytest
+from conftest import DYN, MODELS, dyn
+
+GO2 = (MODELS / "robots/go2.urdf", "--floating", "--ground")
+
+
+@pytest.fixture(scope="session")
+def fall(tmp_path_factory):
+    """A quadruped whose legs give way: half a second."""
+    path = tmp_path_factory.mktemp("pages") / "fall.html"
+    made = dyn("sim", *GO2, "--duration", 0.5, "--html", path, "--json", "--no-error-estimate")
+    assert made.returncode == 0, made.stderr
+    return path, json.loads(made.stdout)
+
+
+def test_opens_offline_without_complaints(page, fall):
+    page.open(f"file://{fall[0]}")
+    page.page.wait_for_timeout(300)
+    assert page.complaints == []
+    assert page.requests == []
+
+
+def test_robot_is_visible(page, fall):
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false), dynView.player.seek(0)")
+    assert 0.02 < page.changed("dynView.robot.root.visible = false") < 0.5
+
+
+def test_forces_are_visible(page, fall):
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false), dynView.player.seek(0.1)")
+    assert page.changed("document.getElementById('show-contacts').click()") > 5e-4
+
+
+def test_scrubbing_changes_the_pose(page, fall):
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false), dynView.player.seek(0)")
+    height = "dynView.robot.joints[1].position.z"
+    start = page(height)
+    scrub = "(() => { const s = document.getElementById('scrub'); s.value = 0.5; s.dispatchEvent(new Event('input')); })()"
+    assert page.changed(scrub) > 0.01
+    assert page(height) < start - 0.05
+
+
+def test_poses_are_those_of_the_simulation(page, fall):
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false), dynView.player.seek(0.5)")
+    q = fall[1]["q"]
+    assert page("dynView.robot.joints[1].position.toArray()") == pytest.approx(q[:3], abs=2e-5)  # 16 bits of what the robot covers
+    turn = page("dynView.robot.joints[1].quaternion.toArray()")
+    assert abs(sum(x * y for x, y in zip(turn, q[3:7]))) == pytest.approx(1, abs=1e-8)
+    evaluated = json.loads(dyn("eval", *GO2[:2], "--compute", "placements", "--q", *q, "--json").stdout)["placements"]
+    names = page("dynView.head.model.frames.map((f) => f.name)")
+    elements = page("dynView.robot.frames.map((f) => f.matrixWorld.elements)")
+    for name in ("FL_foot", "FR_calf", "RL_hip", "base"):
+        assert elements[names.index(name)][12:15] == pytest.approx(evaluated[name]["translation"], abs=1e-4)
+
+
+def test_contact_forces_carry_the_weight(page, tmp_path):
+    """A ball on the ground: one contact, its force the weight."""
+    (tmp_path / "ball.xml").write_text(
+        '<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1" mass="2"/></body></worldbody></mujoco>'
+    )
+    assert dyn("sim", tmp_path / "ball.xml", "--duration", 0.2, "--html", tmp_path / "ball.html").returncode == 0
+    page.open(f"file://{tmp_path}/ball.html")
+    contacts = page("dynView.recording.contactsAt(dynView.recording.moments - 1).map((c) => ({force: c.force, position: [...c.position]}))")
+    assert len(contacts) == 1
+    assert contacts[0]["force"] == pytest.approx([0, 0, 2 * 9.81], rel=1e-4, abs=1e-3)
+    assert contacts[0]["position"][2] == pytest.approx(0, abs=1e-4)
+    # the arrow ends where the force says
+    box = page("(() => { const o = dynView.overlays; const m = o.heads.matrix.clone(); o.heads.getMatrixAt(0, m); return m.elements[14] / dynView.scene.size; })()")
+    assert box == pytest.approx(0.67, rel=1e-3)
+
+
+def test_plays_and_stops(page, fall):
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false), dynView.player.seek(0)")
+    page.page.select_option("#speed", "0.25")
+    page.page.click("#play")
+    page.page.wait_for_function("dynView.player.time > 0.05")
+    page.page.click("#play")
+    stopped = page("dynView.player.time")
+    page.page.wait_for_timeout(100)
+    assert page("dynView.player.time") == stopped < 0.5
+
+
+def test_plots_are_there_and_follow(page, fall):
+    page.open(f"file://{fall[0]}")
+    titles = page("dynView.plots.map((p) => p.plot.title)")
+    assert {"contact forces", "energy", "q", "v", "tau", "residual", "penetration", "time of a step", "ledger"} <= set(titles)
+    page("document.querySelectorAll('details').forEach((d) => (d.open = true))")
+    page.settle()
+    assert page("document.querySelectorAll('.uplot canvas').length") == len(titles)
+    page("dynView.player.play(false), dynView.player.seek(0.25)")
+    at = page("dynView.plots.map((p) => p.u.posToVal(new DOMMatrix(p.line.style.transform).e, 'x'))")
+    assert at == pytest.approx([0.25] * len(at), abs=5e-3)
+    page("dynView.plots[0].u.over.dispatchEvent(new MouseEvent('mousemove', {clientX: 0}))")
+    page.page.locator(".u-over").first.click(position={"x": 10, "y": 50})
+    assert page("dynView.player.time") < 0.1
+
+
+def test_tables_tell_error_and_time_of_effects(page, fall):
+    page.open(f"file://{fall[0]}")
+    text = page("document.getElementById('side').innerText")
+    assert "error ledger" in text and "energy defect" in text
+    assert "time per effect" in text and re.search(r"contact\s+[\d.-]+", text)
+
+
+def test_picking_tells_the_link(page, fall):
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false), dynView.player.seek(0)")
+    page.page.click("#look-side")
+    page.settle()
+    x, y = page(
+        """(() => { const v = dynView, p = v.robot.joints[1].position.clone().project(v.scene.camera), b = v.scene.canvas.getBoundingClientRect();
+        return [b.left + (p.x + 1) / 2 * b.width, b.top + (1 - p.y) / 2 * b.height]; })()"""
+    )
+    page.page.mouse.click(x, y)
+    text = page("document.getElementById('link').innerText")
+    assert text.startswith("base") and "kg" in text and "root_joint" in text and "q\t" in text
+
+
+def test_switches_show_and_hide(page, fall):
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false), dynView.player.seek(0)")
+    for name in ("frames", "inertia", "com", "collision", "skeleton"):
+        assert page.changed(f"document.getElementById('show-{name}').click()") > 1e-4, name
+
+
+def test_thirty_seconds_of_a_humanoid_are_under_5_mb_and_light_to_draw(page, tmp_path):
+    made = dyn("sim", MODELS / "robots/humanoid.urdf", "--floating", "--ground", "--duration", 30, "--dt", 5e-3, "--no-error-estimate", "--html", tmp_path / "h.html")
+    assert made.returncode == 0, made.stderr
+    assert (tmp_path / "h.html").stat().st_size < 5e6
+    page.open(f"file://{tmp_path}/h.html")
+    assert page("dynView.recording.moments") >= 1790  # 60 a second
+    page("dynView.player.play(false), dynView.player.seek(1)")
+    page.settle()
+    calls, triangles = page("(({ calls, triangles }) => [calls, triangles])(dynView.scene.renderer.info.render)")
+    assert calls < 200 and triangles < 200_000  # what any graphics card draws 60 times a second
+    own = page(
+        """(() => { const p = dynView.player; let least = Infinity;
+        for (let run = 0; run < 5; ++run) { const before = performance.now(); for (let k = 0; k < 60; ++k) p.seek(k / 60); least = Math.min(least, (performance.now() - before) / 60); }
+        return least; })()"""
+    )
+    print(f"beside drawing a frame takes {own:.2f} ms")
+
+
+def test_long_recordings_are_thinned_and_say_so(tmp_path):
+    made = dyn("sim", MODELS / "robots/double_pendulum.urdf", "--fixed", "--duration", 1500, "--dt", 0.01, "--no-error-estimate", "--html", tmp_path / "p.html")
+    assert made.returncode == 0, made.stderr
+    text = (tmp_path / "p.html").read_text()
+    assert len(text) < 5e6
+    assert "thinned to" in text
+
+
+def test_names_that_look_like_markup_stay_names(page, tmp_path):
+    name = "</script><script>window.broken = true</script>"
+    escaped = name.replace("<", "&lt;").replace(">", "&gt;")
+    (tmp_path / "evil.urdf").write_text(
+        f'<robot name="{escaped}"><link name="{escaped}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+        '<collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>'
+    )
+    made = dyn("view", tmp_path / "evil.urdf", "--floating", "--html", tmp_path / "evil.html")
+    assert made.returncode == 0, made.stderr
+    page.open(f"file://{tmp_path}/evil.html")
+    assert page("window.broken") is None
+    assert page("dynView.head.model.name") == name and page("document.querySelector('header b').textContent") == name
+
+
+def test_view_moves_joints_by_hand(page, tmp_path):
+    made = dyn("view", MODELS / "robots/gripper.urdf", "--fixed", "--html", tmp_path / "g.html")
+    assert made.returncode == 0, made.stderr
+    page.open(f"file://{tmp_path}/g.html")
+    assert page.complaints == []
+    info = json.loads(dyn("info", MODELS / "robots/gripper.urdf", "--fixed", "--json").stdout)
+    state = {}
+    for slider in page.page.locator(".joint input").all():
+        low, high = float(slider.get_attribute("min")), float(slider.get_attribute("max"))
+        state[slider.get_attribute("data-joint")] = x = low + 0.7 * (high - low)
+        slider.fill(str(x))
+    assert len(state) == info["nv"]
+    (tmp_path / "s.json").write_text(json.dumps({"q": state}))
+    placements = json.loads(dyn("eval", MODELS / "robots/gripper.urdf", "--fixed", "--compute", "placements,com", "--state", tmp_path / "s.json", "--json").stdout)
+    assert page("dynView.overlays.com.position.toArray()") == pytest.approx(placements["com"], abs=1e-6)
+    placements = placements["placements"]
+    shown = dict(zip(page("dynView.head.model.frames.map((f) => f.name)"), page("dynView.robot.frames.map((f) => f.matrixWorld.elements)")))
+    for name, placement in placements.items():
+        if name in shown:
+            assert shown[name][12:15] == pytest.approx(placement["translation"], abs=1e-6), name
+
+
+def test_inertia_ellipsoids_have_the_links_inertia(page, tmp_path):
+    """A solid ellipsoid x = M u, |u| <= 1 has the inertia m / 5 (tr(M M') 1 - M M')."""
+    values = {"ixx": 0.031, "iyy": 0.047, "izz": 0.055, "ixy": 0.006, "ixz": -0.004, "iyz": 0.003}
+    (tmp_path / "e.urdf").write_text(
+        '<robot name="e"><link name="a"><inertial><mass value="3"/><inertia ' + " ".join(f'{k}="{v}"' for k, v in values.items()) + "/></inertial>"
+        '<visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual></link></robot>'
+    )
+    assert dyn("view", tmp_path / "e.urdf", "--floating", "--html", tmp_path / "e.html").returncode == 0
+    page.open(f"file://{tmp_path}/e.html")
+    e = page("dynView.overlays.groups.inertia.map((mesh) => mesh.matrix.elements)")
+    assert len(e) == 1
+    product = [[sum(e[0][4 * k + i] * e[0][4 * k + j] for k in range(3)) for j in range(3)] for i in range(3)]
+    trace = sum(product[i][i] for i in range(3))
+    for i in range(3):
+        for j in range(3):
+            expected = values["i" + "".join(sorted("xyz"[i] + "xyz"[j]))]
+            assert 3 / 5 * ((trace if i == j else 0) - product[i][j]) == pytest.approx(expected, abs=1e-9)
+
+
+def test_info_page_shows_robot_and_tables(page, tmp_path):
+    made = dyn("info", MODELS / "robots/panda.urdf", "--fixed", "--html", tmp_path / "i.html")
+    assert made.returncode == 0, made.stderr
+    page.open(f"file://{tmp_path}/i.html")
+    assert page.complaints == []
+    page("document.querySelectorAll('details').forEach((d) => (d.open = true))")
+    text = page("document.getElementById('side').innerText")
+    assert "panda_joint4" in text and "load report" in text and "gravity" in text
+
+
+def test_a_robot_without_shapes_is_drawn_as_lines(page, tmp_path):
+    body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    (tmp_path / "bare.urdf").write_text(
+        f'<robot name="bare"><link name="a"/><link name="b">{body}</link><link name="c">{body}</link>'
+        '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint>'
+        '<joint name="k" type="continuous"><parent link="b"/><child link="c"/><origin xyz="0 0 1"/><axis xyz="0 1 0"/></joint></robot>'
+    )
+    assert dyn("view", tmp_path / "bare.urdf", "--fixed", "--html", tmp_path / "bare.html").returncode == 0
+    page.open(f"file://{tmp_path}/bare.html")
+    assert page("dynView.robot.layers.skeleton.filter((line) => line.visible).length") == 1
+    assert "no shapes" in page("document.getElementById('side').innerText")
+
+
+def test_meshes_are_drawn(page, tmp_path):
+    """A visual mesh file: a tetrahedron of 1 m, scaled by 0.5."""
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    (tmp_path / "t.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join("f " + " ".join(str(i + 1) for i in f) + "\n" for f in faces))
+    (tmp_path / "t.urdf").write_text(
+        '<robot name="t"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+        '<visual><geometry><mesh filename="t.obj" scale="0.5 0.5 0.5"/></geometry></visual><visual><geometry><mesh filename="gone.obj"/></geometry></visual></link></robot>'
+    )
+    made = dyn("view", tmp_path / "t.urdf", "--floating", "--html", tmp_path / "t.html")
+    assert made.returncode == 0, made.stderr
+    page.open(f"file://{tmp_path}/t.html")
+    boxes = page("dynView.robot.layers.visual.map((m) => (m.geometry.computeBoundingBox(), m.geometry.boundingBox.max.toArray()))")
+    assert boxes == [pytest.approx([0.5, 0.5, 0.5], abs=1e-4)]
+    assert "gone.obj" in page("document.getElementById('side').innerText")
+
+
+def test_accuracy_and_stress_pages(page, tmp_path):
+    made = dyn("accuracy", MODELS / "robots/double_pendulum.urdf", "--fixed", "--q", "1.2,0.4", "--duration", 0.2, "--budget", "3s", "--target", "1e-3m", "--html", tmp_path / "a.html")
+    assert made.returncode == 0, made.stderr
+    page.page.goto(f"file://{tmp_path}/a.html")
+    assert page("document.querySelectorAll('svg circle').length") > 5
+    assert "--integrator" in page("document.body.innerText")  # the recommendation
+    made = dyn("stress", "pendulums", "--html", tmp_path / "s.html")
+    page.page.goto(f"file://{tmp_path}/s.html")
+    assert page("document.querySelectorAll('svg polyline').length") > 0
+    assert "passed" in page("document.body.innerText")
+    assert page.complaints == [] and page.requests == []
+
+
+def test_a_simulation_that_fails_leaves_what_it_was_until_then(page, tmp_path):
+    made = dyn("sim", MODELS / "robots/double_pendulum.urdf", "--fixed", "--duration", 300, "--dt", 1, "--integrator", "rk4", "--v", "100,-300", "--html", tmp_path / "f.html")
+    assert made.returncode == 1 and "overflows" in made.stderr
+    page.open(f"file://{tmp_path}/f.html")
+    assert page.complaints == []
+    assert page("dynView.recording.moments") > 1
+    assert "the simulation failed" in page("document.getElementById('side').innerText")
+
+
+def test_refusals(tmp_path):
+    robot = tmp_path / "robot.urdf"
+    robot.write_text((MODELS / "robots/double_pendulum.urdf").read_text())
+    for command in (("sim", robot, "--duration", 1), ("info", robot), ("view", robot)):
+        refused = dyn(*command, "--fixed", "--html", robot)
+        assert refused.returncode == 2 and "overwrite" in refused.stderr
+    refused = dyn("view", robot, "--fixed", "--html", tmp_path / "no/such/folder.html")
+    assert refused.returncode == 1 and "cannot be written" in refused.stderr
+
+
+def test_without_the_template_it_says_what_is_missing(tmp_path):
+    """The command where the page is not beside it: as when it was built without npm."""
+    (tmp_path / "bin").mkdir()
+    shutil.copy(DYN, tmp_path / "bin/dyn")
+    library = os.path.join(os.path.dirname(os.path.realpath(DYN)), "..", "lib")
+
+    for command in ("view", "info"):
+        made = subprocess.run([tmp_path / "bin/dyn", command, MODELS / "robots/double_pendulum.urdf", "--fixed", "--html", tmp_path / "x.html"], capture_output=True, text=True, env={**os.environ, "LD_LIBRARY_PATH": library})
+        assert made.returncode == 1 and "npm" in made.stderr and "viewer.html" in made.stderr
+        assert not (tmp_path / "x.html").exists()

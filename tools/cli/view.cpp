@@ -1,0 +1,102 @@
+// dyn view: the robot in a browser, as a page in a file or, with --live, in a simulation that goes on.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#ifdef DYN_LIVE
+#include "live/server.hpp"
+#endif
+#include "page/recording.hpp"
+#include "stepping.hpp"
+
+namespace cli {
+
+namespace {
+
+struct Options : SteppingOptions {
+  std::string html;
+  bool live = false, no_browser = false;
+  unsigned short port = 0;
+};
+
+// Opens the address with $BROWSER or xdg-open; says so when there is neither.
+void open_browser(const std::string& address) {
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  const std::string named = variable("BROWSER"), browser = named.empty() ? "xdg-open" : named;
+  const bool screen = !(named + variable("DISPLAY") + variable("WAYLAND_DISPLAY")).empty();
+  const pid_t child = screen ? fork() : -1;
+  if (child == 0) {
+    std::signal(SIGPIPE, SIG_DFL);
+    if (std::freopen("/dev/null", "w", stdout) && std::freopen("/dev/null", "w", stderr)) execlp(browser.c_str(), browser.c_str(), address.c_str(), static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  std::fprintf(stderr, child > 0 ? "dyn: opening %s with %s; if nothing opens, open it yourself\n" : "dyn: there is no screen and no $BROWSER here: open %s yourself\n", address.c_str(), browser.c_str());
+}
+
+void write_still(const Options& options, const std::string& html, const std::string& path) {
+  json notes = json::array();
+  Robot robot(options.robot);
+  if (options.ground) robot.add_ground();
+  page::Pack pack;
+  const json head = page::still("model", options.robot, robot, start_of(robot, options, notes), parse_effects(options.effects), pack, notes);
+  page::write_file(path, page::filled(html, head, pack));
+}
+
+#ifdef DYN_LIVE
+void run_live(const Options& options, const std::string& html) {
+  live::Simulation simulation(options);
+  page::Pack pack;
+  const json head = simulation.head(pack);
+  const std::string page = page::filled(html, head, pack);
+  live::serve(simulation, page, options.port, [&](const std::string& address) {
+    print(options.robot.json ? json_text({{"address", address}}) : address + "\n");
+    if (!options.no_browser) open_browser(address);
+  });
+}
+#else
+void run_live(const Options&, const std::string&) { fail("this dyn was built without Boost.Beast (Debian: libboost-dev), which --live needs."); }
+#endif
+
+void run(const Options& options) {
+  check_stepping(options);
+  std::error_code ignored;
+  if (options.live && !options.html.empty()) bad_usage("--live and --html are two ways to look: keep one.");
+  if (!options.html.empty() && std::filesystem::equivalent(options.html, options.robot.file, ignored)) bad_usage("--html would overwrite the robot's file.");
+  const std::string html = page::page_template();
+  if (options.live) return run_live(options, html);
+  std::string path = options.html;
+  if (path.empty()) {
+    path = (std::filesystem::temp_directory_path() / "dyn-view-XXXXXX.html").string();
+    const int file = mkstemps(path.data(), 5);
+    if (file < 0) fail(path + ": cannot be made.");
+    close(file);
+  }
+  write_still(options, html, path);
+  print(options.robot.json ? json_text({{"page", path}}) : path + "\n");
+  if (options.html.empty() && !options.no_browser) open_browser("file://" + path);
+}
+
+}  // namespace
+
+void add_view(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  options->duration = 1;
+  CLI::App* command = app.add_subcommand("view", "The robot in a browser: its shapes, frames, masses, joints to be moved; with --live a simulation to be pushed");
+  command->footer("With --live the address has a random word in it and is served to this machine alone; drag with Shift held to push a link; Ctrl-C ends it.");
+  add_stepping_options(*command, *options);
+  command->add_option("--dt", options->dt, "Step of --live, seconds")->capture_default_str();
+  command->add_option("--html", options->html, "Write the page into this file, and open nothing")->check(not_empty);
+  command->add_flag("--live", options->live, "Serve a running simulation: pause, reset, push, effects switched");
+  command->add_option("--port", options->port, "Of --live; 0: one that is free")->capture_default_str();
+  command->add_flag("--no-browser", options->no_browser, "Say where it is, and open nothing");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace cli
