@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The picture of the README: a quadruped that stands and is pushed, with the forces on its feet, from the simulation of
+"""The picture of capi/pages/exercises.md: a quadruped that stands and is pushed, with the forces on its feet, from the simulation of
 capi/python/examples/quadruped_stands.py.
 
     PYTHONPATH=capi/python python3 bench/picture.py [--svg bench/quadruped.svg]

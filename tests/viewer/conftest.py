@@ -14,7 +14,7 @@ BROWSERS = ("chromium-headless-shell", "chromium", "google-chrome")
 
 
 def dyn(*arguments, **options):
-    return subprocess.run([DYN, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options)
+    return subprocess.run([DYN, *map(str, arguments)], capture_output=True, text=True, timeout=1200, **options)
 
 
 @pytest.fixture(scope="session")

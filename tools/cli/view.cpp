@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -24,14 +25,16 @@ struct Options : SteppingOptions {
 
 // Opens the address with $BROWSER or xdg-open; says so when there is neither.
 void open_browser(const std::string& address) {
-  const char* named = std::getenv("BROWSER");
-  const std::string browser = named && *named ? named : "xdg-open";
-  const bool screen = (named && *named) || std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY");
+  const auto variable = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  const std::string named = variable("BROWSER"), browser = named.empty() ? "xdg-open" : named;
+  const bool screen = !(named + variable("DISPLAY") + variable("WAYLAND_DISPLAY")).empty();
   const pid_t child = screen ? fork() : -1;
   if (child == 0) {
-    std::freopen("/dev/null", "w", stdout);
-    std::freopen("/dev/null", "w", stderr);
-    execlp(browser.c_str(), browser.c_str(), address.c_str(), static_cast<char*>(nullptr));
+    std::signal(SIGPIPE, SIG_DFL);
+    if (std::freopen("/dev/null", "w", stdout) && std::freopen("/dev/null", "w", stderr)) execlp(browser.c_str(), browser.c_str(), address.c_str(), static_cast<char*>(nullptr));
     _exit(127);
   }
   std::fprintf(stderr, child > 0 ? "dyn: opening %s with %s; if nothing opens, open it yourself\n" : "dyn: there is no screen and no $BROWSER here: open %s yourself\n", address.c_str(), browser.c_str());

@@ -131,7 +131,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
       doubts = 0;
       t = last ? duration : t + h;
       left = std::max(T(0), left + share - error);
-      ++report.steps, report.time = t, report.error_estimate += grows * error;
+      ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       enter(m, d, h);
       rounding.accept();
@@ -175,15 +175,13 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   return meets_rows(m, d, s, h, T(0), until);
 }
 
-// The same where velocities may jump. Steps that meet nothing are those of the tableau. Where rows act a step may be off by a share of what counts as
-// closed, as long as those before have left of the accuracy; then by what shorter ones would be, too: errors of gaps and of the solver.
+// The same where velocities may jump. Steps that meet nothing are those of the tableau.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
   const double closed = std::max(0.1 * accuracy, 256 * Rounding<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed);
   const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
-  const double least = 0.2 * closed;
-  double h = std::min(duration, 1e-3), t = 0, spent = 0, noise = 0, tried = 0, tried_h = 0;  // error and length of a try that was not off by more than the least
+  double h = std::min(duration, 1e-3), t = 0;
   while (t < duration) {
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * 1e-13)) return no_step_left;
@@ -194,7 +192,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
     if (rows) {
-      allowed = std::max(allowed, spent <= accuracy * (0.25 + t / duration) ? least : noise), power = 1.0 / Extrapolated::order;
+      allowed = std::max(allowed, 0.2 * closed), power = 1.0 / Extrapolated::order;
       joint = extrapolated.step(h, error);
       report.evaluations += Extrapolated::evaluations;
     } else {
@@ -207,11 +205,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.rejected, h *= 0.1;
       continue;
     }
-    const bool could_pass = rows && error > allowed && error <= least;
-    if (could_pass && tried_h > 0 && error > 0.5 * tried * (h / tried_h)) allowed = noise = error;  // that a shorter step has not less of
     if (error <= allowed || (rows && h <= smallest)) {
-      if (rows) spent += error;
-      tried_h = 0;
       if (rows && error > allowed) extrapolated.three_steps();
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
@@ -225,7 +219,6 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       if (rows) extrapolated.restore();
       else s.undo(m, d);
       ++report.rejected;
-      tried = error, tried_h = could_pass ? h : 0;
       if (rows && error == 2 * d.step->passed && d.step->late > 0 && d.step->late < h) {  // what was met was met too late
         h = std::max(h - d.step->late * (1 - 0.02 * closed / d.step->passed), smallest);
         continue;

@@ -9,7 +9,7 @@ namespace cli::page {
 
 namespace {
 
-constexpr std::size_t mesh_bytes = 700'000;  // of all meshes of a page
+constexpr std::size_t mesh_bytes = 650'000;  // of all meshes of a page
 
 dynShapeInfo shape(const Robot& robot, int k) {
   dynShapeInfo s{};

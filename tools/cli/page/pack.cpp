@@ -32,10 +32,10 @@ json Pack::q16(const Vector& x, std::size_t columns) {
   out.reserve(x.size());
   for (std::size_t k = 0; k < x.size(); ++k) {
     const std::size_t c = k % columns;
-    out.push_back(step[c] > 0 && std::isfinite(x[k]) ? static_cast<std::uint16_t>(std::clamp(std::lround((x[k] - lower[c]) / step[c]), 0L, 65535L)) : 0);
+    if (step[c] > 0) out.push_back(std::isfinite(x[k]) ? static_cast<std::uint16_t>(std::clamp(std::lround((x[k] - lower[c]) / step[c]), 0L, 65535L)) : 0);
   }
   json made = append(out, "q16");
-  made["lower"] = lower, made["step"] = step;
+  made["n"] = x.size(), made["lower"] = lower, made["step"] = step;
   return made;
 }
 

@@ -9,7 +9,7 @@ namespace cli::page {
 
 namespace {
 
-constexpr std::size_t most_bytes = 2'400'000;
+constexpr std::size_t most_bytes = 2'500'000;
 constexpr double moment = 1.0 / 60;
 
 struct Pose {
@@ -99,7 +99,7 @@ void Recording::add(const Data& simulated, const Moment& m, const Ledger* ledger
 std::size_t Recording::numbers() const {
   const Sample& s = samples_.front();
   const std::size_t each = 4 + 2 * (s.positions.size() + s.turns.size() + 3 + s.q.size() + s.v.size() + s.tau.size() + s.actuators.size() + s.energy.size() + s.solver.size() + s.ledger.size());
-  return each * samples_.size() + 18 * contacts_;
+  return each * samples_.size() + 24 * contacts_;
 }
 
 // Every second moment goes, and only every second one comes.
@@ -154,7 +154,7 @@ json Recording::packed(Pack& pack, json& notes) const {
     }
     first.push_back(static_cast<std::uint32_t>(distance.size()));
   }
-  out["contacts"] = {{"first", pack.indices(first)}, {"position", pack.q16(position, 3)}, {"force", pack.q16(force, 3)}, {"distance", pack.q16(distance, 1)}, {"shapes", pack.indices(shapes)}};
+  out["contacts"] = {{"first", pack.indices(first)}, {"position", pack.q16(position, 3)}, {"force", pack.f32(force)}, {"distance", pack.q16(distance, 1)}, {"shapes", pack.indices(shapes)}};
   return out;
 }
 

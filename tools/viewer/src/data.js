@@ -12,9 +12,16 @@ export function reader(bytes) {
   const kinds = { f32: Float32Array, u16: Uint16Array, u32: Uint32Array };
   return ({ at, n, as, lower, step }) => {
     const start = bytes.byteOffset + at;
-    if (as === "q16") return Float32Array.from(new Uint16Array(bytes.buffer, start, n), (x, k) => lower[k % lower.length] + step[k % lower.length] * x); // by columns
+    if (as === "q16") return columns(new Uint16Array(bytes.buffer, start), n, lower, step);
     return new kinds[as](bytes.buffer, start, n);
   };
+}
+
+// rows of n numbers in all; columns of step 0 are not stored
+function columns(stored, n, lower, step) {
+  const out = new Float32Array(n);
+  for (let k = 0, from = 0, c = 0; k < n; ++k, c = c + 1 === lower.length ? 0 : c + 1) out[k] = step[c] > 0 ? lower[c] + step[c] * stored[from++] : lower[c];
+  return out;
 }
 
 export function readPage() {

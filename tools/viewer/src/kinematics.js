@@ -43,6 +43,18 @@ export class Kinematics {
     this.robot.root.updateMatrixWorld(true);
   }
 
+  /** the centre of mass of what moves */
+  com() {
+    const sum = new THREE.Vector3();
+    let mass = 0;
+    this.robot.model.frames.forEach((frame, id) => {
+      if (!frame.mass || !frame.joint) return;
+      sum.addScaledVector(this.robot.frames[id].localToWorld(new THREE.Vector3(...frame.com)), frame.mass);
+      mass += frame.mass;
+    });
+    return mass ? sum.divideScalar(mass) : sum;
+  }
+
   /** a slider for each */
   panel(onChange) {
     const { box, once } = section("joints", "rad, m; drag to move", true, (element) => {

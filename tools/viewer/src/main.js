@@ -60,7 +60,7 @@ function startStill(view) {
   const kinematics = new Kinematics(robot, recording.row("q", 0));
   const state = () => inspector.show({ q: kinematics.q, contacts: [] });
   view.side.append(kinematics.panel(() => {
-    view.overlays.show("com", false); // it was that of the first pose
+    view.overlays.setCom(...kinematics.com().toArray());
     view.scene.redraw();
     state();
   }));
