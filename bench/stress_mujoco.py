@@ -183,6 +183,43 @@ def isotropy():
     return (max(far) - min(far)) / max(far)
 
 
+def four_bar_spring():
+    """The parallelogram on its diagonal spring, stiff connects: angle and rate after ten periods."""
+    base, k, A = 2.0, 100.0, 5 / 3
+    slack, at = math.sqrt(5), lambda x: math.sqrt(base**2 + 1 + 2 * base * math.cos(x))
+    first = math.pi / 2 - 0.8
+    last = math.acos(((2 * slack - at(first)) ** 2 - base**2 - 1) / (2 * base))
+    s = math.pi * ((np.arange(256) + 0.5) / 256 - 0.5)
+    U = lambda x: k / 2 * (np.sqrt(base**2 + 1 + 2 * base * np.cos(x)) - slack) ** 2
+    half, angle = (last - first) / 2, (first + last) / 2 + (last - first) / 2 * np.sin(s)
+    period = float(np.sum(2 * math.pi / 256 * half * np.cos(s) / np.sqrt(2 * (U(np.array(first)) - U(angle)) / A)))
+    rod = lambda name, at, length, rest="": f'<body name="{name}" pos="{at} 0 0"><joint axis="0 0 1"/>{inertial(1, (length / 2, 0, 0), (0, length**2 / 12, length**2 / 12))}{rest}</body>'
+    coupler = rod("coupler", 1, base, f'<site name="far" pos="{base} 0 0"/>')
+    rest = (f'<tendon><spatial stiffness="{k}" springlength="{slack}"><site site="near"/><site site="far"/></spatial></tendon>'
+            f'<equality><connect body1="coupler" body2="right" anchor="{base} 0 0" solref="2e-3 1" solimp=".9999 .9999 .001"/></equality>')
+    # as it is at angle 0: flat
+    m, d = model('<site name="near"/>' + rod("left", 0, 1, coupler) + rod("right", base, 1), gravity=(0, 0, 0), dt=period / round(period / 1e-3), rest=rest)
+    d.qpos[:] = first, -first, first
+    run(m, d, 10 * period)
+    return float(max(abs(d.qpos[0] - first), abs(d.qvel[0]) * period / (2 * math.pi)))
+
+
+def table_least():
+    a, b, mass, height, foot, worst = 0.5, 0.3, 12, 0.7, 0.02, 0.0
+    for x, y in ((0, 0), (0.1, 0.05), (-0.2, 0.08), (0.25, -0.1)):
+        feet = "".join(f'<geom size="{foot}" pos="{i * a} {j * b} {foot - height}" friction=".5 0 0" condim="3"/>' for i in (-1, 1) for j in (-1, 1))
+        I = [mass / 12 * t for t in (4 * b * b + 0.0025, 4 * a * a + 0.0025, 4 * a * a + 4 * b * b)]
+        m, d = model(plane() + f'<body pos="0 0 {height}"><freejoint/>{inertial(mass, (x, y, 0), I)}{feet}</body>', integrator="Euler")
+        run(m, d, 3)
+        force, expected = np.zeros(6), {(i, j): (1 + i * x / a + j * y / b) / 4 for i in (-1, 1) for j in (-1, 1)}
+        for k in range(d.ncon):
+            mujoco.mj_contactForce(m, d, k, force)
+            corner = tuple(int(math.copysign(1, v)) for v in d.contact[k].pos[:2])
+            worst = max(worst, abs(force[0] / (mass * G) - expected.pop(corner)))
+        worst = max([worst, *expected.values()])
+    return float(worst)
+
+
 def kissing_cubes():
     R = np.array([[0.94096063217417758029, 0.29296840037289501035, 0.16959541586174811667], [-0.23569836841299879326, 0.92661523595848427348, -0.29296840037289506586],
                   [-0.2429801799032638987, 0.23569836841299884878, 0.94096063217417758029]])
@@ -210,7 +247,9 @@ CASES = {
     "heavy-top-0.1s": lambda: heavy_top(0.1, (0.421296658925402044, 0.894571974345592991, -0.149164700561899612)),
     "heavy-top-2s": lambda: heavy_top(2, (-0.150416822745641760, -0.724165591636895651, -0.673022269560444096)),
     "bricard-6-rows": bricard,
+    "four-bar-spring": four_bar_spring,
     "stack-penetration": stack_penetration,
+    "table-least": table_least,
     "incline-sticks": incline_sticks,
     "incline-slides": incline_slides,
     "block-stops": block_stops,

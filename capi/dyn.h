@@ -1385,7 +1385,7 @@ DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
    A step that may meet contacts, limits or constraints solves for their impulses (dynContactProblem: Signorini, Coulomb's cone, maximum dissipation), one
    problem for each island of bodies that they join, beginning with those of the step before:
      v_free = v + dt ddq      v' = v_free + M^-1 J' lambda, with c_n >= -gap / dt      q' = q (+) (dt v' + M^-1 J' mu)
-   (Stewart and Trinkle 1996; Anitescu and Potra 1997; impacts by Moreau's law). mu takes half of an overlap away in a step, at most 1 m/s, and leaves v'
+   (Stewart and Trinkle 1996; Anitescu and Potra 1997; impacts by Moreau's law). mu takes half of an overlap away in a step, at most 1 m/s for bodies of 20 cm, and leaves v'
    alone. Such steps are of order 1: those of the other integrators are then IMPLICIT_FAST's, but for constraints that hold at every moment: with these alone orders stay. Free flyers keep their momentum. */
 typedef enum dynIntegrator {
   DYN_SEMI_IMPLICIT_EULER = 0, /* order 1; damping and dry friction at the end of the step: no coefficient is too large */

@@ -1,4 +1,4 @@
-"""Puts libdyn and its variants into the package, in dyn/lib: `pip install ./capi/python` from a checkout needs no other step.
+"""Puts libdyn and its variants into the package, in dyn/lib, and the robots of dyn.gym: `pip install ./capi/python` from a checkout needs no other step.
 
 DYN_PREFIX  an installed tree to take the libraries from; without it the checkout is configured and built with CMake.
 DYN_HWCAPS  which variants CMake builds then: ON (v2, v3, v4), native (for this machine), OFF. Default: native.
@@ -22,6 +22,7 @@ CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
 SCRATCH = CHECKOUT / "build" / "python-package"  # nothing is written beside the sources
 SONAME = "libdyn.so.1"
 MODULE = "libdyn_mesh.so"  # beside it, where assimp and qhull were there
+ROBOTS = ("go2.urdf", "humanoid.urdf")  # that dyn.gym plays with
 
 
 def build_prefix(work):
@@ -55,6 +56,9 @@ class BuildWithLibrary(build_py):
                 copy = target / file.relative_to(folder)
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(file, copy)  # the file, not the link
+        (package / "models").mkdir()
+        for name in ROBOTS:
+            shutil.copyfile(CHECKOUT / "models" / "robots" / name, package / "models" / name)
 
 
 class PlatformWheel(bdist_wheel):

@@ -118,6 +118,12 @@ constexpr Pair table[type_count][type_count] = {
     DYN_SHAPES(DYN_ROW)
 #undef DYN_ROW
 };
+static_assert([] {
+  for (const auto& row : table)
+    for (const Pair& p : row)
+      if (!p.method) return false;
+  return true;
+}(), "the table has no column for a shape");
 
 // What the second method finds, if it holds: the depth is that along its normal, the witness points lie within it from A and B.
 bool second_opinion(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, const Options& o, Result& r) {

@@ -54,7 +54,7 @@ void note_clearance(const Model& m, Data<double>& d, const double* v, double h, 
   }
   for (Index k = 0; k < m.n.limits; ++k) {
     const LimitRecord& r = m.limits()[k];
-    const double gap = std::min(d.q[r.q] - m.lower_limit()[r.q], m.upper_limit()[r.q] - d.q[r.q]) - limit_reach * 1.01;
+    const double gap = std::min(d.q[r.q] - m.lower_limit()[r.q], m.upper_limit()[r.q] - d.q[r.q]) - limit_reach * 1.01 * unit_of(m, *d.step, r);
     if (!(gap > 0)) return;
     c.lever[r.dof] = std::max(c.lever[r.dof], between / gap);
   }
@@ -69,7 +69,7 @@ bool limits_far(const Model& m, const Data<double>& d, const double* v, double h
   if (!(d.acting & DYN_EFFECT_LIMITS)) return true;
   for (Index k = 0; k < m.n.limits; ++k) {
     const LimitRecord& r = m.limits()[k];
-    const double q = d.q[r.q], reach = 3 * h * std::abs(v[r.dof]) + limit_reach;
+    const double q = d.q[r.q], reach = 3 * h * std::abs(v[r.dof]) + limit_reach * unit_of(m, *d.step, r);
     if (q - m.lower_limit()[r.q] <= reach || m.upper_limit()[r.q] - q <= reach) return false;
   }
   return true;

@@ -32,7 +32,7 @@ bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, 
   if (w.closed > 0 || w.ledger.open || is_soft(law.material)) return false;
   const collision::Geom &a = d.geoms[law.geom_a], &b = d.geoms[law.geom_b];
   const double opening = h * opens(d, c, a.body, b.body), gap = std::max(0.0, c.distance);
-  if (c.distance + opening < -slop) return false;
+  if (c.distance + opening < -slop * w.length) return false;
   return law.material.restitution > 0 ? c.distance + opening > 0 : gap + opening >= -standstill(d, std::min(a.reach, b.reach), h);
 }
 

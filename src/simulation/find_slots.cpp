@@ -22,15 +22,6 @@ void root_velocities(const Model& m, Data<double>& d, const double* v) {
   });
 }
 
-Index body_of_dof(const Model& m, Index dof) {
-  Index low = 1, high = m.n.bodies;
-  while (high - low > 1) {
-    const Index middle = (low + high) / 2;
-    (m.bodies()[middle].idx_v <= dof ? low : high) = middle;
-  }
-  return low;
-}
-
 struct Finder {
   const Model& m;
   Data<double>& d;
@@ -74,10 +65,10 @@ struct Finder {
     if (!(d.acting & DYN_EFFECT_LIMITS)) return;
     double fast = 0;
     for (Index k = 0; k < m.n.limits && w.closed > 0; ++k) fast = std::max(fast, std::abs(v[m.limits()[k].dof]));
-    const double near = w.closed > 0 ? within_reach(w, h, fast) : limit_reach;
+    const double reached = w.closed > 0 ? within_reach(w, h, fast) : HUGE_VAL;
     for (Index k = 0; k < m.n.limits; ++k) {
       const LimitRecord& r = m.limits()[k];
-      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], reach = 3 * h * std::abs(v[r.dof]) + near;
+      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], near = w.closed > 0 ? reached : limit_reach * unit_of(m, w, r), reach = 3 * h * std::abs(v[r.dof]) + near;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
       if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) continue;
       Slot<double>& s = next();

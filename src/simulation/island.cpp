@@ -6,7 +6,7 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double rest = 0.05;  // m/s: what is faster is an impact however long the step
+constexpr double rest = 0.05;  // of what is slow: what is faster is an impact however long the step
 
 // How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what is as near as errors may be is closed, and what is not may
 // close as it likes (no faster than this): else velocities would depend on gaps that are errors, and on the step. What was pressed in the step before
@@ -85,7 +85,7 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
   } else if (material.restitution > 0 && (x.w.closed > 0 ? gap <= x.w.closed : gap + x.h * s.rate[normal] <= 0)) {
     const auto [before, gained] = approach(x, s, normal);
     // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed, or is as slow as errors
-    const double least = x.w.closed > 0 ? std::max(x.w.closed, std::sqrt(2 * x.w.closed * gained / x.h)) : std::min(2 * gained, rest);
+    const double least = x.w.closed > 0 ? std::max(x.w.closed, std::sqrt(2 * x.w.closed * gained / x.h)) : std::min(2 * gained, rest * slow_speed(x.d, x.h));
     if (before < -least)
       x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;
   }

@@ -7,9 +7,8 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double share = 0.5;             // of what is wrong, that a step corrects
-constexpr double nearly = 1e-5;           // a residual that sweeps take down
-constexpr double fastest_correction = 1;  // m/s, rad/s
+constexpr double share = 0.5;    // of what is wrong, that a step corrects
+constexpr double nearly = 1e-5;  // a residual that sweeps take down
 
 // f(first of w.order, one past the last) of each island
 template <class F>
@@ -71,15 +70,23 @@ void Island::impulses(dynContactReport& report) {
   }
 }
 
+// Whether what a row holds is an angle.
+bool Island::is_angle(const ActiveSlot& x, Index row) const {
+  const Slot<double>& s = *x.s;
+  if (between_joints(s.c.type)) return m.bodies()[body_of_dof(m, s.c.v1)].type != BodyType::Prismatic;
+  const auto pulls = [&](const double* F, Index body) { return body && (F[row] != 0 || F[row_lanes + row] != 0 || F[2 * row_lanes + row] != 0); };
+  return !pulls(s.F1, s.c.body1) && !pulls(s.F2, s.c.body2);
+}
+
 // What would be wrong at the end of the step, without friction; where steps follow from an accuracy, it is where the step ends (integrator/extrapolated.hpp).
 bool Island::correct() {
-  const double most = fastest_correction * h, ahead = w.closed > 0 ? 0 : h;
+  const double most = slow_speed(d, h) * h / w.length, ahead = w.closed > 0 ? 0 : h;  // of the length, or rad
   double largest = 0;
-  auto part = [&](double wrong) { return std::clamp(share * wrong, -most, most); };
-  auto one_sided = [&](double gap) {
-    largest = std::max(largest, -gap);
-    return gap < 0 ? part(gap) : gap;
+  auto part = [&](double wrong, double unit) {
+    largest = std::max(largest, std::abs(wrong) / unit);
+    return std::clamp(share * wrong, -most * unit, most * unit);
   };
+  auto one_sided = [&](double gap, double unit) { return gap < 0 ? part(gap, unit) : gap; };
   for (Index k = 0, in_boxes = 0; k < slots; ++k) {
     const ActiveSlot& x = slot(k);
     const Slot<double>& s = *x.s;
@@ -87,16 +94,14 @@ bool Island::correct() {
       const Index i = s.first + r;
       double wrong = 0;
       if (x.kind == RowKind::Equality && !(s.c.stiffness > 0 || s.c.damping > 0)) {
-        wrong = s.error[r] + ahead * c[i];
-        largest = std::max(largest, std::abs(wrong));
-        wrong = part(wrong);
+        wrong = part(s.error[r] + ahead * c[i], is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_LIMIT) {
-        wrong = one_sided(s.error[0] + ahead * c[i] + w.closed);
+        wrong = one_sided(s.error[0] + ahead * c[i] + w.closed, is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box) {
         lower[in_boxes] = upper[in_boxes] = 0;
       } else if (x.kind == RowKind::Contact && r == normal_row(s.rows)) {
         const double gap = w.contacts[x.index].contact.distance + ahead * c[i] + w.closed;
-        wrong = is_soft(w.laws[x.index].material) ? std::max(gap, most) : one_sided(gap);
+        wrong = is_soft(w.laws[x.index].material) ? std::max(gap, most * w.length) : one_sided(gap, w.length);
       }
       g[i] = compliance[i] = 0, bias[i] = wrong;
     }

@@ -175,9 +175,18 @@ void Island::prepare_cones() {
   }
 }
 
+// Of torsion and rolling by their lengths, and where a coefficient is zero not at all.
 double Island::speed() const {
   double most = 0;
-  for (Index i = 0; i < rows; ++i) most = std::max(most, std::abs(g[i] + bias[i]));
+  for (Index k = 0, contact = 0; k < slots; ++k) {
+    const ActiveSlot& a = slot(k);
+    const bool touches = a.kind == RowKind::Contact;
+    for (Index r = 0; r < a.s->rows; ++r) {
+      const double length = r < 3 || !touches ? 1 : friction[contact] > 0 ? (r == a.s->rows - 1 ? torsion[contact] : rolling[contact]) / friction[contact] : 0;
+      most = std::max(most, length * std::abs(g[a.s->first + r] + bias[a.s->first + r]));
+    }
+    contact += touches;
+  }
   return most;
 }
 
@@ -230,9 +239,9 @@ void Island::bounce(dynContactReport& report) {
     iterations += report.iterations, newton_steps += report.newton_steps;
     return gains(report);
   };
-  if (refused(1)) {
+  if (refused(1) && !w.time_is_up()) {
     double low = 0, high = 1;
-    while (high - low > 1e-2) {
+    while (high - low > 1e-2 && !w.time_is_up()) {
       const double factor = 0.5 * (low + high);
       (refused(factor) ? high : low) = factor;
     }

@@ -1,5 +1,6 @@
 #include "dyn/simulation/workspace.hpp"
 
+#include "dyn/model/length.hpp"
 #include "dyn/simulation/block_factor.hpp"
 
 #include <new>
@@ -84,7 +85,7 @@ Workspace* place(const Model& m, void* memory) {
     array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
     next += rounded(std::size_t(n) * sizeof *array);
   });
-  w.options = default_options();
+  w.options = default_options(), w.length = own_length(m);
   if (w.loose.sets) set_up_loose(m, w.loose), list_loose(m, w);
   if (step_slots(m) == 0) return &w;
   find_segments(m, w.segments);

@@ -380,10 +380,8 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   dyn_broad_phase_free(b);
 }
 
-// Every pair of types of shapes, apart, touching, overlapping, at one place; each by itself under rays and points; and what is refused.
-TEST(Allocations, NoneInAnyPairOfShapes) {
-  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
-  const Surfaces surfaces;
+// One of each type.
+std::vector<dynGeometry> shapes_of(const Surfaces& surfaces) {
   std::vector<dynGeometry> shapes;
   for (const dynShapeType type : {DYN_SHAPE_HALF_SPACE, DYN_SHAPE_SPHERE, DYN_SHAPE_CAPSULE, DYN_SHAPE_BOX, DYN_SHAPE_CYLINDER, DYN_SHAPE_CONE, DYN_SHAPE_ELLIPSOID,
                                   DYN_SHAPE_TRIANGLES, DYN_SHAPE_HEIGHT_FIELD, DYN_SHAPE_CONVEX}) {
@@ -394,6 +392,14 @@ TEST(Allocations, NoneInAnyPairOfShapes) {
     if (!g.surface) g.size[0] = 0.4, g.size[1] = 0.5, g.size[2] = 0.6;
     shapes.push_back(g);
   }
+  return shapes;
+}
+
+// Every pair of types of shapes, apart, touching, overlapping, at one place; each by itself under rays and points; and what is refused.
+TEST(Allocations, NoneInAnyPairOfShapes) {
+  if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
+  const Surfaces surfaces;
+  const std::vector<dynGeometry> shapes = shapes_of(surfaces);
   dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
   dynDistance d{};
   dynRayHit hit{};
@@ -526,6 +532,24 @@ TEST(Stack, IsBounded) {
       if (bytes > most) most = bytes, where = std::string(r.name) + ": " + c.name;
     }
   }
+  const Surfaces surfaces;
+  const std::vector<dynGeometry> shapes = shapes_of(surfaces);
+  const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1, 0.05, 0.02, 0.3}, motion[6] = {0.1, 0, -1, 0, 0.2, 0};
+  for (const dynGeometry& a : shapes)
+    for (const dynGeometry& b : shapes) {
+      dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
+      dynDistance d{};
+      dynImpact impact{};
+      d.struct_size = sizeof d, impact.struct_size = sizeof impact;
+      int count = 0;
+      const std::pair<const char*, std::function<void()>> queries[] = {
+          {"dyn_shape_distance", [&] { dyn_shape_distance(&a, X, &b, Y, nullptr, &d); }},
+          {"dyn_shape_contacts", [&] { dyn_shape_contacts(&a, X, &b, Y, 0.05, 0, contacts, &count); }},
+          {"dyn_shape_sweep", [&] { dyn_shape_sweep(&a, X, nullptr, &b, Y, motion, 1, 0, &impact); }}};
+      for (const auto& [name, query] : queries)
+        if (const std::size_t bytes = stack_of(query) - nothing; bytes > most)
+          most = bytes, where = std::string(name) + ", types " + std::to_string(a.type) + " and " + std::to_string(b.type);
+    }
   std::printf("stack: %zu bytes at most, %s (a thread itself: %zu)\n", most, where.c_str(), nothing);
   EXPECT_LE(most, std::size_t(128) << 10);
   EXPECT_GT(most, std::size_t(1) << 10);

@@ -130,6 +130,7 @@ void check_lists(const StateOptions& options);  // what is wrong with the lists 
 // Numbers from words that hold several each, separated by commas or spaces; option is named in the refusal.
 Vector parse_list(const std::string& option, const std::vector<std::string>& words);
 State read_state(const Robot& robot, const StateOptions& options);
+std::string read_text(const std::string& file, const char* what);  // what: for messages
 
 // ---------------------------------------------------------------------------------------------------- text
 

@@ -1,4 +1,4 @@
-// dyn sim: a robot under a constant tau, with its contacts, limits and constraints, and an account of energy, error and time.
+// dyn sim: a robot under a constant tau, or one over time, with its contacts, limits and constraints, and an account of energy, error and time.
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <chrono>
@@ -10,6 +10,7 @@
 
 #include "ledger.hpp"
 #include "page/recording.hpp"
+#include "drive.hpp"
 #include "stepping.hpp"
 
 namespace cli {
@@ -17,7 +18,7 @@ namespace {
 
 struct Options : SteppingOptions {
   double accuracy = 0;
-  std::string csv, html, postmortem;
+  std::string csv, html, postmortem, forces;
   bool dt_given = false, no_error_estimate = false, profile = false, ledger = false;
 };
 
@@ -153,17 +154,20 @@ class Blackbox {
 
 // The same simulation at half the step: its distance at the end, extrapolated by the integrator's order.
 json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, double order, const ContactSolver& solver, std::uint32_t effects,
-                    const Schedule& schedule, const double* q_end, json& warnings) {
+                    const Schedule& schedule, const Drive* drive, const double* q_end, json& warnings) {
   const Data fine(robot, DYN_PART_SIMULATION, effects);
   set_start(robot, fine, state);
+  const double* time = state_view(robot, fine, "time");
   Progress progress(schedule.steps);
   for (long long i = 0; i < schedule.steps; ++i) {
     set_stepping(robot, fine, integrator, schedule.length(i) / 2, 0, {solver.type, solver.tolerance});
-    for (int half = 0; half < 2; ++half)
+    for (int half = 0; half < 2; ++half) {
+      if (drive) drive->act(robot, fine, *time);
       if (dyn_step(robot, fine) != DYN_OK) {
         warnings.push_back(std::string("no error estimate: the run at half the step failed: ") + dyn_last_error());
         return nullptr;
       }
+    }
     progress.at(i);
   }
   double distance;
@@ -221,6 +225,7 @@ void run(const Options& options) {
     const auto overwrites = [&, &out = out](const std::string& file) { return !out.empty() && std::filesystem::equivalent(out, file, ignored); };
     if (overwrites(options.robot.file)) bad_usage(option + std::string(" would overwrite the robot's file."));
     if (overwrites(options.state.file)) bad_usage(option + std::string(" would overwrite the state's file."));
+    if (overwrites(options.forces)) bad_usage(option + std::string(" would overwrite the file of --tau-csv."));
   }
   const std::string html = page ? page::page_template() : "";  // first of all: whether there is one
 
@@ -228,7 +233,14 @@ void run(const Options& options) {
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
   const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY, on);
-  const State state = start_of(robot, options, warnings);
+  State state = start_of(robot, options, warnings);
+  if (!options.forces.empty() && state.has_tau) bad_usage("--tau-csv and a constant tau are two: keep one.");
+  const std::unique_ptr<Drive> drive = options.forces.empty() ? nullptr : std::make_unique<Drive>(options.forces, robot);
+  const auto act = [&](double time) {
+    if (drive) state.tau.assign(drive->at(time), drive->at(time) + robot.nv), state.has_tau = true;
+  };
+  act(0);
+  const State start = state;  // of it what effects take and change is measured
   const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
   if (!options.csv.empty() && bytes > max_csv_bytes)
     fail("--csv would be about " + short_number(bytes / 1e9, 3) + " GB, more than " + short_number(max_csv_bytes / 1e9) +
@@ -280,6 +292,7 @@ void run(const Options& options) {
     Progress progress(schedule.steps);
     for (long long i = 0; i < schedule.steps; ++i) {
       const double h = schedule.length(i);
+      if (drive) drive->act(robot, data, *time);
       const auto before = Clock::now();
       set_stepping(robot, data, integrator.id, h, options.accuracy * h / options.duration, solver, keep_ledger);
       const dynStatus status = adaptive ? dyn_advance(robot, data, h) : dyn_step(robot, data);
@@ -300,6 +313,7 @@ void run(const Options& options) {
         fail("step " + std::to_string(i + 1) + " at t = " + short_number(*time, 9) + " s: " + error);
       }
       drift_max = std::max(drift_max, std::abs(kinetic + potential - initial));
+      act(*time);
       record();
       film(&ledger, std::chrono::duration<double>(step).count() / static_cast<double>(std::max<std::int64_t>(report.steps, 1)));
       blackbox.record(*time, q, v);
@@ -331,22 +345,25 @@ void run(const Options& options) {
   } else if (adaptive || integrator.order == 0) {
     answer["error_estimate"] = estimate, answer["error_estimate_method"] = "sum of the estimated errors of the steps";
   } else {
-    answer["error_estimate"] = error_estimate(robot, state, integrator.id, integrator.order, solver, on, schedule, q_end.data(), warnings);
+    answer["error_estimate"] = error_estimate(robot, state, integrator.id, integrator.order, solver, on, schedule, drive.get(), q_end.data(), warnings);
     answer["error_estimate_method"] = "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
   }
   if (unsolved) warnings.push_back(std::to_string(unsolved) + " contact problems ended above --tolerance: their impulses are the best that --max-iterations and --time-budget left room for");
+  if (adaptive && estimate > 3 * options.accuracy)
+    warnings.push_back("the accuracy " + short_number(options.accuracy) + " was not reached: errors of the steps are estimated to add up to " + short_number(estimate, 2) +
+                       ". Where contacts open and close again, and where motion is chaotic, shorter steps do not help: q is one of many that are as likely; a shorter --duration is known better");
   if (dropped) warnings.push_back("there was no room for " + std::to_string(dropped) + " contact points in all steps: the shallowest were left out");
   if (options.ledger) answer["ledger"] = ledger.answer();
   answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
-  if (options.profile) answer["profile"] = measure_effects(robot, state, options, on);
+  if (options.profile) answer["profile"] = measure_effects(robot, start, options, on);
   if (page) {
     json shown = answer;
     shown["ledger"] = ledger.answer();
     if (!options.profile) {
       SteppingOptions beginning = options;  // what effects cost is told by the first seconds
       beginning.duration = std::min(options.duration, profiled_s);
-      if (!adaptive) shown["profile"] = measure_effects(robot, state, beginning, on);
+      if (!adaptive) shown["profile"] = measure_effects(robot, start, beginning, on);
     }
     write_html(html, options, robot, *recording, shown, warnings);
   }
@@ -358,12 +375,13 @@ void run(const Options& options) {
 void add_sim(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("sim", "Dynamics under a constant tau, with contacts, limits and constraints");
+      app.add_subcommand("sim", "Dynamics under a constant tau or forces over time, with contacts, limits and constraints");
   add_stepping_options(*command, *options);
   command->add_option("--duration", options->duration, "Seconds to simulate")->required();
   CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy the time between rows of --csv")->capture_default_str();
   command->add_option("--accuracy", options->accuracy, "What the errors of the steps may add up to (m, rad and their rates): the steps' lengths follow");
   command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);
+  command->add_option("--tau-csv", options->forces, "Forces over time: a CSV file with columns t and tau0, tau1, ...; a row's act until the next row's t")->check(not_empty);
   command->add_option("--html", options->html, "A page to look at, into this file: the robot in motion, forces, plots, ledger, what each effect takes")->check(not_empty);
   command->add_option("--postmortem", options->postmortem, "After a failure: the last 100 states into this file, and which joints' speeds grew most")->check(not_empty);
   command->add_flag("--profile", options->profile, "What each effect takes and changes, as dyn effects measures it");

@@ -104,23 +104,28 @@ void from_json_list(const std::string& file, const std::string& key, const json&
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = number(value[i], where + "[" + std::to_string(i) + "]");
 }
 
-std::string read_text(const std::string& file) {
+}  // namespace
+
+std::string read_text(const std::string& file, const char* what) {
   constexpr std::size_t limit = std::size_t(128) << 20;
+  const std::string the = file + ": the " + what;
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"), &std::fclose);
-  if (!in) fail(file + ": the state cannot be read: " + std::strerror(errno) + ".");
+  if (!in) fail(the + " cannot be read: " + std::strerror(errno) + ".");
   std::string text;
   char part[1 << 16];
   for (std::size_t n; (n = std::fread(part, 1, sizeof part, in.get())) > 0;) {
     text.append(part, n);
-    if (text.size() > limit) fail(file + ": the state is larger than " + std::to_string(limit) + " bytes, which is the limit.");
+    if (text.size() > limit) fail(the + " is larger than " + std::to_string(limit) + " bytes, which is the limit.");
   }
-  if (std::ferror(in.get())) fail(file + ": the state cannot be read: " + std::strerror(errno) + ".");
+  if (std::ferror(in.get())) fail(the + " cannot be read: " + std::strerror(errno) + ".");
   return text;
 }
 
+namespace {
+
 // What JSON leaves open is refused: a name twice in an object; and what the parser takes for the end: a zero byte.
 json read_json(const std::string& file) {
-  const std::string text = read_text(file);
+  const std::string text = read_text(file, "state");
   if (text.find('\0') != text.npos) fail(file + ": not JSON: there is a zero byte in it.");
   std::vector<std::set<std::string>> names;  // of the objects that are open
   const auto look = [&](int depth, json::parse_event_t event, json& parsed) {

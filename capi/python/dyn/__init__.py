@@ -11,6 +11,12 @@ q = [position; quaternion] and v = [linear; angular] in the body's frame. A Mode
 threads; a Data is what it is doing, one for each thread. Every call releases the GIL. Errors are dyn.Error.
 """
 
+try:
+    import numpy as _numpy
+except ModuleNotFoundError:
+    raise ImportError("dyn needs numpy: pip install numpy") from None
+del _numpy
+
 from . import accuracy, batch, constraint, ik
 from .actuator import Actuator
 from .arrays import Placement

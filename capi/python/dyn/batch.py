@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 import threading
 from collections import namedtuple
 from ctypes import addressof, byref, c_double, c_void_p
-from itertools import count
-from typing import TYPE_CHECKING, Any, Callable, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from . import abi
+from .algorithms import ALGORITHMS, Algorithm
 from .arrays import F64, Owner, Placement, address, checked, numbers
+from .batch_methods import Algorithms
 from .choices import mask, member
 from .enums import Effect, Integrator, Part, Reference
-from .errors import ArgumentError, BusyError, SizeError
+from .errors import ArgumentError, SizeError
 from .library import check, fail, lib
 from .model import Model
 from .rollout import CONTACT, Rollout, Rollouts, rollout
@@ -24,37 +24,6 @@ from .rollout import CONTACT, Rollout, Rollouts, rollout
 _run = lib.dyn_batch_run
 _first = c_double.from_buffer
 _empty = np.empty
-
-
-_OPTIONAL = {"v", "a", "tau", "fext", "reference", "integrator"}
-
-
-class Algorithm(NamedTuple):
-    """What a batch computes, as the library describes it."""
-
-    id: int
-    name: str
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-    dimensions: tuple[int, ...]
-    """Of each output of one state: 0 a number, 1 a vector, 2 a matrix, 3 a tensor."""
-
-
-def _algorithms() -> dict[str, Algorithm]:
-    rows, info = {}, abi.BatchInfo()
-    for id in count():
-        if lib.dyn_batch_info(None, id, byref(info)):
-            return rows
-        inputs = sorted(info.inputs.decode().split(), key=lambda name: (name in _OPTIONAL, name in ("reference", "integrator")))
-        outputs = [info.output[k].decode() for k in range(info.outputs)]
-        dimensions = [
-            3 if info.pages[k] != 1 else 2 if info.cols[k] != 1 else int(info.rows[k] != 1) for k in range(info.outputs)
-        ]
-        rows[info.name.decode()] = Algorithm(id, info.name.decode(), tuple(inputs), tuple(outputs), tuple(dimensions))
-
-
-ALGORITHMS: dict[str, Algorithm] = _algorithms()
-"""Every algorithm of the loaded library, by name."""
 
 
 def _address(a: np.ndarray) -> int | None:
@@ -115,7 +84,7 @@ class _Plan:
         self.quick = [(name, None if name == "fext" else shape) for name, shape in self.inputs] if self.simple else None
 
 
-class Batch(Rollouts):
+class Batch(Algorithms, Rollouts):
     """Every algorithm over N states with several threads: arrays in, arrays out. From Model.batch().
 
         batch = model.batch(threads=4)
@@ -132,10 +101,6 @@ class Batch(Rollouts):
 
     Arrays that are float64 and contiguous are read in place. A batch belongs to one thread at a time.
     """
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, algorithm: str) -> Callable[..., Any]: ...
 
     def __init__(self, model: Model, threads: int | None = None, parts: Any = Part.ALL):
         self.model = model
@@ -286,42 +251,4 @@ class Batch(Rollouts):
         return results[0] if len(results) == 1 else plan.type(*results)
 
 
-def _method(algorithm: Algorithm) -> Callable[..., Any]:
-    P = inspect.Parameter
-    parameters = [P(name, P.POSITIONAL_OR_KEYWORD, default=None if name in _OPTIONAL else P.empty) for name in algorithm.inputs]
-    arguments = inspect.Signature(parameters)
-    size, absent = len(parameters), (None,) * len(parameters)
-    needed = sum(p.default is P.empty for p in parameters)
-
-    def call(self, *given, only=None, out=None, status=None, **named):
-        if not named and needed <= len(given) <= size:
-            given += absent[len(given) :]
-        else:
-            bound = arguments.bind(*given, **named)
-            bound.apply_defaults()
-            given = bound.args
-        if not self._lock.acquire(False):
-            raise BusyError("another thread is using this batch: give each thread its own.")
-        try:
-            return self._compute(algorithm, given, only, out, status)
-        finally:
-            self._lock.release()
-
-    keywords = [P(name, P.KEYWORD_ONLY, default=None) for name in ("only", "out", "status")]
-    call.__name__, call.__qualname__ = algorithm.name, f"Batch.{algorithm.name}"
-    call.__signature__ = inspect.Signature([P("self", P.POSITIONAL_ONLY), *parameters, *keywords])
-    call.__doc__ = f"{', '.join(algorithm.outputs)} of N states: Data.{algorithm.name} for each."
-    of_the_model = {"integrate": "q (+) v of N states, (N, nq)", "difference": "q1 (-) q of N pairs, (N, nv)"}
-    if algorithm.name in of_the_model:
-        call.__doc__ = f"{of_the_model[algorithm.name]}: Model.{algorithm.name} for each."
-    if algorithm.name == "step":
-        call.__doc__ = "q and v of N states a step of dt seconds later, under tau."
-    if algorithm.name == "rnea_second_order_product":
-        call.__doc__ += " b is lambda."
-    return call
-
-
 __all__ = ["ALGORITHMS", "CONTACT", "Algorithm", "Batch", "Rollout", "rollout"]
-
-for _algorithm in ALGORITHMS.values():
-    setattr(Batch, _algorithm.name, _method(_algorithm))

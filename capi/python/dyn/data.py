@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import weakref
 from ctypes import byref, c_uint32, c_void_p
-from typing import TYPE_CHECKING, Any, Callable, NamedTuple
+from typing import Any, Callable, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,8 @@ from .derivatives import Derivatives
 from .dynamics import Dynamics
 from .enums import Effect, Part
 from .errors import ArgumentError, UnknownNameError
-from .fields import FIELDS, SHAPES, FieldInfo
+from .field_properties import STATE, Fields
+from .fields import SHAPES
 from .identification import Regressors
 from .ik import InverseKinematics
 from .kinematics import Kinematics
@@ -28,7 +29,6 @@ from .library import check, fail, last_error, lib
 from .model import Model
 from .simulation import Stepping
 
-_STATE = {"q": "q", "v": "v", "a": "a", "tau_applied": "tau"}  # field: argument
 _data_array = lib.dyn_data_array
 _set_state = lib.dyn_data_set_state
 
@@ -46,7 +46,7 @@ class EffectPlan(NamedTuple):
 
 class Data(
     Kinematics, Dynamics, Derivatives, CentroidalDynamics, Regressors, InverseKinematics, CollisionQueries, ContactQueries, ConstraintCalls, Driving,
-    Stepping,
+    Stepping, Fields,  # fields last: a method of the same name stays, and Data.field(name) reaches the field
 ):  # fmt: skip
     """What the robot is doing: every buffer, for one thread at a time. From Model.data().
 
@@ -54,10 +54,6 @@ class Data(
     Fields (d.q, d.M, d.com, ...: dir(d), help(dyn.Data.M)) are read-only views of the library's memory that follow the
     data and keep it alive; one that was not computed for the current state raises dyn.StaleError naming the call to make.
     """
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, field: str) -> np.ndarray: ...
 
     def __init__(self, model: Model, parts: Any = Part.ALL, memory: Any = None):
         self.model = model
@@ -129,7 +125,7 @@ class Data(
     @property
     def state(self) -> dict[str, np.ndarray]:
         """Copies of the state: {"q", "v", "a", "tau"}, as set_state takes it."""
-        return {name: self.field(field).copy() for field, name in _STATE.items()}
+        return {name: self.field(field).copy() for field, name in STATE.items()}
 
     def plan(self) -> dict[str, EffectPlan]:
         """What a step of this data takes into account, by name."""
@@ -171,21 +167,3 @@ class Data(
             found = view(a.data, a.rows, a.cols if len(dims) == 2 else None, tuple(a.stride), self._owner)
             self._views[field] = found = found if dims else found.reshape(())
         return found if found.ndim else float(found)
-
-
-def _property(info: FieldInfo) -> property:
-    def get(self):
-        return self.field(id)
-
-    def put(self, value):
-        self.set_state(**{_STATE[name]: value})
-
-    id, name = info.id, info.name
-    origin = f" Computed by {info.producer}." if info.producer else ""
-    doc = f"{info.sentence} ({info.shape}; {info.unit or 'no unit'}; frame: {info.frame or 'none'}.){origin}"
-    return property(get, put if name in _STATE else None, doc=doc)
-
-
-for _info in FIELDS.values():
-    if not hasattr(Data, _info.name):  # a method of the same name stays; Data.field(name) reaches the field
-        setattr(Data, _info.name, _property(_info))

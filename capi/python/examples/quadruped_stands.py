@@ -1,13 +1,19 @@
 """A quadruped that stands on the ground and is pushed, in simulation: half a minute, 60 N for 0.2 s from each of four sides.
 
-    python quadruped_stands.py [SECONDS]
+    python quadruped_stands.py [SECONDS] [--record FOLDER]
 
 The controller (standing.py: floating base, foot Jacobians, contact forces in their cones) asks for an acceleration of the trunk that takes
 it back to where it stood; the simulator knows nothing of it but the torques. Prints what came of it and what it cost.
+--record writes where it began and every torque into FOLDER/stands.json and stands.csv, from which `dyn sim` makes the same motion again, bit for bit:
+
+    dyn sim models/robots/go2.urdf --floating --ground --effects armature,limits --state FOLDER/stands.json --tau-csv FOLDER/stands.csv --duration SECONDS --html stands.html
 """
 
+import argparse
+import json
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 from standing import GO2, inverse_dynamics, standing
@@ -43,7 +49,14 @@ def controller(model, data, q, v, home):
     return inverse_dynamics(model, data, q, v, a, tolerance=1e-7, epsilon=1e-3, weights=WEIGHTS).tau
 
 
-def main(seconds=30.0):
+def write(folder, start, rows):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "stands.json").write_text(json.dumps({"q": start.tolist()}))
+    names = ",".join(["t", *(f"tau{k}" for k in range(len(rows[0]) - 1))])
+    (folder / "stands.csv").write_text("\n".join([names, *(",".join(map(repr, map(float, row))) for row in rows)]) + "\n")
+
+
+def main(seconds=30.0, record=None):
     model = grounded()
     home = on_the_ground(model, standing(model))
     robot, mind = model.data(), model.data()
@@ -52,7 +65,7 @@ def main(seconds=30.0):
     robot.set_state(home)
     starts = [seconds * (k + 1) / 5 for k in range(len(PUSHES))]
     steps, away, least, residual, penetration, thinking, moving = round(seconds / DT), np.zeros(len(PUSHES) + 1), 4, 0.0, 0.0, 0.0, 0.0
-    tau, motors = np.zeros(model.nv), np.zeros(model.nv - 6)
+    tau, motors, rows = np.zeros(model.nv), np.zeros(model.nv - 6), []
     for k in range(steps):
         t = k * DT
         q, v = np.array(robot.q), np.array(robot.v)
@@ -66,6 +79,8 @@ def main(seconds=30.0):
                 mind.forward_kinematics(q)
                 tau[:3] = FORCE * mind.frame_placement("base").rotation.T @ direction
         robot.set_state(None, None, None, tau)
+        if record:
+            rows.append([t, *tau])
         between = time.perf_counter()
         robot.step()
         moving += time.perf_counter() - between
@@ -76,6 +91,8 @@ def main(seconds=30.0):
         away[phase] = max(away[phase], np.linalg.norm(robot.q[:3] - home[:3]))
         if t > 0.1:
             least = min(least, report.contacts)
+    if record:
+        write(Path(record), home, rows)
     mass = model.total_mass
     forces = sum(c.force_on_b * (1 if c.contact.shape_b != model.nshapes - 1 else -1) for c in robot.step_contacts())
     print(f"stood {seconds:g} s in {steps} steps of {DT:g} s; at the end {1e3 * np.linalg.norm(robot.q[:3] - home[:3]):.3g} mm from home, speed {np.abs(robot.v).max():.2g}")
@@ -89,4 +106,8 @@ def main(seconds=30.0):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*map(float, sys.argv[1:])))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("seconds", nargs="?", type=float, default=30.0)
+    parser.add_argument("--record", metavar="FOLDER")
+    options = parser.parse_args()
+    sys.exit(main(options.seconds, options.record))

@@ -391,6 +391,49 @@ def test_sim_of_every_robot(robot, integrator, state_file):
     assert energy["final"] - energy["initial"] < 1e-2 * (abs(energy["initial"]) + abs(energy["final"]))  # of the first order: what Euler's steps of 1 ms make
 
 
+def test_sim_with_forces_over_time(arm_file, arm, tmp_path):
+    forces, again, random, d = tmp_path / "forces.csv", tmp_path / "again.csv", np.random.default_rng(0), arm.data()
+    rows = [(1e-3 * k, *random.normal(size=2)) for k in range(0, 50, 2)]  # each acts for two steps
+    forces.write_text("tau1,t,why,tau0\n" + "".join(f"{b!r},{t!r},,{a!r}\n" for t, a, b in rows))
+    d.set_effects("armature")
+    d.set_state([1, 0.5], [0, 0])
+    for k in range(50):
+        d.set_state(None, None, None, rows[k // 2][1:])
+        d.step(1e-3, "rk4")
+    setting = ("sim", arm_file, "--fixed", "--duration", "0.05", "--dt", "1e-3", "--integrator", "rk4", "--q", "1,0.5", "--effects", "armature")
+    found = answer(*setting, "--tau-csv", forces, "--csv", again)
+    assert found["q"] == d.q.tolist() and found["v"] == d.v.tolist() and 0 < found["error_estimate"] < 1e-6
+    assert answer(*setting, "--tau-csv", again)["q"] == d.q.tolist()
+    late = tmp_path / "late.csv"
+    late.write_text("t,tau0,tau1\n0.03,1,1\n")
+    assert answer(*setting, "--tau-csv", late)["q"] != answer(*setting)["q"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "there are no rows"),
+        ("t,tau0,tau1\n", "there are no rows"),
+        ("t,tau0\n0,1\n", "there is no column tau1"),
+        ("0,1,2\n1,1,2\n", "there is no column t:"),
+        ("t,tau0,tau1\n0,1,2\n1,1\n", ":3: there are 2 columns, and the first line names 3"),
+        ("t,tau0,tau1\n0,1,x\n", ':2: "x" is not a finite number'),
+        ("t,tau0,tau1\n0,1,nan\n", "is not a finite number"),
+        ("t,tau0,tau1\n0,1,\n", "is not a finite number"),
+        ("t,tau0,tau1\n0,1,2\n0,1,2\n", "t must grow from row to row"),
+    ],
+)
+def test_bad_forces_over_time(arm_file, tmp_path, text, said):
+    forces = tmp_path / "forces.csv"
+    forces.write_text(text)
+    assert said in run("sim", arm_file, "--fixed", "--duration", "0.01", "--tau-csv", forces, status=1)
+
+
+def test_forces_over_time_are_there_once(arm_file, tmp_path):
+    assert "cannot be read" in run("sim", arm_file, "--fixed", "--duration", "0.01", "--tau-csv", tmp_path / "none.csv", status=1)
+    assert "two: keep one" in run("sim", arm_file, "--fixed", "--duration", "0.01", "--tau", "1,1", "--tau-csv", tmp_path / "none.csv", status=2)
+
+
 def test_sim_last_step_is_shorter(arm_file):
     found = answer("sim", arm_file, "--fixed", "--duration", "0.0105", "--dt", "1e-3")
     assert found["steps"] == 11 and found["time"] == pytest.approx(0.0105, abs=1e-15)

@@ -16,6 +16,7 @@ ray = pytest.importorskip("ray", reason="package ray is not installed")
 
 @pytest.fixture(scope="module")
 def cluster():
+    os.environ.setdefault("RAY_worker_niceness", "0")  # 15 as it comes: they would wait long where others work
     os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))  # or Ray writes one to the home folder
     packages = os.path.dirname(os.path.dirname(dyn.__file__))
     ray.init(num_cpus=3, include_dashboard=False, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": packages}})

@@ -143,6 +143,17 @@ int main(int argc, char** argv) {
   assert(status_of([&] { batch.run(DYN_BATCH_CRBA, 3, user::BatchArrays().q(qs).out(0, taus)); }) == DYN_ERROR_SIZE);
   assert(status_of([&] { batch.run(DYN_BATCH_RNEA, 3, user::BatchArrays().q(qs).v(user::Vector(6, NAN)).out(0, taus)); }) == DYN_ERROR_NONFINITE);
   assert(status_of([&] { user::Batch(model, 0); }) == DYN_ERROR_ARGUMENT);
+  dynRollout play = user::rollout();
+  user::Vector later(12);
+  const dynSensorType com = DYN_SENSOR_COM;
+  user::Vector seen(3 * 2 * std::size_t(user::sensor_size(com)));
+  play.steps = 10, play.every = 5, play.q0 = qs.data(), play.v0 = vs.data(), play.q = later.data();
+  play.sensors = 1, play.sensor = &com, play.sensor_data = seen.data();
+  batch.rollout(3, play);
+  for (std::size_t i = 0; i < 4; ++i) assert(later[i] == later[8 + i]);
+  assert(later[0] != later[2] && seen[2] < 0);
+  play.every = 3;
+  assert(status_of([&] { batch.rollout(3, play); }) == DYN_ERROR_ARGUMENT);
   std::vector<char> memory(user::Data::size(model));
   user::Data placed(model, DYN_PART_ALL, memory.data(), memory.size());
   user::Builder b("pendulum");

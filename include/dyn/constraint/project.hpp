@@ -4,6 +4,7 @@
 #pragma once
 
 #include "dyn/constraint/constrained_dynamics.hpp"
+#include "dyn/model/length.hpp"
 
 namespace dyn {
 
@@ -68,11 +69,28 @@ struct Descent {
   bool ended = true;  // solved, or no step makes |C| less
 };
 
+// The largest part of a step, angles in rad and displacements in the model's own length.
+template <class T>
+T largest_part(const Model& m, const T* step, T length) {
+  using std::abs;
+  T out = T(0);
+  const auto look = [&](Index first, Index end, T unit) {
+    for (Index k = first; k < end; ++k) out = std::max(out, abs(step[k]) / unit);
+  };
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    const Index v = b.user_v, linear = b.type == BodyType::FreeFlyer ? 3 : b.type == BodyType::Prismatic ? 1 : 0;
+    look(v, v + linear, length), look(v + linear, v + Index(b.type == BodyType::FreeFlyer ? 6 : b.type == BodyType::Spherical ? 3 : 1), T(1));
+  }
+  return out;
+}
+
 // Steps from d.q as long as they make |C| less. The damping goes with |C|, so that it ends where J loses rank at the solution, too (a linkage
 // stretched to its full length; Sugihara 2011), each step there leaving a quarter of C, which is row vector 0.
 template <class T>
 Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T least_damping, Descent<T>& found) {
   constexpr double least = 1e-9, most = 1e6;
+  const T length = T(own_length(m));
   const Index rows = active_rows(m, d);
   const std::ptrdiff_t ld = row_room(rows);
   const RowWork<T> work = row_work(m, d);
@@ -85,15 +103,15 @@ Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
     propagate_rows(m, d), delassus(m, d, rows, d.row_matrix);
     T trace = T(0);
     for (Index i = 0; i < rows; ++i) trace += d.row_matrix[ld * i + i];
-    const T mu = std::max(damping * std::min(T(1), largest_size(C, rows)), least_damping) * trace / T(double(rows));
+    const T mu = std::max(damping * std::min(T(1), largest_size(C, rows) / length), least_damping) * trace / T(double(rows));
     if (!(mu > T(0))) break;
     factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
     for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
     solve_factored(work.factor, Dinv, ld, rows, lambda);
     gather(m, d, lambda, step);
     scatter(m, d, step);
-    // no joint turns more than a radian, or slides a metre farther than C: past that C is not linear
-    const T longest = largest_size(step, m.n.nv), allowed = T(1) + largest_size(C, rows);
+    // no joint turns more than a radian, or slides the model's own length farther than C: past that C is not linear
+    const T longest = largest_part(m, static_cast<const T*>(step), length), allowed = T(1) + largest_size(C, rows) / length;
     for (Index k = 0; k < m.n.nv && longest > allowed; ++k) step[k] *= allowed / longest;
     std::copy(d.q, d.q + m.n.nq, before);
     integrate(m, static_cast<const T*>(before), static_cast<const T*>(step), d.q);

@@ -99,6 +99,9 @@ void enter(const Model& m, Data<T>& d, T h) {
     if (simulation::keeps_ledger(d)) simulation::enter_step(m, d, h);
 }
 
+// How much errors of steps may grow until the end: those of a phase grow with the time, those near a singular configuration with each passage.
+inline constexpr double growth = 4, held_growth = 16;
+
 // Advances d by duration. accuracy 0: as good as rounding allows. Returns 0, the joint whose forward dynamics failed, or no_step_left; the
 // state is then that of report.time. A step may take up to three times its share of the error where earlier ones left as much of theirs.
 template <class Tableau, class T>
@@ -109,13 +112,14 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   report.evaluations += 2;
   Rounding<T> rounding{active_rows(m, d) > 0, std::max(accuracy / (4 * duration), T(1e-7))};
   Controller<T> controller{T(1) / (Tableau::order - 1), rounding.held || accuracy == T(0)};
+  const T grows = rounding.held ? T(held_growth) : T(growth);
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
     if (!(h > duration * T(1e-13))) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T share = accuracy * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
+    const T share = accuracy / grows * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
     T error = std::numeric_limits<T>::infinity(), raw = T(0);
     if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw);
     if (error <= most && T(held_leak) * raw > most && rounding.tries == 0 && doubts < most_doubts) {  // a stage came near a singular configuration: elsewhere it will not

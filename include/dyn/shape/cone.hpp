@@ -46,7 +46,7 @@ struct Cone : Solid<Cone> {
   // the base, or the line from the apex to the rim: which of the two turns to n more
   void facing(const Vec& n, double, Feature& f) const {
     const double rho = length2(n[0], n[1]), slant = length2(r, 2 * half);
-    if (-n[2] * slant >= 2 * half * rho + r * n[2]) return f.add_rim(r, -half, 0);
+    if (-n[2] * slant >= 2 * half * rho + r * n[2]) return f.add_rim(n, r, -half, 0);
     f.add(axis(2) * half, Feature::rim);
     if (rho > flat_slope) f.add(on_rim(n, r, -half), Feature::rim + 1);
   }

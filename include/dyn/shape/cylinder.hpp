@@ -35,7 +35,7 @@ struct Cylinder : Solid<Cylinder> {
   bool under_face(const Vec&, const Vec& p) const { return p[0] * p[0] + p[1] * p[1] <= r * r; }
   // a cap, or the line on the side
   void facing(const Vec& n, double, Feature& f) const {
-    if (n[2] * n[2] >= n[0] * n[0] + n[1] * n[1]) return f.add_rim(r, std::copysign(half, n[2]), n[2] > 0 ? 0 : Feature::rim);
+    if (n[2] * n[2] >= n[0] * n[0] + n[1] * n[1]) return f.add_rim(n, r, std::copysign(half, n[2]), n[2] > 0 ? 0 : Feature::rim);
     f.add(on_rim(n, r, half), 2 * Feature::rim), f.add(on_rim(n, r, -half), 2 * Feature::rim + 1);
     f.bend = r;
   }

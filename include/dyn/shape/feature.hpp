@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "dyn/base/portable.hpp"
 #include "dyn/spatial/vec3.hpp"
 
 namespace dyn::shape {
@@ -11,7 +12,8 @@ namespace dyn::shape {
 // when the shape moves.
 struct Feature {
   static constexpr int most = 32;
-  static constexpr int rim = 8;  // a circle is given by so many corners, fixed to the shape
+  static constexpr int rim = 8;               // a circle is given by so many corners
+  static constexpr double tilted = 1e-3;      // slope from which on one of them is the deepest; fixed to the shape where it lies flat
 
   int count = 0;
   double bend = 0;  // of a line: the radius of curvature of the surface across it
@@ -19,11 +21,17 @@ struct Feature {
   std::uint16_t id[most];
 
   void add(const Vec3<double>& x, int number) { p[count] = x, id[count++] = std::uint16_t(number); }
-  // a circle about z of radius r at height z
-  void add_rim(double r, double z, int first) {
+  // a circle about z of radius r at height z that faces n
+  void add_rim(const Vec3<double>& n, double r, double z, int first) {
     constexpr double d = 0.70710678118654752;
     static constexpr double c[rim + 2] = {1, d, 0, -d, -1, -d, 0, d, 1, d};
-    for (int k = 0; k < rim; ++k) add(Vec3<double>::make(r * c[k], r * c[(k + 6) % rim], z), first + k);
+    const double rho = math::hypot(n[0], n[1]);
+    const bool turned = rho > tilted * std::abs(n[2]);  // else a coin would roll from corner to corner
+    const double x = turned ? r * (n[0] / rho) : r, y = turned ? r * (n[1] / rho) : 0;
+    for (int k = 0; k < rim; ++k) {
+      const double cosine = c[k], sine = c[(k + 6) % rim];
+      add(Vec3<double>::make(x * cosine - y * sine, x * sine + y * cosine, z), first + k);
+    }
   }
 };
 

@@ -83,6 +83,7 @@ struct Island {
     for (Index n = 0; n < a.s->support; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
     return sum;
   }
+  bool is_angle(const ActiveSlot& x, Index row) const;
   bool correct();
 };
 

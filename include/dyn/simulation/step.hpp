@@ -28,8 +28,28 @@ inline bool may_jump(const Model& m, const Data<double>& d) {
   return false;
 }
 
-inline constexpr double slop = 1e-9;         // m, rad: what no correction is made for
-inline constexpr double limit_reach = 1e-4;  // m, rad: limits this near count however slow the joint is
+// Whose degree of freedom it is, of the expanded ones.
+inline Index body_of_dof(const Model& m, Index dof) {
+  Index low = 1, high = m.n.bodies;
+  while (high - low > 1) {
+    const Index middle = (low + high) / 2;
+    (m.bodies()[middle].idx_v <= dof ? low : high) = middle;
+  }
+  return low;
+}
+
+// Of the model's own length, or rad:
+inline constexpr double slop = 1e-9;         // what no correction is made for
+inline constexpr double limit_reach = 1e-4;  // limits this near count however slow the joint is
+
+// Of a coordinate, or a velocity, that is an angle 1, else the model's own length.
+inline double unit_of(const Model& m, const Workspace& w, const LimitRecord& r) { return m.bodies()[r.body].type == BodyType::Prismatic ? w.length : 1; }
+
+// Slow, m/s: what has fallen a twentieth of the model's own length, or comes to a thousandth of it in the step.
+inline double slow_speed(const Data<double>& d, double h) {
+  const double length = d.step->length, g = shape::norm(load3(d.world_gravity));
+  return std::max(0.32 * std::sqrt(g * length), 1e-3 * length / h);
+}
 
 // What is farther apart does not meet within a step of h, whatever impulses there are; fast: speeds before. Where steps follow from an
 // accuracy they may be so short that all that is near would be far.

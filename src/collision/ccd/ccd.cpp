@@ -52,8 +52,7 @@ bool ccd_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
   for (const Shape* s : {&a, &b}) visit(*s, [&](const auto& x) { small = std::min(small, x.extent() + x.radius); });
   // from A, so that rounding does not grow with the distance from the world's origin
   const Object objects[2] = {{&a, {X_WA.R, Vec::zero()}}, {&b, {X_WB.R, X_WB.p - X_WA.p}}};
-  ccd_t ccd;
-  CCD_INIT(&ccd);
+  ccd_t ccd{};  // without CCD_INIT, which names a function of a library that is opened, not linked
   ccd.support1 = ccd.support2 = support, ccd.first_dir = first_direction;
   // of squared lengths; EPA has no cap of its own, and below this it takes for ever on curved shapes
   ccd.max_iterations = 100, ccd.epa_tolerance = std::max(tolerance * tolerance, 1e-8) * small * small;

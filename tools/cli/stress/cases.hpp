@@ -94,6 +94,8 @@ Outcome units_pendulum();
 Outcome units_mechanism();
 Outcome units_contact();
 Outcome units_contact_exact();
+Outcome units_bounces_exact();
+Outcome units_rows_exact();
 Outcome units_contact_to_rest();
 // collision.cpp
 Outcome fcl_poses();
