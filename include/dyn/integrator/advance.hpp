@@ -99,8 +99,8 @@ void enter(const Model& m, Data<T>& d, T h) {
     if (simulation::keeps_ledger(d)) simulation::enter_step(m, d, h);
 }
 
-// How much errors of steps may grow until the end: those of a phase grow with the time, those near a singular configuration with each passage.
-inline constexpr double growth = 4, held_growth = 16;
+// How much errors of steps may grow until the end, as those of a phase do. (Not where rows hold: near singular configurations rounding is too near.)
+inline constexpr double growth = 4;
 
 // Advances d by duration. accuracy 0: as good as rounding allows. Returns 0, the joint whose forward dynamics failed, or no_step_left; the
 // state is then that of report.time. A step may take up to three times its share of the error where earlier ones left as much of theirs.
@@ -112,7 +112,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   report.evaluations += 2;
   Rounding<T> rounding{active_rows(m, d) > 0, std::max(accuracy / (4 * duration), T(1e-7))};
   Controller<T> controller{T(1) / (Tableau::order - 1), rounding.held || accuracy == T(0)};
-  const T grows = rounding.held ? T(held_growth) : T(growth);
+  const T grows = rounding.held ? T(1) : T(growth);
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
