@@ -393,7 +393,7 @@ def test_sim_of_every_robot(robot, integrator, state_file):
 
 def test_sim_with_forces_over_time(arm_file, arm, tmp_path):
     forces, again, random, d = tmp_path / "forces.csv", tmp_path / "again.csv", np.random.default_rng(0), arm.data()
-    rows = [(1e-3 * k, *random.normal(size=2)) for k in range(0, 50, 2)]  # each acts for two steps
+    rows = [(1e-3 * k, *random.normal(size=2).tolist()) for k in range(0, 50, 2)]  # each acts for two steps
     forces.write_text("tau1,t,why,tau0\n" + "".join(f"{b!r},{t!r},,{a!r}\n" for t, a, b in rows))
     d.set_effects("armature")
     d.set_state([1, 0.5], [0, 0])
