@@ -103,7 +103,7 @@ Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
     propagate_rows(m, d), delassus(m, d, rows, d.row_matrix);
     T trace = T(0);
     for (Index i = 0; i < rows; ++i) trace += d.row_matrix[ld * i + i];
-    const T mu = std::max(damping * std::min(T(1), largest_size(C, rows) / length), least_damping) * trace / T(double(rows));
+    const T mu = std::max(damping * std::min(T(1), T(2) * largest_size(C, rows) / length), least_damping) * trace / T(double(rows));
     if (!(mu > T(0))) break;
     factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
     for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
