@@ -249,30 +249,35 @@ TEST(Step, AccuracyHoldsThroughLastingContact) {
   }
 }
 
-// Two tilted boxes fall on one another and on the ground, bounce on their corners and come to rest: impacts without number, in few steps, and where they
-// come to rest is known as well as asked.
+// Two tilted boxes fall on one another and on the ground, bounce on their corners and come to rest: impacts without number, in few steps (stalled, a
+// hundredth of a second takes 1e5), and where they come to rest is known as well as asked. Which corner hits first is chance: of five starts the middle one counts.
 TEST(Step, AccuracyPassesImpactsWithoutNumber) {
-  const auto fall = [](double accuracy) {
+  std::vector<std::int64_t> all;
+  const auto fall = [&](double accuracy, double beside) {
     Play play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).finish());
     play.options.accuracy = accuracy;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
-    play.set({0, 0, 0.3, 0.104612, 0.104612, 0.020922, 0.988771, 0.03, 0.01, 0.62, 0.026804, 0.089346, 0.035738, 0.995004});
+    play.set({0, 0, 0.3, 0.104612, 0.104612, 0.020922, 0.988771, 0.03 + beside, 0.01, 0.62, 0.026804, 0.089346, 0.035738, 0.995004});
     double estimate = 0;
-    std::int64_t steps = 0;
+    std::int64_t steps = 0, most = 0;
     for (int k = 0; k < 100; ++k) {
       EXPECT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.01)) << dyn_last_error();
-      EXPECT_LT(play.report().steps + play.report().rejected, 3000) << k;  // by which corner hits first 100 to 1,400; stalled, 1e5
-      steps += play.report().steps, estimate += play.report().error_estimate;
+      const std::int64_t now = play.report().steps + play.report().rejected;
+      most = std::max(most, now), steps += now, estimate += play.report().error_estimate;
     }
-    EXPECT_LT(steps, 6000) << accuracy;
+    EXPECT_LT(most, 10000);
     EXPECT_LT(estimate, 100 * 3 * accuracy);  // of a hundred calls
     for (int k = 0; k < 12; ++k) EXPECT_NEAR(0, play.v[k], 3 * accuracy) << k;
-    return Numbers(play.q, play.q + 14);
+    EXPECT_NEAR(0.1, play.q[2], 3 * accuracy);
+    EXPECT_NEAR(0.3, play.q[9], 3 * accuracy);
+    all.push_back(steps);
   };
-  const Numbers best = fall(1e-5), q = fall(1e-3);
-  EXPECT_NEAR(0.1, best[2], 1e-5);
-  EXPECT_NEAR(0.3, best[9], 1e-5);
-  for (std::size_t k = 0; k < 14; ++k) EXPECT_NEAR(best[k], q[k], 0.03) << k;  // (which of two corners hits first decides by chance)
+  for (const double accuracy : {1e-3, 1e-5}) {
+    all.clear();
+    for (const double beside : {0.0, 0.001, 0.002, 0.003, 0.004}) fall(accuracy, beside);
+    std::sort(all.begin(), all.end());
+    EXPECT_LT(all[2], accuracy == 1e-3 ? 1500 : 6000) << accuracy;
+  }
 }
 
 TEST(Step, EverySolverHoldsAStack) {

@@ -45,7 +45,7 @@ def main(path=GO2, base="floating"):
     print(f"{model.name}: dtau/dq, {model.nv} x {model.nv}, entries up to {size:.3g}")
     print("step length   error of central differences, relative")
     errors = {}
-    for e in 10.0 ** np.arange(-12, 0):
+    for e in (float(f"1e{k}") for k in range(-12, 0)):
         errors[e] = np.abs(central(model, data, q, v, a, e) - exact.dtau_dq).max() / size
         print(f"{e:11.0e}   {errors[e]:.1e}")
     best = min(errors, key=errors.get)
