@@ -76,34 +76,40 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
 inline constexpr double held_leak = 1e-2;  // of what rows take away at the end of a step: they have turned since the stage that it is of
 
 // Where a mechanism passes a singular configuration, accelerations of stages that come near to it are known badly, and rows take away much at a step's
-// end, or it is itself near. The same step is then tried in other lengths, of which the best is taken: those that step over it are smooth.
+// end, or it is itself near. The same step is then tried in other lengths, up to those of steps before, of which the best is taken: what steps over is smooth.
 template <class T>
 struct Passing {
   static constexpr double lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6}, more = 30;  // more: of error, in the one step over
   static constexpr int most = sizeof lengths / sizeof *lengths;
+  T most_noise, usual;  // of errors, per second; length of steps that pass nothing
   T first = T(0), best = T(0), least = T(0);
   int tries = 0;  // beside the first
 
+  T limit(T allowed, T h) const { return std::max(T(more) * allowed, most_noise * h); }
+  T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
   // Whether to try again with h. error, raw, moved: of this try (finish_step).
   bool again(T error, T raw, T moved, T allowed, T share, T& h) {
     if (tries > most) return false;
     const bool near = T(held_leak) * raw > allowed || moved > std::max(T(100) * share, T(1e-10));
     if (tries == 0 && !(near && moved > T(10) * error)) return false;
-    const bool good = error <= T(more) * allowed;
-    if (good && !near) return false;
-    if (tries == 0) first = h, least = std::numeric_limits<T>::infinity();
-    if (good && moved < least) least = moved, best = h;
+    const T off = std::max(error, T(held_leak) * moved);
+    if (error <= T(more) * allowed && !near) return false;
+    if (tries == 0) first = std::max(h, usual), least = std::numeric_limits<T>::infinity();
+    if (error <= limit(allowed, h) && off < least) least = off, best = h;
     if (tries < most) h = first * T(lengths[tries]);
     else if (least < std::numeric_limits<T>::infinity()) h = best;
     else return false;
     return ++tries, true;
   }
-  T allowed(T error) const { return tries > 0 ? T(more) * error : error; }
+  void accept(T h) {
+    if (tries == 0) usual = h;
+    tries = 0;
+  }
 };
 
 // What the next step's length is of this one's: by its error over what is allowed, and by that of the step before (PI: Gustafsson 1991), so that
-// lengths follow errors that grow and fade without trying in vain. By this one's alone where errors are those of rounding, or of rows near a
-// singular configuration: they say nothing of the next.
+// lengths follow errors that grow and fade without trying in vain. By this one's alone where errors are those of rounding: they say nothing of
+// the next. No step is more than twice as long as the last: errors of few digits are near none now and then.
 template <class T>
 struct Controller {
   T power;          // 1 / (order of the error per unit step)
@@ -115,7 +121,7 @@ struct Controller {
     T factor = !(ratio > T(0)) ? T(5) : alone ? T(0.9) * math::pow(ratio, -power) : T(0.9) * math::pow(ratio, T(-0.8) * power) * math::pow(before, T(0.28) * power);
     if (tried && !alone) factor = std::min(factor, T(1));
     before = std::max(ratio, T(1e-4)), tried = false;
-    return std::clamp(factor, T(0.2), T(5));
+    return std::clamp(factor, T(0.2), T(2));
   }
   T reject(T ratio) {
     tried = true;
@@ -138,9 +144,10 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   T h = duration, t = 0, left = 0;
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
   report.evaluations += 2;
-  Rounding<T> rounding{active_rows(m, d) > 0, std::max(accuracy / (4 * duration), T(1e-7))};
+  const T most_noise = std::max(accuracy / (4 * duration), T(1e-7));
+  Rounding<T> rounding{active_rows(m, d) > 0, most_noise};
   Controller<T> controller{T(1) / (Tableau::order - 1), false};
-  Passing<T> passing;
+  Passing<T> passing{most_noise, h};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
@@ -152,17 +159,18 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     T error = std::numeric_limits<T>::infinity(), raw = T(0), moved = T(0);
     if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw, moved);
     if (rounding.held && !joint && passing.again(error, raw, moved, most, share, h)) {
+      h = std::min(h, duration - t);
       s.undo(m, d);
       ++report.rejected;
       continue;
     }
-    if (error <= passing.allowed(most)) {
+    if (error <= passing.allowed(most, h)) {
       t = last ? duration : t + h;
       left = std::max(T(0), left + share - error);
       ++report.steps, report.time = t, report.error_estimate += std::max(error, T(held_leak) * moved);
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       enter(m, d, h);
-      rounding.accept(), passing.tries = 0;
+      rounding.accept(), passing.accept(h);
       h *= controller.accept(error / allowed);
     } else {
       if (joint && h < duration * T(1e-12)) return joint;
