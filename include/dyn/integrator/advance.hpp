@@ -28,9 +28,11 @@ struct Rounding {
   T rejected = T(0), tried = T(0);  // error and length of the last try
   int tries = 0;
 
-  // Where a body that flies by itself is, and how fast, nothing else follows from.
-  static T of_state(const Model& m, const Data<T>& d) {
-    T size = T(1e-3);
+  static T of(T size) { return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), size); }
+  static T of_state(const Model& m, const Data<T>& d) { return of(std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv))); }
+  // The same without where a body that flies by itself is, and how fast: where nothing meets, no acceleration follows from that.
+  static T of_motion(const Model& m, const Data<T>& d) {
+    T size = T(0);
     Index q = 0, v = 0;
     const auto look_until = [&](Index end_q, Index end_v) { size = std::max(size, std::max(largest(d.q + q, end_q - q), largest(d.v + v, end_v - v))); };
     for (Index i = 1; i < m.n.bodies; ++i) {
@@ -40,10 +42,10 @@ struct Rounding {
       q = b.user_q + 3, v = b.user_v + 3;
     }
     look_until(m.n.nq, m.n.nv);
-    return 4 * std::numeric_limits<T>::epsilon() * size;
+    return of(size);
   }
   T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
-    const T state = of_state(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
+    const T state = of_motion(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
     return std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h));
   }
   void accept() { tries = 0, noise /= 2; }
@@ -142,7 +144,7 @@ inline constexpr double growth = 4;  // how much errors of steps may grow until 
 template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   T h = duration, t = 0, left = 0;
-  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
+  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_motion(m, d)), duration, h)) return joint;
   report.evaluations += 2;
   const T most_noise = std::max(accuracy / (4 * duration), T(1e-7));
   Rounding<T> rounding{active_rows(m, d) > 0, most_noise};
