@@ -7,13 +7,13 @@ import shutil
 import subprocess
 
 import pytest
-from conftest import DYN, MODELS, dyn
+from conftest import BUILT, MODELS, dyn
 
 GO2 = (MODELS / "robots/go2.urdf", "--floating", "--ground")
 
 
 @pytest.fixture(scope="session")
-def fall(tmp_path_factory):
+def fall(bundle, tmp_path_factory):
     """A quadruped whose legs give way: half a second."""
     path = tmp_path_factory.mktemp("pages") / "fall.html"
     made = dyn("sim", *GO2, "--duration", 0.5, "--html", path, "--json", "--no-error-estimate")
@@ -98,13 +98,34 @@ def test_plots_are_there_and_follow(page, fall):
     assert {"contact forces", "energy", "q", "v", "tau", "residual", "penetration", "time of a step", "ledger"} <= set(titles)
     page("document.querySelectorAll('details').forEach((d) => (d.open = true))")
     page.settle()
-    assert page("document.querySelectorAll('.uplot canvas').length") == len(titles)
+    assert page("[...document.querySelectorAll('.plot')].filter((plot) => plot.querySelector('canvas')).length") == len(titles)
     page("dynView.player.play(false), dynView.player.seek(0.25)")
-    at = page("dynView.plots.map((p) => p.u.posToVal(new DOMMatrix(p.line.style.transform).e, 'x'))")
+    at = page("dynView.plots.map((p) => p.graph.toDataXCoord(new DOMMatrix(p.line.style.transform).e))")
     assert at == pytest.approx([0.25] * len(at), abs=5e-3)
-    page("dynView.plots[0].u.over.dispatchEvent(new MouseEvent('mousemove', {clientX: 0}))")
-    page.page.locator(".u-over").first.click(position={"x": 10, "y": 50})
+    page.page.locator(".plot").first.click(position={"x": 70, "y": 50})
     assert page("dynView.player.time") < 0.1
+    # curves are drawn, each in its colour, and go when their name is clicked
+    coloured = """(() => { const c = dynView.plots.find((p) => p.plot.title === 'energy').graph.hidden_;
+        const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0;
+        for (let i = 0; i < d.length; i += 4) n += d[i + 3] > 0 && d[i] < 100 && d[i + 2] > 150; return n; })()"""  # #1f77b4
+    assert page(coloured) > 100
+    page.page.locator("details:has(.plot)", has_text="energy").first.locator(".key > span").nth(1).click()
+    assert page(coloured) == 0
+
+
+def test_a_part_of_a_plot_is_shown_larger_in_all(page, fall):
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false)")
+    plot = page.page.locator(".plot").first
+    plot.hover(position={"x": 120, "y": 60})
+    page.page.mouse.down()
+    plot.hover(position={"x": 200, "y": 62})
+    page.page.mouse.up()
+    windows = page("dynView.plots.filter((p) => p.graph).map((p) => p.graph.xAxisRange())")
+    assert len(windows) > 1 and 0 < windows[0][0] < windows[0][1] < 0.5 and all(w == pytest.approx(windows[0]) for w in windows)
+    plot.dblclick(position={"x": 120, "y": 60})
+    windows = page("dynView.plots.filter((p) => p.graph).map((p) => p.graph.xAxisRange())")
+    assert all(w == pytest.approx([0, 0.5], abs=1e-6) for w in windows)
 
 
 def test_tables_tell_error_and_time_of_effects(page, fall):
@@ -289,12 +310,12 @@ def test_refusals(tmp_path):
 
 
 def test_without_the_template_it_says_what_is_missing(tmp_path):
-    """The command where the page is not beside it: as when it was built without npm."""
+    """The command where the page is not beside it: as when it was built where no packages for it were to be had."""
     (tmp_path / "bin").mkdir()
-    shutil.copy(DYN, tmp_path / "bin/dyn")
-    library = os.path.join(os.path.dirname(os.path.realpath(DYN)), "..", "lib")
+    shutil.copy(BUILT, tmp_path / "bin/dyn")
+    library = BUILT.parents[1] / "lib"
 
     for command in ("view", "info"):
-        made = subprocess.run([tmp_path / "bin/dyn", command, MODELS / "robots/double_pendulum.urdf", "--fixed", "--html", tmp_path / "x.html"], capture_output=True, text=True, env={**os.environ, "LD_LIBRARY_PATH": library})
-        assert made.returncode == 1 and "npm" in made.stderr and "viewer.html" in made.stderr
+        made = subprocess.run([tmp_path / "bin/dyn", command, MODELS / "robots/double_pendulum.urdf", "--fixed", "--html", tmp_path / "x.html"], capture_output=True, text=True, env={**os.environ, "LD_LIBRARY_PATH": str(library)})
+        assert made.returncode == 1 and "npm" in made.stderr and "libjs-three" in made.stderr and "viewer.html" in made.stderr
         assert not (tmp_path / "x.html").exists()

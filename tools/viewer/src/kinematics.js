@@ -8,7 +8,7 @@ const MOVABLE = ["revolute", "continuous", "prismatic", "helical"];
 /** the joint's motion at coordinate q, in its frame */
 function motion(joint, q) {
   const axis = new THREE.Vector3(...joint.axis);
-  if (joint.type === "prismatic") return new THREE.Matrix4().makeTranslation(axis.multiplyScalar(q));
+  if (joint.type === "prismatic") return new THREE.Matrix4().makeTranslation(...joint.axis.map((x) => x * q));
   const turn = new THREE.Matrix4().makeRotationAxis(axis, q);
   return joint.type === "helical" ? turn.setPosition(axis.multiplyScalar(joint.pitch * q)) : turn;
 }
