@@ -260,7 +260,7 @@ def test_exercises_are_there():
 def test_recipes_name_what_is_there():
     """Files and identifiers of CONTRIBUTING's recipes, wherever in the source they are."""
     text = (ROOT / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    kinds = (".hpp", ".cpp", ".h", ".def", ".py")
+    kinds = (".hpp", ".cpp", ".h", ".def", ".py", ".js")
     source = "\n".join(
         p.read_text(encoding="utf-8", errors="replace") for d in ("include", "src", "capi", "tests", "tools", "bench") for p in (ROOT / d).rglob("*") if p.suffix in kinds
     )
