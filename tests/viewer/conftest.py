@@ -56,7 +56,7 @@ class Page:
         self.page, self.complaints, self.requests = page, [], []
         page.on("console", lambda message: self.complaints.append(message.text) if message.type in ("error", "warning") and "GPU stall" not in message.text else None)
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        page.on("request", lambda request: self.requests.append(request.url) if request.url.startswith(("http", "ws")) else None)
+        page.on("request", lambda request: self.requests.append(request.url) if not request.is_navigation_request() and not request.url.startswith(("data:", "blob:")) else None)
 
     def open(self, address):
         self.page.goto(address)

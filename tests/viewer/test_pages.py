@@ -5,9 +5,10 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 
 import pytest
-from conftest import BUILT, MODELS, dyn
+from conftest import BUILT, MODELS, ROOT, dyn
 
 GO2 = (MODELS / "robots/go2.urdf", "--floating", "--ground")
 
@@ -193,6 +194,11 @@ def test_names_that_look_like_markup_stay_names(page, tmp_path):
     assert made.returncode == 0, made.stderr
     page.open(f"file://{tmp_path}/evil.html")
     assert page("window.broken") is None
+    made = dyn("accuracy", tmp_path / "evil.urdf", "--floating", "--duration", 0.1, "--budget", "1s", "--html", tmp_path / "a.html")
+    assert made.returncode == 0, made.stderr
+    page.page.goto(f"file://{tmp_path}/a.html")
+    assert page("window.broken") is None and name in page("document.querySelector('h1').textContent")
+    page.open(f"file://{tmp_path}/evil.html")
     assert page("dynView.head.model.name") == name and page("document.querySelector('header b').textContent") == name
 
 
@@ -216,6 +222,40 @@ def test_view_moves_joints_by_hand(page, tmp_path):
     for name, placement in placements.items():
         if name in shown:
             assert shown[name][12:15] == pytest.approx(placement["translation"], abs=1e-6), name
+
+
+def test_view_moves_joints_of_several_coordinates(page, tmp_path):
+    """Every type of joint that an MJCF or the builder has, in one chain: frames are where the library says for the q that the page shows."""
+    made = subprocess.run([sys.executable, "-c", CHAIN, tmp_path / "c.dynb"], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(ROOT / "capi/python"), "DYN_LIBRARY": str(BUILT.parents[1] / "lib")})
+    assert made.returncode == 0, made.stderr
+    made = dyn("view", tmp_path / "c.dynb", "--html", tmp_path / "c.html")
+    assert made.returncode == 0, made.stderr
+    page.open(f"file://{tmp_path}/c.html")
+    sliders = page.page.locator(".joint input").all()
+    assert len(sliders) == 6 + 3 + 3 + 3 + 3 + 2 + 2 + 1 + 1  # nv of each
+    for k, slider in enumerate(sliders):
+        low, high = float(slider.get_attribute("min")), float(slider.get_attribute("max"))
+        slider.fill(str(low + (0.55 + 0.017 * k) * (high - low)))
+    q = page("Array.from(dynView.kinematics.q)")
+    placements = json.loads(dyn("eval", tmp_path / "c.dynb", "--compute", "placements", "--q", *q, "--json").stdout)["placements"]
+    names = page("dynView.head.model.frames.map((f) => f.name)")
+    elements = page("dynView.robot.frames.map((f) => f.matrixWorld.elements)")
+    for name, e in zip(names[1:], elements[1:]):
+        assert e[12:15] == pytest.approx(placements[name]["translation"], abs=1e-6), name
+    assert page.complaints == []
+
+
+CHAIN = """
+import sys
+import dyn
+types = ["free_flyer", "spherical", "spherical_zyx", "planar", "translation", "cylindrical", "universal", "revolute_unbounded", "helical"]
+b, above = dyn.Builder("chain"), None
+for k, type in enumerate(types):
+    b.joint(f"j{k}", type, parent=above, placement=[1, 0, 0, 0, 0, 1, 0, -1, 0, 0.1, 0.2, 0.3], axis=(0.6, 0, 0.8) if k % 2 else (0, 0, -1), axis2=(0, 1, 0), pitch=0.1)
+    b.body(f"b{k}", f"j{k}", 1, inertia=[[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
+    above = f"j{k}"
+b.finish().save(sys.argv[1])
+"""
 
 
 def test_inertia_ellipsoids_have_the_links_inertia(page, tmp_path):
@@ -282,6 +322,7 @@ def test_accuracy_and_stress_pages(page, tmp_path):
     assert made.returncode == 0, made.stderr
     page.page.goto(f"file://{tmp_path}/a.html")
     assert page("document.querySelectorAll('svg circle').length") > 5
+    assert page("[...document.querySelectorAll('svg')].map((s) => s.getBoundingClientRect()).filter((b) => b.width > 100 && b.height > 50).length") == 2
     assert "--integrator" in page("document.body.innerText")  # the recommendation
     made = dyn("stress", "pendulums", "--html", tmp_path / "s.html")
     page.page.goto(f"file://{tmp_path}/s.html")

@@ -1,4 +1,5 @@
 // Debian's three.js (r111, of 2019) with the names, colours and lights of today's, as far as src/ uses them: what `import "three"` means there.
+/*! three.js r111, copyright 2010-2019 three.js authors, MIT licence */
 import { Color, Matrix4, WebGLRenderer as Renderer } from "/usr/share/javascript/three/build/three.module.js";
 
 export * from "/usr/share/javascript/three/build/three.module.js";
