@@ -258,6 +258,38 @@ b.finish().save(sys.argv[1])
 """
 
 
+def test_shapes_have_the_colours_of_their_files(page, tmp_path):
+    """Seen from the side: a red box whose material is the robot's, a green one, half a blue one's light, one of no colour."""
+    boxes = {"red": '<material name="paint"/>', "green": '<material name=""><color rgba="0 0.9 0 1"/></material>', "blue": '<material name="b"><color rgba="0 0 1 0.4"/></material>', "none": ""}
+    links = "".join(f'<visual><origin xyz="{k} 0 0"/><geometry><box size="0.8 1 1"/></geometry>{material}</visual>' for k, material in enumerate(boxes.values()))
+    body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    (tmp_path / "c.urdf").write_text(f'<robot name="c"><material name="paint"><color rgba="0.9 0 0 1"/></material><link name="a">{body}{links}</link></robot>')
+    geoms = "".join(f'<geom type="box" size="0.4 0.5 0.5" pos="{k} 0 0" {looks}/>' for k, looks in enumerate(['material="paint"', 'rgba="0 0.9 0 1"', 'material="paint" rgba="0 0 1 0.4"', ""]))
+    (tmp_path / "c.xml").write_text(f'<mujoco><asset><material name="paint" rgba="0.9 0 0 1"/></asset><worldbody><body><freejoint/>{geoms}</body></worldbody></mujoco>')
+    for file, base in (("c.urdf", ["--floating"]), ("c.xml", [])):
+        made = dyn("view", tmp_path / file, *base, "--html", tmp_path / "c.html")
+        assert made.returncode == 0, made.stderr
+        page.open(f"file://{tmp_path}/c.html")
+        page.page.click("#look-side")
+        page.settle()
+        seen = page(
+            """(() => { const { scene, robot, overlays } = dynView, canvas = scene.canvas;
+            overlays.show("com", false);
+            scene.redraw(), scene.draw();
+            const flat = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+            flat.drawImage(canvas, 0, 0);
+            return robot.layers[robot.hasVisual ? "visual" : "collision"].map((mesh) => {
+              const p = new mesh.position.constructor(0, 0, 0).applyMatrix4(mesh.matrixWorld).project(scene.camera);
+              return Array.from(flat.getImageData((p.x + 1) / 2 * canvas.width, (1 - p.y) / 2 * canvas.height, 1, 1).data); }); })()"""
+        )
+        red, green, blue, plain = seen
+        assert red[0] > 3 * max(red[1], red[2]) and red[3] == 255
+        assert green[1] > 3 * max(green[0], green[2])
+        assert blue[2] > 1.2 * max(blue[0], blue[1]) and 60 < blue[3] < 230  # what is behind it is seen, too
+        assert max(plain[:3]) < 2 * min(plain[:3])
+        assert page.complaints == []
+
+
 def test_inertia_ellipsoids_have_the_links_inertia(page, tmp_path):
     """A solid ellipsoid x = M u, |u| <= 1 has the inertia m / 5 (tr(M M') 1 - M M')."""
     values = {"ixx": 0.031, "iyy": 0.047, "izz": 0.055, "ixy": 0.006, "ixz": -0.004, "iyz": 0.003}

@@ -95,6 +95,9 @@ json model_json(const Robot& robot, const std::vector<std::string>& package_dirs
     const dynShapeInfo s = shape(robot, k);
     const bool drawn = s.role == DYN_ROLE_VISUAL;
     json item = {{"name", s.name}, {"type", shape_names[s.type]}, {"visual", drawn}, {"frame", s.frame}, {"placement", vector_json(s.placement, 12)}, {"size", vector_json(s.size, 3)}, {"radius", s.radius}};
+    Vector rgba(4);
+    check(dyn_shape_rgba(robot, k, rgba.data()));
+    if (rgba[3] >= 0) item["rgba"] = rgba;
     if (s.type == DYN_SHAPE_MESH || s.type == DYN_SHAPE_CONVEX || s.type == DYN_SHAPE_TRIANGLES || s.type == DYN_SHAPE_HEIGHT_FIELD) {
       const int mesh = meshes.add(k, s, notes);
       if (mesh >= 0) item["mesh"] = mesh;
