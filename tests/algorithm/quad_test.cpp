@@ -57,7 +57,8 @@ TEST(Quadruple, ForwardDynamicsOfRandomTrees) {
         const double cond = lambda.maxCoeff() / lambda.minCoeff();
         const VectorXd error = (c.aba(c.x.tau) - ddq).cwiseQuotient(s), scaled = ddq.cwiseQuotient(s);
         const double force = largest((c.x.tau.cwiseAbs() + c.nle().cwiseAbs() + M.cwiseAbs() * ddq.cwiseAbs()).cwiseProduct(s));
-        EXPECT_LE(largest(error), 2e-16 * cond * (largest(scaled) + force));
+        // with fused products at most 1.8e-16 of 1,500 trees; without, as in reproducible builds, 2.1e-16 of 60
+        EXPECT_LE(largest(error), 3e-16 * cond * (largest(scaled) + force));
       },
       60);
 }

@@ -1,6 +1,7 @@
 // Quadruple precision (binary128, 113 bits) as a scalar of the templates: references and differences free of double's rounding.
 #pragma once
 
+#include <cfloat>
 #include <cmath>
 #include <limits>
 
@@ -20,6 +21,12 @@ dyn_test::Binary128 atan2f128(dyn_test::Binary128, dyn_test::Binary128) noexcept
 dyn_test::Binary128 remainderf128(dyn_test::Binary128, dyn_test::Binary128) noexcept;
 }
 #define DYN_TEST_QUAD(f) f##f128
+#elif LDBL_MANT_DIG == DBL_MANT_DIG
+#include "common/twice.hpp"
+namespace dyn_test {
+using Binary128 = Twice;  // 32-bit ARM has nothing wider than double
+}
+#define DYN_TEST_QUAD(f) twice_##f
 #else
 namespace dyn_test {
 typedef long double Binary128;  // binary128 on 64-bit ARM
