@@ -65,6 +65,7 @@ constexpr std::uint64_t dynb_tag() {
 #undef FIELD
   return sum;
 }
+static_assert(DYN_LANES == 3 || (alignof(Vec3<double>) == 32 && sizeof(FrameRecord) == 256 && sizeof(Stored<shape::Hull>) == 160), "a .dynb of another layout than everywhere else");
 
 // What is wrong with a buffer: nothing, or a sentence without its end. value of count, where these are not -1.
 struct Damage {

@@ -37,7 +37,8 @@ struct Vec3 {
 #if DYN_LANES == 4
 template <>
 struct Vec3<double> {
-  typedef double Lanes __attribute__((vector_size(32)));
+  // the boundary that AVX has by itself: a model's block is then the same on all of x86-64, on ARM and for every compiler (dynb.hpp)
+  typedef double Lanes __attribute__((vector_size(32), aligned(32)));
   Lanes v;
 
   static DYN_INLINE Vec3 zero() { return {Lanes{0, 0, 0, 0}}; }
