@@ -252,6 +252,15 @@ def test_bad_models(text, message):
         dyn.load_string(text)
 
 
+def test_a_model_without_a_name_has_its_own(tmp_path):
+    (tmp_path / "part.xml").write_text('<mujoco model="Arm"><worldbody>' + BODY + "</worldbody></mujoco>")
+    (tmp_path / "m.xml").write_text('<mujoco><asset><model file="part.xml"/></asset><worldbody><attach model="Arm" body="a" prefix="x_"/></worldbody></mujoco>')
+    assert dyn.load(tmp_path / "m.xml").joint_id("x_j") == 1
+    (tmp_path / "part.xml").write_text("<mujoco><worldbody>" + BODY + "</worldbody></mujoco>")
+    with pytest.raises(dyn.Error, match="no model 'Arm'"):
+        dyn.load(tmp_path / "m.xml")
+
+
 def test_files_that_include_and_attach_themselves(tmp_path):
     (tmp_path / "a.xml").write_text('<mujoco><include file="b.xml"/></mujoco>')
     (tmp_path / "b.xml").write_text('<mujocoinclude><include file="b.xml"/></mujocoinclude>')
