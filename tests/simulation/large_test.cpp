@@ -89,10 +89,10 @@ TEST(Large, AMimicJointCouplesNothingInFlight) {
     place_beside(play, s);
     play.steps(3);
     return bench::instructions([&] {
-      for (int k = 0; k < 10; ++k) dyn_step(play.m, play.d);
+      for (int k = 0; k < 2; ++k) dyn_step(play.m, play.d);
     });
   };
-  const long some = count(50), twice = count(100);
+  const long some = count(20), twice = count(40);
   if (some < 0) GTEST_SKIP() << "this system does not let a process trace its child";
   EXPECT_LE(double(twice), 2.2 * double(some)) << some << ' ' << twice;
 }
