@@ -1,6 +1,7 @@
 // The builder: C structs to the builder's own.
 #include <cstring>
 
+#include "dyn/model/colour.hpp"
 #include "surfaces.hpp"
 
 using namespace dyn;
@@ -165,6 +166,12 @@ dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* s) {
     shape.radius = s->radius, shape.contype = s->contype, shape.conaffinity = s->conaffinity, shape.material = s->material;
     b.shape(shape);
   });
+}
+
+dynStatus dyn_builder_shape_rgba(dynBuilder* builder, const double rgba[4]) {
+  for (int i = 0; i < 4; ++i)
+    if (!rgba || !(rgba[i] >= 0 && rgba[i] <= 1)) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_shape_rgba: rgba is not four numbers from 0 to 1");
+  return with(builder, [&](Builder& b) { b.colour(packed_colour(rgba)); });
 }
 
 dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq) {

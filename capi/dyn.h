@@ -300,6 +300,8 @@ typedef struct dynShapeInfo {
 } dynShapeInfo;
 DYN_API int dyn_nshapes(const dynModel* model);
 DYN_API dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
+/* How it looks: red, green, blue, opacity, 0 to 1, of 8 bits each: the <material> of a URDF, rgba of an MJCF (or its material's). -1 where nothing is said. */
+DYN_API dynStatus dyn_shape_rgba(const dynModel* model, int shape, double rgba[4]);
 /* What a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD is made of, a new mesh in the shape's frame; triangles in an order of their own. */
 DYN_API dynStatus dyn_shape_mesh(const dynModel* model, int shape, dynMesh** mesh);
 
@@ -397,6 +399,8 @@ typedef struct dynShapeSpec {
 } dynShapeSpec;
 DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
 DYN_API dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* spec);
+/* How the shape that was added last looks, 0 to 1 each; for pictures alone. DYN_ERROR_INVALID: there is none. */
+DYN_API dynStatus dyn_builder_shape_rgba(dynBuilder* builder, const double rgba[4]);
 /* Two collision shapes of different bodies, by their names, that are tested whatever the filter says; material: of their contacts in steps, NULL: it
    follows from those of the shapes. */
 DYN_API dynStatus dyn_builder_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material);

@@ -282,6 +282,12 @@ class Model {
     if (!p && n) throw Error(DYN_ERROR_ARGUMENT);
     return View({sizeof(dynArray), n, 1, {1, n}, p});
   }
+  // How a shape looks: red, green, blue, opacity, 0 to 1; -1 where its file does not say.
+  std::array<double, 4> shape_rgba(int shape) const {
+    std::array<double, 4> rgba;
+    check(dyn_shape_rgba(get(), shape, rgba.data()));
+    return rgba;
+  }
   // Two links that an SRDF takes out of collision tests.
   struct DisabledPair {
     int frame1, frame2;
@@ -1397,6 +1403,8 @@ class Builder {
       for (int k = 0; k < 12; ++k) s.placement[k] = X[k];
     return ok(dyn_builder_shape(get(), &s));
   }
+  // How the shape that was added last looks: red, green, blue, opacity, 0 to 1.
+  Builder& shape_rgba(const std::array<double, 4>& rgba) { return ok(dyn_builder_shape_rgba(get(), rgba.data())); }
   // Two collision shapes that are tested whatever the filter says; material: nullptr, that of the shapes.
   Builder& pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material = nullptr) {
     return ok(dyn_builder_pair(get(), shape1.c_str(), shape2.c_str(), material));

@@ -1,10 +1,12 @@
 // Models: loading, sizes, names, and what they say of themselves.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
 
+#include "dyn/model/colour.hpp"
 #include "dyn/model/load.hpp"
 #include "guard.hpp"
 
@@ -269,6 +271,15 @@ dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
   info->name = m.string(r.name), info->mesh = m.string(r.mesh), info->type = r.type, info->role = dynShapeRole(r.role), info->frame = r.frame;
   std::memcpy(info->placement, r.placement, sizeof r.placement), std::memcpy(info->size, r.size, sizeof r.size);
   info->radius = r.radius, info->contype = r.contype, info->conaffinity = r.conaffinity, info->material = m.materials()[r.material];
+  return DYN_OK;
+}
+
+dynStatus dyn_shape_rgba(const dynModel* model, int shape, double rgba[4]) {
+  if (const dynStatus s = check(model)) return s;
+  if (!rgba) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_rgba: rgba is NULL");
+  if (const dynStatus s = check_index(model, shape, model->m->n.shapes, "dyn_shape_rgba", "shape")) return s;
+  const std::array<double, 4> x = rgba_of(model->m->shapes()[shape].colour);
+  std::copy(x.begin(), x.end(), rgba);
   return DYN_OK;
 }
 

@@ -29,10 +29,12 @@ def build_prefix(work):
     """Builds the checkout into a folder; returns the installed tree."""
     if not (CHECKOUT / "CMakeLists.txt").is_file():
         raise SystemExit("libdyn's sources are not beside this package: install from a checkout, or set DYN_PREFIX to an installed libdyn.")
+    if not shutil.which("cmake"):
+        raise SystemExit("cmake is missing, with which libdyn is built: run tools/install_packages, or set DYN_PREFIX to an installed libdyn.")
     build, prefix = CHECKOUT / "build" / "python", work / "prefix"
     hwcaps = os.environ.get("DYN_HWCAPS", "native")
     for command in (
-        ["cmake", "-S", CHECKOUT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DDYN_TESTS=OFF", f"-DDYN_HWCAPS={hwcaps}"],
+        ["cmake", "-S", CHECKOUT, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DDYN_TESTS=OFF", "-DDYN_VIEWER=OFF", f"-DDYN_HWCAPS={hwcaps}"],
         ["cmake", "--build", build, "--parallel", str(os.cpu_count() or 1)],
         ["cmake", "--install", build, "--prefix", prefix],
     ):

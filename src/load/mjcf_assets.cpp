@@ -103,12 +103,22 @@ void MjcfAssets::add(Element& asset, const MjcfDefaults& defaults) {
       if (kind == "mesh") defaults.apply(source_, *c, "mesh", "");
       auto& all = kind == "mesh" ? meshes_ : kind == "hfield" ? fields_ : models_;
       if (!all.emplace(name, Entry{c, nullptr, ""}).second) reader.fail(DYN_ERROR_NAME, *c, "there are two of this name");
-    } else if (kind == "material" || kind == "texture") {
+    } else if (kind == "material") {
+      defaults.apply(source_, *c, "material", "");
+      materials_.emplace(attribute(*c, "name"), colour_of(*c));
+      if (c->Attribute("texture")) source_.report(*c).count("<material texture>: not used", line(*c));
+    } else if (kind == "texture") {
       source_.report(*c).count("<" + std::string(kind) + ">: not used", line(*c));
     } else {
       source_.report(*c).physics(line(*c), "<asset>: element <" + std::string(kind.substr(0, 60)) + "> is not used");
     }
   }
+}
+
+std::uint32_t MjcfAssets::colour(const Element& geom) const {
+  if (const std::uint32_t own = colour_of(geom)) return own;
+  const auto material = materials_.find(attribute(geom, "material"));
+  return material == materials_.end() ? 0 : material->second;
 }
 
 MjcfAssets::Entry& MjcfAssets::find(std::map<std::string, Entry>& all, const char* kind, const Element& e, const std::string& name) const {

@@ -78,7 +78,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.shape.type = type->type;
   geom.shape.contype = mask(reader, e, "contype"), geom.shape.conaffinity = mask(reader, e, "conaffinity");
   geom.shape.role = geom.shape.contype == 0 && geom.shape.conaffinity == 0 ? DYN_ROLE_VISUAL : DYN_ROLE_COLLISION;
-  geom.shape.material = material_of(reader, e);
+  geom.shape.material = material_of(reader, e), geom.shape.colour = file.assets.colour(e);
   geom.group = int(reader.optional_number(e, "group").value_or(0));
   geom.mass = reader.optional_number(e, "mass");
   geom.density = reader.optional_number(e, "density").value_or(1000);

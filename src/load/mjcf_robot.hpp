@@ -1,6 +1,7 @@
 // An MJCF model as values, and the steps between the file and the builder.
 #pragma once
 
+#include "colour.hpp"
 #include "dyn/constraint/set.hpp"
 #include "dyn/simulation/actuators.hpp"
 #include "mjcf_settings.hpp"
@@ -141,6 +142,8 @@ class MjcfAssets {
   void mesh(const Element& e, const std::string& name, bool needed, MjcfGeom& geom);
   // false: in a format that is not read, which the report says
   bool height_field(const Element& e, const std::string& name, MjcfGeom& geom);
+  // The colour of a geom: its own, else that of its material; 0: neither
+  std::uint32_t colour(const Element& geom) const;
 
  private:
   struct Entry {
@@ -155,6 +158,7 @@ class MjcfAssets {
   const MjcfCompiler& compiler_;
   const LoadOptions& options_;
   std::map<std::string, Entry> meshes_, fields_, models_;
+  Colours materials_;
 };
 
 // One file's settings while its bodies are read.

@@ -55,6 +55,7 @@ void MjcfWriter::add_geom(Out& body, const ShapeRecord& s, Index k) {
   }
   put_pose(e, X);
   if (s.radius > 0) losses.loss("rounding of shapes", called);
+  if (s.colour) put_rgba(e, s.colour);
   if (visual) return put(e, "contype", 0), put(e, "conaffinity", 0);
   if (s.contype != 1) put(e, "contype", s.contype);
   if (s.conaffinity != 1) put(e, "conaffinity", s.conaffinity);

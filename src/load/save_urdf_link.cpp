@@ -1,4 +1,6 @@
 // Model to URDF: links with their inertia and shapes.
+#include <cstdio>
+
 #include "save_urdf.hpp"
 
 namespace dyn::load {
@@ -64,6 +66,13 @@ void UrdfWriter::add_shape(Out& link, const ShapeRecord& s) {
   if (!name.empty()) put(e, "name", name);
   put_origin(e, load_se3(s.placement));
   e.InsertEndChild(geometry);
+  if (s.colour) {
+    Out& material = *e.InsertNewChildElement("material");
+    char unique[16];
+    std::snprintf(unique, sizeof unique, "rgba_%08x", unsigned(s.colour));
+    put(material, "name", std::string(unique));
+    put_rgba(*material.InsertNewChildElement("color"), s.colour);
+  }
 }
 
 }  // namespace dyn::load

@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 
+#include "dyn/model/colour.hpp"
 #include "dyn/model/save.hpp"
 #include "model/builder_impl.hpp"
 #include "report.hpp"
@@ -22,6 +23,12 @@ inline void put(Out& e, const char* attribute, std::span<const double> x) { e.Se
 inline void put(Out& e, const char* attribute, std::initializer_list<double> x) { e.SetAttribute(attribute, words(x).c_str()); }
 inline void put(Out& e, const char* attribute, double x) { put(e, attribute, {x}); }
 inline void put(Out& e, const char* attribute, const std::string& x) { e.SetAttribute(attribute, x.c_str()); }
+// To three digits, which tell its 8 bits.
+inline void put_rgba(Out& e, std::uint32_t colour) {
+  std::array<double, 4> rgba = rgba_of(colour);
+  for (double& x : rgba) x = std::round(1000 * x) / 1000;
+  put(e, "rgba", rgba);
+}
 std::string printed(const tinyxml2::XMLDocument& doc);
 
 // Losses of one kind are one line with all their names.

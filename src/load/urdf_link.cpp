@@ -90,11 +90,14 @@ void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& 
 }
 
 // Reads a <visual> or <collision>; false when there is nothing that could be kept.
-bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths& meshes) {
+bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths& meshes, const Colours& colours) {
   const bool physics = shape.role == DYN_ROLE_COLLISION;
   reader.unread(e, {"name", "group"}, {"origin", "geometry", "material"}, physics);
   if (const char* name = e.Attribute("name")) shape.name = name;
-  if (const Element* m = first(e, "material")) reader.report.count("<material>: not used", line(*m));
+  if (const Element* m = first(e, "material")) {
+    shape.colour = colour_of_material(*m, colours);
+    if (shape.colour == 0) reader.report.count("<material> without a colour: not used", line(*m));
+  }
   shape.placement = reader.origin(e, physics);
 
   const Element* geometry = reader.only(e, "geometry");
@@ -139,7 +142,7 @@ bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths&
 
 }  // namespace
 
-UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes) {
+UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes, const Colours& colours) {
   UrdfLink link;
   link.line = line(e);
   link.name = Reader{report, "a link"}.name(e, "name");
@@ -155,7 +158,7 @@ UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes) {
     shape.line = line(*c);
     shape.shape.role = kind == "visual" ? DYN_ROLE_VISUAL : DYN_ROLE_COLLISION;
     shape.shape.body = link.name;
-    if (read_shape(*c, reader, shape.shape, meshes)) link.shapes.push_back(std::move(shape));
+    if (read_shape(*c, reader, shape.shape, meshes, colours)) link.shapes.push_back(std::move(shape));
   }
   return link;
 }

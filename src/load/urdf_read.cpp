@@ -39,7 +39,6 @@ void block_of_others(const Element& e, Report& report) {
     report.count("<transmission>: not used (mechanicalReduction and actuators do not change the mechanics)", line(e));
   else
     report.count("<" + std::string(name) + ">: not used", line(e));
-  if (name == "material") return;
   below(e, [&](const Element& c) {
     const std::string_view inner = c.Name();
     const auto hidden = [&](const std::string& what) {
@@ -101,15 +100,16 @@ UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& opti
   reader.unread(root, {"name", "version"}, known_elements);
 
   MeshPaths meshes(report.file(), options.package_dirs);
+  const Colours colours = urdf_colours(root);
   for (const Element* e = first(root); e; e = next(*e)) {
     const std::string_view name = e->Name();
     if (name == "link")
-      robot.links.push_back(read_link(*e, report, meshes));
+      robot.links.push_back(read_link(*e, report, meshes, colours));
     else if (name == "joint")
       robot.joints.push_back(read_joint(*e, report, options));
     else if (name == "libdyn")
       read_constraints(*e, report, robot.constraints);
-    else if (std::find(known_elements.begin(), known_elements.end(), name) != known_elements.end())
+    else if (name != "material" && std::find(known_elements.begin(), known_elements.end(), name) != known_elements.end())
       block_of_others(*e, report);
   }
   if (robot.links.empty())

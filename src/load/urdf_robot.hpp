@@ -1,6 +1,7 @@
 // A URDF file as values, and the steps between the file and the builder. Each step fails through the report.
 #pragma once
 
+#include "colour.hpp"
 #include "mesh_path.hpp"
 #include "xml.hpp"
 
@@ -52,7 +53,7 @@ struct UrdfTree {
 UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& options);
 // Meshes of collision shapes to what stands for them.
 void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& options);
-UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes);
+UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes, const Colours& colours);
 // urdf_constraint.cpp: what a <libdyn> block holds.
 void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out);
 UrdfJoint read_joint(const Element& e, Report& report, const LoadOptions& options);

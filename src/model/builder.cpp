@@ -352,6 +352,11 @@ void Builder::shape(const Shape& shape) {
   impl->shapes.push_back(std::move(entry));
 }
 
+void Builder::colour(std::uint32_t of_last_shape) {
+  if (impl->shapes.empty()) refuse(DYN_ERROR_INVALID, "there is no shape to be coloured: add it first");
+  impl->shapes.back().shape.colour = of_last_shape;
+}
+
 void Builder::Impl::check_configuration_name(const std::string& name) const {
   check_name("configuration", name);
   if (name == "neutral") refuse(DYN_ERROR_NAME, "configuration 'neutral' is always there: choose another name");

@@ -281,7 +281,7 @@ ModelPtr Builder::finish() const {
   for (const ShapeEntry& s : in.shapes) {
     ShapeRecord r{};
     r.name = text.add(s.shape.name), r.mesh = text.add(s.shape.mesh);
-    r.type = s.shape.type, r.role = std::uint16_t(s.shape.role);
+    r.type = s.shape.type, r.role = std::uint8_t(s.shape.role), r.colour = s.shape.colour;
     r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);

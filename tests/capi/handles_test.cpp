@@ -111,6 +111,7 @@ const ModelFunction model_functions[] = {
        size_t size = 7;
        return dyn_model_image(m, 0, nullptr, 0, &size) == DYN_ERROR_HANDLE && size == 7;
      }},
+    {"dyn_shape_rgba", [](auto* m) { return dyn_shape_rgba(m, 0, out) == DYN_ERROR_HANDLE; }},
     {"dyn_shape_mesh",
      [](auto* m) {
        dynMesh* mesh = nullptr;
@@ -261,6 +262,8 @@ TEST(Handles, EveryFunctionOfABuilder) {
     refused(dyn_builder_gravity_compensation(b, "l", 1));
     refused(dyn_builder_medium(b, 1, 0, nullptr));
     refused(dyn_builder_pair(b, "x", "y", nullptr));
+    const double red[4] = {1, 0, 0, 1};
+    refused(dyn_builder_shape_rgba(b, red));
     dynModel* none = nullptr;
     refused(dyn_builder_finish(b, &none));
     EXPECT_EQ(nullptr, none);
@@ -311,7 +314,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_ik_task_init", "dyn_ik_options_init", "dyn_model_load",
       "dyn_model_load_string", "dyn_model_from_buffer", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
       "dyn_builder_joint", "dyn_builder_body", "dyn_builder_frame", "dyn_builder_configuration", "dyn_builder_finish", "dyn_data_free",
-      "dyn_builder_lock", "dyn_builder_subtree", "dyn_builder_remove",
+      "dyn_builder_shape_rgba", "dyn_builder_lock", "dyn_builder_subtree", "dyn_builder_remove",
       "dyn_neffects", "dyn_effect_info", "dyn_nfields", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",
       // numbers alone: inertial_parameters_test.cpp
       "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",

@@ -212,6 +212,24 @@ TEST(Urdf, Mimic) {
   EXPECT_TRUE(locked.reports("joint 'j' is fixed: its <mimic> has no effect", DYN_REPORT_INFO, 4));
 }
 
+// By the material's own color, or that of its name, wherever that is; for looks alone: one that is wrong is none.
+TEST(Urdf, ColoursOfShapes) {
+  const auto visual = [](const std::string& material) { return "<visual><geometry><box size=\"1 1 1\"/></geometry>" + material + "</visual>"; };
+  const Loaded l = good("<robot name=\"r\">" +
+                        link("a", solid + visual("<material name=\"late\"/>") + visual("<material name=\"own\"><color rgba=\"0 1 0 0.4\"/></material>") + visual("<material name=\"own\"/>") +
+                                      visual("<material name=\"unknown\"/>") + visual("<material name=\"x\"><color rgba=\"1 2\"/></material>") +
+                                      visual("<material name=\"y\"><color rgba=\"1 nan 0 1\"/></material>") + visual("<material name=\"z\"><color rgba=\"2 -1 0 0\"/></material>") + visual("")) +
+                        "<material name=\"late\"><color rgba=\"1 0 0 1\"/></material></robot>");
+  const double expected[][4] = {{1, 0, 0, 1}, {0, 1, 0, 0.4}, {0, 1, 0, 0.4}, {-1, -1, -1, -1}, {-1, -1, -1, -1}, {-1, -1, -1, -1}, {1, 0, 0, 0}, {-1, -1, -1, -1}};
+  ASSERT_EQ(8, dyn_nshapes(l.model.get()));
+  for (int k = 0; k < 8; ++k) {
+    double rgba[4];
+    ASSERT_EQ(DYN_OK, dyn_shape_rgba(l.model.get(), k, rgba));
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(expected[k][i], rgba[i]) << k;
+  }
+  EXPECT_TRUE(l.reports("3 x <material> without a colour", DYN_REPORT_INFO, 1));
+}
+
 TEST(Urdf, ReportOfWhatIsNotUsed) {
   const Loaded l = good(
       "<robot name=\"r\">\n"

@@ -123,7 +123,7 @@ constexpr const char* scene = R"(<mujoco model="scene"><option gravity="0 0.5 -9
 <worldbody><geom name="floor" type="plane" size="0 0 1" friction="0.7"/><geom name="hill" type="hfield" hfield="hill" pos="5 0 0"/>
 <body name="box" pos="0 0 2" quat="0.6 0.8 0 0" gravcomp="0.5"><freejoint name="free"/><inertial pos="0.1 0 0" mass="2" fullinertia="0.1 0.2 0.25 0.01 0 0.02"/>
   <geom name="cube" type="box" size="0.1 0.2 0.3" contype="3" conaffinity="5"/><site name="corner" pos="0.1 0.2 0.3"/>
-  <geom type="ellipsoid" size="0.1 0.2 0.3" contype="0" conaffinity="0"/></body>
+  <geom type="ellipsoid" size="0.1 0.2 0.3" contype="0" conaffinity="0" rgba="0.2 0.4 0.6 0.5"/></body>
 <body name="arm" pos="1 0 0"><joint name="a" axis="0 1 0" range="-90 45" damping="0.3" frictionloss="0.1" armature="0.02" stiffness="3" springref="20"/>
   <joint name="b" type="slide" axis="1 0 1" pos="0.1 0 0.2"/><inertial pos="0 0 0.3" mass="1" diaginertia="0.1 0.1 0.02"/>
   <geom name="rod" type="capsule" size="0.05 0.2" condim="6" friction="0.5 0.02 0.003"/>
@@ -154,6 +154,7 @@ TEST(Mjcf, ASceneComesBackWithAllItHas) {
     EXPECT_EQ(x.role, y.role);
     EXPECT_EQ(x.contype, y.contype);
     EXPECT_EQ(x.conaffinity, y.conaffinity);
+    EXPECT_EQ(x.colour, y.colour);
     for (int i = 0; i < 3; ++i) EXPECT_EQ(x.size[i], y.size[i]);
     EXPECT_EQ(0, std::memcmp(&a.materials()[x.material], &b.materials()[y.material], sizeof(dynMaterial))) << a.string(x.name);
   }

@@ -73,6 +73,59 @@ TEST(Held, AccuracyIsMet) {
   }
 }
 
+// Rods of 1 m and 1 kg in the x-y plane: uprights on the ground, couplers on top. Where they lie flat, all at once, each window may fold by itself.
+Model windows(int count) {
+  const double down[3] = {0, -9.81, 0}, inertia[9] = {0, 0, 0, 0, 1. / 12, 0, 0, 0, 1. / 12};
+  Builder b("windows");
+  EXPECT_EQ(DYN_OK, dyn_builder_gravity(b, down));
+  for (int k = 0; k <= count; ++k) {
+    const std::string upright = "upright" + std::to_string(k), coupler = "coupler" + std::to_string(k);
+    b.joint(Spec(upright.c_str(), DYN_JOINT_REVOLUTE, nullptr, {double(k), 0, 0}).about(0, 0, 1)).body((upright + "_rod").c_str(), upright.c_str(), 1, {0.5, 0, 0}, inertia);
+    if (k < count)
+      b.joint(Spec(coupler.c_str(), DYN_JOINT_REVOLUTE, upright.c_str(), {1, 0, 0}).about(0, 0, 1)).body((coupler + "_rod").c_str(), coupler.c_str(), 1, {0.5, 0, 0}, inertia);
+  }
+  dynConstraint corner;
+  dyn_constraint_init(&corner, DYN_CONSTRAINT_CONNECT);
+  corner.placement1[9] = corner.placement2[9] = 1;
+  for (int k = 0; k < count; ++k)
+    EXPECT_EQ(DYN_OK, dyn_builder_constraint(b, ("corner" + std::to_string(k)).c_str(), &corner, ("coupler" + std::to_string(k) + "_rod").c_str(),
+                                             ("upright" + std::to_string(k + 1) + "_rod").c_str())) << dyn_last_error();
+  return b.finish();
+}
+// One rod that moves as their uprights do: of the same inertia and weight about its pin.
+Model one_upright(int count) {
+  const double weight = 2 * ((count + 1) / 2. + count), about_pin = (count + 1) / 3. + count, down[3] = {0, -9.81, 0};
+  const double inertia[9] = {about_pin, 0, 0, 0, about_pin, 0, 0, 0, about_pin - weight / 4};
+  Builder b("upright");
+  EXPECT_EQ(DYN_OK, dyn_builder_gravity(b, down));
+  b.joint(Spec("pin", DYN_JOINT_REVOLUTE).about(0, 0, 1)).body("rod", "pin", weight, {0.5, 0, 0}, inertia);
+  return b.finish();
+}
+
+// The N-four-bar problem (IFToMM A02): five turns, ten times through the singular configuration.
+TEST(Held, AccuracyIsMetThroughSingularConfigurations) {
+  for (const int count : {1, 2, 8}) {
+    Play one(one_upright(count));
+    one.set({M_PI / 2}, {-1});
+    one.options.accuracy = 1e-11;
+    ASSERT_EQ(DYN_OK, dyn_data_set_step_options(one.m, one.d, &one.options));
+    ASSERT_EQ(DYN_OK, dyn_advance(one.m, one.d, 10)) << dyn_last_error();
+    for (const double accuracy : {1e-3, 1e-4, 0.8e-4, 1e-5, 1e-6, 1e-7, 0.7e-7, 1e-8}) {
+      Play all(windows(count));
+      Numbers q, v;
+      for (int k = 0; k <= count; ++k) {
+        q.push_back(M_PI / 2), v.push_back(-1);
+        if (k < count) q.push_back(-M_PI / 2), v.push_back(1);
+      }
+      all.set(q, v);
+      all.options.accuracy = accuracy;
+      ASSERT_EQ(DYN_OK, dyn_data_set_step_options(all.m, all.d, &all.options));
+      ASSERT_EQ(DYN_OK, dyn_advance(all.m, all.d, 10)) << dyn_last_error();
+      EXPECT_LE(std::max(std::abs(std::cos(all.q[0]) - std::cos(one.q[0])), std::abs(std::sin(all.q[0]) - std::sin(one.q[0]))), 3 * accuracy) << count << " windows";
+    }
+  }
+}
+
 // A loop that is open closes first, in steps of order 1, by at most 1 m/s.
 TEST(Held, OpenLoopsClose) {
   Linkage run(DYN_RK4, 1e-3);

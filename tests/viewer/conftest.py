@@ -1,4 +1,7 @@
-"""Pages in a real browser, without a screen. DYN_CLI: the command; DYN_MODELS_DIR: models/. Skipped where there is no chromium or no playwright."""
+"""Pages in a real browser, without a screen: those of the command as it is built, and those that Debian's packages make.
+
+DYN_CLI: the command; DYN_MODELS_DIR: models/. Skipped where there is no chromium, no playwright, or none of those packages (tools/packages_page).
+"""
 
 import os
 import shutil
@@ -9,12 +12,28 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 MODELS = Path(os.environ.get("DYN_MODELS_DIR", ROOT / "models"))
-DYN = os.environ.get("DYN_CLI", ROOT / "build/release/bin/dyn")
+BUILT = Path(os.environ.get("DYN_CLI", ROOT / "build/release/bin/dyn")).resolve()
 BROWSERS = ("chromium-headless-shell", "chromium", "google-chrome")
 
 
+@pytest.fixture(scope="session", autouse=True, params=["as built", "of Debian's packages"])
+def bundle(request, tmp_path_factory):
+    """Which page the command fills: its own, or, in a copy of it, that of Debian's packages."""
+    dyn.command = BUILT
+    if request.param == "as built":
+        return
+    copy = tmp_path_factory.mktemp("debian")
+    page = copy / "share/dyn/viewer.html"
+    made = subprocess.run([ROOT / "tools/viewer/bundle", "--debian", copy / "work", page], capture_output=True, text=True, check=True)
+    if not page.exists():
+        pytest.skip(made.stderr)
+    (copy / "bin").mkdir()
+    (copy / "lib").symlink_to(BUILT.parents[1] / "lib")
+    dyn.command = shutil.copy(BUILT, copy / "bin/dyn")
+
+
 def dyn(*arguments, **options):
-    return subprocess.run([DYN, *map(str, arguments)], capture_output=True, text=True, timeout=1200, **options)
+    return subprocess.run([dyn.command, *map(str, arguments)], capture_output=True, text=True, timeout=1200, **options)
 
 
 @pytest.fixture(scope="session")
@@ -37,7 +56,7 @@ class Page:
         self.page, self.complaints, self.requests = page, [], []
         page.on("console", lambda message: self.complaints.append(message.text) if message.type in ("error", "warning") and "GPU stall" not in message.text else None)
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        page.on("request", lambda request: self.requests.append(request.url) if request.url.startswith(("http", "ws")) else None)
+        page.on("request", lambda request: self.requests.append(request.url) if not request.is_navigation_request() and not request.url.startswith(("data:", "blob:")) else None)
 
     def open(self, address):
         self.page.goto(address)

@@ -7,14 +7,14 @@ import socket
 import subprocess
 
 import pytest
-from conftest import DYN, MODELS, dyn
+from conftest import MODELS, dyn
 
 ROBOT = (MODELS / "robots/go2.urdf", "--floating", "--ground")
 
 
 class Live:
     def __init__(self, *arguments):
-        self.process = subprocess.Popen([DYN, "view", *map(str, arguments), "--live", "--no-browser"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([dyn.command, "view", *map(str, arguments), "--live", "--no-browser"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.address = self.process.stdout.readline().strip()
         self.port, self.word = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/", self.address).groups()
 
@@ -74,7 +74,7 @@ def test_a_taken_port_is_said(live):
 
 def test_no_browser_is_said():
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")}
-    process = subprocess.Popen([DYN, "view", *map(str, ROBOT), "--live"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+    process = subprocess.Popen([dyn.command, "view", *map(str, ROBOT), "--live"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
     address = process.stdout.readline().strip()
     said = process.stderr.readline()
     process.terminate()

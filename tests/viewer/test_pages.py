@@ -5,15 +5,16 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 
 import pytest
-from conftest import DYN, MODELS, dyn
+from conftest import BUILT, MODELS, ROOT, dyn
 
 GO2 = (MODELS / "robots/go2.urdf", "--floating", "--ground")
 
 
 @pytest.fixture(scope="session")
-def fall(tmp_path_factory):
+def fall(bundle, tmp_path_factory):
     """A quadruped whose legs give way: half a second."""
     path = tmp_path_factory.mktemp("pages") / "fall.html"
     made = dyn("sim", *GO2, "--duration", 0.5, "--html", path, "--json", "--no-error-estimate")
@@ -98,13 +99,34 @@ def test_plots_are_there_and_follow(page, fall):
     assert {"contact forces", "energy", "q", "v", "tau", "residual", "penetration", "time of a step", "ledger"} <= set(titles)
     page("document.querySelectorAll('details').forEach((d) => (d.open = true))")
     page.settle()
-    assert page("document.querySelectorAll('.uplot canvas').length") == len(titles)
+    assert page("[...document.querySelectorAll('.plot')].filter((plot) => plot.querySelector('canvas')).length") == len(titles)
     page("dynView.player.play(false), dynView.player.seek(0.25)")
-    at = page("dynView.plots.map((p) => p.u.posToVal(new DOMMatrix(p.line.style.transform).e, 'x'))")
+    at = page("dynView.plots.map((p) => p.graph.toDataXCoord(new DOMMatrix(p.line.style.transform).e))")
     assert at == pytest.approx([0.25] * len(at), abs=5e-3)
-    page("dynView.plots[0].u.over.dispatchEvent(new MouseEvent('mousemove', {clientX: 0}))")
-    page.page.locator(".u-over").first.click(position={"x": 10, "y": 50})
+    page.page.locator(".plot").first.click(position={"x": 70, "y": 50})
     assert page("dynView.player.time") < 0.1
+    # curves are drawn, each in its colour, and go when their name is clicked
+    coloured = """(() => { const c = dynView.plots.find((p) => p.plot.title === 'energy').graph.hidden_;
+        const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0;
+        for (let i = 0; i < d.length; i += 4) n += d[i + 3] > 0 && d[i] < 100 && d[i + 2] > 150; return n; })()"""  # #1f77b4
+    assert page(coloured) > 100
+    page.page.locator("details:has(.plot)", has_text="energy").first.locator(".key > span").nth(1).click()
+    assert page(coloured) == 0
+
+
+def test_a_part_of_a_plot_is_shown_larger_in_all(page, fall):
+    page.open(f"file://{fall[0]}")
+    page("dynView.player.play(false)")
+    plot = page.page.locator(".plot").first
+    plot.hover(position={"x": 120, "y": 60})
+    page.page.mouse.down()
+    plot.hover(position={"x": 200, "y": 62})
+    page.page.mouse.up()
+    windows = page("dynView.plots.filter((p) => p.graph).map((p) => p.graph.xAxisRange())")
+    assert len(windows) > 1 and 0 < windows[0][0] < windows[0][1] < 0.5 and all(w == pytest.approx(windows[0]) for w in windows)
+    plot.dblclick(position={"x": 120, "y": 60})
+    windows = page("dynView.plots.filter((p) => p.graph).map((p) => p.graph.xAxisRange())")
+    assert all(w == pytest.approx([0, 0.5], abs=1e-6) for w in windows)
 
 
 def test_tables_tell_error_and_time_of_effects(page, fall):
@@ -172,6 +194,11 @@ def test_names_that_look_like_markup_stay_names(page, tmp_path):
     assert made.returncode == 0, made.stderr
     page.open(f"file://{tmp_path}/evil.html")
     assert page("window.broken") is None
+    made = dyn("accuracy", tmp_path / "evil.urdf", "--floating", "--duration", 0.1, "--budget", "1s", "--html", tmp_path / "a.html")
+    assert made.returncode == 0, made.stderr
+    page.page.goto(f"file://{tmp_path}/a.html")
+    assert page("window.broken") is None and name in page("document.querySelector('h1').textContent")
+    page.open(f"file://{tmp_path}/evil.html")
     assert page("dynView.head.model.name") == name and page("document.querySelector('header b').textContent") == name
 
 
@@ -195,6 +222,72 @@ def test_view_moves_joints_by_hand(page, tmp_path):
     for name, placement in placements.items():
         if name in shown:
             assert shown[name][12:15] == pytest.approx(placement["translation"], abs=1e-6), name
+
+
+def test_view_moves_joints_of_several_coordinates(page, tmp_path):
+    """Every type of joint that an MJCF or the builder has, in one chain: frames are where the library says for the q that the page shows."""
+    made = subprocess.run([sys.executable, "-c", CHAIN, tmp_path / "c.dynb"], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(ROOT / "capi/python"), "DYN_LIBRARY": str(BUILT.parents[1] / "lib")})
+    assert made.returncode == 0, made.stderr
+    made = dyn("view", tmp_path / "c.dynb", "--html", tmp_path / "c.html")
+    assert made.returncode == 0, made.stderr
+    page.open(f"file://{tmp_path}/c.html")
+    sliders = page.page.locator(".joint input").all()
+    assert len(sliders) == 6 + 3 + 3 + 3 + 3 + 2 + 2 + 1 + 1  # nv of each
+    for k, slider in enumerate(sliders):
+        low, high = float(slider.get_attribute("min")), float(slider.get_attribute("max"))
+        slider.fill(str(low + (0.55 + 0.017 * k) * (high - low)))
+    q = page("Array.from(dynView.kinematics.q)")
+    placements = json.loads(dyn("eval", tmp_path / "c.dynb", "--compute", "placements", "--q", *q, "--json").stdout)["placements"]
+    names = page("dynView.head.model.frames.map((f) => f.name)")
+    elements = page("dynView.robot.frames.map((f) => f.matrixWorld.elements)")
+    for name, e in zip(names[1:], elements[1:]):
+        assert e[12:15] == pytest.approx(placements[name]["translation"], abs=1e-6), name
+    assert page.complaints == []
+
+
+CHAIN = """
+import sys
+import dyn
+types = ["free_flyer", "spherical", "spherical_zyx", "planar", "translation", "cylindrical", "universal", "revolute_unbounded", "helical"]
+b, above = dyn.Builder("chain"), None
+for k, type in enumerate(types):
+    b.joint(f"j{k}", type, parent=above, placement=[1, 0, 0, 0, 0, 1, 0, -1, 0, 0.1, 0.2, 0.3], axis=(0.6, 0, 0.8) if k % 2 else (0, 0, -1), axis2=(0, 1, 0), pitch=0.1)
+    b.body(f"b{k}", f"j{k}", 1, inertia=[[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
+    above = f"j{k}"
+b.finish().save(sys.argv[1])
+"""
+
+
+def test_shapes_have_the_colours_of_their_files(page, tmp_path):
+    """Seen from the side: a red box whose material is the robot's, a green one, half a blue one's light, one of no colour."""
+    boxes = {"red": '<material name="paint"/>', "green": '<material name=""><color rgba="0 0.9 0 1"/></material>', "blue": '<material name="b"><color rgba="0 0 1 0.4"/></material>', "none": ""}
+    links = "".join(f'<visual><origin xyz="{k} 0 0"/><geometry><box size="0.8 1 1"/></geometry>{material}</visual>' for k, material in enumerate(boxes.values()))
+    body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    (tmp_path / "c.urdf").write_text(f'<robot name="c"><material name="paint"><color rgba="0.9 0 0 1"/></material><link name="a">{body}{links}</link></robot>')
+    geoms = "".join(f'<geom type="box" size="0.4 0.5 0.5" pos="{k} 0 0" {looks}/>' for k, looks in enumerate(['material="paint"', 'rgba="0 0.9 0 1"', 'material="paint" rgba="0 0 1 0.4"', ""]))
+    (tmp_path / "c.xml").write_text(f'<mujoco><asset><material name="paint" rgba="0.9 0 0 1"/></asset><worldbody><body><freejoint/>{geoms}</body></worldbody></mujoco>')
+    for file, base in (("c.urdf", ["--floating"]), ("c.xml", [])):
+        made = dyn("view", tmp_path / file, *base, "--html", tmp_path / "c.html")
+        assert made.returncode == 0, made.stderr
+        page.open(f"file://{tmp_path}/c.html")
+        page.page.click("#look-side")
+        page.settle()
+        seen = page(
+            """(() => { const { scene, robot, overlays } = dynView, canvas = scene.canvas;
+            overlays.show("com", false);
+            scene.redraw(), scene.draw();
+            const flat = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+            flat.drawImage(canvas, 0, 0);
+            return robot.layers[robot.hasVisual ? "visual" : "collision"].map((mesh) => {
+              const p = new mesh.position.constructor(0, 0, 0).applyMatrix4(mesh.matrixWorld).project(scene.camera);
+              return Array.from(flat.getImageData((p.x + 1) / 2 * canvas.width, (1 - p.y) / 2 * canvas.height, 1, 1).data); }); })()"""
+        )
+        red, green, blue, plain = seen
+        assert red[0] > 3 * max(red[1], red[2]) and red[3] == 255
+        assert green[1] > 3 * max(green[0], green[2])
+        assert blue[2] > 1.2 * max(blue[0], blue[1]) and 60 < blue[3] < 230  # what is behind it is seen, too
+        assert max(plain[:3]) < 2 * min(plain[:3])
+        assert page.complaints == []
 
 
 def test_inertia_ellipsoids_have_the_links_inertia(page, tmp_path):
@@ -261,6 +354,7 @@ def test_accuracy_and_stress_pages(page, tmp_path):
     assert made.returncode == 0, made.stderr
     page.page.goto(f"file://{tmp_path}/a.html")
     assert page("document.querySelectorAll('svg circle').length") > 5
+    assert page("[...document.querySelectorAll('svg')].map((s) => s.getBoundingClientRect()).filter((b) => b.width > 100 && b.height > 50).length") == 2
     assert "--integrator" in page("document.body.innerText")  # the recommendation
     made = dyn("stress", "pendulums", "--html", tmp_path / "s.html")
     page.page.goto(f"file://{tmp_path}/s.html")
@@ -289,12 +383,12 @@ def test_refusals(tmp_path):
 
 
 def test_without_the_template_it_says_what_is_missing(tmp_path):
-    """The command where the page is not beside it: as when it was built without npm."""
+    """The command where the page is not beside it: as when it was built where no packages for it were to be had."""
     (tmp_path / "bin").mkdir()
-    shutil.copy(DYN, tmp_path / "bin/dyn")
-    library = os.path.join(os.path.dirname(os.path.realpath(DYN)), "..", "lib")
+    shutil.copy(BUILT, tmp_path / "bin/dyn")
+    library = BUILT.parents[1] / "lib"
 
     for command in ("view", "info"):
-        made = subprocess.run([tmp_path / "bin/dyn", command, MODELS / "robots/double_pendulum.urdf", "--fixed", "--html", tmp_path / "x.html"], capture_output=True, text=True, env={**os.environ, "LD_LIBRARY_PATH": library})
-        assert made.returncode == 1 and "npm" in made.stderr and "viewer.html" in made.stderr
+        made = subprocess.run([tmp_path / "bin/dyn", command, MODELS / "robots/double_pendulum.urdf", "--fixed", "--html", tmp_path / "x.html"], capture_output=True, text=True, env={**os.environ, "LD_LIBRARY_PATH": str(library)})
+        assert made.returncode == 1 and "npm" in made.stderr and "libjs-three" in made.stderr and "viewer.html" in made.stderr
         assert not (tmp_path / "x.html").exists()

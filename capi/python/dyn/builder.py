@@ -149,10 +149,14 @@ class Builder:
         conaffinity: int = 1,
         surface: Mesh | None = None,
         material: Material | None = None,
+        rgba: ArrayLike | None = None,
     ) -> Builder:
         """Adds a shape to a link, at placement in its frame; size as in dyn.ShapeInfo. radius: of rounding (m); contype, conaffinity:
         groups it is in, groups it collides with, a bit each; surface: of "convex" a hull, of "triangles" a mesh, of "height_field" one of
-        Mesh.height_field; material: what happens where it touches."""
+        Mesh.height_field; material: what happens where it touches; rgba: how it looks, red, green, blue, opacity, 0 to 1."""
+        colour = None if rgba is None else checked(rgba, (4,), "rgba")
+        if colour is not None and not ((colour >= 0) & (colour <= 1)).all():
+            raise ArgumentError(f"rgba is {rgba}: give four numbers from 0 to 1.")
         spec = abi.ShapeSpec()
         lib.dyn_shape_spec_init(byref(spec))
         spec.body, spec.name, spec.mesh = text(body, "body"), text(name, "name"), text(mesh, "mesh")
@@ -167,6 +171,8 @@ class Builder:
         if placement is not None:
             spec.placement[:] = twelve(placement).tolist()
         check(lib.dyn_builder_shape(self._b, byref(spec)))
+        if colour is not None:
+            check(lib.dyn_builder_shape_rgba(self._b, address(colour)))
         return self
 
     def configuration(self, name: str, q: ArrayLike) -> Builder:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import abi
-from .arrays import Placement, to_placement
+from .arrays import Placement, address, to_placement
 from .choices import kind, member, size, string, text
 from .enums import FrameType, JointType, PairReason, ReportLevel, ShapeRole, ShapeType
 from .errors import ArgumentError, UnknownNameError
@@ -95,6 +95,8 @@ class ShapeInfo(NamedTuple):
     """Groups it collides with."""
     material: Material
     """What happens where it touches."""
+    rgba: tuple[float, float, float, float] | None
+    """How it looks: red, green, blue, opacity, 0 to 1; None where its file does not say."""
 
 
 class DisabledPair(NamedTuple):
@@ -157,10 +159,12 @@ class ModelParts:
         id = self._index(shape, self.nshapes, "shape")
         info = abi.ShapeInfo()
         check(lib.dyn_shape_info(self._m, id, byref(info)))
+        rgba = np.empty(4)
+        check(lib.dyn_shape_rgba(self._m, id, address(rgba)))
         return ShapeInfo(
             id, string(info.name), kind(ShapeType, info.type), kind(ShapeRole, info.role), info.frame,
             to_placement(np.array(info.placement)), np.array(info.size), string(info.mesh), info.radius, info.contype,
-            info.conaffinity, Material.of(info.material),
+            info.conaffinity, Material.of(info.material), tuple(rgba.tolist()) if rgba[3] >= 0 else None,
         )  # fmt: skip
 
     def shape_mesh(self, shape: int) -> Mesh:

@@ -125,3 +125,15 @@ def test_errors():
     with pytest.raises(dyn.Error):
         build_arm().configuration("short", [1]).finish()
     assert "arm" in repr(b)
+
+
+def test_shapes_have_colours():
+    b = dyn.Builder("c").joint("f", "free_flyer").body("a", "f", 1, inertia=np.eye(3))
+    b.shape("a", "box", (1, 1, 1), rgba=(1, 0.2, 0, 0.4)).shape("a", "sphere", (1,))
+    m = b.finish()
+    assert m.shapes[0].rgba == pytest.approx((1, 0.2, 0, 0.4), abs=1e-12) and m.shapes[1].rgba is None
+    assert dyn.Builder.from_model(m).finish().shapes[0].rgba == m.shapes[0].rgba
+    for bad in ((1, 0, 0), (1, 0, 0, 2), (1, 0, 0, float("nan"))):
+        with pytest.raises(dyn.Error, match="rgba"):
+            b.shape("a", "sphere", (1,), rgba=bad)
+    assert b.finish().nshapes == 2

@@ -19,34 +19,41 @@ T largest(const T* x, Index n) {
 }
 
 // Where rounding ends what a smaller step could gain, rad and m and their rates: of what a step adds; or, where accelerations are known
-// less well, from where on the errors of shorter steps fall no more. (Where a mechanism passes a singular configuration these come near none: it steps over.)
+// less well, from where on the errors of shorter steps fall no more.
 template <class T>
 struct Rounding {
-  bool held;                         // rows hold
-  T most_noise;                      // per second: more is no rounding
-  T noise = T(0), over = T(0);       // of errors, per second: everywhere; of the step over a singular configuration
-  T first = T(0), rejected = T(0), tried = T(0);  // length of the first try of this step; error and length of the last one
+  bool held;         // rows hold
+  T most_noise;      // per second: more is no rounding
+  T noise = T(0);    // of errors, per second
+  T rejected = T(0), tried = T(0);  // error and length of the last try
   int tries = 0;
-  bool near = false;                 // perhaps, to a singular configuration: a stage came too near to it, and is elsewhere in a step that is a little shorter
 
-  static T of_state(const Model& m, const Data<T>& d) {
-    return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv)));
+  static T of(T size) { return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), size); }
+  static T of_state(const Model& m, const Data<T>& d) { return of(std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv))); }
+  // The same without where a body that flies by itself is, and how fast: where nothing meets, no acceleration follows from that.
+  static T of_motion(const Model& m, const Data<T>& d) {
+    T size = T(0);
+    Index q = 0, v = 0;
+    const auto look_until = [&](Index end_q, Index end_v) { size = std::max(size, std::max(largest(d.q + q, end_q - q), largest(d.v + v, end_v - v))); };
+    for (Index i = 1; i < m.n.bodies; ++i) {
+      const Body& b = m.bodies()[i];
+      if (b.type != BodyType::FreeFlyer || b.parent != 0) continue;
+      look_until(b.user_q, b.user_v);
+      q = b.user_q + 3, v = b.user_v + 3;
+    }
+    look_until(m.n.nq, m.n.nv);
+    return of(size);
   }
   T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
-    const T state = of_state(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
-    return std::max(std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h)), 2 * over * h);
+    const T state = of_motion(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
+    return std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h));
   }
-  void accept() { tries = 0, over = T(0); }
-  void reject(T error, T h, T allowed) {
+  void accept() { tries = 0, noise /= 2; }
+  void reject(T error, T h) {
     const T ratio = h / tried;
-    const bool helped = tries > 0 && error <= rejected * ratio * ratio * ratio;
-    near = held && !helped && error > 1000 * allowed;
-    if (tries++ == 0) first = h;
-    else if (near && h < T(0.4) * first) over = std::max(over, error / h);
-    else if (!near && !helped) noise = std::max(noise, std::min(error / h, most_noise));
+    if (tries++ > 0 && error > rejected * ratio * ratio * ratio) noise = std::max(noise, std::min(error / h, most_noise));
     rejected = error, tried = h;
   }
-  T shortest() const { return near ? T(0.8) : T(0.2); }
 };
 
 // First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
@@ -68,12 +75,43 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
   return 0;
 }
 
-inline constexpr double held_leak = 1e-2;  // of an error that rows take away at the end of a step: they have turned since the stage that it is of
-inline constexpr int most_doubts = 4;      // steps made anew for that
+inline constexpr double held_leak = 1e-2;  // of what rows take away at the end of a step: they have turned since the stage that it is of
+
+// Where a mechanism passes a singular configuration, accelerations of stages that come near to it are known badly, and rows take away much at a step's
+// end, or it is itself near. The same step is then tried in other lengths, up to those of steps before, of which the best is taken: what steps over is smooth.
+template <class T>
+struct Passing {
+  static constexpr double lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6}, more = 30;  // more: of error, in the one step over
+  static constexpr int most = sizeof lengths / sizeof *lengths;
+  T most_noise, usual;  // of errors, per second; length of steps that pass nothing
+  T first = T(0), best = T(0), least = T(0);
+  int tries = 0;  // beside the first
+
+  T limit(T allowed, T h) const { return std::max(T(more) * allowed, most_noise * h); }
+  T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
+  // Whether to try again with h. error, raw, moved: of this try (finish_step).
+  bool again(T error, T raw, T moved, T allowed, T share, T& h) {
+    if (tries > most) return false;
+    const bool near = T(held_leak) * raw > allowed || moved > std::max(T(100) * share, T(1e-10));
+    if (tries == 0 && !(near && moved > T(10) * error)) return false;
+    const T off = std::max(error, T(held_leak) * moved);
+    if (error <= T(more) * allowed && !near) return false;
+    if (tries == 0) first = std::max(h, usual), least = std::numeric_limits<T>::infinity();
+    if (error <= limit(allowed, h) && off < least) least = off, best = h;
+    if (tries < most) h = first * T(lengths[tries]);
+    else if (least < std::numeric_limits<T>::infinity()) h = best;
+    else return false;
+    return ++tries, true;
+  }
+  void accept(T h) {
+    if (tries == 0) usual = h;
+    tries = 0;
+  }
+};
 
 // What the next step's length is of this one's: by its error over what is allowed, and by that of the step before (PI: Gustafsson 1991), so that
-// lengths follow errors that grow and fade without trying in vain. By this one's alone where errors are those of rounding, or of rows near a
-// singular configuration: they say nothing of the next.
+// lengths follow errors that grow and fade without trying in vain. By this one's alone where errors are those of rounding: they say nothing of
+// the next. No step is more than twice as long as the last: errors of few digits are near none now and then.
 template <class T>
 struct Controller {
   T power;          // 1 / (order of the error per unit step)
@@ -85,11 +123,11 @@ struct Controller {
     T factor = !(ratio > T(0)) ? T(5) : alone ? T(0.9) * math::pow(ratio, -power) : T(0.9) * math::pow(ratio, T(-0.8) * power) * math::pow(before, T(0.28) * power);
     if (tried && !alone) factor = std::min(factor, T(1));
     before = std::max(ratio, T(1e-4)), tried = false;
-    return std::clamp(factor, T(0.2), T(5));
+    return std::clamp(factor, T(0.2), T(2));
   }
-  T reject(T ratio, T shortest) {
+  T reject(T ratio) {
     tried = true;
-    return ratio < std::numeric_limits<T>::infinity() ? std::clamp(T(0.9) * math::pow(ratio, -power), shortest, T(0.9)) : T(0.1);
+    return ratio < std::numeric_limits<T>::infinity() ? std::clamp(T(0.9) * math::pow(ratio, -power), T(0.2), T(0.9)) : T(0.1);
   }
 };
 
@@ -99,48 +137,48 @@ void enter(const Model& m, Data<T>& d, T h) {
     if (simulation::keeps_ledger(d)) simulation::enter_step(m, d, h);
 }
 
-// How much errors of steps may grow until the end, as those of a phase do. (Not where rows hold: near singular configurations rounding is too near.)
-inline constexpr double growth = 4;
+inline constexpr double growth = 4;  // how much errors of steps may grow until the end, as those of a phase do
 
 // Advances d by duration. accuracy 0: as good as rounding allows. Returns 0, the joint whose forward dynamics failed, or no_step_left; the
 // state is then that of report.time. A step may take up to three times its share of the error where earlier ones left as much of theirs.
 template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   T h = duration, t = 0, left = 0;
-  int doubts = 0;
-  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_state(m, d)), duration, h)) return joint;
+  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_motion(m, d)), duration, h)) return joint;
   report.evaluations += 2;
-  Rounding<T> rounding{active_rows(m, d) > 0, std::max(accuracy / (4 * duration), T(1e-7))};
-  Controller<T> controller{T(1) / (Tableau::order - 1), rounding.held || accuracy == T(0)};
-  const T grows = rounding.held ? T(1) : T(growth);
+  const T most_noise = std::max(accuracy / (4 * duration), T(1e-7));
+  Rounding<T> rounding{active_rows(m, d) > 0, most_noise};
+  Controller<T> controller{T(1) / (Tableau::order - 1), false};
+  Passing<T> passing{most_noise, h};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
     if (!(h > duration * T(1e-13))) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T share = accuracy / grows * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
-    T error = std::numeric_limits<T>::infinity(), raw = T(0);
-    if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw);
-    if (error <= most && T(held_leak) * raw > most && rounding.tries == 0 && doubts < most_doubts) {  // a stage came near a singular configuration: elsewhere it will not
+    controller.alone = accuracy == T(0);
+    const T share = accuracy / T(growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
+    T error = std::numeric_limits<T>::infinity(), raw = T(0), moved = T(0);
+    if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw, moved);
+    if (rounding.held && !joint && passing.again(error, raw, moved, most, share, h)) {
+      h = std::min(h, duration - t);
       s.undo(m, d);
-      ++doubts, ++report.rejected, h *= T(0.85);
+      ++report.rejected;
       continue;
     }
-    if (error <= most) {
-      doubts = 0;
+    if (error <= passing.allowed(most, h)) {
       t = last ? duration : t + h;
       left = std::max(T(0), left + share - error);
-      ++report.steps, report.time = t, report.error_estimate += error;
+      ++report.steps, report.time = t, report.error_estimate += std::max(error, T(held_leak) * moved);
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       enter(m, d, h);
-      rounding.accept();
+      rounding.accept(), passing.accept(h);
       h *= controller.accept(error / allowed);
     } else {
       if (joint && h < duration * T(1e-12)) return joint;
-      if (!joint) rounding.reject(error, h, allowed), s.undo(m, d);
-      ++report.rejected;
-      h *= controller.reject(error / allowed, rounding.shortest());
+      if (!joint) rounding.reject(error, h), s.undo(m, d);
+      ++report.rejected, passing.tries = 0;
+      h *= controller.reject(error / allowed);
     }
   }
   return 0;
@@ -198,7 +236,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     } else {
       joint = explicit_step<Tableau>(m, d, s, h);
       report.evaluations += Tableau::stages + 1;
-      if (double raw; !joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error, raw);
+      if (double raw, moved; !joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error, raw, moved);
     }
     if (joint) {
       if (h < duration * 1e-12) return joint;

@@ -66,13 +66,16 @@ T step_error(DormandPrince8, const Model& m, Data<T>& d, const Stages<T>& s, T h
 }
 
 // The same, and the end of the step: where rows hold, errors count at the place that they lead to, and only when they are too large as they are.
-// raw: the error before rows took their part away.
+// raw: the error before rows took their part away; moved: what they changed v by.
 template <class Tableau, class T>
-Index finish_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, T allowed, T& error, T& raw) {
-  raw = error = step_error(Tableau(), m, d, s, h, false);
+Index finish_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, T allowed, T& error, T& raw, T& moved) {
+  moved = T(0), raw = error = step_error(Tableau(), m, d, s, h, false);
   if constexpr (std::is_same_v<T, double>) {
     if (active_rows(m, d) == 0) return 0;
+    T* const before = s.stage(1);
+    std::copy(d.v, d.v + m.n.nv, before);
     if (const Index joint = close_rows(m, d)) return s.undo(m, d), error = std::numeric_limits<T>::infinity(), joint;
+    for (Index k = 0; k < m.n.nv; ++k) moved = std::max(moved, std::abs(d.v[k] - before[k]));
     if (error > allowed) error = step_error(Tableau(), m, d, s, h, true);
   }
   return 0;

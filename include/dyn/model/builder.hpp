@@ -64,6 +64,7 @@ struct Shape {
   std::uint32_t contype = 1, conaffinity = 1;  // groups it is in, groups it collides with
   dynMaterial material = simulation::default_material();
   std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
+  std::uint32_t colour = 0;                              // colour.hpp
 };
 
 // nq and nv of a type with no parts.
@@ -98,6 +99,7 @@ class Builder {
             const std::array<double, 3>& com, const std::array<double, 9>& inertia);
   void frame(const std::string& name, const Parent& parent, const Placement& placement, dynFrameType type);
   void shape(const Shape& shape);
+  void colour(std::uint32_t of_last_shape);
   void configuration(const std::string& name, const std::vector<double>& q);
   // The same by joints, each with its own coordinates; the others are neutral.
   void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);

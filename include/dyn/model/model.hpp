@@ -101,8 +101,9 @@ struct ActuatorRecord {
 
 struct ShapeRecord {
   Index name, mesh;
-  dynShapeType type;
-  std::uint16_t role, material;  // dynShapeRole; its number among the materials
+  dynShapeType type : 8;
+  std::uint32_t role : 8, material : 16;  // dynShapeRole; its number among the materials
+  std::uint32_t colour;                   // colour.hpp
   Index frame;
   Index surface;  // CONVEX, TRIANGLES, HEIGHT_FIELD: its number among the hulls, trees or grids; otherwise -1
   double placement[12], size[3];

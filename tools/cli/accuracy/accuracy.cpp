@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 
+#include "../page/markup.hpp"
 #include "derivatives.hpp"
 #include "distance_sweep.hpp"
 #include "plot.hpp"
@@ -198,10 +199,8 @@ std::string text_of(const json& a, const std::vector<Point>& points, const std::
 }
 
 std::string html_of(const json& a, const std::vector<Point>& points, const std::string& text) {
-  std::string shown;
-  for (const char c : text) shown += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
   return "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>dyn accuracy</title><style>body{font:14px system-ui;margin:2em}svg{width:620px;max-width:48%}pre{overflow-x:auto}</style>"
-         "<h1>What accuracy costs: " + a["name"].get<std::string>() + "</h1>" + svg(points, Work::Seconds) + svg(points, Work::Evaluations) + "<pre>" + shown + "</pre></html>\n";
+         "<h1>What accuracy costs: " + page::escaped(a["name"]) + "</h1>" + svg(points, Work::Seconds) + svg(points, Work::Evaluations) + "<pre>" + page::escaped(text) + "</pre></html>\n";
 }
 
 std::string quoted(const std::string& word) {

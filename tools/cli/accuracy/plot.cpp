@@ -78,7 +78,11 @@ std::string svg(const std::vector<Point>& points, Work work) {
   const auto rule = [&](double x1, double y1, double x2, double y2) {
     out += "<line stroke=\"#ddd\" x1=\"" + short_number(x1, 5) + "\" y1=\"" + short_number(y1, 5) + "\" x2=\"" + short_number(x2, 5) + "\" y2=\"" + short_number(y2, 5) + "\"/>";
   };
-  for (double e = f.left; e <= f.right; ++e) rule(x(e), top, x(e), height - bottom), text(x(e), height - bottom + 14, "middle", power(e));
+  const double every = std::ceil((f.right - f.left) / 10);  // names of powers that do not touch
+  for (double e = f.left; e <= f.right; ++e) {
+    rule(x(e), top, x(e), height - bottom);
+    if (std::fmod(e - f.left, every) == 0) text(x(e), height - bottom + 14, "middle", power(e));
+  }
   for (double w = f.low; w <= f.high; ++w) rule(left, y(w), width - right, y(w)), text(left - 5, y(w) + 4, "end", power(w));
   text((left + width - right) / 2.0, height - 10, "middle", "error, m");
   text(14, height / 2.0, "middle", work == Work::Seconds ? "time, s" : "evaluations of the dynamics", " transform=\"rotate(-90 14 " + std::to_string(height / 2) + ")\"");

@@ -69,7 +69,7 @@ constexpr const char* shape_names[] = {"", "box", "sphere", "cylinder", "mesh", 
 
 json joint_json(const Robot& robot, int id) {
   const dynJointInfo j = robot.joint(id);
-  json out = {{"name", j.name}, {"type", id == 0 ? "universe" : joint_type_name(j.type)}, {"parent", j.parent}, {"placement", vector_json(j.placement, 12)}, {"axis", vector_json(j.axis, 3)},
+  json out = {{"name", j.name}, {"type", id == 0 ? "universe" : joint_type_name(j.type)}, {"parent", j.parent}, {"placement", vector_json(j.placement, 12)}, {"axis", vector_json(j.axis, 3)}, {"axis2", vector_json(j.axis2, 3)},
               {"pitch", j.pitch}, {"q", j.idx_q}, {"nq", j.nq}, {"v", j.idx_v}, {"nv", j.nv}};
   if (j.mimic_leader >= 0) out["mimic"] = {{"leader", j.mimic_leader}, {"ratio", j.mimic_ratio}, {"offset", j.mimic_offset}};
   out["lower"] = vector_json(dyn_model_array(robot, DYN_LOWER_LIMIT) + j.idx_q, j.nq);
@@ -95,6 +95,9 @@ json model_json(const Robot& robot, const std::vector<std::string>& package_dirs
     const dynShapeInfo s = shape(robot, k);
     const bool drawn = s.role == DYN_ROLE_VISUAL;
     json item = {{"name", s.name}, {"type", shape_names[s.type]}, {"visual", drawn}, {"frame", s.frame}, {"placement", vector_json(s.placement, 12)}, {"size", vector_json(s.size, 3)}, {"radius", s.radius}};
+    Vector rgba(4);
+    check(dyn_shape_rgba(robot, k, rgba.data()));
+    if (rgba[3] >= 0) item["rgba"] = rgba;
     if (s.type == DYN_SHAPE_MESH || s.type == DYN_SHAPE_CONVEX || s.type == DYN_SHAPE_TRIANGLES || s.type == DYN_SHAPE_HEIGHT_FIELD) {
       const int mesh = meshes.add(k, s, notes);
       if (mesh >= 0) item["mesh"] = mesh;

@@ -31,7 +31,7 @@ std::string page_template() {
   text << file.rdbuf();
   if (!file || text.str().find(marker) == std::string::npos)
     fail("there is no page to fill: " + path.string() +
-         " is missing. It is made when libdyn is built with npm (Debian: apt-get install npm, or python3-venv, which fetches it) and a network; then build again.");
+         " is missing. It is made when libdyn is built with npm and a network, or with Debian's packages: apt-get install esbuild libjs-three libjs-dygraphs; then build again.");
   return text.str();
 }
 

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "../cli.hpp"
+#include "../page/markup.hpp"
 
 namespace cli::stress {
 
@@ -18,11 +19,7 @@ std::size_t worst(const Outcome& o) {
   return at;
 }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return out;
-}
+using page::escaped;
 
 struct Range {
   double low = HUGE_VAL, high = -HUGE_VAL;
@@ -75,8 +72,8 @@ void write_page(const std::string& path, const std::vector<Verdict>& verdicts) {
   std::string out = "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>dyn stress</title><style>body{font:14px system-ui;margin:2em;max-width:1500px}"
                     "table{border-collapse:collapse}td,th{padding:2px 8px;border-bottom:1px solid #ddd;text-align:left}.f{color:#b00;font-weight:bold}"
                     "section{display:inline-block;width:360px;vertical-align:top;margin:8px 16px 8px 0}svg{width:360px}svg text{font:10px system-ui}"
-                    "svg rect{fill:none;stroke:#aaa}polyline{fill:none;stroke-width:1.2}h2{font-size:15px;margin:0}p{margin:2px 0}</style><h1>dyn stress</h1><p>libdyn " +
-                    escaped(dyn_version()) + ", " + escaped(dyn_build_info()) + "</p><table><tr><th>case<th>metric<th>reference<th>result<th>error<th>tolerance<th>verdict<th>time, s</tr>\n";
+                    "svg rect{fill:none;stroke:#aaa}polyline{fill:none;stroke-width:1.2}h2{font-size:15px;margin:0}p{margin:2px 0}</style><h1>dyn stress</h1><p>" +
+                    escaped(dyn_build_info()) + "</p><table><tr><th>case<th>metric<th>reference<th>result<th>error<th>tolerance<th>verdict<th>time, s</tr>\n";
   for (const Verdict& v : verdicts)
     out += "<tr><td><a href=\"#" + std::string(v.c->name) + "\">" + v.c->name + "</a><td>" + escaped(v.c->metric) + "<td>" + v.shown_reference() + "<td>" + v.shown_result() + "<td>" +
            short_number(v.outcome.error, 2) + "<td>" + short_number(v.c->tolerance, 2) + (v.passed ? "<td>passed" : "<td class=\"f\">failed") + "<td>" + short_number(v.wall_s, 2) + "</tr>\n";

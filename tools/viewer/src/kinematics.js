@@ -1,24 +1,15 @@
-// Joints of one coordinate moved by hand: where everything then is. Other joints stay as they were.
+// Joints moved by hand: where everything then is. Composite joints stay as they were.
 import * as THREE from "three";
 import { make, number, section } from "./dom.js";
+import { chainOf, knobsOf, motionOf } from "./joints.js";
 import { matrixOf } from "./shapes.js";
-
-const MOVABLE = ["revolute", "continuous", "prismatic", "helical"];
-
-/** the joint's motion at coordinate q, in its frame */
-function motion(joint, q) {
-  const axis = new THREE.Vector3(...joint.axis);
-  if (joint.type === "prismatic") return new THREE.Matrix4().makeTranslation(axis.multiplyScalar(q));
-  const turn = new THREE.Matrix4().makeRotationAxis(axis, q);
-  return joint.type === "helical" ? turn.setPosition(axis.multiplyScalar(joint.pitch * q)) : turn;
-}
 
 export class Kinematics {
   constructor(robot, q) {
     this.robot = robot;
     this.q = Float64Array.from(q);
     this.joints = robot.model.joints;
-    this.movable = this.joints.map((joint, id) => id > 0 && joint.nq === 1 && MOVABLE.includes(joint.type));
+    this.chains = this.joints.map(chainOf);
     // from each joint's parent to it, as it stands
     this.still = robot.joints.map((node, id) => {
       node.updateMatrix();
@@ -27,16 +18,16 @@ export class Kinematics {
     });
   }
 
-  #coordinate(joint) {
-    return joint.mimic ? joint.mimic.ratio * this.q[this.joints[joint.mimic.leader].q] + joint.mimic.offset : this.q[joint.q];
+  #coordinates(joint) {
+    if (joint.mimic) return [joint.mimic.ratio * this.q[this.joints[joint.mimic.leader].q] + joint.mimic.offset];
+    return this.q.subarray(joint.q, joint.q + joint.nq);
   }
 
   apply() {
     const world = this.joints.map(() => new THREE.Matrix4());
     this.joints.forEach((joint, id) => {
       if (!id) return;
-      const moves = this.movable[id] || (joint.mimic && MOVABLE.includes(joint.type));
-      const relative = moves ? matrixOf(joint.placement).multiply(motion(joint, this.#coordinate(joint))) : this.still[id];
+      const relative = this.chains[id].length ? matrixOf(joint.placement).multiply(motionOf(this.chains[id], this.#coordinates(joint))) : this.still[id];
       world[id].multiplyMatrices(world[joint.parent], relative);
       world[id].decompose(this.robot.joints[id].position, this.robot.joints[id].quaternion, new THREE.Vector3());
     });
@@ -55,24 +46,27 @@ export class Kinematics {
     return mass ? sum.divideScalar(mass) : sum;
   }
 
-  /** a slider for each */
+  /** a slider for each direction of each */
   panel(onChange) {
     const { box, once } = section("joints", "rad, m; drag to move", true, (element) => {
       this.joints.forEach((joint, id) => {
-        if (!this.movable[id]) return;
-        const bound = (x, otherwise) => (Number.isFinite(x) ? x : otherwise);
-        const value = make("span", { className: "number" }, number(this.q[joint.q], 3));
-        const slider = make("input", {
-          type: "range", step: "any", min: bound(joint.lower[0] ?? NaN, -Math.PI), max: bound(joint.upper[0] ?? NaN, Math.PI), value: this.q[joint.q],
-          oninput: () => {
-            this.q[joint.q] = Number(slider.value);
-            value.textContent = number(this.q[joint.q], 3);
-            this.apply();
-            onChange();
-          },
+        if (!id || joint.mimic) return;
+        const q = this.q.subarray(joint.q, joint.q + joint.nq), knobs = knobsOf(this.chains[id], q, joint.lower, joint.upper);
+        knobs.forEach((knob, k) => {
+          const name = knobs.length > 1 ? `${joint.name}[${k}] ${knob.kind}` : joint.name;
+          const value = make("span", { className: "number" }, number(knob.value, 3));
+          const slider = make("input", {
+            type: "range", step: "any", min: knob.min, max: knob.max, value: knob.value,
+            oninput: () => {
+              knob.move(Number(slider.value), q);
+              value.textContent = number(Number(slider.value), 3);
+              this.apply();
+              onChange();
+            },
+          });
+          slider.dataset.joint = joint.name;
+          element.append(make("div", { className: "joint" }, make("span", { title: name }, name), slider, value));
         });
-        slider.dataset.joint = joint.name;
-        element.append(make("div", { className: "joint" }, make("span", { title: joint.name }, joint.name), slider, value));
       });
     });
     once();

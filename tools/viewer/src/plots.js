@@ -1,17 +1,14 @@
-// Plots over time, each with a line at the time shown; a click goes there.
-import uPlot from "uplot";
-import "uplot/dist/uPlot.min.css";
-import { number, section } from "./dom.js";
+// Plots over time, each with a line at the time shown; a click goes there. A part that is dragged over is shown larger, in all of them.
+import Dygraph from "dygraphs";
+import "dygraphs/dist/dygraph.css";
+import { make, number, section } from "./dom.js";
 
 const COLOURS = ["#1f77b4", "#d1495b", "#2a9d5c", "#8e63b5", "#e08a1e", "#7a5548", "#17a2b8", "#c2185b", "#5d6d7e", "#9aa21e"];
-
-/** columns of row-major values */
-function columns(plot, moments) {
-  const n = plot.names.length;
-  return plot.names.map((_, c) => Float64Array.from({ length: moments }, (_, k) => plot.values[k * n + c]));
-}
+const HEIGHT = 170;
 
 export class Plot {
+  static #drawn = []; // those opened so far
+
   constructor(plot, time, onSeek) {
     this.plot = plot;
     this.time = time;
@@ -21,50 +18,65 @@ export class Plot {
     this.once = once;
   }
 
+  /** for each moment: time, and a value of each curve */
+  #rows() {
+    const n = this.plot.names.length;
+    return Array.from(this.time, (t, k) => [t, ...this.plot.values.slice(k * n, (k + 1) * n)]);
+  }
+
   #fill(element) {
-    const holder = document.createElement("div");
-    holder.className = "plot";
-    element.append(holder);
+    const colours = this.plot.names.map((_, i) => COLOURS[i % COLOURS.length]);
+    this.line = make("div", { className: "cursor" });
+    this.clock = make("span", { className: "number" });
+    this.numbers = colours.map(() => make("span", { className: "number" }));
+    const key = (name, i) => {
+      const entry = make("span", { style: `color: ${colours[i]}`, onclick: () => this.graph.setVisibility(i, !entry.classList.toggle("off")) }, `${name} `, this.numbers[i]);
+      return entry;
+    };
+    const holder = make("div");
+    element.append(make("div", { className: "plot" }, holder, this.line), make("div", { className: "key" }, make("span", {}, "t ", this.clock), ...this.plot.names.map(key)));
     const width = () => Math.max(element.clientWidth - 4, 200);
-    this.u = new uPlot(
-      {
-        width: width(),
-        height: 170,
-        cursor: { sync: { key: "time" }, drag: { x: true, y: false } },
-        scales: { x: { time: false } },
-        axes: [{ size: 28, font: "11px system-ui" }, { size: 58, font: "11px system-ui", values: (_, ticks) => ticks.map((x) => number(x, 4)) }],
-        series: [
-          { label: "t", value: (_, x) => (x === null ? "" : `${x.toFixed(3)} s`) },
-          ...this.plot.names.map((label, i) => ({ label, stroke: COLOURS[i % COLOURS.length], width: 1.2, points: { show: false }, value: (_, x) => number(x) })),
-        ],
-      },
-      [Float64Array.from(this.time), ...columns(this.plot, this.time.length)],
-      holder,
-    );
-    this.line = document.createElement("div");
-    this.line.className = "cursor";
-    this.u.over.append(this.line);
-    this.u.over.addEventListener("click", () => this.u.cursor.left >= 0 && this.onSeek(this.u.posToVal(this.u.cursor.left, "x")));
-    new ResizeObserver(() => element.open && this.u.setSize({ width: width(), height: 170 })).observe(element);
-    if (this.last !== undefined) this.mark(this.last);
+    this.graph = new Dygraph(holder, this.time.length ? this.#rows() : [[0, ...colours.map(() => NaN)]], {
+      labels: ["t", ...colours.map((_, i) => String(i))], // names need not differ
+      colors: colours,
+      width: width(),
+      height: HEIGHT,
+      legend: "never",
+      strokeWidth: 1.2,
+      gridLineColor: "#d4d8de",
+      axisLineColor: "#9aa3ae",
+      axisLabelFontSize: 11,
+      axes: { x: { axisLabelFormatter: (x) => number(x) }, y: { axisLabelFormatter: (y) => number(y), axisLabelWidth: 52, pixelsPerLabel: 24 } },
+      highlightCallback: (event, x, points, row) => Plot.#drawn.forEach((plot) => plot.values(row)),
+      clickCallback: (event) => this.onSeek(this.graph.toDataXCoord(this.graph.eventToDomCoords(event)[0])),
+      zoomCallback: (from, to) => Plot.#drawn.forEach((plot) => plot !== this && plot.graph.updateOptions({ dateWindow: [from, to] })),
+      drawCallback: () => this.mark(this.last),
+    });
+    new ResizeObserver(() => element.open && this.graph.resize(width(), HEIGHT)).observe(element);
+    Plot.#drawn.push(this);
+    this.mark(this.last);
   }
 
   mark(t) {
     this.last = t;
-    if (!this.u || !this.box.open) return;
-    const { min, max } = this.u.scales.x;
-    this.line.style.display = t < min || t > max ? "none" : "";
-    this.line.style.transform = `translateX(${this.u.valToPos(t, "x")}px)`;
+    if (!this.graph || !this.box.open || t === undefined) return;
+    const { x, w } = this.graph.getArea(), at = this.graph.toDomXCoord(t);
+    this.line.style.display = at < x || at > x + w ? "none" : "";
+    this.line.style.transform = `translateX(${at}px)`;
   }
 
-  /** legend values at moment k, for it takes more than a line to move */
+  /** numbers of moment k, for they take more than a line to move */
   values(k) {
-    if (this.u && this.box.open) this.u.setLegend({ idx: k }, false);
+    if (!this.graph || !this.box.open || k >= this.time.length) return;
+    this.clock.textContent = `${this.time[k].toFixed(3)} s`;
+    this.numbers.forEach((element, i) => (element.textContent = number(this.plot.values[k * this.numbers.length + i])));
   }
 
   setData(time, rows) {
     this.time = time;
     this.plot.values = rows;
-    if (this.u && this.box.open) this.u.setData([Float64Array.from(time), ...columns(this.plot, time.length)]);
+    if (!this.graph || !this.box.open || !time.length) return;
+    this.graph.updateOptions({ file: this.#rows(), dateWindow: null });
+    this.values(time.length - 1);
   }
 }

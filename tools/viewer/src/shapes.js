@@ -1,6 +1,5 @@
 // Geometry of each kind of shape, in the shape's frame, as dyn.h describes it.
 import * as THREE from "three";
-import { RoundedBoxGeometry } from "three/examples/jsm/geometries/RoundedBoxGeometry.js";
 
 const upright = (geometry) => geometry.rotateX(Math.PI / 2); // three's y axis is our z
 
@@ -18,19 +17,40 @@ export function surface(mesh, read) {
   return flat;
 }
 
+// Corners of radius r around a box of half sizes h: a box of 9 x 9 x 9 facets, of which 8 along each edge are bent.
+function roundedBox(h, r) {
+  const geometry = new THREE.BoxGeometry(1, 1, 1, 9, 9, 9);
+  const { position, normal } = geometry.attributes;
+  for (let k = 0; k < position.count; ++k) {
+    const p = [0, 1, 2].map((i) => position.array[3 * k + i]);
+    const n = p.map((x) => x - Math.sign(x) / 18);
+    const length = Math.hypot(...n);
+    for (let i = 0; i < 3; ++i) {
+      normal.array[3 * k + i] = n[i] / length;
+      position.array[3 * k + i] = Math.sign(p[i]) * h[i] + (r * n[i]) / length;
+    }
+  }
+  return geometry;
+}
+
+function capsule(r, length) {
+  const arc = (from, y) => Array.from({ length: 11 }, (_, k) => from + (k * Math.PI) / 20).map((a) => new THREE.Vector2(r * Math.cos(a), y + r * Math.sin(a)));
+  return new THREE.LatheGeometry([...arc(-Math.PI / 2, -length / 2), ...arc(0, length / 2)], 28);
+}
+
 /** @returns {THREE.BufferGeometry | null} null: there is nothing to draw */
 export function geometryOf(shape, meshes) {
   const [x, y, z] = shape.size;
   const r = shape.radius;
   switch (shape.type) {
     case "box":
-      return r > 0 ? new RoundedBoxGeometry(x + 2 * r, y + 2 * r, z + 2 * r, 4, r) : new THREE.BoxGeometry(x, y, z);
+      return r > 0 ? roundedBox([x / 2, y / 2, z / 2], r) : new THREE.BoxGeometry(x, y, z);
     case "sphere":
       return new THREE.SphereGeometry(x + r, 32, 20);
     case "cylinder":
       return upright(new THREE.CylinderGeometry(x + r, x + r, y + 2 * r, 40));
     case "capsule":
-      return upright(new THREE.CapsuleGeometry(x + r, y, 10, 28));
+      return upright(capsule(x + r, y));
     case "cone":
       return upright(new THREE.ConeGeometry(x + r, y + 2 * r, 40));
     case "ellipsoid":

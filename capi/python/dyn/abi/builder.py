@@ -36,6 +36,7 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_builder_gravity": (STATUS, [p, p]),
     "dyn_shape_spec_init": (None, [ref]),
     "dyn_builder_shape": (STATUS, [p, ref]),
+    "dyn_builder_shape_rgba": (STATUS, [p, p]),
     "dyn_builder_joint": (STATUS, [p, ref]),
     "dyn_builder_body": (STATUS, [p, s, s, p, d, p, p]),
     "dyn_builder_frame": (STATUS, [p, s, s, p, i]),

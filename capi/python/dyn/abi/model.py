@@ -87,6 +87,7 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_frame_info": (STATUS, [p, i, ref]),
     "dyn_nshapes": (i, [p]),
     "dyn_shape_info": (STATUS, [p, i, ref]),
+    "dyn_shape_rgba": (STATUS, [p, i, p]),
     "dyn_shape_mesh": (STATUS, [p, i, ref]),
     "dyn_ndisabled_pairs": (i, [p]),
     "dyn_disabled_pair": (STATUS, [p, i, ref, ref, ref]),
