@@ -349,7 +349,8 @@ typedef struct dynJointSpec {
   double axis[3];                   /* need not be unit; default z */
   double axis2[3];                  /* universal only; default x */
   double pitch;                     /* helical: metres per radian */
-  const double *lower, *upper;      /* nq numbers each or NULL (infinite); -inf below and inf above: no limit */
+  const double *lower, *upper;      /* nq numbers each or NULL (infinite); -inf below and inf above: no limit. Of a quaternion that of w counts: a spherical joint's
+                                       lower one, cos(a/2) in [0, 1), keeps the angle of its rotation below a; those of x, y, z limit nothing */
   const double *velocity, *effort;  /* nv numbers each or NULL (infinite) */
   const double *armature, *damping, *friction; /* nv numbers each or NULL (zero) */
   const double* stiffness;          /* of springs: nv numbers or NULL (zero); a quaternion's three must be equal, a free flyer's zero */
@@ -1342,7 +1343,7 @@ DYN_API dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int fac
 
 /* What controls u drive in steps (forward dynamics by itself takes tau alone). Of the coordinate x that it acts on, in a joint whose neutral
    configuration is 0, with the length l = gear x:
-     w' = (u - w) / time_constant, or w = u      f = gain w + bias[0] + bias[1] l + bias[2] l', within force_range      tau += gear f
+     w' = (u - w) / time_constant, or w' = u, within act_range; or w = u      f = gain w + bias[0] + bias[1] l + bias[2] l', within force_range      tau += gear f
    Euler steps and those that meet contacts take what grows with l and l' at the end of the step, so that no gain is too large. */
 typedef enum dynActuatorType {
   DYN_ACTUATOR_MOTOR = 0,    /* f = w */
@@ -1364,6 +1365,9 @@ typedef struct dynActuator {
   double control_range[2];   /* which the first control is moved to; default: infinite */
   double force_range[2];     /* of f; default: infinite */
   int32_t idx_u, controls;   /* of a model: its first control, how many it has */
+  double act_range[2];       /* of w where it has an equation of its own, which ends there; default: infinite */
+  int32_t integrates;        /* not 0: w' = u, and time_constant has to be 0; default 0 */
+  int32_t idx_act;           /* of a model: its w in the field "act"; -1: w = u */
 } dynActuator;
 DYN_API void dyn_actuator_init(dynActuator* actuator, dynActuatorType type);
 DYN_API dynStatus dyn_builder_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint);
@@ -1372,7 +1376,7 @@ DYN_API int dyn_nu(const dynModel* model); /* controls of all actuators */
 DYN_API const char* dyn_actuator_name(const dynModel* model, int actuator);
 DYN_API int dyn_actuator_id(const dynModel* model, const char* name);
 DYN_API dynStatus dyn_actuator_info(const dynModel* model, int actuator, dynActuator* out);
-/* Controls held in data, nu; new data: zeros. The fields "ctrl", "act" (w of the filters, in the order of their actuators) and "actuator_force" (f
+/* Controls held in data, nu; new data: zeros. The fields "ctrl", "act" (w of those that filter or integrate, in their order; new data: zeros) and "actuator_force" (f
    where the last step ended, nactuators) read what there is. Needs part SIMULATION. */
 DYN_API dynStatus dyn_data_set_control(const dynModel* model, dynData* data, const double* u);
 
@@ -1426,10 +1430,10 @@ typedef struct dynStepOptions {
    change the velocities of such an island by no more than dt sleep_speed / sleep_time, and its coordinates by no more than dt sleep_speed, leaves it with
    v' = 0, q' = q, and the contact forces as they were if they are solved for to the same (1e-6 of the largest). So less than sleep_speed / sleep_time,
    2e-4 m/s^2, moves nothing that rests: with the effect on, that is part of every step. After two steps that left it as it was, bit for bit, an
-   island sleeps: steps leave it out until something awake meets it, or what it begins from changes: q, v, its own tau, dt, options, gravity, wrenches,
-   effects, materials, pairs, masks, constraints. It is then as if it had never slept: steps with visit_sleepers end at the same bits.
-   Trees stay awake with a joint that may not sleep, or that an actuator drives; so does all of a model with mimic joints, or without contacts. What rests is computed all the
-   same where damping, springs, dry friction, actuators, wrenches, a medium, held weights or enabled constraints act anywhere in the data. */
+   island sleeps: steps leave it out until something awake meets it, or what it begins from changes: q, v, its own tau and controls, dt, options, gravity,
+   wrenches, effects, materials, pairs, masks, constraints. It is then as if it had never slept: steps with visit_sleepers end at the same bits.
+   Trees stay awake with a joint that may not sleep, and while a filtered or integrated control of theirs still changes; so does all of a model with mimic joints, or
+   without contacts. What rests is computed all the same while constraints are enabled anywhere in the data. */
 DYN_API void dyn_step_options_init(dynStepOptions* options);
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options);
 DYN_API dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options);
@@ -1489,7 +1493,7 @@ typedef struct dynContactForce {
 } dynContactForce;
 DYN_API dynStatus dyn_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts, int capacity, int* count);
 
-/* The state of a simulation: q, v, a, tau, controls and their filters, the time, how long bodies have been slow (for sleep), and the contacts of the last step, which the next one begins from. Steps after
+/* The state of a simulation: q, v, a, tau, controls and what they have become (act), the time, how long bodies have been slow (for sleep), and the contacts of the last step, which the next one begins from. Steps after
    dyn_state_restore are those after dyn_state_save, bit for bit, where the data (or one of the same model, in the same process) has the same options,
    effects, gravity, wrenches, pairs, materials and constraints. memory needs dyn_state_size bytes (0 for an invalid handle). */
 DYN_API size_t dyn_state_size(const dynModel* model);

@@ -8,8 +8,7 @@ namespace dyn::load {
 
 namespace {
 
-constexpr const char* kinds[] = {"general", "motor", "position", "velocity"};
-
+constexpr const char* kinds[] = {"general", "motor", "position", "velocity", "intvelocity", "cylinder"};
 
 // Joint of that name; nullptr: there is none yet.
 MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name) {
@@ -51,9 +50,10 @@ const char* law(const Reader& reader, const Element& e, std::string_view kind, M
   dynActuator& a = actuator.spec;
   if (kind == "motor") return a.type = DYN_ACTUATOR_MOTOR, nullptr;
   if (kind == "velocity") return a.type = DYN_ACTUATOR_VELOCITY, a.kv = reader.optional_number(e, "kv").value_or(1), nullptr;
-  if (kind == "position") {
+  if (kind == "position" || kind == "intvelocity") {
+    a.integrates = kind == "intvelocity";
     a.type = DYN_ACTUATOR_POSITION, a.kp = reader.optional_number(e, "kp").value_or(1), a.kv = reader.optional_number(e, "kv").value_or(0);
-    a.time_constant = reader.optional_number(e, "timeconst").value_or(0);
+    if (!a.integrates) a.time_constant = reader.optional_number(e, "timeconst").value_or(0);
     if (const auto ratio = reader.optional_number(e, "dampratio")) {
       if (e.Attribute("kv")) reader.fail(DYN_ERROR_INVALID, e, "it has kv and dampratio: give one of them");
       if (!(*ratio >= 0)) reader.bad_numbers(e, "dampratio", "it is negative");
@@ -62,10 +62,18 @@ const char* law(const Reader& reader, const Element& e, std::string_view kind, M
     return nullptr;
   }
   a.type = DYN_ACTUATOR_AFFINE;
+  if (kind == "cylinder") {
+    const auto diameter = reader.optional_number(e, "diameter");
+    a.gain = diameter ? 0.78539816339744831 * *diameter * *diameter : reader.optional_number(e, "area").value_or(1);
+    a.time_constant = reader.optional_number(e, "timeconst").value_or(1);
+    if (const auto bias = reader.numbers(e, "bias", 3)) std::copy_n(bias->data(), 3, a.bias);
+    return nullptr;
+  }
   const std::string_view dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none", gain = e.Attribute("gaintype") ? e.Attribute("gaintype") : "fixed",
                          bias = e.Attribute("biastype") ? e.Attribute("biastype") : "none";
   if (dynamics == "filter" || dynamics == "filterexact") a.time_constant = parameter(reader, e, "dynprm", 0, 1);
-  else if (dynamics != "none") return "its activation is no first-order filter";
+  else if (dynamics == "integrator") a.integrates = 1;
+  else if (dynamics != "none") return "its activation is no first-order filter and no integral";
   a.gain = parameter(reader, e, "gainprm", 0, 1);
   if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0)) return "its gain changes with its length or speed";
   if (gain != "fixed" && gain != "affine") return "its gain is no number";
@@ -103,7 +111,7 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
     }
     reader.unread(*e, {"name", "class", "group", "nsample", "interp", "delay", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange", "actrange", "lengthrange", "gear", "joint",
                        "jointinparent", "tendon", "site", "refsite", "body", "slidersite", "cranksite", "cranklength", "user", "actdim", "dyntype", "gaintype",
-                       "biastype", "dynprm", "gainprm", "biasprm", "actearly", "kp", "kv", "dampratio", "timeconst", "inheritrange", "armature", "damping"}, {"plugin"});
+                       "biastype", "dynprm", "gainprm", "biasprm", "actearly", "kp", "kv", "dampratio", "timeconst", "inheritrange", "armature", "damping", "area", "diameter", "bias"}, {"plugin"});
     // the defaults of all actuators are one set in MuJoCo: each writes what the others then have
     file.defaults.apply(file.source, *e, std::string(kind), context.childclass);
     for (const char* other : kinds)
@@ -128,12 +136,13 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
     }
     read_range(reader, *e, "ctrlrange", "ctrllimited", file.compiler.autolimits, actuator.spec.control_range);
     read_range(reader, *e, "forcerange", "forcelimited", file.compiler.autolimits, actuator.spec.force_range);
+    if (actuator.spec.time_constant > 0 || actuator.spec.integrates) read_range(reader, *e, "actrange", "actlimited", file.compiler.autolimits, actuator.spec.act_range);
     if (const double inherit = reader.optional_number(*e, "inheritrange").value_or(0); inherit > 0 && !joint->spec.lower.empty()) {
       const double middle = (joint->spec.lower[0] + joint->spec.upper[0]) / 2, half = inherit * (joint->spec.upper[0] - joint->spec.lower[0]) / 2;
-      actuator.spec.control_range[0] = middle - half, actuator.spec.control_range[1] = middle + half;
+      double (&range)[2] = kind == "intvelocity" ? actuator.spec.act_range : actuator.spec.control_range;
+      range[0] = middle - half, range[1] = middle + half;
     }
     carry(reader, *e, actuator, *joint);
-    if (e->Attribute("actrange") && actuator.spec.time_constant > 0) place.physics("actrange is not used: its control is limited, not its activation");
     file.robot.actuators.push_back(std::move(actuator));
   }
 }

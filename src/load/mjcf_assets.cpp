@@ -93,6 +93,10 @@ void MjcfAssets::add(Element& asset, const MjcfDefaults& defaults) {
     const std::string_view kind = c->Name();
     if (kind == "mesh" || kind == "hfield" || kind == "model") {
       std::string name = attribute(*c, "name");
+      if (name.empty() && kind == "model" && c->Attribute("file")) {  // the one it gives itself
+        name = attribute(source_.open_model(*c, attribute(*c, "file")), "model");
+        source_.close_model();
+      }
       if (name.empty()) name = std::filesystem::path(attribute(*c, "file")).stem().string();
       const Reader reader = source_.reader(*c, "<" + std::string(kind) + "> " + load::quoted(name));
       if (name.empty()) reader.fail(DYN_ERROR_PARSE, *c, "it has neither name nor file");

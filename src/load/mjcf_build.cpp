@@ -94,11 +94,12 @@ std::vector<double> coordinates(const MjcfJoint& j, const double* qpos) {
   return q;
 }
 
-void add_configurations(Builder& builder, MjcfRobot& robot) {
-  size_t nq = 0;
-  bool drawn = false;  // the configuration that the file draws is not the neutral one
+// The configuration that the file draws, where it is not the neutral one, is the first key.
+void add_drawn(MjcfRobot& robot) {
+  bool drawn = false;
   for (const MjcfBody& body : robot.bodies)
-    for (const MjcfJoint& j : body.joints) nq += size_t(joint_nq(j.spec.type)), drawn = drawn || j.reference != 0 || j.spec.type == DYN_JOINT_FREE_FLYER;
+    for (const MjcfJoint& j : body.joints) drawn = drawn || j.reference != 0 || j.spec.type == DYN_JOINT_FREE_FLYER;
+  if (!drawn) return;
   MjcfKey qpos0{robot.bodies[0].place, "qpos0", {}};
   for (const MjcfBody& body : robot.bodies)
     for (const MjcfJoint& j : body.joints) {
@@ -112,7 +113,13 @@ void add_configurations(Builder& builder, MjcfRobot& robot) {
       const Quaternion<double> u = n == 7 ? quaternion(X.R) : Quaternion<double>::identity();
       qpos0.qpos.insert(qpos0.qpos.end(), {u.w, u.v[0], u.v[1], u.v[2]});
     }
-  if (drawn) robot.keys.insert(robot.keys.begin(), qpos0);
+  robot.keys.insert(robot.keys.begin(), qpos0);
+}
+
+void add_configurations(Builder& builder, const MjcfRobot& robot) {
+  size_t nq = 0;
+  for (const MjcfBody& body : robot.bodies)
+    for (const MjcfJoint& j : body.joints) nq += size_t(joint_nq(j.spec.type));
   for (const MjcfKey& key : robot.keys) {
     if (key.qpos.size() != nq)
       key.place.fail(DYN_ERROR_SIZE, "qpos has " + std::to_string(key.qpos.size()) + " numbers, and the model's configurations have " + std::to_string(nq));
@@ -132,17 +139,30 @@ void check_body(const MjcfRobot& robot, const MjcfPlace& place, const std::strin
   }
   place.fail(DYN_ERROR_NAME, "there is no body " + load::quoted(name) + did_you_mean(name, names));
 }
+
+// Bodies and joints alone, at the configurations of the file.
+void add_mechanism(Builder& builder, MjcfRobot& robot, const std::vector<MjcfMass>& masses) {
+  for (size_t i = 1; i < robot.bodies.size(); ++i) add_body(builder, robot, robot.bodies[i], masses[i]);
+  add_configurations(builder, robot);
+}
+
 std::string universe(const std::string& body) { return body == "world" ? "universe" : body; }
 
 }  // namespace
 
 ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& options) {
   const std::vector<MjcfMass> masses = mjcf_masses(robot);
-  Builder builder(robot.name);
   const MjcfPlace file{robot.bodies[0].place.report, 0, ""};
+  add_drawn(robot);
+  if (has_springdampers(robot)) {
+    Builder loose(robot.name);
+    add_mechanism(loose, robot, masses);
+    find_mjcf_springs(*located(file, [&] { return loose.finish(); }), robot);
+  }
+  Builder builder(robot.name);
   located(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind); });
   mark_mjcf_pairs(robot);
-  for (size_t i = 1; i < robot.bodies.size(); ++i) add_body(builder, robot, robot.bodies[i], masses[i]);
+  add_mechanism(builder, robot, masses);
   std::set<std::string> joints;
   for (const MjcfBody& body : robot.bodies)
     for (const MjcfJoint& j : body.joints) joints.insert(j.spec.name);
@@ -151,7 +171,6 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
     for (const std::string& name : x.bodies) check_body(robot, x.place, name);
     located(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
   }
-  add_configurations(builder, robot);
   if (damped_by_ratio(robot)) find_mjcf_damping(*located(file, [&] { return builder.finish(); }), robot);
   add_mjcf_actuators(builder, robot), add_mjcf_equalities(builder, robot), add_mjcf_pairs(builder, robot);
   for (const Report::Entry& e : source.finish()) builder.report(e.level, e.line, e.message);

@@ -1,5 +1,6 @@
 // Servos whose damping is a ratio: kv = 2 ratio sqrt(kp m), m the inertia that the actuator feels in the configuration that the file draws while all
-// else is free (MuJoCo's rule), 1 / m = gear^2 (M^-1)_jj.
+// else is free (MuJoCo's rule), 1 / m = gear^2 (M^-1)_jj. Joints with a time constant T and a ratio r, by the same m, for balls by the mean of 1 / m:
+//   stiffness = m / (T r)^2      damping = 2 m / T
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -41,6 +42,28 @@ struct Response {
 };
 
 }  // namespace
+
+bool has_springdampers(const MjcfRobot& robot) {
+  return std::any_of(robot.bodies.begin(), robot.bodies.end(), [](const MjcfBody& b) {
+    return std::any_of(b.joints.begin(), b.joints.end(), [](const MjcfJoint& j) { return j.time_constant > 0; });
+  });
+}
+
+void find_mjcf_springs(const Model& m, MjcfRobot& robot) {
+  Response response(m);
+  for (MjcfBody& b : robot.bodies)
+    for (MjcfJoint& j : b.joints) {
+      if (!(j.time_constant > 0)) continue;
+      const JointRecord* const joint = std::find_if(m.joints(), m.joints() + m.n.joints, [&](const JointRecord& r) { return m.string(r.name) == j.spec.name; });
+      double give = 0;
+      for (Index k = 0; k < joint->nv; ++k) give += response(joint->idx_v + k) / joint->nv;
+      const double period = j.time_constant * j.damping_ratio, stiffness = 1 / (give * period * period), damping = 2 / (give * j.time_constant);
+      if (!(give > 0) || !std::isfinite(stiffness) || !std::isfinite(damping))
+        j.place.fail(DYN_ERROR_INVALID, "its springdamper, with the inertia that it feels, gives no finite stiffness and damping");
+      if (!j.spec.stiffness.empty()) std::fill(j.spec.stiffness.begin(), j.spec.stiffness.end(), stiffness);
+      std::fill(j.spec.damping.begin(), j.spec.damping.end(), damping);
+    }
+}
 
 bool damped_by_ratio(const MjcfRobot& robot) {
   return std::any_of(robot.actuators.begin(), robot.actuators.end(), [](const MjcfActuator& a) { return a.damping_ratio > 0; });

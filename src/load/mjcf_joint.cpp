@@ -7,7 +7,7 @@ namespace dyn::load {
 
 namespace {
 
-constexpr double no_limit = std::numeric_limits<double>::infinity();
+constexpr double no_limit = std::numeric_limits<double>::infinity(), half_turn = 3.14159265358979324;
 
 dynJointType type_of(const Reader& reader, const Element& e) {
   const std::string_view type = e.Attribute("type") ? e.Attribute("type") : "hinge";
@@ -47,6 +47,13 @@ double coefficient(const Reader& reader, const Element& e, const char* attribute
   return (*terms)[0];
 }
 
+// The angle of its rotation is at most `most`; half a turn and more is no limit to it beyond half a turn.
+void bound_ball(const Reader& reader, const Element& e, double least, double most, JointSpec& spec) {
+  if (least != 0) reader.bad_numbers(e, "range", "that of a ball joint begins at 0: its second number is the largest angle");
+  if (most > half_turn * (1 + 1e-12)) return;
+  spec.lower.assign(4, -no_limit), spec.lower[3] = std::max(0.0, std::cos(most / 2));
+}
+
 }  // namespace
 
 void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
@@ -62,7 +69,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   joint.place = {&file.source.report(e), line(e), owner};
   if (context.body == 0) reader.fail(DYN_ERROR_INVALID, e, "the world has no joints: put it into a <body>");
   reader.unread(e, {"name", "class", "type", "group", "pos", "axis", "limited", "range", "actuatorfrclimited", "actuatorfrcrange", "stiffness", "springref", "ref",
-                    "armature", "damping", "frictionloss", "user", "align", "margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"}, {});
+                    "armature", "damping", "springdamper", "frictionloss", "user", "align", "margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"}, {});
   count_unused(reader, e, "joint", {"margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
   JointSpec& spec = joint.spec;
   spec.type = type_of(reader, e);
@@ -85,18 +92,22 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (const auto limits = spec.type == DYN_JOINT_FREE_FLYER ? std::nullopt : range(reader, e, "range", "limited", file.compiler.autolimits)) {
     const auto end = [&](double x) { return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x; };  // one end alone
     if (scalar) spec.lower = {end((*limits)[0])}, spec.upper = {end((*limits)[1])};
-    else joint.place.physics("the limit of a ball joint's angle is not used");
+    else bound_ball(reader, e, unit * (*limits)[0], unit * (*limits)[1], spec);
   }
   if (const auto force = range(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar)
     spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
   spec.armature.assign(nv, coefficient(reader, e, "armature"));
   spec.damping.assign(nv, coefficient(reader, e, "damping"));
   spec.friction.assign(nv, coefficient(reader, e, "frictionloss"));
-  if (const double stiffness = coefficient(reader, e, "stiffness"); stiffness > 0) {
-    if (spec.type == DYN_JOINT_FREE_FLYER) joint.place.physics("the spring of a free joint is not used");
-    else spec.stiffness.assign(nv, stiffness);
+  const double stiffness = coefficient(reader, e, "stiffness");
+  if (const auto both = reader.numbers(e, "springdamper", 2); both && ((*both)[0] != 0 || (*both)[1] != 0)) {
+    if (!((*both)[0] > 0 && (*both)[1] > 0)) reader.bad_numbers(e, "springdamper", "a time constant and a damping ratio are expected, both positive");
+    joint.time_constant = (*both)[0], joint.damping_ratio = (*both)[1];
   }
-  if (scalar && (!spec.stiffness.empty() || e.Attribute("springref"))) spec.spring_reference.assign(nq, unit * reader.optional_number(e, "springref").value_or(0));
+  const bool springs = stiffness > 0 || joint.time_constant > 0;
+  if (springs && spec.type == DYN_JOINT_FREE_FLYER) joint.place.physics("the spring of a free joint is not used");
+  else if (springs) spec.stiffness.assign(nv, stiffness);
+  if (scalar && (springs || e.Attribute("springref"))) spec.spring_reference.assign(nq, unit * reader.optional_number(e, "springref").value_or(0));
   body.joints.push_back(std::move(joint));
 }
 

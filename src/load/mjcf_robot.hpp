@@ -39,6 +39,7 @@ struct MjcfJoint {
   JointSpec spec;  // parent and placement come with the tree
   Vec3<double> anchor = Vec3<double>::zero(), axis = Vec3<double>::make(0, 0, 1);  // in the body's frame
   double reference = 0;  // the coordinate in the configuration that the file draws
+  double time_constant = 0, damping_ratio = 0;  // where both are positive, they stand for stiffness and damping
 };
 
 struct MjcfGeom {
@@ -201,9 +202,11 @@ void report_mjcf_section(MjcfFile& file, Element& e);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context);
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot);
-// mjcf_damping.cpp: whether there are servos that are damped by a ratio; their damping, by the model without actuators
+// mjcf_damping.cpp: whether there are servos that are damped by a ratio; their damping, by the model without actuators. The same of joints.
 bool damped_by_ratio(const MjcfRobot& robot);
 void find_mjcf_damping(const Model& model, MjcfRobot& robot);
+bool has_springdampers(const MjcfRobot& robot);
+void find_mjcf_springs(const Model& model, MjcfRobot& robot);
 void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& context);
 void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot);
 void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context);

@@ -54,8 +54,10 @@ void MjcfWriter::add_numbers(Out& e, const Piece& p) {
       if (rest[0] != 0 || rest[1] != 0 || rest[2] != 0) losses.loss("places of rest of a ball joint's spring", s.name);
     }
     const auto limited = [&](const std::vector<double>& x, int first, int n) { return std::any_of(x.begin() + first, x.begin() + first + n, [](double l) { return std::isfinite(l); }); };
-    if (limited(spec.lower, s.q, nq) || limited(spec.upper, s.q, nq) || limited(spec.velocity, s.v, nv) || limited(spec.effort, s.v, nv))
-      losses.loss("limits of ball and free joints", s.name);
+    const bool ball = s.type == DYN_JOINT_SPHERICAL;
+    if (const double half = ball ? spec.lower[size_t(s.q) + 3] : -1; half >= 0) put(e, "range", {0, 2 * math::atan2(std::sqrt(1 - half * half), half)});
+    if ((!ball && limited(spec.lower, s.q, nq)) || limited(spec.upper, s.q, nq) || limited(spec.velocity, s.v, nv) || limited(spec.effort, s.v, nv))
+      losses.loss("limits of free joints, and of a ball joint's velocity and effort", s.name);
     return;
   }
   const ScalarNumbers x = numbers_of(spec, s);

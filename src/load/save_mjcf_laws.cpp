@@ -37,8 +37,8 @@ void MjcfWriter::add_actuators() {
       losses.loss("actuators that push a free joint along its own axes are left out", name);
       continue;
     }
-    const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_AFFINE || (filtered && a.type != DYN_ACTUATOR_POSITION);
-    Out& e = *section("actuator").InsertNewChildElement(affine ? "general" : a.type == DYN_ACTUATOR_MOTOR ? "motor" : a.type == DYN_ACTUATOR_POSITION ? "position" : "velocity");
+    const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_AFFINE || ((filtered || a.integrates) && a.type != DYN_ACTUATOR_POSITION);
+    Out& e = *section("actuator").InsertNewChildElement(affine ? "general" : a.type == DYN_ACTUATOR_MOTOR ? "motor" : a.type == DYN_ACTUATOR_VELOCITY ? "velocity" : a.integrates ? "intvelocity" : "position");
     put(e, "name", name), put(e, "joint", s.name);
     if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) {
       std::vector<double> gear(s.type == DYN_JOINT_SPHERICAL ? 3 : 6, 0);
@@ -53,13 +53,14 @@ void MjcfWriter::add_actuators() {
       put(e, "gaintype", std::string("fixed")), put(e, "gainprm", law.gain[0]);
       put(e, "biastype", std::string("affine")), put(e, "biasprm", std::span(law.bias));
       if (filtered) put(e, "dyntype", std::string("filterexact")), put(e, "dynprm", a.time_constant);
+      if (a.integrates) put(e, "dyntype", std::string("integrator"));
     } else if (a.type == DYN_ACTUATOR_POSITION) {
       put(e, "kp", a.kp), put(e, "kv", a.kv);
       if (filtered) put(e, "timeconst", a.time_constant);
     } else if (a.type == DYN_ACTUATOR_VELOCITY) {
       put(e, "kv", a.kv);
     }
-    put_range(e, "ctrlrange", a.control_range), put_range(e, "forcerange", a.force_range);
+    put_range(e, "ctrlrange", a.control_range), put_range(e, "forcerange", a.force_range), put_range(e, "actrange", a.act_range);
   }
 }
 

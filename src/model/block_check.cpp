@@ -141,13 +141,13 @@ bool BlockChecker::actuators() {
     Index q = -1;
     for (Index s = 0; s < n.spans; ++s)
       if (const Span& span = m.spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count) q = span.first_q + r.v - span.first_v;
-    const bool filtered = a.time_constant > 0;
-    if (!require(r.v == j.idx_v + a.component && r.q == q && r.act == (filtered ? na : -1), "coordinates of an actuator")) return false;
+    const bool filtered = a.time_constant > 0 || a.integrates;
+    if (!require(r.v == j.idx_v + a.component && r.q == q && r.act == (filtered ? na : -1) && a.idx_act == r.act, "coordinates of an actuator")) return false;
     na += filtered;
     const double scalars[] = {a.gear, a.kp, a.kv, a.gain, a.time_constant};
-    return require(are_finite(scalars) && are_finite(a.bias) && are_finite(r.gain) && are_finite(r.bias) && a.time_constant >= 0, "a number of an actuator") &&
+    return require(are_finite(scalars) && are_finite(a.bias) && are_finite(r.gain) && are_finite(r.bias) && a.time_constant >= 0 && (a.integrates == 0 || (a.integrates == 1 && a.time_constant == 0)), "a number of an actuator") &&
            require(r.bias[1] == 0 || r.q >= 0, "an actuator depends on a length that is none") &&
-           require(a.control_range[0] <= a.control_range[1] && a.force_range[0] <= a.force_range[1], "a range of an actuator");
+           require(a.control_range[0] <= a.control_range[1] && a.force_range[0] <= a.force_range[1] && a.act_range[0] <= a.act_range[1], "a range of an actuator");
   }) && require(nu == n.nu && na == n.na, "controls of the actuators");
 }
 

@@ -189,6 +189,12 @@ bool BlockChecker::coordinates() {
       const Index dof = n.mimic_v ? m.own_v()[v] : v;
       return index(l.body, n.bodies, "body of a limit") && require(l.q == q && l.dof == dof && l.body > 0 && m.bodies()[l.body].idx_v <= dof && dof < first_dof(m, l.body + 1), "a limit");
     });
+  }) && each(1, n.bodies, [&](Index i) {
+    const Body& b = m.bodies()[i];
+    if (b.type != BodyType::Spherical || !(m.lower_limit()[b.user_q + 3] >= 0)) return true;
+    if (!index(limits, n.limits, "a limit")) return false;
+    const LimitRecord& l = m.limits()[limits++];
+    return require(l.q == b.user_q + 3 && l.body == i && l.dof == b.idx_v && m.lower_limit()[l.q] < 1, "a limit of a ball joint");
   }) && require(limits == n.limits, "limits");
 }
 
@@ -213,7 +219,7 @@ bool BlockChecker::elimination() {
     if (!require(p >= -1 && p < k, "the elimination tree") || !close(p, k)) return false;
     at = k;
     const Index depth = p >= 0 ? m.dof_depth()[p] + 1 : 0;
-    carriers = m.has_mimic ? nv : std::max(carriers, std::min(nv, 2 * (depth + 1)));
+    carriers = std::max(carriers, std::min(nv, 2 * (depth + 1)));
     return require(m.dof_depth()[k] == depth && m.dof_run()[k] == (k > 0 && p == k - 1 ? m.dof_run()[k - 1] : k), "depths of the elimination tree");
   });
   if (!ordered || !close(-1, nv) || !require(carriers == n.carriers, "depths of the elimination tree")) return false;

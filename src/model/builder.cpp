@@ -125,6 +125,18 @@ void check_springs(const std::string& who, const JointSpec& s, const std::vector
   }
 }
 
+// cos of half the largest angle of a ball joint
+void check_balls(const std::string& who, const JointSpec& s, const std::vector<PlacedElement>& elements) {
+  Index q = 0;
+  for (const PlacedElement& p : elements) {
+    const BodyType type = p.element.type;
+    if (type == BodyType::Spherical && !s.lower.empty() && !(s.lower[std::size_t(q) + 3] < 1))
+      refuse(DYN_ERROR_INVALID, who + ": lower limit[" + std::to_string(q + 3) + "] is " + number(s.lower[std::size_t(q) + 3]) +
+                                    ": of a quaternion it is cos(a/2) for an angle of at most a: give a number below 1");
+    q += primitive_nq(type);
+  }
+}
+
 void check_range(const std::string& where, const std::vector<double>& lower, const std::vector<double>& upper) {
   auto name = [](const char* side, std::size_t k, const std::vector<double>& x) {
     return std::string(side) + " limit" + (x.size() > 1 ? "[" + std::to_string(k) + "]" : "");
@@ -275,7 +287,7 @@ void Builder::Impl::add_joint(const JointSpec& s) {
                                 {"spring reference", &s.spring_reference}})
     for (double a : *x)
       if (!std::isfinite(a)) refuse(DYN_ERROR_NONFINITE, who + ": " + what + " is " + number(a) + ": give a finite number");
-  check_springs(who, s, entry.elements);
+  check_springs(who, s, entry.elements), check_balls(who, s, entry.elements);
   if (!std::isfinite(s.rotor_inertia) || !std::isfinite(s.gear_ratio) || !std::isfinite(s.rotor_inertia * s.gear_ratio * s.gear_ratio))
     refuse(DYN_ERROR_NONFINITE, who + ": rotor inertia and gear ratio must be finite, and rotor_inertia * gear_ratio^2, too");
   if (s.rotor_inertia < 0) refuse(DYN_ERROR_INVALID, who + ": rotor inertia is " + number(s.rotor_inertia) + ": it can't be negative");

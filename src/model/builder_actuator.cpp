@@ -58,7 +58,9 @@ void Builder::actuator(const std::string& name, const dynActuator& spec, const s
   check_number(who, "gain", spec.gain, true);
   for (const double b : spec.bias) check_number(who, "bias", b, true);
   check_number(who, "time_constant", spec.time_constant, false);
-  check_ends(who, "control_range", spec.control_range), check_ends(who, "force_range", spec.force_range);
+  check_ends(who, "control_range", spec.control_range), check_ends(who, "force_range", spec.force_range), check_ends(who, "act_range", spec.act_range);
+  if (spec.integrates && spec.time_constant > 0)
+    refuse(DYN_ERROR_INVALID, who + ": it integrates its control, and has a time constant, " + number(spec.time_constant) + ": give one of them");
   impl->actuators.push_back({name, spec, int(at - impl->joints.begin())});
 }
 
@@ -111,7 +113,8 @@ std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actua
       if (r.v >= s.first_v && r.v < s.first_v + s.count) r.q = s.first_q + r.v - s.first_v;
     if (r.bias[1] != 0 && r.q < 0)
       refuse(DYN_ERROR_INVALID, "actuator '" + a.name + "' depends on a length, and the coordinates of its joint are no lengths: use MOTOR or VELOCITY");
-    r.act = a.spec.time_constant > 0 ? n.na++ : -1;
+    r.spec.integrates = a.spec.integrates != 0;
+    r.act = r.spec.idx_act = a.spec.time_constant > 0 || a.spec.integrates ? n.na++ : -1;
     out.push_back(r);
   }
   n.actuators = Index(out.size());

@@ -342,6 +342,8 @@ ModelPtr Builder::finish() const {
       const auto after = std::find_if(a.bodies.begin() + 1, a.bodies.end(), [&](const Body& b) { return b.idx_v > dof; });
       a.limits.push_back({q, Index(after - a.bodies.begin()) - 1, dof});
     }
+  for (Index i = 1; i < n.bodies; ++i)
+    if (const Body& b = a.bodies[std::size_t(i)]; b.type == BodyType::Spherical && a.lower_limit[std::size_t(b.user_q) + 3] >= 0) a.limits.push_back({b.user_q + 3, i, b.idx_v});
   n.limits = Index(a.limits.size());
   for (const Chunk& c : a.chunks) n.sweep = std::max(n.sweep, sweep_room(c.last_q - c.first_q));
 
@@ -450,7 +452,6 @@ ModelPtr Builder::finish() const {
   check_dynamics(*model, order, in.joints, in.frames);
   check_constraints(*model);
   for (std::size_t k = 0; k < std::size_t(n.nv); ++k) model->n.carriers = std::max(model->n.carriers, std::min(n.nv, 2 * (a.dof_depth[k] + 1)));
-  if (mimic) model->n.carriers = n.nv;
   if (!lists_pairs(*model)) {
     // what overlaps is listed: once more, with them
     if (GeomPairs found = dyn::overlapping(*model); !found.empty()) {

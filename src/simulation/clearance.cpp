@@ -69,6 +69,10 @@ bool limits_far(const Model& m, const Data<double>& d, const double* v, double h
   if (!(d.acting & DYN_EFFECT_LIMITS)) return true;
   for (Index k = 0; k < m.n.limits; ++k) {
     const LimitRecord& r = m.limits()[k];
+    if (is_ball(m, r)) {
+      if (ball_gap(m, d, r, v).gap <= 3 * h * ball_speed(r, v) + limit_reach) return false;
+      continue;
+    }
     const double q = d.q[r.q], reach = 3 * h * std::abs(v[r.dof]) + limit_reach * unit_of(m, *d.step, r);
     if (q - m.lower_limit()[r.q] <= reach || m.upper_limit()[r.q] - q <= reach) return false;
   }

@@ -56,7 +56,7 @@ struct Finder {
     evaluate_rows(m, d, v, static_cast<const double*>(nullptr));
     for_each_slot(m, d, [&](Slot<double>& s, Index k) {
       const bool box = one_sided(s.c.type);
-      if (s.c.type == DYN_CONSTRAINT_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = s.g1 * v[s.c.v1];
+      if (s.c.type == DYN_CONSTRAINT_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = limit_rate(s, v);
       if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = -h * s.c.force, s.upper[0] = h * s.c.force, s.error[0] = 0;
       append(s, support_of(m, d, k), carried_of(m, d, k), box ? RowKind::Box : RowKind::Equality, -1);
     });
@@ -64,10 +64,17 @@ struct Finder {
   void limits() {
     if (!(d.acting & DYN_EFFECT_LIMITS)) return;
     double fast = 0;
-    for (Index k = 0; k < m.n.limits && w.closed > 0; ++k) fast = std::max(fast, std::abs(v[m.limits()[k].dof]));
+    for (Index k = 0; k < m.n.limits && w.closed > 0; ++k) {
+      const LimitRecord& r = m.limits()[k];
+      fast = std::max(fast, is_ball(m, r) ? ball_speed(r, v) : std::abs(v[r.dof]));
+    }
     const double reached = w.closed > 0 ? within_reach(w, h, fast) : HUGE_VAL;
     for (Index k = 0; k < m.n.limits; ++k) {
       const LimitRecord& r = m.limits()[k];
+      if (is_ball(m, r)) {
+        ball(r, w.closed > 0 ? reached : limit_reach);
+        continue;
+      }
       const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], near = w.closed > 0 ? reached : limit_reach * unit_of(m, w, r), reach = 3 * h * std::abs(v[r.dof]) + near;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
       if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) continue;
@@ -76,9 +83,20 @@ struct Finder {
       s.c.type = DYN_CONSTRAINT_LIMIT, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q;
       s.rows = 1;
       limit(s, q, lower, upper);
-      s.rate[0] = s.g1 * v[r.dof];
+      s.rate[0] = limit_rate(s, v);
       append_next(RowKind::Box, -1);
     }
+  }
+  void ball(const LimitRecord& r, double near) {
+    const BallGap x = ball_gap(m, d, r, v);
+    if (x.gap > 3 * h * ball_speed(r, v) + near || !(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) return;
+    Slot<double>& s = next();
+    s.c = Constraint{};
+    s.c.type = DYN_CONSTRAINT_LIMIT, s.c.joint_type = DYN_JOINT_SPHERICAL, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q, s.c.axis = -x.axis;
+    s.rows = 1, s.g1 = 1, s.g2 = 0;
+    s.error[0] = x.gap, s.lower[0] = 0, s.upper[0] = HUGE_VAL;
+    s.rate[0] = limit_rate(s, v);
+    append_next(RowKind::Box, -1);
   }
   void contacts() {
     if (m.n.contacts == 0) return;
@@ -93,10 +111,19 @@ struct Finder {
 
 }  // namespace
 
+BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, const double* v) {
+  const double* const q = d.q + r.q - 3;
+  const double lower = m.lower_limit()[r.q], most = 2 * math::atan2(std::sqrt(1 - lower * lower), lower);
+  const Vec3<double> u = load3(q), turning = load3(v + r.dof);
+  const double size = shape::norm(u), w = q[3];
+  const double speed = shape::norm(turning);
+  return {most - 2 * math::atan2(size, std::abs(w)), size > 0 ? u * ((w < 0 ? -1 : 1) / size) : speed > 0 ? turning * (1 / speed) : u};
+}
+
 double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const double* v) {
   using Six = SixEights<double>;
   const Slot<double>& s = *x.s;
-  if (x.kind == RowKind::Box) return -s.g1 * v[s.c.v1];
+  if (x.kind == RowKind::Box) return -limit_rate(s, v);
   const auto of = [&](const double* F, Index body) { return Six::load(F).dot(body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V)[int(normal_row(s.rows))]; };
   return -(of(s.F1, s.c.body1) + of(s.F2, s.c.body2));
 }

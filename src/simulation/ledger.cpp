@@ -118,7 +118,7 @@ void enter_rows(const Island& x) {
     const bool joints = between_joints(s.c.type);
     double c0[most_rows] = {};
     if (joints) {
-      c0[0] = s.g1 * x.v_before[s.c.v1] + (s.g2 != 0 ? s.g2 * x.v_before[s.c.v2] : 0);
+      c0[0] = of_ball(s.c) ? limit_rate(s, x.v_before) : s.g1 * x.v_before[s.c.v1] + (s.g2 != 0 ? s.g2 * x.v_before[s.c.v2] : 0);
     } else {
       const auto rate = Six::load(s.F1).dot(before(s.c.body1)) + Six::load(s.F2).dot(before(s.c.body2));
       for (Index r = 0; r < s.rows; ++r) c0[r] = rate[int(r)];

@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "dyn/constraint/rows.hpp"
+#include "dyn/simulation/actuators.hpp"
 #include "dyn/simulation/step.hpp"
 
 namespace dyn::simulation {
@@ -82,14 +83,29 @@ void settle_awake(const Model& m, Data<double>& d) {
   z.some = z.islands > 0;
 }
 
-// Nothing drives its joints, and all of them may sleep.
+// All of its joints.
 bool may_sleep(const Model& m, const Data<double>& d, const Trees& t) {
   const Index first = m.bodies()[t.first].joint, last = m.bodies()[t.end - 1].joint;
   for (Index j = first; j <= last; ++j)
     if (!(d.effects[j] & DYN_EFFECT_SLEEPING)) return false;
-  for (Index k = 0; k < m.n.actuators; ++k)
-    if (const Index j = m.actuators()[k].spec.joint; j >= first && j <= last && d.effects[j] & DYN_EFFECT_ACTUATORS) return false;
   return true;
+}
+
+Index tree_of(const Model& m, const Sleep& z, const ActuatorRecord& r) { return z.number[m.joints()[r.spec.joint].last_body]; }
+
+// Those whose tau or controls are others than in the step before are at rest anew, or awake.
+void stir_driven(const Model& m, Data<double>& d, Sleep& z) {
+  bool woke = false;
+  const auto differ = [&](const double* now, double* before, Index n, Index tree) {
+    if (std::memcmp(now, before, std::size_t(n) * sizeof(double)) == 0) return;
+    std::copy_n(now, n, before), z.steps[tree] = 0;
+    if (z.is[tree] != Sleeper::Awake) wake_ring(z, tree), woke = true;
+  };
+  for (Index t = 0; t < (z.version[input_tau] != d.version[input_tau] ? z.count : 0); ++t)
+    differ(d.tau_applied + z.trees[t].v, z.tau + z.trees[t].v, z.trees[t].v_end - z.trees[t].v, t);
+  for (Index k = 0; k < m.n.actuators; ++k)
+    if (const ActuatorRecord& r = m.actuators()[k]; true) differ(d.ctrl + r.spec.idx_u, z.ctrl + r.spec.idx_u, r.spec.controls, tree_of(m, z, r));
+  if (woke) settle_awake(m, d);
 }
 
 }  // namespace
@@ -110,7 +126,7 @@ void begin_sleep(const Model& m, Data<double>& d, double h) {
     if (z.acts || z.some) wake_all(m, d);
     return;
   }
-  z.plain = !(d.acting & ~std::uint32_t(DYN_EFFECT_ARMATURE | DYN_EFFECT_LIMITS | DYN_EFFECT_SLEEPING)) && active_rows(m, d) == 0;
+  z.plain = active_rows(m, d) == 0;
   const bool same = z.acts && z.known && z.h == h && z.version[input_q] == d.version[input_q] && z.version[input_v] == d.version[input_v];
   if (!same || !z.acts || (z.some && (!z.plain || w.options.visit_sleepers))) wake_all(m, d);
   if (!z.acts) {
@@ -119,16 +135,9 @@ void begin_sleep(const Model& m, Data<double>& d, double h) {
   }
   if (!same) {
     std::fill_n(z.steps, z.count, std::uint8_t(0));
-    std::copy_n(d.tau_applied, m.n.nv, z.tau);
-  } else if (z.version[input_tau] != d.version[input_tau]) {
-    bool woke = false;
-    for (Index t = 0; t < z.count; ++t) {
-      const Trees& x = z.trees[t];
-      if (std::memcmp(d.tau_applied + x.v, z.tau + x.v, std::size_t(x.v_end - x.v) * sizeof(double)) == 0) continue;
-      std::copy(d.tau_applied + x.v, d.tau_applied + x.v_end, z.tau + x.v), z.steps[t] = 0;
-      if (z.is[t] != Sleeper::Awake) wake_ring(z, t), woke = true;
-    }
-    if (woke) settle_awake(m, d);
+    std::copy_n(d.tau_applied, m.n.nv, z.tau), std::copy_n(d.ctrl, m.n.nu, z.ctrl);
+  } else {
+    stir_driven(m, d, z);
   }
   z.known = true;
 }
@@ -193,6 +202,11 @@ void find_rest(const Model& m, Data<double>& d, const double* v0, const double* 
     if (z.still[t] >= time && may_sleep(m, d, x)) is |= ready;
     z.flags[z.island[t]] &= is;
   }
+  // what moves on by itself behind a control has not ended
+  for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
+    if (const Index t = tree_of(m, z, r); r.act >= 0 && z.is[t] == Sleeper::Awake && activated(r, d, d.act[r.act], h) != d.act[r.act])
+      z.flags[z.island[t]] &= std::uint8_t(~alike);
+  });
   // what they exert is what it was, if inputs have not changed
   const auto island = [&](const dynContactForce& f) { return w.laws[&f - w.contacts].island; };
   const auto stood = [&](const dynContactForce& f) { return (z.flags[island(f)] & (at_rest | still_before)) == (at_rest | still_before); };

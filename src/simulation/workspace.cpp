@@ -15,7 +15,7 @@ bool may_rest(const Model& m) { return m.n.contacts > 0 && !m.has_mimic; }
 template <class F>
 void for_each_array(const Model& m, Sleep& z, F&& f) {
   f(z.number, m.n.bodies), f(z.trees, m.n.bodies), f(z.still, m.n.bodies), f(z.largest, m.n.bodies), f(z.steps, m.n.bodies), f(z.is, m.n.bodies), f(z.flags, m.n.bodies);
-  f(z.next, m.n.bodies), f(z.island, m.n.bodies), f(z.list, m.n.bodies), f(z.tau, m.n.nv);
+  f(z.next, m.n.bodies), f(z.island, m.n.bodies), f(z.list, m.n.bodies), f(z.tau, m.n.nv), f(z.ctrl, m.n.nu);
   for_each_array(m, z.room, f);
   f(z.held, m.n.contacts);
 }

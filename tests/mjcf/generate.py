@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
-MODELS = ["tree.xml", "meshes.xml", "whole.xml"]
+MODELS = ["tree.xml", "meshes.xml", "whole.xml", "springs.xml"]
 
 
 def body(m, i):

@@ -127,13 +127,14 @@ constexpr const char* scene = R"(<mujoco model="scene"><option gravity="0 0.5 -9
 <body name="arm" pos="1 0 0"><joint name="a" axis="0 1 0" range="-90 45" damping="0.3" frictionloss="0.1" armature="0.02" stiffness="3" springref="20"/>
   <joint name="b" type="slide" axis="1 0 1" pos="0.1 0 0.2"/><inertial pos="0 0 0.3" mass="1" diaginertia="0.1 0.1 0.02"/>
   <geom name="rod" type="capsule" size="0.05 0.2" condim="6" friction="0.5 0.02 0.003"/>
-  <body name="ball" pos="0 0 0.5"><joint name="c" type="ball" damping="0.1"/><inertial pos="0 0 0.1" mass="0.5" diaginertia="0.01 0.01 0.01"/>
+  <body name="ball" pos="0 0 0.5"><joint name="c" type="ball" damping="0.1" range="0 100"/><inertial pos="0 0 0.1" mass="0.5" diaginertia="0.01 0.01 0.01"/>
     <geom name="bob" type="sphere" size="0.1"/><site name="tip" pos="0 0 0.2"/></body></body></worldbody>
 <contact><exclude body1="arm" body2="box"/><pair geom1="bob" geom2="floor" condim="4" friction="0.9 0.9 0.01 0 0"/></contact>
 <equality><connect name="rope" site1="tip" site2="corner" active="false"/><weld name="glue" site1="tip" site2="corner" active="false"/>
   <joint name="couple" joint1="a" joint2="b" polycoef="0.1 2 0 0 0"/></equality>
 <actuator><motor name="m" joint="a" gear="3" ctrlrange="-1 2"/><position name="p" joint="b" kp="20" kv="2" timeconst="0.1" forcerange="-5 5"/><velocity name="v" joint="a" kv="3"/>
-  <general name="g" joint="b" gainprm="4" biastype="affine" biasprm="1 -2 -3" dyntype="filter" dynprm="0.2"/><motor name="turn" joint="c" gear="0 2 0"/></actuator>
+  <general name="g" joint="b" gainprm="4" biastype="affine" biasprm="1 -2 -3" dyntype="filter" dynprm="0.2"/><motor name="turn" joint="c" gear="0 2 0"/>
+  <intvelocity name="i" joint="a" kp="3" kv="1" actrange="-1 2"/><general name="sum" joint="b" dyntype="integrator" gainprm="2" actrange="0 3"/></actuator>
 <keyframe><key name="bent" qpos="0 0 1 1 0 0 0 0.3 0.1 0.6 0 0.8 0"/></keyframe></mujoco>)";
 
 TEST(Mjcf, ASceneComesBackWithAllItHas) {
@@ -170,6 +171,7 @@ TEST(Mjcf, ASceneComesBackWithAllItHas) {
     EXPECT_EQ(x.q, y.q);
     EXPECT_EQ(x.spec.gear, y.spec.gear);
     EXPECT_EQ(x.spec.time_constant, y.spec.time_constant);
+    EXPECT_EQ(x.spec.integrates, y.spec.integrates);
     EXPECT_EQ(x.spec.type, y.spec.type);
     for (int i = 0; i < 3; ++i) {
       EXPECT_EQ(x.gain[i], y.gain[i]);
@@ -178,6 +180,7 @@ TEST(Mjcf, ASceneComesBackWithAllItHas) {
     for (int i = 0; i < 2; ++i) {
       EXPECT_EQ(x.spec.control_range[i], y.spec.control_range[i]);
       EXPECT_EQ(x.spec.force_range[i], y.spec.force_range[i]);
+      EXPECT_EQ(x.spec.act_range[i], y.spec.act_range[i]);
     }
   }
   ASSERT_EQ(a.n.constraints, b.n.constraints);
@@ -196,7 +199,11 @@ TEST(Mjcf, ASceneComesBackWithAllItHas) {
     EXPECT_EQ(a.stiffness()[k], b.stiffness()[k]);
     EXPECT_EQ(a.armature()[k], b.armature()[k]);
   }
-  for (Index k = 0; k < a.n.nq; ++k) EXPECT_EQ(a.spring_reference()[k], b.spring_reference()[k]);
+  ASSERT_EQ(a.n.limits, b.n.limits);
+  for (Index k = 0; k < a.n.nq; ++k) {
+    EXPECT_EQ(a.spring_reference()[k], b.spring_reference()[k]);
+    EXPECT_NEAR(std::max(-1e9, a.lower_limit()[k]), std::max(-1e9, b.lower_limit()[k]), 1e-15);  // of the ball by way of its angle
+  }
 }
 
 TEST(Urdf, WhatASceneLosesIsSaid) {

@@ -95,6 +95,44 @@ TEST(Actuators, FiltersAreOfFirstOrder) {
   }
 }
 
+// Its rate is the control, until it is at its range's end.
+TEST(Actuators, ControlsAreIntegrated) {
+  dynActuator a = actuator(DYN_ACTUATOR_MOTOR);
+  a.integrates = 1, a.act_range[0] = -1, a.act_range[1] = 0.3;
+  for (const dynIntegrator by : all_integrators) {
+    Play run(wheel(a));
+    integrate_by(run, by);
+    control(run, {2});
+    run.steps(100);
+    EXPECT_NEAR(0.2, run.array("act")[0], 1e-12) << by;
+    EXPECT_NEAR(0.5 * 2 * 0.1 * 0.1 / inertia, run.v[0], by == DYN_SEMI_IMPLICIT_EULER || by == DYN_IMPLICIT_FAST ? 2.1e-4 : 1e-12) << by;
+    run.steps(100);
+    EXPECT_NEAR(0.3, run.array("act")[0], 1e-15) << by;
+    control(run, {-1});
+    run.steps(100);
+    EXPECT_NEAR(0.2, run.array("act")[0], 1e-12) << by;
+    control(run, {-100});
+    run.steps(100);
+    EXPECT_NEAR(-1, run.array("act")[0], 1e-15) << by;
+  }
+}
+
+// A filter's value ends there, too.
+TEST(Actuators, FilteredControlsHaveARange) {
+  dynActuator a = actuator(DYN_ACTUATOR_MOTOR);
+  a.time_constant = 0.05, a.act_range[0] = 0, a.act_range[1] = 0.4;
+  for (const dynIntegrator by : all_integrators) {
+    Play run(wheel(a));
+    integrate_by(run, by);
+    control(run, {1});
+    run.steps(200);
+    EXPECT_EQ(0.4, run.array("act")[0]) << by;
+    control(run, {-1});
+    run.steps(200);
+    EXPECT_EQ(0, run.array("act")[0]) << by;
+  }
+}
+
 // What is known beforehand keeps an arm still without any error of its servo.
 TEST(Actuators, FeedForwardHoldsAnArm) {
   Builder b;
@@ -119,9 +157,7 @@ TEST(Actuators, SwitchedOffTheyDoNothing) {
   EXPECT_EQ(0, run.v[0]);
 }
 
-TEST(Actuators, StatesHoldTheirFilters) {
-  dynActuator a = actuator(DYN_ACTUATOR_MOTOR);
-  a.time_constant = 0.1;
+void keeps_its_state(const dynActuator& a) {
   Play run(wheel(a));
   control(run, {1});
   run.steps(20);
@@ -135,11 +171,22 @@ TEST(Actuators, StatesHoldTheirFilters) {
   run.steps(20);
   EXPECT_EQ(q, run.q[0]);
   EXPECT_EQ(w, run.array("act")[0]);
+  EXPECT_GT(w, 0);
+}
+TEST(Actuators, StatesHoldTheirFilters) {
+  dynActuator a = actuator(DYN_ACTUATOR_MOTOR);
+  a.time_constant = 0.1;
+  keeps_its_state(a);
+}
+TEST(Actuators, StatesHoldTheirIntegrals) {
+  dynActuator a = actuator(DYN_ACTUATOR_POSITION, 5, 1);
+  a.integrates = 1, a.act_range[0] = -0.01, a.act_range[1] = 1;
+  keeps_its_state(a);
 }
 
 TEST(Actuators, ABuilderOfTheModelKeepsThem) {
   dynActuator a = actuator(DYN_ACTUATOR_PD, 3, 4);
-  a.force_range[0] = -1;
+  a.force_range[0] = -1, a.integrates = 1, a.act_range[1] = 7;
   const Model m = wheel(a);
   dynBuilder* b = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_from_model(m, &b));
@@ -157,6 +204,9 @@ TEST(Actuators, ABuilderOfTheModelKeepsThem) {
   EXPECT_EQ(3, x.kp);
   EXPECT_EQ(-1, x.force_range[0]);
   EXPECT_EQ(3, x.controls);
+  EXPECT_EQ(1, x.integrates);
+  EXPECT_EQ(7, x.act_range[1]);
+  EXPECT_EQ(0, x.idx_act);
 }
 
 TEST(Actuators, BadOnesAreRefused) {
@@ -179,6 +229,10 @@ TEST(Actuators, BadOnesAreRefused) {
   refused(DYN_ERROR_INVALID, a, "hinge", "force_range");
   a = actuator(DYN_ACTUATOR_MOTOR), a.time_constant = -1;
   refused(DYN_ERROR_INVALID, a, "hinge", "time_constant");
+  a.integrates = 1, a.time_constant = 0.1;
+  refused(DYN_ERROR_INVALID, a, "hinge", "integrates its control");
+  a = actuator(DYN_ACTUATOR_MOTOR), a.act_range[0] = NAN;
+  refused(DYN_ERROR_INVALID, a, "hinge", "act_range");
   a = actuator(dynActuatorType(9));
   refused(DYN_ERROR_ARGUMENT, a, "hinge", "type 9");
   a = actuator(DYN_ACTUATOR_MOTOR), a.struct_size = 4;

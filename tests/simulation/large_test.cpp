@@ -1,6 +1,8 @@
 // Islands of many bodies and of trees with many contacts: the problem of each step is solved to the tolerance asked, and momentum is kept.
 #include "simulation/scene.hpp"
 
+#include "count.hpp"
+
 namespace dyn_test {
 namespace {
 
@@ -40,6 +42,59 @@ TEST(Large, PouredSpheresAreSolvedInEveryStep) {
     ASSERT_TRUE(within_cones(play, 0.5)) << k;
   }
   EXPECT_GT(rows, 240);
+}
+
+// Two arms of which one follows the other, so that M has no tree.
+void add_mimic_pair(dynBuilder* b) {
+  const double com[3] = {0.1, 0, 0}, I[9] = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01};
+  Spec lead("lead", DYN_JOINT_REVOLUTE), follow("follow", DYN_JOINT_REVOLUTE);
+  lead.about(0, 0, 1), follow.about(0, 0, 1);
+  follow.mimic = "lead", follow.mimic_ratio = 2;
+  for (const Spec* s : {&lead, &follow}) {
+    ASSERT_EQ(DYN_OK, dyn_builder_joint(b, s)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_body(b, (std::string(s->name) + "_arm").c_str(), s->name, nullptr, 1, com, I)) << dyn_last_error();
+  }
+}
+void place_beside(Play& play, const Spheres& s) {
+  Numbers q;
+  for (const auto& p : s.at) q.insert(q.end(), {p[0], p[1], p[2], 0, 0, 0, 1});
+  q.push_back(0);
+  play.set(q);
+}
+
+// A mimic joint beside them is nothing to the spheres: they are solved as exactly, and lie where they lie without it.
+TEST(Large, AMimicJointBesideIsNothingToOthers) {
+  Spheres s(5, 125, 0.21, 0.5, {0, 0, -9.81}), with(5, 125, 0.21, 0.5, {0, 0, -9.81});
+  s.scene.ground(), with.scene.ground();
+  add_mimic_pair(with.scene.builder());
+  Play alone(s.scene.finish(), 2e-3), play(with.scene.finish(), 2e-3);
+  alone.place(s.at), place_beside(play, with);
+  int rows = 0;
+  for (int k = 0; k < 100; ++k) {
+    alone.steps(1), play.steps(1);
+    rows = std::max(rows, play.report().rows);
+    ASSERT_LE(play.report().residual, 1.01e-9) << k;
+    ASSERT_EQ(alone.report().islands, play.report().islands) << k;
+    for (int i = 0; i < 7 * 125; ++i) ASSERT_NEAR(alone.q[i], play.q[i], 1e-7) << k << ' ' << i;
+  }
+  EXPECT_GT(rows, 240);
+}
+
+// Nor does it make them cost together: in flight twice as many take twice the instructions.
+TEST(Large, AMimicJointCouplesNothingInFlight) {
+  const auto count = [](int n) -> long {
+    Spheres s(8, n, 0.5, 0.5, {0, 0, -9.81});
+    add_mimic_pair(s.scene.builder());
+    Play play(s.scene.finish());
+    place_beside(play, s);
+    play.steps(3);
+    return bench::instructions([&] {
+      for (int k = 0; k < 2; ++k) dyn_step(play.m, play.d);
+    });
+  };
+  const long some = count(20), twice = count(40);
+  if (some < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+  EXPECT_LE(double(twice), 2.2 * double(some)) << some << ' ' << twice;
 }
 
 // Gauss-Seidel alone, to two digits: each contact is within its cone all the same, nothing gains energy, and errors of velocities do not add up to overlap.

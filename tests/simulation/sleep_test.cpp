@@ -38,7 +38,8 @@ void place_stacks(Play& run, int n, std::array<double, 3> ball) {
 
 struct Pair {
   Play a, b;  // a leaves out what sleeps
-  Pair(int n, int far = 0) : a(stacks(n, far)), b(stacks(n, far)) { may_sleep(a, false), may_sleep(b, true); }
+  Pair(Model first, Model second) : a(std::move(first)), b(std::move(second)) { may_sleep(a, false), may_sleep(b, true); }
+  Pair(int n, int far = 0) : Pair(stacks(n, far), stacks(n, far)) {}
   int compared = 0, slept = 0;
   template <class F>
   void both(F&& f) { f(a), f(b); }
@@ -48,6 +49,7 @@ struct Pair {
       ++compared;
       for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_EQ(a.q[i], b.q[i]) << "step " << compared << ", q " << i;
       for (int i = 0; i < dyn_nv(a.m); ++i) ASSERT_EQ(a.v[i], b.v[i]) << "step " << compared << ", v " << i;
+      for (int i = 0; i < dyn_nactuators(a.m); ++i) ASSERT_EQ(a.array("actuator_force")[i], b.array("actuator_force")[i]) << "step " << compared << ", actuator " << i;
       ASSERT_EQ(a.report().sleeping, b.report().sleeping) << compared;
       slept = std::max(slept, a.report().sleeping);
       const auto x = a.contacts(), y = b.contacts();
@@ -125,6 +127,102 @@ TEST_P(Sleeping, WakesAsIfItHadNeverSlept) {
 // with pairs in a list, by boxes, and not listed
 INSTANTIATE_TEST_SUITE_P(Scenes, Sleeping, testing::Values(std::pair{3, 0}, std::pair{12, 0}, std::pair{3, 1000}));
 
+// Robots that lie or stand on the ground, two legs each on a trunk, whose joints have damping, dry friction, springs, limits and servos, one of which is
+// filtered; and a ball in the air.
+Model robots(int n, const char* more = "") {
+  std::string bodies, actuators;
+  for (int k = 0; k < n; ++k) {
+    const std::string i = std::to_string(k);
+    bodies += "<body name='trunk" + i + "' pos='" + i + " 0 .16'><freejoint/><geom type='box' size='.15 .1 .03' mass='2'/>";
+    for (const std::string side : {"l", "r"})
+      bodies += "<body pos='0 " + std::string(side == "l" ? ".08" : "-.08") + " 0'><joint name='" + side + i +
+                "' axis='0 1 0' range='-1.5 1.5' damping='.2' frictionloss='.05' stiffness='1' armature='.01'/><geom type='capsule' size='.02' fromto='0 0 0 .1 0 -.1' mass='.3'/></body>";
+    bodies += "</body>";
+    actuators += "<position joint='l" + i + "' kp='8' kv='.3' timeconst='.02' forcerange='-3 3'/><position joint='r" + i + "' kp='8' kv='.3'/>";
+  }
+  const std::string text = "<mujoco><compiler angle='radian'/><worldbody><geom type='plane' size='1 1 1'/>" + bodies +
+                           "<body name='ball' pos='.5 5 2000'><freejoint/><geom size='.05'/></body></worldbody><actuator>" + actuators + "</actuator>" + more + "</mujoco>";
+  dynModel* m = nullptr;
+  EXPECT_EQ(DYN_OK, dyn_model_load_string(text.c_str(), nullptr, &m)) << dyn_last_error();
+  return Model(m);
+}
+void start_robots(Pair& run) {
+  Numbers q(static_cast<std::size_t>(dyn_nq(run.a.m)));
+  ASSERT_EQ(DYN_OK, dyn_configuration(run.a.m, "qpos0", q.data()));
+  run.both([&](Play& p) { p.set(q); });
+}
+
+// They fall asleep, and wake by a control, by gravity, by a ball, by a wrench, each as if it had never slept.
+TEST(Sleep, DrivenAndDampedRobotsSleepToo) {
+  constexpr int n = 3;
+  Pair run(robots(n), robots(n));
+  start_robots(run);
+  Numbers u(2 * n, 0);
+  const auto control = [&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_control(p.m, p.d, u.data())); };
+  u[0] = 0.2, u[3] = -0.1;
+  run.both(control);
+  run.steps(4000);
+  EXPECT_EQ(n, run.a.report().sleeping);
+  // the same controls again wake nobody; another one wakes its own robot
+  run.both(control);
+  run.steps(2);
+  EXPECT_EQ(n, run.a.report().sleeping);
+  const double before = run.a.q[7];
+  u[0] = -0.6, u[1] = 0.5;
+  run.both(control);
+  run.steps(200);
+  EXPECT_EQ(n - 1, run.a.report().sleeping);
+  EXPECT_GT(std::abs(run.a.q[7] - before), 0.02);
+  run.steps(4000);
+  EXPECT_EQ(n, run.a.report().sleeping);
+  // all that a servo has, while others sleep
+  u[2] = 1.4;
+  run.both(control);
+  run.steps(300);
+  EXPECT_EQ(n - 1, run.a.report().sleeping);
+  // heavier, and turned
+  for (const auto& gravity : {std::array<double, 3>{0, 0, -15}, std::array<double, 3>{4, 0, -9}, std::array<double, 3>{0, 0, -g}}) {
+    run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, gravity.data())); });
+    run.steps(150);
+  }
+  run.steps(4000);
+  EXPECT_GT(run.a.report().sleeping, 0);
+  const int asleep = run.a.report().sleeping;
+  // the ball falls on the first robot
+  run.both([&](Play& p) {
+    Numbers q(p.q, p.q + dyn_nq(p.m)), v(p.v, p.v + dyn_nv(p.m));
+    const std::size_t ball = q.size() - 7;
+    q[ball] = q[0], q[ball + 1] = q[1], q[ball + 2] = q[2] + 0.5;
+    std::fill(v.end() - 6, v.end(), 0.0);
+    p.set(q, v);
+  });
+  run.steps(400);
+  EXPECT_LT(run.a.report().sleeping, asleep);
+  const double push[6] = {0, 20, 10, 0, 0, 0};
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_frame_id(p.m, "trunk1"), nullptr, push, DYN_LOCAL_WORLD_ALIGNED)); });
+  run.steps(100);
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
+  run.steps(500);
+}
+
+// A filter that has not come to its end keeps its robot awake, though nothing moves; a wrench that holds a body lets it sleep, and so does a medium.
+TEST(Sleep, WhatActsMayAlsoRest) {
+  Pair run(robots(1, "<option density='1.2' viscosity='1e-5'/>"), robots(1, "<option density='1.2' viscosity='1e-5'/>"));
+  start_robots(run);
+  const double pull[6] = {0, 0, -1, 0, 0, 0};
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_frame_id(p.m, "trunk0"), nullptr, pull, DYN_LOCAL_WORLD_ALIGNED)); });
+  run.steps(2500);
+  EXPECT_EQ(1, run.a.report().sleeping);
+  const double tiny[2] = {1e-9, 0};
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_control(p.m, p.d, tiny)); });
+  run.steps(100);
+  EXPECT_EQ(0, run.a.report().sleeping);
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(0, run.a.v[i]);
+  run.steps(2000);  // 100 time constants: as near as numbers go
+  EXPECT_EQ(1, run.a.report().sleeping);
+  EXPECT_NEAR(1e-9, run.a.array("act")[0], 1e-23);
+}
+
 // A state that was saved asleep, in another data, goes on to the same bits.
 TEST(Sleep, StatesAreKeptBitForBit) {
   Play a(stacks(3)), b(stacks(3));
@@ -199,6 +297,25 @@ TEST(Sleep, SleepersTakeNoInstructions) {
   if (alone < 0) GTEST_SKIP() << "this system does not let a process trace its child";
   const long beside = count(10000);
   EXPECT_LE(double(beside), 1.01 * double(alone)) << alone << " " << beside;
+}
+
+// Robots that sleep cost a step next to nothing.
+TEST(Sleep, SleepingRobotsTakeFewInstructions) {
+  const auto count = [](bool sleep) -> long {
+    Play run(robots(20), 2e-3);
+    may_sleep(run, !sleep);
+    Numbers q(static_cast<std::size_t>(dyn_nq(run.m)));
+    EXPECT_EQ(DYN_OK, dyn_configuration(run.m, "qpos0", q.data()));
+    run.set(q);
+    run.steps(1250);  // the ball still falls
+    EXPECT_EQ(20, run.report().sleeping);
+    return bench::instructions([&] {
+      for (int k = 0; k < 20; ++k) dyn_step(run.m, run.d);
+    });
+  };
+  const long asleep = count(true), visited = count(false);
+  if (asleep < 0) GTEST_SKIP() << "this system does not let a process trace its child";
+  EXPECT_LE(20.0 * double(asleep), double(visited)) << asleep << " " << visited;
 }
 
 }  // namespace

@@ -44,6 +44,12 @@ class Actuator(NamedTuple):
     """Of a model's: its first control."""
     controls: int = 1
     """Of a model's: how many it has."""
+    act_range: Tuple[float, float] = (-inf, inf)
+    """Of the filtered or integrated control."""
+    integrates: bool = False
+    """The first control is the rate of what drives; time_constant is then 0."""
+    idx_act: int = -1
+    """Of a model's: the filtered or integrated control in Data.act; -1: the control itself drives."""
 
     def structure(self) -> abi.Actuator:
         """As the library takes it."""
@@ -51,6 +57,7 @@ class Actuator(NamedTuple):
         lib.dyn_actuator_init(byref(out), member(ActuatorType, self.type, "type"))
         out.component, out.gear, out.kp, out.kv, out.gain = self.component, self.gear, self.kp, self.kv, self.gain
         out.bias[:], out.control_range[:], out.force_range[:] = self.bias, self.control_range, self.force_range
+        out.act_range[:], out.integrates = self.act_range, self.integrates
         out.time_constant = self.time_constant
         return out
 
@@ -88,6 +95,7 @@ class ModelActuators:
         return Actuator(
             ActuatorType(x.type), x.gear, x.kp, x.kv, x.gain, tuple(x.bias), x.time_constant,
             tuple(x.control_range), tuple(x.force_range), x.component, x.joint, x.idx_u, x.controls,
+            tuple(x.act_range), bool(x.integrates), x.idx_act,
         )  # fmt: skip
 
 

@@ -168,7 +168,7 @@ class Fields:
         """controls (nu x 1; by actuator; frame: none.)"""
     @property
     def act(self) -> np.ndarray:
-        """controls behind their filters (na x 1; by actuator; frame: none.)"""
+        """controls behind their filters, or integrated (na x 1; by actuator; frame: none.)"""
     @property
     def actuator_force(self) -> np.ndarray:
         """what actuators exert where the last step ended (nactuators x 1; N, N m; frame: actuator.)"""

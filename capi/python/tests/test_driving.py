@@ -18,6 +18,7 @@ ACTUATORS = {
     "velocity": '<velocity joint="shoulder" kv="3" gear="0.5"/><velocity joint="elbow" kv="0.2" forcerange="-0.01 0.02"/>',
     "general": '<general joint="shoulder" gainprm="3" biastype="affine" biasprm="1 -20 -1"/><general joint="elbow" gainprm="2"/>',
     "ratio": '<position joint="shoulder" kp="40" dampratio="0.5" gear="2"/><general joint="elbow" gainprm="9" biastype="affine" biasprm="1 -9 0.3" gear="3" armature="0.002" damping="0.01"/>',
+    "integral": '<intvelocity joint="shoulder" kp="40" kv="2" actrange="-1 1"/><general joint="elbow" dyntype="integrator" gainprm="2"/>',
     "drag": '<motor joint="shoulder"/><motor joint="elbow"/>',
 }
 
@@ -46,7 +47,7 @@ def test_steps_are_mujocos(kind):
 def test_what_is_read_of_actuators():
     text = SERVOS.format(option="", actuators="""<motor name="m" joint="shoulder" gear="5"/><position joint="shoulder" inheritrange="0.5"/>
 <general joint="elbow" gainprm="3" biastype="affine" biasprm="1 -2 -0.1" dyntype="filter" dynprm="0.02"/>
-<general joint="elbow" dyntype="integrator"/><motor site="s"/>""")
+<general joint="elbow" dyntype="muscle"/><motor site="s"/>""")
     m = dyn.load_string(text)
     assert m.actuator_names == ["m", "position_1", "general_2"]
     motor, servo, affine = (m.actuator(k) for k in range(3))

@@ -89,6 +89,10 @@ def test_joints(both):
     for mine, theirs in ((model.damping, "damping"), (model.armature, "armature"), (model.friction, "friction")):
         close(mine, golden[theirs])
     for k, j in enumerate(golden["joints"]):
+        if j["type"] == BALL:
+            assert model.stiffness[j["dof"]] == pytest.approx(golden["stiffness"][k], rel=TIGHT)
+            limit = model.lower_limit[j["qpos"] + 3]
+            assert 2 * np.arccos(limit) == pytest.approx(j["range"][1], rel=1e-12) if j["range"] else limit == -np.inf
         if j["type"] in (FREE, BALL):
             continue
         limits = j["range"] or [-np.inf, np.inf]
@@ -125,18 +129,53 @@ def test_collision_geometry():
     assert ("HALF_SPACE", "COLLISION") in kinds and ("BOX", "VISUAL") in kinds
 
 
+BODY = '<body name="a"><joint name="j"/><geom size=".1"/></body>'
+
+
 def test_report_and_strict():
-    text = """<mujoco><worldbody><body name="a"><joint name="j" springdamper="1 1"/><geom size=".1"/></body><camera/><light/></worldbody>
+    text = """<mujoco><worldbody><body name="a"><joint name="j" margin="1"/><geom size=".1"/></body><body name="b"><freejoint name="f"/><geom size=".1"/></body><camera/><light/></worldbody>
 <tendon><spatial name="t"/></tendon><equality><tendon tendon1="t"/></equality><actuator><muscle name="m" joint="j"/></actuator>
 <sensor><jointpos joint="j"/></sensor><custom/></mujoco>"""
     messages = [r.message for r in dyn.load_string(text).report]
-    for part in ("springdamper", "<tendon>", "equality 'tendon_0': <tendon> is not read", "actuator 'm': <muscle> is not read", "<sensor>", "<camera>"):
+    for part in ("<tendon>", "equality 'tendon_0': <tendon> is not read", "actuator 'm': <muscle> is not read", "<sensor>", "<camera>"):
         assert any(part in m for m in messages), part
-    with pytest.raises(dyn.Error, match="line 1: joint 'j'.*springdamper.*<tendon>"):
+    with pytest.raises(dyn.Error, match="line 2: .*<tendon>"):
         dyn.load_string(text, strict=True)
 
 
-BODY = '<body name="a"><joint name="j"/><geom size=".1"/></body>'
+# What acts and is not read: a line of the report each, and with strict an error that names it.
+DROPPED = [
+    ('<worldbody>{b}</worldbody><tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>', "<tendon>: fixed 't'"),
+    ('<worldbody>{b}</worldbody><deformable><flex name="x"/></deformable>', "<deformable>: flex 'x'"),
+    ('<worldbody>{b}</worldbody><extension><plugin plugin="p"/></extension>', "<extension>"),
+    ('<worldbody>{b}</worldbody><equality><joint joint1="j"/></equality>', "holds one joint at a place"),
+    ('<worldbody>{b}</worldbody><equality><flex flex="x"/></equality>', "<flex> is not read"),
+    ('<worldbody>{b}</worldbody><actuator><muscle joint="j"/></actuator>', "<muscle> is not read"),
+    ('<worldbody>{b}</worldbody><actuator><adhesion body="a"/></actuator>', "<adhesion> is not read"),
+    ('<worldbody>{b}</worldbody><actuator><damper joint="j" kv="1"/></actuator>', "<damper> is not read"),
+    ('<worldbody>{b}<body><site name="s"/></body></worldbody><actuator><motor site="s"/></actuator>', "it drives no joint"),
+    ('<worldbody>{b}</worldbody><actuator><general joint="j" dyntype="muscle"/></actuator>', "no first-order filter and no integral"),
+    ('<worldbody>{b}</worldbody><actuator><general joint="j" gaintype="affine" gainprm="1 2 0"/></actuator>', "gain changes with its length"),
+    ('<worldbody>{b}</worldbody><actuator><general joint="j" biastype="muscle"/></actuator>', "bias is not affine"),
+    ('<worldbody><body><joint name="k" type="ball"/><geom size=".1"/></body></worldbody><actuator><motor joint="k" gear="1 1 0"/></actuator>', "several degrees of freedom"),
+    ('<worldbody><body><freejoint name="k"/><geom size=".1"/></body></worldbody><actuator><motor joint="k" gear="1"/></actuator>', "axis of the world"),
+    ('<worldbody><body><joint type="free" stiffness="1"/><geom size=".1"/></body></worldbody>', "spring of a free joint"),
+    ('<worldbody><body><joint type="free" springdamper="1 1"/><geom size=".1"/></body></worldbody>', "spring of a free joint"),
+    ('<worldbody><body><joint stiffness="1 2"/><geom size=".1"/></body></worldbody>', "higher order"),
+    ('<option><flag contact="disable"/></option><worldbody>{b}</worldbody>', 'contact="disable"'),
+    ('<worldbody>{b}<body><composite type="cable"/></body></worldbody>', "composite"),
+    ('<worldbody>{b}<flexcomp name="x" type="grid"/></worldbody>', "flexcomp"),
+]
+
+
+@pytest.mark.parametrize("text, message", DROPPED, ids=[m for _, m in DROPPED])
+def test_what_is_dropped_is_listed_and_an_error_when_strict(text, message):
+    text = "<mujoco>\n" + text.format(b=BODY) + "</mujoco>"
+    lines = [r for r in dyn.load_string(text).report if message in r.message]
+    assert lines and lines[0].line == 2 and lines[0].level == dyn.ReportLevel.WARNING
+    with pytest.raises(dyn.Error, match="line 2") as error:
+        dyn.load_string(text, strict=True)
+    assert message in str(error.value)
 
 
 @pytest.mark.parametrize("text, message", [
@@ -151,6 +190,22 @@ BODY = '<body name="a"><joint name="j"/><geom size=".1"/></body>'
     ('<mujoco><compiler autolimits="false"/><worldbody><body><joint range="0 1"/></body></worldbody></mujoco>', "autolimits"),
     ('<mujoco><worldbody><body><joint limited="maybe"/></body></worldbody></mujoco>', "true or false"),
     ('<mujoco><worldbody><body><joint damping="-1"/></body></worldbody></mujoco>', "negative"),
+    ('<mujoco><worldbody><body><joint springdamper="0 1"/></body></worldbody></mujoco>', "both positive"),
+    ('<mujoco><worldbody><body><joint springdamper="1 -1"/></body></worldbody></mujoco>', "both positive"),
+    ('<mujoco><worldbody><body><joint springdamper="1"/></body></worldbody></mujoco>', "1 number where 2"),
+    ('<mujoco><worldbody><body><joint springdamper="nan 1"/></body></worldbody></mujoco>', "nan"),
+    ('<mujoco><worldbody><body><joint springdamper="1e-200 1"/><geom size=".1"/></body></worldbody></mujoco>', "no finite stiffness"),
+    ('<mujoco><worldbody><body><joint springdamper="1 1"/></body></worldbody></mujoco>', "mass"),
+    ('<mujoco><worldbody><body><joint type="ball" range="5 40"/><geom size=".1"/></body></worldbody></mujoco>', "begins at 0"),
+    ('<mujoco><worldbody><body><joint type="ball" range="0 -40"/><geom size=".1"/></body></worldbody></mujoco>', "not below"),
+    ('<mujoco><worldbody><body><joint type="ball" range="-40 40"/><geom size=".1"/></body></worldbody></mujoco>', "begins at 0"),
+    ('<mujoco><worldbody><body><joint type="ball" range="0 1e-9"/><geom size=".1"/></body></worldbody></mujoco>', "below 1"),
+    ('<mujoco><worldbody><body><joint type="ball" range="0 nan"/><geom size=".1"/></body></worldbody></mujoco>', "nan"),
+    ('<mujoco><worldbody>' + BODY + '</worldbody><actuator><intvelocity joint="j" actrange="1 -1"/></actuator></mujoco>', "above the upper"),
+    ('<mujoco><worldbody>' + BODY + '</worldbody><actuator><general joint="j" dyntype="integrator" actlimited="true"/></actuator></mujoco>', "needs actrange"),
+    ('<mujoco><worldbody>' + BODY + '</worldbody><actuator><intvelocity joint="j" kp="nan"/></actuator></mujoco>', "nan"),
+    ('<mujoco><worldbody>' + BODY + '</worldbody><actuator><intvelocity joint="j" kp="-1"/></actuator></mujoco>', "negative"),
+    ('<mujoco><worldbody>' + BODY + '</worldbody><actuator><cylinder joint="j" bias="1 2"/></actuator></mujoco>', "2 numbers where 3"),
     ('<mujoco><worldbody><body><joint armature="nan"/></body></worldbody></mujoco>', "nan"),
     ('<mujoco><worldbody><geom type="blob" size="1"/></worldbody></mujoco>', "<geom type> is 'blob'"),
     ('<mujoco><worldbody><geom type="box" size="1 1"/></worldbody></mujoco>', "needs 3 numbers"),
@@ -195,6 +250,15 @@ BODY = '<body name="a"><joint name="j"/><geom size=".1"/></body>'
 def test_bad_models(text, message):
     with pytest.raises(dyn.Error, match=message):
         dyn.load_string(text)
+
+
+def test_a_model_without_a_name_has_its_own(tmp_path):
+    (tmp_path / "part.xml").write_text('<mujoco model="Arm"><worldbody>' + BODY + "</worldbody></mujoco>")
+    (tmp_path / "m.xml").write_text('<mujoco><asset><model file="part.xml"/></asset><worldbody><attach model="Arm" body="a" prefix="x_"/></worldbody></mujoco>')
+    assert dyn.load(tmp_path / "m.xml").joint_id("x_j") == 1
+    (tmp_path / "part.xml").write_text("<mujoco><worldbody>" + BODY + "</worldbody></mujoco>")
+    with pytest.raises(dyn.Error, match="no model 'Arm'"):
+        dyn.load(tmp_path / "m.xml")
 
 
 def test_files_that_include_and_attach_themselves(tmp_path):
@@ -245,3 +309,35 @@ def test_a_free_joint_is_not_limited_whatever_its_class_says():
     assert m.nq == 8 and m.lower_limit[7] == pytest.approx(-np.pi / 18)
     with pytest.raises(dyn.Error, match="needs range"):
         dyn.load_string("<mujoco><worldbody><body><joint type='hinge' limited='true'/><geom size='.1'/></body></worldbody></mujoco>")
+
+
+def test_actuators_that_integrate_and_cylinders():
+    """As MuJoCo's compiler makes them: gainprm, biasprm, dyntype, actrange."""
+    base = "<mujoco><worldbody><body><joint name='j' range='-10 20'/><geom size='.1'/></body></worldbody><actuator>{}</actuator></mujoco>"
+    one = lambda text: dyn.load_string(base.format(text)).actuator(0)  # noqa: E731
+    x = one("<intvelocity joint='j' kp='3' kv='2' actrange='-1 2' ctrlrange='-4 4'/>")
+    assert (x.type.name, x.kp, x.kv, x.integrates, x.act_range, x.control_range, x.idx_act) == ("POSITION", 3, 2, True, (-1, 2), (-4, 4), 0)
+    x = one("<intvelocity joint='j' kp='3' inheritrange='1'/>")
+    assert x.act_range == pytest.approx((-np.pi / 18, np.pi / 9)) and x.control_range == (-np.inf, np.inf)
+    assert one("<intvelocity joint='j' kp='3' dampratio='1' actrange='-1 1'/>").kv == pytest.approx(0.4483993, rel=1e-6)  # MuJoCo's
+    assert one("<intvelocity joint='j'/>").act_range == (-np.inf, np.inf)
+    x = one("<general joint='j' dyntype='integrator' gainprm='4' biastype='affine' biasprm='1 -2 -3' actlimited='true' actrange='0 5'/>")
+    assert (x.gain, x.bias, x.integrates, x.act_range) == (4, (1, -2, -3), True, (0, 5))
+    assert one("<general joint='j' dyntype='filter' dynprm='.3' actrange='0 5'/>").act_range == (0, 5)
+    x = one("<cylinder joint='j' diameter='2' bias='1 -2 -3' timeconst='.2'/>")
+    assert x.gain == pytest.approx(np.pi) and (x.bias, x.time_constant) == ((1, -2, -3), 0.2)
+    assert one("<motor joint='j'/>").idx_act == -1
+
+
+def test_an_integrated_control_moves_as_in_mujoco():
+    """A servo whose target is the integral of its control follows it: at rest q is the integral, within its range."""
+    m = dyn.load_string("<mujoco><option gravity='0 0 0'/><worldbody><body><joint name='j' damping='1'/><geom size='.1' mass='1'/></body></worldbody>"
+                        "<actuator><intvelocity joint='j' kp='50' kv='5' actrange='-1 .4'/></actuator></mujoco>")  # fmt: skip
+    d = m.data("simulation")
+    d.set_control([0.5])
+    for _ in range(400):
+        d.step()
+    assert d.act[0] == pytest.approx(0.2, abs=1e-12)
+    for _ in range(3000):
+        d.step()
+    assert d.act[0] == 0.4 and d.q[0] == pytest.approx(0.4, abs=1e-6)

@@ -15,6 +15,27 @@ void add_armature(const Model& m, Data<T>& d) {
   for (std::ptrdiff_t k = 0; k < m.n.nv; ++k) d.M[k + m.n.nv * k] += d.armature[k];
 }
 
+// M = G^T X G (tiles.hpp) of the M of mimic joints, whose entries of degrees of freedom that the elimination tree does not relate are zero for good: trees
+// that nothing couples cost nothing together.
+template <class T>
+void contract_related(const Model& m, const T* X, T* M) {
+  const std::ptrdiff_t n = m.n.nv, nx = m.n.nvx;
+  const Index *user = m.expand_v(), *parent = m.dof_parent();
+  const double* ratio = m.ratio_v();
+  for (Index i = 0; i < n; ++i)
+    for (Index j = i; j >= 0; j = parent[j]) M[j + n * i] = T(0);
+  for (Index i = 1; i < m.n.bodies; ++i)
+    for (Index k = m.bodies()[i].idx_v, end = first_dof(m, i + 1); k < end; ++k)
+      for (Index a = i; a != 0; a = m.bodies()[a].parent)
+        for (Index l = m.bodies()[a].idx_v, last = a == i ? k + 1 : first_dof(m, a + 1); l < last; ++l) {
+          const Index u = user[k], w = user[l];
+          const T x = T(ratio[k] * ratio[l]) * X[l + nx * k];
+          M[std::min(u, w) + n * std::max(u, w)] += u == w && k != l ? T(2) * x : x;
+        }
+  for (Index i = 0; i < n; ++i)
+    for (Index j = parent[i]; j >= 0; j = parent[j]) M[i + n * j] = M[j + n * i];
+}
+
 // d.M, full and symmetric.
 template <class T>
 void crba(const Model& m, Data<T>& d) {
@@ -49,7 +70,7 @@ void crba(const Model& m, Data<T>& d) {
         M.store(t, i0, j0);
         M.store(other, j0, i0);
       });
-  if (m.has_mimic) contract_symmetric(m, d.Mx, d.M);
+  if (m.has_mimic) contract_related(m, d.Mx, d.M);
   add_armature(m, d);
   d.done(Stage::Mass);
 }

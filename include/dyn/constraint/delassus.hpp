@@ -37,7 +37,8 @@ DYN_INLINE void propagate(const Model& m, const Data<T>& d, Slot<T>& s, Index* s
   using P = typename Six::P;
   const bool joints = between_joints(s.c.type);
   const Index* parent = m.dof_parent();
-  Index a = joints ? s.c.v1 : last_dof(m, s.c.body1), b = joints ? (s.c.body2 ? s.c.v2 : -1) : last_dof(m, s.c.body2), count = 0;
+  const bool ball = of_ball(s.c);
+  Index a = ball ? s.c.v1 + 2 : joints ? s.c.v1 : last_dof(m, s.c.body1), b = joints ? (s.c.body2 ? s.c.v2 : -1) : last_dof(m, s.c.body2), count = 0;
   Six F = Six::zero(), H = F;
   if (!joints && s.c.body1) F = Six::load(s.F1);
   if (!joints && s.c.body2) H = Six::load(s.F2);
@@ -51,7 +52,10 @@ DYN_INLINE void propagate(const Model& m, const Data<T>& d, Slot<T>& s, Index* s
     f.add(d.U_root[k], x * -d.Dinv[k]);
     support[count++] = k, y += row_lanes;
   };
-  auto entry = [&](Index k) { return joints ? (k == s.c.v1 ? s.g1 : T(0)) + (s.c.body2 && k == s.c.v2 ? s.g2 : T(0)) : T(0); };
+  auto entry = [&](Index k) {
+    if (ball) return k >= s.c.v1 && k < s.c.v1 + 3 ? T(s.c.axis[int(k - s.c.v1)]) : T(0);
+    return joints ? (k == s.c.v1 ? s.g1 : T(0)) + (s.c.body2 && k == s.c.v2 ? s.g2 : T(0)) : T(0);
+  };
   while (a != b) {
     if (a > b) pass(F, a, entry(a)), a = parent[a];
     else pass(H, b, entry(b)), b = parent[b];
@@ -61,13 +65,16 @@ DYN_INLINE void propagate(const Model& m, const Data<T>& d, Slot<T>& s, Index* s
   s.support = count;
 }
 
-// J of a slot, nv rows of lanes, in the user's coordinates.
+// J, rows of lanes by the user's degrees of freedom: those of a slot are added to zeros.
 template <class T>
-void slot_jacobian(const Model& m, const Data<T>& d, const Slot<T>& s, T* J) {
+void add_slot_jacobian(const Model& m, const Data<T>& d, const Slot<T>& s, T* J) {
   using Six = SixEights<T>;
-  std::fill_n(J, row_lanes * std::ptrdiff_t(m.n.nv), T(0));
   auto user = [&](Index k) { return m.has_mimic ? m.expand_v()[k] : k; };
   auto ratio = [&](Index k) { return m.has_mimic ? T(m.ratio_v()[k]) : T(1); };
+  if (of_ball(s.c)) {
+    for (int i = 0; i < 3; ++i) J[row_lanes * user(s.c.v1 + i)] = T(s.c.axis[i]);
+    return;
+  }
   if (between_joints(s.c.type)) {
     J[row_lanes * user(s.c.v1)] += s.g1 * ratio(s.c.v1);
     if (s.c.body2) J[row_lanes * user(s.c.v2)] += s.g2 * ratio(s.c.v2);
@@ -84,25 +91,48 @@ void slot_jacobian(const Model& m, const Data<T>& d, const Slot<T>& s, T* J) {
   if (s.c.body1) add(s.c.body1, s.F1);
   if (s.c.body2) add(s.c.body2, s.F2);
 }
+// J of a slot, nv rows of lanes.
+template <class T>
+void slot_jacobian(const Model& m, const Data<T>& d, const Slot<T>& s, T* J) {
+  std::fill_n(J, row_lanes * std::ptrdiff_t(m.n.nv), T(0));
+  add_slot_jacobian(m, d, s, J);
+}
 
-// L^-T J^T of one slot.
+// The last of the user's degrees of freedom that move a body, or -1: the others are its ancestors in the elimination tree, for they are all coupled.
+inline Index last_user_dof(const Model& m, Index body) {
+  Index last = -1;
+  for (Index i = body; i != 0; i = m.bodies()[i].parent)
+    for (Index k = m.bodies()[i].idx_v, end = first_dof(m, i + 1); k < end; ++k) last = std::max(last, m.expand_v()[k]);
+  return last;
+}
+
+// L^-T J^T of one slot: what two degrees of freedom and their ancestors carry.
 template <class T>
 void eliminate_slot(const Model& m, const Data<T>& d, Slot<T>& s, Index* support, T* y) {
   using P = Pack<T, row_lanes>;
-  T* J = d.slot_columns;
-  slot_jacobian(m, d, s, J);
-  s.support = m.n.nv;
-  for (Index i = m.n.nv - 1; i >= 0; --i) {
+  const Index *parent = m.dof_parent(), *user = m.expand_v();
+  const bool joints = between_joints(s.c.type);
+  Index a = joints ? user[s.c.v1 + (of_ball(s.c) ? 2 : 0)] : last_user_dof(m, s.c.body1);
+  Index b = !joints ? last_user_dof(m, s.c.body2) : s.c.body2 ? user[s.c.v2] : -1;
+  T* const J = d.slot_columns;
+  for (const Index last : {a, b})
+    for (Index i = last; i >= 0; i = parent[i]) P::zero().store(J + row_lanes * i);
+  add_slot_jacobian(m, d, s, J);
+  s.support = 0;
+  while (a >= 0 || b >= 0) {
+    const Index i = std::max(a, b);
     const T* row = factor_row(m, d, i);
     const P x = P::load(J + row_lanes * i), xD = x * d.D[i];
-    for_each_run(m, m.dof_parent()[i], [&](Index first, Index last, Index at) {
+    for_each_run(m, parent[i], [&](Index first, Index last, Index at) {
       for (Index j = first; j < last; ++j) {
         T* to = J + row_lanes * j;
         (P::load(to) - xD * row[at + j - first]).store(to);
       }
     });
-    x.store(y + row_lanes * (m.n.nv - 1 - i));
-    support[m.n.nv - 1 - i] = i;
+    x.store(y), y += row_lanes;
+    support[s.support++] = i;
+    if (a == i) a = parent[a];
+    if (b == i) b = parent[b];
   }
 }
 

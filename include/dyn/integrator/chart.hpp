@@ -3,7 +3,7 @@
 //   du/dt = J(u)^-1 v      dv/dt = ddq(q0 (+) u, v, tau)
 // Free flyers' places and linear velocities are in the axes that the step begins in instead, so that turning does not mix into them:
 //   p = p0 + R0 u      du/dt = w      dw/dt = E (a + omega x v),  E = R0' R = exp(u_angular),  v = E' w
-// After v follow the filters of actuators, which have equations of their own: dw/dt = (u - w) / time_constant.
+// After v follow the activations of actuators, which have equations of their own (simulation/actuators.hpp).
 #pragma once
 
 #include "dyn/algorithm/declarations.hpp"
@@ -23,7 +23,8 @@ struct ChartMotion {
   void place(const T* y) const {
     integrate(m, q0, y, d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y[m.n.nv + k];
-    for (Index k = 0; k < m.n.na; ++k) d.act[k] = y[2 * m.n.nv + k];
+    for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
+      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = simulation::within(y[2 * m.n.nv + r.act], r.spec.act_range);
     for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
       store3(load3(q0 + b.user_q) + rotation(load_quaternion(q0 + b.user_q + 3)) * load3(y + b.user_v), d.q + b.user_q);
       store3(transpose_times(exp3(load3(y + b.user_v + 3)), load3(d.v + b.user_v)), d.v + b.user_v);
@@ -42,7 +43,7 @@ struct ChartMotion {
     });
     for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
       if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0)
-        f[2 * m.n.nv + r.act] = (simulation::command(r, d) - d.act[r.act]) * T(1 / r.spec.time_constant);
+        f[2 * m.n.nv + r.act] = simulation::activation_rate(r, d, d.act[r.act]);
     return 0;
   }
 };

@@ -49,7 +49,7 @@ inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, doub
     end_flight(m, simulation::AllTrees{}, s.q0, 0.0, static_cast<const double*>(s.f), d.q, d.v);
     if (simulation::keeps_ledger(d)) simulation::enter_correction(m, d, s.q0, s.f, s.f);
   }
-  simulation::advance_filters(m, d, s.y0 + 2 * m.n.nv, h);
+  simulation::advance_activations(m, d, s.y0 + 2 * m.n.nv, h);
   return 0;
 }
 

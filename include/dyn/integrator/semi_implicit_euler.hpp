@@ -36,17 +36,23 @@ DYN_INLINE Meeting meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h
   return Meeting::Nothing;
 }
 
-// d.ddq under tau with the actuators at the end of a step of h; d.armature is added to. Returns 0 or the joint whose forward dynamics failed.
+// d.armature = armature with what resists the velocity at the end of a step of h, springs where they do; to the same bits whenever it is asked for.
+template <class T>
+void resist(const Model& m, Data<T>& d, const T* armature, T h, bool springs) {
+  implicit_armature(m, d, armature, h);
+  for (Index k = 0; springs && k < m.n.nv; ++k) d.armature[k] += h * h * d.stiffness[k];
+}
+
+// d.ddq under tau with the actuators at the end of a step of h; d.armature is added to, and made anew from armature for those that are held, so that what
+// an actuator does is nothing to another tree. Returns 0 or the joint whose forward dynamics failed.
 template <class T, class Part>
-Index driven_dynamics(const Model& m, Data<T>& d, const T* tau, T h, const Part& part) {
+[[gnu::noinline]] Index driven_dynamics(const Model& m, Data<T>& d, const T* tau, const T* armature, T h, bool springs, const Part& part) {
   const T* fext = simulation::forces_on_bodies(m, d);
-  if (!(d.acting & DYN_EFFECT_ACTUATORS)) return forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, fext, d.ddq);
   simulation::ImplicitActuators<T> actuators(m, d, h);
   for (int k = 0;; ++k) {
     if (const Index joint = forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq)) return joint;
-    if (k == 3) return 0;
-    actuators.withdraw();  // with the stiffness of those that are not held
-    if (!actuators.saturate(d.ddq)) return 0;
+    if (k == 3 || !actuators.saturate(d.ddq)) return 0;
+    resist(m, d, armature, h, springs);  // and again with the stiffness of those that are not held
   }
 }
 
@@ -56,19 +62,18 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
   T* const armature = d.armature;
   const T* tau = d.tau_applied;
   const std::uint32_t acting = d.acting, implicit = std::uint32_t(DYN_EFFECT_DAMPING) | DYN_EFFECT_FRICTION | DYN_EFFECT_ACTUATORS | (springs ? std::uint32_t(DYN_EFFECT_SPRINGS) : 0u);
+  springs = springs && (d.acting & DYN_EFFECT_SPRINGS);
   if (d.acting & implicit) {
     d.armature = d.net + m.n.nv;
-    implicit_armature(m, d, armature, h);
-    if (springs && (d.acting & DYN_EFFECT_SPRINGS)) {
-      for (Index k = 0; k < m.n.nv; ++k) {
-        d.armature[k] += h * h * d.stiffness[k];
-        s.y[k] = d.tau_applied[k] - h * d.stiffness[k] * d.v[k];
-      }
+    resist(m, d, armature, h, springs);
+    if (springs) {
+      for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.tau_applied[k] - h * d.stiffness[k] * d.v[k];
       tau = s.y;
     }
     d.acting |= DYN_EFFECT_ARMATURE;
   }
-  const Index joint = driven_dynamics(m, d, tau, h, part);
+  const Index joint = d.acting & DYN_EFFECT_ACTUATORS ? driven_dynamics(m, d, tau, armature, h, springs, part)
+                                                      : forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, simulation::forces_on_bodies(m, d), d.ddq);
   d.armature = armature, d.acting = acting;
   return joint;
 }
@@ -104,7 +109,7 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   });
   if constexpr (std::is_same_v<T, double>)
     if (flying) simulation::land(d, h, correction);
-  simulation::advance_filters(m, d, s.y0 + 2 * m.n.nv, h);
+  simulation::advance_activations(m, d, s.y0 + 2 * m.n.nv, h);
   if constexpr (std::is_same_v<T, double>)
     if (correction && simulation::keeps_ledger(d)) simulation::enter_correction(m, d, s.q0, hv, correction);
   if constexpr (std::is_same_v<T, double>)

@@ -96,7 +96,7 @@ struct DragBox {
 struct ActuatorRecord {
   dynActuator spec;
   double gain[3], bias[3];
-  Index name, q, v, act;  // the user's coordinate (or -1) and degree of freedom; of the filter, or -1
+  Index name, q, v, act;  // the user's coordinate (or -1) and degree of freedom; of the activation, or -1
 };
 
 struct ShapeRecord {
@@ -111,9 +111,9 @@ struct ShapeRecord {
   std::uint32_t contype, conaffinity;
 };
 
-// A coordinate with a finite limit.
+// A coordinate with a finite limit; of a quaternion w, by whose lower limit cos(a/2) the angle of the rotation is at most a.
 struct LimitRecord {
-  Index q, body, dof;  // the user's coordinate; the body that it moves, its expanded degree of freedom
+  Index q, body, dof;  // the user's coordinate; the body that it moves, its expanded degree of freedom (of a quaternion the first)
 };
 
 // A collision shape.

@@ -16,7 +16,8 @@ namespace dyn::simulation {
 inline dynActuator default_actuator(dynActuatorType type) {
   dynActuator a{};
   a.struct_size = sizeof a, a.type = type, a.gear = 1;
-  for (double* range : {a.control_range, a.force_range}) range[0] = -HUGE_VAL, range[1] = HUGE_VAL;
+  for (double* range : {a.control_range, a.force_range, a.act_range}) range[0] = -HUGE_VAL, range[1] = HUGE_VAL;
+  a.idx_act = -1;
   return a;
 }
 
@@ -40,10 +41,16 @@ T command(const ActuatorRecord& r, const Data<T>& d) {
 
 // w after h: exact, for u does not change.
 template <class T>
-T filtered(const ActuatorRecord& r, const Data<T>& d, T w, T h) {
+T activated(const ActuatorRecord& r, const Data<T>& d, T w, T h) {
   using math::exp;
   const T u = command(r, d);
-  return u + (w - u) * exp(-h / T(r.spec.time_constant));
+  return within(r.spec.integrates ? w + h * u : u + (w - u) * exp(-h / T(r.spec.time_constant)), r.spec.act_range);
+}
+// dw/dt
+template <class T>
+T activation_rate(const ActuatorRecord& r, const Data<T>& d, T w) {
+  const T u = command(r, d);
+  return r.spec.integrates ? u : (u - w) * T(1 / r.spec.time_constant);
 }
 
 template <class T>
@@ -54,7 +61,7 @@ T unbounded_force(const ActuatorRecord& r, const Data<T>& d, T w, T q, T v) {
   return f;
 }
 
-// At the state and the filters held in d.
+// At the state and the activations held in d.
 template <class T>
 T actuator_force(const ActuatorRecord& r, const Data<T>& d) {
   const T w = r.act >= 0 ? d.act[r.act] : command(r, d);
@@ -69,11 +76,11 @@ const T* actuated(const Model& m, Data<T>& d, const T* tau) {
   return d.step_tau;
 }
 
-// The filters h after the values w; those held in d are replaced.
+// The activations h after the values w; those held in d are replaced.
 template <class T>
-void advance_filters(const Model& m, Data<T>& d, const T* w, T h) {
+void advance_activations(const Model& m, Data<T>& d, const T* w, T h) {
   for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
-    if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = filtered(r, d, w[r.act], h);
+    if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = activated(r, d, w[r.act], h);
 }
 
 template <class T>
@@ -81,19 +88,25 @@ void record_forces(const Model& m, Data<T>& d) {
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) { d.actuator_force[k] = actuator_force(r, d); });
 }
 
+// What sleeps keeps what it had.
+template <class T>
+bool sleeps(const Model& m, const Data<T>& d, const ActuatorRecord& r) {
+  if constexpr (std::is_same_v<T, double>) return d.step->sleep.sleeps(m.joints()[r.spec.joint].last_body);
+  return false;
+}
+
 // In an Euler step.
 template <class T>
 class ImplicitActuators {
  public:
-  // armature: what is held in d.armature without them; tau likewise.
   ImplicitActuators(const Model& model, Data<T>& data, T step) : m(model), d(data), h(step) {
     each([&](const ActuatorRecord& r, Index k) {
-      const T w = r.act >= 0 ? filtered(r, d, d.act[r.act], h) : command(r, d);
+      const T w = r.act >= 0 ? activated(r, d, d.act[r.act], h) : command(r, d);
       d.actuator_force[k] = unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]);
       d.saturated[k] = 0;
     });
   }
-  // Adds to d.armature, and gives tau with the forces.
+  // Adds to d.armature, which is without them, and gives tau with the forces.
   const T* apply(const T* tau) {
     std::copy_n(tau, m.n.nv, d.step_tau);
     each([&](const ActuatorRecord& r, Index k) {
@@ -103,12 +116,6 @@ class ImplicitActuators {
       d.step_tau[r.v] += gear * f;
     });
     return d.step_tau;
-  }
-  void withdraw() {
-    each([&](const ActuatorRecord& r, Index k) {
-      const T gear = T(r.spec.gear);
-      if (!d.saturated[k]) d.armature[r.v] -= gear * gear * (h * D(r) + h * h * K(r));
-    });
   }
   // After ddq: whether some reached the end of their range.
   bool saturate(const T* ddq) {
@@ -123,7 +130,11 @@ class ImplicitActuators {
 
  private:
   template <class F>
-  void each(F&& f) { for_each_actuator(m, d, f); }
+  void each(F&& f) {
+    for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {
+      if (!sleeps(m, d, r)) f(r, k);
+    });
+  }
   static T K(const ActuatorRecord& r) { return r.q >= 0 ? T(std::max(0.0, -r.bias[1])) : T(0); }
   static T D(const ActuatorRecord& r) { return T(std::max(0.0, -r.bias[2])); }
   const Model& m;

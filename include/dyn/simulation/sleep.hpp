@@ -25,13 +25,13 @@ struct Sleep {
   std::uint8_t* flags;          // of islands of this step
   Index awake_count, islands;   // islands that sleep
   bool acts;           // in this step
-  bool plain;          // nothing acts that goes through all trees: some may be left out
+  bool plain;          // no constraint is enabled: some trees may be left out
   bool some;           // are
   bool known;          // since the last step nothing was called that may change what steps begin from, but for q, v and tau, which have versions
   bool met, all;       // in this step something that sleeps is met; there is no room for contacts
   std::uint64_t version[input_count];
   double h;
-  double* tau;         // of those that sleep
+  double *tau, *ctrl;  // of those that sleep
   ChosenTrees awake;
   TreeRoom room;       // of these
   dynContactForce* held;  // contacts of those that sleep, in order

@@ -45,6 +45,18 @@ inline constexpr double limit_reach = 1e-4;  // limits this near count however s
 // Of a coordinate, or a velocity, that is an angle 1, else the model's own length.
 inline double unit_of(const Model& m, const Workspace& w, const LimitRecord& r) { return m.bodies()[r.body].type == BodyType::Prismatic ? w.length : 1; }
 
+inline bool is_ball(const Model& m, const LimitRecord& r) { return m.bodies()[r.body].type == BodyType::Spherical; }
+// Of a ball joint by how much its angle a = 2 atan2(|u|, |w|) may grow, and da / d(rotation), which is the unit axis in its own axes; where there is
+// no rotation yet, along the velocity v there.
+struct BallGap {
+  double gap;
+  Vec3<double> axis;
+};
+BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, const double* v);  // find_slots.cpp
+inline double ball_speed(const LimitRecord& r, const double* v) { return shape::norm(load3(v + r.dof)); }
+// Rate of the one row of a limit.
+inline double limit_rate(const Slot<double>& s, const double* v) { return of_ball(s.c) ? dot(s.c.axis, load3(v + s.c.v1)) : s.g1 * v[s.c.v1]; }
+
 // Slow, m/s: what has fallen a twentieth of the model's own length, or comes to a thousandth of it in the step.
 inline double slow_speed(const Data<double>& d, double h) {
   const double length = d.step->length, g = shape::norm(load3(d.world_gravity));

@@ -13,6 +13,7 @@ class Actuator(Grown):
         ("struct_size", c_uint32), ("type", c_int), ("joint", c_int32), ("component", c_int32), ("gear", c_double), ("kp", c_double),
         ("kv", c_double), ("gain", c_double), ("bias", c_double * 3), ("time_constant", c_double), ("control_range", c_double * 2),
         ("force_range", c_double * 2), ("idx_u", c_int32), ("controls", c_int32),
+        ("act_range", c_double * 2), ("integrates", c_int32), ("idx_act", c_int32),
     ]  # fmt: skip
 
 
