@@ -37,9 +37,8 @@ struct Vec3 {
 #if DYN_LANES == 4
 template <>
 struct Vec3<double> {
-  // the boundary that AVX has by itself: a model's block is then the same on all of x86-64, on ARM and for every compiler (dynb.hpp)
-  typedef double Lanes __attribute__((vector_size(32), aligned(32)));
-  Lanes v;
+  typedef double Lanes __attribute__((vector_size(32)));
+  alignas(32) Lanes v;  // as with AVX: a model's block is then the same on all of x86-64, on ARM and for every compiler (dynb.hpp)
 
   static DYN_INLINE Vec3 zero() { return {Lanes{0, 0, 0, 0}}; }
   static DYN_INLINE constexpr Vec3 make(double x, double y, double z) { return {Lanes{x, y, z, 0}}; }
