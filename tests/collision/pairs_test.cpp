@@ -59,12 +59,12 @@ TEST(Pairs, GradientIsTheDerivative) {
         integrate(m, x.q.data(), step.data(), moved.data());
         return distances_at(m, w, moved);
       };
-      const double h = 1e-4;
+      const double h = 2e-5;
       const VectorXd near = (at(h) - at(-h)) / (2 * h), far = (at(2 * h) - at(-2 * h)) / (4 * h);
       for (Index p = 0; p < pairs; ++p) {
         if (!smooth[std::size_t(p)] || !std::isfinite(near[p])) continue;
         ++seen;
-        if (std::abs(near[p] - far[p]) > 1e-4) continue;  // a kink is near, where another feature becomes the nearest
+        if (std::abs(near[p] - far[p]) > 1e-6) continue;  // a kink is near, where another feature becomes the nearest
         ++compared;
         EXPECT_NEAR((4 * near[p] - far[p]) / 3, gradient(p, k), 2e-6) << "tree " << seed << ", pair " << p << " at distance " << d0[p];
       }

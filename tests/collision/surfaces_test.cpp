@@ -37,7 +37,7 @@ TEST(Surfaces, DistanceToConvexShapesIsTheLeastOfAllPieces) {
   int inside = 0, apart = 0, meeting = 0, through = 0;
   each_surface([&](const Faceted& s, Chance& g) {
     for (const Type t : convex_types)
-      for (int k = 0; k < samples(60); ++k) {
+      for (int k = 0; k < samples(120); ++k) {
         SCOPED_TRACE(testing::Message() << name_of(t) << " " << k);
         const Solid b = g.shape(t, g.pick(2) ? g.uniform(0.02, 0.2) : g.uniform(0.2, 0.8));
         const Pose A = turned(g, 3), B = {g.rotation(), A.p + g.direction() * g.uniform(0, 3)};
@@ -204,7 +204,7 @@ TEST(Surfaces, MeshOfABoxIsTheBox) {
   const shape::Box whole(b.shape);
   EXPECT_NEAR(whole.solid().m, mesh.solid().m, 1e-15);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(whole.solid().I.d[i], mesh.solid().I.d[i], 1e-15);
-  int apart = 0, shallow = 0, inside = 0;
+  int apart = 0, shallow = 0, inside = 0, tied = 0;
   for (int k = 0; k < samples(4000); ++k) {
     SCOPED_TRACE(k);
     Chance g{std::uint64_t(k)};
@@ -224,7 +224,7 @@ TEST(Surfaces, MeshOfABoxIsTheBox) {
       if (e.unique && r.unique) {
         ASSERT_LE(shape::norm(e.normal - r.normal), 1e-5);
       }
-      ASSERT_TRUE(!e.unique || r.unique || c.shape.type == Type::Sphere || c.shape.type == Type::HalfSpace);
+      if (c.shape.type != Type::Sphere && c.shape.type != Type::HalfSpace) tied += e.unique && !r.unique;  // two triangles of a side, to rounding
       ++apart;
     } else if (e.distance > -0.02) {  // through one side
       ASSERT_LE(r.distance, 1e-12);
@@ -238,6 +238,7 @@ TEST(Surfaces, MeshOfABoxIsTheBox) {
   }
   EXPECT_GT(apart, 500);
   EXPECT_GT(inside, 100);
+  EXPECT_LE(tied, apart / 1000);
 }
 
 // A fine sphere comes near to one as the square of its angle.
