@@ -89,10 +89,10 @@ struct Passing {
 
   T limit(T allowed, T h) const { return std::max(T(more) * allowed, most_noise * h); }
   T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
-  // Whether to try again with h. error, raw, moved: of this try (finish_step).
-  bool again(T error, T raw, T moved, T allowed, T share, T& h) {
+  // Whether to try again with h. error, raw, moved: of this try (finish_step); usual_move: what rows change v by elsewhere.
+  bool again(T error, T raw, T moved, T allowed, T usual_move, T& h) {
     if (tries > most) return false;
-    const bool near = T(held_leak) * raw > allowed || moved > std::max(T(100) * share, T(1e-10));
+    const bool near = T(held_leak) * raw > allowed || moved > usual_move;
     if (tries == 0 && !(near && moved > T(10) * error)) return false;
     const T off = std::max(error, T(held_leak) * moved);
     if (error <= T(more) * allowed && !near) return false;
@@ -148,7 +148,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   report.evaluations += 2;
   const T most_noise = std::max(accuracy / (4 * duration), T(1e-7));
   Rounding<T> rounding{active_rows(m, d) > 0, most_noise};
-  Controller<T> controller{T(1) / (Tableau::order - 1), false};
+  Controller<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0)};
   Passing<T> passing{most_noise, h};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
@@ -156,11 +156,10 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     if (!(h > duration * T(1e-13))) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    controller.alone = accuracy == T(0);
     const T share = accuracy / T(growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
     T error = std::numeric_limits<T>::infinity(), raw = T(0), moved = T(0);
     if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw, moved);
-    if (rounding.held && !joint && passing.again(error, raw, moved, most, share, h)) {
+    if (rounding.held && !joint && passing.again(error, raw, moved, most, std::max(100 * share, T(2e4) * Rounding<T>::of_motion(m, d)), h)) {
       h = std::min(h, duration - t);
       s.undo(m, d);
       ++report.rejected;
