@@ -218,7 +218,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
   const double closed = std::max(0.1 * accuracy, 256 * Rounding<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed);
   const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
-  double h = std::min(duration, 1e-3 * std::max(1.0, std::cbrt(1e6 * accuracy))), t = 0;  // of order 3
+  double h = std::min(duration, 1e-3 * std::max(1.0, std::cbrt(1e3 * accuracy))), t = 0;  // of order 3
   while (t < duration) {
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * 1e-13)) return no_step_left;
