@@ -55,7 +55,7 @@ class Problem:
 def test_evaluations_beside_dop853(golden):
     level = LEVEL.get(golden["name"], 1e-9)
     problem = Problem(golden)
-    runs = [problem.run(10.0**-e) for e in np.arange(1, 12.1, 0.25)]
+    runs = [problem.run(10.0**-e) for e in np.arange(1, 12.1, 0.05)]
     mine = cost([(report.evaluations, error) for report, error in runs], level)
     theirs = cost(golden["dop853"], level)
     assert mine <= 1.2 * theirs, f"{mine:.0f} evaluations for {level:g} m, DOP853 {theirs:.0f}"

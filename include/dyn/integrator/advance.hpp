@@ -111,11 +111,12 @@ struct Passing {
 
 // What the next step's length is of this one's: by its error over what is allowed, and by that of the step before (PI: Gustafsson 1991), so that
 // lengths follow errors that grow and fade without trying in vain. By this one's alone where errors are those of rounding: they say nothing of
-// the next. No step is more than twice as long as the last: errors of few digits are near none now and then.
+// the next.
 template <class T>
 struct Controller {
   T power;          // 1 / (order of the error per unit step)
   bool alone;
+  T longest;        // in lengths of this one: where rows hold, errors of few digits are near none now and then
   T before = T(1);  // error over what was allowed, of the step before
   bool tried = false;
 
@@ -123,7 +124,7 @@ struct Controller {
     T factor = !(ratio > T(0)) ? T(5) : alone ? T(0.9) * math::pow(ratio, -power) : T(0.9) * math::pow(ratio, T(-0.8) * power) * math::pow(before, T(0.28) * power);
     if (tried && !alone) factor = std::min(factor, T(1));
     before = std::max(ratio, T(1e-4)), tried = false;
-    return std::clamp(factor, T(0.2), T(2));
+    return std::clamp(factor, T(0.2), longest);
   }
   T reject(T ratio) {
     tried = true;
@@ -148,7 +149,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   report.evaluations += 2;
   const T most_noise = std::max(accuracy / (4 * duration), T(1e-7));
   Rounding<T> rounding{active_rows(m, d) > 0, most_noise};
-  Controller<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0)};
+  Controller<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0), rounding.held ? T(2) : T(5)};
   Passing<T> passing{most_noise, h};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
