@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 #include <system_error>
 
 using namespace dyn;
@@ -190,9 +189,7 @@ dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n,
   if (!arrays) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: arrays is NULL: it is required");
   if (arrays->struct_size < sizeof(dynBatchArrays))
     return fail(DYN_ERROR_SIZE, "dyn_batch_run: struct_size is %u, needs %zu: call dyn_batch_arrays_init", arrays->struct_size, sizeof(dynBatchArrays));
-  // so many states that the address of the last one does not exist
-  constexpr std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max() >> 32;
-  if (n < 0 || n > most) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: n is %lld: give a number of states from 0 to %lld", static_cast<long long>(n), static_cast<long long>(most));
+  if (n < 0 || n > most_records) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: n is %lld: give a number of states from 0 to %lld", static_cast<long long>(n), static_cast<long long>(most_records));
   if (n == 0) return DYN_OK;
   if (!arrays->q) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q is NULL: it is required", row.name);
   if (!arrays->b && row.reads("b")) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: b is NULL: it is required", row.name);

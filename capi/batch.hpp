@@ -1,6 +1,9 @@
 // Batches: the table of what they compute, and the work of one call.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -8,6 +11,10 @@
 #include "thread_pool.hpp"
 
 namespace dyn::capi {
+
+// Of more states or records than these the address of the last one does not exist: of 4 GiB each, or, where addresses have 32 bits, of a number each.
+constexpr std::int64_t most_records =
+    std::min<std::int64_t>(std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::ptrdiff_t>::max() / std::int64_t(sizeof(double)));
 
 struct Sizes {
   int nq = 0, nv = 0, njoints = 0, nframes = 0, nparameters = 0;

@@ -103,8 +103,8 @@ dynStatus dyn_mesh_from_arrays(const double* vertices, size_t n, const int32_t* 
   const char* function = "dyn_mesh_from_arrays";
   if (!vertices || n == 0) return fail(DYN_ERROR_ARGUMENT, "%s: there are no vertices", function);
   if (!triangles && m) return fail(DYN_ERROR_ARGUMENT, "%s: triangles is NULL but triangle_count is not 0", function);
-  constexpr size_t most = size_t(1) << 40;
-  return make(mesh, function, [&] { return meshes::make_mesh(vertices, std::int64_t(std::min(n, most)), triangles, std::int64_t(std::min(m, most)), 0, function); });
+  const auto at_most = [](std::uint64_t count) { return std::int64_t(std::min(count, std::uint64_t(1) << 40)); };
+  return make(mesh, function, [&] { return meshes::make_mesh(vertices, at_most(n), triangles, at_most(m), 0, function); });
 }
 
 dynStatus dyn_mesh_height_field(const double* heights, int columns, int rows, double step_x, double step_y, double bottom, dynMesh** mesh) {

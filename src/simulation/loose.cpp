@@ -12,18 +12,19 @@ namespace {
 
 constexpr int lanes = Wide::lanes;
 
-// false: some articulated inertia is not positive
-bool find_columns(const Body& b, LooseColumns& out) {
+// Dinv[0] is 0 where some articulated inertia is not positive.
+LooseColumns columns_of(const Body& b) {
+  LooseColumns out{};
   ArticulatedInertia<double> IA = ArticulatedInertia<double>::rigid({b.m, b.h, Sym3<double>::from(b.I)});
   for (int k = 5; k >= 0; --k) {
     const Motion<double> s = FreeFlyer::column(b, Mat3<double>::identity(), k);
     const Force<double> U = IA * s;
     const double D = dot(s, U);
-    if (!(D > 0)) return false;
+    if (!(D > 0)) break;
     out.U[k] = U, out.Dinv[k] = 1 / D;
     IA = IA.minus_outer(U, 1 / D);
   }
-  return true;
+  return out;
 }
 
 bool is_loose(const Model& m, Index i) {
@@ -36,8 +37,7 @@ bool is_loose(const Model& m, Index i) {
     if (m.actuators()[k].spec.joint == b.joint) return false;
   for (Index k = 0; k < m.n.held_weights; ++k)
     if (m.held_weights()[k].body == i) return false;
-  LooseColumns columns;
-  return find_columns(b, columns);
+  return columns_of(b).Dinv[0] > 0;
 }
 
 template <class F>
@@ -177,7 +177,7 @@ void set_up_loose(const Model& m, Loose& l) {
     const int lane = l.count % lanes;
     for (int k = lane; k < lanes; ++k) fill(m, e, k, i);
     e.acting |= 1u << lane;
-    find_columns(m.bodies()[i], l.columns[l.count]);
+    l.columns[l.count] = columns_of(m.bodies()[i]);
     l.number[i] = l.count++;
   });
   l.tree_count = list_trees(m, l.trees);
