@@ -1,6 +1,6 @@
 // Plays all scenes for many steps under changing controls, checks their states, and says what memory they took and the hash of all states.
 //   dyn_soak [--steps N] [--hash]     N in all, more of the cheap scenes; --hash: N of each, and nothing but the hashes
-// Exit status 0 only when no state left its bounds and memory did not grow.
+// Exit status 0 only when no state left its bounds and, without --hash, memory did not grow.
 #include <chrono>
 #include <cstring>
 
@@ -42,7 +42,7 @@ int main(int count, char** argument) {
     }
     grown = resident() - pages;
     if (wrong) std::fprintf(stderr, "%s, step %ld: %s\n", scene.name, play.steps, wrong);
-    good = good && !wrong && grown <= 256;  // 1 MiB: the kernel counts in batches
+    good = good && !wrong && (hash || grown <= 256);  // 1 MiB: the kernel counts in batches; under an emulator, where hashes are compared, it counts that
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (hash) std::printf("%-16s %016llx\n", scene.name, (unsigned long long)play.hash());
     else std::printf("%-16s %10ld steps, %6.1f s, %6.2f us a step, %ld pages more, %s\n", scene.name, play.steps, seconds, 1e6 * seconds / double(play.steps), grown, wrong ? wrong : "within bounds");
