@@ -1,11 +1,12 @@
 // The hardest problems of their kind, by numbers: random ones, tables, and stacks of random and of extreme masses that are pushed, so that light bodies
 // slide under heavy ones. Friction's law makes them no convex problems, and no method solves them all: how many, in how many iterations.
+#include "common/quad.hpp"
 #include "solver/scenes.hpp"
 
 namespace dyn_test {
 namespace {
 
-// |lambda - P_K(lambda - c - Gamma(c))| over the largest of g, blocks in units of their part of G; sums in long double, from lambda alone
+// |lambda - P_K(lambda - c - Gamma(c))| over the largest of g, blocks in units of their part of G; sums in quadruple precision, from lambda alone
 double natural_map(const Scene& s, const Vector& lambda) {
   const int n = s.rows();
   double worst = 0, speed = 0;
@@ -13,8 +14,8 @@ double natural_map(const Scene& s, const Vector& lambda) {
   for (std::size_t k = 0; k < s.friction.size(); ++k) {
     double c[3];
     for (int i = 0; i < 3; ++i) {
-      long double sum = s.g[3 * k + i];
-      for (int j = 0; j < n; ++j) sum += static_cast<long double>(s.G[3 * k + i + n * j]) * lambda[j];
+      Quad sum(s.g[3 * k + i]);
+      for (int j = 0; j < n; ++j) sum += Quad(s.G[3 * k + i + n * j]) * Quad(lambda[j]);
       c[i] = double(sum);
     }
     const double mu = s.friction[k], *l = &lambda[3 * k];
