@@ -247,6 +247,11 @@ TEST(Manifold, SpansTheOverlap) {
                at(0, 0, 0), {turn(shape::axis(2), g.uniform(0, 6)), Vec::make(g.uniform(-0.7, 0.7), g.uniform(-0.7, 0.7), 0.999)}};
     const Manifold m = manifold(s, 1e-3);
     if (m.count == 0) continue;  // beside each other
+    if (m.normal[2] < 0.5) {     // nearly so: the way out sideways is shorter than the 1e-3 upwards
+      EXPECT_NEAR(0, m.normal[2], 1e-9);
+      for (int i = 0; i < m.count; ++i) EXPECT_GT(m.points[i].distance, -1e-3);
+      continue;
+    }
     ASSERT_NEAR(1, m.normal[2], 1e-9);
     ++seen;
     const int n = 60;
