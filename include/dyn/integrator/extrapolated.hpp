@@ -119,6 +119,7 @@ class Extrapolated {
     Index joint = 0;
     simulation::forget_rows(d);
     for (int k = 0; k < n && !joint; ++k) {
+      d.step->drifts = k + 1;
       drift(m, d, s, h / n), joint = kick(m, d, s, h / n);
       refer(by_three[k]);
     }
