@@ -32,6 +32,7 @@ ROBOTS = {
     "linkage gripper": ("mechanisms/linkage_gripper.urdf", ["--fixed", "--without", "limits,contact"], "1e-6m"),
 }
 PROBLEMS = {"pendulum": "1e-6m", "box": "1e-6m", "heavy-top": "1e-6m", "chain": "1e-9m", "slide": "1e-4m", "stack": "1e-5m", "bouncing": "1e-3m"}
+LONG = {"quadruped on the ground"}  # it starts beyond its limits, and steps converge late: less time leaves the reference in doubt on a busy machine
 QUICK = {"double pendulum", "arm falls", "four-bar"}
 
 
@@ -101,7 +102,7 @@ def test_the_recommendation_meets_the_target(name, tmp_path):
         target = PROBLEMS[name]
         file, words = scene_of_bench(name, tmp_path)
     duration = 0.2
-    said = answer("accuracy", file, *words, "--duration", duration, "--budget", "5s" if name in QUICK else "20s", "--target", target)
+    said = answer("accuracy", file, *words, "--duration", duration, "--budget", "5s" if name in QUICK else "60s" if name in LONG else "20s", "--target", target)
     best, target = said["recommended"], float(target.rstrip("m"))
     assert best, f"nothing reached {target} m"
     again = answer(*best["command"].split()[1:], "--no-error-estimate")
