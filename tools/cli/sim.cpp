@@ -89,20 +89,13 @@ class Limits {
     for (int i = 0; i < robot_.nq; ++i) {
       if (said_[i] || (q[i] >= lower_[i] && q[i] <= upper_[i])) continue;
       said_[i] = true;
-      warnings.push_back("q[" + std::to_string(i) + "] (joint " + owner(i) + ") is " + short_number(q[i]) +
+      warnings.push_back("q[" + std::to_string(i) + "] (joint " + joint_of(robot_, i) + ") is " + short_number(q[i]) +
                          " at t = " + short_number(t) + " s, beyond its limits [" + short_number(lower_[i]) + ", " +
                          short_number(upper_[i]) + "]: --effects limits keeps it within");
     }
   }
 
  private:
-  std::string owner(int i) const {
-    for (int j = 1; j < robot_.njoints; ++j) {
-      const dynJointInfo info = robot_.joint(j);
-      if (i >= info.idx_q && i < info.idx_q + info.nq) return info.name;
-    }
-    return "?";
-  }
   const Robot& robot_;
   const double *lower_, *upper_;
   std::vector<bool> said_;

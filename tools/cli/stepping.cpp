@@ -32,6 +32,18 @@ void lift(const Robot& robot, Vector& q, json& warnings) {
   if (lifted) warnings.push_back("the robot starts on the ground: its free joint is moved by " + short_number(-lowest) + " m along z; --q says another place");
 }
 
+// Steps bring back a bounded share of it each, and so a motion that begins there goes by their length.
+void warn_beyond_limits(const Robot& robot, const Vector& q, json& warnings) {
+  const double *lower = dyn_model_array(robot, DYN_LOWER_LIMIT), *upper = dyn_model_array(robot, DYN_UPPER_LIMIT);
+  int farthest = -1;
+  double most = 1e-9;
+  for (int i = 0; i < robot.nq; ++i)
+    if (const double beyond = std::max(lower[i] - q[i], q[i] - upper[i]); beyond > most) most = beyond, farthest = i;
+  if (farthest < 0) return;
+  warnings.push_back("q[" + std::to_string(farthest) + "] (joint " + joint_of(robot, farthest) + ") starts at " + short_number(q[farthest]) + ", beyond its limits [" + short_number(lower[farthest]) +
+                     ", " + short_number(upper[farthest]) + "], farthest of all: steps bring it back at a speed that depends on their length, and so does what follows; --q says another place");
+}
+
 bool has_configuration(const Robot& robot, const std::string& name) {
   for (int k = 0; k < dyn_nconfigurations(robot); ++k)
     if (name == dyn_configuration_name(robot, k)) return true;
@@ -94,6 +106,7 @@ State start_of(const Robot& robot, const SteppingOptions& options, json& warning
   if (!options.configuration.empty()) check(dyn_configuration(robot, options.configuration.c_str(), state.q.data()));
   else if (!said && has_configuration(robot, "qpos0")) check(dyn_configuration(robot, "qpos0", state.q.data()));
   if (options.ground && !said && options.configuration.empty()) lift(robot, state.q, warnings);
+  if (parse_effects(options.effects) & DYN_EFFECT_LIMITS) warn_beyond_limits(robot, state.q, warnings);
   if (const Vector given = parse_list("--ctrl", options.ctrl); !given.empty()) {
     if (given.size() != state.ctrl.size())
       fail("--ctrl has " + std::to_string(given.size()) + " numbers, but the robot has " + std::to_string(state.ctrl.size()) + " controls (nu).");
@@ -105,6 +118,12 @@ State start_of(const Robot& robot, const SteppingOptions& options, json& warning
 void set_start(const Robot& robot, const Data& data, const State& state) {
   check(dyn_data_set_state(robot, data, state.q.data(), state.v.data(), nullptr, state.tau.data()));
   check(dyn_data_set_control(robot, data, state.ctrl.data()));
+}
+
+std::string joint_of(const Robot& robot, int i) {
+  for (int j = 1; j < robot.njoints; ++j)
+    if (const dynJointInfo info = robot.joint(j); i >= info.idx_q && i < info.idx_q + info.nq) return info.name;
+  return "?";
 }
 
 Schedule::Schedule(double duration, double h) : dt(h), last(h) {

@@ -49,8 +49,12 @@ void check_stepping(const SteppingOptions& options);
 
 // Where the steps begin: as --state or --q say, else in --configuration, else where an MJCF file draws the robot (qpos0), else neutral;
 // with --ground on it, if nothing was said. Controls are those of --ctrl.
+// A start beyond limits that act is a warning.
 State start_of(const Robot& robot, const SteppingOptions& options, json& warnings);
 void set_start(const Robot& robot, const Data& data, const State& state);
+
+// Whose coordinate q[i] is.
+std::string joint_of(const Robot& robot, int i);
 
 // Steps of dt, and a shorter last one when dt does not divide the duration.
 struct Schedule {

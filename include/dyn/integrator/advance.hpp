@@ -10,14 +10,6 @@
 
 namespace dyn::integrator {
 
-template <class T>
-T largest(const T* x, Index n) {
-  T out = T(0);
-  for (Index k = 0; k < n; ++k)
-    if (const T size = std::abs(x[k]); !(size <= out)) out = size;
-  return out;
-}
-
 // Where rounding ends what a smaller step could gain, rad and m and their rates: of what a step adds; or, where accelerations are known
 // less well, from where on the errors of shorter steps fall no more.
 template <class T>

@@ -48,6 +48,14 @@ struct ChartMotion {
   }
 };
 
+template <class T>
+T largest(const T* x, Index n) {
+  T out = T(0);
+  for (Index k = 0; k < n; ++k)
+    if (const T size = std::abs(x[k]); !(size <= out)) out = size;
+  return out;
+}
+
 // Room of a step: q at its beginning, y at its beginning and in its stages, and what the stages give.
 template <class T>
 struct Stages {

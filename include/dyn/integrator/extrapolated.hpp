@@ -63,14 +63,17 @@ class Extrapolated {
     for (double*& x : by_three) x = next, next += m.n.nv;
   }
 
-  // To the limit, and its error. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
+  // To the limit, and its error; d.ddq: free, at the beginning. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
   Index step(double h, double& error) {
     keep(before), simulation::keep_contacts(*d.step);
     d.step->closed = closed;
+    // what the contact solver leaves open, relative to free velocities, is no motion that extrapolates: far less than is allowed, or no step is short enough
+    const double asked = d.step->options.tolerance, fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
+    if (fast > 0) d.step->options.tolerance = std::min(asked, std::max(1e-14, 0.01 * closed / fast));
     Index joint = substeps(h, 1);
     if (!joint) keep(one), restore(), joint = substeps(h, 2);
     if (!joint) keep(two), restore(), d.step->passed = 0, joint = substeps(h, 3);
-    d.step->closed = 0;
+    d.step->closed = 0, d.step->options.tolerance = asked;
     if (joint) return restore(), joint;
     // what all of them stop at once moves on between, which no difference of them shows: velocities bend. (At the end they may jump where something is met.)
     error = 0;
@@ -119,6 +122,7 @@ class Extrapolated {
     Index joint = 0;
     simulation::forget_rows(d);
     for (int k = 0; k < n && !joint; ++k) {
+      d.step->drifts = k + 1;
       drift(m, d, s, h / n), joint = kick(m, d, s, h / n);
       refer(by_three[k]);
     }

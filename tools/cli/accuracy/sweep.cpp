@@ -81,10 +81,13 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
       fail("there is no reference, since steps of " + short_number(fine.dt) + " s and more end early: " + (r->error.empty() ? std::string(too_long) : r->error) + " (--budget gives it more time, --reference another one)");
   out.smooth = false;
   out.kind = "steps of " + short_number(fine.dt, 3) + " s, the finest that a third of the budget allows";
-  out.uncertainty = error_between(scene.robot, out.run, near);
-  const double before = error_between(scene.robot, near, far).m, ratio = out.uncertainty.m > 0 ? before / out.uncertainty.m : HUGE_VAL;
-  out.confidence = ratio > 1.5 ? "twice and four times as long steps differ from it by " + short_number(out.uncertainty.m, 3) + " m and " + short_number(before, 3) + " m: it converges"
-                               : "low: twice as long steps are off by " + short_number(out.uncertainty.m, 3) + " m, hardly less than four times as long ones: the motion is chaotic, or the steps are too long";
+  const Error halved = error_between(scene.robot, out.run, near);
+  const double before = error_between(scene.robot, near, far).m, ratio = halved.m > 0 ? before / halved.m : HUGE_VAL;
+  // what a geometric series of that ratio leaves, which is what the last halving changed where errors halve; four times that where they hardly do
+  const double rest = std::clamp(1 / std::max(ratio - 1, 1e-3), 1.0, 4.0);
+  out.uncertainty = {rest * halved.m, rest * halved.rad, rest * halved.energy, rest * halved.momentum};
+  out.confidence = ratio > 1.5 ? "twice and four times as long steps differ from it by " + short_number(halved.m, 3) + " m and " + short_number(before, 3) + " m: it converges"
+                               : "low: twice as long steps are off by " + short_number(halved.m, 3) + " m, hardly less than four times as long ones: the motion is chaotic, or the steps are too long";
   return out;
 }
 
