@@ -3,6 +3,8 @@
 import os
 import secrets
 import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -106,3 +108,10 @@ def test_failures_and_refusals(cluster, scene):
         rollout(scene, np.zeros((3, 5)), steps=1, engine="ray")
     with pytest.raises(dyn.CancelledError, match="cancelled after"):
         rollout(scene, **task, tau=np.nan_to_num(tau), chunk=1, engine="ray", progress=lambda made, of: False)
+
+
+def test_an_address_where_no_cluster_is():
+    program = "import dyn; dyn.batch.rollout(dyn.load(%r, base='fixed'), steps=1, engine='ray')" % str(MODELS / "robots" / "double_pendulum.urdf")
+    for address in ("127.0.0.1:1", "127.0.0.1:99999"):
+        done = subprocess.run([sys.executable, "-c", program], env={**os.environ, "RAY_ADDRESS": address}, capture_output=True, text=True, timeout=300)
+        assert done.returncode and f"ArgumentError: RAY_ADDRESS is '{address}', where no cluster answers: " in done.stderr
