@@ -1577,6 +1577,9 @@ typedef struct dynMeshArrays {
   const int32_t* neighbours;      /* vertices that share an edge with each vertex */
 } dynMeshArrays;
 DYN_API dynStatus dyn_mesh_arrays(const dynMesh* mesh, dynMeshArrays* arrays);
+/* How a file's triangles look: red, green, blue as in dyn_shape_rgba, 3 x triangle_count: the diffuse colour of the material (glTF: its base
+   colour) times the mean of those at the corners, where there are any. -1 where the file says nothing. Neither textures nor opacity. */
+DYN_API dynStatus dyn_mesh_colours(const dynMesh* mesh, double* rgb);
 
 /* The convex hull of the vertices, another mesh. DYN_ERROR_INVALID: fewer than four points, or all in a plane. */
 DYN_API dynStatus dyn_mesh_hull(const dynMesh* mesh, dynMesh** hull);

@@ -1549,6 +1549,12 @@ class Mesh {
   const dynMesh* get() const noexcept { return mesh_.get(); }
   dynMeshInfo info() const { return get_<dynMeshInfo>(dyn_mesh_info); }
   dynMeshArrays arrays() const { return get_<dynMeshArrays>(dyn_mesh_arrays); }
+  // Red, green, blue of each triangle, 0 to 1; -1 where the file says nothing.
+  std::vector<double> colours() const {
+    std::vector<double> rgb(3 * arrays().triangle_count);
+    check(dyn_mesh_colours(get(), rgb.data()));
+    return rgb;
+  }
   Mesh hull() const {
     return make_([&](dynMesh** out) { return dyn_mesh_hull(get(), out); });
   }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "dyn/model/colour.hpp"
 #include "guard.hpp"
 #include "model/builder_surface.hpp"
 
@@ -166,6 +167,14 @@ dynStatus dyn_mesh_arrays(const dynMesh* handle, dynMeshArrays* out) {
     a.neighbour_start = p->neighbour_start.data(), a.neighbours = p->neighbours.data();
   }
   *out = a;
+  return DYN_OK;
+}
+
+dynStatus dyn_mesh_colours(const dynMesh* handle, double* rgb) {
+  if (const dynStatus s = check(handle)) return s;
+  if (!rgb) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_colours: rgb is NULL");
+  const meshes::Mesh& mesh = *handle->m;
+  for (std::size_t t = 0; t < std::size_t(mesh.triangle_count()); ++t) std::copy_n(rgba_of(mesh.colours.empty() ? 0 : mesh.colours[t]).begin(), 3, rgb + 3 * t);
   return DYN_OK;
 }
 

@@ -36,6 +36,7 @@ struct Polytope {
 struct Mesh {
   std::vector<double> vertices;  // 3 each, no two equal
   std::vector<Index> triangles;  // 3 each, none degenerate
+  std::vector<std::uint32_t> colours;  // of the triangles, as in dyn/model/colour.hpp; empty: none has one
   std::int64_t welded = 0, degenerate = 0, duplicates = 0, skipped = 0;  // what is not there any more
   Topology topology;
   std::optional<Polytope> polytope;  // of a hull
@@ -66,8 +67,8 @@ struct MeshOptions {
 
 // mesh_read.cpp
 Mesh read_mesh(const std::string& name, const MeshOptions& options);
-// mesh_weld.cpp: welds and drops; corners must be in range and vertices finite. who begins messages.
-Mesh make_mesh(const double* vertices, std::int64_t n, const Index* triangles, std::int64_t m, double weld_tolerance, const std::string& who);
+// mesh_weld.cpp: welds and drops; corners must be in range and vertices finite. who begins messages. colours: m, or nullptr.
+Mesh make_mesh(const double* vertices, std::int64_t n, const Index* triangles, std::int64_t m, double weld_tolerance, const std::string& who, const std::uint32_t* colours = nullptr);
 // mesh_topology.cpp
 Topology topology_of(const std::vector<Index>& triangles);
 // mesh_mass.cpp: what a closed mesh bounds, at density 1; volume and inertia are negative when it is inside out.

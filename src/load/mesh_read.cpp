@@ -54,7 +54,7 @@ Mesh read_mesh(const std::string& name, const MeshOptions& options) {
   for (std::int64_t i = 0; i < 3 * soup.vertex_count; ++i) soup.vertices[i] *= options.scale[std::size_t(i % 3)];
   if (mirror < 0)  // what was counter-clockwise is not any more
     for (std::int64_t t = 0; t < soup.triangle_count; ++t) std::swap(soup.triangles[3 * t + 1], soup.triangles[3 * t + 2]);
-  Mesh out = make_mesh(soup.vertices, soup.vertex_count, soup.triangles, soup.triangle_count, options.weld_tolerance, printable(path));
+  Mesh out = make_mesh(soup.vertices, soup.vertex_count, soup.triangles, soup.triangle_count, options.weld_tolerance, printable(path), soup.colours);
   out.skipped = soup.skipped;
   return out;
 }

@@ -94,7 +94,7 @@ class Seen {
 
 }  // namespace
 
-Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std::int64_t m, double weld_tolerance, const std::string& who) {
+Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std::int64_t m, double weld_tolerance, const std::string& who, const std::uint32_t* colours) {
   const auto fail = [&](dynStatus status, const std::string& message) { throw Error(status, who + ": " + message); };
   if (m > max_triangles) fail(DYN_ERROR_LIMIT, std::to_string(m) + " triangles, and the limit is " + std::to_string(max_triangles) + ": simplify the mesh");
   if (n > 3 * max_triangles) fail(DYN_ERROR_LIMIT, std::to_string(n) + " vertices, and the limit is " + std::to_string(3 * max_triangles));
@@ -143,8 +143,12 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
     }
     all.insert(all.end(), {a, b, c});
     if (on_a_line(out.vertex(a), out.vertex(b), out.vertex(c))) ++out.degenerate;
-    else out.triangles.insert(out.triangles.end(), {a, b, c});
+    else {
+      out.triangles.insert(out.triangles.end(), {a, b, c});
+      if (colours) out.colours.push_back(colours[t]);
+    }
   }
+  if (std::all_of(out.colours.begin(), out.colours.end(), [](std::uint32_t c) { return c == 0; })) out.colours.clear();
   if (m > 0 && out.triangles.empty()) fail(DYN_ERROR_INVALID, "no triangle has an area: all " + std::to_string(m) + " are degenerate");
   out.topology = topology_of(all);
   return out;

@@ -49,7 +49,7 @@ bool read(const char* path, bool up_z, std::int64_t max_triangles, Soup* out, Fa
   return guarded(failure, [&] {
     const Triangles t = read_assimp(path, up_z, max_triangles);
     out->vertices = handed_over(t.vertices), out->vertex_count = std::int64_t(t.vertices.size() / 3);
-    out->triangles = handed_over(t.corners), out->triangle_count = std::int64_t(t.corners.size() / 3);
+    out->triangles = handed_over(t.corners), out->colours = handed_over(t.colours), out->triangle_count = std::int64_t(t.corners.size() / 3);
     out->skipped = t.skipped;
   });
 }
@@ -64,7 +64,7 @@ bool hull(const double* points, std::int32_t count, HullFaces* out, Failure* fai
   });
 }
 
-void free_soup(Soup* s) { std::free(s->vertices), std::free(s->triangles), *s = {}; }
+void free_soup(Soup* s) { std::free(s->vertices), std::free(s->triangles), std::free(s->colours), *s = {}; }
 void free_hull(HullFaces* h) { std::free(h->corners), std::free(h->face_start), std::free(h->face_corners), *h = {}; }
 
 }  // namespace

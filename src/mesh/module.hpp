@@ -8,7 +8,7 @@
 
 namespace dyn::mesh {
 
-inline constexpr std::uint32_t module_version = 1;  // of this file
+inline constexpr std::uint32_t module_version = 2;  // of this file
 
 struct Failure {
   dynStatus status;
@@ -20,6 +20,7 @@ struct Soup {
   double* vertices;  // 3 each
   std::int64_t vertex_count;
   std::int32_t* triangles;  // 3 each
+  std::uint32_t* colours;   // of the triangles, as in dyn/model/colour.hpp
   std::int64_t triangle_count;
   std::int64_t skipped;
 };

@@ -19,6 +19,7 @@ struct Refusal : std::runtime_error {
 struct Triangles {
   std::vector<double> vertices;
   std::vector<std::int32_t> corners;
+  std::vector<std::uint32_t> colours;  // of the triangles
   std::int64_t skipped = 0;
 };
 // read_assimp.cpp

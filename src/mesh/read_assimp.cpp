@@ -9,8 +9,10 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 
+#include "dyn/model/colour.hpp"
 #include "parts.hpp"
 
 namespace dyn::mesh {
@@ -55,8 +57,20 @@ double from_decimal(float x) {
   return value;
 }
 
+// The diffuse colour that the file says, or none: assimp makes a grey, or a material of its own, where it says nothing, and white is the factor of a texture.
+std::optional<aiColor4D> diffuse(const aiMaterial& material) {
+  aiColor4D c;
+  const std::string name = material.GetName().C_Str();
+  if (name.empty() || name == AI_DEFAULT_MATERIAL_NAME || material.Get(AI_MATKEY_COLOR_DIFFUSE, c) != aiReturn_SUCCESS) return {};
+  if (c == aiColor4D(0.6f, 0.6f, 0.6f, 1) || (material.GetTextureCount(aiTextureType_DIFFUSE) && c == aiColor4D(1, 1, 1, 1))) return {};
+  return c;
+}
+
+// Of light as of screens: IEC 61966-2-1.
+double from_linear(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; }
+
 struct Reading {
-  bool decimal;
+  bool decimal;  // not glTF
   Triangles out;
 
   double number(ai_real x) const { return decimal ? from_decimal(float(x)) : double(x); }
@@ -70,7 +84,25 @@ struct Reading {
     return X;
   }
 
-  void add(const aiMesh& mesh, const Affine& X) {
+  // That of the material times the mean of the corners'.
+  std::uint32_t colour(const aiMesh& mesh, const std::optional<aiColor4D>& material, const aiFace& face) const {
+    if (!material && !mesh.HasVertexColors(0)) return 0;
+    aiColor4D sum(1, 1, 1, 1);
+    if (mesh.HasVertexColors(0)) {
+      sum = aiColor4D(0, 0, 0, 0);
+      for (unsigned k = 0; k < 3; ++k) sum = sum + mesh.mColors[0][face.mIndices[k]] * (1 / 3.0f);
+    }
+    if (material) sum = sum * *material;
+    double rgba[4] = {number(sum.r), number(sum.g), number(sum.b), 1};
+    for (int i = 0; i < 3; ++i) {
+      if (!std::isfinite(rgba[i])) return 0;
+      if (!decimal) rgba[i] = from_linear(rgba[i]);
+    }
+    return packed_colour(rgba);
+  }
+
+  void add(const aiMesh& mesh, const aiMaterial* has, const Affine& X) {
+    const std::optional<aiColor4D> material = has ? diffuse(*has) : std::nullopt;
     const std::size_t first = out.vertices.size() / 3;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const double v[3] = {number(mesh.mVertices[i].x), number(mesh.mVertices[i].y), number(mesh.mVertices[i].z)};
@@ -92,6 +124,7 @@ struct Reading {
           throw Refusal(DYN_ERROR_PARSE, "a face refers to vertex " + std::to_string(i) + " of " + std::to_string(mesh.mNumVertices));
         out.corners.push_back(std::int32_t(first + i));
       }
+      out.colours.push_back(colour(mesh, material, face));
     }
   }
 };
@@ -146,7 +179,10 @@ Triangles read_assimp(const char* path, bool up_z, std::int64_t max_triangles) {
   if (triangles > max_triangles)
     throw Refusal(DYN_ERROR_LIMIT, std::to_string(triangles) + " triangles, and the limit is " + std::to_string(max_triangles));
   for (const Placed& p : all)
-    for (unsigned i = 0; i < p.node->mNumMeshes; ++i) reading.add(*scene->mMeshes[p.node->mMeshes[i]], p.X);
+    for (unsigned i = 0; i < p.node->mNumMeshes; ++i) {
+      const aiMesh& mesh = *scene->mMeshes[p.node->mMeshes[i]];
+      reading.add(mesh, mesh.mMaterialIndex < scene->mNumMaterials ? scene->mMaterials[mesh.mMaterialIndex] : nullptr, p.X);
+    }
   return std::move(reading.out);
 }
 

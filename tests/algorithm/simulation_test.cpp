@@ -138,6 +138,17 @@ TEST_P(Steps, OrientationsStayUnit) {
     EXPECT_LE(norm_error(*flight.model, flight.w.d.q), 4e-16) << i;
   }
 }
+// What their memory holds before is nobody's: checked builds fill it with NaN.
+TEST_P(Steps, BeginWithAnyMemory) {
+  for (const dynIntegrator i : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) {
+    Flight plain(GetParam()()), filled(GetParam()());
+    const ModelSizes& n = plain.model->n;
+    std::fill_n(plain.w.d.stages, stages_room(n.nq, n.nv, n.na), 0.0);
+    std::fill_n(filled.w.d.stages, stages_room(n.nq, n.nv, n.na), std::numeric_limits<double>::quiet_NaN());
+    plain.advance(i, 1e-2, 2), filled.advance(i, 1e-2, 2);
+    EXPECT_TRUE(std::equal(plain.w.d.q, plain.w.d.q + n.nq, filled.w.d.q)) << i;
+  }
+}
 INSTANTIATE_TEST_SUITE_P(Robots, Steps, testing::Values(free_body, chain, geared), [](const auto& p) {
   return std::string(p.index == 0 ? "FreeBody" : p.index == 1 ? "Chain" : "Mimic");
 });

@@ -344,7 +344,7 @@ TEST(Handles, TablesAreComplete) {
       "dyn_constraint_anchor",
       // tests/mesh
       "dyn_mesh_options_init", "dyn_mesh_load", "dyn_mesh_from_arrays", "dyn_mesh_free", "dyn_mesh_info", "dyn_mesh_arrays", "dyn_mesh_hull",
-      "dyn_mesh_height_field",
+      "dyn_mesh_height_field", "dyn_mesh_colours",
       // batch_test.cpp
       "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_batch_info",
       // rollout_test.cpp

@@ -53,6 +53,84 @@ TEST(MeshFile, EveryFormat) {
   }
 }
 
+using Colour = std::array<double, 3>;
+
+// Each triangle's colour, counted; of 8 bits.
+std::map<Colour, int> colours_of(const Made& m) {
+  EXPECT_EQ(DYN_OK, m.status) << m.error;
+  std::map<Colour, int> out;
+  const std::vector<double> all = m.colours();
+  for (std::size_t k = 0; k < all.size(); k += 3) {
+    Colour c;
+    for (std::size_t i = 0; i < 3; ++i) c[i] = all[k + i] < 0 ? -1 : std::round(255 * all[k + i]);
+    ++out[c];
+  }
+  return out;
+}
+using Count = std::map<Colour, int>;
+const Colour none = {-1, -1, -1}, paint = {230, 26, 51};  // Kd 0.9 0.1 0.2
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(text.npos, at) << what;
+  return text.replace(at, what.size(), by);
+}
+
+TEST(MeshFile, ColoursOfMaterials) {
+  NEEDS_MODULE();
+  const Folder folder;
+  for (const auto& [name, path] : all_formats(folder)) EXPECT_EQ((Count{{none, 12}}), colours_of(mesh_file(path))) << name;
+
+  // from the fourth triangle on red; two with a texture, whose factor is white; one of a material without a colour
+  folder.write("m.mtl", "newmtl red\nKd 0.9 0.1 0.2\nnewmtl wood\nKd 1 1 1\nmap_Kd wood.png\nnewmtl bare\n");
+  std::string text = obj(brick), faces[12];
+  for (std::string& face : faces) {
+    const std::size_t at = text.rfind("\nf ");
+    face = text.substr(at + 1), text.resize(at + 1);
+  }
+  std::string parts = text + "usemtl bare\n" + faces[0] + faces[1] + faces[2] + "usemtl red\n";
+  for (int k = 3; k < 9; ++k) parts += faces[k];
+  parts += "usemtl wood\n" + faces[9] + faces[10] + "usemtl bare\n" + faces[11];
+  EXPECT_EQ((Count{{none, 6}, {paint, 6}}), colours_of(mesh_file(folder.write("parts.obj", "mtllib m.mtl\n" + parts))));
+  EXPECT_EQ((Count{{none, 12}}), colours_of(mesh_file(folder.write("gone.obj", "mtllib gone.mtl\n" + parts))));
+  EXPECT_EQ((Count{{none, 12}}), colours_of(mesh_file(folder.write("sub/outside.obj", "mtllib ../m.mtl\n" + parts))));  // not in its folder
+
+  // triangles that are dropped take their colours along; mirrored ones keep them
+  const std::string twice = replaced(parts, "usemtl red\n", "usemtl red\n" + faces[0] + "f 1 1 2\n");
+  MeshOptions mirrored;
+  mirrored.scale[0] = -1;
+  const Made plain = mesh_file(folder.write("twice.obj", "mtllib m.mtl\n" + twice)), turned = mesh_file(folder.write("twice.obj", "mtllib m.mtl\n" + twice), mirrored);
+  EXPECT_EQ(12, plain.info().triangles);
+  EXPECT_EQ((Count{{none, 6}, {paint, 6}}), colours_of(plain));
+  EXPECT_EQ(plain.colours(), turned.colours());
+
+  std::string collada = replaced(dae(brick), "<library_geometries>",
+                                 "<library_effects><effect id=\"e\"><profile_COMMON><technique sid=\"t\"><lambert><diffuse><color>0.9 0.1 0.2 1</color></diffuse></lambert></technique>"
+                                 "</profile_COMMON></effect></library_effects><library_materials><material id=\"m\" name=\"paint\"><instance_effect url=\"#e\"/></material></library_materials>"
+                                 "<library_geometries>");
+  collada = replaced(collada, "<triangles ", "<triangles material=\"x\" ");
+  collada = replaced(collada, "<instance_geometry url=\"#g\"/>",
+                     "<instance_geometry url=\"#g\"><bind_material><technique_common><instance_material symbol=\"x\" target=\"#m\"/></technique_common></bind_material></instance_geometry>");
+  EXPECT_EQ((Count{{paint, 12}}), colours_of(mesh_file(folder.write("paint.dae", collada))));
+
+  // glTF says light: 0.5 of it is 188 of 255 (IEC 61966-2-1)
+  folder.write("brick.bin", gltf_buffer(brick));
+  std::string g = replaced(gltf(brick, "brick.bin"), "\"indices\":1}", "\"indices\":1,\"material\":0}");
+  g = replaced(g, "\"scene\":0", "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0,1,1]}}],\"scene\":0");
+  EXPECT_EQ((Count{{{188, 0, 255}, 12}}), colours_of(mesh_file(folder.write("paint.gltf", g))));
+}
+
+TEST(MeshFile, ColoursOfVerticesAndTriangles) {
+  NEEDS_MODULE();
+  const Folder folder;
+  // the mean of the corners': one red of three
+  EXPECT_EQ((Count{{{85, 0, 170}, 1}}), colours_of(mesh_file(folder.write("v.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 0 1\nv 0 1 0 0 0 1\nf 1 2 3\n"))));
+  // STL: 5 bits each in the two bytes behind a triangle, bit 15 set
+  std::string s = binary_stl(brick);
+  for (std::size_t t = 0; t < 12; ++t) s[84 + 50 * t + 49] = char(0xfc);
+  EXPECT_EQ((Count{{{255, 0, 0}, 12}}), colours_of(mesh_file(folder.write("s.stl", s))));
+}
+
 TEST(MeshFile, WithACommaAsDecimalPoint) {
   NEEDS_MODULE();
   const Folder folder;

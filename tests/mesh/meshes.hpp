@@ -99,6 +99,11 @@ struct Made {
     EXPECT_EQ(DYN_OK, dyn_mesh_arrays(mesh.get(), &out)) << dyn_last_error();
     return out;
   }
+  std::vector<double> colours() const {
+    std::vector<double> out(3 * arrays().triangle_count);
+    EXPECT_EQ(DYN_OK, dyn_mesh_colours(mesh.get(), out.data())) << dyn_last_error();
+    return out;
+  }
   Made hull() const {
     dynMesh* h = nullptr;
     const dynStatus s = dyn_mesh_hull(mesh.get(), &h);

@@ -72,6 +72,12 @@ def test_a_taken_port_is_said(live):
     assert f"port {live.port}" in second.stderr and "taken" in second.stderr
 
 
+@pytest.mark.parametrize("port", [-1, 65536, "http"])
+def test_a_port_that_is_none_is_said(port):
+    refused = dyn("view", *ROBOT, "--live", "--no-browser", "--port", port)
+    assert refused.returncode == 2 and "--port" in refused.stderr and (port == "http" or "65535" in refused.stderr)
+
+
 def test_no_browser_is_said():
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")}
     process = subprocess.Popen([dyn.command, "view", *map(str, ROBOT), "--live"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)

@@ -20,7 +20,7 @@ namespace {
 struct Options : SteppingOptions {
   std::string html;
   bool live = false, no_browser = false;
-  unsigned short port = 0;
+  int port = 0;
 };
 
 // Opens the address with $BROWSER or xdg-open; says so when there is neither.
@@ -55,7 +55,7 @@ void run_live(const Options& options, const std::string& html) {
   page::Pack pack;
   const json head = simulation.head(pack);
   const std::string page = page::filled(html, head, pack);
-  live::serve(simulation, page, options.port, [&](const std::string& address) {
+  live::serve(simulation, page, static_cast<unsigned short>(options.port), [&](const std::string& address) {
     print(options.robot.json ? json_text({{"address", address}}) : address + "\n");
     if (!options.no_browser) open_browser(address);
   });
@@ -94,7 +94,7 @@ void add_view(CLI::App& app) {
   command->add_option("--dt", options->dt, "Step of --live, seconds")->capture_default_str();
   command->add_option("--html", options->html, "Write the page into this file, and open nothing")->check(not_empty);
   command->add_flag("--live", options->live, "Serve a running simulation: pause, reset, push, effects switched");
-  command->add_option("--port", options->port, "Of --live; 0: one that is free")->capture_default_str();
+  command->add_option("--port", options->port, "Of --live; 0: one that is free")->check(CLI::Range(0, 65535))->capture_default_str();
   command->add_flag("--no-browser", options->no_browser, "Say where it is, and open nothing");
   command->callback([options] { run(*options); });
 }

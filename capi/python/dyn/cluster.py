@@ -6,7 +6,9 @@ library has the same variant. Ray runs the tasks of a lost worker or node again.
 
 from __future__ import annotations
 
+import os
 import re
+import socket
 from typing import TYPE_CHECKING, Any, Callable
 
 import numpy as np
@@ -46,6 +48,17 @@ def simulate(image: np.ndarray, effects: Any, n: int, shared: dict[str, Any], ow
     """A task: n simulations, and the sentence of the first that failed."""
     result = _batch(image, effects).rollout(n=n, strict=False, **shared, **own)
     return result, last_error() if result.status.any() else ""
+
+
+def _answers(address: str) -> None:
+    """Refuses an address where nobody listens, for which Ray itself would wait some minutes."""
+    host, _, port = address.rpartition(":")
+    if not host or "/" in host or not port.isdigit():
+        return
+    try:
+        socket.create_connection((host, int(port)), 10).close()
+    except (OSError, OverflowError) as error:
+        raise errors.ArgumentError(f"RAY_ADDRESS is {address!r}, where no cluster answers: {error}.") from None
 
 
 def _joined(parts: list[Rollout]) -> Rollout:
@@ -94,6 +107,7 @@ def rollout(
     for name, x in given.items():
         plan.shaped(name, x)
     if not ray.is_initialized():
+        _answers(os.environ.get("RAY_ADDRESS", ""))
         ray.init(log_to_driver=False)
     if chunk is None:
         processors = int(ray.cluster_resources().get("CPU", 1))

@@ -125,6 +125,14 @@ class Mesh:
         """(m, 3), indices of vertices."""
         return _view(self._arrays.triangles, (self._arrays.triangle_count, 3), ctypes.c_int32, self._owner)
 
+    @cached_property
+    def colours(self) -> np.ndarray:
+        """(m, 3): red, green, blue of each triangle, 0 to 1, by the file's materials and colours of vertices; NaN where it says nothing."""
+        rgb = np.empty((len(self.triangles), 3))
+        check(lib.dyn_mesh_colours(self._owner.address, address(rgb)))
+        rgb[rgb < 0] = np.nan
+        return rgb
+
     @property
     def planes(self) -> np.ndarray:
         """(faces, 4), of a hull: unit normals n and offsets, n . x <= offset."""

@@ -1,4 +1,4 @@
-"""Inverse kinematics of an arm: the loop that textbooks show, written out, and dyn's own, from the same 200 random starts.
+"""Inverse kinematics of an arm: the loop that textbooks show, written out, and dyn's own, from the same 1000 random starts.
 
     python inverse_kinematics.py [STARTS]
 
@@ -42,7 +42,7 @@ def by_hand(model, data, target, q, steps=200, damping=1e-6):
     return q, False
 
 
-def main(starts=200):
+def main(starts=1000):
     model = dyn.load(PANDA, base="fixed")
     data = model.data()
     met, within, solved, iterations = 0, 0, 0, []

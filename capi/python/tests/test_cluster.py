@@ -1,8 +1,10 @@
-"""Rollouts on a local Ray cluster of several worker processes: bit for bit those of threads, also when a worker is killed."""
+"""Rollouts on a local Ray cluster of several worker processes: bit for bit those of threads, also when workers are killed."""
 
 import os
 import secrets
 import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ def cluster():
     os.environ.setdefault("RAY_worker_niceness", "0")  # 15 as it comes: they would wait long where others work
     os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))  # or Ray writes one to the home folder
     packages = os.path.dirname(os.path.dirname(dyn.__file__))
-    ray.init(num_cpus=3, include_dashboard=False, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": packages}})
+    ray.init(num_cpus=4, include_dashboard=False, log_to_driver=False, runtime_env={"env_vars": {"PYTHONPATH": packages}})
     yield
     ray.shutdown()
 
@@ -75,16 +77,20 @@ def working():
 
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="looks for workers in /proc")
-def test_a_killed_worker_loses_nothing(cluster, scene):
-    task, killed = falls(scene, 24), []
+def test_killed_workers_lose_nothing(cluster, scene):
+    """Four workers, more than processors here or not, of which two are killed one after another; those that take their place, too, give the same bits."""
+    task, killed, seen = falls(scene, 48), [], set()
 
     def kill(made, of):
-        if not killed and made < of and (busy := working()):
+        busy = working()
+        seen.update(busy)
+        if len(killed) < 2 and made < of and busy:
             os.kill(busy[0], signal.SIGKILL)
             killed.append(busy[0])
 
-    there = rollout(scene, **task, contacts=8, chunk=2, engine="ray", progress=kill)
-    assert killed and not os.path.exists(f"/proc/{killed[0]}")
+    there = rollout(scene, **task, contacts=8, chunk=1, engine="ray", progress=kill)
+    assert len(killed) == 2 and not any(os.path.exists(f"/proc/{pid}") for pid in killed)
+    assert len(seen) >= 4
     same(rollout(scene, **task, contacts=8), there)
 
 
@@ -102,3 +108,10 @@ def test_failures_and_refusals(cluster, scene):
         rollout(scene, np.zeros((3, 5)), steps=1, engine="ray")
     with pytest.raises(dyn.CancelledError, match="cancelled after"):
         rollout(scene, **task, tau=np.nan_to_num(tau), chunk=1, engine="ray", progress=lambda made, of: False)
+
+
+def test_an_address_where_no_cluster_is():
+    program = "import dyn; dyn.batch.rollout(dyn.load(%r, base='fixed'), steps=1, engine='ray')" % str(MODELS / "robots" / "double_pendulum.urdf")
+    for address in ("127.0.0.1:1", "127.0.0.1:99999"):
+        done = subprocess.run([sys.executable, "-c", program], env={**os.environ, "RAY_ADDRESS": address}, capture_output=True, text=True, timeout=300)
+        assert done.returncode and f"ArgumentError: RAY_ADDRESS is '{address}', where no cluster answers: " in done.stderr

@@ -180,3 +180,16 @@ def test_cli_collision_meshes(tmp_path):
         info = answer("info", path, "--fixed", "--collision-meshes", kind)
         assert [s["type"] for s in info["shapes"]] == [name, name]
     run("info", path, "--fixed", "--collision-meshes", "boxes", status=2)
+
+
+def test_colours(tmp_path):
+    if not has_module(tmp_path):
+        pytest.skip("built without assimp and qhull")
+    (tmp_path / "m.mtl").write_text("newmtl paint\nKd 0.2 0.4 1\nnewmtl bare\n")
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    (tmp_path / "m.obj").write_text("mtllib m.mtl\n" + corners + "usemtl bare\nf 1 3 2\nusemtl paint\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    m = dyn.load_mesh(tmp_path / "m.obj")
+    assert m.colours.shape == (4, 3)
+    np.testing.assert_array_equal(np.sort(m.colours, axis=0)[:3], [[0.2, 0.4, 1]] * 3)
+    assert np.isnan(m.colours).sum() == 3
+    assert np.isnan(dyn.Mesh.from_arrays(m.vertices, m.triangles).colours).all() and np.isnan(m.hull().colours).all()

@@ -57,7 +57,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
       if (along > T(0)) mix = across / along;
     }
     for (Index k = 0; k < nv; ++k) {
-      w[k] = next[k] + mix * (old_next[k] - next[k]);
+      w[k] = i > 0 ? next[k] + mix * (old_next[k] - next[k]) : next[k];  // nothing is old in the first
       old_residual[k] = residual[k], old_next[k] = next[k];
     }
   }

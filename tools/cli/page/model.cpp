@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <map>
 
+#include "chain.hpp"
 #include "page.hpp"
 #include "surface.hpp"
 
@@ -72,6 +73,7 @@ json joint_json(const Robot& robot, int id) {
   json out = {{"name", j.name}, {"type", id == 0 ? "universe" : joint_type_name(j.type)}, {"parent", j.parent}, {"placement", vector_json(j.placement, 12)}, {"axis", vector_json(j.axis, 3)}, {"axis2", vector_json(j.axis2, 3)},
               {"pitch", j.pitch}, {"q", j.idx_q}, {"nq", j.nq}, {"v", j.idx_v}, {"nv", j.nv}};
   if (j.mimic_leader >= 0) out["mimic"] = {{"leader", j.mimic_leader}, {"ratio", j.mimic_ratio}, {"offset", j.mimic_offset}};
+  if (j.type == DYN_JOINT_COMPOSITE && j.mimic_leader < 0) out["chain"] = chain_json(robot, j);
   out["lower"] = vector_json(dyn_model_array(robot, DYN_LOWER_LIMIT) + j.idx_q, j.nq);
   out["upper"] = vector_json(dyn_model_array(robot, DYN_UPPER_LIMIT) + j.idx_q, j.nq);
   return out;

@@ -35,8 +35,34 @@ const ball = {
   },
 };
 
+const linear = ([x, y, z]) => new THREE.Vector3(x, y, z);
+const angular = ([, , , x, y, z]) => new THREE.Vector3(x, y, z);
+/** where the constant twist [linear; angular] gets to in time t (Murray, Li, Sastry 1994, 2.36) */
+function exponential(twist, t) {
+  const v = linear(twist), axis = angular(twist), rate = axis.length();
+  if (!rate) return shifted(v, t);
+  axis.divideScalar(rate), v.divideScalar(rate);
+  const rotation = new THREE.Matrix4().makeRotationAxis(axis, rate * t);
+  const about = axis.clone().cross(v); // the axis goes through it
+  return rotation.clone().setPosition(about.clone().sub(about.clone().applyMatrix4(rotation)).addScaledVector(axis, axis.dot(v) * rate * t));
+}
+
+/** what a chain of the command says; see tools/cli/page/chain.hpp */
+const PARTS = {
+  screw: ([twist]) => ({ ...turn(X), knobs: [angular(twist).length() ? "turn" : "shift"], motion: ([q]) => exponential(twist, q) }),
+  circle: ([twist]) => ({ ...circle(X), motion: ([c, s]) => exponential(twist, Math.atan2(s, c)) }),
+  // its centre p: a twist's linear part is p x its axis
+  ball(twists) {
+    const axes = twists.map(angular), p = new THREE.Vector3();
+    for (const [k, axis] of axes.entries()) p.add(axis.clone().cross(linear(twists[k])).divideScalar(2));
+    const at = new THREE.Matrix4().makeBasis(...axes).setPosition(p), back = at.clone().invert();
+    return { ...ball, motion: (q) => at.clone().multiply(ball.motion(q)).multiply(back) };
+  },
+};
+
 /** @returns the chain of a joint; empty: of a type that is left as it stands */
 export function chainOf(joint) {
+  if (joint.chain) return joint.chain.parts.map(({ kind, twists }) => PARTS[kind](twists));
   const axis = new THREE.Vector3(...joint.axis);
   const inPlane = axis.z > -1 ? new THREE.Quaternion().setFromUnitVectors(Z, axis) : new THREE.Quaternion(1, 0, 0, 0);
   const chains = {

@@ -4,9 +4,10 @@ import { geometryOf, matrixOf, surface } from "./shapes.js";
 
 const PALETTE = [0x8fa3b8, 0x5b7fa6, 0xb0bac6, 0x6d8f8a, 0x9a8fb0, 0x7d93a8];
 
-/** how a shape looks as a visual one: as its file says, else by its joint */
-function looks({ rgba }, joint) {
-  if (!rgba) return { color: joint ? PALETTE[joint % PALETTE.length] : 0xc9ced6, transparent: false, opacity: 1, depthWrite: true };
+/** how a shape looks as a visual one: as the robot's file says, else that of its mesh, else by its joint */
+function looks({ rgba }, geometry, joint) {
+  const vertexColors = !rgba && geometry.attributes.color !== undefined;
+  if (!rgba) return { color: vertexColors ? 0xffffff : joint ? PALETTE[joint % PALETTE.length] : 0xc9ced6, vertexColors, transparent: false, opacity: 1, depthWrite: true };
   const [r, g, b] = rgba.map((x) => Math.round(255 * x));
   return { color: (r << 16) | (g << 8) | b, transparent: rgba[3] < 1, opacity: rgba[3], depthWrite: rgba[3] === 1 };
 }
@@ -45,14 +46,15 @@ export class Robot {
     const geometry = geometryOf(shape, meshes);
     if (!geometry) return;
     const joint = this.model.frames[shape.frame].joint;
+    const look = looks(shape, geometry, joint);
     const material = shape.visual
-      ? new THREE.MeshStandardMaterial({ ...looks(shape, joint), roughness: 0.6, metalness: 0.1 })
+      ? new THREE.MeshStandardMaterial({ ...look, roughness: 0.6, metalness: 0.1 })
       : new THREE.MeshStandardMaterial({ color: 0xe8a13a, transparent: true, opacity: 0.45, roughness: 0.8, depthWrite: false });
     const mesh = new THREE.Mesh(geometry, material);
     mesh.matrixAutoUpdate = false;
     mesh.matrix.copy(matrixOf(shape.placement));
     mesh.castShadow = shape.visual && material.opacity > 0.5;
-    mesh.userData = { frame: shape.frame, looks: looks(shape, joint) };
+    mesh.userData = { frame: shape.frame, looks: look };
     this.frames[shape.frame].add(mesh);
     this.layers[shape.visual ? "visual" : "collision"].push(mesh);
     this.pickable.push(mesh);
@@ -62,6 +64,7 @@ export class Robot {
   drawCollisionAsVisual() {
     for (const mesh of this.layers.collision) {
       mesh.material.setValues(mesh.userData.looks);
+      mesh.material.needsUpdate = true;
       mesh.castShadow = mesh.userData.looks.opacity > 0.5;
     }
   }

@@ -8,12 +8,23 @@ export function matrixOf(placement) {
   return new THREE.Matrix4().set(a, d, g, x, b, e, h, y, c, f, i, z, 0, 0, 0, 1);
 }
 
+const NO_COLOUR = 0xb0bac6; // of triangles of a file whose others have one
+
 export function surface(mesh, read) {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.BufferAttribute(read(mesh.vertices), 3));
   geometry.setIndex(new THREE.BufferAttribute(read(mesh.triangles), 1));
   const flat = geometry.toNonIndexed(); // robots have edges
   flat.computeVertexNormals();
+  if (mesh.palette) {
+    const palette = mesh.palette.map((colour) => new THREE.Color(colour ?? NO_COLOUR));
+    const which = mesh.colours && read(mesh.colours), rgb = new Float32Array(flat.attributes.position.array.length);
+    for (let corner = 0; corner < rgb.length / 3; ++corner) {
+      const { r, g, b } = palette[which ? which[Math.floor(corner / 3)] : 0];
+      rgb.set([r, g, b], 3 * corner);
+    }
+    flat.setAttribute("color", new THREE.BufferAttribute(rgb, 3));
+  }
   return flat;
 }
 
