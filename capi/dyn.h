@@ -1412,9 +1412,9 @@ typedef struct dynStepOptions {
   double accuracy;          /* > 0: dyn_advance chooses its steps by itself, so that their errors add up to at most this: m and rad, m/s and rad/s;
                                by order 8, with integrator RK45 by order 5, through contact by order 3. What grows by itself (chaos) grows beyond. default 0: steps of dt */
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
-  int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin
-                               again from nothing, and then the other one is asked. Islands of more than 240 rows may take three times as many, except
-                               PGS. Where that is not enough, the best impulses that were found act: in their cones, with their residual in the report */
+  int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin anew,
+                               then the other one is asked; islands of more than 240 rows may (not PGS) take three times as many, jammed ones
+                               nine times as many more. Where that is not enough, the best impulses found act: in their cones, their residual in the report */
   double tolerance;         /* of its residual (dynContactReport); default 1e-9 */
   double sleep_speed;       /* m/s, rad/s, > 0; default 1e-4: see below */
   double sleep_time;        /* s, > 0; default 0.5 */

@@ -3,7 +3,8 @@
 // De Saxce's correction is |c_t| in place of - y_t . c_t / Y_0, and the same where contacts stick, c_t = 0, or slide, y_t = - Y_0 c_t / |c_t|; this
 // one has no kink where they stick, and Y . U = y_n c_n. Steps scaled after Nesterov and Todd, centred after Mehrotra (1992):
 //   (B G + W^2 S + N) dy = sigma Y^-1 - U        S = dY/dy,  B = dU/dc,  N = dU/dy,  W^2 Y = U
-// From the guess, as far inside as its error says. Boxes y in [l, u] have z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c.
+// From the guess, as far inside as its error says. Where that ends elsewhere, with the correction held, U_0 = c_n / mu + s: a convex problem, of which
+// the solution says the next s = |c_t| (Cadoux 2009; Acary, Cadoux, Lemarechal, Malick 2011), and Newton's method begins anew from each. Boxes y in [l, u] have z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c.
 #include "dyn/simulation/newton.hpp"
 #include "dyn/solver/lorentz.hpp"
 
@@ -16,14 +17,21 @@ using solver::within_cone;
 
 constexpr double to_boundary = 0.99, least_centring = 1e-6, least_compliance = 1e-6;
 constexpr double inside = 10;  // of the guess's error
+constexpr int refinements = 1;
 constexpr Index most_steps = 30, most_newton_steps = 6;
+// with the correction held
+constexpr Index problems_a_start = 30, polishing_steps = 10;
+constexpr double solved = 1e-4, most_relaxed = 64;
 
 class Interior : public Newton {
  public:
   using Newton::Newton;
   bool run(dynContactReport& report);
+  bool run_held(dynContactReport& report);
 
  private:
+  bool held = false;  // de Saxce's correction, as State::correction
+  Index short_steps = 0;
   double *rhs = before + room, *U = before + 6 * room, *upper = U + room, *dU = upper + room, *dupper = dU + room, *y_here = dupper + room, *c_here = y_here + room;
   // U of boxes: z_l; upper: z_u
 
@@ -33,6 +41,9 @@ class Interior : public Newton {
   bool barrier() const;
   void toward(double sigma);
   double longest() const;
+  void relax();
+  bool step(dynContactReport& report);
+  bool polish(Index most, double share, dynContactReport& report);
 };
 
 // The nearest point that far inside.
@@ -55,7 +66,7 @@ void Interior::begin(double shift) {
     solver::project_cone(s.mu, s.rows, yk, yk);
     const double Yt = solver::norm(yk + 1, s.rows - 1), Ut = solver::norm(ck + 1, s.rows - 1);
     yk[0] = std::max(yk[0], (Yt + shift) / s.mu);
-    Uk[0] = std::max(std::max(ck[0] / s.mu, 0.0), Ut) + shift;
+    Uk[0] = std::max(ck[0] / s.mu + (held ? s.correction : 0.0), Ut) + shift;
     for (Index i = 1; i < s.rows; ++i) Uk[i] = ck[i];
   });
 }
@@ -96,14 +107,14 @@ void Interior::scaled(const ActiveSlot& a, State& s) const {
   for (Index j = 0; j <= m; ++j)
     for (Index i = 0; i <= m; ++i) nA[j] += n[i] * A[i][j];
   // by Sherman and Morrison, N = (1, 0) n'; left out where that turns the sign
-  if (const double own = 1 + nA[0]; own > 1e-3)
+  if (const double own = 1 + nA[0]; !held && own > 1e-3)
     for (Index i = 0; i <= m; ++i) {
       const double first = A[i][0] / own;
       for (Index j = 0; j <= m; ++j) A[i][j] -= first * nA[j];
     }
   for (Index i = 0; i <= m; ++i) {
     s.law[i][0] = A[i][0] / s.mu;
-    for (Index j = 1; j <= m; ++j) s.law[i][j] = A[i][j] - A[i][0] * yk[j] / Y0;
+    for (Index j = 1; j <= m; ++j) s.law[i][j] = A[i][j] - (held ? 0 : A[i][0] * yk[j] / Y0);
   }
   if (const double R = soft(a, s, 0); R > 0) {
     const double share = R / (1 + R * s.law[0][0]);
@@ -144,10 +155,10 @@ void Interior::toward(double sigma) {
     }
     const Index m = s.rows - 1;
     const double Y0 = s.mu * yk[0], inverse = sigma / lorentz(Y0, yk + 1, Y0, yk + 1, m);
-    double head = inverse * Y0;
+    double head = inverse * Y0 - (held ? s.correction : 0);
     for (Index i = 1; i <= m; ++i) {
       const double t = -inverse * yk[i];
-      head += yk[i] / Y0 * t;
+      if (!held) head += yk[i] / Y0 * t;
       r[i] = t - ck[i];
     }
     r[0] = s.mu * head - ck[0];
@@ -158,19 +169,27 @@ void Interior::toward(double sigma) {
       for (Index j = 0; j < s.rows; ++j) to[i] += s.law[i][j] * r[j];
     }
   };
-  clear();
-  each([&](const ActiveSlot& a, const State& s, Index slot) {
-    double by[most_rows];
-    apply(s, rhs + a.s->first, by), pass(slot, s.rows, by);
-  });
-  factor.solve(w.by_segment);
-  each([&](const ActiveSlot& a, const State& s, Index slot) {
-    double v[most_rows];
-    meet(slot, s.rows, w.by_segment, v);
-    for (Index i = 0; i < s.rows; ++i) v[i] = rhs[a.s->first + i] - v[i];
-    apply(s, v, dy + a.s->first);
-  });
-  times(dy, dc);
+  std::fill_n(dy, x.rows, 0.0);
+  for (int k = 0; k <= refinements; ++k) {  // again: of what G dy is not as it was to be
+    clear();
+    each([&](const ActiveSlot& a, const State& s, Index slot) {
+      double by[most_rows];
+      apply(s, rhs + a.s->first, by), pass(slot, s.rows, by);
+    });
+    factor.solve(w.by_segment);
+    each([&](const ActiveSlot& a, const State& s, Index slot) {
+      double v[most_rows], by[most_rows];
+      double *r = rhs + a.s->first, *to = dy + a.s->first;
+      meet(slot, s.rows, w.by_segment, v);
+      for (Index i = 0; i < s.rows; ++i) r[i] -= v[i];
+      apply(s, r, by);
+      for (Index i = 0; i < s.rows; ++i) to[i] += by[i], r[i] = v[i] + (k ? dc[a.s->first + i] : 0);
+    });
+    times(dy, dc);
+    each([&](const ActiveSlot& a, const State& s, Index) {
+      for (Index i = 0; i < s.rows; ++i) rhs[a.s->first + i] -= dc[a.s->first + i];
+    });
+  }
   each([&](const ActiveSlot& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first, *dyk = dy + a.s->first, *dck = dc + a.s->first;
     double *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
@@ -182,8 +201,8 @@ void Interior::toward(double sigma) {
       return;
     }
     const double Y0 = s.mu * yk[0];
-    dUk[0] = (ck[0] + dck[0]) / s.mu - Uk[0];
-    for (Index i = 1; i < s.rows; ++i) dUk[0] -= (yk[i] * (ck[i] + dck[i]) + ck[i] * (dyk[i] - yk[i] / yk[0] * dyk[0])) / Y0;
+    dUk[0] = (ck[0] + dck[0]) / s.mu + (held ? s.correction : 0) - Uk[0];
+    for (Index i = 1; !held && i < s.rows; ++i) dUk[0] -= (yk[i] * (ck[i] + dck[i]) + ck[i] * (dyk[i] - yk[i] / yk[0] * dyk[0])) / Y0;
     for (Index i = 1; i < s.rows; ++i) dUk[i] = ck[i] + dck[i] - Uk[i];
   });
 }
@@ -207,28 +226,65 @@ double Interior::longest() const {
   return t;
 }
 
+// false: it leads nowhere.
+bool Interior::step(dynContactReport& report) {
+  ++report.newton_steps;
+  if (!barrier()) return false;
+  const double sigma = complementarity();
+  toward(0);
+  const double left = 1 - std::min(1.0, longest());  // how much of sigma a step aiming at 0 would leave
+  toward(sigma * std::max(least_centring, left * left * left));
+  const double t = std::min(1.0, to_boundary * longest());
+  if (!(t > 0)) return false;
+  for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], U[i] += t * dU[i], upper[i] += t * dupper[i];
+  short_steps = t < 0.1 ? short_steps + 1 : 0;
+  return short_steps < 3;
+}
+
+// By Newton's method from here; if that does not do, back.
+bool Interior::polish(Index most, double share, dynContactReport& report) {
+  std::copy_n(y, x.rows, y_here), std::copy_n(c, x.rows, c_here);
+  if (Newton::run(most, share, report)) return true;
+  std::copy_n(y_here, x.rows, y), std::copy_n(c_here, x.rows, c);
+  return false;
+}
+
 bool Interior::run(dynContactReport& report) {
   Error now = error();
-  begin(inside * std::sqrt(now.sum / x.rows));
-  velocities();
+  begin(inside * std::sqrt(now.sum / x.rows)), velocities();
   double tried = HUGE_VAL;
-  for (Index k = 0, short_steps = 0; k < most_steps && short_steps < 3 && x.may_go_on(report); ++k) {
-    ++report.newton_steps;
-    if (!barrier()) return false;
-    const double sigma = complementarity();
-    toward(0);
-    const double left = 1 - std::min(1.0, longest());  // how much of sigma a step aiming at 0 would leave
-    toward(sigma * std::max(least_centring, left * left * left));
-    const double t = std::min(1.0, to_boundary * longest());
-    if (!(t > 0)) return false;
-    for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], U[i] += t * dU[i], upper[i] += t * dupper[i];
-    short_steps = t < 0.1 ? short_steps + 1 : 0;
+  short_steps = 0;
+  for (Index k = 0; k < most_steps && x.may_go_on(report) && step(report); ++k) {
     now = error();
     if (!(now.most < 1e-2 * speed && now.most < 0.1 * tried)) continue;
     tried = now.most;
-    std::copy_n(y, x.rows, y_here), std::copy_n(c, x.rows, c_here);
-    if (Newton::run(most_newton_steps, 0.5, report)) return true;
-    std::copy_n(y_here, x.rows, y), std::copy_n(c_here, x.rows, c);
+    if (polish(most_newton_steps, 0.5, report)) return true;
+  }
+  return false;
+}
+
+// The next correction of each contact; after steps one way, twice as far.
+void Interior::relax() {
+  each([&](const ActiveSlot& a, State& s, Index) {
+    const double step = solver::norm(c + a.s->first + 1, s.rows - 1) - s.correction;
+    s.relaxed = step * s.corrected > 0 && std::abs(step) > 0.5 * std::abs(s.corrected) ? std::min(most_relaxed, 2 * s.relaxed) : 1;
+    s.corrected = step;
+    s.correction = std::max(0.0, s.correction + s.relaxed * step);
+  });
+}
+
+bool Interior::run_held(dynContactReport& report) {
+  held = true;
+  for (Index k = 0; k < 2 * problems_a_start && x.may_go_on(report); ++k) {
+    if (k % problems_a_start == 0)  // from the guess's corrections, then from none
+      each([&](const ActiveSlot& a, State& s, Index) { s.correction = k ? 0 : solver::norm(c + a.s->first + 1, s.rows - 1), s.corrected = 0, s.relaxed = 1; });
+    else
+      relax();
+    const double wrong = error().sum / x.rows;
+    begin(inside * std::sqrt(wrong)), velocities();
+    short_steps = 0;
+    for (Index i = 0; i < most_steps && x.may_go_on(report) && step(report) && complementarity() > solved * wrong; ++i) {}
+    if (polish(polishing_steps, 1, report)) return true;
   }
   return false;
 }
@@ -240,6 +296,11 @@ bool interior(const Island& x, dynContactReport& report) {
   if (method.Newton::run(report) || method.run(report)) return true;
   method.leave(report);
   return false;
+}
+
+void interior_held(const Island& x, dynContactReport& report) {
+  Interior method(x);
+  if (!method.run_held(report)) method.leave(report);
 }
 
 }  // namespace dyn::simulation

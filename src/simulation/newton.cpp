@@ -364,6 +364,14 @@ bool Island::sparse() {
   return eliminated > 0 && (large() || whole > blocks);
 }
 
+// Where a little more is left than is tolerated, what contacts ask for differs by as little, and what would satisfy all of them is seldom found.
+void Island::jammed(dynContactReport& report) {
+  constexpr Index fair = 30;  // of iterations: with fewer it is they that were not enough
+  if (w.options.max_iterations < fair || (!sparse() && eliminated < 0)) return;
+  allowance = report.iterations + report.newton_steps + (report.residual > 10 * w.options.tolerance ? 9 : 2) * w.options.max_iterations;
+  interior_held(*this, report);
+}
+
 bool Island::newton(dynContactReport& report, bool from_inside) {
   if (!sparse()) return false;
   if (from_inside) return interior(*this, report);

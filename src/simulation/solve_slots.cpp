@@ -54,6 +54,7 @@ void Island::impulses(dynContactReport& report) {
     else if (large() || (!bounces && sparse())) sweep_to_rest(report);
     if (!large() && unsolved()) solve(report);
     if (!bounces && unsolved() && report.residual < nearly) sweep_on(report);
+    if (!bounces && unsolved()) jammed(report);
     residual();  // by_dof and c of the best
   }
   for (Index k = 0; k < slots; ++k) {

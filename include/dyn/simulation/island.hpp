@@ -21,6 +21,7 @@ struct Island {
   double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double fast = 0;     // the largest rate of its rows, where steps follow from an accuracy
   Index eliminated = 0;  // -1: does not fit
+  Index allowance = 3 * w.options.max_iterations;  // as with the whole matrix
 
   double* vector(int k) const { return w.vectors + k * row_room(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),
@@ -56,7 +57,8 @@ struct Island {
   void sweep_to_rest(dynContactReport& report);
   void sweep_on(dynContactReport& report);  // as long as that makes the residual smaller
   void sweep_apart();
-  bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < 3 * w.options.max_iterations && !w.time_is_up(); }  // as with the whole matrix
+  bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < allowance && !w.time_is_up(); }
+  void jammed(dynContactReport& report);
   double residual() const;  // and by_dof and c of lambda
   double speed() const;  // largest velocity that is to change
 

@@ -89,5 +89,7 @@ class Newton {
 
 // From the inside of the cones (interior.cpp).
 bool interior(const Island& x, dynContactReport& report);
+// Where nothing else gets there: by convex problems.
+void interior_held(const Island& x, dynContactReport& report);
 
 }  // namespace dyn::simulation

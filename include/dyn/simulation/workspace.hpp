@@ -59,6 +59,7 @@ struct NewtonSlot {
   bool cone;
   decltype(solver::ConeState::is) is;
   double mu, across, lower, upper;
+  double correction, corrected, relaxed;  // de Saxce's, held (interior.cpp): m/s in these units; what it last lacked, and the factor that was taken of that
   double unit[most_rows], speed[2];  // of impulses; of normal and other velocities of a cone
   double direction[5][5];            // along the sliding, then across
   double stiffness[most_rows];       // of unknowns: impulse by velocity
