@@ -44,6 +44,36 @@ TEST(Large, PouredSpheresAreSolvedInEveryStep) {
   EXPECT_GT(rows, 240);
 }
 
+// Between walls as rough as they are, spheres jam: hundreds of contacts stick that hold one another. Each step's impulses exist, and are found.
+TEST(Large, JammedSpheresAreSolved) {
+  constexpr double wall = 0.5;
+  Spheres s(4, 64, 0.22, 1, {0, 0, -9.81});
+  for (auto& p : s.at) p[0] -= 0.33, p[1] -= 0.33;
+  s.scene.shape("universe", DYN_SHAPE_HALF_SPACE, {0, 0, 0}, material(1));
+  for (const double side : {-1.0, 1.0})
+    for (const bool along : {false, true}) {  // z of the half space points inward
+      dynShapeSpec plane;
+      dyn_shape_spec_init(&plane);
+      plane.body = "universe", plane.type = DYN_SHAPE_HALF_SPACE, plane.material = material(1);
+      const double z = -side;
+      const double across[12] = {0, 0, z, side * wall, z, 0, 0, 0, 0, 1, 0, 0}, beside[12] = {0, z, 0, 0, 0, 0, z, side * wall, 1, 0, 0, 0};
+      std::copy_n(along ? across : beside, 12, plane.placement);
+      ASSERT_EQ(DYN_OK, dyn_builder_shape(s.scene.builder(), &plane)) << dyn_last_error();
+    }
+  Play play(s.scene.finish(), 2e-3);
+  play.place(s.at);
+  int rows = 0, unsolved = 0;
+  double worst = 0;
+  for (int k = 0; k < 500; ++k) {
+    play.steps(1);
+    rows = std::max(rows, play.report().rows), unsolved += play.report().residual > 1.01e-9, worst = std::max(worst, play.report().residual);
+    ASSERT_TRUE(within_cones(play, 1)) << k;
+  }
+  EXPECT_GT(rows, 240);
+  EXPECT_LE(unsolved, 3);
+  EXPECT_LE(worst, 1e-5);
+}
+
 // Two arms of which one follows the other, so that M has no tree.
 void add_mimic_pair(dynBuilder* b) {
   const double com[3] = {0.1, 0, 0}, I[9] = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01};
