@@ -367,7 +367,8 @@ bool Island::sparse() {
 // Where a little more is left than is tolerated, what contacts ask for differs by as little, and what would satisfy all of them is seldom found.
 void Island::jammed(dynContactReport& report) {
   constexpr Index fair = 30;  // of iterations: with fewer it is they that were not enough
-  if (w.options.max_iterations < fair || (!sparse() && eliminated < 0)) return;
+  constexpr double rounding = 1e-11;
+  if (w.options.max_iterations < fair || report.residual < rounding || (!sparse() && eliminated < 0)) return;
   allowance = report.iterations + report.newton_steps + (report.residual > 10 * w.options.tolerance ? 9 : 2) * w.options.max_iterations;
   interior_held(*this, report);
 }

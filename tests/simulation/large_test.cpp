@@ -56,7 +56,7 @@ TEST(Large, JammedSpheresAreSolved) {
       dyn_shape_spec_init(&plane);
       plane.body = "universe", plane.type = DYN_SHAPE_HALF_SPACE, plane.material = material(1);
       const double z = -side;
-      const double across[12] = {0, 0, z, side * wall, z, 0, 0, 0, 0, 1, 0, 0}, beside[12] = {0, z, 0, 0, 0, 0, z, side * wall, 1, 0, 0, 0};
+      const double across[12] = {0, z, 0, 0, 0, 1, z, 0, 0, side * wall, 0, 0}, beside[12] = {0, 0, 1, z, 0, 0, 0, z, 0, 0, side * wall, 0};
       std::copy_n(along ? across : beside, 12, plane.placement);
       ASSERT_EQ(DYN_OK, dyn_builder_shape(s.scene.builder(), &plane)) << dyn_last_error();
     }
