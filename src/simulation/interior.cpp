@@ -3,8 +3,9 @@
 // De Saxce's correction is |c_t| in place of - y_t . c_t / Y_0, and the same where contacts stick, c_t = 0, or slide, y_t = - Y_0 c_t / |c_t|; this
 // one has no kink where they stick, and Y . U = y_n c_n. Steps scaled after Nesterov and Todd, centred after Mehrotra (1992):
 //   (B G + W^2 S + N) dy = sigma Y^-1 - U        S = dY/dy,  B = dU/dc,  N = dU/dy,  W^2 Y = U
-// From the guess, as far inside as its error says. Where that ends elsewhere, with the correction held, U_0 = c_n / mu + s: a convex problem, of which
-// the solution says the next s = |c_t| (Cadoux 2009; Acary, Cadoux, Lemarechal, Malick 2011), and Newton's method begins anew from each. Boxes y in [l, u] have z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c.
+// From the guess, as far inside as its error says. Boxes y in [l, u] have z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c.
+// Where that ends elsewhere, the correction is held, U_0 = c_n / mu + s: a convex problem, whose solution says the next s = |c_t| (Cadoux 2009; Acary,
+// Cadoux, Lemarechal and Malick 2011), and from each of these Newton's method begins anew.
 #include "dyn/simulation/newton.hpp"
 #include "dyn/solver/lorentz.hpp"
 
