@@ -236,7 +236,7 @@ bool Interior::step(dynContactReport& report) {
   const double left = 1 - std::min(1.0, longest());  // how much of sigma a step aiming at 0 would leave
   toward(sigma * std::max(least_centring, left * left * left));
   const double t = std::min(1.0, to_boundary * longest());
-  if (!(t > 0)) return false;
+  if (!(t > 0) || !std::all_of(dc, dc + x.rows, [](double change) { return std::isfinite(change); })) return false;
   for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], U[i] += t * dU[i], upper[i] += t * dupper[i];
   short_steps = t < 0.1 ? short_steps + 1 : 0;
   return short_steps < 3;
