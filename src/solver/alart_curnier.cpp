@@ -1,17 +1,21 @@
 #include "dyn/solver/alart_curnier.hpp"
 
+#include <algorithm>
+
 namespace dyn::solver {
 
 namespace {
 
 // Relative to the unit diagonal: what makes steps unique where contacts are redundant. The method converges as if it were not there.
 constexpr double proximal = 1e-11;
-constexpr Index most_steps = 20;
+constexpr double first_damping = 1e-2, most_damping = 1;  // the same, where no step without is good (Levenberg and Marquardt)
+constexpr double least_step = 0.1;
+constexpr Index most_steps = 20, patient_steps = 30, memory = 4;
 
 class Newton {
  public:
   Newton(Workspace& w, Budget& b) : w(w), p(w.problem), b(b) {}
-  bool run(const double* y, const double* c);
+  bool run(const double* y, const double* c, bool patient);
 
  private:
   Workspace& w;
@@ -20,6 +24,7 @@ class Newton {
   Index active = 0, free_boxes = 0;  // rows of blocks that are not at a bound; those of boxes come first
   Index m = 0;                       // unknowns: the same but for the directions of sliding
   bool symmetric = true;
+  double damping = 0;
 
   double error(const double* y, const double* c) const;
   void states();
@@ -39,10 +44,10 @@ class Newton {
   bool direction();
 };
 
-// The function's largest component, as a velocity.
+// The function's length, as a velocity.
 double Newton::error(const double* y, const double* c) const {
-  double worst = 0;
-  const auto take = [&](Index i, double e) { worst = std::max(worst, std::fabs(e) / p.unit[i]); };
+  double sum = 0;
+  const auto take = [&](Index i, double e) { sum += e / p.unit[i] * (e / p.unit[i]); };
   for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];
@@ -53,7 +58,7 @@ double Newton::error(const double* y, const double* c) const {
     take(cone.row, yk[0] - r);
     for (Index i = 1; i < cone.size; ++i) take(cone.row + i, yk[i] - scale * a[i - 1]);
   }
-  return worst;
+  return std::sqrt(sum);
 }
 
 // The blocks' states; the known part of the step, and the rows of its unknowns.
@@ -132,7 +137,7 @@ void Newton::matrix() {
   for (Index j = 0; j < active; ++j) {
     const double* column = p.G.column(w.rows[j]);
     for (Index i = 0; i < active; ++i) B(i, j) = column[w.rows[i]];
-    B(j, j) += proximal;
+    B(j, j) += std::max(proximal, damping);
   }
   if (symmetric) return;
   each_active_cone([&](const Cone& cone, const ConeState& s, Index row, Index) {
@@ -184,21 +189,27 @@ bool Newton::direction() {
   return true;
 }
 
-bool Newton::run(const double* y, const double* c) {
-  const Index n = p.n;
+bool Newton::run(const double* y, const double* c, bool patient) {
+  const Index n = p.n, remembered = patient ? memory : 1;
   std::copy_n(y, n, w.newton), std::copy_n(c, n, w.newton_c);
-  double now = error(w.newton, w.newton_c);
-  for (Index k = 0; k < most_steps && !b.spent(); ++k) {
+  double errors[memory] = {error(w.newton, w.newton_c)};
+  for (Index k = 0; k < (patient ? patient_steps : most_steps) && !b.spent(); ++k) {
     ++b.newton_steps;
     if (!direction()) return false;
-    // the longest of the steps that makes the error smaller
+    // the longest of the steps that makes the error smaller than the largest remembered
+    const double most = *std::max_element(errors, errors + remembered);
     double t = 1, next = HUGE_VAL;
-    for (; t > 0.05; t /= 2) {
+    for (; t > least_step; t /= 2) {
       for (Index i = 0; i < n; ++i) w.trial[i] = w.newton[i] + t * w.step[i], w.trial_c[i] = w.newton_c[i] + t * w.step_c[i];
       next = error(w.trial, w.trial_c);
-      if (next < now) break;
+      if (next < most) break;
     }
-    if (!(next < now)) return false;
+    if (!(next < most)) {
+      if (!patient || damping >= most_damping) return false;
+      damping = std::max(first_damping, 10 * damping);
+      continue;
+    }
+    damping = damping > proximal ? 0.1 * damping : 0;
     std::swap(w.trial, w.newton), std::swap(w.trial_c, w.newton_c);
     // into the cones, from which a step along them is off by a little
     if (next < 10 * round_off(p, w.newton)) {
@@ -209,13 +220,13 @@ bool Newton::run(const double* y, const double* c) {
     for (Index i = 0; i < n; ++i) w.t[i] = w.trial[i] - w.newton[i];
     times(p.G, w.t, w.newton_c, w.trial_c, n);
     if (keep_best(w, b, w.trial, w.trial_c)) return true;
-    now = next;
+    errors[(k + 1) % remembered] = next;
   }
   return false;
 }
 
 }  // namespace
 
-bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c) { return Newton(w, b).run(y, c); }
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool patient) { return Newton(w, b).run(y, c, patient); }
 
 }  // namespace dyn::solver

@@ -11,6 +11,7 @@
 namespace dyn::solver {
 
 // Steps from y with c = G y + g as long as they make the error smaller; the best iterate goes to w.y. true: it is good enough.
-bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c);
+// patient: smaller than one of the last four (Grippo, Lampariello and Lucidi 1986), and damped where none is: for starts that are not near.
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool patient = false);
 
 }  // namespace dyn::solver

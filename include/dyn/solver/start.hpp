@@ -13,7 +13,7 @@ namespace dyn::solver {
 inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
   if (!b.newton) return false;
-  if (b.warm && alart_curnier(w, b, w.y, w.c)) return true;
+  if (b.warm && alart_curnier(w, b, w.y, w.c, true)) return true;
   prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   const double fast = std::min(0.7, math::exp(-12.0 / p.n));
@@ -27,7 +27,7 @@ inline bool start(Workspace& w, Budget& b) {
   }
   times(p.G, w.x, p.g, w.v, p.n);  // without what the updates have gathered
   if (keep_best(w, b, w.x, w.v)) return true;
-  return alart_curnier(w, b, w.x, w.v);
+  return alart_curnier(w, b, w.x, w.v, true);
 }
 
 }  // namespace dyn::solver
