@@ -190,14 +190,15 @@ bool Newton::direction() {
 }
 
 bool Newton::run(const double* y, const double* c, bool patient) {
-  const Index n = p.n, remembered = patient ? memory : 1;
+  const Index n = p.n;
   std::copy_n(y, n, w.newton), std::copy_n(c, n, w.newton_c);
   double errors[memory] = {error(w.newton, w.newton_c)};
+  bool strayed = false;
   for (Index k = 0; k < (patient ? patient_steps : most_steps) && !b.spent(); ++k) {
     ++b.newton_steps;
     if (!direction()) return false;
-    // the longest of the steps that makes the error smaller than the largest remembered
-    const double most = *std::max_element(errors, errors + remembered);
+    // the longest of the steps that makes the error smaller
+    const double most = strayed ? *std::max_element(errors, errors + memory) : errors[k % memory];
     double t = 1, next = HUGE_VAL;
     for (; t > least_step; t /= 2) {
       for (Index i = 0; i < n; ++i) w.trial[i] = w.newton[i] + t * w.step[i], w.trial_c[i] = w.newton_c[i] + t * w.step_c[i];
@@ -206,7 +207,8 @@ bool Newton::run(const double* y, const double* c, bool patient) {
     }
     if (!(next < most)) {
       if (!patient || damping >= most_damping) return false;
-      damping = std::max(first_damping, 10 * damping);
+      damping = std::max(first_damping, 10 * damping), strayed = true;
+      errors[(k + 1) % memory] = errors[k % memory];
       continue;
     }
     damping = damping > proximal ? 0.1 * damping : 0;
@@ -220,7 +222,7 @@ bool Newton::run(const double* y, const double* c, bool patient) {
     for (Index i = 0; i < n; ++i) w.t[i] = w.trial[i] - w.newton[i];
     times(p.G, w.t, w.newton_c, w.trial_c, n);
     if (keep_best(w, b, w.trial, w.trial_c)) return true;
-    errors[(k + 1) % remembered] = next;
+    errors[(k + 1) % memory] = next;
   }
   return false;
 }

@@ -28,12 +28,15 @@ class Interior {
   void direction(double sigma);
   double longest() const;
   double scaling(const Cone& cone, double* v) const;
-  // c_t' x_t / |c_t|: what de Saxce's correction grows by
-  double along(const Cone& cone, const double* x) const {
+  // Where it slides: c_t / |c_t|; and x_t along that, by which de Saxce's correction grows
+  void slip(const Cone& cone, double* u) const {
     const double *ct = c + cone.row + 1, length = norm(ct, cone.size - 1);
+    for (Index i = 0; i + 1 < cone.size; ++i) u[i] = length > 0 ? ct[i] / length : 0;
+  }
+  static double along(const Cone& cone, const double* u, const double* x) {
     double sum = 0;
-    for (Index i = 0; i + 1 < cone.size; ++i) sum += ct[i] * x[cone.row + 1 + i];
-    return length > 0 ? sum / length : 0;
+    for (Index i = 0; i + 1 < cone.size; ++i) sum += u[i] * x[cone.row + 1 + i];
+    return sum;
   }
 };
 
@@ -101,8 +104,9 @@ bool Interior::factorize() {
   }
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];
-    for (Index j = 0; j < p.n; ++j) A(cone.row, j) = A(cone.row, j) / cone.mu + along(cone, A.column(j));
-    double v[6];
+    double u[5], v[6];
+    slip(cone, u);
+    for (Index j = 0; j < p.n; ++j) A(cone.row, j) = A(cone.row, j) / cone.mu + along(cone, u, A.column(j));
     const double ratio = scaling(cone, v);
     for (Index j = 0; j < cone.size; ++j)  // by columns of y, in which Y_0 = mu y_n
       for (Index i = 0; i < cone.size; ++i)
@@ -123,7 +127,9 @@ void Interior::direction(double sigma) {
     const Cone& cone = p.cone[k];
     const Index n = cone.row, m = cone.size - 1;
     const double Y0 = cone.mu * y[n], inverse = sigma / lorentz(Y0, y + n + 1, Y0, y + n + 1, m);
-    dy[n] = inverse * Y0 - c[n] / cone.mu - along(cone, c);
+    double u[5];
+    slip(cone, u);
+    dy[n] = inverse * Y0 - c[n] / cone.mu - along(cone, u, c);
     for (Index i = 1; i <= m; ++i) dy[n + i] = -inverse * y[n + i] - c[n + i];
   }
   lu_solve(w.factor, p.n, w.pivots, dy);
@@ -135,7 +141,9 @@ void Interior::direction(double sigma) {
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];
     const Index n = cone.row;
-    dU[n] = (c[n] + dc[n]) / cone.mu + along(cone, c) + along(cone, dc) - U[n];
+    double u[5];
+    slip(cone, u);
+    dU[n] = (c[n] + dc[n]) / cone.mu + along(cone, u, c) + along(cone, u, dc) - U[n];
     for (Index i = n + 1; i < n + cone.size; ++i) dU[i] = c[i] + dc[i] - U[i];
   }
 }
