@@ -21,6 +21,7 @@ class Paper:
         return Paper(f"{self.path}/{path}", self.told)
 
     def set_object(self, geometry, material):
+        self.told[self.path, "geometry"], self.told[self.path, "material"] = geometry, material
         self.told[self.path, "object"] = geometry.lower({})["type"] if hasattr(geometry, "lower") else geometry
 
     def set_transform(self, X):
@@ -72,6 +73,27 @@ def test_meshes(tmp_path):
     except dyn.UnsupportedError as error:
         pytest.skip(str(error))
     assert np.max(geometry.vertices) == 2 and len(geometry.faces) == 4
+
+
+def test_colours(tmp_path):
+    (tmp_path / "two.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n")
+    (tmp_path / "corner.obj").write_text(
+        "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 3 2\nf 1 2 4\nusemtl blue\nf 1 4 3\nf 2 3 4\n"
+    )
+    mesh, box = '<mesh filename="corner.obj"/>', '<box size="1 1 1"/>'
+    green = '<material name="green"><color rgba="0 1 0 0.5"/></material>'
+    visual = "".join(f"<visual><geometry>{g}</geometry>{m}</visual>" for g in (mesh, box) for m in ("", green))
+    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="l">{visual}</link></robot>')
+    paper = Paper()
+    try:
+        Display(dyn.load(tmp_path / "r.urdf", base="fixed"), paper, color=0x123456)
+    except dyn.UnsupportedError as error:
+        pytest.skip(str(error))
+    own, painted, plain, painted_box = (paper.told[f"/robot/{k}/0", "material"] for k in range(4))
+    assert own.vertexColors and plain.color == 0x123456
+    assert painted.color == painted_box.color == 0x00FF00 and painted.opacity == pytest.approx(0.5, abs=1 / 255) and not painted.vertexColors
+    colours = paper.told["/robot/0/0", "geometry"].color
+    np.testing.assert_array_equal(np.unique(colours, axis=0), [[0, 0, 1], [1, 0, 0]])
 
 
 def test_a_server():
