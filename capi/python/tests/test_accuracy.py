@@ -85,15 +85,33 @@ def test_resuming(tmp_path):
     words = ("accuracy", *PENDULUM, "--duration", "0.2", "--budget", "10s", "--resume", kept)
     first = answer(*words)
     lines = kept.read_text().splitlines()
-    assert len(lines) == 1 + len(first["points"])
+    assert len(lines) == 2 + len(first["points"])  # the scene, the reference
     kept.write_text("\n".join(lines[:10]) + "\n" + lines[10][:30])  # interrupted
     again = answer(*words)
     assert len(again["points"]) == len(first["points"])
     same = {(p["integrator"], p["dt"], p["accuracy"]): p["error"] for p in again["points"]}
     assert all(same[p["integrator"], p["dt"], p["accuracy"]] == p["error"] for p in first["points"])
+    third = answer(*words)  # with nothing left to do
+    assert third["points"] == again["points"]
     assert "another scene" in run("accuracy", *PENDULUM, "--duration", "0.3", "--resume", kept, status=1)
     kept.write_text("not json\n")
     assert "no file of points" in run(*words, status=1)
+
+
+def test_resumed_points_are_measured_from_one_reference(tmp_path):
+    """Where bodies touch, the reference is as good as its time allows: it is kept, and points follow a better one."""
+    ball = tmp_path / "ball.xml"
+    ball.write_text('<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 .2"><freejoint/><geom size=".1"/></body></worldbody></mujoco>')
+    words = ("accuracy", ball, "--v", "0.5,0,0,0,3,0", "--duration", "0.3", "--resume", tmp_path / "points")
+    first, again = answer(*words, "--budget", "2s"), answer(*words, "--budget", "2s")
+    assert again["reference"] == first["reference"]
+    errors = [{(p["integrator"], p["dt"], p["accuracy"]): p["errors"] for p in x["points"]} for x in (first, again)]
+    assert errors[0].items() <= errors[1].items()
+    longer = answer(*words, "--budget", "8s")
+    assert longer["reference"]["uncertainty"]["m"] < first["reference"]["uncertainty"]["m"]
+    moved = {(p["integrator"], p["dt"], p["accuracy"]): p["errors"] for p in longer["points"]}
+    assert all(moved[k] and abs(moved[k]["m"] - e["m"]) <= 2 * first["reference"]["uncertainty"]["m"] for k, e in errors[0].items() if e)
+    assert any(moved[k] != e for k, e in errors[0].items())
 
 
 def test_a_given_reference(tmp_path):

@@ -39,6 +39,7 @@ double with_unit(const std::string& option, const std::string& text, std::initia
 double by_unit(const Error& e, const std::string& unit) { return unit == "rad" ? e.rad : unit == "J" ? e.energy : e.m; }
 
 json error_json(const Error& e) { return {{"m", e.m}, {"rad", e.rad}, {"J", e.energy}, {"kg m/s", e.momentum}}; }
+Error error_of(const json& x) { return {x.at("m"), x.at("rad"), x.at("J"), x.at("kg m/s")}; }
 
 json point_json(const Point& p) {
   const bool good = p.failure.empty();
@@ -65,14 +66,16 @@ std::string in_c(const Point& p) {
          (p.setting.accuracy > 0 ? " dyn_advance(model, data, duration);" : " dyn_step(model, data);");
 }
 
-// Points of runs before, in a file: one JSON object a line, the first one says of which scene.
+// Points of runs before and what they were measured from, in a file: one JSON object a line, the first one says of which scene.
 class Store {
  public:
-  Store(const std::string& path, const std::string& scene) : path_(path) {
+  Store(const std::string& path, const Robot& robot, const std::string& scene) {
     if (path.empty()) return;
     std::ifstream in(path);
     std::string line;
-    if (std::getline(in, line)) {
+    const bool fresh = !std::getline(in, line);
+    bool whole = true;
+    if (!fresh) {
       json head;
       try {
         head = json::parse(line);
@@ -80,15 +83,19 @@ class Store {
         fail(path + ": is no file of points that dyn accuracy --resume wrote.");
       }
       if (!head.is_object() || head.value("scene", "") != scene) fail(path + ": holds points of another scene: name another file.");
-      while (std::getline(in, line)) try {  // a last line that was cut short is made again
-          take(json::parse(line));
+      while (std::getline(in, line)) {
+        whole = !in.eof();
+        try {  // a last line that was cut short is made again
+          take(robot, json::parse(line));
         } catch (const json::exception&) {
+        } catch (const Failure&) {
         }
+      }
     }
-    const bool fresh = !in.is_open() || known_.empty();
     file_ = std::fopen(path.c_str(), fresh ? "wb" : "ab");
     if (!file_) fail(path + ": cannot be written: " + std::strerror(errno) + ".");
     if (fresh) put({{"scene", scene}});
+    if (!whole) std::fputc('\n', file_);
   }
   ~Store() {
     if (file_) std::fclose(file_);
@@ -101,8 +108,14 @@ class Store {
   void add(const std::string& key, const Point& p) {
     if (!file_) return;
     json x = point_json(p);
-    x["key"] = key, x["parts"] = p.setting.parts, x["integrator_id"] = static_cast<int>(p.setting.integrator.id);
+    x["key"] = key, x["parts"] = p.setting.parts, x["integrator_id"] = static_cast<int>(p.setting.integrator.id), x["samples"] = json_of(p.samples);
     put(x);
+  }
+  // One of this contact solver, for which as much time was allowed
+  const Reference* reference(const std::string& solver, double seconds) const { return solver == solver_ && seconds <= seconds_ ? &reference_ : nullptr; }
+  void add(const Reference& r, const std::string& solver, double seconds) {
+    if (file_)
+      put({{"reference", {{"samples", json_of(r.run.samples)}, {"kind", r.kind}, {"uncertainty", error_json(r.uncertainty)}, {"confidence", r.confidence}, {"smooth", r.smooth}}}, {"solver", solver}, {"seconds", seconds}});
   }
 
  private:
@@ -110,22 +123,28 @@ class Store {
     const std::string line = x.dump() + "\n";
     std::fwrite(line.data(), 1, line.size(), file_), std::fflush(file_);
   }
-  void take(const json& x) {
+  void take(const Robot& robot, const json& x) {
+    if (x.contains("reference")) {
+      const json& r = x.at("reference");
+      Reference y;
+      y.run.samples = samples_of(robot, r.at("samples")), y.kind = r.at("kind"), y.uncertainty = error_of(r.at("uncertainty")), y.confidence = r.at("confidence"), y.smooth = r.at("smooth");
+      reference_ = std::move(y), solver_ = x.at("solver"), seconds_ = x.at("seconds");
+      return;
+    }
     Point p;
     p.setting.integrator = integrators[x.at("integrator_id").get<int>()];
     if (!x.at("dt").is_null()) p.setting.dt = x.at("dt");
     if (!x.at("accuracy").is_null()) p.setting.accuracy = x.at("accuracy");
     p.setting.solver = solver_named(x.at("solver")).id, p.setting.tolerance = x.at("tolerance"), p.setting.parts = x.at("parts");
-    if (!x.at("errors").is_null()) {
-      const json& e = x.at("errors");
-      p.error.m = e.at("m"), p.error.rad = e.at("rad"), p.error.energy = e.at("J"), p.error.momentum = e.at("kg m/s");
-    }
+    if (!x.at("errors").is_null()) p.error = error_of(x.at("errors")), p.samples = samples_of(robot, x.at("samples"));
     p.wall_s = x.at("wall_s"), p.evaluations = x.at("evaluations"), p.steps = x.at("steps"), p.penetration = x.at("penetration"), p.residual = x.at("residual");
     p.failure = x.value("failure", "");
     known_[x.at("key")] = p;
   }
-  std::string path_;
   std::map<std::string, Point> known_;
+  Reference reference_;
+  std::string solver_;  // of it, and the budget
+  double seconds_ = 0;
   std::FILE* file_ = nullptr;
 };
 
@@ -220,12 +239,16 @@ void run(const Options& options, const std::vector<std::string>& words) {
   const Budget budget(seconds);
   json identity = {{"file", options.robot.file}, {"q", scene.start.q}, {"v", scene.start.v}, {"tau", scene.start.tau}, {"ctrl", scene.start.ctrl}, {"effects", on}, {"ground", options.ground},
                    {"duration", options.duration}, {"reference", options.reference}};
-  Store store(options.resume, identity.dump());
+  Store store(options.resume, robot, identity.dump());
   Setting contact;
   contact.solver = solver_named(options.solver).id, contact.tolerance = options.tolerance;
   Reference reference;
-  if (options.reference.empty()) {
+  const std::string solver = options.solver + " " + short_number(options.tolerance, 17);
+  if (const Reference* earlier = options.reference.empty() ? store.reference(solver, seconds) : nullptr) {
+    reference = *earlier;
+  } else if (options.reference.empty()) {
     reference = make_reference(scene, contact, budget);
+    store.add(reference, solver, seconds);
   } else {
     StateOptions given;
     given.file = options.reference;

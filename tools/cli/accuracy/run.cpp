@@ -18,13 +18,17 @@ using Clock = std::chrono::steady_clock;
 
 double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
+void place(const Robot& robot, const Data& data, Sample& s) {
+  s.places.resize(12 * static_cast<std::size_t>(robot.nframes));
+  check(dyn_forward_kinematics(robot, data, s.q.data(), nullptr, nullptr));
+  check(dyn_frame_placements(robot, data, s.places.data()));
+}
+
 Sample look(const Robot& robot, const Data& data) {
   Sample s;
   const double* q = state_view(robot, data, "q");
   s.q.assign(q, q + robot.nq);
-  s.places.resize(12 * static_cast<std::size_t>(robot.nframes));
-  check(dyn_forward_kinematics(robot, data, nullptr, nullptr, nullptr));
-  check(dyn_frame_placements(robot, data, s.places.data()));
+  place(robot, data, s);
   double kinetic, potential, momentum[6];
   check(dyn_energy(robot, data, nullptr, nullptr, &kinetic, &potential));
   check(dyn_centroidal_momentum(robot, data, nullptr, nullptr, momentum));
@@ -45,27 +49,38 @@ double angle(const double* A, const double* B) {
   return std::atan2(s, c);
 }
 
-// Numbers that are not finite are null there.
 json json_of(const Run& r) {
-  json out = {{"wall_s", r.wall_s}, {"evaluations", r.evaluations}, {"steps", r.steps}, {"penetration", r.penetration}, {"residual", r.residual}, {"rows", r.rows}, {"error", r.error}, {"samples", json::array()}};
-  for (const Sample& s : r.samples) out["samples"].push_back({s.q, s.places, s.energy, s.momentum});
-  return out;
+  return {{"wall_s", r.wall_s}, {"evaluations", r.evaluations}, {"steps", r.steps}, {"penetration", r.penetration}, {"residual", r.residual}, {"rows", r.rows}, {"error", r.error}, {"samples", json_of(r.samples)}};
 }
 
-Run run_of(const json& x) {
+Run run_of(const Robot& robot, const json& x) {
   Run r;
   r.wall_s = x.at("wall_s"), r.evaluations = x.at("evaluations"), r.steps = x.at("steps"), r.penetration = x.at("penetration"), r.residual = x.at("residual");
-  r.rows = x.at("rows"), r.error = x.at("error");
-  for (const json& s : x.at("samples")) {
-    Sample y;
-    y.q = s.at(0).get<Vector>(), y.places = s.at(1).get<Vector>(), y.energy = s.at(2);
-    for (std::size_t k = 0; k < 3; ++k) y.momentum[k] = s.at(3).at(k);
-    r.samples.push_back(std::move(y));
-  }
+  r.rows = x.at("rows"), r.error = x.at("error"), r.samples = samples_of(robot, x.at("samples"));
   return r;
 }
 
 }  // namespace
+
+json json_of(const Samples& samples) {
+  json out = json::array();
+  for (const Sample& s : samples) out.push_back({s.q, s.energy, s.momentum});
+  return out;
+}
+
+Samples samples_of(const Robot& robot, const json& x) {
+  const Data data(robot, DYN_PART_FRAMES);
+  Samples out;
+  for (const json& s : x) {
+    Sample y;
+    y.q = s.at(0).get<Vector>(), y.energy = s.at(1);
+    if (y.q.size() != static_cast<std::size_t>(robot.nq)) fail("a sample has " + std::to_string(y.q.size()) + " numbers in q.");
+    for (std::size_t k = 0; k < 3; ++k) y.momentum[k] = s.at(2).at(k);
+    place(robot, data, y);
+    out.push_back(std::move(y));
+  }
+  return out;
+}
 
 Run run(const Scene& scene, const Setting& setting) {
   const Robot& robot = scene.robot;
@@ -149,17 +164,17 @@ Run run_within(const Scene& scene, const Setting& setting, double most_s) {
   Run out;
   if (late) return out.error = too_long, out.wall_s = most_s, out;
   try {
-    return run_of(json::parse(text));
+    return run_of(scene.robot, json::parse(text));
   } catch (const json::exception&) {
     return out.error = "its process ended early", out;
   }
 }
 
-Error error_between(const Robot& robot, const Run& a, const Run& b) {
+Error error_between(const Robot& robot, const Samples& a, const Samples& b) {
   Error e;
-  const bool end_alone = b.samples.size() == 1;
-  for (std::size_t k = 0; k < std::min(a.samples.size(), b.samples.size()); ++k) {
-    const Sample &x = end_alone ? a.samples.back() : a.samples[k], &y = b.samples[k];
+  const bool end_alone = b.size() == 1;
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
+    const Sample &x = end_alone ? a.back() : a[k], &y = b[k];
     for (int f = 1; f < robot.nframes; ++f) {
       const double *A = x.places.data() + 12 * f, *B = y.places.data() + 12 * f;
       e.m = std::max(e.m, std::hypot(A[9] - B[9], A[10] - B[10], A[11] - B[11]));

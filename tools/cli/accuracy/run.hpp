@@ -23,11 +23,15 @@ struct Sample {
   Vector q, places;  // of all frames, 12 numbers each
   double energy = 0, momentum[3] = {};
 };
+using Samples = std::vector<Sample>;
+// Without places, which q says. Numbers that are not finite are null there.
+json json_of(const Samples& samples);
+Samples samples_of(const Robot& robot, const json& x);
 
 inline constexpr const char* too_long = "it took longer than its share of the budget";
 
 struct Run {
-  std::vector<Sample> samples;
+  Samples samples;
   double wall_s = 0;  // of the steps alone
   long long evaluations = 0, steps = 0;
   double penetration = 0, residual = 0;
@@ -47,12 +51,12 @@ Run run(const Scene& scene, const Setting& setting);
 // In a process of its own, which is ended after most_s seconds: the error then says so.
 Run run_within(const Scene& scene, const Setting& setting, double most_s);
 
-// Between two runs, the largest over all samples.
+// The largest between the samples of two runs.
 struct Error {
   double m = 0, rad = 0;  // of any frame's place
   double energy = 0;      // J
   double momentum = 0;    // kg m/s
 };
-Error error_between(const Robot& robot, const Run& a, const Run& b);
+Error error_between(const Robot& robot, const Samples& a, const Samples& b);
 
 }  // namespace cli::accuracy

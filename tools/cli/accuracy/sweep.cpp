@@ -11,7 +11,7 @@ constexpr double steps_of[] = {2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5
 constexpr double accuracies[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
 constexpr double short_run = 0.02;  // s: those below are run again, for their time
 
-Point point_of(const Scene& scene, const Setting& setting, const Run& reference, double most_s) {
+Point point_of(const Scene& scene, const Setting& setting, const Samples& reference, double most_s) {
   Point p;
   p.setting = setting;
   Run first = run_within(scene, setting, most_s);
@@ -19,7 +19,15 @@ Point point_of(const Scene& scene, const Setting& setting, const Run& reference,
   p.penetration = first.penetration, p.residual = first.residual, p.failure = first.error;
   if (!p.failure.empty()) return p;
   for (int again = 0; again < 4 && p.wall_s < short_run; ++again) p.wall_s = std::min(p.wall_s, run(scene, setting).wall_s);
-  p.error = error_between(scene.robot, first, reference);
+  p.error = error_between(scene.robot, first.samples, reference);
+  p.samples = std::move(first.samples);
+  return p;
+}
+
+// One of an earlier run, by today's reference.
+Point again(const Scene& scene, const Point& earlier, const Samples& reference) {
+  Point p = earlier;
+  if (p.failure.empty()) p.error = error_between(scene.robot, p.samples, reference);
   return p;
 }
 
@@ -54,7 +62,7 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
     const Run other = run_within(scene, best, budget.left() / 3);
     if (out.run.error.empty() && other.error.empty()) {
       out.kind = "order 8 to rounding";
-      out.uncertainty = error_between(scene.robot, out.run, other);
+      out.uncertainty = error_between(scene.robot, out.run.samples, other.samples);
       out.confidence = "the same with three times as many beginnings differs by this";
       return out;
     }
@@ -81,8 +89,8 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
       fail("there is no reference, since steps of " + short_number(fine.dt) + " s and more end early: " + (r->error.empty() ? std::string(too_long) : r->error) + " (--budget gives it more time, --reference another one)");
   out.smooth = false;
   out.kind = "steps of " + short_number(fine.dt, 3) + " s, the finest that a third of the budget allows";
-  const Error halved = error_between(scene.robot, out.run, near);
-  const double before = error_between(scene.robot, near, far).m, ratio = halved.m > 0 ? before / halved.m : HUGE_VAL;
+  const Error halved = error_between(scene.robot, out.run.samples, near.samples);
+  const double before = error_between(scene.robot, near.samples, far.samples).m, ratio = halved.m > 0 ? before / halved.m : HUGE_VAL;
   // what a geometric series of that ratio leaves, which is what the last halving changed where errors halve; four times that where they hardly do
   const double rest = std::clamp(1 / std::max(ratio - 1, 1e-3), 1.0, 4.0);
   out.uncertainty = {rest * halved.m, rest * halved.rad, rest * halved.energy, rest * halved.momentum};
@@ -131,7 +139,7 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
       Setting s = m.setting;
       (m.adaptive ? s.accuracy : s.dt) = value;
       if (const Point* earlier = known(key_of(s))) {
-        points.push_back(*earlier), m.last_s = earlier->wall_s, m.last = value;
+        points.push_back(again(scene, *earlier, reference.run.samples)), m.last_s = earlier->wall_s, m.last = value;
         continue;
       }
       // the next one is not begun where it would hardly end
@@ -140,7 +148,7 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
         m.ended = true;
         continue;
       }
-      Point p = point_of(scene, s, reference.run, budget.share());
+      Point p = point_of(scene, s, reference.run.samples, budget.share());
       if (m.last_s > short_run) m.growth = std::max(m.growth, p.wall_s / m.last_s);
       m.last_s = p.wall_s, m.last = value;
       m.ended = p.failure == too_long;
@@ -164,7 +172,7 @@ std::vector<Point> solver_sweep(const Scene& scene, double dt, const Budget& bud
       s.solver = solver.id, s.tolerance = std::pow(10.0, -e);
       if (budget.left() < 0) return points;
       const Point* earlier = known("solver " + key_of(s));
-      points.push_back(earlier ? *earlier : point_of(scene, s, best, budget.left()));
+      points.push_back(earlier ? again(scene, *earlier, best.samples) : point_of(scene, s, best.samples, budget.left()));
       if (!earlier) done(points.back());
     }
   mark_front(points);

@@ -10,6 +10,7 @@ namespace cli::accuracy {
 
 struct Point {
   Setting setting;
+  Samples samples;
   Error error;
   double wall_s = 0, penetration = 0, residual = 0;
   long long evaluations = 0, steps = 0;
