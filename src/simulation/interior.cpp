@@ -252,7 +252,7 @@ bool Interior::polish(Index most, double share, dynContactReport& report) {
 
 bool Interior::run(dynContactReport& report) {
   Error now = error();
-  begin(inside * std::sqrt(now.sum / x.rows)), velocities();
+  begin(inside * std::sqrt(now.own / x.rows)), velocities();
   double tried = HUGE_VAL;
   short_steps = 0;
   for (Index k = 0; k < most_steps && x.may_go_on(report) && step(report); ++k) {
@@ -281,7 +281,7 @@ bool Interior::run_held(dynContactReport& report) {
       each([&](const ActiveSlot& a, State& s, Index) { s.correction = k ? 0 : solver::norm(c + a.s->first + 1, s.rows - 1), s.corrected = 0, s.relaxed = 1; });
     else
       relax();
-    const double wrong = error().sum / x.rows;
+    const double wrong = error().own / x.rows;
     begin(inside * std::sqrt(wrong)), velocities();
     short_steps = 0;
     for (Index i = 0; i < most_steps && x.may_go_on(report) && step(report) && complementarity() > solved * wrong; ++i) {}

@@ -145,7 +145,7 @@ void Newton::velocities() const {
   });
 }
 
-// Of the function whose zero is looked for, at y + t dy: largest and squares, as velocities.
+// Of the function whose zero is looked for, at y + t dy.
 Newton::Error Newton::error(double t) const {
   Error out;
   each([&](const ActiveSlot& a, const State& s, Index) {
@@ -154,7 +154,7 @@ Newton::Error Newton::error(double t) const {
     for (Index i = 0; i < s.rows; ++i) yk[i] = y[first + i] + t * dy[first + i], ak[i] = yk[i] - (c[first + i] + t * dc[first + i]);
     auto take = [&](double e, Index i) {
       const double velocity = e / (s.cone ? s.speed[i > 0] : s.unit[i]);
-      out.most = std::max(out.most, std::abs(velocity)), out.sum += velocity * velocity;
+      out.most = std::max(out.most, std::abs(velocity)), out.sum += velocity * velocity, out.own += e * e;
     };
     if (!s.cone) {
       for (Index i = 0; i < s.rows; ++i) take(yk[i] - std::clamp(ak[i], s.lower, s.upper), i);

@@ -5,7 +5,7 @@ namespace dyn::solver {
 namespace {
 
 constexpr double relaxation = 1.1;
-constexpr double tiny = 1e-14;  // relative to a unit diagonal: nothing moves that way
+constexpr double tiny = 1e-14;  // relative to the diagonal: nothing moves that way
 
 // Eigenvectors (columns of q) and eigenvalues of a symmetric matrix by cyclic Jacobi rotations.
 void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
@@ -152,8 +152,10 @@ LocalCone local_cone(const Problem& p, const Cone& cone) {
   for (Index i = 0; i < m; ++i)
     for (Index j = 0; j < m; ++j) S[i][j] = p.G(t + i, t + j) - (Gnn > 0 ? p.G(t + i, n) * p.G(t + j, n) / Gnn : 0);
   eigen(S, m, l.q, l.e);
+  double largest = 0;
+  for (Index i = 0; i < cone.size; ++i) largest = std::max(largest, p.G(n + i, n + i));
   for (Index k = 0; k < m; ++k) {
-    l.e[k] = l.e[k] > tiny ? l.e[k] : 0;
+    l.e[k] = l.e[k] > tiny * largest ? l.e[k] : 0;
     l.coupling[k] = 0;
     for (Index i = 0; i < m; ++i) l.coupling[k] += l.q[i][k] * p.G(t + i, n);
   }

@@ -32,7 +32,8 @@ class Newton {
   double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room;
 
   struct Error {
-    double most = 0, sum = 0;
+    double most = 0, sum = 0;  // the largest, and squares, as velocities
+    double own = 0;            // squares in the slots' units
   };
   template <class F>
   void each(F&& f) const {
