@@ -112,18 +112,27 @@ constexpr Pair pair() {
     return {convex<A, B>, false};
 }
 
-constexpr Pair table[type_count][type_count] = {
-#define DYN_ROW(A) {pair<A, HalfSpace>(), pair<A, Sphere>(), pair<A, Capsule>(), pair<A, Box>(), \
-                    pair<A, Cylinder>(), pair<A, Cone>(), pair<A, Ellipsoid>(), pair<A, Convex>()},
-    DYN_SHAPES(DYN_ROW)
-#undef DYN_ROW
+// f.template operator()<S>() for each
+template <class F>
+constexpr void each_shape(F&& f) {
+#define DYN_EACH(S) f.template operator()<S>();
+  DYN_SHAPES(DYN_EACH)
+#undef DYN_EACH
+}
+struct Table {
+  Pair at[type_count][type_count] = {};
 };
+constexpr Table table = [] {
+  Table t;
+  each_shape([&]<class A>() { each_shape([&]<class B>() { t.at[Index(A::type)][Index(B::type)] = pair<A, B>(); }); });
+  return t;
+}();
 static_assert([] {
-  for (const auto& row : table)
+  for (const auto& row : table.at)
     for (const Pair& p : row)
       if (!p.method) return false;
   return true;
-}(), "the table has no column for a shape");
+}(), "two shapes have one type");
 
 // What the second method finds, if it holds: the depth is that along its normal, the witness points lie within it from A and B.
 bool second_opinion(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, const Options& o, Result& r) {
@@ -150,7 +159,7 @@ bool second_opinion(const Shape& a, const Pose& XA, const Shape& b, const Pose& 
 bool general(Type a, Type b) { return std::min(a, b) >= Type::Capsule && std::max(a, b) >= Type::Cylinder; }
 
 inline Result first_opinion(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
-  const Pair pair = table[Index(a.type)][Index(b.type)];
+  const Pair pair = table.at[Index(a.type)][Index(b.type)];
   if (!pair.exchanged) return pair.method(a, X_WA, b, X_WB, workspace, options);
   Result r = pair.method(b, X_WB, a, X_WA, workspace, options);
   r.normal = -r.normal, std::swap(r.point_a, r.point_b);

@@ -70,8 +70,10 @@ dynConstraint default_constraint(dynConstraintType type) {
 
 dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::size_t room) {
   const Refusal refuse{message, room};
-  const int type = int(s.type);
-  if (type < DYN_CONSTRAINT_NONE || type > DYN_CONSTRAINT_FRICTION) return refuse(DYN_ERROR_ARGUMENT, "type is %d: use a dynConstraintType", type);
+  bool known = s.type == DYN_CONSTRAINT_NONE;
+  const auto is_known = [&]<class K>() { known = true; };
+  visit_frame_constraint(s.type, is_known), visit_joint_constraint(s.type, is_known);
+  if (!known) return refuse(DYN_ERROR_ARGUMENT, "type is %d: use a dynConstraintType", int(s.type));
   const struct {
     const char* name;
     const double* x;

@@ -49,7 +49,8 @@ void MjcfWriter::add_geom(Out& body, const ShapeRecord& s, Index k) {
       type("hfield"), put(e, "hfield", asset);
       break;
     }
-    default:
+    case DYN_SHAPE_CONE: break;
+    case DYN_SHAPE_MESH: case DYN_SHAPE_CONVEX: case DYN_SHAPE_TRIANGLES:
       type("mesh"), put(e, "mesh", mesh_asset(s));
       if (s.type != DYN_SHAPE_MESH) losses.note("hulls and triangles are meshes: load with meshes = DYN_MESH_HULL or DYN_MESH_TRIANGLES", called);
   }

@@ -1,12 +1,12 @@
 // Model to URDF: constraints, and what there is no place for.
 #include "dyn/constraint/set.hpp"
 #include "save_urdf.hpp"
+#include "urdf_robot.hpp"
 
 namespace dyn::load {
 
 // As urdf_constraint.cpp reads them.
 void UrdfWriter::add_constraints() {
-  static constexpr const char* types[] = {"", "point", "frame", "connect", "weld", "distance", "", "coupling", "limit", "friction"};
   if (m.n.constraints == 0) return;
   Out& block = *robot->InsertNewChildElement("libdyn");
   for (Index k = 0; k < m.n.constraints; ++k) {
@@ -18,7 +18,7 @@ void UrdfWriter::add_constraints() {
     }
     Out& e = *block.InsertNewChildElement("constraint");
     put(e, "name", name);
-    put(e, "type", std::string(c.type == DYN_CONSTRAINT_LOOP ? joint_type_name(c.joint_type) : types[c.type]));
+    put(e, "type", std::string(constraint_type_name(c)));
     const dynConstraint standard = default_constraint(c.type);
     const auto number = [&](const char* attribute, double x, double missing) {
       if (x != missing) put(e, attribute, x);

@@ -78,6 +78,12 @@ UrdfConstraint read_constraint(const Element& e, Report& report) {
 
 }  // namespace
 
+const char* constraint_type_name(const dynConstraint& c) {
+  for (const auto& t : types)
+    if (c.type == t.type) return t.name;
+  return joint_type_name(c.joint_type);
+}
+
 void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out) {
   Reader{report, "<libdyn>"}.unread(block, {}, {"constraint"});
   for (const Element* e = first(block, "constraint"); e; e = next(*e, "constraint")) out.push_back(read_constraint(*e, report));

@@ -54,7 +54,8 @@ UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& opti
 // Meshes of collision shapes to what stands for them.
 void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& options);
 UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes, const Colours& colours);
-// urdf_constraint.cpp: what a <libdyn> block holds.
+// urdf_constraint.cpp: what a <libdyn> block holds, and the names that it has for types; of a loop that is its joint's.
+const char* constraint_type_name(const dynConstraint& c);
 void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out);
 UrdfJoint read_joint(const Element& e, Report& report, const LoadOptions& options);
 

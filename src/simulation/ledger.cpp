@@ -47,6 +47,7 @@ bool flies(const Model& m) {
   return true;
 }
 
+static_assert(DYN_EFFECT_ALL == 0x1ff, "what an effect takes or gives is work of the ledger's: add it below");
 LedgerState state_of(const Model& m, Data<double>& d) {
   LedgerState x{};
   x.energy = energies(m, d).sum();

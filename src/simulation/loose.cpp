@@ -27,6 +27,7 @@ LooseColumns columns_of(const Body& b) {
   return out;
 }
 
+static_assert(DYN_EFFECT_ALL == 0x1ff, "an effect that acts at a joint or on its link keeps a body from being loose: say so below");
 bool is_loose(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
   if (b.type != BodyType::FreeFlyer || b.parent != 0 || m.subtree_end()[i] != i + 1 || !(b.m > 0)) return false;

@@ -6,9 +6,25 @@
 set -euo pipefail
 cc=$1 header=$2 record=${3:-}
 here=$(cd "$(dirname "$0")" && pwd)
-command -v abidw >/dev/null || { echo "abidw is not installed (package abigail-tools)"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+
+# What a dyn_..._init of today writes, a program of 1.0 has room for. A struct that grew has an init of its own, dyn_..._init_2, to which a #define in dyn.h leads the old name.
+if [ "$record" != --record ]; then
+  mkdir "$work/old" "$work/new"
+  gzip -dc "$here/1.0/dyn.h.gz" >"$work/old/dyn.h"
+  cp "$header" "$work/new/dyn.h"
+  sed -nE 's/^DYN_API void (dyn_[a-z_]+_init)\((dyn[A-Za-z]+)\*.*/\1 \2/p' "$work/old/dyn.h" >"$work/filled"
+  [ -s "$work/filled" ] || { echo "no init functions were found"; exit 1; }
+  for age in old new; do
+    { printf '#include <stdio.h>\n#include "dyn.h"\nint main(void) {\n'; awk '{print "printf(\"" $1 " " $2 " %zu\\n\", sizeof(" $2 "));"}' "$work/filled"; echo 'return 0; }'; } >"$work/$age/sizes.c"
+    "$cc" -std=c99 -I"$work/$age" "$work/$age/sizes.c" -o "$work/$age/sizes"
+    "$work/$age/sizes" >"$work/$age/said"
+  done
+  grown=$(comm -13 <(sort "$work/old/said") <(sort "$work/new/said") | while read -r init struct _; do grep -q "^#define $init " "$header" || echo "$struct"; done)
+  [ -z "$grown" ] || { echo "structs of another size than in 1.0, which their init function would write beyond: $grown"; exit 1; }
+fi
+command -v abidw >/dev/null || { echo "abidw is not installed (package abigail-tools)"; exit 77; }
 
 # a library that defines what the header declares: its debug information is the ABI, whatever compiled the real one (symbols.sh compares their names)
 "$cc" -E -P -DDYN_STATIC -x c "$header" | tr '\n' ' ' |

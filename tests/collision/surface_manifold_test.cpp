@@ -112,8 +112,7 @@ TEST(SurfaceManifold, HoldsOnHills) {
     Chance g{std::uint64_t(i)};
     Faceted field, ring;
     hills(field, g, 12, 9), ring_mesh(ring, 12, 8);
-    const Type types[] = {Type::HalfSpace, Type::Sphere, Type::Capsule, Type::Box, Type::Cylinder, Type::Cone, Type::Ellipsoid, Type::Convex};
-    const Solid s = g.shape(types[g.pick(8)], 0.6);
+    const Solid s = g.shape(Type(g.pick(shape::type_count)), 0.6);
     const Faceted& surface = g.pick(2) ? field : ring;
     Pose A = {g.rotation(), g.direction()}, B = {g.rotation(), g.direction() * 0.3};
     const Result far = query(surface.shape, A, s.shape, B);

@@ -7,7 +7,6 @@ namespace {
 using shape::HeightField;
 using shape::Triangles;
 
-constexpr Type convex_types[] = {Type::HalfSpace, Type::Sphere, Type::Capsule, Type::Box, Type::Cylinder, Type::Cone, Type::Ellipsoid, Type::Convex};
 
 // f(faceted, chance) for some surfaces of both kinds
 template <class F>
@@ -36,8 +35,9 @@ Pose turned(Chance& g, double far) { return {g.rotation(), g.direction() * g.uni
 TEST(Surfaces, DistanceToConvexShapesIsTheLeastOfAllPieces) {
   int inside = 0, apart = 0, meeting = 0, through = 0;
   each_surface([&](const Faceted& s, Chance& g) {
-    for (const Type t : convex_types)
+    for (int type = 0; type < shape::type_count; ++type)
       for (int k = 0; k < samples(120); ++k) {
+        const Type t = Type(type);
         SCOPED_TRACE(testing::Message() << name_of(t) << " " << k);
         const Solid b = g.shape(t, g.pick(2) ? g.uniform(0.02, 0.2) : g.uniform(0.2, 0.8));
         const Pose A = turned(g, 3), B = {g.rotation(), A.p + g.direction() * g.uniform(0, 3)};
@@ -216,7 +216,7 @@ TEST(Surfaces, MeshOfABoxIsTheBox) {
     if (one.t < shape::infinity) {
       ASSERT_NEAR(one.t, other.t, 1e-12);
     }
-    const Solid c = g.shape(convex_types[g.pick(8)], 0.3);
+    const Solid c = g.shape(Type(g.pick(shape::type_count)), 0.3);
     const Pose A = turned(g, 2), B = {g.rotation(), A.p + g.direction() * g.uniform(0, 1.5)};
     const Result r = query(m.shape, A, c.shape, B), e = query(b.shape, A, c.shape, B);
     if (e.distance > 0 || c.shape.type == Type::Sphere) {
@@ -249,7 +249,7 @@ TEST(Surfaces, FineSphereIsNearASphere) {
     const double off = 1 - std::cos(pi / n);
     Chance g{std::uint64_t(n)};
     for (int k = 0; k < 200; ++k) {
-      const Solid b = g.shape(convex_types[g.pick(8)], 0.5);
+      const Solid b = g.shape(Type(g.pick(shape::type_count)), 0.5);
       const Pose A = turned(g, 1), B = {g.rotation(), A.p + g.direction() * g.uniform(1.2, 3)};
       const double expected = query(sphere(1).shape, A, b.shape, B).distance, d = query(s.shape, A, b.shape, B).distance;
       if (expected < 0) continue;
@@ -279,7 +279,7 @@ TEST(Surfaces, FlatHeightFieldIsABox) {
     if (one.t < shape::infinity) {
       ASSERT_NEAR(one.t, other.t, 1e-12);
     }
-    const Solid c = g.shape(convex_types[g.pick(8)], 0.4);
+    const Solid c = g.shape(Type(g.pick(shape::type_count)), 0.4);
     const Pose A = turned(g, 2), B = {g.rotation(), A.p + g.direction() * g.uniform(0, 2)};
     const double expected = query(b.shape, A, c.shape, B).distance, r = query(f.shape, A, c.shape, B).distance;
     if (expected > 0 || c.shape.type == Type::Sphere) {
@@ -316,7 +316,7 @@ TEST(Surfaces, GradientAgainstDifferences) {
   int compared = 0, flagged = 0;
   each_surface([&](const Faceted& s, Chance& g) {
     for (int k = 0; k < samples(600); ++k) {
-      const Solid b = g.shape(convex_types[g.pick(8)], 0.5);
+      const Solid b = g.shape(Type(g.pick(shape::type_count)), 0.5);
       const Pose A = turned(g, 2), B = {g.rotation(), A.p + g.direction() * g.uniform(0.3, 2.5)};
       const Result r = query(s.shape, A, b.shape, B);
       if (!r.unique) {
@@ -373,7 +373,7 @@ TEST(Surfaces, RoundedMeshes) {
     if (one.t < shape::infinity) {
       ASSERT_NEAR(one.t, other.t, 1e-9);
     }
-    const Solid c = g.shape(convex_types[g.pick(8)], 0.4);
+    const Solid c = g.shape(Type(g.pick(shape::type_count)), 0.4);
     const Pose B = {g.rotation(), g.direction() * 2.0};
     const double expected = query(b.shape, Pose::identity(), c.shape, B).distance;
     if (expected > 0) {

@@ -82,6 +82,7 @@ struct Data {
 Vector field(const Robot& robot, const Data& data, const char* name);
 
 const char* joint_type_name(dynJointType type);  // "revolute"
+const char* shape_type_name(dynShapeType type);  // "half_space"
 const char* frame_type_name(dynFrameType type);  // "FIXED_JOINT"
 
 // [{"name", "active", "reason", "bytes"}]: which effects the robot calls for, as far as they are switched on.

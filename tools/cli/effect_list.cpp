@@ -1,6 +1,7 @@
 // Effects by name: which of them a robot calls for, and switching them.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <sstream>
 
@@ -39,9 +40,10 @@ std::uint32_t bits_of(const std::string& list, const char* option) {
 }  // namespace
 
 void add_effects_option(CLI::App& command, EffectOptions& options) {
-  command
-      .add_option("--effects", options.with,
-                  "What joints and links do: armature, damping, springs, friction, limits, actuators, fluid, gravity_compensation, sleeping with commas between, all (but sleeping) or none")
+  std::string of_joints_and_links;
+  for (const auto& e : names)
+    if (std::has_single_bit(e.bits) && !(e.bits & of_the_whole)) of_joints_and_links += (of_joints_and_links.empty() ? "" : ", ") + std::string(e.name);
+  command.add_option("--effects", options.with, "What joints and links do: " + of_joints_and_links + " with commas between, all (but sleeping) or none")
       ->check(not_empty)
       ->type_name("LIST")
       ->capture_default_str();

@@ -10,34 +10,6 @@
 namespace cli {
 namespace {
 
-const char* shape_type_name(dynShapeType type) {
-  switch (type) {
-    case DYN_SHAPE_BOX:
-      return "box";
-    case DYN_SHAPE_SPHERE:
-      return "sphere";
-    case DYN_SHAPE_CYLINDER:
-      return "cylinder";
-    case DYN_SHAPE_MESH:
-      return "mesh";
-    case DYN_SHAPE_CAPSULE:
-      return "capsule";
-    case DYN_SHAPE_CONE:
-      return "cone";
-    case DYN_SHAPE_ELLIPSOID:
-      return "ellipsoid";
-    case DYN_SHAPE_HALF_SPACE:
-      return "half_space";
-    case DYN_SHAPE_CONVEX:
-      return "convex";
-    case DYN_SHAPE_TRIANGLES:
-      return "triangles";
-    case DYN_SHAPE_HEIGHT_FIELD:
-      return "height_field";
-  }
-  return "unknown";
-}
-
 json joint_json(const Robot& robot, int id) {
   const dynJointInfo j = robot.joint(id);
   const auto slice = [&](dynModelArray which, int first, int n) { return vector_json(dyn_model_array(robot, which) + first, n); };

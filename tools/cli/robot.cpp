@@ -120,6 +120,23 @@ const char* joint_type_name(dynJointType type) {
   return type >= 0 && type < static_cast<int>(std::size(names)) ? names[type] : "unknown";
 }
 
+const char* shape_type_name(dynShapeType type) {
+  switch (type) {
+    case DYN_SHAPE_BOX: return "box";
+    case DYN_SHAPE_SPHERE: return "sphere";
+    case DYN_SHAPE_CYLINDER: return "cylinder";
+    case DYN_SHAPE_MESH: return "mesh";
+    case DYN_SHAPE_CAPSULE: return "capsule";
+    case DYN_SHAPE_CONE: return "cone";
+    case DYN_SHAPE_ELLIPSOID: return "ellipsoid";
+    case DYN_SHAPE_HALF_SPACE: return "half_space";
+    case DYN_SHAPE_CONVEX: return "convex";
+    case DYN_SHAPE_TRIANGLES: return "triangles";
+    case DYN_SHAPE_HEIGHT_FIELD: return "height_field";
+  }
+  return "unknown";
+}
+
 const char* frame_type_name(dynFrameType type) {
   switch (type) {
     case DYN_FRAME_OP_FRAME:

@@ -27,6 +27,8 @@ from .library import check, last_error, lib
 if TYPE_CHECKING:
     from .model import Model
 
+_BETWEEN_JOINTS = (ConstraintType.COUPLING, ConstraintType.LIMIT, ConstraintType.FRICTION)
+
 
 class Constraint(NamedTuple):
     """What a slot holds: made by point, frame, connect, weld, distance, loop, coupling, limit and friction."""
@@ -114,7 +116,7 @@ def structure(c: Any, find: Any = None) -> abi.Constraint:
         else:
             setattr(out, key, x)
     if find:
-        what = "joint" if c.type >= ConstraintType.COUPLING else "frame"
+        what = "joint" if c.type in _BETWEEN_JOINTS else "frame"
         out.first = find(what, c.first)
         out.second = 0 if c.second is None else find(what, c.second)
     return out

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .model import Model
 
 _Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # Meshcat's cylinders lie along y
-_GREY = 0xB0B8C8
+_NO_COLOUR = 0.7
 _AROUND = np.linspace(0, 2 * np.pi, 33)[:-1]
 
 
@@ -63,25 +63,18 @@ def pieces(model: Model, shape: ShapeInfo) -> list[tuple[g.Geometry, np.ndarray]
         return [(_cone(x, y), here)]
     if kind == ShapeType.HALF_SPACE:
         return [(g.Box([20.0, 20.0, 0.01]), _at(-0.005))]
-    if kind != ShapeType.MESH:
-        mesh = model.shape_mesh(shape.id)
-        return [(g.TriangularMeshGeometry(np.array(mesh.vertices), np.array(mesh.triangles)), here)]
-    mesh = load_mesh(shape.mesh, scale=shape.size)
-    corners, colours = mesh.vertices[mesh.triangles].reshape(-1, 3), np.repeat(mesh.colours, 3, axis=0)
-    if shape.rgba is not None or np.isnan(colours).all():
-        return [(g.TriangularMeshGeometry(np.array(mesh.vertices), np.array(mesh.triangles)), here)]
-    # triangles have colours, so each has corners of its own
-    return [(g.TriangularMeshGeometry(corners, np.arange(len(corners)).reshape(-1, 3), np.where(np.isnan(colours), _rgb(_GREY), colours)), here)]
+    mesh = load_mesh(shape.mesh, scale=shape.size) if kind == ShapeType.MESH else model.shape_mesh(shape.id)
+    if shape.rgba is None and not np.isnan(mesh.colours).all():  # colours are of triangles, and Meshcat's of corners
+        colours = np.where(np.isnan(mesh.colours), _NO_COLOUR, mesh.colours)
+        corners = np.arange(3 * len(mesh.triangles)).reshape(-1, 3)
+        return [(g.TriangularMeshGeometry(mesh.vertices[mesh.triangles].reshape(-1, 3), corners, np.repeat(colours, 3, axis=0)), here)]
+    return [(g.TriangularMeshGeometry(np.array(mesh.vertices), np.array(mesh.triangles)), here)]
 
 
-def _rgb(color: int) -> np.ndarray:
-    return np.array([color >> 16 & 255, color >> 8 & 255, color & 255]) / 255
-
-
-def material(shape: ShapeInfo, geometry: g.Geometry, color: int) -> g.Material:
-    """Of the colour that the model gives a shape, or a mesh's file its triangles, or of this one."""
+def _looks(shape: ShapeInfo, geometry: g.Geometry, color: int) -> g.Material:
+    """The shape's own colour, or those of its mesh file, or `color`."""
     if shape.rgba is not None:
-        red, green, blue = (round(255 * c) for c in shape.rgba[:3])
+        red, green, blue = (round(255 * x) for x in shape.rgba[:3])
         return g.MeshLambertMaterial(color=red << 16 | green << 8 | blue, opacity=shape.rgba[3])
     if getattr(geometry, "color", None) is not None:
         return g.MeshLambertMaterial(vertexColors=True)
@@ -89,15 +82,15 @@ def material(shape: ShapeInfo, geometry: g.Geometry, color: int) -> g.Material:
 
 
 class Display:
-    """A model's shapes in a Meshcat window.
+    """A model's shapes in a Meshcat window, in the colours of their files.
 
     visualizer  a meshcat.Visualizer to draw in; None: a new one
     role        "visual", "collision"; a robot without visual shapes shows its collision shapes
     root        name below which everything is drawn
-    color       of shapes of which neither the model nor a mesh's file says one
+    color       of what has none, 0xRRGGBB
     """
 
-    def __init__(self, model: Model, visualizer: Any = None, role: str = "visual", root: str = "robot", color: int = _GREY):
+    def __init__(self, model: Model, visualizer: Any = None, role: str = "visual", root: str = "robot", color: int = 0xB0B8C8):
         self.model = model
         self.visualizer = meshcat.Visualizer() if visualizer is None else visualizer
         self._window = self.visualizer[root]
@@ -109,7 +102,7 @@ class Display:
         for s in shapes:
             for k, (geometry, X) in enumerate(pieces(model, s)):
                 piece = self._window[f"{s.id}/{k}"]
-                piece.set_object(geometry, material(s, geometry, color))
+                piece.set_object(geometry, _looks(s, geometry, color))
                 piece.set_transform(X)
         self(model.neutral())
 

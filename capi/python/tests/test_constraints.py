@@ -235,6 +235,24 @@ def test_anchor():
     assert p.result.solved and abs(d.constraint_terms(p.q, v).C).max() < 1e-12
 
 
+@pytest.mark.parametrize("type", [t for t in dc.ConstraintType if t.name not in ("NONE", "COUPLING", "LIMIT", "FRICTION")])
+def test_every_type_between_frames(type, tmp_path):
+    """Each has its function, is anchored, and comes back from a URDF."""
+    assert callable(getattr(dc, type.name.lower()))
+    m = dyn.load(MODELS / "robots" / "go2.urdf", base="floating", constraint_slots=1)
+    d, (q, v, _) = m.data(), random_state(m, 4)
+    d.set_constraint(0, dc.Constraint(type, "FL_foot", None, {}))
+    d.anchor_constraint(0, q)
+    C = d.constraint_terms(q, v).C
+    assert 1 <= len(C) <= 6 and abs(C).max() < 1e-12
+    b = dyn.Builder.from_model(m)
+    held = b.constraint("held", dc.Constraint(type, "FL_foot", "base", {"length": 0.7})).finish()
+    held.save(tmp_path / "held.urdf")
+    back = dyn.load(tmp_path / "held.urdf", base="floating")
+    for x in (held, back):
+        assert x.data().get_constraint("held").type == type
+
+
 def test_refusals():
     m, d = go2(constraint_slots=5)
     assert m.nconstraints == 0 and m.nconstraint_slots == 5

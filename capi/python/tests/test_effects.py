@@ -33,6 +33,11 @@ def test_they_are_switched_on(pendulum):
     assert energy - d.energy().potential == pytest.approx(0.5 * 4 * 0.3**2)
 
 
+def test_every_effect_is_planned(pendulum):
+    effects = {e.name.lower() for e in Effect} - {"default", "all"}
+    assert effects <= set(pendulum.data().plan())
+
+
 def test_results_are_stale_afterwards(pendulum):
     d = pendulum.data()
     d.crba()
@@ -41,7 +46,7 @@ def test_results_are_stale_afterwards(pendulum):
         d.M  # noqa: B018
 
 
-@pytest.mark.parametrize("effects", ["wind", 999, -1, 1.5, None])
+@pytest.mark.parametrize("effects", ["wind", int(Effect.ALL) + 1, -1, 1.5, None])
 def test_what_is_no_effect(pendulum, effects):
     with pytest.raises(dyn.ArgumentError):
         pendulum.data().set_effects(effects)

@@ -21,8 +21,8 @@ class Paper:
         return Paper(f"{self.path}/{path}", self.told)
 
     def set_object(self, geometry, material):
-        self.told[self.path, "geometry"], self.told[self.path, "material"] = geometry, material
         self.told[self.path, "object"] = geometry.lower({})["type"] if hasattr(geometry, "lower") else geometry
+        self.told[self.path, "material"] = material.lower({})
 
     def set_transform(self, X):
         self.told[self.path, "transform"] = np.array(X)
@@ -47,6 +47,10 @@ def test_shapes_are_where_they_are(go2):
 
 
 SIZES = {"box": (1, 2, 3), "sphere": (0.5,), "capsule": (0.2, 1), "cylinder": (0.2, 1), "cone": (0.3, 1), "ellipsoid": (1, 2, 3), "half_space": ()}
+
+
+def test_they_are_all_primitives():
+    assert set(SIZES) == {t.name.lower() for t in dyn.ShapeType} - {"mesh", "convex", "triangles", "height_field"}
 
 
 @pytest.mark.parametrize("kind", SIZES)
@@ -75,25 +79,28 @@ def test_meshes(tmp_path):
     assert np.max(geometry.vertices) == 2 and len(geometry.faces) == 4
 
 
-def test_colours(tmp_path):
-    (tmp_path / "two.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n")
-    (tmp_path / "corner.obj").write_text(
-        "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 3 2\nf 1 2 4\nusemtl blue\nf 1 4 3\nf 2 3 4\n"
+def test_colours_of_the_files(tmp_path):
+    """A material's colour and opacity; without one those of the mesh's own triangles; else what is asked for."""
+    (tmp_path / "corner.mtl").write_text("newmtl a\nKd 0.2 0.4 1\n")
+    (tmp_path / "corner.obj").write_text("mtllib corner.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    mesh, paint = '<geometry><mesh filename="corner.obj"/></geometry>', '<material name=""><color rgba="1 0.2 0 0.4"/></material>'
+    box = '<geometry><box size="1 1 1"/></geometry>'
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r"><link name="l">' + "".join(f"<visual>{x}</visual>" for x in (box + paint, box, mesh, mesh + paint)) + "</link></robot>"
     )
-    mesh, box = '<mesh filename="corner.obj"/>', '<box size="1 1 1"/>'
-    green = '<material name="green"><color rgba="0 1 0 0.5"/></material>'
-    visual = "".join(f"<visual><geometry>{g}</geometry>{m}</visual>" for g in (mesh, box) for m in ("", green))
-    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="l">{visual}</link></robot>')
-    paper = Paper()
+    m, paper = dyn.load(tmp_path / "r.urdf", base="fixed"), Paper()
     try:
-        Display(dyn.load(tmp_path / "r.urdf", base="fixed"), paper, color=0x123456)
+        Display(m, paper, color=0x123456)
     except dyn.UnsupportedError as error:
         pytest.skip(str(error))
-    own, painted, plain, painted_box = (paper.told[f"/robot/{k}/0", "material"] for k in range(4))
-    assert own.vertexColors and plain.color == 0x123456
-    assert painted.color == painted_box.color == 0x00FF00 and painted.opacity == pytest.approx(0.5, abs=1 / 255) and not painted.vertexColors
-    colours = paper.told["/robot/0/0", "geometry"].color
-    np.testing.assert_array_equal(np.unique(colours, axis=0), [[0, 0, 1], [1, 0, 0]])
+    red, plain, own, painted = (paper.told[f"/robot/{k}/0", "material"] for k in range(4))
+    for x in (red, painted):
+        assert x["color"] == 0xFF3300 and x["opacity"] == pytest.approx(0.4, abs=1 / 255) and x["transparent"] and not x["vertexColors"]
+    assert plain["color"] == 0x123456 and plain["opacity"] == 1 and not plain["transparent"]
+    assert own["color"] == 0xFFFFFF and own["vertexColors"]
+    (drawn, _), = pieces(m, m.shapes[2])
+    np.testing.assert_allclose(drawn.color, np.tile([0.2, 0.4, 1], (12, 1)), atol=1e-6)
+    assert drawn.vertices.shape == (12, 3) and sorted(map(tuple, drawn.vertices.tolist())) == sorted([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)] * 3)
 
 
 def test_a_server():

@@ -5,7 +5,7 @@
 
 namespace dyn::collision {
 
-constexpr bool is_surface(shape::Type t) { return t > shape::Type::Convex; }
+constexpr bool is_surface(shape::Type t) { return t >= shape::Type::Triangles; }
 
 // The least signed distance between a piece of the one and a piece of the other, one of which may be convex as a whole. A shape that
 // touches no triangle of a closed mesh but lies inside is parted by the plane of the nearest triangle: that depth has no gradient.

@@ -66,8 +66,6 @@ class Meshes {
   std::vector<Surface> surfaces_;
 };
 
-constexpr const char* shape_names[] = {"", "box", "sphere", "cylinder", "mesh", "capsule", "cone", "ellipsoid", "half_space", "convex", "triangles", "height_field"};
-
 json joint_json(const Robot& robot, int id) {
   const dynJointInfo j = robot.joint(id);
   json out = {{"name", j.name}, {"type", id == 0 ? "universe" : joint_type_name(j.type)}, {"parent", j.parent}, {"placement", vector_json(j.placement, 12)}, {"axis", vector_json(j.axis, 3)}, {"axis2", vector_json(j.axis2, 3)},
@@ -96,7 +94,7 @@ json model_json(const Robot& robot, const std::vector<std::string>& package_dirs
   for (int k = 0; k < dyn_nshapes(robot); ++k) {
     const dynShapeInfo s = shape(robot, k);
     const bool drawn = s.role == DYN_ROLE_VISUAL;
-    json item = {{"name", s.name}, {"type", shape_names[s.type]}, {"visual", drawn}, {"frame", s.frame}, {"placement", vector_json(s.placement, 12)}, {"size", vector_json(s.size, 3)}, {"radius", s.radius}};
+    json item = {{"name", s.name}, {"type", shape_type_name(s.type)}, {"visual", drawn}, {"frame", s.frame}, {"placement", vector_json(s.placement, 12)}, {"size", vector_json(s.size, 3)}, {"radius", s.radius}};
     Vector rgba(4);
     check(dyn_shape_rgba(robot, k, rgba.data()));
     if (rgba[3] >= 0) item["rgba"] = rgba;
