@@ -1,5 +1,5 @@
 // Plays all scenes for many steps under changing controls, checks their states, and says what memory they took and the hash of all states.
-//   dyn_soak [--steps N] [--hash]     N in all, more of the cheap scenes; --hash: N of each, and nothing but the hashes
+//   dyn_soak [--steps N] [--hash] [--scene NAME]     N in all, more of the cheap scenes; --hash: N of each, and nothing but the hashes; one scene alone
 // Exit status 0 only when no state left its bounds and, without --hash, memory did not grow.
 #include <chrono>
 #include <cstring>
@@ -23,13 +23,17 @@ long resident() {
 int main(int count, char** argument) {
   long steps = 1000000;
   bool hash = false;
+  const char* only = nullptr;
   for (int k = 1; k < count; ++k) {
     if (std::strcmp(argument[k], "--hash") == 0) hash = true;
     else if (std::strcmp(argument[k], "--steps") == 0 && k + 1 < count) steps = std::atol(argument[++k]);
-    else return std::fprintf(stderr, "dyn_soak [--steps N] [--hash]\n"), 2;
+    else if (std::strcmp(argument[k], "--scene") == 0 && k + 1 < count) only = argument[++k];
+    else return std::fprintf(stderr, "dyn_soak [--steps N] [--hash] [--scene NAME]\n"), 2;
   }
-  bool good = true;
+  bool good = true, played = false;
   for (const soak::Scene& scene : soak::scenes) {
+    if (only && std::strcmp(only, scene.name) != 0) continue;
+    played = true;
     soak::Play play(scene);
     const long each = hash ? steps : steps / 100 * scene.share;
     const auto begin = std::chrono::steady_clock::now();
@@ -48,5 +52,6 @@ int main(int count, char** argument) {
     else std::printf("%-16s %10ld steps, %6.1f s, %6.2f us a step, %ld pages more, %s\n", scene.name, play.steps, seconds, 1e6 * seconds / double(play.steps), grown, wrong ? wrong : "within bounds");
     std::fflush(stdout);
   }
+  if (!played) return std::fprintf(stderr, "dyn_soak: no scene is called %s\n", only), 2;
   return good ? 0 : 1;
 }
