@@ -128,10 +128,9 @@ constexpr Table table = [] {
   return t;
 }();
 static_assert([] {
-  for (const auto& row : table.at)
-    for (const Pair& p : row)
-      if (!p.method) return false;
-  return true;
+  bool seen[type_count] = {};
+  each_shape([&]<class S>() { seen[Index(S::type)] = true; });
+  return std::all_of(std::begin(seen), std::end(seen), [](bool x) { return x; });
 }(), "two shapes have one type");
 
 // What the second method finds, if it holds: the depth is that along its normal, the witness points lie within it from A and B.
