@@ -130,7 +130,9 @@ constexpr Table table = [] {
 static_assert([] {
   bool seen[type_count] = {};
   each_shape([&]<class S>() { seen[Index(S::type)] = true; });
-  return std::all_of(std::begin(seen), std::end(seen), [](bool x) { return x; });
+  for (const bool x : seen)
+    if (!x) return false;
+  return true;
 }(), "two shapes have one type");
 
 // What the second method finds, if it holds: the depth is that along its normal, the witness points lie within it from A and B.
