@@ -17,23 +17,6 @@ struct Query {
 };
 using Queries = std::vector<Query>;
 
-const char* type_name(dynShapeType type) {
-  switch (type) {
-    case DYN_SHAPE_BOX: return "box";
-    case DYN_SHAPE_SPHERE: return "sphere";
-    case DYN_SHAPE_CYLINDER: return "cylinder";
-    case DYN_SHAPE_MESH: return "mesh";
-    case DYN_SHAPE_CAPSULE: return "capsule";
-    case DYN_SHAPE_CONE: return "cone";
-    case DYN_SHAPE_ELLIPSOID: return "ellipsoid";
-    case DYN_SHAPE_HALF_SPACE: return "half-space";
-    case DYN_SHAPE_CONVEX: return "convex";
-    case DYN_SHAPE_TRIANGLES: return "triangles";
-    case DYN_SHAPE_HEIGHT_FIELD: return "height field";
-  }
-  return "unknown";
-}
-
 // X Y of placements [R p], columns first
 Placement product(const double* X, const double* Y) {
   Placement Z;
@@ -87,7 +70,7 @@ std::map<std::string, Queries> queries_by_kind(const Robot& robot, const Shapes&
       int first, second;
       check(dyn_pair(robot, pair, &first, &second, nullptr));
       const std::size_t a = std::size_t(first), b = std::size_t(second);
-      const auto [low, high] = std::minmax<std::string>(type_name(shapes.info[a].type), type_name(shapes.info[b].type));
+      const auto [low, high] = std::minmax<std::string>(shape_type_name(shapes.info[a].type), shape_type_name(shapes.info[b].type));
       out[low + "-" + high].push_back({&shapes.geometry[a], &shapes.geometry[b], X[a], X[b]});
     }
   }
