@@ -11,6 +11,7 @@ constexpr double damping = 1e-2;           // the same, where a step without mak
 constexpr int refinements = 1;             // of a step, after which it is as if there were no such compliance
 constexpr double least_step = 0.2;
 constexpr double jammed = 100;             // impulses that exceed those of all free velocities so much are stress that friction locks in
+constexpr double hardly_more = 1.1;    // than the guess: what is heavy presses through what is light
 constexpr Index most_steps = 15;
 constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 
@@ -318,6 +319,7 @@ Newton::Newton(const Island& island)
   scale(), carry();
   std::fill_n(y, x.rows, 0.0), velocities();
   for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(c[i]);
+  for (Index i = 0; i < x.rows; ++i) bound = std::max(bound, hardly_more * std::abs(before[i]));
   std::copy_n(before, x.rows, y), velocities();
 }
 
