@@ -99,3 +99,8 @@ def test_every_status_has_its_exception():
 def test_version():
     assert dyn.__version__.split(".")[0] == str(abi.MAJOR)
     assert dyn.build_info and "\n" not in dyn.build_info
+
+
+def test_pages_draw_every_primitive():
+    drawn = re.findall(r'case "(\w+)":', (CAPI.parent / "tools" / "viewer" / "src" / "shapes.js").read_text())
+    assert sorted(drawn) == sorted(t.name.lower() for t in dyn.ShapeType if t.name not in ("MESH", "CONVEX", "TRIANGLES", "HEIGHT_FIELD", "HALF_SPACE"))
