@@ -8,7 +8,8 @@ namespace {
 
 // Relative to the unit diagonal: what makes steps unique where contacts are redundant. The method converges as if it were not there.
 constexpr double proximal = 1e-11;
-constexpr double first_damping = 1e-2, most_damping = 1;  // the same, where no step without is good (Levenberg and Marquardt)
+// The same (Levenberg and Marquardt), after a step that had to be shortened, and where none is good at all.
+constexpr double least_damping = 1e-8, first_damping = 1e-3, most_damping = 1;
 constexpr double least_step = 0.1;
 constexpr Index most_steps = 20, patient_steps = 30, memory = 4;
 
@@ -47,7 +48,7 @@ class Newton {
 // The function's length, as a velocity.
 double Newton::error(const double* y, const double* c) const {
   double sum = 0;
-  const auto take = [&](Index i, double e) { sum += e / p.unit[i] * (e / p.unit[i]); };
+  const auto take = [&](Index i, double e) { sum += e * p.per_unit[i] * (e * p.per_unit[i]); };
   for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];
@@ -211,7 +212,10 @@ bool Newton::run(const double* y, const double* c, bool patient) {
       errors[(k + 1) % memory] = errors[k % memory];
       continue;
     }
-    damping = damping > proximal ? 0.1 * damping : 0;
+    if (t < 1)  // the states change on the way: redundant contacts give directions of no effect that are too long
+      damping = std::max(least_damping, t > 0.25 ? damping : 10 * damping);
+    else
+      damping = damping > proximal ? 0.1 * damping : 0;
     std::swap(w.trial, w.newton), std::swap(w.trial_c, w.newton_c);
     // into the cones, from which a step along them is off by a little
     if (next < 10 * round_off(p, w.newton)) {

@@ -63,8 +63,8 @@ bool Multipliers::alternate() {
   double primal = 0, dual = 0;
   for (Index i = 0; i < n; ++i) {
     z[i] = rho * (y[i] - r[i]);
-    primal = std::max(primal, std::fabs(x[i] - y[i]) / p.unit[i]);
-    dual = std::max(dual, rho * std::fabs(y[i] - y_before[i]) / p.unit[i]);
+    primal = std::max(primal, std::fabs(x[i] - y[i]) * p.per_unit[i]);
+    dual = std::max(dual, rho * std::fabs(y[i] - y_before[i]) * p.per_unit[i]);
   }
   error = std::max(primal, dual);
   if (++changed >= 5) balance(primal, dual);
@@ -74,7 +74,7 @@ bool Multipliers::alternate() {
 // The penalty that would have made both errors equal, each relative to its kind (OSQP: Stellato et al. 2020).
 void Multipliers::balance(double primal, double dual) {
   double force = 0, speed = p.speed;
-  for (Index i = 0; i < p.n; ++i) force = std::max(force, std::fabs(y[i]) / p.unit[i]), speed = std::max(speed, std::fabs(z[i]) / p.unit[i]);
+  for (Index i = 0; i < p.n; ++i) force = std::max(force, std::fabs(y[i]) * p.per_unit[i]), speed = std::max(speed, std::fabs(z[i]) * p.per_unit[i]);
   const double ratio = std::sqrt(primal / force / (dual / speed));
   if (!(ratio > 3 || ratio < 1 / 3.0)) return;
   rho = std::min(std::max(rho * std::min(std::max(ratio, 0.03), 30.0), least_rho), most_rho);
@@ -110,7 +110,7 @@ bool Multipliers::jointly(Index most_steps) {
   double* c = w.newton_c;
   const auto size = [&](const double* e) {
     double worst = 0;
-    for (Index i = 0; i < n; ++i) worst = std::max(worst, std::fabs(e[i]) / p.unit[i]);
+    for (Index i = 0; i < n; ++i) worst = std::max(worst, std::fabs(e[i]) * p.per_unit[i]);
     return worst;
   };
   times(p.G, x, p.g, c, n);
@@ -136,7 +136,7 @@ bool Multipliers::jointly(Index most_steps) {
   }
   std::copy_n(w.t, n, z);
   double primal = 0;
-  for (Index i = 0; i < n; ++i) primal = std::max(primal, std::fabs(x[i] - y[i]) / p.unit[i]);
+  for (Index i = 0; i < n; ++i) primal = std::max(primal, std::fabs(x[i] - y[i]) * p.per_unit[i]);
   if (primal > 0.1 * primal_before && gradient < 0.1 * p.speed)
     joint_rho = std::min(3 * joint_rho, std::max(1.0, 0.1 * b.tolerance / (2.2e-16 * size(y))));  // beyond that its round-off is felt
   primal_before = primal;

@@ -26,7 +26,7 @@ struct Scaler {
   double root(double diagonal, double least_one = 0) const { return diagonal > least_one ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback; }
   void add(Index row, double d, double unit, double lower, double upper) {
     const Index i = p.n++;
-    p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.lower[i] = lower / d, p.upper[i] = upper / d, p.approach[i] = 0;
+    p.source[i] = row, p.d[i] = d, p.unit[i] = unit, p.per_unit[i] = 1 / unit, p.lower[i] = lower / d, p.upper[i] = upper / d, p.approach[i] = 0;
   }
   void rebound(Index k, Index row) {
     const double e = at(x.restitution, k), v = (x.v_minus ? x.v_minus : x.g)[row];

@@ -9,7 +9,7 @@ void report(const dynContactProblem& x, const Problem& p, const double* y, const
   out.primal = out.dual = out.complementarity = out.natural_map = out.signorini = out.dissipation = out.energy = 0;
   const auto largest = [](double& a, double b) { a = std::max(a, b); };
   for (Index i = 0; i < p.boxes; ++i) {
-    const double l = p.unit[i] * y[i], v = c[i] / p.unit[i], lower = p.unit[i] * p.lower[i], upper = p.unit[i] * p.upper[i];
+    const double l = p.unit[i] * y[i], v = c[i] * p.per_unit[i], lower = p.unit[i] * p.lower[i], upper = p.unit[i] * p.upper[i];
     const bool above = std::isinf(lower), below = std::isinf(upper);  // no bound there: no force holds such a velocity
     largest(out.primal, std::fabs(l - std::min(std::max(l, lower), upper)));
     largest(out.dual, std::max(above ? v : 0.0, below ? -v : 0.0));
@@ -21,7 +21,7 @@ void report(const dynContactProblem& x, const Problem& p, const double* y, const
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];
     double l[6] = {}, u[6] = {}, e[6];
-    for (Index i = 0; i < cone.size; ++i) l[i] = p.unit[cone.row + i] * y[cone.row + i], u[i] = c[cone.row + i] / p.unit[cone.row + i];
+    for (Index i = 0; i < cone.size; ++i) l[i] = p.unit[cone.row + i] * y[cone.row + i], u[i] = c[cone.row + i] * p.per_unit[cone.row + i];
     const Cone own = {cone.row, cone.size, cone.mu * p.unit[cone.row + 1] / p.unit[cone.row]};
     natural_map(own, l, u, e);
     largest(out.natural_map, norm(e, own.size));

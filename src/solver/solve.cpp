@@ -29,7 +29,7 @@ double Run::free_speed() {
   project(p, w.x, w.x);
   times(p.G, w.x, p.g, w.v, p.n);
   double speed = 0;
-  for (Index i = 0; i < p.n; ++i) speed = std::max(speed, std::fabs(w.v[i]) / p.unit[i]);
+  for (Index i = 0; i < p.n; ++i) speed = std::max(speed, std::fabs(w.v[i]) * p.per_unit[i]);
   return speed;
 }
 

@@ -8,6 +8,15 @@
 
 namespace dyn {
 
+// doubles in a register
+#if defined(__AVX512F__)
+inline constexpr int register_lanes = 8;
+#elif defined(__AVX__)
+inline constexpr int register_lanes = 4;
+#else
+inline constexpr int register_lanes = 2;
+#endif
+
 // The most that one instruction takes. (Sums depend on it.)
 #if defined(__AVX512F__) && !DYN_REPRODUCIBLE
 inline constexpr int widest_pack = 8;
@@ -128,6 +137,40 @@ struct Pack<double, W> {
     return {__builtin_shufflevector(x, a.x, 0, first > 1 ? 1 : 5, first > 2 ? 2 : 6, first > 3 ? 3 : 7)};
   }
 };
+
+// In several registers: GCC would keep a vector that is wider than one in memory.
+template <int W>
+  requires(W > 4 && W > register_lanes)
+struct Pack<double, W> {
+  typedef double Register __attribute__((vector_size(8 * register_lanes)));
+  static constexpr int registers = W / register_lanes;
+  Register x[registers];
+  static DYN_INLINE Pack zero() { return {}; }
+  static DYN_INLINE Pack load(const double* p) {
+    Pack a;
+    for (int k = 0; k < registers; ++k) std::memcpy(&a.x[k], p + register_lanes * k, sizeof(Register));
+    return a;
+  }
+  DYN_INLINE void store(double* p) const {
+    for (int k = 0; k < registers; ++k) std::memcpy(p + register_lanes * k, &x[k], sizeof(Register));
+  }
+#define DYN_PACK_OPERATOR(op)                                           \
+  friend DYN_INLINE Pack operator op(const Pack& a, const Pack& b) {    \
+    Pack c;                                                             \
+    for (int k = 0; k < registers; ++k) c.x[k] = a.x[k] op b.x[k];      \
+    return c;                                                           \
+  }                                                                     \
+  friend DYN_INLINE Pack operator op(const Pack& a, double b) {         \
+    Pack c;                                                             \
+    for (int k = 0; k < registers; ++k) c.x[k] = a.x[k] op b;           \
+    return c;                                                           \
+  }
+  DYN_PACK_OPERATOR(+)
+  DYN_PACK_OPERATOR(-)
+  DYN_PACK_OPERATOR(*)
+#undef DYN_PACK_OPERATOR
+  DYN_INLINE double operator[](int k) const { return x[k / register_lanes][k % register_lanes]; }
+};
 #endif
 
 // The first count lanes alone; loaded, the others are zero.
@@ -189,7 +232,13 @@ DYN_INLINE Pack<T, 4> four_of(const Pack<T, W>& a) {
 #if DYN_LANES == 4
 template <int first, int W>
 DYN_INLINE Pack<double, 4> four_of(const Pack<double, W>& a) {
-  return {__builtin_shufflevector(a.x, a.x, first, first + 1, first + 2, first + 3)};
+  static_assert(first % 4 == 0);
+  if constexpr (W == 4 || register_lanes == 8)
+    return {__builtin_shufflevector(a.x, a.x, first, first + 1, first + 2, first + 3)};
+  else if constexpr (register_lanes == 4)
+    return {a.x[first / 4]};
+  else
+    return {__builtin_shufflevector(a.x[first / 2], a.x[first / 2 + 1], 0, 1, 2, 3)};
 }
 #endif
 

@@ -2,7 +2,10 @@
 // readable and writable, columns 64-byte aligned.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "dyn/base/pack.hpp"
 
@@ -40,11 +43,24 @@ inline void axpy(double a, const double* x, double* y, Index n, Index from = 0) 
   for (Index i = from; i < n; ++i) y[i] += a * x[i];
 }
 
-// y = A x + b, columns of zeros in x skipped.
+// y = A x + b, of vectors that are as long as columns are; columns of zeros in x skipped.
 inline void times(const Matrix& A, const double* x, const double* b, double* y, Index n) {
-  for (Index i = 0; i < n; ++i) y[i] = b ? b[i] : 0.0;
-  for (Index j = 0; j < n; ++j)
-    if (x[j] != 0) axpy(x[j], A.column(j), y, n);
+  Index i = 0;
+  const auto rows = [&]<int count>() {  // eights of them at a time
+    for (; i + lanes * (count - 1) < n; i += lanes * count) {
+      Lanes sum[count];
+      for (int k = 0; k < count; ++k) sum[k] = b ? Lanes::load(b + i + lanes * k) : Lanes::zero();
+      for (Index j = 0; j < n; ++j) {
+        if (x[j] == 0) continue;
+        const double* column = A.column(j) + i;
+        for (int k = 0; k < count; ++k) sum[k] = sum[k] + Lanes::load(column + lanes * k) * x[j];
+      }
+      for (int k = 0; k < count; ++k) sum[k].store(y + i + lanes * k);
+    }
+  };
+  if constexpr (register_lanes > 2) rows.operator()<4>();  // which have registers for them
+  rows.operator()<2>();
+  rows.operator()<1>();
 }
 
 // Rows from first - first % 8 of the four columns j .. j+3 of A lose L(:, 0 .. k-1) U, U(l, c) at u[l row + c column].
@@ -89,38 +105,60 @@ inline void cholesky_solve(const Matrix& L, Index n, double* x) {
   for (Index j = n - 1; j >= 0; --j) x[j] = (x[j] - dot(L.column(j) + j + 1, x + j + 1, n - j - 1)) / L(j, j);
 }
 
-// A = P^T L U, partial pivoting. false: singular.
-inline bool lu(const Matrix& A, Index n, Index* pivots) {
-  const auto eliminate = [&](Index c, Index from) {  // column c by the columns from .. c-1
-    for (Index l = from; l < c; ++l) axpy(-A(l, c), A.column(l), A.column(c), n, l + 1);
-  };
-  for (Index j = 0; j < n; j += 4) {
-    const Index width = std::min<Index>(4, n - j);
-    for (Index c = j; c < j + width; ++c)
-      for (Index l = 0; l < j; ++l) axpy(-A(l, c), A.column(l), A.column(c), j, l + 1);
-    if (width == 4) {
-      const Index whole = std::min(n, padded(j));  // rows j .. whole-1 share their eight with rows of U
-      for (Index c = j; c < j + 4; ++c)
-        for (Index l = 0; l < j; ++l)
-          for (Index i = j; i < whole; ++i) A(i, c) -= A(l, c) * A(i, l);
-      if (whole < n) subtract_product(A, A, j, j, whole, n, A.column(j), 1, A.ld);
-    } else {
-      for (Index c = j; c < j + width; ++c)
-        for (Index l = 0; l < j; ++l) axpy(-A(l, c), A.column(l), A.column(c), n, j);
-    }
-    for (Index c = j; c < j + width; ++c) {
-      eliminate(c, j);
-      Index p = c;
-      for (Index i = c + 1; i < n; ++i)
-        if (std::fabs(A(i, c)) > std::fabs(A(p, c))) p = i;
-      pivots[c] = p;
-      if (!(std::fabs(A(p, c)) > 0)) return false;
-      if (p != c)
-        for (Index l = 0; l < n; ++l) std::swap(A(c, l), A(p, l));
-      const double scale = 1 / A(c, c);
-      for (Index i = c + 1; i < n; ++i) A(i, c) *= scale;
-    }
+// Columns first .. first + count - 1 become those of L and U; the columns behind them lose what they take part in.
+template <Index count>
+inline bool eliminate(const Matrix& A, Index n, Index first, Index* pivots) {
+  const Index end = first + count;
+  for (Index c = first; c < end; ++c) {
+    double* const column = A.column(c);
+    const auto size = [&](Index i) { return std::bit_cast<std::int64_t>(std::fabs(column[i])); };  // in order of the sizes
+    std::int64_t most = 0;
+    for (Index i = c; i < n; ++i) most = std::max(most, size(i));
+    Index p = c;
+    while (size(p) != most) ++p;
+    pivots[c] = p;
+    if (!(std::fabs(column[p]) > 0)) return false;
+    if (p != c)
+      for (Index k = 0; k < n; ++k) std::swap(A(c, k), A(p, k));
+    const double scale = 1 / column[c];
+    for (Index i = c + 1; i < n; ++i) column[i] *= scale;
+    for (Index k = c + 1; k < end; ++k) axpy(-A(c, k), column, A.column(k), n, c + 1);
   }
+  if (end == n) return true;
+  const Index from = end / lanes * lanes;  // rows from .. end-1 are U's
+  Lanes head[count];
+  for (Index l = 0; l < count; ++l) {
+    double x[lanes];
+    for (Index i = 0; i < lanes; ++i) x[i] = from + i < end ? 0 : A(from + i, first + l);
+    head[l] = Lanes::load(x);
+  }
+  for (Index k = end; k < n; ++k) {
+    double *const a = A.column(k), u[count];
+    for (Index l = 0; l < count; ++l) {
+      u[l] = a[first + l];
+      for (Index m = 0; m < l; ++m) u[l] -= A(first + l, first + m) * u[m];
+    }
+    Lanes x = Lanes::load(a + from);
+    for (Index l = 0; l < count; ++l) x = x - head[l] * u[l];
+    x.store(a + from);
+    for (Index i = from + lanes; i < n; i += lanes) {
+      x = Lanes::load(a + i);
+      for (Index l = 0; l < count; ++l) x = x - Lanes::load(A.column(first + l) + i) * u[l];
+      x.store(a + i);
+    }
+    for (Index l = 1; l < count; ++l) a[first + l] = u[l];
+  }
+  return true;
+}
+
+// A = P^T L U, partial pivoting. false: singular. Few columns are eliminated one by one: the pivots of four wait for one another.
+inline bool lu(const Matrix& A, Index n, Index* pivots) {
+  constexpr Index few = 16;
+  Index j = 0;
+  for (; n - j > few; j += 4)
+    if (!eliminate<4>(A, n, j, pivots)) return false;
+  for (; j < n; ++j)
+    if (!eliminate<1>(A, n, j, pivots)) return false;
   return true;
 }
 

@@ -20,6 +20,7 @@ struct Problem {
   Matrix G;
   double *g = nullptr, *lower = nullptr, *upper = nullptr, *d = nullptr;
   double* unit = nullptr;      // d without the lengths of torsion and rolling: c' / unit is a velocity in the caller's unit
+  double* per_unit = nullptr;  // 1 / unit
   double* approach = nullptr;  // what restitution adds to g, in full
   Cone* cone = nullptr;
   Index* source = nullptr;  // the caller's row

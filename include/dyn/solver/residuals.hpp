@@ -23,7 +23,7 @@ struct Worst {
 inline Worst residual(const Problem& p, const double* y, const double* c) {
   Worst worst;
   const auto take = [&](Index i, double e) {
-    const double r = e == e ? std::fabs(e) / p.unit[i] : HUGE_VAL;
+    const double r = e == e ? std::fabs(e) * p.per_unit[i] : HUGE_VAL;
     if (r > worst.residual || worst.row < 0) worst = {r, i};
   };
   for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));

@@ -8,26 +8,31 @@
 
 namespace dyn::solver {
 
-// A good guess is a few Newton steps from the solution. Otherwise two sweeps of Gauss-Seidel, more as long as
-// they converge fast enough, which is the slower the larger a factorization is, and the same. true: done.
+// A good guess is a few Newton steps from the solution, of which a sweep of Gauss-Seidel spares one where the guess is not that close. Otherwise two
+// sweeps, more as long as they converge fast enough, which is the slower the larger a factorization is, and the same. true: done.
 inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
   if (!b.newton) return false;
-  if (b.warm && alart_curnier(w, b, w.y, w.c, true)) return true;
+  constexpr double close = 1e-3;
+  if (b.warm && b.best < close * p.speed && alart_curnier(w, b, w.y, w.c, true)) return true;
   prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
+  const auto go_on = [&] {
+    times(p.G, w.x, p.g, w.v, p.n);  // without what the updates have gathered
+    return keep_best(w, b, w.x, w.v) || alart_curnier(w, b, w.x, w.v, true);
+  };
   const double fast = std::min(0.7, math::exp(-12.0 / p.n));
   double error = HUGE_VAL;
-  for (bool going = true; going && !b.spent();) {
+  bool going = true;
+  for (Index k = 1; going && !b.spent(); ++k) {
     sweep(w, 1, w.x, w.v);
     const double before = error;
     error = residual(p, w.x, w.v).residual;
     ++b.iterations;
-    going = error > b.tolerance && (b.iterations < 2 || error < fast * before);
+    if (k == 1 && b.warm && go_on()) return true;
+    going = error > b.tolerance && (k < 2 || error < fast * before);
   }
-  times(p.G, w.x, p.g, w.v, p.n);  // without what the updates have gathered
-  if (keep_best(w, b, w.x, w.v)) return true;
-  return alart_curnier(w, b, w.x, w.v, true);
+  return go_on();
 }
 
 }  // namespace dyn::solver
