@@ -13,7 +13,7 @@ void find_segments(const Model& m, Segments& s) {
   s.first[s.count] = m.n.nv;
 }
 
-// What each slot is carried by. Degrees of freedom descend: those of a segment follow one another.
+// Degrees of freedom descend: those of a segment follow one another.
 bool Elimination::find_runs(const Island& x) {
   const Segments& s = x.w.segments;
   Index count = 0;
@@ -114,8 +114,7 @@ bool Elimination::eliminate(Index slots, Index s, Index step) {
   return true;
 }
 
-bool Elimination::operator()(const Island& x) {
-  if (!find_runs(x)) return false;
+bool Elimination::find_order(const Island& x) {
   begin(x.slots);
   first[0] = 0;
   Index least = 0, stamp = size;

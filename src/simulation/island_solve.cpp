@@ -106,7 +106,7 @@ void Island::solve(dynContactReport& best) {
   std::int32_t iterations = 0, newton_steps = 0;
   for (const auto& t : tries) {
     solver::Budget b;
-    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm, b.expired = w.expired, b.clock = w.clock;
+    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm, b.brief = true, b.expired = w.expired, b.clock = w.clock;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;
@@ -126,7 +126,7 @@ void Island::displace() {
   }
   const dynContactProblem p = problem(*this);
   solver::Budget b;
-  b.tolerance = 1e-6, b.max_iterations = w.options.max_iterations, b.expired = w.expired, b.clock = w.clock;
+  b.tolerance = 1e-6, b.max_iterations = w.options.max_iterations, b.brief = true, b.expired = w.expired, b.clock = w.clock;
   dynContactReport report{};
   solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
   solver::unscale(p, w.solver.problem, w.solver.y, lambda);

@@ -361,16 +361,22 @@ void Newton::leave(dynContactReport& report) {
 
 // The costs of a step by the whole matrix and by segments, as measured, are about as these numbers.
 bool Island::sparse() {
-  if (!eliminated) eliminated = w.elimination(*this) ? 1 : -1;
-  const double whole = double(rows) * rows * rows, blocks = 4000.0 * (w.elimination.size + (eliminated > 0 ? w.elimination.entries() : 0));
-  return eliminated > 0 && (large() || whole > blocks);
+  const double whole = double(rows) * rows * rows, block = 4000;
+  if (eliminated == Eliminated::Not) eliminated = w.elimination.find_runs(*this) ? Eliminated::Runs : Eliminated::DoesNotFit;
+  if (!large() && whole <= block * w.elimination.size) return false;
+  return ordered() && (large() || whole > block * (w.elimination.size + w.elimination.entries()));
+}
+
+bool Island::ordered() {
+  if (eliminated == Eliminated::Runs) eliminated = w.elimination.find_order(*this) ? Eliminated::Fits : Eliminated::DoesNotFit;
+  return eliminated == Eliminated::Fits;
 }
 
 // Where a little more is left than is tolerated, what contacts ask for differs by as little, and what would satisfy all of them is seldom found.
 void Island::jammed(dynContactReport& report) {
   constexpr Index fair = 30;  // of iterations: with fewer it is they that were not enough
   constexpr double rounding = 1e-11;
-  if (w.options.max_iterations < fair || report.residual < rounding || (!sparse() && eliminated < 0)) return;
+  if (w.options.max_iterations < fair || report.residual < rounding || (!sparse() && !ordered())) return;
   allowance = report.iterations + report.newton_steps + (report.residual > 10 * w.options.tolerance ? 9 : 2) * w.options.max_iterations;
   interior_held(*this, report);
 }

@@ -49,7 +49,10 @@ void Run::operator()(double restitution) {
   }
   if (!keep_best(w, b, w.x, w.v)) solver(w, b);
   b.tolerance = tolerance;
-  report(x, p, w.y, w.c, out);
+  if (b.brief && !p.bounces)
+    out.residual = b.best > 0 ? b.best / p.speed : 0;
+  else
+    report(x, p, w.y, w.c, out);
   out.restitution_scale = restitution;
 }
 

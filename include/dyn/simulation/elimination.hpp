@@ -59,8 +59,10 @@ struct Elimination {
     f(next_list, std::ptrdiff_t(most_runs) + most_entries), f(dead, std::ptrdiff_t(slots) + count);
   }
 
-  // false: there is no room for what it fills
-  bool operator()(const Island& x);
+  // What each slot is carried by, and how many segments there are. false: there is no room for it.
+  bool find_runs(const Island& x);
+  // behind that: the order. false: there is no room for what it fills
+  bool find_order(const Island& x);
 
   Index entries() const { return first[size]; }
   // f(run)
@@ -74,7 +76,6 @@ struct Elimination {
   }
 
  private:
-  bool find_runs(const Island& x);
   void begin(Index slots);
   void link(Index a_segment);
   void unlink(Index a_segment);

@@ -20,7 +20,8 @@ struct Island {
   bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
   double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double fast = 0;     // the largest rate of its rows, where steps follow from an accuracy
-  Index eliminated = 0;  // -1: does not fit
+  enum class Eliminated { Not, Runs, Fits, DoesNotFit };
+  Eliminated eliminated = Eliminated::Not;
   Index allowance = 3 * w.options.max_iterations;  // as with the whole matrix
 
   double* vector(int k) const { return w.vectors + k * row_room(step_rows(m)); }
@@ -44,7 +45,8 @@ struct Island {
 
   // by segments (newton.cpp, interior.cpp): from lambda, to a better one. true: it is good enough
   bool newton(dynContactReport& report, bool from_inside);
-  bool sparse();  // worth it: there are more rows than degrees of freedom, or many
+  bool sparse();   // worth it: there are more rows than degrees of freedom, or many
+  bool ordered();  // its segments for elimination; false: they do not fit
 
   // without (sweeps.cpp): Gauss-Seidel that knows what rows leave at degrees of freedom. Whether the guess will do; otherwise sweeps
   void prepare_blocks();
