@@ -5,8 +5,9 @@ int main(void) {
   dynLoadOptions options; dynModel* m = NULL; dynData* d = NULL; double tau[2];
   dyn_load_options_init(&options);
   options.base = DYN_BASE_FIXED;
-  if (dyn_model_load("models/robots/double_pendulum.urdf", &options, &m) != DYN_OK || dyn_data_new(m, DYN_PART_INVERSE, &d) != DYN_OK ||
-      dyn_rnea(m, d, q, NULL, NULL, NULL, tau) != DYN_OK) /* v and a held in data: zero */
-    return fprintf(stderr, "%s\n", dyn_last_error()), 1;
-  return printf("tau = %.6g, %.6g N m\n", tau[0], tau[1]) < 0;
+  int failed = dyn_model_load("models/robots/double_pendulum.urdf", &options, &m) || dyn_data_new(m, DYN_PART_INVERSE, &d) ||
+               dyn_rnea(m, d, q, NULL, NULL, NULL, tau); /* v and a held in data: zero */
+  failed ? fprintf(stderr, "%s\n", dyn_last_error()) : printf("tau = %.6g, %.6g N m\n", tau[0], tau[1]);
+  dyn_data_free(d), dyn_model_free(m);
+  return failed;
 }

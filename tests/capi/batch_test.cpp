@@ -185,7 +185,7 @@ TEST(Batch, Arguments) {
   c.x.q = c.q.data(), c.x.out[0] = nullptr, refused(DYN_ERROR_ARGUMENT, {"rnea", "out[0]", "NULL"});
   c.x.out[0] = c.out[0].data(), c.x.struct_size = 8, refused(DYN_ERROR_SIZE, {"struct_size", "dyn_batch_arrays_init"});
   c.x.struct_size = sizeof c.x, c.algorithm = DYN_BATCH_SOLVE, c.x.b = nullptr, refused(DYN_ERROR_ARGUMENT, {"solve", "b is NULL"});
-  for (int which : outside({-1, batch_algorithms, 1 << 30}, 63)) {
+  for (int which : {-1, batch_algorithms, 1 << 30}) {
     c.algorithm = dynBatchAlgorithm(which);
     refused(DYN_ERROR_ARGUMENT, {"dyn_batch_run", "algorithm " + std::to_string(which)});
     dynBatchInfo info{};

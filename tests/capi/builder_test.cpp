@@ -107,7 +107,7 @@ TEST_F(BuilderTest, Types) {
     s.parts = &part, s.parts_count = 1;
     refuse(s, DYN_ERROR_ARGUMENT, {"type is " + std::to_string(bad)});
   }
-  for (int bad : outside({0, 2, 4, 8, 3, 1000, -1}, 31)) {
+  for (int bad : {0, 2, 4, 8, 3, 1000, -1}) {
     dynFrameType type;
     std::memcpy(&type, &bad, sizeof type);
     refuse(DYN_ERROR_ARGUMENT, dyn_builder_frame(b, "f", nullptr, nullptr, type), {"frame 'f'", "OP_FRAME or SENSOR"});

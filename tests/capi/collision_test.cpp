@@ -87,7 +87,7 @@ TEST(ShapeDistance, BadArguments) {
   dynGeometry short_one = ball;
   short_one.struct_size = 4;
   refused(DYN_ERROR_SIZE, &short_one, identity, 0, {"dyn_geometry_init"});
-  for (int bad : outside({0, -1, 99}, 15)) {
+  for (int bad : {0, -1, 99}) {
     dynGeometry g = ball;
     std::memcpy(&g.type, &bad, sizeof bad);
     refused(DYN_ERROR_ARGUMENT, &g, identity, 0, {"type " + std::to_string(bad)});
@@ -121,7 +121,7 @@ TEST(ShapeDistance, OptionsAndTheSecondMethod) {
   ASSERT_EQ(DYN_OK, ask(tube, at(0, 0, 3)));
   EXPECT_EQ(DYN_METHOD_GJK, out.method);
   EXPECT_NEAR(1, out.distance, 1e-10);
-  for (int bad : outside({-1, 2, 99}, 1)) {
+  for (int bad : {-1, 2, 99}) {
     std::memcpy(&o.method, &bad, sizeof bad);
     EXPECT_EQ(DYN_ERROR_ARGUMENT, ask(tube, at(0, 0, 3)));
     EXPECT_TRUE(says({"method " + std::to_string(bad)})) << dyn_last_error();
@@ -281,7 +281,7 @@ TEST(Builder, ShapesThatCannotBe) {
   s.size[1] = 1e300, refused(DYN_ERROR_INVALID, {"'l'", "size"});
   s.size[2] = nan, refused(DYN_ERROR_NONFINITE, {"'l'", "size"});
   s.placement[0] = 2, refused(DYN_ERROR_INVALID, {"'l'"});
-  for (const int bad : outside({0, -1, 99}, 15)) {
+  for (const int bad : {0, -1, 99}) {
     std::memcpy(&s.type, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"type " + std::to_string(bad)});
     std::memcpy(&s.role, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"role " + std::to_string(bad)});
   }

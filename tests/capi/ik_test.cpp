@@ -299,7 +299,7 @@ TEST_F(IkRefused, Tasks) {
   with(2, [](dynIkTask& t) { t.posture = nullptr; }, DYN_ERROR_ARGUMENT, {"posture", "task 2", "NULL", "nq"});
   with(1, [](dynIkTask& t) { t.struct_size = 8; }, DYN_ERROR_SIZE, {"struct_size", "dynIkTask", "8"});
   with(1, [](dynIkTask& t) { t.struct_size += 8; }, DYN_ERROR_SIZE, {"struct_size of task 1", "the first"});
-  for (int type : outside({0, -1, 6, 1000}, 7))
+  for (int type : {0, -1, 6, 1000})
     with(1, [&](dynIkTask& t) { std::memcpy(&t.type, &type, sizeof type); }, DYN_ERROR_ARGUMENT, {"type " + std::to_string(type), "task 1"});
   std::fill_n(posture.begin() + 3, 4, 0.0);
   expect(DYN_ERROR_QUATERNION, {"quaternion", "free"});

@@ -101,7 +101,7 @@ TEST(Names, FrameTypes) {
   EXPECT_EQ(joint, dyn_frame_id(m, "arm"));
   EXPECT_EQ(-1, dyn_frame_id_of_type(m, "arm", DYN_FRAME_SENSOR));
   EXPECT_TRUE(says({"dyn_frame_id_of_type", "arm", "no SENSOR frame", "dyn_frame_id"}));
-  for (int bad : outside({0, 3, -1, 32}, 31)) {
+  for (int bad : {0, 3, -1, 32}) {
     dynFrameType type;
     std::memcpy(&type, &bad, sizeof type);
     EXPECT_EQ(-1, dyn_frame_id_of_type(m, "arm", type)) << bad;
@@ -160,7 +160,7 @@ TEST(Info, SizesAndIndices) {
 TEST(Info, Arrays) {
   const Model m = all_types();
   for (int which = DYN_LOWER_LIMIT; which <= DYN_SPRING_REFERENCE; ++which) EXPECT_NE(nullptr, dyn_model_array(m, dynModelArray(which))) << which;
-  for (int bad : outside({-1, 10, 1000}, 15)) {
+  for (int bad : {-1, 10, 1000}) {
     dynModelArray which;
     std::memcpy(&which, &bad, sizeof which);
     EXPECT_EQ(nullptr, dyn_model_array(m, which));

@@ -26,12 +26,6 @@ inline constexpr bool sanitized = true;
 inline constexpr bool sanitized = false;
 #endif
 
-// Values outside of an enumeration. C++ itself, and so the sanitizers, forbid those that do not fit into its bits.
-inline std::vector<int> outside(std::vector<int> values, int representable) {
-  if (sanitized) std::erase_if(values, [&](int x) { return x < 0 || x > representable; });
-  return values;
-}
-
 // ---------------------------------------------------------------------------------------------------- models
 
 struct Model {

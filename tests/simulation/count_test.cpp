@@ -17,8 +17,9 @@ long count(const std::string& text, std::uint32_t effects = awake) {
   EXPECT_EQ("", c.error);
   return n;
 }
-#define SKIP_UNCOUNTED(n) \
-  if ((n) < 0) GTEST_SKIP() << "this system does not let a process trace its child"
+#define SKIP_UNCOUNTED(n)                                                                    \
+  if ((n) < 0) GTEST_SKIP() << "this system does not let a process trace its child";         \
+  if (dyn_test::sanitized) GTEST_SKIP() << "sanitizers have instructions of their own"
 
 TEST(StepInstructions, ChainIsForwardDynamicsAndIntegration) {
   Counted c(bench::scene(bench::chain(10, "", bench::masked)));
