@@ -375,7 +375,7 @@ void Builder::configuration_of_joints(const std::string& name, const std::vector
   ConfigurationEntry entry{name, true, {}, std::vector<std::vector<double>>(impl->joints.size())};
   for (const auto& [joint, q] : joints) {
     const std::string who = "configuration '" + name + "', joint '" + joint + "'";
-    const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&](const JointEntry& e) { return e.spec.name == joint; });
+    const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&wanted = joint](const JointEntry& e) { return e.spec.name == wanted; });
     if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no such moving joint");
     check_finite(who, q.data(), q.size());
     if (int(q.size()) != own_nq(*at)) refuse(DYN_ERROR_SIZE, who + " has " + std::to_string(q.size()) + " numbers, needs " + std::to_string(own_nq(*at)));

@@ -3,6 +3,7 @@
 #include "dyn/algorithm/center_of_mass_derivatives.hpp"
 #include "dyn/algorithm/frame_derivatives.hpp"
 #include "dyn/algorithm/gravity_derivatives.hpp"
+#include "dyn/algorithm/rnea.hpp"
 
 namespace dyn_test {
 namespace {

@@ -67,7 +67,7 @@ class Sleeping : public testing::TestWithParam<std::pair<int, int>> {};
 
 // A ball hits one stack of those that sleep; gravity turns; a body is pushed, moved, and the effect switched off.
 TEST_P(Sleeping, WakesAsIfItHadNeverSlept) {
-  const auto [n, far] = GetParam();
+  const int n = GetParam().first, far = GetParam().second;
   Pair run(n, far);
   run.both([&](Play& p) { place_stacks(p, n, {0.5, 3, 40}); });
   run.steps(800);
