@@ -1,5 +1,5 @@
 // Configurations that satisfy constraints, forces that hold an acceleration, and the doctor: thin wrappers.
-#include <cstring>
+#include <algorithm>
 
 #include "constraint.hpp"
 #include "dyn/constraint/report.hpp"
@@ -52,8 +52,7 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
     call.take_back();
     return fail(DYN_ERROR_NUMERIC, "dyn_project: the error of the constraints overflows: the inputs are too large for double precision");
   }
-  if (std::memcmp(d.q, start_q, sizeof(double) * std::size_t(m.n.nq)) != 0 || std::memcmp(d.v, start_v, sizeof(double) * std::size_t(m.n.nv)) != 0)
-    call.end_step();
+  if (!std::equal(start_q, start_q + m.n.nq, d.q) || !std::equal(start_v, start_v + m.n.nv, d.v)) call.end_step();
   forward_kinematics<0>(m, d);
   copy_out(d.q, m.n.nq, q_out), copy_out(d.v, m.n.nv, v_out);
   copy_result(found, result);
