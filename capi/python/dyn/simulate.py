@@ -33,6 +33,7 @@ class Simulation:
         sim = dyn.Simulation(model, dt=1e-3, effects=("armature", "damping", "limits"))
         trajectory = sim.run(2.0, lambda sim: kp * (target - sim.q))
 
+    q: where it begins, or the name of a configuration of the model; by default as the file draws it: "qpos0" of an MJCF file, else neutral.
     stepping: more of Data.set_stepping. `data` is a Data like any other.
     """
 
@@ -43,7 +44,9 @@ class Simulation:
         self.data.set_stepping(integrator, dt, **stepping)
         if effects is not None:
             self.data.set_effects(effects)
-        self.data.set_state(q, v)
+        if q is None and "qpos0" in model.configuration_names:
+            q = "qpos0"
+        self.data.set_state(self._configuration(q), v)
         self._begin = self.data.save()
 
     def __repr__(self) -> str:
@@ -65,9 +68,13 @@ class Simulation:
         return self.data.v
 
     def reset(self, q: Any = None, v: Any = None) -> None:
-        """Back to the beginning, with q or v in place of what was there."""
+        """Back to the beginning, with q (or a configuration's name) or v in place of what was there."""
+        q = self._configuration(q)
         self.data.restore(self._begin)
         self.data.set_state(q, v)
+
+    def _configuration(self, q: Any) -> Any:
+        return self.model.configuration(q) if isinstance(q, str) else q
 
     def step(self, steps: int = 1, control: Any = None) -> None:
         """Some steps, under controls (nu,) or those that are held."""

@@ -35,6 +35,20 @@ def test_it_is_the_loop_over_steps(arm):
     assert sim.v.tolist() == [1, 0] and sim.q.tolist() == q
 
 
+def test_it_begins_as_the_file_draws_it():
+    box = '<geom type="box" size=".1 .1 .1" mass="1"/>'
+    robot = dyn.load_string(f'<mujoco><worldbody><body pos="0 0 2"><freejoint/>{box}</body></worldbody><keyframe><key name="low" qpos="0 0 1 1 0 0 0"/></keyframe></mujoco>')
+    assert dyn.Simulation(robot).q[2] == 2 and dyn.Simulation(robot, robot.neutral()).q[2] == 0
+    low = dyn.Simulation(robot, "low")
+    low.step()
+    low.reset()
+    assert low.q[2] == 1
+    low.reset("qpos0")
+    assert low.q[2] == 2
+    with pytest.raises(dyn.Error, match="lwo"):
+        dyn.Simulation(robot, "lwo")
+
+
 def test_refusals(arm):
     with pytest.raises(dyn.ArgumentError, match="multiple of every"):
         dyn.Simulation(arm).run(0.0105)
