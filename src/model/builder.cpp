@@ -262,7 +262,7 @@ void Builder::Impl::add_joint(const JointSpec& s) {
   const SE3<double> X = carrier.X * check_placement(who, s.placement);
   if (s.type == DYN_JOINT_FIXED) {
     if (!s.mimic.empty()) refuse(DYN_ERROR_INVALID, who + ": a fixed joint can't mimic '" + s.mimic + "'");
-    add_frame({s.name, DYN_FRAME_FIXED_JOINT, carrier.joint, X, Inertia<double>::zero(), {}, {}, {}}, who);
+    add_frame({s.name, DYN_FRAME_FIXED_JOINT, carrier.joint, X, Inertia<double>::zero(), 0, {}, {}, 0, parent}, who);
     return;
   }
   JointEntry entry;
@@ -299,7 +299,7 @@ void Builder::Impl::add_joint(const JointSpec& s) {
     if (s.mimic == s.name) refuse(DYN_ERROR_INVALID, who + ": it mimics itself: name another joint");
   }
   const int index = int(joints.size());
-  add_frame({s.name, DYN_FRAME_JOINT, index, SE3<double>::identity(), Inertia<double>::zero(), {}, {}, {}}, who);
+  add_frame({s.name, DYN_FRAME_JOINT, index, SE3<double>::identity(), Inertia<double>::zero(), 0, {}, {}, 0, parent}, who);
   joints.push_back(std::move(entry));
 }
 
@@ -307,7 +307,8 @@ void Builder::body(const std::string& name, const Parent& parent, const Placemen
                    const std::array<double, 3>& com, const std::array<double, 9>& inertia) {
   check_name("body", name);
   const std::string who = "body '" + name + "'";
-  const FrameEntry& carrier = impl->frames[std::size_t(impl->find(parent, who))];
+  const int on = impl->find(parent, who);
+  const FrameEntry& carrier = impl->frames[std::size_t(on)];
   const SE3<double> X = carrier.X * check_placement(who, placement);
   if (!std::isfinite(mass)) refuse(DYN_ERROR_NONFINITE, who + ": mass is " + number(mass) + ": give a finite number");
   if (mass < 0) refuse(DYN_ERROR_INVALID, who + ": mass is " + number(mass) + " kg: it can't be negative");
@@ -321,7 +322,7 @@ void Builder::body(const std::string& name, const Parent& parent, const Placemen
         refuse(DYN_ERROR_INVALID, who + ": inertia is not symmetric");
   const Inertia<double> Y = Inertia<double>::at_com(mass, load3(com.data()), load33(inertia.data()));
   FrameEntry entry{name, DYN_FRAME_BODY, carrier.joint, X, act(X, Y), {}, {}, {}};
-  entry.mass = mass, entry.com = com, entry.inertia = inertia;
+  entry.mass = mass, entry.com = com, entry.inertia = inertia, entry.parent = on;
   impl->add_frame(std::move(entry), who);
 }
 
@@ -330,8 +331,9 @@ void Builder::frame(const std::string& name, const Parent& parent, const Placeme
   const std::string who = "frame '" + name + "'";
   if (type != DYN_FRAME_OP_FRAME && type != DYN_FRAME_SENSOR)
     refuse(DYN_ERROR_ARGUMENT, who + ": type must be OP_FRAME or SENSOR; joints and bodies bring their own frames");
-  const FrameEntry& carrier = impl->frames[std::size_t(impl->find(parent, who))];
-  impl->add_frame({name, type, carrier.joint, carrier.X * check_placement(who, placement), Inertia<double>::zero(), {}, {}, {}}, who);
+  const int on = impl->find(parent, who);
+  const FrameEntry& carrier = impl->frames[std::size_t(on)];
+  impl->add_frame({name, type, carrier.joint, carrier.X * check_placement(who, placement), Inertia<double>::zero(), 0, {}, {}, 0, on}, who);
 }
 
 void Builder::shape(const Shape& shape) {

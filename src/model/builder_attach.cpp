@@ -48,6 +48,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     } else {
       e.joint += before;
     }
+    e.parent = e.parent == 0 ? carrier_frame : e.parent + frames_before - 1;
     for (int k : next.frame_index[e.name]) {
       const FrameEntry& there = next.frames[std::size_t(k)];
       if (there.type == e.type || (there.type != DYN_FRAME_BODY && e.type != DYN_FRAME_BODY))

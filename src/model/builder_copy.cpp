@@ -80,6 +80,7 @@ Builder::Builder(const Model& m) : Builder(m.string(m.model_name)) {
       e.compensation = m.compensation(r.link);
       e.Y = act(e.X, Inertia<double>::at_com(link.mass, load3(link.com), load33(link.inertia)));
     }
+    e.parent = r.parent;
     impl->frame_index[e.name].push_back(int(f));
     impl->frames.push_back(std::move(e));
   }

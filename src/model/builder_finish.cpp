@@ -254,7 +254,7 @@ ModelPtr Builder::finish() const {
     r.X = rotation_only(joint.C) * f.X;
     r.name = text.add(f.name);
     r.type = f.type;
-    r.joint = f.joint < 0 ? 0 : id[std::size_t(f.joint)];
+    r.joint = f.joint < 0 ? 0 : id[std::size_t(f.joint)], r.parent = Index(f.parent);
     r.body = joint.last_body;
     store_se3(f.X, r.placement);
     r.link = -1;

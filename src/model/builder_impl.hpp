@@ -44,6 +44,7 @@ struct FrameEntry {
   std::array<double, 3> com{};
   std::array<double, 9> inertia{};
   double compensation = 0;  // share of its weight that is held
+  int parent = 0;           // the frame that it hangs on
 };
 
 struct ShapeEntry {

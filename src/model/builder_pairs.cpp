@@ -13,8 +13,6 @@ namespace dyn {
 
 namespace {
 
-using collision::parent_and_child;
-
 // Which of two geoms make a pair, and which of these a new data tests.
 struct Judge {
   const std::vector<JointRecord>& joints;
@@ -29,10 +27,9 @@ struct Judge {
   Index joint(Index geom) const { return frames[std::size_t(shape(geom).frame)].joint; }
 
   void add(Index a, Index b, bool overlaps) {
-    const Index i = joint(a), j = joint(b);
     const auto special = wanted.find(std::minmax(geoms[std::size_t(a)].shape, geoms[std::size_t(b)].shape));
     const bool is_wanted = special != wanted.end();
-    if (i == j || (!is_wanted && (parent_and_child(joints.data(), i, j) || parent_and_child(joints.data(), j, i)))) return;
+    if (joint(a) == joint(b) || (!is_wanted && collision::neighbours(joints.data(), frames.data(), shape(a).frame, shape(b).frame))) return;
     const bool mesh = shape(a).type == DYN_SHAPE_MESH || shape(b).type == DYN_SHAPE_MESH;
     const bool masked = !collision::masks_meet({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
     const dynPairReason reason = mesh                                                    ? DYN_PAIR_MESH

@@ -44,6 +44,7 @@ void Builder::Impl::keep(const std::vector<bool>& kept, bool world) {
     if (e.joint < 0 && f > 0 && !world) continue;
     if (e.joint >= 0 && (e.joint = joint[std::size_t(e.joint)]) < 0) continue;
     frame[f] = int(seen.size());
+    e.parent = std::max(0, frame[std::size_t(e.parent)]);
     frame_index[e.name].push_back(frame[f]);
     seen.push_back(std::move(e));
   }

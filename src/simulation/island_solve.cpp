@@ -91,7 +91,7 @@ void Island::matrix() {
   }
 }
 
-// From the guess lambda; where that does not get far enough, from nothing, and by the other of the exact solvers.
+// From the guess lambda; where that does not get far enough, from nothing, without sweeps, which have been tried, and by the other of the exact solvers.
 void Island::solve(dynContactReport& best) {
   matrix();
   dynContactProblem p = problem(*this);
@@ -100,13 +100,13 @@ void Island::solve(dynContactReport& best) {
   const dynContactSolverType other = w.options.solver == DYN_CONTACT_ADMM ? DYN_CONTACT_NEWTON : DYN_CONTACT_ADMM;
   const struct {
     dynContactSolverType solver;
-    bool warm;
-  } tries[] = {{w.options.solver, true}, {w.options.solver, false}, {other, false}};
+    bool warm, sweeps;
+  } tries[] = {{w.options.solver, true, true}, {w.options.solver, false, false}, {other, false, false}};
   best.residual = HUGE_VAL;
   std::int32_t iterations = 0, newton_steps = 0;
   for (const auto& t : tries) {
     solver::Budget b;
-    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm, b.brief = true, b.expired = w.expired, b.clock = w.clock;
+    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm, b.sweeps = t.sweeps, b.brief = true, b.expired = w.expired, b.clock = w.clock;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;

@@ -7,6 +7,7 @@ namespace dyn::solver {
 namespace {
 
 constexpr double proximal = 1e-14, to_boundary = 0.99, least_centring = 1e-6;
+constexpr double nearly = 1e-4;  // relative to the unit diagonal
 constexpr Index most_steps = 40;
 
 class Interior {
@@ -40,12 +41,12 @@ class Interior {
   }
 };
 
-// On the cones' axes, with the sizes of the impulses that stop everything.
+// On the cones' axes, with the sizes of the impulses that stop everything, or nearly: where rows are redundant and contradict one another none do.
 bool Interior::begin(double factor) {
   double speed = 0, impulse = 0;
   w.factor.ld = p.G.ld;
   std::copy_n(p.G.x, std::ptrdiff_t(p.G.ld) * p.n, w.factor.x);
-  for (Index i = 0; i < p.n; ++i) w.factor(i, i) += 1e-10, y[i] = -p.g[i], speed = std::max(speed, std::fabs(p.g[i]));
+  for (Index i = 0; i < p.n; ++i) w.factor(i, i) += nearly, y[i] = -p.g[i], speed = std::max(speed, std::fabs(p.g[i]));
   ++b.factorizations;
   if (!cholesky(w.factor, p.n)) return false;
   cholesky_solve(w.factor, p.n, y);

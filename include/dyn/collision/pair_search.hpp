@@ -15,9 +15,21 @@ inline Index listed_pair(const Model& m, Index a, Index b) {
   return p != end && p->a == a && p->b == b ? Index(p - m.pairs()) : -1;
 }
 
-// A body and its parent touch where their joint is; what flies freely is nobody's child.
-inline bool parent_and_child(const JointRecord* joints, Index parent, Index child) {
-  return child != 0 && joints[child].parent == parent && joints[child].type != DYN_JOINT_FREE_FLYER;
+// The link that carries what moves a frame: up to the joint, and on, as joints of one body hang on one another. 0: the world, or it flies freely.
+inline Index carrier(const JointRecord* joints, const FrameRecord* frames, Index frame) {
+  while (frame != 0 && frames[frame].type != DYN_FRAME_JOINT) frame = frames[frame].parent;
+  if (joints[frames[frame].joint].type == DYN_JOINT_FREE_FLYER) return 0;
+  while (frame != 0 && frames[frame].type != DYN_FRAME_BODY) frame = frames[frame].parent;
+  return frame;
+}
+
+// A body and its parent touch where their joint is. The world is nobody's parent: of what is fixed to it, the link is that carries the joint.
+inline bool parent_and_child(const JointRecord* joints, const FrameRecord* frames, Index parent, Index child) {
+  const Index link = carrier(joints, frames, child), joint = frames[link].joint;
+  return link != 0 && joint == frames[parent].joint && (joint != 0 || link == parent);
+}
+inline bool neighbours(const JointRecord* joints, const FrameRecord* frames, Index a, Index b) {
+  return parent_and_child(joints, frames, a, b) || parent_and_child(joints, frames, b, a);
 }
 
 inline bool known(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_MESH; }
@@ -26,8 +38,9 @@ inline bool known(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom
 inline bool tests(const Model& m, const Data<double>& d, Index a, Index b, Index& pair) {
   if (pair = listed_pair(m, a, b); pair >= 0) return d.pair_states[pair] == DYN_PAIR_TESTED;
   if (lists_pairs(m)) return false;
-  const Index i = m.bodies()[d.geoms[a].body].joint, j = m.bodies()[d.geoms[b].body].joint;
-  return i != j && masks_meet(d.geom_masks[a], d.geom_masks[b]) && !parent_and_child(m.joints(), i, j) && !parent_and_child(m.joints(), j, i) && known(m, a) && known(m, b);
+  const auto frame = [&](Index geom) { return m.shapes()[m.geoms()[geom].shape].frame; };
+  return m.bodies()[d.geoms[a].body].joint != m.bodies()[d.geoms[b].body].joint && masks_meet(d.geom_masks[a], d.geom_masks[b]) &&
+         !neighbours(m.joints(), m.frames(), frame(a), frame(b)) && known(m, a) && known(m, b);
 }
 
 // Whether steps of the model may look for pairs by boxes: from so many listed ones a shape on, boxes are cheaper.

@@ -70,6 +70,7 @@ struct FrameRecord {
   dynFrameType type;
   Index joint, body;
   Index link;            // BODY: its number among the links; otherwise -1
+  Index parent;          // the frame that it hangs on; of the universe: 0
   double placement[12];  // in the joint's frame
 };
 

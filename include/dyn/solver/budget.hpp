@@ -12,6 +12,7 @@ struct Budget {
   double relaxation = 0;
   bool newton = true;
   bool warm = false;  // the start is a guess of the caller's
+  bool sweeps = true;  // begin with those of start.hpp
   bool brief = false;  // of the report the residual and the counts alone
   bool (*expired)(const void*) = nullptr;
   const void* clock = nullptr;

@@ -12,7 +12,7 @@ namespace dyn::solver {
 // sweeps, more as long as they converge fast enough, which is the slower the larger a factorization is, and the same. true: done.
 inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
-  if (!b.newton) return false;
+  if (!b.newton || !b.sweeps) return false;
   constexpr double close = 1e-3;
   if (b.warm && b.best < close * p.speed && alart_curnier(w, b, w.y, w.c, true)) return true;
   prepare_sweeps(w);
