@@ -418,7 +418,7 @@ DYN_API dynStatus dyn_builder_from_model(const dynModel* model, dynBuilder** bui
    DYN_ERROR_INVALID, and so is a coordinate outside of the joint's limits. */
 DYN_API dynStatus dyn_builder_lock(dynBuilder* builder, const char* const* joints, size_t count, const double* q, size_t nq);
 /* Adds a whole model, its names behind prefix (NULL: as they are). Its world is what joint carries, of any type: DYN_JOINT_FIXED
-   welds; NULL: its world is the builder's. Named configurations of one name are joined, and neutral in what has none of that name;
+   welds; NULL: its world is the builder's. Shapes of its world hang on a link of the joint's name. Named configurations of one name are joined, and neutral in what has none of that name;
    gravity stays the builder's. A name that both have is DYN_ERROR_NAME. */
 DYN_API dynStatus dyn_builder_attach(dynBuilder* builder, const dynModel* model, const char* prefix, const dynJointSpec* joint);
 /* Keeps a joint and what it carries. The frame of the joint's parent becomes the world: attached there again, the subtree is where
@@ -1077,7 +1077,9 @@ DYN_API void dyn_distance_options_init(dynDistanceOptions* options);
 DYN_API dynStatus dyn_shape_distance(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
                                      const dynDistanceOptions* options, dynDistance* out);
 
-/* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. Of more than 1,000 shapes
+/* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. The world is nobody's
+   parent, but a link that is fixed to it is the parent of what a joint of its own carries; joints that hang on one another without mass between
+   them, as those of one body of an MJCF, count as one. Of more than 1,000 shapes
    only those are listed that are no ordinary ones: wanted (dyn_builder_pair), disabled, overlapping. The others are tested if their masks want it,
    in steps and by dyn_contacts; functions that number pairs (dyn_distances, dyn_smooth_distances, dyn_collisions) are DYN_ERROR_LIMIT then. */
 typedef enum dynPairReason {
@@ -1458,7 +1460,8 @@ typedef struct dynStepReport {
   double residual;         /* largest of the contact solver */
   double penetration;      /* m, largest depth at the beginning of a step, of what is awake */
   int32_t sleeping;        /* islands that slept in the last step */
-  int32_t unsolved;        /* islands whose residual stayed above the tolerance, in all steps: max_iterations or time_budget were not enough */
+  int32_t unsolved;        /* islands whose residual stayed above the tolerance, in all steps: max_iterations or time_budget were not enough,
+                              or equalities contradict one another by so much */
 } dynStepReport;
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
 

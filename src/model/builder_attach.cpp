@@ -31,7 +31,12 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
   const FrameEntry carrier = joint ? next.frames.back() : next.frames.front();
 
   const int carrier_frame = joint ? int(next.frames.size()) - 1 : 0;
+  // shapes of its world hang on a link, of the joint's name
+  const bool shapes_of_world = std::any_of(other.shapes.begin(), other.shapes.end(), [](const ShapeEntry& s) { return s.frame == 0; });
+  if (joint && shapes_of_world) next.add_frame({joint->name, DYN_FRAME_BODY, carrier.joint, carrier.X, Inertia<double>::zero(), 0, {}, {}, 0, carrier_frame}, who);
+  const int world = joint && shapes_of_world ? carrier_frame + 1 : carrier_frame;
   const int before = int(next.joints.size()), frames_before = int(next.frames.size());
+  const auto place = [&](int frame) { return frame == 0 ? world : frame + frames_before - 1; };  // the world's own frame does not come along
   for (JointEntry& e : other.joints) {
     e.spec.name = prefix + e.spec.name;
     if (!e.spec.mimic.empty()) e.spec.mimic = prefix + e.spec.mimic;
@@ -48,7 +53,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     } else {
       e.joint += before;
     }
-    e.parent = e.parent == 0 ? carrier_frame : e.parent + frames_before - 1;
+    e.parent = place(e.parent);
     for (int k : next.frame_index[e.name]) {
       const FrameEntry& there = next.frames[std::size_t(k)];
       if (there.type == e.type || (there.type != DYN_FRAME_BODY && e.type != DYN_FRAME_BODY))
@@ -61,11 +66,10 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
   const int shapes_before = int(next.shapes.size());
   for (ShapeEntry& s : other.shapes) {
     if (!s.shape.name.empty()) s.shape.name = prefix + s.shape.name;
-    s.shape.body = prefix + s.shape.body;
-    s.frame += frames_before - 1;  // the world's own frame does not come along
+    s.frame = place(s.frame), s.shape.body = next.frames[std::size_t(s.frame)].name;
     next.shapes.push_back(std::move(s));
   }
-  for (DisabledEntry& p : other.disabled) next.disabled.push_back({p.frame1 + frames_before - 1, p.frame2 + frames_before - 1, std::move(p.reason)});
+  for (DisabledEntry& p : other.disabled) next.disabled.push_back({place(p.frame1), place(p.frame2), std::move(p.reason)});
   for (ConstraintEntry& c : other.constraints) {
     const int shift = between_joints(c.spec.type) ? before : frames_before - 1;
     c.first += shift;

@@ -294,7 +294,7 @@ ModelPtr Builder::finish() const {
   n.surface_numbers = Index(a.surface_numbers.size()), n.surface_indices = Index(a.surface_indices.size());
   for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
   n.disabled = Index(a.disabled_pairs.size());
-  a.pairs = pairs_of(a.joints, a.frames, a.shapes, a.geoms, a.disabled_pairs, wanted, in.overlapping);
+  a.pairs = pairs_of(a.joints, a.bodies, a.frames, a.shapes, a.geoms, a.disabled_pairs, wanted, in.overlapping);
   n.pairs = Index(a.pairs.size());
   for (const ReportEntry& r : in.reports)
     if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});

@@ -16,6 +16,7 @@ namespace {
 // Which of two geoms make a pair, and which of these a new data tests.
 struct Judge {
   const std::vector<JointRecord>& joints;
+  const std::vector<Body>& bodies;
   const std::vector<FrameRecord>& frames;
   const std::vector<ShapeRecord>& shapes;
   const std::vector<GeomRecord>& geoms;
@@ -29,7 +30,7 @@ struct Judge {
   void add(Index a, Index b, bool overlaps) {
     const auto special = wanted.find(std::minmax(geoms[std::size_t(a)].shape, geoms[std::size_t(b)].shape));
     const bool is_wanted = special != wanted.end();
-    if (joint(a) == joint(b) || (!is_wanted && collision::neighbours(joints.data(), frames.data(), shape(a).frame, shape(b).frame))) return;
+    if (joint(a) == joint(b) || (!is_wanted && collision::neighbours(joints.data(), bodies.data(), frames.data(), shape(a).frame, shape(b).frame))) return;
     const bool mesh = shape(a).type == DYN_SHAPE_MESH || shape(b).type == DYN_SHAPE_MESH;
     const bool masked = !collision::masks_meet({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
     const dynPairReason reason = mesh                                                    ? DYN_PAIR_MESH
@@ -87,10 +88,10 @@ void judge(const Model& m, Pairs&& for_each_tested, F&& f) {
 
 }  // namespace
 
-std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<FrameRecord>& frames, const std::vector<ShapeRecord>& shapes,
-                                 const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
+std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<Body>& bodies, const std::vector<FrameRecord>& frames,
+                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
                                  const GeomPairs& overlapping) {
-  Judge judge{joints, frames, shapes, geoms, wanted};
+  Judge judge{joints, bodies, frames, shapes, geoms, wanted};
   for (const DisabledRecord& d : disabled) judge.off.insert(std::minmax(d.frame1, d.frame2));
   if (geoms.size() > std::size_t(most_geoms)) return judge.add_special(disabled, overlapping), judge.pairs;
   for (Index a = 0; a < Index(geoms.size()); ++a)

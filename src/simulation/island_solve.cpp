@@ -91,9 +91,38 @@ void Island::matrix() {
   }
 }
 
+// What equalities ask for and no impulses give, as where a linkage is at its limit, the contacts do not change: for a null vector n of the equalities'
+// rows of a positive semidefinite G, G n = 0 in all rows. g is without it, and impulses without bound are not looked for.
+void Island::ask_for_what_is_possible() {
+  const RowWork<double> work = row_work(m, d);
+  const Index n = equalities;
+  const double round_off = 1e-15;  // of the unit diagonal
+  const std::ptrdiff_t ld = row_room(n);
+  double *const block = work.factor, *const asked = work.vector(1), *const consistent = work.vector(2), *const scale = work.vector(3);
+  for (Index j = 0; j < n; ++j) {
+    std::copy_n(w.matrix + stride() * j, n, block + ld * j);
+    block[j + ld * j] += compliance[j];
+  }
+  scale_rows(block, ld, n, scale, work.scaled);
+  for (Index i = 0; i < n; ++i) asked[i] = (g[i] + bias[i]) * scale[i];
+  ProximalResult<double> found;
+  if (!consistent_part(work, work.scaled, ld, n, round_off, asked, consistent, found)) return;
+  double off = 0;
+  const double most = speed();
+  for (Index i = 0; i < n; ++i) {
+    if (scale[i] == 0) continue;
+    const double change = (asked[i] - consistent[i]) / scale[i];
+    off = std::max(off, std::abs(change)), g[i] -= change;
+  }
+  impossible = most > 0 ? off / most : 0;
+}
+
 // From the guess lambda; where that does not get far enough, from nothing, without sweeps, which have been tried, and by the other of the exact solvers.
 void Island::solve(dynContactReport& best) {
   matrix();
+  double* const asked = kept;
+  std::copy_n(g, equalities, asked);
+  if (equalities > 0) ask_for_what_is_possible();
   dynContactProblem p = problem(*this);
   p.friction = friction, p.torsion = torsion, p.rolling = rolling, p.compliance = compliance;
   if (bounces) p.restitution = restitution, p.v_minus = v_minus;
@@ -114,6 +143,7 @@ void Island::solve(dynContactReport& best) {
     if (best.residual <= w.options.tolerance || w.options.solver == DYN_CONTACT_PGS || w.time_is_up()) break;
   }
   best.iterations = iterations, best.newton_steps = newton_steps;
+  std::copy_n(asked, equalities, g);
 }
 
 // lambda of the least displacement that takes away what bias says is wrong, without friction.

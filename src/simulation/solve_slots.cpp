@@ -55,6 +55,7 @@ void Island::impulses(dynContactReport& report) {
     if (!large() && unsolved()) solve(report);
     if (!bounces && unsolved() && report.residual < nearly) sweep_on(report);
     if (!bounces && unsolved()) jammed(report);
+    report.residual = std::max(report.residual, impossible);
     residual();  // by_dof and c of the best
   }
   for (Index k = 0; k < slots; ++k) {

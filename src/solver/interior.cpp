@@ -7,7 +7,6 @@ namespace dyn::solver {
 namespace {
 
 constexpr double proximal = 1e-14, to_boundary = 0.99, least_centring = 1e-6;
-constexpr double nearly = 1e-4;  // relative to the unit diagonal
 constexpr Index most_steps = 40;
 
 class Interior {
@@ -23,6 +22,7 @@ class Interior {
   double *y, *U, *upper, *c;  // U of boxes: z_l; upper: z_u
   double *dy, *dU, *dupper, *dc;
 
+  double stop(double regularisation);
   bool begin(double factor);
   double complementarity() const;
   bool factorize();
@@ -41,16 +41,26 @@ class Interior {
   }
 };
 
-// On the cones' axes, with the sizes of the impulses that stop everything, or nearly: where rows are redundant and contradict one another none do.
-bool Interior::begin(double factor) {
-  double speed = 0, impulse = 0;
+// (G + regularisation) y = -g. Returns the size of y; infinite: singular.
+double Interior::stop(double regularisation) {
   w.factor.ld = p.G.ld;
   std::copy_n(p.G.x, std::ptrdiff_t(p.G.ld) * p.n, w.factor.x);
-  for (Index i = 0; i < p.n; ++i) w.factor(i, i) += nearly, y[i] = -p.g[i], speed = std::max(speed, std::fabs(p.g[i]));
+  for (Index i = 0; i < p.n; ++i) w.factor(i, i) += regularisation, y[i] = -p.g[i];
   ++b.factorizations;
-  if (!cholesky(w.factor, p.n)) return false;
+  if (!cholesky(w.factor, p.n)) return HUGE_VAL;
   cholesky_solve(w.factor, p.n, y);
+  double impulse = 0;
   for (Index i = 0; i < p.n; ++i) impulse = std::max(impulse, std::fabs(y[i]));
+  return impulse;
+}
+
+// On the cones' axes, with the sizes of the impulses that stop everything, or nearly, where rows are redundant and contradict one another.
+bool Interior::begin(double factor) {
+  constexpr double exactly = 1e-10, nearly = 1e-4;  // relative to the unit diagonal
+  double speed = 0, impulse = stop(exactly);
+  for (Index i = 0; i < p.n; ++i) speed = std::max(speed, std::fabs(p.g[i]));
+  if (exactly * impulse > 1e-3 * speed) impulse = stop(nearly);
+  if (!std::isfinite(impulse)) return false;
   impulse = factor * std::max(impulse, speed);
   for (Index i = 0; i < p.boxes; ++i) {
     const bool l = std::isfinite(p.lower[i]), u = std::isfinite(p.upper[i]);

@@ -1,6 +1,7 @@
 // Pairs of a robot's collision shapes: which there are, and the gradients of their distances.
 #include "common/random_tree.hpp"
 #include "common/work.hpp"
+#include "dyn/collision/pair_search.hpp"
 #include "dyn/collision/pairs.hpp"
 
 namespace dyn_test {
@@ -114,6 +115,81 @@ TEST(Pairs, BodiesParentsAndTheFloor) {
     if (!boxes) continue;
     EXPECT_NEAR(3 - 0.2, w.d.distances[k], 1e-12);
   }
+}
+
+// Pairs by the names of their links, "universe" for the world's own shapes.
+std::vector<std::string> tested_pairs(const Model& m) {
+  std::vector<std::string> out;
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    const auto link = [&](Index geom) { return std::string(m.string(m.frames()[m.shapes()[m.geoms()[geom].shape].frame].name)); };
+    if (m.pairs()[k].reason == DYN_PAIR_TESTED) out.push_back(link(m.pairs()[k].a) + " " + link(m.pairs()[k].b));
+  }
+  return out;
+}
+
+// A plinth and a wall fixed to the world, an arm on the plinth by two joints without mass between them, a hand on the arm, a sledge on the world.
+void build_arm_on_a_plinth(Builder& b) {
+  const std::array<double, 9> inertia = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  double at = 0;
+  const auto shape = [&](const char* link) {
+    dyn::Shape s;
+    s.body = link, s.type = DYN_SHAPE_SPHERE, s.size = {0.1, 0, 0}, s.placement[9] = at += 1;
+    b.shape(s);
+  };
+  const auto joint = [&](const char* name, dynJointType type, const char* on, std::array<double, 3> axis = {0, 0, 1}) {
+    JointSpec s;
+    s.name = name, s.type = type, s.parent.name = on, s.axis = axis;
+    b.joint(s);
+  };
+  for (const char* fixed : {"plinth", "wall"}) b.body(fixed, {"", 0}, identity_placement, 1, {0, 0, 0}, inertia);
+  joint("pan", DYN_JOINT_REVOLUTE, "plinth"), joint("tilt", DYN_JOINT_REVOLUTE, "pan", {0, 1, 0});
+  b.body("arm", {"tilt", 0}, identity_placement, 1, {0, 0, 0}, inertia);
+  joint("wrist", DYN_JOINT_REVOLUTE, "tilt");
+  b.body("hand", {"wrist", 0}, identity_placement, 1, {0, 0, 0}, inertia);
+  joint("slide", DYN_JOINT_PRISMATIC, "");
+  b.body("sledge", {"slide", 0}, identity_placement, 1, {0, 0, 0}, inertia);
+  for (const char* link : {"universe", "plinth", "wall", "arm", "hand", "sledge"}) shape(link);
+}
+
+TEST(Pairs, TheWorldIsNobodysParent) {
+  const std::vector<std::string> expected = {"universe arm", "universe hand", "universe sledge", "plinth hand", "plinth sledge", "wall arm", "wall hand", "wall sledge",
+                                             "arm sledge", "hand sledge"};
+  Builder b("arm");
+  build_arm_on_a_plinth(b);
+  const ModelPtr m = b.finish();
+  EXPECT_EQ(expected, tested_pairs(*m));
+  // as a builder reads it again, without the sledge, and on another robot, whose own link then is the parent of the arm's plinth
+  Builder again(*m);
+  again.remove("slide");
+  const ModelPtr less = again.finish();
+  EXPECT_EQ((std::vector<std::string>{"universe arm", "universe hand", "plinth hand", "wall arm", "wall hand"}), tested_pairs(*less));
+  Builder cart("cart");
+  JointSpec fixed;
+  fixed.name = "mount", fixed.type = DYN_JOINT_FIXED;
+  cart.attach(*less, "its_", &fixed);
+  EXPECT_EQ((std::vector<std::string>{"mount its_arm", "mount its_hand", "its_plinth its_hand", "its_wall its_arm", "its_wall its_hand"}), tested_pairs(*cart.finish()));
+}
+
+// More shapes than pairs are listed of: the same answers.
+TEST(Pairs, TheWorldIsNobodysParentAmongMany) {
+  Builder b("arm"), alone("arm");
+  build_arm_on_a_plinth(b), build_arm_on_a_plinth(alone);
+  dyn::Shape s;
+  s.body = "wall", s.type = DYN_SHAPE_SPHERE, s.size = {0.1, 0, 0};
+  for (int k = 0; k < 1100; ++k) s.placement[9] = 100 + k, b.shape(s);
+  const ModelPtr few = alone.finish(), many = b.finish();
+  ASSERT_FALSE(lists_pairs(*many));
+  Work<double> w(*many);
+  w.q(State(*many, 1).q);
+  collision::place_geoms(*many, w.d);
+  std::vector<std::string> found;
+  for (Index i = 0; i < 6; ++i)
+    for (Index j = i + 1; j < 6; ++j) {
+      Index pair;
+      const auto link = [&](Index geom) { return std::string(many->string(many->frames()[many->shapes()[many->geoms()[geom].shape].frame].name)); };
+      if (collision::tests(*many, w.d, i, j, pair)) found.push_back(link(i) + " " + link(j));
+    }
+  EXPECT_EQ(tested_pairs(*few), found);
 }
 
 TEST(Pairs, CollisionsAreThoseWithinTheMargin) {

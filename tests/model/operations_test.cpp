@@ -216,6 +216,35 @@ TEST(Operations, AttachedIsBuiltInOneGo) {
   }
 }
 
+// Shapes of the attached model's own world are where its world is: on a link of the joint's name, or in the world.
+TEST(Operations, AttachedWorldKeepsItsShapes) {
+  Builder scene("scene");
+  dyn::Shape floor;
+  floor.name = "floor", floor.body = "universe", floor.type = DYN_SHAPE_BOX, floor.size = {1, 1, 0.1};
+  scene.shape(floor);
+  const ModelPtr m = scene.finish();
+  Builder in_place("robot"), carried("robot");
+  for (Builder* b : {&in_place, &carried}) {
+    JointSpec s;
+    s.name = "slide", s.type = DYN_JOINT_PRISMATIC;
+    b->joint(s);
+    b->body("sledge", {"slide", 0}, identity_placement, 1, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  }
+  in_place.attach(*m, "its_", nullptr);
+  EXPECT_EQ(0, in_place.finish()->shapes()[0].frame);
+  JointSpec mount;
+  mount.name = "mount", mount.type = DYN_JOINT_FIXED, mount.parent.name = "sledge", mount.placement[9] = 2;
+  carried.attach(*m, "its_", &mount);
+  const ModelPtr c = carried.finish();
+  const FrameRecord& link = c->frames()[c->shapes()[0].frame];
+  EXPECT_STREQ("mount", c->string(link.name));
+  EXPECT_EQ(DYN_FRAME_BODY, link.type);
+  EXPECT_EQ(1, link.joint);
+  EXPECT_EQ(2, link.placement[9]);
+  Builder copy(*c);
+  EXPECT_EQ(c->bytes, copy.finish()->bytes);
+}
+
 TEST(Operations, TakenApartAndPutTogetherAgain) {
   int tried = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {

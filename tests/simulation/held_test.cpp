@@ -137,5 +137,27 @@ TEST(Held, OpenLoopsClose) {
   EXPECT_LT(run.open(), 1e-12);
 }
 
+// An arm that its weld holds stretched out, its wrists in line but for what decimals in a file leave over: the weld's rows contradict one another by 1e-8 of
+// the velocities, which no impulse below 1e8 times the arm's weight would make up for.
+TEST(Held, AWeldOfAStretchedArmIsAskedForWhatIsPossible) {
+  const char* text = R"(<mujoco><option gravity='.3 -1.2 -9.7'/><worldbody><body pos='0 0 .1'><joint axis='0 0 1'/><geom type='capsule' fromto='0 0 0 0 0 .1' size='.03'/>
+      <body pos='0 0 .05'><joint axis='0 1 0'/><geom type='capsule' fromto='0 0 0 .06 0 .3' size='.03'/>
+      <body pos='.06 0 .3'><joint axis='0 1 1e-10'/><geom type='capsule' fromto='0 0 0 .2 0 0' size='.03'/>
+      <body pos='.2 0 0'><joint axis='1 1e-10 0'/><geom type='capsule' fromto='0 0 0 .1 0 0' size='.03'/>
+      <body pos='.1 0 0'><joint axis='1e-10 1 0'/><geom type='capsule' fromto='0 0 0 .07 0 0' size='.03'/>
+      <body name='hand' pos='.07 0 0'><joint axis='1 0 1e-10'/><geom type='capsule' fromto='0 0 0 .05 .01 0' size='.03'/>
+      <body pos='.04 .1 0'><joint type='slide' axis='0 1 0' limited='true' range='0 .1'/><geom type='box' size='.02 .01 .02'/></body>
+      </body></body></body></body></body></body></worldbody><equality><weld body1='hand'/></equality></mujoco>)";
+  dynModel* m = nullptr;
+  ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
+  Play run(Model(m), 2e-3);
+  const double tau[] = {3, -2, 1, 5, -4, 6, -1};
+  ASSERT_EQ(DYN_OK, dyn_data_set_state(run.m, run.d, nullptr, nullptr, nullptr, tau));
+  int iterations = 0;
+  for (int k = 0; k < 100; ++k) run.steps(1), iterations += run.report().iterations;
+  EXPECT_LT(iterations, 100 * 40);
+  EXPECT_LT(run.residual, 1e-6);
+}
+
 }  // namespace
 }  // namespace dyn_test

@@ -49,7 +49,7 @@ class StepReport(NamedTuple):
     sleeping: int
     """Islands that slept in the last step."""
     unsolved: int
-    """Islands whose residual stayed above the tolerance, in all steps: iterations or time were not enough."""
+    """Islands whose residual stayed above the tolerance, in all steps: iterations or time were not enough, or equalities contradict one another."""
 
 
 class ErrorLedger(NamedTuple):

@@ -15,21 +15,24 @@ inline Index listed_pair(const Model& m, Index a, Index b) {
   return p != end && p->a == a && p->b == b ? Index(p - m.pairs()) : -1;
 }
 
-// The link that carries what moves a frame: up to the joint, and on, as joints of one body hang on one another. 0: the world, or it flies freely.
-inline Index carrier(const JointRecord* joints, const FrameRecord* frames, Index frame) {
-  while (frame != 0 && frames[frame].type != DYN_FRAME_JOINT) frame = frames[frame].parent;
-  if (joints[frames[frame].joint].type == DYN_JOINT_FREE_FLYER) return 0;
-  while (frame != 0 && frames[frame].type != DYN_FRAME_BODY) frame = frames[frame].parent;
+// The link of the world's that a frame's tree hangs on; 0: the world itself.
+inline Index fixed_link(const FrameRecord* frames, Index frame) {
+  while (frame != 0 && (frames[frame].joint != 0 || frames[frame].type != DYN_FRAME_BODY)) frame = frames[frame].parent;
   return frame;
 }
 
-// A body and its parent touch where their joint is. The world is nobody's parent: of what is fixed to it, the link is that carries the joint.
-inline bool parent_and_child(const JointRecord* joints, const FrameRecord* frames, Index parent, Index child) {
-  const Index link = carrier(joints, frames, child), joint = frames[link].joint;
-  return link != 0 && joint == frames[parent].joint && (joint != 0 || link == parent);
+// A body and its parent touch where their joint is, and joints without mass between them are one. What flies freely is nobody's child, and the
+// world nobody's parent: of what is fixed to it, the link is that the joint hangs on.
+inline bool parent_and_child(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index parent, Index child) {
+  for (Index k = frames[child].joint; k != 0 && joints[k].type != DYN_JOINT_FREE_FLYER; k = joints[k].parent) {
+    const Index carrier = joints[k].parent;
+    if (carrier == frames[parent].joint) return carrier != 0 || (parent != 0 && parent == fixed_link(frames, child));
+    if (bodies[joints[carrier].last_body].m > 0) return false;
+  }
+  return false;
 }
-inline bool neighbours(const JointRecord* joints, const FrameRecord* frames, Index a, Index b) {
-  return parent_and_child(joints, frames, a, b) || parent_and_child(joints, frames, b, a);
+inline bool neighbours(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index a, Index b) {
+  return parent_and_child(joints, bodies, frames, a, b) || parent_and_child(joints, bodies, frames, b, a);
 }
 
 inline bool known(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_MESH; }
@@ -40,7 +43,7 @@ inline bool tests(const Model& m, const Data<double>& d, Index a, Index b, Index
   if (lists_pairs(m)) return false;
   const auto frame = [&](Index geom) { return m.shapes()[m.geoms()[geom].shape].frame; };
   return m.bodies()[d.geoms[a].body].joint != m.bodies()[d.geoms[b].body].joint && masks_meet(d.geom_masks[a], d.geom_masks[b]) &&
-         !neighbours(m.joints(), m.frames(), frame(a), frame(b)) && known(m, a) && known(m, b);
+         !neighbours(m.joints(), m.bodies(), m.frames(), frame(a), frame(b)) && known(m, a) && known(m, b);
 }
 
 // Whether steps of the model may look for pairs by boxes: from so many listed ones a shape on, boxes are cheaper.

@@ -163,6 +163,19 @@ Index set_idle_apart(const T* G, std::ptrdiff_t ld, Index n, const T* b, T heard
   return count;
 }
 
+// consistent = the part of asked that rows with the matrix S, of a unit diagonal, can give. false: all of it, for their pivots are above least.
+template <class T>
+bool consistent_part(const RowWork<T>& work, const T* S, std::ptrdiff_t ld, Index n, T least, const T* asked, T* consistent, ProximalResult<T>& result) {
+  T *Dinv = work.vector(0), *z = work.vector(4), first, last;
+  result.rank = pivoted_factor(S, ld, n, least, work.range, z, first, last);
+  result.condition = first / last;
+  if (result.rank == n) return false;
+  std::copy_n(asked, n, consistent);
+  factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
+  project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, consistent);
+  return true;
+}
+
 // lambda for n rows with the matrix G; all vectors of n numbers. What b asks for and no lambda gives is the contradiction.
 template <class T>
 void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const ProximalOptions& options, T* lambda,
@@ -191,14 +204,8 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
     asked[j] = b[j] * scale[j];
     if (scale[j] == T(0) && abs(b[j]) > heard) result.contradiction = std::max(result.contradiction, abs(b[j]));
   }
-  T first, last;
-  result.rank = pivoted_factor(S, ld, n, T(independent), work.range, z, first, last);
-  result.condition = first / last;
-  if (result.rank < n) {
-    T* consistent = step;
-    for (Index i = 0; i < n; ++i) consistent[i] = asked[i];
-    factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
-    project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, consistent);
+  T* consistent = step;
+  if (consistent_part(work, S, ld, n, T(independent), asked, consistent, result)) {
     const T size = largest_size(asked, n);
     T off = T(0);
     for (Index i = 0; i < n; ++i) off = std::max(off, abs(asked[i] - consistent[i]));

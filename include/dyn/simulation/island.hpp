@@ -19,6 +19,7 @@ struct Island {
   Index rows = 0, equalities = 0, boxes = 0, contacts = 0;
   bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
   double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
+  double impossible = 0;  // share of the speed that equalities contradict one another by
   double fast = 0;     // the largest rate of its rows, where steps follow from an accuracy
   enum class Eliminated { Not, Runs, Fits, DoesNotFit };
   Eliminated eliminated = Eliminated::Not;
@@ -42,6 +43,7 @@ struct Island {
   bool dense_matrix();
   void solve(dynContactReport& best);
   void displace();
+  void ask_for_what_is_possible();
 
   // by segments (newton.cpp, interior.cpp): from lambda, to a better one. true: it is good enough
   bool newton(dynContactReport& report, bool from_inside);
