@@ -43,6 +43,7 @@ class MjcfWriter {
   std::string mesh_asset(const ShapeRecord& s);
   std::string mesh_file(const ShapeRecord& s);
   double height_asset(const ShapeRecord& s, std::string& name);  // how far its lowest point is above its origin
+  std::set<std::pair<Index, Index>> neighbours_of_the_world() const;
   void add_contacts();
   // save_mjcf_laws.cpp
   void add_actuators();

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "dyn/collision/pair_search.hpp"
 #include "model/builder_surface.hpp"
 #include "save_mjcf.hpp"
 
@@ -123,12 +124,31 @@ double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {
   return least;
 }
 
+// Links of the world with shapes, and those that their joints carry, are pairs for MuJoCo.
+std::set<std::pair<Index, Index>> MjcfWriter::neighbours_of_the_world() const {
+  std::set<Index> fixed, moving;
+  for (Index k = 0; k < m.n.shapes; ++k) {
+    const ShapeRecord& s = m.shapes()[k];
+    if (s.role == DYN_ROLE_COLLISION && s.frame != 0) (m.frames()[s.frame].joint == 0 ? fixed : moving).insert(s.frame);
+  }
+  std::set<std::pair<Index, Index>> out;
+  for (const Index a : fixed)
+    for (const Index b : moving)
+      if (collision::parent_and_child(m.joints(), m.bodies(), m.frames(), a, b)) out.emplace(a, b);
+  return out;
+}
+
 void MjcfWriter::add_contacts() {
+  const auto exclude = [&](Index a, Index b) {
+    Out& e = *section("contact").InsertNewChildElement("exclude");
+    put(e, "body1", body_name(a)), put(e, "body2", body_name(b));
+  };
+  std::set<std::pair<Index, Index>> more = neighbours_of_the_world();
   for (Index k = 0; k < m.n.disabled; ++k) {
     const DisabledRecord& d = m.disabled_pairs()[k];
-    Out& e = *section("contact").InsertNewChildElement("exclude");
-    put(e, "body1", body_name(d.frame1)), put(e, "body2", body_name(d.frame2));
+    exclude(d.frame1, d.frame2), more.erase({d.frame1, d.frame2}), more.erase({d.frame2, d.frame1});
   }
+  for (const auto& [a, b] : more) exclude(a, b);
   for (Index k = 0; k < m.n.pairs; ++k) {
     const PairRecord& p = m.pairs()[k];
     if (!p.wanted()) continue;

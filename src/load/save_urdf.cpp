@@ -2,6 +2,7 @@
 // have had them. What is no joint of the format is a chain of joints that are, with links without mass between them.
 #include <cmath>
 
+#include "dyn/collision/pair_search.hpp"
 #include "save_urdf.hpp"
 
 namespace dyn::load {
@@ -98,6 +99,22 @@ void UrdfWriter::add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s
   }
 }
 
+// A link of the world without shapes.
+std::string UrdfWriter::bare_world() {
+  const auto has_shapes = [&](Index frame) {
+    return frame >= 0 && std::any_of(m.shapes(), m.shapes() + m.n.shapes, [&](const ShapeRecord& s) { return s.frame == frame && s.role == DYN_ROLE_COLLISION; });
+  };
+  if (bare.empty()) {
+    bare = main_name[0];
+    if (has_shapes(0) || has_shapes(main[0])) {
+      bare = links.claim("bare_world");
+      add_joint(joints.claim(bare + "_joint"), "fixed", main_name[0], bare, SE3<double>::identity()), add_link(bare, -1);
+      losses.note("a link without shapes was added, on which hangs what the world itself carries", bare);
+    }
+  }
+  return bare;
+}
+
 void UrdfWriter::add_moving(Index j) {
   const JointRecord& r = m.joints()[j];
   JointSpec spec = spec_of(m, r);
@@ -107,6 +124,11 @@ void UrdfWriter::add_moving(Index j) {
   if (chain.size() > 1) losses.note("joints of types that URDF has not are chains of joints that it has", m.string(r.name));
   std::string parent = main_name[size_t(r.parent)];
   SE3<double> X = load_se3(r.placement);
+  if (r.parent == 0 && r.type != DYN_JOINT_FREE_FLYER) {  // what it hangs on, it does not touch
+    const Index link = collision::fixed_link(m.frames(), on[size_t(j)].front());
+    if (link == 0) parent = bare_world();
+    else if (link != main[0]) parent = frame_name(link), X = load_se3(m.frames()[link].placement).inverse() * X;
+  }
   for (const SimpleJoint& s : chain) {
     const bool last = &s == &chain.back();
     const std::string child = last ? main_name[size_t(j)] : links.claim(s.name + "_link");

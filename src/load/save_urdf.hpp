@@ -16,6 +16,7 @@ class UrdfWriter {
   void add_shape(Out& link, const ShapeRecord& s);
   Out& add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child, const SE3<double>& X);
   void add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s);
+  std::string bare_world();
   void add_moving(Index j);
   void add_fixed(Index f, std::set<Index>& done);
   void add_constraints();
@@ -28,6 +29,7 @@ class UrdfWriter {
   std::vector<std::vector<Index>> on;  // frames of each joint
   std::vector<Index> main;             // BODY frame in each joint's own frame, or -1
   std::vector<std::string> main_name;
+  std::string bare;  // see bare_world
   Names links, joints;
   bool floating;  // the root link is free, which the reader says
 };

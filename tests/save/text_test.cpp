@@ -1,4 +1,6 @@
 // Tests URDF and MJCF: a model that is saved and loaded again moves as it did, and what is lost is said.
+#include <set>
+
 #include "save/same.hpp"
 
 namespace dyn_test {
@@ -220,6 +222,31 @@ TEST(Urdf, WhatASceneLosesIsSaid) {
   } catch (const Error& e) {
     EXPECT_EQ(DYN_ERROR_STRICT, e.status);
   }
+}
+
+// What touches what: a slider on the world and the floor, an arm and the plinth that carries it, a plinth beside that.
+TEST(Save, TheSamePairsAreTested) {
+  const ModelPtr m = load_string(R"(<mujoco><worldbody><geom name='floor' type='box' size='5 5 .1' pos='0 0 -5'/>
+      <body name='plinth' pos='1 0 0'><geom type='sphere' size='.1'/>
+        <body name='arm' pos='0 0 .5'><joint name='pan' axis='0 0 1'/><joint name='tilt' axis='0 1 0'/><geom type='sphere' size='.1'/>
+          <body name='hand' pos='0 0 .5'><joint name='wrist' axis='1 0 0'/><geom type='sphere' size='.1'/></body></body></body>
+      <body name='wall' pos='2 0 0'><geom type='sphere' size='.1'/></body>
+      <body name='sledge' pos='3 0 0'><joint name='slide' type='slide' axis='1 0 0'/><geom type='sphere' size='.1'/></body></worldbody></mujoco>)", {});
+  const auto tested = [](const Model& model) {
+    std::set<std::set<std::string>> out;
+    for (Index k = 0; k < model.n.pairs; ++k) {
+      const auto link = [&](Index geom) {
+        const std::string name = model.string(model.frames()[model.shapes()[model.geoms()[geom].shape].frame].name);
+        return name == "world" ? "universe" : name;
+      };
+      if (model.pairs()[k].reason == DYN_PAIR_TESTED) out.insert({link(model.pairs()[k].a), link(model.pairs()[k].b)});
+    }
+    return out;
+  };
+  const std::set<std::set<std::string>> expected = {{"universe", "arm"}, {"universe", "hand"}, {"universe", "sledge"}, {"plinth", "hand"}, {"plinth", "sledge"},
+                                                    {"wall", "arm"}, {"wall", "hand"}, {"wall", "sledge"}, {"arm", "sledge"}, {"hand", "sledge"}};
+  EXPECT_EQ(expected, tested(*m));
+  for (const dynFormat format : {DYN_FORMAT_URDF, DYN_FORMAT_MJCF, DYN_FORMAT_DYNB}) EXPECT_EQ(expected, tested(*again(*m, format, format == DYN_FORMAT_URDF ? DYN_BASE_FIXED : DYN_BASE_UNSPECIFIED))) << format;
 }
 
 TEST(Save, TheExtensionNamesTheFormat) {
