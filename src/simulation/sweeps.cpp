@@ -90,7 +90,11 @@ struct Sweeper {
   // Largest |y - P_K(y - u)| as a velocity: the residual of residuals.hpp, slot by slot; and c = G lambda + g.
   double residual() const {
     double worst = 0;
-    const auto enter = [&](double wrong) { if (!(wrong <= worst)) worst = wrong >= 0 ? wrong : HUGE_VAL; };  // no number: as wrong as can be
+    const double speed = x.speed();
+    const auto enter = [&](double wrong, double impulse) {
+      if (solver::drowns(impulse, speed)) wrong = HUGE_VAL;
+      if (!(wrong <= worst)) worst = wrong >= 0 ? wrong : HUGE_VAL;  // no number: as wrong as can be
+    };
     for (Index k = 0, boxes = 0, contacts = 0; k < x.slots; ++k) {
       const ActiveSlot& a = x.slot(k);
       const SlotBlock& s = x.w.blocks[k];
@@ -100,7 +104,7 @@ struct Sweeper {
       auto velocity = [&](Index r) { return wanted(first + r) + Gl[int(r)] + soft(first + r) * x.lambda[first + r]; };
       auto of_row = [&](Index r, double lower, double upper) {
         const double G = s.diagonal[r] + soft(first + r), l = x.lambda[first + r];
-        if (G > 0) enter(G * std::abs(l - std::clamp(l - velocity(r) / G, lower, upper)));
+        if (G > 0) enter(G * std::abs(l - std::clamp(l - velocity(r) / G, lower, upper)), G * l);
       };
       if (a.kind == RowKind::Equality) {
         for (Index r = 0; r < rows; ++r) of_row(r, -HUGE_VAL, HUGE_VAL);
@@ -118,7 +122,7 @@ struct Sweeper {
           y[i] = x.lambda[first + order[i]] / s.scale[i] / di, c[i] = di * s.scale[i] * velocity(order[i]);
         }
         solver::natural_map({0, rows, mu * dn / dt}, y, c, e);
-        for (Index i = 0; i < rows; ++i) enter(std::abs(e[i]) / (i ? dt : dn));
+        for (Index i = 0; i < rows; ++i) enter(std::abs(e[i]) / (i ? dt : dn), y[i] / (i ? dt : dn));
       }
     }
     return worst;
