@@ -90,9 +90,9 @@ struct Sweeper {
   // Largest |y - P_K(y - u)| as a velocity: the residual of residuals.hpp, slot by slot; and c = G lambda + g.
   double residual() const {
     double worst = 0;
-    const double speed = x.speed();
+    double most = 0;  // impulse, as a speed
     const auto enter = [&](double wrong, double impulse) {
-      if (solver::drowns(impulse, speed)) wrong = HUGE_VAL;
+      most = std::max(most, std::abs(impulse));
       if (!(wrong <= worst)) worst = wrong >= 0 ? wrong : HUGE_VAL;  // no number: as wrong as can be
     };
     for (Index k = 0, boxes = 0, contacts = 0; k < x.slots; ++k) {
@@ -125,7 +125,7 @@ struct Sweeper {
         for (Index i = 0; i < rows; ++i) enter(std::abs(e[i]) / (i ? dt : dn), y[i] / (i ? dt : dn));
       }
     }
-    return worst;
+    return solver::drowns(most, x.fastest) ? HUGE_VAL : worst;
   }
   void start() const {
     x.clear(z);
@@ -137,6 +137,7 @@ struct Sweeper {
 
 void Island::prepare_blocks() {
   using P = Pack<double, row_lanes>;
+  fastest = speed();
   const double* Dinv = inverse_pivots(m, d);
   for (Index k = 0, at = 0; k < slots; ++k) {
     const ActiveSlot& a = slot(k);

@@ -48,7 +48,7 @@ class Newton {
 // The function's length, as a velocity.
 double Newton::error(const double* y, const double* c) const {
   double sum = 0;
-  const auto take = [&](Index i, double e) { sum += drowns(y[i] * p.per_unit[i], p.speed) ? HUGE_VAL : e * p.per_unit[i] * (e * p.per_unit[i]); };
+  const auto take = [&](Index i, double e) { sum += e * p.per_unit[i] * (e * p.per_unit[i]); };
   for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];

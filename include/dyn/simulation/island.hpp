@@ -20,6 +20,7 @@ struct Island {
   bool bounces = false, supported = false, has_matrix = false, has_cones = false;  // supported: by the world
   double* by_dof = nullptr;  // z = Y^T lambda; zero at the beginning
   double impossible = 0;  // share of the speed that equalities contradict one another by
+  double fastest = 0;  // speed() at the beginning
   double fast = 0;     // the largest rate of its rows, where steps follow from an accuracy
   enum class Eliminated { Not, Runs, Fits, DoesNotFit };
   Eliminated eliminated = Eliminated::Not;

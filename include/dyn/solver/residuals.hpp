@@ -5,9 +5,14 @@
 
 namespace dyn::solver {
 
-// Impulses whose round-off, as that of the speed they make, is no longer far below the speeds that are to change: y - c is then y, and y a fixed
+// An impulse whose round-off, as that of the speed it makes, is no longer far below the speeds that are to change: y - c is then y, and y a fixed
 // point of whatever it is tested by.
 inline bool drowns(double impulse, double speed) { return 2.2e-16 * std::fabs(impulse) > 1e-4 * speed && speed > 0; }
+inline bool drowns(const Problem& p, const double* y) {
+  double most = 0;
+  for (Index i = 0; i < p.n; ++i) most = std::max(most, std::fabs(y[i] * p.per_unit[i]));
+  return drowns(most, p.speed);
+}
 
 // |y - P_K(y - u)| of one cone, u = c + (mu |c_t|, 0), row by row into e.
 inline void natural_map(const Cone& cone, const double* y, const double* c, double* e) {
@@ -27,7 +32,7 @@ struct Worst {
 inline Worst residual(const Problem& p, const double* y, const double* c) {
   Worst worst;
   const auto take = [&](Index i, double e) {
-    const double r = e == e && !drowns(y[i] * p.per_unit[i], p.speed) ? std::fabs(e) * p.per_unit[i] : HUGE_VAL;
+    const double r = e == e ? std::fabs(e) * p.per_unit[i] : HUGE_VAL;
     if (r > worst.residual || worst.row < 0) worst = {r, i};
   };
   for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));
