@@ -92,7 +92,7 @@ bool BlockChecker::frames() {
   Index links = 0;
   const bool good = each(n.frames, [&](Index f) {
     const FrameRecord& r = m.frames()[f];
-    if (!text(r.name) || !index(r.joint, n.joints, "joint of a frame") || !index(r.parent, std::max(f, 1), "parent of a frame")) return false;
+    if (!text(r.name) || !index(r.joint, n.joints, "joint of a frame") || !index(r.parent, std::max(f, Index(1)), "parent of a frame")) return false;
     if (!require(r.type == DYN_FRAME_OP_FRAME || r.type == DYN_FRAME_JOINT || r.type == DYN_FRAME_FIXED_JOINT || r.type == DYN_FRAME_BODY || r.type == DYN_FRAME_SENSOR,
                  "type of a frame"))
       return false;

@@ -96,7 +96,7 @@ void Island::matrix() {
 void Island::ask_for_what_is_possible() {
   const RowWork<double> work = row_work(m, d);
   const Index n = equalities;
-  const double round_off = 1e-15;  // of the unit diagonal
+  const double round_off = 1e-15 * n;  // of the unit diagonal, in pivots
   const std::ptrdiff_t ld = row_room(n);
   double *const block = work.factor, *const asked = work.vector(1), *const consistent = work.vector(2), *const scale = work.vector(3);
   for (Index j = 0; j < n; ++j) {
