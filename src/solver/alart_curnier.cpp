@@ -11,6 +11,7 @@ constexpr double proximal = 1e-11;
 // The same (Levenberg and Marquardt), after a step that had to be shortened, and where none is good at all.
 constexpr double least_damping = 1e-8, first_damping = 1e-3, most_damping = 1;
 constexpr double least_step = 0.1;
+constexpr double near = 1e3;  // tolerances: of errors, those of which projections may be solutions
 constexpr Index most_steps = 20, patient_steps = 30, memory = 4;
 
 class Newton {
@@ -195,9 +196,15 @@ bool Newton::run(const double* y, const double* c, bool patient) {
   std::copy_n(y, n, w.newton), std::copy_n(c, n, w.newton_c);
   double errors[memory] = {error(w.newton, w.newton_c)};
   bool strayed = false;
+  const auto keep = [&] {
+    project(p, w.newton, w.trial);
+    for (Index i = 0; i < n; ++i) w.t[i] = w.trial[i] - w.newton[i];
+    times(p.G, w.t, w.newton_c, w.trial_c, n);
+    return keep_best(w, b, w.trial, w.trial_c);
+  };
   for (Index k = 0; k < (patient ? patient_steps : most_steps) && !b.spent(); ++k) {
     ++b.newton_steps;
-    if (!direction()) return false;
+    if (!direction()) break;
     // the longest of the steps that makes the error smaller
     const double most = strayed ? *std::max_element(errors, errors + memory) : errors[k % memory];
     double t = 1, next = HUGE_VAL;
@@ -207,7 +214,7 @@ bool Newton::run(const double* y, const double* c, bool patient) {
       if (next < most) break;
     }
     if (!(next < most)) {
-      if (!patient || damping >= most_damping) return false;
+      if (!patient || damping >= most_damping) break;
       damping = std::max(first_damping, 10 * damping), strayed = true;
       errors[(k + 1) % memory] = errors[k % memory];
       continue;
@@ -222,13 +229,10 @@ bool Newton::run(const double* y, const double* c, bool patient) {
       exact_velocity(p, w.newton, w.newton_c);
       next = error(w.newton, w.newton_c);
     }
-    project(p, w.newton, w.trial);
-    for (Index i = 0; i < n; ++i) w.t[i] = w.trial[i] - w.newton[i];
-    times(p.G, w.t, w.newton_c, w.trial_c, n);
-    if (keep_best(w, b, w.trial, w.trial_c)) return true;
+    if ((next < near * b.tolerance || strayed) && keep()) return true;
     errors[(k + 1) % memory] = next;
   }
-  return false;
+  return keep();
 }
 
 }  // namespace
