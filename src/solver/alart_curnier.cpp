@@ -12,7 +12,7 @@ constexpr double proximal = 1e-11;
 constexpr double least_damping = 1e-8, first_damping = 1e-3, most_damping = 1;
 constexpr double least_step = 0.1;
 constexpr double near = 1e3;  // tolerances: of errors, those of which projections may be solutions
-constexpr Index most_steps = 20, patient_steps = 30, memory = 4;
+constexpr Index most_steps = 20, patient_steps = 30, memory = 12;
 
 class Newton {
  public:

@@ -11,7 +11,7 @@
 namespace dyn::solver {
 
 // Steps from y with c = G y + g as long as they make the error smaller; the best iterate goes to w.y. true: it is good enough.
-// patient, for starts that are not near: where no step does, it is damped, and from then on need but be smaller than one of the last four
+// patient, for starts that are not near: where no step does, it is damped, and from then on need but be smaller than one of the last twelve
 // (Grippo, Lampariello and Lucidi 1986).
 bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool patient = false);
 
