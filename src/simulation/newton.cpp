@@ -18,6 +18,7 @@ constexpr double hardly_more = 1.1;    // than the guess: what is heavy presses 
 constexpr Index most_steps = 20;
 // A patient run's steps, once it was damped, need but be better than one of so many before (solver/alart_curnier.hpp), and it ends so long after its best.
 constexpr Index memory = 12, most_strayed = 6;
+constexpr Index plenty = 300;  // of iterations: with fewer, sweeps make more of them
 constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 
 // Rows' impulses by unknowns: where it slides, the normal with the friction along it, and directions across.
@@ -329,7 +330,7 @@ Newton::Newton(const Island& island)
 }
 
 bool Newton::run(Index most, double share, dynContactReport& report) {
-  const bool patient = share == 1;
+  const bool patient = share == 1 && x.w.options.max_iterations >= plenty;
   Error now = error();
   double errors[memory] = {now.sum}, least = now.sum;
   bool strayed = false;
