@@ -1,7 +1,5 @@
 #include "dyn/simulation/newton.hpp"
 
-#include <algorithm>
-
 #include "dyn/constraint/delassus.hpp"
 
 namespace dyn::simulation {
@@ -9,16 +7,12 @@ namespace dyn::simulation {
 namespace {
 
 constexpr double least_compliance = 1e-6;  // of the unit diagonal: steps are unique where contacts are redundant
-constexpr double damping = 1e-2;           // the same, where a step without makes nothing better (Levenberg and Marquardt), and where it still does not
-constexpr double most_damping = 1;
+constexpr double damping = 1e-2;           // the same, where a step without makes nothing better (Levenberg and Marquardt)
 constexpr int refinements = 1;             // of a step, after which it is as if there were no such compliance
 constexpr double least_step = 0.2;
 constexpr double jammed = 100;             // impulses that exceed those of all free velocities so much are stress that friction locks in
 constexpr double hardly_more = 1.1;    // than the guess: what is heavy presses through what is light
-constexpr Index most_steps = 20;
-// A patient run's steps, once it was damped, need but be better than one of so many before (solver/alart_curnier.hpp), and it ends so long after its best.
-constexpr Index memory = 12, most_strayed = 6;
-constexpr Index plenty = 300;  // of iterations: with fewer, sweeps make more of them
+constexpr Index most_steps = 15;
 constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 
 // Rows' impulses by unknowns: where it slides, the normal with the friction along it, and directions across.
@@ -330,39 +324,28 @@ Newton::Newton(const Island& island)
 }
 
 bool Newton::run(Index most, double share, dynContactReport& report) {
-  const bool patient = share == 1 && x.w.options.max_iterations >= plenty;
   Error now = error();
-  double errors[memory] = {now.sum}, least = now.sum;
-  bool strayed = false;
-  for (Index k = 0, since_least = 0; k < most && since_least < most_strayed && x.may_go_on(report); ++k, since_least += strayed) {
+  for (Index k = 0; k < most && x.may_go_on(report); ++k) {
     ++report.newton_steps;
     if (!direction()) break;
-    const double limit = strayed ? *std::max_element(errors, errors + memory) : now.sum;
     double t = 1, largest = 0;
     Error next = error(t);
-    while (!(next.sum < limit) && t > least_step) next = error(t /= 2);
-    if (!(next.sum < limit)) {
-      if (compliant >= (patient ? most_damping : damping)) break;
-      compliant = std::max(damping, 10 * compliant);
-      if (patient && !strayed) strayed = true, std::copy_n(y, x.rows, kept);
-      errors[(k + 1) % memory] = errors[k % memory];
+    while (!(next.sum < now.sum) && t > least_step) next = error(t /= 2);
+    if (!(next.sum < now.sum)) {
+      if (compliant == damping) break;
+      compliant = damping;
       continue;
     }
-    compliant = compliant > 2 * damping ? 0.1 * compliant : least_compliance;
+    compliant = least_compliance;
     for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], largest = std::max(largest, std::abs(y[i]));
     if (!(largest <= bound)) {
       std::copy_n(before, x.rows, y), velocities();
-      strayed = false;
       break;
     }
     if (next.most < 1e-2 * speed && (report.residual = residual()) <= x.w.options.tolerance) return true;
-    if (!strayed && !(next.sum < share * now.sum)) break;
-    now = next, errors[(k + 1) % memory] = now.sum;
-    if (!(now.sum < least)) continue;
-    least = now.sum, since_least = 0;
-    if (strayed) std::copy_n(y, x.rows, kept);
+    if (!(next.sum < share * now.sum)) break;
+    now = next;
   }
-  if (strayed && now.sum > least) std::copy_n(kept, x.rows, y), velocities();
   compliant = least_compliance;
   return false;
 }
@@ -376,10 +359,11 @@ void Newton::leave(dynContactReport& report) {
   if (found < report.residual) to_impulses(best), report.residual = found;
 }
 
-// The costs of a step by the whole matrix and by segments, as measured, are about as these numbers.
+// The costs of a step by the whole matrix and by segments are, as measured, about as these numbers. Where there are no more rows than lanes, contacts are
+// not very redundant, and Newton's method, which by the whole matrix is patient, seldom gets there by segments: then a dearer step is the cheaper way.
 bool Island::sparse() {
-  const double whole = double(rows) * rows * rows, block = 16000;
   if (eliminated == Eliminated::Not) eliminated = w.elimination.find_runs(*this) ? Eliminated::Runs : Eliminated::DoesNotFit;
+  const double whole = double(rows) * rows * rows, block = rows > segment_lanes * w.elimination.size ? 4000 : 16000;
   if (!large() && whole <= block * w.elimination.size) return false;
   return ordered() && (large() || whole > block * (w.elimination.size + w.elimination.entries()));
 }

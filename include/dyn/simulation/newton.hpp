@@ -29,7 +29,7 @@ class Newton {
   std::ptrdiff_t room;
   double speed, bound;  // of velocities that are to change; of impulses
   // of rows, in the slots' own order and units
-  double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room, *kept = before + 12 * room;
+  double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room;
 
   struct Error {
     double most = 0, sum = 0;  // the largest, and squares, as velocities
@@ -71,7 +71,7 @@ class Newton {
     return error(0);
   }
   bool factorize() const;  // of the slots' laws
-  // At most so many steps, none of which may leave more than a share of the error; by a share of 1 it is patient where none makes it smaller
+  // At most so many steps, none of which may leave more than a share of the error
   bool run(Index most_steps, double share, dynContactReport& report);
 
  private:

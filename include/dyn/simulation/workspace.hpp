@@ -65,7 +65,7 @@ struct NewtonSlot {
   double stiffness[most_rows];       // of unknowns: impulse by velocity
   double law[most_rows][most_rows];  // the same of rows: impulse (first index) by velocity
 };
-inline constexpr int island_vectors = 13, newton_vectors = 18;
+inline constexpr int island_vectors = 13, newton_vectors = 17;
 
 // Two shapes that may meet, a < b, and the number of their pair, if it is listed.
 struct NearPair {
