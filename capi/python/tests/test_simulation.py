@@ -35,6 +35,35 @@ def test_a_box_rests():
     assert all(c.contact.normal == pytest.approx([0, 0, 1]) and c.contact.shape_b == 1 for c in contacts)
 
 
+@pytest.mark.parametrize("share", [1.02, 1.2, 3.0])
+@pytest.mark.parametrize("mu", [0.5, 1.0])
+@pytest.mark.parametrize("hand", [False, True])
+def test_two_fingers_hold_a_box(hand, mu, share):
+    """Squeezed by a little more than friction needs, it stays. That it turns about an edge of the pads, which would press there alone, solves Coulomb's law as well."""
+    mass, size = 0.2, np.array([0.02, 0.03, 0.03])
+    b = dyn.Builder("gripper")
+    if hand:
+        b.joint("lift", "prismatic", axis=[0, 0, 1]).body("palm", "lift", 1.0, inertia=0.01 * np.eye(3))
+    for name, side in (("left", 1), ("right", -1)):
+        placement = np.eye(4)
+        placement[1, 3] = side * (size[1] / 2 + 0.005)
+        b.joint(name, "prismatic", "lift" if hand else None, placement, axis=[0, 1, 0]).body(name, name, 0.05, inertia=1e-4 * np.eye(3))
+        b.shape(name, "box", [0.02, 0.01, 0.03], name=f"{name}_pad")
+    b.joint("box_joint", "free_flyer").body("box", "box_joint", mass, inertia=np.diag(mass / 12 * (np.sum(size**2) - size**2)))
+    m = b.shape("box", "box", size, name="box").finish()
+    data = m.data()
+    data.set_shape_material(None, dyn.Material(friction=mu))
+    data.set_stepping("semi_implicit_euler", 1e-3, tolerance=1e-10)
+    tau, squeeze = np.zeros(m.nv), share * mass * 9.81 / (2 * mu)
+    tau[m.joint("left").idx_v], tau[m.joint("right").idx_v] = -squeeze, squeeze
+    if hand:
+        tau[m.joint("lift").idx_v] = 1.3 * 9.81  # of palm, fingers and box
+    data.set_state(m.neutral(), np.zeros(m.nv), tau=tau)
+    data.advance(0.5)
+    box = m.joint("box_joint").idx_q
+    assert np.max(np.abs(data.q[box : box + 6])) < 1e-9
+
+
 def test_materials():
     m = box_on_ground(dyn.Material(0.3, torsion=0.01, surface_velocity=(1, 2, 3)))
     assert m.shape(1).material == dyn.Material(0.3, torsion=0.01, surface_velocity=(1, 2, 3)) and m.shape(0).material.friction == 0

@@ -8,13 +8,27 @@
 
 namespace dyn::solver {
 
+// What touches sticks, of the best iterate. Where that can go on, so it should: normal forces of redundant contacts may be shared out so that it slides, too,
+// and sweeps may lead there, as of a box that a gripper holds.
+inline bool all_stick(const Workspace& w) {
+  const Problem& p = w.problem;
+  for (Index k = 0; k < p.cones; ++k) {
+    const Cone& cone = p.cone[k];
+    const double *y = w.y + cone.row, *c = w.c + cone.row, normal = cone.mu * (y[0] - c[0]);
+    double square = 0;
+    for (Index i = 1; i < cone.size; ++i) square += (y[i] - c[i]) * (y[i] - c[i]);
+    if (normal > 0 && square > normal * normal) return false;
+  }
+  return true;
+}
+
 // A good guess is a few Newton steps from the solution, of which a sweep of Gauss-Seidel spares one where the guess is not that close. Otherwise two
 // sweeps, more as long as they converge fast enough, which is the slower the larger a factorization is, and the same. true: done.
 inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
   if (!b.newton || !b.sweeps) return false;
   constexpr double close = 1e-3;
-  if (b.warm && b.best < close * p.speed && alart_curnier(w, b, w.y, w.c, true)) return true;
+  if (b.warm && (b.best < close * p.speed || all_stick(w)) && alart_curnier(w, b, w.y, w.c, true)) return true;
   prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   const auto go_on = [&] {
