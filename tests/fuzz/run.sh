@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds the fuzzers with clang and runs each for some seconds, from tests/fuzz/corpus and what earlier runs found (build/fuzz/found).
+# Builds the fuzzers with clang and runs each for some seconds, from tests/fuzz/corpus and what earlier runs found (build/fuzz/found),
+# as many at once as there are processors.
 #   run.sh [--all] BUILD [SECONDS each] [NAME...]     BUILD: a build of the library, with libdyn.a; without clang: 77
 # --all: the builder, the algorithms and the C interface are watched, too (it takes some minutes to compile them so)
 set -euo pipefail
@@ -30,22 +31,21 @@ mkdir -p "$out/found/dynb"
 for robot in robots/double_pendulum mechanisms/four_bar; do
   "$build/bin/dyn" convert --fixed models/$robot.urdf "$out/found/dynb/$(basename $robot).dynb" 2>/dev/null
 done
-failed=0
-for name in "$@"; do
+fuzz() {  # a name
+  local name=$1 leaks=1 seeds=() dictionary=()
   mkdir -p "$out/found/$name" "$out/crashes"
-  seeds=()
   [ ! -d "tests/fuzz/corpus/$name" ] || seeds=("tests/fuzz/corpus/$name")
-  dictionary=()
   [ ! -e "tests/fuzz/$name.dict" ] || dictionary=(-dict="tests/fuzz/$name.dict")
-  leaks=1
   [ "$name" != mesh ] || leaks=0  # assimp loses blocks when it refuses a file
   if ASAN_OPTIONS=detect_leaks=$leaks:allocator_may_return_null=1 "$out/fuzz_$name" -detect_leaks=$leaks -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2048 -max_len=40000 -print_final_stats=1 "${dictionary[@]}" \
       -artifact_prefix="$out/crashes/$name-" "$out/found/$name" "${seeds[@]}" >"$out/$name.log" 2>&1; then
     echo "$name: $(sed -n 's/.*number_of_executed_units: *//p' "$out/$name.log") inputs, nothing found"
   else
-    failed=1
-    echo "$name: found something:"
-    grep -E -A12 'ERROR|runtime error|SUMMARY|artifact' "$out/$name.log" | head -n 40
+    echo "$name: found something:
+$(grep -E -A12 'ERROR|runtime error|SUMMARY|artifact' "$out/$name.log" | head -n 40)"
+    return 1
   fi
-done
-exit $failed
+}
+export out seconds
+export -f fuzz
+printf '%s\n' "$@" | xargs -P "$(nproc)" -I{} bash -c 'fuzz {}' || exit 1
