@@ -81,7 +81,7 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
   x.bias[n] = may_close(x, gap, s.rate[normal], pressed) + lost(x, s, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
-    x.compliance[n] = 1 / (x.h * total), x.bias[n] = material.stiffness * gap / total;
+    x.compliance[n] = 1 / (x.h * total), x.bias[n] = gap > 0 ? gap / x.h : material.stiffness * gap / total;  // the damper, too, begins where they touch
   } else if (material.restitution > 0 && (x.w.closed > 0 ? gap <= x.w.closed : gap + x.h * s.rate[normal] <= 0)) {
     const auto [before, gained] = approach(x, s, normal);
     // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed, or is as slow as errors

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "dyn/integrator/free_flight.hpp"
 #include "dyn/joint/free_flyer.hpp"
 #include "dyn/simulation/workspace.hpp"
 #include "dyn/spatial/explog.hpp"
@@ -27,10 +28,18 @@ LooseColumns columns_of(const Body& b) {
   return out;
 }
 
+bool is_identity(const SE3<double>& X) {
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      if (X.R(r, c) != (r == c)) return false;
+  return X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0;
+}
+
 static_assert(DYN_EFFECT_ALL == 0x1ff, "an effect that acts at a joint or on its link keeps a body from being loose: say so below");
 bool is_loose(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
   if (b.type != BodyType::FreeFlyer || b.parent != 0 || m.subtree_end()[i] != i + 1 || !(b.m > 0)) return false;
+  if (!is_identity(m.joint_placement()[i])) return false;  // its coordinates would not be its pose in the world
   for (const double* x : {m.armature(), m.damping(), m.friction(), m.stiffness()})
     for (int k = 0; k < 6; ++k)
       if (x[b.user_v + k] != 0) return false;
@@ -129,16 +138,26 @@ struct Turn {
   }
 };
 
+// Lanes of turned_velocity that its iteration does not settle.
+[[gnu::cold, gnu::noinline]] void turn_far(const LooseSet& e, const Vec3<Wide>& L, double h, const Vec3<Wide>& guess, const Wide::Mask& far, Vec3<Wide>& w) {
+  const auto lane = [](const Vec3<Wide>& x, int k) { return Vec3<double>::make(x.v[0][k], x.v[1][k], x.v[2][k]); };
+  for (int k = 0; k < lanes; ++k)
+    if (far[k]) set(w, k, integrator::far_turned_velocity(Mat3<double>{lane(e.I.x, k), lane(e.I.y, k), lane(e.I.z, k)}, lane(L, k), h, lane(guess, k)));
+}
+
 // w' with I w' = exp(-h w') L; each lane as long as it changes.
-DYN_INLINE Vec3<Wide> turned_velocity(const Mat3<Wide>& inverse, const Vec3<Wide>& L, const Wide& h, const Vec3<Wide>& guess) {
+DYN_INLINE Vec3<Wide> turned_velocity(const LooseSet& e, const Vec3<Wide>& L, double step, const Vec3<Wide>& guess) {
+  const Wide h(step);
   Vec3<Wide> w = guess;
   Wide::Mask going = ~Wide::Mask{};
   for (int k = 0; k < 20; ++k) {
-    const Vec3<Wide> next = inverse * Turn(w * h).back(L), change = next - w;
+    const Vec3<Wide> next = e.inverse * Turn(w * h).back(L), change = next - w;
     for (int i = 0; i < 3; ++i) w.v[i] = select(going, next.v[i], w.v[i]);
     going &= dot(change, change) > Wide(1e-30) * dot(w, w);
     if (!any(going)) break;
   }
+  if (any(going)) [[unlikely]]
+    turn_far(e, L, step, guess, going, w);
   const Wide::Mask finite = dot(w, w) < std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) w.v[i] = select(finite, w.v[i], guess.v[i]);
   return w;
@@ -217,7 +236,7 @@ void fly(const Model&, Data<double>& d, double h) {
     gather<6>(d.v, e.v, v), gather<6>(d.tau_applied, e.v, tau);
     const Vec3<Wide> u = first3(v), w = first3(v + 3), f = first3(tau), t = first3(tau + 3) - cross(e.c, f), L = e.I * w;
     const Vec3<Wide> vc = u + cross(w, e.c) + (transpose_times(X.R, gravity) + f * e.inverse_mass) * dt;
-    const Vec3<Wide> w1 = turned_velocity(e.inverse, L + t * dt, dt, w + e.inverse * (t - cross(w, L)) * dt);
+    const Vec3<Wide> w1 = turned_velocity(e, L + t * dt, h, w + e.inverse * (t - cross(w, L)) * dt);
     const Motion<Wide> v1 = {vc - cross(w1, e.c), w1};
     scatter_velocity(e, v1, d.v);
     if (!V) return;

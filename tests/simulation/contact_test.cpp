@@ -124,6 +124,19 @@ TEST(Contact, ComplianceAndBelts) {
   EXPECT_NEAR(0.7, carried.velocity()[0], 1e-8);  // until it moves with the belt
 }
 
+// Off a spring and a damper that begin where the shapes touch, however large these are: exp(-z / sqrt(1 - z^2) (pi - 2 asin z)) with z = d / (2 sqrt(k m)).
+TEST(Contact, SoftReboundIsThatOfSpringAndDamper) {
+  const double k = 1e3, damping = 10, z = damping / (2 * std::sqrt(k)), exact = std::exp(-z / std::sqrt(1 - z * z) * (3.141592653589793 - 2 * std::asin(z)));
+  dynMaterial soft = material(0);
+  soft.stiffness = k, soft.damping = damping;
+  for (const double radius : {0.1, 1.0}) {
+    Play run(Scene({0, 0, 0}).ground().sphere("ball", 1, radius, soft).finish(), 1e-4);
+    run.set({0, 0, radius + 0.05, 0, 0, 0, 1}, {0, 0, -1, 0, 0, 0});
+    run.steps(3000);
+    EXPECT_NEAR(exact, run.v[2], 4e-3) << radius;  // 2.8e-3: of first order in the step
+  }
+}
+
 // A ball with rolling friction stops: m a = F, I alpha = F r - M, v = omega r, M = c N; one that spins stops by torsion, I alpha = c N.
 TEST(Contact, TorsionAndRolling) {
   dynMaterial x = material(0.8);

@@ -35,15 +35,35 @@ Vec3<T> solve3(const Mat3<T>& A, const Vec3<T>& b) {
   return Vec3<T>::make(dot(b, yz), dot(b, zx), dot(b, xy)) * (T(1) / dot(A.x, yz));
 }
 
+// w' with I w' = exp(-h w') L by Newton's method, for bodies that turn far within the step: (I - h [y] J(h w)) dw = y - I w with y = exp(-h w) L.
+// Beyond a whole turn a step may end where nothing is better nearby: then at least |L| is kept.
+template <class T>
+[[gnu::cold, gnu::noinline]] Vec3<T> far_turned_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
+  const auto left = [&](const Vec3<T>& w) { return exp3(w * -h) * L - I * w; };
+  Vec3<T> w = guess, r = left(w);
+  const T enough = T(1e-30) * dot(L, L);
+  for (int k = 0; k < 50 && dot(r, r) > enough; ++k) {
+    const Vec3<T> dw = solve3(I - skew(r + I * w) * Jexp3(w * h) * h, r);
+    T part = T(1);
+    Vec3<T> next = w + dw, r_next = left(next);
+    for (; !(dot(r_next, r_next) < dot(r, r)) && part > T(1e-3); r_next = left(next)) part = part * T(0.5), next = w + dw * part;
+    if (!(dot(r_next, r_next) < dot(r, r))) break;
+    w = next, r = r_next;
+  }
+  using std::sqrt;
+  return dot(r, r) > T(1e-20) * dot(L, L) ? w * (sqrt(dot(L, L)) / sqrt(dot(I * w, I * w))) : w;
+}
+
 // w' with I w' = exp(-h w') L.
 template <class T>
 Vec3<T> turned_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   Vec3<T> w = guess;
-  for (int k = 0; k < 20; ++k) {
+  bool changes = true;
+  for (int k = 0; k < 20 && changes; ++k) {
     const Vec3<T> next = solve3(I, exp3(w * -h) * L), change = next - w;
-    w = next;
-    if (!(dot(change, change) > T(1e-30) * dot(w, w))) break;
+    w = next, changes = dot(change, change) > T(1e-30) * dot(w, w);
   }
+  if (changes) w = far_turned_velocity(I, L, h, guess);
   return dot(w, w) < std::numeric_limits<T>::infinity() ? w : guess;
 }
 
