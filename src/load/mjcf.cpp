@@ -1,4 +1,8 @@
 // MJCF to model: read all files, give the bodies their masses, build.
+#include <algorithm>
+#include <set>
+#include <tuple>
+
 #include "dyn/model/load.hpp"
 #include "mjcf_robot.hpp"
 
@@ -8,12 +12,45 @@ namespace load {
 
 namespace {
 
+// The body of that name in e, whatever it stands in, which does not move it: it comes with its own pose alone.
+bool read_named_body(MjcfFile& file, Element& e, MjcfContext context, std::string_view body) {
+  context.childclass = file.defaults.around(file.source, e, context.childclass);
+  for (Element* c : file.source.children(e)) {
+    const std::string_view kind = c->Name();
+    if (kind == "body" && c->Attribute("name") && c->Attribute("name") == body) return read_mjcf_body(file, *c, context), true;
+    if ((kind == "body" || kind == "frame") && read_named_body(file, *c, context, body)) return true;
+  }
+  return false;
+}
+
 // Of a model that is attached: its bodies, or one of them by name.
 void read_world(MjcfFile& file, Element& world, const MjcfContext& context, const char* body) {
   if (!body) return read_mjcf_content(file, world, context);
-  for (Element* c : file.source.children(world, "body"))
-    if (c->Attribute("name") && std::string_view(c->Attribute("name")) == body) return read_mjcf_body(file, *c, context);
-  file.source.report(world).fail(DYN_ERROR_NAME, line(world), "there is no body " + load::quoted(body) + " in the world of the model that is attached");
+  if (!read_named_body(file, world, context, body))
+    file.source.report(world).fail(DYN_ERROR_NAME, line(world), "there is no body " + load::quoted(body) + " in the model that is attached");
+}
+
+// Of one body alone what ties it to the others of its model stays away with them.
+void leave_out_what_is_missing(MjcfRobot& robot, size_t excludes, size_t pairs, size_t equalities) {
+  std::set<std::string> bodies, joints, sites, geoms;
+  for (const MjcfBody& b : robot.bodies) {
+    bodies.insert(b.name);
+    for (const MjcfJoint& j : b.joints) joints.insert(j.spec.name);
+    for (const MjcfSite& s : b.sites) sites.insert(s.name);
+    for (const MjcfGeom& g : b.geoms) geoms.insert(g.shape.name);
+  }
+  const auto keep_known = [](auto& list, size_t first, auto&& names_of) {
+    list.erase(std::remove_if(list.begin() + std::ptrdiff_t(first), list.end(), [&](const auto& x) {
+      const auto [all, a, b] = names_of(x);
+      if (all->count(a) && (b.empty() || all->count(b))) return false;
+      x.place.info("it names what was not attached: left out");
+      return true;
+    }), list.end());
+  };
+  using Named = std::tuple<const std::set<std::string>*, std::string, std::string>;
+  keep_known(robot.excludes, excludes, [&](const MjcfExclude& x) { return Named(&bodies, x.bodies[0], x.bodies[1]); });
+  keep_known(robot.pairs, pairs, [&](const MjcfPair& x) { return Named(&geoms, x.geoms[0], x.geoms[1]); });
+  keep_known(robot.equalities, equalities, [&](const MjcfEquality& x) { return Named(x.kind == "joint" ? &joints : x.sites ? &sites : &bodies, x.first, x.second); });
 }
 
 }  // namespace
@@ -26,6 +63,8 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
       if (e->Name() == name) f(*e);
   };
   const bool main = &root == &source.root();
+  const size_t excludes = file.robot.excludes.size(), pairs = file.robot.pairs.size(), equalities = file.robot.equalities.size();
+  file.part = body;
   each("compiler", [&](Element& e) { read_compiler(source, e, file.compiler); });
   if (main) file.robot.compiler = file.compiler;
   each("default", [&](Element& e) { file.defaults.read(source, e); });
@@ -38,6 +77,7 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
   each("contact", [&](Element& e) { read_mjcf_contact(file, e, context); });
   each("actuator", [&](Element& e) { read_mjcf_actuators(file, e, context); });
   each("equality", [&](Element& e) { read_mjcf_equalities(file, e, context); });
+  if (file.part) leave_out_what_is_missing(file.robot, excludes, pairs, equalities);
   each("keyframe", [&](Element& e) {
     if (main) read_mjcf_keys(file, e, context);
     else source.report(e).info(line(e), "<keyframe> of an attached model: not used");

@@ -8,8 +8,6 @@ namespace dyn::load {
 
 namespace {
 
-constexpr const char* kinds[] = {"general", "motor", "position", "velocity", "intvelocity", "cylinder"};
-
 // Joint of that name; nullptr: there is none yet.
 MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name) {
   for (MjcfBody& b : robot.bodies)
@@ -45,31 +43,11 @@ double parameter(const Reader& reader, const Element& e, const char* attribute, 
   return given && k < given->size() ? (*given)[k] : missing;
 }
 
-// The law; a reason why it is not read otherwise.
-const char* law(const Reader& reader, const Element& e, std::string_view kind, MjcfActuator& actuator) {
+// The law, as <general> has it; a reason why it is not read otherwise.
+const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) {
   dynActuator& a = actuator.spec;
-  if (kind == "motor") return a.type = DYN_ACTUATOR_MOTOR, nullptr;
-  if (kind == "velocity") return a.type = DYN_ACTUATOR_VELOCITY, a.kv = reader.optional_number(e, "kv").value_or(1), nullptr;
-  if (kind == "position" || kind == "intvelocity") {
-    a.integrates = kind == "intvelocity";
-    a.type = DYN_ACTUATOR_POSITION, a.kp = reader.optional_number(e, "kp").value_or(1), a.kv = reader.optional_number(e, "kv").value_or(0);
-    if (!a.integrates) a.time_constant = reader.optional_number(e, "timeconst").value_or(0);
-    if (const auto ratio = reader.optional_number(e, "dampratio")) {
-      if (e.Attribute("kv")) reader.fail(DYN_ERROR_INVALID, e, "it has kv and dampratio: give one of them");
-      if (!(*ratio >= 0)) reader.bad_numbers(e, "dampratio", "it is negative");
-      actuator.damping_ratio = *ratio;
-    }
-    return nullptr;
-  }
   a.type = DYN_ACTUATOR_AFFINE;
-  if (kind == "cylinder") {
-    const auto diameter = reader.optional_number(e, "diameter");
-    a.gain = diameter ? 0.78539816339744831 * *diameter * *diameter : reader.optional_number(e, "area").value_or(1);
-    a.time_constant = reader.optional_number(e, "timeconst").value_or(1);
-    if (const auto bias = reader.numbers(e, "bias", 3)) std::copy_n(bias->data(), 3, a.bias);
-    return nullptr;
-  }
-  const std::string_view dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none", gain = e.Attribute("gaintype") ? e.Attribute("gaintype") : "fixed",
+  const std::string_view kind = e.Name(), dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none", gain = e.Attribute("gaintype") ? e.Attribute("gaintype") : "fixed",
                          bias = e.Attribute("biastype") ? e.Attribute("biastype") : "none";
   if (dynamics == "filter" || dynamics == "filterexact") a.time_constant = parameter(reader, e, "dynprm", 0, 1);
   else if (dynamics == "integrator") a.integrates = 1;
@@ -77,10 +55,16 @@ const char* law(const Reader& reader, const Element& e, std::string_view kind, M
   a.gain = parameter(reader, e, "gainprm", 0, 1);
   if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0)) return "its gain changes with its length or speed";
   if (gain != "fixed" && gain != "affine") return "its gain is no number";
+  if (kind == "motor") a.type = DYN_ACTUATOR_MOTOR, a.gain = 0;
   if (bias == "none") return nullptr;
   if (bias != "affine") return "its bias is not affine";
   for (size_t k = 0; k < 3; ++k) a.bias[k] = parameter(reader, e, "biasprm", k, 0);
   if (a.bias[2] > 0 && a.gain > 0 && a.gain == -a.bias[1]) actuator.damping_ratio = std::exchange(a.bias[2], 0);  // MuJoCo's rule for servos
+  const bool servo = kind == "position" || kind == "intvelocity";
+  if (servo || kind == "velocity") {
+    a.type = servo ? DYN_ACTUATOR_POSITION : DYN_ACTUATOR_VELOCITY;
+    a.kp = servo ? a.gain : 0, a.kv = -a.bias[2], a.gain = a.bias[1] = a.bias[2] = 0;
+  }
   return nullptr;
 }
 
@@ -105,17 +89,16 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
     const Reader reader = file.source.reader(*e, "actuator " + load::quoted(name));
     const MjcfPlace place{&reader.report, line(*e), reader.owner};
     const auto leave_out = [&](const std::string& why) { place.physics(why + ": it is left out"); };
-    if (std::find(std::begin(kinds), std::end(kinds), kind) == std::end(kinds)) {
+    if (!is_actuator(*e)) {
       leave_out("<" + std::string(kind.substr(0, 60)) + "> is not read");
       continue;
     }
     reader.unread(*e, {"name", "class", "group", "nsample", "interp", "delay", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange", "actrange", "lengthrange", "gear", "joint",
                        "jointinparent", "tendon", "site", "refsite", "body", "slidersite", "cranksite", "cranklength", "user", "actdim", "dyntype", "gaintype",
                        "biastype", "dynprm", "gainprm", "biasprm", "actearly", "kp", "kv", "dampratio", "timeconst", "inheritrange", "armature", "damping", "area", "diameter", "bias"}, {"plugin"});
-    // the defaults of all actuators are one set in MuJoCo: each writes what the others then have
-    file.defaults.apply(file.source, *e, std::string(kind), context.childclass);
-    for (const char* other : kinds)
-      if (kind != other) file.defaults.apply(file.source, *e, other, context.childclass);
+    file.defaults.apply(file.source, *e, "actuator", context.childclass);
+    as_general(reader, *e);
+    if (reader.optional_number(*e, "delay").value_or(0) > 0) place.physics("its delay is not used: what it is told acts at once");
     const char* joint_name = e->Attribute("joint");
     if (!joint_name && e->Attribute("jointinparent")) joint_name = e->Attribute("jointinparent");
     if (!joint_name) {
@@ -125,12 +108,16 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
     MjcfActuator actuator{place, name, {}, context.name(joint_name), 0};
     actuator.spec = simulation::default_actuator(DYN_ACTUATOR_MOTOR);
     MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
+    if (!joint && file.part) {
+      place.info("its joint was not attached: left out");
+      continue;
+    }
     if (!joint) reader.fail(DYN_ERROR_NAME, *e, "there is no joint " + load::quoted(actuator.joint));
     if (const char* why = transmission(*joint, reader.numbers(*e, "gear").value_or(std::vector<double>()), actuator.spec)) {
       leave_out(why);
       continue;
     }
-    if (const char* why = law(reader, *e, kind, actuator)) {
+    if (const char* why = law(reader, *e, actuator)) {
       leave_out(why);
       continue;
     }
@@ -145,6 +132,20 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
     carry(reader, *e, actuator, *joint);
     file.robot.actuators.push_back(std::move(actuator));
   }
+}
+
+void bound_mjcf_actuators(MjcfRobot& robot) {
+  for (MjcfBody& body : robot.bodies)
+    for (MjcfJoint& j : body.joints) {
+      if (!j.force) continue;
+      std::vector<dynActuator*> all;
+      for (MjcfActuator& a : robot.actuators)
+        if (a.joint == j.spec.name && a.spec.gear != 0) all.push_back(&a.spec);
+      if (all.size() > 1) j.place.physics("actuatorfrcrange is not used: " + std::to_string(all.size()) + " actuators drive it, and their sum has no limit");
+      if (all.size() != 1) continue;
+      const double gear = all[0]->gear, ends[2] = {(*j.force)[gear < 0] / gear, (*j.force)[gear > 0] / gear};
+      for (double& x : all[0]->force_range) x = std::min(std::max(x, ends[0]), ends[1]);
+    }
 }
 
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot) {

@@ -63,13 +63,15 @@ Grid read_grid(const MjcfSource& source, const Reader& reader, const Element& e)
   Grid g{{}, 0, 0};
   const std::string file = attribute(e, "file");
   if (!file.empty()) {
-    std::ifstream in(source.path(file), std::ios::binary);
+    std::ifstream in(source.path(e, file), std::ios::binary);
     std::int32_t size[2];
     if (!in.read(reinterpret_cast<char*>(size), sizeof size)) reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " cannot be read");
     if (size[0] < 2 || size[1] < 2 || std::int64_t(size[0]) * size[1] > most_heights) reader.fail(DYN_ERROR_LIMIT, e, "file " + load::quoted(file) + " has " + std::to_string(size[0]) + " rows of " + std::to_string(size[1]));
     g.rows = size[0], g.columns = size[1];
     std::vector<float> data(size_t(g.rows) * size_t(g.columns));
     if (!in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size() * sizeof(float)))) reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " ends early");
+    for (const float x : data)
+      if (!std::isfinite(x)) reader.fail(DYN_ERROR_NONFINITE, e, "file " + load::quoted(file) + " has a height that is not finite");
     g.heights.assign(data.begin(), data.end());
   } else {
     const double rows = reader.number(e, "nrow"), columns = reader.number(e, "ncol");
@@ -179,7 +181,7 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
   if (entry.path.empty()) {
     std::string file = attribute(asset, "file");
     if (compiler_.strip_path) file = std::filesystem::path(file).filename().string();
-    entry.path = file.empty() ? name : source_.path((std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
+    entry.path = file.empty() ? name : source_.path(asset, (std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
   }
   const bool touches = options_.meshes != DYN_MESH_NONE && geom.shape.role == DYN_ROLE_COLLISION;
   geom.shape.mesh = entry.path;

@@ -161,7 +161,7 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
   }
   Builder builder(robot.name);
   located(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind); });
-  mark_mjcf_pairs(robot);
+  mark_mjcf_pairs(robot), bound_mjcf_actuators(robot);
   add_mechanism(builder, robot, masses);
   std::set<std::string> joints;
   for (const MjcfBody& body : robot.bodies)

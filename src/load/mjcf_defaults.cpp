@@ -2,10 +2,25 @@
 #include <string_view>
 
 #include "mjcf_settings.hpp"
+#include "number.hpp"
 
 namespace dyn::load {
 
 namespace {
+
+// Of these a file may give fewer numbers than there are: the others stay what they were.
+constexpr std::string_view partial[] = {"size", "friction", "gear", "gainprm", "biasprm", "dynprm", "polycoef"};
+
+std::string with_rest(const std::string& attribute, const char* given, const std::string& before) {
+  std::string out = given;
+  if (std::find(std::begin(partial), std::end(partial), attribute) == std::end(partial)) return out;
+  const auto all = split(before);
+  for (size_t k = split(given).size(); k < all.size(); ++k) out.append(" ").append(all[k]);
+  return out;
+}
+
+// <position> and its like: what they set are attributes of <general>, of which there is one set.
+std::string kind_of(const Element& e) { return is_actuator(e) ? "actuator" : e.Name(); }
 
 bool is_rotation(std::string_view attribute) {
   return std::find(rotation_attributes.begin(), rotation_attributes.end(), attribute) != rotation_attributes.end();
@@ -23,9 +38,10 @@ void MjcfDefaults::read(MjcfSource& source, Element& e) {
 void MjcfDefaults::read(MjcfSource& source, Element& e, int at) {
   for (Element* c : source.children(e)) {
     if (std::string_view(c->Name()) == "default") continue;
-    Attributes& known = classes_[size_t(at)].kinds[c->Name()];
+    Attributes& known = classes_[size_t(at)].kinds[kind_of(*c)];
+    if (is_actuator(*c)) write(known, *c), as_general(source.reader(*c, "<default>"), *c);
     if (load::has_rotation(*c)) std::erase_if(known, [](const auto& a) { return is_rotation(a.first); });
-    for (const tinyxml2::XMLAttribute* a = c->FirstAttribute(); a; a = a->Next()) known[a->Name()] = a->Value();
+    for (const tinyxml2::XMLAttribute* a = c->FirstAttribute(); a; a = a->Next()) known[a->Name()] = with_rest(a->Name(), a->Value(), known[a->Name()]);
   }
   for (Element* c : source.children(e, "default")) {
     const std::string name = source.reader(*c, "<default>").name(*c, "class");
@@ -50,10 +66,16 @@ void MjcfDefaults::apply(const MjcfSource& source, Element& e, const std::string
   const std::string name = own ? own : around;
   const Class& c = classes_[name.empty() ? 0 : size_t(find(source, e, name))];
   const auto at = c.kinds.find(kind);
-  if (at == c.kinds.end()) return;
+  if (at != c.kinds.end()) write(at->second, e);
+}
+
+void MjcfDefaults::write(const Attributes& known, Element& e) {
   const bool turned = load::has_rotation(e);
-  for (const auto& [attribute, value] : at->second)
-    if (attribute != "class" && !(turned && is_rotation(attribute)) && !e.Attribute(attribute.c_str())) e.SetAttribute(attribute.c_str(), value.c_str());
+  for (const auto& [attribute, value] : known) {
+    if (attribute == "class" || (turned && is_rotation(attribute))) continue;
+    const char* const given = e.Attribute(attribute.c_str());
+    e.SetAttribute(attribute.c_str(), given ? with_rest(attribute, given, value).c_str() : value.c_str());
+  }
 }
 
 std::string MjcfDefaults::around(const MjcfSource& source, const Element& e, const std::string& outside) const {

@@ -62,8 +62,9 @@ void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& c
     x.enabled = read_switch(reader, *e, "active", true).value_or(true);
     if (kind == "joint") {
       x.first = context.name(reader.name(*e, "joint1")), x.second = context.name(attribute(*e, "joint2"));
-      x.numbers = reader.numbers(*e, "polycoef").value_or(std::vector<double>{0, 1, 0, 0, 0});
+      x.numbers = reader.numbers(*e, "polycoef").value_or(std::vector<double>());
       if (x.numbers.size() > 5) reader.bad_numbers(*e, "polycoef", "five numbers are expected");
+      for (size_t k = x.numbers.size(); k < 5; ++k) x.numbers.push_back(k == 1);
     } else if (e->Attribute("site1")) {
       x.sites = true;
       x.first = context.name(reader.name(*e, "site1")), x.second = context.name(reader.name(*e, "site2"));

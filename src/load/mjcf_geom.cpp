@@ -1,4 +1,5 @@
 // <geom>: shapes for collision, for looks, and for masses.
+#include <algorithm>
 #include <cmath>
 
 #include "mjcf_robot.hpp"
@@ -55,6 +56,11 @@ dynMaterial material_of(const Reader& reader, const Element& e) {
     if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
   dynMaterial x = simulation::default_material();
   x.friction = condim > 1 ? friction[0] : 0, x.torsion = condim > 3 ? friction[1] : 0, x.rolling = condim > 4 ? friction[2] : 0;
+  if (const auto v = reader.numbers(e, "surfacevel")) {
+    std::copy_n(v->begin(), std::min<size_t>(v->size(), 3), x.surface_velocity);
+    if (std::any_of(v->begin() + std::ptrdiff_t(std::min<size_t>(v->size(), 3)), v->end(), [](double turn) { return turn != 0; }))
+      reader.report.physics(line(e), reader.owner + ": surfacevel: that the surface turns is not used, only that it moves along");
+  }
   return x;
 }
 
@@ -71,7 +77,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   reader.unread(e, {"name", "class", "type", "contype", "conaffinity", "group", "size", "material", "rgba", "mass", "density", "fromto", "pos", "quat", "axisangle",
                     "euler", "xyaxes", "zaxis", "hfield", "mesh", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"},
                 {"plugin"});
-  count_unused(reader, e, "geom", {"priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"});
+  count_unused(reader, e, "geom", {"priority", "solmix", "solref", "solimp", "margin", "gap"});
   const GeomType* type = type_of(reader, e);
   if (!type) return geom.place.physics("a geom of type sdf is not used");
 
@@ -101,7 +107,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
     const bool round = needed == 2;
     const double half = length / 2;
     if (round) size[1] = half, needed = 1;
-    else size = {size[0], given > 1 ? size[1] : size[0], half}, needed = 1;
+    else size = {size[0], size[0], half}, needed = 1;
     geom.X = {turn_z_to(d * (1 / length)), (from + to) * 0.5};
   }
   if (e.Attribute("mesh") && type->type != DYN_SHAPE_MESH)

@@ -80,6 +80,10 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (spec.type == DYN_JOINT_FREE_FLYER && context.suffix.empty() && !body.joints.empty()) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
   if (!body.joints.empty() && body.joints.back().spec.type == DYN_JOINT_FREE_FLYER) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
 
+  const bool alone = !e.Parent()->ToElement() || file.source.children(*e.Parent()->ToElement(), "body").empty();
+  if (free_joint && alone && read_switch(reader, e, "align", std::nullopt).value_or(file.compiler.align_free))
+    joint.place.physics("it is not aligned with the body's inertia: q and v are of the body's frame as the file gives it");
+
   const size_t nv = size_t(joint_nv(spec.type)), nq = size_t(joint_nq(spec.type));
   if (const auto p = reader.vector3(e, "pos"); p && spec.type != DYN_JOINT_FREE_FLYER) joint.anchor = context.X.act(load3(p->data()));
   else if (spec.type != DYN_JOINT_FREE_FLYER) joint.anchor = context.X.p;
@@ -95,8 +99,10 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
     else bound_ball(reader, e, unit * (*limits)[0], unit * (*limits)[1], spec);
   }
   if (const auto force = range(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar)
-    spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
+    joint.force = force, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
   spec.armature.assign(nv, coefficient(reader, e, "armature"));
+  if (spec.type == DYN_JOINT_FREE_FLYER && spec.armature[0] != 0)
+    joint.place.physics("the armature of a free joint acts along the body's axes, not along the world's: as it turns, other forces are needed to move it");
   spec.damping.assign(nv, coefficient(reader, e, "damping"));
   spec.friction.assign(nv, coefficient(reader, e, "frictionloss"));
   const double stiffness = coefficient(reader, e, "stiffness");

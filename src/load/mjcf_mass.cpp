@@ -103,7 +103,8 @@ Sym3<double> of_point(double m, const Vec& d) {
   return six(m * (d[1] * d[1] + d[2] * d[2]), m * (d[0] * d[0] + d[2] * d[2]), m * (d[0] * d[0] + d[1] * d[1]), -m * d[0] * d[1], -m * d[0] * d[2], -m * d[1] * d[2]);
 }
 
-MjcfMass from_geoms(const MjcfBody& body) {
+// nullopt: of none of them
+std::optional<MjcfMass> from_geoms(const MjcfBody& body) {
   MjcfMass total;
   std::vector<MjcfMass> parts;
   for (const MjcfGeom& g : body.geoms) {
@@ -116,6 +117,7 @@ MjcfMass from_geoms(const MjcfBody& body) {
     total.com += part.com * part.mass;
     parts.push_back(part);
   }
+  if (parts.empty()) return std::nullopt;
   if (total.mass > 0) total.com = total.com * (1 / total.mass);
   for (const MjcfMass& p : parts) total.inertia = total.inertia + p.inertia + of_point(p.mass, p.com - total.com);
   return total;
@@ -146,7 +148,8 @@ std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot) {
   double sum = 0;
   for (size_t i = 1; i < out.size(); ++i) {
     const MjcfBody& body = robot.bodies[i];
-    out[i] = mass_from_geoms(body) ? from_geoms(body) : body.inertial.value_or(MjcfMass());
+    const std::optional<MjcfMass> geoms = mass_from_geoms(body) ? from_geoms(body) : std::nullopt;
+    out[i] = geoms ? *geoms : body.inertial.value_or(MjcfMass());
     Eigen::Matrix3d axes;
     Eigen::Vector3d moments = principal(out[i].inertia, &axes);
     const double largest = moments[2], slack = 1e-9 * largest;

@@ -1,4 +1,5 @@
 // What stands beside the bodies: <option>, <contact>, <keyframe>, and the sections that say nothing to this library.
+#include <algorithm>
 #include <cmath>
 
 #include "mjcf_robot.hpp"
@@ -22,17 +23,23 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
   if (const auto x = reader.vector3(e, "wind")) file.robot.wind = *x;
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
     const std::string_view name = a->Name();
-    if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind")
+    if (name == "actuatorgroupdisable") reader.report.physics(a->GetLineNum(), "<option actuatorgroupdisable>: not used: all actuators act; dyn_data_set_effects switches those of a joint");
+    else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind")
       reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: steps and solvers are the caller's choice");
   }
   for (const Element* flag : file.source.children(e, "flag"))
     for (const tinyxml2::XMLAttribute* a = flag->FirstAttribute(); a; a = a->Next()) {
       const std::string name = a->Name();
-      const bool off = std::string_view(a->Value()) == "disable";
+      const std::string_view value = a->Value();
+      const bool off = value == "disable";
+      if (!off && value != "enable") reader.fail(DYN_ERROR_PARSE, *flag, "<flag " + name + "> is " + load::quoted(a->Value()) + ": enable or disable is expected");
+      const auto is = [&](std::initializer_list<std::string_view> names) { return std::find(names.begin(), names.end(), name) != names.end(); };
       if (name == "gravity") {
         if (off) file.robot.gravity = {0, 0, 0};
-      } else if (off && (name == "contact" || name == "limit" || name == "constraint" || name == "frictionloss" || name == "spring" || name == "damper" || name == "passive")) {
+      } else if (off && is({"contact", "limit", "constraint", "frictionloss", "spring", "damper", "passive", "actuation", "equality"})) {
         reader.report.physics(a->GetLineNum(), "<flag " + name + "=\"disable\">: not used: effects are switched in the data");
+      } else if (off && is({"clampctrl", "filterparent"})) {
+        reader.report.physics(a->GetLineNum(), "<flag " + name + "=\"disable\">: not used");
       } else {
         reader.report.info(a->GetLineNum(), "<flag " + name + ">: not used");
       }

@@ -38,6 +38,7 @@ struct MjcfJoint {
   MjcfPlace place;
   JointSpec spec;  // parent and placement come with the tree
   Vec3<double> anchor = Vec3<double>::zero(), axis = Vec3<double>::make(0, 0, 1);  // in the body's frame
+  std::optional<std::array<double, 2>> force;  // of all its actuators together
   double reference = 0;  // the coordinate in the configuration that the file draws
   double time_constant = 0, damping_ratio = 0;  // where both are positive, they stand for stiffness and damping
 };
@@ -169,6 +170,7 @@ struct MjcfFile {
   MjcfCompiler compiler;
   MjcfDefaults defaults;
   MjcfAssets assets;
+  bool part = false;  // one body of it is attached
 
   MjcfFile(MjcfSource& s, MjcfRobot& r, const LoadOptions& o) : source(s), options(o), robot(r), assets(s, compiler, o) {}
   MjcfFile(const MjcfFile&) = delete;
@@ -201,6 +203,7 @@ void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
 void report_mjcf_section(MjcfFile& file, Element& e);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context);
+void bound_mjcf_actuators(MjcfRobot& robot);  // what limits a joint's actuators limits the one that there is
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot);
 // mjcf_damping.cpp: whether there are servos that are damped by a ratio; their damping, by the model without actuators. The same of joints.
 bool damped_by_ratio(const MjcfRobot& robot);

@@ -59,6 +59,7 @@ void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {
     if (compiler.euler.size() != 3 || compiler.euler.find_first_not_of("xyzXYZ") != std::string::npos)
       reader.fail(DYN_ERROR_PARSE, e, "<compiler eulerseq> is " + load::quoted(sequence) + ": three of x, y, z (turned axes), X, Y, Z (fixed ones) are expected");
   }
+  compiler.align_free = *read_switch(reader, e, "alignfree", compiler.align_free);
   if (const char* frame = e.Attribute("coordinate"); frame && std::string_view(frame) != "local")
     reader.fail(DYN_ERROR_UNSUPPORTED, e, "<compiler coordinate> is " + load::quoted(frame) + ": local coordinates alone are read");
   compiler.autolimits = *read_switch(reader, e, "autolimits", compiler.autolimits);

@@ -23,7 +23,7 @@ struct MjcfCompiler {
   bool autolimits = true;
   MjcfMassRules masses;
   double total_mass = -1;
-  bool discard_visual = false;
+  bool discard_visual = false, align_free = false;
   std::string mesh_folder;
   bool strip_path = false;
 };
@@ -44,6 +44,11 @@ std::optional<bool> read_switch(const Reader& reader, const Element& e, const ch
 // Attributes that nothing uses yet, one line of the report for each.
 void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes);
 
+// mjcf_law.cpp: actuators that are read; what a shortcut such as <position> stands for, written as attributes of <general>, once it has those of
+// its class.
+bool is_actuator(const Element& e);
+void as_general(const Reader& reader, Element& e);
+
 // Classes of defaults.
 class MjcfDefaults {
  public:
@@ -62,6 +67,7 @@ class MjcfDefaults {
     std::map<std::string, Attributes> kinds;
   };
   void read(MjcfSource& source, Element& e, int at);
+  static void write(const Attributes& known, Element& e);
   int find(const MjcfSource& source, const Element& e, const std::string& name) const;
 
   std::vector<Class> classes_;  // 0: main

@@ -34,7 +34,7 @@ void MjcfSource::include(Element& e, std::vector<Element*>& out) {
     reader.unread(e, {"file"}, {});
     if (!names_.insert(name).second) reader.fail(DYN_ERROR_INVALID, e, "file " + load::quoted(name) + " is included a second time: a file can be included once");
     if (files_.size() >= max_files) reader.fail(DYN_ERROR_LIMIT, e, "more than " + std::to_string(max_files) + " files");
-    const std::string file = path(name).string();
+    const std::string file = path(e, name).string();
     if (!std::filesystem::exists(file)) reader.fail(DYN_ERROR_FILE, e, "the included file " + load::quoted(file) + " does not exist");
     root = &open(read_file(file, "an MJCF file"), file);
     const std::string_view kind = root->Name();
@@ -60,7 +60,7 @@ std::vector<Element*> MjcfSource::children(Element& e, std::string_view name) {
 
 Element& MjcfSource::open_model(const Element& e, const std::string& name) {
   const Reader reader = this->reader(e, "the model");
-  const std::string file = path(name).string();
+  const std::string file = path(e, name).string();
   if (std::find(opening_.begin(), opening_.end(), file) != opening_.end() || file == files_[0].report->file())
     reader.fail(DYN_ERROR_INVALID, e, "the model " + load::quoted(file) + " attaches itself");
   if (files_.size() >= max_files || opening_.size() >= max_models) reader.fail(DYN_ERROR_LIMIT, e, "too many models within models");

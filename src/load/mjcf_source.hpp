@@ -26,10 +26,12 @@ class MjcfSource {
 
   Report& report(const Element& e) const;  // of the file that e stands in
   Reader reader(const Element& e, const std::string& owner) const { return {report(e), owner}; }
-  // A name in the model as a path: relative to the main file. Throws for files that may not be read.
-  std::filesystem::path path(const std::string& name) const {
-    const std::filesystem::path file = folder_ / name;
-    return confined_.check(file.string()), file;
+  // A name in the model as a path: relative to the main file, else to the file that e stands in. Throws for files that may not be read.
+  std::filesystem::path path(const Element& e, const std::string& name) const {
+    const std::filesystem::path file = folder_ / name, beside = std::filesystem::path(report(e).file()).parent_path() / name;
+    std::error_code none;
+    const std::filesystem::path& found = !std::filesystem::exists(file, none) && std::filesystem::exists(beside, none) ? beside : file;
+    return confined_.check(found.string()), found;
   }
 
   // The load reports of all files, those of other files than the main one with their names in front.

@@ -38,24 +38,26 @@ void read_frame(MjcfFile& file, Element& e, MjcfContext context) {
   read_mjcf_content(file, e, context);
 }
 
-// Each replica stands in the frame of the one before it, turned and moved; its names end with its number.
+// Each replica is moved in the frame of the one before it, and turned by so many times the angles as its number, with which its names end.
 void read_replicate(MjcfFile& file, Element& e, MjcfContext context) {
   const Reader reader = file.source.reader(e, "a <replicate>");
   reader.unread(e, {"count", "sep", "offset", "euler", "childclass"},
                 {"body", "geom", "site", "joint", "freejoint", "camera", "light", "frame", "replicate", "attach", "flexcomp", "composite", "plugin"});
   const double count = reader.number(e, "count");
   if (!(count >= 1 && count <= max_bodies && count == std::floor(count))) reader.bad_numbers(e, "count", "an integer from 1 to " + std::to_string(max_bodies) + " is expected");
-  SE3<double> step = SE3<double>::identity();
-  if (const auto p = reader.vector3(e, "offset")) step.p = load3(p->data());
-  if (const auto angles = reader.vector3(e, "euler")) step.R = from_euler(*angles, file.compiler);
+  const auto offset = reader.vector3(e, "offset").value_or(std::array<double, 3>{0, 0, 0}), angles = reader.vector3(e, "euler").value_or(std::array<double, 3>{0, 0, 0});
+  const SE3<double> first = context.X;
+  SE3<double> place = SE3<double>::identity();
   context.childclass = file.defaults.around(file.source, e, context.childclass);
   const std::string separator = attribute(e, "sep"), outer = context.suffix;
   const size_t digits = std::to_string(int(count) - 1).size();
   for (int k = 0; k < int(count); ++k) {
     const std::string number = std::to_string(k);
     context.suffix = separator + std::string(digits - number.size(), '0') + number + outer;
+    context.X = first * place;
     read_mjcf_content(file, e, context);
-    context.X = context.X * step;
+    place.p = place.act(load3(offset.data()));
+    place.R = from_euler({angles[0] * (k + 1), angles[1] * (k + 1), angles[2] * (k + 1)}, file.compiler);
   }
 }
 
@@ -85,7 +87,12 @@ void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (at > max_bodies) reader.fail(DYN_ERROR_LIMIT, e, "more than " + std::to_string(max_bodies) + " bodies");
   reader.unread(e, {"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "user", "mocap", "sleep", "gravcomp"},
                 {"inertial", "joint", "freejoint", "geom", "site", "camera", "light", "body", "frame", "replicate", "attach", "composite", "flexcomp", "plugin"});
-  if (read_switch(reader, e, "mocap", false).value_or(false)) body.place.info("a mocap body: fixed to the world");
+  if (read_switch(reader, e, "mocap", false).value_or(false)) {
+    if (context.body != 0) reader.fail(DYN_ERROR_INVALID, e, "a mocap body is a child of the world");
+    if (!file.source.children(e, "joint").empty() || !file.source.children(e, "freejoint").empty()) reader.fail(DYN_ERROR_INVALID, e, "a mocap body has no joints");
+    body.place.info("a mocap body: fixed to the world");
+  }
+  if (body.name == "world" || body.name == "universe") reader.fail(DYN_ERROR_NAME, e, "the world has this name");
   body.X = context.X * read_pose(reader, e, file.compiler);
   body.rules = file.compiler.masses;
   body.compensation = reader.optional_number(e, "gravcomp").value_or(0);

@@ -388,7 +388,8 @@ void Builder::configuration_of_joints(const std::string& name, const std::vector
 
 void Builder::disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason) {
   const std::string who = "pair '" + body1 + "', '" + body2 + "'";
-  impl->disabled.push_back({impl->find({body1, DYN_FRAME_BODY}, who), impl->find({body2, DYN_FRAME_BODY}, who), reason});
+  const auto frame = [&](const std::string& body) { return body == "universe" ? 0 : impl->find({body, DYN_FRAME_BODY}, who); };
+  impl->disabled.push_back({frame(body1), frame(body2), reason});
 }
 
 void Builder::report(dynReportLevel level, int line, const std::string& message) { impl->reports.push_back({level, line, message}); }

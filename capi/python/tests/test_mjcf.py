@@ -341,3 +341,164 @@ def test_an_integrated_control_moves_as_in_mujoco():
     for _ in range(3000):
         d.step()
     assert d.act[0] == 0.4 and d.q[0] == pytest.approx(0.4, abs=1e-6)
+
+
+HINGE = '<worldbody><body name="b"><joint name="j" axis="0 1 0"/><geom size=".1" pos=".5 0 0"/></body></worldbody>'
+BOXES = '<worldbody><body name="a"><joint name="ja"/><geom size=".1"/></body><body name="b" pos="0 0 1"><joint name="jb"/><geom size=".1"/></body></worldbody>'
+
+
+def parameters(defaults, element):
+    """gain and bias of an actuator as those of <general>."""
+    a = dyn.load_string(f"<mujoco><default>{defaults}</default>{HINGE}<actuator>{element}</actuator></mujoco>").actuator(0)
+    laws = {"motor": (1, (0, 0, 0)), "position": (a.kp, (0, -a.kp, -a.kv)), "velocity": (a.kv, (0, 0, -a.kv)), "affine": (a.gain, tuple(a.bias))}
+    gain, bias = laws[a.type.name.lower()]
+    return (gain, *bias, a.time_constant)
+
+
+@pytest.mark.parametrize(("defaults", "element", "expected"), [  # MuJoCo 4.0.0: actuator_gainprm[0], actuator_biasprm[:3], actuator_dynprm[0] of a filter
+    ('<general gainprm="10" biastype="affine" biasprm="4 -10 -1"/>', '<position joint="j"/>', (10, 0, -10, -1, 0)),
+    ('<general gainprm="10" dyntype="filter" dynprm=".2"/>', '<position joint="j" kp="3"/>', (3, 0, -3, 0, 0)),
+    ('<general gainprm="10" biasprm="4 -9 -1" dynprm=".2"/>', '<cylinder joint="j"/>', (10, 4, -9, -1, 0.2)),
+    ('<general biastype="affine" gainprm="100" biasprm="0 -100 -10"/>', '<general joint="j" gainprm="50" biasprm="0 -50"/>', (50, 0, -50, -10, 0)),
+    ('<position kp="77" kv="3"/>', '<general joint="j"/>', (77, 0, -77, -3, 0)),
+    ('<position kp="77" kv="3"/>', '<velocity joint="j"/>', (1, 0, 0, -1, 0)),
+    ('<position kp="7" timeconst=".3"/>', '<position joint="j"/>', (7, 0, -7, 0, 0.3)),
+    ('<position kp="7" timeconst=".3"/>', '<motor joint="j"/>', (1, 0, 0, 0, 0)),
+    ('<velocity kv="5"/>', '<position joint="j"/>', (1, 0, -1, 0, 0)),
+    ('<cylinder area="5" timeconst=".3" bias="1 2 3"/>', '<general joint="j"/>', (5, 1, 2, 3, 0.3)),
+    ('<cylinder area="5" timeconst=".3" bias="1 2 3"/>', '<position joint="j"/>', (1, 0, -1, 0, 0)),
+])
+def test_actuators_share_their_defaults(defaults, element, expected):
+    assert parameters(defaults, element) == expected
+
+
+def test_the_last_range_of_any_actuator_is_the_default_of_all():
+    text = f'<mujoco><default><position ctrlrange="-1 1"/><motor ctrlrange="-2 2"/></default>{HINGE}<actuator><position joint="j"/></actuator></mujoco>'
+    assert list(dyn.load_string(text).actuator(0).control_range) == [-2, 2]
+
+
+def test_a_joints_range_of_forces_bounds_its_actuator():
+    joint = HINGE.replace('axis="0 1 0"', 'axis="0 1 0" actuatorfrcrange="-0.5 0.3"')
+    for gear, expected in ((1, (-0.5, 0.3)), (-2, (-0.15, 0.25))):
+        m = dyn.load_string(f'<mujoco>{joint}<actuator><motor joint="j" gear="{gear}"/></actuator></mujoco>', strict=True)
+        assert tuple(m.actuator(0).force_range) == pytest.approx(expected)
+    two = f'<mujoco>{joint}<actuator><motor joint="j"/><motor joint="j"/></actuator></mujoco>'
+    assert any("2 actuators drive it" in r.message for r in dyn.load_string(two).report)
+    with pytest.raises(dyn.Error, match="2 actuators drive it"):
+        dyn.load_string(two, strict=True)
+
+
+def test_numbers_that_are_not_given_are_those_of_the_class():
+    m = dyn.load_string('<mujoco><default><geom friction="0.9 0.3 0.2" condim="6" type="box" size=".1 .2 .3"/></default><worldbody><body><joint/>'
+                        '<geom name="g" friction="0.5" size=".5"/></body></worldbody></mujoco>')
+    shape = next(s for s in m.shapes if s.name == "g")
+    assert (shape.material.friction, shape.material.torsion, shape.material.rolling) == (0.5, 0.3, 0.2)
+    assert tuple(shape.size) == pytest.approx((1.0, 0.4, 0.6))
+    m = dyn.load_string(f'<mujoco>{BOXES}<equality><joint joint1="ja" joint2="jb" polycoef="0.27"/></equality></mujoco>')
+    q = m.data().project([0.9, 0.4])[0]
+    assert q[0] == pytest.approx(0.27 + q[1], abs=1e-9)
+
+
+def test_a_box_between_two_ends_has_one_width():
+    m = dyn.load_string('<mujoco><worldbody><body><joint/><geom type="box" fromto="0 0 0 1 0 0" size="0.2 0.3 0.4" density="1"/></body></worldbody></mujoco>')
+    assert m.total_mass == pytest.approx(0.4 * 0.4 * 1.0)
+
+
+def test_inertial_of_a_body_without_geoms_that_count():
+    text = ('<mujoco><compiler inertiafromgeom="true"/><worldbody><body><joint axis="0 1 0"/><inertial pos="1 0 0" mass="2" diaginertia="1 1 1"/>{}</body></worldbody></mujoco>')
+    for geom in ("", '<geom size=".1" group="6"/>', '<geom size=".1" mass="0"/>'):
+        assert dyn.load_string(text.format(geom)).total_mass == 2
+    assert dyn.load_string(text.format('<geom size=".1" mass="3"/>')).total_mass == 3
+
+
+def test_replicas_are_turned_by_multiples_of_the_angles():
+    m = dyn.load_string('<mujoco><worldbody><body name="b"><joint/><geom size=".1"/><replicate count="3" offset=".1 .2 .3" euler="36.6 -32.1 -51.4"><site name="s" pos=".3 .4 .1"/></replicate></body>'
+                        "</worldbody></mujoco>")
+    d = m.data()
+    d.forward_kinematics(m.neutral())
+
+    def turned(k):  # about the turned axes x, y, z
+        R = np.eye(3)
+        for axis, angle in enumerate(np.radians([36.6, -32.1, -51.4]) * k):
+            c, s = np.cos(angle), np.sin(angle)
+            i, j = (axis + 1) % 3, (axis + 2) % 3
+            T = np.eye(3)
+            T[i, i], T[i, j], T[j, i], T[j, j] = c, -s, s, c
+            R = R @ T
+        return R
+
+    p, offset = np.zeros(3), np.array([0.1, 0.2, 0.3])
+    for k in range(3):
+        close(d.frame_placement(f"s{k}").translation, p + turned(k) @ [0.3, 0.4, 0.1])
+        p = p + turned(k) @ offset
+
+
+@pytest.mark.parametrize("names", [("world", "a"), ("a", "world")])
+def test_what_is_excluded_from_the_world_falls_through_its_floor(names):
+    m = dyn.load_string(f'<mujoco><worldbody><geom type="plane" size="1 1 1"/><body name="a"><freejoint/><geom size=".1"/></body></worldbody>'
+                        f'<contact><exclude body1="{names[0]}" body2="{names[1]}"/></contact></mujoco>')
+    d = m.data()
+    d.advance(1.0)
+    assert d.q[2] == pytest.approx(-9.81 / 2, rel=2e-3)
+
+
+def test_one_body_of_another_model(tmp_path):
+    (tmp_path / "part.xml").write_text('<mujoco><worldbody><frame pos="1 0 0"><body name="base" pos="0 .5 0"><joint name="j"/><geom size=".1"/><body name="hand" pos="0 0 .7"><joint name="h"/>'
+                                       '<geom size=".1"/></body></body></frame><body name="other"><joint name="o"/><geom size=".1"/></body></worldbody><contact><exclude body1="base" body2="other"/></contact>'
+                                       '<actuator><motor name="mj" joint="j"/><motor name="mo" joint="o"/></actuator><equality><joint joint1="j" joint2="o"/></equality></mujoco>')
+    for body, joints, motors, height in (("base", ["P_j", "P_h"], ["P_mj"], 0.5), ("hand", ["P_h"], [], 0.0), ("other", ["P_o"], ["P_mo"], 0.0)):
+        (tmp_path / "whole.xml").write_text(f'<mujoco><asset><model name="s" file="part.xml"/></asset><worldbody><attach model="s" body="{body}" prefix="P_"/></worldbody></mujoco>')
+        m = dyn.load(tmp_path / "whole.xml", strict=True)
+        assert [j.name for j in m.joints if j.nv] == joints and m.actuator_names == motors
+        d = m.data()
+        d.forward_kinematics(m.neutral())
+        assert d.frame_placement("P_" + body).translation[1] == height
+    (tmp_path / "whole.xml").write_text('<mujoco><asset><model name="s" file="part.xml"/></asset><worldbody><attach model="s" body="nobody"/></worldbody></mujoco>')
+    with pytest.raises(dyn.Error, match="no body 'nobody' in the model that is attached"):
+        dyn.load(tmp_path / "whole.xml")
+
+
+def test_files_beside_an_included_file(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "field.bin").write_bytes(np.array([2, 2], np.int32).tobytes() + np.array([0, 1, 0, 1], np.float32).tobytes())
+    (tmp_path / "sub" / "part.xml").write_text('<mujoco><asset><hfield name="h" file="field.bin" size="1 1 .5 .1"/></asset><worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>')
+    (tmp_path / "whole.xml").write_text('<mujoco><include file="sub/part.xml"/><worldbody><body pos="0 0 2"><freejoint/><geom size=".1"/></body></worldbody></mujoco>')
+    assert dyn.load(tmp_path / "whole.xml", confined=True).nv == 6
+    (tmp_path / "sub" / "field.bin").write_bytes(np.array([2, 2], np.int32).tobytes() + np.array([np.nan, 1, 0, 1], np.float32).tobytes())
+    with pytest.raises(dyn.Error, match="height that is not finite"):
+        dyn.load(tmp_path / "whole.xml")
+
+
+def test_a_moving_surface_is_a_belt():
+    m = dyn.load_string('<mujoco><worldbody><geom type="plane" size="9 9 1" euler="0 0 90" surfacevel=".5 0 0 0 0 0"/><body pos="0 0 .1"><freejoint/><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>', strict=True)
+    d = m.data()
+    d.set_state(q=m.configuration("qpos0"))
+    d.advance(1.0)
+    assert d.v[:2] == pytest.approx([0, 0.5], abs=1e-6)
+
+
+@pytest.mark.parametrize(("text", "what"), [
+    (HINGE + '<option><flag actuation="disable"/></option>', "actuation"), (HINGE + '<option><flag equality="disable"/></option>', "equality"),
+    (HINGE + '<option><flag clampctrl="disable"/></option>', "clampctrl"), (HINGE + '<option actuatorgroupdisable="0"/>', "actuatorgroupdisable"),
+    (HINGE + '<actuator><motor joint="j" delay="0.5" nsample="3"/></actuator>', "delay"),
+    ('<worldbody><body><freejoint align="true"/><geom size=".1" pos="1 2 3"/></body></worldbody>', "not aligned"),
+    ('<compiler alignfree="true"/><worldbody><body><freejoint/><geom size=".1" pos="1 2 3"/></body></worldbody>', "not aligned"),
+    ('<worldbody><body><joint type="free" armature="1"/><geom size=".1"/></body></worldbody>', "armature of a free joint"),
+])
+def test_physics_that_is_not_used_is_reported(text, what):
+    text = f"<mujoco>{text}</mujoco>"
+    assert any(what in r.message and r.level != dyn.ReportLevel.INFO for r in dyn.load_string(text).report)
+    with pytest.raises(dyn.Error, match=what):
+        dyn.load_string(text, strict=True)
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ('<option><flag gravity="disabled"/></option>', "enable or disable is expected"),
+    ('<worldbody><body name="world"><joint/><geom size=".1"/></body></worldbody>', "the world has this name"),
+    ('<worldbody><body mocap="true"><joint/><geom size=".1"/></body></worldbody>', "a mocap body has no joints"),
+    ('<worldbody><body><joint/><geom size=".1"/><body mocap="true"><geom size=".1"/></body></body></worldbody>', "a mocap body is a child of the world"),
+    (HINGE + '<actuator><position joint="j" kv="-1"/></actuator>', "it is negative"),
+])
+def test_what_mujoco_refuses_is_refused(text, message):
+    with pytest.raises(dyn.Error, match=message):
+        dyn.load_string(f"<mujoco>{text}</mujoco>")
