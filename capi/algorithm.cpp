@@ -101,7 +101,7 @@ dynStatus inverse(Call& call, const double* v, const double* a, const double* fe
 
 bool dyn::capi::finite_mass(Call& call) {
   if (!moderate(call, 0)) return false;
-  return call.m().moderate || call.numeric(call.d().M, call.m().n.nv * call.m().n.nv, "M", Stage::Mass);
+  return call.m().moderate || call.numeric(call.d().M, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, "M", Stage::Mass);
 }
 
 dynStatus dyn::capi::factor(Call& call) {
@@ -298,7 +298,7 @@ dynStatus dyn_coriolis_matrix(const dynModel* model, dynData* data, const double
   Data<double>& d = call.d();
   const std::ptrdiff_t nv = call.m().n.nv;
   coriolis_matrix(call.m(), d);
-  if (!call.numeric(d.coriolis, Index(nv * nv), "coriolis", Stage::Coriolis)) return call.status;
+  if (!call.numeric(d.coriolis, nv * nv, "coriolis", Stage::Coriolis)) return call.status;
   copy_out(d.coriolis, nv * nv, C);
   return DYN_OK;
 }
@@ -359,7 +359,7 @@ dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, do
   Data<double>& d = call.d();
   if (const Index failed = minverse(call.m(), d)) return singular(call, failed, Stage::Minv);
   const bool finite = d.fresh(Stage::Mass) ? finite_mass(call) : moderate(call, 0);
-  if (!finite || !call.numeric(d.Minv, call.m().n.nv * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
+  if (!finite || !call.numeric(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
   copy_out(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, Minv);
   return DYN_OK;
 }
@@ -446,11 +446,11 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
   if (mask & (DYN_TERM_FACTOR | DYN_TERM_MINV) && factor(call) != DYN_OK) return call.status;
   if (mask & DYN_TERM_MINV) {
     if (const Index failed = minverse(m, d)) return singular(call, failed, Stage::Minv);
-    if (!call.numeric(d.Minv, Index(nv * nv), "Minv", Stage::Minv)) return call.status;
+    if (!call.numeric(d.Minv, nv * nv, "Minv", Stage::Minv)) return call.status;
   }
   if (mask & DYN_TERM_CORIOLIS) {
     coriolis_matrix(m, d);
-    if (!call.numeric(d.coriolis, Index(nv * nv), "coriolis", Stage::Coriolis)) return call.status;
+    if (!call.numeric(d.coriolis, nv * nv, "coriolis", Stage::Coriolis)) return call.status;
   }
   if (mask & DYN_TERM_ENERGY && !energies(call)) return call.status;
   if (mask & DYN_TERM_FRAMES) {

@@ -37,7 +37,8 @@ void Batch::Worker::failed(std::int64_t k, dynStatus s) {
   if (failures++) return;
   first = k, status = s;
   std::snprintf(message, sizeof message, "%s", sentence(dyn_last_error()));
-  if (char* maker = std::strstr(message, "dyn_data_new")) std::snprintf(maker, 14, "dyn_batch_new");  // at the end
+  constexpr std::string_view maker = "dyn_data_new";  // at the end: of the error that asks for a part
+  if (const std::string_view said = message; s == DYN_ERROR_PART && said.ends_with(maker)) std::snprintf(message + said.size() - maker.size(), 14, "dyn_batch_new");
 }
 
 struct Batch::Job {

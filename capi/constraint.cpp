@@ -113,12 +113,13 @@ dynStatus dyn_constraint_enable(const dynModel* model, dynData* data, int slot, 
 
 dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, const double* q) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_anchor");
-  if (!call || !good_slot(call, slot) || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
+  if (!call || !good_slot(call, slot)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   dynConstraint spec = d.slot_specs[slot];
   if (spec.type == DYN_CONSTRAINT_NONE || between_joints(spec.type))
     return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_anchor: slot %d holds no constraint between frames", slot);
+  if (!call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   forward_kinematics<0>(m, d);
   if (!moderate(call, 0)) return call.status;
   const Constraint& c = d.slots[slot].c;
@@ -127,7 +128,10 @@ dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, 
   SE3<double> X = load_se3(spec.placement2);
   if (spec.type == DYN_CONSTRAINT_DISTANCE) {
     spec.length = std::sqrt(dot(to.p, to.p));
-    if (!(spec.length > 0)) return fail(DYN_ERROR_INVALID, "dyn_constraint_anchor: slot %d: the two points are one at q: use CONNECT", slot);
+    if (!(spec.length > 0)) {
+      call.take_back();
+      return fail(DYN_ERROR_INVALID, "dyn_constraint_anchor: slot %d: the two points are one at q: use CONNECT", slot);
+    }
   } else if (spec.type == DYN_CONSTRAINT_POINT || spec.type == DYN_CONSTRAINT_CONNECT) {
     X.p = X.p + X.R * to.p;  // the axes stay
   } else {

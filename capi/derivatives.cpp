@@ -34,9 +34,9 @@ dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double
   d.drop(Stage::Tau), d.drop(Stage::InverseDerivatives);  // at another a than the held one
   const Index failed = aba_derivatives(call.m(), d, d.v, d.tau_applied, fext);
   if (failed) return singular(call, failed, Stage::ForwardDerivatives);
-  if (!finite_mass(call) || !call.numeric(d.ddq, Index(nv), "ddq", Stage::Ddq) || !call.numeric(d.Minv, Index(nv * nv), "Minv", Stage::Minv) ||
-      !call.numeric(d.ddq_dq, Index(nv * nv), "ddq_dq", Stage::ForwardDerivatives) ||
-      !call.numeric(d.ddq_dv, Index(nv * nv), "ddq_dv", Stage::ForwardDerivatives))
+  if (!finite_mass(call) || !call.numeric(d.ddq, Index(nv), "ddq", Stage::Ddq) || !call.numeric(d.Minv, nv * nv, "Minv", Stage::Minv) ||
+      !call.numeric(d.ddq_dq, nv * nv, "ddq_dq", Stage::ForwardDerivatives) ||
+      !call.numeric(d.ddq_dv, nv * nv, "ddq_dv", Stage::ForwardDerivatives))
     return call.status;
   d.done(Stage::Ddq), d.done(Stage::ForwardDerivatives);
   copy_out(d.ddq_dq, nv * nv, ddq_dq), copy_out(d.ddq_dv, nv * nv, ddq_dv), copy_out(d.Minv, nv * nv, ddq_dtau);

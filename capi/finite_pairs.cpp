@@ -33,7 +33,7 @@ bool numeric_pairs(Call& call, const double* x, const char* what, Stage stage, b
     for_each_block(m, [&](Index, std::ptrdiff_t first, int nv) {
       for (int k = 0; k < nv; ++k) known = known && finite_count(x + first + n * (first + k), nv) == nv;
     });
-  return known || call.numeric(x, Index(n * n), what, stage);
+  return known || call.numeric(x, n * n, what, stage);
 }
 
 }  // namespace dyn::capi

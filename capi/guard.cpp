@@ -345,14 +345,14 @@ void Call::drop_results() {
     if (d().fresh(Stage(s))) d().drop(Stage(s));
 }
 
-bool Call::numeric(const double* x, Index n, const char* what, Stage stage) {
+bool Call::numeric(const double* x, std::ptrdiff_t n, const char* what, Stage stage) {
   if (status != DYN_OK) return false;
-  const Index k = finite_count(x, n);
+  const std::ptrdiff_t k = finite_count(x, n);
   if (k == n) return true;
   drop_results();
   d().drop(stage);
   take_back();
-  status = fail(DYN_ERROR_NUMERIC, "%s: %s[%d] overflows: the inputs are too large for double precision", function, what, int(k));
+  status = fail(DYN_ERROR_NUMERIC, "%s: %s[%td] overflows: the inputs are too large for double precision", function, what, k);
   return false;
 }
 

@@ -49,12 +49,12 @@ inline constexpr std::uint64_t live_data = 0x617461646d6e7964u, live_builder = 0
 inline constexpr std::uint64_t freed = 0x6465657266u;
 
 // The number of x[0 .. n-1] up to the first one that is not finite: n when all are.
-inline Index finite_count(const double* x, Index n) {
+inline std::ptrdiff_t finite_count(const double* x, std::ptrdiff_t n) {
   using P = Pack<double, widest_pack>;
   using Four = Pack<double, 4>;
   constexpr Index w = widest_pack;
   Four sum = n >= 4 ? Four::load(x + n - 4) * 0.0 : load_some(x, int(n)) * 0.0;  // 0 times what is not finite is not a number
-  Index i = 0;
+  std::ptrdiff_t i = 0;
   if (n >= 4 * w) {
     P a = P::zero(), b = a, c = a, d = a;
     for (; i + 4 * w <= n; i += 4 * w)
@@ -194,7 +194,7 @@ class Call {
   // An argument that is not held.
   bool finite(const char* name, const double* x, Index n, Index first = 0) {
     if (status != DYN_OK || !x) return status == DYN_OK;
-    const Index k = first + finite_count(x + first, n - first);
+    const Index k = first + Index(finite_count(x + first, n - first));
     return k >= n || not_finite(name, x, k);
   }
   bool nonzero(const double* q);
@@ -208,7 +208,7 @@ class Call {
   // DYN_ERROR_STALE unless the stage is fresh.
   bool fresh(Stage stage, const char* what, const char* producer) { return status == DYN_OK && (d().fresh(stage) || stale(what, producer)); }
   // A result of n numbers that must be finite: otherwise the inputs of this call are taken back.
-  bool numeric(const double* x, Index n, const char* what, Stage stage);
+  bool numeric(const double* x, std::ptrdiff_t n, const char* what, Stage stage);
   // After an overflow nothing that belongs to these inputs is a result. (Frame queries look for themselves.)
   void drop_results();
   // Nothing to do when no input was replaced: what was computed then belongs to the state that stays.

@@ -10,7 +10,7 @@ namespace {
 
 // A field of data is computed: finite and copied out, or the inputs of this call are taken back.
 dynStatus deliver(Call& call, const double* field, std::ptrdiff_t n, const char* name, Stage stage, double* out) {
-  if (call.numeric(field, Index(n), name, stage)) copy_out(field, n, out);
+  if (call.numeric(field, n, name, stage)) copy_out(field, n, out);
   return call.status;
 }
 

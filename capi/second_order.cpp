@@ -25,7 +25,7 @@ dynStatus dyn_rnea_second_order_product(const dynModel* model, dynData* data, co
   } fields[] = {{d.lambda_d2tau_dqdq, dqdq, "lambda_d2tau_dqdq"}, {d.lambda_d2tau_dvdv, dvdv, "lambda_d2tau_dvdv"},
                 {d.lambda_d2tau_dqdv, dqdv, "lambda_d2tau_dqdv"}, {d.lambda_d2tau_dadq, dadq, "lambda_d2tau_dadq"}};
   for (const auto& f : fields)
-    if (!call.numeric(f.from, Index(squares), f.name, Stage::SecondOrder)) return call.status;
+    if (!call.numeric(f.from, squares, f.name, Stage::SecondOrder)) return call.status;
   for (const auto& f : fields) copy_out(f.from, squares, f.to);
   return DYN_OK;
 }

@@ -111,12 +111,12 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   if (!call.finite("time_budget", &options->time_budget, 1)) return call.status;
   if (!(options->time_budget >= 0))
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: time_budget is %g s: give what the solver may take, or 0 for no limit", options->time_budget);
+  if (options->ledger && !(call.d().parts & DYN_PART_ENERGY))
+    return fail(DYN_ERROR_PART, "dyn_data_set_step_options: ledger needs data with DYN_PART_ENERGY");
   const dynStepOptions& now = call.d().step->options;  // a step knows its length
   if (now.integrator != options->integrator || now.solver != options->solver || now.max_iterations != options->max_iterations || now.tolerance != options->tolerance ||
       now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time || now.time_budget != options->time_budget)
     simulation::disturb(call.d());
-  if (options->ledger && !(call.d().parts & DYN_PART_ENERGY))
-    return fail(DYN_ERROR_PART, "dyn_data_set_step_options: ledger needs data with DYN_PART_ENERGY");
   call.d().step->options = *options;
   call.d().step->options.struct_size = sizeof *options;
   return DYN_OK;

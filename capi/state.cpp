@@ -79,13 +79,16 @@ dynStatus dyn_state_restore(const dynModel* model, dynData* data, const void* me
   for (std::int64_t k = 0; sound && k < header.contacts; ++k) {
     dynContactForce f;
     std::memcpy(&f, next + std::size_t(k) * sizeof f, sizeof f);
-    sound = finite_count(f.force_on_b, 3) == 3 && finite_count(f.moment_on_b, 3) == 3 && f.contact.pair < m.n.pairs &&
-            (f.contact.pair >= 0 || (!lists_pairs(m) && is_geom(m, f.contact.shape_a) && is_geom(m, f.contact.shape_b)));
+    const Index pair = f.contact.pair;
+    sound = finite_count(f.force_on_b, 3) == 3 && finite_count(f.moment_on_b, 3) == 3 && finite_count(f.contact.position, 3) == 3 && finite_count(f.contact.normal, 3) == 3 &&
+            std::isfinite(f.contact.distance) && pair < m.n.pairs &&
+            (pair >= 0 ? m.geoms()[m.pairs()[pair].a].shape == f.contact.shape_a && m.geoms()[m.pairs()[pair].b].shape == f.contact.shape_b
+                       : (!lists_pairs(m) && is_geom(m, f.contact.shape_a) && is_geom(m, f.contact.shape_b)));
   }
   if (!sound) return fail(DYN_ERROR_NONFINITE, "%s: the state is damaged: it holds numbers that no step leaves", call.function);
   simulation::wake_all(m, d);
   for_each_input(m, d, [&](double* x, Index n) { n ? std::memcpy(x, at, std::size_t(n) * sizeof(double)) : nullptr, at += std::size_t(n) * sizeof(double); });
-  for (Index i = 0; i < input_count; ++i) d.changed(Input(i));
+  for (std::uint64_t& version : d.version) version = ++data->counter;
   d.time[0] = header.time;
   d.step->contact_count = Index(header.contacts), d.step->clearance.square = 0;
   if (header.contacts) std::memcpy(d.step->contacts, at, std::size_t(header.contacts) * sizeof(dynContactForce));

@@ -105,6 +105,26 @@ TEST(Constraint, Refusals) {
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_enable(x.m, x.d, 8, 1));
   EXPECT_TRUE(says({"slot 8", "0 to 7"}));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_anchor(x.m, x.d, 7, nullptr));
+  {  // nor is q taken
+    const Snapshot before(x.m, x.d);
+    Numbers other = x.s.q;
+    other[7] += 0.1;
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_anchor(x.m, x.d, 7, other.data()));
+    EXPECT_EQ("", before.differs(Snapshot(x.m, x.d)));
+    dynConstraint one = make(DYN_CONSTRAINT_DISTANCE, foot, 0);  // of a point of the world and the foot's own
+    ASSERT_EQ(DYN_OK, dyn_forward_kinematics(x.m, x.d, other.data(), nullptr, nullptr));
+    ASSERT_EQ(DYN_OK, dyn_frame_placement(x.m, x.d, foot, one.placement2));
+    one.length = 1;
+    ASSERT_EQ(DYN_OK, dyn_forward_kinematics(x.m, x.d, x.s.q.data(), nullptr, nullptr));
+    ASSERT_EQ(DYN_OK, dyn_constraint_set(x.m, x.d, 7, &one)) << dyn_last_error();
+    dynArray q{};
+    q.struct_size = sizeof q;
+    ASSERT_EQ(DYN_OK, dyn_data_array(x.m, x.d, dyn_field_id("q"), &q));
+    const Numbers held(q.data, q.data + x.s.q.size());
+    EXPECT_EQ(DYN_ERROR_INVALID, dyn_constraint_anchor(x.m, x.d, 7, other.data()));
+    EXPECT_TRUE(says({"slot 7", "the two points are one"}));
+    EXPECT_EQ(held, Numbers(q.data, q.data + held.size()));
+  }
   dynConstraintOptions o;
   dyn_constraint_options_init(&o);
   o.regularisation = nan;

@@ -137,7 +137,7 @@ class Data(
 
     def set_effects(self, effects: Any, joint: str | int = 0) -> None:
         """Switches the effects of a joint, or of all, to those given: dyn.Effect members or names, as "damping", ("armature",
-        "springs"), "all" or (). New data: armature alone."""
+        "springs"), "all" or (). New data: armature, limits, actuators, held weights and the medium, which but for armature act in steps alone."""
         check(lib.dyn_data_set_effects(self._m, self._d, self.model._joint(joint), mask(Effect, effects, "effects")))
 
     def warmup(self) -> None:

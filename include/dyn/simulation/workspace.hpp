@@ -24,10 +24,6 @@ struct ActiveSlot {
   bool idle;           // with all of its island
 };
 
-// The trees of a slot, the second -1 where there is one.
-inline Index tree_a(const ActiveSlot& s) { return s.tree1 < 0 ? s.tree2 : s.tree1; }
-inline Index tree_b(const ActiveSlot& s) { return s.tree1 < 0 || s.tree2 == s.tree1 ? -1 : s.tree2; }
-
 // What a contact is beside its rows.
 struct ContactLaw {
   Index geom_a, geom_b;

@@ -34,14 +34,6 @@ inline ConeSide project_cone(double mu, Index d, const double* w, double* p) {
   return ConeSide::surface;
 }
 
-// Moreau: w = P_K(w) - P_K*(-w).
-inline void project_dual_cone(double mu, Index d, const double* w, double* p) {
-  double minus[6] = {}, q[6];
-  for (Index i = 0; i < d; ++i) minus[i] = -w[i];
-  project_cone(mu, d, minus, q);
-  for (Index i = 0; i < d; ++i) p[i] = w[i] + q[i];
-}
-
 inline double distance_to_cone(double mu, Index d, const double* w) {
   double p[6] = {};
   project_cone(mu, d, w, p);
