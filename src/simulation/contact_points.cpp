@@ -123,6 +123,10 @@ struct Search {
     Index pair = -1;
     if (distance > margin || !is_tested(pair)) return;
     collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
+    double gap = shape::infinity;
+    for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
+    const double reach = std::min(a.reach, b.reach);
+    w.pace = std::min(w.pace, (gap > 0.02 * reach ? std::max(gap, 0.2 * reach) : reach) / (w.speeds[ia] + w.speeds[ib]));
     for (int i = 0; i < found.count; ++i) {
       const auto& point = found.points[i];
       const double closing = dot(found.normal, velocity_at(d, b.body, point.position) - velocity_at(d, a.body, point.position));
@@ -233,7 +237,7 @@ struct Search {
 Index find_contacts(const Model& m, Data<double>& d, double h, double& between) {
   Workspace& w = *d.step;
   std::swap(w.contacts, w.before);
-  w.before_count = w.contact_count, w.contact_count = 0;
+  w.before_count = w.contact_count, w.contact_count = 0, w.pace = shape::infinity;
   if (w.pair_count < 0) find_pairs(m, d);
   Search search{m, d, h};
   w.by_boxes ? search.by_boxes() : search.by_list();

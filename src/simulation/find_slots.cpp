@@ -121,11 +121,10 @@ BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, co
 }
 
 double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const double* v) {
-  using Six = SixEights<double>;
-  const Slot<double>& s = *x.s;
-  if (x.kind == RowKind::Box) return -limit_rate(s, v);
-  const auto of = [&](const double* F, Index body) { return Six::load(F).dot(body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V)[int(normal_row(s.rows))]; };
-  return -(of(s.F1, s.c.body1) + of(s.F2, s.c.body2));
+  if (x.kind == RowKind::Box) return -limit_rate(*x.s, v);
+  const dynContact& c = d.step->contacts[x.index].contact;
+  const auto speed = [&](Index body) { return dot(load3(c.normal), velocity_at(d, body, load3(c.position), body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V)); };
+  return speed(x.s->c.body2) - speed(x.s->c.body1);
 }
 
 void note_passed(const Model& m, Data<double>& d, const double* dq, double closed) {

@@ -177,11 +177,13 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
 }
 
 // Whether contacts, limits or dry friction act in a step of h, or constraints are open: velocities jump, and no smooth method keeps its order.
-// until: to when the first of them that is not yet as near as closed will have come so near, as it moves now; no sooner than h.
+// until: to when the first of them that is not yet as near as closed will have come so near, as it moves now, and shapes that are near have not passed
+// through one another; no later than h. depth: of the deepest.
 template <class T>
-bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until) {
-  until = h;
+bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until, T& depth) {
+  until = h, depth = 0;
   if constexpr (std::is_same_v<T, double>) {
+    d.step->pace = HUGE_VAL;
     if (!simulation::has_rows(m, d) || held_dynamics(m, d)) return false;
     if (is_open(m, d)) return true;
     if (!simulation::may_jump(m, d)) return false;
@@ -192,17 +194,19 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T
       const simulation::ActiveSlot& x = d.step->active[k];
       if (x.kind == simulation::RowKind::Equality) continue;
       jumps = true;
+      if (x.kind == simulation::RowKind::Contact) depth = std::max(depth, -simulation::gap_of(*d.step, x));
       const T gap = simulation::gap_of(*d.step, x) - closed, fast = simulation::closing(m, d, x, v);
       if (gap > 0 && gap < until * fast) until = (gap + T(0.02) * closed) / fast;  // and a little, to be there
     }
+    until = std::min(until, d.step->pace);
     return jumps;
   }
   return false;
 }
 template <class T>
 bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
-  T until;
-  return meets_rows(m, d, s, h, T(0), until);
+  T until, depth;
+  return meets_rows(m, d, s, h, T(0), until, depth);
 }
 
 // The same where velocities may jump. Steps that meet nothing are those of the tableau.
@@ -210,18 +214,23 @@ template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
   const double closed = std::max(0.1 * accuracy, 256 * Rounding<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed);
+  const double deep = 100 * closed;  // what began so deep is pushed out: such steps of a few lengths have no limit
   const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
-  double h = std::min(duration, 1e-3 * std::max(1.0, std::cbrt(1e3 * accuracy))), t = 0;  // of order 3
+  const double first = 1e-3 * std::max(1.0, std::cbrt(1e3 * accuracy));  // of order 3
+  double h = std::min(duration, first), t = 0;
   while (t < duration) {
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * 1e-13)) return no_step_left;
-    double until = h;
-    const bool rows = meets_rows(m, d, s, h, closed, until);
-    h = std::min(h, std::max(until, smallest));
+    double until, depth, ignored;
+    const bool rows = meets_rows(m, d, s, h, closed, until, depth), near = d.step->pace < HUGE_VAL, sunk = depth > deep;
+    h = std::min(h, sunk ? first : std::max(until, smallest));
     const bool last = h >= (duration - t) * (1 - 1e-12), cut = h < whole;
     double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
-    if (rows) {
+    if (sunk) {
+      joint = euler_step(m, d, s, h, false);
+      report.evaluations += 2, error = std::min(allowed, depth);
+    } else if (rows) {
       allowed = std::max(allowed, 0.2 * closed), power = 1.0 / Extrapolated::order;
       joint = extrapolated.step(h, error);
       report.evaluations += Extrapolated::evaluations;
@@ -235,8 +244,13 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.rejected, h *= 0.1;
       continue;
     }
+    if (near && !rows && h > smallest && error <= allowed && meets_rows(m, d, s, smallest, closed, ignored, depth) && depth > closed) {  // a corner turned in
+      s.undo(m, d);
+      ++report.rejected, h *= 0.5;
+      continue;
+    }
     if (error <= allowed || (rows && h <= smallest)) {
-      if (rows && error > allowed) extrapolated.three_steps();
+      if (rows && !sunk && error > allowed) extrapolated.three_steps();
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);

@@ -117,10 +117,10 @@ double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const
 // Of contacts and limits of the last step, which met none of these, what a further displacement dq makes nearer than closed: to passed and late.
 void note_passed(const Model& m, Data<double>& d, const double* dq, double closed);
 
-// Velocity of the point of a body that is at x of the world, by d.step->root_velocity.
-inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x) {
-  const Motion<double>& V = d.step->root_velocity[body];
+// Velocity of the point of a body that is at x of the world; V: at the tree's root, else d.step->root_velocity.
+inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x, const Motion<double>& V) {
   return V.linear + cross(V.angular, x - (d.p[body] - d.rel[body]));
 }
+inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x) { return velocity_at(d, body, x, d.step->root_velocity[body]); }
 
 }  // namespace dyn::simulation

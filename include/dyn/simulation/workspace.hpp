@@ -103,6 +103,7 @@ struct Workspace {
   Index contact_count, before_count, kept_count;
   double passed, late;     // since they were set to 0, at most: how far, m, rad, and how long, s, what was met had been nearer than closed
   double length;           // of the model (own_length): m, where others are rad
+  double pace;             // s: until two of the shapes found last have moved by their distance, or by a fifth of what the smaller reaches
   double closed;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
   int drifts;              // with closed: displacements since the step began
 
