@@ -80,6 +80,16 @@ def test_contact(tmp_path):
     assert said["recommended"]["error"] <= 1.6e-3 and "--solver" in said["recommended"]["command"]
 
 
+def test_what_might_touch_and_does_not(tmp_path):
+    """Two links swing above a floor that long steps would take for near: the reference is that of smooth motion."""
+    (tmp_path / "swing.xml").write_text("""<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 2.2"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 0 0 1"/>
+<body pos="0 0 1"><joint axis="0 1 0"/><geom type="capsule" size=".05" fromto="0 0 0 0 0 1"/></body></body></worldbody></mujoco>""")
+    said = answer("accuracy", tmp_path / "swing.xml", "--q", "2,1", "--duration", "2", "--budget", "8s")
+    assert said["reference"]["smooth"] and said["reference"]["uncertainty"]["m"] < 1e-12
+    rk4 = by_dt(said, "rk4")
+    assert max(rk4[0.001], rk4[0.0005]) < 1e-8
+
+
 def test_resuming(tmp_path):
     kept = tmp_path / "points"
     words = ("accuracy", *PENDULUM, "--duration", "0.2", "--budget", "10s", "--resume", kept)
