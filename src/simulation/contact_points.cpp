@@ -3,6 +3,8 @@
 
 #include "dyn/collision/pair_contacts.hpp"
 #include "dyn/collision/pair_search.hpp"
+#include "dyn/collision/surface_distance.hpp"
+#include "dyn/collision/sweep.hpp"
 #include "dyn/simulation/step.hpp"
 
 namespace dyn::simulation {
@@ -100,7 +102,7 @@ struct Search {
   Data<double>& d;
   const double h;
   Workspace& w = *d.step;
-  Manifold found{};
+  Manifold found{}, end{};
   double between = shape::infinity, fast = 0;  // of the shapes that are placed
 
   bool sleeps(Index geom) const { return w.sleep.sleeps(d.geoms[geom].body); }
@@ -108,6 +110,44 @@ struct Search {
     if (sleeps(k)) return;
     d.geom_poses[k] = SE3<double>{d.R[d.geoms[k].body], d.p[d.geoms[k].body]} * d.geoms[k].X;
     w.speeds[k] = fastest(d, k), fast = std::max(fast, w.speeds[k]);
+  }
+
+  // Velocity of B relative to A, where they are and along the normal found.
+  double opening(Index ia, Index ib, const Vec3<double>& at) const {
+    return dot(found.normal, velocity_at(d, d.geoms[ib].body, at) - velocity_at(d, d.geoms[ia].body, at));
+  }
+  static bool may_pass_by(const Geom& a, const Geom& b) {
+    const auto plain = [](const Geom& g) { return g.shape.type != shape::Type::HalfSpace && !collision::is_surface(g.shape.type); };
+    return plain(a) && plain(b);
+  }
+  collision::Moving moving(Index geom) const {
+    const Pose& X = d.geom_poses[geom];
+    const Index body = d.geoms[geom].body;
+    return {d.geoms[geom].shape, X, velocity_at(d, body, X.p), d.step->root_velocity[body].angular};
+  }
+  // A gap that closes along its normal need not close: shapes pass one another, or slide onto what lies flush. So of an open pair nothing is left where
+  // both miss each other in this step, and where they but graze each other at its end, the normal is that of the end, with gaps as from there back.
+  void see_where_it_leads(Index ia, Index ib, double near, double gap) {
+    bool closes = false;
+    for (int i = 0; i < found.count; ++i) closes = closes || found.points[i].distance + h * opening(ia, ib, found.points[i].position) < 0;
+    if (!closes) return;
+    const collision::Moving a = moving(ia), b = moving(ib);
+    collision::contacts(a.shape, a.at(h), b.shape, b.at(h), near, *d.collision_workspace, end);
+    if (end.count > 0) {
+      double deepest = shape::infinity;
+      for (int i = 0; i < end.count; ++i) deepest = std::min(deepest, end.points[i].distance);
+      if (dot(end.normal, found.normal) > 0.9 || deepest < -0.05 * h * shape::norm(b.v - a.v)) return;
+      found = end;
+      for (int i = 0; i < found.count; ++i) {
+        auto& point = found.points[i];
+        const Vec3<double> of_a = velocity_at(d, d.geoms[ia].body, point.position), of_b = velocity_at(d, d.geoms[ib].body, point.position);
+        point.distance -= h * dot(found.normal, of_b - of_a), point.position = point.position - (of_a + of_b) * (0.5 * h);
+      }
+    } else if (gap > near) {
+      collision::SweepOptions options;
+      options.max_steps = 50;
+      if (collision::sweep(a, b, h, *d.collision_workspace, options).status == collision::Impact::Status::None) found.count = 0;
+    }
   }
 
   // is_tested(pair): whether it is, and its number
@@ -127,10 +167,10 @@ struct Search {
     for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
     const double reach = std::min(a.reach, b.reach);
     w.pace = std::min(w.pace, (gap > 0.02 * reach ? std::max(gap, 0.2 * reach) : reach) / (w.speeds[ia] + w.speeds[ib]));
+    if (gap > 1e-4 * reach && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
     for (int i = 0; i < found.count; ++i) {
       const auto& point = found.points[i];
-      const double closing = dot(found.normal, velocity_at(d, b.body, point.position) - velocity_at(d, a.body, point.position));
-      if (point.distance > near && point.distance + h * closing > 0) continue;
+      if (point.distance > near && point.distance + h * opening(ia, ib, point.position) > 0) continue;
       dynContact c = collision::contact_of(found, i);
       c.pair = int(pair), c.shape_a = int(m.geoms()[ia].shape), c.shape_b = int(m.geoms()[ib].shape);
       append(m, w, c);

@@ -10,6 +10,9 @@ namespace dyn::simulation {
 
 namespace {
 
+// In the units of its row's scale; 0: the row is held at zero.
+double per_scale(double lambda, double scale) { return scale > 0 ? lambda / scale : 0; }
+
 constexpr int few_sweeps = 4;  // of a guess that is nearly good: cheaper than a matrix
 
 struct Sweeper {
@@ -41,7 +44,7 @@ struct Sweeper {
     const Index* order = order_of[rows];
     const auto Gl = moved(a);
     double b[most_rows] = {}, now[most_rows] = {}, to[most_rows] = {}, by[most_rows] = {};
-    for (Index i = 0; i < rows; ++i) now[i] = x.lambda[first + order[i]] / s.scale[i];
+    for (Index i = 0; i < rows; ++i) now[i] = per_scale(x.lambda[first + order[i]], s.scale[i]);
     for (Index i = 0; i < rows; ++i) {
       const Index at = first + order[i];
       b[i] = s.scale[i] * (wanted(at) + Gl[int(order[i])] + soft(at) * x.lambda[at]);
@@ -119,7 +122,7 @@ struct Sweeper {
         const double dn = 1 / std::sqrt(s.G[0]), dt = across > 0 ? 1 / std::sqrt(across) : dn;
         for (Index i = 0; i < rows; ++i) {
           const double di = i ? dt : dn;
-          y[i] = x.lambda[first + order[i]] / s.scale[i] / di, c[i] = di * s.scale[i] * velocity(order[i]);
+          y[i] = per_scale(x.lambda[first + order[i]], s.scale[i]) / di, c[i] = di * s.scale[i] * velocity(order[i]);
         }
         solver::natural_map({0, rows, mu * dn / dt}, y, c, e);
         for (Index i = 0; i < rows; ++i) enter(std::abs(e[i]) / (i ? dt : dn), y[i] / (i ? dt : dn));

@@ -137,6 +137,26 @@ TEST(Contact, SoftReboundIsThatOfSpringAndDamper) {
   }
 }
 
+// Rolling friction without torsion, whose row is held at zero: for every solver, and with no time at all.
+TEST(Contact, RollingWithoutTorsion) {
+  for (const dynContactSolverType solver : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON})
+    for (const double budget : {0.0, 1e-9}) {
+      double end[2];
+      for (const double torsion : {0.0, 1e-4}) {
+        dynMaterial x = material(0.8);
+        x.rolling = 1e-3, x.torsion = torsion;
+        Play run(Scene().ground().sphere("ball", 1, 0.1, x).finish(), 1e-3, solver);
+        run.options.time_budget = budget;
+        ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
+        run.set({0, 0, 0.1, 0, 0, 0, 1}, {0.5, 0, 0, 0, 0, 0});
+        run.steps(1000);
+        end[torsion > 0] = run.q[0];
+      }
+      EXPECT_NEAR(end[1], end[0], 1e-9) << int(solver) << " " << budget;
+      EXPECT_GT(end[0], 0.2);
+    }
+}
+
 // A ball with rolling friction stops: m a = F, I alpha = F r - M, v = omega r, M = c N; one that spins stops by torsion, I alpha = c N.
 TEST(Contact, TorsionAndRolling) {
   dynMaterial x = material(0.8);

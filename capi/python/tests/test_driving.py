@@ -143,3 +143,35 @@ def test_python_calls():
     ):
         with pytest.raises(dyn.Error, match=message):
             call()
+
+
+HELD = """<mujoco><worldbody><body name="rod" pos="0 0 1"><joint name="hinge" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0 0 -1" mass="1"/>{}</body></worldbody>
+<equality><weld body1="rod"/></equality></mujoco>"""
+LOWER = '<body pos="0 0 -1"><joint axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0 0 -1" mass="1"/></body>'
+
+
+@pytest.mark.parametrize("options", [{"integrator": "reference", "dt": 2e-3}, {"accuracy": 1e-3}, {"accuracy": 1e-9}, {"accuracy": 1e-6, "integrator": "rk45"}])
+@pytest.mark.parametrize("v", [[0.1, -0.1], [0.5, -0.5], [-3.0, 2.0]])
+def test_a_velocity_that_a_weld_forbids_is_gone_at_once(options, v):
+    """Redundant rows, and a state that they do not allow: the upper link stops by an impulse, the lower one swings on as a pendulum."""
+    m = dyn.load_string(HELD.format(LOWER))
+    d = m.data()
+    d.set_stepping(**options)
+    d.set_state([0, 0], v)
+    energy, swing = None, []
+    for _ in range(50):
+        assert d.advance(2e-3).steps < 500
+        assert abs(d.q[0]) < 1e-9 and abs(d.v[0]) < 1e-9
+        swing.append(sum(d.energy()))
+        energy = swing[0] if energy is None else energy
+    assert np.ptp(swing) < 1e-6 * max(1, abs(energy))
+
+
+def test_what_a_weld_holds_stays():
+    m = dyn.load_string(HELD.format(""))
+    d = m.data()
+    for options in ({"integrator": "reference", "dt": 1e-3}, {"accuracy": 1e-6}, {"accuracy": 1e-9}):
+        d.set_stepping(**options)
+        d.set_state([0], [0.1])
+        d.advance(0.2)
+        assert abs(d.q[0]) < 1e-12 and abs(d.v[0]) < 1e-12

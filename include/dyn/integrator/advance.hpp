@@ -78,12 +78,13 @@ struct Passing {
   T most_noise, usual;  // of errors, per second; length of steps that pass nothing
   T first = T(0), best = T(0), least = T(0);
   int tries = 0;  // beside the first
+  bool spent = false;  // none of them was any better: steps become shorter
 
   T limit(T allowed, T h) const { return std::max(T(more) * allowed, most_noise * h); }
   T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
   // Whether to try again with h. error, raw, moved: of this try (finish_step); usual_move: what rows change v by elsewhere.
   bool again(T error, T raw, T moved, T allowed, T usual_move, T& h) {
-    if (tries > most) return false;
+    if (spent || tries > most) return spent = true, false;
     const bool near = T(held_leak) * raw > allowed || moved > usual_move;
     if (tries == 0 && !(near && moved > T(10) * error)) return false;
     const T off = std::max(error, T(held_leak) * moved);
@@ -92,12 +93,12 @@ struct Passing {
     if (error <= limit(allowed, h) && off < least) least = off, best = h;
     if (tries < most) h = first * T(lengths[tries]);
     else if (least < std::numeric_limits<T>::infinity()) h = best;
-    else return false;
+    else return spent = true, false;
     return ++tries, true;
   }
   void accept(T h) {
     if (tries == 0) usual = h;
-    tries = 0;
+    tries = 0, spent = false;
   }
 };
 
@@ -137,6 +138,7 @@ inline constexpr double growth = 4;  // how much errors of steps may grow until 
 template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   T h = duration, t = 0, left = 0;
+  if (const Index joint = close_rows(m, d)) return joint;  // velocities that the rows do not allow jump at once
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_motion(m, d)), duration, h)) return joint;
   report.evaluations += 2;
   const T most_noise = std::max(accuracy / (4 * duration), T(1e-7));
