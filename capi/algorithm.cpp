@@ -335,7 +335,9 @@ dynStatus dyn_factorize(const dynModel* model, dynData* data) {
 
 dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x) {
   Call call(model, data, DYN_PART_FACTOR, "dyn_solve");
-  if (!call || !call.required("b", b, call.m().n.nv) || !call.required("x", x, call.m().n.nv)) return call.status;
+  if (!call) return call.status;
+  const Index numbers = nrhs == 0 ? 0 : call.m().n.nv;
+  if (!call.required("b", b, numbers) || !call.required("x", x, numbers)) return call.status;
   if (nrhs < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_solve: nrhs is %d: it can't be negative", nrhs);
   const std::ptrdiff_t nv = call.m().n.nv;
   for (int k = 0; k < nrhs; ++k)

@@ -16,7 +16,7 @@ void dyn_constraint_init(dynConstraint* constraint, dynConstraintType type) {
 dynStatus dyn_builder_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second) {
   if (const dynStatus s = check(builder)) return s;
   if (!constraint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_constraint: constraint is NULL");
-  if (const dynStatus s = sized("dyn_builder_constraint", "dynConstraint", "dyn_constraint_init", constraint)) return s;
+  if (const dynStatus s = sized("dyn_builder_constraint", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
   return guarded([&] {
     builder->b->constraint(name ? name : "", *constraint, {first ? first : "", 0}, {second ? second : "", 0});
     return DYN_OK;
@@ -63,7 +63,7 @@ int dyn_constraint_id(const dynModel* model, const char* name) {
 dynStatus dyn_constraint_info(const dynModel* model, int constraint, dynConstraint* out) {
   if (const dynStatus s = check(model)) return s;
   if (!out) return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_info: out is NULL");
-  if (const dynStatus s = sized("dyn_constraint_info", "dynConstraint", "dyn_constraint_init", out)) return s;
+  if (const dynStatus s = sized("dyn_constraint_info", "dynConstraint", "call dyn_constraint_init first", out)) return s;
   const Model& m = *model->m;
   if (constraint < 0 || constraint >= m.n.constraints)
     return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_info: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
@@ -75,7 +75,7 @@ dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, con
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_set");
   if (!call || !good_slot(call, slot)) return call.status;
   if (constraint)
-    if (const dynStatus s = sized("dyn_constraint_set", "dynConstraint", "dyn_constraint_init", constraint)) return s;
+    if (const dynStatus s = sized("dyn_constraint_set", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
   const Model& m = call.m();
   Data<double>& d = call.d();
   const dynConstraint spec = constraint ? *constraint : dynConstraint{};
@@ -96,7 +96,7 @@ dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, con
 dynStatus dyn_constraint_get(const dynModel* model, dynData* data, int slot, dynConstraint* constraint) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_get");
   if (!call || !good_slot(call, slot) || !call.required("constraint", constraint)) return call.status;
-  if (const dynStatus s = sized("dyn_constraint_get", "dynConstraint", "dyn_constraint_init", constraint)) return s;
+  if (const dynStatus s = sized("dyn_constraint_get", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
   *constraint = call.d().slot_specs[slot];
   return DYN_OK;
 }

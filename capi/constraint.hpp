@@ -9,9 +9,9 @@ namespace dyn::capi {
 
 // A struct that begins with its size.
 template <class S>
-dynStatus sized(const char* function, const char* name, const char* init, const S* s) {
+dynStatus sized(const char* function, const char* name, const char* how, const S* s) {
   if (s->struct_size >= sizeof(S)) return DYN_OK;
-  return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: call %s first", function, name, s->struct_size, sizeof(S), init);
+  return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: %s", function, name, s->struct_size, sizeof(S), how);
 }
 
 inline bool good_slot(Call& call, int slot) {
@@ -34,7 +34,7 @@ inline void forget_mass(Call& call) {
 
 inline bool good_result(Call& call, const dynConstraintResult* result) {
   if (!result) return true;
-  call.status = sized(call.function, "dynConstraintResult", "a setting of struct_size to sizeof(dynConstraintResult)", result);
+  call.status = sized(call.function, "dynConstraintResult", "set it to sizeof(dynConstraintResult)", result);
   return bool(call);
 }
 inline void copy_result(const dynConstraintResult& from, dynConstraintResult* to) {
@@ -47,7 +47,7 @@ inline void copy_result(const dynConstraintResult& from, dynConstraintResult* to
 // NULL: the defaults.
 inline bool read_options(Call& call, const dynConstraintOptions* o, ProximalOptions& out) {
   if (!o) return true;
-  if ((call.status = sized(call.function, "dynConstraintOptions", "dyn_constraint_options_init", o))) return false;
+  if ((call.status = sized(call.function, "dynConstraintOptions", "call dyn_constraint_options_init first", o))) return false;
   auto refuse = [&](const char* name, double x, const char* what) {
     call.status = fail(DYN_ERROR_ARGUMENT, "%s: %s is %g: give %s", call.function, name, x, what);
     return false;

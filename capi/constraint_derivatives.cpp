@@ -36,7 +36,7 @@ dynStatus write(Call& call, const dynConstraintDerivatives& out, Index rows, boo
 
 bool good_outputs(Call& call, const dynConstraintDerivatives* out) {
   if (!call.required("out", out)) return false;
-  call.status = sized(call.function, "dynConstraintDerivatives", "a setting of struct_size to sizeof(dynConstraintDerivatives)", out);
+  call.status = sized(call.function, "dynConstraintDerivatives", "set it to sizeof(dynConstraintDerivatives)", out);
   return bool(call);
 }
 

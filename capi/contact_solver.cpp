@@ -252,6 +252,7 @@ dynStatus dyn_contact_residuals(dynContactSolver* solver, const dynContactProble
   dynContactReport answer{};
   answer.struct_size = report->struct_size;
   solver::evaluate(*problem, w, lambda, answer);
+  if (!std::isfinite(answer.residual) || !std::isfinite(answer.energy)) return fail(DYN_ERROR_NUMERIC, "%s: the problem overflows double precision: its numbers are too large", function);
   *report = answer;
   return DYN_OK;
 }
@@ -288,8 +289,8 @@ dynStatus dyn_contact_compliance(double stiffness, double damping, double dt, do
   if (!(dt > 0)) return fail(DYN_ERROR_ARGUMENT, "%s: dt is %g s: it must be positive", function, dt);
   if (!compliance || !bias) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, compliance ? "bias" : "compliance");
   const double total = dt * stiffness + damping;
-  const double R = 1 / (dt * total), b = stiffness * gap / total;
-  if (!std::isfinite(R) || !std::isfinite(b))
+  const double R = 1 / (dt * total), b = gap > 0 ? gap / dt : stiffness * gap / total;
+  if (!std::isfinite(R) || !std::isfinite(stiffness * gap / total) || !std::isfinite(b))
     return fail(DYN_ERROR_ARGUMENT, "%s: stiffness %g and damping %g give no force: one must be positive", function, stiffness, damping);
   *compliance = R, *bias = b;
   return DYN_OK;

@@ -1315,7 +1315,7 @@ DYN_API dynStatus dyn_contact_solve(dynContactSolver* solver, const dynContactPr
 DYN_API dynStatus dyn_contact_residuals(dynContactSolver* solver, const dynContactProblem* problem, const double* lambda, dynContactReport* report);
 
 /* A spring and damper at the end of the step, f = -k (gap + dt c) - d c >= 0, as a row: compliance = 1 / (dt (dt k + d)) and
-   bias = k gap / (dt k + d), for impulses f dt; gap (m) below zero: depth. */
+   bias = k gap / (dt k + d), and gap / dt where they do not touch yet, for impulses f dt; gap (m) below zero: depth. */
 DYN_API dynStatus dyn_contact_compliance(double stiffness, double damping, double dt, double gap, double* compliance, double* bias);
 /* The same from a frequency (Hz) and a damping ratio at an effective mass (kg; 1 / G_nn): k = m (2 pi f)^2, d = 2 ratio m 2 pi f. */
 DYN_API dynStatus dyn_contact_compliance_hertz(double frequency, double damping_ratio, double mass, double dt, double gap, double* compliance,

@@ -23,7 +23,7 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
   dyn_project_options_init(&given);
   if (!call || !good_result(call, result)) return call.status;
   if (options) {
-    if (const dynStatus s = sized("dyn_project", "dynProjectOptions", "dyn_project_options_init", options)) return s;
+    if (const dynStatus s = sized("dyn_project", "dynProjectOptions", "call dyn_project_options_init first", options)) return s;
     given = *options;
     if (given.max_iterations < 1) return fail(DYN_ERROR_ARGUMENT, "dyn_project: max_iterations is %d: give 1 or more", int(given.max_iterations));
     if (!(given.tolerance > 0 && given.tolerance <= 1)) return fail(DYN_ERROR_ARGUMENT, "dyn_project: tolerance is %g: give more than 0, at most 1", given.tolerance);
@@ -80,7 +80,7 @@ dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data,
 dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const double* q, dynConstraintReport* report, dynRowReport* rows_out, int capacity) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_report");
   if (!call || !call.required("report", report)) return call.status;
-  if (const dynStatus s = sized("dyn_constraint_report", "dynConstraintReport", "a setting of struct_size to sizeof(dynConstraintReport)", report)) return s;
+  if (const dynStatus s = sized("dyn_constraint_report", "dynConstraintReport", "set it to sizeof(dynConstraintReport)", report)) return s;
   if (!call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();

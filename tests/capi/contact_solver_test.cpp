@@ -152,6 +152,8 @@ TEST(ContactSolver, ResidualsOfAGuess) {
   EXPECT_NEAR(0.5 / std::sqrt(1.25), x.r.primal, 1e-15);  // distance to the cone of slope 1/2
   EXPECT_GT(x.r.residual, 0.1);
   EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_contact_residuals(s, &x.p, bad, &x.r));
+  const double vast[] = {1e300, 1e300, 1e300};
+  EXPECT_EQ(DYN_ERROR_NUMERIC, dyn_contact_residuals(s, &x.p, vast, &x.r));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_residuals(s, &x.p, nullptr, &x.r));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_residuals(s, nullptr, outside, &x.r));
   EXPECT_EQ(DYN_ERROR_HANDLE, dyn_contact_residuals(nullptr, &x.p, outside, &x.r));
