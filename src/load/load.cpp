@@ -1,7 +1,10 @@
 // Files to text, and text to the loader of its format: content decides, not the name.
 #include "dyn/model/load.hpp"
 
+#include "confined.hpp"
+#include "dyn/model/model.hpp"
 #include "file.hpp"
+#include "mesh_path.hpp"
 #include "xml.hpp"
 
 namespace dyn {
@@ -34,10 +37,23 @@ ModelPtr load_content(const std::string& text, const std::string& file, const Lo
   return load_urdf(text, file, options);
 }
 
+// Meshes that the loader does not open, such as visual ones, too: callers open them by the names that the model keeps.
+ModelPtr within_folders(ModelPtr model, const std::string& file, const LoadOptions& options) {
+  if (!options.confined) return model;
+  const load::Confined confined(file, options);
+  load::MeshPaths meshes("", options.package_dirs);
+  for (Index k = 0; k < model->n.shapes; ++k)
+    if (const std::string name = model->string(model->shapes()[k].mesh); !name.empty())
+      if (const std::string& path = meshes.find(name).path; !path.empty()) confined.check(path);
+  return model;
+}
+
 }  // namespace
 
-ModelPtr load_file(const std::string& path, const LoadOptions& options) { return load_content(load::read_file(path, "a robot file"), path, options); }
+ModelPtr load_file(const std::string& path, const LoadOptions& options) {
+  return within_folders(load_content(load::read_file(path, "a robot file"), path, options), path, options);
+}
 
-ModelPtr load_string(const std::string& text, const LoadOptions& options) { return load_content(text, "", options); }
+ModelPtr load_string(const std::string& text, const LoadOptions& options) { return within_folders(load_content(text, "", options), "", options); }
 
 }  // namespace dyn

@@ -154,7 +154,7 @@ std::string join(const std::vector<std::string>& words, const char* separator = 
 // ---------------------------------------------------------------------------------------------------- the subcommands
 
 // What dyn_mesh_info says of each of the robot's meshes, or why it cannot be read.
-json meshes_json(const Robot& robot);
+json meshes_json(const Robot& robot, const std::vector<std::string>& package_dirs);
 std::string meshes_text(const json& meshes);
 
 void add_info(CLI::App& app);

@@ -182,7 +182,7 @@ void add_info(CLI::App& app) {
     const Robot robot(*options);
     json info = info_json(robot);
     if (*pairs) info["pairs"] = pairs_json(robot);
-    if (*meshes) info["meshes"] = meshes_json(robot);
+    if (*meshes) info["meshes"] = meshes_json(robot, options->package_dirs);
     if (!html->empty()) write_html(*html, page, *options, robot, info);
     print(options->json ? json_text(info) : info_text(info));
   });

@@ -37,8 +37,10 @@ json mesh_json(const dynMeshInfo& i) {
 
 }  // namespace
 
-json meshes_json(const Robot& robot) {
+json meshes_json(const Robot& robot, const std::vector<std::string>& package_dirs) {
   json out = json::array();
+  std::vector<const char*> folders;
+  for (const auto& d : package_dirs) folders.push_back(d.c_str());
   for (int k = 0; k < dyn_nshapes(robot); ++k) {
     dynShapeInfo s{};
     s.struct_size = sizeof s;
@@ -48,6 +50,7 @@ json meshes_json(const Robot& robot) {
     dynMeshOptions options;
     dyn_mesh_options_init(&options);
     std::copy(s.size, s.size + 3, options.scale);
+    options.package_dirs = folders.empty() ? nullptr : folders.data(), options.package_dirs_count = folders.size();
     dynMesh* mesh = nullptr;
     dynMeshInfo info{};
     info.struct_size = sizeof info;

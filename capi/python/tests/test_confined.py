@@ -2,11 +2,13 @@
 
 import mmap
 import os
+import subprocess
 
 import numpy as np
 import pytest
 
 import dyn
+from test_cli import CLI
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 PART = '<mujocoinclude><worldbody><body><freejoint/><geom size=".1"/></body></worldbody></mujocoinclude>'
@@ -46,6 +48,44 @@ def test_meshes_outside(folders, mesh):
     with pytest.raises(dyn.FileError, match="confined"):
         load(folders, text, meshes="hull", confined=True)
     load(folders, text, meshes="hull", confined=True, package_dirs=folders / "elsewhere")
+
+
+OUTSIDE = ["../elsewhere/out.obj", "link.obj", "{root}/elsewhere/out.obj", "file://{root}/elsewhere/out.obj", "package://elsewhere/out.obj"]
+
+
+@pytest.mark.parametrize("kind", ["collision", "visual"])
+@pytest.mark.parametrize("mesh", OUTSIDE)
+def test_meshes_that_the_loader_does_not_open(folders, mesh, kind):
+    """Whoever draws the robot opens them, by the names that the model keeps."""
+    text = urdf(mesh.replace("{root}", str(folders))).replace("collision", kind)
+    load(folders, text)
+    with pytest.raises(dyn.FileError, match="confined"):
+        load(folders, text, confined=True)
+    load(folders, text, confined=True, package_dirs=folders / "elsewhere")
+    saved = folders / "robot/model.dynb"
+    load(folders, text).save(saved)
+    with pytest.raises(dyn.FileError, match="confined"):
+        dyn.load(saved, confined=True)
+
+
+def test_meshes_of_the_working_directory(folders, monkeypatch):
+    """A name that the robot's folder has not would be opened there."""
+    load(folders, urdf("none.obj"), confined=True)
+    monkeypatch.chdir(folders / "elsewhere")
+    with pytest.raises(dyn.FileError, match="confined"):
+        load(folders, urdf("out.obj"), confined=True)
+    load(folders, urdf("meshes/in.obj"), confined=True)
+
+
+@pytest.mark.skipif(not CLI, reason="the command dyn is not built")
+@pytest.mark.parametrize("words", [["view", "--html", "page"], ["view", "--live", "--no-browser"], ["info", "--meshes"], ["info", "--html", "page"], ["sim", "--duration", ".01", "--html", "page"]])
+def test_the_command_opens_none(folders, words):
+    path = folders / "robot/model.xml"
+    path.write_text(urdf("../elsewhere/out.obj").replace("collision", "visual"))
+    done = subprocess.run([CLI, words[0], path, "--confined", *words[1:]], cwd=folders, capture_output=True, text=True, timeout=60)
+    if "no page to fill" in done.stderr:
+        pytest.skip("no template of pages")
+    assert done.returncode == 1 and "is in none of the folders" in done.stderr and done.stdout == "" and not (folders / "page").exists()
 
 
 def test_meshes_inside(folders):
