@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "cli.hpp"
+#include "files.hpp"
 
 namespace cli {
 
@@ -52,6 +52,7 @@ dynStatus save_c(const Robot& robot, const Image& image, const std::string& out)
 }
 
 void convert(const RobotOptions& options, const Image& image, const std::string& out) {
+  check_outputs({{"OUT", out}}, inputs_of(options));
   const Robot robot(options);
   const bool c = std::filesystem::path(out).extension() == ".c";
   if (!c && (image.narrow || image.nameless)) bad_usage("--narrow and --nameless are for C arrays: OUT ends in .c");

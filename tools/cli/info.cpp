@@ -2,8 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 
+#include "files.hpp"
 #include "page/recording.hpp"
 #include "stepping.hpp"
 
@@ -176,8 +176,7 @@ void add_info(CLI::App& app) {
   auto html = std::make_shared<std::string>();
   command->add_option("--html", *html, "A page that shows the robot and all of this, into this file")->check(not_empty);
   command->callback([options, pairs, meshes, html] {
-    std::error_code ignored;
-    if (!html->empty() && std::filesystem::equivalent(*html, options->file, ignored)) bad_usage("--html would overwrite the robot's file.");
+    check_outputs({{"--html", *html}}, inputs_of(*options));
     const std::string page = html->empty() ? "" : page::page_template();
     const Robot robot(*options);
     json info = info_json(robot);

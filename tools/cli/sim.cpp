@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <algorithm>
 
+#include "drive.hpp"
+#include "files.hpp"
 #include "ledger.hpp"
 #include "page/recording.hpp"
-#include "drive.hpp"
 #include "stepping.hpp"
 
 namespace cli {
@@ -213,13 +213,8 @@ void run(const Options& options) {
   const double rows = options.duration / 100;
   const double dt = !adaptive || options.dt_given ? options.dt : page ? std::min(rows, 1.0 / 60) : rows;
   const Schedule schedule(options.duration, dt);
-  std::error_code ignored;
-  for (const auto& [option, out] : {std::pair<const char*, const std::string&>("--csv", options.csv), {"--html", options.html}}) {
-    const auto overwrites = [&, &out = out](const std::string& file) { return !out.empty() && std::filesystem::equivalent(out, file, ignored); };
-    if (overwrites(options.robot.file)) bad_usage(option + std::string(" would overwrite the robot's file."));
-    if (overwrites(options.state.file)) bad_usage(option + std::string(" would overwrite the state's file."));
-    if (overwrites(options.forces)) bad_usage(option + std::string(" would overwrite the file of --tau-csv."));
-  }
+  check_outputs({{"--csv", options.csv}, {"--html", options.html}, {"--postmortem", options.postmortem}},
+                inputs_of(options.robot, {{"--state", options.state.file}, {"--tau-csv", options.forces}}));
   const std::string html = page ? page::page_template() : "";  // first of all: whether there is one
 
   json warnings = json::array();

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "files.hpp"
 #ifdef DYN_LIVE
 #include "live/server.hpp"
 #endif
@@ -66,9 +67,8 @@ void run_live(const Options&, const std::string&) { fail("this dyn was built wit
 
 void run(const Options& options) {
   check_stepping(options);
-  std::error_code ignored;
   if (options.live && !options.html.empty()) bad_usage("--live and --html are two ways to look: keep one.");
-  if (!options.html.empty() && std::filesystem::equivalent(options.html, options.robot.file, ignored)) bad_usage("--html would overwrite the robot's file.");
+  check_outputs({{"--html", options.html}}, inputs_of(options.robot, {{"--state", options.state.file}}));
   const std::string html = page::page_template();
   if (options.live) return run_live(options, html);
   std::string path = options.html;

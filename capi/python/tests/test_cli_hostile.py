@@ -95,12 +95,59 @@ def test_state_through_a_pipe(arm_file, tmp_path):  # noqa: F811
     writer.join()
 
 
-def test_csv_does_not_overwrite_what_is_read(arm_file, state_file, tmp_path):  # noqa: F811
-    path = state_file({"q": [0.5, 0.25]})
-    link = tmp_path / "link.csv"
-    os.link(path, link)
-    assert "state's file" in run(*SIM[:1], arm_file, *SIM[2:], "--state", path, "--csv", link, status=2)
-    assert path.read_text() == '{"q": [0.5, 0.25]}'
+@pytest.mark.parametrize(
+    "words, options",
+    [
+        ("sim r --csv r", ["FILE", "--csv"]),
+        ("sim r --postmortem r", ["FILE", "--postmortem"]),
+        ("sim r --html link", ["FILE", "--html"]),
+        ("sim r --state s --csv hard", ["--state", "--csv"]),
+        ("sim r --tau-csv s --html ./s", ["--tau-csv", "--html"]),
+        ("sim r --csv a --html ../FOLDER/a", ["--csv", "--html"]),
+        ("sim r --csv dangling --postmortem nothing", ["--csv", "--postmortem"]),
+        ("accuracy r --csv r", ["FILE", "--csv"]),
+        ("accuracy r --reference s --csv s", ["--reference", "--csv"]),
+        ("accuracy r --csv a --svg a", ["--csv", "--svg"]),
+        ("accuracy r --resume a --html a", ["--html", "--resume"]),
+        ("accuracy r --resume r", ["FILE", "--resume"]),
+        ("info r --srdf s --html s", ["--srdf", "--html"]),
+        ("view r --state s --html s", ["--state", "--html"]),
+        ("convert r r", ["FILE", "OUT"]),
+        ("convert r link", ["FILE", "OUT"]),
+    ],
+)  # fmt: skip
+def test_what_is_read_is_not_written(tmp_path, words, options):
+    (tmp_path / "r").write_text("the robot"), (tmp_path / "s").write_text("read, too")
+    os.link(tmp_path / "s", tmp_path / "hard")
+    (tmp_path / "link").symlink_to("r"), (tmp_path / "dangling").symlink_to("nothing")
+    duration = ["--duration", "0.01"] if words.startswith("sim") else []
+    error = run(*words.replace("FOLDER", tmp_path.name).split(), *duration, status=2, cwd=tmp_path)
+    assert f"{options[0]} and {options[1]} name the same file" in error
+    assert (tmp_path / "r").read_text() == "the robot" and (tmp_path / "s").read_text() == "read, too"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["dangling", "hard", "link", "r", "s"]
+
+
+def test_devices_may_be_named_twice(arm_file):  # noqa: F811
+    run("sim", arm_file, *SIM[2:], "--csv", "/dev/null", "--postmortem", "/dev/null")
+
+
+@pytest.mark.parametrize("words", [["sim", GO2, "--csv", "-", "--duration", "1"], ["view", GO2, "--html", "-"], ["stress", "--html", "-"], ["convert", GO2, "-"], ["accuracy", GO2, "--svg", "-"]])
+def test_a_dash_is_no_file(words, tmp_path):
+    assert "/dev/stdout" in run(*words, status=2, cwd=tmp_path) and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("words", [["accuracy", "--budget", "100min", "--csv"], ["accuracy", "--budget", "100min", "--svg"], ["accuracy", "--budget", "100min", "--html"],
+                                   ["accuracy", "--budget", "100min", "--resume"], ["sim", "--duration", "1e5", "--postmortem"], ["stress", "--long", "--html"]])  # fmt: skip
+def test_what_cannot_be_written_is_said_first(words, arm_file, tmp_path):  # noqa: F811
+    robot = [] if words[0] == "stress" else [arm_file, "--fixed"]
+    for out, why in ((tmp_path / "none/x", "No such file"), (tmp_path, "Is a directory")):
+        error = run(words[0], *robot, *words[1:], out, status=1)
+        assert f"{out}: cannot be written: " in error and why in error
+    assert [p.name for p in tmp_path.iterdir()] == ["arm.urdf"]
+
+
+def test_points_need_a_file(arm_file):  # noqa: F811
+    assert "/dev/full: cannot be written" in run("accuracy", arm_file, "--fixed", "--resume", "/dev/full", status=1)
 
 
 def test_robots_that_cannot_move(tmp_path):

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <map>
 
+#include "../files.hpp"
 #include "../page/markup.hpp"
 #include "derivatives.hpp"
 #include "distance_sweep.hpp"
@@ -69,8 +71,10 @@ std::string in_c(const Point& p) {
 // Points of runs before and what they were measured from, in a file: one JSON object a line, the first one says of which scene.
 class Store {
  public:
-  Store(const std::string& path, const Robot& robot, const std::string& scene) {
+  Store(const std::string& path, const Robot& robot, const std::string& scene) : path_(path) {
     if (path.empty()) return;
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) fail(path + ": cannot be written and read again, as --resume needs: it is no regular file.");
     std::ifstream in(path);
     std::string line;
     const bool fresh = !std::getline(in, line);
@@ -121,7 +125,7 @@ class Store {
  private:
   void put(const json& x) {
     const std::string line = x.dump() + "\n";
-    std::fwrite(line.data(), 1, line.size(), file_), std::fflush(file_);
+    if (std::fwrite(line.data(), 1, line.size(), file_) != line.size() || std::fflush(file_) != 0) fail(path_ + ": writing failed: " + std::strerror(errno) + ".");
   }
   void take(const Robot& robot, const json& x) {
     if (x.contains("reference")) {
@@ -141,6 +145,7 @@ class Store {
     p.failure = x.value("failure", "");
     known_[x.at("key")] = p;
   }
+  std::string path_;
   std::map<std::string, Point> known_;
   Reference reference_;
   std::string solver_;  // of it, and the budget
@@ -232,6 +237,8 @@ void run(const Options& options, const std::vector<std::string>& words) {
   const double target = options.target.empty() ? 0 : with_unit("--target", options.target, {"m", "rad", "J"}, unit);
   const double seconds = with_unit("--budget", options.budget, {"s", "min"}, second) * (second == "min" ? 60 : 1);
   const std::uint32_t on = parse_effects(options.effects);
+  check_outputs({{"--csv", options.csv}, {"--svg", options.svg}, {"--html", options.html}, {"--resume", options.resume}},
+                inputs_of(options.robot, {{"--state", options.state.file}, {"--reference", options.reference}}));
   Robot robot(options.robot);
   if (options.ground) robot.add_ground();
   json warnings = json::array();

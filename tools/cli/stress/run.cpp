@@ -7,7 +7,7 @@
 #include <set>
 
 #include "case.hpp"
-#include "../cli.hpp"
+#include "../files.hpp"
 #include "page.hpp"
 
 namespace cli {
@@ -95,6 +95,7 @@ std::string list(const std::vector<const Case*>& all) {
 void run(const Options& options) {
   const auto all = chosen(options);
   if (options.list) return print(list(all));
+  check_outputs({{"--html", options.html}});
   std::vector<Verdict> verdicts;
   for (std::size_t k = 0; k < all.size(); ++k) progress(k, all.size(), all[k]->name), verdicts.push_back(judge(*all[k]));
   end_progress();
