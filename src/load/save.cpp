@@ -1,6 +1,8 @@
 // Model to text by format, and text to file: a file that is there stays as it is until the new one is complete.
 #include "dyn/model/save.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +13,43 @@
 #include "report.hpp"
 
 namespace dyn {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Links lead to what is replaced, though it may not be there.
+std::string target_of(const std::string& path) {
+  constexpr int most_links = 40;
+  std::error_code ignored;
+  fs::path target = path;
+  for (int links = 0; links < most_links && fs::is_symlink(fs::symlink_status(target, ignored)); ++links) target = target.parent_path() / fs::read_symlink(target, ignored);
+  return target.string();
+}
+
+// Opens a file beside another one, which was not there before.
+int open_beside(const std::string& target, mode_t mode, std::string& part) {
+  constexpr int most_parts = 10000;  // of saves at the same time, and of those that were killed
+  int file = -1;
+  for (int k = 0; k < most_parts; ++k) {
+    part = target + ".part" + std::to_string(k);
+    file = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (file >= 0 || errno != EEXIST) break;
+  }
+  return file;
+}
+
+bool write_all(int file, const std::string& text) {
+  for (size_t at = 0; at < text.size();) {
+    const ssize_t n = write(file, text.data() + at, text.size() - at);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    at += size_t(n);
+  }
+  return true;
+}
+
+}  // namespace
 
 dynFormat format_of(const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension().string();
@@ -39,18 +78,21 @@ std::string save_string(const Model& m, dynFormat format, bool strict, SaveRepor
 
 void save_file(const Model& m, const std::string& path, bool strict, SaveReport& report) {
   const std::string text = save_string(m, format_of(path), strict, report);
-  const std::string part = path + ".part";
-  const auto fail = [&](const char* what) {
-    const int why = errno;
-    std::remove(part.c_str());
-    throw Error(DYN_ERROR_FILE, "file " + load::quoted(path) + ": " + what + ": " + std::strerror(why));
-  };
-  std::FILE* file = std::fopen(part.c_str(), "wb");
-  if (!file) fail("cannot be written");
-  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  const bool kept = written && std::fflush(file) == 0 && fsync(fileno(file)) == 0;  // on the disk before it takes the old one's place
-  if (std::fclose(file) != 0 || !kept) fail("cannot be written");
-  if (std::rename(part.c_str(), path.c_str()) != 0) fail("cannot be replaced");
+  const auto fail = [&](const char* what, const char* why) { throw Error(DYN_ERROR_FILE, "file " + load::quoted(path) + ": " + what + ": " + why); };
+  const std::string target = target_of(path);
+  struct stat old{};
+  const bool there = stat(target.c_str(), &old) == 0;
+  if (there && access(target.c_str(), W_OK) != 0) fail("cannot be written", std::strerror(errno));
+  if (there && !S_ISREG(old.st_mode)) fail("cannot be replaced", "it is no regular file");
+  std::string part;
+  const int file = open_beside(target, there ? old.st_mode & 0777 : 0666, part);
+  if (file < 0) fail("cannot be written", std::strerror(errno));
+  if (there) fchmod(file, old.st_mode & 0777);  // what umask took away; a disk without modes does not mind
+  const auto left = [&](const char* what, int why) { unlink(part.c_str()), fail(what, std::strerror(why)); };
+  int why = write_all(file, text) && fsync(file) == 0 ? 0 : errno;  // on the disk before it takes the old one's place
+  if (close(file) != 0 && !why) why = errno;
+  if (why) left("cannot be written", why);
+  if (std::rename(part.c_str(), target.c_str()) != 0) left("cannot be replaced", errno);
 }
 
 }  // namespace dyn

@@ -211,6 +211,39 @@ TEST_F(Faults, KilledWhileSaving) {
   EXPECT_TRUE(a == content(path));
 }
 
+// What a save replaces is the file that links lead to, with its permissions; files beside it are the user's own.
+TEST_F(Faults, SavingReplacesOneFileAlone) {
+  const Model one = robot("double_pendulum"), other = robot("humanoid", DYN_BASE_FLOATING);
+  const auto save = [&](const Model& m, const char* name) { return dyn_model_save(m, file(name).c_str(), 0, nullptr, nullptr); };
+  for (const char* name : {"m.urdf.part", "m.urdf.part0"}) std::ofstream(file(name)) << "mine";
+  ASSERT_EQ(DYN_OK, save(one, "m.urdf")) << dyn_last_error();
+  const std::string before = content(file("m.urdf"));
+  fs::permissions(file("m.urdf"), fs::perms(0642));
+  fs::create_symlink("m.urdf", file("link.urdf")), fs::create_symlink("new.dynb", file("dangling.dynb")), fs::create_directory(file("folder.xml"));
+  ASSERT_EQ(DYN_OK, save(other, "link.urdf")) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, save(one, "dangling.dynb")) << dyn_last_error();
+  EXPECT_TRUE(fs::is_symlink(file("link.urdf")) && fs::is_symlink(file("dangling.dynb")) && fs::is_regular_file(file("new.dynb")));
+  EXPECT_TRUE(before != content(file("m.urdf")));
+  EXPECT_EQ(fs::perms(0642), fs::status(file("m.urdf")).permissions());
+  EXPECT_EQ(DYN_ERROR_FILE, save(one, "folder.xml"));
+  EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "no regular file"));
+  for (const char* name : {"m.urdf.part", "m.urdf.part0"}) EXPECT_EQ("mine", content(file(name)));
+  EXPECT_EQ(7, std::distance(fs::directory_iterator(folder), fs::directory_iterator())) << "something was left behind";
+}
+
+TEST_F(Faults, WhatMayNotBeWrittenStays) {
+  const Model m = robot("double_pendulum");
+  std::ofstream(file("m.urdf")) << "mine";
+  fs::permissions(file("m.urdf"), fs::perms(0444)), fs::permissions(folder, fs::perms::all);
+  const int refused = in_a_child([&] {
+    if (getuid() == 0 && setuid(65534) != 0) return 2;  // root may write anything
+    return dyn_model_save(m, file("m.urdf").c_str(), 0, nullptr, nullptr) == DYN_ERROR_FILE && std::strstr(dyn_last_error(), "Permission denied") ? 0 : 1;
+  });
+  EXPECT_EQ(0, refused);
+  EXPECT_EQ("mine", content(file("m.urdf")));
+  EXPECT_EQ(1, std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
 // ---------------------------------------------------------------------------------------------------- capacities
 
 // f(buffer, capacity, count) into 0, 1, n - 1, n and n + 1 elements of T: the first of them, nothing behind them, and how many there are.
