@@ -33,8 +33,10 @@ inline void check(dynStatus status) {
   if (status != DYN_OK) fail(dyn_last_error());
 }
 
-// A check of options: an empty text is none.
+// Checks of options, which say what is wrong: an empty text is none; a number in decimals; a whole one, 0 or more.
 std::string not_empty(const std::string& text);
+std::string decimal(const std::string& text);
+std::string whole(const std::string& text);
 
 // ---------------------------------------------------------------------------------------------------- the robot
 
@@ -128,7 +130,7 @@ struct State {
   bool has_tau = false;
 };
 void check_lists(const StateOptions& options);  // what is wrong with the lists whatever the robot
-// Numbers from words that hold several each, separated by commas or spaces; option is named in the refusal.
+// Numbers from words that hold one or several each, separated by commas or spaces, within [ ] or without; option is named in the refusal.
 Vector parse_list(const std::string& option, const std::vector<std::string>& words);
 State read_state(const Robot& robot, const StateOptions& options);
 std::string read_text(const std::string& file, const char* what);  // what: for messages
@@ -145,6 +147,10 @@ void append_number(std::string& out, double x);
 std::string short_number(double x, int digits = 6);
 // The answer, to standard output; fails when it cannot be written.
 void print(const std::string& answer);
+// Why a text is no decimal number, or "": then x is it.
+std::string number_of(const std::string& text, double& x);
+// What stands between commas or spaces; option is named in the refusal of empty places.
+std::vector<std::string> list_of(const std::string& option, const std::string& text);
 // Shortened, when it is absurdly long.
 std::string shown(const std::string& name);
 // Columns one below another.

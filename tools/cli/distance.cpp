@@ -79,7 +79,7 @@ void add_distance(CLI::App& app) {
   add_state_options(*command, options->state, false);
   command->add_flag("--pairs", options->all, "List all pairs, not the nearest ten");
   CLI::Option* sweep = command->add_flag("--sweep", options->sweep, "Errors and times of all pairs by method and tolerance, here and in random configurations");
-  command->add_option("--samples", options->samples, "Random configurations of --sweep (20)")->check(CLI::Range(0, 100000))->needs(sweep);
+  command->add_option("--samples", options->samples, "Random configurations of --sweep (20)")->check(whole)->check(CLI::Range(0, 100000))->needs(sweep);
   command->callback([options] { options->sweep ? run_sweep(*options) : run(*options); });
 }
 

@@ -22,25 +22,48 @@ std::vector<std::string_view> cells_of(std::string_view line) {
   return cells;
 }
 
+// Those of dyn sim --csv beside t and tau0, tau1, ...
+bool is_of_sim(const std::string& name, const Robot& robot) {
+  const auto one_of = [&](char letter, int n) {
+    for (int k = 0; k < n; ++k)
+      if (name == letter + std::to_string(k)) return true;
+    return false;
+  };
+  return name == "kinetic" || name == "potential" || name == "mechanical" || one_of('q', robot.nq) || one_of('v', robot.nv);
+}
+
+// Where t, tau0, tau1, ... stand among the names.
+std::vector<std::size_t> columns_of(const std::vector<std::string_view>& names, const Robot& robot, const std::string& file) {
+  std::vector<std::size_t> columns;
+  const std::string all = "t and tau0 to tau" + std::to_string(robot.nv - 1);
+  std::vector<bool> known(names.size());
+  for (int k = 0; k <= robot.nv; ++k) {
+    const std::string name = k ? "tau" + std::to_string(k - 1) : "t";
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) fail(file + ": there is no column " + name + ": the first line names " + all + ".");
+    if (std::find(found + 1, names.end(), name) != names.end()) fail(file + ": there are two columns " + name + ".");
+    columns.push_back(static_cast<std::size_t>(found - names.begin()));
+    known[columns.back()] = true;
+  }
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (const std::string name(names[k]); !known[k] && !is_of_sim(name, robot))
+      fail(file + ": the column \"" + shown(name) + "\" is none of this robot's: " + all + ", and those that dyn sim --csv writes.");
+  return columns;
+}
+
 }  // namespace
 
 Drive::Drive(const std::string& file, const Robot& robot) : nv_(static_cast<std::size_t>(robot.nv)), none_(nv_) {
   const std::string text = read_text(file, "file of forces");
   std::vector<std::size_t> columns;  // of t, tau0, tau1, ...
   std::size_t width = 0, line_number = 0;
-  for (std::size_t begin = 0; begin < text.size();) {
+  for (std::size_t begin = text.starts_with("\xEF\xBB\xBF") ? 3 : 0; begin < text.size();) {  // as spreadsheets begin their files
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::vector<std::string_view> cells = cells_of(std::string_view(text).substr(begin, end - begin));
     begin = end + 1, ++line_number;
     if (cells.size() == 1 && cells[0].empty()) continue;
     if (columns.empty()) {
-      width = cells.size();
-      for (std::size_t k = 0; k <= nv_; ++k) {
-        const std::string name = k ? "tau" + std::to_string(k - 1) : "t";
-        const auto found = std::find(cells.begin(), cells.end(), name);
-        if (found == cells.end()) fail(file + ": there is no column " + name + ": the first line names t and tau0 to tau" + std::to_string(nv_ - 1) + ".");
-        columns.push_back(static_cast<std::size_t>(found - cells.begin()));
-      }
+      width = cells.size(), columns = columns_of(cells, robot, file);
       continue;
     }
     const std::string where = file + ":" + std::to_string(line_number);

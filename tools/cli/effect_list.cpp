@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <sstream>
 
 #include "cli.hpp"
 
@@ -24,8 +23,10 @@ constexpr struct {
 
 std::uint32_t bits_of(const std::string& list, const char* option) {
   std::uint32_t bits = 0;
-  std::istringstream words(list);
-  for (std::string word; std::getline(words, word, ',');) {
+  const std::vector<std::string> words = list_of(option, list);
+  if (words.empty() && !list.empty()) bad_usage(std::string(option) + ": the list is empty.");
+  for (const std::string& word : words) {
+    if (word == "none" && words.size() > 1) bad_usage(std::string(option) + ": \"none\" stands alone, not in \"" + shown(list) + "\".");
     const auto* found = std::find_if(std::begin(names), std::end(names), [&](const auto& e) { return word == e.name; });
     if (found == std::end(names)) {
       std::string known;

@@ -179,9 +179,9 @@ void add_effects(CLI::App& app) {
   options->duration = 1;
   CLI::App* command = app.add_subcommand("effects", "What a scene calls for: each effect, its price and what leaving it out changes, measured");
   add_stepping_options(*command, *options);
-  command->add_option("--duration", options->duration, "Seconds to simulate for it")->capture_default_str();
-  command->add_option("--dt", options->dt, "Step, seconds")->capture_default_str();
-  CLI::Option* suggest = command->add_option("--suggest", options->allowed, "The fewest effects whose result is closer than this to that of all of them: m and rad");
+  command->add_option("--duration", options->duration, "Seconds to simulate for it")->check(decimal)->capture_default_str();
+  command->add_option("--dt", options->dt, "Step, seconds")->check(decimal)->capture_default_str();
+  CLI::Option* suggest = command->add_option("--suggest", options->allowed, "The fewest effects whose result is closer than this to that of all of them: m and rad")->check(decimal);
   command->callback([options, suggest] { run(*options, suggest->count() > 0); });
 }
 

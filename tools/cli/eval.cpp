@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <sstream>
 
 #include "cli.hpp"
 
@@ -299,10 +298,8 @@ const std::vector<Quantity>& quantities() {
 
 std::vector<const Quantity*> select(const Options& options) {
   std::vector<const Quantity*> out;
-  for (std::string list : options.compute) {
-    std::replace(list.begin(), list.end(), ',', ' ');
-    std::istringstream words(list);
-    for (std::string word; words >> word;) {
+  for (const std::string& list : options.compute) {
+    for (const std::string& word : list_of("--compute", list)) {
       const auto& table = quantities();
       const auto found = std::find_if(table.begin(), table.end(), [&](const Quantity& x) { return word == x.name; });
       if (found == table.end()) {

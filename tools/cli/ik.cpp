@@ -139,10 +139,10 @@ void add_ik(CLI::App& app) {
       ->type_name("NUMBERS");
   command->add_option("--com", options->com, "Target of the centre of mass: 3 numbers, m")->type_name("NUMBERS");
   command->add_flag("--stay", options->stay, "As near to the start (--q, --state) as the targets allow");
-  command->add_option("--tolerance", options->tolerance, "m and rad")->capture_default_str();
-  command->add_option("--restarts", options->restarts, "Random starts after the given one")->capture_default_str();
-  command->add_option("--seed", options->seed, "Of the random starts")->capture_default_str();
-  command->add_option("--max-iterations", options->max_iterations, "Of each start")->capture_default_str();
+  command->add_option("--tolerance", options->tolerance, "m and rad")->check(decimal)->capture_default_str();
+  command->add_option("--restarts", options->restarts, "Random starts after the given one")->check(whole)->capture_default_str();
+  command->add_option("--seed", options->seed, "Of the random starts")->check(whole)->capture_default_str();
+  command->add_option("--max-iterations", options->max_iterations, "Of each start")->check(whole)->capture_default_str();
   command->add_flag("--best", options->best, "Answer the best configuration when the targets can't be reached");
   command->add_flag("--no-limits", options->no_limits, "Ignore joint limits");
   command->callback([options] { run(*options); });

@@ -24,7 +24,7 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->check(CLI::IsMember({"none", "hull", "triangles"}))
       ->type_name("none|hull|triangles")
       ->capture_default_str();
-  command.add_option("--contact-capacity", options.contact_capacity, "Contact points that a step has room for, the deepest; 0: what the shapes need")
+  command.add_option("--contact-capacity", options.contact_capacity, "Contact points that a step has room for, the deepest; 0: what the shapes need")->check(whole)
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   command.add_flag("--strict", options.strict, "Physics that would be dropped is an error");

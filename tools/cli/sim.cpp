@@ -19,7 +19,7 @@ namespace {
 struct Options : SteppingOptions {
   double accuracy = 0;
   std::string csv, html, postmortem, forces;
-  bool dt_given = false, no_error_estimate = false, profile = false, ledger = false;
+  bool dt_given = false, accuracy_given = false, no_error_estimate = false, profile = false, ledger = false;
 };
 
 constexpr double max_csv_bytes = 16e9;
@@ -146,8 +146,8 @@ class Blackbox {
 };
 
 // The same simulation at half the step: its distance at the end, extrapolated by the integrator's order.
-json error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, double order, const ContactSolver& solver, std::uint32_t effects,
-                    const Schedule& schedule, const Drive* drive, const double* q_end, json& warnings) {
+double error_estimate(const Robot& robot, const State& state, dynIntegrator integrator, double order, const ContactSolver& solver, std::uint32_t effects,
+                      const Schedule& schedule, const Drive* drive, const double* q_end) {
   const Data fine(robot, DYN_PART_SIMULATION, effects);
   set_start(robot, fine, state);
   const double* time = state_view(robot, fine, "time");
@@ -156,10 +156,7 @@ json error_estimate(const Robot& robot, const State& state, dynIntegrator integr
     set_stepping(robot, fine, integrator, schedule.length(i) / 2, 0, {solver.type, solver.tolerance});
     for (int half = 0; half < 2; ++half) {
       if (drive) drive->act(robot, fine, *time);
-      if (dyn_step(robot, fine) != DYN_OK) {
-        warnings.push_back(std::string("no error estimate: the run at half the step failed: ") + dyn_last_error());
-        return nullptr;
-      }
+      if (dyn_step(robot, fine) != DYN_OK) fail(std::string("the run at half the step failed: ") + dyn_last_error());
     }
     progress.at(i);
   }
@@ -170,7 +167,7 @@ json error_estimate(const Robot& robot, const State& state, dynIntegrator integr
 
 std::string text_of(const json& a) {
   const auto number = [](const json& x) { return x.is_null() ? std::string("unknown") : short_number(x.get<double>()); };
-  std::string out = number(a["duration"]) + " s in " + std::to_string(a["steps"].get<long long>()) + " steps of " +
+  std::string out = number(a["duration"]) + " s in " + std::to_string(a["steps"].get<long long>()) + (a["steps"] == 1 ? " step of " : " steps of ") +
                     number(a["dt"]) + " s (" + a["integrator"].get<std::string>() + ")\n";
   out += "wall time         " + number(a["wall_s"]) + " s: " + number(a["real_time_factor"]) + " times real time\n";
   out += "energy            " + number(a["energy"]["initial"]) + " J at the start, " + number(a["energy"]["final"]) +
@@ -204,7 +201,7 @@ void write_html(const std::string& html, const Options& options, const Robot& ro
 
 void run(const Options& options) {
   check_stepping(options);
-  if (!(options.accuracy >= 0) || !std::isfinite(options.accuracy)) bad_usage("--accuracy must be a positive number.");
+  if (options.accuracy_given && (!(options.accuracy > 0) || !std::isfinite(options.accuracy))) bad_usage("--accuracy must be a positive number.");
   const auto& integrator = integrator_named(options.integrator);
   const ContactSolver solver{solver_named(options.solver).id, options.tolerance, options.max_iterations, options.time_budget};
   const std::uint32_t on = parse_effects(options.effects);
@@ -228,6 +225,7 @@ void run(const Options& options) {
     if (drive) state.tau.assign(drive->at(time), drive->at(time) + robot.nv), state.has_tau = true;
   };
   act(0);
+  if (drive && drive->begin() > 0) warnings.push_back("the first row of --tau-csv is at t = " + short_number(drive->begin()) + " s: tau is zero until then");
   const State start = state;  // of it what effects take and change is measured
   const double bytes = 22.0 * static_cast<double>(schedule.steps) * (4 + robot.nq + robot.nv * (state.has_tau ? 2 : 1));
   if (!options.csv.empty() && bytes > max_csv_bytes)
@@ -325,7 +323,7 @@ void run(const Options& options) {
   answer["sleeping"] = sleeping;
   answer["integrator"] = adaptive && integrator.id != DYN_RK45 ? "reference" : options.integrator;  // whose methods an accuracy takes
   answer["solver"] = rows_max > 0 ? options.solver : "none";
-  answer["dt"] = adaptive ? options.duration / static_cast<double>(std::max(steps, 1LL)) : dt;
+  answer["dt"] = adaptive ? options.duration / static_cast<double>(std::max(steps, 1LL)) : schedule.length(0);
   if (adaptive) answer["accuracy"] = options.accuracy;
   const Vector q_end(q, q + robot.nq);
   if (options.no_error_estimate) {
@@ -333,7 +331,11 @@ void run(const Options& options) {
   } else if (adaptive || integrator.order == 0) {
     answer["error_estimate"] = estimate, answer["error_estimate_method"] = "sum of the estimated errors of the steps";
   } else {
-    answer["error_estimate"] = error_estimate(robot, state, integrator.id, integrator.order, solver, on, schedule, drive.get(), q_end.data(), warnings);
+    try {
+      answer["error_estimate"] = error_estimate(robot, state, integrator.id, integrator.order, solver, on, schedule, drive.get(), q_end.data());
+    } catch (const Failure& failure) {  // what was simulated stands
+      answer["error_estimate"] = nullptr, warnings.push_back("no error estimate: " + failure.message);
+    }
     answer["error_estimate_method"] = "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
   }
   if (unsolved) warnings.push_back(std::to_string(unsolved) + " contact problems ended above --tolerance: their impulses are the best that --max-iterations and --time-budget left room for");
@@ -365,9 +367,9 @@ void add_sim(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("sim", "Dynamics under a constant tau or forces over time, with contacts, limits and constraints");
   add_stepping_options(*command, *options);
-  command->add_option("--duration", options->duration, "Seconds to simulate")->required();
-  CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy the time between rows of --csv")->capture_default_str();
-  command->add_option("--accuracy", options->accuracy, "What the errors of the steps may add up to (m, rad and their rates): the steps' lengths follow");
+  command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->required();
+  CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy the time between rows of --csv")->check(decimal)->capture_default_str();
+  CLI::Option* accuracy = command->add_option("--accuracy", options->accuracy, "What the errors of the steps may add up to (m, rad and their rates): the steps' lengths follow")->check(decimal);
   command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);
   command->add_option("--tau-csv", options->forces, "Forces over time: a CSV file with columns t and tau0, tau1, ...; a row's act until the next row's t")->check(not_empty);
   command->add_option("--html", options->html, "A page to look at, into this file: the robot in motion, forces, plots, ledger, what each effect takes")->check(not_empty);
@@ -375,8 +377,8 @@ void add_sim(CLI::App& app) {
   command->add_flag("--profile", options->profile, "What each effect takes and changes, as dyn effects measures it");
   command->add_flag("--ledger", options->ledger, "Where the energy and the momentum went, by source, and what nothing accounts for");
   command->add_flag("--no-error-estimate", options->no_error_estimate, "Leave out the second run, at half the step");
-  command->callback([options, dt] {
-    options->dt_given = dt->count() > 0;
+  command->callback([options, dt, accuracy] {
+    options->dt_given = dt->count() > 0, options->accuracy_given = accuracy->count() > 0;
     run(*options);
   });
 }

@@ -1,13 +1,12 @@
 // The state: a JSON file {"q":[nq],"v":[nv],"a":[nv],"tau":[nv]} or lists on the command line. Missing ones: neutral, zero.
 // In the file each may also be an object {"joint": number or list}; joints that it does not name stay neutral or zero.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <set>
-#include <sstream>
 
 #include "cli.hpp"
 
@@ -25,22 +24,14 @@ void add_state_options(CLI::App& command, StateOptions& options, bool with_accel
 }
 
 Vector parse_list(const std::string& option, const std::vector<std::string>& words) {
+  std::string text = join(words, " ");
+  if (text.starts_with('[') && text.ends_with(']')) text = text.substr(1, text.size() - 2);
   Vector out;
-  for (const auto& word : words) {
-    std::string text = word;
-    for (char& c : text)
-      if (c == ',' || c == ';' || c == '[' || c == ']') c = ' ';
-    std::istringstream parts(text);
-    for (std::string part; parts >> part;) {
-      const char* begin = part.c_str() + (part[0] == '+');
-      const char* end = part.c_str() + part.size();
-      double x;
-      const auto [stop, error] = std::from_chars(begin, end, x);
-      if (error == std::errc::result_out_of_range && stop == end) bad_usage(option + ": \"" + shown(part) + "\" is beyond the range of a double.");
-      if (error != std::errc() || stop != end) bad_usage(option + ": \"" + shown(part) + "\" is not a number.");
-      if (!std::isfinite(x)) bad_usage(option + ": \"" + shown(part) + "\" is not finite.");
-      out.push_back(x);
-    }
+  for (const std::string& word : list_of(option, text)) {
+    double x;
+    if (const std::string fault = number_of(word, x); !fault.empty()) bad_usage(option + ": " + fault + ".");
+    if (!std::isfinite(x)) bad_usage(option + ": \"" + shown(word) + "\" is not finite.");
+    out.push_back(x);
   }
   return out;
 }
@@ -69,6 +60,15 @@ double number(const json& value, const std::string& where) {
   return x;
 }
 
+// So many numbers of a list.
+void numbers(const json& list, const std::string& where, int n, const char* symbol, double* out) {
+  if (!list.is_array()) fail(where + " must be a list of numbers.");
+  Vector given;
+  for (const json& x : list) given.push_back(number(x, where + "[" + std::to_string(given.size()) + "]"));
+  if (given.size() != static_cast<std::size_t>(n)) fail(sizes(where, given.size(), n, symbol));
+  std::copy(given.begin(), given.end(), out);
+}
+
 void from_json(const Robot& robot, const std::string& file, const std::string& key, const json& value, Vector& out) {
   const std::string where = file + ": \"" + key + "\"";
   const bool is_q = key == "q";
@@ -90,18 +90,7 @@ void from_json(const Robot& robot, const std::string& file, const std::string& k
     }
     return;
   }
-  if (!value.is_array()) fail(where + " must be a list of numbers.");
-  const int n = is_q ? robot.nq : robot.nv;
-  if (value.size() != static_cast<std::size_t>(n)) fail(sizes(where, value.size(), n, is_q ? "nq" : "nv"));
-  for (int i = 0; i < n; ++i) out[i] = number(value[i], where + "[" + std::to_string(i) + "]");
-}
-
-// Controls: one list.
-void from_json_list(const std::string& file, const std::string& key, const json& value, Vector& out) {
-  const std::string where = file + ": \"" + key + "\"";
-  if (!value.is_array()) fail(where + " must be a list of numbers.");
-  if (value.size() != out.size()) fail(sizes(where, value.size(), static_cast<int>(out.size()), "nu"));
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = number(value[i], where + "[" + std::to_string(i) + "]");
+  numbers(value, where, is_q ? robot.nq : robot.nv, is_q ? "nq" : "nv", out.data());
 }
 
 }  // namespace
@@ -123,6 +112,14 @@ std::string read_text(const std::string& file, const char* what) {
 
 namespace {
 
+// The parser says which number it was, 'so', and not where.
+[[noreturn]] void fail_beyond_double(const std::string& file, const std::string& text, const std::string& said) {
+  const std::size_t begin = said.find('\'') + 1, end = std::max(said.rfind('\''), begin);
+  const std::string word = said.substr(begin, end - begin);
+  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(text.find(word), text.size())), '\n');
+  fail(file + ":" + std::to_string(line) + ": \"" + shown(word) + "\" is beyond the range of a double.");
+}
+
 // What JSON leaves open is refused: a name twice in an object; and what the parser takes for the end: a zero byte.
 json read_json(const std::string& file) {
   const std::string text = read_text(file, "state");
@@ -138,6 +135,8 @@ json read_json(const std::string& file) {
   };
   try {
     return json::parse(text, look);
+  } catch (const json::out_of_range& error) {
+    fail_beyond_double(file, text, error.what());
   } catch (const json::exception& error) {
     fail(file + ": not JSON: " + error.what() + ".");
   }
@@ -173,7 +172,7 @@ State read_state(const Robot& robot, const StateOptions& options) {
     else if (key == "tau")
       from_json(robot, options.file, key, value, state.tau), state.has_tau = true;
     else if (key == "ctrl")
-      from_json_list(options.file, key, value, state.ctrl);
+      numbers(value, options.file + ": \"ctrl\"", static_cast<int>(state.ctrl.size()), "nu", state.ctrl.data());
     else
       fail(options.file + ": unknown key \"" + shown(key) + "\"; the keys are \"q\", \"v\", \"a\", \"tau\", \"ctrl\".");
   }

@@ -79,9 +79,9 @@ void add_stepping_options(CLI::App& command, SteppingOptions& options) {
   add_robot_options(command, options.robot);
   command.add_option("--integrator", options.integrator, "semi_implicit_euler, rk4, implicit_fast, implicit_midpoint, rk45 or reference")->capture_default_str();
   command.add_option("--solver", options.solver, "Of contacts, limits and constraints: pgs, admm or newton")->capture_default_str();
-  command.add_option("--tolerance", options.tolerance, "Residual that it goes on to")->capture_default_str();
-  command.add_option("--max-iterations", options.max_iterations, "Of it, an island and step: then the best impulses so far act")->capture_default_str();
-  command.add_option("--time-budget", options.time_budget, "Seconds that it may take a step, likewise; 0: no limit, and the same result every time")->capture_default_str();
+  command.add_option("--tolerance", options.tolerance, "Residual that it goes on to")->check(decimal)->capture_default_str();
+  command.add_option("--max-iterations", options.max_iterations, "Of it, an island and step: then the best impulses so far act")->check(whole)->capture_default_str();
+  command.add_option("--time-budget", options.time_budget, "Seconds that it may take a step, likewise; 0: no limit, and the same result every time")->check(decimal)->capture_default_str();
   command.add_flag("--ground", options.ground, "Adds the half-space below z = 0; without a state the robot starts on it");
   add_state_options(command, options.state, false);
   command.add_option("--configuration", options.configuration, "Start in this configuration of the file; default: qpos0 of an MJCF file, else neutral")->check(not_empty);
@@ -107,7 +107,8 @@ State start_of(const Robot& robot, const SteppingOptions& options, json& warning
   else if (!said && has_configuration(robot, "qpos0")) check(dyn_configuration(robot, "qpos0", state.q.data()));
   if (options.ground && !said && options.configuration.empty()) lift(robot, state.q, warnings);
   if (parse_effects(options.effects) & DYN_EFFECT_LIMITS) warn_beyond_limits(robot, state.q, warnings);
-  if (const Vector given = parse_list("--ctrl", options.ctrl); !given.empty()) {
+  if (!options.ctrl.empty()) {
+    const Vector given = parse_list("--ctrl", options.ctrl);
     if (given.size() != state.ctrl.size())
       fail("--ctrl has " + std::to_string(given.size()) + " numbers, but the robot has " + std::to_string(state.ctrl.size()) + " controls (nu).");
     state.ctrl = given;

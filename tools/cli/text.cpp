@@ -1,4 +1,5 @@
 // Numbers, JSON and the answer on standard output.
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -68,6 +69,43 @@ std::string one_line(std::string text) {
 }
 
 std::string not_empty(const std::string& text) { return text.empty() ? "the text is empty" : ""; }
+
+std::string number_of(const std::string& text, double& x) {
+  const char* begin = text.c_str() + (text.size() > 1 && text[0] == '+' && text[1] != '-');
+  const char* end = text.c_str() + text.size();
+  const auto [stop, error] = std::from_chars(begin, end, x);
+  if (error == std::errc::result_out_of_range && stop == end) return "\"" + shown(text) + "\" is beyond the range of a double";
+  return error != std::errc() || stop != end ? "\"" + shown(text) + "\" is not a number" : "";
+}
+
+std::string decimal(const std::string& text) {
+  double x;
+  return number_of(text, x);
+}
+
+std::string whole(const std::string& text) {
+  std::uint64_t x = 0;
+  const char* end = text.c_str() + text.size();
+  const auto [stop, error] = std::from_chars(text.c_str(), end, x);
+  const bool octal = text.size() > 1 && text[0] == '0';  // so the parser would take it
+  return error != std::errc() || stop != end || octal ? "\"" + shown(text) + "\" is no whole number from 0 to " + std::to_string(UINT64_MAX) : "";
+}
+
+std::vector<std::string> list_of(const std::string& option, const std::string& text) {
+  std::vector<std::string> out;
+  bool wanted = false;  // behind a comma
+  const char* blanks = " \t\r\n";
+  for (std::size_t at = text.find_first_not_of(blanks); at != text.npos; at = text.find_first_not_of(blanks, at)) {
+    const std::size_t end = std::min(text.find_first_of(" \t\r\n,", at), text.size());
+    if (end == at) bad_usage(option + ": there is nothing " + (out.empty() ? "before the first comma" : "between two commas") + " of \"" + shown(text) + "\".");
+    out.push_back(text.substr(at, end - at));
+    const std::size_t next = text.find_first_not_of(blanks, end);
+    wanted = next != text.npos && text[next] == ',';
+    at = wanted ? next + 1 : end;
+  }
+  if (wanted) bad_usage(option + ": there is nothing behind the last comma of \"" + shown(text) + "\".");
+  return out;
+}
 
 std::string join(const std::vector<std::string>& words, const char* separator) {
   std::string out;

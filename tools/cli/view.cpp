@@ -91,10 +91,10 @@ void add_view(CLI::App& app) {
   CLI::App* command = app.add_subcommand("view", "The robot in a browser: its shapes, frames, masses, joints to be moved; with --live a simulation to be pushed");
   command->footer("With --live the address has a random word in it and is served to this machine alone; drag with Shift held to push a link; Ctrl-C ends it.");
   add_stepping_options(*command, *options);
-  command->add_option("--dt", options->dt, "Step of --live, seconds")->capture_default_str();
+  command->add_option("--dt", options->dt, "Step of --live, seconds")->check(decimal)->capture_default_str();
   command->add_option("--html", options->html, "Write the page into this file, and open nothing")->check(not_empty);
   command->add_flag("--live", options->live, "Serve a running simulation: pause, reset, push, effects switched");
-  command->add_option("--port", options->port, "Of --live; 0: one that is free")->check(CLI::Range(0, 65535))->capture_default_str();
+  command->add_option("--port", options->port, "Of --live; 0: one that is free")->check(whole)->check(CLI::Range(0, 65535))->capture_default_str();
   command->add_flag("--no-browser", options->no_browser, "Say where it is, and open nothing");
   command->callback([options] { run(*options); });
 }

@@ -293,7 +293,7 @@ def test_eval_defaults(go2):
 
 def test_eval_lists(arm_file, arm):
     expected = arm.data().rnea([-0.5, 0.25], [1, -2], [0.5, 1e-3]).tolist()
-    for q in (["-0.5", "0.25"], ["-0.5,0.25"], ["-0.5,", "+0.25"], ["[-0.5, .25]"]):
+    for q in (["-0.5", "0.25"], ["-0.5,0.25"], ["-0.5,", "+0.25"], ["[-0.5, .25]"], [" -0.5 , 0.25 "]):
         assert (
             answer("eval", arm_file, "--fixed", "--compute", "tau", "--q", *q, "--v", "1,-2", "--a=0.5,1e-3")["tau"] == expected
         )
@@ -317,7 +317,9 @@ def test_state_by_joint(arm_file, arm, state_file):
         ("", ["not JSON"]),
         ("[1, 2]", ["object"]),
         ('{"q": [1, NaN]}', ["not JSON"]),
-        ('{"q": [1, 1e999]}', ["not JSON"]),
+        ('{"q":\n [1, 1e999]}', [':2: "1e999" is beyond the range of a double']),
+        ('{"q": [[1, 2]]}', ['"q"[0] must be a number, but is [1,2]']),
+        ('{"ctrl": [[1]]}', ['"ctrl"[0] must be a number']),
         ('{"q": [1, 2, 3]}', ['"q"', "3", "2"]),
         ('{"v": [1]}', ['"v"', "1", "2"]),
         ('{"q": [1, "x"]}', ['"q"[1]', "number"]),
@@ -394,7 +396,7 @@ def test_sim_of_every_robot(robot, integrator, state_file):
 def test_sim_with_forces_over_time(arm_file, arm, tmp_path):
     forces, again, random, d = tmp_path / "forces.csv", tmp_path / "again.csv", np.random.default_rng(0), arm.data()
     rows = [(1e-3 * k, *random.normal(size=2).tolist()) for k in range(0, 50, 2)]  # each acts for two steps
-    forces.write_text("tau1,t,why,tau0\n" + "".join(f"{b!r},{t!r},,{a!r}\n" for t, a, b in rows))
+    forces.write_text("\ufefftau1,t,mechanical,tau0\n" + "".join(f"{b!r},{t!r},,{a!r}\n" for t, a, b in rows), "utf-8")
     d.set_effects("armature")
     d.set_state([1, 0.5], [0, 0])
     for k in range(50):
@@ -406,7 +408,8 @@ def test_sim_with_forces_over_time(arm_file, arm, tmp_path):
     assert answer(*setting, "--tau-csv", again)["q"] == d.q.tolist()
     late = tmp_path / "late.csv"
     late.write_text("t,tau0,tau1\n0.03,1,1\n")
-    assert answer(*setting, "--tau-csv", late)["q"] != answer(*setting)["q"]
+    found = answer(*setting, "--tau-csv", late)
+    assert found["q"] != answer(*setting)["q"] and any("first row of --tau-csv is at t = 0.03 s" in w for w in found["warnings"])
 
 
 @pytest.mark.parametrize(
@@ -421,6 +424,10 @@ def test_sim_with_forces_over_time(arm_file, arm, tmp_path):
         ("t,tau0,tau1\n0,1,nan\n", "is not a finite number"),
         ("t,tau0,tau1\n0,1,\n", "is not a finite number"),
         ("t,tau0,tau1\n0,1,2\n0,1,2\n", "t must grow from row to row"),
+        ("t,tau0,tau1,tau2\n0,1,2,3\n", 'the column "tau2" is none of this robot\'s'),
+        ("t,tau0,tau1,foo\n0,1,2,3\n", 'the column "foo" is none of this robot\'s'),
+        ("t,tau0,tau1,q2\n0,1,2,3\n", 'the column "q2" is none of this robot\'s'),
+        ("t,tau0,tau1,tau1\n0,1,2,3\n", "there are two columns tau1"),
     ],
 )
 def test_bad_forces_over_time(arm_file, tmp_path, text, said):
@@ -438,7 +445,19 @@ def test_sim_last_step_is_shorter(arm_file):
     found = answer("sim", arm_file, "--fixed", "--duration", "0.0105", "--dt", "1e-3")
     assert found["steps"] == 11 and found["time"] == pytest.approx(0.0105, abs=1e-15)
     found = answer("sim", arm_file, "--fixed", "--duration", "1e-4", "--dt", "1", "--no-error-estimate")
-    assert found["steps"] == 1 and found["time"] == 1e-4 and found["error_estimate"] is None
+    assert found["steps"] == 1 and found["time"] == found["dt"] == 1e-4 and found["error_estimate"] is None
+    assert run("sim", arm_file, "--fixed", "--duration", "1e-300").startswith("1e-300 s in 1 step of 1e-300 s")
+
+
+def test_sim_without_an_error_estimate(tmp_path):
+    """The steps go well, and their distance from those at half the length is none."""
+    robot, csv = tmp_path / "blow.xml", tmp_path / "blow.csv"
+    robot.write_text('<mujoco><worldbody><body><joint name="j" axis="0 1 0" stiffness="1e6"/><geom size=".01" pos=".5 0 0"/></body></worldbody></mujoco>')
+    words = ("sim", robot, "--integrator", "rk4", "--duration", "1", "--dt", "0.1", "--q", "1")
+    found = answer(*words, "--csv", csv)
+    assert found["error_estimate"] is None and found["steps"] == 10 and len(csv.read_text().splitlines()) == 12
+    assert sum(w.startswith("no error estimate: ") for w in found["warnings"]) == 1
+    assert "error estimate    unknown" in run(*words)
 
 
 def test_sim_error_estimate_is_honest(arm_file):

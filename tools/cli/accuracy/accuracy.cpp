@@ -322,7 +322,7 @@ std::vector<std::string> scene_words(const SteppingOptions& o) {
     if (x != standard) out.insert(out.end(), {name, x});
   };
   const auto list = [&](const std::vector<std::string>& x, const char* name) {
-    if (!x.empty()) out.insert(out.end(), {name, join(x, ",")});
+    if (!x.empty()) out.insert(out.end(), {name, join(x, " ")});
   };
   flag(o.robot.fixed, "--fixed"), flag(o.robot.floating, "--floating"), flag(o.robot.cos_sin, "--cos-sin"), flag(o.ground, "--ground");
   for (const auto& d : o.robot.package_dirs) out.insert(out.end(), {"--package-dir", d});
@@ -341,8 +341,8 @@ void add_accuracy(CLI::App& app) {
   command->footer("Errors are measured from a reference: order 8 to rounding where motion is smooth, the finest steps that the budget allows where bodies touch.");
   add_stepping_options(*command, *options);
   command->remove_option(command->get_option("--integrator"));
-  command->add_option("--duration", options->duration, "Seconds to simulate")->capture_default_str();
-  command->add_option("--dt", options->dt, "Steps at which contact solvers are compared, seconds")->capture_default_str();
+  command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->capture_default_str();
+  command->add_option("--dt", options->dt, "Steps at which contact solvers are compared, seconds")->check(decimal)->capture_default_str();
   command->add_option("--target", options->target, "Error that is allowed, with a unit: 1e-4m, 1e-3rad, 0.1J")->check(not_empty);
   command->add_option("--budget", options->budget, "Time for all runs, with a unit: 60s, 5min")->capture_default_str()->check(not_empty);
   command->add_option("--reference", options->reference, "A state file: where the scene is at the end")->check(not_empty);
