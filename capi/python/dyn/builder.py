@@ -12,7 +12,7 @@ from . import abi
 from .actuator import Actuator
 from .arrays import Owner, address, checked, numbers
 from .arrays import placement as twelve
-from .choices import member, text
+from .choices import member, text, whole
 from .constraint import structure
 from .enums import FrameType, JointType, ShapeRole, ShapeType
 from .errors import ArgumentError
@@ -189,12 +189,12 @@ class Builder:
 
     def constraint_slots(self, slots: int) -> Builder:
         """Spare slots that a data of the model has."""
-        check(lib.dyn_builder_constraint_slots(self._b, slots))
+        check(lib.dyn_builder_constraint_slots(self._b, whole(slots, "slots")))
         return self
 
     def contact_capacity(self, contacts: int) -> Builder:
         """For how many contact points a step has room, the deepest; 0: for what the shapes need."""
-        check(lib.dyn_builder_contact_capacity(self._b, contacts))
+        check(lib.dyn_builder_contact_capacity(self._b, whole(contacts, "contacts")))
         return self
 
     def actuator(self, name: str, joint: str, actuator: Actuator | None = None, **values: Any) -> Builder:

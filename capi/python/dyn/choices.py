@@ -50,6 +50,17 @@ def mask(flag: type[E], value: Any, what: str) -> int:
     return bits
 
 
+def whole(x: Any, what: str, least: int = -(2**31)) -> int:
+    """An integer of 32 bits: ctypes would cut a longer one."""
+    try:
+        number = operator.index(x)
+    except TypeError:
+        raise ArgumentError(f"{what} is {x!r}, but must be an integer.") from None
+    if not least <= number < 2**31:
+        raise ArgumentError(f"{what} is {number}, but must be from {least} to 2^31 - 1.")
+    return number
+
+
 def text(s: str, what: str) -> bytes:
     if not isinstance(s, str):
         raise ArgumentError(f"{what} is {s!r}, but must be a string.")

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import abi
 from .arrays import checked
-from .choices import member, text
+from .choices import member, text, whole
 from .enums import Base, MeshUse
 from .errors import ArgumentError
 from .library import check, lib
@@ -38,7 +38,8 @@ def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity:
     if srdf is not None:
         options.srdf = os.fsencode(srdf)
     options.meshes = member(MeshUse, meshes, "meshes")
-    options.constraint_slots, options.contact_capacity, options.confined = slots, contacts, bool(confined)
+    options.constraint_slots, options.contact_capacity = whole(slots, "constraint_slots"), whole(contacts, "contact_capacity")
+    options.confined = bool(confined)
     return options
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import abi
 from .arrays import address, numbers
-from .choices import member
+from .choices import member, whole
 from .enums import ContactSolverType, Integrator, Part, SensorType, Status
 from .errors import ArgumentError, SizeError
 from .library import fail, lib
@@ -62,8 +62,9 @@ class Plan:
 
     def __init__(self, model: Model, q0: Any, v0: Any, tau: Any, control: Any, states: Any, n: int | None, steps: int | None, every: int):
         self.model, self.steps, self.every, self.n = model, steps, every, n
-        if not isinstance(every, (int, np.integer)) or every < 1:
-            raise ArgumentError(f"every is {every!r}, but must be a number of steps, at least 1.")
+        if not isinstance(every, (int, np.integer)) or not 1 <= every < 2**31:
+            raise ArgumentError(f"every is {every!r}, but must be a number of steps, from 1 to 2^31 - 1.")
+        self.steps, self.n = None if steps is None else whole(steps, "steps", 1), None if n is None else whole(n, "n", 0)
         driven = [(name, x) for name, x in (("control", control), ("tau", tau)) if x is not None]
         for name, x in driven:
             if x.ndim not in (2, 3):

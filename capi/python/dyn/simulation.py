@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import abi
-from .choices import member
+from .choices import member, whole
 from .contact import Contact, to_contact
 from .enums import ContactSolverType, Integrator
 from .errors import ArgumentError
@@ -107,7 +107,7 @@ def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, **numb
     for name, x in numbers.items():
         if x is not None:
             try:
-                setattr(options, name, x)
+                setattr(options, name, whole(x, name) if isinstance(getattr(options, name), int) else x)
             except TypeError:
                 raise ArgumentError(f"{name} is {x!r}, but must be a number.") from None
 

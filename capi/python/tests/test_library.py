@@ -74,3 +74,21 @@ def test_cpu_levels():
     levels = library.cpu_levels()
     assert levels == sorted(levels, reverse=True)
     assert set(levels) <= {"x86-64-v2", "x86-64-v3", "x86-64-v4"}
+
+
+@pytest.mark.parametrize(("call", "name"), [
+    (lambda m, n: m.data().set_stepping(max_iterations=n), "max_iterations"),
+    (lambda m, n: dyn.load_string("<mujoco/>", constraint_slots=n), "constraint_slots"),
+    (lambda m, n: dyn.load_string("<mujoco/>", contact_capacity=n), "contact_capacity"),
+    (lambda m, n: dyn.Builder("x").contact_capacity(n), "contacts"),
+    (lambda m, n: dyn.Builder("x").constraint_slots(n), "slots"),
+    (lambda m, n: dyn.batch.rollout(m, steps=n), "steps"),
+    (lambda m, n: dyn.batch.rollout(m, steps=n, every=n), "every"),
+    (lambda m, n: dyn.batch.rollout(m, steps=2, n=n), "n"),
+])  # fmt: skip
+@pytest.mark.parametrize("number", [2**32 + 1, 2**31, 10**30, 2.5])
+def test_integers_are_not_cut(call, name, number):
+    b = dyn.Builder("one")
+    b.joint("j", "revolute", None).body("b", "j", 1.0, (0.1, 0, 0))
+    with pytest.raises(dyn.Error, match=rf"{name} is"):
+        call(b.finish(), number)
