@@ -88,7 +88,7 @@ std::string whole(const std::string& text) {
   const char* end = text.c_str() + text.size();
   const auto [stop, error] = std::from_chars(text.c_str(), end, x);
   const bool octal = text.size() > 1 && text[0] == '0';  // so the parser would take it
-  return error != std::errc() || stop != end || octal ? "\"" + shown(text) + "\" is no whole number from 0 to " + std::to_string(UINT64_MAX) : "";
+  return error != std::errc() || stop != end || octal ? "\"" + shown(text) + "\" is no whole number, 0 or more, of 64 bits" : "";
 }
 
 std::vector<std::string> list_of(const std::string& option, const std::string& text) {

@@ -228,7 +228,7 @@ std::string html_of(const json& a, const std::vector<Point>& points, const std::
 }
 
 std::string quoted(const std::string& word) {
-  return word.find_first_of(" \t'\"$&;()*?<>|\\") == word.npos ? word : "'" + word + "'";
+  return !word.empty() && word.find_first_of(" \t'\"$&;()*?<>|\\") == word.npos ? word : "'" + word + "'";
 }
 
 void run(const Options& options, const std::vector<std::string>& words) {
