@@ -166,6 +166,12 @@ def test_what_cannot_be_written_is_said_first(words, arm_file, tmp_path):  # noq
     assert [p.name for p in tmp_path.iterdir()] == ["arm.urdf"]
 
 
+def test_the_recommended_command_can_be_run(arm_file):  # noqa: F811
+    said = answer("accuracy", arm_file, "--fixed", "--q", "0.1,", "0.2", "--v", "[0.3, 0.4]", "--duration", "0.01", "--budget", "1s", "--target", "1m")
+    command = said["recommended"]["command"].split()
+    assert "0.1,0.2" in command and answer(*command[1:])["time"] == pytest.approx(0.01)
+
+
 def test_points_need_a_file(arm_file):  # noqa: F811
     assert "/dev/full: cannot be written" in run("accuracy", arm_file, "--fixed", "--resume", "/dev/full", status=1)
 

@@ -322,7 +322,7 @@ std::vector<std::string> scene_words(const SteppingOptions& o) {
     if (x != standard) out.insert(out.end(), {name, x});
   };
   const auto list = [&](const std::vector<std::string>& x, const char* name) {
-    if (!x.empty()) out.insert(out.end(), {name, join(x, " ")});
+    if (!x.empty()) out.insert(out.end(), {name, join(list_of(name, join(x, " ")), ",")});
   };
   flag(o.robot.fixed, "--fixed"), flag(o.robot.floating, "--floating"), flag(o.robot.cos_sin, "--cos-sin"), flag(o.ground, "--ground");
   for (const auto& d : o.robot.package_dirs) out.insert(out.end(), {"--package-dir", d});
