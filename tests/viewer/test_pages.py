@@ -474,7 +474,7 @@ def test_refusals(tmp_path):
     robot.write_text((MODELS / "robots/double_pendulum.urdf").read_text())
     for command in (("sim", robot, "--duration", 1), ("info", robot), ("view", robot)):
         refused = dyn(*command, "--fixed", "--html", robot)
-        assert refused.returncode == 2 and "overwrite" in refused.stderr
+        assert refused.returncode == 2 and "overwritten" in refused.stderr
     refused = dyn("view", robot, "--fixed", "--html", tmp_path / "no/such/folder.html")
     assert refused.returncode == 1 and "cannot be written" in refused.stderr
 

@@ -94,7 +94,7 @@ void add_view(CLI::App& app) {
   command->add_option("--dt", options->dt, "Step of --live, seconds")->check(decimal)->capture_default_str();
   command->add_option("--html", options->html, "Write the page into this file, and open nothing")->check(not_empty);
   command->add_flag("--live", options->live, "Serve a running simulation: pause, reset, push, effects switched");
-  command->add_option("--port", options->port, "Of --live; 0: one that is free")->check(whole)->check(CLI::Range(0, 65535))->capture_default_str();
+  command->add_option("--port", options->port, "Of --live; 0: one that is free")->check(CLI::Range(0, 65535))->check(whole)->capture_default_str();
   command->add_flag("--no-browser", options->no_browser, "Say where it is, and open nothing");
   command->callback([options] { run(*options); });
 }
