@@ -25,9 +25,9 @@ if (ROOT / "build/release/lib").is_dir():
 sys.path.append(str(ROOT / "capi/python"))
 os.environ.setdefault("RAY_worker_niceness", "0")  # 15 as it comes: a machine with other work would be measured
 os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))  # or Ray writes one to the home folder
-import dyn  # noqa: E402
+import libdyn as dyn  # noqa: E402
 import ray  # noqa: E402
-from dyn.batch import rollout  # noqa: E402
+from libdyn.batch import rollout  # noqa: E402
 
 
 def main():

@@ -19,11 +19,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "capi" / "python"))
 
-import dyn
-from dyn import abi
-from dyn.arrays import address
-from dyn.contact_solver import _Problem
-from dyn.library import lib
+import libdyn as dyn
+from libdyn import abi
+from libdyn.arrays import address
+from libdyn.contact_solver import _Problem
+from libdyn.library import lib
 
 try:
     import pinocchio as pin

@@ -24,8 +24,8 @@ import numpy as np
 
 PROJECT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(PROJECT / "capi/python"))
-import dyn  # noqa: E402
-from dyn import ik  # noqa: E402
+import libdyn as dyn  # noqa: E402
+from libdyn import ik  # noqa: E402
 
 TOLERANCE = 1e-6
 ROBOTS = {

@@ -22,7 +22,7 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(PROJECT / "capi" / "python"))
 
-import dyn  # noqa: E402
+import libdyn as dyn  # noqa: E402
 import pages  # noqa: E402
 
 

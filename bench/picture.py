@@ -16,7 +16,7 @@ import numpy as np
 PROJECT = Path(__file__).resolve().parent.parent
 sys.path.append(str(PROJECT / "capi/python/examples"))
 
-import dyn  # noqa: E402
+import libdyn as dyn  # noqa: E402
 import quadruped_stands as stands  # noqa: E402
 from standing import FEET, standing  # noqa: E402
 

@@ -20,7 +20,7 @@ from time import perf_counter
 
 import numpy as np
 
-import dyn
+import libdyn as dyn
 
 MODELS = Path(__file__).resolve().parents[1] / "models" / "robots"
 ROBOTS = {"panda": "fixed", "go2": "floating", "humanoid": "floating"}

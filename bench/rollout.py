@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 if (ROOT / "build/release/lib").is_dir():
     os.environ.setdefault("DYN_LIBRARY", str(ROOT / "build/release/lib"))
 sys.path.append(str(ROOT / "capi/python"))
-import dyn  # noqa: E402
+import libdyn as dyn  # noqa: E402
 
 DT = 2e-3
 LEGS = ("FL", "FR", "RL", "RR")

@@ -34,7 +34,7 @@ ROOT = Path(__file__).resolve().parents[1]
 if (ROOT / "build/release/lib").is_dir():
     os.environ.setdefault("DYN_LIBRARY", str(ROOT / "build/release/lib"))
 sys.path.append(str(ROOT / "capi/python"))
-import dyn  # noqa: E402
+import libdyn as dyn  # noqa: E402
 
 
 def free(pos, shape, euler=(0, 0, 0)):

@@ -1,8 +1,8 @@
 // Actuators, controls, and forces from outside.
 #include <cstring>
 
-#include "dyn/simulation/actuators.hpp"
-#include "dyn/simulation/workspace.hpp"
+#include "simulation/actuators.hpp"
+#include "simulation/workspace.hpp"
 #include "guard.hpp"
 
 using namespace dyn;

@@ -1,5 +1,5 @@
 // The broad phase: handle and thin wrappers.
-#include "dyn/collision/broad/broad_phase.hpp"
+#include "collision/broad/broad_phase.hpp"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 // The builder: C structs to the builder's own.
 #include <cstring>
 
-#include "dyn/model/colour.hpp"
+#include "model/colour.hpp"
 #include "surfaces.hpp"
 
 using namespace dyn;

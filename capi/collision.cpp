@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "dyn/collision/ccd.hpp"
-#include "dyn/simulation/workspace.hpp"
+#include "collision/ccd.hpp"
+#include "simulation/workspace.hpp"
 #include "surfaces.hpp"
 
 using namespace dyn;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "checks.hpp"
-#include "dyn/collision/pairs.hpp"
+#include "collision/pairs.hpp"
 
 namespace dyn::capi {
 

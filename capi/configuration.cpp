@@ -1,7 +1,7 @@
 // Operations on configurations: no data, the model alone.
 #include <limits>
 
-#include "dyn/algorithm/configuration.hpp"
+#include "algorithm/configuration.hpp"
 #include "guard.hpp"
 
 using namespace dyn;

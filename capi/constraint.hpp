@@ -1,9 +1,9 @@
 // What the wrappers of constraints share.
 #pragma once
 
-#include "dyn/simulation/workspace.hpp"
+#include "simulation/workspace.hpp"
 #include "checks.hpp"
-#include "dyn/constraint/algorithms.hpp"
+#include "constraint/algorithms.hpp"
 
 namespace dyn::capi {
 

@@ -2,7 +2,7 @@
 #include <span>
 
 #include "constraint.hpp"
-#include "dyn/constraint/kkt_inverse.hpp"
+#include "constraint/kkt_inverse.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "collision.hpp"
-#include "dyn/collision/pair_contacts.hpp"
-#include "dyn/collision/smooth.hpp"
+#include "collision/pair_contacts.hpp"
+#include "collision/smooth.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;

@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "deadline.hpp"
-#include "dyn/solver/list.hpp"
-#include "dyn/solver/qp.hpp"
+#include "solver/list.hpp"
+#include "solver/qp.hpp"
 #include "guard.hpp"
 
 using namespace dyn;

@@ -3,8 +3,8 @@
 #include <cstring>
 #include <new>
 
-#include "dyn/model/block.hpp"
-#include "dyn/simulation/workspace.hpp"
+#include "model/block.hpp"
+#include "simulation/workspace.hpp"
 #include "guard.hpp"
 
 using namespace dyn;
@@ -35,7 +35,7 @@ struct FieldRow {
 const FieldRow rows[] = {
 #define FIELD(name, rows, cols, part, stage, unit, frame, producer, sentence) \
   {{sizeof(dynFieldInfo), #name, #rows " x " #cols, unit, frame, producer, sentence, part, 0}, Stage::stage},
-#include "dyn/model/data_fields.def"
+#include "model/data_fields.def"
 };
 constexpr int field_count = int(FieldId::count_);
 
@@ -174,7 +174,7 @@ dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, d
   case FieldId::name:                                                         \
     view(rows, cols, call.d().name);                                          \
     break;
-#include "dyn/model/data_fields.def"
+#include "model/data_fields.def"
     case FieldId::count_: break;
   }
   out->stride[0] = 1;

@@ -1,7 +1,7 @@
 // Matrices over pairs of degrees of freedom, checked in the time of the pairs: entries of unrelated joints are zero for good, and the
 // others are sums of products of columns that the data holds.
 #include "checks.hpp"
-#include "dyn/algorithm/tiles.hpp"
+#include "algorithm/tiles.hpp"
 
 namespace dyn::capi {
 namespace {

@@ -1,6 +1,6 @@
 #include "guard.hpp"
 
-#include "dyn/simulation/workspace.hpp"
+#include "simulation/workspace.hpp"
 
 #include <cstdarg>
 #include <cstdio>

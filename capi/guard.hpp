@@ -5,10 +5,10 @@
 #include <cstdint>
 
 #include "dyn.h"
-#include "dyn/algorithm/declarations.hpp"
-#include "dyn/base/pack.hpp"
-#include "dyn/model/builder.hpp"
-#include "dyn/model/dynb.hpp"
+#include "algorithm/declarations.hpp"
+#include "base/pack.hpp"
+#include "model/builder.hpp"
+#include "model/dynb.hpp"
 
 namespace dyn::capi {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "checks.hpp"
-#include "dyn/algorithm/ik_tasks.hpp"
+#include "algorithm/ik_tasks.hpp"
 
 namespace dyn {
 extern template double ik_cost(const Model&, const Data<double>&, const dynIkTask&, IkResidual&);

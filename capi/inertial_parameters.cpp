@@ -3,7 +3,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "dyn/algorithm/regressor.hpp"
+#include "algorithm/regressor.hpp"
 #include "guard.hpp"
 
 using namespace dyn;

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "dyn/model/colour.hpp"
+#include "model/colour.hpp"
 #include "guard.hpp"
 #include "model/builder_surface.hpp"
 

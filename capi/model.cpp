@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "dyn/model/colour.hpp"
-#include "dyn/model/load.hpp"
+#include "model/colour.hpp"
+#include "model/load.hpp"
 #include "guard.hpp"
 
 using namespace dyn;

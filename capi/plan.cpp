@@ -1,7 +1,7 @@
 // The plan of a step: which effects a data has, and what they take of its memory.
 #include <algorithm>
 
-#include "dyn/simulation/workspace.hpp"
+#include "simulation/workspace.hpp"
 #include "guard.hpp"
 
 using namespace dyn;

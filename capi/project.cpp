@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "constraint.hpp"
-#include "dyn/constraint/report.hpp"
+#include "constraint/report.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;

@@ -2,11 +2,11 @@
 #include <cmath>
 
 #include "collision.hpp"
-#include "dyn/collision/masks.hpp"
-#include "dyn/collision/rays.hpp"
-#include "dyn/collision/sweep.hpp"
-#include "dyn/shape/list.hpp"
-#include "dyn/simulation/workspace.hpp"
+#include "collision/masks.hpp"
+#include "collision/rays.hpp"
+#include "collision/sweep.hpp"
+#include "shape/list.hpp"
+#include "simulation/workspace.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;

@@ -1,5 +1,5 @@
 // Regressors: thin wrappers.
-#include "dyn/algorithm/regressor.hpp"
+#include "algorithm/regressor.hpp"
 
 #include "guard.hpp"
 

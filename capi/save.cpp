@@ -1,5 +1,5 @@
 // Models to files and to memory.
-#include "dyn/model/save.hpp"
+#include "model/save.hpp"
 
 #include <cstring>
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "dyn/simulation/workspace.hpp"
-#include "dyn/spatial/quaternion.hpp"
+#include "simulation/workspace.hpp"
+#include "spatial/quaternion.hpp"
 
 namespace dyn::capi {
 

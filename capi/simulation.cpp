@@ -1,10 +1,10 @@
 // Steps.
 #include "collision.hpp"
 #include "deadline.hpp"
-#include "dyn/simulation/actuators.hpp"
-#include "dyn/simulation/ledger.hpp"
-#include "dyn/simulation/material.hpp"
-#include "dyn/simulation/workspace.hpp"
+#include "simulation/actuators.hpp"
+#include "simulation/ledger.hpp"
+#include "simulation/material.hpp"
+#include "simulation/workspace.hpp"
 #include "guard.hpp"
 
 using namespace dyn;

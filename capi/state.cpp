@@ -1,5 +1,5 @@
 // The state of a simulation, kept and brought back bit for bit.
-#include "dyn/simulation/workspace.hpp"
+#include "simulation/workspace.hpp"
 #include "guard.hpp"
 
 using namespace dyn;

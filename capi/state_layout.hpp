@@ -1,8 +1,8 @@
 // Which joint lies where in another library's state, and how each is stored there.
 #pragma once
 
-#include "dyn/algorithm/peer_joint.hpp"
-#include "dyn/joint/list.hpp"
+#include "algorithm/peer_joint.hpp"
+#include "joint/list.hpp"
 #include "guard.hpp"
 
 namespace dyn::capi {

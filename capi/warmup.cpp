@@ -1,5 +1,5 @@
 // Pages of memory that a first call would wait for.
-#include "dyn/simulation/workspace.hpp"
+#include "simulation/workspace.hpp"
 #include "guard.hpp"
 
 #ifdef __linux__

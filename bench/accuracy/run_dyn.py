@@ -1,8 +1,8 @@
 """libdyn: every integrator in steps, and steps for an accuracy."""
 
-import dyn
+import libdyn as dyn
 import numpy as np
-from dyn.library import last_error, lib
+from libdyn.library import last_error, lib
 
 from common import Failed, ladder, measured, steps_of
 

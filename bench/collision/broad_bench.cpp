@@ -15,7 +15,7 @@
 #include <random>
 #include <vector>
 
-#include "dyn/collision/broad/broad_phase.hpp"
+#include "collision/broad/broad_phase.hpp"
 
 namespace {
 

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "dyn.h"
-#include "dyn/collision/cull.hpp"
-#include "dyn/collision/manifold.hpp"
-#include "dyn/shape/list.hpp"
+#include "collision/cull.hpp"
+#include "collision/manifold.hpp"
+#include "shape/list.hpp"
 
 namespace {
 

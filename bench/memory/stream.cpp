@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "dyn/model/body.hpp"
-#include "dyn/model/block.hpp"
-#include "dyn/spatial/se3.hpp"
+#include "model/body.hpp"
+#include "model/block.hpp"
+#include "spatial/se3.hpp"
 
 using namespace dyn;
 

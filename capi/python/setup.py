@@ -1,4 +1,4 @@
-"""Puts libdyn and its variants into the package, in dyn/lib, and the robots of dyn.gym: `pip install ./capi/python` from a checkout needs no other step.
+"""Puts libdyn and its variants into the package, in libdyn/lib, and the robots of libdyn.gym: `pip install ./capi/python` from a checkout needs no other step.
 
 DYN_PREFIX  an installed tree to take the libraries from; without it the checkout is configured and built with CMake.
 DYN_HWCAPS  which variants CMake builds then: ON (v2, v3, v4), native (for this machine), OFF. Default: native.
@@ -22,7 +22,7 @@ CHECKOUT = pathlib.Path(__file__).resolve().parents[2]
 SCRATCH = CHECKOUT / "build" / "python-package"  # nothing is written beside the sources
 SONAME = "libdyn.so.1"
 MODULE = "libdyn_mesh.so"  # beside it, where assimp and qhull were there
-ROBOTS = ("go2.urdf", "humanoid.urdf")  # that dyn.gym plays with
+ROBOTS = ("go2.urdf", "humanoid.urdf")  # that libdyn.gym plays with
 
 
 def build_prefix(work):
@@ -44,7 +44,7 @@ def build_prefix(work):
 
 class BuildWithLibrary(build_py):
     def run(self):
-        package = pathlib.Path(self.build_lib) / "dyn"
+        package = pathlib.Path(self.build_lib) / "libdyn"
         shutil.rmtree(package, ignore_errors=True)
         super().run()
         target = package / "lib"

@@ -1,4 +1,4 @@
-#include "dyn/algorithm/centroidal_derivatives.hpp"
+#include "algorithm/centroidal_derivatives.hpp"
 
 namespace dyn {
 template void centroidal_map<false>(const Model&, Data<double>&);

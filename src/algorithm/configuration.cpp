@@ -1,4 +1,4 @@
-#include "dyn/algorithm/configuration.hpp"
+#include "algorithm/configuration.hpp"
 
 namespace dyn {
 template void integrate(const Model&, const double*, const double*, double*);

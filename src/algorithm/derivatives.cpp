@@ -1,4 +1,4 @@
-#include "dyn/algorithm/aba_derivatives.hpp"
+#include "algorithm/aba_derivatives.hpp"
 
 namespace dyn {
 template void rnea_derivatives(const Model&, Data<double>&, const double*, const double*, const double*);

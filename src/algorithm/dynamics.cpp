@@ -1,4 +1,4 @@
-#include "dyn/integrator/advance.hpp"
+#include "integrator/advance.hpp"
 
 namespace dyn {
 template void inverse_dynamics(const Model&, Data<double>&, const double*, const double*, const double*, double*);

@@ -1,6 +1,6 @@
-#include "dyn/algorithm/center_of_mass_derivatives.hpp"
-#include "dyn/algorithm/frame_derivatives.hpp"
-#include "dyn/algorithm/gravity_derivatives.hpp"
+#include "algorithm/center_of_mass_derivatives.hpp"
+#include "algorithm/frame_derivatives.hpp"
+#include "algorithm/gravity_derivatives.hpp"
 
 namespace dyn {
 template void frame_velocity_derivatives(const Model&, const Data<double>&, Index, dynReference, double*, double*);

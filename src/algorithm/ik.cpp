@@ -1,4 +1,4 @@
-#include "dyn/algorithm/ik.hpp"
+#include "algorithm/ik.hpp"
 
 namespace dyn {
 template bool inverse_kinematics(const Model&, Data<double>&, const IkTasks&, const dynIkOptions&, dynIkResult&);

@@ -1,6 +1,6 @@
-#include "dyn/algorithm/center_of_mass.hpp"
-#include "dyn/algorithm/coriolis.hpp"
-#include "dyn/algorithm/energy.hpp"
+#include "algorithm/center_of_mass.hpp"
+#include "algorithm/coriolis.hpp"
+#include "algorithm/energy.hpp"
 
 namespace dyn {
 template void joint_jacobians(const Model&, Data<double>&);

@@ -1,4 +1,4 @@
-#include "dyn/algorithm/kinematics.hpp"
+#include "algorithm/kinematics.hpp"
 
 namespace dyn {
 template void forward_kinematics<0>(const Model&, Data<double>&);

@@ -1,4 +1,4 @@
-#include "dyn/algorithm/torque_regressor.hpp"
+#include "algorithm/torque_regressor.hpp"
 
 namespace dyn {
 template double joint_torque_regressor(const Model&, Data<double>&);

@@ -1,4 +1,4 @@
-#include "dyn/algorithm/second_order_tensors.hpp"
+#include "algorithm/second_order_tensors.hpp"
 
 namespace dyn {
 template void second_order_columns(const Model&, Data<double>&, const double*, const double*, const double*);

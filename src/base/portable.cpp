@@ -1,11 +1,11 @@
 // After fdlibm (Sun Microsystems: e_exp.c, e_log.c, s_atan.c, e_atan2.c: coefficients) and, for tanh, Cephes (Moshier).
-#include "dyn/base/portable.hpp"
+#include "base/portable.hpp"
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
 
-#include "dyn/base/sincos.hpp"
+#include "base/sincos.hpp"
 
 // what is added to be subtracted again must not be fused with a product before it
 #ifdef __clang__

@@ -1,6 +1,6 @@
-#include "dyn/collision/broad/broad_phase.hpp"
+#include "collision/broad/broad_phase.hpp"
 
-#include "dyn/collision/broad/hilbert.hpp"
+#include "collision/broad/hilbert.hpp"
 
 namespace dyn::collision {
 

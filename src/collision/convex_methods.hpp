@@ -2,10 +2,10 @@
 // every pair is a GJK, an EPA and a Newton's method of its own.
 #pragma once
 
-#include "dyn/collision/analytic/ends.hpp"
-#include "dyn/collision/analytic/sums.hpp"
-#include "dyn/collision/convex_pair.hpp"
-#include "dyn/shape/list.hpp"
+#include "collision/analytic/ends.hpp"
+#include "collision/analytic/sums.hpp"
+#include "collision/convex_pair.hpp"
+#include "shape/list.hpp"
 
 namespace dyn::collision {
 

@@ -8,15 +8,15 @@
 //   others                                                               gjk        GJK, EPA, Newton
 // Of a capsule and a cone apart, an end of the capsule first.
 // Surfaces are searched for the nearest piece: surface_distance.cpp.
-#include "dyn/collision/distance.hpp"
+#include "collision/distance.hpp"
 
-#include "dyn/collision/analytic/boxes.hpp"
-#include "dyn/collision/analytic/capsules.hpp"
-#include "dyn/collision/analytic/half_space.hpp"
-#include "dyn/collision/analytic/half_spaces.hpp"
-#include "dyn/collision/analytic/sphere.hpp"
-#include "dyn/collision/surface_distance.hpp"
-#include "dyn/shape/list.hpp"
+#include "collision/analytic/boxes.hpp"
+#include "collision/analytic/capsules.hpp"
+#include "collision/analytic/half_space.hpp"
+#include "collision/analytic/half_spaces.hpp"
+#include "collision/analytic/sphere.hpp"
+#include "collision/surface_distance.hpp"
+#include "shape/list.hpp"
 
 #include "convex_methods.hpp"
 

@@ -1,8 +1,8 @@
-#include "dyn/collision/manifold.hpp"
+#include "collision/manifold.hpp"
 
-#include "dyn/collision/surface_distance.hpp"
-#include "dyn/collision/surface_manifold.hpp"
-#include "dyn/shape/list.hpp"
+#include "collision/surface_distance.hpp"
+#include "collision/surface_manifold.hpp"
+#include "shape/list.hpp"
 
 namespace dyn::collision {
 

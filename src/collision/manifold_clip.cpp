@@ -1,6 +1,6 @@
-#include "dyn/collision/manifold.hpp"
-#include "dyn/collision/manifold_clip.hpp"
-#include "dyn/shape/list.hpp"
+#include "collision/manifold.hpp"
+#include "collision/manifold_clip.hpp"
+#include "shape/list.hpp"
 
 namespace dyn::collision {
 

@@ -1,6 +1,6 @@
-#include "dyn/collision/pair_contacts.hpp"
+#include "collision/pair_contacts.hpp"
 
-#include "dyn/collision/pair_search.hpp"
+#include "collision/pair_search.hpp"
 
 namespace dyn::collision {
 

@@ -1,8 +1,8 @@
-#include "dyn/collision/pair_search.hpp"
+#include "collision/pair_search.hpp"
 
 #include <new>
 
-#include "dyn/shape/list.hpp"
+#include "shape/list.hpp"
 
 namespace dyn::collision {
 

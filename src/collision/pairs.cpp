@@ -1,9 +1,9 @@
-#include "dyn/collision/pairs.hpp"
+#include "collision/pairs.hpp"
 
-#include "dyn/algorithm/kinematics.hpp"
-#include "dyn/collision/cull.hpp"
-#include "dyn/collision/gradient.hpp"
-#include "dyn/shape/list.hpp"
+#include "algorithm/kinematics.hpp"
+#include "collision/cull.hpp"
+#include "collision/gradient.hpp"
+#include "shape/list.hpp"
 
 namespace dyn::collision {
 

@@ -1,8 +1,8 @@
-#include "dyn/base/portable.hpp"
-#include "dyn/collision/smooth.hpp"
+#include "base/portable.hpp"
+#include "collision/smooth.hpp"
 
-#include "dyn/collision/manifold.hpp"
-#include "dyn/collision/pairs.hpp"
+#include "collision/manifold.hpp"
+#include "collision/pairs.hpp"
 
 namespace dyn::collision {
 

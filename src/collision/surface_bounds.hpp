@@ -1,8 +1,8 @@
 // What a search through two surfaces keeps, and how far pieces and boxes reach.
 #pragma once
 
-#include "dyn/collision/result.hpp"
-#include "dyn/shape/triangles.hpp"
+#include "collision/result.hpp"
+#include "shape/triangles.hpp"
 
 namespace dyn::collision {
 

@@ -1,8 +1,8 @@
 // Pieces of surfaces are convex shapes: a search through the trees for the nearest two. What lies below two nodes is no nearer than any
 // two planes between them: those of their boxes and slabs, and those across the normal of the best pair so far.
-#include "dyn/collision/surface_distance.hpp"
+#include "collision/surface_distance.hpp"
 
-#include "dyn/shape/list.hpp"
+#include "shape/list.hpp"
 #include "surface_face.hpp"
 
 namespace dyn::collision {

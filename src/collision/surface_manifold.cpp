@@ -1,8 +1,8 @@
-#include "dyn/collision/surface_manifold.hpp"
+#include "collision/surface_manifold.hpp"
 
-#include "dyn/collision/surface_distance.hpp"
+#include "collision/surface_distance.hpp"
 
-#include "dyn/shape/list.hpp"
+#include "shape/list.hpp"
 
 namespace dyn::collision {
 

@@ -1,8 +1,8 @@
-#include "dyn/collision/sweep.hpp"
+#include "collision/sweep.hpp"
 
-#include "dyn/collision/surface_distance.hpp"
-#include "dyn/shape/list.hpp"
-#include "dyn/spatial/explog.hpp"
+#include "collision/surface_distance.hpp"
+#include "shape/list.hpp"
+#include "spatial/explog.hpp"
 
 namespace dyn::collision {
 

@@ -1,4 +1,4 @@
-#include "dyn/constraint/constrained_dynamics.hpp"
+#include "constraint/constrained_dynamics.hpp"
 
 namespace dyn {
 template Index constraint_factor(const Model&, Data<double>&);

@@ -1,5 +1,5 @@
-#include "dyn/constraint/inverse.hpp"
-#include "dyn/constraint/project.hpp"
+#include "constraint/inverse.hpp"
+#include "constraint/project.hpp"
 
 namespace dyn {
 template void hold_velocity(const Model&, Data<double>&, const double*, double*, dynConstraintResult&);

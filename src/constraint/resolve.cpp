@@ -3,7 +3,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "dyn/constraint/set.hpp"
+#include "constraint/set.hpp"
 
 namespace dyn {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "dyn/model/colour.hpp"
+#include "model/colour.hpp"
 #include "number.hpp"
 
 namespace dyn::load {

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstring>
 
-#include "dyn/constraint/list.hpp"
-#include "dyn/model/block.hpp"
+#include "constraint/list.hpp"
+#include "model/block.hpp"
 #include "model/builder_impl.hpp"
 #include "model/builder_surface.hpp"
 #include "report.hpp"

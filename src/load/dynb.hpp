@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "dyn/model/builder.hpp"
-#include "dyn/model/dynb.hpp"
-#include "dyn/model/load.hpp"
+#include "model/builder.hpp"
+#include "model/dynb.hpp"
+#include "model/load.hpp"
 
 namespace dyn::load {
 

@@ -1,8 +1,8 @@
 // Files to text, and text to the loader of its format: content decides, not the name.
-#include "dyn/model/load.hpp"
+#include "model/load.hpp"
 
 #include "confined.hpp"
-#include "dyn/model/model.hpp"
+#include "model/model.hpp"
 #include "file.hpp"
 #include "mesh_path.hpp"
 #include "xml.hpp"

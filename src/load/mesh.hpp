@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "confined.hpp"
-#include "dyn/model/builder.hpp"
-#include "dyn/spatial/inertia.hpp"
+#include "model/builder.hpp"
+#include "spatial/inertia.hpp"
 
 namespace dyn::meshes {
 

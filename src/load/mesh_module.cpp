@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "dyn/model/builder.hpp"
+#include "model/builder.hpp"
 
 namespace dyn::load {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mesh.hpp"
-#include "dyn/base/portable.hpp"
+#include "base/portable.hpp"
 #include "report.hpp"
 
 namespace dyn::meshes {

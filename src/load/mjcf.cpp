@@ -3,7 +3,7 @@
 #include <set>
 #include <tuple>
 
-#include "dyn/model/load.hpp"
+#include "model/load.hpp"
 #include "mjcf_robot.hpp"
 
 namespace dyn {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "dyn/spatial/explog.hpp"
+#include "spatial/explog.hpp"
 #include "mjcf_robot.hpp"
 
 namespace dyn::load {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <new>
 
-#include "dyn/algorithm/forward_dynamics.hpp"
-#include "dyn/model/block.hpp"
+#include "algorithm/forward_dynamics.hpp"
+#include "model/block.hpp"
 #include "mjcf_robot.hpp"
 
 namespace dyn::load {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "dyn/collision/geom.hpp"
-#include "dyn/shape/list.hpp"
+#include "collision/geom.hpp"
+#include "shape/list.hpp"
 #include "mesh.hpp"
 #include "mjcf_robot.hpp"
 

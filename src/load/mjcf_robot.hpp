@@ -2,8 +2,8 @@
 #pragma once
 
 #include "colour.hpp"
-#include "dyn/constraint/set.hpp"
-#include "dyn/simulation/actuators.hpp"
+#include "constraint/set.hpp"
+#include "simulation/actuators.hpp"
 #include "mjcf_settings.hpp"
 
 namespace dyn::meshes {

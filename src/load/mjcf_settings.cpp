@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "dyn/base/portable.hpp"
-#include "dyn/spatial/quaternion.hpp"
+#include "base/portable.hpp"
+#include "spatial/quaternion.hpp"
 
 namespace dyn::load {
 

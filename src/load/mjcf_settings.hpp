@@ -1,7 +1,7 @@
 // What an MJCF file says once for all of it: <compiler>, <option>, <default>.
 #pragma once
 
-#include "dyn/spatial/se3.hpp"
+#include "spatial/se3.hpp"
 #include "mjcf_source.hpp"
 
 namespace dyn::load {

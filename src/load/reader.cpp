@@ -1,5 +1,5 @@
 #include "reader.hpp"
-#include "dyn/base/portable.hpp"
+#include "base/portable.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "dyn/model/load.hpp"
+#include "model/load.hpp"
 
 namespace dyn::load {
 

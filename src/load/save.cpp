@@ -1,5 +1,5 @@
 // Model to text by format, and text to file: a file that is there stays as it is until the new one is complete.
-#include "dyn/model/save.hpp"
+#include "model/save.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,7 +1,7 @@
 #include <cstring>
 #include <memory>
 
-#include "dyn/model/save.hpp"
+#include "model/save.hpp"
 #include "dynb.hpp"
 
 namespace dyn {
@@ -100,7 +100,7 @@ std::string image(const Model& m, bool names) {
     if (!names && Model::Field::field == Model::Field::configuration_names) std::memset(&x, 0, sizeof(Index)); \
     put<Layout>(x, block.data() + at + k * Layout::template size<type>);                             \
   }
-#include "dyn/model/model_fields.def"
+#include "model/model_fields.def"
 #undef FIELD
   pad(64);
   head.bytes = block.size();

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "dyn/spatial/quaternion.hpp"
+#include "spatial/quaternion.hpp"
 #include "save_mjcf.hpp"
 
 namespace dyn::load {

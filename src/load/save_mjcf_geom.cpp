@@ -2,7 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "dyn/collision/pair_search.hpp"
+#include "collision/pair_search.hpp"
 #include "model/builder_surface.hpp"
 #include "save_mjcf.hpp"
 

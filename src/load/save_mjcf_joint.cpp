@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "save_mjcf.hpp"
-#include "dyn/base/portable.hpp"
+#include "base/portable.hpp"
 
 namespace dyn::load {
 

@@ -1,7 +1,7 @@
 // Model to MJCF: actuators and equalities.
 #include <cmath>
 
-#include "dyn/constraint/list.hpp"
+#include "constraint/list.hpp"
 #include "save_mjcf.hpp"
 
 namespace dyn::load {

@@ -2,7 +2,7 @@
 // have had them. What is no joint of the format is a chain of joints that are, with links without mass between them.
 #include <cmath>
 
-#include "dyn/collision/pair_search.hpp"
+#include "collision/pair_search.hpp"
 #include "save_urdf.hpp"
 
 namespace dyn::load {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "dyn/base/portable.hpp"
-#include "dyn/simulation/material.hpp"
+#include "base/portable.hpp"
+#include "simulation/material.hpp"
 
 namespace dyn::load {
 

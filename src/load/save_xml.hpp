@@ -7,8 +7,8 @@
 #include <set>
 #include <span>
 
-#include "dyn/model/colour.hpp"
-#include "dyn/model/save.hpp"
+#include "model/colour.hpp"
+#include "model/save.hpp"
 #include "model/builder_impl.hpp"
 #include "report.hpp"
 

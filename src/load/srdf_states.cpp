@@ -5,7 +5,7 @@
 #include <set>
 
 #include "reader.hpp"
-#include "dyn/base/portable.hpp"
+#include "base/portable.hpp"
 #include "srdf.hpp"
 
 namespace dyn::load {

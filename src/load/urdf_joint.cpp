@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "reader.hpp"
-#include "dyn/base/portable.hpp"
+#include "base/portable.hpp"
 #include "urdf_robot.hpp"
 
 namespace dyn::load {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "urdf_robot.hpp"
-#include "dyn/base/portable.hpp"
+#include "base/portable.hpp"
 
 namespace dyn::load {
 

@@ -12,7 +12,7 @@
 #include <optional>
 #include <string_view>
 
-#include "dyn/model/colour.hpp"
+#include "model/colour.hpp"
 #include "parts.hpp"
 
 namespace dyn::mesh {

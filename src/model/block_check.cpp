@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "dyn/algorithm/declarations.hpp"
-#include "dyn/constraint/list.hpp"
-#include "dyn/constraint/set.hpp"
+#include "algorithm/declarations.hpp"
+#include "constraint/list.hpp"
+#include "constraint/set.hpp"
 
 namespace dyn {
 
@@ -21,7 +21,7 @@ bool laid_out(const Model& m, const ModelSizes& n, std::size_t bytes) {
   if (8 * std::uint64_t(m.offset[std::size_t(Model::Field::field)]) != end) return false; \
   end += std::uint64_t(count) * sizeof(type);                                             \
   if (end > bytes) return false;
-#include "dyn/model/model_fields.def"
+#include "model/model_fields.def"
 #undef FIELD
   return round_up(end, 64) == bytes;
 }

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "dyn/joint/list.hpp"
-#include "dyn/model/dynb.hpp"
+#include "joint/list.hpp"
+#include "model/dynb.hpp"
 
 namespace dyn {
 

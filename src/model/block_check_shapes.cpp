@@ -3,9 +3,9 @@
 #include <limits>
 
 #include "block_check.hpp"
-#include "dyn/collision/geom.hpp"
-#include "dyn/model/data.hpp"
-#include "dyn/simulation/material.hpp"
+#include "collision/geom.hpp"
+#include "model/data.hpp"
+#include "simulation/material.hpp"
 
 namespace dyn {
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 
 #include "block_check.hpp"
-#include "dyn/base/sincos.hpp"
-#include "dyn/joint/kinds.hpp"
-#include "dyn/model/data.hpp"
+#include "base/sincos.hpp"
+#include "joint/kinds.hpp"
+#include "model/data.hpp"
 
 namespace dyn {
 

@@ -1,5 +1,5 @@
-#include "dyn/base/portable.hpp"
-#include "dyn/model/builder.hpp"
+#include "base/portable.hpp"
+#include "model/builder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "builder_impl.hpp"
 #include "builder_surface.hpp"
-#include "dyn/collision/geom.hpp"
+#include "collision/geom.hpp"
 
 namespace dyn {
 

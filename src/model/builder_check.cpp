@@ -8,8 +8,8 @@
 #include <new>
 
 #include "builder_impl.hpp"
-#include "dyn/algorithm/cholesky.hpp"
-#include "dyn/algorithm/crba.hpp"
+#include "algorithm/cholesky.hpp"
+#include "algorithm/crba.hpp"
 
 namespace dyn {
 

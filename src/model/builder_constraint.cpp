@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "builder_impl.hpp"
-#include "dyn/constraint/set.hpp"
+#include "constraint/set.hpp"
 
 namespace dyn {
 

@@ -4,7 +4,7 @@
 
 #include "builder_impl.hpp"
 #include "builder_surface.hpp"
-#include "dyn/constraint/list.hpp"
+#include "constraint/list.hpp"
 
 namespace dyn {
 

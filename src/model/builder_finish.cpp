@@ -11,10 +11,10 @@
 
 #include "builder_impl.hpp"
 #include "builder_surface.hpp"
-#include "dyn/algorithm/declarations.hpp"
-#include "dyn/base/sincos.hpp"
-#include "dyn/joint/list.hpp"
-#include "dyn/model/block.hpp"
+#include "algorithm/declarations.hpp"
+#include "base/sincos.hpp"
+#include "joint/list.hpp"
+#include "model/block.hpp"
 
 namespace dyn {
 
@@ -43,7 +43,7 @@ struct Text {
 // The model's arrays on their way into one block.
 struct Arrays {
 #define FIELD(type, name, count, sentence) std::vector<type> name;
-#include "dyn/model/model_fields.def"
+#include "model/model_fields.def"
 #undef FIELD
 };
 
@@ -392,7 +392,7 @@ ModelPtr Builder::finish() const {
   if (a.field.size() != std::size_t(count)) throw Error(DYN_ERROR_INTERNAL, "model field " #field " has a wrong size"); \
   offset[std::size_t(Model::Field::field)] = bytes = round_up(bytes, alignof(type) > alignof(double) ? 64 : alignof(double)); \
   bytes += a.field.size() * sizeof(type);
-#include "dyn/model/model_fields.def"
+#include "model/model_fields.def"
 #undef FIELD
   bytes = round_up(bytes, 64);
   ModelPtr model(static_cast<Model*>(allocate_block(bytes)));
@@ -426,7 +426,7 @@ ModelPtr Builder::finish() const {
   char* base = reinterpret_cast<char*>(model.get());
 #define FIELD(type, field, count, sentence) \
   if (!a.field.empty()) std::memcpy(base + offset[std::size_t(Model::Field::field)], a.field.data(), a.field.size() * sizeof(type));
-#include "dyn/model/model_fields.def"
+#include "model/model_fields.def"
 #undef FIELD
   settle_configurations(*model, reinterpret_cast<double*>(base + offset[std::size_t(Model::Field::configurations)]));
   elimination_tree(*model, a.dof_parent);

@@ -7,9 +7,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "dyn/joint/kinds.hpp"
-#include "dyn/model/builder.hpp"
-#include "dyn/model/model.hpp"
+#include "joint/kinds.hpp"
+#include "model/builder.hpp"
+#include "model/model.hpp"
 
 namespace dyn {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "builder_impl.hpp"
-#include "dyn/base/portable.hpp"
-#include "dyn/joint/list.hpp"
+#include "base/portable.hpp"
+#include "joint/list.hpp"
 
 namespace dyn {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "builder_impl.hpp"
-#include "dyn/model/data.hpp"
+#include "model/data.hpp"
 
 namespace dyn {
 

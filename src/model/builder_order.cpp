@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "builder_impl.hpp"
-#include "dyn/joint/list.hpp"
+#include "joint/list.hpp"
 
 namespace dyn {
 

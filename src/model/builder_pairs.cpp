@@ -7,7 +7,7 @@
 #include <set>
 
 #include "builder_impl.hpp"
-#include "dyn/collision/pair_search.hpp"
+#include "collision/pair_search.hpp"
 
 namespace dyn {
 

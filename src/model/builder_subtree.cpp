@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "builder_impl.hpp"
-#include "dyn/constraint/list.hpp"
+#include "constraint/list.hpp"
 
 namespace dyn {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "builder_impl.hpp"
-#include "dyn/collision/geom.hpp"
+#include "collision/geom.hpp"
 
 namespace dyn {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "dyn.h"
-#include "dyn/model/stored.hpp"
-#include "dyn/shape/height_field.hpp"
-#include "dyn/shape/triangles.hpp"
+#include "model/stored.hpp"
+#include "shape/height_field.hpp"
+#include "shape/triangles.hpp"
 
 namespace dyn {
 

@@ -1,4 +1,4 @@
-#include "dyn/model/dynb.hpp"
+#include "model/dynb.hpp"
 
 #include <cstddef>
 

@@ -1,8 +1,8 @@
-#include "dyn/simulation/clearance.hpp"
+#include "simulation/clearance.hpp"
 
 #include <cmath>
 
-#include "dyn/simulation/step.hpp"
+#include "simulation/step.hpp"
 
 namespace dyn::simulation {
 

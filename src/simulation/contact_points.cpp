@@ -1,11 +1,11 @@
 // Which contact points a step may meet.
 #include <utility>
 
-#include "dyn/collision/pair_contacts.hpp"
-#include "dyn/collision/pair_search.hpp"
-#include "dyn/collision/surface_distance.hpp"
-#include "dyn/collision/sweep.hpp"
-#include "dyn/simulation/step.hpp"
+#include "collision/pair_contacts.hpp"
+#include "collision/pair_search.hpp"
+#include "collision/surface_distance.hpp"
+#include "collision/sweep.hpp"
+#include "simulation/step.hpp"
 
 namespace dyn::simulation {
 

@@ -1,6 +1,6 @@
 // From a contact point to the rows of a slot: the contact's frame has its normal as z, from A to B.
-#include "dyn/simulation/material.hpp"
-#include "dyn/simulation/step.hpp"
+#include "simulation/material.hpp"
+#include "simulation/step.hpp"
 
 namespace dyn::simulation {
 

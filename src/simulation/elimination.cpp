@@ -1,4 +1,4 @@
-#include "dyn/simulation/island.hpp"
+#include "simulation/island.hpp"
 
 namespace dyn::simulation {
 

@@ -1,6 +1,6 @@
 // What acts in a step: the slots of constraints, of limits and of contacts, each with what its rows leave at the degrees of freedom.
-#include "dyn/constraint/constrained_dynamics.hpp"
-#include "dyn/simulation/step.hpp"
+#include "constraint/constrained_dynamics.hpp"
+#include "simulation/step.hpp"
 
 namespace dyn::simulation {
 

@@ -6,8 +6,8 @@
 // From the guess, as far inside as its error says. Boxes y in [l, u] have z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c.
 // Where that ends elsewhere, the correction is held, U_0 = c_n / mu + s: a convex problem, whose solution says the next s = |c_t| (Cadoux 2009; Acary,
 // Cadoux, Lemarechal and Malick 2011), and from each of these Newton's method begins anew.
-#include "dyn/simulation/newton.hpp"
-#include "dyn/solver/lorentz.hpp"
+#include "simulation/newton.hpp"
+#include "solver/lorentz.hpp"
 
 namespace dyn::simulation {
 

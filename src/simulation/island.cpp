@@ -1,6 +1,6 @@
-#include "dyn/simulation/island.hpp"
+#include "simulation/island.hpp"
 
-#include "dyn/constraint/constrained_dynamics.hpp"
+#include "constraint/constrained_dynamics.hpp"
 
 namespace dyn::simulation {
 

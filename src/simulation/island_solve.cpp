@@ -1,7 +1,7 @@
 // An island by its whole Delassus matrix and the solvers of contact problems.
-#include "dyn/constraint/constrained_dynamics.hpp"
-#include "dyn/simulation/island.hpp"
-#include "dyn/solver/list.hpp"
+#include "constraint/constrained_dynamics.hpp"
+#include "simulation/island.hpp"
+#include "solver/list.hpp"
 
 namespace dyn::simulation {
 

@@ -1,7 +1,7 @@
 // Islands: trees that slots connect. Each is a problem of its own.
 #include <algorithm>
 
-#include "dyn/simulation/step.hpp"
+#include "simulation/step.hpp"
 
 namespace dyn::simulation {
 

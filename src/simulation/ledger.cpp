@@ -1,10 +1,10 @@
-#include "dyn/base/portable.hpp"
-#include "dyn/simulation/ledger.hpp"
+#include "base/portable.hpp"
+#include "simulation/ledger.hpp"
 
-#include "dyn/algorithm/energy.hpp"
-#include "dyn/constraint/constrained_dynamics.hpp"
-#include "dyn/simulation/forces.hpp"
-#include "dyn/simulation/island.hpp"
+#include "algorithm/energy.hpp"
+#include "constraint/constrained_dynamics.hpp"
+#include "simulation/forces.hpp"
+#include "simulation/island.hpp"
 
 namespace dyn::simulation {
 

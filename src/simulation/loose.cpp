@@ -1,11 +1,11 @@
-#include "dyn/simulation/loose.hpp"
+#include "simulation/loose.hpp"
 
 #include <limits>
 
-#include "dyn/integrator/free_flight.hpp"
-#include "dyn/joint/free_flyer.hpp"
-#include "dyn/simulation/workspace.hpp"
-#include "dyn/spatial/explog.hpp"
+#include "integrator/free_flight.hpp"
+#include "joint/free_flyer.hpp"
+#include "simulation/workspace.hpp"
+#include "spatial/explog.hpp"
 
 namespace dyn::simulation {
 

@@ -1,6 +1,6 @@
-#include "dyn/simulation/newton.hpp"
+#include "simulation/newton.hpp"
 
-#include "dyn/constraint/delassus.hpp"
+#include "constraint/delassus.hpp"
 
 namespace dyn::simulation {
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "dyn/constraint/rows.hpp"
-#include "dyn/simulation/actuators.hpp"
-#include "dyn/simulation/step.hpp"
+#include "constraint/rows.hpp"
+#include "simulation/actuators.hpp"
+#include "simulation/step.hpp"
 
 namespace dyn::simulation {
 

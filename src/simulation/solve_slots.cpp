@@ -1,7 +1,7 @@
 // The contact problems of a step, island by island, and the corrections of its configuration.
-#include "dyn/constraint/delassus.hpp"
-#include "dyn/simulation/island.hpp"
-#include "dyn/simulation/ledger.hpp"
+#include "constraint/delassus.hpp"
+#include "simulation/island.hpp"
+#include "simulation/ledger.hpp"
 
 namespace dyn::simulation {
 

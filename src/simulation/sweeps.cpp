@@ -1,10 +1,10 @@
 // Without a matrix: projected Gauss-Seidel by what the rows leave at the degrees of freedom, z = Y^T lambda:
 //   c = g + Y D^-1 z        after a change of lambda: z += Y^T change
 // A slot costs what its bodies have of degrees of freedom, however many rows the island has.
-#include "dyn/constraint/delassus.hpp"
-#include "dyn/simulation/island.hpp"
-#include "dyn/solver/pgs.hpp"
-#include "dyn/solver/residuals.hpp"
+#include "constraint/delassus.hpp"
+#include "simulation/island.hpp"
+#include "solver/pgs.hpp"
+#include "solver/residuals.hpp"
 
 namespace dyn::simulation {
 

@@ -1,4 +1,4 @@
-#include "dyn/simulation/trees.hpp"
+#include "simulation/trees.hpp"
 
 namespace dyn::simulation {
 

@@ -1,7 +1,7 @@
-#include "dyn/simulation/workspace.hpp"
+#include "simulation/workspace.hpp"
 
-#include "dyn/model/length.hpp"
-#include "dyn/simulation/block_factor.hpp"
+#include "model/length.hpp"
+#include "simulation/block_factor.hpp"
 
 #include <new>
 

@@ -1,4 +1,4 @@
-#include "dyn/solver/admm.hpp"
+#include "solver/admm.hpp"
 
 namespace dyn::solver {
 

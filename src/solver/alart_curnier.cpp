@@ -1,4 +1,4 @@
-#include "dyn/solver/alart_curnier.hpp"
+#include "solver/alart_curnier.hpp"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
-#include "dyn/solver/interior.hpp"
+#include "solver/interior.hpp"
 
-#include "dyn/solver/lorentz.hpp"
+#include "solver/lorentz.hpp"
 
 namespace dyn::solver {
 

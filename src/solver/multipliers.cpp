@@ -1,4 +1,4 @@
-#include "dyn/solver/multipliers.hpp"
+#include "solver/multipliers.hpp"
 
 namespace dyn::solver {
 

@@ -1,4 +1,4 @@
-#include "dyn/solver/newton.hpp"
+#include "solver/newton.hpp"
 
 namespace dyn::solver {
 

@@ -1,4 +1,4 @@
-#include "dyn/solver/pgs.hpp"
+#include "solver/pgs.hpp"
 
 namespace dyn::solver {
 

@@ -1,4 +1,4 @@
-#include "dyn/solver/problem.hpp"
+#include "solver/problem.hpp"
 
 namespace dyn::solver {
 

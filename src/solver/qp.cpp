@@ -1,5 +1,5 @@
-#include "dyn/base/portable.hpp"
-#include "dyn/solver/qp.hpp"
+#include "base/portable.hpp"
+#include "solver/qp.hpp"
 
 namespace dyn::solver {
 

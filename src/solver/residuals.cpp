@@ -1,4 +1,4 @@
-#include "dyn/solver/residuals.hpp"
+#include "solver/residuals.hpp"
 
 namespace dyn::solver {
 

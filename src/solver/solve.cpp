@@ -1,4 +1,4 @@
-#include "dyn/solver/list.hpp"
+#include "solver/list.hpp"
 
 namespace dyn::solver {
 

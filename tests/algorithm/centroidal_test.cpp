@@ -1,6 +1,6 @@
 // Momentum about the centre of mass, its matrix, its rate and their derivatives: against sums over the links, the joint-space
 // inertia, and differences in quadruple precision.
-#include "dyn/algorithm/centroidal_derivatives.hpp"
+#include "algorithm/centroidal_derivatives.hpp"
 
 #include "algorithm/trees.hpp"
 

@@ -1,5 +1,5 @@
 // Centre of mass, its derivatives and Jacobian, of everything and of subtrees, against sums over the links.
-#include "dyn/algorithm/center_of_mass.hpp"
+#include "algorithm/center_of_mass.hpp"
 
 #include "algorithm/trees.hpp"
 

@@ -1,6 +1,6 @@
 // Analytic derivatives against central differences in quadruple precision (truncation 1e-16 of the third derivative).
 #include "algorithm/rates.hpp"
-#include "dyn/algorithm/aba_derivatives.hpp"
+#include "algorithm/aba_derivatives.hpp"
 
 namespace dyn_test {
 namespace {

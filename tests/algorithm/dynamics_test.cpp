@@ -1,6 +1,6 @@
 // Inverse and forward dynamics, the joint-space inertia and its factor: what must hold between them.
 #include "algorithm/trees.hpp"
-#include "dyn/algorithm/cholesky.hpp"
+#include "algorithm/cholesky.hpp"
 #include "guard.hpp"
 
 namespace dyn_test {

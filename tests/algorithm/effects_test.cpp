@@ -1,10 +1,10 @@
 // What joints do beside moving bodies, switched on and off joint by joint.
 #include "algorithm/rates.hpp"
-#include "dyn/algorithm/aba_derivatives.hpp"
-#include "dyn/algorithm/energy.hpp"
-#include "dyn/algorithm/gravity_derivatives.hpp"
-#include "dyn/algorithm/second_order_tensors.hpp"
-#include "dyn/integrator/runge_kutta.hpp"
+#include "algorithm/aba_derivatives.hpp"
+#include "algorithm/energy.hpp"
+#include "algorithm/gravity_derivatives.hpp"
+#include "algorithm/second_order_tensors.hpp"
+#include "integrator/runge_kutta.hpp"
 
 namespace dyn_test {
 namespace {

@@ -1,8 +1,8 @@
 // Energies, and what follows from them: gravity, the joint-space inertia, the power balance, the Coriolis matrix.
-#include "dyn/algorithm/energy.hpp"
+#include "algorithm/energy.hpp"
 
 #include "algorithm/trees.hpp"
-#include "dyn/algorithm/crba.hpp"
+#include "algorithm/crba.hpp"
 
 namespace dyn_test {
 namespace {

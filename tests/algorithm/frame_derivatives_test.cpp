@@ -1,9 +1,9 @@
 // Derivatives of frame motions, Jacobians, the centre of mass and the forces at rest, against differences in quadruple precision.
 #include "algorithm/rates.hpp"
-#include "dyn/algorithm/center_of_mass_derivatives.hpp"
-#include "dyn/algorithm/frame_derivatives.hpp"
-#include "dyn/algorithm/gravity_derivatives.hpp"
-#include "dyn/algorithm/rnea.hpp"
+#include "algorithm/center_of_mass_derivatives.hpp"
+#include "algorithm/frame_derivatives.hpp"
+#include "algorithm/gravity_derivatives.hpp"
+#include "algorithm/rnea.hpp"
 
 namespace dyn_test {
 namespace {

@@ -1,5 +1,5 @@
 // Inverse kinematics: exactness of the tasks' Jacobians, the step in a box, and reachable targets on robots of all joint types.
-#include "dyn/algorithm/ik.hpp"
+#include "algorithm/ik.hpp"
 
 #include "algorithm/trees.hpp"
 

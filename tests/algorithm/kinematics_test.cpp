@@ -1,5 +1,5 @@
 // Placements, velocities, accelerations and Jacobians of frames, against differences of placements in quadruple precision.
-#include "dyn/algorithm/jacobian.hpp"
+#include "algorithm/jacobian.hpp"
 
 #include "algorithm/trees.hpp"
 

@@ -1,9 +1,9 @@
 // Double against the same templates in quadruple precision: how far rounding takes each algorithm, and that the error of forward
 // dynamics grows no faster than cond(M).
 #include "algorithm/trees.hpp"
-#include "dyn/algorithm/coriolis.hpp"
-#include "dyn/algorithm/forward_dynamics.hpp"
-#include "dyn/integrator/runge_kutta.hpp"
+#include "algorithm/coriolis.hpp"
+#include "algorithm/forward_dynamics.hpp"
+#include "integrator/runge_kutta.hpp"
 
 namespace dyn_test {
 namespace {

@@ -1,6 +1,6 @@
 // Regressors: times the parameters they give forces, energies and the centre of mass, of this robot and of any other with the
 // same joints; bodies one by one against Newton and Euler.
-#include "dyn/algorithm/torque_regressor.hpp"
+#include "algorithm/torque_regressor.hpp"
 
 #include "algorithm/trees.hpp"
 

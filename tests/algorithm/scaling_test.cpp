@@ -4,10 +4,10 @@
 
 #include "algorithm/trees.hpp"
 #include "common/counted.hpp"
-#include "dyn/algorithm/crba.hpp"
-#include "dyn/algorithm/forward_dynamics.hpp"
-#include "dyn/algorithm/rnea.hpp"
-#include "dyn/algorithm/rnea_derivatives.hpp"
+#include "algorithm/crba.hpp"
+#include "algorithm/forward_dynamics.hpp"
+#include "algorithm/rnea.hpp"
+#include "algorithm/rnea_derivatives.hpp"
 
 namespace dyn_test {
 namespace {

@@ -1,6 +1,6 @@
 // Second derivatives of inverse dynamics against differences, in quadruple precision, of the first ones.
 #include "algorithm/rates.hpp"
-#include "dyn/algorithm/second_order_tensors.hpp"
+#include "algorithm/second_order_tensors.hpp"
 
 namespace dyn_test {
 namespace {

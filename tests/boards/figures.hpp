@@ -2,9 +2,9 @@
 // work of each call to clock(name, calls, call). No heap, no files: the same source on both.
 #pragma once
 
-#include "dyn/algorithm/declarations.hpp"
-#include "dyn/simulation/sleep.hpp"
-#include "dyn/simulation/workspace.hpp"
+#include "algorithm/declarations.hpp"
+#include "simulation/sleep.hpp"
+#include "simulation/workspace.hpp"
 
 namespace boards {
 

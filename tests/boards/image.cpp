@@ -1,7 +1,7 @@
 // On the board: computes what the PC has computed of the same model, and compares. DYN_IMAGE: kind of figures and robot, as rnea, arm.
 #include "board.hpp"
 #include "boards/figures.hpp"
-#include "dyn/model/dynb.hpp"
+#include "model/dynb.hpp"
 #include DYN_TABLES
 
 namespace {

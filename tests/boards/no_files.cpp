@@ -1,5 +1,5 @@
 // The core reads no robot's file: what dyn_model_load would call. Tests that come here fail, and are left out (reads_files).
-#include "dyn/model/load.hpp"
+#include "model/load.hpp"
 
 namespace dyn {
 

@@ -304,7 +304,7 @@ TEST(Handles, FreedOnesAreRemembered) {
 
 // The tables of these tests and the header name the same functions.
 TEST(Handles, TablesAreComplete) {
-  std::ifstream file(std::string(DYN_MODELS_DIR) + "/../capi/dyn.h");
+  std::ifstream file(std::string(DYN_MODELS_DIR) + "/../include/dyn.h");
   ASSERT_TRUE(file);
   std::stringstream text;
   text << file.rdbuf();

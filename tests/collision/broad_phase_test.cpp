@@ -5,7 +5,7 @@
 #include <set>
 
 #include "collision/scene.hpp"
-#include "dyn/collision/broad/broad_phase.hpp"
+#include "collision/broad/broad_phase.hpp"
 
 namespace dyn_test {
 namespace {

@@ -1,6 +1,6 @@
 // Solids on a floor made of triangles: its inner edges and vertices are not there for them.
 #include "collision/surfaces.hpp"
-#include "dyn/collision/manifold.hpp"
+#include "collision/manifold.hpp"
 
 namespace dyn_test {
 namespace {

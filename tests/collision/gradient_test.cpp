@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "collision/scene.hpp"
-#include "dyn/collision/gradient.hpp"
+#include "collision/gradient.hpp"
 
 namespace dyn_test {
 namespace {

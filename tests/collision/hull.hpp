@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "dyn/shape/convex.hpp"
+#include "shape/convex.hpp"
 
 namespace dyn_test {
 

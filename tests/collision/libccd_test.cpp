@@ -1,7 +1,7 @@
 // Where libccd errs: its tolerance acts on squared lengths, coincident centres and extreme sizes take it a quarter of a second, contact
 // positions on large boxes and triangles without an area come out wrong (its issues 17, 30, 51, 55, 71).
 #include "collision/survey.hpp"
-#include "dyn/collision/manifold.hpp"
+#include "collision/manifold.hpp"
 
 namespace dyn_test {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "collision/scene.hpp"
-#include "dyn/collision/manifold.hpp"
+#include "collision/manifold.hpp"
 
 namespace dyn_test {
 namespace {

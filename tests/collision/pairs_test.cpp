@@ -1,8 +1,8 @@
 // Pairs of a robot's collision shapes: which there are, and the gradients of their distances.
 #include "common/random_tree.hpp"
 #include "common/work.hpp"
-#include "dyn/collision/pair_search.hpp"
-#include "dyn/collision/pairs.hpp"
+#include "collision/pair_search.hpp"
+#include "collision/pairs.hpp"
 
 namespace dyn_test {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "collision/hull.hpp"
 #include "common/eigen.hpp"
-#include "dyn/collision/distance.hpp"
-#include "dyn/joint/spherical.hpp"
-#include "dyn/shape/list.hpp"
+#include "collision/distance.hpp"
+#include "joint/spherical.hpp"
+#include "shape/list.hpp"
 
 namespace dyn_test {
 

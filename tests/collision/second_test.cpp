@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "collision/survey.hpp"
-#include "dyn/collision/ccd.hpp"
+#include "collision/ccd.hpp"
 
 namespace dyn_test {
 namespace {

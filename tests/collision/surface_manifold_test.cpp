@@ -1,6 +1,6 @@
 // Contact points of meshes and height fields: as of the convex shapes they are made after, however finely they are divided.
 #include "collision/surfaces.hpp"
-#include "dyn/collision/manifold.hpp"
+#include "collision/manifold.hpp"
 
 namespace dyn_test {
 namespace {

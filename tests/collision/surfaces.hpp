@@ -2,8 +2,8 @@
 #pragma once
 
 #include "collision/scene.hpp"
-#include "dyn/model/builder.hpp"
-#include "dyn/shape/list.hpp"
+#include "model/builder.hpp"
+#include "shape/list.hpp"
 #include "model/builder_surface.hpp"
 
 namespace dyn_test {

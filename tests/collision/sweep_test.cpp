@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "collision/scene.hpp"
-#include "dyn/collision/sweep.hpp"
+#include "collision/sweep.hpp"
 
 namespace dyn_test {
 namespace {

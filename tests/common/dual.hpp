@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "dyn/base/types.hpp"
+#include "base/types.hpp"
 
 namespace dyn_test {
 

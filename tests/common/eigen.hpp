@@ -8,9 +8,9 @@
 #include <Eigen/Dense>
 #include <limits>
 
-#include "dyn/joint/joint.hpp"
-#include "dyn/spatial/explog.hpp"
-#include "dyn/spatial/inertia.hpp"
+#include "joint/joint.hpp"
+#include "spatial/explog.hpp"
+#include "spatial/inertia.hpp"
 
 namespace dyn_test {
 

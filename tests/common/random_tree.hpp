@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/eigen.hpp"
-#include "dyn/model/builder.hpp"
-#include "dyn/model/model.hpp"
+#include "model/builder.hpp"
+#include "model/model.hpp"
 
 namespace dyn_test {
 

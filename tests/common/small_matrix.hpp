@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/quad.hpp"
-#include "dyn/spatial/explog.hpp"
+#include "spatial/explog.hpp"
 
 namespace dyn_test {
 

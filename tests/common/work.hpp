@@ -7,10 +7,10 @@
 
 #include "common/eigen.hpp"
 #include "common/quad.hpp"
-#include "dyn/algorithm/configuration.hpp"
-#include "dyn/algorithm/declarations.hpp"
-#include "dyn/model/builder.hpp"
-#include "dyn/model/data.hpp"
+#include "algorithm/configuration.hpp"
+#include "algorithm/declarations.hpp"
+#include "model/builder.hpp"
+#include "model/data.hpp"
 
 namespace dyn_test {
 

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "common/dual.hpp"
-#include "dyn/constraint/list.hpp"
+#include "constraint/list.hpp"
 
 namespace dyn_test {
 

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "common/eigen.hpp"
-#include "dyn/constraint/list.hpp"
+#include "constraint/list.hpp"
 
 namespace dyn {
 namespace {

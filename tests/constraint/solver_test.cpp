@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/eigen.hpp"
-#include "dyn/constraint/bounded.hpp"
+#include "constraint/bounded.hpp"
 
 namespace dyn {
 namespace {

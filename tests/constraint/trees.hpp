@@ -2,8 +2,8 @@
 #pragma once
 
 #include "algorithm/trees.hpp"
-#include "dyn/constraint/algorithms.hpp"
-#include "dyn/constraint/list.hpp"
+#include "constraint/algorithms.hpp"
+#include "constraint/list.hpp"
 
 namespace dyn_test {
 

@@ -2,7 +2,7 @@
 // rows too, and its derivatives against extrapolated differences.
 #include "constraint/trees.hpp"
 
-#include "dyn/constraint/kkt_inverse.hpp"
+#include "constraint/kkt_inverse.hpp"
 
 namespace dyn_test {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "common/random_tree.hpp"
-#include "dyn/joint/list.hpp"
+#include "joint/list.hpp"
 
 namespace dyn_test {
 namespace {

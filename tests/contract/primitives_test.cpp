@@ -2,7 +2,7 @@
 // Differences are taken in quadruple precision, so that they show the joint's own error.
 #include "common/eigen.hpp"
 #include "common/quad.hpp"
-#include "dyn/joint/list.hpp"
+#include "joint/list.hpp"
 
 namespace dyn_test {
 namespace {

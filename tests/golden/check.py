@@ -20,7 +20,7 @@ class Libdyn:
     """One robot seen through the package dyn: one method a quantity, named as in the golden files."""
 
     def __init__(self, path, base):
-        import dyn
+        import libdyn as dyn
         self.model = dyn.load(str(path), base=base)
         self.data = self.model.data()
 
@@ -383,7 +383,7 @@ def main():
     if not files or options.only and len(files) < len(set(options.only)):
         raise SystemExit(f"no golden files of these robots in {options.golden}")
     try:
-        import dyn  # noqa: F401  said once, not once a robot
+        import libdyn as dyn  # noqa: F401  said once, not once a robot
     except ImportError as problem:
         raise SystemExit(f"the package dyn cannot be imported ({problem}); set PYTHONPATH to capi/python")
 

@@ -16,7 +16,7 @@ void for_buffers(const Model& m, dynParts parts, Data<double>& d, F&& f) {
   f(#name, (const char*)d.name, ((part) == 0 || (parts & (part))) ? std::size_t((rows) * (cols)) * sizeof(*d.name) : 0);
 #define BUFFER(type, name, count, part, sentence) \
   f(#name, (const char*)d.name, ((part) == 0 || (parts & (part))) ? std::size_t(count) * sizeof(*d.name) : 0);
-#include "dyn/model/data_fields.def"
+#include "model/data_fields.def"
 }
 
 TEST(Data, BuffersAreAlignedDisjointAndOnlyWhatWasAskedFor) {

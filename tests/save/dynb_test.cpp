@@ -1,5 +1,5 @@
 // Tests .dynb: what comes back is bit for bit what was saved, and no file makes the reader crash.
-#include "dyn/collision/pairs.hpp"
+#include "collision/pairs.hpp"
 #include "load/dynb.hpp"
 #include "model/builder_surface.hpp"
 #include "save/same.hpp"

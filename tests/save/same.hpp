@@ -5,8 +5,8 @@
 
 #include "common/random_tree.hpp"
 #include "common/work.hpp"
-#include "dyn/model/load.hpp"
-#include "dyn/model/save.hpp"
+#include "model/load.hpp"
+#include "model/save.hpp"
 
 namespace dyn_test {
 

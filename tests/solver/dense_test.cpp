@@ -1,5 +1,5 @@
 // The dense algebra of the solvers, of every size that its eights of rows and its panels of columns divide in another way.
-#include "dyn/solver/dense.hpp"
+#include "solver/dense.hpp"
 
 #include <gtest/gtest.h>
 

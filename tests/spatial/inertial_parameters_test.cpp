@@ -1,6 +1,6 @@
 // Inertial parameters, pseudo-inertia and log-Cholesky parameters: against sums over points, the published formulas, and differences
 // in quadruple precision.
-#include "dyn/spatial/inertial_parameters.hpp"
+#include "spatial/inertial_parameters.hpp"
 
 #include "common/eigen.hpp"
 #include "common/quad.hpp"

@@ -1,5 +1,5 @@
 // Elementary functions of our own: their errors against quadruple precision, what they do at the ends, and that they have the same bits everywhere.
-#include "dyn/base/portable.hpp"
+#include "base/portable.hpp"
 
 #include <algorithm>
 #include <cstring>

@@ -1,5 +1,5 @@
 // The vectorised sweep of sines and cosines: within one unit in the last place of quadruple precision, for all arguments.
-#include "dyn/base/sincos.hpp"
+#include "base/sincos.hpp"
 
 #include <algorithm>
 #include <vector>

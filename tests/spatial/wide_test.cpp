@@ -1,5 +1,5 @@
 // Four numbers as one: what goes in comes out of its lane.
-#include "dyn/base/wide.hpp"
+#include "base/wide.hpp"
 
 #include <gtest/gtest.h>
 

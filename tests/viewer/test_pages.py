@@ -287,7 +287,7 @@ def test_view_moves_composite_joints(page, tmp_path):
 
 COMPOSITES = """
 import sys
-import dyn
+import libdyn as dyn
 X = [0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1, 0.1, 0.2, 0.3]
 Y = [1, 0, 0, 0, 0, 1, 0, -1, 0, 0.3, -0.1, 0.2]
 inertia = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]
@@ -307,7 +307,7 @@ b.finish().save(sys.argv[1])
 
 CHAIN = """
 import sys
-import dyn
+import libdyn as dyn
 types = ["free_flyer", "spherical", "spherical_zyx", "planar", "translation", "cylindrical", "universal", "revolute_unbounded", "helical"]
 b, above = dyn.Builder("chain"), None
 for k, type in enumerate(types):

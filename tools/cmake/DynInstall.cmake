@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/dyn)
 
-install(FILES capi/dyn.h capi/dyn.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES include/dyn.h include/dyn.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS dyn dyn_static EXPORT dyn LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 foreach(level IN LISTS DYN_HWCAPS)
   string(REPLACE "x86-64-" "" suffix ${level})

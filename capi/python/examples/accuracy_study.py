@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-import dyn
+import libdyn as dyn
 
 PENDULUM = Path(__file__).resolve().parents[3] / "models" / "robots" / "double_pendulum.urdf"
 ORDERS = {"semi_implicit_euler": 1, "implicit_fast": 1, "implicit_midpoint": 2, "rk4": 4}

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-import dyn
+import libdyn as dyn
 
 GO2 = Path(__file__).resolve().parents[3] / "models" / "robots" / "go2.urdf"
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-import dyn
+import libdyn as dyn
 
 PANDA = Path(__file__).resolve().parents[3] / "models" / "robots" / "panda.urdf"
 DURATION, ALLOWED = 0.5, 1e-3

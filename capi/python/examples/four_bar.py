@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-import dyn
+import libdyn as dyn
 
 FOUR_BAR = Path(__file__).resolve().parents[3] / "models" / "mechanisms" / "four_bar.urdf"
 CRANK, COUPLER, ROCKER, GROUND = 0.4, 1.0, 0.8, 1.0

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-import dyn
+import libdyn as dyn
 
 GRIPPER = Path(__file__).resolve().parents[3] / "models" / "robots" / "gripper.urdf"
 MU, MASS, SIZE = 0.5, 0.2, np.array([0.02, 0.03, 0.03])  # -, kg, m

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-import dyn
-from dyn import ik
+import libdyn as dyn
+from libdyn import ik
 
 PANDA = Path(__file__).resolve().parents[3] / "models" / "robots" / "panda.urdf"
 HAND, EXACT = "panda_hand", 1e-6  # m, rad

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from standing import GO2, inverse_dynamics, standing
 
-import dyn
+import libdyn as dyn
 
 PUSHES = (("front", (-1, 0, 0)), ("left", (0, -1, 0)), ("back", (1, 0, 0)), ("right", (0, 1, 0)))
 FORCE, LASTS = 60.0, 0.2  # N, s

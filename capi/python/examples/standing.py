@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-import dyn
+import libdyn as dyn
 
 GO2 = Path(__file__).resolve().parents[3] / "models" / "robots" / "go2.urdf"
 FEET = ("FL_foot", "FR_foot", "RL_foot", "RR_foot")

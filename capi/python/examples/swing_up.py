@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-import dyn
+import libdyn as dyn
 
 PENDULUM = Path(__file__).resolve().parents[3] / "models" / "robots" / "double_pendulum.urdf"
 STEPS, H, EFFORT, ARRIVAL = 100, 0.02, 1e-3, 100.0  # -, s, weights of u^2 and of the end

@@ -9,10 +9,10 @@ import pytest
 
 CAPI = Path(__file__).resolve().parents[2]
 try:
-    import dyn
+    import libdyn as dyn
 except ModuleNotFoundError:  # not installed: the package of this checkout
     sys.path.insert(0, str(CAPI / "python"))
-    import dyn
+    import libdyn as dyn
 
 MODELS = Path(os.environ.get("DYN_MODELS_DIR", CAPI.parent / "models"))
 

@@ -3,8 +3,8 @@
 import numpy as np
 from conftest import MODELS
 
-import dyn
-from dyn import constraint as dc
+import libdyn as dyn
+from libdyn import constraint as dc
 
 FEET = ("FL_foot", "FR_foot", "RL_foot", "RR_foot")
 

@@ -6,7 +6,7 @@ import sys
 import pytest
 from test_cli import CLI, ROBOTS
 
-import dyn
+import libdyn as dyn
 
 RESULT = {
     "name": "made up",

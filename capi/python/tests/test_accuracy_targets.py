@@ -10,7 +10,7 @@ import pytest
 from conftest import MODELS, bench_problem
 from test_cli import CLI, answer
 
-import dyn
+import libdyn as dyn
 
 pytestmark = pytest.mark.skipif(not CLI, reason="the command dyn is not built")
 

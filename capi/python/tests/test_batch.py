@@ -5,7 +5,7 @@ import threading
 import numpy as np
 import pytest
 
-import dyn
+import libdyn as dyn
 
 N = 40
 

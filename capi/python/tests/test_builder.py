@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import ARM
 
-import dyn
+import libdyn as dyn
 
 
 def build_arm():

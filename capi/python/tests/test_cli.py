@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import ARM, CAPI, MODELS
 
-import dyn
+import libdyn as dyn
 
 ROBOTS = MODELS / "robots"
 GO2 = str(ROBOTS / "go2.urdf")

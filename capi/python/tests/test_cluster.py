@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from conftest import MODELS
 
-import dyn
-from dyn.batch import rollout
+import libdyn as dyn
+from libdyn.batch import rollout
 
 ray = pytest.importorskip("ray", reason="package ray is not installed")
 
@@ -111,7 +111,7 @@ def test_failures_and_refusals(cluster, scene):
 
 
 def test_an_address_where_no_cluster_is():
-    program = "import dyn; dyn.batch.rollout(dyn.load(%r, base='fixed'), steps=1, engine='ray')" % str(MODELS / "robots" / "double_pendulum.urdf")
+    program = "import libdyn as dyn; dyn.batch.rollout(dyn.load(%r, base='fixed'), steps=1, engine='ray')" % str(MODELS / "robots" / "double_pendulum.urdf")
     for address in ("127.0.0.1:1", "127.0.0.1:99999"):
         done = subprocess.run([sys.executable, "-c", program], env={**os.environ, "RAY_ADDRESS": address}, capture_output=True, text=True, timeout=300)
         assert done.returncode and f"ArgumentError: RAY_ADDRESS is '{address}', where no cluster answers: " in done.stderr

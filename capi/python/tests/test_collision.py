@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-import dyn
-from dyn import DistanceStatus, PairReason
+import libdyn as dyn
+from libdyn import DistanceStatus, PairReason
 
 I = np.eye(3)
 

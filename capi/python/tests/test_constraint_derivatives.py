@@ -5,8 +5,8 @@ import pytest
 from conftest import MODELS
 from linkages import TIES, arms, differences, random_state
 
-import dyn
-from dyn import constraint as dc
+import libdyn as dyn
+from libdyn import constraint as dc
 
 
 def agree(got, expected, what):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from linkages import FEET, closed, four_bar, go2, kkt, random_state, rod
 
-import dyn
-from dyn import constraint as dc
+import libdyn as dyn
+from libdyn import constraint as dc
 
 
 @pytest.mark.parametrize("kind", ["loop", "connect"])

@@ -8,8 +8,8 @@ import pytest
 from conftest import MODELS
 from linkages import FEET, four_bar, go2, kkt, random_state, rod
 
-import dyn
-from dyn import constraint as dc
+import libdyn as dyn
+from libdyn import constraint as dc
 
 
 def test_quadruped_on_four_points():

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-import dyn
-from dyn import PairReason, SweepStatus
+import libdyn as dyn
+from libdyn import PairReason, SweepStatus
 
 I = np.eye(3)
 

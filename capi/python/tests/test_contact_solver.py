@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import dyn
+import libdyn as dyn
 
 close = np.testing.assert_allclose
 

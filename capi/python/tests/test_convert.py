@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import MODELS
 
-import dyn
+import libdyn as dyn
 
 TOLERANCE = 1e-12  # of numbers of size 1 to 100, relative to their largest
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import ARM, CAPI
 
-import dyn
+import libdyn as dyn
 
 CXX = os.environ.get("CXX") or shutil.which("c++")
 pytestmark = pytest.mark.skipif(not CXX, reason="no C++ compiler")

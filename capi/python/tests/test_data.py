@@ -7,7 +7,7 @@ import weakref
 import numpy as np
 import pytest
 
-import dyn
+import libdyn as dyn
 
 close = np.testing.assert_allclose
 

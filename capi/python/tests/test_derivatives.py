@@ -1,6 +1,6 @@
 """Derivatives of inverse and forward dynamics through Python: against differences, and as inverses of each other."""
 
-import dyn
+import libdyn as dyn
 import numpy as np
 import pytest
 

@@ -11,7 +11,7 @@ import pytest
 from conftest import CAPI, MODELS
 from test_cli import CLI
 
-import dyn
+import libdyn as dyn
 
 ROOT = CAPI.parent
 DOCUMENTS = [
@@ -74,7 +74,7 @@ def test_files_that_are_named(path):
     for name in FILE.findall(path.read_text(encoding="utf-8")):
         if MADE_UP.search(name) or name.startswith("../"):
             continue
-        places = [ROOT, path.parent, ROOT / "include", CAPI, CAPI / "python", ROOT / "src", ROOT / "include/dyn"]
+        places = [ROOT, path.parent, ROOT / "include", CAPI, CAPI / "python", ROOT / "src"]
         assert any((place / name).exists() for place in places), f"{path.name} names {name}, which is not there"
 
 
@@ -234,7 +234,7 @@ def test_the_readme_shows_the_example():
 
 def test_lists_of_joints():
     page = (CAPI / "pages" / "inside.md").read_text(encoding="utf-8")
-    listed = lambda file, name: set(re.findall(r"X\((\w+)\)", re.search(rf"define {name}\(X\)(.*?)\n\n", (ROOT / "include/dyn/joint" / file).read_text(), re.S)[1]))
+    listed = lambda file, name: set(re.findall(r"X\((\w+)\)", re.search(rf"define {name}\(X\)(.*?)\n\n", (ROOT / "src/joint" / file).read_text(), re.S)[1]))
     assert set(re.findall(r"^ \|- (\w+)", page, re.M)) == listed("list.hpp", "DYN_PRIMITIVES")
     assert set(re.findall(r"^\| `(\w+)` \|", page, re.M)) == listed("kinds.hpp", "DYN_KINDS")
 
@@ -243,7 +243,7 @@ def test_layers():
     """The page's layers are the folders, all of them."""
     page = blocks(CAPI / "pages" / "inside.md")[0]
     order = [name for line in page.splitlines()[1:] for name in re.match(r" *((?:\w+  ?)+)", line)[1].split()[: 2 if "joint  shape" in line else 1]]
-    folders = {p.name for p in (ROOT / "include/dyn").iterdir()} | {p.name for p in (ROOT / "src").iterdir()} - {"mesh"}
+    folders = {p.name for p in (ROOT / "src").iterdir()} | {p.name for p in (ROOT / "src").iterdir()} - {"mesh"}
     assert set(order) == folders | {"load"}
 
 
@@ -266,6 +266,6 @@ def test_recipes_name_what_is_there():
     )
     for name in set(re.findall(r"`([A-Za-z_][\w:]*)`", text)):
         assert re.search(rf"\b{name.split('::')[-1]}", source), f"CONTRIBUTING.md speaks of {name}, which is nowhere"
-    below = [ROOT, CAPI, CAPI / "pages", ROOT / "include/dyn", ROOT / "include/dyn/algorithm", ROOT / "include/dyn/joint", ROOT / "include/dyn/constraint", ROOT / "tools/cli"]
+    below = [ROOT, CAPI, CAPI / "pages", ROOT / "src", ROOT / "src/algorithm", ROOT / "src/joint", ROOT / "src/constraint", ROOT / "tools/cli"]
     for name in set(re.findall(r"`([\w./]+\.(?:hpp|cpp|h|def|py|md|sh))`", text)):
         assert name.split("/")[-1].startswith("NAME.") or any((b / name).exists() for b in below), f"CONTRIBUTING.md names {name}, which is not there"

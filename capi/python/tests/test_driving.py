@@ -2,7 +2,7 @@
 
 import math
 
-import dyn
+import libdyn as dyn
 import numpy as np
 import pytest
 

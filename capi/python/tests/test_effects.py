@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-import dyn
-from dyn import Effect
+import libdyn as dyn
+from libdyn import Effect
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import CAPI, bench_problem
 
-import dyn
+import libdyn as dyn
 
 GOLDEN = json.loads((CAPI.parent / "tests/golden/evaluations/dop853.json").read_text())["problems"]
 LEVEL = {"double-pendulum, 20 s": 1e-6}  # m: chaos has made rounding 1e-8 by then; 1e-9 of all others

@@ -12,7 +12,7 @@ import pytest
 from conftest import CAPI
 from test_cli import CLI
 
-import dyn
+import libdyn as dyn
 
 EXAMPLES = CAPI / "python" / "examples"
 # arguments, and what a reader finds in the answer

@@ -5,7 +5,7 @@ import pytest
 from conftest import MODELS
 from test_cli import answer
 
-import dyn
+import libdyn as dyn
 
 close = np.testing.assert_allclose
 ROBOTS = [("go2", "floating"), ("humanoid", "floating"), ("panda", "fixed"), ("gripper", "fixed")]

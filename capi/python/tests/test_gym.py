@@ -5,7 +5,7 @@ import pytest
 
 gymnasium = pytest.importorskip("gymnasium", reason="package gymnasium is not installed")
 
-import dyn.gym  # noqa: E402
+import libdyn.gym  # noqa: E402
 
 IDS = ("dyn/Go2-v0", "dyn/Humanoid-v0")
 

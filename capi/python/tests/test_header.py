@@ -8,10 +8,10 @@ import subprocess
 import pytest
 from conftest import CAPI
 
-import dyn
-from dyn import abi, enums, library
+import libdyn as dyn
+from libdyn import abi, enums, library
 
-HEADER = (CAPI / "dyn.h").read_text()
+HEADER = (CAPI.parent / "include" / "dyn.h").read_text()
 CODE = re.sub(r"/\*.*?\*/", "", HEADER, flags=re.S)
 
 
@@ -21,7 +21,7 @@ def test_every_function_is_bound():
 
 
 def test_every_function_is_used():
-    sources = "".join(p.read_text() for p in (CAPI / "python" / "dyn").glob("*.py"))
+    sources = "".join(p.read_text() for p in (CAPI / "python" / "libdyn").glob("*.py"))
     assert not [name for name in abi.SIGNATURES if not re.search(rf"\b{name}\b", sources)]
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import dyn
+import libdyn as dyn
 
 close = np.testing.assert_allclose
 BALL = np.array([2, 0.1, 0, -0.1, 1.5, 0.1, 1.5, 0, 0, 1.5])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from test_cli import CLI, GO2, answer, run
 
-import dyn
-from dyn import ik
+import libdyn as dyn
+from libdyn import ik
 
 close = np.testing.assert_allclose
 

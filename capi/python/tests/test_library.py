@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-import dyn
-from dyn import library
+import libdyn as dyn
+from libdyn import library
 
 needs_compiler = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 
@@ -18,7 +18,7 @@ def start(**environment):
     """Imports the package in a new process; answers its last line of errors."""
     folder = str(Path(dyn.__file__).parents[1])
     run = subprocess.run(
-        [sys.executable, "-c", "import dyn; print(dyn.library_path)"],
+        [sys.executable, "-c", "import libdyn as dyn; print(dyn.library_path)"],
         env={**os.environ, "PYTHONPATH": folder, **environment}, capture_output=True, text=True,
     )  # fmt: skip
     return run.returncode, run.stdout.strip(), (run.stderr.strip().splitlines() or [""])[-1]

@@ -5,8 +5,8 @@ import pytest
 from conftest import MODELS
 from test_cli import CLI, answer, run
 
-import dyn
-from dyn import constraint as dc
+import libdyn as dyn
+from libdyn import constraint as dc
 
 MECHANISMS = MODELS / "mechanisms"
 # rows, rank, names of constraints with dependent rows

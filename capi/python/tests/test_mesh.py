@@ -5,7 +5,7 @@ import pytest
 from conftest import ARM
 from test_cli import CLI, answer, run
 
-import dyn
+import libdyn as dyn
 
 CUBE = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)], float)
 TRIANGLES = [

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from conftest import MODELS
 
-import dyn
+import libdyn as dyn
 
 meshcat = pytest.importorskip("meshcat", reason="package meshcat is not installed")
 
-from dyn.meshcat import Display, pieces  # noqa: E402
+from libdyn.meshcat import Display, pieces  # noqa: E402
 
 
 class Paper:

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-import dyn
+import libdyn as dyn
 import numpy as np
 import pytest
 

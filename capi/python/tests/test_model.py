@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import ARM, MODELS
 
-import dyn
+import libdyn as dyn
 
 
 def test_sizes(go2):

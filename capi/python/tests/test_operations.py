@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import MODELS
 
-import dyn
+import libdyn as dyn
 
 
 def test_lock_attach_subtree(arm):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from linkages import closed, four_bar, rod
 
-import dyn
-from dyn import constraint as dc
+import libdyn as dyn
+from libdyn import constraint as dc
 
 
 def test_projection_is_near_in_either_metric():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from conftest import MODELS
 
-import dyn
-from dyn.batch import rollout
+import libdyn as dyn
+from libdyn.batch import rollout
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-import dyn
+import libdyn as dyn
 
 MODELS = os.environ.get("DYN_MODELS_DIR", os.path.join(os.path.dirname(__file__), "..", "..", "..", "models"))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import dyn
+import libdyn as dyn
 
 close = np.testing.assert_allclose
 REFERENCES = ("LOCAL", "WORLD", "LOCAL_WORLD_ALIGNED")

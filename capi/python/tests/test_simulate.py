@@ -5,7 +5,7 @@ import html.parser
 import numpy as np
 import pytest
 
-import dyn
+import libdyn as dyn
 
 
 def test_it_is_the_loop_over_steps(arm):

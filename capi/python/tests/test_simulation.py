@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from test_cli import GO2, answer, run
 
-import dyn
+import libdyn as dyn
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 

@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-import dyn
+import libdyn as dyn
 
 
 def work(model, seed, out):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from conftest import ARM, MODELS
 
-import dyn
-from dyn import ik
+import libdyn as dyn
+from libdyn import ik
 
 FEET = ("FL_foot", "FR_foot", "RL_foot", "RR_foot")
 

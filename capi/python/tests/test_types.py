@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-import dyn
-from dyn import stubs
+import libdyn as dyn
+from libdyn import stubs
 
 PACKAGE = Path(dyn.__file__).parent
 RIGHT = """
 import numpy as np
-import dyn
+import libdyn as dyn
 
 m: dyn.Model = dyn.load("x.urdf", base="floating", gravity=(0, 0, -1))
 d: dyn.Data = m.data(parts=("inverse", dyn.Part.MASS))
@@ -47,7 +47,7 @@ WRONG = {
 @pytest.mark.parametrize("name", stubs.STUBS)
 def test_stubs_are_those_of_the_library(name):
     written = (PACKAGE / name).read_text(encoding="utf-8")
-    assert written == stubs.STUBS[name](), "run python -m dyn.stubs"
+    assert written == stubs.STUBS[name](), "run python -m libdyn.stubs"
     assert (PACKAGE / "py.typed").exists()
 
 

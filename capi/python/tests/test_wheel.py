@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from conftest import CAPI
 
-import dyn
+import libdyn as dyn
 
 NEEDED = ("setuptools", "wheel", "pip")
 
@@ -47,10 +47,10 @@ def test_what_it_holds(wheel):
         names = set(z.namelist())
         metadata = next(z.read(n).decode() for n in names if n.endswith("METADATA"))
     assert re.fullmatch(r"libdyn-[\d.]+-py3-none-(linux|macosx)_\w+\.whl", file.name)
-    assert {n for n in names if n.startswith("dyn/lib/")} == {f"dyn/lib/{p.relative_to(installed)}" for p in installed.rglob("*.so*")}
-    assert "dyn/lib/libdyn.so.1" in names
-    sources = {f"dyn/{p.relative_to(CAPI / 'python/dyn')}" for s in ("*.py", "*.pyi") for p in (CAPI / "python/dyn").rglob(s)}
-    assert sources | {"dyn/py.typed", "dyn/models/go2.urdf", "dyn/models/humanoid.urdf"} <= names
+    assert {n for n in names if n.startswith("libdyn/lib/")} == {f"libdyn/lib/{p.relative_to(installed)}" for p in installed.rglob("*.so*")}
+    assert "libdyn/lib/libdyn.so.1" in names
+    sources = {f"libdyn/{p.relative_to(CAPI / 'python/libdyn')}" for s in ("*.py", "*.pyi") for p in (CAPI / "python/libdyn").rglob(s)}
+    assert sources | {"libdyn/py.typed", "libdyn/models/go2.urdf", "libdyn/models/humanoid.urdf"} <= names
     assert "Requires-Dist: numpy" in metadata and "Provides-Extra: ray" in metadata
 
 
@@ -58,7 +58,7 @@ def test_it_works_by_itself(wheel, tmp_path):
     with zipfile.ZipFile(wheel[0]) as z:
         z.extractall(tmp_path / "site")
     program = """
-import dyn, pickle
+import pickle, libdyn as dyn
 from pathlib import Path
 assert Path(dyn.__file__).is_relative_to("site") or "site" in dyn.__file__
 assert "site" in dyn.library_path, dyn.library_path
@@ -74,5 +74,5 @@ def test_without_numpy(tmp_path):
     """A clear sentence, where numpy is not."""
     (tmp_path / "numpy.py").write_text("raise ModuleNotFoundError(\"No module named 'numpy'\", name='numpy')")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), str(CAPI / "python")])}
-    out = subprocess.run([sys.executable, "-c", "import dyn"], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    out = subprocess.run([sys.executable, "-c", "import libdyn as dyn"], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert out.returncode and "dyn needs numpy: pip install numpy" in out.stderr

@@ -1,11 +1,11 @@
-#include "dyn/collision/ccd.hpp"
+#include "collision/ccd.hpp"
 
 #include <ccd/ccd.h>
 #include <dlfcn.h>
 
 #include <algorithm>
 
-#include "dyn/shape/list.hpp"
+#include "shape/list.hpp"
 
 namespace dyn::collision {
 

@@ -1,4 +1,4 @@
-// Joints as chains of simple motions, as in include/dyn/joint: the coordinates that each takes, and the sliders that move it.
+// Joints as chains of simple motions, as in src/joint: the coordinates that each takes, and the sliders that move it.
 import * as THREE from "three";
 
 const X = new THREE.Vector3(1, 0, 0), Y = new THREE.Vector3(0, 1, 0), Z = new THREE.Vector3(0, 0, 1);

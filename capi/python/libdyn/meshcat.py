@@ -1,0 +1,124 @@
+"""Robots in a browser by Meshcat (package meshcat): a thin display.
+
+    from libdyn.meshcat import Display
+    display = Display(model)              # prints the address to open
+    display(q)
+    display.play(trajectory.q, dt=0.01)
+"""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import meshcat
+import numpy as np
+from meshcat import geometry as g
+
+from .arrays import Placement
+from .enums import Part, ShapeRole, ShapeType
+from .mesh import load_mesh
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .describe import ShapeInfo
+    from .model import Model
+
+_Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # Meshcat's cylinders lie along y
+_NO_COLOUR = 0.7
+_AROUND = np.linspace(0, 2 * np.pi, 33)[:-1]
+
+
+def _at(z: float) -> np.ndarray:
+    X = np.eye(4)
+    X[2, 3] = z
+    return X
+
+
+def _cone(radius: float, length: float) -> g.Geometry:
+    """Its tip along +z, the middle of the axis at the origin."""
+    ring = np.stack([radius * np.cos(_AROUND), radius * np.sin(_AROUND), np.full(len(_AROUND), -length / 2)], axis=1)
+    i, n = np.arange(len(ring)), len(ring)
+    j = (i + 1) % n
+    sides, base = np.stack([i, j, np.full(n, n)], axis=1), np.stack([j, i, np.full(n, n + 1)], axis=1)
+    return g.TriangularMeshGeometry(np.vstack([ring, [0, 0, length / 2], [0, 0, -length / 2]]), np.vstack([sides, base]))
+
+
+def pieces(model: Model, shape: ShapeInfo) -> list[tuple[g.Geometry, np.ndarray]]:
+    """What stands for a shape, and where, in its own frame."""
+    x, y, z = (float(s) for s in shape.size)
+    kind, here = shape.type, np.eye(4)
+    if kind == ShapeType.BOX:
+        return [(g.Box([x, y, z]), here)]
+    if kind == ShapeType.SPHERE:
+        return [(g.Sphere(x), here)]
+    if kind == ShapeType.ELLIPSOID:
+        return [(g.Ellipsoid([x, y, z]), here)]
+    if kind == ShapeType.CYLINDER:
+        return [(g.Cylinder(y, x), _Y_TO_Z)]
+    if kind == ShapeType.CAPSULE:
+        return [(g.Cylinder(y, x), _Y_TO_Z), (g.Sphere(x), _at(y / 2)), (g.Sphere(x), _at(-y / 2))]
+    if kind == ShapeType.CONE:
+        return [(_cone(x, y), here)]
+    if kind == ShapeType.HALF_SPACE:
+        return [(g.Box([20.0, 20.0, 0.01]), _at(-0.005))]
+    mesh = load_mesh(shape.mesh, scale=shape.size) if kind == ShapeType.MESH else model.shape_mesh(shape.id)
+    if shape.rgba is None and not np.isnan(mesh.colours).all():  # colours are of triangles, and Meshcat's of corners
+        colours = np.where(np.isnan(mesh.colours), _NO_COLOUR, mesh.colours)
+        corners = np.arange(3 * len(mesh.triangles)).reshape(-1, 3)
+        return [(g.TriangularMeshGeometry(mesh.vertices[mesh.triangles].reshape(-1, 3), corners, np.repeat(colours, 3, axis=0)), here)]
+    return [(g.TriangularMeshGeometry(np.array(mesh.vertices), np.array(mesh.triangles)), here)]
+
+
+def _looks(shape: ShapeInfo, geometry: g.Geometry, color: int) -> g.Material:
+    """The shape's own colour, or those of its mesh file, or `color`."""
+    if shape.rgba is not None:
+        red, green, blue = (round(255 * x) for x in shape.rgba[:3])
+        return g.MeshLambertMaterial(color=red << 16 | green << 8 | blue, opacity=shape.rgba[3])
+    if getattr(geometry, "color", None) is not None:
+        return g.MeshLambertMaterial(vertexColors=True)
+    return g.MeshLambertMaterial(color=0x606468 if shape.type == ShapeType.HALF_SPACE else color)
+
+
+class Display:
+    """A model's shapes in a Meshcat window, in the colours of their files.
+
+    visualizer  a meshcat.Visualizer to draw in; None: a new one
+    role        "visual", "collision"; a robot without visual shapes shows its collision shapes
+    root        name below which everything is drawn
+    color       of what has none, 0xRRGGBB
+    """
+
+    def __init__(self, model: Model, visualizer: Any = None, role: str = "visual", root: str = "robot", color: int = 0xB0B8C8):
+        self.model = model
+        self.visualizer = meshcat.Visualizer() if visualizer is None else visualizer
+        self._window = self.visualizer[root]
+        self._data = model.data(Part.FRAMES)
+        wanted = ShapeRole[role.upper()]
+        shapes = [s for s in model.shapes if s.role == wanted] or [s for s in model.shapes if s.role == ShapeRole.COLLISION]
+        shapes += [s for s in model.shapes if s.type == ShapeType.HALF_SPACE and s not in shapes]
+        self._shapes = [(f"{s.id}", s.frame, Placement(*s.placement).matrix) for s in shapes]
+        for s in shapes:
+            for k, (geometry, X) in enumerate(pieces(model, s)):
+                piece = self._window[f"{s.id}/{k}"]
+                piece.set_object(geometry, _looks(s, geometry, color))
+                piece.set_transform(X)
+        self(model.neutral())
+
+    def __call__(self, q: ArrayLike) -> None:
+        """Shows a configuration, (nq,)."""
+        self._data.forward_kinematics(q)
+        X = self._data.frame_placements().matrix
+        for name, frame, at in self._shapes:
+            self._window[name].set_transform(X[frame] @ at)
+
+    def play(self, q: ArrayLike, dt: float, speed: float = 1.0) -> None:
+        """Shows rows of q, (R, nq), dt seconds apart."""
+        begin = time.monotonic()
+        for k, row in enumerate(np.asarray(q)):
+            self(row)
+            time.sleep(max(0.0, begin + (k + 1) * dt / speed - time.monotonic()))
+
+    def _repr_html_(self) -> str:
+        return self.visualizer.render_static()._repr_html_()

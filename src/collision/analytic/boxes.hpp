@@ -1,0 +1,110 @@
+// Boxes, and capsules as boxes of no width, by their separating axes: the faces of A - B have the normals of the faces of A, of the faces
+// of B, and of each edge of A with each of B (Gottschalk, Lin, Manocha, SIGGRAPH 1996). When the boxes meet, the axis of least depth is
+// the answer; apart, it is a good guess for GJK.
+#pragma once
+
+#include "collision/analytic/capsules.hpp"
+#include "collision/analytic/sums.hpp"
+
+namespace dyn::collision {
+
+// Axis of the largest signed distance. Which feature: a face of A (i = its axis, j = -1), of B (i = -1, j), or two edges (i, j).
+struct BoxAxis {
+  Vec n;            // from A to B, in A
+  double distance;
+  int i, j;
+  bool unique;      // no other axis is as good
+};
+
+// All three entries of a vector at once: entry i belongs to A's axis i, or, for the faces of B, to B's axis i.
+inline BoxAxis box_axis(const Vec& ha, const Vec& hb, const Pose& X, double margin) {
+  const Mat R = X.R, Rt = transpose(R), S = {sizes(R.x), sizes(R.y), sizes(R.z)}, St = {sizes(Rt.x), sizes(Rt.y), sizes(Rt.z)};
+  const Vec p = X.p, q = Rt * p;
+  BoxAxis best = {shape::axis(0), -shape::infinity, 0, -1, true};
+  double second = -shape::infinity;
+  // faces before edges, unless these are better by more than rounding
+  auto consider = [&](double s, int i, int j) {
+    if (s > best.distance + margin)
+      second = best.distance, best.distance = s, best.i = i, best.j = j;
+    else
+      second = std::max(second, s);
+  };
+  const Vec faces_a = sizes(p) - ha - S * hb, faces_b = sizes(q) - hb - St * ha;
+  for (int i = 0; i < 3; ++i) consider(faces_a[i], i, -1);
+  for (int j = 0; j < 3; ++j) consider(faces_b[j], -1, j);
+  for (int j = 0; j < 3; ++j) {
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+    const Vec r = R[j], along = sizes(cross(r, p)), ry = yzx(r), rz = zxy(r);
+    const Vec reach = hadamard(yzx(ha), zxy(S[j])) + hadamard(zxy(ha), yzx(S[j])) + S[l] * hb[k] + S[k] * hb[l];
+    const Vec length2 = hadamard(ry, ry) + hadamard(rz, rz), gap = along - reach;
+    for (int i = 0; i < 3; ++i)
+      if (length2[i] > 1e-20) consider(gap[i] / std::sqrt(length2[i]), i, j);
+  }
+  Vec n;
+  double side;
+  if (best.j < 0)
+    n = shape::axis(best.i), side = p[best.i];
+  else if (best.i < 0)
+    n = R[best.j], side = q[best.j];
+  else
+    n = cross(shape::axis(best.i), R[best.j]), n = n * (1 / shape::norm(n)), side = dot(n, p);
+  best.n = n * std::copysign(1.0, side);
+  best.unique = side != 0 && second < best.distance - 1e-7 * shape::largest(hb);
+  return best;
+}
+
+// The part of a box that faces n: its corner there, free along the axes straight to n.
+struct BoxFeature {
+  Vec half, corner;
+  bool free[3];
+
+  BoxFeature(const Vec& half, const Vec& n) : half(half), corner(shape::with_sign(half, n)) {
+    for (int i = 0; i < 3; ++i) free[i] = std::abs(n[i]) <= shape::flat_slope;
+  }
+  Vec middle() const { return nearest(Vec::zero()); }
+  Vec nearest(const Vec& x) const {
+    auto at = [&](int i) { return free[i] ? std::clamp(x[i], -half[i], half[i]) : corner[i]; };
+    return Vec::make(at(0), at(1), at(2));
+  }
+};
+
+// Witness points of boxes that meet along an axis.
+inline void box_witness(const Vec& ha, const Vec& hb, const Pose& X, const BoxAxis& axis, Vec& a, Vec& b) {
+  const BoxFeature fa(ha, axis.n), fb(hb, transpose_times(X.R, -axis.n));
+  if (axis.i >= 0 && axis.j >= 0) {
+    BoxFeature ea = fa, eb = fb;
+    ea.free[axis.i] = eb.free[axis.j] = true;
+    const Vec u = shape::axis(axis.i), v = X.R[axis.j], a0 = ea.corner - u * ea.corner[axis.i], b0 = X.act(eb.corner - shape::axis(axis.j) * eb.corner[axis.j]);
+    const SegmentPair s = nearest_on_segments(u, ha[axis.i], b0 - a0, v, hb[axis.j]);
+    a = a0 + u * s.s, b = b0 + v * s.t;
+    return;
+  }
+  // a point of both features, seen along the normal: by projection on one and the other in turn
+  a = fa.middle(), b = X.act(fb.middle());
+  for (int i = 0; i < 64; ++i) {
+    const Vec shift = axis.n * axis.distance;
+    a = fa.nearest(b - shift);
+    const Vec next = X.act(fb.nearest(X.act_inverse(a + shift)));
+    const Vec moved = next - b;
+    b = next;
+    if (dot(moved, moved) <= 1e-32 * dot(b, b)) break;
+  }
+}
+
+template <class A, class B>
+inline Cores box_pair(const Difference<A, B>& d, const Vec& ha, const Vec& hb, EpaWorkspace& workspace, const Options& options) {
+  Cores c;
+  const double enough = wanted(d, options);
+  // far apart along the line between the centres: no need to know the best axis
+  const Vec& p = d.X.p;
+  if (dot(sizes(p), ha) + dot(sizes(d.Rt * p), hb) < dot(p, p) && sum_pair(d, p, enough, c)) return c;
+  const BoxAxis axis = box_axis(ha, hb, d.X, d.rounding());
+  c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0, axis.unique};
+  box_witness(ha, hb, d.X, axis, c.a, c.b);
+  c.residual = shape::norm(c.b - c.a - c.normal * c.distance);
+  if (axis.distance <= 1e-10 * d.small + d.rounding() || c.residual <= d.rounding()) return c;
+  if (sum_pair(d, axis.n, enough, c)) return c;
+  return cores(d, axis.n * -axis.distance, workspace, options);
+}
+
+}  // namespace dyn::collision

@@ -1,0 +1,17 @@
+// A half-space (A) against everything that has a support point: the deepest point below the plane.
+#pragma once
+
+#include "collision/convex_pair.hpp"
+#include "shape/half_space.hpp"
+
+namespace dyn::collision {
+
+template <class B>
+inline Cores half_space_pair(const shape::HalfSpace&, const B& b, const Pose& X) {
+  const Vec n = shape::axis(2), in_b = transpose_times(X.R, -n);
+  const Vec deepest = X.act(b.support(in_b));
+  const double height = deepest[2];
+  return {n, deepest - n * height, deepest, height, 0, 0, b.flat(in_b).dimension == 0};
+}
+
+}  // namespace dyn::collision

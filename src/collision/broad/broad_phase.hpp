@@ -1,0 +1,158 @@
+// Which of many boxes overlap. Boxes are kept fat, by a margin: one that stays in its fat box costs a comparison. Overlaps of fat boxes are
+// kept from query to query as candidates; only boxes that left theirs are searched for again. They lie in loose blocks beside the tree
+// until they are many: then the tree is packed anew. Memory is the caller's; nothing allocates.
+#pragma once
+
+#include "collision/broad/tree.hpp"
+
+namespace dyn::collision {
+
+using shape::Bounds;
+
+// Ids of two boxes, the smaller one in the high half.
+using IdPair = std::uint64_t;
+inline IdPair id_pair(Index a, Index b) { return std::uint64_t(std::min(a, b)) << 32 | std::uint32_t(std::max(a, b)); }
+inline Index first_of(IdPair p) { return Index(p >> 32); }
+inline Index second_of(IdPair p) { return Index(p & 0xffffffff); }
+
+class BroadPhase {
+ public:
+  // room for boxes and for candidates, margin of fat boxes (m)
+  BroadPhase(Index capacity, std::ptrdiff_t pair_capacity, double margin, void* memory);
+  static std::size_t bytes(Index capacity, std::ptrdiff_t pair_capacity);
+
+  // The smallest free id; -1: full.
+  Index insert(const Bounds& b);
+  void update(Index id, const Bounds& b);
+  void remove(Index id);
+  // A box whose id was removed, and is free.
+  void put_back(Index id, const Bounds& b);
+  bool has(Index id) const { return id >= 0 && id < used_ && state_[id] != free_slot; }
+  Index count() const { return count_; }
+  const Bounds& bounds(Index id) const { return tight_[id]; }
+
+  // All pairs whose boxes overlap, ascending; take(a, b). false: more candidates than there is room for.
+  template <class F>
+  bool pairs(F&& take) {
+    if (!refresh()) return false;
+    for (std::ptrdiff_t k = 0; k < candidates_; ++k) {
+      const Index a = first_of(candidate_[k]), b = second_of(candidate_[k]);
+      if (overlap(tight_[a], tight_[b])) take(a, b);
+    }
+    return true;
+  }
+  // Boxes that overlap b, and those that the segment from o to o + t d, t in [0, far], meets; in no order: take(id).
+  template <class F>
+  void query(const Bounds& b, F&& take);
+  template <class F>
+  void ray(const shape::Vec& o, const shape::Vec& d, double far, F&& take);
+
+  std::ptrdiff_t pair_capacity() const { return pair_capacity_; }
+  std::ptrdiff_t candidates() const { return candidates_; }
+
+  static bool overlap(const Bounds& a, const Bounds& b) {
+#if defined(__AVX__)
+    return __builtin_ia32_movmskpd256((shape::Vec::Lanes)((a.lower.v <= b.upper.v) & (b.lower.v <= a.upper.v))) == 15;
+#else
+    bool yes = true;
+    for (int i = 0; i < 3; ++i) yes &= (a.lower[i] <= b.upper[i]) & (b.lower[i] <= a.upper[i]);
+    return yes;
+#endif
+  }
+
+ private:
+  static constexpr Index free_slot = -1, nowhere = -2, loose_bit = 1 << 30;
+  enum : std::uint8_t { stale = 1, unplaced = 2 };  // candidates do not know of it; it lies nowhere, or not where its box is
+
+  std::size_t lay_out(char* memory);
+  void mark(Index id);
+  void release(Index id);
+  void settle();
+  void pack();
+  bool refit();
+  bool refresh();
+  void join();
+  void replace_stale();
+  void sort_fresh();
+  Box fat(Index id) const;
+  void found(IdPair p) {
+    if (found_ < pair_capacity_) fresh_[found_] = p;
+    ++found_;
+  }
+  template <class F>
+  void for_each_overlap(const Box& b, F&& take);
+
+  Index capacity_, count_ = 0, used_ = 0, lowest_free_ = 0;  // ids below used_ have been given
+  std::ptrdiff_t pair_capacity_, candidates_ = 0, found_ = 0;
+  bool candidates_valid_ = true;
+  double margin_;
+  PackedTree tree_;
+  bool same_boxes_ = false;  // the tree was packed of the boxes that there are
+  double spread_ = 0;        // when it was packed (raise)
+  Bounds* tight_;
+  Index* state_;  // of an id: where it lies, 8 block + lane, in the tree or (loose_bit) in loose blocks; free_slot or nowhere
+  Index* id_;     // of a lane of the tree
+  Block* loose_;
+  Index* loose_id_;
+  Index loose_count_ = 0;  // lanes given
+  std::uint8_t* flags_;
+  Index *stale_, *unplaced_;
+  Index stale_count_ = 0, unplaced_count_ = 0;
+  IdPair *candidate_, *fresh_;
+  Index* counts_;  // of counting sorts
+  std::uint64_t* key_;  // place on the curve, id
+};
+
+template <class F>
+void BroadPhase::for_each_overlap(const Box& b, F&& take) {
+  tree_.descend([&](const Block& x) { return x.overlaps(b); }, 0,
+                [&](Index k) { for_each_lane(tree_.block[0][k].overlaps(b), [&](Index lane) { take(id_[k * Block::lanes + lane]); }); });
+  for (Index k = 0; k < PackedTree::room(loose_count_); ++k)
+    for_each_lane(loose_[k].overlaps(b), [&](Index lane) { take(loose_id_[k * Block::lanes + lane]); });
+}
+
+template <class F>
+void BroadPhase::query(const Bounds& b, F&& take) {
+  settle();
+  for_each_overlap(Box::of(b, 0), [&](Index id) {
+    if (overlap(tight_[id], b)) take(id);
+  });
+}
+
+template <class F>
+void BroadPhase::ray(const shape::Vec& o, const shape::Vec& d, double far, F&& take) {
+  settle();
+  // slabs: Kay, Kajiya 1986. A direction of zero stays between its two planes or never does.
+  auto meets = [&](const double* lower, const double* upper) {
+    double enter = 0, leave = far;
+    for (int i = 0; i < 3; ++i) {
+      if (d[i] == 0) {
+        if (o[i] < lower[i] || o[i] > upper[i]) return false;
+        continue;
+      }
+      const double s = (lower[i] - o[i]) / d[i], t = (upper[i] - o[i]) / d[i];
+      enter = std::max(enter, std::min(s, t)), leave = std::min(leave, std::max(s, t));
+    }
+    return enter <= leave;
+  };
+  auto lanes = [&](const Block& x) {
+    unsigned bits = 0;
+    for (Index k = 0; k < Block::lanes; ++k) {
+      if (!(x.lower[0][k] <= x.upper[0][k])) continue;
+      const double lower[3] = {x.lower[0][k], x.lower[1][k], x.lower[2][k]}, upper[3] = {x.upper[0][k], x.upper[1][k], x.upper[2][k]};
+      bits |= unsigned(meets(lower, upper)) << k;
+    }
+    return bits;
+  };
+  auto leaf = [&](const Block& x, const Index* ids) {
+    for_each_lane(lanes(x), [&](Index k) {
+      const Bounds& b = tight_[ids[k]];
+      const double lower[3] = {b.lower[0], b.lower[1], b.lower[2]}, upper[3] = {b.upper[0], b.upper[1], b.upper[2]};
+      if (meets(lower, upper)) take(ids[k]);
+    });
+  };
+  tree_.descend(lanes, 0, [&](Index k) { leaf(tree_.block[0][k], id_ + k * Block::lanes); });
+  for (Index k = 0; k < PackedTree::room(loose_count_); ++k) leaf(loose_[k], loose_id_ + k * Block::lanes);
+}
+
+}  // namespace dyn::collision

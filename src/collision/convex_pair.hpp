@@ -1,0 +1,76 @@
+// Any two convex shapes: GJK when their cores are apart, EPA when they meet, Newton's method on the normal to finish where shapes are
+// curved. The answer is measured before it is given: its residual is the gap between the distance of its witness points and the lower
+// bound that the supporting planes of its normal give.
+#pragma once
+
+#include "collision/epa.hpp"
+#include "collision/gjk.hpp"
+#include "collision/polish.hpp"
+
+namespace dyn::collision {
+
+// Of the cores, in the frame of A.
+struct Cores {
+  Vec normal, a, b;
+  double distance, residual;
+  Index iterations;
+  bool unique;
+};
+
+// The floor of what is wanted of the distance.
+template <class D>
+inline double wanted(const D& d, const Options& options) {
+  return options.tolerance * d.small + d.rounding();
+}
+
+// guess: A's point less B's
+template <class D>
+inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const Options& options) {
+  const double enough = wanted(d, options);
+  Polished p{};
+  bool refined = false;
+  auto finish = [&](const GjkResult& g) {
+    // apart: the witness points bound the distance from above, the plane from below
+    const Vec n = g.v * (-1 / g.norm);
+    if constexpr (D::curved)
+      refined = (on_face(d, n, p) || polish(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p)) && p.distance > -enough &&
+                shape::norm(p.b - p.a) - p.distance <= enough;
+    // what is not on its normal may be so when GJK has come closer
+    return refined && p.unique;
+  };
+  GjkResult g = gjk(d, guess, options, finish);
+  if (!refined && g.apart && g.gap > options.accepted * d.small) {
+    // stuck in its own rounding: from another side
+    const GjkResult other = gjk(d, shape::across(g.v * (1 / g.norm)), options, finish);
+    if (!other.apart || other.gap < g.gap) g = other;
+  }
+  if (D::curved && g.apart && !(refined && p.unique)) finish(g);
+  if (refined) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, p.unique};
+  // a gap leaves the normal of a curved pair uncertain by its root
+  auto certain = [&](double gap, double radius) { return !D::curved || gap <= 1e-14 * radius; };
+  if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap, g.norm)};
+  const EpaResult e = epa(d, g.simplex, workspace, options);
+  return {e.normal, e.a, e.b, -e.upper, e.residual, g.iterations + e.iterations, e.unique && (e.refined || certain(e.residual, d.small))};
+}
+
+// of the rounded shapes, in the frame of A
+inline Result rounded(const Cores& c, double radius_a, double radius_b, double size, const Options& options) {
+  Result r;
+  r.second = false;
+  r.normal = c.normal, r.iterations = c.iterations, r.unique = c.unique, r.residual = c.residual;
+  r.distance = c.distance - radius_a - radius_b;
+  r.point_a = c.a + c.normal * radius_a, r.point_b = c.b - c.normal * radius_b;
+  const double touching = options.touching * size;
+  r.status = !(c.residual <= std::max(options.accepted, options.tolerance) * size) ? Status::Failed
+             : r.distance > touching                  ? Status::Separated
+             : r.distance >= -touching                ? Status::Touching
+                                                      : Status::Penetrating;
+  return r;
+}
+
+template <class A, class B>
+inline Cores convex_pair(const Difference<A, B>& d, EpaWorkspace& workspace, const Options& options) {
+  return cores(d, -d.X.p, workspace, options);
+}
+
+}  // namespace dyn::collision

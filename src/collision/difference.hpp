@@ -1,0 +1,88 @@
+// The difference D = A - B of two convex cores, in the frame of A: they meet where D contains the origin, and the point of D nearest to
+// the origin is the shortest vector between them.
+#pragma once
+
+#include "base/portable.hpp"
+#include "collision/result.hpp"
+#include "collision/workspace.hpp"
+
+namespace dyn::collision {
+
+template <class A, class B>
+struct Difference {
+  const A& A_;
+  const B& B_;
+  Pose X;   // B in A
+  Mat Rt;   // A's axes in B
+  double small, large;  // sizes of the smaller and the larger shape
+
+  DYN_INLINE Difference(const A& a, const B& b, const Pose& X) : A_(a), B_(b), X(X), Rt(transpose(X.R)) {
+    const double sa = a.extent() + a.radius, sb = b.extent() + b.radius;
+    small = std::min(sa, sb), large = std::max(sa, sb);
+  }
+
+  static constexpr bool curved = A::curved || B::curved;
+
+  DYN_INLINE Vertex support(const Vec& d) const {
+    const Vec a = A_.support(d), b = X.act(B_.support(Rt * -d));
+    return {a - b, a, b};
+  }
+  // the support point on the smooth piece of the boundary that p lies on; m: against n, in B
+  DYN_INLINE Vertex slide(const Vertex& p, const Vec& n, const Vec& m) const {
+    Vertex q = p;
+    if constexpr (A::curved) q.a = A_.slide(p.a, n);
+    if constexpr (B::curved) q.b = X.act(B_.slide(X.act_inverse(p.b), m));
+    q.w = q.a - q.b;
+    return q;
+  }
+  // its derivative, of several pieces the weighted sum
+  DYN_INLINE shape::Bend bend(const Vertex* p, const double* weight, int count, const Vec& n, const Vec& u, const Vec& v) const {
+    shape::Bend sum = {0, 0, 0};
+    auto add = [&](const shape::Bend& k, double w) { sum = {sum.uu + k.uu * w, sum.uv + k.uv * w, sum.vv + k.vv * w}; };
+    if constexpr (A::curved)
+      for (int i = 0; i < count; ++i) add(A_.bend(p[i].a, n, u, v), weight[i]);
+    if constexpr (B::curved) {
+      const Vec m = Rt * -n, s = Rt * u, t = Rt * v;
+      for (int i = 0; i < count; ++i) add(B_.bend(X.act_inverse(p[i].b), m, s, t), weight[i]);
+    }
+    return sum;
+  }
+  // numbers of this pair carry errors of about this size
+  double rounding() const { return 1e-15 * (large + shape::norm(X.p)); }
+
+  // Are there other pairs of points as near as one with the normal n? Only where straight features of both face each other and have a
+  // direction in common.
+  bool parallel(const Vec& n) const {
+    const shape::Flat fa = A_.flat(n);
+    if (fa.dimension == 0) return false;
+    const shape::Flat fb = B_.flat(Rt * -n);
+    if (fb.dimension == 0) return false;
+    if (fa.dimension + fb.dimension > 2) return true;
+    return shape::norm(cross(fa.u, X.R * fb.u)) <= 1e-7;
+  }
+
+  // Of cores that touch with the normal n: is the origin at an edge or a corner of D, so that planes of other normals hold it as well?
+  // The support planes tilted by a thousandth, all around, tell it: across an edge, which has no radius of curvature, they rise no higher.
+  bool sharp(const Vec& n) const {
+    constexpr int directions = 16;
+    constexpr double tilt = 1e-3, radius = 1e-3, turn = 6.2831853071795865 / directions;
+    const Vec u = shape::across(n), v = cross(n, u);
+    auto height = [&](double angle) {
+      const Vec m = n + u * (tilt * math::cos(angle)) + v * (tilt * math::sin(angle));
+      return dot(m, support(m).w);
+    };
+    double around[directions], least = shape::infinity;
+    for (int i = 0; i < directions; ++i) around[i] = height(turn * i);
+    for (int i = 0; i < directions; ++i) {
+      double h = around[i], angle = turn * i;
+      if (h > around[(i + 1) % directions] || h > around[(i + directions - 1) % directions]) continue;
+      for (double step = turn / 2; step > 1e-8; step /= 2)
+        for (const double side : {angle - step, angle + step})
+          if (const double at = height(side); at < h) h = at, angle = side;
+      least = std::min(least, h);
+    }
+    return least - dot(n, support(n).w) <= 0.5 * tilt * tilt * radius * small;
+  }
+};
+
+}  // namespace dyn::collision

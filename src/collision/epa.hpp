@@ -1,0 +1,319 @@
+// The depth of two convex cores: the point of the boundary of D = A - B nearest to the origin, by the expanding polytope of van den
+// Bergen (Game Developers Conference 2001). A polytope inside D grows where its boundary comes nearest to the origin: the nearest face
+// bounds the depth from below, the support point above that face bounds it from above. Distances of faces are signed, so that an origin
+// slightly outside the polytope, or outside D, is no special case: touching shapes need no separate treatment.
+#pragma once
+
+#include "collision/descent.hpp"
+
+namespace dyn::collision {
+
+struct EpaResult {
+  Vec normal;    // outward of D
+  double upper;  // the depth (signed)
+  Vec a, b;      // witness points
+  double residual;
+  Index iterations;
+  bool unique;   // no other face of another direction is as near
+  bool refined;  // by Newton's method, or on a face
+};
+
+namespace detail {
+
+template <class D>
+class Epa {
+ public:
+  Epa(const D& d, EpaWorkspace& w, const Options& o)
+      : d_(d), w_(w), o_(o), rounding_(d.rounding()), wanted_(std::min(o.tolerance, 1e-6) * d.small + rounding_), tie_(1e-7 * d.small) {}
+
+  // From the vertices of a simplex near the origin.
+  EpaResult run(const Simplex& s) {
+    EpaResult& r = r_;
+    r.upper = shape::infinity, r.residual = 0, r.iterations = 0, r.unique = true, r.refined = false;
+    Vec n;
+    if (!tetrahedron(s, n)) {  // D is flat: its own normal
+      const Vertex p = d_.support(n);
+      r.normal = n, r.upper = dot(n, p.w), r.a = p.a, r.b = p.b;
+      return r;
+    }
+    double apart = 0;              // how much nearer than what is found the face of interest is
+    double next = 0.1 * d_.small;  // the gap at which refinement is tried next
+    for (;;) {
+      const Index nearest = nearest_face();
+      const double offset = w_.offset[nearest];
+      apart = std::min(refined_upper_, r.upper) - offset;
+      if (apart <= (refined() ? tie_ : wanted_) || r.iterations == 2 * o_.max_iterations) break;
+      const Vec n = w_.face[nearest].normal;
+      stuck_ = stuck_ || r.iterations == o_.max_iterations;
+      const bool rival = stuck_ || (minima_ > 0 && apart <= certain * d_.small);
+      if (rival && refined() && known(n)) {
+        close(nearest);
+        continue;
+      }
+      ++r.iterations;
+      const Vertex p = d_.support(n);
+      const double upper = dot(n, p.w);
+      if (upper < r.upper) r.normal = n, r.upper = upper;
+      // what has come close is finished by refinement; where that fails, by growth
+      if (D::curved && (rival || (minima_ == 0 && upper - offset <= next))) {
+        next = (upper - offset) * 0.1;
+        if (refine(nearest) && rival) {
+          close(nearest);
+          continue;
+        }
+      }
+      const bool exact = upper - offset <= wanted_;
+      if (exact && minima_ == 0) {
+        apart = upper - offset;
+        break;
+      }
+      if (exact || stuck_)
+        close(nearest);
+      else
+        stuck_ = !grow(nearest, p);
+    }
+    if constexpr (D::curved)
+      if (Polished p; !refined() && r.upper - lower_bound() > o_.accepted * d_.small && descend(d_, r.normal, wanted_, p)) take(p);
+    if (refined()) {
+      r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
+      r.unique = polished_.unique, r.refined = true;
+    } else {
+      for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
+      const Index nearest = nearest_face();
+      const double upper = dot(w_.face[nearest].normal, d_.support(w_.face[nearest].normal).w);
+      // the least support found, where the polytope has come as close there as wanted; else that of its nearest face
+      if (upper > r.upper + wanted_) {
+        witness(face_along(r.normal * r.upper));
+        r.residual = std::max(apart, shape::norm(r.a - r.b - r.normal * r.upper));
+        if (r.residual <= upper - w_.offset[nearest]) return r;
+      }
+      r.normal = w_.face[nearest].normal, r.upper = upper, r.residual = upper - w_.offset[nearest];
+      witness(nearest);
+    }
+    return r;
+  }
+
+ private:
+  const D& d_;
+  EpaWorkspace& w_;
+  const Options& o_;
+  const double rounding_, wanted_, tie_;
+  EpaResult r_;
+  Polished polished_{};
+  double refined_upper_ = shape::infinity;
+  static constexpr int most_minima = 8;
+  static constexpr double same = 0.999;  // cosine between directions that lead to the same minimum
+  Vec minimum_[most_minima];  // directions of those found
+  int minima_ = 0;
+  bool stuck_ = false;  // the polytope grows no more
+  Index vertices_ = 0, faces_ = 0, free_ = 0;
+
+  static constexpr double certain = 1e-3;  // how far below a refined depth the polytope must rule out others, before rivals are looked at
+
+  bool refined() const { return refined_upper_ <= r_.upper + tie_; }
+
+  Index nearest_face() const {
+    Index nearest = 0;
+    for (Index f = 1; f < faces_; ++f)
+      if (w_.offset[f] < w_.offset[nearest]) nearest = f;
+    return nearest;
+  }
+
+  double lower_bound() const {
+    double least = shape::infinity;
+    for (Index f = 0; f < faces_; ++f) least = std::min(least, w_.face[f].offset);
+    return least;
+  }
+
+  // Has the local minimum in this direction been found?
+  bool known(const Vec& n) const {
+    for (int i = 0; i < minima_; ++i)
+      if (dot(n, minimum_[i]) > same) return true;
+    return false;
+  }
+  void close(Index f) { w_.offset[f] = shape::infinity; }
+
+  // A local minimum of the depth near a face: where a flat face is nearest, or where Newton's method leads.
+  [[gnu::noinline]] bool refine(Index f) {
+    Polished p;
+    const Vec n = w_.face[f].normal;
+    if (on_face(d_, n, p) && !known(p.normal)) {
+      take(p);
+      if (dot(n, p.normal) > same) return true;
+    }
+    const Part part = nearest_part(f);
+    Vertex at[3];
+    for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
+    if (!polish(d_, at, part.weight, part.size, n, wanted_, p)) return false;
+    take(p);
+    return true;
+  }
+  void take(Polished p) {
+    if (minima_ < most_minima) minimum_[minima_++] = p.normal;
+    const double less = refined_upper_ + p.distance;
+    if (std::abs(less) <= tie_ && dot(p.normal, polished_.normal) < 1 - 1e-6) p.unique = polished_.unique = false;
+    if (less > 0) polished_ = p, refined_upper_ = -p.distance;
+  }
+
+  // Four vertices that span a volume: those of s, and farthest support points for what is missing.
+  bool tetrahedron(const Simplex& s, Vec& n) {
+    Vertex* p = w_.vertex;
+    int size = 0;
+    const double least = 16 * rounding_;
+    // farther of the two support points along +-d, by its height above p[0]
+    auto add_along = [&](const Vec& d) {
+      const Vertex up = d_.support(d), down = d_.support(-d);
+      const double hu = dot(d, up.w - p[0].w), hd = dot(d, p[0].w - down.w);
+      p[size] = hu >= hd ? up : down;
+      return std::max(hu, hd) > least;
+    };
+    p[size++] = s.p[0];
+    n = shape::axis(0);
+    if (s.size > 1 && shape::norm(s.p[1].w - p[0].w) > least) {
+      ++size, p[1] = s.p[1];
+    } else {
+      int i = 0;
+      while (i < 3 && !add_along(shape::axis(i))) ++i;
+      if (i == 3) return false;
+      ++size;
+    }
+    const Vec e = (p[1].w - p[0].w) * (1 / shape::norm(p[1].w - p[0].w));
+    auto off_line = [&](const Vertex& x) { return shape::norm(cross(e, x.w - p[0].w)); };
+    for (int i = 2; i < s.size && size == 2; ++i)
+      if (off_line(s.p[i]) > least) p[size++] = s.p[i];
+    if (size == 2) {
+      const Vec u = shape::across(e), v = cross(e, u);
+      if (!add_along(u) && !add_along(v)) {
+        n = u;
+        return false;
+      }
+      ++size;
+    }
+    n = cross(e, p[2].w - p[0].w);
+    n = n * (1 / shape::norm(n));
+    if (s.size == 4 && std::abs(dot(n, s.p[3].w - p[0].w)) > least)
+      p[size++] = s.p[3];
+    else if (!add_along(n))
+      return false;
+    size = 4;
+    if (dot(n, p[3].w - p[0].w) > 0) std::swap(p[1], p[2]);  // now 0 1 2 looks away from 3
+    vertices_ = 4;
+    static constexpr Index corners[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
+    static constexpr Index beyond[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}};
+    for (Index f = 0; f < 4; ++f) {
+      for (int i = 0; i < 3; ++i) w_.face[f].at[i] = corners[f][i], w_.face[f].across[i] = beyond[f][i];
+      plane(f, -1);
+    }
+    faces_ = 4;
+    return true;
+  }
+
+  // the plane of a face; a sliver takes that of its neighbour
+  void plane(Index f, Index neighbour) {
+    EpaFace& F = w_.face[f];
+    const Vec a = w_.vertex[F.at[0]].w, b = w_.vertex[F.at[1]].w, c = w_.vertex[F.at[2]].w, n = triangle_normal(a, b, c);
+    const double nn = dot(n, n);
+    if (neighbour >= 0 && nn <= 1e-28 * dot(b - a, b - a) * dot(c - a, c - a)) {
+      F.normal = w_.face[neighbour].normal, F.offset = w_.face[neighbour].offset;
+    } else {
+      F.normal = n * (1 / std::sqrt(nn));
+      F.offset = dot(F.normal, a);
+    }
+    w_.offset[f] = F.offset;
+  }
+
+  // Replaces the faces that p sees by the cone from their horizon to p. false: p sees no valid horizon, or there is no room.
+  bool grow(Index seen, const Vertex& p) {
+    if (vertices_ == EpaWorkspace::max_vertices) return false;
+    auto sees = [&](Index f) { return dot(w_.face[f].normal, p.w) - w_.face[f].offset > -rounding_; };
+    Index depth = 0, visible = 0, horizon = 0;
+    auto remove = [&](Index f) { w_.offset[f] = w_.face[f].offset = shape::infinity, w_.visible[visible++] = f, w_.stack[depth++] = f; };
+    const Index top = vertices_++;
+    w_.vertex[top] = p;
+    for (Index v = 0; v < top; ++v) w_.from[v] = -1;
+    remove(seen);
+    Index last = -1;
+    while (depth > 0) {
+      const Index f = w_.stack[--depth];
+      for (int i = 0; i < 3; ++i) {
+        const Index g = w_.face[f].across[i];
+        if (w_.face[g].removed()) continue;
+        if (sees(g)) {
+          remove(g);
+          continue;
+        }
+        // an edge of the horizon: a new face from it to p
+        const Index a = w_.face[f].at[i], b = w_.face[f].at[(i + 1) % 3];
+        const Index n = free_ > 0 ? w_.free[--free_] : faces_ < EpaWorkspace::max_faces ? faces_++ : -1;
+        if (n < 0 || w_.from[a] >= 0) return false;
+        EpaFace& F = w_.face[n];
+        F.at[0] = a, F.at[1] = b, F.at[2] = top;
+        F.across[0] = g;
+        for (int j = 0; j < 3; ++j)
+          if (w_.face[g].across[j] == f && w_.face[g].at[j] == b) w_.face[g].across[j] = n;
+        w_.from[a] = n;
+        plane(n, g);
+        last = n, ++horizon;
+      }
+    }
+    if (last < 0) return false;
+    // link the cone: the face from a to b meets the one from b on
+    Index f = last;
+    do {
+      const Index next = w_.from[w_.face[f].at[1]];
+      if (next < 0) return false;
+      w_.face[f].across[1] = next, w_.face[next].across[2] = f;
+      f = next;
+    } while (f != last && --horizon > 0);
+    if (horizon != 1) return false;
+    for (Index i = 0; i < visible; ++i) w_.free[free_++] = w_.visible[i];
+    return true;
+  }
+
+  Part nearest_part(Index f, const Vec& to = Vec::zero()) const {
+    const Index* at = w_.face[f].at;
+    return nearest_on_triangle(w_.vertex[at[0]].w - to, w_.vertex[at[1]].w - to, w_.vertex[at[2]].w - to);
+  }
+  // the face nearest to a point of D's boundary, when another face as near to the origin looks elsewhere
+  Index face_along(const Vec& p) const {
+    Index best = 0;
+    double least = shape::infinity;
+    for (Index f = 0; f < faces_; ++f) {
+      if (w_.face[f].removed()) continue;
+      const double distance = nearest_part(f, p).vv;
+      if (distance < least) least = distance, best = f;
+    }
+    return best;
+  }
+
+  // the point of the face nearest to the origin, taken apart; other faces as near
+  void witness(Index f) {
+    // of triangles in one plane, that with the foot of the origin in it
+    const double offset = w_.face[f].offset;
+    const Vec foot = r_.normal * offset;
+    Part nearest = nearest_part(f, foot);
+    for (Index g = 0; g < faces_; ++g) {
+      if (w_.offset[g] > offset + tie_) continue;
+      if (dot(w_.face[g].normal, r_.normal) < 1 - 1e-12) {
+        r_.unique = r_.unique && dot(w_.face[g].normal, r_.normal) > 1 - 1e-6;
+      } else if (w_.offset[g] <= offset + 4 * rounding_) {
+        const Part other = nearest_part(g, foot);
+        if (other.vv < nearest.vv) nearest = other, f = g;
+      }
+    }
+    r_.a = r_.b = Vec::zero();
+    for (int i = 0; i < nearest.size; ++i) {
+      const Vertex& x = w_.vertex[w_.face[f].at[nearest.at[i]]];
+      r_.a += x.a * nearest.weight[i], r_.b += x.b * nearest.weight[i];
+    }
+  }
+};
+
+}  // namespace detail
+
+template <class D>
+[[gnu::noinline]] inline EpaResult epa(const D& difference, const Simplex& s, EpaWorkspace& workspace, const Options& options) {
+  return detail::Epa<D>(difference, workspace, options).run(s);
+}
+
+}  // namespace dyn::collision

@@ -1,0 +1,89 @@
+// A robot's collision shapes, as queries read them.
+#pragma once
+
+#include "collision/distance.hpp"
+#include "model/model.hpp"
+
+namespace dyn::collision {
+
+// A shape, and where it is in its body's internal frame.
+struct Geom {
+  shape::Shape shape;
+  Pose X;
+  Index body;
+  double reach;  // of the shape's farthest point from its origin
+};
+
+// Groups of a shape, a bit each: those it is in, and those it collides with. Of two shapes one must want it: MuJoCo's rule.
+struct Masks {
+  std::uint32_t contype, conaffinity;
+};
+inline bool masks_meet(const Masks& a, const Masks& b) { return (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0; }
+
+// m: within them no product of sizes and distances overflows or vanishes.
+inline constexpr double smallest = 1e-12, largest = 1e12;
+
+// How many sizes a type has, lengths that must be positive; a mesh's are factors.
+inline int size_count(dynShapeType type) {
+  switch (type) {
+    case DYN_SHAPE_BOX: case DYN_SHAPE_ELLIPSOID: return 3;
+    case DYN_SHAPE_SPHERE: return 1;
+    case DYN_SHAPE_CYLINDER: case DYN_SHAPE_CAPSULE: case DYN_SHAPE_CONE: return 2;
+    case DYN_SHAPE_HALF_SPACE: case DYN_SHAPE_MESH: case DYN_SHAPE_CONVEX: case DYN_SHAPE_TRIANGLES: case DYN_SHAPE_HEIGHT_FIELD: break;
+  }
+  return 0;
+}
+
+// Shapes have radius and length where the core has semi-axes and half lengths. Pointers stay empty. False for meshes: of these only the
+// name is known.
+inline bool geometry_of(dynShapeType type, const double* size, double radius, shape::Shape& out) {
+  using shape::Type;
+  out = {Type::Sphere, radius, Vec::zero(), nullptr};
+  switch (type) {
+    case DYN_SHAPE_BOX: out.type = Type::Box, out.size = load3(size) * 0.5; return true;
+    case DYN_SHAPE_SPHERE: out.radius += size[0]; return true;
+    case DYN_SHAPE_CYLINDER: out.type = Type::Cylinder, out.size = Vec::make(size[0], size[0], size[1] / 2); return true;
+    case DYN_SHAPE_CAPSULE: out.type = Type::Capsule, out.size = Vec::make(0, 0, size[1] / 2), out.radius += size[0]; return true;
+    case DYN_SHAPE_CONE: out.type = Type::Cone, out.size = Vec::make(size[0], size[0], size[1] / 2); return true;
+    case DYN_SHAPE_ELLIPSOID: out.type = Type::Ellipsoid, out.size = load3(size); return true;
+    case DYN_SHAPE_HALF_SPACE: out.type = Type::HalfSpace; return true;
+    case DYN_SHAPE_CONVEX: out.type = Type::Convex; return true;
+    case DYN_SHAPE_TRIANGLES: out.type = Type::Triangles; return true;
+    case DYN_SHAPE_HEIGHT_FIELD: out.type = Type::HeightField; return true;
+    case DYN_SHAPE_MESH: break;
+  }
+  return false;
+}
+
+// d: what shapes point to
+template <class D>
+Geom geom_of(const Model& m, const D& d, Index geom) {
+  const ShapeRecord& s = m.shapes()[m.geoms()[geom].shape];
+  const FrameRecord& f = m.frames()[s.frame];
+  Geom g;
+  geometry_of(s.type, s.size, s.radius, g.shape);
+  if (g.shape.type == shape::Type::Convex) g.shape.hull = d.hulls + s.surface;
+  if (g.shape.type == shape::Type::Triangles) g.shape.triangles = d.trees + s.surface;
+  if (g.shape.type == shape::Type::HeightField) g.shape.grid = d.grids + s.surface;
+  g.X = f.X * load_se3(s.placement);
+  g.body = f.body;
+  g.reach = reach(g.shape);
+  return g;
+}
+
+// Fills in what of data belongs to shapes.
+template <class D>
+void set_up(const Model& m, D& d) {
+  auto place = [&]<class T>(T* to, const Stored<T>* from, Index count) {
+    for (Index k = 0; k < count; ++k) to[k] = view(from[k].header, m.surface_numbers() + from[k].numbers, m.surface_indices() + from[k].indices);
+  };
+  place(d.hulls, m.hulls(), m.n.hulls), place(d.trees, m.trees(), m.n.trees), place(d.grids, m.grids(), m.n.grids);
+  for (Index k = 0; k < m.n.geoms; ++k) {
+    d.geoms[k] = geom_of(m, d, k);
+    const ShapeRecord& s = m.shapes()[m.geoms()[k].shape];
+    d.geom_masks[k] = {s.contype, s.conaffinity};
+  }
+  for (Index k = 0; k < m.n.pairs; ++k) d.pair_states[k] = dynPairReason(m.pairs()[k].reason);
+}
+
+}  // namespace dyn::collision

@@ -1,0 +1,155 @@
+// Features of two shapes seen along their common normal n: two flat figures and the heights of their points along n. Where the figures
+// overlap, the gap between the two planes is linear, so that the corners of the overlap bound it: they are the contact points. The
+// corners are found by clipping one figure by the edges of the other (Sutherland, Hodgman, CACM 17(1), 1974).
+#pragma once
+
+#include "collision/result.hpp"
+
+namespace dyn::collision {
+
+// A point of the overlap: the height of A's surface, the gap from there to B's, and what of both it lies on (Contact).
+struct ClipPoint {
+  double x, y, high, gap;
+  std::uint64_t feature = ~std::uint64_t(0);
+};
+
+struct Corner {
+  double x, y;
+  std::uint16_t id;
+};
+
+// A feature in the plane across n: height(x, y) = h + gx x + gy y.
+struct Figure {
+  int count = 0;
+  Corner p[shape::Feature::most];
+  double h, gx, gy;
+
+  double height(double x, double y) const { return h + gx * x + gy * y; }
+};
+
+// The frame across n at an origin near the contact, so that nothing is lost far from the world's.
+struct Across {
+  Vec n, u, v, origin;
+
+  Across(const Vec& normal, const Vec& origin) : n(normal), u(shape::across(normal)), v(cross(normal, u)), origin(origin) {}
+};
+
+// Corners of a feature of the shape at X. towards: +1 when the other shape lies along n, -1 when against it. A face or a line that is
+// seen from its edge or its end is that edge or end.
+inline Figure project(const shape::Feature& f, const Pose& X, const Across& plane, double towards) {
+  constexpr double steep = 0.05;  // cosine to n
+  Figure out;
+  const Vec offset = X.p - plane.origin;
+  Vec p[shape::Feature::most];
+  p[0] = Vec::zero();
+  for (int k = 0; k < f.count; ++k) p[k] = offset + X.R * f.p[k];
+  int first = 0, count = f.count;
+  Vec normal = plane.n;
+  if (count > 2) {
+    normal = Vec::zero();
+    for (int k = 1; k + 1 < count; ++k) normal += cross(p[k] - p[0], p[k + 1] - p[0]);
+    if (std::abs(dot(normal, plane.n)) < steep * shape::norm(normal) || !(dot(normal, normal) > 0)) {
+      double highest = -shape::infinity;
+      for (int k = 0; k < count; ++k) {
+        const double high = towards * dot(plane.n, p[k] + p[(k + 1) % count]);
+        if (high > highest) highest = high, first = k;
+      }
+      count = 2;
+    }
+  }
+  auto at = [&](int k) { return (first + k) % f.count; };
+  if (count == 2) {
+    const Vec e = p[at(1)] - p[at(0)];
+    const double along = dot(e, plane.n), length2 = dot(e, e);
+    if (length2 - along * along < steep * steep * length2) {
+      if (towards * along > 0) first = at(1);
+      count = 1;
+    } else {
+      normal = plane.n * length2 - e * along;  // of the plane through the line that is steepest along it
+    }
+  }
+  if (count == 1) normal = plane.n;
+  for (int k = 0; k < count; ++k) out.p[k] = {dot(plane.u, p[at(k)]), dot(plane.v, p[at(k)]), f.id[at(k)]};
+  out.count = count;
+  const double nn = dot(normal, plane.n);
+  out.gx = -dot(normal, plane.u) / nn, out.gy = -dot(normal, plane.v) / nn;
+  out.h = dot(plane.n, p[first]) - out.gx * out.p[0].x - out.gy * out.p[0].y;
+  return out;
+}
+
+// What a point lies on, as two numbers of 16 bits: a corner (equal), the edge between two (ascending), or the inside.
+inline std::uint32_t part_of(const Figure& f, double x, double y, double eps) {
+  auto name = [](std::uint32_t i, std::uint32_t j) { return std::min(i, j) << 16 | std::max(i, j); };
+  for (int k = 0; k < f.count; ++k)
+    if (shape::length2(f.p[k].x - x, f.p[k].y - y) <= eps) return name(f.p[k].id, f.p[k].id);
+  for (int k = 0; k < f.count && f.count > 1; ++k) {
+    const Corner &a = f.p[k], &b = f.p[(k + 1) % f.count];
+    const double ex = b.x - a.x, ey = b.y - a.y, rx = x - a.x, ry = y - a.y, length = shape::length2(ex, ey), along = ex * rx + ey * ry;
+    if (std::abs(ex * ry - ey * rx) <= eps * length && along >= 0 && along <= length * length) return name(a.id, b.id);
+  }
+  return 0xffffffff;
+}
+
+inline std::uint64_t feature_of(const Figure& a, const Figure& b, const ClipPoint& p, double eps) {
+  return std::uint64_t(part_of(a, p.x, p.y, eps)) << 32 | part_of(b, p.x, p.y, eps);
+}
+
+// Counter-clockwise, as the clipping takes it.
+inline void orient(Figure& f) {
+  double area = 0;
+  for (int k = 1; k + 1 < f.count; ++k)
+    area += (f.p[k].x - f.p[0].x) * (f.p[k + 1].y - f.p[0].y) - (f.p[k].y - f.p[0].y) * (f.p[k + 1].x - f.p[0].x);
+  if (area < 0) std::reverse(f.p, f.p + f.count);
+}
+
+// The points of an overlap, in order round it.
+struct Overlap {
+  static constexpr int most = 2 * shape::Feature::most + 1;
+  int count = 0;
+  ClipPoint p[most];
+
+  void add(const ClipPoint& x) {
+    if (count < most) p[count++] = x;
+  }
+  // where it makes the way round the least longer
+  void insert(const ClipPoint& x) {
+    auto far = [](const ClipPoint& a, const ClipPoint& b) { return shape::length2(a.x - b.x, a.y - b.y); };
+    int at = 0;
+    double least = shape::infinity;
+    for (int i = 0; i < count; ++i) {
+      const ClipPoint &l = p[i], &r = p[(i + 1) % count];
+      const double longer = far(l, x) + far(x, r) - far(l, r);
+      if (longer < least) least = longer, at = i + 1;
+    }
+    if (count == most) return;
+    std::copy_backward(p + at, p + count, p + count + 1);
+    p[at] = x, ++count;
+  }
+};
+
+// How far a point lies to the inner side of the edge from a to b.
+inline double inner(const Corner& a, const Corner& b, double x, double y) {
+  const double ex = b.x - a.x, ey = b.y - a.y;
+  return (ex * (y - a.y) - ey * (x - a.x)) / shape::length2(ex, ey);
+}
+
+// Corners of the overlap of two faces, of a line and a face (swapped: the line is B's)
+void clip_faces(const Figure& a, const Figure& b, double eps, Overlap& out);
+void clip_line(const Figure& line, const Figure& face, double eps, bool swapped, Overlap& out);
+// Two lines, each on a surface of that radius of curvature across: the ends of one over the other's surface, which falls off beside it.
+void clip_lines(const Figure& a, const Figure& b, double bend_a, double bend_b, double eps, Overlap& out);
+// The figure of a convex shape that faces the other one, which lies along the plane's normal (towards: +1) or against it (-1).
+Figure figure_of(const shape::Shape& s, const Pose& X, const Across& plane, double towards, double band, shape::Feature& feature);
+// Any two figures, faces counter-clockwise; a point has no overlap.
+void overlap_of(const Figure& a, double bend_a, const Figure& b, double bend_b, double eps, Overlap& out);
+// Over a plane at that height all corners count. swapped: they are B's
+void over_plane(const Figure& f, double plane, bool swapped, Overlap& out);
+// The convex hull of the points, and the deepest when it lies deeper inside by more than eps.
+void hull(Overlap& overlap, double eps);
+// Of points that lie on one another the deepest stays.
+void merge(Overlap& overlap, double eps);
+// Down to `most` points: again and again the one that spans the smallest triangle with its neighbours goes (Visvalingam, Whyatt, Cartographic
+// Journal 30(1), 1993), never one that is deeper than all others by more than eps.
+void thin_out(Overlap& overlap, int most, double eps);
+
+}  // namespace dyn::collision

@@ -1,0 +1,22 @@
+// Groups of collision shapes at run time.
+#pragma once
+
+#include "model/data.hpp"
+
+namespace dyn::collision {
+
+// Sets a geom's groups and the states of its pairs.
+inline void set_masks(const Model& m, Data<double>& d, Index geom, const Masks& masks) {
+  d.geom_masks[geom] = masks;
+  for (Index k = 0; k < m.n.pairs; ++k) {
+    const PairRecord& p = m.pairs()[k];
+    if (p.a != geom && p.b != geom) continue;
+    dynPairReason& state = d.pair_states[k];
+    const bool meet = masks_meet(d.geom_masks[p.a], d.geom_masks[p.b]);
+    if (!meet && state == DYN_PAIR_TESTED) state = DYN_PAIR_MASK;
+    if (meet && state == DYN_PAIR_MASK) state = DYN_PAIR_TESTED;
+  }
+  d.drop(Stage::Distances);
+}
+
+}  // namespace dyn::collision

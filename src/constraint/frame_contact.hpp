@@ -1,0 +1,12 @@
+// A face of B rests on A: the rows of Weld, force and moment of contact in A's axes.
+#pragma once
+
+#include "constraint/weld.hpp"
+
+namespace dyn::constraint {
+
+struct FrameContact : Weld {
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_FRAME;
+};
+
+}  // namespace dyn::constraint

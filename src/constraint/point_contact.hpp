@@ -1,0 +1,12 @@
+// A point of B rests on A: the rows of Connect, the force of contact in A's axes.
+#pragma once
+
+#include "constraint/connect.hpp"
+
+namespace dyn::constraint {
+
+struct PointContact : Connect {
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_POINT;
+};
+
+}  // namespace dyn::constraint

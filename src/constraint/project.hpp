@@ -1,0 +1,171 @@
+// q that satisfies the constraints, near a given one: Levenberg and Marquardt on the manifold. In the metric of M the step is
+//   dq = - M^-1 J^T (G + mu 1)^-1 C        G = J M^-1 J^T
+// which is the least that takes the linearised C away; where rows contradict each other it ends at the least sum of their squares.
+#pragma once
+
+#include "constraint/constrained_dynamics.hpp"
+#include "model/length.hpp"
+
+namespace dyn {
+
+// The factor of M^-1 = 1 in its place.
+template <class T>
+void forget_masses(const Model& m, Data<T>& d) {
+  if (m.has_mimic) {
+    std::fill_n(d.L, m.n.nv * factor_room(m), T(0));
+    std::fill_n(d.D, m.n.nv, T(1));
+    d.drop(Stage::Factor);
+    return;
+  }
+  for (Index k = 0; k < m.n.nvx; ++k) d.U_root[k] = Force<T>::zero(), d.Dinv[k] = T(1);
+}
+
+// Factor and rows at d.q. A limit that is kept, or dry friction, asks for no motion. Returns 0 or the joint that is singular.
+template <class T>
+Index project_rows(const Model& m, Data<T>& d, bool weigh) {
+  if (const Index failed = constraint_factor(m, d)) return failed;
+  if (!weigh) forget_masses(m, d);
+  evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
+  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+    if (one_sided(s.c.type) && s.error[0] == T(0)) s.g1 = T(0);
+  });
+  return 0;
+}
+template <class T>
+T gather_errors(const Model& m, Data<T>& d, T* C) {
+  T sum = T(0);
+  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+    for (Index r = 0; r < s.rows; ++r) C[s.first + r] = s.error[r], sum += s.error[r] * s.error[r];
+  });
+  return sum;
+}
+
+// out = v, or the velocity nearest to it in the metric of M that the rows allow at d.q, where the factor is; at a limit it may leave it. nullptr: the
+// result alone.
+template <class T>
+void hold_velocity(const Model& m, Data<T>& d, const T* v, T* out, dynConstraintResult& result) {
+  ProximalResult<T> found;
+  const bool bounded = any_bounded(m, d);
+  T *b = row_vector(m, d, 0), *step = d.constraint_step;
+  evaluate_rows(m, d, d.expand(m, v, d.vx), static_cast<const T*>(nullptr));
+  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+    if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = s.upper[0] = T(0);
+    for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -s.rate[r];
+  });
+  propagate_rows(m, d);
+  solve_rows(m, d, active_rows(m, d), b, bounded, ProximalOptions{}, d.lambda, found);
+  result.rank = found.rank, result.condition = double(found.condition);
+  if (!out) return;
+  gather(m, d, d.lambda, step);
+  scatter(m, d, step);
+  for (Index k = 0; k < m.n.nv; ++k) out[k] = v[k] + step[k];
+}
+
+// What steps have come to.
+template <class T>
+struct Descent {
+  T cost = T(0);     // |C|^2
+  int iterations = 0;
+  bool ended = true;  // solved, or no step makes |C| less
+};
+
+// The largest part of a step, angles in rad and displacements in the model's own length.
+template <class T>
+T largest_part(const Model& m, const T* step, T length) {
+  using std::abs;
+  T out = T(0);
+  const auto look = [&](Index first, Index end, T unit) {
+    for (Index k = first; k < end; ++k) out = std::max(out, abs(step[k]) / unit);
+  };
+  for (Index i = 1; i < m.n.bodies; ++i) {
+    const Body& b = m.bodies()[i];
+    const Index v = b.user_v, linear = b.type == BodyType::FreeFlyer ? 3 : b.type == BodyType::Prismatic ? 1 : 0;
+    look(v, v + linear, length), look(v + linear, v + Index(b.type == BodyType::FreeFlyer ? 6 : b.type == BodyType::Spherical ? 3 : 1), T(1));
+  }
+  return out;
+}
+
+// Steps from d.q as long as they make |C| less. The damping goes with |C|, so that it ends where J loses rank at the solution, too (a linkage
+// stretched to its full length; Sugihara 2011), each step there leaving a quarter of C, which is row vector 0.
+template <class T>
+Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T least_damping, Descent<T>& found) {
+  constexpr double least = 1e-9, most = 1e6;
+  const T length = T(own_length(m));
+  const Index rows = active_rows(m, d);
+  const std::ptrdiff_t ld = row_room(rows);
+  const RowWork<T> work = row_work(m, d);
+  T *C = row_vector(m, d, 0), *lambda = row_vector(m, d, 1), *Dinv = work.vector(0), *step = d.constraint_step, *before = d.constraint_q;
+  if (const Index failed = project_rows(m, d, weigh)) return failed;
+  found.cost = gather_errors(m, d, C), found.ended = false;
+  T damping = T(least);
+  for (int k = 0; k < max_iterations && largest_size(C, rows) > tolerance && damping < T(most); ++k) {
+    ++found.iterations;
+    propagate_rows(m, d), delassus(m, d, rows, d.row_matrix);
+    T trace = T(0);
+    for (Index i = 0; i < rows; ++i) trace += d.row_matrix[ld * i + i];
+    const T mu = std::max(damping * std::min(T(1), T(2) * largest_size(C, rows) / length), least_damping) * trace / T(double(rows));
+    if (!(mu > T(0))) break;
+    factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
+    for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
+    solve_factored(work.factor, Dinv, ld, rows, lambda);
+    gather(m, d, lambda, step);
+    scatter(m, d, step);
+    // no joint turns more than a radian, or slides the model's own length farther than C: past that C is not linear
+    const T longest = largest_part(m, static_cast<const T*>(step), length), allowed = T(1) + largest_size(C, rows) / length;
+    for (Index k = 0; k < m.n.nv && longest > allowed; ++k) step[k] *= allowed / longest;
+    std::copy(d.q, d.q + m.n.nq, before);
+    integrate(m, static_cast<const T*>(before), static_cast<const T*>(step), d.q);
+    if (const Index failed = project_rows(m, d, weigh)) return failed;
+    T* trial = lambda;
+    const T now = gather_errors(m, d, trial);
+    if (now < found.cost) {
+      std::copy(trial, trial + rows, C);
+      found.cost = now, damping = std::max(T(least), damping / T(10));
+      continue;
+    }
+    std::copy(before, before + m.n.nq, d.q);
+    damping = damping * T(10);
+    if (const Index failed = project_rows(m, d, weigh)) return failed;
+  }
+  found.ended = largest_size(C, rows) <= tolerance || !(damping < T(most));
+  return 0;
+}
+
+// From a q that no small step makes better, a saddle perhaps, as of a linkage stretched flat: again from beside it. d.q: the better one.
+template <class T>
+Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T least_damping, Descent<T>& found) {
+  T *kept = d.constraint_q + m.n.nq, *step = d.constraint_step;
+  Random random{1};
+  for (const double size : {0.01, 0.3}) {
+    if (!found.ended || largest_size(row_vector(m, d, 0), active_rows(m, d)) <= tolerance) break;
+    std::copy(d.q, d.q + m.n.nq, kept);
+    for (Index k = 0; k < m.n.nv; ++k) step[k] = T(random.uniform(-size, size));
+    integrate(m, static_cast<const T*>(kept), static_cast<const T*>(step), d.q);
+    const T before = found.cost;
+    if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, least_damping, found)) return failed;
+    if (found.cost < T(0.999) * before) continue;
+    std::copy(kept, kept + m.n.nq, d.q);
+    if (const Index failed = project_rows(m, d, weigh)) return failed;
+    found.cost = gather_errors(m, d, row_vector(m, d, 0)), found.ended = true;
+  }
+  return 0;
+}
+
+// d.q becomes the solution; v, unless it is nullptr, the velocity nearest to itself that the rows allow there. least_damping: of what the rows
+// take up; more of it keeps rounding from moving d.q where J nearly loses rank.
+template <class T>
+Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result, T least_damping) {
+  const Index rows = active_rows(m, d);
+  const T* C = row_vector(m, d, 0);
+  Descent<T> descent;
+  if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, least_damping, descent)) return failed;
+  if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, least_damping, descent)) return failed;
+  result.rows = rows, result.iterations = descent.iterations, result.residual = double(largest_size(C, rows));
+  result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINED : descent.ended ? DYN_CONSTRAINTS_CONTRADICT : DYN_CONSTRAINT_ITERATIONS;
+  result.contradiction = result.reason == DYN_CONSTRAINTS_CONTRADICT ? result.residual : 0;
+
+  hold_velocity(m, d, v ? v : static_cast<const T*>(d.zero), v, result);
+  return 0;
+}
+
+}  // namespace dyn

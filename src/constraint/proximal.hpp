@@ -1,0 +1,234 @@
+// G lambda = b for a positive semidefinite G: the proximal iteration lambda += (G + mu D)^-1 (b - G lambda), D the diagonal of G, on a matrix
+// that is factored once (Carpentier, Budhiraja, Mansard 2021). Started at zero it stays in the range of G in the metric of D, so that
+// of redundant rows it finds the least lambda. Rows that are clearly independent take mu = 0: the iteration is then its first step.
+#pragma once
+
+#include "constraint/row_factor.hpp"
+#include "model/data.hpp"
+
+namespace dyn {
+
+inline constexpr double clearly_independent = 1e-6, independent = 1e-10, automatic_regularisation = 1e-9, contradiction_tolerance = 1e-8;
+
+struct ProximalOptions {
+  int max_iterations = 100;
+  double regularisation = 0, tolerance = 1e-12;
+};
+
+template <class T>
+struct ProximalResult {
+  Index rank = 0, iterations = 0;
+  dynConstraintReason reason = DYN_CONSTRAINED;
+  T contradiction{}, condition = T(1), regularisation{};
+};
+
+// Matrices and vectors of the solver, in the data.
+template <class T>
+struct RowWork {
+  T *factor, *scaled, *range, *vectors;
+  std::ptrdiff_t room;  // of a vector
+  T* vector(int k) const { return vectors + k * room; }
+};
+
+// R^T R = G with the order of its largest pivots: R, rank x n with the leading dimension ld by rows (row k at R + ld k). Returns the rank; pivots: first
+// and last.
+template <class T>
+Index pivoted_factor(const T* G, std::ptrdiff_t ld, Index n, T tolerance, T* R, T* remaining, T& first, T& last) {
+  using std::sqrt;
+  for (Index i = 0; i < n; ++i) remaining[i] = G[ld * i + i];
+  first = last = T(1);
+  Index rank = 0;
+  for (; rank < n; ++rank) {
+    Index best = 0;
+    for (Index i = 1; i < n; ++i)
+      if (remaining[i] > remaining[best]) best = i;
+    const T pivot = remaining[best];
+    if (!(pivot > tolerance)) break;
+    if (rank == 0) first = pivot;
+    last = pivot;
+    T* row = R + ld * rank;
+    for (Index i = 0; i < n; ++i) row[i] = G[ld * best + i];
+    for (Index k = 0; k < rank; ++k) {
+      const T x = R[ld * k + best];
+      for (Index i = 0; i < n; ++i) row[i] -= R[ld * k + i] * x;
+    }
+    const T scale = T(1) / sqrt(pivot);
+    for (Index i = 0; i < n; ++i) {
+      row[i] *= scale;
+      remaining[i] -= row[i] * row[i];
+    }
+    remaining[best] = T(0);
+  }
+  return rank;
+}
+
+// The factor of R R^T in K, Dinv.
+template <class T>
+void factor_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, T* K, T* Dinv) {
+  for (Index i = 0; i < rank; ++i)
+    for (Index j = 0; j <= i; ++j) {
+      T sum = T(0);
+      for (Index k = 0; k < n; ++k) sum += R[ld * i + k] * R[ld * j + k];
+      K[ld * j + i] = K[ld * i + j] = sum;
+    }
+  factor_rows(K, ld, rank, T(0), T(0), K, Dinv);
+}
+
+// b = the part of b in the range of G = R^T R; K, Dinv: factor_range.
+template <class T>
+void project_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const T* K, const T* Dinv, T* z, T* b) {
+  for (Index i = 0; i < rank; ++i) {
+    z[i] = T(0);
+    for (Index k = 0; k < n; ++k) z[i] += R[ld * i + k] * b[k];
+  }
+  solve_factored(K, Dinv, ld, rank, z);
+  for (Index k = 0; k < n; ++k) {
+    b[k] = T(0);
+    for (Index i = 0; i < rank; ++i) b[k] += R[ld * i + k] * z[i];
+  }
+}
+
+// x += G^+ b = R^T (R R^T)^-2 R b for b in the range of G = R^T R.
+template <class T>
+void solve_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const T* K, const T* Dinv, T* z, const T* b, T* x) {
+  for (Index i = 0; i < rank; ++i) {
+    z[i] = T(0);
+    for (Index k = 0; k < n; ++k) z[i] += R[ld * i + k] * b[k];
+  }
+  solve_factored(K, Dinv, ld, rank, z), solve_factored(K, Dinv, ld, rank, z);
+  for (Index k = 0; k < n; ++k)
+    for (Index i = 0; i < rank; ++i) x[k] += R[ld * i + k] * z[i];
+}
+
+// The iteration itself; W, Dinv: factor of G + mu 1.
+template <class T>
+bool iterate(const T* G, std::ptrdiff_t ld, Index n, const T* W, const T* Dinv, const T* b, const ProximalOptions& options, T* step, T* lambda,
+             ProximalResult<T>& result) {
+  const T asked = largest_size(b, n);
+  T most = T(0);
+  for (Index i = 0; i < n; ++i) lambda[i] = T(0), step[i] = b[i], most = std::max(most, G[ld * i + i]);
+  T before = asked;
+  for (result.iterations = 0; result.iterations < options.max_iterations;) {
+    solve_factored(W, Dinv, ld, n, step);
+    for (Index i = 0; i < n; ++i) lambda[i] += step[i];
+    ++result.iterations;
+    row_residual(G, ld, n, b, lambda, step);
+    const T left = largest_size(step, n), noise = T(4e-16) * T(double(n)) * most * largest_size(lambda, n);
+    if (left <= noise || (left <= T(options.tolerance) * asked && left > T(0.1) * before)) return true;
+    if (result.iterations > 3 && left > T(0.99) * before && left <= T(1e-9) * asked) return true;  // round-off of G itself
+    before = left;
+  }
+  return false;
+}
+
+// S = G with a unit diagonal. Rows that nothing carries have no scale; entries that are round-off of others count as such.
+template <class T>
+void scale_rows(const T* G, std::ptrdiff_t ld, Index n, T* scale, T* S) {
+  using std::sqrt;
+  T most = T(0);
+  for (Index i = 0; i < n; ++i) most = std::max(most, G[ld * i + i]);
+  for (Index i = 0; i < n; ++i) scale[i] = G[ld * i + i] > T(1e-24) * most ? T(1) / sqrt(G[ld * i + i]) : T(0);
+  for (Index j = 0; j < n; ++j)
+    for (Index i = 0; i < ld; ++i) S[ld * j + i] = i < n ? G[ld * j + i] * scale[i] * scale[j] : T(0);
+}
+
+// lambda = (G + mu D)^-1 b, D the diagonal of G.
+template <class T>
+void solve_regularised(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, T mu, T* lambda) {
+  T *Dinv = work.vector(0), *scale = work.vector(3);
+  scale_rows(G, ld, n, scale, work.scaled);
+  factor_rows(work.scaled, ld, n, mu, mu / T(2), work.factor, Dinv);
+  for (Index i = 0; i < n; ++i) lambda[i] = b[i] * scale[i];
+  solve_factored(work.factor, Dinv, ld, n, lambda);
+  for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
+}
+
+// Rows that nothing carries and that ask for nothing, as those across a planar mechanism: S = G with them apart, wanted = b without. Returns how
+// many. heard: what they may ask for by rounding.
+template <class T>
+Index set_idle_apart(const T* G, std::ptrdiff_t ld, Index n, const T* b, T heard, T* S, T* wanted) {
+  using std::abs;
+  T most = T(0);
+  for (Index i = 0; i < n; ++i) most = std::max(most, G[ld * i + i]);
+  const auto idle = [&](Index i) { return !(G[ld * i + i] > T(1e-24) * most) && abs(b[i]) <= heard; };
+  Index count = 0;
+  for (Index i = 0; i < n; ++i) count += idle(i);
+  if (count == 0 || count == n) return 0;
+  std::copy(G, G + ld * n, S), std::copy(b, b + n, wanted);
+  for (Index i = 0; i < n; ++i) {
+    if (!idle(i)) continue;
+    for (Index j = 0; j < n; ++j) S[ld * i + j] = S[ld * j + i] = T(0);
+    S[ld * i + i] = most, wanted[i] = T(0);
+  }
+  return count;
+}
+
+// consistent = the part of asked that rows with the matrix S, of a unit diagonal, can give. false: all of it, for their pivots are above least.
+template <class T>
+bool consistent_part(const RowWork<T>& work, const T* S, std::ptrdiff_t ld, Index n, T least, const T* asked, T* consistent, ProximalResult<T>& result) {
+  T *Dinv = work.vector(0), *z = work.vector(4), first, last;
+  result.rank = pivoted_factor(S, ld, n, least, work.range, z, first, last);
+  result.condition = first / last;
+  if (result.rank == n) return false;
+  std::copy_n(asked, n, consistent);
+  factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
+  project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, consistent);
+  return true;
+}
+
+// lambda for n rows with the matrix G; all vectors of n numbers. What b asks for and no lambda gives is the contradiction.
+template <class T>
+void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const ProximalOptions& options, T* lambda,
+                      ProximalResult<T>& result) {
+  using std::abs;
+  T *Dinv = work.vector(0), *step = work.vector(1), *asked = work.vector(2), *scale = work.vector(3), *z = work.vector(4);
+  result = {};
+  result.rank = n;
+  if (n == 0) return;
+  const T heard = std::max(T(contradiction_tolerance) * largest_size(b, n), T(1e-12));  // less is round-off
+  if (options.regularisation == 0) {
+    const Index idle = set_idle_apart(G, ld, n, b, heard, work.scaled, asked);
+    const T *matrix = idle ? work.scaled : G, *wanted = idle ? asked : b;
+    const T smallest = factor_rows(matrix, ld, n, T(0), T(0), work.factor, Dinv);
+    if (smallest > T(clearly_independent)) {
+      result.rank = n - idle;
+      result.condition = T(1) / smallest;
+      if (!iterate(matrix, ld, n, work.factor, Dinv, wanted, options, step, lambda, result)) result.reason = DYN_CONSTRAINT_ITERATIONS;
+      return;
+    }
+  }
+
+  T* S = work.scaled;
+  scale_rows(G, ld, n, scale, S);
+  for (Index j = 0; j < n; ++j) {
+    asked[j] = b[j] * scale[j];
+    if (scale[j] == T(0) && abs(b[j]) > heard) result.contradiction = std::max(result.contradiction, abs(b[j]));
+  }
+  T* consistent = step;
+  if (consistent_part(work, S, ld, n, T(independent), asked, consistent, result)) {
+    const T size = largest_size(asked, n);
+    T off = T(0);
+    for (Index i = 0; i < n; ++i) off = std::max(off, abs(asked[i] - consistent[i]));
+    if (off > T(contradiction_tolerance) * size) {
+      for (Index i = 0; i < n; ++i) {
+        if (scale[i] > T(0)) result.contradiction = std::max(result.contradiction, abs(asked[i] - consistent[i]) / scale[i]);
+        asked[i] = consistent[i];
+      }
+    }
+  }
+  if (result.contradiction > T(0)) result.reason = DYN_CONSTRAINTS_CONTRADICT;
+  const T mu = options.regularisation > 0 ? T(options.regularisation) : T(automatic_regularisation);
+  result.regularisation = mu;
+  factor_rows(S, ld, n, mu, mu / T(2), work.factor, Dinv);
+  if (!iterate(S, ld, n, work.factor, Dinv, asked, options, step, lambda, result) && result.reason == DYN_CONSTRAINED)
+    result.reason = DYN_CONSTRAINT_ITERATIONS;
+  if (result.rank < n) {  // round-off off the range has grown by 1 / mu
+    factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
+    project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, lambda);
+    row_residual(S, ld, n, asked, lambda, step);
+    solve_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, step, lambda);
+  }
+  for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
+}
+
+}  // namespace dyn

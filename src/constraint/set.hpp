@@ -1,0 +1,45 @@
+// From what users say of a constraint to a slot of the data.
+#pragma once
+
+#include "constraint/list.hpp"
+#include "model/data.hpp"
+
+namespace dyn {
+
+// What dyn_constraint_init says.
+dynConstraint default_constraint(dynConstraintType type);
+// Whether the model can have it: DYN_OK, or the error with a sentence in message.
+dynStatus check_constraint(const Model& m, const dynConstraint& spec, char* message, std::size_t room);
+// What it says alone: numbers and types, not yet frames and joints.
+dynStatus check_constraint_numbers(const dynConstraint& spec, char* message, std::size_t room);
+// spec must have been checked.
+Constraint resolve_constraint(const Model& m, const dynConstraint& spec);
+
+// Numbers the rows that act, in the order of the slots.
+template <class T>
+void number_rows(const Model& m, Data<T>& d) {
+  Index first = 0;
+  for (Index s = 0; s < m.n.slots; ++s) {
+    Slot<T>& slot = d.slots[s];
+    slot.rows = slot.enabled ? constraint_rows(slot.c) : 0;
+    slot.first = first;
+    first += slot.rows;
+  }
+}
+
+template <class T>
+void set_slot(const Model& m, Data<T>& d, Index slot, const dynConstraint& spec) {
+  d.slots[slot] = Slot<T>{};
+  d.slots[slot].c = resolve_constraint(m, spec);
+  d.slots[slot].enabled = spec.enabled != 0;
+  d.slot_specs[slot] = spec;
+  d.slot_specs[slot].struct_size = sizeof spec;
+}
+
+template <class T>
+void set_up_slots(const Model& m, Data<T>& d) {
+  for (Index s = 0; s < m.n.slots; ++s) set_slot(m, d, s, s < m.n.constraints ? m.constraints()[s].spec : dynConstraint{});
+  number_rows(m, d);
+}
+
+}  // namespace dyn

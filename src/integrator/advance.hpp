@@ -1,0 +1,327 @@
+// Steps whose lengths follow from the error asked for: an embedded Runge-Kutta method, error per unit step (Hairer, Norsett, Wanner 1993,
+// II.4), so that the local errors add up to at most `accuracy` over the duration.
+#pragma once
+
+#include "base/portable.hpp"
+#include "integrator/extrapolated.hpp"
+#include "integrator/implicit_midpoint.hpp"
+#include "integrator/runge_kutta.hpp"
+#include "integrator/semi_implicit_euler.hpp"
+
+namespace dyn::integrator {
+
+// Where rounding ends what a smaller step could gain, rad and m and their rates: of what a step adds; or, where accelerations are known
+// less well, from where on the errors of shorter steps fall no more.
+template <class T>
+struct Rounding {
+  bool held;         // rows hold
+  T most_noise;      // per second: more is no rounding
+  T noise = T(0);    // of errors, per second
+  T rejected = T(0), tried = T(0);  // error and length of the last try
+  int tries = 0;
+
+  static T of(T size) { return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), size); }
+  static T of_state(const Model& m, const Data<T>& d) { return of(std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv))); }
+  // The same without where a body that flies by itself is, and how fast: where nothing meets, no acceleration follows from that.
+  static T of_motion(const Model& m, const Data<T>& d) {
+    T size = T(0);
+    Index q = 0, v = 0;
+    const auto look_until = [&](Index end_q, Index end_v) { size = std::max(size, std::max(largest(d.q + q, end_q - q), largest(d.v + v, end_v - v))); };
+    for (Index i = 1; i < m.n.bodies; ++i) {
+      const Body& b = m.bodies()[i];
+      if (b.type != BodyType::FreeFlyer || b.parent != 0) continue;
+      look_until(b.user_q, b.user_v);
+      q = b.user_q + 3, v = b.user_v + 3;
+    }
+    look_until(m.n.nq, m.n.nv);
+    return of(size);
+  }
+  T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
+    const T state = of_motion(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
+    return std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h));
+  }
+  void accept() { tries = 0, noise /= 2; }
+  void reject(T error, T h) {
+    const T ratio = h / tried;
+    if (tries++ > 0 && error > rejected * ratio * ratio * ratio) noise = std::max(noise, std::min(error / h, most_noise));
+    rejected = error, tried = h;
+  }
+};
+
+// First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
+template <class T>
+Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T tolerance, T longest, T& h) {
+  s.begin(m, d);
+  const ChartMotion<T> motion{m, d, s.q0};
+  T *f = s.stage(0), *g = s.stage(1);
+  if (const Index joint = motion(s.y0, f)) return s.undo(m, d), joint;
+  const T size = std::max(T(1), largest(s.y0, s.n)), rate = largest(f, s.n);
+  const T h0 = rate > T(0) ? std::min(longest, T(0.01) * size / rate) : longest;
+  for (Index k = 0; k < s.n; ++k) s.y[k] = s.y0[k] + h0 * f[k];
+  const Index joint = motion(s.y, g);
+  for (Index k = 0; k < s.n; ++k) g[k] -= f[k];
+  const T second = std::max(largest(g, s.n) / h0, rate);
+  s.undo(m, d);
+  if (joint || !(second < std::numeric_limits<T>::infinity())) return h = h0, 0;  // the first step will tell
+  h = std::min(longest, second > T(0) ? std::min(100 * h0, math::pow(T(0.01) * tolerance / second, T(1) / order) * 4) : longest);
+  return 0;
+}
+
+inline constexpr double held_leak = 1e-2;  // of what rows take away at the end of a step: they have turned since the stage that it is of
+
+// Where a mechanism passes a singular configuration, accelerations of stages that come near to it are known badly, and rows take away much at a step's
+// end, or it is itself near. The same step is then tried in other lengths, up to those of steps before, of which the best is taken: what steps over is smooth.
+template <class T>
+struct Passing {
+  static constexpr double lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6}, more = 30;  // more: of error, in the one step over
+  static constexpr int most = sizeof lengths / sizeof *lengths;
+  T most_noise, usual;  // of errors, per second; length of steps that pass nothing
+  T first = T(0), best = T(0), least = T(0);
+  int tries = 0;  // beside the first
+  bool spent = false;  // none of them was any better: steps become shorter
+
+  T limit(T allowed, T h) const { return std::max(T(more) * allowed, most_noise * h); }
+  T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
+  // Whether to try again with h. error, raw, moved: of this try (finish_step); usual_move: what rows change v by elsewhere.
+  bool again(T error, T raw, T moved, T allowed, T usual_move, T& h) {
+    if (spent || tries > most) return spent = true, false;
+    const bool near = T(held_leak) * raw > allowed || moved > usual_move;
+    if (tries == 0 && !(near && moved > T(10) * error)) return false;
+    const T off = std::max(error, T(held_leak) * moved);
+    if (error <= T(more) * allowed && !near) return false;
+    if (tries == 0) first = std::max(h, usual), least = std::numeric_limits<T>::infinity();
+    if (error <= limit(allowed, h) && off < least) least = off, best = h;
+    if (tries < most) h = first * T(lengths[tries]);
+    else if (least < std::numeric_limits<T>::infinity()) h = best;
+    else return spent = true, false;
+    return ++tries, true;
+  }
+  void accept(T h) {
+    if (tries == 0) usual = h;
+    tries = 0, spent = false;
+  }
+};
+
+// What the next step's length is of this one's: by its error over what is allowed, and by that of the step before (PI: Gustafsson 1991), so that
+// lengths follow errors that grow and fade without trying in vain. By this one's alone where errors are those of rounding: they say nothing of
+// the next.
+template <class T>
+struct Controller {
+  T power;          // 1 / (order of the error per unit step)
+  bool alone;
+  T longest;        // in lengths of this one: where rows hold, errors of few digits are near none now and then
+  T before = T(1);  // error over what was allowed, of the step before
+  bool tried = false;
+
+  T accept(T ratio) {
+    T factor = !(ratio > T(0)) ? T(5) : alone ? T(0.9) * math::pow(ratio, -power) : T(0.9) * math::pow(ratio, T(-0.8) * power) * math::pow(before, T(0.28) * power);
+    if (tried && !alone) factor = std::min(factor, T(1));
+    before = std::max(ratio, T(1e-4)), tried = false;
+    return std::clamp(factor, T(0.2), longest);
+  }
+  T reject(T ratio) {
+    tried = true;
+    return ratio < std::numeric_limits<T>::infinity() ? std::clamp(T(0.9) * math::pow(ratio, -power), T(0.2), T(0.9)) : T(0.1);
+  }
+};
+
+template <class T>
+void enter(const Model& m, Data<T>& d, T h) {
+  if constexpr (std::is_same_v<T, double>)
+    if (simulation::keeps_ledger(d)) simulation::enter_step(m, d, h);
+}
+
+inline constexpr double growth = 4;  // how much errors of steps may grow until the end, as those of a phase do
+
+// Advances d by duration. accuracy 0: as good as rounding allows. Returns 0, the joint whose forward dynamics failed, or no_step_left; the
+// state is then that of report.time. A step may take up to three times its share of the error where earlier ones left as much of theirs.
+template <class Tableau, class T>
+Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
+  T h = duration, t = 0, left = 0;
+  if (const Index joint = close_rows(m, d)) return joint;  // velocities that the rows do not allow jump at once
+  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_motion(m, d)), duration, h)) return joint;
+  report.evaluations += 2;
+  const T most_noise = std::max(accuracy / (4 * duration), T(1e-7));
+  Rounding<T> rounding{active_rows(m, d) > 0, most_noise};
+  Controller<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0), rounding.held ? T(2) : T(5)};
+  Passing<T> passing{most_noise, h};
+  while (t < duration) {
+    const bool last = h >= (duration - t) * (1 - 1e-12);
+    if (last) h = duration - t;
+    if (!(h > duration * T(1e-13))) return no_step_left;
+    Index joint = explicit_step<Tableau>(m, d, s, h);
+    report.evaluations += Tableau::stages;
+    const T share = accuracy / T(growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
+    T error = std::numeric_limits<T>::infinity(), raw = T(0), moved = T(0);
+    if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw, moved);
+    if (rounding.held && !joint && passing.again(error, raw, moved, most, std::max(100 * share, T(2e4) * Rounding<T>::of_motion(m, d)), h)) {
+      h = std::min(h, duration - t);
+      s.undo(m, d);
+      ++report.rejected;
+      continue;
+    }
+    if (error <= passing.allowed(most, h)) {
+      t = last ? duration : t + h;
+      left = std::max(T(0), left + share - error);
+      ++report.steps, report.time = t, report.error_estimate += std::max(error, T(held_leak) * moved);
+      report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+      enter(m, d, h);
+      rounding.accept(), passing.accept(h);
+      h *= controller.accept(error / allowed);
+    } else {
+      if (joint && h < duration * T(1e-12)) return joint;
+      if (!joint) rounding.reject(error, h), s.undo(m, d);
+      ++report.rejected, passing.tries = 0;
+      h *= controller.reject(error / allowed);
+    }
+  }
+  return 0;
+}
+
+// Whether contacts, limits or dry friction act in a step of h, or constraints are open: velocities jump, and no smooth method keeps its order.
+// until: to when the first of them that is not yet as near as closed will have come so near, as it moves now, and shapes that are near have not passed
+// through one another; no later than h. depth: of the deepest.
+template <class T>
+bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until, T& depth) {
+  until = h, depth = 0;
+  if constexpr (std::is_same_v<T, double>) {
+    d.step->pace = HUGE_VAL;
+    if (!simulation::has_rows(m, d) || held_dynamics(m, d)) return false;
+    if (is_open(m, d)) return true;
+    if (!simulation::may_jump(m, d)) return false;
+    for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
+    bool jumps = false;
+    const T* const v = d.expand(m, static_cast<const T*>(d.v), d.ax);
+    for (Index k = 0, slots = simulation::find_slots(m, d, s.y, h); k < slots; ++k) {
+      const simulation::ActiveSlot& x = d.step->active[k];
+      if (x.kind == simulation::RowKind::Equality) continue;
+      jumps = true;
+      if (x.kind == simulation::RowKind::Contact) depth = std::max(depth, -simulation::gap_of(*d.step, x));
+      const T gap = simulation::gap_of(*d.step, x) - closed, fast = simulation::closing(m, d, x, v);
+      if (gap > 0 && gap < until * fast) until = (gap + T(0.02) * closed) / fast;  // and a little, to be there
+    }
+    until = std::min(until, d.step->pace);
+    return jumps;
+  }
+  return false;
+}
+template <class T>
+bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+  T until, depth;
+  return meets_rows(m, d, s, h, T(0), until, depth);
+}
+
+// The same where velocities may jump. Steps that meet nothing are those of the tableau.
+template <class Tableau>
+Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
+  const double closed = std::max(0.1 * accuracy, 256 * Rounding<double>::of_state(m, d));
+  Extrapolated extrapolated(m, d, s, closed);
+  const double deep = 100 * closed;  // what began so deep is pushed out: such steps of a few lengths have no limit
+  const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
+  const double first = 1e-3 * std::max(1.0, std::cbrt(1e3 * accuracy));  // of order 3
+  double h = std::min(duration, first), t = 0;
+  while (t < duration) {
+    const double whole = h = std::min(h, duration - t);
+    if (!(h > duration * 1e-13)) return no_step_left;
+    double until, depth, ignored;
+    const bool rows = meets_rows(m, d, s, h, closed, until, depth), near = d.step->pace < HUGE_VAL, sunk = depth > deep;
+    h = std::min(h, sunk ? first : std::max(until, smallest));
+    const bool last = h >= (duration - t) * (1 - 1e-12), cut = h < whole;
+    double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
+    Index joint = 0;
+    if (sunk) {
+      joint = euler_step(m, d, s, h, false);
+      report.evaluations += 2, error = std::min(allowed, depth);
+    } else if (rows) {
+      allowed = std::max(allowed, 0.2 * closed), power = 1.0 / Extrapolated::order;
+      joint = extrapolated.step(h, error);
+      report.evaluations += Extrapolated::evaluations;
+    } else {
+      joint = explicit_step<Tableau>(m, d, s, h);
+      report.evaluations += Tableau::stages + 1;
+      if (double raw, moved; !joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error, raw, moved);
+    }
+    if (joint) {
+      if (h < duration * 1e-12) return joint;
+      ++report.rejected, h *= 0.1;
+      continue;
+    }
+    if (near && !rows && h > smallest && error <= allowed && meets_rows(m, d, s, smallest, closed, ignored, depth) && depth > closed) {  // a corner turned in
+      s.undo(m, d);
+      ++report.rejected, h *= 0.5;
+      continue;
+    }
+    if (error <= allowed || (rows && h <= smallest)) {
+      if (rows && !sunk && error > allowed) extrapolated.three_steps();
+      t = last ? duration : t + h;
+      ++report.steps, report.time = t, report.error_estimate += error;
+      report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+      enter(m, d, h);
+      if (cut) {  // to where something begins: what follows is as before
+        h = whole;
+        continue;
+      }
+    } else {
+      if (rows) extrapolated.restore();
+      else s.undo(m, d);
+      ++report.rejected;
+      if (rows && error == 2 * d.step->passed && d.step->late > 0 && d.step->late < h) {  // what was met was met too late
+        h = std::max(h - d.step->late * (1 - 0.02 * closed / d.step->passed), smallest);
+        continue;
+      }
+    }
+    const double factor = error > 0 ? 0.9 * math::pow(allowed / error, power) : 5;
+    h *= error < HUGE_VAL ? std::clamp(factor, 0.2, rows ? 2.0 : 5.0) : 0.1;
+    if (rows) h = std::max(h, smallest);
+  }
+  return 0;
+}
+
+// By order 5 with RK45, by order 8 with any other.
+template <class T>
+Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
+  const Stages<T> s(m, d);
+  if constexpr (std::is_same_v<T, double>)
+    if (simulation::may_jump(m, d) || (simulation::has_rows(m, d) && meets_rows(m, d, s, duration)))
+      return integrator == DYN_RK45 ? advance_through_contact<DormandPrince5>(m, d, s, duration, accuracy, report)
+                                    : advance_through_contact<DormandPrince8>(m, d, s, duration, accuracy, report);
+  return integrator == DYN_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
+                                : advance_to_accuracy<DormandPrince8>(m, d, s, duration, accuracy, report);
+}
+
+template <class T>
+Index one_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
+  if constexpr (std::is_same_v<T, double>)
+    if (d.step->sleep.acts) return euler_step_of_awake(m, d, s, h, springs);
+  return euler_step(m, d, s, h, springs);
+}
+
+// One step of h by the integrator; where something acts that velocities jump at, by implicit_fast if it is none of the two of order 1. Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.
+template <class T>
+Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
+  const Stages<T> s(m, d);
+  Index failed = 0;
+  if (integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST && meets_rows(m, d, s, h)) integrator = DYN_IMPLICIT_FAST;
+  switch (integrator) {
+    case DYN_SEMI_IMPLICIT_EULER: case DYN_IMPLICIT_FAST: failed = one_euler_step(m, d, s, h, integrator == DYN_IMPLICIT_FAST), report.evaluations += 1; break;
+    case DYN_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
+    case DYN_RK45:
+      failed = explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
+      if (!failed) report.error_estimate += step_error(DormandPrince5(), m, d, s, h, false);
+      break;
+    case DYN_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations); break;
+    case DYN_REFERENCE: {
+      dynStepReport inner{};
+      failed = advance_to_accuracy<DormandPrince8>(m, d, s, h, T(0), inner);
+      report.evaluations += inner.evaluations, report.rejected += inner.rejected, report.error_estimate += inner.error_estimate;
+      break;
+    }
+  }
+  if (!failed && integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST) failed = close_rows(m, d);
+  if (failed) return failed;
+  ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
+  enter(m, d, integrator == DYN_REFERENCE ? T(0) : h);  // its own steps are entered
+  return 0;
+}
+
+}  // namespace dyn::integrator

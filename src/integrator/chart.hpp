@@ -1,0 +1,95 @@
+// The equations of motion in exponential coordinates about q0: y = (u, v) with q = q0 (+) u, so that every method for vector spaces
+// keeps its order on rotations (Munthe-Kaas 1999; Hairer, Lubich, Wanner 2006, IV.8.2):
+//   du/dt = J(u)^-1 v      dv/dt = ddq(q0 (+) u, v, tau)
+// Free flyers' places and linear velocities are in the axes that the step begins in instead, so that turning does not mix into them:
+//   p = p0 + R0 u      du/dt = w      dw/dt = E (a + omega x v),  E = R0' R = exp(u_angular),  v = E' w
+// After v follow the activations of actuators, which have equations of their own (simulation/actuators.hpp).
+#pragma once
+
+#include "algorithm/declarations.hpp"
+#include "integrator/free_flight.hpp"
+#include "integrator/held.hpp"
+#include "simulation/sleep.hpp"
+
+namespace dyn::integrator {
+
+template <class T>
+struct ChartMotion {
+  const Model& m;
+  Data<T>& d;
+  const T* q0;
+
+  // The state at y, in d.q and d.v.
+  void place(const T* y) const {
+    integrate(m, q0, y, d.q);
+    for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y[m.n.nv + k];
+    for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
+      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = simulation::within(y[2 * m.n.nv + r.act], r.spec.act_range);
+    for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
+      store3(load3(q0 + b.user_q) + rotation(load_quaternion(q0 + b.user_q + 3)) * load3(y + b.user_v), d.q + b.user_q);
+      store3(transpose_times(exp3(load3(y + b.user_v + 3)), load3(d.v + b.user_v)), d.v + b.user_v);
+    });
+  }
+  // f = dy/dt. Returns 0, or the joint whose forward dynamics failed.
+  Index operator()(const T* y, T* f) const {
+    place(y);
+    if (const Index joint = held_dynamics(m, d)) return joint;
+    chart_rate(m, y, d.v, f);
+    for (Index k = 0; k < m.n.nv; ++k) f[m.n.nv + k] = d.ddq[k];
+    for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
+      const Vec3<T> v = load3(d.v + b.user_v), omega = load3(d.v + b.user_v + 3), a = load3(d.ddq + b.user_v);
+      store3(load3(y + m.n.nv + b.user_v), f + b.user_v);
+      store3(exp3(load3(y + b.user_v + 3)) * (a + cross(omega, v)), f + m.n.nv + b.user_v);
+    });
+    for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
+      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0)
+        f[2 * m.n.nv + r.act] = simulation::activation_rate(r, d, d.act[r.act]);
+    return 0;
+  }
+};
+
+template <class T>
+T largest(const T* x, Index n) {
+  T out = T(0);
+  for (Index k = 0; k < n; ++k)
+    if (const T size = std::abs(x[k]); !(size <= out)) out = size;
+  return out;
+}
+
+// Room of a step: q at its beginning, y at its beginning and in its stages, and what the stages give.
+template <class T>
+struct Stages {
+  T *q0, *y0, *y, *f;
+  Index n;
+
+  Stages(const Model& m, Data<T>& d) : q0(d.stages), y0(q0 + m.n.nq), n(2 * m.n.nv + m.n.na) { y = y0 + n, f = y + n; }
+  T* stage(int k) const { return f + k * n; }
+
+  // Begins a step: the chart lies about the state held in d.
+  void begin(const Model& m, const Data<T>& d) const {
+    keep(m, d, simulation::AllTrees{});
+    for (Index k = 0; k < m.n.nv; ++k) y0[k] = T(0);
+  }
+  // The state alone.
+  template <class Part>
+  void keep(const Model& m, const Data<T>& d, const Part& part) const {
+    part.for_each_group(m, [&](const simulation::Trees& t) {
+      for (Index k = t.q; k < t.q_end; ++k) q0[k] = d.q[k];
+      for (Index k = t.v; k < t.v_end; ++k) y0[m.n.nv + k] = d.v[k];
+    });
+    for (Index k = 0; k < m.n.na; ++k) y0[2 * m.n.nv + k] = d.act[k];
+  }
+  // x, 2 nv: changes of the chart's coordinates, as those of q and v in the axes of the state that d holds, but for what turning by a step changes in angles.
+  void refer(const Model& m, const Data<T>& d, T* x) const {
+    for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
+      const Mat3<T> R0 = rotation(load_quaternion(q0 + b.user_q + 3)), R = rotation(load_quaternion(d.q + b.user_q + 3));
+      for (T* part : {x + b.user_v, x + m.n.nv + b.user_v}) store3(transpose_times(R, R0 * load3(part)), part);
+    });
+  }
+  void undo(const Model& m, Data<T>& d) const {
+    for (Index k = 0; k < m.n.nq; ++k) d.q[k] = q0[k];
+    for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y0[m.n.nv + k];
+    for (Index k = 0; k < m.n.na; ++k) d.act[k] = y0[2 * m.n.nv + k];
+  }
+};
+}  // namespace dyn::integrator

@@ -1,0 +1,133 @@
+// Steps where velocities may jump, for an accuracy: h in one step of order 1, in two and in three, extrapolated (Aitken and Neville; Hairer and Wanner
+// 1996, IV.9): order 3 where nothing begins or ends. Each moves first, and changes the velocity where it arrives (as MEXX: Lubich et al. 1992):
+//   q' = q (+) h v      v' = v + h ddq(q', v') + M^-1 J^T lambda, all at q'
+// so that a velocity keeps to the rows at the place that it is of. In the other order it would be late by a step, and where friction is near its
+// bound, every first step would slip.
+#pragma once
+
+#include "integrator/semi_implicit_euler.hpp"
+
+namespace dyn::integrator {
+
+// f(body, its centre of mass, its inertia about that), of free flyers that carry nothing: momentum is theirs alone.
+template <class F>
+void for_each_single_flyer(const Model& m, F&& f) {
+  for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index i, const Vec3<double>& c) {
+    if (m.subtree_end()[i] == i + 1 && b.m > 0) f(b, c, central_inertia(b, c));
+  });
+}
+
+// q' = q (+) h v. Free flyers keep their momentum, which is referred to the axes at the end.
+inline void drift(const Model& m, Data<double>& d, const Stages<double>& s, double h) {
+  s.begin(m, d);
+  for (Index k = 0; k < m.n.nv; ++k) s.y[k] = h * d.v[k];
+  integrate(m, static_cast<const double*>(s.q0), static_cast<const double*>(s.y), d.q);
+  end_flight(m, simulation::AllTrees{}, s.q0, h, static_cast<const double*>(nullptr), d.q, d.v);
+  for_each_single_flyer(m, [&](const Body& b, const Vec3<double>& c, const Mat3<double>& I) {
+    const Vec3<double> w = load3(d.v + b.user_v + 3), turned = solve3(I, exp3(w * -h) * (I * w));
+    store3(load3(d.v + b.user_v) + cross(w - turned, c), d.v + b.user_v), store3(turned, d.v + b.user_v + 3);
+  });
+}
+
+// v' at the place that d holds. Returns 0, or the joint whose forward dynamics failed.
+inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, double h) {
+  if (const Index joint = implicit_dynamics(m, d, s, h, true, simulation::AllTrees{})) return joint;
+  s.begin(m, d);
+  const double* const v0 = s.y0 + m.n.nv;
+  for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k];
+  for_each_single_flyer(m, [&](const Body& b, const Vec3<double>&, const Mat3<double>& I) {  // what drift has done
+    const Vec3<double> w = load3(v0 + b.user_v + 3);
+    store3(load3(d.v + b.user_v + 3) + solve3(I, cross(w, I * w)) * h, d.v + b.user_v + 3);
+  });
+  for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index, const Vec3<double>& c) {
+    const Vec3<double> u = load3(v0 + b.user_v), w = load3(v0 + b.user_v + 3), dw = load3(d.ddq + b.user_v + 3);
+    const Vec3<double> a = load3(d.ddq + b.user_v) + cross(w, u) + cross(dw, c) + cross(w, cross(w, c));
+    store3(u + cross(w, c) + a * h - cross(load3(d.v + b.user_v + 3), c), d.v + b.user_v);
+  });
+  if (meet_rows(m, d, s, h) == Meeting::Correction) {
+    integrate(m, static_cast<const double*>(s.q0), static_cast<const double*>(s.f), d.q);
+    end_flight(m, simulation::AllTrees{}, s.q0, 0.0, static_cast<const double*>(s.f), d.q, d.v);
+    if (simulation::keeps_ledger(d)) simulation::enter_correction(m, d, s.q0, s.f, s.f);
+  }
+  simulation::advance_activations(m, d, s.y0 + 2 * m.n.nv, h);
+  return 0;
+}
+
+// What is close enough counts as closed (Workspace::closed), so that velocities do not depend on gaps that are errors.
+class Extrapolated {
+ public:
+  static constexpr int order = 3, evaluations = 6;
+  Extrapolated(const Model& m_, Data<double>& d_, const Stages<double>& s_, double closed_) : m(m_), d(d_), s(s_), closed(closed_) {
+    double* next = s.stage(1);
+    for (State& x : kept) x.q = next, x.v = x.q + m.n.nq, x.act = x.v + m.n.nv, next = x.act + m.n.na;
+    for (double*& x : by_three) x = next, next += m.n.nv;
+  }
+
+  // To the limit, and its error; d.ddq: free, at the beginning. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
+  Index step(double h, double& error) {
+    keep(before), simulation::keep_contacts(*d.step);
+    d.step->closed = closed;
+    // what the contact solver leaves open, relative to free velocities, is no motion that extrapolates: far less than is allowed, or no step is short enough
+    const double asked = d.step->options.tolerance, fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
+    if (fast > 0) d.step->options.tolerance = std::min(asked, std::max(1e-14, 0.01 * closed / fast));
+    Index joint = substeps(h, 1);
+    if (!joint) keep(one), restore(), joint = substeps(h, 2);
+    if (!joint) keep(two), restore(), d.step->passed = 0, joint = substeps(h, 3);
+    d.step->closed = 0, d.step->options.tolerance = asked;
+    if (joint) return restore(), joint;
+    // what all of them stop at once moves on between, which no difference of them shows: velocities bend. (At the end they may jump where something is met.)
+    error = 0;
+    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::max(bent(before.v[k], by_three[0][k], by_three[1][k]), d.step->passed > 0 ? 0 : bent(by_three[0][k], by_three[1][k], by_three[2][k])));
+    error *= h / 6;
+    // of differences to what three steps lead to
+    const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
+    double *a = s.y, *b = a + m.n.nv;
+    difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
+    for (Index k = 0; k < m.n.nv; ++k) a[k] = limit(a[k], b[k]), b[k] = limit(one.v[k] - d.v[k], two.v[k] - d.v[k]);
+    for (Index k = 0; k < m.n.na; ++k) two.act[k] = limit(one.act[k] - d.act[k], two.act[k] - d.act[k]);
+    simulation::note_passed(m, d, a, closed);
+    error = std::max(error, 2 * d.step->passed);  // for all of them: what bounces is off by twice that
+    keep(three);
+    integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
+    for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];
+    for (Index k = 0; k < m.n.na; ++k) d.act[k] += two.act[k];
+    return 0;
+  }
+  void restore() { take(before), simulation::take_contacts(*d.step); }
+  void three_steps() { take(three); }
+
+ private:
+  struct State {
+    double *q, *v, *act;
+  };
+  const Model& m;
+  Data<double>& d;
+  const Stages<double>& s;
+  double closed;
+  State kept[3];
+  double* by_three[3];  // velocities after each step of three, in the axes at the beginning
+  State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;
+
+  static double bent(double a, double b, double c) { return std::abs(a - 2 * b + c); }
+  void refer(double* v) const {
+    std::copy_n(d.v, m.n.nv, v);
+    for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index, const Vec3<double>&) {
+      const Mat3<double> R0 = rotation(load_quaternion(before.q + b.user_q + 3)), R = rotation(load_quaternion(d.q + b.user_q + 3));
+      for (double* part : {v + b.user_v, v + b.user_v + 3}) store3(transpose_times(R0, R * load3(static_cast<const double*>(part))), part);
+    });
+  }
+  void keep(const State& x) const { std::copy_n(d.q, m.n.nq, x.q), std::copy_n(d.v, m.n.nv, x.v), std::copy_n(d.act, m.n.na, x.act); }
+  void take(const State& x) const { std::copy_n(x.q, m.n.nq, d.q), std::copy_n(x.v, m.n.nv, d.v), std::copy_n(x.act, m.n.na, d.act); }
+  Index substeps(double h, int n) const {
+    Index joint = 0;
+    simulation::forget_rows(d);
+    for (int k = 0; k < n && !joint; ++k) {
+      d.step->drifts = k + 1;
+      drift(m, d, s, h / n), joint = kick(m, d, s, h / n);
+      refer(by_three[k]);
+    }
+    return joint;
+  }
+};
+
+}  // namespace dyn::integrator

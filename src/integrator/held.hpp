@@ -1,0 +1,71 @@
+// Smooth motion under constraints that hold at every moment: accelerations are those of constrained dynamics in every stage (index 1), and
+// each step ends with q and v brought back to what the rows allow, which keeps the order (Hairer and Wanner 1996, VII.2).
+#pragma once
+
+#include "base/portable.hpp"
+#include "constraint/algorithms.hpp"
+#include "simulation/forces.hpp"
+
+namespace dyn::integrator {
+
+inline constexpr double open_rows = 1e-3;        // of what the rows reach, rad: those that are farther apart close in steps of order 1 first
+inline constexpr double rows_precision = 1e-15;  // of the accelerations
+
+// Forward dynamics at d.q, d.v under all that acts and the constraints. Returns 0, or the joint that is singular.
+template <class T>
+Index held_dynamics(const Model& m, Data<T>& d) {
+  const T *tau = d.acting & DYN_EFFECT_ACTUATORS ? simulation::actuated(m, d, d.tau_applied) : d.tau_applied, *fext = simulation::forces_on_bodies(m, d);
+  if constexpr (std::is_same_v<T, double>)
+    if (active_rows(m, d) > 0) {
+      ProximalOptions options;
+      options.tolerance = rows_precision;
+      dynConstraintResult result;
+      return constrained_dynamics(m, d, static_cast<const T*>(d.v), tau, fext, options, d.ddq, result);
+    }
+  return forward_dynamics(m, d, d.v, tau, fext, d.ddq);
+}
+
+// After held_dynamics: whether some row is open; those with gains close by themselves.
+inline bool is_open(const Model& m, Data<double>& d) {
+  double lengths = 0, angles = 0, reach = 0;
+  const auto look = [&](const double* F, Index r, bool& linear) {
+    const auto size = [&](int from) { return math::hypot(F[row_lanes * from + r], F[row_lanes * (from + 1) + r], F[row_lanes * (from + 2) + r]); };
+    const double force = size(0);
+    if (force > 0) linear = true, reach = std::max(reach, size(3) / force);
+  };
+  for_each_slot(m, d, [&](const Slot<double>& s, Index) {
+    if (s.c.stiffness > 0 || s.c.damping > 0) return;
+    for (Index r = 0; r < s.rows; ++r) {
+      bool linear = false;
+      if (!between_joints(s.c.type)) {
+        if (s.c.body1) look(s.F1, r, linear);
+        if (s.c.body2) look(s.F2, r, linear);
+      }
+      double& most = linear ? lengths : angles;
+      most = std::max(most, std::abs(s.error[r]));
+    }
+  });
+  return angles > open_rows || lengths > open_rows * (reach > 0 ? reach : 1);
+}
+
+// x, 2 nv: errors of q and v at the end of a step, there: what the rows take away at once is none. (Where a mechanism passes a singular
+// configuration, accelerations that the rows hold back are known badly, and these alone.)
+inline void hold_errors(const Model& m, Data<double>& d, double* x) {
+  dynConstraintResult result;
+  hold_velocity(m, d, static_cast<const double*>(x), x, result), hold_velocity(m, d, static_cast<const double*>(x + m.n.nv), x + m.n.nv, result);
+}
+
+// The end of a step. Where rows contradict each other, as near as they come.
+template <class T>
+Index close_rows(const Model& m, Data<T>& d) {
+  if constexpr (std::is_same_v<T, double>) {
+    bool gains = false;
+    for_each_slot(m, d, [&](const Slot<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
+    if (gains || active_rows(m, d) == 0) return 0;
+    dynConstraintResult result;
+    return project(m, d, 1, true, T(0), d.v, result, T(1e-9));  // converges quadratically: once is to rounding
+  }
+  return 0;
+}
+
+}  // namespace dyn::integrator

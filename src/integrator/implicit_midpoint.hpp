@@ -1,0 +1,67 @@
+// The implicit midpoint rule on the group: with the middle velocity w,
+//   v' = v + h ddq(q (+) h/2 w, w)      q' = q (+) h w      w = (v + v') / 2
+// Order 2, time-reversible, symplectic on vector spaces: energy neither grows nor fades over long times
+// (Hairer, Lubich, Wanner 2006, II.1.3).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrator/chart.hpp"
+
+namespace dyn::integrator {
+
+// Fixed point of w, by Anderson's mixing of the last two iterates (Walker and Ni 2011). Returns 0, the joint whose forward dynamics
+// failed, or not_converged; the state is then as before.
+template <class T>
+Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, std::int64_t& evaluations) {
+  constexpr int most_iterations = 200;
+  s.begin(m, d);
+  const Index nv = m.n.nv;
+  const T *v0 = s.y0 + nv;
+  simulation::advance_activations(m, d, s.y0 + 2 * nv, h / 2);
+  T *w = s.y, *next = w + nv, *half = s.stage(0), *residual = half + nv, *old_residual = residual + nv, *old_next = old_residual + nv;
+  for (Index k = 0; k < nv; ++k) w[k] = v0[k];
+  T best = std::numeric_limits<T>::infinity();
+  int stalled = 0;
+  for (int i = 0; i < most_iterations; ++i) {
+    for (Index k = 0; k < nv; ++k) half[k] = h / 2 * w[k], d.v[k] = w[k];
+    integrate(m, s.q0, half, d.q);
+    ++evaluations;
+    if (const Index joint = held_dynamics(m, d)) return s.undo(m, d), joint;
+    T error = T(0), size = T(0);
+    for (Index k = 0; k < nv; ++k) {
+      next[k] = v0[k] + h / 2 * d.ddq[k];
+      residual[k] = next[k] - w[k];
+      if (const T e = std::abs(residual[k]); !(e <= error)) error = e;
+      size = std::max(size, std::abs(next[k]));
+    }
+    if (error != error) return s.undo(m, d), not_converged;
+    const T rounding = 4 * std::numeric_limits<T>::epsilon() * size;
+    stalled = error < best / 2 ? 0 : stalled + 1;
+    best = std::min(best, error);
+    if (error <= rounding || (stalled >= 3 && error <= 64 * rounding)) {
+      for (Index k = 0; k < nv; ++k) d.v[k] = v0[k] + h * d.ddq[k], half[k] = h * next[k];
+      integrate(m, s.q0, half, d.q);
+      simulation::advance_activations(m, d, s.y0 + 2 * nv, h);
+      return 0;
+    }
+    // w' = (1 - c) next + c old_next with the c that makes the mixed residual least
+    T mix = T(0);
+    if (i > 0) {
+      T across = T(0), along = T(0);
+      for (Index k = 0; k < nv; ++k) {
+        const T change = residual[k] - old_residual[k];
+        across += change * residual[k], along += change * change;
+      }
+      if (along > T(0)) mix = across / along;
+    }
+    for (Index k = 0; k < nv; ++k) {
+      w[k] = i > 0 ? next[k] + mix * (old_next[k] - next[k]) : next[k];  // nothing is old in the first
+      old_residual[k] = residual[k], old_next[k] = next[k];
+    }
+  }
+  return s.undo(m, d), not_converged;
+}
+
+}  // namespace dyn::integrator

@@ -1,0 +1,141 @@
+// Makes a model: joints, bodies, frames, shapes, configurations; finish() compiles them into one immutable block.
+// Host side: allocates and throws dyn::Error. Everything is checked when it is added; what only the whole can show
+// (cycles of mimic, masses that leave forward dynamics undefined) is checked by finish().
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "dyn.h"
+#include "simulation/material.hpp"
+
+namespace dyn {
+
+struct Model;
+struct SurfaceData;
+
+// An error on its way to the C boundary: the status and one sentence saying what, where, and what to do.
+struct Error : std::runtime_error {
+  dynStatus status;
+  Error(dynStatus s, const std::string& message) : std::runtime_error(message), status(s) {}
+};
+
+using Placement = std::array<double, 12>;  // rotation by columns, then translation
+inline constexpr Placement identity_placement = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+
+// Where something is attached: a name, and optionally which types of frame (a mask of dynFrameType, 0: any) may answer to it.
+struct Parent {
+  std::string name;  // "" or "universe": the world
+  int types = 0;
+};
+
+// Field meanings and units are those of dynJointSpec in dyn.h; an empty vector means "absent".
+struct JointSpec {
+  std::string name;
+  dynJointType type = DYN_JOINT_REVOLUTE;
+  Parent parent;
+  Placement placement = identity_placement;
+  std::array<double, 3> axis = {0, 0, 1}, axis2 = {1, 0, 0};
+  double pitch = 0;
+  std::vector<double> lower, upper;                // nq
+  std::vector<double> velocity, effort;            // nv
+  std::vector<double> armature, damping, friction, stiffness; // nv
+  std::vector<double> spring_reference;            // nq
+  double rotor_inertia = 0, gear_ratio = 1;
+  std::string mimic;  // leader's name; "" for none
+  double mimic_ratio = 1, mimic_offset = 0;
+  std::vector<JointSpec> parts;  // composite
+};
+
+struct Shape {
+  std::string name;
+  dynShapeType type = DYN_SHAPE_BOX;
+  dynShapeRole role = DYN_ROLE_COLLISION;
+  std::string body;
+  Placement placement = identity_placement;
+  std::array<double, 3> size = {0, 0, 0};
+  std::string mesh;
+  double radius = 0;                           // of rounding
+  std::uint32_t contype = 1, conaffinity = 1;  // groups it is in, groups it collides with
+  dynMaterial material = simulation::default_material();
+  std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
+  std::uint32_t colour = 0;                              // colour.hpp
+};
+
+// nq and nv of a type with no parts.
+int joint_nq(dynJointType type);
+int joint_nv(dynJointType type);
+// The same of a joint with its parts.
+int spec_nq(const JointSpec& spec);
+int spec_nv(const JointSpec& spec);
+const char* joint_type_name(dynJointType type);
+
+struct ModelDeleter {
+  void operator()(Model* m) const;
+};
+using ModelPtr = std::unique_ptr<Model, ModelDeleter>;
+
+class Builder {
+ public:
+  explicit Builder(std::string name);
+  // With all that the model was made from: finished at once, it makes the same model.
+  explicit Builder(const Model& model);
+  ~Builder();
+  Builder(const Builder&) = delete;
+  Builder& operator=(const Builder&) = delete;
+
+  void gravity(const std::array<double, 3>& g);
+  // The parent must have been added before. A FIXED joint becomes a frame of type FIXED_JOINT.
+  void joint(const JointSpec& spec);
+  // A link at placement in its parent's frame: adds a BODY frame and the inertia (about the centre of mass, frame axes,
+  // 3 x 3) to the joint that carries it. Throws for a negative mass and for a non-symmetric inertia, naming the body; what
+  // the bodies of a joint add up to is checked by finish().
+  void body(const std::string& name, const Parent& parent, const Placement& placement, double mass,
+            const std::array<double, 3>& com, const std::array<double, 9>& inertia);
+  void frame(const std::string& name, const Parent& parent, const Placement& placement, dynFrameType type);
+  void shape(const Shape& shape);
+  void colour(std::uint32_t of_last_shape);
+  void configuration(const std::string& name, const std::vector<double>& q);
+  // The same by joints, each with its own coordinates; the others are neutral.
+  void configuration_of_joints(const std::string& name, const std::vector<std::pair<std::string, std::vector<double>>>& joints);
+  // Two bodies that are not tested for collision.
+  void disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason);
+  void report(dynReportLevel level, int line, const std::string& message);
+  // first and second name frames, or joints; "": the universe, or none.
+  void constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second);
+  void constraint_slots(int spare);
+  void contact_capacity(int contacts);  // of a step; 0: by its shapes
+  // joint: its name. (builder_actuator.cpp)
+  void actuator(const std::string& name, const dynActuator& spec, const std::string& joint);
+  void gravity_compensation(const std::string& body, double share);
+  void medium(double density, double viscosity, const std::array<double, 3>& wind);
+  // Two collision shapes, by their names, that are tested whatever the filter says. material: nullptr, that of the shapes.
+  void pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material);
+
+  // Operations on the whole; one that throws changes nothing. (builder_lock.cpp, builder_attach.cpp, builder_subtree.cpp)
+  // Fixes joints, and their followers, at q (nq numbers in the order of the model that would be made).
+  void lock(const std::vector<std::string>& joints, const std::vector<double>& q);
+  // Adds a model whose world the joint carries (nullptr: the worlds are one), its names behind the prefix.
+  void attach(const Model& model, const std::string& prefix, const JointSpec* joint);
+  // Keeps a joint and what it carries; the world is then where the joint's parent was.
+  void subtree(const std::string& joint);
+  // Takes away a joint and what it carries.
+  void remove(const std::string& joint);
+
+  // Compiles: joints depth first, children in the order of addition.
+  ModelPtr finish() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl;
+};
+
+// Throws where no body has these principal moments; who begins the message. (Files say so in their report, or under strict.)
+void check_moments(const std::string& who, double mass, const std::array<double, 9>& inertia);
+
+}  // namespace dyn

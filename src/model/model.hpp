@@ -1,0 +1,215 @@
+// The compiled model: one block of plain values. The header below lies at its start; arrays are found by offsets, so the
+// block can be copied, mapped, or sent to another process as it is.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "dyn.h"
+#include "model/body.hpp"
+#include "model/stored.hpp"
+#include "shape/height_field.hpp"
+#include "shape/triangles.hpp"
+
+namespace dyn {
+
+// A chain: each body is its predecessor's only child, except that the last one may have any children.
+struct Run {
+  BodyType type;
+  Index first, last;   // bodies [first, last)
+  Index parent;        // of the first
+  Index idx_q, idx_v;  // of the first, in the expanded coordinates
+};
+
+// Bodies few enough that what their placing needs stays in the innermost cache.
+struct Chunk {
+  static constexpr Index size = 64;
+  Index first;               // body
+  Index first_run, last_run;
+  Index first_q, last_q;     // expanded coordinates that hold its angles; the sweep's last four end within the array's padding
+};
+
+// Neighbouring coordinates, in q and in v, that form a vector space.
+struct Span {
+  Index first_q, first_v, count;
+};
+
+// Degrees of freedom in a row in the elimination tree of M: up to four, each but the last with the next one as its only child.
+struct DofGroup {
+  Index first, count;
+  Index depth, parent;  // of the first
+  Index end;            // one past their last descendant
+};
+
+struct JointRecord {
+  Mat3<double> C;  // axes of the joint's own frame in the last body's internal frame (same origin)
+  Index name;      // offset in text
+  dynJointType type;
+  Index parent;
+  Index first_body, last_body;  // both included; of the universe: 0, 0
+  Index idx_q, idx_v, nq, nv;
+  Index leader;  // or -1
+  double ratio, offset;
+  double axis[3], axis2[3], pitch;
+  double placement[12];
+  Index first_part, parts;            // composite: its simple joints, in order; otherwise none
+  // own, of a joint with one coordinate: a follower's are also part of its leader's
+  double armature, damping, friction, stiffness, spring_reference;
+};
+
+// A simple joint of a composite.
+struct PartRecord {
+  dynJointType type;
+  double axis[3], axis2[3], pitch;
+  double placement[12];  // after the part before
+};
+
+struct FrameRecord {
+  SE3<double> X;  // in the body's internal frame
+  Index name;
+  dynFrameType type;
+  Index joint, body;
+  Index link;            // BODY: its number among the links; otherwise -1
+  Index parent;          // the frame that it hangs on; of the universe: 0
+  double placement[12];  // in the joint's frame
+};
+
+// Of a link itself, in its frame.
+struct LinkRecord {
+  double mass, com[3], inertia[9];
+};
+
+// A weight that is held, at a point of the body.
+struct HeldWeight {
+  Vec3<double> at;  // in the body's internal frame
+  double mass;
+  Index joint, body, link;
+};
+
+// The box of equal inertia, on which a medium drags.
+struct DragBox {
+  SE3<double> X;  // centre and principal axes in the body's internal frame
+  double half[3];
+  Index joint, body;
+};
+
+// Of an actuator: force = gain . controls + bias . (1, length, its rate).
+struct ActuatorRecord {
+  dynActuator spec;
+  double gain[3], bias[3];
+  Index name, q, v, act;  // the user's coordinate (or -1) and degree of freedom; of the activation, or -1
+};
+
+struct ShapeRecord {
+  Index name, mesh;
+  dynShapeType type : 8;
+  std::uint32_t role : 8, material : 16;  // dynShapeRole; its number among the materials
+  std::uint32_t colour;                   // colour.hpp
+  Index frame;
+  Index surface;  // CONVEX, TRIANGLES, HEIGHT_FIELD: its number among the hulls, trees or grids; otherwise -1
+  double placement[12], size[3];
+  double radius;  // of rounding
+  std::uint32_t contype, conaffinity;
+};
+
+// A coordinate with a finite limit; of a quaternion w, by whose lower limit cos(a/2) the angle of the rotation is at most a.
+struct LimitRecord {
+  Index q, body, dof;  // the user's coordinate; the body that it moves, its expanded degree of freedom (of a quaternion the first)
+};
+
+// A collision shape.
+struct GeomRecord {
+  Index shape;  // its number among all shapes
+};
+
+// Pairs are listed up to so many collision shapes; of more only those that are no ordinary ones: wanted, disabled, overlapping.
+inline constexpr Index most_geoms = 1000;
+
+// Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child; ascending.
+struct PairRecord {
+  std::uint16_t a, b;
+  std::uint8_t reason;  // dynPairReason: whether new data tests it
+  std::uint8_t own;     // 0: the filter decides; else it is wanted: 1: with the material of its shapes, or 2 + the number of another
+  static constexpr Index most_own = 253;
+  bool wanted() const { return own > 0; }
+  Index material() const { return own > 1 ? own - 1 : 0; }  // 1 + its own material's number; 0: that of its shapes
+};
+
+// Two links that are not tested for collision.
+struct DisabledRecord {
+  Index frame1, frame2, reason;
+};
+
+struct ReportRecord {
+  dynReportLevel level;
+  Index line, message;
+};
+
+// A constraint of the model; its frames or joints are ids.
+struct ConstraintRecord {
+  dynConstraint spec;
+  Index name;
+};
+
+struct ModelSizes {
+  Index nq, nv;    // the user's coordinates
+  Index nqx, nvx;  // expanded: followers of a mimic have their own
+  Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
+  Index bodies, runs, chunks, sweep, spans, curved, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
+  Index hulls, trees, grids, surface_numbers, surface_indices;
+  Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
+  Index materials;
+  Index actuators, nu, na, held_weights, drag_boxes;
+  Index contacts, limits, carriers;           // contact points that a step has room for; degrees of freedom that carry two bodies, at most
+};
+
+struct Model {
+  static constexpr std::uint64_t magic_value = 0x31304c444f4d5944u;  // "DYMODL01"
+
+  std::uint64_t magic;
+  std::uint64_t bytes;
+  std::uint64_t id;  // differs between any two models made in one process
+  ModelSizes n;
+  Index model_name;  // offset in text
+  Index has_mimic;   // 1: some joint follows another
+  std::uint32_t effects;  // DYN_EFFECT_... that some joint has
+  Index groups;           // how many of dof_groups there are
+  Index contact_capacity; // that was asked for; 0: by the shapes
+  Index moderate;         // 1: masses, moments, pitches, ratios, armatures below 1e25: M is finite where all placements are below 1e100
+  double gravity[3];
+  double density, viscosity, wind[3];  // of the medium
+  double total_mass;
+
+  enum class Field : Index {
+#define FIELD(type, name, count, sentence) name,
+#include "model/model_fields.def"
+#undef FIELD
+    count_
+  };
+  std::uint32_t offset[std::size_t(Field::count_)];  // of arrays, by eights of bytes
+
+#define FIELD(type, name, count, sentence) \
+  const type* name() const { return reinterpret_cast<const type*>(reinterpret_cast<const char*>(this) + 8 * std::size_t(offset[std::size_t(Field::name)])); }
+#include "model/model_fields.def"
+#undef FIELD
+
+  const char* string(Index at) const { return text() + at; }
+  // Share of a link's weight that is held from outside.
+  double compensation(Index link) const {
+    for (const HeldWeight *w = held_weights(), *end = w + n.held_weights; w != end; ++w)
+      if (w->link == link) return w->mass / links()[link].mass;
+    return 0;
+  }
+};
+
+inline bool lists_pairs(const Model& m) { return m.n.geoms <= most_geoms; }
+
+// For how many contact points a step has room. moving: shapes that can move.
+inline constexpr Index most_contacts = 1000000;
+inline std::int64_t contact_room(const Model& m, std::int64_t moving) {
+  const std::int64_t all = 8 * std::int64_t(m.n.pairs), some = 16 + 8 * (lists_pairs(m) ? std::int64_t(m.n.geoms) : moving);
+  if (lists_pairs(m)) return std::min(all, m.contact_capacity > 0 ? m.contact_capacity : some);
+  return moving == 0 ? 0 : m.contact_capacity > 0 ? m.contact_capacity : some;
+}
+
+}  // namespace dyn

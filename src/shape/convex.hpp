@@ -1,0 +1,192 @@
+// A convex polytope: the hull of its vertices, with its faces and the neighbours of each vertex, in arrays that lie elsewhere.
+#pragma once
+
+#include "shape/lanes.hpp"
+#include "shape/shape.hpp"
+
+namespace dyn::shape {
+
+// What a Convex points to. Coordinates are by component, each array padded to a multiple of `lanes` by repeating the last vertex, so
+// that a search goes over whole registers. Faces are planes n.x <= offset with their vertices counter-clockwise seen from outside.
+struct Hull {
+  static constexpr Index lanes = Lanes::count;
+  static constexpr Index padded(Index n) { return (n + lanes - 1) / lanes * lanes; }
+
+  Vec center;                               // mean of the vertices
+  Index vertices, faces, corners;           // corners of all faces
+  alignas(8) const double *x, *y, *z;       // padded(vertices); pointers have eight bytes on every machine: a model's block holds their places
+  alignas(8) const double* planes;          // 4 a face: unit normal, offset
+  alignas(8) const Index* face_start;       // faces + 1
+  alignas(8) const Index* face_vertices;    // corners
+  alignas(8) const Index* neighbour_start;  // vertices + 1
+  alignas(8) const Index* neighbours;       // corners
+  double extent;                            // farthest vertex from the origin
+
+  DYN_INLINE Vec vertex(Index i) const { return Vec::make(x[i], y[i], z[i]); }
+  Vec normal(Index f) const { return load3(planes + 4 * f); }
+  double offset(Index f) const { return planes[4 * f + 3]; }
+
+  // its arrays, in the order in which they are stored
+  template <class F>
+  void each_array(F&& f) {
+    const std::size_t room = std::size_t(padded(vertices));
+    f(x, room), f(y, room), f(z, room), f(planes, 4 * std::size_t(faces));
+    f(face_start, std::size_t(faces) + 1), f(face_vertices, std::size_t(corners));
+    f(neighbour_start, std::size_t(vertices) + 1), f(neighbours, std::size_t(corners));
+  }
+};
+
+struct Convex : Solid<Convex> {
+  static constexpr Type type = Type::Convex;
+  static constexpr const char* name = "convex";
+  const Hull& hull;
+  double radius;
+
+  explicit Convex(const Shape& s) : hull(*s.hull), radius(s.radius) {}
+
+  Vec support(const Vec& d) const { return hull.vertex(last_ = hull.vertices <= search_all ? farthest(d) : climb(d)); }
+  Nearest nearest(const Vec& p) const;
+  Flat flat(const Vec& n) const;
+  void facing(const Vec& n, double band, Feature& f) const;
+  double extent() const { return hull.extent; }
+  Inertia<double> solid() const;
+
+ private:
+  static constexpr Index search_all = 128;  // up to here all vertices are looked at
+
+  Index farthest(const Vec& d) const;
+  bool flat_at(Index top, const Vec& n, Flat& f) const;
+  mutable Index last_ = 0;  // support vertex
+
+  // from neighbour to neighbour, beginning where the last search ended: on a hull every local maximum is the global one
+  Index climb(const Vec& d) const {
+    Index best = last_;
+    double most = dot(hull.vertex(best), d);
+    for (bool up = true; up;) {
+      up = false;
+      const Index at = best;
+      for (Index k = hull.neighbour_start[at]; k < hull.neighbour_start[at + 1]; ++k) {
+        const double along = dot(hull.vertex(hull.neighbours[k]), d);
+        if (along > most) most = along, best = hull.neighbours[k], up = true;
+      }
+    }
+    return best;
+  }
+};
+
+inline Index Convex::farthest(const Vec& d) const {
+  const std::int64_t best = Lanes::largest(hull.vertices, [&](std::int64_t i, Lanes::Numbers& along) {
+    Lanes::Numbers x, y, z;
+    __builtin_memcpy(&x, hull.x + i, sizeof x), __builtin_memcpy(&y, hull.y + i, sizeof y), __builtin_memcpy(&z, hull.z + i, sizeof z);
+    along = x * d[0] + y * d[1] + z * d[2];
+  });
+  return std::min(Index(best), hull.vertices - 1);
+}
+
+// the nearest point of the polygon of a face, and the nearest face
+inline Nearest Convex::nearest(const Vec& p) const {
+  Index inner = 0;
+  double height = -infinity;
+  Nearest best = {Vec::zero(), Vec::zero(), infinity, true};
+  // of an edge a + t e
+  auto consider = [&](const Vec& a, const Vec& e, double t) {
+    const Vec c = a + e * t;
+    Vec r = p - c;
+    if (t > 0 && t < 1) r -= e * (dot(r, e) / dot(e, e));  // once more: r may be far shorter than e
+    const double d = norm(r);
+    if (d < best.distance) best = {c, r * (1 / d), d, true};
+  };
+  bool tie = false;
+  for (Index f = 0; f < hull.faces; ++f) {
+    const Vec n = hull.normal(f);
+    const double h = dot(n, p) - hull.offset(f);
+    if (h >= height) tie = h == height, height = h, inner = f;
+    if (h <= 0) continue;
+    bool over = true;
+    const Index end = hull.face_start[f + 1];
+    for (Index k = hull.face_start[f]; k < end; ++k) {
+      const Vec a = hull.vertex(hull.face_vertices[k]), b = hull.vertex(hull.face_vertices[k + 1 < end ? k + 1 : hull.face_start[f]]);
+      const Vec e = b - a;
+      if (dot(cross(e, p - a), n) >= 0) continue;
+      over = false;
+      consider(a, e, std::clamp(dot(p - a, e) / dot(e, e), 0.0, 1.0));
+    }
+    if (over) return {p - n * h, n, h, true};
+  }
+  if (height > 0) return best;
+  const Vec n = hull.normal(inner);
+  return {p - n * height, n, height, !tie};
+}
+
+// The edges from a vertex across n. false: one of them rises, so that it is not the support vertex.
+inline bool Convex::flat_at(Index top, const Vec& n, Flat& f) const {
+  const Vec v = hull.vertex(top);
+  f = {0, Vec::zero(), Vec::zero()};
+  for (Index k = hull.neighbour_start[top]; k < hull.neighbour_start[top + 1]; ++k) {
+    const Vec e = hull.vertex(hull.neighbours[k]) - v;
+    const double rise = dot(e, n), length2 = dot(e, e);
+    if (rise * rise > flat_slope * flat_slope * length2) {
+      if (rise > 0) return false;
+      continue;
+    }
+    const double length = std::sqrt(length2);
+    if (f.dimension == 0) {
+      f = {1, e * (1 / length), Vec::zero()};
+    } else if (f.dimension == 1) {
+      const Vec rest = e - f.u * dot(e, f.u);
+      if (norm(rest) > flat_slope * length) f = {2, f.u, rest * (1 / norm(rest))};
+    }
+  }
+  return true;
+}
+// The vertex last found mostly is that of n, too.
+inline Flat Convex::flat(const Vec& n) const {
+  Flat f;
+  if (!flat_at(last_, n, f)) flat_at(farthest(n), n, f);
+  return f;
+}
+
+// Of the faces through the support point the one with most corners in the band, and among equals the one that turns to n most.
+inline void Convex::facing(const Vec& n, double band, Feature& f) const {
+  const Vec top = support(n);
+  const double height = dot(top, n), on = 1e-9 * hull.extent;
+  Index best = -1;
+  int most = 0;
+  double turned = 0;
+  for (Index k = 0; k < hull.faces; ++k) {
+    const Vec m = hull.normal(k);
+    const double slope = dot(m, n);
+    if (hull.offset(k) - dot(m, top) > on || slope <= 0) continue;
+    int within = 0;
+    for (Index c = hull.face_start[k]; c < hull.face_start[k + 1]; ++c) within += height - dot(hull.vertex(hull.face_vertices[c]), n) <= band;
+    if (within > most || (within == most && slope > turned)) best = k, most = within, turned = slope;
+  }
+  if (best < 0) return f.add(top, 0);
+  const Index start = hull.face_start[best], corners = hull.face_start[best + 1] - start;
+  const Index step = (corners + Feature::most - 1) / Feature::most;
+  for (Index c = 0; c < corners; c += step) f.add(hull.vertex(hull.face_vertices[start + c]), hull.face_vertices[start + c]);
+}
+
+// The core alone, by tetrahedra from the centre to the triangles of its faces: with corners 0, a, b, c and 6 V = det(a, b, c) the second
+// moment is V/20 (sum of x x^T over a, b, c, a + b + c).
+inline Inertia<double> Convex::solid() const {
+  Inertia<double> Y = Inertia<double>::zero();
+  Sym3<double> S = Sym3<double>::zero();
+  for (Index f = 0; f < hull.faces; ++f) {
+    const Index start = hull.face_start[f], end = hull.face_start[f + 1];
+    const Vec a = hull.vertex(hull.face_vertices[start]) - hull.center;
+    for (Index k = start + 1; k + 1 < end; ++k) {
+      const Vec b = hull.vertex(hull.face_vertices[k]) - hull.center, c = hull.vertex(hull.face_vertices[k + 1]) - hull.center;
+      const double V = dot(a, cross(b, c)) / 6;
+      const Vec sum = a + b + c;
+      Y.m += V, Y.h += sum * (V / 4);
+      S = S + (symmetric_outer(a, a) + symmetric_outer(b, b) + symmetric_outer(c, c) + symmetric_outer(sum, sum)) * (V / 20);
+    }
+  }
+  // inertia = tr(S) 1 - S, about the centre, then about the origin
+  const double t = S.d[0] + S.d[1] + S.d[2];
+  Y.I = {Vec::make(t, t, t) - S.d, -S.o};
+  return Y.shifted(hull.center);
+}
+
+}  // namespace dyn::shape

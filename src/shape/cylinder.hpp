@@ -1,0 +1,55 @@
+// A cylinder about z: radius size.x, half length size.z.
+#pragma once
+
+#include "shape/revolution.hpp"
+
+namespace dyn::shape {
+
+struct Cylinder : Solid<Cylinder> {
+  static constexpr Type type = Type::Cylinder;
+  static constexpr const char* name = "cylinder";
+  static constexpr bool curved = true, faced = true;
+  double r, half, radius;
+
+  explicit Cylinder(const Shape& s) : r(s.size[0]), half(s.size[2]), radius(s.radius) {}
+
+  Vec support(const Vec& d) const {
+    return on_rim(d, r, std::copysign(half, d[2]));
+  }
+  Nearest nearest(const Vec& p) const {
+    const Meridian m(p);
+    const double side = r - m.rho, cap = half - std::abs(p[2]);
+    if (side >= 0 && cap >= 0) {
+      if (cap <= side) return {Vec::make(p[0], p[1], std::copysign(half, p[2])), axis(2) * std::copysign(1.0, p[2]), -cap, cap < side && p[2] != 0};
+      return {m.point(r, p[2]), m.out, -side, m.rho > 0};
+    }
+    return m.outside(std::min(m.rho, r), std::clamp(p[2], -half, half));
+  }
+  Vec slide(const Vec& from, const Vec& n) const { return on_rim(n, r, from[2]); }
+  Bend bend(const Vec&, const Vec& n, const Vec& u, const Vec& v) const { return rim_bend(n, u, v, r); }
+  Flat flat(const Vec& n) const {
+    if (n[0] * n[0] + n[1] * n[1] <= flat_slope * flat_slope) return {2, axis(0), axis(1)};
+    return {std::abs(n[2]) <= flat_slope, axis(2), Vec::zero()};
+  }
+  Face face(const Vec& n) const { return {std::abs(n[2]) > face_cosine, axis(2) * std::copysign(1.0, n[2])}; }
+  bool under_face(const Vec&, const Vec& p) const { return p[0] * p[0] + p[1] * p[1] <= r * r; }
+  // a cap, or the line on the side
+  void facing(const Vec& n, double, Feature& f) const {
+    if (n[2] * n[2] >= n[0] * n[0] + n[1] * n[1]) return f.add_rim(n, r, std::copysign(half, n[2]), n[2] > 0 ? 0 : Feature::rim);
+    f.add(on_rim(n, r, half), 2 * Feature::rim), f.add(on_rim(n, r, -half), 2 * Feature::rim + 1);
+    f.bend = r;
+  }
+  double extent() const { return length2(r, half); }
+
+  using Solid::bounds;
+  Bounds bounds(const Mat& R) const {
+    const Vec h = sizes(R.z) * half + rim_reach(R.z) * r;
+    return {-h, h};
+  }
+  Inertia<double> solid() const {
+    const Side side = {r, -half, r, half};
+    return revolve(side, radius);
+  }
+};
+
+}  // namespace dyn::shape

@@ -1,0 +1,37 @@
+// All that lies below the plane z = 0 of its frame; its surface normal is +z. It has no support point and no volume.
+#pragma once
+
+#include "shape/shape.hpp"
+
+namespace dyn::shape {
+
+struct HalfSpace : Solid<HalfSpace> {
+  static constexpr Type type = Type::HalfSpace;
+  static constexpr const char* name = "half_space";
+  double radius;
+
+  explicit HalfSpace(const Shape& s) : radius(s.radius) {}
+
+  Nearest nearest(const Vec& p) const { return {Vec::make(p[0], p[1], 0), axis(2), p[2], true}; }
+  Flat flat(const Vec&) const { return {2, axis(0), axis(1)}; }
+  double extent() const { return infinity; }
+  Inertia<double> solid() const { return Inertia<double>::zero(); }
+
+  // bounded only along an axis of the world that is its normal
+  Bounds bounds(const Pose& X) const {
+    double lower[3] = {-infinity, -infinity, -infinity}, upper[3] = {infinity, infinity, infinity};
+    for (int i = 0; i < 3; ++i) {
+      if (X.R.z[i] == 1) upper[i] = X.p[i] + radius;
+      if (X.R.z[i] == -1) lower[i] = X.p[i] - radius;
+    }
+    return {load3(lower), load3(upper)};
+  }
+  Hit ray(const Vec& origin, const Vec& direction) const {
+    const double height = origin[2] - radius;
+    if (height <= 0) return {0, axis(2)};
+    if (direction[2] >= 0) return {infinity, Vec::zero()};
+    return {-height / direction[2], axis(2)};
+  }
+};
+
+}  // namespace dyn::shape

@@ -1,0 +1,89 @@
+// In which order the degrees of freedom of an island leave the matrix of Newton's method, and what that fills. They go by segments, up to six
+// that follow one another in a tree without a fork: the vertices of a graph, of which each slot couples those that carry it. To eliminate one is
+// to couple all those that shared a slot or an earlier one with it. Least degree first (George and Liu 1989, "The evolution of the minimum degree
+// ordering algorithm"); what is coupled is kept as lists of vertices, that of an eliminated one in place of those it was on.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "model/model.hpp"
+
+namespace dyn::simulation {
+
+struct Island;
+
+inline constexpr Index segment_size = 6, segment_lanes = 8;
+
+// Of a model. They end after six degrees of freedom or between bodies.
+struct Segments {
+  Index count = 0;
+  Index *of = nullptr, *first = nullptr;  // of degrees of freedom; first degrees of freedom of segments
+};
+inline Index segment_room(const Model& m) { return m.has_mimic ? m.n.nv : std::min(m.n.nv, m.n.bodies - 1 + m.n.nv / segment_size); }
+void find_segments(const Model& m, Segments& s);
+
+// The part of a slot that a segment carries: its rows in lanes by degree of freedom, in the units of newton.cpp.
+struct SlotRun {
+  Index segment, slot;  // of the island
+  double* rows;
+};
+
+// Segments and slots are numbered within the island. entries: pairs of positions that are coupled, the earlier one's in a row, ascending.
+struct Elimination {
+  Index size = 0;               // segments of the island
+  Index *segment, *local;       // the model's segments of the island; the island's of the model's
+  Index *order, *position;      // segments by position, and the inverse
+  Index *first;                 // entries of a position: first[p] .. first[p + 1] - 1
+  Index *later, *earlier;       // positions of an entry
+  Index *first_in, *in;         // entries by the later position
+  Index *first_run;             // of slots
+  SlotRun* runs;
+  Index *first_of, *next_of;    // runs of a segment, a list
+  Index *degree, *mark, *of_degree, *before, *after;  // segments by degree, as lists
+  Index *lists, *next_list;     // of segments: what couples them, runs and entries
+  bool* dead;                   // slots and positions whose lists are in another's
+  Index most_entries, most_runs;
+
+  static std::ptrdiff_t entry_room(Index segments) { return std::min<std::ptrdiff_t>(std::ptrdiff_t(segments) * (segments - 1) / 2, 16 * std::ptrdiff_t(segments)) + 1; }
+  // where slots are carried by more, on average, there is no room
+  static std::ptrdiff_t run_room(const Model& m, Index slots) { return std::min<std::ptrdiff_t>(m.n.carriers / segment_size + 2, 8) * slots + m.n.nv; }
+
+  template <class F>
+  void arrays(const Model& m, Index slots, F&& f) {
+    const Index count = segment_room(m);
+    most_entries = Index(entry_room(count)), most_runs = Index(run_room(m, slots));
+    for (Index** a : {&segment, &local, &order, &position, &first, &first_in, &first_of, &degree, &mark, &of_degree, &before, &after, &lists}) f(*a, count + 2);
+    for (Index** a : {&later, &earlier, &in}) f(*a, most_entries);
+    f(first_run, slots + 1), f(runs, most_runs), f(next_of, most_runs);
+    f(next_list, std::ptrdiff_t(most_runs) + most_entries), f(dead, std::ptrdiff_t(slots) + count);
+  }
+
+  // What each slot is carried by, and how many segments there are. false: there is no room for it.
+  bool find_runs(const Island& x);
+  // behind that: the order. false: there is no room for what it fills
+  bool find_order(const Island& x);
+
+  Index entries() const { return first[size]; }
+  // f(run)
+  template <class F>
+  void for_each_of(Index a_segment, F&& f) const {
+    for (Index r = first_of[a_segment]; r >= 0; r = next_of[r]) f(runs[r]);
+  }
+  template <class F>
+  void for_each_run(Index slot, F&& f) const {
+    for (Index r = first_run[slot]; r < first_run[slot + 1]; ++r) f(runs[r]);
+  }
+
+ private:
+  void begin(Index slots);
+  void link(Index a_segment);
+  void unlink(Index a_segment);
+  bool eliminate(Index slots, Index a_segment, Index step);
+  Index count(Index slots, Index a_segment, Index stamp);
+  template <class F>
+  void for_each_listed(Index slots, Index list, F&& f) const;
+  void sort();
+};
+
+}  // namespace dyn::simulation

@@ -1,0 +1,61 @@
+// Bodies that fly by themselves: free flyers that carry nothing, on which contacts, gravity and the force at their own joint alone act. An Euler
+// step moves four of them side by side, without a recursion, by the equations of integrator/free_flight.hpp: with c the centre of mass, f and t the
+// applied force and its moment there,
+//   v_c' = v_c + h (g + f / m)     I w' = exp(-h w') (I w + h t)     c' = c + h v_c'     R' = R exp(h w')
+#pragma once
+
+#include "base/wide.hpp"
+#include "model/data.hpp"
+#include "simulation/trees.hpp"
+
+namespace dyn::simulation {
+
+struct LooseSet {
+  Index body[Wide::lanes], q[Wide::lanes], v[Wide::lanes];  // beyond the last body it again
+  unsigned acting;                                          // a bit for each lane that steps go through
+  Wide inverse_mass;
+  Vec3<Wide> c;
+  Mat3<Wide> I, inverse;  // about the centre of mass
+};
+
+// What articulated inertias leave of one (aba.hpp), in its axes.
+struct LooseColumns {
+  Force<double> U[6];
+  double Dinv[6];
+};
+
+struct Loose {
+  Index count;
+  bool flying;          // in this step
+  std::uint64_t step;
+  LooseSet* sets;
+  Index* acting;        // those of which something acts
+  Index acting_count;
+  Index* number;        // of bodies, among these; -1
+  LooseColumns* columns;
+  std::uint64_t* has_columns;  // the step for which it has
+  Index* pushed;        // bodies that have, in this step
+  Index pushed_count;
+  Trees* trees;         // of the model
+  Index tree_count;
+  ChosenTrees others;   // that steps go through
+  TreeRoom room;        // of these
+};
+
+struct Workspace;
+
+void set_up_loose(const Model& m, Loose& l);
+// After trees fell asleep or woke.
+void list_loose(const Model& m, Workspace& w);
+
+// Whether they fly in the step that begins.
+void begin_flight(Data<double>& d);
+// To the free velocities of a step of h, in the axes that it begins in: d.v; of placements and velocities what contacts ask for.
+void fly(const Model& m, Data<double>& d, double h);
+// d.S, d.U_root and d.Dinv of a body that may be one of them.
+void need_columns(const Model& m, Data<double>& d, Index body);
+void need_all_columns(const Model& m, Data<double>& d);
+// To the configuration, and to velocities in the axes of where the step ends. correction: nullptr, none.
+void land(Data<double>& d, double h, const double* correction);
+
+}  // namespace dyn::simulation

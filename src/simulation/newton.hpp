@@ -1,0 +1,96 @@
+// Newton's method of Alart and Curnier (solver/alart_curnier.hpp) on an island as it lies. Rows Y are carried by degrees of freedom with the
+// pivots D, G = Y^T D^-1 Y; with the stiffness K of what acts, a little compliance where nothing gives,
+//   (G + K^-1) a = r        (D + Y K Y^T) z = Y K r,   a = K (r - Y^T z)
+// so that what is factorised has the size of the degrees of freedom, however many rows there are, in blocks of segments (elimination.hpp).
+#pragma once
+
+#include "simulation/block_factor.hpp"
+#include "solver/dense.hpp"
+
+namespace dyn::simulation {
+
+class Newton {
+ public:
+  explicit Newton(const Island& island);
+  // From the island's lambda as long as it gets better. true: it is good enough
+  bool run(dynContactReport& report);
+  // lambda becomes the nearest allowed impulses to what has been found, if they are better than the guess
+  void leave(dynContactReport& report);
+
+ protected:
+  using State = NewtonSlot;
+  using P = BlockFactor::P;
+  static constexpr int W = BlockFactor::W;
+
+  const Island& x;
+  Workspace& w;
+  const Elimination& e;
+  BlockFactor factor;
+  std::ptrdiff_t room;
+  double speed, bound;  // of velocities that are to change; of impulses
+  // of rows, in the slots' own order and units
+  double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room;
+
+  struct Error {
+    double most = 0, sum = 0;  // the largest, and squares, as velocities
+    double own = 0;            // squares in the slots' units
+  };
+  template <class F>
+  void each(F&& f) const {
+    for (Index k = 0; k < x.slots; ++k) f(x.slot(k), w.newton[k], k);
+  }
+  void clear() const { std::fill_n(w.by_segment, W * std::ptrdiff_t(e.size), 0.0); }
+  // w.by_segment += Y of a slot's impulses; velocities of its rows, Y^T of
+  DYN_INLINE void pass(Index slot, Index rows, const double* by) const {
+    e.for_each_run(slot, [&](const SlotRun& r) {
+      double* const to = w.by_segment + W * e.position[r.segment];
+      P sum = P::load(to);
+      for (Index i = 0; i < rows; ++i) sum = sum + P::load(r.rows + W * i) * by[i];
+      sum.store(to);
+    });
+  }
+  DYN_INLINE void meet(Index slot, Index rows, const double* of, double* velocity) const {
+    P sum[most_rows];
+    for (Index i = 0; i < rows; ++i) sum[i] = P::zero();
+    e.for_each_run(slot, [&](const SlotRun& r) {
+      const P at = P::load(of + W * e.position[r.segment]);
+      for (Index i = 0; i < rows; ++i) sum[i] = sum[i] + P::load(r.rows + W * i) * at;
+    });
+    for (Index i = 0; i < rows; ++i) velocity[i] = solver::sum(sum[i]);
+  }
+  double soft(const ActiveSlot& a, const State& s, Index i) const { return x.compliance[a.s->first + s.order[i]] * s.unit[i] * s.unit[i]; }
+  void act(Index slot) const {
+    e.for_each_run(slot, [&](const SlotRun& r) { w.newton_acts[e.position[r.segment]] = true; });
+  }
+
+  void times(const double* of, double* G_of) const;
+  void velocities() const;  // c of y
+  Error error(double t) const;
+  Error error() const {
+    std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0);
+    return error(0);
+  }
+  bool factorize() const;  // of the slots' laws
+  // At most so many steps, none of which may leave more than a share of the error
+  bool run(Index most_steps, double share, dynContactReport& report);
+
+ private:
+  double compliant;  // of the unit diagonal
+
+  void scale();
+  void carry();
+  void fill(Index position, double* D) const;
+  double states();
+  void stiffen(const ActiveSlot& a, State& s) const;
+  bool direction();
+  void candidate(double* into) const;
+  double residual() const;
+  void to_impulses(const double* from) const;
+};
+
+// From the inside of the cones (interior.cpp).
+bool interior(const Island& x, dynContactReport& report);
+// Where nothing else gets there: by convex problems.
+void interior_held(const Island& x, dynContactReport& report);
+
+}  // namespace dyn::simulation

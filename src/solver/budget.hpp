@@ -1,0 +1,51 @@
+// What a solver may use, and what it used.
+#pragma once
+
+#include "solver/residuals.hpp"
+#include "solver/workspace.hpp"
+
+namespace dyn::solver {
+
+struct Budget {
+  double tolerance = 0;  // of the residual, in the unit of Worst
+  Index max_iterations = 0;
+  double relaxation = 0;
+  bool newton = true;
+  bool warm = false;  // the start is a guess of the caller's
+  bool sweeps = true;  // begin with those of start.hpp
+  bool brief = false;  // of the report the residual and the counts alone
+  bool (*expired)(const void*) = nullptr;
+  const void* clock = nullptr;
+
+  Index iterations = 0, newton_steps = 0, factorizations = 0;
+  dynContactStatus status = DYN_CONTACT_STALLED;
+  double best = HUGE_VAL;  // residual of w.y
+
+  bool spent() {
+    if (iterations + newton_steps >= max_iterations) {
+      status = DYN_CONTACT_MAX_ITERATIONS;
+      return true;
+    }
+    if (!expired || !expired(clock)) return false;
+    status = DYN_CONTACT_TIME;
+    return true;
+  }
+};
+
+// The iterate y of K with c = G y + g becomes w.y if it is the best one. true: it is good enough.
+inline bool keep_best(Workspace& w, Budget& b, const double* y, const double* c) {
+  const Problem& p = w.problem;
+  double r = residual(p, y, c).residual;
+  const double* own = c;
+  if (r > b.tolerance && r < 10 * round_off(p, y)) {
+    exact_velocity(p, y, w.exact);
+    r = residual(p, y, own = w.exact).residual;
+  }
+  if (!(r < b.best) || drowns(p, y)) return false;
+  b.best = r;
+  std::copy_n(y, p.n, w.y), std::copy_n(own, p.n, w.c);
+  if (r <= b.tolerance) b.status = DYN_CONTACT_CONVERGED;
+  return r <= b.tolerance;
+}
+
+}  // namespace dyn::solver

@@ -1,0 +1,18 @@
+// The contact solvers.
+#pragma once
+
+#include "solver/admm.hpp"
+#include "solver/newton.hpp"
+#include "solver/pgs.hpp"
+
+namespace dyn::solver {
+
+using Solver = void (*)(Workspace&, Budget&);
+inline constexpr Solver solvers[] = {pgs, admm, newton};  // by dynContactSolverType
+
+// Reads the problem into w and solves it: w.y, and the report but for its size. With b.warm lambda is a guess.
+void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, const double* lambda, dynContactReport& report);
+// The report on a given lambda.
+void evaluate(const dynContactProblem& x, Workspace& w, const double* lambda, dynContactReport& report);
+
+}  // namespace dyn::solver

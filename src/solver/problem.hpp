@@ -1,0 +1,64 @@
+// The contact problem of dyn.h in the form the solvers work on: rows scaled to a unit diagonal, those held at zero left out, boxes
+// first, then cones with the normal first, and the compliance in the diagonal of G.
+//   lambda = d y, c = c' / d, G' = d G d: K stays a cone when all its tangential rows share one d; mu' = mu d_n / d_t
+// Torsion and rolling: lambda_r / rolling = (lambda_r friction / rolling) / friction, so that row's d is d_t rolling / friction.
+#pragma once
+
+#include "dyn.h"
+#include "solver/cone.hpp"
+#include "solver/dense.hpp"
+
+namespace dyn::solver {
+
+struct Cone {
+  Index row, size;
+  double mu;
+};
+
+struct Problem {
+  Index n = 0, boxes = 0, cones = 0;  // rows 0 .. boxes-1 are boxes
+  Matrix G;
+  double *g = nullptr, *lower = nullptr, *upper = nullptr, *d = nullptr;
+  double* unit = nullptr;      // d without the lengths of torsion and rolling: c' / unit is a velocity in the caller's unit
+  double* per_unit = nullptr;  // 1 / unit
+  double* approach = nullptr;  // what restitution adds to g, in full
+  Cone* cone = nullptr;
+  Index* source = nullptr;  // the caller's row
+  double speed = 0;         // largest velocity without impulses, in the caller's unit
+  bool bounces = false;     // some of approach is not zero
+};
+
+// P_K of row i of the boxes.
+inline double project_box(const Problem& p, Index i, double w) { return std::min(std::max(w, p.lower[i]), p.upper[i]); }
+
+// y = P_K(w)
+inline void project(const Problem& p, const double* w, double* y) {
+  for (Index i = 0; i < p.boxes; ++i) y[i] = project_box(p, i, w[i]);
+  for (Index k = 0; k < p.cones; ++k) {
+    const Cone& cone = p.cone[k];
+    project_cone(cone.mu, cone.size, w + cone.row, y + cone.row);
+  }
+}
+
+// c = G y + g, the sums in more digits than a double's, which matter where impulses are large beside the speeds they make.
+void exact_velocity(const Problem& p, const double* y, double* c);
+// What c = G y + g has of round-off, as a velocity in the caller's unit.
+double round_off(const Problem& p, const double* y);
+
+// Rows of the caller's contact k.
+inline Index rows_of(const dynContactProblem& x, Index k) { return x.contact_rows ? x.contact_rows[k] : 3; }
+inline std::ptrdiff_t row_count(const dynContactProblem& x) {
+  std::ptrdiff_t n = std::ptrdiff_t(x.equalities) + x.boxes;
+  for (Index k = 0; k < x.contacts; ++k) n += rows_of(x, k);
+  return n;
+}
+
+// Fills p, whose arrays have room for the caller's rows.
+void scale(const dynContactProblem& x, Problem& p);
+// c = (G + diag(compliance)) lambda + g + bias, of all the caller's rows.
+void velocity(const dynContactProblem& x, const double* lambda, double* c);
+// The caller's lambda from y (rows that were left out: zero), and back, into the cones.
+void unscale(const dynContactProblem& x, const Problem& p, const double* y, double* lambda);
+void scale_guess(const Problem& p, const double* lambda, double* y);
+
+}  // namespace dyn::solver

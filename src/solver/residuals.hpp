@@ -1,0 +1,51 @@
+// How far y is from solving the problem: what the solvers compare with the tolerance, and the report in the caller's units.
+#pragma once
+
+#include "solver/problem.hpp"
+
+namespace dyn::solver {
+
+// An impulse whose round-off, as that of the speed it makes, is no longer far below the speeds that are to change: y - c is then y, and y a fixed
+// point of whatever it is tested by.
+inline bool drowns(double impulse, double speed) { return 2.2e-16 * std::fabs(impulse) > 1e-4 * speed && speed > 0; }
+inline bool drowns(const Problem& p, const double* y) {
+  double most = 0;
+  for (Index i = 0; i < p.n; ++i) most = std::max(most, std::fabs(y[i] * p.per_unit[i]));
+  return drowns(most, p.speed);
+}
+
+// |y - P_K(y - u)| of one cone, u = c + (mu |c_t|, 0), row by row into e.
+inline void natural_map(const Cone& cone, const double* y, const double* c, double* e) {
+  double w[6];
+  w[0] = y[0] - c[0] - de_saxce(cone.mu, cone.size, c);
+  for (Index i = 1; i < cone.size; ++i) w[i] = y[i] - c[i];
+  project_cone(cone.mu, cone.size, w, e);
+  for (Index i = 0; i < cone.size; ++i) e[i] = y[i] - e[i];
+}
+
+struct Worst {
+  double residual = 0;  // a velocity, in the caller's unit
+  Index row = -1;
+};
+
+// c = G y + g. Not a number: infinite.
+inline Worst residual(const Problem& p, const double* y, const double* c) {
+  Worst worst;
+  const auto take = [&](Index i, double e) {
+    const double r = e == e ? std::fabs(e) * p.per_unit[i] : HUGE_VAL;
+    if (r > worst.residual || worst.row < 0) worst = {r, i};
+  };
+  for (Index i = 0; i < p.boxes; ++i) take(i, y[i] - project_box(p, i, y[i] - c[i]));
+  for (Index k = 0; k < p.cones; ++k) {
+    const Cone& cone = p.cone[k];
+    double e[6];
+    natural_map(cone, y + cone.row, c + cone.row, e);
+    for (Index i = 0; i < cone.size; ++i) take(cone.row + i, e[i]);
+  }
+  return worst;
+}
+
+// Everything in the report that y says.
+void report(const dynContactProblem& x, const Problem& p, const double* y, const double* c, dynContactReport& out);
+
+}  // namespace dyn::solver

@@ -1,0 +1,52 @@
+// What admm and newton begin with.
+#pragma once
+
+#include "base/portable.hpp"
+#include "solver/alart_curnier.hpp"
+#include "solver/multipliers.hpp"
+#include "solver/pgs.hpp"
+
+namespace dyn::solver {
+
+// What touches sticks, of the best iterate. Where that can go on, so it should: normal forces of redundant contacts may be shared out so that it slides, too,
+// and sweeps may lead there, as of a box that a gripper holds.
+inline bool all_stick(const Workspace& w) {
+  const Problem& p = w.problem;
+  for (Index k = 0; k < p.cones; ++k) {
+    const Cone& cone = p.cone[k];
+    const double *y = w.y + cone.row, *c = w.c + cone.row, normal = cone.mu * (y[0] - c[0]);
+    double square = 0;
+    for (Index i = 1; i < cone.size; ++i) square += (y[i] - c[i]) * (y[i] - c[i]);
+    if (normal > 0 && square > normal * normal) return false;
+  }
+  return true;
+}
+
+// A good guess is a few Newton steps from the solution, of which a sweep of Gauss-Seidel spares one where the guess is not that close. Otherwise two
+// sweeps, more as long as they converge fast enough, which is the slower the larger a factorization is, and the same. true: done.
+inline bool start(Workspace& w, Budget& b) {
+  const Problem& p = w.problem;
+  if (!b.newton || !b.sweeps) return false;
+  constexpr double close = 1e-3;
+  if (b.warm && (b.best < close * p.speed || all_stick(w)) && alart_curnier(w, b, w.y, w.c, true)) return true;
+  prepare_sweeps(w);
+  std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
+  const auto go_on = [&] {
+    times(p.G, w.x, p.g, w.v, p.n);  // without what the updates have gathered
+    return keep_best(w, b, w.x, w.v) || alart_curnier(w, b, w.x, w.v, true);
+  };
+  const double fast = std::min(0.7, math::exp(-12.0 / p.n));
+  double error = HUGE_VAL;
+  bool going = true;
+  for (Index k = 1; going && !b.spent(); ++k) {
+    sweep(w, 1, w.x, w.v);
+    const double before = error;
+    error = residual(p, w.x, w.v).residual;
+    ++b.iterations;
+    if (k == 1 && b.warm && go_on()) return true;
+    going = error > b.tolerance && (k < 2 || error < fast * before);
+  }
+  return go_on();
+}
+
+}  // namespace dyn::solver

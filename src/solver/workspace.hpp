@@ -1,0 +1,66 @@
+// Everything a solver writes to, in one block of memory for a number of rows.
+#pragma once
+
+#include "solver/problem.hpp"
+
+namespace dyn::solver {
+
+// What a cone does in a Newton step.
+struct ConeState {
+  enum { apart, stuck, slides } is;
+  double direction[5][5];  // where it slides: along first, then across, orthonormal
+  double normal, across;   // r and k of alart_curnier.hpp
+};
+
+// A cone of projected Gauss-Seidel, with its own part of G: the tangential block without the normal has eigenvectors q, eigenvalues e.
+struct LocalCone {
+  double q[5][5], e[5], coupling[5];  // coupling: with the normal, in eigenvectors
+  double resistance;                // a of the last sweep in which it slid
+};
+
+struct Workspace {
+  Index max_rows = 0;
+  Problem problem;
+  double* free_g = nullptr;                // g without restitution
+  double *y = nullptr, *c = nullptr;       // the best iterate, in its cones, and G y + g
+  double *x = nullptr, *z = nullptr, *s = nullptr, *r = nullptr, *v = nullptr, *u = nullptr;  // those of a solver
+  double *newton = nullptr, *newton_c = nullptr, *trial = nullptr, *trial_c = nullptr;        // those of Newton's method
+  double *step = nullptr, *step_c = nullptr, *t = nullptr, *exact = nullptr;
+  Matrix factor, active;
+  Index *pivots = nullptr, *rows = nullptr;
+  ConeState* state = nullptr;
+  LocalCone* local = nullptr;
+
+  // Calls f(array, numbers) for each array of the workspace.
+  template <class F>
+  void arrays(F&& f) {
+    const std::ptrdiff_t n = padded(max_rows), square = n * n;
+    Problem& p = problem;
+    for (double** a : {&p.G.x, &factor.x, &active.x}) f(*a, square);
+    for (double** a : {&p.g, &p.lower, &p.upper, &p.d, &p.unit, &p.per_unit, &p.approach, &free_g, &y, &c, &x, &z, &s, &r, &v, &u, &newton, &newton_c, &trial, &trial_c,
+                       &step, &step_c, &t, &exact})
+      f(*a, n);
+    f(p.cone, n), f(p.source, n), f(pivots, n), f(rows, n), f(state, n / 2), f(local, n / 2);
+  }
+};
+
+inline std::size_t workspace_bytes(Index max_rows) {
+  Workspace w;
+  w.max_rows = max_rows;
+  std::size_t bytes = 0;
+  w.arrays([&](auto* array, std::ptrdiff_t n) { bytes += (std::size_t(n) * sizeof *array + 63) / 64 * 64; });
+  return bytes;
+}
+
+// memory: workspace_bytes(max_rows), aligned to 64.
+inline void place(Workspace& w, Index max_rows, void* memory) {
+  w.max_rows = max_rows;
+  char* next = static_cast<char*>(memory);
+  std::fill_n(next, workspace_bytes(max_rows), char(0));  // rows beyond the last one are read
+  w.arrays([&](auto*& array, std::ptrdiff_t n) {
+    array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
+    next += (std::size_t(n) * sizeof *array + 63) / 64 * 64;
+  });
+}
+
+}  // namespace dyn::solver
