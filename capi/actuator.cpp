@@ -104,7 +104,7 @@ dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame,
   if (reference == DYN_WORLD && point)
     return fail(DYN_ERROR_ARGUMENT, "%s: a moment about the world's origin has no point on the body: pass NULL, or use DYN_LOCAL_WORLD_ALIGNED", call.function);
   Data<double>& d = call.d();
-  simulation::HeldWrench<double>& held = d.wrenches[f.joint];
+  simulation::AppliedWrench<double>& held = d.wrenches[f.joint];
   const Force<double> w = load_force(wrench);
   const Vec3<double> at = point ? f.X.act(load3(point)) : f.X.p;
   if (reference == DYN_LOCAL) {
@@ -124,7 +124,7 @@ dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_clear_wrenches");
   if (!call) return call.status;
   Data<double>& d = call.d();
-  for (Index j = 0; j < call.m().n.joints; ++j) d.wrenches[j] = simulation::HeldWrench<double>::none();
+  for (Index j = 0; j < call.m().n.joints; ++j) d.wrenches[j] = simulation::AppliedWrench<double>::none();
   d.acting &= ~d.pushed, d.pushed = 0;
   simulation::disturb(d);
   return DYN_OK;

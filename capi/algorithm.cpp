@@ -19,7 +19,7 @@ void kinematics(const Model& m, Data<double>& d, int level) {
   else ensure_position(m, d);
 }
 
-constexpr double most_acceleration = most * most;
+constexpr double max_acceleration = most * most;
 
 // The first body whose vector has a component beyond the bound (or none at all: NaN), or n.
 Index beyond(const Vec3<double>* x, Index n, double bound) {
@@ -31,25 +31,25 @@ Index beyond(const Vec3<double>* x, Index n, double bound) {
 
 }  // namespace
 
-bool dyn::capi::moderate(Call& call, int level, double bound) {
+bool dyn::capi::no_overflow(Call& call, int level, double bound) {
   const Model& m = call.m();
   Data<double>& d = call.d();
   // the sum over all of them is within the bound nearly always
-  if (d.extent[0] <= bound && (level < 1 || d.extent[1] <= most) && (level < 2 || d.extent[2] <= most_acceleration)) return true;
+  if (d.extent[0] <= bound && (level < 1 || d.extent[1] <= most) && (level < 2 || d.extent[2] <= max_acceleration)) return true;
   const struct {
     const Vec3<double>* x;
     int level;
     double bound;
     const char* what;
   } rows[] = {{d.p, 0, bound, "placement"}, {d.w, 1, most, "velocity"}, {d.u, 1, most, "velocity"},
-              {d.dw, 2, most_acceleration, "acceleration"}, {d.du, 2, most_acceleration, "acceleration"}};
+              {d.dw, 2, max_acceleration, "acceleration"}, {d.du, 2, max_acceleration, "acceleration"}};
   for (const auto& r : rows) {
     if (r.level > level) break;
     const Index i = beyond(r.x, m.n.bodies, r.bound);
     if (i == m.n.bodies) continue;
-    d.drop(Stage::Position), d.drop(Stage::Velocity), d.drop(Stage::Acceleration);
+    d.invalidate(Stage::Position), d.invalidate(Stage::Velocity), d.invalidate(Stage::Acceleration);
     call.drop_results();
-    call.take_back();
+    call.rollback();
     call.status = fail(DYN_ERROR_NUMERIC, "%s: the %s of joint '%s' overflows: the inputs are too large for double precision", call.function, r.what,
                        m.string(m.joints()[m.bodies()[i].joint].name));
     return false;
@@ -76,9 +76,9 @@ bool dyn::capi::moderate_frame(Call& call, int frame, int level, double bound) {
 
 dynStatus dyn::capi::singular(Call& call, Index joint, Stage stage) {
   call.drop_results();
-  call.d().drop(stage);
-  call.d().drop(Stage::Factor);  // it may have been half written
-  call.take_back();
+  call.d().invalidate(stage);
+  call.d().invalidate(Stage::Factor);  // it may have been half written
+  call.rollback();
   const Model& m = call.m();
   return fail(DYN_ERROR_NUMERIC, "forward dynamics is singular at joint '%s': its articulated inertia is not positive there; add armature or leave this configuration",
               m.string(m.joints()[joint].name));
@@ -92,7 +92,7 @@ dynStatus inverse(Call& call, const double* v, const double* a, const double* fe
   if (stage == Stage::Gravity) rigid_inverse_dynamics(m, call.d(), v, a, fext, field);
   else inverse_dynamics(m, call.d(), v, a, fext, field);
   if (!call.numeric(field, m.n.nv, name, stage)) return call.status;
-  call.d().done(stage);
+  call.d().mark_fresh(stage);
   copy_out(field, m.n.nv, out);
   return DYN_OK;
 }
@@ -100,18 +100,18 @@ dynStatus inverse(Call& call, const double* v, const double* a, const double* fe
 }  // namespace
 
 bool dyn::capi::finite_mass(Call& call) {
-  if (!moderate(call, 0)) return false;
-  return call.m().moderate || call.numeric(call.d().M, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, "M", Stage::Mass);
+  if (!no_overflow(call, 0)) return false;
+  return call.m().no_overflow || call.numeric(call.d().M, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, "M", Stage::Mass);
 }
 
 dynStatus dyn::capi::factor(Call& call) {
   if (const Index failed = factorize(call.m(), call.d())) {
-    call.d().drop(Stage::Factor);
+    call.d().invalidate(Stage::Factor);
     const Model& m = call.m();
     const char* name = "?";
     for (Index j = 1; j < m.n.joints; ++j)
       if (m.joints()[j].idx_v <= failed - 1) name = m.joints()[j].nv ? m.string(m.joints()[j].name) : name;
-    call.take_back();
+    call.rollback();
     return call.status = fail(DYN_ERROR_NUMERIC, "M is not positive at joint '%s': this configuration is singular; add armature or leave it", name);
   }
   return DYN_OK;
@@ -124,7 +124,7 @@ dynStatus dyn_forward_kinematics(const dynModel* model, dynData* data, const dou
   if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
   const int level = level_of(call.m(), v, a);
   kinematics(call.m(), call.d(), level);
-  moderate(call, level);
+  no_overflow(call, level);
   return call.status;
 }
 
@@ -139,10 +139,10 @@ dynStatus dyn_frame_placement(const dynModel* model, dynData* data, int frame, d
 
 dynStatus dyn_frame_placements(const dynModel* model, dynData* data, double* placements) {
   Call call(model, data, DYN_PART_FRAMES, "dyn_frame_placements");
-  if (!call || !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics") || !moderate(call, 0)) return call.status;
+  if (!call || !call.fresh(Stage::Position, "the placement", "dyn_forward_kinematics") || !no_overflow(call, 0)) return call.status;
   const Model& m = call.m();
   for (Index k = 0; k < m.n.frames; ++k) frame_placement(m, call.d(), k, call.d().placements + 12 * std::ptrdiff_t(k));
-  call.d().done(Stage::Frames);
+  call.d().mark_fresh(Stage::Frames);
   copy_out(call.d().placements, 12 * std::ptrdiff_t(m.n.frames), placements);
   return DYN_OK;
 }
@@ -177,7 +177,7 @@ dynStatus dyn_joint_jacobians(const dynModel* model, dynData* data, const double
   Call call(model, data, DYN_PART_JACOBIANS, "dyn_joint_jacobians");
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   joint_jacobians(call.m(), call.d());
-  if (!moderate(call, 0)) return call.status;
+  if (!no_overflow(call, 0)) return call.status;
   copy_out(call.d().J, 6 * call.m().n.nv, J);
   return DYN_OK;
 }
@@ -216,7 +216,7 @@ dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const double*
   Data<double>& d = call.d();
   const int level = acom ? 2 : vcom ? (a ? 2 : 1) : level_of(call.m(), v, a);
   center_of_mass(call.m(), d, level);
-  if (!moderate(call, 0) || !call.numeric(d.com, 3, "com", Stage::Com) || (level >= 1 && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom)) ||
+  if (!no_overflow(call, 0) || !call.numeric(d.com, 3, "com", Stage::Com) || (level >= 1 && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom)) ||
       (level >= 2 && !call.numeric(d.acom, 3, "acom", Stage::Acom)))
     return call.status;
   copy_out(d.com, 3, com), copy_out(d.vcom, 3, vcom), copy_out(d.acom, 3, acom);
@@ -228,9 +228,9 @@ dynStatus dyn_center_of_mass_jacobian(const dynModel* model, dynData* data, cons
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   if (!d.fresh(Stage::Com) || !d.fresh(Stage::Position)) center_of_mass(call.m(), d, 0);
-  if (!moderate(call, 0) || !call.numeric(d.com, 3, "com", Stage::Com)) return call.status;
+  if (!no_overflow(call, 0) || !call.numeric(d.com, 3, "com", Stage::Com)) return call.status;
   center_of_mass_jacobian(call.m(), d, 0, d.Jcom);
-  d.done(Stage::Jcom);
+  d.mark_fresh(Stage::Jcom);
   copy_out(d.Jcom, 3 * call.m().n.nv, Jcom);
   return DYN_OK;
 }
@@ -312,7 +312,7 @@ dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const d
   Data<double>& d = call.d();
   if (const Index joint = forward_dynamics(call.m(), d, d.v, d.tau_applied, fext, d.ddq)) return singular(call, joint, Stage::Ddq);
   if (!call.numeric(d.ddq, call.m().n.nv, "ddq", Stage::Ddq)) return call.status;
-  d.done(Stage::Ddq);
+  d.mark_fresh(Stage::Ddq);
   copy_out(d.ddq, call.m().n.nv, ddq);
   return DYN_OK;
 }
@@ -360,7 +360,7 @@ dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, do
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   if (const Index failed = minverse(call.m(), d)) return singular(call, failed, Stage::Minv);
-  const bool finite = d.fresh(Stage::Mass) ? finite_mass(call) : moderate(call, 0);
+  const bool finite = d.fresh(Stage::Mass) ? finite_mass(call) : no_overflow(call, 0);
   if (!finite || !call.numeric(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, "Minv", Stage::Minv)) return call.status;
   copy_out(d.Minv, std::ptrdiff_t(call.m().n.nv) * call.m().n.nv, Minv);
   return DYN_OK;
@@ -371,7 +371,7 @@ static bool energies(Call& call) {
   kinetic_energy(call.m(), d);
   potential_energy(call.m(), d);
   d.mechanical[0] = d.kinetic[0] + d.potential[0];
-  d.done(Stage::Mechanical);
+  d.mark_fresh(Stage::Mechanical);
   return call.numeric(d.mechanical, 1, "energy", Stage::Mechanical);
 }
 
@@ -420,7 +420,7 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
   const std::ptrdiff_t nv = m.n.nv;
   const bool velocities = mask & (DYN_TERM_KINEMATICS | DYN_TERM_DJACOBIANS | DYN_TERM_COM | DYN_TERM_CORIOLIS | DYN_TERM_ENERGY);
   kinematics(m, d, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0);
-  if (!moderate(call, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0)) return call.status;
+  if (!no_overflow(call, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0)) return call.status;
   if (mask & DYN_TERM_JACOBIANS && !(mask & DYN_TERM_DJACOBIANS)) joint_jacobians(m, d);
   if (mask & DYN_TERM_DJACOBIANS) {
     joint_jacobians_time_variation(m, d);
@@ -430,16 +430,16 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
     center_of_mass(m, d, mask & DYN_TERM_COM ? 1 : 0);
     if (!call.numeric(d.com, 3, "com", Stage::Com) || (mask & DYN_TERM_COM && !call.numeric(d.vcom, 3, "vcom", Stage::Vcom))) return call.status;
   }
-  if (mask & DYN_TERM_JCOM) center_of_mass_jacobian(m, d, 0, d.Jcom), d.done(Stage::Jcom);
+  if (mask & DYN_TERM_JCOM) center_of_mass_jacobian(m, d, 0, d.Jcom), d.mark_fresh(Stage::Jcom);
   if (mask & DYN_TERM_NLE) {
     inverse_dynamics(m, d, d.v, d.zero, none, d.nle);
     if (!call.numeric(d.nle, m.n.nv, "nle", Stage::Nle)) return call.status;
-    d.done(Stage::Nle);
+    d.mark_fresh(Stage::Nle);
   }
   if (mask & DYN_TERM_GRAVITY) {
     rigid_inverse_dynamics(m, d, d.zero, d.zero, none, d.g);
     if (!call.numeric(d.g, m.n.nv, "g", Stage::Gravity)) return call.status;
-    d.done(Stage::Gravity);
+    d.mark_fresh(Stage::Gravity);
   }
   if (mask & (DYN_TERM_MASS | DYN_TERM_FACTOR | DYN_TERM_MINV)) {
     crba(m, d);
@@ -457,7 +457,7 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
   if (mask & DYN_TERM_ENERGY && !energies(call)) return call.status;
   if (mask & DYN_TERM_FRAMES) {
     for (Index k = 0; k < m.n.frames; ++k) frame_placement(m, d, k, d.placements + 12 * std::ptrdiff_t(k));
-    d.done(Stage::Frames);
+    d.mark_fresh(Stage::Frames);
   }
   if (filled) {
     *filled = 0;

@@ -11,7 +11,7 @@ using namespace dyn::capi;
 
 namespace {
 
-constexpr int most_threads = 256;
+constexpr int max_threads = 256;
 
 // An array of the caller's, row by row; nullptr stays nullptr.
 template <class T>
@@ -143,7 +143,7 @@ dynStatus dyn_batch_new(const dynModel* model, dynParts parts, int threads, dynB
   if (const dynStatus s = check(model)) return s;
   if (!batch) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_new: batch is NULL: pass the address of a dynBatch*");
   if (threads < 1) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_new: threads is %d: at least one is needed, the caller's", threads);
-  if (threads > most_threads) return fail(DYN_ERROR_LIMIT, "dyn_batch_new: threads is %d: the limit is %d", threads, most_threads);
+  if (threads > max_threads) return fail(DYN_ERROR_LIMIT, "dyn_batch_new: threads is %d: the limit is %d", threads, max_threads);
   return guarded([&] {
     try {
       auto made = std::make_unique<Batch>(model, parts, threads);
@@ -190,7 +190,7 @@ dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n,
   if (!arrays) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: arrays is NULL: it is required");
   if (arrays->struct_size < sizeof(dynBatchArrays))
     return fail(DYN_ERROR_SIZE, "dyn_batch_run: struct_size is %u, needs %zu: call dyn_batch_arrays_init", arrays->struct_size, sizeof(dynBatchArrays));
-  if (n < 0 || n > most_records) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: n is %lld: give a number of states from 0 to %lld", static_cast<long long>(n), static_cast<long long>(most_records));
+  if (n < 0 || n > max_records) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: n is %lld: give a number of states from 0 to %lld", static_cast<long long>(n), static_cast<long long>(max_records));
   if (n == 0) return DYN_OK;
   if (!arrays->q) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: q is NULL: it is required", row.name);
   if (!arrays->b && row.reads("b")) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: %s: b is NULL: it is required", row.name);

@@ -13,7 +13,7 @@
 namespace dyn::capi {
 
 // Of more states or records than these the address of the last one does not exist: of 4 GiB each, or, where addresses have 32 bits, of a number each.
-constexpr std::int64_t most_records =
+constexpr std::int64_t max_records =
     std::min<std::int64_t>(std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::ptrdiff_t>::max() / std::int64_t(sizeof(double)));
 
 struct Sizes {

@@ -14,8 +14,8 @@ using shape::Bounds;
 
 namespace {
 
-constexpr int most_boxes = 1 << 24;
-constexpr std::int64_t most_pairs = std::int64_t(1) << 30;
+constexpr int max_boxes = 1 << 24;
+constexpr std::int64_t max_pairs = std::int64_t(1) << 30;
 
 dynStatus read_box(const char* function, const double* lower, const double* upper, Bounds& out) {
   if (!lower || !upper) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, lower ? "upper" : "lower");
@@ -58,9 +58,9 @@ extern "C" {
 dynStatus dyn_broad_phase_new(int capacity, int64_t pair_capacity, double margin, dynBroadPhase** broad_phase) {
   constexpr const char* function = "dyn_broad_phase_new";
   if (!broad_phase) return fail(DYN_ERROR_ARGUMENT, "%s: broad_phase is NULL: pass the address of a dynBroadPhase*", function);
-  if (capacity < 1 || capacity > most_boxes) return fail(DYN_ERROR_LIMIT, "%s: capacity is %d: give a number from 1 to %d", function, capacity, most_boxes);
-  if (pair_capacity < 1 || pair_capacity > most_pairs)
-    return fail(DYN_ERROR_LIMIT, "%s: pair_capacity is %lld: give a number from 1 to %lld", function, static_cast<long long>(pair_capacity), static_cast<long long>(most_pairs));
+  if (capacity < 1 || capacity > max_boxes) return fail(DYN_ERROR_LIMIT, "%s: capacity is %d: give a number from 1 to %d", function, capacity, max_boxes);
+  if (pair_capacity < 1 || pair_capacity > max_pairs)
+    return fail(DYN_ERROR_LIMIT, "%s: pair_capacity is %lld: give a number from 1 to %lld", function, static_cast<long long>(pair_capacity), static_cast<long long>(max_pairs));
   if (const dynStatus s = check_margin(function, margin)) return s;
   constexpr std::size_t head = (sizeof(BroadPhase) + 63) / 64 * 64;
   void* memory = std::aligned_alloc(64, head + BroadPhase::bytes(capacity, std::ptrdiff_t(pair_capacity)));

@@ -71,7 +71,7 @@ Placement read_placement(const double* x) {
 
 const char* text(const char* s) { return s ? s : ""; }
 
-dynStatus publish(std::unique_ptr<Builder> b, dynBuilder** out) {
+dynStatus make_handle(std::unique_ptr<Builder> b, dynBuilder** out) {
   dynBuilder* handle = new_builder_handle();
   if (!handle) throw std::bad_alloc();
   handle->b = b.release();
@@ -96,13 +96,13 @@ void dyn_joint_spec_init(dynJointSpec* spec) {
 
 dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder) {
   if (!builder) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_new: builder is NULL");
-  return guarded([&] { return publish(std::make_unique<Builder>(text(model_name)), builder); });
+  return guarded([&] { return make_handle(std::make_unique<Builder>(text(model_name)), builder); });
 }
 
 dynStatus dyn_builder_from_model(const dynModel* model, dynBuilder** builder) {
   if (const dynStatus s = check(model)) return s;
   if (!builder) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_from_model: builder is NULL");
-  return guarded([&] { return publish(std::make_unique<Builder>(*model->m), builder); });
+  return guarded([&] { return make_handle(std::make_unique<Builder>(*model->m), builder); });
 }
 
 void dyn_builder_free(dynBuilder* builder) {
@@ -208,7 +208,7 @@ dynStatus dyn_builder_remove(dynBuilder* builder, const char* joint) {
 dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model) {
   if (!model) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_finish: model is NULL");
   if (const dynStatus s = check(builder)) return s;
-  return guarded([&] { return publish(builder->b->finish(), model); });
+  return guarded([&] { return make_handle(builder->b->finish(), model); });
 }
 
 }  // extern "C"

@@ -7,10 +7,10 @@ namespace dyn::capi {
 
 // Kinematics beyond these bounds (accelerations: their squares) are refused: within them no product overflows that a frame query
 // or a Jacobian forms, or a derivative of theirs.
-inline constexpr double most = 1e100, most_to_differentiate = 1e40;
+inline constexpr double most = 1e100, max_to_differentiate = 1e40;
 // Placements (level 0), velocities (1) and accelerations (2) of the bodies are within bounds; otherwise they are dropped and the
 // inputs of this call are taken back.
-bool moderate(Call& call, int level, double bound = most);
+bool no_overflow(Call& call, int level, double bound = most);
 // The same of all that carries a frame; nothing is taken back.
 bool moderate_frame(Call& call, int frame, int level, double bound = most);
 // The universe's column does not count.

@@ -75,13 +75,13 @@ Index geom_of_shape(Call& call, int shape, int first) {
 
 bool listed(Call& call) {
   if (lists_pairs(call.m())) return true;
-  call.status = fail(DYN_ERROR_LIMIT, "%s: the model has %d collision shapes: pairs are listed up to %d", call.function, int(call.m().n.geoms), int(most_geoms));
+  call.status = fail(DYN_ERROR_LIMIT, "%s: the model has %d collision shapes: pairs are listed up to %d", call.function, int(call.m().n.geoms), int(max_geoms));
   return false;
 }
 
 bool placed(Call& call) {
   ensure_position(call.m(), call.d());
-  return moderate(call, 0, collision::largest);
+  return no_overflow(call, 0, collision::largest);
 }
 
 dynStatus check_margin(const char* function, double margin) {
@@ -174,7 +174,7 @@ dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int 
     const auto before = dynPairReason(m.pairs()[k].reason);
     if (before != DYN_PAIR_MESH) call.d().pair_states[k] = tested ? DYN_PAIR_TESTED : before == DYN_PAIR_TESTED ? DYN_PAIR_OFF : before;
   }
-  call.d().drop(Stage::Distances);
+  call.d().invalidate(Stage::Distances);
   simulation::disturb(call.d());
   if (call.d().step) call.d().step->clearance.square = 0, call.d().step->pair_count = -1;
   return DYN_OK;

@@ -10,7 +10,7 @@ namespace {
 
 dynStatus not_finite(Call& call, const char* what) {
   call.drop_results();
-  call.take_back();
+  call.rollback();
   return fail(DYN_ERROR_NUMERIC, "%s: %s overflows: the inputs are too large for double precision", call.function, what);
 }
 
@@ -35,7 +35,7 @@ dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const d
   if (!call || !good_result(call, result) || !read_options(call, options, given) || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  d.drop(Stage::ConstrainedDdq);  // being written
+  d.invalidate(Stage::ConstrainedDdq);  // being written
   dynConstraintResult found{};
   const Index failed = constrained_dynamics(m, d, d.v, d.tau_applied, fext, given, d.constraint_ddq, found);
   forget_mass(call);
@@ -45,7 +45,7 @@ dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const d
   if (finite_count(d.lambda, rows) != rows) return not_finite(call, "lambda");
   clear_rows(d, rows, m.n.constraint_rows);
   copy_out(d.constraint_ddq, m.n.nv, d.constrained_ddq);
-  d.done(Stage::ConstrainedDdq);
+  d.mark_fresh(Stage::ConstrainedDdq);
   copy_out(d.constrained_ddq, m.n.nv, ddq), copy_out(d.lambda, rows, lambda);
   copy_result(found, result);
   return DYN_OK;
@@ -58,7 +58,7 @@ dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const dou
   if (!call || !good_result(call, result) || !read_options(call, options, given) || !call.inputs(q, v, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  d.drop(Stage::ConstrainedDdq);  // lambda is this call's
+  d.invalidate(Stage::ConstrainedDdq);  // lambda is this call's
   dynConstraintResult found{};
   const Index failed = constraint_impulse(m, d, d.v, given, d.constraint_ddq, found);
   forget_mass(call);
@@ -75,18 +75,18 @@ dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const doubl
   if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  d.drop(Stage::ConstrainedDdq);
+  d.invalidate(Stage::ConstrainedDdq);
   const Index failed = constraint_factor(m, d);
   forget_mass(call);
   if (failed) return singular(call, failed, Stage::ConstrainedDdq);
-  if (!moderate(call, 0)) return call.status;
+  if (!no_overflow(call, 0)) return call.status;
   evaluate_rows(m, d, d.expand(m, static_cast<const double*>(d.v), d.vx), static_cast<const double*>(nullptr));
   bool good = true;
-  for_each_slot(m, d, [&](const Slot<double>& s, Index) {
+  for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index) {
     good = good && finite_count(s.error, s.rows) == s.rows && finite_count(s.rate, s.rows) == s.rows && finite_count(s.acceleration, s.rows) == s.rows;
   });
   if (!good) return not_finite(call, "a row");
-  for_each_slot(m, d, [&](const Slot<double>& s, Index) {
+  for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index) {
     if (C) copy_out(s.error, s.rows, C + s.first);
     if (Jv) copy_out(s.rate, s.rows, Jv + s.first);
     if (drift) copy_out(s.acceleration, s.rows, drift + s.first);
@@ -100,14 +100,14 @@ static bool factored(Call& call, const double* q) {
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return false;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  d.drop(Stage::ConstrainedDdq);
+  d.invalidate(Stage::ConstrainedDdq);
   const Index failed = constraint_factor(m, d);
   forget_mass(call);
   if (failed) {
     call.status = singular(call, failed, Stage::ConstrainedDdq);
     return false;
   }
-  if (!moderate(call, 0)) return false;
+  if (!no_overflow(call, 0)) return false;
   evaluate_rows(m, d, static_cast<const double*>(nullptr), static_cast<const double*>(nullptr));
   propagate_rows(m, d);
   return true;
@@ -124,7 +124,7 @@ dynStatus dyn_delassus(const dynModel* model, dynData* data, const double* q, do
   if (!factored(call, q)) return call.status;
   Data<double>& d = call.d();
   const Index rows = active_rows(call.m(), d);
-  const std::ptrdiff_t ld = row_room(rows);
+  const std::ptrdiff_t ld = padded_rows(rows);
   delassus(call.m(), d, rows, d.row_matrix);
   for (Index c = 0; c < rows; ++c)
     if (finite_count(d.row_matrix + ld * c, rows) != rows) return not_finite(call, "G");
@@ -141,7 +141,7 @@ dynStatus dyn_delassus_factor(const dynModel* model, dynData* data, const double
   if (finite_count(pivots, m.n.nv) != m.n.nv) return not_finite(call, "D");
   if (Y) {
     std::fill_n(Y, std::ptrdiff_t(m.n.nv) * active_rows(m, d), 0.0);
-    for_each_slot(m, d, [&](const Slot<double>& s, Index k) {
+    for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index k) {
       const Index* dof = d.support + std::ptrdiff_t(k) * m.n.nvx;
       const double* y = d.carried + row_lanes * std::ptrdiff_t(k) * m.n.nvx;
       for (Index n = 0; n < s.support; ++n)
@@ -172,12 +172,12 @@ dynStatus dyn_delassus_solve(const dynModel* model, dynData* data, const double*
   const Index rows = active_rows(m, d);
   if (!(mu >= 0 && mu < HUGE_VAL)) return fail(DYN_ERROR_ARGUMENT, "dyn_delassus_solve: mu is %g: give 0 or more", mu);
   if (!call.required("x", x, rows) || !call.finite("x", x, rows) || !factored(call, q)) return call.status;
-  const std::ptrdiff_t ld = row_room(rows);
+  const std::ptrdiff_t ld = padded_rows(rows);
   delassus(m, d, rows, d.row_matrix);
-  double *Dinv = d.row_vectors, *y = d.row_vectors + row_room(m.n.constraint_rows);
+  double *Dinv = d.row_vectors, *y = d.row_vectors + padded_rows(m.n.constraint_rows);
   const double smallest = factor_rows(d.row_matrix, ld, rows, mu, 0.0, d.row_factor, Dinv);
   if (!(smallest > 1e-13)) {
-    call.take_back();
+    call.rollback();
     return fail(DYN_ERROR_NUMERIC, "dyn_delassus_solve: the rows are dependent: give mu > 0, or look at dyn_constraint_report");
   }
   copy_out(x, rows, y);

@@ -73,7 +73,7 @@ dynStatus dyn_constraint_info(const dynModel* model, int constraint, dynConstrai
 
 dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, const dynConstraint* constraint) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_set");
-  if (!call || !good_slot(call, slot)) return call.status;
+  if (!call || !valid_slot(call, slot)) return call.status;
   if (constraint)
     if (const dynStatus s = sized("dyn_constraint_set", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
   const Model& m = call.m();
@@ -87,7 +87,7 @@ dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, con
   if (rows > m.n.constraint_rows)
     return fail(DYN_ERROR_LIMIT, "dyn_constraint_set: slot %d: all slots together would have %d rows, and there is room for %d: give the model more "
                                  "constraint_slots", slot, int(rows), int(m.n.constraint_rows));
-  set_slot(m, d, slot, spec);
+  set_constraint(m, d, slot, spec);
   number_rows(m, d);
   drop_constraints(d);
   return DYN_OK;
@@ -95,17 +95,17 @@ dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, con
 
 dynStatus dyn_constraint_get(const dynModel* model, dynData* data, int slot, dynConstraint* constraint) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_get");
-  if (!call || !good_slot(call, slot) || !call.required("constraint", constraint)) return call.status;
+  if (!call || !valid_slot(call, slot) || !call.required("constraint", constraint)) return call.status;
   if (const dynStatus s = sized("dyn_constraint_get", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
-  *constraint = call.d().slot_specs[slot];
+  *constraint = call.d().constraint_specs[slot];
   return DYN_OK;
 }
 
 dynStatus dyn_constraint_enable(const dynModel* model, dynData* data, int slot, int enabled) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_enable");
-  if (!call || !good_slot(call, slot)) return call.status;
+  if (!call || !valid_slot(call, slot)) return call.status;
   Data<double>& d = call.d();
-  d.slots[slot].enabled = d.slot_specs[slot].enabled = enabled != 0;
+  d.slots[slot].enabled = d.constraint_specs[slot].enabled = enabled != 0;
   number_rows(call.m(), d);
   drop_constraints(d);
   return DYN_OK;
@@ -113,15 +113,15 @@ dynStatus dyn_constraint_enable(const dynModel* model, dynData* data, int slot, 
 
 dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, const double* q) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_anchor");
-  if (!call || !good_slot(call, slot)) return call.status;
+  if (!call || !valid_slot(call, slot)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  dynConstraint spec = d.slot_specs[slot];
+  dynConstraint spec = d.constraint_specs[slot];
   if (spec.type == DYN_CONSTRAINT_NONE || between_joints(spec.type))
     return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_anchor: slot %d holds no constraint between frames", slot);
   if (!call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   forward_kinematics<0>(m, d);
-  if (!moderate(call, 0)) return call.status;
+  if (!no_overflow(call, 0)) return call.status;
   const Constraint& c = d.slots[slot].c;
   const SE3<double> W1 = SE3<double>{d.R[c.body1], d.p[c.body1]} * c.X1, W2 = SE3<double>{d.R[c.body2], d.p[c.body2]} * c.X2;
   const SE3<double> to = W2.inverse() * W1;
@@ -129,7 +129,7 @@ dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, 
   if (spec.type == DYN_CONSTRAINT_DISTANCE) {
     spec.length = std::sqrt(dot(to.p, to.p));
     if (!(spec.length > 0)) {
-      call.take_back();
+      call.rollback();
       return fail(DYN_ERROR_INVALID, "dyn_constraint_anchor: slot %d: the two points are one at q: use CONNECT", slot);
     }
   } else if (spec.type == DYN_CONSTRAINT_POINT || spec.type == DYN_CONSTRAINT_CONNECT) {
@@ -139,8 +139,8 @@ dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, 
   }
   store_se3(X, spec.placement2);
   const int enabled = d.slots[slot].enabled;
-  set_slot(m, d, slot, spec);
-  d.slots[slot].enabled = d.slot_specs[slot].enabled = enabled;
+  set_constraint(m, d, slot, spec);
+  d.slots[slot].enabled = d.constraint_specs[slot].enabled = enabled;
   number_rows(m, d);
   drop_constraints(d);
   return DYN_OK;
@@ -148,7 +148,7 @@ dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, 
 
 dynStatus dyn_constraint_rows(const dynModel* model, dynData* data, int slot, int* first, int* rows) {
   Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_rows");
-  if (!call || (slot >= 0 && !good_slot(call, slot))) return call.status;
+  if (!call || (slot >= 0 && !valid_slot(call, slot))) return call.status;
   const Data<double>& d = call.d();
   if (first) *first = slot < 0 ? 0 : int(d.slots[slot].first);
   if (rows) *rows = slot < 0 ? int(active_rows(call.m(), d)) : int(d.slots[slot].rows);

@@ -14,7 +14,7 @@ dynStatus sized(const char* function, const char* name, const char* how, const S
   return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: %s", function, name, s->struct_size, sizeof(S), how);
 }
 
-inline bool good_slot(Call& call, int slot) {
+inline bool valid_slot(Call& call, int slot) {
   if (slot >= 0 && slot < call.m().n.slots) return true;
   call.status = fail(DYN_ERROR_ARGUMENT, "%s: slot %d does not exist: the model has slots 0 to %d; see dyn_nconstraint_slots", call.function, slot, int(call.m().n.slots) - 1);
   return false;
@@ -22,14 +22,14 @@ inline bool good_slot(Call& call, int slot) {
 
 // Nothing that was computed belongs to the slots any more.
 inline void drop_constraints(Data<double>& d) {
-  d.drop(Stage::ConstrainedDdq);
+  d.invalidate(Stage::ConstrainedDdq);
   simulation::disturb(d);
   if (d.step) d.step->clearance.square = 0;
 }
 
 // With mimic joints M and its factor were made on the way; nobody has looked whether they are finite.
 inline void forget_mass(Call& call) {
-  if (call.m().has_mimic) call.d().drop(Stage::Mass), call.d().drop(Stage::Factor);
+  if (call.m().has_mimic) call.d().invalidate(Stage::Mass), call.d().invalidate(Stage::Factor);
 }
 
 inline bool good_result(Call& call, const dynConstraintResult* result) {

@@ -23,7 +23,7 @@ dynStatus write(Call& call, const dynConstraintDerivatives& out, Index rows, boo
     for (Index k = 0; k < nv; ++k) good = good && finite_count(r.x + K.ld * k, Index(nv) + rows) == nv + rows;
   if (!good) {
     call.drop_results();
-    call.take_back();
+    call.rollback();
     return fail(DYN_ERROR_NUMERIC, "%s: a derivative overflows: the inputs are too large for double precision", call.function);
   }
   for (const auto& r : wanted)
@@ -41,7 +41,7 @@ bool good_outputs(Call& call, const dynConstraintDerivatives* out) {
 }
 
 void drop_written(Data<double>& d) {
-  for (Stage s : {Stage::ConstrainedDdq, Stage::Ddq, Stage::ForwardDerivatives, Stage::Tau, Stage::InverseDerivatives, Stage::Minv, Stage::Mass, Stage::Factor}) d.drop(s);
+  for (Stage s : {Stage::ConstrainedDdq, Stage::Ddq, Stage::ForwardDerivatives, Stage::Tau, Stage::InverseDerivatives, Stage::Minv, Stage::Mass, Stage::Factor}) d.invalidate(s);
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* d
   const Index failed = constrained_dynamics_derivatives(m, d, d.v, d.tau_applied, fext, given, found);
   if (failed) return singular(call, failed, Stage::ConstrainedDdq);
   if (const dynStatus s = write(call, *out, found.rows, true)) return s;
-  d.drop(Stage::Mass), d.drop(Stage::Factor), d.drop(Stage::Minv);  // not checked
+  d.invalidate(Stage::Mass), d.invalidate(Stage::Factor), d.invalidate(Stage::Minv);  // not checked
   copy_result(found, result);
   return DYN_OK;
 }
@@ -78,7 +78,7 @@ dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynData* dat
   dynConstraintResult found{};
   if (const Index failed = constraint_impulse_derivatives(m, d, d.v, given, found)) return singular(call, failed, Stage::ConstrainedDdq);
   if (const dynStatus s = write(call, *out, found.rows, false)) return s;
-  d.drop(Stage::Mass), d.drop(Stage::Factor), d.drop(Stage::Minv);
+  d.invalidate(Stage::Mass), d.invalidate(Stage::Factor), d.invalidate(Stage::Minv);
   copy_result(found, result);
   return DYN_OK;
 }

@@ -17,7 +17,7 @@ using solver::Workspace;
 
 namespace {
 
-constexpr int most_problem_rows = 1 << 14;
+constexpr int max_problem_rows = 1 << 14;
 constexpr std::size_t head = (sizeof(dynContactSolver) + sizeof(Workspace) + 127) / 64 * 64;
 
 // Checks of a problem, with the caller's function in every message.
@@ -133,8 +133,8 @@ dynStatus check_report(const char* function, const dynContactReport* report) {
 }
 
 dynStatus check_max_rows(const char* function, int max_rows) {
-  if (max_rows >= 1 && max_rows <= most_problem_rows) return DYN_OK;
-  return fail(DYN_ERROR_LIMIT, "%s: max_rows is %d: give a number from 1 to %d", function, max_rows, most_problem_rows);
+  if (max_rows >= 1 && max_rows <= max_problem_rows) return DYN_OK;
+  return fail(DYN_ERROR_LIMIT, "%s: max_rows is %d: give a number from 1 to %d", function, max_rows, max_problem_rows);
 }
 
 }  // namespace
@@ -263,7 +263,7 @@ dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int facets, int
   if (qp->struct_size < sizeof *qp) return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(dynQp)", function, qp->struct_size, sizeof *qp);
   if (facets != 0 && (facets < 3 || facets > 1024)) return fail(DYN_ERROR_ARGUMENT, "%s: facets is %d: give 0, or a number from 3 to 1024", function, facets);
   Reader reader{function, *problem};
-  if (!reader.sizes(most_problem_rows) || (problem->G && !reader.matrix()) || !reader.vectors()) return reader.status;
+  if (!reader.sizes(max_problem_rows) || (problem->G && !reader.matrix()) || !reader.vectors()) return reader.status;
   dynQp sizes{};
   sizes.struct_size = qp->struct_size;
   solver::friction_cone_qp(*problem, facets, inscribed, sizes);

@@ -12,14 +12,14 @@ dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const doubl
   if (!call || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
   const std::ptrdiff_t nv = call.m().n.nv;
   Data<double>& d = call.d();
-  d.drop(Stage::Tau), d.drop(Stage::InverseDerivatives);  // being written
+  d.invalidate(Stage::Tau), d.invalidate(Stage::InverseDerivatives);  // being written
   rnea_derivatives(call.m(), d, d.v, d.a, fext);
   const bool small = small_columns(call);
   if (!finite_mass(call) || !call.numeric(d.tau, Index(nv), "tau", Stage::Tau) ||
       !numeric_pairs(call, d.dtau_dq, "dtau_dq", Stage::InverseDerivatives, small) ||
       !numeric_pairs(call, d.dtau_dv, "dtau_dv", Stage::InverseDerivatives, small))
     return call.status;
-  d.done(Stage::Tau), d.done(Stage::InverseDerivatives);
+  d.mark_fresh(Stage::Tau), d.mark_fresh(Stage::InverseDerivatives);
   copy_out(d.dtau_dq, nv * nv, dtau_dq), copy_out(d.dtau_dv, nv * nv, dtau_dv);
   return DYN_OK;
 }
@@ -30,15 +30,15 @@ dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double
   if (!call || !check_fext(call, fext) || !call.inputs(q, v, nullptr, tau)) return call.status;
   const std::ptrdiff_t nv = call.m().n.nv;
   Data<double>& d = call.d();
-  d.drop(Stage::Ddq), d.drop(Stage::ForwardDerivatives), d.drop(Stage::Minv);    // being written
-  d.drop(Stage::Tau), d.drop(Stage::InverseDerivatives);  // at another a than the held one
+  d.invalidate(Stage::Ddq), d.invalidate(Stage::ForwardDerivatives), d.invalidate(Stage::Minv);    // being written
+  d.invalidate(Stage::Tau), d.invalidate(Stage::InverseDerivatives);  // at another a than the held one
   const Index failed = aba_derivatives(call.m(), d, d.v, d.tau_applied, fext);
   if (failed) return singular(call, failed, Stage::ForwardDerivatives);
   if (!finite_mass(call) || !call.numeric(d.ddq, Index(nv), "ddq", Stage::Ddq) || !call.numeric(d.Minv, nv * nv, "Minv", Stage::Minv) ||
       !call.numeric(d.ddq_dq, nv * nv, "ddq_dq", Stage::ForwardDerivatives) ||
       !call.numeric(d.ddq_dv, nv * nv, "ddq_dv", Stage::ForwardDerivatives))
     return call.status;
-  d.done(Stage::Ddq), d.done(Stage::ForwardDerivatives);
+  d.mark_fresh(Stage::Ddq), d.mark_fresh(Stage::ForwardDerivatives);
   copy_out(d.ddq_dq, nv * nv, ddq_dq), copy_out(d.ddq_dv, nv * nv, ddq_dv), copy_out(d.Minv, nv * nv, ddq_dtau);
   return DYN_OK;
 }
@@ -51,8 +51,8 @@ static dynStatus at_rest(const dynModel* model, dynData* data, const double* q, 
   Data<double>& d = call.d();
   if (stage == Stage::StaticDerivatives) static_torque_derivatives(call.m(), d, fext, d.*field);
   else gravity_derivatives(call.m(), d, fext, d.*field);
-  d.done(stage);
-  if (!moderate(call, 0) || !numeric_pairs(call, d.*field, name, stage, small_columns(call))) return call.status;
+  d.mark_fresh(stage);
+  if (!no_overflow(call, 0) || !numeric_pairs(call, d.*field, name, stage, small_columns(call))) return call.status;
   copy_out(d.*field, nv * nv, out);
   return DYN_OK;
 }
@@ -72,7 +72,7 @@ dynStatus dyn_center_of_mass_velocity_derivatives(const dynModel* model, dynData
   Data<double>& d = call.d();
   const Index n = 3 * call.m().n.nv;
   center_of_mass_velocity_derivatives(call.m(), d);
-  if (!moderate(call, 1) || !call.numeric(d.com, 3, "com", Stage::Com) || !call.numeric(d.vcom, 3, "vcom", Stage::Vcom) ||
+  if (!no_overflow(call, 1) || !call.numeric(d.com, 3, "com", Stage::Com) || !call.numeric(d.vcom, 3, "vcom", Stage::Vcom) ||
       !call.numeric(d.Jcom, n, "Jcom", Stage::Jcom) || !call.numeric(d.dvcom_dq, n, "dvcom_dq", Stage::ComDerivatives))
     return call.status;
   copy_out(d.dvcom_dq, n, dvcom_dq), copy_out(d.Jcom, n, dvcom_dv);

@@ -26,15 +26,15 @@ class Pool {
       --count;
       return h;
     }
-    void* memory = std::aligned_alloc(64, (sizeof(Slot) + 63) / 64 * 64);
+    void* memory = std::aligned_alloc(64, (sizeof(ConstraintInstance) + 63) / 64 * 64);
     if (!memory) return nullptr;
-    Slot* s = new (memory) Slot{};
+    ConstraintInstance* s = new (memory) ConstraintInstance{};
     s->next = nullptr;
     return s->handle();
   }
   void put(H* h) {
     const std::lock_guard lock(mutex);
-    Slot* s = Slot::of(h);
+    ConstraintInstance* s = ConstraintInstance::of(h);
     s->next = nullptr;
     (count ? last->next : first) = s;
     last = s;
@@ -42,14 +42,14 @@ class Pool {
   }
 
  private:
-  struct Slot {
+  struct ConstraintInstance {
     H h;
-    Slot* next;
+    ConstraintInstance* next;
     H* handle() { return &h; }
-    static Slot* of(H* h) { return reinterpret_cast<Slot*>(h); }
+    static ConstraintInstance* of(H* h) { return reinterpret_cast<ConstraintInstance*>(h); }
   };
   std::mutex mutex;
-  Slot *first = nullptr, *last = nullptr;
+  ConstraintInstance *first = nullptr, *last = nullptr;
   std::size_t count = 0;
 };
 
@@ -104,7 +104,7 @@ dynStatus check(const dynMesh* mesh) { return check_magic(mesh, live_mesh, "mesh
 dynStatus check(const dynBroadPhase* broad_phase) { return check_magic(broad_phase, live_broad_phase, "broad phase", "dyn_broad_phase_new"); }
 dynStatus check(const dynContactSolver* solver) { return check_magic(solver, live_contact_solver, "contact solver", "dyn_contact_solver_new"); }
 
-dynStatus publish(ModelPtr model, dynModel** out) {
+dynStatus make_handle(ModelPtr model, dynModel** out) {
   dynModel* handle = new_model_handle();
   if (!handle) return fail(DYN_ERROR_MEMORY, "out of memory");
   handle->in_place = reinterpret_cast<std::uintptr_t>(model.get());
@@ -286,7 +286,7 @@ bool Call::nonzero(const double* q) {
 void Call::begin_step() {
   Data<double>& x = d();
   was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
-  x.drop(Stage::Ddq), x.drop(Stage::Factor);  // their buffers are the step's
+  x.invalidate(Stage::Ddq), x.invalidate(Stage::Factor);  // their buffers are the step's
   simulation::with_trees(x, [&](const auto& part) {
     part.for_each_group(m(), [&](const simulation::Trees& t) {
       copy_out(x.q + t.q, t.q_end - t.q, x.backup + t.q), copy_out(x.v + t.v, t.v_end - t.v, x.backup + m().n.nq + t.v);
@@ -307,10 +307,10 @@ void Call::end_step() {
 
 void Call::end_search() {
   d().version[input_q] = ++handle->counter;
-  d().done(Stage::Position);
+  d().mark_fresh(Stage::Position);
 }
 
-void Call::take_back() {
+void Call::rollback() {
   if (!changed) return;
   Data<double>& x = d();
   const double* backup = x.backup;
@@ -333,7 +333,7 @@ void Call::take_back() {
   restore(input_tau, x.tau_applied, m().n.nv);
   if (stepping) copy_out(backup, m().n.na, x.act);
   // the buffers behind the frame queries held the old state
-  x.drop(Stage::Position), x.drop(Stage::Velocity), x.drop(Stage::Acceleration);
+  x.invalidate(Stage::Position), x.invalidate(Stage::Velocity), x.invalidate(Stage::Acceleration);
   if (was_acceleration) forward_kinematics<2>(m(), x);
   else if (was_velocity) forward_kinematics<1>(m(), x);
   else if (was_position) forward_kinematics<0>(m(), x);
@@ -342,7 +342,7 @@ void Call::take_back() {
 
 void Call::drop_results() {
   for (std::size_t s = std::size_t(Stage::Frames); s < std::size_t(Stage::count_); ++s)
-    if (d().fresh(Stage(s))) d().drop(Stage(s));
+    if (d().fresh(Stage(s))) d().invalidate(Stage(s));
 }
 
 bool Call::numeric(const double* x, std::ptrdiff_t n, const char* what, Stage stage) {
@@ -350,8 +350,8 @@ bool Call::numeric(const double* x, std::ptrdiff_t n, const char* what, Stage st
   const std::ptrdiff_t k = finite_count(x, n);
   if (k == n) return true;
   drop_results();
-  d().drop(stage);
-  take_back();
+  d().invalidate(stage);
+  rollback();
   status = fail(DYN_ERROR_NUMERIC, "%s: %s[%td] overflows: the inputs are too large for double precision", function, what, k);
   return false;
 }

@@ -160,7 +160,7 @@ void free_handle(dynBroadPhase*);
 void free_handle(dynContactSolver*);
 
 // Wraps a finished model.
-dynStatus publish(ModelPtr model, dynModel** out);
+dynStatus make_handle(ModelPtr model, dynModel** out);
 
 // One call on a model and its data: checks the handles and the part; in checked builds that no other thread is in.
 class Call {
@@ -212,7 +212,7 @@ class Call {
   // After an overflow nothing that belongs to these inputs is a result. (Frame queries look for themselves.)
   void drop_results();
   // Nothing to do when no input was replaced: what was computed then belongs to the state that stays.
-  void take_back();
+  void rollback();
   // The call is about to replace q and v by itself; nothing computed on the way belongs to the state it leaves.
   void begin_step();
   void end_step();

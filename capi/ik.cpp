@@ -140,7 +140,7 @@ dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dy
   const Model& m = call.m();
   Data<double>& d = call.d();
   forward_kinematics<0>(m, d);
-  if (!moderate(call, 0)) return call.status;
+  if (!no_overflow(call, 0)) return call.status;
   double* start = d.backup + m.n.nq;  // v and a are no inputs here, and nq <= 2 nv
   copy_out(d.q, m.n.nq, start);
   dynIkResult answer{};
@@ -148,9 +148,9 @@ dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dy
   if (!inverse_kinematics(m, d, list, *options, answer)) {
     copy_out(start, m.n.nq, d.q);
     forward_kinematics<0>(m, d);
-    d.drop(Stage::Com);
-    if (!placed) d.drop(Stage::Position);
-    call.take_back();
+    d.invalidate(Stage::Com);
+    if (!placed) d.invalidate(Stage::Position);
+    call.rollback();
     return fail(DYN_ERROR_NUMERIC, "dyn_ik: the cost of the tasks overflows at the start: weights or targets are too large for double precision");
   }
   call.end_search();

@@ -41,8 +41,8 @@ LoadOptions read_options(const dynLoadOptions* o) {
   if (o->constraint_slots < 0 || o->constraint_slots > 1000)
     throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: constraint_slots is " + std::to_string(o->constraint_slots) + ": give 0 to 1000");
   out.constraint_slots = o->constraint_slots;
-  if (o->contact_capacity < 0 || o->contact_capacity > most_contacts)
-    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: contact_capacity is " + std::to_string(o->contact_capacity) + ": give 1 to " + std::to_string(most_contacts) + ", or 0 for what the shapes need");
+  if (o->contact_capacity < 0 || o->contact_capacity > max_contacts)
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: contact_capacity is " + std::to_string(o->contact_capacity) + ": give 1 to " + std::to_string(max_contacts) + ", or 0 for what the shapes need");
   out.contact_capacity = o->contact_capacity;
   out.confined = o->confined != 0;
   if (o->srdf) out.srdf = o->srdf;
@@ -53,7 +53,7 @@ LoadOptions read_options(const dynLoadOptions* o) {
 template <class Load>
 dynStatus load_model(const char* text, const dynLoadOptions* options, dynModel** model, const char* function, const char* what, Load f) {
   if (!text || !model) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL", function, text ? "model" : what);
-  return guarded([&] { return publish(f(text, read_options(options)), model); });
+  return guarded([&] { return make_handle(f(text, read_options(options)), model); });
 }
 
 // Binary search in ids sorted by name; f(id) is the name. The first of equals, or count.

@@ -48,15 +48,15 @@ constexpr Row rows[] = {
      [](const Model& m, const Data<double>& d) { return d.pair_states ? int(std::count(d.pair_states, d.pair_states + m.n.pairs, DYN_PAIR_TESTED)) : 0; },
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.contacts = x.n.pairs = x.n.geoms = x.n.hulls = x.n.trees = x.n.grids = 0; }); }},
     {"constraints", [](const Model& m) { return int(m.n.constraints); },
-     [](const Model& m, const Data<double>& d) { return d.slots ? int(std::count_if(d.slots, d.slots + m.n.slots, [](const Slot<double>& s) { return s.rows > 0; })) : 0; },
+     [](const Model& m, const Data<double>& d) { return d.slots ? int(std::count_if(d.slots, d.slots + m.n.slots, [](const ConstraintInstance<double>& s) { return s.rows > 0; })) : 0; },
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.slots = x.n.constraint_rows = 0; }); }},
     {"actuators", [](const Model& m) { return int(m.n.actuators); }, acts<DYN_EFFECT_ACTUATORS>,
      [](const Model& m, dynParts parts) {
        return bytes_of(m, parts, [](Model& x) { x.effects &= ~std::uint32_t(DYN_EFFECT_ACTUATORS), x.n.actuators = x.n.nu = x.n.na = 0; });
      }},
     {"wrenches", [](const Model& m) { return int(m.n.joints - 1); }, acts<simulation::acting_wrenches>,
-     [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? std::size_t(m.n.joints) * (sizeof(simulation::HeldWrench<double>) + 6 * sizeof(double)) : 0; }},
-    {"gravity_compensation", [](const Model& m) { return int(m.n.held_weights); }, acts<DYN_EFFECT_GRAVITY_COMPENSATION>, [](const Model&, dynParts) { return std::size_t(0); }},
+     [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? std::size_t(m.n.joints) * (sizeof(simulation::AppliedWrench<double>) + 6 * sizeof(double)) : 0; }},
+    {"gravity_compensation", [](const Model& m) { return int(m.n.gravity_compensations); }, acts<DYN_EFFECT_GRAVITY_COMPENSATION>, [](const Model&, dynParts) { return std::size_t(0); }},
     {"fluid", [](const Model& m) { return int(m.n.drag_boxes); }, acts<DYN_EFFECT_FLUID>,
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.drag_boxes = 0; }); }},
     {"sleeping", [](const Model& m) { return int(simulation::resting_trees(m)); },

@@ -31,14 +31,14 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
   if (!call.inputs(q, v, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  d.drop(Stage::ConstrainedDdq);
+  d.invalidate(Stage::ConstrainedDdq);
   dynConstraintResult found{};
   // the search moves q and v; what they were is kept where a and tau, which are no inputs here, would be
   double *start_q = d.constraint_q + m.n.nq, *start_v = d.backup + m.n.nq + m.n.nv;
   copy_out(d.q, m.n.nq, start_q), copy_out(d.v, m.n.nv, start_v);
   auto go_back = [&] {
     copy_out(start_q, m.n.nq, d.q), copy_out(start_v, m.n.nv, d.v);
-    for (Stage s : {Stage::Position, Stage::Velocity, Stage::Acceleration}) d.drop(s);
+    for (Stage s : {Stage::Position, Stage::Velocity, Stage::Acceleration}) d.invalidate(s);
     call.drop_results();
   };
   const Index failed = project(m, d, given.max_iterations, given.weigh != 0, given.tolerance, v_out ? d.v : nullptr, found);
@@ -49,7 +49,7 @@ dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, con
   }
   if (finite_count(d.q, m.n.nq) != m.n.nq || finite_count(d.v, m.n.nv) != m.n.nv || !(found.residual < HUGE_VAL)) {
     go_back();
-    call.take_back();
+    call.rollback();
     return fail(DYN_ERROR_NUMERIC, "dyn_project: the error of the constraints overflows: the inputs are too large for double precision");
   }
   if (!std::equal(start_q, start_q + m.n.nq, d.q) || !std::equal(start_v, start_v + m.n.nv, d.v)) call.end_step();
@@ -65,7 +65,7 @@ dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data,
   if (!call || !good_result(call, result) || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  d.drop(Stage::ConstrainedDdq);
+  d.invalidate(Stage::ConstrainedDdq);
   dynConstraintResult found{};
   double* out = d.constraint_ddq;
   const Index failed = constrained_inverse_dynamics(m, d, d.v, d.a, fext, actuated, out, found);
@@ -84,7 +84,7 @@ dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const doub
   if (!call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
-  d.drop(Stage::ConstrainedDdq);
+  d.invalidate(Stage::ConstrainedDdq);
   dynConstraintReport found{};
   found.struct_size = report->struct_size;
   const Index failed = constraint_report(m, d, found, [&](Index row, dynRowVerdict verdict, double share, double error) {
@@ -95,8 +95,8 @@ dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const doub
   });
   forget_mass(call);
   if (failed) return singular(call, failed, Stage::ConstrainedDdq);
-  if (!moderate(call, 0) || !(found.error < HUGE_VAL)) {
-    call.take_back();
+  if (!no_overflow(call, 0) || !(found.error < HUGE_VAL)) {
+    call.rollback();
     return fail(DYN_ERROR_NUMERIC, "dyn_constraint_report: the error of a row overflows: the inputs are too large for double precision");
   }
   *report = found;

@@ -145,7 +145,7 @@ dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollou
     return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: call dyn_rollout_init", function, x.struct_size, sizeof(dynRollout));
   if (x.steps < 1 || x.every < 1 || x.steps % x.every)
     return fail(DYN_ERROR_ARGUMENT, "%s: steps is %d and every is %d: give at least 1, and an every that divides steps", function, x.steps, x.every);
-  const std::int64_t most = most_records / x.steps;
+  const std::int64_t most = max_records / x.steps;
   if (n < 0 || n > most) return fail(DYN_ERROR_ARGUMENT, "%s: n is %lld: give a number of simulations from 0 to %lld", function, static_cast<long long>(n), static_cast<long long>(most));
   if (x.contact_capacity < 0) return fail(DYN_ERROR_ARGUMENT, "%s: contact_capacity is %d: give 0 or more", function, x.contact_capacity);
   if (x.contacts && !x.contact_count) return fail(DYN_ERROR_ARGUMENT, "%s: contact_count is NULL: contacts need it", function);

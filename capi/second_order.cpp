@@ -16,8 +16,8 @@ dynStatus dyn_rnea_second_order_product(const dynModel* model, dynData* data, co
   Data<double>& d = call.d();
   second_order_columns(call.m(), d, d.v, d.a, fext);
   second_order_product(call.m(), d, lambda, {d.lambda_d2tau_dqdq, d.lambda_d2tau_dvdv, d.lambda_d2tau_dqdv, d.lambda_d2tau_dadq});
-  d.done(Stage::SecondOrder);
-  if (!moderate(call, 0)) return call.status;
+  d.mark_fresh(Stage::SecondOrder);
+  if (!no_overflow(call, 0)) return call.status;
   const struct {
     const double* from;
     double* to;
@@ -36,10 +36,10 @@ dynStatus dyn_rnea_second_order_derivatives(const dynModel* model, dynData* data
   if (!call || !check_fext(call, fext) || !call.inputs(q, v, a, nullptr)) return call.status;
   Data<double>& d = call.d();
   second_order_columns(call.m(), d, d.v, d.a, fext);
-  if (!moderate(call, 0)) return call.status;
+  if (!no_overflow(call, 0)) return call.status;
   if (!(second_order_size(call.m(), d) < 1e70)) {
     call.drop_results();
-    call.take_back();
+    call.rollback();
     return fail(DYN_ERROR_NUMERIC, "%s: second derivatives overflow: the inputs are too large for double precision", call.function);
   }
   second_order_derivatives(call.m(), d, {d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq});

@@ -59,7 +59,7 @@ dynStatus make_step(Call& call, const char* function, double h) {
   call.begin_step();
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report);
   w.expired = nullptr;
-  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.take_back(), simulation::disturb(d), simulation::record_forces(m, d), status;
+  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.rollback(), simulation::disturb(d), simulation::record_forces(m, d), status;
   call.end_step();
   simulation::end_sleep(m, d, h);
   simulation::record_forces(m, d);
@@ -74,7 +74,7 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
   call.begin_step();
   const Index answer = integrator::advance(m, d, d.step->options.integrator, duration, d.step->options.accuracy, d.step->report);
   d.time[0] += d.step->report.time;
-  if (d.step->report.steps == 0) call.take_back();
+  if (d.step->report.steps == 0) call.rollback();
   else call.end_step();
   simulation::record_forces(m, d);
   return explain(m, d, answer, function, d.time[0]);

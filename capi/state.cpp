@@ -47,7 +47,7 @@ dynStatus dyn_state_save(const dynModel* model, dynData* data, void* memory, siz
   Data<double>& d = call.d();
   char* at = static_cast<char*>(memory);
   const auto put = [&](const void* x, std::size_t n) { n ? std::memcpy(at, x, n) : nullptr, at += n; };
-  const std::int64_t contacts = d.step->contact_count + d.step->sleep.held_count;
+  const std::int64_t contacts = d.step->contact_count + d.step->sleep.constrained_count;
   const Header header{magic_of_states, m.id, contacts, d.time[0]};
   put(&header, sizeof header);
   for_each_input(m, d, [&](const double* x, Index n) { put(x, std::size_t(n) * sizeof(double)); });

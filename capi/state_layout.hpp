@@ -1,7 +1,7 @@
 // Which joint lies where in another library's state, and how each is stored there.
 #pragma once
 
-#include "algorithm/peer_joint.hpp"
+#include "algorithm/other_library_layout.hpp"
 #include "joint/list.hpp"
 #include "guard.hpp"
 

@@ -19,7 +19,7 @@ inline dynStatus surface_argument(const char* function, const char* name, dynSha
   out = convex ? mesh->m->convex : triangles ? mesh->m->tree : mesh->m->grid;
   if (out) return DYN_OK;
   if (convex && mesh->m->polytope)
-    return fail(DYN_ERROR_LIMIT, "%s: %s: the hull has %d vertices, and the limit is %d: simplify the mesh", function, name, int(mesh->m->vertex_count()), int(meshes::most_hull_vertices));
+    return fail(DYN_ERROR_LIMIT, "%s: %s: the hull has %d vertices, and the limit is %d: simplify the mesh", function, name, int(mesh->m->vertex_count()), int(meshes::max_hull_vertices));
   return fail(DYN_ERROR_ARGUMENT, "%s: %s: surface is %s", function, name,
               convex      ? "no hull: give what dyn_mesh_hull makes of it"
               : triangles ? "a hull or a cloud of points: use DYN_SHAPE_CONVEX with a hull, or give a mesh with triangles"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "dyn.h"
-#include "collision/cull.hpp"
+#include "collision/bounding_sphere.hpp"
 #include "collision/manifold.hpp"
 #include "shape/list.hpp"
 

@@ -14,7 +14,7 @@ inline constexpr int solve_width = 16;
 template <class T, class Part = WholeModel>
 void articulated_columns(const Model& m, Data<T>& d, const Part& part = {}) {
   for (Index l = 0; l < part.run_count(m); ++l) {
-    const Run& run = part.runs(m)[l];
+    const JointRun& run = part.runs(m)[l];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       for (Index i = run.first; i < run.last; ++i) {
         const Body& b = m.bodies()[i];
@@ -119,7 +119,7 @@ void articulated_inverse(const Model& m, Data<T>& d) {
     transpose(X, solve_width, width, c + width, T(1), d.Minv + n * c, n);
   }
   mirror_upper(d.Minv, n);
-  d.done(Stage::Minv);
+  d.mark_fresh(Stage::Minv);
 }
 
 }  // namespace dyn

@@ -31,9 +31,9 @@ void center_of_mass(const Model& m, Data<T>& d, int level) {
   // a robot without mass has no centre of mass: its origin stands for it
   const T inverse = d.msub[0] > T(0) ? T(1) / d.msub[0] : T(0);
   store3(d.hsub[0] * inverse, d.com);
-  d.done(Stage::Com);
-  if (level >= 1) store3(momentum * inverse, d.vcom), d.done(Stage::Vcom);
-  if (level >= 2) store3(rate * inverse, d.acom), d.done(Stage::Acom);
+  d.mark_fresh(Stage::Com);
+  if (level >= 1) store3(momentum * inverse, d.vcom), d.mark_fresh(Stage::Vcom);
+  if (level >= 2) store3(rate * inverse, d.acom), d.mark_fresh(Stage::Acom);
 }
 
 // Jacobian, 3 x nv, of the centre of mass of the subtree that hangs on body root (0: everything). Needs Stage::Com.

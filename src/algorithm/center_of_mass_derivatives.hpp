@@ -30,7 +30,7 @@ void center_of_mass_velocity_derivatives(const Model& m, Data<T>& d) {
     }
     d.psub[b.parent] += P;
   });
-  d.done(Stage::Jcom), d.done(Stage::ComDerivatives);
+  d.mark_fresh(Stage::Jcom), d.mark_fresh(Stage::ComDerivatives);
 }
 
 }  // namespace dyn

@@ -129,8 +129,8 @@ void centroidal_map(const Model& m, Data<T>& d) {
   store6(all.h, d.hg);
   store_inertia(d.Yc[0], d.Ig);
   sums.done(d);
-  d.done(Stage::CentroidalMap), d.done(Stage::CentroidalMomentum);
-  if (rate) d.done(Stage::CentroidalMapRate);
+  d.mark_fresh(Stage::CentroidalMap), d.mark_fresh(Stage::CentroidalMomentum);
+  if (rate) d.mark_fresh(Stage::CentroidalMapRate);
 }
 
 // d.hg, and with rate d.dhg, without columns: sums over the bodies of
@@ -160,8 +160,8 @@ void centroidal_momentum(const Model& m, Data<T>& d) {
   store6(shift(Force<T>{sums.linear, sums.angular}, -c), d.hg);
   if (rate) store6(shift(Force<T>{sums.force, sums.moment}, -c), d.dhg);
   sums.done(d);
-  d.done(Stage::CentroidalMomentum);
-  if (rate) d.done(Stage::CentroidalMomentumRate);
+  d.mark_fresh(Stage::CentroidalMomentum);
+  if (rate) d.mark_fresh(Stage::CentroidalMomentumRate);
 }
 
 }  // namespace dyn

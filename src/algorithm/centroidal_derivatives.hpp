@@ -74,7 +74,7 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
   sums.done(d);
   for (Stage s : {Stage::CentroidalMap, Stage::CentroidalMomentum, Stage::CentroidalMomentumRate,
                   Stage::CentroidalDerivatives, Stage::CentroidalRateDerivative})
-    d.done(s);
+    d.mark_fresh(s);
 }
 
 }  // namespace dyn

@@ -11,7 +11,7 @@ namespace dyn {
 
 template <class T>
 DYN_INLINE T* factor_row(const Model& m, const Data<T>& d, Index i) {
-  return d.L + factor_room(m) * i;
+  return d.L + padded_factor(m) * i;
 }
 
 // f(first, last, at) for the runs of degree of freedom i and its ancestors, i first, entries at and on of their rows; nothing for
@@ -111,7 +111,7 @@ DYN_INLINE void copy_group(const Model& m, const Data<T>& d, std::ptrdiff_t room
 // From the current d.M. Returns 0, or 1 + the degree of freedom whose pivot is not positive.
 template <class T>
 Index factorize(const Model& m, Data<T>& d) {
-  const std::ptrdiff_t room = factor_room(m);
+  const std::ptrdiff_t room = padded_factor(m);
   const DofGroup *groups = m.dof_groups(), *groups_end = groups + m.groups;
   for (const DofGroup* g = groups; g != groups_end; ++g)
     visit_group(g->count, [=, &m, &d]<int count>() DYN_INLINE_LAMBDA { copy_group<count>(m, d, room, *g); });
@@ -128,7 +128,7 @@ Index factorize(const Model& m, Data<T>& d) {
   }
   for (const DofGroup* g = groups; g != groups_end; ++g)
     visit_group(g->count, [=, &d]<int count>() DYN_INLINE_LAMBDA { gather_group<count>(d, room, *g); });
-  d.done(Stage::Factor);
+  d.mark_fresh(Stage::Factor);
   return 0;
 }
 
@@ -178,7 +178,7 @@ DYN_INLINE Pack<T, 4> solve_downwards(const Model& m, const Data<T>& d, std::ptr
 template <class T>
 bool solve(const Model& m, const Data<T>& d, const T* b, T* x, T* before) {
   using P = Pack<T, 4>;
-  const std::ptrdiff_t room = factor_room(m);
+  const std::ptrdiff_t room = padded_factor(m);
   const DofGroup *groups = m.dof_groups(), *end = groups + m.groups;
   for (const DofGroup* g = end; g-- != groups;)
     visit_group(g->count, [=, &d]<int count>() DYN_INLINE_LAMBDA { solve_upwards<count>(d, room, *g, b, x, before); });

@@ -74,7 +74,7 @@ void coriolis_matrix(const Model& m, Data<T>& d) {
                      i0, j0);
       });
   if (m.has_mimic) contract(m, d.dvx, d.coriolis);
-  d.done(Stage::Coriolis);
+  d.mark_fresh(Stage::Coriolis);
 }
 
 }  // namespace dyn

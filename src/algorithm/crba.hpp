@@ -72,7 +72,7 @@ void crba(const Model& m, Data<T>& d) {
       });
   if (m.has_mimic) contract_related(m, d.Mx, d.M);
   add_armature(m, d);
-  d.done(Stage::Mass);
+  d.mark_fresh(Stage::Mass);
 }
 
 }  // namespace dyn

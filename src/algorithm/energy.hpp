@@ -18,7 +18,7 @@ void kinetic_energy(const Model& m, Data<T>& d) {
   }
   for (Index k = 0; k < m.n.nv; ++k) twice += d.armature[k] * d.v[k] * d.v[k];
   d.kinetic[0] = T(0.5) * twice;
-  d.done(Stage::Kinetic);
+  d.mark_fresh(Stage::Kinetic);
 }
 
 // -m g . c, zero at the world's origin, and that of springs.
@@ -32,7 +32,7 @@ void potential_energy(const Model& m, Data<T>& d) {
     sum += dot(g, d.p[i] * T(b.m) + d.R[i] * cast<T>(b.h));
   }
   d.potential[0] = spring_energy(m, d) - sum;
-  d.done(Stage::Potential);
+  d.mark_fresh(Stage::Potential);
 }
 
 }  // namespace dyn

@@ -19,7 +19,7 @@ inline constexpr auto unit_column = [] {
 template <class T>
 void invert_factor(const Model& m, Data<T>& d) {
   const T* one = unit_column<T>.x + widest_pack - 1;
-  const std::ptrdiff_t n = m.n.nv, room = factor_room(m);
+  const std::ptrdiff_t n = m.n.nv, room = padded_factor(m);
   const Index *depth = m.dof_depth(), *ends = m.dof_descendants_end();
   const T *below = d.L + room * n, *Dinv = d.D + n;
   T* next = d.Linv + room * n;
@@ -39,7 +39,7 @@ void invert_factor(const Model& m, Data<T>& d) {
 template <class T>
 __attribute__((noinline)) void invert_tiles(const Model& m, const Data<T>& d, std::ptrdiff_t i0, std::ptrdiff_t j0) {
   using P = Pack<T, widest_pack>;
-  const std::ptrdiff_t room = factor_room(m);
+  const std::ptrdiff_t room = padded_factor(m);
   const T *Linv = d.Linv, *Dinv = d.D;
   P a = P::zero(), b = a, c = a, e = a;
   auto add = [&](std::ptrdiff_t first, std::ptrdiff_t last) DYN_INLINE_LAMBDA {
@@ -66,7 +66,7 @@ void invert(const Model& m, Data<T>& d) {
   invert_factor(m, d);
   for (std::ptrdiff_t j0 = 0; j0 < m.n.nv; j0 += 4)
     for (std::ptrdiff_t i0 = 0; i0 <= j0; i0 += widest_pack) invert_tiles(m, d, i0, j0);
-  d.done(Stage::Minv);
+  d.mark_fresh(Stage::Minv);
 }
 
 }  // namespace dyn

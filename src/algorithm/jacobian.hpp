@@ -41,7 +41,7 @@ void joint_jacobians(const Model& m, Data<T>& d) {
         store6(s, column);
     }
   });
-  d.done(Stage::Jacobians);
+  d.mark_fresh(Stage::Jacobians);
 }
 
 // d.dJ, 6 x nv; and d.J.
@@ -55,7 +55,7 @@ void joint_jacobians_time_variation(const Model& m, Data<T>& d) {
     const Motion<T> V = world_velocity(d, i);
     for (int k = 0; k < J::nv; ++k) add6(d.dJ + 6 * (b.user_v + k), cross(V, world_column<J>(b, d, i, k)), T(b.ratio));
   });
-  d.done(Stage::DJacobians);
+  d.mark_fresh(Stage::DJacobians);
 }
 
 // Where a frame is and how it moves.

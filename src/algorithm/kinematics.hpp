@@ -51,8 +51,8 @@ struct KinematicState : Pose<T> {
   }
   DYN_INLINE void done(Data<T>& d) const {
     Pose<T>::done(d);
-    if (level >= 1) d.extent[1] = velocities[0] + velocities[1] + velocities[2], d.done(Stage::Velocity);
-    if (level >= 2) d.extent[2] = accelerations[0] + accelerations[1] + accelerations[2], d.done(Stage::Acceleration);
+    if (level >= 1) d.extent[1] = velocities[0] + velocities[1] + velocities[2], d.mark_fresh(Stage::Velocity);
+    if (level >= 2) d.extent[2] = accelerations[0] + accelerations[1] + accelerations[2], d.mark_fresh(Stage::Acceleration);
   }
 };
 

@@ -10,7 +10,7 @@ namespace dyn {
 // f.template operator()<J>(body index), root to leaves. One dispatch a run.
 template <class F>
 DYN_INLINE void forward(const Model& m, F&& f) {
-  const Run* runs = m.runs();
+  const JointRun* runs = m.runs();
   for (Index k = 0; k < m.n.runs; ++k)
     visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
       for (Index i = runs[k].first; i < runs[k].last; ++i) f.template operator()<J>(i);
@@ -21,7 +21,7 @@ DYN_INLINE void forward(const Model& m, F&& f) {
 // the last body leaves.
 template <class Carry, class F>
 DYN_INLINE Carry forward(const Model& m, Carry carry, F&& f) {
-  const Run* runs = m.runs();
+  const JointRun* runs = m.runs();
   for (Index k = 0; k < m.n.runs; ++k)
     visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
@@ -34,7 +34,7 @@ DYN_INLINE Carry forward(const Model& m, Carry carry, F&& f) {
 // Leaves to root.
 template <class F>
 DYN_INLINE void backward(const Model& m, F&& f) {
-  const Run* runs = m.runs();
+  const JointRun* runs = m.runs();
   for (Index k = m.n.runs - 1; k >= 0; --k)
     visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
       for (Index i = runs[k].last - 1; i >= runs[k].first; --i) f.template operator()<J>(i);
@@ -42,7 +42,7 @@ DYN_INLINE void backward(const Model& m, F&& f) {
 }
 template <class Carry, class F>
 DYN_INLINE Carry backward(const Model& m, Carry carry, F&& f) {
-  const Run* runs = m.runs();
+  const JointRun* runs = m.runs();
   for (Index k = m.n.runs - 1; k >= 0; --k)
     visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
@@ -54,26 +54,26 @@ DYN_INLINE Carry backward(const Model& m, Carry carry, F&& f) {
 
 // What a pass goes along: all, or the chains and coordinates of some trees.
 struct WholeModel {
-  static DYN_INLINE const Run* runs(const Model& m) { return m.runs(); }
+  static DYN_INLINE const JointRun* runs(const Model& m) { return m.runs(); }
   static DYN_INLINE Index run_count(const Model& m) { return m.n.runs; }
-  static DYN_INLINE const Chunk* chunks(const Model& m) { return m.chunks(); }
+  static DYN_INLINE const CacheBlock* chunks(const Model& m) { return m.chunks(); }
   static DYN_INLINE Index chunk_count(const Model& m) { return m.n.chunks; }
-  static DYN_INLINE const Span* spans(const Model& m) { return m.spans(); }
+  static DYN_INLINE const EuclideanSpan* spans(const Model& m) { return m.spans(); }
   static DYN_INLINE Index span_count(const Model& m) { return m.n.spans; }
   static DYN_INLINE const Index* curved(const Model& m) { return m.curved(); }
   static DYN_INLINE Index curved_count(const Model& m) { return m.n.curved; }
 };
 struct SomeTrees {
-  const Run* first_run;
-  const Chunk* first_chunk;  // of these runs
-  const Span* first_span;
+  const JointRun* first_run;
+  const CacheBlock* first_chunk;  // of these runs
+  const EuclideanSpan* first_span;
   const Index* first_curved;
   Index of_runs, of_chunks, of_spans, of_curved;
-  DYN_INLINE const Run* runs(const Model&) const { return first_run; }
+  DYN_INLINE const JointRun* runs(const Model&) const { return first_run; }
   DYN_INLINE Index run_count(const Model&) const { return of_runs; }
-  DYN_INLINE const Chunk* chunks(const Model&) const { return first_chunk; }
+  DYN_INLINE const CacheBlock* chunks(const Model&) const { return first_chunk; }
   DYN_INLINE Index chunk_count(const Model&) const { return of_chunks; }
-  DYN_INLINE const Span* spans(const Model&) const { return first_span; }
+  DYN_INLINE const EuclideanSpan* spans(const Model&) const { return first_span; }
   DYN_INLINE Index span_count(const Model&) const { return of_spans; }
   DYN_INLINE const Index* curved(const Model&) const { return first_curved; }
   DYN_INLINE Index curved_count(const Model&) const { return of_curved; }
@@ -84,7 +84,7 @@ struct SomeTrees {
 template <class T, class Carry, class F, class Part = WholeModel>
 DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f, const Part& part = {}) {
   for (Index l = 0; l < part.run_count(m); ++l) {
-    const Run& run = part.runs(m)[l];
+    const JointRun& run = part.runs(m)[l];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
       if (run.parent != run.first - 1) here.enter(d, run.parent);
@@ -99,10 +99,10 @@ DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f, c
 // next one of the chain, zero at a leaf, and becomes what it passes on; add(parent, carry) where the parent is not the next.
 template <class Carry, class F, class Add, class Part = WholeModel>
 DYN_INLINE void backward_chains(const Model& m, const Carry& zero, F&& f, Add&& add, const Part& part = {}) {
-  const Run* runs = part.runs(m);
+  const JointRun* runs = part.runs(m);
   Carry carry = zero;
   for (Index k = part.run_count(m) - 1; k >= 0; --k) {
-    const Run& run = runs[k];
+    const JointRun& run = runs[k];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
       for (Index i = run.last - 1 - run.first; i >= 0; --i) f.template operator()<J>(run.first + i, run.idx_v + J::nv * i, run.first + i == run.last - 1, here);
@@ -132,7 +132,7 @@ struct Pose {
   DYN_INLINE void leave(Data<T>&, Index) const {}
   DYN_INLINE void done(Data<T>& d) const {
     d.extent[0] = extent[0] + extent[1] + extent[2];
-    d.done(Stage::Position);
+    d.mark_fresh(Stage::Position);
   }
   // To the next body: R_WB, p_WB. Returns r, from the parent's origin to the body's.
   DYN_INLINE Vec3<T> place(Data<T>& d, Index i, const SE3<T>& X) {
@@ -177,10 +177,10 @@ template <class T, class Carry, class F, class Part = WholeModel>
 DYN_INLINE Carry place_forward(const Model& m, Data<T>& d, Carry carry, F&& f, const Part& part = {}) {
   const T* q = d.expand_q(m);
   for (Index k = 0; k < part.chunk_count(m); ++k) {
-    const Chunk& chunk = part.chunks(m)[k];
+    const CacheBlock& chunk = part.chunks(m)[k];
     sincos_sweep(q + chunk.first_q, chunk.last_q - chunk.first_q, d.cosine, d.sine);
     for (Index l = chunk.first_run; l < chunk.last_run; ++l) {
-      const Run& run = part.runs(m)[l];
+      const JointRun& run = part.runs(m)[l];
       visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
         const Index n = run.last - run.first, angle = run.idx_q - chunk.first_q;
         SE3<T>* X = d.X + (run.first - chunk.first);

@@ -70,7 +70,7 @@ void static_regressor(const Model& m, Data<T>& d) {
     store33(E * inverse, columns + 3);
     for (int k = 12; k < 30; ++k) columns[k] = T(0);
   });
-  d.done(Stage::StaticRegressor);
+  d.mark_fresh(Stage::StaticRegressor);
 }
 
 // d.kinetic_energy_regressor y, 10 (njoints - 1): v^T (M - armature) v / 2 = y . pi.
@@ -81,7 +81,7 @@ void kinetic_energy_regressor(const Model& m, Data<T>& d) {
     const Vec3<T> u = Et * d.mu[i], w = Et * d.mw[i];
     store_parameters<T>({T(0.5) * dot(u, u), cross(u, w), {hadamard(w, w) * T(0.5), hadamard(w, yzx(w))}}, d.kinetic_energy_regressor + first);
   });
-  d.done(Stage::KineticRegressor);
+  d.mark_fresh(Stage::KineticRegressor);
 }
 
 // d.potential_energy_regressor y, 10 (njoints - 1): -m g . com = y . pi.
@@ -91,7 +91,7 @@ void potential_energy_regressor(const Model& m, Data<T>& d) {
   forward_joints<0>(m, d, [&](Index i, std::ptrdiff_t first, const Mat3<T>& E) DYN_INLINE_LAMBDA {
     store_parameters<T>({-dot(g, d.p[i]), -transpose_times(E, g), Sym3<T>::zero()}, d.potential_energy_regressor + first);
   });
-  d.done(Stage::PotentialRegressor);
+  d.mark_fresh(Stage::PotentialRegressor);
 }
 
 // pi of every joint's body in the joint's frame, 10 x (njoints - 1): links that were merged into it are part of it.

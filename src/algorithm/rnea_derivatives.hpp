@@ -136,7 +136,7 @@ void torque_derivatives(const Model& m, Data<T>& d, const T* v, const T* a) {
   add_armature(m, d);
   if (resists(d)) add_resistance(m, d, v, d.tau), add_resistance_derivatives(m, d, v, d.dtau_dq, d.dtau_dv);
   for (Index k = 0; k < m.n.nv; ++k) d.tau[k] += d.armature[k] * a[k];
-  d.done(Stage::Mass);
+  d.mark_fresh(Stage::Mass);
 }
 
 // The same; fext 6 x njoints in joint frames, or nullptr.

@@ -54,7 +54,7 @@ void unit_composites(const Model& m, Data<T>& d, Index u) {
 template <class T>
 std::ptrdiff_t link_tiles(const Model& m, Data<T>& d) {
   std::ptrdiff_t next = m.n.nvx;
-  for (std::ptrdiff_t i0 = tile_room(m.n.nvx) - 4; i0 >= 0; i0 -= 4) {
+  for (std::ptrdiff_t i0 = padded_tiles(m.n.nvx) - 4; i0 >= 0; i0 -= 4) {
     d.next_tile[i0 / 4] = Index(next);
     const Index* a = d.active + i0;
     if (a[0] | a[1] | a[2] | a[3]) next = i0;

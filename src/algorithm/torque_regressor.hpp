@@ -46,7 +46,7 @@ DYN_INLINE void torque_block(const T* Sx, std::ptrdiff_t room, Index n, const Fo
 // chain of bodies are consecutive. A block may reach before the first of them: those rows are zero, or the next chain writes them.
 template <class T>
 void torque_rows(const Model& m, const Data<T>& d, Index i, const Force<T>* F, T* columns) {
-  const std::ptrdiff_t nv = m.n.nv, room = regressor_room(m);
+  const std::ptrdiff_t nv = m.n.nv, room = padded_regressor(m);
   for (; i != 0; i = m.bodies()[d.chain[i]].parent) {
     const Index first = m.bodies()[d.chain[i]].idx_v, end = first_dof(m, i + 1);
     auto block = [&]<int W>(Index stop) DYN_INLINE_LAMBDA {
@@ -75,7 +75,7 @@ void torque_rows_mimic(const Model& m, const Data<T>& d, Index i, const Force<T>
   for (std::ptrdiff_t k = 0; k < 10 * nv; ++k) columns[k] = T(0);
   for (; i != 0; i = m.bodies()[d.chain[i]].parent)
     for (Index at = m.bodies()[d.chain[i]].idx_v, end = first_dof(m, i + 1); at < end; at += 4)
-      torque_block<4>(d.Sx + at, regressor_room(m), 0, F, [&](int c, const Pack<T, 4>& y) DYN_INLINE_LAMBDA {
+      torque_block<4>(d.Sx + at, padded_regressor(m), 0, F, [&](int c, const Pack<T, 4>& y) DYN_INLINE_LAMBDA {
         T rows[4];
         y.store(rows);
         for (Index k = at; k < at + 4 && k < end; ++k) columns[m.expand_v()[k] + c * nv] += T(m.ratio_v()[k]) * rows[k - at];
@@ -86,7 +86,7 @@ void torque_rows_mimic(const Model& m, const Data<T>& d, Index i, const Force<T>
 template <class T>
 T joint_torque_regressor(const Model& m, Data<T>& d) {
   const Vec3<T> g = load3(d.world_gravity);
-  const std::ptrdiff_t room = regressor_room(m);
+  const std::ptrdiff_t room = padded_regressor(m);
   ensure_acceleration(m, d);
   Vec3<T> size = Vec3<T>::zero();
   forward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
@@ -111,7 +111,7 @@ T joint_torque_regressor(const Model& m, Data<T>& d) {
     if (m.has_mimic) torque_rows_mimic(m, d, P.body, F, columns);
     else torque_rows(m, d, P.body, F, columns);
   }
-  d.done(Stage::TorqueRegressor);
+  d.mark_fresh(Stage::TorqueRegressor);
   return size[0] + size[1] + size[2];
 }
 

@@ -10,7 +10,7 @@
 namespace dyn {
 
 // Room that the arrays of a sweep over n angles need.
-inline constexpr Index sweep_room(Index n) { return (n + 7) / 8 * 8; }
+inline constexpr Index padded_sweep(Index n) { return (n + 7) / 8 * 8; }
 
 // c[i], s[i] = cos, sin of x[i]
 template <class T>

@@ -7,7 +7,7 @@ namespace dyn::collision {
 namespace {
 
 // Loose boxes beyond this share of all: the tree is packed anew. Boxes that moved beyond this share: all pairs are searched.
-constexpr Index loose_share = 8, loose_least = 64, moved_share = 16;
+constexpr Index free_body_share = 8, free_body_least = 64, moved_share = 16;
 constexpr std::size_t radix = 1024;
 
 // Sorts by one digit: from into to, counts has a place for each digit and one more.
@@ -28,11 +28,11 @@ std::size_t BroadPhase::lay_out(char* memory) {
     p = memory ? reinterpret_cast<T*>(memory + used) : nullptr;
     used += (n * sizeof(T) + 63) / 64 * 64;
   };
-  const std::size_t n = std::size_t(capacity_), padded = std::max(n, std::size_t(loose_least)) + 2 * Block::lanes, pairs = std::size_t(pair_capacity_);
+  const std::size_t n = std::size_t(capacity_), padded = std::max(n, std::size_t(free_body_least)) + 2 * Block::lanes, pairs = std::size_t(pair_capacity_);
   Index blocks = PackedTree::room(capacity_);
   for (Block*& level : tree_.block) take(level, std::size_t(blocks)), blocks = PackedTree::room(blocks);
-  take(loose_, padded / Block::lanes);
-  take(tight_, n), take(state_, n), take(id_, padded), take(loose_id_, padded), take(stale_, n), take(unplaced_, n), take(flags_, n);
+  take(free_bodies_, padded / Block::lanes);
+  take(tight_, n), take(state_, n), take(id_, padded), take(free_body_id_, padded), take(stale_, n), take(unplaced_, n), take(flags_, n);
   take(candidate_, pairs), take(fresh_, pairs), take(counts_, std::max(n, radix) + 1), take(key_, 2 * n);
   return used;
 }
@@ -91,32 +91,32 @@ void BroadPhase::mark(Index id) {
 }
 
 Box BroadPhase::fat(Index id) const {
-  const Index at = state_[id], lane = at & ~loose_bit;
-  return (at & loose_bit ? loose_ : tree_.block[0])[lane / Block::lanes].box(lane % Block::lanes);
+  const Index at = state_[id], lane = at & ~free_body_bit;
+  return (at & free_body_bit ? free_bodies_ : tree_.block[0])[lane / Block::lanes].box(lane % Block::lanes);
 }
 
 // Takes a box out of where it lies.
 void BroadPhase::release(Index id) {
-  const Index at = state_[id], lane = at & ~loose_bit;
+  const Index at = state_[id], lane = at & ~free_body_bit;
   if (at < 0) return;
-  (at & loose_bit ? loose_ : tree_.block[0])[lane / Block::lanes].clear(lane % Block::lanes);
+  (at & free_body_bit ? free_bodies_ : tree_.block[0])[lane / Block::lanes].clear(lane % Block::lanes);
   state_[id] = nowhere;
 }
 
 // Puts boxes that moved where they can be found; packs all when there are too many of them.
 void BroadPhase::settle() {
   if (unplaced_count_ == 0) return;
-  if (loose_count_ + unplaced_count_ > std::max(loose_least, count_ / loose_share)) {
+  if (free_body_count_ + unplaced_count_ > std::max(free_body_least, count_ / free_body_share)) {
     pack();
   } else {
     for (Index k = 0; k < unplaced_count_; ++k) {
       const Index id = unplaced_[k];
       if (state_[id] == free_slot) continue;
       release(id);
-      const Index lane = loose_count_++;
-      if (lane % Block::lanes == 0) loose_[lane / Block::lanes].clear();
-      loose_[lane / Block::lanes].set(lane % Block::lanes, Box::of(tight_[id], margin_));
-      loose_id_[lane] = id, state_[id] = lane | loose_bit;
+      const Index lane = free_body_count_++;
+      if (lane % Block::lanes == 0) free_bodies_[lane / Block::lanes].clear();
+      free_bodies_[lane / Block::lanes].set(lane % Block::lanes, Box::of(tight_[id], margin_));
+      free_body_id_[lane] = id, state_[id] = lane | free_body_bit;
     }
   }
   for (Index k = 0; k < unplaced_count_; ++k) flags_[unplaced_[k]] &= std::uint8_t(~unplaced);
@@ -136,7 +136,7 @@ bool BroadPhase::refit() {
 }
 
 void BroadPhase::pack() {
-  loose_count_ = 0;
+  free_body_count_ = 0;
   candidates_valid_ = false;  // all fat boxes are others, also of boxes that have not left theirs
   if (refit()) return;
   // centres in cells of the cube about them
@@ -173,7 +173,7 @@ void BroadPhase::pack() {
 bool BroadPhase::refresh() {
   settle();
   if (stale_count_ == 0 && candidates_valid_) return true;
-  if (!candidates_valid_ || stale_count_ > std::max(loose_least, count_ / moved_share))
+  if (!candidates_valid_ || stale_count_ > std::max(free_body_least, count_ / moved_share))
     join();
   else
     replace_stale();
@@ -199,11 +199,11 @@ void BroadPhase::join() {
       });
     });
   }
-  for (Index k = 0; k < loose_count_; ++k) {
-    const Index id = loose_id_[k];
-    if (state_[id] != (k | loose_bit)) continue;
+  for (Index k = 0; k < free_body_count_; ++k) {
+    const Index id = free_body_id_[k];
+    if (state_[id] != (k | free_body_bit)) continue;
     for_each_overlap(fat(id), [&](Index other) {
-      if (!(state_[other] & loose_bit) || other > id) found(id_pair(id, other));
+      if (!(state_[other] & free_body_bit) || other > id) found(id_pair(id, other));
     });
   }
   candidates_valid_ = found_ <= pair_capacity_;

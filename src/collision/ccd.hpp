@@ -2,11 +2,11 @@
 // on first use: libdyn does without it.
 #pragma once
 
-#include "collision/second.hpp"
+#include "collision/fallback_narrowphase.hpp"
 
 namespace dyn::collision {
 
 bool ccd_available();
-bool ccd_overlap(const shape::Shape& a, const shape::Pose& X_WA, const shape::Shape& b, const shape::Pose& X_WB, double tolerance, SecondAnswer& out);
+bool ccd_overlap(const shape::Shape& a, const shape::Pose& X_WA, const shape::Shape& b, const shape::Pose& X_WB, double tolerance, FallbackResult& out);
 
 }  // namespace dyn::collision

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "collision/analytic/ends.hpp"
-#include "collision/analytic/sums.hpp"
+#include "collision/analytic/minkowski_segments.hpp"
 #include "collision/convex_pair.hpp"
 #include "shape/list.hpp"
 

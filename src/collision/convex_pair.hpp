@@ -5,7 +5,7 @@
 
 #include "collision/epa.hpp"
 #include "collision/gjk.hpp"
-#include "collision/polish.hpp"
+#include "collision/newton_refine.hpp"
 
 namespace dyn::collision {
 
@@ -27,13 +27,13 @@ inline double wanted(const D& d, const Options& options) {
 template <class D>
 inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const Options& options) {
   const double enough = wanted(d, options);
-  Polished p{};
+  Refined p{};
   bool refined = false;
   auto finish = [&](const GjkResult& g) {
     // apart: the witness points bound the distance from above, the plane from below
     const Vec n = g.v * (-1 / g.norm);
     if constexpr (D::curved)
-      refined = (on_face(d, n, p) || polish(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p)) && p.distance > -enough &&
+      refined = (on_face(d, n, p) || newton_refine(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p)) && p.distance > -enough &&
                 shape::norm(p.b - p.a) - p.distance <= enough;
     // what is not on its normal may be so when GJK has come closer
     return refined && p.unique;

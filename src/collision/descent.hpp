@@ -4,7 +4,7 @@
 #pragma once
 
 #include "base/portable.hpp"
-#include "collision/polish.hpp"
+#include "collision/newton_refine.hpp"
 
 namespace dyn::collision {
 
@@ -60,12 +60,12 @@ inline void pieces_around(const D& d, const Vec& n, Vertex* best, double* weight
 
 // From a normal near that of the least depth. false: no solution was found.
 template <class D>
-[[gnu::noinline]] inline bool descend(const D& d, const Vec& from, double wanted, Polished& out) {
+[[gnu::noinline]] inline bool descend(const D& d, const Vec& from, double wanted, Refined& out) {
   const Vec n = detail::lowest(d, from);
   Vertex p[3];
   double weight[3];
   detail::pieces_around(d, n, p, weight);
-  return polish(d, p, weight, 3, n, wanted, out);
+  return newton_refine(d, p, weight, 3, n, wanted, out);
 }
 
 }  // namespace dyn::collision

@@ -137,7 +137,7 @@ static_assert([] {
 
 // What the second method finds, if it holds: the depth is that along its normal, the witness points lie within it from A and B.
 bool second_opinion(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, const Options& o, Result& r) {
-  SecondAnswer found;
+  FallbackResult found;
   if (!o.second(a, XA, b, XB, o.tolerance, found)) return false;
   double reach = 0, small = infinity, outside = 0;
   r.point_a = found.position + found.normal * (found.depth / 2), r.point_b = found.position - found.normal * (found.depth / 2);

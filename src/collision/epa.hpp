@@ -73,7 +73,7 @@ class Epa {
         stuck_ = !grow(nearest, p);
     }
     if constexpr (D::curved)
-      if (Polished p; !refined() && r.upper - lower_bound() > o_.accepted * d_.small && descend(d_, r.normal, wanted_, p)) take(p);
+      if (Refined p; !refined() && r.upper - lower_bound() > o_.accepted * d_.small && descend(d_, r.normal, wanted_, p)) take(p);
     if (refined()) {
       r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
       r.unique = polished_.unique, r.refined = true;
@@ -99,11 +99,11 @@ class Epa {
   const Options& o_;
   const double rounding_, wanted_, tie_;
   EpaResult r_;
-  Polished polished_{};
+  Refined polished_{};
   double refined_upper_ = shape::infinity;
-  static constexpr int most_minima = 8;
+  static constexpr int max_minima = 8;
   static constexpr double same = 0.999;  // cosine between directions that lead to the same minimum
-  Vec minimum_[most_minima];  // directions of those found
+  Vec minimum_[max_minima];  // directions of those found
   int minima_ = 0;
   bool stuck_ = false;  // the polytope grows no more
   Index vertices_ = 0, faces_ = 0, free_ = 0;
@@ -135,7 +135,7 @@ class Epa {
 
   // A local minimum of the depth near a face: where a flat face is nearest, or where Newton's method leads.
   [[gnu::noinline]] bool refine(Index f) {
-    Polished p;
+    Refined p;
     const Vec n = w_.face[f].normal;
     if (on_face(d_, n, p) && !known(p.normal)) {
       take(p);
@@ -144,12 +144,12 @@ class Epa {
     const Part part = nearest_part(f);
     Vertex at[3];
     for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
-    if (!polish(d_, at, part.weight, part.size, n, wanted_, p)) return false;
+    if (!newton_refine(d_, at, part.weight, part.size, n, wanted_, p)) return false;
     take(p);
     return true;
   }
-  void take(Polished p) {
-    if (minima_ < most_minima) minimum_[minima_++] = p.normal;
+  void take(Refined p) {
+    if (minima_ < max_minima) minimum_[minima_++] = p.normal;
     const double less = refined_upper_ + p.distance;
     if (std::abs(less) <= tie_ && dot(p.normal, polished_.normal) < 1 - 1e-6) p.unique = polished_.unique = false;
     if (less > 0) polished_ = p, refined_upper_ = -p.distance;

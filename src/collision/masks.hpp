@@ -16,7 +16,7 @@ inline void set_masks(const Model& m, Data<double>& d, Index geom, const Masks& 
     if (!meet && state == DYN_PAIR_TESTED) state = DYN_PAIR_MASK;
     if (meet && state == DYN_PAIR_MASK) state = DYN_PAIR_TESTED;
   }
-  d.drop(Stage::Distances);
+  d.invalidate(Stage::Distances);
 }
 
 }  // namespace dyn::collision

@@ -9,17 +9,17 @@ namespace dyn::collision {
 namespace {
 
 constexpr double fat = 0.1;  // margin of boxes, of the mean reach
-std::ptrdiff_t pair_room(const Model& m) { return 1024 + 16 * std::ptrdiff_t(m.n.geoms); }
+std::ptrdiff_t pair_capacity(const Model& m) { return 1024 + 16 * std::ptrdiff_t(m.n.geoms); }
 std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
 
 // f(array, numbers)
 template <class F>
 void for_each_array(const Model& m, PairSearch& s, char*& moving, char*& fixed, char*& resting, F&& f) {
-  f(moving, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, pair_room(m)))), f(fixed, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
+  f(moving, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, pair_capacity(m)))), f(fixed, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
   f(resting, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
   f(s.moving, 1), f(s.fixed, 1), f(s.resting, 1);
   for (Index** list : {&s.active, &s.moving_geoms, &s.fixed_geoms, &s.vast_geoms}) f(*list, m.n.geoms);
-  f(s.alone, m.n.geoms), f(s.found, pair_room(m));
+  f(s.alone, m.n.geoms), f(s.found, pair_capacity(m));
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ void PairSearch::set_up(const Model& m, Data<double>& d) {
     array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
     next += rounded(std::size_t(n) * sizeof *array);
   });
-  moving_count = fixed_count = vast_count = 0, room = pair_room(m);
+  moving_count = fixed_count = vast_count = 0, room = pair_capacity(m);
   double sum = 0;
   for (Index k = 0; k < m.n.geoms; ++k) {
     if (!known(m, k)) continue;

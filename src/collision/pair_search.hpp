@@ -3,7 +3,7 @@
 #pragma once
 
 #include "collision/broad/broad_phase.hpp"
-#include "collision/cull.hpp"
+#include "collision/bounding_sphere.hpp"
 #include "collision/pairs.hpp"
 
 namespace dyn::collision {

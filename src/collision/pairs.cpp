@@ -1,7 +1,7 @@
 #include "collision/pairs.hpp"
 
 #include "algorithm/kinematics.hpp"
-#include "collision/cull.hpp"
+#include "collision/bounding_sphere.hpp"
 #include "collision/gradient.hpp"
 #include "shape/list.hpp"
 
@@ -32,7 +32,7 @@ void distances(const Model& m, Data<double>& d) {
     if (tested) d.results[k] = pair_distance(m, d, k);
     d.distances[k] = tested ? d.results[k].distance : shape::infinity;
   }
-  d.done(Stage::Distances);
+  d.mark_fresh(Stage::Distances);
 }
 
 Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Index capacity) {

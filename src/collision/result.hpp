@@ -1,7 +1,7 @@
 // What a query between two shapes answers.
 #pragma once
 
-#include "collision/second.hpp"
+#include "collision/fallback_narrowphase.hpp"
 
 namespace dyn::collision {
 

@@ -42,7 +42,7 @@ inline Bounds turned(const Bounds& b, const Pose& X) {
   const Vec c = X.act(middle(b)), h = half_of(b), r = sizes(X.R.x) * h[0] + sizes(X.R.y) * h[1] + sizes(X.R.z) * h[2];
   return {c - r, c + r};
 }
-constexpr Index most_pieces = TriangleTree::leaf_size;  // of a leaf
+constexpr Index max_pieces = TriangleTree::leaf_size;  // of a leaf
 
 // The corners of a piece in a frame, its middle, and the normal of its triangle.
 struct Corners {

@@ -161,7 +161,7 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
     Bounds box_a, box_b;  // in the frame of A
     double lower;
   };
-  Entry stack[S::most_stack + T::most_stack];
+  Entry stack[S::max_stack + T::max_stack];
   Index depth = 0;
   Vec n = axis(2);
   guess(a, b, X, nearest, n);
@@ -201,10 +201,10 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
     for (; at > first && stack[at - 1].lower < e.lower; --at) stack[at] = stack[at - 1];
     stack[at] = e;
   };
-  Facet p, q[most_pieces];
+  Facet p, q[max_pieces];
   auto leaves = [&](const Entry& e) {
     const Index count_a = a.pieces(e.a), count_b = b.pieces(e.b);
-    Corners of_q[most_pieces];
+    Corners of_q[max_pieces];
     for (Index j = 0; j < count_b; ++j) b.piece(e.b, j, q[j]), of_q[j] = Corners(q[j], X);
     for (Index i = 0; i < count_a; ++i) {
       a.piece(e.a, i, p);
@@ -221,8 +221,8 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
     while (depth > 0) {
       const Entry e = stack[--depth];
       if (!(e.lower <= nearest.limit)) continue;
-      typename S::Node of_a[S::most_children];
-      typename T::Node of_b[T::most_children];
+      typename S::Node of_a[S::max_children];
+      typename T::Node of_b[T::max_children];
       const Index in_a = a.split(e.a, of_a), in_b = b.split(e.b, of_b), first = depth;
       if (in_a == 0 && in_b == 0)
         leaves(e);

@@ -31,7 +31,7 @@ void solve_bounded(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index 
       if (bounds.state[i] == 0) bounds.free[count++] = i;
       else lambda[i] = bounds.state[i] < 0 ? bounds.lower[i] : bounds.upper[i];
     }
-    part_ld = row_room(count);
+    part_ld = padded_rows(count);
     for (Index c = 0; c < count; ++c) {
       const T* column = G + ld * bounds.free[c];
       for (Index r = 0; r < part_ld; ++r) bounds.matrix[part_ld * c + r] = r < count ? column[bounds.free[r]] : T(0);

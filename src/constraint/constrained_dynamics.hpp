@@ -10,12 +10,12 @@ namespace dyn {
 
 template <class T>
 RowWork<T> row_work(const Model& m, const Data<T>& d) {
-  return {d.row_factor, d.row_scaled, d.row_range, d.row_vectors, row_room(m.n.constraint_rows)};
+  return {d.row_factor, d.row_scaled, d.row_range, d.row_vectors, padded_rows(m.n.constraint_rows)};
 }
 // Vectors beyond those of the solver.
 template <class T>
 DYN_INLINE T* row_vector(const Model& m, const Data<T>& d, int k) {
-  return d.row_vectors + (8 + k) * row_room(m.n.constraint_rows);
+  return d.row_vectors + (8 + k) * padded_rows(m.n.constraint_rows);
 }
 
 // What the factor of M^-1 needs at the trees' roots, after forward dynamics.
@@ -39,11 +39,11 @@ Index constraint_factor(const Model& m, Data<T>& d) {
 // lambda for rows that ask for b, with the bounds of those that have some.
 template <class T>
 void solve_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounded, const ProximalOptions& options, T* lambda, ProximalResult<T>& result) {
-  const std::ptrdiff_t ld = row_room(rows);
+  const std::ptrdiff_t ld = padded_rows(rows);
   delassus(m, d, rows, d.row_matrix);
   if (!bounded) return solve_equalities(row_work(m, d), d.row_matrix, ld, rows, b, options, lambda, result);
   T *lower = row_vector(m, d, 1), *upper = row_vector(m, d, 2);
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     for (Index r = 0; r < s.rows; ++r) {
       lower[s.first + r] = one_sided(s.c.type) ? s.lower[r] : T(-HUGE_VAL);
       upper[s.first + r] = one_sided(s.c.type) ? s.upper[r] : T(HUGE_VAL);
@@ -55,7 +55,7 @@ void solve_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounded
 template <class T>
 bool any_bounded(const Model& m, Data<T>& d) {
   bool found = false;
-  for_each_slot(m, d, [&](Slot<T>& s, Index) { found = found || one_sided(s.c.type); });
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) { found = found || one_sided(s.c.type); });
   return found;
 }
 
@@ -63,7 +63,7 @@ bool any_bounded(const Model& m, Data<T>& d) {
 template <class T>
 T rows_residual(const Model& m, Data<T>& d, Index rows, const T* b, const T* lambda, bool bounded) {
   T* left = row_vector(m, d, 3);
-  row_residual(d.row_matrix, row_room(rows), rows, b, lambda, left);
+  row_residual(d.row_matrix, padded_rows(rows), rows, b, lambda, left);
   if (bounded)
     for (Index r = 0; r < rows; ++r)
       if (d.row_state[r] != 0) left[r] = T(0);
@@ -90,7 +90,7 @@ Index constrained_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau,
   const bool bounded = any_bounded(m, d);
   prepare_columns(m, d);
   evaluate_rows(m, d, d.expand(m, v, d.vx), d.expand(m, static_cast<const T*>(ddq), d.ax));
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     const T kp = T(s.c.stiffness), kd = T(s.c.damping);
     for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -(s.acceleration[r] + kp * s.error[r] + kd * s.rate[r]);
   });
@@ -112,7 +112,7 @@ Index constraint_impulse(const Model& m, Data<T>& d, const T* v, const ProximalO
   T *b = row_vector(m, d, 0), *x = d.constraint_step;
   const bool bounded = any_bounded(m, d);
   evaluate_rows(m, d, d.expand(m, v, d.vx), static_cast<const T*>(nullptr));
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = s.upper[0] = T(0);  // a force of bounded size has no impulse
     for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -(T(1) + T(s.c.restitution)) * s.rate[r];
   });
@@ -128,10 +128,10 @@ Index constraint_impulse(const Model& m, Data<T>& d, const T* v, const ProximalO
 // J of all rows, rows x nv with the leading dimension ld.
 template <class T>
 void constraint_jacobian(const Model& m, Data<T>& d, T* J, std::ptrdiff_t ld) {
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
-    slot_jacobian(m, d, s, d.slot_columns);
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
+    constraint_jacobian(m, d, s, d.constraint_columns);
     for (Index k = 0; k < m.n.nv; ++k)
-      for (Index r = 0; r < s.rows; ++r) J[s.first + r + ld * k] = d.slot_columns[row_lanes * k + r];
+      for (Index r = 0; r < s.rows; ++r) J[s.first + r + ld * k] = d.constraint_columns[row_lanes * k + r];
   });
 }
 

@@ -18,7 +18,7 @@
 
 namespace dyn {
 
-inline constexpr int most_rows = 6;  // of a constraint
+inline constexpr int max_rows = 6;  // of a constraint
 inline constexpr int row_lanes = 8;
 
 // What a slot holds, as the algorithms read it.

@@ -32,7 +32,7 @@ inline Index last_dof(const Model& m, Index body) { return body ? first_dof(m, b
 
 // One slot, without mimic joints.
 template <class T>
-DYN_INLINE void propagate(const Model& m, const Data<T>& d, Slot<T>& s, Index* support, T* y) {
+DYN_INLINE void propagate(const Model& m, const Data<T>& d, ConstraintInstance<T>& s, Index* support, T* y) {
   using Six = SixEights<T>;
   using P = typename Six::P;
   const bool joints = between_joints(s.c.type);
@@ -67,7 +67,7 @@ DYN_INLINE void propagate(const Model& m, const Data<T>& d, Slot<T>& s, Index* s
 
 // J, rows of lanes by the user's degrees of freedom: those of a slot are added to zeros.
 template <class T>
-void add_slot_jacobian(const Model& m, const Data<T>& d, const Slot<T>& s, T* J) {
+void add_constraint_jacobian(const Model& m, const Data<T>& d, const ConstraintInstance<T>& s, T* J) {
   using Six = SixEights<T>;
   auto user = [&](Index k) { return m.has_mimic ? m.expand_v()[k] : k; };
   auto ratio = [&](Index k) { return m.has_mimic ? T(m.ratio_v()[k]) : T(1); };
@@ -93,9 +93,9 @@ void add_slot_jacobian(const Model& m, const Data<T>& d, const Slot<T>& s, T* J)
 }
 // J of a slot, nv rows of lanes.
 template <class T>
-void slot_jacobian(const Model& m, const Data<T>& d, const Slot<T>& s, T* J) {
+void constraint_jacobian(const Model& m, const Data<T>& d, const ConstraintInstance<T>& s, T* J) {
   std::fill_n(J, row_lanes * std::ptrdiff_t(m.n.nv), T(0));
-  add_slot_jacobian(m, d, s, J);
+  add_constraint_jacobian(m, d, s, J);
 }
 
 // The last of the user's degrees of freedom that move a body, or -1: the others are its ancestors in the elimination tree, for they are all coupled.
@@ -108,16 +108,16 @@ inline Index last_user_dof(const Model& m, Index body) {
 
 // L^-T J^T of one slot: what two degrees of freedom and their ancestors carry.
 template <class T>
-void eliminate_slot(const Model& m, const Data<T>& d, Slot<T>& s, Index* support, T* y) {
+void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T>& s, Index* support, T* y) {
   using P = Pack<T, row_lanes>;
   const Index *parent = m.dof_parent(), *user = m.expand_v();
   const bool joints = between_joints(s.c.type);
   Index a = joints ? user[s.c.v1 + (of_ball(s.c) ? 2 : 0)] : last_user_dof(m, s.c.body1);
   Index b = !joints ? last_user_dof(m, s.c.body2) : s.c.body2 ? user[s.c.v2] : -1;
-  T* const J = d.slot_columns;
+  T* const J = d.constraint_columns;
   for (const Index last : {a, b})
     for (Index i = last; i >= 0; i = parent[i]) P::zero().store(J + row_lanes * i);
-  add_slot_jacobian(m, d, s, J);
+  add_constraint_jacobian(m, d, s, J);
   s.support = 0;
   while (a >= 0 || b >= 0) {
     const Index i = std::max(a, b);
@@ -138,8 +138,8 @@ void eliminate_slot(const Model& m, const Data<T>& d, Slot<T>& s, Index* support
 
 template <class T>
 void propagate_rows(const Model& m, Data<T>& d) {
-  for_each_slot(m, d, [&](Slot<T>& s, Index k) {
-    if (m.has_mimic) eliminate_slot(m, d, s, support_of(m, d, k), carried_of(m, d, k));
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index k) {
+    if (m.has_mimic) eliminate_constraint(m, d, s, support_of(m, d, k), carried_of(m, d, k));
     else propagate(m, d, s, support_of(m, d, k), carried_of(m, d, k));
   });
 }
@@ -182,15 +182,15 @@ DYN_INLINE void couple(const Index* ks, Index ns, const T* ys, const Index* kt, 
   for (int c = 0; c < columns; ++c) sum[c].store(G + ld * c);
 }
 
-// G, rows x rows with the leading dimension ld = row_room(rows); both triangles. Slots t >= s write at and below the diagonal, each with whole
+// G, rows x rows with the leading dimension ld = padded_rows(rows); both triangles. Slots t >= s write at and below the diagonal, each with whole
 // lanes: those beyond its rows are overwritten by the next, so that they come in order.
 template <class T>
 void delassus(const Model& m, Data<T>& d, Index rows, T* G) {
-  const std::ptrdiff_t ld = row_room(rows);
+  const std::ptrdiff_t ld = padded_rows(rows);
   const T* Dinv = inverse_pivots(m, d);
-  for_each_slot(m, d, [&](Slot<T>& s, Index i) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index i) {
     for (Index j = i; j < m.n.slots; ++j) {
-      const Slot<T>& t = d.slots[j];
+      const ConstraintInstance<T>& t = d.slots[j];
       if (!t.rows) continue;
       auto block = [&]<int columns>() {
         couple<columns>(support_of(m, d, i), s.support, carried_of(m, d, i), support_of(m, d, j), t.support, carried_of(m, d, j), Dinv,
@@ -207,14 +207,14 @@ void delassus(const Model& m, Data<T>& d, Index rows, T* G) {
 template <class T>
 void gather(const Model& m, Data<T>& d, const T* lambda, T* x) {
   std::fill_n(x, m.n.nv, T(0));
-  for_each_slot(m, d, [&](Slot<T>& s, Index i) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index i) {
     const Index* k = support_of(m, d, i);
     const T* y = carried_of(m, d, i);
-    T l[most_rows] = {};
+    T l[max_rows] = {};
     for (Index r = 0; r < s.rows; ++r) l[r] = lambda[s.first + r];
     for (Index n = 0; n < s.support; ++n, y += row_lanes) {
       T sum = T(0);
-      for (int r = 0; r < most_rows; ++r) sum += r < s.rows ? y[r] * l[r] : T(0);
+      for (int r = 0; r < max_rows; ++r) sum += r < s.rows ? y[r] * l[r] : T(0);
       x[k[n]] += sum;
     }
   });
@@ -259,7 +259,7 @@ void delassus_times(const Model& m, Data<T>& d, const T* x, T* by_dof, T* out) {
   gather(m, d, x, by_dof);
   const T* Dinv = inverse_pivots(m, d);
   for (Index k = 0; k < m.n.nv; ++k) by_dof[k] *= Dinv[k];
-  for_each_slot(m, d, [&](Slot<T>& s, Index i) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index i) {
     using P = Pack<T, row_lanes>;
     P sum = P::zero();
     const Index* k = support_of(m, d, i);

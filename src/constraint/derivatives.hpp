@@ -6,7 +6,7 @@
 
 #include "algorithm/factor_inverse.hpp"
 #include "algorithm/gravity_derivatives.hpp"
-#include "constraint/slot_derivatives.hpp"
+#include "constraint/instance_derivatives.hpp"
 
 namespace dyn {
 
@@ -14,7 +14,7 @@ namespace dyn {
 template <class T>
 bool beyond_tree(const Model& m, Data<T>& d) {
   bool found = m.has_mimic;
-  for_each_slot(m, d, [&](Slot<T>& s, Index) { found = found || s.c.body2 != 0; });
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) { found = found || s.c.body2 != 0; });
   return found;
 }
 // Inverse dynamics leaves entries of unrelated degrees of freedom zero for good; forces between bodies have filled them.
@@ -46,7 +46,7 @@ Index constrained_dynamics_derivatives(const Model& m, Data<T>& d, const T* v, c
   if (fext) subtract_external_at_root(m, d, fext);
   subtract_constraint_forces(m, d);
   torque_derivatives(m, d, v, static_cast<const T*>(ddq));
-  differentiate_slots(m, d, vx, ax, K, d.dtau_dq);
+  differentiate_constraints(m, d, vx, ax, K, d.dtau_dq);
   if (const Index failed = prepare_kkt(m, d, result, K)) return failed;
   const bool related = !beyond_tree(m, d);
   minus_kkt_product(m, K, related, d.dtau_dq, K.Dq, K.by_q);
@@ -74,7 +74,7 @@ Index constraint_impulse_derivatives(const Model& m, Data<T>& d, const T* v, con
   subtract_constraint_forces(m, d);
   torque_derivatives(m, d, zero, static_cast<const T*>(jump));
   for (std::ptrdiff_t k = 0; k < n * n; ++k) d.dtau_dq[k] -= at_rest[k];
-  differentiate_slots(m, d, still, jumping, K, d.dtau_dq);
+  differentiate_constraints(m, d, still, jumping, K, d.dtau_dq);
   if (const Index failed = prepare_kkt(m, d, result, K)) return failed;
 
   // D of J (v_plus + e v): by q, by v
@@ -85,7 +85,7 @@ Index constraint_impulse_derivatives(const Model& m, Data<T>& d, const T* v, con
   const T* before = d.expand(m, v, d.vx);
   derivative_columns(m, d, before, zero);
   differentiate_rates(m, d, before, true, K, K.Dq);
-  for_each_slot(m, d, [&](Slot<T>& s, Index slot) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index slot) {
     const T *J = carried_of(m, d, slot), factor = T(1) + T(s.c.restitution);
     for (Index c = 0; c < s.support; ++c)
       for (Index r = 0; r < s.rows; ++r) K.Dv[s.first + r + K.rows * std::ptrdiff_t(support_of(m, d, slot)[c])] += factor * J[row_lanes * c + r];

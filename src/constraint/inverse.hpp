@@ -16,15 +16,15 @@ Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const
   evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
   inverse_dynamics(m, d, v, a, fext, tau);
   const Index rows = active_rows(m, d);
-  const std::ptrdiff_t ld = row_room(rows);
+  const std::ptrdiff_t ld = padded_rows(rows);
   const RowWork<T> work = row_work(m, d);
   T *N = d.row_matrix, *b = row_vector(m, d, 0), *row = row_vector(m, d, 1);
   std::fill_n(N, ld * rows, T(0)), std::fill_n(b, rows, T(0));
 
   // J by degrees of freedom: rows of lanes, slot by slot
-  for_each_slot(m, d, [&](Slot<T>& s, Index k) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index k) {
     T* J = d.carried + row_lanes * std::ptrdiff_t(k) * m.n.nvx;
-    slot_jacobian(m, d, s, J);
+    constraint_jacobian(m, d, s, J);
     if (one_sided(s.c.type)) std::fill_n(J, row_lanes * std::ptrdiff_t(m.n.nv), T(0));  // their forces are not for holding
   });
   auto for_each_idle = [&](auto&& f) {
@@ -33,7 +33,7 @@ Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const
         if (actuated ? actuated[k] == 0 : flies(m, j)) f(k);
   };
   auto read_row = [&](Index k) {
-    for_each_slot(m, d, [&](Slot<T>& s, Index slot) {
+    for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index slot) {
       const T* J = d.carried + row_lanes * (std::ptrdiff_t(slot) * m.n.nvx + k);
       for (Index r = 0; r < s.rows; ++r) row[s.first + r] = J[r];
     });

@@ -18,9 +18,9 @@ struct KktSystem {
 };
 template <class T>
 KktSystem<T> kkt_system(const Model& m, const Data<T>& d, Index rows) {
-  const std::ptrdiff_t nv = m.n.nv, most = m.n.constraint_rows, ld = kkt_room(nv + most);
-  T* Dv = d.row_by_state + kkt_room(most * nv) + row_lanes;
-  return {rows, kkt_room(nv + rows), d.kkt_inverse, d.kkt_by_state, d.kkt_by_state + ld * nv, d.inverse_rows, d.row_by_state, Dv};
+  const std::ptrdiff_t nv = m.n.nv, most = m.n.constraint_rows, ld = padded_kkt(nv + most);
+  T* Dv = d.row_by_state + padded_kkt(most * nv) + row_lanes;
+  return {rows, padded_kkt(nv + rows), d.kkt_inverse, d.kkt_by_state, d.kkt_by_state + ld * nv, d.inverse_rows, d.row_by_state, Dv};
 }
 
 // Some packs of a column.
@@ -52,7 +52,7 @@ template <class T>
 void inverse_times_rows(const Model& m, Data<T>& d, std::ptrdiff_t ld, T* Z) {
   using P = Pack<T, row_lanes>;
   const std::ptrdiff_t n = m.n.nv;
-  for_each_slot(m, d, [&](Slot<T>& s, Index slot) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index slot) {
     const Index* carriers = support_of(m, d, slot);
     const T* J = carried_of(m, d, slot);
     auto columns = [&]<int count>() {
@@ -76,7 +76,7 @@ void inverse_times_rows(const Model& m, Data<T>& d, std::ptrdiff_t ld, T* Z) {
 // The inverse of the system, from d.Minv, the rows' J, and G^-1.
 template <class T>
 void invert_kkt(const Model& m, Data<T>& d, bool bounded, bool factored, const KktSystem<T>& K) {
-  const std::ptrdiff_t n = m.n.nv, ld = K.ld, rows = K.rows, ldg = row_room(rows);
+  const std::ptrdiff_t n = m.n.nv, ld = K.ld, rows = K.rows, ldg = padded_rows(rows);
   T *Z = K.Z, *W = K.inverse + ld * n;
   if (rows) {
     const T* Ginv = row_inverse(m, d, bounded, factored, K.rows);

@@ -2,7 +2,7 @@
 #include "constraint/project.hpp"
 
 namespace dyn {
-template void hold_velocity(const Model&, Data<double>&, const double*, double*, dynConstraintResult&);
+template void project_velocity(const Model&, Data<double>&, const double*, double*, dynConstraintResult&);
 template Index project(const Model&, Data<double>&, int, bool, double, double*, dynConstraintResult&, double);
 template Index constrained_inverse_dynamics(const Model&, Data<double>&, const double*, const double*, const double*, const std::int32_t*, double*, dynConstraintResult&);
 }  // namespace dyn

@@ -12,9 +12,9 @@ namespace dyn {
 template <class T>
 void forget_masses(const Model& m, Data<T>& d) {
   if (m.has_mimic) {
-    std::fill_n(d.L, m.n.nv * factor_room(m), T(0));
+    std::fill_n(d.L, m.n.nv * padded_factor(m), T(0));
     std::fill_n(d.D, m.n.nv, T(1));
-    d.drop(Stage::Factor);
+    d.invalidate(Stage::Factor);
     return;
   }
   for (Index k = 0; k < m.n.nvx; ++k) d.U_root[k] = Force<T>::zero(), d.Dinv[k] = T(1);
@@ -26,7 +26,7 @@ Index project_rows(const Model& m, Data<T>& d, bool weigh) {
   if (const Index failed = constraint_factor(m, d)) return failed;
   if (!weigh) forget_masses(m, d);
   evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     if (one_sided(s.c.type) && s.error[0] == T(0)) s.g1 = T(0);
   });
   return 0;
@@ -34,7 +34,7 @@ Index project_rows(const Model& m, Data<T>& d, bool weigh) {
 template <class T>
 T gather_errors(const Model& m, Data<T>& d, T* C) {
   T sum = T(0);
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     for (Index r = 0; r < s.rows; ++r) C[s.first + r] = s.error[r], sum += s.error[r] * s.error[r];
   });
   return sum;
@@ -43,12 +43,12 @@ T gather_errors(const Model& m, Data<T>& d, T* C) {
 // out = v, or the velocity nearest to it in the metric of M that the rows allow at d.q, where the factor is; at a limit it may leave it. nullptr: the
 // result alone.
 template <class T>
-void hold_velocity(const Model& m, Data<T>& d, const T* v, T* out, dynConstraintResult& result) {
+void project_velocity(const Model& m, Data<T>& d, const T* v, T* out, dynConstraintResult& result) {
   ProximalResult<T> found;
   const bool bounded = any_bounded(m, d);
   T *b = row_vector(m, d, 0), *step = d.constraint_step;
   evaluate_rows(m, d, d.expand(m, v, d.vx), static_cast<const T*>(nullptr));
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = s.upper[0] = T(0);
     for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -s.rate[r];
   });
@@ -88,11 +88,11 @@ T largest_part(const Model& m, const T* step, T length) {
 // Steps from d.q as long as they make |C| less. The damping goes with |C|, so that it ends where J loses rank at the solution, too (a linkage
 // stretched to its full length; Sugihara 2011), each step there leaving a quarter of C, which is row vector 0.
 template <class T>
-Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T least_damping, Descent<T>& found) {
+Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, Descent<T>& found) {
   constexpr double least = 1e-9, most = 1e6;
   const T length = T(own_length(m));
   const Index rows = active_rows(m, d);
-  const std::ptrdiff_t ld = row_room(rows);
+  const std::ptrdiff_t ld = padded_rows(rows);
   const RowWork<T> work = row_work(m, d);
   T *C = row_vector(m, d, 0), *lambda = row_vector(m, d, 1), *Dinv = work.vector(0), *step = d.constraint_step, *before = d.constraint_q;
   if (const Index failed = project_rows(m, d, weigh)) return failed;
@@ -103,7 +103,7 @@ Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
     propagate_rows(m, d), delassus(m, d, rows, d.row_matrix);
     T trace = T(0);
     for (Index i = 0; i < rows; ++i) trace += d.row_matrix[ld * i + i];
-    const T mu = std::max(damping * std::min(T(1), T(2) * largest_size(C, rows) / length), least_damping) * trace / T(double(rows));
+    const T mu = std::max(damping * std::min(T(1), T(2) * largest_size(C, rows) / length), min_damping) * trace / T(double(rows));
     if (!(mu > T(0))) break;
     factor_rows(d.row_matrix, ld, rows, mu, mu / T(2), work.factor, Dinv);
     for (Index i = 0; i < rows; ++i) lambda[i] = -C[i];
@@ -133,7 +133,7 @@ Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
 
 // From a q that no small step makes better, a saddle perhaps, as of a linkage stretched flat: again from beside it. d.q: the better one.
 template <class T>
-Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T least_damping, Descent<T>& found) {
+Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, Descent<T>& found) {
   T *kept = d.constraint_q + m.n.nq, *step = d.constraint_step;
   Random random{1};
   for (const double size : {0.01, 0.3}) {
@@ -142,7 +142,7 @@ Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tol
     for (Index k = 0; k < m.n.nv; ++k) step[k] = T(random.uniform(-size, size));
     integrate(m, static_cast<const T*>(kept), static_cast<const T*>(step), d.q);
     const T before = found.cost;
-    if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, least_damping, found)) return failed;
+    if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, min_damping, found)) return failed;
     if (found.cost < T(0.999) * before) continue;
     std::copy(kept, kept + m.n.nq, d.q);
     if (const Index failed = project_rows(m, d, weigh)) return failed;
@@ -151,20 +151,20 @@ Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tol
   return 0;
 }
 
-// d.q becomes the solution; v, unless it is nullptr, the velocity nearest to itself that the rows allow there. least_damping: of what the rows
+// d.q becomes the solution; v, unless it is nullptr, the velocity nearest to itself that the rows allow there. min_damping: of what the rows
 // take up; more of it keeps rounding from moving d.q where J nearly loses rank.
 template <class T>
-Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result, T least_damping) {
+Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result, T min_damping) {
   const Index rows = active_rows(m, d);
   const T* C = row_vector(m, d, 0);
   Descent<T> descent;
-  if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, least_damping, descent)) return failed;
-  if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, least_damping, descent)) return failed;
+  if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
+  if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
   result.rows = rows, result.iterations = descent.iterations, result.residual = double(largest_size(C, rows));
   result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINED : descent.ended ? DYN_CONSTRAINTS_CONTRADICT : DYN_CONSTRAINT_ITERATIONS;
   result.contradiction = result.reason == DYN_CONSTRAINTS_CONTRADICT ? result.residual : 0;
 
-  hold_velocity(m, d, v ? v : static_cast<const T*>(d.zero), v, result);
+  project_velocity(m, d, v ? v : static_cast<const T*>(d.zero), v, result);
   return 0;
 }
 

@@ -44,11 +44,11 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
   evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
   propagate_rows(m, d);
   const Index n = active_rows(m, d);
-  const std::ptrdiff_t ld = row_room(n);
+  const std::ptrdiff_t ld = padded_rows(n);
   delassus(m, d, n, d.row_matrix);
   T *C = row_vector(m, d, 0), *scale = row_vector(m, d, 1), *along = row_vector(m, d, 2), *share = row_vector(m, d, 3);
   T *A = d.row_scaled, *V = d.row_range, most = T(0);
-  for_each_slot(m, d, [&](const Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) {
     for (Index r = 0; r < s.rows; ++r) C[s.first + r] = s.error[r];
   });
   for (Index i = 0; i < n; ++i) most = std::max(most, d.row_matrix[ld * i + i]);
@@ -57,7 +57,7 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
   const auto decompose = [&](bool with_friction) {
     for (Index j = 0; j < n; ++j)
       for (Index i = 0; i < n; ++i) A[ld * j + i] = d.row_matrix[ld * j + i] * scale[i] * scale[j];
-    for_each_slot(m, d, [&](const Slot<T>& s, Index) {
+    for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) {
       if (s.c.type != DYN_CONSTRAINT_FRICTION) return;
       slips = true;
       for (Index i = 0; i < n && !with_friction; ++i) A[ld * s.first + i] = A[ld * i + s.first] = T(0);

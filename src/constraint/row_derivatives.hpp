@@ -61,7 +61,7 @@ void store_lanes(typename RowDerivatives<T>::Wrenches& to, const Force<T>& alpha
 
 // v, a expanded: at the acceleration that dynamics found; after derivative_columns with them.
 template <class T>
-void frame_row_derivatives(const Model& m, const Data<T>& d, const Slot<T>& s, const T* v, const T* a, const T* lambda, RowDerivatives<T>& out) {
+void frame_row_derivatives(const Model& m, const Data<T>& d, const ConstraintInstance<T>& s, const T* v, const T* a, const T* lambda, RowDerivatives<T>& out) {
   const MovingFrame<T> A = frame_of_columns(m, d, s.c.body2, s.c.X2, v, a), B = frame_of_columns(m, d, s.c.body1, s.c.X1, v, a);
   const RelativeMotion<T> X = relative_motion(A, B);
   const T kp = T(s.c.stiffness), kd = T(s.c.damping);

@@ -1,4 +1,4 @@
-// Small dense symmetric matrices between rows, the leading dimension ld = row_room(n): G + mu 1 = L D L^T, products, solutions. What is beyond n
+// Small dense symmetric matrices between rows, the leading dimension ld = padded_rows(n): G + mu 1 = L D L^T, products, solutions. What is beyond n
 // in a column may be anything finite.
 #pragma once
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/pack.hpp"
-#include "constraint/slot.hpp"
+#include "constraint/constraint_instance.hpp"
 
 namespace dyn {
 

@@ -72,7 +72,7 @@ void pseudoinvert_rows(const RowWork<T>& work, const T* G, const Index* state, s
 // G^-1, of G = d.row_matrix, whose factor may be in the place where solve_equalities leaves it.
 template <class T>
 const T* row_inverse(const Model& m, Data<T>& d, bool bounded, bool factored, Index rows) {
-  const std::ptrdiff_t ld = row_room(rows);
+  const std::ptrdiff_t ld = padded_rows(rows);
   const RowWork<T> work = row_work(m, d);
   if (factored || (!bounded && factor_rows(d.row_matrix, ld, rows, T(0), T(0), work.factor, work.vector(0)) > T(clearly_independent)))
     invert_rows(work.factor, work.vector(0), ld, rows, d.row_free);

@@ -9,7 +9,7 @@ namespace dyn {
 
 // f(slot, number of the slot) for those that act.
 template <class T, class F>
-DYN_INLINE void for_each_slot(const Model& m, Data<T>& d, F&& f) {
+DYN_INLINE void for_each_constraint(const Model& m, Data<T>& d, F&& f) {
   for (Index s = 0; s < m.n.slots; ++s)
     if (d.slots[s].rows) f(d.slots[s], s);
 }
@@ -83,7 +83,7 @@ DYN_INLINE void store_lane(const Force<T>& f, T* lanes, int i) {
 }
 
 template <class T>
-DYN_INLINE void evaluate_frames(const Model& m, const Data<T>& d, Slot<T>& s, const T* v, const T* a) {
+DYN_INLINE void evaluate_frames(const Model& m, const Data<T>& d, ConstraintInstance<T>& s, const T* v, const T* a) {
   const MovingFrame<T> A = moving_frame(m, d, s.c.body2, s.c.X2, v, a), B = moving_frame(m, d, s.c.body1, s.c.X1, v, a);
   const RelativeMotion<T> X = relative_motion(A, B);
   const Vec3<T> at2 = A.x + (B.p - A.p);  // B's origin from the root of A's tree
@@ -100,7 +100,7 @@ DYN_INLINE void evaluate_frames(const Model& m, const Data<T>& d, Slot<T>& s, co
 }
 
 template <class T>
-DYN_INLINE void evaluate_joints(const Data<T>& d, Slot<T>& s, const T* v, const T* a) {
+DYN_INLINE void evaluate_joints(const Data<T>& d, ConstraintInstance<T>& s, const T* v, const T* a) {
   visit_joint_constraint(s.c.type, [&]<class K>() DYN_INLINE_LAMBDA {
     const T q1 = d.q[s.c.q1], q2 = s.c.body2 ? d.q[s.c.q2] : T(0);
     const JointRow<T> row = K::evaluate(s.c, q1, q2);
@@ -116,7 +116,7 @@ DYN_INLINE void evaluate_joints(const Data<T>& d, Slot<T>& s, const T* v, const 
 // Needs placements and the columns S at the trees' roots. v, a expanded; nullptr: rates are not computed, a = 0.
 template <class T>
 void evaluate_rows(const Model& m, Data<T>& d, const T* v, const T* a) {
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     if (between_joints(s.c.type)) evaluate_joints(d, s, v, a);
     else evaluate_frames(m, d, s, v, a);
   });

@@ -20,7 +20,7 @@ template <class T>
 void number_rows(const Model& m, Data<T>& d) {
   Index first = 0;
   for (Index s = 0; s < m.n.slots; ++s) {
-    Slot<T>& slot = d.slots[s];
+    ConstraintInstance<T>& slot = d.slots[s];
     slot.rows = slot.enabled ? constraint_rows(slot.c) : 0;
     slot.first = first;
     first += slot.rows;
@@ -28,17 +28,17 @@ void number_rows(const Model& m, Data<T>& d) {
 }
 
 template <class T>
-void set_slot(const Model& m, Data<T>& d, Index slot, const dynConstraint& spec) {
-  d.slots[slot] = Slot<T>{};
+void set_constraint(const Model& m, Data<T>& d, Index slot, const dynConstraint& spec) {
+  d.slots[slot] = ConstraintInstance<T>{};
   d.slots[slot].c = resolve_constraint(m, spec);
   d.slots[slot].enabled = spec.enabled != 0;
-  d.slot_specs[slot] = spec;
-  d.slot_specs[slot].struct_size = sizeof spec;
+  d.constraint_specs[slot] = spec;
+  d.constraint_specs[slot].struct_size = sizeof spec;
 }
 
 template <class T>
-void set_up_slots(const Model& m, Data<T>& d) {
-  for (Index s = 0; s < m.n.slots; ++s) set_slot(m, d, s, s < m.n.constraints ? m.constraints()[s].spec : dynConstraint{});
+void set_up_constraints(const Model& m, Data<T>& d) {
+  for (Index s = 0; s < m.n.slots; ++s) set_constraint(m, d, s, s < m.n.constraints ? m.constraints()[s].spec : dynConstraint{});
   number_rows(m, d);
 }
 

@@ -15,7 +15,7 @@ namespace dyn::integrator {
 template <class T>
 struct Rounding {
   bool held;         // rows hold
-  T most_noise;      // per second: more is no rounding
+  T max_noise;      // per second: more is no rounding
   T noise = T(0);    // of errors, per second
   T rejected = T(0), tried = T(0);  // error and length of the last try
   int tries = 0;
@@ -43,7 +43,7 @@ struct Rounding {
   void accept() { tries = 0, noise /= 2; }
   void reject(T error, T h) {
     const T ratio = h / tried;
-    if (tries++ > 0 && error > rejected * ratio * ratio * ratio) noise = std::max(noise, std::min(error / h, most_noise));
+    if (tries++ > 0 && error > rejected * ratio * ratio * ratio) noise = std::max(noise, std::min(error / h, max_noise));
     rejected = error, tried = h;
   }
 };
@@ -75,12 +75,12 @@ template <class T>
 struct Passing {
   static constexpr double lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6}, more = 30;  // more: of error, in the one step over
   static constexpr int most = sizeof lengths / sizeof *lengths;
-  T most_noise, usual;  // of errors, per second; length of steps that pass nothing
+  T max_noise, usual;  // of errors, per second; length of steps that pass nothing
   T first = T(0), best = T(0), least = T(0);
   int tries = 0;  // beside the first
   bool spent = false;  // none of them was any better: steps become shorter
 
-  T limit(T allowed, T h) const { return std::max(T(more) * allowed, most_noise * h); }
+  T limit(T allowed, T h) const { return std::max(T(more) * allowed, max_noise * h); }
   T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
   // Whether to try again with h. error, raw, moved: of this try (finish_step); usual_move: what rows change v by elsewhere.
   bool again(T error, T raw, T moved, T allowed, T usual_move, T& h) {
@@ -138,13 +138,13 @@ inline constexpr double growth = 4;  // how much errors of steps may grow until 
 template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   T h = duration, t = 0, left = 0;
-  if (const Index joint = close_rows(m, d)) return joint;  // velocities that the rows do not allow jump at once
+  if (const Index joint = project_to_constraints(m, d)) return joint;  // velocities that the rows do not allow jump at once
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_motion(m, d)), duration, h)) return joint;
   report.evaluations += 2;
-  const T most_noise = std::max(accuracy / (4 * duration), T(1e-7));
-  Rounding<T> rounding{active_rows(m, d) > 0, most_noise};
+  const T max_noise = std::max(accuracy / (4 * duration), T(1e-7));
+  Rounding<T> rounding{active_rows(m, d) > 0, max_noise};
   Controller<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0), rounding.held ? T(2) : T(5)};
-  Passing<T> passing{most_noise, h};
+  Passing<T> passing{max_noise, h};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
@@ -186,14 +186,14 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T
   until = h, depth = 0;
   if constexpr (std::is_same_v<T, double>) {
     d.step->pace = HUGE_VAL;
-    if (!simulation::has_rows(m, d) || held_dynamics(m, d)) return false;
+    if (!simulation::has_rows(m, d) || constrained_forward_dynamics(m, d)) return false;
     if (is_open(m, d)) return true;
     if (!simulation::may_jump(m, d)) return false;
     for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
     bool jumps = false;
     const T* const v = d.expand(m, static_cast<const T*>(d.v), d.ax);
-    for (Index k = 0, slots = simulation::find_slots(m, d, s.y, h); k < slots; ++k) {
-      const simulation::ActiveSlot& x = d.step->active[k];
+    for (Index k = 0, slots = simulation::find_constraints(m, d, s.y, h); k < slots; ++k) {
+      const simulation::ActiveConstraint& x = d.step->active[k];
       if (x.kind == simulation::RowKind::Equality) continue;
       jumps = true;
       if (x.kind == simulation::RowKind::Contact) depth = std::max(depth, -simulation::gap_of(*d.step, x));
@@ -317,7 +317,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
       break;
     }
   }
-  if (!failed && integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST) failed = close_rows(m, d);
+  if (!failed && integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST) failed = project_to_constraints(m, d);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
   enter(m, d, integrator == DYN_REFERENCE ? T(0) : h);  // its own steps are entered

@@ -8,7 +8,7 @@
 
 #include "algorithm/declarations.hpp"
 #include "integrator/free_flight.hpp"
-#include "integrator/held.hpp"
+#include "integrator/constrained_motion.hpp"
 #include "simulation/sleep.hpp"
 
 namespace dyn::integrator {
@@ -33,7 +33,7 @@ struct ChartMotion {
   // f = dy/dt. Returns 0, or the joint whose forward dynamics failed.
   Index operator()(const T* y, T* f) const {
     place(y);
-    if (const Index joint = held_dynamics(m, d)) return joint;
+    if (const Index joint = constrained_forward_dynamics(m, d)) return joint;
     chart_rate(m, y, d.v, f);
     for (Index k = 0; k < m.n.nv; ++k) f[m.n.nv + k] = d.ddq[k];
     for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {

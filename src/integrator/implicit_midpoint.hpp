@@ -15,7 +15,7 @@ namespace dyn::integrator {
 // failed, or not_converged; the state is then as before.
 template <class T>
 Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, std::int64_t& evaluations) {
-  constexpr int most_iterations = 200;
+  constexpr int max_iterations = 200;
   s.begin(m, d);
   const Index nv = m.n.nv;
   const T *v0 = s.y0 + nv;
@@ -24,11 +24,11 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
   for (Index k = 0; k < nv; ++k) w[k] = v0[k];
   T best = std::numeric_limits<T>::infinity();
   int stalled = 0;
-  for (int i = 0; i < most_iterations; ++i) {
+  for (int i = 0; i < max_iterations; ++i) {
     for (Index k = 0; k < nv; ++k) half[k] = h / 2 * w[k], d.v[k] = w[k];
     integrate(m, s.q0, half, d.q);
     ++evaluations;
-    if (const Index joint = held_dynamics(m, d)) return s.undo(m, d), joint;
+    if (const Index joint = constrained_forward_dynamics(m, d)) return s.undo(m, d), joint;
     T error = T(0), size = T(0);
     for (Index k = 0; k < nv; ++k) {
       next[k] = v0[k] + h / 2 * d.ddq[k];

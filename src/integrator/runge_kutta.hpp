@@ -44,7 +44,7 @@ void defect(const Stages<T>& s, const double* weights, int count, T h, T* out) {
 template <class T>
 T largest_defect(const Model& m, Data<T>& d, const Stages<T>& s, T* x, bool held) {
   if constexpr (std::is_same_v<T, double>)
-    if (held) s.refer(m, d, x), hold_errors(m, d, x);
+    if (held) s.refer(m, d, x), remove_constrained_errors(m, d, x);
   T largest = T(0);
   for (Index k = 0; k < s.n; ++k)
     if (const T size = std::abs(x[k]); !(size <= largest)) largest = size;  // also NaN
@@ -74,7 +74,7 @@ Index finish_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, T allowed
     if (active_rows(m, d) == 0) return 0;
     T* const before = s.stage(1);
     std::copy(d.v, d.v + m.n.nv, before);
-    if (const Index joint = close_rows(m, d)) return s.undo(m, d), error = std::numeric_limits<T>::infinity(), joint;
+    if (const Index joint = project_to_constraints(m, d)) return s.undo(m, d), error = std::numeric_limits<T>::infinity(), joint;
     for (Index k = 0; k < m.n.nv; ++k) moved = std::max(moved, std::abs(d.v[k] - before[k]));
     if (error > allowed) error = step_error(Tableau(), m, d, s, h, true);
   }

@@ -11,7 +11,7 @@
 
 namespace dyn::integrator {
 
-// f(part), without what flies by itself in this step (simulation/loose.hpp).
+// f(part), without what flies by itself in this step (simulation/free_bodies.hpp).
 template <class T, class Part, class F>
 DYN_INLINE decltype(auto) with_others(const Data<T>& d, const Part& part, F&& f) {
   if constexpr (std::is_same_v<T, double>) return simulation::with_others(d, part, f);
@@ -26,12 +26,12 @@ template <class T>
 DYN_INLINE Meeting meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if constexpr (std::is_same_v<T, double>) {
     simulation::Workspace& w = *d.step;
-    w.slot_count = 0;
+    w.constraint_count = 0;
     if (!simulation::has_rows(m, d) || simulation::all_clear(m, d, h)) return Meeting::Nothing;
-    w.slot_count = simulation::find_slots(m, d, d.v, h);
+    w.constraint_count = simulation::find_constraints(m, d, d.v, h);
     if (w.sleep.met || w.sleep.all) return Meeting::Sleeper;
-    if (w.slot_count == 0) return Meeting::Nothing;
-    return simulation::solve_slots(m, d, w.slot_count, s.y0 + m.n.nv, h, d.v, s.f) ? Meeting::Correction : Meeting::Rows;
+    if (w.constraint_count == 0) return Meeting::Nothing;
+    return simulation::solve_constraints(m, d, w.constraint_count, s.y0 + m.n.nv, h, d.v, s.f) ? Meeting::Correction : Meeting::Rows;
   }
   return Meeting::Nothing;
 }

@@ -46,7 +46,7 @@ struct FreeFlyer : Joint<FreeFlyer> {
     const auto e = exp_coefficients(m.angular);
     const Quaternion<T> a = load_quaternion(q + 3);
     store3(load3(q) + rotation(a) * exp_translation(m, e), out);
-    store(normalized(moderate(a) * exp_quaternion(m.angular, e)), out + 3);
+    store(normalized(no_overflow(a) * exp_quaternion(m.angular, e)), out + 3);
   }
   // pose of q1 in q0
   template <class T>

@@ -37,12 +37,12 @@ struct Spherical : Joint<Spherical> {
   }
   template <class T>
   static void integrate(const T* q, const T* v, T* out) {
-    store(normalized(moderate(load_quaternion(q)) * exp_quaternion(load3(v))), out);
+    store(normalized(no_overflow(load_quaternion(q)) * exp_quaternion(load3(v))), out);
   }
   // not normalised
   template <class T>
   static Quaternion<T> relative(const T* q0, const T* q1) {
-    return moderate(load_quaternion(q0)).conjugate() * moderate(load_quaternion(q1));
+    return no_overflow(load_quaternion(q0)).conjugate() * no_overflow(load_quaternion(q1));
   }
   template <class T>
   static void difference(const Body&, const T* q0, const T* q1, T* v) {

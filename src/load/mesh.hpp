@@ -86,7 +86,7 @@ Mesh hull_of(const Mesh& mesh);
 double depth_under(const Mesh& mesh, const Polytope& hull);
 
 inline constexpr double convex_tolerance = 1e-6;  // of the box's diagonal, for that depth
-inline constexpr Index most_hull_vertices = 65536;
+inline constexpr Index max_hull_vertices = 65536;
 // mesh_surface.cpp: what shapes are made of. A hull has to be one.
 std::shared_ptr<const SurfaceData> convex_of(const Mesh& hull);
 std::shared_ptr<const SurfaceData> tree_of(const Mesh& mesh);

@@ -54,8 +54,8 @@ Mesh mesh_of(const Grid& g) {
 
 std::shared_ptr<const SurfaceData> convex_of(const Mesh& mesh) {
   const Polytope& p = *mesh.polytope;
-  if (mesh.vertex_count() > most_hull_vertices)
-    throw Error(DYN_ERROR_LIMIT, "a hull of " + std::to_string(mesh.vertex_count()) + " vertices, and the limit is " + std::to_string(most_hull_vertices) + ": simplify the mesh");
+  if (mesh.vertex_count() > max_hull_vertices)
+    throw Error(DYN_ERROR_LIMIT, "a hull of " + std::to_string(mesh.vertex_count()) + " vertices, and the limit is " + std::to_string(max_hull_vertices) + ": simplify the mesh");
   Hull h{};
   h.vertices = mesh.vertex_count(), h.faces = Index(p.face_start.size()) - 1, h.corners = Index(p.face_corners.size());
   h.x = p.x.data(), h.y = p.y.data(), h.z = p.z.data(), h.planes = p.planes.data();
@@ -68,7 +68,7 @@ std::shared_ptr<const SurfaceData> convex_of(const Mesh& mesh) {
 std::shared_ptr<const SurfaceData> tree_of(const Mesh& mesh) { return triangle_tree(mesh.vertices, mesh.triangles, mesh.topology.closed); }
 
 void prepare(Mesh& mesh) {
-  if (mesh.polytope && !mesh.convex && mesh.vertex_count() <= most_hull_vertices) mesh.convex = convex_of(mesh);
+  if (mesh.polytope && !mesh.convex && mesh.vertex_count() <= max_hull_vertices) mesh.convex = convex_of(mesh);
   if (!mesh.triangles.empty() && !mesh.tree && !mesh.polytope) mesh.tree = tree_of(mesh);
 }
 

@@ -66,7 +66,7 @@ Grid read_grid(const MjcfSource& source, const Reader& reader, const Element& e)
     std::ifstream in(source.path(e, file), std::ios::binary);
     std::int32_t size[2];
     if (!in.read(reinterpret_cast<char*>(size), sizeof size)) reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " cannot be read");
-    if (size[0] < 2 || size[1] < 2 || std::int64_t(size[0]) * size[1] > most_heights) reader.fail(DYN_ERROR_LIMIT, e, "file " + load::quoted(file) + " has " + std::to_string(size[0]) + " rows of " + std::to_string(size[1]));
+    if (size[0] < 2 || size[1] < 2 || std::int64_t(size[0]) * size[1] > max_heights) reader.fail(DYN_ERROR_LIMIT, e, "file " + load::quoted(file) + " has " + std::to_string(size[0]) + " rows of " + std::to_string(size[1]));
     g.rows = size[0], g.columns = size[1];
     std::vector<float> data(size_t(g.rows) * size_t(g.columns));
     if (!in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size() * sizeof(float)))) reader.fail(DYN_ERROR_FILE, e, "file " + load::quoted(file) + " ends early");
@@ -75,7 +75,7 @@ Grid read_grid(const MjcfSource& source, const Reader& reader, const Element& e)
     g.heights.assign(data.begin(), data.end());
   } else {
     const double rows = reader.number(e, "nrow"), columns = reader.number(e, "ncol");
-    if (!(rows >= 2 && columns >= 2 && rows * columns <= double(most_heights))) reader.fail(DYN_ERROR_INVALID, e, "nrow and ncol are at least 2, and their product at most " + std::to_string(most_heights));
+    if (!(rows >= 2 && columns >= 2 && rows * columns <= double(max_heights))) reader.fail(DYN_ERROR_INVALID, e, "nrow and ncol are at least 2, and their product at most " + std::to_string(max_heights));
     g.rows = Index(rows), g.columns = Index(columns);
     g.heights.assign(size_t(g.rows) * size_t(g.columns), 0);
     if (const auto text = reader.numbers(e, "elevation", g.heights.size()))  // the first row of the text is the farthest

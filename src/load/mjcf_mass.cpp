@@ -161,8 +161,8 @@ std::vector<MjcfMass> mjcf_masses(const MjcfRobot& robot) {
       body.place.warning("its inertia is impossible: balanceinertia takes the mean of the principal moments");
       moments.setConstant(moments.mean());
     }
-    out[i].mass = std::max(out[i].mass, body.rules.least_mass);
-    moments = moments.cwiseMax(body.rules.least_inertia);
+    out[i].mass = std::max(out[i].mass, body.rules.min_mass);
+    moments = moments.cwiseMax(body.rules.min_inertia);
     out[i].inertia = symmetric(axes * moments.asDiagonal() * axes.transpose());
     sum += out[i].mass;
   }

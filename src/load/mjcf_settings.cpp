@@ -68,8 +68,8 @@ void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler) {
     compiler.masses.from_geoms = !from ? FromGeoms::WhenMissing : *from ? FromGeoms::Always : FromGeoms::Never;
   }
   if (const auto range = reader.numbers(e, "inertiagrouprange", 2)) compiler.masses.groups[0] = (*range)[0], compiler.masses.groups[1] = (*range)[1];
-  compiler.masses.least_mass = reader.optional_number(e, "boundmass").value_or(compiler.masses.least_mass);
-  compiler.masses.least_inertia = reader.optional_number(e, "boundinertia").value_or(compiler.masses.least_inertia);
+  compiler.masses.min_mass = reader.optional_number(e, "boundmass").value_or(compiler.masses.min_mass);
+  compiler.masses.min_inertia = reader.optional_number(e, "boundinertia").value_or(compiler.masses.min_inertia);
   compiler.total_mass = reader.optional_number(e, "settotalmass").value_or(compiler.total_mass);
   compiler.masses.balance = *read_switch(reader, e, "balanceinertia", compiler.masses.balance);
   compiler.discard_visual = *read_switch(reader, e, "discardvisual", compiler.discard_visual);

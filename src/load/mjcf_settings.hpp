@@ -12,7 +12,7 @@ enum class FromGeoms { Never, Always, WhenMissing };
 struct MjcfMassRules {
   FromGeoms from_geoms = FromGeoms::WhenMissing;
   double groups[2] = {0, 5};  // of geoms that count
-  double least_mass = 0, least_inertia = 0;
+  double min_mass = 0, min_inertia = 0;
   bool balance = false;
 };
 

@@ -20,18 +20,18 @@ namespace fs = std::filesystem;
 
 // Links lead to what is replaced, though it may not be there.
 std::string target_of(const std::string& path) {
-  constexpr int most_links = 40;
+  constexpr int max_links = 40;
   std::error_code ignored;
   fs::path target = path;
-  for (int links = 0; links < most_links && fs::is_symlink(fs::symlink_status(target, ignored)); ++links) target = target.parent_path() / fs::read_symlink(target, ignored);
+  for (int links = 0; links < max_links && fs::is_symlink(fs::symlink_status(target, ignored)); ++links) target = target.parent_path() / fs::read_symlink(target, ignored);
   return target.string();
 }
 
 // Opens a file beside another one, which was not there before.
 int open_beside(const std::string& target, mode_t mode, std::string& part) {
-  constexpr int most_parts = 10000;  // of saves at the same time, and of those that were killed
+  constexpr int max_parts = 10000;  // of saves at the same time, and of those that were killed
   int file = -1;
-  for (int k = 0; k < most_parts; ++k) {
+  for (int k = 0; k < max_parts; ++k) {
     part = target + ".part" + std::to_string(k);
     file = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (file >= 0 || errno != EEXIST) break;

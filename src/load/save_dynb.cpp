@@ -35,7 +35,7 @@ DYN_BEGINS(Body, 4, joint);
 DYN_BEGINS(SE3<double>, 4, p);
 DYN_BEGINS(JointRecord, 3, spring_reference);
 DYN_BEGINS(FrameRecord, 4, placement);
-DYN_BEGINS(HeldWeight, 1, link);
+DYN_BEGINS(GravityCompensation, 1, link);
 DYN_BEGINS(DragBox, 4, body);
 DYN_BEGINS(shape::Hull, 1, extent);
 #undef DYN_BEGINS

@@ -12,7 +12,7 @@ namespace {
 
 using Pose = SE3<double>;
 
-constexpr int most_depth = 75;  // xml.cpp
+constexpr int max_depth = 75;  // xml.cpp
 
 bool is_identity_pose(const Pose& X) { return is_identity_rotation(X.R) && X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0; }
 
@@ -122,7 +122,7 @@ void MjcfWriter::add_moving(Index first) {
     for (size_t k = begin; k < end; ++k) X = X * chain[k].before;
     const Pose frame = whole ? in_joint : Pose::identity();
     Out& body = *at->InsertNewChildElement("body");
-    if (++depth > most_depth) throw Error(DYN_ERROR_LIMIT, "bodies stand in each other more than " + std::to_string(most_depth) + " deep, which readers of MJCF refuse: save it as URDF or .dynb");
+    if (++depth > max_depth) throw Error(DYN_ERROR_LIMIT, "bodies stand in each other more than " + std::to_string(max_depth) + " deep, which readers of MJCF refuse: save it as URDF or .dynb");
     if (whole && main >= 0) {
       put(body, "name", body_name(main));
     } else {

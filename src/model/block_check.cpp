@@ -43,9 +43,9 @@ bool BlockChecker::layout(std::size_t bytes) {
   if (!require(m.has_mimic == 0 || m.has_mimic == 1, "sizes contradict each other")) return false;
   if (!require((n.mimic_v > 0) == (m.has_mimic == 1) && n.slots >= n.constraints && n.slots - n.constraints <= 1000, "sizes contradict each other")) return false;
   // room for a line of the load report that came and went
-  ModelSizes with_room = n;
-  ++with_room.reports;
-  return require(laid_out(m, n, bytes) || laid_out(m, with_room, bytes), "its arrays are not where their sizes put them, or larger than the file");
+  ModelSizes with_capacity = n;
+  ++with_capacity.reports;
+  return require(laid_out(m, n, bytes) || laid_out(m, with_capacity, bytes), "its arrays are not where their sizes put them, or larger than the file");
 }
 
 bool BlockChecker::names() {
@@ -74,16 +74,16 @@ bool BlockChecker::coefficients() {
   const std::uint32_t effects = if_some(DYN_EFFECT_ARMATURE, m.armature(), n.nv) | if_some(DYN_EFFECT_DAMPING, m.damping(), n.nv) |
                                 if_some(DYN_EFFECT_SPRINGS, m.stiffness(), n.nv) | if_some(DYN_EFFECT_FRICTION, m.friction(), n.nv) |
                                 (n.limits > 0 ? std::uint32_t(DYN_EFFECT_LIMITS) : 0u) | (n.actuators > 0 ? std::uint32_t(DYN_EFFECT_ACTUATORS) : 0u) |
-                                (n.drag_boxes > 0 ? std::uint32_t(DYN_EFFECT_FLUID) : 0u) | (n.held_weights > 0 ? std::uint32_t(DYN_EFFECT_GRAVITY_COMPENSATION) : 0u);
-  bool moderate = true;
-  const auto small = [&](double x) { moderate &= std::abs(x) < 1e25; };
+                                (n.drag_boxes > 0 ? std::uint32_t(DYN_EFFECT_FLUID) : 0u) | (n.gravity_compensations > 0 ? std::uint32_t(DYN_EFFECT_GRAVITY_COMPENSATION) : 0u);
+  bool no_overflow = true;
+  const auto small = [&](double x) { no_overflow &= std::abs(x) < 1e25; };
   for (Index k = 0; k < n.nv; ++k) small(m.armature()[k]);
   for (Index i = 0; i < n.bodies; ++i) {
     const Body& b = m.bodies()[i];
     small(b.m), small(b.pitch), small(b.ratio);
     for (int k = 0; k < 3; ++k) small(b.h[k]), small(b.I.x[k]), small(b.I.y[k]), small(b.I.z[k]);
   }
-  return require(m.effects == effects, "its effects") && require(m.moderate == Index(moderate), "the sizes of its numbers") &&
+  return require(m.effects == effects, "its effects") && require(m.no_overflow == Index(no_overflow), "the sizes of its numbers") &&
          require(are_finite(m.gravity) && are_finite(m.wind), "gravity or wind") && require(is_coefficient(m.density) && is_coefficient(m.viscosity), "the medium") &&
          require(is_coefficient(m.total_mass), "the mass");
 }
@@ -106,8 +106,8 @@ bool BlockChecker::frames() {
   return each(n.links, [&](Index k) {
     const LinkRecord& l = m.links()[k];
     return require(is_coefficient(l.mass) && are_finite(l.com) && are_finite(l.inertia), "inertia of a link");
-  }) && each(n.held_weights, [&](Index k) {
-    const HeldWeight& w = m.held_weights()[k];
+  }) && each(n.gravity_compensations, [&](Index k) {
+    const GravityCompensation& w = m.gravity_compensations()[k];
     return on_a_body(w) && index(w.link, n.links, "link of a weight") && require(is_finite(w.at) && std::isfinite(w.mass), "a weight");
   }) && each(n.drag_boxes, [&](Index k) {
     const DragBox& b = m.drag_boxes()[k];
@@ -117,7 +117,7 @@ bool BlockChecker::frames() {
 
 bool BlockChecker::constraints() {
   char message[256];
-  Index rows = most_rows * (n.slots - n.constraints);
+  Index rows = max_rows * (n.slots - n.constraints);
   return each(n.constraints, [&](Index k) {
     const ConstraintRecord& c = m.constraints()[k];
     if (!text(c.name) || !require(int(c.spec.type) > DYN_CONSTRAINT_NONE && check_constraint(m, c.spec, message, sizeof message) == DYN_OK, "a constraint")) return false;
@@ -140,7 +140,7 @@ bool BlockChecker::actuators() {
     nu += a.controls;
     Index q = -1;
     for (Index s = 0; s < n.spans; ++s)
-      if (const Span& span = m.spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count) q = span.first_q + r.v - span.first_v;
+      if (const EuclideanSpan& span = m.spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count) q = span.first_q + r.v - span.first_v;
     const bool filtered = a.time_constant > 0 || a.integrates;
     if (!require(r.v == j.idx_v + a.component && r.q == q && r.act == (filtered ? na : -1) && a.idx_act == r.act, "coordinates of an actuator")) return false;
     na += filtered;

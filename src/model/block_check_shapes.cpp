@@ -21,15 +21,15 @@ bool is_length(double x) { return x >= collision::smallest && x <= collision::la
 template <class T, class F>
 bool BlockChecker::surface(const Stored<T>& s, F&& f) {
   std::uint64_t number = s.numbers, entry = s.indices;
-  const std::uint64_t most_numbers = std::uint64_t(n.surface_numbers), most_indices = std::uint64_t(n.surface_indices);
-  bool good = number <= most_numbers && entry <= most_indices;
+  const std::uint64_t max_numbers = std::uint64_t(n.surface_numbers), max_indices = std::uint64_t(n.surface_indices);
+  bool good = number <= max_numbers && entry <= max_indices;
   T header = s.header;
   header.each_array([&]<class X>(const X*&, std::size_t count) {
     good = good && std::uint64_t(count) <= std::uint64_t(1) << 31;
     if (!good) return;
-    if constexpr (std::is_same_v<X, double>) number += pool_room(count);
+    if constexpr (std::is_same_v<X, double>) number += pool_capacity(count);
     else entry += count;
-    good = number <= most_numbers && entry <= most_indices;
+    good = number <= max_numbers && entry <= max_indices;
   });
   return require(good, "a surface is larger than the file") && f(view(s.header, m.surface_numbers() + s.numbers, m.surface_indices() + s.indices));
 }
@@ -60,7 +60,7 @@ bool BlockChecker::tree(const Stored<shape::TriangleTree>& s) {
     // depth first: every node once, a first child behind its parent, and none too deep for the stacks that descend
     struct Entry {
       Index node, depth;
-    } stack[TriangleTree::most_depth + 2] = {{0, 0}};
+    } stack[TriangleTree::max_depth + 2] = {{0, 0}};
     Index visited = 0;
     for (int count = 1; count > 0;) {
       const auto [node, depth] = stack[--count];
@@ -69,7 +69,7 @@ bool BlockChecker::tree(const Stored<shape::TriangleTree>& s) {
       if (triangles > 0) {
         if (!require(triangles <= TriangleTree::leaf_size && first >= 0 && first <= v.triangles - triangles, "triangles of a leaf")) return false;
       } else {
-        if (!require(triangles == 0 && first > node + 1 && first < v.nodes && depth < TriangleTree::most_depth, "children of a node")) return false;
+        if (!require(triangles == 0 && first > node + 1 && first < v.nodes && depth < TriangleTree::max_depth, "children of a node")) return false;
         stack[count++] = {first, depth + 1}, stack[count++] = {node + 1, depth + 1};
       }
     }
@@ -80,7 +80,7 @@ bool BlockChecker::tree(const Stored<shape::TriangleTree>& s) {
 bool BlockChecker::grid(const Stored<shape::Grid>& s) {
   using shape::Grid;
   const Grid& h = s.header;
-  if (!require(h.columns >= 2 && h.rows >= 2 && std::int64_t(h.columns) * h.rows <= Grid::most_heights && h.levels >= 1 && h.levels <= Grid::most_levels, "size of a height field"))
+  if (!require(h.columns >= 2 && h.rows >= 2 && std::int64_t(h.columns) * h.rows <= Grid::max_heights && h.levels >= 1 && h.levels <= Grid::max_levels, "size of a height field"))
     return false;
   Index first = 0;
   for (Index level = 0; level < h.levels; ++level) {
@@ -143,7 +143,7 @@ bool BlockChecker::shapes() {
       }) ||
       !require(geoms == n.geoms, "collision shapes"))
     return false;
-  return require(m.contact_capacity >= 0 && m.contact_capacity <= most_contacts && n.contacts == contact_room(m, moving), "room for contacts") && each(n.pairs, [&](Index k) {
+  return require(m.contact_capacity >= 0 && m.contact_capacity <= max_contacts && n.contacts == contact_capacity_of(m, moving), "room for contacts") && each(n.pairs, [&](Index k) {
     const PairRecord& p = m.pairs()[k];
     if (!index(p.a, n.geoms, "shape of a pair") || !index(p.b, n.geoms, "shape of a pair") || !index(p.material(), n.materials + 1, "material of a pair")) return false;
     const bool ascends = k == 0 || m.pairs()[k - 1].a < p.a || (m.pairs()[k - 1].a == p.a && m.pairs()[k - 1].b < p.b);

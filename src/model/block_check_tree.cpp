@@ -131,24 +131,24 @@ bool BlockChecker::order() {
     return false;
 
   Index runs = 0, chunks = 0, sweep = 0;
-  Chunk c{};
+  CacheBlock c{};
   const auto close_run = [&](Index end) { return runs == 0 || require(m.runs()[runs - 1].last == end, "end of a run"); };
   const auto close_chunk = [&] {
     if (chunks == 0) return true;
     const Index first = std::min(c.first_q, (n.nqx + 7) / 8 * 8 - (c.last_q - c.first_q + 3) / 4 * 4);
-    const Chunk& x = m.chunks()[chunks - 1];
-    sweep = std::max(sweep, sweep_room(c.last_q - first));
+    const CacheBlock& x = m.chunks()[chunks - 1];
+    sweep = std::max(sweep, padded_sweep(c.last_q - first));
     return require(x.first == c.first && x.first_run == c.first_run && x.last_run == runs && x.first_q == first && x.last_q == c.last_q, "a chunk");
   };
   return each(1, n.bodies, [&](Index i) {
-    const bool chunk = (i - 1) % Chunk::size == 0, forks = i > 1 && m.subtree_end()[i] < m.subtree_end()[i - 1];
+    const bool chunk = (i - 1) % CacheBlock::size == 0, forks = i > 1 && m.subtree_end()[i] < m.subtree_end()[i - 1];
     if (chunk) {
       if (!close_chunk() || !index(chunks++, n.chunks, "a chunk")) return false;
       c = {i, runs, 0, 0, 0};
     }
     if (chunk || b[i].type != m.runs()[runs - 1].type || b[i].parent != i - 1 || forks) {
       if (!close_run(i) || !index(runs++, n.runs, "a run")) return false;
-      const Run& r = m.runs()[runs - 1];
+      const JointRun& r = m.runs()[runs - 1];
       if (!require(r.type == b[i].type && r.first == i && r.parent == b[i].parent && r.idx_q == b[i].idx_q && r.idx_v == b[i].idx_v, "a run")) return false;
     }
     visit(b[i].type, [&]<class J>() {
@@ -162,10 +162,10 @@ bool BlockChecker::order() {
 
 bool BlockChecker::coordinates() {
   Index spans = 0, curved = 0, limits = 0;
-  Span s{};
+  EuclideanSpan s{};
   const auto close = [&] {
     if (spans == 0) return true;
-    const Span& x = m.spans()[spans - 1];
+    const EuclideanSpan& x = m.spans()[spans - 1];
     return require(x.first_q == s.first_q && x.first_v == s.first_v && x.count == s.count, "coordinates of a vector space");
   };
   if (!each(1, n.bodies, [&](Index i) {
@@ -180,7 +180,7 @@ bool BlockChecker::coordinates() {
       !close() || !require(spans == n.spans && curved == n.curved, "coordinates of vector spaces"))
     return false;
   return each(n.spans, [&](Index k) {
-    const Span& span = m.spans()[k];
+    const EuclideanSpan& span = m.spans()[k];
     return each(span.count, [&](Index i) {
       const Index q = span.first_q + i, v = span.first_v + i;
       if (!std::isfinite(m.lower_limit()[q]) && !std::isfinite(m.upper_limit()[q])) return true;

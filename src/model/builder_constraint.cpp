@@ -51,8 +51,8 @@ void Builder::constraint_slots(int spare) {
 }
 
 void Builder::contact_capacity(int contacts) {
-  if (contacts < 0 || contacts > most_contacts)
-    refuse(DYN_ERROR_ARGUMENT, "contact capacity: " + std::to_string(contacts) + " contacts are asked for: give 1 to " + std::to_string(most_contacts) + ", or 0 for what the shapes need");
+  if (contacts < 0 || contacts > max_contacts)
+    refuse(DYN_ERROR_ARGUMENT, "contact capacity: " + std::to_string(contacts) + " contacts are asked for: give 1 to " + std::to_string(max_contacts) + ", or 0 for what the shapes need");
   impl->contact_capacity = contacts;
 }
 
@@ -70,7 +70,7 @@ std::vector<dynConstraint> constraints_of(const std::vector<ConstraintEntry>& co
 }
 
 Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare) {
-  Index rows = most_rows * Index(spare);
+  Index rows = max_rows * Index(spare);
   for (const ConstraintEntry& e : constraints) {
     Constraint c{};
     c.type = e.spec.type, c.joint_type = e.spec.joint_type;

@@ -265,7 +265,7 @@ ModelPtr Builder::finish() const {
       r.link = n.links++;
       a.links.push_back(link);
     }
-    if (f.mass > 0 && f.compensation != 0 && r.joint > 0) a.held_weights.push_back({r.X.act(load3(f.com.data())), f.mass * f.compensation, r.joint, r.body, r.link});
+    if (f.mass > 0 && f.compensation != 0 && r.joint > 0) a.gravity_compensations.push_back({r.X.act(load3(f.com.data())), f.mass * f.compensation, r.joint, r.body, r.link});
     if ((in.density > 0 || in.viscosity > 0) && r.joint > 0)
       if (std::optional<DragBox> box = drag_box(f, r.X)) box->joint = r.joint, box->body = r.body, a.drag_boxes.push_back(*box);
     a.frames.push_back(r);
@@ -273,10 +273,10 @@ ModelPtr Builder::finish() const {
     const Inertia<double> Y = f.Y.rotated(joint.C);
     b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
   }
-  n.frames = Index(a.frames.size()), n.held_weights = Index(a.held_weights.size()), n.drag_boxes = Index(a.drag_boxes.size());
+  n.frames = Index(a.frames.size()), n.gravity_compensations = Index(a.gravity_compensations.size()), n.drag_boxes = Index(a.drag_boxes.size());
   WantedPairs wanted;
   for (const PairEntry& p : in.pairs) wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(a.materials, *p.material) : 0;
-  if (a.materials.size() > std::size_t(PairRecord::most_own)) throw Error(DYN_ERROR_LIMIT, "more than 253 different materials of wanted pairs");
+  if (a.materials.size() > std::size_t(PairRecord::max_own)) throw Error(DYN_ERROR_LIMIT, "more than 253 different materials of wanted pairs");
   Surfaces surfaces{a};
   for (const ShapeEntry& s : in.shapes) {
     ShapeRecord r{};
@@ -299,7 +299,7 @@ ModelPtr Builder::finish() const {
   for (const ReportEntry& r : in.reports)
     if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
   // room for it: it goes again when the pairs have been judged, which takes the finished model
-  const bool several = n.geoms >= 2 && n.geoms <= most_geoms;
+  const bool several = n.geoms >= 2 && n.geoms <= max_geoms;
   if (several) a.reports.push_back({DYN_REPORT_WARNING, 0, text.add(nothing_tested)});
   n.reports = Index(a.reports.size());
 
@@ -334,7 +334,7 @@ ModelPtr Builder::finish() const {
     a.actuators.push_back(r);
     a.actuators.back().name = text.add(in.actuators[a.actuators.size() - 1].name);
   }
-  for (const Span& s : a.spans)
+  for (const EuclideanSpan& s : a.spans)
     for (Index k = 0; k < s.count; ++k) {
       const Index q = s.first_q + k, v = s.first_v + k;
       if (!std::isfinite(a.lower_limit[std::size_t(q)]) && !std::isfinite(a.upper_limit[std::size_t(q)])) continue;
@@ -345,7 +345,7 @@ ModelPtr Builder::finish() const {
   for (Index i = 1; i < n.bodies; ++i)
     if (const Body& b = a.bodies[std::size_t(i)]; b.type == BodyType::Spherical && a.lower_limit[std::size_t(b.user_q) + 3] >= 0) a.limits.push_back({b.user_q + 3, i, b.idx_v});
   n.limits = Index(a.limits.size());
-  for (const Chunk& c : a.chunks) n.sweep = std::max(n.sweep, sweep_room(c.last_q - c.first_q));
+  for (const CacheBlock& c : a.chunks) n.sweep = std::max(n.sweep, padded_sweep(c.last_q - c.first_q));
 
   // subtrees
   a.subtree_end.assign(std::size_t(n.bodies), 0);
@@ -410,10 +410,10 @@ ModelPtr Builder::finish() const {
   model->effects = if_some(DYN_EFFECT_ARMATURE, a.armature) | if_some(DYN_EFFECT_DAMPING, a.damping) | if_some(DYN_EFFECT_SPRINGS, a.stiffness) |
                    if_some(DYN_EFFECT_FRICTION, a.friction) | (n.limits > 0 ? std::uint32_t(DYN_EFFECT_LIMITS) : 0u) |
                    (n.actuators > 0 ? std::uint32_t(DYN_EFFECT_ACTUATORS) : 0u) | (n.drag_boxes > 0 ? std::uint32_t(DYN_EFFECT_FLUID) : 0u) |
-                   (n.held_weights > 0 ? std::uint32_t(DYN_EFFECT_GRAVITY_COMPENSATION) : 0u);
+                   (n.gravity_compensations > 0 ? std::uint32_t(DYN_EFFECT_GRAVITY_COMPENSATION) : 0u);
   auto small = [](double x) { return std::abs(x) < 1e25; };
   auto all_small = [&](const Vec3<double>& x) { return small(x[0]) && small(x[1]) && small(x[2]); };
-  model->moderate = std::all_of(a.armature.begin(), a.armature.end(), small) && std::all_of(a.bodies.begin(), a.bodies.end(), [&](const Body& b) {
+  model->no_overflow = std::all_of(a.armature.begin(), a.armature.end(), small) && std::all_of(a.bodies.begin(), a.bodies.end(), [&](const Body& b) {
                       return small(b.m) && small(b.pitch) && small(b.ratio) && all_small(b.h) && all_small(b.I.x) && all_small(b.I.y) && all_small(b.I.z);
                     });
   std::copy(in.gravity.begin(), in.gravity.end(), model->gravity);
@@ -462,12 +462,12 @@ ModelPtr Builder::finish() const {
       return again;
     }
     const auto moving = std::count_if(a.geoms.begin(), a.geoms.end(), [&](const GeomRecord& g) { return a.frames[std::size_t(a.shapes[std::size_t(g.shape)].frame)].joint > 0; });
-    model->n.contacts = Index(contact_room(*model, moving));
+    model->n.contacts = Index(contact_capacity_of(*model, moving));
     return model;
   }
   judge_pairs(*model, reinterpret_cast<PairRecord*>(base + offset[std::size_t(Model::Field::pairs)]));
   if (several && !tests_nothing(*model)) --model->n.reports;
-  model->n.contacts = Index(contact_room(*model, 0));
+  model->n.contacts = Index(contact_capacity_of(*model, 0));
   return model;
 }
 

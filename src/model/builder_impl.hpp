@@ -143,9 +143,9 @@ struct Leader {
 // Follows mimic of mimic to the joint that moves by itself.
 std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints);
 // Chains of one type, as long as they can be, and chunks of them.
-void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vector<Chunk>& chunks);
+void make_runs(const std::vector<Body>& bodies, std::vector<JointRun>& runs, std::vector<CacheBlock>& chunks);
 // Coordinates of vector spaces, as many side by side as there are, and the bodies that have others.
-void make_spans(const std::vector<Body>& bodies, std::vector<Span>& spans, std::vector<Index>& curved);
+void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& spans, std::vector<Index>& curved);
 // The groups of degrees of freedom, from their parents, depths and ends of descendants in the elimination tree. Returns how many there are.
 Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>& depth, const std::vector<Index>& end, DofGroup* groups);
 // Elimination tree of M: the parent of each degree of freedom, or -1.
@@ -156,7 +156,7 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
 // Two shapes, the lower number first, that are tested whatever the filter says, and 1 + the number of their own material or 0.
 using WantedPairs = std::map<std::pair<Index, Index>, std::int32_t>;
 using GeomPairs = std::vector<std::pair<Index, Index>>;
-// Pairs of collision shapes but those of one body and of a body and its parent, if they are not wanted; of more than most_geoms shapes those that are wanted,
+// Pairs of collision shapes but those of one body and of a body and its parent, if they are not wanted; of more than max_geoms shapes those that are wanted,
 // disabled, or known to overlap.
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<Body>& bodies, const std::vector<FrameRecord>& frames,
                                  const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
@@ -181,7 +181,7 @@ Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare);
 void check_constraints(const Model& m);
 // Actuators as the model keeps them, and their sizes. (builder_actuator.cpp)
 std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id, const std::vector<JointRecord>& joints,
-                                         const std::vector<Span>& spans, ModelSizes& n);
+                                         const std::vector<EuclideanSpan>& spans, ModelSizes& n);
 // On which a medium drags; X: the link's frame in its body's internal one. None of a link without mass.
 std::optional<DragBox> drag_box(const FrameEntry& link, const SE3<double>& X);
 

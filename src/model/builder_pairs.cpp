@@ -93,7 +93,7 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
                                  const GeomPairs& overlapping) {
   Judge judge{joints, bodies, frames, shapes, geoms, wanted};
   for (const DisabledRecord& d : disabled) judge.off.insert(std::minmax(d.frame1, d.frame2));
-  if (geoms.size() > std::size_t(most_geoms)) return judge.add_special(disabled, overlapping), judge.pairs;
+  if (geoms.size() > std::size_t(max_geoms)) return judge.add_special(disabled, overlapping), judge.pairs;
   for (Index a = 0; a < Index(geoms.size()); ++a)
     for (Index b = a + 1; b < Index(geoms.size()); ++b) judge.add(a, b, false);
   return judge.pairs;

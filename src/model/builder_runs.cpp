@@ -6,7 +6,7 @@
 
 namespace dyn {
 
-void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vector<Chunk>& chunks) {
+void make_runs(const std::vector<Body>& bodies, std::vector<JointRun>& runs, std::vector<CacheBlock>& chunks) {
   const Index n = Index(bodies.size());
   Index end_q = 0;
   std::vector<bool> forks(bodies.size(), false);  // carries a body other than the next one
@@ -14,12 +14,12 @@ void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vec
     if (bodies[std::size_t(i)].parent != i - 1) forks[std::size_t(bodies[std::size_t(i)].parent)] = true;
   for (Index i = 1; i < n; ++i) {
     const Body& b = bodies[std::size_t(i)];
-    const bool chunk = (i - 1) % Chunk::size == 0;
+    const bool chunk = (i - 1) % CacheBlock::size == 0;
     if (chunk) chunks.push_back({i, Index(runs.size()), 0, 0, 0});
     if (chunk || b.type != runs.back().type || b.parent != i - 1 || forks[std::size_t(i - 1)])
       runs.push_back({b.type, i, i, b.parent, b.idx_q, b.idx_v});
     runs.back().last = i + 1;
-    Chunk& c = chunks.back();
+    CacheBlock& c = chunks.back();
     c.last_run = Index(runs.size());
     visit(b.type, [&]<class J>() {
       if (!J::angle) return;
@@ -28,10 +28,10 @@ void make_runs(const std::vector<Body>& bodies, std::vector<Run>& runs, std::vec
     });
     end_q = b.idx_q + primitive_nq(b.type);
   }
-  for (Chunk& c : chunks) c.first_q = std::min(c.first_q, (end_q + 7) / 8 * 8 - (c.last_q - c.first_q + 3) / 4 * 4);
+  for (CacheBlock& c : chunks) c.first_q = std::min(c.first_q, (end_q + 7) / 8 * 8 - (c.last_q - c.first_q + 3) / 4 * 4);
 }
 
-void make_spans(const std::vector<Body>& bodies, std::vector<Span>& spans, std::vector<Index>& curved) {
+void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& spans, std::vector<Index>& curved) {
   for (std::size_t i = 1; i < bodies.size(); ++i) {
     const Body& b = bodies[i];
     if (b.follower) continue;

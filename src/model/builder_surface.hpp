@@ -24,7 +24,7 @@ struct Held {
     header.each_array([&]<class X>(const X*& array, std::size_t n) {
       if constexpr (std::is_same_v<X, double>) {
         numbers.insert(numbers.end(), array, array + n);
-        numbers.resize(pool_room(numbers.size()));
+        numbers.resize(pool_capacity(numbers.size()));
       } else {
         indices.insert(indices.end(), array, array + n);
       }
@@ -34,7 +34,7 @@ struct Held {
   T view() const { return dyn::view(header, numbers.data(), indices.data()); }
 };
 
-inline constexpr std::int64_t most_heights = shape::Grid::most_heights;
+inline constexpr std::int64_t max_heights = shape::Grid::max_heights;
 
 struct SurfaceData {
   std::variant<Held<shape::Hull>, Held<shape::TriangleTree>, Held<shape::Grid>> held;

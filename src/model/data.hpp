@@ -8,7 +8,7 @@
 
 #include "base/sincos.hpp"
 #include "collision/geom.hpp"
-#include "constraint/slot.hpp"
+#include "constraint/constraint_instance.hpp"
 #include "model/model.hpp"
 #include "simulation/wrench.hpp"
 #include "spatial/inertia_rate.hpp"
@@ -57,13 +57,13 @@ inline constexpr unsigned stage_inputs(Stage s) {
 }
 
 // Numbers of degrees of freedom in whole tiles of four (algorithm/tiles.hpp).
-inline std::ptrdiff_t tile_room(std::ptrdiff_t n) { return (n + 3) / 4 * 4; }
+inline std::ptrdiff_t padded_tiles(std::ptrdiff_t n) { return (n + 3) / 4 * 4; }
 
 // And in whole packs of eight (algorithm/cholesky.hpp).
-inline std::ptrdiff_t factor_room(const Model& m) { return (std::ptrdiff_t(m.n.nv) + 7) & ~std::ptrdiff_t(7); }
+inline std::ptrdiff_t padded_factor(const Model& m) { return (std::ptrdiff_t(m.n.nv) + 7) & ~std::ptrdiff_t(7); }
 
 // Of an integrator: q at the beginning of a step, the state there and in a stage, and its rate in up to 12 stages.
-inline std::ptrdiff_t stages_room(std::ptrdiff_t nq, std::ptrdiff_t nv, std::ptrdiff_t na) { return nq + (2 * nv + na) * (2 + 12); }
+inline std::ptrdiff_t integrator_stage_count(std::ptrdiff_t nq, std::ptrdiff_t nv, std::ptrdiff_t na) { return nq + (2 * nv + na) * (2 + 12); }
 
 // First expanded degree of freedom at or after body i.
 inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodies()[i].idx_v : m.n.nvx; }
@@ -71,7 +71,7 @@ inline Index first_dof(const Model& m, Index i) { return i < m.n.bodies ? m.bodi
 // Inertial parameters of all joints' bodies.
 inline Index parameter_count(const Model& m) { return 10 * (m.n.joints - 1); }
 // Room for one component of all columns of S, to be read eight at a time.
-inline std::ptrdiff_t regressor_room(const Model& m) { return (std::ptrdiff_t(m.n.nvx) + 14) / 8 * 8; }
+inline std::ptrdiff_t padded_regressor(const Model& m) { return (std::ptrdiff_t(m.n.nvx) + 14) / 8 * 8; }
 
 // The public fields, in the order of data_fields.def: their ids.
 enum class FieldId : Index {
@@ -116,8 +116,8 @@ struct Data {
 
   bool has(dynParts p) const { return p == 0 || (parts & p) != 0; }
   bool fresh(Stage s) const { return s == Stage::State || stamp[std::size_t(s)] == newest(s); }
-  void done(Stage s) { stamp[std::size_t(s)] = newest(s); }
-  void drop(Stage s) { stamp[std::size_t(s)] = 0; }
+  void mark_fresh(Stage s) { stamp[std::size_t(s)] = newest(s); }
+  void invalidate(Stage s) { stamp[std::size_t(s)] = 0; }
   // Tells the inputs of a stage apart: none can change without a version that is newer than all others.
   std::uint64_t newest(Stage s) const {
     const unsigned inputs = stage_inputs(s);
@@ -185,7 +185,7 @@ std::size_t data_bytes(const Model& m, dynParts parts);
 
 // The model's constraints in their slots (constraint/set.hpp).
 template <class T>
-void set_up_slots(const Model& m, Data<T>& d);
+void set_up_constraints(const Model& m, Data<T>& d);
 
 // Lays the buffers out in memory (64-byte aligned, data_bytes long) and sets the neutral state at rest.
 template <dynParts possible = DYN_PART_ALL, class T>
@@ -225,7 +225,7 @@ void apply_effects(const Model& m, Data<T>& d) {
   d.acting = d.pushed;
   const auto on = [&](Index joint, std::uint32_t bit) { d.acting |= d.effects[joint] & bit; };
   for (Index k = 0; k < m.n.actuators && d.has(DYN_PART_SIMULATION); ++k) on(m.actuators()[k].spec.joint, DYN_EFFECT_ACTUATORS);
-  for (Index k = 0; k < m.n.held_weights && d.has(DYN_PART_SIMULATION); ++k) on(m.held_weights()[k].joint, DYN_EFFECT_GRAVITY_COMPENSATION);
+  for (Index k = 0; k < m.n.gravity_compensations && d.has(DYN_PART_SIMULATION); ++k) on(m.gravity_compensations()[k].joint, DYN_EFFECT_GRAVITY_COMPENSATION);
   for (Index k = 0; k < m.n.drag_boxes && d.has(DYN_PART_SIMULATION); ++k) on(m.drag_boxes()[k].joint, DYN_EFFECT_FLUID);
   for (Index j = 1; j < m.n.joints; ++j)
     for (Index k = m.joints()[j].idx_v, end = k + m.joints()[j].nv; k < end; ++k)
@@ -264,7 +264,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   for (Index k = 0; k < (d.ctrl ? m.n.nu : 0); ++k) d.ctrl[k] = T(0);
   for (Index k = 0; k < (d.act ? m.n.na : 0); ++k) d.act[k] = T(0);
   for (Index k = 0; k < (d.actuator_force ? m.n.actuators : 0); ++k) d.actuator_force[k] = T(0);
-  for (Index k = 0; k < (d.wrenches ? m.n.joints : 0); ++k) d.wrenches[k] = simulation::HeldWrench<T>::none();
+  for (Index k = 0; k < (d.wrenches ? m.n.joints : 0); ++k) d.wrenches[k] = simulation::AppliedWrench<T>::none();
   d.pushed = 0;
   d.step = nullptr;
   if constexpr (possible & DYN_PART_SIMULATION)
@@ -275,14 +275,14 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nv) * m.n.nv, T(0));
   for (T* x : {d.Mx, d.dqx, d.dvx, d.d2x})
     if (x) std::fill_n(x, std::ptrdiff_t(m.n.nvx) * m.n.nvx, T(0));
-  if (d.Linv) std::fill_n(d.Linv, m.n.nv * factor_room(m), T(0));
+  if (d.Linv) std::fill_n(d.Linv, m.n.nv * padded_factor(m), T(0));
   if (d.regressor) std::fill_n(d.regressor, std::ptrdiff_t(m.n.nv) * parameter_count(m), T(0));
   for (Index j = 0; j < m.n.joints; ++j) d.effects[j] = DYN_EFFECT_DEFAULT;
   apply_effects(m, d);
   if constexpr (possible & DYN_PART_COLLISION)
     if (d.geoms) collision::set_up(m, d);
   if constexpr (possible & DYN_PART_CONSTRAINTS)
-    if (d.slots) set_up_slots(m, d);
+    if (d.slots) set_up_constraints(m, d);
   d.R[0] = Mat3<T>::identity();
   for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
     if (x) x[0] = Vec3<T>::zero();

@@ -14,7 +14,7 @@
 namespace dyn {
 
 // A chain: each body is its predecessor's only child, except that the last one may have any children.
-struct Run {
+struct JointRun {
   BodyType type;
   Index first, last;   // bodies [first, last)
   Index parent;        // of the first
@@ -22,7 +22,7 @@ struct Run {
 };
 
 // Bodies few enough that what their placing needs stays in the innermost cache.
-struct Chunk {
+struct CacheBlock {
   static constexpr Index size = 64;
   Index first;               // body
   Index first_run, last_run;
@@ -30,7 +30,7 @@ struct Chunk {
 };
 
 // Neighbouring coordinates, in q and in v, that form a vector space.
-struct Span {
+struct EuclideanSpan {
   Index first_q, first_v, count;
 };
 
@@ -80,7 +80,7 @@ struct LinkRecord {
 };
 
 // A weight that is held, at a point of the body.
-struct HeldWeight {
+struct GravityCompensation {
   Vec3<double> at;  // in the body's internal frame
   double mass;
   Index joint, body, link;
@@ -123,14 +123,14 @@ struct GeomRecord {
 };
 
 // Pairs are listed up to so many collision shapes; of more only those that are no ordinary ones: wanted, disabled, overlapping.
-inline constexpr Index most_geoms = 1000;
+inline constexpr Index max_geoms = 1000;
 
 // Two collision shapes (numbers of geoms, a < b) of different bodies that are not parent and child; ascending.
 struct PairRecord {
   std::uint16_t a, b;
   std::uint8_t reason;  // dynPairReason: whether new data tests it
   std::uint8_t own;     // 0: the filter decides; else it is wanted: 1: with the material of its shapes, or 2 + the number of another
-  static constexpr Index most_own = 253;
+  static constexpr Index max_own = 253;
   bool wanted() const { return own > 0; }
   Index material() const { return own > 1 ? own - 1 : 0; }  // 1 + its own material's number; 0: that of its shapes
 };
@@ -159,7 +159,7 @@ struct ModelSizes {
   Index hulls, trees, grids, surface_numbers, surface_indices;
   Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
   Index materials;
-  Index actuators, nu, na, held_weights, drag_boxes;
+  Index actuators, nu, na, gravity_compensations, drag_boxes;
   Index contacts, limits, carriers;           // contact points that a step has room for; degrees of freedom that carry two bodies, at most
 };
 
@@ -175,7 +175,7 @@ struct Model {
   std::uint32_t effects;  // DYN_EFFECT_... that some joint has
   Index groups;           // how many of dof_groups there are
   Index contact_capacity; // that was asked for; 0: by the shapes
-  Index moderate;         // 1: masses, moments, pitches, ratios, armatures below 1e25: M is finite where all placements are below 1e100
+  Index no_overflow;         // 1: masses, moments, pitches, ratios, armatures below 1e25: M is finite where all placements are below 1e100
   double gravity[3];
   double density, viscosity, wind[3];  // of the medium
   double total_mass;
@@ -196,17 +196,17 @@ struct Model {
   const char* string(Index at) const { return text() + at; }
   // Share of a link's weight that is held from outside.
   double compensation(Index link) const {
-    for (const HeldWeight *w = held_weights(), *end = w + n.held_weights; w != end; ++w)
+    for (const GravityCompensation *w = gravity_compensations(), *end = w + n.gravity_compensations; w != end; ++w)
       if (w->link == link) return w->mass / links()[link].mass;
     return 0;
   }
 };
 
-inline bool lists_pairs(const Model& m) { return m.n.geoms <= most_geoms; }
+inline bool lists_pairs(const Model& m) { return m.n.geoms <= max_geoms; }
 
 // For how many contact points a step has room. moving: shapes that can move.
-inline constexpr Index most_contacts = 1000000;
-inline std::int64_t contact_room(const Model& m, std::int64_t moving) {
+inline constexpr Index max_contacts = 1000000;
+inline std::int64_t contact_capacity_of(const Model& m, std::int64_t moving) {
   const std::int64_t all = 8 * std::int64_t(m.n.pairs), some = 16 + 8 * (lists_pairs(m) ? std::int64_t(m.n.geoms) : moving);
   if (lists_pairs(m)) return std::min(all, m.contact_capacity > 0 ? m.contact_capacity : some);
   return moving == 0 ? 0 : m.contact_capacity > 0 ? m.contact_capacity : some;

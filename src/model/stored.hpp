@@ -17,14 +17,14 @@ struct Stored {
 };
 
 // Arrays of numbers begin at whole cache lines.
-inline constexpr std::size_t pool_room(std::size_t n) { return (n + 7) & ~std::size_t(7); }
+inline constexpr std::size_t pool_capacity(std::size_t n) { return (n + 7) & ~std::size_t(7); }
 
 // The header with its pointers.
 template <class T>
 inline T view(T header, const double* numbers, const Index* indices) {
   header.each_array([&]<class X>(const X*& array, std::size_t n) {
     if constexpr (std::is_same_v<X, double>)
-      array = numbers, numbers += pool_room(n);
+      array = numbers, numbers += pool_capacity(n);
     else
       array = indices, indices += n;
   });

@@ -9,14 +9,14 @@ namespace dyn::shape {
 // What a HeightField points to. The grid lies about the origin: the point (column i, row j) has x = (i - (columns - 1) / 2) step_x, y
 // likewise. Cells have the number of their lower corner; those of level k are 2^k x 2^k cells of the grid (at the margin fewer).
 struct Grid {
-  static constexpr Index most_levels = 24;
-  static constexpr std::int64_t most_heights = 5000000;  // 10^7 triangles
+  static constexpr Index max_levels = 24;
+  static constexpr std::int64_t max_heights = 5000000;  // 10^7 triangles
 
   Index columns, rows;  // of points, at least 2
   Index levels;         // the last one is a single cell
   double step_x, step_y, bottom;
   double extent;        // farthest point from the origin
-  Index first[most_levels];  // where each level begins in range
+  Index first[max_levels];  // where each level begins in range
   alignas(8) const double* height; // columns * rows, row after row
   alignas(8) const double* range;  // 2 a cell: least and largest height
 
@@ -45,7 +45,7 @@ struct HeightField : Surface<HeightField> {
   struct Node {
     Index level, i, j;
   };
-  static constexpr Index most_children = 4, most_stack = 3 * Grid::most_levels + 4;
+  static constexpr Index max_children = 4, max_stack = 3 * Grid::max_levels + 4;
   static Node root(const HeightField& s) { return {s.grid.levels - 1, 0, 0}; }
   Bounds box(const Node& n) const {
     const double* r = grid.range + 2 * (grid.first[n.level] + std::ptrdiff_t(n.j) * grid.cells_x(n.level) + n.i);

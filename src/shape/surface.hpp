@@ -1,7 +1,7 @@
 // Shapes made of pieces, in a tree of boxes: triangles.hpp, height_field.hpp. They are not convex; every query searches the tree for the
 // piece that decides. A surface S derives from Surface<S>, holds `radius`, and gives, about its core and in its own frame,
 //   type, name
-//   Node, root, most_children    a node of the tree, its first one, into how many others a node splits at most
+//   Node, root, max_children    a node of the tree, its first one, into how many others a node splits at most
 //   box(node)                    holds all pieces below the node
 //   slab(node)                   likewise, and where they are flat it is thin
 //   split(node, out)             the nodes below it: how many; 0: a leaf
@@ -24,13 +24,13 @@ inline void search(const S& s, const double& limit, Lower&& lower, Leaf&& leaf) 
     typename S::Node node;
     double lower;
   };
-  Entry stack[S::most_stack];
+  Entry stack[S::max_stack];
   Index depth = 0;
   stack[depth++] = {S::root(s), lower(S::root(s))};
   while (depth > 0) {
     const Entry e = stack[--depth];
     if (!(e.lower <= limit)) continue;
-    typename S::Node below[S::most_children];
+    typename S::Node below[S::max_children];
     const Index n = s.split(e.node, below);
     if (n == 0) {
       leaf(e.node);

@@ -7,7 +7,7 @@ namespace dyn::shape {
 
 // What a Triangles points to. Nodes depth first: the first child of a node follows it.
 struct TriangleTree {
-  static constexpr Index leaf_size = 4, most_depth = 60;
+  static constexpr Index leaf_size = 4, max_depth = 60;
 
   Index vertices, triangles, nodes;
   Index closed;         // 1: the triangles bound a solid
@@ -36,7 +36,7 @@ struct Triangles : Surface<Triangles> {
   explicit Triangles(const Shape& s) : tree(*s.triangles), radius(s.radius) {}
 
   using Node = Index;
-  static constexpr Index most_children = 2, most_stack = TriangleTree::most_depth + 2;
+  static constexpr Index max_children = 2, max_stack = TriangleTree::max_depth + 2;
   static Node root(const Triangles&) { return 0; }
   DYN_INLINE Bounds box(Node n) const { return {load3(tree.box + 6 * std::ptrdiff_t(n)), load3(tree.box + 6 * std::ptrdiff_t(n) + 3)}; }
   DYN_INLINE Slab slab(Node n) const {

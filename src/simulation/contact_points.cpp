@@ -27,8 +27,8 @@ double fastest(const Data<double>& d, Index geom) {
 
 // Appends; beyond the room the shallowest goes.
 void append(const Model& m, Workspace& w, const dynContact& c) {
-  if (w.contact_count + w.sleep.held_count >= m.n.contacts) {
-    if (w.sleep.held_count > 0) return void(w.sleep.all = true);
+  if (w.contact_count + w.sleep.constrained_count >= m.n.contacts) {
+    if (w.sleep.constrained_count > 0) return void(w.sleep.all = true);
     ++w.report.dropped;
     Index shallowest = 0;
     for (Index k = 1; k < w.contact_count; ++k)
@@ -64,7 +64,7 @@ void find_pairs(const Model& m, const Data<double>& d) {
   Workspace& w = *d.step;
   w.pair_count = w.geom_count = 0, w.awake_pair_count = w.row_count = -1, w.by_boxes = false;
   std::fill_n(w.speeds, m.n.geoms, 0.0);
-  const auto room = Index(pair_room(m));
+  const auto room = Index(pair_capacity(m));
   const auto add = [&](Index a, Index b, Index number) {
     const Ball A = within(m, d, a), B = within(m, d, b);
     const double near = 0.02 * std::min(d.geoms[a].reach, d.geoms[b].reach);
@@ -188,7 +188,7 @@ struct Search {
   }
   void enter_center(Index geom) {
     double* const x = w.centers + geom;
-    const std::ptrdiff_t next = geom_room(m);
+    const std::ptrdiff_t next = geom_capacity(m);
     const Vec3<double>& p = d.geom_poses[geom].p;
     x[0] = p[0], x[next] = p[1], x[2 * next] = p[2], x[3 * next] = d.geoms[geom].reach;
   }
@@ -205,7 +205,7 @@ struct Search {
   unsigned near_of(const PairRow& row, Index k) {
     const Geom& a = d.geoms[row.a];
     const Pose& A = d.geom_poses[row.a];
-    const std::ptrdiff_t next = geom_room(m);
+    const std::ptrdiff_t next = geom_capacity(m);
     const double* const x = w.centers + row.b + k;
     const Vec3<Wide> to = Vec3<Wide>::make(load_wide(x) - A.p[0], load_wide(x + next) - A.p[1], load_wide(x + 2 * next) - A.p[2]);
     const Wide reach = load_wide(x + 3 * next);

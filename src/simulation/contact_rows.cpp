@@ -40,7 +40,7 @@ Vec3<double> surface_velocity(const Data<double>& d, Index geom) { return d.geom
 
 }  // namespace
 
-void meet_contact(const Model& m, Data<double>& d, Index contact, double h, Slot<double>& s) {
+void meet_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s) {
   Workspace& w = *d.step;
   const dynContact& c = w.contacts[contact].contact;
   ContactLaw& law = w.laws[contact];
@@ -56,11 +56,11 @@ void meet_contact(const Model& m, Data<double>& d, Index contact, double h, Slot
   s.rows = law.rows;
 }
 
-void assemble_contact(const Model& m, Data<double>& d, const ActiveSlot& x) {
+void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x) {
   Workspace& w = *d.step;
   const dynContact& c = w.contacts[x.index].contact;
   ContactLaw& law = w.laws[x.index];
-  Slot<double>& s = *x.s;
+  ConstraintInstance<double>& s = *x.s;
   law.axes[2] = load3(c.normal);
   across(law.axes[2], law.axes[0], law.axes[1]);
   const Vec3<double> slip = surface_velocity(d, law.geom_b) - surface_velocity(d, law.geom_a);

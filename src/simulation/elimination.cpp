@@ -21,12 +21,12 @@ bool Elimination::find_runs(const Island& x) {
     for (Index n = 0; n < x.slot(k).s->support; ++n) local[s.of[x.slot(k).support[n]]] = -1;
   size = 0;
   for (Index k = 0; k < x.slots; ++k) {
-    const ActiveSlot& a = x.slot(k);
+    const ActiveConstraint& a = x.slot(k);
     first_run[k] = count;
     for (Index n = 0, last = -1; n < a.s->support; ++n) {
       const Index now = s.of[a.support[n]];
       if (now == last) continue;
-      if (count == most_runs) return false;
+      if (count == max_runs) return false;
       last = now;
       if (local[now] < 0) segment[size] = now, first_of[size] = -1, local[now] = size++;
       runs[count] = {local[now], k, nullptr};
@@ -38,10 +38,10 @@ bool Elimination::find_runs(const Island& x) {
   return true;
 }
 
-// Lists: a run stands for its slot, an entry e, as most_runs + e, for the position it is of.
+// Lists: a run stands for its slot, an entry e, as max_runs + e, for the position it is of.
 template <class F>
 void Elimination::for_each_listed(Index slots, Index list, F&& f) const {
-  if (list < slots) for_each_run(list, [&](const SlotRun& r) { f(r.segment); });
+  if (list < slots) for_each_run(list, [&](const ConstraintRun& r) { f(r.segment); });
   else
     for (Index e = first[list - slots]; e < first[list - slots + 1]; ++e) f(later[e]);
 }
@@ -63,8 +63,8 @@ void Elimination::begin(Index slots) {
   for (Index s = 0; s < size; ++s) lists[s] = mark[s] = of_degree[s] = -1;
   for (Index k = 0; k < slots; ++k) {
     const Index n = first_run[k + 1] - first_run[k];
-    const SlotRun* own = runs + first_run[k];
-    dead[k] = k > 0 && first_run[k] - first_run[k - 1] == n && std::equal(own, own + n, own - n, [](const SlotRun& a, const SlotRun& b) { return a.segment == b.segment; });
+    const ConstraintRun* own = runs + first_run[k];
+    dead[k] = k > 0 && first_run[k] - first_run[k - 1] == n && std::equal(own, own + n, own - n, [](const ConstraintRun& a, const ConstraintRun& b) { return a.segment == b.segment; });
     for (Index r = first_run[k]; r < first_run[k + 1] && !dead[k]; ++r) next_list[r] = lists[runs[r].segment], lists[runs[r].segment] = r;
   }
   for (Index s = size - 1; s >= 0; --s) degree[s] = count(slots, s, s), link(s);
@@ -76,7 +76,7 @@ Index Elimination::count(Index slots, Index s, Index stamp) {
   Index sum = 0;
   mark[s] = stamp;
   for (Index *at = &lists[s], node; (node = *at) >= 0;) {
-    const Index list = node < most_runs ? runs[node].slot : slots + earlier[node - most_runs];
+    const Index list = node < max_runs ? runs[node].slot : slots + earlier[node - max_runs];
     if (dead[list]) {
       *at = next_list[node];
       continue;
@@ -95,12 +95,12 @@ bool Elimination::eliminate(Index slots, Index s, Index step) {
   Index fill = first[step];
   mark[s] = step;
   for (Index node = lists[s]; node >= 0; node = next_list[node]) {
-    const Index list = node < most_runs ? runs[node].slot : slots + earlier[node - most_runs];
+    const Index list = node < max_runs ? runs[node].slot : slots + earlier[node - max_runs];
     if (dead[list]) continue;
     bool fits = true;
     for_each_listed(slots, list, [&](Index t) {
       if (mark[t] == step) return;
-      if (fill == most_entries) fits = false;
+      if (fill == max_entries) fits = false;
       else mark[t] = step, earlier[fill] = step, later[fill++] = t;
     });
     if (!fits) return false;
@@ -109,7 +109,7 @@ bool Elimination::eliminate(Index slots, Index s, Index step) {
   first[step + 1] = fill, dead[slots + step] = false;
   for (Index e = first[step]; e < fill; ++e) {
     const Index t = later[e];
-    next_list[most_runs + e] = lists[t], lists[t] = most_runs + e;
+    next_list[max_runs + e] = lists[t], lists[t] = max_runs + e;
   }
   return true;
 }

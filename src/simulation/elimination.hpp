@@ -20,11 +20,11 @@ struct Segments {
   Index count = 0;
   Index *of = nullptr, *first = nullptr;  // of degrees of freedom; first degrees of freedom of segments
 };
-inline Index segment_room(const Model& m) { return m.has_mimic ? m.n.nv : std::min(m.n.nv, m.n.bodies - 1 + m.n.nv / segment_size); }
+inline Index segment_capacity(const Model& m) { return m.has_mimic ? m.n.nv : std::min(m.n.nv, m.n.bodies - 1 + m.n.nv / segment_size); }
 void find_segments(const Model& m, Segments& s);
 
 // The part of a slot that a segment carries: its rows in lanes by degree of freedom, in the units of newton.cpp.
-struct SlotRun {
+struct ConstraintRun {
   Index segment, slot;  // of the island
   double* rows;
 };
@@ -38,25 +38,25 @@ struct Elimination {
   Index *later, *earlier;       // positions of an entry
   Index *first_in, *in;         // entries by the later position
   Index *first_run;             // of slots
-  SlotRun* runs;
+  ConstraintRun* runs;
   Index *first_of, *next_of;    // runs of a segment, a list
   Index *degree, *mark, *of_degree, *before, *after;  // segments by degree, as lists
   Index *lists, *next_list;     // of segments: what couples them, runs and entries
   bool* dead;                   // slots and positions whose lists are in another's
-  Index most_entries, most_runs;
+  Index max_entries, max_runs;
 
-  static std::ptrdiff_t entry_room(Index segments) { return std::min<std::ptrdiff_t>(std::ptrdiff_t(segments) * (segments - 1) / 2, 16 * std::ptrdiff_t(segments)) + 1; }
+  static std::ptrdiff_t entry_capacity(Index segments) { return std::min<std::ptrdiff_t>(std::ptrdiff_t(segments) * (segments - 1) / 2, 16 * std::ptrdiff_t(segments)) + 1; }
   // where slots are carried by more, on average, there is no room
-  static std::ptrdiff_t run_room(const Model& m, Index slots) { return std::min<std::ptrdiff_t>(m.n.carriers / segment_size + 2, 8) * slots + m.n.nv; }
+  static std::ptrdiff_t run_capacity(const Model& m, Index slots) { return std::min<std::ptrdiff_t>(m.n.carriers / segment_size + 2, 8) * slots + m.n.nv; }
 
   template <class F>
   void arrays(const Model& m, Index slots, F&& f) {
-    const Index count = segment_room(m);
-    most_entries = Index(entry_room(count)), most_runs = Index(run_room(m, slots));
+    const Index count = segment_capacity(m);
+    max_entries = Index(entry_capacity(count)), max_runs = Index(run_capacity(m, slots));
     for (Index** a : {&segment, &local, &order, &position, &first, &first_in, &first_of, &degree, &mark, &of_degree, &before, &after, &lists}) f(*a, count + 2);
-    for (Index** a : {&later, &earlier, &in}) f(*a, most_entries);
-    f(first_run, slots + 1), f(runs, most_runs), f(next_of, most_runs);
-    f(next_list, std::ptrdiff_t(most_runs) + most_entries), f(dead, std::ptrdiff_t(slots) + count);
+    for (Index** a : {&later, &earlier, &in}) f(*a, max_entries);
+    f(first_run, slots + 1), f(runs, max_runs), f(next_of, max_runs);
+    f(next_list, std::ptrdiff_t(max_runs) + max_entries), f(dead, std::ptrdiff_t(slots) + count);
   }
 
   // What each slot is carried by, and how many segments there are. false: there is no room for it.

@@ -44,8 +44,8 @@ const T* forces_on_bodies(const Model& m, Data<T>& d) {
       add(j, body, d.wrenches[j].at(d.R[body], d.p[body]));
     }
   if (d.acting & DYN_EFFECT_GRAVITY_COMPENSATION)
-    for (Index k = 0; k < m.n.held_weights; ++k) {
-      const HeldWeight& x = m.held_weights()[k];
+    for (Index k = 0; k < m.n.gravity_compensations; ++k) {
+      const GravityCompensation& x = m.gravity_compensations()[k];
       if (!(d.effects[x.joint] & DYN_EFFECT_GRAVITY_COMPENSATION)) continue;
       const Vec3<T> force = load3(d.world_gravity) * T(-x.mass);
       add(x.joint, x.body, {force, cross(d.R[x.body] * cast<T>(x.at), force)});

@@ -16,13 +16,13 @@ namespace {
 using solver::lorentz;
 using solver::within_cone;
 
-constexpr double to_boundary = 0.99, least_centring = 1e-6, least_compliance = 1e-6;
+constexpr double to_boundary = 0.99, min_centring = 1e-6, min_compliance = 1e-6;
 constexpr double inside = 10;  // of the guess's error
 constexpr int refinements = 1;
-constexpr Index most_steps = 30, most_newton_steps = 6;
+constexpr Index max_steps = 30, max_newton_steps = 6;
 // with the correction held
 constexpr Index problems_a_start = 30, polishing_steps = 10;
-constexpr double solved = 1e-4, most_relaxed = 64;
+constexpr double solved = 1e-4, max_relaxed = 64;
 
 class Interior : public Newton {
  public:
@@ -38,18 +38,18 @@ class Interior : public Newton {
 
   void begin(double shift);
   double complementarity() const;
-  void scaled(const ActiveSlot& a, State& s) const;
+  void scaled(const ActiveConstraint& a, State& s) const;
   bool barrier() const;
   void toward(double sigma);
   double longest() const;
   void relax();
   bool step(dynContactReport& report);
-  bool polish(Index most, double share, dynContactReport& report);
+  bool newton_refine(Index most, double share, dynContactReport& report);
 };
 
 // The nearest point that far inside.
 void Interior::begin(double shift) {
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
     const double* ck = c + a.s->first;
     if (!s.cone) {
@@ -76,7 +76,7 @@ void Interior::begin(double shift) {
 double Interior::complementarity() const {
   double sum = 0;
   Index count = 0;
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
     if (s.cone) {
       sum += s.mu * yk[0] * Uk[0], ++count;
@@ -92,7 +92,7 @@ double Interior::complementarity() const {
 }
 
 // law = (W^2 S + N)^-1 B of a cone, W^-2 = (2 v v' - J) / ratio; what is soft joins its inverse.
-void Interior::scaled(const ActiveSlot& a, State& s) const {
+void Interior::scaled(const ActiveConstraint& a, State& s) const {
   const double *yk = y + a.s->first, *Uk = U + a.s->first, *ck = c + a.s->first;
   const Index m = s.rows - 1;
   const double Y0 = s.mu * yk[0], U0 = Uk[0];
@@ -127,12 +127,12 @@ void Interior::scaled(const ActiveSlot& a, State& s) const {
 }
 
 bool Interior::barrier() const {
-  each([&](const ActiveSlot& a, State& s, Index k) {
+  each([&](const ActiveConstraint& a, State& s, Index k) {
     s.unknowns = s.rows, act(k);
     if (s.cone) return scaled(a, s);
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
     for (Index i = 0; i < s.rows; ++i) {
-      double E = least_compliance + soft(a, s, i);
+      double E = min_compliance + soft(a, s, i);
       if (Uk[i] > 0) E += Uk[i] / (yk[i] - s.lower);
       if (top[i] > 0) E += top[i] / (s.upper - yk[i]);
       for (Index j = 0; j < s.rows; ++j) s.law[i][j] = i == j ? 1 / E : 0;
@@ -143,7 +143,7 @@ bool Interior::barrier() const {
 
 // To the point of the path at sigma, dy and dc = G dy, and what U and the boxes' z do on the way.
 void Interior::toward(double sigma) {
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first;
     double* r = rhs + a.s->first;
     if (!s.cone) {
@@ -173,13 +173,13 @@ void Interior::toward(double sigma) {
   std::fill_n(dy, x.rows, 0.0);
   for (int k = 0; k <= refinements; ++k) {  // again: of what G dy is not as it was to be
     clear();
-    each([&](const ActiveSlot& a, const State& s, Index slot) {
-      double by[most_rows];
+    each([&](const ActiveConstraint& a, const State& s, Index slot) {
+      double by[max_rows];
       apply(s, rhs + a.s->first, by), pass(slot, s.rows, by);
     });
     factor.solve(w.by_segment);
-    each([&](const ActiveSlot& a, const State& s, Index slot) {
-      double v[most_rows], by[most_rows];
+    each([&](const ActiveConstraint& a, const State& s, Index slot) {
+      double v[max_rows], by[max_rows];
       double *r = rhs + a.s->first, *to = dy + a.s->first;
       meet(slot, s.rows, w.by_segment, v);
       for (Index i = 0; i < s.rows; ++i) r[i] -= v[i];
@@ -187,11 +187,11 @@ void Interior::toward(double sigma) {
       for (Index i = 0; i < s.rows; ++i) to[i] += by[i], r[i] = v[i] + (k ? dc[a.s->first + i] : 0);
     });
     times(dy, dc);
-    each([&](const ActiveSlot& a, const State& s, Index) {
+    each([&](const ActiveConstraint& a, const State& s, Index) {
       for (Index i = 0; i < s.rows; ++i) rhs[a.s->first + i] -= dc[a.s->first + i];
     });
   }
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first, *dyk = dy + a.s->first, *dck = dc + a.s->first;
     double *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
     if (!s.cone) {
@@ -212,7 +212,7 @@ void Interior::toward(double sigma) {
 double Interior::longest() const {
   double t = HUGE_VAL;
   const auto limit = [&](double a, double d) { t = d < 0 ? std::min(t, -a / d) : t; };
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *dyk = dy + a.s->first, *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
     if (s.cone) {
       t = std::min(t, within_cone(s.mu * yk[0], yk + 1, s.mu * dyk[0], dyk + 1, s.rows - 1));
@@ -234,7 +234,7 @@ bool Interior::step(dynContactReport& report) {
   const double sigma = complementarity();
   toward(0);
   const double left = 1 - std::min(1.0, longest());  // how much of sigma a step aiming at 0 would leave
-  toward(sigma * std::max(least_centring, left * left * left));
+  toward(sigma * std::max(min_centring, left * left * left));
   const double t = std::min(1.0, to_boundary * longest());
   if (!(t > 0) || !std::all_of(dc, dc + x.rows, [](double change) { return std::isfinite(change); })) return false;
   for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], U[i] += t * dU[i], upper[i] += t * dupper[i];
@@ -243,7 +243,7 @@ bool Interior::step(dynContactReport& report) {
 }
 
 // By Newton's method from here; if that does not do, back.
-bool Interior::polish(Index most, double share, dynContactReport& report) {
+bool Interior::newton_refine(Index most, double share, dynContactReport& report) {
   std::copy_n(y, x.rows, y_here), std::copy_n(c, x.rows, c_here);
   if (Newton::run(most, share, report)) return true;
   std::copy_n(y_here, x.rows, y), std::copy_n(c_here, x.rows, c);
@@ -255,20 +255,20 @@ bool Interior::run(dynContactReport& report) {
   begin(inside * std::sqrt(now.own / x.rows)), velocities();
   double tried = HUGE_VAL;
   short_steps = 0;
-  for (Index k = 0; k < most_steps && x.may_go_on(report) && step(report); ++k) {
+  for (Index k = 0; k < max_steps && x.may_go_on(report) && step(report); ++k) {
     now = error();
     if (!(now.most < 1e-2 * speed && now.most < 0.1 * tried)) continue;
     tried = now.most;
-    if (polish(most_newton_steps, 0.5, report)) return true;
+    if (newton_refine(max_newton_steps, 0.5, report)) return true;
   }
   return false;
 }
 
 // The next correction of each contact; after steps one way, twice as far.
 void Interior::relax() {
-  each([&](const ActiveSlot& a, State& s, Index) {
+  each([&](const ActiveConstraint& a, State& s, Index) {
     const double step = solver::norm(c + a.s->first + 1, s.rows - 1) - s.correction;
-    s.relaxed = step * s.corrected > 0 && std::abs(step) > 0.5 * std::abs(s.corrected) ? std::min(most_relaxed, 2 * s.relaxed) : 1;
+    s.relaxed = step * s.corrected > 0 && std::abs(step) > 0.5 * std::abs(s.corrected) ? std::min(max_relaxed, 2 * s.relaxed) : 1;
     s.corrected = step;
     s.correction = std::max(0.0, s.correction + s.relaxed * step);
   });
@@ -278,14 +278,14 @@ bool Interior::run_held(dynContactReport& report) {
   held = true;
   for (Index k = 0; k < 2 * problems_a_start && x.may_go_on(report); ++k) {
     if (k % problems_a_start == 0)  // from the guess's corrections, then from none
-      each([&](const ActiveSlot& a, State& s, Index) { s.correction = k ? 0 : solver::norm(c + a.s->first + 1, s.rows - 1), s.corrected = 0, s.relaxed = 1; });
+      each([&](const ActiveConstraint& a, State& s, Index) { s.correction = k ? 0 : solver::norm(c + a.s->first + 1, s.rows - 1), s.corrected = 0, s.relaxed = 1; });
     else
       relax();
     const double wrong = error().own / x.rows;
     begin(inside * std::sqrt(wrong)), velocities();
     short_steps = 0;
-    for (Index i = 0; i < most_steps && x.may_go_on(report) && step(report) && complementarity() > solved * wrong; ++i) {}
-    if (polish(polishing_steps, 1, report)) return true;
+    for (Index i = 0; i < max_steps && x.may_go_on(report) && step(report) && complementarity() > solved * wrong; ++i) {}
+    if (newton_refine(polishing_steps, 1, report)) return true;
   }
   return false;
 }

@@ -23,7 +23,7 @@ void note_late(const Island& x, double gap, double before) {
 }
 
 // With gains the acceleration is what these ask for; without, the velocity is zero and what is wrong goes by a correction.
-void fill_equality(const Island& x, const Slot<double>& s) {
+void fill_equality(const Island& x, const ConstraintInstance<double>& s) {
   const bool gains = s.c.stiffness > 0 || s.c.damping > 0;
   for (Index r = 0; r < s.rows; ++r) {
     const Index i = s.first + r;
@@ -33,7 +33,7 @@ void fill_equality(const Island& x, const Slot<double>& s) {
   }
 }
 
-void fill_box(const Island& x, const Slot<double>& s, Index k) {
+void fill_box(const Island& x, const ConstraintInstance<double>& s, Index k) {
   const Index i = s.first;
   x.g[i] = s.rate[0], x.bias[i] = may_close(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
@@ -49,7 +49,7 @@ Motion<double> velocity(const Island& x, Index body) { return body_motion(x.m, x
 struct Approach {
   double before, gained;
 };
-Approach approach(const Island& x, const Slot<double>& s, Index normal) {
+Approach approach(const Island& x, const ConstraintInstance<double>& s, Index normal) {
   using Six = SixEights<double>;
   const auto along = [&](const double* F, const Motion<double>& V) { return Six::load(F).dot(V)[int(normal)]; };
   const double first = along(s.F1, velocity(x, s.c.body1)), second = along(s.F2, velocity(x, s.c.body2));
@@ -58,13 +58,13 @@ Approach approach(const Island& x, const Slot<double>& s, Index normal) {
 }
 
 // Errors leave a gap where bodies roll on each other, either way: it goes as fast as they turn.
-double lost(const Island& x, const Slot<double>& s, double gap) {
+double lost(const Island& x, const ConstraintInstance<double>& s, double gap) {
   const auto turns = [&](Index body) { return std::sqrt(dot(velocity(x, body).angular, velocity(x, body).angular)); };
   return x.w.closed > 0 ? gap * (turns(s.c.body1) + turns(s.c.body2)) : 0;
 }
 
-void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
-  const Slot<double>& s = *slot.s;
+void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
+  const ConstraintInstance<double>& s = *slot.s;
   const dynContactForce& f = x.w.contacts[slot.index];
   const ContactLaw& law = x.w.laws[slot.index];
   const dynMaterial& material = law.material;
@@ -97,7 +97,7 @@ void fill_contact(Island& x, const ActiveSlot& slot, Index k) {
 
 void Island::number() {
   for (Index k = 0; k < slots; ++k) {
-    ActiveSlot& x = slot(k);
+    ActiveConstraint& x = slot(k);
     x.s->first = rows, rows += x.s->rows;
     supported = supported || (std::min(x.tree1, x.tree2) < 0 && !between_joints(x.s->c.type));
     if (x.kind == RowKind::Equality) equalities += x.s->rows;
@@ -110,7 +110,7 @@ void Island::fill() {
   for (Index k = 0; k < slots && w.closed > 0; ++k)
     for (Index r = 0; r < slot(k).s->rows; ++r) fast = std::max(fast, std::abs(slot(k).s->rate[r]));
   for (Index k = 0, in_boxes = 0, in_contacts = 0; k < slots; ++k) {
-    const ActiveSlot& x = slot(k);
+    const ActiveConstraint& x = slot(k);
     if (x.kind == RowKind::Equality) fill_equality(*this, *x.s);
     else if (x.kind == RowKind::Box) fill_box(*this, *x.s, in_boxes++);
     else fill_contact(*this, x, in_contacts++);

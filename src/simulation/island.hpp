@@ -26,12 +26,12 @@ struct Island {
   Eliminated eliminated = Eliminated::Not;
   Index allowance = 3 * w.options.max_iterations;  // as with the whole matrix
 
-  double* vector(int k) const { return w.vectors + k * row_room(step_rows(m)); }
+  double* vector(int k) const { return w.vectors + k * padded_rows(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),
          *upper = vector(7), *friction = vector(8), *torsion = vector(9), *rolling = vector(10), *restitution = vector(11), *kept = vector(12);
 
-  ActiveSlot& slot(Index k) const { return w.active[order[k]]; }
-  std::ptrdiff_t stride() const { return row_room(rows); }
+  ActiveConstraint& slot(Index k) const { return w.active[order[k]]; }
+  std::ptrdiff_t stride() const { return padded_rows(rows); }
   bool large() const { return rows > island_rows(m); }
   bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_PGS && (large() || !bounces); }  // of small ones restitution's guard is the matrix's
 
@@ -59,7 +59,7 @@ struct Island {
   bool gains(const dynContactReport& report) const;
   void bounce(dynContactReport& report);
   void sweep_alone(dynContactReport& report);
-  void sweep_to_rest(dynContactReport& report);
+  void block_gauss_seidel(dynContactReport& report);
   void sweep_on(dynContactReport& report);  // as long as that makes the residual smaller
   void sweep_apart();
   bool may_go_on(const dynContactReport& r) const { return r.iterations + r.newton_steps < allowance && !w.time_is_up(); }
@@ -67,12 +67,12 @@ struct Island {
   double residual() const;  // and by_dof and c of lambda
   double speed() const;  // largest velocity that is to change
 
-  // lambda, c = G lambda + g; the corrections of position: bias is what is wrong, g zero, lambda the displacement (solve_slots.cpp)
+  // lambda, c = G lambda + g; the corrections of position: bias is what is wrong, g zero, lambda the displacement (solve_constraints.cpp)
   void impulses(dynContactReport& report);
   void add(double* by_dof) const;
   // z = 0 where slots carry; z += Y^T by of a slot's rows; G lambda in lanes
   void clear(double* z) const;
-  DYN_INLINE void pass(const ActiveSlot& a, const double* by, double* z) const {
+  DYN_INLINE void pass(const ActiveConstraint& a, const double* by, double* z) const {
     visit_rows(a.s->rows, [&]<int rows>() DYN_INLINE_LAMBDA {
       const double* y = a.carried;
       for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
@@ -83,14 +83,14 @@ struct Island {
       }
     });
   }
-  DYN_INLINE Pack<double, row_lanes> moved(const ActiveSlot& a, const double* Dinv, const double* z) const {
+  DYN_INLINE Pack<double, row_lanes> moved(const ActiveConstraint& a, const double* Dinv, const double* z) const {
     using P = Pack<double, row_lanes>;
     P sum = P::zero();
     const double* y = a.carried;
     for (Index n = 0; n < a.s->support; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
     return sum;
   }
-  bool is_angle(const ActiveSlot& x, Index row) const;
+  bool is_angle(const ActiveConstraint& x, Index row) const;
   bool correct();
 };
 

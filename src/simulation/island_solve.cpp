@@ -7,13 +7,13 @@ namespace dyn::simulation {
 
 namespace {
 
-bool apart(const ActiveSlot& a, const ActiveSlot& b) {
+bool apart(const ActiveConstraint& a, const ActiveConstraint& b) {
   auto in = [&](Index tree) { return tree >= 0 && (tree == b.tree1 || tree == b.tree2); };
   return !in(a.tree1) && !in(a.tree2);
 }
 
 template <int columns>
-void couple_slots(const ActiveSlot& a, const ActiveSlot& b, const double* Dinv, double* block, std::ptrdiff_t ld) {
+void couple_constraints(const ActiveConstraint& a, const ActiveConstraint& b, const double* Dinv, double* block, std::ptrdiff_t ld) {
   couple<columns>(a.support, a.s->support, a.carried, b.support, b.s->support, b.carried, Dinv, block, ld);
 }
 
@@ -34,19 +34,19 @@ bool Island::dense_matrix() {
   Index low = m.n.nvx, high = 0;
   std::ptrdiff_t carried = 0;
   for (Index k = 0; k < slots; ++k) {
-    const ActiveSlot& a = slot(k);
+    const ActiveConstraint& a = slot(k);
     if (a.s->support == 0) continue;
     low = std::min(low, a.support[a.s->support - 1]), high = std::max(high, a.support[0]), carried += a.s->support;
   }
   const Index dofs = high - low + 1;
-  if (dofs < 1 || dofs > most_dense_dofs || std::ptrdiff_t(dofs) * slots > 4 * carried) return false;
+  if (dofs < 1 || dofs > max_dense_dofs || std::ptrdiff_t(dofs) * slots > 4 * carried) return false;
   const std::ptrdiff_t ld = stride();
   const double* Dinv = inverse_pivots(m, d) + low;
-  double *const Z = w.dense, *const G = w.matrix, root[most_dense_dofs];
+  double *const Z = w.dense, *const G = w.matrix, root[max_dense_dofs];
   for (Index k = 0; k < dofs; ++k) root[k] = std::sqrt(Dinv[k]);
   std::fill_n(Z, ld * dofs, 0.0);
   for (Index k = 0; k < slots; ++k) {
-    const ActiveSlot& a = slot(k);
+    const ActiveConstraint& a = slot(k);
     for (Index n = 0; n < a.s->support; ++n) {
       const Index dof = a.support[n] - low;
       (P::load(a.carried + row_lanes * n) * root[dof]).store(Z + ld * dof + a.s->first);
@@ -73,15 +73,15 @@ void Island::matrix() {
   if (has_matrix) return;
   has_matrix = true;
   if (dense_matrix()) return;
-  static constexpr auto couples = std::array{couple_slots<1>, couple_slots<2>, couple_slots<3>, couple_slots<4>, couple_slots<5>, couple_slots<6>};
+  static constexpr auto couples = std::array{couple_constraints<1>, couple_constraints<2>, couple_constraints<3>, couple_constraints<4>, couple_constraints<5>, couple_constraints<6>};
   const std::ptrdiff_t ld = stride();
   const double* Dinv = inverse_pivots(m, d);
   double* G = w.matrix;
   std::fill_n(G, ld * rows, 0.0);
   for (Index i = 0; i < slots; ++i) {
-    const ActiveSlot& a = slot(i);
+    const ActiveConstraint& a = slot(i);
     for (Index j = i; j < slots; ++j) {
-      const ActiveSlot& b = slot(j);
+      const ActiveConstraint& b = slot(j);
       if (apart(a, b)) continue;
       double *block = G + b.s->first + ld * a.s->first, *mirrored = G + a.s->first + ld * b.s->first;
       couples[std::size_t(a.s->rows - 1)](a, b, Dinv, block, ld);
@@ -97,7 +97,7 @@ void Island::ask_for_what_is_possible() {
   const RowWork<double> work = row_work(m, d);
   const Index n = equalities;
   const double round_off = 1e-15 * n;  // of the unit diagonal, in pivots
-  const std::ptrdiff_t ld = row_room(n);
+  const std::ptrdiff_t ld = padded_rows(n);
   double *const block = work.factor, *const asked = work.vector(1), *const consistent = work.vector(2), *const scale = work.vector(3);
   for (Index j = 0; j < n; ++j) {
     std::copy_n(w.matrix + stride() * j, n, block + ld * j);

@@ -21,19 +21,19 @@ void order_by_islands(Data<double>& d, Index slots) {
     for (const Index tree : {w.active[k].tree1, w.active[k].tree2})
       if (tree >= 0) links[tree] = tree;
   for (Index k = 0; k < slots; ++k) {
-    const ActiveSlot& x = w.active[k];
+    const ActiveConstraint& x = w.active[k];
     if (x.tree1 < 0 || x.tree2 < 0) continue;
     const Index a = find(links, x.tree1), b = find(links, x.tree2);
     links[std::max(a, b)] = std::min(a, b);  // named by its first tree
   }
   for (Index k = 0; k < slots; ++k) {
-    ActiveSlot& x = w.active[k];
+    ActiveConstraint& x = w.active[k];
     x.island = find(links, x.tree1 < 0 ? x.tree2 : x.tree1);
     w.order[k] = k;
   }
   // stable by the numbers of the slots
   const auto before = [&](Index a, Index b) {
-    const ActiveSlot &x = w.active[a], &y = w.active[b];
+    const ActiveConstraint &x = w.active[a], &y = w.active[b];
     return x.island != y.island ? x.island < y.island : x.kind != y.kind ? x.kind < y.kind : a < b;
   };
   if (!std::is_sorted(w.order, w.order + slots, before)) std::sort(w.order, w.order + slots, before);

@@ -16,10 +16,10 @@ struct Energies {
 };
 // d.q and d.v may have changed without notice.
 Energies energies(const Model& m, Data<double>& d) {
-  d.drop(Stage::Position), d.drop(Stage::Velocity);
+  d.invalidate(Stage::Position), d.invalidate(Stage::Velocity);
   kinetic_energy(m, d), potential_energy(m, d);
   const Energies out{d.kinetic[0], d.potential[0]};
-  d.drop(Stage::Kinetic), d.drop(Stage::Potential), d.drop(Stage::Position), d.drop(Stage::Velocity);
+  d.invalidate(Stage::Kinetic), d.invalidate(Stage::Potential), d.invalidate(Stage::Position), d.invalidate(Stage::Velocity);
   return out;
 }
 
@@ -114,10 +114,10 @@ void enter_rows(const Island& x) {
   LedgerRows& l = x.w.ledger.rows;
   const auto before = [&](Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; };
   for (Index k = 0; k < x.slots; ++k) {
-    const ActiveSlot& a = x.slot(k);
-    const Slot<double>& s = *a.s;
+    const ActiveConstraint& a = x.slot(k);
+    const ConstraintInstance<double>& s = *a.s;
     const bool joints = between_joints(s.c.type);
-    double c0[most_rows] = {};
+    double c0[max_rows] = {};
     if (joints) {
       c0[0] = of_ball(s.c) ? limit_rate(s, x.v_before) : s.g1 * x.v_before[s.c.v1] + (s.g2 != 0 ? s.g2 * x.v_before[s.c.v2] : 0);
     } else {

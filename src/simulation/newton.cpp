@@ -6,17 +6,17 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double least_compliance = 1e-6;  // of the unit diagonal: steps are unique where contacts are redundant
+constexpr double min_compliance = 1e-6;  // of the unit diagonal: steps are unique where contacts are redundant
 constexpr double damping = 1e-2;           // the same, where a step without makes nothing better (Levenberg and Marquardt)
 constexpr int refinements = 1;             // of a step, after which it is as if there were no such compliance
-constexpr double least_step = 0.2;
+constexpr double min_step = 0.2;
 constexpr double jammed = 100;             // impulses that exceed those of all free velocities so much are stress that friction locks in
 constexpr double hardly_more = 1.1;    // than the guess: what is heavy presses through what is light
-constexpr Index most_steps = 15;
+constexpr Index max_steps = 15;
 constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 
 // Rows' impulses by unknowns: where it slides, the normal with the friction along it, and directions across.
-void to_rows(const NewtonSlot& s, const double* unknowns, double* rows) {
+void to_rows(const NewtonConstraint& s, const double* unknowns, double* rows) {
   if (s.is != solver::ConeState::slides) {
     for (Index i = 0; i < s.rows; ++i) rows[i] = i < s.unknowns ? unknowns[i] : 0;
     return;
@@ -29,7 +29,7 @@ void to_rows(const NewtonSlot& s, const double* unknowns, double* rows) {
 }
 
 // Equations by rows: the normal, and the directions across.
-void to_unknowns(const NewtonSlot& s, const double* rows, double* unknowns) {
+void to_unknowns(const NewtonConstraint& s, const double* rows, double* unknowns) {
   if (s.is != solver::ConeState::slides) {
     std::copy_n(rows, s.unknowns, unknowns);
     return;
@@ -43,7 +43,7 @@ void to_unknowns(const NewtonSlot& s, const double* rows, double* unknowns) {
 
 // C += a law b^T, rows of a in lanes; a, b: rows of slots in lanes
 template <int rows>
-DYN_INLINE void add_product(const NewtonSlot& s, const double* a, const double* b, double* C) {
+DYN_INLINE void add_product(const NewtonConstraint& s, const double* a, const double* b, double* C) {
   using P = BlockFactor::P;
   constexpr int W = BlockFactor::W;
   alignas(64) double lawb[rows * W];
@@ -70,8 +70,8 @@ DYN_INLINE void add_product(const NewtonSlot& s, const double* a, const double* 
 // Units in which diagonals are 1 and cones round; and the guess.
 void Newton::scale() {
   Index boxes = 0, contacts = 0;
-  each([&](const ActiveSlot& a, State& s, Index k) {
-    const SlotBlock& own = w.blocks[k];
+  each([&](const ActiveConstraint& a, State& s, Index k) {
+    const ConstraintBlock& own = w.blocks[k];
     const Index rows = a.s->rows;
     s.order = as_they_are, s.rows = rows, s.cone = false;
     auto unit = [](double diagonal) { return diagonal > 0 ? 1 / std::sqrt(diagonal) : 1; };
@@ -112,11 +112,11 @@ void Newton::carry() {
     for (Index k = first; k < segments.first[s + 1]; ++k) w.pivots[W * i + k - first] = Dinv[k];
   }
   double* to = w.run_rows;
-  each([&](const ActiveSlot& a, const State& s, Index k) {
+  each([&](const ActiveConstraint& a, const State& s, Index k) {
     Index n = 0;
     const double* carried = a.carried;
     for (Index r = e.first_run[k]; r < e.first_run[k + 1]; ++r) {
-      SlotRun& run = e.runs[r];
+      ConstraintRun& run = e.runs[r];
       const Index of = e.segment[run.segment], first = segments.first[of];
       run.rows = to;
       std::fill_n(to, W * s.rows, 0.0);
@@ -130,9 +130,9 @@ void Newton::carry() {
 // G y in these units, with what is soft.
 void Newton::times(const double* of, double* G_of) const {
   clear();
-  each([&](const ActiveSlot& a, const State& s, Index k) { pass(k, s.rows, of + a.s->first); });
+  each([&](const ActiveConstraint& a, const State& s, Index k) { pass(k, s.rows, of + a.s->first); });
   for (std::ptrdiff_t i = 0; i < W * std::ptrdiff_t(e.size); ++i) w.by_segment[i] *= w.pivots[i];
-  each([&](const ActiveSlot& a, const State& s, Index k) {
+  each([&](const ActiveConstraint& a, const State& s, Index k) {
     double* to = G_of + a.s->first;
     meet(k, s.rows, w.by_segment, to);
     for (Index i = 0; i < s.rows; ++i) to[i] += soft(a, s, i) * of[a.s->first + i];
@@ -141,7 +141,7 @@ void Newton::times(const double* of, double* G_of) const {
 
 void Newton::velocities() const {
   times(y, c);
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     for (Index i = 0; i < s.rows; ++i) c[a.s->first + i] += s.unit[i] * (x.g[a.s->first + s.order[i]] + x.bias[a.s->first + s.order[i]]);
   });
 }
@@ -149,7 +149,7 @@ void Newton::velocities() const {
 // Of the function whose zero is looked for, at y + t dy.
 Newton::Error Newton::error(double t) const {
   Error out;
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
     double yk[6] = {}, ak[6] = {};
     for (Index i = 0; i < s.rows; ++i) yk[i] = y[first + i] + t * dy[first + i], ak[i] = yk[i] - (c[first + i] + t * dc[first + i]);
@@ -171,7 +171,7 @@ Newton::Error Newton::error(double t) const {
 // What each slot does in the step, and the known part of dy. Answers its largest number.
 double Newton::states() {
   double known = 0;
-  each([&](const ActiveSlot& a, State& s, Index) {
+  each([&](const ActiveConstraint& a, State& s, Index) {
     const double *yk = y + a.s->first, *ck = c + a.s->first;
     double* to = dy + a.s->first;
     std::fill_n(to, s.rows, 0.0);
@@ -203,13 +203,13 @@ double Newton::states() {
 }
 
 // Where it sticks there is no compliance but the one that makes steps unique; across the sliding, that of the cone's width.
-void Newton::stiffen(const ActiveSlot& a, State& s) const {
+void Newton::stiffen(const ActiveConstraint& a, State& s) const {
   for (Index i = 0; i < s.unknowns; ++i) {
     const double across = s.is == solver::ConeState::slides && i > 0 ? 1 / s.across - 1 : 0;
     s.stiffness[i] = 1 / (compliant + across + soft(a, s, i));
   }
   for (Index j = 0; j < s.rows; ++j) {
-    double unit[most_rows] = {}, by[most_rows] = {}, column[most_rows] = {};
+    double unit[max_rows] = {}, by[max_rows] = {}, column[max_rows] = {};
     unit[j] = 1;
     to_unknowns(s, unit, by);
     for (Index i = 0; i < s.unknowns; ++i) by[i] *= s.stiffness[i];
@@ -222,11 +222,11 @@ void Newton::stiffen(const ActiveSlot& a, State& s) const {
 void Newton::fill(Index p, double* D) const {
   std::fill_n(D, BlockFactor::size, 0.0);
   for (Index i = 0; i < BlockFactor::R; ++i) D[i + W * i] = w.pivots[W * p + i] > 0 ? 1 / w.pivots[W * p + i] : 1;
-  e.for_each_of(e.order[p], [&](const SlotRun& a) {
+  e.for_each_of(e.order[p], [&](const ConstraintRun& a) {
     const State& s = w.newton[a.slot];
     if (s.unknowns == 0) return;
     visit_rows(s.rows, [&]<int rows>() {
-      e.for_each_run(a.slot, [&](const SlotRun& b) {
+      e.for_each_run(a.slot, [&](const ConstraintRun& b) {
         const Index q = e.position[b.segment];
         if (q == p) add_product<rows>(s, a.rows, a.rows, D);
         if (q <= p) return;
@@ -248,15 +248,15 @@ bool Newton::direction() {
   if (states() > 0) times(dy, dc);
   else std::fill_n(dc, x.rows, 0.0);
   std::fill_n(w.newton_acts, e.size, false);
-  each([&](const ActiveSlot& a, State& s, Index k) {
+  each([&](const ActiveConstraint& a, State& s, Index k) {
     if (s.unknowns > 0) stiffen(a, s), act(k);
   });
   if (!factorize()) return false;
   // of unknowns: the wanted change, what of it is left to be found, what has been found; of rows: the step so far, and G times it
   double *wanted = before + room, *left = wanted + room, *found = left + room, *step = found + room, *G_step = step + room;
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
-    double minus[most_rows] = {};
+    double minus[max_rows] = {};
     for (Index i = 0; i < s.rows; ++i) minus[i] = -dc[first + i] - (s.is == solver::ConeState::slides && i > 0 ? c[first + i] / s.across : c[first + i]);
     to_unknowns(s, minus, wanted + first);
     std::copy_n(wanted + first, s.unknowns, left + first);
@@ -264,25 +264,25 @@ bool Newton::direction() {
   });
   for (int k = 0;; ++k) {
     clear();
-    each([&](const ActiveSlot& a, const State& s, Index slot) {
+    each([&](const ActiveConstraint& a, const State& s, Index slot) {
       if (s.unknowns == 0) return;
-      double by[most_rows] = {}, rows[most_rows] = {};
+      double by[max_rows] = {}, rows[max_rows] = {};
       for (Index i = 0; i < s.unknowns; ++i) by[i] = s.stiffness[i] * left[a.s->first + i];
       to_rows(s, by, rows), pass(slot, s.rows, rows);
     });
     factor.solve(w.by_segment);
-    each([&](const ActiveSlot& a, const State& s, Index slot) {
+    each([&](const ActiveConstraint& a, const State& s, Index slot) {
       const Index first = a.s->first;
-      double rows[most_rows] = {}, by[most_rows] = {};
+      double rows[max_rows] = {}, by[max_rows] = {};
       if (s.unknowns) meet(slot, s.rows, w.by_segment, rows), to_unknowns(s, rows, by);
       for (Index i = 0; i < s.unknowns; ++i) found[first + i] += s.stiffness[i] * (left[first + i] - by[i]);
       to_rows(s, found + first, step + first);
     });
     times(step, G_step);
-    if (k == refinements || compliant != least_compliance) break;
-    each([&](const ActiveSlot& a, const State& s, Index) {  // with the compliance that is meant
+    if (k == refinements || compliant != min_compliance) break;
+    each([&](const ActiveConstraint& a, const State& s, Index) {  // with the compliance that is meant
       const Index first = a.s->first;
-      double by[most_rows];
+      double by[max_rows];
       to_unknowns(s, G_step + first, by);
       for (Index i = 0; i < s.unknowns; ++i) left[first + i] = wanted[first + i] - by[i] - (1 / s.stiffness[i] - compliant - soft(a, s, i)) * found[first + i];
     });
@@ -293,7 +293,7 @@ bool Newton::direction() {
 
 // The nearest impulses that are allowed.
 void Newton::candidate(double* into) const {
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
     if (s.cone) solver::project_cone(s.mu, s.rows, y + first, into + first);
     else
@@ -307,7 +307,7 @@ double Newton::residual() const {
 }
 
 void Newton::to_impulses(const double* from) const {
-  each([&](const ActiveSlot& a, const State& s, Index) {
+  each([&](const ActiveConstraint& a, const State& s, Index) {
     for (Index i = 0; i < a.s->rows; ++i) x.lambda[a.s->first + s.order[i]] = s.unit[i] * from[a.s->first + i];
   });
 }
@@ -315,7 +315,7 @@ void Newton::to_impulses(const double* from) const {
 Newton::Newton(const Island& island)
     : x(island), w(x.w), e(w.elimination),
       factor{e, w.diagonal, w.blocks_above, w.blocks_above + BlockFactor::size * std::ptrdiff_t(e.entries()), w.where, w.newton_acts, w.newton_filled},
-      room(row_room(x.rows)), speed(x.speed()), bound(0), compliant(least_compliance) {
+      room(padded_rows(x.rows)), speed(x.speed()), bound(0), compliant(min_compliance) {
   scale(), carry();
   std::fill_n(y, x.rows, 0.0), velocities();
   for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(c[i]);
@@ -330,13 +330,13 @@ bool Newton::run(Index most, double share, dynContactReport& report) {
     if (!direction()) break;
     double t = 1, largest = 0;
     Error next = error(t);
-    while (!(next.sum < now.sum) && t > least_step) next = error(t /= 2);
+    while (!(next.sum < now.sum) && t > min_step) next = error(t /= 2);
     if (!(next.sum < now.sum)) {
       if (compliant == damping) break;
       compliant = damping;
       continue;
     }
-    compliant = least_compliance;
+    compliant = min_compliance;
     for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], largest = std::max(largest, std::abs(y[i]));
     if (!(largest <= bound)) {
       std::copy_n(before, x.rows, y), velocities();
@@ -346,11 +346,11 @@ bool Newton::run(Index most, double share, dynContactReport& report) {
     if (!(next.sum < share * now.sum)) break;
     now = next;
   }
-  compliant = least_compliance;
+  compliant = min_compliance;
   return false;
 }
 
-bool Newton::run(dynContactReport& report) { return run(most_steps, 1, report); }
+bool Newton::run(dynContactReport& report) { return run(max_steps, 1, report); }
 
 void Newton::leave(dynContactReport& report) {
   const double found = residual();

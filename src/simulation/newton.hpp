@@ -18,7 +18,7 @@ class Newton {
   void leave(dynContactReport& report);
 
  protected:
-  using State = NewtonSlot;
+  using State = NewtonConstraint;
   using P = BlockFactor::P;
   static constexpr int W = BlockFactor::W;
 
@@ -42,7 +42,7 @@ class Newton {
   void clear() const { std::fill_n(w.by_segment, W * std::ptrdiff_t(e.size), 0.0); }
   // w.by_segment += Y of a slot's impulses; velocities of its rows, Y^T of
   DYN_INLINE void pass(Index slot, Index rows, const double* by) const {
-    e.for_each_run(slot, [&](const SlotRun& r) {
+    e.for_each_run(slot, [&](const ConstraintRun& r) {
       double* const to = w.by_segment + W * e.position[r.segment];
       P sum = P::load(to);
       for (Index i = 0; i < rows; ++i) sum = sum + P::load(r.rows + W * i) * by[i];
@@ -50,17 +50,17 @@ class Newton {
     });
   }
   DYN_INLINE void meet(Index slot, Index rows, const double* of, double* velocity) const {
-    P sum[most_rows];
+    P sum[max_rows];
     for (Index i = 0; i < rows; ++i) sum[i] = P::zero();
-    e.for_each_run(slot, [&](const SlotRun& r) {
+    e.for_each_run(slot, [&](const ConstraintRun& r) {
       const P at = P::load(of + W * e.position[r.segment]);
       for (Index i = 0; i < rows; ++i) sum[i] = sum[i] + P::load(r.rows + W * i) * at;
     });
     for (Index i = 0; i < rows; ++i) velocity[i] = solver::sum(sum[i]);
   }
-  double soft(const ActiveSlot& a, const State& s, Index i) const { return x.compliance[a.s->first + s.order[i]] * s.unit[i] * s.unit[i]; }
+  double soft(const ActiveConstraint& a, const State& s, Index i) const { return x.compliance[a.s->first + s.order[i]] * s.unit[i] * s.unit[i]; }
   void act(Index slot) const {
-    e.for_each_run(slot, [&](const SlotRun& r) { w.newton_acts[e.position[r.segment]] = true; });
+    e.for_each_run(slot, [&](const ConstraintRun& r) { w.newton_acts[e.position[r.segment]] = true; });
   }
 
   void times(const double* of, double* G_of) const;
@@ -72,7 +72,7 @@ class Newton {
   }
   bool factorize() const;  // of the slots' laws
   // At most so many steps, none of which may leave more than a share of the error
-  bool run(Index most_steps, double share, dynContactReport& report);
+  bool run(Index max_steps, double share, dynContactReport& report);
 
  private:
   double compliant;  // of the unit diagonal
@@ -81,7 +81,7 @@ class Newton {
   void carry();
   void fill(Index position, double* D) const;
   double states();
-  void stiffen(const ActiveSlot& a, State& s) const;
+  void stiffen(const ActiveConstraint& a, State& s) const;
   bool direction();
   void candidate(double* into) const;
   double residual() const;

@@ -37,7 +37,7 @@ void list_awake(const Model& m, Workspace& w) {
     append(z.trees[t], z.room.groups, groups);
   }
   z.awake = choose(m, z.room, groups);
-  list_loose(m, w);
+  list_free_bodies(m, w);
 }
 
 // Contacts of `from` that are asked for go into `to`, in order; the others close up.
@@ -75,7 +75,7 @@ void wake_ring(Sleep& z, Index tree) {
 void settle_awake(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
-  move_contacts(z.held, z.held_count, w.contacts, w.contact_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Awake; });
+  move_contacts(z.held, z.constrained_count, w.contacts, w.contact_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Awake; });
   for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
     if (z.is[tree] == Sleeper::Awake && search.resting->has(id)) search.stir(search.moving_geoms[id]);
   });
@@ -175,8 +175,8 @@ void find_rest(const Model& m, Data<double>& d, const double* v0, const double* 
   Sleep& z = w.sleep;
   const double speed = w.options.sleep_speed, time = w.options.sleep_time, change = speed / time * h;
   for (Index k = 0; k < z.awake_count; ++k) z.island[z.list[k]] = z.list[k], z.flags[z.list[k]] = stays | deep, z.largest[z.list[k]] = 0;
-  for (Index k = 0; k < w.slot_count; ++k) {
-    const ActiveSlot& s = w.active[k];
+  for (Index k = 0; k < w.constraint_count; ++k) {
+    const ActiveConstraint& s = w.active[k];
     for (const Index tree : {s.tree1, s.tree2})
       if (tree >= 0) z.island[z.number[tree]] = z.number[s.island];
     if (s.kind == RowKind::Contact) w.laws[s.index].island = z.number[s.island];
@@ -267,7 +267,7 @@ void end_sleep(const Model& m, Data<double>& d, double h) {
   }
   if (!some) return;
   z.some = true, w.clearance.square = 0;
-  move_contacts(w.contacts, w.contact_count, z.held, z.held_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Asleep; });
+  move_contacts(w.contacts, w.contact_count, z.held, z.constrained_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Asleep; });
   for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
     const Index geom = search.moving_geoms[id];
     if (z.is[tree] == Sleeper::Asleep && search.moving->has(id)) search.rest(d, geom, box_margin(w, d, geom, h));

@@ -35,7 +35,7 @@ struct Sleep {
   ChosenTrees awake;
   TreeRoom room;       // of these
   dynContactForce* held;  // contacts of those that sleep, in order
-  Index held_count;
+  Index constrained_count;
 
   bool sleeps(Index body) const { return some && body != 0 && is[number[body]] != Sleeper::Awake; }
 };

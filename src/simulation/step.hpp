@@ -52,10 +52,10 @@ struct BallGap {
   double gap;
   Vec3<double> axis;
 };
-BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, const double* v);  // find_slots.cpp
+BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, const double* v);  // find_constraints.cpp
 inline double ball_speed(const LimitRecord& r, const double* v) { return shape::norm(load3(v + r.dof)); }
 // Rate of the one row of a limit.
-inline double limit_rate(const Slot<double>& s, const double* v) { return of_ball(s.c) ? dot(s.c.axis, load3(v + s.c.v1)) : s.g1 * v[s.c.v1]; }
+inline double limit_rate(const ConstraintInstance<double>& s, const double* v) { return of_ball(s.c) ? dot(s.c.axis, load3(v + s.c.v1)) : s.g1 * v[s.c.v1]; }
 
 // Slow, m/s: what has fallen a twentieth of the model's own length, or comes to a thousandth of it in the step.
 inline double slow_speed(const Data<double>& d, double h) {
@@ -70,22 +70,22 @@ inline double within_reach(const Workspace& w, double h, double fast) { return w
 
 // After forward dynamics, with its free velocity v_free: contacts within reach of a step of h, limits, constraints. Answers how many slots
 // act; by islands in d.step->order, and contacts in d.step->contacts.
-Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h);
+Index find_constraints(const Model& m, Data<double>& d, const double* v_free, double h);
 
 // The impulses of all islands: v becomes v', and dq the correction. Answers whether there is one. v_before: at the beginning of the step.
-bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq);
+bool solve_constraints(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq);
 
 // steps of this file
 // contact_points.cpp; between: no two shapes are nearer, if positive
 Index find_contacts(const Model& m, Data<double>& d, double h, double& between);
 // contact_rows.cpp: what a contact is between, by which law; the rest of its slot
-void meet_contact(const Model& m, Data<double>& d, Index contact, double h, Slot<double>& s);
-void assemble_contact(const Model& m, Data<double>& d, const ActiveSlot& x);
+void meet_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s);
+void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x);
 void order_by_islands(Data<double>& d, Index slots);                  // islands.cpp
 
 // What the rows of a slot leave at degrees of freedom.
-inline void carry(const Model& m, Data<double>& d, const ActiveSlot& x) {
-  if (m.has_mimic) eliminate_slot(m, d, *x.s, x.support, x.carried);
+inline void carry(const Model& m, Data<double>& d, const ActiveConstraint& x) {
+  if (m.has_mimic) eliminate_constraint(m, d, *x.s, x.support, x.carried);
   else propagate(m, d, *x.s, x.support, x.carried);
 }
 
@@ -111,9 +111,9 @@ inline void take_over(dynContactForce& f, const dynContactForce* before) {
 
 inline bool presses(const dynContactForce& f) { return dot(load3(f.force_on_b), load3(f.force_on_b)) > 0; }
 // Of a contact or a limit.
-inline double gap_of(const Workspace& w, const ActiveSlot& x) { return x.kind == RowKind::Contact ? w.contacts[x.index].contact.distance : x.s->error[0]; }
+inline double gap_of(const Workspace& w, const ActiveConstraint& x) { return x.kind == RowKind::Contact ? w.contacts[x.index].contact.distance : x.s->error[0]; }
 // How fast it becomes smaller; v: of all coordinates (Data::expand).
-double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const double* v);
+double closing(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v);
 // Of contacts and limits of the last step, which met none of these, what a further displacement dq makes nearer than closed: to passed and late.
 void note_passed(const Model& m, Data<double>& d, const double* dq, double closed);
 

@@ -24,7 +24,7 @@ ChosenTrees choose(const Model& m, const TreeRoom& room, Index groups) {
     const Trees& g = room.groups[k];
     for (; chunk < m.n.chunks && m.chunks()[chunk].last_run <= g.first_run; ++chunk) {}
     for (; chunk < m.n.chunks && m.chunks()[chunk].first_run < g.end_run; ++chunk) {
-      Chunk c = m.chunks()[chunk];
+      CacheBlock c = m.chunks()[chunk];
       const Index first = std::max(c.first_run, g.first_run), last = std::min(c.last_run, g.end_run);
       c.first = m.runs()[first].first, c.first_run = first - g.first_run + a.of_runs, c.last_run = last - g.first_run + a.of_runs;
       room.chunks[a.of_chunks++] = c;
@@ -33,7 +33,7 @@ ChosenTrees choose(const Model& m, const TreeRoom& room, Index groups) {
     std::copy(m.runs() + g.first_run, m.runs() + g.end_run, room.runs + a.of_runs), a.of_runs += g.end_run - g.first_run;
     for (; span < m.n.spans && m.spans()[span].first_v + m.spans()[span].count <= g.v; ++span) {}
     for (Index l = span; l < m.n.spans && m.spans()[l].first_v < g.v_end; ++l) {
-      const Span& s = m.spans()[l];
+      const EuclideanSpan& s = m.spans()[l];
       const Index begin = std::max(s.first_v, g.v), end = std::min(s.first_v + s.count, g.v_end);
       room.spans[a.of_spans++] = {s.first_q + (begin - s.first_v), begin, end - begin};
     }

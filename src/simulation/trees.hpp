@@ -28,10 +28,10 @@ struct ChosenTrees : SomeTrees {
 
 // Room for what chosen trees consist of.
 struct TreeRoom {
-  Run* runs;
-  Chunk* chunks;
+  JointRun* runs;
+  CacheBlock* chunks;
   Trees* groups;
-  Span* spans;
+  EuclideanSpan* spans;
   Index* curved;
 };
 template <class F>

@@ -21,7 +21,7 @@ void for_each_array(const Model& m, Sleep& z, F&& f) {
 }
 
 template <class F>
-void for_each_array(const Model& m, Loose& l, F&& f) {
+void for_each_array(const Model& m, FreeBodies& l, F&& f) {
   const std::ptrdiff_t count = m.n.curved;  // free flyers are among them: rooms follow from sizes alone (plan.cpp)
   if (count == 0) return;
   f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.acting, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.pushed, count);
@@ -31,26 +31,26 @@ void for_each_array(const Model& m, Loose& l, F&& f) {
 
 template <class F>
 void for_each_array(const Model& m, Workspace& w, F&& f) {
-  const std::ptrdiff_t slots = step_slots(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers, room = row_room(island_rows(m));
+  const std::ptrdiff_t slots = step_constraints(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers, room = padded_rows(island_rows(m));
   f(w.ledger.q, m.n.nq), f(w.ledger.tau, m.n.nv);
   for_each_array(m, w.loose, f);
   if (slots == 0) return;
-  f(w.materials, m.n.geoms), f(w.speeds, geom_room(m)), f(w.centers, 4 * geom_room(m)), f(w.pairs, pair_room(m)), f(w.rows, pair_room(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_room(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
+  f(w.materials, m.n.geoms), f(w.speeds, geom_capacity(m)), f(w.centers, 4 * geom_capacity(m)), f(w.pairs, pair_capacity(m)), f(w.rows, pair_capacity(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_capacity(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.slots, own), f(w.support, own * carriers), f(w.carried, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.kept, m.n.contacts), f(w.laws, m.n.contacts);
-  f(w.vectors, island_vectors * row_room(step_rows(m))), f(w.contact_rows, row_room(step_rows(m)));
+  f(w.vectors, island_vectors * padded_rows(step_rows(m))), f(w.contact_rows, padded_rows(step_rows(m)));
   f(w.blocks, slots), f(w.by_dof, m.n.nv);
   f(w.clearance.q, m.n.nq), f(w.clearance.lever, m.n.nv);
-  const std::ptrdiff_t segments = segment_room(m), entries = Elimination::entry_room(segment_room(m));
+  const std::ptrdiff_t segments = segment_capacity(m), entries = Elimination::entry_capacity(segment_capacity(m));
   f(w.segments.of, m.n.nv), f(w.segments.first, segments + 1);
   w.elimination.arrays(m, Index(slots), f);
-  f(w.newton, slots), f(w.newton_vectors, newton_vectors * row_room(step_rows(m)));
-  f(w.run_rows, segment_lanes * most_rows * std::ptrdiff_t(w.elimination.most_runs));
+  f(w.newton, slots), f(w.newton_vectors, newton_vectors * padded_rows(step_rows(m)));
+  f(w.run_rows, segment_lanes * max_rows * std::ptrdiff_t(w.elimination.max_runs));
   for (double** a : {&w.by_segment, &w.pivots}) f(*a, segment_lanes * segments);
   f(w.diagonal, BlockFactor::size * segments), f(w.blocks_above, 2 * BlockFactor::size * entries);
   f(w.where, segments), f(w.newton_acts, segments), f(w.newton_filled, entries);
   if (may_rest(m)) for_each_array(m, w.sleep, f);
-  f(w.matrix, room * room), f(w.dense, std::min(most_dense_dofs, m.n.nvx) * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
+  f(w.matrix, room * room), f(w.dense, std::min(max_dense_dofs, m.n.nvx) * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
 }
 
 std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
@@ -86,8 +86,8 @@ Workspace* place(const Model& m, void* memory) {
     next += rounded(std::size_t(n) * sizeof *array);
   });
   w.options = default_options(), w.length = own_length(m);
-  if (w.loose.sets) set_up_loose(m, w.loose), list_loose(m, w);
-  if (step_slots(m) == 0) return &w;
+  if (w.loose.sets) set_up_free_bodies(m, w.loose), list_free_bodies(m, w);
+  if (step_constraints(m) == 0) return &w;
   find_segments(m, w.segments);
   w.pair_count = -1, find_trees(m, w.tree_of), w.clearance.possible = has_clearance(m);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];

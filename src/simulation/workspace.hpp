@@ -3,9 +3,9 @@
 
 #include "collision/pair_contacts.hpp"
 #include "collision/pair_search.hpp"
-#include "simulation/clearance.hpp"
+#include "simulation/conservative_advancement.hpp"
 #include "simulation/elimination.hpp"
-#include "simulation/loose.hpp"
+#include "simulation/free_bodies.hpp"
 #include "simulation/sleep.hpp"
 #include "solver/workspace.hpp"
 
@@ -13,8 +13,8 @@ namespace dyn::simulation {
 
 enum class RowKind : Index { Equality, Box, Contact };
 
-struct ActiveSlot {
-  Slot<double>* s;
+struct ActiveConstraint {
+  ConstraintInstance<double>* s;
   Index* support;   // degrees of freedom that carry it, descending
   double* carried;  // what its rows leave there (constraint/delassus.hpp)
   RowKind kind;
@@ -42,24 +42,24 @@ inline bool is_soft(const dynMaterial& x) { return x.stiffness > 0 || x.damping 
 inline Index normal_row(Index rows) { return rows == 1 ? 0 : 2; }
 
 // What Gauss-Seidel without a matrix needs of a slot: its own block of G with the normal first, rows scaled so that the cone is round.
-struct SlotBlock {
-  alignas(64) double G[most_rows * row_lanes];
-  double diagonal[most_rows], scale[most_rows];
+struct ConstraintBlock {
+  alignas(64) double G[max_rows * row_lanes];
+  double diagonal[max_rows], scale[max_rows];
   solver::LocalCone local;
 };
 
 // A slot in a step of Newton's method, its rows with the normal first, in units in which diagonals are 1 and cones round.
-struct NewtonSlot {
+struct NewtonConstraint {
   const Index* order;   // of its rows
   Index rows, unknowns;  // none: at a bound, or apart
   bool cone;
   decltype(solver::ConeState::is) is;
   double mu, across, lower, upper;
   double correction, corrected, relaxed;  // de Saxce's, held (interior.cpp): m/s in these units; what it last lacked, and the factor that was taken of that
-  double unit[most_rows], speed[2];  // of impulses; of normal and other velocities of a cone
+  double unit[max_rows], speed[2];  // of impulses; of normal and other velocities of a cone
   double direction[5][5];            // along the sliding, then across
-  double stiffness[most_rows];       // of unknowns: impulse by velocity
-  double law[most_rows][most_rows];  // the same of rows: impulse (first index) by velocity
+  double stiffness[max_rows];       // of unknowns: impulse by velocity
+  double law[max_rows][max_rows];  // the same of rows: impulse (first index) by velocity
 };
 inline constexpr int island_vectors = 13, newton_vectors = 17;
 
@@ -108,7 +108,7 @@ struct Workspace {
   int drifts;              // with closed: displacements since the step began
 
   Ledger ledger;
-  Loose loose;
+  FreeBodies loose;
 
   // the rest is there when something may act
   Clearance clearance;
@@ -125,32 +125,32 @@ struct Workspace {
   bool by_boxes;                // there are more than the list has room for: pairs are found by boxes (collision/pair_search.hpp)
   Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
   Motion<double>* root_velocity;  // of bodies: free, W at the tree's root
-  Slot<double>* slots;          // of contacts and limits
+  ConstraintInstance<double>* slots;          // of contacts and limits
   Index* support;
   double* carried;
-  ActiveSlot* active;
+  ActiveConstraint* active;
   Index* order;                 // the same by islands
   dynContactForce *contacts, *before, *kept;  // of the last step, of the one before, and of that after which tries of a step begin
   ContactLaw* laws;
   double *vectors, *matrix;     // of an island's problem
   double* dense;                // what its rows leave at degrees of freedom side by side
   Index* contact_rows;
-  SlotBlock* blocks;            // of the slots of an island
+  ConstraintBlock* blocks;            // of the slots of an island
   double* by_dof;
   Segments segments;            // of Newton's method
   Elimination elimination;
-  NewtonSlot* newton;
+  NewtonConstraint* newton;
   double *newton_vectors, *run_rows, *by_segment, *pivots, *diagonal, *blocks_above;
   Index* where;
   bool *newton_acts, *newton_filled;
   Sleep sleep;
-  Index slot_count;             // that act in this step
+  Index constraint_count;             // that act in this step
   char* solver_memory;
   solver::Workspace solver;
 };
 
 // Of the list of pairs. Where clearance leaves most searches out (has_clearance) it pays to have all of them.
-inline std::ptrdiff_t pair_room(const Model& m) {
+inline std::ptrdiff_t pair_capacity(const Model& m) {
   const std::ptrdiff_t some = collision::pairs_a_shape * std::ptrdiff_t(m.n.geoms), listed = m.n.pairs;
   if (!lists_pairs(m)) return some;
   const bool single = m.n.nq == m.n.nv && m.n.bodies - 1 == m.n.nv;  // joints of one coordinate
@@ -180,13 +180,13 @@ decltype(auto) with_others(const Data<double>& d, F&& f) {
 template <class F>
 void for_each_pushed(const Model& m, const Data<double>& d, F&& f) {
   with_others(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { f(t.v, t.v_end); }); });
-  const Loose& l = d.step->loose;
+  const FreeBodies& l = d.step->loose;
   for (Index k = 0; l.flying && k < l.pushed_count; ++k) f(m.bodies()[l.pushed[k]].idx_v, m.bodies()[l.pushed[k]].idx_v + 6);
 }
 // f(contact) of the last step, of what is awake and of what sleeps, in order.
 template <class F>
 void for_each_contact(const Workspace& w, F&& f) {
-  const dynContactForce *a = w.contacts, *const a_end = a + w.contact_count, *b = w.sleep.held, *const b_end = b + w.sleep.held_count;
+  const dynContactForce *a = w.contacts, *const a_end = a + w.contact_count, *b = w.sleep.held, *const b_end = b + w.sleep.constrained_count;
   while (a != a_end || b != b_end) f(b == b_end || (a != a_end && collision::comes_before(a->contact, b->contact)) ? *a++ : *b++);
 }
 // Tries of a step begin alike.
@@ -198,12 +198,12 @@ inline void disturb(Data<double>& d) {
 }
 
 // Of a number by shapes that is read four at a time.
-inline std::ptrdiff_t geom_room(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Wide::lanes; }
+inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Wide::lanes; }
 
 // Of an island that is solved by its whole matrix.
-inline Index step_slots(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }
+inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }
 inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits; }
 inline Index island_rows(const Model& m) { return std::min<Index>(step_rows(m), 240); }
-inline constexpr Index most_dense_dofs = 64;
+inline constexpr Index max_dense_dofs = 64;
 
 }  // namespace dyn::simulation

@@ -10,13 +10,13 @@ namespace dyn::simulation {
 inline constexpr unsigned acting_wrenches = 1u << 31;
 
 template <class T>
-struct HeldWrench {
+struct AppliedWrench {
   Force<T> local;    // body axes, at its origin
   Force<T> aligned;  // world axes: the force, and the moments that came with points of application
   Mat3<T> arm;       // sum of point force^T, body by world: the moment is that of R arm
   Force<T> world;    // world axes, the moment about the world's origin
 
-  static DYN_INLINE HeldWrench none() {
+  static DYN_INLINE AppliedWrench none() {
     const Force<T> zero{Vec3<T>::zero(), Vec3<T>::zero()};
     return {zero, zero, {Vec3<T>::zero(), Vec3<T>::zero(), Vec3<T>::zero()}, zero};
   }

@@ -9,10 +9,10 @@ namespace {
 // Relative to the unit diagonal: what makes steps unique where contacts are redundant. The method converges as if it were not there.
 constexpr double proximal = 1e-11;
 // The same (Levenberg and Marquardt), after a step that had to be shortened, and where none is good at all.
-constexpr double least_damping = 1e-8, first_damping = 1e-3, most_damping = 1;
-constexpr double least_step = 0.1;
+constexpr double min_damping = 1e-8, first_damping = 1e-3, max_damping = 1;
+constexpr double min_step = 0.1;
 constexpr double near = 1e3;  // tolerances: of errors, those of which projections may be solutions
-constexpr Index most_steps = 20, patient_steps = 30, memory = 12;
+constexpr Index max_steps = 20, patient_steps = 30, memory = 12;
 
 class Newton {
  public:
@@ -202,25 +202,25 @@ bool Newton::run(const double* y, const double* c, bool patient) {
     times(p.G, w.t, w.newton_c, w.trial_c, n);
     return keep_best(w, b, w.trial, w.trial_c);
   };
-  for (Index k = 0; k < (patient ? patient_steps : most_steps) && !b.spent(); ++k) {
+  for (Index k = 0; k < (patient ? patient_steps : max_steps) && !b.spent(); ++k) {
     ++b.newton_steps;
     if (!direction()) break;
     // the longest of the steps that makes the error smaller
     const double most = strayed ? *std::max_element(errors, errors + memory) : errors[k % memory];
     double t = 1, next = HUGE_VAL;
-    for (; t > least_step; t /= 2) {
+    for (; t > min_step; t /= 2) {
       for (Index i = 0; i < n; ++i) w.trial[i] = w.newton[i] + t * w.step[i], w.trial_c[i] = w.newton_c[i] + t * w.step_c[i];
       next = error(w.trial, w.trial_c);
       if (next < most) break;
     }
     if (!(next < most)) {
-      if (!patient || damping >= most_damping) break;
+      if (!patient || damping >= max_damping) break;
       damping = std::max(first_damping, 10 * damping), strayed = true;
       errors[(k + 1) % memory] = errors[k % memory];
       continue;
     }
     if (t < 1)  // the states change on the way: redundant contacts give directions of no effect that are too long
-      damping = std::max(least_damping, t > 0.25 ? damping : 10 * damping);
+      damping = std::max(min_damping, t > 0.25 ? damping : 10 * damping);
     else
       damping = damping > proximal ? 0.1 * damping : 0;
     std::swap(w.trial, w.newton), std::swap(w.trial_c, w.newton_c);

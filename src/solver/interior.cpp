@@ -6,8 +6,8 @@ namespace dyn::solver {
 
 namespace {
 
-constexpr double proximal = 1e-14, to_boundary = 0.99, least_centring = 1e-6;
-constexpr Index most_steps = 40;
+constexpr double proximal = 1e-14, to_boundary = 0.99, min_centring = 1e-6;
+constexpr Index max_steps = 40;
 
 class Interior {
  public:
@@ -179,14 +179,14 @@ double Interior::longest() const {
 bool Interior::run(double factor) {
   if (!begin(factor)) return false;
   double tried = HUGE_VAL;
-  for (Index k = 0, short_steps = 0; k < most_steps && short_steps < 3 && !b.spent(); ++k) {
+  for (Index k = 0, short_steps = 0; k < max_steps && short_steps < 3 && !b.spent(); ++k) {
     ++b.iterations;
     times(p.G, y, p.g, c, p.n);
     if (!factorize()) return false;
     const double sigma = complementarity();
     direction(0);
     const double left = 1 - std::min(1.0, longest());  // how much of sigma a step aiming at 0 would leave (Mehrotra 1992)
-    direction(sigma * std::max(least_centring, left * left * left));
+    direction(sigma * std::max(min_centring, left * left * left));
     const double t = std::min(1.0, to_boundary * longest());
     if (!(t > 0)) return false;
     axpy(t, dy, y, p.n), axpy(t, dU, U, p.n), axpy(t, dupper, upper, p.boxes);

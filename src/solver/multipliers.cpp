@@ -4,7 +4,7 @@ namespace dyn::solver {
 
 namespace {
 
-constexpr double relaxation = 1.6, least_rho = 1e-10, most_rho = 1e8;
+constexpr double relaxation = 1.6, min_rho = 1e-10, max_rho = 1e8;
 
 // H += rho (I - P_K'(r)) of one cone: P' = a (1, mu u)(1, mu u)' + across (I - u u') on its surface
 void add_curvature(const Cone& cone, const double* r, double rho, const Matrix& H) {
@@ -77,7 +77,7 @@ void Multipliers::balance(double primal, double dual) {
   for (Index i = 0; i < p.n; ++i) force = std::max(force, std::fabs(y[i]) * p.per_unit[i]), speed = std::max(speed, std::fabs(z[i]) * p.per_unit[i]);
   const double ratio = std::sqrt(primal / force / (dual / speed));
   if (!(ratio > 3 || ratio < 1 / 3.0)) return;
-  rho = std::min(std::max(rho * std::min(std::max(ratio, 0.03), 30.0), least_rho), most_rho);
+  rho = std::min(std::max(rho * std::min(std::max(ratio, 0.03), 30.0), min_rho), max_rho);
   changed = 0;
 }
 
@@ -105,7 +105,7 @@ bool Multipliers::hessian(double damping) {
   return cholesky(w.factor, p.n);
 }
 
-bool Multipliers::jointly(Index most_steps) {
+bool Multipliers::jointly(Index max_steps) {
   const Index n = p.n;
   double* c = w.newton_c;
   const auto size = [&](const double* e) {
@@ -117,7 +117,7 @@ bool Multipliers::jointly(Index most_steps) {
   correct();
   double value = lagrangian(x, c), gradient = size(w.newton);
   const double enough = std::max(0.1 * b.tolerance, 1e-2 * std::min(primal_before, p.speed));
-  for (Index k = 0; k < most_steps && gradient > enough && !b.spent(); ++k) {
+  for (Index k = 0; k < max_steps && gradient > enough && !b.spent(); ++k) {
     ++b.iterations;
     // Levenberg and Marquardt: steps are unique where contacts are redundant
     if (!hessian(std::min(1e-5, std::max(1e-11, 1e-4 * gradient / p.speed)))) return false;

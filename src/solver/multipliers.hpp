@@ -19,7 +19,7 @@ class Multipliers {
 
   // false: not to be factorised
   bool alternate();
-  bool jointly(Index most_steps);
+  bool jointly(Index max_steps);
 
   double error = HUGE_VAL;   // |x - y| and rho |change of y|, the larger one, as velocities
   double rho = 0.1, joint_rho = 1;

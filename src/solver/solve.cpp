@@ -4,7 +4,7 @@ namespace dyn::solver {
 
 namespace {
 
-struct Run {
+struct JointRun {
   const dynContactProblem& x;
   Solver solver;
   Workspace& w;
@@ -23,7 +23,7 @@ struct Run {
 };
 
 // The largest velocity without impulses, or with those that boxes force.
-double Run::free_speed() {
+double JointRun::free_speed() {
   const Problem& p = w.problem;
   std::fill_n(w.x, p.n, 0.0);
   project(p, w.x, w.x);
@@ -34,7 +34,7 @@ double Run::free_speed() {
 }
 
 // From w.y to w.y, with restitution by a factor.
-void Run::operator()(double restitution) {
+void JointRun::operator()(double restitution) {
   Problem& p = w.problem;
   for (Index i = 0; i < p.n; ++i) p.g[i] = w.free_g[i] + restitution * p.approach[i];
   p.speed = free_speed();
@@ -68,7 +68,7 @@ void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, c
     std::fill_n(w.y, p.n, 0.0);
     project(p, w.y, w.y);
   }
-  Run run{x, solver, w, b, out};
+  JointRun run{x, solver, w, b, out};
   run(1);
   Index iterations = b.iterations, newton_steps = b.newton_steps;
   const auto again = [&](double factor) {
@@ -97,7 +97,7 @@ void evaluate(const dynContactProblem& x, Workspace& w, const double* lambda, dy
   Problem& p = w.problem;
   scale(x, p);
   Budget b;
-  Run run{x, nullptr, w, b, out};
+  JointRun run{x, nullptr, w, b, out};
   for (Index i = 0; i < p.n; ++i) p.g[i] += p.approach[i], w.y[i] = lambda[p.source[i]] / p.d[i];
   p.speed = run.free_speed();
   exact_velocity(p, w.y, w.c);

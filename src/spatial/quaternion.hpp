@@ -54,7 +54,7 @@ inline Quaternion<T> normalized(const Quaternion<T>& a) {
 
 // a, normalised only where squares of products with its like would overflow or lose digits.
 template <class T>
-inline Quaternion<T> moderate(const Quaternion<T>& a) {
+inline Quaternion<T> no_overflow(const Quaternion<T>& a) {
   const T n2 = dot(a.v, a.v) + a.w * a.w;
   return n2 > T(1e-60) && n2 < T(1e60) ? a : normalized(a);
 }
@@ -72,8 +72,8 @@ DYN_INLINE Mat3<T> rotation(const Quaternion<T>& u, T s) {
 template <class T>
 inline Mat3<T> rotation(const Quaternion<T>& a) {
   const T n2 = dot(a.v, a.v) + a.w * a.w;
-  const bool moderate = n2 > T(1e-200) && n2 < T(1e200);
-  return moderate ? rotation(a, T(2) / n2) : rotation(normalized(a), T(2));
+  const bool no_overflow = n2 > T(1e-200) && n2 < T(1e200);
+  return no_overflow ? rotation(a, T(2) / n2) : rotation(normalized(a), T(2));
 }
 
 // Quaternion of a rotation matrix, w >= 0: divides by the largest component (Shepperd 1978).

@@ -34,7 +34,7 @@ TEST(Dynamics, InertiaIsFullSymmetricAndPositive) {
     c.M();  // what was there before must not show; entries of unrelated joints are zero from the start
     for (std::ptrdiff_t k = 0; k < std::ptrdiff_t(c.nv) * c.nv; ++k)
       if (c.w.d.M[k] != 0) c.w.d.M[k] = 777;
-    c.w.d.drop(Stage::Mass);
+    c.w.d.invalidate(Stage::Mass);
     const MatrixXd M = c.M();
     EXPECT_EQ(0, gap(M, M.transpose())) << "to the last bit";
     EXPECT_EQ(Eigen::Success, Eigen::LLT<MatrixXd>(M).info());
@@ -106,7 +106,7 @@ TEST(Dynamics, AtRestInverseDynamicsIsGravityBitForBit) {
     const State x(*model, seed);
     const VectorXd elsewhere = State(*model, 77).q;
     dynModel* m = nullptr;
-    ASSERT_EQ(DYN_OK, capi::publish(std::move(model), &m));
+    ASSERT_EQ(DYN_OK, capi::make_handle(std::move(model), &m));
     dynData* d = nullptr;
     ASSERT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_INVERSE, &d));
     const VectorXd zero = VectorXd::Zero(nv);

@@ -143,8 +143,8 @@ TEST_P(Steps, BeginWithAnyMemory) {
   for (const dynIntegrator i : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) {
     Flight plain(GetParam()()), filled(GetParam()());
     const ModelSizes& n = plain.model->n;
-    std::fill_n(plain.w.d.stages, stages_room(n.nq, n.nv, n.na), 0.0);
-    std::fill_n(filled.w.d.stages, stages_room(n.nq, n.nv, n.na), std::numeric_limits<double>::quiet_NaN());
+    std::fill_n(plain.w.d.stages, integrator_stage_count(n.nq, n.nv, n.na), 0.0);
+    std::fill_n(filled.w.d.stages, integrator_stage_count(n.nq, n.nv, n.na), std::numeric_limits<double>::quiet_NaN());
     plain.advance(i, 1e-2, 2), filled.advance(i, 1e-2, 2);
     EXPECT_TRUE(std::equal(plain.w.d.q, plain.w.d.q + n.nq, filled.w.d.q)) << i;
   }

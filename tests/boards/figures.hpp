@@ -71,11 +71,11 @@ void dynamics_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
   give(d.tau, nv, out);
   clock("ABA", 100, [&] { forward_dynamics(m, d, d.v, d.tau_applied, none, d.ddq); });
   give(d.ddq, nv, out);
-  clock("CRBA", 100, [&] { d.drop(Stage::Mass), crba(m, d); });
+  clock("CRBA", 100, [&] { d.invalidate(Stage::Mass), crba(m, d); });
   give(d.M, nv * nv, out);
-  clock("RNEA derivatives", 100, [&] { d.drop(Stage::Mass), rnea_derivatives(m, d, d.v, d.a, none); });
+  clock("RNEA derivatives", 100, [&] { d.invalidate(Stage::Mass), rnea_derivatives(m, d, d.v, d.a, none); });
   give(d.dtau_dq, nv * nv, out), give(d.dtau_dv, nv * nv, out);
-  clock("ABA derivatives", 20, [&] { d.drop(Stage::Mass), d.drop(Stage::Factor), d.drop(Stage::Minv), aba_derivatives(m, d, d.v, d.tau_applied, none); });
+  clock("ABA derivatives", 20, [&] { d.invalidate(Stage::Mass), d.invalidate(Stage::Factor), d.invalidate(Stage::Minv), aba_derivatives(m, d, d.v, d.tau_applied, none); });
   give(d.ddq_dq, nv * nv, out), give(d.ddq_dv, nv * nv, out), give(d.Minv, nv * nv, out);
   clock("Jacobians", 100, [&] { joint_jacobians(m, d); });
   give(d.J, 6 * nv, out);

@@ -22,14 +22,14 @@ double error(const Scene& s, double slope, int k) {
     X = k % 6 < 3 ? moved(X, e, none) : moved(X, none, e);
     return query(m, exact).distance;
   };
-  const double here = at(0), arm = 1 + std::min(size_of(s.a), size_of(s.b)), most_bend = arm * arm / std::abs(here);
+  const double here = at(0), arm = 1 + std::min(size_of(s.a), size_of(s.b)), max_bend = arm * arm / std::abs(here);
   double least = shape::infinity;
   for (double h = 1e-5; h > 5e-10 && least > 1e-6; h /= 10) {
     const double up = at(h), up2 = at(2 * h), down = at(-h), down2 = at(-2 * h), central = (up - down) / (2 * h), far = (up2 - down2) / (4 * h);
     // Richardson: the third derivative cancels
     least = std::min(least, std::abs(central + (central - far) / 3 - slope));
     auto one_sided = [&](double near, double twice, double other, double step) {
-      if (std::abs((here - other) / step - slope) <= most_bend * h) least = std::min(least, std::abs((4 * near - 3 * here - twice) / (2 * step) - slope));
+      if (std::abs((here - other) / step - slope) <= max_bend * h) least = std::min(least, std::abs((4 * near - 3 * here - twice) / (2 * step) - slope));
     };
     one_sided(up, up2, down, h), one_sided(down, down2, up, -h);
   }

@@ -41,7 +41,7 @@ TEST(ConstrainedTrees, ImpulseDerivativesAreThoseOfDifferences) {
     Case x(std::uint64_t(seed), options);
     Dice dice(std::uint64_t(seed) * 977);
     random_constraints(x, dice, 3, 0, false);
-    for_each_slot(x.m, x.w.d, [&](Slot<double>& s, Index) { s.c.restitution = dice.in(0, 1); });
+    for_each_constraint(x.m, x.w.d, [&](ConstraintInstance<double>& s, Index) { s.c.restitution = dice.in(0, 1); });
     dynConstraintResult result{};
     impulse(x, x.x.q, x.x.v, result);
     const Index rows = result.rows;

@@ -20,7 +20,7 @@ struct Costs {
     auto set = [&](Index slot, Index joint) {
       dynConstraint c = default_constraint(DYN_CONSTRAINT_POINT);
       c.first = joint_frame(m, joint);
-      set_slot(m, w.d, slot, c);
+      set_constraint(m, w.d, slot, c);
     };
     set(0, Index(n)), set(1, Index(n / 2)), number_rows(m, w.d);
     auto count = [&](auto&& algorithm) {

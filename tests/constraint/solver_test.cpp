@@ -19,7 +19,7 @@ struct Problem {
   std::vector<double> G, factor, scaled, range, vectors, part;
   std::vector<Index> state, free;
 
-  explicit Problem(const Matrix& A) : n(Index(A.rows())), ld(row_room(n)), G(std::size_t(ld * ld)), factor(G), scaled(G), range(G), vectors(std::size_t(12 * ld)), part(G), state(std::size_t(ld)), free(state) {
+  explicit Problem(const Matrix& A) : n(Index(A.rows())), ld(padded_rows(n)), G(std::size_t(ld * ld)), factor(G), scaled(G), range(G), vectors(std::size_t(12 * ld)), part(G), state(std::size_t(ld)), free(state) {
     for (Index c = 0; c < n; ++c)
       for (Index r = 0; r < n; ++r) G[std::size_t(ld * c + r)] = A(r, c);
   }

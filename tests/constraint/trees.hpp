@@ -35,8 +35,8 @@ inline void random_constraints(Case& x, Dice& dice, int most, double twice, bool
   for (int tries = 0; tries < 20 && slot < wanted; ++tries) {
     const dynConstraint c = random_constraint(dice, x.m, gains);
     if (check_constraint(x.m, c, message, sizeof message) != DYN_OK) continue;
-    set_slot(x.m, x.w.d, slot++, c);
-    if (slot < x.m.n.slots && dice.chance(twice)) set_slot(x.m, x.w.d, slot++, c);
+    set_constraint(x.m, x.w.d, slot++, c);
+    if (slot < x.m.n.slots && dice.chance(twice)) set_constraint(x.m, x.w.d, slot++, c);
   }
   number_rows(x.m, x.w.d);
 }

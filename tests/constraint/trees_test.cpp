@@ -39,7 +39,7 @@ Dense dense(Case& x, Index rows) {
   MatrixXd J(rows, x.nv);
   constraint_jacobian(x.m, d, J.data(), rows);
   ExtendedVector b(rows), scale(rows);
-  for_each_slot(x.m, d, [&](const Slot<double>& s, Index) {
+  for_each_constraint(x.m, d, [&](const ConstraintInstance<double>& s, Index) {
     for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -(s.acceleration[r] + s.c.stiffness * s.error[r] + s.c.damping * s.rate[r]);
   });
   const Eigen::LDLT<Extended> factor(M.cast<long double>());

@@ -84,7 +84,7 @@ TEST(Builder, OrderOfRandomTrees) {
       if (m->bodies()[i].parent != i - 1) ++others[std::size_t(m->bodies()[i].parent)];
     Index next = 1;
     for (Index k = 0; k < m->n.runs; ++k) {
-      const dyn::Run& run = m->runs()[k];
+      const dyn::JointRun& run = m->runs()[k];
       const dyn::Body &first = m->bodies()[run.first], &before = m->bodies()[run.first - 1];
       EXPECT_EQ(next, run.first);
       EXPECT_LT(run.first, run.last);
@@ -98,16 +98,16 @@ TEST(Builder, OrderOfRandomTrees) {
         EXPECT_EQ(0, others[std::size_t(i - 1)]);
       }
       EXPECT_TRUE(k == 0 || first.type != before.type || run.parent != run.first - 1 || others[std::size_t(run.parent)] ||
-                  (run.first - 1) % dyn::Chunk::size == 0);
+                  (run.first - 1) % dyn::CacheBlock::size == 0);
       next = run.last;
     }
     // chunks cover the runs once, and hold the angles of their bodies
     Index next_run = 0;
     for (Index k = 0; k < m->n.chunks; ++k) {
-      const dyn::Chunk& chunk = m->chunks()[k];
+      const dyn::CacheBlock& chunk = m->chunks()[k];
       EXPECT_EQ(next_run, chunk.first_run);
       EXPECT_EQ(m->runs()[chunk.first_run].first, chunk.first);
-      EXPECT_LE(m->runs()[chunk.last_run - 1].last - chunk.first, dyn::Chunk::size);
+      EXPECT_LE(m->runs()[chunk.last_run - 1].last - chunk.first, dyn::CacheBlock::size);
       EXPECT_LE(chunk.last_q - chunk.first_q, m->n.sweep);
       EXPECT_GE(chunk.first_q, 0);
       EXPECT_LE(chunk.first_q + (chunk.last_q - chunk.first_q + 3) / 4 * 4, (m->n.nqx + 7) / 8 * 8);  // of what an array is padded to

@@ -23,7 +23,7 @@ double ulps(double got, Quad exact) {
 struct Swept {
   std::vector<double> x, c, s;
   explicit Swept(std::vector<double> values) : x(std::move(values)) {
-    const std::size_t n = x.size(), room = std::size_t(sweep_room(Index(n)));
+    const std::size_t n = x.size(), room = std::size_t(padded_sweep(Index(n)));
     x.resize(room, 0);
     c.resize(room), s.resize(room);
     sincos_sweep(x.data(), Index(n), c.data(), s.data());

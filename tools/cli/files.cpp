@@ -14,10 +14,10 @@ namespace fs = std::filesystem;
 
 // Where a file that is made comes to lie: links lead there even while nothing is there.
 fs::path target_of(const std::string& path) {
-  constexpr int most_links = 40;
+  constexpr int max_links = 40;
   std::error_code ignored;
   fs::path target = path;
-  for (int links = 0; links < most_links && fs::is_symlink(fs::symlink_status(target, ignored)); ++links) target = target.parent_path() / fs::read_symlink(target, ignored);
+  for (int links = 0; links < max_links && fs::is_symlink(fs::symlink_status(target, ignored)); ++links) target = target.parent_path() / fs::read_symlink(target, ignored);
   return target;
 }
 

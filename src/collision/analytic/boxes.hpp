@@ -4,7 +4,7 @@
 #pragma once
 
 #include "collision/analytic/capsules.hpp"
-#include "collision/analytic/sums.hpp"
+#include "collision/analytic/minkowski_segments.hpp"
 
 namespace dyn::collision {
 

@@ -61,7 +61,7 @@ class BroadPhase {
   }
 
  private:
-  static constexpr Index free_slot = -1, nowhere = -2, loose_bit = 1 << 30;
+  static constexpr Index free_slot = -1, nowhere = -2, free_body_bit = 1 << 30;
   enum : std::uint8_t { stale = 1, unplaced = 2 };  // candidates do not know of it; it lies nowhere, or not where its box is
 
   std::size_t lay_out(char* memory);
@@ -90,11 +90,11 @@ class BroadPhase {
   bool same_boxes_ = false;  // the tree was packed of the boxes that there are
   double spread_ = 0;        // when it was packed (raise)
   Bounds* tight_;
-  Index* state_;  // of an id: where it lies, 8 block + lane, in the tree or (loose_bit) in loose blocks; free_slot or nowhere
+  Index* state_;  // of an id: where it lies, 8 block + lane, in the tree or (free_body_bit) in loose blocks; free_slot or nowhere
   Index* id_;     // of a lane of the tree
-  Block* loose_;
-  Index* loose_id_;
-  Index loose_count_ = 0;  // lanes given
+  Block* free_bodies_;
+  Index* free_body_id_;
+  Index free_body_count_ = 0;  // lanes given
   std::uint8_t* flags_;
   Index *stale_, *unplaced_;
   Index stale_count_ = 0, unplaced_count_ = 0;
@@ -107,8 +107,8 @@ template <class F>
 void BroadPhase::for_each_overlap(const Box& b, F&& take) {
   tree_.descend([&](const Block& x) { return x.overlaps(b); }, 0,
                 [&](Index k) { for_each_lane(tree_.block[0][k].overlaps(b), [&](Index lane) { take(id_[k * Block::lanes + lane]); }); });
-  for (Index k = 0; k < PackedTree::room(loose_count_); ++k)
-    for_each_lane(loose_[k].overlaps(b), [&](Index lane) { take(loose_id_[k * Block::lanes + lane]); });
+  for (Index k = 0; k < PackedTree::room(free_body_count_); ++k)
+    for_each_lane(free_bodies_[k].overlaps(b), [&](Index lane) { take(free_body_id_[k * Block::lanes + lane]); });
 }
 
 template <class F>
@@ -152,7 +152,7 @@ void BroadPhase::ray(const shape::Vec& o, const shape::Vec& d, double far, F&& t
     });
   };
   tree_.descend(lanes, 0, [&](Index k) { leaf(tree_.block[0][k], id_ + k * Block::lanes); });
-  for (Index k = 0; k < PackedTree::room(loose_count_); ++k) leaf(loose_[k], loose_id_ + k * Block::lanes);
+  for (Index k = 0; k < PackedTree::room(free_body_count_); ++k) leaf(free_bodies_[k], free_body_id_ + k * Block::lanes);
 }
 
 }  // namespace dyn::collision

@@ -9,10 +9,10 @@
 namespace dyn::collision {
 
 struct PackedTree {
-  static constexpr int most_levels = 11;  // 8^11 > 2^31 boxes
+  static constexpr int max_levels = 11;  // 8^11 > 2^31 boxes
   int levels = 0;
-  Index blocks[most_levels] = {};  // of each level; level 0 holds the boxes themselves
-  Block* block[most_levels] = {};
+  Index blocks[max_levels] = {};  // of each level; level 0 holds the boxes themselves
+  Block* block[max_levels] = {};
 
   static Index room(Index n) { return (n + Block::lanes - 1) / Block::lanes; }
   // of n boxes, for which there is room; level 0 is to be filled
@@ -48,7 +48,7 @@ struct PackedTree {
     struct Open {
       int level;
       Index block;
-    } stack[most_levels * Block::lanes];
+    } stack[max_levels * Block::lanes];
     int depth = 0;
     stack[depth++] = {levels - 1, 0};
     while (depth > 0) {

@@ -46,7 +46,7 @@ Penetration penetration() {
 
 bool ccd_available() { return penetration() != nullptr; }
 
-bool ccd_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double tolerance, SecondAnswer& out) {
+bool ccd_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double tolerance, FallbackResult& out) {
   if (a.type == Type::HalfSpace || b.type == Type::HalfSpace || !ccd_available()) return false;
   double small = infinity;
   for (const Shape* s : {&a, &b}) visit(*s, [&](const auto& x) { small = std::min(small, x.extent() + x.radius); });

@@ -49,12 +49,12 @@ double angle(const double* A, const double* B) {
   return std::atan2(s, c);
 }
 
-json json_of(const Run& r) {
+json json_of(const JointRun& r) {
   return {{"wall_s", r.wall_s}, {"evaluations", r.evaluations}, {"steps", r.steps}, {"penetration", r.penetration}, {"residual", r.residual}, {"rows", r.rows}, {"error", r.error}, {"samples", json_of(r.samples)}};
 }
 
-Run run_of(const Robot& robot, const json& x) {
-  Run r;
+JointRun run_of(const Robot& robot, const json& x) {
+  JointRun r;
   r.wall_s = x.at("wall_s"), r.evaluations = x.at("evaluations"), r.steps = x.at("steps"), r.penetration = x.at("penetration"), r.residual = x.at("residual");
   r.rows = x.at("rows"), r.error = x.at("error"), r.samples = samples_of(robot, x.at("samples"));
   return r;
@@ -82,11 +82,11 @@ Samples samples_of(const Robot& robot, const json& x) {
   return out;
 }
 
-Run run(const Scene& scene, const Setting& setting) {
+JointRun run(const Scene& scene, const Setting& setting) {
   const Robot& robot = scene.robot;
   const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL, scene.effects);
   set_start(robot, data, scene.start);
-  Run out;
+  JointRun out;
   const double part = scene.duration / samples, call = part / setting.parts;
   const bool adaptive = setting.accuracy > 0;
   set_stepping(robot, data, setting.integrator.id, adaptive || setting.dt <= 0 ? call : setting.dt, adaptive ? setting.accuracy / (samples * setting.parts) : 0,
@@ -120,7 +120,7 @@ Run run(const Scene& scene, const Setting& setting) {
   return out;
 }
 
-Run run_within(const Scene& scene, const Setting& setting, double most_s) {
+JointRun run_within(const Scene& scene, const Setting& setting, double most_s) {
   int ends[2];
   if (pipe(ends) != 0) fail(std::string("no pipe: ") + std::strerror(errno) + ".");
   const pid_t child = fork();
@@ -130,7 +130,7 @@ Run run_within(const Scene& scene, const Setting& setting, double most_s) {
     try {
       text = json_of(run(scene, setting)).dump();
     } catch (const Failure& failure) {
-      Run ended;
+      JointRun ended;
       ended.error = failure.message;
       text = json_of(ended).dump();
     }
@@ -161,7 +161,7 @@ Run run_within(const Scene& scene, const Setting& setting, double most_s) {
   close(ends[0]);
   if (late) kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
-  Run out;
+  JointRun out;
   if (late) return out.error = too_long, out.wall_s = most_s, out;
   try {
     return run_of(scene.robot, json::parse(text));

@@ -30,7 +30,7 @@ Samples samples_of(const Robot& robot, const json& x);
 
 inline constexpr const char* too_long = "it took longer than its share of the budget";
 
-struct Run {
+struct JointRun {
   Samples samples;
   double wall_s = 0;  // of the steps alone
   long long evaluations = 0, steps = 0;
@@ -47,9 +47,9 @@ struct Scene {
   double duration;
 };
 
-Run run(const Scene& scene, const Setting& setting);
+JointRun run(const Scene& scene, const Setting& setting);
 // In a process of its own, which is ended after most_s seconds: the error then says so.
-Run run_within(const Scene& scene, const Setting& setting, double most_s);
+JointRun run_within(const Scene& scene, const Setting& setting, double most_s);
 
 // The largest between the samples of two runs.
 struct Error {

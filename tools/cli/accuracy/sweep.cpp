@@ -14,7 +14,7 @@ constexpr double short_run = 0.02;  // s: those below are run again, for their t
 Point point_of(const Scene& scene, const Setting& setting, const Samples& reference, double most_s) {
   Point p;
   p.setting = setting;
-  Run first = run_within(scene, setting, most_s);
+  JointRun first = run_within(scene, setting, most_s);
   p.wall_s = first.wall_s, p.evaluations = first.evaluations, p.steps = first.steps;
   p.penetration = first.penetration, p.residual = first.residual, p.failure = first.error;
   if (!p.failure.empty()) return p;
@@ -50,7 +50,7 @@ std::string key_of(const Setting& s) { return name_of(s) + " " + solvers[s.solve
 Reference make_reference(const Scene& scene, const Setting& contact, const Budget& budget) {
   Setting probe = contact;
   probe.integrator = integrators[DYN_RK4], probe.dt = std::min(1e-3, scene.duration / samples);
-  const Run first = run_within(scene, probe, budget.left() / 4);
+  const JointRun first = run_within(scene, probe, budget.left() / 4);
   if (!first.error.empty() && first.error != too_long && first.steps < 3) fail("the scene cannot be simulated: " + first.error);
   Reference out;
   out.smooth = first.error.empty() && first.rows == 0;
@@ -61,7 +61,7 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
     best.parts = parts;
     out.run = run_within(scene, best, budget.left() / 3);
     best.parts = 3 * parts;
-    const Run other = run_within(scene, best, budget.left() / 3);
+    const JointRun other = run_within(scene, best, budget.left() / 3);
     if (out.run.error.empty() && other.error.empty() && out.run.rows == 0 && other.rows == 0) {
       out.kind = "order 8 to rounding";
       out.uncertainty = error_between(scene.robot, out.run.samples, other.samples);
@@ -74,19 +74,19 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
   fine.integrator = integrators[DYN_IMPLICIT_FAST];
   fine.dt = std::min(4e-4, scene.duration / samples);
   const double kept = budget.left() * 2 / 3;
-  Run far, near;
+  JointRun far, near;
   out.run = run_within(scene, fine, budget.left() / 3);
   const auto halve = [&](double most_s) {
     Setting next = fine;
     next.dt /= 2;
-    Run r = run_within(scene, next, most_s);
+    JointRun r = run_within(scene, next, most_s);
     if (r.error == too_long) return false;
     far = std::move(near), near = std::move(out.run), out.run = std::move(r), fine = next;
     return out.run.error.empty();
   };
   bool going = out.run.error.empty() && halve(budget.left()) && halve(budget.left());
   while (going && fine.dt > 1e-8 && 2.5 * out.run.wall_s < budget.left() - kept) going = halve(budget.left() - kept);
-  for (const Run* r : std::initializer_list<const Run*>{&far, &near, &out.run})
+  for (const JointRun* r : std::initializer_list<const JointRun*>{&far, &near, &out.run})
     if (!r->error.empty() || r->samples.empty())
       fail("there is no reference, since steps of " + short_number(fine.dt) + " s and more end early: " + (r->error.empty() ? std::string(too_long) : r->error) + " (--budget gives it more time, --reference another one)");
   out.smooth = false;
@@ -107,7 +107,7 @@ Reference given_reference(const Scene& scene, const Vector& q, const Vector& v) 
   Setting still;
   still.integrator = integrators[DYN_SEMI_IMPLICIT_EULER], still.dt = 1e-18;
   Reference out;
-  const Run all = run(end, still);
+  const JointRun all = run(end, still);
   if (all.samples.empty()) fail("--reference: " + all.error);
   out.run.samples = {all.samples.front()};
   out.kind = "given, at the end", out.confidence = "the file's";
@@ -166,7 +166,7 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
 std::vector<Point> solver_sweep(const Scene& scene, double dt, const Budget& budget, const Known& known, const Done& done) {
   Setting s;
   s.integrator = integrators[DYN_IMPLICIT_FAST], s.dt = dt, s.tolerance = 1e-12;
-  const Run best = run_within(scene, s, budget.left());
+  const JointRun best = run_within(scene, s, budget.left());
   std::vector<Point> points;
   if (!best.error.empty()) return points;
   for (const Solver& solver : solvers)

@@ -22,7 +22,7 @@ std::string key_of(const Setting& s);   // with the solver
 
 // What errors are measured from.
 struct Reference {
-  Run run;
+  JointRun run;
   std::string kind;        // how it was made
   Error uncertainty;       // of itself
   std::string confidence;  // in words

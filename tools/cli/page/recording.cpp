@@ -9,7 +9,7 @@ namespace cli::page {
 
 namespace {
 
-constexpr std::size_t most_bytes = 2'500'000;
+constexpr std::size_t max_bytes = 2'500'000;
 constexpr double moment = 1.0 / 60;
 
 struct Pose {
@@ -93,7 +93,7 @@ void Recording::add(const Data& simulated, const Moment& m, const Ledger* ledger
   contacts_ += s.contacts.size();
   samples_.push_back(std::move(s));
   next_ = std::max(next_ + every_, m.time);  // steps longer than a moment: each of them
-  if (numbers() > most_bytes) thin();
+  if (numbers() > max_bytes) thin();
 }
 
 std::size_t Recording::numbers() const {

@@ -29,7 +29,7 @@ struct Range {
   double place(double x, double from, double to) const { return from + (to - from) * (high > low ? (x - low) / (high - low) : 0.5); }
 };
 
-constexpr int width = 360, height = 200, left = 58, bottom = 34, most_points = 600;
+constexpr int width = 360, height = 200, left = 58, bottom = 34, max_points = 600;
 constexpr const char* colours[] = {"#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#8c564b", "#17becf"};
 
 std::string svg(const Picture& p) {
@@ -51,7 +51,7 @@ std::string svg(const Picture& p) {
     const Curve& c = p.curves[i];
     const char* colour = colours[i % std::size(colours)];
     out += std::string("<polyline stroke=\"") + colour + "\" points=\"";
-    const std::size_t every = std::max<std::size_t>(1, c.x.size() / most_points);
+    const std::size_t every = std::max<std::size_t>(1, c.x.size() / max_points);
     for (std::size_t k = 0; k < c.x.size(); k += every)
       if (std::isfinite(c.x[k]) && std::isfinite(c.y[k]))
         out += short_number(x.place(c.x[k], left, width - 8), 5) + "," + short_number(y.place(scaled(c.y[k]), floor, 14), 5) + " ";

@@ -10,7 +10,7 @@
 
 namespace dyn::simulation {
 
-struct LooseSet {
+struct FreeBodySet {
   Index body[Wide::lanes], q[Wide::lanes], v[Wide::lanes];  // beyond the last body it again
   unsigned acting;                                          // a bit for each lane that steps go through
   Wide inverse_mass;
@@ -19,20 +19,20 @@ struct LooseSet {
 };
 
 // What articulated inertias leave of one (aba.hpp), in its axes.
-struct LooseColumns {
+struct FreeBodyColumns {
   Force<double> U[6];
   double Dinv[6];
 };
 
-struct Loose {
+struct FreeBodies {
   Index count;
   bool flying;          // in this step
   std::uint64_t step;
-  LooseSet* sets;
+  FreeBodySet* sets;
   Index* acting;        // those of which something acts
   Index acting_count;
   Index* number;        // of bodies, among these; -1
-  LooseColumns* columns;
+  FreeBodyColumns* columns;
   std::uint64_t* has_columns;  // the step for which it has
   Index* pushed;        // bodies that have, in this step
   Index pushed_count;
@@ -44,9 +44,9 @@ struct Loose {
 
 struct Workspace;
 
-void set_up_loose(const Model& m, Loose& l);
+void set_up_free_bodies(const Model& m, FreeBodies& l);
 // After trees fell asleep or woke.
-void list_loose(const Model& m, Workspace& w);
+void list_free_bodies(const Model& m, Workspace& w);
 
 // Whether they fly in the step that begins.
 void begin_flight(Data<double>& d);

@@ -1,4 +1,4 @@
-#include "simulation/clearance.hpp"
+#include "simulation/conservative_advancement.hpp"
 
 #include <cmath>
 

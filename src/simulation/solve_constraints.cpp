@@ -25,11 +25,11 @@ bool leave_idle(const Model& m, Data<double>& d, Index begin, Index end) {
   Workspace& w = *d.step;
   bool idle = true;
   for (Index k = begin; idle && k < end; ++k) {
-    const ActiveSlot& x = w.active[w.order[k]];
+    const ActiveConstraint& x = w.active[w.order[k]];
     idle = x.kind == RowKind::Contact && w.laws[x.index].idle;
   }
   for (Index k = begin; k < end; ++k) {
-    ActiveSlot& x = w.active[w.order[k]];
+    ActiveConstraint& x = w.active[w.order[k]];
     x.idle = idle;
     if (!idle && x.kind == RowKind::Contact) assemble_contact(m, d, x);
     if (!idle) continue;
@@ -50,8 +50,8 @@ void Island::impulses(dynContactReport& report) {
     sweep_alone(report);
   } else if (!stays(report) && (w.time_is_up() || bounces || !sparse() || !newton(report, false))) {
     const auto unsolved = [&] { return report.residual > w.options.tolerance && !w.time_is_up(); };
-    if (w.time_is_up()) rebound(1), sweep_to_rest(report);
-    else if (large() || (!bounces && sparse())) sweep_to_rest(report);
+    if (w.time_is_up()) rebound(1), block_gauss_seidel(report);
+    else if (large() || (!bounces && sparse())) block_gauss_seidel(report);
     if (!large() && unsolved()) solve(report);
     if (!bounces && unsolved() && report.residual < nearly) sweep_on(report);
     if (!bounces && unsolved()) jammed(report);
@@ -59,7 +59,7 @@ void Island::impulses(dynContactReport& report) {
     residual();  // by_dof and c of the best
   }
   for (Index k = 0; k < slots; ++k) {
-    const ActiveSlot& x = slot(k);
+    const ActiveConstraint& x = slot(k);
     if (x.kind != RowKind::Contact) continue;
     dynContactForce& f = w.contacts[x.index];
     const ContactLaw& law = w.laws[x.index];
@@ -73,8 +73,8 @@ void Island::impulses(dynContactReport& report) {
 }
 
 // Whether what a row holds is an angle.
-bool Island::is_angle(const ActiveSlot& x, Index row) const {
-  const Slot<double>& s = *x.s;
+bool Island::is_angle(const ActiveConstraint& x, Index row) const {
+  const ConstraintInstance<double>& s = *x.s;
   if (between_joints(s.c.type)) return m.bodies()[body_of_dof(m, s.c.v1)].type != BodyType::Prismatic;
   const auto pulls = [&](const double* F, Index body) { return body && (F[row] != 0 || F[row_lanes + row] != 0 || F[2 * row_lanes + row] != 0); };
   return !pulls(s.F1, s.c.body1) && !pulls(s.F2, s.c.body2);
@@ -92,8 +92,8 @@ bool Island::correct() {
   };
   auto one_sided = [&](double gap, double unit) { return gap < 0 ? part(gap, unit) : gap; };
   for (Index k = 0, in_boxes = 0; k < slots; ++k) {
-    const ActiveSlot& x = slot(k);
-    const Slot<double>& s = *x.s;
+    const ActiveConstraint& x = slot(k);
+    const ConstraintInstance<double>& s = *x.s;
     for (Index r = 0; r < s.rows; ++r) {
       const Index i = s.first + r;
       double wrong = 0;
@@ -117,7 +117,7 @@ bool Island::correct() {
   return true;
 }
 
-bool solve_slots(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq) {
+bool solve_constraints(const Model& m, Data<double>& d, Index slots, const double* v_before, double h, double* v, double* dq) {
   Workspace& w = *d.step;
   bool corrected = false, pushed = false;
   Index islands = 0, rows = 0;

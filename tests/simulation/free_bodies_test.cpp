@@ -35,7 +35,7 @@ struct Tumbling {
   }
 };
 
-TEST(Loose, MoveAsByTheRecursion) {
+TEST(FreeBodies, MoveAsByTheRecursion) {
   Tumbling a(false), b(true);
   for (int k = 0; k < 200; ++k) {
     a.run.steps(1), b.run.steps(1);
@@ -46,7 +46,7 @@ TEST(Loose, MoveAsByTheRecursion) {
 }
 
 // Its coordinates are of a frame that stands elsewhere, and turned.
-TEST(Loose, APlacedJointFallsInTheWorld) {
+TEST(FreeBodies, APlacedJointFallsInTheWorld) {
   dynBuilder* b = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_new("placed", &b));
   const double c = std::cos(0.7), s = std::sin(0.7), I[9] = {1e-3, 0, 0, 0, 1e-3, 0, 0, 0, 1e-3}, com[3] = {0, 0, 0};
@@ -81,7 +81,7 @@ TEST(Loose, APlacedJointFallsInTheWorld) {
 }
 
 // Where its iteration does not settle, the momentum that a body ends with is as exact; to a third of a turn a step, and beyond that its length.
-TEST(Loose, MomentumIsKeptHoweverFast) {
+TEST(FreeBodies, MomentumIsKeptHoweverFast) {
   for (const bool recursion : {false, true})
     for (const double rate : {1.0, 100.0, 300.0, 400.0, 500.0, 700.0, 1000.0, 2000.0, 10000.0}) {
       Scene scene({0, 0, 0});
@@ -104,7 +104,7 @@ TEST(Loose, MomentumIsKeptHoweverFast) {
     }
 }
 
-TEST(Loose, TakeNoRecursion) {
+TEST(FreeBodies, TakeNoRecursion) {
   Tumbling a(false), b(true);
   a.run.steps(3), b.run.steps(3);
   const long loose = bench::instructions([&] { dyn_step(a.run.m, a.run.d); }), others = bench::instructions([&] { dyn_step(b.run.m, b.run.d); });
@@ -113,7 +113,7 @@ TEST(Loose, TakeNoRecursion) {
 }
 
 // A ball that rolls, its centre of mass beside its middle, on the ground and into another: three contacts, whose forces one equation each determines.
-TEST(Loose, TouchAsByTheRecursion) {
+TEST(FreeBodies, TouchAsByTheRecursion) {
   const auto make = [] {
     Scene scene;
     scene.ground().free("body0", 1, {5e-3, 4e-3, 6e-3}, {0, 0.01, -0.02}).shape("body0", DYN_SHAPE_SPHERE, {0.1, 0, 0}, material(0.5));
@@ -137,7 +137,7 @@ TEST(Loose, TouchAsByTheRecursion) {
 }
 
 // Without gravity a row of balls that touch goes on together; the first step that presses them is solved.
-TEST(Loose, TouchingIsNotPressed) {
+TEST(FreeBodies, TouchingIsNotPressed) {
   Scene scene({0, 0, 0});
   for (int k = 0; k < 4; ++k) scene.sphere(("ball" + std::to_string(k)).c_str(), 1, 0.1, material(0.5));
   Play run(scene.finish());
@@ -159,7 +159,7 @@ TEST(Loose, TouchingIsNotPressed) {
 }
 
 // What rests is pressed however short the steps.
-TEST(Loose, RestingIsPressedInShortSteps) {
+TEST(FreeBodies, RestingIsPressedInShortSteps) {
   for (const double dt : {1e-2, 1e-4, 1e-6, 1e-8}) {
     Scene scene;
     Play run(scene.ground().sphere("ball", 1, 0.1, material(0.5)).finish(), dt);

@@ -308,7 +308,7 @@ TEST(Wrenches, OfTheWorldStayWhereTheyAre) {
   EXPECT_NEAR(2, run.v[5], 1e-12);  // -(y = 2) x (1, 0, 0): 2 about z
 }
 
-TEST(HeldWeights, AreWeightless) {
+TEST(GravityCompensations, AreWeightless) {
   for (const double share : {1.0, 0.25, -1.0}) {
     Scene scene;
     scene.free("stone", 2, {0.1, 0.2, 0.25}, {0.1, 0.2, 0.3});

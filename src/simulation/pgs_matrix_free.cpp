@@ -15,35 +15,35 @@ double per_scale(double lambda, double scale) { return scale > 0 ? lambda / scal
 
 constexpr int few_sweeps = 4;  // of a guess that is nearly good: cheaper than a matrix
 
-struct Sweeper {
+struct MatrixFreeGaussSeidel {
   const Island& x;
   const double* Dinv;
   double* z;
 
-  Pack<double, row_lanes> moved(const ActiveSlot& a) const { return x.moved(a, Dinv, z); }  // G lambda, in lanes
-  void change(const ActiveSlot& a, const double* by) const { x.pass(a, by, z); }
+  Pack<double, row_lanes> moved(const ActiveConstraint& a) const { return x.moved(a, Dinv, z); }  // G lambda, in lanes
+  void change(const ActiveConstraint& a, const double* by) const { x.pass(a, by, z); }
   double wanted(Index i) const { return x.g[i] + x.bias[i]; }
   double soft(Index i) const { return x.compliance[i]; }
 
   // A row of an equality or a box. Answers by how much its velocity changes.
-  double row(const ActiveSlot& a, const SlotBlock& s, Index r, double lower, double upper) const {
+  double row(const ActiveConstraint& a, const ConstraintBlock& s, Index r, double lower, double upper) const {
     const Index i = a.s->first + r;
     const double G = s.diagonal[r] + soft(i);
     if (!(G > 0)) return 0;
     const double c = wanted(i) + moved(a)[int(r)] + soft(i) * x.lambda[i], to = std::clamp(x.lambda[i] - c / G, lower, upper);
-    double by[most_rows] = {};
+    double by[max_rows] = {};
     by[r] = to - x.lambda[i];
     if (by[r] == 0) return 0;
     x.lambda[i] = to;
     change(a, by);
     return std::abs(G * by[r]);
   }
-  double contact(const ActiveSlot& a, SlotBlock& s, double mu) const {
+  double contact(const ActiveConstraint& a, ConstraintBlock& s, double mu) const {
     const Index first = a.s->first, rows = a.s->rows, normal = normal_row(rows);
     if (rows == 1 || mu == 0) return row(a, s, normal, 0, HUGE_VAL);
     const Index* order = order_of[rows];
     const auto Gl = moved(a);
-    double b[most_rows] = {}, now[most_rows] = {}, to[most_rows] = {}, by[most_rows] = {};
+    double b[max_rows] = {}, now[max_rows] = {}, to[max_rows] = {}, by[max_rows] = {};
     for (Index i = 0; i < rows; ++i) now[i] = per_scale(x.lambda[first + order[i]], s.scale[i]);
     for (Index i = 0; i < rows; ++i) {
       const Index at = first + order[i];
@@ -64,8 +64,8 @@ struct Sweeper {
   double operator()() const {
     double most = 0;
     for (Index k = 0, boxes = 0, contacts = 0; k < x.slots; ++k) {
-      const ActiveSlot& a = x.slot(k);
-      SlotBlock& s = x.w.blocks[k];
+      const ActiveConstraint& a = x.slot(k);
+      ConstraintBlock& s = x.w.blocks[k];
       if (a.kind == RowKind::Equality)
         for (Index r = 0; r < a.s->rows; ++r) most = std::max(most, row(a, s, r, -HUGE_VAL, HUGE_VAL));
       else if (a.kind == RowKind::Box)
@@ -79,8 +79,8 @@ struct Sweeper {
   double apart() const {
     double most = 0;
     for (Index k = 0, boxes = 0; k < x.slots; ++k) {
-      const ActiveSlot& a = x.slot(k);
-      const SlotBlock& s = x.w.blocks[k];
+      const ActiveConstraint& a = x.slot(k);
+      const ConstraintBlock& s = x.w.blocks[k];
       if (a.kind == RowKind::Equality)
         for (Index r = 0; r < a.s->rows; ++r) most = std::max(most, row(a, s, r, -HUGE_VAL, HUGE_VAL));
       else if (a.kind == RowKind::Box)
@@ -99,8 +99,8 @@ struct Sweeper {
       if (!(wrong <= worst)) worst = wrong >= 0 ? wrong : HUGE_VAL;  // no number: as wrong as can be
     };
     for (Index k = 0, boxes = 0, contacts = 0; k < x.slots; ++k) {
-      const ActiveSlot& a = x.slot(k);
-      const SlotBlock& s = x.w.blocks[k];
+      const ActiveConstraint& a = x.slot(k);
+      const ConstraintBlock& s = x.w.blocks[k];
       const auto Gl = moved(a);
       const Index first = a.s->first, rows = a.s->rows;
       for (Index r = 0; r < rows; ++r) x.c[first + r] = x.g[first + r] + Gl[int(r)];
@@ -117,7 +117,7 @@ struct Sweeper {
         of_row(normal_row(rows), 0, HUGE_VAL);
       } else {
         const Index* order = order_of[rows];
-        double across = 0, y[most_rows] = {}, c[most_rows] = {}, e[most_rows] = {};
+        double across = 0, y[max_rows] = {}, c[max_rows] = {}, e[max_rows] = {};
         for (Index i = 1; i < rows; ++i) across = std::max(across, s.G[i + row_lanes * i]);
         const double dn = 1 / std::sqrt(s.G[0]), dt = across > 0 ? 1 / std::sqrt(across) : dn;
         for (Index i = 0; i < rows; ++i) {
@@ -143,17 +143,17 @@ void Island::prepare_blocks() {
   fastest = speed();
   const double* Dinv = inverse_pivots(m, d);
   for (Index k = 0, at = 0; k < slots; ++k) {
-    const ActiveSlot& a = slot(k);
-    SlotBlock& s = w.blocks[k];
+    const ActiveConstraint& a = slot(k);
+    ConstraintBlock& s = w.blocks[k];
     const Index rows_ = a.s->rows;
-    P G[most_rows];
+    P G[max_rows];
     for (P& column : G) column = P::zero();
     const double* y = a.carried;
     for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
       const P e = P::load(y) * Dinv[a.support[n]];
       for (Index r = 0; r < rows_; ++r) G[r] = G[r] + e * y[r];
     }
-    double block[most_rows * row_lanes];
+    double block[max_rows * row_lanes];
     for (Index r = 0; r < rows_; ++r) G[r].store(block + row_lanes * r);
     for (Index r = 0; r < rows_; ++r) s.diagonal[r] = block[r + row_lanes * r];
     if (a.kind != RowKind::Contact) continue;
@@ -177,7 +177,7 @@ void Island::prepare_cones() {
     const double mu = friction[contact++];
     const Index rows_ = slot(k).s->rows;
     if (rows_ == 1 || mu == 0) continue;
-    SlotBlock& s = w.blocks[k];
+    ConstraintBlock& s = w.blocks[k];
     solver::Problem p;
     p.G = {s.G, row_lanes};
     s.local = solver::local_cone(p, {0, rows_, mu});
@@ -188,7 +188,7 @@ void Island::prepare_cones() {
 double Island::speed() const {
   double most = 0;
   for (Index k = 0, contact = 0; k < slots; ++k) {
-    const ActiveSlot& a = slot(k);
+    const ActiveConstraint& a = slot(k);
     const bool touches = a.kind == RowKind::Contact;
     for (Index r = 0; r < a.s->rows; ++r) {
       const double length = r < 3 || !touches ? 1 : friction[contact] > 0 ? (r == a.s->rows - 1 ? torsion[contact] : rolling[contact]) / friction[contact] : 0;
@@ -200,14 +200,14 @@ double Island::speed() const {
 }
 
 double Island::residual() const {
-  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
+  const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   sweep.start();
   return sweep.residual();
 }
 
 bool Island::stays(dynContactReport& report) {
   if (bounces) return false;
-  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
+  const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
@@ -222,7 +222,7 @@ bool Island::stays(dynContactReport& report) {
 // Coefficients of restitution taken smaller by a factor.
 void Island::rebound(double factor) {
   for (Index k = 0, contact = 0; k < slots; ++k) {
-    const ActiveSlot& a = slot(k);
+    const ActiveConstraint& a = slot(k);
     if (a.kind != RowKind::Contact) continue;
     const Index n = a.s->first + normal_row(a.s->rows);
     if (restitution[contact] > 0 && v_minus[n] < 0) bias[n] = factor * restitution[contact] * v_minus[n];
@@ -243,7 +243,7 @@ void Island::bounce(dynContactReport& report) {
   const auto refused = [&](double factor) {
     report.iterations = report.newton_steps = 0;
     rebound(factor);
-    sweeps_alone() ? sweep_alone(report) : sweep_to_rest(report);
+    sweeps_alone() ? sweep_alone(report) : block_gauss_seidel(report);
     residual();  // c of the best
     iterations += report.iterations, newton_steps += report.newton_steps;
     return gains(report);
@@ -261,7 +261,7 @@ void Island::bounce(dynContactReport& report) {
 
 // Until a sweep changes little, and then as long as the residual asks for more. One at least: cones have turned since the guess.
 void Island::sweep_alone(dynContactReport& report) {
-  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
+  const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double tolerated = w.options.tolerance * speed();
   sweep.start(), prepare_cones();
   for (bool last = false; !last;) {
@@ -274,8 +274,8 @@ void Island::sweep_alone(dynContactReport& report) {
   }
 }
 
-void Island::sweep_to_rest(dynContactReport& report) {
-  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
+void Island::block_gauss_seidel(dynContactReport& report) {
+  const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
@@ -295,7 +295,7 @@ void Island::sweep_to_rest(dynContactReport& report) {
 }
 
 void Island::sweep_on(dynContactReport& report) {
-  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
+  const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   prepare_cones();
   std::copy_n(lambda, rows, kept);
@@ -312,12 +312,12 @@ void Island::sweep_on(dynContactReport& report) {
 
 // Enough for corrections, of which the next steps make more. by_dof is zero.
 void Island::sweep_apart() {
-  constexpr int most_sweeps = 20;
+  constexpr int max_sweeps = 20;
   const double least = std::max(0.02, sweeps_alone() ? w.options.tolerance : 0);  // of the first sweep's largest change
   std::fill_n(lambda, rows, 0.0);
-  const Sweeper sweep{*this, inverse_pivots(m, d), by_dof};
+  const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double first = sweep.apart();
-  for (int k = 1; k < most_sweeps && sweep.apart() > least * first; ++k) {}
+  for (int k = 1; k < max_sweeps && sweep.apart() > least * first; ++k) {}
 }
 
 }  // namespace dyn::simulation

@@ -26,9 +26,9 @@ inline constexpr bool is_sum = S::type == shape::Type::Box || S::type == shape::
 
 // discs: A's, B's, or both
 template <bool disc_a, bool disc_b>
-class SumPair {
+class MinkowskiPair {
  public:
-  SumPair(const Sum& a, const Sum& b, const Pose& X) : a_(a), b_(b), R_(X.R), Rt_(transpose(X.R)), p_(X.p) {}
+  MinkowskiPair(const Sum& a, const Sum& b, const Pose& X) : a_(a), b_(b), R_(X.R), Rt_(transpose(X.R)), p_(X.p) {}
 
   // From a first direction, across the segments along the axes `first` and `second` of A and B, if these are not -1. false: they meet,
   // or the maximum was not found.
@@ -42,7 +42,7 @@ class SumPair {
     }
     if (first >= 0) across_[fixed_++] = first, place_[first] = 0;
     if (second >= 0) across_[fixed_++] = second + 3, place_[second + 3] = 0;
-    for (steps_ = 1; steps_ <= most_steps; ++steps_) {
+    for (steps_ = 1; steps_ <= max_steps; ++steps_) {
       c_ = p_ - Vec::make(place_[0], place_[1], place_[2]) - R_ * Vec::make(place_[3], place_[4], place_[5]);
       const Vec from = n_;
       if (!climb()) return false;
@@ -53,7 +53,7 @@ class SumPair {
   }
 
  private:
-  static constexpr int most_steps = 12;
+  static constexpr int max_steps = 12;
   static constexpr double straight = 1e-6;  // sine of an angle that is too small to divide by
   const Sum a_, b_;
   const Mat R_, Rt_;
@@ -237,7 +237,7 @@ class SumPair {
 template <class A, class B>
 inline bool sum_pair(const Difference<A, B>& d, const Vec& guess, double enough, Cores& out) {
   const Sum a = sum_of(d.A_), b = sum_of(d.B_);
-  SumPair<A::curved, B::curved> pair(a, b, d.X);
+  MinkowskiPair<A::curved, B::curved> pair(a, b, d.X);
   if constexpr (A::type == shape::Type::Box || B::type == shape::Type::Box) {
     if (!pair.solve(guess, -1, -1, out)) return false;
   } else {

@@ -17,7 +17,7 @@ DYN_INLINE T user_ratio(const Model& m, Index k) {
 // Of the composites' forces, before they are summed: those of the constraints.
 template <class T>
 void subtract_constraint_forces(const Model& m, Data<T>& d) {
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     if (between_joints(s.c.type)) return;
     auto subtract = [&](Index body, const T* lanes) {
       T f[6] = {};
@@ -63,7 +63,7 @@ void subtract_products_of_mimics(const Model& m, const Data<T>& d, Index from, I
 // H -= what J^T lambda changes by beside moving with its bodies: a force F at B, -F at A. A step S of B changes the wrench on it by that of F
 // as it turns and moves, PS, where it would have changed by S x* F if carried along; A sees the opposite of PS; a step of A does the opposite.
 template <class T>
-void subtract_force_changes(const Model& m, Data<T>& d, const Slot<T>& s, const RowDerivatives<T>& x, const Index* carriers, Index of_first, Index common, T* H) {
+void subtract_force_changes(const Model& m, Data<T>& d, const ConstraintInstance<T>& s, const RowDerivatives<T>& x, const Index* carriers, Index of_first, Index common, T* H) {
   Force<T> *on_B = d.Fq, *on_both = d.Fv, *on_A = d.F;  // of no more use
   for (Index c = 0; c < s.support; ++c) {
     const Index k = carriers[c];
@@ -88,7 +88,7 @@ DYN_INLINE void add_lanes(const Pack<T, row_lanes>& x, T* to) {
 
 // What a slot does to the system: Dq, Dv, H, and its carriers with J in the place of those of G.
 template <class T>
-void differentiate_frames(const Model& m, Data<T>& d, Slot<T>& s, Index slot, const T* v, const T* a, const KktSystem<T>& K, T* H) {
+void differentiate_frames(const Model& m, Data<T>& d, ConstraintInstance<T>& s, Index slot, const T* v, const T* a, const KktSystem<T>& K, T* H) {
   using Six = SixEights<T>;
   RowDerivatives<T> x;
   frame_row_derivatives(m, d, s, v, a, d.lambda + s.first, x);
@@ -118,7 +118,7 @@ void differentiate_frames(const Model& m, Data<T>& d, Slot<T>& s, Index slot, co
 
 // The same of a row between joints.
 template <class T>
-void differentiate_joints(const Model& m, Data<T>& d, Slot<T>& s, Index slot, const T* v, const T* a, const KktSystem<T>& K, T* H) {
+void differentiate_joints(const Model& m, Data<T>& d, ConstraintInstance<T>& s, Index slot, const T* v, const T* a, const KktSystem<T>& K, T* H) {
   const bool two = s.c.body2 != 0;
   JointRow<T> row{};
   visit_joint_constraint(s.c.type, [&]<class K_>() { row = K_::evaluate(s.c, d.q[s.c.q1], two ? d.q[s.c.q2] : T(0)); });
@@ -142,9 +142,9 @@ void differentiate_joints(const Model& m, Data<T>& d, Slot<T>& s, Index slot, co
 }
 
 template <class T>
-void differentiate_slots(const Model& m, Data<T>& d, const T* v, const T* a, const KktSystem<T>& K, T* H) {
+void differentiate_constraints(const Model& m, Data<T>& d, const T* v, const T* a, const KktSystem<T>& K, T* H) {
   std::fill_n(K.Dq, K.rows * std::ptrdiff_t(m.n.nv), T(0)), std::fill_n(K.Dv, K.rows * std::ptrdiff_t(m.n.nv), T(0));
-  for_each_slot(m, d, [&](Slot<T>& s, Index slot) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index slot) {
     if (between_joints(s.c.type)) differentiate_joints(m, d, s, slot, v, a, K, H);
     else differentiate_frames(m, d, s, slot, v, a, K, H);
   });
@@ -154,7 +154,7 @@ void differentiate_slots(const Model& m, Data<T>& d, const T* v, const T* a, con
 template <class T>
 void differentiate_rates(const Model& m, Data<T>& d, const T* v, bool restitution, const KktSystem<T>& K, T* D) {
   using Six = SixEights<T>;
-  for_each_slot(m, d, [&](Slot<T>& s, Index) {
+  for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     const T factor = restitution ? T(s.c.restitution) : T(1);
     if (between_joints(s.c.type)) {
       if (s.c.body2) {

@@ -1,4 +1,4 @@
-#include "simulation/loose.hpp"
+#include "simulation/free_bodies.hpp"
 
 #include <limits>
 
@@ -14,8 +14,8 @@ namespace {
 constexpr int lanes = Wide::lanes;
 
 // Dinv[0] is 0 where some articulated inertia is not positive.
-LooseColumns columns_of(const Body& b) {
-  LooseColumns out{};
+FreeBodyColumns columns_of(const Body& b) {
+  FreeBodyColumns out{};
   ArticulatedInertia<double> IA = ArticulatedInertia<double>::rigid({b.m, b.h, Sym3<double>::from(b.I)});
   for (int k = 5; k >= 0; --k) {
     const Motion<double> s = FreeFlyer::column(b, Mat3<double>::identity(), k);
@@ -36,7 +36,7 @@ bool is_identity(const SE3<double>& X) {
 }
 
 static_assert(DYN_EFFECT_ALL == 0x1ff, "an effect that acts at a joint or on its link keeps a body from being loose: say so below");
-bool is_loose(const Model& m, Index i) {
+bool is_free_body(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
   if (b.type != BodyType::FreeFlyer || b.parent != 0 || m.subtree_end()[i] != i + 1 || !(b.m > 0)) return false;
   if (!is_identity(m.joint_placement()[i])) return false;  // its coordinates would not be its pose in the world
@@ -45,16 +45,16 @@ bool is_loose(const Model& m, Index i) {
       if (x[b.user_v + k] != 0) return false;
   for (Index k = 0; k < m.n.actuators; ++k)
     if (m.actuators()[k].spec.joint == b.joint) return false;
-  for (Index k = 0; k < m.n.held_weights; ++k)
-    if (m.held_weights()[k].body == i) return false;
+  for (Index k = 0; k < m.n.gravity_compensations; ++k)
+    if (m.gravity_compensations()[k].body == i) return false;
   return columns_of(b).Dinv[0] > 0;
 }
 
 template <class F>
-void for_each_loose(const Model& m, F&& f) {
+void for_each_free_body(const Model& m, F&& f) {
   if (m.has_mimic) return;
   for (Index i = 1; i < m.n.bodies; ++i)
-    if (is_loose(m, i)) f(i);
+    if (is_free_body(m, i)) f(i);
 }
 
 void set(Vec3<Wide>& a, int lane, const Vec3<double>& b) {
@@ -62,7 +62,7 @@ void set(Vec3<Wide>& a, int lane, const Vec3<double>& b) {
 }
 void set(Mat3<Wide>& A, int lane, const Mat3<double>& B) { set(A.x, lane, B.x), set(A.y, lane, B.y), set(A.z, lane, B.z); }
 
-void fill(const Model& m, LooseSet& e, int lane, Index i) {
+void fill(const Model& m, FreeBodySet& e, int lane, Index i) {
   const Body& b = m.bodies()[i];
   e.body[lane] = i, e.q[lane] = b.user_q, e.v[lane] = b.user_v;
   const Vec3<double> c = b.h * (1 / b.m);
@@ -82,7 +82,7 @@ struct Place {
 Vec3<Wide> first3(const Wide* x) { return Vec3<Wide>::make(x[0], x[1], x[2]); }
 
 // Quaternions whose squares could overflow or lose digits, as those of norm one.
-[[gnu::cold, gnu::noinline]] Quaternion<Wide> moderate_lanes(Quaternion<Wide> a, const Wide::Mask& bad) {
+[[gnu::cold, gnu::noinline]] Quaternion<Wide> no_overflow_lanes(Quaternion<Wide> a, const Wide::Mask& bad) {
   for (int k = 0; k < lanes; ++k) {
     if (!bad[k]) continue;
     const Quaternion<double> one = normalized(Quaternion<double>{Vec3<double>::make(a.v.v[0][k], a.v.v[1][k], a.v.v[2][k]), a.w[k]});
@@ -91,14 +91,14 @@ Vec3<Wide> first3(const Wide* x) { return Vec3<Wide>::make(x[0], x[1], x[2]); }
   return a;
 }
 
-DYN_INLINE Place place_of(const double* q, const LooseSet& e) {
+DYN_INLINE Place place_of(const double* q, const FreeBodySet& e) {
   Wide x[7];
   gather<7>(q, e.q, x);
   const Vec3<Wide> p = first3(x);
   Quaternion<Wide> a = {first3(x + 3), x[6]};
   Wide square = dot(a.v, a.v) + a.w * a.w;
   if (const Wide::Mask bad = ~((square > 1e-60) & (square < 1e60)); any(bad)) [[unlikely]]
-    a = moderate_lanes(a, bad), square = dot(a.v, a.v) + a.w * a.w;
+    a = no_overflow_lanes(a, bad), square = dot(a.v, a.v) + a.w * a.w;
   return {p, a, rotation(a, Wide(2.0) / square)};
 }
 
@@ -139,14 +139,14 @@ struct Turn {
 };
 
 // Lanes of turned_velocity that its iteration does not settle.
-[[gnu::cold, gnu::noinline]] void turn_far(const LooseSet& e, const Vec3<Wide>& L, double h, const Vec3<Wide>& guess, const Wide::Mask& far, Vec3<Wide>& w) {
+[[gnu::cold, gnu::noinline]] void turn_far(const FreeBodySet& e, const Vec3<Wide>& L, double h, const Vec3<Wide>& guess, const Wide::Mask& far, Vec3<Wide>& w) {
   const auto lane = [](const Vec3<Wide>& x, int k) { return Vec3<double>::make(x.v[0][k], x.v[1][k], x.v[2][k]); };
   for (int k = 0; k < lanes; ++k)
     if (far[k]) set(w, k, integrator::far_turned_velocity(Mat3<double>{lane(e.I.x, k), lane(e.I.y, k), lane(e.I.z, k)}, lane(L, k), h, lane(guess, k)));
 }
 
 // w' with I w' = exp(-h w') L; each lane as long as it changes.
-DYN_INLINE Vec3<Wide> turned_velocity(const LooseSet& e, const Vec3<Wide>& L, double step, const Vec3<Wide>& guess) {
+DYN_INLINE Vec3<Wide> turned_velocity(const FreeBodySet& e, const Vec3<Wide>& L, double step, const Vec3<Wide>& guess) {
   const Wide h(step);
   Vec3<Wide> w = guess;
   Wide::Mask going = ~Wide::Mask{};
@@ -165,35 +165,35 @@ DYN_INLINE Vec3<Wide> turned_velocity(const LooseSet& e, const Vec3<Wide>& L, do
 
 // to(lane): where its numbers go
 template <class To>
-DYN_INLINE void scatter_four(const LooseSet& e, const Wide& a, const Wide& b, const Wide& c, const Wide& d, To&& to) {
+DYN_INLINE void scatter_four(const FreeBodySet& e, const Wide& a, const Wide& b, const Wide& c, const Wide& d, To&& to) {
   for_each_lane(a, b, c, d, [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
     if (e.acting >> lane & 1u) std::memcpy(to(lane), &four, sizeof four);
   });
 }
-DYN_INLINE void scatter_velocity(const LooseSet& e, const Motion<Wide>& v, double* to) {
+DYN_INLINE void scatter_velocity(const FreeBodySet& e, const Motion<Wide>& v, double* to) {
   const Wide(&u)[3] = v.linear.v, (&w)[3] = v.angular.v;
   scatter_four(e, u[0], u[1], u[2], w[0], [&](int l) { return to + e.v[l]; });
   scatter_four(e, u[2], w[0], w[1], w[2], [&](int l) { return to + e.v[l] + 2; });
 }
 template <class To>
-DYN_INLINE void scatter_vector(const LooseSet& e, const Vec3<Wide>& x, To&& to) {
+DYN_INLINE void scatter_vector(const FreeBodySet& e, const Vec3<Wide>& x, To&& to) {
   for_each_lane(x.v[0], x.v[1], x.v[2], Wide(0.0), [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
     if (e.acting >> lane & 1u) std::memcpy(&to(e.body[lane]), &four, sizeof(Vec3<double>));
   });
 }
 
 template <class F>
-DYN_INLINE void for_each_acting(const Loose& l, F&& f) {
+DYN_INLINE void for_each_acting(const FreeBodies& l, F&& f) {
   for (Index k = 0; k < l.acting_count; ++k) f(l.sets[l.acting[k]]);
 }
 
 }  // namespace
 
-void set_up_loose(const Model& m, Loose& l) {
+void set_up_free_bodies(const Model& m, FreeBodies& l) {
   std::fill_n(l.number, m.n.bodies, -1);
   l.count = 0;
-  for_each_loose(m, [&](Index i) {
-    LooseSet& e = l.sets[l.count / lanes];
+  for_each_free_body(m, [&](Index i) {
+    FreeBodySet& e = l.sets[l.count / lanes];
     const int lane = l.count % lanes;
     for (int k = lane; k < lanes; ++k) fill(m, e, k, i);
     e.acting |= 1u << lane;
@@ -203,8 +203,8 @@ void set_up_loose(const Model& m, Loose& l) {
   l.tree_count = list_trees(m, l.trees);
 }
 
-void list_loose(const Model& m, Workspace& w) {
-  Loose& l = w.loose;
+void list_free_bodies(const Model& m, Workspace& w) {
+  FreeBodies& l = w.loose;
   if (l.count == 0) return;
   Index groups = 0;
   for (Index k = 0; k * lanes < l.count; ++k) l.sets[k].acting = 0;
@@ -221,7 +221,7 @@ void list_loose(const Model& m, Workspace& w) {
 }
 
 void begin_flight(Data<double>& d) {
-  Loose& l = d.step->loose;
+  FreeBodies& l = d.step->loose;
   l.flying = l.count > 0 && !(d.acting & (std::uint32_t(DYN_EFFECT_FLUID) | acting_wrenches));
   ++l.step, l.pushed_count = 0;
 }
@@ -230,7 +230,7 @@ void fly(const Model&, Data<double>& d, double h) {
   const Wide dt(h);
   const Vec3<Wide> gravity = Vec3<Wide>::make(d.world_gravity[0], d.world_gravity[1], d.world_gravity[2]);
   Motion<double>* const V = d.step->root_velocity;
-  for_each_acting(d.step->loose, [&](const LooseSet& e) {
+  for_each_acting(d.step->loose, [&](const FreeBodySet& e) {
     const Place X = place_of(d.q, e);
     Wide v[6], tau[6];
     gather<6>(d.v, e.v, v), gather<6>(d.tau_applied, e.v, tau);
@@ -251,10 +251,10 @@ void fly(const Model&, Data<double>& d, double h) {
 }
 
 void need_columns(const Model& m, Data<double>& d, Index body) {
-  Loose& l = d.step->loose;
+  FreeBodies& l = d.step->loose;
   if (!l.flying || l.number[body] < 0 || l.has_columns[l.number[body]] == l.step) return;
   const Body& b = m.bodies()[body];
-  const LooseColumns& x = l.columns[l.number[body]];
+  const FreeBodyColumns& x = l.columns[l.number[body]];
   const Mat3<double>& R = d.R[body];
   for (int k = 0; k < 6; ++k) {
     d.S[b.idx_v + k] = FreeFlyer::column(b, R, k);
@@ -265,7 +265,7 @@ void need_columns(const Model& m, Data<double>& d, Index body) {
 }
 
 void need_all_columns(const Model& m, Data<double>& d) {
-  for_each_acting(d.step->loose, [&](const LooseSet& e) {
+  for_each_acting(d.step->loose, [&](const FreeBodySet& e) {
     for (int k = 0; k < lanes; ++k)
       if (e.acting >> k & 1u) need_columns(m, d, e.body[k]);
   });
@@ -273,7 +273,7 @@ void need_all_columns(const Model& m, Data<double>& d) {
 
 void land(Data<double>& d, double h, const double* correction) {
   const Wide dt(h);
-  for_each_acting(d.step->loose, [&](const LooseSet& e) {
+  for_each_acting(d.step->loose, [&](const FreeBodySet& e) {
     const Place X = place_of(d.q, e);
     Wide v[6];
     gather<6>(d.v, e.v, v);

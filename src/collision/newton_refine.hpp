@@ -11,7 +11,7 @@
 
 namespace dyn::collision {
 
-struct Polished {
+struct Refined {
   Vec normal, a, b;   // witness points in the two cores
   double distance;    // f
   double residual;    // of the equations above
@@ -165,7 +165,7 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
 // A flat face of one shape under which the support point of the other lies: the solution is its normal, where f has a kink and the
 // equations above no root.
 template <class D>
-inline bool on_face(const D& d, const Vec& n, Polished& out) {
+inline bool on_face(const D& d, const Vec& n, Refined& out) {
   using A = std::decay_t<decltype(d.A_)>;
   using B = std::decay_t<decltype(d.B_)>;
   if constexpr (A::faced) {
@@ -195,7 +195,7 @@ inline bool on_face(const D& d, const Vec& n, Polished& out) {
 
 // From support points near the solution, their weights, and a normal. false: no solution was found from there.
 template <class D>
-[[gnu::noinline]] inline bool polish(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Polished& out) {
+[[gnu::noinline]] inline bool newton_refine(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Refined& out) {
   detail::Pieces<D> p{&d, {}, {}, size, {}, {}, 0, 0, {}, {}, 0, true, false};
   for (int i = 0; i < size; ++i) p.s[i] = points[i], p.weight[i] = weights[i];
   p.evaluate(normal);

@@ -6,15 +6,15 @@
 namespace dyn {
 
 // The leading dimension of matrices by degrees of freedom and rows: whole packs.
-inline std::ptrdiff_t kkt_room(std::ptrdiff_t n) { return (n + row_lanes - 1) / row_lanes * row_lanes; }
+inline std::ptrdiff_t padded_kkt(std::ptrdiff_t n) { return (n + row_lanes - 1) / row_lanes * row_lanes; }
 // The leading dimension of matrices between rows: whole packs from any row on stay within a column.
-inline std::ptrdiff_t row_room(std::ptrdiff_t rows) { return (rows + row_lanes - 1) / row_lanes * row_lanes + row_lanes; }
+inline std::ptrdiff_t padded_rows(std::ptrdiff_t rows) { return (rows + row_lanes - 1) / row_lanes * row_lanes + row_lanes; }
 
 // A limit of the angle of a ball joint: one row, carried by three degrees of freedom from v1 on, whose factors are c.axis.
 inline bool of_ball(const Constraint& c) { return c.type == DYN_CONSTRAINT_LIMIT && c.joint_type == DYN_JOINT_SPHERICAL; }
 
 template <class T>
-struct Slot {
+struct ConstraintInstance {
   Constraint c;
   Index enabled;
   Index rows, first;  // rows it has when it acts, number of the first one among all

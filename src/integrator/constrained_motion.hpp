@@ -13,7 +13,7 @@ inline constexpr double rows_precision = 1e-15;  // of the accelerations
 
 // Forward dynamics at d.q, d.v under all that acts and the constraints. Returns 0, or the joint that is singular.
 template <class T>
-Index held_dynamics(const Model& m, Data<T>& d) {
+Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
   const T *tau = d.acting & DYN_EFFECT_ACTUATORS ? simulation::actuated(m, d, d.tau_applied) : d.tau_applied, *fext = simulation::forces_on_bodies(m, d);
   if constexpr (std::is_same_v<T, double>)
     if (active_rows(m, d) > 0) {
@@ -25,7 +25,7 @@ Index held_dynamics(const Model& m, Data<T>& d) {
   return forward_dynamics(m, d, d.v, tau, fext, d.ddq);
 }
 
-// After held_dynamics: whether some row is open; those with gains close by themselves.
+// After constrained_forward_dynamics: whether some row is open; those with gains close by themselves.
 inline bool is_open(const Model& m, Data<double>& d) {
   double lengths = 0, angles = 0, reach = 0;
   const auto look = [&](const double* F, Index r, bool& linear) {
@@ -33,7 +33,7 @@ inline bool is_open(const Model& m, Data<double>& d) {
     const double force = size(0);
     if (force > 0) linear = true, reach = std::max(reach, size(3) / force);
   };
-  for_each_slot(m, d, [&](const Slot<double>& s, Index) {
+  for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index) {
     if (s.c.stiffness > 0 || s.c.damping > 0) return;
     for (Index r = 0; r < s.rows; ++r) {
       bool linear = false;
@@ -50,17 +50,17 @@ inline bool is_open(const Model& m, Data<double>& d) {
 
 // x, 2 nv: errors of q and v at the end of a step, there: what the rows take away at once is none. (Where a mechanism passes a singular
 // configuration, accelerations that the rows hold back are known badly, and these alone.)
-inline void hold_errors(const Model& m, Data<double>& d, double* x) {
+inline void remove_constrained_errors(const Model& m, Data<double>& d, double* x) {
   dynConstraintResult result;
-  hold_velocity(m, d, static_cast<const double*>(x), x, result), hold_velocity(m, d, static_cast<const double*>(x + m.n.nv), x + m.n.nv, result);
+  project_velocity(m, d, static_cast<const double*>(x), x, result), project_velocity(m, d, static_cast<const double*>(x + m.n.nv), x + m.n.nv, result);
 }
 
 // The end of a step. Where rows contradict each other, as near as they come.
 template <class T>
-Index close_rows(const Model& m, Data<T>& d) {
+Index project_to_constraints(const Model& m, Data<T>& d) {
   if constexpr (std::is_same_v<T, double>) {
     bool gains = false;
-    for_each_slot(m, d, [&](const Slot<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
+    for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
     if (gains || active_rows(m, d) == 0) return 0;
     dynConstraintResult result;
     return project(m, d, 1, true, T(0), d.v, result, T(1e-9));  // converges quadratically: once is to rounding

@@ -32,19 +32,19 @@ struct Finder {
   double between = shape::infinity;  // the nearest two shapes
 
   // The side of a limit that is nearer: C = gap >= 0.
-  void limit(Slot<double>& s, double q, double lower, double upper) const {
+  void limit(ConstraintInstance<double>& s, double q, double lower, double upper) const {
     const bool low = q - lower <= upper - q;
     s.g1 = low ? 1 : -1, s.g2 = 0;
     s.error[0] = low ? q - lower : upper - q;
     s.lower[0] = 0, s.upper[0] = HUGE_VAL;
   }
-  void append(Slot<double>& s, Index* support, double* carried, RowKind kind, Index index) {
+  void append(ConstraintInstance<double>& s, Index* support, double* carried, RowKind kind, Index index) {
     const bool joints = between_joints(s.c.type);
     auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : w.tree_of[joints ? body_of_dof(m, dof) : body]; };
     w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0, false};
     if (kind != RowKind::Contact) carry(m, d, w.active[count - 1]);
   }
-  Slot<double>& next() { return w.slots[added]; }
+  ConstraintInstance<double>& next() { return w.slots[added]; }
   void append_next(RowKind kind, Index index) {
     append(next(), w.support + added * std::ptrdiff_t(m.n.carriers), w.carried + row_lanes * added * std::ptrdiff_t(m.n.carriers), kind, index);
     ++added;
@@ -54,7 +54,7 @@ struct Finder {
     if (active_rows(m, d) == 0) return;
     need_all_columns(m, d);
     evaluate_rows(m, d, v, static_cast<const double*>(nullptr));
-    for_each_slot(m, d, [&](Slot<double>& s, Index k) {
+    for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index k) {
       const bool box = one_sided(s.c.type);
       if (s.c.type == DYN_CONSTRAINT_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = limit_rate(s, v);
       if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = -h * s.c.force, s.upper[0] = h * s.c.force, s.error[0] = 0;
@@ -78,7 +78,7 @@ struct Finder {
       const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], near = w.closed > 0 ? reached : limit_reach * unit_of(m, w, r), reach = 3 * h * std::abs(v[r.dof]) + near;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
       if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) continue;
-      Slot<double>& s = next();
+      ConstraintInstance<double>& s = next();
       s.c = Constraint{};
       s.c.type = DYN_CONSTRAINT_LIMIT, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q;
       s.rows = 1;
@@ -90,7 +90,7 @@ struct Finder {
   void ball(const LimitRecord& r, double near) {
     const BallGap x = ball_gap(m, d, r, v);
     if (x.gap > 3 * h * ball_speed(r, v) + near || !(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) return;
-    Slot<double>& s = next();
+    ConstraintInstance<double>& s = next();
     s.c = Constraint{};
     s.c.type = DYN_CONSTRAINT_LIMIT, s.c.joint_type = DYN_JOINT_SPHERICAL, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q, s.c.axis = -x.axis;
     s.rows = 1, s.g1 = 1, s.g2 = 0;
@@ -102,7 +102,7 @@ struct Finder {
     if (m.n.contacts == 0) return;
     find_contacts(m, d, h, between);
     for (Index k = 0; k < w.contact_count; ++k) {
-      Slot<double>& s = next();
+      ConstraintInstance<double>& s = next();
       meet_contact(m, d, k, h, s);
       append_next(RowKind::Contact, k);
     }
@@ -120,7 +120,7 @@ BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, co
   return {most - 2 * math::atan2(size, std::abs(w)), size > 0 ? u * ((w < 0 ? -1 : 1) / size) : speed > 0 ? turning * (1 / speed) : u};
 }
 
-double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const double* v) {
+double closing(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v) {
   if (x.kind == RowKind::Box) return -limit_rate(*x.s, v);
   const dynContact& c = d.step->contacts[x.index].contact;
   const auto speed = [&](Index body) { return dot(load3(c.normal), velocity_at(d, body, load3(c.position), body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V)); };
@@ -130,8 +130,8 @@ double closing(const Model& m, const Data<double>& d, const ActiveSlot& x, const
 void note_passed(const Model& m, Data<double>& d, const double* dq, double closed) {
   Workspace& w = *d.step;
   const double *const moved = d.expand(m, dq, d.ax), *const v = d.expand(m, static_cast<const double*>(d.v), d.vx);
-  for (Index k = 0; k < w.slot_count; ++k) {
-    const ActiveSlot& x = w.active[k];
+  for (Index k = 0; k < w.constraint_count; ++k) {
+    const ActiveConstraint& x = w.active[k];
     const double gap = gap_of(w, x) - closed;
     if (x.kind == RowKind::Equality || gap <= 0 || (x.kind == RowKind::Contact && presses(w.contacts[x.index]))) continue;
     const double passed = closing(m, d, x, moved) - gap;
@@ -139,7 +139,7 @@ void note_passed(const Model& m, Data<double>& d, const double* dq, double close
   }
 }
 
-Index find_slots(const Model& m, Data<double>& d, const double* v_free, double h) {
+Index find_constraints(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);
   const bool some_sleep = d.step->sleep.some;  // then of clearance nothing is known
   if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_far(m, d, v, h)) return note_clearance(m, d, v, h, shape::infinity), 0;

@@ -18,7 +18,7 @@ TEST(Second, NeverBeatsOurDepth) {
         SCOPED_TRACE(testing::Message() << name_of(Type(a)) << ' ' << name_of(Type(b)) << ' ' << i);
         const Scene s = scene(Type(a), Type(b), i % 2 ? Case::Random : Case::Deep, std::uint64_t(i));
         const Result r = query(s);
-        collision::SecondAnswer found;
+        collision::FallbackResult found;
         const bool overlaps = collision::ccd_overlap(s.a.shape, s.A, s.b.shape, s.B, 1e-6, found);
         if (std::abs(r.distance) > 1e-3 * smaller(s)) {
           EXPECT_EQ(r.distance < 0, overlaps) << r.distance;
@@ -54,11 +54,11 @@ TEST(Second, AskedFirstItsAnswerHolds) {
 }
 
 // What fails is handed on.
-bool stubborn(const Shape&, const Pose&, const Shape&, const Pose&, double, collision::SecondAnswer& out) {
+bool stubborn(const Shape&, const Pose&, const Shape&, const Pose&, double, collision::FallbackResult& out) {
   out = {shape::axis(0), Vec::make(0.95, 0, 0), 0.1};
   return true;
 }
-bool liar(const Shape&, const Pose&, const Shape&, const Pose&, double, collision::SecondAnswer& out) {
+bool liar(const Shape&, const Pose&, const Shape&, const Pose&, double, collision::FallbackResult& out) {
   out = {shape::axis(0), Vec::make(0.5, 0, 0), 0.9};
   return true;
 }

@@ -7,13 +7,13 @@
 namespace dyn::collision {
 
 // An overlap as another engine sees it: moved by depth along the normal, B just touches A at the position. In the world.
-struct SecondAnswer {
+struct FallbackResult {
   shape::Vec normal, position;
   double depth;
 };
 
 // false: it finds no overlap, or nothing at all
 using SecondMethod = bool (*)(const shape::Shape& a, const shape::Pose& X_WA, const shape::Shape& b, const shape::Pose& X_WB, double tolerance,
-                              SecondAnswer& out);
+                              FallbackResult& out);
 
 }  // namespace dyn::collision
