@@ -4,7 +4,7 @@
     DYN_LIBRARY=build/release/lib python3 bench/contact_solvers.py [--repeat N] [--markdown]
 
 Every problem is a Delassus matrix, a free velocity and coefficients of friction. The residual is the same function for all
-(dyn_contact_residuals: relative, independent of units); each solver is run for tolerances 1e-4 to 1e-10 and the time of the first
+(dyn_contact_solver_residuals: relative, independent of units); each solver is run for tolerances 1e-4 to 1e-10 and the time of the first
 run that reaches a residual counts: the least of many runs, of the call alone (Pinocchio: its own timer in the solver; libdyn: the
 call with all its checks of inputs). Without the wheel pin libdyn's columns alone are printed.
 """
@@ -89,7 +89,7 @@ class Ours:
         self.options.tolerance, self.options.max_iterations = tolerance, iterations
         p, o, r, x = byref(self.problem.c), byref(self.options), byref(self.report), address(self.impulse)
         start = time.perf_counter()
-        lib.dyn_contact_solve(self.solver._s, p, o, x, None, r)
+        lib.dyn_contact_solver_solve(self.solver._s, p, o, x, None, r)
         return time.perf_counter() - start, self.impulse
 
 

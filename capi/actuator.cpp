@@ -43,46 +43,46 @@ void dyn_actuator_init(dynActuator* actuator, dynActuatorType type) {
   if (actuator) *actuator = simulation::default_actuator(type);
 }
 
-dynStatus dyn_builder_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint) {
+dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint) {
   if (const dynStatus s = check(builder)) return s;
-  if (const dynStatus s = check_size("dyn_builder_actuator", actuator)) return s;
+  if (const dynStatus s = check_size("dyn_builder_add_actuator", actuator)) return s;
   return with(builder, [&](Builder& b) { b.actuator(text(name), *actuator, text(joint)); });
 }
 
-dynStatus dyn_builder_gravity_compensation(dynBuilder* builder, const char* body, double share) {
+dynStatus dyn_builder_set_gravity_compensation(dynBuilder* builder, const char* body, double share) {
   return with(builder, [&](Builder& b) { b.gravity_compensation(text(body), share); });
 }
 
-dynStatus dyn_builder_medium(dynBuilder* builder, double density, double viscosity, const double wind[3]) {
+dynStatus dyn_builder_set_medium(dynBuilder* builder, double density, double viscosity, const double wind[3]) {
   const std::array<double, 3> still{};
   return with(builder, [&](Builder& b) { b.medium(density, viscosity, wind ? std::array<double, 3>{wind[0], wind[1], wind[2]} : still); });
 }
 
-dynStatus dyn_builder_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material) {
+dynStatus dyn_builder_add_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material) {
   return with(builder, [&](Builder& b) { b.pair(text(shape1), text(shape2), material); });
 }
 
-int dyn_nactuators(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.actuators) : -1; }
-int dyn_nu(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nu) : -1; }
+int dyn_model_nactuators(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.actuators) : -1; }
+int dyn_model_nu(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nu) : -1; }
 
-const char* dyn_actuator_name(const dynModel* model, int actuator) {
-  if (check(model) != DYN_OK || !exists("dyn_actuator_name", *model->m, actuator)) return nullptr;
+const char* dyn_model_actuator_name(const dynModel* model, int actuator) {
+  if (check(model) != DYN_OK || !exists("dyn_model_actuator_name", *model->m, actuator)) return nullptr;
   return model->m->string(model->m->actuators()[actuator].name);
 }
 
-int dyn_actuator_id(const dynModel* model, const char* name) {
+int dyn_model_actuator_id(const dynModel* model, const char* name) {
   if (check(model) != DYN_OK) return -1;
   const Model& m = *model->m;
   for (Index k = 0; name && k < m.n.actuators; ++k)
     if (std::strcmp(m.string(m.actuators()[k].name), name) == 0) return int(k);
-  fail(DYN_ERROR_NAME, "there is no actuator '%.200s': the model has %d, see dyn_actuator_name", name ? name : "(NULL)", int(m.n.actuators));
+  fail(DYN_ERROR_NAME, "there is no actuator '%.200s': the model has %d, see dyn_model_actuator_name", name ? name : "(NULL)", int(m.n.actuators));
   return -1;
 }
 
-dynStatus dyn_actuator_info(const dynModel* model, int actuator, dynActuator* out) {
+dynStatus dyn_model_actuator_info(const dynModel* model, int actuator, dynActuator* out) {
   if (const dynStatus s = check(model)) return s;
-  if (const dynStatus s = check_size("dyn_actuator_info", out)) return s;
-  if (!exists("dyn_actuator_info", *model->m, actuator)) return DYN_ERROR_ARGUMENT;
+  if (const dynStatus s = check_size("dyn_model_actuator_info", out)) return s;
+  if (!exists("dyn_model_actuator_info", *model->m, actuator)) return DYN_ERROR_ARGUMENT;
   *out = model->m->actuators()[actuator].spec;
   return DYN_OK;
 }
@@ -101,15 +101,15 @@ dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame,
     return call.status;
   const FrameRecord& f = call.m().frames()[frame];
   if (f.joint == 0) return fail(DYN_ERROR_ARGUMENT, "%s: frame '%s' does not move: name one that a joint carries", call.function, call.m().string(f.name));
-  if (reference == DYN_WORLD && point)
-    return fail(DYN_ERROR_ARGUMENT, "%s: a moment about the world's origin has no point on the body: pass NULL, or use DYN_LOCAL_WORLD_ALIGNED", call.function);
+  if (reference == DYN_REFERENCE_WORLD && point)
+    return fail(DYN_ERROR_ARGUMENT, "%s: a moment about the world's origin has no point on the body: pass NULL, or use DYN_REFERENCE_LOCAL_WORLD_ALIGNED", call.function);
   Data<double>& d = call.d();
   simulation::AppliedWrench<double>& held = d.wrenches[f.joint];
   const Force<double> w = load_force(wrench);
   const Vec3<double> at = point ? f.X.act(load3(point)) : f.X.p;
-  if (reference == DYN_LOCAL) {
+  if (reference == DYN_REFERENCE_LOCAL) {
     held.local = held.local + shifted({f.X.R * w.linear, f.X.R * w.angular}, at);
-  } else if (reference == DYN_LOCAL_WORLD_ALIGNED) {
+  } else if (reference == DYN_REFERENCE_LOCAL_WORLD_ALIGNED) {
     held.aligned = held.aligned + w;
     held.arm = held.arm + outer(at, w.linear);
   } else {

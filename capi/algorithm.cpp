@@ -209,9 +209,9 @@ dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data
   return call.status;
 }
 
-dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* com,
+dynStatus dyn_com(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* com,
                              double* vcom, double* acom) {
-  Call call(model, data, DYN_PART_COM, "dyn_center_of_mass");
+  Call call(model, data, DYN_PART_COM, "dyn_com");
   if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
   Data<double>& d = call.d();
   const int level = acom ? 2 : vcom ? (a ? 2 : 1) : level_of(call.m(), v, a);
@@ -223,8 +223,8 @@ dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const double*
   return DYN_OK;
 }
 
-dynStatus dyn_center_of_mass_jacobian(const dynModel* model, dynData* data, const double* q, double* Jcom) {
-  Call call(model, data, DYN_PART_COM, "dyn_center_of_mass_jacobian");
+dynStatus dyn_jcom(const dynModel* model, dynData* data, const double* q, double* Jcom) {
+  Call call(model, data, DYN_PART_COM, "dyn_jcom");
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   if (!d.fresh(Stage::Com) || !d.fresh(Stage::Position)) center_of_mass(call.m(), d, 0);
@@ -244,9 +244,9 @@ static bool weighable(Call& call, int joint) {
   return call.status == DYN_OK;
 }
 
-dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* data, int joint, double com[3], double* mass) {
-  Call call(model, data, DYN_PART_COM, "dyn_subtree_center_of_mass");
-  if (!call || !call.joint(joint) || !call.fresh(Stage::Com, "the centre of mass", "dyn_center_of_mass")) return call.status;
+dynStatus dyn_subtree_com(const dynModel* model, dynData* data, int joint, double com[3], double* mass) {
+  Call call(model, data, DYN_PART_COM, "dyn_subtree_com");
+  if (!call || !call.joint(joint) || !call.fresh(Stage::Com, "the centre of mass", "dyn_com")) return call.status;
   if (!weighable(call, joint)) return call.status;
   const Data<double>& d = call.d();
   const Index body = call.m().joints()[joint].first_body;
@@ -256,9 +256,9 @@ dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* data, int j
   return DYN_OK;
 }
 
-dynStatus dyn_subtree_center_of_mass_jacobian(const dynModel* model, dynData* data, int joint, double* J) {
-  Call call(model, data, DYN_PART_COM, "dyn_subtree_center_of_mass_jacobian");
-  if (!call || !call.joint(joint) || !call.required("J", J, call.m().n.nv) || !call.fresh(Stage::Com, "the centre of mass", "dyn_center_of_mass"))
+dynStatus dyn_subtree_jcom(const dynModel* model, dynData* data, int joint, double* J) {
+  Call call(model, data, DYN_PART_COM, "dyn_subtree_jcom");
+  if (!call || !call.joint(joint) || !call.required("J", J, call.m().n.nv) || !call.fresh(Stage::Com, "the centre of mass", "dyn_com"))
     return call.status;
   if (weighable(call, joint)) center_of_mass_jacobian(call.m(), call.d(), call.m().joints()[joint].first_body, J);
   return call.status;
@@ -271,15 +271,15 @@ dynStatus dyn_rnea(const dynModel* model, dynData* data, const double* q, const 
   return inverse(call, d.v, d.a, fext, d.tau, Stage::Tau, "tau", tau);
 }
 
-dynStatus dyn_nonlinear_effects(const dynModel* model, dynData* data, const double* q, const double* v, double* nle) {
-  Call call(model, data, DYN_PART_INVERSE, "dyn_nonlinear_effects");
+dynStatus dyn_nle(const dynModel* model, dynData* data, const double* q, const double* v, double* nle) {
+  Call call(model, data, DYN_PART_INVERSE, "dyn_nle");
   if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   return inverse(call, d.v, d.zero, none, d.nle, Stage::Nle, "nle", nle);
 }
 
-dynStatus dyn_gravity(const dynModel* model, dynData* data, const double* q, double* g) {
-  Call call(model, data, DYN_PART_INVERSE, "dyn_gravity");
+dynStatus dyn_gravity_torque(const dynModel* model, dynData* data, const double* q, double* g) {
+  Call call(model, data, DYN_PART_INVERSE, "dyn_gravity_torque");
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   return inverse(call, d.zero, d.zero, none, d.g, Stage::Gravity, "g", g);
@@ -306,8 +306,8 @@ dynStatus dyn_coriolis_matrix(const dynModel* model, dynData* data, const double
 dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext, double* ddq) {
   Call call(model, data, DYN_PART_FORWARD, "dyn_aba");
   if (!call || !check_fext(call, fext)) return call.status;
-  if (call.m().has_mimic && !call.d().has(DYN_PART_FACTOR))
-    return fail(DYN_ERROR_PART, "dyn_aba: the model has mimic joints, so that it needs part DYN_PART_FACTOR as well: name it in dyn_data_new");
+  if (call.m().has_mimic && !call.d().has(DYN_PART_CHOLESKY))
+    return fail(DYN_ERROR_PART, "dyn_aba: the model has mimic joints, so that it needs part DYN_PART_CHOLESKY as well: name it in dyn_data_new");
   if (!call.inputs(q, v, nullptr, tau)) return call.status;
   Data<double>& d = call.d();
   if (const Index joint = forward_dynamics(call.m(), d, d.v, d.tau_applied, fext, d.ddq)) return singular(call, joint, Stage::Ddq);
@@ -327,36 +327,36 @@ dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q, double
   return DYN_OK;
 }
 
-dynStatus dyn_factorize(const dynModel* model, dynData* data) {
-  Call call(model, data, DYN_PART_FACTOR, "dyn_factorize");
+dynStatus dyn_cholesky(const dynModel* model, dynData* data) {
+  Call call(model, data, DYN_PART_CHOLESKY, "dyn_cholesky");
   if (!call || !call.fresh(Stage::Mass, "M", "dyn_crba")) return call.status;
   return factor(call);
 }
 
-dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x) {
-  Call call(model, data, DYN_PART_FACTOR, "dyn_solve");
+dynStatus dyn_cholesky_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x) {
+  Call call(model, data, DYN_PART_CHOLESKY, "dyn_cholesky_solve");
   if (!call) return call.status;
   const Index numbers = nrhs == 0 ? 0 : call.m().n.nv;
   if (!call.required("b", b, numbers) || !call.required("x", x, numbers)) return call.status;
-  if (nrhs < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_solve: nrhs is %d: it can't be negative", nrhs);
+  if (nrhs < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_cholesky_solve: nrhs is %d: it can't be negative", nrhs);
   const std::ptrdiff_t nv = call.m().n.nv;
   for (int k = 0; k < nrhs; ++k)
     if (!call.finite("b", b + nv * k, Index(nv))) return call.status;
-  if (!call.fresh(Stage::Factor, "the factor of M", "dyn_factorize")) return call.status;
+  if (!call.fresh(Stage::Factor, "the factor of M", "dyn_cholesky")) return call.status;
   double* before = call.d().backup;  // this call replaces no input
   for (int k = 0; k < nrhs; ++k, b += nv, x += nv) {
     if (solve(call.m(), call.d(), b, x, before)) continue;
     const Index bad = finite_count(x, Index(nv));
     if (bad == nv) continue;
     copy_out(before, nv, x);
-    return fail(DYN_ERROR_NUMERIC, "dyn_solve: x[%d] of right-hand side %d overflows: b is too large for double precision; x is written before this one",
+    return fail(DYN_ERROR_NUMERIC, "dyn_cholesky_solve: x[%d] of right-hand side %d overflows: b is too large for double precision; x is written before this one",
                 int(bad), k);
   }
   return DYN_OK;
 }
 
-dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, double* Minv) {
-  Call call(model, data, DYN_PART_MINV, "dyn_minverse");
+dynStatus dyn_minv(const dynModel* model, dynData* data, const double* q, double* Minv) {
+  Call call(model, data, DYN_PART_MINV, "dyn_minv");
   if (!call || !call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   if (const Index failed = minverse(call.m(), d)) return singular(call, failed, Stage::Minv);
@@ -404,9 +404,9 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
     dynParts part;
     Stage stage;
   } needs[] = {{DYN_TERM_KINEMATICS, DYN_PART_KINEMATICS, Stage::Velocity}, {DYN_TERM_FRAMES, DYN_PART_FRAMES, Stage::Frames}, {DYN_TERM_JACOBIANS, DYN_PART_JACOBIANS, Stage::Jacobians},
-               {DYN_TERM_DJACOBIANS, DYN_PART_JACOBIANS, Stage::DJacobians}, {DYN_TERM_COM, DYN_PART_COM, Stage::Vcom}, {DYN_TERM_JCOM, DYN_PART_COM, Stage::Jcom},
-               {DYN_TERM_NLE, DYN_PART_INVERSE, Stage::Nle}, {DYN_TERM_GRAVITY, DYN_PART_INVERSE, Stage::Gravity}, {DYN_TERM_MASS, DYN_PART_MASS, Stage::Mass},
-               {DYN_TERM_FACTOR, DYN_PART_FACTOR, Stage::Factor}, {DYN_TERM_MINV, DYN_PART_MINV, Stage::Minv}, {DYN_TERM_CORIOLIS, DYN_PART_CORIOLIS, Stage::Coriolis},
+               {DYN_TERM_JACOBIANS_TIME_VARIATION, DYN_PART_JACOBIANS, Stage::DJacobians}, {DYN_TERM_COM, DYN_PART_COM, Stage::Vcom}, {DYN_TERM_JCOM, DYN_PART_COM, Stage::Jcom},
+               {DYN_TERM_NLE, DYN_PART_INVERSE, Stage::Nle}, {DYN_TERM_GRAVITY_TORQUE, DYN_PART_INVERSE, Stage::Gravity}, {DYN_TERM_MASS, DYN_PART_MASS, Stage::Mass},
+               {DYN_TERM_CHOLESKY, DYN_PART_CHOLESKY, Stage::Factor}, {DYN_TERM_MINV, DYN_PART_MINV, Stage::Minv}, {DYN_TERM_CORIOLIS, DYN_PART_CORIOLIS, Stage::Coriolis},
                {DYN_TERM_ENERGY, DYN_PART_ENERGY, Stage::Mechanical}};
   dynParts parts = 0;
   for (const auto& n : needs)
@@ -418,11 +418,11 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
   const Model& m = call.m();
   Data<double>& d = call.d();
   const std::ptrdiff_t nv = m.n.nv;
-  const bool velocities = mask & (DYN_TERM_KINEMATICS | DYN_TERM_DJACOBIANS | DYN_TERM_COM | DYN_TERM_CORIOLIS | DYN_TERM_ENERGY);
+  const bool velocities = mask & (DYN_TERM_KINEMATICS | DYN_TERM_JACOBIANS_TIME_VARIATION | DYN_TERM_COM | DYN_TERM_CORIOLIS | DYN_TERM_ENERGY);
   kinematics(m, d, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0);
   if (!no_overflow(call, velocities && d.has(DYN_PART_KINEMATICS) ? 1 : 0)) return call.status;
-  if (mask & DYN_TERM_JACOBIANS && !(mask & DYN_TERM_DJACOBIANS)) joint_jacobians(m, d);
-  if (mask & DYN_TERM_DJACOBIANS) {
+  if (mask & DYN_TERM_JACOBIANS && !(mask & DYN_TERM_JACOBIANS_TIME_VARIATION)) joint_jacobians(m, d);
+  if (mask & DYN_TERM_JACOBIANS_TIME_VARIATION) {
     joint_jacobians_time_variation(m, d);
     if (!call.numeric(d.dJ, Index(6 * nv), "dJ", Stage::DJacobians)) return call.status;
   }
@@ -436,16 +436,16 @@ dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, con
     if (!call.numeric(d.nle, m.n.nv, "nle", Stage::Nle)) return call.status;
     d.mark_fresh(Stage::Nle);
   }
-  if (mask & DYN_TERM_GRAVITY) {
+  if (mask & DYN_TERM_GRAVITY_TORQUE) {
     rigid_inverse_dynamics(m, d, d.zero, d.zero, none, d.g);
     if (!call.numeric(d.g, m.n.nv, "g", Stage::Gravity)) return call.status;
     d.mark_fresh(Stage::Gravity);
   }
-  if (mask & (DYN_TERM_MASS | DYN_TERM_FACTOR | DYN_TERM_MINV)) {
+  if (mask & (DYN_TERM_MASS | DYN_TERM_CHOLESKY | DYN_TERM_MINV)) {
     crba(m, d);
     if (!finite_mass(call)) return call.status;
   }
-  if (mask & (DYN_TERM_FACTOR | DYN_TERM_MINV) && factor(call) != DYN_OK) return call.status;
+  if (mask & (DYN_TERM_CHOLESKY | DYN_TERM_MINV) && factor(call) != DYN_OK) return call.status;
   if (mask & DYN_TERM_MINV) {
     if (const Index failed = minverse(m, d)) return singular(call, failed, Stage::Minv);
     if (!call.numeric(d.Minv, nv * nv, "Minv", Stage::Minv)) return call.status;

@@ -101,8 +101,8 @@ Batch::Batch(const dynModel* model, dynParts parts, int count)
     datas.emplace_back(data);
   }
   if (parts == 0 || (parts & DYN_PART_SIMULATION)) {
-    fresh.resize(dyn_state_size(model));
-    if (const dynStatus s = dyn_state_save(model, datas[0].get(), fresh.data(), fresh.size())) throw Error(s, dyn_last_error());
+    fresh.resize(dyn_model_state_size(model));
+    if (const dynStatus s = dyn_data_save_state(model, datas[0].get(), fresh.data(), fresh.size())) throw Error(s, dyn_last_error());
   }
 }
 
@@ -171,9 +171,9 @@ dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects) {
   return batch->b->set_effects(joint, effects);
 }
 
-static bool exists(dynBatchAlgorithm algorithm) { return raw(algorithm) >= 0 && raw(algorithm) < batch_algorithm_count; }
+static bool exists(dynAlgorithm algorithm) { return raw(algorithm) >= 0 && raw(algorithm) < batch_algorithm_count; }
 
-static dynStatus unknown(const char* function, dynBatchAlgorithm algorithm) {
+static dynStatus unknown(const char* function, dynAlgorithm algorithm) {
   return fail(DYN_ERROR_ARGUMENT, "%s: algorithm %d does not exist: use DYN_BATCH_... values", function, raw(algorithm));
 }
 
@@ -183,7 +183,7 @@ void dyn_batch_arrays_init(dynBatchArrays* arrays) {
   arrays->struct_size = sizeof(dynBatchArrays);
 }
 
-dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays) {
+dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays) {
   if (const dynStatus s = check(batch)) return s;
   if (!exists(algorithm)) return unknown("dyn_batch_run", algorithm);
   const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
@@ -201,13 +201,13 @@ dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n,
   return batch->b->run(row, n, *arrays);
 }
 
-dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dynBatchInfo* info) {
+dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynAlgorithmInfo* info) {
   if (model)
     if (const dynStatus s = check(model)) return s;
-  if (!exists(algorithm)) return unknown("dyn_batch_info", algorithm);
-  if (!info) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_info: info is NULL");
-  if (info->struct_size < sizeof(dynBatchInfo))
-    return fail(DYN_ERROR_SIZE, "dyn_batch_info: struct_size is %u, needs %zu: set it to sizeof(dynBatchInfo)", info->struct_size, sizeof(dynBatchInfo));
+  if (!exists(algorithm)) return unknown("dyn_algorithm_info", algorithm);
+  if (!info) return fail(DYN_ERROR_ARGUMENT, "dyn_algorithm_info: info is NULL");
+  if (info->struct_size < sizeof(dynAlgorithmInfo))
+    return fail(DYN_ERROR_SIZE, "dyn_algorithm_info: struct_size is %u, needs %zu: set it to sizeof(dynAlgorithmInfo)", info->struct_size, sizeof(dynAlgorithmInfo));
   const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
   const uint32_t size = info->struct_size;
   *info = {};

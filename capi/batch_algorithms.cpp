@@ -1,4 +1,4 @@
-// What a batch computes: one row for each value of dynBatchAlgorithm, in its order.
+// What a batch computes: one row for each value of dynAlgorithm, in its order.
 #include <cstring>
 
 #include "batch.hpp"
@@ -15,8 +15,8 @@ dynStatus then(dynStatus first, F second) {
 
 dynStatus solve_one(const dynModel* m, dynData* d, const dynBatchArrays& x) {
   dynStatus status = dyn_crba(m, d, x.q, nullptr);
-  if (status == DYN_OK) status = dyn_factorize(m, d);
-  return status == DYN_OK ? dyn_solve(m, d, x.b, 1, x.out[0]) : status;
+  if (status == DYN_OK) status = dyn_cholesky(m, d);
+  return status == DYN_OK ? dyn_cholesky_solve(m, d, x.b, 1, x.out[0]) : status;
 }
 
 dynStatus step_one(const dynModel* m, dynData* d, const dynBatchArrays& x) {
@@ -56,31 +56,31 @@ const BatchAlgorithm batch_algorithms[batch_algorithm_count] = {
      AFTER_KINEMATICS(x.q, nullptr, nullptr, dyn_frame_jacobian(m, d, x.frame, x.reference, x.out[0]))},
     {"frame_jacobian_time_variation", "frame reference q v", {OUT(dJ, 6, NV)},
      AFTER_KINEMATICS(x.q, x.v, nullptr, dyn_frame_jacobian_time_variation(m, d, x.frame, x.reference, x.out[0]))},
-    {"center_of_mass", "q v a", {OUT(com, 3, 1), OUT(vcom, 3, 1), OUT(acom, 3, 1)},
+    {"com", "q v a", {OUT(com, 3, 1), OUT(vcom, 3, 1), OUT(acom, 3, 1)},
      CALL {
        const bool moving = x.out[1] || x.out[2];
-       return dyn_center_of_mass(m, d, x.q, moving ? x.v : nullptr, moving ? x.a : nullptr, x.out[0], x.out[1], x.out[2]);
+       return dyn_com(m, d, x.q, moving ? x.v : nullptr, moving ? x.a : nullptr, x.out[0], x.out[1], x.out[2]);
      }},
-    {"center_of_mass_jacobian", "q", {OUT(Jcom, 3, NV)}, CALL { return dyn_center_of_mass_jacobian(m, d, x.q, x.out[0]); }},
-    {"subtree_center_of_mass", "joint q", {OUT(com, 3, 1), OUT(mass, 1, 1)},
+    {"jcom", "q", {OUT(Jcom, 3, NV)}, CALL { return dyn_jcom(m, d, x.q, x.out[0]); }},
+    {"subtree_com", "joint q", {OUT(com, 3, 1), OUT(mass, 1, 1)},
      CALL {
-       return then(dyn_center_of_mass(m, d, x.q, nullptr, nullptr, nullptr, nullptr, nullptr),
-                   [&] { return dyn_subtree_center_of_mass(m, d, x.joint, x.out[0], x.out[1]); });
+       return then(dyn_com(m, d, x.q, nullptr, nullptr, nullptr, nullptr, nullptr),
+                   [&] { return dyn_subtree_com(m, d, x.joint, x.out[0], x.out[1]); });
      }},
-    {"subtree_center_of_mass_jacobian", "joint q", {OUT(J, 3, NV)},
+    {"subtree_jcom", "joint q", {OUT(J, 3, NV)},
      CALL {
-       return then(dyn_center_of_mass(m, d, x.q, nullptr, nullptr, nullptr, nullptr, nullptr),
-                   [&] { return dyn_subtree_center_of_mass_jacobian(m, d, x.joint, x.out[0]); });
+       return then(dyn_com(m, d, x.q, nullptr, nullptr, nullptr, nullptr, nullptr),
+                   [&] { return dyn_subtree_jcom(m, d, x.joint, x.out[0]); });
      }},
     {"rnea", "q v a fext", {OUT(tau, NV, 1)}, CALL { return dyn_rnea(m, d, x.q, x.v, x.a, x.fext, x.out[0]); }},
-    {"nonlinear_effects", "q v", {OUT(nle, NV, 1)}, CALL { return dyn_nonlinear_effects(m, d, x.q, x.v, x.out[0]); }},
-    {"gravity", "q", {OUT(g, NV, 1)}, CALL { return dyn_gravity(m, d, x.q, x.out[0]); }},
+    {"nle", "q v", {OUT(nle, NV, 1)}, CALL { return dyn_nle(m, d, x.q, x.v, x.out[0]); }},
+    {"gravity_torque", "q", {OUT(g, NV, 1)}, CALL { return dyn_gravity_torque(m, d, x.q, x.out[0]); }},
     {"static_torque", "q fext", {OUT(tau, NV, 1)}, CALL { return dyn_static_torque(m, d, x.q, x.fext, x.out[0]); }},
     {"coriolis_matrix", "q v", {OUT(C, NV, NV)}, CALL { return dyn_coriolis_matrix(m, d, x.q, x.v, x.out[0]); }},
     {"aba", "q v tau fext", {OUT(ddq, NV, 1)}, CALL { return dyn_aba(m, d, x.q, x.v, x.tau, x.fext, x.out[0]); }},
     {"crba", "q", {OUT(M, NV, NV)}, CALL { return dyn_crba(m, d, x.q, x.out[0]); }},
-    {"solve", "q b", {OUT(x, NV, 1)}, solve_one},
-    {"minverse", "q", {OUT(Minv, NV, NV)}, CALL { return dyn_minverse(m, d, x.q, x.out[0]); }},
+    {"cholesky_solve", "q b", {OUT(x, NV, 1)}, solve_one},
+    {"minv", "q", {OUT(Minv, NV, NV)}, CALL { return dyn_minv(m, d, x.q, x.out[0]); }},
     {"rnea_derivatives", "q v a fext", {OUT(dtau_dq, NV, NV), OUT(dtau_dv, NV, NV)},
      CALL { return dyn_rnea_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1]); }},
     {"aba_derivatives", "q v tau fext", {OUT(ddq_dq, NV, NV), OUT(ddq_dv, NV, NV), OUT(ddq_dtau, NV, NV)},
@@ -93,8 +93,8 @@ const BatchAlgorithm batch_algorithms[batch_algorithm_count] = {
     {"centroidal_map_time_variation", "q v", {OUT(dAg, 6, NV)},
      CALL { return dyn_centroidal_map_time_variation(m, d, x.q, x.v, x.out[0]); }},
     {"centroidal_momentum", "q v", {OUT(hg, 6, 1)}, CALL { return dyn_centroidal_momentum(m, d, x.q, x.v, x.out[0]); }},
-    {"centroidal_momentum_rate", "q v a", {OUT(dhg, 6, 1)},
-     CALL { return dyn_centroidal_momentum_rate(m, d, x.q, x.v, x.a, x.out[0]); }},
+    {"centroidal_momentum_time_variation", "q v a", {OUT(dhg, 6, 1)},
+     CALL { return dyn_centroidal_momentum_time_variation(m, d, x.q, x.v, x.a, x.out[0]); }},
     {"centroidal_derivatives", "q v a", {OUT(dh_dq, 6, NV), OUT(dhdot_dq, 6, NV), OUT(dhdot_dv, 6, NV), OUT(dhdot_da, 6, NV)},
      CALL { return dyn_centroidal_derivatives(m, d, x.q, x.v, x.a, x.out[0], x.out[1], x.out[2], x.out[3]); }},
     {"joint_torque_regressor", "q v a", {OUT(Y, NV, s.nparameters)},
@@ -109,11 +109,11 @@ const BatchAlgorithm batch_algorithms[batch_algorithm_count] = {
     {"frame_body_regressor", "frame q v a", {OUT(Y, 6, 10)},
      AFTER_KINEMATICS(x.q, x.v, x.a, dyn_frame_body_regressor(m, d, x.frame, x.out[0]))},
     {"integrate", "q v", {OUT(out, s.nq, 1)}, CALL { return (void)d, dyn_integrate(m, x.q, x.v, x.out[0]); }},
-    {"gravity_derivatives", "q", {OUT(dg_dq, NV, NV)}, CALL { return dyn_gravity_derivatives(m, d, x.q, x.out[0]); }},
+    {"gravity_torque_derivatives", "q", {OUT(dg_dq, NV, NV)}, CALL { return dyn_gravity_torque_derivatives(m, d, x.q, x.out[0]); }},
     {"static_torque_derivatives", "q fext", {OUT(dstatic_torque_dq, NV, NV)},
      CALL { return dyn_static_torque_derivatives(m, d, x.q, x.fext, x.out[0]); }},
-    {"center_of_mass_velocity_derivatives", "q v", {OUT(dvcom_dq, 3, NV), OUT(dvcom_dv, 3, NV)},
-     CALL { return dyn_center_of_mass_velocity_derivatives(m, d, x.q, x.v, x.out[0], x.out[1]); }},
+    {"vcom_derivatives", "q v", {OUT(dvcom_dq, 3, NV), OUT(dvcom_dv, 3, NV)},
+     CALL { return dyn_vcom_derivatives(m, d, x.q, x.v, x.out[0], x.out[1]); }},
     {"frame_velocity_derivatives", "frame reference q v", {OUT(dv_dq, 6, NV), OUT(dv_dv, 6, NV)},
      AFTER_KINEMATICS(x.q, x.v, nullptr, dyn_frame_velocity_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1]))},
     {"frame_acceleration_derivatives", "frame reference q v a", {OUT(da_dq, 6, NV), OUT(da_dv, 6, NV), OUT(da_da, 6, NV)},

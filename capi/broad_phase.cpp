@@ -137,16 +137,16 @@ dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double* lower,
   return DYN_OK;
 }
 
-dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double* origin, const double* direction, double far, int* ids, int capacity, int* count) {
+dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double* origin, const double* direction, double max_t, int* ids, int capacity, int* count) {
   constexpr const char* function = "dyn_broad_phase_ray";
   if (const dynStatus s = check(broad_phase)) return s;
   if (!origin || !direction) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, origin ? "direction" : "origin");
   for (int i = 0; i < 3; ++i)
     if (!std::isfinite(origin[i]) || !std::isfinite(direction[i])) return fail(DYN_ERROR_NONFINITE, "%s: origin or direction has no finite component %d", function, i);
-  if (!(far >= 0)) return fail(std::isnan(far) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "%s: far is %g: give a number from 0", function, far);
+  if (!(max_t >= 0)) return fail(std::isnan(max_t) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "%s: max_t is %g: give a number from 0", function, max_t);
   if (const dynStatus s = check_ids(function, ids, capacity, count)) return s;
   Ids found{ids, capacity};
-  broad_phase->b->ray(load3(origin), load3(direction), far, [&](Index id) { found(id); });
+  broad_phase->b->ray(load3(origin), load3(direction), max_t, [&](Index id) { found(id); });
   found.finish(count);
   return DYN_OK;
 }

@@ -19,7 +19,7 @@ void check_size(const dynJointSpec& s) {
 JointSpec read_spec(const dynJointSpec& s, int depth) {
   check_size(s);
   if (depth > 16) throw Error(DYN_ERROR_LIMIT, "dynJointSpec: composites more than 16 deep");
-  if (raw(s.type) < DYN_JOINT_FIXED || raw(s.type) > DYN_JOINT_REVOLUTE_UNBOUNDED)
+  if (raw(s.type) < DYN_JOINT_TYPE_FIXED || raw(s.type) > DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED)
     throw Error(DYN_ERROR_ARGUMENT, "dynJointSpec: type is " + std::to_string(raw(s.type)) + ": use a dynJointType");
   JointSpec out;
   if (s.name) out.name = s.name;
@@ -31,9 +31,9 @@ JointSpec read_spec(const dynJointSpec& s, int depth) {
   out.pitch = s.pitch;
   if (s.parts_count && !s.parts) throw Error(DYN_ERROR_ARGUMENT, "dynJointSpec: parts is NULL but parts_count is not 0");
   if (s.parts_count > 1000) throw Error(DYN_ERROR_LIMIT, "dynJointSpec: more than 1000 parts");
-  if (s.type != DYN_JOINT_COMPOSITE && (s.parts || s.parts_count))
+  if (s.type != DYN_JOINT_TYPE_COMPOSITE && (s.parts || s.parts_count))
     throw Error(DYN_ERROR_ARGUMENT, "joint '" + out.name + "': parts are given, but its type is " + joint_type_name(s.type) +
-                                        ": use DYN_JOINT_COMPOSITE, or leave parts NULL");
+                                        ": use DYN_JOINT_TYPE_COMPOSITE, or leave parts NULL");
   for (size_t k = 0; k < s.parts_count; ++k) out.parts.push_back(read_spec(s.parts[k], depth + 1));
   return out;
 }
@@ -88,7 +88,7 @@ void dyn_joint_spec_init(dynJointSpec* spec) {
   if (!spec) return;
   std::memset(spec, 0, sizeof *spec);
   spec->struct_size = sizeof *spec;
-  spec->type = DYN_JOINT_REVOLUTE;
+  spec->type = DYN_JOINT_TYPE_REVOLUTE;
   spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
   spec->axis[2] = spec->axis2[0] = 1;
   spec->gear_ratio = spec->mimic_ratio = 1;
@@ -112,19 +112,19 @@ void dyn_builder_free(dynBuilder* builder) {
   free_handle(builder);
 }
 
-dynStatus dyn_builder_gravity(dynBuilder* builder, const double gravity[3]) {
-  if (!gravity) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_gravity: gravity is NULL");
+dynStatus dyn_builder_set_gravity(dynBuilder* builder, const double gravity[3]) {
+  if (!gravity) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_set_gravity: gravity is NULL");
   return with(builder, [&](Builder& b) { b.gravity({gravity[0], gravity[1], gravity[2]}); });
 }
 
-dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* s) {
-  if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_joint: spec is NULL");
+dynStatus dyn_builder_add_joint(dynBuilder* builder, const dynJointSpec* s) {
+  if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_joint: spec is NULL");
   return with(builder, [&](Builder& b) { b.joint(read_joint(*s)); });
 }
 
-dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
+dynStatus dyn_builder_add_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
                            const double com[3], const double inertia[9]) {
-  if (!com || !inertia) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_body: %s is NULL", com ? "inertia" : "com");
+  if (!com || !inertia) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_body: %s is NULL", com ? "inertia" : "com");
   return with(builder, [&](Builder& b) {
     std::array<double, 9> I;
     std::copy(inertia, inertia + 9, I.begin());
@@ -133,7 +133,7 @@ dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* pa
   });
 }
 
-dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type) {
+dynStatus dyn_builder_add_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type) {
   return with(builder, [&](Builder& b) { b.frame(text(name), {text(parent), 0}, read_placement(placement), type); });
 }
 
@@ -141,24 +141,24 @@ void dyn_shape_spec_init(dynShapeSpec* spec) {
   if (!spec) return;
   std::memset(spec, 0, sizeof *spec);
   spec->struct_size = sizeof *spec;
-  spec->type = DYN_SHAPE_BOX, spec->role = DYN_ROLE_COLLISION;
+  spec->type = DYN_SHAPE_TYPE_BOX, spec->role = DYN_SHAPE_ROLE_COLLISION;
   spec->contype = spec->conaffinity = 1;
   spec->material = simulation::default_material();
   spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
 }
 
-dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* s) {
-  if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_shape: spec is NULL");
+dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* s) {
+  if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_shape: spec is NULL");
   if (s->struct_size < sizeof(dynShapeSpec))
-    return fail(DYN_ERROR_SIZE, "dyn_builder_shape: struct_size is %u, needs %zu: call dyn_shape_spec_init", s->struct_size, sizeof(dynShapeSpec));
+    return fail(DYN_ERROR_SIZE, "dyn_builder_add_shape: struct_size is %u, needs %zu: call dyn_shape_spec_init", s->struct_size, sizeof(dynShapeSpec));
   const struct {
     int value, last;
     const char* name;
-  } choices[] = {{raw(s->type), DYN_SHAPE_HEIGHT_FIELD, "type"}, {raw(s->role), DYN_ROLE_VISUAL, "role"}};
+  } choices[] = {{raw(s->type), DYN_SHAPE_TYPE_HEIGHT_FIELD, "type"}, {raw(s->role), DYN_SHAPE_ROLE_VISUAL, "role"}};
   for (const auto& c : choices)
-    if (c.value < 1 || c.value > c.last) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_shape: %s %d does not exist", c.name, c.value);
+    if (c.value < 1 || c.value > c.last) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_shape: %s %d does not exist", c.name, c.value);
   SurfacePtr surface;
-  if (const dynStatus status = surface_argument("dyn_builder_shape", "spec", s->type, s->surface, surface)) return status;
+  if (const dynStatus status = surface_argument("dyn_builder_add_shape", "spec", s->type, s->surface, surface)) return status;
   return with(builder, [&](Builder& b) {
     Shape shape{text(s->name), s->type, s->role, text(s->body), read_placement(s->placement), {}, text(s->mesh)};
     std::copy(s->size, s->size + 3, shape.size.begin());
@@ -168,14 +168,14 @@ dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* s) {
   });
 }
 
-dynStatus dyn_builder_shape_rgba(dynBuilder* builder, const double rgba[4]) {
+dynStatus dyn_builder_set_shape_rgba(dynBuilder* builder, const double rgba[4]) {
   for (int i = 0; i < 4; ++i)
-    if (!rgba || !(rgba[i] >= 0 && rgba[i] <= 1)) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_shape_rgba: rgba is not four numbers from 0 to 1");
+    if (!rgba || !(rgba[i] >= 0 && rgba[i] <= 1)) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_set_shape_rgba: rgba is not four numbers from 0 to 1");
   return with(builder, [&](Builder& b) { b.colour(packed_colour(rgba)); });
 }
 
-dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq) {
-  if (!q && nq) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_configuration: q is NULL");
+dynStatus dyn_builder_add_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq) {
+  if (!q && nq) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_configuration: q is NULL");
   return with(builder, [&](Builder& b) { b.configuration(text(name), std::vector<double>(q, q + nq)); });
 }
 
@@ -195,13 +195,13 @@ dynStatus dyn_builder_attach(dynBuilder* builder, const dynModel* model, const c
   });
 }
 
-dynStatus dyn_builder_subtree(dynBuilder* builder, const char* joint) {
-  if (!joint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_subtree: joint is NULL");
+dynStatus dyn_builder_keep_subtree(dynBuilder* builder, const char* joint) {
+  if (!joint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_keep_subtree: joint is NULL");
   return with(builder, [&](Builder& b) { b.subtree(joint); });
 }
 
-dynStatus dyn_builder_remove(dynBuilder* builder, const char* joint) {
-  if (!joint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_remove: joint is NULL");
+dynStatus dyn_builder_remove_subtree(dynBuilder* builder, const char* joint) {
+  if (!joint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_remove_subtree: joint is NULL");
   return with(builder, [&](Builder& b) { b.remove(joint); });
 }
 

@@ -43,8 +43,8 @@ dynStatus dyn_centroidal_momentum(const dynModel* model, dynData* data, const do
   return call.status;
 }
 
-dynStatus dyn_centroidal_momentum_rate(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double dhg[6]) {
-  Call call(model, data, DYN_PART_CENTROIDAL, "dyn_centroidal_momentum_rate");
+dynStatus dyn_centroidal_momentum_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double dhg[6]) {
+  Call call(model, data, DYN_PART_CENTROIDAL, "dyn_centroidal_momentum_time_variation");
   if (!call || !call.inputs(q, v, a, nullptr)) return call.status;
   centroidal_momentum<true>(call.m(), call.d());
   if (!call.numeric(call.d().hg, 6, "hg", Stage::CentroidalMomentum) || !call.numeric(call.d().dhg, 6, "dhg", Stage::CentroidalMomentumRate))

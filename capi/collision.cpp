@@ -14,7 +14,7 @@ namespace dyn::capi {
 
 void fill(const collision::Result& r, dynDistance* out) {
   out->status = dynDistanceStatus(r.status), out->unique = r.unique, out->iterations = r.iterations;
-  out->method = r.second ? DYN_METHOD_CCD : DYN_METHOD_GJK;
+  out->method = r.second ? DYN_DISTANCE_METHOD_CCD : DYN_DISTANCE_METHOD_GJK;
   out->distance = r.distance, out->residual = r.residual;
   store3(r.normal, out->normal), store3(r.point_a, out->point_a), store3(r.point_b, out->point_b);
 }
@@ -24,7 +24,7 @@ dynStatus read_geometry(const char* function, const char* name, const dynGeometr
   if (!g) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   if (g->struct_size < sizeof(dynGeometry))
     return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: call dyn_geometry_init", function, name, g->struct_size, sizeof(dynGeometry));
-  if (g->type == DYN_SHAPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a mesh, a name alone: use DYN_SHAPE_CONVEX or DYN_SHAPE_TRIANGLES with a dynMesh", function, name);
+  if (g->type == DYN_SHAPE_TYPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a mesh, a name alone: use DYN_SHAPE_TYPE_CONVEX or DYN_SHAPE_TYPE_TRIANGLES with a dynMesh", function, name);
   if (!collision::geometry_of(g->type, g->size, g->radius, out))
     return fail(DYN_ERROR_ARGUMENT, "%s: %s: type %d does not exist: use DYN_SHAPE_... values", function, name, raw(g->type));
   for (int k = 0; k < collision::size_count(g->type); ++k)
@@ -102,11 +102,11 @@ dynStatus read_tolerance(const char* function, double tolerance, collision::Opti
 dynStatus read_options(const char* function, const dynDistanceOptions& given, collision::Options& out) {
   if (given.struct_size < sizeof given)
     return fail(DYN_ERROR_SIZE, "%s: options: struct_size is %u, needs %zu: call dyn_distance_options_init", function, given.struct_size, sizeof given);
-  if (given.method != DYN_METHOD_GJK && given.method != DYN_METHOD_CCD)
+  if (given.method != DYN_DISTANCE_METHOD_GJK && given.method != DYN_DISTANCE_METHOD_CCD)
     return fail(DYN_ERROR_ARGUMENT, "%s: options: method %d does not exist: use DYN_METHOD_... values", function, raw(given.method));
-  if (given.method == DYN_METHOD_CCD && !collision::ccd_available())
+  if (given.method == DYN_DISTANCE_METHOD_CCD && !collision::ccd_available())
     return fail(DYN_ERROR_UNSUPPORTED, "%s: method CCD needs libccd.so.2, which cannot be opened: install it (Debian: libccd2)", function);
-  out.second_first = given.method == DYN_METHOD_CCD;
+  out.second_first = given.method == DYN_DISTANCE_METHOD_CCD;
   return read_tolerance(function, given.tolerance, out);
 }
 
@@ -127,16 +127,16 @@ void dyn_geometry_init(dynGeometry* geometry) {
   if (!geometry) return;
   *geometry = {};
   geometry->struct_size = sizeof(dynGeometry);
-  geometry->type = DYN_SHAPE_SPHERE;
+  geometry->type = DYN_SHAPE_TYPE_SPHERE;
 }
 
 void dyn_distance_options_init(dynDistanceOptions* options) {
-  if (options) *options = {sizeof(dynDistanceOptions), DYN_METHOD_GJK, collision::Options().tolerance};
+  if (options) *options = {sizeof(dynDistanceOptions), DYN_DISTANCE_METHOD_GJK, collision::Options().tolerance};
 }
 
-dynStatus dyn_shape_distance(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
+dynStatus dyn_geometry_distance(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b,
                              const dynDistanceOptions* options, dynDistance* out) {
-  constexpr const char* function = "dyn_shape_distance";
+  constexpr const char* function = "dyn_geometry_distance";
   PlacedShape A, B;
   collision::Options inner;
   dynStatus s = read_pair(function, a, placement_a, b, placement_b, A, B);
@@ -149,12 +149,12 @@ dynStatus dyn_shape_distance(const dynGeometry* a, const double* placement_a, co
   return DYN_OK;
 }
 
-int dyn_npairs(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.pairs) : -1; }
+int dyn_model_npairs(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.pairs) : -1; }
 
-dynStatus dyn_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, dynPairReason* reason) {
+dynStatus dyn_model_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, dynPairReason* reason) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_pair("dyn_pair", m, pair)) return s;
+  if (const dynStatus s = check_pair("dyn_model_pair", m, pair)) return s;
   const PairRecord& p = m.pairs()[pair];
   if (shape_a) *shape_a = int(m.geoms()[p.a].shape);
   if (shape_b) *shape_b = int(m.geoms()[p.b].shape);
@@ -167,12 +167,12 @@ dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int 
   if (!call) return call.status;
   const Model& m = call.m();
   if (const dynStatus s = check_pair(call.function, m, pair, -1)) return s;
-  if (pair >= 0 && tested && m.pairs()[pair].reason == DYN_PAIR_MESH)
+  if (pair >= 0 && tested && m.pairs()[pair].reason == DYN_PAIR_REASON_MESH)
     return fail(DYN_ERROR_UNSUPPORTED, "dyn_data_set_pair: pair %d has a mesh, of which only the name is known", pair);
   if (pair < 0 && !listed(call)) return call.status;
   for (Index k = pair < 0 ? 0 : pair, end = pair < 0 ? m.n.pairs : pair + 1; k < end; ++k) {
     const auto before = dynPairReason(m.pairs()[k].reason);
-    if (before != DYN_PAIR_MESH) call.d().pair_states[k] = tested ? DYN_PAIR_TESTED : before == DYN_PAIR_TESTED ? DYN_PAIR_OFF : before;
+    if (before != DYN_PAIR_REASON_MESH) call.d().pair_states[k] = tested ? DYN_PAIR_REASON_TESTED : before == DYN_PAIR_REASON_TESTED ? DYN_PAIR_REASON_OFF : before;
   }
   call.d().invalidate(Stage::Distances);
   simulation::disturb(call.d());
@@ -204,7 +204,7 @@ dynStatus dyn_pair_distance(const dynModel* model, dynData* data, int pair, dynD
   if (const dynStatus s = check_pair(call.function, call.m(), pair)) return s;
   if (const dynStatus s = check_out(call.function, "dynDistance", out)) return s;
   if (!call.fresh(Stage::Distances, "the distance", "dyn_distances")) return call.status;
-  if (call.d().pair_states[pair] != DYN_PAIR_TESTED)
+  if (call.d().pair_states[pair] != DYN_PAIR_REASON_TESTED)
     return fail(DYN_ERROR_ARGUMENT, "dyn_pair_distance: pair %d is not tested: dyn_data_pair says why, dyn_data_set_pair switches it on", pair);
   fill(call.d().results[pair], out);
   return DYN_OK;

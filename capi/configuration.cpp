@@ -96,48 +96,48 @@ dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double*
   return c.status;
 }
 
-dynStatus dyn_distance(const dynModel* model, const double* q0, const double* q1, double* result) {
-  Check c(model, "dyn_distance");
+dynStatus dyn_configuration_distance(const dynModel* model, const double* q0, const double* q1, double* result) {
+  Check c(model, "dyn_configuration_distance");
   if (!c.q("q0", q0).q("q1", q1).output(result)) return c.status;
   const double d = distance(*c.m, q0, q1);
-  if (!std::isfinite(d)) return fail(DYN_ERROR_NUMERIC, "dyn_distance: the distance overflows: the inputs are too large for double precision");
+  if (!std::isfinite(d)) return fail(DYN_ERROR_NUMERIC, "dyn_configuration_distance: the distance overflows: the inputs are too large for double precision");
   *result = d;
   return DYN_OK;
 }
 
-dynStatus dyn_neutral(const dynModel* model, double* q) {
-  Check c(model, "dyn_neutral");
+dynStatus dyn_configuration_neutral(const dynModel* model, double* q) {
+  Check c(model, "dyn_configuration_neutral");
   if (c.output(q, c.nq())) copy_out(c.m->neutral(), c.m->n.nq, q);
   return c.status;
 }
 
-dynStatus dyn_random(const dynModel* model, uint64_t seed, const double* lower, const double* upper, double* q) {
-  Check c(model, "dyn_random");
+dynStatus dyn_configuration_random(const dynModel* model, uint64_t seed, const double* lower, const double* upper, double* q) {
+  Check c(model, "dyn_configuration_random");
   if (!c.output(q, c.nq())) return c.status;
   const double* low = lower ? lower : c.m->lower_limit();
   const double* high = upper ? upper : c.m->upper_limit();
   for (Index k = 0; k < c.m->n.nq; ++k) {
     if (std::isnan(low[k]) || std::isnan(high[k]))
-      return fail(DYN_ERROR_NONFINITE, "dyn_random: %s[%d] is NaN: give a number, or an infinity for no bound", std::isnan(low[k]) ? "lower" : "upper", int(k));
+      return fail(DYN_ERROR_NONFINITE, "dyn_configuration_random: %s[%d] is NaN: give a number, or an infinity for no bound", std::isnan(low[k]) ? "lower" : "upper", int(k));
     if (low[k] > std::numeric_limits<double>::max() || high[k] < std::numeric_limits<double>::lowest())
-      return fail(DYN_ERROR_INVALID, "dyn_random: nothing lies between lower[%d] = %g and upper[%d] = %g: give a bound that numbers can meet", int(k),
+      return fail(DYN_ERROR_INVALID, "dyn_configuration_random: nothing lies between lower[%d] = %g and upper[%d] = %g: give a bound that numbers can meet", int(k),
                   low[k], int(k), high[k]);
-    if (low[k] > high[k]) return fail(DYN_ERROR_INVALID, "dyn_random: lower[%d] = %g exceeds upper[%d] = %g: exchange them", int(k), low[k], int(k), high[k]);
+    if (low[k] > high[k]) return fail(DYN_ERROR_INVALID, "dyn_configuration_random: lower[%d] = %g exceeds upper[%d] = %g: exchange them", int(k), low[k], int(k), high[k]);
   }
   random_configuration(*c.m, seed, low, high, q);
   return DYN_OK;
 }
 
-dynStatus dyn_normalize(const dynModel* model, double* q) {
-  Check c(model, "dyn_normalize");
+dynStatus dyn_configuration_normalize(const dynModel* model, double* q) {
+  Check c(model, "dyn_configuration_normalize");
   if (c.q("q", q)) normalize(*c.m, q);
   return c.status;
 }
 
-dynStatus dyn_is_normalized(const dynModel* model, const double* q, double tolerance, int* normalized) {
-  Check c(model, "dyn_is_normalized");
+dynStatus dyn_configuration_is_normalized(const dynModel* model, const double* q, double tolerance, int* normalized) {
+  Check c(model, "dyn_configuration_is_normalized");
   if (!c.vector("q", q, c.m ? c.m->n.nq : 0).output(normalized)) return c.status;
-  if (!(tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_is_normalized: tolerance is %g: it can't be negative or NaN", tolerance);
+  if (!(tolerance >= 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_configuration_is_normalized: tolerance is %g: it can't be negative or NaN", tolerance);
   *normalized = norm_error(*c.m, q) <= tolerance;
   return DYN_OK;
 }

@@ -13,17 +13,17 @@ void dyn_constraint_init(dynConstraint* constraint, dynConstraintType type) {
   if (constraint) *constraint = default_constraint(type);
 }
 
-dynStatus dyn_builder_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second) {
+dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second) {
   if (const dynStatus s = check(builder)) return s;
-  if (!constraint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_constraint: constraint is NULL");
-  if (const dynStatus s = sized("dyn_builder_constraint", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
+  if (!constraint) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_constraint: constraint is NULL");
+  if (const dynStatus s = sized("dyn_builder_add_constraint", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
   return guarded([&] {
     builder->b->constraint(name ? name : "", *constraint, {first ? first : "", 0}, {second ? second : "", 0});
     return DYN_OK;
   });
 }
 
-dynStatus dyn_builder_constraint_slots(dynBuilder* builder, int slots) {
+dynStatus dyn_builder_set_constraint_slots(dynBuilder* builder, int slots) {
   if (const dynStatus s = check(builder)) return s;
   return guarded([&] {
     builder->b->constraint_slots(slots);
@@ -31,7 +31,7 @@ dynStatus dyn_builder_constraint_slots(dynBuilder* builder, int slots) {
   });
 }
 
-dynStatus dyn_builder_contact_capacity(dynBuilder* builder, int contacts) {
+dynStatus dyn_builder_set_contact_capacity(dynBuilder* builder, int contacts) {
   if (const dynStatus s = check(builder)) return s;
   return guarded([&] {
     builder->b->contact_capacity(contacts);
@@ -39,53 +39,53 @@ dynStatus dyn_builder_contact_capacity(dynBuilder* builder, int contacts) {
   });
 }
 
-int dyn_contact_capacity(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.contacts) : -1; }
-int dyn_nconstraints(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.constraints) : -1; }
-int dyn_nconstraint_slots(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.slots) : -1; }
+int dyn_model_contact_capacity(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.contacts) : -1; }
+int dyn_model_nconstraints(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.constraints) : -1; }
+int dyn_model_nconstraint_slots(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.slots) : -1; }
 
-const char* dyn_constraint_name(const dynModel* model, int constraint) {
+const char* dyn_model_constraint_name(const dynModel* model, int constraint) {
   if (check(model) != DYN_OK) return nullptr;
   const Model& m = *model->m;
   if (constraint >= 0 && constraint < m.n.constraints) return m.string(m.constraints()[constraint].name);
-  fail(DYN_ERROR_ARGUMENT, "dyn_constraint_name: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
+  fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_name: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
   return nullptr;
 }
 
-int dyn_constraint_id(const dynModel* model, const char* name) {
+int dyn_model_constraint_id(const dynModel* model, const char* name) {
   if (check(model) != DYN_OK) return -1;
   const Model& m = *model->m;
   for (Index k = 0; name && k < m.n.constraints; ++k)
     if (std::strcmp(m.string(m.constraints()[k].name), name) == 0) return int(k);
-  fail(DYN_ERROR_NAME, "there is no constraint '%.200s': the model has %d, see dyn_constraint_name", name ? name : "(NULL)", int(m.n.constraints));
+  fail(DYN_ERROR_NAME, "there is no constraint '%.200s': the model has %d, see dyn_model_constraint_name", name ? name : "(NULL)", int(m.n.constraints));
   return -1;
 }
 
-dynStatus dyn_constraint_info(const dynModel* model, int constraint, dynConstraint* out) {
+dynStatus dyn_model_constraint_info(const dynModel* model, int constraint, dynConstraint* out) {
   if (const dynStatus s = check(model)) return s;
-  if (!out) return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_info: out is NULL");
-  if (const dynStatus s = sized("dyn_constraint_info", "dynConstraint", "call dyn_constraint_init first", out)) return s;
+  if (!out) return fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_info: out is NULL");
+  if (const dynStatus s = sized("dyn_model_constraint_info", "dynConstraint", "call dyn_constraint_init first", out)) return s;
   const Model& m = *model->m;
   if (constraint < 0 || constraint >= m.n.constraints)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_info: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
+    return fail(DYN_ERROR_ARGUMENT, "dyn_model_constraint_info: constraint %d does not exist: the model has %d", constraint, int(m.n.constraints));
   *out = m.constraints()[constraint].spec;
   return DYN_OK;
 }
 
-dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, const dynConstraint* constraint) {
-  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_set");
+dynStatus dyn_data_set_constraint(const dynModel* model, dynData* data, int slot, const dynConstraint* constraint) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_data_set_constraint");
   if (!call || !valid_slot(call, slot)) return call.status;
   if (constraint)
-    if (const dynStatus s = sized("dyn_constraint_set", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
+    if (const dynStatus s = sized("dyn_data_set_constraint", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
   const Model& m = call.m();
   Data<double>& d = call.d();
   const dynConstraint spec = constraint ? *constraint : dynConstraint{};
   char message[256];
-  if (const dynStatus s = check_constraint(m, spec, message, sizeof message)) return fail(s, "dyn_constraint_set: slot %d: %s", slot, message);
+  if (const dynStatus s = check_constraint(m, spec, message, sizeof message)) return fail(s, "dyn_data_set_constraint: slot %d: %s", slot, message);
   Index rows = constraint_rows(resolve_constraint(m, spec));
   for (Index s = 0; s < m.n.slots; ++s)
     if (s != slot) rows += constraint_rows(d.slots[s].c);
   if (rows > m.n.constraint_rows)
-    return fail(DYN_ERROR_LIMIT, "dyn_constraint_set: slot %d: all slots together would have %d rows, and there is room for %d: give the model more "
+    return fail(DYN_ERROR_LIMIT, "dyn_data_set_constraint: slot %d: all slots together would have %d rows, and there is room for %d: give the model more "
                                  "constraint_slots", slot, int(rows), int(m.n.constraint_rows));
   set_constraint(m, d, slot, spec);
   number_rows(m, d);
@@ -93,16 +93,16 @@ dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, con
   return DYN_OK;
 }
 
-dynStatus dyn_constraint_get(const dynModel* model, dynData* data, int slot, dynConstraint* constraint) {
-  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_get");
+dynStatus dyn_data_constraint(const dynModel* model, dynData* data, int slot, dynConstraint* constraint) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_data_constraint");
   if (!call || !valid_slot(call, slot) || !call.required("constraint", constraint)) return call.status;
-  if (const dynStatus s = sized("dyn_constraint_get", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
+  if (const dynStatus s = sized("dyn_data_constraint", "dynConstraint", "call dyn_constraint_init first", constraint)) return s;
   *constraint = call.d().constraint_specs[slot];
   return DYN_OK;
 }
 
-dynStatus dyn_constraint_enable(const dynModel* model, dynData* data, int slot, int enabled) {
-  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_enable");
+dynStatus dyn_data_set_constraint_enabled(const dynModel* model, dynData* data, int slot, int enabled) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_data_set_constraint_enabled");
   if (!call || !valid_slot(call, slot)) return call.status;
   Data<double>& d = call.d();
   d.slots[slot].enabled = d.constraint_specs[slot].enabled = enabled != 0;
@@ -111,14 +111,14 @@ dynStatus dyn_constraint_enable(const dynModel* model, dynData* data, int slot, 
   return DYN_OK;
 }
 
-dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, const double* q) {
-  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_anchor");
+dynStatus dyn_data_anchor_constraint(const dynModel* model, dynData* data, int slot, const double* q) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_data_anchor_constraint");
   if (!call || !valid_slot(call, slot)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
   dynConstraint spec = d.constraint_specs[slot];
-  if (spec.type == DYN_CONSTRAINT_NONE || between_joints(spec.type))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_constraint_anchor: slot %d holds no constraint between frames", slot);
+  if (spec.type == DYN_CONSTRAINT_TYPE_NONE || between_joints(spec.type))
+    return fail(DYN_ERROR_ARGUMENT, "dyn_data_anchor_constraint: slot %d holds no constraint between frames", slot);
   if (!call.inputs(q, nullptr, nullptr, nullptr)) return call.status;
   forward_kinematics<0>(m, d);
   if (!no_overflow(call, 0)) return call.status;
@@ -126,13 +126,13 @@ dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, 
   const SE3<double> W1 = SE3<double>{d.R[c.body1], d.p[c.body1]} * c.X1, W2 = SE3<double>{d.R[c.body2], d.p[c.body2]} * c.X2;
   const SE3<double> to = W2.inverse() * W1;
   SE3<double> X = load_se3(spec.placement2);
-  if (spec.type == DYN_CONSTRAINT_DISTANCE) {
+  if (spec.type == DYN_CONSTRAINT_TYPE_DISTANCE) {
     spec.length = std::sqrt(dot(to.p, to.p));
     if (!(spec.length > 0)) {
       call.rollback();
-      return fail(DYN_ERROR_INVALID, "dyn_constraint_anchor: slot %d: the two points are one at q: use CONNECT", slot);
+      return fail(DYN_ERROR_INVALID, "dyn_data_anchor_constraint: slot %d: the two points are one at q: use CONNECT", slot);
     }
-  } else if (spec.type == DYN_CONSTRAINT_POINT || spec.type == DYN_CONSTRAINT_CONNECT) {
+  } else if (spec.type == DYN_CONSTRAINT_TYPE_POINT || spec.type == DYN_CONSTRAINT_TYPE_CONNECT) {
     X.p = X.p + X.R * to.p;  // the axes stay
   } else {
     X = X * to;
@@ -146,8 +146,8 @@ dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, 
   return DYN_OK;
 }
 
-dynStatus dyn_constraint_rows(const dynModel* model, dynData* data, int slot, int* first, int* rows) {
-  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_constraint_rows");
+dynStatus dyn_data_constraint_rows(const dynModel* model, dynData* data, int slot, int* first, int* rows) {
+  Call call(model, data, DYN_PART_CONSTRAINTS, "dyn_data_constraint_rows");
   if (!call || (slot >= 0 && !valid_slot(call, slot))) return call.status;
   const Data<double>& d = call.d();
   if (first) *first = slot < 0 ? 0 : int(d.slots[slot].first);

@@ -10,9 +10,9 @@ using namespace dyn::capi;
 
 extern "C" {
 
-dynStatus dyn_shape_contacts(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b, double margin,
+dynStatus dyn_geometry_contacts(const dynGeometry* a, const double* placement_a, const dynGeometry* b, const double* placement_b, double margin,
                              double tolerance, dynContact* contacts, int* count) {
-  constexpr const char* function = "dyn_shape_contacts";
+  constexpr const char* function = "dyn_geometry_contacts";
   PlacedShape A, B;
   collision::Options options;
   dynStatus s = read_pair(function, a, placement_a, b, placement_b, A, B);
@@ -52,7 +52,7 @@ dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const doubl
   for (Index k = 0; k < m.n.pairs; ++k) {
     double distance = shape::infinity;
     int count = 0;
-    if (call.d().pair_states[k] == DYN_PAIR_TESTED) count = collision::smooth_distance(m, call.d(), k, smoothing, distance, gradients ? gradients + k : nullptr, m.n.pairs);
+    if (call.d().pair_states[k] == DYN_PAIR_REASON_TESTED) count = collision::smooth_distance(m, call.d(), k, smoothing, distance, gradients ? gradients + k : nullptr, m.n.pairs);
     if (distances) distances[k] = distance;
     if (points) points[k] = count;
   }

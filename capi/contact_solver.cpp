@@ -117,8 +117,8 @@ dynStatus check_options(const char* function, const dynContactOptions& o) {
   if (o.struct_size < sizeof o)
     return fail(DYN_ERROR_SIZE, "%s: struct_size of dynContactOptions is %u, needs %zu: set it with dyn_contact_options_init", function, o.struct_size, sizeof o);
   const int type = raw(o.solver);
-  if (type < DYN_CONTACT_PGS || type > DYN_CONTACT_NEWTON)
-    return fail(DYN_ERROR_ARGUMENT, "%s: solver %d is none of DYN_CONTACT_PGS, _ADMM, _NEWTON", function, type);
+  if (type < DYN_CONTACT_SOLVER_TYPE_PGS || type > DYN_CONTACT_SOLVER_TYPE_NEWTON)
+    return fail(DYN_ERROR_ARGUMENT, "%s: solver %d is none of DYN_CONTACT_SOLVER_TYPE_PGS, _ADMM, _NEWTON", function, type);
   if (o.max_iterations < 0) return fail(DYN_ERROR_ARGUMENT, "%s: max_iterations is %d: it can't be negative", function, int(o.max_iterations));
   for (const auto& [name, x, most] : {std::tuple("tolerance", o.tolerance, HUGE_VAL), std::tuple("time_budget", o.time_budget, HUGE_VAL), std::tuple("relaxation", o.relaxation, 2.0)})
     if (!(x >= 0) || !(x < most)) return fail(std::isnan(x) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "%s: %s is %g: give a number from 0%s", function, name, x, std::isinf(most) ? "" : ", below 2");
@@ -151,7 +151,7 @@ void dyn_contact_options_init(dynContactOptions* options) {
   if (!options) return;
   *options = {};
   options->struct_size = sizeof *options;
-  options->solver = DYN_CONTACT_ADMM;
+  options->solver = DYN_CONTACT_SOLVER_TYPE_ADMM;
   options->max_iterations = 1000;
   options->tolerance = 1e-10;
   options->newton = 1;
@@ -202,9 +202,9 @@ void dyn_contact_solver_free(dynContactSolver* solver) {
   free_handle(solver);
 }
 
-dynStatus dyn_contact_solve(dynContactSolver* solver, const dynContactProblem* problem, const dynContactOptions* options, double* lambda, double* velocity,
+dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactProblem* problem, const dynContactOptions* options, double* lambda, double* velocity,
                             dynContactReport* report) {
-  constexpr const char* function = "dyn_contact_solve";
+  constexpr const char* function = "dyn_contact_solver_solve";
   if (const dynStatus s = check(solver)) return s;
   if (!problem) return fail(DYN_ERROR_ARGUMENT, "%s: problem is NULL: it is required", function);
   dynContactOptions o;
@@ -239,8 +239,8 @@ dynStatus dyn_contact_solve(dynContactSolver* solver, const dynContactProblem* p
   return DYN_OK;
 }
 
-dynStatus dyn_contact_residuals(dynContactSolver* solver, const dynContactProblem* problem, const double* lambda, dynContactReport* report) {
-  constexpr const char* function = "dyn_contact_residuals";
+dynStatus dyn_contact_solver_residuals(dynContactSolver* solver, const dynContactProblem* problem, const double* lambda, dynContactReport* report) {
+  constexpr const char* function = "dyn_contact_solver_residuals";
   if (const dynStatus s = check(solver)) return s;
   if (!problem) return fail(DYN_ERROR_ARGUMENT, "%s: problem is NULL: it is required", function);
   if (const dynStatus s = check_report(function, report)) return s;
@@ -257,8 +257,8 @@ dynStatus dyn_contact_residuals(dynContactSolver* solver, const dynContactProble
   return DYN_OK;
 }
 
-dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp) {
-  constexpr const char* function = "dyn_friction_cone_qp";
+dynStatus dyn_contact_problem_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp) {
+  constexpr const char* function = "dyn_contact_problem_qp";
   if (!problem || !qp) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, problem ? "qp" : "problem");
   if (qp->struct_size < sizeof *qp) return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(dynQp)", function, qp->struct_size, sizeof *qp);
   if (facets != 0 && (facets < 3 || facets > 1024)) return fail(DYN_ERROR_ARGUMENT, "%s: facets is %d: give 0, or a number from 3 to 1024", function, facets);

@@ -10,7 +10,7 @@ using namespace dyn::capi;
 
 namespace {
 
-constexpr const char* function = "dyn_convert_state";
+constexpr const char* function = "dyn_state_layout_convert";
 
 struct Arrays {
   const double *q, *v, *a, *tau;
@@ -28,8 +28,8 @@ class Conversion {
   // Twice over: first to see that all is well, then to write.
   dynStatus run(dynDirection direction) {
     for (const bool write : {false, true}) {
-      if (write && direction == DYN_FROM_PEER && out.tau) std::fill_n(out.tau, m.n.nv, 0.0);
-      const dynStatus s = l.each([&](const Item& item) { return direction == DYN_TO_PEER ? to_peer(item, write) : from_peer(item, write); });
+      if (write && direction == DYN_DIRECTION_FROM_PEER && out.tau) std::fill_n(out.tau, m.n.nv, 0.0);
+      const dynStatus s = l.each([&](const Item& item) { return direction == DYN_DIRECTION_TO_PEER ? to_peer(item, write) : from_peer(item, write); });
       if (s != DYN_OK) return s;
     }
     return DYN_OK;
@@ -178,16 +178,16 @@ dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* la
   return DYN_OK;
 }
 
-dynStatus dyn_convert_state(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q, const double* v,
+dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q, const double* v,
                             const double* a, const double* tau, double* q_out, double* v_out, double* a_out, double* tau_out) {
   const Layout l(model, layout);
   if (l.status != DYN_OK) return l.status;
-  if (raw(direction) != DYN_TO_PEER && raw(direction) != DYN_FROM_PEER)
-    return fail(DYN_ERROR_ARGUMENT, "%s: direction is %d: use DYN_TO_PEER or DYN_FROM_PEER", function, raw(direction));
+  if (raw(direction) != DYN_DIRECTION_TO_PEER && raw(direction) != DYN_DIRECTION_FROM_PEER)
+    return fail(DYN_ERROR_ARGUMENT, "%s: direction is %d: use DYN_DIRECTION_TO_PEER or DYN_DIRECTION_FROM_PEER", function, raw(direction));
   const Arrays in = {q, v, a, tau};
   const Outputs out = {q_out, v_out, a_out, tau_out};
   if (const dynStatus s = check_arrays(in, out)) return s;
-  if (direction == DYN_TO_PEER)
+  if (direction == DYN_DIRECTION_TO_PEER)
     if (const dynStatus s = check_ours(l.model(), in)) return s;
   return Conversion(l, in, out).run(direction);
 }

@@ -132,7 +132,7 @@ dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, const doubl
   return DYN_OK;
 }
 
-int dyn_nfields(void) { return field_count; }
+int dyn_field_count(void) { return field_count; }
 
 dynStatus dyn_field_info(dynField field, dynFieldInfo* info) {
   if (!info) return fail(DYN_ERROR_ARGUMENT, "dyn_field_info: info is NULL");

@@ -57,8 +57,8 @@ static dynStatus at_rest(const dynModel* model, dynData* data, const double* q, 
   return DYN_OK;
 }
 
-dynStatus dyn_gravity_derivatives(const dynModel* model, dynData* data, const double* q, double* dg_dq) {
-  return at_rest(model, data, q, nullptr, &Data<double>::dg_dq, "dg_dq", Stage::GravityDerivatives, "dyn_gravity_derivatives", dg_dq);
+dynStatus dyn_gravity_torque_derivatives(const dynModel* model, dynData* data, const double* q, double* dg_dq) {
+  return at_rest(model, data, q, nullptr, &Data<double>::dg_dq, "dg_dq", Stage::GravityDerivatives, "dyn_gravity_torque_derivatives", dg_dq);
 }
 
 dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, const double* q, const double* fext, double* dstatic_torque_dq) {
@@ -66,8 +66,8 @@ dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, co
                  dstatic_torque_dq);
 }
 
-dynStatus dyn_center_of_mass_velocity_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, double* dvcom_dq, double* dvcom_dv) {
-  Call call(model, data, DYN_PART_COM, "dyn_center_of_mass_velocity_derivatives");
+dynStatus dyn_vcom_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, double* dvcom_dq, double* dvcom_dv) {
+  Call call(model, data, DYN_PART_COM, "dyn_vcom_derivatives");
   if (!call || !call.inputs(q, v, nullptr, nullptr)) return call.status;
   Data<double>& d = call.d();
   const Index n = 3 * call.m().n.nv;

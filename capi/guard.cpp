@@ -133,7 +133,7 @@ void Call::enter(const dynModel* model, dynData* data, dynParts part) {
 #endif
   if ((d().parts & part) != part) {
     static constexpr const char* names[] = {"KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS",
-                                            "FACTOR", "MINV", "CORIOLIS", "ENERGY", "FRAMES",
+                                            "CHOLESKY", "MINV", "CORIOLIS", "ENERGY", "FRAMES",
                                             "CENTROIDAL", "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION", "CONSTRAINTS", "CONSTRAINT_DERIVATIVES", "SIMULATION"};
     const dynParts missing = part & ~d().parts;
     const char* name = "?";
@@ -155,13 +155,13 @@ bool Call::missing(const char* name) {
 
 bool Call::frame(int id) {
   if (status == DYN_OK && (id < 0 || id >= m().n.frames))
-    status = fail(DYN_ERROR_ARGUMENT, "%s: frame %d does not exist: the model has frames 0 to %d; see dyn_frame_id", function, id, int(m().n.frames) - 1);
+    status = fail(DYN_ERROR_ARGUMENT, "%s: frame %d does not exist: the model has frames 0 to %d; see dyn_model_frame_id", function, id, int(m().n.frames) - 1);
   return status == DYN_OK;
 }
 
 bool Call::joint(int id) {
   if (status == DYN_OK && (id < 0 || id >= m().n.joints))
-    status = fail(DYN_ERROR_ARGUMENT, "%s: joint %d does not exist: the model has joints 0 to %d; see dyn_joint_id", function, id, int(m().n.joints) - 1);
+    status = fail(DYN_ERROR_ARGUMENT, "%s: joint %d does not exist: the model has joints 0 to %d; see dyn_model_joint_id", function, id, int(m().n.joints) - 1);
   return status == DYN_OK;
 }
 
@@ -174,8 +174,8 @@ bool Call::joint_or_all(int id) {
 }
 
 bool Call::reference(dynReference r) {
-  if (status == DYN_OK && r != DYN_LOCAL && r != DYN_WORLD && r != DYN_LOCAL_WORLD_ALIGNED)
-    status = fail(DYN_ERROR_ARGUMENT, "%s: reference %d is none of DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED", function, int(r));
+  if (status == DYN_OK && r != DYN_REFERENCE_LOCAL && r != DYN_REFERENCE_WORLD && r != DYN_REFERENCE_LOCAL_WORLD_ALIGNED)
+    status = fail(DYN_ERROR_ARGUMENT, "%s: reference %d is none of DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED", function, int(r));
   return status == DYN_OK;
 }
 
@@ -278,8 +278,8 @@ bool Call::inputs(const double* q, const double* v, const double* a, const doubl
 
 bool Call::nonzero(const double* q) {
   if (const Index j = zero_norm_joint(m(), q))
-    status = fail(DYN_ERROR_QUATERNION, "%s: the %s of joint '%s' in q is zero: give one of norm 1, such as that of dyn_neutral", function,
-                  m().joints()[j].type == DYN_JOINT_REVOLUTE_UNBOUNDED ? "(cos, sin)" : "quaternion", m().string(m().joints()[j].name));
+    status = fail(DYN_ERROR_QUATERNION, "%s: the %s of joint '%s' in q is zero: give one of norm 1, such as that of dyn_configuration_neutral", function,
+                  m().joints()[j].type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED ? "(cos, sin)" : "quaternion", m().string(m().joints()[j].name));
   return status == DYN_OK;
 }
 

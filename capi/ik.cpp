@@ -56,18 +56,18 @@ bool rotates(Call& call, Index task, const double* R) {
 bool good_task(Call& call, const dynIkTask& t, Index k) {
   const Model& m = call.m();
   const int type = raw(t.type);
-  if (type < DYN_IK_POSE || type > DYN_IK_POSTURE)
-    return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: type %d of task %d is none of DYN_IK_POSE, _POSITION, _ORIENTATION, _COM, _POSTURE", type, int(k)));
+  if (type < DYN_IK_TASK_TYPE_POSE || type > DYN_IK_TASK_TYPE_POSTURE)
+    return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: type %d of task %d is none of DYN_IK_TASK_TYPE_POSE, _POSITION, _ORIENTATION, _COM, _POSTURE", type, int(k)));
   if (t.priority != 0 && t.priority != 1)
     return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: priority %d of task %d is neither 0 nor 1", int(t.priority), int(k)));
   if (!weighted(call, k, "weight", &t.weight, 1) || (t.weights && !weighted(call, k, "weights", t.weights, row_count(m, t.type)))) return false;
-  if (t.type == DYN_IK_POSTURE) {
+  if (t.type == DYN_IK_TASK_TYPE_POSTURE) {
     if (!t.posture) return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: posture of task %d is NULL: it is required, nq numbers", int(k)));
     return finite_numbers(call, k, "posture", t.posture, m.n.nq) && call.nonzero(t.posture);
   }
-  if (t.type != DYN_IK_COM && !call.frame(t.frame)) return false;
-  if (t.type != DYN_IK_ORIENTATION && !finite_numbers(call, k, "target", t.target + 9, 3)) return false;
-  if (t.type == DYN_IK_POSE || t.type == DYN_IK_ORIENTATION) return finite_numbers(call, k, "target", t.target, 9) && rotates(call, k, t.target);
+  if (t.type != DYN_IK_TASK_TYPE_COM && !call.frame(t.frame)) return false;
+  if (t.type != DYN_IK_TASK_TYPE_ORIENTATION && !finite_numbers(call, k, "target", t.target + 9, 3)) return false;
+  if (t.type == DYN_IK_TASK_TYPE_POSE || t.type == DYN_IK_TASK_TYPE_ORIENTATION) return finite_numbers(call, k, "target", t.target, 9) && rotates(call, k, t.target);
   return true;
 }
 
@@ -111,7 +111,7 @@ void dyn_ik_task_init(dynIkTask* task) {
   if (!task) return;
   *task = {};
   task->struct_size = sizeof *task;
-  task->type = DYN_IK_POSE;
+  task->type = DYN_IK_TASK_TYPE_POSE;
   task->target[0] = task->target[4] = task->target[8] = 1;
   task->weight = 1;
 }

@@ -36,9 +36,9 @@ dynStatus deliver(const char* function, const double* result, Index n, double* o
 
 extern "C" {
 
-dynStatus dyn_inertial_parameters(const dynModel* model, double* pi) {
+dynStatus dyn_model_inertial_parameters(const dynModel* model, double* pi) {
   if (const dynStatus s = check(model)) return s;
-  if (!pi && parameter_count(*model->m)) return fail(DYN_ERROR_ARGUMENT, "dyn_inertial_parameters: pi is NULL: it is required");
+  if (!pi && parameter_count(*model->m)) return fail(DYN_ERROR_ARGUMENT, "dyn_model_inertial_parameters: pi is NULL: it is required");
   inertial_parameters(*model->m, pi);
   return DYN_OK;
 }

@@ -108,20 +108,20 @@ dynStatus dyn_mesh_from_arrays(const double* vertices, size_t n, const int32_t* 
   return make(mesh, function, [&] { return meshes::make_mesh(vertices, at_most(n), triangles, at_most(m), 0, function); });
 }
 
-dynStatus dyn_mesh_height_field(const double* heights, int columns, int rows, double step_x, double step_y, double bottom, dynMesh** mesh) {
-  if (!heights) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_height_field: heights is NULL");
-  return make(mesh, "dyn_mesh_height_field", [&] { return meshes::height_field(heights, columns, rows, step_x, step_y, bottom); });
+dynStatus dyn_mesh_from_height_field(const double* heights, int columns, int rows, double step_x, double step_y, double bottom, dynMesh** mesh) {
+  if (!heights) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_from_height_field: heights is NULL");
+  return make(mesh, "dyn_mesh_from_height_field", [&] { return meshes::height_field(heights, columns, rows, step_x, step_y, bottom); });
 }
 
-dynStatus dyn_shape_mesh(const dynModel* model, int shape, dynMesh** mesh) {
+dynStatus dyn_model_shape_mesh(const dynModel* model, int shape, dynMesh** mesh) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (shape < 0 || shape >= m.n.shapes) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_mesh: shape %d does not exist: the model has %d", shape, int(m.n.shapes));
-  return make(mesh, "dyn_shape_mesh", [&] {
+  if (shape < 0 || shape >= m.n.shapes) return fail(DYN_ERROR_ARGUMENT, "dyn_model_shape_mesh: shape %d does not exist: the model has %d", shape, int(m.n.shapes));
+  return make(mesh, "dyn_model_shape_mesh", [&] {
     const SurfacePtr surface = surface_of(m, shape);
     if (!surface)
-      throw Error(DYN_ERROR_ARGUMENT, "dyn_shape_mesh: shape " + std::to_string(shape) + " is not made of triangles" +
-                                          (m.shapes()[shape].type == DYN_SHAPE_MESH ? ": load the robot with meshes, or give its file to dyn_mesh_load" : ""));
+      throw Error(DYN_ERROR_ARGUMENT, "dyn_model_shape_mesh: shape " + std::to_string(shape) + " is not made of triangles" +
+                                          (m.shapes()[shape].type == DYN_SHAPE_TYPE_MESH ? ": load the robot with meshes, or give its file to dyn_mesh_load" : ""));
     return meshes::mesh_of(surface);
   });
 }
@@ -170,9 +170,9 @@ dynStatus dyn_mesh_arrays(const dynMesh* handle, dynMeshArrays* out) {
   return DYN_OK;
 }
 
-dynStatus dyn_mesh_colours(const dynMesh* handle, double* rgb) {
+dynStatus dyn_mesh_rgb(const dynMesh* handle, double* rgb) {
   if (const dynStatus s = check(handle)) return s;
-  if (!rgb) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_colours: rgb is NULL");
+  if (!rgb) return fail(DYN_ERROR_ARGUMENT, "dyn_mesh_rgb: rgb is NULL");
   const meshes::Mesh& mesh = *handle->m;
   for (std::size_t t = 0; t < std::size_t(mesh.triangle_count()); ++t) std::copy_n(rgba_of(mesh.colours.empty() ? 0 : mesh.colours[t]).begin(), 3, rgb + 3 * t);
   return DYN_OK;

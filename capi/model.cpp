@@ -35,8 +35,8 @@ LoadOptions read_options(const dynLoadOptions* o) {
     if (!std::isfinite(o->gravity[k])) throw Error(DYN_ERROR_NONFINITE, "dynLoadOptions: gravity[" + std::to_string(k) + "] is not finite");
     out.gravity[k] = o->gravity[k];
   }
-  if (raw(o->meshes) < DYN_MESH_NONE || raw(o->meshes) > DYN_MESH_TRIANGLES)
-    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: meshes is " + std::to_string(raw(o->meshes)) + ": use DYN_MESH_NONE, DYN_MESH_HULL or DYN_MESH_TRIANGLES");
+  if (raw(o->meshes) < DYN_MESH_USE_NONE || raw(o->meshes) > DYN_MESH_USE_TRIANGLES)
+    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: meshes is " + std::to_string(raw(o->meshes)) + ": use DYN_MESH_USE_NONE, DYN_MESH_USE_HULL or DYN_MESH_USE_TRIANGLES");
   out.meshes = o->meshes;
   if (o->constraint_slots < 0 || o->constraint_slots > 1000)
     throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: constraint_slots is " + std::to_string(o->constraint_slots) + ": give 0 to 1000");
@@ -155,40 +155,40 @@ void dyn_model_free(dynModel* model) {
   free_handle(model);
 }
 
-int dyn_report_count(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.reports) : -1; }
+int dyn_model_report_count(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.reports) : -1; }
 
-dynStatus dyn_report_entry(const dynModel* model, int index, dynReportEntry* entry) {
+dynStatus dyn_model_report_entry(const dynModel* model, int index, dynReportEntry* entry) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_struct(entry, "dyn_report_entry", "dynReportEntry")) return s;
-  if (const dynStatus s = check_index(model, index, m.n.reports, "dyn_report_entry", "report entry")) return s;
+  if (const dynStatus s = check_struct(entry, "dyn_model_report_entry", "dynReportEntry")) return s;
+  if (const dynStatus s = check_index(model, index, m.n.reports, "dyn_model_report_entry", "report entry")) return s;
   const ReportRecord& r = m.reports()[index];
   entry->level = r.level, entry->line = r.line, entry->message = m.string(r.message);
   return DYN_OK;
 }
 
-int dyn_nq(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nq) : -1; }
-int dyn_nv(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nv) : -1; }
-int dyn_njoints(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.joints) : -1; }
-int dyn_nframes(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.frames) : -1; }
-int dyn_nbodies(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.links) : -1; }
+int dyn_model_nq(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nq) : -1; }
+int dyn_model_nv(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.nv) : -1; }
+int dyn_model_njoints(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.joints) : -1; }
+int dyn_model_nframes(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.frames) : -1; }
+int dyn_model_nbodies(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.links) : -1; }
 size_t dyn_model_size(const dynModel* model) { return check(model) == DYN_OK ? size_t(model->m->bytes) : 0; }
 
 const char* dyn_model_name(const dynModel* model) { return check(model) == DYN_OK ? model->m->string(model->m->model_name) : nullptr; }
 
-const char* dyn_joint_name(const dynModel* model, int joint) {
-  if (check(model) != DYN_OK || check_index(model, joint, model->m->n.joints, "dyn_joint_name", "joint") != DYN_OK) return nullptr;
+const char* dyn_model_joint_name(const dynModel* model, int joint) {
+  if (check(model) != DYN_OK || check_index(model, joint, model->m->n.joints, "dyn_model_joint_name", "joint") != DYN_OK) return nullptr;
   return model->m->string(model->m->joints()[joint].name);
 }
 
-const char* dyn_frame_name(const dynModel* model, int frame) {
-  if (check(model) != DYN_OK || check_index(model, frame, model->m->n.frames, "dyn_frame_name", "frame") != DYN_OK) return nullptr;
+const char* dyn_model_frame_name(const dynModel* model, int frame) {
+  if (check(model) != DYN_OK || check_index(model, frame, model->m->n.frames, "dyn_model_frame_name", "frame") != DYN_OK) return nullptr;
   return model->m->string(model->m->frames()[frame].name);
 }
 
-int dyn_joint_id(const dynModel* model, const char* name) {
+int dyn_model_joint_id(const dynModel* model, const char* name) {
   if (check(model) != DYN_OK) return -1;
-  if (!name) return fail(DYN_ERROR_ARGUMENT, "dyn_joint_id: name is NULL"), -1;
+  if (!name) return fail(DYN_ERROR_ARGUMENT, "dyn_model_joint_id: name is NULL"), -1;
   const Model& m = *model->m;
   auto at = [&](Index k) { return m.string(m.joints()[k].name); };
   const Index k = lower_bound(m.joints_by_name(), m.n.joints, name, at);
@@ -198,11 +198,11 @@ int dyn_joint_id(const dynModel* model, const char* name) {
 
 static const char* frame_type_name(int type) {
   switch (type) {
-    case DYN_FRAME_OP_FRAME: return "OP_FRAME";
-    case DYN_FRAME_JOINT: return "JOINT";
-    case DYN_FRAME_FIXED_JOINT: return "FIXED_JOINT";
-    case DYN_FRAME_BODY: return "BODY";
-    case DYN_FRAME_SENSOR: return "SENSOR";
+    case DYN_FRAME_TYPE_OP_FRAME: return "OP_FRAME";
+    case DYN_FRAME_TYPE_JOINT: return "JOINT";
+    case DYN_FRAME_TYPE_FIXED_JOINT: return "FIXED_JOINT";
+    case DYN_FRAME_TYPE_BODY: return "BODY";
+    case DYN_FRAME_TYPE_SENSOR: return "SENSOR";
   }
   return nullptr;
 }
@@ -220,23 +220,23 @@ static int frame_id(const dynModel* model, const char* name, int type, const cha
     other = m.frames()[id].type;
   }
   if (other)
-    return fail(DYN_ERROR_NAME, "%s: frame '%.200s' is no %s frame, it is a %s frame: ask for that type, or use dyn_frame_id", function, name,
+    return fail(DYN_ERROR_NAME, "%s: frame '%.200s' is no %s frame, it is a %s frame: ask for that type, or use dyn_model_frame_id", function, name,
                 frame_type_name(type), frame_type_name(other)), -1;
   return unknown("frame", name, m.n.frames, at);
 }
 
-int dyn_frame_id(const dynModel* model, const char* name) { return frame_id(model, name, 0, "dyn_frame_id"); }
-int dyn_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type) {
+int dyn_model_frame_id(const dynModel* model, const char* name) { return frame_id(model, name, 0, "dyn_model_frame_id"); }
+int dyn_model_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type) {
   if (check(model) == DYN_OK && !frame_type_name(int(type)))
-    return fail(DYN_ERROR_ARGUMENT, "dyn_frame_id_of_type: %d is no dynFrameType: use one DYN_FRAME_... value", int(type)), -1;
-  return frame_id(model, name, int(type), "dyn_frame_id_of_type");
+    return fail(DYN_ERROR_ARGUMENT, "dyn_model_frame_id_of_type: %d is no dynFrameType: use one DYN_FRAME_... value", int(type)), -1;
+  return frame_id(model, name, int(type), "dyn_model_frame_id_of_type");
 }
 
-dynStatus dyn_joint_info(const dynModel* model, int joint, dynJointInfo* info) {
+dynStatus dyn_model_joint_info(const dynModel* model, int joint, dynJointInfo* info) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_struct(info, "dyn_joint_info", "dynJointInfo")) return s;
-  if (const dynStatus s = check_index(model, joint, m.n.joints, "dyn_joint_info", "joint")) return s;
+  if (const dynStatus s = check_struct(info, "dyn_model_joint_info", "dynJointInfo")) return s;
+  if (const dynStatus s = check_index(model, joint, m.n.joints, "dyn_model_joint_info", "joint")) return s;
   const JointRecord& r = m.joints()[joint];
   info->name = m.string(r.name), info->type = r.type, info->parent = r.parent;
   info->idx_q = r.idx_q, info->idx_v = r.idx_v, info->nq = r.nq, info->nv = r.nv;
@@ -246,11 +246,11 @@ dynStatus dyn_joint_info(const dynModel* model, int joint, dynJointInfo* info) {
   return DYN_OK;
 }
 
-dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo* info) {
+dynStatus dyn_model_frame_info(const dynModel* model, int frame, dynFrameInfo* info) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_struct(info, "dyn_frame_info", "dynFrameInfo")) return s;
-  if (const dynStatus s = check_index(model, frame, m.n.frames, "dyn_frame_info", "frame")) return s;
+  if (const dynStatus s = check_struct(info, "dyn_model_frame_info", "dynFrameInfo")) return s;
+  if (const dynStatus s = check_index(model, frame, m.n.frames, "dyn_model_frame_info", "frame")) return s;
   const FrameRecord& r = m.frames()[frame];
   info->name = m.string(r.name), info->type = r.type, info->joint = r.joint;
   std::memcpy(info->placement, r.placement, sizeof r.placement);
@@ -260,13 +260,13 @@ dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo* info) {
   return DYN_OK;
 }
 
-int dyn_nshapes(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.shapes) : -1; }
+int dyn_model_nshapes(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.shapes) : -1; }
 
-dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
+dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_struct(info, "dyn_shape_info", "dynShapeInfo")) return s;
-  if (const dynStatus s = check_index(model, shape, m.n.shapes, "dyn_shape_info", "shape")) return s;
+  if (const dynStatus s = check_struct(info, "dyn_model_shape_info", "dynShapeInfo")) return s;
+  if (const dynStatus s = check_index(model, shape, m.n.shapes, "dyn_model_shape_info", "shape")) return s;
   const ShapeRecord& r = m.shapes()[shape];
   info->name = m.string(r.name), info->mesh = m.string(r.mesh), info->type = r.type, info->role = dynShapeRole(r.role), info->frame = r.frame;
   std::memcpy(info->placement, r.placement, sizeof r.placement), std::memcpy(info->size, r.size, sizeof r.size);
@@ -274,21 +274,21 @@ dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info) {
   return DYN_OK;
 }
 
-dynStatus dyn_shape_rgba(const dynModel* model, int shape, double rgba[4]) {
+dynStatus dyn_model_shape_rgba(const dynModel* model, int shape, double rgba[4]) {
   if (const dynStatus s = check(model)) return s;
-  if (!rgba) return fail(DYN_ERROR_ARGUMENT, "dyn_shape_rgba: rgba is NULL");
-  if (const dynStatus s = check_index(model, shape, model->m->n.shapes, "dyn_shape_rgba", "shape")) return s;
+  if (!rgba) return fail(DYN_ERROR_ARGUMENT, "dyn_model_shape_rgba: rgba is NULL");
+  if (const dynStatus s = check_index(model, shape, model->m->n.shapes, "dyn_model_shape_rgba", "shape")) return s;
   const std::array<double, 4> x = rgba_of(model->m->shapes()[shape].colour);
   std::copy(x.begin(), x.end(), rgba);
   return DYN_OK;
 }
 
-int dyn_ndisabled_pairs(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.disabled) : -1; }
+int dyn_model_ndisabled_pairs(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.disabled) : -1; }
 
-dynStatus dyn_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason) {
+dynStatus dyn_model_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (const dynStatus s = check_index(model, pair, m.n.disabled, "dyn_disabled_pair", "pair")) return s;
+  if (const dynStatus s = check_index(model, pair, m.n.disabled, "dyn_model_disabled_pair", "pair")) return s;
   const DisabledRecord& r = m.disabled_pairs()[pair];
   if (frame1) *frame1 = r.frame1;
   if (frame2) *frame2 = r.frame2;
@@ -300,37 +300,37 @@ const double* dyn_model_array(const dynModel* model, dynModelArray which) {
   if (check(model) != DYN_OK) return nullptr;
   const Model& m = *model->m;
   switch (which) {
-    case DYN_LOWER_LIMIT: return m.lower_limit();
-    case DYN_UPPER_LIMIT: return m.upper_limit();
-    case DYN_VELOCITY_LIMIT: return m.velocity_limit();
-    case DYN_EFFORT_LIMIT: return m.effort_limit();
-    case DYN_ARMATURE: return m.armature();
-    case DYN_DAMPING: return m.damping();
-    case DYN_FRICTION: return m.friction();
-    case DYN_STIFFNESS: return m.stiffness();
-    case DYN_SPRING_REFERENCE: return m.spring_reference();
-    case DYN_GRAVITY: return m.gravity;
+    case DYN_MODEL_ARRAY_LOWER_LIMIT: return m.lower_limit();
+    case DYN_MODEL_ARRAY_UPPER_LIMIT: return m.upper_limit();
+    case DYN_MODEL_ARRAY_VELOCITY_LIMIT: return m.velocity_limit();
+    case DYN_MODEL_ARRAY_EFFORT_LIMIT: return m.effort_limit();
+    case DYN_MODEL_ARRAY_ARMATURE: return m.armature();
+    case DYN_MODEL_ARRAY_DAMPING: return m.damping();
+    case DYN_MODEL_ARRAY_FRICTION: return m.friction();
+    case DYN_MODEL_ARRAY_STIFFNESS: return m.stiffness();
+    case DYN_MODEL_ARRAY_SPRING_REFERENCE: return m.spring_reference();
+    case DYN_MODEL_ARRAY_GRAVITY: return m.gravity;
   }
   fail(DYN_ERROR_ARGUMENT, "dyn_model_array: %d is no dynModelArray", int(which));
   return nullptr;
 }
 
-double dyn_total_mass(const dynModel* model) {
+double dyn_model_total_mass(const dynModel* model) {
   return check(model) == DYN_OK ? model->m->total_mass : std::numeric_limits<double>::quiet_NaN();
 }
 
-int dyn_nconfigurations(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.configurations) : -1; }
+int dyn_model_nconfigurations(const dynModel* model) { return check(model) == DYN_OK ? int(model->m->n.configurations) : -1; }
 
-const char* dyn_configuration_name(const dynModel* model, int index) {
-  if (check(model) != DYN_OK || check_index(model, index, model->m->n.configurations, "dyn_configuration_name", "configuration") != DYN_OK)
+const char* dyn_model_configuration_name(const dynModel* model, int index) {
+  if (check(model) != DYN_OK || check_index(model, index, model->m->n.configurations, "dyn_model_configuration_name", "configuration") != DYN_OK)
     return nullptr;
   return model->m->string(model->m->configuration_names()[index]);
 }
 
-dynStatus dyn_configuration(const dynModel* model, const char* name, double* q) {
+dynStatus dyn_model_configuration(const dynModel* model, const char* name, double* q) {
   if (const dynStatus s = check(model)) return s;
   const Model& m = *model->m;
-  if (!name || (!q && m.n.nq)) return fail(DYN_ERROR_ARGUMENT, "dyn_configuration: %s is NULL", name ? "q" : "name");
+  if (!name || (!q && m.n.nq)) return fail(DYN_ERROR_ARGUMENT, "dyn_model_configuration: %s is NULL", name ? "q" : "name");
   auto at = [&](Index k) { return m.string(m.configuration_names()[k]); };
   for (Index k = 0; k < m.n.configurations; ++k)
     if (std::strcmp(at(k), name) == 0) {
@@ -341,16 +341,16 @@ dynStatus dyn_configuration(const dynModel* model, const char* name, double* q) 
   return DYN_ERROR_NAME;
 }
 
-dynStatus dyn_q_permutation(const dynModel* model, const char* const* names, size_t count, int32_t* idx_q, int32_t* idx_v) {
+dynStatus dyn_model_q_permutation(const dynModel* model, const char* const* names, size_t count, int32_t* idx_q, int32_t* idx_v) {
   if (const dynStatus s = check(model)) return s;
-  if (!names && count) return fail(DYN_ERROR_ARGUMENT, "dyn_q_permutation: names is NULL");
+  if (!names && count) return fail(DYN_ERROR_ARGUMENT, "dyn_model_q_permutation: names is NULL");
   const Model& m = *model->m;
-  auto id = [&](size_t k) { return dyn_joint_id(model, names[k]); };
+  auto id = [&](size_t k) { return dyn_model_joint_id(model, names[k]); };
   for (size_t k = 0; k < count; ++k) {
-    if (!names[k]) return fail(DYN_ERROR_ARGUMENT, "dyn_q_permutation: names[%zu] is NULL", k);
+    if (!names[k]) return fail(DYN_ERROR_ARGUMENT, "dyn_model_q_permutation: names[%zu] is NULL", k);
     const int j = id(k);
     if (j < 0) return DYN_ERROR_NAME;
-    if (j == 0) return fail(DYN_ERROR_NAME, "dyn_q_permutation: the universe has no coordinates: leave it out");
+    if (j == 0) return fail(DYN_ERROR_NAME, "dyn_model_q_permutation: the universe has no coordinates: leave it out");
   }
   // repeated names, some joints at a time: no heap
   constexpr int some = 4096;
@@ -359,7 +359,7 @@ dynStatus dyn_q_permutation(const dynModel* model, const char* const* names, siz
     for (size_t k = 0; k < count; ++k) {
       const int j = id(k) - first;
       if (j < 0 || j >= some) continue;
-      if (seen[j]) return fail(DYN_ERROR_NAME, "dyn_q_permutation: joint '%.200s' is named twice: name each joint once", names[k]);
+      if (seen[j]) return fail(DYN_ERROR_NAME, "dyn_model_q_permutation: joint '%.200s' is named twice: name each joint once", names[k]);
       seen[j] = true;
     }
   }

@@ -44,8 +44,8 @@ constexpr Row rows[] = {
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.effects &= ~std::uint32_t(DYN_EFFECT_LIMITS), x.n.limits = 0; }); }},
     {"mimic", [](const Model& m) { return int(m.n.nvx - m.n.nv); }, [](const Model& m, const Data<double>&) { return int(m.has_mimic); },
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.has_mimic = 0, x.n.mimic_q = x.n.mimic_v = 0; }); }},
-    {"contact", [](const Model& m) { return int(std::count_if(m.pairs(), m.pairs() + m.n.pairs, [](const PairRecord& p) { return p.reason == DYN_PAIR_TESTED; })); },
-     [](const Model& m, const Data<double>& d) { return d.pair_states ? int(std::count(d.pair_states, d.pair_states + m.n.pairs, DYN_PAIR_TESTED)) : 0; },
+    {"contact", [](const Model& m) { return int(std::count_if(m.pairs(), m.pairs() + m.n.pairs, [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; })); },
+     [](const Model& m, const Data<double>& d) { return d.pair_states ? int(std::count(d.pair_states, d.pair_states + m.n.pairs, DYN_PAIR_REASON_TESTED)) : 0; },
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.contacts = x.n.pairs = x.n.geoms = x.n.hulls = x.n.trees = x.n.grids = 0; }); }},
     {"constraints", [](const Model& m) { return int(m.n.constraints); },
      [](const Model& m, const Data<double>& d) { return d.slots ? int(std::count_if(d.slots, d.slots + m.n.slots, [](const ConstraintInstance<double>& s) { return s.rows > 0; })) : 0; },
@@ -69,14 +69,14 @@ constexpr int row_count = int(sizeof rows / sizeof *rows);
 
 extern "C" {
 
-int dyn_neffects(void) { return row_count; }
+int dyn_effect_count(void) { return row_count; }
 
-dynStatus dyn_effect_info(const dynModel* model, dynData* data, int effect, dynEffectInfo* info) {
-  Call call(model, data, 0, "dyn_effect_info");
+dynStatus dyn_data_effect_info(const dynModel* model, dynData* data, int effect, dynEffectInfo* info) {
+  Call call(model, data, 0, "dyn_data_effect_info");
   if (!call || !call.required("info", info)) return call.status;
-  if (effect < 0 || effect >= row_count) return fail(DYN_ERROR_ARGUMENT, "dyn_effect_info: effect %d does not exist: there are %d", effect, row_count);
+  if (effect < 0 || effect >= row_count) return fail(DYN_ERROR_ARGUMENT, "dyn_data_effect_info: effect %d does not exist: there are %d", effect, row_count);
   if (info->struct_size < sizeof *info)
-    return fail(DYN_ERROR_SIZE, "dyn_effect_info: struct_size is %u, needs %zu: set it to sizeof(dynEffectInfo)", info->struct_size, sizeof *info);
+    return fail(DYN_ERROR_SIZE, "dyn_data_effect_info: struct_size is %u, needs %zu: set it to sizeof(dynEffectInfo)", info->struct_size, sizeof *info);
   const Row& row = rows[effect];
   const Model& m = call.m();
   info->name = row.name, info->present = row.present(m), info->acting = row.acting(m, call.d());

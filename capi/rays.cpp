@@ -56,8 +56,8 @@ dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, 
   return DYN_OK;
 }
 
-dynStatus dyn_shape_ray(const dynGeometry* shape, const double* placement, const double* origin, const double* direction, dynRayHit* out) {
-  constexpr const char* function = "dyn_shape_ray";
+dynStatus dyn_geometry_ray(const dynGeometry* shape, const double* placement, const double* origin, const double* direction, dynRayHit* out) {
+  constexpr const char* function = "dyn_geometry_ray";
   PlacedShape S;
   dynStatus s = read_geometry(function, "shape", shape, S);
   if (s == DYN_OK) s = read_placement(function, "placement", placement, S.X);
@@ -74,12 +74,12 @@ dynStatus dyn_shape_ray(const dynGeometry* shape, const double* placement, const
   return DYN_OK;
 }
 
-dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins, const double* directions, int n, double far,
+dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins, const double* directions, int n, double max_t,
                    uint32_t mask, double* t, int* shapes, double* normals) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_rays");
   if (!call) return call.status;
   if (n < 0) return fail(DYN_ERROR_ARGUMENT, "dyn_rays: n is %d: it can't be negative", n);
-  if (!(far > 0)) return fail(std::isnan(far) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "dyn_rays: far is %g: give a number above 0", far);
+  if (!(max_t > 0)) return fail(std::isnan(max_t) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "dyn_rays: max_t is %g: give a number above 0", max_t);
   if (const dynStatus s = check_numbers(call.function, "origins", origins, 3 * std::ptrdiff_t(n))) return s;
   if (const dynStatus s = check_directions(call.function, "directions", directions, n)) return s;
   if (!call.inputs(q, nullptr, nullptr, nullptr) || !placed(call)) return call.status;
@@ -87,8 +87,8 @@ dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const 
   const Data<double>& d = call.d();
   collision::place_geoms(m, call.d());
   for (std::ptrdiff_t k = 0; k < n; ++k) {
-    const collision::RayHit h = collision::cast(m, d, load3(origins + 3 * k), load3(directions + 3 * k), far, [&](Index geom) {
-      return (d.geom_masks[geom].contype & mask) != 0 && m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_MESH;
+    const collision::RayHit h = collision::cast(m, d, load3(origins + 3 * k), load3(directions + 3 * k), max_t, [&](Index geom) {
+      return (d.geom_masks[geom].contype & mask) != 0 && m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_TYPE_MESH;
     });
     if (t) t[k] = h.t;
     if (shapes) shapes[k] = h.geom < 0 ? -1 : int(m.geoms()[h.geom].shape);
@@ -97,8 +97,8 @@ dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const 
   return DYN_OK;
 }
 
-dynStatus dyn_shape_closest_point(const dynGeometry* shape, const double* placement, const double* point, dynClosestPoint* out) {
-  constexpr const char* function = "dyn_shape_closest_point";
+dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double* placement, const double* point, dynClosestPoint* out) {
+  constexpr const char* function = "dyn_geometry_closest_point";
   PlacedShape S;
   dynStatus s = read_geometry(function, "shape", shape, S);
   if (s == DYN_OK) s = read_placement(function, "placement", placement, S.X);
@@ -112,9 +112,9 @@ dynStatus dyn_shape_closest_point(const dynGeometry* shape, const double* placem
   return DYN_OK;
 }
 
-dynStatus dyn_shape_sweep(const dynGeometry* a, const double* placement_a, const double* motion_a, const dynGeometry* b, const double* placement_b,
+dynStatus dyn_geometry_sweep(const dynGeometry* a, const double* placement_a, const double* motion_a, const dynGeometry* b, const double* placement_b,
                           const double* motion_b, double duration, double margin, dynImpact* out) {
-  constexpr const char* function = "dyn_shape_sweep";
+  constexpr const char* function = "dyn_geometry_sweep";
   static constexpr double rest[6] = {};
   if (!motion_a) motion_a = rest;
   if (!motion_b) motion_b = rest;

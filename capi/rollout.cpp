@@ -42,7 +42,7 @@ struct Batch::Rollout {
       : batch(b), x(r), n(count), records(r.steps / r.every), steps(count * r.steps),
         // simulations of few steps are given out several at a time
         share(std::clamp<std::int64_t>(std::min(n / (32 * b.threads), steps_between_looks / r.steps), 1, 64)),
-        state(std::ptrdiff_t(dyn_state_size(b.handle))), sensor_size(size_of(sensors())), dt(h), imu(reads_acceleration(sensors())) {}
+        state(std::ptrdiff_t(dyn_model_state_size(b.handle))), sensor_size(size_of(sensors())), dt(h), imu(reads_acceleration(sensors())) {}
 
   Sensors sensors() const { return {x.sensor, x.sensor_frame, x.sensors}; }
 
@@ -74,7 +74,7 @@ struct Batch::Rollout {
     const Sizes& sizes = batch.sizes;
     if (cancelled.load(std::memory_order_relaxed)) return DYN_ERROR_CANCELLED;
     const void* begin = x.states ? static_cast<const char*>(x.states) + k * state : batch.fresh.data();
-    if (const dynStatus s = dyn_state_restore(m, data, begin, std::size_t(state))) return s;
+    if (const dynStatus s = dyn_data_restore_state(m, data, begin, std::size_t(state))) return s;
     if (x.q0 || x.v0)
       if (const dynStatus s = dyn_data_set_state(m, data, row(x.q0, sizes.nq, k), row(x.v0, sizes.nv, k), nullptr, nullptr)) return s;
     for (std::int64_t r = k * records; r < (k + 1) * records; ++r) {
@@ -100,9 +100,9 @@ struct Batch::Rollout {
     copy_out(data->d.q, sizes.nq, row(x.q, sizes.nq, r));
     copy_out(data->d.v, sizes.nv, row(x.v, sizes.nv, r));
     if (x.contact_count)
-      if (const dynStatus s = dyn_step_contacts(m, data, row(x.contacts, x.contact_capacity, r), x.contacts ? x.contact_capacity : 0, x.contact_count + r)) return s;
+      if (const dynStatus s = dyn_data_step_contacts(m, data, row(x.contacts, x.contact_capacity, r), x.contacts ? x.contact_capacity : 0, x.contact_count + r)) return s;
     if (x.final_states && (r + 1) % records == 0)
-      if (const dynStatus s = dyn_state_save(m, data, static_cast<char*>(x.final_states) + r / records * state, std::size_t(state))) return s;
+      if (const dynStatus s = dyn_data_save_state(m, data, static_cast<char*>(x.final_states) + r / records * state, std::size_t(state))) return s;
     if (!x.sensor_data) return DYN_OK;
     for (int i = 0; imu && i < sizes.nv; ++i) acceleration[i] = (data->d.v[i] - acceleration[i]) / dt;
     return read_sensors(m, data, sensors(), imu ? acceleration : nullptr, row(x.sensor_data, sensor_size, r));

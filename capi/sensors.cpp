@@ -24,13 +24,13 @@ dynStatus placement(const dynModel* m, dynData* d, int frame, double* out) {
   return DYN_OK;
 }
 
-dynStatus velocity(const dynModel* m, dynData* d, int frame, double* out) { return dyn_frame_velocity(m, d, frame, DYN_LOCAL, out); }
+dynStatus velocity(const dynModel* m, dynData* d, int frame, double* out) { return dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, out); }
 
 dynStatus imu(const dynModel* m, dynData* d, int frame, double* out) {
   double X[12], a[6], v[6];
   dynStatus s = dyn_frame_placement(m, d, frame, X);
-  if (s == DYN_OK) s = dyn_frame_classical_acceleration(m, d, frame, DYN_LOCAL, a);
-  if (s == DYN_OK) s = dyn_frame_velocity(m, d, frame, DYN_LOCAL, v);
+  if (s == DYN_OK) s = dyn_frame_classical_acceleration(m, d, frame, DYN_REFERENCE_LOCAL, a);
+  if (s == DYN_OK) s = dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, v);
   if (s != DYN_OK) return s;
   store3(load3(a) - transpose_times(rotation_of(X), load3(d->d.world_gravity)), out);
   std::copy_n(v + 3, 3, out + 3);
@@ -54,7 +54,7 @@ dynStatus force(const dynModel* m, dynData* d, int frame, double* out) {
   return DYN_OK;
 }
 
-dynStatus com(const dynModel* m, dynData* d, int, double* out) { return dyn_center_of_mass(m, d, d->d.q, d->d.v, nullptr, out, out + 3, nullptr); }
+dynStatus com(const dynModel* m, dynData* d, int, double* out) { return dyn_com(m, d, d->d.q, d->d.v, nullptr, out, out + 3, nullptr); }
 
 dynStatus energy(const dynModel* m, dynData* d, int, double* out) { return dyn_energy(m, d, nullptr, nullptr, out, out + 1); }
 
@@ -83,7 +83,7 @@ std::ptrdiff_t size_of(Sensors sensors) {
 }
 
 bool reads_acceleration(Sensors sensors) {
-  return any(sensors, [](dynSensorType t) { return t == DYN_SENSOR_IMU; });
+  return any(sensors, [](dynSensorType t) { return t == DYN_SENSOR_TYPE_IMU; });
 }
 
 dynStatus check_sensors(const Model& m, Sensors sensors, const char* function) {
@@ -97,7 +97,7 @@ dynStatus check_sensors(const Model& m, Sensors sensors, const char* function) {
     if (!sensors.frame) return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame is NULL, but sensor[%d] has a frame", function, k);
     const int frame = sensors.frame[k];
     if (frame < 0 || frame >= m.n.frames) return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame[%d] is %d: frames go from 0 to %d", function, k, frame, m.n.frames - 1);
-    if (type == DYN_SENSOR_FORCE && m.frames()[frame].type != DYN_FRAME_BODY && frame != 0)
+    if (type == DYN_SENSOR_TYPE_FORCE && m.frames()[frame].type != DYN_FRAME_TYPE_BODY && frame != 0)
       return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame[%d] is '%s', which is no link: a force is that on the shapes of a link", function, k, m.string(m.frames()[frame].name));
   }
   return DYN_OK;

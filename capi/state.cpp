@@ -25,12 +25,12 @@ void for_each_input(const Model& m, Data<double>& d, F&& f) {
   f(d.step->sleep.still, d.step->sleep.count);
 }
 
-bool is_geom(const Model& m, Index shape) { return shape >= 0 && shape < m.n.shapes && m.shapes()[shape].role == DYN_ROLE_COLLISION; }
+bool is_geom(const Model& m, Index shape) { return shape >= 0 && shape < m.n.shapes && m.shapes()[shape].role == DYN_SHAPE_ROLE_COLLISION; }
 
 bool room(Call& call, const void* memory, std::size_t size) {
   if (!call.required("memory", memory)) return false;
   if (size >= bytes(call.m())) return true;
-  call.status = fail(DYN_ERROR_SIZE, "%s: memory has %zu bytes, needs %zu (dyn_state_size)", call.function, size, bytes(call.m()));
+  call.status = fail(DYN_ERROR_SIZE, "%s: memory has %zu bytes, needs %zu (dyn_model_state_size)", call.function, size, bytes(call.m()));
   return false;
 }
 
@@ -38,10 +38,10 @@ bool room(Call& call, const void* memory, std::size_t size) {
 
 extern "C" {
 
-size_t dyn_state_size(const dynModel* model) { return check(model) == DYN_OK ? bytes(*model->m) : 0; }
+size_t dyn_model_state_size(const dynModel* model) { return check(model) == DYN_OK ? bytes(*model->m) : 0; }
 
-dynStatus dyn_state_save(const dynModel* model, dynData* data, void* memory, size_t size) {
-  Call call(model, data, DYN_PART_SIMULATION, "dyn_state_save");
+dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void* memory, size_t size) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_save_state");
   if (!call || !room(call, memory, size)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
@@ -56,8 +56,8 @@ dynStatus dyn_state_save(const dynModel* model, dynData* data, void* memory, siz
   return DYN_OK;
 }
 
-dynStatus dyn_state_restore(const dynModel* model, dynData* data, const void* memory, size_t size) {
-  Call call(model, data, DYN_PART_SIMULATION, "dyn_state_restore");
+dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const void* memory, size_t size) {
+  Call call(model, data, DYN_PART_SIMULATION, "dyn_data_restore_state");
   if (!call || !room(call, memory, size)) return call.status;
   const Model& m = call.m();
   Data<double>& d = call.d();
@@ -65,7 +65,7 @@ dynStatus dyn_state_restore(const dynModel* model, dynData* data, const void* me
   Header header;
   std::memcpy(&header, at, sizeof header);
   at += sizeof header;
-  if (header.magic != magic_of_states) return fail(DYN_ERROR_ARGUMENT, "%s: memory holds no state: dyn_state_save writes one", call.function);
+  if (header.magic != magic_of_states) return fail(DYN_ERROR_ARGUMENT, "%s: memory holds no state: dyn_data_save_state writes one", call.function);
   if (header.model_id != m.id) return fail(DYN_ERROR_ARGUMENT, "%s: the state is that of another model", call.function);
   bool sound = header.contacts >= 0 && header.contacts <= m.n.contacts && std::isfinite(header.time);
   const char* next = at;

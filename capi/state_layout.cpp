@@ -6,7 +6,7 @@ namespace dyn::capi {
 
 namespace {
 
-constexpr const char* function = "dyn_convert_state";
+constexpr const char* function = "dyn_state_layout_convert";
 constexpr int some = 4096;  // of joints or coordinates at a time: no heap
 
 }  // namespace
@@ -24,7 +24,7 @@ Layout::Layout(const dynModel* model, const dynStateLayout* layout) {
 peer::Ends Layout::ends(Index joint) const {
   const JointRecord& r = m->joints()[joint];
   peer::Ends e = {SE3<double>::identity(), SE3<double>::identity(), true};
-  if (r.type != DYN_JOINT_FREE_FLYER) return e;
+  if (r.type != DYN_JOINT_TYPE_FREE_FLYER) return e;
   const bool of_joint = l.convention == DYN_CONVENTION_DYN || l.convention == DYN_CONVENTION_PINOCCHIO;
   if (r.parent == 0 && !of_joint) e.start = load_se3(r.placement);
   if (child >= 0 && m->frames()[child].joint == joint) e.frame = load_se3(m->frames()[child].placement);
@@ -75,14 +75,14 @@ dynStatus Layout::read(const dynModel* model, const dynStateLayout* layout) {
   if (l.nq < 0 || l.nv < 0) return fail(DYN_ERROR_SIZE, "%s: nq is %d and nv %d: they can't be negative", function, int(l.nq), int(l.nv));
   for (std::size_t k = 0; l.joints && k < l.joints_count; ++k) {
     if (!l.joints[k]) return fail(DYN_ERROR_ARGUMENT, "%s: joints[%zu] is NULL", function, k);
-    const int id = dyn_joint_id(model, l.joints[k]);
+    const int id = dyn_model_joint_id(model, l.joints[k]);
     if (id < 0) return DYN_ERROR_NAME;
     if (id == 0) return fail(DYN_ERROR_NAME, "%s: the universe has no coordinates: leave it out", function);
   }
   if (!l.child_frame) return DYN_OK;
-  child = dyn_frame_id(model, l.child_frame);
+  child = dyn_model_frame_id(model, l.child_frame);
   if (child < 0) return DYN_ERROR_NAME;
-  if (const Index j = m->frames()[child].joint; m->joints()[j].type != DYN_JOINT_FREE_FLYER)
+  if (const Index j = m->frames()[child].joint; m->joints()[j].type != DYN_JOINT_TYPE_FREE_FLYER)
     return fail(DYN_ERROR_ARGUMENT, "%s: child_frame '%.200s' is carried by joint '%.200s', which is no free flyer: name a frame of the floating base",
                 function, l.child_frame, name(j));
   return DYN_OK;
@@ -93,7 +93,7 @@ dynStatus Layout::place() {
   const dynStatus s = each([&](const Item& x) {
     const peer::Size n = size(x.joint);
     const JointRecord& r = m->joints()[x.joint];
-    if (l.convention == DYN_CONVENTION_ROS && r.type != DYN_JOINT_FREE_FLYER && n.nv != 1)
+    if (l.convention == DYN_CONVENTION_ROS && r.type != DYN_JOINT_TYPE_FREE_FLYER && n.nv != 1)
       return fail(DYN_ERROR_UNSUPPORTED, "%s: joint '%.200s' (%s) has %d degrees of freedom: sensor_msgs/JointState holds joints of one", function,
                   name(x.joint), joint_type_name(r.type), n.nv);
     if (x.q < 0 || x.v < 0)

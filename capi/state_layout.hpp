@@ -30,7 +30,7 @@ class Layout {
     Item next = {0, 0, 0};
     const std::size_t count = l.joints ? l.joints_count : std::size_t(m->n.joints - 1);
     for (std::size_t k = 0; k < count; ++k) {
-      next.joint = l.joints ? dyn_joint_id(handle, l.joints[k]) : Index(k + 1);
+      next.joint = l.joints ? dyn_model_joint_id(handle, l.joints[k]) : Index(k + 1);
       if (!l.joints && follows(next.joint) && !has_followers()) continue;
       if (l.idx_q) next.q = l.idx_q[k], next.v = l.idx_v[k];
       if (const dynStatus s = f(next)) return s;
@@ -44,7 +44,7 @@ class Layout {
   template <class F>
   void parts(Index joint, F f) const {
     const JointRecord& r = m->joints()[joint];
-    if (r.type == DYN_JOINT_PLANAR && l.convention == DYN_CONVENTION_PINOCCHIO) return f(peer::Form::BodyPlanar, peer::Size{3, 3});
+    if (r.type == DYN_JOINT_TYPE_PLANAR && l.convention == DYN_CONVENTION_PINOCCHIO) return f(peer::Form::BodyPlanar, peer::Size{3, 3});
     for (Index i = r.first_body; i <= r.last_body; ++i) {
       const Body& b = m->bodies()[i];
       visit(b.type, [&]<class J>() { f(form(b), peer::Size{J::nq, J::nv}); });

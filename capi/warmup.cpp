@@ -48,8 +48,8 @@ void touch_library() {
 
 }  // namespace
 
-extern "C" dynStatus dyn_warmup(const dynModel* model, dynData* data) {
-  Call call(model, data, 0, "dyn_warmup");
+extern "C" dynStatus dyn_data_warm_up(const dynModel* model, dynData* data) {
+  Call call(model, data, 0, "dyn_data_warm_up");
   if (!call) return call.status;
   read(reinterpret_cast<const char*>(&call.m()), std::size_t(call.m().bytes));
   detail::for_each_buffer<DYN_PART_ALL>(call.m(), call.d().parts, call.d(), [](auto* p, std::size_t count) { write(reinterpret_cast<char*>(p), count * sizeof *p); });

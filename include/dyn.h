@@ -8,8 +8,8 @@
  *   Placements  12 doubles: rotation (3 x 3, column-major) then translation (3): X_WF maps F coordinates to world.
  *   q, v        q has nq numbers, v, a and tau have nv. They differ on manifolds: use dyn_integrate and dyn_difference.
  *               Free flyer: q = [position; quaternion], v = [linear; angular], both in the body's frame.
- *   References  DYN_LOCAL: axes and origin of the frame. DYN_WORLD: axes of the world, and the quantity refers to the
- *               point that coincides with the world's origin. DYN_LOCAL_WORLD_ALIGNED: the frame's origin, world axes.
+ *   References  DYN_REFERENCE_LOCAL: axes and origin of the frame. DYN_REFERENCE_WORLD: axes of the world, and the quantity refers to the
+ *               point that coincides with the world's origin. DYN_REFERENCE_LOCAL_WORLD_ALIGNED: the frame's origin, world axes.
  *   Inputs      const double*; NULL means the value held in the data (which a non-NULL argument replaces).
  *   Outputs     any output pointer may be NULL: the result is in the data as well. An output is written whole, or not at all.
  *               Where an array is required it may be NULL when it has no numbers (a robot that cannot move).
@@ -86,35 +86,35 @@ typedef struct dynData dynData;       /* what it is doing: every buffer, one per
 typedef struct dynBuilder dynBuilder; /* makes a model */
 typedef struct dynMesh dynMesh;       /* triangles; see meshes below */
 
-typedef enum dynReference { DYN_LOCAL = 0, DYN_WORLD = 1, DYN_LOCAL_WORLD_ALIGNED = 2 } dynReference;
+typedef enum dynReference { DYN_REFERENCE_LOCAL = 0, DYN_REFERENCE_WORLD = 1, DYN_REFERENCE_LOCAL_WORLD_ALIGNED = 2 } dynReference;
 
 /* Axes and sizes are per type; q = 0 (the identity for quaternions) is the placement given at the joint. */
 typedef enum dynJointType {
-  DYN_JOINT_FIXED = 0,              /* nq 0 nv 0: no joint of the model, a frame of type DYN_FRAME_FIXED_JOINT */
-  DYN_JOINT_REVOLUTE = 1,           /* nq 1 nv 1: angle about axis */
-  DYN_JOINT_CONTINUOUS = 2,         /* nq 1 nv 1: angle about axis, any value; differences are wrapped to (-pi, pi] */
-  DYN_JOINT_PRISMATIC = 3,          /* nq 1 nv 1: displacement along axis */
-  DYN_JOINT_HELICAL = 4,            /* nq 1 nv 1: angle about axis, with pitch (metres per radian) along it */
-  DYN_JOINT_CYLINDRICAL = 5,        /* nq 2 nv 2: (angle about axis, displacement along it) */
-  DYN_JOINT_UNIVERSAL = 6,          /* nq 2 nv 2: angle about axis, then about axis2 */
-  DYN_JOINT_SPHERICAL = 7,          /* nq 4 nv 3: quaternion; v is the angular velocity in the child's frame */
-  DYN_JOINT_SPHERICAL_ZYX = 8,      /* nq 3 nv 3: angles about z, then y, then x; v are their rates */
-  DYN_JOINT_PLANAR = 9,             /* nq 3 nv 3: (x, y, angle): translation in the plane normal to axis, then rotation about it */
-  DYN_JOINT_TRANSLATION = 10,       /* nq 3 nv 3: (x, y, z) in the parent's joint frame */
-  DYN_JOINT_FREE_FLYER = 11,        /* nq 7 nv 6: [position; quaternion]; v in the child's frame */
-  DYN_JOINT_COMPOSITE = 12,         /* the joints of a chain in one: nq, nv are sums */
-  DYN_JOINT_REVOLUTE_UNBOUNDED = 13 /* nq 2 nv 1: (cos, sin) of the angle about axis */
+  DYN_JOINT_TYPE_FIXED = 0,              /* nq 0 nv 0: no joint of the model, a frame of type DYN_FRAME_TYPE_FIXED_JOINT */
+  DYN_JOINT_TYPE_REVOLUTE = 1,           /* nq 1 nv 1: angle about axis */
+  DYN_JOINT_TYPE_CONTINUOUS = 2,         /* nq 1 nv 1: angle about axis, any value; differences are wrapped to (-pi, pi] */
+  DYN_JOINT_TYPE_PRISMATIC = 3,          /* nq 1 nv 1: displacement along axis */
+  DYN_JOINT_TYPE_HELICAL = 4,            /* nq 1 nv 1: angle about axis, with pitch (metres per radian) along it */
+  DYN_JOINT_TYPE_CYLINDRICAL = 5,        /* nq 2 nv 2: (angle about axis, displacement along it) */
+  DYN_JOINT_TYPE_UNIVERSAL = 6,          /* nq 2 nv 2: angle about axis, then about axis2 */
+  DYN_JOINT_TYPE_SPHERICAL = 7,          /* nq 4 nv 3: quaternion; v is the angular velocity in the child's frame */
+  DYN_JOINT_TYPE_SPHERICAL_ZYX = 8,      /* nq 3 nv 3: angles about z, then y, then x; v are their rates */
+  DYN_JOINT_TYPE_PLANAR = 9,             /* nq 3 nv 3: (x, y, angle): translation in the plane normal to axis, then rotation about it */
+  DYN_JOINT_TYPE_TRANSLATION = 10,       /* nq 3 nv 3: (x, y, z) in the parent's joint frame */
+  DYN_JOINT_TYPE_FREE_FLYER = 11,        /* nq 7 nv 6: [position; quaternion]; v in the child's frame */
+  DYN_JOINT_TYPE_COMPOSITE = 12,         /* the joints of a chain in one: nq, nv are sums */
+  DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED = 13 /* nq 2 nv 1: (cos, sin) of the angle about axis */
 } dynJointType;
 
 typedef enum dynFrameType {
-  DYN_FRAME_OP_FRAME = 1,    /* added by the user */
-  DYN_FRAME_JOINT = 2,       /* a joint's own frame (moves with the joint's child) */
-  DYN_FRAME_FIXED_JOINT = 4, /* a fixed joint that was merged */
-  DYN_FRAME_BODY = 8,        /* a link */
-  DYN_FRAME_SENSOR = 16
+  DYN_FRAME_TYPE_OP_FRAME = 1,    /* added by the user */
+  DYN_FRAME_TYPE_JOINT = 2,       /* a joint's own frame (moves with the joint's child) */
+  DYN_FRAME_TYPE_FIXED_JOINT = 4, /* a fixed joint that was merged */
+  DYN_FRAME_TYPE_BODY = 8,        /* a link */
+  DYN_FRAME_TYPE_SENSOR = 16
 } dynFrameType;
 
-typedef enum dynReportLevel { DYN_REPORT_INFO = 0, DYN_REPORT_WARNING = 1 } dynReportLevel;
+typedef enum dynReportLevel { DYN_REPORT_LEVEL_INFO = 0, DYN_REPORT_LEVEL_WARNING = 1 } dynReportLevel;
 
 /* A view of numbers: element (i, j) is data[i * stride[0] + j * stride[1]] (strides in doubles). Vectors have cols = 1. */
 typedef struct dynArray {
@@ -134,24 +134,24 @@ typedef enum dynBase {
 
 /* What stands for the collision meshes of a robot file. A mesh that is there twice is kept once. */
 typedef enum dynMeshUse {
-  DYN_MESH_NONE = 0,      /* the default: their names alone; no file is opened, and pairs with them are not tested (DYN_PAIR_MESH) */
-  DYN_MESH_HULL = 1,      /* their convex hulls: shapes of type CONVEX. The load report has a line for each, a warning where the mesh is not
+  DYN_MESH_USE_NONE = 0,      /* the default: their names alone; no file is opened, and pairs with them are not tested (DYN_PAIR_REASON_MESH) */
+  DYN_MESH_USE_HULL = 1,      /* their convex hulls: shapes of type CONVEX. The load report has a line for each, a warning where the mesh is not
                              convex, with hull_volume_ratio and hull_depth as in dynMeshInfo. At most 65,536 vertices */
-  DYN_MESH_TRIANGLES = 2  /* their triangles: shapes of type TRIANGLES. A line in the load report, a warning where they enclose nothing */
+  DYN_MESH_USE_TRIANGLES = 2  /* their triangles: shapes of type TRIANGLES. A line in the load report, a warning where they enclose nothing */
 } dynMeshUse;
 
 typedef struct dynLoadOptions {
   uint32_t struct_size;             /* sizeof(dynLoadOptions): set by dyn_load_options_init */
   dynBase base;
   int32_t strict;                   /* non-zero: physics that would be dropped is an error */
-  int32_t cos_sin;                  /* non-zero: continuous joints store (cos, sin): DYN_JOINT_REVOLUTE_UNBOUNDED */
+  int32_t cos_sin;                  /* non-zero: continuous joints store (cos, sin): DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED */
   const char* const* package_dirs;  /* where package://NAME/... is looked up: DIR/NAME/... and DIR/... ; may be NULL */
   size_t package_dirs_count;
   double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's: anything else counts */
   const char* srdf;                 /* path of an SRDF for this robot; NULL: none */
   dynMeshUse meshes;                /* anything but NONE needs libdyn_mesh.so, and a mesh that cannot be read is an error */
   int32_t constraint_slots;         /* spare slots for constraints, 0 to 1000; default 8 */
-  int32_t contact_capacity;         /* contact points that a step has room for, 1 to 10^6, the deepest: see dyn_builder_contact_capacity; default 0 */
+  int32_t contact_capacity;         /* contact points that a step has room for, 1 to 10^6, the deepest: see dyn_builder_set_contact_capacity; default 0 */
   int32_t confined;                 /* for files that are not trusted: non-zero: an included file or a mesh outside of the robot file's folder (of text in
                                        memory: the working directory) and of package_dirs is DYN_ERROR_FILE, links followed; default 0 */
 } dynLoadOptions;
@@ -184,8 +184,8 @@ typedef struct dynReportEntry {
   int32_t line;        /* 1-based; 0 when no line applies */
   const char* message; /* lives as long as the model */
 } dynReportEntry;
-DYN_API int dyn_report_count(const dynModel* model);
-DYN_API dynStatus dyn_report_entry(const dynModel* model, int index, dynReportEntry* entry);
+DYN_API int dyn_model_report_count(const dynModel* model);
+DYN_API dynStatus dyn_model_report_entry(const dynModel* model, int index, dynReportEntry* entry);
 
 /* ------------------------------------------------------------------------------------------------------- saving */
 
@@ -225,21 +225,21 @@ DYN_API dynStatus dyn_model_from_buffer(const void* buffer, size_t size, const d
 /* ------------------------------------------------------------------------------------------------------- the model */
 
 /* Sizes; -1 for an invalid handle (dyn_last_error says why). */
-DYN_API int dyn_nq(const dynModel* model);
-DYN_API int dyn_nv(const dynModel* model);
-DYN_API int dyn_njoints(const dynModel* model); /* joints that move, plus the universe (joint 0) */
-DYN_API int dyn_nframes(const dynModel* model); /* frame 0 is the universe */
-DYN_API int dyn_nbodies(const dynModel* model); /* links, the universe not counted */
+DYN_API int dyn_model_nq(const dynModel* model);
+DYN_API int dyn_model_nv(const dynModel* model);
+DYN_API int dyn_model_njoints(const dynModel* model); /* joints that move, plus the universe (joint 0) */
+DYN_API int dyn_model_nframes(const dynModel* model); /* frame 0 is the universe */
+DYN_API int dyn_model_nbodies(const dynModel* model); /* links, the universe not counted */
 DYN_API size_t dyn_model_size(const dynModel* model); /* bytes of the compiled model; 0 for an invalid handle */
 
 /* Names and ids. Ids are indices; a name that does not exist gives -1 and an error that lists near misses. */
 DYN_API const char* dyn_model_name(const dynModel* model);             /* NULL for an invalid handle */
-DYN_API const char* dyn_joint_name(const dynModel* model, int joint);  /* NULL when out of range */
-DYN_API const char* dyn_frame_name(const dynModel* model, int frame);
-DYN_API int dyn_joint_id(const dynModel* model, const char* name);
-/* A name may belong to several frames (a link and a joint): joints and user frames are found before links; see dyn_frame_id_of_type. */
-DYN_API int dyn_frame_id(const dynModel* model, const char* name);
-DYN_API int dyn_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type);
+DYN_API const char* dyn_model_joint_name(const dynModel* model, int joint);  /* NULL when out of range */
+DYN_API const char* dyn_model_frame_name(const dynModel* model, int frame);
+DYN_API int dyn_model_joint_id(const dynModel* model, const char* name);
+/* A name may belong to several frames (a link and a joint): joints and user frames are found before links; see dyn_model_frame_id_of_type. */
+DYN_API int dyn_model_frame_id(const dynModel* model, const char* name);
+DYN_API int dyn_model_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type);
 
 typedef struct dynJointInfo {
   uint32_t struct_size;
@@ -254,7 +254,7 @@ typedef struct dynJointInfo {
   double pitch;           /* helical: metres per radian */
   double placement[12];   /* joint frame in the parent joint's frame, at the neutral configuration */
 } dynJointInfo;
-DYN_API dynStatus dyn_joint_info(const dynModel* model, int joint, dynJointInfo* info);
+DYN_API dynStatus dyn_model_joint_info(const dynModel* model, int joint, dynJointInfo* info);
 
 typedef struct dynFrameInfo {
   uint32_t struct_size;
@@ -266,13 +266,13 @@ typedef struct dynFrameInfo {
   double com[3];          /* in the frame, metres */
   double inertia[9];      /* about the centre of mass, frame axes, kg m^2 */
 } dynFrameInfo;
-DYN_API dynStatus dyn_frame_info(const dynModel* model, int frame, dynFrameInfo* info);
+DYN_API dynStatus dyn_model_frame_info(const dynModel* model, int frame, dynFrameInfo* info);
 
 /* Shapes of the file, kept as data. */
-typedef enum dynShapeType { DYN_SHAPE_BOX = 1, DYN_SHAPE_SPHERE = 2, DYN_SHAPE_CYLINDER = 3, DYN_SHAPE_MESH = 4, DYN_SHAPE_CAPSULE = 5,
-                            DYN_SHAPE_CONE = 6, DYN_SHAPE_ELLIPSOID = 7, DYN_SHAPE_HALF_SPACE = 8, DYN_SHAPE_CONVEX = 9,
-                            DYN_SHAPE_TRIANGLES = 10, DYN_SHAPE_HEIGHT_FIELD = 11 } dynShapeType;
-typedef enum dynShapeRole { DYN_ROLE_COLLISION = 1, DYN_ROLE_VISUAL = 2 } dynShapeRole;
+typedef enum dynShapeType { DYN_SHAPE_TYPE_BOX = 1, DYN_SHAPE_TYPE_SPHERE = 2, DYN_SHAPE_TYPE_CYLINDER = 3, DYN_SHAPE_TYPE_MESH = 4, DYN_SHAPE_TYPE_CAPSULE = 5,
+                            DYN_SHAPE_TYPE_CONE = 6, DYN_SHAPE_TYPE_ELLIPSOID = 7, DYN_SHAPE_TYPE_HALF_SPACE = 8, DYN_SHAPE_TYPE_CONVEX = 9,
+                            DYN_SHAPE_TYPE_TRIANGLES = 10, DYN_SHAPE_TYPE_HEIGHT_FIELD = 11 } dynShapeType;
+typedef enum dynShapeRole { DYN_SHAPE_ROLE_COLLISION = 1, DYN_SHAPE_ROLE_VISUAL = 2 } dynShapeRole;
 /* What happens where a shape touches another. Of two shapes: the larger friction, torsion, rolling, restitution and damping, the springs in
    a row, and a slip velocity that is the difference of the two. */
 typedef struct dynMaterial {
@@ -295,48 +295,48 @@ typedef struct dynShapeInfo {
                              half-space, all below z = 0: none; mesh, and what was made of one: scale, applied already */
   const char* mesh;       /* resolved path, also of what stands for a mesh (dynMeshUse); "" for others */
   double radius;          /* m, of rounding: points within that distance belong to the shape */
-  uint32_t contype, conaffinity; /* groups it is in, groups it collides with, a bit each: see DYN_PAIR_MASK */
+  uint32_t contype, conaffinity; /* groups it is in, groups it collides with, a bit each: see DYN_PAIR_REASON_MASK */
   dynMaterial material;
 } dynShapeInfo;
-DYN_API int dyn_nshapes(const dynModel* model);
-DYN_API dynStatus dyn_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
+DYN_API int dyn_model_nshapes(const dynModel* model);
+DYN_API dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
 /* How it looks: red, green, blue, opacity, 0 to 1, of 8 bits each: the <material> of a URDF, rgba of an MJCF (or its material's). -1 where nothing is said. */
-DYN_API dynStatus dyn_shape_rgba(const dynModel* model, int shape, double rgba[4]);
+DYN_API dynStatus dyn_model_shape_rgba(const dynModel* model, int shape, double rgba[4]);
 /* What a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD is made of, a new mesh in the shape's frame; triangles in an order of their own. */
-DYN_API dynStatus dyn_shape_mesh(const dynModel* model, int shape, dynMesh** mesh);
+DYN_API dynStatus dyn_model_shape_mesh(const dynModel* model, int shape, dynMesh** mesh);
 
 /* Pairs of links that an SRDF takes out of collision tests: <disable_collisions>, and <disable_default_collisions> as MoveIt reads it.
    frame1 and frame2 are BODY frames; reason is the file's, "" when it gives none. Any output may be NULL. */
-DYN_API int dyn_ndisabled_pairs(const dynModel* model);
-DYN_API dynStatus dyn_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason);
+DYN_API int dyn_model_ndisabled_pairs(const dynModel* model);
+DYN_API dynStatus dyn_model_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason);
 
 /* Per-degree-of-freedom numbers of the model, each nv (limits: nq) doubles that live as long as the model; NULL for an
    invalid handle. Absent limits are infinite. */
 typedef enum dynModelArray {
-  DYN_LOWER_LIMIT = 0,    /* nq: quaternion parts are -inf, inf */
-  DYN_UPPER_LIMIT = 1,    /* nq */
-  DYN_VELOCITY_LIMIT = 2, /* nv */
-  DYN_EFFORT_LIMIT = 3,   /* nv */
-  DYN_ARMATURE = 4,       /* nv: added to the diagonal of M, kg m^2 or kg */
-  DYN_DAMPING = 5,        /* nv: N m s/rad or N s/m: acts when switched on, see dyn_data_set_effects */
-  DYN_FRICTION = 6,       /* nv: dry friction, N m or N; likewise */
-  DYN_GRAVITY = 7,        /* 3: m/s^2 */
-  DYN_STIFFNESS = 8,      /* nv: springs, N m/rad or N/m; likewise */
-  DYN_SPRING_REFERENCE = 9 /* nq: where they are at rest */
+  DYN_MODEL_ARRAY_LOWER_LIMIT = 0,    /* nq: quaternion parts are -inf, inf */
+  DYN_MODEL_ARRAY_UPPER_LIMIT = 1,    /* nq */
+  DYN_MODEL_ARRAY_VELOCITY_LIMIT = 2, /* nv */
+  DYN_MODEL_ARRAY_EFFORT_LIMIT = 3,   /* nv */
+  DYN_MODEL_ARRAY_ARMATURE = 4,       /* nv: added to the diagonal of M, kg m^2 or kg */
+  DYN_MODEL_ARRAY_DAMPING = 5,        /* nv: N m s/rad or N s/m: acts when switched on, see dyn_data_set_effects */
+  DYN_MODEL_ARRAY_FRICTION = 6,       /* nv: dry friction, N m or N; likewise */
+  DYN_MODEL_ARRAY_GRAVITY = 7,        /* 3: m/s^2 */
+  DYN_MODEL_ARRAY_STIFFNESS = 8,      /* nv: springs, N m/rad or N/m; likewise */
+  DYN_MODEL_ARRAY_SPRING_REFERENCE = 9 /* nq: where they are at rest */
 } dynModelArray;
 DYN_API const double* dyn_model_array(const dynModel* model, dynModelArray which);
 /* Mass of what moves, kg: links welded to the world do not count, here as in the centre of mass and the energies. NaN for an
    invalid handle. */
-DYN_API double dyn_total_mass(const dynModel* model);
+DYN_API double dyn_model_total_mass(const dynModel* model);
 
 /* Named configurations ("neutral" is always there as index 0). Each <group_state> of an SRDF is one, under its own name, or as
    "group/state" when several groups have a state of that name; joints that it does not name are neutral. */
-DYN_API int dyn_nconfigurations(const dynModel* model);
-DYN_API const char* dyn_configuration_name(const dynModel* model, int index);
-DYN_API dynStatus dyn_configuration(const dynModel* model, const char* name, double* q);
+DYN_API int dyn_model_nconfigurations(const dynModel* model);
+DYN_API const char* dyn_model_configuration_name(const dynModel* model, int index);
+DYN_API dynStatus dyn_model_configuration(const dynModel* model, const char* name, double* q);
 
 /* Indices into q (or v) of each named joint's first coordinate, in the order of names; fails on missing or repeated names. */
-DYN_API dynStatus dyn_q_permutation(const dynModel* model, const char* const* names, size_t count, int32_t* idx_q, int32_t* idx_v);
+DYN_API dynStatus dyn_model_q_permutation(const dynModel* model, const char* const* names, size_t count, int32_t* idx_q, int32_t* idx_v);
 
 /* ------------------------------------------------------------------------------------------------------- the builder */
 
@@ -365,23 +365,23 @@ DYN_API void dyn_joint_spec_init(dynJointSpec* spec);
 
 DYN_API dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder);
 DYN_API void dyn_builder_free(dynBuilder* builder); /* NULL is allowed */
-DYN_API dynStatus dyn_builder_gravity(dynBuilder* builder, const double gravity[3]);
+DYN_API dynStatus dyn_builder_set_gravity(dynBuilder* builder, const double gravity[3]);
 /* Fixed joints become frames. A parent must have been added before; ids of the finished model are depth first. */
-DYN_API dynStatus dyn_builder_joint(dynBuilder* builder, const dynJointSpec* spec);
+DYN_API dynStatus dyn_builder_add_joint(dynBuilder* builder, const dynJointSpec* spec);
 /* A link: mass (kg), centre of mass (m) and inertia about it (3 x 3, kg m^2), both in the link's frame, which lies at
    placement (12 doubles, NULL: identity) in the frame or joint named parent. A principal moment above the sum of the others: DYN_ERROR_INVALID. */
-DYN_API dynStatus dyn_builder_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
+DYN_API dynStatus dyn_builder_add_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
                                    const double com[3], const double inertia[9]);
-DYN_API dynStatus dyn_builder_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
+DYN_API dynStatus dyn_builder_add_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
 /* A share of a link's weight that is held from outside, at its centre of mass: 1 makes it weightless in steps. Any finite number. */
-DYN_API dynStatus dyn_builder_gravity_compensation(dynBuilder* builder, const char* body, double share);
+DYN_API dynStatus dyn_builder_set_gravity_compensation(dynBuilder* builder, const char* body, double share);
 /* What the links move in: density (kg/m^3), viscosity (Pa s), both >= 0, and the velocity it moves with (m/s, world; NULL: it stands still). Steps
    take the drag on each link as on the box of equal inertia with sides 2 r, relative to the medium and in the principal axes, with
    b_i = 4 r_j r_k (the face across axis i) and d the mean of the sides:
      force_i  = - density / 2 b_i |v_i| v_i - 3 pi d viscosity v_i
      moment_i = - density / 2 r_i (r_j^4 + r_k^4) |w_i| w_i - pi d^3 viscosity w_i
    (MuJoCo's inertia-based fluid model, documentation, Computation: Passive forces). */
-DYN_API dynStatus dyn_builder_medium(dynBuilder* builder, double density, double viscosity, const double wind[3]);
+DYN_API dynStatus dyn_builder_set_medium(dynBuilder* builder, double density, double viscosity, const double wind[3]);
 /* A shape on a link. */
 typedef struct dynShapeSpec {
   uint32_t struct_size;   /* set by dyn_shape_spec_init */
@@ -394,38 +394,38 @@ typedef struct dynShapeSpec {
   const char* mesh;       /* MESH: its file, kept as a name; also of what was made of it */
   double radius;          /* m, >= 0; of rounding, not of a mesh */
   uint32_t contype, conaffinity; /* default 1, 1 */
-  const dynMesh* surface; /* CONVEX: a hull (dyn_mesh_hull), TRIANGLES: a mesh, HEIGHT_FIELD: one of dyn_mesh_height_field; copied */
+  const dynMesh* surface; /* CONVEX: a hull (dyn_mesh_hull), TRIANGLES: a mesh, HEIGHT_FIELD: one of dyn_mesh_from_height_field; copied */
   dynMaterial material;
 } dynShapeSpec;
 DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
-DYN_API dynStatus dyn_builder_shape(dynBuilder* builder, const dynShapeSpec* spec);
+DYN_API dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* spec);
 /* How the shape that was added last looks, 0 to 1 each; for pictures alone. DYN_ERROR_INVALID: there is none. */
-DYN_API dynStatus dyn_builder_shape_rgba(dynBuilder* builder, const double rgba[4]);
+DYN_API dynStatus dyn_builder_set_shape_rgba(dynBuilder* builder, const double rgba[4]);
 /* Two collision shapes of different bodies, by their names, that are tested whatever the filter says; material: of their contacts in steps, NULL: it
    follows from those of the shapes. */
-DYN_API dynStatus dyn_builder_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material);
+DYN_API dynStatus dyn_builder_add_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material);
 /* A named configuration: nq numbers in the finished model's order. Its quaternions and (cos, sin) pairs need not be unit: the model
    keeps them normalised. A zero one is refused by dyn_builder_finish (DYN_ERROR_QUATERNION). */
-DYN_API dynStatus dyn_builder_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
+DYN_API dynStatus dyn_builder_add_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
 /* Operations on the whole robot. One that fails leaves the builder as it was. */
 
 /* A builder that holds all that a model was made from (a follower's limits, which a model has not, excepted): finished at once, it
    makes the same model. */
 DYN_API dynStatus dyn_builder_from_model(const dynModel* model, dynBuilder** builder);
 /* Locks joints at a configuration: q, nq numbers in the order of the model that finish would make now, normalised. Their links
-   become part of the body that carries them; joints stay as frames of type DYN_FRAME_FIXED_JOINT, links, frames and shapes as they
+   become part of the body that carries them; joints stay as frames of type DYN_FRAME_TYPE_FIXED_JOINT, links, frames and shapes as they
    are; named configurations lose the locked coordinates. A leader takes its followers along; a follower alone is
    DYN_ERROR_INVALID, and so is a coordinate outside of the joint's limits. */
 DYN_API dynStatus dyn_builder_lock(dynBuilder* builder, const char* const* joints, size_t count, const double* q, size_t nq);
-/* Adds a whole model, its names behind prefix (NULL: as they are). Its world is what joint carries, of any type: DYN_JOINT_FIXED
+/* Adds a whole model, its names behind prefix (NULL: as they are). Its world is what joint carries, of any type: DYN_JOINT_TYPE_FIXED
    welds; NULL: its world is the builder's. Shapes of its world hang on a link of the joint's name. Named configurations of one name are joined, and neutral in what has none of that name;
    gravity stays the builder's. A name that both have is DYN_ERROR_NAME. */
 DYN_API dynStatus dyn_builder_attach(dynBuilder* builder, const dynModel* model, const char* prefix, const dynJointSpec* joint);
 /* Keeps a joint and what it carries. The frame of the joint's parent becomes the world: attached there again, the subtree is where
    it was. DYN_ERROR_INVALID when a joint of it follows one outside. */
-DYN_API dynStatus dyn_builder_subtree(dynBuilder* builder, const char* joint);
+DYN_API dynStatus dyn_builder_keep_subtree(dynBuilder* builder, const char* joint);
 /* Takes away a joint and what it carries; the same error when a joint that stays follows one of those. */
-DYN_API dynStatus dyn_builder_remove(dynBuilder* builder, const char* joint);
+DYN_API dynStatus dyn_builder_remove_subtree(dynBuilder* builder, const char* joint);
 /* Compiles. The builder stays valid and may be extended and finished again. */
 DYN_API dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model);
 
@@ -440,8 +440,8 @@ enum {
   DYN_PART_INVERSE = 1u << 3,    /* tau, nle, g: RNEA */
   DYN_PART_FORWARD = 1u << 4,    /* ddq: ABA */
   DYN_PART_MASS = 1u << 5,       /* M: nv x nv, CRBA */
-  DYN_PART_FACTOR = 1u << 6,     /* sparse factor of M, solve (includes MASS) */
-  DYN_PART_MINV = 1u << 7,       /* Minv: nv x nv (includes FACTOR and FORWARD) */
+  DYN_PART_CHOLESKY = 1u << 6,     /* sparse factor of M, solve (includes MASS) */
+  DYN_PART_MINV = 1u << 7,       /* Minv: nv x nv (includes CHOLESKY and FORWARD) */
   DYN_PART_CORIOLIS = 1u << 8,   /* coriolis: nv x nv */
   DYN_PART_ENERGY = 1u << 9,     /* kinetic, potential, mechanical */
   DYN_PART_FRAMES = 1u << 10,    /* placements of all frames */
@@ -452,9 +452,9 @@ enum {
   DYN_PART_IK = 1u << 15,                  /* inverse kinematics: two nv x nv (includes COM) */
   DYN_PART_SECOND_ORDER = 1u << 16,        /* lambda_d2tau_...: nv x nv each (includes INVERSE_DERIVATIVES) */
   DYN_PART_COLLISION = 1u << 17,           /* distances of all pairs */
-  DYN_PART_CONSTRAINTS = 1u << 18,         /* slots, Delassus matrix (includes FORWARD; FACTOR when there are mimic joints) */
+  DYN_PART_CONSTRAINTS = 1u << 18,         /* slots, Delassus matrix (includes FORWARD; CHOLESKY when there are mimic joints) */
   DYN_PART_CONSTRAINT_DERIVATIVES = 1u << 19, /* nv x rows, rows x nv (includes CONSTRAINTS and FORWARD_DERIVATIVES) */
-  DYN_PART_SIMULATION = 1u << 20,          /* steps (includes FORWARD; FACTOR with mimic joints; COLLISION and CONSTRAINTS where there are pairs, limits, slots) */
+  DYN_PART_SIMULATION = 1u << 20,          /* steps (includes FORWARD; CHOLESKY with mimic joints; COLLISION and CONSTRAINTS where there are pairs, limits, slots) */
   DYN_PART_ALL = 0x1fffff
 };
 
@@ -468,7 +468,7 @@ DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
 /* Touches what later calls on this data would be the first to touch, so that none of them waits for a page of memory: the library, the model, the data,
    128 KiB of the thread's stack, the thread's place for errors. To be called once in each thread with a deadline, after creation; it changes nothing.
    The one function besides those that create and free which may lock and allocate. */
-DYN_API dynStatus dyn_warmup(const dynModel* model, dynData* data);
+DYN_API dynStatus dyn_data_warm_up(const dynModel* model, dynData* data);
 
 /* The state held in data. A call with q, v, a or tau sets them, too. NULL leaves a value as it is. New data is at the
    neutral configuration and rest. */
@@ -479,7 +479,7 @@ DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const
      M = rigid bodies' + armature        M a + nle = tau + J' fext
      nle = Coriolis, centrifugal and gravity forces + damping v + friction tanh(v / DYN_FRICTION_VELOCITY) + stiffness (q (-) reference)
    Inverse and forward dynamics, steps, their derivatives of all orders, static torque and energies (of rotors and springs) take the same
-   ones; dyn_gravity takes none. The springs of a continuous joint count its turns. What is off, or not in the model, costs nothing. */
+   ones; dyn_gravity_torque takes none. The springs of a continuous joint count its turns. What is off, or not in the model, costs nothing. */
 #define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: dry friction is nearly viscous below it, and within 1e-3 of its value beyond four of them */
 enum {
   DYN_EFFECT_ARMATURE = 1u << 0,
@@ -509,8 +509,8 @@ typedef struct dynEffectInfo {
                        enabled; of sleeping how many trees of bodies may */
   uint64_t bytes;   /* of the data */
 } dynEffectInfo;
-DYN_API int dyn_neffects(void);
-DYN_API dynStatus dyn_effect_info(const dynModel* model, dynData* data, int effect, dynEffectInfo* info);
+DYN_API int dyn_effect_count(void);
+DYN_API dynStatus dyn_data_effect_info(const dynModel* model, dynData* data, int effect, dynEffectInfo* info);
 /* Gravity in this data (m/s^2, world axes); new data has the model's. All results are stale afterwards. The field "world_gravity" reads it. */
 DYN_API dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, const double gravity[3]);
 
@@ -527,7 +527,7 @@ typedef struct dynFieldInfo {
   dynParts part;
   int32_t reserved;
 } dynFieldInfo;
-DYN_API int dyn_nfields(void);
+DYN_API int dyn_field_count(void);
 DYN_API dynStatus dyn_field_info(dynField field, dynFieldInfo* info);
 DYN_API dynField dyn_field_id(const char* name); /* -1: unknown */
 /* A view of a field, no copy. DYN_ERROR_STALE when it does not belong to the current q, v, a, tau;
@@ -553,7 +553,7 @@ DYN_API dynStatus dyn_frame_acceleration(const dynModel* model, dynData* data, i
    classical.linear = spatial.linear + omega x velocity. */
 DYN_API dynStatus dyn_frame_classical_acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double acceleration[6]);
 
-/* Joint Jacobians of all joints in DYN_WORLD: J, 6 x nv (column of each degree of freedom, as if it moved all). Includes
+/* Joint Jacobians of all joints in DYN_REFERENCE_WORLD: J, 6 x nv (column of each degree of freedom, as if it moved all). Includes
    dyn_forward_kinematics of q. */
 DYN_API dynStatus dyn_joint_jacobians(const dynModel* model, dynData* data, const double* q, double* J);
 /* Their time variation dJ, 6 x nv; includes J and kinematics of q, v. */
@@ -579,17 +579,17 @@ DYN_API dynStatus dyn_frame_kinematic_hessian(const dynModel* model, dynData* da
 /* ------------------------------------------------------------------------------------------------------- centre of mass */
 
 /* com, vcom, acom: 3 each, world axes. v and a NULL as in dyn_forward_kinematics (which this includes). */
-DYN_API dynStatus dyn_center_of_mass(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
+DYN_API dynStatus dyn_com(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
                                      double* com, double* vcom, double* acom);
 /* Jcom: 3 x nv, Jcom v = vcom. Includes com and kinematics of q. */
-DYN_API dynStatus dyn_center_of_mass_jacobian(const dynModel* model, dynData* data, const double* q, double* Jcom);
+DYN_API dynStatus dyn_jcom(const dynModel* model, dynData* data, const double* q, double* Jcom);
 /* Derivatives of vcom on the tangent space, 3 x nv each: by q, and by v, which is Jcom. Includes com, vcom and kinematics of q, v. */
-DYN_API dynStatus dyn_center_of_mass_velocity_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, double* dvcom_dq,
+DYN_API dynStatus dyn_vcom_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, double* dvcom_dq,
                                                           double* dvcom_dv);
-/* Of the subtree that a joint carries (itself included): com 3, mass (either may be NULL). Needs dyn_center_of_mass. */
-DYN_API dynStatus dyn_subtree_center_of_mass(const dynModel* model, dynData* data, int joint, double com[3], double* mass);
-/* Jacobian of that point, 3 x nv. Needs dyn_center_of_mass. */
-DYN_API dynStatus dyn_subtree_center_of_mass_jacobian(const dynModel* model, dynData* data, int joint, double* J);
+/* Of the subtree that a joint carries (itself included): com 3, mass (either may be NULL). Needs dyn_com. */
+DYN_API dynStatus dyn_subtree_com(const dynModel* model, dynData* data, int joint, double com[3], double* mass);
+/* Jacobian of that point, 3 x nv. Needs dyn_com. */
+DYN_API dynStatus dyn_subtree_jcom(const dynModel* model, dynData* data, int joint, double* J);
 
 /* ------------------------------------------------------------------------------------------------------- centroidal */
 
@@ -605,7 +605,7 @@ DYN_API dynStatus dyn_centroidal_map_time_variation(const dynModel* model, dynDa
 DYN_API dynStatus dyn_centroidal_momentum(const dynModel* model, dynData* data, const double* q, const double* v, double hg[6]);
 /* dhg: its time derivative, 6, for the acceleration a: m (acom) and the rate of the angular momentum; the resultant, about the
    centre of mass, of all forces on the robot, weight included. In free fall [m g; 0]. Includes hg and placements. */
-DYN_API dynStatus dyn_centroidal_momentum_rate(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double dhg[6]);
+DYN_API dynStatus dyn_centroidal_momentum_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double dhg[6]);
 
 /* Derivatives of hg and dhg on the tangent space, 6 x nv each: dh_dq of hg by q; dhdot_dq, dhdot_dv, dhdot_da of dhg by q, v, a
    (dhdot_da = Ag, which is also the derivative of hg by v). Includes Ag, Ig, hg, dhg and placements. */
@@ -620,26 +620,26 @@ DYN_API dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* dat
 /* Inverse dynamics, tau = M a + nle - J^T fext. RNEA (Featherstone 2008, Table 5.1). Includes placements. */
 DYN_API dynStatus dyn_rnea(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext, double* tau);
 /* nle = tau at a = 0: Coriolis, centrifugal, gravity. */
-DYN_API dynStatus dyn_nonlinear_effects(const dynModel* model, dynData* data, const double* q, const double* v, double* nle);
+DYN_API dynStatus dyn_nle(const dynModel* model, dynData* data, const double* q, const double* v, double* nle);
 /* g = tau at v = a = 0; equals dyn_rnea(q, 0, 0) bit for bit. */
-DYN_API dynStatus dyn_gravity(const dynModel* model, dynData* data, const double* q, double* g);
+DYN_API dynStatus dyn_gravity_torque(const dynModel* model, dynData* data, const double* q, double* g);
 /* tau that holds q at rest: g - J^T fext. */
 DYN_API dynStatus dyn_static_torque(const dynModel* model, dynData* data, const double* q, const double* fext, double* tau);
 /* Coriolis matrix C, nv x nv, with C v + g = nle and dM/dt - 2 C skew-symmetric (Echeandia and Wensing 2021). */
 DYN_API dynStatus dyn_coriolis_matrix(const dynModel* model, dynData* data, const double* q, const double* v, double* C);
 /* Forward dynamics, ddq = M^-1 (tau - nle + J^T fext). ABA (Featherstone 2008, Table 7.1); with mimic joints by the
-   factor of M (needs part FACTOR). DYN_ERROR_NUMERIC names the joint whose articulated inertia is not positive. */
+   factor of M (needs part CHOLESKY). DYN_ERROR_NUMERIC names the joint whose articulated inertia is not positive. */
 DYN_API dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext, double* ddq);
 /* M, nv x nv, full and symmetric. CRBA (Featherstone 2008, Table 6.2). Includes placements. */
 DYN_API dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q, double* M);
 /* Sparse factor M = L^T D L that keeps the tree's sparsity (Featherstone 2008, 6.5), of the current M (else DYN_ERROR_STALE). */
-DYN_API dynStatus dyn_factorize(const dynModel* model, dynData* data);
-/* x = M^-1 b for nrhs right-hand sides (nv x nrhs each; x may be b), by the factor of M at the held q, made by dyn_factorize (or by
-   dyn_all_terms with FACTOR or MINV). DYN_ERROR_STALE when q was never factorised or has changed since, by whatever call; v, a and
+DYN_API dynStatus dyn_cholesky(const dynModel* model, dynData* data);
+/* x = M^-1 b for nrhs right-hand sides (nv x nrhs each; x may be b), by the factor of M at the held q, made by dyn_cholesky (or by
+   dyn_all_terms with CHOLESKY or MINV). DYN_ERROR_STALE when q was never factorised or has changed since, by whatever call; v, a and
    tau may change. DYN_ERROR_NUMERIC when a solution overflows: the columns of x before it are written. */
-DYN_API dynStatus dyn_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x);
+DYN_API dynStatus dyn_cholesky_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x);
 /* Minv = M^-1, nv x nv, full and symmetric, by articulated inertias (Carpentier 2018); with mimic joints by the factor of M. */
-DYN_API dynStatus dyn_minverse(const dynModel* model, dynData* data, const double* q, double* Minv);
+DYN_API dynStatus dyn_minv(const dynModel* model, dynData* data, const double* q, double* Minv);
 /* Derivatives of inverse dynamics, analytic, O(n depth): dtau_dq and dtau_dv, nv x nv each (either may be NULL), on the tangent
    space: column k of dtau_dq is the derivative along q (+) e_k t. fext is constant in the joints' frames. Includes M (which is
    dtau/da), tau, and placements. (Singh, Russell, Wensing 2022) */
@@ -663,7 +663,7 @@ DYN_API dynStatus dyn_rnea_second_order_derivatives(const dynModel* model, dynDa
 DYN_API dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
                                       const double* fext, double* ddq_dq, double* ddq_dv, double* ddq_dtau);
 /* Derivatives of g, and of static_torque under fext (constant in the joints' frames), by q: nv x nv, on the tangent space. Include placements. */
-DYN_API dynStatus dyn_gravity_derivatives(const dynModel* model, dynData* data, const double* q, double* dg_dq);
+DYN_API dynStatus dyn_gravity_torque_derivatives(const dynModel* model, dynData* data, const double* q, double* dg_dq);
 DYN_API dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, const double* q, const double* fext, double* dstatic_torque_dq);
 /* Kinetic (v' M v / 2, armature included) and potential energy (zero at the world's origin), joules; each may be NULL. */
 DYN_API dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic, double* potential);
@@ -674,9 +674,9 @@ DYN_API dynStatus dyn_potential_energy(const dynModel* model, dynData* data, con
 
 /* Everything in mask for one state, passes shared; *filled (may be NULL) tells what is now in data. */
 enum {
-  DYN_TERM_KINEMATICS = 1u << 0, DYN_TERM_FRAMES = 1u << 1, DYN_TERM_JACOBIANS = 1u << 2, DYN_TERM_DJACOBIANS = 1u << 3,
-  DYN_TERM_COM = 1u << 4, DYN_TERM_JCOM = 1u << 5, DYN_TERM_NLE = 1u << 6, DYN_TERM_GRAVITY = 1u << 7, DYN_TERM_MASS = 1u << 8,
-  DYN_TERM_FACTOR = 1u << 9, DYN_TERM_MINV = 1u << 10, DYN_TERM_CORIOLIS = 1u << 11, DYN_TERM_ENERGY = 1u << 12, DYN_TERM_ALL = 0x1fff
+  DYN_TERM_KINEMATICS = 1u << 0, DYN_TERM_FRAMES = 1u << 1, DYN_TERM_JACOBIANS = 1u << 2, DYN_TERM_JACOBIANS_TIME_VARIATION = 1u << 3,
+  DYN_TERM_COM = 1u << 4, DYN_TERM_JCOM = 1u << 5, DYN_TERM_NLE = 1u << 6, DYN_TERM_GRAVITY_TORQUE = 1u << 7, DYN_TERM_MASS = 1u << 8,
+  DYN_TERM_CHOLESKY = 1u << 9, DYN_TERM_MINV = 1u << 10, DYN_TERM_CORIOLIS = 1u << 11, DYN_TERM_ENERGY = 1u << 12, DYN_TERM_ALL = 0x1fff
 };
 DYN_API dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, const double* q, const double* v, uint32_t* filled);
 
@@ -687,11 +687,11 @@ DYN_API dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t m
    2's, ...; each in its joint's frame, merged links included; what is welded to the world has none. */
 
 /* pi of all joints' bodies, nparameters. */
-DYN_API dynStatus dyn_inertial_parameters(const dynModel* model, double* pi);
+DYN_API dynStatus dyn_model_inertial_parameters(const dynModel* model, double* pi);
 /* Y, nv x nparameters: tau = Y pi + armature a (element by element), tau of dyn_rnea without fext. With v = a = 0 the regressor of
    g. A follower's row is part of its leader's. Includes dyn_forward_kinematics. Needs part REGRESSOR. */
 DYN_API dynStatus dyn_joint_torque_regressor(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* Y);
-/* Y, 3 x nparameters: com = Y pi, for parameters whose masses add up to dyn_total_mass. Includes placements. */
+/* Y, 3 x nparameters: com = Y pi, for parameters whose masses add up to dyn_model_total_mass. Includes placements. */
 DYN_API dynStatus dyn_static_regressor(const dynModel* model, dynData* data, const double* q, double* Y);
 /* y, nparameters: the kinetic energy (without that of the armature) is y . pi. Includes placements. */
 DYN_API dynStatus dyn_kinetic_energy_regressor(const dynModel* model, dynData* data, const double* q, const double* v, double* y);
@@ -730,14 +730,14 @@ DYN_API dynStatus dyn_difference(const dynModel* model, const double* q0, const 
 /* q0 (+) u (q1 (-) q0). */
 DYN_API dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double* q1, double u, double* out);
 /* Norm of dyn_difference. */
-DYN_API dynStatus dyn_distance(const dynModel* model, const double* q0, const double* q1, double* distance);
-DYN_API dynStatus dyn_neutral(const dynModel* model, double* q);
+DYN_API dynStatus dyn_configuration_distance(const dynModel* model, const double* q0, const double* q1, double* distance);
+DYN_API dynStatus dyn_configuration_neutral(const dynModel* model, double* q);
 /* Uniform between lower and upper (nq each; NULL: the limits of the model; what is infinite there is drawn from [-1, 1],
    angles from [-pi, pi]); orientations uniform on the sphere. The same seed gives the same q. Never non-finite. */
-DYN_API dynStatus dyn_random(const dynModel* model, uint64_t seed, const double* lower, const double* upper, double* q);
-DYN_API dynStatus dyn_normalize(const dynModel* model, double* q);
+DYN_API dynStatus dyn_configuration_random(const dynModel* model, uint64_t seed, const double* lower, const double* upper, double* q);
+DYN_API dynStatus dyn_configuration_normalize(const dynModel* model, double* q);
 /* *normalized = 1 when every quaternion and (cos, sin) has norm 1 within tolerance. */
-DYN_API dynStatus dyn_is_normalized(const dynModel* model, const double* q, double tolerance, int* normalized);
+DYN_API dynStatus dyn_configuration_is_normalized(const dynModel* model, const double* q, double tolerance, int* normalized);
 /* d(q (+) v)/dq and d(q (+) v)/dv on tangent spaces, nv x nv each (either may be NULL). */
 DYN_API dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const double* v, double* dq, double* dv);
 /* d(q1 (-) q0)/dq0 and /dq1, nv x nv each (either may be NULL). */
@@ -760,7 +760,7 @@ typedef enum dynConvention {
 } dynConvention;
 /* How continuous joints are stored: by the convention (DYN: as in the model), as an angle, as (cos, sin). */
 typedef enum dynAngle { DYN_ANGLE_BY_CONVENTION = 0, DYN_ANGLE_PLAIN = 1, DYN_ANGLE_COS_SIN = 2 } dynAngle;
-typedef enum dynDirection { DYN_TO_PEER = 0, DYN_FROM_PEER = 1 } dynDirection;
+typedef enum dynDirection { DYN_DIRECTION_TO_PEER = 0, DYN_DIRECTION_FROM_PEER = 1 } dynDirection;
 
 typedef struct dynStateLayout {
   uint32_t struct_size;          /* set by dyn_state_layout_init */
@@ -782,18 +782,18 @@ DYN_API dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLa
    follower that the peer has as coordinates gets those of its leader, and no force; from the peer its q, v, a are not read and its
    force is added to its leader's. What the peer has beside the named joints is neither read nor written. Outputs must not
    overlap inputs. Angles from (cos, sin) are in (-pi, pi]. */
-DYN_API dynStatus dyn_convert_state(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q,
+DYN_API dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q,
                                     const double* v, const double* a, const double* tau, double* q_out, double* v_out, double* a_out,
                                     double* tau_out);
 
 /* ------------------------------------------------------------------------------------------------------- inverse kinematics */
 
 typedef enum dynIkTaskType {
-  DYN_IK_POSE = 1,        /* frame at target: error log6(target^-1 X_WF), 6, in the frame's axes */
-  DYN_IK_POSITION = 2,    /* the frame's origin at target's translation: 3, axes of the world */
-  DYN_IK_ORIENTATION = 3, /* the frame's axes along target's rotation: log3, 3, in the frame's axes */
-  DYN_IK_COM = 4,         /* centre of mass at target's translation: 3, axes of the world; frame is ignored */
-  DYN_IK_POSTURE = 5      /* q at posture: dyn_difference(posture, q), nv; frame and target are ignored */
+  DYN_IK_TASK_TYPE_POSE = 1,        /* frame at target: error log6(target^-1 X_WF), 6, in the frame's axes */
+  DYN_IK_TASK_TYPE_POSITION = 2,    /* the frame's origin at target's translation: 3, axes of the world */
+  DYN_IK_TASK_TYPE_ORIENTATION = 3, /* the frame's axes along target's rotation: log3, 3, in the frame's axes */
+  DYN_IK_TASK_TYPE_COM = 4,         /* centre of mass at target's translation: 3, axes of the world; frame is ignored */
+  DYN_IK_TASK_TYPE_POSTURE = 5      /* q at posture: dyn_difference(posture, q), nv; frame and target are ignored */
 } dynIkTaskType;
 
 /* One of the things that q shall do. The cost is the sum over tasks and components of (weight weights[k] error[k])^2 / 2. */
@@ -803,7 +803,7 @@ typedef struct dynIkTask {
   int32_t frame;
   int32_t priority;       /* 0: to be met; 1: as far as those of priority 0 leave room (in their null space) */
   double target[12];      /* placement in the world; what the type does not use is ignored. Default identity */
-  const double* posture;  /* DYN_IK_POSTURE: nq */
+  const double* posture;  /* DYN_IK_TASK_TYPE_POSTURE: nq */
   double weight;          /* default 1 */
   const double* weights;  /* one for each component of the error, NULL: ones. 0 leaves a component free */
 } dynIkTask;
@@ -823,11 +823,11 @@ DYN_API void dyn_ik_options_init(dynIkOptions* options);
 
 /* Why it ended. All but the first: the best q that was found, a local optimum of the cost unless the iterations ran out. */
 typedef enum dynIkReason {
-  DYN_IK_CONVERGED = 0,     /* every task of priority 0 is met */
-  DYN_IK_LIMITS = 1,        /* a limit of dynIkResult.joint holds the tasks back */
-  DYN_IK_SINGULAR = 2,      /* the tasks' Jacobian has lost rank: no joint moves where the error points, as when out of reach */
-  DYN_IK_LOCAL_MINIMUM = 3, /* no motion lowers the cost: tasks that contradict each other, or too few restarts */
-  DYN_IK_ITERATIONS = 4     /* max_iterations were not enough */
+  DYN_IK_REASON_CONVERGED = 0,     /* every task of priority 0 is met */
+  DYN_IK_REASON_LIMITS = 1,        /* a limit of dynIkResult.joint holds the tasks back */
+  DYN_IK_REASON_SINGULAR = 2,      /* the tasks' Jacobian has lost rank: no joint moves where the error points, as when out of reach */
+  DYN_IK_REASON_LOCAL_MINIMUM = 3, /* no motion lowers the cost: tasks that contradict each other, or too few restarts */
+  DYN_IK_REASON_MAX_ITERATIONS = 4     /* max_iterations were not enough */
 } dynIkReason;
 
 typedef struct dynIkResult {
@@ -835,7 +835,7 @@ typedef struct dynIkResult {
   dynIkReason reason;
   int32_t iterations;       /* of all starts */
   int32_t restarts;         /* how many were made */
-  int32_t joint;            /* DYN_IK_LIMITS: the joint whose limit presses most; otherwise -1 */
+  int32_t joint;            /* DYN_IK_REASON_LIMITS: the joint whose limit presses most; otherwise -1 */
   double residual_linear;   /* m: largest of the tasks of priority 0 */
   double residual_angular;  /* rad */
   double cost;              /* of the tasks of priority 0 */
@@ -852,24 +852,24 @@ DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, 
 
 /* ------------------------------------------------------------------------------------------------------- constraints */
 
-/* What ties bodies or joints together. A constraint lies in a slot of the data: the model's own in the first dyn_nconstraints(model)
-   slots, then spare ones (dynLoadOptions.constraint_slots, dyn_builder_constraint_slots) that a program sets as it goes: feet that
+/* What ties bodies or joints together. A constraint lies in a slot of the data: the model's own in the first dyn_model_nconstraints(model)
+   slots, then spare ones (dynLoadOptions.constraint_slots, dyn_builder_set_constraint_slots) that a program sets as it goes: feet that
    touch down, objects that are grasped. C(q) are the rows of the enabled ones in the order of their slots, J their Jacobian, lambda
    the forces of the rows:
      M ddq + nle = tau + J' lambda        J ddq + drift = - stiffness C - damping J v
    Constraints between frames: their rows are those of first as seen from second, axes of second's placement (the world's, when second
    is the universe); lambda acts on first at its placement's origin, and the opposite on second. */
 typedef enum dynConstraintType {
-  DYN_CONSTRAINT_NONE = 0,     /* an empty slot */
-  DYN_CONSTRAINT_POINT = 1,    /* 3 rows: contact of a point of first */
-  DYN_CONSTRAINT_FRAME = 2,    /* 6 rows: contact of a face of first, [linear; angular] */
-  DYN_CONSTRAINT_CONNECT = 3,  /* 3 rows: two points of two bodies are one */
-  DYN_CONSTRAINT_WELD = 4,     /* 6 rows: two frames are one */
-  DYN_CONSTRAINT_DISTANCE = 5, /* 1 row: two points are length apart, as by a rod */
-  DYN_CONSTRAINT_LOOP = 6,     /* 6 - nv rows: closed by a joint of joint_type, first as the child of second; linear rows, then angular ones */
-  DYN_CONSTRAINT_COUPLING = 7, /* 1 row: q_first = c0 + c1 q_second + c2 q_second^2 + ..., joints of one coordinate */
-  DYN_CONSTRAINT_LIMIT = 8,    /* 1 row: joint first stays within its limits; lambda >= 0 at the lower one, <= 0 at the upper one, else 0 */
-  DYN_CONSTRAINT_FRICTION = 9  /* 1 row: dry friction in joint first: |lambda| <= force, as much of it as ddq = - damping v takes */
+  DYN_CONSTRAINT_TYPE_NONE = 0,     /* an empty slot */
+  DYN_CONSTRAINT_TYPE_POINT = 1,    /* 3 rows: contact of a point of first */
+  DYN_CONSTRAINT_TYPE_FRAME = 2,    /* 6 rows: contact of a face of first, [linear; angular] */
+  DYN_CONSTRAINT_TYPE_CONNECT = 3,  /* 3 rows: two points of two bodies are one */
+  DYN_CONSTRAINT_TYPE_WELD = 4,     /* 6 rows: two frames are one */
+  DYN_CONSTRAINT_TYPE_DISTANCE = 5, /* 1 row: two points are length apart, as by a rod */
+  DYN_CONSTRAINT_TYPE_LOOP = 6,     /* 6 - nv rows: closed by a joint of joint_type, first as the child of second; linear rows, then angular ones */
+  DYN_CONSTRAINT_TYPE_COUPLING = 7, /* 1 row: q_first = c0 + c1 q_second + c2 q_second^2 + ..., joints of one coordinate */
+  DYN_CONSTRAINT_TYPE_LIMIT = 8,    /* 1 row: joint first stays within its limits; lambda >= 0 at the lower one, <= 0 at the upper one, else 0 */
+  DYN_CONSTRAINT_TYPE_FRICTION = 9  /* 1 row: dry friction in joint first: |lambda| <= force, as much of it as ddq = - damping v takes */
 } dynConstraintType;
 
 typedef struct dynConstraint {
@@ -891,37 +891,37 @@ typedef struct dynConstraint {
 DYN_API void dyn_constraint_init(dynConstraint* constraint, dynConstraintType type);
 
 /* In the builder first and second are names, of frames or of joints, and replace those of constraint (second NULL: the universe). */
-DYN_API dynStatus dyn_builder_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second);
+DYN_API dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second);
 /* Spare slots of the model, 0 to 1000; default 8. */
-DYN_API dynStatus dyn_builder_constraint_slots(dynBuilder* builder, int slots);
+DYN_API dynStatus dyn_builder_set_constraint_slots(dynBuilder* builder, int slots);
 /* For how many contact points, 1 to 10^6, data of the model have room in a step: about 5 kB each (by rows and what carries them; dyn_model_plan
    says exactly). Of more, the deepest count, and dynStepReport.dropped says how many did not. 0: 16 and 8 for each shape, or for each that moves where they are over 1,000. */
-DYN_API dynStatus dyn_builder_contact_capacity(dynBuilder* builder, int contacts);
-DYN_API int dyn_contact_capacity(const dynModel* model);
-DYN_API int dyn_nconstraints(const dynModel* model);
-DYN_API int dyn_nconstraint_slots(const dynModel* model); /* nconstraints and the spare ones */
-DYN_API const char* dyn_constraint_name(const dynModel* model, int constraint);
-DYN_API int dyn_constraint_id(const dynModel* model, const char* name);
+DYN_API dynStatus dyn_builder_set_contact_capacity(dynBuilder* builder, int contacts);
+DYN_API int dyn_model_contact_capacity(const dynModel* model);
+DYN_API int dyn_model_nconstraints(const dynModel* model);
+DYN_API int dyn_model_nconstraint_slots(const dynModel* model); /* nconstraints and the spare ones */
+DYN_API const char* dyn_model_constraint_name(const dynModel* model, int constraint);
+DYN_API int dyn_model_constraint_id(const dynModel* model, const char* name);
 /* A constraint of the model. constraint->struct_size says how much is written. */
-DYN_API dynStatus dyn_constraint_info(const dynModel* model, int constraint, dynConstraint* out);
+DYN_API dynStatus dyn_model_constraint_info(const dynModel* model, int constraint, dynConstraint* out);
 
 /* Slots of a data; all need part CONSTRAINTS. Results of constraints are stale after each change. Rows of all slots together are at most
    those of the model's constraints and six for each spare slot (DYN_ERROR_LIMIT). NULL empties a slot. */
-DYN_API dynStatus dyn_constraint_set(const dynModel* model, dynData* data, int slot, const dynConstraint* constraint);
-DYN_API dynStatus dyn_constraint_get(const dynModel* model, dynData* data, int slot, dynConstraint* constraint);
-DYN_API dynStatus dyn_constraint_enable(const dynModel* model, dynData* data, int slot, int enabled);
+DYN_API dynStatus dyn_data_set_constraint(const dynModel* model, dynData* data, int slot, const dynConstraint* constraint);
+DYN_API dynStatus dyn_data_constraint(const dynModel* model, dynData* data, int slot, dynConstraint* constraint);
+DYN_API dynStatus dyn_data_set_constraint_enabled(const dynModel* model, dynData* data, int slot, int enabled);
 /* Moves placement2 so that the constraint of a slot holds at q: a foot stays where it is. Includes placements. */
-DYN_API dynStatus dyn_constraint_anchor(const dynModel* model, dynData* data, int slot, const double* q);
+DYN_API dynStatus dyn_data_anchor_constraint(const dynModel* model, dynData* data, int slot, const double* q);
 /* Number of rows of what is enabled; with slot >= 0 the first row and the rows of that slot (0 rows when it is empty or off). */
-DYN_API dynStatus dyn_constraint_rows(const dynModel* model, dynData* data, int slot, int* first, int* rows);
+DYN_API dynStatus dyn_data_constraint_rows(const dynModel* model, dynData* data, int slot, int* first, int* rows);
 
 /* C, J v and drift (the acceleration of the rows at ddq = 0), rows numbers each, and J, rows x nv. Includes placements. */
 DYN_API dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const double* q, const double* v, double* C, double* J, double* Jv, double* drift);
 
 typedef enum dynConstraintReason {
-  DYN_CONSTRAINED = 0,              /* solved to the tolerance */
-  DYN_CONSTRAINTS_CONTRADICT = 1,   /* no motion satisfies all rows: the least-squares one, each row weighted by the inverse of its Delassus entry */
-  DYN_CONSTRAINT_ITERATIONS = 2     /* max_iterations were not enough */
+  DYN_CONSTRAINT_REASON_CONVERGED = 0,              /* solved to the tolerance */
+  DYN_CONSTRAINT_REASON_CONTRADICTORY = 1,   /* no motion satisfies all rows: the least-squares one, each row weighted by the inverse of its Delassus entry */
+  DYN_CONSTRAINT_REASON_MAX_ITERATIONS = 2     /* max_iterations were not enough */
 } dynConstraintReason;
 
 typedef struct dynConstraintOptions {
@@ -999,10 +999,10 @@ DYN_API dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynD
 
 /* The doctor: what is wrong with the enabled constraints at q. */
 typedef enum dynRowVerdict {
-  DYN_ROW_INDEPENDENT = 0,
-  DYN_ROW_REDUNDANT = 1,     /* a combination of other rows, with which it agrees */
-  DYN_ROW_CONTRADICTORY = 2, /* a combination of other rows that asks for something else: no q nearby satisfies all of them */
-  DYN_ROW_IMMOBILE = 3       /* nothing that moves carries it */
+  DYN_ROW_VERDICT_INDEPENDENT = 0,
+  DYN_ROW_VERDICT_REDUNDANT = 1,     /* a combination of other rows, with which it agrees */
+  DYN_ROW_VERDICT_CONTRADICTORY = 2, /* a combination of other rows that asks for something else: no q nearby satisfies all of them */
+  DYN_ROW_VERDICT_IMMOBILE = 3       /* nothing that moves carries it */
 } dynRowVerdict;
 typedef struct dynRowReport {
   int32_t slot, row;         /* row: within its constraint */
@@ -1034,15 +1034,15 @@ DYN_API dynStatus dyn_constraint_report(const dynModel* model, dynData* data, co
    al. 1988) and EPA (van den Bergen 2003), finished by Newton's method on the normal, and checked by the supporting planes: residual
    bounds the error apart, and that of the depth along this normal. */
 typedef enum dynDistanceStatus {
-  DYN_SEPARATED = 0,
-  DYN_TOUCHING = 1,        /* |distance| within 1e-9 of the size of the smaller shape */
-  DYN_PENETRATING = 2,
-  DYN_DISTANCE_FAILED = 3  /* the residual is beyond 1e-6 of that size: the best there is */
+  DYN_DISTANCE_STATUS_SEPARATED = 0,
+  DYN_DISTANCE_STATUS_TOUCHING = 1,        /* |distance| within 1e-9 of the size of the smaller shape */
+  DYN_DISTANCE_STATUS_PENETRATING = 2,
+  DYN_DISTANCE_STATUS_FAILED = 3  /* the residual is beyond 1e-6 of that size: the best there is */
 } dynDistanceStatus;
 
 typedef enum dynDistanceMethod {
-  DYN_METHOD_GJK = 0, /* libdyn's own, with its closed forms */
-  DYN_METHOD_CCD = 1  /* libccd's GJK and EPA, of overlapping shapes without a closed form; for all others as above. It allocates. */
+  DYN_DISTANCE_METHOD_GJK = 0, /* libdyn's own, with its closed forms */
+  DYN_DISTANCE_METHOD_CCD = 1  /* libccd's GJK and EPA, of overlapping shapes without a closed form; for all others as above. It allocates. */
 } dynDistanceMethod;
 
 typedef struct dynDistance {
@@ -1074,31 +1074,31 @@ typedef struct dynDistanceOptions {
 } dynDistanceOptions;
 DYN_API void dyn_distance_options_init(dynDistanceOptions* options);
 /* options may be NULL (the defaults). CCD needs the library libccd.so.2: DYN_ERROR_UNSUPPORTED without it. */
-DYN_API dynStatus dyn_shape_distance(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
+DYN_API dynStatus dyn_geometry_distance(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
                                      const dynDistanceOptions* options, dynDistance* out);
 
 /* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. The world is nobody's
    parent, but a link that is fixed to it is the parent of what a joint of its own carries; joints that hang on one another without mass between
    them, as those of one body of an MJCF, count as one. Of more than 1,000 shapes
-   only those are listed that are no ordinary ones: wanted (dyn_builder_pair), disabled, overlapping. The others are tested if their masks want it,
+   only those are listed that are no ordinary ones: wanted (dyn_builder_add_pair), disabled, overlapping. The others are tested if their masks want it,
    in steps and by dyn_contacts; functions that number pairs (dyn_distances, dyn_smooth_distances, dyn_collisions) are DYN_ERROR_LIMIT then. */
 typedef enum dynPairReason {
-  DYN_PAIR_TESTED = 0,
-  DYN_PAIR_OVERLAPS = 1,   /* the two overlap in the neutral configuration; not where one flies freely relative to the other */
-  DYN_PAIR_MESH = 2,       /* one of them is a mesh, of which only the file's name is known: see dynMeshUse */
-  DYN_PAIR_OFF = 3,        /* switched off in the data */
-  DYN_PAIR_DISABLED = 4,   /* the SRDF says so: see dyn_disabled_pair */
-  DYN_PAIR_MASK = 5        /* neither is in a group that the other collides with: contype of one & conaffinity of the other, MuJoCo's rule */
+  DYN_PAIR_REASON_TESTED = 0,
+  DYN_PAIR_REASON_OVERLAPS = 1,   /* the two overlap in the neutral configuration; not where one flies freely relative to the other */
+  DYN_PAIR_REASON_MESH = 2,       /* one of them is a mesh, of which only the file's name is known: see dynMeshUse */
+  DYN_PAIR_REASON_OFF = 3,        /* switched off in the data */
+  DYN_PAIR_REASON_DISABLED = 4,   /* the SRDF says so: see dyn_model_disabled_pair */
+  DYN_PAIR_REASON_MASK = 5        /* neither is in a group that the other collides with: contype of one & conaffinity of the other, MuJoCo's rule */
 } dynPairReason;
-DYN_API int dyn_npairs(const dynModel* model); /* -1 for an invalid handle */
+DYN_API int dyn_model_npairs(const dynModel* model); /* -1 for an invalid handle */
 /* The shapes of a pair, shape_a < shape_b, and whether new data tests it; any output may be NULL. */
-DYN_API dynStatus dyn_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, dynPairReason* reason);
+DYN_API dynStatus dyn_model_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, dynPairReason* reason);
 /* Switches a pair, or with -1 all pairs without meshes, on or off (DYN_ERROR_LIMIT where not all are listed). */
 DYN_API dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int tested);
 DYN_API dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, dynPairReason* reason);
 
 /* Groups of a collision shape in the data, or with -1 of all: those it is in, those it collides with. New data has the model's. Pairs that
-   have no group in common any more are not tested (DYN_PAIR_MASK), and those that were not for that reason alone are again; what
+   have no group in common any more are not tested (DYN_PAIR_REASON_MASK), and those that were not for that reason alone are again; what
    dyn_data_set_pair says afterwards counts. */
 DYN_API dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t contype, uint32_t conaffinity);
 DYN_API dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t* contype, uint32_t* conaffinity);
@@ -1117,7 +1117,7 @@ DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const dou
 /* ------------------------------------------------------------------------------------------------------- contacts */
 
 /* Contact points: where the faces, edges and caps that two shapes turn to each other overlap, seen along their common normal
-   (that of dyn_shape_distance). Up to eight a pair at a distance of at most margin (m, >= 0): the deepest, and of more those that span the
+   (that of dyn_geometry_distance). Up to eight a pair at a distance of at most margin (m, >= 0): the deepest, and of more those that span the
    largest area (Visvalingam and Whyatt 1993). A circular cap is taken as the octagon of eight points of its rim that turn with it, and
    the deepest point. Two half-spaces have none. */
 typedef struct dynContact {
@@ -1129,12 +1129,12 @@ typedef struct dynContact {
   double position[3];      /* world, half way between the shapes: position -/+ distance / 2 normal lie on A and B */
   double normal[3];        /* unit, from A to B, world */
 } dynContact;
-enum { DYN_CONTACTS_OF_A_PAIR = 8 };
+enum { DYN_MAX_CONTACTS_PER_PAIR = 8 };
 /* Of surfaces (TRIANGLES, HEIGHT_FIELD) the overlaps of all triangles that turn to the other shape, seen along the one normal of the nearest
    point: triangles of one plane are taken together, of all points the corners of the convex hull and the deepest stay. Names in `feature` are
    those of the mesh's vertices, by 2^16.
-   contacts: room for DYN_CONTACTS_OF_A_PAIR, written in ascending order of feature. tolerance: as in dyn_shape_distance. */
-DYN_API dynStatus dyn_shape_contacts(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
+   contacts: room for DYN_MAX_CONTACTS_PER_PAIR, written in ascending order of feature. tolerance: as in dyn_geometry_distance. */
+DYN_API dynStatus dyn_geometry_contacts(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
                                      double margin, double tolerance, dynContact* contacts, int* count);
 /* Of all tested pairs, ascending by shapes (which is by pair), then by feature: at most capacity of them are written; count: how many there are. Includes
    placements. Needs part COLLISION. */
@@ -1159,13 +1159,13 @@ typedef struct dynRayHit {
   double position[3];      /* world */
   double normal[3];        /* outward unit normal, world */
 } dynRayHit;
-DYN_API dynStatus dyn_shape_ray(const dynGeometry* shape, const double placement[12], const double origin[3], const double direction[3], dynRayHit* out);
+DYN_API dynStatus dyn_geometry_ray(const dynGeometry* shape, const double placement[12], const double origin[3], const double direction[3], dynRayHit* out);
 
 /* n rays against the robot's collision shapes that are in a group of mask (contype & mask; 0xffffffff: all in any group), meshes left out.
-   origins and directions are 3 x n. t (n): as in dynRayHit, up to far (> 0, may be infinite); shapes (n), normals (3 x n, zero where nothing is
+   origins and directions are 3 x n. t (n): as in dynRayHit, up to max_t (> 0, may be infinite); shapes (n), normals (3 x n, zero where nothing is
    hit); any output may be NULL. Includes placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins, const double* directions, int n,
-                           double far, uint32_t mask, double* t, int* shapes, double* normals);
+                           double max_t, uint32_t mask, double* t, int* shapes, double* normals);
 
 /* The point of a shape's surface that is closest to a point. Closed forms; for an ellipsoid Eberly 2013. */
 typedef struct dynClosestPoint {
@@ -1175,14 +1175,14 @@ typedef struct dynClosestPoint {
   double point[3];         /* on the surface, world */
   double normal[3];        /* outward unit normal there: the given point is point + distance normal */
 } dynClosestPoint;
-DYN_API dynStatus dyn_shape_closest_point(const dynGeometry* shape, const double placement[12], const double point[3], dynClosestPoint* out);
+DYN_API dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double placement[12], const double point[3], dynClosestPoint* out);
 
 /* When two moving shapes meet: conservative advancement (Mirtich 1996), which no wall is too thin for. Motions are [velocity of the frame's
    origin; angular velocity], world axes, m/s and rad/s, constant; NULL: at rest. A half-space must not turn. */
 typedef enum dynSweepStatus {
-  DYN_SWEEP_NONE = 0,      /* they stay farther apart than margin */
-  DYN_SWEEP_HIT = 1,       /* at that time they are margin apart, to 1e-7 of the size of the smaller one (or less from the start: time 0) */
-  DYN_SWEEP_UNDECIDED = 2  /* they do not meet before that time; later was not looked at: they keep close for a thousand steps */
+  DYN_SWEEP_STATUS_NONE = 0,      /* they stay farther apart than margin */
+  DYN_SWEEP_STATUS_HIT = 1,       /* at that time they are margin apart, to 1e-7 of the size of the smaller one (or less from the start: time 0) */
+  DYN_SWEEP_STATUS_UNDECIDED = 2  /* they do not meet before that time; later was not looked at: they keep close for a thousand steps */
 } dynSweepStatus;
 typedef struct dynImpact {
   uint32_t struct_size;
@@ -1192,7 +1192,7 @@ typedef struct dynImpact {
   double normal[3];        /* unit, from A to B, world */
   double point_a[3], point_b[3]; /* witness points, world */
 } dynImpact;
-DYN_API dynStatus dyn_shape_sweep(const dynGeometry* a, const double placement_a[12], const double motion_a[6], const dynGeometry* b,
+DYN_API dynStatus dyn_geometry_sweep(const dynGeometry* a, const double placement_a[12], const double motion_a[6], const dynGeometry* b,
                                   const double placement_b[12], const double motion_b[6], double duration, double margin, dynImpact* out);
 
 /* ------------------------------------------------------------------------------------------------------- broad phase */
@@ -1211,10 +1211,10 @@ DYN_API dynStatus dyn_broad_phase_remove(dynBroadPhase* broad_phase, int id);
 /* All pairs of boxes that overlap or touch, each smaller number first, in ascending order: at most capacity of them are written (2 numbers
    each); count: how many there are. DYN_ERROR_LIMIT: more overlaps than pair_capacity. */
 DYN_API dynStatus dyn_broad_phase_pairs(dynBroadPhase* broad_phase, int* pairs, int64_t capacity, int64_t* count);
-/* Boxes that overlap a box, or that the ray origin + t direction meets at a t from 0 to far, in ascending order: at most capacity of them
+/* Boxes that overlap a box, or that the ray origin + t direction meets at a t from 0 to max_t, in ascending order: at most capacity of them
    are written; count: how many there are (when it is more than capacity, which of them is not said). */
 DYN_API dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double lower[3], const double upper[3], int* ids, int capacity, int* count);
-DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double origin[3], const double direction[3], double far, int* ids,
+DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double origin[3], const double direction[3], double max_t, int* ids,
                                       int capacity, int* count);
 
 /* ------------------------------------------------------------------------------------------------------- the contact problem */
@@ -1234,10 +1234,10 @@ DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double o
    impulses' work lambda'(g + G lambda / 2) would be positive, or nothing comes near a solution, the coefficients are taken smaller, all by the factor
    that the report gives (of some eight solves, each with max_iterations); with factor 0 impulses never do work. */
 typedef enum dynContactSolverType {
-  DYN_CONTACT_PGS = 0,   /* projected Gauss-Seidel, each contact solved exactly: cheap sweeps, many where mass ratios or redundancy are large.
+  DYN_CONTACT_SOLVER_TYPE_PGS = 0,   /* projected Gauss-Seidel, each contact solved exactly: cheap sweeps, many where mass ratios or redundancy are large.
                             The fastest in steps to tolerances of 1e-3 and more, which need no matrix */
-  DYN_CONTACT_ADMM = 1,  /* proximal ADMM (Carpentier, Le Lidec and Montaut 2024), finished by Newton's method: robust; the default */
-  DYN_CONTACT_NEWTON = 2 /* an interior point method, friction's law whole in its equations (Acary et al. 2024); finished likewise: extreme masses */
+  DYN_CONTACT_SOLVER_TYPE_ADMM = 1,  /* proximal ADMM (Carpentier, Le Lidec and Montaut 2024), finished by Newton's method: robust; the default */
+  DYN_CONTACT_SOLVER_TYPE_NEWTON = 2 /* an interior point method, friction's law whole in its equations (Acary et al. 2024); finished likewise: extreme masses */
 } dynContactSolverType;
 
 typedef struct dynContactProblem {
@@ -1271,10 +1271,10 @@ typedef struct dynContactOptions {
 DYN_API void dyn_contact_options_init(dynContactOptions* options);
 
 typedef enum dynContactStatus {
-  DYN_CONTACT_CONVERGED = 0,      /* residual <= tolerance */
-  DYN_CONTACT_MAX_ITERATIONS = 1, /* the best iterate: in its cones, with its residual */
-  DYN_CONTACT_TIME = 2,           /* likewise, the time budget is used up */
-  DYN_CONTACT_STALLED = 3         /* likewise, no progress: a matrix could not be factorised (numbers of very different sizes) */
+  DYN_CONTACT_STATUS_CONVERGED = 0,      /* residual <= tolerance */
+  DYN_CONTACT_STATUS_MAX_ITERATIONS = 1, /* the best iterate: in its cones, with its residual */
+  DYN_CONTACT_STATUS_TIME_BUDGET = 2,           /* likewise, the time budget is used up */
+  DYN_CONTACT_STATUS_STALLED = 3         /* likewise, no progress: a matrix could not be factorised (numbers of very different sizes) */
 } dynContactStatus;
 
 /* Residuals of lambda (largest over rows or contacts; Le Lidec et al. 2024, Tsounis et al. 2025), in the caller's units, torsion and rolling
@@ -1308,11 +1308,11 @@ DYN_API void dyn_contact_solver_free(dynContactSolver* solver); /* NULL is allow
 /* lambda (rows): in with warm_start, out. velocity: c, rows, or NULL. options: NULL: the defaults. A problem that does not converge is
    no error: see status and residual. Bit for bit the same answer every time (but with a time budget). DYN_ERROR_LIMIT: more rows than the
    solver has room for. */
-DYN_API dynStatus dyn_contact_solve(dynContactSolver* solver, const dynContactProblem* problem, const dynContactOptions* options,
+DYN_API dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactProblem* problem, const dynContactOptions* options,
                                     double* lambda, double* velocity, dynContactReport* report);
 
 /* Residuals and energy of a given lambda: status is CONVERGED, counts are 0, restitution is taken as given. */
-DYN_API dynStatus dyn_contact_residuals(dynContactSolver* solver, const dynContactProblem* problem, const double* lambda, dynContactReport* report);
+DYN_API dynStatus dyn_contact_solver_residuals(dynContactSolver* solver, const dynContactProblem* problem, const double* lambda, dynContactReport* report);
 
 /* A spring and damper at the end of the step, f = -k (gap + dt c) - d c >= 0, as a row: compliance = 1 / (dt (dt k + d)) and
    bias = k gap / (dt k + d), and gap / dt where they do not touch yet, for impulses f dt; gap (m) below zero: depth. */
@@ -1339,7 +1339,7 @@ typedef struct dynQp {
 } dynQp;
 /* With all pointers NULL the sizes are written; otherwise they must be those, and what is not NULL is filled. G may be NULL: H has no entries, and the
    linearisation alone is wanted. */
-DYN_API dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp);
+DYN_API dynStatus dyn_contact_problem_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp);
 
 /* ------------------------------------------------------------------------------------------------------- actuators */
 
@@ -1348,11 +1348,11 @@ DYN_API dynStatus dyn_friction_cone_qp(const dynContactProblem* problem, int fac
      w' = (u - w) / time_constant, or w' = u, within act_range; or w = u      f = gain w + bias[0] + bias[1] l + bias[2] l', within force_range      tau += gear f
    Euler steps and those that meet contacts take what grows with l and l' at the end of the step, so that no gain is too large. */
 typedef enum dynActuatorType {
-  DYN_ACTUATOR_MOTOR = 0,    /* f = w */
-  DYN_ACTUATOR_POSITION = 1, /* f = kp (w - l) - kv l' */
-  DYN_ACTUATOR_VELOCITY = 2, /* f = kv (w - l') */
-  DYN_ACTUATOR_PD = 3,       /* f = kp (w - l) + kv (u[1] - l') + u[2]: three controls, target, its rate, and the force that is known beforehand */
-  DYN_ACTUATOR_AFFINE = 4    /* gain and bias as given */
+  DYN_ACTUATOR_TYPE_MOTOR = 0,    /* f = w */
+  DYN_ACTUATOR_TYPE_POSITION = 1, /* f = kp (w - l) - kv l' */
+  DYN_ACTUATOR_TYPE_VELOCITY = 2, /* f = kv (w - l') */
+  DYN_ACTUATOR_TYPE_PD = 3,       /* f = kp (w - l) + kv (u[1] - l') + u[2]: three controls, target, its rate, and the force that is known beforehand */
+  DYN_ACTUATOR_TYPE_AFFINE = 4    /* gain and bias as given */
 } dynActuatorType;
 
 typedef struct dynActuator {
@@ -1372,12 +1372,12 @@ typedef struct dynActuator {
   int32_t idx_act;           /* of a model: its w in the field "act"; -1: w = u */
 } dynActuator;
 DYN_API void dyn_actuator_init(dynActuator* actuator, dynActuatorType type);
-DYN_API dynStatus dyn_builder_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint);
-DYN_API int dyn_nactuators(const dynModel* model);
-DYN_API int dyn_nu(const dynModel* model); /* controls of all actuators */
-DYN_API const char* dyn_actuator_name(const dynModel* model, int actuator);
-DYN_API int dyn_actuator_id(const dynModel* model, const char* name);
-DYN_API dynStatus dyn_actuator_info(const dynModel* model, int actuator, dynActuator* out);
+DYN_API dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint);
+DYN_API int dyn_model_nactuators(const dynModel* model);
+DYN_API int dyn_model_nu(const dynModel* model); /* controls of all actuators */
+DYN_API const char* dyn_model_actuator_name(const dynModel* model, int actuator);
+DYN_API int dyn_model_actuator_id(const dynModel* model, const char* name);
+DYN_API dynStatus dyn_model_actuator_info(const dynModel* model, int actuator, dynActuator* out);
 /* Controls held in data, nu; new data: zeros. The fields "ctrl", "act" (w of those that filter or integrate, in their order; new data: zeros) and "actuator_force" (f
    where the last step ended, nactuators) read what there is. Needs part SIMULATION. */
 DYN_API dynStatus dyn_data_set_control(const dynModel* model, dynData* data, const double* u);
@@ -1398,12 +1398,12 @@ DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
    (Stewart and Trinkle 1996; Anitescu and Potra 1997; impacts by Moreau's law). mu takes half of an overlap away in a step, at most 1 m/s for bodies of 20 cm, and leaves v'
    alone. Such steps are of order 1: those of the other integrators are then IMPLICIT_FAST's, but for constraints that hold at every moment: with these alone orders stay. Free flyers keep their momentum. */
 typedef enum dynIntegrator {
-  DYN_SEMI_IMPLICIT_EULER = 0, /* order 1; damping and dry friction at the end of the step: no coefficient is too large */
-  DYN_RK4 = 1,                 /* order 4, four evaluations of forward dynamics a step */
-  DYN_IMPLICIT_FAST = 2,       /* order 1; damping, dry friction and springs at the end of the step: no stiffness is too large */
-  DYN_IMPLICIT_MIDPOINT = 3,   /* order 2, time-reversible, symplectic on vector spaces: for long times; solved to rounding */
-  DYN_RK45 = 4,                /* order 5 with an estimate of the error (Dormand and Prince), seven evaluations */
-  DYN_REFERENCE = 5            /* as good as rounding allows: order 8 (DOP853) in as many steps within dt as that takes */
+  DYN_INTEGRATOR_SEMI_IMPLICIT_EULER = 0, /* order 1; damping and dry friction at the end of the step: no coefficient is too large */
+  DYN_INTEGRATOR_RK4 = 1,                 /* order 4, four evaluations of forward dynamics a step */
+  DYN_INTEGRATOR_IMPLICIT_FAST = 2,       /* order 1; damping, dry friction and springs at the end of the step: no stiffness is too large */
+  DYN_INTEGRATOR_IMPLICIT_MIDPOINT = 3,   /* order 2, time-reversible, symplectic on vector spaces: for long times; solved to rounding */
+  DYN_INTEGRATOR_RK45 = 4,                /* order 5 with an estimate of the error (Dormand and Prince), seven evaluations */
+  DYN_INTEGRATOR_REFERENCE = 5            /* as good as rounding allows: order 8 (DOP853) in as many steps within dt as that takes */
 } dynIntegrator;
 
 /* How data steps. Kept in the data. */
@@ -1494,14 +1494,14 @@ typedef struct dynContactForce {
   double force_on_b[3];        /* N, world, on shape_b; the opposite on shape_a */
   double moment_on_b[3];       /* N m, world: of torsion and rolling */
 } dynContactForce;
-DYN_API dynStatus dyn_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts, int capacity, int* count);
+DYN_API dynStatus dyn_data_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts, int capacity, int* count);
 
 /* The state of a simulation: q, v, a, tau, controls and what they have become (act), the time, how long bodies have been slow (for sleep), and the contacts of the last step, which the next one begins from. Steps after
-   dyn_state_restore are those after dyn_state_save, bit for bit, where the data (or one of the same model, in the same process) has the same options,
-   effects, gravity, wrenches, pairs, materials and constraints. memory needs dyn_state_size bytes (0 for an invalid handle). */
-DYN_API size_t dyn_state_size(const dynModel* model);
-DYN_API dynStatus dyn_state_save(const dynModel* model, dynData* data, void* memory, size_t size);
-DYN_API dynStatus dyn_state_restore(const dynModel* model, dynData* data, const void* memory, size_t size);
+   dyn_data_restore_state are those after dyn_data_save_state, bit for bit, where the data (or one of the same model, in the same process) has the same options,
+   effects, gravity, wrenches, pairs, materials and constraints. memory needs dyn_model_state_size bytes (0 for an invalid handle). */
+DYN_API size_t dyn_model_state_size(const dynModel* model);
+DYN_API dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void* memory, size_t size);
+DYN_API dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const void* memory, size_t size);
 
 /* Material of a collision shape in this data, or with shape -1 of all of them; checked as in the builder. */
 DYN_API dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape, const dynMaterial* material);
@@ -1534,7 +1534,7 @@ DYN_API dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options,
 DYN_API dynStatus dyn_mesh_from_arrays(const double* vertices, size_t vertex_count, const int32_t* triangles, size_t triangle_count, dynMesh** mesh);
 /* A height field: heights over a grid of columns x rows points, heights[i + columns j] at x = (i - (columns - 1) / 2) step_x, y likewise; all
    above bottom (m), where its solid ends. As a mesh it has the triangles of the surface, two a cell, without walls. At most 5 10^6 points. */
-DYN_API dynStatus dyn_mesh_height_field(const double* heights, int columns, int rows, double step_x, double step_y, double bottom, dynMesh** mesh);
+DYN_API dynStatus dyn_mesh_from_height_field(const double* heights, int columns, int rows, double step_x, double step_y, double bottom, dynMesh** mesh);
 DYN_API void dyn_mesh_free(dynMesh* mesh); /* NULL is allowed */
 
 typedef struct dynMeshInfo {
@@ -1580,9 +1580,9 @@ typedef struct dynMeshArrays {
   const int32_t* neighbours;      /* vertices that share an edge with each vertex */
 } dynMeshArrays;
 DYN_API dynStatus dyn_mesh_arrays(const dynMesh* mesh, dynMeshArrays* arrays);
-/* How a file's triangles look: red, green, blue as in dyn_shape_rgba, 3 x triangle_count: the diffuse colour of the material (glTF: its base
+/* How a file's triangles look: red, green, blue as in dyn_model_shape_rgba, 3 x triangle_count: the diffuse colour of the material (glTF: its base
    colour) times the mean of those at the corners, where there are any. -1 where the file says nothing. Neither textures nor opacity. */
-DYN_API dynStatus dyn_mesh_colours(const dynMesh* mesh, double* rgb);
+DYN_API dynStatus dyn_mesh_rgb(const dynMesh* mesh, double* rgb);
 
 /* The convex hull of the vertices, another mesh. DYN_ERROR_INVALID: fewer than four points, or all in a plane. */
 DYN_API dynStatus dyn_mesh_hull(const dynMesh* mesh, dynMesh** hull);
@@ -1606,59 +1606,59 @@ DYN_API void dyn_batch_free(dynBatch* batch); /* NULL is allowed */
 /* dyn_data_set_effects of every thread's data. */
 DYN_API dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects);
 
-/* DYN_BATCH_X computes what dyn_X does: what it reads -> out[0], out[1], ... Values are never renumbered. */
-typedef enum dynBatchAlgorithm {
-  DYN_BATCH_FRAME_PLACEMENT = 0,                 /* frame; q -> placement 12 */
-  DYN_BATCH_FRAME_PLACEMENTS = 1,                /* q -> placements 12 x nframes */
-  DYN_BATCH_FRAME_VELOCITY = 2,                  /* frame, reference; q, v -> velocity 6 */
-  DYN_BATCH_FRAME_ACCELERATION = 3,              /* frame, reference; q, v, a -> acceleration 6 */
-  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION = 4,    /* frame, reference; q, v, a -> acceleration 6 */
-  DYN_BATCH_JOINT_JACOBIANS = 5,                 /* q -> J 6 x nv */
-  DYN_BATCH_JOINT_JACOBIANS_TIME_VARIATION = 6,  /* q, v -> dJ 6 x nv */
-  DYN_BATCH_FRAME_JACOBIAN = 7,                  /* frame, reference; q -> J 6 x nv */
-  DYN_BATCH_FRAME_JACOBIAN_TIME_VARIATION = 8,   /* frame, reference; q, v -> dJ 6 x nv */
-  DYN_BATCH_CENTER_OF_MASS = 9,                  /* q, v, a -> com 3, vcom 3, acom 3; v and a are read for vcom and acom */
-  DYN_BATCH_CENTER_OF_MASS_JACOBIAN = 10,        /* q -> Jcom 3 x nv */
-  DYN_BATCH_SUBTREE_CENTER_OF_MASS = 11,         /* joint; q -> com 3, mass 1 */
-  DYN_BATCH_SUBTREE_CENTER_OF_MASS_JACOBIAN = 12, /* joint; q -> J 3 x nv */
-  DYN_BATCH_RNEA = 13,                           /* q, v, a, fext -> tau nv */
-  DYN_BATCH_NONLINEAR_EFFECTS = 14,              /* q, v -> nle nv */
-  DYN_BATCH_GRAVITY = 15,                        /* q -> g nv */
-  DYN_BATCH_STATIC_TORQUE = 16,                  /* q, fext -> tau nv */
-  DYN_BATCH_CORIOLIS_MATRIX = 17,                /* q, v -> C nv x nv */
-  DYN_BATCH_ABA = 18,                            /* q, v, tau, fext -> ddq nv */
-  DYN_BATCH_CRBA = 19,                           /* q -> M nv x nv */
-  DYN_BATCH_SOLVE = 20,                          /* q, b -> x nv: M^-1 b, with dyn_crba and dyn_factorize */
-  DYN_BATCH_MINVERSE = 21,                       /* q -> Minv nv x nv */
-  DYN_BATCH_RNEA_DERIVATIVES = 22,               /* q, v, a, fext -> dtau_dq, dtau_dv: nv x nv */
-  DYN_BATCH_ABA_DERIVATIVES = 23,                /* q, v, tau, fext -> ddq_dq, ddq_dv, ddq_dtau: nv x nv */
-  DYN_BATCH_ENERGY = 24,                         /* q, v -> kinetic 1, potential 1 */
-  DYN_BATCH_KINETIC_ENERGY = 25,                 /* q, v -> kinetic 1 */
-  DYN_BATCH_POTENTIAL_ENERGY = 26,               /* q -> potential 1 */
-  DYN_BATCH_CENTROIDAL_MAP = 27,                 /* q, v -> Ag 6 x nv, Ig 6 x 6, hg 6 */
-  DYN_BATCH_CENTROIDAL_MAP_TIME_VARIATION = 28,  /* q, v -> dAg 6 x nv */
-  DYN_BATCH_CENTROIDAL_MOMENTUM = 29,            /* q, v -> hg 6 */
-  DYN_BATCH_CENTROIDAL_MOMENTUM_RATE = 30,       /* q, v, a -> dhg 6 */
-  DYN_BATCH_CENTROIDAL_DERIVATIVES = 31,         /* q, v, a -> dh_dq, dhdot_dq, dhdot_dv, dhdot_da: 6 x nv */
-  DYN_BATCH_JOINT_TORQUE_REGRESSOR = 32,         /* q, v, a -> Y nv x nparameters */
-  DYN_BATCH_STATIC_REGRESSOR = 33,               /* q -> Y 3 x nparameters */
-  DYN_BATCH_KINETIC_ENERGY_REGRESSOR = 34,       /* q, v -> y nparameters */
-  DYN_BATCH_POTENTIAL_ENERGY_REGRESSOR = 35,     /* q -> y nparameters */
-  DYN_BATCH_JOINT_BODY_REGRESSOR = 36,           /* joint; q, v, a -> Y 6 x 10 */
-  DYN_BATCH_FRAME_BODY_REGRESSOR = 37,           /* frame; q, v, a -> Y 6 x 10 */
-  DYN_BATCH_INTEGRATE = 38,                      /* q, v -> out nq */
-  DYN_BATCH_GRAVITY_DERIVATIVES = 39,            /* q -> dg_dq nv x nv */
-  DYN_BATCH_STATIC_TORQUE_DERIVATIVES = 40,      /* q, fext -> dstatic_torque_dq nv x nv */
-  DYN_BATCH_CENTER_OF_MASS_VELOCITY_DERIVATIVES = 41, /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
-  DYN_BATCH_FRAME_VELOCITY_DERIVATIVES = 42,     /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
-  DYN_BATCH_FRAME_ACCELERATION_DERIVATIVES = 43, /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
-  DYN_BATCH_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44, /* the same */
-  DYN_BATCH_RNEA_SECOND_ORDER_PRODUCT = 45,      /* q, v, a, fext, b (lambda) -> dqdq, dvdv, dqdv, dadq: nv x nv */
-  DYN_BATCH_RNEA_SECOND_ORDER_DERIVATIVES = 46,  /* q, v, a, fext -> d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq: nv matrices nv x nv */
-  DYN_BATCH_FRAME_KINEMATIC_HESSIAN = 47,        /* frame, reference; q -> H nv matrices 6 x nv */
-  DYN_BATCH_DIFFERENCE = 48,                     /* q, q1 -> v nv: q1 (-) q */
-  DYN_BATCH_STEP = 49                            /* dt, integrator; q, v, tau -> q nq, v nv */
-} dynBatchAlgorithm;
+/* DYN_ALGORITHM_X computes what dyn_X does: what it reads -> out[0], out[1], ... Values are never renumbered. */
+typedef enum dynAlgorithm {
+  DYN_ALGORITHM_FRAME_PLACEMENT = 0,                 /* frame; q -> placement 12 */
+  DYN_ALGORITHM_FRAME_PLACEMENTS = 1,                /* q -> placements 12 x nframes */
+  DYN_ALGORITHM_FRAME_VELOCITY = 2,                  /* frame, reference; q, v -> velocity 6 */
+  DYN_ALGORITHM_FRAME_ACCELERATION = 3,              /* frame, reference; q, v, a -> acceleration 6 */
+  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION = 4,    /* frame, reference; q, v, a -> acceleration 6 */
+  DYN_ALGORITHM_JOINT_JACOBIANS = 5,                 /* q -> J 6 x nv */
+  DYN_ALGORITHM_JOINT_JACOBIANS_TIME_VARIATION = 6,  /* q, v -> dJ 6 x nv */
+  DYN_ALGORITHM_FRAME_JACOBIAN = 7,                  /* frame, reference; q -> J 6 x nv */
+  DYN_ALGORITHM_FRAME_JACOBIAN_TIME_VARIATION = 8,   /* frame, reference; q, v -> dJ 6 x nv */
+  DYN_ALGORITHM_COM = 9,                  /* q, v, a -> com 3, vcom 3, acom 3; v and a are read for vcom and acom */
+  DYN_ALGORITHM_JCOM = 10,        /* q -> Jcom 3 x nv */
+  DYN_ALGORITHM_SUBTREE_COM = 11,         /* joint; q -> com 3, mass 1 */
+  DYN_ALGORITHM_SUBTREE_JCOM = 12, /* joint; q -> J 3 x nv */
+  DYN_ALGORITHM_RNEA = 13,                           /* q, v, a, fext -> tau nv */
+  DYN_ALGORITHM_NLE = 14,              /* q, v -> nle nv */
+  DYN_ALGORITHM_GRAVITY_TORQUE = 15,                        /* q -> g nv */
+  DYN_ALGORITHM_STATIC_TORQUE = 16,                  /* q, fext -> tau nv */
+  DYN_ALGORITHM_CORIOLIS_MATRIX = 17,                /* q, v -> C nv x nv */
+  DYN_ALGORITHM_ABA = 18,                            /* q, v, tau, fext -> ddq nv */
+  DYN_ALGORITHM_CRBA = 19,                           /* q -> M nv x nv */
+  DYN_ALGORITHM_CHOLESKY_SOLVE = 20,                          /* q, b -> x nv: M^-1 b, with dyn_crba and dyn_cholesky */
+  DYN_ALGORITHM_MINV = 21,                       /* q -> Minv nv x nv */
+  DYN_ALGORITHM_RNEA_DERIVATIVES = 22,               /* q, v, a, fext -> dtau_dq, dtau_dv: nv x nv */
+  DYN_ALGORITHM_ABA_DERIVATIVES = 23,                /* q, v, tau, fext -> ddq_dq, ddq_dv, ddq_dtau: nv x nv */
+  DYN_ALGORITHM_ENERGY = 24,                         /* q, v -> kinetic 1, potential 1 */
+  DYN_ALGORITHM_KINETIC_ENERGY = 25,                 /* q, v -> kinetic 1 */
+  DYN_ALGORITHM_POTENTIAL_ENERGY = 26,               /* q -> potential 1 */
+  DYN_ALGORITHM_CENTROIDAL_MAP = 27,                 /* q, v -> Ag 6 x nv, Ig 6 x 6, hg 6 */
+  DYN_ALGORITHM_CENTROIDAL_MAP_TIME_VARIATION = 28,  /* q, v -> dAg 6 x nv */
+  DYN_ALGORITHM_CENTROIDAL_MOMENTUM = 29,            /* q, v -> hg 6 */
+  DYN_ALGORITHM_CENTROIDAL_MOMENTUM_TIME_VARIATION = 30,       /* q, v, a -> dhg 6 */
+  DYN_ALGORITHM_CENTROIDAL_DERIVATIVES = 31,         /* q, v, a -> dh_dq, dhdot_dq, dhdot_dv, dhdot_da: 6 x nv */
+  DYN_ALGORITHM_JOINT_TORQUE_REGRESSOR = 32,         /* q, v, a -> Y nv x nparameters */
+  DYN_ALGORITHM_STATIC_REGRESSOR = 33,               /* q -> Y 3 x nparameters */
+  DYN_ALGORITHM_KINETIC_ENERGY_REGRESSOR = 34,       /* q, v -> y nparameters */
+  DYN_ALGORITHM_POTENTIAL_ENERGY_REGRESSOR = 35,     /* q -> y nparameters */
+  DYN_ALGORITHM_JOINT_BODY_REGRESSOR = 36,           /* joint; q, v, a -> Y 6 x 10 */
+  DYN_ALGORITHM_FRAME_BODY_REGRESSOR = 37,           /* frame; q, v, a -> Y 6 x 10 */
+  DYN_ALGORITHM_INTEGRATE = 38,                      /* q, v -> out nq */
+  DYN_ALGORITHM_GRAVITY_TORQUE_DERIVATIVES = 39,            /* q -> dg_dq nv x nv */
+  DYN_ALGORITHM_STATIC_TORQUE_DERIVATIVES = 40,      /* q, fext -> dstatic_torque_dq nv x nv */
+  DYN_ALGORITHM_VCOM_DERIVATIVES = 41, /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
+  DYN_ALGORITHM_FRAME_VELOCITY_DERIVATIVES = 42,     /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
+  DYN_ALGORITHM_FRAME_ACCELERATION_DERIVATIVES = 43, /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
+  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44, /* the same */
+  DYN_ALGORITHM_RNEA_SECOND_ORDER_PRODUCT = 45,      /* q, v, a, fext, b (lambda) -> dqdq, dvdv, dqdv, dadq: nv x nv */
+  DYN_ALGORITHM_RNEA_SECOND_ORDER_DERIVATIVES = 46,  /* q, v, a, fext -> d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq: nv matrices nv x nv */
+  DYN_ALGORITHM_FRAME_KINEMATIC_HESSIAN = 47,        /* frame, reference; q -> H nv matrices 6 x nv */
+  DYN_ALGORITHM_DIFFERENCE = 48,                     /* q, q1 -> v nv: q1 (-) q */
+  DYN_ALGORITHM_STEP = 49                            /* dt, integrator; q, v, tau -> q nq, v nv */
+} dynAlgorithm;
 
 /* What goes in and comes out. What an algorithm does not read is ignored. An output may be an input whose rows have the same size;
    otherwise arrays must not overlap. */
@@ -1675,10 +1675,10 @@ typedef struct dynBatchArrays {
   dynStatus* status;                  /* n, or NULL */
 } dynBatchArrays;
 DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays);
-DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynBatchAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays);
+DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays);
 
 /* The same table for programs. Without a model (NULL) sizes that depend on it are 0. */
-typedef struct dynBatchInfo {
+typedef struct dynAlgorithmInfo {
   uint32_t struct_size;
   const char* name;       /* "rnea" */
   const char* inputs;     /* what it reads, with blanks between: "q v a fext", "frame reference q v" */
@@ -1686,19 +1686,19 @@ typedef struct dynBatchInfo {
   const char* output[4];  /* names */
   int32_t rows[4], cols[4]; /* of one state; vectors have cols = 1 */
   int32_t pages[4];         /* matrices one after another; 1 for others */
-} dynBatchInfo;
-DYN_API dynStatus dyn_batch_info(const dynModel* model, dynBatchAlgorithm algorithm, dynBatchInfo* info);
+} dynAlgorithmInfo;
+DYN_API dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynAlgorithmInfo* info);
 
 /* ------------------------------------------------------------------------------------------------------- rollouts */
 
 /* What a rollout records beside states, of a frame where one is named: what sensors on a robot would say. */
 typedef enum dynSensorType {
-  DYN_SENSOR_PLACEMENT = 0, /* frame: 7, its position in the world, m, and its quaternion (x, y, z, w) */
-  DYN_SENSOR_VELOCITY = 1,  /* frame: 6, [linear; angular], m/s and rad/s, axes of the frame */
-  DYN_SENSOR_IMU = 2,       /* frame: 6, axes of the frame: the acceleration of its origin, mean over the last step, less gravity, m/s^2; its angular velocity, rad/s */
-  DYN_SENSOR_FORCE = 3,     /* link: 6, [force; moment] of all contacts on its shapes, mean over the last step, N and N m, axes of the world, about its origin */
-  DYN_SENSOR_COM = 4,       /* 6, the centre of mass of the robot and its velocity, m and m/s, world */
-  DYN_SENSOR_ENERGY = 5     /* 2, kinetic and potential, J */
+  DYN_SENSOR_TYPE_PLACEMENT = 0, /* frame: 7, its position in the world, m, and its quaternion (x, y, z, w) */
+  DYN_SENSOR_TYPE_VELOCITY = 1,  /* frame: 6, [linear; angular], m/s and rad/s, axes of the frame */
+  DYN_SENSOR_TYPE_IMU = 2,       /* frame: 6, axes of the frame: the acceleration of its origin, mean over the last step, less gravity, m/s^2; its angular velocity, rad/s */
+  DYN_SENSOR_TYPE_FORCE = 3,     /* link: 6, [force; moment] of all contacts on its shapes, mean over the last step, N and N m, axes of the world, about its origin */
+  DYN_SENSOR_TYPE_COM = 4,       /* 6, the centre of mass of the robot and its velocity, m and m/s, world */
+  DYN_SENSOR_TYPE_ENERGY = 5     /* 2, kinetic and potential, J */
 } dynSensorType;
 /* How many numbers a sensor has; 0 for one that does not exist. */
 DYN_API int dyn_sensor_size(dynSensorType sensor);
@@ -1720,15 +1720,15 @@ typedef struct dynRollout {
   const dynStepOptions* stepping;  /* NULL: as dyn_step_options_init leaves them */
   const dynSensorType* sensor;     /* sensors of them */
   const int32_t* sensor_frame;     /* a frame for each; read where the sensor has one */
-  const void* states;              /* n of dyn_state_size bytes, as dyn_state_save and final_states leave them */
+  const void* states;              /* n of dyn_model_state_size bytes, as dyn_data_save_state and final_states leave them */
   const double *q0, *v0;           /* n x nq, n x nv */
   const double* tau;               /* n x R x nv */
   const double* control;           /* n x R x nu, for actuators */
   double *q, *v;                   /* n x R x nq, n x R x nv */
   double* sensor_data;             /* n x R x the sum of the sensors' sizes */
-  dynContactForce* contacts;       /* n x R x contact_capacity: of the last step, as dyn_step_contacts writes them */
+  dynContactForce* contacts;       /* n x R x contact_capacity: of the last step, as dyn_data_step_contacts writes them */
   int32_t* contact_count;          /* n x R: how many there were */
-  void* final_states;              /* n of dyn_state_size bytes */
+  void* final_states;              /* n of dyn_model_state_size bytes */
   dynStatus* status;               /* n */
   int (*progress)(void* context, int64_t steps, int64_t of);
   void* context;

@@ -160,12 +160,12 @@ struct IkTask {
   dynIkTask value;
   Vector reference, component_weights;
 
-  static IkTask pose(int frame, const Placement& X) { return IkTask(DYN_IK_POSE, frame, X.data(), 0, 12); }
-  static IkTask position(int frame, const Vector3& x) { return IkTask(DYN_IK_POSITION, frame, x.data(), 9, 3); }
-  static IkTask orientation(int frame, const std::array<double, 9>& R) { return IkTask(DYN_IK_ORIENTATION, frame, R.data(), 0, 9); }
-  static IkTask com(const Vector3& x) { return IkTask(DYN_IK_COM, 0, x.data(), 9, 3); }
+  static IkTask pose(int frame, const Placement& X) { return IkTask(DYN_IK_TASK_TYPE_POSE, frame, X.data(), 0, 12); }
+  static IkTask position(int frame, const Vector3& x) { return IkTask(DYN_IK_TASK_TYPE_POSITION, frame, x.data(), 9, 3); }
+  static IkTask orientation(int frame, const std::array<double, 9>& R) { return IkTask(DYN_IK_TASK_TYPE_ORIENTATION, frame, R.data(), 0, 9); }
+  static IkTask com(const Vector3& x) { return IkTask(DYN_IK_TASK_TYPE_COM, 0, x.data(), 9, 3); }
   static IkTask posture(Vector q) {
-    IkTask task(DYN_IK_POSTURE, 0, nullptr, 0, 0);
+    IkTask task(DYN_IK_TASK_TYPE_POSTURE, 0, nullptr, 0, 0);
     return task.reference = std::move(q), task;
   }
   IkTask& weight(double w) { return value.weight = w, *this; }
@@ -175,8 +175,8 @@ struct IkTask {
   // As dyn.h takes it; refuses wrong sizes. Points into this.
   dynIkTask of(int nq, int nv) const {
     dynIkTask out = value;
-    if (value.type == DYN_IK_POSTURE) out.posture = Input(reference).of(nq, "posture");
-    const int n = value.type == DYN_IK_POSTURE ? nv : value.type == DYN_IK_POSE ? 6 : 3;
+    if (value.type == DYN_IK_TASK_TYPE_POSTURE) out.posture = Input(reference).of(nq, "posture");
+    const int n = value.type == DYN_IK_TASK_TYPE_POSTURE ? nv : value.type == DYN_IK_TASK_TYPE_POSE ? 6 : 3;
     out.weights = component_weights.empty() ? nullptr : Input(component_weights).of(n, "weights");
     return out;
   }
@@ -198,7 +198,7 @@ struct IkOptions {
 class Model {
  public:
   // Takes over a model made by dyn.h.
-  explicit Model(dynModel* model) : model_(model, dyn_model_free), nq_(dyn_nq(model)), nv_(dyn_nv(model)) {
+  explicit Model(dynModel* model) : model_(model, dyn_model_free), nq_(dyn_model_nq(model)), nv_(dyn_model_nv(model)) {
     if (nq_ < 0) throw Error(DYN_ERROR_HANDLE);
   }
   static Model load(const std::string& path, const LoadOptions& options = {}) { return load_(dyn_model_load, path, options); }
@@ -231,53 +231,53 @@ class Model {
 
   int nq() const noexcept { return nq_; }
   int nv() const noexcept { return nv_; }
-  int njoints() const noexcept { return dyn_njoints(get()); }
-  int nframes() const noexcept { return dyn_nframes(get()); }
-  int nbodies() const noexcept { return dyn_nbodies(get()); }
-  int nshapes() const noexcept { return dyn_nshapes(get()); }
+  int njoints() const noexcept { return dyn_model_njoints(get()); }
+  int nframes() const noexcept { return dyn_model_nframes(get()); }
+  int nbodies() const noexcept { return dyn_model_nbodies(get()); }
+  int nshapes() const noexcept { return dyn_model_nshapes(get()); }
   std::size_t size() const noexcept { return dyn_model_size(get()); }
-  double total_mass() const noexcept { return dyn_total_mass(get()); }
+  double total_mass() const noexcept { return dyn_model_total_mass(get()); }
   std::string name() const { return dyn_model_name(get()); }
 
-  int joint_id(const std::string& name) const { return id_(dyn_joint_id(get(), name.c_str())); }
-  int frame_id(const std::string& name) const { return id_(dyn_frame_id(get(), name.c_str())); }
-  int frame_id(const std::string& name, dynFrameType type) const { return id_(dyn_frame_id_of_type(get(), name.c_str(), type)); }
-  std::string joint_name(int joint) const { return name_(dyn_joint_name(get(), joint)); }
-  std::string frame_name(int frame) const { return name_(dyn_frame_name(get(), frame)); }
-  dynJointInfo joint(int joint) const { return info_<dynJointInfo>(dyn_joint_info, joint); }
-  dynFrameInfo frame(int frame) const { return info_<dynFrameInfo>(dyn_frame_info, frame); }
-  dynShapeInfo shape(int shape) const { return info_<dynShapeInfo>(dyn_shape_info, shape); }
-  int npairs() const noexcept { return dyn_npairs(get()); }
+  int joint_id(const std::string& name) const { return id_(dyn_model_joint_id(get(), name.c_str())); }
+  int frame_id(const std::string& name) const { return id_(dyn_model_frame_id(get(), name.c_str())); }
+  int frame_id(const std::string& name, dynFrameType type) const { return id_(dyn_model_frame_id_of_type(get(), name.c_str(), type)); }
+  std::string joint_name(int joint) const { return name_(dyn_model_joint_name(get(), joint)); }
+  std::string frame_name(int frame) const { return name_(dyn_model_frame_name(get(), frame)); }
+  dynJointInfo joint(int joint) const { return info_<dynJointInfo>(dyn_model_joint_info, joint); }
+  dynFrameInfo frame(int frame) const { return info_<dynFrameInfo>(dyn_model_frame_info, frame); }
+  dynShapeInfo shape(int shape) const { return info_<dynShapeInfo>(dyn_model_shape_info, shape); }
+  int npairs() const noexcept { return dyn_model_npairs(get()); }
   // The shapes of a pair.
   std::pair<int, int> pair(int pair) const {
     std::pair<int, int> out;
-    check(dyn_pair(get(), pair, &out.first, &out.second, nullptr));
+    check(dyn_model_pair(get(), pair, &out.first, &out.second, nullptr));
     return out;
   }
-  int nconstraints() const noexcept { return dyn_nconstraints(get()); }
-  int nconstraint_slots() const noexcept { return dyn_nconstraint_slots(get()); }
-  int contact_capacity() const noexcept { return dyn_contact_capacity(get()); }
-  std::string constraint_name(int constraint) const { return name_(dyn_constraint_name(get(), constraint)); }
-  int constraint_id(const std::string& name) const { return id_(dyn_constraint_id(get(), name.c_str())); }
-  dynConstraint constraint(int constraint) const { return info_<dynConstraint>(dyn_constraint_info, constraint); }
-  int nactuators() const noexcept { return dyn_nactuators(get()); }
-  int nu() const noexcept { return dyn_nu(get()); }
-  std::string actuator_name(int actuator) const { return name_(dyn_actuator_name(get(), actuator)); }
-  int actuator_id(const std::string& name) const { return id_(dyn_actuator_id(get(), name.c_str())); }
-  dynActuator actuator(int actuator) const { return info_<dynActuator>(dyn_actuator_info, actuator); }
-  int report_count() const noexcept { return dyn_report_count(get()); }
-  dynReportEntry report(int index) const { return info_<dynReportEntry>(dyn_report_entry, index); }
+  int nconstraints() const noexcept { return dyn_model_nconstraints(get()); }
+  int nconstraint_slots() const noexcept { return dyn_model_nconstraint_slots(get()); }
+  int contact_capacity() const noexcept { return dyn_model_contact_capacity(get()); }
+  std::string constraint_name(int constraint) const { return name_(dyn_model_constraint_name(get(), constraint)); }
+  int constraint_id(const std::string& name) const { return id_(dyn_model_constraint_id(get(), name.c_str())); }
+  dynConstraint constraint(int constraint) const { return info_<dynConstraint>(dyn_model_constraint_info, constraint); }
+  int nactuators() const noexcept { return dyn_model_nactuators(get()); }
+  int nu() const noexcept { return dyn_model_nu(get()); }
+  std::string actuator_name(int actuator) const { return name_(dyn_model_actuator_name(get(), actuator)); }
+  int actuator_id(const std::string& name) const { return id_(dyn_model_actuator_id(get(), name.c_str())); }
+  dynActuator actuator(int actuator) const { return info_<dynActuator>(dyn_model_actuator_info, actuator); }
+  int report_count() const noexcept { return dyn_model_report_count(get()); }
+  dynReportEntry report(int index) const { return info_<dynReportEntry>(dyn_model_report_entry, index); }
 
   // 10 x (njoints - 1): the ten of each joint's body
   Matrix inertial_parameters() const {
     Matrix pi(10, njoints() - 1);
-    check(dyn_inertial_parameters(get(), pi.data()));
+    check(dyn_model_inertial_parameters(get(), pi.data()));
     return pi;
   }
   // Limits, armature, damping, friction, springs, gravity: lives as long as the model.
   View array(dynModelArray which) const {
-    const bool of_q = which == DYN_LOWER_LIMIT || which == DYN_UPPER_LIMIT || which == DYN_SPRING_REFERENCE;
-    const int n = which == DYN_GRAVITY ? 3 : of_q ? nq_ : nv_;
+    const bool of_q = which == DYN_MODEL_ARRAY_LOWER_LIMIT || which == DYN_MODEL_ARRAY_UPPER_LIMIT || which == DYN_MODEL_ARRAY_SPRING_REFERENCE;
+    const int n = which == DYN_MODEL_ARRAY_GRAVITY ? 3 : of_q ? nq_ : nv_;
     const double* p = dyn_model_array(get(), which);
     if (!p && n) throw Error(DYN_ERROR_ARGUMENT);
     return View({sizeof(dynArray), n, 1, {1, n}, p});
@@ -285,7 +285,7 @@ class Model {
   // How a shape looks: red, green, blue, opacity, 0 to 1; -1 where its file does not say.
   std::array<double, 4> shape_rgba(int shape) const {
     std::array<double, 4> rgba;
-    check(dyn_shape_rgba(get(), shape, rgba.data()));
+    check(dyn_model_shape_rgba(get(), shape, rgba.data()));
     return rgba;
   }
   // Two links that an SRDF takes out of collision tests.
@@ -295,10 +295,10 @@ class Model {
   };
   std::vector<DisabledPair> disabled_pairs() const {
     std::vector<DisabledPair> out;
-    for (int i = 0; i < dyn_ndisabled_pairs(get()); ++i) {
+    for (int i = 0; i < dyn_model_ndisabled_pairs(get()); ++i) {
       DisabledPair pair;
       const char* reason;
-      check(dyn_disabled_pair(get(), i, &pair.frame1, &pair.frame2, &reason));
+      check(dyn_model_disabled_pair(get(), i, &pair.frame1, &pair.frame2, &reason));
       pair.reason = reason;
       out.push_back(std::move(pair));
     }
@@ -306,11 +306,11 @@ class Model {
   }
   std::vector<std::string> configurations() const {
     std::vector<std::string> names;
-    for (int i = 0; i < dyn_nconfigurations(get()); ++i) names.push_back(name_(dyn_configuration_name(get(), i)));
+    for (int i = 0; i < dyn_model_nconfigurations(get()); ++i) names.push_back(name_(dyn_model_configuration_name(get(), i)));
     return names;
   }
   Vector configuration(const std::string& name) const {
-    return q_([&](double* q) { return dyn_configuration(get(), name.c_str(), q); });
+    return q_([&](double* q) { return dyn_model_configuration(get(), name.c_str(), q); });
   }
   // First index in q and in v of each joint.
   std::pair<std::vector<int32_t>, std::vector<int32_t>> q_permutation(const std::vector<std::string>& names) const {
@@ -318,7 +318,7 @@ class Model {
     for (const auto& n : names) pointers.push_back(n.c_str());
     std::pair<std::vector<int32_t>, std::vector<int32_t>> out{std::vector<int32_t>(names.size()),
                                                               std::vector<int32_t>(names.size())};
-    check(dyn_q_permutation(get(), pointers.data(), names.size(), out.first.data(), out.second.data()));
+    check(dyn_model_q_permutation(get(), pointers.data(), names.size(), out.first.data(), out.second.data()));
     return out;
   }
 
@@ -329,17 +329,17 @@ class Model {
     return n;
   }
   State to_peer(const StateLayout& layout, Input q, Input v = none, Input a = none, Input tau = none) const {
-    return convert_(layout, DYN_TO_PEER, {nq_, nv_}, sizes(layout), {q, v, a, tau});
+    return convert_(layout, DYN_DIRECTION_TO_PEER, {nq_, nv_}, sizes(layout), {q, v, a, tau});
   }
   State from_peer(const StateLayout& layout, Input q, Input v = none, Input a = none, Input tau = none) const {
-    return convert_(layout, DYN_FROM_PEER, sizes(layout), {nq_, nv_}, {q, v, a, tau});
+    return convert_(layout, DYN_DIRECTION_FROM_PEER, sizes(layout), {nq_, nv_}, {q, v, a, tau});
   }
 
   Vector neutral() const {
-    return q_([&](double* q) { return dyn_neutral(get(), q); });
+    return q_([&](double* q) { return dyn_configuration_neutral(get(), q); });
   }
   Vector random(uint64_t seed, Input lower = none, Input upper = none) const {
-    return q_([&](double* q) { return dyn_random(get(), seed, lower.of(nq_, "lower"), upper.of(nq_, "upper"), q); });
+    return q_([&](double* q) { return dyn_configuration_random(get(), seed, lower.of(nq_, "lower"), upper.of(nq_, "upper"), q); });
   }
   Vector integrate(Input q, Input v) const {
     return q_([&](double* out) { return dyn_integrate(get(), q.of(nq_, "q"), v.of(nv_, "v"), out); });
@@ -354,17 +354,17 @@ class Model {
   }
   double distance(Input q0, Input q1) const {
     double out;
-    check(dyn_distance(get(), q0.of(nq_, "q0"), q1.of(nq_, "q1"), &out));
+    check(dyn_configuration_distance(get(), q0.of(nq_, "q0"), q1.of(nq_, "q1"), &out));
     return out;
   }
   Vector normalize(Vector q) const {
     Input(q).of(nq_, "q");
-    check(dyn_normalize(get(), q.data()));
+    check(dyn_configuration_normalize(get(), q.data()));
     return q;
   }
   bool is_normalized(Input q, double tolerance = 1e-9) const {
     int yes;
-    check(dyn_is_normalized(get(), q.of(nq_, "q"), tolerance, &yes));
+    check(dyn_configuration_is_normalized(get(), q.of(nq_, "q"), tolerance, &yes));
     return yes != 0;
   }
   std::pair<Matrix, Matrix> integrate_jacobians(Input q, Input v) const {
@@ -421,7 +421,7 @@ class Model {
     State s{room(true, to.first), room(in[1].given(), to.second), room(in[2].given(), to.second), room(in[3].given(), to.second)};
     auto out = [](Vector& x) { return x.empty() ? nullptr : x.data(); };
     layout_(layout, [&](const dynStateLayout* l) {
-      return dyn_convert_state(get(), l, direction, q, v, a, tau, out(s.q), out(s.v), out(s.a), out(s.tau));
+      return dyn_state_layout_convert(get(), l, direction, q, v, a, tau, out(s.q), out(s.v), out(s.a), out(s.tau));
     });
     return s;
   }
@@ -458,14 +458,14 @@ class Data {
     check(dyn_data_set_state(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), tau.of(nv(), "tau")));
   }
   // Once in each thread with a deadline: later calls wait for no page of memory.
-  void warmup() { check(dyn_warmup(m(), get())); }
+  void warmup() { check(dyn_data_warm_up(m(), get())); }
   // DYN_EFFECT_... of a joint, or of all (0).
   // What a step takes into account, and what it takes of the memory.
   std::vector<dynEffectInfo> plan() {
-    std::vector<dynEffectInfo> out(static_cast<std::size_t>(dyn_neffects()));
+    std::vector<dynEffectInfo> out(static_cast<std::size_t>(dyn_effect_count()));
     for (std::size_t k = 0; k < out.size(); ++k) {
       out[k].struct_size = sizeof out[k];
-      check(dyn_effect_info(m(), get(), static_cast<int>(k), &out[k]));
+      check(dyn_data_effect_info(m(), get(), static_cast<int>(k), &out[k]));
     }
     return out;
   }
@@ -513,9 +513,9 @@ class Data {
     check(dyn_frame_placements(m(), get(), nullptr));
     return field(id);
   }
-  Vector6 frame_velocity(int frame, dynReference r = DYN_LOCAL) { return six(dyn_frame_velocity, frame, r); }
-  Vector6 frame_acceleration(int frame, dynReference r = DYN_LOCAL) { return six(dyn_frame_acceleration, frame, r); }
-  Vector6 frame_classical_acceleration(int frame, dynReference r = DYN_LOCAL) {
+  Vector6 frame_velocity(int frame, dynReference r = DYN_REFERENCE_LOCAL) { return six(dyn_frame_velocity, frame, r); }
+  Vector6 frame_acceleration(int frame, dynReference r = DYN_REFERENCE_LOCAL) { return six(dyn_frame_acceleration, frame, r); }
+  Vector6 frame_classical_acceleration(int frame, dynReference r = DYN_REFERENCE_LOCAL) {
     return six(dyn_frame_classical_acceleration, frame, r);
   }
   View joint_jacobians(Input q = held) {
@@ -526,16 +526,16 @@ class Data {
     static const dynField id = dyn_field_id("dJ");
     return result(id, dyn_joint_jacobians_time_variation(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
   }
-  Matrix frame_jacobian(int frame, dynReference r = DYN_LOCAL) {
+  Matrix frame_jacobian(int frame, dynReference r = DYN_REFERENCE_LOCAL) {
     return own(6, [&](double* J) { return dyn_frame_jacobian(m(), get(), frame, r, J); });
   }
-  Matrix frame_jacobian_time_variation(int frame, dynReference r = DYN_LOCAL) {
+  Matrix frame_jacobian_time_variation(int frame, dynReference r = DYN_REFERENCE_LOCAL) {
     return own(6, [&](double* J) { return dyn_frame_jacobian_time_variation(m(), get(), frame, r, J); });
   }
   struct FrameVelocityDerivatives {
     Matrix dv_dq, dv_dv;
   };
-  FrameVelocityDerivatives frame_velocity_derivatives(int frame, dynReference r = DYN_LOCAL) {
+  FrameVelocityDerivatives frame_velocity_derivatives(int frame, dynReference r = DYN_REFERENCE_LOCAL) {
     FrameVelocityDerivatives x{Matrix(6, nv()), Matrix(6, nv())};
     check(dyn_frame_velocity_derivatives(m(), get(), frame, r, x.dv_dq.data(), x.dv_dv.data()));
     return x;
@@ -543,14 +543,14 @@ class Data {
   struct FrameAccelerationDerivatives {
     Matrix da_dq, da_dv, da_da;
   };
-  FrameAccelerationDerivatives frame_acceleration_derivatives(int frame, dynReference r = DYN_LOCAL) {
+  FrameAccelerationDerivatives frame_acceleration_derivatives(int frame, dynReference r = DYN_REFERENCE_LOCAL) {
     return by_q_v_a(dyn_frame_acceleration_derivatives, frame, r);
   }
-  FrameAccelerationDerivatives frame_classical_acceleration_derivatives(int frame, dynReference r = DYN_LOCAL) {
+  FrameAccelerationDerivatives frame_classical_acceleration_derivatives(int frame, dynReference r = DYN_REFERENCE_LOCAL) {
     return by_q_v_a(dyn_frame_classical_acceleration_derivatives, frame, r);
   }
   // 6 x nv nv: the k-th 6 x nv is the derivative of the Jacobian by q_k
-  Matrix frame_kinematic_hessian(int frame, dynReference r = DYN_LOCAL) {
+  Matrix frame_kinematic_hessian(int frame, dynReference r = DYN_REFERENCE_LOCAL) {
     Matrix H(6, nv() * nv());
     check(dyn_frame_kinematic_hessian(m(), get(), frame, r, H.data()));
     return H;
@@ -560,26 +560,26 @@ class Data {
   View center_of_mass(Input q = held, Input v = none, Input a = none) {
     static const dynField id = dyn_field_id("com");
     return result(id,
-                  dyn_center_of_mass(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr, nullptr, nullptr));
+                  dyn_com(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr, nullptr, nullptr));
   }
   View center_of_mass_jacobian(Input q = held) {
     static const dynField id = dyn_field_id("Jcom");
-    return result(id, dyn_center_of_mass_jacobian(m(), get(), q.of(nq(), "q"), nullptr));
+    return result(id, dyn_jcom(m(), get(), q.of(nq(), "q"), nullptr));
   }
   struct CenterOfMassVelocityDerivatives {
     View dvcom_dq, dvcom_dv;
   };
   CenterOfMassVelocityDerivatives center_of_mass_velocity_derivatives(Input q = held, Input v = held) {
-    check(dyn_center_of_mass_velocity_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr, nullptr));
+    check(dyn_vcom_derivatives(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr, nullptr));
     return {field("dvcom_dq"), field("Jcom")};
   }
   std::pair<Vector3, double> subtree_center_of_mass(int joint) {  // and its mass
     std::pair<Vector3, double> out;
-    check(dyn_subtree_center_of_mass(m(), get(), joint, out.first.data(), &out.second));
+    check(dyn_subtree_com(m(), get(), joint, out.first.data(), &out.second));
     return out;
   }
   Matrix subtree_center_of_mass_jacobian(int joint) {
-    return own(3, [&](double* J) { return dyn_subtree_center_of_mass_jacobian(m(), get(), joint, J); });
+    return own(3, [&](double* J) { return dyn_subtree_jcom(m(), get(), joint, J); });
   }
 
   // centroidal; the map also brings the fields "Ig" and "hg"
@@ -597,7 +597,7 @@ class Data {
   }
   View centroidal_momentum_rate(Input q = held, Input v = held, Input a = held) {
     static const dynField id = dyn_field_id("dhg");
-    return result(id, dyn_centroidal_momentum_rate(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr));
+    return result(id, dyn_centroidal_momentum_time_variation(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), a.of(nv(), "a"), nullptr));
   }
   struct CentroidalDerivatives {
     View dh_dq, dhdot_dq, dhdot_dv, dhdot_da;
@@ -642,11 +642,11 @@ class Data {
   }
   View nonlinear_effects(Input q = held, Input v = held) {
     static const dynField id = dyn_field_id("nle");
-    return result(id, dyn_nonlinear_effects(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
+    return result(id, dyn_nle(m(), get(), q.of(nq(), "q"), v.of(nv(), "v"), nullptr));
   }
   View gravity(Input q = held) {
     static const dynField id = dyn_field_id("g");
-    return result(id, dyn_gravity(m(), get(), q.of(nq(), "q"), nullptr));
+    return result(id, dyn_gravity_torque(m(), get(), q.of(nq(), "q"), nullptr));
   }
   View static_torque(Input q = held, Input fext = none) {
     static const dynField id = dyn_field_id("static_torque");
@@ -664,15 +664,15 @@ class Data {
     static const dynField id = dyn_field_id("M");
     return result(id, dyn_crba(m(), get(), q.of(nq(), "q"), nullptr));
   }
-  void factorize() { check(dyn_factorize(m(), get())); }
+  void factorize() { check(dyn_cholesky(m(), get())); }
   Vector solve(Input b, int nrhs = 1) {
     Vector x(static_cast<std::size_t>(nv()) * static_cast<std::size_t>(nrhs));
-    check(dyn_solve(m(), get(), b.of(nv() * nrhs, "b"), nrhs, x.data()));
+    check(dyn_cholesky_solve(m(), get(), b.of(nv() * nrhs, "b"), nrhs, x.data()));
     return x;
   }
   View minverse(Input q = held) {
     static const dynField id = dyn_field_id("Minv");
-    return result(id, dyn_minverse(m(), get(), q.of(nq(), "q"), nullptr));
+    return result(id, dyn_minv(m(), get(), q.of(nq(), "q"), nullptr));
   }
   struct InverseDerivatives {
     View dtau_dq, dtau_dv, dtau_da;
@@ -690,7 +690,7 @@ class Data {
   }
   View gravity_derivatives(Input q = held) {
     static const dynField id = dyn_field_id("dg_dq");
-    return result(id, dyn_gravity_derivatives(m(), get(), q.of(nq(), "q"), nullptr));
+    return result(id, dyn_gravity_torque_derivatives(m(), get(), q.of(nq(), "q"), nullptr));
   }
   View static_torque_derivatives(Input q = held, Input fext = none) {
     static const dynField id = dyn_field_id("dstatic_torque_dq");
@@ -744,7 +744,7 @@ class Data {
     Vector q;
     std::vector<std::array<double, 2>> residuals;  // of each task: m, rad
     dynIkResult result;
-    bool converged() const { return result.reason == DYN_IK_CONVERGED; }
+    bool converged() const { return result.reason == DYN_IK_REASON_CONVERGED; }
   };
   IkAnswer ik(const std::vector<IkTask>& tasks, Input q = held, const IkOptions& options = {}) {
     std::vector<dynIkTask> list;
@@ -757,20 +757,20 @@ class Data {
   }
 
   // constraints: slots
-  void set_constraint(int slot, const dynConstraint& c) { check(dyn_constraint_set(m(), get(), slot, &c)); }
-  void clear_constraint(int slot) { check(dyn_constraint_set(m(), get(), slot, nullptr)); }
+  void set_constraint(int slot, const dynConstraint& c) { check(dyn_data_set_constraint(m(), get(), slot, &c)); }
+  void clear_constraint(int slot) { check(dyn_data_set_constraint(m(), get(), slot, nullptr)); }
   dynConstraint constraint(int slot) {
     dynConstraint out;
-    dyn_constraint_init(&out, DYN_CONSTRAINT_NONE);
-    check(dyn_constraint_get(m(), get(), slot, &out));
+    dyn_constraint_init(&out, DYN_CONSTRAINT_TYPE_NONE);
+    check(dyn_data_constraint(m(), get(), slot, &out));
     return out;
   }
-  void enable_constraint(int slot, bool on = true) { check(dyn_constraint_enable(m(), get(), slot, on)); }
-  void anchor_constraint(int slot, Input q = held) { check(dyn_constraint_anchor(m(), get(), slot, q.of(nq(), "q"))); }
+  void enable_constraint(int slot, bool on = true) { check(dyn_data_set_constraint_enabled(m(), get(), slot, on)); }
+  void anchor_constraint(int slot, Input q = held) { check(dyn_data_anchor_constraint(m(), get(), slot, q.of(nq(), "q"))); }
   // First row and number of rows of a slot; -1: of all.
   std::pair<int, int> constraint_rows(int slot = -1) {
     std::pair<int, int> out;
-    check(dyn_constraint_rows(m(), get(), slot, &out.first, &out.second));
+    check(dyn_data_constraint_rows(m(), get(), slot, &out.first, &out.second));
     return out;
   }
   struct ConstraintTerms {
@@ -920,9 +920,9 @@ class Data {
     std::vector<int> shapes;  // -1: nothing
     Matrix normals;           // 3 x n
   };
-  Rays rays(Input origins, Input directions, int n, Input q = held, double far = std::numeric_limits<double>::infinity(), uint32_t mask = 0xffffffffu) {
+  Rays rays(Input origins, Input directions, int n, Input q = held, double max_t = std::numeric_limits<double>::infinity(), uint32_t mask = 0xffffffffu) {
     Rays out{Vector(static_cast<std::size_t>(n)), std::vector<int>(static_cast<std::size_t>(n)), Matrix(3, n)};
-    check(dyn_rays(m(), get(), q.of(nq(), "q"), origins.of(3 * n, "origins"), directions.of(3 * n, "directions"), n, far, mask, out.t.data(),
+    check(dyn_rays(m(), get(), q.of(nq(), "q"), origins.of(3 * n, "origins"), directions.of(3 * n, "directions"), n, max_t, mask, out.t.data(),
                    out.shapes.data(), out.normals.data()));
     return out;
   }
@@ -941,8 +941,8 @@ class Data {
     set_stepping(options);
   }
   // actuators, and forces from outside
-  void set_control(const Vector& u) { check(dyn_data_set_control(m(), get(), Input(u).of(dyn_nu(m()), "u"))); }
-  void apply_wrench(int frame, const Vector& wrench, dynReference reference = DYN_LOCAL_WORLD_ALIGNED, Input point = none) {
+  void set_control(const Vector& u) { check(dyn_data_set_control(m(), get(), Input(u).of(dyn_model_nu(m()), "u"))); }
+  void apply_wrench(int frame, const Vector& wrench, dynReference reference = DYN_REFERENCE_LOCAL_WORLD_ALIGNED, Input point = none) {
     check(dyn_data_apply_wrench(m(), get(), frame, point.of(3, "point"), Input(wrench).of(6, "wrench"), reference));
   }
   void clear_wrenches() { check(dyn_data_clear_wrenches(m(), get())); }
@@ -972,18 +972,18 @@ class Data {
   // Contact points of the last step with their forces.
   std::vector<dynContactForce> step_contacts() {
     int count = 0;
-    check(dyn_step_contacts(m(), get(), nullptr, 0, &count));
+    check(dyn_data_step_contacts(m(), get(), nullptr, 0, &count));
     std::vector<dynContactForce> out(static_cast<std::size_t>(count));
-    check(dyn_step_contacts(m(), get(), out.data(), count, &count));
+    check(dyn_data_step_contacts(m(), get(), out.data(), count, &count));
     return out;
   }
   // The state, with the contacts that the next step begins from.
   std::vector<unsigned char> save() {
-    std::vector<unsigned char> out(dyn_state_size(m()));
-    check(dyn_state_save(m(), get(), out.data(), out.size()));
+    std::vector<unsigned char> out(dyn_model_state_size(m()));
+    check(dyn_data_save_state(m(), get(), out.data(), out.size()));
     return out;
   }
-  void restore(const std::vector<unsigned char>& state) { check(dyn_state_restore(m(), get(), state.data(), state.size())); }
+  void restore(const std::vector<unsigned char>& state) { check(dyn_data_restore_state(m(), get(), state.data(), state.size())); }
   void set_shape_material(int shape, const dynMaterial& material) { check(dyn_data_set_shape_material(m(), get(), shape, &material)); }
   dynMaterial shape_material(int shape) {
     dynMaterial out;
@@ -1075,7 +1075,7 @@ class BatchArrays {
   BatchArrays& status(std::vector<dynStatus>& x) { return value_.status = x.data(), status_size_ = x.size(), *this; }
 
   // Checks all sizes.
-  dynBatchArrays of(const Model& m, const dynBatchInfo& info, int64_t n) const {
+  dynBatchArrays of(const Model& m, const dynAlgorithmInfo& info, int64_t n) const {
     dynBatchArrays x = value_;
     x.q = q_.of(n * m.nq(), "q"), x.v = v_.of(n * m.nv(), "v"), x.a = a_.of(n * m.nv(), "a"), x.tau = tau_.of(n * m.nv(), "tau");
     x.b = b_.of(n * m.nv(), "b"), x.fext = fext_.of(n * 6 * m.njoints(), "fext"), x.q1 = q1_.of(n * m.nq(), "q1");
@@ -1094,7 +1094,7 @@ class BatchArrays {
 
 // Every algorithm over n states with several threads:
 //   dyn::Batch batch(model, 4);
-//   batch.run(DYN_BATCH_RNEA, n, dyn::BatchArrays().q(q).v(v).a(a).out(0, tau));
+//   batch.run(DYN_ALGORITHM_RNEA, n, dyn::BatchArrays().q(q).v(v).a(a).out(0, tau));
 class Batch {
  public:
   explicit Batch(Model model, int threads, dynParts parts = DYN_PART_ALL) : model_(std::move(model)) {
@@ -1104,14 +1104,14 @@ class Batch {
   }
   dynBatch* get() const noexcept { return batch_.get(); }
   const Model& model() const noexcept { return model_; }
-  dynBatchInfo info(dynBatchAlgorithm algorithm) const {
-    dynBatchInfo out{};
+  dynAlgorithmInfo info(dynAlgorithm algorithm) const {
+    dynAlgorithmInfo out{};
     out.struct_size = sizeof out;
-    check(dyn_batch_info(model_.get(), algorithm, &out));
+    check(dyn_algorithm_info(model_.get(), algorithm, &out));
     return out;
   }
   // Throws for the first state that fails; the others are computed.
-  void run(dynBatchAlgorithm algorithm, int64_t n, const BatchArrays& arrays) {
+  void run(dynAlgorithm algorithm, int64_t n, const BatchArrays& arrays) {
     const dynBatchArrays x = arrays.of(model_, info(algorithm), n);
     check(dyn_batch_run(get(), algorithm, n, &x));
   }
@@ -1202,41 +1202,41 @@ inline dynGeometry geometry(dynShapeType type, const Vector3& size, double radiu
   return g;
 }
 inline dynDistance shape_distance(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double tolerance = 0,
-                                  dynDistanceMethod method = DYN_METHOD_GJK) {
+                                  dynDistanceMethod method = DYN_DISTANCE_METHOD_GJK) {
   dynDistance out{};
   out.struct_size = sizeof out;
   dynDistanceOptions options;
   dyn_distance_options_init(&options);
   options.tolerance = tolerance, options.method = method;
-  check(dyn_shape_distance(&a, X_a.data(), &b, X_b.data(), &options, &out));
+  check(dyn_geometry_distance(&a, X_a.data(), &b, X_b.data(), &options, &out));
   return out;
 }
 
 inline std::vector<dynContact> shape_contacts(const dynGeometry& a, const Placement& X_a, const dynGeometry& b, const Placement& X_b, double margin = 0,
                                               double tolerance = 0) {
-  std::vector<dynContact> out(DYN_CONTACTS_OF_A_PAIR);
+  std::vector<dynContact> out(DYN_MAX_CONTACTS_PER_PAIR);
   int count = 0;
-  check(dyn_shape_contacts(&a, X_a.data(), &b, X_b.data(), margin, tolerance, out.data(), &count));
+  check(dyn_geometry_contacts(&a, X_a.data(), &b, X_b.data(), margin, tolerance, out.data(), &count));
   out.resize(static_cast<std::size_t>(count));
   return out;
 }
 inline dynRayHit shape_ray(const dynGeometry& shape, const Placement& X, const Vector3& origin, const Vector3& direction) {
   dynRayHit out{};
   out.struct_size = sizeof out;
-  check(dyn_shape_ray(&shape, X.data(), origin.data(), direction.data(), &out));
+  check(dyn_geometry_ray(&shape, X.data(), origin.data(), direction.data(), &out));
   return out;
 }
 inline dynClosestPoint shape_closest_point(const dynGeometry& shape, const Placement& X, const Vector3& point) {
   dynClosestPoint out{};
   out.struct_size = sizeof out;
-  check(dyn_shape_closest_point(&shape, X.data(), point.data(), &out));
+  check(dyn_geometry_closest_point(&shape, X.data(), point.data(), &out));
   return out;
 }
 inline dynImpact shape_sweep(const dynGeometry& a, const Placement& X_a, const std::array<double, 6>& motion_a, const dynGeometry& b, const Placement& X_b,
                              const std::array<double, 6>& motion_b, double duration, double margin = 0) {
   dynImpact out{};
   out.struct_size = sizeof out;
-  check(dyn_shape_sweep(&a, X_a.data(), motion_a.data(), &b, X_b.data(), motion_b.data(), duration, margin, &out));
+  check(dyn_geometry_sweep(&a, X_a.data(), motion_a.data(), &b, X_b.data(), motion_b.data(), duration, margin, &out));
   return out;
 }
 
@@ -1253,13 +1253,13 @@ class ContactSolver {
   dynContactReport solve(const dynContactProblem& problem, double* lambda, double* velocity = nullptr, const dynContactOptions* options = nullptr) {
     dynContactReport report{};
     report.struct_size = sizeof report;
-    check(dyn_contact_solve(get(), &problem, options, lambda, velocity, &report));
+    check(dyn_contact_solver_solve(get(), &problem, options, lambda, velocity, &report));
     return report;
   }
   dynContactReport residuals(const dynContactProblem& problem, const double* lambda) {
     dynContactReport report{};
     report.struct_size = sizeof report;
-    check(dyn_contact_residuals(get(), &problem, lambda, &report));
+    check(dyn_contact_solver_residuals(get(), &problem, lambda, &report));
     return report;
   }
 
@@ -1299,7 +1299,7 @@ struct Qp {
 inline Qp friction_cone_qp(const dynContactProblem& problem, int facets = 8, bool inscribed = true) {
   Qp q;
   q.sizes.struct_size = sizeof q.sizes;
-  check(dyn_friction_cone_qp(&problem, facets, inscribed, &q.sizes));
+  check(dyn_contact_problem_qp(&problem, facets, inscribed, &q.sizes));
   const auto n = static_cast<std::size_t>(q.sizes.n), m = static_cast<std::size_t>(q.sizes.m);
   q.H_columns.resize(n + 1), q.A_columns.resize(n + 1), q.g.resize(n), q.lower.resize(m), q.upper.resize(m);
   q.H_rows.resize(static_cast<std::size_t>(q.sizes.H_nonzeros)), q.H.resize(q.H_rows.size());
@@ -1307,7 +1307,7 @@ inline Qp friction_cone_qp(const dynContactProblem& problem, int facets = 8, boo
   dynQp fill = q.sizes;
   fill.H_columns = q.H_columns.data(), fill.H_rows = q.H_rows.data(), fill.A_columns = q.A_columns.data(), fill.A_rows = q.A_rows.data();
   fill.H = q.H.data(), fill.g = q.g.data(), fill.A = q.A.data(), fill.lower = q.lower.data(), fill.upper = q.upper.data();
-  check(dyn_friction_cone_qp(&problem, facets, inscribed, &fill));
+  check(dyn_contact_problem_qp(&problem, facets, inscribed, &fill));
   return q;
 }
 
@@ -1337,8 +1337,8 @@ class BroadPhase {
   std::vector<int> query(const Vector3& lower, const Vector3& upper) {
     return ids_([&](int* out, int* count) { return dyn_broad_phase_query(get(), lower.data(), upper.data(), out, capacity_, count); });
   }
-  std::vector<int> ray(const Vector3& origin, const Vector3& direction, double far = std::numeric_limits<double>::infinity()) {
-    return ids_([&](int* out, int* count) { return dyn_broad_phase_ray(get(), origin.data(), direction.data(), far, out, capacity_, count); });
+  std::vector<int> ray(const Vector3& origin, const Vector3& direction, double max_t = std::numeric_limits<double>::infinity()) {
+    return ids_([&](int* out, int* count) { return dyn_broad_phase_ray(get(), origin.data(), direction.data(), max_t, out, capacity_, count); });
   }
 
  private:
@@ -1373,10 +1373,10 @@ class Builder {
     builder_.reset(builder);
   }
   dynBuilder* get() const noexcept { return builder_.get(); }
-  Builder& gravity(const Vector3& g) { return ok(dyn_builder_gravity(get(), g.data())); }
+  Builder& gravity(const Vector3& g) { return ok(dyn_builder_set_gravity(get(), g.data())); }
   // Numbers of limits, armature, ... are nq or nv of the joint.
   Builder& joint(const JointSpec& spec) {
-    return with(spec, [&](const dynJointSpec& s) { return dyn_builder_joint(get(), &s); });
+    return with(spec, [&](const dynJointSpec& s) { return dyn_builder_add_joint(get(), &s); });
   }
   Builder& joint(const std::string& name, dynJointType type, const std::string& parent = "") {
     return joint(JointSpec(name, type, parent));
@@ -1385,14 +1385,14 @@ class Builder {
   Builder& body(const std::string& name, const std::string& parent, double mass, const Vector3& com,
                 const std::array<double, 9>& inertia, Input placement = none) {
     return ok(
-        dyn_builder_body(get(), name.c_str(), above(parent), placement.of(12, "placement"), mass, com.data(), inertia.data()));
+        dyn_builder_add_body(get(), name.c_str(), above(parent), placement.of(12, "placement"), mass, com.data(), inertia.data()));
   }
   Builder& frame(const std::string& name, const std::string& parent, Input placement = none,
-                 dynFrameType type = DYN_FRAME_OP_FRAME) {
-    return ok(dyn_builder_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
+                 dynFrameType type = DYN_FRAME_TYPE_OP_FRAME) {
+    return ok(dyn_builder_add_frame(get(), name.c_str(), above(parent), placement.of(12, "placement"), type));
   }
   Builder& shape(const std::string& body, dynShapeType type, const Vector3& size, Input placement = none,
-                 dynShapeRole role = DYN_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "", double radius = 0,
+                 dynShapeRole role = DYN_SHAPE_ROLE_COLLISION, const std::string& name = "", const std::string& mesh = "", double radius = 0,
                  uint32_t contype = 1, uint32_t conaffinity = 1, const dynMesh* surface = nullptr) {
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
@@ -1401,25 +1401,25 @@ class Builder {
     for (std::size_t k = 0; k < 3; ++k) s.size[k] = size[k];
     if (const double* X = placement.of(12, "placement"))
       for (int k = 0; k < 12; ++k) s.placement[k] = X[k];
-    return ok(dyn_builder_shape(get(), &s));
+    return ok(dyn_builder_add_shape(get(), &s));
   }
   // How the shape that was added last looks: red, green, blue, opacity, 0 to 1.
-  Builder& shape_rgba(const std::array<double, 4>& rgba) { return ok(dyn_builder_shape_rgba(get(), rgba.data())); }
+  Builder& shape_rgba(const std::array<double, 4>& rgba) { return ok(dyn_builder_set_shape_rgba(get(), rgba.data())); }
   // Two collision shapes that are tested whatever the filter says; material: nullptr, that of the shapes.
   Builder& pair(const std::string& shape1, const std::string& shape2, const dynMaterial* material = nullptr) {
-    return ok(dyn_builder_pair(get(), shape1.c_str(), shape2.c_str(), material));
+    return ok(dyn_builder_add_pair(get(), shape1.c_str(), shape2.c_str(), material));
   }
   Builder& actuator(const std::string& name, const dynActuator& a, const std::string& joint) {
-    return ok(dyn_builder_actuator(get(), name.c_str(), &a, joint.c_str()));
+    return ok(dyn_builder_add_actuator(get(), name.c_str(), &a, joint.c_str()));
   }
   Builder& gravity_compensation(const std::string& body, double share = 1) {
-    return ok(dyn_builder_gravity_compensation(get(), body.c_str(), share));
+    return ok(dyn_builder_set_gravity_compensation(get(), body.c_str(), share));
   }
   Builder& medium(double density, double viscosity, Input wind = none) {
-    return ok(dyn_builder_medium(get(), density, viscosity, wind.of(3, "wind")));
+    return ok(dyn_builder_set_medium(get(), density, viscosity, wind.of(3, "wind")));
   }
   Builder& configuration(const std::string& name, const Vector& q) {
-    return ok(dyn_builder_configuration(get(), name.c_str(), q.data(), q.size()));
+    return ok(dyn_builder_add_configuration(get(), name.c_str(), q.data(), q.size()));
   }
   // Joints, and their followers, fixed at q.
   Builder& lock(const std::vector<std::string>& joints, const Vector& q) {
@@ -1436,12 +1436,12 @@ class Builder {
   }
   // first, second: names of frames or joints; second "": the universe.
   Builder& constraint(const std::string& name, const dynConstraint& c, const std::string& first, const std::string& second = "") {
-    return ok(dyn_builder_constraint(get(), name.c_str(), &c, first.c_str(), above(second)));
+    return ok(dyn_builder_add_constraint(get(), name.c_str(), &c, first.c_str(), above(second)));
   }
-  Builder& constraint_slots(int slots) { return ok(dyn_builder_constraint_slots(get(), slots)); }
-  Builder& contact_capacity(int contacts) { return ok(dyn_builder_contact_capacity(get(), contacts)); }
-  Builder& subtree(const std::string& joint) { return ok(dyn_builder_subtree(get(), joint.c_str())); }
-  Builder& remove(const std::string& joint) { return ok(dyn_builder_remove(get(), joint.c_str())); }
+  Builder& constraint_slots(int slots) { return ok(dyn_builder_set_constraint_slots(get(), slots)); }
+  Builder& contact_capacity(int contacts) { return ok(dyn_builder_set_contact_capacity(get(), contacts)); }
+  Builder& subtree(const std::string& joint) { return ok(dyn_builder_keep_subtree(get(), joint.c_str())); }
+  Builder& remove(const std::string& joint) { return ok(dyn_builder_remove_subtree(get(), joint.c_str())); }
   Model finish() {
     dynModel* model = nullptr;
     check(dyn_builder_finish(get(), &model));
@@ -1478,22 +1478,22 @@ class Builder {
   static std::pair<int, int> sizes(const JointSpec& spec) {  // nq, nv
     std::pair<int, int> sum{0, 0};
     switch (spec.value.type) {
-      case DYN_JOINT_FIXED:
+      case DYN_JOINT_TYPE_FIXED:
         return {0, 0};
-      case DYN_JOINT_CYLINDRICAL:
-      case DYN_JOINT_UNIVERSAL:
+      case DYN_JOINT_TYPE_CYLINDRICAL:
+      case DYN_JOINT_TYPE_UNIVERSAL:
         return {2, 2};
-      case DYN_JOINT_SPHERICAL:
+      case DYN_JOINT_TYPE_SPHERICAL:
         return {4, 3};
-      case DYN_JOINT_SPHERICAL_ZYX:
-      case DYN_JOINT_PLANAR:
-      case DYN_JOINT_TRANSLATION:
+      case DYN_JOINT_TYPE_SPHERICAL_ZYX:
+      case DYN_JOINT_TYPE_PLANAR:
+      case DYN_JOINT_TYPE_TRANSLATION:
         return {3, 3};
-      case DYN_JOINT_FREE_FLYER:
+      case DYN_JOINT_TYPE_FREE_FLYER:
         return {7, 6};
-      case DYN_JOINT_REVOLUTE_UNBOUNDED:
+      case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED:
         return {2, 1};
-      case DYN_JOINT_COMPOSITE:
+      case DYN_JOINT_TYPE_COMPOSITE:
         for (const auto& part : spec.parts) sum.first += sizes(part).first, sum.second += sizes(part).second;
         return sum;
       default:
@@ -1540,11 +1540,11 @@ class Mesh {
   // Heights of columns x rows points, row after row.
   static Mesh height_field(Input heights, int columns, int rows, double step_x, double step_y, double bottom) {
     const double* h = heights.of(std::int64_t(columns) * rows, "heights");
-    return make_([&](dynMesh** out) { return dyn_mesh_height_field(h, columns, rows, step_x, step_y, bottom, out); });
+    return make_([&](dynMesh** out) { return dyn_mesh_from_height_field(h, columns, rows, step_x, step_y, bottom, out); });
   }
   // What a shape of a model is made of.
   static Mesh of_shape(const Model& model, int shape) {
-    return make_([&](dynMesh** out) { return dyn_shape_mesh(model.get(), shape, out); });
+    return make_([&](dynMesh** out) { return dyn_model_shape_mesh(model.get(), shape, out); });
   }
   const dynMesh* get() const noexcept { return mesh_.get(); }
   dynMeshInfo info() const { return get_<dynMeshInfo>(dyn_mesh_info); }
@@ -1552,7 +1552,7 @@ class Mesh {
   // Red, green, blue of each triangle, 0 to 1; -1 where the file says nothing.
   std::vector<double> colours() const {
     std::vector<double> rgb(3 * arrays().triangle_count);
-    check(dyn_mesh_colours(get(), rgb.data()));
+    check(dyn_mesh_rgb(get(), rgb.data()));
     return rgb;
   }
   Mesh hull() const {

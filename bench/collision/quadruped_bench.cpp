@@ -24,11 +24,11 @@ constexpr int configurations = 200, passes = 15;
 
 std::shared_ptr<coal::ShapeBase> convert(const dynShapeInfo& s) {
   switch (s.type) {
-    case DYN_SHAPE_BOX: return std::make_shared<coal::Box>(s.size[0], s.size[1], s.size[2]);
-    case DYN_SHAPE_SPHERE: return std::make_shared<coal::Sphere>(s.size[0]);
-    case DYN_SHAPE_CYLINDER: return std::make_shared<coal::Cylinder>(s.size[0], s.size[1]);
-    case DYN_SHAPE_CAPSULE: return std::make_shared<coal::Capsule>(s.size[0], s.size[1]);
-    case DYN_SHAPE_HALF_SPACE: return std::make_shared<coal::Halfspace>(coal::Vec3s(0, 0, 1), 0);
+    case DYN_SHAPE_TYPE_BOX: return std::make_shared<coal::Box>(s.size[0], s.size[1], s.size[2]);
+    case DYN_SHAPE_TYPE_SPHERE: return std::make_shared<coal::Sphere>(s.size[0]);
+    case DYN_SHAPE_TYPE_CYLINDER: return std::make_shared<coal::Cylinder>(s.size[0], s.size[1]);
+    case DYN_SHAPE_TYPE_CAPSULE: return std::make_shared<coal::Capsule>(s.size[0], s.size[1]);
+    case DYN_SHAPE_TYPE_HALF_SPACE: return std::make_shared<coal::Halfspace>(coal::Vec3s(0, 0, 1), 0);
     default: return nullptr;
   }
 }
@@ -61,14 +61,14 @@ int main(int, char** argv) {
   dynBuilder* b = nullptr;
   dynShapeSpec floor;
   dyn_shape_spec_init(&floor);
-  floor.type = DYN_SHAPE_HALF_SPACE;
-  if (dyn_model_load(argv[1], &options, &robot) || dyn_builder_new("quadruped", &b) || dyn_builder_attach(b, robot, "", nullptr) || dyn_builder_shape(b, &floor) ||
+  floor.type = DYN_SHAPE_TYPE_HALF_SPACE;
+  if (dyn_model_load(argv[1], &options, &robot) || dyn_builder_new("quadruped", &b) || dyn_builder_attach(b, robot, "", nullptr) || dyn_builder_add_shape(b, &floor) ||
       dyn_builder_finish(b, &m))
     return std::puts(dyn_last_error()), 1;
   dynData* d = nullptr;
   dyn_data_new(m, DYN_PART_COLLISION | DYN_PART_FRAMES, &d);
   dyn_data_set_pair(m, d, -1, 1);  // the floor overlaps the robot in its neutral configuration
-  const int nq = dyn_nq(m), pairs = dyn_npairs(m), shapes = dyn_nshapes(m);
+  const int nq = dyn_model_nq(m), pairs = dyn_model_npairs(m), shapes = dyn_model_nshapes(m);
 
   std::vector<std::vector<double>> q;
   std::vector<std::vector<coal::Transform3s>> X;
@@ -77,12 +77,12 @@ int main(int, char** argv) {
   for (int k = 0; k < shapes; ++k) {
     dynShapeInfo s{};
     s.struct_size = sizeof s;
-    dyn_shape_info(m, k, &s);
-    info.push_back(s), geometry.push_back(s.role == DYN_ROLE_COLLISION ? convert(s) : nullptr);
+    dyn_model_shape_info(m, k, &s);
+    info.push_back(s), geometry.push_back(s.role == DYN_SHAPE_ROLE_COLLISION ? convert(s) : nullptr);
   }
   for (int c = 0; c < configurations; ++c) {
     std::vector<double> x(static_cast<std::size_t>(nq));
-    dyn_random(m, std::uint64_t(c + 1), nullptr, nullptr, x.data());
+    dyn_configuration_random(m, std::uint64_t(c + 1), nullptr, nullptr, x.data());
     x[0] = x[1] = 0, x[2] = 0.6;
     q.push_back(x);
     dyn_forward_kinematics(m, d, x.data(), nullptr, nullptr);
@@ -102,8 +102,8 @@ int main(int, char** argv) {
   for (int k = 0; k < pairs; ++k) {
     int a, c;
     dynPairReason reason;
-    dyn_pair(m, k, &a, &c, nullptr), dyn_data_pair(m, d, k, &reason);
-    if (reason == DYN_PAIR_TESTED) list.push_back({a, c, {geometry[std::size_t(a)].get(), geometry[std::size_t(c)].get()}, {geometry[std::size_t(a)].get(), geometry[std::size_t(c)].get()}});
+    dyn_model_pair(m, k, &a, &c, nullptr), dyn_data_pair(m, d, k, &reason);
+    if (reason == DYN_PAIR_REASON_TESTED) list.push_back({a, c, {geometry[std::size_t(a)].get(), geometry[std::size_t(c)].get()}, {geometry[std::size_t(a)].get(), geometry[std::size_t(c)].get()}});
   }
   // ours
   std::vector<dyn::collision::Geom> geoms;

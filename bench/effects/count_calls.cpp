@@ -31,8 +31,8 @@ dynModel* on_floor(const dynModel* robot) {
   check(dyn_builder_from_model(robot, &b));
   dynShapeSpec floor;
   dyn_shape_spec_init(&floor);
-  floor.type = DYN_SHAPE_HALF_SPACE, floor.name = "floor";
-  check(dyn_builder_shape(b, &floor));
+  floor.type = DYN_SHAPE_TYPE_HALF_SPACE, floor.name = "floor";
+  check(dyn_builder_add_shape(b, &floor));
   dynModel* m = nullptr;
   check(dyn_builder_finish(b, &m));
   dyn_builder_free(b);
@@ -45,19 +45,19 @@ dynModel* stack(int boxes) {
   check(dyn_builder_new("stack", &b));
   dynShapeSpec shape;
   dyn_shape_spec_init(&shape);
-  shape.type = DYN_SHAPE_HALF_SPACE;
-  check(dyn_builder_shape(b, &shape));
+  shape.type = DYN_SHAPE_TYPE_HALF_SPACE;
+  check(dyn_builder_add_shape(b, &shape));
   for (int k = 0; k < boxes; ++k) {
     const std::string name = "box" + std::to_string(k), link = "link_" + name;
     dynJointSpec joint;
     dyn_joint_spec_init(&joint);
-    joint.name = name.c_str(), joint.type = DYN_JOINT_FREE_FLYER;
+    joint.name = name.c_str(), joint.type = DYN_JOINT_TYPE_FREE_FLYER;
     const double com[3] = {}, I[9] = {1e-2 / 6, 0, 0, 0, 1e-2 / 6, 0, 0, 0, 1e-2 / 6};
-    check(dyn_builder_joint(b, &joint)), check(dyn_builder_body(b, link.c_str(), name.c_str(), nullptr, 1, com, I));
+    check(dyn_builder_add_joint(b, &joint)), check(dyn_builder_add_body(b, link.c_str(), name.c_str(), nullptr, 1, com, I));
     dyn_shape_spec_init(&shape);
-    shape.body = link.c_str(), shape.type = DYN_SHAPE_BOX;
+    shape.body = link.c_str(), shape.type = DYN_SHAPE_TYPE_BOX;
     for (double& x : shape.size) x = 0.1;
-    check(dyn_builder_shape(b, &shape));
+    check(dyn_builder_add_shape(b, &shape));
   }
   dynModel* m = nullptr;
   check(dyn_builder_finish(b, &m));
@@ -68,7 +68,7 @@ dynModel* stack(int boxes) {
 // Of a step, the mean of 10 after 50 that settle: the solver's iterations differ from step to step.
 void count_steps(const std::string& name, const dynModel* m, const double* q) {
   dynData* d = nullptr;
-  check(dyn_data_new(m, DYN_PART_SIMULATION, &d)), check(dyn_warmup(m, d)), check(dyn_data_set_state(m, d, q, nullptr, nullptr, nullptr));
+  check(dyn_data_new(m, DYN_PART_SIMULATION, &d)), check(dyn_data_warm_up(m, d)), check(dyn_data_set_state(m, d, q, nullptr, nullptr, nullptr));
   for (int k = 0; k < 50; ++k) check(dyn_step(m, d));
   const long ten = bench::instructions([&] { for (int k = 0; k < 10; ++k) check(dyn_step(m, d)); });
   dynStepReport r{};
@@ -93,10 +93,10 @@ int main(int argc, char** argv) {
   for (const bool legged : {false, true}) {
     dynModel* m = load(argv[1 + legged], legged ? DYN_BASE_FLOATING : DYN_BASE_FIXED);
     dynData* d = nullptr;
-    check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_warmup(m, d));
-    const int nq = dyn_nq(m), nv = dyn_nv(m);
+    check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_data_warm_up(m, d));
+    const int nq = dyn_model_nq(m), nv = dyn_model_nv(m);
     std::vector<double> q(static_cast<std::size_t>(nq)), v(static_cast<std::size_t>(nv)), a = v, out(std::size_t(nv) * std::size_t(nv));
-    check(dyn_neutral(m, q.data()));
+    check(dyn_configuration_neutral(m, q.data()));
     const auto input = [&](int k) {
       for (int i = legged ? 7 : 0; i < nq; ++i) q[std::size_t(i)] = latency::input(k, i);
       for (int i = 0; i < nv; ++i) v[std::size_t(i)] = latency::input(k, i + 3), a[std::size_t(i)] = latency::input(k, i + 5);
@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
   constexpr int boxes = 5;
   dynModel* m = stack(boxes);
   std::vector<double> q(std::size_t(7 * boxes));
-  check(dyn_neutral(m, q.data()));
+  check(dyn_configuration_neutral(m, q.data()));
   for (int k = 0; k < boxes; ++k) q[std::size_t(7 * k + 2)] = 0.05 + 0.1 * k;
   count_steps("stack of 5 boxes, step", m, q.data());
   dyn_model_free(m);

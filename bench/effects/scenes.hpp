@@ -60,10 +60,10 @@ struct Counted {
   }
   // Of forward dynamics and an integration alone.
   long bare() {
-    const std::size_t nv = std::size_t(dyn_nv(m)), nq = std::size_t(dyn_nq(m));
+    const std::size_t nv = std::size_t(dyn_model_nv(m)), nq = std::size_t(dyn_model_nq(m));
     std::vector<double> q(nq), q1(nq), v(nv, 0.1), tau(nv, 0), hv(nv, 1e-4);
     std::vector<double> ddq(nv);
-    if (dyn_neutral(m, q.data())) return -1;
+    if (dyn_configuration_neutral(m, q.data())) return -1;
     auto run = [&] {
       dyn_aba(m, d, q.data(), v.data(), tau.data(), nullptr, ddq.data());
       for (std::size_t k = 0; k < nv; ++k) hv[k] = 1e-3 * (v[k] += 1e-3 * ddq[k]);

@@ -22,10 +22,10 @@ int main(int argc, char** argv) {
   for (int robot = 0; robot < 2; ++robot) {
     dynModel* m = load(argv[2 + robot], robot ? DYN_BASE_FLOATING : DYN_BASE_FIXED);
     dynData* d = nullptr;
-    check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_warmup(m, d));
-    const int nq = dyn_nq(m), nv = dyn_nv(m), first = nq - nv ? 7 : 0;
+    check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_data_warm_up(m, d));
+    const int nq = dyn_model_nq(m), nv = dyn_model_nv(m), first = nq - nv ? 7 : 0;
     std::vector<double> q(static_cast<std::size_t>(nq)), v(static_cast<std::size_t>(nv)), a = v, out(std::size_t(nv) * std::size_t(nv));
-    check(dyn_neutral(m, q.data()));
+    check(dyn_configuration_neutral(m, q.data()));
     const auto change = [&](int k) {
       for (int i = first; i < nq; ++i) q[std::size_t(i)] = latency::input(k, i);
       for (int i = 0; i < nv; ++i) v[std::size_t(i)] = latency::input(k, i + 3), a[std::size_t(i)] = latency::input(k, i + 5);
@@ -36,11 +36,11 @@ int main(int argc, char** argv) {
   }
   dynModel* m = load(argv[4], DYN_BASE_UNSPECIFIED);
   dynData* d = nullptr;
-  check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_warmup(m, d));
-  std::vector<double> q(static_cast<std::size_t>(dyn_nq(m)));
-  check(dyn_configuration(m, "qpos0", q.data())), check(dyn_data_set_state(m, d, q.data(), nullptr, nullptr, nullptr));
-  std::vector<char> start(dyn_state_size(m));
+  check(dyn_data_new(m, DYN_PART_ALL, &d)), check(dyn_data_warm_up(m, d));
+  std::vector<double> q(static_cast<std::size_t>(dyn_model_nq(m)));
+  check(dyn_model_configuration(m, "qpos0", q.data())), check(dyn_data_set_state(m, d, q.data(), nullptr, nullptr, nullptr));
+  std::vector<char> start(dyn_model_state_size(m));
   for (int k = 0; k < 200; ++k) check(dyn_step(m, d));  // it has landed
-  check(dyn_state_save(m, d, start.data(), start.size()));
-  latency::measure("step in contact", calls / 10, [&](int k) { if (k % 100 == 0) check(dyn_state_restore(m, d, start.data(), start.size())); }, [&] { check(dyn_step(m, d)); });
+  check(dyn_data_save_state(m, d, start.data(), start.size()));
+  latency::measure("step in contact", calls / 10, [&](int k) { if (k % 100 == 0) check(dyn_data_restore_state(m, d, start.data(), start.size())); }, [&] { check(dyn_step(m, d)); });
 }

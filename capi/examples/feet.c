@@ -29,20 +29,20 @@ int main(int argc, char** argv) {
   claim(dyn_model_load(argv[1], &options, &m) == DYN_ERROR_BASE, "a base is never guessed");
   options.base = DYN_BASE_FLOATING;
   check(dyn_model_load(argv[1], &options, &m));
-  claim(dyn_nq(m) == nq && dyn_nv(m) == nv && dyn_njoints(m) == njoints, "position and quaternion, twelve angles; the universe is joint 0");
-  printf("%s: nq %d, nv %d, %d joints, %d frames, %.4g kg\n", dyn_model_name(m), nq, nv, njoints, dyn_nframes(m), dyn_total_mass(m));
+  claim(dyn_model_nq(m) == nq && dyn_model_nv(m) == nv && dyn_model_njoints(m) == njoints, "position and quaternion, twelve angles; the universe is joint 0");
+  printf("%s: nq %d, nv %d, %d joints, %d frames, %.4g kg\n", dyn_model_name(m), nq, nv, njoints, dyn_model_nframes(m), dyn_model_total_mass(m));
 
   check(dyn_data_new(m, DYN_PART_JACOBIANS, &d));
-  check(dyn_neutral(m, q));
+  check(dyn_configuration_neutral(m, q));
   for (int leg = 0; leg < 4; ++leg) q[7 + 3 * leg + 1] = 0.8, q[7 + 3 * leg + 2] = -1.6;
   for (int k = 0; k < nv; ++k) v[k] = 0.1 * (k + 1);
   check(dyn_forward_kinematics(m, d, q, v, NULL));
   for (int foot = 0; foot < 4; ++foot) {
-    const int id = dyn_frame_id(m, feet[foot]);
+    const int id = dyn_model_frame_id(m, feet[foot]);
     double X[12], J[6 * nv], twist[6]; /* columns one after another */
     check(dyn_frame_placement(m, d, id, X));
-    check(dyn_frame_jacobian(m, d, id, DYN_LOCAL_WORLD_ALIGNED, J));
-    check(dyn_frame_velocity(m, d, id, DYN_LOCAL_WORLD_ALIGNED, twist));
+    check(dyn_frame_jacobian(m, d, id, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, J));
+    check(dyn_frame_velocity(m, d, id, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, twist));
     for (int i = 0; i < 6; ++i) {
       double sum = 0;
       for (int k = 0; k < nv; ++k) sum += J[6 * k + i] * v[k];

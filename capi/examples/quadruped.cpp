@@ -55,8 +55,8 @@ void where_the_feet_are(RobotModel& robot, const dyn::Vector& q, const dyn::Vect
   robot.data.forward_kinematics(q, v);
   std::printf("2. feet at");
   for (const int foot : robot.feet) {
-    const dyn::Matrix J = robot.data.frame_jacobian(foot, DYN_LOCAL_WORLD_ALIGNED);
-    const dyn::Vector6 twist = robot.data.frame_velocity(foot, DYN_LOCAL_WORLD_ALIGNED);
+    const dyn::Matrix J = robot.data.frame_jacobian(foot, DYN_REFERENCE_LOCAL_WORLD_ALIGNED);
+    const dyn::Vector6 twist = robot.data.frame_velocity(foot, DYN_REFERENCE_LOCAL_WORLD_ALIGNED);
     dyn::Vector6 product{};
     for (int c = 0; c < 18; ++c)
       for (int r = 0; r < 6; ++r) product[static_cast<std::size_t>(r)] += J(r, c) * v[static_cast<std::size_t>(c)];

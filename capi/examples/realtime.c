@@ -43,11 +43,11 @@ int main(int argc, char** argv) {
   dyn_load_options_init(&options);
   options.base = DYN_BASE_FIXED;
   check(dyn_model_load(argv[1], &options, &model));
-  nv = dyn_nv(model);
-  if (nv > most_joints || dyn_nq(model) != nv) return fprintf(stderr, "the robot is not an arm of at most %d joints\n", most_joints), 1;
+  nv = dyn_model_nv(model);
+  if (nv > most_joints || dyn_model_nq(model) != nv) return fprintf(stderr, "the robot is not an arm of at most %d joints\n", most_joints), 1;
   check(dyn_data_new(model, DYN_PART_INVERSE, &controller));
   check(dyn_data_new(model, DYN_PART_SIMULATION, &robot));
-  check(dyn_neutral(model, home));
+  check(dyn_configuration_neutral(model, home));
   late = calloc((size_t)cycles, sizeof *late), work = calloc((size_t)cycles, sizeof *work);
   if (!late || !work) return 1;
   q.struct_size = v.struct_size = sizeof q;
@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   /* before the loop: nothing of it may wait for memory */
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) perror("mlockall");
   if (sched_setscheduler(0, SCHED_FIFO, &priority) != 0) perror("sched_setscheduler");
-  check(dyn_warmup(model, controller)), check(dyn_warmup(model, robot));
+  check(dyn_data_warm_up(model, controller)), check(dyn_data_warm_up(model, robot));
 
   clock_gettime(CLOCK_MONOTONIC, &next);
   for (k = 0; k < cycles; ++k) {
@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, NULL) != 0) continue;
     clock_gettime(CLOCK_MONOTONIC, &woke);
 
-    check(dyn_nonlinear_effects(model, controller, q.data, v.data, tau));
+    check(dyn_nle(model, controller, q.data, v.data, tau));
     for (i = 0; i < nv; ++i) tau[i] += 20 * (home[i] - q.data[i]) - 2 * v.data[i];
     check(dyn_data_set_state(model, robot, NULL, NULL, NULL, tau));
     check(dyn_step(model, robot));

@@ -45,7 +45,7 @@ struct Controller {
     for (std::size_t k = 0; k < base; ++k) a[k] = stiffness * error[k] - damping * v[k];
     for (std::size_t k = 0; k < 3; ++k) a[k] += X[3 * k + 2] * (target.acceleration + damping * target.velocity);  // z in the trunk's axes
     for (int k = 0; k < feet_count; ++k) {
-      const dyn::Matrix of_foot = data.frame_jacobian(feet[std::size_t(k)], DYN_LOCAL_WORLD_ALIGNED);
+      const dyn::Matrix of_foot = data.frame_jacobian(feet[std::size_t(k)], DYN_REFERENCE_LOCAL_WORLD_ALIGNED);
       for (int r = 0; r < 3; ++r)
         for (int c = 0; c < nv; ++c) at(3 * k + r, c) = of_foot(r, c);
     }
@@ -90,7 +90,7 @@ void put_down(dyn::Data& data, dyn::Vector& q) {
 
 int run(const char* file, double seconds) {
   const dyn::Model robot_alone = dyn::Model::load(file, dyn::LoadOptions().base(DYN_BASE_FLOATING));
-  const dyn::Model model = dyn::Builder(robot_alone).shape("universe", DYN_SHAPE_HALF_SPACE, {}).finish();
+  const dyn::Model model = dyn::Builder(robot_alone).shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {}).finish();
   dyn::Data robot(model);
   Controller controller(model);
   dyn::Vector home = model.neutral();
@@ -99,7 +99,7 @@ int run(const char* file, double seconds) {
 
   const double dt = 1e-3;
   robot.set_effects(DYN_EFFECT_ARMATURE | DYN_EFFECT_LIMITS);
-  robot.set_stepping(DYN_SEMI_IMPLICIT_EULER, dt);
+  robot.set_stepping(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, dt);
   robot.set_state(home, dyn::Vector(std::size_t(model.nv())));
   const int steps = int(seconds / dt);
   const double amplitude = 0.01, w = 2 * M_PI;  // m, 1/s

@@ -23,8 +23,8 @@ DYN_INLINE Motion<T> spatial_acceleration_at(const Data<T>& d, Index i, const Ve
 // What the step S changes a vector of the frame by, because the frame moves along: nothing as seen from there.
 template <class T>
 DYN_INLINE Motion<T> carried(dynReference reference, const Motion<T>& S, const Motion<T>& x) {
-  if (reference == DYN_WORLD) return cross(S, x);
-  if (reference == DYN_LOCAL_WORLD_ALIGNED) return {cross(S.angular, x.linear), cross(S.angular, x.angular)};
+  if (reference == DYN_REFERENCE_WORLD) return cross(S, x);
+  if (reference == DYN_REFERENCE_LOCAL_WORLD_ALIGNED) return {cross(S.angular, x.linear), cross(S.angular, x.angular)};
   return Motion<T>::zero();
 }
 
@@ -109,9 +109,9 @@ void frame_kinematic_hessian(const Model& m, Data<T>& d, Index frame, dynReferen
           const std::ptrdiff_t at_k = k - bodies[l].idx_v + bodies[l].user_v;
           const Motion<T> Sk = d.carriers[k];
           T *jk = H + 6 * at_j + page * at_k, *kj = H + 6 * at_k + page * at_j;
-          if (reference == DYN_WORLD) put(jk, cross(Sk, Sj));
-          if (reference == DYN_LOCAL && l != i) put(kj, cross(Sk, Sj));  // S_j does not turn S_k of its own body
-          if (reference == DYN_LOCAL_WORLD_ALIGNED) {
+          if (reference == DYN_REFERENCE_WORLD) put(jk, cross(Sk, Sj));
+          if (reference == DYN_REFERENCE_LOCAL && l != i) put(kj, cross(Sk, Sj));  // S_j does not turn S_k of its own body
+          if (reference == DYN_REFERENCE_LOCAL_WORLD_ALIGNED) {
             const Motion<T> turned = carried(reference, Sk, Sj);
             put(jk, turned);
             if (l != i) put(kj, Motion<T>{turned.linear, Vec3<T>::zero()});

@@ -26,7 +26,7 @@ class IkSolver : IkRestarts<T> {
     T least = cost(false);
     if (!isfinite(least) || !isfinite(cost(true))) return false;
     copy(x, best);
-    result = {result.struct_size, DYN_IK_CONVERGED, 0, 0, -1, 0, 0, 0, 0};
+    result = {result.struct_size, DYN_IK_REASON_CONVERGED, 0, 0, -1, 0, 0, 0, 0};
     Outcome outcome = attempt(o.restarts == 0);
     for (Index k = 0; outcome != Outcome::met; ++k) {
       place(x);
@@ -121,9 +121,9 @@ class IkSolver : IkRestarts<T> {
     }
     if (outcome == Outcome::met) return;
     if (outcome == Outcome::exhausted) {
-      result.reason = DYN_IK_ITERATIONS;
+      result.reason = DYN_IK_REASON_MAX_ITERATIONS;
     } else if (double(pressure) > 100 * result.optimality) {
-      result.reason = DYN_IK_LIMITS;
+      result.reason = DYN_IK_REASON_LIMITS;
       for_each_leader(m, [&]<class J>(const Body& b) {
         if (b.user_v <= pressed && pressed < b.user_v + J::nv) result.joint = b.joint;
       });
@@ -131,7 +131,7 @@ class IkSolver : IkRestarts<T> {
       const Index here = rank(s);
       this->sample(best, false), place(best);
       const Index elsewhere = rank(linearise(false));
-      result.reason = here < elsewhere ? DYN_IK_SINGULAR : DYN_IK_LOCAL_MINIMUM;
+      result.reason = here < elsewhere ? DYN_IK_REASON_SINGULAR : DYN_IK_REASON_LOCAL_MINIMUM;
       place(x);
     }
   }

@@ -33,7 +33,7 @@ struct IkProblem {
     coordinate = d.ik_indices + 4 * std::ptrdiff_t(nv);
     for (Index k = 0; k < tasks.count; ++k) {
       rows[tasks[k].priority ? 1 : 0] += row_count(m, tasks[k].type);
-      has_com |= tasks[k].type == DYN_IK_COM;
+      has_com |= tasks[k].type == DYN_IK_TASK_TYPE_COM;
     }
     set_limits();
   }

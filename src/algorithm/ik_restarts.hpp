@@ -26,7 +26,7 @@ struct IkRestarts : IkProblem<T> {
       const dynIkTask& t = tasks[k];
       if (t.priority) continue;
       const Index mark = failure(k) < 0.5 * worst ? other_task : failing_task;
-      if (t.type == DYN_IK_COM || t.type == DYN_IK_POSTURE)
+      if (t.type == DYN_IK_TASK_TYPE_COM || t.type == DYN_IK_TASK_TYPE_POSTURE)
         for (Index c = 0; c < m.n.nv; ++c) state[c] |= mark;
       else
         for (Index i = m.frames()[t.frame].body; i != 0; i = m.bodies()[i].parent) {

@@ -22,8 +22,8 @@ struct IkTasks {
 struct IkRows {
   int begin, end;
 };
-inline IkRows rows_of(dynIkTaskType type) { return {type == DYN_IK_ORIENTATION ? 3 : 0, type == DYN_IK_POSE || type == DYN_IK_ORIENTATION ? 6 : 3}; }
-inline Index row_count(const Model& m, dynIkTaskType type) { return type == DYN_IK_POSTURE ? m.n.nv : rows_of(type).end - rows_of(type).begin; }
+inline IkRows rows_of(dynIkTaskType type) { return {type == DYN_IK_TASK_TYPE_ORIENTATION ? 3 : 0, type == DYN_IK_TASK_TYPE_POSE || type == DYN_IK_TASK_TYPE_ORIENTATION ? 6 : 3}; }
+inline Index row_count(const Model& m, dynIkTaskType type) { return type == DYN_IK_TASK_TYPE_POSTURE ? m.n.nv : rows_of(type).end - rows_of(type).begin; }
 
 struct IkResidual {
   double linear = 0, angular = 0;
@@ -66,18 +66,18 @@ IkError<T> ik_error(const Model& m, const Data<T>& d, const dynIkTask& t) {
   IkError<T> x{};
   const Vec3<T> target = cast<T>(load3(t.target + 9));
   x.e = Motion<T>::zero();
-  if (t.type == DYN_IK_COM) {
+  if (t.type == DYN_IK_TASK_TYPE_COM) {
     x.e.linear = load3(d.com) - target;
     return x;
   }
   x.F = frame_pose(m, d, t.frame);
-  if (t.type == DYN_IK_POSITION) {
+  if (t.type == DYN_IK_TASK_TYPE_POSITION) {
     x.e.linear = x.F.p - target;
     return x;
   }
   const Mat3<T> R = cast<T>(load33(t.target));
   x.X = {transpose(R) * x.F.R, transpose_times(R, x.F.p - target)};
-  if (t.type == DYN_IK_POSE) x.e = log6(x.X);
+  if (t.type == DYN_IK_TASK_TYPE_POSE) x.e = log6(x.X);
   else x.e.angular = log3(x.X.R);
   return x;
 }
@@ -99,7 +99,7 @@ template <class T>
 T ik_cost(const Model& m, const Data<T>& d, const dynIkTask& t, IkResidual& residual) {
   T sum = T(0);
   residual = {};
-  if (t.type == DYN_IK_POSTURE) {
+  if (t.type == DYN_IK_TASK_TYPE_POSTURE) {
     for_posture(m, d.q, t, [&]<class J>(const Body& b, const T*, const T* e) {
       for (int k = 0; k < J::nv; ++k) {
         const T w = T(ik_weight(t, b.user_v + k));
@@ -119,7 +119,7 @@ T ik_cost(const Model& m, const Data<T>& d, const dynIkTask& t, IkResidual& resi
       else whole = false;
     }
     // the linear part of log6 is not yet the distance while the axes differ
-    if (whole && t.type == DYN_IK_POSE) residual.linear = double(dot(x.X.p, x.X.p));
+    if (whole && t.type == DYN_IK_TASK_TYPE_POSE) residual.linear = double(dot(x.X.p, x.X.p));
   }
   residual.root();
   return sum * T(0.5);
@@ -129,7 +129,7 @@ T ik_cost(const Model& m, const Data<T>& d, const dynIkTask& t, IkResidual& resi
 template <class T>
 void ik_linearise(const Model& m, Data<T>& d, const dynIkTask& t, T scale, LeastSquares<T>& s) {
   T e[6];
-  if (t.type == DYN_IK_POSTURE) {
+  if (t.type == DYN_IK_TASK_TYPE_POSTURE) {
     for_posture(m, d.q, t, [&]<class J>(const Body& b, const T* reference, T* error) {
       T by_0[36] = {}, by_q[36] = {}, columns[36];
       Index list[6];
@@ -154,7 +154,7 @@ void ik_linearise(const Model& m, Data<T>& d, const dynIkTask& t, T scale, Least
     e[k - rows.begin] = w[k] * (k < 3 ? x.e.linear[k] : x.e.angular[k - 3]);
   }
   Index* list = d.ik_indices;
-  if (t.type == DYN_IK_COM) {
+  if (t.type == DYN_IK_TASK_TYPE_COM) {
     center_of_mass_jacobian(m, d, Index(0), d.ik_columns);
     for (Index k = 0; k < m.n.nv; ++k) {
       list[k] = k;
@@ -169,10 +169,10 @@ void ik_linearise(const Model& m, Data<T>& d, const dynIkTask& t, T scale, Least
   // of [linear; angular] velocities of the frame's origin in world axes: linear part A l + B w, angular part C w
   Mat3<T> A = Mat3<T>::identity(), B = Mat3<T>::zero(), C = B;
   const Mat3<T> Rt = transpose(x.F.R);
-  if (t.type == DYN_IK_POSE) {
+  if (t.type == DYN_IK_TASK_TYPE_POSE) {
     const Mat6<T> J = Jlog6(x.e);
     A = J.ll * Rt, B = J.la * Rt, C = J.aa * Rt;
-  } else if (t.type == DYN_IK_ORIENTATION) {
+  } else if (t.type == DYN_IK_TASK_TYPE_ORIENTATION) {
     C = Jlog3(x.e.angular) * Rt;
   }
   const Mat3<T> linear = Mat3<T>::diagonal(w[0], w[1], w[2]), angular = Mat3<T>::diagonal(w[3], w[4], w[5]);

@@ -76,8 +76,8 @@ inline FramePose<T> frame_pose(const Model& m, const Data<T>& d, Index frame) {
 // A motion known at the frame's origin in world axes, in the asked reference.
 template <class T>
 inline Motion<T> express(const FramePose<T>& F, dynReference reference, const Motion<T>& s) {
-  if (reference == DYN_WORLD) return {s.linear + cross(F.p, s.angular), s.angular};
-  if (reference == DYN_LOCAL) return {transpose_times(F.R, s.linear), transpose_times(F.R, s.angular)};
+  if (reference == DYN_REFERENCE_WORLD) return {s.linear + cross(F.p, s.angular), s.angular};
+  if (reference == DYN_REFERENCE_LOCAL) return {transpose_times(F.R, s.linear), transpose_times(F.R, s.angular)};
   return s;
 }
 
@@ -152,8 +152,8 @@ void frame_jacobian_time_variation(const Model& m, const Data<T>& d, Index frame
       for (int k = 0; k < J::nv; ++k) {
         const Motion<T> s = shift(J::column(b, d.R[i], k), to_frame);
         Motion<T> ds = cross(V, s);  // at a fixed point
-        if (reference == DYN_LOCAL_WORLD_ALIGNED) ds.linear += cross(s.angular, VF.linear);
-        if (reference == DYN_LOCAL) ds = ds - cross(VF, s);
+        if (reference == DYN_REFERENCE_LOCAL_WORLD_ALIGNED) ds.linear += cross(s.angular, VF.linear);
+        if (reference == DYN_REFERENCE_LOCAL) ds = ds - cross(VF, s);
         add6(dJ_out + 6 * (b.user_v + k), express(F, reference, ds), T(b.ratio));
       }
     });

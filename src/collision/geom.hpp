@@ -26,10 +26,10 @@ inline constexpr double smallest = 1e-12, largest = 1e12;
 // How many sizes a type has, lengths that must be positive; a mesh's are factors.
 inline int size_count(dynShapeType type) {
   switch (type) {
-    case DYN_SHAPE_BOX: case DYN_SHAPE_ELLIPSOID: return 3;
-    case DYN_SHAPE_SPHERE: return 1;
-    case DYN_SHAPE_CYLINDER: case DYN_SHAPE_CAPSULE: case DYN_SHAPE_CONE: return 2;
-    case DYN_SHAPE_HALF_SPACE: case DYN_SHAPE_MESH: case DYN_SHAPE_CONVEX: case DYN_SHAPE_TRIANGLES: case DYN_SHAPE_HEIGHT_FIELD: break;
+    case DYN_SHAPE_TYPE_BOX: case DYN_SHAPE_TYPE_ELLIPSOID: return 3;
+    case DYN_SHAPE_TYPE_SPHERE: return 1;
+    case DYN_SHAPE_TYPE_CYLINDER: case DYN_SHAPE_TYPE_CAPSULE: case DYN_SHAPE_TYPE_CONE: return 2;
+    case DYN_SHAPE_TYPE_HALF_SPACE: case DYN_SHAPE_TYPE_MESH: case DYN_SHAPE_TYPE_CONVEX: case DYN_SHAPE_TYPE_TRIANGLES: case DYN_SHAPE_TYPE_HEIGHT_FIELD: break;
   }
   return 0;
 }
@@ -40,17 +40,17 @@ inline bool geometry_of(dynShapeType type, const double* size, double radius, sh
   using shape::Type;
   out = {Type::Sphere, radius, Vec::zero(), nullptr};
   switch (type) {
-    case DYN_SHAPE_BOX: out.type = Type::Box, out.size = load3(size) * 0.5; return true;
-    case DYN_SHAPE_SPHERE: out.radius += size[0]; return true;
-    case DYN_SHAPE_CYLINDER: out.type = Type::Cylinder, out.size = Vec::make(size[0], size[0], size[1] / 2); return true;
-    case DYN_SHAPE_CAPSULE: out.type = Type::Capsule, out.size = Vec::make(0, 0, size[1] / 2), out.radius += size[0]; return true;
-    case DYN_SHAPE_CONE: out.type = Type::Cone, out.size = Vec::make(size[0], size[0], size[1] / 2); return true;
-    case DYN_SHAPE_ELLIPSOID: out.type = Type::Ellipsoid, out.size = load3(size); return true;
-    case DYN_SHAPE_HALF_SPACE: out.type = Type::HalfSpace; return true;
-    case DYN_SHAPE_CONVEX: out.type = Type::Convex; return true;
-    case DYN_SHAPE_TRIANGLES: out.type = Type::Triangles; return true;
-    case DYN_SHAPE_HEIGHT_FIELD: out.type = Type::HeightField; return true;
-    case DYN_SHAPE_MESH: break;
+    case DYN_SHAPE_TYPE_BOX: out.type = Type::Box, out.size = load3(size) * 0.5; return true;
+    case DYN_SHAPE_TYPE_SPHERE: out.radius += size[0]; return true;
+    case DYN_SHAPE_TYPE_CYLINDER: out.type = Type::Cylinder, out.size = Vec::make(size[0], size[0], size[1] / 2); return true;
+    case DYN_SHAPE_TYPE_CAPSULE: out.type = Type::Capsule, out.size = Vec::make(0, 0, size[1] / 2), out.radius += size[0]; return true;
+    case DYN_SHAPE_TYPE_CONE: out.type = Type::Cone, out.size = Vec::make(size[0], size[0], size[1] / 2); return true;
+    case DYN_SHAPE_TYPE_ELLIPSOID: out.type = Type::Ellipsoid, out.size = load3(size); return true;
+    case DYN_SHAPE_TYPE_HALF_SPACE: out.type = Type::HalfSpace; return true;
+    case DYN_SHAPE_TYPE_CONVEX: out.type = Type::Convex; return true;
+    case DYN_SHAPE_TYPE_TRIANGLES: out.type = Type::Triangles; return true;
+    case DYN_SHAPE_TYPE_HEIGHT_FIELD: out.type = Type::HeightField; return true;
+    case DYN_SHAPE_TYPE_MESH: break;
   }
   return false;
 }

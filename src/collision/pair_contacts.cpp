@@ -21,7 +21,7 @@ Index contacts(const Model& m, Data<double>& d, double margin, dynContact* out, 
   };
   if (lists_pairs(m)) {
     for (Index k = 0; k < m.n.pairs; ++k)
-      if (d.pair_states[k] == DYN_PAIR_TESTED) look(m.pairs()[k].a, m.pairs()[k].b, k);
+      if (d.pair_states[k] == DYN_PAIR_REASON_TESTED) look(m.pairs()[k].a, m.pairs()[k].b, k);
     return count;
   }
   PairSearch& search = *PairSearch::of(d);

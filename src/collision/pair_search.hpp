@@ -17,14 +17,14 @@ inline Index listed_pair(const Model& m, Index a, Index b) {
 
 // The link of the world's that a frame's tree hangs on; 0: the world itself.
 inline Index fixed_link(const FrameRecord* frames, Index frame) {
-  while (frame != 0 && (frames[frame].joint != 0 || frames[frame].type != DYN_FRAME_BODY)) frame = frames[frame].parent;
+  while (frame != 0 && (frames[frame].joint != 0 || frames[frame].type != DYN_FRAME_TYPE_BODY)) frame = frames[frame].parent;
   return frame;
 }
 
 // A body and its parent touch where their joint is, and joints without mass between them are one. What flies freely is nobody's child, and the
 // world nobody's parent: of what is fixed to it, the link is that the joint hangs on.
 inline bool parent_and_child(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index parent, Index child) {
-  for (Index k = frames[child].joint; k != 0 && joints[k].type != DYN_JOINT_FREE_FLYER; k = joints[k].parent) {
+  for (Index k = frames[child].joint; k != 0 && joints[k].type != DYN_JOINT_TYPE_FREE_FLYER; k = joints[k].parent) {
     const Index carrier = joints[k].parent;
     if (carrier == frames[parent].joint) return carrier != 0 || (parent != 0 && parent == fixed_link(frames, child));
     if (bodies[joints[carrier].last_body].m > 0) return false;
@@ -35,11 +35,11 @@ inline bool neighbours(const JointRecord* joints, const Body* bodies, const Fram
   return parent_and_child(joints, bodies, frames, a, b) || parent_and_child(joints, bodies, frames, b, a);
 }
 
-inline bool known(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_MESH; }
+inline bool known(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_TYPE_MESH; }
 
 // Whether data tests two shapes, a < b. pair: its number, or -1 where it is not listed.
 inline bool tests(const Model& m, const Data<double>& d, Index a, Index b, Index& pair) {
-  if (pair = listed_pair(m, a, b); pair >= 0) return d.pair_states[pair] == DYN_PAIR_TESTED;
+  if (pair = listed_pair(m, a, b); pair >= 0) return d.pair_states[pair] == DYN_PAIR_REASON_TESTED;
   if (lists_pairs(m)) return false;
   const auto frame = [&](Index geom) { return m.shapes()[m.geoms()[geom].shape].frame; };
   return m.bodies()[d.geoms[a].body].joint != m.bodies()[d.geoms[b].body].joint && masks_meet(d.geom_masks[a], d.geom_masks[b]) &&

@@ -28,7 +28,7 @@ void place_geoms(const Model& m, Data<double>& d) {
 void distances(const Model& m, Data<double>& d) {
   place_geoms(m, d);
   for (Index k = 0; k < m.n.pairs; ++k) {
-    const bool tested = d.pair_states[k] == DYN_PAIR_TESTED;
+    const bool tested = d.pair_states[k] == DYN_PAIR_REASON_TESTED;
     if (tested) d.results[k] = pair_distance(m, d, k);
     d.distances[k] = tested ? d.results[k].distance : shape::infinity;
   }
@@ -39,7 +39,7 @@ Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Ind
   place_geoms(m, d);
   Index count = 0;
   for (Index k = 0; k < m.n.pairs; ++k) {
-    if (d.pair_states[k] != DYN_PAIR_TESTED) continue;
+    if (d.pair_states[k] != DYN_PAIR_REASON_TESTED) continue;
     const PairRecord& p = m.pairs()[k];
     if (distance_at_least(d.geoms[p.a], d.geom_poses[p.a], d.geoms[p.b], d.geom_poses[p.b]) > margin) continue;
     if (!(pair_distance(m, d, k).distance <= margin)) continue;
@@ -70,7 +70,7 @@ void add_gradient(const Model& m, const Data<double>& d, Index pair, const Resul
 
 void distance_gradient(const Model& m, const Data<double>& d, Index pair, double* out, std::ptrdiff_t stride) {
   for (Index k = 0; k < m.n.nv; ++k) out[stride * k] = 0;
-  if (d.pair_states[pair] == DYN_PAIR_TESTED && d.results[pair].unique) add_gradient(m, d, pair, d.results[pair], 1, out, stride);
+  if (d.pair_states[pair] == DYN_PAIR_REASON_TESTED && d.results[pair].unique) add_gradient(m, d, pair, d.results[pair], 1, out, stride);
 }
 
 }  // namespace dyn::collision

@@ -77,7 +77,7 @@ void solve_bounded(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index 
   take_free();
   solve_equalities(work, bounds.matrix, part_ld, count, part, options, forces, result);
   put_free();
-  result.reason = DYN_CONSTRAINT_ITERATIONS;
+  result.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
 }
 
 }  // namespace dyn

@@ -7,7 +7,7 @@
 namespace dyn::constraint {
 
 struct Connect {
-  static constexpr dynConstraintType type = DYN_CONSTRAINT_CONNECT;
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_CONNECT;
   static int rows(const Constraint&) { return 3; }
   template <class T, class Out>
   static DYN_INLINE void evaluate(const Constraint&, const Relative<T>& X, Out&& out) {

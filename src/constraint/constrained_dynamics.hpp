@@ -113,7 +113,7 @@ Index constraint_impulse(const Model& m, Data<T>& d, const T* v, const ProximalO
   const bool bounded = any_bounded(m, d);
   evaluate_rows(m, d, d.expand(m, v, d.vx), static_cast<const T*>(nullptr));
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
-    if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = s.upper[0] = T(0);  // a force of bounded size has no impulse
+    if (s.c.type == DYN_CONSTRAINT_TYPE_FRICTION) s.lower[0] = s.upper[0] = T(0);  // a force of bounded size has no impulse
     for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -(T(1) + T(s.c.restitution)) * s.rate[r];
   });
   propagate_rows(m, d);

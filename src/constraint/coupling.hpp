@@ -7,7 +7,7 @@
 namespace dyn::constraint {
 
 struct Coupling {
-  static constexpr dynConstraintType type = DYN_CONSTRAINT_COUPLING;
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_COUPLING;
   static int rows(const Constraint&) { return 1; }
   template <class T>
   static DYN_INLINE JointRow<T> evaluate(const Constraint& c, T q1, T q2) {

@@ -8,7 +8,7 @@
 namespace dyn::constraint {
 
 struct Distance {
-  static constexpr dynConstraintType type = DYN_CONSTRAINT_DISTANCE;
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_DISTANCE;
   static int rows(const Constraint&) { return 1; }
   template <class T, class Out>
   static DYN_INLINE void evaluate(const Constraint& c, const Relative<T>& X, Out&& out) {

@@ -6,7 +6,7 @@
 namespace dyn::constraint {
 
 struct FrameContact : Weld {
-  static constexpr dynConstraintType type = DYN_CONSTRAINT_FRAME;
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_FRAME;
 };
 
 }  // namespace dyn::constraint

@@ -7,7 +7,7 @@
 namespace dyn::constraint {
 
 struct Friction {
-  static constexpr dynConstraintType type = DYN_CONSTRAINT_FRICTION;
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_FRICTION;
   static int rows(const Constraint&) { return 1; }
   template <class T>
   static DYN_INLINE JointRow<T> evaluate(const Constraint&, T, T) {

@@ -6,7 +6,7 @@
 
 namespace dyn {
 
-inline bool flies(const Model& m, Index joint) { return m.joints()[joint].parent == 0 && m.joints()[joint].type == DYN_JOINT_FREE_FLYER; }
+inline bool flies(const Model& m, Index joint) { return m.joints()[joint].parent == 0 && m.joints()[joint].type == DYN_JOINT_TYPE_FREE_FLYER; }
 
 // tau and d.lambda. actuated: nv, or nullptr: all but what flies. Returns 0 or the joint that is singular.
 template <class T>
@@ -58,7 +58,7 @@ Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const
     found.rank = pivoted_factor(N, ld, rows, T(independent), work.range, work.vector(4), first, last);
     found.condition = first / last, found.regularisation = mu;
     factor_rows(N, ld, rows, mu, mu / T(2), work.factor, work.vector(0));
-    if (!iterate(N, ld, rows, work.factor, work.vector(0), b, ProximalOptions{}, work.vector(1), d.lambda, found)) found.reason = DYN_CONSTRAINT_ITERATIONS;
+    if (!iterate(N, ld, rows, work.factor, work.vector(0), b, ProximalOptions{}, work.vector(1), d.lambda, found)) found.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
     if (found.rank < rows) {  // round-off off the range has grown by 1 / mu
       factor_range(work.range, ld, found.rank, rows, work.factor, work.vector(0));
       project_on_range(work.range, ld, found.rank, rows, work.factor, work.vector(0), work.vector(4), d.lambda);

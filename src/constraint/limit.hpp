@@ -8,7 +8,7 @@
 namespace dyn::constraint {
 
 struct Limit {
-  static constexpr dynConstraintType type = DYN_CONSTRAINT_LIMIT;
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_LIMIT;
   static int rows(const Constraint&) { return 1; }
   template <class T>
   static DYN_INLINE JointRow<T> evaluate(const Constraint& c, T q1, T) {

@@ -34,9 +34,9 @@ DYN_INLINE void visit_joint_constraint(dynConstraintType type, F&& f) {
 }
 #undef DYN_CONSTRAINT_CASE
 
-inline bool between_joints(dynConstraintType type) { return type >= DYN_CONSTRAINT_COUPLING; }
+inline bool between_joints(dynConstraintType type) { return type >= DYN_CONSTRAINT_TYPE_COUPLING; }
 // Of forces that may be at a bound.
-inline bool one_sided(dynConstraintType type) { return type == DYN_CONSTRAINT_LIMIT || type == DYN_CONSTRAINT_FRICTION; }
+inline bool one_sided(dynConstraintType type) { return type == DYN_CONSTRAINT_TYPE_LIMIT || type == DYN_CONSTRAINT_TYPE_FRICTION; }
 
 inline int constraint_rows(const Constraint& c) {
   int rows = 0;

@@ -12,12 +12,12 @@
 namespace dyn::constraint {
 
 struct Loop {
-  static constexpr dynConstraintType type = DYN_CONSTRAINT_LOOP;
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_LOOP;
   static int rows(const Constraint& c) {
     switch (c.joint_type) {
-      case DYN_JOINT_REVOLUTE: case DYN_JOINT_CONTINUOUS: case DYN_JOINT_REVOLUTE_UNBOUNDED: case DYN_JOINT_PRISMATIC: case DYN_JOINT_HELICAL: return 5;
-      case DYN_JOINT_CYLINDRICAL: case DYN_JOINT_UNIVERSAL: return 4;
-      case DYN_JOINT_SPHERICAL: case DYN_JOINT_SPHERICAL_ZYX: case DYN_JOINT_PLANAR: case DYN_JOINT_TRANSLATION: return 3;
+      case DYN_JOINT_TYPE_REVOLUTE: case DYN_JOINT_TYPE_CONTINUOUS: case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED: case DYN_JOINT_TYPE_PRISMATIC: case DYN_JOINT_TYPE_HELICAL: return 5;
+      case DYN_JOINT_TYPE_CYLINDRICAL: case DYN_JOINT_TYPE_UNIVERSAL: return 4;
+      case DYN_JOINT_TYPE_SPHERICAL: case DYN_JOINT_TYPE_SPHERICAL_ZYX: case DYN_JOINT_TYPE_PLANAR: case DYN_JOINT_TYPE_TRANSLATION: return 3;
       default: return 0;
     }
   }
@@ -39,10 +39,10 @@ struct Loop {
       for (int k = 0; k < 3; ++k) out(i++, o, unit3<T>(k), turn[k], T(0), [&](auto& by) { set_turn(turn, k, by); });
     };
     switch (c.joint_type) {
-      case DYN_JOINT_REVOLUTE: case DYN_JOINT_CONTINUOUS: case DYN_JOINT_REVOLUTE_UNBOUNDED: return point(), axis();
-      case DYN_JOINT_PRISMATIC: return across(), orientation();
-      case DYN_JOINT_CYLINDRICAL: return across(), axis();
-      case DYN_JOINT_HELICAL: {
+      case DYN_JOINT_TYPE_REVOLUTE: case DYN_JOINT_TYPE_CONTINUOUS: case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED: return point(), axis();
+      case DYN_JOINT_TYPE_PRISMATIC: return across(), orientation();
+      case DYN_JOINT_TYPE_CYLINDRICAL: return across(), axis();
+      case DYN_JOINT_TYPE_HELICAL: {
         using math::atan2;
         using std::remainder;
         const Vec3<T> x = X.R * n1;
@@ -54,7 +54,7 @@ struct Loop {
         });
         return axis();
       }
-      case DYN_JOINT_UNIVERSAL: {
+      case DYN_JOINT_TYPE_UNIVERSAL: {
         const Vec3<T> b = X.R * cast<T>(c.axis2);
         point();
         return out(i, o, cross(b, a), dot(a, b) - dot(a, cast<T>(c.axis2)), dot(cross(cross(X.w, b), a), X.w), [&](auto& by) {
@@ -64,9 +64,9 @@ struct Loop {
           by.extra_turn = cross(b, X.w) * wa - cross(b, a) * dot(X.w, X.w);
         });
       }
-      case DYN_JOINT_SPHERICAL: case DYN_JOINT_SPHERICAL_ZYX: return point();
-      case DYN_JOINT_PLANAR: return out(i++, a, o, dot(a, X.r), T(0)), axis();
-      case DYN_JOINT_TRANSLATION: return orientation();
+      case DYN_JOINT_TYPE_SPHERICAL: case DYN_JOINT_TYPE_SPHERICAL_ZYX: return point();
+      case DYN_JOINT_TYPE_PLANAR: return out(i++, a, o, dot(a, X.r), T(0)), axis();
+      case DYN_JOINT_TYPE_TRANSLATION: return orientation();
       default: return;
     }
   }

@@ -6,7 +6,7 @@
 namespace dyn::constraint {
 
 struct PointContact : Connect {
-  static constexpr dynConstraintType type = DYN_CONSTRAINT_POINT;
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_POINT;
 };
 
 }  // namespace dyn::constraint

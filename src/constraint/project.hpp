@@ -49,7 +49,7 @@ void project_velocity(const Model& m, Data<T>& d, const T* v, T* out, dynConstra
   T *b = row_vector(m, d, 0), *step = d.constraint_step;
   evaluate_rows(m, d, d.expand(m, v, d.vx), static_cast<const T*>(nullptr));
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
-    if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = s.upper[0] = T(0);
+    if (s.c.type == DYN_CONSTRAINT_TYPE_FRICTION) s.lower[0] = s.upper[0] = T(0);
     for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -s.rate[r];
   });
   propagate_rows(m, d);
@@ -161,8 +161,8 @@ Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
   if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
   if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
   result.rows = rows, result.iterations = descent.iterations, result.residual = double(largest_size(C, rows));
-  result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINED : descent.ended ? DYN_CONSTRAINTS_CONTRADICT : DYN_CONSTRAINT_ITERATIONS;
-  result.contradiction = result.reason == DYN_CONSTRAINTS_CONTRADICT ? result.residual : 0;
+  result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINT_REASON_CONVERGED : descent.ended ? DYN_CONSTRAINT_REASON_CONTRADICTORY : DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
+  result.contradiction = result.reason == DYN_CONSTRAINT_REASON_CONTRADICTORY ? result.residual : 0;
 
   project_velocity(m, d, v ? v : static_cast<const T*>(d.zero), v, result);
   return 0;

@@ -18,7 +18,7 @@ struct ProximalOptions {
 template <class T>
 struct ProximalResult {
   Index rank = 0, iterations = 0;
-  dynConstraintReason reason = DYN_CONSTRAINED;
+  dynConstraintReason reason = DYN_CONSTRAINT_REASON_CONVERGED;
   T contradiction{}, condition = T(1), regularisation{};
 };
 
@@ -193,7 +193,7 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
     if (smallest > T(clearly_independent)) {
       result.rank = n - idle;
       result.condition = T(1) / smallest;
-      if (!iterate(matrix, ld, n, work.factor, Dinv, wanted, options, step, lambda, result)) result.reason = DYN_CONSTRAINT_ITERATIONS;
+      if (!iterate(matrix, ld, n, work.factor, Dinv, wanted, options, step, lambda, result)) result.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
       return;
     }
   }
@@ -216,12 +216,12 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
       }
     }
   }
-  if (result.contradiction > T(0)) result.reason = DYN_CONSTRAINTS_CONTRADICT;
+  if (result.contradiction > T(0)) result.reason = DYN_CONSTRAINT_REASON_CONTRADICTORY;
   const T mu = options.regularisation > 0 ? T(options.regularisation) : T(automatic_regularisation);
   result.regularisation = mu;
   factor_rows(S, ld, n, mu, mu / T(2), work.factor, Dinv);
-  if (!iterate(S, ld, n, work.factor, Dinv, asked, options, step, lambda, result) && result.reason == DYN_CONSTRAINED)
-    result.reason = DYN_CONSTRAINT_ITERATIONS;
+  if (!iterate(S, ld, n, work.factor, Dinv, asked, options, step, lambda, result) && result.reason == DYN_CONSTRAINT_REASON_CONVERGED)
+    result.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
   if (result.rank < n) {  // round-off off the range has grown by 1 / mu
     factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
     project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, lambda);

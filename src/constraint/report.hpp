@@ -58,7 +58,7 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
     for (Index j = 0; j < n; ++j)
       for (Index i = 0; i < n; ++i) A[ld * j + i] = d.row_matrix[ld * j + i] * scale[i] * scale[j];
     for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) {
-      if (s.c.type != DYN_CONSTRAINT_FRICTION) return;
+      if (s.c.type != DYN_CONSTRAINT_TYPE_FRICTION) return;
       slips = true;
       for (Index i = 0; i < n && !with_friction; ++i) A[ld * s.first + i] = A[ld * i + s.first] = T(0);
     });
@@ -93,7 +93,7 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
     const bool dependent = immobile || share[i] > T(partaking), contradicts = dependent && off > agreement;
     report.error = std::max(report.error, double(abs(C[i]))), report.contradiction = std::max(report.contradiction, dependent ? off : 0.0);
     report.contradictory += contradicts;
-    const dynRowVerdict verdict = contradicts ? DYN_ROW_CONTRADICTORY : immobile ? DYN_ROW_IMMOBILE : dependent ? DYN_ROW_REDUNDANT : DYN_ROW_INDEPENDENT;
+    const dynRowVerdict verdict = contradicts ? DYN_ROW_VERDICT_CONTRADICTORY : immobile ? DYN_ROW_VERDICT_IMMOBILE : dependent ? DYN_ROW_VERDICT_REDUNDANT : DYN_ROW_VERDICT_INDEPENDENT;
     rows_out(i, verdict, immobile ? 1.0 : double(share[i]), double(C[i]));
   }
   return 0;

@@ -59,18 +59,18 @@ dynConstraint default_constraint(dynConstraintType type) {
   c.struct_size = sizeof c;
   c.type = type;
   for (double* X : {c.placement1, c.placement2}) X[0] = X[4] = X[8] = 1;
-  c.joint_type = DYN_JOINT_REVOLUTE;
+  c.joint_type = DYN_JOINT_TYPE_REVOLUTE;
   c.axis[2] = c.axis2[0] = 1;
   c.length = 1;
   c.coefficients[1] = 1;
-  c.damping = type == DYN_CONSTRAINT_FRICTION ? 100 : 0;
+  c.damping = type == DYN_CONSTRAINT_TYPE_FRICTION ? 100 : 0;
   c.enabled = 1;
   return c;
 }
 
 dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::size_t room) {
   const Refusal refuse{message, room};
-  bool known = s.type == DYN_CONSTRAINT_NONE;
+  bool known = s.type == DYN_CONSTRAINT_TYPE_NONE;
   const auto is_known = [&]<class K>() { known = true; };
   visit_frame_constraint(s.type, is_known), visit_joint_constraint(s.type, is_known);
   if (!known) return refuse(DYN_ERROR_ARGUMENT, "type is %d: use a dynConstraintType", int(s.type));
@@ -86,21 +86,21 @@ dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::s
   if (s.stiffness < 0) return refuse(DYN_ERROR_ARGUMENT, "stiffness is %g: give 0 or more", s.stiffness);
   if (s.damping < 0) return refuse(DYN_ERROR_ARGUMENT, "damping is %g: give 0 or more", s.damping);
   if (s.restitution < 0 || s.restitution > 1) return refuse(DYN_ERROR_ARGUMENT, "restitution is %g: give 0 to 1", s.restitution);
-  if (s.type == DYN_CONSTRAINT_NONE) return DYN_OK;
+  if (s.type == DYN_CONSTRAINT_TYPE_NONE) return DYN_OK;
   if (!between_joints(s.type)) {
     if (!placed(s.placement1)) return refuse(DYN_ERROR_ARGUMENT, "placement1 has no rotation: call dyn_constraint_init first");
     if (!placed(s.placement2)) return refuse(DYN_ERROR_ARGUMENT, "placement2 has no rotation: call dyn_constraint_init first");
   }
-  if (s.type == DYN_CONSTRAINT_DISTANCE && !(s.length > 0)) return refuse(DYN_ERROR_ARGUMENT, "length is %g: give more than 0, or use CONNECT", s.length);
-  if (s.type == DYN_CONSTRAINT_FRICTION && s.force < 0) return refuse(DYN_ERROR_ARGUMENT, "force is %g: give 0 or more", s.force);
-  if (s.type == DYN_CONSTRAINT_LOOP) {
+  if (s.type == DYN_CONSTRAINT_TYPE_DISTANCE && !(s.length > 0)) return refuse(DYN_ERROR_ARGUMENT, "length is %g: give more than 0, or use CONNECT", s.length);
+  if (s.type == DYN_CONSTRAINT_TYPE_FRICTION && s.force < 0) return refuse(DYN_ERROR_ARGUMENT, "force is %g: give 0 or more", s.force);
+  if (s.type == DYN_CONSTRAINT_TYPE_LOOP) {
     Constraint c{};
     c.joint_type = s.joint_type;
     if (constraint::Loop::rows(c) == 0)
       return refuse(DYN_ERROR_ARGUMENT, "joint_type is %d: a loop is closed by a simple joint that holds something and moves (FIXED: use WELD)", int(s.joint_type));
     const Vec3<double> none = Vec3<double>::zero();
     if (is_zero(Motion<double>{load3(s.axis), none})) return refuse(DYN_ERROR_INVALID, "axis is zero");
-    if (s.joint_type == DYN_JOINT_UNIVERSAL) {
+    if (s.joint_type == DYN_JOINT_TYPE_UNIVERSAL) {
       if (is_zero(Motion<double>{load3(s.axis2), none})) return refuse(DYN_ERROR_INVALID, "axis2 is zero");
       if (std::abs(dot(unit(s.axis), unit(s.axis2))) > 1 - 1e-9) return refuse(DYN_ERROR_INVALID, "axis and axis2 are parallel");
     }
@@ -111,8 +111,8 @@ dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::s
 dynStatus check_constraint(const Model& m, const dynConstraint& s, char* message, std::size_t room) {
   const Refusal refuse{message, room};
   if (const dynStatus status = check_constraint_numbers(s, message, room)) return status;
-  if (s.type == DYN_CONSTRAINT_NONE) return DYN_OK;
-  const bool two = !between_joints(s.type) || s.type == DYN_CONSTRAINT_COUPLING;
+  if (s.type == DYN_CONSTRAINT_TYPE_NONE) return DYN_OK;
+  const bool two = !between_joints(s.type) || s.type == DYN_CONSTRAINT_TYPE_COUPLING;
   if (!between_joints(s.type)) {
     for (const int frame : {s.first, s.second})
       if (frame < 0 || frame >= m.n.frames) return refuse(DYN_ERROR_ARGUMENT, "frame %d does not exist: the model has frames 0 to %d", frame, int(m.n.frames) - 1);
@@ -129,7 +129,7 @@ dynStatus check_constraint(const Model& m, const dynConstraint& s, char* message
     if (j.nq != 1 || j.nv != 1) return refuse(DYN_ERROR_INVALID, "joint '%s' has not one coordinate", joint_name(m, joint));
   }
   if (two && s.first == s.second) return refuse(DYN_ERROR_INVALID, "joint '%s' is coupled with itself", joint_name(m, s.first));
-  if (s.type == DYN_CONSTRAINT_LIMIT) {
+  if (s.type == DYN_CONSTRAINT_TYPE_LIMIT) {
     const Index q = m.joints()[s.first].idx_q;
     if (!std::isfinite(m.lower_limit()[q]) && !std::isfinite(m.upper_limit()[q])) return refuse(DYN_ERROR_INVALID, "joint '%s' has no limits", joint_name(m, s.first));
   }
@@ -141,7 +141,7 @@ Constraint resolve_constraint(const Model& m, const dynConstraint& s) {
   c.X1 = c.X2 = SE3<double>::identity();
   c.axis = c.n1 = c.n2 = c.axis2 = Vec3<double>::zero();
   c.type = s.type;
-  if (s.type == DYN_CONSTRAINT_NONE) return c;
+  if (s.type == DYN_CONSTRAINT_TYPE_NONE) return c;
   c.stiffness = s.stiffness, c.damping = s.damping, c.restitution = s.restitution;
   if (between_joints(s.type)) {
     auto coordinate = [&](int joint, Index& body, Index& q, Index& v) {
@@ -149,7 +149,7 @@ Constraint resolve_constraint(const Model& m, const dynConstraint& s) {
       body = j.last_body, q = j.idx_q, v = m.bodies()[body].idx_v;
     };
     coordinate(s.first, c.body1, c.q1, c.v1);
-    if (s.type == DYN_CONSTRAINT_COUPLING) coordinate(s.second, c.body2, c.q2, c.v2);
+    if (s.type == DYN_CONSTRAINT_TYPE_COUPLING) coordinate(s.second, c.body2, c.q2, c.v2);
     c.lower = m.lower_limit()[c.q1], c.upper = m.upper_limit()[c.q1];
     c.force = s.force;
     std::copy(s.coefficients, s.coefficients + 5, c.coefficients);
@@ -163,7 +163,7 @@ Constraint resolve_constraint(const Model& m, const dynConstraint& s) {
   c.body1 = a.body, c.body2 = b.body;
   c.X1 = place(a, s.placement1), c.X2 = place(b, s.placement2);
   c.length = s.length, c.pitch = s.pitch, c.joint_type = s.joint_type;
-  if (s.type == DYN_CONSTRAINT_LOOP) {
+  if (s.type == DYN_CONSTRAINT_TYPE_LOOP) {
     c.axis = unit(s.axis);
     // across the axis: of the axes of A, the one that leans most away from it
     const Vec3<double> size = sizes(c.axis);
@@ -171,7 +171,7 @@ Constraint resolve_constraint(const Model& m, const dynConstraint& s) {
     const Vec3<double> across = cross(c.axis, unit3<double>(away));
     c.n1 = across * (1 / std::sqrt(dot(across, across)));
     c.n2 = cross(c.axis, c.n1);
-    if (s.joint_type == DYN_JOINT_UNIVERSAL) c.axis2 = unit(s.axis2);
+    if (s.joint_type == DYN_JOINT_TYPE_UNIVERSAL) c.axis2 = unit(s.axis2);
   }
   return c;
 }

@@ -7,7 +7,7 @@
 namespace dyn::constraint {
 
 struct Weld {
-  static constexpr dynConstraintType type = DYN_CONSTRAINT_WELD;
+  static constexpr dynConstraintType type = DYN_CONSTRAINT_TYPE_WELD;
   static int rows(const Constraint&) { return 6; }
   template <class T, class Out>
   static DYN_INLINE void evaluate(const Constraint&, const Relative<T>& X, Out&& out) {

@@ -283,9 +283,9 @@ Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, 
   const Stages<T> s(m, d);
   if constexpr (std::is_same_v<T, double>)
     if (simulation::may_jump(m, d) || (simulation::has_rows(m, d) && meets_rows(m, d, s, duration)))
-      return integrator == DYN_RK45 ? advance_through_contact<DormandPrince5>(m, d, s, duration, accuracy, report)
+      return integrator == DYN_INTEGRATOR_RK45 ? advance_through_contact<DormandPrince5>(m, d, s, duration, accuracy, report)
                                     : advance_through_contact<DormandPrince8>(m, d, s, duration, accuracy, report);
-  return integrator == DYN_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
+  return integrator == DYN_INTEGRATOR_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
                                 : advance_to_accuracy<DormandPrince8>(m, d, s, duration, accuracy, report);
 }
 
@@ -301,26 +301,26 @@ template <class T>
 Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
   const Stages<T> s(m, d);
   Index failed = 0;
-  if (integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST && meets_rows(m, d, s, h)) integrator = DYN_IMPLICIT_FAST;
+  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST && meets_rows(m, d, s, h)) integrator = DYN_INTEGRATOR_IMPLICIT_FAST;
   switch (integrator) {
-    case DYN_SEMI_IMPLICIT_EULER: case DYN_IMPLICIT_FAST: failed = one_euler_step(m, d, s, h, integrator == DYN_IMPLICIT_FAST), report.evaluations += 1; break;
-    case DYN_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
-    case DYN_RK45:
+    case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER: case DYN_INTEGRATOR_IMPLICIT_FAST: failed = one_euler_step(m, d, s, h, integrator == DYN_INTEGRATOR_IMPLICIT_FAST), report.evaluations += 1; break;
+    case DYN_INTEGRATOR_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
+    case DYN_INTEGRATOR_RK45:
       failed = explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;
       if (!failed) report.error_estimate += step_error(DormandPrince5(), m, d, s, h, false);
       break;
-    case DYN_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations); break;
-    case DYN_REFERENCE: {
+    case DYN_INTEGRATOR_IMPLICIT_MIDPOINT: failed = implicit_midpoint_step(m, d, s, h, report.evaluations); break;
+    case DYN_INTEGRATOR_REFERENCE: {
       dynStepReport inner{};
       failed = advance_to_accuracy<DormandPrince8>(m, d, s, h, T(0), inner);
       report.evaluations += inner.evaluations, report.rejected += inner.rejected, report.error_estimate += inner.error_estimate;
       break;
     }
   }
-  if (!failed && integrator != DYN_SEMI_IMPLICIT_EULER && integrator != DYN_IMPLICIT_FAST) failed = project_to_constraints(m, d);
+  if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST) failed = project_to_constraints(m, d);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
-  enter(m, d, integrator == DYN_REFERENCE ? T(0) : h);  // its own steps are entered
+  enter(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h);  // its own steps are entered
   return 0;
 }
 

@@ -8,7 +8,7 @@ namespace dyn {
 namespace kind {
 
 struct Continuous : Kind<Continuous> {
-  static constexpr dynJointType type = DYN_JOINT_CONTINUOUS;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_CONTINUOUS;
   static constexpr const char* name = "continuous";
   static constexpr int nq = 1, nv = 1;
   static Elements elements(const JointGeometry& g) {

@@ -8,7 +8,7 @@ namespace dyn {
 namespace kind {
 
 struct Cylindrical : Kind<Cylindrical> {
-  static constexpr dynJointType type = DYN_JOINT_CYLINDRICAL;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_CYLINDRICAL;
   static constexpr const char* name = "cylindrical";
   static constexpr int nq = 2, nv = 2;
   static Elements elements(const JointGeometry& g) {

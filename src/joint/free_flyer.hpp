@@ -111,7 +111,7 @@ struct FreeFlyer : Joint<FreeFlyer> {
 namespace kind {
 
 struct FreeFlyer : Kind<FreeFlyer> {
-  static constexpr dynJointType type = DYN_JOINT_FREE_FLYER;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_FREE_FLYER;
   static constexpr const char* name = "free_flyer";
   static constexpr int nq = 7, nv = 6;
   static Elements elements(const JointGeometry&) {

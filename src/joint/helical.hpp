@@ -37,7 +37,7 @@ struct Helical : Joint<Helical> {
 namespace kind {
 
 struct Helical : Kind<Helical> {
-  static constexpr dynJointType type = DYN_JOINT_HELICAL;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_HELICAL;
   static constexpr const char* name = "helical";
   static constexpr int nq = 1, nv = 1;
   static Elements elements(const JointGeometry& g) {

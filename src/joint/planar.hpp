@@ -9,7 +9,7 @@ namespace dyn {
 namespace kind {
 
 struct Planar : Kind<Planar> {
-  static constexpr dynJointType type = DYN_JOINT_PLANAR;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_PLANAR;
   static constexpr const char* name = "planar";
   static constexpr int nq = 3, nv = 3;
   static Elements elements(const JointGeometry& g) {

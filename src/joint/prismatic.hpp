@@ -35,7 +35,7 @@ struct Prismatic : Joint<Prismatic> {
 namespace kind {
 
 struct Prismatic : Kind<Prismatic> {
-  static constexpr dynJointType type = DYN_JOINT_PRISMATIC;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_PRISMATIC;
   static constexpr const char* name = "prismatic";
   static constexpr int nq = 1, nv = 1;
   static Elements elements(const JointGeometry& g) {

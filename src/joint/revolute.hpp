@@ -55,7 +55,7 @@ struct Revolute : AboutZ<Revolute> {
 namespace kind {
 
 struct Revolute : Kind<Revolute> {
-  static constexpr dynJointType type = DYN_JOINT_REVOLUTE;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_REVOLUTE;
   static constexpr const char* name = "revolute";
   static constexpr int nq = 1, nv = 1;
   static Elements elements(const JointGeometry& g) {

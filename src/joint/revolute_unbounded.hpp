@@ -69,7 +69,7 @@ struct RevoluteUnbounded : AboutZ<RevoluteUnbounded> {
 namespace kind {
 
 struct RevoluteUnbounded : Kind<RevoluteUnbounded> {
-  static constexpr dynJointType type = DYN_JOINT_REVOLUTE_UNBOUNDED;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
   static constexpr const char* name = "revolute_unbounded";
   static constexpr int nq = 2, nv = 1;
   static Elements elements(const JointGeometry& g) {

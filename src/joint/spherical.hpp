@@ -90,7 +90,7 @@ struct Spherical : Joint<Spherical> {
 namespace kind {
 
 struct Spherical : Kind<Spherical> {
-  static constexpr dynJointType type = DYN_JOINT_SPHERICAL;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_SPHERICAL;
   static constexpr const char* name = "spherical";
   static constexpr int nq = 4, nv = 3;
   static Elements elements(const JointGeometry&) {

@@ -8,7 +8,7 @@ namespace dyn {
 namespace kind {
 
 struct SphericalZYX : Kind<SphericalZYX> {
-  static constexpr dynJointType type = DYN_JOINT_SPHERICAL_ZYX;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_SPHERICAL_ZYX;
   static constexpr const char* name = "spherical_zyx";
   static constexpr int nq = 3, nv = 3;
   static Elements elements(const JointGeometry&) {

@@ -8,7 +8,7 @@ namespace dyn {
 namespace kind {
 
 struct Translation : Kind<Translation> {
-  static constexpr dynJointType type = DYN_JOINT_TRANSLATION;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_TRANSLATION;
   static constexpr const char* name = "translation";
   static constexpr int nq = 3, nv = 3;
   static Elements elements(const JointGeometry&) {

@@ -8,7 +8,7 @@ namespace dyn {
 namespace kind {
 
 struct Universal : Kind<Universal> {
-  static constexpr dynJointType type = DYN_JOINT_UNIVERSAL;
+  static constexpr dynJointType type = DYN_JOINT_TYPE_UNIVERSAL;
   static constexpr const char* name = "universal";
   static constexpr int nq = 2, nv = 2;
   static constexpr bool needs_axis2 = true;

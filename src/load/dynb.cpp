@@ -47,25 +47,25 @@ void check_by_building(const Model& m) {
     std::copy(x, x + 12, out.begin());
     return out;
   };
-  const auto on = [&](Index joint) { return joint ? Parent{m.string(m.joints()[joint].name), DYN_FRAME_JOINT} : Parent{"", 0}; };
+  const auto on = [&](Index joint) { return joint ? Parent{m.string(m.joints()[joint].name), DYN_FRAME_TYPE_JOINT} : Parent{"", 0}; };
   Index joints = 0;
   for (Index f = 1; f < m.n.frames; ++f) {
     const FrameRecord& r = m.frames()[f];
     const std::string name = m.string(r.name);
-    if (r.type == DYN_FRAME_JOINT) {
+    if (r.type == DYN_FRAME_TYPE_JOINT) {
       if (name != m.string(m.joints()[r.joint].name)) damaged("joint '" + name + "' and its frame have different names");
       JointSpec s = spec_of(m, m.joints()[r.joint]);
       s.parent = on(m.joints()[r.joint].parent);
       b.joint(s), ++joints;
-    } else if (r.type == DYN_FRAME_BODY) {
+    } else if (r.type == DYN_FRAME_TYPE_BODY) {
       const LinkRecord& l = m.links()[r.link];
       std::array<double, 9> inertia;
       std::copy(l.inertia, l.inertia + 9, inertia.begin());
       b.body(name, on(r.joint), placement(r.placement), l.mass, {l.com[0], l.com[1], l.com[2]}, inertia);
       b.gravity_compensation(name, m.compensation(r.link));
-    } else if (r.type == DYN_FRAME_FIXED_JOINT) {
+    } else if (r.type == DYN_FRAME_TYPE_FIXED_JOINT) {
       JointSpec s;
-      s.name = name, s.type = DYN_JOINT_FIXED, s.parent = on(r.joint), s.placement = placement(r.placement);
+      s.name = name, s.type = DYN_JOINT_TYPE_FIXED, s.parent = on(r.joint), s.placement = placement(r.placement);
       b.joint(s);
     } else {
       b.frame(name, on(r.joint), placement(r.placement), r.type);
@@ -83,7 +83,7 @@ void check_by_building(const Model& m) {
     const ConstraintRecord& r = m.constraints()[k];
     const auto end = [&](int at) {
       if (at <= 0) return Parent{"", 0};
-      return between_joints(r.spec.type) ? Parent{m.string(m.joints()[at].name), DYN_FRAME_JOINT} : Parent{m.string(m.frames()[at].name), int(m.frames()[at].type)};
+      return between_joints(r.spec.type) ? Parent{m.string(m.joints()[at].name), DYN_FRAME_TYPE_JOINT} : Parent{m.string(m.frames()[at].name), int(m.frames()[at].type)};
     };
     b.constraint(m.string(r.name), r.spec, end(r.spec.first), end(r.spec.second));
   }
@@ -111,7 +111,7 @@ ModelPtr load_dynb(const std::string& bytes, const std::string& file, const Load
   const std::string where = file.empty() ? "" : load::printable(file) + ": ";
   try {
     load::refuse(check_header(bytes.data(), bytes.size()));
-    if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() || options.meshes != DYN_MESH_NONE)
+    if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() || options.meshes != DYN_MESH_USE_NONE)
       throw Error(DYN_ERROR_ARGUMENT, "a .dynb holds the model as it was loaded: leave out base, cos_sin, srdf and meshes, or load the robot file");
     const std::size_t size = bytes.size() - sizeof(DynbHeader);
     const std::unique_ptr<void, load::Free> block(allocate_block(size));

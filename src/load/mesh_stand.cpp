@@ -31,6 +31,6 @@ MeshStand triangles(const meshes::Mesh& mesh) {
 
 }  // namespace
 
-MeshStand stand_for(const meshes::Mesh& mesh, dynMeshUse use) { return use == DYN_MESH_HULL ? hull(mesh) : triangles(mesh); }
+MeshStand stand_for(const meshes::Mesh& mesh, dynMeshUse use) { return use == DYN_MESH_USE_HULL ? hull(mesh) : triangles(mesh); }
 
 }  // namespace dyn::load

@@ -18,8 +18,8 @@ MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name) {
 
 // Component and gear of the one degree of freedom that is driven; a reason why there is not one otherwise.
 const char* transmission(const MjcfJoint& j, const std::vector<double>& gear, dynActuator& a) {
-  if (j.spec.type == DYN_JOINT_REVOLUTE || j.spec.type == DYN_JOINT_PRISMATIC) return a.gear = gear.empty() ? 1 : gear[0], nullptr;
-  const size_t first = 0, count = j.spec.type == DYN_JOINT_FREE_FLYER ? 6 : 3;
+  if (j.spec.type == DYN_JOINT_TYPE_REVOLUTE || j.spec.type == DYN_JOINT_TYPE_PRISMATIC) return a.gear = gear.empty() ? 1 : gear[0], nullptr;
+  const size_t first = 0, count = j.spec.type == DYN_JOINT_TYPE_FREE_FLYER ? 6 : 3;
   int driven = 0;
   for (size_t k = first; k < std::min(count, gear.size()); ++k)
     if (gear[k] != 0) ++driven, a.component = int(k), a.gear = gear[k];
@@ -46,7 +46,7 @@ double parameter(const Reader& reader, const Element& e, const char* attribute, 
 // The law, as <general> has it; a reason why it is not read otherwise.
 const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) {
   dynActuator& a = actuator.spec;
-  a.type = DYN_ACTUATOR_AFFINE;
+  a.type = DYN_ACTUATOR_TYPE_AFFINE;
   const std::string_view kind = e.Name(), dynamics = e.Attribute("dyntype") ? e.Attribute("dyntype") : "none", gain = e.Attribute("gaintype") ? e.Attribute("gaintype") : "fixed",
                          bias = e.Attribute("biastype") ? e.Attribute("biastype") : "none";
   if (dynamics == "filter" || dynamics == "filterexact") a.time_constant = parameter(reader, e, "dynprm", 0, 1);
@@ -55,14 +55,14 @@ const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) 
   a.gain = parameter(reader, e, "gainprm", 0, 1);
   if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0)) return "its gain changes with its length or speed";
   if (gain != "fixed" && gain != "affine") return "its gain is no number";
-  if (kind == "motor") a.type = DYN_ACTUATOR_MOTOR, a.gain = 0;
+  if (kind == "motor") a.type = DYN_ACTUATOR_TYPE_MOTOR, a.gain = 0;
   if (bias == "none") return nullptr;
   if (bias != "affine") return "its bias is not affine";
   for (size_t k = 0; k < 3; ++k) a.bias[k] = parameter(reader, e, "biasprm", k, 0);
   if (a.bias[2] > 0 && a.gain > 0 && a.gain == -a.bias[1]) actuator.damping_ratio = std::exchange(a.bias[2], 0);  // MuJoCo's rule for servos
   const bool servo = kind == "position" || kind == "intvelocity";
   if (servo || kind == "velocity") {
-    a.type = servo ? DYN_ACTUATOR_POSITION : DYN_ACTUATOR_VELOCITY;
+    a.type = servo ? DYN_ACTUATOR_TYPE_POSITION : DYN_ACTUATOR_TYPE_VELOCITY;
     a.kp = servo ? a.gain : 0, a.kv = -a.bias[2], a.gain = a.bias[1] = a.bias[2] = 0;
   }
   return nullptr;
@@ -106,7 +106,7 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
       continue;
     }
     MjcfActuator actuator{place, name, {}, context.name(joint_name), 0};
-    actuator.spec = simulation::default_actuator(DYN_ACTUATOR_MOTOR);
+    actuator.spec = simulation::default_actuator(DYN_ACTUATOR_TYPE_MOTOR);
     MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
     if (!joint && file.part) {
       place.info("its joint was not attached: left out");

@@ -183,7 +183,7 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
     if (compiler_.strip_path) file = std::filesystem::path(file).filename().string();
     entry.path = file.empty() ? name : source_.path(asset, (std::filesystem::path(compiler_.mesh_folder) / file).string()).string();
   }
-  const bool touches = options_.meshes != DYN_MESH_NONE && geom.shape.role == DYN_ROLE_COLLISION;
+  const bool touches = options_.meshes != DYN_MESH_USE_NONE && geom.shape.role == DYN_SHAPE_ROLE_COLLISION;
   geom.shape.mesh = entry.path;
   geom.shape.size = {1, 1, 1};
   if (!needed && !touches) return;
@@ -195,7 +195,7 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
   const std::string said = "mesh " + load::quoted(name) + stand.said;
   if (stand.warning) geom.place.warning(said);
   else geom.place.info(said);
-  geom.shape.type = options_.meshes == DYN_MESH_HULL ? DYN_SHAPE_CONVEX : DYN_SHAPE_TRIANGLES;
+  geom.shape.type = options_.meshes == DYN_MESH_USE_HULL ? DYN_SHAPE_TYPE_CONVEX : DYN_SHAPE_TYPE_TRIANGLES;
   geom.shape.surface = stand.surface;
 }
 

@@ -21,8 +21,8 @@ Placement placement(const Pose& X) {
 // The motion of a joint's frame by a coordinate.
 Pose moved(const MjcfJoint& j, double q) {
   Pose X = Pose::identity();
-  if (j.spec.type == DYN_JOINT_REVOLUTE) X.R = exp3(j.axis * q);
-  if (j.spec.type == DYN_JOINT_PRISMATIC) X.p = j.axis * q;
+  if (j.spec.type == DYN_JOINT_TYPE_REVOLUTE) X.R = exp3(j.axis * q);
+  if (j.spec.type == DYN_JOINT_TYPE_PRISMATIC) X.p = j.axis * q;
   return X;
 }
 
@@ -39,10 +39,10 @@ struct Carrier {
 };
 
 Carrier add_joints(Builder& builder, const MjcfRobot& robot, MjcfBody& body) {
-  Parent on = body.parent == 0 ? Parent{"", 0} : Parent{robot.bodies[size_t(body.parent)].name, DYN_FRAME_BODY};
+  Parent on = body.parent == 0 ? Parent{"", 0} : Parent{robot.bodies[size_t(body.parent)].name, DYN_FRAME_TYPE_BODY};
   Pose X = body.X;  // of the body at the drawn configuration, in what carries the next joint
   for (MjcfJoint& j : body.joints) {
-    if (j.spec.type == DYN_JOINT_FREE_FLYER) {
+    if (j.spec.type == DYN_JOINT_TYPE_FREE_FLYER) {
       X = Pose::identity();  // its coordinates are the body's pose in the world
     } else {
       X.p += X.R * j.anchor;
@@ -52,7 +52,7 @@ Carrier add_joints(Builder& builder, const MjcfRobot& robot, MjcfBody& body) {
     j.spec.parent = on;
     j.spec.placement = placement(X);
     located(j.place, [&] { builder.joint(j.spec); });
-    on = {j.spec.name, DYN_FRAME_JOINT};
+    on = {j.spec.name, DYN_FRAME_TYPE_JOINT};
     X = {Mat3<double>::identity(), -j.anchor};
   }
   return {on, X};
@@ -72,7 +72,7 @@ void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const Mj
 // joints: their names, which sites, that are frames too, must not have.
 void add_shapes_and_sites(Builder& builder, MjcfBody& body, bool world, const std::set<std::string>& joints) {
   for (MjcfGeom& g : body.geoms) {
-    if (g.shape.type == DYN_SHAPE_HALF_SPACE && g.shape.role == DYN_ROLE_VISUAL) continue;  // a picture of the ground
+    if (g.shape.type == DYN_SHAPE_TYPE_HALF_SPACE && g.shape.role == DYN_SHAPE_ROLE_VISUAL) continue;  // a picture of the ground
     g.shape.body = world ? "universe" : body.name;
     g.shape.placement = placement(g.X);
     located(g.place, [&] { builder.shape(g.shape); });
@@ -82,7 +82,7 @@ void add_shapes_and_sites(Builder& builder, MjcfBody& body, bool world, const st
       s.place.info("the frame is called " + load::quoted(s.name + "_site"));
       s.name += "_site";
     }
-    located(s.place, [&] { builder.frame(s.name, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_BODY}, placement(s.X), DYN_FRAME_OP_FRAME); });
+    located(s.place, [&] { builder.frame(s.name, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_TYPE_BODY}, placement(s.X), DYN_FRAME_TYPE_OP_FRAME); });
   }
 }
 
@@ -98,7 +98,7 @@ std::vector<double> coordinates(const MjcfJoint& j, const double* qpos) {
 void add_drawn(MjcfRobot& robot) {
   bool drawn = false;
   for (const MjcfBody& body : robot.bodies)
-    for (const MjcfJoint& j : body.joints) drawn = drawn || j.reference != 0 || j.spec.type == DYN_JOINT_FREE_FLYER;
+    for (const MjcfJoint& j : body.joints) drawn = drawn || j.reference != 0 || j.spec.type == DYN_JOINT_TYPE_FREE_FLYER;
   if (!drawn) return;
   MjcfKey qpos0{robot.bodies[0].place, "qpos0", {}};
   for (const MjcfBody& body : robot.bodies)

@@ -75,7 +75,7 @@ void find_mjcf_damping(const Model& m, MjcfRobot& robot) {
     if (!(a.damping_ratio > 0)) continue;
     const JointRecord* const joint = std::find_if(m.joints(), m.joints() + m.n.joints, [&](const JointRecord& j) { return m.string(j.name) == a.joint; });
     const double give = a.spec.gear * a.spec.gear * response(joint->idx_v + a.spec.component);
-    const bool servo = a.spec.type == DYN_ACTUATOR_POSITION;
+    const bool servo = a.spec.type == DYN_ACTUATOR_TYPE_POSITION;
     const double kp = servo ? a.spec.kp : a.spec.gain, kv = give > 0 ? 2 * a.damping_ratio * std::sqrt(kp / give) : 0;
     if (!(give > 0) || !std::isfinite(kv)) a.place.fail(DYN_ERROR_INVALID, "its damping is given as a ratio, and what it moves has no inertia");
     (servo ? a.spec.kv : a.spec.bias[2]) = servo ? kv : -kv;

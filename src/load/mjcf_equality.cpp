@@ -39,7 +39,7 @@ void shift(const std::vector<double>& c, double at, double (&out)[5]) {
   }
 }
 
-Parent frame_of(const MjcfBody& b) { return b.parent < 0 ? Parent{"", 0} : Parent{b.name, DYN_FRAME_BODY}; }
+Parent frame_of(const MjcfBody& b) { return b.parent < 0 ? Parent{"", 0} : Parent{b.name, DYN_FRAME_TYPE_BODY}; }
 
 Pose relative_pose(const std::vector<double>& x) { return {from_quaternion(x[3], x[4], x[5], x[6]), load3(x.data())}; }
 
@@ -81,7 +81,7 @@ void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& c
 
 void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
   for (const MjcfEquality& e : robot.equalities) {
-    dynConstraint c = default_constraint(e.kind == "connect" ? DYN_CONSTRAINT_CONNECT : e.kind == "weld" ? DYN_CONSTRAINT_WELD : DYN_CONSTRAINT_COUPLING);
+    dynConstraint c = default_constraint(e.kind == "connect" ? DYN_CONSTRAINT_TYPE_CONNECT : e.kind == "weld" ? DYN_CONSTRAINT_TYPE_WELD : DYN_CONSTRAINT_TYPE_COUPLING);
     c.enabled = e.enabled;
     if (e.kind == "joint") {
       const MjcfJoint& first = joint_named(robot, e, e.first);
@@ -142,7 +142,7 @@ void mark_mjcf_pairs(MjcfRobot& robot) {
   for (const MjcfPair& p : robot.pairs) named.insert({p.geoms[0], p.geoms[1]});
   for (MjcfBody& b : robot.bodies)
     for (MjcfGeom& g : b.geoms)
-      if (g.shape.role == DYN_ROLE_VISUAL && named.count(g.shape.name)) g.shape.role = DYN_ROLE_COLLISION;
+      if (g.shape.role == DYN_SHAPE_ROLE_VISUAL && named.count(g.shape.name)) g.shape.role = DYN_SHAPE_ROLE_COLLISION;
 }
 
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {

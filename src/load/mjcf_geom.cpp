@@ -16,9 +16,9 @@ struct GeomType {
   size_t sizes;  // numbers of size that it needs
   bool along;    // may be given by the two ends of its axis
 };
-constexpr GeomType types[] = {{"plane", DYN_SHAPE_HALF_SPACE, 0, false}, {"sphere", DYN_SHAPE_SPHERE, 1, false},     {"capsule", DYN_SHAPE_CAPSULE, 2, true},
-                              {"cylinder", DYN_SHAPE_CYLINDER, 2, true}, {"ellipsoid", DYN_SHAPE_ELLIPSOID, 3, true}, {"box", DYN_SHAPE_BOX, 3, true},
-                              {"mesh", DYN_SHAPE_MESH, 0, false},        {"hfield", DYN_SHAPE_HEIGHT_FIELD, 0, false}};
+constexpr GeomType types[] = {{"plane", DYN_SHAPE_TYPE_HALF_SPACE, 0, false}, {"sphere", DYN_SHAPE_TYPE_SPHERE, 1, false},     {"capsule", DYN_SHAPE_TYPE_CAPSULE, 2, true},
+                              {"cylinder", DYN_SHAPE_TYPE_CYLINDER, 2, true}, {"ellipsoid", DYN_SHAPE_TYPE_ELLIPSOID, 3, true}, {"box", DYN_SHAPE_TYPE_BOX, 3, true},
+                              {"mesh", DYN_SHAPE_TYPE_MESH, 0, false},        {"hfield", DYN_SHAPE_TYPE_HEIGHT_FIELD, 0, false}};
 
 const GeomType* type_of(const Reader& reader, const Element& e) {
   const std::string type = e.Attribute("type") ? e.Attribute("type") : "sphere";
@@ -31,10 +31,10 @@ const GeomType* type_of(const Reader& reader, const Element& e) {
 // From half sizes of the file to those of dynShapeInfo.
 std::array<double, 3> sizes_of(dynShapeType type, const std::array<double, 3>& s) {
   switch (type) {
-    case DYN_SHAPE_SPHERE: return {s[0], 0, 0};
-    case DYN_SHAPE_CAPSULE: case DYN_SHAPE_CYLINDER: return {s[0], 2 * s[1], 0};
-    case DYN_SHAPE_BOX: return {2 * s[0], 2 * s[1], 2 * s[2]};
-    case DYN_SHAPE_ELLIPSOID: return s;
+    case DYN_SHAPE_TYPE_SPHERE: return {s[0], 0, 0};
+    case DYN_SHAPE_TYPE_CAPSULE: case DYN_SHAPE_TYPE_CYLINDER: return {s[0], 2 * s[1], 0};
+    case DYN_SHAPE_TYPE_BOX: return {2 * s[0], 2 * s[1], 2 * s[2]};
+    case DYN_SHAPE_TYPE_ELLIPSOID: return s;
     default: return {0, 0, 0};
   }
 }
@@ -83,7 +83,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
 
   geom.shape.type = type->type;
   geom.shape.contype = mask(reader, e, "contype"), geom.shape.conaffinity = mask(reader, e, "conaffinity");
-  geom.shape.role = geom.shape.contype == 0 && geom.shape.conaffinity == 0 ? DYN_ROLE_VISUAL : DYN_ROLE_COLLISION;
+  geom.shape.role = geom.shape.contype == 0 && geom.shape.conaffinity == 0 ? DYN_SHAPE_ROLE_VISUAL : DYN_SHAPE_ROLE_COLLISION;
   geom.shape.material = material_of(reader, e), geom.shape.colour = file.assets.colour(e);
   geom.group = int(reader.optional_number(e, "group").value_or(0));
   geom.mass = reader.optional_number(e, "mass");
@@ -110,7 +110,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
     else size = {size[0], size[0], half}, needed = 1;
     geom.X = {turn_z_to(d * (1 / length)), (from + to) * 0.5};
   }
-  if (e.Attribute("mesh") && type->type != DYN_SHAPE_MESH)
+  if (e.Attribute("mesh") && type->type != DYN_SHAPE_TYPE_MESH)
     return geom.place.physics("a " + std::string(type->name) + " fitted to a mesh is not read: the geom is left out; give its size instead, or type=\"mesh\"");
   if (given < needed) reader.fail(DYN_ERROR_INVALID, e, "<geom size>: a " + std::string(type->name) + " needs " + std::to_string(needed) + " numbers");
   for (size_t k = 0; k < needed; ++k)
@@ -118,10 +118,10 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   geom.shape.size = sizes_of(type->type, size);
 
   const bool counts = geom.mass.value_or(geom.density) > 0 && context.body != 0 && mass_from_geoms(body);
-  if (type->type == DYN_SHAPE_MESH) file.assets.mesh(e, reader.name(e, "mesh"), counts, geom);
-  if (type->type == DYN_SHAPE_HEIGHT_FIELD && !file.assets.height_field(e, reader.name(e, "hfield"), geom)) return;
+  if (type->type == DYN_SHAPE_TYPE_MESH) file.assets.mesh(e, reader.name(e, "mesh"), counts, geom);
+  if (type->type == DYN_SHAPE_TYPE_HEIGHT_FIELD && !file.assets.height_field(e, reader.name(e, "hfield"), geom)) return;
   geom.X = context.X * geom.X;
-  if (file.compiler.discard_visual && geom.shape.role == DYN_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0) return;
+  if (file.compiler.discard_visual && geom.shape.role == DYN_SHAPE_ROLE_VISUAL && geom.mass.value_or(geom.density) == 0) return;
   body.geoms.push_back(std::move(geom));
 }
 

@@ -11,10 +11,10 @@ constexpr double no_limit = std::numeric_limits<double>::infinity(), half_turn =
 
 dynJointType type_of(const Reader& reader, const Element& e) {
   const std::string_view type = e.Attribute("type") ? e.Attribute("type") : "hinge";
-  if (type == "hinge") return DYN_JOINT_REVOLUTE;
-  if (type == "slide") return DYN_JOINT_PRISMATIC;
-  if (type == "ball") return DYN_JOINT_SPHERICAL;
-  if (type == "free") return DYN_JOINT_FREE_FLYER;
+  if (type == "hinge") return DYN_JOINT_TYPE_REVOLUTE;
+  if (type == "slide") return DYN_JOINT_TYPE_PRISMATIC;
+  if (type == "ball") return DYN_JOINT_TYPE_SPHERICAL;
+  if (type == "free") return DYN_JOINT_TYPE_FREE_FLYER;
   reader.fail(DYN_ERROR_PARSE, e, "<joint type> is " + load::quoted(std::string(type)) + ": hinge, slide, ball or free is expected");
 }
 
@@ -73,27 +73,27 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   count_unused(reader, e, "joint", {"margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
   JointSpec& spec = joint.spec;
   spec.type = type_of(reader, e);
-  const bool hinge = spec.type == DYN_JOINT_REVOLUTE, scalar = hinge || spec.type == DYN_JOINT_PRISMATIC;
-  const double unit = hinge || spec.type == DYN_JOINT_SPHERICAL ? file.compiler.angle : 1;
-  if (spec.type == DYN_JOINT_FREE_FLYER && body.parent != 0)
+  const bool hinge = spec.type == DYN_JOINT_TYPE_REVOLUTE, scalar = hinge || spec.type == DYN_JOINT_TYPE_PRISMATIC;
+  const double unit = hinge || spec.type == DYN_JOINT_TYPE_SPHERICAL ? file.compiler.angle : 1;
+  if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && body.parent != 0)
     reader.fail(DYN_ERROR_INVALID, e, "a free joint belongs to a body of the world, and " + body.place.owner + " is in another body");
-  if (spec.type == DYN_JOINT_FREE_FLYER && context.suffix.empty() && !body.joints.empty()) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
-  if (!body.joints.empty() && body.joints.back().spec.type == DYN_JOINT_FREE_FLYER) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
+  if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && context.suffix.empty() && !body.joints.empty()) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
+  if (!body.joints.empty() && body.joints.back().spec.type == DYN_JOINT_TYPE_FREE_FLYER) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
 
   const bool alone = !e.Parent()->ToElement() || file.source.children(*e.Parent()->ToElement(), "body").empty();
   if (free_joint && alone && read_switch(reader, e, "align", std::nullopt).value_or(file.compiler.align_free))
     joint.place.physics("it is not aligned with the body's inertia: q and v are of the body's frame as the file gives it");
 
   const size_t nv = size_t(joint_nv(spec.type)), nq = size_t(joint_nq(spec.type));
-  if (const auto p = reader.vector3(e, "pos"); p && spec.type != DYN_JOINT_FREE_FLYER) joint.anchor = context.X.act(load3(p->data()));
-  else if (spec.type != DYN_JOINT_FREE_FLYER) joint.anchor = context.X.p;
+  if (const auto p = reader.vector3(e, "pos"); p && spec.type != DYN_JOINT_TYPE_FREE_FLYER) joint.anchor = context.X.act(load3(p->data()));
+  else if (spec.type != DYN_JOINT_TYPE_FREE_FLYER) joint.anchor = context.X.p;
   if (const auto a = reader.vector3(e, "axis")) joint.axis = load3(a->data());
   if (const double length = std::sqrt(dot(joint.axis, joint.axis)); scalar && !(length > 1e-10)) reader.bad_numbers(e, "axis", "this is no direction: it is zero");
   else joint.axis = context.X.R * (joint.axis * (1 / length));
   if (scalar) joint.reference = unit * reader.optional_number(e, "ref").value_or(0);
 
   // whatever its class says, a free joint is not limited
-  if (const auto limits = spec.type == DYN_JOINT_FREE_FLYER ? std::nullopt : range(reader, e, "range", "limited", file.compiler.autolimits)) {
+  if (const auto limits = spec.type == DYN_JOINT_TYPE_FREE_FLYER ? std::nullopt : range(reader, e, "range", "limited", file.compiler.autolimits)) {
     const auto end = [&](double x) { return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x; };  // one end alone
     if (scalar) spec.lower = {end((*limits)[0])}, spec.upper = {end((*limits)[1])};
     else bound_ball(reader, e, unit * (*limits)[0], unit * (*limits)[1], spec);
@@ -101,7 +101,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (const auto force = range(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar)
     joint.force = force, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
   spec.armature.assign(nv, coefficient(reader, e, "armature"));
-  if (spec.type == DYN_JOINT_FREE_FLYER && spec.armature[0] != 0)
+  if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && spec.armature[0] != 0)
     joint.place.physics("the armature of a free joint acts along the body's axes, not along the world's: as it turns, other forces are needed to move it");
   spec.damping.assign(nv, coefficient(reader, e, "damping"));
   spec.friction.assign(nv, coefficient(reader, e, "frictionloss"));
@@ -111,7 +111,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
     joint.time_constant = (*both)[0], joint.damping_ratio = (*both)[1];
   }
   const bool springs = stiffness > 0 || joint.time_constant > 0;
-  if (springs && spec.type == DYN_JOINT_FREE_FLYER) joint.place.physics("the spring of a free joint is not used");
+  if (springs && spec.type == DYN_JOINT_TYPE_FREE_FLYER) joint.place.physics("the spring of a free joint is not used");
   else if (springs) spec.stiffness.assign(nv, stiffness);
   if (scalar && (springs || e.Attribute("springref"))) spec.spring_reference.assign(nq, unit * reader.optional_number(e, "springref").value_or(0));
   body.joints.push_back(std::move(joint));

@@ -49,11 +49,11 @@ void Report::add(dynReportLevel level, int line, const std::string& message) {
 void Report::physics(int line, const std::string& message) {
   if (strict_) {
     if (physics_.size() < max_entries)
-      physics_.push_back({DYN_REPORT_WARNING, line, printable(message)});
+      physics_.push_back({DYN_REPORT_LEVEL_WARNING, line, printable(message)});
     else
       ++unlisted_physics_;
   }
-  add(DYN_REPORT_WARNING, line, message);
+  add(DYN_REPORT_LEVEL_WARNING, line, message);
 }
 
 void Report::count(const std::string& what, int line) {
@@ -71,8 +71,8 @@ std::vector<Report::Entry> Report::finish() {
     if (total > listed) all += "; and " + std::to_string(total - listed) + " more";
     throw Error(DYN_ERROR_STRICT, "strict: " + all + " (without strict these are warnings of the load report)");
   }
-  if (unlisted_) entries_.push_back({DYN_REPORT_WARNING, 0, std::to_string(unlisted_) + " more entries are not listed"});
-  for (const auto& [what, c] : counts_) entries_.push_back({DYN_REPORT_INFO, c.line, std::to_string(c.times) + " x " + what});
+  if (unlisted_) entries_.push_back({DYN_REPORT_LEVEL_WARNING, 0, std::to_string(unlisted_) + " more entries are not listed"});
+  for (const auto& [what, c] : counts_) entries_.push_back({DYN_REPORT_LEVEL_INFO, c.line, std::to_string(c.times) + " x " + what});
   std::stable_sort(entries_.begin(), entries_.end(), by_line);
   return entries_;
 }

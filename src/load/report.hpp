@@ -24,8 +24,8 @@ class Report {
   std::string where(int line) const;
   [[noreturn]] void fail(dynStatus status, int line, const std::string& message) const;
 
-  void info(int line, const std::string& message) { add(DYN_REPORT_INFO, line, message); }
-  void warning(int line, const std::string& message) { add(DYN_REPORT_WARNING, line, message); }
+  void info(int line, const std::string& message) { add(DYN_REPORT_LEVEL_INFO, line, message); }
+  void warning(int line, const std::string& message) { add(DYN_REPORT_LEVEL_WARNING, line, message); }
   // The file says physics that the model does not have, or that no robot can have: a warning, and an error under strict.
   void physics(int line, const std::string& message);
   // Things that a file has by the hundred: one info line for all, "12 x <gazebo>: not used ...", at the first one's line.

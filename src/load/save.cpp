@@ -71,7 +71,7 @@ std::string save_string(const Model& m, dynFormat format, bool strict, SaveRepor
   std::string first;
   size_t count = 0;
   for (const SaveEntry& e : report)
-    if (e.level == DYN_REPORT_WARNING && count++ == 0) first = e.message;
+    if (e.level == DYN_REPORT_LEVEL_WARNING && count++ == 0) first = e.message;
   if (count) throw Error(DYN_ERROR_STRICT, first + (count > 1 ? " (and " + std::to_string(count - 1) + " more)" : "") + ": the format has no place for it (strict)");
   return out;
 }

@@ -38,7 +38,7 @@ MjcfWriter::MjcfWriter(const Model& model, SaveReport& report) : m(model), losse
   put(*root, "model", std::string(m.string(m.model_name)));
   bodies.reserve("world");
   for (Index f = 1; f < m.n.frames; ++f)
-    if (m.frames()[f].type == DYN_FRAME_BODY) {
+    if (m.frames()[f].type == DYN_FRAME_TYPE_BODY) {
       body_names[f] = bodies.claim(frame_name(f));
       if (body_names[f] != frame_name(f)) losses.note("bodies of another name, theirs being the world's", frame_name(f));
     } else {
@@ -69,7 +69,7 @@ std::vector<Index> MjcfWriter::joints_of_one_body(Index first) const {
     const Index j = out.back();
     if (on[size_t(j)].size() != 1 || children[size_t(j)].size() != 1) return out;
     const Index child = children[size_t(j)][0];
-    if (m.joints()[j].type == DYN_JOINT_FREE_FLYER || m.joints()[child].type == DYN_JOINT_FREE_FLYER || !is_identity_rotation(load_se3(m.joints()[child].placement).R)) return out;
+    if (m.joints()[j].type == DYN_JOINT_TYPE_FREE_FLYER || m.joints()[child].type == DYN_JOINT_TYPE_FREE_FLYER || !is_identity_rotation(load_se3(m.joints()[child].placement).R)) return out;
     out.push_back(child);
   }
 }
@@ -84,18 +84,18 @@ std::vector<MjcfWriter::Piece> MjcfWriter::pieces_of(const std::vector<Index>& g
     for (const SimpleJoint& s : chain) {
       const Pose before = X * s.before;
       X = Pose::identity();
-      if (s.type != DYN_JOINT_FREE_FLYER || (r.parent == 0 && chain.size() == 1 && is_identity_pose(before))) {
+      if (s.type != DYN_JOINT_TYPE_FREE_FLYER || (r.parent == 0 && chain.size() == 1 && is_identity_pose(before))) {
         out.push_back({j, s, before});
         continue;
       }
       losses.loss("free joints that stand on something are three slides and a ball: their velocities are along its axes, not the body's", s.name);
       SimpleJoint part = s;
       for (int k = 0; k < 3; ++k) {
-        part.type = DYN_JOINT_PRISMATIC, part.axis = {double(k == 0), double(k == 1), double(k == 2)}, part.name = joints.claim(s.name + "_" + "xyz"[k]);
+        part.type = DYN_JOINT_TYPE_PRISMATIC, part.axis = {double(k == 0), double(k == 1), double(k == 2)}, part.name = joints.claim(s.name + "_" + "xyz"[k]);
         part.q = s.q + k, part.v = s.v + k;
         out.push_back({j, part, k == 0 ? before : Pose::identity()});
       }
-      part.type = DYN_JOINT_SPHERICAL, part.name = s.name, part.q = s.q + 3, part.v = s.v + 3;
+      part.type = DYN_JOINT_TYPE_SPHERICAL, part.name = s.name, part.q = s.q + 3, part.v = s.v + 3;
       out.push_back({j, part, Pose::identity()});
     }
     if (chain.size() > 1) losses.note("joints of types that MJCF has not are several joints of a body", m.string(r.name));
@@ -109,15 +109,15 @@ void MjcfWriter::add_moving(Index first) {
   const std::vector<Piece> chain = pieces_of(group);
   Index main = -1;  // the body itself: the first one with the axes of the joint
   for (const Index f : on[size_t(last)])
-    if (main < 0 && m.frames()[f].type == DYN_FRAME_BODY && is_identity_rotation(load_se3(m.frames()[f].placement).R)) main = f;
+    if (main < 0 && m.frames()[f].type == DYN_FRAME_TYPE_BODY && is_identity_rotation(load_se3(m.frames()[f].placement).R)) main = f;
   const Pose in_joint = main < 0 ? Pose::identity() : Pose{Mat3<double>::identity(), load3(m.frames()[main].placement + 9)};
   const Carrier& parent = carriers[size_t(m.joints()[first].parent)];
   Out* at = parent.element;
   Pose X = parent.X.inverse();  // of the joint that carries this, in the element
   for (size_t begin = 0; begin < chain.size();) {
     size_t end = begin + 1;  // a ball's coordinates are in the body's axes: what is turned behind it is another body
-    bool ball = chain[begin].simple.type == DYN_JOINT_SPHERICAL;
-    for (; end < chain.size() && !(ball && !is_identity_rotation(chain[end].before.R)); ++end) ball |= chain[end].simple.type == DYN_JOINT_SPHERICAL;
+    bool ball = chain[begin].simple.type == DYN_JOINT_TYPE_SPHERICAL;
+    for (; end < chain.size() && !(ball && !is_identity_rotation(chain[end].before.R)); ++end) ball |= chain[end].simple.type == DYN_JOINT_TYPE_SPHERICAL;
     const bool whole = end == chain.size();
     for (size_t k = begin; k < end; ++k) X = X * chain[k].before;
     const Pose frame = whole ? in_joint : Pose::identity();
@@ -130,7 +130,7 @@ void MjcfWriter::add_moving(Index first) {
       losses.note("bodies without mass were added, which MuJoCo itself may refuse", body.Attribute("name"));
     }
     Pose pose = X * frame;
-    if (chain[begin].simple.type == DYN_JOINT_FREE_FLYER) {
+    if (chain[begin].simple.type == DYN_JOINT_TYPE_FREE_FLYER) {
       const double* q = drawn >= 0 ? m.configurations() + std::ptrdiff_t(drawn) * m.n.nq + m.joints()[first].idx_q : nullptr;
       pose = q ? Pose{rotation(Quaternion<double>{load3(q + 3), q[6]}), load3(q)} * frame : frame;
       if (!is_identity_pose(frame)) losses.loss("free joints whose body has its frame elsewhere: their coordinates are the body's", chain[begin].simple.name);
@@ -177,14 +177,14 @@ void MjcfWriter::add_content(Index joint, Index main) {
   const Carrier carrier = carriers[size_t(joint)];
   for (const Index f : on[size_t(joint)]) {
     const FrameRecord& r = m.frames()[f];
-    if (r.type == DYN_FRAME_JOINT || f == main) continue;
+    if (r.type == DYN_FRAME_TYPE_JOINT || f == main) continue;
     const Pose X = carrier.X.inverse() * load_se3(r.placement);
-    Out& e = *carrier.element->InsertNewChildElement(r.type == DYN_FRAME_BODY ? "body" : "site");
-    put(e, "name", r.type == DYN_FRAME_BODY ? body_name(f) : frame_name(f));
+    Out& e = *carrier.element->InsertNewChildElement(r.type == DYN_FRAME_TYPE_BODY ? "body" : "site");
+    put(e, "name", r.type == DYN_FRAME_TYPE_BODY ? body_name(f) : frame_name(f));
     put_pose(e, X);
-    if (r.type == DYN_FRAME_BODY) add_link(e, f);
-    if (r.type == DYN_FRAME_FIXED_JOINT) losses.note("fixed joints are sites", frame_name(f));
-    if (r.type == DYN_FRAME_SENSOR) losses.note("frames of sensors are sites", frame_name(f));
+    if (r.type == DYN_FRAME_TYPE_BODY) add_link(e, f);
+    if (r.type == DYN_FRAME_TYPE_FIXED_JOINT) losses.note("fixed joints are sites", frame_name(f));
+    if (r.type == DYN_FRAME_TYPE_SENSOR) losses.note("frames of sensors are sites", frame_name(f));
   }
   const int here = depth;
   for (const Index j : children[size_t(joint)]) add_moving(j), depth = here;

@@ -23,8 +23,8 @@ void put_friction(Out& e, const dynMaterial& x, bool of_pair) {
 
 void MjcfWriter::add_geom(Out& body, const ShapeRecord& s, Index k) {
   const std::string name = m.string(s.name), called = name.empty() ? (body.Attribute("name") ? body.Attribute("name") : "world") : name;
-  const bool visual = s.role == DYN_ROLE_VISUAL;
-  if (s.type == DYN_SHAPE_CONE) return losses.loss("cones are left out", called);
+  const bool visual = s.role == DYN_SHAPE_ROLE_VISUAL;
+  if (s.type == DYN_SHAPE_TYPE_CONE) return losses.loss("cones are left out", called);
   Out& e = *body.InsertNewChildElement("geom");
   if (!name.empty()) {
     geom_names[k] = geoms.claim(name);
@@ -34,26 +34,26 @@ void MjcfWriter::add_geom(Out& body, const ShapeRecord& s, Index k) {
   SE3<double> X = load_se3(s.placement);
   const auto type = [&](const char* kind) { put(e, "type", std::string(kind)); };
   switch (s.type) {
-    case DYN_SHAPE_BOX: type("box"), put(e, "size", {s.size[0] / 2, s.size[1] / 2, s.size[2] / 2}); break;
-    case DYN_SHAPE_SPHERE: type("sphere"), put(e, "size", s.size[0]); break;
-    case DYN_SHAPE_CYLINDER: type("cylinder"), put(e, "size", {s.size[0], s.size[1] / 2}); break;
-    case DYN_SHAPE_CAPSULE: type("capsule"), put(e, "size", {s.size[0], s.size[1] / 2}); break;
-    case DYN_SHAPE_ELLIPSOID: type("ellipsoid"), put(e, "size", std::span(s.size)); break;
-    case DYN_SHAPE_HALF_SPACE:
+    case DYN_SHAPE_TYPE_BOX: type("box"), put(e, "size", {s.size[0] / 2, s.size[1] / 2, s.size[2] / 2}); break;
+    case DYN_SHAPE_TYPE_SPHERE: type("sphere"), put(e, "size", s.size[0]); break;
+    case DYN_SHAPE_TYPE_CYLINDER: type("cylinder"), put(e, "size", {s.size[0], s.size[1] / 2}); break;
+    case DYN_SHAPE_TYPE_CAPSULE: type("capsule"), put(e, "size", {s.size[0], s.size[1] / 2}); break;
+    case DYN_SHAPE_TYPE_ELLIPSOID: type("ellipsoid"), put(e, "size", std::span(s.size)); break;
+    case DYN_SHAPE_TYPE_HALF_SPACE:
       type("plane"), put(e, "size", {0, 0, 1});
       if (visual) losses.note("half-spaces that are for looks alone are pictures, which loading leaves out", called);
       break;
-    case DYN_SHAPE_HEIGHT_FIELD: {
+    case DYN_SHAPE_TYPE_HEIGHT_FIELD: {
       std::string asset;
       const double up = height_asset(s, asset);
       if (up != 0) X.p += X.R * Vec3<double>::make(0, 0, up);
       type("hfield"), put(e, "hfield", asset);
       break;
     }
-    case DYN_SHAPE_CONE: break;
-    case DYN_SHAPE_MESH: case DYN_SHAPE_CONVEX: case DYN_SHAPE_TRIANGLES:
+    case DYN_SHAPE_TYPE_CONE: break;
+    case DYN_SHAPE_TYPE_MESH: case DYN_SHAPE_TYPE_CONVEX: case DYN_SHAPE_TYPE_TRIANGLES:
       type("mesh"), put(e, "mesh", mesh_asset(s));
-      if (s.type != DYN_SHAPE_MESH) losses.note("hulls and triangles are meshes: load with meshes = DYN_MESH_HULL or DYN_MESH_TRIANGLES", called);
+      if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("hulls and triangles are meshes: load with meshes = DYN_MESH_USE_HULL or DYN_MESH_USE_TRIANGLES", called);
   }
   put_pose(e, X);
   if (s.radius > 0) losses.loss("rounding of shapes", called);
@@ -89,13 +89,13 @@ std::string MjcfWriter::mesh_asset(const ShapeRecord& s) {
   name = assets.claim(*m.string(s.mesh) ? m.string(s.mesh) : "mesh");
   Out& mesh = *section("asset").InsertNewChildElement("mesh");
   put(mesh, "name", name);
-  if (s.type == DYN_SHAPE_CONVEX) {
+  if (s.type == DYN_SHAPE_TYPE_CONVEX) {
     const Stored<shape::Hull>& at = m.hulls()[s.surface];
     const shape::Hull h = view(at.header, m.surface_numbers() + at.numbers, m.surface_indices() + at.indices);
     std::vector<double> vertices;
     for (Index i = 0; i < h.vertices; ++i) vertices.insert(vertices.end(), {h.x[i], h.y[i], h.z[i]});
     put(mesh, "vertex", vertices);
-  } else if (s.type == DYN_SHAPE_TRIANGLES) {
+  } else if (s.type == DYN_SHAPE_TYPE_TRIANGLES) {
     const Stored<shape::TriangleTree>& at = m.trees()[s.surface];
     const shape::TriangleTree t = view(at.header, m.surface_numbers() + at.numbers, m.surface_indices() + at.indices);
     put(mesh, "vertex", {t.vertex, 3 * size_t(t.vertices)});
@@ -129,7 +129,7 @@ std::set<std::pair<Index, Index>> MjcfWriter::neighbours_of_the_world() const {
   std::set<Index> fixed, moving;
   for (Index k = 0; k < m.n.shapes; ++k) {
     const ShapeRecord& s = m.shapes()[k];
-    if (s.role == DYN_ROLE_COLLISION && s.frame != 0) (m.frames()[s.frame].joint == 0 ? fixed : moving).insert(s.frame);
+    if (s.role == DYN_SHAPE_ROLE_COLLISION && s.frame != 0) (m.frames()[s.frame].joint == 0 ? fixed : moving).insert(s.frame);
   }
   std::set<std::pair<Index, Index>> out;
   for (const Index a : fixed)

@@ -20,7 +20,7 @@ void MjcfWriter::add_joint(Out& body, const Piece& p, const Pose& end) {
   const SimpleJoint& s = p.simple;
   Out& e = *body.InsertNewChildElement("joint");
   put(e, "name", s.name);
-  const bool slides = s.type == DYN_JOINT_PRISMATIC, ball = s.type == DYN_JOINT_SPHERICAL, free = s.type == DYN_JOINT_FREE_FLYER;
+  const bool slides = s.type == DYN_JOINT_TYPE_PRISMATIC, ball = s.type == DYN_JOINT_TYPE_SPHERICAL, free = s.type == DYN_JOINT_TYPE_FREE_FLYER;
   put(e, "type", std::string(slides ? "slide" : ball ? "ball" : free ? "free" : "hinge"));
   const Vec3<double> anchor = end.inverse().p;
   if (!free && (anchor[0] != 0 || anchor[1] != 0 || anchor[2] != 0)) put(e, "pos", {anchor[0], anchor[1], anchor[2]});
@@ -29,8 +29,8 @@ void MjcfWriter::add_joint(Out& body, const Piece& p, const Pose& end) {
     put(e, "axis", {axis[0], axis[1], axis[2]});
   }
   add_numbers(e, p);
-  if (s.type == DYN_JOINT_CONTINUOUS) losses.note("continuous joints are hinges without a range: differences of their angles are not wrapped", s.name);
-  if (s.type == DYN_JOINT_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are hinges with an angle", s.name);
+  if (s.type == DYN_JOINT_TYPE_CONTINUOUS) losses.note("continuous joints are hinges without a range: differences of their angles are not wrapped", s.name);
+  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are hinges with an angle", s.name);
   if (s.leader.empty()) return;
   losses.loss("joints that follow another are held by an equality, which is no exact reduction: each is a degree of freedom more", s.name);
   Out& equality = *section("equality").InsertNewChildElement("joint");
@@ -41,7 +41,7 @@ void MjcfWriter::add_joint(Out& body, const Piece& p, const Pose& end) {
 void MjcfWriter::add_numbers(Out& e, const Piece& p) {
   const SimpleJoint& s = p.simple;
   const JointSpec spec = spec_of(m, m.joints()[p.joint]);
-  if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) {
+  if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
     const int nv = joint_nv(s.type), nq = joint_nq(s.type);
     const auto one = [&](const char* attribute, const std::vector<double>& x) {
       if (!alike(x, s.v, nv)) losses.loss("armature, damping or dry friction that differs between a joint's degrees of freedom: the first one counts", s.name);
@@ -54,7 +54,7 @@ void MjcfWriter::add_numbers(Out& e, const Piece& p) {
       if (rest[0] != 0 || rest[1] != 0 || rest[2] != 0) losses.loss("places of rest of a ball joint's spring", s.name);
     }
     const auto limited = [&](const std::vector<double>& x, int first, int n) { return std::any_of(x.begin() + first, x.begin() + first + n, [](double l) { return std::isfinite(l); }); };
-    const bool ball = s.type == DYN_JOINT_SPHERICAL;
+    const bool ball = s.type == DYN_JOINT_TYPE_SPHERICAL;
     if (const double half = ball ? spec.lower[size_t(s.q) + 3] : -1; half >= 0) put(e, "range", {0, 2 * math::atan2(std::sqrt(1 - half * half), half)});
     if ((!ball && limited(spec.lower, s.q, nq)) || limited(spec.upper, s.q, nq) || limited(spec.velocity, s.v, nv) || limited(spec.effort, s.v, nv))
       losses.loss("limits of free joints, and of a ball joint's velocity and effort", s.name);
@@ -88,14 +88,14 @@ void MjcfWriter::add_keys() {
       const JointRecord& r = m.joints()[p.joint];
       const SimpleJoint& s = p.simple;
       const double* own = q + r.idx_q + s.q;
-      if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) {
+      if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
         const int n = joint_nq(s.type);
         qpos.insert(qpos.end(), own, own + n - 4);
         qpos.insert(qpos.end(), {own[n - 1], own[n - 4], own[n - 3], own[n - 2]});
         is_drawn &= n == 7 || own[3] == 1;
         continue;
       }
-      double x = s.type == DYN_JOINT_REVOLUTE_UNBOUNDED ? math::atan2(own[1], own[0]) : own[0];
+      double x = s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED ? math::atan2(own[1], own[0]) : own[0];
       if (r.leader >= 0) x = r.ratio * x + r.offset;
       if (!s.leader.empty() && (r.leader < 0 || s.leader != m.string(m.joints()[r.leader].name))) x *= s.ratio;  // the slide of a helical joint
       qpos.push_back(x);

@@ -29,19 +29,19 @@ void MjcfWriter::add_actuators() {
     const std::string name = m.string(m.actuators()[k].name);
     const SimpleJoint& s = piece(a.joint, a.component).simple;
     const int component = a.component - s.v;
-    if (a.type == DYN_ACTUATOR_PD) {
+    if (a.type == DYN_ACTUATOR_TYPE_PD) {
       losses.loss("actuators of type PD, which have three controls, are left out", name);
       continue;
     }
-    if (s.type == DYN_JOINT_FREE_FLYER && component < 3) {
+    if (s.type == DYN_JOINT_TYPE_FREE_FLYER && component < 3) {
       losses.loss("actuators that push a free joint along its own axes are left out", name);
       continue;
     }
-    const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_AFFINE || ((filtered || a.integrates) && a.type != DYN_ACTUATOR_POSITION);
-    Out& e = *section("actuator").InsertNewChildElement(affine ? "general" : a.type == DYN_ACTUATOR_MOTOR ? "motor" : a.type == DYN_ACTUATOR_VELOCITY ? "velocity" : a.integrates ? "intvelocity" : "position");
+    const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_TYPE_AFFINE || ((filtered || a.integrates) && a.type != DYN_ACTUATOR_TYPE_POSITION);
+    Out& e = *section("actuator").InsertNewChildElement(affine ? "general" : a.type == DYN_ACTUATOR_TYPE_MOTOR ? "motor" : a.type == DYN_ACTUATOR_TYPE_VELOCITY ? "velocity" : a.integrates ? "intvelocity" : "position");
     put(e, "name", name), put(e, "joint", s.name);
-    if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) {
-      std::vector<double> gear(s.type == DYN_JOINT_SPHERICAL ? 3 : 6, 0);
+    if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
+      std::vector<double> gear(s.type == DYN_JOINT_TYPE_SPHERICAL ? 3 : 6, 0);
       gear[size_t(component)] = a.gear;
       put(e, "gear", gear);
       if (a.gear == 0) losses.loss("actuators with a gear of zero on joints of several degrees of freedom", name);
@@ -54,10 +54,10 @@ void MjcfWriter::add_actuators() {
       put(e, "biastype", std::string("affine")), put(e, "biasprm", std::span(law.bias));
       if (filtered) put(e, "dyntype", std::string("filterexact")), put(e, "dynprm", a.time_constant);
       if (a.integrates) put(e, "dyntype", std::string("integrator"));
-    } else if (a.type == DYN_ACTUATOR_POSITION) {
+    } else if (a.type == DYN_ACTUATOR_TYPE_POSITION) {
       put(e, "kp", a.kp), put(e, "kv", a.kv);
       if (filtered) put(e, "timeconst", a.time_constant);
-    } else if (a.type == DYN_ACTUATOR_VELOCITY) {
+    } else if (a.type == DYN_ACTUATOR_TYPE_VELOCITY) {
       put(e, "kv", a.kv);
     }
     put_range(e, "ctrlrange", a.control_range), put_range(e, "forcerange", a.force_range), put_range(e, "actrange", a.act_range);
@@ -67,7 +67,7 @@ void MjcfWriter::add_actuators() {
 // The name of a site there: the frame itself, or one that is added.
 std::string MjcfWriter::site(Index frame, const double (&placement)[12], const std::string& wanted) {
   const FrameRecord& r = m.frames()[frame];
-  if (frame != 0 && r.type != DYN_FRAME_BODY && r.type != DYN_FRAME_JOINT && is_identity(placement)) return frame_name(frame);
+  if (frame != 0 && r.type != DYN_FRAME_TYPE_BODY && r.type != DYN_FRAME_TYPE_JOINT && is_identity(placement)) return frame_name(frame);
   const Carrier& carrier = carriers[size_t(r.joint)];
   const std::string name = joints.claim(wanted);
   Out& e = *carrier.element->InsertNewChildElement("site");
@@ -81,13 +81,13 @@ void MjcfWriter::add_constraints() {
   for (Index k = 0; k < m.n.constraints; ++k) {
     const dynConstraint& c = m.constraints()[k].spec;
     const std::string name = m.string(m.constraints()[k].name);
-    const bool coupling = c.type == DYN_CONSTRAINT_COUPLING;
-    if (!coupling && c.type != DYN_CONSTRAINT_CONNECT && c.type != DYN_CONSTRAINT_WELD) {
+    const bool coupling = c.type == DYN_CONSTRAINT_TYPE_COUPLING;
+    if (!coupling && c.type != DYN_CONSTRAINT_TYPE_CONNECT && c.type != DYN_CONSTRAINT_TYPE_WELD) {
       losses.loss("constraints that are no connect, weld or coupling are left out", name);
       continue;
     }
     if (c.stiffness != 0 || c.damping != 0 || c.restitution != 0) losses.loss("gains and restitution of constraints", name);
-    Out& e = *section("equality").InsertNewChildElement(coupling ? "joint" : c.type == DYN_CONSTRAINT_WELD ? "weld" : "connect");
+    Out& e = *section("equality").InsertNewChildElement(coupling ? "joint" : c.type == DYN_CONSTRAINT_TYPE_WELD ? "weld" : "connect");
     put(e, "name", name);
     if (!c.enabled) put(e, "active", std::string("false"));
     if (coupling) {

@@ -14,11 +14,11 @@ double bounded(double x) { return std::min(std::max(x, -most), most); }
 
 const char* type_name(dynJointType type) {
   switch (type) {
-    case DYN_JOINT_PRISMATIC: return "prismatic";
-    case DYN_JOINT_CONTINUOUS: case DYN_JOINT_REVOLUTE_UNBOUNDED: return "continuous";
-    case DYN_JOINT_SPHERICAL: return "spherical";
-    case DYN_JOINT_FREE_FLYER: return "floating";
-    case DYN_JOINT_PLANAR: return "planar";
+    case DYN_JOINT_TYPE_PRISMATIC: return "prismatic";
+    case DYN_JOINT_TYPE_CONTINUOUS: case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED: return "continuous";
+    case DYN_JOINT_TYPE_SPHERICAL: return "spherical";
+    case DYN_JOINT_TYPE_FREE_FLYER: return "floating";
+    case DYN_JOINT_TYPE_PLANAR: return "planar";
     default: return "revolute";
   }
 }
@@ -38,10 +38,10 @@ UrdfWriter::UrdfWriter(const Model& model, SaveReport& report) : m(model), losse
   robot = doc.NewElement("robot");
   doc.InsertEndChild(robot);
   put(*robot, "name", std::string(m.string(m.model_name)));
-  for (Index f = 1; f < m.n.frames; ++f) (m.frames()[f].type == DYN_FRAME_BODY ? links : joints).reserve(m.string(m.frames()[f].name));
+  for (Index f = 1; f < m.n.frames; ++f) (m.frames()[f].type == DYN_FRAME_TYPE_BODY ? links : joints).reserve(m.string(m.frames()[f].name));
   for (size_t j = 0; j < on.size(); ++j)
     for (const Index f : on[j])
-      if (main[j] < 0 && m.frames()[f].type == DYN_FRAME_BODY && is_identity(m.frames()[f].placement)) main[j] = f;
+      if (main[j] < 0 && m.frames()[f].type == DYN_FRAME_TYPE_BODY && is_identity(m.frames()[f].placement)) main[j] = f;
   for (Index j = 0; j < m.n.joints; ++j) {
     const std::string name = m.string(m.joints()[j].name);
     if (main[size_t(j)] >= 0) main_name.push_back(frame_name(main[size_t(j)]));
@@ -49,7 +49,7 @@ UrdfWriter::UrdfWriter(const Model& model, SaveReport& report) : m(model), losse
   }
   bool shapes_on_world = false;
   for (Index k = 0; k < m.n.shapes; ++k) shapes_on_world |= m.shapes()[k].frame == 0;
-  floating = m.n.joints > 1 && on[0].empty() && !shapes_on_world && m.joints()[1].type == DYN_JOINT_FREE_FLYER && is_identity(m.joints()[1].placement) &&
+  floating = m.n.joints > 1 && on[0].empty() && !shapes_on_world && m.joints()[1].type == DYN_JOINT_TYPE_FREE_FLYER && is_identity(m.joints()[1].placement) &&
              std::string_view(m.string(m.joints()[1].name)) == "root_joint" && main[1] >= 0;
   for (Index j = 2; j < m.n.joints; ++j) floating &= m.joints()[j].parent != 0;
 }
@@ -69,11 +69,11 @@ void UrdfWriter::add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s
     Out& d = *e.InsertNewChildElement("dynamics");
     put(d, "damping", damping), put(d, "friction", friction);
   };
-  if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER || s.type == DYN_JOINT_PLANAR) {
+  if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER || s.type == DYN_JOINT_TYPE_PLANAR) {
     const size_t nv = size_t(joint_nv(s.type)), first = size_t(s.v);
     const auto own = [&](const std::vector<double>& x) { return x.empty() ? std::vector<double>(nv, 0) : std::vector<double>(x.begin() + first, x.begin() + first + nv); };
     const auto damping = own(spec.damping), friction = own(spec.friction);
-    if (s.type == DYN_JOINT_SPHERICAL && all(damping, damping[0]) && all(friction, friction[0])) dynamics(damping[0], friction[0]);
+    if (s.type == DYN_JOINT_TYPE_SPHERICAL && all(damping, damping[0]) && all(friction, friction[0])) dynamics(damping[0], friction[0]);
     else if (!all(damping, 0) || !all(friction, 0)) losses.loss("damping and dry friction of joints with several degrees of freedom", name);
     if (!all(own(spec.armature), 0)) losses.loss("armature of joints", name);
     if (!all(own(spec.stiffness), 0)) losses.loss("springs of joints", name);
@@ -82,7 +82,7 @@ void UrdfWriter::add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s
   }
   const ScalarNumbers x = numbers_of(spec, s);
   put(*e.InsertNewChildElement("axis"), "xyz", std::span(s.axis));
-  const bool turns = s.type == DYN_JOINT_CONTINUOUS || s.type == DYN_JOINT_REVOLUTE_UNBOUNDED;
+  const bool turns = s.type == DYN_JOINT_TYPE_CONTINUOUS || s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
   if (!turns || std::isfinite(x.velocity) || std::isfinite(x.effort)) {
     Out& limit = *e.InsertNewChildElement("limit");
     if (!turns) put(limit, "lower", bounded(x.lower)), put(limit, "upper", bounded(x.upper));
@@ -92,7 +92,7 @@ void UrdfWriter::add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s
   dynamics(x.damping, x.friction);
   if (x.armature != 0) losses.loss("armature of joints", name);
   if (x.stiffness != 0) losses.loss("springs of joints", name);
-  if (s.type == DYN_JOINT_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are continuous: load with cos_sin", name);
+  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are continuous: load with cos_sin", name);
   if (!s.leader.empty()) {
     Out& mimic = *e.InsertNewChildElement("mimic");
     put(mimic, "joint", s.leader), put(mimic, "multiplier", s.ratio), put(mimic, "offset", s.offset);
@@ -102,7 +102,7 @@ void UrdfWriter::add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s
 // A link of the world without shapes.
 std::string UrdfWriter::bare_world() {
   const auto has_shapes = [&](Index frame) {
-    return frame >= 0 && std::any_of(m.shapes(), m.shapes() + m.n.shapes, [&](const ShapeRecord& s) { return s.frame == frame && s.role == DYN_ROLE_COLLISION; });
+    return frame >= 0 && std::any_of(m.shapes(), m.shapes() + m.n.shapes, [&](const ShapeRecord& s) { return s.frame == frame && s.role == DYN_SHAPE_ROLE_COLLISION; });
   };
   if (bare.empty()) {
     bare = main_name[0];
@@ -119,12 +119,12 @@ void UrdfWriter::add_moving(Index j) {
   const JointRecord& r = m.joints()[j];
   JointSpec spec = spec_of(m, r);
   std::vector<SimpleJoint> chain = chain_of(m, j, joints);
-  if (r.type == DYN_JOINT_PLANAR && unlimited(spec) && all(spec.damping, 0) && all(spec.friction, 0))
-    chain = {{DYN_JOINT_PLANAR, {r.axis[0], r.axis[1], r.axis[2]}, SE3<double>::identity(), m.string(r.name), 0, 0, "", 1, 0}};
+  if (r.type == DYN_JOINT_TYPE_PLANAR && unlimited(spec) && all(spec.damping, 0) && all(spec.friction, 0))
+    chain = {{DYN_JOINT_TYPE_PLANAR, {r.axis[0], r.axis[1], r.axis[2]}, SE3<double>::identity(), m.string(r.name), 0, 0, "", 1, 0}};
   if (chain.size() > 1) losses.note("joints of types that URDF has not are chains of joints that it has", m.string(r.name));
   std::string parent = main_name[size_t(r.parent)];
   SE3<double> X = load_se3(r.placement);
-  if (r.parent == 0 && r.type != DYN_JOINT_FREE_FLYER) {  // what it hangs on, it does not touch
+  if (r.parent == 0 && r.type != DYN_JOINT_TYPE_FREE_FLYER) {  // what it hangs on, it does not touch
     const Index link = collision::fixed_link(m.frames(), on[size_t(j)].front());
     if (link == 0) parent = bare_world();
     else if (link != main[0]) parent = frame_name(link), X = load_se3(m.frames()[link].placement).inverse() * X;
@@ -133,7 +133,7 @@ void UrdfWriter::add_moving(Index j) {
     const bool last = &s == &chain.back();
     const std::string child = last ? main_name[size_t(j)] : links.claim(s.name + "_link");
     Out& e = add_joint(s.name, type_name(s.type), parent, child, X * s.before);
-    if (s.type == DYN_JOINT_PLANAR) put(*e.InsertNewChildElement("axis"), "xyz", std::span(s.axis));
+    if (s.type == DYN_JOINT_TYPE_PLANAR) put(*e.InsertNewChildElement("axis"), "xyz", std::span(s.axis));
     add_numbers(e, spec, s);
     add_link(child, last ? main[size_t(j)] : -1);
     parent = child, X = SE3<double>::identity();
@@ -146,15 +146,15 @@ void UrdfWriter::add_fixed(Index f, std::set<Index>& done) {
   const std::string& parent = main_name[size_t(r.joint)];
   const SE3<double> X = load_se3(r.placement);
   const std::string name = frame_name(f);
-  if (r.type == DYN_FRAME_BODY) {
+  if (r.type == DYN_FRAME_TYPE_BODY) {
     const std::string joint = joints.claim(name + "_joint");
     losses.note("links beside a joint's own frame hang on fixed joints that were added", joint);
     add_joint(joint, "fixed", parent, name, X), add_link(name, f);
     return;
   }
-  if (r.type == DYN_FRAME_FIXED_JOINT)
+  if (r.type == DYN_FRAME_TYPE_FIXED_JOINT)
     for (const Index b : on[size_t(r.joint)])
-      if (m.frames()[b].type == DYN_FRAME_BODY && b != main[size_t(r.joint)] && std::equal(r.placement, r.placement + 12, m.frames()[b].placement) && done.insert(b).second) {
+      if (m.frames()[b].type == DYN_FRAME_TYPE_BODY && b != main[size_t(r.joint)] && std::equal(r.placement, r.placement + 12, m.frames()[b].placement) && done.insert(b).second) {
         add_joint(name, "fixed", parent, frame_name(b), X), add_link(frame_name(b), b);
         return;
       }
@@ -174,7 +174,7 @@ std::string UrdfWriter::write() {
   }
   for (Index f = 1; f < m.n.frames; ++f) {
     const FrameRecord& r = m.frames()[f];
-    if (r.type == DYN_FRAME_JOINT) {
+    if (r.type == DYN_FRAME_TYPE_JOINT) {
       if (!(floating && r.joint == 1)) add_moving(r.joint);
     } else if (!done.count(f)) {
       add_fixed(f, done);

@@ -39,30 +39,30 @@ void UrdfWriter::add_shape(Out& link, const ShapeRecord& s) {
   Out* geometry = doc.NewElement("geometry");
   const auto shape = [&](const char* kind) -> Out& { return *geometry->InsertNewChildElement(kind); };
   switch (s.type) {
-    case DYN_SHAPE_BOX: put(shape("box"), "size", std::span(s.size)); break;
-    case DYN_SHAPE_SPHERE: put(shape("sphere"), "radius", s.size[0]); break;
-    case DYN_SHAPE_CAPSULE: losses.note("shape 'capsule', which is not in the URDF standard", called); [[fallthrough]];
-    case DYN_SHAPE_CYLINDER: {
-      Out& e = shape(s.type == DYN_SHAPE_CYLINDER ? "cylinder" : "capsule");
+    case DYN_SHAPE_TYPE_BOX: put(shape("box"), "size", std::span(s.size)); break;
+    case DYN_SHAPE_TYPE_SPHERE: put(shape("sphere"), "radius", s.size[0]); break;
+    case DYN_SHAPE_TYPE_CAPSULE: losses.note("shape 'capsule', which is not in the URDF standard", called); [[fallthrough]];
+    case DYN_SHAPE_TYPE_CYLINDER: {
+      Out& e = shape(s.type == DYN_SHAPE_TYPE_CYLINDER ? "cylinder" : "capsule");
       put(e, "radius", s.size[0]), put(e, "length", s.size[1]);
       break;
     }
-    case DYN_SHAPE_MESH: case DYN_SHAPE_CONVEX: case DYN_SHAPE_TRIANGLES:
+    case DYN_SHAPE_TYPE_MESH: case DYN_SHAPE_TYPE_CONVEX: case DYN_SHAPE_TYPE_TRIANGLES:
       if (!mesh.empty()) {
         Out& e = shape("mesh");
         put(e, "filename", mesh);
         if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(e, "scale", std::span(s.size));
-        if (s.type != DYN_SHAPE_MESH) losses.note("the hull or the triangles of a mesh file are its name alone: load with the same option for meshes", called);
+        if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("the hull or the triangles of a mesh file are its name alone: load with the same option for meshes", called);
         break;
       }
       [[fallthrough]];
     default: losses.loss("shapes that are no box, sphere, cylinder, capsule or mesh file are left out", called); return doc.DeleteNode(geometry);
   }
   const dynMaterial& material = m.materials()[s.material];
-  if (s.role == DYN_ROLE_COLLISION && !is_default(material, true)) losses.loss("materials of shapes (friction, restitution, ...)", called);
-  if (s.role == DYN_ROLE_COLLISION && (s.contype != 1 || s.conaffinity != 1)) losses.loss("collision masks of shapes", called);
+  if (s.role == DYN_SHAPE_ROLE_COLLISION && !is_default(material, true)) losses.loss("materials of shapes (friction, restitution, ...)", called);
+  if (s.role == DYN_SHAPE_ROLE_COLLISION && (s.contype != 1 || s.conaffinity != 1)) losses.loss("collision masks of shapes", called);
   if (s.radius > 0) losses.loss("rounding of shapes", called);
-  Out& e = *link.InsertNewChildElement(s.role == DYN_ROLE_COLLISION ? "collision" : "visual");
+  Out& e = *link.InsertNewChildElement(s.role == DYN_SHAPE_ROLE_COLLISION ? "collision" : "visual");
   if (!name.empty()) put(e, "name", name);
   put_origin(e, load_se3(s.placement));
   e.InsertEndChild(geometry);

@@ -25,7 +25,7 @@ void UrdfWriter::add_constraints() {
     };
     number("stiffness", c.stiffness, standard.stiffness), number("damping", c.damping, standard.damping), number("restitution", c.restitution, standard.restitution);
     number("length", c.length, standard.length), number("pitch", c.pitch, standard.pitch), number("force", c.force, standard.force);
-    if (c.type == DYN_CONSTRAINT_COUPLING) put(e, "coefficients", std::span(c.coefficients));
+    if (c.type == DYN_CONSTRAINT_TYPE_COUPLING) put(e, "coefficients", std::span(c.coefficients));
     const bool of_joints = between_joints(c.type);
     const auto end = [&](const char* which, int at, const double* placement, bool needed) {
       if (at == 0 && !needed) return;
@@ -34,7 +34,7 @@ void UrdfWriter::add_constraints() {
       put_origin(x, load_se3(placement));
     };
     end("first", c.first, c.placement1, true), end("second", c.second, c.placement2, c.second == 0 && !of_joints && !floating && !is_identity(c.placement2));
-    if (c.type == DYN_CONSTRAINT_LOOP) put(*e.InsertNewChildElement("axis"), "xyz", std::span(c.axis)), put(*e.InsertNewChildElement("axis2"), "xyz", std::span(c.axis2));
+    if (c.type == DYN_CONSTRAINT_TYPE_LOOP) put(*e.InsertNewChildElement("axis"), "xyz", std::span(c.axis)), put(*e.InsertNewChildElement("axis2"), "xyz", std::span(c.axis2));
     if (!c.enabled) losses.loss("that constraints are switched off", name);
     losses.note("constraints stand in a <libdyn> block, which other readers skip", name);
   }

@@ -56,16 +56,16 @@ std::vector<SimpleJoint> chain_of(const Model& m, Index joint, Names& names) {
   for (const PlacedElement& p : elements) {
     const Element& e = p.element;
     const bool last = &p == &elements.back();
-    SimpleJoint s{DYN_JOINT_REVOLUTE, e.axis, p.before, last ? name : names.claim(name + "_" + std::to_string(out.size() + 1)), q, v, leader, r.ratio, r.offset};
+    SimpleJoint s{DYN_JOINT_TYPE_REVOLUTE, e.axis, p.before, last ? name : names.claim(name + "_" + std::to_string(out.size() + 1)), q, v, leader, r.ratio, r.offset};
     q += primitive_nq(e.type), v += primitive_nv(e.type);
     switch (e.type) {
-      case BodyType::Revolute: s.type = e.wraps ? DYN_JOINT_CONTINUOUS : DYN_JOINT_REVOLUTE; break;
-      case BodyType::Prismatic: s.type = DYN_JOINT_PRISMATIC; break;
-      case BodyType::RevoluteUnbounded: s.type = DYN_JOINT_REVOLUTE_UNBOUNDED; break;
-      case BodyType::Spherical: s.type = DYN_JOINT_SPHERICAL; break;
-      case BodyType::FreeFlyer: s.type = DYN_JOINT_FREE_FLYER; break;
+      case BodyType::Revolute: s.type = e.wraps ? DYN_JOINT_TYPE_CONTINUOUS : DYN_JOINT_TYPE_REVOLUTE; break;
+      case BodyType::Prismatic: s.type = DYN_JOINT_TYPE_PRISMATIC; break;
+      case BodyType::RevoluteUnbounded: s.type = DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED; break;
+      case BodyType::Spherical: s.type = DYN_JOINT_TYPE_SPHERICAL; break;
+      case BodyType::FreeFlyer: s.type = DYN_JOINT_TYPE_FREE_FLYER; break;
       case BodyType::Helical:
-        out.push_back({DYN_JOINT_PRISMATIC, e.axis, p.before, names.claim(name + "_advance"), s.q, s.v, s.name, e.pitch, 0});
+        out.push_back({DYN_JOINT_TYPE_PRISMATIC, e.axis, p.before, names.claim(name + "_advance"), s.q, s.v, s.name, e.pitch, 0});
         s.before = SE3<double>::identity();
     }
     out.push_back(s);

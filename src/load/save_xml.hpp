@@ -37,8 +37,8 @@ class Losses {
   explicit Losses(SaveReport& report) : report_(report) {}
   void tell() const;  // to the report
   Losses(const Losses&) = delete;
-  void loss(const std::string& what, const std::string& name = "") { add(DYN_REPORT_WARNING, what, name); }
-  void note(const std::string& what, const std::string& name = "") { add(DYN_REPORT_INFO, what, name); }
+  void loss(const std::string& what, const std::string& name = "") { add(DYN_REPORT_LEVEL_WARNING, what, name); }
+  void note(const std::string& what, const std::string& name = "") { add(DYN_REPORT_LEVEL_INFO, what, name); }
 
  private:
   struct Line {

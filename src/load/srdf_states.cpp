@@ -21,15 +21,15 @@ const JointSpec* find(const UrdfRobot& robot, const std::string& name) {
 // The joint's own coordinates from the file's numbers, which may have an angle where the model has (cos, sin), and the other way
 // round. Empty: they do not fit.
 std::vector<double> coordinates(dynJointType type, const std::vector<double>& given) {
-  if (type == DYN_JOINT_REVOLUTE_UNBOUNDED && given.size() == 1) return {math::cos(given[0]), math::sin(given[0])};
-  if (type == DYN_JOINT_CONTINUOUS && given.size() == 2) return {math::atan2(given[1], given[0])};
+  if (type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED && given.size() == 1) return {math::cos(given[0]), math::sin(given[0])};
+  if (type == DYN_JOINT_TYPE_CONTINUOUS && given.size() == 2) return {math::atan2(given[1], given[0])};
   return given.size() == std::size_t(joint_nq(type)) ? given : std::vector<double>();
 }
 
 // A quaternion or (cos, sin) of norm 0 says nothing.
 bool is_zero_rotation(dynJointType type, const std::vector<double>& given) {
-  const bool rotates = type == DYN_JOINT_FREE_FLYER || type == DYN_JOINT_SPHERICAL || ((type == DYN_JOINT_REVOLUTE_UNBOUNDED || type == DYN_JOINT_CONTINUOUS) && given.size() == 2);
-  const auto begin = given.begin() + (type == DYN_JOINT_FREE_FLYER ? 3 : 0);
+  const bool rotates = type == DYN_JOINT_TYPE_FREE_FLYER || type == DYN_JOINT_TYPE_SPHERICAL || ((type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED || type == DYN_JOINT_TYPE_CONTINUOUS) && given.size() == 2);
+  const auto begin = given.begin() + (type == DYN_JOINT_TYPE_FREE_FLYER ? 3 : 0);
   return rotates && std::all_of(begin, given.end(), [](double x) { return x == 0; });
 }
 
@@ -43,13 +43,13 @@ struct StateReader {
     const std::string name = reader.name(e, "name"), who = reader.owner + ": joint " + quoted(name);
     const JointSpec* spec = find(context.robot, name);
     JointSpec base;
-    base.name = "root_joint", base.type = DYN_JOINT_FREE_FLYER;
+    base.name = "root_joint", base.type = DYN_JOINT_TYPE_FREE_FLYER;
     if (!spec && is_virtual(root, name)) {
       if (!context.floating) return context.report.info(line(e), who + " is not used: the base is fixed");
       spec = &base;
     }
     if (!spec) return void(known_joint(e, name, reader.owner, context));
-    if (spec->type == DYN_JOINT_FIXED) return context.report.info(line(e), who + " is fixed: its value is not used");
+    if (spec->type == DYN_JOINT_TYPE_FIXED) return context.report.info(line(e), who + " is fixed: its value is not used");
     if (!spec->mimic.empty()) return context.report.info(line(e), who + " follows " + quoted(spec->mimic) + ": its value is not used");
     const auto value = reader.numbers(e, "value");
     if (!value) return context.report.physics(line(e), who + " has no value: not used");

@@ -48,16 +48,16 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   if (floating) {
     JointSpec free;
     free.name = "root_joint";
-    free.type = DYN_JOINT_FREE_FLYER;
+    free.type = DYN_JOINT_TYPE_FREE_FLYER;
     located(report, robot.links[tree.root].line, [&] { builder.joint(free); });
-    base = {free.name, DYN_FRAME_JOINT};
+    base = {free.name, DYN_FRAME_TYPE_JOINT};
   }
   add_link(builder, robot.links[tree.root], base, report);
   for (int i : tree.order) {
     UrdfJoint& joint = robot.joints[i];
-    joint.spec.parent = {joint.parent, DYN_FRAME_BODY};
+    joint.spec.parent = {joint.parent, DYN_FRAME_TYPE_BODY};
     located(report, joint.line, [&] { builder.joint(joint.spec); });
-    add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_JOINT | DYN_FRAME_FIXED_JOINT}, report);
+    add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_TYPE_JOINT | DYN_FRAME_TYPE_FIXED_JOINT}, report);
   }
   for (const UrdfConstraint& c : robot.constraints)
     located(report, c.line, [&] { builder.constraint(c.name, c.spec, {c.first, 0}, {c.second, 0}); });

@@ -14,8 +14,8 @@ bool floating_base(const UrdfRobot& robot, const UrdfTree& tree, dynBase base, R
   const UrdfJoint* free_child = nullptr;
   for (int j : tree.order) {
     if (!rigid[tree.parent[j]]) continue;
-    if (robot.joints[j].spec.type == DYN_JOINT_FREE_FLYER && !free_child) free_child = &robot.joints[j];
-    if (robot.joints[j].spec.type != DYN_JOINT_FIXED) continue;
+    if (robot.joints[j].spec.type == DYN_JOINT_TYPE_FREE_FLYER && !free_child) free_child = &robot.joints[j];
+    if (robot.joints[j].spec.type != DYN_JOINT_TYPE_FIXED) continue;
     rigid[tree.child[j]] = 1;
     welded += robot.links[tree.child[j]].mass;
   }

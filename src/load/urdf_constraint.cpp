@@ -19,18 +19,18 @@ namespace {
 const struct {
   const char* name;
   dynConstraintType type;
-} types[] = {{"point", DYN_CONSTRAINT_POINT}, {"frame", DYN_CONSTRAINT_FRAME}, {"connect", DYN_CONSTRAINT_CONNECT}, {"weld", DYN_CONSTRAINT_WELD},
-             {"distance", DYN_CONSTRAINT_DISTANCE}, {"coupling", DYN_CONSTRAINT_COUPLING}, {"limit", DYN_CONSTRAINT_LIMIT},
-             {"friction", DYN_CONSTRAINT_FRICTION}};
+} types[] = {{"point", DYN_CONSTRAINT_TYPE_POINT}, {"frame", DYN_CONSTRAINT_TYPE_FRAME}, {"connect", DYN_CONSTRAINT_TYPE_CONNECT}, {"weld", DYN_CONSTRAINT_TYPE_WELD},
+             {"distance", DYN_CONSTRAINT_TYPE_DISTANCE}, {"coupling", DYN_CONSTRAINT_TYPE_COUPLING}, {"limit", DYN_CONSTRAINT_TYPE_LIMIT},
+             {"friction", DYN_CONSTRAINT_TYPE_FRICTION}};
 
 dynConstraint of_type(const Element& e, const Reader& reader, const std::string& type) {
   for (const auto& t : types)
     if (type == t.name) return default_constraint(t.type);
-  dynConstraint c = default_constraint(DYN_CONSTRAINT_LOOP);
-  c.joint_type = DYN_JOINT_FIXED;
-  for (int k = DYN_JOINT_REVOLUTE; k < DYN_JOINT_FREE_FLYER; ++k)
+  dynConstraint c = default_constraint(DYN_CONSTRAINT_TYPE_LOOP);
+  c.joint_type = DYN_JOINT_TYPE_FIXED;
+  for (int k = DYN_JOINT_TYPE_REVOLUTE; k < DYN_JOINT_TYPE_FREE_FLYER; ++k)
     if (type == joint_type_name(dynJointType(k))) c.joint_type = dynJointType(k);
-  if (c.joint_type == DYN_JOINT_FIXED)
+  if (c.joint_type == DYN_JOINT_TYPE_FIXED)
     reader.fail(DYN_ERROR_INVALID, e,
                 "type " + quoted(type) + " is no constraint: point, frame, connect, weld, distance, coupling, limit, friction, or the type of a joint that "
                 "closes a loop");

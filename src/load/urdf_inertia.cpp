@@ -79,8 +79,8 @@ void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fix
   for (int j : tree.order) {
     const JointSpec& s = robot.joints[j].spec;
     const int parent = tree.parent[j], child = tree.child[j];
-    carrier[child] = s.type == DYN_JOINT_FIXED ? carrier[parent] : child;
-    if (s.type != DYN_JOINT_FIXED) continue;
+    carrier[child] = s.type == DYN_JOINT_TYPE_FIXED ? carrier[parent] : child;
+    if (s.type != DYN_JOINT_TYPE_FIXED) continue;
     Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
     X.linear() = Eigen::Map<const Matrix3>(s.placement.data());
     X.translation() = Eigen::Map<const Vector3>(s.placement.data() + 9);

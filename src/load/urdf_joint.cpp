@@ -16,17 +16,17 @@ struct Type {
   bool standard;
 };
 constexpr Type types[] = {
-    {"revolute", DYN_JOINT_REVOLUTE, true},    {"continuous", DYN_JOINT_CONTINUOUS, true},
-    {"prismatic", DYN_JOINT_PRISMATIC, true},  {"fixed", DYN_JOINT_FIXED, true},
-    {"floating", DYN_JOINT_FREE_FLYER, true},  {"planar", DYN_JOINT_PLANAR, true},
-    {"spherical", DYN_JOINT_SPHERICAL, false}, {"ball", DYN_JOINT_SPHERICAL, false},
+    {"revolute", DYN_JOINT_TYPE_REVOLUTE, true},    {"continuous", DYN_JOINT_TYPE_CONTINUOUS, true},
+    {"prismatic", DYN_JOINT_TYPE_PRISMATIC, true},  {"fixed", DYN_JOINT_TYPE_FIXED, true},
+    {"floating", DYN_JOINT_TYPE_FREE_FLYER, true},  {"planar", DYN_JOINT_TYPE_PLANAR, true},
+    {"spherical", DYN_JOINT_TYPE_SPHERICAL, false}, {"ball", DYN_JOINT_TYPE_SPHERICAL, false},
 };
 
 // The largest number stands for no limit where the format requires one.
 constexpr double no_limit = std::numeric_limits<double>::max();
 
 bool one_axis(dynJointType t) {
-  return t == DYN_JOINT_REVOLUTE || t == DYN_JOINT_CONTINUOUS || t == DYN_JOINT_PRISMATIC || t == DYN_JOINT_REVOLUTE_UNBOUNDED;
+  return t == DYN_JOINT_TYPE_REVOLUTE || t == DYN_JOINT_TYPE_CONTINUOUS || t == DYN_JOINT_TYPE_PRISMATIC || t == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
 }
 
 dynJointType read_type(const Element& e, const Reader& reader, const std::string& name) {
@@ -44,7 +44,7 @@ dynJointType read_type(const Element& e, const Reader& reader, const std::string
 
 void read_axis(const Element& e, const Reader& reader, JointSpec& spec) {
   const Element* a = reader.only(e, "axis");
-  if (spec.type == DYN_JOINT_FIXED || spec.type == DYN_JOINT_FREE_FLYER || spec.type == DYN_JOINT_SPHERICAL) {
+  if (spec.type == DYN_JOINT_TYPE_FIXED || spec.type == DYN_JOINT_TYPE_FREE_FLYER || spec.type == DYN_JOINT_TYPE_SPHERICAL) {
     if (a) reader.report.count("<axis> of a joint that has none: not used", line(*a));
     return;
   }
@@ -67,7 +67,7 @@ void read_axis(const Element& e, const Reader& reader, JointSpec& spec) {
 
 void read_limit(const Element& e, const Reader& reader, JointSpec& spec) {
   const Element* l = reader.only(e, "limit");
-  const bool bounded = spec.type == DYN_JOINT_REVOLUTE || spec.type == DYN_JOINT_PRISMATIC;
+  const bool bounded = spec.type == DYN_JOINT_TYPE_REVOLUTE || spec.type == DYN_JOINT_TYPE_PRISMATIC;
   if (!l) {
     if (bounded) reader.report.warning(line(e), reader.owner + " has no <limit>, which the URDF standard requires: unlimited");
     return;
@@ -126,9 +126,9 @@ void read_dynamics(const Element& e, const Reader& reader, JointSpec& spec) {
     if (*value < 0) reader.fail(DYN_ERROR_INVALID, *d, std::string("<dynamics ") + name + "> is negative: " + text(*value));
     if (one_axis(spec.type))
       out = {*value};
-    else if (spec.type == DYN_JOINT_SPHERICAL)
+    else if (spec.type == DYN_JOINT_TYPE_SPHERICAL)
       out = {*value, *value, *value};
-    else if (*value != 0 && spec.type != DYN_JOINT_FIXED)
+    else if (*value != 0 && spec.type != DYN_JOINT_TYPE_FIXED)
       reader.report.physics(line(*d), reader.at(*d, name) + ": one number for a joint with rotation and translation: not used");
   };
   coefficient("damping", spec.damping);
@@ -143,7 +143,7 @@ void read_mimic(const Element& e, const Reader& reader, UrdfJoint& joint) {
   const std::string leader = reader.name(*m, "joint");
   const double ratio = reader.optional_number(*m, "multiplier").value_or(1),
                offset = reader.optional_number(*m, "offset").value_or(0);
-  if (spec.type == DYN_JOINT_FIXED) {
+  if (spec.type == DYN_JOINT_TYPE_FIXED) {
     reader.report.info(line(*m), reader.owner + " is fixed: its <mimic> has no effect");
     return;
   }
@@ -169,7 +169,7 @@ UrdfJoint read_joint(const Element& e, Report& report, const LoadOptions& option
       {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "safety_controller", "calibration", "gazebo"});
   joint.type = reader.name(e, "type");
   spec.type = read_type(e, reader, joint.type);
-  if (spec.type == DYN_JOINT_CONTINUOUS && options.cos_sin) spec.type = DYN_JOINT_REVOLUTE_UNBOUNDED;
+  if (spec.type == DYN_JOINT_TYPE_CONTINUOUS && options.cos_sin) spec.type = DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
   spec.placement = reader.origin(e);
 
   const auto end = [&](const char* name, std::string& link, int& at) {

@@ -74,7 +74,7 @@ void positive(const Reader& reader, const Element& e, const char* attribute, dou
 
 void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& meshes) {
   reader.unread(e, {"filename", "scale"}, {}, false);
-  shape.type = DYN_SHAPE_MESH;
+  shape.type = DYN_SHAPE_TYPE_MESH;
   const std::string name = reader.name(e, "filename");
   shape.size = reader.vector3(e, "scale").value_or(std::array<double, 3>{1, 1, 1});
   for (double s : shape.size)
@@ -91,7 +91,7 @@ void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& 
 
 // Reads a <visual> or <collision>; false when there is nothing that could be kept.
 bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths& meshes, const Colours& colours) {
-  const bool physics = shape.role == DYN_ROLE_COLLISION;
+  const bool physics = shape.role == DYN_SHAPE_ROLE_COLLISION;
   reader.unread(e, {"name", "group"}, {"origin", "geometry", "material"}, physics);
   if (const char* name = e.Attribute("name")) shape.name = name;
   if (const Element* m = first(e, "material")) {
@@ -114,19 +114,19 @@ bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths&
 
   const std::string_view kind = g->Name();
   if (kind == "box") {
-    shape.type = DYN_SHAPE_BOX;
+    shape.type = DYN_SHAPE_TYPE_BOX;
     reader.unread(*g, {"size"}, {}, physics);
     const auto size = reader.vector3(*g, "size");
     if (!size) reader.fail(DYN_ERROR_PARSE, *g, "<box> has no attribute size");
     for (double s : *size) positive(reader, *g, "size", s);
     shape.size = *size;
   } else if (kind == "sphere") {
-    shape.type = DYN_SHAPE_SPHERE;
+    shape.type = DYN_SHAPE_TYPE_SPHERE;
     reader.unread(*g, {"radius"}, {}, physics);
     shape.size = {reader.number(*g, "radius"), 0, 0};
     positive(reader, *g, "radius", shape.size[0]);
   } else if (kind == "cylinder" || kind == "capsule") {
-    shape.type = kind == "cylinder" ? DYN_SHAPE_CYLINDER : DYN_SHAPE_CAPSULE;
+    shape.type = kind == "cylinder" ? DYN_SHAPE_TYPE_CYLINDER : DYN_SHAPE_TYPE_CAPSULE;
     reader.unread(*g, {"radius", "length"}, {}, physics);
     shape.size = {reader.number(*g, "radius"), reader.number(*g, "length"), 0};
     positive(reader, *g, "radius", shape.size[0]);
@@ -156,7 +156,7 @@ UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes, const Co
     if (kind != "visual" && kind != "collision") continue;
     UrdfShape shape;
     shape.line = line(*c);
-    shape.shape.role = kind == "visual" ? DYN_ROLE_VISUAL : DYN_ROLE_COLLISION;
+    shape.shape.role = kind == "visual" ? DYN_SHAPE_ROLE_VISUAL : DYN_SHAPE_ROLE_COLLISION;
     shape.shape.body = link.name;
     if (read_shape(*c, reader, shape.shape, meshes, colours)) link.shapes.push_back(std::move(shape));
   }

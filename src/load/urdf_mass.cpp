@@ -30,7 +30,7 @@ void check_moving_mass(const UrdfRobot& robot, const UrdfTree& tree, Report& rep
   std::vector<int> idle;
   for (int j : tree.order) {
     const JointSpec& s = robot.joints[j].spec;
-    if (s.type != DYN_JOINT_FIXED && s.mimic.empty() && !moves[j]) idle.push_back(j);
+    if (s.type != DYN_JOINT_TYPE_FIXED && s.mimic.empty() && !moves[j]) idle.push_back(j);
   }
   if (idle.empty()) return;
   std::string others;

@@ -11,12 +11,12 @@
 namespace dyn::load {
 
 void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& options) {
-  if (options.meshes == DYN_MESH_NONE) return;
+  if (options.meshes == DYN_MESH_USE_NONE) return;
   std::map<std::pair<std::string, std::array<double, 3>>, MeshStand> known;
   for (UrdfLink& link : robot.links)
     for (UrdfShape& s : link.shapes) {
       Shape& shape = s.shape;
-      if (shape.type != DYN_SHAPE_MESH || shape.role != DYN_ROLE_COLLISION) continue;
+      if (shape.type != DYN_SHAPE_TYPE_MESH || shape.role != DYN_SHAPE_ROLE_COLLISION) continue;
       const std::string who = "link " + load::quoted(link.name) + ": mesh " + load::quoted(shape.mesh);
       auto at = known.find({shape.mesh, shape.size});
       if (at == known.end()) {
@@ -32,7 +32,7 @@ void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& 
       }
       if (at->second.warning) report.warning(s.line, who + at->second.said);
       else report.info(s.line, who + at->second.said);
-      shape.type = options.meshes == DYN_MESH_HULL ? DYN_SHAPE_CONVEX : DYN_SHAPE_TRIANGLES;
+      shape.type = options.meshes == DYN_MESH_USE_HULL ? DYN_SHAPE_TYPE_CONVEX : DYN_SHAPE_TYPE_TRIANGLES;
       shape.surface = at->second.surface;
     }
 }

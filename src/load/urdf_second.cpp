@@ -97,7 +97,7 @@ std::string difference(const UrdfJoint& j, const urdf::Joint& other) {
   if (without_formats(j.parent) != other.parent_link_name) return "parent";
   if (without_formats(j.child) != other.child_link_name) return "child";
   if (!same(s.placement, other.parent_to_joint_origin_transform)) return "origin";
-  const bool has_axis = s.type != DYN_JOINT_FIXED && s.type != DYN_JOINT_FREE_FLYER;
+  const bool has_axis = s.type != DYN_JOINT_TYPE_FIXED && s.type != DYN_JOINT_TYPE_FREE_FLYER;
   if (has_axis) {
     const double norm = math::hypot(other.axis.x, other.axis.y, other.axis.z);
     if (!near(s.axis[0] * norm, other.axis.x, norm) || !near(s.axis[1] * norm, other.axis.y, norm) ||

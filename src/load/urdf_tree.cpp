@@ -128,14 +128,14 @@ void check_mimic(UrdfRobot& robot, Report& report) {
     leader[i] = found->second;
     UrdfJoint& l = robot.joints[found->second];
     if (size_t(found->second) == i) report.fail(DYN_ERROR_INVALID, j.mimic_line, joint_called(j) + " mimics itself");
-    if (l.spec.type == DYN_JOINT_FIXED)
+    if (l.spec.type == DYN_JOINT_TYPE_FIXED)
       report.fail(DYN_ERROR_INVALID, j.mimic_line, begin + ", which is fixed: make both fixed, or free the leader");
-    if (l.spec.type == DYN_JOINT_FREE_FLYER || l.spec.type == DYN_JOINT_PLANAR || l.spec.type == DYN_JOINT_SPHERICAL)
+    if (l.spec.type == DYN_JOINT_TYPE_FREE_FLYER || l.spec.type == DYN_JOINT_TYPE_PLANAR || l.spec.type == DYN_JOINT_TYPE_SPHERICAL)
       report.fail(DYN_ERROR_INVALID, j.mimic_line,
                   begin + ", a " + l.type + " joint: only revolute, continuous and prismatic ones can lead");
     for (UrdfJoint* side : {&j, &l})  // the relation is between angles
-      if (side->spec.type == DYN_JOINT_REVOLUTE_UNBOUNDED) {
-        side->spec.type = DYN_JOINT_CONTINUOUS;
+      if (side->spec.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) {
+        side->spec.type = DYN_JOINT_TYPE_CONTINUOUS;
         report.info(side->line, joint_called(*side) + " takes part in a mimic relation: stored as an angle, not as (cos, sin)");
       }
   }

@@ -93,10 +93,10 @@ bool BlockChecker::frames() {
   const bool good = each(n.frames, [&](Index f) {
     const FrameRecord& r = m.frames()[f];
     if (!text(r.name) || !index(r.joint, n.joints, "joint of a frame") || !index(r.parent, std::max(f, Index(1)), "parent of a frame")) return false;
-    if (!require(r.type == DYN_FRAME_OP_FRAME || r.type == DYN_FRAME_JOINT || r.type == DYN_FRAME_FIXED_JOINT || r.type == DYN_FRAME_BODY || r.type == DYN_FRAME_SENSOR,
+    if (!require(r.type == DYN_FRAME_TYPE_OP_FRAME || r.type == DYN_FRAME_TYPE_JOINT || r.type == DYN_FRAME_TYPE_FIXED_JOINT || r.type == DYN_FRAME_TYPE_BODY || r.type == DYN_FRAME_TYPE_SENSOR,
                  "type of a frame"))
       return false;
-    return require(r.link == (r.type == DYN_FRAME_BODY ? links++ : -1), "link of a frame") && require(r.type != DYN_FRAME_JOINT || r.joint > 0, "joint of a frame") &&
+    return require(r.link == (r.type == DYN_FRAME_TYPE_BODY ? links++ : -1), "link of a frame") && require(r.type != DYN_FRAME_TYPE_JOINT || r.joint > 0, "joint of a frame") &&
            require(r.body == m.joints()[r.joint].last_body, "body of a frame") && require(is_finite(r.X) && are_finite(r.placement), "placement of a frame");
   });
   if (!good || !require(m.frames()[0].joint == 0 && m.frames()[0].link == -1, "the frame of the universe") || !require(links == n.links, "links of the frames")) return false;
@@ -120,7 +120,7 @@ bool BlockChecker::constraints() {
   Index rows = max_rows * (n.slots - n.constraints);
   return each(n.constraints, [&](Index k) {
     const ConstraintRecord& c = m.constraints()[k];
-    if (!text(c.name) || !require(int(c.spec.type) > DYN_CONSTRAINT_NONE && check_constraint(m, c.spec, message, sizeof message) == DYN_OK, "a constraint")) return false;
+    if (!text(c.name) || !require(int(c.spec.type) > DYN_CONSTRAINT_TYPE_NONE && check_constraint(m, c.spec, message, sizeof message) == DYN_OK, "a constraint")) return false;
     Constraint counted{};
     counted.type = c.spec.type, counted.joint_type = c.spec.joint_type;
     rows += constraint_rows(counted);
@@ -135,8 +135,8 @@ bool BlockChecker::actuators() {
     const dynActuator& a = r.spec;
     if (!text(r.name) || !index(a.joint, n.joints, "joint of an actuator")) return false;
     const JointRecord& j = m.joints()[a.joint];
-    if (!require(int(a.type) >= DYN_ACTUATOR_MOTOR && int(a.type) <= DYN_ACTUATOR_AFFINE, "type of an actuator") || !index(a.component, j.nv, "component of an actuator")) return false;
-    if (!require(a.controls == (a.type == DYN_ACTUATOR_PD ? 3 : 1) && a.idx_u == nu, "controls of an actuator")) return false;
+    if (!require(int(a.type) >= DYN_ACTUATOR_TYPE_MOTOR && int(a.type) <= DYN_ACTUATOR_TYPE_AFFINE, "type of an actuator") || !index(a.component, j.nv, "component of an actuator")) return false;
+    if (!require(a.controls == (a.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1) && a.idx_u == nu, "controls of an actuator")) return false;
     nu += a.controls;
     Index q = -1;
     for (Index s = 0; s < n.spans; ++s)
@@ -154,12 +154,12 @@ bool BlockChecker::actuators() {
 bool BlockChecker::rest() {
   return each(n.reports, [&](Index k) {
     const ReportRecord& r = m.reports()[k];
-    return text(r.message) && require(r.level == DYN_REPORT_INFO || r.level == DYN_REPORT_WARNING, "level of a line of the load report");
+    return text(r.message) && require(r.level == DYN_REPORT_LEVEL_INFO || r.level == DYN_REPORT_LEVEL_WARNING, "level of a line of the load report");
   }) && each(n.disabled, [&](Index k) {
     const DisabledRecord& d = m.disabled_pairs()[k];
     if (!text(d.reason)) return false;
     for (const Index f : {d.frame1, d.frame2})
-      if (!index(f, n.frames, "frame of a disabled pair") || !require(f == 0 || m.frames()[f].type == DYN_FRAME_BODY, "a disabled pair is of no links")) return false;
+      if (!index(f, n.frames, "frame of a disabled pair") || !require(f == 0 || m.frames()[f].type == DYN_FRAME_TYPE_BODY, "a disabled pair is of no links")) return false;
     return true;
   });
 }

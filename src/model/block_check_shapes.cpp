@@ -121,12 +121,12 @@ bool BlockChecker::surfaces() {
 bool BlockChecker::shape(Index k) {
   const ShapeRecord& r = m.shapes()[k];
   if (!text(r.name) || !text(r.mesh) || !index(r.frame, n.frames, "frame of a shape") || !index(r.material, n.materials, "material of a shape")) return false;
-  if (!require(r.frame == 0 || m.frames()[r.frame].type == DYN_FRAME_BODY, "a shape is on no link") ||
-      !require(int(r.type) >= DYN_SHAPE_BOX && int(r.type) <= DYN_SHAPE_HEIGHT_FIELD, "type of a shape") ||
-      !require(r.role == DYN_ROLE_COLLISION || r.role == DYN_ROLE_VISUAL, "role of a shape"))
+  if (!require(r.frame == 0 || m.frames()[r.frame].type == DYN_FRAME_TYPE_BODY, "a shape is on no link") ||
+      !require(int(r.type) >= DYN_SHAPE_TYPE_BOX && int(r.type) <= DYN_SHAPE_TYPE_HEIGHT_FIELD, "type of a shape") ||
+      !require(r.role == DYN_SHAPE_ROLE_COLLISION || r.role == DYN_SHAPE_ROLE_VISUAL, "role of a shape"))
     return false;
-  const bool made = r.type == DYN_SHAPE_CONVEX || r.type == DYN_SHAPE_TRIANGLES || r.type == DYN_SHAPE_HEIGHT_FIELD;
-  const Index surfaces = r.type == DYN_SHAPE_CONVEX ? n.hulls : r.type == DYN_SHAPE_TRIANGLES ? n.trees : n.grids;
+  const bool made = r.type == DYN_SHAPE_TYPE_CONVEX || r.type == DYN_SHAPE_TYPE_TRIANGLES || r.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
+  const Index surfaces = r.type == DYN_SHAPE_TYPE_CONVEX ? n.hulls : r.type == DYN_SHAPE_TYPE_TRIANGLES ? n.trees : n.grids;
   if (made ? !index(r.surface, surfaces, "surface of a shape") : !require(r.surface == -1, "surface of a shape")) return false;
   return each(collision::size_count(r.type), [&](Index i) { return require(is_length(r.size[i]), "size of a shape"); }) &&
          require(r.radius >= 0 && r.radius <= collision::largest && are_finite(r.size) && are_finite(r.placement), "numbers of a shape");
@@ -136,7 +136,7 @@ bool BlockChecker::shapes() {
   Index geoms = 0, moving = 0;
   if (!each(n.materials, [&](Index k) { return require(!simulation::bad_number(m.materials()[k]).name, "a material"); }) || !each(n.shapes, [&](Index k) {
         if (!shape(k)) return false;
-        if (m.shapes()[k].role != DYN_ROLE_COLLISION) return true;
+        if (m.shapes()[k].role != DYN_SHAPE_ROLE_COLLISION) return true;
         if (!index(geoms, n.geoms, "a collision shape") || !require(m.geoms()[geoms++].shape == k, "a collision shape")) return false;
         moving += m.frames()[m.shapes()[k].frame].joint > 0;
         return true;
@@ -147,8 +147,8 @@ bool BlockChecker::shapes() {
     const PairRecord& p = m.pairs()[k];
     if (!index(p.a, n.geoms, "shape of a pair") || !index(p.b, n.geoms, "shape of a pair") || !index(p.material(), n.materials + 1, "material of a pair")) return false;
     const bool ascends = k == 0 || m.pairs()[k - 1].a < p.a || (m.pairs()[k - 1].a == p.a && m.pairs()[k - 1].b < p.b);
-    return require(p.a < p.b && ascends && carrier(p.a) != carrier(p.b), "order of the pairs") && require(p.reason <= DYN_PAIR_MASK && p.reason != DYN_PAIR_OFF, "reason of a pair") &&
-           require(p.reason == DYN_PAIR_MESH || (m.shapes()[m.geoms()[p.a].shape].type != DYN_SHAPE_MESH && m.shapes()[m.geoms()[p.b].shape].type != DYN_SHAPE_MESH), "a pair with a mesh is tested");
+    return require(p.a < p.b && ascends && carrier(p.a) != carrier(p.b), "order of the pairs") && require(p.reason <= DYN_PAIR_REASON_MASK && p.reason != DYN_PAIR_REASON_OFF, "reason of a pair") &&
+           require(p.reason == DYN_PAIR_REASON_MESH || (m.shapes()[m.geoms()[p.a].shape].type != DYN_SHAPE_TYPE_MESH && m.shapes()[m.geoms()[p.b].shape].type != DYN_SHAPE_TYPE_MESH), "a pair with a mesh is tested");
   });
 }
 

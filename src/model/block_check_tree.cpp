@@ -28,7 +28,7 @@ Sizes primitives(dynJointType type, F&& f) {
 }  // namespace
 
 bool BlockChecker::simple(dynJointType type) {
-  return require(int(type) > DYN_JOINT_FIXED && int(type) <= DYN_JOINT_REVOLUTE_UNBOUNDED && type != DYN_JOINT_COMPOSITE, "type of a joint");
+  return require(int(type) > DYN_JOINT_TYPE_FIXED && int(type) <= DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED && type != DYN_JOINT_TYPE_COMPOSITE, "type of a joint");
 }
 
 // q, v, qx, vx: its first coordinates; then those of the next one.
@@ -56,7 +56,7 @@ bool BlockChecker::joint(Index j, Index& q, Index& v, Index& qx, Index& vx) {
     ++body, at_q += nq_of(type), at_v += nv_of(type), qx += nq_of(type), vx += nv_of(type);
   };
   Sizes own;
-  if (r.type == DYN_JOINT_COMPOSITE) {
+  if (r.type == DYN_JOINT_TYPE_COMPOSITE) {
     if (!require(r.parts > 0 && r.first_part >= 0 && r.first_part <= n.parts - r.parts, "parts of a joint")) return false;
     for (const PartRecord *p = m.parts() + r.first_part, *end = p + r.parts; p != end; ++p) {
       if (!simple(p->type) || !require(are_finite(p->axis) && are_finite(p->axis2) && std::isfinite(p->pitch) && are_finite(p->placement), "a part of a joint")) return false;
@@ -78,7 +78,7 @@ bool BlockChecker::joints() {
   const JointRecord& universe = m.joints()[0];
   const Body& world = m.bodies()[0];
   if (!text(universe.name) ||
-      !require(universe.type == DYN_JOINT_FIXED && universe.parent == 0 && universe.first_body == 0 && universe.last_body == 0 && universe.nq == 0 && universe.nv == 0 &&
+      !require(universe.type == DYN_JOINT_TYPE_FIXED && universe.parent == 0 && universe.first_body == 0 && universe.last_body == 0 && universe.nq == 0 && universe.nv == 0 &&
                    universe.idx_q == 0 && universe.idx_v == 0 && universe.leader == -1 && universe.parts == 0,
                "the universe") ||
       !require(world.parent == 0 && world.idx_q == 0 && world.idx_v == 0 && world.joint == 0 && int(world.type) == 0 && is_finite(world.h) && is_finite(world.I) && is_finite(m.joint_placement()[0]), "the world"))

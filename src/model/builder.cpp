@@ -30,7 +30,7 @@ int joint_nv(dynJointType type) {
 }
 
 const char* joint_type_name(dynJointType type) {
-  const char* name = type == DYN_JOINT_FIXED ? "fixed" : type == DYN_JOINT_COMPOSITE ? "composite" : "unknown";
+  const char* name = type == DYN_JOINT_TYPE_FIXED ? "fixed" : type == DYN_JOINT_TYPE_COMPOSITE ? "composite" : "unknown";
   visit_kind(type, [&]<class K>() { name = K::name; });
   return name;
 }
@@ -152,7 +152,7 @@ void check_range(const std::string& where, const std::vector<double>& lower, con
 
 // The simple joints of a spec in order.
 void append_parts(const std::string& where, const JointSpec& s, const SE3<double>& before, std::vector<JointPart>& out) {
-  if (s.type != DYN_JOINT_COMPOSITE) {
+  if (s.type != DYN_JOINT_TYPE_COMPOSITE) {
     out.push_back({s.type, s.axis, s.axis2, s.pitch, before});
     return;
   }
@@ -163,7 +163,7 @@ void append_parts(const std::string& where, const JointSpec& s, const SE3<double
     if (out.size() > 1000) refuse(DYN_ERROR_LIMIT, part + ": more than 1000 simple joints in one composite");
     const JointSpec& p = s.parts[k];
     const SE3<double> X = check_placement(part, p.placement);
-    if (p.type == DYN_JOINT_FIXED) {
+    if (p.type == DYN_JOINT_TYPE_FIXED) {
       next = next * X;
       continue;
     }
@@ -200,7 +200,7 @@ std::vector<PlacedElement> elements_of(const JointSpec& s, const std::vector<Joi
   const std::string who = "joint '" + s.name + "'";
   std::vector<PlacedElement> out;
   for (std::size_t k = 0; k < parts.size(); ++k)
-    append_elements(s.type == DYN_JOINT_COMPOSITE ? who + ", part " + std::to_string(k) : who, parts[k], out);
+    append_elements(s.type == DYN_JOINT_TYPE_COMPOSITE ? who + ", part " + std::to_string(k) : who, parts[k], out);
   return out;
 }
 
@@ -217,7 +217,7 @@ int spec_nv(const JointSpec& s) {
 
 Builder::Builder(std::string name) : impl(std::make_unique<Impl>()) {
   impl->name = std::move(name);
-  impl->frames.push_back({"universe", DYN_FRAME_OP_FRAME, -1, SE3<double>::identity(), Inertia<double>::zero(), {}, {}, {}});
+  impl->frames.push_back({"universe", DYN_FRAME_TYPE_OP_FRAME, -1, SE3<double>::identity(), Inertia<double>::zero(), {}, {}, {}});
   impl->frame_index["universe"].push_back(0);
 }
 Builder::~Builder() = default;
@@ -235,7 +235,7 @@ int Builder::Impl::find(const Parent& parent, const std::string& who) const {
     int body = -1;
     for (int k : it->second) {
       if (parent.types && !(frames[std::size_t(k)].type & parent.types)) continue;
-      if (frames[std::size_t(k)].type != DYN_FRAME_BODY) return k;
+      if (frames[std::size_t(k)].type != DYN_FRAME_TYPE_BODY) return k;
       body = k;
     }
     if (body >= 0) return body;
@@ -245,7 +245,7 @@ int Builder::Impl::find(const Parent& parent, const std::string& who) const {
 
 void Builder::Impl::add_frame(FrameEntry entry, const std::string& who) {
   for (int k : frame_index[entry.name])
-    if (frames[std::size_t(k)].type == entry.type || (frames[std::size_t(k)].type != DYN_FRAME_BODY && entry.type != DYN_FRAME_BODY))
+    if (frames[std::size_t(k)].type == entry.type || (frames[std::size_t(k)].type != DYN_FRAME_TYPE_BODY && entry.type != DYN_FRAME_TYPE_BODY))
       refuse(DYN_ERROR_NAME, who + ": the name '" + entry.name + "' is taken: choose another");
   frame_index[entry.name].push_back(int(frames.size()));
   frames.push_back(std::move(entry));
@@ -260,9 +260,9 @@ void Builder::Impl::add_joint(const JointSpec& s) {
   const int parent = find(s.parent, who);
   const FrameEntry& carrier = frames[std::size_t(parent)];
   const SE3<double> X = carrier.X * check_placement(who, s.placement);
-  if (s.type == DYN_JOINT_FIXED) {
+  if (s.type == DYN_JOINT_TYPE_FIXED) {
     if (!s.mimic.empty()) refuse(DYN_ERROR_INVALID, who + ": a fixed joint can't mimic '" + s.mimic + "'");
-    add_frame({s.name, DYN_FRAME_FIXED_JOINT, carrier.joint, X, Inertia<double>::zero(), 0, {}, {}, 0, parent}, who);
+    add_frame({s.name, DYN_FRAME_TYPE_FIXED_JOINT, carrier.joint, X, Inertia<double>::zero(), 0, {}, {}, 0, parent}, who);
     return;
   }
   JointEntry entry;
@@ -299,7 +299,7 @@ void Builder::Impl::add_joint(const JointSpec& s) {
     if (s.mimic == s.name) refuse(DYN_ERROR_INVALID, who + ": it mimics itself: name another joint");
   }
   const int index = int(joints.size());
-  add_frame({s.name, DYN_FRAME_JOINT, index, SE3<double>::identity(), Inertia<double>::zero(), 0, {}, {}, 0, parent}, who);
+  add_frame({s.name, DYN_FRAME_TYPE_JOINT, index, SE3<double>::identity(), Inertia<double>::zero(), 0, {}, {}, 0, parent}, who);
   joints.push_back(std::move(entry));
 }
 
@@ -321,7 +321,7 @@ void Builder::body(const std::string& name, const Parent& parent, const Placemen
       if (std::abs(inertia[std::size_t(i + 3 * j)] - inertia[std::size_t(j + 3 * i)]) > 1e-9 * big)
         refuse(DYN_ERROR_INVALID, who + ": inertia is not symmetric");
   const Inertia<double> Y = Inertia<double>::at_com(mass, load3(com.data()), load33(inertia.data()));
-  FrameEntry entry{name, DYN_FRAME_BODY, carrier.joint, X, act(X, Y), {}, {}, {}};
+  FrameEntry entry{name, DYN_FRAME_TYPE_BODY, carrier.joint, X, act(X, Y), {}, {}, {}};
   entry.mass = mass, entry.com = com, entry.inertia = inertia, entry.parent = on;
   impl->add_frame(std::move(entry), who);
 }
@@ -329,7 +329,7 @@ void Builder::body(const std::string& name, const Parent& parent, const Placemen
 void Builder::frame(const std::string& name, const Parent& parent, const Placement& placement, dynFrameType type) {
   check_name("frame", name);
   const std::string who = "frame '" + name + "'";
-  if (type != DYN_FRAME_OP_FRAME && type != DYN_FRAME_SENSOR)
+  if (type != DYN_FRAME_TYPE_OP_FRAME && type != DYN_FRAME_TYPE_SENSOR)
     refuse(DYN_ERROR_ARGUMENT, who + ": type must be OP_FRAME or SENSOR; joints and bodies bring their own frames");
   const int on = impl->find(parent, who);
   const FrameEntry& carrier = impl->frames[std::size_t(on)];
@@ -338,17 +338,17 @@ void Builder::frame(const std::string& name, const Parent& parent, const Placeme
 
 void Builder::shape(const Shape& shape) {
   const std::string who = "shape of body '" + shape.body + "'";
-  ShapeEntry entry{shape, shape.body == "universe" ? 0 : impl->find({shape.body, DYN_FRAME_BODY}, who)};
+  ShapeEntry entry{shape, shape.body == "universe" ? 0 : impl->find({shape.body, DYN_FRAME_TYPE_BODY}, who)};
   check_placement(who, shape.placement);
   check_finite(who + ": size", shape.size.data(), 3);
   for (std::size_t k = 0; k < std::size_t(collision::size_count(shape.type)); ++k)
     if (!(shape.size[k] >= collision::smallest && shape.size[k] <= collision::largest))
       refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
   if (!(shape.radius >= 0 && shape.radius <= collision::largest)) refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
-  if (shape.radius > 0 && shape.type == DYN_SHAPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
+  if (shape.radius > 0 && shape.type == DYN_SHAPE_TYPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
   if (const simulation::BadNumber bad = simulation::bad_number(shape.material); bad.name)
     refuse(DYN_ERROR_INVALID, who + ": material: " + bad.name + " is " + number(bad.value) + ": give 0 or more, restitution up to 1, finite velocities");
-  const bool made_of_facets = shape.type == DYN_SHAPE_CONVEX || shape.type == DYN_SHAPE_TRIANGLES || shape.type == DYN_SHAPE_HEIGHT_FIELD;
+  const bool made_of_facets = shape.type == DYN_SHAPE_TYPE_CONVEX || shape.type == DYN_SHAPE_TYPE_TRIANGLES || shape.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
   if (made_of_facets != bool(shape.surface) || (shape.surface && type_of(*shape.surface) != shape.type))
     refuse(DYN_ERROR_ARGUMENT, who + ": its type and its surface don't belong together");
   impl->shapes.push_back(std::move(entry));
@@ -388,7 +388,7 @@ void Builder::configuration_of_joints(const std::string& name, const std::vector
 
 void Builder::disabled_pair(const std::string& body1, const std::string& body2, const std::string& reason) {
   const std::string who = "pair '" + body1 + "', '" + body2 + "'";
-  const auto frame = [&](const std::string& body) { return body == "universe" ? 0 : impl->find({body, DYN_FRAME_BODY}, who); };
+  const auto frame = [&](const std::string& body) { return body == "universe" ? 0 : impl->find({body, DYN_FRAME_TYPE_BODY}, who); };
   impl->disabled.push_back({frame(body1), frame(body2), reason});
 }
 

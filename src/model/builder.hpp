@@ -37,7 +37,7 @@ struct Parent {
 // Field meanings and units are those of dynJointSpec in dyn.h; an empty vector means "absent".
 struct JointSpec {
   std::string name;
-  dynJointType type = DYN_JOINT_REVOLUTE;
+  dynJointType type = DYN_JOINT_TYPE_REVOLUTE;
   Parent parent;
   Placement placement = identity_placement;
   std::array<double, 3> axis = {0, 0, 1}, axis2 = {1, 0, 0};
@@ -54,8 +54,8 @@ struct JointSpec {
 
 struct Shape {
   std::string name;
-  dynShapeType type = DYN_SHAPE_BOX;
-  dynShapeRole role = DYN_ROLE_COLLISION;
+  dynShapeType type = DYN_SHAPE_TYPE_BOX;
+  dynShapeRole role = DYN_SHAPE_ROLE_COLLISION;
   std::string body;
   Placement placement = identity_placement;
   std::array<double, 3> size = {0, 0, 0};

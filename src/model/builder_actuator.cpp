@@ -25,11 +25,11 @@ void set_law(const dynActuator& x, ActuatorRecord& r) {
   const auto set = [](double* to, double a, double b, double c) { to[0] = a, to[1] = b, to[2] = c; };
   set(r.gain, 1, 0, 0), set(r.bias, 0, 0, 0);
   switch (x.type) {
-    case DYN_ACTUATOR_MOTOR: break;
-    case DYN_ACTUATOR_POSITION: set(r.gain, x.kp, 0, 0), set(r.bias, 0, -x.kp, -x.kv); break;
-    case DYN_ACTUATOR_VELOCITY: set(r.gain, x.kv, 0, 0), set(r.bias, 0, 0, -x.kv); break;
-    case DYN_ACTUATOR_PD: set(r.gain, x.kp, x.kv, 1), set(r.bias, 0, -x.kp, -x.kv); break;
-    case DYN_ACTUATOR_AFFINE: set(r.gain, x.gain, 0, 0), set(r.bias, x.bias[0], x.bias[1], x.bias[2]); break;
+    case DYN_ACTUATOR_TYPE_MOTOR: break;
+    case DYN_ACTUATOR_TYPE_POSITION: set(r.gain, x.kp, 0, 0), set(r.bias, 0, -x.kp, -x.kv); break;
+    case DYN_ACTUATOR_TYPE_VELOCITY: set(r.gain, x.kv, 0, 0), set(r.bias, 0, 0, -x.kv); break;
+    case DYN_ACTUATOR_TYPE_PD: set(r.gain, x.kp, x.kv, 1), set(r.bias, 0, -x.kp, -x.kv); break;
+    case DYN_ACTUATOR_TYPE_AFFINE: set(r.gain, x.gain, 0, 0), set(r.bias, x.bias[0], x.bias[1], x.bias[2]); break;
   }
 }
 
@@ -48,8 +48,8 @@ void Builder::actuator(const std::string& name, const dynActuator& spec, const s
   const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&](const JointEntry& j) { return j.spec.name == joint; });
   if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + joint + "'");
   if (!at->spec.mimic.empty()) refuse(DYN_ERROR_INVALID, who + ": joint '" + joint + "' follows '" + at->spec.mimic + "': name that one");
-  if (int(spec.type) < DYN_ACTUATOR_MOTOR || int(spec.type) > DYN_ACTUATOR_AFFINE)
-    refuse(DYN_ERROR_ARGUMENT, who + ": type " + std::to_string(int(spec.type)) + " is none of DYN_ACTUATOR_MOTOR, _POSITION, _VELOCITY, _PD, _AFFINE");
+  if (int(spec.type) < DYN_ACTUATOR_TYPE_MOTOR || int(spec.type) > DYN_ACTUATOR_TYPE_AFFINE)
+    refuse(DYN_ERROR_ARGUMENT, who + ": type " + std::to_string(int(spec.type)) + " is none of DYN_ACTUATOR_TYPE_MOTOR, _POSITION, _VELOCITY, _PD, _AFFINE");
   if (spec.component < 0 || spec.component >= spec_nv(at->spec))
     refuse(DYN_ERROR_ARGUMENT, who + ": component is " + std::to_string(spec.component) + ", and joint '" + joint + "' has " + std::to_string(spec_nv(at->spec)) +
                                    " degrees of freedom");
@@ -67,7 +67,7 @@ void Builder::actuator(const std::string& name, const dynActuator& spec, const s
 void Builder::gravity_compensation(const std::string& body, double share) {
   const std::string who = "gravity compensation of body '" + body + "'";
   check_number(who, "share", share, true);
-  impl->frames[std::size_t(impl->find({body, DYN_FRAME_BODY}, who))].compensation = share;
+  impl->frames[std::size_t(impl->find({body, DYN_FRAME_TYPE_BODY}, who))].compensation = share;
 }
 
 void Builder::medium(double density, double viscosity, const std::array<double, 3>& wind) {
@@ -81,7 +81,7 @@ void Builder::pair(const std::string& shape1, const std::string& shape2, const d
   const auto find = [&](const std::string& name) {
     int found = -1;
     for (std::size_t k = 0; k < impl->shapes.size(); ++k)
-      if (const Shape& s = impl->shapes[k].shape; s.role == DYN_ROLE_COLLISION && s.name == name) {
+      if (const Shape& s = impl->shapes[k].shape; s.role == DYN_SHAPE_ROLE_COLLISION && s.name == name) {
         if (found >= 0) refuse(DYN_ERROR_NAME, who + ": there are several shapes '" + name + "'");
         found = int(k);
       }
@@ -105,7 +105,7 @@ std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actua
     ActuatorRecord r{};
     r.spec = a.spec;
     r.spec.struct_size = sizeof r.spec, r.spec.joint = id[std::size_t(a.joint)];
-    r.spec.controls = a.spec.type == DYN_ACTUATOR_PD ? 3 : 1, r.spec.idx_u = n.nu;
+    r.spec.controls = a.spec.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1, r.spec.idx_u = n.nu;
     n.nu += r.spec.controls;
     set_law(a.spec, r);
     r.v = joints[std::size_t(r.spec.joint)].idx_v + a.spec.component, r.q = -1;

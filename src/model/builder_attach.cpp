@@ -10,11 +10,11 @@ namespace {
 
 const char* kind_of(dynFrameType type) {
   switch (type) {
-    case DYN_FRAME_OP_FRAME: return "frame";
-    case DYN_FRAME_JOINT: return "joint";
-    case DYN_FRAME_FIXED_JOINT: return "fixed joint";
-    case DYN_FRAME_BODY: return "link";
-    case DYN_FRAME_SENSOR: return "sensor";
+    case DYN_FRAME_TYPE_OP_FRAME: return "frame";
+    case DYN_FRAME_TYPE_JOINT: return "joint";
+    case DYN_FRAME_TYPE_FIXED_JOINT: return "fixed joint";
+    case DYN_FRAME_TYPE_BODY: return "link";
+    case DYN_FRAME_TYPE_SENSOR: return "sensor";
   }
   return "frame";
 }
@@ -33,7 +33,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
   const int carrier_frame = joint ? int(next.frames.size()) - 1 : 0;
   // shapes of its world hang on a link, of the joint's name
   const bool shapes_of_world = std::any_of(other.shapes.begin(), other.shapes.end(), [](const ShapeEntry& s) { return s.frame == 0; });
-  if (joint && shapes_of_world) next.add_frame({joint->name, DYN_FRAME_BODY, carrier.joint, carrier.X, Inertia<double>::zero(), 0, {}, {}, 0, carrier_frame}, who);
+  if (joint && shapes_of_world) next.add_frame({joint->name, DYN_FRAME_TYPE_BODY, carrier.joint, carrier.X, Inertia<double>::zero(), 0, {}, {}, 0, carrier_frame}, who);
   const int world = joint && shapes_of_world ? carrier_frame + 1 : carrier_frame;
   const int before = int(next.joints.size()), frames_before = int(next.frames.size());
   const auto place = [&](int frame) { return frame == 0 ? world : frame + frames_before - 1; };  // the world's own frame does not come along
@@ -56,7 +56,7 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
     e.parent = place(e.parent);
     for (int k : next.frame_index[e.name]) {
       const FrameEntry& there = next.frames[std::size_t(k)];
-      if (there.type == e.type || (there.type != DYN_FRAME_BODY && e.type != DYN_FRAME_BODY))
+      if (there.type == e.type || (there.type != DYN_FRAME_TYPE_BODY && e.type != DYN_FRAME_TYPE_BODY))
         throw Error(DYN_ERROR_NAME, who + ": its " + kind_of(e.type) + " and the " + kind_of(there.type) + " of '" + next.name + "' would both be named '" +
                                         e.name + "': give " + (prefix.empty() ? "a" : "another") + " prefix");
     }

@@ -32,7 +32,7 @@ std::string links_of(const std::vector<FrameEntry>& frames, int joint) {
   std::string names;
   int count = 0;
   for (const FrameEntry& f : frames)
-    if (f.type == DYN_FRAME_BODY && f.joint == joint && ++count <= 4) names += (names.empty() ? "'" : ", '") + f.name + "'";
+    if (f.type == DYN_FRAME_TYPE_BODY && f.joint == joint && ++count <= 4) names += (names.empty() ? "'" : ", '") + f.name + "'";
   return names.empty() ? "no link" : count > 4 ? names + ", ..." : names;
 }
 
@@ -73,7 +73,7 @@ struct Workspace {
 
 // What is left of the diagonal of M after elimination, relative to it; the largest over some configurations. NaN: M overflows.
 std::vector<double> factor_pivots(const Model& m) {
-  Workspace work(m, DYN_PART_FACTOR);
+  Workspace work(m, DYN_PART_CHOLESKY);
   Data<double>& d = work.d;
   std::vector<double> best(std::size_t(m.n.nv), 0);
   for (std::uint64_t trial = 1; trial <= 3; ++trial) {

@@ -30,11 +30,11 @@ void Builder::constraint(const std::string& name, const dynConstraint& spec, con
   const std::string who = "constraint '" + name + "'";
   char message[256];
   if (const dynStatus status = check_constraint_numbers(spec, message, sizeof message)) refuse(status, who + ": " + message);
-  if (spec.type == DYN_CONSTRAINT_NONE) refuse(DYN_ERROR_ARGUMENT, who + ": its type is NONE: spare slots are empty by themselves");
+  if (spec.type == DYN_CONSTRAINT_TYPE_NONE) refuse(DYN_ERROR_ARGUMENT, who + ": its type is NONE: spare slots are empty by themselves");
   ConstraintEntry entry{name, spec, -1, -1};
   if (between_joints(spec.type)) {
     entry.first = find_joint(impl->joints, first.name, who);
-    if (spec.type == DYN_CONSTRAINT_COUPLING) entry.second = find_joint(impl->joints, second.name, who);
+    if (spec.type == DYN_CONSTRAINT_TYPE_COUPLING) entry.second = find_joint(impl->joints, second.name, who);
   } else {
     auto frame = [&](const Parent& p) { return p.name.empty() || p.name == "universe" ? 0 : impl->find(p, who); };
     entry.first = frame(first), entry.second = frame(second);

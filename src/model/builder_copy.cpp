@@ -51,7 +51,7 @@ JointSpec spec_of(const Model& m, const JointRecord& r) {
 }
 
 std::vector<JointPart> parts_of(const JointSpec& s) {
-  if (s.type != DYN_JOINT_COMPOSITE) return {{s.type, s.axis, s.axis2, s.pitch, SE3<double>::identity()}};
+  if (s.type != DYN_JOINT_TYPE_COMPOSITE) return {{s.type, s.axis, s.axis2, s.pitch, SE3<double>::identity()}};
   std::vector<JointPart> out;
   for (const JointSpec& p : s.parts) out.push_back({p.type, p.axis, p.axis2, p.pitch, load_se3(p.placement.data())});
   return out;

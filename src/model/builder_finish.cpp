@@ -115,7 +115,7 @@ ModelPtr Builder::finish() const {
   JointRecord universe{};
   universe.C = Mat3<double>::identity();
   universe.name = text.add("universe");
-  universe.type = DYN_JOINT_FIXED;
+  universe.type = DYN_JOINT_TYPE_FIXED;
   universe.leader = -1, universe.ratio = 1;
   store_se3(SE3<double>::identity(), universe.placement);
   a.joints.push_back(universe);
@@ -194,7 +194,7 @@ ModelPtr Builder::finish() const {
     }
     r.last_body = body_parent;
     r.C = before.R;
-    if (e.spec.type == DYN_JOINT_COMPOSITE) {
+    if (e.spec.type == DYN_JOINT_TYPE_COMPOSITE) {
       r.first_part = Index(a.parts.size()), r.parts = Index(e.parts.size());
       for (const JointPart& p : e.parts) {
         PartRecord part{};
@@ -258,7 +258,7 @@ ModelPtr Builder::finish() const {
     r.body = joint.last_body;
     store_se3(f.X, r.placement);
     r.link = -1;
-    if (f.type == DYN_FRAME_BODY) {
+    if (f.type == DYN_FRAME_TYPE_BODY) {
       LinkRecord link{f.mass, {}, {}};
       std::copy(f.com.begin(), f.com.end(), link.com);
       std::copy(f.inertia.begin(), f.inertia.end(), link.inertia);
@@ -286,7 +286,7 @@ ModelPtr Builder::finish() const {
     std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
     std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
     r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity, r.material = number_of(a.materials, s.shape.material);
-    if (r.role == DYN_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
+    if (r.role == DYN_SHAPE_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
     a.shapes.push_back(r);
   }
   n.shapes = Index(a.shapes.size()), n.geoms = Index(a.geoms.size()), n.materials = Index(a.materials.size());
@@ -300,7 +300,7 @@ ModelPtr Builder::finish() const {
     if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
   // room for it: it goes again when the pairs have been judged, which takes the finished model
   const bool several = n.geoms >= 2 && n.geoms <= max_geoms;
-  if (several) a.reports.push_back({DYN_REPORT_WARNING, 0, text.add(nothing_tested)});
+  if (several) a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(nothing_tested)});
   n.reports = Index(a.reports.size());
 
   for (const dynConstraint& c : constraints_of(in.constraints, id)) a.constraints.push_back({c, text.add(in.constraints[a.constraints.size()].name)});
@@ -368,7 +368,7 @@ ModelPtr Builder::finish() const {
     a.band_full.push_back(*std::min_element(e, e + 4)), a.band_end.push_back(*std::max_element(e, e + 4));
 
   // ids by name
-  auto precedence = [&](Index k) { return a.frames[std::size_t(k)].type == DYN_FRAME_BODY ? 1 : 0; };
+  auto precedence = [&](Index k) { return a.frames[std::size_t(k)].type == DYN_FRAME_TYPE_BODY ? 1 : 0; };
   a.joints_by_name.resize(std::size_t(n.joints)), a.frames_by_name.resize(std::size_t(n.frames));
   std::iota(a.joints_by_name.begin(), a.joints_by_name.end(), 0);
   std::iota(a.frames_by_name.begin(), a.frames_by_name.end(), 0);

@@ -118,7 +118,7 @@ void Builder::lock(const std::vector<std::string>& names, const std::vector<doub
   for (FrameEntry& f : next.frames) {
     if (f.joint < 0 || !locked[std::size_t(f.joint)]) continue;
     const std::size_t j = std::size_t(f.joint);
-    if (f.type == DYN_FRAME_JOINT) f.type = DYN_FRAME_FIXED_JOINT;
+    if (f.type == DYN_FRAME_TYPE_JOINT) f.type = DYN_FRAME_TYPE_FIXED_JOINT;
     f.X = X[j] * f.X;
     f.Y = act(f.X, Inertia<double>::at_com(f.mass, load3(f.com.data()), load33(f.inertia.data())));
     f.joint = joints[j].parent;

@@ -31,14 +31,14 @@ struct Judge {
     const auto special = wanted.find(std::minmax(geoms[std::size_t(a)].shape, geoms[std::size_t(b)].shape));
     const bool is_wanted = special != wanted.end();
     if (joint(a) == joint(b) || (!is_wanted && collision::neighbours(joints.data(), bodies.data(), frames.data(), shape(a).frame, shape(b).frame))) return;
-    const bool mesh = shape(a).type == DYN_SHAPE_MESH || shape(b).type == DYN_SHAPE_MESH;
+    const bool mesh = shape(a).type == DYN_SHAPE_TYPE_MESH || shape(b).type == DYN_SHAPE_TYPE_MESH;
     const bool masked = !collision::masks_meet({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
-    const dynPairReason reason = mesh                                                    ? DYN_PAIR_MESH
-                                 : is_wanted                                             ? DYN_PAIR_TESTED
-                                 : off.count(std::minmax(shape(a).frame, shape(b).frame)) ? DYN_PAIR_DISABLED
-                                 : masked                                                ? DYN_PAIR_MASK
-                                 : overlaps                                              ? DYN_PAIR_OVERLAPS
-                                                                                         : DYN_PAIR_TESTED;
+    const dynPairReason reason = mesh                                                    ? DYN_PAIR_REASON_MESH
+                                 : is_wanted                                             ? DYN_PAIR_REASON_TESTED
+                                 : off.count(std::minmax(shape(a).frame, shape(b).frame)) ? DYN_PAIR_REASON_DISABLED
+                                 : masked                                                ? DYN_PAIR_REASON_MASK
+                                 : overlaps                                              ? DYN_PAIR_REASON_OVERLAPS
+                                                                                         : DYN_PAIR_REASON_TESTED;
     pairs.push_back({std::uint16_t(a), std::uint16_t(b), std::uint8_t(reason), std::uint8_t(is_wanted ? 1 + special->second : 0)});
   }
   // Of so many that they are not listed.
@@ -100,15 +100,15 @@ std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const s
 }
 
 bool tests_nothing(const Model& m) {
-  return std::none_of(m.pairs(), m.pairs() + m.n.pairs, [](const PairRecord& p) { return p.reason == DYN_PAIR_TESTED; });
+  return std::none_of(m.pairs(), m.pairs() + m.n.pairs, [](const PairRecord& p) { return p.reason == DYN_PAIR_REASON_TESTED; });
 }
 
 void judge_pairs(const Model& m, PairRecord* pairs) {
   if (m.n.pairs == 0) return;
   judge(m, [&](Data<double>&, auto&& f) {
     for (Index k = 0; k < m.n.pairs; ++k)
-      if (pairs[k].reason == DYN_PAIR_TESTED && !pairs[k].wanted()) f(pairs[k].a, pairs[k].b, k);
-  }, [&](Index, Index, Index k) { pairs[k].reason = DYN_PAIR_OVERLAPS; });
+      if (pairs[k].reason == DYN_PAIR_REASON_TESTED && !pairs[k].wanted()) f(pairs[k].a, pairs[k].b, k);
+  }, [&](Index, Index, Index k) { pairs[k].reason = DYN_PAIR_REASON_OVERLAPS; });
 }
 
 GeomPairs overlapping(const Model& m) {

@@ -85,11 +85,11 @@ SurfacePtr surface_of(const Model& m, Index shape) {
     return std::make_shared<SurfaceData>(SurfaceData{Held<T>(view(from.header, m.surface_numbers() + from.numbers, m.surface_indices() + from.indices))});
   };
   if (s.surface < 0) return nullptr;
-  return s.type == DYN_SHAPE_CONVEX ? take(m.hulls()) : s.type == DYN_SHAPE_TRIANGLES ? take(m.trees()) : take(m.grids());
+  return s.type == DYN_SHAPE_TYPE_CONVEX ? take(m.hulls()) : s.type == DYN_SHAPE_TYPE_TRIANGLES ? take(m.trees()) : take(m.grids());
 }
 
 dynShapeType type_of(const SurfaceData& s) {
-  static constexpr dynShapeType types[] = {DYN_SHAPE_CONVEX, DYN_SHAPE_TRIANGLES, DYN_SHAPE_HEIGHT_FIELD};
+  static constexpr dynShapeType types[] = {DYN_SHAPE_TYPE_CONVEX, DYN_SHAPE_TYPE_TRIANGLES, DYN_SHAPE_TYPE_HEIGHT_FIELD};
   return types[s.held.index()];
 }
 

@@ -163,8 +163,8 @@ inline constexpr dynParts complete_parts(dynParts p) {
   if (p & DYN_PART_SECOND_ORDER) p |= DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_FORWARD_DERIVATIVES) p |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES;
   if (p & DYN_PART_INVERSE_DERIVATIVES) p |= DYN_PART_INVERSE | DYN_PART_MASS;
-  if (p & DYN_PART_MINV) p |= DYN_PART_FACTOR | DYN_PART_FORWARD;
-  if (p & DYN_PART_FACTOR) p |= DYN_PART_MASS;
+  if (p & DYN_PART_MINV) p |= DYN_PART_CHOLESKY | DYN_PART_FORWARD;
+  if (p & DYN_PART_CHOLESKY) p |= DYN_PART_MASS;
   if (p & DYN_PART_IK) p |= DYN_PART_COM;
   if (p & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES |
            DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR | DYN_PART_IK | DYN_PART_COLLISION)) p |= DYN_PART_KINEMATICS;
@@ -175,7 +175,7 @@ inline dynParts complete_parts(const Model& m, dynParts p) {
   p = complete_parts(p);
   if ((p & DYN_PART_SIMULATION) && m.n.slots + m.n.contacts + m.n.limits > 0) p = complete_parts(p | DYN_PART_CONSTRAINTS | (m.n.contacts > 0 ? DYN_PART_COLLISION : 0));
   if ((p & DYN_PART_SIMULATION) && m.n.drag_boxes > 0) p = complete_parts(p | DYN_PART_KINEMATICS);
-  return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_FACTOR) : p;
+  return m.has_mimic && (p & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) ? complete_parts(p | DYN_PART_CHOLESKY) : p;
 }
 
 // Bytes of the arena (a multiple of 64). possible: parts that a program may ask for, with what they imply; where memory for code is dear, a few:

@@ -74,7 +74,7 @@ void find_pairs(const Model& m, const Data<double>& d) {
   };
   if (lists_pairs(m)) {
     for (Index k = 0; k < m.n.pairs && w.pair_count <= room; ++k)
-      if (d.pair_states[k] == DYN_PAIR_TESTED) add(m.pairs()[k].a, m.pairs()[k].b, k);
+      if (d.pair_states[k] == DYN_PAIR_REASON_TESTED) add(m.pairs()[k].a, m.pairs()[k].b, k);
   } else if (w.clearance.possible) {
     Index pair;
     for (Index a = 0; a < m.n.geoms; ++a)

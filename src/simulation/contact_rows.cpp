@@ -51,7 +51,7 @@ void meet_contact(const Model& m, Data<double>& d, Index contact, double h, Cons
   law.material = own ? m.materials()[own - 1] : combined(w.materials[a], w.materials[b]);
   law.rows = contact_rows(law.material);
   law.idle = is_idle(d, c, law, h);
-  s.c.type = DYN_CONSTRAINT_POINT;
+  s.c.type = DYN_CONSTRAINT_TYPE_POINT;
   s.c.body1 = d.geoms[b].body, s.c.body2 = d.geoms[a].body;
   s.rows = law.rows;
 }

@@ -56,8 +56,8 @@ struct Finder {
     evaluate_rows(m, d, v, static_cast<const double*>(nullptr));
     for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index k) {
       const bool box = one_sided(s.c.type);
-      if (s.c.type == DYN_CONSTRAINT_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = limit_rate(s, v);
-      if (s.c.type == DYN_CONSTRAINT_FRICTION) s.lower[0] = -h * s.c.force, s.upper[0] = h * s.c.force, s.error[0] = 0;
+      if (s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = limit_rate(s, v);
+      if (s.c.type == DYN_CONSTRAINT_TYPE_FRICTION) s.lower[0] = -h * s.c.force, s.upper[0] = h * s.c.force, s.error[0] = 0;
       append(s, support_of(m, d, k), carried_of(m, d, k), box ? RowKind::Box : RowKind::Equality, -1);
     });
   }
@@ -80,7 +80,7 @@ struct Finder {
       if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) continue;
       ConstraintInstance<double>& s = next();
       s.c = Constraint{};
-      s.c.type = DYN_CONSTRAINT_LIMIT, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q;
+      s.c.type = DYN_CONSTRAINT_TYPE_LIMIT, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q;
       s.rows = 1;
       limit(s, q, lower, upper);
       s.rate[0] = limit_rate(s, v);
@@ -92,7 +92,7 @@ struct Finder {
     if (x.gap > 3 * h * ball_speed(r, v) + near || !(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) return;
     ConstraintInstance<double>& s = next();
     s.c = Constraint{};
-    s.c.type = DYN_CONSTRAINT_LIMIT, s.c.joint_type = DYN_JOINT_SPHERICAL, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q, s.c.axis = -x.axis;
+    s.c.type = DYN_CONSTRAINT_TYPE_LIMIT, s.c.joint_type = DYN_JOINT_TYPE_SPHERICAL, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q, s.c.axis = -x.axis;
     s.rows = 1, s.g1 = 1, s.g2 = 0;
     s.error[0] = x.gap, s.lower[0] = 0, s.upper[0] = HUGE_VAL;
     s.rate[0] = limit_rate(s, v);

@@ -9,7 +9,7 @@ namespace dyn::simulation {
 
 inline constexpr std::uint32_t on_bodies = DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION | acting_wrenches;
 
-// Of a medium on a body that moves in it by v, w, in the box's axes (dyn_builder_medium).
+// Of a medium on a body that moves in it by v, w, in the box's axes (dyn_builder_set_medium).
 template <class T>
 Force<T> drag(const Model& m, const DragBox& box, const Vec3<T>& v, const Vec3<T>& w) {
   using std::abs;

@@ -37,7 +37,7 @@ void fill_box(const Island& x, const ConstraintInstance<double>& s, Index k) {
   const Index i = s.first;
   x.g[i] = s.rate[0], x.bias[i] = may_close(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
-  if (x.w.closed > 0 && s.c.type == DYN_CONSTRAINT_LIMIT) note_late(x, s.error[0], limit_rate(s, x.v_before));
+  if (x.w.closed > 0 && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) note_late(x, s.error[0], limit_rate(s, x.v_before));
   x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
 }
 

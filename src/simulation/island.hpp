@@ -33,7 +33,7 @@ struct Island {
   ActiveConstraint& slot(Index k) const { return w.active[order[k]]; }
   std::ptrdiff_t stride() const { return padded_rows(rows); }
   bool large() const { return rows > island_rows(m); }
-  bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_PGS && (large() || !bounces); }  // of small ones restitution's guard is the matrix's
+  bool sweeps_alone() const { return w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS && (large() || !bounces); }  // of small ones restitution's guard is the matrix's
 
   // numbers and their meaning (island.cpp)
   void number();

@@ -126,7 +126,7 @@ void Island::solve(dynContactReport& best) {
   dynContactProblem p = problem(*this);
   p.friction = friction, p.torsion = torsion, p.rolling = rolling, p.compliance = compliance;
   if (bounces) p.restitution = restitution, p.v_minus = v_minus;
-  const dynContactSolverType other = w.options.solver == DYN_CONTACT_ADMM ? DYN_CONTACT_NEWTON : DYN_CONTACT_ADMM;
+  const dynContactSolverType other = w.options.solver == DYN_CONTACT_SOLVER_TYPE_ADMM ? DYN_CONTACT_SOLVER_TYPE_NEWTON : DYN_CONTACT_SOLVER_TYPE_ADMM;
   const struct {
     dynContactSolverType solver;
     bool warm, sweeps;
@@ -140,7 +140,7 @@ void Island::solve(dynContactReport& best) {
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;
     if (report.residual < best.residual) best = report, solver::unscale(p, w.solver.problem, w.solver.y, lambda);
-    if (best.residual <= w.options.tolerance || w.options.solver == DYN_CONTACT_PGS || w.time_is_up()) break;
+    if (best.residual <= w.options.tolerance || w.options.solver == DYN_CONTACT_SOLVER_TYPE_PGS || w.time_is_up()) break;
   }
   best.iterations = iterations, best.newton_steps = newton_steps;
   std::copy_n(asked, equalities, g);

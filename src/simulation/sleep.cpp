@@ -122,7 +122,7 @@ void begin_sleep(const Model& m, Data<double>& d, double h) {
   Sleep& z = w.sleep;
   z.met = z.all = false;
   const dynIntegrator i = w.options.integrator;
-  if (z.count == 0 || !(d.acting & DYN_EFFECT_SLEEPING) || (i != DYN_SEMI_IMPLICIT_EULER && i != DYN_IMPLICIT_FAST)) {
+  if (z.count == 0 || !(d.acting & DYN_EFFECT_SLEEPING) || (i != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && i != DYN_INTEGRATOR_IMPLICIT_FAST)) {
     if (z.acts || z.some) wake_all(m, d);
     return;
   }

@@ -99,7 +99,7 @@ bool Island::correct() {
       double wrong = 0;
       if (x.kind == RowKind::Equality && !(s.c.stiffness > 0 || s.c.damping > 0)) {
         wrong = part(s.error[r] + ahead * c[i], is_angle(x, r) ? 1 : w.length);
-      } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_LIMIT) {
+      } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) {
         wrong = one_sided(s.error[0] + ahead * c[i] + w.closed, is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box) {
         lower[in_boxes] = upper[in_boxes] = 0;

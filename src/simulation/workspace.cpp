@@ -108,6 +108,6 @@ std::size_t sleep_bytes(const Model& m) {
   return bytes;
 }
 
-dynStepOptions default_options() { return {sizeof(dynStepOptions), DYN_SEMI_IMPLICIT_EULER, 1e-3, 0, DYN_CONTACT_ADMM, 100, 1e-9, 1e-4, 0.5, 0, 0, 0}; }
+dynStepOptions default_options() { return {sizeof(dynStepOptions), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3, 0, DYN_CONTACT_SOLVER_TYPE_ADMM, 100, 1e-9, 1e-4, 0.5, 0, 0, 0}; }
 
 }  // namespace dyn::simulation

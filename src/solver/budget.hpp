@@ -18,16 +18,16 @@ struct Budget {
   const void* clock = nullptr;
 
   Index iterations = 0, newton_steps = 0, factorizations = 0;
-  dynContactStatus status = DYN_CONTACT_STALLED;
+  dynContactStatus status = DYN_CONTACT_STATUS_STALLED;
   double best = HUGE_VAL;  // residual of w.y
 
   bool spent() {
     if (iterations + newton_steps >= max_iterations) {
-      status = DYN_CONTACT_MAX_ITERATIONS;
+      status = DYN_CONTACT_STATUS_MAX_ITERATIONS;
       return true;
     }
     if (!expired || !expired(clock)) return false;
-    status = DYN_CONTACT_TIME;
+    status = DYN_CONTACT_STATUS_TIME_BUDGET;
     return true;
   }
 };
@@ -44,7 +44,7 @@ inline bool keep_best(Workspace& w, Budget& b, const double* y, const double* c)
   if (!(r < b.best) || drowns(p, y)) return false;
   b.best = r;
   std::copy_n(y, p.n, w.y), std::copy_n(own, p.n, w.c);
-  if (r <= b.tolerance) b.status = DYN_CONTACT_CONVERGED;
+  if (r <= b.tolerance) b.status = DYN_CONTACT_STATUS_CONVERGED;
   return r <= b.tolerance;
 }
 

@@ -39,7 +39,7 @@ void JointRun::operator()(double restitution) {
   for (Index i = 0; i < p.n; ++i) p.g[i] = w.free_g[i] + restitution * p.approach[i];
   p.speed = free_speed();
   const double tolerance = b.tolerance;
-  b.tolerance *= p.speed, b.best = HUGE_VAL, b.status = DYN_CONTACT_STALLED;
+  b.tolerance *= p.speed, b.best = HUGE_VAL, b.status = DYN_CONTACT_STATUS_STALLED;
   std::copy_n(w.y, p.n, w.x);
   times(p.G, w.x, p.g, w.v, p.n);
   if (p.speed == 0) {  // nothing moves
@@ -78,7 +78,7 @@ void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, c
     run(factor);
     iterations += b.iterations, newton_steps += b.newton_steps;
   };
-  const auto late = [&] { return b.status == DYN_CONTACT_TIME; };  // what there is has to do
+  const auto late = [&] { return b.status == DYN_CONTACT_STATUS_TIME_BUDGET; };  // what there is has to do
   if (p.bounces && run.refused() && !late()) {
     b.warm = false;
     double low = 0, high = 1;

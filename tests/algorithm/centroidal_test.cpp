@@ -61,11 +61,11 @@ TEST(Centroidal, MomentumAndInertiaAreSumsOverTheLinks) {
     forward_kinematics<1>(c.m, c.w.d);
     for (Index k = 0; k < c.m.n.frames; ++k) {
       const FrameRecord& f = c.m.frames()[k];
-      if (f.type != DYN_FRAME_BODY || f.joint == 0) continue;
+      if (f.type != DYN_FRAME_TYPE_BODY || f.joint == 0) continue;
       const LinkRecord& link = c.m.links()[f.link];
       double X[12];
       V6 V;
-      frame_placement(c.m, c.w.d, k, X), frame_velocity(c.m, c.w.d, k, DYN_LOCAL_WORLD_ALIGNED, V.data());
+      frame_placement(c.m, c.w.d, k, X), frame_velocity(c.m, c.w.d, k, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, V.data());
       const M3 R = eigen(X).topLeftCorner<3, 3>(), Ic = R * Eigen::Map<const M3>(link.inertia) * R.transpose();
       const V3 w = V.tail<3>(), arm = R * V3(link.com), p = link.mass * (V.head<3>() + w.cross(arm)), r = V3(X + 9) + arm - x.com;
       h.head<3>() += p;
@@ -106,7 +106,7 @@ TEST(Centroidal, RateIsMapTimesAccelerationPlusItsVariationTimesVelocity) {
 // The same robot on a free base.
 Tree floating(Tree tree) {
   JointSpec base;
-  base.name = "base", base.type = DYN_JOINT_FREE_FLYER;
+  base.name = "base", base.type = DYN_JOINT_TYPE_FREE_FLYER;
   for (JointSpec& s : tree.joints)
     if (s.parent.name.empty()) s.parent.name = "base";
   tree.joints.insert(tree.joints.begin(), base);

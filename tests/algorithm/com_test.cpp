@@ -13,7 +13,7 @@ std::pair<double, V3> sum_of_links(Case& c, Carried&& carried) {
   V3 moment = V3::Zero();
   for (Index f = 0; f < c.m.n.frames; ++f) {
     const FrameRecord& frame = c.m.frames()[f];
-    if (frame.type != DYN_FRAME_BODY || frame.joint == 0 || !carried(frame.joint)) continue;
+    if (frame.type != DYN_FRAME_TYPE_BODY || frame.joint == 0 || !carried(frame.joint)) continue;
     double X[12];
     frame_placement(c.m, c.w.d, f, X);
     const LinkRecord& link = c.m.links()[frame.link];

@@ -89,7 +89,7 @@ TEST(Dynamics, ExternalForcesAreJacobianTransposedTimesForce) {
     double scale = 0;
     MatrixXd J(6, c.nv);
     for (Index j = 1; j < c.m.n.joints; ++j) {
-      frame_jacobian(c.m, c.w.d, joint_frame(c.m, j), DYN_LOCAL, J.data());
+      frame_jacobian(c.m, c.w.d, joint_frame(c.m, j), DYN_REFERENCE_LOCAL, J.data());
       expected += J.transpose() * f.col(j);
       scale += largest(J.transpose() * f.col(j));
     }
@@ -112,13 +112,13 @@ TEST(Dynamics, AtRestInverseDynamicsIsGravityBitForBit) {
     const VectorXd zero = VectorXd::Zero(nv);
     VectorXd tau(nv), g(nv), nle(nv), held(nv);
     EXPECT_EQ(DYN_OK, dyn_rnea(m, d, x.q.data(), zero.data(), zero.data(), nullptr, tau.data()));
-    EXPECT_EQ(DYN_OK, dyn_gravity(m, d, x.q.data(), g.data()));
-    EXPECT_EQ(DYN_OK, dyn_nonlinear_effects(m, d, x.q.data(), zero.data(), nle.data()));
+    EXPECT_EQ(DYN_OK, dyn_gravity_torque(m, d, x.q.data(), g.data()));
+    EXPECT_EQ(DYN_OK, dyn_nle(m, d, x.q.data(), zero.data(), nle.data()));
     EXPECT_EQ(DYN_OK, dyn_static_torque(m, d, x.q.data(), nullptr, held.data()));
     for (const VectorXd* other : {&g, &nle, &held}) EXPECT_EQ(0, std::memcmp(tau.data(), other->data(), sizeof(double) * std::size_t(nv))) << seed;
     // also after the data was elsewhere, moving
     EXPECT_EQ(DYN_OK, dyn_rnea(m, d, elsewhere.data(), x.v.data(), x.a.data(), nullptr, nullptr));
-    EXPECT_EQ(DYN_OK, dyn_gravity(m, d, x.q.data(), g.data()));
+    EXPECT_EQ(DYN_OK, dyn_gravity_torque(m, d, x.q.data(), g.data()));
     EXPECT_EQ(0, std::memcmp(tau.data(), g.data(), sizeof(double) * std::size_t(nv))) << seed;
     dyn_data_free(d);
     dyn_model_free(m);

@@ -28,7 +28,7 @@ VectorXd resistance(const Case& c) {
   difference(c.m, c.m.spring_reference(), c.x.q.data(), e.data());
   for (Index j = 1; j < c.m.n.joints; ++j) {
     const JointRecord& joint = c.m.joints()[j];
-    if (joint.type == DYN_JOINT_CONTINUOUS && joint.nv) e[joint.idx_v] = c.x.q[joint.idx_q] - c.m.spring_reference()[joint.idx_q];  // turns count
+    if (joint.type == DYN_JOINT_TYPE_CONTINUOUS && joint.nv) e[joint.idx_v] = c.x.q[joint.idx_q] - c.m.spring_reference()[joint.idx_q];  // turns count
   }
   for (Index k = 0; k < c.nv; ++k)
     r[k] = c.m.damping()[k] * c.x.v[k] + c.m.friction()[k] * std::tanh(c.x.v[k] / DYN_FRICTION_VELOCITY) + c.m.stiffness()[k] * e[k];
@@ -237,7 +237,7 @@ struct Wheel {
 };
 JointSpec wheel() {
   JointSpec s;
-  s.name = "axle", s.type = DYN_JOINT_REVOLUTE;
+  s.name = "axle", s.type = DYN_JOINT_TYPE_REVOLUTE;
   return s;
 }
 
@@ -246,7 +246,7 @@ TEST(Effects, RungeKuttaOnDampedOscillation) {
   s.stiffness = {18}, s.damping = {1.2}, s.spring_reference = {0.3};  // I = 2: omega_0 = 3, delta = 0.3
   Wheel x(s);
   x.w.q(std::vector{1.3});
-  for (int k = 0; k < 2000; ++k) ASSERT_EQ(0, take_step(*x.model, x.w.d, DYN_RK4, 1e-3));
+  for (int k = 0; k < 2000; ++k) ASSERT_EQ(0, take_step(*x.model, x.w.d, DYN_INTEGRATOR_RK4, 1e-3));
   const double t = 2, delta = 0.3, omega = std::sqrt(9 - delta * delta);
   EXPECT_NEAR(0.3 + std::exp(-delta * t) * (std::cos(omega * t) + delta / omega * std::sin(omega * t)), x.w.d.q[0], 1e-11);
 }
@@ -261,7 +261,7 @@ TEST(Effects, StiffDampingAndFrictionStayStable) {
       x.w.v(std::vector{5.});
       double before = 5;
       for (int k = 0; k < 1000; ++k) {
-        ASSERT_EQ(0, take_step(*x.model, x.w.d, DYN_SEMI_IMPLICIT_EULER, 1e-2));
+        ASSERT_EQ(0, take_step(*x.model, x.w.d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-2));
         ASSERT_LE(0, x.w.d.v[0]);
         ASSERT_LE(x.w.d.v[0], before);
         before = x.w.d.v[0];
@@ -276,7 +276,7 @@ TEST(Effects, DryFrictionStops) {
   s.friction = {0.5};
   Wheel x(s);
   x.w.v(std::vector{2.});
-  for (int k = 0; k < 100000; ++k) ASSERT_EQ(0, take_step(*x.model, x.w.d, DYN_SEMI_IMPLICIT_EULER, 1e-4));
+  for (int k = 0; k < 100000; ++k) ASSERT_EQ(0, take_step(*x.model, x.w.d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-4));
   // 4 s of -0.25 rad/s^2 a second: 2^2 * 2 / (2 * 0.5) / 2 = 8 ... less what tanh lacks
   EXPECT_NEAR(2. * 2 * 2 / (2 * 0.5), x.w.d.q[0], 2e-3);
   EXPECT_LE(x.w.d.v[0], 1e-12);

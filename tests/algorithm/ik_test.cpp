@@ -30,7 +30,7 @@ Quads errors(Work<Quad>& w, const dynIkTask& t, const VectorXd& q, const VectorX
   ik_retract(m, from.data(), step.data(), moved.data());
   w.q(moved);
   center_of_mass(m, w.d, 0);
-  if (t.type == DYN_IK_POSTURE) {
+  if (t.type == DYN_IK_TASK_TYPE_POSTURE) {
     for_posture(m, w.d.q, t, [&]<class J>(const Body&, const Quad*, const Quad* e) { out.insert(out.end(), e, e + J::nv); });
     return out;
   }
@@ -47,7 +47,7 @@ TEST(InverseKinematics, JacobiansAreTheDerivativesOfTheErrors) {
     Dice dice(c.x.q.size() ? std::uint64_t(1e6 + 1e5 * c.x.q[0]) : 1);
     Work<Quad> w(c.m);
     const State other(c.m, 99);
-    for (dynIkTaskType type : {DYN_IK_POSE, DYN_IK_POSITION, DYN_IK_ORIENTATION, DYN_IK_COM, DYN_IK_POSTURE}) {
+    for (dynIkTaskType type : {DYN_IK_TASK_TYPE_POSE, DYN_IK_TASK_TYPE_POSITION, DYN_IK_TASK_TYPE_ORIENTATION, DYN_IK_TASK_TYPE_COM, DYN_IK_TASK_TYPE_POSTURE}) {
       dynIkTask t = task(type, dice.below(c.m.n.frames));
       aim(t, dice.pose(0.5));
       t.posture = other.q.data();
@@ -117,7 +117,7 @@ TEST(InverseKinematics, ReachesWhatCanBeReached) {
     dynIkTask tasks[3];
     ensure_position(c.m, c.w.d);
     for (int k = 0; k < 3; ++k) {
-      tasks[k] = task(k == 0 ? DYN_IK_POSE : k == 1 ? DYN_IK_POSITION : DYN_IK_ORIENTATION, dice.below(c.m.n.frames));
+      tasks[k] = task(k == 0 ? DYN_IK_TASK_TYPE_POSE : k == 1 ? DYN_IK_TASK_TYPE_POSITION : DYN_IK_TASK_TYPE_ORIENTATION, dice.below(c.m.n.frames));
       frame_placement(c.m, c.w.d, tasks[k].frame, tasks[k].target);
     }
     const State start(c.m, 1234);
@@ -126,12 +126,12 @@ TEST(InverseKinematics, ReachesWhatCanBeReached) {
     dynIkResult result{};
     ASSERT_TRUE(inverse_kinematics(c.m, c.w.d, list, some_options(), result));
     const VectorXd q = matrix(c.w.d.q, c.m.n.nq);
-    ++all, reached += result.reason == DYN_IK_CONVERGED;
+    ++all, reached += result.reason == DYN_IK_REASON_CONVERGED;
     EXPECT_EQ(0, zero_norm_joint(c.m, q.data()));
     for (Index j = 1; j < c.m.n.joints; ++j)
       for (Index k = c.m.joints()[j].idx_q; k < c.m.joints()[j].idx_q + c.m.joints()[j].nq; ++k)
         EXPECT_TRUE(c.m.joints()[j].nq != c.m.joints()[j].nv || (c.m.lower_limit()[k] <= q[k] && q[k] <= c.m.upper_limit()[k])) << k;
-    if (result.reason != DYN_IK_CONVERGED) return;
+    if (result.reason != DYN_IK_REASON_CONVERGED) return;
     c.w.d.changed(input_q);
     ensure_position(c.m, c.w.d);
     for (const dynIkTask& t : tasks) {
@@ -139,8 +139,8 @@ TEST(InverseKinematics, ReachesWhatCanBeReached) {
       frame_placement(c.m, c.w.d, t.frame, x.data());
       const SE3<double> target = load_se3(t.target), X = load_se3(x.data());
       const double angle = eigen(log3(target.inverse().R * X.R)).norm(), distance = (eigen(X.p) - eigen(target.p)).norm();
-      EXPECT_LE(t.type == DYN_IK_ORIENTATION ? 0 : distance, 1.0001e-8);
-      EXPECT_LE(t.type == DYN_IK_POSITION ? 0 : angle, 1.0001e-8);
+      EXPECT_LE(t.type == DYN_IK_TASK_TYPE_ORIENTATION ? 0 : distance, 1.0001e-8);
+      EXPECT_LE(t.type == DYN_IK_TASK_TYPE_POSITION ? 0 : angle, 1.0001e-8);
     }
   }, tree_count, small);
   EXPECT_GE(reached, all * 99 / 100);

@@ -37,7 +37,7 @@ TEST(Invariance, CentroidalQuantitiesFarFromTheOrigin) {
         for (JointSpec& s : here.joints)  // one tree: the distance of two would be rounded, too
           if (s.parent.name.empty()) s.parent.name = "base";
         JointSpec base;
-        base.name = "base", base.type = DYN_JOINT_SPHERICAL;
+        base.name = "base", base.type = DYN_JOINT_TYPE_SPHERICAL;
         here.joints.insert(here.joints.begin(), base);
         Dice dice(1);
         here.bodies.push_back(random_body(dice, "trunk", "base"));
@@ -102,9 +102,9 @@ TEST(Invariance, TheNormOfQuaternionsAndCosSinPairs) {
       VectorXd q = c.x.q;
       for (Index j = 1; j < c.m.n.joints; ++j) {
         const JointRecord& r = c.m.joints()[j];
-        if (r.type == DYN_JOINT_SPHERICAL) q.segment(r.idx_q, 4) *= factor;
-        if (r.type == DYN_JOINT_FREE_FLYER) q.segment(r.idx_q + 3, 4) *= factor;
-        if (r.type == DYN_JOINT_REVOLUTE_UNBOUNDED) q.segment(r.idx_q, 2) *= std::abs(factor);  // -q is half a turn here
+        if (r.type == DYN_JOINT_TYPE_SPHERICAL) q.segment(r.idx_q, 4) *= factor;
+        if (r.type == DYN_JOINT_TYPE_FREE_FLYER) q.segment(r.idx_q + 3, 4) *= factor;
+        if (r.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) q.segment(r.idx_q, 2) *= std::abs(factor);  // -q is half a turn here
       }
       c.w.q(q);
       EXPECT_LE(gap(c.rnea(c.x.v, c.x.a), tau), tol * scale);

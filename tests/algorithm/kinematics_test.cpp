@@ -40,8 +40,8 @@ V6 expressed(const M4& X, dynReference reference, const V6& at_origin) {
   const V3 p = X.topRightCorner<3, 1>(), w = at_origin.tail<3>();
   const M3 R = X.topLeftCorner<3, 3>();
   V6 out = at_origin;
-  if (reference == DYN_WORLD) out.head<3>() += p.cross(w);
-  if (reference == DYN_LOCAL) out << R.transpose() * at_origin.head<3>(), R.transpose() * w;
+  if (reference == DYN_REFERENCE_WORLD) out.head<3>() += p.cross(w);
+  if (reference == DYN_REFERENCE_LOCAL) out << R.transpose() * at_origin.head<3>(), R.transpose() * w;
   return out;
 }
 M4 pose(Case& c, Index frame) {
@@ -87,7 +87,7 @@ TEST(Kinematics, JacobianColumnsAreRatesOfThePlacement) {
         Path path(c, f);
         forward_kinematics<0>(c.m, c.w.d);
         MatrixXd J(6, c.nv);
-        frame_jacobian(c.m, c.w.d, f, DYN_LOCAL_WORLD_ALIGNED, J.data());
+        frame_jacobian(c.m, c.w.d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, J.data());
         for (Index k = 0; k < c.nv; ++k) EXPECT_LE(gap(path.velocity(VectorXd::Unit(c.nv, k)), J.col(k)), tol * (1 + largest(J)));
       },
       100, small);
@@ -102,9 +102,9 @@ TEST(Kinematics, JointJacobiansAreThoseOfTheJointsFrames) {
         for (Index j = 1; j < c.m.n.joints; ++j) {
           const JointRecord& joint = c.m.joints()[j];
           if (c.m.has_mimic || joint.nv == 0) continue;
-          frame_jacobian(c.m, c.w.d, joint_frame(c.m, j), DYN_WORLD, of_frame.data());
+          frame_jacobian(c.m, c.w.d, joint_frame(c.m, j), DYN_REFERENCE_WORLD, of_frame.data());
           EXPECT_LE(gap(of_frame.middleCols(joint.idx_v, joint.nv), J.middleCols(joint.idx_v, joint.nv)), tol * (1 + largest(J)));
-          frame_jacobian_time_variation(c.m, c.w.d, joint_frame(c.m, j), DYN_WORLD, of_frame.data());
+          frame_jacobian_time_variation(c.m, c.w.d, joint_frame(c.m, j), DYN_REFERENCE_WORLD, of_frame.data());
           EXPECT_LE(gap(of_frame.middleCols(joint.idx_v, joint.nv), dJ.middleCols(joint.idx_v, joint.nv)), tol * (1 + largest(dJ)));
         }
       },
@@ -159,15 +159,15 @@ TEST(Kinematics, ClassicalAccelerationIsTheSecondDerivativeOfThePosition) {
     forward_kinematics<2>(c.m, c.w.d);
     const M4 X = pose(c, f);
     V6 v, a, spatial;
-    frame_velocity(c.m, c.w.d, f, DYN_LOCAL_WORLD_ALIGNED, v.data());
-    frame_acceleration(c.m, c.w.d, f, DYN_LOCAL_WORLD_ALIGNED, true, a.data());
+    frame_velocity(c.m, c.w.d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, v.data());
+    frame_acceleration(c.m, c.w.d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, true, a.data());
     // ddR R^T = [alpha] + [omega]^2
     const M3 W = hat(v.tail<3>()), A = M3(ddX.data()) * X.topLeftCorner<3, 3>().transpose() - W * W;
     const double scale = 1 + largest(ddX) + largest(a) + largest(W * W);
     EXPECT_LE(gap(V3(a.head<3>()), ddX.bottomRows(3)), 10 * tol * scale);  // second differences: 1e-12 of |v|^4
     EXPECT_LE(gap(hat(a.tail<3>()), A), 10 * tol * scale);
     // spatial = classical - omega x v
-    frame_acceleration(c.m, c.w.d, f, DYN_LOCAL_WORLD_ALIGNED, false, spatial.data());
+    frame_acceleration(c.m, c.w.d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, false, spatial.data());
     EXPECT_LE(gap(spatial.head<3>(), a.head<3>() - v.tail<3>().cross(v.head<3>())), tol * scale);
     EXPECT_EQ(0, gap(spatial.tail<3>(), a.tail<3>()));
     // the same in the other references; WORLD spatial is the derivative of the WORLD velocity
@@ -178,7 +178,7 @@ TEST(Kinematics, ClassicalAccelerationIsTheSecondDerivativeOfThePosition) {
       frame_acceleration(c.m, c.w.d, f, r, false, sr.data());
       EXPECT_LE(gap(sr, expressed(X, r, spatial)), tol * scale * (1 + largest(X)));
       EXPECT_LE(gap(ar.head<3>(), sr.head<3>() + vr.tail<3>().cross(vr.head<3>())), tol * scale * (1 + largest(X) * largest(X)));
-      if (r == DYN_LOCAL) {
+      if (r == DYN_REFERENCE_LOCAL) {
         EXPECT_LE(gap(ar, expressed(X, r, a)), tol * scale);
       }
     }
@@ -190,7 +190,7 @@ TEST(Kinematics, SpatialAccelerationIsJacobianTimesAccelerationPlusItsRate) {
     forward_kinematics<2>(c.m, c.w.d);
     const Index f = some_frame(c);
     MatrixXd J(6, c.nv), dJ(6, c.nv);
-    for (dynReference r : {DYN_WORLD, DYN_LOCAL}) {
+    for (dynReference r : {DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL}) {
       V6 a;
       frame_jacobian(c.m, c.w.d, f, r, J.data());
       frame_jacobian_time_variation(c.m, c.w.d, f, r, dJ.data());
@@ -198,9 +198,9 @@ TEST(Kinematics, SpatialAccelerationIsJacobianTimesAccelerationPlusItsRate) {
       EXPECT_LE(gap(J * c.x.a + dJ * c.x.v, a), tol * (1 + largest(a) + largest(J) + largest(dJ)));
     }
     V6 a;  // aligned: J's origin moves with the frame, so that its rate gives the classical one
-    frame_jacobian(c.m, c.w.d, f, DYN_LOCAL_WORLD_ALIGNED, J.data());
-    frame_jacobian_time_variation(c.m, c.w.d, f, DYN_LOCAL_WORLD_ALIGNED, dJ.data());
-    frame_acceleration(c.m, c.w.d, f, DYN_LOCAL_WORLD_ALIGNED, true, a.data());
+    frame_jacobian(c.m, c.w.d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, J.data());
+    frame_jacobian_time_variation(c.m, c.w.d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, dJ.data());
+    frame_acceleration(c.m, c.w.d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, true, a.data());
     EXPECT_LE(gap(J * c.x.a + dJ * c.x.v, a), tol * (1 + largest(a) + largest(J) + largest(dJ)));
   });
 }
@@ -211,9 +211,9 @@ TEST(Kinematics, UniverseStandsStill) {
         forward_kinematics<2>(c.m, c.w.d);
         V6 x;
         EXPECT_EQ(0, gap(pose(c, 0), M4::Identity()));
-        frame_velocity(c.m, c.w.d, 0, DYN_WORLD, x.data());
+        frame_velocity(c.m, c.w.d, 0, DYN_REFERENCE_WORLD, x.data());
         EXPECT_EQ(0, largest(x));
-        frame_acceleration(c.m, c.w.d, 0, DYN_LOCAL, true, x.data());
+        frame_acceleration(c.m, c.w.d, 0, DYN_REFERENCE_LOCAL, true, x.data());
         EXPECT_EQ(0, largest(x)) << "no gravity in kinematics";
       },
       10);

@@ -70,7 +70,7 @@ TEST(Quadruple, ForwardDynamicsOfBadlyConditionedChains) {
     for (double ratio : {0.3, 1.0, 3.0, 10.0}) {
       SCOPED_TRACE(testing::Message() << links << " links, mass ratio " << ratio);
       TreeOptions options;
-      options.joints = links, options.types = {DYN_JOINT_REVOLUTE}, options.branch = options.mimic = options.massless = options.armature = 0;
+      options.joints = links, options.types = {DYN_JOINT_TYPE_REVOLUTE}, options.branch = options.mimic = options.massless = options.armature = 0;
       Tree tree = random_tree(std::uint64_t(links), options);
       double mass = 1;
       for (BodySpec& b : tree.bodies) b.inertia *= mass / b.mass, b.mass = mass, mass *= ratio;

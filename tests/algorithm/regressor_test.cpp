@@ -44,7 +44,7 @@ TEST(Regressor, TorqueIsLinearInTheParameters) {
 // Chains long enough for whole blocks of rows, and their remainders.
 TEST(Regressor, TorqueOfChains) {
   TreeOptions chains;
-  chains.branch = chains.mimic = 0, chains.types = {DYN_JOINT_REVOLUTE};
+  chains.branch = chains.mimic = 0, chains.types = {DYN_JOINT_TYPE_REVOLUTE};
   for (chains.joints = 1; chains.joints <= 26; ++chains.joints) {
     SCOPED_TRACE(chains.joints);
     Case c(std::uint64_t(chains.joints), chains);
@@ -105,8 +105,8 @@ V6 newton_euler(Case& c, Index frame) {
   double X[12];
   V6 V, A;
   frame_placement(c.m, c.w.d, frame, X);
-  frame_velocity(c.m, c.w.d, frame, DYN_LOCAL, V.data());
-  frame_acceleration(c.m, c.w.d, frame, DYN_LOCAL, true, A.data());
+  frame_velocity(c.m, c.w.d, frame, DYN_REFERENCE_LOCAL, V.data());
+  frame_acceleration(c.m, c.w.d, frame, DYN_REFERENCE_LOCAL, true, A.data());
   const M3 R = eigen(X).topLeftCorner<3, 3>(), I = Eigen::Map<const M3>(link.inertia);
   const V3 com(link.com), w = V.tail<3>(), dw = A.tail<3>();
   const V3 force = link.mass * (A.head<3>() + dw.cross(com) + w.cross(w.cross(com)) - R.transpose() * c.tree.gravity);
@@ -122,7 +122,7 @@ TEST(Regressor, OfTheBodyOfAFrame) {
     VectorXd scale = VectorXd::Zero(c.m.n.joints);
     for (Index k = 0; k < c.m.n.frames; ++k) {
       const FrameRecord& f = c.m.frames()[k];
-      if (f.type != DYN_FRAME_BODY) continue;
+      if (f.type != DYN_FRAME_TYPE_BODY) continue;
       const LinkRecord& link = c.m.links()[f.link];
       MatrixXd Y(6, 10);
       frame_body_regressor(c.w.d, frame_pose(c.m, c.w.d, k), Y.data());

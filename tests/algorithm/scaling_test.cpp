@@ -17,7 +17,7 @@ ModelPtr robot(int n, const std::function<int(int)>& parent) {
   Dice dice(1);
   Builder b("robot");
   for (int k = 1; k <= n; ++k) {
-    JointSpec s = random_joint(dice, DYN_JOINT_REVOLUTE);
+    JointSpec s = random_joint(dice, DYN_JOINT_TYPE_REVOLUTE);
     const std::string name = std::to_string(k), above = parent(k) ? std::to_string(parent(k)) : "universe";
     s.name = "joint" + name, s.parent = {parent(k) ? "joint" + above : "", 0};
     b.joint(s);

@@ -7,7 +7,7 @@ namespace {
 Tree free_body() {
   Tree t;
   JointSpec s;
-  s.name = "body", s.type = DYN_JOINT_FREE_FLYER;
+  s.name = "body", s.type = DYN_JOINT_TYPE_FREE_FLYER;
   t.joints.push_back(s);
   BodySpec b;
   b.name = "link", b.parent = "body", b.com = V3(0.1, -0.2, 0.05), b.inertia = V3(0.2, 0.5, 0.6).asDiagonal();
@@ -16,7 +16,7 @@ Tree free_body() {
 }
 Tree chain() {
   Tree t;
-  const dynJointType types[] = {DYN_JOINT_SPHERICAL, DYN_JOINT_REVOLUTE, DYN_JOINT_SPHERICAL, DYN_JOINT_UNIVERSAL, DYN_JOINT_PRISMATIC, DYN_JOINT_REVOLUTE_UNBOUNDED};
+  const dynJointType types[] = {DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_UNIVERSAL, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED};
   Dice dice(21);
   for (int k = 0; k < 6; ++k) {
     JointSpec s = random_joint(dice, types[k]);
@@ -68,7 +68,7 @@ class Steps : public testing::TestWithParam<Tree (*)()> {};
 double observed_order(Tree (*make)(), dynIntegrator integrator, int steps) {
   Flight reference(make());
   const double duration = 0.5;
-  reference.advance(DYN_REFERENCE, duration, 10);
+  reference.advance(DYN_INTEGRATOR_REFERENCE, duration, 10);
   const auto error = [&](int n) {
     Flight flight(make());
     flight.advance(integrator, duration, n);
@@ -79,24 +79,24 @@ double observed_order(Tree (*make)(), dynIntegrator integrator, int steps) {
 }
 
 // The asymptotic order shows within a quarter where the error is near 1e-9, far above rounding.
-TEST_P(Steps, RungeKuttaIsOfOrderFour) { EXPECT_NEAR(4, observed_order(GetParam(), DYN_RK4, 250), 0.25); }
-TEST_P(Steps, DormandPrinceIsOfOrderFive) { EXPECT_NEAR(5, observed_order(GetParam(), DYN_RK45, 60), 0.4); }
-TEST_P(Steps, TheMidpointRuleIsOfOrderTwo) { EXPECT_NEAR(2, observed_order(GetParam(), DYN_IMPLICIT_MIDPOINT, 500), 0.1); }
+TEST_P(Steps, RungeKuttaIsOfOrderFour) { EXPECT_NEAR(4, observed_order(GetParam(), DYN_INTEGRATOR_RK4, 250), 0.25); }
+TEST_P(Steps, DormandPrinceIsOfOrderFive) { EXPECT_NEAR(5, observed_order(GetParam(), DYN_INTEGRATOR_RK45, 60), 0.4); }
+TEST_P(Steps, TheMidpointRuleIsOfOrderTwo) { EXPECT_NEAR(2, observed_order(GetParam(), DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 500), 0.1); }
 TEST_P(Steps, EulerStepsAreOfOrderOne) {
-  EXPECT_NEAR(1, observed_order(GetParam(), DYN_SEMI_IMPLICIT_EULER, 1000), 0.1);
-  EXPECT_NEAR(1, observed_order(GetParam(), DYN_IMPLICIT_FAST, 1000), 0.1);
+  EXPECT_NEAR(1, observed_order(GetParam(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1000), 0.1);
+  EXPECT_NEAR(1, observed_order(GetParam(), DYN_INTEGRATOR_IMPLICIT_FAST, 1000), 0.1);
 }
 
 // Steps of the reference do not matter, and those that an accuracy takes keep it: an error that grows little within the time.
 TEST_P(Steps, AccuracyIsKept) {
   Flight reference(GetParam()()), other(GetParam()());
-  reference.advance(DYN_REFERENCE, 0.5, 10);
-  other.advance(DYN_REFERENCE, 0.5, 1);
+  reference.advance(DYN_INTEGRATOR_REFERENCE, 0.5, 10);
+  other.advance(DYN_INTEGRATOR_REFERENCE, 0.5, 1);
   EXPECT_LE(apart(reference, other), 1e-11);
   for (const double accuracy : {1e-3, 1e-6, 1e-9}) {
     Flight flight(GetParam()());
     dynStepReport report{};
-    ASSERT_EQ(0, integrator::advance(*flight.model, flight.w.d, DYN_RK4, 0.5, accuracy, report));
+    ASSERT_EQ(0, integrator::advance(*flight.model, flight.w.d, DYN_INTEGRATOR_RK4, 0.5, accuracy, report));
     EXPECT_LE(apart(flight, reference), 30 * accuracy) << accuracy;
     EXPECT_LE(report.error_estimate, accuracy * (1 + 1e-12));
     EXPECT_EQ(0.5, report.time);
@@ -108,9 +108,9 @@ TEST_P(Steps, AccuracyIsKept) {
 TEST_P(Steps, TheMidpointRuleIsReversible) {
   Flight flight(GetParam()()), start(GetParam()());
   const auto turn = [&] { for (Index k = 0; k < flight.model->n.nv; ++k) flight.w.d.v[k] = -flight.w.d.v[k]; };
-  flight.advance(DYN_IMPLICIT_MIDPOINT, 0.2, 200);
+  flight.advance(DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 0.2, 200);
   turn();
-  flight.advance(DYN_IMPLICIT_MIDPOINT, 0.2, 200);
+  flight.advance(DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 0.2, 200);
   turn();
   EXPECT_LE(apart(flight, start), 1e-10);
 }
@@ -121,7 +121,7 @@ TEST_P(Steps, RungeKuttaKeepsEnergyToItsOrder) {
     const double before = flight.energy();
     double most = 0;
     for (int k = 0; k < steps; ++k) {
-      flight.advance(DYN_RK4, 0.5 / steps, 1);
+      flight.advance(DYN_INTEGRATOR_RK4, 0.5 / steps, 1);
       most = std::max(most, std::abs(flight.energy() - before) / (1 + std::abs(before)));
     }
     return most;
@@ -132,7 +132,7 @@ TEST_P(Steps, RungeKuttaKeepsEnergyToItsOrder) {
   EXPECT_GE(std::log2(drift(steps) / drift(2 * steps)), 3.5) << drift(steps);
 }
 TEST_P(Steps, OrientationsStayUnit) {
-  for (const dynIntegrator i : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) {
+  for (const dynIntegrator i : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE}) {
     Flight flight(GetParam()());
     flight.advance(i, 1, 600);
     EXPECT_LE(norm_error(*flight.model, flight.w.d.q), 4e-16) << i;
@@ -140,7 +140,7 @@ TEST_P(Steps, OrientationsStayUnit) {
 }
 // What their memory holds before is nobody's: checked builds fill it with NaN.
 TEST_P(Steps, BeginWithAnyMemory) {
-  for (const dynIntegrator i : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) {
+  for (const dynIntegrator i : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE}) {
     Flight plain(GetParam()()), filled(GetParam()());
     const ModelSizes& n = plain.model->n;
     std::fill_n(plain.w.d.stages, integrator_stage_count(n.nq, n.nv, n.na), 0.0);
@@ -168,7 +168,7 @@ TEST(Steps, AFreeBodyKeepsItsMomentum) {
     return h;
   };
   const V6 before = momentum();
-  flight.advance(DYN_RK4, 2, 2000);
+  flight.advance(DYN_INTEGRATOR_RK4, 2, 2000);
   EXPECT_LE(gap(momentum(), before), 1e-10);  // the method's error at steps of 1 ms: h^4 = 1e-12 times two seconds of turning
 }
 
@@ -179,7 +179,7 @@ TEST(Steps, FreeFallIsExact) {
   Flight flight(t);
   flight.w.v(VectorXd::Zero(6));
   const V3 start(flight.w.d.q);
-  flight.advance(DYN_RK4, 1, 10);
+  flight.advance(DYN_INTEGRATOR_RK4, 1, 10);
   EXPECT_LE(gap(V3(flight.w.d.q), start + 0.5 * t.gravity), 1e-14);
 }
 
@@ -196,7 +196,7 @@ TEST(Steps, TheMidpointRuleKeepsTheEnergyOfAPendulumForever) {
   const double before = flight.energy();
   double early = 0, late = 0;
   for (int k = 0; k < 20000; ++k) {
-    flight.advance(DYN_IMPLICIT_MIDPOINT, 0.05, 1);
+    flight.advance(DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 0.05, 1);
     double& drift = k < 1000 ? early : late;
     drift = std::max(drift, std::abs(flight.energy() - before));
   }
@@ -215,7 +215,7 @@ TEST(Steps, ImplicitFastBearsAnySpring) {
     t.bodies.push_back(b);
     Flight flight(t);
     flight.w.q(std::vector{1.0}).v(std::vector{0.0});
-    flight.advance(DYN_IMPLICIT_FAST, 200, 4000);
+    flight.advance(DYN_INTEGRATOR_IMPLICIT_FAST, 200, 4000);
     EXPECT_NEAR(0.3, flight.w.d.q[0], 1e-9) << stiffness;
   }
 }

@@ -52,12 +52,12 @@ void for_trees(F&& f, int count = tree_count, const TreeOptions& options = {}) {
 // 60 joints, each adding a few roundings of 1.1e-16 relative to the terms
 inline constexpr double tol = 2e-13;
 
-inline const dynReference references[] = {DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED};
+inline const dynReference references[] = {DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED};
 
 // the frame of type JOINT of a joint
 inline Index joint_frame(const Model& m, Index joint) {
   for (Index f = 0; f < m.n.frames; ++f)
-    if (m.frames()[f].type == DYN_FRAME_JOINT && m.frames()[f].joint == joint) return f;
+    if (m.frames()[f].type == DYN_FRAME_TYPE_JOINT && m.frames()[f].joint == joint) return f;
   return 0;
 }
 

@@ -15,8 +15,8 @@ int main(int argc, char** argv) {
   dynModel* model = NULL;
   dynData* data = NULL;
   double q[2] = {0.3, -0.4}, tau[2];
-  if (argc != 2 || dyn_model_load(argv[1], NULL, &model) || dyn_data_new(model, 0, &data) || dyn_gravity(model, data, q, tau)) return puts(dyn_last_error()), 1;
-  return printf("nv %d, gravity %.9f %.9f\n", dyn_nv(model), tau[0], tau[1]) < 0;
+  if (argc != 2 || dyn_model_load(argv[1], NULL, &model) || dyn_data_new(model, 0, &data) || dyn_gravity_torque(model, data, q, tau)) return puts(dyn_last_error()), 1;
+  return printf("nv %d, gravity %.9f %.9f\n", dyn_model_nv(model), tau[0], tau[1]) < 0;
 }
 C
 "$cc" -std=c99 -I"$include" "$work/gravity.c" -L"$folder" -ldyn -o "$work/gravity_c"

@@ -64,7 +64,7 @@ void dynamics_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
   clock("forward kinematics", 100, [&] { forward_kinematics<2>(m, d); });
   for (Index k = 1; k < m.n.frames; ++k) {
     double X[12], V[6], A[6];
-    frame_placement(m, d, k, X), frame_velocity(m, d, k, DYN_LOCAL, V), frame_acceleration(m, d, k, DYN_WORLD, true, A);
+    frame_placement(m, d, k, X), frame_velocity(m, d, k, DYN_REFERENCE_LOCAL, V), frame_acceleration(m, d, k, DYN_REFERENCE_WORLD, true, A);
     give(X, 12, out), give(V, 6, out), give(A, 6, out);
   }
   clock("RNEA", 100, [&] { inverse_dynamics(m, d, d.v, d.a, none, d.tau); });
@@ -87,7 +87,7 @@ void dynamics_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
   give(d.Ag, 6 * nv, out);
 }
 
-using Steps = Bench<complete_parts(DYN_PART_SIMULATION | DYN_PART_CONSTRAINTS | DYN_PART_COLLISION | DYN_PART_FACTOR)>;
+using Steps = Bench<complete_parts(DYN_PART_SIMULATION | DYN_PART_CONSTRAINTS | DYN_PART_COLLISION | DYN_PART_CHOLESKY)>;
 
 // A quadruped that lands on its feet: the state after each of some steps.
 template <class Out, class Clock>
@@ -103,7 +103,7 @@ void contact_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
     simulation::begin_sleep(m, d, h);
     d.changed(input_q), d.changed(input_v);
     d.step->report = {};
-    const Index failed = integrator::step(m, d, DYN_SEMI_IMPLICIT_EULER, h, d.step->report);
+    const Index failed = integrator::step(m, d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, h, d.step->report);
     d.changed(input_q), d.changed(input_v);
     simulation::end_sleep(m, d, h);
     contacts = failed ? -1 : d.step->report.contacts;

@@ -31,11 +31,11 @@ dynModel* on_floor(const dynModel* robot) {
   check(dyn_builder_from_model(robot, &b));
   dynShapeSpec floor;
   dyn_shape_spec_init(&floor);
-  floor.type = DYN_SHAPE_HALF_SPACE, floor.name = "floor";
-  check(dyn_builder_shape(b, &floor));
+  floor.type = DYN_SHAPE_TYPE_HALF_SPACE, floor.name = "floor";
+  check(dyn_builder_add_shape(b, &floor));
   std::vector<double> q = {0, 0, 0.331, 0, 0, 0, 1};
   for (int leg = 0; leg < 4; ++leg) q.insert(q.end(), {0, 0.8, -1.5});
-  check(dyn_builder_configuration(b, "standing", q.data(), q.size()));
+  check(dyn_builder_add_configuration(b, "standing", q.data(), q.size()));
   dynModel* m = nullptr;
   check(dyn_builder_finish(b, &m));
   return m;

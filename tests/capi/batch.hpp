@@ -13,16 +13,16 @@ struct Batch {
   operator dynBatch*() const { return b; }
 };
 
-inline constexpr int batch_algorithms = DYN_BATCH_STEP + 1;
+inline constexpr int batch_algorithms = DYN_ALGORITHM_STEP + 1;
 
-inline dynBatchInfo batch_info(const dynModel* m, int algorithm) {
-  dynBatchInfo info{};
+inline dynAlgorithmInfo batch_info(const dynModel* m, int algorithm) {
+  dynAlgorithmInfo info{};
   info.struct_size = sizeof info;
-  EXPECT_EQ(DYN_OK, dyn_batch_info(m, dynBatchAlgorithm(algorithm), &info)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_algorithm_info(m, dynAlgorithm(algorithm), &info)) << dyn_last_error();
   return info;
 }
-inline std::size_t row_size(const dynBatchInfo& info, int output) { return std::size_t(info.rows[output]) * std::size_t(info.cols[output]) * std::size_t(info.pages[output]); }
-inline bool reads(const dynBatchInfo& info, const std::string& input) {
+inline std::size_t row_size(const dynAlgorithmInfo& info, int output) { return std::size_t(info.rows[output]) * std::size_t(info.cols[output]) * std::size_t(info.pages[output]); }
+inline bool reads(const dynAlgorithmInfo& info, const std::string& input) {
   return (" " + std::string(info.inputs) + " ").find(" " + input + " ") != std::string::npos;
 }
 
@@ -31,23 +31,23 @@ struct BatchCase {
   static constexpr double pattern = -7.25e77;
   static constexpr std::size_t guard = 3;
   const dynModel* m;
-  dynBatchAlgorithm algorithm;
-  dynBatchInfo info;
+  dynAlgorithm algorithm;
+  dynAlgorithmInfo info;
   std::int64_t n;
   Numbers q, v, a, tau, fext, b, q1, out[4];
   std::vector<dynStatus> status;
   dynBatchArrays x;
 
   BatchCase(const dynModel* model, int which, int states, std::uint64_t seed = 1)
-      : m(model), algorithm(dynBatchAlgorithm(which)), info(batch_info(model, which)), n(states), status(std::size_t(states), DYN_ERROR_INTERNAL) {
+      : m(model), algorithm(dynAlgorithm(which)), info(batch_info(model, which)), n(states), status(std::size_t(states), DYN_ERROR_INTERNAL) {
     for (std::uint64_t k = 0; k < std::uint64_t(states); ++k) {
       const State s = random_state(m, seed + k);
       auto append = [](Numbers& to, const Numbers& from) { to.insert(to.end(), from.begin(), from.end()); };
       append(q, s.q), append(v, s.v), append(a, s.a), append(tau, s.tau), append(fext, s.fext), append(b, s.a), append(q1, random_state(m, seed + k + 1000).q);
     }
     dyn_batch_arrays_init(&x);
-    x.frame = dyn_nframes(m) - 1, x.joint = dyn_njoints(m) - 1, x.reference = DYN_LOCAL_WORLD_ALIGNED;
-    x.q = q.data(), x.v = v.data(), x.a = a.data(), x.tau = tau.data(), x.fext = fext.data(), x.b = b.data(), x.q1 = q1.data(), x.dt = 1e-3, x.integrator = DYN_RK4, x.status = status.data();
+    x.frame = dyn_model_nframes(m) - 1, x.joint = dyn_model_njoints(m) - 1, x.reference = DYN_REFERENCE_LOCAL_WORLD_ALIGNED;
+    x.q = q.data(), x.v = v.data(), x.a = a.data(), x.tau = tau.data(), x.fext = fext.data(), x.b = b.data(), x.q1 = q1.data(), x.dt = 1e-3, x.integrator = DYN_INTEGRATOR_RK4, x.status = status.data();
     for (int k = 0; k < info.outputs; ++k) {
       out[k].assign(std::size_t(n) * row_size(info, k) + guard, pattern);
       x.out[k] = out[k].data();
@@ -79,15 +79,15 @@ struct BatchCase {
     auto at = [&](const Numbers& all) { return all.data() + std::size_t(k) * (all.size() / std::size_t(n)); };
     std::vector<Numbers> results;
     for (int o = 0; o < info.outputs; ++o) results.emplace_back(row_size(info, o), pattern);
-    if (algorithm == DYN_BATCH_INTEGRATE) {
+    if (algorithm == DYN_ALGORITHM_INTEGRATE) {
       EXPECT_EQ(DYN_OK, dyn_integrate(m, at(q), at(v), results[0].data()));
       return results;
     }
-    if (algorithm == DYN_BATCH_DIFFERENCE) {
+    if (algorithm == DYN_ALGORITHM_DIFFERENCE) {
       EXPECT_EQ(DYN_OK, dyn_difference(m, at(q), at(q1), results[0].data()));
       return results;
     }
-    if (algorithm == DYN_BATCH_STEP) {
+    if (algorithm == DYN_ALGORITHM_STEP) {
       EXPECT_EQ(DYN_OK, dyn_data_set_state(m, d, at(q), at(v), nullptr, at(tau)));
       EXPECT_EQ(DYN_OK, take_step(m, d, x.integrator, x.dt));
       return {field(m, d, "q"), field(m, d, "v")};
@@ -105,11 +105,11 @@ struct BatchCase {
       EXPECT_EQ(DYN_OK, dyn_forward_kinematics(m, d, y.q, reads(info, "v") ? y.v : nullptr, reads(info, "a") ? y.a : nullptr));
     }
     if (call.needs == Needs::com) {
-      EXPECT_EQ(DYN_OK, dyn_center_of_mass(m, d, y.q, nullptr, nullptr, nullptr, nullptr, nullptr));
+      EXPECT_EQ(DYN_OK, dyn_com(m, d, y.q, nullptr, nullptr, nullptr, nullptr, nullptr));
     }
     if (call.needs == Needs::factor) {
       EXPECT_EQ(DYN_OK, dyn_crba(m, d, y.q, nullptr));
-      EXPECT_EQ(DYN_OK, dyn_factorize(m, d));
+      EXPECT_EQ(DYN_OK, dyn_cholesky(m, d));
     }
     EXPECT_EQ(DYN_OK, call.call(m, d, y)) << info.name << ": " << dyn_last_error();
     return results;
@@ -125,14 +125,14 @@ inline Model random_robot(std::uint64_t seed, int joints) {
     const std::string name = "j" + std::to_string(k), parent = names.empty() ? "" : names[std::size_t(g.below(int(names.size())))];
     const auto type = dynJointType(1 + g.below(13));
     const Numbers at = g.numbers(3), axis = g.numbers(3);
-    Spec s(name.c_str(), type == DYN_JOINT_FREE_FLYER && k ? DYN_JOINT_SPHERICAL : type, parent.empty() ? nullptr : parent.c_str(), {at[0], at[1], at[2]});
+    Spec s(name.c_str(), type == DYN_JOINT_TYPE_FREE_FLYER && k ? DYN_JOINT_TYPE_SPHERICAL : type, parent.empty() ? nullptr : parent.c_str(), {at[0], at[1], at[2]});
     s.about(axis[0], axis[1], axis[2]);
     s.axis2[0] = 0, s.axis2[1] = axis[2], s.axis2[2] = -axis[1];  // of a universal joint: at right angles
     s.pitch = 0.1;
-    Spec parts[] = {Spec(nullptr, DYN_JOINT_PRISMATIC), Spec(nullptr, DYN_JOINT_SPHERICAL), Spec(nullptr, DYN_JOINT_PRISMATIC).about(1, 0, 0)};
-    if (s.type == DYN_JOINT_COMPOSITE) s.parts = parts, s.parts_count = 3;
+    Spec parts[] = {Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC), Spec(nullptr, DYN_JOINT_TYPE_SPHERICAL), Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)};
+    if (s.type == DYN_JOINT_TYPE_COMPOSITE) s.parts = parts, s.parts_count = 3;
     const std::string leader = leaders.empty() ? "" : leaders[std::size_t(g.below(int(leaders.size())))];
-    if (s.type == DYN_JOINT_REVOLUTE || s.type == DYN_JOINT_PRISMATIC) {
+    if (s.type == DYN_JOINT_TYPE_REVOLUTE || s.type == DYN_JOINT_TYPE_PRISMATIC) {
       if (!leader.empty() && g.below(3) == 0) s.mimic = leader.c_str(), s.mimic_ratio = axis[0], s.mimic_offset = axis[1];
       else leaders.push_back(name);
     }

@@ -74,7 +74,7 @@ TEST(Batch, FramesJointsAndReferences) {
   const Batch batch(m, 2);
   for (int which = 0; which < batch_algorithms; ++which)
     for (int f = 1; f < m.njoints(); f += 3)
-      for (dynReference r : {DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED}) {
+      for (dynReference r : {DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED}) {
         BatchCase c(m, which, 5);
         c.x.frame = c.x.joint = f, c.x.reference = r;
         ASSERT_EQ(DYN_OK, c(batch)) << dyn_last_error();
@@ -110,7 +110,7 @@ TEST(Batch, InputsAndOutputsLeftOut) {
 TEST(Batch, OutputInPlaceOfAnInput) {
   const Model m = all_types();
   const Batch batch(m, 4);
-  BatchCase apart(m, DYN_BATCH_INTEGRATE, 100), same(m, DYN_BATCH_INTEGRATE, 100);
+  BatchCase apart(m, DYN_ALGORITHM_INTEGRATE, 100), same(m, DYN_ALGORITHM_INTEGRATE, 100);
   same.x.out[0] = same.q.data();
   ASSERT_EQ(DYN_OK, apart(batch));
   ASSERT_EQ(DYN_OK, same(batch));
@@ -134,7 +134,7 @@ TEST(Batch, StatesThatFail) {
         const std::size_t size = x.size() / 60;
         x[7 * size + size - 1] = nan, x[50 * size + size - 1] = -inf;
         EXPECT_EQ(DYN_ERROR_NONFINITE, c(batch)) << c.info.name << " " << input;
-        const std::string said = which == DYN_BATCH_DIFFERENCE && name == "q" ? "q0" : which == DYN_BATCH_RNEA_SECOND_ORDER_PRODUCT && name == "b" ? "lambda" : name;
+        const std::string said = which == DYN_ALGORITHM_DIFFERENCE && name == "q" ? "q0" : which == DYN_ALGORITHM_RNEA_SECOND_ORDER_PRODUCT && name == "b" ? "lambda" : name;
         EXPECT_TRUE(says({"dyn_batch_run: " + std::string(c.info.name) + ": state 7: ", said + "[" + std::to_string(size - 1) + "] is NaN", "2 of 60 states"}));
         EXPECT_TRUE(c.guarded());
         for (int k = 0; k < 60; ++k) {
@@ -152,7 +152,7 @@ TEST(Batch, StatesThatFail) {
 TEST(Batch, EachStateHasItsOwnStatus) {
   const Model m = all_types(), rods = singular_at_zero();
   const Batch batch(m, 3), of_rods(rods, 2);
-  BatchCase c(m, DYN_BATCH_RNEA, 90);
+  BatchCase c(m, DYN_ALGORITHM_RNEA, 90);
   std::fill(c.q.begin() + 3 + 80 * m.nq(), c.q.begin() + 7 + 80 * m.nq(), 0.0);
   std::fill(c.v.begin() + 30 * m.nv(), c.v.begin() + 31 * m.nv(), 1e300);
   c.a[std::size_t(89 * m.nv())] = nan;
@@ -163,7 +163,7 @@ TEST(Batch, EachStateHasItsOwnStatus) {
   EXPECT_EQ(DYN_ERROR_NONFINITE, c.status[89]);
   EXPECT_EQ(87, std::count(c.status.begin(), c.status.end(), DYN_OK));
 
-  BatchCase singular(rods, DYN_BATCH_ABA, 20);
+  BatchCase singular(rods, DYN_ALGORITHM_ABA, 20);
   std::fill(singular.q.begin() + 3 * rods.nq(), singular.q.begin() + 4 * rods.nq(), 0.0);
   EXPECT_EQ(DYN_ERROR_NUMERIC, singular(of_rods));
   EXPECT_TRUE(says({"aba: state 3:", "singular at joint", "1 of 20"}));
@@ -172,7 +172,7 @@ TEST(Batch, EachStateHasItsOwnStatus) {
 TEST(Batch, Arguments) {
   const Model m = robot("go2", DYN_BASE_FLOATING);
   const Batch batch(m, 2);
-  BatchCase c(m, DYN_BATCH_RNEA, 10);
+  BatchCase c(m, DYN_ALGORITHM_RNEA, 10);
   auto refused = [&](dynStatus status, const std::vector<std::string>& fragments) {
     EXPECT_EQ(status, c(batch));
     EXPECT_TRUE(says(fragments));
@@ -184,34 +184,34 @@ TEST(Batch, Arguments) {
   c.n = 10, c.x.q = nullptr, refused(DYN_ERROR_ARGUMENT, {"rnea", "q is NULL"});
   c.x.q = c.q.data(), c.x.out[0] = nullptr, refused(DYN_ERROR_ARGUMENT, {"rnea", "out[0]", "NULL"});
   c.x.out[0] = c.out[0].data(), c.x.struct_size = 8, refused(DYN_ERROR_SIZE, {"struct_size", "dyn_batch_arrays_init"});
-  c.x.struct_size = sizeof c.x, c.algorithm = DYN_BATCH_SOLVE, c.x.b = nullptr, refused(DYN_ERROR_ARGUMENT, {"solve", "b is NULL"});
+  c.x.struct_size = sizeof c.x, c.algorithm = DYN_ALGORITHM_CHOLESKY_SOLVE, c.x.b = nullptr, refused(DYN_ERROR_ARGUMENT, {"solve", "b is NULL"});
   for (int which : {-1, batch_algorithms, 1 << 30}) {
-    c.algorithm = dynBatchAlgorithm(which);
+    c.algorithm = dynAlgorithm(which);
     refused(DYN_ERROR_ARGUMENT, {"dyn_batch_run", "algorithm " + std::to_string(which)});
-    dynBatchInfo info{};
+    dynAlgorithmInfo info{};
     info.struct_size = sizeof info;
-    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_batch_info(m, dynBatchAlgorithm(which), &info));
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_algorithm_info(m, dynAlgorithm(which), &info));
   }
   // what all states share is not said of one
-  BatchCase frame(m, DYN_BATCH_FRAME_VELOCITY, 10);
+  BatchCase frame(m, DYN_ALGORITHM_FRAME_VELOCITY, 10);
   frame.x.frame = 999;
   EXPECT_EQ(DYN_ERROR_ARGUMENT, frame(batch));
   EXPECT_TRUE(says({"dyn_batch_run: frame_velocity: frame 999 does not exist"}));
   EXPECT_EQ(std::string::npos, std::string(dyn_last_error()).find("state"));
   EXPECT_EQ(10, std::count(frame.status.begin(), frame.status.end(), DYN_ERROR_ARGUMENT));
-  BatchCase joint(m, DYN_BATCH_JOINT_BODY_REGRESSOR, 10);
+  BatchCase joint(m, DYN_ALGORITHM_JOINT_BODY_REGRESSOR, 10);
   joint.x.joint = -1;
   EXPECT_EQ(DYN_ERROR_ARGUMENT, joint(batch));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_batch_run(batch, DYN_BATCH_RNEA, 1, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_batch_info(m, DYN_BATCH_RNEA, nullptr));
-  dynBatchInfo small{};
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_batch_run(batch, DYN_ALGORITHM_RNEA, 1, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_algorithm_info(m, DYN_ALGORITHM_RNEA, nullptr));
+  dynAlgorithmInfo small{};
   small.struct_size = 4;
-  EXPECT_EQ(DYN_ERROR_SIZE, dyn_batch_info(m, DYN_BATCH_RNEA, &small));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_algorithm_info(m, DYN_ALGORITHM_RNEA, &small));
   dyn_batch_arrays_init(nullptr);
   // no states: nothing to do, and nothing is read
   dynBatchArrays empty;
   dyn_batch_arrays_init(&empty);
-  EXPECT_EQ(DYN_OK, dyn_batch_run(batch, DYN_BATCH_RNEA, 0, &empty));
+  EXPECT_EQ(DYN_OK, dyn_batch_run(batch, DYN_ALGORITHM_RNEA, 0, &empty));
 }
 
 TEST(Batch, Creation) {
@@ -232,14 +232,14 @@ TEST(Batch, Creation) {
   EXPECT_EQ(nullptr, none);
   for (int k = 0; k < 20; ++k) Batch(m, 1 + k, DYN_PART_INVERSE);  // made and freed while its threads are still starting
   const Batch inverse(m, 2, DYN_PART_INVERSE);
-  EXPECT_EQ(DYN_OK, BatchCase(m, DYN_BATCH_RNEA, 100)(inverse));
-  EXPECT_EQ(DYN_ERROR_PART, BatchCase(m, DYN_BATCH_CRBA, 100)(inverse));
+  EXPECT_EQ(DYN_OK, BatchCase(m, DYN_ALGORITHM_RNEA, 100)(inverse));
+  EXPECT_EQ(DYN_ERROR_PART, BatchCase(m, DYN_ALGORITHM_CRBA, 100)(inverse));
   EXPECT_TRUE(says({"crba", "DYN_PART_MASS", "dyn_batch_new"}));
 }
 
 TEST(Batch, Handles) {
   const Model m = chain(3);
-  const BatchCase c(m, DYN_BATCH_RNEA, 10);
+  const BatchCase c(m, DYN_ALGORITHM_RNEA, 10);
   alignas(64) unsigned char zeros[256] = {};
   dynBatch* dead = nullptr;
   ASSERT_EQ(DYN_OK, dyn_batch_new(m, 0, 2, &dead));
@@ -250,10 +250,10 @@ TEST(Batch, Handles) {
   EXPECT_TRUE(says({"batch has been freed"}));
   EXPECT_EQ(DYN_ERROR_HANDLE, c(reinterpret_cast<dynBatch*>(zeros)));
   EXPECT_EQ(DYN_ERROR_HANDLE, c(reinterpret_cast<dynBatch*>(m.m)));
-  dynBatchInfo info{};
+  dynAlgorithmInfo info{};
   info.struct_size = sizeof info;
-  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_batch_info(reinterpret_cast<dynModel*>(zeros), DYN_BATCH_RNEA, &info));
-  EXPECT_EQ(DYN_OK, dyn_batch_info(nullptr, DYN_BATCH_RNEA, &info));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_algorithm_info(reinterpret_cast<dynModel*>(zeros), DYN_ALGORITHM_RNEA, &info));
+  EXPECT_EQ(DYN_OK, dyn_algorithm_info(nullptr, DYN_ALGORITHM_RNEA, &info));
   EXPECT_TRUE(info.name == std::string("rnea") && info.outputs == 1 && info.rows[0] == 0);
   Model gone = chain(3);
   const Batch orphan(gone, 2);
@@ -267,7 +267,7 @@ TEST(Batch, AfterFork) {
   if (sanitized) GTEST_SKIP() << "sanitizers watch threads of their own";
   const Model m = chain(5);
   auto* batch = new Batch(m, 4);
-  const BatchCase parent(m, DYN_BATCH_CRBA, 300), child(m, DYN_BATCH_CRBA, 300);
+  const BatchCase parent(m, DYN_ALGORITHM_CRBA, 300), child(m, DYN_ALGORITHM_CRBA, 300);
   ASSERT_EQ(DYN_OK, parent(*batch));
   const pid_t pid = fork();
   ASSERT_GE(pid, 0);

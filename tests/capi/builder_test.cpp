@@ -10,17 +10,17 @@ class BuilderTest : public ::testing::Test {
  protected:
   Builder b;
 
-  void SetUp() override { b.joint(Spec("base", DYN_JOINT_REVOLUTE)).body("link", "base"); }
+  void SetUp() override { b.joint(Spec("base", DYN_JOINT_TYPE_REVOLUTE)).body("link", "base"); }
   // Whatever the test tried, the model is still the one of SetUp.
   void TearDown() override {
     const Model m = b.finish();
     EXPECT_EQ(2, m.njoints());
     EXPECT_EQ(3, m.nframes());
     EXPECT_EQ(1, m.nv());
-    EXPECT_EQ(1.0, dyn_total_mass(m));
+    EXPECT_EQ(1.0, dyn_model_total_mass(m));
   }
   void refuse(const dynJointSpec& s, dynStatus status, const std::vector<std::string>& fragments) {
-    EXPECT_EQ(status, dyn_builder_joint(b, &s)) << (fragments.empty() ? "" : fragments.back());
+    EXPECT_EQ(status, dyn_builder_add_joint(b, &s)) << (fragments.empty() ? "" : fragments.back());
     EXPECT_TRUE(says(fragments));
   }
   void refuse(dynStatus status, dynStatus s, const std::vector<std::string>& fragments) {
@@ -32,11 +32,11 @@ class BuilderTest : public ::testing::Test {
 TEST_F(BuilderTest, Pointers) {
   dyn_joint_spec_init(nullptr);
   refuse(DYN_ERROR_ARGUMENT, dyn_builder_new("b", nullptr), {"dyn_builder_new", "builder is NULL"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_joint(b, nullptr), {"dyn_builder_joint", "spec is NULL"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_gravity(b, nullptr), {"gravity is NULL"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_body(b, "x", "base", nullptr, 1, nullptr, some_inertia), {"com is NULL"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_body(b, "x", "base", nullptr, 1, com0, nullptr), {"inertia is NULL"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_configuration(b, "c", nullptr, 1), {"q is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_joint(b, nullptr), {"dyn_builder_add_joint", "spec is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_set_gravity(b, nullptr), {"gravity is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_body(b, "x", "base", nullptr, 1, nullptr, some_inertia), {"com is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_body(b, "x", "base", nullptr, 1, com0, nullptr), {"inertia is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_configuration(b, "c", nullptr, 1), {"q is NULL"});
   refuse(DYN_ERROR_ARGUMENT, dyn_builder_finish(b, nullptr), {"dyn_builder_finish", "model is NULL"});
 }
 
@@ -50,59 +50,59 @@ TEST_F(BuilderTest, Operations) {
   refuse(DYN_ERROR_ARGUMENT, dyn_builder_lock(b, &none, 1, q, 1), {"joints[0] is NULL"});
   refuse(DYN_ERROR_ARGUMENT, dyn_builder_lock(b, &base, 1, nullptr, 1), {"q is NULL"});
   refuse(DYN_ERROR_SIZE, dyn_builder_lock(b, &base, 1, q, 0), {"q has 0 numbers", "nq = 1"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_subtree(b, nullptr), {"dyn_builder_subtree", "joint is NULL"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_remove(b, nullptr), {"dyn_builder_remove", "joint is NULL"});
-  refuse(DYN_ERROR_NAME, dyn_builder_remove(b, "link"), {"no moving joint 'link'"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_keep_subtree(b, nullptr), {"dyn_builder_keep_subtree", "joint is NULL"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_remove_subtree(b, nullptr), {"dyn_builder_remove_subtree", "joint is NULL"});
+  refuse(DYN_ERROR_NAME, dyn_builder_remove_subtree(b, "link"), {"no moving joint 'link'"});
   refuse(DYN_ERROR_NAME, dyn_builder_attach(b, m, nullptr, nullptr), {"its joint and the joint of", "'base'", "give a prefix"});
-  Spec wrong("seat", DYN_JOINT_FIXED);
+  Spec wrong("seat", DYN_JOINT_TYPE_FIXED);
   wrong.struct_size = 8;
   refuse(DYN_ERROR_SIZE, dyn_builder_attach(b, m, "x_", &wrong), {"struct_size is 8"});
   EXPECT_EQ(DYN_OK, dyn_builder_lock(b, nullptr, 0, q, 1));
 
   dynBuilder* two = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_from_model(m, &two));
-  const Spec rail("rail", DYN_JOINT_PRISMATIC, "link");
+  const Spec rail("rail", DYN_JOINT_TYPE_PRISMATIC, "link");
   ASSERT_EQ(DYN_OK, dyn_builder_attach(two, m, "x_", &rail)) << dyn_last_error();
   dynModel* raw = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_finish(two, &raw)) << dyn_last_error();
   const Model pair(raw);
   EXPECT_EQ(3, pair.nv());
-  EXPECT_STREQ("x_base", dyn_joint_name(pair, 3));
+  EXPECT_STREQ("x_base", dyn_model_joint_name(pair, 3));
   dyn_builder_free(two);
 }
 
 TEST_F(BuilderTest, Sizes) {
   for (std::uint32_t size : {0u, 8u, std::uint32_t(sizeof(dynJointSpec)) - 1}) {
-    Spec s("j", DYN_JOINT_REVOLUTE);
+    Spec s("j", DYN_JOINT_TYPE_REVOLUTE);
     s.struct_size = size;
     refuse(s, DYN_ERROR_SIZE, {"struct_size is " + std::to_string(size), "dyn_joint_spec_init"});
   }
 }
 
 TEST_F(BuilderTest, Names) {
-  refuse(Spec(nullptr, DYN_JOINT_REVOLUTE), DYN_ERROR_ARGUMENT, {"joint has no name", "give one"});
-  refuse(Spec("", DYN_JOINT_REVOLUTE), DYN_ERROR_ARGUMENT, {"joint has no name"});
-  refuse(Spec("base", DYN_JOINT_REVOLUTE), DYN_ERROR_NAME, {"joint 'base'", "taken", "choose another"});
-  refuse(Spec("base", DYN_JOINT_FIXED), DYN_ERROR_NAME, {"joint 'base'", "taken"});
-  refuse(Spec("universe", DYN_JOINT_REVOLUTE), DYN_ERROR_NAME, {"universe", "choose another"});
-  refuse(Spec("j", DYN_JOINT_REVOLUTE, "nobody"), DYN_ERROR_NAME, {"joint 'j'", "no parent 'nobody'", "add it first"});
-  refuse(DYN_ERROR_NAME, dyn_builder_body(b, "link", "base", nullptr, 1, com0, some_inertia), {"body 'link'", "taken"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_body(b, nullptr, "base", nullptr, 1, com0, some_inertia), {"body has no name"});
-  refuse(DYN_ERROR_NAME, dyn_builder_body(b, "x", "nobody", nullptr, 1, com0, some_inertia), {"body 'x'", "no parent 'nobody'"});
-  refuse(DYN_ERROR_NAME, dyn_builder_frame(b, "base", nullptr, nullptr, DYN_FRAME_OP_FRAME), {"frame 'base'", "taken"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_frame(b, "", nullptr, nullptr, DYN_FRAME_OP_FRAME), {"frame has no name"});
-  refuse(DYN_ERROR_NAME, dyn_builder_frame(b, "f", "nobody", nullptr, DYN_FRAME_OP_FRAME), {"frame 'f'", "no parent"});
-  refuse(DYN_ERROR_NAME, dyn_builder_configuration(b, "neutral", com0, 1), {"neutral", "choose another"});
-  refuse(DYN_ERROR_ARGUMENT, dyn_builder_configuration(b, nullptr, com0, 1), {"configuration has no name"});
+  refuse(Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), DYN_ERROR_ARGUMENT, {"joint has no name", "give one"});
+  refuse(Spec("", DYN_JOINT_TYPE_REVOLUTE), DYN_ERROR_ARGUMENT, {"joint has no name"});
+  refuse(Spec("base", DYN_JOINT_TYPE_REVOLUTE), DYN_ERROR_NAME, {"joint 'base'", "taken", "choose another"});
+  refuse(Spec("base", DYN_JOINT_TYPE_FIXED), DYN_ERROR_NAME, {"joint 'base'", "taken"});
+  refuse(Spec("universe", DYN_JOINT_TYPE_REVOLUTE), DYN_ERROR_NAME, {"universe", "choose another"});
+  refuse(Spec("j", DYN_JOINT_TYPE_REVOLUTE, "nobody"), DYN_ERROR_NAME, {"joint 'j'", "no parent 'nobody'", "add it first"});
+  refuse(DYN_ERROR_NAME, dyn_builder_add_body(b, "link", "base", nullptr, 1, com0, some_inertia), {"body 'link'", "taken"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_body(b, nullptr, "base", nullptr, 1, com0, some_inertia), {"body has no name"});
+  refuse(DYN_ERROR_NAME, dyn_builder_add_body(b, "x", "nobody", nullptr, 1, com0, some_inertia), {"body 'x'", "no parent 'nobody'"});
+  refuse(DYN_ERROR_NAME, dyn_builder_add_frame(b, "base", nullptr, nullptr, DYN_FRAME_TYPE_OP_FRAME), {"frame 'base'", "taken"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_frame(b, "", nullptr, nullptr, DYN_FRAME_TYPE_OP_FRAME), {"frame has no name"});
+  refuse(DYN_ERROR_NAME, dyn_builder_add_frame(b, "f", "nobody", nullptr, DYN_FRAME_TYPE_OP_FRAME), {"frame 'f'", "no parent"});
+  refuse(DYN_ERROR_NAME, dyn_builder_add_configuration(b, "neutral", com0, 1), {"neutral", "choose another"});
+  refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_configuration(b, nullptr, com0, 1), {"configuration has no name"});
 }
 
 TEST_F(BuilderTest, Types) {
   for (int bad : {-1, 14, 1000}) {
-    Spec s("j", DYN_JOINT_REVOLUTE);
+    Spec s("j", DYN_JOINT_TYPE_REVOLUTE);
     std::memcpy(&s.type, &bad, sizeof bad);
     refuse(s, DYN_ERROR_ARGUMENT, {"type is " + std::to_string(bad), "dynJointType"});
-    s.type = DYN_JOINT_COMPOSITE;
-    Spec part(nullptr, DYN_JOINT_REVOLUTE);
+    s.type = DYN_JOINT_TYPE_COMPOSITE;
+    Spec part(nullptr, DYN_JOINT_TYPE_REVOLUTE);
     std::memcpy(&part.type, &bad, sizeof bad);
     s.parts = &part, s.parts_count = 1;
     refuse(s, DYN_ERROR_ARGUMENT, {"type is " + std::to_string(bad)});
@@ -110,7 +110,7 @@ TEST_F(BuilderTest, Types) {
   for (int bad : {0, 2, 4, 8, 3, 1000, -1}) {
     dynFrameType type;
     std::memcpy(&type, &bad, sizeof type);
-    refuse(DYN_ERROR_ARGUMENT, dyn_builder_frame(b, "f", nullptr, nullptr, type), {"frame 'f'", "OP_FRAME or SENSOR"});
+    refuse(DYN_ERROR_ARGUMENT, dyn_builder_add_frame(b, "f", nullptr, nullptr, type), {"frame 'f'", "OP_FRAME or SENSOR"});
   }
 }
 
@@ -125,37 +125,37 @@ TEST_F(BuilderTest, Placements) {
       [](double* x) { std::swap_ranges(x, x + 3, x + 3); } // exchanged axes
   };
   for (Change change : not_rotations) {
-    Spec s("j", DYN_JOINT_REVOLUTE, "base");
+    Spec s("j", DYN_JOINT_TYPE_REVOLUTE, "base");
     change(s.placement);
     refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "not a rotation", "orthonormal right-handed"});
-    s.type = DYN_JOINT_FIXED;
+    s.type = DYN_JOINT_TYPE_FIXED;
     refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "not a rotation"});
-    refuse(DYN_ERROR_INVALID, dyn_builder_body(b, "x", "base", s.placement, 1, com0, some_inertia), {"body 'x'", "not a rotation"});
-    refuse(DYN_ERROR_INVALID, dyn_builder_frame(b, "f", "base", s.placement, DYN_FRAME_SENSOR), {"frame 'f'", "not a rotation"});
-    Spec composite("j", DYN_JOINT_COMPOSITE), parts[] = {Spec(nullptr, DYN_JOINT_REVOLUTE), Spec(nullptr, DYN_JOINT_REVOLUTE)};
+    refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", s.placement, 1, com0, some_inertia), {"body 'x'", "not a rotation"});
+    refuse(DYN_ERROR_INVALID, dyn_builder_add_frame(b, "f", "base", s.placement, DYN_FRAME_TYPE_SENSOR), {"frame 'f'", "not a rotation"});
+    Spec composite("j", DYN_JOINT_TYPE_COMPOSITE), parts[] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE)};
     std::copy(s.placement, s.placement + 12, parts[1].placement);
     composite.parts = parts, composite.parts_count = 2;
     refuse(composite, DYN_ERROR_INVALID, {"joint 'j', part 1", "not a rotation"});
   }
   for (int k = 0; k < 12; ++k)
     for (double bad : {nan, inf}) {
-      Spec s("j", DYN_JOINT_REVOLUTE);
+      Spec s("j", DYN_JOINT_TYPE_REVOLUTE);
       s.placement[k] = bad;
       refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", "placement[" + std::to_string(k) + "]", "finite"});
     }
 }
 
 TEST_F(BuilderTest, Axes) {
-  refuse(Spec("j", DYN_JOINT_REVOLUTE).about(0, 0, 0), DYN_ERROR_INVALID, {"joint 'j'", "axis is zero", "(0, 0, 1)"});
-  refuse(Spec("j", DYN_JOINT_PRISMATIC).about(0, nan, 1), DYN_ERROR_NONFINITE, {"axis[1]"});
-  refuse(Spec("j", DYN_JOINT_PRISMATIC).about(inf, 0, 1), DYN_ERROR_NONFINITE, {"axis[0]"});
-  refuse(Spec("j", DYN_JOINT_UNIVERSAL).about(-3, 0, 0), DYN_ERROR_INVALID, {"parallel", "two directions"});
-  Spec s("j", DYN_JOINT_UNIVERSAL);
+  refuse(Spec("j", DYN_JOINT_TYPE_REVOLUTE).about(0, 0, 0), DYN_ERROR_INVALID, {"joint 'j'", "axis is zero", "(0, 0, 1)"});
+  refuse(Spec("j", DYN_JOINT_TYPE_PRISMATIC).about(0, nan, 1), DYN_ERROR_NONFINITE, {"axis[1]"});
+  refuse(Spec("j", DYN_JOINT_TYPE_PRISMATIC).about(inf, 0, 1), DYN_ERROR_NONFINITE, {"axis[0]"});
+  refuse(Spec("j", DYN_JOINT_TYPE_UNIVERSAL).about(-3, 0, 0), DYN_ERROR_INVALID, {"parallel", "two directions"});
+  Spec s("j", DYN_JOINT_TYPE_UNIVERSAL);
   s.axis2[0] = 0;
   refuse(s, DYN_ERROR_INVALID, {"axis2 is zero"});
   s.axis2[0] = nan;
   refuse(s, DYN_ERROR_NONFINITE, {"axis2[0]"});
-  Spec screw("j", DYN_JOINT_HELICAL);
+  Spec screw("j", DYN_JOINT_TYPE_HELICAL);
   screw.pitch = inf;
   refuse(screw, DYN_ERROR_NONFINITE, {"pitch", "metres per radian"});
 }
@@ -172,13 +172,13 @@ TEST_F(BuilderTest, NumbersOfADegreeOfFreedom) {
                       {&dynJointSpec::armature, "armature", false}, {&dynJointSpec::damping, "damping", false},
                       {&dynJointSpec::friction, "friction", false}};
   for (const Row& r : rows) {
-    Spec s("j", DYN_JOINT_TRANSLATION);
+    Spec s("j", DYN_JOINT_TYPE_TRANSLATION);
     s.*r.member = bad_nan;
     refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", r.name, "NaN"});
     s.*r.member = negative;
     if (!r.may_be_negative) refuse(s, DYN_ERROR_INVALID, {"joint 'j'", r.name, "-1", "can't be negative"});
   }
-  Spec s("j", DYN_JOINT_TRANSLATION);
+  Spec s("j", DYN_JOINT_TYPE_TRANSLATION);
   s.lower = large, s.upper = one;
   refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "lower limit[0] 2 exceeds upper limit 1"});
   const double up[3] = {1, 1, inf}, down[3] = {-1, -1, -inf};
@@ -186,29 +186,29 @@ TEST_F(BuilderTest, NumbersOfADegreeOfFreedom) {
   refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", "lower limit[2] is inf", "-inf for none"});
   s.lower = nullptr, s.upper = down;
   refuse(s, DYN_ERROR_NONFINITE, {"joint 'j'", "upper limit[2] is -inf", "inf for none"});
-  s = Spec("j", DYN_JOINT_TRANSLATION), s.armature = infinite;
+  s = Spec("j", DYN_JOINT_TYPE_TRANSLATION), s.armature = infinite;
   refuse(s, DYN_ERROR_NONFINITE, {"armature", "finite"});
 }
 
 TEST_F(BuilderTest, Rotors) {
-  Spec s("j", DYN_JOINT_REVOLUTE);
+  Spec s("j", DYN_JOINT_TYPE_REVOLUTE);
   s.rotor_inertia = -1;
   refuse(s, DYN_ERROR_INVALID, {"rotor inertia", "negative"});
   s.rotor_inertia = nan;
   refuse(s, DYN_ERROR_NONFINITE, {"rotor inertia"});
   s.rotor_inertia = 1, s.gear_ratio = inf;
   refuse(s, DYN_ERROR_NONFINITE, {"gear ratio"});
-  s = Spec("j", DYN_JOINT_SPHERICAL), s.rotor_inertia = 1;
+  s = Spec("j", DYN_JOINT_TYPE_SPHERICAL), s.rotor_inertia = 1;
   refuse(s, DYN_ERROR_INVALID, {"rotor inertia", "one degree of freedom", "armature"});
 }
 
 TEST_F(BuilderTest, Mimics) {
-  Spec s("j", DYN_JOINT_SPHERICAL);
+  Spec s("j", DYN_JOINT_TYPE_SPHERICAL);
   s.mimic = "base";
   refuse(s, DYN_ERROR_INVALID, {"joint 'j'", "one degree of freedom", "spherical"});
-  s.type = DYN_JOINT_FIXED;
+  s.type = DYN_JOINT_TYPE_FIXED;
   refuse(s, DYN_ERROR_INVALID, {"fixed joint can't mimic"});
-  s.type = DYN_JOINT_REVOLUTE, s.mimic = "j";
+  s.type = DYN_JOINT_TYPE_REVOLUTE, s.mimic = "j";
   refuse(s, DYN_ERROR_INVALID, {"mimics itself"});
   s.mimic = "base", s.mimic_ratio = nan;
   refuse(s, DYN_ERROR_NONFINITE, {"mimic ratio"});
@@ -217,41 +217,41 @@ TEST_F(BuilderTest, Mimics) {
 }
 
 TEST_F(BuilderTest, Composites) {
-  Spec s("j", DYN_JOINT_COMPOSITE);
+  Spec s("j", DYN_JOINT_TYPE_COMPOSITE);
   refuse(s, DYN_ERROR_ARGUMENT, {"joint 'j'", "composite", "at least one part"});
   s.parts_count = 2;
   refuse(s, DYN_ERROR_ARGUMENT, {"parts is NULL"});
-  Spec parts[] = {Spec(nullptr, DYN_JOINT_REVOLUTE), Spec(nullptr, DYN_JOINT_FIXED, nullptr, {1, 0, 0})};
+  Spec parts[] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_FIXED, nullptr, {1, 0, 0})};
   s.parts = parts;
   refuse(s, DYN_ERROR_INVALID, {"end with a fixed part", "bodies"});
   parts[1].struct_size = 3;
   refuse(s, DYN_ERROR_SIZE, {"struct_size is 3"});
-  parts[1] = Spec(nullptr, DYN_JOINT_REVOLUTE).about(0, 0, 0);
+  parts[1] = Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE).about(0, 0, 0);
   refuse(s, DYN_ERROR_INVALID, {"joint 'j', part 1", "axis is zero"});
   s.parts_count = 1001;
   refuse(s, DYN_ERROR_LIMIT, {"1000 parts"});
   // parts of what is no composite, at the top and below
-  Spec hinge("j", DYN_JOINT_REVOLUTE), part(nullptr, DYN_JOINT_REVOLUTE);
+  Spec hinge("j", DYN_JOINT_TYPE_REVOLUTE), part(nullptr, DYN_JOINT_TYPE_REVOLUTE);
   hinge.parts = &part;
   for (std::size_t count : {0u, 1u}) {
     hinge.parts_count = count;
-    refuse(hinge, DYN_ERROR_ARGUMENT, {"joint 'j'", "parts are given", "revolute", "DYN_JOINT_COMPOSITE"});
+    refuse(hinge, DYN_ERROR_ARGUMENT, {"joint 'j'", "parts are given", "revolute", "DYN_JOINT_TYPE_COMPOSITE"});
   }
-  hinge.type = DYN_JOINT_FIXED;
+  hinge.type = DYN_JOINT_TYPE_FIXED;
   refuse(hinge, DYN_ERROR_ARGUMENT, {"parts are given", "fixed"});
-  hinge.type = DYN_JOINT_REVOLUTE;
-  Spec outer("outer", DYN_JOINT_COMPOSITE);
+  hinge.type = DYN_JOINT_TYPE_REVOLUTE;
+  Spec outer("outer", DYN_JOINT_TYPE_COMPOSITE);
   outer.parts = &hinge, outer.parts_count = 1;
   refuse(outer, DYN_ERROR_ARGUMENT, {"joint 'j'", "parts are given"});
   // itself within itself
-  Spec loop("j", DYN_JOINT_COMPOSITE);
+  Spec loop("j", DYN_JOINT_TYPE_COMPOSITE);
   loop.parts = &loop, loop.parts_count = 1;
   refuse(loop, DYN_ERROR_LIMIT, {"16 deep"});
   // a tree of composites that would have 10^12 leaves
-  std::vector<std::vector<Spec>> levels(5, std::vector<Spec>(1000, Spec(nullptr, DYN_JOINT_REVOLUTE)));
+  std::vector<std::vector<Spec>> levels(5, std::vector<Spec>(1000, Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE)));
   for (std::size_t k = 0; k + 1 < levels.size(); ++k)
-    for (Spec& part : levels[k]) part.type = DYN_JOINT_COMPOSITE, part.parts = levels[k + 1].data(), part.parts_count = 1;
-  Spec wide("j", DYN_JOINT_COMPOSITE);
+    for (Spec& part : levels[k]) part.type = DYN_JOINT_TYPE_COMPOSITE, part.parts = levels[k + 1].data(), part.parts_count = 1;
+  Spec wide("j", DYN_JOINT_TYPE_COMPOSITE);
   wide.parts = levels[0].data(), wide.parts_count = 1000;
   levels[0][0].parts_count = 1000;
   refuse(wide, DYN_ERROR_LIMIT, {"1000"});
@@ -259,29 +259,29 @@ TEST_F(BuilderTest, Composites) {
 
 TEST_F(BuilderTest, Bodies) {
   for (double bad : {nan, inf, -inf})
-    refuse(DYN_ERROR_NONFINITE, dyn_builder_body(b, "x", "base", nullptr, bad, com0, some_inertia), {"body 'x'", "mass", "finite"});
-  refuse(DYN_ERROR_INVALID, dyn_builder_body(b, "x", "base", nullptr, -0.5, com0, some_inertia), {"body 'x'", "mass is -0.5 kg", "negative"});
+    refuse(DYN_ERROR_NONFINITE, dyn_builder_add_body(b, "x", "base", nullptr, bad, com0, some_inertia), {"body 'x'", "mass", "finite"});
+  refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", nullptr, -0.5, com0, some_inertia), {"body 'x'", "mass is -0.5 kg", "negative"});
   double com[3] = {0, 0, nan}, inertia[9];
-  refuse(DYN_ERROR_NONFINITE, dyn_builder_body(b, "x", "base", nullptr, 1, com, some_inertia), {"body 'x'", "com[2]"});
+  refuse(DYN_ERROR_NONFINITE, dyn_builder_add_body(b, "x", "base", nullptr, 1, com, some_inertia), {"body 'x'", "com[2]"});
   std::copy(some_inertia, some_inertia + 9, inertia);
   inertia[8] = inf;
-  refuse(DYN_ERROR_NONFINITE, dyn_builder_body(b, "x", "base", nullptr, 1, com0, inertia), {"body 'x'", "inertia[8]"});
+  refuse(DYN_ERROR_NONFINITE, dyn_builder_add_body(b, "x", "base", nullptr, 1, com0, inertia), {"body 'x'", "inertia[8]"});
   inertia[8] = 0.02, inertia[1] = 0.5;
-  refuse(DYN_ERROR_INVALID, dyn_builder_body(b, "x", "base", nullptr, 1, com0, inertia), {"body 'x'", "not symmetric"});
+  refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", nullptr, 1, com0, inertia), {"body 'x'", "not symmetric"});
   const double impossible[9] = {1, 0, 0, 0, 3, 0, 0, 0, 1.5};
-  refuse(DYN_ERROR_INVALID, dyn_builder_body(b, "x", "base", nullptr, 1, com0, impossible), {"body 'x'", "and 3 kg m^2", "no body has one above the sum"});
+  refuse(DYN_ERROR_INVALID, dyn_builder_add_body(b, "x", "base", nullptr, 1, com0, impossible), {"body 'x'", "and 3 kg m^2", "no body has one above the sum"});
 }
 
 TEST_F(BuilderTest, GravityAndConfigurations) {
   for (int k = 0; k < 3; ++k) {
     double g[3] = {};
     g[k] = k ? nan : inf;
-    refuse(DYN_ERROR_NONFINITE, dyn_builder_gravity(b, g), {"gravity[" + std::to_string(k) + "]"});
+    refuse(DYN_ERROR_NONFINITE, dyn_builder_set_gravity(b, g), {"gravity[" + std::to_string(k) + "]"});
   }
   const double bad[1] = {nan}, good[1] = {0.1};
-  refuse(DYN_ERROR_NONFINITE, dyn_builder_configuration(b, "c", bad, 1), {"configuration 'c'", "[0]"});
-  EXPECT_EQ(DYN_OK, dyn_builder_configuration(b, "c", good, 1));
-  refuse(DYN_ERROR_NAME, dyn_builder_configuration(b, "c", good, 1), {"configuration 'c'", "choose another"});
+  refuse(DYN_ERROR_NONFINITE, dyn_builder_add_configuration(b, "c", bad, 1), {"configuration 'c'", "[0]"});
+  EXPECT_EQ(DYN_OK, dyn_builder_add_configuration(b, "c", good, 1));
+  refuse(DYN_ERROR_NAME, dyn_builder_add_configuration(b, "c", good, 1), {"configuration 'c'", "choose another"});
 }
 
 // What only the whole can show.
@@ -294,7 +294,7 @@ struct Whole {
 const Whole wholes[] = {
     {"mimic circle",
      [](Builder& b) {
-       Spec x("x", DYN_JOINT_REVOLUTE), y("y", DYN_JOINT_REVOLUTE);
+       Spec x("x", DYN_JOINT_TYPE_REVOLUTE), y("y", DYN_JOINT_TYPE_REVOLUTE);
        x.mimic = "y", y.mimic = "x";
        b.joint(x).joint(y).body("bx", "x").body("by", "y");
      },
@@ -302,7 +302,7 @@ const Whole wholes[] = {
      {"mimic goes round in a circle", "must move by itself"}},
     {"mimic of nobody",
      [](Builder& b) {
-       Spec x("x", DYN_JOINT_REVOLUTE);
+       Spec x("x", DYN_JOINT_TYPE_REVOLUTE);
        x.mimic = "nobody";
        b.joint(x).body("bx", "x");
      },
@@ -310,48 +310,48 @@ const Whole wholes[] = {
      {"joint 'x'", "mimics 'nobody'", "no moving joint"}},
     {"mimic of a fixed joint",
      [](Builder& b) {
-       Spec x("x", DYN_JOINT_REVOLUTE);
+       Spec x("x", DYN_JOINT_TYPE_REVOLUTE);
        x.mimic = "weld";
-       b.joint(Spec("weld", DYN_JOINT_FIXED)).joint(x).body("bx", "x");
+       b.joint(Spec("weld", DYN_JOINT_TYPE_FIXED)).joint(x).body("bx", "x");
      },
      DYN_ERROR_NAME,
      {"joint 'x'", "'weld'", "no moving joint"}},
     {"mimic of many coordinates",
      [](Builder& b) {
-       Spec x("x", DYN_JOINT_REVOLUTE);
+       Spec x("x", DYN_JOINT_TYPE_REVOLUTE);
        x.mimic = "ball";
-       b.joint(Spec("ball", DYN_JOINT_SPHERICAL)).joint(x).body("bx", "x").body("bb", "ball");
+       b.joint(Spec("ball", DYN_JOINT_TYPE_SPHERICAL)).joint(x).body("bx", "x").body("bb", "ball");
      },
      DYN_ERROR_INVALID,
      {"joint 'x'", "'ball'", "more than one coordinate"}},
     {"nothing resists",
-     [](Builder& b) { b.joint(Spec("x", DYN_JOINT_REVOLUTE)).body("bx", "x", 0, {0, 0, 0}, no_inertia); },
+     [](Builder& b) { b.joint(Spec("x", DYN_JOINT_TYPE_REVOLUTE)).body("bx", "x", 0, {0, 0, 0}, no_inertia); },
      DYN_ERROR_INVALID,
      {"joint 'x'", "nothing resists it", "'bx'", "armature"}},
     {"no body",
-     [](Builder& b) { b.joint(Spec("x", DYN_JOINT_PRISMATIC)); },
+     [](Builder& b) { b.joint(Spec("x", DYN_JOINT_TYPE_PRISMATIC)); },
      DYN_ERROR_INVALID,
      {"joint 'x'", "nothing resists it", "no link"}},
     {"negative moment",
      [](Builder& b) {
        static constexpr double odd[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
-       b.joint(Spec("x", DYN_JOINT_REVOLUTE)).body("bx", "x", 1, {0, 0, 0}, odd);
+       b.joint(Spec("x", DYN_JOINT_TYPE_REVOLUTE)).body("bx", "x", 1, {0, 0, 0}, odd);
      },
      DYN_ERROR_INVALID,
      {"joint 'x'", "'bx'", "negative principal moment"}},
     {"configuration of a wrong size",
      [](Builder& b) {
        static constexpr double q[2] = {};
-       b.joint(Spec("x", DYN_JOINT_REVOLUTE)).body("bx", "x");
-       EXPECT_EQ(DYN_OK, dyn_builder_configuration(b, "c", q, 2));
+       b.joint(Spec("x", DYN_JOINT_TYPE_REVOLUTE)).body("bx", "x");
+       EXPECT_EQ(DYN_OK, dyn_builder_add_configuration(b, "c", q, 2));
      },
      DYN_ERROR_SIZE,
      {"configuration 'c' has 2 numbers", "nq = 1"}},
     {"configuration with a zero quaternion",
      [](Builder& b) {
        static constexpr double q[4] = {};
-       b.joint(Spec("ball", DYN_JOINT_SPHERICAL)).body("bb", "ball");
-       EXPECT_EQ(DYN_OK, dyn_builder_configuration(b, "c", q, 4));
+       b.joint(Spec("ball", DYN_JOINT_TYPE_SPHERICAL)).body("bb", "ball");
+       EXPECT_EQ(DYN_OK, dyn_builder_add_configuration(b, "c", q, 4));
      },
      DYN_ERROR_QUATERNION,
      {"configuration 'c'", "joint 'ball' is zero", "norm 1"}},
@@ -369,22 +369,22 @@ TEST(BuilderFinish, Refusals) {
 
 TEST(BuilderFinish, InfiniteLimitsTheRightWayRound) {
   const double lower[1] = {-inf}, upper[1] = {inf};
-  Spec s("x", DYN_JOINT_REVOLUTE);
+  Spec s("x", DYN_JOINT_TYPE_REVOLUTE);
   s.lower = lower, s.upper = upper, s.velocity = upper, s.effort = upper;
   Builder b;
   const Model m = b.joint(s).body("bx", "x").finish();
-  EXPECT_EQ(-inf, dyn_model_array(m, DYN_LOWER_LIMIT)[0]);
-  for (dynModelArray which : {DYN_UPPER_LIMIT, DYN_VELOCITY_LIMIT, DYN_EFFORT_LIMIT}) EXPECT_EQ(inf, dyn_model_array(m, which)[0]);
+  EXPECT_EQ(-inf, dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT)[0]);
+  for (dynModelArray which : {DYN_MODEL_ARRAY_UPPER_LIMIT, DYN_MODEL_ARRAY_VELOCITY_LIMIT, DYN_MODEL_ARRAY_EFFORT_LIMIT}) EXPECT_EQ(inf, dyn_model_array(m, which)[0]);
 }
 
 TEST(BuilderFinish, AgainAndFurther) {
   Builder b;
-  b.joint(Spec("x", DYN_JOINT_REVOLUTE));
+  b.joint(Spec("x", DYN_JOINT_TYPE_REVOLUTE));
   dynModel* none = nullptr;
   EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_finish(b, &none));
   b.body("bx", "x");  // remedied
   const Model first = b.finish();
-  b.joint(Spec("y", DYN_JOINT_REVOLUTE, "x")).body("by", "y");
+  b.joint(Spec("y", DYN_JOINT_TYPE_REVOLUTE, "x")).body("by", "y");
   const Model second = b.finish(), third = b.finish();
   EXPECT_EQ(1, first.nv());
   EXPECT_EQ(2, second.nv());
@@ -396,28 +396,28 @@ TEST(BuilderFinish, NothingAtAll) {
   Builder b(nullptr);
   const Model m = b.finish();
   EXPECT_STREQ("", dyn_model_name(m));
-  EXPECT_TRUE(m.nq() == 0 && m.nv() == 0 && m.njoints() == 1 && m.nframes() == 1 && dyn_nbodies(m) == 0 && dyn_total_mass(m) == 0);
+  EXPECT_TRUE(m.nq() == 0 && m.nv() == 0 && m.njoints() == 1 && m.nframes() == 1 && dyn_model_nbodies(m) == 0 && dyn_model_total_mass(m) == 0);
   Data d(m);
   compute_all(m, d, State{{0}, {0}, {0}, {0}, Numbers(6, 0.0)});
   double com[3] = {1, 1, 1}, X[12], x[1] = {7};
-  EXPECT_EQ(DYN_OK, dyn_center_of_mass(m, d, nullptr, nullptr, nullptr, com, nullptr, nullptr));
+  EXPECT_EQ(DYN_OK, dyn_com(m, d, nullptr, nullptr, nullptr, com, nullptr, nullptr));
   EXPECT_TRUE(com[0] == 0 && com[1] == 0 && com[2] == 0);
   EXPECT_EQ(DYN_OK, dyn_frame_placement(m, d, 0, X));
-  EXPECT_EQ(DYN_OK, dyn_solve(m, d, x, 1, x));
+  EXPECT_EQ(DYN_OK, dyn_cholesky_solve(m, d, x, 1, x));
   EXPECT_EQ(7, x[0]);
   // arrays of no numbers may be NULL; velocities and accelerations are there all the same
   double V[6] = {7};
   EXPECT_EQ(DYN_OK, dyn_forward_kinematics(m, d, nullptr, nullptr, nullptr));
-  EXPECT_EQ(DYN_OK, dyn_frame_acceleration(m, d, 0, DYN_WORLD, V));
+  EXPECT_EQ(DYN_OK, dyn_frame_acceleration(m, d, 0, DYN_REFERENCE_WORLD, V));
   EXPECT_EQ(0, V[0]);
   double distance = 1;
-  for (dynStatus s : {dyn_solve(m, d, nullptr, 1, nullptr), dyn_neutral(m, nullptr), dyn_random(m, 1, nullptr, nullptr, nullptr),
+  for (dynStatus s : {dyn_cholesky_solve(m, d, nullptr, 1, nullptr), dyn_configuration_neutral(m, nullptr), dyn_configuration_random(m, 1, nullptr, nullptr, nullptr),
                       dyn_integrate(m, nullptr, nullptr, nullptr), dyn_difference(m, nullptr, nullptr, nullptr),
-                      dyn_interpolate(m, nullptr, nullptr, 0.5, nullptr), dyn_normalize(m, nullptr), dyn_configuration(m, "neutral", nullptr),
-                      dyn_distance(m, nullptr, nullptr, &distance), dyn_frame_jacobian(m, d, 0, DYN_WORLD, nullptr)})
+                      dyn_interpolate(m, nullptr, nullptr, 0.5, nullptr), dyn_configuration_normalize(m, nullptr), dyn_model_configuration(m, "neutral", nullptr),
+                      dyn_configuration_distance(m, nullptr, nullptr, &distance), dyn_frame_jacobian(m, d, 0, DYN_REFERENCE_WORLD, nullptr)})
     EXPECT_EQ(DYN_OK, s) << dyn_last_error();
   EXPECT_EQ(0, distance);
-  EXPECT_EQ(DYN_OK, take_step(m, d, DYN_RK4, 0.1));
+  EXPECT_EQ(DYN_OK, take_step(m, d, DYN_INTEGRATOR_RK4, 0.1));
   EXPECT_EQ(0.1, field(m, d, "time")[0]);
 }
 
@@ -431,19 +431,19 @@ TEST(BuilderFinish, Huge) {
       EXPECT_TRUE(s == DYN_ERROR_INVALID || s == DYN_ERROR_NUMERIC || s == DYN_ERROR_NONFINITE) << what << ": " << dyn_last_error();
       return;
     }
-    EXPECT_TRUE(std::isfinite(dyn_total_mass(owner))) << what;
-    for (dynModelArray which : {DYN_ARMATURE, DYN_DAMPING, DYN_FRICTION})
+    EXPECT_TRUE(std::isfinite(dyn_model_total_mass(owner))) << what;
+    for (dynModelArray which : {DYN_MODEL_ARRAY_ARMATURE, DYN_MODEL_ARRAY_DAMPING, DYN_MODEL_ARRAY_FRICTION})
       for (int k = 0; k < owner.nv(); ++k) EXPECT_FALSE(std::isnan(dyn_model_array(owner, which)[k])) << what;
   };
   {
     Builder b;
-    Spec s("x", DYN_JOINT_REVOLUTE);
+    Spec s("x", DYN_JOINT_TYPE_REVOLUTE);
     s.rotor_inertia = 1e200, s.gear_ratio = 1e200;
-    if (dyn_builder_joint(b, &s) == DYN_OK) expect(b.body("bx", "x"), "rotor");
+    if (dyn_builder_add_joint(b, &s) == DYN_OK) expect(b.body("bx", "x"), "rotor");
   }
   {
     Builder b;
-    b.joint(Spec("x", DYN_JOINT_REVOLUTE)).body("b1", "x", 1.5e308).body("b2", "x", 1.5e308);
+    b.joint(Spec("x", DYN_JOINT_TYPE_REVOLUTE)).body("b1", "x", 1.5e308).body("b2", "x", 1.5e308);
     dynModel* m = nullptr;
     const dynStatus s = dyn_builder_finish(b, &m);
     dyn_model_free(m);

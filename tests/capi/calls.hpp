@@ -12,8 +12,8 @@ enum class Needs { nothing, position, velocity, acceleration, com, mass, factor 
 struct Arguments {
   const double *q = nullptr, *v = nullptr, *a = nullptr, *tau = nullptr, *fext = nullptr, *b = nullptr, *lambda = nullptr;
   int frame = 1, joint = 1, nrhs = 1;
-  dynReference reference = DYN_LOCAL;
-  dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER;
+  dynReference reference = DYN_REFERENCE_LOCAL;
+  dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER;
   double dt = 1e-3;
   std::uint32_t mask = DYN_TERM_ALL;
   double* out[4] = {};
@@ -40,21 +40,21 @@ inline std::size_t two(const dynModel*, int) { return 2; }
 inline std::size_t three(const dynModel*, int) { return 3; }
 inline std::size_t six(const dynModel*, int) { return 6; }
 inline std::size_t twelve(const dynModel*, int) { return 12; }
-inline std::size_t frames(const dynModel* m, int) { return 12 * std::size_t(dyn_nframes(m)); }
-inline std::size_t nv(const dynModel* m, int) { return std::size_t(dyn_nv(m)); }
-inline std::size_t state(const dynModel* m, int k) { return k ? nv(m, 0) : std::size_t(dyn_nq(m)); }
+inline std::size_t frames(const dynModel* m, int) { return 12 * std::size_t(dyn_model_nframes(m)); }
+inline std::size_t nv(const dynModel* m, int) { return std::size_t(dyn_model_nv(m)); }
+inline std::size_t state(const dynModel* m, int k) { return k ? nv(m, 0) : std::size_t(dyn_model_nq(m)); }
 inline std::size_t three_nv(const dynModel* m, int) { return 3 * nv(m, 0); }
 inline std::size_t six_nv(const dynModel* m, int) { return 6 * nv(m, 0); }
 inline std::size_t hessian(const dynModel* m, int) { return 6 * nv(m, 0) * nv(m, 0); }
 inline std::size_t cube(const dynModel* m, int) { return nv(m, 0) * nv(m, 0) * nv(m, 0); }
 inline std::size_t square(const dynModel* m, int) { return nv(m, 0) * nv(m, 0); }
 inline std::size_t map_inertia_momentum(const dynModel* m, int k) { return k == 0 ? six_nv(m, 0) : k == 1 ? 36 : 6; }
-inline std::size_t parameters(const dynModel* m, int) { return 10 * std::size_t(dyn_njoints(m) - 1); }
+inline std::size_t parameters(const dynModel* m, int) { return 10 * std::size_t(dyn_model_njoints(m) - 1); }
 inline std::size_t three_parameters(const dynModel* m, int) { return 3 * parameters(m, 0); }
 inline std::size_t nv_parameters(const dynModel* m, int) { return nv(m, 0) * parameters(m, 0); }
 inline std::size_t six_ten(const dynModel*, int) { return 60; }
-inline std::size_t solution_and_residual(const dynModel* m, int k) { return k ? 2 : std::size_t(dyn_nq(m)); }
-inline std::size_t pairs(const dynModel* m, int) { return std::size_t(dyn_npairs(m)); }
+inline std::size_t solution_and_residual(const dynModel* m, int k) { return k ? 2 : std::size_t(dyn_model_nq(m)); }
+inline std::size_t pairs(const dynModel* m, int) { return std::size_t(dyn_model_npairs(m)); }
 inline std::size_t pairs_and_gradients(const dynModel* m, int k) { return pairs(m, 0) * (k ? nv(m, 0) : 1); }
 inline std::size_t point_and_mass(const dynModel*, int k) { return k ? 1 : 3; }
 }  // namespace sizes
@@ -76,7 +76,7 @@ inline dynStatus solve_nothing(const dynModel* m, dynData* d, const Arguments& x
 inline const CallRow call_rows[] = {
     {"dyn_data_set_state", 0, uses_q | uses_v | uses_a | uses_tau, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_data_set_state(m, d, x.q, x.v, x.a, x.tau); }},
-    {"dyn_warmup", 0, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_warmup(m, d); }},
+    {"dyn_data_warm_up", 0, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_warm_up(m, d); }},
     {"dyn_data_set_effects", 0, 0, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_data_set_effects(m, d, 0, DYN_EFFECT_ARMATURE); }},
     {"dyn_data_effects", 0, 0, Needs::nothing, false, 0, sizes::none,
@@ -112,21 +112,21 @@ inline const CallRow call_rows[] = {
      DYN_CALL { return dyn_frame_classical_acceleration_derivatives(m, d, x.frame, x.reference, x.out[0], x.out[1], x.out[2]); }},
     {"dyn_frame_kinematic_hessian", DYN_PART_JACOBIANS, uses_frame | uses_reference, Needs::position, true, 1, sizes::hessian,
      DYN_CALL { return dyn_frame_kinematic_hessian(m, d, x.frame, x.reference, x.out[0]); }},
-    {"dyn_center_of_mass", DYN_PART_COM, uses_q | uses_v | uses_a, Needs::nothing, false, 3, sizes::three,
-     DYN_CALL { return dyn_center_of_mass(m, d, x.q, x.v, x.a, x.out[0], x.out[1], x.out[2]); }},
-    {"dyn_center_of_mass_jacobian", DYN_PART_COM, uses_q, Needs::nothing, false, 1, sizes::three_nv,
-     DYN_CALL { return dyn_center_of_mass_jacobian(m, d, x.q, x.out[0]); }},
-    {"dyn_center_of_mass_velocity_derivatives", DYN_PART_COM, uses_q | uses_v, Needs::nothing, false, 2, sizes::three_nv,
-     DYN_CALL { return dyn_center_of_mass_velocity_derivatives(m, d, x.q, x.v, x.out[0], x.out[1]); }},
-    {"dyn_subtree_center_of_mass", DYN_PART_COM, uses_joint, Needs::com, false, 2, sizes::point_and_mass,
-     DYN_CALL { return dyn_subtree_center_of_mass(m, d, x.joint, x.out[0], x.out[1]); }},
-    {"dyn_subtree_center_of_mass_jacobian", DYN_PART_COM, uses_joint, Needs::com, true, 1, sizes::three_nv,
-     DYN_CALL { return dyn_subtree_center_of_mass_jacobian(m, d, x.joint, x.out[0]); }},
+    {"dyn_com", DYN_PART_COM, uses_q | uses_v | uses_a, Needs::nothing, false, 3, sizes::three,
+     DYN_CALL { return dyn_com(m, d, x.q, x.v, x.a, x.out[0], x.out[1], x.out[2]); }},
+    {"dyn_jcom", DYN_PART_COM, uses_q, Needs::nothing, false, 1, sizes::three_nv,
+     DYN_CALL { return dyn_jcom(m, d, x.q, x.out[0]); }},
+    {"dyn_vcom_derivatives", DYN_PART_COM, uses_q | uses_v, Needs::nothing, false, 2, sizes::three_nv,
+     DYN_CALL { return dyn_vcom_derivatives(m, d, x.q, x.v, x.out[0], x.out[1]); }},
+    {"dyn_subtree_com", DYN_PART_COM, uses_joint, Needs::com, false, 2, sizes::point_and_mass,
+     DYN_CALL { return dyn_subtree_com(m, d, x.joint, x.out[0], x.out[1]); }},
+    {"dyn_subtree_jcom", DYN_PART_COM, uses_joint, Needs::com, true, 1, sizes::three_nv,
+     DYN_CALL { return dyn_subtree_jcom(m, d, x.joint, x.out[0]); }},
     {"dyn_rnea", DYN_PART_INVERSE, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 1, sizes::nv,
      DYN_CALL { return dyn_rnea(m, d, x.q, x.v, x.a, x.fext, x.out[0]); }},
-    {"dyn_nonlinear_effects", DYN_PART_INVERSE, uses_q | uses_v, Needs::nothing, false, 1, sizes::nv,
-     DYN_CALL { return dyn_nonlinear_effects(m, d, x.q, x.v, x.out[0]); }},
-    {"dyn_gravity", DYN_PART_INVERSE, uses_q, Needs::nothing, false, 1, sizes::nv, DYN_CALL { return dyn_gravity(m, d, x.q, x.out[0]); }},
+    {"dyn_nle", DYN_PART_INVERSE, uses_q | uses_v, Needs::nothing, false, 1, sizes::nv,
+     DYN_CALL { return dyn_nle(m, d, x.q, x.v, x.out[0]); }},
+    {"dyn_gravity_torque", DYN_PART_INVERSE, uses_q, Needs::nothing, false, 1, sizes::nv, DYN_CALL { return dyn_gravity_torque(m, d, x.q, x.out[0]); }},
     {"dyn_static_torque", DYN_PART_INVERSE, uses_q | uses_fext, Needs::nothing, false, 1, sizes::nv,
      DYN_CALL { return dyn_static_torque(m, d, x.q, x.fext, x.out[0]); }},
     {"dyn_coriolis_matrix", DYN_PART_CORIOLIS, uses_q | uses_v, Needs::nothing, false, 1, sizes::square,
@@ -134,17 +134,17 @@ inline const CallRow call_rows[] = {
     {"dyn_aba", DYN_PART_FORWARD, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 1, sizes::nv,
      DYN_CALL { return dyn_aba(m, d, x.q, x.v, x.tau, x.fext, x.out[0]); }},
     {"dyn_crba", DYN_PART_MASS, uses_q, Needs::nothing, false, 1, sizes::square, DYN_CALL { return dyn_crba(m, d, x.q, x.out[0]); }},
-    {"dyn_factorize", DYN_PART_FACTOR, 0, Needs::mass, false, 0, sizes::none, DYN_CALL { return dyn_factorize(m, d); }},
-    {"dyn_solve", DYN_PART_FACTOR, uses_b, Needs::factor, true, 1, sizes::nv,
-     DYN_CALL { return dyn_solve(m, d, x.b, x.nrhs, x.out[0]); }},
-    {"dyn_minverse", DYN_PART_MINV, uses_q, Needs::nothing, false, 1, sizes::square,
-     DYN_CALL { return dyn_minverse(m, d, x.q, x.out[0]); }},
+    {"dyn_cholesky", DYN_PART_CHOLESKY, 0, Needs::mass, false, 0, sizes::none, DYN_CALL { return dyn_cholesky(m, d); }},
+    {"dyn_cholesky_solve", DYN_PART_CHOLESKY, uses_b, Needs::factor, true, 1, sizes::nv,
+     DYN_CALL { return dyn_cholesky_solve(m, d, x.b, x.nrhs, x.out[0]); }},
+    {"dyn_minv", DYN_PART_MINV, uses_q, Needs::nothing, false, 1, sizes::square,
+     DYN_CALL { return dyn_minv(m, d, x.q, x.out[0]); }},
     {"dyn_rnea_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q | uses_v | uses_a | uses_fext, Needs::nothing, false, 2, sizes::square,
      DYN_CALL { return dyn_rnea_derivatives(m, d, x.q, x.v, x.a, x.fext, x.out[0], x.out[1]); }},
     {"dyn_aba_derivatives", DYN_PART_FORWARD_DERIVATIVES, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 3, sizes::square,
      DYN_CALL { return dyn_aba_derivatives(m, d, x.q, x.v, x.tau, x.fext, x.out[0], x.out[1], x.out[2]); }},
-    {"dyn_gravity_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q, Needs::nothing, false, 1, sizes::square,
-     DYN_CALL { return dyn_gravity_derivatives(m, d, x.q, x.out[0]); }},
+    {"dyn_gravity_torque_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q, Needs::nothing, false, 1, sizes::square,
+     DYN_CALL { return dyn_gravity_torque_derivatives(m, d, x.q, x.out[0]); }},
     {"dyn_static_torque_derivatives", DYN_PART_INVERSE_DERIVATIVES, uses_q | uses_fext, Needs::nothing, false, 1, sizes::square,
      DYN_CALL { return dyn_static_torque_derivatives(m, d, x.q, x.fext, x.out[0]); }},
     {"dyn_rnea_second_order_product", DYN_PART_SECOND_ORDER, uses_q | uses_v | uses_a | uses_fext | uses_lambda, Needs::nothing, false, 4, sizes::square,
@@ -163,8 +163,8 @@ inline const CallRow call_rows[] = {
      DYN_CALL { return dyn_centroidal_map_time_variation(m, d, x.q, x.v, x.out[0]); }},
     {"dyn_centroidal_momentum", DYN_PART_CENTROIDAL, uses_q | uses_v, Needs::nothing, false, 1, sizes::six,
      DYN_CALL { return dyn_centroidal_momentum(m, d, x.q, x.v, x.out[0]); }},
-    {"dyn_centroidal_momentum_rate", DYN_PART_CENTROIDAL, uses_q | uses_v | uses_a, Needs::nothing, false, 1, sizes::six,
-     DYN_CALL { return dyn_centroidal_momentum_rate(m, d, x.q, x.v, x.a, x.out[0]); }},
+    {"dyn_centroidal_momentum_time_variation", DYN_PART_CENTROIDAL, uses_q | uses_v | uses_a, Needs::nothing, false, 1, sizes::six,
+     DYN_CALL { return dyn_centroidal_momentum_time_variation(m, d, x.q, x.v, x.a, x.out[0]); }},
     {"dyn_centroidal_derivatives", DYN_PART_CENTROIDAL, uses_q | uses_v | uses_a, Needs::nothing, false, 4, sizes::six_nv,
      DYN_CALL { return dyn_centroidal_derivatives(m, d, x.q, x.v, x.a, x.out[0], x.out[1], x.out[2], x.out[3]); }},
     {"dyn_joint_torque_regressor", DYN_PART_REGRESSOR, uses_q | uses_v | uses_a, Needs::nothing, false, 1, sizes::nv_parameters,
@@ -198,16 +198,16 @@ inline const CallRow call_rows[] = {
        return dyn_rays(m, d, x.q, origins, directions, 2, 100, 0xffffffffu, x.out[0], nullptr, nullptr);
      }},
     // without constraints: constraint_test.cpp has those with
-    {"dyn_constraint_set", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_constraint_set(m, d, 0, nullptr); }},
-    {"dyn_constraint_get", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none,
+    {"dyn_data_set_constraint", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_set_constraint(m, d, 0, nullptr); }},
+    {"dyn_data_constraint", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none,
      DYN_CALL {
        dynConstraint c;
-       dyn_constraint_init(&c, DYN_CONSTRAINT_NONE);
-       return dyn_constraint_get(m, d, 0, &c);
+       dyn_constraint_init(&c, DYN_CONSTRAINT_TYPE_NONE);
+       return dyn_data_constraint(m, d, 0, &c);
      }},
-    {"dyn_constraint_enable", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_constraint_enable(m, d, 0, 0); }},
-    {"dyn_constraint_rows", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none,
-     DYN_CALL { return dyn_constraint_rows(m, d, -1, nullptr, nullptr); }},
+    {"dyn_data_set_constraint_enabled", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none, DYN_CALL { return dyn_data_set_constraint_enabled(m, d, 0, 0); }},
+    {"dyn_data_constraint_rows", DYN_PART_CONSTRAINTS, 0, Needs::nothing, false, 0, sizes::none,
+     DYN_CALL { return dyn_data_constraint_rows(m, d, -1, nullptr, nullptr); }},
     {"dyn_constraint_terms", DYN_PART_CONSTRAINTS, uses_q | uses_v, Needs::nothing, false, 0, sizes::none,
      DYN_CALL { return dyn_constraint_terms(m, d, x.q, x.v, nullptr, nullptr, nullptr, nullptr); }},
     {"dyn_constrained_dynamics", DYN_PART_CONSTRAINTS, uses_q | uses_v | uses_tau | uses_fext, Needs::nothing, false, 1, sizes::nv,
@@ -267,7 +267,7 @@ struct Prepared {
 
   Prepared(const CallRow& r, const dynModel* m, const State& state) : row(r), s(state), b(state.a) {
     x.q = s.q.data(), x.v = s.v.data(), x.a = s.a.data(), x.tau = s.tau.data(), x.fext = s.fext.data(), x.b = x.lambda = b.data();
-    x.frame = dyn_nframes(m) - 1, x.joint = dyn_njoints(m) - 1;
+    x.frame = dyn_model_nframes(m) - 1, x.joint = dyn_model_njoints(m) - 1;
     for (int k = 0; k < row.outputs; ++k) {
       out[k].assign(row.size(m, k) + guard, pattern);
       x.out[k] = out[k].data();

@@ -21,32 +21,32 @@ std::array<double, 12> at(double x, double y, double z) {
 dynDistance distance(const dynGeometry& a, const std::array<double, 12>& X_a, const dynGeometry& b, const std::array<double, 12>& X_b) {
   dynDistance d{};
   d.struct_size = sizeof d;
-  EXPECT_EQ(DYN_OK, dyn_shape_distance(&a, X_a.data(), &b, X_b.data(), nullptr, &d)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_geometry_distance(&a, X_a.data(), &b, X_b.data(), nullptr, &d)) << dyn_last_error();
   return d;
 }
 
 TEST(ShapeDistance, ClosedForms) {
-  const dynGeometry box = geometry(DYN_SHAPE_BOX, 2, 2, 2), ball = geometry(DYN_SHAPE_SPHERE, 0.5), tube = geometry(DYN_SHAPE_CYLINDER, 0.3, 2),
-                    pill = geometry(DYN_SHAPE_CAPSULE, 0.3, 2), cone = geometry(DYN_SHAPE_CONE, 1, 2), egg = geometry(DYN_SHAPE_ELLIPSOID, 1, 2, 3),
-                    ground = geometry(DYN_SHAPE_HALF_SPACE, 0);
+  const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5), tube = geometry(DYN_SHAPE_TYPE_CYLINDER, 0.3, 2),
+                    pill = geometry(DYN_SHAPE_TYPE_CAPSULE, 0.3, 2), cone = geometry(DYN_SHAPE_TYPE_CONE, 1, 2), egg = geometry(DYN_SHAPE_TYPE_ELLIPSOID, 1, 2, 3),
+                    ground = geometry(DYN_SHAPE_TYPE_HALF_SPACE, 0);
   EXPECT_NEAR(1.5, distance(box, at(0, 0, 0), ball, at(0, 0, 3)).distance, 1e-12);
   EXPECT_NEAR(-0.5, distance(box, at(0, 0, 0), ball, at(1, 0, 0)).distance, 1e-12);
   EXPECT_NEAR(0.7, distance(box, at(0, 0, 0), tube, at(2, 0, 0)).distance, 1e-10);
   EXPECT_NEAR(5 - 1 - 0.3, distance(box, at(0, 0, 0), pill, at(0, 0, 6)).distance - 0.0, 1e-12);
   EXPECT_NEAR(1, distance(ground, at(0, 0, 0), cone, at(0, 0, 2)).distance, 1e-12);
   EXPECT_NEAR(2, distance(ground, at(0, 0, 0), egg, at(0, 0, 5)).distance, 1e-12);
-  EXPECT_NEAR(1.4, distance(geometry(DYN_SHAPE_SPHERE, 0.5, 0, 0, 0.1), at(0, 0, 0), box, at(3, 0, 0)).distance, 1e-12);
+  EXPECT_NEAR(1.4, distance(geometry(DYN_SHAPE_TYPE_SPHERE, 0.5, 0, 0, 0.1), at(0, 0, 0), box, at(3, 0, 0)).distance, 1e-12);
   const dynDistance d = distance(box, at(0, 0, 0), box, at(0, 0, 1.5));
-  EXPECT_EQ(DYN_PENETRATING, d.status);
+  EXPECT_EQ(DYN_DISTANCE_STATUS_PENETRATING, d.status);
   EXPECT_NEAR(-0.5, d.distance, 1e-12);
   EXPECT_NEAR(1, d.normal[2], 1e-12);
   EXPECT_EQ(0, d.unique);  // two faces, parallel
-  EXPECT_EQ(DYN_TOUCHING, distance(box, at(0, 0, 0), box, at(0, 0, 2)).status);
-  EXPECT_EQ(DYN_SEPARATED, distance(box, at(0, 0, 0), box, at(0, 0, 2.1)).status);
+  EXPECT_EQ(DYN_DISTANCE_STATUS_TOUCHING, distance(box, at(0, 0, 0), box, at(0, 0, 2)).status);
+  EXPECT_EQ(DYN_DISTANCE_STATUS_SEPARATED, distance(box, at(0, 0, 0), box, at(0, 0, 2.1)).status);
 }
 
 TEST(ShapeDistance, BadArguments) {
-  const dynGeometry ball = geometry(DYN_SHAPE_SPHERE, 0.5), box = geometry(DYN_SHAPE_BOX, 1, 1, 1);
+  const dynGeometry ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5), box = geometry(DYN_SHAPE_TYPE_BOX, 1, 1, 1);
   dynDistance out{}, before;
   out.struct_size = sizeof out, out.distance = 7;
   before = out;
@@ -54,7 +54,7 @@ TEST(ShapeDistance, BadArguments) {
     dynDistanceOptions options;
     dyn_distance_options_init(&options);
     options.tolerance = tolerance;
-    EXPECT_EQ(status, dyn_shape_distance(a, X, &box, identity, &options, &out));
+    EXPECT_EQ(status, dyn_geometry_distance(a, X, &box, identity, &options, &out));
     EXPECT_TRUE(says(words)) << dyn_last_error();
     EXPECT_EQ(0, std::memcmp(&before, &out, sizeof out));
   };
@@ -63,17 +63,17 @@ TEST(ShapeDistance, BadArguments) {
   for (const double bad : {nan, -inf}) {
     auto X = at(0, bad, 0);
     refused(DYN_ERROR_NONFINITE, &ball, X.data(), 0, {"placement_a[10]"});
-    const dynGeometry b = geometry(DYN_SHAPE_BOX, 1, bad, 1), r = geometry(DYN_SHAPE_BOX, 1, 1, 1, bad);
+    const dynGeometry b = geometry(DYN_SHAPE_TYPE_BOX, 1, bad, 1), r = geometry(DYN_SHAPE_TYPE_BOX, 1, 1, 1, bad);
     refused(DYN_ERROR_NONFINITE, &b, identity, 0, {"a: size[1]"});
     refused(DYN_ERROR_NONFINITE, &r, identity, 0, {"a: radius"});
     refused(DYN_ERROR_NONFINITE, &ball, identity, bad, {"tolerance"});
   }
   for (const double bad : {0., -1., 1e-300, 1e300}) {
-    const dynGeometry b = geometry(DYN_SHAPE_ELLIPSOID, 1, 1, bad), s = geometry(DYN_SHAPE_SPHERE, bad);
+    const dynGeometry b = geometry(DYN_SHAPE_TYPE_ELLIPSOID, 1, 1, bad), s = geometry(DYN_SHAPE_TYPE_SPHERE, bad);
     refused(DYN_ERROR_INVALID, &b, identity, 0, {"a: size[2]"});
     refused(DYN_ERROR_INVALID, &s, identity, 0, {"a: size[0]"});
   }
-  const dynGeometry thick = geometry(DYN_SHAPE_BOX, 1, 1, 1, -0.1), mesh = geometry(DYN_SHAPE_MESH, 1, 1, 1);
+  const dynGeometry thick = geometry(DYN_SHAPE_TYPE_BOX, 1, 1, 1, -0.1), mesh = geometry(DYN_SHAPE_TYPE_MESH, 1, 1, 1);
   refused(DYN_ERROR_INVALID, &thick, identity, 0, {"radius is -0.1"});
   refused(DYN_ERROR_UNSUPPORTED, &mesh, identity, 0, {"mesh"});
   refused(DYN_ERROR_ARGUMENT, &ball, identity, -1e-3, {"tolerance"});
@@ -93,33 +93,33 @@ TEST(ShapeDistance, BadArguments) {
     refused(DYN_ERROR_ARGUMENT, &g, identity, 0, {"type " + std::to_string(bad)});
   }
   dyn_geometry_init(nullptr);
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_distance(&ball, identity, &ball, identity, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_distance(&ball, identity, &ball, identity, nullptr, nullptr));
   out.struct_size = 8;
-  EXPECT_EQ(DYN_ERROR_SIZE, dyn_shape_distance(&ball, identity, &ball, identity, nullptr, &out));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_geometry_distance(&ball, identity, &ball, identity, nullptr, &out));
 }
 
 TEST(ShapeDistance, OptionsAndTheSecondMethod) {
-  const dynGeometry box = geometry(DYN_SHAPE_BOX, 2, 2, 2), tube = geometry(DYN_SHAPE_CYLINDER, 0.5, 2), ball = geometry(DYN_SHAPE_SPHERE, 0.5);
+  const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), tube = geometry(DYN_SHAPE_TYPE_CYLINDER, 0.5, 2), ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5);
   dynDistanceOptions o;
   dyn_distance_options_init(nullptr);
   dyn_distance_options_init(&o);
-  EXPECT_EQ(DYN_METHOD_GJK, o.method);
+  EXPECT_EQ(DYN_DISTANCE_METHOD_GJK, o.method);
   EXPECT_EQ(1e-10, o.tolerance);
   dynDistance out{};
   out.struct_size = sizeof out;
-  auto ask = [&](const dynGeometry& a, const std::array<double, 12>& X) { return dyn_shape_distance(&a, X.data(), &box, identity, &o, &out); };
-  o.method = DYN_METHOD_CCD;
+  auto ask = [&](const dynGeometry& a, const std::array<double, 12>& X) { return dyn_geometry_distance(&a, X.data(), &box, identity, &o, &out); };
+  o.method = DYN_DISTANCE_METHOD_CCD;
   const dynStatus status = ask(tube, at(0, 0, 1.9));
   if (status == DYN_ERROR_UNSUPPORTED) GTEST_SKIP() << dyn_last_error();
   // the cap is 0.1 inside: by libccd, what holds of its answer
   ASSERT_EQ(DYN_OK, status) << dyn_last_error();
   EXPECT_NEAR(-0.1, out.distance, 1e-6);
-  EXPECT_EQ(DYN_METHOD_CCD, out.method);
+  EXPECT_EQ(DYN_DISTANCE_METHOD_CCD, out.method);
   // closed forms, and shapes apart
   ASSERT_EQ(DYN_OK, ask(ball, at(0, 0, 1.4)));
-  EXPECT_EQ(DYN_METHOD_GJK, out.method);
+  EXPECT_EQ(DYN_DISTANCE_METHOD_GJK, out.method);
   ASSERT_EQ(DYN_OK, ask(tube, at(0, 0, 3)));
-  EXPECT_EQ(DYN_METHOD_GJK, out.method);
+  EXPECT_EQ(DYN_DISTANCE_METHOD_GJK, out.method);
   EXPECT_NEAR(1, out.distance, 1e-10);
   for (int bad : {-1, 2, 99}) {
     std::memcpy(&o.method, &bad, sizeof bad);
@@ -135,7 +135,7 @@ struct Collision : testing::Test {
   Model m = robot("go2", DYN_BASE_FLOATING);
   Data d{m, DYN_PART_COLLISION};
   const State s = random_state(m, 5);
-  const int pairs = dyn_npairs(m);
+  const int pairs = dyn_model_npairs(m);
   Numbers distances() {
     Numbers out(std::size_t(pairs), nan);
     EXPECT_EQ(DYN_OK, dyn_distances(m, d, s.q.data(), out.data())) << dyn_last_error();
@@ -156,15 +156,15 @@ TEST_F(Collision, DistancesAreThoseOfShapes) {
   for (int k = 0; k < pairs; ++k) {
     int shapes[2];
     dynPairReason reason;
-    ASSERT_EQ(DYN_OK, dyn_pair(m, k, shapes, shapes + 1, &reason));
+    ASSERT_EQ(DYN_OK, dyn_model_pair(m, k, shapes, shapes + 1, &reason));
     EXPECT_LT(shapes[0], shapes[1]);
-    ASSERT_EQ(DYN_PAIR_TESTED, reason);
+    ASSERT_EQ(DYN_PAIR_REASON_TESTED, reason);
     dynGeometry g[2];
     std::array<double, 12> X[2];
     for (int i = 0; i < 2; ++i) {
       dynShapeInfo info{};
       info.struct_size = sizeof info;
-      ASSERT_EQ(DYN_OK, dyn_shape_info(m, shapes[i], &info));
+      ASSERT_EQ(DYN_OK, dyn_model_shape_info(m, shapes[i], &info));
       g[i] = geometry(info.type, info.size[0], info.size[1], info.size[2]);
       double F[12];
       ASSERT_EQ(DYN_OK, dyn_frame_placement(m, d, info.frame, F));
@@ -210,7 +210,7 @@ TEST_F(Collision, PairsAreSwitched) {
   EXPECT_EQ(all, without);
   dynPairReason reason;
   ASSERT_EQ(DYN_OK, dyn_data_pair(m, d, 3, &reason));
-  EXPECT_EQ(DYN_PAIR_OFF, reason);
+  EXPECT_EQ(DYN_PAIR_REASON_OFF, reason);
   found(3, DYN_ERROR_ARGUMENT);
   EXPECT_TRUE(says({"pair 3 is not tested"}));
   ASSERT_EQ(DYN_OK, dyn_data_set_pair(m, d, -1, 0));
@@ -235,7 +235,7 @@ TEST_F(Collision, BadArguments) {
   int shape, count = -5, list[4] = {-5, -5, -5, -5};
   dynPairReason reason;
   for (const int bad : {-1, pairs, 1 << 30}) {
-    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_pair(m, bad, &shape, nullptr, nullptr));
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_pair(m, bad, &shape, nullptr, nullptr));
     EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_pair(m, d, bad, &reason));
     if (bad != -1) {
       EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_pair(m, d, bad, 1));
@@ -261,17 +261,17 @@ TEST_F(Collision, BadArguments) {
 
 TEST(Builder, ShapesThatCannotBe) {
   Builder b;
-  b.joint(Spec("j", DYN_JOINT_FREE_FLYER)).body("l", "j");
+  b.joint(Spec("j", DYN_JOINT_TYPE_FREE_FLYER)).body("l", "j");
   dynShapeSpec s;
   auto refused = [&](dynStatus status, std::initializer_list<std::string> words) {
-    EXPECT_EQ(status, dyn_builder_shape(b, &s));
+    EXPECT_EQ(status, dyn_builder_add_shape(b, &s));
     EXPECT_TRUE(says(words)) << dyn_last_error();
     dyn_shape_spec_init(&s);
-    s.body = "l", s.type = DYN_SHAPE_CYLINDER, s.size[0] = s.size[1] = 1;
+    s.body = "l", s.type = DYN_SHAPE_TYPE_CYLINDER, s.size[0] = s.size[1] = 1;
   };
   dyn_shape_spec_init(&s), dyn_shape_spec_init(nullptr);
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_shape(b, nullptr));
-  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_builder_shape(nullptr, &s));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_add_shape(b, nullptr));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_builder_add_shape(nullptr, &s));
   refused(DYN_ERROR_INVALID, {"shape", "size 0"});
   s.body = "nobody", refused(DYN_ERROR_NAME, {"'nobody'"});
   s.body = "j", refused(DYN_ERROR_NAME, {"'j'"});  // a joint, not a link
@@ -285,17 +285,17 @@ TEST(Builder, ShapesThatCannotBe) {
     std::memcpy(&s.type, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"type " + std::to_string(bad)});
     std::memcpy(&s.role, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"role " + std::to_string(bad)});
   }
-  EXPECT_EQ(0, dyn_nshapes(b.finish()));
-  ASSERT_EQ(DYN_OK, dyn_builder_shape(b, &s));
-  EXPECT_EQ(1, dyn_nshapes(b.finish()));
+  EXPECT_EQ(0, dyn_model_nshapes(b.finish()));
+  ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s));
+  EXPECT_EQ(1, dyn_model_nshapes(b.finish()));
 }
 
 TEST(Pairs, ARobotWithoutShapes) {
   Builder b;
-  b.joint(Spec("j", DYN_JOINT_FREE_FLYER)).body("l", "j");
+  b.joint(Spec("j", DYN_JOINT_TYPE_FREE_FLYER)).body("l", "j");
   const Model m = b.finish();
-  EXPECT_EQ(0, dyn_npairs(m));
-  EXPECT_EQ(-1, dyn_npairs(nullptr));
+  EXPECT_EQ(0, dyn_model_npairs(m));
+  EXPECT_EQ(-1, dyn_model_npairs(nullptr));
   const Data d(m, DYN_PART_COLLISION);
   EXPECT_EQ(DYN_OK, dyn_distances(m, d, nullptr, nullptr));
   EXPECT_EQ(DYN_OK, dyn_distance_gradients(m, d, nullptr));

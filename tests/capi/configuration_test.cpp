@@ -20,11 +20,11 @@ const Operation operations[] = {
     {"dyn_integrate", true, {"q", "v"}, [](auto* m, auto* x, auto* y, double, double* out) { return dyn_integrate(m, x, y, out); }},
     {"dyn_difference", false, {"q0", "q1"}, [](auto* m, auto* x, auto* y, double, double* out) { return dyn_difference(m, x, y, out); }},
     {"dyn_interpolate", false, {"q0", "q1"}, [](auto* m, auto* x, auto* y, double u, double* out) { return dyn_interpolate(m, x, y, u, out); }},
-    {"dyn_distance", false, {"q0", "q1"}, [](auto* m, auto* x, auto* y, double, double* out) { return dyn_distance(m, x, y, out); }},
+    {"dyn_configuration_distance", false, {"q0", "q1"}, [](auto* m, auto* x, auto* y, double, double* out) { return dyn_configuration_distance(m, x, y, out); }},
     {"dyn_integrate_jacobians", true, {"q", "v"},
-     [](auto* m, auto* x, auto* y, double, double* out) { return dyn_integrate_jacobians(m, x, y, out, out ? out + dyn_nv(m) * dyn_nv(m) : nullptr); }},
+     [](auto* m, auto* x, auto* y, double, double* out) { return dyn_integrate_jacobians(m, x, y, out, out ? out + dyn_model_nv(m) * dyn_model_nv(m) : nullptr); }},
     {"dyn_difference_jacobians", false, {"q0", "q1"},
-     [](auto* m, auto* x, auto* y, double, double* out) { return dyn_difference_jacobians(m, x, y, out, out ? out + dyn_nv(m) * dyn_nv(m) : nullptr); }},
+     [](auto* m, auto* x, auto* y, double, double* out) { return dyn_difference_jacobians(m, x, y, out, out ? out + dyn_model_nv(m) * dyn_model_nv(m) : nullptr); }},
 };
 
 class Configurations : public ::testing::Test {
@@ -71,7 +71,7 @@ TEST_F(Configurations, ZeroQuaternions) {
   for (const auto& [joint, offset, n] : {std::tuple("free", 3, 4), std::tuple("ball", 0, 4), std::tuple("compound", 1, 4), std::tuple("dial", 0, 2)}) {
     dynJointInfo info{};
     info.struct_size = sizeof info;
-    ASSERT_EQ(DYN_OK, dyn_joint_info(m, dyn_joint_id(m, joint), &info));
+    ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, joint), &info));
     Numbers bad = q0;
     std::fill_n(bad.begin() + info.idx_q + offset, n, 0.0);
     for (const Operation& op : operations) {
@@ -79,11 +79,11 @@ TEST_F(Configurations, ZeroQuaternions) {
       if (!op.second_is_v) refuse(op, q0.data(), bad.data(), 0.5, DYN_ERROR_QUATERNION, {op.name, joint, op.arrays[1]});
     }
     const Numbers before = bad;
-    EXPECT_EQ(DYN_ERROR_QUATERNION, dyn_normalize(m, bad.data()));
-    EXPECT_TRUE(says({"dyn_normalize", joint}));
+    EXPECT_EQ(DYN_ERROR_QUATERNION, dyn_configuration_normalize(m, bad.data()));
+    EXPECT_TRUE(says({"dyn_configuration_normalize", joint}));
     EXPECT_TRUE(same_bits(before, bad));
     int answer = -7;
-    EXPECT_EQ(DYN_OK, dyn_is_normalized(m, bad.data(), 0.1, &answer));
+    EXPECT_EQ(DYN_OK, dyn_configuration_is_normalized(m, bad.data(), 0.1, &answer));
     EXPECT_EQ(0, answer);
   }
 }
@@ -121,7 +121,7 @@ TEST_F(Configurations, Overflow) {
   // huge quaternions are rotations like others
   dynJointInfo info{};
   info.struct_size = sizeof info;
-  ASSERT_EQ(DYN_OK, dyn_joint_info(m, dyn_joint_id(m, "ball"), &info));
+  ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, "ball"), &info));
   Numbers x = q0;
   for (int k = 0; k < 4; ++k) x[std::size_t(info.idx_q + k)] *= 1e200;
   for (const Operation& op : operations) EXPECT_EQ(DYN_OK, op.call(m, x.data(), second(op).data(), 0.5, out.data())) << op.name << dyn_last_error();
@@ -135,29 +135,29 @@ TEST_F(Configurations, InPlace) {
 }
 
 TEST_F(Configurations, NeutralRandomNormalize) {
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_neutral(m, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_random(m, 1, nullptr, nullptr, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_normalize(m, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_is_normalized(m, nullptr, 0, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_is_normalized(m, q0.data(), 1e-6, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_configuration_neutral(m, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_configuration_random(m, 1, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_configuration_normalize(m, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_configuration_is_normalized(m, nullptr, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_configuration_is_normalized(m, q0.data(), 1e-6, nullptr));
   int answer = -7;
   for (double tolerance : {-1.0, nan, -inf}) {
-    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_is_normalized(m, q0.data(), tolerance, &answer));
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_configuration_is_normalized(m, q0.data(), tolerance, &answer));
     EXPECT_TRUE(says({"tolerance", "negative or NaN"}));
   }
   EXPECT_EQ(-7, answer);
   const std::size_t n = q0.size();
   Numbers lower(n, -1.0), upper(n, 1.0), q(n, -3.5);
   lower[n - 1] = nan;
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_random(m, 1, lower.data(), nullptr, q.data()));
-  EXPECT_TRUE(says({"dyn_random", "lower[" + std::to_string(n - 1) + "] is NaN"}));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_configuration_random(m, 1, lower.data(), nullptr, q.data()));
+  EXPECT_TRUE(says({"dyn_configuration_random", "lower[" + std::to_string(n - 1) + "] is NaN"}));
   lower[n - 1] = -1, upper[0] = -2;
-  EXPECT_EQ(DYN_ERROR_INVALID, dyn_random(m, 1, lower.data(), upper.data(), q.data()));
-  EXPECT_TRUE(says({"dyn_random", "lower[0] = -1 exceeds upper[0] = -2"}));
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_configuration_random(m, 1, lower.data(), upper.data(), q.data()));
+  EXPECT_TRUE(says({"dyn_configuration_random", "lower[0] = -1 exceeds upper[0] = -2"}));
   lower[0] = upper[0] = inf;
-  EXPECT_EQ(DYN_ERROR_INVALID, dyn_random(m, 1, lower.data(), upper.data(), q.data()));
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_configuration_random(m, 1, lower.data(), upper.data(), q.data()));
   lower[0] = upper[0] = -inf;
-  EXPECT_EQ(DYN_ERROR_INVALID, dyn_random(m, 1, lower.data(), upper.data(), q.data()));
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_configuration_random(m, 1, lower.data(), upper.data(), q.data()));
   for (double e : q) EXPECT_EQ(-3.5, e);
   // whatever the box: finite, normalised, inside
   for (double a : {-1.7e308, -1e200, -1.0, 0.0, 1e200, 1.7e308, -inf})
@@ -165,9 +165,9 @@ TEST_F(Configurations, NeutralRandomNormalize) {
       if (a <= b)
         for (std::uint64_t seed = 0; seed < 20; ++seed) {
           std::fill(lower.begin(), lower.end(), a), std::fill(upper.begin(), upper.end(), b);
-          ASSERT_EQ(DYN_OK, dyn_random(m, seed, lower.data(), upper.data(), q.data())) << dyn_last_error();
+          ASSERT_EQ(DYN_OK, dyn_configuration_random(m, seed, lower.data(), upper.data(), q.data())) << dyn_last_error();
           ASSERT_TRUE(finite(q)) << a << " " << b;
-          EXPECT_EQ(DYN_OK, dyn_is_normalized(m, q.data(), 1e-12, &answer));
+          EXPECT_EQ(DYN_OK, dyn_configuration_is_normalized(m, q.data(), 1e-12, &answer));
           EXPECT_EQ(1, answer);
         }
 }

@@ -27,8 +27,8 @@ struct Standing {
   Standing() {
     int slot = 0;
     for (const char* foot : {"FL_foot", "FR_foot", "RL_foot", "RR_foot"}) {
-      const dynConstraint c = make(DYN_CONSTRAINT_POINT, dyn_frame_id(m, foot));
-      EXPECT_EQ(DYN_OK, dyn_constraint_set(m, d, slot++, &c)) << dyn_last_error();
+      const dynConstraint c = make(DYN_CONSTRAINT_TYPE_POINT, dyn_model_frame_id(m, foot));
+      EXPECT_EQ(DYN_OK, dyn_data_set_constraint(m, d, slot++, &c)) << dyn_last_error();
     }
   }
   dynStatus solve(Numbers& ddq, Numbers& lambda, dynConstraintResult& r) {
@@ -42,7 +42,7 @@ TEST(Constraint, FeetStayWhereTheyAre) {
   Numbers ddq, lambda;
   dynConstraintResult r = empty_result();
   ASSERT_EQ(DYN_OK, x.solve(ddq, lambda, r)) << dyn_last_error();
-  EXPECT_TRUE(r.reason == DYN_CONSTRAINED && r.rows == 12 && r.rank == 12 && r.contradiction == 0 && r.residual < 1e-11);
+  EXPECT_TRUE(r.reason == DYN_CONSTRAINT_REASON_CONVERGED && r.rows == 12 && r.rank == 12 && r.contradiction == 0 && r.residual < 1e-11);
   Numbers J(12 * std::size_t(x.m.nv())), drift(12);
   ASSERT_EQ(DYN_OK, dyn_constraint_terms(x.m, x.d, nullptr, nullptr, nullptr, J.data(), nullptr, drift.data()));
   for (std::size_t i = 0; i < 12; ++i) {
@@ -56,19 +56,19 @@ TEST(Constraint, FeetStayWhereTheyAre) {
 TEST(Constraint, SlotsAreSetSwitchedAndEmptied) {
   Standing x;
   int first = -1, rows = -1;
-  ASSERT_EQ(DYN_OK, dyn_constraint_enable(x.m, x.d, 1, 0));
-  ASSERT_EQ(DYN_OK, dyn_constraint_rows(x.m, x.d, 2, &first, &rows));
+  ASSERT_EQ(DYN_OK, dyn_data_set_constraint_enabled(x.m, x.d, 1, 0));
+  ASSERT_EQ(DYN_OK, dyn_data_constraint_rows(x.m, x.d, 2, &first, &rows));
   EXPECT_TRUE(first == 3 && rows == 3);
-  ASSERT_EQ(DYN_OK, dyn_constraint_set(x.m, x.d, 0, nullptr));
-  ASSERT_EQ(DYN_OK, dyn_constraint_rows(x.m, x.d, -1, &first, &rows));
+  ASSERT_EQ(DYN_OK, dyn_data_set_constraint(x.m, x.d, 0, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_data_constraint_rows(x.m, x.d, -1, &first, &rows));
   EXPECT_TRUE(first == 0 && rows == 6);
-  dynConstraint c = make(DYN_CONSTRAINT_NONE);
-  ASSERT_EQ(DYN_OK, dyn_constraint_get(x.m, x.d, 1, &c));
-  EXPECT_TRUE(c.type == DYN_CONSTRAINT_POINT && c.enabled == 0 && c.first == dyn_frame_id(x.m, "FR_foot"));
-  EXPECT_EQ(8, dyn_nconstraint_slots(x.m));
-  EXPECT_EQ(0, dyn_nconstraints(x.m));
-  EXPECT_EQ(nullptr, dyn_constraint_name(x.m, 0));
-  EXPECT_EQ(-1, dyn_constraint_id(x.m, "knee"));
+  dynConstraint c = make(DYN_CONSTRAINT_TYPE_NONE);
+  ASSERT_EQ(DYN_OK, dyn_data_constraint(x.m, x.d, 1, &c));
+  EXPECT_TRUE(c.type == DYN_CONSTRAINT_TYPE_POINT && c.enabled == 0 && c.first == dyn_model_frame_id(x.m, "FR_foot"));
+  EXPECT_EQ(8, dyn_model_nconstraint_slots(x.m));
+  EXPECT_EQ(0, dyn_model_nconstraints(x.m));
+  EXPECT_EQ(nullptr, dyn_model_constraint_name(x.m, 0));
+  EXPECT_EQ(-1, dyn_model_constraint_id(x.m, "knee"));
   EXPECT_TRUE(says({"no constraint 'knee'"}));
 }
 
@@ -78,50 +78,50 @@ TEST(Constraint, Refusals) {
   dynConstraintResult r = empty_result();
   ASSERT_EQ(DYN_OK, x.solve(ddq, lambda, r));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const int foot = dyn_frame_id(x.m, "FL_foot"), hip = dyn_joint_id(x.m, "FL_hip_joint");
+  const int foot = dyn_model_frame_id(x.m, "FL_foot"), hip = dyn_model_joint_id(x.m, "FL_hip_joint");
   auto refuse = [&](dynConstraint c, dynStatus status, std::initializer_list<std::string> words) {
     const Snapshot before(x.m, x.d);
-    EXPECT_EQ(status, dyn_constraint_set(x.m, x.d, 5, &c)) << *words.begin();
+    EXPECT_EQ(status, dyn_data_set_constraint(x.m, x.d, 5, &c)) << *words.begin();
     for (const std::string& w : words) EXPECT_NE(nullptr, std::strstr(dyn_last_error(), w.c_str())) << dyn_last_error();
     EXPECT_EQ("", before.differs(Snapshot(x.m, x.d)));
   };
   auto with = [&](dynConstraint c, auto change) { return change(c), c; };
-  const dynConstraint point = make(DYN_CONSTRAINT_POINT, foot);
+  const dynConstraint point = make(DYN_CONSTRAINT_TYPE_POINT, foot);
   refuse(make(dynConstraintType(77), foot), DYN_ERROR_ARGUMENT, {"slot 5", "type is 77"});
-  refuse(make(DYN_CONSTRAINT_POINT, 1000), DYN_ERROR_ARGUMENT, {"frame 1000"});
-  refuse(make(DYN_CONSTRAINT_POINT, foot, foot), DYN_ERROR_INVALID, {"same body", "FL_foot"});
-  refuse(make(DYN_CONSTRAINT_POINT, 0, 0), DYN_ERROR_INVALID, {"same body"});
+  refuse(make(DYN_CONSTRAINT_TYPE_POINT, 1000), DYN_ERROR_ARGUMENT, {"frame 1000"});
+  refuse(make(DYN_CONSTRAINT_TYPE_POINT, foot, foot), DYN_ERROR_INVALID, {"same body", "FL_foot"});
+  refuse(make(DYN_CONSTRAINT_TYPE_POINT, 0, 0), DYN_ERROR_INVALID, {"same body"});
   refuse(with(point, [](auto& c) { c.struct_size = 8; }), DYN_ERROR_SIZE, {"struct_size is 8", "dyn_constraint_init"});
   refuse(with(point, [](auto& c) { c.stiffness = -1; }), DYN_ERROR_ARGUMENT, {"stiffness is -1"});
   refuse(with(point, [](auto& c) { c.restitution = 1.5; }), DYN_ERROR_ARGUMENT, {"restitution is 1.5"});
   refuse(with(point, [&](auto& c) { c.damping = nan; }), DYN_ERROR_NONFINITE, {"damping"});
   refuse(with(point, [&](auto& c) { c.placement1[3] = 2; }), DYN_ERROR_ARGUMENT, {"placement1 has no rotation"});
-  refuse(with(make(DYN_CONSTRAINT_LOOP, foot), [](auto& c) { c.joint_type = DYN_JOINT_FIXED; }), DYN_ERROR_ARGUMENT, {"WELD"});
-  refuse(with(make(DYN_CONSTRAINT_LOOP, foot), [](auto& c) { c.axis[2] = 0; }), DYN_ERROR_INVALID, {"axis is zero"});
-  refuse(with(make(DYN_CONSTRAINT_DISTANCE, foot), [](auto& c) { c.length = 0; }), DYN_ERROR_ARGUMENT, {"length is 0"});
-  refuse(with(make(DYN_CONSTRAINT_FRICTION, hip), [](auto& c) { c.force = -1; }), DYN_ERROR_ARGUMENT, {"force is -1"});
-  refuse(make(DYN_CONSTRAINT_COUPLING, hip, hip), DYN_ERROR_INVALID, {"coupled with itself"});
-  refuse(make(DYN_CONSTRAINT_LIMIT, 1), DYN_ERROR_INVALID, {"not one coordinate"});
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_enable(x.m, x.d, 8, 1));
+  refuse(with(make(DYN_CONSTRAINT_TYPE_LOOP, foot), [](auto& c) { c.joint_type = DYN_JOINT_TYPE_FIXED; }), DYN_ERROR_ARGUMENT, {"WELD"});
+  refuse(with(make(DYN_CONSTRAINT_TYPE_LOOP, foot), [](auto& c) { c.axis[2] = 0; }), DYN_ERROR_INVALID, {"axis is zero"});
+  refuse(with(make(DYN_CONSTRAINT_TYPE_DISTANCE, foot), [](auto& c) { c.length = 0; }), DYN_ERROR_ARGUMENT, {"length is 0"});
+  refuse(with(make(DYN_CONSTRAINT_TYPE_FRICTION, hip), [](auto& c) { c.force = -1; }), DYN_ERROR_ARGUMENT, {"force is -1"});
+  refuse(make(DYN_CONSTRAINT_TYPE_COUPLING, hip, hip), DYN_ERROR_INVALID, {"coupled with itself"});
+  refuse(make(DYN_CONSTRAINT_TYPE_LIMIT, 1), DYN_ERROR_INVALID, {"not one coordinate"});
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_constraint_enabled(x.m, x.d, 8, 1));
   EXPECT_TRUE(says({"slot 8", "0 to 7"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_anchor(x.m, x.d, 7, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_anchor_constraint(x.m, x.d, 7, nullptr));
   {  // nor is q taken
     const Snapshot before(x.m, x.d);
     Numbers other = x.s.q;
     other[7] += 0.1;
-    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_anchor(x.m, x.d, 7, other.data()));
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_anchor_constraint(x.m, x.d, 7, other.data()));
     EXPECT_EQ("", before.differs(Snapshot(x.m, x.d)));
-    dynConstraint one = make(DYN_CONSTRAINT_DISTANCE, foot, 0);  // of a point of the world and the foot's own
+    dynConstraint one = make(DYN_CONSTRAINT_TYPE_DISTANCE, foot, 0);  // of a point of the world and the foot's own
     ASSERT_EQ(DYN_OK, dyn_forward_kinematics(x.m, x.d, other.data(), nullptr, nullptr));
     ASSERT_EQ(DYN_OK, dyn_frame_placement(x.m, x.d, foot, one.placement2));
     one.length = 1;
     ASSERT_EQ(DYN_OK, dyn_forward_kinematics(x.m, x.d, x.s.q.data(), nullptr, nullptr));
-    ASSERT_EQ(DYN_OK, dyn_constraint_set(x.m, x.d, 7, &one)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_data_set_constraint(x.m, x.d, 7, &one)) << dyn_last_error();
     dynArray q{};
     q.struct_size = sizeof q;
     ASSERT_EQ(DYN_OK, dyn_data_array(x.m, x.d, dyn_field_id("q"), &q));
     const Numbers held(q.data, q.data + x.s.q.size());
-    EXPECT_EQ(DYN_ERROR_INVALID, dyn_constraint_anchor(x.m, x.d, 7, other.data()));
+    EXPECT_EQ(DYN_ERROR_INVALID, dyn_data_anchor_constraint(x.m, x.d, 7, other.data()));
     EXPECT_TRUE(says({"slot 7", "the two points are one"}));
     EXPECT_EQ(held, Numbers(q.data, q.data + held.size()));
   }
@@ -158,11 +158,11 @@ TEST(Constraint, MoreThanThereIsRoomFor) {
   o.constraint_slots = 0;
   dynModel* m = nullptr;
   ASSERT_EQ(DYN_OK, dyn_model_load(DYN_MODELS_DIR "/robots/go2.urdf", &o, &m)) << dyn_last_error();
-  EXPECT_EQ(0, dyn_nconstraint_slots(m));
+  EXPECT_EQ(0, dyn_model_nconstraint_slots(m));
   dynData* d = nullptr;
   ASSERT_EQ(DYN_OK, dyn_data_new(m, 0, &d));
-  const dynConstraint c = make(DYN_CONSTRAINT_POINT, 5);
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_constraint_set(m, d, 0, &c));
+  const dynConstraint c = make(DYN_CONSTRAINT_TYPE_POINT, 5);
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_constraint(m, d, 0, &c));
   EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr));
   dyn_data_free(d), dyn_model_free(m);
   o.constraint_slots = -1;

@@ -19,7 +19,7 @@ struct Problem {
     p.contacts = 1, p.G = G.data(), p.g = g.data(), p.friction = friction.data(), p.contact_rows = rows;
     r.struct_size = sizeof r;
   }
-  dynStatus operator()(dynContactSolver* s) { return dyn_contact_solve(s, &p, &o, lambda, velocity, &r); }
+  dynStatus operator()(dynContactSolver* s) { return dyn_contact_solver_solve(s, &p, &o, lambda, velocity, &r); }
 };
 
 class ContactSolve : public testing::Test {
@@ -45,7 +45,7 @@ class ContactSolve : public testing::Test {
 TEST_F(ContactSolve, RefusesWhatIsWrong) {
   const double bad[] = {nan, HUGE_VAL, -HUGE_VAL};
   for (const double b : bad) {
-    refused(DYN_ERROR_NONFINITE, {"dyn_contact_solve", "G(2, 1)"}, [&](Problem& x) { x.G[5] = b; });
+    refused(DYN_ERROR_NONFINITE, {"dyn_contact_solver_solve", "G(2, 1)"}, [&](Problem& x) { x.G[5] = b; });
     refused(DYN_ERROR_NONFINITE, {"g[1]"}, [&](Problem& x) { x.g[1] = b; });
     refused(DYN_ERROR_NONFINITE, {"friction[0]"}, [&](Problem& x) { x.friction[0] = b; });
     refused(DYN_ERROR_NONFINITE, {"compliance[2]"}, [&](Problem& x) { x.row[2] = b, x.p.compliance = x.row.data(); });
@@ -83,12 +83,12 @@ TEST_F(ContactSolve, RefusesWhatIsWrong) {
       x.p.contacts = 0, x.p.boxes = 3, x.lower = {l, 0, 0}, x.upper = {u, 1, 1}, x.p.lower = x.lower.data(), x.p.upper = x.upper.data();
     });
   Problem x;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solve(s, nullptr, nullptr, x.lambda, nullptr, &x.r));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solve(s, &x.p, nullptr, nullptr, nullptr, &x.r));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solver_solve(s, nullptr, nullptr, x.lambda, nullptr, &x.r));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solver_solve(s, &x.p, nullptr, nullptr, nullptr, &x.r));
   EXPECT_TRUE(says({"lambda is NULL"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solve(s, &x.p, nullptr, x.lambda, nullptr, nullptr));
-  EXPECT_EQ(DYN_OK, dyn_contact_solve(s, &x.p, nullptr, x.lambda, nullptr, &x.r));
-  EXPECT_EQ(DYN_CONTACT_CONVERGED, x.r.status);
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solver_solve(s, &x.p, nullptr, x.lambda, nullptr, nullptr));
+  EXPECT_EQ(DYN_OK, dyn_contact_solver_solve(s, &x.p, nullptr, x.lambda, nullptr, &x.r));
+  EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, x.r.status);
 }
 
 // Numbers as large and as small as they come: an answer, or an error, and nothing that is not finite.
@@ -148,41 +148,41 @@ TEST(ContactSolver, ResidualsOfAGuess) {
   ASSERT_EQ(DYN_OK, dyn_contact_solver_new(6, &s));
   Problem x;
   const double outside[3] = {1, 0, 1}, bad[3] = {0, nan, 0};
-  ASSERT_EQ(DYN_OK, dyn_contact_residuals(s, &x.p, outside, &x.r));
+  ASSERT_EQ(DYN_OK, dyn_contact_solver_residuals(s, &x.p, outside, &x.r));
   EXPECT_NEAR(0.5 / std::sqrt(1.25), x.r.primal, 1e-15);  // distance to the cone of slope 1/2
   EXPECT_GT(x.r.residual, 0.1);
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_contact_residuals(s, &x.p, bad, &x.r));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_contact_solver_residuals(s, &x.p, bad, &x.r));
   const double vast[] = {1e300, 1e300, 1e300};
-  EXPECT_EQ(DYN_ERROR_NUMERIC, dyn_contact_residuals(s, &x.p, vast, &x.r));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_residuals(s, &x.p, nullptr, &x.r));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_residuals(s, nullptr, outside, &x.r));
-  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_contact_residuals(nullptr, &x.p, outside, &x.r));
+  EXPECT_EQ(DYN_ERROR_NUMERIC, dyn_contact_solver_residuals(s, &x.p, vast, &x.r));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solver_residuals(s, &x.p, nullptr, &x.r));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solver_residuals(s, nullptr, outside, &x.r));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_contact_solver_residuals(nullptr, &x.p, outside, &x.r));
   dyn_contact_solver_free(s);
 }
 
 TEST(FrictionConeQp, Refuses) {
   Problem x;
   dynQp q{};
-  EXPECT_EQ(DYN_ERROR_SIZE, dyn_friction_cone_qp(&x.p, 8, 1, &q));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_contact_problem_qp(&x.p, 8, 1, &q));
   q.struct_size = sizeof q;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_friction_cone_qp(nullptr, 8, 1, &q));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_friction_cone_qp(&x.p, 8, 1, nullptr));
-  for (const int facets : {-1, 1, 2, 2000}) EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_friction_cone_qp(&x.p, facets, 1, &q));
-  ASSERT_EQ(DYN_OK, dyn_friction_cone_qp(&x.p, 8, 1, &q));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_problem_qp(nullptr, 8, 1, &q));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_problem_qp(&x.p, 8, 1, nullptr));
+  for (const int facets : {-1, 1, 2, 2000}) EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_problem_qp(&x.p, facets, 1, &q));
+  ASSERT_EQ(DYN_OK, dyn_contact_problem_qp(&x.p, 8, 1, &q));
   EXPECT_EQ(3, q.n);
   EXPECT_EQ(9, q.m);
   double upper[9];
   q.upper = upper, q.m = 8;
-  EXPECT_EQ(DYN_ERROR_SIZE, dyn_friction_cone_qp(&x.p, 8, 1, &q));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_contact_problem_qp(&x.p, 8, 1, &q));
   EXPECT_TRUE(says({"m is 8, needs 9"}));
   q.m = 9, q.A = upper;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_friction_cone_qp(&x.p, 8, 1, &q));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_problem_qp(&x.p, 8, 1, &q));
   q.A = nullptr;
-  EXPECT_EQ(DYN_OK, dyn_friction_cone_qp(&x.p, 8, 1, &q));
+  EXPECT_EQ(DYN_OK, dyn_contact_problem_qp(&x.p, 8, 1, &q));
   EXPECT_EQ(HUGE_VAL, upper[0]);
   EXPECT_EQ(0, upper[8]);
   x.g[0] = nan;
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_friction_cone_qp(&x.p, 8, 1, &q));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_contact_problem_qp(&x.p, 8, 1, &q));
 }
 
 TEST(ContactCompliance, Refuses) {

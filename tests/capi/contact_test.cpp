@@ -24,12 +24,12 @@ T view_of() {
   x.struct_size = sizeof x;
   return x;
 }
-const dynGeometry box = geometry(DYN_SHAPE_BOX, 2, 2, 2), ball = geometry(DYN_SHAPE_SPHERE, 0.5), ground = geometry(DYN_SHAPE_HALF_SPACE, 0);
+const dynGeometry box = geometry(DYN_SHAPE_TYPE_BOX, 2, 2, 2), ball = geometry(DYN_SHAPE_TYPE_SPHERE, 0.5), ground = geometry(DYN_SHAPE_TYPE_HALF_SPACE, 0);
 
 TEST(ShapeContacts, BoxOnTheGround) {
-  dynContact c[DYN_CONTACTS_OF_A_PAIR];
+  dynContact c[DYN_MAX_CONTACTS_PER_PAIR];
   int count = -1;
-  ASSERT_EQ(DYN_OK, dyn_shape_contacts(&ground, identity, &box, at(0, 0, 0.99).data(), 0, 0, c, &count)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(&ground, identity, &box, at(0, 0, 0.99).data(), 0, 0, c, &count)) << dyn_last_error();
   ASSERT_EQ(4, count);
   for (int k = 0; k < 4; ++k) {
     EXPECT_NEAR(-0.01, c[k].distance, 1e-12);
@@ -39,21 +39,21 @@ TEST(ShapeContacts, BoxOnTheGround) {
     EXPECT_EQ(-1, c[k].pair);
     EXPECT_TRUE(k == 0 || c[k - 1].feature < c[k].feature);
   }
-  ASSERT_EQ(DYN_OK, dyn_shape_contacts(&ground, identity, &box, at(0, 0, 1.1).data(), 0, 0, c, &count));
+  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(&ground, identity, &box, at(0, 0, 1.1).data(), 0, 0, c, &count));
   EXPECT_EQ(0, count);
-  ASSERT_EQ(DYN_OK, dyn_shape_contacts(&ground, identity, &box, at(0, 0, 1.1).data(), 0.2, 0, c, &count));
+  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(&ground, identity, &box, at(0, 0, 1.1).data(), 0.2, 0, c, &count));
   EXPECT_EQ(4, count);
 }
 
 TEST(ShapeContacts, BadArguments) {
-  dynContact c[DYN_CONTACTS_OF_A_PAIR];
+  dynContact c[DYN_MAX_CONTACTS_PER_PAIR];
   int count = -7;
   auto refused = [&](dynStatus status, const dynGeometry* a, const double* X, double margin, double tolerance, dynContact* out, int* n, std::initializer_list<std::string> words) {
-    EXPECT_EQ(status, dyn_shape_contacts(&ground, identity, a, X, margin, tolerance, out, n));
+    EXPECT_EQ(status, dyn_geometry_contacts(&ground, identity, a, X, margin, tolerance, out, n));
     EXPECT_TRUE(says(words)) << dyn_last_error();
     EXPECT_EQ(-7, count);
   };
-  refused(DYN_ERROR_ARGUMENT, nullptr, identity, 0, 0, c, &count, {"dyn_shape_contacts", "b is NULL"});
+  refused(DYN_ERROR_ARGUMENT, nullptr, identity, 0, 0, c, &count, {"dyn_geometry_contacts", "b is NULL"});
   refused(DYN_ERROR_ARGUMENT, &box, nullptr, 0, 0, c, &count, {"placement_b is NULL"});
   refused(DYN_ERROR_ARGUMENT, &box, identity, -1, 0, c, &count, {"margin is -1"});
   refused(DYN_ERROR_NONFINITE, &box, identity, nan, 0, c, &count, {"margin"});
@@ -65,63 +65,63 @@ TEST(ShapeContacts, BadArguments) {
 TEST(ShapeRay, HitsAndMisses) {
   dynRayHit h = view_of<dynRayHit>();
   const double from[3] = {0, 0.3, 5}, down[3] = {0, 0, -2}, up[3] = {0, 0, 1};
-  ASSERT_EQ(DYN_OK, dyn_shape_ray(&box, identity, from, down, &h)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_ray(&box, identity, from, down, &h)) << dyn_last_error();
   EXPECT_EQ(0, h.shape);
   EXPECT_NEAR(2, h.t, 1e-12);
   EXPECT_NEAR(1, h.position[2], 1e-12);
   EXPECT_NEAR(1, h.normal[2], 1e-12);
-  ASSERT_EQ(DYN_OK, dyn_shape_ray(&box, identity, from, up, &h));
+  ASSERT_EQ(DYN_OK, dyn_geometry_ray(&box, identity, from, up, &h));
   EXPECT_EQ(-1, h.shape);
   EXPECT_EQ(inf, h.t);
   const dynRayHit before = h;
   const double nowhere[3] = {0, 0, 0}, bad[3] = {0, nan, 0};
-  EXPECT_EQ(DYN_ERROR_INVALID, dyn_shape_ray(&box, identity, from, nowhere, &h));
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_geometry_ray(&box, identity, from, nowhere, &h));
   EXPECT_TRUE(says({"direction"}));
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_shape_ray(&box, identity, bad, down, &h));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_geometry_ray(&box, identity, bad, down, &h));
   EXPECT_TRUE(says({"origin[1]"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_ray(nullptr, identity, from, down, &h));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_ray(&box, identity, nullptr, down, &h));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_ray(&box, identity, from, down, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_ray(nullptr, identity, from, down, &h));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_ray(&box, identity, nullptr, down, &h));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_ray(&box, identity, from, down, nullptr));
   EXPECT_EQ(0, std::memcmp(&before, &h, sizeof h));
   h.struct_size = 4;
-  EXPECT_EQ(DYN_ERROR_SIZE, dyn_shape_ray(&box, identity, from, down, &h));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_geometry_ray(&box, identity, from, down, &h));
 }
 
 TEST(ShapeClosestPoint, InsideAndOutside) {
   dynClosestPoint c = view_of<dynClosestPoint>();
   const double above[3] = {0.2, 0, 3}, within[3] = {0.5, 0, 0}, middle[3] = {0, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_shape_closest_point(&box, identity, above, &c)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_closest_point(&box, identity, above, &c)) << dyn_last_error();
   EXPECT_NEAR(2, c.distance, 1e-12);
   EXPECT_TRUE(c.unique && std::abs(c.point[2] - 1) < 1e-12 && std::abs(c.normal[2] - 1) < 1e-12);
-  ASSERT_EQ(DYN_OK, dyn_shape_closest_point(&box, identity, within, &c));
+  ASSERT_EQ(DYN_OK, dyn_geometry_closest_point(&box, identity, within, &c));
   EXPECT_NEAR(-0.5, c.distance, 1e-12);
   EXPECT_NEAR(1, c.point[0], 1e-12);
-  ASSERT_EQ(DYN_OK, dyn_shape_closest_point(&box, identity, middle, &c));
+  ASSERT_EQ(DYN_OK, dyn_geometry_closest_point(&box, identity, middle, &c));
   EXPECT_EQ(0, c.unique);
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_closest_point(&box, identity, nullptr, &c));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_closest_point(&box, identity, above, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_closest_point(&box, identity, nullptr, &c));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_closest_point(&box, identity, above, nullptr));
   const double far[3] = {0, 0, 1e300};
-  EXPECT_EQ(DYN_ERROR_INVALID, dyn_shape_closest_point(&box, identity, far, &c));
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_geometry_closest_point(&box, identity, far, &c));
 }
 
 TEST(ShapeSweep, BulletAndErrors) {
   dynImpact i = view_of<dynImpact>();
-  const dynGeometry wall = geometry(DYN_SHAPE_BOX, 1e-4, 2, 2);
+  const dynGeometry wall = geometry(DYN_SHAPE_TYPE_BOX, 1e-4, 2, 2);
   const double motion[6] = {1e4, 0, 0, 0, 0, 0}, turn[6] = {0, 0, 0, 1, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_shape_sweep(&ball, at(-5, 0, 0).data(), motion, &wall, identity, nullptr, 1, 0, &i)) << dyn_last_error();
-  EXPECT_EQ(DYN_SWEEP_HIT, i.status);
+  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(&ball, at(-5, 0, 0).data(), motion, &wall, identity, nullptr, 1, 0, &i)) << dyn_last_error();
+  EXPECT_EQ(DYN_SWEEP_STATUS_HIT, i.status);
   EXPECT_NEAR((5 - 0.5 - 0.5e-4) / 1e4, i.time, 1e-10);
   EXPECT_NEAR(1, i.normal[0], 1e-9);
-  ASSERT_EQ(DYN_OK, dyn_shape_sweep(&ball, at(-5, 0, 0).data(), nullptr, &wall, identity, nullptr, 1, 0, &i));
-  EXPECT_EQ(DYN_SWEEP_NONE, i.status);
+  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(&ball, at(-5, 0, 0).data(), nullptr, &wall, identity, nullptr, 1, 0, &i));
+  EXPECT_EQ(DYN_SWEEP_STATUS_NONE, i.status);
   EXPECT_EQ(1, i.time);
-  EXPECT_EQ(DYN_ERROR_UNSUPPORTED, dyn_shape_sweep(&ground, identity, turn, &ball, at(0, 0, 1).data(), nullptr, 1, 0, &i));
+  EXPECT_EQ(DYN_ERROR_UNSUPPORTED, dyn_geometry_sweep(&ground, identity, turn, &ball, at(0, 0, 1).data(), nullptr, 1, 0, &i));
   EXPECT_TRUE(says({"half-space"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_sweep(&ball, identity, motion, &wall, identity, nullptr, -1, 0, &i));
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_shape_sweep(&ball, identity, motion, &wall, identity, nullptr, nan, 0, &i));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_sweep(&ball, identity, motion, &wall, identity, nullptr, 1, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_sweep(&ball, identity, motion, &wall, identity, nullptr, -1, 0, &i));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_geometry_sweep(&ball, identity, motion, &wall, identity, nullptr, nan, 0, &i));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_sweep(&ball, identity, motion, &wall, identity, nullptr, 1, 0, nullptr));
   const double bad[6] = {0, 0, nan, 0, 0, 0};
-  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_shape_sweep(&ball, identity, bad, &wall, identity, nullptr, 1, 0, &i));
+  EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_geometry_sweep(&ball, identity, bad, &wall, identity, nullptr, 1, 0, &i));
   EXPECT_TRUE(says({"motion_a[2]"}));
 }
 
@@ -132,9 +132,9 @@ struct Scene : testing::Test {
   Numbers q = Numbers(std::size_t(m.nq()));
   static Model make() {
     Builder b("scene");
-    b.joint(Spec("f1", DYN_JOINT_FREE_FLYER)).body("one", "f1").joint(Spec("f2", DYN_JOINT_FREE_FLYER)).body("two", "f2");
-    b.joint(Spec("f3", DYN_JOINT_FREE_FLYER)).body("three", "f3");
-    b.shape("universe", DYN_SHAPE_HALF_SPACE, {}).shape("one", DYN_SHAPE_BOX, {1, 1, 1}).shape("two", DYN_SHAPE_BOX, {1, 1, 1}).shape("three", DYN_SHAPE_SPHERE, {0.5, 0, 0});
+    b.joint(Spec("f1", DYN_JOINT_TYPE_FREE_FLYER)).body("one", "f1").joint(Spec("f2", DYN_JOINT_TYPE_FREE_FLYER)).body("two", "f2");
+    b.joint(Spec("f3", DYN_JOINT_TYPE_FREE_FLYER)).body("three", "f3");
+    b.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {}).shape("one", DYN_SHAPE_TYPE_BOX, {1, 1, 1}).shape("two", DYN_SHAPE_TYPE_BOX, {1, 1, 1}).shape("three", DYN_SHAPE_TYPE_SPHERE, {0.5, 0, 0});
     return b.finish();
   }
   void place(std::size_t i, double x, double y, double z) { q[7 * i] = x, q[7 * i + 1] = y, q[7 * i + 2] = z, q[7 * i + 6] = 1; }
@@ -145,14 +145,14 @@ struct Scene : testing::Test {
 };
 
 TEST_F(Scene, ContactsOfAStack) {
-  ASSERT_EQ(6, dyn_npairs(m));
+  ASSERT_EQ(6, dyn_model_npairs(m));
   std::vector<dynContact> c(20);
   int count = -1;
   ASSERT_EQ(DYN_OK, dyn_contacts(m, d, q.data(), 0, c.data(), 20, &count)) << dyn_last_error();
   ASSERT_EQ(8, count);  // four below, four between
   for (int k = 0; k < count; ++k) {
     int a, b;
-    ASSERT_EQ(DYN_OK, dyn_pair(m, c[std::size_t(k)].pair, &a, &b, nullptr));
+    ASSERT_EQ(DYN_OK, dyn_model_pair(m, c[std::size_t(k)].pair, &a, &b, nullptr));
     EXPECT_TRUE(a == c[std::size_t(k)].shape_a && b == c[std::size_t(k)].shape_b);
     EXPECT_NEAR(-1e-3, c[std::size_t(k)].distance, 1e-9);
     EXPECT_NEAR(1, c[std::size_t(k)].normal[2], 1e-9);
@@ -174,7 +174,7 @@ TEST_F(Scene, ContactsOfAStack) {
 
 // A box that rocks over the floor: the gradient is that of the smoothed distance, and has no jump where its face lies flat.
 TEST_F(Scene, SmoothDistances) {
-  const int pairs = dyn_npairs(m), nv = m.nv();
+  const int pairs = dyn_model_npairs(m), nv = m.nv();
   const double s = 1e-2;
   auto at = [&](double angle, Numbers* gradient, int* points) {
     Numbers x = q, d_s(static_cast<std::size_t>(pairs)), g(static_cast<std::size_t>(pairs * nv));
@@ -234,7 +234,7 @@ TEST_F(Scene, MasksSwitchPairs) {
   dynPairReason reason;
   auto reasons = [&] {
     std::vector<int> out;
-    for (int k = 0; k < dyn_npairs(m); ++k) {
+    for (int k = 0; k < dyn_model_npairs(m); ++k) {
       EXPECT_EQ(DYN_OK, dyn_data_pair(m, d, k, &reason));
       out.push_back(reason);
     }
@@ -248,10 +248,10 @@ TEST_F(Scene, MasksSwitchPairs) {
   ASSERT_EQ(DYN_OK, dyn_data_set_shape_masks(m, d, 1, 1, 0));
   EXPECT_EQ(before, reasons());
   ASSERT_EQ(DYN_OK, dyn_data_set_shape_masks(m, d, 1, 2, 2));
-  for (int k = 0; k < dyn_npairs(m); ++k) {
+  for (int k = 0; k < dyn_model_npairs(m); ++k) {
     int a, b;
-    ASSERT_EQ(DYN_OK, dyn_pair(m, k, &a, &b, nullptr));
-    EXPECT_EQ(a == 1 || b == 1 ? (before[std::size_t(k)] == DYN_PAIR_TESTED ? DYN_PAIR_MASK : before[std::size_t(k)]) : before[std::size_t(k)], reasons()[std::size_t(k)]);
+    ASSERT_EQ(DYN_OK, dyn_model_pair(m, k, &a, &b, nullptr));
+    EXPECT_EQ(a == 1 || b == 1 ? (before[std::size_t(k)] == DYN_PAIR_REASON_TESTED ? DYN_PAIR_REASON_MASK : before[std::size_t(k)]) : before[std::size_t(k)], reasons()[std::size_t(k)]);
   }
   ASSERT_EQ(DYN_OK, dyn_data_set_shape_masks(m, d, -1, 1, 1));
   EXPECT_EQ(before, reasons());
@@ -261,38 +261,38 @@ TEST_F(Scene, MasksSwitchPairs) {
 
 TEST(Builder, MasksRadiusAndNothingTested) {
   Builder b("two");
-  b.joint(Spec("f1", DYN_JOINT_FREE_FLYER)).body("one", "f1").joint(Spec("f2", DYN_JOINT_FREE_FLYER)).body("two", "f2");
+  b.joint(Spec("f1", DYN_JOINT_TYPE_FREE_FLYER)).body("one", "f1").joint(Spec("f2", DYN_JOINT_TYPE_FREE_FLYER)).body("two", "f2");
   dynShapeSpec s;
   dyn_shape_spec_init(&s);
-  s.body = "one", s.type = DYN_SHAPE_BOX, s.size[0] = s.size[1] = s.size[2] = 1, s.radius = 0.25, s.contype = 2, s.conaffinity = 4;
-  ASSERT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
+  s.body = "one", s.type = DYN_SHAPE_TYPE_BOX, s.size[0] = s.size[1] = s.size[2] = 1, s.radius = 0.25, s.contype = 2, s.conaffinity = 4;
+  ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
   const double grey[4] = {0.2, 0.2, 0.2, 1}, bad[4] = {0, 0, 1.1, 1};
-  ASSERT_EQ(DYN_OK, dyn_builder_shape_rgba(b, grey));
+  ASSERT_EQ(DYN_OK, dyn_builder_set_shape_rgba(b, grey));
   s.body = "two", s.contype = 1, s.conaffinity = 1;
-  ASSERT_EQ(DYN_OK, dyn_builder_shape(b, &s));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_shape_rgba(b, bad));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_shape_rgba(b, nullptr));
-  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_shape_rgba(Builder("none"), grey));
+  ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_set_shape_rgba(b, bad));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_set_shape_rgba(b, nullptr));
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_set_shape_rgba(Builder("none"), grey));
   const Model m = b.finish();
   double rgba[4];
-  ASSERT_EQ(DYN_OK, dyn_shape_rgba(m, 0, rgba));
+  ASSERT_EQ(DYN_OK, dyn_model_shape_rgba(m, 0, rgba));
   for (int i = 0; i < 4; ++i) EXPECT_EQ(grey[i], rgba[i]);
-  ASSERT_EQ(DYN_OK, dyn_shape_rgba(m, 1, rgba));
+  ASSERT_EQ(DYN_OK, dyn_model_shape_rgba(m, 1, rgba));
   EXPECT_EQ(-1, rgba[3]);
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_rgba(m, 2, rgba));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_rgba(m, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_shape_rgba(m, 2, rgba));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_shape_rgba(m, 0, nullptr));
   dynShapeInfo info = view_of<dynShapeInfo>();
-  ASSERT_EQ(DYN_OK, dyn_shape_info(m, 0, &info));
+  ASSERT_EQ(DYN_OK, dyn_model_shape_info(m, 0, &info));
   EXPECT_TRUE(info.radius == 0.25 && info.contype == 2 && info.conaffinity == 4);
   dynPairReason reason;
-  ASSERT_EQ(DYN_OK, dyn_pair(m, 0, nullptr, nullptr, &reason));
-  EXPECT_EQ(DYN_PAIR_MASK, reason);
+  ASSERT_EQ(DYN_OK, dyn_model_pair(m, 0, nullptr, nullptr, &reason));
+  EXPECT_EQ(DYN_PAIR_REASON_MASK, reason);
   // said in the report, once
   int warnings = 0;
-  for (int k = 0; k < dyn_report_count(m); ++k) {
+  for (int k = 0; k < dyn_model_report_count(m); ++k) {
     dynReportEntry e = view_of<dynReportEntry>();
-    ASSERT_EQ(DYN_OK, dyn_report_entry(m, k, &e));
-    warnings += e.level == DYN_REPORT_WARNING && std::string(e.message).find("no pair") != std::string::npos;
+    ASSERT_EQ(DYN_OK, dyn_model_report_entry(m, k, &e));
+    warnings += e.level == DYN_REPORT_LEVEL_WARNING && std::string(e.message).find("no pair") != std::string::npos;
   }
   EXPECT_EQ(1, warnings);
   // the radius counts
@@ -303,9 +303,9 @@ TEST(Builder, MasksRadiusAndNothingTested) {
   ASSERT_EQ(DYN_OK, dyn_distances(m, d, q.data(), &distance));
   EXPECT_NEAR(3 - 1 - 0.5, distance, 1e-12);
   s.radius = -1;
-  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_shape(b, &s));
+  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_add_shape(b, &s));
   s.radius = nan;
-  EXPECT_NE(DYN_OK, dyn_builder_shape(b, &s));
+  EXPECT_NE(DYN_OK, dyn_builder_add_shape(b, &s));
 }
 
 }  // namespace

@@ -34,14 +34,14 @@ struct Peer {
 
 Peer to_peer(const dynModel* m, const Layout& l, const State& s) {
   Peer y{Sizes(m, l)};
-  EXPECT_EQ(DYN_OK, dyn_convert_state(m, &l, DYN_TO_PEER, s.q.data(), s.v.data(), s.a.data(), s.tau.data(), y.q.data(), y.v.data(), y.a.data(),
+  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), s.a.data(), s.tau.data(), y.q.data(), y.v.data(), y.a.data(),
                                       y.tau.data()))
       << dyn_last_error();
   return y;
 }
 State from_peer(const dynModel* m, const Layout& l, const Peer& y) {
-  State s = {Numbers(std::size_t(dyn_nq(m))), Numbers(std::size_t(dyn_nv(m))), Numbers(std::size_t(dyn_nv(m))), Numbers(std::size_t(dyn_nv(m))), {}};
-  EXPECT_EQ(DYN_OK, dyn_convert_state(m, &l, DYN_FROM_PEER, y.q.data(), y.v.data(), y.a.data(), y.tau.data(), s.q.data(), s.v.data(), s.a.data(),
+  State s = {Numbers(std::size_t(dyn_model_nq(m))), Numbers(std::size_t(dyn_model_nv(m))), Numbers(std::size_t(dyn_model_nv(m))), Numbers(std::size_t(dyn_model_nv(m))), {}};
+  EXPECT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_FROM_PEER, y.q.data(), y.v.data(), y.a.data(), y.tau.data(), s.q.data(), s.v.data(), s.a.data(),
                                       s.tau.data()))
       << dyn_last_error();
   return s;
@@ -72,7 +72,7 @@ TEST(Convert, ThereAndBack) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const State s = random_state(m, seed), back = from_peer(m, l, to_peer(m, l, s));
       double apart = -1;
-      ASSERT_EQ(DYN_OK, dyn_distance(m, s.q.data(), back.q.data(), &apart));
+      ASSERT_EQ(DYN_OK, dyn_configuration_distance(m, s.q.data(), back.q.data(), &apart));
       EXPECT_LT(apart, 1e-13) << l.convention << " " << l.continuous;
       EXPECT_LT(distance(s.v, back.v), 1e-13);
       EXPECT_LT(distance(s.a, back.a), 1e-13);
@@ -121,13 +121,13 @@ TEST(Convert, AccelerationIsTheDerivativeOfVelocity) {
 // A free flyer that starts somewhere, with an arm, and a frame on its body.
 Model displaced() {
   Builder b("displaced");
-  Spec base("base", DYN_JOINT_FREE_FLYER, nullptr, {0.3, -0.1, 0.7});
+  Spec base("base", DYN_JOINT_TYPE_FREE_FLYER, nullptr, {0.3, -0.1, 0.7});
   const double R[9] = {0, 1, 0, -1, 0, 0, 0, 0, 1};
   std::copy(R, R + 9, base.placement);
   b.joint(base).body("trunk", "base");
-  b.joint(Spec("arm", DYN_JOINT_CONTINUOUS, "base")).body("forearm", "arm");
+  b.joint(Spec("arm", DYN_JOINT_TYPE_CONTINUOUS, "base")).body("forearm", "arm");
   const double X[12] = {1, 0, 0, 0, 0.6, 0.8, 0, -0.8, 0.6, 0.2, 0.4, -0.5};
-  EXPECT_EQ(DYN_OK, dyn_builder_frame(b, "camera", "base", X, DYN_FRAME_SENSOR));
+  EXPECT_EQ(DYN_OK, dyn_builder_add_frame(b, "camera", "base", X, DYN_FRAME_TYPE_SENSOR));
   return b.finish();
 }
 
@@ -137,13 +137,13 @@ TEST(Convert, FreeJointIsTheFramesMotion) {
   for (const char* child : {"base", "camera"})
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const State s = random_state(m, seed);
-      const int frame = dyn_frame_id(m, child);
+      const int frame = dyn_model_frame_id(m, child);
       double X[12], local[6], aligned[6], a_aligned[6];
       ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data()));
       ASSERT_EQ(DYN_OK, dyn_frame_placement(m, d, frame, X));
-      ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, frame, DYN_LOCAL, local));
-      ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, frame, DYN_LOCAL_WORLD_ALIGNED, aligned));
-      ASSERT_EQ(DYN_OK, dyn_frame_classical_acceleration(m, d, frame, DYN_LOCAL_WORLD_ALIGNED, a_aligned));
+      ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, local));
+      ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, aligned));
+      ASSERT_EQ(DYN_OK, dyn_frame_classical_acceleration(m, d, frame, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, a_aligned));
       Peer y[3] = {Peer(Sizes(m, Layout(DYN_CONVENTION_MUJOCO))), Peer(Sizes(m, Layout(DYN_CONVENTION_MUJOCO))), Peer(Sizes(m, Layout(DYN_CONVENTION_MUJOCO)))};
       int k = 0;
       for (dynConvention c : {DYN_CONVENTION_MUJOCO, DYN_CONVENTION_DRAKE, DYN_CONVENTION_ROS}) {
@@ -152,7 +152,7 @@ TEST(Convert, FreeJointIsTheFramesMotion) {
         y[k++] = to_peer(m, l, s);
         double apart = -1;
         const State back = from_peer(m, l, y[k - 1]);
-        ASSERT_EQ(DYN_OK, dyn_distance(m, s.q.data(), back.q.data(), &apart));
+        ASSERT_EQ(DYN_OK, dyn_configuration_distance(m, s.q.data(), back.q.data(), &apart));
         EXPECT_LT(apart, 1e-13);
         EXPECT_LT(distance(s.v, back.v), 1e-13);
         EXPECT_LT(distance(s.a, back.a), 1e-13);
@@ -192,7 +192,7 @@ TEST(Convert, OrderAndPlaces) {
   l.nq = 13, l.nv = 10;
   Peer y(Sizes(m, l), 77);
   ASSERT_EQ(13u, y.q.size());
-  ASSERT_EQ(DYN_OK, dyn_convert_state(m, &l, DYN_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr, y.q.data(), y.v.data(), nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr, y.q.data(), y.v.data(), nullptr, nullptr));
   EXPECT_EQ((Numbers{77, std::cos(s.q[7]), std::sin(s.q[7]), 77, s.q[0], s.q[1], s.q[2], s.q[3], s.q[4], s.q[5], s.q[6], 77, 77}), y.q);
   EXPECT_EQ((Numbers{s.v[6], 77, s.v[0], s.v[1], s.v[2], s.v[3], s.v[4], s.v[5], 77, 77}), y.v);
   EXPECT_EQ(77, y.a[0]);
@@ -207,7 +207,7 @@ TEST(Convert, Followers) {
   const Peer y = to_peer(m, with, s);
   dynJointInfo hinge{}, follower{};
   hinge.struct_size = follower.struct_size = sizeof hinge;
-  ASSERT_EQ(DYN_OK, dyn_joint_info(m, dyn_joint_id(m, "hinge"), &hinge));
+  ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, "hinge"), &hinge));
   // depth first: the composite's limb is the last but for what its dial carries
   const std::size_t q = y.q.size() - 1, v = y.v.size() - 1;
   EXPECT_NEAR(-0.3 * s.q[std::size_t(hinge.idx_q)] + 0.1, y.q[q], 1e-15);
@@ -228,10 +228,10 @@ class ConvertRefused : public ::testing::Test {
   const State s = random_state(m, 1);
   Layout l{DYN_CONVENTION_MUJOCO};
   Peer y{Sizes(m, l), 1.5};
-  void refuse(const Refusal& r, dynDirection direction = DYN_TO_PEER) { refuse(r, direction, direction == DYN_TO_PEER ? s.q.data() : y.q.data()); }
+  void refuse(const Refusal& r, dynDirection direction = DYN_DIRECTION_TO_PEER) { refuse(r, direction, direction == DYN_DIRECTION_TO_PEER ? s.q.data() : y.q.data()); }
   void refuse(const Refusal& r, dynDirection direction, const double* q) {
     Numbers out(100, -3.0), before = out;
-    EXPECT_EQ(r.status, dyn_convert_state(m, &l, direction, q, direction == DYN_TO_PEER ? s.v.data() : y.v.data(), nullptr, nullptr, out.data(),
+    EXPECT_EQ(r.status, dyn_state_layout_convert(m, &l, direction, q, direction == DYN_DIRECTION_TO_PEER ? s.v.data() : y.v.data(), nullptr, nullptr, out.data(),
                                           out.data() + 50, nullptr, nullptr))
         << r.what;
     EXPECT_TRUE(dyn_test::says(r.says)) << r.what;
@@ -276,7 +276,7 @@ TEST_F(ConvertRefused, Layouts) {
   l.idx_v = zeros;
   refuse({"no names", DYN_ERROR_ARGUMENT, {"name the joints"}});
   std::vector<const char*> all;
-  for (int j = 1; j < m.njoints(); ++j) all.push_back(dyn_joint_name(m, j));
+  for (int j = 1; j < m.njoints(); ++j) all.push_back(dyn_model_joint_name(m, j));
   l.order(all);
   refuse({"overlap", DYN_ERROR_ARGUMENT, {"'free' and 'hinge' both have q[0]"}});
   const std::vector<std::int32_t> negative(all.size(), -1);
@@ -287,28 +287,28 @@ TEST_F(ConvertRefused, Layouts) {
     std::memcpy(&l.convention, &bad, sizeof bad);
     refuse({"convention", DYN_ERROR_ARGUMENT, {"convention"}});
   }
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_convert_state(m, nullptr, DYN_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr));
 }
 
 TEST_F(ConvertRefused, Arrays) {
-  refuse({"no q", DYN_ERROR_ARGUMENT, {"q is NULL"}}, DYN_TO_PEER, nullptr);
+  refuse({"no q", DYN_ERROR_ARGUMENT, {"q is NULL"}}, DYN_DIRECTION_TO_PEER, nullptr);
   Numbers q = s.q;
   q[2] = nan;
-  refuse({"NaN", DYN_ERROR_NONFINITE, {"q[2] is NaN"}}, DYN_TO_PEER, q.data());
+  refuse({"NaN", DYN_ERROR_NONFINITE, {"q[2] is NaN"}}, DYN_DIRECTION_TO_PEER, q.data());
   q = s.q, q[0] = 1e301;
-  refuse({"overflow", DYN_ERROR_NUMERIC, {"'free'", "overflows"}}, DYN_TO_PEER, q.data());
+  refuse({"overflow", DYN_ERROR_NUMERIC, {"'free'", "overflows"}}, DYN_DIRECTION_TO_PEER, q.data());
   q = s.q, std::fill(q.begin() + 3, q.begin() + 7, 0.0);
-  refuse({"zero", DYN_ERROR_QUATERNION, {"'free'", "zero"}}, DYN_TO_PEER, q.data());
+  refuse({"zero", DYN_ERROR_QUATERNION, {"'free'", "zero"}}, DYN_DIRECTION_TO_PEER, q.data());
   y = to_peer(m, l, s);
   std::fill(y.q.begin() + 3, y.q.begin() + 7, 0.0);
-  refuse({"zero", DYN_ERROR_QUATERNION, {"'free'", "zero"}}, DYN_FROM_PEER);
+  refuse({"zero", DYN_ERROR_QUATERNION, {"'free'", "zero"}}, DYN_DIRECTION_FROM_PEER);
   y = to_peer(m, l, s);
   y.q[7] = inf;
-  refuse({"infinite", DYN_ERROR_NONFINITE, {"q[7]", "'hinge'", "infinite"}}, DYN_FROM_PEER);
+  refuse({"infinite", DYN_ERROR_NONFINITE, {"q[7]", "'hinge'", "infinite"}}, DYN_DIRECTION_FROM_PEER);
   double out[100];
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_convert_state(m, &l, DYN_TO_PEER, s.q.data(), nullptr, s.a.data(), nullptr, nullptr, nullptr, out, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, s.a.data(), nullptr, nullptr, nullptr, out, nullptr));
   EXPECT_TRUE(says({"a is given without v"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_convert_state(m, &l, DYN_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, out));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_layout_convert(m, &l, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, out));
   EXPECT_TRUE(says({"tau_out", "without tau"}));
 }
 

@@ -25,7 +25,7 @@ TEST(DataNew, NeutralAtRest) {
   const Model m = all_types();
   Data d(m);
   Numbers q(std::size_t(m.nq()));
-  ASSERT_EQ(DYN_OK, dyn_neutral(m, q.data()));
+  ASSERT_EQ(DYN_OK, dyn_configuration_neutral(m, q.data()));
   EXPECT_TRUE(same_bits(q, field(m, d, "q")));
   for (const char* name : {"v", "a", "tau_applied"}) EXPECT_TRUE(same_bits(Numbers(std::size_t(m.nv()), 0.0), field(m, d, name))) << name;
   EXPECT_EQ(0.0, field(m, d, "time")[0]);
@@ -42,7 +42,7 @@ TEST(DataNew, OnePartIsSmallerThanAll) {
     sum += size;
   }
   EXPECT_GT(sum, all);
-  EXPECT_LE(dyn_data_size(m, DYN_PART_FACTOR), dyn_data_size(m, DYN_PART_MINV));
+  EXPECT_LE(dyn_data_size(m, DYN_PART_CHOLESKY), dyn_data_size(m, DYN_PART_MINV));
 }
 
 TEST(DataInit, Refusals) {
@@ -78,7 +78,7 @@ TEST(DataInit, AnyAddress) {
       ASSERT_EQ(DYN_OK, dyn_data_init(m, 0, at, size, &d)) << dyn_last_error();
       compute_all(m, d, s);
       EXPECT_EQ("", expected.differs(Snapshot(m, d))) << offset;
-      ASSERT_EQ(DYN_OK, take_step(m, d, DYN_RK4, 1e-3));
+      ASSERT_EQ(DYN_OK, take_step(m, d, DYN_INTEGRATOR_RK4, 1e-3));
       for (std::size_t k = 0; k < memory.size(); ++k)
         ASSERT_TRUE((k >= 64 + offset && k < 64 + offset + size) || memory[k] == 0x3c) << offset << " " << k;
       dyn_data_free(d);
@@ -133,7 +133,7 @@ TEST(Several, ModelFreedBeforeItsData) {
   dynModel* m = nullptr;
   {
     Builder b;
-    b.joint(Spec("j", DYN_JOINT_REVOLUTE)).body("l", "j");
+    b.joint(Spec("j", DYN_JOINT_TYPE_REVOLUTE)).body("l", "j");
     ASSERT_EQ(DYN_OK, dyn_builder_finish(b, &m));
   }
   Data d(m);

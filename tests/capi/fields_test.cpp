@@ -9,7 +9,7 @@ namespace {
 
 std::vector<dynFieldInfo> fields() {
   std::vector<dynFieldInfo> all;
-  for (dynField f = 0; f < dyn_nfields(); ++f) {
+  for (dynField f = 0; f < dyn_field_count(); ++f) {
     dynFieldInfo info{};
     info.struct_size = sizeof info;
     EXPECT_EQ(DYN_OK, dyn_field_info(f, &info));
@@ -20,7 +20,7 @@ std::vector<dynFieldInfo> fields() {
 
 TEST(Fields, TableIsSound) {
   std::set<std::string> names;
-  for (dynField f = 0; f < dyn_nfields(); ++f) {
+  for (dynField f = 0; f < dyn_field_count(); ++f) {
     const dynFieldInfo info = fields()[std::size_t(f)];
     EXPECT_EQ(f, dyn_field_id(info.name));
     EXPECT_TRUE(names.insert(info.name).second) << info.name;
@@ -39,15 +39,15 @@ TEST(Fields, TableIsSound) {
 
 // "nv x nv" and the like.
 int dimension(const dynModel* m, const std::string& text) {
-  if (text == "nq") return dyn_nq(m);
-  if (text == "nv") return dyn_nv(m);
-  if (text == "nframes") return dyn_nframes(m);
-  if (text == "nrows") return 6 * dyn_nconstraint_slots(m);  // of models without constraints of their own
-  if (text == "npairs") return dyn_npairs(m);
-  if (text == "nu") return dyn_nu(m);
-  if (text == "nactuators") return dyn_nactuators(m);
+  if (text == "nq") return dyn_model_nq(m);
+  if (text == "nv") return dyn_model_nv(m);
+  if (text == "nframes") return dyn_model_nframes(m);
+  if (text == "nrows") return 6 * dyn_model_nconstraint_slots(m);  // of models without constraints of their own
+  if (text == "npairs") return dyn_model_npairs(m);
+  if (text == "nu") return dyn_model_nu(m);
+  if (text == "nactuators") return dyn_model_nactuators(m);
   if (text == "na") return 0;  // of models without filters
-  if (text == "nparameters") return 10 * (dyn_njoints(m) - 1);
+  if (text == "nparameters") return 10 * (dyn_model_njoints(m) - 1);
   return std::stoi(text);
 }
 
@@ -55,7 +55,7 @@ TEST(Fields, ViewsHaveTheShapeOfTheText) {
   for (const Model& m : {all_types(), robot("panda"), robot("go2", DYN_BASE_FLOATING)}) {
     Data d(m);
     compute_all(m, d, random_state(m, 31));
-    for (dynField f = 0; f < dyn_nfields(); ++f) {
+    for (dynField f = 0; f < dyn_field_count(); ++f) {
       const std::string shape = fields()[std::size_t(f)].shape;
       const std::size_t cross = shape.find(" x ");
       ASSERT_NE(std::string::npos, cross) << shape;
@@ -74,13 +74,13 @@ TEST(Fields, ViewsStay) {
   Data d(m);
   compute_all(m, d, random_state(m, 32));
   std::vector<const double*> at;
-  for (dynField f = 0; f < dyn_nfields(); ++f) {
+  for (dynField f = 0; f < dyn_field_count(); ++f) {
     dynArray a = view();
     ASSERT_EQ(DYN_OK, dyn_data_array(m, d, f, &a));
     at.push_back(a.data);
   }
   compute_all(m, d, random_state(m, 33));
-  for (dynField f = 0; f < dyn_nfields(); ++f) {
+  for (dynField f = 0; f < dyn_field_count(); ++f) {
     dynArray a = view();
     ASSERT_EQ(DYN_OK, dyn_data_array(m, d, f, &a));
     EXPECT_EQ(at[std::size_t(f)], a.data);
@@ -155,7 +155,7 @@ TEST(Freshness, OneBit) {
   }
   // the signs of zeros count, too
   Numbers zero(std::size_t(m.nv()), 0.0), minus(std::size_t(m.nv()), -0.0);
-  ASSERT_EQ(DYN_OK, dyn_nonlinear_effects(m, d, nullptr, zero.data(), nullptr));
+  ASSERT_EQ(DYN_OK, dyn_nle(m, d, nullptr, zero.data(), nullptr));
   ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, minus.data(), nullptr, nullptr));
   EXPECT_EQ(DYN_ERROR_STALE, field_status(m, d, "nle"));
 }

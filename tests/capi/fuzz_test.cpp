@@ -21,13 +21,13 @@ void disturb(Prepared& p, Random& g, const dynModel* m) {
     else if (g.below(24) == 0)
       for (double& e : *arrays[k]) e = odd_number(g);
   }
-  p.x.frame = g.below(dyn_nframes(m) + 2) - 1, p.x.joint = g.below(dyn_njoints(m) + 2) - 1;
+  p.x.frame = g.below(dyn_model_nframes(m) + 2) - 1, p.x.joint = g.below(dyn_model_njoints(m) + 2) - 1;
   const int reference = sanitized ? g.below(4) : g.below(5) - 1, integrator = sanitized ? g.below(2) : g.below(4) - 1;
   std::memcpy(&p.x.reference, &reference, sizeof reference), std::memcpy(&p.x.integrator, &integrator, sizeof integrator);
   p.x.dt = g.below(8) ? g.uniform(-1e-3, 1e-2) : odd_number(g);
   p.x.mask = std::uint32_t(g.next()) & (g.below(6) ? std::uint32_t(DYN_TERM_ALL) : 0xffffu);
   p.x.nrhs = g.below(3) - 1;
-  p.x.field = g.below(dyn_nfields() + 2) - 1;
+  p.x.field = g.below(dyn_field_count() + 2) - 1;
   for (double*& out : p.x.out)
     if (g.below(6) == 0) out = nullptr;
   if (g.below(6) == 0) p.x.filled = nullptr;
@@ -49,7 +49,7 @@ void expect_nothing_stale(const Model& m, dynData* d, bool forces, std::uint64_t
   if (dyn_constrained_dynamics(m, fresh, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr) != DYN_OK) return;
   if (compute_derivatives(m, fresh, nullptr) != DYN_OK) return;  // near a singular configuration
   if (dyn_all_terms(m, fresh, DYN_TERM_ALL, nullptr, nullptr, nullptr) != DYN_OK) return;
-  ASSERT_EQ(DYN_OK, dyn_center_of_mass(m, fresh, nullptr, s.v.data(), s.a.data(), nullptr, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_com(m, fresh, nullptr, s.v.data(), s.a.data(), nullptr, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_rnea(m, fresh, nullptr, nullptr, nullptr, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_static_torque(m, fresh, nullptr, nullptr, nullptr));
   if (dyn_aba(m, fresh, nullptr, nullptr, nullptr, nullptr, nullptr) != DYN_OK) return;
@@ -136,28 +136,28 @@ TEST(Fuzz, Builders) {
     Random g{seed};
     Builder b;
     std::vector<std::string> names = {"universe", "nobody", ""};
-    Spec parts[3] = {Spec(nullptr, DYN_JOINT_REVOLUTE), Spec(nullptr, DYN_JOINT_PRISMATIC), Spec(nullptr, DYN_JOINT_SPHERICAL)};
+    Spec parts[3] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC), Spec(nullptr, DYN_JOINT_TYPE_SPHERICAL)};
     for (int k = g.below(6) + 1; k-- > 0;) {
       const std::string name = g.below(12) ? "j" + std::to_string(names.size()) : names[std::size_t(g.below(int(names.size())))];
       const std::string parent = g.below(6) ? names.back() : names[std::size_t(g.below(int(names.size())))];
       const std::string leader = names[std::size_t(g.below(int(names.size())))];
-      Spec s(name.c_str(), DYN_JOINT_REVOLUTE, parent.c_str(), {g.uniform(-1, 1), g.uniform(-1, 1), 0});
+      Spec s(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, parent.c_str(), {g.uniform(-1, 1), g.uniform(-1, 1), 0});
       const int type = g.below(40) ? g.below(14) : g.below(100) - 50;
       std::memcpy(&s.type, &type, sizeof type);
       s.about(g.uniform(-1, 1), g.uniform(-1, 1), g.below(8) ? 1 : odd_number(g));
       if (g.below(8) == 0) s.placement[g.below(12)] = odd_number(g);
       if (g.below(10) == 0) s.pitch = odd_number(g);
       if (g.below(6) == 0) s.mimic = leader.c_str(), s.mimic_ratio = g.below(4) ? g.uniform(-2, 2) : odd_number(g);
-      if (type == DYN_JOINT_COMPOSITE) s.parts = parts, s.parts_count = std::size_t(g.below(4));
+      if (type == DYN_JOINT_TYPE_COMPOSITE) s.parts = parts, s.parts_count = std::size_t(g.below(4));
       Numbers limits = g.numbers(7);
       if (g.below(6) == 0) s.armature = s.damping = limits.data();
       if (g.below(6) == 0) s.lower = limits.data();
-      if (dyn_builder_joint(b, &s) == DYN_OK) names.push_back(name);
+      if (dyn_builder_add_joint(b, &s) == DYN_OK) names.push_back(name);
       Numbers I(9, 0.0);
       I[0] = I[4] = I[8] = g.below(12) ? 0.1 : odd_number(g);
       const double com[3] = {g.uniform(-1, 1), 0, g.below(12) ? 0.1 : odd_number(g)};
       const std::string body = "b" + std::to_string(g.below(1000));
-      dyn_builder_body(b, body.c_str(), names.back().c_str(), nullptr, g.below(12) ? 1 : odd_number(g), com, I.data());
+      dyn_builder_add_body(b, body.c_str(), names.back().c_str(), nullptr, g.below(12) ? 1 : odd_number(g), com, I.data());
     }
     dynModel* raw = nullptr;
     if (dyn_builder_finish(b, &raw) != DYN_OK) {
@@ -169,7 +169,7 @@ TEST(Fuzz, Builders) {
     ++made;
     Data d(m);
     Numbers q(std::size_t(m.nq()));
-    if (dyn_random(m, seed, nullptr, nullptr, q.data()) != DYN_OK) continue;
+    if (dyn_configuration_random(m, seed, nullptr, nullptr, q.data()) != DYN_OK) continue;
     ASSERT_TRUE(finite(q));
     const State s = random_state(m, seed);
     for (const CallRow& row : call_rows) {

@@ -98,8 +98,8 @@ bool keeps(dynStatus (*call)(const dynModel*, int, Info*), const dynModel* m, dy
   return call(m, 0, &info) == expected && std::memcmp(&info, &before, sizeof info) == 0;
 }
 const ModelFunction model_functions[] = {
-    {"dyn_report_count", [](auto* m) { return dyn_report_count(m) == -1; }},
-    {"dyn_report_entry", [](auto* m) { return keeps(dyn_report_entry, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_report_count", [](auto* m) { return dyn_model_report_count(m) == -1; }},
+    {"dyn_model_report_entry", [](auto* m) { return keeps(dyn_model_report_entry, m, DYN_ERROR_HANDLE); }},
     {"dyn_model_save", [](auto* m) { return dyn_model_save(m, "/nowhere/m.urdf", 0, nullptr, nullptr) == DYN_ERROR_HANDLE; }},
     {"dyn_model_save_memory",
      [](auto* m) {
@@ -111,45 +111,45 @@ const ModelFunction model_functions[] = {
        size_t size = 7;
        return dyn_model_image(m, 0, nullptr, 0, &size) == DYN_ERROR_HANDLE && size == 7;
      }},
-    {"dyn_shape_rgba", [](auto* m) { return dyn_shape_rgba(m, 0, out) == DYN_ERROR_HANDLE; }},
-    {"dyn_shape_mesh",
+    {"dyn_model_shape_rgba", [](auto* m) { return dyn_model_shape_rgba(m, 0, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_model_shape_mesh",
      [](auto* m) {
        dynMesh* mesh = nullptr;
-       return dyn_shape_mesh(m, 0, &mesh) == DYN_ERROR_HANDLE && !mesh;
+       return dyn_model_shape_mesh(m, 0, &mesh) == DYN_ERROR_HANDLE && !mesh;
      }},
-    {"dyn_nq", [](auto* m) { return dyn_nq(m) == -1; }},
-    {"dyn_nv", [](auto* m) { return dyn_nv(m) == -1; }},
-    {"dyn_njoints", [](auto* m) { return dyn_njoints(m) == -1; }},
-    {"dyn_nframes", [](auto* m) { return dyn_nframes(m) == -1; }},
-    {"dyn_nbodies", [](auto* m) { return dyn_nbodies(m) == -1; }},
+    {"dyn_model_nq", [](auto* m) { return dyn_model_nq(m) == -1; }},
+    {"dyn_model_nv", [](auto* m) { return dyn_model_nv(m) == -1; }},
+    {"dyn_model_njoints", [](auto* m) { return dyn_model_njoints(m) == -1; }},
+    {"dyn_model_nframes", [](auto* m) { return dyn_model_nframes(m) == -1; }},
+    {"dyn_model_nbodies", [](auto* m) { return dyn_model_nbodies(m) == -1; }},
     {"dyn_model_size", [](auto* m) { return dyn_model_size(m) == 0; }},
     {"dyn_model_name", [](auto* m) { return dyn_model_name(m) == nullptr; }},
-    {"dyn_joint_name", [](auto* m) { return dyn_joint_name(m, 0) == nullptr; }},
-    {"dyn_frame_name", [](auto* m) { return dyn_frame_name(m, 0) == nullptr; }},
-    {"dyn_joint_id", [](auto* m) { return dyn_joint_id(m, "universe") == -1; }},
-    {"dyn_frame_id", [](auto* m) { return dyn_frame_id(m, "universe") == -1; }},
-    {"dyn_frame_id_of_type", [](auto* m) { return dyn_frame_id_of_type(m, "universe", DYN_FRAME_OP_FRAME) == -1; }},
-    {"dyn_joint_info", [](auto* m) { return keeps(dyn_joint_info, m, DYN_ERROR_HANDLE); }},
-    {"dyn_frame_info", [](auto* m) { return keeps(dyn_frame_info, m, DYN_ERROR_HANDLE); }},
-    {"dyn_nshapes", [](auto* m) { return dyn_nshapes(m) == -1; }},
-    {"dyn_shape_info", [](auto* m) { return keeps(dyn_shape_info, m, DYN_ERROR_HANDLE); }},
-    {"dyn_ndisabled_pairs", [](auto* m) { return dyn_ndisabled_pairs(m) == -1; }},
-    {"dyn_disabled_pair",
+    {"dyn_model_joint_name", [](auto* m) { return dyn_model_joint_name(m, 0) == nullptr; }},
+    {"dyn_model_frame_name", [](auto* m) { return dyn_model_frame_name(m, 0) == nullptr; }},
+    {"dyn_model_joint_id", [](auto* m) { return dyn_model_joint_id(m, "universe") == -1; }},
+    {"dyn_model_frame_id", [](auto* m) { return dyn_model_frame_id(m, "universe") == -1; }},
+    {"dyn_model_frame_id_of_type", [](auto* m) { return dyn_model_frame_id_of_type(m, "universe", DYN_FRAME_TYPE_OP_FRAME) == -1; }},
+    {"dyn_model_joint_info", [](auto* m) { return keeps(dyn_model_joint_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_frame_info", [](auto* m) { return keeps(dyn_model_frame_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_nshapes", [](auto* m) { return dyn_model_nshapes(m) == -1; }},
+    {"dyn_model_shape_info", [](auto* m) { return keeps(dyn_model_shape_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_ndisabled_pairs", [](auto* m) { return dyn_model_ndisabled_pairs(m) == -1; }},
+    {"dyn_model_disabled_pair",
      [](auto* m) {
        int a = -7, b = -7;
        const char* reason = nullptr;
-       return dyn_disabled_pair(m, 0, &a, &b, &reason) == DYN_ERROR_HANDLE && a == -7 && b == -7 && !reason;
+       return dyn_model_disabled_pair(m, 0, &a, &b, &reason) == DYN_ERROR_HANDLE && a == -7 && b == -7 && !reason;
      }},
-    {"dyn_model_array", [](auto* m) { return dyn_model_array(m, DYN_GRAVITY) == nullptr; }},
-    {"dyn_total_mass", [](auto* m) { return std::isnan(dyn_total_mass(m)); }},
-    {"dyn_nconfigurations", [](auto* m) { return dyn_nconfigurations(m) == -1; }},
-    {"dyn_configuration_name", [](auto* m) { return dyn_configuration_name(m, 0) == nullptr; }},
-    {"dyn_configuration", [](auto* m) { return dyn_configuration(m, "neutral", out) == DYN_ERROR_HANDLE; }},
-    {"dyn_q_permutation",
+    {"dyn_model_array", [](auto* m) { return dyn_model_array(m, DYN_MODEL_ARRAY_GRAVITY) == nullptr; }},
+    {"dyn_model_total_mass", [](auto* m) { return std::isnan(dyn_model_total_mass(m)); }},
+    {"dyn_model_nconfigurations", [](auto* m) { return dyn_model_nconfigurations(m) == -1; }},
+    {"dyn_model_configuration_name", [](auto* m) { return dyn_model_configuration_name(m, 0) == nullptr; }},
+    {"dyn_model_configuration", [](auto* m) { return dyn_model_configuration(m, "neutral", out) == DYN_ERROR_HANDLE; }},
+    {"dyn_model_q_permutation",
      [](auto* m) {
        const char* names[] = {"j0"};
        std::int32_t ids[2] = {-7, -7};
-       return dyn_q_permutation(m, names, 1, ids, ids + 1) == DYN_ERROR_HANDLE && ids[0] == -7 && ids[1] == -7;
+       return dyn_model_q_permutation(m, names, 1, ids, ids + 1) == DYN_ERROR_HANDLE && ids[0] == -7 && ids[1] == -7;
      }},
     {"dyn_builder_from_model",
      [](auto* m) {
@@ -161,19 +161,19 @@ const ModelFunction model_functions[] = {
        const Builder b;
        return dyn_builder_attach(b, m, "", nullptr) == DYN_ERROR_HANDLE;
      }},
-    {"dyn_nconstraints", [](auto* m) { return dyn_nconstraints(m) == -1; }},
-    {"dyn_nconstraint_slots", [](auto* m) { return dyn_nconstraint_slots(m) == -1; }},
-    {"dyn_contact_capacity", [](auto* m) { return dyn_contact_capacity(m) == -1; }},
-    {"dyn_constraint_name", [](auto* m) { return dyn_constraint_name(m, 0) == nullptr; }},
-    {"dyn_constraint_id", [](auto* m) { return dyn_constraint_id(m, "loop") == -1; }},
-    {"dyn_constraint_info", [](auto* m) { return keeps(dyn_constraint_info, m, DYN_ERROR_HANDLE); }},
-    {"dyn_nactuators", [](auto* m) { return dyn_nactuators(m) == -1; }},
-    {"dyn_nu", [](auto* m) { return dyn_nu(m) == -1; }},
-    {"dyn_actuator_name", [](auto* m) { return dyn_actuator_name(m, 0) == nullptr; }},
-    {"dyn_actuator_id", [](auto* m) { return dyn_actuator_id(m, "drive") == -1; }},
-    {"dyn_actuator_info", [](auto* m) { return keeps(dyn_actuator_info, m, DYN_ERROR_HANDLE); }},
-    {"dyn_npairs", [](auto* m) { return dyn_npairs(m) == -1; }},
-    {"dyn_pair", [](auto* m) { return dyn_pair(m, 0, nullptr, nullptr, nullptr) == DYN_ERROR_HANDLE; }},
+    {"dyn_model_nconstraints", [](auto* m) { return dyn_model_nconstraints(m) == -1; }},
+    {"dyn_model_nconstraint_slots", [](auto* m) { return dyn_model_nconstraint_slots(m) == -1; }},
+    {"dyn_model_contact_capacity", [](auto* m) { return dyn_model_contact_capacity(m) == -1; }},
+    {"dyn_model_constraint_name", [](auto* m) { return dyn_model_constraint_name(m, 0) == nullptr; }},
+    {"dyn_model_constraint_id", [](auto* m) { return dyn_model_constraint_id(m, "loop") == -1; }},
+    {"dyn_model_constraint_info", [](auto* m) { return keeps(dyn_model_constraint_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_nactuators", [](auto* m) { return dyn_model_nactuators(m) == -1; }},
+    {"dyn_model_nu", [](auto* m) { return dyn_model_nu(m) == -1; }},
+    {"dyn_model_actuator_name", [](auto* m) { return dyn_model_actuator_name(m, 0) == nullptr; }},
+    {"dyn_model_actuator_id", [](auto* m) { return dyn_model_actuator_id(m, "drive") == -1; }},
+    {"dyn_model_actuator_info", [](auto* m) { return keeps(dyn_model_actuator_info, m, DYN_ERROR_HANDLE); }},
+    {"dyn_model_npairs", [](auto* m) { return dyn_model_npairs(m) == -1; }},
+    {"dyn_model_pair", [](auto* m) { return dyn_model_pair(m, 0, nullptr, nullptr, nullptr) == DYN_ERROR_HANDLE; }},
     {"dyn_data_new",
      [](auto* m) {
        dynData* d = nullptr;
@@ -188,17 +188,17 @@ const ModelFunction model_functions[] = {
     {"dyn_integrate", [](auto* m) { return dyn_integrate(m, out, out, out) == DYN_ERROR_HANDLE; }},
     {"dyn_difference", [](auto* m) { return dyn_difference(m, out, out, out) == DYN_ERROR_HANDLE; }},
     {"dyn_interpolate", [](auto* m) { return dyn_interpolate(m, out, out, 0.5, out) == DYN_ERROR_HANDLE; }},
-    {"dyn_distance", [](auto* m) { return dyn_distance(m, out, out, out) == DYN_ERROR_HANDLE; }},
-    {"dyn_neutral", [](auto* m) { return dyn_neutral(m, out) == DYN_ERROR_HANDLE; }},
-    {"dyn_random", [](auto* m) { return dyn_random(m, 1, nullptr, nullptr, out) == DYN_ERROR_HANDLE; }},
-    {"dyn_normalize", [](auto* m) { return dyn_normalize(m, out) == DYN_ERROR_HANDLE; }},
-    {"dyn_is_normalized",
+    {"dyn_configuration_distance", [](auto* m) { return dyn_configuration_distance(m, out, out, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_configuration_neutral", [](auto* m) { return dyn_configuration_neutral(m, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_configuration_random", [](auto* m) { return dyn_configuration_random(m, 1, nullptr, nullptr, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_configuration_normalize", [](auto* m) { return dyn_configuration_normalize(m, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_configuration_is_normalized",
      [](auto* m) {
        int answer = -7;
-       return dyn_is_normalized(m, out, 1e-6, &answer) == DYN_ERROR_HANDLE && answer == -7;
+       return dyn_configuration_is_normalized(m, out, 1e-6, &answer) == DYN_ERROR_HANDLE && answer == -7;
      }},
     {"dyn_integrate_jacobians", [](auto* m) { return dyn_integrate_jacobians(m, out, out, out, out) == DYN_ERROR_HANDLE; }},
-    {"dyn_inertial_parameters", [](auto* m) { return dyn_inertial_parameters(m, out) == DYN_ERROR_HANDLE; }},
+    {"dyn_model_inertial_parameters", [](auto* m) { return dyn_model_inertial_parameters(m, out) == DYN_ERROR_HANDLE; }},
     {"dyn_difference_jacobians", [](auto* m) { return dyn_difference_jacobians(m, out, out, out, out) == DYN_ERROR_HANDLE; }},
     {"dyn_state_layout_sizes",
      [](auto* m) {
@@ -207,11 +207,11 @@ const ModelFunction model_functions[] = {
        dyn_state_layout_init(&layout);
        return dyn_state_layout_sizes(m, &layout, n, n + 1) == DYN_ERROR_HANDLE && n[0] == -7 && n[1] == -7;
      }},
-    {"dyn_convert_state",
+    {"dyn_state_layout_convert",
      [](auto* m) {
        dynStateLayout layout;
        dyn_state_layout_init(&layout);
-       return dyn_convert_state(m, &layout, DYN_TO_PEER, out, out, out, out, out, out, out, out) == DYN_ERROR_HANDLE;
+       return dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, out, out, out, out, out, out, out, out) == DYN_ERROR_HANDLE;
      }},
 };
 
@@ -236,7 +236,7 @@ TEST(Handles, EveryFunctionOfABuilder) {
   dyn_builder_free(freed_builder);
   const Model m = chain(1);
   Data d(m);
-  const Spec spec("j", DYN_JOINT_REVOLUTE);
+  const Spec spec("j", DYN_JOINT_TYPE_REVOLUTE);
   const double gravity[3] = {0, 0, -1}, com[3] = {}, q[1] = {};
   for (void* handle : {static_cast<void*>(nullptr), static_cast<void*>(freed_builder), static_cast<void*>(m.m), static_cast<void*>(d.d),
                        static_cast<void*>(zeros)}) {
@@ -246,24 +246,24 @@ TEST(Handles, EveryFunctionOfABuilder) {
       EXPECT_EQ(DYN_ERROR_HANDLE, s);
       EXPECT_TRUE(says({"builder", word}));
     };
-    refused(dyn_builder_gravity(b, gravity));
-    refused(dyn_builder_joint(b, &spec));
-    refused(dyn_builder_body(b, "l", "j", nullptr, 1, com, some_inertia));
-    refused(dyn_builder_frame(b, "f", nullptr, nullptr, DYN_FRAME_OP_FRAME));
-    refused(dyn_builder_configuration(b, "c", q, 1));
+    refused(dyn_builder_set_gravity(b, gravity));
+    refused(dyn_builder_add_joint(b, &spec));
+    refused(dyn_builder_add_body(b, "l", "j", nullptr, 1, com, some_inertia));
+    refused(dyn_builder_add_frame(b, "f", nullptr, nullptr, DYN_FRAME_TYPE_OP_FRAME));
+    refused(dyn_builder_add_configuration(b, "c", q, 1));
     const char* joint = "j";
     refused(dyn_builder_lock(b, &joint, 1, q, 1));
     refused(dyn_builder_attach(b, m, "x", nullptr));
-    refused(dyn_builder_subtree(b, joint));
-    refused(dyn_builder_remove(b, joint));
+    refused(dyn_builder_keep_subtree(b, joint));
+    refused(dyn_builder_remove_subtree(b, joint));
     dynActuator motor;
-    dyn_actuator_init(&motor, DYN_ACTUATOR_MOTOR);
-    refused(dyn_builder_actuator(b, "m", &motor, joint));
-    refused(dyn_builder_gravity_compensation(b, "l", 1));
-    refused(dyn_builder_medium(b, 1, 0, nullptr));
-    refused(dyn_builder_pair(b, "x", "y", nullptr));
+    dyn_actuator_init(&motor, DYN_ACTUATOR_TYPE_MOTOR);
+    refused(dyn_builder_add_actuator(b, "m", &motor, joint));
+    refused(dyn_builder_set_gravity_compensation(b, "l", 1));
+    refused(dyn_builder_set_medium(b, 1, 0, nullptr));
+    refused(dyn_builder_add_pair(b, "x", "y", nullptr));
     const double red[4] = {1, 0, 0, 1};
-    refused(dyn_builder_shape_rgba(b, red));
+    refused(dyn_builder_set_shape_rgba(b, red));
     dynModel* none = nullptr;
     refused(dyn_builder_finish(b, &none));
     EXPECT_EQ(nullptr, none);
@@ -312,41 +312,41 @@ TEST(Handles, TablesAreComplete) {
   std::set<std::string> declared, tested = {
       // no handle, or a maker or a destroyer of one: tested by name elsewhere
       "dyn_status_name", "dyn_last_error", "dyn_version", "dyn_build_info", "dyn_load_options_init", "dyn_ik_task_init", "dyn_ik_options_init", "dyn_model_load",
-      "dyn_model_load_string", "dyn_model_from_buffer", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_gravity",
-      "dyn_builder_joint", "dyn_builder_body", "dyn_builder_frame", "dyn_builder_configuration", "dyn_builder_finish", "dyn_data_free",
-      "dyn_builder_shape_rgba", "dyn_builder_lock", "dyn_builder_subtree", "dyn_builder_remove",
-      "dyn_neffects", "dyn_effect_info", "dyn_nfields", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",
+      "dyn_model_load_string", "dyn_model_from_buffer", "dyn_model_free", "dyn_joint_spec_init", "dyn_builder_new", "dyn_builder_free", "dyn_builder_set_gravity",
+      "dyn_builder_add_joint", "dyn_builder_add_body", "dyn_builder_add_frame", "dyn_builder_add_configuration", "dyn_builder_finish", "dyn_data_free",
+      "dyn_builder_set_shape_rgba", "dyn_builder_lock", "dyn_builder_keep_subtree", "dyn_builder_remove_subtree",
+      "dyn_effect_count", "dyn_data_effect_info", "dyn_field_count", "dyn_field_info", "dyn_field_id", "dyn_state_layout_init",
       // numbers alone: inertial_parameters_test.cpp
       "dyn_body_regressor", "dyn_pseudo_inertia_from_parameters", "dyn_parameters_from_pseudo_inertia", "dyn_log_cholesky_from_parameters",
       "dyn_parameters_from_log_cholesky", "dyn_log_cholesky_jacobian", "dyn_is_physically_consistent",
       // collision_test.cpp
-      "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_shape", "dyn_shape_distance", "dyn_distance_options_init", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
+      "dyn_geometry_init", "dyn_shape_spec_init", "dyn_builder_add_shape", "dyn_geometry_distance", "dyn_distance_options_init", "dyn_data_pair", "dyn_data_set_pair", "dyn_pair_distance", "dyn_distance_gradients",
       // contact_test.cpp
-      "dyn_shape_contacts", "dyn_shape_ray", "dyn_shape_closest_point", "dyn_shape_sweep", "dyn_data_set_shape_masks", "dyn_data_shape_masks",
+      "dyn_geometry_contacts", "dyn_geometry_ray", "dyn_geometry_closest_point", "dyn_geometry_sweep", "dyn_data_set_shape_masks", "dyn_data_shape_masks",
       // broad_phase_test.cpp
       "dyn_broad_phase_new", "dyn_broad_phase_free", "dyn_broad_phase_insert", "dyn_broad_phase_update", "dyn_broad_phase_remove", "dyn_broad_phase_pairs",
       "dyn_broad_phase_query", "dyn_broad_phase_ray",
       // contact_solver_test.cpp
       "dyn_contact_problem_init", "dyn_contact_options_init", "dyn_contact_solver_new", "dyn_contact_solver_size", "dyn_contact_solver_init",
-      "dyn_contact_solver_free", "dyn_contact_solve", "dyn_contact_residuals", "dyn_contact_compliance", "dyn_contact_compliance_hertz",
-      "dyn_friction_cone_qp",
+      "dyn_contact_solver_free", "dyn_contact_solver_solve", "dyn_contact_solver_residuals", "dyn_contact_compliance", "dyn_contact_compliance_hertz",
+      "dyn_contact_problem_qp",
       // stepping_test.cpp
       "dyn_step_options_init", "dyn_data_set_step_options", "dyn_data_step_options", "dyn_data_step_report", "dyn_advance",
       // tests/simulation
-      "dyn_state_size", "dyn_state_save", "dyn_state_restore", "dyn_step_contacts", "dyn_data_ledger", "dyn_data_set_shape_material", "dyn_data_shape_material",
+      "dyn_model_state_size", "dyn_data_save_state", "dyn_data_restore_state", "dyn_data_step_contacts", "dyn_data_ledger", "dyn_data_set_shape_material", "dyn_data_shape_material",
       // tests/simulation/driving_test.cpp
-      "dyn_actuator_init", "dyn_builder_actuator", "dyn_builder_gravity_compensation", "dyn_builder_medium", "dyn_builder_pair", "dyn_data_set_control",
+      "dyn_actuator_init", "dyn_builder_add_actuator", "dyn_builder_set_gravity_compensation", "dyn_builder_set_medium", "dyn_builder_add_pair", "dyn_data_set_control",
       "dyn_data_apply_wrench", "dyn_data_clear_wrenches", "dyn_data_set_gravity",
       // effects_test.cpp
       "dyn_batch_set_effects",
       // constraint_test.cpp
-      "dyn_constraint_init", "dyn_constraint_options_init", "dyn_project_options_init", "dyn_builder_constraint", "dyn_builder_constraint_slots", "dyn_builder_contact_capacity",
-      "dyn_constraint_anchor",
+      "dyn_constraint_init", "dyn_constraint_options_init", "dyn_project_options_init", "dyn_builder_add_constraint", "dyn_builder_set_constraint_slots", "dyn_builder_set_contact_capacity",
+      "dyn_data_anchor_constraint",
       // tests/mesh
       "dyn_mesh_options_init", "dyn_mesh_load", "dyn_mesh_from_arrays", "dyn_mesh_free", "dyn_mesh_info", "dyn_mesh_arrays", "dyn_mesh_hull",
-      "dyn_mesh_height_field", "dyn_mesh_colours",
+      "dyn_mesh_from_height_field", "dyn_mesh_rgb",
       // batch_test.cpp
-      "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_batch_info",
+      "dyn_batch_new", "dyn_batch_free", "dyn_batch_arrays_init", "dyn_batch_run", "dyn_algorithm_info",
       // rollout_test.cpp
       "dyn_rollout_init", "dyn_batch_rollout", "dyn_sensor_size"};
   for (std::size_t at = header.find("\nDYN_API "); at != std::string::npos; at = header.find("\nDYN_API ", at + 1)) {

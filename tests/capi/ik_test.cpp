@@ -13,7 +13,7 @@ dynIkTask make(dynIkTaskType type, int frame = 0) {
   return t;
 }
 dynIkTask at(int frame, double x, double y, double z = 0) {
-  dynIkTask t = make(DYN_IK_POSITION, frame);
+  dynIkTask t = make(DYN_IK_TASK_TYPE_POSITION, frame);
   t.target[9] = x, t.target[10] = y, t.target[11] = z;
   return t;
 }
@@ -32,18 +32,18 @@ struct Arm {
   dynIkOptions o = make_options();
   dynIkResult r{};
 
-  explicit Arm(int links) : m(build(links)), d(m), tip(dyn_frame_id(m, "tip")), q(std::size_t(links)) { r.struct_size = sizeof r; }
+  explicit Arm(int links) : m(build(links)), d(m), tip(dyn_model_frame_id(m, "tip")), q(std::size_t(links)) { r.struct_size = sizeof r; }
   static Model build(int links) {
     Builder b("arm");
     std::string parent;
     for (int k = 0; k < links; ++k) {
       const std::string name = "j" + std::to_string(k);
-      b.joint(Spec(name.c_str(), DYN_JOINT_REVOLUTE, k ? parent.c_str() : nullptr, {k ? 1.0 : 0.0, 0, 0}));
+      b.joint(Spec(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, k ? parent.c_str() : nullptr, {k ? 1.0 : 0.0, 0, 0}));
       b.body(("l" + std::to_string(k)).c_str(), name.c_str());
       parent = name;
     }
     double placement[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0};
-    EXPECT_EQ(DYN_OK, dyn_builder_frame(b, "tip", parent.c_str(), placement, DYN_FRAME_OP_FRAME));
+    EXPECT_EQ(DYN_OK, dyn_builder_add_frame(b, "tip", parent.c_str(), placement, DYN_FRAME_TYPE_OP_FRAME));
     return b.finish();
   }
   void solve(const std::vector<dynIkTask>& tasks) {
@@ -58,7 +58,7 @@ TEST(Ik, StretchedTowardsWhatIsOutOfReach) {
   Arm a(2);
   a.q = {0.4, 0.9};
   a.solve({at(a.tip, 3, 0)});
-  EXPECT_EQ(DYN_IK_SINGULAR, a.r.reason);
+  EXPECT_EQ(DYN_IK_REASON_SINGULAR, a.r.reason);
   EXPECT_NEAR(1, a.residuals[0], 1e-9);
   EXPECT_EQ(0, a.residuals[1]);
   EXPECT_NEAR(0.5, a.r.cost, 1e-9);
@@ -74,8 +74,8 @@ TEST(Ik, LimitsHold) {
   a.o.lower = lower, a.o.upper = upper;
   a.q = {0.4, 0.9};
   a.solve({at(a.tip, 3, 0)});
-  EXPECT_EQ(DYN_IK_LIMITS, a.r.reason);
-  EXPECT_EQ(dyn_joint_id(a.m, "j1"), a.r.joint);
+  EXPECT_EQ(DYN_IK_REASON_LIMITS, a.r.reason);
+  EXPECT_EQ(dyn_model_joint_id(a.m, "j1"), a.r.joint);
   EXPECT_EQ(0.5, a.q[1]);
   EXPECT_NEAR(3 - std::sqrt(2 + 2 * std::cos(0.5)), a.residuals[0], 1e-9);
   EXPECT_LE(a.r.optimality, 1e-6);
@@ -85,11 +85,11 @@ TEST(Ik, LimitsHold) {
   a.q = {9, -9};
   const double reach = std::sqrt(2 + 2 * std::cos(1.0));
   a.solve({at(a.tip, 0, reach)});
-  EXPECT_EQ(DYN_IK_CONVERGED, a.r.reason);
+  EXPECT_EQ(DYN_IK_REASON_CONVERGED, a.r.reason);
   EXPECT_EQ(1, a.q[1]);
   a.o.limits = 0;
   a.solve({at(a.tip, 0.3, 0.2)});
-  EXPECT_EQ(DYN_IK_CONVERGED, a.r.reason);
+  EXPECT_EQ(DYN_IK_REASON_CONVERGED, a.r.reason);
   EXPECT_LE(a.r.residual_linear, 1e-6);
 }
 
@@ -99,7 +99,7 @@ TEST(Ik, LeavesASingularStart) {
   a.o.restarts = 0;
   a.q = {0, 0};
   a.solve({at(a.tip, 1, 0)});
-  EXPECT_EQ(DYN_IK_CONVERGED, a.r.reason);
+  EXPECT_EQ(DYN_IK_REASON_CONVERGED, a.r.reason);
   EXPECT_NEAR(2 * 3.14159265358979 / 3, std::abs(a.q[1]), 1e-5);
 }
 
@@ -109,7 +109,7 @@ TEST(Ik, ContradictionsAreSharedByTheSquaresOfTheWeights) {
   a.q = {0.3, 0.2, 0.4};
   one.weight = 2;
   a.solve({one, two});
-  EXPECT_EQ(DYN_IK_LOCAL_MINIMUM, a.r.reason);
+  EXPECT_EQ(DYN_IK_REASON_LOCAL_MINIMUM, a.r.reason);
   EXPECT_NEAR(0.1, a.residuals[0], 1e-7);
   EXPECT_NEAR(0.4, a.residuals[2], 1e-7);
   EXPECT_LE(a.r.optimality, 1e-6);
@@ -117,7 +117,7 @@ TEST(Ik, ContradictionsAreSharedByTheSquaresOfTheWeights) {
   const double x_only[] = {1, 0, 0};
   two.weights = x_only;
   a.solve({one, two});
-  EXPECT_EQ(DYN_IK_CONVERGED, a.r.reason);
+  EXPECT_EQ(DYN_IK_REASON_CONVERGED, a.r.reason);
 }
 
 // The posture is as near as the null space of the position lets it come: its gradient there vanishes.
@@ -127,14 +127,14 @@ TEST(Ik, PostureInTheNullSpace) {
     const std::size_t n = std::size_t(links);
     Numbers posture(n, 0.3), weights(n, 1.0), J(6 * n);
     weights[0] = 0.5;
-    dynIkTask rest = make(DYN_IK_POSTURE);
+    dynIkTask rest = make(DYN_IK_TASK_TYPE_POSTURE);
     rest.posture = posture.data(), rest.weights = weights.data(), rest.priority = 1;
     a.q.assign(n, 0.8);
     a.solve({at(a.tip, 1.2, 0.4), rest});
-    ASSERT_EQ(DYN_IK_CONVERGED, a.r.reason);
+    ASSERT_EQ(DYN_IK_REASON_CONVERGED, a.r.reason);
     EXPECT_LE(a.residuals[0], 1e-6);
     EXPECT_GT(a.residuals[3], 0.1);
-    ASSERT_EQ(DYN_OK, dyn_frame_jacobian(a.m, a.d, a.tip, DYN_LOCAL_WORLD_ALIGNED, J.data()));
+    ASSERT_EQ(DYN_OK, dyn_frame_jacobian(a.m, a.d, a.tip, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, J.data()));
     // gradient of the posture's cost less its part in the row space of the position's Jacobian (Gram-Schmidt)
     Numbers g(a.q), x(g), y(g);
     auto dot = [&](const Numbers& u, const Numbers& v) {
@@ -158,17 +158,17 @@ TEST(Ik, CentreOfMassOverFixedFeet) {
   const Model m = robot("go2", DYN_BASE_FLOATING);
   Data d(m);
   Numbers q(std::size_t(m.nq())), com(3);
-  ASSERT_EQ(DYN_OK, dyn_neutral(m, q.data()));
+  ASSERT_EQ(DYN_OK, dyn_configuration_neutral(m, q.data()));
   q[2] = 0.3;
   for (std::size_t leg = 0; leg < 4; ++leg) q[7 + 3 * leg + 1] = 0.8, q[7 + 3 * leg + 2] = -1.6;
-  ASSERT_EQ(DYN_OK, dyn_center_of_mass(m, d, q.data(), nullptr, nullptr, com.data(), nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_com(m, d, q.data(), nullptr, nullptr, com.data(), nullptr, nullptr));
   std::vector<dynIkTask> tasks;
   for (const char* foot : {"FL_foot", "FR_foot", "RL_foot", "RR_foot"}) {
-    tasks.push_back(make(DYN_IK_POSITION, dyn_frame_id(m, foot)));
+    tasks.push_back(make(DYN_IK_TASK_TYPE_POSITION, dyn_model_frame_id(m, foot)));
     ASSERT_EQ(DYN_OK, dyn_frame_placement(m, d, tasks.back().frame, tasks.back().target));
   }
-  tasks.push_back(make(DYN_IK_ORIENTATION, dyn_frame_id(m, "base")));
-  tasks.push_back(make(DYN_IK_COM));
+  tasks.push_back(make(DYN_IK_TASK_TYPE_ORIENTATION, dyn_model_frame_id(m, "base")));
+  tasks.push_back(make(DYN_IK_TASK_TYPE_COM));
   for (std::size_t k = 0; k < 3; ++k) tasks.back().target[9 + k] = com[k] + std::array{0.03, -0.02, -0.04}[k];
   dynIkOptions o = make_options();
   o.restarts = 0, o.tolerance_linear = o.tolerance_angular = 1e-9;
@@ -176,12 +176,12 @@ TEST(Ik, CentreOfMassOverFixedFeet) {
   r.struct_size = sizeof r;
   Numbers residuals(2 * tasks.size());
   ASSERT_EQ(DYN_OK, dyn_ik(m, d, q.data(), tasks.data(), int(tasks.size()), &o, q.data(), residuals.data(), &r)) << dyn_last_error();
-  EXPECT_EQ(DYN_IK_CONVERGED, r.reason) << r.residual_linear;
+  EXPECT_EQ(DYN_IK_REASON_CONVERGED, r.reason) << r.residual_linear;
   EXPECT_LE(r.iterations, 10);
-  ASSERT_EQ(DYN_OK, dyn_center_of_mass(m, d, nullptr, nullptr, nullptr, com.data(), nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_com(m, d, nullptr, nullptr, nullptr, com.data(), nullptr, nullptr));
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(tasks.back().target[9 + k], com[k], 1e-9);
   for (const dynIkTask& t : tasks)
-    if (t.type == DYN_IK_POSITION) {
+    if (t.type == DYN_IK_TASK_TYPE_POSITION) {
       double X[12];
       ASSERT_EQ(DYN_OK, dyn_frame_placement(m, d, t.frame, X));
       for (int k = 9; k < 12; ++k) EXPECT_NEAR(t.target[k], X[k], 1e-9);
@@ -193,18 +193,18 @@ TEST(Ik, LimitsOfAFreeFlyer) {
   const Model m = all_types();
   Data d(m);
   const State s = random_state(m, 3);
-  Numbers lower(dyn_model_array(m, DYN_LOWER_LIMIT), dyn_model_array(m, DYN_LOWER_LIMIT) + m.nq()), upper(dyn_model_array(m, DYN_UPPER_LIMIT), dyn_model_array(m, DYN_UPPER_LIMIT) + m.nq());
+  Numbers lower(dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT), dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT) + m.nq()), upper(dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT), dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT) + m.nq());
   for (std::size_t k = 0; k < 3; ++k) lower[k] = -0.2, upper[k] = 0.1;
   dynIkOptions o = make_options();
   o.lower = lower.data(), o.upper = upper.data();
-  dynIkTask t = make(DYN_IK_POSE, dyn_frame_id(m, "trunk"));
+  dynIkTask t = make(DYN_IK_TASK_TYPE_POSE, dyn_model_frame_id(m, "trunk"));
   t.target[9] = 0.5, t.target[10] = -0.05, t.target[11] = -1;
   dynIkResult r{};
   r.struct_size = sizeof r;
   Numbers q(s.q);
   ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), &t, 1, &o, q.data(), nullptr, &r)) << dyn_last_error();
-  EXPECT_EQ(DYN_IK_LIMITS, r.reason);
-  EXPECT_EQ(dyn_joint_id(m, "free"), r.joint);
+  EXPECT_EQ(DYN_IK_REASON_LIMITS, r.reason);
+  EXPECT_EQ(dyn_model_joint_id(m, "free"), r.joint);
   EXPECT_EQ(0.1, q[0]);
   EXPECT_EQ(-0.2, q[2]);
   EXPECT_LE(r.optimality, 1e-6);
@@ -219,14 +219,14 @@ TEST(Ik, WhatCannotBeReachedIsALeastSquaresOptimum) {
     r.struct_size = sizeof r;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       const State s = random_state(m, seed);
-      std::vector<dynIkTask> tasks = {make(DYN_IK_POSE, m.nframes() - 1), at(m.nframes() - 1, 2, 0.3 * double(seed), 1)};
+      std::vector<dynIkTask> tasks = {make(DYN_IK_TASK_TYPE_POSE, m.nframes() - 1), at(m.nframes() - 1, 2, 0.3 * double(seed), 1)};
       tasks[0].target[10] = 3;
       dynIkOptions o = make_options();
       o.restarts = 2, o.seed = seed;
       Numbers q(s.q), again(s.q);
       ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), tasks.data(), 2, &o, q.data(), nullptr, &r)) << dyn_last_error();
-      EXPECT_NE(DYN_IK_CONVERGED, r.reason);
-      EXPECT_NE(DYN_IK_ITERATIONS, r.reason) << name;
+      EXPECT_NE(DYN_IK_REASON_CONVERGED, r.reason);
+      EXPECT_NE(DYN_IK_REASON_MAX_ITERATIONS, r.reason) << name;
       EXPECT_LE(r.optimality, 1e-5 * (1 + r.cost)) << name << " " << seed;
       ASSERT_EQ(DYN_OK, dyn_ik(m, d, s.q.data(), tasks.data(), 2, &o, again.data(), nullptr, &r));
       EXPECT_TRUE(same_bits(q, again)) << "the same seed, the same result";
@@ -239,7 +239,7 @@ TEST(Ik, IterationsRunOut) {
   a.o.max_iterations = 1, a.o.restarts = 0;
   a.q = {2, -2, 2};
   a.solve({at(a.tip, -1, -1)});
-  EXPECT_EQ(DYN_IK_ITERATIONS, a.r.reason);
+  EXPECT_EQ(DYN_IK_REASON_MAX_ITERATIONS, a.r.reason);
 }
 
 // ---------------------------------------------------------------------------------------------------- refusals
@@ -248,7 +248,7 @@ struct IkRefused : ::testing::Test {
   Model m = all_types();
   Data d{m};
   State s = random_state(m, 1), other = random_state(m, 2);
-  std::vector<dynIkTask> tasks = {make(DYN_IK_POSE, 3), make(DYN_IK_COM), make(DYN_IK_POSTURE)};
+  std::vector<dynIkTask> tasks = {make(DYN_IK_TASK_TYPE_POSE, 3), make(DYN_IK_TASK_TYPE_COM), make(DYN_IK_TASK_TYPE_POSTURE)};
   Numbers posture = s.q, weights = Numbers(std::size_t(m.nv()), 1.0);
   dynIkOptions o = make_options();
   dynIkResult r{};
@@ -293,7 +293,7 @@ TEST_F(IkRefused, Tasks) {
   with(1, [](dynIkTask& t) { t.weight = -1; }, DYN_ERROR_ARGUMENT, {"weight[0]", "task 1", "-1", "zero or more"});
   with(0, [](dynIkTask& t) { t.target[0] = 2; }, DYN_ERROR_ARGUMENT, {"task 0", "no rotation"});
   with(0, [](dynIkTask& t) { t.target[0] = -1; }, DYN_ERROR_ARGUMENT, {"task 0", "no rotation", "mirrors"});
-  with(0, [](dynIkTask& t) { t.frame = 999; }, DYN_ERROR_ARGUMENT, {"frame 999", "0 to", "dyn_frame_id"});
+  with(0, [](dynIkTask& t) { t.frame = 999; }, DYN_ERROR_ARGUMENT, {"frame 999", "0 to", "dyn_model_frame_id"});
   with(0, [](dynIkTask& t) { t.frame = -1; }, DYN_ERROR_ARGUMENT, {"frame -1"});
   with(0, [](dynIkTask& t) { t.priority = 2; }, DYN_ERROR_ARGUMENT, {"priority 2", "task 0"});
   with(2, [](dynIkTask& t) { t.posture = nullptr; }, DYN_ERROR_ARGUMENT, {"posture", "task 2", "NULL", "nq"});
@@ -360,12 +360,12 @@ TEST_F(IkRefused, NothingIsBroken) {
       EXPECT_TRUE(finite(field(m, d, "q")));
     }
   Builder b("rock");
-  ASSERT_EQ(DYN_OK, dyn_builder_body(b, "rock", nullptr, nullptr, 1, some_inertia, some_inertia)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, "rock", nullptr, nullptr, 1, some_inertia, some_inertia)) << dyn_last_error();
   const Model rock = b.finish();
   Data still(rock);
   dynIkTask t = at(rock.nframes() - 1, 1, 0);
   ASSERT_EQ(DYN_OK, dyn_ik(rock, still, nullptr, &t, 1, nullptr, nullptr, nullptr, &r)) << dyn_last_error();
-  EXPECT_EQ(DYN_IK_LOCAL_MINIMUM, r.reason);
+  EXPECT_EQ(DYN_IK_REASON_LOCAL_MINIMUM, r.reason);
 }
 
 }  // namespace

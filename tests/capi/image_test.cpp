@@ -50,9 +50,9 @@ Numbers ramp(int n, double scale) {
 // tau, ddq and M, and the state after some steps
 Numbers results(const dynModel* m) {
   const Data d(m);
-  const size_t nq = size_t(dyn_nq(m)), nv = size_t(dyn_nv(m));
+  const size_t nq = size_t(dyn_model_nq(m)), nv = size_t(dyn_model_nv(m));
   Numbers q(nq), out(3 * nv + nv * nv + nq);
-  EXPECT_EQ(DYN_OK, dyn_neutral(m, q.data()));
+  EXPECT_EQ(DYN_OK, dyn_configuration_neutral(m, q.data()));
   const Numbers v = ramp(int(nv), 0.1), a = ramp(int(nv), -0.3);
   EXPECT_EQ(DYN_OK, dyn_rnea(m, d, q.data(), v.data(), a.data(), nullptr, out.data()));
   EXPECT_EQ(DYN_OK, dyn_aba(m, d, q.data(), v.data(), a.data(), nullptr, out.data() + nv));
@@ -77,11 +77,11 @@ TEST(Image, ModelsInPlaceGiveTheSameBits) {
       const dynModel* m = nullptr;
       ASSERT_EQ(DYN_OK, dyn_model_from_buffer(flash.data(), image_of(heap).size(), &m)) << dyn_last_error();
       EXPECT_EQ(expected, results(m));
-      EXPECT_STREQ(dyn_joint_name(heap, 1), dyn_joint_name(m, 1));
-      EXPECT_EQ(dyn_frame_id(heap, dyn_frame_name(heap, 3)), dyn_frame_id(m, dyn_frame_name(m, 3)));
-      EXPECT_EQ(dyn_report_count(heap), dyn_report_count(m));
+      EXPECT_STREQ(dyn_model_joint_name(heap, 1), dyn_model_joint_name(m, 1));
+      EXPECT_EQ(dyn_model_frame_id(heap, dyn_model_frame_name(heap, 3)), dyn_model_frame_id(m, dyn_model_frame_name(m, 3)));
+      EXPECT_EQ(dyn_model_report_count(heap), dyn_model_report_count(m));
       dyn_model_free(const_cast<dynModel*>(m));  // not ours to free
-      EXPECT_EQ(dyn_nv(heap), dyn_nv(m));
+      EXPECT_EQ(dyn_model_nv(heap), dyn_model_nv(m));
       // an image of it is the same image
       EXPECT_EQ(image_of(heap), image_of(m));
     }
@@ -113,10 +113,10 @@ TEST(Image, WithoutNamesTheNumbersStay) {
     const dynModel* m = nullptr;
     ASSERT_EQ(DYN_OK, dyn_model_from_buffer(flash.data(), image.size(), &m)) << dyn_last_error();
     EXPECT_EQ(results(heap), results(m));
-    EXPECT_STREQ("", dyn_joint_name(m, 1));
+    EXPECT_STREQ("", dyn_model_joint_name(m, 1));
     EXPECT_STREQ("", dyn_model_name(m));
-    EXPECT_EQ(-1, dyn_joint_id(m, dyn_joint_name(heap, 1)));
-    EXPECT_EQ(0, dyn_report_count(m));
+    EXPECT_EQ(-1, dyn_model_joint_id(m, dyn_model_joint_name(heap, 1)));
+    EXPECT_EQ(0, dyn_model_report_count(m));
   }
 }
 

@@ -103,7 +103,7 @@ TEST(InertialParameters, BodiesThatCannotExist) {
 TEST(InertialParameters, OfRobots) {
   for (const Model& m : {all_types(), robot("panda"), robot("go2", DYN_BASE_FLOATING), robot("humanoid", DYN_BASE_FLOATING)}) {
     Numbers pi(10 * std::size_t(m.njoints() - 1) + 1, 777);
-    ASSERT_EQ(DYN_OK, dyn_inertial_parameters(m, pi.data()));
+    ASSERT_EQ(DYN_OK, dyn_model_inertial_parameters(m, pi.data()));
     EXPECT_EQ(777, pi.back());
     double mass = 0;
     for (std::size_t j = 0; j + 1 < std::size_t(m.njoints()); ++j) {
@@ -112,7 +112,7 @@ TEST(InertialParameters, OfRobots) {
       int consistent = 7;
       mass += body[0];
       EXPECT_EQ(DYN_OK, dyn_is_physically_consistent(body, &consistent));
-      EXPECT_EQ(1, consistent) << dyn_model_name(m) << " " << dyn_joint_name(m, int(j) + 1);
+      EXPECT_EQ(1, consistent) << dyn_model_name(m) << " " << dyn_model_joint_name(m, int(j) + 1);
       ASSERT_EQ(DYN_OK, dyn_log_cholesky_from_parameters(body, theta)) << dyn_last_error();
       ASSERT_EQ(DYN_OK, dyn_parameters_from_log_cholesky(theta, back));
       for (int k = 0; k < 10; ++k) EXPECT_NEAR(body[k], back[k], 1e-12 * (1 + body[0]));
@@ -120,11 +120,11 @@ TEST(InertialParameters, OfRobots) {
       ASSERT_EQ(DYN_OK, dyn_parameters_from_pseudo_inertia(J, back));
       for (int k = 0; k < 10; ++k) EXPECT_NEAR(body[k], back[k], 1e-14 * (1 + body[0]));
     }
-    EXPECT_NEAR(dyn_total_mass(m), mass, 1e-12 * mass);
+    EXPECT_NEAR(dyn_model_total_mass(m), mass, 1e-12 * mass);
   }
   const Model m = all_types();
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_inertial_parameters(m, nullptr));
-  EXPECT_TRUE(says({"dyn_inertial_parameters", "pi is NULL"}));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_inertial_parameters(m, nullptr));
+  EXPECT_TRUE(says({"dyn_model_inertial_parameters", "pi is NULL"}));
 }
 
 // The regressor of a frame is that of a body with the frame's velocity and acceleration.
@@ -133,12 +133,12 @@ TEST(InertialParameters, BodyRegressorOfAFrame) {
   const State s = random_state(m, 5);
   Data d(m);
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data()));
-  const double* g = dyn_model_array(m, DYN_GRAVITY);
+  const double* g = dyn_model_array(m, DYN_MODEL_ARRAY_GRAVITY);
   for (int frame = 0; frame < m.nframes(); ++frame) {
     double X[12], v[6], a[6], Y[60], of_frame[60];
     ASSERT_EQ(DYN_OK, dyn_frame_placement(m, d, frame, X));
-    ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, frame, DYN_LOCAL, v));
-    ASSERT_EQ(DYN_OK, dyn_frame_acceleration(m, d, frame, DYN_LOCAL, a));
+    ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, v));
+    ASSERT_EQ(DYN_OK, dyn_frame_acceleration(m, d, frame, DYN_REFERENCE_LOCAL, a));
     for (int k = 0; k < 3; ++k) a[k] -= X[3 * k] * g[0] + X[3 * k + 1] * g[1] + X[3 * k + 2] * g[2];
     ASSERT_EQ(DYN_OK, dyn_body_regressor(v, a, Y));
     ASSERT_EQ(DYN_OK, dyn_frame_body_regressor(m, d, frame, of_frame));

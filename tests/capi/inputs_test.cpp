@@ -73,13 +73,13 @@ TEST_F(Refused, ZeroQuaternion) {
   for (const auto& [joint, offset, n] : {std::tuple("free", 3, 4), std::tuple("ball", 0, 4), std::tuple("compound", 1, 4), std::tuple("dial", 0, 2)}) {
     dynJointInfo info{};
     info.struct_size = sizeof info;
-    ASSERT_EQ(DYN_OK, dyn_joint_info(m, dyn_joint_id(m, joint), &info));
+    ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, joint), &info));
     for (const CallRow& row : call_rows) {
       if (!(row.uses & uses_q)) continue;
       for (double zero : {0.0, -0.0}) {
         Prepared p(row, m, other);
         std::fill_n(p.s.q.begin() + info.idx_q + offset, n, zero);
-        expect(p, DYN_ERROR_QUATERNION, {row.name, joint, n == 4 ? "quaternion" : "(cos, sin)", "zero", "norm 1", "dyn_neutral"});
+        expect(p, DYN_ERROR_QUATERNION, {row.name, joint, n == 4 ? "quaternion" : "(cos, sin)", "zero", "norm 1", "dyn_configuration_neutral"});
       }
     }
   }
@@ -91,12 +91,12 @@ TEST_F(Refused, Ids) {
       if (row.uses & uses_frame && (bad < 0 || bad >= m.nframes())) {
         Prepared p(row, m, other);
         p.x.frame = bad;
-        expect(p, DYN_ERROR_ARGUMENT, {row.name, "frame " + std::to_string(bad), "0 to " + std::to_string(m.nframes() - 1), "dyn_frame_id"});
+        expect(p, DYN_ERROR_ARGUMENT, {row.name, "frame " + std::to_string(bad), "0 to " + std::to_string(m.nframes() - 1), "dyn_model_frame_id"});
       }
       if (row.uses & uses_joint && (bad < 0 || bad >= m.njoints())) {
         Prepared p(row, m, other);
         p.x.joint = bad;
-        expect(p, DYN_ERROR_ARGUMENT, {row.name, "joint " + std::to_string(bad), "0 to " + std::to_string(m.njoints() - 1), "dyn_joint_id"});
+        expect(p, DYN_ERROR_ARGUMENT, {row.name, "joint " + std::to_string(bad), "0 to " + std::to_string(m.njoints() - 1), "dyn_model_joint_id"});
       }
     }
 }
@@ -107,7 +107,7 @@ TEST_F(Refused, References) {
       for (int bad : {-1, 3, 1000}) {
         Prepared p(row, m, other);
         std::memcpy(&p.x.reference, &bad, sizeof bad);
-        expect(p, DYN_ERROR_ARGUMENT, {row.name, "reference " + std::to_string(bad), "DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED"});
+        expect(p, DYN_ERROR_ARGUMENT, {row.name, "reference " + std::to_string(bad), "DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED"});
       }
 }
 
@@ -126,14 +126,14 @@ TEST_F(Refused, OutputsThatAreNeeded) {
 TEST_F(Refused, WhatIsPeculiarToOneCall) {
   const Snapshot before(m, d);
   for (int nrhs : {-1, std::numeric_limits<int>::min()}) {
-    Prepared p(call_row("dyn_solve"), m, other);
+    Prepared p(call_row("dyn_cholesky_solve"), m, other);
     p.x.nrhs = nrhs;
-    expect(p, DYN_ERROR_ARGUMENT, {"dyn_solve", "nrhs", "negative"});
+    expect(p, DYN_ERROR_ARGUMENT, {"dyn_cholesky_solve", "nrhs", "negative"});
   }
   {
-    Prepared p(call_row("dyn_solve"), m, other);
+    Prepared p(call_row("dyn_cholesky_solve"), m, other);
     p.x.b = nullptr;
-    expect(p, DYN_ERROR_ARGUMENT, {"dyn_solve", "b is NULL"});
+    expect(p, DYN_ERROR_ARGUMENT, {"dyn_cholesky_solve", "b is NULL"});
   }
   {
     Prepared p(call_row("dyn_rnea_second_order_product"), m, other);
@@ -153,14 +153,14 @@ TEST_F(Refused, WhatIsPeculiarToOneCall) {
   for (int bad : {-1, 6, 77}) {
     Prepared p(call_row("dyn_step"), m, other);
     std::memcpy(&p.x.integrator, &bad, sizeof bad);
-    expect(p, DYN_ERROR_ARGUMENT, {"step_options", "integrator " + std::to_string(bad), "DYN_RK4"});
+    expect(p, DYN_ERROR_ARGUMENT, {"step_options", "integrator " + std::to_string(bad), "DYN_INTEGRATOR_RK4"});
   }
   for (std::uint32_t mask : {0x2000u, 0x80000000u, 0xffffffffu}) {
     Prepared p(call_row("dyn_all_terms"), m, other);
     p.x.mask = mask;
     expect(p, DYN_ERROR_ARGUMENT, {"dyn_all_terms", "unknown bits", "DYN_TERM_"});
   }
-  for (dynField f : {-1, dyn_nfields(), 1 << 30}) {
+  for (dynField f : {-1, dyn_field_count(), 1 << 30}) {
     Prepared p(call_row("dyn_data_array"), m, other);
     p.x.field = f;
     expect(p, DYN_ERROR_ARGUMENT, {"dyn_data_array", "field " + std::to_string(f)});
@@ -181,7 +181,7 @@ TEST(Parts, Absent) {
     const Model m = all_types(mimic);
     const State s = random_state(m, 5), other = random_state(m, 6);
     static const char* const names[] = {"KINEMATICS", "JACOBIANS", "COM", "INVERSE", "FORWARD", "MASS",
-                                        "FACTOR", "MINV", "CORIOLIS", "ENERGY", "FRAMES", "CENTROIDAL",
+                                        "CHOLESKY", "MINV", "CORIOLIS", "ENERGY", "FRAMES", "CENTROIDAL",
                                         "INVERSE_DERIVATIVES", "FORWARD_DERIVATIVES", "REGRESSOR", "IK", "SECOND_ORDER", "COLLISION",
                                         "CONSTRAINTS", "CONSTRAINT_DERIVATIVES", "SIMULATION"};
     int refused = 0;
@@ -191,15 +191,15 @@ TEST(Parts, Absent) {
         ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()));
         // a part brings what it includes
         dynParts has = 1u << bit;
-        if (has & DYN_PART_SIMULATION) has |= DYN_PART_FORWARD | DYN_PART_CONSTRAINTS | (dyn_npairs(m) > 0 ? DYN_PART_COLLISION : 0);
+        if (has & DYN_PART_SIMULATION) has |= DYN_PART_FORWARD | DYN_PART_CONSTRAINTS | (dyn_model_npairs(m) > 0 ? DYN_PART_COLLISION : 0);
         if (has & DYN_PART_CONSTRAINT_DERIVATIVES) has |= DYN_PART_CONSTRAINTS | DYN_PART_FORWARD_DERIVATIVES;
         if (has & DYN_PART_CONSTRAINTS) has |= DYN_PART_FORWARD | DYN_PART_INVERSE | DYN_PART_KINEMATICS;
-        if (mimic && has & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) has |= DYN_PART_FACTOR;
+        if (mimic && has & (DYN_PART_CONSTRAINTS | DYN_PART_SIMULATION)) has |= DYN_PART_CHOLESKY;
         if (has & DYN_PART_FORWARD_DERIVATIVES) has |= DYN_PART_MINV | DYN_PART_INVERSE_DERIVATIVES | DYN_PART_FORWARD;
         if (has & DYN_PART_SECOND_ORDER) has |= DYN_PART_INVERSE_DERIVATIVES;
         if (has & DYN_PART_INVERSE_DERIVATIVES) has |= DYN_PART_INVERSE | DYN_PART_MASS;
-        if (has & DYN_PART_MINV) has |= DYN_PART_FACTOR | DYN_PART_FORWARD;
-        if (has & DYN_PART_FACTOR) has |= DYN_PART_MASS;
+        if (has & DYN_PART_MINV) has |= DYN_PART_CHOLESKY | DYN_PART_FORWARD;
+        if (has & DYN_PART_CHOLESKY) has |= DYN_PART_MASS;
         if (has & DYN_PART_IK) has |= DYN_PART_COM;
         if (has & (DYN_PART_JACOBIANS | DYN_PART_COM | DYN_PART_CORIOLIS | DYN_PART_ENERGY | DYN_PART_FRAMES | DYN_PART_CENTROIDAL | DYN_PART_REGRESSOR |
                    DYN_PART_IK | DYN_PART_COLLISION)) has |= DYN_PART_KINEMATICS;
@@ -207,9 +207,9 @@ TEST(Parts, Absent) {
         const Snapshot before(m, d);
         if ((row.part & has) == row.part) {
           const dynStatus status = p(m, d);
-          if (mimic && row.part == DYN_PART_FORWARD && !(has & DYN_PART_FACTOR)) {
+          if (mimic && row.part == DYN_PART_FORWARD && !(has & DYN_PART_CHOLESKY)) {
             EXPECT_EQ(DYN_ERROR_PART, status) << row.name;
-            EXPECT_TRUE(says({row.name, "mimic", "DYN_PART_FACTOR", "dyn_data_new"}));
+            EXPECT_TRUE(says({row.name, "mimic", "DYN_PART_CHOLESKY", "dyn_data_new"}));
             EXPECT_EQ("", before.differs(Snapshot(m, d))) << row.name;
           } else {
             EXPECT_EQ(row.needs == Needs::nothing ? DYN_OK : DYN_ERROR_STALE, status) << row.name << " " << names[bit] << ": " << dyn_last_error();
@@ -233,7 +233,7 @@ TEST(Parts, Absent) {
 TEST(Parts, AllTermsAsksOnlyForWhatItNeeds) {
   const Model m = all_types(false);
   Data d(m, DYN_PART_MASS | DYN_PART_INVERSE);
-  EXPECT_EQ(DYN_OK, dyn_all_terms(m, d, DYN_TERM_MASS | DYN_TERM_NLE | DYN_TERM_GRAVITY, nullptr, nullptr, nullptr)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_all_terms(m, d, DYN_TERM_MASS | DYN_TERM_NLE | DYN_TERM_GRAVITY_TORQUE, nullptr, nullptr, nullptr)) << dyn_last_error();
   EXPECT_EQ(DYN_ERROR_PART, dyn_all_terms(m, d, DYN_TERM_MASS | DYN_TERM_COM, nullptr, nullptr, nullptr));
   EXPECT_TRUE(says({"DYN_PART_COM"}));
 }
@@ -246,8 +246,8 @@ TEST(Stale, NamesTheCallToMake) {
     if (row.needs == Needs::nothing) continue;
     Data d(m);
     Prepared p(row, m, s);
-    const char* call = row.needs == Needs::com ? "dyn_center_of_mass" : row.needs == Needs::mass ? "dyn_crba"
-                       : row.needs == Needs::factor ? "dyn_factorize" : "dyn_forward_kinematics";
+    const char* call = row.needs == Needs::com ? "dyn_com" : row.needs == Needs::mass ? "dyn_crba"
+                       : row.needs == Needs::factor ? "dyn_cholesky" : "dyn_forward_kinematics";
     const Snapshot before(m, d);
     EXPECT_EQ(DYN_ERROR_STALE, p(m, d)) << row.name;
     EXPECT_TRUE(says({row.name, "not computed for the current state", call}));
@@ -302,7 +302,7 @@ TEST(Quaternions, AnyNormButZero) {
       if (scale < 0 && block.second == 2) continue;  // (-c, -s) is another angle
       dynJointInfo info{};
       info.struct_size = sizeof info;
-      ASSERT_EQ(DYN_OK, dyn_joint_info(m, dyn_joint_id(m, name), &info));
+      ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, name), &info));
       double big = 0;
       for (int k = 0; k < block.second; ++k) big = std::max(big, std::abs(s.q[std::size_t(info.idx_q + block.first + k)]));
       for (int k = 0; k < block.second; ++k) {
@@ -324,7 +324,7 @@ TEST(Quaternions, AnyNormButZero) {
   for (const auto& [name, block] : blocks) {
     dynJointInfo info{};
     info.struct_size = sizeof info;
-    ASSERT_EQ(DYN_OK, dyn_joint_info(m, dyn_joint_id(m, name), &info));
+    ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, name), &info));
     std::fill_n(t.q.begin() + info.idx_q + block.first, block.second, 0.0);
     t.q[std::size_t(info.idx_q + block.first)] = 4.9406564584124654e-324;
   }

@@ -19,7 +19,7 @@ TEST(Errors, NamesOfStatuses) {
 }
 
 TEST(Errors, OnePerThread) {
-  EXPECT_EQ(-1, dyn_nq(nullptr));
+  EXPECT_EQ(-1, dyn_model_nq(nullptr));
   const std::string mine = dyn_last_error();
   std::string before = "?", after;
   std::thread([&] {
@@ -32,7 +32,7 @@ TEST(Errors, OnePerThread) {
   EXPECT_EQ(mine, dyn_last_error());
   // success leaves it
   const Model m = chain(1);
-  EXPECT_EQ(1, dyn_nq(m));
+  EXPECT_EQ(1, dyn_model_nq(m));
   EXPECT_EQ(mine, dyn_last_error());
 }
 
@@ -40,7 +40,7 @@ TEST(Errors, OnePerThread) {
 TEST(Errors, LongNames) {
   const Model m = chain(2);
   const std::string name(100000, 'x');
-  EXPECT_EQ(-1, dyn_joint_id(m, name.c_str()));
+  EXPECT_EQ(-1, dyn_model_joint_id(m, name.c_str()));
   EXPECT_LT(std::strlen(dyn_last_error()), 1024u);
   EXPECT_EQ(-1, dyn_field_id(name.c_str()));
   EXPECT_LT(std::strlen(dyn_last_error()), 1024u);
@@ -48,64 +48,64 @@ TEST(Errors, LongNames) {
   EXPECT_EQ(DYN_ERROR_FILE, dyn_model_load(name.c_str(), nullptr, &none));
   EXPECT_LT(std::strlen(dyn_last_error()), 1024u);
   Builder b;
-  const Spec spec(name.c_str(), DYN_JOINT_REVOLUTE, name.c_str());
-  EXPECT_EQ(DYN_ERROR_NAME, dyn_builder_joint(b, &spec));
+  const Spec spec(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, name.c_str());
+  EXPECT_EQ(DYN_ERROR_NAME, dyn_builder_add_joint(b, &spec));
   EXPECT_LT(std::strlen(dyn_last_error()), 1024u);
 }
 
 TEST(Names, UnknownOnesListNearMisses) {
   const Model m = all_types();
-  EXPECT_EQ(-1, dyn_joint_id(m, "Hinge"));
+  EXPECT_EQ(-1, dyn_model_joint_id(m, "Hinge"));
   EXPECT_TRUE(says({"no joint 'Hinge'", "did you mean 'hinge'?"}));
-  EXPECT_EQ(-1, dyn_joint_id(m, "sli"));
+  EXPECT_EQ(-1, dyn_model_joint_id(m, "sli"));
   EXPECT_TRUE(says({"no joint 'sli'", "'slider'"}));
-  EXPECT_EQ(-1, dyn_frame_id(m, "the tool frame"));
+  EXPECT_EQ(-1, dyn_model_frame_id(m, "the tool frame"));
   EXPECT_TRUE(says({"no frame 'the tool frame'", "'tool'"}));
-  EXPECT_EQ(-1, dyn_joint_id(m, "quite different"));
+  EXPECT_EQ(-1, dyn_model_joint_id(m, "quite different"));
   EXPECT_TRUE(says({"no joint 'quite different'"}));
   EXPECT_FALSE(says({"did you mean"}));
-  EXPECT_EQ(-1, dyn_joint_id(m, ""));
-  EXPECT_EQ(-1, dyn_frame_id(m, ""));
+  EXPECT_EQ(-1, dyn_model_joint_id(m, ""));
+  EXPECT_EQ(-1, dyn_model_frame_id(m, ""));
   for (const char* none : {static_cast<const char*>(nullptr)}) {
-    EXPECT_EQ(-1, dyn_joint_id(m, none));
-    EXPECT_TRUE(says({"dyn_joint_id", "name is NULL"}));
-    EXPECT_EQ(-1, dyn_frame_id(m, none));
-    EXPECT_EQ(-1, dyn_frame_id_of_type(m, none, DYN_FRAME_BODY));
+    EXPECT_EQ(-1, dyn_model_joint_id(m, none));
+    EXPECT_TRUE(says({"dyn_model_joint_id", "name is NULL"}));
+    EXPECT_EQ(-1, dyn_model_frame_id(m, none));
+    EXPECT_EQ(-1, dyn_model_frame_id_of_type(m, none, DYN_FRAME_TYPE_BODY));
     EXPECT_EQ(-1, dyn_field_id(none));
   }
   // a joint is not a body, a fixed joint no joint
-  EXPECT_EQ(-1, dyn_joint_id(m, "trunk"));
-  EXPECT_EQ(-1, dyn_joint_id(m, "weld"));
-  EXPECT_GE(dyn_frame_id(m, "weld"), 0);
+  EXPECT_EQ(-1, dyn_model_joint_id(m, "trunk"));
+  EXPECT_EQ(-1, dyn_model_joint_id(m, "weld"));
+  EXPECT_GE(dyn_model_frame_id(m, "weld"), 0);
 }
 
 TEST(Names, IdsRoundTrip) {
   for (const Model& m : {all_types(), robot("panda"), robot("humanoid", DYN_BASE_FLOATING)}) {
-    for (int j = 0; j < m.njoints(); ++j) EXPECT_EQ(j, dyn_joint_id(m, dyn_joint_name(m, j)));
+    for (int j = 0; j < m.njoints(); ++j) EXPECT_EQ(j, dyn_model_joint_id(m, dyn_model_joint_name(m, j)));
     for (int f = 0; f < m.nframes(); ++f) {
       dynFrameInfo info{};
       info.struct_size = sizeof info;
-      ASSERT_EQ(DYN_OK, dyn_frame_info(m, f, &info));
-      EXPECT_STREQ(dyn_frame_name(m, f), info.name);
-      EXPECT_EQ(f, dyn_frame_id_of_type(m, info.name, info.type)) << info.name;
+      ASSERT_EQ(DYN_OK, dyn_model_frame_info(m, f, &info));
+      EXPECT_STREQ(dyn_model_frame_name(m, f), info.name);
+      EXPECT_EQ(f, dyn_model_frame_id_of_type(m, info.name, info.type)) << info.name;
     }
   }
 }
 
 TEST(Names, FrameTypes) {
   Builder b;
-  b.joint(Spec("arm", DYN_JOINT_REVOLUTE)).body("arm", "arm");  // a link and a joint of one name
+  b.joint(Spec("arm", DYN_JOINT_TYPE_REVOLUTE)).body("arm", "arm");  // a link and a joint of one name
   const Model m = b.finish();
-  const int joint = dyn_frame_id_of_type(m, "arm", DYN_FRAME_JOINT), body = dyn_frame_id_of_type(m, "arm", DYN_FRAME_BODY);
+  const int joint = dyn_model_frame_id_of_type(m, "arm", DYN_FRAME_TYPE_JOINT), body = dyn_model_frame_id_of_type(m, "arm", DYN_FRAME_TYPE_BODY);
   EXPECT_TRUE(joint > 0 && body > 0 && joint != body);
-  EXPECT_EQ(joint, dyn_frame_id(m, "arm"));
-  EXPECT_EQ(-1, dyn_frame_id_of_type(m, "arm", DYN_FRAME_SENSOR));
-  EXPECT_TRUE(says({"dyn_frame_id_of_type", "arm", "no SENSOR frame", "dyn_frame_id"}));
+  EXPECT_EQ(joint, dyn_model_frame_id(m, "arm"));
+  EXPECT_EQ(-1, dyn_model_frame_id_of_type(m, "arm", DYN_FRAME_TYPE_SENSOR));
+  EXPECT_TRUE(says({"dyn_model_frame_id_of_type", "arm", "no SENSOR frame", "dyn_model_frame_id"}));
   for (int bad : {0, 3, -1, 32}) {
     dynFrameType type;
     std::memcpy(&type, &bad, sizeof type);
-    EXPECT_EQ(-1, dyn_frame_id_of_type(m, "arm", type)) << bad;
-    EXPECT_TRUE(says({"dyn_frame_id_of_type", std::to_string(bad), "dynFrameType"}));
+    EXPECT_EQ(-1, dyn_model_frame_id_of_type(m, "arm", type)) << bad;
+    EXPECT_TRUE(says({"dyn_model_frame_id_of_type", std::to_string(bad), "dynFrameType"}));
   }
 }
 
@@ -147,19 +147,19 @@ void check_info(dynStatus (*call)(const dynModel*, int, Info*), const dynModel* 
 
 TEST(Info, SizesAndIndices) {
   const Model m = robot("panda");
-  check_info(dyn_joint_info, m, m.njoints(), "dyn_joint_info");
-  check_info(dyn_frame_info, m, m.nframes(), "dyn_frame_info");
-  check_info(dyn_shape_info, m, dyn_nshapes(m), "dyn_shape_info");
-  check_info(dyn_report_entry, m, dyn_report_count(m), "dyn_report_entry");
-  for (int bad : {-1, m.njoints(), 1 << 30}) EXPECT_EQ(nullptr, dyn_joint_name(m, bad));
-  EXPECT_TRUE(says({"dyn_joint_name", "does not exist"}));
-  for (int bad : {-1, m.nframes(), 1 << 30}) EXPECT_EQ(nullptr, dyn_frame_name(m, bad));
-  for (int bad : {-1, dyn_nconfigurations(m), 1 << 30}) EXPECT_EQ(nullptr, dyn_configuration_name(m, bad));
+  check_info(dyn_model_joint_info, m, m.njoints(), "dyn_model_joint_info");
+  check_info(dyn_model_frame_info, m, m.nframes(), "dyn_model_frame_info");
+  check_info(dyn_model_shape_info, m, dyn_model_nshapes(m), "dyn_model_shape_info");
+  check_info(dyn_model_report_entry, m, dyn_model_report_count(m), "dyn_model_report_entry");
+  for (int bad : {-1, m.njoints(), 1 << 30}) EXPECT_EQ(nullptr, dyn_model_joint_name(m, bad));
+  EXPECT_TRUE(says({"dyn_model_joint_name", "does not exist"}));
+  for (int bad : {-1, m.nframes(), 1 << 30}) EXPECT_EQ(nullptr, dyn_model_frame_name(m, bad));
+  for (int bad : {-1, dyn_model_nconfigurations(m), 1 << 30}) EXPECT_EQ(nullptr, dyn_model_configuration_name(m, bad));
 }
 
 TEST(Info, Arrays) {
   const Model m = all_types();
-  for (int which = DYN_LOWER_LIMIT; which <= DYN_SPRING_REFERENCE; ++which) EXPECT_NE(nullptr, dyn_model_array(m, dynModelArray(which))) << which;
+  for (int which = DYN_MODEL_ARRAY_LOWER_LIMIT; which <= DYN_MODEL_ARRAY_SPRING_REFERENCE; ++which) EXPECT_NE(nullptr, dyn_model_array(m, dynModelArray(which))) << which;
   for (int bad : {-1, 10, 1000}) {
     dynModelArray which;
     std::memcpy(&which, &bad, sizeof which);
@@ -170,22 +170,22 @@ TEST(Info, Arrays) {
 
 TEST(NamedConfigurations, NamesAndOutputs) {
   Builder b;
-  b.joint(Spec("j", DYN_JOINT_REVOLUTE)).body("l", "j");
+  b.joint(Spec("j", DYN_JOINT_TYPE_REVOLUTE)).body("l", "j");
   const double q[1] = {0.5};
-  ASSERT_EQ(DYN_OK, dyn_builder_configuration(b, "Home", q, 1));
+  ASSERT_EQ(DYN_OK, dyn_builder_add_configuration(b, "Home", q, 1));
   const Model m = b.finish();
   double out[1] = {7};
-  EXPECT_EQ(2, dyn_nconfigurations(m));
-  EXPECT_STREQ("neutral", dyn_configuration_name(m, 0));
-  EXPECT_STREQ("Home", dyn_configuration_name(m, 1));
-  EXPECT_EQ(DYN_ERROR_NAME, dyn_configuration(m, "home", out));
+  EXPECT_EQ(2, dyn_model_nconfigurations(m));
+  EXPECT_STREQ("neutral", dyn_model_configuration_name(m, 0));
+  EXPECT_STREQ("Home", dyn_model_configuration_name(m, 1));
+  EXPECT_EQ(DYN_ERROR_NAME, dyn_model_configuration(m, "home", out));
   EXPECT_TRUE(says({"no configuration 'home'", "did you mean 'Home'?"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_configuration(m, nullptr, out));
-  EXPECT_TRUE(says({"dyn_configuration", "name is NULL"}));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_configuration(m, "Home", nullptr));
-  EXPECT_TRUE(says({"dyn_configuration", "q is NULL"}));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_configuration(m, nullptr, out));
+  EXPECT_TRUE(says({"dyn_model_configuration", "name is NULL"}));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_configuration(m, "Home", nullptr));
+  EXPECT_TRUE(says({"dyn_model_configuration", "q is NULL"}));
   EXPECT_EQ(7, out[0]);
-  EXPECT_EQ(DYN_OK, dyn_configuration(m, "Home", out));
+  EXPECT_EQ(DYN_OK, dyn_model_configuration(m, "Home", out));
   EXPECT_EQ(0.5, out[0]);
 }
 
@@ -193,23 +193,23 @@ TEST(Permutation, Refusals) {
   const Model m = all_types();
   std::int32_t iq[3] = {-7, -7, -7}, iv[3] = {-7, -7, -7};
   auto refused = [&](std::vector<const char*> names, dynStatus status, const std::vector<std::string>& fragments) {
-    EXPECT_EQ(status, dyn_q_permutation(m, names.data(), names.size(), iq, iv));
+    EXPECT_EQ(status, dyn_model_q_permutation(m, names.data(), names.size(), iq, iv));
     EXPECT_TRUE(says(fragments));
     for (int k = 0; k < 3; ++k) EXPECT_TRUE(iq[k] == -7 && iv[k] == -7);
   };
   refused({"hinge", "ball", "hinge"}, DYN_ERROR_NAME, {"'hinge'", "twice"});
   refused({"hinge", "Ball"}, DYN_ERROR_NAME, {"no joint 'Ball'", "did you mean 'ball'?"});
-  refused({"hinge", nullptr}, DYN_ERROR_ARGUMENT, {"dyn_q_permutation", "names[1] is NULL"});
+  refused({"hinge", nullptr}, DYN_ERROR_ARGUMENT, {"dyn_model_q_permutation", "names[1] is NULL"});
   refused({"universe"}, DYN_ERROR_NAME, {"universe", "no coordinates"});
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_q_permutation(m, nullptr, 2, iq, iv));
-  EXPECT_EQ(DYN_OK, dyn_q_permutation(m, nullptr, 0, iq, iv));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_q_permutation(m, nullptr, 2, iq, iv));
+  EXPECT_EQ(DYN_OK, dyn_model_q_permutation(m, nullptr, 0, iq, iv));
   const char* names[] = {"dial", "free", "hinge"};
-  EXPECT_EQ(DYN_OK, dyn_q_permutation(m, names, 3, nullptr, iv));
-  EXPECT_EQ(DYN_OK, dyn_q_permutation(m, names, 3, iq, nullptr));
+  EXPECT_EQ(DYN_OK, dyn_model_q_permutation(m, names, 3, nullptr, iv));
+  EXPECT_EQ(DYN_OK, dyn_model_q_permutation(m, names, 3, iq, nullptr));
   for (int k = 0; k < 3; ++k) {
     dynJointInfo info{};
     info.struct_size = sizeof info;
-    ASSERT_EQ(DYN_OK, dyn_joint_info(m, dyn_joint_id(m, names[k]), &info));
+    ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, names[k]), &info));
     EXPECT_TRUE(iq[k] == info.idx_q && iv[k] == info.idx_v) << names[k];
   }
   // more joints than one pass of the search for repetitions holds
@@ -219,10 +219,10 @@ TEST(Permutation, Refusals) {
   std::vector<const char*> all;
   for (const auto& t : text) all.push_back(t.c_str());
   std::vector<std::int32_t> at(5001, -7);
-  EXPECT_EQ(DYN_OK, dyn_q_permutation(large, all.data(), all.size(), at.data(), nullptr));
+  EXPECT_EQ(DYN_OK, dyn_model_q_permutation(large, all.data(), all.size(), at.data(), nullptr));
   for (std::int32_t k = 0; k < 5000; ++k) ASSERT_EQ(4999 - k, at[std::size_t(k)]);
   all.push_back(text[2].c_str());
-  EXPECT_EQ(DYN_ERROR_NAME, dyn_q_permutation(large, all.data(), all.size(), at.data(), nullptr));
+  EXPECT_EQ(DYN_ERROR_NAME, dyn_model_q_permutation(large, all.data(), all.size(), at.data(), nullptr));
   EXPECT_TRUE(says({"'j4997'", "twice"}));
 }
 
@@ -266,7 +266,7 @@ TEST(Loading, Arguments) {
 
 TEST(FieldInfo, Refusals) {
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_field_info(0, nullptr));
-  for (dynField f : {-1, dyn_nfields(), 1 << 30}) {
+  for (dynField f : {-1, dyn_field_count(), 1 << 30}) {
     dynFieldInfo info{};
     info.struct_size = sizeof info;
     EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_field_info(f, &info));

@@ -13,17 +13,17 @@ void blow_up(const dynModel* m, Numbers& x, bool is_q, double size, std::uint64_
     if (!is_q || g.below(2)) e = size * (g.below(2) ? 1 : -1);
   if (!is_q) return;
   // rotations stay rotations
-  for (int j = 1; j < dyn_njoints(m); ++j) {
+  for (int j = 1; j < dyn_model_njoints(m); ++j) {
     dynJointInfo info{};
     info.struct_size = sizeof info;
-    ASSERT_EQ(DYN_OK, dyn_joint_info(m, j, &info));
+    ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, j, &info));
     if (info.nq > info.nv) x[std::size_t(info.idx_q + info.nq - 1)] = size;
   }
 }
 
 // All frame queries of a data that says its kinematics are fresh.
 void expect_finite_frames(const dynModel* m, dynData* d, const std::string& where) {
-  const int nv = dyn_nv(m);
+  const int nv = dyn_model_nv(m);
   Numbers x(std::size_t(6 * nv * nv + 12));
   using Query = std::function<dynStatus(int, dynReference)>;
   const std::pair<const char*, Query> queries[] = {
@@ -40,8 +40,8 @@ void expect_finite_frames(const dynModel* m, dynData* d, const std::string& wher
       {"hessian", [&](int f, dynReference r) { return dyn_frame_kinematic_hessian(m, d, f, r, x.data()); }},
   };
   for (const auto& [name, query] : queries)
-    for (int f = 0; f < dyn_nframes(m); f += 3)
-      for (dynReference r : {DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED}) {
+    for (int f = 0; f < dyn_model_nframes(m); f += 3)
+      for (dynReference r : {DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED}) {
         std::fill(x.begin(), x.end(), 0.5);
         const dynStatus s = query(f, r);
         if (s == DYN_OK) EXPECT_TRUE(finite(x)) << where << ": " << name << " of frame " << f << " in " << r;
@@ -149,7 +149,7 @@ TEST(Overflow, LostResultsAreStale) {
   const State s = random_state(m, 17);
   const Numbers huge(s.v.size(), 1e200);
   const std::pair<const char*, const char*> rows[] = {
-      {"dyn_rnea", "tau"}, {"dyn_nonlinear_effects", "nle"}, {"dyn_aba", "ddq"}, {"dyn_energy", "mechanical"}};
+      {"dyn_rnea", "tau"}, {"dyn_nle", "nle"}, {"dyn_aba", "ddq"}, {"dyn_energy", "mechanical"}};
   for (const auto& [name, lost] : rows)
     for (bool held : {false, true}) {  // the huge v is the call's, or the data's
       Data d(m);
@@ -174,7 +174,7 @@ TEST(Overflow, LostResultsAreStale) {
 // Steps that blow up leave state and time; and what dyn_aba had computed is not theirs.
 TEST(Overflow, FailedStep) {
   for (const bool mimic : {true, false})
-    for (dynIntegrator integrator : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) {
+    for (dynIntegrator integrator : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE}) {
       const Model m = all_types(mimic);
       Data d(m);
       const State s = random_state(m, 14);
@@ -184,14 +184,14 @@ TEST(Overflow, FailedStep) {
         EXPECT_EQ(DYN_ERROR_NUMERIC, take_step(m, d, integrator, dt)) << dt;
         EXPECT_TRUE(says({"dyn_step", "as before"}));
         // an iteration that does not end, or steps that none is short enough for, are nobody's
-        if (integrator != DYN_IMPLICIT_MIDPOINT && integrator != DYN_REFERENCE) {
+        if (integrator != DYN_INTEGRATOR_IMPLICIT_MIDPOINT && integrator != DYN_INTEGRATOR_REFERENCE) {
           EXPECT_TRUE(says({"joint '"}));
         }
         EXPECT_EQ("", before.differs(Snapshot(m, d), true)) << "mimic " << mimic << " integrator " << integrator;
         // placements and the frame queries survive
         double X[12], V[6];
         EXPECT_EQ(DYN_OK, dyn_frame_placement(m, d, 1, X)) << dyn_last_error();
-        EXPECT_EQ(DYN_OK, dyn_frame_acceleration(m, d, 1, DYN_LOCAL, V)) << dyn_last_error();
+        EXPECT_EQ(DYN_OK, dyn_frame_acceleration(m, d, 1, DYN_REFERENCE_LOCAL, V)) << dyn_last_error();
       }
     }
 }
@@ -204,8 +204,8 @@ TEST(Singular, NamesTheJointAndTakesTheStateBack) {
     using Call = std::function<dynStatus(dynData*, const double*)>;
     const std::pair<const char*, Call> calls[] = {
         {"dyn_aba", [&](dynData* d, const double* q) { return dyn_aba(m, d, q, nullptr, nullptr, nullptr, nullptr); }},
-        {"dyn_minverse", [&](dynData* d, const double* q) { return dyn_minverse(m, d, q, nullptr); }},
-        {"dyn_all_terms FACTOR", [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_FACTOR, q, nullptr, nullptr); }},
+        {"dyn_minv", [&](dynData* d, const double* q) { return dyn_minv(m, d, q, nullptr); }},
+        {"dyn_all_terms CHOLESKY", [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_CHOLESKY, q, nullptr, nullptr); }},
         {"dyn_all_terms MINV", [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_MINV, q, nullptr, nullptr); }},
         {"dyn_all_terms ALL", [&](dynData* d, const double* q) { return dyn_all_terms(m, d, DYN_TERM_ALL, q, nullptr, nullptr); }},
     };
@@ -225,13 +225,13 @@ TEST(Singular, NamesTheJointAndTakesTheStateBack) {
     Data d(m);
     ASSERT_EQ(DYN_OK, dyn_crba(m, d, bad.data(), nullptr));
     const Snapshot before(m, d);
-    EXPECT_EQ(DYN_ERROR_NUMERIC, dyn_factorize(m, d));
+    EXPECT_EQ(DYN_ERROR_NUMERIC, dyn_cholesky(m, d));
     EXPECT_TRUE(says({"singular", "shoulder"}));
     EXPECT_EQ("", before.differs(Snapshot(m, d)));
     Numbers x = {1, 2, 3};
-    EXPECT_EQ(DYN_ERROR_STALE, dyn_solve(m, d, x.data(), 1, x.data()));
+    EXPECT_EQ(DYN_ERROR_STALE, dyn_cholesky_solve(m, d, x.data(), 1, x.data()));
     // and a step from there
-    EXPECT_EQ(DYN_ERROR_NUMERIC, take_step(m, d, DYN_RK4, 1e-3));
+    EXPECT_EQ(DYN_ERROR_NUMERIC, take_step(m, d, DYN_INTEGRATOR_RK4, 1e-3));
     EXPECT_TRUE(says({"singular", "joint 'shoulder'", "as before"}));
     EXPECT_EQ("", before.differs(Snapshot(m, d), true));
   }

@@ -10,14 +10,14 @@ Model scene() {
   Builder b;
   dyn_builder_free(b);
   EXPECT_EQ(DYN_OK, dyn_builder_from_model(bare, &b.b));
-  return b.shape("universe", DYN_SHAPE_HALF_SPACE, {0, 0, 0}).finish();
+  return b.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}).finish();
 }
 
 struct Case {
   static constexpr int n = 12, steps = 60, every = 3, records = steps / every, capacity = 64;
   const dynModel* m;
   std::size_t nq, nv, state;
-  std::vector<dynSensorType> sensor{DYN_SENSOR_PLACEMENT, DYN_SENSOR_VELOCITY, DYN_SENSOR_IMU, DYN_SENSOR_FORCE, DYN_SENSOR_COM, DYN_SENSOR_ENERGY};
+  std::vector<dynSensorType> sensor{DYN_SENSOR_TYPE_PLACEMENT, DYN_SENSOR_TYPE_VELOCITY, DYN_SENSOR_TYPE_IMU, DYN_SENSOR_TYPE_FORCE, DYN_SENSOR_TYPE_COM, DYN_SENSOR_TYPE_ENERGY};
   std::vector<std::int32_t> frame;
   Numbers q0, v0, tau, q, v, sensors;
   std::vector<dynContactForce> contacts;
@@ -26,11 +26,11 @@ struct Case {
   std::vector<dynStatus> status;
   dynRollout x;
 
-  explicit Case(const dynModel* model) : m(model), nq(std::size_t(dyn_nq(m))), nv(std::size_t(dyn_nv(m))), state(dyn_state_size(m)) {
-    frame.assign(sensor.size(), dyn_frame_id_of_type(m, "FL_foot", DYN_FRAME_BODY));
+  explicit Case(const dynModel* model) : m(model), nq(std::size_t(dyn_model_nq(m))), nv(std::size_t(dyn_model_nv(m))), state(dyn_model_state_size(m)) {
+    frame.assign(sensor.size(), dyn_model_frame_id_of_type(m, "FL_foot", DYN_FRAME_TYPE_BODY));
     for (int k = 0; k < n; ++k) {
       Numbers start(nq, 0.0), speed(nv, 0.0);
-      EXPECT_EQ(DYN_OK, dyn_neutral(m, start.data()));
+      EXPECT_EQ(DYN_OK, dyn_configuration_neutral(m, start.data()));
       for (const char* leg : {"FL", "FR", "RL", "RR"}) bend(start, leg);
       start[2] = 0.3 + 0.005 * k, speed[0] = 0.1 * k;
       q0.insert(q0.end(), start.begin(), start.end()), v0.insert(v0.end(), speed.begin(), speed.end());
@@ -51,7 +51,7 @@ struct Case {
     for (const auto& [joint, angle] : {std::pair("_thigh_joint", 0.8), std::pair("_calf_joint", -1.5)}) {
       dynJointInfo info{};
       info.struct_size = sizeof info;
-      ASSERT_EQ(DYN_OK, dyn_joint_info(m, dyn_joint_id(m, (leg + joint).c_str()), &info));
+      ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, dyn_model_joint_id(m, (leg + joint).c_str()), &info));
       start[std::size_t(info.idx_q)] = angle;
     }
   }
@@ -76,12 +76,12 @@ TEST(Rollout, IsWhatStepsAre) {
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, alone.q0.data() + std::size_t(k) * alone.nq, alone.v0.data() + std::size_t(k) * alone.nv, nullptr, nullptr));
     for (int r = 0; r < Case::records; ++r) {
       ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, nullptr, nullptr, nullptr, alone.record(alone.tau, k, r, alone.nv)));
-      for (int i = 0; i < Case::every; ++i) ASSERT_EQ(DYN_OK, take_step(m, d, DYN_SEMI_IMPLICIT_EULER, 1e-3)) << dyn_last_error();
+      for (int i = 0; i < Case::every; ++i) ASSERT_EQ(DYN_OK, take_step(m, d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3)) << dyn_last_error();
       ASSERT_TRUE(same(field(m, d, "q").data(), alone.record(alone.q, k, r, alone.nq), alone.nq)) << k << " " << r;
       ASSERT_TRUE(same(field(m, d, "v").data(), alone.record(alone.v, k, r, alone.nv), alone.nv)) << k << " " << r;
       int count = 0;
       std::vector<dynContactForce> contacts(Case::capacity);
-      ASSERT_EQ(DYN_OK, dyn_step_contacts(m, d, contacts.data(), Case::capacity, &count));
+      ASSERT_EQ(DYN_OK, dyn_data_step_contacts(m, d, contacts.data(), Case::capacity, &count));
       const std::size_t row = std::size_t(k) * Case::records + std::size_t(r);
       ASSERT_EQ(count, alone.counts[row]);
       for (int c = 0; c < count; ++c) ASSERT_TRUE(same(contacts[std::size_t(c)].force_on_b, alone.contacts[row * Case::capacity + std::size_t(c)].force_on_b, 3));
@@ -127,8 +127,8 @@ TEST(Rollout, SensorsAreRight) {
       double X[12], v[6], com[3], vcom[3], energy[2], force[3] = {};
       ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, c.record(c.q, k, r, c.nq), c.record(c.v, k, r, c.nv), nullptr));
       ASSERT_EQ(DYN_OK, dyn_frame_placement(m, d, foot, X));
-      ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, foot, DYN_LOCAL, v));
-      ASSERT_EQ(DYN_OK, dyn_center_of_mass(m, d, nullptr, nullptr, nullptr, com, vcom, nullptr));
+      ASSERT_EQ(DYN_OK, dyn_frame_velocity(m, d, foot, DYN_REFERENCE_LOCAL, v));
+      ASSERT_EQ(DYN_OK, dyn_com(m, d, nullptr, nullptr, nullptr, com, vcom, nullptr));
       ASSERT_EQ(DYN_OK, dyn_energy(m, d, nullptr, nullptr, energy, energy + 1));
       const std::size_t row = std::size_t(k) * Case::records + std::size_t(r);
       for (int i = 0; i < c.counts[row]; ++i) {
@@ -136,7 +136,7 @@ TEST(Rollout, SensorsAreRight) {
         for (int side = 0; side < 2; ++side) {
           dynShapeInfo shape{};
           shape.struct_size = sizeof shape;
-          ASSERT_EQ(DYN_OK, dyn_shape_info(m, side ? f.contact.shape_b : f.contact.shape_a, &shape));
+          ASSERT_EQ(DYN_OK, dyn_model_shape_info(m, side ? f.contact.shape_b : f.contact.shape_a, &shape));
           for (int e = 0; e < 3 && shape.frame == foot; ++e) force[e] += (side ? 1 : -1) * f.force_on_b[e];
         }
       }
@@ -227,7 +227,7 @@ TEST(Rollout, Arguments) {
   refused(DYN_ERROR_ARGUMENT, {"sensor_frame is NULL"}, [](Case& c) { c.x.sensor_frame = nullptr; });
   refused(DYN_ERROR_ARGUMENT, {"sensor[2] is 7"}, [](Case& c) { c.sensor[2] = dynSensorType(7); });
   refused(DYN_ERROR_ARGUMENT, {"sensor_frame[1] is -1"}, [](Case& c) { c.frame[1] = -1; });
-  refused(DYN_ERROR_ARGUMENT, {"sensor_frame[3]", "no link"}, [&](Case& c) { c.frame[3] = dyn_frame_id(m, "FL_hip_joint"); });
+  refused(DYN_ERROR_ARGUMENT, {"sensor_frame[3]", "no link"}, [&](Case& c) { c.frame[3] = dyn_model_frame_id(m, "FL_hip_joint"); });
   dynStepOptions options;
   dyn_step_options_init(&options);
   options.dt = -1;
@@ -242,7 +242,7 @@ TEST(Rollout, Arguments) {
   const Batch without(m, 1, DYN_PART_INVERSE);
   EXPECT_EQ(DYN_ERROR_PART, c(without));
   dyn_rollout_init(nullptr);
-  EXPECT_EQ(7, dyn_sensor_size(DYN_SENSOR_PLACEMENT));
+  EXPECT_EQ(7, dyn_sensor_size(DYN_SENSOR_TYPE_PLACEMENT));
   for (int s : {-1, 6, 1 << 30}) EXPECT_EQ(0, dyn_sensor_size(dynSensorType(s)));
 }
 

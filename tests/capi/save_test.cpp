@@ -14,7 +14,7 @@ struct Lines {
   static void add(void* context, dynReportLevel level, const char* message) { static_cast<Lines*>(context)->all.emplace_back(level, message); }
   bool lost() const {
     for (const auto& l : all)
-      if (l.first == DYN_REPORT_WARNING) return true;
+      if (l.first == DYN_REPORT_LEVEL_WARNING) return true;
     return false;
   }
 };
@@ -36,7 +36,7 @@ TEST_F(Save, EveryFormatIsReadAgain) {
     if (std::string_view(name) == "m.urdf") options.base = DYN_BASE_FIXED;
     dynModel* back = nullptr;
     ASSERT_EQ(DYN_OK, dyn_model_load(file(name).c_str(), &options, &back)) << dyn_last_error();
-    EXPECT_DOUBLE_EQ(dyn_total_mass(m), dyn_total_mass(back));
+    EXPECT_DOUBLE_EQ(dyn_model_total_mass(m), dyn_model_total_mass(back));
     dyn_model_free(back);
   }
   EXPECT_EQ(2, std::distance(fs::directory_iterator(folder), fs::directory_iterator())) << "nothing else is left behind";

@@ -1,4 +1,4 @@
-// Tests which factor dyn_solve uses: that of the held q, or none.
+// Tests which factor dyn_cholesky_solve uses: that of the held q, or none.
 #include "capi/calls.hpp"
 
 namespace dyn_test {
@@ -12,18 +12,18 @@ class Solve : public ::testing::TestWithParam<bool> {  // with mimic joints or w
 
   Numbers solve() {
     Numbers x(s.v.size(), 0.5);
-    EXPECT_EQ(DYN_OK, dyn_solve(m, d, s.a.data(), 1, x.data())) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_cholesky_solve(m, d, s.a.data(), 1, x.data())) << dyn_last_error();
     return x;
   }
   void expect_stale(const char* after) {
     Numbers x(s.v.size(), 0.5);
-    EXPECT_EQ(DYN_ERROR_STALE, dyn_solve(m, d, s.a.data(), 1, x.data())) << after;
-    EXPECT_TRUE(says({"dyn_solve", "the factor of M", "not computed for the current state", "call dyn_factorize"})) << after;
+    EXPECT_EQ(DYN_ERROR_STALE, dyn_cholesky_solve(m, d, s.a.data(), 1, x.data())) << after;
+    EXPECT_TRUE(says({"dyn_cholesky_solve", "the factor of M", "not computed for the current state", "call dyn_cholesky"})) << after;
     for (double e : x) EXPECT_EQ(0.5, e) << after;
   }
   void factorize(const Numbers& q) {
     ASSERT_EQ(DYN_OK, dyn_crba(m, d, q.data(), nullptr));
-    ASSERT_EQ(DYN_OK, dyn_factorize(m, d));
+    ASSERT_EQ(DYN_OK, dyn_cholesky(m, d));
   }
   // M x - b, M of the held q
   double residual(const Numbers& x) {
@@ -64,7 +64,7 @@ TEST_P(Solve, IsStaleOnceQHasChanged) {
     p.x.mask = DYN_TERM_KINEMATICS;
     ASSERT_EQ(DYN_OK, p(m, d)) << row.name;
     Numbers y(s.v.size(), 0.5);  // a few make the factor of the new q on their way
-    if (dyn_solve(m, d, s.a.data(), 1, y.data()) != DYN_OK) {
+    if (dyn_cholesky_solve(m, d, s.a.data(), 1, y.data()) != DYN_OK) {
       expect_stale(row.name);
       continue;
     }
@@ -72,13 +72,13 @@ TEST_P(Solve, IsStaleOnceQHasChanged) {
     EXPECT_LT(residual(y), 1e-10) << row.name;
   }
   factorize(s.q);
-  ASSERT_EQ(DYN_OK, take_step(m, d, DYN_SEMI_IMPLICIT_EULER, 1e-3));
+  ASSERT_EQ(DYN_OK, take_step(m, d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3));
   expect_stale("dyn_step");
 }
 
 TEST_P(Solve, AfterAllTerms) {
-  for (std::uint32_t mask : {DYN_TERM_FACTOR, DYN_TERM_MINV}) {
-    ASSERT_EQ(DYN_OK, dyn_all_terms(m, d, mask, mask == DYN_TERM_FACTOR ? s.q.data() : t.q.data(), nullptr, nullptr));
+  for (std::uint32_t mask : {DYN_TERM_CHOLESKY, DYN_TERM_MINV}) {
+    ASSERT_EQ(DYN_OK, dyn_all_terms(m, d, mask, mask == DYN_TERM_CHOLESKY ? s.q.data() : t.q.data(), nullptr, nullptr));
     EXPECT_LT(residual(solve()), 1e-10);
   }
 }
@@ -88,9 +88,9 @@ TEST_P(Solve, SeveralInPlace) {
   const Numbers x = solve();
   Numbers b;
   for (int k = 0; k < 3; ++k) b.insert(b.end(), s.a.begin(), s.a.end());
-  ASSERT_EQ(DYN_OK, dyn_solve(m, d, b.data(), 3, b.data()));
+  ASSERT_EQ(DYN_OK, dyn_cholesky_solve(m, d, b.data(), 3, b.data()));
   for (std::size_t k = 0; k < b.size(); ++k) EXPECT_EQ(x[k % x.size()], b[k]);
-  EXPECT_EQ(DYN_OK, dyn_solve(m, d, b.data(), 0, b.data()));
+  EXPECT_EQ(DYN_OK, dyn_cholesky_solve(m, d, b.data(), 0, b.data()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Capi, Solve, testing::Bool(), [](const auto& p) { return p.param ? "WithMimic" : "WithoutMimic"; });

@@ -30,27 +30,27 @@ TEST(Stepping, OptionsAreKept) {
   Flight f;
   dynStepOptions o;
   ASSERT_EQ(DYN_OK, dyn_data_step_options(f.m, f.d, &o));
-  EXPECT_EQ(DYN_SEMI_IMPLICIT_EULER, o.integrator);
+  EXPECT_EQ(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, o.integrator);
   EXPECT_EQ(1e-3, o.dt);
   EXPECT_EQ(0, o.accuracy);
-  const dynStepOptions mine = options_of(DYN_RK45, 0.25, 1e-6);
+  const dynStepOptions mine = options_of(DYN_INTEGRATOR_RK45, 0.25, 1e-6);
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(f.m, f.d, &mine));
   ASSERT_EQ(DYN_OK, dyn_data_step_options(f.m, f.d, &o));
-  EXPECT_EQ(DYN_RK45, o.integrator);
+  EXPECT_EQ(DYN_INTEGRATOR_RK45, o.integrator);
   EXPECT_EQ(0.25, o.dt);
   EXPECT_EQ(1e-6, o.accuracy);
 }
 
 TEST(Stepping, ADurationIsSteps) {
   Flight one, many;
-  const dynStepOptions o = options_of(DYN_RK4, 1e-3);
+  const dynStepOptions o = options_of(DYN_INTEGRATOR_RK4, 1e-3);
   for (Flight* f : {&one, &many}) ASSERT_EQ(DYN_OK, dyn_data_set_step_options(f->m, f->d, &o));
   ASSERT_EQ(DYN_OK, dyn_advance(one.m, one.d, 0.0105)) << dyn_last_error();
   EXPECT_EQ(11, report_of(one.m, one.d).steps);
   EXPECT_EQ(44, report_of(one.m, one.d).evaluations);
   EXPECT_NEAR(5e-4, report_of(one.m, one.d).smallest_dt, 1e-12);
   for (int k = 0; k < 10; ++k) ASSERT_EQ(DYN_OK, dyn_step(many.m, many.d));
-  ASSERT_EQ(DYN_OK, take_step(many.m, many.d, DYN_RK4, report_of(one.m, one.d).smallest_dt));
+  ASSERT_EQ(DYN_OK, take_step(many.m, many.d, DYN_INTEGRATOR_RK4, report_of(one.m, one.d).smallest_dt));
   EXPECT_TRUE(same_bits(field(one.m, one.d, "q"), field(many.m, many.d, "q")));
   EXPECT_NEAR(0.0105, field(one.m, one.d, "time")[0], 1e-15);
   // what divides is not followed by a step of rounding
@@ -63,17 +63,17 @@ TEST(Stepping, ADurationIsSteps) {
 
 TEST(Stepping, AnAccuracyIsKept) {
   Flight reference;
-  dynStepOptions o = options_of(DYN_REFERENCE, 0.01);
+  dynStepOptions o = options_of(DYN_INTEGRATOR_REFERENCE, 0.01);
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(reference.m, reference.d, &o));
   ASSERT_EQ(DYN_OK, dyn_advance(reference.m, reference.d, 0.05)) << dyn_last_error();
-  for (const dynIntegrator integrator : {DYN_RK45, DYN_RK4})
+  for (const dynIntegrator integrator : {DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_RK4})
     for (const double accuracy : {1e-4, 1e-8}) {
       Flight f;
       o = options_of(integrator, 1, accuracy);
       ASSERT_EQ(DYN_OK, dyn_data_set_step_options(f.m, f.d, &o));
       ASSERT_EQ(DYN_OK, dyn_advance(f.m, f.d, 0.05)) << dyn_last_error();
       double distance;
-      ASSERT_EQ(DYN_OK, dyn_distance(f.m, field(f.m, f.d, "q").data(), field(reference.m, reference.d, "q").data(), &distance));
+      ASSERT_EQ(DYN_OK, dyn_configuration_distance(f.m, field(f.m, f.d, "q").data(), field(reference.m, reference.d, "q").data(), &distance));
       EXPECT_LE(distance, 10 * accuracy);
       EXPECT_LE(report_of(f.m, f.d).error_estimate, accuracy);
       EXPECT_EQ(0.05, report_of(f.m, f.d).time);
@@ -86,16 +86,16 @@ TEST(Stepping, BadOptions) {
     EXPECT_EQ(status, dyn_data_set_step_options(f.m, f.d, &o)) << word;
     EXPECT_TRUE(says({"dyn_data_set_step_options", word}));
   };
-  expect(DYN_ERROR_ARGUMENT, options_of(DYN_RK4, 0), "dt");
-  expect(DYN_ERROR_ARGUMENT, options_of(DYN_RK4, -1), "dt");
-  expect(DYN_ERROR_NONFINITE, options_of(DYN_RK4, nan), "dt");
-  expect(DYN_ERROR_NONFINITE, options_of(DYN_RK4, inf), "dt");
-  expect(DYN_ERROR_ARGUMENT, options_of(DYN_RK4, 1, -1e-3), "accuracy");
-  expect(DYN_ERROR_NONFINITE, options_of(DYN_RK4, 1, nan), "accuracy");
-  dynStepOptions budget = options_of(DYN_RK4, 1);
+  expect(DYN_ERROR_ARGUMENT, options_of(DYN_INTEGRATOR_RK4, 0), "dt");
+  expect(DYN_ERROR_ARGUMENT, options_of(DYN_INTEGRATOR_RK4, -1), "dt");
+  expect(DYN_ERROR_NONFINITE, options_of(DYN_INTEGRATOR_RK4, nan), "dt");
+  expect(DYN_ERROR_NONFINITE, options_of(DYN_INTEGRATOR_RK4, inf), "dt");
+  expect(DYN_ERROR_ARGUMENT, options_of(DYN_INTEGRATOR_RK4, 1, -1e-3), "accuracy");
+  expect(DYN_ERROR_NONFINITE, options_of(DYN_INTEGRATOR_RK4, 1, nan), "accuracy");
+  dynStepOptions budget = options_of(DYN_INTEGRATOR_RK4, 1);
   budget.time_budget = -1e-3, expect(DYN_ERROR_ARGUMENT, budget, "time_budget");
   budget.time_budget = nan, expect(DYN_ERROR_NONFINITE, budget, "time_budget");
-  dynStepOptions small = options_of(DYN_RK4, 1);
+  dynStepOptions small = options_of(DYN_INTEGRATOR_RK4, 1);
   small.struct_size = 4;
   expect(DYN_ERROR_SIZE, small, "struct_size");
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_step_options(f.m, f.d, nullptr));
@@ -133,7 +133,7 @@ TEST(Stepping, AFailureKeepsWhatWasReached) {
   for (const double accuracy : {0.0, 1e-6}) {
     ASSERT_EQ(DYN_OK, dyn_data_set_state(f.m, f.d, nullptr, v.data(), nullptr, nullptr));
     const Numbers q = field(f.m, f.d, "q");
-    const dynStepOptions o = options_of(DYN_RK4, 1e-3, accuracy);
+    const dynStepOptions o = options_of(DYN_INTEGRATOR_RK4, 1e-3, accuracy);
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(f.m, f.d, &o));
     EXPECT_EQ(DYN_ERROR_NUMERIC, dyn_advance(f.m, f.d, 1)) << accuracy;
     EXPECT_TRUE(says({"dyn_advance", "as before the step"}));

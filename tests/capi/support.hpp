@@ -39,10 +39,10 @@ struct Model {
   }
   ~Model() { dyn_model_free(m); }
   operator dynModel*() const { return m; }
-  int nq() const { return dyn_nq(m); }
-  int nv() const { return dyn_nv(m); }
-  int njoints() const { return dyn_njoints(m); }
-  int nframes() const { return dyn_nframes(m); }
+  int nq() const { return dyn_model_nq(m); }
+  int nv() const { return dyn_model_nv(m); }
+  int njoints() const { return dyn_model_njoints(m); }
+  int nframes() const { return dyn_model_nframes(m); }
 };
 
 inline Model robot(const char* name, dynBase base = DYN_BASE_FIXED) {
@@ -76,12 +76,12 @@ struct Builder {
   ~Builder() { dyn_builder_free(b); }
   operator dynBuilder*() const { return b; }
   Builder& joint(const dynJointSpec& s) {
-    EXPECT_EQ(DYN_OK, dyn_builder_joint(b, &s)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_builder_add_joint(b, &s)) << dyn_last_error();
     return *this;
   }
   Builder& body(const char* name, const char* parent, double mass = 1, std::array<double, 3> com = {0.1, 0.05, -0.02},
                 const double* inertia = some_inertia) {
-    EXPECT_EQ(DYN_OK, dyn_builder_body(b, name, parent, nullptr, mass, com.data(), inertia)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_builder_add_body(b, name, parent, nullptr, mass, com.data(), inertia)) << dyn_last_error();
     return *this;
   }
   Builder& shape(const char* body, dynShapeType type, std::array<double, 3> size) {
@@ -89,7 +89,7 @@ struct Builder {
     dyn_shape_spec_init(&s);
     s.body = body, s.type = type;
     std::copy(size.begin(), size.end(), s.size);
-    EXPECT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
     return *this;
   }
   Model finish() {
@@ -104,36 +104,36 @@ struct Builder {
 inline Model all_types(bool mimic = true) {
   Builder b("all_types");
   const std::array<double, 3> at = {0.1, -0.2, 0.3};
-  b.joint(Spec("free", DYN_JOINT_FREE_FLYER)).body("trunk", "free", 5);
-  b.joint(Spec("hinge", DYN_JOINT_REVOLUTE, "free", at).about(0, 1, 0)).body("b1", "hinge");
-  b.joint(Spec("wheel", DYN_JOINT_CONTINUOUS, "hinge", at).about(1, 0, 0)).body("b2", "wheel");
-  b.joint(Spec("slider", DYN_JOINT_PRISMATIC, "wheel", at).about(0, 0.6, 0.8)).body("b3", "slider");
-  Spec screw("screw", DYN_JOINT_HELICAL, "slider", at);
+  b.joint(Spec("free", DYN_JOINT_TYPE_FREE_FLYER)).body("trunk", "free", 5);
+  b.joint(Spec("hinge", DYN_JOINT_TYPE_REVOLUTE, "free", at).about(0, 1, 0)).body("b1", "hinge");
+  b.joint(Spec("wheel", DYN_JOINT_TYPE_CONTINUOUS, "hinge", at).about(1, 0, 0)).body("b2", "wheel");
+  b.joint(Spec("slider", DYN_JOINT_TYPE_PRISMATIC, "wheel", at).about(0, 0.6, 0.8)).body("b3", "slider");
+  Spec screw("screw", DYN_JOINT_TYPE_HELICAL, "slider", at);
   screw.pitch = 0.05;
   b.joint(screw).body("b4", "screw");
-  b.joint(Spec("tube", DYN_JOINT_CYLINDRICAL, "free", at).about(1, 1, 0)).body("b5", "tube");
-  b.joint(Spec("cardan", DYN_JOINT_UNIVERSAL, "tube", at)).body("b6", "cardan");
-  b.joint(Spec("ball", DYN_JOINT_SPHERICAL, "cardan", at)).body("b7", "ball");
-  b.joint(Spec("zyx", DYN_JOINT_SPHERICAL_ZYX, "free", at)).body("b8", "zyx");
-  b.joint(Spec("plane", DYN_JOINT_PLANAR, "zyx", at).about(0, 1, 1)).body("b9", "plane");
-  b.joint(Spec("carriage", DYN_JOINT_TRANSLATION, "plane", at)).body("b10", "carriage");
-  Spec parts[] = {Spec(nullptr, DYN_JOINT_REVOLUTE), Spec(nullptr, DYN_JOINT_FIXED, nullptr, at), Spec(nullptr, DYN_JOINT_SPHERICAL),
-                  Spec(nullptr, DYN_JOINT_PRISMATIC).about(1, 0, 0)};
-  Spec compound("compound", DYN_JOINT_COMPOSITE, "free", at);
+  b.joint(Spec("tube", DYN_JOINT_TYPE_CYLINDRICAL, "free", at).about(1, 1, 0)).body("b5", "tube");
+  b.joint(Spec("cardan", DYN_JOINT_TYPE_UNIVERSAL, "tube", at)).body("b6", "cardan");
+  b.joint(Spec("ball", DYN_JOINT_TYPE_SPHERICAL, "cardan", at)).body("b7", "ball");
+  b.joint(Spec("zyx", DYN_JOINT_TYPE_SPHERICAL_ZYX, "free", at)).body("b8", "zyx");
+  b.joint(Spec("plane", DYN_JOINT_TYPE_PLANAR, "zyx", at).about(0, 1, 1)).body("b9", "plane");
+  b.joint(Spec("carriage", DYN_JOINT_TYPE_TRANSLATION, "plane", at)).body("b10", "carriage");
+  Spec parts[] = {Spec(nullptr, DYN_JOINT_TYPE_REVOLUTE), Spec(nullptr, DYN_JOINT_TYPE_FIXED, nullptr, at), Spec(nullptr, DYN_JOINT_TYPE_SPHERICAL),
+                  Spec(nullptr, DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)};
+  Spec compound("compound", DYN_JOINT_TYPE_COMPOSITE, "free", at);
   compound.parts = parts, compound.parts_count = 4;
   b.joint(compound).body("b11", "compound");
-  b.joint(Spec("dial", DYN_JOINT_REVOLUTE_UNBOUNDED, "compound", at)).body("b12", "dial");
-  b.joint(Spec("weld", DYN_JOINT_FIXED, "dial", at)).body("b13", "weld");
+  b.joint(Spec("dial", DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED, "compound", at)).body("b12", "dial");
+  b.joint(Spec("weld", DYN_JOINT_TYPE_FIXED, "dial", at)).body("b13", "weld");
   if (mimic) {
-    Spec follower("follower", DYN_JOINT_PRISMATIC, "dial", at), second("second", DYN_JOINT_REVOLUTE, "screw", at);
+    Spec follower("follower", DYN_JOINT_TYPE_PRISMATIC, "dial", at), second("second", DYN_JOINT_TYPE_REVOLUTE, "screw", at);
     follower.mimic = "hinge", follower.mimic_ratio = -0.3, follower.mimic_offset = 0.1;
     second.mimic = "follower", second.mimic_ratio = 2;
     b.joint(follower).body("b14", "follower").joint(second).body("b15", "second");
   }
-  b.shape("trunk", DYN_SHAPE_BOX, {0.1, 0.05, 0.02}).shape("b4", DYN_SHAPE_CYLINDER, {0.02, 0.1, 0}).shape("b7", DYN_SHAPE_ELLIPSOID, {0.02, 0.03, 0.04});
-  b.shape("b10", DYN_SHAPE_CAPSULE, {0.02, 0.1, 0}).shape("b13", DYN_SHAPE_SPHERE, {0.03, 0, 0});
-  EXPECT_EQ(DYN_OK, dyn_builder_frame(b, "tool", "weld", nullptr, DYN_FRAME_OP_FRAME));
-  EXPECT_EQ(DYN_OK, dyn_builder_frame(b, "imu", "trunk", nullptr, DYN_FRAME_SENSOR));
+  b.shape("trunk", DYN_SHAPE_TYPE_BOX, {0.1, 0.05, 0.02}).shape("b4", DYN_SHAPE_TYPE_CYLINDER, {0.02, 0.1, 0}).shape("b7", DYN_SHAPE_TYPE_ELLIPSOID, {0.02, 0.03, 0.04});
+  b.shape("b10", DYN_SHAPE_TYPE_CAPSULE, {0.02, 0.1, 0}).shape("b13", DYN_SHAPE_TYPE_SPHERE, {0.03, 0, 0});
+  EXPECT_EQ(DYN_OK, dyn_builder_add_frame(b, "tool", "weld", nullptr, DYN_FRAME_TYPE_OP_FRAME));
+  EXPECT_EQ(DYN_OK, dyn_builder_add_frame(b, "imu", "trunk", nullptr, DYN_FRAME_TYPE_SENSOR));
   return b.finish();
 }
 
@@ -142,7 +142,7 @@ inline Model chain(int n) {
   std::string parent;
   for (int k = 0; k < n; ++k) {
     const std::string name = "j" + std::to_string(k);
-    b.joint(Spec(name.c_str(), DYN_JOINT_REVOLUTE, parent.empty() ? nullptr : parent.c_str(), {0, 0, k ? 0.1 : 0.0}).about(k % 2, 1, 0));
+    b.joint(Spec(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, parent.empty() ? nullptr : parent.c_str(), {0, 0, k ? 0.1 : 0.0}).about(k % 2, 1, 0));
     b.body(("l" + std::to_string(k)).c_str(), name.c_str(), 0.5);
     parent = name;
   }
@@ -152,11 +152,11 @@ inline Model chain(int n) {
 // A point mass at the end of two massless rods: M is exactly singular at q = 0, and forward dynamics is undefined there.
 inline Model singular_at_zero(bool mimic = false) {
   Builder b("rods");
-  b.joint(Spec("shoulder", DYN_JOINT_REVOLUTE)).joint(Spec("elbow", DYN_JOINT_REVOLUTE, "shoulder", {1, 0, 0}));
+  b.joint(Spec("shoulder", DYN_JOINT_TYPE_REVOLUTE)).joint(Spec("elbow", DYN_JOINT_TYPE_REVOLUTE, "shoulder", {1, 0, 0}));
   b.body("bob", "elbow", 1, {1, 0, 0}, no_inertia);
-  b.joint(Spec("apart", DYN_JOINT_REVOLUTE)).body("wheel", "apart");
+  b.joint(Spec("apart", DYN_JOINT_TYPE_REVOLUTE)).body("wheel", "apart");
   if (mimic) {
-    Spec follower("follower", DYN_JOINT_REVOLUTE);
+    Spec follower("follower", DYN_JOINT_TYPE_REVOLUTE);
     follower.mimic = "apart";
     b.joint(follower).body("pinion", "follower");
   }
@@ -198,10 +198,10 @@ struct State {
 
 inline State random_state(const dynModel* m, std::uint64_t seed) {
   State s;
-  s.q.resize(std::size_t(dyn_nq(m)));
-  EXPECT_EQ(DYN_OK, dyn_random(m, seed, nullptr, nullptr, s.q.data())) << dyn_last_error();
+  s.q.resize(std::size_t(dyn_model_nq(m)));
+  EXPECT_EQ(DYN_OK, dyn_configuration_random(m, seed, nullptr, nullptr, s.q.data())) << dyn_last_error();
   Random g{seed};
-  s.v = g.numbers(dyn_nv(m)), s.a = g.numbers(dyn_nv(m)), s.tau = g.numbers(dyn_nv(m)), s.fext = g.numbers(6 * dyn_njoints(m));
+  s.v = g.numbers(dyn_model_nv(m)), s.a = g.numbers(dyn_model_nv(m)), s.tau = g.numbers(dyn_model_nv(m)), s.fext = g.numbers(6 * dyn_model_njoints(m));
   return s;
 }
 
@@ -222,8 +222,8 @@ inline void compute_centroidal_and_regressors(const dynModel* m, dynData* d) {
   ASSERT_EQ(DYN_OK, dyn_potential_energy_regressor(m, d, nullptr, nullptr));
 }
 inline void compute_other_derivatives(const dynModel* m, dynData* d, const double* fext, const double* lambda) {
-  ASSERT_EQ(DYN_OK, dyn_center_of_mass_velocity_derivatives(m, d, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
-  ASSERT_EQ(DYN_OK, dyn_gravity_derivatives(m, d, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_vcom_derivatives(m, d, nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_gravity_torque_derivatives(m, d, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_static_torque_derivatives(m, d, nullptr, fext, nullptr));
   ASSERT_EQ(DYN_OK, dyn_rnea_second_order_product(m, d, nullptr, nullptr, nullptr, fext, lambda, nullptr, nullptr, nullptr, nullptr));
 }
@@ -240,7 +240,7 @@ inline void compute_all(const dynModel* m, dynData* d, const State& s) {
   ASSERT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr, nullptr, nullptr, nullptr)) << dyn_last_error();
   ASSERT_EQ(DYN_OK, compute_derivatives(m, d, s.fext.data())) << dyn_last_error();
   ASSERT_EQ(DYN_OK, dyn_all_terms(m, d, DYN_TERM_ALL, nullptr, nullptr, nullptr)) << dyn_last_error();
-  ASSERT_EQ(DYN_OK, dyn_center_of_mass(m, d, nullptr, s.v.data(), s.a.data(), nullptr, nullptr, nullptr));
+  ASSERT_EQ(DYN_OK, dyn_com(m, d, nullptr, s.v.data(), s.a.data(), nullptr, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_rnea(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr));
   ASSERT_EQ(DYN_OK, dyn_static_torque(m, d, nullptr, s.fext.data(), nullptr));
   ASSERT_EQ(DYN_OK, dyn_aba(m, d, nullptr, nullptr, nullptr, s.fext.data(), nullptr)) << dyn_last_error();
@@ -291,7 +291,7 @@ struct Snapshot {
   std::vector<Row> rows;
 
   Snapshot(const dynModel* m, dynData* d) {
-    for (dynField f = 0; f < dyn_nfields(); ++f) {
+    for (dynField f = 0; f < dyn_field_count(); ++f) {
       dynFieldInfo info{};
       info.struct_size = sizeof info;
       EXPECT_EQ(DYN_OK, dyn_field_info(f, &info));
@@ -299,21 +299,21 @@ struct Snapshot {
       const dynStatus s = read_field(m, d, f, x);
       rows.push_back({info.name, s, x});
     }
-    const int nv = dyn_nv(m);
+    const int nv = dyn_model_nv(m);
     auto query = [&](const char* name, std::size_t n, auto&& call) {
       Numbers x(n, 0.0);
       const dynStatus s = call(x.data());
       rows.push_back({name, s, s == DYN_OK ? x : Numbers()});
     };
-    for (int frame : {1, dyn_nframes(m) - 1}) {
+    for (int frame : {1, dyn_model_nframes(m) - 1}) {
       query("frame placement", 12, [&](double* x) { return dyn_frame_placement(m, d, frame, x); });
-      query("frame velocity", 6, [&](double* x) { return dyn_frame_velocity(m, d, frame, DYN_LOCAL, x); });
-      query("frame acceleration", 6, [&](double* x) { return dyn_frame_acceleration(m, d, frame, DYN_WORLD, x); });
-      query("frame Jacobian", std::size_t(6 * nv), [&](double* x) { return dyn_frame_jacobian(m, d, frame, DYN_LOCAL, x); });
+      query("frame velocity", 6, [&](double* x) { return dyn_frame_velocity(m, d, frame, DYN_REFERENCE_LOCAL, x); });
+      query("frame acceleration", 6, [&](double* x) { return dyn_frame_acceleration(m, d, frame, DYN_REFERENCE_WORLD, x); });
+      query("frame Jacobian", std::size_t(6 * nv), [&](double* x) { return dyn_frame_jacobian(m, d, frame, DYN_REFERENCE_LOCAL, x); });
     }
-    query("subtree com", 3, [&](double* x) { return dyn_subtree_center_of_mass(m, d, dyn_njoints(m) - 1, x, nullptr); });
+    query("subtree com", 3, [&](double* x) { return dyn_subtree_com(m, d, dyn_model_njoints(m) - 1, x, nullptr); });
     const Numbers ones(std::size_t(nv), 1.0);
-    query("solve", std::size_t(nv), [&](double* x) { return dyn_solve(m, d, ones.data(), 1, x); });
+    query("solve", std::size_t(nv), [&](double* x) { return dyn_cholesky_solve(m, d, ones.data(), 1, x); });
   }
   // "" when equal. With lost: results may have become stale, never different; the state must be equal.
   std::string differs(const Snapshot& after, bool lost = false) const {

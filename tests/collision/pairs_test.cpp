@@ -18,14 +18,14 @@ ModelPtr with_shapes(std::uint64_t seed) {
   for (const BodySpec& s : t.bodies) {
     b.body(s.name, {s.parent, 0}, placement(s.placement), s.mass, array3(s.com), array9(s.inertia));
     if (dice.chance(0.2)) continue;
-    static constexpr dynShapeType types[] = {DYN_SHAPE_BOX, DYN_SHAPE_SPHERE, DYN_SHAPE_CYLINDER, DYN_SHAPE_CAPSULE, DYN_SHAPE_CONE, DYN_SHAPE_ELLIPSOID};
+    static constexpr dynShapeType types[] = {DYN_SHAPE_TYPE_BOX, DYN_SHAPE_TYPE_SPHERE, DYN_SHAPE_TYPE_CYLINDER, DYN_SHAPE_TYPE_CAPSULE, DYN_SHAPE_TYPE_CONE, DYN_SHAPE_TYPE_ELLIPSOID};
     dyn::Shape shape;
     shape.type = types[dice.below(6)], shape.body = s.name, shape.placement = placement(dice.pose(0.1));
     shape.size = {dice.in(0.05, 0.2), dice.in(0.05, 0.2), dice.in(0.05, 0.2)};
     b.shape(shape);
   }
   dyn::Shape floor;
-  floor.type = DYN_SHAPE_HALF_SPACE, floor.body = "floor", floor.placement = placement(dice.pose(1));
+  floor.type = DYN_SHAPE_TYPE_HALF_SPACE, floor.body = "floor", floor.placement = placement(dice.pose(1));
   b.body("floor", {"", 0}, identity_placement, 0, {0, 0, 0}, {});
   b.shape(floor);
   return b.finish();
@@ -51,7 +51,7 @@ TEST(Pairs, GradientIsTheDerivative) {
     collision::distances(m, w.d);
     for (Index k = 0; k < pairs; ++k) collision::distance_gradient(m, w.d, k, gradient.data() + k, pairs);
     std::vector<bool> smooth;
-    for (Index k = 0; k < pairs; ++k) smooth.push_back(w.d.pair_states[k] == DYN_PAIR_TESTED && w.d.results[k].unique);
+    for (Index k = 0; k < pairs; ++k) smooth.push_back(w.d.pair_states[k] == DYN_PAIR_REASON_TESTED && w.d.results[k].unique);
     const VectorXd d0 = Eigen::Map<const VectorXd>(w.d.distances, pairs);
     for (Index k = 0; k < nv; ++k) {
       auto at = [&](double t) {
@@ -80,28 +80,28 @@ TEST(Pairs, BodiesParentsAndTheFloor) {
   const char* names[] = {"base", "arm", "hand"};
   for (int k = 0; k < 3; ++k) {
     JointSpec s;
-    s.name = std::string(names[k]) + "_joint", s.type = k ? DYN_JOINT_REVOLUTE : DYN_JOINT_FREE_FLYER;
+    s.name = std::string(names[k]) + "_joint", s.type = k ? DYN_JOINT_TYPE_REVOLUTE : DYN_JOINT_TYPE_FREE_FLYER;
     if (k) s.parent.name = std::string(names[k - 1]) + "_joint";
     s.placement[11] = k;
     b.joint(s);
     b.body(names[k], {s.name, 0}, identity_placement, 1, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1});
   }
   b.body("floor", {"", 0}, identity_placement, 0, {0, 0, 0}, {});
-  auto shape = [&](const char* body, dynShapeType type, dynShapeRole role = DYN_ROLE_COLLISION) {
+  auto shape = [&](const char* body, dynShapeType type, dynShapeRole role = DYN_SHAPE_ROLE_COLLISION) {
     dyn::Shape s;
     s.body = body, s.type = type, s.size = {0.2, 0.2, 0.2}, s.role = role;
     s.placement[11] = std::string(body) == "floor" ? -5 : 0;
     b.shape(s);
   };
-  shape("floor", DYN_SHAPE_HALF_SPACE);
-  shape("base", DYN_SHAPE_BOX), shape("base", DYN_SHAPE_SPHERE), shape("arm", DYN_SHAPE_BOX, DYN_ROLE_VISUAL);
-  shape("arm", DYN_SHAPE_SPHERE), shape("hand", DYN_SHAPE_BOX), shape("hand", DYN_SHAPE_MESH);
+  shape("floor", DYN_SHAPE_TYPE_HALF_SPACE);
+  shape("base", DYN_SHAPE_TYPE_BOX), shape("base", DYN_SHAPE_TYPE_SPHERE), shape("arm", DYN_SHAPE_TYPE_BOX, DYN_SHAPE_ROLE_VISUAL);
+  shape("arm", DYN_SHAPE_TYPE_SPHERE), shape("hand", DYN_SHAPE_TYPE_BOX), shape("hand", DYN_SHAPE_TYPE_MESH);
   const ModelPtr m = b.finish();
   std::vector<std::pair<Index, Index>> tested, meshes;
   for (Index k = 0; k < m->n.pairs; ++k) {
     const PairRecord& p = m->pairs()[k];
-    (p.reason == DYN_PAIR_MESH ? meshes : tested).push_back({m->geoms()[p.a].shape, m->geoms()[p.b].shape});
-    EXPECT_NE(DYN_PAIR_OVERLAPS, p.reason);
+    (p.reason == DYN_PAIR_REASON_MESH ? meshes : tested).push_back({m->geoms()[p.a].shape, m->geoms()[p.b].shape});
+    EXPECT_NE(DYN_PAIR_REASON_OVERLAPS, p.reason);
   }
   // floor 0, base 1 2, arm 4, hand 5 6
   EXPECT_EQ((std::vector<std::pair<Index, Index>>{{0, 1}, {0, 2}, {0, 4}, {0, 5}, {1, 5}, {2, 5}}), tested);
@@ -122,7 +122,7 @@ std::vector<std::string> tested_pairs(const Model& m) {
   std::vector<std::string> out;
   for (Index k = 0; k < m.n.pairs; ++k) {
     const auto link = [&](Index geom) { return std::string(m.string(m.frames()[m.shapes()[m.geoms()[geom].shape].frame].name)); };
-    if (m.pairs()[k].reason == DYN_PAIR_TESTED) out.push_back(link(m.pairs()[k].a) + " " + link(m.pairs()[k].b));
+    if (m.pairs()[k].reason == DYN_PAIR_REASON_TESTED) out.push_back(link(m.pairs()[k].a) + " " + link(m.pairs()[k].b));
   }
   return out;
 }
@@ -133,7 +133,7 @@ void build_arm_on_a_plinth(Builder& b) {
   double at = 0;
   const auto shape = [&](const char* link) {
     dyn::Shape s;
-    s.body = link, s.type = DYN_SHAPE_SPHERE, s.size = {0.1, 0, 0}, s.placement[9] = at += 1;
+    s.body = link, s.type = DYN_SHAPE_TYPE_SPHERE, s.size = {0.1, 0, 0}, s.placement[9] = at += 1;
     b.shape(s);
   };
   const auto joint = [&](const char* name, dynJointType type, const char* on, std::array<double, 3> axis = {0, 0, 1}) {
@@ -142,11 +142,11 @@ void build_arm_on_a_plinth(Builder& b) {
     b.joint(s);
   };
   for (const char* fixed : {"plinth", "wall"}) b.body(fixed, {"", 0}, identity_placement, 1, {0, 0, 0}, inertia);
-  joint("pan", DYN_JOINT_REVOLUTE, "plinth"), joint("tilt", DYN_JOINT_REVOLUTE, "pan", {0, 1, 0});
+  joint("pan", DYN_JOINT_TYPE_REVOLUTE, "plinth"), joint("tilt", DYN_JOINT_TYPE_REVOLUTE, "pan", {0, 1, 0});
   b.body("arm", {"tilt", 0}, identity_placement, 1, {0, 0, 0}, inertia);
-  joint("wrist", DYN_JOINT_REVOLUTE, "tilt");
+  joint("wrist", DYN_JOINT_TYPE_REVOLUTE, "tilt");
   b.body("hand", {"wrist", 0}, identity_placement, 1, {0, 0, 0}, inertia);
-  joint("slide", DYN_JOINT_PRISMATIC, "");
+  joint("slide", DYN_JOINT_TYPE_PRISMATIC, "");
   b.body("sledge", {"slide", 0}, identity_placement, 1, {0, 0, 0}, inertia);
   for (const char* link : {"universe", "plinth", "wall", "arm", "hand", "sledge"}) shape(link);
 }
@@ -165,7 +165,7 @@ TEST(Pairs, TheWorldIsNobodysParent) {
   EXPECT_EQ((std::vector<std::string>{"universe arm", "universe hand", "plinth hand", "wall arm", "wall hand"}), tested_pairs(*less));
   Builder cart("cart");
   JointSpec fixed;
-  fixed.name = "mount", fixed.type = DYN_JOINT_FIXED;
+  fixed.name = "mount", fixed.type = DYN_JOINT_TYPE_FIXED;
   cart.attach(*less, "its_", &fixed);
   EXPECT_EQ((std::vector<std::string>{"mount its_arm", "mount its_hand", "its_plinth its_hand", "its_wall its_arm", "its_wall its_hand"}), tested_pairs(*cart.finish()));
 }
@@ -175,7 +175,7 @@ TEST(Pairs, TheWorldIsNobodysParentAmongMany) {
   Builder b("arm"), alone("arm");
   build_arm_on_a_plinth(b), build_arm_on_a_plinth(alone);
   dyn::Shape s;
-  s.body = "wall", s.type = DYN_SHAPE_SPHERE, s.size = {0.1, 0, 0};
+  s.body = "wall", s.type = DYN_SHAPE_TYPE_SPHERE, s.size = {0.1, 0, 0};
   for (int k = 0; k < 1100; ++k) s.placement[9] = 100 + k, b.shape(s);
   const ModelPtr few = alone.finish(), many = b.finish();
   ASSERT_FALSE(lists_pairs(*many));
@@ -212,7 +212,7 @@ TEST(Pairs, OverlapsAreNotTested) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const ModelPtr m = with_shapes(seed);
     Work<double> w(*m);
-    for (Index k = 0; k < m->n.pairs; ++k) w.d.pair_states[k] = DYN_PAIR_TESTED;
+    for (Index k = 0; k < m->n.pairs; ++k) w.d.pair_states[k] = DYN_PAIR_REASON_TESTED;
     collision::distances(*m, w.d);
     auto root = [&](Index geom) {
       Index i = w.d.geoms[geom].body;
@@ -223,7 +223,7 @@ TEST(Pairs, OverlapsAreNotTested) {
     for (Index k = 0; k < m->n.pairs; ++k) {
       const Index a = root(m->pairs()[k].a), b = root(m->pairs()[k].b);
       const bool counts = a == b || !(flies(a) || flies(b));  // what flies overlaps nothing for good
-      EXPECT_EQ(counts && w.d.results[k].status == collision::Status::Penetrating, m->pairs()[k].reason == DYN_PAIR_OVERLAPS) << k;
+      EXPECT_EQ(counts && w.d.results[k].status == collision::Status::Penetrating, m->pairs()[k].reason == DYN_PAIR_REASON_OVERLAPS) << k;
     }
   }
 }

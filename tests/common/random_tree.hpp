@@ -35,12 +35,12 @@ struct BodySpec {
 // 1: a length, 0: an angle (or a number without unit), for each coordinate of q (nq) or v (nv)
 inline std::vector<int> lengths(const JointSpec& s, bool of_q) {
   switch (s.type) {
-    case DYN_JOINT_PRISMATIC: return {1};
-    case DYN_JOINT_CYLINDRICAL: return {0, 1};
-    case DYN_JOINT_PLANAR: return {1, 1, 0};
-    case DYN_JOINT_TRANSLATION: return {1, 1, 1};
-    case DYN_JOINT_FREE_FLYER: return of_q ? std::vector<int>{1, 1, 1, 0, 0, 0, 0} : std::vector<int>{1, 1, 1, 0, 0, 0};
-    case DYN_JOINT_COMPOSITE: {
+    case DYN_JOINT_TYPE_PRISMATIC: return {1};
+    case DYN_JOINT_TYPE_CYLINDRICAL: return {0, 1};
+    case DYN_JOINT_TYPE_PLANAR: return {1, 1, 0};
+    case DYN_JOINT_TYPE_TRANSLATION: return {1, 1, 1};
+    case DYN_JOINT_TYPE_FREE_FLYER: return of_q ? std::vector<int>{1, 1, 1, 0, 0, 0, 0} : std::vector<int>{1, 1, 1, 0, 0, 0};
+    case DYN_JOINT_TYPE_COMPOSITE: {
       std::vector<int> all;
       for (const JointSpec& p : s.parts)
         for (int x : lengths(p, of_q)) all.push_back(x);
@@ -65,7 +65,7 @@ struct Tree {
     }
     for (const BodySpec& s : bodies)
       b.body(s.name, {s.parent, 0}, dyn_test::placement(s.placement), s.mass, array3(s.com), array9(s.inertia));
-    for (const BodySpec& s : frames) b.frame(s.name, {s.parent, 0}, dyn_test::placement(s.placement), DYN_FRAME_OP_FRAME);
+    for (const BodySpec& s : frames) b.frame(s.name, {s.parent, 0}, dyn_test::placement(s.placement), DYN_FRAME_TYPE_OP_FRAME);
     return b.finish();
   }
   const JointSpec& joint(const std::string& name) const {
@@ -123,21 +123,21 @@ inline JointSpec random_joint(Dice& dice, dynJointType type) {
   s.axis = array3(dice.direction() * dice.in(0.1, 10));
   s.axis2 = array3(dice.direction());
   s.pitch = dice.in(-0.3, 0.3);
-  if (type == DYN_JOINT_COMPOSITE) {
+  if (type == DYN_JOINT_TYPE_COMPOSITE) {
     // at most three rotations and three translations, so that the motion has full rank
     static const std::vector<std::vector<dynJointType>> recipes = {
-        {DYN_JOINT_REVOLUTE, DYN_JOINT_PRISMATIC},
-        {DYN_JOINT_FIXED, DYN_JOINT_REVOLUTE},
-        {DYN_JOINT_PRISMATIC, DYN_JOINT_SPHERICAL},
-        {DYN_JOINT_CYLINDRICAL, DYN_JOINT_REVOLUTE},
-        {DYN_JOINT_PLANAR, DYN_JOINT_UNIVERSAL},
-        {DYN_JOINT_TRANSLATION, DYN_JOINT_REVOLUTE_UNBOUNDED, DYN_JOINT_REVOLUTE},
-        {DYN_JOINT_HELICAL, DYN_JOINT_FIXED, DYN_JOINT_COMPOSITE}};
+        {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_PRISMATIC},
+        {DYN_JOINT_TYPE_FIXED, DYN_JOINT_TYPE_REVOLUTE},
+        {DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_SPHERICAL},
+        {DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_REVOLUTE},
+        {DYN_JOINT_TYPE_PLANAR, DYN_JOINT_TYPE_UNIVERSAL},
+        {DYN_JOINT_TYPE_TRANSLATION, DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED, DYN_JOINT_TYPE_REVOLUTE},
+        {DYN_JOINT_TYPE_HELICAL, DYN_JOINT_TYPE_FIXED, DYN_JOINT_TYPE_COMPOSITE}};
     for (dynJointType part : recipes[std::size_t(dice.below(int(recipes.size())))]) {
-      s.parts.push_back(random_joint(dice, part == DYN_JOINT_COMPOSITE ? DYN_JOINT_PRISMATIC : part));
-      if (part == DYN_JOINT_COMPOSITE) {  // a composite inside a composite
+      s.parts.push_back(random_joint(dice, part == DYN_JOINT_TYPE_COMPOSITE ? DYN_JOINT_TYPE_PRISMATIC : part));
+      if (part == DYN_JOINT_TYPE_COMPOSITE) {  // a composite inside a composite
         JointSpec inner;
-        inner.type = DYN_JOINT_COMPOSITE;
+        inner.type = DYN_JOINT_TYPE_COMPOSITE;
         inner.placement = placement(dice.pose(0.3));
         inner.parts = {s.parts.back()};
         s.parts.back() = inner;
@@ -145,16 +145,16 @@ inline JointSpec random_joint(Dice& dice, dynJointType type) {
     }
   }
   const std::size_t nq = std::size_t(spec_nq(s));
-  const double range = type == DYN_JOINT_SPHERICAL_ZYX ? 1 : type == DYN_JOINT_REVOLUTE ? 3 : 0.8;  // zyx: off gimbal lock
+  const double range = type == DYN_JOINT_TYPE_SPHERICAL_ZYX ? 1 : type == DYN_JOINT_TYPE_REVOLUTE ? 3 : 0.8;  // zyx: off gimbal lock
   s.lower.assign(nq, -range), s.upper.assign(nq, range);
   return s;
 }
 
 inline const std::vector<dynJointType>& moving_types() {
   static const std::vector<dynJointType> all = {
-      DYN_JOINT_REVOLUTE,  DYN_JOINT_CONTINUOUS,    DYN_JOINT_PRISMATIC, DYN_JOINT_HELICAL,     DYN_JOINT_CYLINDRICAL, DYN_JOINT_UNIVERSAL,
-      DYN_JOINT_SPHERICAL, DYN_JOINT_SPHERICAL_ZYX, DYN_JOINT_PLANAR,    DYN_JOINT_TRANSLATION, DYN_JOINT_FREE_FLYER,  DYN_JOINT_COMPOSITE,
-      DYN_JOINT_REVOLUTE_UNBOUNDED};
+      DYN_JOINT_TYPE_REVOLUTE,  DYN_JOINT_TYPE_CONTINUOUS,    DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL,     DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_UNIVERSAL,
+      DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_SPHERICAL_ZYX, DYN_JOINT_TYPE_PLANAR,    DYN_JOINT_TYPE_TRANSLATION, DYN_JOINT_TYPE_FREE_FLYER,  DYN_JOINT_TYPE_COMPOSITE,
+      DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED};
   return all;
 }
 
@@ -165,13 +165,13 @@ inline void add_resistance(Dice& dice, double chance, JointSpec& s) {
     if (dice.chance(chance))
       for (std::size_t k = 0; k < nv; ++k) x->push_back(dice.in(0, 3));
   if (s.stiffness.empty()) return;
-  if (s.type == DYN_JOINT_SPHERICAL) {
+  if (s.type == DYN_JOINT_TYPE_SPHERICAL) {
     const V3 q = dice.direction() * dice.in(0.2, 0.6);
     s.stiffness[1] = s.stiffness[2] = s.stiffness[0];
     s.spring_reference = {q[0], q[1], q[2], 1};
-  } else if (s.type == DYN_JOINT_REVOLUTE_UNBOUNDED) {
+  } else if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) {
     s.spring_reference = {1, dice.in(-1, 1)};
-  } else if (s.type == DYN_JOINT_FREE_FLYER || spec_nq(s) != spec_nv(s)) {
+  } else if (s.type == DYN_JOINT_TYPE_FREE_FLYER || spec_nq(s) != spec_nv(s)) {
     s.stiffness.clear();
   } else {
     for (std::size_t k = 0; k < nv; ++k) s.spring_reference.push_back(dice.in(-1, 1));
@@ -203,7 +203,7 @@ inline Tree random_tree(std::uint64_t seed, const TreeOptions& options = {}) {
     tree.frames.push_back(frame);
     if (dice.chance(0.2)) {  // a link welded on
       JointSpec weld;
-      weld.name = "weld" + std::to_string(j), weld.type = DYN_JOINT_FIXED, weld.parent.name = s.name, weld.placement = placement(dice.pose(0.2));
+      weld.name = "weld" + std::to_string(j), weld.type = DYN_JOINT_TYPE_FIXED, weld.parent.name = s.name, weld.placement = placement(dice.pose(0.2));
       tree.joints.push_back(weld);
       tree.bodies.push_back(random_body(dice, "w" + std::to_string(j), weld.name));
     }
@@ -229,7 +229,7 @@ inline Tree random_tree(std::uint64_t seed, const TreeOptions& options = {}) {
   Dice own(seed + 101);  // so that the robots are the same without
   if (options.resistance > 0)
     for (JointSpec& s : tree.joints)
-      if (s.type != DYN_JOINT_FIXED) add_resistance(own, options.resistance, s);
+      if (s.type != DYN_JOINT_TYPE_FIXED) add_resistance(own, options.resistance, s);
   return tree;
 }
 

@@ -97,9 +97,9 @@ TEST(ConstraintChanges, AreThoseOfDualNumbers) {
     const Relative<double> X{random(), random(), random(), exp3(random() * 0.5)};
     for (int type = 0; type < 100; ++type)
       visit_frame_constraint(dynConstraintType(type), [&]<class K>() {
-        c.type = K::type, c.joint_type = DYN_JOINT_REVOLUTE;
-        if (type != DYN_CONSTRAINT_LOOP) return check<K>(c, X);
-        for (int joint = DYN_JOINT_FIXED; joint <= DYN_JOINT_REVOLUTE_UNBOUNDED; ++joint) {
+        c.type = K::type, c.joint_type = DYN_JOINT_TYPE_REVOLUTE;
+        if (type != DYN_CONSTRAINT_TYPE_LOOP) return check<K>(c, X);
+        for (int joint = DYN_JOINT_TYPE_FIXED; joint <= DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED; ++joint) {
           c.joint_type = dynJointType(joint);
           if (constraint::Loop::rows(c)) check<K>(c, X);
         }

@@ -89,13 +89,13 @@ TEST(ConstraintContract, BetweenFrames) {
       EXPECT_FALSE(between_joints(K::type)) << type;
       for (int seed = 0; seed < 20; ++seed) {
         Constraint c{};
-        c.type = K::type, c.joint_type = DYN_JOINT_REVOLUTE;
-        if (type != DYN_CONSTRAINT_LOOP) {
+        c.type = K::type, c.joint_type = DYN_JOINT_TYPE_REVOLUTE;
+        if (type != DYN_CONSTRAINT_TYPE_LOOP) {
           check<K>(c, seed);
           continue;
         }
         int closing = 0;
-        for (int joint = DYN_JOINT_FIXED; joint <= DYN_JOINT_REVOLUTE_UNBOUNDED; ++joint) {
+        for (int joint = DYN_JOINT_TYPE_FIXED; joint <= DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED; ++joint) {
           c.joint_type = dynJointType(joint);
           if (constraint::Loop::rows(c)) ++closing, check<K>(c, seed);
         }
@@ -119,7 +119,7 @@ TEST(ConstraintContract, BetweenJoints) {
       const double q1 = 1.3, q2 = 0.6, h = 1e-3;
       auto error = [&](double a, double b) { return K::evaluate(c, a, b).error; };
       const JointRow<double> row = K::evaluate(c, q1, q2);
-      if (type != DYN_CONSTRAINT_FRICTION) {
+      if (type != DYN_CONSTRAINT_TYPE_FRICTION) {
         EXPECT_NEAR((error(q1 + h, q2) - error(q1 - h, q2)) / (2 * h), row.g1, 1e-9);
       }
       EXPECT_NEAR((8 * (error(q1, q2 + h) - error(q1, q2 - h)) - (error(q1, q2 + 2 * h) - error(q1, q2 - 2 * h))) / (12 * h), row.g2, 1e-9);

@@ -11,14 +11,14 @@ struct Costs {
 
   explicit Costs(int n) {
     TreeOptions options;
-    options.joints = n, options.types = {DYN_JOINT_REVOLUTE}, options.branch = options.mimic = options.massless = 0;
+    options.joints = n, options.types = {DYN_JOINT_TYPE_REVOLUTE}, options.branch = options.mimic = options.massless = 0;
     const ModelPtr model = random_tree(1, options).build();
     const Model& m = *model;
     Work<Counted> w(m, DYN_PART_CONSTRAINTS);
     const State x(m, 1);
     w.q(x.q).v(x.v).tau(x.tau);
     auto set = [&](Index slot, Index joint) {
-      dynConstraint c = default_constraint(DYN_CONSTRAINT_POINT);
+      dynConstraint c = default_constraint(DYN_CONSTRAINT_TYPE_POINT);
       c.first = joint_frame(m, joint);
       set_constraint(m, w.d, slot, c);
     };

@@ -44,7 +44,7 @@ TEST(Proximal, FullRank) {
     const Vector x = random_matrix(n, 1, 100 + n);
     ProximalResult<double> result;
     const Vector lambda = p.solve(J * (J.transpose() * x), result);
-    EXPECT_EQ(DYN_CONSTRAINED, result.reason);
+    EXPECT_EQ(DYN_CONSTRAINT_REASON_CONVERGED, result.reason);
     EXPECT_EQ(n, result.rank);
     EXPECT_LE((J.transpose() * (lambda - x)).norm(), 1e-9 * x.norm());
   }
@@ -61,7 +61,7 @@ TEST(Proximal, DependentRowsOfAnyScale) {
         const Vector motion = random_matrix(rank + 4, 1, n + rank);
         ProximalResult<double> result;
         const Vector lambda = p.solve(J * motion, result);
-        EXPECT_EQ(DYN_CONSTRAINED, result.reason) << n << " " << rank << " " << units;
+        EXPECT_EQ(DYN_CONSTRAINT_REASON_CONVERGED, result.reason) << n << " " << rank << " " << units;
         EXPECT_EQ(rank, result.rank);
         const Eigen::JacobiSVD<Matrix> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
         const Matrix V = svd.matrixV().leftCols(rank);
@@ -75,7 +75,7 @@ TEST(Proximal, ContradictionIsTheLeastSquares) {
   Problem p(J * J.transpose());
   ProximalResult<double> result;
   const Vector lambda = p.solve(Vector{{1.0, 2.0, 3.0}}, result);
-  EXPECT_EQ(DYN_CONSTRAINTS_CONTRADICT, result.reason);
+  EXPECT_EQ(DYN_CONSTRAINT_REASON_CONTRADICTORY, result.reason);
   EXPECT_NEAR(0.5, result.contradiction, 1e-12);
   EXPECT_LE((J.transpose() * lambda - Eigen::Vector2d(1.5, 3)).norm(), 1e-9);
   EXPECT_NEAR(lambda[0], lambda[1], 1e-6);  // the share of equal rows: rounding over the regularisation, 1e-16 / 1e-9
@@ -96,9 +96,9 @@ TEST(Proximal, NothingToSolve) {
   ProximalResult<double> result;
   EXPECT_EQ(0, p.solve(Vector::Zero(4), result).norm());
   EXPECT_EQ(0, result.rank);
-  EXPECT_EQ(DYN_CONSTRAINED, result.reason);
+  EXPECT_EQ(DYN_CONSTRAINT_REASON_CONVERGED, result.reason);
   EXPECT_EQ(0, p.solve(Vector::Ones(4), result).norm());
-  EXPECT_EQ(DYN_CONSTRAINTS_CONTRADICT, result.reason);
+  EXPECT_EQ(DYN_CONSTRAINT_REASON_CONTRADICTORY, result.reason);
   EXPECT_EQ(1, result.contradiction);
 }
 
@@ -121,7 +121,7 @@ TEST(Bounded, Complementarity) {
     Vector lambda(n);
     ProximalResult<double> result;
     solve_bounded(p.work(), p.G.data(), p.ld, p.n, b.data(), Bounds<double>{lower.data(), upper.data(), p.state.data(), p.free.data(), p.part.data()}, {}, lambda.data(), result);
-    EXPECT_EQ(DYN_CONSTRAINED, result.reason) << seed;
+    EXPECT_EQ(DYN_CONSTRAINT_REASON_CONVERGED, result.reason) << seed;
     const Vector w = G * lambda - b;
     for (int i = 0; i < n; ++i) {
       const double low = lower[std::size_t(i)], high = upper[std::size_t(i)], tolerance = 1e-8 * (1 + b.norm());

@@ -20,10 +20,10 @@ int main(int argc, char** argv) {
   options.base = DYN_BASE_FIXED;
   check(dyn_model_load(argv[1], &options, &model));
   check(dyn_data_new(model, 0, &data));
-  if (dyn_nv(model) > 64) return 2;
-  check(dyn_gravity(model, data, NULL, tau));
-  for (i = 0; i < dyn_nv(model); ++i) norm += tau[i] * tau[i];
-  printf("libdyn %s, nq %d, nv %d, |g|^2 %.6g\n", dyn_version(), dyn_nq(model), dyn_nv(model), norm);
+  if (dyn_model_nv(model) > 64) return 2;
+  check(dyn_gravity_torque(model, data, NULL, tau));
+  for (i = 0; i < dyn_model_nv(model); ++i) norm += tau[i] * tau[i];
+  printf("libdyn %s, nq %d, nv %d, |g|^2 %.6g\n", dyn_version(), dyn_model_nq(model), dyn_model_nv(model), norm);
   dyn_data_free(data);
   dyn_model_free(model);
   return 0;

@@ -122,8 +122,8 @@ TEST(Configuration, NormaliseAndZeroNorm) {
     EXPECT_EQ(0, zero_norm_joint(m, p.a.q.data()));
     for (Index j = 1; j < m.n.joints; ++j) {
       const JointRecord& r = m.joints()[j];
-      if (r.type != DYN_JOINT_SPHERICAL && r.type != DYN_JOINT_FREE_FLYER && r.type != DYN_JOINT_REVOLUTE_UNBOUNDED) continue;
-      const Index first = r.idx_q + (r.type == DYN_JOINT_FREE_FLYER ? 3 : 0), count = r.idx_q + r.nq - first;
+      if (r.type != DYN_JOINT_TYPE_SPHERICAL && r.type != DYN_JOINT_TYPE_FREE_FLYER && r.type != DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) continue;
+      const Index first = r.idx_q + (r.type == DYN_JOINT_TYPE_FREE_FLYER ? 3 : 0), count = r.idx_q + r.nq - first;
       VectorXd q = p.a.q;
       q.segment(first, count) *= 3;
       EXPECT_LE(std::abs(norm_error(m, q.data()) - 2), 1e-14);
@@ -139,7 +139,7 @@ TEST(Configuration, ContinuousJointsGoTheShortWayRound) {
   Builder b("wheel");
   for (const char* name : {"wheel", "hinge"}) {
     JointSpec s;
-    s.name = name, s.type = name == std::string("wheel") ? DYN_JOINT_CONTINUOUS : DYN_JOINT_REVOLUTE;
+    s.name = name, s.type = name == std::string("wheel") ? DYN_JOINT_TYPE_CONTINUOUS : DYN_JOINT_TYPE_REVOLUTE;
     b.joint(s);
     b.body(s.name + "_link", {name, 0}, identity_placement, 1, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1});
   }

@@ -37,23 +37,23 @@ M4 motion_of(const JointSpec& s, const double*& q) {
   const double* x = q;
   q += joint_nq(s.type);
   switch (s.type) {
-    case DYN_JOINT_FIXED: return M4::Identity();
-    case DYN_JOINT_REVOLUTE:
-    case DYN_JOINT_CONTINUOUS: return turn(axis, x[0]);
-    case DYN_JOINT_PRISMATIC: return move(x[0] * axis);
-    case DYN_JOINT_HELICAL: return turn(axis, x[0]) * move(s.pitch * x[0] * axis);
-    case DYN_JOINT_CYLINDRICAL: return turn(axis, x[0]) * move(x[1] * axis);
-    case DYN_JOINT_UNIVERSAL: return turn(axis, x[0]) * turn(axis2, x[1]);
-    case DYN_JOINT_SPHERICAL: return orient(x);
-    case DYN_JOINT_SPHERICAL_ZYX: return turn(V3::UnitZ(), x[0]) * turn(V3::UnitY(), x[1]) * turn(V3::UnitX(), x[2]);
-    case DYN_JOINT_PLANAR: {
+    case DYN_JOINT_TYPE_FIXED: return M4::Identity();
+    case DYN_JOINT_TYPE_REVOLUTE:
+    case DYN_JOINT_TYPE_CONTINUOUS: return turn(axis, x[0]);
+    case DYN_JOINT_TYPE_PRISMATIC: return move(x[0] * axis);
+    case DYN_JOINT_TYPE_HELICAL: return turn(axis, x[0]) * move(s.pitch * x[0] * axis);
+    case DYN_JOINT_TYPE_CYLINDRICAL: return turn(axis, x[0]) * move(x[1] * axis);
+    case DYN_JOINT_TYPE_UNIVERSAL: return turn(axis, x[0]) * turn(axis2, x[1]);
+    case DYN_JOINT_TYPE_SPHERICAL: return orient(x);
+    case DYN_JOINT_TYPE_SPHERICAL_ZYX: return turn(V3::UnitZ(), x[0]) * turn(V3::UnitY(), x[1]) * turn(V3::UnitX(), x[2]);
+    case DYN_JOINT_TYPE_PLANAR: {
       const auto [e1, e2] = plane(axis);
       return move(x[0] * e1 + x[1] * e2) * turn(axis, x[2]);
     }
-    case DYN_JOINT_TRANSLATION: return move(V3(x[0], x[1], x[2]));
-    case DYN_JOINT_FREE_FLYER: return move(V3(x[0], x[1], x[2])) * orient(x + 3);
-    case DYN_JOINT_REVOLUTE_UNBOUNDED: return turn(axis, std::atan2(x[1], x[0]));
-    case DYN_JOINT_COMPOSITE: {
+    case DYN_JOINT_TYPE_TRANSLATION: return move(V3(x[0], x[1], x[2]));
+    case DYN_JOINT_TYPE_FREE_FLYER: return move(V3(x[0], x[1], x[2])) * orient(x + 3);
+    case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED: return turn(axis, std::atan2(x[1], x[0]));
+    case DYN_JOINT_TYPE_COMPOSITE: {
       M4 X = M4::Identity();
       for (const JointSpec& p : s.parts) X = X * eigen(p.placement.data()) * motion_of(p, q);
       return X;
@@ -72,20 +72,20 @@ void travel(const JointSpec& s, double t, double*& q, const double*& v) {
     const Eigen::Quaterniond now(y[3], y[0], y[1], y[2]), next = now * Eigen::Quaterniond(Eigen::AngleAxisd(r.norm(), r.normalized()));
     y[0] = next.x(), y[1] = next.y(), y[2] = next.z(), y[3] = next.w();
   };
-  if (s.type == DYN_JOINT_COMPOSITE) {
+  if (s.type == DYN_JOINT_TYPE_COMPOSITE) {
     for (const JointSpec& p : s.parts) travel(p, t, q, v);
     return;
   }
   q += joint_nq(s.type), v += joint_nv(s.type);
-  if (s.type == DYN_JOINT_SPHERICAL) return rotate(x, w);
-  if (s.type == DYN_JOINT_FREE_FLYER) {
+  if (s.type == DYN_JOINT_TYPE_SPHERICAL) return rotate(x, w);
+  if (s.type == DYN_JOINT_TYPE_FREE_FLYER) {
     // to second order in t: the differences below are central, so that the even error cancels
     const M3 R = orient(x + 3).topLeftCorner<3, 3>();
     const V3 p = V3(x[0], x[1], x[2]) + t * R * V3(w[0], w[1], w[2]);
     for (int i = 0; i < 3; ++i) x[i] = p[i];
     return rotate(x + 3, w + 3);
   }
-  if (s.type == DYN_JOINT_REVOLUTE_UNBOUNDED) {
+  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) {
     const double angle = std::atan2(x[1], x[0]) + t * w[0];
     x[0] = std::cos(angle), x[1] = std::sin(angle);
     return;
@@ -99,9 +99,9 @@ struct Bench {
   ModelPtr model;
   M4 body_at, frame_at;
   Bench(Dice& dice, dynJointType type) {
-    before = random_joint(dice, DYN_JOINT_REVOLUTE), before.name = "before";
+    before = random_joint(dice, DYN_JOINT_TYPE_REVOLUTE), before.name = "before";
     joint = random_joint(dice, type), joint.name = "joint", joint.parent.name = "before";
-    after = random_joint(dice, DYN_JOINT_REVOLUTE), after.name = "after", after.parent.name = "joint";
+    after = random_joint(dice, DYN_JOINT_TYPE_REVOLUTE), after.name = "after", after.parent.name = "joint";
     body_at = dice.pose(), frame_at = dice.pose();
     Builder b("bench");
     for (const JointSpec* s : {&before, &joint, &after}) {
@@ -109,7 +109,7 @@ struct Bench {
       const BodySpec body = random_body(dice, s->name + "_body", s->name);
       b.body(body.name, {s->name, 0}, placement(body_at), body.mass, array3(body.com), array9(body.inertia));
     }
-    b.frame("frame", {"joint", 0}, placement(frame_at), DYN_FRAME_OP_FRAME);
+    b.frame("frame", {"joint", 0}, placement(frame_at), DYN_FRAME_TYPE_OP_FRAME);
     model = b.finish();
   }
   std::vector<M4> joints(const VectorXd& q) const {
@@ -190,7 +190,7 @@ TEST_P(JointType, VelocityMeansWhatTheHeaderSays) {
     const M4 dX = (at(h) - at(-h)) / (2 * h), X = at(0);
     forward_kinematics<1>(w.m, w.q(x.q).v(v).d);
     double got[6];
-    frame_velocity(w.m, w.d, frame_named(w.m, "after"), DYN_LOCAL_WORLD_ALIGNED, got);
+    frame_velocity(w.m, w.d, frame_named(w.m, "after"), DYN_REFERENCE_LOCAL_WORLD_ALIGNED, got);
     // differences in double: truncation h^2 |v|^3 and rounding 1e-16 / h
     EXPECT_LE(gap(V3(got[0], got[1], got[2]), dX.topRightCorner<3, 1>()), 2e-8);
     EXPECT_LE(gap(hat(V3(got[3], got[4], got[5])), dX.topLeftCorner<3, 3>() * X.topLeftCorner<3, 3>().transpose()), 2e-8);
@@ -264,7 +264,7 @@ TEST(JointAxes, PlanarMovesInThePlaneNormalToItsAxis) {
     const V3 axis = trial == 0 ? V3(V3::UnitZ()) : trial == 1 ? V3(-V3::UnitZ()) : dice.direction();
     Builder b("planar");
     JointSpec s;
-    s.name = "j", s.type = DYN_JOINT_PLANAR, s.axis = array3(axis);
+    s.name = "j", s.type = DYN_JOINT_TYPE_PLANAR, s.axis = array3(axis);
     b.joint(s);
     b.body("link", {"j", 0}, identity_placement, 1, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1});
     const ModelPtr m = b.finish();

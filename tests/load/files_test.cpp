@@ -36,7 +36,7 @@ class Files : public testing::Test {
   static std::string mesh_of(const Loaded& l) {
     dynShapeInfo s{};
     s.struct_size = sizeof s;
-    EXPECT_EQ(DYN_OK, dyn_shape_info(l.model.get(), 0, &s));
+    EXPECT_EQ(DYN_OK, dyn_model_shape_info(l.model.get(), 0, &s));
     return s.mesh;
   }
   fs::path folder;
@@ -95,7 +95,7 @@ TEST_F(Files, PackagesAreSearchedInOrder) {
   const Loaded missing = load_path(robot_file);
   ASSERT_EQ(DYN_OK, missing.status) << missing.error;
   EXPECT_EQ(name, mesh_of(missing));
-  EXPECT_TRUE(missing.reports(name, DYN_REPORT_WARNING, 3));
+  EXPECT_TRUE(missing.reports(name, DYN_REPORT_LEVEL_WARNING, 3));
   // last resort: the environment
   const std::string ros = write("ros/arm_description/meshes/a.stl", "solid");
   setenv("ROS_PACKAGE_PATH", ("/nowhere:" + (folder / "ros").string()).c_str(), 1);
@@ -138,7 +138,7 @@ TEST_F(Files, OneEntryForAMeshThatIsMissingTwice) {
   const std::string shape = "<visual><geometry><mesh filename=\"no.stl\"/></geometry></visual>";
   const Loaded l = load_path(write("robot.urdf", robot(link("a", solid + shape + shape))));
   ASSERT_EQ(DYN_OK, l.status) << l.error;
-  EXPECT_EQ(2, dyn_nshapes(l.model.get()));
+  EXPECT_EQ(2, dyn_model_nshapes(l.model.get()));
   EXPECT_EQ(1, l.warnings());
 }
 
@@ -155,7 +155,7 @@ std::string chain(int links) {
 TEST(BigUrdf, ChainOfThousands) {
   const Loaded l = load(chain(3000));
   ASSERT_EQ(DYN_OK, l.status) << l.error;
-  EXPECT_EQ(2999, dyn_nv(l.model.get()));
+  EXPECT_EQ(2999, dyn_model_nv(l.model.get()));
 }
 
 TEST(BigUrdf, LargerThanTheLimit) {
@@ -167,7 +167,7 @@ TEST(BigUrdf, LargerThanTheLimit) {
 TEST(BigUrdf, SlowChainOfAHundredThousand) {
   const Loaded l = load(chain(100000));
   ASSERT_EQ(DYN_OK, l.status) << l.error;
-  EXPECT_EQ(99999, dyn_nv(l.model.get()));
+  EXPECT_EQ(99999, dyn_model_nv(l.model.get()));
 }
 
 }  // namespace

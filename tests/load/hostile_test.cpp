@@ -138,7 +138,7 @@ TEST(Odd, Encodings) {
   for (const std::string& odd : {"\xEF\xBB\xBF" + text, crlf, cr, "<!-- \xE4 &#0; <b> -->" + text, "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>" + text,
                                  text + "<!-- </robot> -->", "\xEF\xBB\xBF\n \t<?xml version=\"1.0\"?>" + text}) {
     const Loaded l = good(odd);
-    EXPECT_EQ(1, dyn_nv(l.model.get()));
+    EXPECT_EQ(1, dyn_model_nv(l.model.get()));
   }
   const Loaded l = load("<robot name=\"r\">\r\n\r\n\r\n<link/>\r\n</robot>");
   EXPECT_NE(std::string::npos, l.error.find("line 4: ")) << l.error;
@@ -147,20 +147,20 @@ TEST(Odd, Encodings) {
 TEST(Odd, Names) {
   for (const std::string name : {"a b", " a", "a'b", "a/b", "a\\b", "%s%n%d", "$(rm)", "..", "--fixed", "a,b", "[a]", "NULL", "Universe", "neutral", "\xF0\x9F\xA4\x96"}) {
     const Loaded l = good(pendulum(name, "the " + name));
-    EXPECT_EQ(1, dyn_joint_id(l.model.get(), name.c_str())) << name;
-    EXPECT_GT(dyn_frame_id(l.model.get(), ("the " + name).c_str()), 0) << name;
+    EXPECT_EQ(1, dyn_model_joint_id(l.model.get(), name.c_str())) << name;
+    EXPECT_GT(dyn_model_frame_id(l.model.get(), ("the " + name).c_str()), 0) << name;
   }
   const Loaded l = good(pendulum("a&quot;&lt;&amp;b"));
-  EXPECT_STREQ("a\"<&b", dyn_joint_name(l.model.get(), 1));
+  EXPECT_STREQ("a\"<&b", dyn_model_joint_name(l.model.get(), 1));
   const std::string huge(3000000, 'n');
-  EXPECT_EQ(1, dyn_joint_id(good(pendulum(huge)).model.get(), huge.c_str()));
+  EXPECT_EQ(1, dyn_model_joint_id(good(pendulum(huge)).model.get(), huge.c_str()));
   EXPECT_LT(load(robot(link(huge) + link(huge))).error.size(), 1000u);
 }
 
 TEST(Odd, Shapes) {
   for (const std::string mesh : {"/dev/zero", "package://", "package://../../etc/passwd", "file://", "file://%00%ff%zz%", "m/\xFF.stl"}) {
     const Loaded l = good(robot(link("a", solid + "<visual><geometry><mesh filename=\"" + mesh + "\"/></geometry></visual>")));
-    EXPECT_EQ(1, dyn_nshapes(l.model.get())) << mesh;
+    EXPECT_EQ(1, dyn_model_nshapes(l.model.get())) << mesh;
     EXPECT_EQ(1, l.warnings()) << mesh;
   }
 }
@@ -172,7 +172,7 @@ TEST(Odd, ManyFollowersOfOneLeader) {
     text += link("l" + n) + joint("j" + n, "revolute", "l" + std::to_string(i - 1), "l" + n,
                                   "<axis xyz=\"0 1 0\"/>" + limit + (i > 1 ? "<mimic joint=\"j1\"/>" : ""));
   }
-  EXPECT_EQ(1, dyn_nv(good(text + "</robot>").model.get()));
+  EXPECT_EQ(1, dyn_model_nv(good(text + "</robot>").model.get()));
 }
 
 // What a path may name. Messages keep the reason, and stay on one line.

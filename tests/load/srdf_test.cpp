@@ -35,13 +35,13 @@ struct Beside {
 };
 
 std::vector<double> configuration(const Loaded& l, const std::string& name) {
-  std::vector<double> q(std::size_t(dyn_nq(l.model.get())));
-  EXPECT_EQ(DYN_OK, dyn_configuration(l.model.get(), name.c_str(), q.data())) << dyn_last_error();
+  std::vector<double> q(std::size_t(dyn_model_nq(l.model.get())));
+  EXPECT_EQ(DYN_OK, dyn_model_configuration(l.model.get(), name.c_str(), q.data())) << dyn_last_error();
   return q;
 }
 std::set<std::string> names(const Loaded& l) {
   std::set<std::string> out;
-  for (int i = 0; i < dyn_nconfigurations(l.model.get()); ++i) out.insert(dyn_configuration_name(l.model.get(), i));
+  for (int i = 0; i < dyn_model_nconfigurations(l.model.get()); ++i) out.insert(dyn_model_configuration_name(l.model.get(), i));
   return out;
 }
 struct Pair {
@@ -50,15 +50,15 @@ struct Pair {
 };
 std::vector<Pair> pairs(const dynModel* m) {
   std::vector<Pair> out;
-  for (int i = 0; i < dyn_ndisabled_pairs(m); ++i) {
+  for (int i = 0; i < dyn_model_ndisabled_pairs(m); ++i) {
     int a = -1, b = -1;
     const char* reason = nullptr;
-    EXPECT_EQ(DYN_OK, dyn_disabled_pair(m, i, &a, &b, &reason));
-    out.push_back({dyn_frame_name(m, a), dyn_frame_name(m, b), reason});
+    EXPECT_EQ(DYN_OK, dyn_model_disabled_pair(m, i, &a, &b, &reason));
+    out.push_back({dyn_model_frame_name(m, a), dyn_model_frame_name(m, b), reason});
     dynFrameInfo info{};
     info.struct_size = sizeof info;
-    EXPECT_EQ(DYN_OK, dyn_frame_info(m, a, &info));
-    EXPECT_EQ(DYN_FRAME_BODY, info.type);
+    EXPECT_EQ(DYN_OK, dyn_model_frame_info(m, a, &info));
+    EXPECT_EQ(DYN_FRAME_TYPE_BODY, info.type);
   }
   return out;
 }
@@ -84,13 +84,13 @@ TEST(Srdf, FloatingBaseByAnyName) {
     const Loaded l = srdf.load();
     ASSERT_EQ(DYN_OK, l.status) << l.error;
     EXPECT_EQ((Numbers{1, 2, 3, 0, 0, 1, 0, 0, 1}), configuration(l, "up"));  // normalised
-    EXPECT_TRUE(l.reports("virtual_joint 'world_joint'", DYN_REPORT_INFO, 2));
+    EXPECT_TRUE(l.reports("virtual_joint 'world_joint'", DYN_REPORT_LEVEL_INFO, 2));
     // with a fixed base there is nothing to set, and that is no mistake
     const Beside fixed("<virtual_joint name=\"world_joint\" type=\"floating\" parent_frame=\"world\" child_link=\"base\"/>\n" + text, DYN_BASE_FIXED, true);
     const Loaded f = fixed.load();
     ASSERT_EQ(DYN_OK, f.status) << f.error;
     EXPECT_EQ((Numbers{0, 1}), configuration(f, "up"));
-    EXPECT_TRUE(f.reports("is not used: the base is fixed", DYN_REPORT_INFO, 3));
+    EXPECT_TRUE(f.reports("is not used: the base is fixed", DYN_REPORT_LEVEL_INFO, 3));
   }
 }
 
@@ -115,7 +115,7 @@ TEST(Srdf, NamesOfStates) {
   EXPECT_EQ((std::set<std::string>{"neutral", "arm/home", "hand/home", "only", "arm/neutral"}), names(l));
   EXPECT_EQ(1, configuration(l, "arm/home")[1]);
   EXPECT_EQ(2, configuration(l, "hand/home")[1]);
-  EXPECT_TRUE(l.reports("is there twice: the first one counts", DYN_REPORT_WARNING, 6));
+  EXPECT_TRUE(l.reports("is there twice: the first one counts", DYN_REPORT_LEVEL_WARNING, 6));
 }
 
 TEST(Srdf, DisabledPairs) {
@@ -124,12 +124,12 @@ TEST(Srdf, DisabledPairs) {
   const Loaded l = srdf.load();
   ASSERT_EQ(DYN_OK, l.status) << l.error;
   EXPECT_EQ((std::vector<Pair>{{"base", "upper", "Adjacent"}, {"hand", "base", ""}}), pairs(l.model.get()));
-  EXPECT_TRUE(l.reports("1 x <disable_collisions> of a pair that is there before", DYN_REPORT_INFO, 4));
-  EXPECT_TRUE(l.reports("link 'tip' and itself", DYN_REPORT_WARNING, 5));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_disabled_pair(l.model.get(), 2, nullptr, nullptr, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_disabled_pair(l.model.get(), -1, nullptr, nullptr, nullptr));
-  EXPECT_EQ(DYN_OK, dyn_disabled_pair(l.model.get(), 1, nullptr, nullptr, nullptr));
-  EXPECT_EQ(0, dyn_ndisabled_pairs(load(arm).model.get()));
+  EXPECT_TRUE(l.reports("1 x <disable_collisions> of a pair that is there before", DYN_REPORT_LEVEL_INFO, 4));
+  EXPECT_TRUE(l.reports("link 'tip' and itself", DYN_REPORT_LEVEL_WARNING, 5));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_disabled_pair(l.model.get(), 2, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_disabled_pair(l.model.get(), -1, nullptr, nullptr, nullptr));
+  EXPECT_EQ(DYN_OK, dyn_model_disabled_pair(l.model.get(), 1, nullptr, nullptr, nullptr));
+  EXPECT_EQ(0, dyn_model_ndisabled_pairs(load(arm).model.get()));
 }
 
 TEST(Srdf, DefaultsAsMoveItReadsThem) {
@@ -165,7 +165,7 @@ TEST(Srdf, UnknownNamesAreWarningsAndErrorsUnderStrict) {
     SCOPED_TRACE(text);
     const Loaded l = Beside("\n" + text).load();
     ASSERT_EQ(DYN_OK, l.status) << l.error;
-    EXPECT_TRUE(l.reports(words, DYN_REPORT_WARNING, 3));
+    EXPECT_TRUE(l.reports(words, DYN_REPORT_LEVEL_WARNING, 3));
     const auto report = l.report();
     EXPECT_EQ(0u, Loaded::find(report, words)->message.rfind("r.srdf: ", 0));
     const Loaded strict = Beside("\n" + text, DYN_BASE_FIXED, true).load();
@@ -181,13 +181,13 @@ TEST(Srdf, WhatIsListed) {
                           "<group_state name=\"a\" group=\"arm\"><joint name=\"finger\" value=\"1\"/>\n<joint name=\"weld\" value=\"1\"/>\n<joint name=\"shoulder\" value=\"1.5\"/></group_state>\n")
                        .load();
   ASSERT_EQ(DYN_OK, l.status) << l.error;
-  EXPECT_TRUE(l.reports("group 'arm': not used", DYN_REPORT_INFO, 2));
-  EXPECT_TRUE(l.reports("end_effector 'e': not used", DYN_REPORT_INFO, 3));
-  EXPECT_TRUE(l.reports("passive_joint 'elbow': not used", DYN_REPORT_INFO, 4));
-  EXPECT_TRUE(l.reports("link_sphere_approximation: not used", DYN_REPORT_INFO, 5));
-  EXPECT_TRUE(l.reports("joint 'finger' follows 'shoulder'", DYN_REPORT_INFO, 6));
-  EXPECT_TRUE(l.reports("joint 'weld' is fixed", DYN_REPORT_INFO, 7));
-  EXPECT_TRUE(l.reports("joint 'shoulder' is at 1.5, outside of its limits, -1 to 1", DYN_REPORT_WARNING, 8));
+  EXPECT_TRUE(l.reports("group 'arm': not used", DYN_REPORT_LEVEL_INFO, 2));
+  EXPECT_TRUE(l.reports("end_effector 'e': not used", DYN_REPORT_LEVEL_INFO, 3));
+  EXPECT_TRUE(l.reports("passive_joint 'elbow': not used", DYN_REPORT_LEVEL_INFO, 4));
+  EXPECT_TRUE(l.reports("link_sphere_approximation: not used", DYN_REPORT_LEVEL_INFO, 5));
+  EXPECT_TRUE(l.reports("joint 'finger' follows 'shoulder'", DYN_REPORT_LEVEL_INFO, 6));
+  EXPECT_TRUE(l.reports("joint 'weld' is fixed", DYN_REPORT_LEVEL_INFO, 7));
+  EXPECT_TRUE(l.reports("joint 'shoulder' is at 1.5, outside of its limits, -1 to 1", DYN_REPORT_LEVEL_WARNING, 8));
 }
 
 TEST(Srdf, Refused) {
@@ -279,10 +279,10 @@ TEST(Srdf, SubtreesKeepTheirPairs) {
   const Loaded l = Beside("<disable_collisions link1=\"a\" link2=\"c\"/><disable_collisions link1=\"b\" link2=\"d\" reason=\"x\"/>").load(chain);
   ASSERT_EQ(2u, pairs(l.model.get()).size()) << l.error;
   BuilderHandle b = builder_of(l.model.get());
-  ASSERT_EQ(DYN_OK, dyn_builder_subtree(b.get(), "ab"));
+  ASSERT_EQ(DYN_OK, dyn_builder_keep_subtree(b.get(), "ab"));
   EXPECT_EQ((std::vector<Pair>{{"b", "d", "x"}}), pairs(finish(b).get()));
   b = builder_of(l.model.get());
-  ASSERT_EQ(DYN_OK, dyn_builder_remove(b.get(), "cd"));
+  ASSERT_EQ(DYN_OK, dyn_builder_remove_subtree(b.get(), "cd"));
   EXPECT_EQ((std::vector<Pair>{{"a", "c", ""}}), pairs(finish(b).get()));
 }
 
@@ -293,7 +293,7 @@ TEST(Pairs, NoneTestedIsReported) {
     const std::string away = std::string("<origin xyz=\"0 0 ") + (overlap ? "0.05" : "1") + "\"/><axis xyz=\"0 1 0\"/>";
     const Loaded l = good(robot(link("base", ball) + link("upper", solid) + link("lower", ball) + joint("shoulder", "continuous", "base", "upper", away) +
                                 joint("elbow", "continuous", "upper", "lower", away)));
-    ASSERT_EQ(1, dyn_npairs(l.model.get()));
+    ASSERT_EQ(1, dyn_model_npairs(l.model.get()));
     const auto report = l.report();
     EXPECT_EQ(overlap, Loaded::find(report, "no pair of the collision shapes is tested") != nullptr);
   }
@@ -309,13 +309,13 @@ TEST(Srdf, DisabledPairsAreNotTested) {
   const Beside srdf("<disable_collisions link1=\"hand\" link2=\"base\" reason=\"Never\"/>");
   const Loaded l = srdf.load(chain);
   const dynModel* m = l.model.get();
-  ASSERT_EQ(3, dyn_npairs(m));  // base - lower, base - hand, upper - hand
+  ASSERT_EQ(3, dyn_model_npairs(m));  // base - lower, base - hand, upper - hand
   std::set<std::pair<int, int>> tested, disabled;
   for (int k = 0; k < 3; ++k) {
     int a, b;
     dynPairReason reason;
-    ASSERT_EQ(DYN_OK, dyn_pair(m, k, &a, &b, &reason));
-    (reason == DYN_PAIR_DISABLED ? disabled : tested).insert({a, b});
+    ASSERT_EQ(DYN_OK, dyn_model_pair(m, k, &a, &b, &reason));
+    (reason == DYN_PAIR_REASON_DISABLED ? disabled : tested).insert({a, b});
   }
   EXPECT_EQ((std::set<std::pair<int, int>>{{0, 3}}), disabled);
   EXPECT_EQ((std::set<std::pair<int, int>>{{0, 2}, {1, 3}}), tested);

@@ -29,10 +29,10 @@ struct Loaded {
 
   std::vector<Entry> report() const {
     std::vector<Entry> all;
-    for (int i = 0; i < dyn_report_count(model.get()); ++i) {
+    for (int i = 0; i < dyn_model_report_count(model.get()); ++i) {
       dynReportEntry e{};
       e.struct_size = sizeof e;
-      EXPECT_EQ(DYN_OK, dyn_report_entry(model.get(), i, &e));
+      EXPECT_EQ(DYN_OK, dyn_model_report_entry(model.get(), i, &e));
       all.push_back({e.level, e.line, e.message});
     }
     return all;
@@ -53,7 +53,7 @@ struct Loaded {
   }
   int warnings() const {
     int n = 0;
-    for (const Entry& e : report()) n += e.level == DYN_REPORT_WARNING;
+    for (const Entry& e : report()) n += e.level == DYN_REPORT_LEVEL_WARNING;
     return n;
   }
 };
@@ -89,20 +89,20 @@ inline Loaded good(const std::string& text, const Options& options = Options()) 
 inline dynJointInfo joint(const Loaded& l, const char* name) {
   dynJointInfo info{};
   info.struct_size = sizeof info;
-  EXPECT_EQ(DYN_OK, dyn_joint_info(l.model.get(), dyn_joint_id(l.model.get(), name), &info)) << name;
+  EXPECT_EQ(DYN_OK, dyn_model_joint_info(l.model.get(), dyn_model_joint_id(l.model.get(), name), &info)) << name;
   return info;
 }
 
-inline dynFrameInfo frame(const Loaded& l, const char* name, dynFrameType type = DYN_FRAME_BODY) {
+inline dynFrameInfo frame(const Loaded& l, const char* name, dynFrameType type = DYN_FRAME_TYPE_BODY) {
   dynFrameInfo info{};
   info.struct_size = sizeof info;
-  EXPECT_EQ(DYN_OK, dyn_frame_info(l.model.get(), dyn_frame_id_of_type(l.model.get(), name, type), &info)) << name;
+  EXPECT_EQ(DYN_OK, dyn_model_frame_info(l.model.get(), dyn_model_frame_id_of_type(l.model.get(), name, type), &info)) << name;
   return info;
 }
 
 inline std::vector<std::string> joint_names(const Loaded& l) {
   std::vector<std::string> names;
-  for (int j = 1; j < dyn_njoints(l.model.get()); ++j) names.push_back(dyn_joint_name(l.model.get(), j));
+  for (int j = 1; j < dyn_model_njoints(l.model.get()); ++j) names.push_back(dyn_model_joint_name(l.model.get(), j));
   return names;
 }
 

@@ -27,11 +27,11 @@ TEST(Urdf, EveryNameResolves) {
   const Loaded l =
       good(robot(ab + link("c") + link("tool", "") + joint("a", "revolute", "a", "b") + joint("weld", "fixed", "b", "c") +
                  joint("tip", "fixed", "c", "tool", "<origin xyz=\"0 0 0.5\"/>")));
-  EXPECT_EQ(4, dyn_nbodies(l.model.get()));
+  EXPECT_EQ(4, dyn_model_nbodies(l.model.get()));
   for (const char* name : {"a", "b", "c", "tool"})
-    EXPECT_GT(dyn_frame_id_of_type(l.model.get(), name, DYN_FRAME_BODY), 0) << name;
-  for (const char* name : {"weld", "tip"}) EXPECT_GT(dyn_frame_id_of_type(l.model.get(), name, DYN_FRAME_FIXED_JOINT), 0) << name;
-  EXPECT_EQ(dyn_joint_id(l.model.get(), "a"), frame(l, "tool").joint);
+    EXPECT_GT(dyn_model_frame_id_of_type(l.model.get(), name, DYN_FRAME_TYPE_BODY), 0) << name;
+  for (const char* name : {"weld", "tip"}) EXPECT_GT(dyn_model_frame_id_of_type(l.model.get(), name, DYN_FRAME_TYPE_FIXED_JOINT), 0) << name;
+  EXPECT_EQ(dyn_model_joint_id(l.model.get(), "a"), frame(l, "tool").joint);
   EXPECT_EQ(0.5, frame(l, "tool").placement[11]);
   EXPECT_EQ(0, frame(l, "a").joint);
   EXPECT_EQ(1.0, frame(l, "c").mass);  // merged, and still its own
@@ -40,11 +40,11 @@ TEST(Urdf, EveryNameResolves) {
 
 TEST(Urdf, Base) {
   const std::string text = robot(ab + joint("j", "revolute", "a", "b"));
-  EXPECT_EQ(1, dyn_nv(good(text, Options(DYN_BASE_FIXED)).model.get()));
+  EXPECT_EQ(1, dyn_model_nv(good(text, Options(DYN_BASE_FIXED)).model.get()));
   const Loaded floating = good(text, Options(DYN_BASE_FLOATING));
-  EXPECT_EQ(7, dyn_nv(floating.model.get()));
+  EXPECT_EQ(7, dyn_model_nv(floating.model.get()));
   EXPECT_EQ((std::vector<std::string>{"root_joint", "j"}), joint_names(floating));
-  EXPECT_EQ(DYN_JOINT_FREE_FLYER, joint(floating, "root_joint").type);
+  EXPECT_EQ(DYN_JOINT_TYPE_FREE_FLYER, joint(floating, "root_joint").type);
   EXPECT_EQ(1, frame(floating, "a").joint);
   EXPECT_EQ(DYN_ERROR_BASE, load(text, Options(DYN_BASE_UNSPECIFIED)).status);
 }
@@ -52,13 +52,13 @@ TEST(Urdf, Base) {
 TEST(Urdf, RootWithoutMassIsWelded) {
   const Options unspecified(DYN_BASE_UNSPECIFIED);
   const Loaded world = good(robot(link("world", "") + link("a") + joint("j", "revolute", "world", "a")), unspecified);
-  EXPECT_EQ(1, dyn_nv(world.model.get()));
-  EXPECT_TRUE(world.reports("'world' has no mass", DYN_REPORT_INFO, 2));
+  EXPECT_EQ(1, dyn_model_nv(world.model.get()));
+  EXPECT_TRUE(world.reports("'world' has no mass", DYN_REPORT_LEVEL_INFO, 2));
   // mass right behind a weld: perhaps a robot that floats
   const Loaded dummy = good(robot(link("base", "") + link("a") + joint("j", "fixed", "base", "a")), unspecified);
-  EXPECT_TRUE(dummy.reports("DYN_BASE_FLOATING", DYN_REPORT_WARNING, 2));
+  EXPECT_TRUE(dummy.reports("DYN_BASE_FLOATING", DYN_REPORT_LEVEL_WARNING, 2));
   const Loaded free = good(robot(link("base", "") + link("a") + joint("j", "fixed", "base", "a")), Options(DYN_BASE_FLOATING));
-  EXPECT_EQ(6, dyn_nv(free.model.get()));
+  EXPECT_EQ(6, dyn_model_nv(free.model.get()));
 }
 
 TEST(Urdf, JointTypes) {
@@ -66,20 +66,20 @@ TEST(Urdf, JointTypes) {
     Options o;
     o.cos_sin = cos_sin;
     const Loaded l = good(robot(ab + joint("j", name, "a", "b")), o);
-    return l.status == DYN_OK ? joint(l, "j").type : DYN_JOINT_FIXED;
+    return l.status == DYN_OK ? joint(l, "j").type : DYN_JOINT_TYPE_FIXED;
   };
-  EXPECT_EQ(DYN_JOINT_REVOLUTE, type("revolute"));
-  EXPECT_EQ(DYN_JOINT_CONTINUOUS, type("continuous"));
-  EXPECT_EQ(DYN_JOINT_REVOLUTE_UNBOUNDED, type("continuous", true));
-  EXPECT_EQ(DYN_JOINT_REVOLUTE, type("revolute", true));
-  EXPECT_EQ(DYN_JOINT_PRISMATIC, type("prismatic"));
-  EXPECT_EQ(DYN_JOINT_FREE_FLYER, type("floating"));
-  EXPECT_EQ(DYN_JOINT_PLANAR, type("planar"));
-  EXPECT_EQ(DYN_JOINT_SPHERICAL, type("spherical"));
-  EXPECT_EQ(DYN_JOINT_SPHERICAL, type("ball"));
+  EXPECT_EQ(DYN_JOINT_TYPE_REVOLUTE, type("revolute"));
+  EXPECT_EQ(DYN_JOINT_TYPE_CONTINUOUS, type("continuous"));
+  EXPECT_EQ(DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED, type("continuous", true));
+  EXPECT_EQ(DYN_JOINT_TYPE_REVOLUTE, type("revolute", true));
+  EXPECT_EQ(DYN_JOINT_TYPE_PRISMATIC, type("prismatic"));
+  EXPECT_EQ(DYN_JOINT_TYPE_FREE_FLYER, type("floating"));
+  EXPECT_EQ(DYN_JOINT_TYPE_PLANAR, type("planar"));
+  EXPECT_EQ(DYN_JOINT_TYPE_SPHERICAL, type("spherical"));
+  EXPECT_EQ(DYN_JOINT_TYPE_SPHERICAL, type("ball"));
   EXPECT_TRUE(
-      good(robot(ab + joint("j", "ball", "a", "b", ""))).reports("'ball' is not in the URDF standard", DYN_REPORT_INFO, 4));
-  EXPECT_EQ(0, dyn_nv(good(robot(ab + joint("j", "fixed", "a", "b"))).model.get()));
+      good(robot(ab + joint("j", "ball", "a", "b", ""))).reports("'ball' is not in the URDF standard", DYN_REPORT_LEVEL_INFO, 4));
+  EXPECT_EQ(0, dyn_model_nv(good(robot(ab + joint("j", "fixed", "a", "b"))).model.get()));
 }
 
 TEST(Urdf, PlanarMovesInThePlaneNormalToItsAxis) {
@@ -90,7 +90,7 @@ TEST(Urdf, PlanarMovesInThePlaneNormalToItsAxis) {
   const double q[3] = {0.3, -0.7, 0.5};
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(l.model.get(), data, q, nullptr, nullptr));
   double X[12];
-  ASSERT_EQ(DYN_OK, dyn_frame_placement(l.model.get(), data, dyn_frame_id_of_type(l.model.get(), "b", DYN_FRAME_BODY), X));
+  ASSERT_EQ(DYN_OK, dyn_frame_placement(l.model.get(), data, dyn_model_frame_id_of_type(l.model.get(), "b", DYN_FRAME_TYPE_BODY), X));
   EXPECT_NEAR(0, X[10], 1e-15);
   EXPECT_NEAR(std::hypot(0.3, 0.7), std::hypot(X[9], X[11]), 1e-15);
   EXPECT_NEAR(1, X[4], 1e-15);  // y stays y
@@ -102,9 +102,9 @@ TEST(Urdf, AxisIsNormalisedAndDefaultsToX) {
                               joint("k", "continuous", "b", "c", "")));
   EXPECT_NEAR(0.6, joint(l, "j").axis[1], 1e-16);
   EXPECT_NEAR(0.8, joint(l, "j").axis[2], 1e-16);
-  EXPECT_TRUE(l.reports("the axis has length 5 and was normalised", DYN_REPORT_INFO, 5));
+  EXPECT_TRUE(l.reports("the axis has length 5 and was normalised", DYN_REPORT_LEVEL_INFO, 5));
   EXPECT_EQ(1.0, joint(l, "k").axis[0]);
-  EXPECT_TRUE(l.reports("joint 'k' has no <axis>", DYN_REPORT_INFO, 6));
+  EXPECT_TRUE(l.reports("joint 'k' has no <axis>", DYN_REPORT_LEVEL_INFO, 6));
   // neither overflow nor underflow
   for (const char* big : {"1e300 1e300 0", "1e-300 1e-300 0"}) {
     const Loaded b = good(robot(ab + joint("j", "revolute", "a", "b", "<axis xyz=\"" + std::string(big) + "\"/>" + limit)));
@@ -155,15 +155,15 @@ TEST(Urdf, Limits) {
                                     "<dynamics damping=\"0.1\" friction=\"0.2\"/>") +
                               joint("k", "prismatic", "b", "c", "<axis xyz=\"0 0 1\"/>")));
   const dynModel* m = l.model.get();
-  EXPECT_EQ(-1.5, dyn_model_array(m, DYN_LOWER_LIMIT)[0]);
-  EXPECT_EQ(2, dyn_model_array(m, DYN_UPPER_LIMIT)[0]);
-  EXPECT_EQ(30, dyn_model_array(m, DYN_EFFORT_LIMIT)[0]);
-  EXPECT_EQ(4, dyn_model_array(m, DYN_VELOCITY_LIMIT)[0]);
-  EXPECT_EQ(0.1, dyn_model_array(m, DYN_DAMPING)[0]);
-  EXPECT_EQ(0.2, dyn_model_array(m, DYN_FRICTION)[0]);
-  EXPECT_TRUE(l.reports("joint 'k' has no <limit>", DYN_REPORT_WARNING, 6));
-  EXPECT_EQ(HUGE_VAL, dyn_model_array(m, DYN_UPPER_LIMIT)[1]);
-  EXPECT_EQ(-HUGE_VAL, dyn_model_array(m, DYN_LOWER_LIMIT)[1]);
+  EXPECT_EQ(-1.5, dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT)[0]);
+  EXPECT_EQ(2, dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT)[0]);
+  EXPECT_EQ(30, dyn_model_array(m, DYN_MODEL_ARRAY_EFFORT_LIMIT)[0]);
+  EXPECT_EQ(4, dyn_model_array(m, DYN_MODEL_ARRAY_VELOCITY_LIMIT)[0]);
+  EXPECT_EQ(0.1, dyn_model_array(m, DYN_MODEL_ARRAY_DAMPING)[0]);
+  EXPECT_EQ(0.2, dyn_model_array(m, DYN_MODEL_ARRAY_FRICTION)[0]);
+  EXPECT_TRUE(l.reports("joint 'k' has no <limit>", DYN_REPORT_LEVEL_WARNING, 6));
+  EXPECT_EQ(HUGE_VAL, dyn_model_array(m, DYN_MODEL_ARRAY_UPPER_LIMIT)[1]);
+  EXPECT_EQ(-HUGE_VAL, dyn_model_array(m, DYN_MODEL_ARRAY_LOWER_LIMIT)[1]);
 }
 
 TEST(Urdf, LimitsThatAreLeftOut) {
@@ -171,18 +171,18 @@ TEST(Urdf, LimitsThatAreLeftOut) {
     return good(robot(ab + joint("j", type, "a", "b", "<axis xyz=\"0 0 1\"/><limit " + attributes + "/>")));
   };
   const Loaded one = with("revolute", "upper=\"1\" effort=\"1\" velocity=\"1\"");
-  EXPECT_EQ(0, dyn_model_array(one.model.get(), DYN_LOWER_LIMIT)[0]);
-  EXPECT_TRUE(one.reports("no lower: 0", DYN_REPORT_WARNING, 4));
+  EXPECT_EQ(0, dyn_model_array(one.model.get(), DYN_MODEL_ARRAY_LOWER_LIMIT)[0]);
+  EXPECT_TRUE(one.reports("no lower: 0", DYN_REPORT_LEVEL_WARNING, 4));
   const Loaded wheel = with("revolute", "effort=\"1\" velocity=\"1\"");
-  EXPECT_EQ(HUGE_VAL, dyn_model_array(wheel.model.get(), DYN_UPPER_LIMIT)[0]);
-  EXPECT_TRUE(wheel.reports("neither lower nor upper", DYN_REPORT_WARNING, 4));
+  EXPECT_EQ(HUGE_VAL, dyn_model_array(wheel.model.get(), DYN_MODEL_ARRAY_UPPER_LIMIT)[0]);
+  EXPECT_TRUE(wheel.reports("neither lower nor upper", DYN_REPORT_LEVEL_WARNING, 4));
   const Loaded no_effort = with("revolute", "lower=\"-1\" upper=\"1\"");
-  EXPECT_EQ(HUGE_VAL, dyn_model_array(no_effort.model.get(), DYN_EFFORT_LIMIT)[0]);
-  EXPECT_TRUE(no_effort.reports("no effort: unlimited", DYN_REPORT_INFO, 4));
+  EXPECT_EQ(HUGE_VAL, dyn_model_array(no_effort.model.get(), DYN_MODEL_ARRAY_EFFORT_LIMIT)[0]);
+  EXPECT_TRUE(no_effort.reports("no effort: unlimited", DYN_REPORT_LEVEL_INFO, 4));
   const Loaded continuous = with("continuous", "lower=\"-1\" upper=\"1\" effort=\"3\" velocity=\"1\"");
-  EXPECT_EQ(HUGE_VAL, dyn_model_array(continuous.model.get(), DYN_UPPER_LIMIT)[0]);
-  EXPECT_EQ(3, dyn_model_array(continuous.model.get(), DYN_EFFORT_LIMIT)[0]);
-  EXPECT_TRUE(continuous.reports("lower and upper are not used", DYN_REPORT_INFO, 4));
+  EXPECT_EQ(HUGE_VAL, dyn_model_array(continuous.model.get(), DYN_MODEL_ARRAY_UPPER_LIMIT)[0]);
+  EXPECT_EQ(3, dyn_model_array(continuous.model.get(), DYN_MODEL_ARRAY_EFFORT_LIMIT)[0]);
+  EXPECT_TRUE(continuous.reports("lower and upper are not used", DYN_REPORT_LEVEL_INFO, 4));
 }
 
 TEST(Urdf, Mimic) {
@@ -192,9 +192,9 @@ TEST(Urdf, Mimic) {
       good(robot(ab + link("c") + link("d") +
                  joint("f", "revolute", "a", "b", turn + "<mimic joint=\"lead\" multiplier=\"-2\" offset=\"0.5\"/>") +
                  joint("g", "prismatic", "b", "c", turn + "<mimic joint=\"f\"/>") + joint("lead", "revolute", "a", "d", turn)));
-  EXPECT_EQ(1, dyn_nv(l.model.get()));
+  EXPECT_EQ(1, dyn_model_nv(l.model.get()));
   const dynJointInfo f = joint(l, "f");
-  EXPECT_EQ(dyn_joint_id(l.model.get(), "lead"), f.mimic_leader);
+  EXPECT_EQ(dyn_model_joint_id(l.model.get(), "lead"), f.mimic_leader);
   EXPECT_EQ(-2, f.mimic_ratio);
   EXPECT_EQ(0.5, f.mimic_offset);
   EXPECT_EQ(0, f.nv);
@@ -205,11 +205,11 @@ TEST(Urdf, Mimic) {
   const Loaded angles = good(
       robot(ab + link("c") + joint("j", "continuous", "a", "b", "") + joint("k", "continuous", "b", "c", "<mimic joint=\"j\"/>")),
       o);
-  EXPECT_EQ(DYN_JOINT_CONTINUOUS, joint(angles, "j").type);
-  EXPECT_TRUE(angles.reports("joint 'j' takes part in a mimic relation", DYN_REPORT_INFO, 5));
+  EXPECT_EQ(DYN_JOINT_TYPE_CONTINUOUS, joint(angles, "j").type);
+  EXPECT_TRUE(angles.reports("joint 'j' takes part in a mimic relation", DYN_REPORT_LEVEL_INFO, 5));
   // the robot with its gripper locked
   const Loaded locked = good(robot(ab + joint("j", "fixed", "a", "b", "<mimic joint=\"gone\"/>")));
-  EXPECT_TRUE(locked.reports("joint 'j' is fixed: its <mimic> has no effect", DYN_REPORT_INFO, 4));
+  EXPECT_TRUE(locked.reports("joint 'j' is fixed: its <mimic> has no effect", DYN_REPORT_LEVEL_INFO, 4));
 }
 
 // By the material's own color, or that of its name, wherever that is; for looks alone: one that is wrong is none.
@@ -221,13 +221,13 @@ TEST(Urdf, ColoursOfShapes) {
                                       visual("<material name=\"y\"><color rgba=\"1 nan 0 1\"/></material>") + visual("<material name=\"z\"><color rgba=\"2 -1 0 0\"/></material>") + visual("")) +
                         "<material name=\"late\"><color rgba=\"1 0 0 1\"/></material></robot>");
   const double expected[][4] = {{1, 0, 0, 1}, {0, 1, 0, 0.4}, {0, 1, 0, 0.4}, {-1, -1, -1, -1}, {-1, -1, -1, -1}, {-1, -1, -1, -1}, {1, 0, 0, 0}, {-1, -1, -1, -1}};
-  ASSERT_EQ(8, dyn_nshapes(l.model.get()));
+  ASSERT_EQ(8, dyn_model_nshapes(l.model.get()));
   for (int k = 0; k < 8; ++k) {
     double rgba[4];
-    ASSERT_EQ(DYN_OK, dyn_shape_rgba(l.model.get(), k, rgba));
+    ASSERT_EQ(DYN_OK, dyn_model_shape_rgba(l.model.get(), k, rgba));
     for (int i = 0; i < 4; ++i) EXPECT_EQ(expected[k][i], rgba[i]) << k;
   }
-  EXPECT_TRUE(l.reports("3 x <material> without a colour", DYN_REPORT_INFO, 1));
+  EXPECT_TRUE(l.reports("3 x <material> without a colour", DYN_REPORT_LEVEL_INFO, 1));
 }
 
 TEST(Urdf, ReportOfWhatIsNotUsed) {
@@ -242,14 +242,14 @@ TEST(Urdf, ReportOfWhatIsNotUsed) {
       "<safety_controller k_velocity=\"1\"/>\n<calibration rising=\"0\"/>\n"
       "<wobble/></joint>\n"  // 12
       "<link_order a=\"b\"/></robot>");
-  EXPECT_TRUE(l.reports("2 x <gazebo>", DYN_REPORT_INFO, 2));
-  EXPECT_TRUE(l.reports("1 x <transmission>", DYN_REPORT_INFO, 4));
-  EXPECT_TRUE(l.reports("1 x <material>", DYN_REPORT_INFO, 5));
-  EXPECT_TRUE(l.reports("joint 'j': <dynamics>: element <damping> is not used", DYN_REPORT_WARNING, 9));
-  EXPECT_TRUE(l.reports("1 x <safety_controller>", DYN_REPORT_INFO, 10));
-  EXPECT_TRUE(l.reports("1 x <calibration>", DYN_REPORT_INFO, 11));
-  EXPECT_TRUE(l.reports("joint 'j': <joint>: element <wobble> is not used", DYN_REPORT_WARNING, 12));
-  EXPECT_TRUE(l.reports("<link_order> is not used", DYN_REPORT_WARNING, 13));
+  EXPECT_TRUE(l.reports("2 x <gazebo>", DYN_REPORT_LEVEL_INFO, 2));
+  EXPECT_TRUE(l.reports("1 x <transmission>", DYN_REPORT_LEVEL_INFO, 4));
+  EXPECT_TRUE(l.reports("1 x <material>", DYN_REPORT_LEVEL_INFO, 5));
+  EXPECT_TRUE(l.reports("joint 'j': <dynamics>: element <damping> is not used", DYN_REPORT_LEVEL_WARNING, 9));
+  EXPECT_TRUE(l.reports("1 x <safety_controller>", DYN_REPORT_LEVEL_INFO, 10));
+  EXPECT_TRUE(l.reports("1 x <calibration>", DYN_REPORT_LEVEL_INFO, 11));
+  EXPECT_TRUE(l.reports("joint 'j': <joint>: element <wobble> is not used", DYN_REPORT_LEVEL_WARNING, 12));
+  EXPECT_TRUE(l.reports("<link_order> is not used", DYN_REPORT_LEVEL_WARNING, 13));
   const auto all = l.report();
   for (size_t i = 1; i < all.size(); ++i) EXPECT_LE(all[i - 1].line, all[i].line);
 }
@@ -267,10 +267,10 @@ TEST(Urdf, ReportOfWhatIsKeptAsData) {
                               joint("k", "continuous", "b", "c", axis + "<limit velocity=\"2\" effort=\"3\"/><dynamics damping=\"2\" friction=\"3\"/>") +
                               joint("l", "revolute", "c", "d", axis + limit + "<mimic joint=\"j\"/>")),
                         Options(DYN_BASE_FIXED, true));
-  EXPECT_TRUE(l.reports("acts when switched on (dyn_data_set_effects): 2 x damping, 1 x dry friction", DYN_REPORT_INFO, 0));
+  EXPECT_TRUE(l.reports("acts when switched on (dyn_data_set_effects): 2 x damping, 1 x dry friction", DYN_REPORT_LEVEL_INFO, 0));
   EXPECT_TRUE(l.reports("kept as data, not applied by the algorithms: 2 x velocity limit, 2 x effort limit",
-                        DYN_REPORT_INFO, 0));
-  EXPECT_TRUE(l.reports("1 x <limit> of a mimicking joint: not kept", DYN_REPORT_INFO, 8));
+                        DYN_REPORT_LEVEL_INFO, 0));
+  EXPECT_TRUE(l.reports("1 x <limit> of a mimicking joint: not kept", DYN_REPORT_LEVEL_INFO, 8));
   EXPECT_EQ(3, l.report().size());
 }
 
@@ -298,14 +298,14 @@ TEST(Urdf, DoubtfulInertiasAreReported) {
                  joint("j", "fixed", "base", "a"));
   };
   EXPECT_TRUE(
-      good(of("1", "0.1", "0.1", "0.5")).reports("principal moments of inertia are 0.1, 0.1, 0.5", DYN_REPORT_WARNING, 4));
-  EXPECT_TRUE(good(of("1", "-0.01", "0.1", "0.1")).reports("no negative one", DYN_REPORT_WARNING, 4));  // welded to the world
-  EXPECT_TRUE(good(of("2", "0", "0", "0")).reports("a point mass", DYN_REPORT_INFO, 4));
+      good(of("1", "0.1", "0.1", "0.5")).reports("principal moments of inertia are 0.1, 0.1, 0.5", DYN_REPORT_LEVEL_WARNING, 4));
+  EXPECT_TRUE(good(of("1", "-0.01", "0.1", "0.1")).reports("no negative one", DYN_REPORT_LEVEL_WARNING, 4));  // welded to the world
+  EXPECT_TRUE(good(of("2", "0", "0", "0")).reports("a point mass", DYN_REPORT_LEVEL_INFO, 4));
   EXPECT_EQ(0, good(of("1", "0.1", "0.2", "0.3")).warnings());                 // a flat body
   EXPECT_EQ(0, good(of("1", "0", "0.1", "0.1")).warnings());                   // a rod
   EXPECT_EQ(0, good(of("1", "0.123457", "0.234567", "0.358024")).warnings());  // and one rounded to six digits
   EXPECT_TRUE(good(robot(link("base") + link("frame", "") + joint("j", "fixed", "base", "frame")))
-                  .reports("link 'frame' has no <inertial>", DYN_REPORT_INFO, 3));
+                  .reports("link 'frame' has no <inertial>", DYN_REPORT_LEVEL_INFO, 3));
 }
 
 TEST(Urdf, InertiaWithoutMassIsReported) {
@@ -314,7 +314,7 @@ TEST(Urdf, InertiaWithoutMassIsReported) {
       link("b",
            "\n<inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>") +
       joint("j", "fixed", "a", "b")));
-  EXPECT_TRUE(l.reports("rotational inertia and no mass", DYN_REPORT_WARNING, 4));
+  EXPECT_TRUE(l.reports("rotational inertia and no mass", DYN_REPORT_LEVEL_WARNING, 4));
 }
 
 TEST(Urdf, NegativeInertiaIsBearableWhereAWeldMakesUpForIt) {
@@ -325,7 +325,7 @@ TEST(Urdf, NegativeInertiaIsBearableWhereAWeldMakesUpForIt) {
                             "\"/><inertia ixx=\"-3e-8\" ixy=\"0\" ixz=\"0\" iyy=\"3e-8\" iyz=\"0\" izz=\"9e-8\"/></inertial>") +
         joint("k", "fixed", "arm", "antenna"));
   };
-  EXPECT_TRUE(good(text("1e-6")).reports("make up for it", DYN_REPORT_WARNING, 6));
+  EXPECT_TRUE(good(text("1e-6")).reports("make up for it", DYN_REPORT_LEVEL_WARNING, 6));
   EXPECT_EQ(DYN_ERROR_STRICT, load(text("1e-6"), Options(DYN_BASE_FIXED, true)).status);
 }
 
@@ -344,22 +344,22 @@ TEST(Urdf, Shapes) {
                                "<collision><geometry><cylinder radius=\"0.5\" length=\"2\"/></geometry></collision>"
                                "<collision><geometry><capsule radius=\"0.25\" length=\"4\"/></geometry></collision>"
                                "\n<collision><geometry/></collision><collision><geometry><cone/></geometry></collision>")));
-  ASSERT_EQ(4, dyn_nshapes(l.model.get()));
+  ASSERT_EQ(4, dyn_model_nshapes(l.model.get()));
   dynShapeInfo s{};
   s.struct_size = sizeof s;
-  ASSERT_EQ(DYN_OK, dyn_shape_info(l.model.get(), 0, &s));
+  ASSERT_EQ(DYN_OK, dyn_model_shape_info(l.model.get(), 0, &s));
   EXPECT_STREQ("skin", s.name);
-  EXPECT_EQ(DYN_SHAPE_BOX, s.type);
-  EXPECT_EQ(DYN_ROLE_VISUAL, s.role);
+  EXPECT_EQ(DYN_SHAPE_TYPE_BOX, s.type);
+  EXPECT_EQ(DYN_SHAPE_ROLE_VISUAL, s.role);
   EXPECT_EQ(2, s.size[1]);
   EXPECT_EQ(1, s.placement[11]);
-  EXPECT_EQ(dyn_frame_id_of_type(l.model.get(), "a", DYN_FRAME_BODY), s.frame);
-  ASSERT_EQ(DYN_OK, dyn_shape_info(l.model.get(), 3, &s));
-  EXPECT_EQ(DYN_SHAPE_CAPSULE, s.type);
-  EXPECT_EQ(DYN_ROLE_COLLISION, s.role);
+  EXPECT_EQ(dyn_model_frame_id_of_type(l.model.get(), "a", DYN_FRAME_TYPE_BODY), s.frame);
+  ASSERT_EQ(DYN_OK, dyn_model_shape_info(l.model.get(), 3, &s));
+  EXPECT_EQ(DYN_SHAPE_TYPE_CAPSULE, s.type);
+  EXPECT_EQ(DYN_SHAPE_ROLE_COLLISION, s.role);
   EXPECT_EQ(4, s.size[1]);
-  EXPECT_TRUE(l.reports("<collision> has no geometry", DYN_REPORT_WARNING, 3));
-  EXPECT_TRUE(l.reports("shape <cone> is not known", DYN_REPORT_WARNING, 3));
+  EXPECT_TRUE(l.reports("<collision> has no geometry", DYN_REPORT_LEVEL_WARNING, 3));
+  EXPECT_TRUE(l.reports("shape <cone> is not known", DYN_REPORT_LEVEL_WARNING, 3));
 }
 
 TEST(Urdf, UnusualButLegalText) {
@@ -384,14 +384,14 @@ TEST(Urdf, MessagesAreUtf8InOneLine) {
   const Loaded l =
       good(robot(link("a") + "<b\xC3\xA4r/><link name=\"c\"/>" +
                  joint("j", "fixed", "a", "c", "<dynamics x=\"\xE4\nb\" y=\"" + std::string(59, 'a') + "\xC3\xA4\"/>")));
-  EXPECT_TRUE(l.reports("<b\xC3\xA4r> is not used", DYN_REPORT_WARNING, 3));
-  EXPECT_TRUE(l.reports("x=\"? b\"", DYN_REPORT_WARNING, 3));
-  EXPECT_TRUE(l.reports("aaa?...", DYN_REPORT_WARNING, 4));
+  EXPECT_TRUE(l.reports("<b\xC3\xA4r> is not used", DYN_REPORT_LEVEL_WARNING, 3));
+  EXPECT_TRUE(l.reports("x=\"? b\"", DYN_REPORT_LEVEL_WARNING, 3));
+  EXPECT_TRUE(l.reports("aaa?...", DYN_REPORT_LEVEL_WARNING, 4));
 }
 
 TEST(Urdf, SingleLink) {
-  EXPECT_EQ(0, dyn_nv(good(robot(link("a"))).model.get()));
-  EXPECT_EQ(6, dyn_nv(good(robot(link("a")), Options(DYN_BASE_FLOATING)).model.get()));
+  EXPECT_EQ(0, dyn_model_nv(good(robot(link("a"))).model.get()));
+  EXPECT_EQ(6, dyn_model_nv(good(robot(link("a")), Options(DYN_BASE_FLOATING)).model.get()));
 }
 
 TEST(Urdf, NumbersDoNotDependOnTheLocale) {
@@ -407,8 +407,8 @@ TEST(Urdf, NumbersDoNotDependOnTheLocale) {
   EXPECT_EQ(0.5, joint(l, "j").placement[9]);
   EXPECT_EQ(1.25, joint(l, "j").placement[10]);
   EXPECT_EQ(-1e-3, joint(l, "j").placement[11]);
-  EXPECT_EQ(1.5, dyn_model_array(l.model.get(), DYN_UPPER_LIMIT)[0]);
-  EXPECT_TRUE(l.reports("length 2.5", DYN_REPORT_INFO, 4));
+  EXPECT_EQ(1.5, dyn_model_array(l.model.get(), DYN_MODEL_ARRAY_UPPER_LIMIT)[0]);
+  EXPECT_TRUE(l.reports("length 2.5", DYN_REPORT_LEVEL_INFO, 4));
   EXPECT_EQ(0, l.warnings());  // urdfdom's second reading agrees, too
   EXPECT_EQ(DYN_ERROR_PARSE, bad.status);
   if (!comma) GTEST_SKIP() << "no locale with a decimal comma on this machine";
@@ -420,7 +420,7 @@ TEST(Urdf, WhatUrdfdomRefusesIsSaidAndNothingIsPrinted) {
   const Loaded l = good(robot(ab + joint("j", "revolute", "a", "b", "<axis xyz=\"0 0 1\"/>")));
   EXPECT_EQ("", testing::internal::GetCapturedStderr());
   EXPECT_EQ("", testing::internal::GetCapturedStdout());
-  EXPECT_TRUE(l.reports("urdfdom, the parser of ROS, refuses this file", DYN_REPORT_INFO, 0));
+  EXPECT_TRUE(l.reports("urdfdom, the parser of ROS, refuses this file", DYN_REPORT_LEVEL_INFO, 0));
 }
 
 TEST(Urdf, PercentSignsAreNoFormats) {
@@ -428,7 +428,7 @@ TEST(Urdf, PercentSignsAreNoFormats) {
       "<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"m\"><color rgba=\"%s%s%n%n %s %n "
       "%n\"/></material></visual>";
   const Loaded l = good(robot(link("a%s", solid + color) + link("b%n") + joint("%j", "revolute", "a%s", "b%n")));
-  EXPECT_GT(dyn_joint_id(l.model.get(), "%j"), 0);
+  EXPECT_GT(dyn_model_joint_id(l.model.get(), "%j"), 0);
   EXPECT_EQ(0, l.warnings());
   std::string references = robot(link("a", solid + color));
   for (size_t at; (at = references.find('%')) != std::string::npos;) references.replace(at, 1, "&#37;");

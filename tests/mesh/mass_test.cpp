@@ -235,7 +235,7 @@ TEST(MeshErrors, Handles) {
     EXPECT_EQ(DYN_ERROR_HANDLE, dyn_mesh_info(bad, &info));
     EXPECT_EQ(DYN_ERROR_HANDLE, dyn_mesh_arrays(bad, &arrays));
     EXPECT_EQ(DYN_ERROR_HANDLE, dyn_mesh_hull(bad, &hull));
-    EXPECT_EQ(DYN_ERROR_HANDLE, dyn_mesh_colours(bad, info.com));
+    EXPECT_EQ(DYN_ERROR_HANDLE, dyn_mesh_rgb(bad, info.com));
     EXPECT_NE(std::string::npos, std::string(dyn_last_error()).find("mesh"));
   }
   EXPECT_EQ(nullptr, hull);
@@ -243,7 +243,7 @@ TEST(MeshErrors, Handles) {
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_info(m.mesh.get(), nullptr));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_arrays(m.mesh.get(), nullptr));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_hull(m.mesh.get(), nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_colours(m.mesh.get(), nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_rgb(m.mesh.get(), nullptr));
   info.struct_size = 8, arrays.struct_size = 8;
   EXPECT_EQ(DYN_ERROR_SIZE, dyn_mesh_info(m.mesh.get(), &info));
   EXPECT_EQ(DYN_ERROR_SIZE, dyn_mesh_arrays(m.mesh.get(), &arrays));

@@ -101,7 +101,7 @@ struct Made {
   }
   std::vector<double> colours() const {
     std::vector<double> out(3 * arrays().triangle_count);
-    EXPECT_EQ(DYN_OK, dyn_mesh_colours(mesh.get(), out.data())) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_mesh_rgb(mesh.get(), out.data())) << dyn_last_error();
     return out;
   }
   Made hull() const {

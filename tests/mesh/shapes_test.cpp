@@ -21,18 +21,18 @@ dynGeometry geometry(dynShapeType type, const dynMesh* surface = nullptr, std::a
 dynStatus distance(const dynGeometry& a, const dynGeometry& b, const Pose& B, dynDistance& out) {
   out = {};
   out.struct_size = sizeof out;
-  return dyn_shape_distance(&a, at(0, 0, 0).data(), &b, B.data(), 0, &out);
+  return dyn_geometry_distance(&a, at(0, 0, 0).data(), &b, B.data(), 0, &out);
 }
 double distance(const dynGeometry& a, const dynGeometry& b, const Pose& B) {
   dynDistance out;
   EXPECT_EQ(DYN_OK, distance(a, b, B, out)) << dyn_last_error();
-  EXPECT_NE(DYN_DISTANCE_FAILED, out.status);
+  EXPECT_NE(DYN_DISTANCE_STATUS_FAILED, out.status);
   return out.distance;
 }
 
 Made height_field(const std::vector<double>& h, int columns, int rows, double x = 0.5, double y = 0.5, double bottom = -1) {
   dynMesh* m = nullptr;
-  const dynStatus status = dyn_mesh_height_field(h.data(), columns, rows, x, y, bottom, &m);
+  const dynStatus status = dyn_mesh_from_height_field(h.data(), columns, rows, x, y, bottom, &m);
   EXPECT_EQ(status == DYN_OK, m != nullptr);
   return {status, status == DYN_OK ? "" : dyn_last_error(), MeshHandle(m)};
 }
@@ -53,15 +53,15 @@ Solid corner_piece() {
 
 TEST(MeshShapes, TrianglesOfABox) {
   const Made mesh = mesh_of(box(1, 1, 1).moved(-0.5, -0.5, -0.5));
-  const dynGeometry a = geometry(DYN_SHAPE_TRIANGLES, mesh.mesh.get()), b = geometry(DYN_SHAPE_BOX);
-  for (const dynShapeType type : {DYN_SHAPE_BOX, DYN_SHAPE_SPHERE, DYN_SHAPE_CAPSULE, DYN_SHAPE_CYLINDER, DYN_SHAPE_CONE, DYN_SHAPE_ELLIPSOID}) {
+  const dynGeometry a = geometry(DYN_SHAPE_TYPE_TRIANGLES, mesh.mesh.get()), b = geometry(DYN_SHAPE_TYPE_BOX);
+  for (const dynShapeType type : {DYN_SHAPE_TYPE_BOX, DYN_SHAPE_TYPE_SPHERE, DYN_SHAPE_TYPE_CAPSULE, DYN_SHAPE_TYPE_CYLINDER, DYN_SHAPE_TYPE_CONE, DYN_SHAPE_TYPE_ELLIPSOID}) {
     const dynGeometry c = geometry(type, nullptr, {0.3, 0.4, 0.5});
     for (const Pose& X : {at(1, 0.2, 0.1), at(0.9, 0.8, 1.1), at(-2, 0, 0)}) {
       EXPECT_NEAR(distance(b, c, X), distance(a, c, X), 1e-9);
       EXPECT_NEAR(distance(b, c, X), distance(c, a, at(-X[9], -X[10], -X[11])), 1e-9);
     }
   }
-  const dynGeometry floor = geometry(DYN_SHAPE_HALF_SPACE);
+  const dynGeometry floor = geometry(DYN_SHAPE_TYPE_HALF_SPACE);
   EXPECT_NEAR(0.2, distance(a, floor, at(0, 0, -0.7)), 1e-12);
   EXPECT_NEAR(-0.1, distance(a, floor, at(0, 0, -0.4)), 1e-12);
   EXPECT_NEAR(0.5, distance(a, a, at(1.5, 0, 0)), 1e-9);
@@ -69,32 +69,32 @@ TEST(MeshShapes, TrianglesOfABox) {
 
 TEST(MeshShapes, RaysClosestPointsSweepsAndContacts) {
   const Made mesh = mesh_of(box(1, 1, 1).moved(-0.5, -0.5, -0.5));
-  const dynGeometry a = geometry(DYN_SHAPE_TRIANGLES, mesh.mesh.get()), ball = geometry(DYN_SHAPE_SPHERE, nullptr, {0.1, 0, 0});
+  const dynGeometry a = geometry(DYN_SHAPE_TYPE_TRIANGLES, mesh.mesh.get()), ball = geometry(DYN_SHAPE_TYPE_SPHERE, nullptr, {0.1, 0, 0});
   const Pose here = at(0, 0, 0), side = at(0, 0.8, 0), above = at(0.1, 0.2, 0.65);
   dynRayHit hit{};
   hit.struct_size = sizeof hit;
   const double from[] = {2, 0.1, 0.2}, along[] = {-2, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_shape_ray(&a, here.data(), from, along, &hit)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_ray(&a, here.data(), from, along, &hit)) << dyn_last_error();
   EXPECT_NEAR(0.75, hit.t, 1e-12);
   EXPECT_NEAR(1, hit.normal[0], 1e-12);
   dynClosestPoint near{};
   near.struct_size = sizeof near;
-  ASSERT_EQ(DYN_OK, dyn_shape_closest_point(&a, here.data(), from, &near)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_closest_point(&a, here.data(), from, &near)) << dyn_last_error();
   EXPECT_NEAR(1.5, near.distance, 1e-12);
   // past the side of the box, whose normal the motion is across, into a wall far ahead
   Solid two = box(1, 1, 1).moved(-0.5, -0.5, -0.5);
   two.add(box(1, 1, 1).moved(3, 0.3, -0.5));
   const Made walls = mesh_of(two);
-  const dynGeometry b = geometry(DYN_SHAPE_TRIANGLES, walls.mesh.get());
+  const dynGeometry b = geometry(DYN_SHAPE_TYPE_TRIANGLES, walls.mesh.get());
   const double still[6] = {}, motion[6] = {1, 0, 0, 0, 0, 0};
   dynImpact impact{};
   impact.struct_size = sizeof impact;
-  ASSERT_EQ(DYN_OK, dyn_shape_sweep(&b, here.data(), still, &ball, side.data(), motion, 5, 0, &impact)) << dyn_last_error();
-  EXPECT_EQ(DYN_SWEEP_HIT, impact.status);
+  ASSERT_EQ(DYN_OK, dyn_geometry_sweep(&b, here.data(), still, &ball, side.data(), motion, 5, 0, &impact)) << dyn_last_error();
+  EXPECT_EQ(DYN_SWEEP_STATUS_HIT, impact.status);
   EXPECT_NEAR(2.9, impact.time, 1e-3);
-  dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
+  dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
   int count = 0;
-  ASSERT_EQ(DYN_OK, dyn_shape_contacts(&a, here.data(), &ball, above.data(), 0.1, 0, contacts, &count)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_geometry_contacts(&a, here.data(), &ball, above.data(), 0.1, 0, contacts, &count)) << dyn_last_error();
   ASSERT_EQ(1, count);
   EXPECT_NEAR(0.05, contacts[0].distance, 1e-12);
   EXPECT_NEAR(0.525, contacts[0].position[2], 1e-12);
@@ -106,7 +106,7 @@ TEST(MeshShapes, HeightFields) {
   EXPECT_EQ(15, flat.info().vertices);
   EXPECT_EQ(16, flat.info().triangles);
   EXPECT_NEAR(2, flat.info().area, 1e-14);
-  const dynGeometry field = geometry(DYN_SHAPE_HEIGHT_FIELD, flat.mesh.get()), ball = geometry(DYN_SHAPE_SPHERE, nullptr, {0.2, 0, 0}), cube = geometry(DYN_SHAPE_BOX, nullptr, {0.4, 0.4, 0.4});
+  const dynGeometry field = geometry(DYN_SHAPE_TYPE_HEIGHT_FIELD, flat.mesh.get()), ball = geometry(DYN_SHAPE_TYPE_SPHERE, nullptr, {0.2, 0, 0}), cube = geometry(DYN_SHAPE_TYPE_BOX, nullptr, {0.4, 0.4, 0.4});
   EXPECT_NEAR(0.3, distance(field, ball, at(0.3, 0.1, 1)), 1e-12);
   EXPECT_NEAR(-0.1, distance(field, ball, at(0.3, 0.1, 0.6)), 1e-12);
   EXPECT_NEAR(-0.4, distance(field, ball, at(0.3, 0.1, 0.3)), 1e-12);
@@ -115,7 +115,7 @@ TEST(MeshShapes, HeightFields) {
   EXPECT_NEAR(0.8, distance(field, ball, at(2, 0, 0)), 1e-12);
   // the top of a pyramid
   const Made peak = height_field({0, 0, 0, 0, 1, 0, 0, 0, 0}, 3, 3);
-  EXPECT_NEAR(0.8, distance(geometry(DYN_SHAPE_HEIGHT_FIELD, peak.mesh.get()), ball, at(0, 0, 2)), 1e-12);
+  EXPECT_NEAR(0.8, distance(geometry(DYN_SHAPE_TYPE_HEIGHT_FIELD, peak.mesh.get()), ball, at(0, 0, 2)), 1e-12);
 }
 
 TEST(MeshShapes, BadHeightFields) {
@@ -133,13 +133,13 @@ TEST(MeshShapes, BadHeightFields) {
   refused(DYN_ERROR_NONFINITE, "a step of", height_field({0, 0, 0, 0}, 2, 2, 1, inf));
   refused(DYN_ERROR_NONFINITE, "bottom", height_field({0, 0, 0, 0}, 2, 2, 1, 1, nan));
   refused(DYN_ERROR_LIMIT, "reaches", height_field(std::vector<double>(8, 0), 4, 2, 1e12, 1e12));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_height_field(nullptr, 2, 2, 1, 1, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_mesh_from_height_field(nullptr, 2, 2, 1, 1, 0, nullptr));
 }
 
 TEST(MeshShapes, BadSurfaces) {
   const Made mesh = mesh_of(box(1, 1, 1)), cloud = mesh_of({{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {}});
   dynDistance out;
-  const dynGeometry b = geometry(DYN_SHAPE_BOX);
+  const dynGeometry b = geometry(DYN_SHAPE_TYPE_BOX);
   const auto refused = [&](dynStatus status, const char* words, dynShapeType type, const dynMesh* surface) {
     dynGeometry g = geometry(type, surface);
     std::fill_n(g.size, 3, 1);
@@ -147,15 +147,15 @@ TEST(MeshShapes, BadSurfaces) {
     EXPECT_NE(nullptr, std::strstr(dyn_last_error(), words)) << dyn_last_error();
     EXPECT_EQ(status, distance(b, g, at(3, 0, 0), out)) << words;
   };
-  for (const dynShapeType type : {DYN_SHAPE_CONVEX, DYN_SHAPE_TRIANGLES, DYN_SHAPE_HEIGHT_FIELD}) refused(DYN_ERROR_ARGUMENT, "surface is NULL", type, nullptr);
-  refused(DYN_ERROR_ARGUMENT, "no hull", DYN_SHAPE_CONVEX, mesh.mesh.get());
-  refused(DYN_ERROR_ARGUMENT, "no height field", DYN_SHAPE_HEIGHT_FIELD, mesh.mesh.get());
-  refused(DYN_ERROR_ARGUMENT, "a cloud of points", DYN_SHAPE_TRIANGLES, cloud.mesh.get());
-  refused(DYN_ERROR_ARGUMENT, "leave surface NULL", DYN_SHAPE_BOX, mesh.mesh.get());
-  refused(DYN_ERROR_UNSUPPORTED, "a name alone", DYN_SHAPE_MESH, mesh.mesh.get());
+  for (const dynShapeType type : {DYN_SHAPE_TYPE_CONVEX, DYN_SHAPE_TYPE_TRIANGLES, DYN_SHAPE_TYPE_HEIGHT_FIELD}) refused(DYN_ERROR_ARGUMENT, "surface is NULL", type, nullptr);
+  refused(DYN_ERROR_ARGUMENT, "no hull", DYN_SHAPE_TYPE_CONVEX, mesh.mesh.get());
+  refused(DYN_ERROR_ARGUMENT, "no height field", DYN_SHAPE_TYPE_HEIGHT_FIELD, mesh.mesh.get());
+  refused(DYN_ERROR_ARGUMENT, "a cloud of points", DYN_SHAPE_TYPE_TRIANGLES, cloud.mesh.get());
+  refused(DYN_ERROR_ARGUMENT, "leave surface NULL", DYN_SHAPE_TYPE_BOX, mesh.mesh.get());
+  refused(DYN_ERROR_UNSUPPORTED, "a name alone", DYN_SHAPE_TYPE_MESH, mesh.mesh.get());
   dynMesh* gone = mesh_of(box(1, 1, 1)).mesh.release();
   dyn_mesh_free(gone);
-  refused(DYN_ERROR_HANDLE, "freed", DYN_SHAPE_TRIANGLES, gone);
+  refused(DYN_ERROR_HANDLE, "freed", DYN_SHAPE_TYPE_TRIANGLES, gone);
 }
 
 struct Robot {
@@ -173,21 +173,21 @@ struct Robot {
   dynShapeInfo shape(int k) const {
     dynShapeInfo s{};
     s.struct_size = sizeof s;
-    EXPECT_EQ(DYN_OK, dyn_shape_info(m, k, &s));
+    EXPECT_EQ(DYN_OK, dyn_model_shape_info(m, k, &s));
     return s;
   }
   std::string report() const {
     std::string all;
-    for (int k = 0; k < dyn_report_count(m); ++k) {
+    for (int k = 0; k < dyn_model_report_count(m); ++k) {
       dynReportEntry e{};
       e.struct_size = sizeof e;
-      EXPECT_EQ(DYN_OK, dyn_report_entry(m, k, &e));
-      all += std::string(e.level == DYN_REPORT_WARNING ? "warning: " : "info: ") + e.message + "\n";
+      EXPECT_EQ(DYN_OK, dyn_model_report_entry(m, k, &e));
+      all += std::string(e.level == DYN_REPORT_LEVEL_WARNING ? "warning: " : "info: ") + e.message + "\n";
     }
     return all;
   }
   std::vector<double> distances(const std::vector<double>& q) {
-    std::vector<double> out(std::size_t(dyn_npairs(m)), -77);
+    std::vector<double> out(std::size_t(dyn_model_npairs(m)), -77);
     EXPECT_EQ(DYN_OK, dyn_distances(m, d, q.data(), out.data())) << dyn_last_error();
     return out;
   }
@@ -228,16 +228,16 @@ std::string robot(const std::string& mesh, const std::string& scale = "1 1 1") {
 
 TEST(MeshRobots, NamesAloneByDefault) {
   Folder folder;
-  const Robot r = load(folder.write("r.urdf", robot("missing.stl")), DYN_MESH_NONE);
+  const Robot r = load(folder.write("r.urdf", robot("missing.stl")), DYN_MESH_USE_NONE);
   ASSERT_EQ(DYN_OK, r.status) << r.error;
-  EXPECT_EQ(DYN_SHAPE_MESH, r.shape(1).type);
-  for (int k = 0; k < dyn_npairs(r.m); ++k) {
+  EXPECT_EQ(DYN_SHAPE_TYPE_MESH, r.shape(1).type);
+  for (int k = 0; k < dyn_model_npairs(r.m); ++k) {
     dynPairReason reason;
-    EXPECT_EQ(DYN_OK, dyn_pair(r.m, k, nullptr, nullptr, &reason));
-    EXPECT_EQ(DYN_PAIR_MESH, reason);
+    EXPECT_EQ(DYN_OK, dyn_model_pair(r.m, k, nullptr, nullptr, &reason));
+    EXPECT_EQ(DYN_PAIR_REASON_MESH, reason);
   }
   dynMesh* mesh = nullptr;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_mesh(r.m, 1, &mesh));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_shape_mesh(r.m, 1, &mesh));
   holds(dyn_last_error(), "load the robot with meshes");
 }
 
@@ -245,7 +245,7 @@ TEST(MeshRobots, NamesAloneByDefault) {
 TEST(MeshShapes, HullsOfPoints) {
   const Made hull = mesh_of({box(1, 1, 1).moved(-0.5, -0.5, -0.5).vertices, {}}).hull();
   ASSERT_EQ(DYN_OK, hull.status) << hull.error;
-  const dynGeometry a = geometry(DYN_SHAPE_CONVEX, hull.mesh.get()), b = geometry(DYN_SHAPE_BOX), c = geometry(DYN_SHAPE_CYLINDER, nullptr, {0.3, 0.5, 0});
+  const dynGeometry a = geometry(DYN_SHAPE_TYPE_CONVEX, hull.mesh.get()), b = geometry(DYN_SHAPE_TYPE_BOX), c = geometry(DYN_SHAPE_TYPE_CYLINDER, nullptr, {0.3, 0.5, 0});
   for (const Pose& X : {at(1, 0.2, 0.1), at(0.9, 0.8, 1.1), at(0.3, 0.2, 0), at(-2, 0, 0)}) {
     EXPECT_NEAR(distance(b, c, X), distance(a, c, X), 1e-9);
     EXPECT_NEAR(distance(b, b, X), distance(a, a, X), 1e-9);
@@ -257,10 +257,10 @@ TEST(MeshShapes, HullsOfPoints) {
 TEST(MeshShapes, LargeHulls) {
   const Made hull = mesh_of(icosphere(5)).hull();
   ASSERT_GT(hull.info().vertices, 10000);
-  const dynGeometry a = geometry(DYN_SHAPE_CONVEX, hull.mesh.get()), ball = geometry(DYN_SHAPE_SPHERE, nullptr, {1, 0, 0});
+  const dynGeometry a = geometry(DYN_SHAPE_TYPE_CONVEX, hull.mesh.get()), ball = geometry(DYN_SHAPE_TYPE_SPHERE, nullptr, {1, 0, 0});
   for (int k = 0; k < 50; ++k) {
     const Pose X = at(3 * std::cos(k), 3 * std::sin(k), 2 * std::sin(3 * k));
-    for (const dynGeometry& b : {geometry(DYN_SHAPE_BOX), geometry(DYN_SHAPE_CAPSULE, nullptr, {0.2, 1, 0}), geometry(DYN_SHAPE_CYLINDER, nullptr, {0.2, 1, 0})}) {
+    for (const dynGeometry& b : {geometry(DYN_SHAPE_TYPE_BOX), geometry(DYN_SHAPE_TYPE_CAPSULE, nullptr, {0.2, 1, 0}), geometry(DYN_SHAPE_TYPE_CYLINDER, nullptr, {0.2, 1, 0})}) {
       const double d = distance(a, b, X), expected = distance(ball, b, X);
       EXPECT_GE(d, expected - 1e-9);
       EXPECT_LE(d, expected + 2e-3);
@@ -272,12 +272,12 @@ TEST(MeshRobots, HullsAndTriangles) {
   Folder folder;
   folder.write("l.stl", binary_stl(corner_piece()));
   const std::string path = folder.write("r.urdf", robot("l.stl", "1 1 2"));
-  Robot hull = load(path, DYN_MESH_HULL), triangles = load(path, DYN_MESH_TRIANGLES);
+  Robot hull = load(path, DYN_MESH_USE_HULL), triangles = load(path, DYN_MESH_USE_TRIANGLES);
   ASSERT_EQ(DYN_OK, hull.status) << hull.error;
   ASSERT_EQ(DYN_OK, triangles.status) << triangles.error;
-  EXPECT_EQ(DYN_SHAPE_MESH, hull.shape(0).type);
-  EXPECT_EQ(DYN_SHAPE_CONVEX, hull.shape(1).type);
-  EXPECT_EQ(DYN_SHAPE_TRIANGLES, triangles.shape(1).type);
+  EXPECT_EQ(DYN_SHAPE_TYPE_MESH, hull.shape(0).type);
+  EXPECT_EQ(DYN_SHAPE_TYPE_CONVEX, hull.shape(1).type);
+  EXPECT_EQ(DYN_SHAPE_TYPE_TRIANGLES, triangles.shape(1).type);
   EXPECT_NE(nullptr, std::strstr(hull.shape(1).mesh, "l.stl"));
   // 7/2 instead of 3
   holds(hull.report(), "warning: link 'base': mesh ");
@@ -285,7 +285,7 @@ TEST(MeshRobots, HullsAndTriangles) {
   holds(triangles.report(), "info: link 'base': mesh ");
   holds(triangles.report(), "20 triangles that enclose a solid");
   // base and ball are a body and its child; ball and other too; base and other remain
-  ASSERT_EQ(1, dyn_npairs(hull.m));
+  ASSERT_EQ(1, dyn_model_npairs(hull.m));
   EXPECT_NEAR(0.5, hull.distances({0, 2.5})[0], 1e-9);
   EXPECT_NEAR(0.5, triangles.distances({0, 2.5})[0], 1e-9);
   EXPECT_NEAR(1, hull.distances({3, 0})[0], 1e-9);
@@ -294,15 +294,15 @@ TEST(MeshRobots, HullsAndTriangles) {
 
   // the mesh is kept once, and can be had back
   dynMesh* mesh = nullptr;
-  ASSERT_EQ(DYN_OK, dyn_shape_mesh(triangles.m, 3, &mesh)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_model_shape_mesh(triangles.m, 3, &mesh)) << dyn_last_error();
   const Made back{DYN_OK, "", MeshHandle(mesh)};
   EXPECT_NEAR(6, back.info().volume, 1e-12);
-  ASSERT_EQ(DYN_OK, dyn_shape_mesh(hull.m, 1, &mesh)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_model_shape_mesh(hull.m, 1, &mesh)) << dyn_last_error();
   const Made body{DYN_OK, "", MeshHandle(mesh)};
   EXPECT_NEAR(7, body.info().volume, 1e-12);
   EXPECT_EQ(10u, body.arrays().vertex_count);
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_mesh(hull.m, 2, &mesh));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_shape_mesh(hull.m, 4, &mesh));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_shape_mesh(hull.m, 2, &mesh));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_shape_mesh(hull.m, 4, &mesh));
 
   // a builder of the model makes the same
   for (Robot* r : {&hull, &triangles}) {
@@ -320,10 +320,10 @@ TEST(MeshRobots, HullsAndTriangles) {
 TEST(MeshRobots, MirroredScale) {
   Folder folder;
   folder.write("l.stl", binary_stl(corner_piece()));
-  Robot r = load(folder.write("r.urdf", robot("l.stl", "-1 1 1")), DYN_MESH_TRIANGLES);
+  Robot r = load(folder.write("r.urdf", robot("l.stl", "-1 1 1")), DYN_MESH_USE_TRIANGLES);
   ASSERT_EQ(DYN_OK, r.status) << r.error;
   dynMesh* mesh = nullptr;
-  ASSERT_EQ(DYN_OK, dyn_shape_mesh(r.m, 1, &mesh));
+  ASSERT_EQ(DYN_OK, dyn_model_shape_mesh(r.m, 1, &mesh));
   const Made back{DYN_OK, "", MeshHandle(mesh)};
   EXPECT_EQ(1, back.info().orientation);
   EXPECT_NEAR(-2, back.info().lower[0], 1e-12);
@@ -332,7 +332,7 @@ TEST(MeshRobots, MirroredScale) {
 TEST(MeshRobots, Gradients) {
   Folder folder;
   folder.write("l.stl", binary_stl(corner_piece()));
-  for (const dynMeshUse use : {DYN_MESH_HULL, DYN_MESH_TRIANGLES}) {
+  for (const dynMeshUse use : {DYN_MESH_USE_HULL, DYN_MESH_USE_TRIANGLES}) {
     Robot r = load(folder.write("r.urdf", robot("l.stl")), use);
     const std::vector<double> q = {2.4, 1.3};
     r.distances(q);
@@ -350,7 +350,7 @@ TEST(MeshRobots, Gradients) {
 TEST(MeshRobots, WhatCannotBeReadIsAnError) {
   Folder folder;
   const auto refused = [&](dynStatus status, const std::string& mesh, const std::vector<std::string>& words) {
-    for (const dynMeshUse use : {DYN_MESH_HULL, DYN_MESH_TRIANGLES}) {
+    for (const dynMeshUse use : {DYN_MESH_USE_HULL, DYN_MESH_USE_TRIANGLES}) {
       const Robot r = load(folder.write("r.urdf", robot(mesh)), use);
       EXPECT_EQ(status, r.status) << mesh;
       for (const std::string& w : words) holds(r.error, w);
@@ -366,10 +366,10 @@ TEST(MeshRobots, WhatCannotBeReadIsAnError) {
   Solid flat;
   flat.vertices = {0, 0, 0, 1, 0, 0, 0, 1, 0}, flat.triangles = {0, 1, 2};
   folder.write("flat.stl", binary_stl(flat));
-  const Robot r = load(folder.write("r.urdf", robot("flat.stl")), DYN_MESH_HULL);
+  const Robot r = load(folder.write("r.urdf", robot("flat.stl")), DYN_MESH_USE_HULL);
   EXPECT_EQ(DYN_ERROR_INVALID, r.status);
   holds(r.error, "link 'base'");
-  const Robot t = load(folder.write("r.urdf", robot("flat.stl")), DYN_MESH_TRIANGLES);
+  const Robot t = load(folder.write("r.urdf", robot("flat.stl")), DYN_MESH_USE_TRIANGLES);
   ASSERT_EQ(DYN_OK, t.status) << t.error;
   holds(t.report(), "warning: link 'base'");
   holds(t.report(), "1 triangle that enclose nothing (3 open edges)");
@@ -392,37 +392,37 @@ TEST(MeshBuilders, TakeSurfaces) {
   const double zero[9] = {}, one[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, com[3] = {};
   dynJointSpec slide;
   dyn_joint_spec_init(&slide);
-  slide.name = "fall", slide.type = DYN_JOINT_PRISMATIC, slide.placement[11] = 2;
-  ASSERT_EQ(DYN_OK, dyn_builder_body(b, "ground", nullptr, nullptr, 0, com, zero));
-  ASSERT_EQ(DYN_OK, dyn_builder_joint(b, &slide));
+  slide.name = "fall", slide.type = DYN_JOINT_TYPE_PRISMATIC, slide.placement[11] = 2;
+  ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, "ground", nullptr, nullptr, 0, com, zero));
+  ASSERT_EQ(DYN_OK, dyn_builder_add_joint(b, &slide));
   dynJointSpec turn;
   dyn_joint_spec_init(&turn);
   turn.name = "turn", turn.parent = "fall";
-  ASSERT_EQ(DYN_OK, dyn_builder_joint(b, &turn));
-  ASSERT_EQ(DYN_OK, dyn_builder_body(b, "piece", "turn", nullptr, 1, com, one)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_builder_add_joint(b, &turn));
+  ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, "piece", "turn", nullptr, 1, com, one)) << dyn_last_error();
   dynShapeSpec s;
   dyn_shape_spec_init(&s);
-  s.body = "ground", s.type = DYN_SHAPE_HEIGHT_FIELD;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_shape(b, &s));
+  s.body = "ground", s.type = DYN_SHAPE_TYPE_HEIGHT_FIELD;
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_add_shape(b, &s));
   {
     const Made field = height_field(std::vector<double>(15, 0.5), 5, 3), piece = mesh_of(box(0.2, 0.2, 0.2));
     s.surface = piece.mesh.get();
-    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_shape(b, &s));
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_add_shape(b, &s));
     s.surface = field.mesh.get();
-    ASSERT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
-    s.body = "piece", s.type = DYN_SHAPE_TRIANGLES, s.surface = piece.mesh.get();
-    ASSERT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
+    s.body = "piece", s.type = DYN_SHAPE_TYPE_TRIANGLES, s.surface = piece.mesh.get();
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
   }  // copied: the handles are free
   Robot r;
   ASSERT_EQ(DYN_OK, dyn_builder_finish(b, &r.m)) << dyn_last_error();
   dyn_builder_free(b);
   r = data_of(std::move(r));
-  ASSERT_EQ(1, dyn_npairs(r.m));
+  ASSERT_EQ(1, dyn_model_npairs(r.m));
   EXPECT_NEAR(1.5, r.distances({0, 0.3})[0], 1e-9);
   EXPECT_NEAR(0.5, r.distances({-1, 0.1})[0], 1e-9);
   EXPECT_NEAR(-0.05, r.distances({-1.55, 0})[0], 1e-9);
   dynMesh* mesh = nullptr;
-  ASSERT_EQ(DYN_OK, dyn_shape_mesh(r.m, 0, &mesh));
+  ASSERT_EQ(DYN_OK, dyn_model_shape_mesh(r.m, 0, &mesh));
   const Made back{DYN_OK, "", MeshHandle(mesh)};
   EXPECT_EQ(16, back.info().triangles);
 }

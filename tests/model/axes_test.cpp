@@ -59,8 +59,8 @@ TEST(Axes, ChainWithoutNoise) {
   Builder b("axes");
   std::string parent;
   int k = 0;
-  for (dynJointType type : {DYN_JOINT_REVOLUTE, DYN_JOINT_PRISMATIC, DYN_JOINT_HELICAL, DYN_JOINT_CONTINUOUS, DYN_JOINT_CYLINDRICAL, DYN_JOINT_PLANAR,
-                            DYN_JOINT_UNIVERSAL, DYN_JOINT_TRANSLATION, DYN_JOINT_SPHERICAL, DYN_JOINT_SPHERICAL_ZYX})
+  for (dynJointType type : {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_PLANAR,
+                            DYN_JOINT_TYPE_UNIVERSAL, DYN_JOINT_TYPE_TRANSLATION, DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_SPHERICAL_ZYX})
     for (const Axis& a : along) {
       JointSpec s;
       s.name = "j" + std::to_string(k), s.parent.name = parent, s.type = type;
@@ -81,7 +81,7 @@ TEST(Axes, ChainWithoutNoise) {
     W = W * load_se3(m->joints()[j].placement);
     store_se3(W, expected);
     Index f = 0;
-    while (m->frames()[f].type != DYN_FRAME_JOINT || m->frames()[f].joint != j) ++f;
+    while (m->frames()[f].type != DYN_FRAME_TYPE_JOINT || m->frames()[f].joint != j) ++f;
     frame_placement(*m, d, f, X);
     for (int i = 0; i < 12; ++i) ASSERT_EQ(expected[i], X[i]) << m->string(m->joints()[j].name) << " " << i;
     EXPECT_TRUE(zeros_and_ones(load_se3(X).R));

@@ -156,18 +156,18 @@ TEST(Builder, MergedLinksKeepFrameNameAndOwnInertia) {
   auto add = [&](const BodySpec& s) { b.body(s.name, {s.parent, 0}, placement(s.placement), s.mass, array3(s.com), array9(s.inertia)); };
   add(own);
   JointSpec weld = hinge("weld", "own");
-  weld.type = DYN_JOINT_FIXED, weld.placement = placement(A);
+  weld.type = DYN_JOINT_TYPE_FIXED, weld.placement = placement(A);
   b.joint(weld);
   add(tool);
   weld.name = "weld2", weld.parent.name = "tool", weld.placement = placement(B);
   b.joint(weld);
   add(tip);
-  b.frame("sensor", {"tip", 0}, placement(C), DYN_FRAME_SENSOR);
+  b.frame("sensor", {"tip", 0}, placement(C), DYN_FRAME_TYPE_SENSOR);
   const ModelPtr m = b.finish();
   EXPECT_EQ(2, m->n.joints);
   EXPECT_EQ(3, m->n.links);
-  EXPECT_EQ(DYN_FRAME_FIXED_JOINT, frame(*m, "weld").type);
-  EXPECT_EQ(DYN_FRAME_SENSOR, frame(*m, "sensor").type);
+  EXPECT_EQ(DYN_FRAME_TYPE_FIXED_JOINT, frame(*m, "weld").type);
+  EXPECT_EQ(DYN_FRAME_TYPE_SENSOR, frame(*m, "sensor").type);
   // where they are in the joint's frame
   const M4 X_own = own.placement, X_tool = X_own * A * tool.placement, X_tip = X_tool * B * tip.placement;
   EXPECT_LE(gap(eigen(frame(*m, "weld").placement), X_own * A), 4e-15);
@@ -207,7 +207,7 @@ TEST(Builder, WhatIsWeldedToTheWorldDoesNotCount) {
 TEST(Builder, InternalFramesAreInvisible) {
   // the same robot with every joint's axis given as z of a turned frame instead of an axis in an unturned one
   Dice dice(4);
-  for (dynJointType type : {DYN_JOINT_REVOLUTE, DYN_JOINT_PRISMATIC, DYN_JOINT_HELICAL, DYN_JOINT_CYLINDRICAL, DYN_JOINT_REVOLUTE_UNBOUNDED}) {
+  for (dynJointType type : {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL, DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED}) {
     ModelPtr models[2];
     const V3 axis = dice.direction();
     M4 turn = M4::Identity();
@@ -258,7 +258,7 @@ TEST(Builder, NamesResolveJointsBeforeLinks) {
   other.placement[9] = 1;
   b.body("same", {"same", 0}, placement([] { M4 X = M4::Identity(); X(0, 3) = 5; return X; }()), 1, {0, 0, 0}, unit_inertia);
   b.joint(other);                                                                              // on the joint, not on the link
-  b.frame("on_link", {"same", DYN_FRAME_BODY}, identity_placement, DYN_FRAME_OP_FRAME);  // on the link
+  b.frame("on_link", {"same", DYN_FRAME_TYPE_BODY}, identity_placement, DYN_FRAME_TYPE_OP_FRAME);  // on the link
   link(b, "j2");
   const ModelPtr m = b.finish();
   EXPECT_EQ(1, m->joints()[2].placement[9]);
@@ -268,7 +268,7 @@ TEST(Builder, NamesResolveJointsBeforeLinks) {
 TEST(Builder, LimitsAndTheRestArePerCoordinate) {
   Builder b("numbers");
   JointSpec s = hinge("c");
-  s.type = DYN_JOINT_CYLINDRICAL;
+  s.type = DYN_JOINT_TYPE_CYLINDRICAL;
   s.lower = {-1, -2}, s.upper = {3, 4}, s.velocity = {5, 6}, s.effort = {7, 8}, s.armature = {0.1, 0.2}, s.damping = {0.3, 0.4}, s.friction = {0.5, 0.6};
   b.joint(s);
   link(b, "c");
@@ -292,7 +292,7 @@ TEST(Builder, LimitsAndTheRestArePerCoordinate) {
 TEST(Builder, NamedConfigurations) {
   Builder b("configurations");
   JointSpec s = hinge("ball");
-  s.type = DYN_JOINT_SPHERICAL;
+  s.type = DYN_JOINT_TYPE_SPHERICAL;
   b.joint(s);
   link(b, "ball");
   b.configuration("home", {0.5, 0.5, 0.5, 0.5});
@@ -306,7 +306,7 @@ TEST(Builder, NamedConfigurations) {
 TEST(Builder, NamedConfigurationsAreNormalised) {
   Builder b("configurations");
   JointSpec s = hinge("ball"), wheel = hinge("wheel");
-  s.type = DYN_JOINT_SPHERICAL, wheel.type = DYN_JOINT_REVOLUTE_UNBOUNDED;
+  s.type = DYN_JOINT_TYPE_SPHERICAL, wheel.type = DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
   b.joint(s);
   link(b, "ball");
   b.joint(wheel);

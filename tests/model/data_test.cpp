@@ -43,8 +43,8 @@ TEST(Data, BuffersAreAlignedDisjointAndOnlyWhatWasAskedFor) {
 
 TEST(Data, PartsBringWhatTheyNeed) {
   EXPECT_EQ(dynParts(DYN_PART_ALL), complete_parts(0));
-  EXPECT_EQ(dynParts(DYN_PART_MINV | DYN_PART_FACTOR | DYN_PART_FORWARD | DYN_PART_MASS), complete_parts(DYN_PART_MINV));
-  EXPECT_EQ(dynParts(DYN_PART_FACTOR | DYN_PART_MASS), complete_parts(DYN_PART_FACTOR));
+  EXPECT_EQ(dynParts(DYN_PART_MINV | DYN_PART_CHOLESKY | DYN_PART_FORWARD | DYN_PART_MASS), complete_parts(DYN_PART_MINV));
+  EXPECT_EQ(dynParts(DYN_PART_CHOLESKY | DYN_PART_MASS), complete_parts(DYN_PART_CHOLESKY));
   for (dynParts p : {DYN_PART_JACOBIANS, DYN_PART_COM, DYN_PART_CORIOLIS, DYN_PART_ENERGY, DYN_PART_FRAMES, DYN_PART_CENTROIDAL, DYN_PART_REGRESSOR})
     EXPECT_EQ(p | DYN_PART_KINEMATICS, complete_parts(p));
   EXPECT_EQ(dynParts(DYN_PART_IK | DYN_PART_COM | DYN_PART_KINEMATICS), complete_parts(DYN_PART_IK));
@@ -55,7 +55,7 @@ TEST(Data, PartsBringWhatTheyNeed) {
 
 TEST(Data, NothingOfSizeNvSquaredUnlessAskedFor) {
   TreeOptions free_bodies;
-  free_bodies.joints = 1000, free_bodies.types = {DYN_JOINT_FREE_FLYER}, free_bodies.branch = 1, free_bodies.armature = 0;
+  free_bodies.joints = 1000, free_bodies.types = {DYN_JOINT_TYPE_FREE_FLYER}, free_bodies.branch = 1, free_bodies.armature = 0;
   const ModelPtr m = random_tree(1, free_bodies).build();
   ASSERT_EQ(6000, m->n.nv);
   for (dynParts parts : {DYN_PART_INVERSE, DYN_PART_FORWARD, DYN_PART_KINEMATICS, DYN_PART_ENERGY, DYN_PART_COM, DYN_PART_JACOBIANS, DYN_PART_CENTROIDAL})

@@ -74,15 +74,15 @@ TEST(Mimic, RotorsAndDampingMoveToTheLeader) {
 }
 
 TEST(Mimic, AnyJointOfOneCoordinateTakesPart) {
-  for (dynJointType leader : {DYN_JOINT_REVOLUTE, DYN_JOINT_CONTINUOUS, DYN_JOINT_PRISMATIC, DYN_JOINT_HELICAL})
-    for (dynJointType follower : {DYN_JOINT_REVOLUTE, DYN_JOINT_CONTINUOUS, DYN_JOINT_PRISMATIC, DYN_JOINT_HELICAL}) {
+  for (dynJointType leader : {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL})
+    for (dynJointType follower : {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL}) {
       JointSpec a = hinge("a"), b = hinge("b", "a", "a", 1.5, 0);
       a.type = leader, b.type = follower, a.pitch = b.pitch = 0.1;
       EXPECT_EQ(1, build({a, b})->n.nv);
     }
   JointSpec whole = hinge("whole", "", "a", 2, 0), part;
   part.axis = {0, 1, 0};
-  whole.type = DYN_JOINT_COMPOSITE, whole.parts = {part};
+  whole.type = DYN_JOINT_TYPE_COMPOSITE, whole.parts = {part};
   EXPECT_EQ(1, build({hinge("a"), whole})->n.nv);
 }
 
@@ -93,10 +93,10 @@ TEST(Mimic, WhatCannotFollow) {
   EXPECT_NE(std::string::npos, refusal({hinge("a", "", "nobody")}, DYN_ERROR_NAME).find("joint 'a': mimics 'nobody'"));
   EXPECT_NE(std::string::npos, refusal({hinge("a", "", "a_link")}, DYN_ERROR_NAME).find("a_link")) << "a link is no joint";
   JointSpec ball = hinge("ball");
-  ball.type = DYN_JOINT_SPHERICAL;
+  ball.type = DYN_JOINT_TYPE_SPHERICAL;
   EXPECT_NE(std::string::npos, refusal({ball, hinge("a", "ball", "ball")}, DYN_ERROR_INVALID).find("'ball', which has more than one coordinate"));
   JointSpec wheel = hinge("wheel");
-  wheel.type = DYN_JOINT_REVOLUTE_UNBOUNDED;
+  wheel.type = DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
   EXPECT_NE(std::string::npos, refusal({wheel, hinge("a", "wheel", "wheel")}, DYN_ERROR_INVALID).find("'wheel'"));
   ball.mimic = "a";
   EXPECT_NE(std::string::npos, refusal({hinge("a"), ball}, DYN_ERROR_INVALID).find("this is spherical"));

@@ -15,7 +15,7 @@ Tree furnished(std::uint64_t seed, int joints = 0) {
   Tree t = random_tree(seed, options);
   Dice dice(seed + 5);
   for (JointSpec& s : t.joints) {
-    if (s.type == DYN_JOINT_FIXED) continue;
+    if (s.type == DYN_JOINT_TYPE_FIXED) continue;
     const std::size_t nv = std::size_t(spec_nv(s));
     for (auto* x : {&s.damping, &s.friction, &s.velocity, &s.effort})
       for (std::size_t k = 0; k < nv; ++k) x->push_back(dice.in(0, 3));
@@ -39,15 +39,15 @@ void add(Builder& b, const Tree& t, const std::string& prefix = "", const std::s
   for (BodySpec s : t.bodies) {
     s.name = prefix + s.name, s.parent = prefix + s.parent;
     add_body(b, s);
-    if (dice.chance(0.3)) b.shape({prefix + "of_" + s.name, DYN_SHAPE_MESH, DYN_ROLE_VISUAL, s.name, placement(dice.pose()), {1, 2, 3}, "x.stl"});
+    if (dice.chance(0.3)) b.shape({prefix + "of_" + s.name, DYN_SHAPE_TYPE_MESH, DYN_SHAPE_ROLE_VISUAL, s.name, placement(dice.pose()), {1, 2, 3}, "x.stl"});
   }
-  for (const BodySpec& s : t.frames) b.frame(prefix + s.name, {prefix + s.parent, 0}, placement(s.placement), DYN_FRAME_SENSOR);
+  for (const BodySpec& s : t.frames) b.frame(prefix + s.name, {prefix + s.parent, 0}, placement(s.placement), DYN_FRAME_TYPE_SENSOR);
 }
 ModelPtr model_of(const Tree& t, std::uint64_t seed) {
   Builder b("robot");
   b.gravity(array3(t.gravity));
   add(b, t);
-  b.report(DYN_REPORT_WARNING, 7, "a remark");
+  b.report(DYN_REPORT_LEVEL_WARNING, 7, "a remark");
   const ModelPtr m = b.finish();
   const State x(*m, seed);
   b.configuration("home", {x.q.begin(), x.q.end()});
@@ -126,12 +126,12 @@ void expect_same(const Model& a, const Model& b, VectorXd q, std::uint64_t seed,
   }
   for (Index f = 1; f < a.n.frames; ++f) {
     const int type = a.frames()[f].type;
-    const int types = type == DYN_FRAME_FIXED_JOINT ? DYN_FRAME_FIXED_JOINT | DYN_FRAME_JOINT : type;
+    const int types = type == DYN_FRAME_TYPE_FIXED_JOINT ? DYN_FRAME_TYPE_FIXED_JOINT | DYN_FRAME_TYPE_JOINT : type;
     const Index g = frame_id(b, prefix + a.string(a.frames()[f].name), types);
     ASSERT_GE(g, 0) << a.string(a.frames()[f].name);
     EXPECT_LE(gap(X * x.frames[std::size_t(f)], y.frames[std::size_t(g)]), 1e-13 * std::max(1.0, largest(y.frames[std::size_t(g)])));
     EXPECT_EQ(a.frames()[f].link < 0, b.frames()[g].link < 0);
-    if (type != DYN_FRAME_BODY) continue;
+    if (type != DYN_FRAME_TYPE_BODY) continue;
     EXPECT_EQ(a.links()[a.frames()[f].link].mass, b.links()[b.frames()[g].link].mass);
   }
 }
@@ -156,7 +156,7 @@ TEST(Operations, LockedJointsAreAtRest) {
       const JointRecord& r = m->joints()[j];
       if (r.leader >= 0 || !dice.chance(0.4)) continue;
       names.push_back(name_of(*m, j));
-      composites += r.type == DYN_JOINT_COMPOSITE;
+      composites += r.type == DYN_JOINT_TYPE_COMPOSITE;
       for (Index k = 1; k < m->n.joints; ++k) followers += m->joints()[k].leader == j;
     }
     Builder b(*m);
@@ -164,7 +164,7 @@ TEST(Operations, LockedJointsAreAtRest) {
     const ModelPtr reduced = b.finish();
     for (const std::string& name : names) {
       EXPECT_LT(joint_id(*reduced, name), 0);
-      EXPECT_EQ(DYN_FRAME_FIXED_JOINT, reduced->frames()[frame_id(*reduced, name)].type);
+      EXPECT_EQ(DYN_FRAME_TYPE_FIXED_JOINT, reduced->frames()[frame_id(*reduced, name)].type);
     }
     EXPECT_EQ(m->n.frames, reduced->n.frames);
     EXPECT_EQ(m->n.shapes, reduced->n.shapes);
@@ -179,14 +179,14 @@ TEST(Operations, LockedJointsAreAtRest) {
 
 TEST(Operations, AttachedIsBuiltInOneGo) {
   std::vector<dynJointType> types = moving_types();
-  types.push_back(DYN_JOINT_FIXED);
+  types.push_back(DYN_JOINT_TYPE_FIXED);
   for (std::uint64_t seed = 1; seed <= 3 * types.size(); ++seed) {
     const dynJointType type = types[seed % types.size()];
     const Tree left = furnished(seed, 7), right = furnished(seed + 1000, 9);
     const ModelPtr arm = model_of(left, seed), hand = model_of(right, seed + 1);
     Dice dice(seed + 2);
     JointSpec socket;
-    if (type == DYN_JOINT_FIXED) socket.type = type, socket.placement = placement(dice.pose());
+    if (type == DYN_JOINT_TYPE_FIXED) socket.type = type, socket.placement = placement(dice.pose());
     else socket = random_joint(dice, type);
     socket.name = "socket", socket.parent.name = "f3";
     const BodySpec hub = random_body(dice, "hub", "socket");
@@ -220,25 +220,25 @@ TEST(Operations, AttachedIsBuiltInOneGo) {
 TEST(Operations, AttachedWorldKeepsItsShapes) {
   Builder scene("scene");
   dyn::Shape floor;
-  floor.name = "floor", floor.body = "universe", floor.type = DYN_SHAPE_BOX, floor.size = {1, 1, 0.1};
+  floor.name = "floor", floor.body = "universe", floor.type = DYN_SHAPE_TYPE_BOX, floor.size = {1, 1, 0.1};
   scene.shape(floor);
   const ModelPtr m = scene.finish();
   Builder in_place("robot"), carried("robot");
   for (Builder* b : {&in_place, &carried}) {
     JointSpec s;
-    s.name = "slide", s.type = DYN_JOINT_PRISMATIC;
+    s.name = "slide", s.type = DYN_JOINT_TYPE_PRISMATIC;
     b->joint(s);
     b->body("sledge", {"slide", 0}, identity_placement, 1, {0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1});
   }
   in_place.attach(*m, "its_", nullptr);
   EXPECT_EQ(0, in_place.finish()->shapes()[0].frame);
   JointSpec mount;
-  mount.name = "mount", mount.type = DYN_JOINT_FIXED, mount.parent.name = "sledge", mount.placement[9] = 2;
+  mount.name = "mount", mount.type = DYN_JOINT_TYPE_FIXED, mount.parent.name = "sledge", mount.placement[9] = 2;
   carried.attach(*m, "its_", &mount);
   const ModelPtr c = carried.finish();
   const FrameRecord& link = c->frames()[c->shapes()[0].frame];
   EXPECT_STREQ("mount", c->string(link.name));
-  EXPECT_EQ(DYN_FRAME_BODY, link.type);
+  EXPECT_EQ(DYN_FRAME_TYPE_BODY, link.type);
   EXPECT_EQ(1, link.joint);
   EXPECT_EQ(2, link.placement[9]);
   Builder copy(*c);
@@ -261,7 +261,7 @@ TEST(Operations, TakenApartAndPutTogetherAgain) {
         continue;
       }
       JointSpec seat;
-      seat.type = DYN_JOINT_FIXED, seat.name = "seat", seat.parent = {name_of(*m, m->joints()[j].parent), DYN_FRAME_JOINT};
+      seat.type = DYN_JOINT_TYPE_FIXED, seat.name = "seat", seat.parent = {name_of(*m, m->joints()[j].parent), DYN_FRAME_TYPE_JOINT};
       if (m->joints()[j].parent == 0) seat.parent = {};
       ModelPtr subtree;
       try {
@@ -286,7 +286,7 @@ TEST(Operations, TakenApartAndPutTogetherAgain) {
       held.lock(others, {x.q.begin(), x.q.end()});
       const ModelPtr still = held.finish();
       const Results at(*m, x.q, VectorXd::Zero(m->n.nv), VectorXd::Zero(m->n.nv));
-      const M4 X = m->joints()[j].parent ? at.frames[std::size_t(frame_id(*m, name_of(*m, m->joints()[j].parent), DYN_FRAME_JOINT))] : M4::Identity();
+      const M4 X = m->joints()[j].parent ? at.frames[std::size_t(frame_id(*m, name_of(*m, m->joints()[j].parent), DYN_FRAME_TYPE_JOINT))] : M4::Identity();
       Builder turned(*subtree);
       turned.gravity(array3(X.topLeftCorner<3, 3>().transpose() * tree.gravity));
       VectorXd q(still->n.nq);
@@ -318,7 +318,7 @@ TEST(Operations, Refusals) {
   Dice dice(3);
   Builder b("arm");
   for (const char* name : {"a", "b", "c"}) {
-    JointSpec s = random_joint(dice, name[0] == 'b' ? DYN_JOINT_SPHERICAL : DYN_JOINT_REVOLUTE);
+    JointSpec s = random_joint(dice, name[0] == 'b' ? DYN_JOINT_TYPE_SPHERICAL : DYN_JOINT_TYPE_REVOLUTE);
     s.name = name;
     if (name[0] != 'a') s.parent.name = std::string(1, char(name[0] - 1));
     if (name[0] == 'c') s.mimic = "a", s.mimic_ratio = 2, s.lower = {-1}, s.upper = {1};
@@ -341,7 +341,7 @@ TEST(Operations, Refusals) {
   refuse(*m, DYN_ERROR_NAME, {"no moving joint 'x'"}, [&](Builder& r) { r.remove("x"); });
   refuse(*m, DYN_ERROR_NAME, {"attach 'arm'", "its joint", "joint of 'arm'", "'a'", "prefix"}, [&](Builder& r) { r.attach(*m, "", nullptr); });
   JointSpec seat;
-  seat.name = "seat", seat.type = DYN_JOINT_FIXED, seat.parent.name = "nowhere";
+  seat.name = "seat", seat.type = DYN_JOINT_TYPE_FIXED, seat.parent.name = "nowhere";
   refuse(*m, DYN_ERROR_NAME, {"joint 'seat'", "'nowhere'"}, [&](Builder& r) { r.attach(*m, "left_", &seat); });
   seat.parent.name = "link_c", seat.name = "left_a";
   refuse(*m, DYN_ERROR_NAME, {"its joint", "fixed joint of 'arm'", "'left_a'", "another prefix"}, [&](Builder& r) { r.attach(*m, "left_", &seat); });

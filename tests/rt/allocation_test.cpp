@@ -34,13 +34,13 @@ Model surfaces() {
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
     s.body = body, s.type = type, s.surface = surface, s.size[0] = 0.2;
-    EXPECT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
   };
-  shape("ground", DYN_SHAPE_HEIGHT_FIELD, made.field);
+  shape("ground", DYN_SHAPE_TYPE_HEIGHT_FIELD, made.field);
   for (const char* name : {"one", "two", "ball"}) {
-    b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_FREE_FLYER)).body(name, (std::string(name) + "_joint").c_str());
+    b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_TYPE_FREE_FLYER)).body(name, (std::string(name) + "_joint").c_str());
     const bool ball = std::string(name) == "ball";
-    shape(name, ball ? DYN_SHAPE_SPHERE : DYN_SHAPE_TRIANGLES, ball ? nullptr : made.pyramid);
+    shape(name, ball ? DYN_SHAPE_TYPE_SPHERE : DYN_SHAPE_TYPE_TRIANGLES, ball ? nullptr : made.pyramid);
   }
   return b.finish();
 }
@@ -83,8 +83,8 @@ struct Work {
   explicit Work(const Model& model)
       : m(model), d(m), foreign_data(m), s(random_state(m, 1)), odd(random_state(m, 2)), memory(dyn_data_size(m, 0)), x(s.q), y(random_state(m, 3).q),
         J1(std::size_t(m.nv() * m.nv()) + 100), J2(J1), parameters(10 * std::size_t(m.njoints())) {
-    for (int j = 1; j < m.njoints(); ++j) names.push_back(dyn_joint_name(m, j));
-    names.push_back(dyn_joint_name(m, 1));
+    for (int j = 1; j < m.njoints(); ++j) names.push_back(dyn_model_joint_name(m, j));
+    names.push_back(dyn_model_joint_name(m, 1));
     ids.resize(names.size());
     for (double& e : odd.v) e = 1e200;
     functions_of_data();
@@ -103,18 +103,18 @@ struct Work {
   void functions_of_data() {
     for (const CallRow& row : call_rows) {
       call("", prepare(row, s));
-      for (dynReference r : {DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED})
+      for (dynReference r : {DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED})
         if (row.uses & uses_reference) prepare(row, s).x.reference = r, call(" in another reference", *prepared.back());
     }
-    prepare(call_row("dyn_step"), s).x.integrator = DYN_RK4, call(" RK4", *prepared.back());
+    prepare(call_row("dyn_step"), s).x.integrator = DYN_INTEGRATOR_RK4, call(" RK4", *prepared.back());
     // inverse kinematics that has to search: J kept as it is, and its normal equations, with limits, restarts and a posture
     for (int count : {1, 3})
       add("dyn_ik of " + std::to_string(count) + " tasks", [this, count] {
         dynIkTask tasks[3];
         for (dynIkTask& t : tasks) dyn_ik_task_init(&t);
-        tasks[0].type = DYN_IK_POSITION, tasks[0].frame = m.nframes() - 1, tasks[0].target[9] = 9;
-        tasks[1].type = DYN_IK_COM;
-        tasks[2].type = DYN_IK_POSTURE, tasks[2].posture = s.q.data(), tasks[2].priority = 1;
+        tasks[0].type = DYN_IK_TASK_TYPE_POSITION, tasks[0].frame = m.nframes() - 1, tasks[0].target[9] = 9;
+        tasks[1].type = DYN_IK_TASK_TYPE_COM;
+        tasks[2].type = DYN_IK_TASK_TYPE_POSTURE, tasks[2].posture = s.q.data(), tasks[2].priority = 1;
         dynIkResult result{};
         result.struct_size = sizeof result;
         dyn_ik(m, d, s.q.data(), tasks, count, nullptr, nullptr, nullptr, &result);
@@ -140,9 +140,9 @@ struct Work {
 
   void functions_of_a_model() {
     add("sizes", [this] {
-      dyn_nq(m), dyn_nv(m), dyn_njoints(m), dyn_nframes(m), dyn_nbodies(m), dyn_model_size(m), dyn_total_mass(m), dyn_report_count(m), dyn_nshapes(m);
-      dyn_nconfigurations(m), dyn_nfields(), dyn_data_size(m, 0), dyn_model_name(m), dyn_version(), dyn_build_info(), dyn_last_error();
-      dyn_status_name(DYN_OK), dyn_data_size(m, ~0u), dyn_nq(nullptr);
+      dyn_model_nq(m), dyn_model_nv(m), dyn_model_njoints(m), dyn_model_nframes(m), dyn_model_nbodies(m), dyn_model_size(m), dyn_model_total_mass(m), dyn_model_report_count(m), dyn_model_nshapes(m);
+      dyn_model_nconfigurations(m), dyn_field_count(), dyn_data_size(m, 0), dyn_model_name(m), dyn_version(), dyn_build_info(), dyn_last_error();
+      dyn_status_name(DYN_OK), dyn_data_size(m, ~0u), dyn_model_nq(nullptr);
     });
     add("infos", [this] {
       dynJointInfo joint{};
@@ -153,8 +153,8 @@ struct Work {
       joint.struct_size = sizeof joint, frame.struct_size = sizeof frame, shape.struct_size = sizeof shape;
       entry.struct_size = sizeof entry, field.struct_size = sizeof field;
       for (int k = -1; k <= m.nframes(); ++k) {
-        dyn_joint_info(m, k, &joint), dyn_frame_info(m, k, &frame), dyn_shape_info(m, k, &shape), dyn_report_entry(m, k, &entry);
-        dyn_field_info(k, &field), dyn_joint_name(m, k), dyn_frame_name(m, k), dyn_configuration_name(m, k);
+        dyn_model_joint_info(m, k, &joint), dyn_model_frame_info(m, k, &frame), dyn_model_shape_info(m, k, &shape), dyn_model_report_entry(m, k, &entry);
+        dyn_field_info(k, &field), dyn_model_joint_name(m, k), dyn_model_frame_name(m, k), dyn_model_configuration_name(m, k);
       }
       for (int which = -1; which <= 8; ++which) dyn_model_array(m, dynModelArray(which < 0 ? 8 : which));
     });
@@ -167,21 +167,21 @@ struct Work {
         dyn_log_cholesky_from_parameters(body, J2.data()), dyn_is_physically_consistent(body, &answer), dyn_body_regressor(body, body, J2.data());
         dyn_parameters_from_log_cholesky(body, J2.data()), dyn_log_cholesky_jacobian(body, J2.data());
       }
-      dyn_inertial_parameters(m, parameters.data()), dyn_inertial_parameters(nullptr, pi.data());
+      dyn_model_inertial_parameters(m, parameters.data()), dyn_model_inertial_parameters(nullptr, pi.data());
     });
     add("names", [this] {
-      for (const char* name : names) dyn_joint_id(m, name), dyn_frame_id(m, name), dyn_frame_id_of_type(m, name, DYN_FRAME_JOINT);
+      for (const char* name : names) dyn_model_joint_id(m, name), dyn_model_frame_id(m, name), dyn_model_frame_id_of_type(m, name, DYN_FRAME_TYPE_JOINT);
       dyn_field_id("M");
     });
     add("unknown names", [this] {
       for (const char* name : {"Joint", "free_", "panda_link", "", long_name.c_str()}) {
-        dyn_joint_id(m, name), dyn_frame_id(m, name), dyn_field_id(name), dyn_configuration(m, name, x.data());
-        dyn_frame_id_of_type(m, name, DYN_FRAME_BODY);
+        dyn_model_joint_id(m, name), dyn_model_frame_id(m, name), dyn_field_id(name), dyn_model_configuration(m, name, x.data());
+        dyn_model_frame_id_of_type(m, name, DYN_FRAME_TYPE_BODY);
       }
     });
     add("permutation", [this] {
-      dyn_q_permutation(m, names.data(), names.size() - 1, ids.data(), ids.data());
-      dyn_q_permutation(m, names.data(), names.size(), ids.data(), ids.data());
+      dyn_model_q_permutation(m, names.data(), names.size() - 1, ids.data(), ids.data());
+      dyn_model_q_permutation(m, names.data(), names.size(), ids.data(), ids.data());
     });
     add("data in memory", [this] {
       dynData* placed = nullptr;
@@ -205,21 +205,21 @@ struct Work {
         layout.convention = c;
         int nq = 0, nv = 0;
         if (dyn_state_layout_sizes(m, &layout, &nq, &nv) != DYN_OK || std::size_t(nq + nv) > peer.size()) continue;  // ROS: joints of one coordinate
-        dyn_convert_state(m, &layout, DYN_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr, peer.data(), peer.data() + nq, nullptr, nullptr);
-        dyn_convert_state(m, &layout, DYN_FROM_PEER, peer.data(), peer.data() + nq, nullptr, nullptr, J1.data(), J2.data(), nullptr, nullptr);
+        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), s.v.data(), nullptr, nullptr, peer.data(), peer.data() + nq, nullptr, nullptr);
+        dyn_state_layout_convert(m, &layout, DYN_DIRECTION_FROM_PEER, peer.data(), peer.data() + nq, nullptr, nullptr, J1.data(), J2.data(), nullptr, nullptr);
       }
       layout.joints = names.data(), layout.joints_count = names.size();
-      dyn_convert_state(m, &layout, DYN_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, peer.data(), nullptr, nullptr, nullptr);
-      dyn_convert_state(m, nullptr, DYN_TO_PEER, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
+      dyn_state_layout_convert(m, &layout, DYN_DIRECTION_TO_PEER, s.q.data(), nullptr, nullptr, nullptr, peer.data(), nullptr, nullptr, nullptr);
+      dyn_state_layout_convert(m, nullptr, DYN_DIRECTION_TO_PEER, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr);
     });
     add("configurations", [this] {
       double* out = J1.data();
       int answer;
-      dyn_neutral(m, out), dyn_random(m, 7, nullptr, nullptr, out), dyn_configuration(m, "neutral", out);
+      dyn_configuration_neutral(m, out), dyn_configuration_random(m, 7, nullptr, nullptr, out), dyn_model_configuration(m, "neutral", out);
       dyn_integrate(m, x.data(), s.v.data(), out), dyn_difference(m, x.data(), y.data(), out), dyn_interpolate(m, x.data(), y.data(), 0.3, out);
-      dyn_distance(m, x.data(), y.data(), out), dyn_is_normalized(m, x.data(), 1e-9, &answer), dyn_normalize(m, x.data());
+      dyn_configuration_distance(m, x.data(), y.data(), out), dyn_configuration_is_normalized(m, x.data(), 1e-9, &answer), dyn_configuration_normalize(m, x.data());
       dyn_integrate_jacobians(m, x.data(), s.v.data(), J1.data(), J2.data()), dyn_difference_jacobians(m, x.data(), y.data(), J1.data(), J2.data());
-      dyn_integrate(m, x.data(), odd.v.data(), out), dyn_random(nullptr, 1, nullptr, nullptr, out), dyn_distance(m, nullptr, nullptr, out);
+      dyn_integrate(m, x.data(), odd.v.data(), out), dyn_configuration_random(nullptr, 1, nullptr, nullptr, out), dyn_configuration_distance(m, nullptr, nullptr, out);
     });
   }
 };
@@ -243,7 +243,7 @@ TEST(Allocations, TheCountersCount) {
 
 TEST(Allocations, NoneAfterCreation) {
   if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
-  dyn_nq(nullptr);  // the thread's first error
+  dyn_model_nq(nullptr);  // the thread's first error
   std::size_t calls = 0;
   for (const Robot& r : robots()) {
     Work work(r.m);
@@ -275,11 +275,11 @@ TEST(Allocations, NoneUnderConstraints) {
   report.struct_size = sizeof report;
   dynConstraint c[8];
   for (int k = 0; k < 4; ++k) {
-    dyn_constraint_init(&c[k], DYN_CONSTRAINT_POINT);
-    c[k].first = dyn_frame_id(m, std::array{"FL_foot", "FR_foot", "RL_foot", "RR_foot"}[std::size_t(k)]);
+    dyn_constraint_init(&c[k], DYN_CONSTRAINT_TYPE_POINT);
+    c[k].first = dyn_model_frame_id(m, std::array{"FL_foot", "FR_foot", "RL_foot", "RR_foot"}[std::size_t(k)]);
   }
   c[4] = c[0], c[5] = c[1];
-  dyn_constraint_init(&c[6], DYN_CONSTRAINT_LIMIT), dyn_constraint_init(&c[7], DYN_CONSTRAINT_FRICTION);
+  dyn_constraint_init(&c[6], DYN_CONSTRAINT_TYPE_LIMIT), dyn_constraint_init(&c[7], DYN_CONSTRAINT_TYPE_FRICTION);
   c[6].first = 2, c[7].first = 3, c[7].force = 1;
   auto calls = [&] {
     EXPECT_EQ(DYN_OK, dyn_constrained_dynamics(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr, ddq.data(), lambda.data(), &result)) << dyn_last_error();
@@ -294,7 +294,7 @@ TEST(Allocations, NoneUnderConstraints) {
     EXPECT_EQ(DYN_OK, dyn_delassus_solve(m, d, s.q.data(), 1e-3, J.data(), lambda.data())) << dyn_last_error();
     dyn_constraint_report(m, d, s.q.data(), &report, nullptr, 0);
     EXPECT_EQ(DYN_OK, dyn_project(m, d, s.q.data(), s.v.data(), nullptr, projected.data(), ddq.data(), &result)) << dyn_last_error();
-    EXPECT_EQ(DYN_OK, dyn_constraint_anchor(m, d, 0, s.q.data())) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_data_anchor_constraint(m, d, 0, s.q.data())) << dyn_last_error();
   };
   auto quiet = [&](const char* what) {
     const long before = allocations, locked = locks;
@@ -302,18 +302,18 @@ TEST(Allocations, NoneUnderConstraints) {
     EXPECT_EQ(before, allocations) << what;
     EXPECT_EQ(locked, locks) << what;
   };
-  dyn_nq(nullptr);  // the thread's first error
+  dyn_model_nq(nullptr);  // the thread's first error
   for (int k = 0; k < 8; ++k) {
     const long before = allocations;
-    ASSERT_EQ(DYN_OK, dyn_constraint_set(m, d, k, &c[k])) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_data_set_constraint(m, d, k, &c[k])) << dyn_last_error();
     EXPECT_EQ(before, allocations);
     if (k == 3) quiet("four feet");
     if (k == 5) quiet("two of them twice");
   }
   quiet("a limit and dry friction");
-  dyn_constraint_init(&c[0], DYN_CONSTRAINT_LOOP);
-  c[0].joint_type = DYN_JOINT_UNIVERSAL, c[0].first = c[1].first, c[0].second = c[2].first;
-  ASSERT_EQ(DYN_OK, dyn_constraint_set(m, d, 4, &c[0])) << dyn_last_error();
+  dyn_constraint_init(&c[0], DYN_CONSTRAINT_TYPE_LOOP);
+  c[0].joint_type = DYN_JOINT_TYPE_UNIVERSAL, c[0].first = c[1].first, c[0].second = c[2].first;
+  ASSERT_EQ(DYN_OK, dyn_data_set_constraint(m, d, 4, &c[0])) << dyn_last_error();
   quiet("a loop");
 }
 
@@ -322,7 +322,7 @@ TEST(SystemCalls, NoneAfterCreation) {
   if (sanitized) GTEST_SKIP() << "sanitizers make system calls";
   for (const Robot& r : robots()) {
     Work work(r.m);
-    dyn_nq(nullptr);
+    dyn_model_nq(nullptr);
     const pid_t child = fork();
     ASSERT_GE(child, 0);
     if (child == 0) {
@@ -343,12 +343,12 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
   dynGeometry box, drum;
   dyn_geometry_init(&box), dyn_geometry_init(&drum);
-  box.type = DYN_SHAPE_BOX, box.size[0] = box.size[1] = box.size[2] = 1;
-  drum.type = DYN_SHAPE_CYLINDER, drum.size[0] = drum.size[1] = 1;
+  box.type = DYN_SHAPE_TYPE_BOX, box.size[0] = box.size[1] = box.size[2] = 1;
+  drum.type = DYN_SHAPE_TYPE_CYLINDER, drum.size[0] = drum.size[1] = 1;
   const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0.9}, motion[6] = {0, 0, -1, 1, 0, 0}, *const point = motion;
   dynBroadPhase* b = nullptr;
   ASSERT_EQ(DYN_OK, dyn_broad_phase_new(1000, 100000, 0.01, &b));
-  dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
+  dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
   dynRayHit hit{};
   dynClosestPoint near{};
   dynImpact impact{};
@@ -356,10 +356,10 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
   const long before = allocations, locked = locks;
   int count = 0, id = 0;
   std::int64_t pairs = 0;
-  dyn_shape_contacts(&box, X, &drum, Y, 0.1, 0, contacts, &count);
+  dyn_geometry_contacts(&box, X, &drum, Y, 0.1, 0, contacts, &count);
   EXPECT_GT(count, 2);
-  dyn_shape_ray(&drum, X, motion + 3, motion, &hit), dyn_shape_closest_point(&drum, X, point, &near);
-  dyn_shape_sweep(&box, X, nullptr, &drum, Y, motion, 1, 0, &impact);
+  dyn_geometry_ray(&drum, X, motion + 3, motion, &hit), dyn_geometry_closest_point(&drum, X, point, &near);
+  dyn_geometry_sweep(&box, X, nullptr, &drum, Y, motion, 1, 0, &impact);
   for (int step = 0; step < 20; ++step) {
     for (int k = 0; k < 1000; ++k) {
       const double lower[3] = {0.03 * k + 0.02 * step * (k % 7), 0.01 * ((k * step) % 50), 0}, upper[3] = {lower[0] + 0.1, lower[1] + 0.1, 0.1};
@@ -383,9 +383,9 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
 // One of each type.
 std::vector<dynGeometry> shapes_of(const Surfaces& surfaces) {
   std::vector<dynGeometry> shapes;
-  for (const dynShapeType type : {DYN_SHAPE_HALF_SPACE, DYN_SHAPE_SPHERE, DYN_SHAPE_CAPSULE, DYN_SHAPE_BOX, DYN_SHAPE_CYLINDER, DYN_SHAPE_CONE, DYN_SHAPE_ELLIPSOID,
-                                  DYN_SHAPE_TRIANGLES, DYN_SHAPE_HEIGHT_FIELD, DYN_SHAPE_CONVEX}) {
-    if (type == DYN_SHAPE_CONVEX && !surfaces.hull) continue;
+  for (const dynShapeType type : {DYN_SHAPE_TYPE_HALF_SPACE, DYN_SHAPE_TYPE_SPHERE, DYN_SHAPE_TYPE_CAPSULE, DYN_SHAPE_TYPE_BOX, DYN_SHAPE_TYPE_CYLINDER, DYN_SHAPE_TYPE_CONE, DYN_SHAPE_TYPE_ELLIPSOID,
+                                  DYN_SHAPE_TYPE_TRIANGLES, DYN_SHAPE_TYPE_HEIGHT_FIELD, DYN_SHAPE_TYPE_CONVEX}) {
+    if (type == DYN_SHAPE_TYPE_CONVEX && !surfaces.hull) continue;
     dynGeometry g;
     dyn_geometry_init(&g);
     g.type = type, g.surface = surfaces.of(type);
@@ -400,7 +400,7 @@ TEST(Allocations, NoneInAnyPairOfShapes) {
   if (sanitized) GTEST_SKIP() << "sanitizers have their own allocator";
   const Surfaces surfaces;
   const std::vector<dynGeometry> shapes = shapes_of(surfaces);
-  dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
+  dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
   dynDistance d{};
   dynRayHit hit{};
   dynClosestPoint near{};
@@ -415,11 +415,11 @@ TEST(Allocations, NoneInAnyPairOfShapes) {
         if (z == 0) std::copy(X, X + 12, Y);
         const long before = allocations, locked = locks;
         int count = 0;
-        const dynStatus status = dyn_shape_distance(&a, X, &b, Y, nullptr, &d);
-        dyn_shape_contacts(&a, X, &b, Y, 0.05, 0, contacts, &count);
-        dyn_shape_sweep(&a, X, nullptr, &b, Y, motion, 1, 0, &impact);
-        dyn_shape_ray(&b, Y, motion, up, &hit), dyn_shape_closest_point(&b, Y, motion, &near);
-        dyn_shape_distance(&a, X, &b, nullptr, nullptr, &d), dyn_shape_distance(&a, skew, &b, Y, nullptr, &d);
+        const dynStatus status = dyn_geometry_distance(&a, X, &b, Y, nullptr, &d);
+        dyn_geometry_contacts(&a, X, &b, Y, 0.05, 0, contacts, &count);
+        dyn_geometry_sweep(&a, X, nullptr, &b, Y, motion, 1, 0, &impact);
+        dyn_geometry_ray(&b, Y, motion, up, &hit), dyn_geometry_closest_point(&b, Y, motion, &near);
+        dyn_geometry_distance(&a, X, &b, nullptr, nullptr, &d), dyn_geometry_distance(&a, skew, &b, Y, nullptr, &d);
         EXPECT_EQ(before, allocations) << int(a.type) << " and " << int(b.type) << " at " << z << ": " << dyn_last_error();
         EXPECT_EQ(locked, locks) << int(a.type) << " and " << int(b.type) << " at " << z;
         EXPECT_EQ(DYN_OK, status);
@@ -444,15 +444,15 @@ TEST(Allocations, NoneInContactSolvers) {
   dynContactSolver* s = nullptr;
   ASSERT_EQ(DYN_OK, dyn_contact_solver_new(rows, &s));
   const long before = allocations, locked = locks;
-  for (const int type : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON})
+  for (const int type : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
     for (const int newton : {0, 1}) {
       o.solver = static_cast<dynContactSolverType>(type), o.newton = newton;
-      EXPECT_EQ(DYN_OK, dyn_contact_solve(s, &p, &o, lambda, nullptr, &r));
-      EXPECT_EQ(DYN_CONTACT_CONVERGED, r.status);
+      EXPECT_EQ(DYN_OK, dyn_contact_solver_solve(s, &p, &o, lambda, nullptr, &r));
+      EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, r.status);
       o.time_budget = 1;
-      dyn_contact_solve(s, &p, &o, lambda, nullptr, &r), dyn_contact_residuals(s, &p, lambda, &r);
+      dyn_contact_solver_solve(s, &p, &o, lambda, nullptr, &r), dyn_contact_solver_residuals(s, &p, lambda, &r);
       o.time_budget = -1;
-      EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solve(s, &p, &o, lambda, nullptr, &r));
+      EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_contact_solver_solve(s, &p, &o, lambda, nullptr, &r));
       o.time_budget = 0;
     }
   EXPECT_EQ(before, allocations);
@@ -518,7 +518,7 @@ std::size_t stack_of(const std::function<void()>& f) {
   return size - untouched;
 }
 
-// Every entry point stays within 128 KiB, of which dyn_warmup touches all; printed with what a thread takes that does nothing.
+// Every entry point stays within 128 KiB, of which dyn_data_warm_up touches all; printed with what a thread takes that does nothing.
 TEST(Stack, IsBounded) {
   if (sanitized) GTEST_SKIP() << "sanitizers make frames larger";
   const std::size_t nothing = stack_of([] {});
@@ -527,7 +527,7 @@ TEST(Stack, IsBounded) {
   for (const Robot& r : robots()) {
     Work work(r.m);
     for (const Ready& c : work.calls) {
-      if (c.name.starts_with("dyn_warmup")) continue;  // which takes what it touches
+      if (c.name.starts_with("dyn_data_warm_up")) continue;  // which takes what it touches
       const std::size_t bytes = stack_of(c.call) - nothing;
       if (bytes > most) most = bytes, where = std::string(r.name) + ": " + c.name;
     }
@@ -537,15 +537,15 @@ TEST(Stack, IsBounded) {
   const double X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1, 0.05, 0.02, 0.3}, motion[6] = {0.1, 0, -1, 0, 0.2, 0};
   for (const dynGeometry& a : shapes)
     for (const dynGeometry& b : shapes) {
-      dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
+      dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
       dynDistance d{};
       dynImpact impact{};
       d.struct_size = sizeof d, impact.struct_size = sizeof impact;
       int count = 0;
       const std::pair<const char*, std::function<void()>> queries[] = {
-          {"dyn_shape_distance", [&] { dyn_shape_distance(&a, X, &b, Y, nullptr, &d); }},
-          {"dyn_shape_contacts", [&] { dyn_shape_contacts(&a, X, &b, Y, 0.05, 0, contacts, &count); }},
-          {"dyn_shape_sweep", [&] { dyn_shape_sweep(&a, X, nullptr, &b, Y, motion, 1, 0, &impact); }}};
+          {"dyn_geometry_distance", [&] { dyn_geometry_distance(&a, X, &b, Y, nullptr, &d); }},
+          {"dyn_geometry_contacts", [&] { dyn_geometry_contacts(&a, X, &b, Y, 0.05, 0, contacts, &count); }},
+          {"dyn_geometry_sweep", [&] { dyn_geometry_sweep(&a, X, nullptr, &b, Y, motion, 1, 0, &impact); }}};
       for (const auto& [name, query] : queries)
         if (const std::size_t bytes = stack_of(query) - nothing; bytes > most)
           most = bytes, where = std::string(name) + ", types " + std::to_string(a.type) + " and " + std::to_string(b.type);
@@ -568,7 +568,7 @@ void forget_library() {
   }, nullptr);
 }
 
-// The first calls on a new data after dyn_warmup wait for no page of memory; without it they do.
+// The first calls on a new data after dyn_data_warm_up wait for no page of memory; without it they do.
 TEST(Warmup, NoPageIsMissingAfterIt) {
   if (sanitized) GTEST_SKIP() << "sanitizers touch memory of their own";
   const Model m = robot("humanoid", DYN_BASE_FLOATING);
@@ -576,7 +576,7 @@ TEST(Warmup, NoPageIsMissingAfterIt) {
     Data d(m);
     forget_library();
     if (warm) {
-      EXPECT_EQ(DYN_OK, dyn_warmup(m, d)) << dyn_last_error();
+      EXPECT_EQ(DYN_OK, dyn_data_warm_up(m, d)) << dyn_last_error();
     }
     rusage before{}, after{};
     getrusage(RUSAGE_THREAD, &before), getrusage(RUSAGE_THREAD, &before);

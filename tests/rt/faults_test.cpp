@@ -134,10 +134,10 @@ TEST_F(Faults, NoMemoryWhileCreating) {
     dynBuilder* b = nullptr;
     dynModel* made = nullptr;
     const double com[3] = {0, 0, 0.1};
-    const Spec joint("joint", DYN_JOINT_REVOLUTE);
+    const Spec joint("joint", DYN_JOINT_TYPE_REVOLUTE);
     dynStatus s = dyn_builder_new("built", &b);
-    if (s == DYN_OK) s = dyn_builder_joint(b, &joint);
-    if (s == DYN_OK) s = dyn_builder_body(b, "body", "joint", nullptr, 1, com, some_inertia);
+    if (s == DYN_OK) s = dyn_builder_add_joint(b, &joint);
+    if (s == DYN_OK) s = dyn_builder_add_body(b, "body", "joint", nullptr, 1, com, some_inertia);
     if (s == DYN_OK) s = dyn_builder_finish(b, &made);
     return dyn_model_free(made), dyn_builder_free(b), s;
   });
@@ -281,15 +281,15 @@ void expect_whole(const char* what, std::size_t n, F&& f) {
 
 TEST(Capacities, NothingIsWrittenBehindThem) {
   Builder b;
-  b.body("ground", nullptr, 0, {0, 0, 0}, no_inertia).shape("ground", DYN_SHAPE_HALF_SPACE, {0, 0, 0});
+  b.body("ground", nullptr, 0, {0, 0, 0}, no_inertia).shape("ground", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0});
   for (const char* name : {"one", "two", "three"}) {
-    b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_FREE_FLYER)).body(name, (std::string(name) + "_joint").c_str());
-    b.shape(name, DYN_SHAPE_BOX, {0.4, 0.4, 0.4});
+    b.joint(Spec((std::string(name) + "_joint").c_str(), DYN_JOINT_TYPE_FREE_FLYER)).body(name, (std::string(name) + "_joint").c_str());
+    b.shape(name, DYN_SHAPE_TYPE_BOX, {0.4, 0.4, 0.4});
   }
   const Model m = b.finish();
   const Data d(m);
   Numbers q(std::size_t(m.nq()));
-  ASSERT_EQ(DYN_OK, dyn_neutral(m, q.data()));
+  ASSERT_EQ(DYN_OK, dyn_configuration_neutral(m, q.data()));
   for (std::size_t k = 0; k < 3; ++k) q[7 * k] = 0.39 * double(k), q[7 * k + 2] = 0.19;
   ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, q.data(), nullptr, nullptr, nullptr));
   ASSERT_EQ(DYN_OK, dyn_step(m, d));
@@ -303,7 +303,7 @@ TEST(Capacities, NothingIsWrittenBehindThem) {
   };
   expect_within<int>("dyn_collisions", as_int([&](int* out, int capacity, int* n) { return dyn_collisions(m, d, nullptr, 0.01, out, capacity, n); }));
   expect_within<dynContact>("dyn_contacts", as_int([&](dynContact* out, int capacity, int* n) { return dyn_contacts(m, d, nullptr, 0.01, out, capacity, n); }));
-  expect_within<dynContactForce>("dyn_step_contacts", as_int([&](dynContactForce* out, int capacity, int* n) { return dyn_step_contacts(m, d, out, capacity, n); }));
+  expect_within<dynContactForce>("dyn_data_step_contacts", as_int([&](dynContactForce* out, int capacity, int* n) { return dyn_data_step_contacts(m, d, out, capacity, n); }));
   dynBroadPhase* boxes = nullptr;
   ASSERT_EQ(DYN_OK, dyn_broad_phase_new(8, 64, 0, &boxes));
   const double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
@@ -320,7 +320,7 @@ TEST(Capacities, NothingIsWrittenBehindThem) {
   expect_whole("dyn_model_save_memory", size, [&](void* to, std::size_t n) { return dyn_model_save_memory(m, DYN_FORMAT_URDF, 0, nullptr, nullptr, to, n, &size); });
   ASSERT_EQ(DYN_OK, dyn_model_image(m, 0, nullptr, 0, &size));
   expect_whole("dyn_model_image", size, [&](void* to, std::size_t n) { return dyn_model_image(m, 0, to, n, &size); });
-  expect_whole("dyn_state_save", dyn_state_size(m), [&](void* to, std::size_t n) { return dyn_state_save(m, d, to, n); });
+  expect_whole("dyn_data_save_state", dyn_model_state_size(m), [&](void* to, std::size_t n) { return dyn_data_save_state(m, d, to, n); });
   const std::size_t whole = dyn_data_size(m, DYN_PART_KINEMATICS);
   for (const std::size_t n : {std::size_t(0), std::size_t(1), whole - 1, whole}) {
     std::vector<unsigned char> memory(whole + 64, 0x5a);

@@ -64,14 +64,14 @@ class Hots {
   void rows() {
     for (int k = 0; k < some; ++k) state.push_back(random_state(m, std::uint64_t(k)));
     for (const CallRow& row : call_rows) {
-      if (std::string(row.name) == "dyn_warmup") continue;  // called once
+      if (std::string(row.name) == "dyn_data_warm_up") continue;  // called once
       const std::size_t first = prepared.size();
       for (const State& s : state) prepared.push_back(std::make_unique<Prepared>(row, m, s));
       add(row.name, [this, first](long k) { (*prepared[first + std::size_t(k % some)])(m, d); });
     }
-    saved.resize(dyn_state_size(m));
-    add("dyn_state_save, dyn_state_restore", [this](long) {
-      dyn_state_save(m, d, saved.data(), saved.size()), dyn_state_restore(m, d, saved.data(), saved.size());
+    saved.resize(dyn_model_state_size(m));
+    add("dyn_data_save_state, dyn_data_restore_state", [this](long) {
+      dyn_data_save_state(m, d, saved.data(), saved.size()), dyn_data_restore_state(m, d, saved.data(), saved.size());
     });
   }
   void configurations() {
@@ -80,24 +80,24 @@ class Hots {
       double *x = out.data(), *J = x + 20;
       int answer;
       dyn_integrate(m, a.q.data(), a.v.data(), x), dyn_difference(m, a.q.data(), b.q.data(), x), dyn_interpolate(m, a.q.data(), b.q.data(), 0.3, x);
-      dyn_distance(m, a.q.data(), b.q.data(), x), dyn_random(m, std::uint64_t(k), nullptr, nullptr, x), dyn_normalize(m, x);
-      dyn_is_normalized(m, x, 1e-9, &answer), dyn_integrate_jacobians(m, a.q.data(), a.v.data(), J, J + 49);
+      dyn_configuration_distance(m, a.q.data(), b.q.data(), x), dyn_configuration_random(m, std::uint64_t(k), nullptr, nullptr, x), dyn_configuration_normalize(m, x);
+      dyn_configuration_is_normalized(m, x, 1e-9, &answer), dyn_integrate_jacobians(m, a.q.data(), a.v.data(), J, J + 49);
       dyn_difference_jacobians(m, a.q.data(), b.q.data(), J, J + 49);
     });
   }
   void shapes() {
-    for (const dynShapeType type : {DYN_SHAPE_SPHERE, DYN_SHAPE_CAPSULE, DYN_SHAPE_BOX, DYN_SHAPE_CYLINDER, DYN_SHAPE_ELLIPSOID})
+    for (const dynShapeType type : {DYN_SHAPE_TYPE_SPHERE, DYN_SHAPE_TYPE_CAPSULE, DYN_SHAPE_TYPE_BOX, DYN_SHAPE_TYPE_CYLINDER, DYN_SHAPE_TYPE_ELLIPSOID})
       add("shapes, type " + std::to_string(type), [type](long k) {
         dynGeometry a, b;
         dyn_geometry_init(&a), dyn_geometry_init(&b);
-        a.type = DYN_SHAPE_BOX, b.type = type;
+        a.type = DYN_SHAPE_TYPE_BOX, b.type = type;
         for (int i = 0; i < 3; ++i) a.size[i] = 0.5, b.size[i] = 0.3 + 0.1 * i;
         const double x = 0.001 * double(k % 1000), X[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, Y[12] = {0.6, 0.8, 0, -0.8, 0.6, 0, 0, 0, 1, x, 0.1, 0.2};
         dynDistance distance{};
         distance.struct_size = sizeof distance;
-        dynContact contacts[DYN_CONTACTS_OF_A_PAIR];
+        dynContact contacts[DYN_MAX_CONTACTS_PER_PAIR];
         int count;
-        dyn_shape_distance(&a, X, &b, Y, nullptr, &distance), dyn_shape_contacts(&a, X, &b, Y, 0.01, 0, contacts, &count);
+        dyn_geometry_distance(&a, X, &b, Y, nullptr, &distance), dyn_geometry_contacts(&a, X, &b, Y, 0.01, 0, contacts, &count);
       });
     EXPECT_EQ(DYN_OK, dyn_broad_phase_new(40, 4000, 0.01, &boxes));
     for (int k = 0, id; k < 40; ++k) {
@@ -114,15 +114,15 @@ class Hots {
     for (int j = 0; j < 12; ++j)
       for (int i = 0; i < 12; ++i) G[std::size_t(i + 12 * j)] = (i == j ? 1.0 : 0.0) + std::cos(i) * std::cos(j);
     EXPECT_EQ(DYN_OK, dyn_contact_solver_new(12, &solver));
-    for (const dynContactSolverType type : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON})
-      add("dyn_contact_solve, solver " + std::to_string(type), [this, type](long k) {
+    for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
+      add("dyn_contact_solver_solve, solver " + std::to_string(type), [this, type](long k) {
         dynContactProblem p;
         dynContactOptions o;
         dynContactReport r{};
         dyn_contact_problem_init(&p), dyn_contact_options_init(&o);
         for (int i = 0; i < 12; ++i) g[std::size_t(i)] = std::sin(2.5 * i + double(k % 100)) - (i % 3 == 2);
         p.contacts = 4, p.G = G.data(), p.g = g.data(), p.friction = friction.data(), o.solver = type, r.struct_size = sizeof r;
-        dyn_contact_solve(solver, &p, &o, out.data(), nullptr, &r);
+        dyn_contact_solver_solve(solver, &p, &o, out.data(), nullptr, &r);
       }, 10);
   }
   // on one thread: waking others is a system call
@@ -166,7 +166,7 @@ bool clock_needs_none() {
 void call_all(const std::vector<Hot>& all, long calls, bool sealed = true) {
   Note* const note = static_cast<Note*>(mmap(nullptr, sizeof(Note), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
   ASSERT_NE(MAP_FAILED, static_cast<void*>(note));
-  dyn_nq(nullptr);  // the thread's first error
+  dyn_model_nq(nullptr);  // the thread's first error
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {

@@ -35,7 +35,7 @@ std::uint64_t all_results(const dynModel* m, dynData* d, std::uint64_t seed) {
     EXPECT_EQ(DYN_OK, p(m, d)) << row.name << ": " << dyn_last_error();
     for (const Numbers& x : p.results()) add(x);
   }
-  for (dynIntegrator i : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4}) {
+  for (dynIntegrator i : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4}) {
     const dynStatus status = take_step(m, d, i, 1e-3);  // angles about z, y, x may be near their singularity
     EXPECT_TRUE(status == DYN_OK || status == DYN_ERROR_NUMERIC) << dyn_last_error();
     add(field(m, d, "q")), add(field(m, d, "v"));
@@ -43,7 +43,7 @@ std::uint64_t all_results(const dynModel* m, dynData* d, std::uint64_t seed) {
   Numbers out(s.q.size());
   EXPECT_EQ(DYN_OK, dyn_integrate(m, s.q.data(), s.v.data(), out.data()));
   add(out);
-  EXPECT_EQ(-1, dyn_joint_id(m, "nobody"));  // each thread has its own errors
+  EXPECT_EQ(-1, dyn_model_joint_id(m, "nobody"));  // each thread has its own errors
   EXPECT_TRUE(says({"nobody"}));
   return hash;
 }
@@ -114,7 +114,7 @@ TEST(Threads, CreationAndFreeing) {
       dynData* placed = nullptr;
       EXPECT_EQ(DYN_OK, dyn_data_init(mine, 0, memory.data(), memory.size(), &placed));
       EXPECT_EQ(DYN_OK, dyn_crba(mine, a, nullptr, nullptr));
-      EXPECT_EQ(DYN_OK, dyn_gravity(shared, c, nullptr, nullptr));
+      EXPECT_EQ(DYN_OK, dyn_gravity_torque(shared, c, nullptr, nullptr));
       EXPECT_EQ(DYN_ERROR_MODEL, dyn_crba(mine, b, nullptr, nullptr));
       dyn_data_free(placed);
       dynModel* none = nullptr;
@@ -149,7 +149,7 @@ TEST(Threads, BatchesInQuickSuccession) {
   const Model m = chain(3);
   const Batch batch(m, 4);
   std::vector<std::unique_ptr<BatchCase>> cases;
-  for (int n = 1; n < 20; ++n) cases.push_back(std::make_unique<BatchCase>(m, DYN_BATCH_RNEA, n));
+  for (int n = 1; n < 20; ++n) cases.push_back(std::make_unique<BatchCase>(m, DYN_ALGORITHM_RNEA, n));
   for (int round = 0; round < (sanitized ? 100 : 1000); ++round)
     for (const auto& c : cases) {
       std::fill(c->status.begin(), c->status.end(), DYN_ERROR_INTERNAL);
@@ -165,7 +165,7 @@ TEST(Threads, BatchOfTwo) {
   std::atomic<int> good{0};
   in_parallel([&](int) {
     for (int k = 0; k < 20; ++k) {
-      const BatchCase c(m, DYN_BATCH_CRBA, 50);
+      const BatchCase c(m, DYN_ALGORITHM_CRBA, 50);
       const dynStatus status = c(batch);
       if (status == DYN_OK) {
         ++good;

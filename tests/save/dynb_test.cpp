@@ -39,31 +39,31 @@ ModelPtr furnished() {
     for (int i = 0; i < 9; ++i) corners.push_back(dice.in(-1, 1));
     faces.insert(faces.end(), {3 * k, 3 * k + 1, 3 * k + 2});
   }
-  Shape soup{"soup", DYN_SHAPE_TRIANGLES, DYN_ROLE_COLLISION, t.bodies[0].name, placement(dice.pose(5)), {1, 1, 1}, ""};
+  Shape soup{"soup", DYN_SHAPE_TYPE_TRIANGLES, DYN_SHAPE_ROLE_COLLISION, t.bodies[0].name, placement(dice.pose(5)), {1, 1, 1}, ""};
   soup.surface = triangle_tree(corners, faces, false);
   b.shape(soup);
   const std::vector<double> heights = {0, 0.1, 0.2, 0, 0.3, 0.1, 0.2, 0.1, 0};
-  Shape ground{"ground", DYN_SHAPE_HEIGHT_FIELD, DYN_ROLE_COLLISION, "universe", placement(dice.pose(5)), {1, 1, 1}, ""};
+  Shape ground{"ground", DYN_SHAPE_TYPE_HEIGHT_FIELD, DYN_SHAPE_ROLE_COLLISION, "universe", placement(dice.pose(5)), {1, 1, 1}, ""};
   ground.surface = height_grid(heights.data(), 3, 3, 1, 1, -1);
   b.shape(ground);
-  Shape hull{"hull", DYN_SHAPE_CONVEX, DYN_ROLE_COLLISION, t.bodies[2].name, placement(dice.pose(5)), {1, 1, 1}, ""};
+  Shape hull{"hull", DYN_SHAPE_TYPE_CONVEX, DYN_SHAPE_ROLE_COLLISION, t.bodies[2].name, placement(dice.pose(5)), {1, 1, 1}, ""};
   hull.surface = tetrahedron();
   b.shape(hull);
-  b.shape({"box", DYN_SHAPE_BOX, DYN_ROLE_COLLISION, t.bodies[1].name, placement(dice.pose(5)), {1, 2, 3}, ""});
+  b.shape({"box", DYN_SHAPE_TYPE_BOX, DYN_SHAPE_ROLE_COLLISION, t.bodies[1].name, placement(dice.pose(5)), {1, 2, 3}, ""});
   b.pair("box", "ground", nullptr);
   for (const JointSpec& s : t.joints)
-    if (s.type != DYN_JOINT_FIXED && s.mimic.empty()) {
+    if (s.type != DYN_JOINT_TYPE_FIXED && s.mimic.empty()) {
       dynActuator a{};
       a.struct_size = sizeof a, a.gear = 1, a.control_range[0] = a.force_range[0] = -1, a.control_range[1] = a.force_range[1] = 1;
       b.actuator("motor", a, s.name);
       break;
     }
   dynConstraint c{};
-  c.struct_size = sizeof c, c.type = DYN_CONSTRAINT_WELD, c.enabled = 1;
+  c.struct_size = sizeof c, c.type = DYN_CONSTRAINT_TYPE_WELD, c.enabled = 1;
   std::copy(identity_placement.begin(), identity_placement.end(), c.placement1), std::copy(identity_placement.begin(), identity_placement.end(), c.placement2);
-  b.constraint("weld", c, {t.bodies[0].name, DYN_FRAME_BODY}, {"", 0});
+  b.constraint("weld", c, {t.bodies[0].name, DYN_FRAME_TYPE_BODY}, {"", 0});
   b.disabled_pair(t.bodies[0].name, t.bodies[1].name, "because");
-  b.report(DYN_REPORT_INFO, 3, "a remark");
+  b.report(DYN_REPORT_LEVEL_INFO, 3, "a remark");
   b.medium(1, 0.1, {1, 2, 3});
   b.contact_capacity(5);
   const ModelPtr m = b.finish();

@@ -50,11 +50,11 @@ inline void expect_same(const Model& a, const Model& b, std::uint64_t seed, bool
   EXPECT_LE((x.tau - y.tau).cwiseAbs().maxCoeff(), 1e-12 * std::max(1.0, x.tau.cwiseAbs().maxCoeff()));
   EXPECT_LE((x.M - y.M).cwiseAbs().maxCoeff(), 1e-12 * std::max(1.0, x.M.cwiseAbs().maxCoeff()));
   for (Index f = 1; f < a.n.frames; ++f) {
-    const bool body = a.frames()[f].type == DYN_FRAME_BODY;
+    const bool body = a.frames()[f].type == DYN_FRAME_TYPE_BODY;
     const char* name = a.string(a.frames()[f].name);
     Index g = 0;
     for (Index k = 1; k < b.n.frames; ++k)
-      if (!std::strcmp(b.string(b.frames()[k].name), name) && (b.frames()[k].type == DYN_FRAME_BODY) == body) g = k;
+      if (!std::strcmp(b.string(b.frames()[k].name), name) && (b.frames()[k].type == DYN_FRAME_TYPE_BODY) == body) g = k;
     ASSERT_GT(g, 0) << name;
     const double far = std::max(1.0, x.frames[std::size_t(f)].cwiseAbs().maxCoeff());
     EXPECT_LE((x.frames[std::size_t(f)] - y.frames[std::size_t(g)]).cwiseAbs().maxCoeff(), 1e-12 * far) << name;

@@ -7,7 +7,7 @@ namespace dyn_test {
 namespace {
 
 bool lost(const SaveReport& lines, const char* what) {
-  return std::any_of(lines.begin(), lines.end(), [&](const SaveEntry& e) { return e.level == DYN_REPORT_WARNING && e.message.find(what) != std::string::npos; });
+  return std::any_of(lines.begin(), lines.end(), [&](const SaveEntry& e) { return e.level == DYN_REPORT_LEVEL_WARNING && e.message.find(what) != std::string::npos; });
 }
 
 TEST(Urdf, RobotsComeBack) {
@@ -43,12 +43,12 @@ TEST(Urdf, TreesOfAllJointsComeBack) {
     SCOPED_TRACE(seed);
     TreeOptions options;
     options.resistance = 0.3, options.armature = 0;
-    options.types = {DYN_JOINT_REVOLUTE, DYN_JOINT_CONTINUOUS, DYN_JOINT_PRISMATIC, DYN_JOINT_HELICAL, DYN_JOINT_CYLINDRICAL, DYN_JOINT_UNIVERSAL, DYN_JOINT_SPHERICAL,
-                     DYN_JOINT_SPHERICAL_ZYX, DYN_JOINT_PLANAR, DYN_JOINT_TRANSLATION, DYN_JOINT_FREE_FLYER};
+    options.types = {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL, DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_UNIVERSAL, DYN_JOINT_TYPE_SPHERICAL,
+                     DYN_JOINT_TYPE_SPHERICAL_ZYX, DYN_JOINT_TYPE_PLANAR, DYN_JOINT_TYPE_TRANSLATION, DYN_JOINT_TYPE_FREE_FLYER};
     Tree tree = random_tree(seed, options);
     for (JointSpec& s : tree.joints) {
       s.stiffness.clear(), s.spring_reference.clear();
-      if (s.type == DYN_JOINT_SPHERICAL || s.type == DYN_JOINT_FREE_FLYER) s.damping.clear(), s.friction.clear();
+      if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) s.damping.clear(), s.friction.clear();
     }
     const ModelPtr m = tree.build();
     expect_same(*m, *again(*m, DYN_FORMAT_URDF, DYN_BASE_FIXED), seed, false);
@@ -58,7 +58,7 @@ TEST(Urdf, TreesOfAllJointsComeBack) {
 TEST(Urdf, CompositesAreChains) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     TreeOptions options;
-    options.joints = 6, options.types = {DYN_JOINT_COMPOSITE}, options.mimic = 0, options.armature = 0;
+    options.joints = 6, options.types = {DYN_JOINT_TYPE_COMPOSITE}, options.mimic = 0, options.armature = 0;
     const ModelPtr m = random_tree(seed, options).build();
     bool unbounded = false;
     for (Index i = 1; i < m->n.bodies; ++i) unbounded |= m->bodies()[i].type == BodyType::RevoluteUnbounded;
@@ -87,11 +87,11 @@ TEST(Mjcf, TreesComeBack) {
     SCOPED_TRACE(seed);
     TreeOptions options;
     options.joints = 1 + int(seed % 12), options.mimic = 0;
-    options.types = {DYN_JOINT_REVOLUTE, DYN_JOINT_CONTINUOUS, DYN_JOINT_PRISMATIC, DYN_JOINT_CYLINDRICAL, DYN_JOINT_UNIVERSAL, DYN_JOINT_SPHERICAL, DYN_JOINT_SPHERICAL_ZYX,
-                     DYN_JOINT_PLANAR, DYN_JOINT_TRANSLATION};
+    options.types = {DYN_JOINT_TYPE_REVOLUTE, DYN_JOINT_TYPE_CONTINUOUS, DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_UNIVERSAL, DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_SPHERICAL_ZYX,
+                     DYN_JOINT_TYPE_PLANAR, DYN_JOINT_TYPE_TRANSLATION};
     Tree tree = random_tree(seed, options);
     for (JointSpec& s : tree.joints)
-      if (s.type == DYN_JOINT_SPHERICAL) s.armature.assign(s.armature.size(), 0.01);
+      if (s.type == DYN_JOINT_TYPE_SPHERICAL) s.armature.assign(s.armature.size(), 0.01);
     const ModelPtr m = tree.build();
     expect_same(*m, *again(*m, DYN_FORMAT_MJCF, DYN_BASE_UNSPECIFIED), seed, false);
     for (Index k = 0; k < 3; ++k) EXPECT_EQ(m->gravity[k], again(*m, DYN_FORMAT_MJCF, DYN_BASE_UNSPECIFIED)->gravity[k]);
@@ -102,7 +102,7 @@ TEST(Mjcf, TreesComeBack) {
 TEST(Mjcf, FreeJointsOnSomethingKeepTheirCoordinates) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     TreeOptions options;
-    options.joints = 5, options.mimic = 0, options.types = {DYN_JOINT_FREE_FLYER, DYN_JOINT_REVOLUTE};
+    options.joints = 5, options.mimic = 0, options.types = {DYN_JOINT_TYPE_FREE_FLYER, DYN_JOINT_TYPE_REVOLUTE};
     const ModelPtr m = random_tree(seed, options).build();
     SaveReport lines;
     const ModelPtr back = again(*m, DYN_FORMAT_MJCF, DYN_BASE_UNSPECIFIED, &lines);
@@ -239,7 +239,7 @@ TEST(Save, TheSamePairsAreTested) {
         const std::string name = model.string(model.frames()[model.shapes()[model.geoms()[geom].shape].frame].name);
         return name == "world" ? "universe" : name;
       };
-      if (model.pairs()[k].reason == DYN_PAIR_TESTED) out.insert({link(model.pairs()[k].a), link(model.pairs()[k].b)});
+      if (model.pairs()[k].reason == DYN_PAIR_REASON_TESTED) out.insert({link(model.pairs()[k].a), link(model.pairs()[k].b)});
     }
     return out;
   };

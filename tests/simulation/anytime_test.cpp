@@ -23,7 +23,7 @@ struct Wall {
 struct Pile : Play {
   explicit Pile(int layers, dynContactSolverType solver, double restitution = 0) : Pile(Wall(layers, restitution), solver) {}
   void kick() {
-    Numbers u(v, v + dyn_nv(m));
+    Numbers u(v, v + dyn_model_nv(m));
     for (std::size_t k = 0; k < u.size(); ++k) u[k] += 0.1 * std::sin(2.7 * double(k));
     set({}, u);
   }
@@ -52,7 +52,7 @@ void expect_in_cones(const Play& play) {
   }
 }
 
-constexpr dynContactSolverType solvers[] = {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON};
+constexpr dynContactSolverType solvers[] = {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON};
 
 // Small islands are solved by their matrix, large ones by sweeps and segments.
 TEST(Anytime, MoreIterationsMakeItNoWorse) {
@@ -66,7 +66,7 @@ TEST(Anytime, MoreIterationsMakeItNoWorse) {
         const dynStepReport r = pile.report();
         expect_in_cones(pile);
         EXPECT_EQ(r.unsolved > 0, r.residual > pile.options.tolerance) << layers << " " << solver << " " << iterations;
-        if (solver != DYN_CONTACT_PGS) {  // whose last sweep acts
+        if (solver != DYN_CONTACT_SOLVER_TYPE_PGS) {  // whose last sweep acts
           EXPECT_LE(r.residual, before * (1 + 1e-6)) << layers << " " << solver << " " << iterations;
         }
         if (before == HUGE_VAL) first = r.residual;
@@ -74,7 +74,7 @@ TEST(Anytime, MoreIterationsMakeItNoWorse) {
       }
       EXPECT_GT(first, 1e-6) << layers << " " << solver;  // one is not enough
       EXPECT_LT(before, 0.1 * first) << layers << " " << solver;
-      if (layers == 3 && solver != DYN_CONTACT_PGS) {
+      if (layers == 3 && solver != DYN_CONTACT_SOLVER_TYPE_PGS) {
         EXPECT_LE(before, 1e-9) << solver;
       }
     }
@@ -93,7 +93,7 @@ TEST(Anytime, NoTimeIsOneSweep) {
           ASSERT_LE(one.report().iterations, 4 * one.report().islands) << k;  // sweeps of a guess that is nearly good are few
           if (k < 5) whole.steps(1), free.steps(1);
         }
-        for (int k = 0; k < dyn_nq(one.m); ++k) {
+        for (int k = 0; k < dyn_model_nq(one.m); ++k) {
           ASSERT_EQ(one.q[k], again.q[k]);
           ASSERT_EQ(whole.q[k], free.q[k]);
           ASSERT_LT(std::abs(one.q[k]), 3);  // it has not flown apart
@@ -103,7 +103,7 @@ TEST(Anytime, NoTimeIsOneSweep) {
 }
 
 TEST(Anytime, ADeadlineWithinTheStep) {
-  Pile pile(9, DYN_CONTACT_ADMM);
+  Pile pile(9, DYN_CONTACT_SOLVER_TYPE_ADMM);
   for (const double seconds : {1e-6, 1e-5, 5e-5, 1e-4, 3e-4, 1e-3, 3e-3}) {
     pile.budget(100, seconds);
     pile.kick(), pile.steps(1);

@@ -22,7 +22,7 @@ struct Linkage : Play {
   }
   double open() const {  // the largest error of position and velocity
     int rows = 0;
-    EXPECT_EQ(DYN_OK, dyn_constraint_rows(m, other, -1, nullptr, &rows));
+    EXPECT_EQ(DYN_OK, dyn_data_constraint_rows(m, other, -1, nullptr, &rows));
     Numbers C(static_cast<std::size_t>(rows)), Jv(C);
     EXPECT_EQ(DYN_OK, dyn_constraint_terms(m, other, q, v, C.data(), nullptr, Jv.data(), nullptr)) << dyn_last_error();
     double most = 0;
@@ -39,20 +39,20 @@ double apart(const Play& a, const Play& b) {
 }
 
 void check_order(dynIntegrator integrator, double order, int n) {
-  Linkage reference(DYN_REFERENCE, 0.05), coarse(integrator, 0.5 / n), fine(integrator, 0.25 / n);
+  Linkage reference(DYN_INTEGRATOR_REFERENCE, 0.05), coarse(integrator, 0.5 / n), fine(integrator, 0.25 / n);
   reference.steps(10), coarse.steps(n), fine.steps(2 * n);
   EXPECT_NEAR(order, std::log2(apart(coarse, reference) / apart(fine, reference)), 0.3) << apart(coarse, reference) << ' ' << apart(fine, reference);
   EXPECT_LT(fine.open(), 1e-12);
 }
 
 TEST(Held, OrdersStay) {
-  check_order(DYN_RK4, 4, 100);
-  check_order(DYN_RK45, 5, 50);
-  check_order(DYN_IMPLICIT_MIDPOINT, 2, 200);
+  check_order(DYN_INTEGRATOR_RK4, 4, 100);
+  check_order(DYN_INTEGRATOR_RK45, 5, 50);
+  check_order(DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 2, 200);
 }
 
 TEST(Held, EnergyIsKeptAndLoopsStayClosed) {
-  Linkage run(DYN_REFERENCE, 0.05);
+  Linkage run(DYN_INTEGRATOR_REFERENCE, 0.05);
   const double before = run.energy();
   for (int k = 0; k < 100; ++k) {
     run.steps(1);
@@ -62,10 +62,10 @@ TEST(Held, EnergyIsKeptAndLoopsStayClosed) {
 }
 
 TEST(Held, AccuracyIsMet) {
-  Linkage reference(DYN_REFERENCE, 0.05), run(DYN_REFERENCE, 0.05);
+  Linkage reference(DYN_INTEGRATOR_REFERENCE, 0.05), run(DYN_INTEGRATOR_REFERENCE, 0.05);
   reference.steps(20);
   for (const double accuracy : {1e-6, 1e-9}) {
-    Linkage asked(DYN_REFERENCE, 0.05);
+    Linkage asked(DYN_INTEGRATOR_REFERENCE, 0.05);
     asked.options.accuracy = accuracy;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(asked.m, asked.d, &asked.options));
     ASSERT_EQ(DYN_OK, dyn_advance(asked.m, asked.d, 1)) << dyn_last_error();
@@ -77,18 +77,18 @@ TEST(Held, AccuracyIsMet) {
 Model windows(int count) {
   const double down[3] = {0, -9.81, 0}, inertia[9] = {0, 0, 0, 0, 1. / 12, 0, 0, 0, 1. / 12};
   Builder b("windows");
-  EXPECT_EQ(DYN_OK, dyn_builder_gravity(b, down));
+  EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, down));
   for (int k = 0; k <= count; ++k) {
     const std::string upright = "upright" + std::to_string(k), coupler = "coupler" + std::to_string(k);
-    b.joint(Spec(upright.c_str(), DYN_JOINT_REVOLUTE, nullptr, {double(k), 0, 0}).about(0, 0, 1)).body((upright + "_rod").c_str(), upright.c_str(), 1, {0.5, 0, 0}, inertia);
+    b.joint(Spec(upright.c_str(), DYN_JOINT_TYPE_REVOLUTE, nullptr, {double(k), 0, 0}).about(0, 0, 1)).body((upright + "_rod").c_str(), upright.c_str(), 1, {0.5, 0, 0}, inertia);
     if (k < count)
-      b.joint(Spec(coupler.c_str(), DYN_JOINT_REVOLUTE, upright.c_str(), {1, 0, 0}).about(0, 0, 1)).body((coupler + "_rod").c_str(), coupler.c_str(), 1, {0.5, 0, 0}, inertia);
+      b.joint(Spec(coupler.c_str(), DYN_JOINT_TYPE_REVOLUTE, upright.c_str(), {1, 0, 0}).about(0, 0, 1)).body((coupler + "_rod").c_str(), coupler.c_str(), 1, {0.5, 0, 0}, inertia);
   }
   dynConstraint corner;
-  dyn_constraint_init(&corner, DYN_CONSTRAINT_CONNECT);
+  dyn_constraint_init(&corner, DYN_CONSTRAINT_TYPE_CONNECT);
   corner.placement1[9] = corner.placement2[9] = 1;
   for (int k = 0; k < count; ++k)
-    EXPECT_EQ(DYN_OK, dyn_builder_constraint(b, ("corner" + std::to_string(k)).c_str(), &corner, ("coupler" + std::to_string(k) + "_rod").c_str(),
+    EXPECT_EQ(DYN_OK, dyn_builder_add_constraint(b, ("corner" + std::to_string(k)).c_str(), &corner, ("coupler" + std::to_string(k) + "_rod").c_str(),
                                              ("upright" + std::to_string(k + 1) + "_rod").c_str())) << dyn_last_error();
   return b.finish();
 }
@@ -97,8 +97,8 @@ Model one_upright(int count) {
   const double weight = 2 * ((count + 1) / 2. + count), about_pin = (count + 1) / 3. + count, down[3] = {0, -9.81, 0};
   const double inertia[9] = {about_pin, 0, 0, 0, about_pin, 0, 0, 0, about_pin - weight / 4};
   Builder b("upright");
-  EXPECT_EQ(DYN_OK, dyn_builder_gravity(b, down));
-  b.joint(Spec("pin", DYN_JOINT_REVOLUTE).about(0, 0, 1)).body("rod", "pin", weight, {0.5, 0, 0}, inertia);
+  EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b, down));
+  b.joint(Spec("pin", DYN_JOINT_TYPE_REVOLUTE).about(0, 0, 1)).body("rod", "pin", weight, {0.5, 0, 0}, inertia);
   return b.finish();
 }
 
@@ -128,7 +128,7 @@ TEST(Held, AccuracyIsMetThroughSingularConfigurations) {
 
 // A loop that is open closes first, in steps of order 1, by at most 1 m/s.
 TEST(Held, OpenLoopsClose) {
-  Linkage run(DYN_RK4, 1e-3);
+  Linkage run(DYN_INTEGRATOR_RK4, 1e-3);
   Numbers at(run.q, run.q + run.m.nq());
   at[0] += 0.1;
   run.set(at);

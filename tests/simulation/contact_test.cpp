@@ -115,7 +115,7 @@ TEST(Contact, ComplianceAndBelts) {
   dynMaterial belt = material(0.5);
   belt.surface_velocity[0] = 0.7;
   Scene scene;
-  scene.shape("universe", DYN_SHAPE_HALF_SPACE, {0, 0, 0}, belt).box("box", 1, {0.2, 0.2, 0.2}, material(0.2));
+  scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, belt).box("box", 1, {0.2, 0.2, 0.2}, material(0.2));
   Play carried(scene.finish());
   carried.place({{0, 0, 0.1}});
   carried.steps(100);
@@ -139,7 +139,7 @@ TEST(Contact, SoftReboundIsThatOfSpringAndDamper) {
 
 // Rolling friction without torsion, whose row is held at zero: for every solver, and with no time at all.
 TEST(Contact, RollingWithoutTorsion) {
-  for (const dynContactSolverType solver : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON})
+  for (const dynContactSolverType solver : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
     for (const double budget : {0.0, 1e-9}) {
       double end[2];
       for (const double torsion : {0.0, 1e-4}) {
@@ -180,7 +180,7 @@ TEST(Contact, TorsionAndRolling) {
 TEST(Contact, FastBodiesDoNotPassThrough) {
   for (const double speed : {10.0, 100.0, 1000.0}) {
     Scene scene({0, 0, 0});
-    scene.shape("universe", DYN_SHAPE_BOX, {1, 1, 0.01}, material(0)).sphere("ball", 1, 0.02, material(0.5));
+    scene.shape("universe", DYN_SHAPE_TYPE_BOX, {1, 1, 0.01}, material(0)).sphere("ball", 1, 0.02, material(0.5));
     Play run(scene.finish());
     run.place({{0, 0, 0.6}});
     run.set({}, {0, 0, -speed, 0, 0, 0});
@@ -196,19 +196,19 @@ TEST(Contact, RoomForFewContacts) {
   const auto room = [](int contacts) {
     Scene scene;
     scene.ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5));
-    EXPECT_EQ(DYN_OK, dyn_builder_contact_capacity(scene.builder(), contacts));
+    EXPECT_EQ(DYN_OK, dyn_builder_set_contact_capacity(scene.builder(), contacts));
     return scene.finish();
   };
   dynBuilder* b = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_new("none", &b));
   for (const int wrong : {-1, 1000001}) {
-    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_contact_capacity(b, wrong));
+    EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_set_contact_capacity(b, wrong));
     EXPECT_NE(nullptr, std::strstr(dyn_last_error(), std::to_string(wrong).c_str()));
   }
   dyn_builder_free(b);
   for (const auto& [asked, there] : {std::pair{0, 8}, {3, 3}, {1, 1}, {8, 8}, {100, 8}}) {  // 8 for the only pair
     Play play(room(asked));
-    EXPECT_EQ(there, dyn_contact_capacity(play.m)) << asked;
+    EXPECT_EQ(there, dyn_model_contact_capacity(play.m)) << asked;
     play.place({{0, 0, 0.1 - 1e-4}});
     play.steps(1);
     EXPECT_EQ(std::min(4, there), play.report().contacts) << asked;

@@ -7,7 +7,7 @@ namespace {
 dynShapeSpec box_at(double x, double z, std::array<double, 3> size, double friction) {
   dynShapeSpec s;
   dyn_shape_spec_init(&s);
-  s.body = "universe", s.type = DYN_SHAPE_BOX, s.material = material(friction);
+  s.body = "universe", s.type = DYN_SHAPE_TYPE_BOX, s.material = material(friction);
   s.placement[9] = x, s.placement[11] = z;
   std::copy(size.begin(), size.end(), s.size);
   return s;
@@ -19,7 +19,7 @@ TEST(Passing, ABoxSlidesOverSeams) {
   for (const double lower : {0.0, 1e-6, 1e-4})
     for (const double dt : {1e-3, 1e-4}) {
       Scene scene;
-      for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, mu), box_at(1.1, -0.05 - lower, {2, 2, 0.1}, mu)}) ASSERT_EQ(DYN_OK, dyn_builder_shape(scene.builder(), &s)) << dyn_last_error();
+      for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, mu), box_at(1.1, -0.05 - lower, {2, 2, 0.1}, mu)}) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
       scene.box("box", 1, {0.1, 0.1, 0.1}, material(mu));
       Play run(scene.finish(), dt);
       run.set({-0.1, 0, 0.05, 0, 0, 0, 1}, {2, 0, 0, 0, 0, 0});
@@ -35,7 +35,7 @@ TEST(Passing, ABoxSlidesOverTiles) {
   Scene scene;
   for (int k = 0; k < 12; ++k) {
     const dynShapeSpec s = box_at(-0.5 + 0.2 * k, -0.05, {0.2, 2, 0.1}, mu);
-    ASSERT_EQ(DYN_OK, dyn_builder_shape(scene.builder(), &s)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
   }
   scene.box("box", 1, {0.1, 0.1, 0.1}, material(mu));
   Play run(scene.finish());
@@ -50,7 +50,7 @@ TEST(Passing, ABoxSlidesOverTiles) {
 // Against a ledge as high as a tenth of it the box does stop.
 TEST(Passing, ALedgeStopsABox) {
   Scene scene;
-  for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, 0), box_at(1.1, -0.04, {2, 2, 0.1}, 0)}) ASSERT_EQ(DYN_OK, dyn_builder_shape(scene.builder(), &s)) << dyn_last_error();
+  for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, 0), box_at(1.1, -0.04, {2, 2, 0.1}, 0)}) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
   scene.box("box", 1, {0.1, 0.1, 0.1}, material(0));
   Play run(scene.finish());
   run.set({-0.1, 0, 0.05, 0, 0, 0, 1}, {0.3, 0, 0, 0, 0, 0});
@@ -64,7 +64,7 @@ TEST(Passing, ABallFliesBy) {
   for (const auto& [speed, dt] : {std::pair{10.0, 1e-2}, {100.0, 1e-3}}) {
     Scene scene({0, 0, 0});
     const dynShapeSpec box = box_at(0, 0, {0.1, 0.1, 0.1}, 0.5);
-    ASSERT_EQ(DYN_OK, dyn_builder_shape(scene.builder(), &box)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &box)) << dyn_last_error();
     Play run(scene.sphere("ball", 1, 0.05, material(0.5)).finish(), dt);
     run.set({-0.5, 0.12, 0, 0, 0, 0, 1}, {speed, 0, 0, 0, 0, 0});
     run.steps(10);

@@ -108,7 +108,7 @@ TEST(Clearance, ChangesNothing) {
     r.struct_size = sizeof r;
     ASSERT_EQ(DYN_OK, dyn_data_step_report(a.m, a.d, &r));
     met += r.rows > 0;
-    for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_EQ(qa.data[i], qb.data[i]) << k << " " << i;
+    for (int i = 0; i < dyn_model_nq(a.m); ++i) ASSERT_EQ(qa.data[i], qb.data[i]) << k << " " << i;
   }
   EXPECT_GT(met, 10);
   EXPECT_LT(met, 2900);

@@ -9,7 +9,7 @@ namespace {
 // The same with a wrench on the first body that is as good as none: then all bodies take the recursion.
 void take_recursion(Play& run) {
   const double nothing[6] = {1e-300, 0, 0, 0, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_frame_id(run.m, "body0"), nullptr, nothing, DYN_LOCAL_WORLD_ALIGNED)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "body0"), nullptr, nothing, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)) << dyn_last_error();
 }
 
 // Nine bodies whose centres of mass are elsewhere, which turn, one (as round as a ball) by more than a radian a step, and are driven; a quaternion of any norm.
@@ -39,8 +39,8 @@ TEST(FreeBodies, MoveAsByTheRecursion) {
   Tumbling a(false), b(true);
   for (int k = 0; k < 200; ++k) {
     a.run.steps(1), b.run.steps(1);
-    for (int i = 0; i < dyn_nq(a.run.m); ++i) ASSERT_NEAR(b.run.q[i], a.run.q[i], 1e-11 * (1 + std::abs(b.run.q[i]))) << k << " " << i;
-    for (int i = 0; i < dyn_nv(a.run.m); ++i)  // points go as fast as the body turns
+    for (int i = 0; i < dyn_model_nq(a.run.m); ++i) ASSERT_NEAR(b.run.q[i], a.run.q[i], 1e-11 * (1 + std::abs(b.run.q[i]))) << k << " " << i;
+    for (int i = 0; i < dyn_model_nv(a.run.m); ++i)  // points go as fast as the body turns
       ASSERT_NEAR(b.run.v[i], a.run.v[i], 1e-11 * (1 + std::abs(b.run.v[i / 6 * 6 + 5]))) << k << " " << i;
   }
 }
@@ -50,16 +50,16 @@ TEST(FreeBodies, APlacedJointFallsInTheWorld) {
   dynBuilder* b = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_new("placed", &b));
   const double c = std::cos(0.7), s = std::sin(0.7), I[9] = {1e-3, 0, 0, 0, 1e-3, 0, 0, 0, 1e-3}, com[3] = {0, 0, 0};
-  Spec spec("joint", DYN_JOINT_FREE_FLYER);
+  Spec spec("joint", DYN_JOINT_TYPE_FREE_FLYER);
   const double X[12] = {1, 0, 0, 0, c, s, 0, -s, c, 0.3, -0.2, 0.6};
   std::copy(X, X + 12, spec.placement);
-  ASSERT_EQ(DYN_OK, dyn_builder_joint(b, &spec)) << dyn_last_error();
-  ASSERT_EQ(DYN_OK, dyn_builder_body(b, "ball", "joint", nullptr, 1, com, I)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_builder_add_joint(b, &spec)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, "ball", "joint", nullptr, 1, com, I)) << dyn_last_error();
   for (const char* body : {"universe", "ball"}) {
     dynShapeSpec shape;
     dyn_shape_spec_init(&shape);
-    shape.body = body, shape.type = body[0] == 'u' ? DYN_SHAPE_HALF_SPACE : DYN_SHAPE_SPHERE, shape.size[0] = 0.1;
-    ASSERT_EQ(DYN_OK, dyn_builder_shape(b, &shape)) << dyn_last_error();
+    shape.body = body, shape.type = body[0] == 'u' ? DYN_SHAPE_TYPE_HALF_SPACE : DYN_SHAPE_TYPE_SPHERE, shape.size[0] = 0.1;
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &shape)) << dyn_last_error();
   }
   dynModel* m = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_finish(b, &m)) << dyn_last_error();
@@ -68,7 +68,7 @@ TEST(FreeBodies, APlacedJointFallsInTheWorld) {
   const auto height = [&] {
     double at[12];
     EXPECT_EQ(DYN_OK, dyn_forward_kinematics(run.m, run.d, nullptr, nullptr, nullptr));
-    EXPECT_EQ(DYN_OK, dyn_frame_placement(run.m, run.d, dyn_frame_id(run.m, "ball"), at)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_frame_placement(run.m, run.d, dyn_model_frame_id(run.m, "ball"), at)) << dyn_last_error();
     EXPECT_NEAR(0.3, at[9], 1e-14);
     EXPECT_NEAR(-0.2, at[10], 1e-14);
     return at[11];
@@ -116,7 +116,7 @@ TEST(FreeBodies, TakeNoRecursion) {
 TEST(FreeBodies, TouchAsByTheRecursion) {
   const auto make = [] {
     Scene scene;
-    scene.ground().free("body0", 1, {5e-3, 4e-3, 6e-3}, {0, 0.01, -0.02}).shape("body0", DYN_SHAPE_SPHERE, {0.1, 0, 0}, material(0.5));
+    scene.ground().free("body0", 1, {5e-3, 4e-3, 6e-3}, {0, 0.01, -0.02}).shape("body0", DYN_SHAPE_TYPE_SPHERE, {0.1, 0, 0}, material(0.5));
     scene.sphere("other", 2, 0.1, material(0.4));
     return scene.finish();
   };
@@ -131,7 +131,7 @@ TEST(FreeBodies, TouchAsByTheRecursion) {
   for (int k = 0; k < 300; ++k) {
     a.steps(1), b.steps(1);
     met += a.contacts().size() > 2;
-    for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_NEAR(b.q[i], a.q[i], 1e-12) << k << " " << i;
+    for (int i = 0; i < dyn_model_nq(a.m); ++i) ASSERT_NEAR(b.q[i], a.q[i], 1e-12) << k << " " << i;
   }
   EXPECT_GT(met, 0);
 }
@@ -150,7 +150,7 @@ TEST(FreeBodies, TouchingIsNotPressed) {
   for (const dynContactForce& f : run.contacts()) EXPECT_EQ(0, f.force_on_b[0]);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(0.5, run.v[6 * k], 1e-14);
   const double push[6] = {8, 0, 0, 0, 0, 0};  // the first pushes all
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_frame_id(run.m, "ball0"), nullptr, push, DYN_LOCAL_WORLD_ALIGNED));
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "ball0"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
   run.steps(100);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(0.5 + 2 * 0.1, run.v[6 * k], 1e-8);
   const auto forces = run.contacts();

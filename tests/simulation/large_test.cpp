@@ -49,16 +49,16 @@ TEST(Large, JammedSpheresAreSolved) {
   constexpr double wall = 0.5;
   Spheres s(4, 64, 0.22, 1, {0, 0, -9.81});
   for (auto& p : s.at) p[0] -= 0.33, p[1] -= 0.33;
-  s.scene.shape("universe", DYN_SHAPE_HALF_SPACE, {0, 0, 0}, material(1));
+  s.scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(1));
   for (const double side : {-1.0, 1.0})
     for (const bool along : {false, true}) {  // z of the half space points inward
       dynShapeSpec plane;
       dyn_shape_spec_init(&plane);
-      plane.body = "universe", plane.type = DYN_SHAPE_HALF_SPACE, plane.material = material(1);
+      plane.body = "universe", plane.type = DYN_SHAPE_TYPE_HALF_SPACE, plane.material = material(1);
       const double z = -side;
       const double across[12] = {0, z, 0, 0, 0, 1, z, 0, 0, side * wall, 0, 0}, beside[12] = {0, 0, 1, z, 0, 0, 0, z, 0, 0, side * wall, 0};
       std::copy_n(along ? across : beside, 12, plane.placement);
-      ASSERT_EQ(DYN_OK, dyn_builder_shape(s.scene.builder(), &plane)) << dyn_last_error();
+      ASSERT_EQ(DYN_OK, dyn_builder_add_shape(s.scene.builder(), &plane)) << dyn_last_error();
     }
   Play play(s.scene.finish(), 2e-3);
   play.place(s.at);
@@ -77,12 +77,12 @@ TEST(Large, JammedSpheresAreSolved) {
 // Two arms of which one follows the other, so that M has no tree.
 void add_mimic_pair(dynBuilder* b) {
   const double com[3] = {0.1, 0, 0}, I[9] = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01};
-  Spec lead("lead", DYN_JOINT_REVOLUTE), follow("follow", DYN_JOINT_REVOLUTE);
+  Spec lead("lead", DYN_JOINT_TYPE_REVOLUTE), follow("follow", DYN_JOINT_TYPE_REVOLUTE);
   lead.about(0, 0, 1), follow.about(0, 0, 1);
   follow.mimic = "lead", follow.mimic_ratio = 2;
   for (const Spec* s : {&lead, &follow}) {
-    ASSERT_EQ(DYN_OK, dyn_builder_joint(b, s)) << dyn_last_error();
-    ASSERT_EQ(DYN_OK, dyn_builder_body(b, (std::string(s->name) + "_arm").c_str(), s->name, nullptr, 1, com, I)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_add_joint(b, s)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, (std::string(s->name) + "_arm").c_str(), s->name, nullptr, 1, com, I)) << dyn_last_error();
   }
 }
 void place_beside(Play& play, const Spheres& s) {
@@ -131,7 +131,7 @@ TEST(Large, AMimicJointCouplesNothingInFlight) {
 TEST(Large, CoarseSweepsStayBounded) {
   Spheres s(4, 64, 0.21, 0.5, {0, 0, -9.81});
   s.scene.ground();
-  Play play(s.scene.finish(), 2e-3, DYN_CONTACT_PGS);
+  Play play(s.scene.finish(), 2e-3, DYN_CONTACT_SOLVER_TYPE_PGS);
   play.options.tolerance = 1e-2, play.options.max_iterations = 100;
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
   play.place(s.at);
@@ -178,7 +178,7 @@ TEST(Large, FreePilesKeepTheirMomentum) {
 // A block of balls that touch, each with a velocity of its own: a ball that one contact throws at the next presses what would have opened, where Moreau's
 // law, all impacts at once, gains energy, here a quarter: coefficients are taken smaller until it does not.
 TEST(Large, BouncesGainNothing) {
-  for (const dynContactSolverType solver : {DYN_CONTACT_ADMM, DYN_CONTACT_PGS}) {
+  for (const dynContactSolverType solver : {DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_PGS}) {
     constexpr int n = 5;
     Scene scene({0, 0, 0});
     std::vector<std::array<double, 3>> at;
@@ -191,7 +191,7 @@ TEST(Large, BouncesGainNothing) {
       v.insert(v.end(), {std::sin(7.0 * k), std::sin(11.0 * k), std::sin(13.0 * k), 0, 0, 0});
     }
     Play play(scene.finish(), 2e-3, solver);
-    if (solver == DYN_CONTACT_PGS) play.options.tolerance = 1e-4;
+    if (solver == DYN_CONTACT_SOLVER_TYPE_PGS) play.options.tolerance = 1e-4;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
     play.place(at), play.set({}, v);
     double before = play.energy();
@@ -210,21 +210,21 @@ TEST(Large, BouncesGainNothing) {
 // A trunk on a free joint with two legs and two arms of three links each, all capsules, falls on its front and comes to rest.
 TEST(Large, ATreeThatFallsIsSolvedInNearlyEveryStep) {
   Scene scene;
-  scene.ground().free("trunk", 20, {0.8, 0.8, 0.15}).shape("trunk", DYN_SHAPE_CAPSULE, {0.1, 0.5, 0}, material(0.5));
+  scene.ground().free("trunk", 20, {0.8, 0.8, 0.15}).shape("trunk", DYN_SHAPE_TYPE_CAPSULE, {0.1, 0.5, 0}, material(0.5));
   auto limb = [&](const std::string& name, double x, double z, double swing) {
     std::string parent = "trunk";
     for (int k = 0; k < 3; ++k) {
       const std::string joint = name + "_joint" + std::to_string(k), body = name + std::to_string(k);
-      Spec s(joint.c_str(), DYN_JOINT_REVOLUTE, parent.c_str(), {k ? 0 : x, 0, k ? -0.3 : z});
+      Spec s(joint.c_str(), DYN_JOINT_TYPE_REVOLUTE, parent.c_str(), {k ? 0 : x, 0, k ? -0.3 : z});
       const double lower = k == 1 ? -2.0 : -0.8, upper = k == 1 ? 0.1 : swing;
       s.about(k == 0 ? 1 : 0, k == 0 ? 0 : 1, 0), s.lower = &lower, s.upper = &upper;
-      EXPECT_EQ(DYN_OK, dyn_builder_joint(scene.builder(), &s)) << dyn_last_error();
+      EXPECT_EQ(DYN_OK, dyn_builder_add_joint(scene.builder(), &s)) << dyn_last_error();
       const double I[9] = {0.02, 0, 0, 0, 0.02, 0, 0, 0, 0.004}, com[3] = {0, 0, -0.15};
-      EXPECT_EQ(DYN_OK, dyn_builder_body(scene.builder(), body.c_str(), joint.c_str(), nullptr, 3.0 - k, com, I)) << dyn_last_error();
+      EXPECT_EQ(DYN_OK, dyn_builder_add_body(scene.builder(), body.c_str(), joint.c_str(), nullptr, 3.0 - k, com, I)) << dyn_last_error();
       dynShapeSpec c;
       dyn_shape_spec_init(&c);
-      c.body = body.c_str(), c.type = DYN_SHAPE_CAPSULE, c.material = material(0.5), c.size[0] = 0.04, c.size[1] = 0.25, c.placement[11] = -0.15;
-      EXPECT_EQ(DYN_OK, dyn_builder_shape(scene.builder(), &c)) << dyn_last_error();
+      c.body = body.c_str(), c.type = DYN_SHAPE_TYPE_CAPSULE, c.material = material(0.5), c.size[0] = 0.04, c.size[1] = 0.25, c.placement[11] = -0.15;
+      EXPECT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &c)) << dyn_last_error();
       parent = joint;
     }
   };

@@ -13,7 +13,7 @@ dynErrorLedger ledger_of(Play& play) {
   EXPECT_EQ(DYN_OK, dyn_data_ledger(play.m, play.d, &out)) << dyn_last_error();
   return out;
 }
-void keep(Play& play, dynIntegrator integrator = DYN_SEMI_IMPLICIT_EULER) {
+void keep(Play& play, dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER) {
   play.options.ledger = 1, play.options.integrator = integrator;
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options)) << dyn_last_error();
 }
@@ -56,7 +56,7 @@ TEST(Ledger, DefectIsOfTheIntegratorsOrder) {
   const struct {
     dynIntegrator integrator;
     double order;
-  } cases[] = {{DYN_SEMI_IMPLICIT_EULER, 1}, {DYN_RK4, 4}, {DYN_IMPLICIT_MIDPOINT, 2}};
+  } cases[] = {{DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1}, {DYN_INTEGRATOR_RK4, 4}, {DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 2}};
   for (const auto& c : cases) {
     std::vector<double> defects;
     for (const double dt : {4e-3, 2e-3}) {

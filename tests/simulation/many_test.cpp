@@ -15,12 +15,12 @@ struct Heap {
   explicit Heap(int bodies, int far) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> u(-1, 1);
-    scene.ground().shape("universe", DYN_SHAPE_BOX, {0.6, 0.6, 0.1}, material(0.5));
+    scene.ground().shape("universe", DYN_SHAPE_TYPE_BOX, {0.6, 0.6, 0.1}, material(0.5));
     for (int k = 0; k < bodies; ++k) {
       const std::string name = "body" + std::to_string(k);
       if (k % 3 == 0) scene.box(name.c_str(), 1, {0.1, 0.12, 0.14}, material(0.5));
       else if (k % 3 == 1) scene.sphere(name.c_str(), 0.5, 0.06, material(0.4, 0.2));
-      else scene.free(name.c_str(), 0.7, {2e-3, 2e-3, 1e-3}).shape(name.c_str(), DYN_SHAPE_CAPSULE, {0.04, 0.1, 0}, material(0.6));
+      else scene.free(name.c_str(), 0.7, {2e-3, 2e-3, 1e-3}).shape(name.c_str(), DYN_SHAPE_TYPE_CAPSULE, {0.04, 0.1, 0}, material(0.6));
       q.insert(q.end(), {0.25 * u(random), 0.25 * u(random), 0.15 + 0.09 * k, 0, 0, 0, 1});
       double norm = 0;
       for (int i = 0; i < 4; ++i) {
@@ -31,18 +31,18 @@ struct Heap {
     }
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
-    s.body = "universe", s.type = DYN_SHAPE_BOX;
+    s.body = "universe", s.type = DYN_SHAPE_TYPE_BOX;
     for (int k = 0; k < far; ++k) {
       for (int i = 0; i < 3; ++i) s.size[i] = 0.5;
       s.placement[9] = 20 + k % 50, s.placement[10] = k / 50, s.placement[11] = -5;
-      EXPECT_EQ(DYN_OK, dyn_builder_shape(scene.builder(), &s)) << dyn_last_error();
+      EXPECT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
     }
   }
 };
 
 void expect_same(const Play& a, const Play& b, int step) {
-  for (int k = 0; k < dyn_nq(a.m); ++k) ASSERT_EQ(a.q[k], b.q[k]) << step << " " << k;
-  for (int k = 0; k < dyn_nv(a.m); ++k) ASSERT_EQ(a.v[k], b.v[k]) << step << " " << k;
+  for (int k = 0; k < dyn_model_nq(a.m); ++k) ASSERT_EQ(a.q[k], b.q[k]) << step << " " << k;
+  for (int k = 0; k < dyn_model_nv(a.m); ++k) ASSERT_EQ(a.v[k], b.v[k]) << step << " " << k;
 }
 
 // 12 bodies: pairs are looked at one by one; 45: by boxes. With 1,000 shapes far away they are not listed.
@@ -50,8 +50,8 @@ TEST(ManyShapes, SameBitsByListAndByBoxes) {
   for (const int bodies : {12, 45}) {
     Heap few(bodies, 0), many(bodies, 1000);
     Play a(few.scene.finish()), b(many.scene.finish());
-    EXPECT_GT(dyn_npairs(a.m), 0);
-    EXPECT_EQ(0, dyn_npairs(b.m));
+    EXPECT_GT(dyn_model_npairs(a.m), 0);
+    EXPECT_EQ(0, dyn_model_npairs(b.m));
     a.set(few.q), b.set(many.q);
     std::size_t met = 0;
     for (int k = 0; k < 400; ++k) {
@@ -111,19 +111,19 @@ TEST(ManyShapes, Filters) {
     heap.scene.free(body, 1, {0.1, 0.1, 0.1});
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
-    s.body = body, s.name = body, s.type = DYN_SHAPE_SPHERE, s.size[0] = 0.05, s.contype = contype, s.conaffinity = conaffinity;
-    ASSERT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
+    s.body = body, s.name = body, s.type = DYN_SHAPE_TYPE_SPHERE, s.size[0] = 0.05, s.contype = contype, s.conaffinity = conaffinity;
+    ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
   };
   ball("meets", 1, 1), ball("passes", 2, 2), ball("wanted", 2, 2);
   dynShapeSpec s;
   dyn_shape_spec_init(&s);
-  s.body = "universe", s.name = "table", s.type = DYN_SHAPE_BOX, s.placement[9] = -5;
+  s.body = "universe", s.name = "table", s.type = DYN_SHAPE_TYPE_BOX, s.placement[9] = -5;
   s.size[0] = s.size[1] = 3, s.size[2] = 0.2;
-  ASSERT_EQ(DYN_OK, dyn_builder_shape(b, &s)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
   const dynMaterial own = material(0.25);
-  ASSERT_EQ(DYN_OK, dyn_builder_pair(b, "wanted", "table", &own)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_builder_add_pair(b, "wanted", "table", &own)) << dyn_last_error();
   Play run(heap.scene.finish());
-  ASSERT_EQ(1, dyn_npairs(run.m));
+  ASSERT_EQ(1, dyn_model_npairs(run.m));
   run.place({{-5, 0, 0.15}, {-5.3, 0, 0.15}, {-5.6, 0, 0.15}});
   run.set({}, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.2, 0, 0, 0, 0, 0});
   run.steps(100);
@@ -150,22 +150,22 @@ TEST(ManyShapes, Overlaps) {
     std::string last = "universe";
     for (int k = 0; k < 3; ++k) {
       const std::string joint = "j" + std::to_string(k), link = "l" + std::to_string(k);
-      Spec spec(joint.c_str(), DYN_JOINT_REVOLUTE);
+      Spec spec(joint.c_str(), DYN_JOINT_TYPE_REVOLUTE);
       if (k) spec.parent = last.c_str();
       spec.placement[9] = k ? 0 : -5, spec.placement[11] = 0.04;
-      ASSERT_EQ(DYN_OK, dyn_builder_joint(b, &spec)) << dyn_last_error();
-      ASSERT_EQ(DYN_OK, dyn_builder_body(b, link.c_str(), joint.c_str(), nullptr, 1, com, I)) << dyn_last_error();
-      heap.scene.shape(link.c_str(), DYN_SHAPE_SPHERE, {0.1, 0, 0}, material(0.5));
+      ASSERT_EQ(DYN_OK, dyn_builder_add_joint(b, &spec)) << dyn_last_error();
+      ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, link.c_str(), joint.c_str(), nullptr, 1, com, I)) << dyn_last_error();
+      heap.scene.shape(link.c_str(), DYN_SHAPE_TYPE_SPHERE, {0.1, 0, 0}, material(0.5));
       last = joint;
     }
     Play run(heap.scene.finish());
     if (far) {
       // the first and the last link, and the first and the second one with the ground
-      EXPECT_EQ(3, dyn_npairs(run.m));
-      for (int k = 0; k < dyn_npairs(run.m); ++k) {
+      EXPECT_EQ(3, dyn_model_npairs(run.m));
+      for (int k = 0; k < dyn_model_npairs(run.m); ++k) {
         dynPairReason reason;
-        ASSERT_EQ(DYN_OK, dyn_pair(run.m, k, nullptr, nullptr, &reason));
-        EXPECT_EQ(DYN_PAIR_OVERLAPS, reason) << k;
+        ASSERT_EQ(DYN_OK, dyn_model_pair(run.m, k, nullptr, nullptr, &reason));
+        EXPECT_EQ(DYN_PAIR_REASON_OVERLAPS, reason) << k;
       }
     }
     run.steps(10);
@@ -186,7 +186,7 @@ TEST(ManyShapes, RainOfBalls) {
     q.insert(q.end(), {0.11 * x + 0.01 * (z % 3), 0.11 * y + 0.013 * (z % 2), r + 0.03 + 0.13 * z, 0, 0, 0, 1});
   }
   Play run(scene.finish(), h);
-  EXPECT_EQ(0, dyn_npairs(run.m));
+  EXPECT_EQ(0, dyn_model_npairs(run.m));
   run.set(q);
   const auto momentum = [&] {
     double sum = 0;
@@ -218,7 +218,7 @@ TEST(ManyShapes, MovingHalfSpace) {
   Heap few(0, 0), many(0, 1000);
   std::vector<Numbers> ends;
   for (Heap* heap : {&few, &many}) {
-    heap->scene.free("plane", 5, {1, 1, 1}).shape("plane", DYN_SHAPE_HALF_SPACE, {0, 0, 0}, material(0.5)).sphere("ball", 1, 0.05, material(0.5));
+    heap->scene.free("plane", 5, {1, 1, 1}).shape("plane", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5)).sphere("ball", 1, 0.05, material(0.5));
     Play run(heap->scene.finish());
     // upside down: it falls onto the ball, which lies on the floor's box
     run.set({0, 0, 0.5, 1, 0, 0, 0, 0, 0, 0.1, 0, 0, 0, 1});

@@ -20,7 +20,7 @@ class Scene {
  public:
   explicit Scene(std::array<double, 3> gravity = {0, 0, -9.81}) {
     dyn_builder_new("scene", &b_);
-    EXPECT_EQ(DYN_OK, dyn_builder_gravity(b_, gravity.data()));
+    EXPECT_EQ(DYN_OK, dyn_builder_set_gravity(b_, gravity.data()));
   }
   Scene(const Scene&) = delete;
   ~Scene() { dyn_builder_free(b_); }
@@ -30,30 +30,30 @@ class Scene {
     dyn_shape_spec_init(&s);
     s.body = body, s.type = type, s.material = x;
     std::copy(size.begin(), size.end(), s.size);
-    EXPECT_EQ(DYN_OK, dyn_builder_shape(b_, &s)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_builder_add_shape(b_, &s)) << dyn_last_error();
     return *this;
   }
-  Scene& ground() { return shape("universe", DYN_SHAPE_HALF_SPACE, {0, 0, 0}, material(0)); }
+  Scene& ground() { return shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0)); }
   Scene& free(const char* name, double mass, std::array<double, 3> inertia, std::array<double, 3> com = {0, 0, 0}) {
     const double I[9] = {inertia[0], 0, 0, 0, inertia[1], 0, 0, 0, inertia[2]};
     const std::string joint = std::string(name) + "_joint";
-    const Spec spec(joint.c_str(), DYN_JOINT_FREE_FLYER);
-    EXPECT_EQ(DYN_OK, dyn_builder_joint(b_, &spec)) << dyn_last_error();
-    EXPECT_EQ(DYN_OK, dyn_builder_body(b_, name, joint.c_str(), nullptr, mass, com.data(), I)) << dyn_last_error();
+    const Spec spec(joint.c_str(), DYN_JOINT_TYPE_FREE_FLYER);
+    EXPECT_EQ(DYN_OK, dyn_builder_add_joint(b_, &spec)) << dyn_last_error();
+    EXPECT_EQ(DYN_OK, dyn_builder_add_body(b_, name, joint.c_str(), nullptr, mass, com.data(), I)) << dyn_last_error();
     return *this;
   }
   Scene& box(const char* name, double mass, std::array<double, 3> s, const dynMaterial& x) {
     auto two = [&](int i, int j) { return mass / 12 * (s[std::size_t(i)] * s[std::size_t(i)] + s[std::size_t(j)] * s[std::size_t(j)]); };
-    return free(name, mass, {two(1, 2), two(0, 2), two(0, 1)}).shape(name, DYN_SHAPE_BOX, s, x);
+    return free(name, mass, {two(1, 2), two(0, 2), two(0, 1)}).shape(name, DYN_SHAPE_TYPE_BOX, s, x);
   }
   Scene& sphere(const char* name, double mass, double r, const dynMaterial& x) {
     const double I = 0.4 * mass * r * r;
-    return free(name, mass, {I, I, I}).shape(name, DYN_SHAPE_SPHERE, {r, 0, 0}, x);
+    return free(name, mass, {I, I, I}).shape(name, DYN_SHAPE_TYPE_SPHERE, {r, 0, 0}, x);
   }
   // Thin, along z, with round ends beyond its length.
   Scene& rod(const char* name, double mass, double r, double length, const dynMaterial& x) {
     const double I = mass * length * length / 12;
-    return free(name, mass, {I, I, mass * r * r / 2}).shape(name, DYN_SHAPE_CAPSULE, {r, length, 0}, x);
+    return free(name, mass, {I, I, mass * r * r / 2}).shape(name, DYN_SHAPE_TYPE_CAPSULE, {r, length, 0}, x);
   }
   dynBuilder* builder() { return b_; }
   Model finish() {
@@ -72,7 +72,7 @@ struct Play {
   dynData* d = nullptr;
   dynStepOptions options;
   double residual = 0;  // largest in all steps
-  explicit Play(Model model, double dt = 1e-3, dynContactSolverType solver = DYN_CONTACT_ADMM) : m(std::move(model)) {
+  explicit Play(Model model, double dt = 1e-3, dynContactSolverType solver = DYN_CONTACT_SOLVER_TYPE_ADMM) : m(std::move(model)) {
     EXPECT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_CENTROIDAL, &d));
     q = array("q"), v = array("v");
     dyn_step_options_init(&options);
@@ -116,9 +116,9 @@ struct Play {
   }
   std::vector<dynContactForce> contacts() const {
     int n = 0;
-    EXPECT_EQ(DYN_OK, dyn_step_contacts(m, d, nullptr, 0, &n));
+    EXPECT_EQ(DYN_OK, dyn_data_step_contacts(m, d, nullptr, 0, &n));
     std::vector<dynContactForce> out(static_cast<std::size_t>(n));
-    EXPECT_EQ(DYN_OK, dyn_step_contacts(m, d, out.data(), n, &n));
+    EXPECT_EQ(DYN_OK, dyn_data_step_contacts(m, d, out.data(), n, &n));
     return out;
   }
   // World velocity of a body that flies freely.

@@ -23,9 +23,9 @@ Model stacks(int n, int far = 0) {
   scene.sphere("ball", 2, 0.1, material(0.3));
   dynShapeSpec s;
   dyn_shape_spec_init(&s);
-  s.body = "universe", s.type = DYN_SHAPE_BOX, s.placement[11] = -50;
+  s.body = "universe", s.type = DYN_SHAPE_TYPE_BOX, s.placement[11] = -50;
   for (int i = 0; i < 3; ++i) s.size[i] = 0.5;
-  for (int k = 0; k < far; ++k) EXPECT_EQ(DYN_OK, dyn_builder_shape(scene.builder(), &s)) << dyn_last_error();
+  for (int k = 0; k < far; ++k) EXPECT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
   return scene.finish();
 }
 void place_stacks(Play& run, int n, std::array<double, 3> ball) {
@@ -47,9 +47,9 @@ struct Pair {
     for (int k = 0; k < n; ++k) {
       a.steps(1), b.steps(1);
       ++compared;
-      for (int i = 0; i < dyn_nq(a.m); ++i) ASSERT_EQ(a.q[i], b.q[i]) << "step " << compared << ", q " << i;
-      for (int i = 0; i < dyn_nv(a.m); ++i) ASSERT_EQ(a.v[i], b.v[i]) << "step " << compared << ", v " << i;
-      for (int i = 0; i < dyn_nactuators(a.m); ++i) ASSERT_EQ(a.array("actuator_force")[i], b.array("actuator_force")[i]) << "step " << compared << ", actuator " << i;
+      for (int i = 0; i < dyn_model_nq(a.m); ++i) ASSERT_EQ(a.q[i], b.q[i]) << "step " << compared << ", q " << i;
+      for (int i = 0; i < dyn_model_nv(a.m); ++i) ASSERT_EQ(a.v[i], b.v[i]) << "step " << compared << ", v " << i;
+      for (int i = 0; i < dyn_model_nactuators(a.m); ++i) ASSERT_EQ(a.array("actuator_force")[i], b.array("actuator_force")[i]) << "step " << compared << ", actuator " << i;
       ASSERT_EQ(a.report().sleeping, b.report().sleeping) << compared;
       slept = std::max(slept, a.report().sleeping);
       const auto x = a.contacts(), y = b.contacts();
@@ -80,7 +80,7 @@ TEST_P(Sleeping, WakesAsIfItHadNeverSlept) {
   EXPECT_NEAR(3 * n * g, weight, 1e-6 * weight);
   // the ball flies into the first stack
   run.both([&](Play& p) {
-    Numbers q(p.q, p.q + dyn_nq(p.m)), v(p.v, p.v + dyn_nv(p.m));
+    Numbers q(p.q, p.q + dyn_model_nq(p.m)), v(p.v, p.v + dyn_model_nv(p.m));
     double *at = q.data() + 21 * n, *u = v.data() + 18 * n;
     at[0] = -1, at[1] = 0, at[2] = 0.5, u[0] = 4, u[1] = 0, u[2] = 1;
     p.set(q, v);
@@ -107,16 +107,16 @@ TEST_P(Sleeping, WakesAsIfItHadNeverSlept) {
   EXPECT_GT(again, 0);
   // one box is pushed
   run.both([&](Play& p) {
-    Numbers tau(std::size_t(dyn_nv(p.m)), 0);
+    Numbers tau(std::size_t(dyn_model_nv(p.m)), 0);
     tau[std::size_t(18 * n - 6)] = 8;
     ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, tau.data()));
   });
   run.steps(50);
   EXPECT_EQ(again - 1, run.a.report().sleeping);
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, Numbers(std::size_t(dyn_nv(p.m)), 0).data())); });
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, Numbers(std::size_t(dyn_model_nv(p.m)), 0).data())); });
   run.steps(50);
   const double push[6] = {0, 0, 30, 0, 0, 0};
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_frame_id(p.m, "box2"), nullptr, push, DYN_LOCAL_WORLD_ALIGNED)); });
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "box2"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
   run.steps(30);
   run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
   run.steps(300);
@@ -147,8 +147,8 @@ Model robots(int n, const char* more = "") {
   return Model(m);
 }
 void start_robots(Pair& run) {
-  Numbers q(static_cast<std::size_t>(dyn_nq(run.a.m)));
-  ASSERT_EQ(DYN_OK, dyn_configuration(run.a.m, "qpos0", q.data()));
+  Numbers q(static_cast<std::size_t>(dyn_model_nq(run.a.m)));
+  ASSERT_EQ(DYN_OK, dyn_model_configuration(run.a.m, "qpos0", q.data()));
   run.both([&](Play& p) { p.set(q); });
 }
 
@@ -190,7 +190,7 @@ TEST(Sleep, DrivenAndDampedRobotsSleepToo) {
   const int asleep = run.a.report().sleeping;
   // the ball falls on the first robot
   run.both([&](Play& p) {
-    Numbers q(p.q, p.q + dyn_nq(p.m)), v(p.v, p.v + dyn_nv(p.m));
+    Numbers q(p.q, p.q + dyn_model_nq(p.m)), v(p.v, p.v + dyn_model_nv(p.m));
     const std::size_t ball = q.size() - 7;
     q[ball] = q[0], q[ball + 1] = q[1], q[ball + 2] = q[2] + 0.5;
     std::fill(v.end() - 6, v.end(), 0.0);
@@ -199,7 +199,7 @@ TEST(Sleep, DrivenAndDampedRobotsSleepToo) {
   run.steps(400);
   EXPECT_LT(run.a.report().sleeping, asleep);
   const double push[6] = {0, 20, 10, 0, 0, 0};
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_frame_id(p.m, "trunk1"), nullptr, push, DYN_LOCAL_WORLD_ALIGNED)); });
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk1"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
   run.steps(100);
   run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
   run.steps(500);
@@ -210,7 +210,7 @@ TEST(Sleep, WhatActsMayAlsoRest) {
   Pair run(robots(1, "<option density='1.2' viscosity='1e-5'/>"), robots(1, "<option density='1.2' viscosity='1e-5'/>"));
   start_robots(run);
   const double pull[6] = {0, 0, -1, 0, 0, 0};
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_frame_id(p.m, "trunk0"), nullptr, pull, DYN_LOCAL_WORLD_ALIGNED)); });
+  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk0"), nullptr, pull, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
   run.steps(2500);
   EXPECT_EQ(1, run.a.report().sleeping);
   const double tiny[2] = {1e-9, 0};
@@ -235,17 +235,17 @@ TEST(Sleep, StatesAreKeptBitForBit) {
   ASSERT_EQ(DYN_OK, dyn_data_array(a.m, d, dyn_field_id("q"), &q));
   // the ball falls onto the second stack
   place_stacks(a, 3, {1.05, 0.01, 4});
-  std::vector<unsigned char> memory(dyn_state_size(a.m));
+  std::vector<unsigned char> memory(dyn_model_state_size(a.m));
   int asleep = 0;
   for (int k = 0; k < 20; ++k) {
     a.steps(60);
     asleep += a.report().sleeping;
-    ASSERT_EQ(DYN_OK, dyn_state_save(a.m, a.d, memory.data(), memory.size()));
-    ASSERT_EQ(DYN_OK, dyn_state_restore(a.m, d, memory.data(), memory.size())) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_data_save_state(a.m, a.d, memory.data(), memory.size()));
+    ASSERT_EQ(DYN_OK, dyn_data_restore_state(a.m, d, memory.data(), memory.size())) << dyn_last_error();
     for (int i = 0; i < 40; ++i) {
       a.steps(1);
       ASSERT_EQ(DYN_OK, dyn_step(a.m, d));
-      for (int j = 0; j < dyn_nq(a.m); ++j) ASSERT_EQ(a.q[j], q.data[j]) << k << " " << i << " " << j;
+      for (int j = 0; j < dyn_model_nq(a.m); ++j) ASSERT_EQ(a.q[j], q.data[j]) << k << " " << i << " " << j;
     }
   }
   EXPECT_GT(asleep, 10);
@@ -261,7 +261,7 @@ TEST(Sleep, WhatMovesIsAwake) {
   run.place({{0, 0, 1}, {5, 0, 1}});
   run.set({}, {2e-4, 0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0, 0});
   const double pull[6] = {0, 0, -0.1, 0, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_frame_id(run.m, "thrown"), nullptr, pull, DYN_LOCAL_WORLD_ALIGNED));
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "thrown"), nullptr, pull, DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
   run.steps(2000);
   EXPECT_EQ(0, run.report().sleeping);
   EXPECT_NEAR(4e-4, run.q[0], 1e-12);
@@ -304,8 +304,8 @@ TEST(Sleep, SleepingRobotsTakeFewInstructions) {
   const auto count = [](bool sleep) -> long {
     Play run(robots(20), 2e-3);
     may_sleep(run, !sleep);
-    Numbers q(static_cast<std::size_t>(dyn_nq(run.m)));
-    EXPECT_EQ(DYN_OK, dyn_configuration(run.m, "qpos0", q.data()));
+    Numbers q(static_cast<std::size_t>(dyn_model_nq(run.m)));
+    EXPECT_EQ(DYN_OK, dyn_model_configuration(run.m, "qpos0", q.data()));
     run.set(q);
     run.steps(1250);  // the ball still falls
     EXPECT_EQ(20, run.report().sleeping);

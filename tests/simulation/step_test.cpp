@@ -40,12 +40,12 @@ TEST(Step, CollisionsKeepMomentum) {
 
 void bob(Builder& b, const char* joint) {
   const double com[3] = {0, 0, -1}, I[9] = {0.3, 0, 0, 0, 0.3, 0, 0, 0, 0.3};
-  EXPECT_EQ(DYN_OK, dyn_builder_body(b, "bob", joint, nullptr, 1, com, I)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_builder_add_body(b, "bob", joint, nullptr, 1, com, I)) << dyn_last_error();
 }
 
 Model pendulum(double lower, double upper) {
   Builder b;
-  Spec hinge("hinge", DYN_JOINT_REVOLUTE);
+  Spec hinge("hinge", DYN_JOINT_TYPE_REVOLUTE);
   hinge.about(0, 1, 0), hinge.lower = &lower, hinge.upper = &upper;
   b.joint(hinge), bob(b, "hinge");
   return b.finish();
@@ -73,13 +73,13 @@ TEST(Step, LimitsHold) {
 // A bob on a ball joint whose angle is at most half a radian, and beside it, where asked, two arms of which one follows the other (so that M has no tree).
 Model ball_pendulum(bool beside, double angle = 0.5, double damping = 0) {
   Builder b;
-  Spec ball("ball", DYN_JOINT_SPHERICAL);
+  Spec ball("ball", DYN_JOINT_TYPE_SPHERICAL);
   const double lower[4] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, std::cos(angle / 2)};
   const double resists[3] = {damping, damping, damping};
   ball.lower = lower, ball.damping = resists;
   b.joint(ball), bob(b, "ball");
   if (beside) {
-    Spec lead("lead", DYN_JOINT_REVOLUTE), follow("follow", DYN_JOINT_REVOLUTE);
+    Spec lead("lead", DYN_JOINT_TYPE_REVOLUTE), follow("follow", DYN_JOINT_TYPE_REVOLUTE);
     follow.mimic = "lead", follow.mimic_ratio = 2;
     b.joint(lead).joint(follow).body("x", "lead", 1, {0.1, 0, 0}).body("y", "follow", 1, {0.2, 0, 0});
   }
@@ -91,10 +91,10 @@ double angle_of(const Play& run) { return 2 * std::atan2(std::sqrt(run.q[0] * ru
 TEST(Step, ALimitOfABallIsThatOfAHinge) {
   for (const bool beside : {false, true})
     for (const double sign : {1.0, -1.0})
-      for (const dynIntegrator by : {DYN_SEMI_IMPLICIT_EULER, DYN_IMPLICIT_FAST}) {
+      for (const dynIntegrator by : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_IMPLICIT_FAST}) {
         Play run(ball_pendulum(beside)), hinge(pendulum(-0.5, 0.5));
         for (Play* p : {&run, &hinge}) p->options.integrator = by, dyn_data_set_step_options(p->m, p->d, &p->options);
-        Numbers q(static_cast<std::size_t>(dyn_nq(run.m)), 0), v(static_cast<std::size_t>(dyn_nv(run.m)), 0);
+        Numbers q(static_cast<std::size_t>(dyn_model_nq(run.m)), 0), v(static_cast<std::size_t>(dyn_model_nv(run.m)), 0);
         q[1] = sign * std::sin(0.05), q[3] = sign * std::cos(0.05), v[1] = 4;
         run.set(q, v), hinge.set({0.1}, {4});
         double most = 0;
@@ -148,10 +148,10 @@ TEST(Step, ALimitOfABallRests) {
 TEST(Step, BadLimitsOfABallAreRefused) {
   Builder b;
   for (const double w : {1.0, 2.0}) {
-    Spec ball("ball", DYN_JOINT_SPHERICAL);
+    Spec ball("ball", DYN_JOINT_TYPE_SPHERICAL);
     const double lower[4] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, w};
     ball.lower = lower;
-    EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_joint(b, &ball));
+    EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_add_joint(b, &ball));
     EXPECT_TRUE(says({"ball", "lower limit[3]", "cos(a/2)"})) << dyn_last_error();
   }
 }
@@ -163,11 +163,11 @@ TEST(Step, ConstraintsHold) {
   Play run{Model(loaded)};
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ARMATURE));
   Numbers q(static_cast<std::size_t>(run.m.nq()));
-  ASSERT_EQ(DYN_OK, dyn_neutral(run.m, q.data()));
+  ASSERT_EQ(DYN_OK, dyn_configuration_neutral(run.m, q.data()));
   dynData* d = nullptr;
   ASSERT_EQ(DYN_OK, dyn_data_new(run.m, 0, &d));
   int rows = 0;
-  ASSERT_EQ(DYN_OK, dyn_constraint_rows(run.m, d, -1, nullptr, &rows)) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_data_constraint_rows(run.m, d, -1, nullptr, &rows)) << dyn_last_error();
   ASSERT_GT(rows, 0);
   Numbers C(static_cast<std::size_t>(rows));
   for (double& x : q) x += 0.3;
@@ -226,11 +226,11 @@ TEST(Step, StatesAreKeptBitForBit) {
   Play play(scene());
   play.place({{0, 0, 0.3}, {0.05, 0.02, 0.6}, {0.1, 0, 0.9}});
   play.steps(300);
-  std::vector<unsigned char> kept(dyn_state_size(play.m));
-  ASSERT_EQ(DYN_OK, dyn_state_save(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
+  std::vector<unsigned char> kept(dyn_model_state_size(play.m));
+  ASSERT_EQ(DYN_OK, dyn_data_save_state(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
   play.steps(300);
   const Numbers end(play.q, play.q + 21), speed(play.v, play.v + 18);
-  ASSERT_EQ(DYN_OK, dyn_state_restore(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
+  ASSERT_EQ(DYN_OK, dyn_data_restore_state(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
   EXPECT_NEAR(0.3, play.array("time")[0], 1e-12);
   play.steps(300);
   EXPECT_EQ(end, Numbers(play.q, play.q + 21));
@@ -238,17 +238,17 @@ TEST(Step, StatesAreKeptBitForBit) {
 
   const Numbers before(play.q, play.q + 21);
   Play other(scene());
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_restore(other.m, other.d, kept.data(), kept.size()));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_restore_state(other.m, other.d, kept.data(), kept.size()));
   EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "another model"));
-  EXPECT_EQ(DYN_ERROR_SIZE, dyn_state_restore(play.m, play.d, kept.data(), kept.size() - 1));
-  EXPECT_EQ(DYN_ERROR_SIZE, dyn_state_save(play.m, play.d, kept.data(), 3));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_state_restore(play.m, play.d, nullptr, kept.size()));
-  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_state_save(nullptr, play.d, kept.data(), kept.size()));
-  EXPECT_EQ(0u, dyn_state_size(nullptr));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_data_restore_state(play.m, play.d, kept.data(), kept.size() - 1));
+  EXPECT_EQ(DYN_ERROR_SIZE, dyn_data_save_state(play.m, play.d, kept.data(), 3));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_restore_state(play.m, play.d, nullptr, kept.size()));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_data_save_state(nullptr, play.d, kept.data(), kept.size()));
+  EXPECT_EQ(0u, dyn_model_state_size(nullptr));
   for (const std::size_t at : {std::size_t(0), std::size_t(16), std::size_t(32)}) {
     std::vector<unsigned char> damaged = kept;
     std::fill_n(damaged.begin() + std::ptrdiff_t(at), 8, static_cast<unsigned char>(0xff));
-    EXPECT_NE(DYN_OK, dyn_state_restore(play.m, play.d, damaged.data(), damaged.size())) << at;
+    EXPECT_NE(DYN_OK, dyn_data_restore_state(play.m, play.d, damaged.data(), damaged.size())) << at;
   }
   EXPECT_EQ(before, Numbers(play.q, play.q + 21));
 }
@@ -258,18 +258,18 @@ TEST(Step, ARestoredStateHasResultsOfItsOwn) {
   Play play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish()), fresh(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish());
   play.place({{0, 0, 0.3}});
   play.steps(10);
-  std::vector<unsigned char> kept(dyn_state_size(play.m));
-  ASSERT_EQ(DYN_OK, dyn_state_save(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
+  std::vector<unsigned char> kept(dyn_model_state_size(play.m));
+  ASSERT_EQ(DYN_OK, dyn_data_save_state(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
   const Numbers next = {1, 2, 3, 0, 0, 1, 0}, v = {1, 2, 3, 4, 5, 6}, tau = {6, 5, 4, 3, 2, 1};
   for (int k = 0; k < 3; ++k) {
-    ASSERT_EQ(DYN_OK, dyn_state_restore(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_data_restore_state(play.m, play.d, kept.data(), kept.size())) << dyn_last_error();
     for (int n = 0; n < k; ++n) ASSERT_EQ(DYN_OK, dyn_aba(play.m, play.d, nullptr, nullptr, nullptr, nullptr, nullptr));
     ASSERT_EQ(DYN_OK, dyn_forward_kinematics(play.m, play.d, nullptr, nullptr, nullptr));
     double at[2][12], hg[2][6], ddq[2][6];
     int which = 0;
     for (Play* one : {&play, &fresh}) {
       ASSERT_EQ(DYN_OK, dyn_forward_kinematics(one->m, one->d, next.data(), nullptr, nullptr));
-      ASSERT_EQ(DYN_OK, dyn_frame_placement(one->m, one->d, dyn_frame_id(one->m, "a"), at[which])) << dyn_last_error();
+      ASSERT_EQ(DYN_OK, dyn_frame_placement(one->m, one->d, dyn_model_frame_id(one->m, "a"), at[which])) << dyn_last_error();
       ASSERT_EQ(DYN_OK, dyn_centroidal_momentum(one->m, one->d, next.data(), v.data(), hg[which])) << dyn_last_error();
       ASSERT_EQ(DYN_OK, dyn_aba(one->m, one->d, next.data(), v.data(), tau.data(), nullptr, ddq[which++])) << dyn_last_error();
     }
@@ -294,7 +294,7 @@ TEST(Step, RefusedOptionsWakeNothing) {
   ASSERT_EQ(DYN_OK, dyn_data_step_report(play.m, plain, &report));
   ASSERT_EQ(1, report.sleeping);
   dynStepOptions options = play.options;
-  options.ledger = 1, options.dt = 2e-3, options.solver = DYN_CONTACT_PGS;
+  options.ledger = 1, options.dt = 2e-3, options.solver = DYN_CONTACT_SOLVER_TYPE_PGS;
   ASSERT_EQ(DYN_ERROR_PART, dyn_data_set_step_options(play.m, plain, &options));
   ASSERT_EQ(DYN_OK, dyn_step(play.m, plain));
   ASSERT_EQ(DYN_OK, dyn_data_step_report(play.m, plain, &report));
@@ -327,7 +327,7 @@ TEST(Step, APileOfManySpheres) {
 
 // The other integrators go through contact, too.
 TEST(Step, EveryIntegratorLands) {
-  for (const dynIntegrator integrator : {DYN_SEMI_IMPLICIT_EULER, DYN_RK4, DYN_IMPLICIT_FAST, DYN_IMPLICIT_MIDPOINT, DYN_RK45, DYN_REFERENCE}) {
+  for (const dynIntegrator integrator : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE}) {
     Play run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
     run.options.integrator = integrator;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
@@ -396,7 +396,7 @@ TEST(Step, AccuracyHoldsWhileADiskRolls) {
   for (const double a : {0.0375, 1.0})
     for (const double accuracy : {1e-4, 1e-6, 3e-7, 1e-7, 1e-8}) {
       const double I = a * a / 4, turn = std::sqrt(4 * g / (a * std::sin(lean)));
-      Play play(Scene().ground().free("disc", 1, {I, I, 2 * I}).shape("disc", DYN_SHAPE_CYLINDER, {a, thin, 0}, material(1)).finish());
+      Play play(Scene().ground().free("disc", 1, {I, I, 2 * I}).shape("disc", DYN_SHAPE_TYPE_CYLINDER, {a, thin, 0}, material(1)).finish());
       play.options.accuracy = accuracy, play.options.tolerance = 1e-13;
       ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
       play.set({0, 0, a * std::sin(lean) + thin / 2 * std::cos(lean), std::sin(lean / 2), 0, 0, std::cos(lean / 2)}, {0, 0, 0, 0, turn * std::sin(lean), 0});
@@ -450,7 +450,7 @@ TEST(Step, AccuracyPassesImpactsWithoutNumber) {
 }
 
 TEST(Step, EverySolverHoldsAStack) {
-  for (const dynContactSolverType solver : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON}) {
+  for (const dynContactSolverType solver : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON}) {
     Scene scene;
     scene.ground();
     std::vector<std::array<double, 3>> at;
@@ -473,7 +473,7 @@ TEST(Step, MaterialsAndBadOnes) {
   EXPECT_EQ(0.25, x.friction);
   dynShapeInfo info{};
   info.struct_size = sizeof info;
-  ASSERT_EQ(DYN_OK, dyn_shape_info(run.m, 1, &info));
+  ASSERT_EQ(DYN_OK, dyn_model_shape_info(run.m, 1, &info));
   EXPECT_EQ(0.25, info.material.friction);
   const dynMaterial good = material(0.75);
   ASSERT_EQ(DYN_OK, dyn_data_set_shape_material(run.m, run.d, -1, &good));
@@ -492,7 +492,7 @@ TEST(Step, MaterialsAndBadOnes) {
       spec.size[0] = spec.size[1] = spec.size[2] = 1, spec.material = wrong;
       dynBuilder* b = nullptr;
       ASSERT_EQ(DYN_OK, dyn_builder_new("x", &b));
-      EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_shape(b, &spec));
+      EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_add_shape(b, &spec));
       EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "material"));
       dyn_builder_free(b);
     }
@@ -501,10 +501,10 @@ TEST(Step, MaterialsAndBadOnes) {
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_shape_material(run.m, run.d, -1, &x));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_shape_material(run.m, run.d, 0, nullptr));
   int count = 0;
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_step_contacts(run.m, run.d, nullptr, 1, &count));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_step_contacts(run.m, run.d, nullptr, 0, nullptr));
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_step_contacts(run.m, run.d, nullptr, -1, &count));
-  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_step_contacts(nullptr, run.d, nullptr, 0, &count));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_step_contacts(run.m, run.d, nullptr, 1, &count));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_step_contacts(run.m, run.d, nullptr, 0, nullptr));
+  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_step_contacts(run.m, run.d, nullptr, -1, &count));
+  EXPECT_EQ(DYN_ERROR_HANDLE, dyn_data_step_contacts(nullptr, run.d, nullptr, 0, &count));
   EXPECT_EQ(DYN_ERROR_HANDLE, dyn_data_shape_material(run.m, nullptr, 0, &x));
   EXPECT_EQ(DYN_ERROR_HANDLE, dyn_data_set_shape_material(nullptr, run.d, 0, &good));
 }

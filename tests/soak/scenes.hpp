@@ -48,12 +48,12 @@ class Builder {
       return armature = armature_, damping = damping_, friction = friction_, *this;
     }
   };
-  Builder& joint(const dynJointSpec& s) { return check(dyn_builder_joint(b_, &s)), *this; }
+  Builder& joint(const dynJointSpec& s) { return check(dyn_builder_add_joint(b_, &s)), *this; }
   // a link of its joint's name, with the inertia of a box
   Builder& body(const std::string& joint, double mass, std::array<double, 3> box, std::array<double, 3> com = {}) {
     const double x = box[0] * box[0], y = box[1] * box[1], z = box[2] * box[2], s = mass / 12;
     const double I[9] = {s * (y + z), 0, 0, 0, s * (x + z), 0, 0, 0, s * (x + y)};
-    return check(dyn_builder_body(b_, ("link_" + joint).c_str(), joint.c_str(), nullptr, mass, com.data(), I)), *this;
+    return check(dyn_builder_add_body(b_, ("link_" + joint).c_str(), joint.c_str(), nullptr, mass, com.data(), I)), *this;
   }
   Builder& shape(const std::string& joint, dynShapeType type, std::array<double, 3> size, std::array<double, 3> at = {}, double friction = 0.6, double restitution = 0,
                  double rolling = 0) {
@@ -63,19 +63,19 @@ class Builder {
     s.body = joint.empty() ? nullptr : link.c_str(), s.type = type;
     for (std::size_t k = 0; k < 3; ++k) s.size[k] = size[k], s.placement[9 + k] = at[k];
     s.material.friction = friction, s.material.restitution = restitution, s.material.rolling = s.material.torsion = rolling;
-    return check(dyn_builder_shape(b_, &s)), *this;
+    return check(dyn_builder_add_shape(b_, &s)), *this;
   }
   // a floor, and four walls about it: half-spaces turned by quarters
   Builder& room(double half) {
-    shape("", DYN_SHAPE_HALF_SPACE, {});
+    shape("", DYN_SHAPE_TYPE_HALF_SPACE, {});
     const double walls[4][9] = {{0, 0, -1, 0, 1, 0, 1, 0, 0}, {0, 0, 1, 0, 1, 0, -1, 0, 0}, {1, 0, 0, 0, 0, -1, 0, 1, 0}, {1, 0, 0, 0, 0, 1, 0, -1, 0}};
     for (int k = 0; k < 4; ++k) {
       dynShapeSpec s;
       dyn_shape_spec_init(&s);
-      s.type = DYN_SHAPE_HALF_SPACE;
+      s.type = DYN_SHAPE_TYPE_HALF_SPACE;
       for (int i = 0; i < 9; ++i) s.placement[i] = walls[k][i];
       s.placement[9 + k / 2] = k % 2 ? half : -half;
-      check(dyn_builder_shape(b_, &s));
+      check(dyn_builder_add_shape(b_, &s));
     }
     return *this;
   }
@@ -118,7 +118,7 @@ inline dynModel* arm() {
   std::string parent;
   for (int k = 0; k < 7; ++k) {
     const std::string name = "j" + std::to_string(k);
-    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_REVOLUTE, k ? parent.c_str() : nullptr, {0, 0, 0.2}, {double(k % 2), double(k % 3 == 1), double(k % 2 == 0)})
+    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, k ? parent.c_str() : nullptr, {0, 0, 0.2}, {double(k % 2), double(k % 3 == 1), double(k % 2 == 0)})
                 .limits(&lower, &upper).losses(&armature, &damping, &friction));
     b.body(name, 2 - 0.2 * k, {0.1, 0.1, 0.2}, {0, 0, 0.1});
     parent = name;
@@ -131,22 +131,22 @@ inline dynModel* quadruped() {
   Builder b("quadruped");
   static const double damping = 1.5, armature = 0.01, friction = 0.1, lower = -2.7, upper = 2.7;
   b.room(3);
-  b.joint(Builder::Joint("trunk", DYN_JOINT_FREE_FLYER)).body("trunk", 7, {0.4, 0.2, 0.1}).shape("trunk", DYN_SHAPE_BOX, {0.4, 0.2, 0.1});
+  b.joint(Builder::Joint("trunk", DYN_JOINT_TYPE_FREE_FLYER)).body("trunk", 7, {0.4, 0.2, 0.1}).shape("trunk", DYN_SHAPE_TYPE_BOX, {0.4, 0.2, 0.1});
   for (int leg = 0; leg < 4; ++leg) {
     const std::string l = std::to_string(leg), hip = "hip" + l, thigh = "thigh" + l, calf = "calf" + l;
     const double x = leg < 2 ? 0.2 : -0.2, y = leg % 2 ? -0.12 : 0.12;
     const auto hinge = [&](const std::string& name, const std::string& parent, std::array<double, 3> at, std::array<double, 3> axis) {
-      b.joint(Builder::Joint(name.c_str(), DYN_JOINT_REVOLUTE, parent.c_str(), at, axis).limits(&lower, &upper).losses(&armature, &damping, &friction));
+      b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_REVOLUTE, parent.c_str(), at, axis).limits(&lower, &upper).losses(&armature, &damping, &friction));
     };
     hinge(hip, "trunk", {x, y, 0}, {1, 0, 0}), b.body(hip, 0.6, {0.08, 0.08, 0.08});
     hinge(thigh, hip, {0, 0, 0}, {0, 1, 0}), b.body(thigh, 1, {0.05, 0.05, 0.2}, {0, 0, -0.1});
     hinge(calf, thigh, {0, 0, -0.2}, {0, 1, 0}), b.body(calf, 0.2, {0.03, 0.03, 0.2}, {0, 0, -0.1});
-    b.shape(calf, DYN_SHAPE_SPHERE, {0.02, 0, 0}, {0, 0, -0.2}, 0.8).shape(thigh, DYN_SHAPE_CAPSULE, {0.025, 0.12, 0}, {0, 0, -0.1});
+    b.shape(calf, DYN_SHAPE_TYPE_SPHERE, {0.02, 0, 0}, {0, 0, -0.2}, 0.8).shape(thigh, DYN_SHAPE_TYPE_CAPSULE, {0.025, 0.12, 0}, {0, 0, -0.1});
   }
   return b.finish();
 }
 inline void stand(const dynModel* m, double* q) {
-  for (int k = 0; k < dyn_nq(m); ++k) q[k] = k == 2 ? 0.32 : k == 6 ? 1 : k < 7 ? 0 : (k - 7) % 3 == 1 ? 0.7 : (k - 7) % 3 == 2 ? -1.4 : 0;
+  for (int k = 0; k < dyn_model_nq(m); ++k) q[k] = k == 2 ? 0.32 : k == 6 ? 1 : k < 7 ? 0 : (k - 7) % 3 == 1 ? 0.7 : (k - 7) % 3 == 2 ? -1.4 : 0;
 }
 
 // Shapes of six kinds that fall into a heap between walls.
@@ -155,20 +155,20 @@ inline dynModel* heap() {
   b.room(0.5);
   for (int k = 0; k < 12; ++k) {
     const std::string name = "body" + std::to_string(k);
-    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_FREE_FLYER)).body(name, 1, {0.1, 0.12, 0.14});
+    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_FREE_FLYER)).body(name, 1, {0.1, 0.12, 0.14});
     switch (k % 6) {
-      case 0: b.shape(name, DYN_SHAPE_BOX, {0.1, 0.12, 0.14}); break;
-      case 1: b.shape(name, DYN_SHAPE_SPHERE, {0.06, 0, 0}, {}, 0.5, 0.3, 1e-3); break;
-      case 2: b.shape(name, DYN_SHAPE_CAPSULE, {0.04, 0.1, 0}); break;
-      case 3: b.shape(name, DYN_SHAPE_CYLINDER, {0.05, 0.1, 0}, {}, 0.4); break;
-      case 4: b.shape(name, DYN_SHAPE_ELLIPSOID, {0.05, 0.06, 0.07}); break;
-      default: b.shape(name, DYN_SHAPE_CONE, {0.06, 0.12, 0}); break;
+      case 0: b.shape(name, DYN_SHAPE_TYPE_BOX, {0.1, 0.12, 0.14}); break;
+      case 1: b.shape(name, DYN_SHAPE_TYPE_SPHERE, {0.06, 0, 0}, {}, 0.5, 0.3, 1e-3); break;
+      case 2: b.shape(name, DYN_SHAPE_TYPE_CAPSULE, {0.04, 0.1, 0}); break;
+      case 3: b.shape(name, DYN_SHAPE_TYPE_CYLINDER, {0.05, 0.1, 0}, {}, 0.4); break;
+      case 4: b.shape(name, DYN_SHAPE_TYPE_ELLIPSOID, {0.05, 0.06, 0.07}); break;
+      default: b.shape(name, DYN_SHAPE_TYPE_CONE, {0.06, 0.12, 0}); break;
     }
   }
   return b.finish();
 }
 inline void drop(const dynModel* m, double* q) {
-  for (int k = 0; k < dyn_nq(m) / 7; ++k, q += 7) {
+  for (int k = 0; k < dyn_model_nq(m) / 7; ++k, q += 7) {
     const double at[7] = {0.15 * (k % 3 - 1), 0.15 * (k / 3 % 2) - 0.07, 0.15 + 0.13 * (k / 6) + 0.02 * k, 0.1 * (k % 4), 0.2, 0, 0.9};
     double norm = 0;
     for (int i = 3; i < 7; ++i) norm += at[i] * at[i];
@@ -183,24 +183,24 @@ inline dynModel* linkage() {
   Builder b("linkage");
   static const double damping[3] = {0.2, 0.2, 0.2}, some[3] = {0.01, 0.01, 0.01};
   const auto hinge = [&](const char* name, const char* parent, double at, double length) {
-    b.joint(Builder::Joint(name, DYN_JOINT_CONTINUOUS, parent, {at, 0, 0}, {0, 1, 0}).losses(some, damping, nullptr)).body(name, 0.5, {length, 0.05, 0.05}, {length / 2, 0, 0});
+    b.joint(Builder::Joint(name, DYN_JOINT_TYPE_CONTINUOUS, parent, {at, 0, 0}, {0, 1, 0}).losses(some, damping, nullptr)).body(name, 0.5, {length, 0.05, 0.05}, {length / 2, 0, 0});
   };
   hinge("crank", nullptr, 0, 0.2), hinge("coupler", "crank", 0.2, 0.5), hinge("rocker", nullptr, 0.5, 0.35);
-  Builder::Joint follower("follower", DYN_JOINT_CONTINUOUS, nullptr, {0, 1, 0}, {0, 1, 0});
+  Builder::Joint follower("follower", DYN_JOINT_TYPE_CONTINUOUS, nullptr, {0, 1, 0}, {0, 1, 0});
   follower.mimic = "crank", follower.mimic_ratio = -0.5;
   b.joint(follower).body("follower", 0.3, {0.2, 0.05, 0.05}, {0.1, 0, 0});
-  b.joint(Builder::Joint("ball", DYN_JOINT_SPHERICAL, "follower", {0.2, 0, 0}).losses(some, damping, nullptr)).body("ball", 0.2, {0.05, 0.05, 0.1}, {0, 0, -0.1});
-  Builder::Joint screw("screw", DYN_JOINT_HELICAL, nullptr, {0, -1, 0});
+  b.joint(Builder::Joint("ball", DYN_JOINT_TYPE_SPHERICAL, "follower", {0.2, 0, 0}).losses(some, damping, nullptr)).body("ball", 0.2, {0.05, 0.05, 0.1}, {0, 0, -0.1});
+  Builder::Joint screw("screw", DYN_JOINT_TYPE_HELICAL, nullptr, {0, -1, 0});
   screw.pitch = 0.01, screw.losses(some, damping, nullptr);
   b.joint(screw).body("screw", 0.4, {0.1, 0.1, 0.1});
   dynConstraint pin;
-  dyn_constraint_init(&pin, DYN_CONSTRAINT_LOOP);
-  pin.joint_type = DYN_JOINT_REVOLUTE;
+  dyn_constraint_init(&pin, DYN_CONSTRAINT_TYPE_LOOP);
+  pin.joint_type = DYN_JOINT_TYPE_REVOLUTE;
   pin.placement1[9] = 0.5, pin.placement2[9] = 0.35;
   const double y[3] = {0, 1, 0}, x[3] = {1, 0, 0};
   for (int k = 0; k < 3; ++k) pin.axis[k] = y[k], pin.axis2[k] = x[k];
   pin.stiffness = 100, pin.damping = 20;
-  check(dyn_builder_constraint(b, "pin", &pin, "link_coupler", "link_rocker"));
+  check(dyn_builder_add_constraint(b, "pin", &pin, "link_coupler", "link_rocker"));
   return b.finish();
 }
 
@@ -208,7 +208,7 @@ inline void close(const dynModel* m, double* q) {
   const char* const names[] = {"crank", "coupler", "rocker"};
   const double near[] = {-1, 0.7, -1.3};
   std::int32_t at[3];
-  check(dyn_q_permutation(m, names, 3, at, nullptr));
+  check(dyn_model_q_permutation(m, names, 3, at, nullptr));
   for (int k = 0; k < 3; ++k) q[at[k]] = near[k];
   dynData* d = nullptr;
   check(dyn_data_new(m, DYN_PART_CONSTRAINTS, &d));
@@ -222,7 +222,7 @@ inline dynModel* balls() {
   b.room(1);
   for (int k = 0; k < 6; ++k) {
     const std::string name = "ball" + std::to_string(k);
-    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_FREE_FLYER)).body(name, 0.3 + 0.1 * k, {0.1, 0.1, 0.1}).shape(name, DYN_SHAPE_SPHERE, {0.08, 0, 0}, {}, 0.5, 0.1 * k, 2e-3);
+    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_FREE_FLYER)).body(name, 0.3 + 0.1 * k, {0.1, 0.1, 0.1}).shape(name, DYN_SHAPE_TYPE_SPHERE, {0.08, 0, 0}, {}, 0.5, 0.1 * k, 2e-3);
   }
   return b.finish();
 }
@@ -231,41 +231,41 @@ inline dynModel* balls() {
 inline dynModel* tops() {
   Builder b("tops");
   const double none[3] = {};
-  check(dyn_builder_gravity(b, none));
+  check(dyn_builder_set_gravity(b, none));
   for (int k = 0; k < 3; ++k) {
     const std::string name = "top" + std::to_string(k);
-    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_SPHERICAL, nullptr, {double(k), 0, 0})).body(name, 1, {0.1, 0.2, 0.3 + 0.1 * k});
+    b.joint(Builder::Joint(name.c_str(), DYN_JOINT_TYPE_SPHERICAL, nullptr, {double(k), 0, 0})).body(name, 1, {0.1, 0.2, 0.3 + 0.1 * k});
   }
   return b.finish();
 }
 
 inline const Scene scenes[] = {
-    {"arm", arm, as_it_is, 20, 100, DYN_SEMI_IMPLICIT_EULER, DYN_CONTACT_ADMM, 1e-3, {200, 3, 1}, 30},
-    {"arm, rk4", arm, as_it_is, 5, 100, DYN_RK4, DYN_CONTACT_ADMM, 1e-3, {200, 3, 1}, 20},
-    {"quadruped", quadruped, stand, 15, 150, DYN_SEMI_IMPLICIT_EULER, DYN_CONTACT_ADMM, 1e-3, {300, 5, 0.02}, 6},
-    {"heap", heap, drop, 4, 200, DYN_SEMI_IMPLICIT_EULER, DYN_CONTACT_ADMM, 1e-3, {300, 5, 0.02}, 1},
-    {"heap, newton", heap, drop, 4, 200, DYN_SEMI_IMPLICIT_EULER, DYN_CONTACT_NEWTON, 1e-3, {300, 5, 0.02}, 1},
-    {"balls, pgs", balls, drop, 3, 200, DYN_SEMI_IMPLICIT_EULER, DYN_CONTACT_PGS, 1e-3, {300, 5, 0.02}, 2},
-    {"linkage", linkage, close, 1, 100, DYN_IMPLICIT_FAST, DYN_CONTACT_ADMM, 1e-3, {300, 1e4, 1}, 20},
-    {"tops, midpoint", tops, as_it_is, 0.02, 50, DYN_IMPLICIT_MIDPOINT, DYN_CONTACT_ADMM, 1e-3, {500, 2, 1}, 20},
+    {"arm", arm, as_it_is, 20, 100, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {200, 3, 1}, 30},
+    {"arm, rk4", arm, as_it_is, 5, 100, DYN_INTEGRATOR_RK4, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {200, 3, 1}, 20},
+    {"quadruped", quadruped, stand, 15, 150, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {300, 5, 0.02}, 6},
+    {"heap", heap, drop, 4, 200, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {300, 5, 0.02}, 1},
+    {"heap, newton", heap, drop, 4, 200, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_NEWTON, 1e-3, {300, 5, 0.02}, 1},
+    {"balls, pgs", balls, drop, 3, 200, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_CONTACT_SOLVER_TYPE_PGS, 1e-3, {300, 5, 0.02}, 2},
+    {"linkage", linkage, close, 1, 100, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {300, 1e4, 1}, 20},
+    {"tops, midpoint", tops, as_it_is, 0.02, 50, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {500, 2, 1}, 20},
 };
 
 // A scene that plays.
 class Play {
  public:
-  explicit Play(const Scene& scene) : s(scene), m(scene.build()), q(std::size_t(dyn_nq(m))), tau_(std::size_t(dyn_nv(m))), turns_(tau_.size()) {
+  explicit Play(const Scene& scene) : s(scene), m(scene.build()), q(std::size_t(dyn_model_nq(m))), tau_(std::size_t(dyn_model_nv(m))), turns_(tau_.size()) {
     check(dyn_data_new(m, DYN_PART_SIMULATION | DYN_PART_ENERGY, &d));
     dynStepOptions o;
     dyn_step_options_init(&o);
     o.integrator = s.integrator, o.solver = s.solver, o.dt = s.dt;
     check(dyn_data_set_step_options(m, d, &o));
     check(dyn_data_set_effects(m, d, 0, DYN_EFFECT_DEFAULT | DYN_EFFECT_DAMPING | DYN_EFFECT_FRICTION));
-    check(dyn_configuration(m, "neutral", q.data()));
+    check(dyn_model_configuration(m, "neutral", q.data()));
     s.place(m, q.data());
     check(dyn_data_set_state(m, d, q.data(), nullptr, nullptr, nullptr));
     q_ = array("q"), v_ = array("v");
-    for (int j = 1; j < dyn_njoints(m); ++j)
-      if (const dynJointInfo info = joint(j); info.type == DYN_JOINT_FREE_FLYER)
+    for (int j = 1; j < dyn_model_njoints(m); ++j)
+      if (const dynJointInfo info = joint(j); info.type == DYN_JOINT_TYPE_FREE_FLYER)
         for (int k = 3; k < 6; ++k) turns_[std::size_t(info.idx_v + k)] = 1;
   }
   Play(const Play&) = delete;
@@ -290,13 +290,13 @@ class Play {
     check(dyn_data_step_report(m, d, &r));
     if (r.penetration > s.bounds.penetration) return "penetration";
     if (r.dropped > 0) return "dropped contacts";
-    for (int k = 0; k < dyn_nv(m); ++k)
+    for (int k = 0; k < dyn_model_nv(m); ++k)
       if (!(v_[k] <= s.bounds.speed && v_[k] >= -s.bounds.speed)) return "speed";
-    for (int k = 0; k < dyn_nq(m); ++k)
+    for (int k = 0; k < dyn_model_nq(m); ++k)
       if (!(q_[k] <= s.bounds.height && q_[k] >= -s.bounds.height)) return "place";
-    for (int j = 1; j < dyn_njoints(m); ++j) {
+    for (int j = 1; j < dyn_model_njoints(m); ++j) {
       const dynJointInfo info = joint(j);
-      if (info.type != DYN_JOINT_FREE_FLYER && info.type != DYN_JOINT_SPHERICAL) continue;
+      if (info.type != DYN_JOINT_TYPE_FREE_FLYER && info.type != DYN_JOINT_TYPE_SPHERICAL) continue;
       const double* x = q_ + info.idx_q + info.nq - 4;
       const double norm = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3];
       if (!(norm > 1 - 1e-12 && norm < 1 + 1e-12)) return "quaternion";
@@ -313,12 +313,12 @@ class Play {
     std::uint64_t hash;
   };
   Snapshot save() const {
-    Snapshot x{std::vector<char>(dyn_state_size(m)), dice, steps, hash_};
-    check(dyn_state_save(m, d, x.memory.data(), x.memory.size()));
+    Snapshot x{std::vector<char>(dyn_model_state_size(m)), dice, steps, hash_};
+    check(dyn_data_save_state(m, d, x.memory.data(), x.memory.size()));
     return x;
   }
   void restore(const Snapshot& x) {
-    check(dyn_state_restore(m, d, x.memory.data(), x.memory.size()));
+    check(dyn_data_restore_state(m, d, x.memory.data(), x.memory.size()));
     dice = x.dice, steps = x.steps, hash_ = x.hash;
   }
 
@@ -338,7 +338,7 @@ class Play {
   dynJointInfo joint(int j) const {
     dynJointInfo info{};
     info.struct_size = sizeof info;
-    check(dyn_joint_info(m, j, &info));
+    check(dyn_model_joint_info(m, j, &info));
     return info;
   }
   const double* array(const char* name) const {
@@ -356,7 +356,7 @@ class Play {
         hash_ = (hash_ ^ bits) * 0x100000001b3u;
       }
     };
-    add(q_, dyn_nq(m)), add(v_, dyn_nv(m));
+    add(q_, dyn_model_nq(m)), add(v_, dyn_model_nv(m));
   }
 };
 

@@ -30,9 +30,9 @@ TEST(Contact, RandomProblems) {
       for (const double mu : {0.0, 0.05, 0.5, 1.0})
         for (const int dof : {6, 2 * contacts + 6, 3 * contacts}) {
           Scene s = random_scene(contacts, dof, mu, 1000 * contacts + dof);
-          const Answer a = solve(s, with(type, type == DYN_CONTACT_PGS ? 100000 : 100));
+          const Answer a = solve(s, with(type, type == DYN_CONTACT_SOLVER_TYPE_PGS ? 100000 : 100));
           const std::string what = std::string(solver_names[type]) + " contacts " + std::to_string(contacts) + " mu " + std::to_string(mu) + " dof " + std::to_string(dof);
-          EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status) << what << " residual " << a.report.residual << " iterations " << a.report.iterations;
+          EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status) << what << " residual " << a.report.residual << " iterations " << a.report.iterations;
           EXPECT_LE(a.report.residual, 1e-10) << what;
           expect_solved(s, a, 1e-9, what);
         }
@@ -41,12 +41,12 @@ TEST(Contact, RandomProblems) {
 // CASES: stacks with mass ratios to 1e6; the impulse under a body is g dt times the mass above, nothing moves.
 TEST(Contact, StacksOfUnequalMasses) {
   const double dt = 1e-3;
-  for (const dynContactSolverType type : {DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON})
+  for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
     for (const Vector& masses : std::vector<Vector>{{1, 1}, {1, 1e3}, {1, 1e6}, {1e-3, 1e3}, {1e3, 1e-3}, {1e6, 1}, {1, 10, 100, 1e3, 1e4, 1e5, 1e6}, Vector(10, 1.0)}) {
       const Bodies bodies = stack(masses);
       Scene s = bodies.scene(0.7, bodies.falling(dt));
       const Answer a = solve(s, with(type, 100));
-      EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status) << solver_names[type] << " " << masses.size() << " " << masses.back() << " residual " << a.report.residual;
+      EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status) << solver_names[type] << " " << masses.size() << " " << masses.back() << " residual " << a.report.residual;
       double above = 0, total = 0;
       for (const double m : masses) total += m;
       for (int b = int(masses.size()) - 1; b >= 0; --b) {
@@ -71,9 +71,9 @@ TEST(Contact, HyperstaticTables) {
           Vector v = bodies.falling(1e-3);
           v[0] = push, v[1] = 0.3 * push;
           Scene s = bodies.scene(0.5, v);
-          const Answer a = solve(s, with(type, type == DYN_CONTACT_PGS ? 100000 : 100));
+          const Answer a = solve(s, with(type, type == DYN_CONTACT_SOLVER_TYPE_PGS ? 100000 : 100));
           const std::string what = std::string(solver_names[type]) + " legs " + std::to_string(legs) + " x " + std::to_string(copies) + " push " + std::to_string(push);
-          EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status) << what << " residual " << a.report.residual;
+          EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status) << what << " residual " << a.report.residual;
           expect_solved(s, a, 1e-9, what);
           if (push > 0) continue;
           double sum = 0;
@@ -93,7 +93,7 @@ TEST(Contact, PainleveRod) {
     paradoxical += 1 + 3 * std::cos(theta) * std::cos(theta) - 3 * mu * std::sin(theta) * std::cos(theta) < 0;
     for (const dynContactSolverType type : all_solvers) {
       const Answer a = solve(s, with(type, 100));
-      ASSERT_EQ(DYN_CONTACT_CONVERGED, a.report.status) << solver_names[type] << " " << k << " residual " << a.report.residual;
+      ASSERT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status) << solver_names[type] << " " << k << " residual " << a.report.residual;
       expect_solved(s, a, 1e-9, std::string(solver_names[type]) + " " + std::to_string(k));
     }
   }
@@ -163,7 +163,7 @@ TEST(Contact, TorsionAndRolling) {
     for (int i = 0; i < 6; ++i) s.G[7 * i] = G[i];
     s.g = {0, 0, -1, 0.5, 0, 3}, s.friction = {0.5}, s.torsion = {0.01}, s.rolling = {0}, s.rows_of = {6};
     Answer a = solve(s, with(type));
-    EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status);
+    EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status);
     EXPECT_NEAR(-0.01, a.lambda[5], 1e-12);  // torsion m times the normal impulse
     EXPECT_NEAR(3 - 0.02, a.velocity[5], 1e-11);
     EXPECT_EQ(0, a.lambda[3]);
@@ -194,7 +194,7 @@ TEST(Contact, BoxesAndEqualities) {
     for (int i = 0; i < 4; ++i) s.G[5 * i] = 2;
     s.g = {1, -1, 3, 0.1}, s.lower = {0, -0.5, -0.5}, s.upper = {HUGE_VAL, 0.5, 0.5};
     Answer a = solve(s, with(type));
-    EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status);
+    EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status);
     const Vector lambda{-0.5, 0.5, -0.5, -0.05}, velocity{0, 0, 2, 0};
     for (int i = 0; i < 4; ++i) {
       EXPECT_NEAR(lambda[i], a.lambda[i], 1e-10);
@@ -206,13 +206,13 @@ TEST(Contact, BoxesAndEqualities) {
 TEST(Contact, NothingToDo) {
   for (const dynContactSolverType type : all_solvers) {
     Scene none;
-    EXPECT_EQ(DYN_CONTACT_CONVERGED, solve(none, with(type)).report.status);
+    EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, solve(none, with(type)).report.status);
     Scene still;
     still.G = {1, 0, 0, 0, 1, 0, 0, 0, 1}, still.g = {0, 0, 0}, still.friction = {1};
     dynContactOptions warm = with(type);
     warm.warm_start = 1;
     for (const Answer& a : {solve(still, with(type)), solve(still, warm, {1, 2, 3})}) {
-      EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status);
+      EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status);
       EXPECT_EQ((Vector{0, 0, 0}), a.lambda);
       EXPECT_EQ(0, a.report.residual);
     }
@@ -225,26 +225,26 @@ TEST(Contact, ImmovableRows) {
     Scene planar;
     planar.G = {1, 0, 0, 0, 0, 0, 0, 0, 1}, planar.g = {0.1, 0, -1}, planar.friction = {0.5};
     const Answer a = solve(planar, with(type));
-    EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status);
+    EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status);
     EXPECT_NEAR(-0.1, a.lambda[0], 1e-12);
     EXPECT_NEAR(0, a.lambda[1], 1e-12);
     EXPECT_NEAR(1, a.lambda[2], 1e-12);
     Scene belt = planar;  // carried past in the direction that cannot move
     belt.g = {0, 0.3, -1};
     const Answer b = solve(belt, with(type));
-    EXPECT_EQ(DYN_CONTACT_CONVERGED, b.report.status) << solver_names[type];
+    EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, b.report.status) << solver_names[type];
     EXPECT_NEAR(-0.5, b.lambda[1], 1e-9);
     Scene impossible = planar;
     impossible.G[8] = 0;
     const Answer c = solve(impossible, with(type, 200));
-    EXPECT_NE(DYN_CONTACT_CONVERGED, c.report.status);
+    EXPECT_NE(DYN_CONTACT_STATUS_CONVERGED, c.report.status);
     EXPECT_GE(c.report.residual, 0.5);
     for (const double l : c.lambda) EXPECT_TRUE(std::isfinite(l));
     // two equalities that contradict
     Scene torn;
     torn.problem.equalities = 2, torn.G = {1, 1, 1, 1}, torn.g = {1, -1};
     const Answer d = solve(torn, with(type, 200));
-    EXPECT_NE(DYN_CONTACT_CONVERGED, d.report.status);
+    EXPECT_NE(DYN_CONTACT_STATUS_CONVERGED, d.report.status);
     EXPECT_GE(d.report.residual, 0.9);
     for (const double l : d.lambda) EXPECT_TRUE(std::isfinite(l));
   }
@@ -293,18 +293,18 @@ TEST(Contact, WarmStart) {
     v[12] = 0.002;
     Scene s = bodies.scene(0.6, v);
     const Answer cold = solve(s, with(type, 100000));
-    ASSERT_EQ(DYN_CONTACT_CONVERGED, cold.report.status) << solver_names[type];
+    ASSERT_EQ(DYN_CONTACT_STATUS_CONVERGED, cold.report.status) << solver_names[type];
     dynContactOptions warm = with(type);
     warm.warm_start = 1;
     Answer a = solve(s, warm, cold.lambda);
     EXPECT_LE(a.report.iterations + a.report.newton_steps, 1) << solver_names[type];
-    EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status);
-    if (type == DYN_CONTACT_PGS) continue;
+    EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status);
+    if (type == DYN_CONTACT_SOLVER_TYPE_PGS) continue;
     for (double& x : v) x *= 1.001;  // the next step
     v[12] += 1e-6;
     s = bodies.scene(0.6, v);
     a = solve(s, warm, cold.lambda);
-    EXPECT_EQ(DYN_CONTACT_CONVERGED, a.report.status);
+    EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status);
     EXPECT_LE(a.report.iterations + a.report.newton_steps, 2) << solver_names[type];
   }
 }
@@ -320,8 +320,8 @@ TEST(Contact, Deterministic) {
       dynContactReport report{};
       report.struct_size = sizeof report;
       Vector a(small.rows()), b(large.rows());
-      ASSERT_EQ(DYN_OK, dyn_contact_solve(solver.s, small.get(), &options, a.data(), nullptr, &report));
-      ASSERT_EQ(DYN_OK, dyn_contact_solve(solver.s, large.get(), &options, b.data(), nullptr, &report));
+      ASSERT_EQ(DYN_OK, dyn_contact_solver_solve(solver.s, small.get(), &options, a.data(), nullptr, &report));
+      ASSERT_EQ(DYN_OK, dyn_contact_solver_solve(solver.s, large.get(), &options, b.data(), nullptr, &report));
       if (k == 0) first = a;
       EXPECT_EQ(first, a) << solver_names[type];
     }
@@ -342,14 +342,14 @@ TEST(Contact, Anytime) {
       dynContactReport again{};
       again.struct_size = sizeof again;
       const Solver solver(60);
-      ASSERT_EQ(DYN_OK, dyn_contact_residuals(solver.s, s.get(), a.lambda.data(), &again));
+      ASSERT_EQ(DYN_OK, dyn_contact_solver_residuals(solver.s, s.get(), a.lambda.data(), &again));
       EXPECT_NEAR(a.report.residual, again.residual, 1e-12 + 1e-9 * again.residual);
       EXPECT_NEAR(a.report.natural_map, again.natural_map, 1e-11 + 1e-9 * again.natural_map);
     }
     dynContactOptions timed = with(type, 1000000, 0);
     timed.time_budget = 1e-3;
     const Answer a = solve(s, timed);
-    EXPECT_NE(DYN_CONTACT_MAX_ITERATIONS, a.report.status);
+    EXPECT_NE(DYN_CONTACT_STATUS_MAX_ITERATIONS, a.report.status);
   }
 }
 

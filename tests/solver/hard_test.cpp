@@ -85,7 +85,7 @@ const Family families[] = {
 };
 
 TEST(HardContacts, SharesThatAreSolved) {
-  for (const dynContactSolverType type : {DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON})
+  for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
     for (const Family& family : families) {
       int in_100 = 0, in_1000 = 0;
       for (int k = 0; k < family.count; ++k) {
@@ -94,7 +94,7 @@ TEST(HardContacts, SharesThatAreSolved) {
         EXPECT_LE(a.report.iterations + a.report.newton_steps, 100);
         // what is claimed is so
         EXPECT_LE(natural_map(s, a.lambda), 10 * a.report.residual + 1e-11) << solver_names[type] << ", " << family.name << " " << k;
-        EXPECT_EQ(a.report.residual <= 1e-10, a.report.status == DYN_CONTACT_CONVERGED);
+        EXPECT_EQ(a.report.residual <= 1e-10, a.report.status == DYN_CONTACT_STATUS_CONVERGED);
         in_100 += a.report.residual <= 1e-10;
         if (a.report.residual > 1e-9) a = solve(s, with(type, 1000));
         in_1000 += a.report.residual <= 1e-9;
@@ -107,7 +107,7 @@ TEST(HardContacts, SharesThatAreSolved) {
 
 // Everything in one problem: equalities, limits, dry friction, contacts with torsion and rolling, compliance, redundant rows.
 TEST(HardContacts, AllKindsOfRows) {
-  for (const dynContactSolverType type : {DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON}) {
+  for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON}) {
     int solved = 0;
     constexpr int count = 100;
     for (int seed = 1; seed <= count; ++seed) {
@@ -134,9 +134,9 @@ TEST(HardContacts, AllKindsOfRows) {
       if (seed % 3 == 0)
         for (int i = 0; i < rows; ++i) s.compliance.push_back(draw.uniform(0, 0.1));
       const Answer a = solve(s, with(type, 100));
-      solved += a.report.status == DYN_CONTACT_CONVERGED;
-      EXPECT_EQ(a.report.residual <= 1e-10, a.report.status == DYN_CONTACT_CONVERGED);
-      EXPECT_LE(a.report.status == DYN_CONTACT_CONVERGED ? a.report.natural_map : 0, 1e-8) << solver_names[type] << " " << seed;
+      solved += a.report.status == DYN_CONTACT_STATUS_CONVERGED;
+      EXPECT_EQ(a.report.residual <= 1e-10, a.report.status == DYN_CONTACT_STATUS_CONVERGED);
+      EXPECT_LE(a.report.status == DYN_CONTACT_STATUS_CONVERGED ? a.report.natural_map : 0, 1e-8) << solver_names[type] << " " << seed;
     }
     EXPECT_GE(solved, count - 3) << solver_names[type];
     RecordProperty(solver_names[type], solved);

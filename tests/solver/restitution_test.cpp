@@ -53,7 +53,7 @@ TEST(Restitution, EqualCoefficientsWithoutFriction) {
       Scene s = random_scene(6, 30, 0, seed);
       for (int k = 0; k < 6; ++k) s.g[3 * k + 2] = -std::fabs(s.g[3 * k + 2]);
       s.restitution.assign(6, e);
-      const Answer a = solve(s, with(DYN_CONTACT_ADMM));
+      const Answer a = solve(s, with(DYN_CONTACT_SOLVER_TYPE_ADMM));
       double square = 0;
       for (int j = 0; j < 18; ++j)
         for (int i = 0; i < 18; ++i) square += a.lambda[i] * s.G[i + 18 * j] * a.lambda[j];
@@ -88,7 +88,7 @@ TEST(Restitution, NeverGainsEnergy) {
   // Kane's paradox: an oblique impact that friction turns round
   Scene kane;
   kane.G = {5, 0, -4, 0, 5, 0, -4, 0, 5}, kane.g = {0.4, 0, -0.2}, kane.friction = {1.2}, kane.restitution = {1};
-  const Answer a = solve(kane, with(DYN_CONTACT_ADMM));
+  const Answer a = solve(kane, with(DYN_CONTACT_SOLVER_TYPE_ADMM));
   EXPECT_LE(a.report.energy, 1e-9);
 }
 

@@ -160,12 +160,12 @@ inline Answer solve(Scene& s, const dynContactOptions& options, const Vector& gu
   Answer a;
   a.lambda = guess.empty() ? Vector(s.rows(), 7.0) : guess, a.velocity.resize(s.rows());
   a.report.struct_size = sizeof a.report;
-  a.status = dyn_contact_solve(solver.s, s.get(), &options, a.lambda.data(), a.velocity.data(), &a.report);
+  a.status = dyn_contact_solver_solve(solver.s, s.get(), &options, a.lambda.data(), a.velocity.data(), &a.report);
   EXPECT_EQ(DYN_OK, a.status) << dyn_last_error();
   return a;
 }
 
-inline constexpr dynContactSolverType all_solvers[] = {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON};
+inline constexpr dynContactSolverType all_solvers[] = {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON};
 inline constexpr const char* solver_names[] = {"pgs", "admm", "newton"};
 
 }  // namespace dyn_test

@@ -13,7 +13,7 @@ void missing_base() {
   const Model fixed = robot("go2", DYN_BASE_FIXED), floating = robot("go2", DYN_BASE_FLOATING);
   EXPECT_EQ(12, fixed.nq());
   EXPECT_TRUE(floating.nq() == 19 && floating.nv() == 18);
-  EXPECT_EQ(DYN_JOINT_FREE_FLYER, joint_info(floating, 1).type);
+  EXPECT_EQ(DYN_JOINT_TYPE_FREE_FLYER, joint_info(floating, 1).type);
 }
 TEST(Traps, T7_MissingFloatingBase) { missing_base(); }
 TEST(Symptoms, S5_NqSevenShort) { missing_base(); }
@@ -56,15 +56,15 @@ TEST(Traps, T9_AddingToQ) {
     Numbers q1(s.q.size()), v(s.v.size());
     ASSERT_EQ(DYN_OK, dyn_integrate(m, s.q.data(), s.v.data(), q1.data()));
     int normalized = 0;
-    ASSERT_EQ(DYN_OK, dyn_is_normalized(m, q1.data(), 1e-14, &normalized));
+    ASSERT_EQ(DYN_OK, dyn_configuration_is_normalized(m, q1.data(), 1e-14, &normalized));
     EXPECT_EQ(1, normalized);
     ASSERT_EQ(DYN_OK, dyn_difference(m, s.q.data(), q1.data(), v.data()));
     expect_near(s.v, v, 1e-12, "difference of integrate");
     // a step moves by it, too
     Data d(m);
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), nullptr, nullptr));
-    for (int k = 0; k < 100; ++k) ASSERT_EQ(DYN_OK, take_step(m, d, k % 2 ? DYN_RK4 : DYN_SEMI_IMPLICIT_EULER, 1e-5)) << dyn_last_error();
-    ASSERT_EQ(DYN_OK, dyn_is_normalized(m, field(m, d, "q").data(), 1e-14, &normalized));
+    for (int k = 0; k < 100; ++k) ASSERT_EQ(DYN_OK, take_step(m, d, k % 2 ? DYN_INTEGRATOR_RK4 : DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-5)) << dyn_last_error();
+    ASSERT_EQ(DYN_OK, dyn_configuration_is_normalized(m, field(m, d, "q").data(), 1e-14, &normalized));
     EXPECT_EQ(1, normalized);
   }
 }

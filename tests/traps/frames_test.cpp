@@ -13,8 +13,8 @@ void references() {
     const std::size_t n = std::size_t(m.nv());
     for (int f = 0; f < m.nframes(); ++f) {
       const Numbers X = placement(m, d, f);
-      const Numbers L = frame6(dyn_frame_velocity, m, d, f, DYN_LOCAL), A = frame6(dyn_frame_velocity, m, d, f, DYN_LOCAL_WORLD_ALIGNED),
-                    W = frame6(dyn_frame_velocity, m, d, f, DYN_WORLD);
+      const Numbers L = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_LOCAL), A = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED),
+                    W = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_WORLD);
       auto turn = [&](const double* x) {
         Numbers y(3, 0.0);
         for (std::size_t i = 0; i < 3; ++i)
@@ -28,7 +28,7 @@ void references() {
         EXPECT_NEAR(W[k], A[k] + moved[k], 1e-10);
         EXPECT_EQ(W[3 + k], A[3 + k]);
       }
-      for (dynReference r : {DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED}) {
+      for (dynReference r : {DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED}) {
         Numbers J(6 * n), Jv(6, 0.0);
         ASSERT_EQ(DYN_OK, dyn_frame_jacobian(m, d, f, r, J.data()));
         for (std::size_t c = 0; c < n; ++c)
@@ -48,7 +48,7 @@ TEST(Traps, T10_ReferencesMixed) {
   dynReference r;
   std::memcpy(&r, &none, sizeof r);
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_frame_jacobian(m, d, 1, r, J));
-  EXPECT_TRUE(says({"dyn_frame_jacobian", "reference 3", "DYN_LOCAL_WORLD_ALIGNED"}));
+  EXPECT_TRUE(says({"dyn_frame_jacobian", "reference 3", "DYN_REFERENCE_LOCAL_WORLD_ALIGNED"}));
 }
 TEST(Symptoms, S5_FrameMismatch) { references(); }
 
@@ -72,13 +72,13 @@ TEST(Traps, T11_SpatialOrClassicalAcceleration) {
       return placement(m, e, f);
     };
     for (int f : {1, m.nframes() / 2, m.nframes() - 1}) {
-      const Numbers classical = frame6(dyn_frame_classical_acceleration, m, d, f, DYN_LOCAL_WORLD_ALIGNED),
-                    spatial = frame6(dyn_frame_acceleration, m, d, f, DYN_LOCAL_WORLD_ALIGNED), V = frame6(dyn_frame_velocity, m, d, f, DYN_LOCAL_WORLD_ALIGNED);
+      const Numbers classical = frame6(dyn_frame_classical_acceleration, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED),
+                    spatial = frame6(dyn_frame_acceleration, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED), V = frame6(dyn_frame_velocity, m, d, f, DYN_REFERENCE_LOCAL_WORLD_ALIGNED);
       const double h = 2e-3;
       const Numbers before = position(-h, f), now = position(0, f), after = position(h, f);
       const Numbers turn = cross(V.data() + 3, V.data());
       for (std::size_t k = 0; k < 3; ++k) {
-        EXPECT_NEAR((after[9 + k] - 2 * now[9 + k] + before[9 + k]) / (h * h), classical[k], 2e-3 * (1 + largest(classical))) << dyn_frame_name(m, f);
+        EXPECT_NEAR((after[9 + k] - 2 * now[9 + k] + before[9 + k]) / (h * h), classical[k], 2e-3 * (1 + largest(classical))) << dyn_model_frame_name(m, f);
         EXPECT_NEAR(spatial[k] + turn[k], classical[k], 1e-10 * (1 + largest(classical)));
         EXPECT_EQ(spatial[3 + k], classical[3 + k]);
       }
@@ -93,18 +93,18 @@ TEST(Traps, T12_ParentFrame) {
   for (int k = 9; k < 12; ++k) whole[k] += rest[k];
   const double com[3] = {};
   Builder b;
-  b.joint(Spec("j", DYN_JOINT_REVOLUTE));
-  ASSERT_EQ(DYN_OK, dyn_builder_body(b, "l", "j", there, 1, com, some_inertia));
-  ASSERT_EQ(DYN_OK, dyn_builder_frame(b, "of joint", "j", whole, DYN_FRAME_OP_FRAME));
-  ASSERT_EQ(DYN_OK, dyn_builder_frame(b, "of link", "l", rest, DYN_FRAME_OP_FRAME));
+  b.joint(Spec("j", DYN_JOINT_TYPE_REVOLUTE));
+  ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, "l", "j", there, 1, com, some_inertia));
+  ASSERT_EQ(DYN_OK, dyn_builder_add_frame(b, "of joint", "j", whole, DYN_FRAME_TYPE_OP_FRAME));
+  ASSERT_EQ(DYN_OK, dyn_builder_add_frame(b, "of link", "l", rest, DYN_FRAME_TYPE_OP_FRAME));
   const Model m = b.finish();
   const State s = random_state(m, 13);
   Data d(m);
   compute_all(m, d, s);
-  const int one = dyn_frame_id(m, "of joint"), two = dyn_frame_id(m, "of link");
+  const int one = dyn_model_frame_id(m, "of joint"), two = dyn_model_frame_id(m, "of link");
   EXPECT_EQ(frame_info(m, one).joint, frame_info(m, two).joint);
   expect_near(placement(m, d, one), placement(m, d, two), 1e-15, "placement");
-  for (dynReference r : {DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED}) {
+  for (dynReference r : {DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED}) {
     expect_near(frame6(dyn_frame_velocity, m, d, one, r), frame6(dyn_frame_velocity, m, d, two, r), 1e-15, "velocity");
     expect_near(frame6(dyn_frame_acceleration, m, d, one, r), frame6(dyn_frame_acceleration, m, d, two, r), 1e-15, "acceleration");
   }
@@ -113,9 +113,9 @@ TEST(Traps, T12_ParentFrame) {
 // Six numbers are [linear; angular] everywhere.
 TEST(Traps, T28_OrderOfSix) {
   Builder b;
-  b.joint(Spec("rail", DYN_JOINT_PRISMATIC).about(1, 0, 0)).body("car", "rail", 2, {0, 0, 0});
-  b.joint(Spec("pivot", DYN_JOINT_REVOLUTE, "rail")).body("arm", "pivot", 1, {0, 0, 0});
-  b.joint(Spec("free", DYN_JOINT_FREE_FLYER)).body("ball", "free", 3, {0, 0, 0});
+  b.joint(Spec("rail", DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)).body("car", "rail", 2, {0, 0, 0});
+  b.joint(Spec("pivot", DYN_JOINT_TYPE_REVOLUTE, "rail")).body("arm", "pivot", 1, {0, 0, 0});
+  b.joint(Spec("free", DYN_JOINT_TYPE_FREE_FLYER)).body("ball", "free", 3, {0, 0, 0});
   const Model m = b.finish();
   Data d(m);
   State s = random_state(m, 20);
@@ -123,9 +123,9 @@ TEST(Traps, T28_OrderOfSix) {
   std::fill(s.q.begin(), s.q.end(), 0.0);
   s.q.back() = 1;
   compute_all(m, d, s);
-  expect_near({5, 0, 0, 0, 0, 0}, frame6(dyn_frame_velocity, m, d, dyn_frame_id(m, "rail"), DYN_LOCAL), 1e-15, "rail");
-  expect_near({5, 0, 0, 0, 0, 7}, frame6(dyn_frame_velocity, m, d, dyn_frame_id(m, "pivot"), DYN_LOCAL), 1e-15, "pivot");
-  expect_near({1, 2, 3, 4, 5, 6}, frame6(dyn_frame_velocity, m, d, dyn_frame_id(m, "free"), DYN_LOCAL), 1e-15, "free");
+  expect_near({5, 0, 0, 0, 0, 0}, frame6(dyn_frame_velocity, m, d, dyn_model_frame_id(m, "rail"), DYN_REFERENCE_LOCAL), 1e-15, "rail");
+  expect_near({5, 0, 0, 0, 0, 7}, frame6(dyn_frame_velocity, m, d, dyn_model_frame_id(m, "pivot"), DYN_REFERENCE_LOCAL), 1e-15, "pivot");
+  expect_near({1, 2, 3, 4, 5, 6}, frame6(dyn_frame_velocity, m, d, dyn_model_frame_id(m, "free"), DYN_REFERENCE_LOCAL), 1e-15, "free");
   const Numbers J = field(m, d, "J");
   expect_near({1, 0, 0, 0, 0, 0}, Numbers(J.begin(), J.begin() + 6), 1e-15, "column of rail");
   expect_near({0, 0, 0, 0, 0, 1}, Numbers(J.begin() + 6, J.begin() + 12), 1e-15, "column of pivot");
@@ -150,11 +150,11 @@ TEST(Traps, T30_ForceAtTheWrongPoint) {
       Numbers fext(s.fext.size(), 0.0);
       std::copy_n(s.fext.begin() + 6 * j, 6, fext.begin() + 6 * j);
       ASSERT_EQ(DYN_OK, dyn_rnea(m, d, nullptr, nullptr, nullptr, fext.data(), with.data()));
-      ASSERT_EQ(DYN_OK, dyn_frame_jacobian(m, d, dyn_frame_id(m, dyn_joint_name(m, j)), DYN_LOCAL, J.data()));
+      ASSERT_EQ(DYN_OK, dyn_frame_jacobian(m, d, dyn_model_frame_id(m, dyn_model_joint_name(m, j)), DYN_REFERENCE_LOCAL, J.data()));
       for (std::size_t c = 0; c < n; ++c) {
         double power = 0;
         for (std::size_t k = 0; k < 6; ++k) power += J[k + 6 * c] * fext[std::size_t(6 * j) + k];
-        EXPECT_NEAR(without[c] - power, with[c], 1e-10 * (1 + largest(without))) << dyn_joint_name(m, j);
+        EXPECT_NEAR(without[c] - power, with[c], 1e-10 * (1 + largest(without))) << dyn_model_joint_name(m, j);
       }
     }
   }

@@ -24,23 +24,23 @@ TEST(Traps, T13_FixedJointsDisappear) {
   Data d(m);
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, nullptr, nullptr, nullptr));
   EXPECT_EQ(3, m.njoints());
-  EXPECT_EQ(4, dyn_nbodies(m));
-  const int carrier = dyn_joint_id(m, "ab");
-  EXPECT_EQ(-1, dyn_joint_id(m, "bc"));
+  EXPECT_EQ(4, dyn_model_nbodies(m));
+  const int carrier = dyn_model_joint_id(m, "ab");
+  EXPECT_EQ(-1, dyn_model_joint_id(m, "bc"));
   for (const char* name : {"bc", "cd"}) {
-    const dynFrameInfo info = frame_info(m, dyn_frame_id(m, name));
-    EXPECT_EQ(DYN_FRAME_FIXED_JOINT, info.type) << name;
+    const dynFrameInfo info = frame_info(m, dyn_model_frame_id(m, name));
+    EXPECT_EQ(DYN_FRAME_TYPE_FIXED_JOINT, info.type) << name;
     EXPECT_EQ(carrier, info.joint) << name;
   }
   const double masses[] = {2, 1, 0.5, 0};
   for (int k = 0; k < 4; ++k) {
     const char name[2] = {char('a' + k), 0};
-    const dynFrameInfo info = frame_info(m, dyn_frame_id_of_type(m, name, DYN_FRAME_BODY));
+    const dynFrameInfo info = frame_info(m, dyn_model_frame_id_of_type(m, name, DYN_FRAME_TYPE_BODY));
     EXPECT_EQ(masses[k], info.mass) << name;
-    EXPECT_EQ(k ? carrier : dyn_joint_id(m, "root_joint"), info.joint) << name;
+    EXPECT_EQ(k ? carrier : dyn_model_joint_id(m, "root_joint"), info.joint) << name;
   }
-  EXPECT_EQ(3.5, dyn_total_mass(m));
-  EXPECT_EQ((Numbers{1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5, 0.25, 0}), placement(m, d, dyn_frame_id(m, "d")));
+  EXPECT_EQ(3.5, dyn_model_total_mass(m));
+  EXPECT_EQ((Numbers{1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5, 0.25, 0}), placement(m, d, dyn_model_frame_id(m, "d")));
 }
 
 // A mesh that is not there is said, with where it was looked for; strict refuses.
@@ -56,11 +56,11 @@ TEST(Traps, T19_MeshNotFound) {
   ASSERT_EQ(DYN_OK, dyn_model_load_string(text, &options, &raw)) << dyn_last_error();
   const Model m(raw);
   bool found = false;
-  for (int k = 0; k < dyn_report_count(m); ++k) {
+  for (int k = 0; k < dyn_model_report_count(m); ++k) {
     dynReportEntry e{};
     e.struct_size = sizeof e;
-    ASSERT_EQ(DYN_OK, dyn_report_entry(m, k, &e));
-    found |= e.level == DYN_REPORT_WARNING && e.line == 2 && says({"package://nowhere/meshes/a.stl", "not found", "/none/such"}, e.message);
+    ASSERT_EQ(DYN_OK, dyn_model_report_entry(m, k, &e));
+    found |= e.level == DYN_REPORT_LEVEL_WARNING && e.line == 2 && says({"package://nowhere/meshes/a.stl", "not found", "/none/such"}, e.message);
   }
   EXPECT_TRUE(found);
   options.strict = 1;
@@ -84,15 +84,15 @@ TEST(Traps, T26_DampingLoadedButUnused) {
     options.base = DYN_BASE_FIXED, options.strict = 1;  // strict: and nothing is lost
     ASSERT_EQ(DYN_OK, dyn_model_load_string(t.c_str(), &options, &m[k].m)) << dyn_last_error();
   }
-  EXPECT_EQ(0.7, dyn_model_array(m[1], DYN_DAMPING)[0]);
-  EXPECT_EQ(0.3, dyn_model_array(m[1], DYN_FRICTION)[0]);
-  EXPECT_EQ(0.0, dyn_model_array(m[0], DYN_DAMPING)[0]);
+  EXPECT_EQ(0.7, dyn_model_array(m[1], DYN_MODEL_ARRAY_DAMPING)[0]);
+  EXPECT_EQ(0.3, dyn_model_array(m[1], DYN_MODEL_ARRAY_FRICTION)[0]);
+  EXPECT_EQ(0.0, dyn_model_array(m[0], DYN_MODEL_ARRAY_DAMPING)[0]);
   const State s = random_state(m[0], 19);
   Data d(m[0]), e(m[1]);
   compute_all(m[0], d, s), compute_all(m[1], e, s);
   EXPECT_EQ("", Snapshot(m[0], d).differs(Snapshot(m[1], e)));
-  ASSERT_EQ(DYN_OK, take_step(m[0], d, DYN_RK4, 0.1));
-  ASSERT_EQ(DYN_OK, take_step(m[1], e, DYN_RK4, 0.1));
+  ASSERT_EQ(DYN_OK, take_step(m[0], d, DYN_INTEGRATOR_RK4, 0.1));
+  ASSERT_EQ(DYN_OK, take_step(m[1], e, DYN_INTEGRATOR_RK4, 0.1));
   EXPECT_TRUE(same_bits(field(m[0], d, "v"), field(m[1], e, "v")));
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(m[1], e, 0, DYN_EFFECT_ALL));
   const double v = 2, a = 0.5;
@@ -118,10 +118,10 @@ TEST(Traps, T27_JointOrder) {
   dynModel* raw = nullptr;
   ASSERT_EQ(DYN_OK, dyn_model_load_string(text.c_str(), &options, &raw)) << dyn_last_error();
   const Model m(raw);
-  for (int k = 0; k < 3; ++k) EXPECT_STREQ(names[k], dyn_joint_name(m, k + 1));
+  for (int k = 0; k < 3; ++k) EXPECT_STREQ(names[k], dyn_model_joint_name(m, k + 1));
   const char* mine[] = {"alpha", "mid", "zeta"};
   std::int32_t q[3], v[3];
-  ASSERT_EQ(DYN_OK, dyn_q_permutation(m, mine, 3, q, v));
+  ASSERT_EQ(DYN_OK, dyn_model_q_permutation(m, mine, 3, q, v));
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(q[k] == (k + 1) % 3 && v[k] == q[k]) << k;
 }
 

@@ -8,20 +8,20 @@ namespace {
 Model geared(bool bound) {
   Builder b;
   const std::array<double, 3> at = {0.2, 0.1, -0.1};
-  b.joint(Spec("base", DYN_JOINT_FREE_FLYER)).body("trunk", "base", 3);
-  b.joint(Spec("lead", DYN_JOINT_REVOLUTE, "base", at).about(0, 1, 0)).body("b1", "lead");
+  b.joint(Spec("base", DYN_JOINT_TYPE_FREE_FLYER)).body("trunk", "base", 3);
+  b.joint(Spec("lead", DYN_JOINT_TYPE_REVOLUTE, "base", at).about(0, 1, 0)).body("b1", "lead");
   auto follow = [&](const char* name, dynJointType type, const char* parent, const char* leader, double ratio, double offset, double x) {
     Spec s(name, type, parent, at);
     s.about(x, 1, 0.5);
     if (bound) s.mimic = leader, s.mimic_ratio = ratio, s.mimic_offset = offset;
     b.joint(s).body((std::string("b ") + name).c_str(), name);
   };
-  follow("inner", DYN_JOINT_REVOLUTE, "lead", "lead", -1.5, 0.2, 1);
-  b.joint(Spec("ball", DYN_JOINT_SPHERICAL, "inner", at)).body("b2", "ball");
-  follow("tip", DYN_JOINT_PRISMATIC, "ball", "inner", 0.4, -0.1, 0);
-  follow("aside", DYN_JOINT_REVOLUTE, "base", "late", 2, 0, -1);  // its leader comes later
-  b.joint(Spec("late", DYN_JOINT_PRISMATIC, "base", at)).body("b3", "late");
-  follow("screw", DYN_JOINT_CONTINUOUS, "late", "late", 3, 0.3, 2);
+  follow("inner", DYN_JOINT_TYPE_REVOLUTE, "lead", "lead", -1.5, 0.2, 1);
+  b.joint(Spec("ball", DYN_JOINT_TYPE_SPHERICAL, "inner", at)).body("b2", "ball");
+  follow("tip", DYN_JOINT_TYPE_PRISMATIC, "ball", "inner", 0.4, -0.1, 0);
+  follow("aside", DYN_JOINT_TYPE_REVOLUTE, "base", "late", 2, 0, -1);  // its leader comes later
+  b.joint(Spec("late", DYN_JOINT_TYPE_PRISMATIC, "base", at)).body("b3", "late");
+  follow("screw", DYN_JOINT_TYPE_CONTINUOUS, "late", "late", 3, 0.3, 2);
   return b.finish();
 }
 
@@ -89,9 +89,9 @@ TEST(Traps, T25_MimicInEveryAlgorithm) {
     ASSERT_EQ(DYN_OK, dyn_rnea(m, d, nullptr, nullptr, ddq.data(), s.fext.data(), back.data()));
     expect_near(s.tau, back, 1e-9, "rnea of aba");
     ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data()));
-    ASSERT_EQ(DYN_OK, dyn_center_of_mass(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr));
+    ASSERT_EQ(DYN_OK, dyn_com(m, d, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr));
     for (int f = 0; f < m.nframes(); ++f)
-      for (dynReference r : {DYN_LOCAL, DYN_WORLD, DYN_LOCAL_WORLD_ALIGNED}) {
+      for (dynReference r : {DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED}) {
         for (auto call : {dyn_frame_velocity, dyn_frame_acceleration, dyn_frame_classical_acceleration})
           expect_near(frame6(call, full, e, f, r), frame6(call, m, d, f, r), 1e-12, "frame");
         Numbers J(6 * n), F(6 * N);
@@ -103,11 +103,11 @@ TEST(Traps, T25_MimicInEveryAlgorithm) {
       }
     for (int j = 1; j < m.njoints(); ++j) {
       Numbers c(3), C(3), J(3 * n), F(3 * N);
-      ASSERT_EQ(DYN_OK, dyn_subtree_center_of_mass(m, d, j, c.data(), nullptr));
-      ASSERT_EQ(DYN_OK, dyn_subtree_center_of_mass(full, e, j, C.data(), nullptr));
+      ASSERT_EQ(DYN_OK, dyn_subtree_com(m, d, j, c.data(), nullptr));
+      ASSERT_EQ(DYN_OK, dyn_subtree_com(full, e, j, C.data(), nullptr));
       expect_near(C, c, 1e-12, "subtree");
-      ASSERT_EQ(DYN_OK, dyn_subtree_center_of_mass_jacobian(m, d, j, J.data()));
-      ASSERT_EQ(DYN_OK, dyn_subtree_center_of_mass_jacobian(full, e, j, F.data()));
+      ASSERT_EQ(DYN_OK, dyn_subtree_jcom(m, d, j, J.data()));
+      ASSERT_EQ(DYN_OK, dyn_subtree_jcom(full, e, j, F.data()));
       expect_near(reduce(F, 3), J, 1e-12, "subtree Jacobian");
     }
     // and a step keeps the gears in mesh: the full model moved by the reduced accelerations is the same motion
@@ -117,12 +117,12 @@ TEST(Traps, T25_MimicInEveryAlgorithm) {
     Data step(m);
     ASSERT_EQ(DYN_OK, dyn_aba(m, step, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr));
     const Numbers free_ddq = field(m, step, "ddq");
-    ASSERT_EQ(DYN_OK, take_step(m, step, DYN_SEMI_IMPLICIT_EULER, 1e-3));
+    ASSERT_EQ(DYN_OK, take_step(m, step, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3));
     for (int j = 1; j < m.njoints(); ++j) {
       dynJointInfo info{};
       info.struct_size = sizeof info;
-      ASSERT_EQ(DYN_OK, dyn_joint_info(m, j, &info));
-      if (info.type == DYN_JOINT_FREE_FLYER || info.mimic_leader >= 0) continue;  // what flies is stepped in axes that stand still
+      ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, j, &info));
+      if (info.type == DYN_JOINT_TYPE_FREE_FLYER || info.mimic_leader >= 0) continue;  // what flies is stepped in axes that stand still
       for (int k = info.idx_v; k < info.idx_v + info.nv; ++k) EXPECT_NEAR(s.v[std::size_t(k)] + 1e-3 * free_ddq[std::size_t(k)], field(m, step, "v")[std::size_t(k)], 1e-12);
     }
   }

@@ -30,13 +30,13 @@ inline Numbers cross(const double* a, const double* b) { return {a[1] * b[2] - a
 inline dynJointInfo joint_info(const dynModel* m, int joint) {
   dynJointInfo info{};
   info.struct_size = sizeof info;
-  EXPECT_EQ(DYN_OK, dyn_joint_info(m, joint, &info));
+  EXPECT_EQ(DYN_OK, dyn_model_joint_info(m, joint, &info));
   return info;
 }
 inline dynFrameInfo frame_info(const dynModel* m, int frame) {
   dynFrameInfo info{};
   info.struct_size = sizeof info;
-  EXPECT_EQ(DYN_OK, dyn_frame_info(m, frame, &info)) << dyn_last_error();
+  EXPECT_EQ(DYN_OK, dyn_model_frame_info(m, frame, &info)) << dyn_last_error();
   return info;
 }
 inline std::vector<Model> models() {

@@ -50,7 +50,7 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
   const auto set = [=](S s) { return dyn_data_set_state(m, d, s.q.data(), s.v.data(), s.a.data(), s.tau.data()); };
   const auto placed = [=](S s) { return dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), s.a.data()); };
   const auto mass = [=](S s) { return dyn_crba(m, d, s.q.data(), nullptr); };
-  const auto factor = [=](S s) { return mass(s) ? DYN_ERROR_INTERNAL : dyn_factorize(m, d); };
+  const auto factor = [=](S s) { return mass(s) ? DYN_ERROR_INTERNAL : dyn_cholesky(m, d); };
   return {
       {"forward_kinematics", false, [=](S s) { return dyn_forward_kinematics(m, d, s.q.data(), nullptr, nullptr); }, {}},
       {"forward_kinematics_q_v", false, [=](S s) { return dyn_forward_kinematics(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
@@ -61,26 +61,26 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
        false,
        [=](S s) { return dyn_joint_jacobians_time_variation(m, d, s.q.data(), s.v.data(), nullptr); },
        {}},
-      {"frame_jacobian", false, [=](S) { return dyn_frame_jacobian(m, d, frame, DYN_LOCAL, x); }, placed},
-      {"frame_velocity_derivatives", false, [=](S) { return dyn_frame_velocity_derivatives(m, d, frame, DYN_LOCAL, x, x + 6 * nv); }, placed},
+      {"frame_jacobian", false, [=](S) { return dyn_frame_jacobian(m, d, frame, DYN_REFERENCE_LOCAL, x); }, placed},
+      {"frame_velocity_derivatives", false, [=](S) { return dyn_frame_velocity_derivatives(m, d, frame, DYN_REFERENCE_LOCAL, x, x + 6 * nv); }, placed},
       {"frame_acceleration_derivatives",
        false,
-       [=](S) { return dyn_frame_acceleration_derivatives(m, d, frame, DYN_LOCAL, x, x + 6 * nv, nullptr); },
+       [=](S) { return dyn_frame_acceleration_derivatives(m, d, frame, DYN_REFERENCE_LOCAL, x, x + 6 * nv, nullptr); },
        placed},
       {"center_of_mass",
        false,
-       [=](S s) { return dyn_center_of_mass(m, d, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr); },
+       [=](S s) { return dyn_com(m, d, s.q.data(), nullptr, nullptr, nullptr, nullptr, nullptr); },
        {}},
-      {"center_of_mass_jacobian", false, [=](S s) { return dyn_center_of_mass_jacobian(m, d, s.q.data(), nullptr); }, {}},
+      {"center_of_mass_jacobian", false, [=](S s) { return dyn_jcom(m, d, s.q.data(), nullptr); }, {}},
       {"center_of_mass_velocity_derivatives",
        false,
-       [=](S s) { return dyn_center_of_mass_velocity_derivatives(m, d, s.q.data(), s.v.data(), nullptr, nullptr); },
+       [=](S s) { return dyn_vcom_derivatives(m, d, s.q.data(), s.v.data(), nullptr, nullptr); },
        {}},
       {"rnea", false, [=](S s) { return dyn_rnea(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr); }, {}},
-      {"nonlinear_effects", false, [=](S s) { return dyn_nonlinear_effects(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
-      {"gravity", false, [=](S s) { return dyn_gravity(m, d, s.q.data(), nullptr); }, {}},
+      {"nonlinear_effects", false, [=](S s) { return dyn_nle(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
+      {"gravity", false, [=](S s) { return dyn_gravity_torque(m, d, s.q.data(), nullptr); }, {}},
       {"static_torque", false, [=](S s) { return dyn_static_torque(m, d, s.q.data(), nullptr, nullptr); }, {}},
-      {"gravity_derivatives", true, [=](S s) { return dyn_gravity_derivatives(m, d, s.q.data(), nullptr); }, {}},
+      {"gravity_derivatives", true, [=](S s) { return dyn_gravity_torque_derivatives(m, d, s.q.data(), nullptr); }, {}},
       {"static_torque_derivatives", true, [=](S s) { return dyn_static_torque_derivatives(m, d, s.q.data(), nullptr, nullptr); }, {}},
       {"rnea_second_order_product",
        true,
@@ -91,9 +91,9 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
       {"coriolis_matrix", true, [=](S s) { return dyn_coriolis_matrix(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
       {"aba", false, [=](S s) { return dyn_aba(m, d, s.q.data(), s.v.data(), s.tau.data(), nullptr, nullptr); }, {}},
       {"crba", true, mass, {}},
-      {"factorize", true, [=](S) { return dyn_factorize(m, d); }, mass},
-      {"solve", true, [=](S s) { return dyn_solve(m, d, s.tau.data(), 1, x); }, factor},
-      {"minverse", true, [=](S s) { return dyn_minverse(m, d, s.q.data(), nullptr); }, {}},
+      {"factorize", true, [=](S) { return dyn_cholesky(m, d); }, mass},
+      {"solve", true, [=](S s) { return dyn_cholesky_solve(m, d, s.tau.data(), 1, x); }, factor},
+      {"minverse", true, [=](S s) { return dyn_minv(m, d, s.q.data(), nullptr); }, {}},
       {"rnea_derivatives",
        true,
        [=](S s) { return dyn_rnea_derivatives(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr, nullptr, nullptr); },
@@ -111,7 +111,7 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
       {"centroidal_momentum", false, [=](S s) { return dyn_centroidal_momentum(m, d, s.q.data(), s.v.data(), nullptr); }, {}},
       {"centroidal_momentum_rate",
        false,
-       [=](S s) { return dyn_centroidal_momentum_rate(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr); },
+       [=](S s) { return dyn_centroidal_momentum_time_variation(m, d, s.q.data(), s.v.data(), s.a.data(), nullptr); },
        {}},
       {"centroidal_derivatives",
        false,
@@ -132,8 +132,8 @@ std::vector<Algorithm> algorithms(const Robot& robot, const Data& data, Vector& 
       {"all_terms", true, [=](S s) { return dyn_all_terms(m, d, DYN_TERM_ALL, s.q.data(), s.v.data(), nullptr); }, {}},
       {"integrate", false, [=](S s) { return dyn_integrate(m, s.q.data(), s.v.data(), x); }, {}},
       {"difference", false, [=, home = robot.neutral()](S s) { return dyn_difference(m, home.data(), s.q.data(), x); }, {}},
-      {"step_semi_implicit_euler", false, [=](S) { return step(m, d, DYN_SEMI_IMPLICIT_EULER); }, set},
-      {"step_rk4", false, [=](S) { return step(m, d, DYN_RK4); }, set},
+      {"step_semi_implicit_euler", false, [=](S) { return step(m, d, DYN_INTEGRATOR_SEMI_IMPLICIT_EULER); }, set},
+      {"step_rk4", false, [=](S) { return step(m, d, DYN_INTEGRATOR_RK4); }, set},
   };
 }
 
@@ -147,7 +147,7 @@ std::vector<Sample> random_states(const Robot& robot) {
   std::vector<Sample> out(states);
   for (int i = 0; i < states; ++i) {
     out[i] = {Vector(robot.nq), vector(), vector(), vector()};
-    check(dyn_random(robot, static_cast<uint64_t>(i) + 1, nullptr, nullptr, out[i].q.data()));
+    check(dyn_configuration_random(robot, static_cast<uint64_t>(i) + 1, nullptr, nullptr, out[i].q.data()));
   }
   return out;
 }

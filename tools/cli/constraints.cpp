@@ -11,21 +11,21 @@ namespace cli {
 namespace {
 
 std::string slot_name(const Robot& robot, int slot) {
-  return slot < dyn_nconstraints(robot) ? dyn_constraint_name(robot, slot) : "contact " + std::to_string(slot - dyn_nconstraints(robot) + 1);
+  return slot < dyn_model_nconstraints(robot) ? dyn_model_constraint_name(robot, slot) : "contact " + std::to_string(slot - dyn_model_nconstraints(robot) + 1);
 }
 
 int row_count(const Robot& robot, const Data& data) {
   int rows;
-  check(dyn_constraint_rows(robot, data, -1, nullptr, &rows));
+  check(dyn_data_constraint_rows(robot, data, -1, nullptr, &rows));
   return rows;
 }
 
 const char* verdict_text(dynRowVerdict verdict) {
   switch (verdict) {
-    case DYN_ROW_INDEPENDENT: return "independent";
-    case DYN_ROW_REDUNDANT: return "redundant";
-    case DYN_ROW_CONTRADICTORY: return "contradictory";
-    case DYN_ROW_IMMOBILE: return "immobile";
+    case DYN_ROW_VERDICT_INDEPENDENT: return "independent";
+    case DYN_ROW_VERDICT_REDUNDANT: return "redundant";
+    case DYN_ROW_VERDICT_CONTRADICTORY: return "contradictory";
+    case DYN_ROW_VERDICT_IMMOBILE: return "immobile";
   }
   return "unknown";
 }
@@ -49,19 +49,19 @@ int contact_count(const ContactOptions& options) {
 }
 
 void set_contacts(const Robot& robot, const Data& data, const ContactOptions& options) {
-  int slot = dyn_nconstraints(robot);
+  int slot = dyn_model_nconstraints(robot);
   auto add = [&](std::string words, dynConstraintType type) {
     std::replace(words.begin(), words.end(), ',', ' ');
     std::istringstream in(words);
     for (std::string word; in >> word;) {
       dynConstraint c;
       dyn_constraint_init(&c, type);
-      if ((c.first = dyn_frame_id(robot, word.c_str())) < 0) fail(dyn_last_error());
-      check(dyn_constraint_set(robot, data, slot++, &c));
+      if ((c.first = dyn_model_frame_id(robot, word.c_str())) < 0) fail(dyn_last_error());
+      check(dyn_data_set_constraint(robot, data, slot++, &c));
     }
   };
-  for (const auto& words : options.points) add(words, DYN_CONSTRAINT_POINT);
-  for (const auto& words : options.faces) add(words, DYN_CONSTRAINT_FRAME);
+  for (const auto& words : options.points) add(words, DYN_CONSTRAINT_TYPE_POINT);
+  for (const auto& words : options.faces) add(words, DYN_CONSTRAINT_TYPE_FRAME);
 }
 
 json constrained_json(const Robot& robot, const Data& data, const double* q, const double* v, const double* tau, bool forces) {
@@ -103,11 +103,11 @@ Vector satisfying(const Robot& robot, const Data& data, const Vector& q) {
   Vector nearest(q), start(q), trial(q);
   for (int k = 0; k <= starts; ++k) {
     if (k > 0) {
-      check(dyn_random(robot, static_cast<uint64_t>(k), nullptr, nullptr, start.data()));
+      check(dyn_configuration_random(robot, static_cast<uint64_t>(k), nullptr, nullptr, start.data()));
       check(dyn_interpolate(robot, q.data(), start.data(), static_cast<double>(k) / starts, start.data()));
     }
     check(dyn_project(robot, data, start.data(), nullptr, nullptr, trial.data(), nullptr, &found));
-    if (found.reason == DYN_CONSTRAINED) return trial;
+    if (found.reason == DYN_CONSTRAINT_REASON_CONVERGED) return trial;
     if (k == 0) nearest = trial;
   }
   return nearest;
@@ -133,7 +133,7 @@ void run(const CheckOptions& options) {
   std::set<int> slots;
   for (const dynRowReport& r : list) {
     slots.insert(r.slot);
-    if (r.verdict == DYN_ROW_INDEPENDENT) continue;
+    if (r.verdict == DYN_ROW_VERDICT_INDEPENDENT) continue;
     answer["dependent"].push_back({{"constraint", slot_name(robot, r.slot)}, {"row", r.row}, {"verdict", verdict_text(r.verdict)}, {"share", r.share}, {"error", r.error}});
   }
   answer["constraints"] = slots.size();

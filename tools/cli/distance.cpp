@@ -38,7 +38,7 @@ std::vector<Vector> sampled(const Robot& robot, const Options& options) {
   std::vector<Vector> out = {read_state(robot, options.state).q};
   for (int k = 0; k < options.samples; ++k) {
     out.push_back(robot.neutral());
-    check(dyn_random(robot, std::uint64_t(k), nullptr, nullptr, out.back().data()));
+    check(dyn_configuration_random(robot, std::uint64_t(k), nullptr, nullptr, out.back().data()));
   }
   return out;
 }

@@ -61,12 +61,12 @@ void apply_effects(const Robot& robot, dynData* data, std::uint32_t effects) {
   if (!(effects & has_gravity)) check(dyn_data_set_gravity(robot, data, none));
   if (effects & has_contact && effects & has_constraints) return;
   if (!(effects & has_contact))
-    for (int k = 0; k < dyn_npairs(robot); ++k)
+    for (int k = 0; k < dyn_model_npairs(robot); ++k)
       if (dyn_data_set_pair(robot, data, k, 0) == DYN_ERROR_PART) break;  // data that knows no pairs
   if (!(effects & has_contact)) dyn_data_set_shape_masks(robot, data, -1, 0, 0);  // of pairs that are not listed
   if (!(effects & has_constraints))
-    for (int k = 0; k < dyn_nconstraints(robot); ++k)
-      if (dyn_constraint_enable(robot, data, k, 0) == DYN_ERROR_PART) break;
+    for (int k = 0; k < dyn_model_nconstraints(robot); ++k)
+      if (dyn_data_set_constraint_enabled(robot, data, k, 0) == DYN_ERROR_PART) break;
 }
 
 json effects(const Robot& robot, std::uint32_t on) {
@@ -74,10 +74,10 @@ json effects(const Robot& robot, std::uint32_t on) {
   json list = json::array();
   const auto add = [&](const char* name, bool active, const std::string& reason) {
     std::uint64_t bytes = 0;
-    for (int k = 0; k < dyn_neffects(); ++k) {
+    for (int k = 0; k < dyn_effect_count(); ++k) {
       dynEffectInfo info{};
       info.struct_size = sizeof info;
-      check(dyn_effect_info(robot, data, k, &info));
+      check(dyn_data_effect_info(robot, data, k, &info));
       if (std::string(name) == info.name) bytes = info.bytes;
     }
     list.push_back({{"name", name}, {"active", active}, {"reason", reason}, {"bytes", bytes}});
@@ -95,34 +95,34 @@ json effects(const Robot& robot, std::uint32_t on) {
   };
   const auto several = [](int n, const char* one, const char* more) { return std::to_string(n) + (n == 1 ? one : more); };
   const auto present = [&](const char* name) {
-    for (int k = 0; k < dyn_neffects(); ++k) {
+    for (int k = 0; k < dyn_effect_count(); ++k) {
       dynEffectInfo info{};
       info.struct_size = sizeof info;
-      check(dyn_effect_info(robot, data, k, &info));
+      check(dyn_data_effect_info(robot, data, k, &info));
       if (std::string(name) == info.name) return int(info.present);
     }
     return 0;
   };
-  const double* g = dyn_model_array(robot, DYN_GRAVITY);
+  const double* g = dyn_model_array(robot, DYN_MODEL_ARRAY_GRAVITY);
   const bool falls = g && (g[0] != 0 || g[1] != 0 || g[2] != 0);
   add("gravity", falls && on & has_gravity,
       falls ? "gravity is (" + short_number(g[0]) + ", " + short_number(g[1]) + ", " + short_number(g[2]) + ") m/s^2" + off(has_gravity) : "gravity is zero");
-  joints("armature", DYN_ARMATURE, DYN_EFFECT_ARMATURE, "armature");
-  joints("damping", DYN_DAMPING, DYN_EFFECT_DAMPING, "damping");
-  joints("springs", DYN_STIFFNESS, DYN_EFFECT_SPRINGS, "springs");
-  joints("friction", DYN_FRICTION, DYN_EFFECT_FRICTION, "dry friction");
+  joints("armature", DYN_MODEL_ARRAY_ARMATURE, DYN_EFFECT_ARMATURE, "armature");
+  joints("damping", DYN_MODEL_ARRAY_DAMPING, DYN_EFFECT_DAMPING, "damping");
+  joints("springs", DYN_MODEL_ARRAY_STIFFNESS, DYN_EFFECT_SPRINGS, "springs");
+  joints("friction", DYN_MODEL_ARRAY_FRICTION, DYN_EFFECT_FRICTION, "dry friction");
   const auto finite = [](double x) { return std::isfinite(x); };
-  const int limits = std::max(count(DYN_LOWER_LIMIT, robot.nq, finite), count(DYN_UPPER_LIMIT, robot.nq, finite));
+  const int limits = std::max(count(DYN_MODEL_ARRAY_LOWER_LIMIT, robot.nq, finite), count(DYN_MODEL_ARRAY_UPPER_LIMIT, robot.nq, finite));
   add("limits", limits && on & DYN_EFFECT_LIMITS,
       limits ? std::to_string(limits) + " of " + std::to_string(robot.nq) + " coordinates have limits" + off(DYN_EFFECT_LIMITS) : "no joint has limits");
   const int tested = present("contact");
   add("contact", tested && on & has_contact, tested ? several(tested, " pair", " pairs") + " of shapes may touch" + off(has_contact) : "no pair of shapes is tested");
-  const int constraints = dyn_nconstraints(robot);
+  const int constraints = dyn_model_nconstraints(robot);
   add("constraints", constraints && on & has_constraints,
       constraints ? "the file has " + several(constraints, " constraint", " constraints") + off(has_constraints) : "the file has none");
-  const int actuators = dyn_nactuators(robot);
+  const int actuators = dyn_model_nactuators(robot);
   add("actuators", actuators && on & DYN_EFFECT_ACTUATORS,
-      actuators ? several(actuators, " actuator", " actuators") + " with " + several(dyn_nu(robot), " control", " controls") + off(DYN_EFFECT_ACTUATORS) : "the file has none");
+      actuators ? several(actuators, " actuator", " actuators") + " with " + several(dyn_model_nu(robot), " control", " controls") + off(DYN_EFFECT_ACTUATORS) : "the file has none");
   const int drag = present("fluid");
   add("fluid", drag && on & DYN_EFFECT_FLUID, drag ? "a medium drags on " + several(drag, " link", " links") + off(DYN_EFFECT_FLUID) : "there is no medium");
   const int held = present("gravity_compensation");

@@ -59,7 +59,7 @@ json energy(const Context& c) {
   return {{"kinetic", kinetic}, {"potential", potential}, {"mechanical", kinetic + potential}};
 }
 
-// A name that several frames share stands for the one that dyn_frame_id finds; the others say their type.
+// A name that several frames share stands for the one that dyn_model_frame_id finds; the others say their type.
 json placements(const Context& c) {
   c.kinematics();
   std::map<std::string, int> bearers;
@@ -71,7 +71,7 @@ json placements(const Context& c) {
     check(dyn_frame_placement(c.robot, c.data, i, X));
     const dynFrameInfo info = c.robot.frame(i);
     std::string key = info.name;
-    if (c.frame < 0 && bearers[key] > 1 && dyn_frame_id(c.robot, info.name) != i)
+    if (c.frame < 0 && bearers[key] > 1 && dyn_model_frame_id(c.robot, info.name) != i)
       key += std::string(" [") + frame_type_name(info.type) + "]";
     out[key] = {{"translation", vector_json(X + 9, 3)}, {"rotation", matrix_json(X, 3, 3)}};
   }
@@ -79,18 +79,18 @@ json placements(const Context& c) {
 }
 
 json subtree_com(const Context& c) {
-  check(dyn_center_of_mass(c.robot, c.data, c.q, nullptr, nullptr, nullptr, nullptr, nullptr));
+  check(dyn_com(c.robot, c.data, c.q, nullptr, nullptr, nullptr, nullptr, nullptr));
   json out = json::object();
   for (int i = 0; i < c.robot.njoints; ++i) {
     double com[3], mass;
-    check(dyn_subtree_center_of_mass(c.robot, c.data, i, com, &mass));
-    out[dyn_joint_name(c.robot, i)] = {{"com", vector_json(com, 3)}, {"mass", mass}};
+    check(dyn_subtree_com(c.robot, c.data, i, com, &mass));
+    out[dyn_model_joint_name(c.robot, i)] = {{"com", vector_json(com, 3)}, {"mass", mass}};
   }
   return out;
 }
 
 json center_of_mass(const Context& c, const char* name) {
-  return c.vector(dyn_center_of_mass(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr, nullptr), name);
+  return c.vector(dyn_com(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr, nullptr), name);
 }
 
 // The inertia of the whole about its centre of mass, axes of the world.
@@ -154,10 +154,10 @@ json regressor(const Context& c, dynStatus status, const char* name, int rows) {
 // The ten of each joint's body.
 json inertial_parameters(const Context& c) {
   Vector pi(static_cast<std::size_t>(parameter_count(c)));
-  check(dyn_inertial_parameters(c.robot, pi.data()));
+  check(dyn_model_inertial_parameters(c.robot, pi.data()));
   json out = json::object();
   for (int joint = 1; joint < c.robot.njoints; ++joint)
-    out[dyn_joint_name(c.robot, joint)] = vector_json(pi.data() + 10 * (joint - 1), 10);
+    out[dyn_model_joint_name(c.robot, joint)] = vector_json(pi.data() + 10 * (joint - 1), 10);
   return out;
 }
 
@@ -178,7 +178,7 @@ json collisions(const Context& c) {
 // In the order of distances.
 json distance_gradients(const Context& c) {
   check(dyn_distances(c.robot, c.data, c.q, nullptr));
-  const int pairs = dyn_npairs(c.robot);
+  const int pairs = dyn_model_npairs(c.robot);
   Vector all(static_cast<std::size_t>(pairs) * static_cast<std::size_t>(c.robot.nv));
   check(dyn_distance_gradients(c.robot, c.data, all.data()));
   json out = json::array();
@@ -205,10 +205,10 @@ const std::vector<Quantity>& quantities() {
       {"ddq", 0, false, [](C c) { return c.vector(dyn_aba(c.robot, c.data, c.q, c.v, c.tau, nullptr, nullptr), "ddq"); }},
       {"M", DYN_PART_MASS, false, [](C c) { return c.matrix(dyn_crba(c.robot, c.data, c.q, nullptr), "M", c.robot.nv); }},
       {"Minv", DYN_PART_MINV, false,
-       [](C c) { return c.matrix(dyn_minverse(c.robot, c.data, c.q, nullptr), "Minv", c.robot.nv); }},
+       [](C c) { return c.matrix(dyn_minv(c.robot, c.data, c.q, nullptr), "Minv", c.robot.nv); }},
       {"nle", DYN_PART_INVERSE, false,
-       [](C c) { return c.vector(dyn_nonlinear_effects(c.robot, c.data, c.q, c.v, nullptr), "nle"); }},
-      {"g", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_gravity(c.robot, c.data, c.q, nullptr), "g"); }},
+       [](C c) { return c.vector(dyn_nle(c.robot, c.data, c.q, c.v, nullptr), "nle"); }},
+      {"g", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_gravity_torque(c.robot, c.data, c.q, nullptr), "g"); }},
       {"static_torque", DYN_PART_INVERSE, false,
        [](C c) { return c.vector(dyn_static_torque(c.robot, c.data, c.q, nullptr, nullptr), "static_torque"); }},
       {"coriolis", DYN_PART_CORIOLIS, false,
@@ -222,7 +222,7 @@ const std::vector<Quantity>& quantities() {
       {"vcom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "vcom"); }},
       {"acom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "acom"); }},
       {"Jcom", DYN_PART_COM, false,
-       [](C c) { return c.matrix(dyn_center_of_mass_jacobian(c.robot, c.data, c.q, nullptr), "Jcom", 3); }},
+       [](C c) { return c.matrix(dyn_jcom(c.robot, c.data, c.q, nullptr), "Jcom", 3); }},
       {"subtree_com", DYN_PART_COM, false, subtree_com},
       {"energy", DYN_PART_ENERGY, false, energy},
       {"placements", DYN_PART_KINEMATICS, false, placements},
@@ -252,9 +252,9 @@ const std::vector<Quantity>& quantities() {
       {"dclassical_dv", DYN_PART_KINEMATICS, true, [](C c) { return by_v(c, dyn_frame_classical_acceleration_derivatives); }},
       {"kinematic_hessian", DYN_PART_JACOBIANS, true, kinematic_hessian},
       {"dvcom_dq", DYN_PART_COM, false,
-       [](C c) { return c.matrix(dyn_center_of_mass_velocity_derivatives(c.robot, c.data, c.q, c.v, nullptr, nullptr), "dvcom_dq", 3); }},
+       [](C c) { return c.matrix(dyn_vcom_derivatives(c.robot, c.data, c.q, c.v, nullptr, nullptr), "dvcom_dq", 3); }},
       {"dg_dq", DYN_PART_INVERSE_DERIVATIVES, false,
-       [](C c) { return c.matrix(dyn_gravity_derivatives(c.robot, c.data, c.q, nullptr), "dg_dq", c.robot.nv); }},
+       [](C c) { return c.matrix(dyn_gravity_torque_derivatives(c.robot, c.data, c.q, nullptr), "dg_dq", c.robot.nv); }},
       {"dstatic_torque_dq", DYN_PART_INVERSE_DERIVATIVES, false,
        [](C c) {
          return c.matrix(dyn_static_torque_derivatives(c.robot, c.data, c.q, nullptr, nullptr), "dstatic_torque_dq", c.robot.nv);
@@ -270,7 +270,7 @@ const std::vector<Quantity>& quantities() {
       {"hg", DYN_PART_CENTROIDAL, false,
        [](C c) { return c.vector(dyn_centroidal_momentum(c.robot, c.data, c.q, c.v, nullptr), "hg"); }},
       {"dhg", DYN_PART_CENTROIDAL, false,
-       [](C c) { return c.vector(dyn_centroidal_momentum_rate(c.robot, c.data, c.q, c.v, c.a, nullptr), "dhg"); }},
+       [](C c) { return c.vector(dyn_centroidal_momentum_time_variation(c.robot, c.data, c.q, c.v, c.a, nullptr), "dhg"); }},
       {"Ig", DYN_PART_CENTROIDAL | DYN_PART_COM, false, centroidal_inertia},
       {"dh_dq", DYN_PART_CENTROIDAL, false, [](C c) { return centroidal_derivative(c, "dh_dq"); }},
       {"dhdot_dq", DYN_PART_CENTROIDAL, false, [](C c) { return centroidal_derivative(c, "dhdot_dq"); }},
@@ -342,7 +342,7 @@ void append_text(std::string& out, const std::string& name, const json& value, c
 
 void run(const Options& options) {
   const std::map<std::string, dynReference> references = {
-      {"LOCAL", DYN_LOCAL}, {"WORLD", DYN_WORLD}, {"LOCAL_WORLD_ALIGNED", DYN_LOCAL_WORLD_ALIGNED}};
+      {"LOCAL", DYN_REFERENCE_LOCAL}, {"WORLD", DYN_REFERENCE_WORLD}, {"LOCAL_WORLD_ALIGNED", DYN_REFERENCE_LOCAL_WORLD_ALIGNED}};
   const auto reference = references.find(options.reference);
   if (reference == references.end())
     bad_usage("--reference: \"" + options.reference + "\" is not LOCAL, WORLD or LOCAL_WORLD_ALIGNED.");
@@ -357,7 +357,7 @@ void run(const Options& options) {
   if (parts & DYN_PART_CONSTRAINTS) set_contacts(robot, data, options.contacts);
   const State state = read_state(robot, options.state);
   int frame = -1;
-  if (!options.frame.empty() && (frame = dyn_frame_id(robot, options.frame.c_str())) < 0) fail(dyn_last_error());
+  if (!options.frame.empty() && (frame = dyn_model_frame_id(robot, options.frame.c_str())) < 0) fail(dyn_last_error());
 
   const Context context{robot,          data,           state,          frame,           reference->second,
                         state.q.data(), state.v.data(), state.a.data(), state.tau.data()};

@@ -44,7 +44,7 @@ dynIkTask frame_task(int frame, const std::string& target) {
   if (x.size() != 3 && x.size() != 4 && x.size() != 7)
     bad_usage("--target: \"" + target + "\" has " + std::to_string(x.size()) +
               " numbers; give 3 (position), 4 (quaternion x y z w) or 7 (position, then quaternion).");
-  dynIkTask out = task(x.size() == 3 ? DYN_IK_POSITION : x.size() == 4 ? DYN_IK_ORIENTATION : DYN_IK_POSE, frame);
+  dynIkTask out = task(x.size() == 3 ? DYN_IK_TASK_TYPE_POSITION : x.size() == 4 ? DYN_IK_TASK_TYPE_ORIENTATION : DYN_IK_TASK_TYPE_POSE, frame);
   if (x.size() != 4) std::copy_n(x.data(), 3, out.target + 9);
   if (x.size() != 3) rotate(x.data() + x.size() - 4, out.target);
   return out;
@@ -52,20 +52,20 @@ dynIkTask frame_task(int frame, const std::string& target) {
 
 const char* reason_name(dynIkReason reason) {
   switch (reason) {
-    case DYN_IK_CONVERGED: return "converged";
-    case DYN_IK_LIMITS: return "limits";
-    case DYN_IK_SINGULAR: return "singular";
-    case DYN_IK_LOCAL_MINIMUM: return "local minimum";
-    case DYN_IK_ITERATIONS: return "iterations";
+    case DYN_IK_REASON_CONVERGED: return "converged";
+    case DYN_IK_REASON_LIMITS: return "limits";
+    case DYN_IK_REASON_SINGULAR: return "singular";
+    case DYN_IK_REASON_LOCAL_MINIMUM: return "local minimum";
+    case DYN_IK_REASON_MAX_ITERATIONS: return "iterations";
   }
   return "?";
 }
 
 std::string sentence(const Robot& robot, const dynIkResult& r) {
   switch (r.reason) {
-    case DYN_IK_LIMITS: return "a limit of joint '" + std::string(dyn_joint_name(robot, r.joint)) + "' holds the tasks back";
-    case DYN_IK_SINGULAR: return "no joint moves where the error points, as when the target is out of reach";
-    case DYN_IK_LOCAL_MINIMUM: return "no motion lowers the error: the tasks contradict each other, or take more --restarts";
+    case DYN_IK_REASON_LIMITS: return "a limit of joint '" + std::string(dyn_model_joint_name(robot, r.joint)) + "' holds the tasks back";
+    case DYN_IK_REASON_SINGULAR: return "no joint moves where the error points, as when the target is out of reach";
+    case DYN_IK_REASON_LOCAL_MINIMUM: return "no motion lowers the error: the tasks contradict each other, or take more --restarts";
     default: return "take more --max-iterations";
   }
 }
@@ -82,17 +82,17 @@ void run(const Options& options) {
   if (!options.com.empty()) {
     const Vector x = parse_list("--com", {options.com});
     if (x.size() != 3) bad_usage("--com: \"" + options.com + "\" has " + std::to_string(x.size()) + " numbers, but needs 3.");
-    tasks.push_back(task(DYN_IK_COM, 0));
+    tasks.push_back(task(DYN_IK_TASK_TYPE_COM, 0));
     std::copy_n(x.data(), 3, tasks.back().target + 9);
     names.push_back("centre of mass");
   }
   const Robot robot(options.robot);
   for (std::size_t k = 0; k < options.frames.size(); ++k)
-    if ((tasks[k].frame = dyn_frame_id(robot, options.frames[k].c_str())) < 0) fail(dyn_last_error());
+    if ((tasks[k].frame = dyn_model_frame_id(robot, options.frames[k].c_str())) < 0) fail(dyn_last_error());
   const Data data(robot, DYN_PART_IK);
   const State state = read_state(robot, options.state);
   if (options.stay) {
-    tasks.push_back(task(DYN_IK_POSTURE, 0));
+    tasks.push_back(task(DYN_IK_TASK_TYPE_POSTURE, 0));
     tasks.back().posture = state.q.data(), tasks.back().priority = 1;
     names.push_back("start");
   }
@@ -104,7 +104,7 @@ void run(const Options& options) {
   result.struct_size = sizeof result;
   Vector q(static_cast<std::size_t>(robot.nq)), residuals(2 * tasks.size());
   check(dyn_ik(robot, data, state.q.data(), tasks.data(), static_cast<int>(tasks.size()), &o, q.data(), residuals.data(), &result));
-  if (result.reason != DYN_IK_CONVERGED && !options.best)
+  if (result.reason != DYN_IK_REASON_CONVERGED && !options.best)
     fail("not reached: " + sentence(robot, result) + ". What remains is " + short_number(result.residual_linear, 3) + " m and " +
          short_number(result.residual_angular, 3) + " rad; --best answers the best configuration.");
 
@@ -112,9 +112,9 @@ void run(const Options& options) {
   for (std::size_t k = 0; k < tasks.size(); ++k)
     list.push_back({{"name", names[k]}, {"linear", residuals[2 * k]}, {"angular", residuals[2 * k + 1]}});
   if (options.robot.json) {
-    print(json_text({{"converged", result.reason == DYN_IK_CONVERGED}, {"reason", reason_name(result.reason)}, {"q", vector_json(q.data(), robot.nq)},
+    print(json_text({{"converged", result.reason == DYN_IK_REASON_CONVERGED}, {"reason", reason_name(result.reason)}, {"q", vector_json(q.data(), robot.nq)},
                      {"tasks", list}, {"iterations", result.iterations}, {"restarts", result.restarts},
-                     {"joint", result.joint < 0 ? json() : json(dyn_joint_name(robot, result.joint))}, {"cost", result.cost},
+                     {"joint", result.joint < 0 ? json() : json(dyn_model_joint_name(robot, result.joint))}, {"cost", result.cost},
                      {"optimality", result.optimality}}));
   } else {
     std::string text = std::string(reason_name(result.reason)) + " after " + std::to_string(result.iterations) + " iterations and " +

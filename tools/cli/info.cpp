@@ -17,19 +17,19 @@ json joint_json(const Robot& robot, int id) {
               {"parent", j.parent}, {"idx_q", j.idx_q},
               {"idx_v", j.idx_v},   {"nq", j.nq},
               {"nv", j.nv}};
-  out["limits"] = {{"lower", slice(DYN_LOWER_LIMIT, j.idx_q, j.nq)},  // an infinite limit is null
-                   {"upper", slice(DYN_UPPER_LIMIT, j.idx_q, j.nq)},
-                   {"velocity", slice(DYN_VELOCITY_LIMIT, j.idx_v, j.nv)},
-                   {"effort", slice(DYN_EFFORT_LIMIT, j.idx_v, j.nv)}};
+  out["limits"] = {{"lower", slice(DYN_MODEL_ARRAY_LOWER_LIMIT, j.idx_q, j.nq)},  // an infinite limit is null
+                   {"upper", slice(DYN_MODEL_ARRAY_UPPER_LIMIT, j.idx_q, j.nq)},
+                   {"velocity", slice(DYN_MODEL_ARRAY_VELOCITY_LIMIT, j.idx_v, j.nv)},
+                   {"effort", slice(DYN_MODEL_ARRAY_EFFORT_LIMIT, j.idx_v, j.nv)}};
   if (j.mimic_leader >= 0)
-    out["mimic"] = {{"leader", dyn_joint_name(robot, j.mimic_leader)}, {"ratio", j.mimic_ratio}, {"offset", j.mimic_offset}};
+    out["mimic"] = {{"leader", dyn_model_joint_name(robot, j.mimic_leader)}, {"ratio", j.mimic_ratio}, {"offset", j.mimic_offset}};
   return out;
 }
 
 json info_json(const Robot& robot) {
   json out = {{"name", dyn_model_name(robot)}, {"nq", robot.nq}, {"nv", robot.nv}};
-  out["gravity"] = vector_json(dyn_model_array(robot, DYN_GRAVITY), 3);
-  out["total_mass"] = dyn_total_mass(robot);
+  out["gravity"] = vector_json(dyn_model_array(robot, DYN_MODEL_ARRAY_GRAVITY), 3);
+  out["total_mass"] = dyn_model_total_mass(robot);
   out["joints"] = json::array();
   for (int i = 0; i < robot.njoints; ++i) out["joints"].push_back(joint_json(robot, i));
   out["frames"] = json::array();
@@ -38,34 +38,34 @@ json info_json(const Robot& robot) {
     out["frames"].push_back({{"name", f.name}, {"type", frame_type_name(f.type)}, {"joint", f.joint}, {"mass", f.mass}});
   }
   out["shapes"] = json::array();
-  for (int i = 0; i < dyn_nshapes(robot); ++i) {
+  for (int i = 0; i < dyn_model_nshapes(robot); ++i) {
     dynShapeInfo s{};
     s.struct_size = sizeof s;
-    check(dyn_shape_info(robot, i, &s));
+    check(dyn_model_shape_info(robot, i, &s));
     out["shapes"].push_back({{"name", s.name},
                              {"type", shape_type_name(s.type)},
-                             {"role", s.role == DYN_ROLE_COLLISION ? "collision" : "visual"},
+                             {"role", s.role == DYN_SHAPE_ROLE_COLLISION ? "collision" : "visual"},
                              {"frame", s.frame},
                              {"size", vector_json(s.size, 3)},
                              {"mesh", s.mesh}});
   }
   out["configurations"] = json::array();
-  for (int i = 0; i < dyn_nconfigurations(robot); ++i) out["configurations"].push_back(dyn_configuration_name(robot, i));
+  for (int i = 0; i < dyn_model_nconfigurations(robot); ++i) out["configurations"].push_back(dyn_model_configuration_name(robot, i));
   out["disabled_pairs"] = json::array();
-  for (int i = 0; i < dyn_ndisabled_pairs(robot); ++i) {
+  for (int i = 0; i < dyn_model_ndisabled_pairs(robot); ++i) {
     int frame1, frame2;
     const char* reason;
-    check(dyn_disabled_pair(robot, i, &frame1, &frame2, &reason));
-    out["disabled_pairs"].push_back({{"frame1", dyn_frame_name(robot, frame1)}, {"frame2", dyn_frame_name(robot, frame2)}, {"reason", reason}});
+    check(dyn_model_disabled_pair(robot, i, &frame1, &frame2, &reason));
+    out["disabled_pairs"].push_back({{"frame1", dyn_model_frame_name(robot, frame1)}, {"frame2", dyn_model_frame_name(robot, frame2)}, {"reason", reason}});
   }
   out["effects"] = effects(robot);
   out["report"] = json::array();
-  for (int i = 0; i < dyn_report_count(robot); ++i) {
+  for (int i = 0; i < dyn_model_report_count(robot); ++i) {
     dynReportEntry e{};
     e.struct_size = sizeof e;
-    check(dyn_report_entry(robot, i, &e));
+    check(dyn_model_report_entry(robot, i, &e));
     out["report"].push_back(
-        {{"level", e.level == DYN_REPORT_WARNING ? "warning" : "info"}, {"message", e.message}, {"line", e.line}});
+        {{"level", e.level == DYN_REPORT_LEVEL_WARNING ? "warning" : "info"}, {"message", e.message}, {"line", e.line}});
   }
   out["model_bytes"] = dyn_model_size(robot);
   out["data_bytes"] = dyn_data_size(robot, DYN_PART_ALL);

@@ -41,12 +41,12 @@ json meshes_json(const Robot& robot, const std::vector<std::string>& package_dir
   json out = json::array();
   std::vector<const char*> folders;
   for (const auto& d : package_dirs) folders.push_back(d.c_str());
-  for (int k = 0; k < dyn_nshapes(robot); ++k) {
+  for (int k = 0; k < dyn_model_nshapes(robot); ++k) {
     dynShapeInfo s{};
     s.struct_size = sizeof s;
-    check(dyn_shape_info(robot, k, &s));
+    check(dyn_model_shape_info(robot, k, &s));
     if (!*s.mesh) continue;
-    json entry = {{"shape", k}, {"link", dyn_frame_name(robot, s.frame)}, {"role", s.role == DYN_ROLE_COLLISION ? "collision" : "visual"}, {"mesh", s.mesh}};
+    json entry = {{"shape", k}, {"link", dyn_model_frame_name(robot, s.frame)}, {"role", s.role == DYN_SHAPE_ROLE_COLLISION ? "collision" : "visual"}, {"mesh", s.mesh}};
     dynMeshOptions options;
     dyn_mesh_options_init(&options);
     std::copy(s.size, s.size + 3, options.scale);

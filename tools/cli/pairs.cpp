@@ -11,7 +11,7 @@ namespace {
 std::string link_of(const Robot& robot, int shape) {
   dynShapeInfo s{};
   s.struct_size = sizeof s;
-  check(dyn_shape_info(robot, shape, &s));
+  check(dyn_model_shape_info(robot, shape, &s));
   return robot.frame(s.frame).name;
 }
 
@@ -21,12 +21,12 @@ json names(const Robot& robot, int shape_a, int shape_b) {
 
 const char* reason_text(dynPairReason reason) {
   switch (reason) {
-    case DYN_PAIR_TESTED: return "tested";
-    case DYN_PAIR_OVERLAPS: return "they overlap in the neutral configuration";
-    case DYN_PAIR_MESH: return "one is a mesh, of which only the file's name is known: see --collision-meshes";
-    case DYN_PAIR_OFF: return "switched off";
-    case DYN_PAIR_DISABLED: return "disabled in the SRDF";
-    case DYN_PAIR_MASK: return "neither is in a group that the other collides with";
+    case DYN_PAIR_REASON_TESTED: return "tested";
+    case DYN_PAIR_REASON_OVERLAPS: return "they overlap in the neutral configuration";
+    case DYN_PAIR_REASON_MESH: return "one is a mesh, of which only the file's name is known: see --collision-meshes";
+    case DYN_PAIR_REASON_OFF: return "switched off";
+    case DYN_PAIR_REASON_DISABLED: return "disabled in the SRDF";
+    case DYN_PAIR_REASON_MASK: return "neither is in a group that the other collides with";
   }
   return "unknown";
 }
@@ -35,7 +35,7 @@ const char* reason_text(dynPairReason reason) {
 
 json pair_json(const Robot& robot, int pair) {
   int a, b;
-  check(dyn_pair(robot, pair, &a, &b, nullptr));
+  check(dyn_model_pair(robot, pair, &a, &b, nullptr));
   json out = {{"pair", pair}};
   out.update(names(robot, a, b));
   return out;
@@ -43,17 +43,17 @@ json pair_json(const Robot& robot, int pair) {
 
 json pairs_json(const Robot& robot) {
   std::vector<int> shapes, joint;
-  for (int k = 0; k < dyn_nshapes(robot); ++k) {
+  for (int k = 0; k < dyn_model_nshapes(robot); ++k) {
     dynShapeInfo s{};
     s.struct_size = sizeof s;
-    check(dyn_shape_info(robot, k, &s));
-    if (s.role == DYN_ROLE_COLLISION) shapes.push_back(k), joint.push_back(robot.frame(s.frame).joint);
+    check(dyn_model_shape_info(robot, k, &s));
+    if (s.role == DYN_SHAPE_ROLE_COLLISION) shapes.push_back(k), joint.push_back(robot.frame(s.frame).joint);
   }
   std::map<std::pair<int, int>, dynPairReason> listed;
-  for (int k = 0; k < dyn_npairs(robot); ++k) {
+  for (int k = 0; k < dyn_model_npairs(robot); ++k) {
     int a, b;
     dynPairReason reason;
-    check(dyn_pair(robot, k, &a, &b, &reason));
+    check(dyn_model_pair(robot, k, &a, &b, &reason));
     listed[{a, b}] = reason;
   }
   json out = json::array();
@@ -61,7 +61,7 @@ json pairs_json(const Robot& robot) {
     for (std::size_t j = i + 1; j < shapes.size(); ++j) {
       const auto found = listed.find({shapes[i], shapes[j]});
       json row = names(robot, shapes[i], shapes[j]);
-      row["tested"] = found != listed.end() && found->second == DYN_PAIR_TESTED;
+      row["tested"] = found != listed.end() && found->second == DYN_PAIR_REASON_TESTED;
       row["reason"] = found != listed.end() ? reason_text(found->second) : joint[i] == joint[j] ? "they belong to one body" : "a body and its parent";
       out.push_back(row);
     }
@@ -84,10 +84,10 @@ json distance_json(const Robot& robot, const Data& data, int pair) {
 
 std::vector<int> tested_pairs(const Robot& robot, const Data& data) {
   std::vector<int> out;
-  for (int k = 0; k < dyn_npairs(robot); ++k) {
+  for (int k = 0; k < dyn_model_npairs(robot); ++k) {
     dynPairReason reason;
     check(dyn_data_pair(robot, data, k, &reason));
-    if (reason == DYN_PAIR_TESTED) out.push_back(k);
+    if (reason == DYN_PAIR_REASON_TESTED) out.push_back(k);
   }
   return out;
 }

@@ -46,16 +46,16 @@ Robot::Robot(const RobotOptions& options, int contacts) {
   load.confined = options.confined;
   if (!folders.empty()) load.package_dirs = folders.data();
   load.package_dirs_count = folders.size();
-  load.meshes = options.meshes == "hull" ? DYN_MESH_HULL : options.meshes == "triangles" ? DYN_MESH_TRIANGLES : DYN_MESH_NONE;
+  load.meshes = options.meshes == "hull" ? DYN_MESH_USE_HULL : options.meshes == "triangles" ? DYN_MESH_USE_TRIANGLES : DYN_MESH_USE_NONE;
   if (!options.srdf.empty()) load.srdf = options.srdf.c_str();
   dynModel* model = nullptr;
   const dynStatus status = dyn_model_load(options.file.c_str(), &load, &model);
   check(status);
   handle.reset(model);
-  nq = dyn_nq(model);
-  nv = dyn_nv(model);
-  njoints = dyn_njoints(model);
-  nframes = dyn_nframes(model);
+  nq = dyn_model_nq(model);
+  nv = dyn_model_nv(model);
+  njoints = dyn_model_njoints(model);
+  nframes = dyn_model_nframes(model);
   for (int i = 1; i < njoints; ++i) has_mimic |= joint(i).mimic_leader >= 0;
 }
 
@@ -65,8 +65,8 @@ void Robot::add_ground() {
   const std::unique_ptr<dynBuilder, Deleter<dyn_builder_free>> builder(made);
   dynShapeSpec ground;
   dyn_shape_spec_init(&ground);
-  ground.type = DYN_SHAPE_HALF_SPACE, ground.name = "ground", ground.material.friction = 0;
-  check(dyn_builder_shape(made, &ground));
+  ground.type = DYN_SHAPE_TYPE_HALF_SPACE, ground.name = "ground", ground.material.friction = 0;
+  check(dyn_builder_add_shape(made, &ground));
   dynModel* model = nullptr;
   check(dyn_builder_finish(made, &model));
   handle.reset(model);
@@ -75,24 +75,24 @@ void Robot::add_ground() {
 dynJointInfo Robot::joint(int id) const {
   dynJointInfo info{};
   info.struct_size = sizeof info;
-  check(dyn_joint_info(*this, id, &info));
+  check(dyn_model_joint_info(*this, id, &info));
   return info;
 }
 
 dynFrameInfo Robot::frame(int id) const {
   dynFrameInfo info{};
   info.struct_size = sizeof info;
-  check(dyn_frame_info(*this, id, &info));
+  check(dyn_model_frame_info(*this, id, &info));
   return info;
 }
 
 Vector Robot::neutral() const {
   Vector q(nq);
-  check(dyn_neutral(*this, q.data()));
+  check(dyn_configuration_neutral(*this, q.data()));
   return q;
 }
 
-dynParts Robot::forward_parts() const { return DYN_PART_KINEMATICS | DYN_PART_FORWARD | (has_mimic ? DYN_PART_FACTOR : 0); }
+dynParts Robot::forward_parts() const { return DYN_PART_KINEMATICS | DYN_PART_FORWARD | (has_mimic ? DYN_PART_CHOLESKY : 0); }
 
 Data::Data(const Robot& robot, dynParts parts, std::uint32_t effects) {
   dynData* data = nullptr;
@@ -122,32 +122,32 @@ const char* joint_type_name(dynJointType type) {
 
 const char* shape_type_name(dynShapeType type) {
   switch (type) {
-    case DYN_SHAPE_BOX: return "box";
-    case DYN_SHAPE_SPHERE: return "sphere";
-    case DYN_SHAPE_CYLINDER: return "cylinder";
-    case DYN_SHAPE_MESH: return "mesh";
-    case DYN_SHAPE_CAPSULE: return "capsule";
-    case DYN_SHAPE_CONE: return "cone";
-    case DYN_SHAPE_ELLIPSOID: return "ellipsoid";
-    case DYN_SHAPE_HALF_SPACE: return "half_space";
-    case DYN_SHAPE_CONVEX: return "convex";
-    case DYN_SHAPE_TRIANGLES: return "triangles";
-    case DYN_SHAPE_HEIGHT_FIELD: return "height_field";
+    case DYN_SHAPE_TYPE_BOX: return "box";
+    case DYN_SHAPE_TYPE_SPHERE: return "sphere";
+    case DYN_SHAPE_TYPE_CYLINDER: return "cylinder";
+    case DYN_SHAPE_TYPE_MESH: return "mesh";
+    case DYN_SHAPE_TYPE_CAPSULE: return "capsule";
+    case DYN_SHAPE_TYPE_CONE: return "cone";
+    case DYN_SHAPE_TYPE_ELLIPSOID: return "ellipsoid";
+    case DYN_SHAPE_TYPE_HALF_SPACE: return "half_space";
+    case DYN_SHAPE_TYPE_CONVEX: return "convex";
+    case DYN_SHAPE_TYPE_TRIANGLES: return "triangles";
+    case DYN_SHAPE_TYPE_HEIGHT_FIELD: return "height_field";
   }
   return "unknown";
 }
 
 const char* frame_type_name(dynFrameType type) {
   switch (type) {
-    case DYN_FRAME_OP_FRAME:
+    case DYN_FRAME_TYPE_OP_FRAME:
       return "OP_FRAME";
-    case DYN_FRAME_JOINT:
+    case DYN_FRAME_TYPE_JOINT:
       return "JOINT";
-    case DYN_FRAME_FIXED_JOINT:
+    case DYN_FRAME_TYPE_FIXED_JOINT:
       return "FIXED_JOINT";
-    case DYN_FRAME_BODY:
+    case DYN_FRAME_TYPE_BODY:
       return "BODY";
-    case DYN_FRAME_SENSOR:
+    case DYN_FRAME_TYPE_SENSOR:
       return "SENSOR";
   }
   return "unknown";

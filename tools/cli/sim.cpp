@@ -82,8 +82,8 @@ class Limits {
  public:
   explicit Limits(const Robot& robot)
       : robot_(robot),
-        lower_(dyn_model_array(robot, DYN_LOWER_LIMIT)),
-        upper_(dyn_model_array(robot, DYN_UPPER_LIMIT)),
+        lower_(dyn_model_array(robot, DYN_MODEL_ARRAY_LOWER_LIMIT)),
+        upper_(dyn_model_array(robot, DYN_MODEL_ARRAY_UPPER_LIMIT)),
         said_(robot.nq) {}
   void look(const double* q, double t, json& warnings) {
     for (int i = 0; i < robot_.nq; ++i) {
@@ -161,7 +161,7 @@ double error_estimate(const Robot& robot, const State& state, dynIntegrator inte
     progress.at(i);
   }
   double distance;
-  check(dyn_distance(robot, state_view(robot, fine, "q"), q_end, &distance));
+  check(dyn_configuration_distance(robot, state_view(robot, fine, "q"), q_end, &distance));
   return distance * std::exp2(order) / (std::exp2(order) - 1);
 }
 
@@ -321,7 +321,7 @@ void run(const Options& options) {
   answer["residual_max"] = residual_max;
   answer["unsolved"] = unsolved;
   answer["sleeping"] = sleeping;
-  answer["integrator"] = adaptive && integrator.id != DYN_RK45 ? "reference" : options.integrator;  // whose methods an accuracy takes
+  answer["integrator"] = adaptive && integrator.id != DYN_INTEGRATOR_RK45 ? "reference" : options.integrator;  // whose methods an accuracy takes
   answer["solver"] = rows_max > 0 ? options.solver : "none";
   answer["dt"] = adaptive ? options.duration / static_cast<double>(std::max(steps, 1LL)) : schedule.length(0);
   if (adaptive) answer["accuracy"] = options.accuracy;

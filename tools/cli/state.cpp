@@ -76,11 +76,11 @@ void from_json(const Robot& robot, const std::string& file, const std::string& k
     for (const auto& [name, given] : value.items()) {
       const std::string place = where + ", joint \"" + shown(name) + "\"";
       if (name.find('\0') != name.npos) fail(place + ": a name has no zero byte in it.");
-      const int id = dyn_joint_id(robot, name.c_str());
+      const int id = dyn_model_joint_id(robot, name.c_str());
       if (id < 0) fail(where + ": " + dyn_last_error());
       const dynJointInfo joint = robot.joint(id);
       if (joint.mimic_leader >= 0)
-        fail(place + " follows \"" + dyn_joint_name(robot, joint.mimic_leader) +
+        fail(place + " follows \"" + dyn_model_joint_name(robot, joint.mimic_leader) +
              "\" and has no numbers of its own: set that one.");
       const int first = is_q ? joint.idx_q : joint.idx_v, n = is_q ? joint.nq : joint.nv;
       const json list = given.is_array() ? given : json::array({given});
@@ -152,7 +152,7 @@ void check_lists(const StateOptions& options) {
 }
 
 State read_state(const Robot& robot, const StateOptions& options) {
-  State state{robot.neutral(), Vector(robot.nv), Vector(robot.nv), Vector(robot.nv), Vector(dyn_nu(robot))};
+  State state{robot.neutral(), Vector(robot.nv), Vector(robot.nv), Vector(robot.nv), Vector(dyn_model_nu(robot))};
   from_list(robot, "q", options.q, state.q);
   from_list(robot, "v", options.v, state.v);
   from_list(robot, "a", options.a, state.a);

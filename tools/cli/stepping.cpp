@@ -16,25 +16,25 @@ constexpr double max_steps = 1e9;
 // Lifts what flies freely until nothing is below the ground.
 void lift(const Robot& robot, Vector& q, json& warnings) {
   const Data data(robot, DYN_PART_COLLISION);
-  Vector distances(dyn_npairs(robot));
+  Vector distances(dyn_model_npairs(robot));
   check(dyn_distances(robot, data, q.data(), distances.data()));
   double lowest = HUGE_VAL;
-  const int ground = dyn_nshapes(robot) - 1;
-  for (int k = 0; k < dyn_npairs(robot); ++k) {
+  const int ground = dyn_model_nshapes(robot) - 1;
+  for (int k = 0; k < dyn_model_npairs(robot); ++k) {
     int a, b;
-    check(dyn_pair(robot, k, &a, &b, nullptr));
+    check(dyn_model_pair(robot, k, &a, &b, nullptr));
     if (a == ground || b == ground) lowest = std::min(lowest, distances[k]);
   }
   if (!(lowest < HUGE_VAL)) return;
   bool lifted = false;
   for (int j = 1; j < robot.njoints; ++j)
-    if (const dynJointInfo joint = robot.joint(j); joint.type == DYN_JOINT_FREE_FLYER && joint.parent == 0) q[joint.idx_q + 2] -= lowest, lifted = true;
+    if (const dynJointInfo joint = robot.joint(j); joint.type == DYN_JOINT_TYPE_FREE_FLYER && joint.parent == 0) q[joint.idx_q + 2] -= lowest, lifted = true;
   if (lifted) warnings.push_back("the robot starts on the ground: its free joint is moved by " + short_number(-lowest) + " m along z; --q says another place");
 }
 
 // Steps bring back a bounded share of it each, and so a motion that begins there goes by their length.
 void warn_beyond_limits(const Robot& robot, const Vector& q, json& warnings) {
-  const double *lower = dyn_model_array(robot, DYN_LOWER_LIMIT), *upper = dyn_model_array(robot, DYN_UPPER_LIMIT);
+  const double *lower = dyn_model_array(robot, DYN_MODEL_ARRAY_LOWER_LIMIT), *upper = dyn_model_array(robot, DYN_MODEL_ARRAY_UPPER_LIMIT);
   int farthest = -1;
   double most = 1e-9;
   for (int i = 0; i < robot.nq; ++i)
@@ -45,8 +45,8 @@ void warn_beyond_limits(const Robot& robot, const Vector& q, json& warnings) {
 }
 
 bool has_configuration(const Robot& robot, const std::string& name) {
-  for (int k = 0; k < dyn_nconfigurations(robot); ++k)
-    if (name == dyn_configuration_name(robot, k)) return true;
+  for (int k = 0; k < dyn_model_nconfigurations(robot); ++k)
+    if (name == dyn_model_configuration_name(robot, k)) return true;
   return false;
 }
 
@@ -103,8 +103,8 @@ State start_of(const Robot& robot, const SteppingOptions& options, json& warning
   State state = read_state(robot, options.state);
   const bool said = !options.state.file.empty() || !options.state.q.empty();
   if (said && !options.configuration.empty()) bad_usage("--configuration and --q or --state say two places to start in: keep one.");
-  if (!options.configuration.empty()) check(dyn_configuration(robot, options.configuration.c_str(), state.q.data()));
-  else if (!said && has_configuration(robot, "qpos0")) check(dyn_configuration(robot, "qpos0", state.q.data()));
+  if (!options.configuration.empty()) check(dyn_model_configuration(robot, options.configuration.c_str(), state.q.data()));
+  else if (!said && has_configuration(robot, "qpos0")) check(dyn_model_configuration(robot, "qpos0", state.q.data()));
   if (options.ground && !said && options.configuration.empty()) lift(robot, state.q, warnings);
   if (parse_effects(options.effects) & DYN_EFFECT_LIMITS) warn_beyond_limits(robot, state.q, warnings);
   if (!options.ctrl.empty()) {

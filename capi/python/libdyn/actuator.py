@@ -70,19 +70,19 @@ class ModelActuators:
 
     @property
     def nactuators(self) -> int:
-        return lib.dyn_nactuators(self._m)
+        return lib.dyn_model_nactuators(self._m)
 
     @property
     def nu(self) -> int:
         """Controls of all actuators."""
-        return lib.dyn_nu(self._m)
+        return lib.dyn_model_nu(self._m)
 
     @property
     def actuator_names(self) -> list[str]:
-        return [lib.dyn_actuator_name(self._m, k).decode() for k in range(self.nactuators)]
+        return [lib.dyn_model_actuator_name(self._m, k).decode() for k in range(self.nactuators)]
 
     def actuator_id(self, name: str) -> int:
-        id = lib.dyn_actuator_id(self._m, name.encode())
+        id = lib.dyn_model_actuator_id(self._m, name.encode())
         if id < 0:
             raise UnknownNameError(last_error())
         return id
@@ -91,7 +91,7 @@ class ModelActuators:
         """One of the model's, by name or number."""
         x = abi.Actuator()
         lib.dyn_actuator_init(byref(x), 0)
-        check(lib.dyn_actuator_info(self._m, self.actuator_id(actuator) if isinstance(actuator, str) else actuator, byref(x)))
+        check(lib.dyn_model_actuator_info(self._m, self.actuator_id(actuator) if isinstance(actuator, str) else actuator, byref(x)))
         return Actuator(
             ActuatorType(x.type), x.gear, x.kp, x.kv, x.gain, tuple(x.bias), x.time_constant,
             tuple(x.control_range), tuple(x.force_range), x.component, x.joint, x.idx_u, x.controls,

@@ -27,7 +27,7 @@ class Algorithm(NamedTuple):
 def _algorithms() -> dict[str, Algorithm]:
     rows, info = {}, abi.BatchInfo()
     for id in count():
-        if lib.dyn_batch_info(None, id, byref(info)):
+        if lib.dyn_algorithm_info(None, id, byref(info)):
             return rows
         inputs = sorted(info.inputs.decode().split(), key=lambda name: (name in OPTIONAL, name in ("reference", "integrator")))
         outputs = [info.output[k].decode() for k in range(info.outputs)]

@@ -59,7 +59,7 @@ class _Plan:
 
     def __init__(self, model: Model, algorithm: Algorithm):
         info = abi.BatchInfo()
-        check(lib.dyn_batch_info(model._m, algorithm.id, byref(info)))
+        check(lib.dyn_algorithm_info(model._m, algorithm.id, byref(info)))
         nv = (model.nv,)
         rows = {"q": (model.nq,), "q1": (model.nq,), "v": nv, "a": nv, "tau": nv, "b": nv, "fext": (model.njoints, 6)}
         self.id, self.q = algorithm.id, algorithm.inputs.index("q")

@@ -62,7 +62,7 @@ class Builder:
     def gravity(self, gravity: ArrayLike) -> Builder:
         """World axes, (3,), m/s^2; default (0, 0, -9.81)."""
         g = checked(gravity, (3,), "gravity")
-        check(lib.dyn_builder_gravity(self._b, address(g)))
+        check(lib.dyn_builder_set_gravity(self._b, address(g)))
         return self
 
     def joint(
@@ -106,7 +106,7 @@ class Builder:
         parts                        composite: its joints in order, dicts with type, placement, axis, axis2, pitch
         """
         spec, _keep = _joint(**{k: v for k, v in locals().items() if k != "self"})
-        check(lib.dyn_builder_joint(self._b, byref(spec)))
+        check(lib.dyn_builder_add_joint(self._b, byref(spec)))
         return self
 
     def body(
@@ -124,14 +124,14 @@ class Builder:
         i = checked(np.zeros((3, 3)) if inertia is None else inertia, (3, 3), "inertia")
         x = None if placement is None else twelve(placement)
         above = None if parent is None else text(parent, "parent")
-        check(lib.dyn_builder_body(self._b, text(name, "name"), above, address(x), mass, address(c), address(i)))
+        check(lib.dyn_builder_add_body(self._b, text(name, "name"), above, address(x), mass, address(c), address(i)))
         return self
 
     def frame(self, name: str, parent: str | None, placement: Any = None, type: str | FrameType = FrameType.OP_FRAME) -> Builder:
         """Adds a frame."""
         x = None if placement is None else twelve(placement)
         above = None if parent is None else text(parent, "parent")
-        check(lib.dyn_builder_frame(self._b, text(name, "name"), above, address(x), member(FrameType, type, "type")))
+        check(lib.dyn_builder_add_frame(self._b, text(name, "name"), above, address(x), member(FrameType, type, "type")))
         return self
 
     def shape(
@@ -170,53 +170,53 @@ class Builder:
         spec.size[: len(sizes)] = checked(sizes, (min(len(sizes), 3),), "size").tolist()
         if placement is not None:
             spec.placement[:] = twelve(placement).tolist()
-        check(lib.dyn_builder_shape(self._b, byref(spec)))
+        check(lib.dyn_builder_add_shape(self._b, byref(spec)))
         if colour is not None:
-            check(lib.dyn_builder_shape_rgba(self._b, address(colour)))
+            check(lib.dyn_builder_set_shape_rgba(self._b, address(colour)))
         return self
 
     def configuration(self, name: str, q: ArrayLike) -> Builder:
         """Names a configuration: q, (nq,), in the finished model's order."""
         a = np.ascontiguousarray(numbers(q, "q").reshape(-1))
-        check(lib.dyn_builder_configuration(self._b, text(name, "name"), address(a), a.size))
+        check(lib.dyn_builder_add_configuration(self._b, text(name, "name"), address(a), a.size))
         return self
 
     def constraint(self, name: str, constraint: Any) -> Builder:
         """Adds a constraint of dyn.constraint: its first and second are names of frames or joints."""
         names = [None if x is None else text(x, "name") for x in (constraint.first, constraint.second)]
-        check(lib.dyn_builder_constraint(self._b, text(name, "name"), byref(structure(constraint)), *names))
+        check(lib.dyn_builder_add_constraint(self._b, text(name, "name"), byref(structure(constraint)), *names))
         return self
 
     def constraint_slots(self, slots: int) -> Builder:
         """Spare slots that a data of the model has."""
-        check(lib.dyn_builder_constraint_slots(self._b, whole(slots, "slots")))
+        check(lib.dyn_builder_set_constraint_slots(self._b, whole(slots, "slots")))
         return self
 
     def contact_capacity(self, contacts: int) -> Builder:
         """For how many contact points a step has room, the deepest; 0: for what the shapes need."""
-        check(lib.dyn_builder_contact_capacity(self._b, whole(contacts, "contacts")))
+        check(lib.dyn_builder_set_contact_capacity(self._b, whole(contacts, "contacts")))
         return self
 
     def actuator(self, name: str, joint: str, actuator: Actuator | None = None, **values: Any) -> Builder:
         """Adds an actuator of a joint: a dyn.Actuator, or its values, as in actuator("hip", "hip_joint", type="position", kp=40, kv=1)."""
         spec = Actuator(**values) if actuator is None else actuator._replace(**values)
-        check(lib.dyn_builder_actuator(self._b, text(name, "name"), byref(spec.structure()), text(joint, "joint")))
+        check(lib.dyn_builder_add_actuator(self._b, text(name, "name"), byref(spec.structure()), text(joint, "joint")))
         return self
 
     def gravity_compensation(self, body: str, share: float = 1.0) -> Builder:
         """Holds a share of a link's weight from outside, in steps."""
-        check(lib.dyn_builder_gravity_compensation(self._b, text(body, "body"), share))
+        check(lib.dyn_builder_set_gravity_compensation(self._b, text(body, "body"), share))
         return self
 
     def medium(self, density: float = 0.0, viscosity: float = 0.0, wind: ArrayLike = (0.0, 0.0, 0.0)) -> Builder:
         """What the links move in, whose drag steps take: kg/m^3, Pa s, and its own velocity (3,), m/s."""
-        check(lib.dyn_builder_medium(self._b, density, viscosity, address(checked(wind, (3,), "wind"))))
+        check(lib.dyn_builder_set_medium(self._b, density, viscosity, address(checked(wind, (3,), "wind"))))
         return self
 
     def pair(self, shape1: str, shape2: str, material: Material | None = None) -> Builder:
         """Two collision shapes, by name, that are tested whatever the filter says; material: of their contacts, None: from the shapes'."""
         own = None if material is None else byref(material.structure())
-        check(lib.dyn_builder_pair(self._b, text(shape1, "shape1"), text(shape2, "shape2"), own))
+        check(lib.dyn_builder_add_pair(self._b, text(shape1, "shape1"), text(shape2, "shape2"), own))
         return self
 
     def lock(self, joints: str | Sequence[str], q: ArrayLike) -> Builder:
@@ -241,12 +241,12 @@ class Builder:
 
     def subtree(self, joint: str) -> Builder:
         """Keeps a joint and what it carries; the frame of its parent becomes the world."""
-        check(lib.dyn_builder_subtree(self._b, text(joint, "joint")))
+        check(lib.dyn_builder_keep_subtree(self._b, text(joint, "joint")))
         return self
 
     def remove(self, joint: str) -> Builder:
         """Takes away a joint and what it carries."""
-        check(lib.dyn_builder_remove(self._b, text(joint, "joint")))
+        check(lib.dyn_builder_remove_subtree(self._b, text(joint, "joint")))
         return self
 
     def finish(self) -> Model:

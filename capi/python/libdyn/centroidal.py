@@ -13,7 +13,7 @@ _centroidal_derivatives = lib.dyn_centroidal_derivatives
 _centroidal_map = lib.dyn_centroidal_map
 _centroidal_map_time_variation = lib.dyn_centroidal_map_time_variation
 _centroidal_momentum = lib.dyn_centroidal_momentum
-_centroidal_momentum_rate = lib.dyn_centroidal_momentum_rate
+_centroidal_momentum_rate = lib.dyn_centroidal_momentum_time_variation
 
 
 class Centroidal(NamedTuple):

@@ -73,7 +73,7 @@ def shape_distance(
     options = abi.DistanceOptions()
     lib.dyn_distance_options_init(byref(options))
     options.tolerance, options.method = tolerance, member(DistanceMethod, method, "method")
-    check(lib.dyn_shape_distance(byref(A), address(X_a), byref(B), address(X_b), byref(options), byref(out)))
+    check(lib.dyn_geometry_distance(byref(A), address(X_a), byref(B), address(X_b), byref(options), byref(out)))
     return _distance(out)
 
 

@@ -59,13 +59,13 @@ class Configurations:
     def distance(self, q0: ArrayLike, q1: ArrayLike) -> float:
         """Norm of difference(q0, q1)."""
         s, out = self._scratch, c_double()
-        check(lib.dyn_distance(self._m, s.q0(q0), s.q1(q1), byref(out)))
+        check(lib.dyn_configuration_distance(self._m, s.q0(q0), s.q1(q1), byref(out)))
         return out.value
 
     def neutral(self) -> np.ndarray:
         """The neutral configuration, (nq,)."""
         out, start = self._scratch.nq
-        check(lib.dyn_neutral(self._m, start))
+        check(lib.dyn_configuration_neutral(self._m, start))
         return out.copy()
 
     def random(self, seed: int | None = None, lower: ArrayLike | None = None, upper: ArrayLike | None = None) -> np.ndarray:
@@ -76,19 +76,19 @@ class Configurations:
             raise ArgumentError(f"seed is {seed}, but must be from 0 to 2^64 - 1.")
         s = self._scratch
         out, start = s.nq
-        check(lib.dyn_random(self._m, seed, s.lower(lower), s.upper(upper), start))
+        check(lib.dyn_configuration_random(self._m, seed, s.lower(lower), s.upper(upper), start))
         return out.copy()
 
     def normalize(self, q: ArrayLike) -> np.ndarray:
         """A copy of q, (nq,), with unit quaternions and (cos, sin) pairs."""
         q = np.array(self._named(q, "q") if isinstance(q, Mapping) else checked(q, (self.nq,), "q"))
-        check(lib.dyn_normalize(self._m, address(q)))
+        check(lib.dyn_configuration_normalize(self._m, address(q)))
         return q
 
     def is_normalized(self, q: ArrayLike, tolerance: float = 1e-9) -> bool:
         """Whether every quaternion and (cos, sin) pair has norm 1 within tolerance."""
         out = c_int()
-        check(lib.dyn_is_normalized(self._m, self._scratch.q(q), tolerance, byref(out)))
+        check(lib.dyn_configuration_is_normalized(self._m, self._scratch.q(q), tolerance, byref(out)))
         return bool(out.value)
 
     def integrate_jacobians(self, q: ArrayLike, v: ArrayLike) -> tuple[np.ndarray, np.ndarray]:

@@ -227,24 +227,24 @@ class ModelConstraints:
     @property
     def nconstraints(self) -> int:
         """The model's own constraints: they are in the first slots of a data."""
-        return lib.dyn_nconstraints(self._m)
+        return lib.dyn_model_nconstraints(self._m)
 
     @property
     def contact_capacity(self) -> int:
         """Contact points that a step has room for."""
-        return lib.dyn_contact_capacity(self._m)
+        return lib.dyn_model_contact_capacity(self._m)
 
     @property
     def nconstraint_slots(self) -> int:
         """nconstraints and the spare ones."""
-        return lib.dyn_nconstraint_slots(self._m)
+        return lib.dyn_model_nconstraint_slots(self._m)
 
     @property
     def constraint_names(self) -> list[str]:
-        return [lib.dyn_constraint_name(self._m, k).decode() for k in range(self.nconstraints)]
+        return [lib.dyn_model_constraint_name(self._m, k).decode() for k in range(self.nconstraints)]
 
     def constraint_id(self, name: str) -> int:
-        id = lib.dyn_constraint_id(self._m, name.encode())
+        id = lib.dyn_model_constraint_id(self._m, name.encode())
         if id < 0:
             raise UnknownNameError(last_error())
         return id
@@ -253,7 +253,7 @@ class ModelConstraints:
         """The fields of dynConstraint."""
         out = abi.Constraint()
         id = self.constraint_id(constraint) if isinstance(constraint, str) else constraint
-        check(lib.dyn_constraint_info(self._m, id, byref(out)))
+        check(lib.dyn_model_constraint_info(self._m, id, byref(out)))
         return out
 
 
@@ -280,12 +280,12 @@ class ConstraintCalls:
         """Puts a constraint into a slot, or empties it. Slots of the model's own constraints may be given by name."""
         find = lambda what, x: self.model._joint(x) if what == "joint" else self.model._frame(x)
         s = None if constraint is None else byref(structure(constraint, find))
-        check(lib.dyn_constraint_set(self._m, self._d, self._slot(slot), s))
+        check(lib.dyn_data_set_constraint(self._m, self._d, self._slot(slot), s))
 
     def get_constraint(self, slot: str | int) -> abi.Constraint:
         """What a slot holds: the fields of dynConstraint, of type NONE when it is empty."""
         out = abi.Constraint()
-        check(lib.dyn_constraint_get(self._m, self._d, self._slot(slot), byref(out)))
+        check(lib.dyn_data_constraint(self._m, self._d, self._slot(slot), byref(out)))
         return out
 
     def add_constraint(self, constraint: Constraint) -> int:
@@ -298,16 +298,16 @@ class ConstraintCalls:
 
     def enable_constraint(self, slot: str | int, enabled: bool = True) -> None:
         """Switches a slot on or off."""
-        check(lib.dyn_constraint_enable(self._m, self._d, self._slot(slot), bool(enabled)))
+        check(lib.dyn_data_set_constraint_enabled(self._m, self._d, self._slot(slot), bool(enabled)))
 
     def anchor_constraint(self, slot: str | int, q: Any = None) -> None:
         """Moves placement2 so that the constraint holds at q."""
-        check(lib.dyn_constraint_anchor(self._m, self._d, self._slot(slot), self._q(q)))
+        check(lib.dyn_data_anchor_constraint(self._m, self._d, self._slot(slot), self._q(q)))
 
     def constraint_rows(self, slot: str | int | None = None) -> slice:
         """Rows of a slot among those that are enabled, or of all."""
         first, rows = c_int(), c_int()
-        check(lib.dyn_constraint_rows(self._m, self._d, -1 if slot is None else self._slot(slot), byref(first), byref(rows)))
+        check(lib.dyn_data_constraint_rows(self._m, self._d, -1 if slot is None else self._slot(slot), byref(first), byref(rows)))
         return slice(first.value, first.value + rows.value)
 
     def _nrows(self) -> int:

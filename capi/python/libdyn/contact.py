@@ -110,7 +110,7 @@ def shape_contacts(
     A, B = _shape(a, "a"), _shape(b, "b")
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     out, count = (abi.Contact * _MOST)(), c_int()
-    check(lib.dyn_shape_contacts(byref(A), address(X_a), byref(B), address(X_b), margin, tolerance, out, byref(count)))
+    check(lib.dyn_geometry_contacts(byref(A), address(X_a), byref(B), address(X_b), margin, tolerance, out, byref(count)))
     return [to_contact(c) for c in out[: count.value]]
 
 
@@ -118,14 +118,14 @@ def shape_ray(shape: tuple, placement: Any, origin: ArrayLike, direction: ArrayL
     """Where the ray origin + t direction first meets a solid."""
     S, X = _shape(shape, "shape"), twelve(placement, "placement")
     o, d, out = checked(origin, (3,), "origin"), checked(direction, (3,), "direction"), abi.RayHit()
-    check(lib.dyn_shape_ray(byref(S), address(X), address(o), address(d), byref(out)))
+    check(lib.dyn_geometry_ray(byref(S), address(X), address(o), address(d), byref(out)))
     return None if out.shape < 0 else RayHit(out.t, np.array(out.position), np.array(out.normal))
 
 
 def shape_closest_point(shape: tuple, placement: Any, point: ArrayLike) -> ClosestPoint:
     """The point of a shape's surface that is closest to a point."""
     S, X, p, out = _shape(shape, "shape"), twelve(placement, "placement"), checked(point, (3,), "point"), abi.ClosestPoint()
-    check(lib.dyn_shape_closest_point(byref(S), address(X), address(p), byref(out)))
+    check(lib.dyn_geometry_closest_point(byref(S), address(X), address(p), byref(out)))
     return ClosestPoint(out.distance, np.array(out.point), np.array(out.normal), bool(out.unique))
 
 
@@ -144,7 +144,7 @@ def shape_sweep(
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     V_a, V_b = (None if v is None else checked(v, (6,), name) for v, name in ((motion_a, "motion_a"), (motion_b, "motion_b")))
     out = abi.Impact()
-    check(lib.dyn_shape_sweep(byref(A), address(X_a), address(V_a), byref(B), address(X_b), address(V_b), duration, margin, byref(out)))
+    check(lib.dyn_geometry_sweep(byref(A), address(X_a), address(V_a), byref(B), address(X_b), address(V_b), duration, margin, byref(out)))
     vectors = (np.array(x) for x in (out.normal, out.point_a, out.point_b))
     return Impact(SweepStatus(out.status), out.time, out.distance, *vectors)
 
@@ -185,10 +185,10 @@ class BroadPhase:
         a, b = checked(lower, (3,), "lower"), checked(upper, (3,), "upper")
         return self._ids(lambda out, n, count: lib.dyn_broad_phase_query(self._b, address(a), address(b), out, n, count))
 
-    def ray(self, origin: ArrayLike, direction: ArrayLike, far: float = np.inf) -> np.ndarray:
-        """Numbers of the boxes that the ray origin + t direction meets at a t from 0 to far, ascending."""
+    def ray(self, origin: ArrayLike, direction: ArrayLike, max_t: float = np.inf) -> np.ndarray:
+        """Numbers of the boxes that the ray origin + t direction meets at a t from 0 to max_t, ascending."""
         o, d = checked(origin, (3,), "origin"), checked(direction, (3,), "direction")
-        return self._ids(lambda out, n, count: lib.dyn_broad_phase_ray(self._b, address(o), address(d), far, out, n, count))
+        return self._ids(lambda out, n, count: lib.dyn_broad_phase_ray(self._b, address(o), address(d), max_t, out, n, count))
 
     def _ids(self, call: Any) -> np.ndarray:
         out, count = np.empty(self._capacity, np.int32), c_int()
@@ -224,7 +224,7 @@ class ContactQueries:
         return SmoothDistances(d, g, p)
 
     def rays(
-        self, origins: ArrayLike, directions: ArrayLike, q: Any = None, far: float = np.inf, mask: int = 0xFFFFFFFF
+        self, origins: ArrayLike, directions: ArrayLike, q: Any = None, max_t: float = np.inf, mask: int = 0xFFFFFFFF
     ) -> Rays:
         """What rays, (N, 3) each, hit first of the collision shapes in a group of mask."""
         o = np.ascontiguousarray(origins, np.float64)
@@ -234,7 +234,7 @@ class ContactQueries:
         t, shapes, normals = np.empty(n), np.empty(n, np.int32), np.empty((3, n), order="F")
         check(
             lib.dyn_rays(
-                self._m, self._d, self._q(q), address(o), address(d), n, far, mask, address(t), address(shapes), address(normals)
+                self._m, self._d, self._q(q), address(o), address(d), n, max_t, mask, address(t), address(shapes), address(normals)
             )
         )
         return Rays(t, shapes, normals.T)

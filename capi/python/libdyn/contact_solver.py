@@ -158,14 +158,14 @@ class ContactSolver:
         options.relaxation, options.newton, options.warm_start = relaxation, newton, warm_start is not None
         impulse = np.zeros(p.n) if warm_start is None else checked(warm_start, (p.n,), "warm_start").copy()
         velocity, report = np.zeros(p.n), abi.ContactReport()
-        check(lib.dyn_contact_solve(self._s, byref(p.c), byref(options), address(impulse), address(velocity), byref(report)))
+        check(lib.dyn_contact_solver_solve(self._s, byref(p.c), byref(options), address(impulse), address(velocity), byref(report)))
         return ContactSolution(impulse, velocity, _report(report))
 
     def residuals(self, G: ArrayLike, g: ArrayLike, impulse: ArrayLike, **problem: Any) -> ContactReport:
         """Residuals and energy of given impulses."""
         p, report = _Problem(G, g, **problem), abi.ContactReport()
         x = checked(impulse, (p.n,), "impulse")
-        check(lib.dyn_contact_residuals(self._s, byref(p.c), address(x), byref(report)))
+        check(lib.dyn_contact_solver_residuals(self._s, byref(p.c), address(x), byref(report)))
         return _report(report)
 
 
@@ -177,14 +177,14 @@ def contact_solve(G: ArrayLike, g: ArrayLike, **arguments: Any) -> ContactSoluti
 def friction_cone_qp(G: ArrayLike | None, g: ArrayLike, *, facets: int = 8, inscribed: bool = True, **problem: Any) -> ConeQp:
     """The problem as a quadratic program, cones as pyramids of so many facets (0: as second-order cones). G None: A, lower, upper alone count."""
     p, q = _Problem(G, g, **problem), abi.Qp()
-    check(lib.dyn_friction_cone_qp(byref(p.c), facets, inscribed, byref(q)))
+    check(lib.dyn_contact_problem_qp(byref(p.c), facets, inscribed, byref(q)))
     n, m, nH, nA = q.n, q.m, q.H_nonzeros, q.A_nonzeros
     integers = {"H_columns": n + 1, "H_rows": nH, "A_columns": n + 1, "A_rows": nA}
     floats = {"H": nH, "g": n, "A": nA, "lower": m, "upper": m}
     arrays = {k: np.zeros(s, np.int32) for k, s in integers.items()} | {k: np.zeros(s) for k, s in floats.items()}
     for name, a in arrays.items():
         setattr(q, name, address(a))
-    check(lib.dyn_friction_cone_qp(byref(p.c), facets, inscribed, byref(q)))
+    check(lib.dyn_contact_problem_qp(byref(p.c), facets, inscribed, byref(q)))
     H, A = ((arrays[x], arrays[f"{x}_rows"], arrays[f"{x}_columns"]) for x in "HA")
     return ConeQp(H, arrays["g"], A, arrays["lower"], arrays["upper"])
 

@@ -118,7 +118,7 @@ class StateLayout:
 
 
 def convert_state(model: Model, layout: StateLayout | str | Convention, towards: Direction, q: Any, v: Any, a: Any, tau: Any) -> State:
-    """dyn_convert_state: to_peer and from_peer of a model."""
+    """dyn_state_layout_convert: to_peer and from_peer of a model."""
     if not isinstance(layout, StateLayout):
         layout = StateLayout(layout)
     ours, theirs = (model.nq, model.nv), layout.sizes(model)
@@ -133,5 +133,5 @@ def convert_state(model: Model, layout: StateLayout | str | Convention, towards:
                 raise SizeError(f"{name} has shape {x.shape}, but must have shape ({n},).")
         given.append(x)
     out = [None if x is None else np.zeros(n) for x, n in zip(given, (nq_out, nv_out, nv_out, nv_out))]
-    check(lib.dyn_convert_state(model._m, byref(layout._layout), towards, *map(address, given), *map(address, out)))
+    check(lib.dyn_state_layout_convert(model._m, byref(layout._layout), towards, *map(address, given), *map(address, out)))
     return State(*out)

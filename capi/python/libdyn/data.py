@@ -130,8 +130,8 @@ class Data(
     def plan(self) -> dict[str, EffectPlan]:
         """What a step of this data takes into account, by name."""
         out, info = {}, abi.EffectInfo()
-        for k in range(lib.dyn_neffects()):
-            check(lib.dyn_effect_info(self._m, self._d, k, byref(info)))
+        for k in range(lib.dyn_effect_count()):
+            check(lib.dyn_data_effect_info(self._m, self._d, k, byref(info)))
             out[info.name.decode()] = EffectPlan(info.present, info.acting, info.bytes)
         return out
 
@@ -142,7 +142,7 @@ class Data(
 
     def warmup(self) -> None:
         """Touches what later calls would be the first to touch: no call waits for a page of memory. Once in each thread with a deadline."""
-        check(lib.dyn_warmup(self._m, self._d))
+        check(lib.dyn_data_warm_up(self._m, self._d))
 
     def effects(self, joint: str | int = 0) -> Effect:
         """Those that are on at a joint; without one, those that act at some joint."""

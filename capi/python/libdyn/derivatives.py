@@ -66,7 +66,7 @@ class Derivatives:
 
     def gravity_derivatives(self, q: Any = None) -> np.ndarray:
         """dg/dq, (nv, nv), on the tangent space."""
-        return self._result(lib.dyn_gravity_derivatives(self._m, self._d, self._q(q), None), ID["dg_dq"])
+        return self._result(lib.dyn_gravity_torque_derivatives(self._m, self._d, self._q(q), None), ID["dg_dq"])
 
     def static_torque_derivatives(self, q: Any = None, fext: ArrayLike | None = None) -> np.ndarray:
         """Derivative of static_torque by q, (nv, nv), on the tangent space; fext is constant in the joints' frames."""

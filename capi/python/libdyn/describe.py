@@ -112,32 +112,32 @@ class ModelParts:
 
     def joint_id(self, name: str) -> int:
         """Id of a joint; a name that does not exist is an error that lists near misses."""
-        found = lib.dyn_joint_id(self._m, text(name, "joint"))
+        found = lib.dyn_model_joint_id(self._m, text(name, "joint"))
         if found < 0:
             raise UnknownNameError(last_error())
         return found
 
     def joint_name(self, joint: int) -> str:
-        return string(lib.dyn_joint_name(self._m, self._index(joint, self.njoints, "joint")))
+        return string(lib.dyn_model_joint_name(self._m, self._index(joint, self.njoints, "joint")))
 
     def frame_id(self, name: str, type: str | FrameType | None = None) -> int:
         """Id of a frame. A link and a joint may share a name: joints and user frames come first, or give the type."""
         if type is None:
-            found = lib.dyn_frame_id(self._m, text(name, "frame"))
+            found = lib.dyn_model_frame_id(self._m, text(name, "frame"))
         else:
-            found = lib.dyn_frame_id_of_type(self._m, text(name, "frame"), member(FrameType, type, "type"))
+            found = lib.dyn_model_frame_id_of_type(self._m, text(name, "frame"), member(FrameType, type, "type"))
         if found < 0:
             raise UnknownNameError(last_error())
         return found
 
     def frame_name(self, frame: int) -> str:
-        return string(lib.dyn_frame_name(self._m, self._index(frame, self.nframes, "frame")))
+        return string(lib.dyn_model_frame_name(self._m, self._index(frame, self.nframes, "frame")))
 
     def joint(self, joint: int | str) -> JointInfo:
         """Description of a joint, by id or name."""
         id = self._joint(joint)
         info = abi.JointInfo()
-        check(lib.dyn_joint_info(self._m, id, byref(info)))
+        check(lib.dyn_model_joint_info(self._m, id, byref(info)))
         return JointInfo(
             id, string(info.name), kind(JointType, info.type), info.parent, info.idx_q, info.idx_v, info.nq, info.nv,
             info.mimic_leader, info.mimic_ratio, info.mimic_offset, np.array(info.axis), np.array(info.axis2), info.pitch,
@@ -148,7 +148,7 @@ class ModelParts:
         """Description of a frame, by id or name."""
         id = self._frame(frame)
         info = abi.FrameInfo()
-        check(lib.dyn_frame_info(self._m, id, byref(info)))
+        check(lib.dyn_model_frame_info(self._m, id, byref(info)))
         return FrameInfo(
             id, string(info.name), kind(FrameType, info.type), info.joint, to_placement(np.array(info.placement)), info.mass,
             np.array(info.com), np.array(info.inertia).reshape(3, 3, order="F"),
@@ -158,9 +158,9 @@ class ModelParts:
         """Description of a shape of the file."""
         id = self._index(shape, self.nshapes, "shape")
         info = abi.ShapeInfo()
-        check(lib.dyn_shape_info(self._m, id, byref(info)))
+        check(lib.dyn_model_shape_info(self._m, id, byref(info)))
         rgba = np.empty(4)
-        check(lib.dyn_shape_rgba(self._m, id, address(rgba)))
+        check(lib.dyn_model_shape_rgba(self._m, id, address(rgba)))
         return ShapeInfo(
             id, string(info.name), kind(ShapeType, info.type), kind(ShapeRole, info.role), info.frame,
             to_placement(np.array(info.placement)), np.array(info.size), string(info.mesh), info.radius, info.contype,
@@ -170,16 +170,16 @@ class ModelParts:
     def shape_mesh(self, shape: int) -> Mesh:
         """What a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD is made of, in the shape's frame."""
         out = c_void_p()
-        check(lib.dyn_shape_mesh(self._m, self._index(shape, self.nshapes, "shape"), byref(out)))
+        check(lib.dyn_model_shape_mesh(self._m, self._index(shape, self.nshapes, "shape"), byref(out)))
         return Mesh(out.value)
 
     @cached_property
     def disabled_pairs(self) -> tuple[DisabledPair, ...]:
         """Pairs of links that an SRDF takes out of collision tests."""
         out = []
-        for i in range(size(lib.dyn_ndisabled_pairs(self._m))):
+        for i in range(size(lib.dyn_model_ndisabled_pairs(self._m))):
             frame1, frame2, reason = c_int(), c_int(), c_char_p()
-            check(lib.dyn_disabled_pair(self._m, i, byref(frame1), byref(frame2), byref(reason)))
+            check(lib.dyn_model_disabled_pair(self._m, i, byref(frame1), byref(frame2), byref(reason)))
             out.append(DisabledPair(frame1.value, frame2.value, string(reason.value)))
         return tuple(out)
 
@@ -198,7 +198,7 @@ class ModelParts:
         """Pairs of collision shapes, by number: all but those of one body and of a body and its parent."""
         out, a, b, reason = [], c_int(), c_int(), c_int()
         for pair in range(self.npairs):
-            check(lib.dyn_pair(self._m, pair, byref(a), byref(b), byref(reason)))
+            check(lib.dyn_model_pair(self._m, pair, byref(a), byref(b), byref(reason)))
             out.append(Pair(a.value, b.value, PairReason(reason.value)))
         return tuple(out)
 
@@ -210,9 +210,9 @@ class ModelParts:
     def report(self) -> tuple[ReportEntry, ...]:
         """The load report: everything in the file that was not used, was replaced, or is worth knowing."""
         entries = []
-        for i in range(size(lib.dyn_report_count(self._m))):
+        for i in range(size(lib.dyn_model_report_count(self._m))):
             entry = abi.ReportEntry()
-            check(lib.dyn_report_entry(self._m, i, byref(entry)))
+            check(lib.dyn_model_report_entry(self._m, i, byref(entry)))
             entries.append(ReportEntry(kind(ReportLevel, entry.level), string(entry.message), entry.line))
         return tuple(entries)
 

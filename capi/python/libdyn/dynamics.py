@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 _aba = lib.dyn_aba
 _coriolis_matrix = lib.dyn_coriolis_matrix
 _crba = lib.dyn_crba
-_gravity = lib.dyn_gravity
-_minverse = lib.dyn_minverse
-_nonlinear_effects = lib.dyn_nonlinear_effects
+_gravity = lib.dyn_gravity_torque
+_minverse = lib.dyn_minv
+_nonlinear_effects = lib.dyn_nle
 _rnea = lib.dyn_rnea
 _static_torque = lib.dyn_static_torque
 
@@ -73,7 +73,7 @@ class Dynamics:
 
     def factorize(self) -> None:
         """Sparse factor of the current M: what solve needs."""
-        check(lib.dyn_factorize(self._m, self._d))
+        check(lib.dyn_cholesky(self._m, self._d))
 
     def solve(self, b: ArrayLike) -> np.ndarray:
         """x = M^-1 b for b (nv,) or (nv, n). Needs factorize."""
@@ -81,7 +81,7 @@ class Dynamics:
         many = b.shape if b.ndim == 2 else (self.model.nv,)
         b = checked(b, (self.model.nv, *many[1:]), "b")
         x = np.empty(b.shape, order="F")
-        check(lib.dyn_solve(self._m, self._d, address(b), b.shape[1] if b.ndim == 2 else 1, address(x)))
+        check(lib.dyn_cholesky_solve(self._m, self._d, address(b), b.shape[1] if b.ndim == 2 else 1, address(x)))
         return x
 
     def minverse(self, q: Any = None) -> np.ndarray:

@@ -42,25 +42,25 @@ class Fields:
         """time variation of J (6 x nv; m/s, 1/s; frame: world.) Computed by dyn_joint_jacobians_time_variation."""
     @property
     def com(self) -> np.ndarray:
-        """centre of mass (3 x 1; m; frame: world.) Computed by dyn_center_of_mass."""
+        """centre of mass (3 x 1; m; frame: world.) Computed by dyn_com."""
     @property
     def vcom(self) -> np.ndarray:
-        """velocity of the centre of mass (3 x 1; m/s; frame: world.) Computed by dyn_center_of_mass."""
+        """velocity of the centre of mass (3 x 1; m/s; frame: world.) Computed by dyn_com."""
     @property
     def acom(self) -> np.ndarray:
-        """acceleration of the centre of mass (3 x 1; m/s^2; frame: world.) Computed by dyn_center_of_mass."""
+        """acceleration of the centre of mass (3 x 1; m/s^2; frame: world.) Computed by dyn_com."""
     @property
     def Jcom(self) -> np.ndarray:
-        """Jacobian of the centre of mass (3 x nv; m; frame: world.) Computed by dyn_center_of_mass_jacobian."""
+        """Jacobian of the centre of mass (3 x nv; m; frame: world.) Computed by dyn_jcom."""
     @property
     def tau(self) -> np.ndarray:
         """inverse dynamics of q, v, a (nv x 1; N m, N; frame: joint.) Computed by dyn_rnea."""
     @property
     def nle(self) -> np.ndarray:
-        """Coriolis, centrifugal and gravity forces (nv x 1; N m, N; frame: joint.) Computed by dyn_nonlinear_effects."""
+        """Coriolis, centrifugal and gravity forces (nv x 1; N m, N; frame: joint.) Computed by dyn_nle."""
     @property
     def g(self) -> np.ndarray:
-        """gravity forces (nv x 1; N m, N; frame: joint.) Computed by dyn_gravity."""
+        """gravity forces (nv x 1; N m, N; frame: joint.) Computed by dyn_gravity_torque."""
     @property
     def static_torque(self) -> np.ndarray:
         """forces that hold q at rest (nv x 1; N m, N; frame: joint.) Computed by dyn_static_torque."""
@@ -72,7 +72,7 @@ class Fields:
         """joint-space inertia, full (nv x nv; kg m^2, kg; frame: joint.) Computed by dyn_crba."""
     @property
     def Minv(self) -> np.ndarray:
-        """inverse of M, full (nv x nv; 1/(kg m^2), 1/kg; frame: joint.) Computed by dyn_minverse."""
+        """inverse of M, full (nv x nv; 1/(kg m^2), 1/kg; frame: joint.) Computed by dyn_minv."""
     @property
     def coriolis(self) -> np.ndarray:
         """Coriolis matrix (nv x nv; N m s, N s; frame: joint.) Computed by dyn_coriolis_matrix."""
@@ -111,7 +111,7 @@ class Fields:
         """momentum about the centre of mass (6 x 1; kg m/s, kg m^2/s; frame: com, world axes.) Computed by dyn_centroidal_momentum."""
     @property
     def dhg(self) -> np.ndarray:
-        """time derivative of hg (6 x 1; N, N m; frame: com, world axes.) Computed by dyn_centroidal_momentum_rate."""
+        """time derivative of hg (6 x 1; N, N m; frame: com, world axes.) Computed by dyn_centroidal_momentum_time_variation."""
     @property
     def dh_dq(self) -> np.ndarray:
         """derivative of hg by q (6 x nv; kg m/s, kg m^2/s; frame: com, world axes.) Computed by dyn_centroidal_derivatives."""
@@ -135,13 +135,13 @@ class Fields:
         """regressor of the potential energy (nparameters x 1; J, by that of pi; frame: joint.) Computed by dyn_potential_energy_regressor."""
     @property
     def dg_dq(self) -> np.ndarray:
-        """derivative of g by q on the tangent space (nv x nv; N m/rad, N/m; frame: joint.) Computed by dyn_gravity_derivatives."""
+        """derivative of g by q on the tangent space (nv x nv; N m/rad, N/m; frame: joint.) Computed by dyn_gravity_torque_derivatives."""
     @property
     def dstatic_torque_dq(self) -> np.ndarray:
         """derivative of static_torque by q on the tangent space (nv x nv; N m/rad, N/m; frame: joint.) Computed by dyn_static_torque_derivatives."""
     @property
     def dvcom_dq(self) -> np.ndarray:
-        """derivative of vcom by q on the tangent space (3 x nv; 1/s, m/s; frame: world.) Computed by dyn_center_of_mass_velocity_derivatives."""
+        """derivative of vcom by q on the tangent space (3 x nv; 1/s, m/s; frame: world.) Computed by dyn_vcom_derivatives."""
     @property
     def lambda_d2tau_dqdq(self) -> np.ndarray:
         """second derivatives of lambda . tau by q and q (nv x nv; N m/rad^2, N/m^2; frame: joint.) Computed by dyn_rnea_second_order_product."""

@@ -26,7 +26,7 @@ class FieldInfo(NamedTuple):
 
 def _fields() -> dict[str, FieldInfo]:
     fields = {}
-    for id in range(lib.dyn_nfields()):
+    for id in range(lib.dyn_field_count()):
         info = abi.FieldInfo()
         check(lib.dyn_field_info(id, byref(info)))
         words = [(s or b"").decode() for s in (info.name, info.shape, info.unit, info.frame, info.producer, info.sentence)]

@@ -16,8 +16,8 @@ from .library import check, fail, lib
 _REFERENCES: dict[Any, int] = {key: int(r) for r in Reference for key in (r, r.name, r.name.lower())}
 
 # Bound once: an attribute of the CDLL costs a look-up in every call.
-_center_of_mass = lib.dyn_center_of_mass
-_center_of_mass_jacobian = lib.dyn_center_of_mass_jacobian
+_center_of_mass = lib.dyn_com
+_center_of_mass_jacobian = lib.dyn_jcom
 _forward_kinematics = lib.dyn_forward_kinematics
 _frame_acceleration = lib.dyn_frame_acceleration
 _frame_classical_acceleration = lib.dyn_frame_classical_acceleration
@@ -156,17 +156,17 @@ class Kinematics:
 
     def center_of_mass_velocity_derivatives(self, q: Any = None, v: Any = None) -> CenterOfMassVelocityDerivatives:
         """Derivatives (dvcom_dq, dvcom_dv) of vcom; the second is Jcom."""
-        check(lib.dyn_center_of_mass_velocity_derivatives(self._m, self._d, self._q(q), self._v(v), None, None))
+        check(lib.dyn_vcom_derivatives(self._m, self._d, self._q(q), self._v(v), None, None))
         return CenterOfMassVelocityDerivatives(self.dvcom_dq.copy("F"), self.Jcom.copy("F"))
 
     def subtree_center_of_mass(self, joint: int | str) -> tuple[np.ndarray, float]:
         """(com (3,), mass) of what a joint carries. Needs center_of_mass."""
         (com, start), mass = self._three, c_double()
-        check(lib.dyn_subtree_center_of_mass(self._m, self._d, self.model._joint(joint), start, byref(mass)))
+        check(lib.dyn_subtree_com(self._m, self._d, self.model._joint(joint), start, byref(mass)))
         return com.copy(), mass.value
 
     def subtree_center_of_mass_jacobian(self, joint: int | str) -> np.ndarray:
         """Jacobian of that point, (3, nv). Needs center_of_mass."""
         out, start = self._three_nv
-        check(lib.dyn_subtree_center_of_mass_jacobian(self._m, self._d, self.model._joint(joint), start))
+        check(lib.dyn_subtree_jcom(self._m, self._d, self.model._joint(joint), start))
         return out.copy("F")

@@ -109,7 +109,7 @@ class Mesh:
             raise SizeError(f"heights must have shape (rows, columns) and step be one or two numbers, but their shapes are {h.shape} and {steps.shape}.")
         x, y = np.broadcast_to(steps, 2).tolist()
         out = c_void_p()
-        check(lib.dyn_mesh_height_field(address(h), h.shape[1], h.shape[0], x, y, float(bottom), byref(out)))
+        check(lib.dyn_mesh_from_height_field(address(h), h.shape[1], h.shape[0], x, y, float(bottom), byref(out)))
         return cls(out.value)
 
     def __repr__(self) -> str:
@@ -129,7 +129,7 @@ class Mesh:
     def colours(self) -> np.ndarray:
         """(m, 3): red, green, blue of each triangle, 0 to 1, by the file's materials and colours of vertices; NaN where it says nothing."""
         rgb = np.empty((len(self.triangles), 3))
-        check(lib.dyn_mesh_colours(self._owner.address, address(rgb)))
+        check(lib.dyn_mesh_rgb(self._owner.address, address(rgb)))
         rgb[rgb < 0] = np.nan
         return rgb
 

@@ -40,18 +40,18 @@ class Model(ModelParts, Configurations, ModelConstraints, ModelActuators, Saving
     def __init__(self, handle: int, buffer: Any = None):
         self._owner = Owner(handle, lib.dyn_model_free, buffer)
         self._m = handle
-        self.nq: int = size(lib.dyn_nq(handle))
+        self.nq: int = size(lib.dyn_model_nq(handle))
         """Size of q."""
-        self.nv: int = size(lib.dyn_nv(handle))
+        self.nv: int = size(lib.dyn_model_nv(handle))
         """Size of v, a and tau."""
-        self.njoints: int = size(lib.dyn_njoints(handle))
+        self.njoints: int = size(lib.dyn_model_njoints(handle))
         """Joints that move, and the universe (joint 0)."""
-        self.nframes: int = size(lib.dyn_nframes(handle))
+        self.nframes: int = size(lib.dyn_model_nframes(handle))
         """Frames; frame 0 is the universe."""
-        self.nbodies: int = size(lib.dyn_nbodies(handle))
+        self.nbodies: int = size(lib.dyn_model_nbodies(handle))
         """Links, the universe not counted."""
-        self.nshapes: int = size(lib.dyn_nshapes(handle))
-        self.npairs: int = size(lib.dyn_npairs(handle))
+        self.nshapes: int = size(lib.dyn_model_nshapes(handle))
+        self.npairs: int = size(lib.dyn_model_npairs(handle))
         self.name: str = string(lib.dyn_model_name(handle))
         self._frame_ids: dict[str, int] = {}
         self._scratch = Scratch(weakref.ref(self), self.nq, self.nv)
@@ -77,7 +77,7 @@ class Model(ModelParts, Configurations, ModelConstraints, ModelActuators, Saving
     @property
     def total_mass(self) -> float:
         """kg."""
-        return lib.dyn_total_mass(self._m)
+        return lib.dyn_model_total_mass(self._m)
 
     # ------------------------------------------------------------------------------------------- numbers of the model
 
@@ -144,13 +144,13 @@ class Model(ModelParts, Configurations, ModelConstraints, ModelActuators, Saving
     @property
     def configuration_names(self) -> tuple[str, ...]:
         """Names of the stored configurations; the first is "neutral"."""
-        count = size(lib.dyn_nconfigurations(self._m))
-        return tuple(string(lib.dyn_configuration_name(self._m, i)) for i in range(count))
+        count = size(lib.dyn_model_nconfigurations(self._m))
+        return tuple(string(lib.dyn_model_configuration_name(self._m, i)) for i in range(count))
 
     def configuration(self, name: str) -> np.ndarray:
         """A named configuration: q, (nq,)."""
         q = np.empty(self.nq)
-        check(lib.dyn_configuration(self._m, text(name, "name"), address(q)))
+        check(lib.dyn_model_configuration(self._m, text(name, "name"), address(q)))
         return q
 
     @property
@@ -165,7 +165,7 @@ class Model(ModelParts, Configurations, ModelConstraints, ModelActuators, Saving
         encoded = [text(n, "name") for n in names]
         idx_q, idx_v = np.empty(len(encoded), np.int32), np.empty(len(encoded), np.int32)
         pointers = (c_char_p * len(encoded))(*encoded)
-        check(lib.dyn_q_permutation(self._m, pointers, len(encoded), address(idx_q), address(idx_v)))
+        check(lib.dyn_model_q_permutation(self._m, pointers, len(encoded), address(idx_q), address(idx_v)))
         return idx_q, idx_v
 
     # ------------------------------------------------------------------------------------------- states
@@ -231,5 +231,5 @@ class Model(ModelParts, Configurations, ModelConstraints, ModelActuators, Saving
     def inertial_parameters(self) -> np.ndarray:
         """pi of all joints' bodies, (10 (njoints - 1),): ten a body, [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] in the joint's frame."""
         pi = np.empty(10 * (self.njoints - 1))
-        check(lib.dyn_inertial_parameters(self._m, address(pi)))
+        check(lib.dyn_model_inertial_parameters(self._m, address(pi)))
         return pi

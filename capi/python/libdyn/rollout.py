@@ -176,7 +176,7 @@ class Rollouts:
         """
         model = self.model
         given = {name: None if x is None else numbers(x, name) for name, x in (("q0", q0), ("v0", v0), ("control", control), ("tau", tau))}
-        size = lib.dyn_state_size(model._m)
+        size = lib.dyn_model_state_size(model._m)
         if states is not None and (
             not isinstance(states, np.ndarray) or states.dtype != np.uint8 or states.ndim != 2 or states.shape[1] != size
         ):

@@ -183,7 +183,7 @@ class Stepping:
         room, count = 64, c_int()
         while True:
             out = (abi.ContactForce * room)()
-            check(lib.dyn_step_contacts(self._m, self._d, out, room, byref(count)))
+            check(lib.dyn_data_step_contacts(self._m, self._d, out, room, byref(count)))
             if count.value <= room:
                 return [
                     ContactForce(to_contact(f.contact), np.array(f.force_on_b), np.array(f.moment_on_b)) for f in out[: count.value]
@@ -192,14 +192,14 @@ class Stepping:
 
     def save(self) -> bytes:
         """The state: q, v, a, tau, the time, and the contacts that the next step begins from."""
-        n = lib.dyn_state_size(self._m)
+        n = lib.dyn_model_state_size(self._m)
         out = create_string_buffer(n)
-        check(lib.dyn_state_save(self._m, self._d, out, n))
+        check(lib.dyn_data_save_state(self._m, self._d, out, n))
         return out.raw
 
     def restore(self, state: bytes) -> None:
         """Brings back a state of the same model that save gave: steps go on from it bit for bit."""
-        check(lib.dyn_state_restore(self._m, self._d, bytes(state), len(state)))
+        check(lib.dyn_data_restore_state(self._m, self._d, bytes(state), len(state)))
 
     def set_shape_material(self, shape: int | None, material: Material) -> None:
         """What happens where a collision shape (None: any) touches, in this data."""

@@ -35,7 +35,7 @@ def test_number_of_arguments():
     "enum, prefix, skip",
     [
         (enums.Status, "DYN_", "DYN_ERROR_|DYN_OK"),
-        (enums.Reference, "DYN_", "DYN_LOCAL|DYN_WORLD"),
+        (enums.Reference, "DYN_", "DYN_REFERENCE_LOCAL|DYN_REFERENCE_WORLD"),
         (enums.JointType, "DYN_JOINT_", None),
         (enums.FrameType, "DYN_FRAME_", None),
         (enums.ReportLevel, "DYN_REPORT_", None),

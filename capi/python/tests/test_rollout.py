@@ -153,7 +153,7 @@ def test_refusals(scene, task):
         ("nobody", dyn.UnknownNameError, lambda: rollout(m, steps=1, sensors={"x": ("imu", "nobody")})),
         ("contacts is -1", dyn.ArgumentError, lambda: rollout(m, steps=1, contacts=-1)),
         ("states must be", dyn.SizeError, lambda: rollout(m, steps=1, states=np.zeros((1, 3), np.uint8))),
-        ("holds no state", dyn.ArgumentError, lambda: rollout(m, steps=1, states=np.zeros((1, dyn.library.lib.dyn_state_size(m._m)), np.uint8))),
+        ("holds no state", dyn.ArgumentError, lambda: rollout(m, steps=1, states=np.zeros((1, dyn.library.lib.dyn_model_state_size(m._m)), np.uint8))),
         ("engine is 'gpu'", dyn.ArgumentError, lambda: rollout(m, steps=1, engine="gpu")),
         ("dt", dyn.ArgumentError, lambda: rollout(m, steps=1, dt=-1)),
         ("tolerance is 'x'", dyn.ArgumentError, lambda: rollout(m, steps=1, tolerance="x")),

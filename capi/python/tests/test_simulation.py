@@ -122,7 +122,7 @@ def test_states_are_kept():
     assert d.time == pytest.approx(0.3)
     d.advance(0.2)
     assert np.array_equal(d.q, end)
-    with pytest.raises(dyn.SizeError, match="dyn_state_size"):
+    with pytest.raises(dyn.SizeError, match="dyn_model_state_size"):
         d.restore(kept[:-1])
 
 

@@ -45,7 +45,7 @@ Error error_of(const json& x) { return {x.at("m"), x.at("rad"), x.at("J"), x.at(
 
 json point_json(const Point& p) {
   const bool good = p.failure.empty();
-  json out = {{"integrator", p.setting.accuracy > 0 && p.setting.integrator.id != DYN_RK45 ? "reference" : p.setting.integrator.name}, {"solver", solvers[p.setting.solver].name},
+  json out = {{"integrator", p.setting.accuracy > 0 && p.setting.integrator.id != DYN_INTEGRATOR_RK45 ? "reference" : p.setting.integrator.name}, {"solver", solvers[p.setting.solver].name},
               {"dt", p.setting.accuracy > 0 ? json(nullptr) : json(p.setting.dt)}, {"accuracy", p.setting.accuracy > 0 ? json(p.setting.accuracy) : json(nullptr)},
               {"tolerance", p.setting.tolerance}, {"error", good ? json(p.error.m) : json(nullptr)}, {"errors", good ? error_json(p.error) : json(nullptr)}, {"wall_s", p.wall_s},
               {"instructions", nullptr}, {"evaluations", p.evaluations}, {"steps", p.steps}, {"penetration", p.penetration}, {"residual", p.residual}, {"pareto", p.pareto}, {"failed", !good}};
@@ -55,14 +55,14 @@ json point_json(const Point& p) {
 
 // dt of an adaptive run: the time between its samples, which the steps end at.
 std::string sim_options(const Point& p, double duration, bool contact) {
-  std::string out = p.setting.accuracy > 0 ? "--accuracy " + short_number(p.setting.accuracy) + " --dt " + short_number(duration / (accuracy::samples * p.setting.parts), 17) + (p.setting.integrator.id == DYN_RK45 ? " --integrator rk45" : "")
+  std::string out = p.setting.accuracy > 0 ? "--accuracy " + short_number(p.setting.accuracy) + " --dt " + short_number(duration / (accuracy::samples * p.setting.parts), 17) + (p.setting.integrator.id == DYN_INTEGRATOR_RK45 ? " --integrator rk45" : "")
                                            : "--integrator " + std::string(p.setting.integrator.name) + " --dt " + short_number(p.setting.dt);
   if (contact) out += " --solver " + std::string(solvers[p.setting.solver].name) + " --tolerance " + short_number(p.setting.tolerance);
   return out;
 }
 
 std::string in_c(const Point& p) {
-  static constexpr const char* names[] = {"DYN_SEMI_IMPLICIT_EULER", "DYN_RK4", "DYN_IMPLICIT_FAST", "DYN_IMPLICIT_MIDPOINT", "DYN_RK45", "DYN_REFERENCE"};
+  static constexpr const char* names[] = {"DYN_INTEGRATOR_SEMI_IMPLICIT_EULER", "DYN_INTEGRATOR_RK4", "DYN_INTEGRATOR_IMPLICIT_FAST", "DYN_INTEGRATOR_IMPLICIT_MIDPOINT", "DYN_INTEGRATOR_RK45", "DYN_INTEGRATOR_REFERENCE"};
   return std::string("options.integrator = ") + names[p.setting.integrator.id] + "; " +
          (p.setting.accuracy > 0 ? "options.accuracy = " + short_number(p.setting.accuracy) : "options.dt = " + short_number(p.setting.dt)) + "; dyn_data_set_step_options(model, data, &options);" +
          (p.setting.accuracy > 0 ? " dyn_advance(model, data, duration);" : " dyn_step(model, data);");
@@ -274,7 +274,7 @@ void run(const Options& options, const std::vector<std::string>& words) {
   if (std::all_of(points.begin(), points.end(), [](const Point& p) { return !p.failure.empty(); }))
     warnings.push_back("no setting gave a result within the budget of " + options.budget + ": give it more time, or a shorter --duration");
   std::string distances;
-  if (dyn_npairs(robot) > 0 && budget.left() > 0) {
+  if (dyn_model_npairs(robot) > 0 && budget.left() > 0) {
     std::vector<Vector> states;
     for (const Sample& s : reference.run.samples) states.push_back(s.q);
     const auto sweep = distance_sweep(robot, states, 3);

@@ -34,20 +34,20 @@ struct Shapes {
   std::vector<dynGeometry> geometry;
   std::vector<Mesh> meshes;
 
-  explicit Shapes(const Robot& robot) : info(std::size_t(dyn_nshapes(robot))), geometry(info.size()) {
+  explicit Shapes(const Robot& robot) : info(std::size_t(dyn_model_nshapes(robot))), geometry(info.size()) {
     for (std::size_t k = 0; k < info.size(); ++k) {
       dynShapeInfo& s = info[k];
       dynGeometry& g = geometry[k];
       s.struct_size = sizeof s;
-      check(dyn_shape_info(robot, int(k), &s));
+      check(dyn_model_shape_info(robot, int(k), &s));
       dyn_geometry_init(&g);
       g.type = s.type, g.radius = s.radius;
-      if (s.type != DYN_SHAPE_CONVEX && s.type != DYN_SHAPE_TRIANGLES && s.type != DYN_SHAPE_HEIGHT_FIELD) {
+      if (s.type != DYN_SHAPE_TYPE_CONVEX && s.type != DYN_SHAPE_TYPE_TRIANGLES && s.type != DYN_SHAPE_TYPE_HEIGHT_FIELD) {
         std::copy(s.size, s.size + 3, g.size);
         continue;
       }
       dynMesh* mesh = nullptr;
-      check(dyn_shape_mesh(robot, int(k), &mesh));
+      check(dyn_model_shape_mesh(robot, int(k), &mesh));
       meshes.emplace_back(mesh);
       g.surface = mesh;
     }
@@ -68,7 +68,7 @@ std::map<std::string, Queries> queries_by_kind(const Robot& robot, const Shapes&
     }
     for (const int pair : pairs) {
       int first, second;
-      check(dyn_pair(robot, pair, &first, &second, nullptr));
+      check(dyn_model_pair(robot, pair, &first, &second, nullptr));
       const std::size_t a = std::size_t(first), b = std::size_t(second);
       const auto [low, high] = std::minmax<std::string>(shape_type_name(shapes.info[a].type), shape_type_name(shapes.info[b].type));
       out[low + "-" + high].push_back({&shapes.geometry[a], &shapes.geometry[b], X[a], X[b]});
@@ -78,7 +78,7 @@ std::map<std::string, Queries> queries_by_kind(const Robot& robot, const Shapes&
 }
 
 bool ask(const Query& x, const dynDistanceOptions& options, dynDistance& out) {
-  return dyn_shape_distance(x.a, x.A.data(), x.b, x.B.data(), &options, &out) == DYN_OK && out.status != DYN_DISTANCE_FAILED && !std::isnan(out.distance);
+  return dyn_geometry_distance(x.a, x.A.data(), x.b, x.B.data(), &options, &out) == DYN_OK && out.status != DYN_DISTANCE_STATUS_FAILED && !std::isnan(out.distance);
 }
 
 double median(Vector x) {
@@ -132,12 +132,12 @@ std::vector<dynDistanceOptions> settings(const Query& any) {
   std::vector<dynDistanceOptions> out;
   dynDistance d{};
   d.struct_size = sizeof d;
-  for (const dynDistanceMethod method : {DYN_METHOD_GJK, DYN_METHOD_CCD})
+  for (const dynDistanceMethod method : {DYN_DISTANCE_METHOD_GJK, DYN_DISTANCE_METHOD_CCD})
     for (int digits = 2; digits <= 12; ++digits) {
       dynDistanceOptions o;
       dyn_distance_options_init(&o);
       o.method = method, o.tolerance = std::pow(10.0, -digits);
-      if (dyn_shape_distance(any.a, any.A.data(), any.b, any.B.data(), &o, &d) != DYN_ERROR_UNSUPPORTED) out.push_back(o);
+      if (dyn_geometry_distance(any.a, any.A.data(), any.b, any.B.data(), &o, &d) != DYN_ERROR_UNSUPPORTED) out.push_back(o);
     }
   return out;
 }
@@ -150,7 +150,7 @@ std::vector<Trial> trials(const Queries& queries, int runs) {
   for (const Query& x : queries) {
     dynDistance d{};
     d.struct_size = sizeof d;
-    check(dyn_shape_distance(x.a, x.A.data(), x.b, x.B.data(), &reference, &d));
+    check(dyn_geometry_distance(x.a, x.A.data(), x.b, x.B.data(), &reference, &d));
     exact.push_back(d.distance);
   }
   std::vector<Trial> out;
@@ -181,7 +181,7 @@ std::vector<DistanceCost> distance_sweep(const Robot& robot, const std::vector<V
 json sweep_json(const std::vector<DistanceCost>& sweep) {
   json out = json::array();
   for (const DistanceCost& c : sweep)
-    out.push_back({{"kind", c.kind}, {"method", c.method == DYN_METHOD_CCD ? "ccd" : "gjk"}, {"tolerance", c.tolerance}, {"max_error", c.max_error},
+    out.push_back({{"kind", c.kind}, {"method", c.method == DYN_DISTANCE_METHOD_CCD ? "ccd" : "gjk"}, {"tolerance", c.tolerance}, {"max_error", c.max_error},
                    {"median_error", c.median_error}, {"wall_s", c.wall_s}, {"queries", c.queries}, {"failed", c.failed}, {"by_method", c.by_method}});
   return out;
 }
@@ -190,7 +190,7 @@ std::string sweep_text(const std::vector<DistanceCost>& sweep) {
   std::vector<std::vector<std::string>> rows = {{"pairs", "method", "tolerance", "largest error m", "median m", "ns a query", "failed", "by method"}};
   for (const DistanceCost& c : sweep)
     if (c.by_method > 0)
-      rows.push_back({c.kind, c.method == DYN_METHOD_CCD ? "ccd" : "gjk", short_number(c.tolerance, 2), short_number(c.max_error, 2), short_number(c.median_error, 2),
+      rows.push_back({c.kind, c.method == DYN_DISTANCE_METHOD_CCD ? "ccd" : "gjk", short_number(c.tolerance, 2), short_number(c.max_error, 2), short_number(c.median_error, 2),
                       short_number(std::round(c.wall_s * 1e9)), std::to_string(c.failed), std::to_string(c.by_method) + " of " + std::to_string(c.queries)});
   return table(rows);
 }

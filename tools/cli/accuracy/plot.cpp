@@ -10,7 +10,7 @@ namespace {
 
 constexpr double min_error = 1e-16;
 
-std::string method_of(const Point& p) { return p.setting.accuracy > 0 ? std::string(p.setting.integrator.id == DYN_RK45 ? "rk45" : "reference") + ", by accuracy" : p.setting.integrator.name; }
+std::string method_of(const Point& p) { return p.setting.accuracy > 0 ? std::string(p.setting.integrator.id == DYN_INTEGRATOR_RK45 ? "rk45" : "reference") + ", by accuracy" : p.setting.integrator.name; }
 
 double log_error(const Point& p) { return std::log10(std::max(p.error.m, min_error)); }
 double log_work(const Point& p, Work w) { return std::log10(w == Work::Seconds ? std::max(p.wall_s, 1e-9) : static_cast<double>(std::max(p.evaluations, 1LL))); }

@@ -14,7 +14,7 @@ struct Setting {
   Integrator integrator;
   double dt = 0;        // steps of this
   double accuracy = 0;  // or steps that their own error chooses
-  dynContactSolverType solver = DYN_CONTACT_ADMM;
+  dynContactSolverType solver = DYN_CONTACT_SOLVER_TYPE_ADMM;
   double tolerance = 1e-9;
   int parts = 1;  // calls in which a sample is reached
 };

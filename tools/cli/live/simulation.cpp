@@ -57,7 +57,7 @@ void Simulation::push(const json& command) {
   for (std::size_t i = 0; i < 3; ++i) point[i] = command.at("point").at(i).get<double>(), wrench[i] = command.at("force").at(i).get<double>();
   check(dyn_data_clear_wrenches(robot_, *data_));
   if (wrench[0] != 0 || wrench[1] != 0 || wrench[2] != 0)
-    check(dyn_data_apply_wrench(robot_, *data_, command.at("frame").get<int>(), point, wrench, DYN_LOCAL_WORLD_ALIGNED));
+    check(dyn_data_apply_wrench(robot_, *data_, command.at("frame").get<int>(), point, wrench, DYN_REFERENCE_LOCAL_WORLD_ALIGNED));
 }
 
 std::string Simulation::obey(const json& command) {
@@ -102,9 +102,9 @@ std::vector<float> Simulation::state() const {
   Vector positions, turns, com;
   poses_.poses(q, positions, turns, com);
   int count = 0;
-  check(dyn_step_contacts(robot_, *data_, nullptr, 0, &count));
+  check(dyn_data_step_contacts(robot_, *data_, nullptr, 0, &count));
   std::vector<dynContactForce> contacts(static_cast<std::size_t>(count));
-  check(dyn_step_contacts(robot_, *data_, contacts.data(), count, &count));
+  check(dyn_data_step_contacts(robot_, *data_, contacts.data(), count, &count));
 
   std::vector<float> out;
   const auto put = [&](const auto&... x) { (out.push_back(static_cast<float>(x)), ...); };

@@ -41,10 +41,10 @@ json chain_json(const Robot& robot, const dynJointInfo& joint) {
   const Data data(robot, DYN_PART_KINEMATICS);
   const auto world = [&](int id) {
     Placement X;
-    check(dyn_frame_placement(robot, data, dyn_frame_id_of_type(robot, robot.joint(id).name, DYN_FRAME_JOINT), X.data()));
+    check(dyn_frame_placement(robot, data, dyn_model_frame_id_of_type(robot, robot.joint(id).name, DYN_FRAME_TYPE_JOINT), X.data()));
     return X;
   };
-  const int id = dyn_joint_id(robot, joint.name);
+  const int id = dyn_model_joint_id(robot, joint.name);
   const auto from_parent = [&](const Vector& q) {
     check(dyn_forward_kinematics(robot, data, q.data(), nullptr, nullptr));
     return joint.parent ? between(world(joint.parent), world(id)) : world(id);

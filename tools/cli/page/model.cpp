@@ -15,7 +15,7 @@ constexpr std::size_t mesh_bytes = 650'000;  // of all meshes of a page
 dynShapeInfo shape(const Robot& robot, int k) {
   dynShapeInfo s{};
   s.struct_size = sizeof s;
-  check(dyn_shape_info(robot, k, &s));
+  check(dyn_model_shape_info(robot, k, &s));
   return s;
 }
 
@@ -27,14 +27,14 @@ class Meshes {
   }
   // Its index, or -1 for a shape that has none.
   int add(int k, const dynShapeInfo& s, json& notes) {
-    std::string key = s.type == DYN_SHAPE_MESH ? s.mesh : "shape " + std::to_string(k);
+    std::string key = s.type == DYN_SHAPE_TYPE_MESH ? s.mesh : "shape " + std::to_string(k);
     for (const double x : s.size) key += " " + short_number(x);
     if (const auto found = known_.find(key); found != known_.end()) return found->second;
     dynMesh* made = nullptr;
-    const dynStatus status = s.type == DYN_SHAPE_MESH ? load(s, &made) : dyn_shape_mesh(robot_, k, &made);
+    const dynStatus status = s.type == DYN_SHAPE_TYPE_MESH ? load(s, &made) : dyn_model_shape_mesh(robot_, k, &made);
     const std::unique_ptr<dynMesh, Deleter<dyn_mesh_free>> owner(made);
     if (status != DYN_OK) {
-      notes.push_back("link " + std::string(dyn_frame_name(robot_, s.frame)) + " is not drawn with its mesh: " + dyn_last_error());
+      notes.push_back("link " + std::string(dyn_model_frame_name(robot_, s.frame)) + " is not drawn with its mesh: " + dyn_last_error());
       return known_[key] = -1;
     }
     surfaces_.push_back(surface_of(made));
@@ -71,16 +71,16 @@ json joint_json(const Robot& robot, int id) {
   json out = {{"name", j.name}, {"type", id == 0 ? "universe" : joint_type_name(j.type)}, {"parent", j.parent}, {"placement", vector_json(j.placement, 12)}, {"axis", vector_json(j.axis, 3)}, {"axis2", vector_json(j.axis2, 3)},
               {"pitch", j.pitch}, {"q", j.idx_q}, {"nq", j.nq}, {"v", j.idx_v}, {"nv", j.nv}};
   if (j.mimic_leader >= 0) out["mimic"] = {{"leader", j.mimic_leader}, {"ratio", j.mimic_ratio}, {"offset", j.mimic_offset}};
-  if (j.type == DYN_JOINT_COMPOSITE && j.mimic_leader < 0) out["chain"] = chain_json(robot, j);
-  out["lower"] = vector_json(dyn_model_array(robot, DYN_LOWER_LIMIT) + j.idx_q, j.nq);
-  out["upper"] = vector_json(dyn_model_array(robot, DYN_UPPER_LIMIT) + j.idx_q, j.nq);
+  if (j.type == DYN_JOINT_TYPE_COMPOSITE && j.mimic_leader < 0) out["chain"] = chain_json(robot, j);
+  out["lower"] = vector_json(dyn_model_array(robot, DYN_MODEL_ARRAY_LOWER_LIMIT) + j.idx_q, j.nq);
+  out["upper"] = vector_json(dyn_model_array(robot, DYN_MODEL_ARRAY_UPPER_LIMIT) + j.idx_q, j.nq);
   return out;
 }
 
 }  // namespace
 
 json model_json(const Robot& robot, const std::vector<std::string>& package_dirs, Pack& pack, json& notes) {
-  json out = {{"name", dyn_model_name(robot)}, {"nq", robot.nq}, {"nv", robot.nv}, {"mass", dyn_total_mass(robot)}, {"gravity", vector_json(dyn_model_array(robot, DYN_GRAVITY), 3)}};
+  json out = {{"name", dyn_model_name(robot)}, {"nq", robot.nq}, {"nv", robot.nv}, {"mass", dyn_model_total_mass(robot)}, {"gravity", vector_json(dyn_model_array(robot, DYN_MODEL_ARRAY_GRAVITY), 3)}};
   out["joints"] = json::array(), out["frames"] = json::array(), out["shapes"] = json::array();
   for (int j = 0; j < robot.njoints; ++j) out["joints"].push_back(joint_json(robot, j));
   for (int f = 0; f < robot.nframes; ++f) {
@@ -91,19 +91,19 @@ json model_json(const Robot& robot, const std::vector<std::string>& package_dirs
   }
   Meshes meshes(robot, package_dirs);
   bool visual = false, collision = false;
-  for (int k = 0; k < dyn_nshapes(robot); ++k) {
+  for (int k = 0; k < dyn_model_nshapes(robot); ++k) {
     const dynShapeInfo s = shape(robot, k);
-    const bool drawn = s.role == DYN_ROLE_VISUAL;
+    const bool drawn = s.role == DYN_SHAPE_ROLE_VISUAL;
     json item = {{"name", s.name}, {"type", shape_type_name(s.type)}, {"visual", drawn}, {"frame", s.frame}, {"placement", vector_json(s.placement, 12)}, {"size", vector_json(s.size, 3)}, {"radius", s.radius}};
     Vector rgba(4);
-    check(dyn_shape_rgba(robot, k, rgba.data()));
+    check(dyn_model_shape_rgba(robot, k, rgba.data()));
     if (rgba[3] >= 0) item["rgba"] = rgba;
-    if (s.type == DYN_SHAPE_MESH || s.type == DYN_SHAPE_CONVEX || s.type == DYN_SHAPE_TRIANGLES || s.type == DYN_SHAPE_HEIGHT_FIELD) {
+    if (s.type == DYN_SHAPE_TYPE_MESH || s.type == DYN_SHAPE_TYPE_CONVEX || s.type == DYN_SHAPE_TYPE_TRIANGLES || s.type == DYN_SHAPE_TYPE_HEIGHT_FIELD) {
       const int mesh = meshes.add(k, s, notes);
       if (mesh >= 0) item["mesh"] = mesh;
       else item["missing"] = true;
     }
-    if (!item.contains("missing") && s.type != DYN_SHAPE_HALF_SPACE) (drawn ? visual : collision) = true;
+    if (!item.contains("missing") && s.type != DYN_SHAPE_TYPE_HALF_SPACE) (drawn ? visual : collision) = true;
     out["shapes"].push_back(std::move(item));
   }
   out["meshes"] = meshes.packed(pack, notes);

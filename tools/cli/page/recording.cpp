@@ -56,7 +56,7 @@ Recording::Recording(const Robot& robot, std::uint32_t effects) : robot_(robot),
 
 void Recording::poses(const double* q, Vector& positions, Vector& turns, Vector& com) const {
   com.assign(3, 0);
-  check(dyn_center_of_mass(robot_, mind_, q, nullptr, nullptr, com.data(), nullptr, nullptr));
+  check(dyn_com(robot_, mind_, q, nullptr, nullptr, com.data(), nullptr, nullptr));
   check(dyn_forward_kinematics(robot_, mind_, q, nullptr, nullptr));
   for (int j = 1; j < robot_.njoints; ++j) {
     double world[12];
@@ -70,11 +70,11 @@ void Recording::poses(const double* q, Vector& positions, Vector& turns, Vector&
 Recording::Sample Recording::sample_of(const Data& simulated, const Moment& m) const {
   Sample s{m.time, {}, {}, {}, Vector(m.q, m.q + robot_.nq), Vector(m.v, m.v + robot_.nv), Vector(m.tau, m.tau + robot_.nv), {}, {m.kinetic, m.potential, m.kinetic + m.potential}, {}, {}, {}};
   poses(m.q, s.positions, s.turns, s.com);
-  if (dyn_nactuators(robot_)) s.actuators = field(robot_, simulated, "actuator_force");
+  if (dyn_model_nactuators(robot_)) s.actuators = field(robot_, simulated, "actuator_force");
   int count = 0;
-  check(dyn_step_contacts(robot_, simulated, nullptr, 0, &count));
+  check(dyn_data_step_contacts(robot_, simulated, nullptr, 0, &count));
   std::vector<dynContactForce> contacts(static_cast<std::size_t>(count));
-  check(dyn_step_contacts(robot_, simulated, contacts.data(), count, &count));
+  check(dyn_data_step_contacts(robot_, simulated, contacts.data(), count, &count));
   for (const dynContactForce& c : contacts) {
     Contact k{{}, {}, c.contact.distance, static_cast<std::uint32_t>(c.contact.shape_a), static_cast<std::uint32_t>(c.contact.shape_b)};
     std::copy(c.contact.position, c.contact.position + 3, k.position), std::copy(c.force_on_b, c.force_on_b + 3, k.force);
@@ -136,7 +136,7 @@ json Recording::packed(Pack& pack, json& notes) const {
   plot("v", "rad/s, m/s", coordinate_names(robot_, false), &Sample::v);
   plot("tau", "N m, N", coordinate_names(robot_, false), &Sample::tau);
   std::vector<std::string> actuators;
-  for (int k = 0; k < dyn_nactuators(robot_); ++k) actuators.emplace_back(dyn_actuator_name(robot_, k));
+  for (int k = 0; k < dyn_model_nactuators(robot_); ++k) actuators.emplace_back(dyn_model_actuator_name(robot_, k));
   plot("actuators", "N m, N", actuators, &Sample::actuators);
   plot("residual", "of the contact solver", {"residual"}, &Sample::solver);
   plot("penetration", "m", {"penetration"}, &Sample::solver, 1);

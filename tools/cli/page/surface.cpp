@@ -62,7 +62,7 @@ Surface surface_of(const dynMesh* mesh) {
   for (std::size_t k = 0; k < arrays.vertex_count; ++k) out.vertices.push_back({arrays.vertices[3 * k], arrays.vertices[3 * k + 1], arrays.vertices[3 * k + 2]});
   out.triangles.assign(arrays.triangles, arrays.triangles + 3 * arrays.triangle_count);
   Vector rgb(3 * arrays.triangle_count);
-  check(dyn_mesh_colours(mesh, rgb.data()));
+  check(dyn_mesh_rgb(mesh, rgb.data()));
   for (std::size_t k = 0; k < rgb.size(); k += 3) {
     const auto bits = [&](std::size_t i) { return static_cast<std::uint32_t>(std::lround(255 * rgb[k + i])); };
     out.colours.push_back(rgb[k] < 0 ? no_colour : bits(0) << 16 | bits(1) << 8 | bits(2));

@@ -28,12 +28,12 @@ double arch_sinks(int count, double thickness, double duration, Curve& curve) {
     add_free(b, name, density * info.volume, inertia);
     dynShapeSpec s;
     dyn_shape_spec_init(&s);
-    s.body = name.c_str(), s.type = DYN_SHAPE_CONVEX, s.material = material(0.7), s.surface = hull.get();
+    s.body = name.c_str(), s.type = DYN_SHAPE_TYPE_CONVEX, s.material = material(0.7), s.surface = hull.get();
     s.size[0] = s.size[1] = s.size[2] = 1;
-    dyn::check(dyn_builder_shape(b.get(), &s));
+    dyn::check(dyn_builder_add_shape(b.get(), &s));
     q.insert(q.end(), {info.com[0], info.com[1], info.com[2], 0, 0, 0, 1});
   }
-  Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3);
+  Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
   play.set_state(q);
   dynStepOptions options = play.stepping();
   options.max_iterations = 200;  // more rows than are solved by one matrix: sweeps
@@ -53,7 +53,7 @@ double overhang_moves(double share, Curve& curve) {
   constexpr int count = 10;
   constexpr double height = 0.1;
   Builder b("overhang");
-  add_shape(b, "", DYN_SHAPE_BOX, {4, 1, 1}, material(0), at(-2, 0, -0.5));  // a table that ends at x = 0
+  add_shape(b, "", DYN_SHAPE_TYPE_BOX, {4, 1, 1}, material(0), at(-2, 0, -0.5));  // a table that ends at x = 0
   Vector q(7 * count);
   double end = 0;
   for (int k = count; k >= 1; --k) {  // from below
@@ -63,7 +63,7 @@ double overhang_moves(double share, Curve& curve) {
     const auto first = static_cast<std::size_t>(7 * (count - k));
     q[first] = end - 0.5, q[first + 2] = height * (count - k + 0.5), q[first + 6] = 1;
   }
-  Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3);
+  Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
   play.set_state(q);
   const std::size_t top = 7 * (count - 1);
   double moved = 0;

@@ -25,7 +25,7 @@ Model chain(int n, double tip = 1) {
 }
 
 struct Arm : Data {
-  explicit Arm(const Model& model) : Data(model, DYN_PART_MINV | DYN_PART_MASS | DYN_PART_INVERSE | DYN_PART_FORWARD | DYN_PART_FACTOR), n(static_cast<std::size_t>(model.nv())) {}
+  explicit Arm(const Model& model) : Data(model, DYN_PART_MINV | DYN_PART_MASS | DYN_PART_INVERSE | DYN_PART_FORWARD | DYN_PART_CHOLESKY), n(static_cast<std::size_t>(model.nv())) {}
   std::size_t n;
 
   // Largest eigenvalue of a symmetric matrix, by powers.

@@ -23,9 +23,9 @@ struct Shape {
   Placement X;
   double extent() const { return std::max({1.0, size[0], size[1], size[2]}); }
 };
-Shape box(const Vector3& s, const Placement& X) { return {DYN_SHAPE_BOX, s, X}; }
-Shape cylinder(double r, double l, const Placement& X) { return {DYN_SHAPE_CYLINDER, {r, l, 0}, X}; }
-Shape sphere(double r, const Placement& X) { return {DYN_SHAPE_SPHERE, {r, 0, 0}, X}; }
+Shape box(const Vector3& s, const Placement& X) { return {DYN_SHAPE_TYPE_BOX, s, X}; }
+Shape cylinder(double r, double l, const Placement& X) { return {DYN_SHAPE_TYPE_CYLINDER, {r, l, 0}, X}; }
+Shape sphere(double r, const Placement& X) { return {DYN_SHAPE_TYPE_SPHERE, {r, 0, 0}, X}; }
 
 // How far a point lies outside of a shape.
 double outside(const Shape& s, const double* p) {
@@ -34,8 +34,8 @@ double outside(const Shape& s, const double* p) {
     x[i] = 0;
     for (std::size_t k = 0; k < 3; ++k) x[i] += s.X[3 * i + k] * (p[k] - s.X[9 + k]);
   }
-  if (s.type == DYN_SHAPE_SPHERE) return std::hypot(x[0], x[1], x[2]) - s.size[0];
-  if (s.type == DYN_SHAPE_CYLINDER) return std::max(std::hypot(x[0], x[1]) - s.size[0], std::abs(x[2]) - s.size[1] / 2);
+  if (s.type == DYN_SHAPE_TYPE_SPHERE) return std::hypot(x[0], x[1], x[2]) - s.size[0];
+  if (s.type == DYN_SHAPE_TYPE_CYLINDER) return std::max(std::hypot(x[0], x[1]) - s.size[0], std::abs(x[2]) - s.size[1] / 2);
   return std::max({std::abs(x[0]) - s.size[0] / 2, std::abs(x[1]) - s.size[1] / 2, std::abs(x[2]) - s.size[2] / 2});
 }
 
@@ -47,7 +47,7 @@ void look(Outcome& out, const Shape& a, const Shape& b, double expected = NAN, d
     const double gap = std::hypot(d.point_b[0] - d.point_a[0], d.point_b[1] - d.point_a[1], d.point_b[2] - d.point_a[2]);
     const double length = std::hypot(d.normal[0], d.normal[1], d.normal[2]);
     const double far = std::max({1.0, std::abs(p.X[9]), std::abs(p.X[10]), std::abs(p.X[11])});
-    if (d.status == DYN_DISTANCE_FAILED) out.off_by(HUGE_VAL);
+    if (d.status == DYN_DISTANCE_STATUS_FAILED) out.off_by(HUGE_VAL);
     out.off_by(std::abs(gap - std::abs(d.distance)) / 1e-6).off_by(std::abs(length - 1) / 1e-12);
     out.off_by(outside(p, d.point_a) / (10 * eps * p.extent() * far)).off_by(outside(q, d.point_b) / (10 * eps * q.extent() * far));
     if (std::isnan(expected)) return;

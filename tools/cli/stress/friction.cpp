@@ -20,7 +20,7 @@ Play box_on_plane(double mu, double angle, double dt) {
   b.gravity({g * std::sin(angle), 0, -g * std::cos(angle)});
   add_ground(b);
   add_box(b, "box", 1, {0.2, 0.2, 0.1}, material(mu));
-  Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, dt);
+  Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, dt);
   play.set_state(Vector{0, 0, 0.05, 0, 0, 0, 1});
   return play;
 }
@@ -28,7 +28,7 @@ Play sphere_on_plane(double mu, double dt) {
   Builder b("sphere");
   add_ground(b);
   add_sphere(b, "ball", 1, 0.1, material(mu));
-  Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, dt);
+  Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, dt);
   play.set_state(Vector{0, 0, 0.1, 0, 0, 0, 1});
   return play;
 }
@@ -76,7 +76,7 @@ Outcome sphere_rolls() {
   out.picture = {"time, s", "x, m", false, {}};
   Curve& curve = out.curve("x");
   const double t = 2 / (7 * 0.2 * g), x = t - 0.1 * g * t * t;
-  play.set_stepping(DYN_SEMI_IMPLICIT_EULER, 1e-3, accuracy / 5);
+  play.set_stepping(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3, accuracy / 5);
   for (int k = 0; k < 5; ++k) play.advance(0.1), curve.add(play.time(), play.q()[0]);
   return out.compare(x + 5.0 / 7 * (0.5 - t), play.q()[0]);
 }
@@ -95,7 +95,7 @@ Outcome sphere_final_speed() {
 Outcome block_stops() {
   Play play = box_on_plane(0.4, 0, 1e-3);
   play.set_state(dyn::held, Vector{1, 0, 0, 0, 0, 0});
-  play.set_stepping(DYN_SEMI_IMPLICIT_EULER, 1e-3, accuracy / 3);
+  play.set_stepping(DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3, accuracy / 3);
   Outcome out;
   out.picture = {"time, s", "x, m", false, {}};
   Curve& curve = out.curve("x");
@@ -154,8 +154,8 @@ Outcome painleve() {
     Builder b("rod");
     add_ground(b);
     add_free(b, "rod", 1, diagonal(1e-4, length * length / 12, length * length / 12));
-    add_shape(b, "rod", DYN_SHAPE_SPHERE, {tip, 0, 0}, material(r.mu), at(-length / 2, 0, 0));
-    Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-4);
+    add_shape(b, "rod", DYN_SHAPE_TYPE_SPHERE, {tip, 0, 0}, material(r.mu), at(-length / 2, 0, 0));
+    Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-4);
     for (int k = 0; k < 334; ++k) {
       // the other end is up, the tip slides towards it: the angle from the horizontal
       const double angle = (r.low + (r.high - r.low) * part(dice)) * pi / 180, slip = 0.5 + 5 * part(dice), turn = 4 * part(dice) - 2;
@@ -187,7 +187,7 @@ Outcome painleve_accelerations() {
       const double angle = k * pi / 1800, c = std::cos(angle), s = std::sin(angle);
       const double p = 1 + 3 * c * c - 3 * mu * s * c;
       for (const double a : {-g, -1e-6, 0.5, 40.0})
-        for (const dynContactSolverType type : {DYN_CONTACT_PGS, DYN_CONTACT_ADMM, DYN_CONTACT_NEWTON}) {
+        for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON}) {
           const std::int32_t row = 1;
           dynContactProblem problem = dyn::contact_problem();
           problem.contacts = 1, problem.contact_rows = &row, problem.G = &p, problem.g = &a;
@@ -196,7 +196,7 @@ Outcome painleve_accelerations() {
           double force = 0;
           bool solved = false;
           try {
-            solved = solver.solve(problem, &force, nullptr, &options).status == DYN_CONTACT_CONVERGED;
+            solved = solver.solve(problem, &force, nullptr, &options).status == DYN_CONTACT_STATUS_CONVERGED;
           } catch (const dyn::Error&) {
           }
           const bool right = p > 0 ? solved && std::abs(force - std::max(0.0, -a / p)) <= 1e-8 * (1 + force) : !solved || (a >= 0 && force == 0);
@@ -223,10 +223,10 @@ Outcome cards() {
         const std::string name = side < 0 ? "left" : "right";
         b.joint(slide(name + "_x", "", {1, 0, 0}, at(3 * side, 0, 3))).joint(slide(name + "_z", name + "_x", {0, 0, 1})).joint(hinge(name + "_turn", name + "_z", {0, 1, 0}));
         b.body(name, name + "_turn", 1, {0, 0, 0}, box_inertia(1, {1e-3, 1, length}));
-        add_shape(b, name, DYN_SHAPE_CAPSULE, {r, length, 0}, material(mu));
+        add_shape(b, name, DYN_SHAPE_TYPE_CAPSULE, {r, length, 0}, material(mu));
         q.insert(q.end(), {side * (length / 2 * s + r - 3), length / 2 * c + r - 3, -side * angle});  // (shapes that overlap at q = 0 are not tested)
       }
-      Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3);
+      Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
       tighten(play, 1e-12);
       play.set_state(q, Vector(6));
       Curve& curve = out.curve(std::to_string(static_cast<int>(degrees)) + (stands ? " above" : " below"));

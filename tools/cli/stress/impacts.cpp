@@ -26,8 +26,8 @@ Play disc(double radius, double mu, const Vector& q, const Vector& v, double dt)
   add_ground(b);
   const double I = radius * radius / 4;
   add_free(b, "disc", 1, diagonal(I, I, 2 * I));
-  add_shape(b, "disc", DYN_SHAPE_CYLINDER, {radius, thickness, 0}, material(mu), at(0, 0, thickness / 2));
-  Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, dt);
+  add_shape(b, "disc", DYN_SHAPE_TYPE_CYLINDER, {radius, thickness, 0}, material(mu), at(0, 0, thickness / 2));
+  Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, dt);
   play.set_state(q, v);
   return play;
 }
@@ -126,7 +126,7 @@ Outcome cradle() {
   Builder b("cradle");
   b.gravity({0, 0, 0});
   for (int k = 0; k < 3; ++k) add_sphere(b, "ball" + std::to_string(k), 1, 0.1, material(0, 1));
-  Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3);
+  Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
   Vector q, v(18);
   for (int k = 0; k < 3; ++k) q.insert(q.end(), {0.2 * k, 0, 0, 0, 0, 0, 1});
   v[0] = 1;

@@ -69,7 +69,7 @@ Outcome four_bar_periods() {
     const double s = pi * ((k + 0.5) / count - 0.5), angle = middle + half * std::sin(s);
     period += 2 * pi / count * half * std::cos(s) / std::sqrt(2 * (potential(first) - potential(angle)) / inertia);
   }
-  Play play(sprung_four_bar(), DYN_REFERENCE, period / 20);
+  Play play(sprung_four_bar(), DYN_INTEGRATOR_REFERENCE, period / 20);
   play.set_state(at_angle(first));
   Outcome out;
   out.picture = {"time, s", "angle, rad", false, {}};

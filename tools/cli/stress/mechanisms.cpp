@@ -34,7 +34,7 @@ Play windows(int count) {
   }
   for (int i = 0; i < count; ++i)
     b.constraint("corner" + std::to_string(i), connect({1, 0, 0}, {1, 0, 0}), "coupler_rod" + std::to_string(i), "upright_rod" + std::to_string(i + 1));
-  Play play(b.finish(), DYN_REFERENCE, 0.05);
+  Play play(b.finish(), DYN_INTEGRATOR_REFERENCE, 0.05);
   Vector q, v;
   for (int i = 0; i <= count; ++i) {
     q.push_back(pi / 2), v.push_back(-1);  // the top moves to +x by 1 m/s
@@ -48,7 +48,7 @@ Play windows(int count) {
 Outcome four_bars(bool angles) {
   constexpr int count = 40;
   Play play = windows(count);
-  play.set_stepping(DYN_REFERENCE, 0.05, 1e-11);  // 4e-9 in all; less is beyond rounding near singular configurations
+  play.set_stepping(DYN_INTEGRATOR_REFERENCE, 0.05, 1e-11);  // 4e-9 in all; less is beyond rounding near singular configurations
   Outcome out;
   out.picture = {"time, s", "x of B0, m", false, {}};
   Curve& curve = out.curve("x");
@@ -96,7 +96,7 @@ Play bricard(bool six_rows) {
     b.constraint("axis", connect({along[0] + 1, along[1], along[2]}, {P[5][0] + 1, P[5][1], P[5][2]}), "rod4");
   } else {
     dynConstraint c = connect(along, P[5]);
-    c.type = DYN_CONSTRAINT_LOOP, c.joint_type = DYN_JOINT_REVOLUTE;
+    c.type = DYN_CONSTRAINT_TYPE_LOOP, c.joint_type = DYN_JOINT_TYPE_REVOLUTE;
     for (std::size_t i = 0; i < 3; ++i) c.axis[i] = axes[5][i];
     b.constraint("end", c, "rod4");
   }
@@ -178,7 +178,7 @@ struct Squeezer {
 
 Outcome andrews_squeezer() {
   const Squeezer s;
-  Play play(s.model, DYN_REFERENCE, 1e-4);
+  Play play(s.model, DYN_INTEGRATOR_REFERENCE, 1e-4);
   const char* names[] = {"beta", "theta", nullptr, "phi", "delta", "omega", "epsilon"};
   const double start[] = {-0.0617138900142764496358948458001, 0, 0.455279819163070380255912382449, 0.222668390165885884674473185609, 0.487364979543842550225598953530,
                           -0.222668390165885884674473185609, 1.23054744454982119249735015568};
@@ -243,10 +243,10 @@ Outcome governor(dynIntegrator integrator, double dt, double duration, double ex
 
 }  // namespace
 
-Outcome governor_reference() { return governor(DYN_REFERENCE, 1e-3, 1, 0.501420922379567651); }
-Outcome governor_100ms() { return governor(DYN_REFERENCE, 1e-3, 0.1, 0.523836475569575694); }
-Outcome governor_5s() { return governor(DYN_REFERENCE, 1e-3, 5, 0.535563103721643485); }
-Outcome governor_rk4() { return governor(DYN_RK4, 1e-4, 1, 0.501420922379567651); }
-Outcome governor_implicit() { return governor(DYN_IMPLICIT_FAST, 1e-3, 1, 0.501420922379567651); }
+Outcome governor_reference() { return governor(DYN_INTEGRATOR_REFERENCE, 1e-3, 1, 0.501420922379567651); }
+Outcome governor_100ms() { return governor(DYN_INTEGRATOR_REFERENCE, 1e-3, 0.1, 0.523836475569575694); }
+Outcome governor_5s() { return governor(DYN_INTEGRATOR_REFERENCE, 1e-3, 5, 0.535563103721643485); }
+Outcome governor_rk4() { return governor(DYN_INTEGRATOR_RK4, 1e-4, 1, 0.501420922379567651); }
+Outcome governor_implicit() { return governor(DYN_INTEGRATOR_IMPLICIT_FAST, 1e-3, 1, 0.501420922379567651); }
 
 }  // namespace cli::stress

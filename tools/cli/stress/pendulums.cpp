@@ -20,7 +20,7 @@ Model pendulum(int links) {
 }
 
 Play released(int links) {
-  Play play(pendulum(links), DYN_REFERENCE, links == 1 ? 0.5 : 0.1);
+  Play play(pendulum(links), DYN_INTEGRATOR_REFERENCE, links == 1 ? 0.5 : 0.1);
   Vector q(static_cast<std::size_t>(links));
   q[0] = pi / 2;
   play.set_state(q);

@@ -12,7 +12,7 @@ constexpr double eps = 2.220446049250313e-16;
 
 Model ball_joint() {
   Builder b("ball");
-  b.joint("ball", DYN_JOINT_SPHERICAL).body("link", "ball", 2, {0.1, 0.2, -0.3}, diagonal(0.1, 0.2, 0.25));
+  b.joint("ball", DYN_JOINT_TYPE_SPHERICAL).body("link", "ball", 2, {0.1, 0.2, -0.3}, diagonal(0.1, 0.2, 0.25));
   return b.finish();
 }
 
@@ -45,7 +45,7 @@ Outcome rotations_values() {
 // Where the angles of a gimbal have lost an axis: refused, or accelerations that inverse dynamics confirms.
 Outcome gimbal() {
   Builder b("gimbal");
-  b.joint("angles", DYN_JOINT_SPHERICAL_ZYX).body("link", "angles", 2, {0.1, 0.2, -0.3}, diagonal(0.1, 0.2, 0.25));
+  b.joint("angles", DYN_JOINT_TYPE_SPHERICAL_ZYX).body("link", "angles", 2, {0.1, 0.2, -0.3}, diagonal(0.1, 0.2, 0.25));
   Data data(b.finish());
   Outcome out;
   const Vector v = {0.3, -0.2, 0.5}, tau = {1, 2, 3};
@@ -83,7 +83,7 @@ Outcome norm_drift(int steps, int every = 1) {
   Builder b("box");
   b.gravity({0, 0, 0});
   add_free(b, "box", 10, box_inertia(10, {0.1, 0.4, 0.9}));
-  Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3);
+  Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
   play.set_state(play.model().neutral(), Vector{0, 0, 0, 0.1, 5, 0.1});
   Outcome out;
   for (int k = 0; k < steps; ++k) {
@@ -106,7 +106,7 @@ Outcome inertias() {
   const auto wrong = [&](bool refused, double mass, const std::array<double, 9>& I, bool free) {
     try {
       Builder b("inertias");
-      b.joint("first", free ? DYN_JOINT_FREE_FLYER : DYN_JOINT_REVOLUTE);
+      b.joint("first", free ? DYN_JOINT_TYPE_FREE_FLYER : DYN_JOINT_TYPE_REVOLUTE);
       b.body("culprit", "first", mass, {0, 0, 0}, I);
       const Model m = b.finish();
       Data data(m);
@@ -192,7 +192,7 @@ Outcome units_pendulum() {
       b.joint(hinge("j" + std::to_string(k), k ? "j0" : "", {0, 1, 0}, at(0, 0, k ? -u.length : 0)));
       b.body("b" + std::to_string(k), "j" + std::to_string(k), u.mass, {0, 0, -0.5 * u.length}, inertia_in(u, 0.1, 0.1, 0.1));
     }
-    Play play(b.finish(), DYN_RK4, 1e-3 * u.time);
+    Play play(b.finish(), DYN_INTEGRATOR_RK4, 1e-3 * u.time);
     play.set_state(Vector{1, 0.5});
     play.steps(1000);
     return play.q().copy();
@@ -210,7 +210,7 @@ Outcome units_mechanism() {
     };
     bar("crank", "", 0, 1), bar("coupler", "crank", 1, 3), bar("rocker", "", 3, 2.5);
     b.constraint("corner", connect({3 * u.length, 0, 0}, {2.5 * u.length, 0, 0}), "coupler_bar", "rocker_bar");
-    Play play(b.finish(), DYN_RK4, 1e-3 * u.time);
+    Play play(b.finish(), DYN_INTEGRATOR_RK4, 1e-3 * u.time);
     // crank up: the corner by the intersection of two circles about (0, 1) and (3, 0)
     const double d = std::hypot(3.0, 1.0), along = (9 - 6.25 + d * d) / (2 * d), across = std::sqrt(9 - along * along);
     const double x = (along * 3 + across * 1) / d, y = 1 + (along * -1 + across * 3) / d;
@@ -227,10 +227,10 @@ Outcome sliding_in_units(int steps, std::span<const Units> others = units) {
     b.gravity({0, 0, -gravity_in(u)});
     add_ground(b);
     const auto I = [&](double x) { return inertia_in(u, x, x, x); };
-    add_free(b, "ball", u.mass, I(0.004)), add_shape(b, "ball", DYN_SHAPE_SPHERE, {0.1 * u.length, 0, 0}, material(0.2));
-    add_free(b, "box", 3 * u.mass, I(0.02)), add_shape(b, "box", DYN_SHAPE_BOX, {0.2 * u.length, 0.2 * u.length, 0.2 * u.length}, material(0.4));
-    add_free(b, "top", u.mass, I(0.007)), add_shape(b, "top", DYN_SHAPE_BOX, {0.2 * u.length, 0.2 * u.length, 0.2 * u.length}, material(0.4));
-    Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
+    add_free(b, "ball", u.mass, I(0.004)), add_shape(b, "ball", DYN_SHAPE_TYPE_SPHERE, {0.1 * u.length, 0, 0}, material(0.2));
+    add_free(b, "box", 3 * u.mass, I(0.02)), add_shape(b, "box", DYN_SHAPE_TYPE_BOX, {0.2 * u.length, 0.2 * u.length, 0.2 * u.length}, material(0.4));
+    add_free(b, "top", u.mass, I(0.007)), add_shape(b, "top", DYN_SHAPE_TYPE_BOX, {0.2 * u.length, 0.2 * u.length, 0.2 * u.length}, material(0.4));
+    Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
     const double L = u.length, v = u.length / u.time;
     play.set_state(Vector{0, 0, 0.1 * L, 0, 0, 0, 1, 0, L, 0.1 * L, 0, 0, 0, 1, 0.02 * L, L, 0.3 * L, 0, 0, 0, 1},
                    Vector{v, 0, 0, 0, 0, 0, v, 0.5 * v, 0, 0, 0, 0, v, 0.5 * v, 0, 0, 0, 0});
@@ -253,10 +253,10 @@ Outcome units_bounces_exact() {
     Builder b("bounces");
     b.gravity({0, 0, -gravity_in(u)});
     add_ground(b, m);
-    add_free(b, "capsule", u.mass, inertia_in(u, 0.02, 0.02, 0.003)), add_shape(b, "capsule", DYN_SHAPE_CAPSULE, {0.05 * L, 0.3 * L, 0}, m);
-    add_free(b, "ellipsoid", 2 * u.mass, inertia_in(u, 0.02, 0.03, 0.04)), add_shape(b, "ellipsoid", DYN_SHAPE_ELLIPSOID, {0.1 * L, 0.07 * L, 0.05 * L}, m);
-    add_free(b, "box", 2 * u.mass, inertia_in(u, 0.02, 0.03, 0.04)), add_shape(b, "box", DYN_SHAPE_BOX, {0.1 * L, 0.2 * L, 0.15 * L}, m);
-    Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
+    add_free(b, "capsule", u.mass, inertia_in(u, 0.02, 0.02, 0.003)), add_shape(b, "capsule", DYN_SHAPE_TYPE_CAPSULE, {0.05 * L, 0.3 * L, 0}, m);
+    add_free(b, "ellipsoid", 2 * u.mass, inertia_in(u, 0.02, 0.03, 0.04)), add_shape(b, "ellipsoid", DYN_SHAPE_TYPE_ELLIPSOID, {0.1 * L, 0.07 * L, 0.05 * L}, m);
+    add_free(b, "box", 2 * u.mass, inertia_in(u, 0.02, 0.03, 0.04)), add_shape(b, "box", DYN_SHAPE_TYPE_BOX, {0.1 * L, 0.2 * L, 0.15 * L}, m);
+    Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
     play.set_state(Vector{0, 0, 0.3 * L, 0.3, 0.1, 0.2, std::sqrt(0.86), 0.5 * L, 0, 0.3 * L, 0.1, 0.5, 0.2, std::sqrt(0.7), 0.05 * L, 0.1 * L, 0.7 * L, 0.4, 0.1, 0.2, std::sqrt(0.79)},
                    Vector{0.3 * v, 0.1 * v, -v, w, 2 * w, 3 * w, -0.5 * v, 0.1 * v, -v, 3 * w, 2 * w, w, 0.1 * v, 0.1 * v, -v, w, -2 * w, 3 * w});
     play.steps(500);
@@ -273,7 +273,7 @@ Outcome units_rows_exact() {
     const double L = u.length;
     const auto distance = [&](double length) {
       dynConstraint c;
-      dyn_constraint_init(&c, DYN_CONSTRAINT_DISTANCE);
+      dyn_constraint_init(&c, DYN_CONSTRAINT_TYPE_DISTANCE);
       c.length = length * L;
       return c;
     };
@@ -290,7 +290,7 @@ Outcome units_rows_exact() {
     add_free(b, "rod", u.mass, inertia_in(u, 0.01, 1.0 / 12, 1.0 / 12));
     b.constraint("left", connect({-0.5 * L, 0, 0}, {0, 0, 0}), "rod").constraint("right", connect({0.5 * L, 0, 0}, {1.1 * L, 0, 0}), "rod");
     q.insert(q.end(), {0.5 * L, 0.01 * L, 0, 0, 0, 0, 1});
-    Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
+    Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3 * u.time);
     play.set_state(q);
     play.steps(300);
     Vector out;

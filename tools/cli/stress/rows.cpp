@@ -50,11 +50,11 @@ Outcome four_bar_in_space() {
   const double lengths[] = {1, 3, 2.5};
   for (int k = 0; k < 3; ++k) {
     const double l = lengths[k];
-    b.joint(names[k], DYN_JOINT_FREE_FLYER).body(std::string(names[k]) + "_bar", names[k], 1, {l / 2, 0, 0}, diagonal(0.01, l * l / 12, l * l / 12));
+    b.joint(names[k], DYN_JOINT_TYPE_FREE_FLYER).body(std::string(names[k]) + "_bar", names[k], 1, {l / 2, 0, 0}, diagonal(0.01, l * l / 12, l * l / 12));
   }
   const auto tie = [&](const std::string& name, const Vector3& x, const Vector3& y, const std::string& first, const std::string& second) {
     dynConstraint c = connect(x, y);
-    c.type = DYN_CONSTRAINT_LOOP, c.joint_type = DYN_JOINT_REVOLUTE;
+    c.type = DYN_CONSTRAINT_TYPE_LOOP, c.joint_type = DYN_JOINT_TYPE_REVOLUTE;
     b.constraint(name, c, first, second);
   };
   tie("O", {0, 0, 0}, {0, 0, 0}, "crank_bar", ""), tie("A", {0, 0, 0}, {1, 0, 0}, "coupler_bar", "crank_bar");
@@ -84,12 +84,12 @@ Outcome contradictory_rows() {
   b.gravity({0, 0, 0});
   add_free(b, "rod", 1, diagonal(0.01, 1.0 / 12, 1.0 / 12));
   b.constraint("left", connect({-0.5, 0, 0}, {0, 0, 0}), "rod").constraint("right", connect({0.5, 0, 0}, {1.001, 0, 0}), "rod");
-  Play play(b.finish(), DYN_RK4, 1e-3);
+  Play play(b.finish(), DYN_INTEGRATOR_RK4, 1e-3);
   Data data(play.model(), DYN_PART_CONSTRAINTS);
   Outcome out;
   const auto found = data.project(Vector{0.47, 0.02, 0.01, 0.01, 0.02, 0.05, 0.99}, Vector(6));
   out.compare(0.5005, found.q[0]).compare(0, found.q[1]).compare(0, found.q[2]);
-  if (found.result.reason != DYN_CONSTRAINTS_CONTRADICT) out.off_by(HUGE_VAL);
+  if (found.result.reason != DYN_CONSTRAINT_REASON_CONTRADICTORY) out.off_by(HUGE_VAL);
   play.set_state(Vector{0.5, 0, 0, 0, 0, 0, 1});
   play.steps(1000);
   return out.compare(0.5005, play.q()[0]).compare(0, std::hypot(play.q()[1], play.q()[2]));
@@ -105,7 +105,7 @@ Outcome slider_crank() {
   bar("crank", "", 0), bar("rod", "crank", 1);
   b.joint(slide("slider", "", {1, 0, 0})).body("block", "slider", 1, {0, 0, 0}, no_inertia());
   b.constraint("pin", connect({1, 0, 0}, {0, 0, 0}), "rod_bar", "block");
-  Play play(b.finish(), DYN_REFERENCE, 0.01);
+  Play play(b.finish(), DYN_INTEGRATOR_REFERENCE, 0.01);
   const double angle = pi / 4, rate = 2;
   play.set_state(Vector{angle, -2 * angle, 2 * std::cos(angle)}, Vector{rate, -2 * rate, -2 * std::sin(angle) * rate});
   Outcome out;
@@ -155,7 +155,7 @@ Outcome stretched_arm_at_wall() {
   Builder b = two_links();
   b.joint(slide("wall", "", {0, 1, 0}, at(2, 0, 0))).body("block", "wall", 1, {0, 0, 0}, no_inertia());
   b.constraint("hand", connect({1, 0, 0}, {0, 0, 0}), "elbow_link", "block");
-  Play play(b.finish(), DYN_SEMI_IMPLICIT_EULER, 1e-3);
+  Play play(b.finish(), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3);
   Outcome out;
   out.picture = {"time, s", "m", true, {{"rows", {}, {}}, {"tip", {}, {}}}};
   play.set_state(Vector(3));

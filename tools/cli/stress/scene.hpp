@@ -32,18 +32,18 @@ inline Placement turned(const Vector3& a, double angle, const Vector3& p = {0, 0
 }
 
 inline JointSpec hinge(const std::string& name, const std::string& parent, const Vector3& axis, const Placement& X = at(0, 0, 0)) {
-  JointSpec s(name, DYN_JOINT_REVOLUTE, parent);
+  JointSpec s(name, DYN_JOINT_TYPE_REVOLUTE, parent);
   return s.axis(axis).placement(X);
 }
 inline JointSpec slide(const std::string& name, const std::string& parent, const Vector3& axis, const Placement& X = at(0, 0, 0)) {
-  JointSpec s(name, DYN_JOINT_PRISMATIC, parent);
+  JointSpec s(name, DYN_JOINT_TYPE_PRISMATIC, parent);
   return s.axis(axis).placement(X);
 }
 
 // first and second, points of bodies, are one.
 inline dynConstraint connect(const Vector3& on_first, const Vector3& on_second) {
   dynConstraint c;
-  dyn_constraint_init(&c, DYN_CONSTRAINT_CONNECT);
+  dyn_constraint_init(&c, DYN_CONSTRAINT_TYPE_CONNECT);
   for (std::size_t k = 0; k < 3; ++k) c.placement1[9 + k] = on_first[k], c.placement2[9 + k] = on_second[k];
   return c;
 }
@@ -59,27 +59,27 @@ inline void add_shape(Builder& b, const std::string& body, dynShapeType type, co
   s.body = body.empty() ? nullptr : body.c_str(), s.type = type, s.material = m;
   for (std::size_t k = 0; k < 3; ++k) s.size[k] = size[k];
   for (std::size_t k = 0; k < 12; ++k) s.placement[k] = X[k];
-  dyn::check(dyn_builder_shape(b.get(), &s));
+  dyn::check(dyn_builder_add_shape(b.get(), &s));
 }
 // The half-space below a plane through the origin.
-inline void add_ground(Builder& b, const dynMaterial& m = material(0), const Placement& X = at(0, 0, 0)) { add_shape(b, "", DYN_SHAPE_HALF_SPACE, {0, 0, 0}, m, X); }
+inline void add_ground(Builder& b, const dynMaterial& m = material(0), const Placement& X = at(0, 0, 0)) { add_shape(b, "", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, m, X); }
 // A body that flies freely.
 inline void add_free(Builder& b, const std::string& name, double mass, const std::array<double, 9>& inertia) {
-  b.joint(name + "_joint", DYN_JOINT_FREE_FLYER).body(name, name + "_joint", mass, {0, 0, 0}, inertia);
+  b.joint(name + "_joint", DYN_JOINT_TYPE_FREE_FLYER).body(name, name + "_joint", mass, {0, 0, 0}, inertia);
 }
 inline void add_box(Builder& b, const std::string& name, double mass, const Vector3& size, const dynMaterial& m) {
   add_free(b, name, mass, box_inertia(mass, size));
-  add_shape(b, name, DYN_SHAPE_BOX, size, m);
+  add_shape(b, name, DYN_SHAPE_TYPE_BOX, size, m);
 }
 inline void add_sphere(Builder& b, const std::string& name, double mass, double radius, const dynMaterial& m) {
   const double I = 0.4 * mass * radius * radius;
   add_free(b, name, mass, diagonal(I, I, I));
-  add_shape(b, name, DYN_SHAPE_SPHERE, {radius, 0, 0}, m);
+  add_shape(b, name, DYN_SHAPE_TYPE_SPHERE, {radius, 0, 0}, m);
 }
 
 // A data that steps, all effects on.
 struct Play : Data {
-  explicit Play(const Model& model, dynIntegrator integrator = DYN_REFERENCE, double dt = 0.1)
+  explicit Play(const Model& model, dynIntegrator integrator = DYN_INTEGRATOR_REFERENCE, double dt = 0.1)
       : Data(model, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_KINEMATICS | DYN_PART_CENTROIDAL) {
     set_effects(DYN_EFFECT_ALL & ~DYN_EFFECT_SLEEPING);
     set_stepping(integrator, dt);

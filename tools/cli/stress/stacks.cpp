@@ -20,7 +20,7 @@ struct Stack {
     for (std::size_t k = 0; k < masses.size(); ++k) add_box(b, "box" + std::to_string(k), masses[k], {side, side, side}, material(0.6));
     return b.finish();
   }
-  explicit Stack(const std::vector<double>& m) : play(build(m), DYN_SEMI_IMPLICIT_EULER, 1e-3), masses(m) {
+  explicit Stack(const std::vector<double>& m) : play(build(m), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3), masses(m) {
     Vector q;
     for (std::size_t k = 0; k < m.size(); ++k) q.insert(q.end(), {0, 0, side * (0.5 + static_cast<double>(k)), 0, 0, 0, 1});
     play.set_state(q);
@@ -79,12 +79,12 @@ struct Table {
   static Model build(double x, double y) {
     Builder b("table");
     add_ground(b);
-    b.joint("table_joint", DYN_JOINT_FREE_FLYER).body("table", "table_joint", mass, {x, y, 0}, box_inertia(mass, {2 * a, 2 * b_, 0.05}));
+    b.joint("table_joint", DYN_JOINT_TYPE_FREE_FLYER).body("table", "table_joint", mass, {x, y, 0}, box_inertia(mass, {2 * a, 2 * b_, 0.05}));
     for (const double i : {-1.0, 1.0})
-      for (const double j : {-1.0, 1.0}) add_shape(b, "table", DYN_SHAPE_SPHERE, {foot, 0, 0}, material(0.5), at(i * a, j * b_, -height + foot));
+      for (const double j : {-1.0, 1.0}) add_shape(b, "table", DYN_SHAPE_TYPE_SPHERE, {foot, 0, 0}, material(0.5), at(i * a, j * b_, -height + foot));
     return b.finish();
   }
-  Table(double cx, double cy) : x(cx), y(cy), play(build(cx, cy), DYN_SEMI_IMPLICIT_EULER, 1e-3) {
+  Table(double cx, double cy) : x(cx), y(cy), play(build(cx, cy), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3) {
     play.set_state(Vector{0, 0, height, 0, 0, 0, 1});
     dynStepOptions options = play.stepping();
     options.tolerance = 1e-12;
@@ -133,7 +133,7 @@ Outcome table_least() {
     for (const double i : {-1.0, 1.0})
       for (const double j : {-1.0, 1.0}) {
         dynConstraint c = connect({i * a, j * b_, -height}, {i * a, j * b_, 0});
-        c.type = DYN_CONSTRAINT_POINT, c.first = data.model().frame_id("table");
+        c.type = DYN_CONSTRAINT_TYPE_POINT, c.first = data.model().frame_id("table");
         data.set_constraint(slot++, c);
       }
     const auto found = data.constrained_inverse_dynamics(Vector{0, 0, height, 0, 0, 0, 1}, Vector(6), Vector(6));

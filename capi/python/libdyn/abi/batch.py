@@ -40,7 +40,7 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_batch_set_effects": (STATUS, [p, i, c_uint32]),
     "dyn_batch_arrays_init": (None, [ref]),
     "dyn_batch_run": (STATUS, [p, i, c_int64, ref]),
-    "dyn_batch_info": (STATUS, [p, i, ref]),
+    "dyn_algorithm_info": (STATUS, [p, i, ref]),
     # rollouts
     "dyn_sensor_size": (i, [i]),
     "dyn_rollout_init": (None, [ref]),

@@ -47,9 +47,9 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_contact_solver_size": (c_size_t, [i]),
     "dyn_contact_solver_init": (STATUS, [i, p, c_size_t, ref]),
     "dyn_contact_solver_free": (None, [p]),
-    "dyn_contact_solve": (STATUS, [p, ref, ref, p, p, ref]),
-    "dyn_contact_residuals": (STATUS, [p, ref, p, ref]),
+    "dyn_contact_solver_solve": (STATUS, [p, ref, ref, p, p, ref]),
+    "dyn_contact_solver_residuals": (STATUS, [p, ref, p, ref]),
     "dyn_contact_compliance": (STATUS, [d, d, d, d, ref, ref]),
     "dyn_contact_compliance_hertz": (STATUS, [d, d, d, d, d, ref, ref]),
-    "dyn_friction_cone_qp": (STATUS, [ref, i, i, ref]),
+    "dyn_contact_problem_qp": (STATUS, [ref, i, i, ref]),
 }  # fmt: skip

@@ -39,7 +39,7 @@ SIGNATURES: dict[str, tuple] = {
     "dyn_mesh_free": (None, [p]),
     "dyn_mesh_info": (STATUS, [p, ref]),
     "dyn_mesh_arrays": (STATUS, [p, ref]),
-    "dyn_mesh_colours": (STATUS, [p, p]),
+    "dyn_mesh_rgb": (STATUS, [p, p]),
     "dyn_mesh_hull": (STATUS, [p, ref]),
-    "dyn_mesh_height_field": (STATUS, [p, i, i, d, d, d, ref]),
+    "dyn_mesh_from_height_field": (STATUS, [p, i, i, d, d, d, ref]),
 }  # fmt: skip
