@@ -1,23 +1,35 @@
 /* libdyn: rigid-body dynamics. The whole public interface, C99.
  *
- * Conventions, once for every function below
+ * Conventions, said once for every function below
  *   Units       SI: metres, kilograms, seconds, newtons, radians. Frames are right-handed.
  *   6D vectors  [linear; angular].
- *   Quaternions (x, y, z, w). A rotation is exact for every non-zero finite quaternion: its norm is divided out.
- *   Matrices    column-major and dense; "6 x nv" means element (r, c) at r + 6 c. Symmetric matrices are full.
- *   Placements  12 doubles: rotation (3 x 3, column-major) then translation (3): X_WF maps F coordinates to world.
- *   q, v        q has nq numbers, v, a and tau have nv. They differ on manifolds: use dyn_integrate and dyn_difference.
- *               Free flyer: q = [position; quaternion], v = [linear; angular], both in the body's frame.
- *   References  DYN_REFERENCE_LOCAL: axes and origin of the frame. DYN_REFERENCE_WORLD: axes of the world, and the quantity refers to the
- *               point that coincides with the world's origin. DYN_REFERENCE_LOCAL_WORLD_ALIGNED: the frame's origin, world axes.
- *   Inputs      const double*; NULL means the value held in the data (which a non-NULL argument replaces).
- *   Outputs     any output pointer may be NULL: the result is in the data as well. An output is written whole, or not at all.
- *               Where an array is required it may be NULL when it has no numbers (a robot that cannot move).
- *   Errors      every function that can fail returns a dynStatus; dyn_last_error() says what, where, and what to do.
- *               A call that fails leaves its data as it was; with DYN_ERROR_NUMERIC, which comes after some work, that is the state
- *               (q, v, a, tau, time): results may be lost, and reading one that is gives DYN_ERROR_STALE, never another number.
- *   Threads     a model is immutable and may be shared; a data belongs to one thread at a time.
- *   Memory      after dyn_data_new or dyn_data_init nothing allocates, locks, or makes a system call.
+ *   Quaternions (x, y, z, w). The norm is divided out: every finite quaternion but zero is an exact rotation.
+ *   Matrices    Column-major and dense. "6 x nv" puts element (r, c) at r + 6 c. Symmetric matrices are full.
+ *   Placements  12 doubles: rotation (3 x 3, column-major), then translation (3). X_WF maps F to the world.
+ *   q, v        q has nq numbers; v, a and tau have nv. nq and nv differ on manifolds. Use dyn_integrate and
+ *               dyn_difference there. A free flyer has q = [position; quaternion] and v = [linear; angular],
+ *               v in the axes of its body.
+ *   References  DYN_REFERENCE_LOCAL: axes and origin of the frame.
+ *               DYN_REFERENCE_WORLD: axes of the world, about the world's origin.
+ *               DYN_REFERENCE_LOCAL_WORLD_ALIGNED: axes of the world, about the frame's origin.
+ *   Inputs      const double*. NULL means the value held in the data. A non-NULL argument replaces it there.
+ *               An array without numbers may be NULL (a robot that cannot move).
+ *   Outputs     Any output pointer may be NULL: the result is in the data as well.
+ *               An output is written whole, or not at all.
+ *   Errors      Every function that can fail returns a dynStatus. dyn_last_error() tells what is wrong,
+ *               where, and what to do. A failed call leaves its data unchanged. DYN_ERROR_NUMERIC comes
+ *               after some work: the state (q, v, a, tau, time) is unchanged, but results may be lost.
+ *               Reading a lost result returns DYN_ERROR_STALE, never another number.
+ *   Threads     A model is immutable and may be shared. A data belongs to one thread at a time.
+ *   Memory      After dyn_data_new or dyn_data_init nothing allocates, locks, or makes a system call.
+ *
+ * Names
+ *   dyn_<object>_<property or verb>   Functions of an object: dyn_model_nq, dyn_data_set_state. A noun reads.
+ *                                     set_, add_ and other verbs write. _info fills a description.
+ *   dyn_<algorithm>                   Algorithms, named as in Pinocchio: dyn_rnea, dyn_aba, dyn_nle, dyn_com.
+ *   DYN_<TYPE>_<MEMBER>               Values, with their type's whole name: DYN_JOINT_TYPE_FREE_FLYER.
+ *   dyn<Type>                         Types: dynModel, dynJointInfo.
+ *   Quantities have Pinocchio's names: q v a tau fext M Minv nle g com Jcom J dJ Ag hg Ig ddq_dq.
  */
 #ifndef DYN_H
 #define DYN_H
@@ -41,82 +53,94 @@
 extern "C" {
 #endif
 
-/* ---------------------------------------------------------------------------------------------- status and version */
+/* ------------------------------------------------------------------------------------- status and version */
 
-/* Values are never renumbered; new ones are appended. */
+/* Values are never renumbered. New values are appended. */
 typedef enum dynStatus {
-  DYN_OK = 0,
-  DYN_ERROR_ARGUMENT = 1,    /* NULL where a value is required, an index or option out of range */
-  DYN_ERROR_HANDLE = 2,      /* NULL, freed or foreign handle */
-  DYN_ERROR_MODEL = 3,       /* the data belongs to another model */
-  DYN_ERROR_SIZE = 4,        /* an array or memory block of the wrong size */
-  DYN_ERROR_NONFINITE = 5,   /* NaN or infinity in an input: the message names the argument and the index */
-  DYN_ERROR_QUATERNION = 6,  /* a zero quaternion or zero (cos, sin) pair */
-  DYN_ERROR_STALE = 7,       /* the quantity was not computed for the current state: the message names the call to make */
-  DYN_ERROR_PART = 8,        /* the data was created without the part: the message names it */
-  DYN_ERROR_NAME = 9,        /* unknown or duplicate name */
-  DYN_ERROR_FILE = 10,       /* a file that is missing or cannot be read or written */
-  DYN_ERROR_PARSE = 11,      /* malformed XML or an unreadable number */
-  DYN_ERROR_INVALID = 12,    /* a robot that cannot exist: negative mass, impossible inertia, cycle, two roots, zero axis ... */
-  DYN_ERROR_BASE = 13,       /* neither fixed nor floating was said, and the root link has mass */
-  DYN_ERROR_STRICT = 14,     /* strict: the file says physics that libdyn would drop */
-  DYN_ERROR_NUMERIC = 15,    /* singular: the message names the joint */
-  DYN_ERROR_BUSY = 16,       /* checked builds: a data used by two threads at once */
-  DYN_ERROR_MEMORY = 17,     /* out of memory */
-  DYN_ERROR_LIMIT = 18,      /* larger than this library allows: the message says the limit */
-  DYN_ERROR_UNSUPPORTED = 19,
-  DYN_ERROR_INTERNAL = 20,
-  DYN_ERROR_CANCELLED = 21   /* the caller's progress function said so */
+  DYN_OK = 0,                 /* The call succeeded. */
+  DYN_ERROR_ARGUMENT = 1,     /* A required value is NULL, or an index or option is out of range. */
+  DYN_ERROR_HANDLE = 2,       /* The handle is NULL, freed or foreign. */
+  DYN_ERROR_MODEL = 3,        /* The data belongs to another model. */
+  DYN_ERROR_SIZE = 4,         /* An array or memory block has the wrong size. */
+  DYN_ERROR_NONFINITE = 5, /* An input holds NaN or infinity: the message names the argument and the index. */
+  DYN_ERROR_QUATERNION = 6,   /* A quaternion or (cos, sin) pair is zero. */
+  DYN_ERROR_STALE = 7, /* The result is not of the current state: the message names the call to make. */
+  DYN_ERROR_PART = 8,         /* The data was created without the part that the message names. */
+  DYN_ERROR_NAME = 9,         /* The name is unknown or a duplicate. */
+  DYN_ERROR_FILE = 10,        /* The file is missing, or cannot be read or written. */
+  DYN_ERROR_PARSE = 11,       /* The XML is malformed, or a number cannot be read. */
+  /* The robot cannot exist: negative mass, impossible inertia, cycle, two roots, zero axis. */
+  DYN_ERROR_INVALID = 12,
+  DYN_ERROR_BASE = 13,        /* The root link has mass, and neither fixed nor floating was chosen. */
+  DYN_ERROR_STRICT = 14,      /* The file has physics that libdyn would drop, and strict was asked for. */
+  DYN_ERROR_NUMERIC = 15,     /* A matrix is singular or a result overflows: the message names the joint. */
+  DYN_ERROR_BUSY = 16,        /* Two threads use one data at once (found by checked builds). */
+  DYN_ERROR_MEMORY = 17,      /* Memory ran out. */
+  DYN_ERROR_LIMIT = 18, /* The problem is larger than this library allows: the message gives the limit. */
+  DYN_ERROR_UNSUPPORTED = 19, /* This build or machine cannot do the task: a module may be missing. */
+  DYN_ERROR_INTERNAL = 20,    /* The library has a defect: please report it. */
+  DYN_ERROR_CANCELLED = 21    /* The caller's progress function cancelled the call. */
 } dynStatus;
 
-/* "DYN_OK", "DYN_ERROR_STALE", ...; never NULL. */
+/* Returns "DYN_OK", "DYN_ERROR_STALE", ...; never NULL. */
 DYN_API const char* dyn_status_name(dynStatus status);
-/* The calling thread's last error: one sentence saying what, where, and what to do. "" before the first. Never NULL.
-   Valid until the thread's next failing call. */
+/* Returns the calling thread's last error, one sentence: what is wrong, where, and what to do. Returns ""
+   before the first error, never NULL. The text is valid until the thread's next failing call. */
 DYN_API const char* dyn_last_error(void);
-/* "1.0.0" */
+/* Returns "1.0.0". */
 DYN_API const char* dyn_version(void);
-/* Compiler, instruction set, and whether this is a checked build: one line. */
+/* Returns one line: compiler, instruction set, and whether this is a checked build. */
 DYN_API const char* dyn_build_info(void);
 
-/* ------------------------------------------------------------------------------------------------------- basic types */
+/* -------------------------------------------------------------------------------------------- basic types */
 
-typedef struct dynModel dynModel;     /* what the robot is: immutable, shared by threads */
-typedef struct dynData dynData;       /* what it is doing: every buffer, one per thread */
+typedef struct dynModel dynModel;     /* the robot and scene: immutable, shared by threads */
+typedef struct dynData dynData;       /* the state and every buffer: one per thread */
 typedef struct dynBuilder dynBuilder; /* makes a model */
-typedef struct dynMesh dynMesh;       /* triangles; see meshes below */
+typedef struct dynMesh dynMesh;       /* triangles: see meshes below */
 
-typedef enum dynReference { DYN_REFERENCE_LOCAL = 0, DYN_REFERENCE_WORLD = 1, DYN_REFERENCE_LOCAL_WORLD_ALIGNED = 2 } dynReference;
+typedef enum dynReference {
+  DYN_REFERENCE_LOCAL = 0,              /* Axes and origin of the frame. */
+  DYN_REFERENCE_WORLD = 1,              /* Axes of the world, about the world's origin. */
+  DYN_REFERENCE_LOCAL_WORLD_ALIGNED = 2 /* Axes of the world, about the frame's origin. */
+} dynReference;
 
-/* Axes and sizes are per type; q = 0 (the identity for quaternions) is the placement given at the joint. */
+/* Axes and sizes belong to each type. q = 0 (for quaternions the identity) is the placement given at the
+   joint. */
 typedef enum dynJointType {
-  DYN_JOINT_TYPE_FIXED = 0,              /* nq 0 nv 0: no joint of the model, a frame of type DYN_FRAME_TYPE_FIXED_JOINT */
-  DYN_JOINT_TYPE_REVOLUTE = 1,           /* nq 1 nv 1: angle about axis */
-  DYN_JOINT_TYPE_CONTINUOUS = 2,         /* nq 1 nv 1: angle about axis, any value; differences are wrapped to (-pi, pi] */
-  DYN_JOINT_TYPE_PRISMATIC = 3,          /* nq 1 nv 1: displacement along axis */
-  DYN_JOINT_TYPE_HELICAL = 4,            /* nq 1 nv 1: angle about axis, with pitch (metres per radian) along it */
-  DYN_JOINT_TYPE_CYLINDRICAL = 5,        /* nq 2 nv 2: (angle about axis, displacement along it) */
-  DYN_JOINT_TYPE_UNIVERSAL = 6,          /* nq 2 nv 2: angle about axis, then about axis2 */
-  DYN_JOINT_TYPE_SPHERICAL = 7,          /* nq 4 nv 3: quaternion; v is the angular velocity in the child's frame */
-  DYN_JOINT_TYPE_SPHERICAL_ZYX = 8,      /* nq 3 nv 3: angles about z, then y, then x; v are their rates */
-  DYN_JOINT_TYPE_PLANAR = 9,             /* nq 3 nv 3: (x, y, angle): translation in the plane normal to axis, then rotation about it */
-  DYN_JOINT_TYPE_TRANSLATION = 10,       /* nq 3 nv 3: (x, y, z) in the parent's joint frame */
-  DYN_JOINT_TYPE_FREE_FLYER = 11,        /* nq 7 nv 6: [position; quaternion]; v in the child's frame */
-  DYN_JOINT_TYPE_COMPOSITE = 12,         /* the joints of a chain in one: nq, nv are sums */
-  DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED = 13 /* nq 2 nv 1: (cos, sin) of the angle about axis */
+  /* nq 0, nv 0: no joint of the model but a frame of type DYN_FRAME_TYPE_FIXED_JOINT. */
+  DYN_JOINT_TYPE_FIXED = 0,
+  DYN_JOINT_TYPE_REVOLUTE = 1,           /* nq 1, nv 1: angle about axis. */
+  DYN_JOINT_TYPE_CONTINUOUS = 2, /* nq 1, nv 1: any angle about axis; differences are wrapped to (-pi, pi]. */
+  DYN_JOINT_TYPE_PRISMATIC = 3,          /* nq 1, nv 1: displacement along axis. */
+  DYN_JOINT_TYPE_HELICAL = 4, /* nq 1, nv 1: angle about axis; pitch (m/rad) moves the body along it. */
+  DYN_JOINT_TYPE_CYLINDRICAL = 5,        /* nq 2, nv 2: (angle about axis, displacement along it). */
+  DYN_JOINT_TYPE_UNIVERSAL = 6,          /* nq 2, nv 2: angle about axis, then about axis2. */
+  DYN_JOINT_TYPE_SPHERICAL = 7, /* nq 4, nv 3: quaternion; v is the angular velocity in the child's frame. */
+  DYN_JOINT_TYPE_SPHERICAL_ZYX = 8,      /* nq 3, nv 3: angles about z, then y, then x; v are their rates. */
+  /* nq 3, nv 3: (x, y, angle): translation normal to axis, then rotation about it. */
+  DYN_JOINT_TYPE_PLANAR = 9,
+  DYN_JOINT_TYPE_TRANSLATION = 10,       /* nq 3, nv 3: (x, y, z) in the parent's joint frame. */
+  DYN_JOINT_TYPE_FREE_FLYER = 11,        /* nq 7, nv 6: [position; quaternion]; v in the child's frame. */
+  DYN_JOINT_TYPE_COMPOSITE = 12,         /* A chain of joints in one: nq and nv are the sums. */
+  DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED = 13 /* nq 2, nv 1: (cos, sin) of the angle about axis. */
 } dynJointType;
 
 typedef enum dynFrameType {
-  DYN_FRAME_TYPE_OP_FRAME = 1,    /* added by the user */
-  DYN_FRAME_TYPE_JOINT = 2,       /* a joint's own frame (moves with the joint's child) */
-  DYN_FRAME_TYPE_FIXED_JOINT = 4, /* a fixed joint that was merged */
-  DYN_FRAME_TYPE_BODY = 8,        /* a link */
-  DYN_FRAME_TYPE_SENSOR = 16
+  DYN_FRAME_TYPE_OP_FRAME = 1,    /* A frame added by the user. */
+  DYN_FRAME_TYPE_JOINT = 2,       /* A joint's own frame; it moves with the joint's child. */
+  DYN_FRAME_TYPE_FIXED_JOINT = 4, /* A fixed joint that was merged. */
+  DYN_FRAME_TYPE_BODY = 8,        /* A link. */
+  DYN_FRAME_TYPE_SENSOR = 16      /* A sensor. */
 } dynFrameType;
 
-typedef enum dynReportLevel { DYN_REPORT_LEVEL_INFO = 0, DYN_REPORT_LEVEL_WARNING = 1 } dynReportLevel;
+typedef enum dynReportLevel {
+  DYN_REPORT_LEVEL_INFO = 0,   /* Worth knowing: nothing is lost. */
+  DYN_REPORT_LEVEL_WARNING = 1 /* Something in the file is not used. */
+} dynReportLevel;
 
-/* A view of numbers: element (i, j) is data[i * stride[0] + j * stride[1]] (strides in doubles). Vectors have cols = 1. */
+/* A view of numbers. Element (i, j) is data[i * stride[0] + j * stride[1]]; strides count doubles. Vectors
+   have cols = 1. */
 typedef struct dynArray {
   uint32_t struct_size;
   int32_t rows, cols;
@@ -124,60 +148,79 @@ typedef struct dynArray {
   const double* data;
 } dynArray;
 
-/* ------------------------------------------------------------------------------------------------------- loading */
+/* ------------------------------------------------------------------------------------------------ loading */
 
 typedef enum dynBase {
-  DYN_BASE_UNSPECIFIED = 0, /* refused when the root link has mass and no file says how it is held */
-  DYN_BASE_FIXED = 1,       /* the root link is welded to the world */
-  DYN_BASE_FLOATING = 2     /* a free flyer named "root_joint" carries the root link */
+  DYN_BASE_UNSPECIFIED = 0, /* Refused when the root link has mass and the file does not hold it. */
+  DYN_BASE_FIXED = 1,       /* The root link is welded to the world. */
+  DYN_BASE_FLOATING = 2     /* A free flyer named "root_joint" carries the root link. */
 } dynBase;
 
-/* What stands for the collision meshes of a robot file. A mesh that is there twice is kept once. */
+/* Replacement of the collision meshes of a robot file. Equal meshes are kept once. Hulls and triangles have a
+   line each in the load report. */
 typedef enum dynMeshUse {
-  DYN_MESH_USE_NONE = 0,      /* the default: their names alone; no file is opened, and pairs with them are not tested (DYN_PAIR_REASON_MESH) */
-  DYN_MESH_USE_HULL = 1,      /* their convex hulls: shapes of type CONVEX. The load report has a line for each, a warning where the mesh is not
-                             convex, with hull_volume_ratio and hull_depth as in dynMeshInfo. At most 65,536 vertices */
-  DYN_MESH_USE_TRIANGLES = 2  /* their triangles: shapes of type TRIANGLES. A line in the load report, a warning where they enclose nothing */
+  /* Names alone (default): no file is opened, and their pairs are not tested (DYN_PAIR_REASON_MESH). */
+  DYN_MESH_USE_NONE = 0,
+  /* Convex hulls, shapes of type CONVEX of at most 65,536 vertices; a mesh that is not convex is a warning
+     with hull_volume_ratio and hull_depth of dynMeshInfo. */
+  DYN_MESH_USE_HULL = 1,
+  /* Triangles, shapes of type TRIANGLES; a mesh that encloses nothing is a warning. */
+  DYN_MESH_USE_TRIANGLES = 2
 } dynMeshUse;
 
 typedef struct dynLoadOptions {
-  uint32_t struct_size;             /* sizeof(dynLoadOptions): set by dyn_load_options_init */
+  uint32_t struct_size;            /* set by dyn_load_options_init */
   dynBase base;
-  int32_t strict;                   /* non-zero: physics that would be dropped is an error */
-  int32_t cos_sin;                  /* non-zero: continuous joints store (cos, sin): DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED */
-  const char* const* package_dirs;  /* where package://NAME/... is looked up: DIR/NAME/... and DIR/... ; may be NULL */
+  int32_t strict;                  /* non-zero: physics that would be dropped is an error */
+  int32_t cos_sin; /* non-zero: continuous joints store (cos, sin): DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED */
+  const char* const* package_dirs; /* package://NAME/... is DIR/NAME/... or DIR/...; may be NULL */
   size_t package_dirs_count;
-  double gravity[3];                /* m/s^2, world axes; default (0, 0, -9.81), of an MJCF model the file's: anything else counts */
-  const char* srdf;                 /* path of an SRDF for this robot; NULL: none */
-  dynMeshUse meshes;                /* anything but NONE needs libdyn_mesh.so, and a mesh that cannot be read is an error */
-  int32_t constraint_slots;         /* spare slots for constraints, 0 to 1000; default 8 */
-  int32_t contact_capacity;         /* contact points that a step has room for, 1 to 10^6, the deepest: see dyn_builder_set_contact_capacity; default 0 */
-  int32_t confined;                 /* for files that are not trusted: non-zero: an included file or a mesh outside of the robot file's folder (of text in
-                                       memory: the working directory) and of package_dirs is DYN_ERROR_FILE, links followed; default 0 */
+  double gravity[3]; /* m/s^2, world axes. Default (0, 0, -9.81), which leaves an MJCF file its own. */
+  const char* srdf;                /* path of an SRDF for this robot; NULL: none */
+  /* HULL and TRIANGLES need libdyn_mesh.so. A mesh that cannot be read is then an error. */
+  dynMeshUse meshes;
+  int32_t constraint_slots;        /* spare slots for constraints, 0 to 1000; default 8 */
+  /* contact points that a step can hold, 1 to 10^6; default 0: see dyn_builder_set_contact_capacity */
+  int32_t contact_capacity;
+  /* non-zero: for files that are not trusted. Included files and meshes must lie in the robot file's folder
+     (for text in memory: the working directory) or in package_dirs, links followed. Others are
+     DYN_ERROR_FILE. Default 0. */
+  int32_t confined;
 } dynLoadOptions;
 
 DYN_API void dyn_load_options_init(dynLoadOptions* options);
 
-/* Reads a robot from a URDF file, a model from an MJCF file, or what was saved as .dynb (with gravity, constraint_slots and contact_capacity as the only options): the
-   content decides. *model is written only on success. options may be NULL (the defaults of
-   dyn_load_options_init). Joints come depth first in the file's order. The load report says what was not used; what it says of the SRDF
-   begins with that file's name, and names that the robot has not are warnings there (errors under strict).
+/* Reads a robot from a URDF, MJCF or .dynb file: the content decides. Of the options a .dynb takes gravity,
+   constraint_slots and contact_capacity alone. options may be NULL (defaults). *model is written only on
+   success. Joints come depth first in the file's order. The load report lists everything that was not used.
+   Lines about the SRDF begin with the SRDF's name. Unknown names in an SRDF are warnings there, and errors
+   under strict.
 
-   MJCF: bodies, frames, replicas, attached models, included files; inertials and the masses of geoms by MuJoCo's rules; hinge, slide, ball
-   and free joints, several on a body, with reference, limits, armature, damping, dry friction and springs; geoms as shapes (of contype and
-   conaffinity 0: visual), meshes (STL, OBJ, MSH, vertices in the file), height fields, sites as frames, classes of defaults, excluded and wanted pairs,
-   actuators of one degree of freedom with affine laws, connect, weld and joint equalities (rigid), gravity, gravcomp, the medium.
-   q is MuJoCo's qpos with quaternions as (x, y, z, w), a free joint's velocity is in the body's axes: see dynStateLayout. The configuration
-   that the file draws is named "qpos0" where it is not the neutral one, keys are named configurations. Joints without a name have their
-   body's, with _joint behind it; bodies without one are body_<number in the file>. Tendons, other actuators and equalities, sensors, flexible bodies
-   and plugins are in the load report, each with its line. base must be left out or is ignored: the file has free joints; srdf is refused. */
+   MJCF, what is read:
+     - bodies, frames, replicas, attached models, included files, classes of defaults;
+     - inertials, and masses of geoms by MuJoCo's rules; gravity, gravcomp, the medium;
+     - hinge, slide, ball and free joints, several on a body, with reference, limits, armature, damping, dry
+       friction and springs;
+     - geoms as shapes (visual when contype and conaffinity are 0), height fields, sites as frames;
+     - meshes: STL, OBJ, MSH, vertices in the file;
+     - excluded and wanted pairs;
+     - actuators of one degree of freedom with affine laws;
+     - connect, weld and joint equalities (rigid).
+
+   MJCF, how: q is MuJoCo's qpos with quaternions (x, y, z, w). A free joint's velocity is in the body's axes:
+   see dynStateLayout. The configuration that the file draws is named "qpos0" unless it is the neutral one.
+   Keys are named configurations. A joint without a name has its body's name with _joint behind it. A body
+   without a name is body_<number in the file>. Tendons, other actuators and equalities, sensors, flexible
+   bodies and plugins are in the load report, with their lines. base is ignored: the file has free joints.
+   srdf is refused. */
 DYN_API dynStatus dyn_model_load(const char* path, const dynLoadOptions* options, dynModel** model);
-/* The same from text in memory (zero-terminated). Relative paths in it refer to the working directory. */
+/* Reads the same from zero-terminated text. Relative paths in the text start at the working directory. */
 DYN_API dynStatus dyn_model_load_string(const char* text, const dynLoadOptions* options, dynModel** model);
-/* NULL is allowed. Data made from the model must not be used afterwards: that is DYN_ERROR_MODEL, not a crash. */
+/* NULL is allowed. Later use of data made from the model returns DYN_ERROR_MODEL: no crash. */
 DYN_API void dyn_model_free(dynModel* model);
 
-/* The load report: everything in the file that was not used, replaced, or is worth knowing; in the file's order. */
+/* The load report: everything in the file that was ignored, replaced, or is worth knowing, in the file's
+   order. */
 typedef struct dynReportEntry {
   uint32_t struct_size;
   dynReportLevel level;
@@ -187,57 +230,70 @@ typedef struct dynReportEntry {
 DYN_API int dyn_model_report_count(const dynModel* model);
 DYN_API dynStatus dyn_model_report_entry(const dynModel* model, int index, dynReportEntry* entry);
 
-/* ------------------------------------------------------------------------------------------------------- saving */
+/* ------------------------------------------------------------------------------------------------- saving */
 
 typedef enum dynFormat {
-  DYN_FORMAT_URDF = 1,  /* .urdf */
-  DYN_FORMAT_MJCF = 2,  /* .xml, .mjcf */
-  DYN_FORMAT_DYNB = 3   /* .dynb: the compiled model as it is, with a checksum; read by builds with the same layout of memory alone, which it says:
-                           x86-64 and 64-bit ARM share one */
+  DYN_FORMAT_URDF = 1, /* URDF, extension .urdf. */
+  DYN_FORMAT_MJCF = 2, /* MJCF, extensions .xml and .mjcf. */
+  /* The compiled model with a checksum, extension .dynb, for builds of the same memory layout. */
+  DYN_FORMAT_DYNB = 3
 } dynFormat;
 
-/* Called for each thing that the format has no place for (WARNING) or says in another way (INFO): one line, valid during the call. */
+/* Called once for each thing that the format cannot hold (WARNING) or holds in another form (INFO). message
+   is one line and valid during the call. */
 typedef void (*dynSaveReport)(void* context, dynReportLevel level, const char* message);
 
-/* Writes a model in the format that the path's extension names; a file that is there stays as it is until the new one is complete. report may be
-   NULL. strict, non-zero: a WARNING is DYN_ERROR_STRICT, and nothing is written. Numbers read back as the same doubles.
+/* Writes a model in the format of the path's extension. An existing file is replaced only when the new one is
+   complete. report may be NULL. With strict (non-zero) a WARNING is DYN_ERROR_STRICT, and nothing is written.
+   Numbers read back as the same doubles. A .dynb names its memory layout: x86-64 and 64-bit ARM share one.
 
-   URDF: joints of other types are chains of its own joints with links without mass between them, frames are links on fixed joints, constraints stand
-   in a <libdyn> block; what holds the root link is again an option of loading. MJCF: the joints of a body, frames as sites, mimic joints as
-   equalities (a WARNING: they are no reduction), actuators, constraints, pairs, keys. The lines say what is lost. */
-DYN_API dynStatus dyn_model_save(const dynModel* model, const char* path, int strict, dynSaveReport report, void* context);
-/* The same into memory: capacity bytes of buffer (NULL with 0: none), which text does not end with a zero; size: how many there are. DYN_ERROR_SIZE
-   when they don't fit. */
-DYN_API dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, int strict, dynSaveReport report, void* context, void* buffer, size_t capacity,
+   URDF: joints of other types become chains of URDF joints and massless links. Frames become links on fixed
+   joints. Constraints go into a <libdyn> block. The base is again an option of loading.
+
+   MJCF: it holds the joints of a body, frames as sites, actuators, constraints, pairs and keys. Mimic joints
+   become equalities, with a WARNING: an equality is no reduction. The report lists all losses. */
+DYN_API dynStatus dyn_model_save(const dynModel* model, const char* path, int strict, dynSaveReport report,
+                                 void* context);
+/* Writes the same into `capacity` bytes of buffer (NULL with 0: none). *size is the size needed. Text does
+   not end with a zero. Returns DYN_ERROR_SIZE when the buffer is too small. */
+DYN_API dynStatus dyn_model_save_memory(const dynModel* model, dynFormat format, int strict,
+                                        dynSaveReport report, void* context, void* buffer, size_t capacity,
                                         size_t* size);
 
-/* A model without files and heap. An image is what a .dynb holds; dyn convert writes it as a C array, to be linked into a program. */
+/* A model without files and heap. An image is the content of a .dynb. `dyn convert` writes it as a C array to
+   link into a program. */
 enum {
-  DYN_IMAGE_NARROW = 1,  /* for machines without SIMD, as a Cortex-M: 3-vectors take three numbers, not four */
-  DYN_IMAGE_NAMELESS = 2 /* without names and load report: ids are as before, all names are "". It can be used in place alone */
+  /* For machines without SIMD, as a Cortex-M: 3-vectors take three numbers, not four. */
+  DYN_IMAGE_NARROW = 1,
+  /* No names and no load report: ids are as before, all names are ""; for use in place alone. */
+  DYN_IMAGE_NAMELESS = 2
 };
-DYN_API dynStatus dyn_model_image(const dynModel* model, uint32_t flags, void* buffer, size_t capacity, size_t* size);
-/* The model that lies in a buffer (flash, a mapped file, shared memory), used where it is: nothing is copied, nothing allocated. The buffer lies on a
-   boundary of 64 bytes, and neither changes nor goes while the model is in use; dyn_model_free does nothing to it. Its checksum, its layout, and every
-   size, offset, index, type and number in it are checked first. Two buffers of equal content are one model: each goes with the other's data. */
+DYN_API dynStatus dyn_model_image(const dynModel* model, uint32_t flags, void* buffer, size_t capacity,
+                                  size_t* size);
+/* Opens the model in a buffer (flash, a mapped file, shared memory) in place: no copy, no allocation. The
+   buffer is aligned to 64 bytes. It must not change or go away while the model is in use. dyn_model_free
+   leaves it alone. Checksum, layout, and every size, offset, index, type and number are checked first.
+   Buffers with equal content have the same model id, so their data are interchangeable. */
 DYN_API dynStatus dyn_model_from_buffer(const void* buffer, size_t size, const dynModel** model);
 
-/* ------------------------------------------------------------------------------------------------------- the model */
+/* ---------------------------------------------------------------------------------------------- the model */
 
-/* Sizes; -1 for an invalid handle (dyn_last_error says why). */
+/* Sizes; -1 for an invalid handle (see dyn_last_error). */
 DYN_API int dyn_model_nq(const dynModel* model);
 DYN_API int dyn_model_nv(const dynModel* model);
 DYN_API int dyn_model_njoints(const dynModel* model); /* joints that move, plus the universe (joint 0) */
 DYN_API int dyn_model_nframes(const dynModel* model); /* frame 0 is the universe */
-DYN_API int dyn_model_nbodies(const dynModel* model); /* links, the universe not counted */
-DYN_API size_t dyn_model_size(const dynModel* model); /* bytes of the compiled model; 0 for an invalid handle */
+DYN_API int dyn_model_nbodies(const dynModel* model); /* links, without the universe */
+/* bytes of the compiled model; 0 for an invalid handle */
+DYN_API size_t dyn_model_size(const dynModel* model);
 
-/* Names and ids. Ids are indices; a name that does not exist gives -1 and an error that lists near misses. */
-DYN_API const char* dyn_model_name(const dynModel* model);             /* NULL for an invalid handle */
-DYN_API const char* dyn_model_joint_name(const dynModel* model, int joint);  /* NULL when out of range */
+/* Names and ids. An id is an index. An unknown name returns -1, and the error lists similar names. */
+DYN_API const char* dyn_model_name(const dynModel* model); /* NULL for an invalid handle */
+DYN_API const char* dyn_model_joint_name(const dynModel* model, int joint); /* NULL when out of range */
 DYN_API const char* dyn_model_frame_name(const dynModel* model, int frame);
 DYN_API int dyn_model_joint_id(const dynModel* model, const char* name);
-/* A name may belong to several frames (a link and a joint): joints and user frames are found before links; see dyn_model_frame_id_of_type. */
+/* Several frames may share a name (a link and a joint). Joints and user frames are found before links; use
+   dyn_model_frame_id_of_type to choose. */
 DYN_API int dyn_model_frame_id(const dynModel* model, const char* name);
 DYN_API int dyn_model_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type);
 
@@ -245,14 +301,14 @@ typedef struct dynJointInfo {
   uint32_t struct_size;
   const char* name;
   dynJointType type;
-  int32_t parent;         /* parent joint; 0 is the universe */
-  int32_t idx_q, idx_v;   /* first index in q and v; a follower's are its leader's */
-  int32_t nq, nv;         /* a follower has nq = nv = 0 */
-  int32_t mimic_leader;   /* joint it follows, or -1 */
+  int32_t parent;                   /* parent joint; 0 is the universe */
+  int32_t idx_q, idx_v;             /* first index in q and v; a follower has its leader's */
+  int32_t nq, nv;                   /* a follower has nq = nv = 0 */
+  int32_t mimic_leader;             /* the joint that this one follows, or -1 */
   double mimic_ratio, mimic_offset; /* q_follower = ratio * q_leader + offset */
-  double axis[3], axis2[3]; /* in the joint's frame */
-  double pitch;           /* helical: metres per radian */
-  double placement[12];   /* joint frame in the parent joint's frame, at the neutral configuration */
+  double axis[3], axis2[3];         /* in the joint's frame */
+  double pitch;                     /* helical: metres per radian */
+  double placement[12]; /* joint frame in the parent joint's frame, at the neutral configuration */
 } dynJointInfo;
 DYN_API dynStatus dyn_model_joint_info(const dynModel* model, int joint, dynJointInfo* info);
 
@@ -260,176 +316,218 @@ typedef struct dynFrameInfo {
   uint32_t struct_size;
   const char* name;
   dynFrameType type;
-  int32_t joint;          /* joint that carries it */
-  double placement[12];   /* in that joint's frame */
-  double mass;            /* of the link or frame itself: merged links keep their own */
-  double com[3];          /* in the frame, metres */
-  double inertia[9];      /* about the centre of mass, frame axes, kg m^2 */
+  int32_t joint;        /* joint that carries the frame */
+  double placement[12]; /* in that joint's frame */
+  double mass;          /* kg, of this link or frame alone: merged links keep their own */
+  double com[3];        /* m, in the frame */
+  double inertia[9];    /* kg m^2, about the centre of mass, frame axes */
 } dynFrameInfo;
 DYN_API dynStatus dyn_model_frame_info(const dynModel* model, int frame, dynFrameInfo* info);
 
-/* Shapes of the file, kept as data. */
-typedef enum dynShapeType { DYN_SHAPE_TYPE_BOX = 1, DYN_SHAPE_TYPE_SPHERE = 2, DYN_SHAPE_TYPE_CYLINDER = 3, DYN_SHAPE_TYPE_MESH = 4, DYN_SHAPE_TYPE_CAPSULE = 5,
-                            DYN_SHAPE_TYPE_CONE = 6, DYN_SHAPE_TYPE_ELLIPSOID = 7, DYN_SHAPE_TYPE_HALF_SPACE = 8, DYN_SHAPE_TYPE_CONVEX = 9,
-                            DYN_SHAPE_TYPE_TRIANGLES = 10, DYN_SHAPE_TYPE_HEIGHT_FIELD = 11 } dynShapeType;
-typedef enum dynShapeRole { DYN_SHAPE_ROLE_COLLISION = 1, DYN_SHAPE_ROLE_VISUAL = 2 } dynShapeRole;
-/* What happens where a shape touches another. Of two shapes: the larger friction, torsion, rolling, restitution and damping, the springs in
-   a row, and a slip velocity that is the difference of the two. */
+typedef enum dynShapeType {
+  DYN_SHAPE_TYPE_BOX = 1,          /* A box; size: full lengths. */
+  DYN_SHAPE_TYPE_SPHERE = 2,       /* A sphere; size: radius. */
+  DYN_SHAPE_TYPE_CYLINDER = 3,     /* A cylinder along z; size: radius, length. */
+  DYN_SHAPE_TYPE_MESH = 4,         /* A mesh of which only the file's name is known; size: scale. */
+  DYN_SHAPE_TYPE_CAPSULE = 5, /* A capsule along z; size: radius, length between the centres of its caps. */
+  DYN_SHAPE_TYPE_CONE = 6,         /* A cone along z with its apex up; size: radius, length. */
+  DYN_SHAPE_TYPE_ELLIPSOID = 7,    /* An ellipsoid; size: semi-axes. */
+  DYN_SHAPE_TYPE_HALF_SPACE = 8,   /* All points with z <= 0; size is not used. */
+  DYN_SHAPE_TYPE_CONVEX = 9,       /* A convex hull; size: scale, applied already. */
+  DYN_SHAPE_TYPE_TRIANGLES = 10,   /* A triangle mesh; size: scale, applied already. */
+  DYN_SHAPE_TYPE_HEIGHT_FIELD = 11 /* A height field, solid down to its bottom. */
+} dynShapeType;
+typedef enum dynShapeRole {
+  DYN_SHAPE_ROLE_COLLISION = 1, /* The shape takes part in collision and contact. */
+  DYN_SHAPE_ROLE_VISUAL = 2     /* The shape is drawn and has no effect. */
+} dynShapeRole;
+/* Contact properties of a shape. A contact takes the larger friction, torsion, rolling, restitution and
+   damping of the two shapes. Their springs act in series. The slip velocity is the difference of their
+   surface velocities. */
 typedef struct dynMaterial {
-  double friction;          /* Coulomb's coefficient; default 1 */
-  double torsion, rolling;  /* m: moment about the normal, and across it, by the normal force; default 0: none */
-  double restitution;       /* 0 .. 1; default 0. Of impacts faster than twice what the step's own acceleration makes, or than 0.05 m/s */
-  double stiffness;         /* N/m; default 0: rigid */
-  double damping;           /* N s/m of a contact with stiffness */
+  double friction;            /* Coulomb's coefficient; default 1 */
+  double torsion, rolling; /* m: moment about the normal and across it, per normal force; default 0: none */
+  /* 0 .. 1; default 0. It acts in impacts faster than both 0.05 m/s and twice the speed that the step's own
+     acceleration makes. */
+  double restitution;
+  double stiffness;           /* N/m; default 0: rigid */
+  double damping;             /* N s/m of a contact with stiffness */
   double surface_velocity[3]; /* m/s, in the shape's frame: a conveyor belt; default 0 */
 } dynMaterial;
 
 typedef struct dynShapeInfo {
   uint32_t struct_size;
-  const char* name;       /* "" when the file gives none */
+  const char* name;              /* "" when the file gives none */
   dynShapeType type;
   dynShapeRole role;
-  int32_t frame;          /* BODY frame that carries it */
-  double placement[12];   /* in that frame */
-  double size[3];         /* box: full lengths; sphere: radius; cylinder, capsule, cone (apex up): radius, length along z; ellipsoid: semi-axes;
-                             half-space, all below z = 0: none; mesh, and what was made of one: scale, applied already */
-  const char* mesh;       /* resolved path, also of what stands for a mesh (dynMeshUse); "" for others */
-  double radius;          /* m, of rounding: points within that distance belong to the shape */
-  uint32_t contype, conaffinity; /* groups it is in, groups it collides with, a bit each: see DYN_PAIR_REASON_MASK */
+  int32_t frame;                 /* BODY frame that carries the shape */
+  double placement[12];          /* in that frame */
+  double size[3];                /* m, as said at dynShapeType */
+  const char* mesh; /* resolved path, also of a shape made from a mesh (dynMeshUse); "" for others */
+  double radius;                 /* m, of rounding: points within this distance belong to the shape */
+  uint32_t contype, conaffinity; /* bits: own groups, and groups to collide with; see DYN_PAIR_REASON_MASK */
   dynMaterial material;
 } dynShapeInfo;
 DYN_API int dyn_model_nshapes(const dynModel* model);
 DYN_API dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
-/* How it looks: red, green, blue, opacity, 0 to 1, of 8 bits each: the <material> of a URDF, rgba of an MJCF (or its material's). -1 where nothing is said. */
+/* Colour for pictures: red, green, blue, opacity, 0 to 1, of 8 bits each. It comes from <material> of a URDF,
+   or from rgba of an MJCF (or of its material). All are -1 when the file gives none. */
 DYN_API dynStatus dyn_model_shape_rgba(const dynModel* model, int shape, double rgba[4]);
-/* What a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD is made of, a new mesh in the shape's frame; triangles in an order of their own. */
+/* Makes a mesh of a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD, in the shape's frame. Triangles may come
+   in another order than in the file. Free it with dyn_mesh_free. */
 DYN_API dynStatus dyn_model_shape_mesh(const dynModel* model, int shape, dynMesh** mesh);
 
-/* Pairs of links that an SRDF takes out of collision tests: <disable_collisions>, and <disable_default_collisions> as MoveIt reads it.
-   frame1 and frame2 are BODY frames; reason is the file's, "" when it gives none. Any output may be NULL. */
+/* Pairs of links that an SRDF excludes from collision tests: <disable_collisions>, and
+   <disable_default_collisions> as in MoveIt. frame1 and frame2 are BODY frames. reason is the file's, or "".
+   Any output may be NULL. */
 DYN_API int dyn_model_ndisabled_pairs(const dynModel* model);
-DYN_API dynStatus dyn_model_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2, const char** reason);
+DYN_API dynStatus dyn_model_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2,
+                                          const char** reason);
 
-/* Per-degree-of-freedom numbers of the model, each nv (limits: nq) doubles that live as long as the model; NULL for an
-   invalid handle. Absent limits are infinite. */
+/* Arrays of the model. They live as long as the model. Absent limits are infinite. */
 typedef enum dynModelArray {
-  DYN_MODEL_ARRAY_LOWER_LIMIT = 0,    /* nq: quaternion parts are -inf, inf */
-  DYN_MODEL_ARRAY_UPPER_LIMIT = 1,    /* nq */
-  DYN_MODEL_ARRAY_VELOCITY_LIMIT = 2, /* nv */
-  DYN_MODEL_ARRAY_EFFORT_LIMIT = 3,   /* nv */
-  DYN_MODEL_ARRAY_ARMATURE = 4,       /* nv: added to the diagonal of M, kg m^2 or kg */
-  DYN_MODEL_ARRAY_DAMPING = 5,        /* nv: N m s/rad or N s/m: acts when switched on, see dyn_data_set_effects */
-  DYN_MODEL_ARRAY_FRICTION = 6,       /* nv: dry friction, N m or N; likewise */
-  DYN_MODEL_ARRAY_GRAVITY = 7,        /* 3: m/s^2 */
-  DYN_MODEL_ARRAY_STIFFNESS = 8,      /* nv: springs, N m/rad or N/m; likewise */
-  DYN_MODEL_ARRAY_SPRING_REFERENCE = 9 /* nq: where they are at rest */
+  DYN_MODEL_ARRAY_LOWER_LIMIT = 0,     /* nq: lower position limits (rad, m); -inf for quaternion parts. */
+  DYN_MODEL_ARRAY_UPPER_LIMIT = 1,     /* nq: upper position limits (rad, m); inf for quaternion parts. */
+  DYN_MODEL_ARRAY_VELOCITY_LIMIT = 2,  /* nv: velocity limits, rad/s or m/s. */
+  DYN_MODEL_ARRAY_EFFORT_LIMIT = 3,    /* nv: effort limits, N m or N. */
+  DYN_MODEL_ARRAY_ARMATURE = 4,        /* nv: armature, added to the diagonal of M, kg m^2 or kg. */
+  DYN_MODEL_ARRAY_DAMPING = 5,         /* nv: damping, N m s/rad or N s/m; see dyn_data_set_effects. */
+  DYN_MODEL_ARRAY_FRICTION = 6,        /* nv: dry friction, N m or N; see dyn_data_set_effects. */
+  DYN_MODEL_ARRAY_GRAVITY = 7,         /* 3: gravity, m/s^2, world axes. */
+  DYN_MODEL_ARRAY_STIFFNESS = 8,       /* nv: spring stiffness, N m/rad or N/m; see dyn_data_set_effects. */
+  DYN_MODEL_ARRAY_SPRING_REFERENCE = 9 /* nq: configuration at which the springs are at rest. */
 } dynModelArray;
+/* Returns NULL for an invalid handle. */
 DYN_API const double* dyn_model_array(const dynModel* model, dynModelArray which);
-/* Mass of what moves, kg: links welded to the world do not count, here as in the centre of mass and the energies. NaN for an
-   invalid handle. */
+/* Returns the mass of everything that moves, kg. Links welded to the world do not count, as in com and the
+   energies. Returns NaN for an invalid handle. */
 DYN_API double dyn_model_total_mass(const dynModel* model);
 
-/* Named configurations ("neutral" is always there as index 0). Each <group_state> of an SRDF is one, under its own name, or as
-   "group/state" when several groups have a state of that name; joints that it does not name are neutral. */
+/* Named configurations. Index 0 is always "neutral". Each <group_state> of an SRDF is one, named
+   "group/state" when several groups have a state of that name. Joints that the state omits are neutral. */
 DYN_API int dyn_model_nconfigurations(const dynModel* model);
 DYN_API const char* dyn_model_configuration_name(const dynModel* model, int index);
 DYN_API dynStatus dyn_model_configuration(const dynModel* model, const char* name, double* q);
 
-/* Indices into q (or v) of each named joint's first coordinate, in the order of names; fails on missing or repeated names. */
-DYN_API dynStatus dyn_model_q_permutation(const dynModel* model, const char* const* names, size_t count, int32_t* idx_q, int32_t* idx_v);
+/* Writes the first index in q (and v) of each named joint, in the order of names. Fails on unknown or
+   repeated names. */
+DYN_API dynStatus dyn_model_q_permutation(const dynModel* model, const char* const* names, size_t count,
+                                          int32_t* idx_q, int32_t* idx_v);
 
-/* ------------------------------------------------------------------------------------------------------- the builder */
+/* -------------------------------------------------------------------------------------------- the builder */
 
 typedef struct dynJointSpec {
-  uint32_t struct_size;             /* set by dyn_joint_spec_init */
+  uint32_t struct_size;                        /* set by dyn_joint_spec_init */
   const char* name;
   dynJointType type;
-  const char* parent;               /* name of the joint (or of any frame) that carries it; NULL or "universe": the world */
-  double placement[12];             /* joint frame in the parent's frame; default identity */
-  double axis[3];                   /* need not be unit; default z */
-  double axis2[3];                  /* universal only; default x */
-  double pitch;                     /* helical: metres per radian */
-  const double *lower, *upper;      /* nq numbers each or NULL (infinite); -inf below and inf above: no limit. Of a quaternion that of w counts: a spherical joint's
-                                       lower one, cos(a/2) in [0, 1), keeps the angle of its rotation below a; those of x, y, z limit nothing */
-  const double *velocity, *effort;  /* nv numbers each or NULL (infinite) */
-  const double *armature, *damping, *friction; /* nv numbers each or NULL (zero) */
-  const double* stiffness;          /* of springs: nv numbers or NULL (zero); a quaternion's three must be equal, a free flyer's zero */
-  const double* spring_reference;   /* nq numbers: where they are at rest; NULL: at the neutral configuration */
-  double rotor_inertia, gear_ratio; /* one-degree-of-freedom joints: adds rotor_inertia * gear_ratio^2 to the armature */
-  const char* mimic;                /* leader's name or NULL: one-degree-of-freedom joints of any order in the tree */
+  const char* parent; /* name of the joint or frame that carries it; NULL or "universe": the world */
+  double placement[12];                        /* joint frame in the parent's frame; default identity */
+  double axis[3];                              /* any length but zero; default z */
+  double axis2[3];                             /* universal only; default x */
+  double pitch;                                /* helical: metres per radian */
+  /* nq numbers each, or NULL: no limits. -inf and inf are no limit. Of a quaternion only w has a limit: a
+     lower bound cos(a/2) in [0, 1) of a spherical joint keeps the rotation angle below a. */
+  const double *lower, *upper;
+  const double *velocity, *effort;             /* nv numbers each, or NULL: infinite */
+  const double *armature, *damping, *friction; /* nv numbers each, or NULL: zero */
+  /* nv numbers, or NULL: no springs. The three of a quaternion must be equal, a free flyer's zero. */
+  const double* stiffness;
+  const double* spring_reference;              /* nq numbers: configuration at rest; NULL: the neutral one */
+  /* joints of one degree of freedom: armature += rotor_inertia * gear_ratio^2 */
+  double rotor_inertia, gear_ratio;
+  /* leader's name, or NULL; for joints of one degree of freedom, in any order in the tree */
+  const char* mimic;
   double mimic_ratio, mimic_offset;
-  const struct dynJointSpec* parts; /* composite: its joints in order; only type, placement (after the previous part), axis, axis2, pitch are read */
-  size_t parts_count;               /* parts of any other type must be NULL, 0 */
+  /* composite: its joints in order. Read are type, placement (after the previous part), axis, axis2 and
+     pitch. */
+  const struct dynJointSpec* parts;
+  size_t parts_count;                          /* NULL and 0 for all other types */
 } dynJointSpec;
 DYN_API void dyn_joint_spec_init(dynJointSpec* spec);
 
 DYN_API dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder);
 DYN_API void dyn_builder_free(dynBuilder* builder); /* NULL is allowed */
 DYN_API dynStatus dyn_builder_set_gravity(dynBuilder* builder, const double gravity[3]);
-/* Fixed joints become frames. A parent must have been added before; ids of the finished model are depth first. */
+/* Adds a joint after its parent. A fixed joint becomes a frame. The finished model numbers joints depth
+   first. */
 DYN_API dynStatus dyn_builder_add_joint(dynBuilder* builder, const dynJointSpec* spec);
-/* A link: mass (kg), centre of mass (m) and inertia about it (3 x 3, kg m^2), both in the link's frame, which lies at
-   placement (12 doubles, NULL: identity) in the frame or joint named parent. A principal moment above the sum of the others: DYN_ERROR_INVALID. */
-DYN_API dynStatus dyn_builder_add_body(dynBuilder* builder, const char* name, const char* parent, const double* placement, double mass,
-                                   const double com[3], const double inertia[9]);
-DYN_API dynStatus dyn_builder_add_frame(dynBuilder* builder, const char* name, const char* parent, const double* placement, dynFrameType type);
-/* A share of a link's weight that is held from outside, at its centre of mass: 1 makes it weightless in steps. Any finite number. */
+/* Adds a link: mass (kg), centre of mass (m) and inertia about it (3 x 3, kg m^2), in the link's frame.
+   placement (12, NULL: identity) puts the link's frame in the frame or joint named parent. Returns
+   DYN_ERROR_INVALID when one principal moment is larger than the sum of the others. */
+DYN_API dynStatus dyn_builder_add_body(dynBuilder* builder, const char* name, const char* parent,
+                                       const double* placement, double mass, const double com[3],
+                                       const double inertia[9]);
+DYN_API dynStatus dyn_builder_add_frame(dynBuilder* builder, const char* name, const char* parent,
+                                        const double* placement, dynFrameType type);
+/* Holds a share of a link's weight from outside, at its centre of mass. 1 makes the link weightless in steps.
+   Any finite number is allowed. */
 DYN_API dynStatus dyn_builder_set_gravity_compensation(dynBuilder* builder, const char* body, double share);
-/* What the links move in: density (kg/m^3), viscosity (Pa s), both >= 0, and the velocity it moves with (m/s, world; NULL: it stands still). Steps
-   take the drag on each link as on the box of equal inertia with sides 2 r, relative to the medium and in the principal axes, with
-   b_i = 4 r_j r_k (the face across axis i) and d the mean of the sides:
+/* The medium around the links: density (kg/m^3, >= 0), viscosity (Pa s, >= 0) and wind (m/s, world; NULL:
+   none). Steps add drag to each link, as to the box of equal inertia with sides 2 r, relative to the medium,
+   in principal axes. b_i = 4 r_j r_k is the face across axis i, d the mean of the sides:
      force_i  = - density / 2 b_i |v_i| v_i - 3 pi d viscosity v_i
      moment_i = - density / 2 r_i (r_j^4 + r_k^4) |w_i| w_i - pi d^3 viscosity w_i
-   (MuJoCo's inertia-based fluid model, documentation, Computation: Passive forces). */
-DYN_API dynStatus dyn_builder_set_medium(dynBuilder* builder, double density, double viscosity, const double wind[3]);
+   (MuJoCo's inertia-based fluid model; MuJoCo documentation, Computation: Passive forces.) */
+DYN_API dynStatus dyn_builder_set_medium(dynBuilder* builder, double density, double viscosity,
+                                         const double wind[3]);
 /* A shape on a link. */
 typedef struct dynShapeSpec {
-  uint32_t struct_size;   /* set by dyn_shape_spec_init */
-  const char* name;       /* NULL: none */
+  uint32_t struct_size;          /* set by dyn_shape_spec_init */
+  const char* name;              /* NULL: none */
   dynShapeType type;
-  dynShapeRole role;      /* default collision */
-  const char* body;       /* the link that carries it; NULL or "universe": the world */
-  double placement[12];   /* in the link's frame; default identity */
-  double size[3];         /* as in dynShapeInfo, metres > 0 */
-  const char* mesh;       /* MESH: its file, kept as a name; also of what was made of it */
-  double radius;          /* m, >= 0; of rounding, not of a mesh */
+  dynShapeRole role;             /* default collision */
+  const char* body;              /* the link that carries the shape; NULL or "universe": the world */
+  double placement[12];          /* in the link's frame; default identity */
+  double size[3];                /* m, > 0, as said at dynShapeType */
+  const char* mesh;              /* the mesh file, kept as a name: of MESH, and of a shape made from a mesh */
+  double radius;                 /* m, >= 0, of rounding; not of MESH */
   uint32_t contype, conaffinity; /* default 1, 1 */
-  const dynMesh* surface; /* CONVEX: a hull (dyn_mesh_hull), TRIANGLES: a mesh, HEIGHT_FIELD: one of dyn_mesh_from_height_field; copied */
+  /* copied. CONVEX: a hull (dyn_mesh_hull); TRIANGLES: a mesh; HEIGHT_FIELD: see
+     dyn_mesh_from_height_field */
+  const dynMesh* surface;
   dynMaterial material;
 } dynShapeSpec;
 DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
 DYN_API dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* spec);
-/* How the shape that was added last looks, 0 to 1 each; for pictures alone. DYN_ERROR_INVALID: there is none. */
+/* Sets the colour of the last added shape, 0 to 1 each, for pictures alone. Returns DYN_ERROR_INVALID when
+   there is no shape. */
 DYN_API dynStatus dyn_builder_set_shape_rgba(dynBuilder* builder, const double rgba[4]);
-/* Two collision shapes of different bodies, by their names, that are tested whatever the filter says; material: of their contacts in steps, NULL: it
-   follows from those of the shapes. */
-DYN_API dynStatus dyn_builder_add_pair(dynBuilder* builder, const char* shape1, const char* shape2, const dynMaterial* material);
-/* A named configuration: nq numbers in the finished model's order. Its quaternions and (cos, sin) pairs need not be unit: the model
-   keeps them normalised. A zero one is refused by dyn_builder_finish (DYN_ERROR_QUATERNION). */
-DYN_API dynStatus dyn_builder_add_configuration(dynBuilder* builder, const char* name, const double* q, size_t nq);
-/* Operations on the whole robot. One that fails leaves the builder as it was. */
+/* Makes a pair of collision shapes of different bodies tested, whatever the filters say. Shapes are named.
+   material is that of their contacts in steps; NULL: it follows from the two shapes. */
+DYN_API dynStatus dyn_builder_add_pair(dynBuilder* builder, const char* shape1, const char* shape2,
+                                       const dynMaterial* material);
+/* Adds a named configuration: nq numbers in the finished model's order. Quaternions and (cos, sin) pairs are
+   normalised. dyn_builder_finish refuses a zero one (DYN_ERROR_QUATERNION). */
+DYN_API dynStatus dyn_builder_add_configuration(dynBuilder* builder, const char* name, const double* q,
+                                                size_t nq);
+/* Operations on the whole robot. A failed one leaves the builder unchanged. */
 
-/* A builder that holds all that a model was made from (a follower's limits, which a model has not, excepted): finished at once, it
-   makes the same model. */
+/* Makes a builder from a model. Finished at once, the builder makes the same model. Only the limits of
+   followers are lost: a model has none. */
 DYN_API dynStatus dyn_builder_from_model(const dynModel* model, dynBuilder** builder);
-/* Locks joints at a configuration: q, nq numbers in the order of the model that finish would make now, normalised. Their links
-   become part of the body that carries them; joints stay as frames of type DYN_FRAME_TYPE_FIXED_JOINT, links, frames and shapes as they
-   are; named configurations lose the locked coordinates. A leader takes its followers along; a follower alone is
-   DYN_ERROR_INVALID, and so is a coordinate outside of the joint's limits. */
-DYN_API dynStatus dyn_builder_lock(dynBuilder* builder, const char* const* joints, size_t count, const double* q, size_t nq);
-/* Adds a whole model, its names behind prefix (NULL: as they are). Its world is what joint carries, of any type: DYN_JOINT_TYPE_FIXED
-   welds; NULL: its world is the builder's. Shapes of its world hang on a link of the joint's name. Named configurations of one name are joined, and neutral in what has none of that name;
-   gravity stays the builder's. A name that both have is DYN_ERROR_NAME. */
-DYN_API dynStatus dyn_builder_attach(dynBuilder* builder, const dynModel* model, const char* prefix, const dynJointSpec* joint);
-/* Keeps a joint and what it carries. The frame of the joint's parent becomes the world: attached there again, the subtree is where
-   it was. DYN_ERROR_INVALID when a joint of it follows one outside. */
+/* Locks joints at a configuration: q has nq numbers, in the order that finish would give now, and is
+   normalised. The joints become frames of type DYN_FRAME_TYPE_FIXED_JOINT. Links, frames and shapes stay, as
+   part of the carrying body. Named configurations lose the locked coordinates. A leader locks its followers
+   too. Returns DYN_ERROR_INVALID for a follower alone, and for a coordinate outside of the joint's limits. */
+DYN_API dynStatus dyn_builder_lock(dynBuilder* builder, const char* const* joints, size_t count,
+                                   const double* q, size_t nq);
+/* Adds a whole model. prefix goes before its names (NULL: none). joint, of any type, carries the model's
+   world: DYN_JOINT_TYPE_FIXED welds. joint NULL: the two worlds are one. Shapes of its world go to a link of
+   the joint's name. Configurations of the same name are joined; a part without that name is neutral. Gravity
+   stays the builder's. Returns DYN_ERROR_NAME when both have a name. */
+DYN_API dynStatus dyn_builder_attach(dynBuilder* builder, const dynModel* model, const char* prefix,
+                                     const dynJointSpec* joint);
+/* Keeps a joint and its subtree alone. The frame of the joint's parent becomes the world. Attached there
+   again, the subtree is in its old place. Returns DYN_ERROR_INVALID when a joint inside follows one outside.
+   */
 DYN_API dynStatus dyn_builder_keep_subtree(dynBuilder* builder, const char* joint);
-/* Takes away a joint and what it carries; the same error when a joint that stays follows one of those. */
+/* Removes a joint and its subtree. Returns DYN_ERROR_INVALID when a joint that stays follows a removed one.
+   */
 DYN_API dynStatus dyn_builder_remove_subtree(dynBuilder* builder, const char* joint);
-/* Compiles. The builder stays valid and may be extended and finished again. */
+/* Compiles the model. The builder stays valid: it may be extended and finished again. */
 DYN_API dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model);
 
-/* ------------------------------------------------------------------------------------------------------- data */
+/* --------------------------------------------------------------------------------------------------- data */
 
 /* Parts: groups of buffers. What is not asked for is not allocated; a call that needs an absent part says so. */
 typedef uint32_t dynParts;
@@ -534,7 +632,7 @@ DYN_API dynField dyn_field_id(const char* name); /* -1: unknown */
    DYN_ERROR_PART when data was made without it. The view stays valid (and follows the data) until the data is freed. */
 DYN_API dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, dynArray* out);
 
-/* ------------------------------------------------------------------------------------------------------- kinematics */
+/* --------------------------------------------------------------------------------------------- kinematics */
 
 /* Placements, velocities and accelerations of all joints. v NULL and a NULL both: placements only; a NULL: no accelerations.
    (To reuse held values pass the data's own arrays: dyn_data_array of the fields "v" and "a".) */
@@ -576,7 +674,7 @@ DYN_API dynStatus dyn_frame_classical_acceleration_derivatives(const dynModel* m
    dyn_frame_jacobian along q (+) e_k t: the sum of H_k v_k is its time variation. Needs placements of the current q and part JACOBIANS. */
 DYN_API dynStatus dyn_frame_kinematic_hessian(const dynModel* model, dynData* data, int frame, dynReference reference, double* H);
 
-/* ------------------------------------------------------------------------------------------------------- centre of mass */
+/* ----------------------------------------------------------------------------------------- centre of mass */
 
 /* com, vcom, acom: 3 each, world axes. v and a NULL as in dyn_forward_kinematics (which this includes). */
 DYN_API dynStatus dyn_com(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
@@ -591,7 +689,7 @@ DYN_API dynStatus dyn_subtree_com(const dynModel* model, dynData* data, int join
 /* Jacobian of that point, 3 x nv. Needs dyn_com. */
 DYN_API dynStatus dyn_subtree_jcom(const dynModel* model, dynData* data, int joint, double* J);
 
-/* ------------------------------------------------------------------------------------------------------- centroidal */
+/* --------------------------------------------------------------------------------------------- centroidal */
 
 /* Momentum about the centre of mass, axes of the world, [linear; angular]: hg = Ag v (Orin, Goswami, Lee 2013). Rotors
    (armature) are left out; what is welded to the world does not count. Needs part CENTROIDAL. */
@@ -612,7 +710,7 @@ DYN_API dynStatus dyn_centroidal_momentum_time_variation(const dynModel* model, 
 DYN_API dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
                                              double* dh_dq, double* dhdot_dq, double* dhdot_dv, double* dhdot_da);
 
-/* ------------------------------------------------------------------------------------------------------- dynamics */
+/* ----------------------------------------------------------------------------------------------- dynamics */
 
 /* External forces fext: 6 x njoints, [force; moment] on each joint's body, at the joint frame's origin, in the joint's
    frame; column 0 (the universe) is ignored. NULL: none. They are not part of the state: tau - J^T f. */
@@ -680,7 +778,7 @@ enum {
 };
 DYN_API dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, const double* q, const double* v, uint32_t* filled);
 
-/* ------------------------------------------------------------------------------------------------------- identification */
+/* ----------------------------------------------------------------------------------------- identification */
 
 /* Inertial parameters of a body: pi = [m, m c (3), Ixx, Ixy, Iyy, Ixz, Iyz, Izz], c its centre of mass and I its inertia about the
    frame's origin (not about c), in the frame's axes. nparameters = 10 (njoints - 1): the ten of joint 1's body, those of joint
@@ -720,7 +818,7 @@ DYN_API dynStatus dyn_log_cholesky_jacobian(const double theta[10], double jacob
    is a limit of such bodies and answers 0.) */
 DYN_API dynStatus dyn_is_physically_consistent(const double pi[10], int* consistent);
 
-/* ------------------------------------------------------------------------------------------------------- configurations */
+/* ----------------------------------------------------------------------------------------- configurations */
 /* q's quaternions need not be unit on input and are unit on output. None of these touches data. */
 
 /* out = q (+) v: where q gets to with the constant velocity v in one second; pass v dt. out may be q. nq */
@@ -743,7 +841,7 @@ DYN_API dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q
 /* d(q1 (-) q0)/dq0 and /dq1, nv x nv each (either may be NULL). */
 DYN_API dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1, double* dq0, double* dq1);
 
-/* ------------------------------------------------------------------------------------------------------- other libraries' states */
+/* -------------------------------------------------------------------------------- other libraries' states */
 
 /* How a peer stores the state of the same robot. The joint's own coordinates are the same but for:
      PINOCCHIO  continuous joints are (cos, sin); planar joints (x, y, cos, sin), their velocity in the body's axes.
@@ -786,7 +884,7 @@ DYN_API dynStatus dyn_state_layout_convert(const dynModel* model, const dynState
                                     const double* v, const double* a, const double* tau, double* q_out, double* v_out, double* a_out,
                                     double* tau_out);
 
-/* ------------------------------------------------------------------------------------------------------- inverse kinematics */
+/* ------------------------------------------------------------------------------------- inverse kinematics */
 
 typedef enum dynIkTaskType {
   DYN_IK_TASK_TYPE_POSE = 1,        /* frame at target: error log6(target^-1 X_WF), 6, in the frame's axes */
@@ -850,7 +948,7 @@ typedef struct dynIkResult {
 DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks,
                          const dynIkOptions* options, double* solution, double* residuals, dynIkResult* result);
 
-/* ------------------------------------------------------------------------------------------------------- constraints */
+/* -------------------------------------------------------------------------------------------- constraints */
 
 /* What ties bodies or joints together. A constraint lies in a slot of the data: the model's own in the first dyn_model_nconstraints(model)
    slots, then spare ones (dynLoadOptions.constraint_slots, dyn_builder_set_constraint_slots) that a program sets as it goes: feet that
@@ -1020,7 +1118,7 @@ typedef struct dynConstraintReport {
 /* rows_out: room for `capacity` rows, NULL: none. Includes placements. */
 DYN_API dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const double* q, dynConstraintReport* report, dynRowReport* rows_out, int capacity);
 
-/* ------------------------------------------------------------------------------------------------------- collision */
+/* ---------------------------------------------------------------------------------------------- collision */
 
 /* Surfaces. TRIANGLES are the triangles themselves: the distance is the least signed distance of any of them, each a flat shape of its own.
    Where a shape touches none but lies inside of a closed mesh, it penetrates: a sphere, by its centre, as deep as it is (also where
@@ -1114,7 +1212,7 @@ DYN_API dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, d
    are. Those whose bounding boxes are farther apart cost next to nothing. Includes placements. Needs part COLLISION. */
 DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count);
 
-/* ------------------------------------------------------------------------------------------------------- contacts */
+/* ----------------------------------------------------------------------------------------------- contacts */
 
 /* Contact points: where the faces, edges and caps that two shapes turn to each other overlap, seen along their common normal
    (that of dyn_geometry_distance). Up to eight a pair at a distance of at most margin (m, >= 0): the deepest, and of more those that span the
@@ -1149,7 +1247,7 @@ DYN_API dynStatus dyn_contacts(const dynModel* model, dynData* data, const doubl
 DYN_API dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const double* q, double smoothing, double* distances, double* gradients,
                                        int* points);
 
-/* ------------------------------------------------------------------------------------------------------- rays, points, sweeps */
+/* ----------------------------------------------------------------------------------- rays, points, sweeps */
 
 /* The first point of a ray in a solid: origin + t direction, t >= 0 (0: the origin lies inside). */
 typedef struct dynRayHit {
@@ -1195,7 +1293,7 @@ typedef struct dynImpact {
 DYN_API dynStatus dyn_geometry_sweep(const dynGeometry* a, const double placement_a[12], const double motion_a[6], const dynGeometry* b,
                                   const double placement_b[12], const double motion_b[6], double duration, double margin, dynImpact* out);
 
-/* ------------------------------------------------------------------------------------------------------- broad phase */
+/* -------------------------------------------------------------------------------------------- broad phase */
 
 /* Which of many boxes overlap: a packed bounding-volume tree with eight children a node (Kamel and Faloutsos 1993) of boxes made larger by
    margin, so that one that moves less costs a comparison; overlaps are kept from query to query, and only boxes that left theirs are
@@ -1217,7 +1315,7 @@ DYN_API dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double
 DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double origin[3], const double direction[3], double max_t, int* ids,
                                       int capacity, int* count);
 
-/* ------------------------------------------------------------------------------------------------------- the contact problem */
+/* ------------------------------------------------------------------------------------ the contact problem */
 
 /* Contact with friction on a given Delassus matrix, no model needed: find impulses lambda and velocities c with
      c = (G + diag(compliance)) lambda + g + bias                              rows: equalities, then boxes, then contacts
@@ -1341,7 +1439,7 @@ typedef struct dynQp {
    linearisation alone is wanted. */
 DYN_API dynStatus dyn_contact_problem_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp);
 
-/* ------------------------------------------------------------------------------------------------------- actuators */
+/* ---------------------------------------------------------------------------------------------- actuators */
 
 /* What controls u drive in steps (forward dynamics by itself takes tau alone). Of the coordinate x that it acts on, in a joint whose neutral
    configuration is 0, with the length l = gear x:
@@ -1388,7 +1486,7 @@ DYN_API dynStatus dyn_data_set_control(const dynModel* model, dynData* data, con
 DYN_API dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame, const double* point, const double wrench[6], dynReference reference);
 DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
 
-/* ------------------------------------------------------------------------------------------------------- simulation */
+/* --------------------------------------------------------------------------------------------- simulation */
 
 /* Motion of q, v held in data under the constant tau, controls and wrenches held there, with the effects that are switched on, the contacts of the pairs that are tested,
    and the constraints of the slots that are enabled. Rotations are integrated on the group, so that the orders hold for them, too.
@@ -1507,7 +1605,7 @@ DYN_API dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, c
 DYN_API dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape, const dynMaterial* material);
 DYN_API dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, int shape, dynMaterial* material);
 
-/* ------------------------------------------------------------------------------------------------------- meshes */
+/* ------------------------------------------------------------------------------------------------- meshes */
 
 /* Triangle meshes, in metres, immutable: threads may share one. Equal vertices are made one, and triangles without area, or there twice,
    are dropped; dynMeshInfo counts both. At most 10^7 triangles. Files and hulls need the module libdyn_mesh.so (assimp, qhull), which is
@@ -1587,7 +1685,7 @@ DYN_API dynStatus dyn_mesh_rgb(const dynMesh* mesh, double* rgb);
 /* The convex hull of the vertices, another mesh. DYN_ERROR_INVALID: fewer than four points, or all in a plane. */
 DYN_API dynStatus dyn_mesh_hull(const dynMesh* mesh, dynMesh** hull);
 
-/* ------------------------------------------------------------------------------------------------------- batches */
+/* ------------------------------------------------------------------------------------------------ batches */
 
 /* Each algorithm over n states with several threads. Row k of an output is bit for bit what the function of the same name gives, on a
    new data, for row k of the inputs, however many threads there are. Arrays are plain and contiguous, state after state: row k of q begins at
@@ -1689,7 +1787,7 @@ typedef struct dynAlgorithmInfo {
 } dynAlgorithmInfo;
 DYN_API dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynAlgorithmInfo* info);
 
-/* ------------------------------------------------------------------------------------------------------- rollouts */
+/* ----------------------------------------------------------------------------------------------- rollouts */
 
 /* What a rollout records beside states, of a frame where one is named: what sensors on a robot would say. */
 typedef enum dynSensorType {
