@@ -3,7 +3,7 @@
 
 #include "simulation/workspace.hpp"
 #include "checks.hpp"
-#include "constraint/algorithms.hpp"
+#include "algorithm/constrained/algorithms.hpp"
 
 namespace dyn::capi {
 

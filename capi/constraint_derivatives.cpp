@@ -2,7 +2,7 @@
 #include <span>
 
 #include "constraint.hpp"
-#include "constraint/kkt_inverse.hpp"
+#include "algorithm/constrained/kkt_inverse.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;

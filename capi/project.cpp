@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "constraint.hpp"
-#include "constraint/report.hpp"
+#include "algorithm/constrained/report.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;

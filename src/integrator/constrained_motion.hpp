@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/portable.hpp"
-#include "constraint/algorithms.hpp"
+#include "algorithm/constrained/algorithms.hpp"
 #include "simulation/forces.hpp"
 
 namespace dyn::integrator {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "colour.hpp"
-#include "constraint/set.hpp"
+#include "model/constraints.hpp"
 #include "simulation/actuators.hpp"
 #include "mjcf_settings.hpp"
 

@@ -1,5 +1,5 @@
 // Model to URDF: constraints, and what there is no place for.
-#include "constraint/set.hpp"
+#include "model/constraints.hpp"
 #include "save_urdf.hpp"
 #include "urdf_robot.hpp"
 

@@ -8,7 +8,7 @@
 // friction (force); the last three have <first joint="..."/>.
 #include <algorithm>
 
-#include "constraint/set.hpp"
+#include "model/constraints.hpp"
 #include "reader.hpp"
 #include "urdf_robot.hpp"
 

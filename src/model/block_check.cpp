@@ -6,7 +6,7 @@
 
 #include "algorithm/declarations.hpp"
 #include "constraint/list.hpp"
-#include "constraint/set.hpp"
+#include "model/constraints.hpp"
 
 namespace dyn {
 

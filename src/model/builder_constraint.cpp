@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "builder_impl.hpp"
-#include "constraint/set.hpp"
+#include "model/constraints.hpp"
 
 namespace dyn {
 

@@ -183,7 +183,7 @@ inline dynParts complete_parts(const Model& m, dynParts p) {
 template <class T, dynParts possible = DYN_PART_ALL>
 std::size_t data_bytes(const Model& m, dynParts parts);
 
-// The model's constraints in their slots (constraint/set.hpp).
+// The model's constraints in their slots (model/constraints.hpp).
 template <class T>
 void set_up_constraints(const Model& m, Data<T>& d);
 
@@ -293,4 +293,4 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
 
 }  // namespace dyn
 
-#include "constraint/set.hpp"
+#include "model/constraints.hpp"

@@ -1,5 +1,5 @@
 // What acts in a step: the slots of constraints, of limits and of contacts, each with what its rows leave at the degrees of freedom.
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 #include "simulation/step.hpp"
 
 namespace dyn::simulation {

@@ -1,6 +1,6 @@
 #include "simulation/island.hpp"
 
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn::simulation {
 

@@ -1,5 +1,5 @@
 // An island by its whole Delassus matrix and the solvers of contact problems.
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 #include "simulation/island.hpp"
 #include "solver/list.hpp"
 

@@ -2,7 +2,7 @@
 #include "simulation/ledger.hpp"
 
 #include "algorithm/energy.hpp"
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 #include "simulation/forces.hpp"
 #include "simulation/island.hpp"
 

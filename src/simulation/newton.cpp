@@ -1,6 +1,6 @@
 #include "simulation/newton.hpp"
 
-#include "constraint/delassus.hpp"
+#include "algorithm/constrained/delassus.hpp"
 
 namespace dyn::simulation {
 

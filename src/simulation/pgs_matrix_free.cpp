@@ -1,7 +1,7 @@
 // Without a matrix: projected Gauss-Seidel by what the rows leave at the degrees of freedom, z = Y^T lambda:
 //   c = g + Y D^-1 z        after a change of lambda: z += Y^T change
 // A slot costs what its bodies have of degrees of freedom, however many rows the island has.
-#include "constraint/delassus.hpp"
+#include "algorithm/constrained/delassus.hpp"
 #include "simulation/island.hpp"
 #include "solver/pgs.hpp"
 #include "solver/residuals.hpp"

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "constraint/rows.hpp"
+#include "algorithm/constrained/rows.hpp"
 #include "simulation/actuators.hpp"
 #include "simulation/step.hpp"
 

@@ -1,5 +1,5 @@
 // The contact problems of a step, island by island, and the corrections of its configuration.
-#include "constraint/delassus.hpp"
+#include "algorithm/constrained/delassus.hpp"
 #include "simulation/island.hpp"
 #include "simulation/ledger.hpp"
 

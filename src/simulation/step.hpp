@@ -6,7 +6,7 @@
 #pragma once
 
 #include "collision/pair_contacts.hpp"
-#include "constraint/delassus.hpp"
+#include "algorithm/constrained/delassus.hpp"
 #include "constraint/list.hpp"
 #include "simulation/workspace.hpp"
 

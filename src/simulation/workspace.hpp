@@ -16,7 +16,7 @@ enum class RowKind : Index { Equality, Box, Contact };
 struct ActiveConstraint {
   ConstraintInstance<double>* s;
   Index* support;   // degrees of freedom that carry it, descending
-  double* carried;  // what its rows leave there (constraint/delassus.hpp)
+  double* carried;  // what its rows leave there (algorithm/constrained/delassus.hpp)
   RowKind kind;
   Index index;         // number of the contact, or -1
   Index tree1, tree2;  // islands are connected trees; -1: the world

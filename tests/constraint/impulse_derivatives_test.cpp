@@ -1,7 +1,7 @@
 // Derivatives of impulses of random robots of all joint types under random constraints with restitution, against extrapolated differences.
 #include "constraint/trees.hpp"
 
-#include "constraint/kkt_inverse.hpp"
+#include "algorithm/constrained/kkt_inverse.hpp"
 
 namespace dyn_test {
 namespace {

@@ -1,7 +1,7 @@
 // The cost of constrained dynamics in counted operations: a chain with two contacts is O(n).
 #include "algorithm/trees.hpp"
 #include "common/counted.hpp"
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/eigen.hpp"
-#include "constraint/bounded.hpp"
+#include "algorithm/constrained/bounded.hpp"
 
 namespace dyn {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "algorithm/trees.hpp"
-#include "constraint/algorithms.hpp"
+#include "algorithm/constrained/algorithms.hpp"
 #include "constraint/list.hpp"
 
 namespace dyn_test {

@@ -2,7 +2,7 @@
 // rows too, and its derivatives against extrapolated differences.
 #include "constraint/trees.hpp"
 
-#include "constraint/kkt_inverse.hpp"
+#include "algorithm/constrained/kkt_inverse.hpp"
 
 namespace dyn_test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "algorithm/factor_inverse.hpp"
 #include "algorithm/gravity_derivatives.hpp"
-#include "constraint/instance_derivatives.hpp"
+#include "algorithm/constrained/instance_derivatives.hpp"
 
 namespace dyn {
 

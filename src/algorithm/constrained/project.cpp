@@ -1,5 +1,5 @@
-#include "constraint/inverse.hpp"
-#include "constraint/project.hpp"
+#include "algorithm/constrained/inverse.hpp"
+#include "algorithm/constrained/project.hpp"
 
 namespace dyn {
 template void project_velocity(const Model&, Data<double>&, const double*, double*, dynConstraintResult&);

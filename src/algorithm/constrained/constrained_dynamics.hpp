@@ -3,8 +3,8 @@
 
 #include "algorithm/articulated_factor.hpp"
 #include "algorithm/forward_dynamics.hpp"
-#include "constraint/bounded.hpp"
-#include "constraint/delassus.hpp"
+#include "algorithm/constrained/bounded.hpp"
+#include "algorithm/constrained/delassus.hpp"
 
 namespace dyn {
 

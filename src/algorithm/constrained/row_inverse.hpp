@@ -1,7 +1,7 @@
 // G^-1, and of dependent rows and rows at a bound its pseudoinverse on those that are free.
 #pragma once
 
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn {
 

@@ -2,8 +2,8 @@
 // what its forces change by beside moving with their bodies.
 #pragma once
 
-#include "constraint/kkt_inverse.hpp"
-#include "constraint/row_derivatives.hpp"
+#include "algorithm/constrained/kkt_inverse.hpp"
+#include "algorithm/constrained/row_derivatives.hpp"
 
 namespace dyn {
 

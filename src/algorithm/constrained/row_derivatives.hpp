@@ -11,7 +11,7 @@
 #pragma once
 
 #include "algorithm/rnea_derivatives.hpp"
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn {
 

@@ -3,7 +3,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "constraint/set.hpp"
+#include "model/constraints.hpp"
 
 namespace dyn {
 

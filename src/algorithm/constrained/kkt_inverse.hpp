@@ -5,7 +5,7 @@
 #pragma once
 
 #include "algorithm/cholesky.hpp"
-#include "constraint/row_inverse.hpp"
+#include "algorithm/constrained/row_inverse.hpp"
 
 namespace dyn {
 

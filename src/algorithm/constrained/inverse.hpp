@@ -2,7 +2,7 @@
 // h = M a + nle - J^T fext, in the least-squares sense: N lambda = J_u h_u, N = J_u J_u^T, by the proximal iteration from zero.
 #pragma once
 
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn {
 

@@ -3,7 +3,7 @@
 // which is the least that takes the linearised C away; where rows contradict each other it ends at the least sum of their squares.
 #pragma once
 
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 #include "model/length.hpp"
 
 namespace dyn {

@@ -4,7 +4,7 @@
 // holds the first row that is wrong alone, which ends for every positive definite matrix (Murty 1974). The forces are then those of G.
 #pragma once
 
-#include "constraint/proximal.hpp"
+#include "algorithm/constrained/proximal.hpp"
 
 namespace dyn {
 

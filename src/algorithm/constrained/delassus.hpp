@@ -8,7 +8,7 @@
 
 #include "algorithm/articulated_solve.hpp"
 #include "algorithm/cholesky.hpp"
-#include "constraint/rows.hpp"
+#include "algorithm/constrained/rows.hpp"
 
 namespace dyn {
 

@@ -1,4 +1,4 @@
-#include "constraint/derivatives.hpp"
+#include "algorithm/constrained/derivatives.hpp"
 
 namespace dyn {
 template Index constrained_dynamics_derivatives(const Model&, Data<double>&, const double*, const double*, const double*, const ProximalOptions&, dynConstraintResult&);

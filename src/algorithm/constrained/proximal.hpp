@@ -3,7 +3,7 @@
 // of redundant rows it finds the least lambda. Rows that are clearly independent take mu = 0: the iteration is then its first step.
 #pragma once
 
-#include "constraint/row_factor.hpp"
+#include "algorithm/constrained/row_factor.hpp"
 #include "model/data.hpp"
 
 namespace dyn {

@@ -1,4 +1,4 @@
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn {
 template Index constraint_factor(const Model&, Data<double>&);

@@ -1,8 +1,8 @@
-// The algorithms on constraints in one place, and compiled once: src/constraint instantiates them for double.
+// The algorithms on constraints in one place, and compiled once: constrained_dynamics.cpp, project.cpp and derivatives.cpp instantiate them for double.
 #pragma once
 
-#include "constraint/proximal.hpp"
-#include "constraint/rows.hpp"
+#include "algorithm/constrained/proximal.hpp"
+#include "algorithm/constrained/rows.hpp"
 
 namespace dyn {
 

@@ -2,7 +2,7 @@
 // eigenvalue 0 are the combinations of rows that no motion changes: C along them can't be removed.
 #pragma once
 
-#include "constraint/constrained_dynamics.hpp"
+#include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn {
 
