@@ -529,424 +529,557 @@ DYN_API dynStatus dyn_builder_finish(dynBuilder* builder, dynModel** model);
 
 /* --------------------------------------------------------------------------------------------------- data */
 
-/* Parts: groups of buffers. What is not asked for is not allocated; a call that needs an absent part says so. */
+/* Parts: groups of buffers. An absent part takes no memory. A call that needs an absent part returns
+   DYN_ERROR_PART. */
 typedef uint32_t dynParts;
 enum {
-  DYN_PART_KINEMATICS = 1u << 0, /* placements, velocities, accelerations of the joints */
-  DYN_PART_JACOBIANS = 1u << 1,  /* J, dJ: 6 x nv each */
-  DYN_PART_COM = 1u << 2,        /* com, vcom, acom, Jcom, dvcom_dq, subtree centres of mass */
-  DYN_PART_INVERSE = 1u << 3,    /* tau, nle, g: RNEA */
-  DYN_PART_FORWARD = 1u << 4,    /* ddq: ABA */
-  DYN_PART_MASS = 1u << 5,       /* M: nv x nv, CRBA */
-  DYN_PART_CHOLESKY = 1u << 6,     /* sparse factor of M, solve (includes MASS) */
-  DYN_PART_MINV = 1u << 7,       /* Minv: nv x nv (includes CHOLESKY and FORWARD) */
-  DYN_PART_CORIOLIS = 1u << 8,   /* coriolis: nv x nv */
-  DYN_PART_ENERGY = 1u << 9,     /* kinetic, potential, mechanical */
-  DYN_PART_FRAMES = 1u << 10,    /* placements of all frames */
-  DYN_PART_CENTROIDAL = 1u << 11,          /* Ag, dAg, dh_dq, dhdot_dq, dhdot_dv: 6 x nv each; hg, dhg, Ig */
-  DYN_PART_INVERSE_DERIVATIVES = 1u << 12, /* dtau_dq, dtau_dv, dg_dq, dstatic_torque_dq: nv x nv each */
-  DYN_PART_FORWARD_DERIVATIVES = 1u << 13, /* ddq_dq, ddq_dv: nv x nv each (includes MINV and INVERSE_DERIVATIVES) */
-  DYN_PART_REGRESSOR = 1u << 14,           /* regressor: nv x 10 (njoints - 1); those of com and energies */
-  DYN_PART_IK = 1u << 15,                  /* inverse kinematics: two nv x nv (includes COM) */
-  DYN_PART_SECOND_ORDER = 1u << 16,        /* lambda_d2tau_...: nv x nv each (includes INVERSE_DERIVATIVES) */
-  DYN_PART_COLLISION = 1u << 17,           /* distances of all pairs */
-  DYN_PART_CONSTRAINTS = 1u << 18,         /* slots, Delassus matrix (includes FORWARD; CHOLESKY when there are mimic joints) */
-  DYN_PART_CONSTRAINT_DERIVATIVES = 1u << 19, /* nv x rows, rows x nv (includes CONSTRAINTS and FORWARD_DERIVATIVES) */
-  DYN_PART_SIMULATION = 1u << 20,          /* steps (includes FORWARD; CHOLESKY with mimic joints; COLLISION and CONSTRAINTS where there are pairs, limits, slots) */
-  DYN_PART_ALL = 0x1fffff
+  DYN_PART_KINEMATICS = 1u << 0,           /* Placements, velocities and accelerations of the joints. */
+  DYN_PART_JACOBIANS = 1u << 1,            /* J and dJ, 6 x nv each. */
+  DYN_PART_COM = 1u << 2, /* com, vcom, acom, Jcom, dvcom_dq, and centres of mass of subtrees. */
+  DYN_PART_INVERSE = 1u << 3,              /* tau, nle and g by RNEA. */
+  DYN_PART_FORWARD = 1u << 4,              /* ddq by ABA. */
+  DYN_PART_MASS = 1u << 5,                 /* M, nv x nv, by CRBA. */
+  DYN_PART_CHOLESKY = 1u << 6,             /* The sparse factor of M, and solves with it (includes MASS). */
+  DYN_PART_MINV = 1u << 7,                 /* Minv, nv x nv (includes CHOLESKY and FORWARD). */
+  DYN_PART_CORIOLIS = 1u << 8,             /* The Coriolis matrix, nv x nv. */
+  DYN_PART_ENERGY = 1u << 9,               /* Kinetic, potential and mechanical energy. */
+  DYN_PART_FRAMES = 1u << 10,              /* Placements of all frames. */
+  DYN_PART_CENTROIDAL = 1u << 11, /* Ag, dAg, dh_dq, dhdot_dq and dhdot_dv, 6 x nv each; hg, dhg and Ig. */
+  DYN_PART_INVERSE_DERIVATIVES = 1u << 12, /* dtau_dq, dtau_dv, dg_dq and dstatic_torque_dq, nv x nv each. */
+  /* ddq_dq and ddq_dv, nv x nv each (includes MINV and INVERSE_DERIVATIVES). */
+  DYN_PART_FORWARD_DERIVATIVES = 1u << 13,
+  /* The regressor, nv x 10 (njoints - 1), and those of com and of the energies. */
+  DYN_PART_REGRESSOR = 1u << 14,
+  DYN_PART_IK = 1u << 15,                  /* Inverse kinematics: two matrices nv x nv (includes COM). */
+  DYN_PART_SECOND_ORDER = 1u << 16, /* lambda_d2tau_..., nv x nv each (includes INVERSE_DERIVATIVES). */
+  DYN_PART_COLLISION = 1u << 17,           /* Distances of all pairs. */
+  /* Constraint slots and the Delassus matrix (includes FORWARD, and CHOLESKY with mimic joints). */
+  DYN_PART_CONSTRAINTS = 1u << 18,
+  /* nv x rows and rows x nv (includes CONSTRAINTS and FORWARD_DERIVATIVES). */
+  DYN_PART_CONSTRAINT_DERIVATIVES = 1u << 19,
+  /* Steps (includes FORWARD; CHOLESKY with mimic joints; COLLISION and CONSTRAINTS with pairs, limits or
+     slots). */
+  DYN_PART_SIMULATION = 1u << 20,
+  DYN_PART_ALL = 0x1fffff                  /* All parts. */
 };
 
-/* parts = 0 means DYN_PART_ALL. */
+/* Makes data for a model. parts = 0 means DYN_PART_ALL. */
 DYN_API dynStatus dyn_data_new(const dynModel* model, dynParts parts, dynData** data);
-/* Bytes that dyn_data_init needs, alignment slack included; 0 for an invalid handle or unknown parts. */
+/* Returns the bytes that dyn_data_init needs, alignment slack included. Returns 0 for an invalid handle or
+   unknown parts. */
 DYN_API size_t dyn_data_size(const dynModel* model, dynParts parts);
-/* Makes the data in the caller's memory (any alignment): no heap. *data points into it; dyn_data_free only marks it dead. */
-DYN_API dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, size_t size, dynData** data);
+/* Makes the data in the caller's memory (any alignment), without heap. *data points into the memory.
+   dyn_data_free only marks such data as freed. */
+DYN_API dynStatus dyn_data_init(const dynModel* model, dynParts parts, void* memory, size_t size,
+                                dynData** data);
 DYN_API void dyn_data_free(dynData* data); /* NULL is allowed */
-/* Touches what later calls on this data would be the first to touch, so that none of them waits for a page of memory: the library, the model, the data,
-   128 KiB of the thread's stack, the thread's place for errors. To be called once in each thread with a deadline, after creation; it changes nothing.
-   The one function besides those that create and free which may lock and allocate. */
+/* Touches memory that later calls would touch first, so that no later call waits for a page: the library, the
+   model, the data, 128 KiB of the thread's stack, and the thread's error text. Call it once after creation in
+   each thread that has a deadline. It changes no result. Besides creating and freeing, no other function may
+   lock or allocate. */
 DYN_API dynStatus dyn_data_warm_up(const dynModel* model, dynData* data);
 
-/* The state held in data. A call with q, v, a or tau sets them, too. NULL leaves a value as it is. New data is at the
-   neutral configuration and rest. */
-DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* tau);
+/* Sets the state held in data. NULL leaves a value unchanged. A call with q, v, a or tau sets them too. New
+   data is at the neutral configuration and at rest. */
+DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v,
+                                     const double* a, const double* tau);
 
-/* Effects that the algorithms apply, a bit each; data has them switched on or off joint by joint. New data: those of DYN_EFFECT_DEFAULT. LIMITS and
-   those after it act in steps alone; ACTUATORS are those of the joint, FLUID and GRAVITY_COMPENSATION act on the links that it carries.
-     M = rigid bodies' + armature        M a + nle = tau + J' fext
-     nle = Coriolis, centrifugal and gravity forces + damping v + friction tanh(v / DYN_FRICTION_VELOCITY) + stiffness (q (-) reference)
-   Inverse and forward dynamics, steps, their derivatives of all orders, static torque and energies (of rotors and springs) take the same
-   ones; dyn_gravity_torque takes none. The springs of a continuous joint count its turns. What is off, or not in the model, costs nothing. */
-#define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: dry friction is nearly viscous below it, and within 1e-3 of its value beyond four of them */
+/* Effects, a bit each. Data has them switched on or off joint by joint. New data has DYN_EFFECT_DEFAULT.
+   LIMITS, ACTUATORS, FLUID, GRAVITY_COMPENSATION and SLEEPING act in steps alone.
+     M = M of the rigid bodies + armature        M a + nle = tau + J' fext
+     nle = Coriolis, centrifugal and gravity forces + damping v + friction tanh(v / DYN_FRICTION_VELOCITY)
+           + stiffness (q (-) reference)
+   Inverse and forward dynamics, steps, their derivatives, static torque and energies (of rotors and springs)
+   apply the same effects. dyn_gravity_torque applies none. The springs of a continuous joint count its turns.
+   An absent effect, or one that is off, costs nothing. */
+#define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: viscous below, exact to 1e-3 beyond four times this */
 enum {
-  DYN_EFFECT_ARMATURE = 1u << 0,
-  DYN_EFFECT_DAMPING = 1u << 1,
-  DYN_EFFECT_SPRINGS = 1u << 2,
-  DYN_EFFECT_FRICTION = 1u << 3,
-  DYN_EFFECT_LIMITS = 1u << 4,
-  DYN_EFFECT_ACTUATORS = 1u << 5,
-  DYN_EFFECT_FLUID = 1u << 6,
-  DYN_EFFECT_GRAVITY_COMPENSATION = 1u << 7,
-  DYN_EFFECT_SLEEPING = 1u << 8, /* what rests may sleep: see dynStepOptions */
+  DYN_EFFECT_ARMATURE = 1u << 0,             /* Rotor inertia on the diagonal of M. */
+  DYN_EFFECT_DAMPING = 1u << 1,              /* Viscous damping in the joints. */
+  DYN_EFFECT_SPRINGS = 1u << 2,              /* Springs in the joints. */
+  DYN_EFFECT_FRICTION = 1u << 3,             /* Dry friction in the joints. */
+  DYN_EFFECT_LIMITS = 1u << 4,               /* Position limits of the joint. */
+  DYN_EFFECT_ACTUATORS = 1u << 5,            /* Actuators of the joint. */
+  DYN_EFFECT_FLUID = 1u << 6,                /* Drag of the medium on the links that the joint carries. */
+  DYN_EFFECT_GRAVITY_COMPENSATION = 1u << 7, /* Gravity compensation of the links that the joint carries. */
+  DYN_EFFECT_SLEEPING = 1u << 8,             /* Bodies at rest may sleep: see dynStepOptions. */
+  /* The effects of new data: ARMATURE, LIMITS, ACTUATORS, FLUID, GRAVITY_COMPENSATION. */
   DYN_EFFECT_DEFAULT = 0xf1,
-  DYN_EFFECT_ALL = 0x1ff
+  DYN_EFFECT_ALL = 0x1ff                     /* All effects. */
 };
-/* Switches the effects of a joint, or with joint 0 of all, to those of the mask. A follower's are part of its leader's: name that one.
-   All results are stale afterwards. */
+/* Sets the effects of a joint (joint 0: of all joints) to the mask. A follower's effects belong to its
+   leader: set them there. All results are stale afterwards. */
 DYN_API dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, uint32_t effects);
-/* Those that are on; with joint 0 those that act: on at some joint that has them. */
+/* Writes the effects that are on. With joint 0: the effects that act, at some joint that has them. */
 DYN_API dynStatus dyn_data_effects(const dynModel* model, dynData* data, int joint, uint32_t* effects);
-/* What a step of this data takes into account, one by one: what acts in it, and what only it takes of its memory. What is absent takes no instruction
-   and no byte of a step, but for the room of wrenches, which may come at any time. */
+/* One effect of a step of this data. An absent effect takes no instruction and no byte of a step. Only
+   wrenches always have room, because they may come at any time. */
 typedef struct dynEffectInfo {
   uint32_t struct_size;
-  const char* name; /* gravity, armature, damping, springs, friction, limits, mimic, contact, constraints, actuators, wrenches, gravity_compensation, fluid, sleeping */
-  int32_t present;  /* how many joints, pairs, constraints, actuators, links of the model may have it */
-  int32_t acting;   /* not 0: it acts in this data; of contact and constraints how many pairs are tested (shapes, where pairs are not listed), slots
-                       enabled; of sleeping how many trees of bodies may */
-  uint64_t bytes;   /* of the data */
+  /* gravity, armature, damping, springs, friction, limits, mimic, contact, constraints, actuators, wrenches,
+     gravity_compensation, fluid, sleeping */
+  const char* name;
+  int32_t present; /* joints, pairs, constraints, actuators or links of the model that may have the effect */
+  /* non-zero: the effect acts. Contact: pairs tested (shapes, where pairs are not listed); constraints:
+     enabled slots; sleeping: trees of bodies that may sleep. */
+  int32_t acting;
+  uint64_t bytes;  /* memory in the data that only this effect needs */
 } dynEffectInfo;
 DYN_API int dyn_effect_count(void);
 DYN_API dynStatus dyn_data_effect_info(const dynModel* model, dynData* data, int effect, dynEffectInfo* info);
-/* Gravity in this data (m/s^2, world axes); new data has the model's. All results are stale afterwards. The field "world_gravity" reads it. */
+/* Sets gravity in this data (m/s^2, world axes). New data has the model's. All results are stale afterwards.
+   The field "world_gravity" reads it. */
 DYN_API dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, const double gravity[3]);
 
 /* Fields: everything that data holds, by id. Ids are never renumbered. */
 typedef int32_t dynField;
 typedef struct dynFieldInfo {
   uint32_t struct_size;
-  const char* name;      /* as in Python: "q", "M", "com", ... */
-  const char* shape;     /* "nv x nv" */
+  const char* name;     /* as in Python: "q", "M", "com", ... */
+  const char* shape;    /* "nv x nv" */
   const char* unit;
   const char* frame;
-  const char* producer;  /* the call that computes it; "" for the state */
-  const char* sentence;  /* what it is */
+  const char* producer; /* the call that computes it; "" for the state */
+  const char* sentence; /* one sentence: what the field is */
   dynParts part;
   int32_t reserved;
 } dynFieldInfo;
 DYN_API int dyn_field_count(void);
 DYN_API dynStatus dyn_field_info(dynField field, dynFieldInfo* info);
 DYN_API dynField dyn_field_id(const char* name); /* -1: unknown */
-/* A view of a field, no copy. DYN_ERROR_STALE when it does not belong to the current q, v, a, tau;
-   DYN_ERROR_PART when data was made without it. The view stays valid (and follows the data) until the data is freed. */
+/* Returns a view of a field, without a copy. The view stays valid, and follows the data, until the data is
+   freed. Returns DYN_ERROR_STALE when the field is not of the current q, v, a, tau. Returns DYN_ERROR_PART
+   when the data has not its part. */
 DYN_API dynStatus dyn_data_array(const dynModel* model, dynData* data, dynField field, dynArray* out);
 
 /* --------------------------------------------------------------------------------------------- kinematics */
 
-/* Placements, velocities and accelerations of all joints. v NULL and a NULL both: placements only; a NULL: no accelerations.
-   (To reuse held values pass the data's own arrays: dyn_data_array of the fields "v" and "a".) */
-DYN_API dynStatus dyn_forward_kinematics(const dynModel* model, dynData* data, const double* q, const double* v, const double* a);
+/* Placements, velocities and accelerations of all joints. v and a NULL: placements only. a NULL: no
+   accelerations. (To use held values, pass the data's own arrays: dyn_data_array of the fields "v" and "a".)
+   */
+DYN_API dynStatus dyn_forward_kinematics(const dynModel* model, dynData* data, const double* q,
+                                         const double* v, const double* a);
 
-/* Frame queries need dyn_forward_kinematics (or any algorithm that says it includes it) for the current state. frame is an id.
-   placement: 12 doubles, X_WF. */
+/* Frame queries need dyn_forward_kinematics of the current state, or an algorithm that includes it. frame is
+   an id. placement: 12, X_WF. */
 DYN_API dynStatus dyn_frame_placement(const dynModel* model, dynData* data, int frame, double placement[12]);
-/* All frames at once, 12 x nframes, into the field "placements". Needs part FRAMES. */
+/* Placements of all frames, 12 x nframes, into the field "placements". Needs part FRAMES. */
 DYN_API dynStatus dyn_frame_placements(const dynModel* model, dynData* data, double* placements);
 /* Spatial velocity of the frame, 6. */
-DYN_API dynStatus dyn_frame_velocity(const dynModel* model, dynData* data, int frame, dynReference reference, double velocity[6]);
-/* Spatial acceleration, 6: the time derivative of the spatial velocity as Featherstone defines it (RBDA 2.10), without gravity. */
-DYN_API dynStatus dyn_frame_acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double acceleration[6]);
-/* Classical acceleration, 6: the second derivative of the frame origin's position, and the angular acceleration;
-   classical.linear = spatial.linear + omega x velocity. */
-DYN_API dynStatus dyn_frame_classical_acceleration(const dynModel* model, dynData* data, int frame, dynReference reference, double acceleration[6]);
+DYN_API dynStatus dyn_frame_velocity(const dynModel* model, dynData* data, int frame, dynReference reference,
+                                     double velocity[6]);
+/* Spatial acceleration of the frame, 6: the time derivative of the spatial velocity (Featherstone 2008,
+   2.10), without gravity. */
+DYN_API dynStatus dyn_frame_acceleration(const dynModel* model, dynData* data, int frame,
+                                         dynReference reference, double acceleration[6]);
+/* Classical acceleration, 6: the second derivative of the frame origin's position, and the angular
+   acceleration. classical.linear = spatial.linear + omega x velocity. */
+DYN_API dynStatus dyn_frame_classical_acceleration(const dynModel* model, dynData* data, int frame,
+                                                   dynReference reference, double acceleration[6]);
 
-/* Joint Jacobians of all joints in DYN_REFERENCE_WORLD: J, 6 x nv (column of each degree of freedom, as if it moved all). Includes
-   dyn_forward_kinematics of q. */
+/* Joint Jacobians of all joints in DYN_REFERENCE_WORLD: J, 6 x nv. Column k is the world's motion by degree
+   of freedom k, as if it moved all bodies. Includes dyn_forward_kinematics of q. */
 DYN_API dynStatus dyn_joint_jacobians(const dynModel* model, dynData* data, const double* q, double* J);
-/* Their time variation dJ, 6 x nv; includes J and kinematics of q, v. */
-DYN_API dynStatus dyn_joint_jacobians_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, double* dJ);
-/* Jacobian of a frame, 6 x nv, fully written (zeros included): J v = dyn_frame_velocity. Needs kinematics of the current q. */
-DYN_API dynStatus dyn_frame_jacobian(const dynModel* model, dynData* data, int frame, dynReference reference, double* J);
-/* d/dt of dyn_frame_jacobian, 6 x nv, fully written. Needs kinematics of the current q, v. */
-DYN_API dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data, int frame, dynReference reference, double* dJ);
+/* The time variation dJ, 6 x nv. Includes J and kinematics of q, v. */
+DYN_API dynStatus dyn_joint_jacobians_time_variation(const dynModel* model, dynData* data, const double* q,
+                                                     const double* v, double* dJ);
+/* Jacobian of a frame, 6 x nv, zeros written: J v = dyn_frame_velocity. Needs kinematics of the current q. */
+DYN_API dynStatus dyn_frame_jacobian(const dynModel* model, dynData* data, int frame, dynReference reference,
+                                     double* J);
+/* d/dt of dyn_frame_jacobian, 6 x nv, zeros written. Needs kinematics of the current q, v. */
+DYN_API dynStatus dyn_frame_jacobian_time_variation(const dynModel* model, dynData* data, int frame,
+                                                    dynReference reference, double* dJ);
 
-/* Derivatives of dyn_frame_velocity, 6 x nv each, fully written; either may be NULL. Column k of dv_dq is that along q (+) e_k t, with
-   v held. dv_dv is the Jacobian. Need kinematics of the current q, v. */
-DYN_API dynStatus dyn_frame_velocity_derivatives(const dynModel* model, dynData* data, int frame, dynReference reference, double* dv_dq, double* dv_dv);
-/* The same of dyn_frame_acceleration and of dyn_frame_classical_acceleration; any output may be NULL. Need kinematics of the current
-   q, v, a. (Carpentier and Mansard 2018) */
-DYN_API dynStatus dyn_frame_acceleration_derivatives(const dynModel* model, dynData* data, int frame, dynReference reference, double* da_dq,
-                                                     double* da_dv, double* da_da);
-DYN_API dynStatus dyn_frame_classical_acceleration_derivatives(const dynModel* model, dynData* data, int frame, dynReference reference, double* da_dq,
-                                                               double* da_dv, double* da_da);
-/* H, 6 x nv x nv, fully written: element (r, j, k) at r + 6 j + 6 nv k, nv matrices 6 x nv of which the k-th is the derivative of
-   dyn_frame_jacobian along q (+) e_k t: the sum of H_k v_k is its time variation. Needs placements of the current q and part JACOBIANS. */
-DYN_API dynStatus dyn_frame_kinematic_hessian(const dynModel* model, dynData* data, int frame, dynReference reference, double* H);
+/* Derivatives of dyn_frame_velocity, 6 x nv each, zeros written. Either may be NULL. Column k of dv_dq is the
+   derivative along q (+) e_k t with v held. dv_dv is the Jacobian. Needs kinematics of the current q, v. */
+DYN_API dynStatus dyn_frame_velocity_derivatives(const dynModel* model, dynData* data, int frame,
+                                                 dynReference reference, double* dv_dq, double* dv_dv);
+/* Derivatives of dyn_frame_acceleration and of dyn_frame_classical_acceleration, 6 x nv each. Any output may
+   be NULL. Needs kinematics of the current q, v, a. (Carpentier and Mansard 2018) */
+DYN_API dynStatus dyn_frame_acceleration_derivatives(const dynModel* model, dynData* data, int frame,
+                                                     dynReference reference, double* da_dq, double* da_dv,
+                                                     double* da_da);
+DYN_API dynStatus dyn_frame_classical_acceleration_derivatives(const dynModel* model, dynData* data,
+                                                               int frame, dynReference reference,
+                                                               double* da_dq, double* da_dv, double* da_da);
+/* H, 6 x nv x nv, zeros written: element (r, j, k) at r + 6 j + 6 nv k. Matrix k (6 x nv) is the derivative
+   of dyn_frame_jacobian along q (+) e_k t. The sum of H_k v_k is the Jacobian's time variation. Needs
+   placements of the current q and part JACOBIANS. */
+DYN_API dynStatus dyn_frame_kinematic_hessian(const dynModel* model, dynData* data, int frame,
+                                              dynReference reference, double* H);
 
 /* ----------------------------------------------------------------------------------------- centre of mass */
 
-/* com, vcom, acom: 3 each, world axes. v and a NULL as in dyn_forward_kinematics (which this includes). */
-DYN_API dynStatus dyn_com(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
-                                     double* com, double* vcom, double* acom);
-/* Jcom: 3 x nv, Jcom v = vcom. Includes com and kinematics of q. */
+/* com, vcom, acom: 3 each, world axes. v and a may be NULL as in dyn_forward_kinematics, which is included.
+   */
+DYN_API dynStatus dyn_com(const dynModel* model, dynData* data, const double* q, const double* v,
+                          const double* a, double* com, double* vcom, double* acom);
+/* Jcom, 3 x nv: Jcom v = vcom. Includes com and kinematics of q. */
 DYN_API dynStatus dyn_jcom(const dynModel* model, dynData* data, const double* q, double* Jcom);
-/* Derivatives of vcom on the tangent space, 3 x nv each: by q, and by v, which is Jcom. Includes com, vcom and kinematics of q, v. */
-DYN_API dynStatus dyn_vcom_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, double* dvcom_dq,
-                                                          double* dvcom_dv);
-/* Of the subtree that a joint carries (itself included): com 3, mass (either may be NULL). Needs dyn_com. */
-DYN_API dynStatus dyn_subtree_com(const dynModel* model, dynData* data, int joint, double com[3], double* mass);
-/* Jacobian of that point, 3 x nv. Needs dyn_com. */
+/* Derivatives of vcom on the tangent space, 3 x nv each: by q, and by v (which is Jcom). Includes com, vcom
+   and kinematics of q, v. */
+DYN_API dynStatus dyn_vcom_derivatives(const dynModel* model, dynData* data, const double* q, const double* v,
+                                       double* dvcom_dq, double* dvcom_dv);
+/* Centre of mass (3) and mass of the subtree of a joint, the joint included. Either may be NULL. Needs
+   dyn_com. */
+DYN_API dynStatus dyn_subtree_com(const dynModel* model, dynData* data, int joint, double com[3],
+                                  double* mass);
+/* Jacobian of a subtree's centre of mass, 3 x nv. Needs dyn_com. */
 DYN_API dynStatus dyn_subtree_jcom(const dynModel* model, dynData* data, int joint, double* J);
 
 /* --------------------------------------------------------------------------------------------- centroidal */
 
-/* Momentum about the centre of mass, axes of the world, [linear; angular]: hg = Ag v (Orin, Goswami, Lee 2013). Rotors
-   (armature) are left out; what is welded to the world does not count. Needs part CENTROIDAL. */
+/* Momentum about the centre of mass, axes of the world, [linear; angular]: hg = Ag v (Orin, Goswami, Lee
+   2013). Rotors (armature) and bodies welded to the world do not count. Needs part CENTROIDAL. */
 
-/* Ag: 6 x nv; Ig: 6 x 6, [m 1, 0; 0, I], the whole robot's inertia about its centre of mass, so that Ig^-1 hg is its average
-   velocity; hg = Ag v: 6. Includes placements. */
-DYN_API dynStatus dyn_centroidal_map(const dynModel* model, dynData* data, const double* q, const double* v, double* Ag, double Ig[36], double hg[6]);
-/* dAg, 6 x nv: dhg = Ag a + dAg v. Includes the above. */
-DYN_API dynStatus dyn_centroidal_map_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, double* dAg);
+/* Ag, 6 x nv; Ig, 6 x 6; hg = Ag v, 6. Ig = [m 1, 0; 0, I] is the robot's inertia about its centre of mass,
+   so that Ig^-1 hg is the robot's average velocity. Includes placements. */
+DYN_API dynStatus dyn_centroidal_map(const dynModel* model, dynData* data, const double* q, const double* v,
+                                     double* Ag, double Ig[36], double hg[6]);
+/* dAg, 6 x nv: dhg = Ag a + dAg v. Includes dyn_centroidal_map. */
+DYN_API dynStatus dyn_centroidal_map_time_variation(const dynModel* model, dynData* data, const double* q,
+                                                    const double* v, double* dAg);
 /* hg alone, without Ag. Includes placements. */
-DYN_API dynStatus dyn_centroidal_momentum(const dynModel* model, dynData* data, const double* q, const double* v, double hg[6]);
-/* dhg: its time derivative, 6, for the acceleration a: m (acom) and the rate of the angular momentum; the resultant, about the
-   centre of mass, of all forces on the robot, weight included. In free fall [m g; 0]. Includes hg and placements. */
-DYN_API dynStatus dyn_centroidal_momentum_time_variation(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double dhg[6]);
+DYN_API dynStatus dyn_centroidal_momentum(const dynModel* model, dynData* data, const double* q,
+                                          const double* v, double hg[6]);
+/* dhg, 6: the time derivative of hg at the acceleration a. dhg = [m acom; rate of the angular momentum], the
+   resultant about the centre of mass of all forces on the robot, weight included. In free fall dhg is [m g;
+   0]. Includes hg and placements. */
+DYN_API dynStatus dyn_centroidal_momentum_time_variation(const dynModel* model, dynData* data,
+                                                         const double* q, const double* v, const double* a,
+                                                         double dhg[6]);
 
-/* Derivatives of hg and dhg on the tangent space, 6 x nv each: dh_dq of hg by q; dhdot_dq, dhdot_dv, dhdot_da of dhg by q, v, a
-   (dhdot_da = Ag, which is also the derivative of hg by v). Includes Ag, Ig, hg, dhg and placements. */
-DYN_API dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
-                                             double* dh_dq, double* dhdot_dq, double* dhdot_dv, double* dhdot_da);
+/* Derivatives of hg and dhg on the tangent space, 6 x nv each. dh_dq is that of hg by q. dhdot_dq, dhdot_dv
+   and dhdot_da are those of dhg by q, v, a. dhdot_da = Ag is also the derivative of hg by v. Includes Ag, Ig,
+   hg, dhg and placements. */
+DYN_API dynStatus dyn_centroidal_derivatives(const dynModel* model, dynData* data, const double* q,
+                                             const double* v, const double* a, double* dh_dq,
+                                             double* dhdot_dq, double* dhdot_dv, double* dhdot_da);
 
 /* ----------------------------------------------------------------------------------------------- dynamics */
 
-/* External forces fext: 6 x njoints, [force; moment] on each joint's body, at the joint frame's origin, in the joint's
-   frame; column 0 (the universe) is ignored. NULL: none. They are not part of the state: tau - J^T f. */
+/* External forces fext: 6 x njoints, [force; moment] on each joint's body, at the joint frame's origin, in
+   the joint's frame. Column 0 (the universe) is ignored. NULL: none. fext is no part of the state. It acts as
+   tau - J^T fext. */
 
-/* Inverse dynamics, tau = M a + nle - J^T fext. RNEA (Featherstone 2008, Table 5.1). Includes placements. */
-DYN_API dynStatus dyn_rnea(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext, double* tau);
-/* nle = tau at a = 0: Coriolis, centrifugal, gravity. */
-DYN_API dynStatus dyn_nle(const dynModel* model, dynData* data, const double* q, const double* v, double* nle);
-/* g = tau at v = a = 0; equals dyn_rnea(q, 0, 0) bit for bit. */
+/* Inverse dynamics, tau = M a + nle - J^T fext, nv. RNEA (Featherstone 2008, Table 5.1). Includes placements.
+   */
+DYN_API dynStatus dyn_rnea(const dynModel* model, dynData* data, const double* q, const double* v,
+                           const double* a, const double* fext, double* tau);
+/* nle = tau at a = 0: Coriolis, centrifugal and gravity forces, nv. */
+DYN_API dynStatus dyn_nle(const dynModel* model, dynData* data, const double* q, const double* v,
+                          double* nle);
+/* g = tau at v = a = 0, nv. It equals dyn_rnea(q, 0, 0) bit for bit. */
 DYN_API dynStatus dyn_gravity_torque(const dynModel* model, dynData* data, const double* q, double* g);
-/* tau that holds q at rest: g - J^T fext. */
-DYN_API dynStatus dyn_static_torque(const dynModel* model, dynData* data, const double* q, const double* fext, double* tau);
-/* Coriolis matrix C, nv x nv, with C v + g = nle and dM/dt - 2 C skew-symmetric (Echeandia and Wensing 2021). */
-DYN_API dynStatus dyn_coriolis_matrix(const dynModel* model, dynData* data, const double* q, const double* v, double* C);
-/* Forward dynamics, ddq = M^-1 (tau - nle + J^T fext). ABA (Featherstone 2008, Table 7.1); with mimic joints by the
-   factor of M (needs part CHOLESKY). DYN_ERROR_NUMERIC names the joint whose articulated inertia is not positive. */
-DYN_API dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau, const double* fext, double* ddq);
+/* The torque that holds q at rest: g - J^T fext, nv. */
+DYN_API dynStatus dyn_static_torque(const dynModel* model, dynData* data, const double* q, const double* fext,
+                                    double* tau);
+/* Coriolis matrix C, nv x nv: C v + g = nle, and dM/dt - 2 C is skew-symmetric (Echeandia and Wensing 2021).
+   */
+DYN_API dynStatus dyn_coriolis_matrix(const dynModel* model, dynData* data, const double* q, const double* v,
+                                      double* C);
+/* Forward dynamics, ddq = M^-1 (tau - nle + J^T fext), nv. ABA (Featherstone 2008, Table 7.1). With mimic
+   joints: by the factor of M (needs part CHOLESKY). DYN_ERROR_NUMERIC names the joint whose articulated
+   inertia is not positive. */
+DYN_API dynStatus dyn_aba(const dynModel* model, dynData* data, const double* q, const double* v,
+                          const double* tau, const double* fext, double* ddq);
 /* M, nv x nv, full and symmetric. CRBA (Featherstone 2008, Table 6.2). Includes placements. */
 DYN_API dynStatus dyn_crba(const dynModel* model, dynData* data, const double* q, double* M);
-/* Sparse factor M = L^T D L that keeps the tree's sparsity (Featherstone 2008, 6.5), of the current M (else DYN_ERROR_STALE). */
+/* Factors the current M = L^T D L, with the sparsity of the tree (Featherstone 2008, 6.5). Returns
+   DYN_ERROR_STALE when M is not of the current q. */
 DYN_API dynStatus dyn_cholesky(const dynModel* model, dynData* data);
-/* x = M^-1 b for nrhs right-hand sides (nv x nrhs each; x may be b), by the factor of M at the held q, made by dyn_cholesky (or by
-   dyn_all_terms with CHOLESKY or MINV). DYN_ERROR_STALE when q was never factorised or has changed since, by whatever call; v, a and
-   tau may change. DYN_ERROR_NUMERIC when a solution overflows: the columns of x before it are written. */
-DYN_API dynStatus dyn_cholesky_solve(const dynModel* model, dynData* data, const double* b, int nrhs, double* x);
-/* Minv = M^-1, nv x nv, full and symmetric, by articulated inertias (Carpentier 2018); with mimic joints by the factor of M. */
+/* x = M^-1 b for nrhs right-hand sides, nv x nrhs each; x may be b. The factor is that of the held q, made by
+   dyn_cholesky, or by dyn_all_terms with CHOLESKY or MINV. Returns DYN_ERROR_STALE when q has no factor or
+   has changed since; v, a and tau may change. Returns DYN_ERROR_NUMERIC when a solution overflows: earlier
+   columns of x are written. */
+DYN_API dynStatus dyn_cholesky_solve(const dynModel* model, dynData* data, const double* b, int nrhs,
+                                     double* x);
+/* Minv = M^-1, nv x nv, full and symmetric, by articulated inertias (Carpentier 2018). With mimic joints: by
+   the factor of M. */
 DYN_API dynStatus dyn_minv(const dynModel* model, dynData* data, const double* q, double* Minv);
-/* Derivatives of inverse dynamics, analytic, O(n depth): dtau_dq and dtau_dv, nv x nv each (either may be NULL), on the tangent
-   space: column k of dtau_dq is the derivative along q (+) e_k t. fext is constant in the joints' frames. Includes M (which is
-   dtau/da), tau, and placements. (Singh, Russell, Wensing 2022) */
-DYN_API dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
-                                       const double* fext, double* dtau_dq, double* dtau_dv);
-/* Second derivatives of inverse dynamics on the tangent space, analytic. d2tau_dqdv is the derivative of dtau_dq by v, d2tau_dadq that of
-   M by q; d2tau_dqdq is the derivative along q (+) e_k t of column j of dtau_dq, itself the derivative along q (+) e_j t, so that its
-   order matters (j, k and k, j differ) where e_j and e_k belong to one spherical or free-flyer joint, whose rotations do not commute.
-   (After Singh, Russell, Wensing 2023)
-   Their products with a vector lambda (nv numbers): sum over i of lambda_i d2tau_i, the second derivatives of lambda . tau; nv x nv each
-   (any may be NULL), rows j by the first variable of the name, columns k by the second. O(n depth), about the time of two
+/* Derivatives of inverse dynamics: dtau_dq and dtau_dv, nv x nv each. Either may be NULL. Analytic, O(n
+   depth), on the tangent space: column k of dtau_dq is the derivative along q (+) e_k t. fext is constant in
+   the joints' frames. Includes M (which is dtau/da), tau, and placements. (Singh, Russell, Wensing 2022) */
+DYN_API dynStatus dyn_rnea_derivatives(const dynModel* model, dynData* data, const double* q, const double* v,
+                                       const double* a, const double* fext, double* dtau_dq, double* dtau_dv);
+/* Second derivatives of inverse dynamics on the tangent space, analytic (after Singh, Russell, Wensing 2023).
+   d2tau_dqdv is the derivative of dtau_dq by v. d2tau_dadq is the derivative of M by q. d2tau_dqdq is the
+   derivative along q (+) e_k t of column j of dtau_dq. Its order matters when e_j and e_k belong to one
+   spherical or free-flyer joint, because rotations do not commute. The products with a vector lambda (nv) are
+   the second derivatives of lambda . tau: the sum over i of lambda_i d2tau_i, nv x nv each. Any may be NULL.
+   Rows j are the first variable of the name, columns k the second. O(n depth), about the time of two
    dyn_rnea_derivatives. Includes placements. Needs part SECOND_ORDER. */
-DYN_API dynStatus dyn_rnea_second_order_product(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, const double* fext,
-                                                const double* lambda, double* dqdq, double* dvdv, double* dqdv, double* dadq);
-/* The four tensors, nv x nv x nv each, fully written; any may be NULL: element (i, j, k) at j + nv k + nv^2 i, that is, nv matrices nv x nv of
-   which the i-th is the product with lambda = e_i. Includes placements. Needs part SECOND_ORDER. */
-DYN_API dynStatus dyn_rnea_second_order_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
-                                                    const double* fext, double* d2tau_dqdq, double* d2tau_dvdv, double* d2tau_dqdv, double* d2tau_dadq);
-/* Derivatives of forward dynamics, nv x nv each (any may be NULL); ddq_dtau is Minv. Includes ddq; dtau_dq, dtau_dv and tau in data
-   are not for the held a afterwards: they are stale. (Carpentier and Mansard 2018) */
-DYN_API dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
-                                      const double* fext, double* ddq_dq, double* ddq_dv, double* ddq_dtau);
-/* Derivatives of g, and of static_torque under fext (constant in the joints' frames), by q: nv x nv, on the tangent space. Include placements. */
-DYN_API dynStatus dyn_gravity_torque_derivatives(const dynModel* model, dynData* data, const double* q, double* dg_dq);
-DYN_API dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, const double* q, const double* fext, double* dstatic_torque_dq);
-/* Kinetic (v' M v / 2, armature included) and potential energy (zero at the world's origin), joules; each may be NULL. */
-DYN_API dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic, double* potential);
+DYN_API dynStatus dyn_rnea_second_order_product(const dynModel* model, dynData* data, const double* q,
+                                                const double* v, const double* a, const double* fext,
+                                                const double* lambda, double* dqdq, double* dvdv,
+                                                double* dqdv, double* dadq);
+/* The four tensors, nv x nv x nv each, zeros written. Any may be NULL. Element (i, j, k) is at j + nv k +
+   nv^2 i: matrix i is the product with lambda = e_i. Includes placements. Needs part SECOND_ORDER. */
+DYN_API dynStatus dyn_rnea_second_order_derivatives(const dynModel* model, dynData* data, const double* q,
+                                                    const double* v, const double* a, const double* fext,
+                                                    double* d2tau_dqdq, double* d2tau_dvdv,
+                                                    double* d2tau_dqdv, double* d2tau_dadq);
+/* Derivatives of forward dynamics, nv x nv each. Any may be NULL. ddq_dtau is Minv. Includes ddq. Afterwards
+   dtau_dq, dtau_dv and tau in data are stale: they are not of the held a. (Carpentier and Mansard 2018) */
+DYN_API dynStatus dyn_aba_derivatives(const dynModel* model, dynData* data, const double* q, const double* v,
+                                      const double* tau, const double* fext, double* ddq_dq, double* ddq_dv,
+                                      double* ddq_dtau);
+/* Derivatives of g and of static_torque by q, nv x nv, on the tangent space. fext is constant in the joints'
+   frames. Includes placements. */
+DYN_API dynStatus dyn_gravity_torque_derivatives(const dynModel* model, dynData* data, const double* q,
+                                                 double* dg_dq);
+DYN_API dynStatus dyn_static_torque_derivatives(const dynModel* model, dynData* data, const double* q,
+                                                const double* fext, double* dstatic_torque_dq);
+/* Kinetic energy (v' M v / 2, armature included) and potential energy (zero at the world's origin), J. Each
+   may be NULL. */
+DYN_API dynStatus dyn_energy(const dynModel* model, dynData* data, const double* q, const double* v,
+                             double* kinetic, double* potential);
 
-/* One of them. */
-DYN_API dynStatus dyn_kinetic_energy(const dynModel* model, dynData* data, const double* q, const double* v, double* kinetic);
-DYN_API dynStatus dyn_potential_energy(const dynModel* model, dynData* data, const double* q, double* potential);
+/* One of the two energies. */
+DYN_API dynStatus dyn_kinetic_energy(const dynModel* model, dynData* data, const double* q, const double* v,
+                                     double* kinetic);
+DYN_API dynStatus dyn_potential_energy(const dynModel* model, dynData* data, const double* q,
+                                       double* potential);
 
-/* Everything in mask for one state, passes shared; *filled (may be NULL) tells what is now in data. */
+/* Computes everything in mask for one state, with shared passes. *filled (may be NULL) is the mask of what is
+   now in data. */
 enum {
-  DYN_TERM_KINEMATICS = 1u << 0, DYN_TERM_FRAMES = 1u << 1, DYN_TERM_JACOBIANS = 1u << 2, DYN_TERM_JACOBIANS_TIME_VARIATION = 1u << 3,
-  DYN_TERM_COM = 1u << 4, DYN_TERM_JCOM = 1u << 5, DYN_TERM_NLE = 1u << 6, DYN_TERM_GRAVITY_TORQUE = 1u << 7, DYN_TERM_MASS = 1u << 8,
-  DYN_TERM_CHOLESKY = 1u << 9, DYN_TERM_MINV = 1u << 10, DYN_TERM_CORIOLIS = 1u << 11, DYN_TERM_ENERGY = 1u << 12, DYN_TERM_ALL = 0x1fff
+  DYN_TERM_KINEMATICS = 1u << 0,               /* Placements and velocities of the joints. */
+  DYN_TERM_FRAMES = 1u << 1,                   /* Placements of all frames. */
+  DYN_TERM_JACOBIANS = 1u << 2,                /* Joint Jacobians J. */
+  DYN_TERM_JACOBIANS_TIME_VARIATION = 1u << 3, /* Time variation dJ. */
+  DYN_TERM_COM = 1u << 4,                      /* Centre of mass and its velocity. */
+  DYN_TERM_JCOM = 1u << 5,                     /* Jacobian of the centre of mass. */
+  DYN_TERM_NLE = 1u << 6,                      /* Coriolis, centrifugal and gravity forces. */
+  DYN_TERM_GRAVITY_TORQUE = 1u << 7,           /* Gravity torque g. */
+  DYN_TERM_MASS = 1u << 8,                     /* Mass matrix M. */
+  DYN_TERM_CHOLESKY = 1u << 9,                 /* Sparse factor of M. */
+  DYN_TERM_MINV = 1u << 10,                    /* Inverse of M. */
+  DYN_TERM_CORIOLIS = 1u << 11,                /* Coriolis matrix. */
+  DYN_TERM_ENERGY = 1u << 12,                  /* Kinetic and potential energy. */
+  DYN_TERM_ALL = 0x1fff                        /* All terms. */
 };
-DYN_API dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, const double* q, const double* v, uint32_t* filled);
+DYN_API dynStatus dyn_all_terms(const dynModel* model, dynData* data, uint32_t mask, const double* q,
+                                const double* v, uint32_t* filled);
 
 /* ----------------------------------------------------------------------------------------- identification */
 
-/* Inertial parameters of a body: pi = [m, m c (3), Ixx, Ixy, Iyy, Ixz, Iyz, Izz], c its centre of mass and I its inertia about the
-   frame's origin (not about c), in the frame's axes. nparameters = 10 (njoints - 1): the ten of joint 1's body, those of joint
-   2's, ...; each in its joint's frame, merged links included; what is welded to the world has none. */
+/* Inertial parameters of a body: pi = [m, m c (3), Ixx, Ixy, Iyy, Ixz, Iyz, Izz]. c is the centre of mass. I
+   is the inertia about the frame's origin (not about c), in the frame's axes. nparameters = 10 (njoints - 1):
+   the ten of joint 1's body, then those of joint 2's, ... Each body is in its joint's frame, merged links
+   included. A body welded to the world has none. */
 
 /* pi of all joints' bodies, nparameters. */
 DYN_API dynStatus dyn_model_inertial_parameters(const dynModel* model, double* pi);
-/* Y, nv x nparameters: tau = Y pi + armature a (element by element), tau of dyn_rnea without fext. With v = a = 0 the regressor of
-   g. A follower's row is part of its leader's. Includes dyn_forward_kinematics. Needs part REGRESSOR. */
-DYN_API dynStatus dyn_joint_torque_regressor(const dynModel* model, dynData* data, const double* q, const double* v, const double* a, double* Y);
-/* Y, 3 x nparameters: com = Y pi, for parameters whose masses add up to dyn_model_total_mass. Includes placements. */
+/* Y, nv x nparameters: tau = Y pi + armature a (element by element), tau of dyn_rnea without fext. With v = a
+   = 0: the regressor of g. A follower's row is part of its leader's. Includes dyn_forward_kinematics. Needs
+   part REGRESSOR. */
+DYN_API dynStatus dyn_joint_torque_regressor(const dynModel* model, dynData* data, const double* q,
+                                             const double* v, const double* a, double* Y);
+/* Y, 3 x nparameters: com = Y pi, for parameters whose masses add up to dyn_model_total_mass. Includes
+   placements. */
 DYN_API dynStatus dyn_static_regressor(const dynModel* model, dynData* data, const double* q, double* Y);
-/* y, nparameters: the kinetic energy (without that of the armature) is y . pi. Includes placements. */
-DYN_API dynStatus dyn_kinetic_energy_regressor(const dynModel* model, dynData* data, const double* q, const double* v, double* y);
-/* y, nparameters: the potential energy is y . pi. Includes placements. */
-DYN_API dynStatus dyn_potential_energy_regressor(const dynModel* model, dynData* data, const double* q, double* y);
+/* y, nparameters: y . pi is the kinetic energy, without that of the armature. Includes placements. */
+DYN_API dynStatus dyn_kinetic_energy_regressor(const dynModel* model, dynData* data, const double* q,
+                                               const double* v, double* y);
+/* y, nparameters: y . pi is the potential energy. Includes placements. */
+DYN_API dynStatus dyn_potential_energy_regressor(const dynModel* model, dynData* data, const double* q,
+                                                 double* y);
 /* Y, 6 x 10: Y pi is the force, gravity included, that moves the body of a joint, in the joint's frame. Needs
    dyn_forward_kinematics with q, v, a. */
 DYN_API dynStatus dyn_joint_body_regressor(const dynModel* model, dynData* data, int joint, double Y[60]);
-/* The same of a body that moves with a frame, its pi and the force in that frame: a link's own, merged or not. */
+/* The same for a body that moves with a frame; pi and force are in that frame. A merged link counts by
+   itself. */
 DYN_API dynStatus dyn_frame_body_regressor(const dynModel* model, dynData* data, int frame, double Y[60]);
-/* The same of any body, from its spatial velocity and its spatial acceleration less gravity, 6 each, in its frame. */
+/* The same for any body, from its spatial velocity and its spatial acceleration minus gravity, 6 each, in its
+   frame. */
 DYN_API dynStatus dyn_body_regressor(const double velocity[6], const double acceleration[6], double Y[60]);
 
-/* Pseudo-inertia J = [S h; h' m], 4 x 4, h = m c, S = tr(I) / 2 1 - I; linear in pi (Wensing, Kim, Slotine 2018). J must be
-   symmetric. */
+/* Pseudo-inertia J = [S h; h' m], 4 x 4, with h = m c and S = tr(I) / 2 1 - I. It is linear in pi (Wensing,
+   Kim, Slotine 2018). J must be symmetric. */
 DYN_API dynStatus dyn_pseudo_inertia_from_parameters(const double pi[10], double J[16]);
 DYN_API dynStatus dyn_parameters_from_pseudo_inertia(const double J[16], double pi[10]);
-/* Log-Cholesky parameters theta = [alpha, d1, d2, d3, s12, s23, s13, t1, t2, t3]: J = U U', U = e^alpha [e^d1 s12 s13 t1;
-   0 e^d2 s23 t2; 0 0 e^d3 t3; 0 0 0 1] (Rucker, Wensing 2022). Every theta is a body that can exist; pi of one that can't is
-   DYN_ERROR_INVALID. */
+/* Log-Cholesky parameters theta = [alpha, d1, d2, d3, s12, s23, s13, t1, t2, t3] (Rucker, Wensing 2022):
+     J = U U', U = e^alpha [e^d1 s12 s13 t1; 0 e^d2 s23 t2; 0 0 e^d3 t3; 0 0 0 1]
+   Every theta is a body that can exist. Returns DYN_ERROR_INVALID for the pi of a body that cannot. */
 DYN_API dynStatus dyn_log_cholesky_from_parameters(const double pi[10], double theta[10]);
 DYN_API dynStatus dyn_parameters_from_log_cholesky(const double theta[10], double pi[10]);
 /* d pi / d theta, 10 x 10. */
 DYN_API dynStatus dyn_log_cholesky_jacobian(const double theta[10], double jacobian[100]);
-/* *consistent = 1 when J is positive definite: a positive density has these parameters. (A point or a rod, whose J is singular,
-   is a limit of such bodies and answers 0.) */
+/* *consistent = 1 when J is positive definite: some positive density has these parameters. A point or a rod
+   has a singular J, a limit of such bodies, and gives 0. */
 DYN_API dynStatus dyn_is_physically_consistent(const double pi[10], int* consistent);
 
 /* ----------------------------------------------------------------------------------------- configurations */
-/* q's quaternions need not be unit on input and are unit on output. None of these touches data. */
+/* Quaternions in q may have any norm on input, and have norm 1 on output. None of these functions touches
+   data. */
 
-/* out = q (+) v: where q gets to with the constant velocity v in one second; pass v dt. out may be q. nq */
+/* out = q (+) v, nq: the configuration after one second at the constant velocity v. Pass v dt. out may be q.
+   */
 DYN_API dynStatus dyn_integrate(const dynModel* model, const double* q, const double* v, double* out);
-/* v with q0 (+) v = q1; nv. Shortest rotation; continuous joints wrapped to (-pi, pi]. */
+/* v with q0 (+) v = q1, nv. Rotations are the shortest; continuous joints are wrapped to (-pi, pi]. */
 DYN_API dynStatus dyn_difference(const dynModel* model, const double* q0, const double* q1, double* v);
 /* q0 (+) u (q1 (-) q0). */
-DYN_API dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double* q1, double u, double* out);
+DYN_API dynStatus dyn_interpolate(const dynModel* model, const double* q0, const double* q1, double u,
+                                  double* out);
 /* Norm of dyn_difference. */
-DYN_API dynStatus dyn_configuration_distance(const dynModel* model, const double* q0, const double* q1, double* distance);
+DYN_API dynStatus dyn_configuration_distance(const dynModel* model, const double* q0, const double* q1,
+                                             double* distance);
 DYN_API dynStatus dyn_configuration_neutral(const dynModel* model, double* q);
-/* Uniform between lower and upper (nq each; NULL: the limits of the model; what is infinite there is drawn from [-1, 1],
-   angles from [-pi, pi]); orientations uniform on the sphere. The same seed gives the same q. Never non-finite. */
-DYN_API dynStatus dyn_configuration_random(const dynModel* model, uint64_t seed, const double* lower, const double* upper, double* q);
+/* A random q between lower and upper (nq each; NULL: the limits of the model). An infinite range becomes [-1,
+   1], and [-pi, pi] for angles. Orientations are uniform on the sphere. The same seed gives the same q,
+   always finite. */
+DYN_API dynStatus dyn_configuration_random(const dynModel* model, uint64_t seed, const double* lower,
+                                           const double* upper, double* q);
 DYN_API dynStatus dyn_configuration_normalize(const dynModel* model, double* q);
 /* *normalized = 1 when every quaternion and (cos, sin) has norm 1 within tolerance. */
-DYN_API dynStatus dyn_configuration_is_normalized(const dynModel* model, const double* q, double tolerance, int* normalized);
-/* d(q (+) v)/dq and d(q (+) v)/dv on tangent spaces, nv x nv each (either may be NULL). */
-DYN_API dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const double* v, double* dq, double* dv);
-/* d(q1 (-) q0)/dq0 and /dq1, nv x nv each (either may be NULL). */
-DYN_API dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1, double* dq0, double* dq1);
+DYN_API dynStatus dyn_configuration_is_normalized(const dynModel* model, const double* q, double tolerance,
+                                                  int* normalized);
+/* d(q (+) v)/dq and d(q (+) v)/dv on tangent spaces, nv x nv each. Either may be NULL. */
+DYN_API dynStatus dyn_integrate_jacobians(const dynModel* model, const double* q, const double* v, double* dq,
+                                          double* dv);
+/* d(q1 (-) q0)/dq0 and d(q1 (-) q0)/dq1, nv x nv each. Either may be NULL. */
+DYN_API dynStatus dyn_difference_jacobians(const dynModel* model, const double* q0, const double* q1,
+                                           double* dq0, double* dq1);
 
 /* -------------------------------------------------------------------------------- other libraries' states */
 
-/* How a peer stores the state of the same robot. The joint's own coordinates are the same but for:
-     PINOCCHIO  continuous joints are (cos, sin); planar joints (x, y, cos, sin), their velocity in the body's axes.
-     MUJOCO     quaternions (w, x, y, z); a free joint's v = [linear in the world's axes; angular in the body's].
-     DRAKE      a free joint has q = [quaternion (w, x, y, z); position], v = [angular; linear], both in the world's axes; ball joints
-                have (roll, pitch, yaw), R = Rz(yaw) Ry(pitch) Rx(roll), and an angular velocity in the axes of what carries them.
-     ROS        a floating base is nav_msgs/Odometry: pose [position; quaternion (x, y, z, w)], twist [linear; angular] in the axes of
-                child_frame; the others are sensor_msgs/JointState and have one coordinate each.
-   In the last three the pose of a free joint is that in the world (of one that another joint carries: in its parent's frame), even if
-   the joint was placed elsewhere. A joint of several coordinates is several joints of the peer, one after another. Accelerations
-   are derivatives of the peer's v. Forces are dual: tau . v is the same power. */
+/* How a peer library stores the state of the same robot. Joint coordinates are libdyn's, with the exceptions
+   below. In MUJOCO, DRAKE and ROS a free joint's pose is in the world, even if the joint was placed
+   elsewhere. (Under another joint the pose is in that parent's frame.) A joint of several coordinates is
+   several joints of the peer, in order. Accelerations are derivatives of the peer's v. Forces are dual: tau .
+   v is the same power. */
 typedef enum dynConvention {
-  DYN_CONVENTION_DYN = 0, DYN_CONVENTION_PINOCCHIO = 1, DYN_CONVENTION_MUJOCO = 2, DYN_CONVENTION_DRAKE = 3, DYN_CONVENTION_ROS = 4
+  DYN_CONVENTION_DYN = 0, /* libdyn's own storage. */
+  /* Continuous joints are (cos, sin); planar joints are (x, y, cos, sin) with the velocity in the body's
+     axes. */
+  DYN_CONVENTION_PINOCCHIO = 1,
+  /* Quaternions are (w, x, y, z); a free joint has v = [linear in the world's axes; angular in the
+     body's]. */
+  DYN_CONVENTION_MUJOCO = 2,
+  /* A free joint has q = [quaternion (w, x, y, z); position] and v = [angular; linear] in the world's axes;
+     ball joints have (roll, pitch, yaw), R = Rz(yaw) Ry(pitch) Rx(roll), and an angular velocity in the axes
+     of their parent. */
+  DYN_CONVENTION_DRAKE = 3,
+  /* A floating base is nav_msgs/Odometry, with pose [position; quaternion (x, y, z, w)] and twist [linear;
+     angular] in the axes of child_frame; other joints are sensor_msgs/JointState with one coordinate each. */
+  DYN_CONVENTION_ROS = 4
 } dynConvention;
-/* How continuous joints are stored: by the convention (DYN: as in the model), as an angle, as (cos, sin). */
-typedef enum dynAngle { DYN_ANGLE_BY_CONVENTION = 0, DYN_ANGLE_PLAIN = 1, DYN_ANGLE_COS_SIN = 2 } dynAngle;
-typedef enum dynDirection { DYN_DIRECTION_TO_PEER = 0, DYN_DIRECTION_FROM_PEER = 1 } dynDirection;
+/* Storage of continuous joints. */
+typedef enum dynAngle {
+  DYN_ANGLE_BY_CONVENTION = 0, /* As the convention has it; for DYN as in the model. */
+  DYN_ANGLE_PLAIN = 1,         /* An angle. */
+  DYN_ANGLE_COS_SIN = 2        /* (cos, sin). */
+} dynAngle;
+typedef enum dynDirection {
+  DYN_DIRECTION_TO_PEER = 0,  /* From the model's storage to the peer's. */
+  DYN_DIRECTION_FROM_PEER = 1 /* From the peer's storage to the model's. */
+} dynDirection;
 
 typedef struct dynStateLayout {
-  uint32_t struct_size;          /* set by dyn_state_layout_init */
+  uint32_t struct_size; /* set by dyn_state_layout_init */
   dynConvention convention;
-  const char* const* joints;     /* names of this model's joints in the peer's order; NULL: in the model's order, with followers of a
-                                    mimic for MUJOCO, DRAKE and ROS, and without for the others */
+  /* names of this model's joints in the peer's order. NULL: the model's order, with mimic followers for
+     MUJOCO, DRAKE and ROS, without for others. */
+  const char* const* joints;
   size_t joints_count;
-  const int32_t *idx_q, *idx_v;  /* where each begins in the peer's q and v; NULL both: one after another */
-  int32_t nq, nv;                /* the peer's; 0: up to the end of the last joint */
+  /* first index of each joint in the peer's q and v; NULL both: one after another */
+  const int32_t *idx_q, *idx_v;
+  int32_t nq, nv;       /* the peer's sizes; 0: up to the end of the last joint */
   dynAngle continuous;
-  const char* child_frame;       /* frame of the floating base's body that pose and velocity are of; NULL: the joint's own */
+  /* frame on the floating base's body that has the pose and velocity; NULL: the joint's own */
+  const char* child_frame;
 } dynStateLayout;
-/* DYN, all joints in the model's order. */
+/* Sets convention DYN, with all joints in the model's order. */
 DYN_API void dyn_state_layout_init(dynStateLayout* layout);
 /* Sizes of the peer's q and v. */
-DYN_API dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* layout, int* nq, int* nv);
-/* One state between the model (q: nq; v, a, tau: nv) and the peer (as the layout says). q is required; v, a and tau may be NULL, but
-   a needs v; so do outputs need their inputs, and each may be NULL. Every joint that moves by itself must be in the layout. A
-   follower that the peer has as coordinates gets those of its leader, and no force; from the peer its q, v, a are not read and its
-   force is added to its leader's. What the peer has beside the named joints is neither read nor written. Outputs must not
-   overlap inputs. Angles from (cos, sin) are in (-pi, pi]. */
-DYN_API dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout, dynDirection direction, const double* q,
-                                    const double* v, const double* a, const double* tau, double* q_out, double* v_out, double* a_out,
-                                    double* tau_out);
+DYN_API dynStatus dyn_state_layout_sizes(const dynModel* model, const dynStateLayout* layout, int* nq,
+                                         int* nv);
+/* Converts one state between the model (q: nq; v, a, tau: nv) and the peer (sizes of the layout). q is
+   required. v, a and tau may be NULL, but a needs v. Each output may be NULL, and needs its input. Every
+   joint that moves by itself must be in the layout. To the peer, a follower gets its leader's coordinates and
+   no force. From the peer, a follower's q, v, a are not read, and its force is added to its leader's. Other
+   numbers of the peer are neither read nor written. Outputs must not overlap inputs. Angles from (cos, sin)
+   are in (-pi, pi]. */
+DYN_API dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* layout,
+                                           dynDirection direction, const double* q, const double* v,
+                                           const double* a, const double* tau, double* q_out, double* v_out,
+                                           double* a_out, double* tau_out);
 
 /* ------------------------------------------------------------------------------------- inverse kinematics */
 
 typedef enum dynIkTaskType {
-  DYN_IK_TASK_TYPE_POSE = 1,        /* frame at target: error log6(target^-1 X_WF), 6, in the frame's axes */
-  DYN_IK_TASK_TYPE_POSITION = 2,    /* the frame's origin at target's translation: 3, axes of the world */
-  DYN_IK_TASK_TYPE_ORIENTATION = 3, /* the frame's axes along target's rotation: log3, 3, in the frame's axes */
-  DYN_IK_TASK_TYPE_COM = 4,         /* centre of mass at target's translation: 3, axes of the world; frame is ignored */
-  DYN_IK_TASK_TYPE_POSTURE = 5      /* q at posture: dyn_difference(posture, q), nv; frame and target are ignored */
+  DYN_IK_TASK_TYPE_POSE = 1, /* Frame at target: error log6(target^-1 X_WF), 6, in the frame's axes. */
+  /* Origin of the frame at target's translation: error 3, axes of the world. */
+  DYN_IK_TASK_TYPE_POSITION = 2,
+  /* Axes of the frame along target's rotation: error log3, 3, in the frame's axes. */
+  DYN_IK_TASK_TYPE_ORIENTATION = 3,
+  /* Centre of mass at target's translation: error 3, axes of the world; frame is ignored. */
+  DYN_IK_TASK_TYPE_COM = 4,
+  /* q at posture: error dyn_difference(posture, q), nv; frame and target are ignored. */
+  DYN_IK_TASK_TYPE_POSTURE = 5
 } dynIkTaskType;
 
-/* One of the things that q shall do. The cost is the sum over tasks and components of (weight weights[k] error[k])^2 / 2. */
+/* One task. The cost is the sum over tasks and components of (weight weights[k] error[k])^2 / 2. */
 typedef struct dynIkTask {
-  uint32_t struct_size;   /* set by dyn_ik_task_init */
+  uint32_t struct_size;  /* set by dyn_ik_task_init */
   dynIkTaskType type;
   int32_t frame;
-  int32_t priority;       /* 0: to be met; 1: as far as those of priority 0 leave room (in their null space) */
-  double target[12];      /* placement in the world; what the type does not use is ignored. Default identity */
-  const double* posture;  /* DYN_IK_TASK_TYPE_POSTURE: nq */
-  double weight;          /* default 1 */
-  const double* weights;  /* one for each component of the error, NULL: ones. 0 leaves a component free */
+  int32_t priority;      /* 0: must be met; 1: met in the null space of priority 0 */
+  double target[12]; /* placement in the world, default identity; the type ignores what it does not need */
+  const double* posture; /* DYN_IK_TASK_TYPE_POSTURE: nq */
+  double weight;         /* default 1 */
+  const double* weights; /* one for each component of the error; NULL: ones. 0 leaves a component free. */
 } dynIkTask;
 DYN_API void dyn_ik_task_init(dynIkTask* task);
 
 typedef struct dynIkOptions {
-  uint32_t struct_size;      /* set by dyn_ik_options_init */
-  int32_t max_iterations;    /* of each start, and once more for the best of what failed; default 500 */
-  int32_t restarts;          /* random starts after the given one, until all tasks of priority 0 are met; default 20 */
-  uint64_t seed;             /* of the random starts: the same seed gives the same result */
-  double tolerance_linear;   /* m, default 1e-6: a task of priority 0 is met when its error is within both */
-  double tolerance_angular;  /* rad, default 1e-6 */
-  int32_t limits;            /* 0: joint limits are ignored; default 1 */
-  const double *lower, *upper; /* nq each, NULL: those of the model. Equal ones lock a coordinate. (Quaternions and (cos, sin) have none.) */
+  uint32_t struct_size;     /* set by dyn_ik_options_init */
+  int32_t max_iterations;   /* of each start, and once more for the best failed start; default 500 */
+  int32_t restarts; /* random starts after the first, until all tasks of priority 0 are met; default 20 */
+  uint64_t seed;            /* of the random starts: the same seed gives the same result */
+  double tolerance_linear;  /* m, default 1e-6: a task of priority 0 is met when its error is within both */
+  double tolerance_angular; /* rad, default 1e-6 */
+  int32_t limits;           /* 0: joint limits are ignored; default 1 */
+  /* nq each; NULL: the model's. Equal ones lock a coordinate. Quaternions and (cos, sin) have none. */
+  const double *lower, *upper;
 } dynIkOptions;
 DYN_API void dyn_ik_options_init(dynIkOptions* options);
 
-/* Why it ended. All but the first: the best q that was found, a local optimum of the cost unless the iterations ran out. */
+/* Why inverse kinematics ended. Without convergence the result is the best q found: a local optimum of the
+   cost, unless the iterations ran out. */
 typedef enum dynIkReason {
-  DYN_IK_REASON_CONVERGED = 0,     /* every task of priority 0 is met */
-  DYN_IK_REASON_LIMITS = 1,        /* a limit of dynIkResult.joint holds the tasks back */
-  DYN_IK_REASON_SINGULAR = 2,      /* the tasks' Jacobian has lost rank: no joint moves where the error points, as when out of reach */
-  DYN_IK_REASON_LOCAL_MINIMUM = 3, /* no motion lowers the cost: tasks that contradict each other, or too few restarts */
-  DYN_IK_REASON_MAX_ITERATIONS = 4     /* max_iterations were not enough */
+  DYN_IK_REASON_CONVERGED = 0,     /* Every task of priority 0 is met. */
+  DYN_IK_REASON_LIMITS = 1,        /* A limit of dynIkResult.joint holds the tasks back. */
+  /* The tasks' Jacobian has lost rank: no joint moves along the error, as when out of reach. */
+  DYN_IK_REASON_SINGULAR = 2,
+  /* No motion lowers the cost: tasks contradict each other, or restarts are too few. */
+  DYN_IK_REASON_LOCAL_MINIMUM = 3,
+  DYN_IK_REASON_MAX_ITERATIONS = 4 /* max_iterations were not enough. */
 } dynIkReason;
 
 typedef struct dynIkResult {
   uint32_t struct_size;
   dynIkReason reason;
-  int32_t iterations;       /* of all starts */
-  int32_t restarts;         /* how many were made */
-  int32_t joint;            /* DYN_IK_REASON_LIMITS: the joint whose limit presses most; otherwise -1 */
-  double residual_linear;   /* m: largest of the tasks of priority 0 */
-  double residual_angular;  /* rad */
-  double cost;              /* of the tasks of priority 0 */
-  double optimality;        /* KKT residual of that cost: largest |gradient| over coordinates that are not pressed against a limit */
+  int32_t iterations;      /* of all starts */
+  int32_t restarts;        /* restarts made */
+  int32_t joint;           /* DYN_IK_REASON_LIMITS: the joint whose limit presses most; otherwise -1 */
+  double residual_linear;  /* m: largest of the tasks of priority 0 */
+  double residual_angular; /* rad */
+  double cost;             /* of the tasks of priority 0 */
+  /* KKT residual of that cost: largest |gradient| over coordinates not pressed against a limit */
+  double optimality;
 } dynIkResult;
 
-/* Inverse kinematics: q that minimises the cost within the joint limits, by Levenberg-Marquardt on the manifold (damping by
-   Sugihara 2011), starting at q (moved to within the limits). ntasks tasks, an array. solution: nq; residuals: 2 x ntasks,
-   the error of each task (m; rad), of what its weights do not leave free; result is required. data is at the solution afterwards,
-   and frame queries may follow. Not to converge is no error: see result->reason. To follow a moving target pass restarts = 0.
-   options may be NULL (the defaults). Needs part IK. */
-DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks, int ntasks,
-                         const dynIkOptions* options, double* solution, double* residuals, dynIkResult* result);
+/* Inverse kinematics: the q that minimises the cost within the joint limits. Levenberg-Marquardt on the
+   manifold, damping by Sugihara (2011). It starts at q, moved into the limits. tasks: an array of ntasks.
+   solution: nq. residuals: 2 x ntasks, the error of each task (m; rad), without components of weight 0.
+   result is required. options may be NULL (defaults). Afterwards data is at the solution, and frame queries
+   may follow. Missing convergence is no error: see result->reason. To follow a moving target pass restarts =
+   0. Needs part IK. */
+DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, const dynIkTask* tasks,
+                         int ntasks, const dynIkOptions* options, double* solution, double* residuals,
+                         dynIkResult* result);
 
 /* -------------------------------------------------------------------------------------------- constraints */
 
