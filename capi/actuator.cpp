@@ -116,7 +116,7 @@ dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame,
     held.world = held.world + w;
   }
   d.pushed = simulation::acting_wrenches, d.acting |= d.pushed;
-  simulation::disturb(d);
+  simulation::invalidate_sleep(d);
   return DYN_OK;
 }
 
@@ -126,7 +126,7 @@ dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data) {
   Data<double>& d = call.d();
   for (Index j = 0; j < call.m().n.joints; ++j) d.wrenches[j] = simulation::AppliedWrench<double>::none();
   d.acting &= ~d.pushed, d.pushed = 0;
-  simulation::disturb(d);
+  simulation::invalidate_sleep(d);
   return DYN_OK;
 }
 

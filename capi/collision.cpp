@@ -175,8 +175,8 @@ dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int 
     if (before != DYN_PAIR_REASON_MESH) call.d().pair_states[k] = tested ? DYN_PAIR_REASON_TESTED : before == DYN_PAIR_REASON_TESTED ? DYN_PAIR_REASON_OFF : before;
   }
   call.d().invalidate(Stage::Distances);
-  simulation::disturb(call.d());
-  if (call.d().step) call.d().step->clearance.square = 0, call.d().step->pair_count = -1;
+  simulation::invalidate_sleep(call.d());
+  if (call.d().step) call.d().step->advancement_cache.square = 0, call.d().step->pair_count = -1;
   return DYN_OK;
 }
 

@@ -23,8 +23,8 @@ inline bool valid_slot(Call& call, int slot) {
 // Nothing that was computed belongs to the slots any more.
 inline void drop_constraints(Data<double>& d) {
   d.invalidate(Stage::ConstrainedDdq);
-  simulation::disturb(d);
-  if (d.step) d.step->clearance.square = 0;
+  simulation::invalidate_sleep(d);
+  if (d.step) d.step->advancement_cache.square = 0;
 }
 
 // With mimic joints M and its factor were made on the way; nobody has looked whether they are finite.

@@ -111,7 +111,7 @@ dynStatus dyn_data_set_effects(const dynModel* model, dynData* data, int joint, 
   Data<double>& d = call.d();
   for (Index j = joint ? joint : 0, end = joint ? joint + 1 : m.n.joints; j < end; ++j) d.effects[j] = effects;
   apply_effects(m, d);
-  simulation::disturb(d);
+  simulation::invalidate_sleep(d);
   call.drop_results();
   return DYN_OK;
 }
@@ -127,7 +127,7 @@ dynStatus dyn_data_set_gravity(const dynModel* model, dynData* data, const doubl
   Call call(model, data, 0, "dyn_data_set_gravity");
   if (!call || !call.required("gravity", gravity) || !call.finite("gravity", gravity, 3)) return call.status;
   copy_out(gravity, 3, call.d().world_gravity);
-  simulation::disturb(call.d());
+  simulation::invalidate_sleep(call.d());
   call.drop_results();
   return DYN_OK;
 }

@@ -41,8 +41,8 @@ dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int sha
   const Index geom = geom_of_shape(call, shape, -1);
   if (!call) return call.status;
   for (Index k = geom < 0 ? 0 : geom, end = geom < 0 ? call.m().n.geoms : geom + 1; k < end; ++k) collision::set_masks(call.m(), call.d(), k, {contype, conaffinity});
-  simulation::disturb(call.d());
-  if (call.d().step) call.d().step->clearance.square = 0, call.d().step->pair_count = -1;
+  simulation::invalidate_sleep(call.d());
+  if (call.d().step) call.d().step->advancement_cache.square = 0, call.d().step->pair_count = -1;
   return DYN_OK;
 }
 

@@ -32,7 +32,7 @@ dynStatus explain(const Model& m, const Data<double>& d, Index answer, const cha
     return fail(DYN_ERROR_NUMERIC, "%s: no step is short enough near t = %g s: the motion is singular there, or the accuracy beyond what rounding allows; the state is as before the step",
                 function, t);
   Index bad_v = m.n.nv, bad_q = m.n.nq;
-  simulation::with_trees(d, [&](const auto& part) {
+  simulation::with_active_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const simulation::Trees& t) {
       if (const Index n = finite_count(d.v + t.v, t.v_end - t.v); t.v + n < t.v_end) bad_v = std::min(bad_v, t.v + n);
       if (const Index n = finite_count(d.q + t.q, t.q_end - t.q); t.q + n < t.q_end) bad_q = std::min(bad_q, t.q + n);
@@ -59,7 +59,7 @@ dynStatus make_step(Call& call, const char* function, double h) {
   call.begin_step();
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report);
   w.expired = nullptr;
-  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.rollback(), simulation::disturb(d), simulation::record_forces(m, d), status;
+  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.rollback(), simulation::invalidate_sleep(d), simulation::record_forces(m, d), status;
   call.end_step();
   simulation::end_sleep(m, d, h);
   simulation::record_forces(m, d);
@@ -116,7 +116,7 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   const dynStepOptions& now = call.d().step->options;  // a step knows its length
   if (now.integrator != options->integrator || now.solver != options->solver || now.max_iterations != options->max_iterations || now.tolerance != options->tolerance ||
       now.sleep_speed != options->sleep_speed || now.sleep_time != options->sleep_time || now.time_budget != options->time_budget)
-    simulation::disturb(call.d());
+    simulation::invalidate_sleep(call.d());
   call.d().step->options = *options;
   call.d().step->options.struct_size = sizeof *options;
   return DYN_OK;
@@ -197,7 +197,7 @@ dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int 
   if (const simulation::BadNumber bad = simulation::bad_number(*material); bad.name)
     return fail(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: %s is %g: give 0 or more, restitution up to 1, finite velocities", call.function, bad.name,
                 bad.value);
-  simulation::disturb(call.d());
+  simulation::invalidate_sleep(call.d());
   if (geom < 0) std::fill_n(call.d().step->materials, call.m().n.geoms, *material);
   else call.d().step->materials[geom] = *material;
   return DYN_OK;

@@ -22,7 +22,7 @@ std::size_t bytes(const Model& m) { return sizeof(Header) + (numbers(m) + std::s
 template <class F>
 void for_each_input(const Model& m, Data<double>& d, F&& f) {
   f(d.q, m.n.nq), f(d.v, m.n.nv), f(d.a, m.n.nv), f(d.tau_applied, m.n.nv), f(d.ctrl, m.n.nu), f(d.act, m.n.na);
-  f(d.step->sleep.still, d.step->sleep.count);
+  f(d.step->sleep.slow_time, d.step->sleep.count);
 }
 
 bool is_geom(const Model& m, Index shape) { return shape >= 0 && shape < m.n.shapes && m.shapes()[shape].role == DYN_SHAPE_ROLE_COLLISION; }
@@ -47,7 +47,7 @@ dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void* memory
   Data<double>& d = call.d();
   char* at = static_cast<char*>(memory);
   const auto put = [&](const void* x, std::size_t n) { n ? std::memcpy(at, x, n) : nullptr, at += n; };
-  const std::int64_t contacts = d.step->contact_count + d.step->sleep.constrained_count;
+  const std::int64_t contacts = d.step->contact_count + d.step->sleep.sleeping_contact_count;
   const Header header{magic_of_states, m.id, contacts, d.time[0]};
   put(&header, sizeof header);
   for_each_input(m, d, [&](const double* x, Index n) { put(x, std::size_t(n) * sizeof(double)); });
@@ -90,7 +90,7 @@ dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const voi
   for_each_input(m, d, [&](double* x, Index n) { n ? std::memcpy(x, at, std::size_t(n) * sizeof(double)) : nullptr, at += std::size_t(n) * sizeof(double); });
   for (std::uint64_t& version : d.version) version = ++data->counter;
   d.time[0] = header.time;
-  d.step->contact_count = Index(header.contacts), d.step->clearance.square = 0;
+  d.step->contact_count = Index(header.contacts), d.step->advancement_cache.square = 0;
   if (header.contacts) std::memcpy(d.step->contacts, at, std::size_t(header.contacts) * sizeof(dynContactForce));
   return DYN_OK;
 }

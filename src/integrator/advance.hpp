@@ -13,7 +13,7 @@ namespace dyn::integrator {
 // Where rounding ends what a smaller step could gain, rad and m and their rates: of what a step adds; or, where accelerations are known
 // less well, from where on the errors of shorter steps fall no more.
 template <class T>
-struct Rounding {
+struct RoundingFloor {
   bool held;         // rows hold
   T max_noise;      // per second: more is no rounding
   T noise = T(0);    // of errors, per second
@@ -72,7 +72,7 @@ inline constexpr double held_leak = 1e-2;  // of what rows take away at the end 
 // Where a mechanism passes a singular configuration, accelerations of stages that come near to it are known badly, and rows take away much at a step's
 // end, or it is itself near. The same step is then tried in other lengths, up to those of steps before, of which the best is taken: what steps over is smooth.
 template <class T>
-struct Passing {
+struct SingularityRetry {
   static constexpr double lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6}, more = 30;  // more: of error, in the one step over
   static constexpr int most = sizeof lengths / sizeof *lengths;
   T max_noise, usual;  // of errors, per second; length of steps that pass nothing
@@ -106,7 +106,7 @@ struct Passing {
 // lengths follow errors that grow and fade without trying in vain. By this one's alone where errors are those of rounding: they say nothing of
 // the next.
 template <class T>
-struct Controller {
+struct StepSizeController {
   T power;          // 1 / (order of the error per unit step)
   bool alone;
   T longest;        // in lengths of this one: where rows hold, errors of few digits are near none now and then
@@ -126,9 +126,9 @@ struct Controller {
 };
 
 template <class T>
-void enter(const Model& m, Data<T>& d, T h) {
+void record_ledger_step(const Model& m, Data<T>& d, T h) {
   if constexpr (std::is_same_v<T, double>)
-    if (simulation::keeps_ledger(d)) simulation::enter_step(m, d, h);
+    if (simulation::has_open_ledger(d)) simulation::record_step(m, d, h);
 }
 
 inline constexpr double growth = 4;  // how much errors of steps may grow until the end, as those of a phase do
@@ -139,12 +139,12 @@ template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   T h = duration, t = 0, left = 0;
   if (const Index joint = project_to_constraints(m, d)) return joint;  // velocities that the rows do not allow jump at once
-  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, Rounding<T>::of_motion(m, d)), duration, h)) return joint;
+  if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, RoundingFloor<T>::of_motion(m, d)), duration, h)) return joint;
   report.evaluations += 2;
   const T max_noise = std::max(accuracy / (4 * duration), T(1e-7));
-  Rounding<T> rounding{active_rows(m, d) > 0, max_noise};
-  Controller<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0), rounding.held ? T(2) : T(5)};
-  Passing<T> passing{max_noise, h};
+  RoundingFloor<T> rounding{active_rows(m, d) > 0, max_noise};
+  StepSizeController<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0), rounding.held ? T(2) : T(5)};
+  SingularityRetry<T> passing{max_noise, h};
   while (t < duration) {
     const bool last = h >= (duration - t) * (1 - 1e-12);
     if (last) h = duration - t;
@@ -154,7 +154,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     const T share = accuracy / T(growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
     T error = std::numeric_limits<T>::infinity(), raw = T(0), moved = T(0);
     if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw, moved);
-    if (rounding.held && !joint && passing.again(error, raw, moved, most, std::max(100 * share, T(2e4) * Rounding<T>::of_motion(m, d)), h)) {
+    if (rounding.held && !joint && passing.again(error, raw, moved, most, std::max(100 * share, T(2e4) * RoundingFloor<T>::of_motion(m, d)), h)) {
       h = std::min(h, duration - t);
       s.undo(m, d);
       ++report.rejected;
@@ -165,7 +165,7 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
       left = std::max(T(0), left + share - error);
       ++report.steps, report.time = t, report.error_estimate += std::max(error, T(held_leak) * moved);
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
-      enter(m, d, h);
+      record_ledger_step(m, d, h);
       rounding.accept(), passing.accept(h);
       h *= controller.accept(error / allowed);
     } else {
@@ -182,11 +182,11 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
 // until: to when the first of them that is not yet as near as closed will have come so near, as it moves now, and shapes that are near have not passed
 // through one another; no later than h. depth: of the deepest.
 template <class T>
-bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until, T& depth) {
+bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until, T& depth) {
   until = h, depth = 0;
   if constexpr (std::is_same_v<T, double>) {
-    d.step->pace = HUGE_VAL;
-    if (!simulation::has_rows(m, d) || constrained_forward_dynamics(m, d)) return false;
+    d.step->time_to_pass = HUGE_VAL;
+    if (!simulation::has_constraints(m, d) || constrained_forward_dynamics(m, d)) return false;
     if (is_open(m, d)) return true;
     if (!simulation::may_jump(m, d)) return false;
     for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.v[k] + h * d.ddq[k];
@@ -197,24 +197,24 @@ bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T
       if (x.kind == simulation::RowKind::Equality) continue;
       jumps = true;
       if (x.kind == simulation::RowKind::Contact) depth = std::max(depth, -simulation::gap_of(*d.step, x));
-      const T gap = simulation::gap_of(*d.step, x) - closed, fast = simulation::closing(m, d, x, v);
+      const T gap = simulation::gap_of(*d.step, x) - closed, fast = simulation::approach_speed(m, d, x, v);
       if (gap > 0 && gap < until * fast) until = (gap + T(0.02) * closed) / fast;  // and a little, to be there
     }
-    until = std::min(until, d.step->pace);
+    until = std::min(until, d.step->time_to_pass);
     return jumps;
   }
   return false;
 }
 template <class T>
-bool meets_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   T until, depth;
-  return meets_rows(m, d, s, h, T(0), until, depth);
+  return meets_constraints(m, d, s, h, T(0), until, depth);
 }
 
 // The same where velocities may jump. Steps that meet nothing are those of the tableau.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
-  const double closed = std::max(0.1 * accuracy, 256 * Rounding<double>::of_state(m, d));
+  const double closed = std::max(0.1 * accuracy, 256 * RoundingFloor<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed);
   const double deep = 100 * closed;  // what began so deep is pushed out: such steps of a few lengths have no limit
   const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
@@ -224,10 +224,10 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
     const double whole = h = std::min(h, duration - t);
     if (!(h > duration * 1e-13)) return no_step_left;
     double until, depth, ignored;
-    const bool rows = meets_rows(m, d, s, h, closed, until, depth), near = d.step->pace < HUGE_VAL, sunk = depth > deep;
+    const bool rows = meets_constraints(m, d, s, h, closed, until, depth), near = d.step->time_to_pass < HUGE_VAL, sunk = depth > deep;
     h = std::min(h, sunk ? first : std::max(until, smallest));
     const bool last = h >= (duration - t) * (1 - 1e-12), cut = h < whole;
-    double error = 0, allowed = std::max(accuracy * (h / duration), Rounding<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
+    double error = 0, allowed = std::max(accuracy * (h / duration), RoundingFloor<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
     if (sunk) {
       joint = euler_step(m, d, s, h, false);
@@ -246,7 +246,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.rejected, h *= 0.1;
       continue;
     }
-    if (near && !rows && h > smallest && error <= allowed && meets_rows(m, d, s, smallest, closed, ignored, depth) && depth > closed) {  // a corner turned in
+    if (near && !rows && h > smallest && error <= allowed && meets_constraints(m, d, s, smallest, closed, ignored, depth) && depth > closed) {  // a corner turned in
       s.undo(m, d);
       ++report.rejected, h *= 0.5;
       continue;
@@ -256,7 +256,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       t = last ? duration : t + h;
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
-      enter(m, d, h);
+      record_ledger_step(m, d, h);
       if (cut) {  // to where something begins: what follows is as before
         h = whole;
         continue;
@@ -265,8 +265,8 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       if (rows) extrapolated.restore();
       else s.undo(m, d);
       ++report.rejected;
-      if (rows && error == 2 * d.step->passed && d.step->late > 0 && d.step->late < h) {  // what was met was met too late
-        h = std::max(h - d.step->late * (1 - 0.02 * closed / d.step->passed), smallest);
+      if (rows && error == 2 * d.step->overshoot && d.step->overshoot_time > 0 && d.step->overshoot_time < h) {  // what was met was met too late
+        h = std::max(h - d.step->overshoot_time * (1 - 0.02 * closed / d.step->overshoot), smallest);
         continue;
       }
     }
@@ -282,7 +282,7 @@ template <class T>
 Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
   const Stages<T> s(m, d);
   if constexpr (std::is_same_v<T, double>)
-    if (simulation::may_jump(m, d) || (simulation::has_rows(m, d) && meets_rows(m, d, s, duration)))
+    if (simulation::may_jump(m, d) || (simulation::has_constraints(m, d) && meets_constraints(m, d, s, duration)))
       return integrator == DYN_INTEGRATOR_RK45 ? advance_through_contact<DormandPrince5>(m, d, s, duration, accuracy, report)
                                     : advance_through_contact<DormandPrince8>(m, d, s, duration, accuracy, report);
   return integrator == DYN_INTEGRATOR_RK45 ? advance_to_accuracy<DormandPrince5>(m, d, s, duration, accuracy, report)
@@ -292,7 +292,7 @@ Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, 
 template <class T>
 Index one_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
   if constexpr (std::is_same_v<T, double>)
-    if (d.step->sleep.acts) return euler_step_of_awake(m, d, s, h, springs);
+    if (d.step->sleep.enabled) return euler_step_of_awake(m, d, s, h, springs);
   return euler_step(m, d, s, h, springs);
 }
 
@@ -301,7 +301,7 @@ template <class T>
 Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
   const Stages<T> s(m, d);
   Index failed = 0;
-  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST && meets_rows(m, d, s, h)) integrator = DYN_INTEGRATOR_IMPLICIT_FAST;
+  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST && meets_constraints(m, d, s, h)) integrator = DYN_INTEGRATOR_IMPLICIT_FAST;
   switch (integrator) {
     case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER: case DYN_INTEGRATOR_IMPLICIT_FAST: failed = one_euler_step(m, d, s, h, integrator == DYN_INTEGRATOR_IMPLICIT_FAST), report.evaluations += 1; break;
     case DYN_INTEGRATOR_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
@@ -320,7 +320,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
   if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST) failed = project_to_constraints(m, d);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
-  enter(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h);  // its own steps are entered
+  record_ledger_step(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h);  // its own steps are entered
   return 0;
 }
 

@@ -24,7 +24,7 @@ struct ChartMotion {
     integrate(m, q0, y, d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y[m.n.nv + k];
     for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
-      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = simulation::within(y[2 * m.n.nv + r.act], r.spec.act_range);
+      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = simulation::clamp_to(y[2 * m.n.nv + r.act], r.spec.act_range);
     for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
       store3(load3(q0 + b.user_q) + rotation(load_quaternion(q0 + b.user_q + 3)) * load3(y + b.user_v), d.q + b.user_q);
       store3(transpose_times(exp3(load3(y + b.user_v + 3)), load3(d.v + b.user_v)), d.v + b.user_v);
@@ -80,7 +80,7 @@ struct Stages {
     for (Index k = 0; k < m.n.na; ++k) y0[2 * m.n.nv + k] = d.act[k];
   }
   // x, 2 nv: changes of the chart's coordinates, as those of q and v in the axes of the state that d holds, but for what turning by a step changes in angles.
-  void refer(const Model& m, const Data<T>& d, T* x) const {
+  void rotate_to_end_axes(const Model& m, const Data<T>& d, T* x) const {
     for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
       const Mat3<T> R0 = rotation(load_quaternion(q0 + b.user_q + 3)), R = rotation(load_quaternion(d.q + b.user_q + 3));
       for (T* part : {x + b.user_v, x + m.n.nv + b.user_v}) store3(transpose_times(R, R0 * load3(part)), part);

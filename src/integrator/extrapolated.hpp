@@ -44,10 +44,10 @@ inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, doub
     const Vec3<double> a = load3(d.ddq + b.user_v) + cross(w, u) + cross(dw, c) + cross(w, cross(w, c));
     store3(u + cross(w, c) + a * h - cross(load3(d.v + b.user_v + 3), c), d.v + b.user_v);
   });
-  if (meet_rows(m, d, s, h) == Meeting::Correction) {
+  if (apply_constraints(m, d, s, h) == ConstraintOutcome::Correction) {
     integrate(m, static_cast<const double*>(s.q0), static_cast<const double*>(s.f), d.q);
     end_flight(m, simulation::AllTrees{}, s.q0, 0.0, static_cast<const double*>(s.f), d.q, d.v);
-    if (simulation::keeps_ledger(d)) simulation::enter_correction(m, d, s.q0, s.f, s.f);
+    if (simulation::has_open_ledger(d)) simulation::record_correction(m, d, s.q0, s.f, s.f);
   }
   simulation::advance_activations(m, d, s.y0 + 2 * m.n.nv, h);
   return 0;
@@ -65,19 +65,19 @@ class Extrapolated {
 
   // To the limit, and its error; d.ddq: free, at the beginning. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
   Index step(double h, double& error) {
-    keep(before), simulation::keep_contacts(*d.step);
-    d.step->closed = closed;
+    keep(before), simulation::save_contacts(*d.step);
+    d.step->closed_gap = closed;
     // what the contact solver leaves open, relative to free velocities, is no motion that extrapolates: far less than is allowed, or no step is short enough
     const double asked = d.step->options.tolerance, fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
     if (fast > 0) d.step->options.tolerance = std::min(asked, std::max(1e-14, 0.01 * closed / fast));
     Index joint = substeps(h, 1);
     if (!joint) keep(one), restore(), joint = substeps(h, 2);
-    if (!joint) keep(two), restore(), d.step->passed = 0, joint = substeps(h, 3);
-    d.step->closed = 0, d.step->options.tolerance = asked;
+    if (!joint) keep(two), restore(), d.step->overshoot = 0, joint = substeps(h, 3);
+    d.step->closed_gap = 0, d.step->options.tolerance = asked;
     if (joint) return restore(), joint;
     // what all of them stop at once moves on between, which no difference of them shows: velocities bend. (At the end they may jump where something is met.)
     error = 0;
-    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::max(bent(before.v[k], by_three[0][k], by_three[1][k]), d.step->passed > 0 ? 0 : bent(by_three[0][k], by_three[1][k], by_three[2][k])));
+    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::max(bent(before.v[k], by_three[0][k], by_three[1][k]), d.step->overshoot > 0 ? 0 : bent(by_three[0][k], by_three[1][k], by_three[2][k])));
     error *= h / 6;
     // of differences to what three steps lead to
     const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
@@ -85,15 +85,15 @@ class Extrapolated {
     difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
     for (Index k = 0; k < m.n.nv; ++k) a[k] = limit(a[k], b[k]), b[k] = limit(one.v[k] - d.v[k], two.v[k] - d.v[k]);
     for (Index k = 0; k < m.n.na; ++k) two.act[k] = limit(one.act[k] - d.act[k], two.act[k] - d.act[k]);
-    simulation::note_passed(m, d, a, closed);
-    error = std::max(error, 2 * d.step->passed);  // for all of them: what bounces is off by twice that
+    simulation::record_overshoot(m, d, a, closed);
+    error = std::max(error, 2 * d.step->overshoot);  // for all of them: what bounces is off by twice that
     keep(three);
     integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];
     for (Index k = 0; k < m.n.na; ++k) d.act[k] += two.act[k];
     return 0;
   }
-  void restore() { take(before), simulation::take_contacts(*d.step); }
+  void restore() { take(before), simulation::restore_contacts(*d.step); }
   void three_steps() { take(three); }
 
  private:
@@ -109,7 +109,7 @@ class Extrapolated {
   State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;
 
   static double bent(double a, double b, double c) { return std::abs(a - 2 * b + c); }
-  void refer(double* v) const {
+  void rotate_to_start_axes(double* v) const {
     std::copy_n(d.v, m.n.nv, v);
     for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index, const Vec3<double>&) {
       const Mat3<double> R0 = rotation(load_quaternion(before.q + b.user_q + 3)), R = rotation(load_quaternion(d.q + b.user_q + 3));
@@ -120,11 +120,11 @@ class Extrapolated {
   void take(const State& x) const { std::copy_n(x.q, m.n.nq, d.q), std::copy_n(x.v, m.n.nv, d.v), std::copy_n(x.act, m.n.na, d.act); }
   Index substeps(double h, int n) const {
     Index joint = 0;
-    simulation::forget_rows(d);
+    simulation::reset_impulse_work(d);
     for (int k = 0; k < n && !joint; ++k) {
-      d.step->drifts = k + 1;
+      d.step->drift_count = k + 1;
       drift(m, d, s, h / n), joint = kick(m, d, s, h / n);
-      refer(by_three[k]);
+      rotate_to_start_axes(by_three[k]);
     }
     return joint;
   }

@@ -38,7 +38,7 @@ Vec3<T> solve3(const Mat3<T>& A, const Vec3<T>& b) {
 // w' with I w' = exp(-h w') L by Newton's method, for bodies that turn far within the step: (I - h [y] J(h w)) dw = y - I w with y = exp(-h w) L.
 // Beyond a whole turn a step may end where nothing is better nearby: then at least |L| is kept.
 template <class T>
-[[gnu::cold, gnu::noinline]] Vec3<T> far_turned_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
+[[gnu::cold, gnu::noinline]] Vec3<T> implicit_angular_velocity_newton(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   const auto left = [&](const Vec3<T>& w) { return exp3(w * -h) * L - I * w; };
   Vec3<T> w = guess, r = left(w);
   const T enough = T(1e-30) * dot(L, L);
@@ -56,14 +56,14 @@ template <class T>
 
 // w' with I w' = exp(-h w') L.
 template <class T>
-Vec3<T> turned_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
+Vec3<T> implicit_angular_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   Vec3<T> w = guess;
   bool changes = true;
   for (int k = 0; k < 20 && changes; ++k) {
     const Vec3<T> next = solve3(I, exp3(w * -h) * L), change = next - w;
     w = next, changes = dot(change, change) > T(1e-30) * dot(w, w);
   }
-  if (changes) w = far_turned_velocity(I, L, h, guess);
+  if (changes) w = implicit_angular_velocity_newton(I, L, h, guess);
   return dot(w, w) < std::numeric_limits<T>::infinity() ? w : guess;
 }
 
@@ -76,7 +76,7 @@ void free_flight(const Model& m, const Part& part, const T* v0, const T* ddq, T 
     Vec3<T> w1 = w + dw * h;
     if (m.subtree_end()[i] == i + 1 && b.m > 0) {
       const Mat3<T> I = central_inertia(b, c);
-      w1 = turned_velocity(I, I * w1 + cross(w, I * w) * h, h, w1);
+      w1 = implicit_angular_velocity(I, I * w1 + cross(w, I * w) * h, h, w1);
     }
     store3(u + cross(w, c) + a * h - cross(w1, c), v + b.user_v);
     store3(w1, v + b.user_v + 3);

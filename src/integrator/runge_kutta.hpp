@@ -44,7 +44,7 @@ void defect(const Stages<T>& s, const double* weights, int count, T h, T* out) {
 template <class T>
 T largest_defect(const Model& m, Data<T>& d, const Stages<T>& s, T* x, bool held) {
   if constexpr (std::is_same_v<T, double>)
-    if (held) s.refer(m, d, x), remove_constrained_errors(m, d, x);
+    if (held) s.rotate_to_end_axes(m, d, x), remove_constrained_errors(m, d, x);
   T largest = T(0);
   for (Index k = 0; k < s.n; ++k)
     if (const T size = std::abs(x[k]); !(size <= largest)) largest = size;  // also NaN

@@ -13,32 +13,32 @@ namespace dyn::integrator {
 
 // f(part), without what flies by itself in this step (simulation/free_bodies.hpp).
 template <class T, class Part, class F>
-DYN_INLINE decltype(auto) with_others(const Data<T>& d, const Part& part, F&& f) {
-  if constexpr (std::is_same_v<T, double>) return simulation::with_others(d, part, f);
+DYN_INLINE decltype(auto) with_unbatched_trees(const Data<T>& d, const Part& part, F&& f) {
+  if constexpr (std::is_same_v<T, double>) return simulation::with_unbatched_trees(d, part, f);
   else return f(part);
 }
 
-enum class Meeting { Nothing, Rows, Correction, Sleeper };
+enum class ConstraintOutcome { Nothing, Rows, Correction, Sleeper };
 
 // From the free velocity to that at the end of the step. Correction: the configuration is to be corrected, too, by s.f. Sleeper: something that
 // sleeps was met, and nothing done.
 template <class T>
-DYN_INLINE Meeting meet_rows(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
+DYN_INLINE ConstraintOutcome apply_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if constexpr (std::is_same_v<T, double>) {
     simulation::Workspace& w = *d.step;
     w.constraint_count = 0;
-    if (!simulation::has_rows(m, d) || simulation::all_clear(m, d, h)) return Meeting::Nothing;
+    if (!simulation::has_constraints(m, d) || simulation::cache_excludes_contact(m, d, h)) return ConstraintOutcome::Nothing;
     w.constraint_count = simulation::find_constraints(m, d, d.v, h);
-    if (w.sleep.met || w.sleep.all) return Meeting::Sleeper;
-    if (w.constraint_count == 0) return Meeting::Nothing;
-    return simulation::solve_constraints(m, d, w.constraint_count, s.y0 + m.n.nv, h, d.v, s.f) ? Meeting::Correction : Meeting::Rows;
+    if (w.sleep.touched || w.sleep.contacts_full) return ConstraintOutcome::Sleeper;
+    if (w.constraint_count == 0) return ConstraintOutcome::Nothing;
+    return simulation::solve_constraints(m, d, w.constraint_count, s.y0 + m.n.nv, h, d.v, s.f) ? ConstraintOutcome::Correction : ConstraintOutcome::Rows;
   }
-  return Meeting::Nothing;
+  return ConstraintOutcome::Nothing;
 }
 
 // d.armature = armature with what resists the velocity at the end of a step of h, springs where they do; to the same bits whenever it is asked for.
 template <class T>
-void resist(const Model& m, Data<T>& d, const T* armature, T h, bool springs) {
+void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, bool springs) {
   implicit_armature(m, d, armature, h);
   for (Index k = 0; springs && k < m.n.nv; ++k) d.armature[k] += h * h * d.stiffness[k];
 }
@@ -46,13 +46,13 @@ void resist(const Model& m, Data<T>& d, const T* armature, T h, bool springs) {
 // d.ddq under tau with the actuators at the end of a step of h; d.armature is added to, and made anew from armature for those that are held, so that what
 // an actuator does is nothing to another tree. Returns 0 or the joint whose forward dynamics failed.
 template <class T, class Part>
-[[gnu::noinline]] Index driven_dynamics(const Model& m, Data<T>& d, const T* tau, const T* armature, T h, bool springs, const Part& part) {
+[[gnu::noinline]] Index actuated_dynamics(const Model& m, Data<T>& d, const T* tau, const T* armature, T h, bool springs, const Part& part) {
   const T* fext = simulation::forces_on_bodies(m, d);
   simulation::ImplicitActuators<T> actuators(m, d, h);
   for (int k = 0;; ++k) {
     if (const Index joint = forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq)) return joint;
     if (k == 3 || !actuators.saturate(d.ddq)) return 0;
-    resist(m, d, armature, h, springs);  // and again with the stiffness of those that are not held
+    set_implicit_armature(m, d, armature, h, springs);  // and again with the stiffness of those that are not held
   }
 }
 
@@ -65,14 +65,14 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
   springs = springs && (d.acting & DYN_EFFECT_SPRINGS);
   if (d.acting & implicit) {
     d.armature = d.net + m.n.nv;
-    resist(m, d, armature, h, springs);
+    set_implicit_armature(m, d, armature, h, springs);
     if (springs) {
       for (Index k = 0; k < m.n.nv; ++k) s.y[k] = d.tau_applied[k] - h * d.stiffness[k] * d.v[k];
       tau = s.y;
     }
     d.acting |= DYN_EFFECT_ARMATURE;
   }
-  const Index joint = d.acting & DYN_EFFECT_ACTUATORS ? driven_dynamics(m, d, tau, armature, h, springs, part)
+  const Index joint = d.acting & DYN_EFFECT_ACTUATORS ? actuated_dynamics(m, d, tau, armature, h, springs, part)
                                                       : forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, simulation::forces_on_bodies(m, d), d.ddq);
   d.armature = armature, d.acting = acting;
   return joint;
@@ -83,49 +83,49 @@ template <class T, class Part>
 bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const Part& part, bool rests) {
   s.keep(m, d, part);
   T *const hv = s.y, *const v0 = s.y0 + m.n.nv;
-  bool flying = false;
+  bool batched = false;
   if constexpr (std::is_same_v<T, double>)
-    if ((flying = d.step->loose.flying)) simulation::fly(m, d, h);
-  with_others(d, part, [&](const auto& others) {
+    if ((batched = d.step->free_bodies.batched)) simulation::integrate_velocity(m, d, h);
+  with_unbatched_trees(d, part, [&](const auto& others) {
     others.for_each_group(m, [&](const simulation::Trees& t) {
       for (Index k = t.v; k < t.v_end; ++k) d.v[k] += h * d.ddq[k];
     });
     free_flight(m, others, v0, d.ddq, h, d.v);
   });
-  const Meeting met = meet_rows(m, d, s, h);
-  if (met == Meeting::Sleeper) {
+  const ConstraintOutcome met = apply_constraints(m, d, s, h);
+  if (met == ConstraintOutcome::Sleeper) {
     part.for_each_group(m, [&](const simulation::Trees& t) { std::copy(v0 + t.v, v0 + t.v_end, d.v + t.v); });
     return false;
   }
-  const T* const correction = met == Meeting::Correction ? s.f : nullptr;
+  const T* const correction = met == ConstraintOutcome::Correction ? s.f : nullptr;
   if constexpr (std::is_same_v<T, double>)
-    if (rests) simulation::find_rest(m, d, v0, correction, h);
+    if (rests) simulation::detect_rest(m, d, v0, correction, h);
   part.for_each_group(m, [&](const simulation::Trees& t) {
     for (Index k = t.v; k < t.v_end; ++k) hv[k] = h * d.v[k] + (correction ? correction[k] : T(0));
   });
-  with_others(d, part, [&](const auto& others) {
+  with_unbatched_trees(d, part, [&](const auto& others) {
     integrate(m, others, static_cast<const T*>(d.q), static_cast<const T*>(hv), d.q);
     end_flight(m, others, s.q0, h, correction, d.q, d.v);
   });
   if constexpr (std::is_same_v<T, double>)
-    if (flying) simulation::land(d, h, correction);
+    if (batched) simulation::integrate_position(d, h, correction);
   simulation::advance_activations(m, d, s.y0 + 2 * m.n.nv, h);
   if constexpr (std::is_same_v<T, double>)
-    if (correction && simulation::keeps_ledger(d)) simulation::enter_correction(m, d, s.q0, hv, correction);
+    if (correction && simulation::has_open_ledger(d)) simulation::record_correction(m, d, s.q0, hv, correction);
   if constexpr (std::is_same_v<T, double>)
-    if (rests) simulation::keep_rest(m, d, s.q0);
+    if (rests) simulation::hold_at_rest(m, d, s.q0);
   return true;
 }
 
 // What flies by itself does so within this scope.
-struct Flight {
+struct FreeBodyScope {
   simulation::Workspace* w = nullptr;
-  explicit Flight(Data<double>& d) : w(d.step) { simulation::begin_flight(d); }
+  explicit FreeBodyScope(Data<double>& d) : w(d.step) { simulation::begin_free_body_step(d); }
   template <class T>
-  explicit Flight(const Data<T>&) {}
-  Flight(const Flight&) = delete;
-  ~Flight() {
-    if (w) w->loose.flying = false;
+  explicit FreeBodyScope(const Data<T>&) {}
+  FreeBodyScope(const FreeBodyScope&) = delete;
+  ~FreeBodyScope() {
+    if (w) w->free_bodies.batched = false;
   }
 };
 
@@ -135,8 +135,8 @@ struct Flight {
 template <class T>
 Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
   const simulation::AllTrees all;
-  const Flight flight(d);
-  if (const Index joint = with_others(d, all, [&](const auto& others) { return implicit_dynamics(m, d, s, h, springs, others); })) return joint;
+  const FreeBodyScope flight(d);
+  if (const Index joint = with_unbatched_trees(d, all, [&](const auto& others) { return implicit_dynamics(m, d, s, h, springs, others); })) return joint;
   end_euler_step(m, d, s, h, all, false);
   return 0;
 }
@@ -144,12 +144,12 @@ Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool sprin
 // The same after begin_sleep: trees that sleep are left out, until they are met. (With nothing asleep by the same code: to the same bits.)
 inline Index euler_step_of_awake(const Model& m, Data<double>& d, const Stages<double>& s, double h, bool springs) {
   const simulation::Sleep& z = d.step->sleep;
-  const Flight flight(d);
+  const FreeBodyScope flight(d);
   for (;;) {
     const auto dynamics = [&](const auto& part) { return implicit_dynamics(m, d, s, h, springs, part); };
-    if (const Index joint = z.plain ? with_others(d, z.awake, dynamics) : with_others(d, simulation::AllTrees{}, dynamics)) return joint;
+    if (const Index joint = z.unconstrained ? with_unbatched_trees(d, z.awake, dynamics) : with_unbatched_trees(d, simulation::AllTrees{}, dynamics)) return joint;
     if (end_euler_step(m, d, s, h, z.awake, true)) return 0;
-    simulation::wake_met(m, d);
+    simulation::wake_touched(m, d);
   }
 }
 

@@ -30,21 +30,21 @@ void for_each_actuator(const Model& m, const Data<T>& d, F&& f) {
 }
 
 template <class T>
-T within(T x, const double (&range)[2]) {
+T clamp_to(T x, const double (&range)[2]) {
   return std::min(std::max(x, T(range[0])), T(range[1]));
 }
 
 template <class T>
 T command(const ActuatorRecord& r, const Data<T>& d) {
-  return within(d.ctrl[r.spec.idx_u], r.spec.control_range);
+  return clamp_to(d.ctrl[r.spec.idx_u], r.spec.control_range);
 }
 
 // w after h: exact, for u does not change.
 template <class T>
-T activated(const ActuatorRecord& r, const Data<T>& d, T w, T h) {
+T activation_after(const ActuatorRecord& r, const Data<T>& d, T w, T h) {
   using math::exp;
   const T u = command(r, d);
-  return within(r.spec.integrates ? w + h * u : u + (w - u) * exp(-h / T(r.spec.time_constant)), r.spec.act_range);
+  return clamp_to(r.spec.integrates ? w + h * u : u + (w - u) * exp(-h / T(r.spec.time_constant)), r.spec.act_range);
 }
 // dw/dt
 template <class T>
@@ -65,7 +65,7 @@ T unbounded_force(const ActuatorRecord& r, const Data<T>& d, T w, T q, T v) {
 template <class T>
 T actuator_force(const ActuatorRecord& r, const Data<T>& d) {
   const T w = r.act >= 0 ? d.act[r.act] : command(r, d);
-  return within(unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]), r.spec.force_range);
+  return clamp_to(unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]), r.spec.force_range);
 }
 
 // tau with what all actuators exert at the state held in d.
@@ -80,7 +80,7 @@ const T* actuated(const Model& m, Data<T>& d, const T* tau) {
 template <class T>
 void advance_activations(const Model& m, Data<T>& d, const T* w, T h) {
   for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
-    if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = activated(r, d, w[r.act], h);
+    if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = activation_after(r, d, w[r.act], h);
 }
 
 template <class T>
@@ -101,7 +101,7 @@ class ImplicitActuators {
  public:
   ImplicitActuators(const Model& model, Data<T>& data, T step) : m(model), d(data), h(step) {
     each([&](const ActuatorRecord& r, Index k) {
-      const T w = r.act >= 0 ? activated(r, d, d.act[r.act], h) : command(r, d);
+      const T w = r.act >= 0 ? activation_after(r, d, d.act[r.act], h) : command(r, d);
       d.actuator_force[k] = unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]);
       d.saturated[k] = 0;
     });
@@ -123,7 +123,7 @@ class ImplicitActuators {
     each([&](const ActuatorRecord& r, Index k) {
       if (d.saturated[k]) return;
       const T gear = T(r.spec.gear), f = d.actuator_force[k] - h * K(r) * gear * d.v[r.v] - (h * D(r) + h * h * K(r)) * gear * ddq[r.v];
-      if (const T held = within(f, r.spec.force_range); held != f) d.actuator_force[k] = held, d.saturated[k] = 1, any = true;
+      if (const T held = clamp_to(f, r.spec.force_range); held != f) d.actuator_force[k] = held, d.saturated[k] = 1, any = true;
     });
     return any;
   }

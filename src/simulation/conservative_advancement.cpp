@@ -8,10 +8,10 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double worth = 4;   // steps, that a search in vain should spare
+constexpr double min_steps_saved = 4;   // steps, that a search in vain should spare
 
 // |a| + |b| <= sqrt(2 (a^2 + b^2)), and a sum of n sizes <= sqrt(n sum of squares): with a the changes, b those of this step, limits' reach of three.
-double squares(const Model& m, const Clearance& c, const double* q, const double* v, double h) {
+double squares(const Model& m, const AdvancementCache& c, const double* q, const double* v, double h) {
   using P = Pack<double, 4>;
   P sums = P::zero();
   for (Index k = 0; k < m.n.nv; k += 4) {
@@ -25,22 +25,22 @@ double squares(const Model& m, const Clearance& c, const double* q, const double
 
 }  // namespace
 
-bool has_clearance(const Model& m) {
+bool can_cache_advancement(const Model& m) {
   for (Index i = 1; i < m.n.bodies; ++i)
     if (m.bodies()[i].type != BodyType::Revolute && m.bodies()[i].type != BodyType::Prismatic) return false;
   return !m.has_mimic;
 }
 
-bool all_clear(const Model& m, const Data<double>& d, double h) {
-  const Clearance& c = d.step->clearance;
+bool cache_excludes_contact(const Model& m, const Data<double>& d, double h) {
+  const AdvancementCache& c = d.step->advancement_cache;
   return c.square > 0 && squares(m, c, d.q, d.v, h) < c.square;
 }
 
-void note_clearance(const Model& m, Data<double>& d, const double* v, double h, double between) {
-  Clearance& c = d.step->clearance;
+void update_advancement_cache(const Model& m, Data<double>& d, const double* v, double h, double min_distance) {
+  AdvancementCache& c = d.step->advancement_cache;
   c.square = 0;
-  if (!c.possible || !(between > 0)) return;
-  between = std::min(between, 1e3);  // levers may grow by as much
+  if (!c.enabled || !(min_distance > 0)) return;
+  min_distance = std::min(min_distance, 1e3);  // levers may grow by as much
   std::fill_n(c.lever, m.n.nv, 0.0);
   for (Index k = 0; m.n.contacts > 0 && k < d.step->geom_count; ++k) {
     const Index geom = d.step->geoms[k];
@@ -48,32 +48,32 @@ void note_clearance(const Model& m, Data<double>& d, const double* v, double h, 
     if (g.body && !(g.reach < shape::infinity)) return;
     for (Index i = g.body; i; i = m.bodies()[i].parent) {
       const Body& b = m.bodies()[i];
-      const double far = shape::norm(d.geom_poses[geom].p - d.p[i]) + g.reach + between;
+      const double far = shape::norm(d.geom_poses[geom].p - d.p[i]) + g.reach + min_distance;
       c.lever[b.idx_v] = b.type == BodyType::Prismatic ? 1 : std::max(c.lever[b.idx_v], far);
     }
   }
   for (Index k = 0; k < m.n.limits; ++k) {
     const LimitRecord& r = m.limits()[k];
-    const double gap = std::min(d.q[r.q] - m.lower_limit()[r.q], m.upper_limit()[r.q] - d.q[r.q]) - limit_reach * 1.01 * unit_of(m, *d.step, r);
+    const double gap = std::min(d.q[r.q] - m.lower_limit()[r.q], m.upper_limit()[r.q] - d.q[r.q]) - limit_margin * 1.01 * unit_of(m, *d.step, r);
     if (!(gap > 0)) return;
-    c.lever[r.dof] = std::max(c.lever[r.dof], between / gap);
+    c.lever[r.dof] = std::max(c.lever[r.dof], min_distance / gap);
   }
   std::copy_n(d.q, m.n.nq, c.q);
-  const double square = between * between / (2 * m.n.nv);
+  const double square = min_distance * min_distance / (2 * m.n.nv);
   double next = 0;
   for (Index k = 0; k < m.n.nv; ++k) next += 9 * h * h * v[k] * v[k] * c.lever[k] * c.lever[k];
-  if (worth * worth * next < square) c.square = square;
+  if (min_steps_saved * min_steps_saved * next < square) c.square = square;
 }
 
-bool limits_far(const Model& m, const Data<double>& d, const double* v, double h) {
+bool limits_inactive(const Model& m, const Data<double>& d, const double* v, double h) {
   if (!(d.acting & DYN_EFFECT_LIMITS)) return true;
   for (Index k = 0; k < m.n.limits; ++k) {
     const LimitRecord& r = m.limits()[k];
     if (is_ball(m, r)) {
-      if (ball_gap(m, d, r, v).gap <= 3 * h * ball_speed(r, v) + limit_reach) return false;
+      if (ball_gap(m, d, r, v).gap <= 3 * h * ball_speed(r, v) + limit_margin) return false;
       continue;
     }
-    const double q = d.q[r.q], reach = 3 * h * std::abs(v[r.dof]) + limit_reach * unit_of(m, *d.step, r);
+    const double q = d.q[r.q], reach = 3 * h * std::abs(v[r.dof]) + limit_margin * unit_of(m, *d.step, r);
     if (q - m.lower_limit()[r.q] <= reach || m.upper_limit()[r.q] - q <= reach) return false;
   }
   return true;

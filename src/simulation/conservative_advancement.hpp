@@ -7,21 +7,21 @@
 
 namespace dyn::simulation {
 
-struct Clearance {
+struct AdvancementCache {
   double square;      // of what is left, over twice the number of joints; 0: unknown
   double *q, *lever;  // where that was; m of contact for each unit of the coordinate. Whole packs
-  bool possible;
+  bool enabled;
 };
 
 // Nothing acts in a step of h that would end with the velocities of d.
-bool all_clear(const Model& m, const Data<double>& d, double h);
+bool cache_excludes_contact(const Model& m, const Data<double>& d, double h);
 
 // After a search in vain, with the velocities v, in which no two shapes were nearer than `between`, if that is positive.
-void note_clearance(const Model& m, Data<double>& d, const double* v, double h, double between);
+void update_advancement_cache(const Model& m, Data<double>& d, const double* v, double h, double min_distance);
 
-bool has_clearance(const Model& m);
+bool can_cache_advancement(const Model& m);
 
 // No limit is within reach.
-bool limits_far(const Model& m, const Data<double>& d, const double* v, double h);
+bool limits_inactive(const Model& m, const Data<double>& d, const double* v, double h);
 
 }  // namespace dyn::simulation

@@ -27,8 +27,8 @@ double fastest(const Data<double>& d, Index geom) {
 
 // Appends; beyond the room the shallowest goes.
 void append(const Model& m, Workspace& w, const dynContact& c) {
-  if (w.contact_count + w.sleep.constrained_count >= m.n.contacts) {
-    if (w.sleep.constrained_count > 0) return void(w.sleep.all = true);
+  if (w.contact_count + w.sleep.sleeping_contact_count >= m.n.contacts) {
+    if (w.sleep.sleeping_contact_count > 0) return void(w.sleep.contacts_full = true);
     ++w.report.dropped;
     Index shallowest = 0;
     for (Index k = 1; k < w.contact_count; ++k)
@@ -75,7 +75,7 @@ void find_pairs(const Model& m, const Data<double>& d) {
   if (lists_pairs(m)) {
     for (Index k = 0; k < m.n.pairs && w.pair_count <= room; ++k)
       if (d.pair_states[k] == DYN_PAIR_REASON_TESTED) add(m.pairs()[k].a, m.pairs()[k].b, k);
-  } else if (w.clearance.possible) {
+  } else if (w.advancement_cache.enabled) {
     Index pair;
     for (Index a = 0; a < m.n.geoms; ++a)
       for (Index b = a + 1; b < m.n.geoms && w.pair_count <= room; ++b)
@@ -103,7 +103,7 @@ struct Search {
   const double h;
   Workspace& w = *d.step;
   Manifold found{}, end{};
-  double between = shape::infinity, fast = 0;  // of the shapes that are placed
+  double min_distance = shape::infinity, fast = 0;  // of the shapes that are placed
 
   bool sleeps(Index geom) const { return w.sleep.sleeps(d.geoms[geom].body); }
   void place(Index k) {
@@ -156,17 +156,17 @@ struct Search {
     const Geom &a = d.geoms[ia], &b = d.geoms[ib];
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
     // impulses of the step change velocities: shapes this near one another always count
-    const double near = std::min(0.02 * std::min(a.reach, b.reach), within_reach(w, h, fast)), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
-    if (!(near < shape::infinity) || (w.sleep.some && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body))) return;
+    const double near = std::min(0.02 * std::min(a.reach, b.reach), contact_margin(w, h, fast)), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
+    if (!(near < shape::infinity) || (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body))) return;
     const double distance = collision::distance_at_least(a, A, b, B);
-    between = std::min(between, distance - near);
+    min_distance = std::min(min_distance, distance - near);
     Index pair = -1;
     if (distance > margin || !is_tested(pair)) return;
     collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
     double gap = shape::infinity;
     for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
     const double reach = std::min(a.reach, b.reach);
-    w.pace = std::min(w.pace, (gap > 0.02 * reach ? std::max(gap, 0.2 * reach) : reach) / (w.speeds[ia] + w.speeds[ib]));
+    w.time_to_pass = std::min(w.time_to_pass, (gap > 0.02 * reach ? std::max(gap, 0.2 * reach) : reach) / (w.speeds[ia] + w.speeds[ib]));
     if (gap > 1e-4 * reach && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
     for (int i = 0; i < found.count; ++i) {
       const auto& point = found.points[i];
@@ -175,7 +175,7 @@ struct Search {
       c.pair = int(pair), c.shape_a = int(m.geoms()[ia].shape), c.shape_b = int(m.geoms()[ib].shape);
       append(m, w, c);
       for (const Index geom : {ia, ib})
-        if (sleeps(geom)) w.sleep.is[w.sleep.number[d.geoms[geom].body]] = Sleeper::Met, w.sleep.met = true;
+        if (sleeps(geom)) w.sleep.state[w.sleep.number[d.geoms[geom].body]] = Sleeper::Touched, w.sleep.touched = true;
     }
   }
   bool still(Index geom) const { return !d.geoms[geom].body || sleeps(geom); }
@@ -223,19 +223,19 @@ struct Search {
     } else {
       distance = sqrt(dot(to, to)) - a.reach - reach;
     }
-    const Wide near = min(min(reach, a.reach) * 0.02, within_reach(w, h, fast)), margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (1.5 * h);
+    const Wide near = min(min(reach, a.reach) * 0.02, contact_margin(w, h, fast)), margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (1.5 * h);
     const unsigned lanes = (1u << std::min<Index>(row.count - k, Wide::lanes)) - 1, far = bits_of(distance > margin);
-    if (w.clearance.possible) {
+    if (w.advancement_cache.enabled) {
       const Wide left = distance - near;
-      for_each_bit(far & lanes, [&](int l) { between = std::min(between, left[l]); });
+      for_each_bit(far & lanes, [&](int l) { min_distance = std::min(min_distance, left[l]); });
     }
     return ~far & lanes;
   }
   void by_list() {
-    if (w.sleep.some && w.awake_pair_count < 0) list_awake();
-    const NearPair* const pairs = w.sleep.some ? w.awake_pairs : w.pairs;
-    if (w.row_count < 0) list_rows(pairs, w.sleep.some ? w.awake_pair_count : w.pair_count);
-    const Index *const geoms = w.sleep.some ? w.awake_geoms : w.geoms, geom_count = w.sleep.some ? w.awake_geom_count : w.geom_count;
+    if (w.sleep.any_asleep && w.awake_pair_count < 0) list_awake();
+    const NearPair* const pairs = w.sleep.any_asleep ? w.awake_pairs : w.pairs;
+    if (w.row_count < 0) list_rows(pairs, w.sleep.any_asleep ? w.awake_pair_count : w.pair_count);
+    const Index *const geoms = w.sleep.any_asleep ? w.awake_geoms : w.geoms, geom_count = w.sleep.any_asleep ? w.awake_geom_count : w.geom_count;
     for (Index i = 0; i < geom_count; ++i)
       if (d.geoms[geoms[i]].body) place(geoms[i]), enter_center(geoms[i]);
     for (Index r = 0; r < w.row_count; ++r)
@@ -247,7 +247,7 @@ struct Search {
   }
   void set_up(collision::PairSearch& search) {
     search.set_up(m, d);
-    for (Index k = 0; w.sleep.some && k < search.moving_count; ++k)
+    for (Index k = 0; w.sleep.any_asleep && k < search.moving_count; ++k)
       if (const Index geom = search.moving_geoms[k]; sleeps(geom)) search.rest(d, geom, box_margin(w, d, geom, h));
     search.list_active();
   }
@@ -260,7 +260,7 @@ struct Search {
       place(geom);
       near |= !search.place(d, search.active[k], box_margin(w, d, geom, h));
     }
-    between = 0;  // of other pairs nothing is known
+    min_distance = 0;  // of other pairs nothing is known
     for (Index k = 0; k < search.vast_count; ++k) {
       if (d.geoms[search.vast_geoms[k]].body == 0) continue;
       place(search.vast_geoms[k]);
@@ -274,15 +274,15 @@ struct Search {
 
 }  // namespace
 
-Index find_contacts(const Model& m, Data<double>& d, double h, double& between) {
+Index find_contacts(const Model& m, Data<double>& d, double h, double& min_distance) {
   Workspace& w = *d.step;
-  std::swap(w.contacts, w.before);
-  w.before_count = w.contact_count, w.contact_count = 0, w.pace = shape::infinity;
+  std::swap(w.contacts, w.previous);
+  w.previous_count = w.contact_count, w.contact_count = 0, w.time_to_pass = shape::infinity;
   if (w.pair_count < 0) find_pairs(m, d);
   Search search{m, d, h};
   w.by_boxes ? search.by_boxes() : search.by_list();
-  between = search.between;
-  with_before(w, [](const dynContactForce&) { return true; }, take_over);  // the guess
+  min_distance = search.min_distance;
+  for_each_with_previous(w, [](const dynContactForce&) { return true; }, copy_force);  // the guess
   return w.contact_count;
 }
 

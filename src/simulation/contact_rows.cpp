@@ -14,7 +14,7 @@ void across(const Vec3<double>& n, Vec3<double>& x, Vec3<double>& y) {
 }
 
 // Velocity of the normal row, free; positive: it opens.
-double opens(const Data<double>& d, const dynContact& c, Index a, Index b) {
+double opening_speed(const Data<double>& d, const dynContact& c, Index a, Index b) {
   const Vec3<double> at = load3(c.position);
   return dot(load3(c.normal), velocity_at(d, b, at) - velocity_at(d, a, at));
 }
@@ -29,9 +29,9 @@ double standstill(const Data<double>& d, double reach, double h) {
 // No impulse is asked for: without one it is open at the end of the step, or touches and stands still.
 bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, double h) {
   const Workspace& w = *d.step;
-  if (w.closed > 0 || w.ledger.open || is_soft(law.material)) return false;
+  if (w.closed_gap > 0 || w.ledger.open || is_soft(law.material)) return false;
   const collision::Geom &a = d.geoms[law.geom_a], &b = d.geoms[law.geom_b];
-  const double opening = h * opens(d, c, a.body, b.body), gap = std::max(0.0, c.distance);
+  const double opening = h * opening_speed(d, c, a.body, b.body), gap = std::max(0.0, c.distance);
   if (c.distance + opening < -slop * w.length) return false;
   return law.material.restitution > 0 ? c.distance + opening > 0 : gap + opening >= -standstill(d, std::min(a.reach, b.reach), h);
 }
@@ -40,7 +40,7 @@ Vec3<double> surface_velocity(const Data<double>& d, Index geom) { return d.geom
 
 }  // namespace
 
-void meet_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s) {
+void init_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s) {
   Workspace& w = *d.step;
   const dynContact& c = w.contacts[contact].contact;
   ContactLaw& law = w.laws[contact];
@@ -79,8 +79,8 @@ void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x
   fill(s.c.body1, 1, s.F1), fill(s.c.body2, -1, s.F2);
   using Six = SixEights<double>;
   (Six::load(s.F1).dot(w.root_velocity[s.c.body1]) + Six::load(s.F2).dot(w.root_velocity[s.c.body2])).store(s.rate);
-  need_columns(m, d, s.c.body1), need_columns(m, d, s.c.body2);
-  carry(m, d, x);
+  ensure_columns(m, d, s.c.body1), ensure_columns(m, d, s.c.body2);
+  propagate_rows(m, d, x);
 }
 
 }  // namespace dyn::simulation

@@ -17,11 +17,11 @@ void find_segments(const Model& m, Segments& s) {
 bool Elimination::find_runs(const Island& x) {
   const Segments& s = x.w.segments;
   Index count = 0;
-  for (Index k = 0; k < x.slots; ++k)
-    for (Index n = 0; n < x.slot(k).s->support; ++n) local[s.of[x.slot(k).support[n]]] = -1;
+  for (Index k = 0; k < x.constraint_count; ++k)
+    for (Index n = 0; n < x.constraint(k).s->support; ++n) local[s.of[x.constraint(k).support[n]]] = -1;
   size = 0;
-  for (Index k = 0; k < x.slots; ++k) {
-    const ActiveConstraint& a = x.slot(k);
+  for (Index k = 0; k < x.constraint_count; ++k) {
+    const ActiveConstraint& a = x.constraint(k);
     first_run[k] = count;
     for (Index n = 0, last = -1; n < a.s->support; ++n) {
       const Index now = s.of[a.support[n]];
@@ -34,16 +34,16 @@ bool Elimination::find_runs(const Island& x) {
       ++count;
     }
   }
-  first_run[x.slots] = count;
+  first_run[x.constraint_count] = count;
   return true;
 }
 
 // Lists: a run stands for its slot, an entry e, as max_runs + e, for the position it is of.
 template <class F>
-void Elimination::for_each_listed(Index slots, Index list, F&& f) const {
-  if (list < slots) for_each_run(list, [&](const ConstraintRun& r) { f(r.segment); });
+void Elimination::for_each_listed(Index constraints, Index list, F&& f) const {
+  if (list < constraints) for_each_run(list, [&](const ConstraintRun& r) { f(r.segment); });
   else
-    for (Index e = first[list - slots]; e < first[list - slots + 1]; ++e) f(later[e]);
+    for (Index e = first[list - constraints]; e < first[list - constraints + 1]; ++e) f(later[e]);
 }
 
 void Elimination::link(Index s) {
@@ -59,29 +59,29 @@ void Elimination::unlink(Index s) {
 }
 
 // Slots that are carried by what the one before is add nothing.
-void Elimination::begin(Index slots) {
+void Elimination::begin(Index constraints) {
   for (Index s = 0; s < size; ++s) lists[s] = mark[s] = of_degree[s] = -1;
-  for (Index k = 0; k < slots; ++k) {
+  for (Index k = 0; k < constraints; ++k) {
     const Index n = first_run[k + 1] - first_run[k];
     const ConstraintRun* own = runs + first_run[k];
-    dead[k] = k > 0 && first_run[k] - first_run[k - 1] == n && std::equal(own, own + n, own - n, [](const ConstraintRun& a, const ConstraintRun& b) { return a.segment == b.segment; });
-    for (Index r = first_run[k]; r < first_run[k + 1] && !dead[k]; ++r) next_list[r] = lists[runs[r].segment], lists[runs[r].segment] = r;
+    merged[k] = k > 0 && first_run[k] - first_run[k - 1] == n && std::equal(own, own + n, own - n, [](const ConstraintRun& a, const ConstraintRun& b) { return a.segment == b.segment; });
+    for (Index r = first_run[k]; r < first_run[k + 1] && !merged[k]; ++r) next_list[r] = lists[runs[r].segment], lists[runs[r].segment] = r;
   }
-  for (Index s = size - 1; s >= 0; --s) degree[s] = count(slots, s, s), link(s);
+  for (Index s = size - 1; s >= 0; --s) degree[s] = count(constraints, s, s), link(s);
   std::fill_n(mark, size, -1);
 }
 
 // How many segments are coupled with s, while lists that are dead leave its own.
-Index Elimination::count(Index slots, Index s, Index stamp) {
+Index Elimination::count(Index constraints, Index s, Index stamp) {
   Index sum = 0;
   mark[s] = stamp;
   for (Index *at = &lists[s], node; (node = *at) >= 0;) {
-    const Index list = node < max_runs ? runs[node].slot : slots + earlier[node - max_runs];
-    if (dead[list]) {
+    const Index list = node < max_runs ? runs[node].constraint : constraints + earlier[node - max_runs];
+    if (merged[list]) {
       *at = next_list[node];
       continue;
     }
-    for_each_listed(slots, list, [&](Index t) {
+    for_each_listed(constraints, list, [&](Index t) {
       if (mark[t] != stamp) mark[t] = stamp, ++sum;
     });
     at = &next_list[node];
@@ -89,24 +89,24 @@ Index Elimination::count(Index slots, Index s, Index stamp) {
   return sum;
 }
 
-bool Elimination::eliminate(Index slots, Index s, Index step) {
+bool Elimination::eliminate(Index constraints, Index s, Index step) {
   unlink(s);
   order[step] = s, position[s] = step;
   Index fill = first[step];
   mark[s] = step;
   for (Index node = lists[s]; node >= 0; node = next_list[node]) {
-    const Index list = node < max_runs ? runs[node].slot : slots + earlier[node - max_runs];
-    if (dead[list]) continue;
+    const Index list = node < max_runs ? runs[node].constraint : constraints + earlier[node - max_runs];
+    if (merged[list]) continue;
     bool fits = true;
-    for_each_listed(slots, list, [&](Index t) {
+    for_each_listed(constraints, list, [&](Index t) {
       if (mark[t] == step) return;
       if (fill == max_entries) fits = false;
       else mark[t] = step, earlier[fill] = step, later[fill++] = t;
     });
     if (!fits) return false;
-    dead[list] = true;
+    merged[list] = true;
   }
-  first[step + 1] = fill, dead[slots + step] = false;
+  first[step + 1] = fill, merged[constraints + step] = false;
   for (Index e = first[step]; e < fill; ++e) {
     const Index t = later[e];
     next_list[max_runs + e] = lists[t], lists[t] = max_runs + e;
@@ -115,16 +115,16 @@ bool Elimination::eliminate(Index slots, Index s, Index step) {
 }
 
 bool Elimination::find_order(const Island& x) {
-  begin(x.slots);
+  begin(x.constraint_count);
   first[0] = 0;
   Index least = 0, stamp = size;
   for (Index step = 0; step < size; ++step) {
     while (of_degree[least] < 0) ++least;
-    if (!eliminate(x.slots, of_degree[least], step)) return false;
+    if (!eliminate(x.constraint_count, of_degree[least], step)) return false;
     for (Index e = first[step]; e < first[step + 1]; ++e) {
       const Index t = later[e];
       unlink(t);
-      degree[t] = count(x.slots, t, stamp++), link(t);
+      degree[t] = count(x.constraint_count, t, stamp++), link(t);
       least = std::min(least, degree[t]);
     }
   }

@@ -25,7 +25,7 @@ void find_segments(const Model& m, Segments& s);
 
 // The part of a slot that a segment carries: its rows in lanes by degree of freedom, in the units of newton.cpp.
 struct ConstraintRun {
-  Index segment, slot;  // of the island
+  Index segment, constraint;  // of the island
   double* rows;
 };
 
@@ -42,21 +42,21 @@ struct Elimination {
   Index *first_of, *next_of;    // runs of a segment, a list
   Index *degree, *mark, *of_degree, *before, *after;  // segments by degree, as lists
   Index *lists, *next_list;     // of segments: what couples them, runs and entries
-  bool* dead;                   // slots and positions whose lists are in another's
+  bool* merged;                   // slots and positions whose lists are in another's
   Index max_entries, max_runs;
 
   static std::ptrdiff_t entry_capacity(Index segments) { return std::min<std::ptrdiff_t>(std::ptrdiff_t(segments) * (segments - 1) / 2, 16 * std::ptrdiff_t(segments)) + 1; }
   // where slots are carried by more, on average, there is no room
-  static std::ptrdiff_t run_capacity(const Model& m, Index slots) { return std::min<std::ptrdiff_t>(m.n.carriers / segment_size + 2, 8) * slots + m.n.nv; }
+  static std::ptrdiff_t run_capacity(const Model& m, Index constraints) { return std::min<std::ptrdiff_t>(m.n.carriers / segment_size + 2, 8) * constraints + m.n.nv; }
 
   template <class F>
-  void arrays(const Model& m, Index slots, F&& f) {
+  void arrays(const Model& m, Index constraints, F&& f) {
     const Index count = segment_capacity(m);
-    max_entries = Index(entry_capacity(count)), max_runs = Index(run_capacity(m, slots));
+    max_entries = Index(entry_capacity(count)), max_runs = Index(run_capacity(m, constraints));
     for (Index** a : {&segment, &local, &order, &position, &first, &first_in, &first_of, &degree, &mark, &of_degree, &before, &after, &lists}) f(*a, count + 2);
     for (Index** a : {&later, &earlier, &in}) f(*a, max_entries);
-    f(first_run, slots + 1), f(runs, max_runs), f(next_of, max_runs);
-    f(next_list, std::ptrdiff_t(max_runs) + max_entries), f(dead, std::ptrdiff_t(slots) + count);
+    f(first_run, constraints + 1), f(runs, max_runs), f(next_of, max_runs);
+    f(next_list, std::ptrdiff_t(max_runs) + max_entries), f(merged, std::ptrdiff_t(constraints) + count);
   }
 
   // What each slot is carried by, and how many segments there are. false: there is no room for it.
@@ -71,18 +71,18 @@ struct Elimination {
     for (Index r = first_of[a_segment]; r >= 0; r = next_of[r]) f(runs[r]);
   }
   template <class F>
-  void for_each_run(Index slot, F&& f) const {
-    for (Index r = first_run[slot]; r < first_run[slot + 1]; ++r) f(runs[r]);
+  void for_each_run(Index constraint, F&& f) const {
+    for (Index r = first_run[constraint]; r < first_run[constraint + 1]; ++r) f(runs[r]);
   }
 
  private:
-  void begin(Index slots);
+  void begin(Index constraints);
   void link(Index a_segment);
   void unlink(Index a_segment);
-  bool eliminate(Index slots, Index a_segment, Index step);
-  Index count(Index slots, Index a_segment, Index stamp);
+  bool eliminate(Index constraints, Index a_segment, Index step);
+  Index count(Index constraints, Index a_segment, Index stamp);
   template <class F>
-  void for_each_listed(Index slots, Index list, F&& f) const;
+  void for_each_listed(Index constraints, Index list, F&& f) const;
   void sort();
 };
 

@@ -10,7 +10,7 @@ void root_velocities(const Model& m, Data<double>& d, const double* v) {
   static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // in the order of BodyType
   Workspace& w = *d.step;
   w.root_velocity[0] = Motion<double>::zero();
-  with_others(d, [&](const auto& part) {
+  with_unbatched_trees(d, [&](const auto& part) {
     part.for_each_group(m, [&](const Trees& t) {
       for (Index i = t.first; i < t.end; ++i) {
         const Body& b = m.bodies()[i];
@@ -29,7 +29,7 @@ struct Finder {
   const double* v;  // free
   double h;
   Index count = 0, added = 0;  // active slots, those in w.slots
-  double between = shape::infinity;  // the nearest two shapes
+  double min_distance = shape::infinity;  // the nearest two shapes
 
   // The side of a limit that is nearer: C = gap >= 0.
   void limit(ConstraintInstance<double>& s, double q, double lower, double upper) const {
@@ -42,17 +42,17 @@ struct Finder {
     const bool joints = between_joints(s.c.type);
     auto tree = [&](Index body, Index dof) { return body == 0 ? -1 : w.tree_of[joints ? body_of_dof(m, dof) : body]; };
     w.active[count++] = {&s, support, carried, kind, index, tree(s.c.body1, s.c.v1), tree(s.c.body2, s.c.v2), 0, false};
-    if (kind != RowKind::Contact) carry(m, d, w.active[count - 1]);
+    if (kind != RowKind::Contact) propagate_rows(m, d, w.active[count - 1]);
   }
-  ConstraintInstance<double>& next() { return w.slots[added]; }
+  ConstraintInstance<double>& next() { return w.instances[added]; }
   void append_next(RowKind kind, Index index) {
-    append(next(), w.support + added * std::ptrdiff_t(m.n.carriers), w.carried + row_lanes * added * std::ptrdiff_t(m.n.carriers), kind, index);
+    append(next(), w.support + added * std::ptrdiff_t(m.n.carriers), w.Y + row_lanes * added * std::ptrdiff_t(m.n.carriers), kind, index);
     ++added;
   }
 
   void constraints() {
     if (active_rows(m, d) == 0) return;
-    need_all_columns(m, d);
+    ensure_all_columns(m, d);
     evaluate_rows(m, d, v, static_cast<const double*>(nullptr));
     for_each_constraint(m, d, [&](ConstraintInstance<double>& s, Index k) {
       const bool box = one_sided(s.c.type);
@@ -64,18 +64,18 @@ struct Finder {
   void limits() {
     if (!(d.acting & DYN_EFFECT_LIMITS)) return;
     double fast = 0;
-    for (Index k = 0; k < m.n.limits && w.closed > 0; ++k) {
+    for (Index k = 0; k < m.n.limits && w.closed_gap > 0; ++k) {
       const LimitRecord& r = m.limits()[k];
       fast = std::max(fast, is_ball(m, r) ? ball_speed(r, v) : std::abs(v[r.dof]));
     }
-    const double reached = w.closed > 0 ? within_reach(w, h, fast) : HUGE_VAL;
+    const double reached = w.closed_gap > 0 ? contact_margin(w, h, fast) : HUGE_VAL;
     for (Index k = 0; k < m.n.limits; ++k) {
       const LimitRecord& r = m.limits()[k];
       if (is_ball(m, r)) {
-        ball(r, w.closed > 0 ? reached : limit_reach);
+        ball(r, w.closed_gap > 0 ? reached : limit_margin);
         continue;
       }
-      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], near = w.closed > 0 ? reached : limit_reach * unit_of(m, w, r), reach = 3 * h * std::abs(v[r.dof]) + near;
+      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], near = w.closed_gap > 0 ? reached : limit_margin * unit_of(m, w, r), reach = 3 * h * std::abs(v[r.dof]) + near;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
       if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) continue;
       ConstraintInstance<double>& s = next();
@@ -100,10 +100,10 @@ struct Finder {
   }
   void contacts() {
     if (m.n.contacts == 0) return;
-    find_contacts(m, d, h, between);
+    find_contacts(m, d, h, min_distance);
     for (Index k = 0; k < w.contact_count; ++k) {
       ConstraintInstance<double>& s = next();
-      meet_contact(m, d, k, h, s);
+      init_contact(m, d, k, h, s);
       append_next(RowKind::Contact, k);
     }
   }
@@ -120,34 +120,34 @@ BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, co
   return {most - 2 * math::atan2(size, std::abs(w)), size > 0 ? u * ((w < 0 ? -1 : 1) / size) : speed > 0 ? turning * (1 / speed) : u};
 }
 
-double closing(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v) {
+double approach_speed(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v) {
   if (x.kind == RowKind::Box) return -limit_rate(*x.s, v);
   const dynContact& c = d.step->contacts[x.index].contact;
   const auto speed = [&](Index body) { return dot(load3(c.normal), velocity_at(d, body, load3(c.position), body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V)); };
   return speed(x.s->c.body2) - speed(x.s->c.body1);
 }
 
-void note_passed(const Model& m, Data<double>& d, const double* dq, double closed) {
+void record_overshoot(const Model& m, Data<double>& d, const double* dq, double closed) {
   Workspace& w = *d.step;
   const double *const moved = d.expand(m, dq, d.ax), *const v = d.expand(m, static_cast<const double*>(d.v), d.vx);
   for (Index k = 0; k < w.constraint_count; ++k) {
     const ActiveConstraint& x = w.active[k];
     const double gap = gap_of(w, x) - closed;
-    if (x.kind == RowKind::Equality || gap <= 0 || (x.kind == RowKind::Contact && presses(w.contacts[x.index]))) continue;
-    const double passed = closing(m, d, x, moved) - gap;
-    if (passed > w.passed) w.passed = passed, w.late = passed / closing(m, d, x, v);
+    if (x.kind == RowKind::Equality || gap <= 0 || (x.kind == RowKind::Contact && is_active(w.contacts[x.index]))) continue;
+    const double passed = approach_speed(m, d, x, moved) - gap;
+    if (passed > w.overshoot) w.overshoot = passed, w.overshoot_time = passed / approach_speed(m, d, x, v);
   }
 }
 
 Index find_constraints(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);
-  const bool some_sleep = d.step->sleep.some;  // then of clearance nothing is known
-  if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_far(m, d, v, h)) return note_clearance(m, d, v, h, shape::infinity), 0;
-  if (!m.has_mimic) with_others(d, [&](const auto& part) { articulated_columns(m, d, part); });
+  const bool some_sleep = d.step->sleep.any_asleep;  // then of clearance nothing is known
+  if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h)) return update_advancement_cache(m, d, v, h, shape::infinity), 0;
+  if (!m.has_mimic) with_unbatched_trees(d, [&](const auto& part) { articulated_columns(m, d, part); });
   root_velocities(m, d, v);
   Finder find{m, d, *d.step, v, h};
   find.constraints(), find.limits(), find.contacts();
-  note_clearance(m, d, v, h, !some_sleep && find.count == 0 && active_rows(m, d) == 0 ? find.between : 0);
+  update_advancement_cache(m, d, v, h, !some_sleep && find.count == 0 && active_rows(m, d) == 0 ? find.min_distance : 0);
   order_by_islands(d, find.count);
   return find.count;
 }

@@ -35,7 +35,7 @@ bool is_identity(const SE3<double>& X) {
   return X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0;
 }
 
-static_assert(DYN_EFFECT_ALL == 0x1ff, "an effect that acts at a joint or on its link keeps a body from being loose: say so below");
+static_assert(DYN_EFFECT_ALL == 0x1ff, "an effect that acts at a joint or on its link keeps a body from being a free body: list it below");
 bool is_free_body(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
   if (b.type != BodyType::FreeFlyer || b.parent != 0 || m.subtree_end()[i] != i + 1 || !(b.m > 0)) return false;
@@ -73,7 +73,7 @@ void fill(const Model& m, FreeBodySet& e, int lane, Index i) {
 }
 
 // ---------------------------------------------------------------------------------------------------- states of a set
-struct Place {
+struct LanePoses {
   Vec3<Wide> p;
   Quaternion<Wide> a;
   Mat3<Wide> R;
@@ -91,7 +91,7 @@ Vec3<Wide> first3(const Wide* x) { return Vec3<Wide>::make(x[0], x[1], x[2]); }
   return a;
 }
 
-DYN_INLINE Place place_of(const double* q, const FreeBodySet& e) {
+DYN_INLINE LanePoses poses_of(const double* q, const FreeBodySet& e) {
   Wide x[7];
   gather<7>(q, e.q, x);
   const Vec3<Wide> p = first3(x);
@@ -115,12 +115,12 @@ struct HalfAngle {
 }
 
 // exp of a rotation vector: of x the turned one, or the one turned back.
-struct Turn {
+struct RotationExp {
   Vec3<Wide> w;
   HalfAngle half;
   Wide a, b;  // sin t / t, (1 - cos t) / t^2
 
-  explicit DYN_INLINE Turn(const Vec3<Wide>& by) : w(by) {
+  explicit DYN_INLINE RotationExp(const Vec3<Wide>& by) : w(by) {
     const Wide t2 = dot(w, w), h2 = t2 * Wide(0.25);
     half_angle_series(h2, half.sinc, half.cos);
     if (const Wide::Mask far = ~(t2 < 1.0); any(far)) [[unlikely]]
@@ -132,32 +132,32 @@ struct Turn {
     const Vec3<Wide> wx = cross(w, x);
     return x + wx * a + cross(w, wx) * b;
   }
-  DYN_INLINE Vec3<Wide> back(const Vec3<Wide>& x) const {
+  DYN_INLINE Vec3<Wide> inverse(const Vec3<Wide>& x) const {
     const Vec3<Wide> wx = cross(w, x);
     return x - wx * a + cross(w, wx) * b;
   }
 };
 
 // Lanes of turned_velocity that its iteration does not settle.
-[[gnu::cold, gnu::noinline]] void turn_far(const FreeBodySet& e, const Vec3<Wide>& L, double h, const Vec3<Wide>& guess, const Wide::Mask& far, Vec3<Wide>& w) {
+[[gnu::cold, gnu::noinline]] void solve_lanes_by_newton(const FreeBodySet& e, const Vec3<Wide>& L, double h, const Vec3<Wide>& guess, const Wide::Mask& far, Vec3<Wide>& w) {
   const auto lane = [](const Vec3<Wide>& x, int k) { return Vec3<double>::make(x.v[0][k], x.v[1][k], x.v[2][k]); };
   for (int k = 0; k < lanes; ++k)
-    if (far[k]) set(w, k, integrator::far_turned_velocity(Mat3<double>{lane(e.I.x, k), lane(e.I.y, k), lane(e.I.z, k)}, lane(L, k), h, lane(guess, k)));
+    if (far[k]) set(w, k, integrator::implicit_angular_velocity_newton(Mat3<double>{lane(e.I.x, k), lane(e.I.y, k), lane(e.I.z, k)}, lane(L, k), h, lane(guess, k)));
 }
 
 // w' with I w' = exp(-h w') L; each lane as long as it changes.
-DYN_INLINE Vec3<Wide> turned_velocity(const FreeBodySet& e, const Vec3<Wide>& L, double step, const Vec3<Wide>& guess) {
+DYN_INLINE Vec3<Wide> implicit_angular_velocity(const FreeBodySet& e, const Vec3<Wide>& L, double step, const Vec3<Wide>& guess) {
   const Wide h(step);
   Vec3<Wide> w = guess;
   Wide::Mask going = ~Wide::Mask{};
   for (int k = 0; k < 20; ++k) {
-    const Vec3<Wide> next = e.inverse * Turn(w * h).back(L), change = next - w;
+    const Vec3<Wide> next = e.inverse * RotationExp(w * h).inverse(L), change = next - w;
     for (int i = 0; i < 3; ++i) w.v[i] = select(going, next.v[i], w.v[i]);
     going &= dot(change, change) > Wide(1e-30) * dot(w, w);
     if (!any(going)) break;
   }
   if (any(going)) [[unlikely]]
-    turn_far(e, L, step, guess, going, w);
+    solve_lanes_by_newton(e, L, step, guess, going, w);
   const Wide::Mask finite = dot(w, w) < std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) w.v[i] = select(finite, w.v[i], guess.v[i]);
   return w;
@@ -167,7 +167,7 @@ DYN_INLINE Vec3<Wide> turned_velocity(const FreeBodySet& e, const Vec3<Wide>& L,
 template <class To>
 DYN_INLINE void scatter_four(const FreeBodySet& e, const Wide& a, const Wide& b, const Wide& c, const Wide& d, To&& to) {
   for_each_lane(a, b, c, d, [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
-    if (e.acting >> lane & 1u) std::memcpy(to(lane), &four, sizeof four);
+    if (e.active_lanes >> lane & 1u) std::memcpy(to(lane), &four, sizeof four);
   });
 }
 DYN_INLINE void scatter_velocity(const FreeBodySet& e, const Motion<Wide>& v, double* to) {
@@ -178,13 +178,13 @@ DYN_INLINE void scatter_velocity(const FreeBodySet& e, const Motion<Wide>& v, do
 template <class To>
 DYN_INLINE void scatter_vector(const FreeBodySet& e, const Vec3<Wide>& x, To&& to) {
   for_each_lane(x.v[0], x.v[1], x.v[2], Wide(0.0), [&](int lane, const auto& four) DYN_INLINE_LAMBDA {
-    if (e.acting >> lane & 1u) std::memcpy(&to(e.body[lane]), &four, sizeof(Vec3<double>));
+    if (e.active_lanes >> lane & 1u) std::memcpy(&to(e.body[lane]), &four, sizeof(Vec3<double>));
   });
 }
 
 template <class F>
-DYN_INLINE void for_each_acting(const FreeBodies& l, F&& f) {
-  for (Index k = 0; k < l.acting_count; ++k) f(l.sets[l.acting[k]]);
+DYN_INLINE void for_each_active(const FreeBodies& l, F&& f) {
+  for (Index k = 0; k < l.active_set_count; ++k) f(l.sets[l.active_sets[k]]);
 }
 
 }  // namespace
@@ -196,7 +196,7 @@ void set_up_free_bodies(const Model& m, FreeBodies& l) {
     FreeBodySet& e = l.sets[l.count / lanes];
     const int lane = l.count % lanes;
     for (int k = lane; k < lanes; ++k) fill(m, e, k, i);
-    e.acting |= 1u << lane;
+    e.active_lanes |= 1u << lane;
     l.columns[l.count] = columns_of(m.bodies()[i]);
     l.number[i] = l.count++;
   });
@@ -204,39 +204,39 @@ void set_up_free_bodies(const Model& m, FreeBodies& l) {
 }
 
 void list_free_bodies(const Model& m, Workspace& w) {
-  FreeBodies& l = w.loose;
+  FreeBodies& l = w.free_bodies;
   if (l.count == 0) return;
   Index groups = 0;
-  for (Index k = 0; k * lanes < l.count; ++k) l.sets[k].acting = 0;
+  for (Index k = 0; k * lanes < l.count; ++k) l.sets[k].active_lanes = 0;
   for (Index t = 0; t < l.tree_count; ++t) {
     const Index i = l.trees[t].first, number = l.number[i];
     if (w.sleep.sleeps(i)) continue;
-    if (number < 0) append(l.trees[t], l.room.groups, groups);
-    else l.sets[number / lanes].acting |= 1u << number % lanes;
+    if (number < 0) append(l.trees[t], l.buffers.groups, groups);
+    else l.sets[number / lanes].active_lanes |= 1u << number % lanes;
   }
-  l.others = choose(m, l.room, groups);
-  l.acting_count = 0;
+  l.others = choose(m, l.buffers, groups);
+  l.active_set_count = 0;
   for (Index k = 0; k * lanes < l.count; ++k)
-    if (l.sets[k].acting) l.acting[l.acting_count++] = k;
+    if (l.sets[k].active_lanes) l.active_sets[l.active_set_count++] = k;
 }
 
-void begin_flight(Data<double>& d) {
-  FreeBodies& l = d.step->loose;
-  l.flying = l.count > 0 && !(d.acting & (std::uint32_t(DYN_EFFECT_FLUID) | acting_wrenches));
-  ++l.step, l.pushed_count = 0;
+void begin_free_body_step(Data<double>& d) {
+  FreeBodies& l = d.step->free_bodies;
+  l.batched = l.count > 0 && !(d.acting & (std::uint32_t(DYN_EFFECT_FLUID) | acting_wrenches));
+  ++l.step, l.touched_count = 0;
 }
 
-void fly(const Model&, Data<double>& d, double h) {
+void integrate_velocity(const Model&, Data<double>& d, double h) {
   const Wide dt(h);
   const Vec3<Wide> gravity = Vec3<Wide>::make(d.world_gravity[0], d.world_gravity[1], d.world_gravity[2]);
   Motion<double>* const V = d.step->root_velocity;
-  for_each_acting(d.step->loose, [&](const FreeBodySet& e) {
-    const Place X = place_of(d.q, e);
+  for_each_active(d.step->free_bodies, [&](const FreeBodySet& e) {
+    const LanePoses X = poses_of(d.q, e);
     Wide v[6], tau[6];
     gather<6>(d.v, e.v, v), gather<6>(d.tau_applied, e.v, tau);
     const Vec3<Wide> u = first3(v), w = first3(v + 3), f = first3(tau), t = first3(tau + 3) - cross(e.c, f), L = e.I * w;
     const Vec3<Wide> vc = u + cross(w, e.c) + (transpose_times(X.R, gravity) + f * e.inverse_mass) * dt;
-    const Vec3<Wide> w1 = turned_velocity(e, L + t * dt, h, w + e.inverse * (t - cross(w, L)) * dt);
+    const Vec3<Wide> w1 = implicit_angular_velocity(e, L + t * dt, h, w + e.inverse * (t - cross(w, L)) * dt);
     const Motion<Wide> v1 = {vc - cross(w1, e.c), w1};
     scatter_velocity(e, v1, d.v);
     if (!V) return;
@@ -250,9 +250,9 @@ void fly(const Model&, Data<double>& d, double h) {
   });
 }
 
-void need_columns(const Model& m, Data<double>& d, Index body) {
-  FreeBodies& l = d.step->loose;
-  if (!l.flying || l.number[body] < 0 || l.has_columns[l.number[body]] == l.step) return;
+void ensure_columns(const Model& m, Data<double>& d, Index body) {
+  FreeBodies& l = d.step->free_bodies;
+  if (!l.batched || l.number[body] < 0 || l.has_columns[l.number[body]] == l.step) return;
   const Body& b = m.bodies()[body];
   const FreeBodyColumns& x = l.columns[l.number[body]];
   const Mat3<double>& R = d.R[body];
@@ -261,20 +261,20 @@ void need_columns(const Model& m, Data<double>& d, Index body) {
     d.U_root[b.idx_v + k] = {R * x.U[k].linear, R * x.U[k].angular};
     d.Dinv[b.idx_v + k] = x.Dinv[k];
   }
-  l.has_columns[l.number[body]] = l.step, l.pushed[l.pushed_count++] = body;
+  l.has_columns[l.number[body]] = l.step, l.touched[l.touched_count++] = body;
 }
 
-void need_all_columns(const Model& m, Data<double>& d) {
-  for_each_acting(d.step->loose, [&](const FreeBodySet& e) {
+void ensure_all_columns(const Model& m, Data<double>& d) {
+  for_each_active(d.step->free_bodies, [&](const FreeBodySet& e) {
     for (int k = 0; k < lanes; ++k)
-      if (e.acting >> k & 1u) need_columns(m, d, e.body[k]);
+      if (e.active_lanes >> k & 1u) ensure_columns(m, d, e.body[k]);
   });
 }
 
-void land(Data<double>& d, double h, const double* correction) {
+void integrate_position(Data<double>& d, double h, const double* correction) {
   const Wide dt(h);
-  for_each_acting(d.step->loose, [&](const FreeBodySet& e) {
-    const Place X = place_of(d.q, e);
+  for_each_active(d.step->free_bodies, [&](const FreeBodySet& e) {
+    const LanePoses X = poses_of(d.q, e);
     Wide v[6];
     gather<6>(d.v, e.v, v);
     const Vec3<Wide> w = first3(v + 3), vc = first3(v) + cross(w, e.c);
@@ -284,14 +284,14 @@ void land(Data<double>& d, double h, const double* correction) {
       gather<6>(correction, e.v, x);
       moved = moved + first3(x) + cross(first3(x + 3), e.c), turned = turned + first3(x + 3);
     }
-    const Turn turn(turned);
+    const RotationExp turn(turned);
     const Vec3<Wide> p = X.p + X.R * (e.c + moved - turn(e.c));
     const Quaternion<Wide> a = X.a * turn.quaternion();
     const Wide r = Wide(1.0) / sqrt(dot(a.v, a.v) + a.w * a.w);
     const Vec3<Wide> n = a.v * r;
     scatter_four(e, p.v[0], p.v[1], p.v[2], n.v[0], [&](int l) { return d.q + e.q[l]; });
     scatter_four(e, n.v[0], n.v[1], n.v[2], a.w * r, [&](int l) { return d.q + e.q[l] + 3; });
-    scatter_velocity(e, {turn.back(vc) - cross(w, e.c), w}, d.v);
+    scatter_velocity(e, {turn.inverse(vc) - cross(w, e.c), w}, d.v);
   });
 }
 

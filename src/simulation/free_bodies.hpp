@@ -12,7 +12,7 @@ namespace dyn::simulation {
 
 struct FreeBodySet {
   Index body[Wide::lanes], q[Wide::lanes], v[Wide::lanes];  // beyond the last body it again
-  unsigned acting;                                          // a bit for each lane that steps go through
+  unsigned active_lanes;                                          // a bit for each lane that steps go through
   Wide inverse_mass;
   Vec3<Wide> c;
   Mat3<Wide> I, inverse;  // about the centre of mass
@@ -26,20 +26,20 @@ struct FreeBodyColumns {
 
 struct FreeBodies {
   Index count;
-  bool flying;          // in this step
+  bool batched;          // in this step
   std::uint64_t step;
   FreeBodySet* sets;
-  Index* acting;        // those of which something acts
-  Index acting_count;
+  Index* active_sets;        // those of which something acts
+  Index active_set_count;
   Index* number;        // of bodies, among these; -1
   FreeBodyColumns* columns;
   std::uint64_t* has_columns;  // the step for which it has
-  Index* pushed;        // bodies that have, in this step
-  Index pushed_count;
+  Index* touched;        // bodies that have, in this step
+  Index touched_count;
   Trees* trees;         // of the model
   Index tree_count;
   ChosenTrees others;   // that steps go through
-  TreeRoom room;        // of these
+  TreeBuffers buffers;        // of these
 };
 
 struct Workspace;
@@ -49,13 +49,13 @@ void set_up_free_bodies(const Model& m, FreeBodies& l);
 void list_free_bodies(const Model& m, Workspace& w);
 
 // Whether they fly in the step that begins.
-void begin_flight(Data<double>& d);
+void begin_free_body_step(Data<double>& d);
 // To the free velocities of a step of h, in the axes that it begins in: d.v; of placements and velocities what contacts ask for.
-void fly(const Model& m, Data<double>& d, double h);
+void integrate_velocity(const Model& m, Data<double>& d, double h);
 // d.S, d.U_root and d.Dinv of a body that may be one of them.
-void need_columns(const Model& m, Data<double>& d, Index body);
-void need_all_columns(const Model& m, Data<double>& d);
+void ensure_columns(const Model& m, Data<double>& d, Index body);
+void ensure_all_columns(const Model& m, Data<double>& d);
 // To the configuration, and to velocities in the axes of where the step ends. correction: nullptr, none.
-void land(Data<double>& d, double h, const double* correction);
+void integrate_position(Data<double>& d, double h, const double* correction);
 
 }  // namespace dyn::simulation

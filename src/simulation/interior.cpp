@@ -28,28 +28,28 @@ class Interior : public Newton {
  public:
   using Newton::Newton;
   bool run(dynContactReport& report);
-  bool run_held(dynContactReport& report);
+  bool run_fixed_correction(dynContactReport& report);
 
  private:
-  bool held = false;  // de Saxce's correction, as State::correction
+  bool fixed_correction = false;  // de Saxce's correction, as State::correction
   Index short_steps = 0;
   double *rhs = before + room, *U = before + 6 * room, *upper = U + room, *dU = upper + room, *dupper = dU + room, *y_here = dupper + room, *c_here = y_here + room;
   // U of boxes: z_l; upper: z_u
 
-  void begin(double shift);
+  void start_inside(double shift);
   double complementarity() const;
-  void scaled(const ActiveConstraint& a, State& s) const;
-  bool barrier() const;
-  void toward(double sigma);
-  double longest() const;
-  void relax();
+  void scale_cone(const ActiveConstraint& a, State& s) const;
+  bool factorize_barrier() const;
+  void direction_to(double sigma);
+  double max_step_to_boundary() const;
+  void update_correction();
   bool step(dynContactReport& report);
   bool newton_refine(Index most, double share, dynContactReport& report);
 };
 
 // The nearest point that far inside.
-void Interior::begin(double shift) {
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+void Interior::start_inside(double shift) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
     const double* ck = c + a.s->first;
     if (!s.cone) {
@@ -67,7 +67,7 @@ void Interior::begin(double shift) {
     solver::project_cone(s.mu, s.rows, yk, yk);
     const double Yt = solver::norm(yk + 1, s.rows - 1), Ut = solver::norm(ck + 1, s.rows - 1);
     yk[0] = std::max(yk[0], (Yt + shift) / s.mu);
-    Uk[0] = std::max(ck[0] / s.mu + (held ? s.correction : 0.0), Ut) + shift;
+    Uk[0] = std::max(ck[0] / s.mu + (fixed_correction ? s.correction : 0.0), Ut) + shift;
     for (Index i = 1; i < s.rows; ++i) Uk[i] = ck[i];
   });
 }
@@ -76,7 +76,7 @@ void Interior::begin(double shift) {
 double Interior::complementarity() const {
   double sum = 0;
   Index count = 0;
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
     if (s.cone) {
       sum += s.mu * yk[0] * Uk[0], ++count;
@@ -92,7 +92,7 @@ double Interior::complementarity() const {
 }
 
 // law = (W^2 S + N)^-1 B of a cone, W^-2 = (2 v v' - J) / ratio; what is soft joins its inverse.
-void Interior::scaled(const ActiveConstraint& a, State& s) const {
+void Interior::scale_cone(const ActiveConstraint& a, State& s) const {
   const double *yk = y + a.s->first, *Uk = U + a.s->first, *ck = c + a.s->first;
   const Index m = s.rows - 1;
   const double Y0 = s.mu * yk[0], U0 = Uk[0];
@@ -108,14 +108,14 @@ void Interior::scaled(const ActiveConstraint& a, State& s) const {
   for (Index j = 0; j <= m; ++j)
     for (Index i = 0; i <= m; ++i) nA[j] += n[i] * A[i][j];
   // by Sherman and Morrison, N = (1, 0) n'; left out where that turns the sign
-  if (const double own = 1 + nA[0]; !held && own > 1e-3)
+  if (const double own = 1 + nA[0]; !fixed_correction && own > 1e-3)
     for (Index i = 0; i <= m; ++i) {
       const double first = A[i][0] / own;
       for (Index j = 0; j <= m; ++j) A[i][j] -= first * nA[j];
     }
   for (Index i = 0; i <= m; ++i) {
     s.law[i][0] = A[i][0] / s.mu;
-    for (Index j = 1; j <= m; ++j) s.law[i][j] = A[i][j] - (held ? 0 : A[i][0] * yk[j] / Y0);
+    for (Index j = 1; j <= m; ++j) s.law[i][j] = A[i][j] - (fixed_correction ? 0 : A[i][0] * yk[j] / Y0);
   }
   if (const double R = soft(a, s, 0); R > 0) {
     const double share = R / (1 + R * s.law[0][0]);
@@ -126,10 +126,10 @@ void Interior::scaled(const ActiveConstraint& a, State& s) const {
   }
 }
 
-bool Interior::barrier() const {
-  each([&](const ActiveConstraint& a, State& s, Index k) {
-    s.unknowns = s.rows, act(k);
-    if (s.cone) return scaled(a, s);
+bool Interior::factorize_barrier() const {
+  for_each([&](const ActiveConstraint& a, State& s, Index k) {
+    s.unknowns = s.rows, activate(k);
+    if (s.cone) return scale_cone(a, s);
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
     for (Index i = 0; i < s.rows; ++i) {
       double E = min_compliance + soft(a, s, i);
@@ -142,8 +142,8 @@ bool Interior::barrier() const {
 }
 
 // To the point of the path at sigma, dy and dc = G dy, and what U and the boxes' z do on the way.
-void Interior::toward(double sigma) {
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+void Interior::direction_to(double sigma) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first;
     double* r = rhs + a.s->first;
     if (!s.cone) {
@@ -156,10 +156,10 @@ void Interior::toward(double sigma) {
     }
     const Index m = s.rows - 1;
     const double Y0 = s.mu * yk[0], inverse = sigma / lorentz(Y0, yk + 1, Y0, yk + 1, m);
-    double head = inverse * Y0 - (held ? s.correction : 0);
+    double head = inverse * Y0 - (fixed_correction ? s.correction : 0);
     for (Index i = 1; i <= m; ++i) {
       const double t = -inverse * yk[i];
-      if (!held) head += yk[i] / Y0 * t;
+      if (!fixed_correction) head += yk[i] / Y0 * t;
       r[i] = t - ck[i];
     }
     r[0] = s.mu * head - ck[0];
@@ -173,25 +173,25 @@ void Interior::toward(double sigma) {
   std::fill_n(dy, x.rows, 0.0);
   for (int k = 0; k <= refinements; ++k) {  // again: of what G dy is not as it was to be
     clear();
-    each([&](const ActiveConstraint& a, const State& s, Index slot) {
+    for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
       double by[max_rows];
-      apply(s, rhs + a.s->first, by), pass(slot, s.rows, by);
+      apply(s, rhs + a.s->first, by), scatter(constraint, s.rows, by);
     });
     factor.solve(w.by_segment);
-    each([&](const ActiveConstraint& a, const State& s, Index slot) {
+    for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
       double v[max_rows], by[max_rows];
       double *r = rhs + a.s->first, *to = dy + a.s->first;
-      meet(slot, s.rows, w.by_segment, v);
+      gather(constraint, s.rows, w.by_segment, v);
       for (Index i = 0; i < s.rows; ++i) r[i] -= v[i];
       apply(s, r, by);
       for (Index i = 0; i < s.rows; ++i) to[i] += by[i], r[i] = v[i] + (k ? dc[a.s->first + i] : 0);
     });
     times(dy, dc);
-    each([&](const ActiveConstraint& a, const State& s, Index) {
+    for_each([&](const ActiveConstraint& a, const State& s, Index) {
       for (Index i = 0; i < s.rows; ++i) rhs[a.s->first + i] -= dc[a.s->first + i];
     });
   }
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first, *dyk = dy + a.s->first, *dck = dc + a.s->first;
     double *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
     if (!s.cone) {
@@ -202,17 +202,17 @@ void Interior::toward(double sigma) {
       return;
     }
     const double Y0 = s.mu * yk[0];
-    dUk[0] = (ck[0] + dck[0]) / s.mu + (held ? s.correction : 0) - Uk[0];
-    for (Index i = 1; !held && i < s.rows; ++i) dUk[0] -= (yk[i] * (ck[i] + dck[i]) + ck[i] * (dyk[i] - yk[i] / yk[0] * dyk[0])) / Y0;
+    dUk[0] = (ck[0] + dck[0]) / s.mu + (fixed_correction ? s.correction : 0) - Uk[0];
+    for (Index i = 1; !fixed_correction && i < s.rows; ++i) dUk[0] -= (yk[i] * (ck[i] + dck[i]) + ck[i] * (dyk[i] - yk[i] / yk[0] * dyk[0])) / Y0;
     for (Index i = 1; i < s.rows; ++i) dUk[i] = ck[i] + dck[i] - Uk[i];
   });
 }
 
 // The step to the boundary.
-double Interior::longest() const {
+double Interior::max_step_to_boundary() const {
   double t = HUGE_VAL;
   const auto limit = [&](double a, double d) { t = d < 0 ? std::min(t, -a / d) : t; };
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *dyk = dy + a.s->first, *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
     if (s.cone) {
       t = std::min(t, within_cone(s.mu * yk[0], yk + 1, s.mu * dyk[0], dyk + 1, s.rows - 1));
@@ -230,12 +230,12 @@ double Interior::longest() const {
 // false: it leads nowhere.
 bool Interior::step(dynContactReport& report) {
   ++report.newton_steps;
-  if (!barrier()) return false;
+  if (!factorize_barrier()) return false;
   const double sigma = complementarity();
-  toward(0);
-  const double left = 1 - std::min(1.0, longest());  // how much of sigma a step aiming at 0 would leave
-  toward(sigma * std::max(min_centring, left * left * left));
-  const double t = std::min(1.0, to_boundary * longest());
+  direction_to(0);
+  const double left = 1 - std::min(1.0, max_step_to_boundary());  // how much of sigma a step aiming at 0 would leave
+  direction_to(sigma * std::max(min_centring, left * left * left));
+  const double t = std::min(1.0, to_boundary * max_step_to_boundary());
   if (!(t > 0) || !std::all_of(dc, dc + x.rows, [](double change) { return std::isfinite(change); })) return false;
   for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], U[i] += t * dU[i], upper[i] += t * dupper[i];
   short_steps = t < 0.1 ? short_steps + 1 : 0;
@@ -252,10 +252,10 @@ bool Interior::newton_refine(Index most, double share, dynContactReport& report)
 
 bool Interior::run(dynContactReport& report) {
   Error now = error();
-  begin(inside * std::sqrt(now.own / x.rows)), velocities();
+  start_inside(inside * std::sqrt(now.own / x.rows)), velocities();
   double tried = HUGE_VAL;
   short_steps = 0;
-  for (Index k = 0; k < max_steps && x.may_go_on(report) && step(report); ++k) {
+  for (Index k = 0; k < max_steps && x.within_budget(report) && step(report); ++k) {
     now = error();
     if (!(now.most < 1e-2 * speed && now.most < 0.1 * tried)) continue;
     tried = now.most;
@@ -265,8 +265,8 @@ bool Interior::run(dynContactReport& report) {
 }
 
 // The next correction of each contact; after steps one way, twice as far.
-void Interior::relax() {
-  each([&](const ActiveConstraint& a, State& s, Index) {
+void Interior::update_correction() {
+  for_each([&](const ActiveConstraint& a, State& s, Index) {
     const double step = solver::norm(c + a.s->first + 1, s.rows - 1) - s.correction;
     s.relaxed = step * s.corrected > 0 && std::abs(step) > 0.5 * std::abs(s.corrected) ? std::min(max_relaxed, 2 * s.relaxed) : 1;
     s.corrected = step;
@@ -274,17 +274,17 @@ void Interior::relax() {
   });
 }
 
-bool Interior::run_held(dynContactReport& report) {
-  held = true;
-  for (Index k = 0; k < 2 * problems_a_start && x.may_go_on(report); ++k) {
+bool Interior::run_fixed_correction(dynContactReport& report) {
+  fixed_correction = true;
+  for (Index k = 0; k < 2 * problems_a_start && x.within_budget(report); ++k) {
     if (k % problems_a_start == 0)  // from the guess's corrections, then from none
-      each([&](const ActiveConstraint& a, State& s, Index) { s.correction = k ? 0 : solver::norm(c + a.s->first + 1, s.rows - 1), s.corrected = 0, s.relaxed = 1; });
+      for_each([&](const ActiveConstraint& a, State& s, Index) { s.correction = k ? 0 : solver::norm(c + a.s->first + 1, s.rows - 1), s.corrected = 0, s.relaxed = 1; });
     else
-      relax();
+      update_correction();
     const double wrong = error().own / x.rows;
-    begin(inside * std::sqrt(wrong)), velocities();
+    start_inside(inside * std::sqrt(wrong)), velocities();
     short_steps = 0;
-    for (Index i = 0; i < max_steps && x.may_go_on(report) && step(report) && complementarity() > solved * wrong; ++i) {}
+    for (Index i = 0; i < max_steps && x.within_budget(report) && step(report) && complementarity() > solved * wrong; ++i) {}
     if (newton_refine(polishing_steps, 1, report)) return true;
   }
   return false;
@@ -295,13 +295,13 @@ bool Interior::run_held(dynContactReport& report) {
 bool interior(const Island& x, dynContactReport& report) {
   Interior method(x);
   if (method.Newton::run(report) || method.run(report)) return true;
-  method.leave(report);
+  method.write_best(report);
   return false;
 }
 
-void interior_held(const Island& x, dynContactReport& report) {
+void interior_fixed_correction(const Island& x, dynContactReport& report) {
   Interior method(x);
-  if (!method.run_held(report)) method.leave(report);
+  if (!method.run_fixed_correction(report)) method.write_best(report);
 }
 
 }  // namespace dyn::simulation

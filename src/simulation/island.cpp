@@ -11,15 +11,15 @@ constexpr double rest = 0.05;  // of what is slow: what is faster is an impact h
 // How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what is as near as errors may be is closed, and what is not may
 // close as it likes (no faster than this): else velocities would depend on gaps that are errors, and on the step. What was pressed in the step before
 // opens later, and not where what acts would close it again at once.
-double may_close(const Island& x, double gap, double rate, bool pressed) {
-  if (x.w.closed == 0) return std::max(0.0, gap) / x.h;
-  return gap <= x.w.closed || (pressed && (gap <= opens * x.w.closed || gap + x.h * rate <= x.w.closed)) ? 0 : 10 * x.fast;
+double gap_bias(const Island& x, double gap, double rate, bool pressed) {
+  if (x.w.closed_gap == 0) return std::max(0.0, gap) / x.h;
+  return gap <= x.w.closed_gap || (pressed && (gap <= reopen_factor * x.w.closed_gap || gap + x.h * rate <= x.w.closed_gap)) ? 0 : 10 * x.fast;
 }
 
 // What was met, not pressed before, has passed where it counts as closed by some of the step: how far and how long ago, at most.
-void note_late(const Island& x, double gap, double before) {
-  const double passed = std::min(x.w.closed - gap, -before * x.h);
-  if (passed > x.w.passed) x.w.passed = passed, x.w.late = passed / -before;
+void record_contact_overshoot(const Island& x, double gap, double before) {
+  const double passed = std::min(x.w.closed_gap - gap, -before * x.h);
+  if (passed > x.w.overshoot) x.w.overshoot = passed, x.w.overshoot_time = passed / -before;
 }
 
 // With gains the acceleration is what these ask for; without, the velocity is zero and what is wrong goes by a correction.
@@ -35,9 +35,9 @@ void fill_equality(const Island& x, const ConstraintInstance<double>& s) {
 
 void fill_box(const Island& x, const ConstraintInstance<double>& s, Index k) {
   const Index i = s.first;
-  x.g[i] = s.rate[0], x.bias[i] = may_close(x, s.error[0], s.rate[0], false);
+  x.g[i] = s.rate[0], x.bias[i] = gap_bias(x, s.error[0], s.rate[0], false);
   x.lower[k] = s.lower[0], x.upper[k] = s.upper[0];
-  if (x.w.closed > 0 && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) note_late(x, s.error[0], limit_rate(s, x.v_before));
+  if (x.w.closed_gap > 0 && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) record_contact_overshoot(x, s.error[0], limit_rate(s, x.v_before));
   x.lambda[i] = x.compliance[i] = x.v_minus[i] = 0;
 }
 
@@ -58,9 +58,9 @@ Approach approach(const Island& x, const ConstraintInstance<double>& s, Index no
 }
 
 // Errors leave a gap where bodies roll on each other, either way: it goes as fast as they turn.
-double lost(const Island& x, const ConstraintInstance<double>& s, double gap) {
+double rolling_gap_rate(const Island& x, const ConstraintInstance<double>& s, double gap) {
   const auto turns = [&](Index body) { return std::sqrt(dot(velocity(x, body).angular, velocity(x, body).angular)); };
-  return x.w.closed > 0 ? gap * (turns(s.c.body1) + turns(s.c.body2)) : 0;
+  return x.w.closed_gap > 0 ? gap * (turns(s.c.body1) + turns(s.c.body2)) : 0;
 }
 
 void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
@@ -77,27 +77,27 @@ void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
     x.bias[i] = x.compliance[i] = x.v_minus[i] = 0;
   }
   const Index normal = normal_row(s.rows), n = s.first + normal;
-  const bool pressed = presses(f);
-  x.bias[n] = may_close(x, gap, s.rate[normal], pressed) + lost(x, s, gap);
+  const bool pressed = is_active(f);
+  x.bias[n] = gap_bias(x, gap, s.rate[normal], pressed) + rolling_gap_rate(x, s, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
     x.compliance[n] = 1 / (x.h * total), x.bias[n] = gap > 0 ? gap / x.h : material.stiffness * gap / total;  // the damper, too, begins where they touch
-  } else if (material.restitution > 0 && (x.w.closed > 0 ? gap <= x.w.closed : gap + x.h * s.rate[normal] <= 0)) {
+  } else if (material.restitution > 0 && (x.w.closed_gap > 0 ? gap <= x.w.closed_gap : gap + x.h * s.rate[normal] <= 0)) {
     const auto [before, gained] = approach(x, s, normal);
     // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed, or is as slow as errors
-    const double least = x.w.closed > 0 ? std::max(x.w.closed, std::sqrt(2 * x.w.closed * gained / x.h)) : std::min(2 * gained, rest * slow_speed(x.d, x.h));
+    const double least = x.w.closed_gap > 0 ? std::max(x.w.closed_gap, std::sqrt(2 * x.w.closed_gap * gained / x.h)) : std::min(2 * gained, rest * slow_speed(x.d, x.h));
     if (before < -least)
       x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;
   }
-  if (x.w.closed > 0 && !pressed && !is_soft(material)) note_late(x, gap, approach(x, s, normal).before);
+  if (x.w.closed_gap > 0 && !pressed && !is_soft(material)) record_contact_overshoot(x, gap, approach(x, s, normal).before);
   x.w.report.penetration = std::max(x.w.report.penetration, -gap);
 }
 
 }  // namespace
 
-void Island::number() {
-  for (Index k = 0; k < slots; ++k) {
-    ActiveConstraint& x = slot(k);
+void Island::assign_rows() {
+  for (Index k = 0; k < constraint_count; ++k) {
+    ActiveConstraint& x = constraint(k);
     x.s->first = rows, rows += x.s->rows;
     supported = supported || (std::min(x.tree1, x.tree2) < 0 && !between_joints(x.s->c.type));
     if (x.kind == RowKind::Equality) equalities += x.s->rows;
@@ -107,24 +107,24 @@ void Island::number() {
 }
 
 void Island::fill() {
-  for (Index k = 0; k < slots && w.closed > 0; ++k)
-    for (Index r = 0; r < slot(k).s->rows; ++r) fast = std::max(fast, std::abs(slot(k).s->rate[r]));
-  for (Index k = 0, in_boxes = 0, in_contacts = 0; k < slots; ++k) {
-    const ActiveConstraint& x = slot(k);
+  for (Index k = 0; k < constraint_count && w.closed_gap > 0; ++k)
+    for (Index r = 0; r < constraint(k).s->rows; ++r) fast = std::max(fast, std::abs(constraint(k).s->rate[r]));
+  for (Index k = 0, in_boxes = 0, in_contacts = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& x = constraint(k);
     if (x.kind == RowKind::Equality) fill_equality(*this, *x.s);
     else if (x.kind == RowKind::Box) fill_box(*this, *x.s, in_boxes++);
     else fill_contact(*this, x, in_contacts++);
   }
 }
 
-void Island::clear(double* z) const {
-  for (Index k = 0; k < slots; ++k)
-    for (Index n = 0; n < slot(k).s->support; ++n) z[slot(k).support[n]] = 0;
+void Island::clear_supporting_dofs(double* z) const {
+  for (Index k = 0; k < constraint_count; ++k)
+    for (Index n = 0; n < constraint(k).s->support; ++n) z[constraint(k).support[n]] = 0;
 }
 
 // by_dof += Y^T lambda
-void Island::add(double* by_dof) const {
-  for (Index k = 0; k < slots; ++k) pass(slot(k), lambda + slot(k).s->first, by_dof);
+void Island::scatter_all(double* by_dof) const {
+  for (Index k = 0; k < constraint_count; ++k) scatter(constraint(k), lambda + constraint(k).s->first, by_dof);
 }
 
 }  // namespace dyn::simulation

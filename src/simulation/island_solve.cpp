@@ -7,14 +7,14 @@ namespace dyn::simulation {
 
 namespace {
 
-bool apart(const ActiveConstraint& a, const ActiveConstraint& b) {
+bool share_no_tree(const ActiveConstraint& a, const ActiveConstraint& b) {
   auto in = [&](Index tree) { return tree >= 0 && (tree == b.tree1 || tree == b.tree2); };
   return !in(a.tree1) && !in(a.tree2);
 }
 
 template <int columns>
 void couple_constraints(const ActiveConstraint& a, const ActiveConstraint& b, const double* Dinv, double* block, std::ptrdiff_t ld) {
-  couple<columns>(a.support, a.s->support, a.carried, b.support, b.s->support, b.carried, Dinv, block, ld);
+  couple<columns>(a.support, a.s->support, a.Y, b.support, b.s->support, b.Y, Dinv, block, ld);
 }
 
 dynContactProblem problem(const Island& x) {
@@ -33,23 +33,23 @@ bool Island::dense_matrix() {
   using P = Pack<double, row_lanes>;
   Index low = m.n.nvx, high = 0;
   std::ptrdiff_t carried = 0;
-  for (Index k = 0; k < slots; ++k) {
-    const ActiveConstraint& a = slot(k);
+  for (Index k = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& a = constraint(k);
     if (a.s->support == 0) continue;
     low = std::min(low, a.support[a.s->support - 1]), high = std::max(high, a.support[0]), carried += a.s->support;
   }
   const Index dofs = high - low + 1;
-  if (dofs < 1 || dofs > max_dense_dofs || std::ptrdiff_t(dofs) * slots > 4 * carried) return false;
+  if (dofs < 1 || dofs > max_dense_dofs || std::ptrdiff_t(dofs) * constraint_count > 4 * carried) return false;
   const std::ptrdiff_t ld = stride();
   const double* Dinv = inverse_pivots(m, d) + low;
   double *const Z = w.dense, *const G = w.matrix, root[max_dense_dofs];
   for (Index k = 0; k < dofs; ++k) root[k] = std::sqrt(Dinv[k]);
   std::fill_n(Z, ld * dofs, 0.0);
-  for (Index k = 0; k < slots; ++k) {
-    const ActiveConstraint& a = slot(k);
+  for (Index k = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& a = constraint(k);
     for (Index n = 0; n < a.s->support; ++n) {
       const Index dof = a.support[n] - low;
-      (P::load(a.carried + row_lanes * n) * root[dof]).store(Z + ld * dof + a.s->first);
+      (P::load(a.Y + row_lanes * n) * root[dof]).store(Z + ld * dof + a.s->first);
     }
   }
   constexpr int columns = 4;
@@ -78,11 +78,11 @@ void Island::matrix() {
   const double* Dinv = inverse_pivots(m, d);
   double* G = w.matrix;
   std::fill_n(G, ld * rows, 0.0);
-  for (Index i = 0; i < slots; ++i) {
-    const ActiveConstraint& a = slot(i);
-    for (Index j = i; j < slots; ++j) {
-      const ActiveConstraint& b = slot(j);
-      if (apart(a, b)) continue;
+  for (Index i = 0; i < constraint_count; ++i) {
+    const ActiveConstraint& a = constraint(i);
+    for (Index j = i; j < constraint_count; ++j) {
+      const ActiveConstraint& b = constraint(j);
+      if (share_no_tree(a, b)) continue;
       double *block = G + b.s->first + ld * a.s->first, *mirrored = G + a.s->first + ld * b.s->first;
       couples[std::size_t(a.s->rows - 1)](a, b, Dinv, block, ld);
       for (Index col = 0; col < a.s->rows; ++col)
@@ -93,7 +93,7 @@ void Island::matrix() {
 
 // What equalities ask for and no impulses give, as where a linkage is at its limit, the contacts do not change: for a null vector n of the equalities'
 // rows of a positive semidefinite G, G n = 0 in all rows. g is without it, and impulses without bound are not looked for.
-void Island::ask_for_what_is_possible() {
+void Island::project_rhs_to_range() {
   const RowWork<double> work = row_work(m, d);
   const Index n = equalities;
   const double round_off = 1e-15 * n;  // of the unit diagonal, in pivots
@@ -114,7 +114,7 @@ void Island::ask_for_what_is_possible() {
     const double change = (asked[i] - consistent[i]) / scale[i];
     off = std::max(off, std::abs(change)), g[i] -= change;
   }
-  impossible = most > 0 ? off / most : 0;
+  inconsistency = most > 0 ? off / most : 0;
 }
 
 // From the guess lambda; where that does not get far enough, from nothing, without sweeps, which have been tried, and by the other of the exact solvers.
@@ -122,7 +122,7 @@ void Island::solve(dynContactReport& best) {
   matrix();
   double* const asked = kept;
   std::copy_n(g, equalities, asked);
-  if (equalities > 0) ask_for_what_is_possible();
+  if (equalities > 0) project_rhs_to_range();
   dynContactProblem p = problem(*this);
   p.friction = friction, p.torsion = torsion, p.rolling = rolling, p.compliance = compliance;
   if (bounces) p.restitution = restitution, p.v_minus = v_minus;
@@ -147,7 +147,7 @@ void Island::solve(dynContactReport& best) {
 }
 
 // lambda of the least displacement that takes away what bias says is wrong, without friction.
-void Island::displace() {
+void Island::solve_displacement() {
   matrix();
   if (equalities == rows) {  // least squares where they contradict each other
     for (Index i = 0; i < rows; ++i) g[i] = -bias[i];

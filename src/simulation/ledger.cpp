@@ -24,7 +24,7 @@ Energies energies(const Model& m, Data<double>& d) {
 }
 
 // After forward_kinematics<1>: the power of forces on bodies, and their sum; of those effects alone.
-double of_bodies(const Model& m, Data<double>& d, std::uint32_t effects, Vec3<double>& sum) {
+double power_on_bodies(const Model& m, Data<double>& d, std::uint32_t effects, Vec3<double>& sum) {
   const std::uint32_t acting = d.acting;
   d.acting &= effects;
   const double* const fext = forces_on_bodies(m, d);
@@ -41,7 +41,7 @@ double of_bodies(const Model& m, Data<double>& d, std::uint32_t effects, Vec3<do
   return power;
 }
 
-bool flies(const Model& m) {
+bool has_free_roots(const Model& m) {
   for (Index i = 1; i < m.n.bodies; ++i)
     if (m.bodies()[i].parent == 0 && m.bodies()[i].type != BodyType::FreeFlyer) return false;
   return true;
@@ -52,7 +52,7 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   LedgerState x{};
   x.energy = energies(m, d).sum();
   Vec3<double> force = Vec3<double>::zero();
-  x.power.wrenches = of_bodies(m, d, acting_wrenches | DYN_EFFECT_GRAVITY_COMPENSATION, force), x.power.fluid = of_bodies(m, d, DYN_EFFECT_FLUID, force);
+  x.power.wrenches = power_on_bodies(m, d, acting_wrenches | DYN_EFFECT_GRAVITY_COMPENSATION, force), x.power.fluid = power_on_bodies(m, d, DYN_EFFECT_FLUID, force);
   double* const t = d.step->ledger.tau;  // of all that acts at joints
   std::copy_n(d.tau_applied, m.n.nv, t);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
@@ -86,7 +86,7 @@ void open_ledger(const Model& m, Data<double>& d) {
   if (l.open) l.before = state_of(m, d);
 }
 
-void enter_step(const Model& m, Data<double>& d, double h) {
+void record_step(const Model& m, Data<double>& d, double h) {
   Ledger& l = d.step->ledger;
   dynErrorLedger& out = l.report;
   const LedgerState after = state_of(m, d);
@@ -100,7 +100,7 @@ void enter_step(const Model& m, Data<double>& d, double h) {
   double sum = 0;
   for (int k = 0; k < 11; ++k) *entries[k] += work[k], sum += work[k];
   out.energy_change += change, out.energy_defect += change - sum;
-  const bool free = flies(m);
+  const bool free = has_free_roots(m);
   for (int i = 0; free && i < 3; ++i)
     out.momentum_defect[i] += after.momentum[i] - l.before.momentum[i] - h / 2 * (l.before.force[i] + after.force[i]) - l.rows.impulse[i];
   out.constraint_drift = std::max(out.constraint_drift, l.rows.drift), out.cone = std::max(out.cone, l.rows.cone);
@@ -109,12 +109,12 @@ void enter_step(const Model& m, Data<double>& d, double h) {
   l.before = after, l.rows = {};
 }
 
-void enter_rows(const Island& x) {
+void record_impulses(const Island& x) {
   using Six = SixEights<double>;
   LedgerRows& l = x.w.ledger.rows;
   const auto before = [&](Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; };
-  for (Index k = 0; k < x.slots; ++k) {
-    const ActiveConstraint& a = x.slot(k);
+  for (Index k = 0; k < x.constraint_count; ++k) {
+    const ActiveConstraint& a = x.constraint(k);
     const ConstraintInstance<double>& s = *a.s;
     const bool joints = between_joints(s.c.type);
     double c0[max_rows] = {};
@@ -149,7 +149,7 @@ void enter_rows(const Island& x) {
   }
 }
 
-void enter_correction(const Model& m, Data<double>& d, const double* q0, const double* hv, const double* dq) {
+void record_correction(const Model& m, Data<double>& d, const double* q0, const double* hv, const double* dq) {
   double *const without = d.step->by_dof, *const q = d.q;
   double* const there = d.step->ledger.q;
   for (Index k = 0; k < m.n.nv; ++k) without[k] = hv[k] - dq[k];

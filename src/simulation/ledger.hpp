@@ -10,14 +10,14 @@ namespace dyn::simulation {
 // Before the first step of a call, where the option asks for it or did so before.
 void open_ledger(const Model& m, Data<double>& d);
 // After a step of h: to the state that d holds.
-void enter_step(const Model& m, Data<double>& d, double h);
+void record_step(const Model& m, Data<double>& d, double h);
 // After the impulses of an island.
 struct Island;
-void enter_rows(const Island& x);
+void record_impulses(const Island& x);
 // After the configuration was corrected: dq of it is dq, q without it lies h v from q0.
-void enter_correction(const Model& m, Data<double>& d, const double* q0, const double* hv, const double* dq);
+void record_correction(const Model& m, Data<double>& d, const double* q0, const double* hv, const double* dq);
 // What rows did in a step that is made anew.
-inline void forget_rows(Data<double>& d) { d.step->ledger.rows = {}; }
-inline bool keeps_ledger(const Data<double>& d) { return d.step && d.step->ledger.open; }
+inline void reset_impulse_work(Data<double>& d) { d.step->ledger.rows = {}; }
+inline bool has_open_ledger(const Data<double>& d) { return d.step && d.step->ledger.open; }
 
 }  // namespace dyn::simulation

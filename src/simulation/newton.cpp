@@ -17,7 +17,7 @@ constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 
 // Rows' impulses by unknowns: where it slides, the normal with the friction along it, and directions across.
 void to_rows(const NewtonConstraint& s, const double* unknowns, double* rows) {
-  if (s.is != solver::ConeState::slides) {
+  if (s.mode != solver::ConeState::slip) {
     for (Index i = 0; i < s.rows; ++i) rows[i] = i < s.unknowns ? unknowns[i] : 0;
     return;
   }
@@ -30,7 +30,7 @@ void to_rows(const NewtonConstraint& s, const double* unknowns, double* rows) {
 
 // Equations by rows: the normal, and the directions across.
 void to_unknowns(const NewtonConstraint& s, const double* rows, double* unknowns) {
-  if (s.is != solver::ConeState::slides) {
+  if (s.mode != solver::ConeState::slip) {
     std::copy_n(rows, s.unknowns, unknowns);
     return;
   }
@@ -70,7 +70,7 @@ DYN_INLINE void add_product(const NewtonConstraint& s, const double* a, const do
 // Units in which diagonals are 1 and cones round; and the guess.
 void Newton::scale() {
   Index boxes = 0, contacts = 0;
-  each([&](const ActiveConstraint& a, State& s, Index k) {
+  for_each([&](const ActiveConstraint& a, State& s, Index k) {
     const ConstraintBlock& own = w.blocks[k];
     const Index rows = a.s->rows;
     s.order = as_they_are, s.rows = rows, s.cone = false;
@@ -103,7 +103,7 @@ void Newton::scale() {
 }
 
 // Rows by segments, and pivots.
-void Newton::carry() {
+void Newton::build_segment_rows() {
   const double* Dinv = inverse_pivots(x.m, x.d);
   const Segments& segments = w.segments;
   std::fill_n(w.pivots, W * std::ptrdiff_t(e.size), 0.0);
@@ -112,9 +112,9 @@ void Newton::carry() {
     for (Index k = first; k < segments.first[s + 1]; ++k) w.pivots[W * i + k - first] = Dinv[k];
   }
   double* to = w.run_rows;
-  each([&](const ActiveConstraint& a, const State& s, Index k) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index k) {
     Index n = 0;
-    const double* carried = a.carried;
+    const double* carried = a.Y;
     for (Index r = e.first_run[k]; r < e.first_run[k + 1]; ++r) {
       ConstraintRun& run = e.runs[r];
       const Index of = e.segment[run.segment], first = segments.first[of];
@@ -130,18 +130,18 @@ void Newton::carry() {
 // G y in these units, with what is soft.
 void Newton::times(const double* of, double* G_of) const {
   clear();
-  each([&](const ActiveConstraint& a, const State& s, Index k) { pass(k, s.rows, of + a.s->first); });
+  for_each([&](const ActiveConstraint& a, const State& s, Index k) { scatter(k, s.rows, of + a.s->first); });
   for (std::ptrdiff_t i = 0; i < W * std::ptrdiff_t(e.size); ++i) w.by_segment[i] *= w.pivots[i];
-  each([&](const ActiveConstraint& a, const State& s, Index k) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index k) {
     double* to = G_of + a.s->first;
-    meet(k, s.rows, w.by_segment, to);
+    gather(k, s.rows, w.by_segment, to);
     for (Index i = 0; i < s.rows; ++i) to[i] += soft(a, s, i) * of[a.s->first + i];
   });
 }
 
 void Newton::velocities() const {
   times(y, c);
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     for (Index i = 0; i < s.rows; ++i) c[a.s->first + i] += s.unit[i] * (x.g[a.s->first + s.order[i]] + x.bias[a.s->first + s.order[i]]);
   });
 }
@@ -149,7 +149,7 @@ void Newton::velocities() const {
 // Of the function whose zero is looked for, at y + t dy.
 Newton::Error Newton::error(double t) const {
   Error out;
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
     double yk[6] = {}, ak[6] = {};
     for (Index i = 0; i < s.rows; ++i) yk[i] = y[first + i] + t * dy[first + i], ak[i] = yk[i] - (c[first + i] + t * dc[first + i]);
@@ -169,13 +169,13 @@ Newton::Error Newton::error(double t) const {
 }
 
 // What each slot does in the step, and the known part of dy. Answers its largest number.
-double Newton::states() {
+double Newton::classify() {
   double known = 0;
-  each([&](const ActiveConstraint& a, State& s, Index) {
+  for_each([&](const ActiveConstraint& a, State& s, Index) {
     const double *yk = y + a.s->first, *ck = c + a.s->first;
     double* to = dy + a.s->first;
     std::fill_n(to, s.rows, 0.0);
-    s.is = solver::ConeState::stuck, s.unknowns = s.rows;
+    s.mode = solver::ConeState::stick, s.unknowns = s.rows;
     if (!s.cone) {
       if (s.lower == -HUGE_VAL && s.upper == HUGE_VAL) return;
       const double aim = yk[0] - ck[0], at = std::clamp(aim, s.lower, s.upper);
@@ -186,10 +186,10 @@ double Newton::states() {
       for (Index i = 0; i < size; ++i) t[i] = yk[1 + i] - ck[1 + i];
       const double normal = yk[0] - ck[0], length = solver::norm(t, size);
       if (normal <= 0) {
-        s.is = solver::ConeState::apart, s.unknowns = 0;
+        s.mode = solver::ConeState::open, s.unknowns = 0;
         for (Index i = 0; i < s.rows; ++i) to[i] = -yk[i];
       } else if (length > s.mu * normal) {
-        s.is = solver::ConeState::slides, s.unknowns = s.rows - 1;
+        s.mode = solver::ConeState::slip, s.unknowns = s.rows - 1;
         s.across = s.mu * normal / length;
         solver::basis(t, size, s.direction);
         double excess = s.mu * yk[0];
@@ -203,9 +203,9 @@ double Newton::states() {
 }
 
 // Where it sticks there is no compliance but the one that makes steps unique; across the sliding, that of the cone's width.
-void Newton::stiffen(const ActiveConstraint& a, State& s) const {
+void Newton::set_law(const ActiveConstraint& a, State& s) const {
   for (Index i = 0; i < s.unknowns; ++i) {
-    const double across = s.is == solver::ConeState::slides && i > 0 ? 1 / s.across - 1 : 0;
+    const double across = s.mode == solver::ConeState::slip && i > 0 ? 1 / s.across - 1 : 0;
     s.stiffness[i] = 1 / (compliant + across + soft(a, s, i));
   }
   for (Index j = 0; j < s.rows; ++j) {
@@ -223,10 +223,10 @@ void Newton::fill(Index p, double* D) const {
   std::fill_n(D, BlockFactor::size, 0.0);
   for (Index i = 0; i < BlockFactor::R; ++i) D[i + W * i] = w.pivots[W * p + i] > 0 ? 1 / w.pivots[W * p + i] : 1;
   e.for_each_of(e.order[p], [&](const ConstraintRun& a) {
-    const State& s = w.newton[a.slot];
+    const State& s = w.newton[a.constraint];
     if (s.unknowns == 0) return;
     visit_rows(s.rows, [&]<int rows>() {
-      e.for_each_run(a.slot, [&](const ConstraintRun& b) {
+      e.for_each_run(a.constraint, [&](const ConstraintRun& b) {
         const Index q = e.position[b.segment];
         if (q == p) add_product<rows>(s, a.rows, a.rows, D);
         if (q <= p) return;
@@ -245,42 +245,42 @@ bool Newton::factorize() const {
 
 // dy and dc = G dy. false: singular.
 bool Newton::direction() {
-  if (states() > 0) times(dy, dc);
+  if (classify() > 0) times(dy, dc);
   else std::fill_n(dc, x.rows, 0.0);
   std::fill_n(w.newton_acts, e.size, false);
-  each([&](const ActiveConstraint& a, State& s, Index k) {
-    if (s.unknowns > 0) stiffen(a, s), act(k);
+  for_each([&](const ActiveConstraint& a, State& s, Index k) {
+    if (s.unknowns > 0) set_law(a, s), activate(k);
   });
   if (!factorize()) return false;
   // of unknowns: the wanted change, what of it is left to be found, what has been found; of rows: the step so far, and G times it
   double *wanted = before + room, *left = wanted + room, *found = left + room, *step = found + room, *G_step = step + room;
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
     double minus[max_rows] = {};
-    for (Index i = 0; i < s.rows; ++i) minus[i] = -dc[first + i] - (s.is == solver::ConeState::slides && i > 0 ? c[first + i] / s.across : c[first + i]);
+    for (Index i = 0; i < s.rows; ++i) minus[i] = -dc[first + i] - (s.mode == solver::ConeState::slip && i > 0 ? c[first + i] / s.across : c[first + i]);
     to_unknowns(s, minus, wanted + first);
     std::copy_n(wanted + first, s.unknowns, left + first);
     std::fill_n(found + first, s.rows, 0.0);
   });
   for (int k = 0;; ++k) {
     clear();
-    each([&](const ActiveConstraint& a, const State& s, Index slot) {
+    for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
       if (s.unknowns == 0) return;
       double by[max_rows] = {}, rows[max_rows] = {};
       for (Index i = 0; i < s.unknowns; ++i) by[i] = s.stiffness[i] * left[a.s->first + i];
-      to_rows(s, by, rows), pass(slot, s.rows, rows);
+      to_rows(s, by, rows), scatter(constraint, s.rows, rows);
     });
     factor.solve(w.by_segment);
-    each([&](const ActiveConstraint& a, const State& s, Index slot) {
+    for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
       const Index first = a.s->first;
       double rows[max_rows] = {}, by[max_rows] = {};
-      if (s.unknowns) meet(slot, s.rows, w.by_segment, rows), to_unknowns(s, rows, by);
+      if (s.unknowns) gather(constraint, s.rows, w.by_segment, rows), to_unknowns(s, rows, by);
       for (Index i = 0; i < s.unknowns; ++i) found[first + i] += s.stiffness[i] * (left[first + i] - by[i]);
       to_rows(s, found + first, step + first);
     });
     times(step, G_step);
     if (k == refinements || compliant != min_compliance) break;
-    each([&](const ActiveConstraint& a, const State& s, Index) {  // with the compliance that is meant
+    for_each([&](const ActiveConstraint& a, const State& s, Index) {  // with the compliance that is meant
       const Index first = a.s->first;
       double by[max_rows];
       to_unknowns(s, G_step + first, by);
@@ -293,7 +293,7 @@ bool Newton::direction() {
 
 // The nearest impulses that are allowed.
 void Newton::candidate(double* into) const {
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
     if (s.cone) solver::project_cone(s.mu, s.rows, y + first, into + first);
     else
@@ -307,7 +307,7 @@ double Newton::residual() const {
 }
 
 void Newton::to_impulses(const double* from) const {
-  each([&](const ActiveConstraint& a, const State& s, Index) {
+  for_each([&](const ActiveConstraint& a, const State& s, Index) {
     for (Index i = 0; i < a.s->rows; ++i) x.lambda[a.s->first + s.order[i]] = s.unit[i] * from[a.s->first + i];
   });
 }
@@ -316,7 +316,7 @@ Newton::Newton(const Island& island)
     : x(island), w(x.w), e(w.elimination),
       factor{e, w.diagonal, w.blocks_above, w.blocks_above + BlockFactor::size * std::ptrdiff_t(e.entries()), w.where, w.newton_acts, w.newton_filled},
       room(padded_rows(x.rows)), speed(x.speed()), bound(0), compliant(min_compliance) {
-  scale(), carry();
+  scale(), build_segment_rows();
   std::fill_n(y, x.rows, 0.0), velocities();
   for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(c[i]);
   for (Index i = 0; i < x.rows; ++i) bound = std::max(bound, hardly_more * std::abs(before[i]));
@@ -325,7 +325,7 @@ Newton::Newton(const Island& island)
 
 bool Newton::run(Index most, double share, dynContactReport& report) {
   Error now = error();
-  for (Index k = 0; k < most && x.may_go_on(report); ++k) {
+  for (Index k = 0; k < most && x.within_budget(report); ++k) {
     ++report.newton_steps;
     if (!direction()) break;
     double t = 1, largest = 0;
@@ -352,7 +352,7 @@ bool Newton::run(Index most, double share, dynContactReport& report) {
 
 bool Newton::run(dynContactReport& report) { return run(max_steps, 1, report); }
 
-void Newton::leave(dynContactReport& report) {
+void Newton::write_best(dynContactReport& report) {
   const double found = residual();
   to_impulses(before);
   report.residual = x.residual() / speed;
@@ -374,12 +374,12 @@ bool Island::ordered() {
 }
 
 // Where a little more is left than is tolerated, what contacts ask for differs by as little, and what would satisfy all of them is seldom found.
-void Island::jammed(dynContactReport& report) {
+void Island::solve_fixed_correction(dynContactReport& report) {
   constexpr Index fair = 30;  // of iterations: with fewer it is they that were not enough
   constexpr double rounding = 1e-11;
   if (w.options.max_iterations < fair || report.residual < rounding || (!sparse() && !ordered())) return;
   allowance = report.iterations + report.newton_steps + (report.residual > 10 * w.options.tolerance ? 9 : 2) * w.options.max_iterations;
-  interior_held(*this, report);
+  interior_fixed_correction(*this, report);
 }
 
 bool Island::newton(dynContactReport& report, bool from_inside) {
@@ -387,7 +387,7 @@ bool Island::newton(dynContactReport& report, bool from_inside) {
   if (from_inside) return interior(*this, report);
   Newton method(*this);
   if (method.run(report)) return true;
-  method.leave(report);
+  method.write_best(report);
   return false;
 }
 

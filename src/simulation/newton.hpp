@@ -15,7 +15,7 @@ class Newton {
   // From the island's lambda as long as it gets better. true: it is good enough
   bool run(dynContactReport& report);
   // lambda becomes the nearest allowed impulses to what has been found, if they are better than the guess
-  void leave(dynContactReport& report);
+  void write_best(dynContactReport& report);
 
  protected:
   using State = NewtonConstraint;
@@ -36,31 +36,31 @@ class Newton {
     double own = 0;            // squares in the slots' units
   };
   template <class F>
-  void each(F&& f) const {
-    for (Index k = 0; k < x.slots; ++k) f(x.slot(k), w.newton[k], k);
+  void for_each(F&& f) const {
+    for (Index k = 0; k < x.constraint_count; ++k) f(x.constraint(k), w.newton[k], k);
   }
   void clear() const { std::fill_n(w.by_segment, W * std::ptrdiff_t(e.size), 0.0); }
   // w.by_segment += Y of a slot's impulses; velocities of its rows, Y^T of
-  DYN_INLINE void pass(Index slot, Index rows, const double* by) const {
-    e.for_each_run(slot, [&](const ConstraintRun& r) {
+  DYN_INLINE void scatter(Index constraint, Index rows, const double* by) const {
+    e.for_each_run(constraint, [&](const ConstraintRun& r) {
       double* const to = w.by_segment + W * e.position[r.segment];
       P sum = P::load(to);
       for (Index i = 0; i < rows; ++i) sum = sum + P::load(r.rows + W * i) * by[i];
       sum.store(to);
     });
   }
-  DYN_INLINE void meet(Index slot, Index rows, const double* of, double* velocity) const {
+  DYN_INLINE void gather(Index constraint, Index rows, const double* of, double* velocity) const {
     P sum[max_rows];
     for (Index i = 0; i < rows; ++i) sum[i] = P::zero();
-    e.for_each_run(slot, [&](const ConstraintRun& r) {
+    e.for_each_run(constraint, [&](const ConstraintRun& r) {
       const P at = P::load(of + W * e.position[r.segment]);
       for (Index i = 0; i < rows; ++i) sum[i] = sum[i] + P::load(r.rows + W * i) * at;
     });
     for (Index i = 0; i < rows; ++i) velocity[i] = solver::sum(sum[i]);
   }
   double soft(const ActiveConstraint& a, const State& s, Index i) const { return x.compliance[a.s->first + s.order[i]] * s.unit[i] * s.unit[i]; }
-  void act(Index slot) const {
-    e.for_each_run(slot, [&](const ConstraintRun& r) { w.newton_acts[e.position[r.segment]] = true; });
+  void activate(Index constraint) const {
+    e.for_each_run(constraint, [&](const ConstraintRun& r) { w.newton_acts[e.position[r.segment]] = true; });
   }
 
   void times(const double* of, double* G_of) const;
@@ -78,10 +78,10 @@ class Newton {
   double compliant;  // of the unit diagonal
 
   void scale();
-  void carry();
+  void build_segment_rows();
   void fill(Index position, double* D) const;
-  double states();
-  void stiffen(const ActiveConstraint& a, State& s) const;
+  double classify();
+  void set_law(const ActiveConstraint& a, State& s) const;
   bool direction();
   void candidate(double* into) const;
   double residual() const;
@@ -91,6 +91,6 @@ class Newton {
 // From the inside of the cones (interior.cpp).
 bool interior(const Island& x, dynContactReport& report);
 // Where nothing else gets there: by convex problems.
-void interior_held(const Island& x, dynContactReport& report);
+void interior_fixed_correction(const Island& x, dynContactReport& report);
 
 }  // namespace dyn::simulation

@@ -20,8 +20,8 @@ struct MatrixFreeGaussSeidel {
   const double* Dinv;
   double* z;
 
-  Pack<double, row_lanes> moved(const ActiveConstraint& a) const { return x.moved(a, Dinv, z); }  // G lambda, in lanes
-  void change(const ActiveConstraint& a, const double* by) const { x.pass(a, by, z); }
+  Pack<double, row_lanes> gather(const ActiveConstraint& a) const { return x.gather(a, Dinv, z); }  // G lambda, in lanes
+  void change(const ActiveConstraint& a, const double* by) const { x.scatter(a, by, z); }
   double wanted(Index i) const { return x.g[i] + x.bias[i]; }
   double soft(Index i) const { return x.compliance[i]; }
 
@@ -30,7 +30,7 @@ struct MatrixFreeGaussSeidel {
     const Index i = a.s->first + r;
     const double G = s.diagonal[r] + soft(i);
     if (!(G > 0)) return 0;
-    const double c = wanted(i) + moved(a)[int(r)] + soft(i) * x.lambda[i], to = std::clamp(x.lambda[i] - c / G, lower, upper);
+    const double c = wanted(i) + gather(a)[int(r)] + soft(i) * x.lambda[i], to = std::clamp(x.lambda[i] - c / G, lower, upper);
     double by[max_rows] = {};
     by[r] = to - x.lambda[i];
     if (by[r] == 0) return 0;
@@ -42,7 +42,7 @@ struct MatrixFreeGaussSeidel {
     const Index first = a.s->first, rows = a.s->rows, normal = normal_row(rows);
     if (rows == 1 || mu == 0) return row(a, s, normal, 0, HUGE_VAL);
     const Index* order = order_of[rows];
-    const auto Gl = moved(a);
+    const auto Gl = gather(a);
     double b[max_rows] = {}, now[max_rows] = {}, to[max_rows] = {}, by[max_rows] = {};
     for (Index i = 0; i < rows; ++i) now[i] = per_scale(x.lambda[first + order[i]], s.scale[i]);
     for (Index i = 0; i < rows; ++i) {
@@ -63,8 +63,8 @@ struct MatrixFreeGaussSeidel {
   // Once through the slots. Answers the largest change of a row's velocity by its own impulse.
   double operator()() const {
     double most = 0;
-    for (Index k = 0, boxes = 0, contacts = 0; k < x.slots; ++k) {
-      const ActiveConstraint& a = x.slot(k);
+    for (Index k = 0, boxes = 0, contacts = 0; k < x.constraint_count; ++k) {
+      const ActiveConstraint& a = x.constraint(k);
       ConstraintBlock& s = x.w.blocks[k];
       if (a.kind == RowKind::Equality)
         for (Index r = 0; r < a.s->rows; ++r) most = std::max(most, row(a, s, r, -HUGE_VAL, HUGE_VAL));
@@ -76,10 +76,10 @@ struct MatrixFreeGaussSeidel {
     return most;
   }
   // The same without friction.
-  double apart() const {
+  double frictionless_sweep() const {
     double most = 0;
-    for (Index k = 0, boxes = 0; k < x.slots; ++k) {
-      const ActiveConstraint& a = x.slot(k);
+    for (Index k = 0, boxes = 0; k < x.constraint_count; ++k) {
+      const ActiveConstraint& a = x.constraint(k);
       const ConstraintBlock& s = x.w.blocks[k];
       if (a.kind == RowKind::Equality)
         for (Index r = 0; r < a.s->rows; ++r) most = std::max(most, row(a, s, r, -HUGE_VAL, HUGE_VAL));
@@ -98,10 +98,10 @@ struct MatrixFreeGaussSeidel {
       most = std::max(most, std::abs(impulse));
       if (!(wrong <= worst)) worst = wrong >= 0 ? wrong : HUGE_VAL;  // no number: as wrong as can be
     };
-    for (Index k = 0, boxes = 0, contacts = 0; k < x.slots; ++k) {
-      const ActiveConstraint& a = x.slot(k);
+    for (Index k = 0, boxes = 0, contacts = 0; k < x.constraint_count; ++k) {
+      const ActiveConstraint& a = x.constraint(k);
       const ConstraintBlock& s = x.w.blocks[k];
-      const auto Gl = moved(a);
+      const auto Gl = gather(a);
       const Index first = a.s->first, rows = a.s->rows;
       for (Index r = 0; r < rows; ++r) x.c[first + r] = x.g[first + r] + Gl[int(r)];
       auto velocity = [&](Index r) { return wanted(first + r) + Gl[int(r)] + soft(first + r) * x.lambda[first + r]; };
@@ -128,11 +128,11 @@ struct MatrixFreeGaussSeidel {
         for (Index i = 0; i < rows; ++i) enter(std::abs(e[i]) / (i ? dt : dn), y[i] / (i ? dt : dn));
       }
     }
-    return solver::drowns(most, x.fastest) ? HUGE_VAL : worst;
+    return solver::is_lost_to_round_off(most, x.fastest) ? HUGE_VAL : worst;
   }
   void start() const {
-    x.clear(z);
-    x.add(z);
+    x.clear_supporting_dofs(z);
+    x.scatter_all(z);
   }
 };
 
@@ -142,13 +142,13 @@ void Island::prepare_blocks() {
   using P = Pack<double, row_lanes>;
   fastest = speed();
   const double* Dinv = inverse_pivots(m, d);
-  for (Index k = 0, at = 0; k < slots; ++k) {
-    const ActiveConstraint& a = slot(k);
+  for (Index k = 0, at = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& a = constraint(k);
     ConstraintBlock& s = w.blocks[k];
     const Index rows_ = a.s->rows;
     P G[max_rows];
     for (P& column : G) column = P::zero();
-    const double* y = a.carried;
+    const double* y = a.Y;
     for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
       const P e = P::load(y) * Dinv[a.support[n]];
       for (Index r = 0; r < rows_; ++r) G[r] = G[r] + e * y[r];
@@ -172,10 +172,10 @@ void Island::prepare_blocks() {
 void Island::prepare_cones() {
   if (has_cones) return;
   has_cones = true;
-  for (Index k = 0, contact = 0; k < slots; ++k) {
-    if (slot(k).kind != RowKind::Contact) continue;
+  for (Index k = 0, contact = 0; k < constraint_count; ++k) {
+    if (constraint(k).kind != RowKind::Contact) continue;
     const double mu = friction[contact++];
-    const Index rows_ = slot(k).s->rows;
+    const Index rows_ = constraint(k).s->rows;
     if (rows_ == 1 || mu == 0) continue;
     ConstraintBlock& s = w.blocks[k];
     solver::Problem p;
@@ -187,8 +187,8 @@ void Island::prepare_cones() {
 // Of torsion and rolling by their lengths, and where a coefficient is zero not at all.
 double Island::speed() const {
   double most = 0;
-  for (Index k = 0, contact = 0; k < slots; ++k) {
-    const ActiveConstraint& a = slot(k);
+  for (Index k = 0, contact = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& a = constraint(k);
     const bool touches = a.kind == RowKind::Contact;
     for (Index r = 0; r < a.s->rows; ++r) {
       const double length = r < 3 || !touches ? 1 : friction[contact] > 0 ? (r == a.s->rows - 1 ? torsion[contact] : rolling[contact]) / friction[contact] : 0;
@@ -205,7 +205,7 @@ double Island::residual() const {
   return sweep.residual();
 }
 
-bool Island::stays(dynContactReport& report) {
+bool Island::accept_guess(dynContactReport& report) {
   if (bounces) return false;
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
@@ -220,9 +220,9 @@ bool Island::stays(dynContactReport& report) {
 }
 
 // Coefficients of restitution taken smaller by a factor.
-void Island::rebound(double factor) {
-  for (Index k = 0, contact = 0; k < slots; ++k) {
-    const ActiveConstraint& a = slot(k);
+void Island::scale_restitution(double factor) {
+  for (Index k = 0, contact = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& a = constraint(k);
     if (a.kind != RowKind::Contact) continue;
     const Index n = a.s->first + normal_row(a.s->rows);
     if (restitution[contact] > 0 && v_minus[n] < 0) bias[n] = factor * restitution[contact] * v_minus[n];
@@ -231,22 +231,22 @@ void Island::rebound(double factor) {
 }
 
 // The impulses do work, beyond what the tolerance leaves open, or nothing comes near a solution: as solver/solve.cpp refuses them.
-bool Island::gains(const dynContactReport& report) const {
+bool Island::adds_energy(const dynContactReport& report) const {
   double work = 0, size = 0;
   for (Index i = 0; i < rows; ++i) work += lambda[i] * (g[i] + c[i]) / 2, size += std::abs(lambda[i] * g[i]);
   return work > (1e-10 + 10 * w.options.tolerance) * size || report.residual > 1e-2;
 }
 
 // Islands too large for a matrix, with restitution: with as much of it as gains nothing.
-void Island::bounce(dynContactReport& report) {
+void Island::solve_restitution(dynContactReport& report) {
   Index iterations = 0, newton_steps = 0;
   const auto refused = [&](double factor) {
     report.iterations = report.newton_steps = 0;
-    rebound(factor);
-    sweeps_alone() ? sweep_alone(report) : block_gauss_seidel(report);
+    scale_restitution(factor);
+    uses_gauss_seidel_only() ? gauss_seidel(report) : gauss_seidel_and_newton(report);
     residual();  // c of the best
     iterations += report.iterations, newton_steps += report.newton_steps;
-    return gains(report);
+    return adds_energy(report);
   };
   if (refused(1) && !w.time_is_up()) {
     double low = 0, high = 1;
@@ -260,7 +260,7 @@ void Island::bounce(dynContactReport& report) {
 }
 
 // Until a sweep changes little, and then as long as the residual asks for more. One at least: cones have turned since the guess.
-void Island::sweep_alone(dynContactReport& report) {
+void Island::gauss_seidel(dynContactReport& report) {
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double tolerated = w.options.tolerance * speed();
   sweep.start(), prepare_cones();
@@ -274,7 +274,7 @@ void Island::sweep_alone(dynContactReport& report) {
   }
 }
 
-void Island::block_gauss_seidel(dynContactReport& report) {
+void Island::gauss_seidel_and_newton(dynContactReport& report) {
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   sweep.start();
@@ -283,7 +283,7 @@ void Island::block_gauss_seidel(dynContactReport& report) {
   // ever more of them before Newton's method has another try, and then from inside; one at least, for the guess need not be in its cones
   Index tries = 0;
   double best = HUGE_VAL;  // residual of what is kept
-  const auto may_sweep = [&] { return report.iterations == 0 || may_go_on(report); };
+  const auto may_sweep = [&] { return report.iterations == 0 || within_budget(report); };
   for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_sweep(); some *= 2) {
     for (Index k = 0; k < some && may_sweep(); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
@@ -294,7 +294,7 @@ void Island::block_gauss_seidel(dynContactReport& report) {
   if (report.residual > best) report.residual = best, std::copy_n(kept, rows, lambda);
 }
 
-void Island::sweep_on(dynContactReport& report) {
+void Island::gauss_seidel_while_improving(dynContactReport& report) {
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double most = speed();
   prepare_cones();
@@ -311,13 +311,13 @@ void Island::sweep_on(dynContactReport& report) {
 }
 
 // Enough for corrections, of which the next steps make more. by_dof is zero.
-void Island::sweep_apart() {
+void Island::gauss_seidel_frictionless() {
   constexpr int max_sweeps = 20;
-  const double least = std::max(0.02, sweeps_alone() ? w.options.tolerance : 0);  // of the first sweep's largest change
+  const double least = std::max(0.02, uses_gauss_seidel_only() ? w.options.tolerance : 0);  // of the first sweep's largest change
   std::fill_n(lambda, rows, 0.0);
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
-  const double first = sweep.apart();
-  for (int k = 1; k < max_sweeps && sweep.apart() > least * first; ++k) {}
+  const double first = sweep.frictionless_sweep();
+  for (int k = 1; k < max_sweeps && sweep.frictionless_sweep() > least * first; ++k) {}
 }
 
 }  // namespace dyn::simulation

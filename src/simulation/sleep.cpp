@@ -32,11 +32,11 @@ void list_awake(const Model& m, Workspace& w) {
   z.awake_count = 0, w.awake_pair_count = w.row_count = -1;
   Index groups = 0;
   for (Index t = 0; t < z.count; ++t) {
-    if (z.is[t] != Sleeper::Awake) continue;
-    z.list[z.awake_count++] = t;
-    append(z.trees[t], z.room.groups, groups);
+    if (z.state[t] != Sleeper::Awake) continue;
+    z.awake_trees[z.awake_count++] = t;
+    append(z.trees[t], z.buffers.groups, groups);
   }
-  z.awake = choose(m, z.room, groups);
+  z.awake = choose(m, z.buffers, groups);
   list_free_bodies(m, w);
 }
 
@@ -64,23 +64,23 @@ void for_each_boxed_geom(Data<double>& d, F&& f) {
   search.list_active();
 }
 
-void wake_ring(Sleep& z, Index tree) {
+void wake_island(Sleep& z, Index tree) {
   Index t = tree;
-  do z.is[t] = Sleeper::Awake, z.steps[t] = 0, t = z.next[t];
+  do z.state[t] = Sleeper::Awake, z.rest_steps[t] = 0, t = z.next[t];
   while (t != tree);
   --z.islands;
 }
 
 // After trees were marked awake.
-void settle_awake(const Model& m, Data<double>& d) {
+void update_awake(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
-  move_contacts(z.held, z.constrained_count, w.contacts, w.contact_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Awake; });
+  move_contacts(z.sleeping_contacts, z.sleeping_contact_count, w.contacts, w.contact_count, [&](const dynContact& c) { return z.state[tree_of(m, d, c)] == Sleeper::Awake; });
   for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
-    if (z.is[tree] == Sleeper::Awake && search.resting->has(id)) search.stir(search.moving_geoms[id]);
+    if (z.state[tree] == Sleeper::Awake && search.resting->has(id)) search.stir(search.moving_geoms[id]);
   });
   list_awake(m, w);
-  z.some = z.islands > 0;
+  z.any_asleep = z.islands > 0;
 }
 
 // All of its joints.
@@ -94,18 +94,18 @@ bool may_sleep(const Model& m, const Data<double>& d, const Trees& t) {
 Index tree_of(const Model& m, const Sleep& z, const ActuatorRecord& r) { return z.number[m.joints()[r.spec.joint].last_body]; }
 
 // Those whose tau or controls are others than in the step before are at rest anew, or awake.
-void stir_driven(const Model& m, Data<double>& d, Sleep& z) {
+void wake_driven(const Model& m, Data<double>& d, Sleep& z) {
   bool woke = false;
   const auto differ = [&](const double* now, double* before, Index n, Index tree) {
     if (std::memcmp(now, before, std::size_t(n) * sizeof(double)) == 0) return;
-    std::copy_n(now, n, before), z.steps[tree] = 0;
-    if (z.is[tree] != Sleeper::Awake) wake_ring(z, tree), woke = true;
+    std::copy_n(now, n, before), z.rest_steps[tree] = 0;
+    if (z.state[tree] != Sleeper::Awake) wake_island(z, tree), woke = true;
   };
   for (Index t = 0; t < (z.version[input_tau] != d.version[input_tau] ? z.count : 0); ++t)
     differ(d.tau_applied + z.trees[t].v, z.tau + z.trees[t].v, z.trees[t].v_end - z.trees[t].v, t);
   for (Index k = 0; k < m.n.actuators; ++k)
     if (const ActuatorRecord& r = m.actuators()[k]; true) differ(d.ctrl + r.spec.idx_u, z.ctrl + r.spec.idx_u, r.spec.controls, tree_of(m, z, r));
-  if (woke) settle_awake(m, d);
+  if (woke) update_awake(m, d);
 }
 
 }  // namespace
@@ -120,61 +120,61 @@ void set_up_sleep(const Model& m, Workspace& w) {
 void begin_sleep(const Model& m, Data<double>& d, double h) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
-  z.met = z.all = false;
+  z.touched = z.contacts_full = false;
   const dynIntegrator i = w.options.integrator;
   if (z.count == 0 || !(d.acting & DYN_EFFECT_SLEEPING) || (i != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && i != DYN_INTEGRATOR_IMPLICIT_FAST)) {
-    if (z.acts || z.some) wake_all(m, d);
+    if (z.enabled || z.any_asleep) wake_all(m, d);
     return;
   }
-  z.plain = active_rows(m, d) == 0;
-  const bool same = z.acts && z.known && z.h == h && z.version[input_q] == d.version[input_q] && z.version[input_v] == d.version[input_v];
-  if (!same || !z.acts || (z.some && (!z.plain || w.options.visit_sleepers))) wake_all(m, d);
-  if (!z.acts) {
+  z.unconstrained = active_rows(m, d) == 0;
+  const bool same = z.enabled && z.inputs_known && z.h == h && z.version[input_q] == d.version[input_q] && z.version[input_v] == d.version[input_v];
+  if (!same || !z.enabled || (z.any_asleep && (!z.unconstrained || w.options.visit_sleepers))) wake_all(m, d);
+  if (!z.enabled) {
     list_awake(m, w);
-    z.acts = true;
+    z.enabled = true;
   }
   if (!same) {
-    std::fill_n(z.steps, z.count, std::uint8_t(0));
+    std::fill_n(z.rest_steps, z.count, std::uint8_t(0));
     std::copy_n(d.tau_applied, m.n.nv, z.tau), std::copy_n(d.ctrl, m.n.nu, z.ctrl);
   } else {
-    stir_driven(m, d, z);
+    wake_driven(m, d, z);
   }
-  z.known = true;
+  z.inputs_known = true;
 }
 
 void wake_all(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
-  z.acts = false;
-  if (!z.some) return;
+  z.enabled = false;
+  if (!z.any_asleep) return;
   for (Index t = 0; t < z.count; ++t)
-    if (z.is[t] != Sleeper::Awake) wake_ring(z, t);
-  settle_awake(m, d);
+    if (z.state[t] != Sleeper::Awake) wake_island(z, t);
+  update_awake(m, d);
 }
 
 // The search for contacts begins again: those of the last step are where it found them.
-void wake_met(const Model& m, Data<double>& d) {
+void wake_touched(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
-  std::swap(w.contacts, w.before);
-  w.contact_count = w.before_count;
+  std::swap(w.contacts, w.previous);
+  w.contact_count = w.previous_count;
   double *const q = d.backup, *const v = q + m.n.nq;
   for (Index t = 0; t < z.count; ++t)
-    if (z.is[t] == Sleeper::Met || (z.all && z.is[t] == Sleeper::Asleep)) wake_ring(z, t);
+    if (z.state[t] == Sleeper::Touched || (z.contacts_full && z.state[t] == Sleeper::Asleep)) wake_island(z, t);
   for (Index t = 0; t < z.count; ++t) {  // of all that woke
     const Trees& x = z.trees[t];
-    if (z.is[t] != Sleeper::Awake || std::binary_search(z.list, z.list + z.awake_count, t)) continue;
+    if (z.state[t] != Sleeper::Awake || std::binary_search(z.awake_trees, z.awake_trees + z.awake_count, t)) continue;
     std::copy(d.q + x.q, d.q + x.q_end, q + x.q), std::copy(d.v + x.v, d.v + x.v_end, v + x.v);
   }
-  z.met = z.all = false;
-  settle_awake(m, d);
+  z.touched = z.contacts_full = false;
+  update_awake(m, d);
 }
 
-void find_rest(const Model& m, Data<double>& d, const double* v0, const double* dq, double h) {
+void detect_rest(const Model& m, Data<double>& d, const double* v0, const double* dq, double h) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
   const double speed = w.options.sleep_speed, time = w.options.sleep_time, change = speed / time * h;
-  for (Index k = 0; k < z.awake_count; ++k) z.island[z.list[k]] = z.list[k], z.flags[z.list[k]] = stays | deep, z.largest[z.list[k]] = 0;
+  for (Index k = 0; k < z.awake_count; ++k) z.island[z.awake_trees[k]] = z.awake_trees[k], z.flags[z.awake_trees[k]] = stays | deep, z.max_force[z.awake_trees[k]] = 0;
   for (Index k = 0; k < w.constraint_count; ++k) {
     const ActiveConstraint& s = w.active[k];
     for (const Index tree : {s.tree1, s.tree2})
@@ -182,7 +182,7 @@ void find_rest(const Model& m, Data<double>& d, const double* v0, const double* 
     if (s.kind == RowKind::Contact) w.laws[s.index].island = z.number[s.island];
   }
   for (Index k = 0; k < z.awake_count; ++k) {
-    const Index t = z.list[k];
+    const Index t = z.awake_trees[k];
     const Trees& x = z.trees[t];
     std::uint8_t is = alike | deep;
     Index fast = x.v;
@@ -199,12 +199,12 @@ void find_rest(const Model& m, Data<double>& d, const double* v0, const double* 
     if (corrected <= speed * h) is |= slow;
     if (changed <= change) is |= steady;
     if (before == 0) is |= still_before;
-    if (z.still[t] >= time && may_sleep(m, d, x)) is |= ready;
+    if (z.slow_time[t] >= time && may_sleep(m, d, x)) is |= ready;
     z.flags[z.island[t]] &= is;
   }
   // what moves on by itself behind a control has not ended
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
-    if (const Index t = tree_of(m, z, r); r.act >= 0 && z.is[t] == Sleeper::Awake && activated(r, d, d.act[r.act], h) != d.act[r.act])
+    if (const Index t = tree_of(m, z, r); r.act >= 0 && z.state[t] == Sleeper::Awake && activation_after(r, d, d.act[r.act], h) != d.act[r.act])
       z.flags[z.island[t]] &= std::uint8_t(~alike);
   });
   // what they exert is what it was, if inputs have not changed
@@ -215,34 +215,34 @@ void find_rest(const Model& m, Data<double>& d, const double* v0, const double* 
   for (Index k = 0; k < w.contact_count; ++k) {
     if (!stood(w.contacts[k])) continue;
     some = true;
-    double& largest = z.largest[island(w.contacts[k])];
+    double& largest = z.max_force[island(w.contacts[k])];
     for (int i = 0; i < 6; ++i) largest = std::max(largest, std::abs(force(w.contacts[k], i)));
   }
   if (some) {
-    with_before(w, stood, [&](const dynContactForce& f, const dynContactForce* before) {
+    for_each_with_previous(w, stood, [&](const dynContactForce& f, const dynContactForce* before) {
       const Index t = island(f);
       for (int i = 0; i < 6; ++i)
-        if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > solved * z.largest[t]) z.flags[t] &= std::uint8_t(~alike);
+        if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > solved * z.max_force[t]) z.flags[t] &= std::uint8_t(~alike);
     });
-    with_before(w, [&](const dynContactForce& f) { return (z.flags[island(f)] & stays) == stays; }, take_over);
+    for_each_with_previous(w, [&](const dynContactForce& f) { return (z.flags[island(f)] & stays) == stays; }, copy_force);
   }
   w.report.sleeping = z.islands;
   for (Index k = 0; k < z.awake_count; ++k) {
-    const Index t = z.list[k];
+    const Index t = z.awake_trees[k];
     const std::uint8_t is = z.flags[z.island[t]];
-    if (!(is & slow)) z.still[t] = 0;
-    else if (z.still[t] < time) z.still[t] += h;
-    z.steps[t] = (is & stays) == stays ? std::uint8_t(std::min(2, z.steps[t] + 1)) : std::uint8_t(0);
+    if (!(is & slow)) z.slow_time[t] = 0;
+    else if (z.slow_time[t] < time) z.slow_time[t] += h;
+    z.rest_steps[t] = (is & stays) == stays ? std::uint8_t(std::min(2, z.rest_steps[t] + 1)) : std::uint8_t(0);
   }
   for (Index k = 0; k < z.awake_count; ++k)
-    if (const Index t = z.list[k]; z.steps[t] < 2) z.flags[z.island[t]] &= std::uint8_t(~deep);
-  for (Index k = 0; k < z.awake_count; ++k) w.report.sleeping += z.island[z.list[k]] == z.list[k] && (z.flags[z.list[k]] & deep);
+    if (const Index t = z.awake_trees[k]; z.rest_steps[t] < 2) z.flags[z.island[t]] &= std::uint8_t(~deep);
+  for (Index k = 0; k < z.awake_count; ++k) w.report.sleeping += z.island[z.awake_trees[k]] == z.awake_trees[k] && (z.flags[z.awake_trees[k]] & deep);
 }
 
-void keep_rest(const Model&, Data<double>& d, const double* q0) {
+void hold_at_rest(const Model&, Data<double>& d, const double* q0) {
   const Sleep& z = d.step->sleep;
   for (Index k = 0; k < z.awake_count; ++k) {
-    const Index t = z.list[k];
+    const Index t = z.awake_trees[k];
     const std::uint8_t is = z.flags[z.island[t]];
     if ((is & at_rest) != at_rest) continue;
     const Trees& x = z.trees[t];
@@ -253,24 +253,24 @@ void keep_rest(const Model&, Data<double>& d, const double* q0) {
 void end_sleep(const Model& m, Data<double>& d, double h) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
-  if (!z.acts) return;
+  if (!z.enabled) return;
   z.h = h;
   std::copy_n(d.version, input_count, z.version);
-  if (!z.plain || w.options.visit_sleepers) return;
+  if (!z.unconstrained || w.options.visit_sleepers) return;
   bool some = false;
   for (Index k = 0; k < z.awake_count; ++k) {
-    const Index t = z.list[k], first = z.island[t];
+    const Index t = z.awake_trees[k], first = z.island[t];
     if (!(z.flags[first] & deep)) continue;
-    z.is[t] = Sleeper::Asleep, some = true;
+    z.state[t] = Sleeper::Asleep, some = true;
     if (t == first) z.next[t] = t, ++z.islands;
     else z.next[t] = z.next[first], z.next[first] = t;
   }
   if (!some) return;
-  z.some = true, w.clearance.square = 0;
-  move_contacts(w.contacts, w.contact_count, z.held, z.constrained_count, [&](const dynContact& c) { return z.is[tree_of(m, d, c)] == Sleeper::Asleep; });
+  z.any_asleep = true, w.advancement_cache.square = 0;
+  move_contacts(w.contacts, w.contact_count, z.sleeping_contacts, z.sleeping_contact_count, [&](const dynContact& c) { return z.state[tree_of(m, d, c)] == Sleeper::Asleep; });
   for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
     const Index geom = search.moving_geoms[id];
-    if (z.is[tree] == Sleeper::Asleep && search.moving->has(id)) search.rest(d, geom, box_margin(w, d, geom, h));
+    if (z.state[tree] == Sleeper::Asleep && search.moving->has(id)) search.rest(d, geom, box_margin(w, d, geom, h));
   });
   list_awake(m, w);
 }

@@ -9,7 +9,7 @@
 
 namespace dyn::simulation {
 
-enum class Sleeper : std::uint8_t { Awake, Asleep, Met };
+enum class Sleeper : std::uint8_t { Awake, Asleep, Touched };
 
 // The state is `still` alone: the rest is found again in two steps.
 struct Sleep {
@@ -17,27 +17,27 @@ struct Sleep {
   Index* number;       // of a body's tree; -1: the world
   // by trees
   Trees* trees;
-  double* still;       // s, that it has been slow
-  double* largest;     // of the forces on an island, of this step
-  std::uint8_t* steps;  // at rest, that left everything as it was: up to two
-  Sleeper* is;
-  Index *next, *island, *list;  // of those that sleep together, a ring; of this step; those that are awake
+  double* slow_time;       // s, that it has been slow
+  double* max_force;     // of the forces on an island, of this step
+  std::uint8_t* rest_steps;  // at rest, that left everything as it was: up to two
+  Sleeper* state;
+  Index *next, *island, *awake_trees;  // of those that sleep together, a ring; of this step; those that are awake
   std::uint8_t* flags;          // of islands of this step
   Index awake_count, islands;   // islands that sleep
-  bool acts;           // in this step
-  bool plain;          // no constraint is enabled: some trees may be left out
-  bool some;           // are
-  bool known;          // since the last step nothing was called that may change what steps begin from, but for q, v and tau, which have versions
-  bool met, all;       // in this step something that sleeps is met; there is no room for contacts
+  bool enabled;           // in this step
+  bool unconstrained;          // no constraint is enabled: some trees may be left out
+  bool any_asleep;           // are
+  bool inputs_known;          // since the last step nothing was called that may change what steps begin from, but for q, v and tau, which have versions
+  bool touched, contacts_full;       // in this step something that sleeps is met; there is no room for contacts
   std::uint64_t version[input_count];
   double h;
   double *tau, *ctrl;  // of those that sleep
   ChosenTrees awake;
-  TreeRoom room;       // of these
-  dynContactForce* held;  // contacts of those that sleep, in order
-  Index constrained_count;
+  TreeBuffers buffers;       // of these
+  dynContactForce* sleeping_contacts;  // contacts of those that sleep, in order
+  Index sleeping_contact_count;
 
-  bool sleeps(Index body) const { return some && body != 0 && is[number[body]] != Sleeper::Awake; }
+  bool sleeps(Index body) const { return any_asleep && body != 0 && state[number[body]] != Sleeper::Awake; }
 };
 
 // Before a step of h: which trees it goes through. Afterwards, if it was made; if it was not, nothing is known.
@@ -46,10 +46,10 @@ void end_sleep(const Model& m, Data<double>& d, double h);
 // All trees are awake, and steps go through them all.
 void wake_all(const Model& m, Data<double>& d);
 // Those that were met, with the state they begin the step from.
-void wake_met(const Model& m, Data<double>& d);
+void wake_touched(const Model& m, Data<double>& d);
 // After impulses and corrections (dq, or nullptr): which islands are at rest at the end of the step. v0: before it.
-void find_rest(const Model& m, Data<double>& d, const double* v0, const double* dq, double h);
+void detect_rest(const Model& m, Data<double>& d, const double* v0, const double* dq, double h);
 // These keep q0, and have no velocity.
-void keep_rest(const Model& m, Data<double>& d, const double* q0);
+void hold_at_rest(const Model& m, Data<double>& d, const double* q0);
 
 }  // namespace dyn::simulation

@@ -21,7 +21,7 @@ void for_each_island(const Workspace& w, Index slots, F&& f) {
 }
 
 // All contacts of an island are idle: none exerts anything. Otherwise the rest of their slots.
-bool leave_idle(const Model& m, Data<double>& d, Index begin, Index end) {
+bool skip_idle(const Model& m, Data<double>& d, Index begin, Index end) {
   Workspace& w = *d.step;
   bool idle = true;
   for (Index k = begin; idle && k < end; ++k) {
@@ -33,7 +33,7 @@ bool leave_idle(const Model& m, Data<double>& d, Index begin, Index end) {
     x.idle = idle;
     if (!idle && x.kind == RowKind::Contact) assemble_contact(m, d, x);
     if (!idle) continue;
-    take_over(w.contacts[x.index], nullptr);
+    copy_force(w.contacts[x.index], nullptr);
     w.report.penetration = std::max(w.report.penetration, -w.contacts[x.index].contact.distance);
   }
   return idle;
@@ -45,21 +45,21 @@ void Island::impulses(dynContactReport& report) {
   prepare_blocks();
   report.residual = HUGE_VAL;
   if (bounces && large()) {
-    bounce(report);
-  } else if (sweeps_alone()) {
-    sweep_alone(report);
-  } else if (!stays(report) && (w.time_is_up() || bounces || !sparse() || !newton(report, false))) {
+    solve_restitution(report);
+  } else if (uses_gauss_seidel_only()) {
+    gauss_seidel(report);
+  } else if (!accept_guess(report) && (w.time_is_up() || bounces || !sparse() || !newton(report, false))) {
     const auto unsolved = [&] { return report.residual > w.options.tolerance && !w.time_is_up(); };
-    if (w.time_is_up()) rebound(1), block_gauss_seidel(report);
-    else if (large() || (!bounces && sparse())) block_gauss_seidel(report);
+    if (w.time_is_up()) scale_restitution(1), gauss_seidel_and_newton(report);
+    else if (large() || (!bounces && sparse())) gauss_seidel_and_newton(report);
     if (!large() && unsolved()) solve(report);
-    if (!bounces && unsolved() && report.residual < nearly) sweep_on(report);
-    if (!bounces && unsolved()) jammed(report);
-    report.residual = std::max(report.residual, impossible);
+    if (!bounces && unsolved() && report.residual < nearly) gauss_seidel_while_improving(report);
+    if (!bounces && unsolved()) solve_fixed_correction(report);
+    report.residual = std::max(report.residual, inconsistency);
     residual();  // by_dof and c of the best
   }
-  for (Index k = 0; k < slots; ++k) {
-    const ActiveConstraint& x = slot(k);
+  for (Index k = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& x = constraint(k);
     if (x.kind != RowKind::Contact) continue;
     dynContactForce& f = w.contacts[x.index];
     const ContactLaw& law = w.laws[x.index];
@@ -84,15 +84,15 @@ bool Island::is_angle(const ActiveConstraint& x, Index row) const {
 // less what surfaces that roll on one another come nearer by as they move first: half of what the rate has become, each time. It is no error but
 // goes as h^2, and corrected in steps of h and not in those of h / 3 it would be extrapolated to one.
 bool Island::correct() {
-  const double most = slow_speed(d, h) * h / w.length, ahead = w.closed > 0 ? 0 : h, moved = w.closed > 0 ? 0.5 * h * w.drifts : 0;  // most: of the length, or rad
+  const double most = slow_speed(d, h) * h / w.length, ahead = w.closed_gap > 0 ? 0 : h, moved = w.closed_gap > 0 ? 0.5 * h * w.drift_count : 0;  // most: of the length, or rad
   double largest = 0;
   auto part = [&](double wrong, double unit) {
     largest = std::max(largest, std::abs(wrong) / unit);
     return std::clamp(share * wrong, -most * unit, most * unit);
   };
   auto one_sided = [&](double gap, double unit) { return gap < 0 ? part(gap, unit) : gap; };
-  for (Index k = 0, in_boxes = 0; k < slots; ++k) {
-    const ActiveConstraint& x = slot(k);
+  for (Index k = 0, in_boxes = 0; k < constraint_count; ++k) {
+    const ActiveConstraint& x = constraint(k);
     const ConstraintInstance<double>& s = *x.s;
     for (Index r = 0; r < s.rows; ++r) {
       const Index i = s.first + r;
@@ -100,11 +100,11 @@ bool Island::correct() {
       if (x.kind == RowKind::Equality && !(s.c.stiffness > 0 || s.c.damping > 0)) {
         wrong = part(s.error[r] + ahead * c[i], is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box && s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) {
-        wrong = one_sided(s.error[0] + ahead * c[i] + w.closed, is_angle(x, r) ? 1 : w.length);
+        wrong = one_sided(s.error[0] + ahead * c[i] + w.closed_gap, is_angle(x, r) ? 1 : w.length);
       } else if (x.kind == RowKind::Box) {
         lower[in_boxes] = upper[in_boxes] = 0;
       } else if (x.kind == RowKind::Contact && r == normal_row(s.rows)) {
-        const double gap = w.contacts[x.index].contact.distance + ahead * c[i] + w.closed + moved * std::max(0.0, -s.rate[r]);
+        const double gap = w.contacts[x.index].contact.distance + ahead * c[i] + w.closed_gap + moved * std::max(0.0, -s.rate[r]);
         wrong = is_soft(w.laws[x.index].material) ? std::max(gap, most * w.length) : one_sided(gap, w.length);
       }
       g[i] = compliance[i] = 0, bias[i] = wrong;
@@ -112,8 +112,8 @@ bool Island::correct() {
     in_boxes += x.kind == RowKind::Box;
   }
   if (!(largest > slop)) return false;
-  if (large() || equalities == 0) sweep_apart();
-  else displace(), add(by_dof);
+  if (large() || equalities == 0) gauss_seidel_frictionless();
+  else solve_displacement(), scatter_all(by_dof);
   return true;
 }
 
@@ -122,28 +122,28 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
   bool corrected = false, pushed = false;
   Index islands = 0, rows = 0;
   for (Index k = 0; k < slots; ++k) rows += w.active[k].s->rows;
-  for_each_island(w, slots, [&](Index begin, Index end) { ++islands, pushed |= !leave_idle(m, d, begin, end); });
+  for_each_island(w, slots, [&](Index begin, Index end) { ++islands, pushed |= !skip_idle(m, d, begin, end); });
   w.report.islands = std::max(w.report.islands, islands), w.report.rows = std::max(w.report.rows, rows);
   w.report.contacts = std::max(w.report.contacts, w.contact_count);
   if (!pushed) return false;
 
   v_before = d.expand(m, v_before, d.ax);
   double *impulse = d.constraint_step, *displacement = d.constraint_ddq;
-  for_each_pushed(m, d, [&](Index v, Index v_end) { std::fill(impulse + v, impulse + v_end, 0.0), std::fill(displacement + v, displacement + v_end, 0.0); });
+  for_each_impulse_range(m, d, [&](Index v, Index v_end) { std::fill(impulse + v, impulse + v_end, 0.0), std::fill(displacement + v, displacement + v_end, 0.0); });
   for_each_island(w, slots, [&](Index begin, Index end) {
     if (w.active[w.order[begin]].idle) return;
     Island island{m, d, w, w.order + begin, end - begin, h, v_before};
-    island.number(), island.fill();
+    island.assign_rows(), island.fill();
     dynContactReport report{};
     island.by_dof = impulse, island.impulses(report);
-    if (w.ledger.open) enter_rows(island);
+    if (w.ledger.open) record_impulses(island);
     island.by_dof = displacement, corrected |= island.correct();
     w.report.iterations += report.iterations + report.newton_steps;
     w.report.residual = std::max(w.report.residual, report.residual), w.report.unsolved += report.residual > w.options.tolerance;
   });
   if (corrected)
-    with_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { std::fill(dq + t.v, dq + t.v_end, 0.0); }); });
-  for_each_pushed(m, d, [&](Index first, Index end) {
+    with_active_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { std::fill(dq + t.v, dq + t.v_end, 0.0); }); });
+  for_each_impulse_range(m, d, [&](Index first, Index end) {
     scatter(m, d, impulse, first, end);
     for (Index k = first; k < end; ++k) v[k] += impulse[k];
     if (!corrected) return;

@@ -13,7 +13,7 @@
 namespace dyn::simulation {
 
 // Whether steps of this data may meet rows at all.
-inline bool has_rows(const Model& m, const Data<double>& d) {
+inline bool has_constraints(const Model& m, const Data<double>& d) {
   if ((m.n.contacts > 0 && d.step->pair_count != 0) || (d.acting & DYN_EFFECT_LIMITS)) return true;
   for (Index k = 0; k < m.n.slots; ++k)
     if (d.slots[k].rows) return true;
@@ -40,7 +40,7 @@ inline Index body_of_dof(const Model& m, Index dof) {
 
 // Of the model's own length, or rad:
 inline constexpr double slop = 1e-9;         // what no correction is made for
-inline constexpr double limit_reach = 1e-4;  // limits this near count however slow the joint is
+inline constexpr double limit_margin = 1e-4;  // limits this near count however slow the joint is
 
 // Of a coordinate, or a velocity, that is an angle 1, else the model's own length.
 inline double unit_of(const Model& m, const Workspace& w, const LimitRecord& r) { return m.bodies()[r.body].type == BodyType::Prismatic ? w.length : 1; }
@@ -65,8 +65,8 @@ inline double slow_speed(const Data<double>& d, double h) {
 
 // What is farther apart does not meet within a step of h, whatever impulses there are; fast: speeds before. Where steps follow from an
 // accuracy they may be so short that all that is near would be far.
-inline constexpr double opens = 3;  // of w.closed: what was pressed in the step before opens later than it would close
-inline double within_reach(const Workspace& w, double h, double fast) { return w.closed > 0 ? opens * w.closed + 10 * h * fast : HUGE_VAL; }
+inline constexpr double reopen_factor = 3;  // of w.closed: what was pressed in the step before opens later than it would close
+inline double contact_margin(const Workspace& w, double h, double fast) { return w.closed_gap > 0 ? reopen_factor * w.closed_gap + 10 * h * fast : HUGE_VAL; }
 
 // After forward dynamics, with its free velocity v_free: contacts within reach of a step of h, limits, constraints. Answers how many slots
 // act; by islands in d.step->order, and contacts in d.step->contacts.
@@ -77,16 +77,16 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
 
 // steps of this file
 // contact_points.cpp; between: no two shapes are nearer, if positive
-Index find_contacts(const Model& m, Data<double>& d, double h, double& between);
+Index find_contacts(const Model& m, Data<double>& d, double h, double& min_distance);
 // contact_rows.cpp: what a contact is between, by which law; the rest of its slot
-void meet_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s);
+void init_contact(const Model& m, Data<double>& d, Index contact, double h, ConstraintInstance<double>& s);
 void assemble_contact(const Model& m, Data<double>& d, const ActiveConstraint& x);
 void order_by_islands(Data<double>& d, Index slots);                  // islands.cpp
 
 // What the rows of a slot leave at degrees of freedom.
-inline void carry(const Model& m, Data<double>& d, const ActiveConstraint& x) {
-  if (m.has_mimic) eliminate_constraint(m, d, *x.s, x.support, x.carried);
-  else propagate(m, d, *x.s, x.support, x.carried);
+inline void propagate_rows(const Model& m, Data<double>& d, const ActiveConstraint& x) {
+  if (m.has_mimic) eliminate_constraint(m, d, *x.s, x.support, x.Y);
+  else propagate(m, d, *x.s, x.support, x.Y);
 }
 
 // What a step's box of a shape is wider by.
@@ -94,28 +94,28 @@ double box_margin(const Workspace& w, const Data<double>& d, Index geom, double 
 
 // f(contact, the same one in the step before or nullptr), of those that are asked for.
 template <class Asked, class F>
-void with_before(Workspace& w, Asked&& asked, F&& f) {
+void for_each_with_previous(Workspace& w, Asked&& asked, F&& f) {
   using collision::comes_before;
   Index k = 0;
   for (Index i = 0; i < w.contact_count; ++i) {
     dynContactForce& x = w.contacts[i];
     if (!asked(x)) continue;
-    while (k < w.before_count && comes_before(w.before[k].contact, x.contact)) ++k;
-    f(x, k < w.before_count && !comes_before(x.contact, w.before[k].contact) ? w.before + k : nullptr);
+    while (k < w.previous_count && comes_before(w.previous[k].contact, x.contact)) ++k;
+    f(x, k < w.previous_count && !comes_before(x.contact, w.previous[k].contact) ? w.previous + k : nullptr);
   }
 }
 // What it exerted then.
-inline void take_over(dynContactForce& f, const dynContactForce* before) {
+inline void copy_force(dynContactForce& f, const dynContactForce* before) {
   for (int i = 0; i < 3; ++i) f.force_on_b[i] = before ? before->force_on_b[i] : 0, f.moment_on_b[i] = before ? before->moment_on_b[i] : 0;
 }
 
-inline bool presses(const dynContactForce& f) { return dot(load3(f.force_on_b), load3(f.force_on_b)) > 0; }
+inline bool is_active(const dynContactForce& f) { return dot(load3(f.force_on_b), load3(f.force_on_b)) > 0; }
 // Of a contact or a limit.
 inline double gap_of(const Workspace& w, const ActiveConstraint& x) { return x.kind == RowKind::Contact ? w.contacts[x.index].contact.distance : x.s->error[0]; }
 // How fast it becomes smaller; v: of all coordinates (Data::expand).
-double closing(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v);
+double approach_speed(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v);
 // Of contacts and limits of the last step, which met none of these, what a further displacement dq makes nearer than closed: to passed and late.
-void note_passed(const Model& m, Data<double>& d, const double* dq, double closed);
+void record_overshoot(const Model& m, Data<double>& d, const double* dq, double closed);
 
 // Velocity of the point of a body that is at x of the world; V: at the tree's root, else d.step->root_velocity.
 inline Vec3<double> velocity_at(const Data<double>& d, Index body, const Vec3<double>& x, const Motion<double>& V) {

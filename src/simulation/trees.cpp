@@ -16,9 +16,9 @@ Index list_trees(const Model& m, Trees* trees) {
   return count;
 }
 
-ChosenTrees choose(const Model& m, const TreeRoom& room, Index groups) {
+ChosenTrees choose(const Model& m, const TreeBuffers& room, Index groups) {
   ChosenTrees a{};
-  a.first_run = room.runs, a.first_chunk = room.chunks, a.first_span = room.spans, a.first_curved = room.curved, a.groups = room.groups, a.of_groups = groups;
+  a.first_run = room.runs, a.first_chunk = room.chunks, a.first_span = room.spans, a.first_curved = room.curved, a.groups = room.groups, a.group_count = groups;
   Index chunk = 0, span = 0, curved = 0;
   for (Index k = 0; k < groups; ++k) {
     const Trees& g = room.groups[k];

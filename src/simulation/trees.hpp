@@ -19,15 +19,15 @@ struct AllTrees : WholeModel {
 };
 struct ChosenTrees : SomeTrees {
   const Trees* groups;
-  Index of_groups;
+  Index group_count;
   template <class F>
   void for_each_group(const Model&, F&& f) const {
-    for (Index k = 0; k < of_groups; ++k) f(groups[k]);
+    for (Index k = 0; k < group_count; ++k) f(groups[k]);
   }
 };
 
 // Room for what chosen trees consist of.
-struct TreeRoom {
+struct TreeBuffers {
   JointRun* runs;
   CacheBlock* chunks;
   Trees* groups;
@@ -35,7 +35,7 @@ struct TreeRoom {
   Index* curved;
 };
 template <class F>
-void for_each_array(const Model& m, TreeRoom& r, F&& f) {
+void for_each_array(const Model& m, TreeBuffers& r, F&& f) {
   f(r.runs, m.n.runs), f(r.chunks, m.n.chunks + m.n.bodies), f(r.groups, m.n.bodies), f(r.spans, m.n.spans + m.n.bodies), f(r.curved, m.n.curved);
 }
 
@@ -43,7 +43,7 @@ void for_each_array(const Model& m, TreeRoom& r, F&& f) {
 Index list_trees(const Model& m, Trees* trees);
 
 // Those of `groups`, which are room.groups: neighbours together, ascending.
-ChosenTrees choose(const Model& m, const TreeRoom& room, Index groups);
+ChosenTrees choose(const Model& m, const TreeBuffers& room, Index groups);
 
 // The next tree becomes one of `groups`, of which there are so many.
 inline void append(const Trees& t, Trees* groups, Index& count) {

@@ -14,33 +14,33 @@ bool may_rest(const Model& m) { return m.n.contacts > 0 && !m.has_mimic; }
 
 template <class F>
 void for_each_array(const Model& m, Sleep& z, F&& f) {
-  f(z.number, m.n.bodies), f(z.trees, m.n.bodies), f(z.still, m.n.bodies), f(z.largest, m.n.bodies), f(z.steps, m.n.bodies), f(z.is, m.n.bodies), f(z.flags, m.n.bodies);
-  f(z.next, m.n.bodies), f(z.island, m.n.bodies), f(z.list, m.n.bodies), f(z.tau, m.n.nv), f(z.ctrl, m.n.nu);
-  for_each_array(m, z.room, f);
-  f(z.held, m.n.contacts);
+  f(z.number, m.n.bodies), f(z.trees, m.n.bodies), f(z.slow_time, m.n.bodies), f(z.max_force, m.n.bodies), f(z.rest_steps, m.n.bodies), f(z.state, m.n.bodies), f(z.flags, m.n.bodies);
+  f(z.next, m.n.bodies), f(z.island, m.n.bodies), f(z.awake_trees, m.n.bodies), f(z.tau, m.n.nv), f(z.ctrl, m.n.nu);
+  for_each_array(m, z.buffers, f);
+  f(z.sleeping_contacts, m.n.contacts);
 }
 
 template <class F>
 void for_each_array(const Model& m, FreeBodies& l, F&& f) {
   const std::ptrdiff_t count = m.n.curved;  // free flyers are among them: rooms follow from sizes alone (plan.cpp)
   if (count == 0) return;
-  f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.acting, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.pushed, count);
+  f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.active_sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.touched, count);
   f(l.number, m.n.bodies), f(l.trees, m.n.bodies);
-  for_each_array(m, l.room, f);
+  for_each_array(m, l.buffers, f);
 }
 
 template <class F>
 void for_each_array(const Model& m, Workspace& w, F&& f) {
   const std::ptrdiff_t slots = step_constraints(m), own = m.n.contacts + m.n.limits, carriers = m.n.carriers, room = padded_rows(island_rows(m));
   f(w.ledger.q, m.n.nq), f(w.ledger.tau, m.n.nv);
-  for_each_array(m, w.loose, f);
+  for_each_array(m, w.free_bodies, f);
   if (slots == 0) return;
   f(w.materials, m.n.geoms), f(w.speeds, geom_capacity(m)), f(w.centers, 4 * geom_capacity(m)), f(w.pairs, pair_capacity(m)), f(w.rows, pair_capacity(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_capacity(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
-  f(w.slots, own), f(w.support, own * carriers), f(w.carried, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
-  f(w.contacts, m.n.contacts), f(w.before, m.n.contacts), f(w.kept, m.n.contacts), f(w.laws, m.n.contacts);
+  f(w.instances, own), f(w.support, own * carriers), f(w.Y, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
+  f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * padded_rows(step_rows(m))), f(w.contact_rows, padded_rows(step_rows(m)));
   f(w.blocks, slots), f(w.by_dof, m.n.nv);
-  f(w.clearance.q, m.n.nq), f(w.clearance.lever, m.n.nv);
+  f(w.advancement_cache.q, m.n.nq), f(w.advancement_cache.lever, m.n.nv);
   const std::ptrdiff_t segments = segment_capacity(m), entries = Elimination::entry_capacity(segment_capacity(m));
   f(w.segments.of, m.n.nv), f(w.segments.first, segments + 1);
   w.elimination.arrays(m, Index(slots), f);
@@ -86,10 +86,10 @@ Workspace* place(const Model& m, void* memory) {
     next += rounded(std::size_t(n) * sizeof *array);
   });
   w.options = default_options(), w.length = own_length(m);
-  if (w.loose.sets) set_up_free_bodies(m, w.loose), list_free_bodies(m, w);
+  if (w.free_bodies.sets) set_up_free_bodies(m, w.free_bodies), list_free_bodies(m, w);
   if (step_constraints(m) == 0) return &w;
   find_segments(m, w.segments);
-  w.pair_count = -1, find_trees(m, w.tree_of), w.clearance.possible = has_clearance(m);
+  w.pair_count = -1, find_trees(m, w.tree_of), w.advancement_cache.enabled = can_cache_advancement(m);
   for (Index k = 0; k < m.n.geoms; ++k) w.materials[k] = m.materials()[m.shapes()[m.geoms()[k].shape].material];
   if (may_rest(m)) set_up_sleep(m, w);
   solver::place(w.solver, island_rows(m), w.solver_memory);

@@ -16,7 +16,7 @@ enum class RowKind : Index { Equality, Box, Contact };
 struct ActiveConstraint {
   ConstraintInstance<double>* s;
   Index* support;   // degrees of freedom that carry it, descending
-  double* carried;  // what its rows leave there (algorithm/constrained/delassus.hpp)
+  double* Y;  // J^T columns propagated to the root, row_lanes numbers a supporting dof (algorithm/constrained/delassus.hpp)
   RowKind kind;
   Index index;         // number of the contact, or -1
   Index tree1, tree2;  // islands are connected trees; -1: the world
@@ -53,7 +53,7 @@ struct NewtonConstraint {
   const Index* order;   // of its rows
   Index rows, unknowns;  // none: at a bound, or apart
   bool cone;
-  decltype(solver::ConeState::is) is;
+  decltype(solver::ConeState::mode) mode;
   double mu, across, lower, upper;
   double correction, corrected, relaxed;  // de Saxce's, held (interior.cpp): m/s in these units; what it last lacked, and the factor that was taken of that
   double unit[max_rows], speed[2];  // of impulses; of normal and other velocities of a cone
@@ -100,18 +100,18 @@ struct Workspace {
   bool (*expired)(const void*);  // null: the step has no deadline
   const void* clock;
   bool time_is_up() const { return expired && expired(clock); }
-  Index contact_count, before_count, kept_count;
-  double passed, late;     // since they were set to 0, at most: how far, m, rad, and how long, s, what was met had been nearer than closed
+  Index contact_count, previous_count, saved_count;
+  double overshoot, overshoot_time;     // since they were set to 0, at most: how far, m, rad, and how long, s, what was met had been nearer than closed
   double length;           // of the model (own_length): m, where others are rad
-  double pace;             // s: until two of the shapes found last have moved by their distance, or by a fifth of what the smaller reaches
-  double closed;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
-  int drifts;              // with closed: displacements since the step began
+  double time_to_pass;             // s: until two of the shapes found last have moved by their distance, or by a fifth of what the smaller reaches
+  double closed_gap;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
+  int drift_count;              // with closed: displacements since the step began
 
   Ledger ledger;
-  FreeBodies loose;
+  FreeBodies free_bodies;
 
   // the rest is there when something may act
-  Clearance clearance;
+  AdvancementCache advancement_cache;
   dynMaterial* materials;       // of collision shapes
   double *speeds, *centers;     // no point of theirs is faster; where they are, x, y and z of all by components, and how far they reach
   NearPair* pairs;              // that can ever meet,
@@ -125,12 +125,12 @@ struct Workspace {
   bool by_boxes;                // there are more than the list has room for: pairs are found by boxes (collision/pair_search.hpp)
   Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
   Motion<double>* root_velocity;  // of bodies: free, W at the tree's root
-  ConstraintInstance<double>* slots;          // of contacts and limits
+  ConstraintInstance<double>* instances;          // of contacts and limits
   Index* support;
-  double* carried;
+  double* Y;
   ActiveConstraint* active;
   Index* order;                 // the same by islands
-  dynContactForce *contacts, *before, *kept;  // of the last step, of the one before, and of that after which tries of a step begin
+  dynContactForce *contacts, *previous, *saved;  // of the last step, of the one before, and of that after which tries of a step begin
   ContactLaw* laws;
   double *vectors, *matrix;     // of an island's problem
   double* dense;                // what its rows leave at degrees of freedom side by side
@@ -164,37 +164,37 @@ void set_up_sleep(const Model& m, Workspace& w);  // sleep.cpp
 
 // f(trees that this step goes through)
 template <class F>
-decltype(auto) with_trees(const Data<double>& d, F&& f) {
-  return d.step && d.step->sleep.acts ? f(d.step->sleep.awake) : f(AllTrees{});
+decltype(auto) with_active_trees(const Data<double>& d, F&& f) {
+  return d.step && d.step->sleep.enabled ? f(d.step->sleep.awake) : f(AllTrees{});
 }
 // The same without those that fly by themselves in this step; part: otherwise.
 template <class Part, class F>
-decltype(auto) with_others(const Data<double>& d, const Part& part, F&& f) {
-  return d.step && d.step->loose.flying ? f(d.step->loose.others) : f(part);
+decltype(auto) with_unbatched_trees(const Data<double>& d, const Part& part, F&& f) {
+  return d.step && d.step->free_bodies.batched ? f(d.step->free_bodies.others) : f(part);
 }
 template <class F>
-decltype(auto) with_others(const Data<double>& d, F&& f) {
-  return with_trees(d, [&](const auto& part) { return with_others(d, part, f); });
+decltype(auto) with_unbatched_trees(const Data<double>& d, F&& f) {
+  return with_active_trees(d, [&](const auto& part) { return with_unbatched_trees(d, part, f); });
 }
 // f(first, end) of degrees of freedom that impulses may change.
 template <class F>
-void for_each_pushed(const Model& m, const Data<double>& d, F&& f) {
-  with_others(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { f(t.v, t.v_end); }); });
-  const FreeBodies& l = d.step->loose;
-  for (Index k = 0; l.flying && k < l.pushed_count; ++k) f(m.bodies()[l.pushed[k]].idx_v, m.bodies()[l.pushed[k]].idx_v + 6);
+void for_each_impulse_range(const Model& m, const Data<double>& d, F&& f) {
+  with_unbatched_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { f(t.v, t.v_end); }); });
+  const FreeBodies& l = d.step->free_bodies;
+  for (Index k = 0; l.batched && k < l.touched_count; ++k) f(m.bodies()[l.touched[k]].idx_v, m.bodies()[l.touched[k]].idx_v + 6);
 }
 // f(contact) of the last step, of what is awake and of what sleeps, in order.
 template <class F>
 void for_each_contact(const Workspace& w, F&& f) {
-  const dynContactForce *a = w.contacts, *const a_end = a + w.contact_count, *b = w.sleep.held, *const b_end = b + w.sleep.constrained_count;
+  const dynContactForce *a = w.contacts, *const a_end = a + w.contact_count, *b = w.sleep.sleeping_contacts, *const b_end = b + w.sleep.sleeping_contact_count;
   while (a != a_end || b != b_end) f(b == b_end || (a != a_end && collision::comes_before(a->contact, b->contact)) ? *a++ : *b++);
 }
 // Tries of a step begin alike.
-inline void keep_contacts(Workspace& w) { std::copy_n(w.contacts, w.contact_count, w.kept), w.kept_count = w.contact_count; }
-inline void take_contacts(Workspace& w) { std::copy_n(w.kept, w.kept_count, w.contacts), w.contact_count = w.kept_count; }
+inline void save_contacts(Workspace& w) { std::copy_n(w.contacts, w.contact_count, w.saved), w.saved_count = w.contact_count; }
+inline void restore_contacts(Workspace& w) { std::copy_n(w.saved, w.saved_count, w.contacts), w.contact_count = w.saved_count; }
 // What steps begin from may have changed.
-inline void disturb(Data<double>& d) {
-  if (d.step) d.step->sleep.known = false;
+inline void invalidate_sleep(Data<double>& d) {
+  if (d.step) d.step->sleep.inputs_known = false;
 }
 
 // Of a number by shapes that is read four at a time.

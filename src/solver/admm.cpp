@@ -5,11 +5,11 @@ namespace dyn::solver {
 namespace {
 
 // true: good enough.
-bool alternate(Workspace& w, Budget& b, Index steps) {
+bool admm_iterations(Workspace& w, Budget& b, Index steps) {
   Multipliers m(w, b);
   double tried = HUGE_VAL;  // error at which Newton's method was last tried
   for (Index k = 1; k <= steps && !b.spent(); ++k) {
-    if (!m.alternate()) return false;
+    if (!m.admm_step()) return false;
     if (!(m.error <= b.tolerance || (b.newton && m.error < 0.3 * tried) || k % 10 == 0)) continue;
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return true;
@@ -24,13 +24,13 @@ bool alternate(Workspace& w, Budget& b, Index steps) {
 void admm(Workspace& w, Budget& b) {
   if (start(w, b)) return;
   if (!b.newton) {
-    alternate(w, b, b.max_iterations);
+    admm_iterations(w, b, b.max_iterations);
     return;
   }
   // where they get nowhere, the other method from another start
   double factor = 1;
   for (Index steps = 10; steps < 10000 && !b.spent(); steps *= 3, factor *= 0.1)
-    if (alternate(w, b, steps) || interior(w, b, factor)) return;
+    if (admm_iterations(w, b, steps) || interior(w, b, factor)) return;
 }
 
 }  // namespace dyn::solver

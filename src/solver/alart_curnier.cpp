@@ -12,12 +12,12 @@ constexpr double proximal = 1e-11;
 constexpr double min_damping = 1e-8, first_damping = 1e-3, max_damping = 1;
 constexpr double min_step = 0.1;
 constexpr double near = 1e3;  // tolerances: of errors, those of which projections may be solutions
-constexpr Index max_steps = 20, patient_steps = 30, memory = 12;
+constexpr Index max_steps = 20, max_damped_steps = 30, memory = 12;
 
 class Newton {
  public:
   Newton(Workspace& w, Budget& b) : w(w), p(w.problem), b(b) {}
-  bool run(const double* y, const double* c, bool patient);
+  bool run(const double* y, const double* c, bool damped_steps);
 
  private:
   Workspace& w;
@@ -35,9 +35,9 @@ class Newton {
     Index row = free_boxes, unknown = free_boxes;
     for (Index k = 0; k < p.cones; ++k) {
       const Cone& cone = p.cone[k];
-      if (w.state[k].is == ConeState::apart) continue;
+      if (w.state[k].mode == ConeState::open) continue;
       f(cone, w.state[k], row, unknown);
-      row += cone.size, unknown += cone.size - (w.state[k].is == ConeState::slides);
+      row += cone.size, unknown += cone.size - (w.state[k].mode == ConeState::slip);
     }
   }
   void rotate(const Cone& cone, const ConeState& s, Index row);
@@ -81,12 +81,12 @@ void Newton::states() {
     for (Index i = 0; i < size; ++i) a[i] = y[t + i] - c[t + i];
     const double length = norm(a, size);
     s.normal = y[cone.row] - c[cone.row];
-    s.is = s.normal <= 0 ? ConeState::apart : length <= cone.mu * s.normal ? ConeState::stuck : ConeState::slides;
-    for (Index i = 0; i < cone.size; ++i) step[i] = s.is == ConeState::apart ? -y[cone.row + i] : 0.0;
-    if (s.is == ConeState::apart) continue;
+    s.mode = s.normal <= 0 ? ConeState::open : length <= cone.mu * s.normal ? ConeState::stick : ConeState::slip;
+    for (Index i = 0; i < cone.size; ++i) step[i] = s.mode == ConeState::open ? -y[cone.row + i] : 0.0;
+    if (s.mode == ConeState::open) continue;
     for (Index i = 0; i < cone.size; ++i) w.rows[active++] = cone.row + i;
-    m += cone.size - (s.is == ConeState::slides);
-    if (s.is == ConeState::stuck) continue;
+    m += cone.size - (s.mode == ConeState::slip);
+    if (s.mode == ConeState::stick) continue;
     symmetric = false;
     s.across = cone.mu * s.normal / length;
     basis(a, size, s.direction);
@@ -119,8 +119,8 @@ void Newton::compress() {
   for (Index i = 0; i < free_boxes; ++i) keep[i] = i;
   each_active_cone([&](const Cone& cone, const ConeState& s, Index row, Index) {
     for (Index i = 0; i < cone.size; ++i)
-      if (i != 1 || s.is == ConeState::stuck) keep[kept++] = row + i;
-    if (s.is == ConeState::stuck) return;
+      if (i != 1 || s.mode == ConeState::stick) keep[kept++] = row + i;
+    if (s.mode == ConeState::stick) return;
     axpy(cone.mu, B.column(row + 1), B.column(row), active);
     for (Index i = 2; i < cone.size; ++i) B(row + i, row + i) += 1 / s.across - 1;
   });
@@ -143,7 +143,7 @@ void Newton::matrix() {
   }
   if (symmetric) return;
   each_active_cone([&](const Cone& cone, const ConeState& s, Index row, Index) {
-    if (s.is == ConeState::slides) rotate(cone, s, row);
+    if (s.mode == ConeState::slip) rotate(cone, s, row);
   });
   compress();
 }
@@ -158,7 +158,7 @@ bool Newton::direction() {
   each_active_cone([&](const Cone& cone, const ConeState& s, Index, Index u) {
     const Index row = cone.row, size = cone.size - 1;
     x[u] = -e[row];
-    if (s.is == ConeState::stuck)
+    if (s.mode == ConeState::stick)
       for (Index i = 1; i <= size; ++i) x[u + i] = -e[row + i];
     else
       for (Index k = 1; k < size; ++k) {
@@ -179,7 +179,7 @@ bool Newton::direction() {
     double* step = w.step + cone.row;
     step[0] = x[u];
     for (Index l = 0; l < cone.size - 1; ++l) {
-      if (s.is == ConeState::stuck) {
+      if (s.mode == ConeState::stick) {
         step[1 + l] = x[u + 1 + l];
         continue;
       }
@@ -191,7 +191,7 @@ bool Newton::direction() {
   return true;
 }
 
-bool Newton::run(const double* y, const double* c, bool patient) {
+bool Newton::run(const double* y, const double* c, bool damped_steps) {
   const Index n = p.n;
   std::copy_n(y, n, w.newton), std::copy_n(c, n, w.newton_c);
   double errors[memory] = {error(w.newton, w.newton_c)};
@@ -202,7 +202,7 @@ bool Newton::run(const double* y, const double* c, bool patient) {
     times(p.G, w.t, w.newton_c, w.trial_c, n);
     return keep_best(w, b, w.trial, w.trial_c);
   };
-  for (Index k = 0; k < (patient ? patient_steps : max_steps) && !b.spent(); ++k) {
+  for (Index k = 0; k < (damped_steps ? max_damped_steps : max_steps) && !b.spent(); ++k) {
     ++b.newton_steps;
     if (!direction()) break;
     // the longest of the steps that makes the error smaller
@@ -214,7 +214,7 @@ bool Newton::run(const double* y, const double* c, bool patient) {
       if (next < most) break;
     }
     if (!(next < most)) {
-      if (!patient || damping >= max_damping) break;
+      if (!damped_steps || damping >= max_damping) break;
       damping = std::max(first_damping, 10 * damping), strayed = true;
       errors[(k + 1) % memory] = errors[k % memory];
       continue;
@@ -237,6 +237,6 @@ bool Newton::run(const double* y, const double* c, bool patient) {
 
 }  // namespace
 
-bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool patient) { return Newton(w, b).run(y, c, patient); }
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool damped_steps) { return Newton(w, b).run(y, c, damped_steps); }
 
 }  // namespace dyn::solver

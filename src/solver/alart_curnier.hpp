@@ -13,6 +13,6 @@ namespace dyn::solver {
 // Steps from y with c = G y + g as long as they make the error smaller; the best iterate goes to w.y. true: it is good enough.
 // patient, for starts that are not near: where no step does, it is damped, and from then on need but be smaller than one of the last twelve
 // (Grippo, Lampariello and Lucidi 1986).
-bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool patient = false);
+bool alart_curnier(Workspace& w, Budget& b, const double* y, const double* c, bool damped_steps = false);
 
 }  // namespace dyn::solver

@@ -41,7 +41,7 @@ inline bool keep_best(Workspace& w, Budget& b, const double* y, const double* c)
     exact_velocity(p, y, w.exact);
     r = residual(p, y, own = w.exact).residual;
   }
-  if (!(r < b.best) || drowns(p, y)) return false;
+  if (!(r < b.best) || is_lost_to_round_off(p, y)) return false;
   b.best = r;
   std::copy_n(y, p.n, w.y), std::copy_n(own, p.n, w.c);
   if (r <= b.tolerance) b.status = DYN_CONTACT_STATUS_CONVERGED;

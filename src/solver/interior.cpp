@@ -22,12 +22,12 @@ class Interior {
   double *y, *U, *upper, *c;  // U of boxes: z_l; upper: z_u
   double *dy, *dU, *dupper, *dc;
 
-  double stop(double regularisation);
+  double stopping_impulse(double regularisation);
   bool begin(double factor);
   double complementarity() const;
   bool factorize();
   void direction(double sigma);
-  double longest() const;
+  double max_step_to_boundary() const;
   double scaling(const Cone& cone, double* v) const;
   // Where it slides: c_t / |c_t|; and x_t along that, by which de Saxce's correction grows
   void slip(const Cone& cone, double* u) const {
@@ -42,7 +42,7 @@ class Interior {
 };
 
 // (G + regularisation) y = -g. Returns the size of y; infinite: singular.
-double Interior::stop(double regularisation) {
+double Interior::stopping_impulse(double regularisation) {
   w.factor.ld = p.G.ld;
   std::copy_n(p.G.x, std::ptrdiff_t(p.G.ld) * p.n, w.factor.x);
   for (Index i = 0; i < p.n; ++i) w.factor(i, i) += regularisation, y[i] = -p.g[i];
@@ -57,9 +57,9 @@ double Interior::stop(double regularisation) {
 // On the cones' axes, with the sizes of the impulses that stop everything, or nearly, where rows are redundant and contradict one another.
 bool Interior::begin(double factor) {
   constexpr double exactly = 1e-10, nearly = 1e-4;  // relative to the unit diagonal
-  double speed = 0, impulse = stop(exactly);
+  double speed = 0, impulse = stopping_impulse(exactly);
   for (Index i = 0; i < p.n; ++i) speed = std::max(speed, std::fabs(p.g[i]));
-  if (exactly * impulse > 1e-3 * speed) impulse = stop(nearly);
+  if (exactly * impulse > 1e-3 * speed) impulse = stopping_impulse(nearly);
   if (!std::isfinite(impulse)) return false;
   impulse = factor * std::max(impulse, speed);
   for (Index i = 0; i < p.boxes; ++i) {
@@ -160,7 +160,7 @@ void Interior::direction(double sigma) {
 }
 
 // The step to the boundary.
-double Interior::longest() const {
+double Interior::max_step_to_boundary() const {
   double t = HUGE_VAL;
   const auto limit = [&](double a, double d) { t = d < 0 ? std::min(t, -a / d) : t; };
   for (Index i = 0; i < p.boxes; ++i) {
@@ -185,9 +185,9 @@ bool Interior::run(double factor) {
     if (!factorize()) return false;
     const double sigma = complementarity();
     direction(0);
-    const double left = 1 - std::min(1.0, longest());  // how much of sigma a step aiming at 0 would leave (Mehrotra 1992)
+    const double left = 1 - std::min(1.0, max_step_to_boundary());  // how much of sigma a step aiming at 0 would leave (Mehrotra 1992)
     direction(sigma * std::max(min_centring, left * left * left));
-    const double t = std::min(1.0, to_boundary * longest());
+    const double t = std::min(1.0, to_boundary * max_step_to_boundary());
     if (!(t > 0)) return false;
     axpy(t, dy, y, p.n), axpy(t, dU, U, p.n), axpy(t, dupper, upper, p.boxes);
     short_steps = t < 0.1 ? short_steps + 1 : 0;

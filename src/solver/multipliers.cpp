@@ -42,7 +42,7 @@ void Multipliers::correct() {
   for (Index k = 0; k < p.cones; ++k) s[p.cone[k].row] = de_saxce(p.cone[k].mu, p.cone[k].size, z + p.cone[k].row);
 }
 
-bool Multipliers::alternate() {
+bool Multipliers::admm_step() {
   const Index n = p.n;
   const double alpha = b.relaxation > 0 ? b.relaxation : relaxation;
   if (factor_rho != rho) {
@@ -105,7 +105,7 @@ bool Multipliers::hessian(double damping) {
   return cholesky(w.factor, p.n);
 }
 
-bool Multipliers::jointly(Index max_steps) {
+bool Multipliers::augmented_lagrangian_step(Index max_steps) {
   const Index n = p.n;
   double* c = w.newton_c;
   const auto size = [&](const double* e) {

@@ -18,8 +18,8 @@ class Multipliers {
   Multipliers(Workspace& w, Budget& b);
 
   // false: not to be factorised
-  bool alternate();
-  bool jointly(Index max_steps);
+  bool admm_step();
+  bool augmented_lagrangian_step(Index max_steps);
 
   double error = HUGE_VAL;   // |x - y| and rho |change of y|, the larger one, as velocities
   double rho = 0.1, joint_rho = 1;

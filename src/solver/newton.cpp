@@ -5,15 +5,15 @@ namespace dyn::solver {
 namespace {
 
 // true: good enough.
-bool jointly(Workspace& w, Budget& b, Index steps) {
+bool augmented_lagrangian(Workspace& w, Budget& b, Index steps) {
   Multipliers m(w, b);
   for (Index k = 0; k < steps && !b.spent(); ++k) {
-    if (!m.jointly(20)) return false;
+    if (!m.augmented_lagrangian_step(20)) return false;
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return true;
     if (b.newton && alart_curnier(w, b, m.y, w.newton_c)) return true;
     for (int i = 0; b.newton && i < 10 && !b.spent(); ++i)  // which follow the correction more closely
-      if (!m.alternate()) return false;
+      if (!m.admm_step()) return false;
   }
   return false;
 }
@@ -23,13 +23,13 @@ bool jointly(Workspace& w, Budget& b, Index steps) {
 void newton(Workspace& w, Budget& b) {
   if (start(w, b)) return;
   if (!b.newton) {
-    jointly(w, b, b.max_iterations);
+    augmented_lagrangian(w, b, b.max_iterations);
     return;
   }
   // where the path ends, the other method, and from another start
   double factor = 1;
   for (Index steps = 1; steps < 100 && !b.spent(); steps *= 2, factor *= 0.1)
-    if (interior(w, b, factor) || jointly(w, b, steps)) return;
+    if (interior(w, b, factor) || augmented_lagrangian(w, b, steps)) return;
 }
 
 }  // namespace dyn::solver

@@ -5,7 +5,7 @@ namespace dyn::solver {
 void report(const dynContactProblem& x, const Problem& p, const double* y, const double* c, dynContactReport& out) {
   const Worst worst = residual(p, y, c);
   out.worst = worst.row < 0 ? -1 : p.source[worst.row];
-  out.residual = drowns(p, y) ? HUGE_VAL : worst.residual > 0 ? worst.residual / p.speed : 0;
+  out.residual = is_lost_to_round_off(p, y) ? HUGE_VAL : worst.residual > 0 ? worst.residual / p.speed : 0;
   out.primal = out.dual = out.complementarity = out.natural_map = out.signorini = out.dissipation = out.energy = 0;
   const auto largest = [](double& a, double b) { a = std::max(a, b); };
   for (Index i = 0; i < p.boxes; ++i) {

@@ -7,11 +7,11 @@ namespace dyn::solver {
 
 // An impulse whose round-off, as that of the speed it makes, is no longer far below the speeds that are to change: y - c is then y, and y a fixed
 // point of whatever it is tested by.
-inline bool drowns(double impulse, double speed) { return 2.2e-16 * std::fabs(impulse) > 1e-4 * speed && speed > 0; }
-inline bool drowns(const Problem& p, const double* y) {
+inline bool is_lost_to_round_off(double impulse, double speed) { return 2.2e-16 * std::fabs(impulse) > 1e-4 * speed && speed > 0; }
+inline bool is_lost_to_round_off(const Problem& p, const double* y) {
   double most = 0;
   for (Index i = 0; i < p.n; ++i) most = std::max(most, std::fabs(y[i] * p.per_unit[i]));
-  return drowns(most, p.speed);
+  return is_lost_to_round_off(most, p.speed);
 }
 
 // |y - P_K(y - u)| of one cone, u = c + (mu |c_t|, 0), row by row into e.

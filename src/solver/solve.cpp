@@ -4,7 +4,7 @@ namespace dyn::solver {
 
 namespace {
 
-struct JointRun {
+struct Attempt {
   const dynContactProblem& x;
   Solver solver;
   Workspace& w;
@@ -14,7 +14,7 @@ struct JointRun {
   double free_speed();
   void operator()(double restitution);
   // The impulses do work, beyond what the tolerance leaves open; or there are none that give contacts such velocities.
-  bool refused() const {
+  bool is_refused() const {
     double size = 0, sum = 0;
     for (Index i = 0; i < w.problem.n; ++i) size += std::fabs(w.y[i] * w.free_g[i]), sum += std::fabs(w.y[i]);
     const double round_off = 2.2e-16 * sum * sum;  // of y'Gy: impulses without bound jam
@@ -23,7 +23,7 @@ struct JointRun {
 };
 
 // The largest velocity without impulses, or with those that boxes force.
-double JointRun::free_speed() {
+double Attempt::free_speed() {
   const Problem& p = w.problem;
   std::fill_n(w.x, p.n, 0.0);
   project(p, w.x, w.x);
@@ -34,7 +34,7 @@ double JointRun::free_speed() {
 }
 
 // From w.y to w.y, with restitution by a factor.
-void JointRun::operator()(double restitution) {
+void Attempt::operator()(double restitution) {
   Problem& p = w.problem;
   for (Index i = 0; i < p.n; ++i) p.g[i] = w.free_g[i] + restitution * p.approach[i];
   p.speed = free_speed();
@@ -68,7 +68,7 @@ void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, c
     std::fill_n(w.y, p.n, 0.0);
     project(p, w.y, w.y);
   }
-  JointRun run{x, solver, w, b, out};
+  Attempt run{x, solver, w, b, out};
   run(1);
   Index iterations = b.iterations, newton_steps = b.newton_steps;
   const auto again = [&](double factor) {
@@ -79,13 +79,13 @@ void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, c
     iterations += b.iterations, newton_steps += b.newton_steps;
   };
   const auto late = [&] { return b.status == DYN_CONTACT_STATUS_TIME_BUDGET; };  // what there is has to do
-  if (p.bounces && run.refused() && !late()) {
+  if (p.bounces && run.is_refused() && !late()) {
     b.warm = false;
     double low = 0, high = 1;
     while (high - low > 1e-2 && !late()) {
       const double factor = 0.5 * (low + high);
       again(factor);
-      (run.refused() ? high : low) = factor;
+      (run.is_refused() ? high : low) = factor;
     }
     if (!late()) again(low);
   }
@@ -97,7 +97,7 @@ void evaluate(const dynContactProblem& x, Workspace& w, const double* lambda, dy
   Problem& p = w.problem;
   scale(x, p);
   Budget b;
-  JointRun run{x, nullptr, w, b, out};
+  Attempt run{x, nullptr, w, b, out};
   for (Index i = 0; i < p.n; ++i) p.g[i] += p.approach[i], w.y[i] = lambda[p.source[i]] / p.d[i];
   p.speed = run.free_speed();
   exact_velocity(p, w.y, w.c);

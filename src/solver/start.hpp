@@ -10,7 +10,7 @@ namespace dyn::solver {
 
 // What touches sticks, of the best iterate. Where that can go on, so it should: normal forces of redundant contacts may be shared out so that it slides, too,
 // and sweeps may lead there, as of a box that a gripper holds.
-inline bool all_stick(const Workspace& w) {
+inline bool all_contacts_stick(const Workspace& w) {
   const Problem& p = w.problem;
   for (Index k = 0; k < p.cones; ++k) {
     const Cone& cone = p.cone[k];
@@ -28,10 +28,10 @@ inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
   if (!b.newton || !b.sweeps) return false;
   constexpr double close = 1e-3;
-  if (b.warm && (b.best < close * p.speed || all_stick(w)) && alart_curnier(w, b, w.y, w.c, true)) return true;
+  if (b.warm && (b.best < close * p.speed || all_contacts_stick(w)) && alart_curnier(w, b, w.y, w.c, true)) return true;
   prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
-  const auto go_on = [&] {
+  const auto refine = [&] {
     times(p.G, w.x, p.g, w.v, p.n);  // without what the updates have gathered
     return keep_best(w, b, w.x, w.v) || alart_curnier(w, b, w.x, w.v, true);
   };
@@ -43,10 +43,10 @@ inline bool start(Workspace& w, Budget& b) {
     const double before = error;
     error = residual(p, w.x, w.v).residual;
     ++b.iterations;
-    if (k == 1 && b.warm && go_on()) return true;
+    if (k == 1 && b.warm && refine()) return true;
     going = error > b.tolerance && (k < 2 || error < fast * before);
   }
-  return go_on();
+  return refine();
 }
 
 }  // namespace dyn::solver

@@ -7,7 +7,7 @@ namespace dyn::solver {
 
 // What a cone does in a Newton step.
 struct ConeState {
-  enum { apart, stuck, slides } is;
+  enum { open, stick, slip } mode;
   double direction[5][5];  // where it slides: along first, then across, orthonormal
   double normal, across;   // r and k of alart_curnier.hpp
 };
