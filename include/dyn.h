@@ -1083,370 +1083,462 @@ DYN_API dynStatus dyn_ik(const dynModel* model, dynData* data, const double* q, 
 
 /* -------------------------------------------------------------------------------------------- constraints */
 
-/* What ties bodies or joints together. A constraint lies in a slot of the data: the model's own in the first dyn_model_nconstraints(model)
-   slots, then spare ones (dynLoadOptions.constraint_slots, dyn_builder_set_constraint_slots) that a program sets as it goes: feet that
-   touch down, objects that are grasped. C(q) are the rows of the enabled ones in the order of their slots, J their Jacobian, lambda
-   the forces of the rows:
+/* Constraints between bodies or joints. A constraint lies in a slot of the data. The first
+   dyn_model_nconstraints(model) slots hold the model's own. Spare slots follow
+   (dynLoadOptions.constraint_slots, dyn_builder_set_constraint_slots): a program sets them as it goes, for
+   feet that touch down or objects that are grasped. C(q) are the rows of the enabled constraints in the order
+   of their slots, J their Jacobian, lambda the forces of the rows:
      M ddq + nle = tau + J' lambda        J ddq + drift = - stiffness C - damping J v
-   Constraints between frames: their rows are those of first as seen from second, axes of second's placement (the world's, when second
-   is the universe); lambda acts on first at its placement's origin, and the opposite on second. */
+   Rows between two frames are the motion of first relative to second, in axes of second's placement (the
+   world's axes, when second is the universe). lambda acts on first at its placement's origin. The opposite
+   acts on second. */
 typedef enum dynConstraintType {
-  DYN_CONSTRAINT_TYPE_NONE = 0,     /* an empty slot */
-  DYN_CONSTRAINT_TYPE_POINT = 1,    /* 3 rows: contact of a point of first */
-  DYN_CONSTRAINT_TYPE_FRAME = 2,    /* 6 rows: contact of a face of first, [linear; angular] */
-  DYN_CONSTRAINT_TYPE_CONNECT = 3,  /* 3 rows: two points of two bodies are one */
-  DYN_CONSTRAINT_TYPE_WELD = 4,     /* 6 rows: two frames are one */
-  DYN_CONSTRAINT_TYPE_DISTANCE = 5, /* 1 row: two points are length apart, as by a rod */
-  DYN_CONSTRAINT_TYPE_LOOP = 6,     /* 6 - nv rows: closed by a joint of joint_type, first as the child of second; linear rows, then angular ones */
-  DYN_CONSTRAINT_TYPE_COUPLING = 7, /* 1 row: q_first = c0 + c1 q_second + c2 q_second^2 + ..., joints of one coordinate */
-  DYN_CONSTRAINT_TYPE_LIMIT = 8,    /* 1 row: joint first stays within its limits; lambda >= 0 at the lower one, <= 0 at the upper one, else 0 */
-  DYN_CONSTRAINT_TYPE_FRICTION = 9  /* 1 row: dry friction in joint first: |lambda| <= force, as much of it as ddq = - damping v takes */
+  DYN_CONSTRAINT_TYPE_NONE = 0,     /* An empty slot. */
+  DYN_CONSTRAINT_TYPE_POINT = 1,    /* 3 rows: contact of a point of first. */
+  DYN_CONSTRAINT_TYPE_FRAME = 2,    /* 6 rows: contact of a face of first, [linear; angular]. */
+  DYN_CONSTRAINT_TYPE_CONNECT = 3,  /* 3 rows: two points of two bodies coincide. */
+  DYN_CONSTRAINT_TYPE_WELD = 4,     /* 6 rows: two frames coincide. */
+  DYN_CONSTRAINT_TYPE_DISTANCE = 5, /* 1 row: two points are length apart, as by a rod. */
+  /* 6 - nv rows, linear then angular: a joint of joint_type closes a loop, with first as the child of
+     second. */
+  DYN_CONSTRAINT_TYPE_LOOP = 6,
+  /* 1 row: q_first = c0 + c1 q_second + c2 q_second^2 + ..., for joints of one coordinate. */
+  DYN_CONSTRAINT_TYPE_COUPLING = 7,
+  /* 1 row: joint first stays within its limits; lambda >= 0 at the lower one, <= 0 at the upper one, else
+     0. */
+  DYN_CONSTRAINT_TYPE_LIMIT = 8,
+  /* 1 row: dry friction in joint first, |lambda| <= force, up to what ddq = - damping v takes. */
+  DYN_CONSTRAINT_TYPE_FRICTION = 9
 } dynConstraintType;
 
 typedef struct dynConstraint {
-  uint32_t struct_size;      /* set by dyn_constraint_init */
+  uint32_t struct_size;                  /* set by dyn_constraint_init */
   dynConstraintType type;
-  int32_t first, second;     /* frames (0: the universe); COUPLING, LIMIT, FRICTION: joints */
+  int32_t first, second;                 /* frames (0: the universe); COUPLING, LIMIT, FRICTION: joints */
   double placement1[12], placement2[12]; /* of the constraint in first and in second; default identity */
-  dynJointType joint_type;   /* LOOP: any simple joint but FIXED (that is WELD) and FREE_FLYER */
-  double axis[3], axis2[3];  /* LOOP: of the joint, in its placements; default z, x */
-  double pitch;              /* LOOP, helical: m/rad */
-  double length;             /* DISTANCE: m, > 0 */
-  double coefficients[5];    /* COUPLING: c0 .. c4; default q_first = q_second */
-  double force;              /* FRICTION: N m or N, >= 0 */
-  double stiffness, damping; /* Baumgarte gains, 1/s^2 and 1/s, >= 0; default 0: drift is left to dyn_project (FRICTION: damping 100) */
-  double restitution;        /* of impulses, 0 .. 1; default 0 */
-  int32_t enabled;           /* default 1 */
+  dynJointType joint_type;               /* LOOP: any simple joint, except FIXED (use WELD) and FREE_FLYER */
+  double axis[3], axis2[3];              /* LOOP: of the joint, in its placements; default z, x */
+  double pitch;                          /* LOOP, helical: m/rad */
+  double length;                         /* DISTANCE: m, > 0 */
+  double coefficients[5];                /* COUPLING: c0 .. c4; default q_first = q_second */
+  double force;                          /* FRICTION: N m or N, >= 0 */
+  /* Baumgarte gains, 1/s^2 and 1/s, >= 0. Default 0: dyn_project removes drift. FRICTION: damping 100. */
+  double stiffness, damping;
+  double restitution;                    /* of impulses, 0 .. 1; default 0 */
+  int32_t enabled;                       /* default 1 */
   int32_t reserved;
 } dynConstraint;
 DYN_API void dyn_constraint_init(dynConstraint* constraint, dynConstraintType type);
 
-/* In the builder first and second are names, of frames or of joints, and replace those of constraint (second NULL: the universe). */
-DYN_API dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* name, const dynConstraint* constraint, const char* first, const char* second);
+/* Adds a constraint to the builder. The names first and second, of frames or joints, replace the ids in
+   constraint. second NULL: the universe. */
+DYN_API dynStatus dyn_builder_add_constraint(dynBuilder* builder, const char* name,
+                                             const dynConstraint* constraint, const char* first,
+                                             const char* second);
 /* Spare slots of the model, 0 to 1000; default 8. */
 DYN_API dynStatus dyn_builder_set_constraint_slots(dynBuilder* builder, int slots);
-/* For how many contact points, 1 to 10^6, data of the model have room in a step: about 5 kB each (by rows and what carries them; dyn_model_plan
-   says exactly). Of more, the deepest count, and dynStepReport.dropped says how many did not. 0: 16 and 8 for each shape, or for each that moves where they are over 1,000. */
+/* Contact points that a step can hold, 1 to 10^6, at about 5 kB of data each (dyn_data_size gives the exact
+   bytes). Of more points the deepest count, and dynStepReport.dropped is the number left out. 0: 16 plus 8
+   for each shape; beyond 1,000 shapes 16 plus 8 for each shape that moves. */
 DYN_API dynStatus dyn_builder_set_contact_capacity(dynBuilder* builder, int contacts);
 DYN_API int dyn_model_contact_capacity(const dynModel* model);
 DYN_API int dyn_model_nconstraints(const dynModel* model);
-DYN_API int dyn_model_nconstraint_slots(const dynModel* model); /* nconstraints and the spare ones */
+DYN_API int dyn_model_nconstraint_slots(const dynModel* model); /* nconstraints plus the spare slots */
 DYN_API const char* dyn_model_constraint_name(const dynModel* model, int constraint);
 DYN_API int dyn_model_constraint_id(const dynModel* model, const char* name);
-/* A constraint of the model. constraint->struct_size says how much is written. */
+/* Describes a constraint of the model. */
 DYN_API dynStatus dyn_model_constraint_info(const dynModel* model, int constraint, dynConstraint* out);
 
-/* Slots of a data; all need part CONSTRAINTS. Results of constraints are stale after each change. Rows of all slots together are at most
-   those of the model's constraints and six for each spare slot (DYN_ERROR_LIMIT). NULL empties a slot. */
-DYN_API dynStatus dyn_data_set_constraint(const dynModel* model, dynData* data, int slot, const dynConstraint* constraint);
-DYN_API dynStatus dyn_data_constraint(const dynModel* model, dynData* data, int slot, dynConstraint* constraint);
-DYN_API dynStatus dyn_data_set_constraint_enabled(const dynModel* model, dynData* data, int slot, int enabled);
-/* Moves placement2 so that the constraint of a slot holds at q: a foot stays where it is. Includes placements. */
+/* Slots of a data. They need part CONSTRAINTS. Every change makes results of constraints stale. All slots
+   together have at most the rows of the model's constraints and six for each spare slot (DYN_ERROR_LIMIT).
+   NULL empties a slot. */
+DYN_API dynStatus dyn_data_set_constraint(const dynModel* model, dynData* data, int slot,
+                                          const dynConstraint* constraint);
+DYN_API dynStatus dyn_data_constraint(const dynModel* model, dynData* data, int slot,
+                                      dynConstraint* constraint);
+DYN_API dynStatus dyn_data_set_constraint_enabled(const dynModel* model, dynData* data, int slot,
+                                                  int enabled);
+/* Moves placement2 so that the constraint of a slot holds at q: a foot stays in place. Includes placements.
+   */
 DYN_API dynStatus dyn_data_anchor_constraint(const dynModel* model, dynData* data, int slot, const double* q);
-/* Number of rows of what is enabled; with slot >= 0 the first row and the rows of that slot (0 rows when it is empty or off). */
-DYN_API dynStatus dyn_data_constraint_rows(const dynModel* model, dynData* data, int slot, int* first, int* rows);
+/* Number of enabled rows. With slot >= 0: the first row of that slot and its rows (0 when it is empty or
+   off). */
+DYN_API dynStatus dyn_data_constraint_rows(const dynModel* model, dynData* data, int slot, int* first,
+                                           int* rows);
 
-/* C, J v and drift (the acceleration of the rows at ddq = 0), rows numbers each, and J, rows x nv. Includes placements. */
-DYN_API dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const double* q, const double* v, double* C, double* J, double* Jv, double* drift);
+/* C, J v and drift (the rows' acceleration at ddq = 0), rows numbers each; J, rows x nv. Includes placements.
+   */
+DYN_API dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const double* q, const double* v,
+                                       double* C, double* J, double* Jv, double* drift);
 
 typedef enum dynConstraintReason {
-  DYN_CONSTRAINT_REASON_CONVERGED = 0,              /* solved to the tolerance */
-  DYN_CONSTRAINT_REASON_CONTRADICTORY = 1,   /* no motion satisfies all rows: the least-squares one, each row weighted by the inverse of its Delassus entry */
-  DYN_CONSTRAINT_REASON_MAX_ITERATIONS = 2     /* max_iterations were not enough */
+  DYN_CONSTRAINT_REASON_CONVERGED = 0,     /* Solved to the tolerance. */
+  /* No motion satisfies all rows: the result is least-squares, each row weighted by its inverse Delassus
+     entry. */
+  DYN_CONSTRAINT_REASON_CONTRADICTORY = 1,
+  DYN_CONSTRAINT_REASON_MAX_ITERATIONS = 2 /* max_iterations were not enough. */
 } dynConstraintReason;
 
 typedef struct dynConstraintOptions {
-  uint32_t struct_size;      /* set by dyn_constraint_options_init */
-  int32_t max_iterations;    /* proximal iterations; default 100 */
-  double regularisation;     /* relative to each row's Delassus entry; 0, the default: none where the rows are independent, else 1e-9 */
-  double tolerance;          /* of the rows' residual, relative to what they ask for; default 1e-12 */
+  uint32_t struct_size;   /* set by dyn_constraint_options_init */
+  int32_t max_iterations; /* proximal iterations; default 100 */
+  /* relative to each row's Delassus entry; default 0: none for independent rows, else 1e-9 */
+  double regularisation;
+  double tolerance;       /* of the rows' residual, relative to their right-hand sides; default 1e-12 */
 } dynConstraintOptions;
 DYN_API void dyn_constraint_options_init(dynConstraintOptions* options);
 
 typedef struct dynConstraintResult {
   uint32_t struct_size;
   dynConstraintReason reason;
-  int32_t rows, rank;        /* rank of the rows that act */
+  int32_t rows, rank;    /* rank of the active rows */
   int32_t iterations;
-  double residual;           /* largest |J ddq + drift + stiffness C + damping J v| of the rows that act; of impulses, of their velocities */
-  double contradiction;      /* the part of it that no motion can remove */
-  double condition;          /* of the Delassus matrix with unit diagonal, of its independent rows: an estimate, from pivots */
-  double regularisation;     /* what was used */
+  /* largest |J ddq + drift + stiffness C + damping J v| of the active rows; for impulses of their
+     velocities */
+  double residual;
+  double contradiction;  /* the part of the residual that no motion can remove */
+  double condition; /* of the Delassus matrix with unit diagonal, independent rows: an estimate from pivots */
+  double regularisation; /* the value used */
 } dynConstraintResult;
 
-/* Constrained forward dynamics. ddq: nv; lambda: rows. Redundant rows are fine: lambda is then one of many (the least one in the
-   weighted norm), ddq the only one. Proximal iteration on a Delassus matrix that is factored once (Carpentier, Budhiraja, Mansard
-   2021), which comes from articulated inertias in a time that grows with the depth of what the constraints hold (Sathya, Carpentier
-   2024). Limits and friction: exact, by an active set. options NULL: the defaults; result may be NULL. Not to converge is no error:
-   see result->reason. Includes placements. */
-DYN_API dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
-                                           const double* fext, const dynConstraintOptions* options, double* ddq, double* lambda,
+/* Constrained forward dynamics. ddq: nv; lambda: rows. options NULL: defaults. result may be NULL. Redundant
+   rows are allowed: ddq is unique, and lambda is the least one in the weighted norm. Proximal iteration on a
+   Delassus matrix that is factored once (Carpentier, Budhiraja, Mansard 2021). The matrix comes from
+   articulated inertias, in a time that grows with the depth of the constrained bodies (Sathya, Carpentier
+   2024). Limits and friction are exact, by an active set. Missing convergence is no error: see
+   result->reason. Includes placements. */
+DYN_API dynStatus dyn_constrained_dynamics(const dynModel* model, dynData* data, const double* q,
+                                           const double* v, const double* tau, const double* fext,
+                                           const dynConstraintOptions* options, double* ddq, double* lambda,
                                            dynConstraintResult* result);
-/* tau and lambda for a given acceleration: of degrees of freedom that are not actuated (actuated[k] = 0; NULL: those of free flyers on
-   the world) tau is zero, and lambda, the least that holds them, in the least-squares sense when none does; the others get what is
-   left, tau = M a + nle - J' lambda - J' fext. residual of result: largest |tau| that is missing where nothing is actuated. */
-DYN_API dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data, const double* q, const double* v, const double* a,
-                                                   const double* fext, const int32_t* actuated, double* tau, double* lambda,
+/* tau (nv) and lambda (rows) for a given acceleration. actuated has nv numbers, 0: not actuated. NULL: all
+   but free flyers on the world are actuated. Where not actuated, tau is zero, and lambda is the least that
+   holds these degrees of freedom (least-squares when none does). The others get tau = M a + nle - J' lambda -
+   J' fext. result->residual is the largest |tau| missing where not actuated. */
+DYN_API dynStatus dyn_constrained_inverse_dynamics(const dynModel* model, dynData* data, const double* q,
+                                                   const double* v, const double* a, const double* fext,
+                                                   const int32_t* actuated, double* tau, double* lambda,
                                                    dynConstraintResult* result);
-/* Impact: J v_plus = - restitution J v, M (v_plus - v) = J' lambda. lambda: impulses. Limits take part when they are reached and approached. */
-DYN_API dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const double* q, const double* v, const dynConstraintOptions* options,
-                                         double* v_plus, double* lambda, dynConstraintResult* result);
+/* Impact: J v_plus = - restitution J v, M (v_plus - v) = J' lambda. v_plus: nv; lambda: impulses, rows. A
+   limit takes part when it is reached and approached. */
+DYN_API dynStatus dyn_constraint_impulse(const dynModel* model, dynData* data, const double* q,
+                                         const double* v, const dynConstraintOptions* options, double* v_plus,
+                                         double* lambda, dynConstraintResult* result);
 
 typedef struct dynProjectOptions {
-  uint32_t struct_size;      /* set by dyn_project_options_init */
-  int32_t max_iterations;    /* default 100 */
-  int32_t weigh;             /* 1, the default: steps are the least in kinetic energy; 0: the least in the norm of the coordinates */
-  double tolerance;          /* largest |C|; default 1e-12 */
+  uint32_t struct_size;   /* set by dyn_project_options_init */
+  int32_t max_iterations; /* default 100 */
+  int32_t weigh;          /* 1 (default): steps of least kinetic energy; 0: steps of least coordinate norm */
+  double tolerance;       /* largest |C|; default 1e-12 */
 } dynProjectOptions;
 DYN_API void dyn_project_options_init(dynProjectOptions* options);
-/* q, and v when v_out is not NULL, that satisfy the constraints, near those given: damped Gauss-Newton on the manifold. Where they
-   contradict each other, the least-squares q, and result->reason says so. From where no small step makes |C| less, as of a linkage stretched
-   flat, it goes on from beside it, twice, each time with max_iterations of its own. q_out: nq, v_out: nv. data is left at the solution. */
-DYN_API dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, const double* v, const dynProjectOptions* options, double* q_out,
-                              double* v_out, dynConstraintResult* result);
+/* Projects q, and v when v_out is not NULL, to the nearest values that satisfy the constraints: damped
+   Gauss-Newton on the manifold. q_out: nq; v_out: nv. Contradictory constraints give the least-squares q, and
+   result->reason says so. When no small step makes |C| less (a linkage stretched flat), it restarts from
+   beside, twice, with max_iterations each. data is left at the solution. */
+DYN_API dynStatus dyn_project(const dynModel* model, dynData* data, const double* q, const double* v,
+                              const dynProjectOptions* options, double* q_out, double* v_out,
+                              dynConstraintResult* result);
 
 /* The Delassus matrix G = J M^-1 J', in four forms. Dense: rows x rows. Includes placements. */
 DYN_API dynStatus dyn_delassus(const dynModel* model, dynData* data, const double* q, double* G);
-/* Factored: G = Y' diag(D) Y, Y nv x rows with the sparsity of the tree (row k of a constraint is zero unless degree of freedom k carries it), D nv. */
-DYN_API dynStatus dyn_delassus_factor(const dynModel* model, dynData* data, const double* q, double* Y, double* D);
-/* out = G x by the factors, G is not formed. */
-DYN_API dynStatus dyn_delassus_times(const dynModel* model, dynData* data, const double* q, const double* x, double* out);
-/* out = (G + mu 1)^-1 x, mu > 0; mu = 0 needs independent rows (DYN_ERROR_NUMERIC). */
-DYN_API dynStatus dyn_delassus_solve(const dynModel* model, dynData* data, const double* q, double mu, const double* x, double* out);
+/* Factored: G = Y' diag(D) Y. Y is nv x rows with the sparsity of the tree: row k of a constraint is zero
+   unless degree of freedom k moves it. D is nv. */
+DYN_API dynStatus dyn_delassus_factor(const dynModel* model, dynData* data, const double* q, double* Y,
+                                      double* D);
+/* out = G x by the factors, without forming G. */
+DYN_API dynStatus dyn_delassus_times(const dynModel* model, dynData* data, const double* q, const double* x,
+                                     double* out);
+/* out = (G + mu 1)^-1 x, mu > 0. mu = 0 needs independent rows (DYN_ERROR_NUMERIC). */
+DYN_API dynStatus dyn_delassus_solve(const dynModel* model, dynData* data, const double* q, double mu,
+                                     const double* x, double* out);
 
-/* Analytic derivatives of dyn_constrained_dynamics on the tangent space, with its result; any output may be NULL. ddq_...: nv x nv,
-   lambda_...: rows x nv. Of redundant rows lambda moves as the least-norm one does. Needs part CONSTRAINT_DERIVATIVES. */
+/* Analytic derivatives of dyn_constrained_dynamics on the tangent space. ddq_...: nv x nv; lambda_...: rows x
+   nv. Any output may be NULL. Of redundant rows lambda is the least-norm one. result as there. Needs part
+   CONSTRAINT_DERIVATIVES. */
 typedef struct dynConstraintDerivatives {
   uint32_t struct_size;
   double *ddq_dq, *ddq_dv, *ddq_dtau;
   double *lambda_dq, *lambda_dv, *lambda_dtau;
 } dynConstraintDerivatives;
-DYN_API dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* data, const double* q, const double* v, const double* tau,
-                                                       const double* fext, const dynConstraintOptions* options, const dynConstraintDerivatives* out,
+DYN_API dynStatus dyn_constrained_dynamics_derivatives(const dynModel* model, dynData* data, const double* q,
+                                                       const double* v, const double* tau, const double* fext,
+                                                       const dynConstraintOptions* options,
+                                                       const dynConstraintDerivatives* out,
                                                        dynConstraintResult* result);
-/* The same of dyn_constraint_impulse: v_plus in the place of ddq; the derivatives by tau are not written. */
-DYN_API dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynData* data, const double* q, const double* v,
-                                                     const dynConstraintOptions* options, const dynConstraintDerivatives* out, dynConstraintResult* result);
+/* The same for dyn_constraint_impulse: v_plus replaces ddq. Derivatives by tau are not written. */
+DYN_API dynStatus dyn_constraint_impulse_derivatives(const dynModel* model, dynData* data, const double* q,
+                                                     const double* v, const dynConstraintOptions* options,
+                                                     const dynConstraintDerivatives* out,
+                                                     dynConstraintResult* result);
 
-/* The doctor: what is wrong with the enabled constraints at q. */
+/* Constraint diagnostics: finds redundant and contradictory rows of the enabled constraints at q. */
 typedef enum dynRowVerdict {
-  DYN_ROW_VERDICT_INDEPENDENT = 0,
-  DYN_ROW_VERDICT_REDUNDANT = 1,     /* a combination of other rows, with which it agrees */
-  DYN_ROW_VERDICT_CONTRADICTORY = 2, /* a combination of other rows that asks for something else: no q nearby satisfies all of them */
-  DYN_ROW_VERDICT_IMMOBILE = 3       /* nothing that moves carries it */
+  DYN_ROW_VERDICT_INDEPENDENT = 0,   /* No combination of other rows gives this row. */
+  DYN_ROW_VERDICT_REDUNDANT = 1,     /* Other rows give this row and agree with it. */
+  DYN_ROW_VERDICT_CONTRADICTORY = 2, /* Other rows give this row but disagree: no q nearby satisfies all. */
+  DYN_ROW_VERDICT_IMMOBILE = 3       /* No moving body changes this row. */
 } dynRowVerdict;
 typedef struct dynRowReport {
-  int32_t slot, row;         /* row: within its constraint */
+  int32_t slot, row; /* row: within its constraint */
   dynRowVerdict verdict;
-  double share;              /* 0 .. 1: how much of the row is made up by others: the square of its part in the null space of J' */
-  double error;              /* C of the row */
+  double share; /* 0 .. 1: share of the row that others make up: its squared part in the null space of J' */
+  double error;      /* C of the row */
 } dynRowReport;
 typedef struct dynConstraintReport {
   uint32_t struct_size;
   int32_t rows, rank, redundant, contradictory;
-  double condition;          /* of the Delassus matrix with unit diagonal, of its independent rows: from its eigenvalues */
-  double smallest, largest;  /* its eigenvalues other than zero */
-  double error, contradiction; /* largest |C|, and of it what no small motion can remove */
+  double condition; /* of the Delassus matrix with unit diagonal, independent rows, from eigenvalues */
+  double smallest, largest;    /* its non-zero eigenvalues */
+  double error, contradiction; /* largest |C|, and the part of it that no small motion can remove */
 } dynConstraintReport;
-/* rows_out: room for `capacity` rows, NULL: none. Includes placements. */
-DYN_API dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const double* q, dynConstraintReport* report, dynRowReport* rows_out, int capacity);
+/* rows_out: room for `capacity` rows; NULL: none. Includes placements. */
+DYN_API dynStatus dyn_constraint_report(const dynModel* model, dynData* data, const double* q,
+                                        dynConstraintReport* report, dynRowReport* rows_out, int capacity);
 
 /* ---------------------------------------------------------------------------------------------- collision */
 
-/* Surfaces. TRIANGLES are the triangles themselves: the distance is the least signed distance of any of them, each a flat shape of its own.
-   Where a shape touches none but lies inside of a closed mesh, it penetrates: a sphere, by its centre, as deep as it is (also where
-   it touches); any other shape as deep as it lies below the plane of the nearest triangle, with unique = 0 and the residual between
-   that and the depth of its middle. Where triangles are crossed the depth is that of the deepest triangle, or pair of them: it parts these, and
-   others may still overlap. Two closed meshes that coincide touch. A HEIGHT_FIELD is solid from its surface to its bottom, made of a prism for each triangle: an overlap is
-   measured prism by prism, so that it is right while it is less deep than a cell is wide. */
+/* Surfaces. The distance to TRIANGLES is the least signed distance of any triangle, each a flat shape of its
+   own. A shape inside a closed mesh that touches no triangle penetrates it. A sphere is then as deep as its
+   centre says, also where it touches. Any other shape is as deep as it lies below the plane of the nearest
+   triangle. Then unique = 0, and residual is the difference between that depth and the depth of its middle.
+   Where triangles are crossed, the depth is that of the deepest triangle, or pair of triangles: separating
+   them may leave other overlaps. Two closed meshes that coincide touch. A HEIGHT_FIELD is solid from its
+   surface to its bottom, one prism for each triangle. Overlaps are measured prism by prism, right while less
+   deep than a cell is wide. */
 
-/* Distance between two shapes, signed: below zero they overlap, and it is minus the depth, the length of the shortest translation
-   that parts them (two half-spaces: minus infinity unless they face each other). Closed forms where there are any; else GJK (Gilbert et
-   al. 1988) and EPA (van den Bergen 2003), finished by Newton's method on the normal, and checked by the supporting planes: residual
-   bounds the error apart, and that of the depth along this normal. */
+/* Signed distance of two shapes. Below zero they overlap, and it is minus the depth: the length of the
+   shortest separating translation. Two half-spaces: minus infinity unless they face each other. Closed forms
+   where there are any, else GJK (Gilbert et al. 1988) and EPA (van den Bergen 2003), finished by Newton's
+   method on the normal. Supporting planes check the result: residual bounds the error, and for a depth the
+   error along this normal. */
 typedef enum dynDistanceStatus {
-  DYN_DISTANCE_STATUS_SEPARATED = 0,
-  DYN_DISTANCE_STATUS_TOUCHING = 1,        /* |distance| within 1e-9 of the size of the smaller shape */
-  DYN_DISTANCE_STATUS_PENETRATING = 2,
-  DYN_DISTANCE_STATUS_FAILED = 3  /* the residual is beyond 1e-6 of that size: the best there is */
+  DYN_DISTANCE_STATUS_SEPARATED = 0,   /* The shapes are apart. */
+  DYN_DISTANCE_STATUS_TOUCHING = 1,    /* |distance| is within 1e-9 of the size of the smaller shape. */
+  DYN_DISTANCE_STATUS_PENETRATING = 2, /* The shapes overlap. */
+  DYN_DISTANCE_STATUS_FAILED = 3       /* The residual is above 1e-6 of that size: the best result found. */
 } dynDistanceStatus;
 
 typedef enum dynDistanceMethod {
-  DYN_DISTANCE_METHOD_GJK = 0, /* libdyn's own, with its closed forms */
-  DYN_DISTANCE_METHOD_CCD = 1  /* libccd's GJK and EPA, of overlapping shapes without a closed form; for all others as above. It allocates. */
+  DYN_DISTANCE_METHOD_GJK = 0, /* libdyn's own GJK and EPA, with closed forms. */
+  /* libccd's GJK and EPA for overlapping shapes without a closed form, GJK for others; it allocates. */
+  DYN_DISTANCE_METHOD_CCD = 1
 } dynDistanceMethod;
 
 typedef struct dynDistance {
   uint32_t struct_size;
   dynDistanceStatus status;
-  int32_t unique;          /* 0: other points or another normal are as good, so that the distance has no gradient there */
+  int32_t unique;                /* 0: other points or normals are as good, so the distance has no gradient */
   int32_t iterations;
-  dynDistanceMethod method; /* that found this */
-  double distance;         /* m */
-  double residual;         /* m */
-  double normal[3];        /* unit, from A to B, world */
+  dynDistanceMethod method;      /* the method that found this */
+  double distance;               /* m */
+  double residual;               /* m */
+  double normal[3];              /* unit, from A to B, world */
   double point_a[3], point_b[3]; /* witness points, world: point_b - point_a = distance normal */
 } dynDistance;
 
-/* A shape by itself, at the origin of its frame and rounded by radius: points within that distance of it belong to it. */
+/* A shape by itself, at the origin of its frame. radius rounds it: points within that distance belong to it.
+   */
 typedef struct dynGeometry {
-  uint32_t struct_size;    /* set by dyn_geometry_init */
-  dynShapeType type;       /* any but MESH */
-  double size[3];          /* as in dynShapeInfo */
-  double radius;           /* m, >= 0; of rounding */
-  const dynMesh* surface;  /* as in dynShapeSpec */
+  uint32_t struct_size;   /* set by dyn_geometry_init */
+  dynShapeType type;      /* any but MESH */
+  double size[3];         /* as in dynShapeInfo */
+  double radius;          /* m, >= 0; of rounding */
+  const dynMesh* surface; /* as in dynShapeSpec */
 } dynGeometry;
 DYN_API void dyn_geometry_init(dynGeometry* geometry);
 
 typedef struct dynDistanceOptions {
-  uint32_t struct_size;     /* set by dyn_distance_options_init */
-  dynDistanceMethod method; /* asked first; default GJK. What it finds must hold, within 1e-6 of the size or the tolerance: else the other is asked. */
-  double tolerance;         /* of the distance, relative to the size of the smaller shape; default 1e-10 */
+  uint32_t struct_size; /* set by dyn_distance_options_init */
+  /* tried first; default GJK. The other one is tried when the residual is above 1e-6 of the size and above
+     the tolerance. */
+  dynDistanceMethod method;
+  double tolerance;     /* of the distance, relative to the size of the smaller shape; default 1e-10 */
 } dynDistanceOptions;
 DYN_API void dyn_distance_options_init(dynDistanceOptions* options);
-/* options may be NULL (the defaults). CCD needs the library libccd.so.2: DYN_ERROR_UNSUPPORTED without it. */
-DYN_API dynStatus dyn_geometry_distance(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
-                                     const dynDistanceOptions* options, dynDistance* out);
+/* options NULL: defaults. CCD needs the library libccd.so.2: otherwise DYN_ERROR_UNSUPPORTED. */
+DYN_API dynStatus dyn_geometry_distance(const dynGeometry* a, const double placement_a[12],
+                                        const dynGeometry* b, const double placement_b[12],
+                                        const dynDistanceOptions* options, dynDistance* out);
 
-/* Pairs of a robot's collision shapes: all but those of one body and of a body and its parent, which are never tested. The world is nobody's
-   parent, but a link that is fixed to it is the parent of what a joint of its own carries; joints that hang on one another without mass between
-   them, as those of one body of an MJCF, count as one. Of more than 1,000 shapes
-   only those are listed that are no ordinary ones: wanted (dyn_builder_add_pair), disabled, overlapping. The others are tested if their masks want it,
-   in steps and by dyn_contacts; functions that number pairs (dyn_distances, dyn_smooth_distances, dyn_collisions) are DYN_ERROR_LIMIT then. */
+/* Pairs of a robot's collision shapes. Never tested: pairs of one body, and of a body and its parent. The
+   world is nobody's parent, but a link fixed to the world is the parent of a joint's link on it. Joints on
+   one another without mass between them, as those of one body of an MJCF, count as one. A model of more than
+   1,000 shapes lists only some pairs: wanted (dyn_builder_add_pair), disabled and overlapping ones. Its other
+   pairs are tested, if their masks match, in steps and by dyn_contacts. Functions that number pairs
+   (dyn_distances, dyn_smooth_distances, dyn_collisions) then return DYN_ERROR_LIMIT. */
 typedef enum dynPairReason {
-  DYN_PAIR_REASON_TESTED = 0,
-  DYN_PAIR_REASON_OVERLAPS = 1,   /* the two overlap in the neutral configuration; not where one flies freely relative to the other */
-  DYN_PAIR_REASON_MESH = 2,       /* one of them is a mesh, of which only the file's name is known: see dynMeshUse */
-  DYN_PAIR_REASON_OFF = 3,        /* switched off in the data */
-  DYN_PAIR_REASON_DISABLED = 4,   /* the SRDF says so: see dyn_model_disabled_pair */
-  DYN_PAIR_REASON_MASK = 5        /* neither is in a group that the other collides with: contype of one & conaffinity of the other, MuJoCo's rule */
+  DYN_PAIR_REASON_TESTED = 0,   /* The pair is tested. */
+  /* The shapes overlap in the neutral configuration, and neither flies freely relative to the other. */
+  DYN_PAIR_REASON_OVERLAPS = 1,
+  DYN_PAIR_REASON_MESH = 2, /* A shape is a mesh of which only the file's name is known: see dynMeshUse. */
+  DYN_PAIR_REASON_OFF = 3,      /* The pair is switched off in the data. */
+  DYN_PAIR_REASON_DISABLED = 4, /* The SRDF disables the pair: see dyn_model_disabled_pair. */
+  /* Their groups do not collide: a pair is tested when contype of one & conaffinity of the other (MuJoCo's
+     rule). */
+  DYN_PAIR_REASON_MASK = 5
 } dynPairReason;
 DYN_API int dyn_model_npairs(const dynModel* model); /* -1 for an invalid handle */
-/* The shapes of a pair, shape_a < shape_b, and whether new data tests it; any output may be NULL. */
-DYN_API dynStatus dyn_model_pair(const dynModel* model, int pair, int* shape_a, int* shape_b, dynPairReason* reason);
-/* Switches a pair, or with -1 all pairs without meshes, on or off (DYN_ERROR_LIMIT where not all are listed). */
+/* The shapes of a pair, shape_a < shape_b, and whether new data tests it. Any output may be NULL. */
+DYN_API dynStatus dyn_model_pair(const dynModel* model, int pair, int* shape_a, int* shape_b,
+                                 dynPairReason* reason);
+/* Switches a pair on or off; pair -1: all pairs without meshes (DYN_ERROR_LIMIT where not all are listed). */
 DYN_API dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int tested);
 DYN_API dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, dynPairReason* reason);
 
-/* Groups of a collision shape in the data, or with -1 of all: those it is in, those it collides with. New data has the model's. Pairs that
-   have no group in common any more are not tested (DYN_PAIR_REASON_MASK), and those that were not for that reason alone are again; what
-   dyn_data_set_pair says afterwards counts. */
-DYN_API dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t contype, uint32_t conaffinity);
-DYN_API dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t* contype, uint32_t* conaffinity);
+/* Groups of a collision shape in the data (shape -1: of all shapes): contype, its own groups, and
+   conaffinity, the groups to collide with. New data has the model's. Pairs without a common group are not
+   tested (DYN_PAIR_REASON_MASK). Pairs untested for that reason alone are tested again. A later
+   dyn_data_set_pair overrides. */
+DYN_API dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t contype,
+                                           uint32_t conaffinity);
+DYN_API dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t* contype,
+                                       uint32_t* conaffinity);
 
-/* Distances of all pairs, npairs, infinite where a pair is not tested. Includes placements. Needs part COLLISION. */
+/* Distances of all pairs (m), npairs; infinite for an untested pair. Includes placements. Needs part
+   COLLISION. */
 DYN_API dynStatus dyn_distances(const dynModel* model, dynData* data, const double* q, double* distances);
-/* What was found of a pair. Needs dyn_distances of the current q. */
+/* The result for a pair. Needs dyn_distances of the current q. */
 DYN_API dynStatus dyn_pair_distance(const dynModel* model, dynData* data, int pair, dynDistance* out);
-/* Derivatives of all distances by q on the tangent space, npairs x nv; zero where a pair is not tested or its witness points are not
-   unique (dynDistance tells which). Needs dyn_distances of the current q. */
+/* Derivatives of all distances by q on the tangent space, npairs x nv. Zero for an untested pair, and where
+   witness points are not unique (dynDistance.unique). Needs dyn_distances of the current q. */
 DYN_API dynStatus dyn_distance_gradients(const dynModel* model, dynData* data, double* gradients);
-/* Pairs at a distance of at most margin (m, >= 0), in ascending order: at most capacity of them are written; count: how many there
-   are. Those whose bounding boxes are farther apart cost next to nothing. Includes placements. Needs part COLLISION. */
-DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin, int* pairs, int capacity, int* count);
+/* Pairs at a distance of at most margin (m, >= 0), ascending. At most capacity of them are written; *count is
+   the total. Pairs whose bounding boxes are farther apart cost almost nothing. Includes placements. Needs
+   part COLLISION. */
+DYN_API dynStatus dyn_collisions(const dynModel* model, dynData* data, const double* q, double margin,
+                                 int* pairs, int capacity, int* count);
 
 /* ----------------------------------------------------------------------------------------------- contacts */
 
-/* Contact points: where the faces, edges and caps that two shapes turn to each other overlap, seen along their common normal
-   (that of dyn_geometry_distance). Up to eight a pair at a distance of at most margin (m, >= 0): the deepest, and of more those that span the
-   largest area (Visvalingam and Whyatt 1993). A circular cap is taken as the octagon of eight points of its rim that turn with it, and
-   the deepest point. Two half-spaces have none. */
+/* Contact points: where the facing faces, edges and caps of two shapes overlap, seen along their common
+   normal (that of dyn_geometry_distance). A pair has up to eight points at a distance of at most margin (m,
+   >= 0). Of more, the deepest stays, and those that span the largest area (Visvalingam and Whyatt 1993). A
+   circular cap is the octagon of eight points that turn with it, plus the deepest point. Two half-spaces have
+   no points. */
 typedef struct dynContact {
-  int32_t pair;            /* of the robot's pairs, and its shapes; -1 between shapes by themselves, and where the pair is not listed */
-  int32_t shape_a, shape_b;
+  int32_t pair;             /* of the robot's; -1: shapes by themselves, or the pair is not listed */
+  int32_t shape_a, shape_b; /* of the robot's; -1: shapes by themselves */
   int32_t reserved;
-  uint64_t feature;        /* which corner, edge or inside of A (high 32 bits) and of B: the same contact has the same in the next step */
-  double distance;         /* m, along the normal; below zero: depth */
-  double position[3];      /* world, half way between the shapes: position -/+ distance / 2 normal lie on A and B */
-  double normal[3];        /* unit, from A to B, world */
+  /* corner, edge or inside of A (high 32 bits) and of B: the same contact has the same feature in the next
+     step */
+  uint64_t feature;
+  double distance;          /* m, along the normal; below zero: depth */
+  /* world, half way between the shapes: position -/+ distance / 2 normal lie on A and B */
+  double position[3];
+  double normal[3];         /* unit, from A to B, world */
 } dynContact;
-enum { DYN_MAX_CONTACTS_PER_PAIR = 8 };
-/* Of surfaces (TRIANGLES, HEIGHT_FIELD) the overlaps of all triangles that turn to the other shape, seen along the one normal of the nearest
-   point: triangles of one plane are taken together, of all points the corners of the convex hull and the deepest stay. Names in `feature` are
-   those of the mesh's vertices, by 2^16.
-   contacts: room for DYN_MAX_CONTACTS_PER_PAIR, written in ascending order of feature. tolerance: as in dyn_geometry_distance. */
-DYN_API dynStatus dyn_geometry_contacts(const dynGeometry* a, const double placement_a[12], const dynGeometry* b, const double placement_b[12],
-                                     double margin, double tolerance, dynContact* contacts, int* count);
-/* Of all tested pairs, ascending by shapes (which is by pair), then by feature: at most capacity of them are written; count: how many there are. Includes
-   placements. Needs part COLLISION. */
-DYN_API dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin, dynContact* contacts, int capacity, int* count);
+enum {
+  DYN_MAX_CONTACTS_PER_PAIR = 8 /* The most contact points of a pair. */
+};
+/* Contact points of two shapes. contacts: room for DYN_MAX_CONTACTS_PER_PAIR, ascending by feature.
+   tolerance: as in dyn_geometry_distance. For surfaces (TRIANGLES, HEIGHT_FIELD): overlaps of all triangles
+   that face the other shape, seen along the one normal of the nearest point. Triangles of one plane count
+   together. The corners of the points' convex hull and the deepest point stay. Features are then numbers of
+   the mesh's vertices, by 2^16. */
+DYN_API dynStatus dyn_geometry_contacts(const dynGeometry* a, const double placement_a[12],
+                                        const dynGeometry* b, const double placement_b[12], double margin,
+                                        double tolerance, dynContact* contacts, int* count);
+/* Contact points of all tested pairs, ascending by shapes (which is by pair), then by feature. At most
+   capacity of them are written; *count is the total. Includes placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, double margin,
+                               dynContact* contacts, int capacity, int* count);
 
-/* Distances of all pairs, and their gradients by q on the tangent space, without kinks where faces or edges lie along each other: the soft
-   minimum of the gaps g_i of the contact points, d = -s log sum exp(-g_i / s), with s = smoothing (m, > 0; Boyd and Vandenberghe 2004,
-   3.1.5): below the distance by at most s log 8. The gradient is exact where the features are parallel or one point counts alone; in
-   between its error is of the order of s over their size. distances: npairs, infinite where not tested; gradients: npairs x nv; points (npairs):
-   how many points count: 1: the plain distance, more: it is smoothed, 0: not tested. Any output may be NULL. Includes placements. Needs part
-   COLLISION. */
-DYN_API dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const double* q, double smoothing, double* distances, double* gradients,
-                                       int* points);
+/* Smooth distances of all pairs and their gradients by q, without kinks where faces or edges lie along each
+   other. A distance is the soft minimum of the gaps g_i of the contact points (Boyd and Vandenberghe 2004,
+   3.1.5):
+     d = -s log sum exp(-g_i / s), s = smoothing (m, > 0)
+   It lies at most s log 8 below the distance. The gradient, on the tangent space, is exact where the features
+   are parallel or one point counts alone. In between its error is of the order of s over their size.
+   distances: npairs, infinite for an untested pair. gradients: npairs x nv. points (npairs): how many points
+   count (1: the plain distance, more: smoothed, 0: untested). Any output may be NULL. Includes placements.
+   Needs part COLLISION. */
+DYN_API dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const double* q,
+                                       double smoothing, double* distances, double* gradients, int* points);
 
 /* ----------------------------------------------------------------------------------- rays, points, sweeps */
 
 /* The first point of a ray in a solid: origin + t direction, t >= 0 (0: the origin lies inside). */
 typedef struct dynRayHit {
   uint32_t struct_size;
-  int32_t shape;           /* of the robot's; -1: none is hit. Of a shape by itself: 0 */
-  double t;                /* in lengths of the direction; infinite: none is hit */
-  double position[3];      /* world */
-  double normal[3];        /* outward unit normal, world */
+  int32_t shape;      /* of the robot's; -1: no hit; 0 for a shape by itself */
+  double t;           /* in lengths of the direction; infinite: no hit */
+  double position[3]; /* world */
+  double normal[3];   /* outward unit normal, world */
 } dynRayHit;
-DYN_API dynStatus dyn_geometry_ray(const dynGeometry* shape, const double placement[12], const double origin[3], const double direction[3], dynRayHit* out);
+DYN_API dynStatus dyn_geometry_ray(const dynGeometry* shape, const double placement[12],
+                                   const double origin[3], const double direction[3], dynRayHit* out);
 
-/* n rays against the robot's collision shapes that are in a group of mask (contype & mask; 0xffffffff: all in any group), meshes left out.
-   origins and directions are 3 x n. t (n): as in dynRayHit, up to max_t (> 0, may be infinite); shapes (n), normals (3 x n, zero where nothing is
-   hit); any output may be NULL. Includes placements. Needs part COLLISION. */
-DYN_API dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins, const double* directions, int n,
-                           double max_t, uint32_t mask, double* t, int* shapes, double* normals);
+/* Casts n rays at the robot's collision shapes with contype & mask (0xffffffff: all in any group), without
+   meshes. origins, directions: 3 x n. t (n): as in dynRayHit, up to max_t (> 0, may be infinite). shapes: n.
+   normals: 3 x n, zero without a hit. Any output may be NULL. Includes placements. Needs part COLLISION. */
+DYN_API dynStatus dyn_rays(const dynModel* model, dynData* data, const double* q, const double* origins,
+                           const double* directions, int n, double max_t, uint32_t mask, double* t,
+                           int* shapes, double* normals);
 
-/* The point of a shape's surface that is closest to a point. Closed forms; for an ellipsoid Eberly 2013. */
+/* The point of a shape's surface closest to a given point. Closed forms; for an ellipsoid Eberly 2013. */
 typedef struct dynClosestPoint {
   uint32_t struct_size;
-  int32_t unique;          /* 0: another point is as near */
-  double distance;         /* m; below zero inside */
-  double point[3];         /* on the surface, world */
-  double normal[3];        /* outward unit normal there: the given point is point + distance normal */
+  int32_t unique;   /* 0: another point is as near */
+  double distance;  /* m; below zero inside */
+  double point[3];  /* on the surface, world */
+  double normal[3]; /* outward unit normal there: the given point is point + distance normal */
 } dynClosestPoint;
-DYN_API dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double placement[12], const double point[3], dynClosestPoint* out);
+DYN_API dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double placement[12],
+                                             const double point[3], dynClosestPoint* out);
 
-/* When two moving shapes meet: conservative advancement (Mirtich 1996), which no wall is too thin for. Motions are [velocity of the frame's
-   origin; angular velocity], world axes, m/s and rad/s, constant; NULL: at rest. A half-space must not turn. */
+/* Time of impact of two moving shapes, by conservative advancement (Mirtich 1996): no wall is too thin.
+   motion is [velocity of the frame's origin; angular velocity], world axes, m/s and rad/s, constant; NULL: at
+   rest. A half-space must not turn. duration: s. margin: m. */
 typedef enum dynSweepStatus {
-  DYN_SWEEP_STATUS_NONE = 0,      /* they stay farther apart than margin */
-  DYN_SWEEP_STATUS_HIT = 1,       /* at that time they are margin apart, to 1e-7 of the size of the smaller one (or less from the start: time 0) */
-  DYN_SWEEP_STATUS_UNDECIDED = 2  /* they do not meet before that time; later was not looked at: they keep close for a thousand steps */
+  DYN_SWEEP_STATUS_NONE = 0, /* The shapes stay farther apart than margin. */
+  /* At that time they are margin apart, to 1e-7 of the smaller size (time 0: they began closer). */
+  DYN_SWEEP_STATUS_HIT = 1,
+  /* They do not meet before that time; the search ended after a thousand steps close together. */
+  DYN_SWEEP_STATUS_UNDECIDED = 2
 } dynSweepStatus;
 typedef struct dynImpact {
   uint32_t struct_size;
   dynSweepStatus status;
-  double time;             /* s; NONE: the duration */
-  double distance;         /* m, at that time */
-  double normal[3];        /* unit, from A to B, world */
+  double time;                   /* s; NONE: the duration */
+  double distance;               /* m, at that time */
+  double normal[3];              /* unit, from A to B, world */
   double point_a[3], point_b[3]; /* witness points, world */
 } dynImpact;
-DYN_API dynStatus dyn_geometry_sweep(const dynGeometry* a, const double placement_a[12], const double motion_a[6], const dynGeometry* b,
-                                  const double placement_b[12], const double motion_b[6], double duration, double margin, dynImpact* out);
+DYN_API dynStatus dyn_geometry_sweep(const dynGeometry* a, const double placement_a[12],
+                                     const double motion_a[6], const dynGeometry* b,
+                                     const double placement_b[12], const double motion_b[6], double duration,
+                                     double margin, dynImpact* out);
 
 /* -------------------------------------------------------------------------------------------- broad phase */
 
-/* Which of many boxes overlap: a packed bounding-volume tree with eight children a node (Kamel and Faloutsos 1993) of boxes made larger by
-   margin, so that one that moves less costs a comparison; overlaps are kept from query to query, and only boxes that left theirs are
-   searched for again. No allocation after creation. One thread at a time. Boxes: lower <= upper, world, may be infinite. */
+/* Overlaps of many boxes: a packed bounding-volume tree with eight children a node (Kamel and Faloutsos
+   1993). Boxes are stored larger by margin, so that a box that moves less costs one comparison. Overlaps are
+   kept between queries, and only boxes that left their margin are searched again. No allocation after
+   creation. One thread at a time. Boxes have lower <= upper, in the world, and may be infinite. */
 typedef struct dynBroadPhase dynBroadPhase;
-/* capacity: room for boxes, up to 2^24; pair_capacity: for overlaps of the larger boxes, up to 2^30; margin: m, >= 0. */
-DYN_API dynStatus dyn_broad_phase_new(int capacity, int64_t pair_capacity, double margin, dynBroadPhase** broad_phase);
+/* capacity: boxes, up to 2^24. pair_capacity: overlaps of the larger boxes, up to 2^30. margin: m, >= 0. */
+DYN_API dynStatus dyn_broad_phase_new(int capacity, int64_t pair_capacity, double margin,
+                                      dynBroadPhase** broad_phase);
 DYN_API void dyn_broad_phase_free(dynBroadPhase* broad_phase); /* NULL is allowed */
-/* *id: the smallest number that is free. DYN_ERROR_LIMIT: full. */
-DYN_API dynStatus dyn_broad_phase_insert(dynBroadPhase* broad_phase, const double lower[3], const double upper[3], int* id);
-DYN_API dynStatus dyn_broad_phase_update(dynBroadPhase* broad_phase, int id, const double lower[3], const double upper[3]);
+/* *id is the smallest free number. Returns DYN_ERROR_LIMIT when full. */
+DYN_API dynStatus dyn_broad_phase_insert(dynBroadPhase* broad_phase, const double lower[3],
+                                         const double upper[3], int* id);
+DYN_API dynStatus dyn_broad_phase_update(dynBroadPhase* broad_phase, int id, const double lower[3],
+                                         const double upper[3]);
 DYN_API dynStatus dyn_broad_phase_remove(dynBroadPhase* broad_phase, int id);
-/* All pairs of boxes that overlap or touch, each smaller number first, in ascending order: at most capacity of them are written (2 numbers
-   each); count: how many there are. DYN_ERROR_LIMIT: more overlaps than pair_capacity. */
-DYN_API dynStatus dyn_broad_phase_pairs(dynBroadPhase* broad_phase, int* pairs, int64_t capacity, int64_t* count);
-/* Boxes that overlap a box, or that the ray origin + t direction meets at a t from 0 to max_t, in ascending order: at most capacity of them
-   are written; count: how many there are (when it is more than capacity, which of them is not said). */
-DYN_API dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double lower[3], const double upper[3], int* ids, int capacity, int* count);
-DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double origin[3], const double direction[3], double max_t, int* ids,
-                                      int capacity, int* count);
+/* All pairs of boxes that overlap or touch, smaller number first, ascending. At most capacity of them are
+   written (2 numbers each); *count is the total. Returns DYN_ERROR_LIMIT for more overlaps than
+   pair_capacity. */
+DYN_API dynStatus dyn_broad_phase_pairs(dynBroadPhase* broad_phase, int* pairs, int64_t capacity,
+                                        int64_t* count);
+/* Boxes that overlap a box, or that the ray origin + t direction meets at 0 <= t <= max_t, ascending. At most
+   capacity of them are written; *count is the total. Beyond capacity any of them may be the written ones. */
+DYN_API dynStatus dyn_broad_phase_query(dynBroadPhase* broad_phase, const double lower[3],
+                                        const double upper[3], int* ids, int capacity, int* count);
+DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double origin[3],
+                                      const double direction[3], double max_t, int* ids, int capacity,
+                                      int* count);
 
 /* ------------------------------------------------------------------------------------ the contact problem */
 
