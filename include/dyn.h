@@ -1542,66 +1542,84 @@ DYN_API dynStatus dyn_broad_phase_ray(dynBroadPhase* broad_phase, const double o
 
 /* ------------------------------------------------------------------------------------ the contact problem */
 
-/* Contact with friction on a given Delassus matrix, no model needed: find impulses lambda and velocities c with
-     c = (G + diag(compliance)) lambda + g + bias                              rows: equalities, then boxes, then contacts
+/* Contact with friction on a given Delassus matrix, without a model. Finds impulses lambda and velocities c:
+     c = (G + diag(compliance)) lambda + g + bias          rows: equalities, then boxes, then contacts
      equality   c = 0
-     box        lower <= lambda <= upper;  c = 0 between them, c >= 0 at lower, c <= 0 at upper   (limits: 0, infinity; dry friction: -f dt, f dt)
-     contact    Signorini: 0 <= lambda_n _|_ c_n >= 0;  Coulomb: |lambda_t| <= mu lambda_n;  maximum dissipation: lambda_t = -mu lambda_n c_t / |c_t|
-                where it slides. The cone is exact (no pyramid), sticking is exact (no creep): K lambda _|_ c + (mu |c_t|, 0) in K* (de Saxce and Feng 1998).
-   Rows of a contact, in its own frame with z the normal that pushes it apart: 3: (t1, t2, n); 4: with torsion about n; 6: with rolling,
-   (t1, t2, n, r1, r2, torsion) = [linear; angular]; 1: n alone, no friction. Of 4 and 6 rows the cone is the ellipsoid
-     |lambda_t|^2 / friction^2 + |lambda_r|^2 / rolling^2 + lambda_torsion^2 / torsion^2 <= lambda_n^2    (torsion, rolling: m)
-   and a coefficient of 0 holds its rows at zero. Any consistent unit will do: impulses and velocities, or forces and accelerations.
-   Restitution e is Moreau's law: c_n + e min(0, v_minus_n) takes the place of c_n; all impacts at once (three equal balls, e = 1: -1/3, 2/3, 2/3).
-   That law can gain energy, when coefficients differ or with friction (Kane and Levinson 1985), or ask for velocities that no impulses give: where the
-   impulses' work lambda'(g + G lambda / 2) would be positive, or nothing comes near a solution, the coefficients are taken smaller, all by the factor
-   that the report gives (of some eight solves, each with max_iterations); with factor 0 impulses never do work. */
+     box        lower <= lambda <= upper;  c = 0 between them, c >= 0 at lower, c <= 0 at upper
+                (limits: 0, infinity; dry friction: -f dt, f dt)
+     contact    Signorini: 0 <= lambda_n _|_ c_n >= 0;  Coulomb: |lambda_t| <= mu lambda_n;
+                maximum dissipation: a sliding contact has lambda_t = -mu lambda_n c_t / |c_t|
+   The cone is exact (no pyramid). Sticking is exact (no creep): K lambda _|_ c + (mu |c_t|, 0) in K* (de
+   Saxce and Feng 1998).
+
+   A contact has rows in its own frame, with z the normal that pushes it apart:
+     1 row: n, no friction        3 rows: (t1, t2, n)        4 rows: and torsion about n
+     6 rows: and rolling, (t1, t2, n, r1, r2, torsion) = [linear; angular]
+   With 4 and 6 rows the cone is an ellipsoid (torsion, rolling: m):
+     |lambda_t|^2 / friction^2 + |lambda_r|^2 / rolling^2 + lambda_torsion^2 / torsion^2 <= lambda_n^2
+   A coefficient of 0 holds its rows at zero. Any consistent unit is right: impulses and velocities, or forces
+   and accelerations.
+
+   Restitution e is Moreau's law: c_n + e min(0, v_minus_n) replaces c_n. All impacts happen at once (three
+   equal balls, e = 1: -1/3, 2/3, 2/3). This law can gain energy, with friction or different coefficients
+   (Kane and Levinson 1985). It can also ask for velocities that no impulses produce. When the impulses' work
+   lambda'(g + G lambda / 2) would be positive, or nothing comes near a solution, all coefficients shrink by
+   one factor. The report gives it. Finding it takes some eight solves, each with max_iterations. With factor
+   0 impulses never do work. */
 typedef enum dynContactSolverType {
-  DYN_CONTACT_SOLVER_TYPE_PGS = 0,   /* projected Gauss-Seidel, each contact solved exactly: cheap sweeps, many where mass ratios or redundancy are large.
-                            The fastest in steps to tolerances of 1e-3 and more, which need no matrix */
-  DYN_CONTACT_SOLVER_TYPE_ADMM = 1,  /* proximal ADMM (Carpentier, Le Lidec and Montaut 2024), finished by Newton's method: robust; the default */
-  DYN_CONTACT_SOLVER_TYPE_NEWTON = 2 /* an interior point method, friction's law whole in its equations (Acary et al. 2024); finished likewise: extreme masses */
+  /* Projected Gauss-Seidel, each contact exact: cheap sweeps, many for large mass ratios or redundancy;
+     fastest in steps at tolerances from 1e-3, which need no matrix. */
+  DYN_CONTACT_SOLVER_TYPE_PGS = 0,
+  /* Proximal ADMM (Carpentier, Le Lidec and Montaut 2024), finished by Newton's method: robust, the
+     default. */
+  DYN_CONTACT_SOLVER_TYPE_ADMM = 1,
+  /* Interior points with the whole friction law in the equations (Acary et al. 2024), finished by Newton's
+     method: for extreme masses. */
+  DYN_CONTACT_SOLVER_TYPE_NEWTON = 2
 } dynContactSolverType;
 
 typedef struct dynContactProblem {
-  uint32_t struct_size;         /* set by dyn_contact_problem_init, which makes all else zero */
+  uint32_t struct_size;                       /* set by dyn_contact_problem_init, which zeroes the rest */
   int32_t equalities, boxes, contacts;
-  const int32_t* contact_rows;  /* contacts: 1, 3, 4 or 6 each; NULL: 3 */
-  const double* G;              /* rows x rows, symmetric to round-off, positive semi-definite */
-  int32_t G_stride;             /* from column to column; 0: rows */
+  const int32_t* contact_rows;                /* contacts: 1, 3, 4 or 6 each; NULL: 3 */
+  const double* G; /* rows x rows, symmetric to round-off, positive semi-definite */
+  int32_t G_stride;                           /* from column to column; 0: rows */
   int32_t reserved;
-  const double* g;              /* rows: free velocity */
-  const double *lower, *upper;  /* boxes: lower <= upper, may be infinite */
+  const double* g;                            /* rows: free velocity */
+  const double *lower, *upper;                /* boxes: lower <= upper, may be infinite */
   const double *friction, *torsion, *rolling; /* contacts, >= 0: 1, m, m; NULL: 0 */
-  const double* compliance;     /* rows, >= 0; NULL: 0, rigid (dyn_contact_compliance) */
-  const double* bias;           /* rows: added to the velocity that is asked for; NULL: 0 */
-  const double* restitution;    /* contacts, 0 to 1; NULL: 0 */
-  const double* v_minus;        /* rows: velocity before the impact; NULL: g. Its normal rows count, with restitution */
+  const double* compliance;                   /* rows, >= 0; NULL: 0, rigid (dyn_contact_compliance) */
+  const double* bias;                         /* rows: added to the requested velocity; NULL: 0 */
+  const double* restitution;                  /* contacts, 0 to 1; NULL: 0 */
+  const double* v_minus; /* rows: velocity before the impact, read in normal rows with restitution; NULL: g */
 } dynContactProblem;
 DYN_API void dyn_contact_problem_init(dynContactProblem* problem);
 
 typedef struct dynContactOptions {
-  uint32_t struct_size;          /* set by dyn_contact_options_init */
-  dynContactSolverType solver;   /* ADMM */
-  int32_t max_iterations;        /* 1000 */
-  int32_t warm_start;            /* 0; 1: lambda is a guess */
-  double tolerance;              /* 1e-10: of the report's residual */
-  double time_budget;            /* s, 0: none, and no clock is read */
-  double relaxation;             /* 0: the solver's own (pgs 1.1, admm 1.6); below 2 */
-  int32_t newton;                /* 1; 0: admm and newton are not finished by Newton's method on the whole problem */
+  uint32_t struct_size;        /* set by dyn_contact_options_init */
+  dynContactSolverType solver; /* default ADMM */
+  int32_t max_iterations;      /* default 1000 */
+  int32_t warm_start;          /* 1: lambda is a first guess; default 0 */
+  double tolerance;            /* of the report's residual; default 1e-10 */
+  double time_budget;          /* s; default 0: none, and no clock is read */
+  double relaxation;           /* below 2; default 0: the solver's own (pgs 1.1, admm 1.6) */
+  int32_t newton; /* default 1; 0: admm and newton end without Newton's method on the whole problem */
   int32_t reserved;
 } dynContactOptions;
 DYN_API void dyn_contact_options_init(dynContactOptions* options);
 
+/* All but CONVERGED return the best iterate, in its cones, with its residual. */
 typedef enum dynContactStatus {
-  DYN_CONTACT_STATUS_CONVERGED = 0,      /* residual <= tolerance */
-  DYN_CONTACT_STATUS_MAX_ITERATIONS = 1, /* the best iterate: in its cones, with its residual */
-  DYN_CONTACT_STATUS_TIME_BUDGET = 2,           /* likewise, the time budget is used up */
-  DYN_CONTACT_STATUS_STALLED = 3         /* likewise, no progress: a matrix could not be factorised (numbers of very different sizes) */
+  DYN_CONTACT_STATUS_CONVERGED = 0,      /* The residual is at most the tolerance. */
+  DYN_CONTACT_STATUS_MAX_ITERATIONS = 1, /* The iterations ran out. */
+  DYN_CONTACT_STATUS_TIME_BUDGET = 2,    /* The time budget ran out. */
+  /* No progress: a matrix of numbers of very different sizes could not be factored. */
+  DYN_CONTACT_STATUS_STALLED = 3
 } dynContactStatus;
 
-/* Residuals of lambda (largest over rows or contacts; Le Lidec et al. 2024, Tsounis et al. 2025), in the caller's units, torsion and rolling
-   divided by their lengths torsion / friction and rolling / friction. u = c + (mu |c_t|, 0). */
+/* Residuals of lambda: the largest over rows or contacts (Le Lidec et al. 2024, Tsounis et al. 2025). They
+   have the caller's units. Torsion and rolling are divided by their lengths torsion / friction and rolling /
+   friction. u = c + (mu |c_t|, 0). */
 typedef struct dynContactReport {
   uint32_t struct_size;
   dynContactStatus status;
@@ -1609,280 +1627,346 @@ typedef struct dynContactReport {
   int32_t newton_steps;     /* on the whole problem; with iterations at most max_iterations */
   int32_t factorizations;   /* of matrices of the size of the problem, or of its active part */
   int32_t worst;            /* row of the largest residual; -1: no rows */
-  double residual;          /* |y - P_K(y - u)| in coordinates y of lambda in which G has a unit diagonal, each row as a velocity; the largest, divided
-                               by the largest velocity without impulses. Independent of units */
+  /* largest |y - P_K(y - u)|, divided by the largest velocity without impulses: y is lambda scaled so that G
+     has a unit diagonal, each row is a velocity. Independent of units. */
+  double residual;
   double primal;            /* dist(lambda, K) */
   double dual;              /* dist(u, K*) */
   double complementarity;   /* |lambda . u| */
   double natural_map;       /* |lambda - P_K(lambda - u)| */
   double signorini;         /* |lambda_n c_n| */
-  double dissipation;       /* |c_t| (mu lambda_n - |lambda_t|): what is missing to maximum dissipation */
+  double dissipation;       /* |c_t| (mu lambda_n - |lambda_t|): the shortfall from maximum dissipation */
   double energy;            /* lambda'(g + G lambda / 2), work of the impulses */
   double restitution_scale; /* 1, or the factor that keeps energy from growing */
 } dynContactReport;
 
-typedef struct dynContactSolver dynContactSolver; /* the workspace: room for so many rows; one thread at a time */
+typedef struct dynContactSolver dynContactSolver; /* a workspace for max_rows rows; one thread at a time */
 DYN_API dynStatus dyn_contact_solver_new(int max_rows, dynContactSolver** solver);
-DYN_API size_t dyn_contact_solver_size(int max_rows); /* bytes for dyn_contact_solver_init; 0: max_rows is out of range */
-/* In the caller's memory, aligned to 64: no heap. Freeing it leaves the memory. */
+/* bytes for dyn_contact_solver_init; 0: max_rows is out of range */
+DYN_API size_t dyn_contact_solver_size(int max_rows);
+/* Makes the solver in the caller's memory, aligned to 64, without heap. Freeing it leaves the memory. */
 DYN_API dynStatus dyn_contact_solver_init(int max_rows, void* memory, size_t size, dynContactSolver** solver);
 DYN_API void dyn_contact_solver_free(dynContactSolver* solver); /* NULL is allowed */
 
-/* lambda (rows): in with warm_start, out. velocity: c, rows, or NULL. options: NULL: the defaults. A problem that does not converge is
-   no error: see status and residual. Bit for bit the same answer every time (but with a time budget). DYN_ERROR_LIMIT: more rows than the
-   solver has room for. */
-DYN_API dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactProblem* problem, const dynContactOptions* options,
-                                    double* lambda, double* velocity, dynContactReport* report);
+/* Solves. lambda (rows): input with warm_start, and output. velocity: c, rows, or NULL. options NULL:
+   defaults. Missing convergence is no error: see status and residual. The result is the same bits every time,
+   unless a time budget is set. Returns DYN_ERROR_LIMIT for more rows than the solver has room for. */
+DYN_API dynStatus dyn_contact_solver_solve(dynContactSolver* solver, const dynContactProblem* problem,
+                                           const dynContactOptions* options, double* lambda, double* velocity,
+                                           dynContactReport* report);
 
-/* Residuals and energy of a given lambda: status is CONVERGED, counts are 0, restitution is taken as given. */
-DYN_API dynStatus dyn_contact_solver_residuals(dynContactSolver* solver, const dynContactProblem* problem, const double* lambda, dynContactReport* report);
+/* Residuals and energy of a given lambda. status is CONVERGED, counts are 0, restitution is taken as given.
+   */
+DYN_API dynStatus dyn_contact_solver_residuals(dynContactSolver* solver, const dynContactProblem* problem,
+                                               const double* lambda, dynContactReport* report);
 
-/* A spring and damper at the end of the step, f = -k (gap + dt c) - d c >= 0, as a row: compliance = 1 / (dt (dt k + d)) and
-   bias = k gap / (dt k + d), and gap / dt where they do not touch yet, for impulses f dt; gap (m) below zero: depth. */
-DYN_API dynStatus dyn_contact_compliance(double stiffness, double damping, double dt, double gap, double* compliance, double* bias);
-/* The same from a frequency (Hz) and a damping ratio at an effective mass (kg; 1 / G_nn): k = m (2 pi f)^2, d = 2 ratio m 2 pi f. */
-DYN_API dynStatus dyn_contact_compliance_hertz(double frequency, double damping_ratio, double mass, double dt, double gap, double* compliance,
-                                               double* bias);
+/* A spring and damper at the end of the step, as a row: f = -k (gap + dt c) - d c >= 0, for impulses f dt.
+   gap (m) below zero is depth.
+     compliance = 1 / (dt (dt k + d))        bias = k gap / (dt k + d), and gap / dt before they touch */
+DYN_API dynStatus dyn_contact_compliance(double stiffness, double damping, double dt, double gap,
+                                         double* compliance, double* bias);
+/* The same from a frequency f (Hz) and a damping ratio at an effective mass m (kg; 1 / G_nn): k = m (2 pi
+   f)^2, d = 2 ratio m 2 pi f. */
+DYN_API dynStatus dyn_contact_compliance_hertz(double frequency, double damping_ratio, double mass, double dt,
+                                               double gap, double* compliance, double* bias);
 
-/* The same problem for solvers of quadratic and conic programs: min 1/2 lambda'H lambda + g'lambda over lower <= A lambda <= upper, H = G + diag(compliance)
-   whole, g with bias and restitution, CSC: column j has rows[columns[j] .. columns[j+1]-1], ascending. That is the convex relaxation (Anitescu 2006): the
-   minimum over the cones, of which sliding contacts drift apart by mu |c_t| dt; where all stick it is the same. Rows of A: equalities are free and
-   have none, boxes one each, then contact after contact:
-     facets = 0   the cone itself: (friction lambda_n, lambda_t, lambda_r friction / rolling, lambda_torsion friction / torsion) is in the second-order cone,
-                  first number >= length of the others (bounds are infinite); rows without a coefficient, and contacts of 1 row, as below
-     facets >= 3  lambda_n >= 0 and pyramids of so many facets for lambda_t and for lambda_r, two for torsion. inscribed: every point of it is in the cone
-                  (with 4 and 6 rows coefficients are divided by the root of how many of the three kinds there are); otherwise the cone is in it.
-   rows without a coefficient: 0 <= lambda <= 0. */
+/* The same problem for solvers of quadratic and conic programs: min 1/2 lambda'H lambda + g'lambda over lower
+   <= A lambda <= upper. H = G + diag(compliance), both triangles. g includes bias and restitution. Matrices
+   are CSC: column j has rows[columns[j] .. columns[j+1]-1], ascending. This is the convex relaxation
+   (Anitescu 2006), the minimum over the cones. Sliding contacts drift apart there by mu |c_t| dt; with
+   sticking contacts both problems are the same. Rows of A: equalities are free and have none, boxes have one
+   each, then contact after contact:
+     facets = 0   the cone itself: (friction lambda_n, lambda_t, lambda_r friction / rolling, lambda_torsion
+                  friction / torsion) is in the second-order cone, first number >= length of the others
+                  (bounds are infinite); rows without a coefficient, and contacts of 1 row, as below
+     facets >= 3  lambda_n >= 0, pyramids of `facets` facets for lambda_t and for lambda_r, two for torsion.
+                  inscribed: the pyramid is in the cone (with 4 and 6 rows coefficients are divided by the
+                  root of how many of the three kinds there are); otherwise the cone is in the pyramid
+   Rows without a coefficient: 0 <= lambda <= 0. */
 typedef struct dynQp {
   uint32_t struct_size;
-  int32_t n, m, H_nonzeros, A_nonzeros; /* variables, rows of A */
+  int32_t n, m, H_nonzeros, A_nonzeros;             /* variables, rows of A, sizes of H and A */
   int32_t reserved;
   int32_t *H_columns, *H_rows, *A_columns, *A_rows; /* n+1, H_nonzeros, n+1, A_nonzeros */
   double *H, *g, *A, *lower, *upper;                /* H_nonzeros, n, A_nonzeros, m, m */
 } dynQp;
-/* With all pointers NULL the sizes are written; otherwise they must be those, and what is not NULL is filled. G may be NULL: H has no entries, and the
-   linearisation alone is wanted. */
-DYN_API dynStatus dyn_contact_problem_qp(const dynContactProblem* problem, int facets, int inscribed, dynQp* qp);
+/* Call first with all pointers NULL: the sizes are written. Then sizes must match, and non-NULL arrays are
+   filled. G may be NULL: H has no entries, and only the linearisation is made. */
+DYN_API dynStatus dyn_contact_problem_qp(const dynContactProblem* problem, int facets, int inscribed,
+                                         dynQp* qp);
 
 /* ---------------------------------------------------------------------------------------------- actuators */
 
-/* What controls u drive in steps (forward dynamics by itself takes tau alone). Of the coordinate x that it acts on, in a joint whose neutral
-   configuration is 0, with the length l = gear x:
-     w' = (u - w) / time_constant, or w' = u, within act_range; or w = u      f = gain w + bias[0] + bias[1] l + bias[2] l', within force_range      tau += gear f
-   Euler steps and those that meet contacts take what grows with l and l' at the end of the step, so that no gain is too large. */
+/* Actuators: controls u drive the robot in steps. (Forward dynamics by itself takes tau alone.) An actuator
+   acts on a coordinate x of a joint whose neutral configuration is 0. Its length is l = gear x:
+     w' = (u - w) / time_constant, or w' = u, within act_range; or w = u
+     f = gain w + bias[0] + bias[1] l + bias[2] l', within force_range        tau += gear f
+   Euler steps, and steps with contacts, take terms in l and l' at the end of the step: no gain is too large.
+   */
 typedef enum dynActuatorType {
-  DYN_ACTUATOR_TYPE_MOTOR = 0,    /* f = w */
-  DYN_ACTUATOR_TYPE_POSITION = 1, /* f = kp (w - l) - kv l' */
-  DYN_ACTUATOR_TYPE_VELOCITY = 2, /* f = kv (w - l') */
-  DYN_ACTUATOR_TYPE_PD = 3,       /* f = kp (w - l) + kv (u[1] - l') + u[2]: three controls, target, its rate, and the force that is known beforehand */
-  DYN_ACTUATOR_TYPE_AFFINE = 4    /* gain and bias as given */
+  DYN_ACTUATOR_TYPE_MOTOR = 0,    /* f = w. */
+  DYN_ACTUATOR_TYPE_POSITION = 1, /* f = kp (w - l) - kv l'. */
+  DYN_ACTUATOR_TYPE_VELOCITY = 2, /* f = kv (w - l'). */
+  /* f = kp (w - l) + kv (u[1] - l') + u[2]: the controls are target, its rate, and feed-forward force. */
+  DYN_ACTUATOR_TYPE_PD = 3,
+  DYN_ACTUATOR_TYPE_AFFINE = 4    /* f = gain w + bias[0] + bias[1] l + bias[2] l'. */
 } dynActuatorType;
 
 typedef struct dynActuator {
-  uint32_t struct_size;      /* set by dyn_actuator_init */
+  uint32_t struct_size;    /* set by dyn_actuator_init */
   dynActuatorType type;
-  int32_t joint, component;  /* id of the joint, and which of its degrees of freedom; the builder takes the joint by name. What depends on l needs
-                                a coordinate whose rate is the velocity: not those of quaternions, planar and Euler-angle joints */
-  double gear;               /* default 1 */
-  double kp, kv;             /* POSITION, VELOCITY, PD: >= 0 */
-  double gain, bias[3];      /* AFFINE */
-  double time_constant;      /* s, >= 0, of the filter of the first control; default 0: none */
-  double control_range[2];   /* which the first control is moved to; default: infinite */
-  double force_range[2];     /* of f; default: infinite */
-  int32_t idx_u, controls;   /* of a model: its first control, how many it has */
-  double act_range[2];       /* of w where it has an equation of its own, which ends there; default: infinite */
-  int32_t integrates;        /* not 0: w' = u, and time_constant has to be 0; default 0 */
-  int32_t idx_act;           /* of a model: its w in the field "act"; -1: w = u */
+  /* id of the joint (the builder takes its name), and which degree of freedom. Terms in l need a coordinate
+     whose rate is the velocity: not those of quaternions, planar and Euler-angle joints. */
+  int32_t joint, component;
+  double gear;             /* default 1 */
+  double kp, kv;           /* POSITION, VELOCITY, PD: >= 0 */
+  double gain, bias[3];    /* AFFINE */
+  double time_constant;    /* s, >= 0, of the filter of the first control; default 0: none */
+  double control_range[2]; /* the first control is clamped to it; default: infinite */
+  double force_range[2];   /* of f; default: infinite */
+  int32_t idx_u, controls; /* of a model: its first control, and how many it has */
+  double act_range[2];     /* of w where it is filtered or integrated; default: infinite */
+  int32_t integrates;      /* non-zero: w' = u, and time_constant must be 0; default 0 */
+  int32_t idx_act;         /* of a model: index of w in the field "act"; -1: w = u */
 } dynActuator;
 DYN_API void dyn_actuator_init(dynActuator* actuator, dynActuatorType type);
-DYN_API dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint);
+DYN_API dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator,
+                                           const char* joint);
 DYN_API int dyn_model_nactuators(const dynModel* model);
 DYN_API int dyn_model_nu(const dynModel* model); /* controls of all actuators */
 DYN_API const char* dyn_model_actuator_name(const dynModel* model, int actuator);
 DYN_API int dyn_model_actuator_id(const dynModel* model, const char* name);
 DYN_API dynStatus dyn_model_actuator_info(const dynModel* model, int actuator, dynActuator* out);
-/* Controls held in data, nu; new data: zeros. The fields "ctrl", "act" (w of those that filter or integrate, in their order; new data: zeros) and "actuator_force" (f
-   where the last step ended, nactuators) read what there is. Needs part SIMULATION. */
+/* Sets the controls held in data, nu. New data has zeros. The field "ctrl" reads them. The field "act" has w
+   of filtering and integrating actuators, in order; zeros in new data. The field "actuator_force" has f at
+   the end of the last step, nactuators. Needs part SIMULATION. */
 DYN_API dynStatus dyn_data_set_control(const dynModel* model, dynData* data, const double* u);
 
-/* Adds a force and moment [N; N m] that acts in steps until dyn_data_clear_wrenches: at point of the frame (3, in its axes; NULL: its origin).
-   LOCAL: in the frame's axes, turning with it; LOCAL_WORLD_ALIGNED: in world axes, at the point; WORLD: in world axes, the moment about the world's
-   origin (point must be NULL). Any number of them. Needs part SIMULATION. */
-DYN_API dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame, const double* point, const double wrench[6], dynReference reference);
+/* Adds a wrench [force; moment] (N; N m) that acts in steps until dyn_data_clear_wrenches. Any number may
+   act. point: 3, in the frame's axes; NULL: the frame's origin. Needs part SIMULATION.
+     LOCAL                the frame's axes, turning with it, at the point
+     LOCAL_WORLD_ALIGNED  world axes, at the point
+     WORLD                world axes, moment about the world's origin; point must be NULL */
+DYN_API dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame, const double* point,
+                                        const double wrench[6], dynReference reference);
 DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
 
 /* --------------------------------------------------------------------------------------------- simulation */
 
-/* Motion of q, v held in data under the constant tau, controls and wrenches held there, with the effects that are switched on, the contacts of the pairs that are tested,
-   and the constraints of the slots that are enabled. Rotations are integrated on the group, so that the orders hold for them, too.
-   A step that may meet contacts, limits or constraints solves for their impulses (dynContactProblem: Signorini, Coulomb's cone, maximum dissipation), one
-   problem for each island of bodies that they join, beginning with those of the step before:
-     v_free = v + dt ddq      v' = v_free + M^-1 J' lambda, with c_n >= -gap / dt      q' = q (+) (dt v' + M^-1 J' mu)
-   (Stewart and Trinkle 1996; Anitescu and Potra 1997; impacts by Moreau's law). mu takes half of an overlap away in a step, at most 1 m/s for bodies of 20 cm, and leaves v'
-   alone. Such steps are of order 1: those of the other integrators are then IMPLICIT_FAST's, but for constraints that hold at every moment: with these alone orders stay. Free flyers keep their momentum. */
+/* Steps move the q, v held in data, under constant tau, controls and wrenches. They apply the effects that
+   are on, the contacts of tested pairs, and the enabled constraints. Rotations are integrated on the group,
+   so orders hold for them too. A step with contacts, limits or constraints solves for their impulses
+   (dynContactProblem), one problem for each island of bodies that they join. The impulses of the last step
+   are the first guess:
+     v_free = v + dt ddq      v' = v_free + M^-1 J' lambda, with c_n >= -gap / dt
+     q' = q (+) (dt v' + M^-1 J' mu)
+   (Stewart and Trinkle 1996; Anitescu and Potra 1997; impacts by Moreau's law.) mu removes half of an overlap
+   in a step, at most 1 m/s for bodies of 20 cm, and leaves v' unchanged. Such steps have order 1: the other
+   integrators then step as IMPLICIT_FAST. Steps with permanent constraints alone keep their orders. Free
+   flyers keep their momentum. */
 typedef enum dynIntegrator {
-  DYN_INTEGRATOR_SEMI_IMPLICIT_EULER = 0, /* order 1; damping and dry friction at the end of the step: no coefficient is too large */
-  DYN_INTEGRATOR_RK4 = 1,                 /* order 4, four evaluations of forward dynamics a step */
-  DYN_INTEGRATOR_IMPLICIT_FAST = 2,       /* order 1; damping, dry friction and springs at the end of the step: no stiffness is too large */
-  DYN_INTEGRATOR_IMPLICIT_MIDPOINT = 3,   /* order 2, time-reversible, symplectic on vector spaces: for long times; solved to rounding */
-  DYN_INTEGRATOR_RK45 = 4,                /* order 5 with an estimate of the error (Dormand and Prince), seven evaluations */
-  DYN_INTEGRATOR_REFERENCE = 5            /* as good as rounding allows: order 8 (DOP853) in as many steps within dt as that takes */
+  /* Order 1; damping and dry friction are implicit, so no coefficient is too large. */
+  DYN_INTEGRATOR_SEMI_IMPLICIT_EULER = 0,
+  DYN_INTEGRATOR_RK4 = 1, /* Order 4, with four evaluations of forward dynamics a step. */
+  /* Order 1; damping, dry friction and springs are implicit, so no stiffness is too large. */
+  DYN_INTEGRATOR_IMPLICIT_FAST = 2,
+  /* Order 2, time-reversible, symplectic on vector spaces, solved to rounding: for long times. */
+  DYN_INTEGRATOR_IMPLICIT_MIDPOINT = 3,
+  /* Order 5 with an error estimate (Dormand and Prince), seven evaluations a step. */
+  DYN_INTEGRATOR_RK45 = 4,
+  /* As exact as rounding allows: order 8 (DOP853), with as many steps within dt as needed. */
+  DYN_INTEGRATOR_REFERENCE = 5
 } dynIntegrator;
 
-/* How data steps. Kept in the data. */
+/* Options of steps, kept in the data. */
 typedef struct dynStepOptions {
-  uint32_t struct_size;     /* set by dyn_step_options_init */
-  dynIntegrator integrator; /* default SEMI_IMPLICIT_EULER */
-  double dt;                /* s, > 0; default 1e-3 */
-  double accuracy;          /* > 0: dyn_advance chooses its steps by itself, so that their errors add up to at most this: m and rad, m/s and rad/s;
-                               by order 8, with integrator RK45 by order 5, through contact by order 3. What grows by itself (chaos) grows beyond. default 0: steps of dt */
+  uint32_t struct_size;        /* set by dyn_step_options_init */
+  dynIntegrator integrator;    /* default SEMI_IMPLICIT_EULER */
+  double dt;                   /* s, > 0; default 1e-3 */
+  /* > 0: dyn_advance chooses its steps, so that errors (m and rad, m/s and rad/s) add up to at most this.
+     Order 8; order 5 with RK45; order 3 through contact. Chaos amplifies errors beyond it. Default 0: steps
+     of dt. */
+  double accuracy;
   dynContactSolverType solver; /* of contacts, limits and constraints; default ADMM */
-  int32_t max_iterations;   /* of the solver, an island and step; default 100. ADMM and NEWTON that do not get to the tolerance in them begin anew,
-                               then the other one is asked; islands of more than 240 rows may (not PGS) take three times as many, jammed ones
-                               nine times as many more. Where that is not enough, the best impulses found act: in their cones, their residual in the report */
-  double tolerance;         /* of its residual (dynContactReport); default 1e-9 */
-  double sleep_speed;       /* m/s, rad/s, > 0; default 1e-4: see below */
-  double sleep_time;        /* s, > 0; default 0.5 */
-  int32_t visit_sleepers;   /* not 0: steps compute what sleeps all the same, and end at the same bits; default 0 */
-  int32_t ledger;           /* not 0: steps keep the error ledger (dyn_data_ledger), for DYN_PART_ENERGY; default 0, which costs nothing */
-  double time_budget;       /* s, of the solver, all islands of a step of dt together, from the step's beginning on: when it is used up, the best impulses so far
-                               act, as with max_iterations, of islands that were not begun those of one sweep from the step before. What is begun is
-                               ended: a sweep, a factorization; finding contacts and forward dynamics take what they take. Steps that follow from
-                               accuracy have no such limit. The only option that lets answers depend on a clock; default 0: none, and no clock is read */
+  /* of the solver, per island and step; default 100. ADMM and NEWTON restart when short of the tolerance,
+     then the other one is tried. Islands of more than 240 rows may take three times as many (not PGS), jammed
+     ones nine times as many more. In the end the best impulses act: in their cones, with their residual in
+     the report. */
+  int32_t max_iterations;
+  double tolerance;            /* of the solver's residual (dynContactReport); default 1e-9 */
+  double sleep_speed;          /* m/s, rad/s, > 0; default 1e-4: see below */
+  double sleep_time;           /* s, > 0; default 0.5 */
+  int32_t visit_sleepers; /* non-zero: steps compute sleeping islands too, with the same bits; default 0 */
+  /* non-zero: steps keep the error ledger (dyn_data_ledger), with DYN_PART_ENERGY; default 0 costs nothing */
+  int32_t ledger;
+  /* s, of the solver for all islands of a step of dt, counted from the step's beginning. Then the best
+     impulses act, as with max_iterations. Islands not begun get one sweep from the step before. A sweep or
+     factorization is finished; finding contacts and forward dynamics take their time. Steps chosen by
+     accuracy have no such limit. No other option lets results depend on a clock. Default 0: none, and no
+     clock is read. */
+  double time_budget;
 } dynStepOptions;
-/* Sleep (DYN_EFFECT_SLEEPING, which is off in new data): in Euler steps (SEMI_IMPLICIT_EULER and IMPLICIT_FAST, not of error control) a tree of bodies comes to
-   rest when it was slower than sleep_speed for sleep_time, and so was all that contacts, limits and constraints join it to, its island. A step that would
-   change the velocities of such an island by no more than dt sleep_speed / sleep_time, and its coordinates by no more than dt sleep_speed, leaves it with
-   v' = 0, q' = q, and the contact forces as they were if they are solved for to the same (1e-6 of the largest). So less than sleep_speed / sleep_time,
-   2e-4 m/s^2, moves nothing that rests: with the effect on, that is part of every step. After two steps that left it as it was, bit for bit, an
-   island sleeps: steps leave it out until something awake meets it, or what it begins from changes: q, v, its own tau and controls, dt, options, gravity,
-   wrenches, effects, materials, pairs, masks, constraints. It is then as if it had never slept: steps with visit_sleepers end at the same bits.
-   Trees stay awake with a joint that may not sleep, and while a filtered or integrated control of theirs still changes; so does all of a model with mimic joints, or
-   without contacts. What rests is computed all the same while constraints are enabled anywhere in the data. */
+/* Sleep (DYN_EFFECT_SLEEPING, off in new data) works in steps of SEMI_IMPLICIT_EULER and IMPLICIT_FAST
+   without error control. An island is a tree of bodies and all that contacts, limits and constraints join it
+   to.
+     Rest    An island comes to rest when it was slower than sleep_speed for sleep_time. A step then leaves it
+             with v' = 0, q' = q, if it would change velocities by at most dt sleep_speed / sleep_time and
+             coordinates by at most dt sleep_speed. Contact forces stay too, if solved to the same (1e-6 of
+             the largest). So accelerations below sleep_speed / sleep_time, 2e-4 m/s^2, move nothing that
+             rests.
+     Sleep   After two steps without a change of one bit, steps leave the island out. It wakes when something
+             awake meets it, or when an input changes: q, v, its tau and controls, dt, options, gravity,
+             wrenches, effects, materials, pairs, masks, constraints. It is then as if it had never slept:
+             steps with visit_sleepers end at the same bits.
+     Awake   A tree stays awake with a joint that may not sleep, and while one of its filtered or integrated
+             controls changes. So does all of a model with mimic joints, or without contacts. Islands at rest
+             are computed while any constraint of the data is enabled. */
 DYN_API void dyn_step_options_init(dynStepOptions* options);
-DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const dynStepOptions* options);
+DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data,
+                                            const dynStepOptions* options);
 DYN_API dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options);
 
-/* One step of dt. The state and the time advance; after an error they are as before. */
+/* One step of dt. The state and the time advance. After an error both are unchanged. */
 DYN_API dynStatus dyn_step(const dynModel* model, dynData* data);
-/* Steps that make up duration (s, >= 0), a shorter one at the end, or of the lengths that accuracy takes. After an error the state and the time are
-   those before the failing step. */
+/* Steps over duration (s, >= 0), with a shorter last step, or with lengths chosen by accuracy. After an error
+   the state and time are those before the failing step. */
 DYN_API dynStatus dyn_advance(const dynModel* model, dynData* data, double duration);
 
-/* What the last of these calls did. */
+/* Report on the last dyn_step or dyn_advance. */
 typedef struct dynStepReport {
   uint32_t struct_size;
-  int64_t steps, rejected; /* made; tried with an error too large */
+  int64_t steps, rejected; /* steps made; steps tried with too large an error */
   int64_t evaluations;     /* of forward dynamics */
   double time;             /* s, advanced */
   double smallest_dt;      /* s */
-  double error_estimate;   /* sum of the estimated errors of the steps; 0 from integrators that have none */
-  int32_t contacts, rows, islands; /* most of them in a step: contact points, rows that acted, groups of bodies that they join */
-  int32_t dropped;         /* contact points beyond the room for them, the shallowest: in all steps */
-  int64_t iterations;      /* of the contact solver, its Newton steps included */
+  double error_estimate;   /* sum of the steps' estimated errors; 0 from integrators without an estimate */
+  /* largest in a step: contact points, active rows, groups of bodies that they join */
+  int32_t contacts, rows, islands;
+  int32_t dropped;         /* contact points beyond the capacity, the shallowest, in all steps */
+  int64_t iterations;      /* of the contact solver, with its Newton steps */
   double residual;         /* largest of the contact solver */
-  double penetration;      /* m, largest depth at the beginning of a step, of what is awake */
-  int32_t sleeping;        /* islands that slept in the last step */
-  int32_t unsolved;        /* islands whose residual stayed above the tolerance, in all steps: max_iterations or time_budget were not enough,
-                              or equalities contradict one another by so much */
+  double penetration;      /* m, largest depth at the beginning of a step, of awake bodies */
+  int32_t sleeping;        /* islands asleep in the last step */
+  /* islands with a residual above the tolerance, in all steps: max_iterations or time_budget ran out, or
+     equalities contradict each other */
+  int32_t unsolved;
 } dynStepReport;
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
 
-/* What the steps of the last call did to energy and momentum, and what of it nothing accounts for: their error. Work in J. Forces by the trapezoidal rule over
-   each step; impulses of contacts, limits and constraints times the mean of their row's velocity before and after, which is what they add to the kinetic
-   energy. (Hairer, Lubich, Wanner 2006, IX: what of an integrator's error shows in energy.) All zero without the option `ledger`. */
+/* Error ledger: energy and momentum over the steps of the last call. The defects are the steps' error. Work
+   in J. Forces: trapezoidal rule over each step. Impulses of contacts, limits and constraints: times the mean
+   of their row's velocity before and after, which is the kinetic energy that they add. (Hairer, Lubich,
+   Wanner 2006, IX: energy shows an integrator's error.) All zero without the option `ledger`. */
 typedef struct dynErrorLedger {
   uint32_t struct_size;
   int64_t steps;
-  double energy_change;       /* kinetic and potential, springs included */
-  double applied, actuators;  /* work of tau, of actuators; */
-  double wrenches;            /* of wrenches and of weights that are held; */
-  double damping, friction, fluid;         /* of the joints' damping and dry friction, of a medium's drag; */
-  double contact_normal, contact_friction; /* of contacts along their normals, impacts included, and across; */
-  double limits, constraints; /* of limits and dry friction rows, of equalities; */
-  double correction;          /* of the correction of overlaps and drift, which moves q alone */
-  double energy_defect;       /* energy_change less all of these */
-  double momentum_defect[3];  /* N s: change of linear momentum less the impulses from outside; zero where anything but a free flyer joins a tree to the world */
-  double constraint_drift;    /* m, rad: largest error of an equality row at the beginning of a step */
-  double cone;                /* N: largest of |f_t| - mu f_n over contacts, at least 0 */
-  double complementarity;     /* W: largest |f_n (c_n + bias)| over contacts: force where nothing touches */
+  double energy_change;            /* kinetic and potential, springs included */
+  double applied, actuators;       /* work of tau, and of actuators */
+  double wrenches;                 /* work of wrenches and of gravity compensation */
+  double damping, friction, fluid; /* work of joint damping, of dry friction, and of drag */
+  /* work of contacts along their normals (with impacts), and across */
+  double contact_normal, contact_friction;
+  double limits, constraints;      /* work of limits and dry friction rows, and of equalities */
+  double correction;               /* work of removing overlaps and drift, which moves q alone */
+  double energy_defect;            /* energy_change minus all of these */
+  /* N s: change of linear momentum minus outer impulses; zero unless free flyers alone join the trees to the
+     world */
+  double momentum_defect[3];
+  double constraint_drift;         /* m, rad: largest error of an equality row at the beginning of a step */
+  double cone;                     /* N: largest of |f_t| - mu f_n over contacts, at least 0 */
+  double complementarity;          /* W: largest |f_n (c_n + bias)| over contacts: force without touch */
 } dynErrorLedger;
 DYN_API dynStatus dyn_data_ledger(const dynModel* model, dynData* data, dynErrorLedger* ledger);
 
-/* Contact points of the last step, in the order of their shapes and features, and what they exert: mean forces over the step. At most
-   capacity of them are written; count: how many there are. A step has room for the lesser of 8 a pair and 16 + 8 a shape (where pairs are not listed,
-   16 + 8 a shape that moves). */
+/* Contact points of the last step, ascending by shapes and features, with their mean forces over the step. At
+   most capacity of them are written; *count is the total. A step holds the lesser of 8 a pair and 16 + 8 a
+   shape (16 + 8 a moving shape, where pairs are not listed): see dyn_builder_set_contact_capacity. */
 typedef struct dynContactForce {
-  dynContact contact;          /* as it was at the beginning of the step */
-  double force_on_b[3];        /* N, world, on shape_b; the opposite on shape_a */
-  double moment_on_b[3];       /* N m, world: of torsion and rolling */
+  dynContact contact;    /* as at the beginning of the step */
+  double force_on_b[3];  /* N, world, on shape_b; the opposite on shape_a */
+  double moment_on_b[3]; /* N m, world: of torsion and rolling */
 } dynContactForce;
-DYN_API dynStatus dyn_data_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts, int capacity, int* count);
+DYN_API dynStatus dyn_data_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts,
+                                         int capacity, int* count);
 
-/* The state of a simulation: q, v, a, tau, controls and what they have become (act), the time, how long bodies have been slow (for sleep), and the contacts of the last step, which the next one begins from. Steps after
-   dyn_data_restore_state are those after dyn_data_save_state, bit for bit, where the data (or one of the same model, in the same process) has the same options,
-   effects, gravity, wrenches, pairs, materials and constraints. memory needs dyn_model_state_size bytes (0 for an invalid handle). */
+/* The whole state of a simulation: q, v, a, tau, controls, act, time, how long bodies have been slow (for
+   sleep), and the contacts of the last step. Steps after dyn_data_restore_state equal, bit for bit, the steps
+   after dyn_data_save_state. The data, of the same model in the same process, must have the same options,
+   effects, gravity, wrenches, pairs, materials and constraints. memory: dyn_model_state_size bytes (0 for an
+   invalid handle). */
 DYN_API size_t dyn_model_state_size(const dynModel* model);
 DYN_API dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void* memory, size_t size);
-DYN_API dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const void* memory, size_t size);
+DYN_API dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const void* memory,
+                                         size_t size);
 
-/* Material of a collision shape in this data, or with shape -1 of all of them; checked as in the builder. */
-DYN_API dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape, const dynMaterial* material);
-DYN_API dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, int shape, dynMaterial* material);
+/* Material of a collision shape in this data; shape -1: of all shapes. Checked as in the builder. */
+DYN_API dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape,
+                                              const dynMaterial* material);
+DYN_API dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, int shape,
+                                          dynMaterial* material);
 
 /* ------------------------------------------------------------------------------------------------- meshes */
 
-/* Triangle meshes, in metres, immutable: threads may share one. Equal vertices are made one, and triangles without area, or there twice,
-   are dropped; dynMeshInfo counts both. At most 10^7 triangles. Files and hulls need the module libdyn_mesh.so (assimp, qhull), which is
-   opened from beside libdyn.so when it is first needed: DYN_ERROR_UNSUPPORTED says where it was looked for. */
+/* Triangle meshes, in metres, immutable: threads may share one. Equal vertices are merged. Triangles without
+   area, and duplicates, are dropped; dynMeshInfo counts them. At most 10^7 triangles. Files and hulls need
+   the module libdyn_mesh.so (assimp, qhull), found beside libdyn.so at first use. Without it:
+   DYN_ERROR_UNSUPPORTED, with the places searched. */
 typedef struct dynMeshOptions {
   uint32_t struct_size;            /* set by dyn_mesh_options_init */
-  double scale[3];                 /* factors along the file's axes; default 1. Triangles of a mirrored mesh are turned round */
-  double weld_tolerance;           /* m: vertices as close as this are made one; default 0: equal ones only */
-  int32_t up_z;                    /* non-zero: what the file calls up becomes z; default 0: the file's axes are the mesh's */
-  const char* const* package_dirs; /* where package://NAME/... is looked up, as in dynLoadOptions; may be NULL */
+  double scale[3]; /* factors along the file's axes; default 1. Mirrored triangles are turned round. */
+  double weld_tolerance;           /* m: vertices this close are merged; default 0: equal ones only */
+  int32_t up_z;                    /* non-zero: the file's up becomes z; default 0: the file's axes */
+  const char* const* package_dirs; /* for package://NAME/..., as in dynLoadOptions; may be NULL */
   size_t package_dirs_count;
-  const char* relative_to;         /* the robot file that names the mesh: relative paths begin in its folder, package:// is also looked up
-                                      above it; NULL: the working directory */
+  /* the robot file that names the mesh: relative paths start in its folder, and package:// is searched above
+     it too; NULL: the working directory */
+  const char* relative_to;
 } dynMeshOptions;
 DYN_API void dyn_mesh_options_init(dynMeshOptions* options);
 
-/* Reads an STL (binary, ASCII), OBJ, COLLADA (.dae) or glTF (.gltf, .glb) file: the triangles of the whole scene, each where its nodes
-   put it. Units: COLLADA's <unit> is applied, glTF is in metres, numbers of STL and OBJ are taken as metres (see scale). Axes: those of the
-   file, for URDF's meshes are in their link's axes; with up_z COLLADA's <up_axis>, and y in glTF, become z. Files hold single
-   precision. options may be NULL. */
+/* Reads all triangles of an STL (binary, ASCII), OBJ, COLLADA (.dae) or glTF (.gltf, .glb) scene, placed by
+   its nodes. Units: COLLADA's <unit> is applied, glTF is in metres, STL and OBJ are taken as metres (see
+   scale). Axes: the file's, as URDF puts meshes in their link's axes. With up_z, COLLADA's <up_axis>, and y
+   of glTF, become z. Files hold single precision. options may be NULL. */
 DYN_API dynStatus dyn_mesh_load(const char* path, const dynMeshOptions* options, dynMesh** mesh);
-/* vertices: 3 x vertex_count; triangles: 3 x triangle_count indices, counter-clockwise seen from outside. Without triangles (0, NULL): a
-   cloud of points, of which dyn_mesh_hull makes a mesh. Vertices that no triangle has are dropped. */
-DYN_API dynStatus dyn_mesh_from_arrays(const double* vertices, size_t vertex_count, const int32_t* triangles, size_t triangle_count, dynMesh** mesh);
-/* A height field: heights over a grid of columns x rows points, heights[i + columns j] at x = (i - (columns - 1) / 2) step_x, y likewise; all
-   above bottom (m), where its solid ends. As a mesh it has the triangles of the surface, two a cell, without walls. At most 5 10^6 points. */
-DYN_API dynStatus dyn_mesh_from_height_field(const double* heights, int columns, int rows, double step_x, double step_y, double bottom, dynMesh** mesh);
+/* vertices: 3 x vertex_count. triangles: 3 x triangle_count indices, counter-clockwise seen from outside.
+   Without triangles (0, NULL) the mesh is a cloud of points, for dyn_mesh_hull. Vertices without a triangle
+   are dropped. */
+DYN_API dynStatus dyn_mesh_from_arrays(const double* vertices, size_t vertex_count, const int32_t* triangles,
+                                       size_t triangle_count, dynMesh** mesh);
+/* A height field over a grid of columns x rows points (m), at most 5 10^6. heights[i + columns j] is at x =
+   (i - (columns - 1) / 2) step_x, and y likewise. All heights are above bottom, where the solid ends. As a
+   mesh it has the surface's triangles, two a cell, without walls. */
+DYN_API dynStatus dyn_mesh_from_height_field(const double* heights, int columns, int rows, double step_x,
+                                             double step_y, double bottom, dynMesh** mesh);
 DYN_API void dyn_mesh_free(dynMesh* mesh); /* NULL is allowed */
 
 typedef struct dynMeshInfo {
   uint32_t struct_size;
   int32_t vertices, triangles;
-  int64_t welded;           /* vertices that were made one with another */
-  int64_t degenerate;       /* triangles without area that were dropped */
-  int64_t duplicates;       /* triangles there before that were dropped */
-  int64_t skipped;          /* points and lines of the file */
+  int64_t welded;            /* merged vertices */
+  int64_t degenerate;        /* dropped triangles without area */
+  int64_t duplicates;        /* dropped duplicate triangles */
+  int64_t skipped;           /* points and lines of the file */
   double lower[3], upper[3]; /* bounding box */
   double area;
-  int32_t components;       /* parts that share no edge */
-  int32_t open_edges;       /* of one triangle */
-  int32_t flipped_edges;    /* that two triangles pass the same way: one of the two is inside out */
-  int32_t nonmanifold_edges; /* of more than two triangles */
-  int32_t closed;           /* 1: the triangles pass each edge as often one way as the other, and so bound a solid */
-  int32_t orientation;      /* 1: seen from outside counter-clockwise, -1: inside out; 0: not closed, or no volume */
-  double volume;            /* m^3. This and the next two are exact but for rounding where orientation is not 0 (inside out: of the mesh */
-  double com[3];            /* turned round; parts that overlap count twice), and NaN where it is 0 */
-  double inertia[9];        /* about com, at density 1 kg/m^3: kg m^2 */
-  dynStatus hull_status;    /* DYN_OK, or why there is no hull: DYN_ERROR_INVALID: flat, DYN_ERROR_UNSUPPORTED: no module */
-  double hull_volume;       /* NaN without a hull */
-  double hull_volume_ratio; /* hull_volume / volume: 1 for a convex mesh. NaN without either */
-  double hull_depth;        /* m: the largest depth of a triangle's middle under the hull's faces; NaN without a hull */
-  int32_t convex;           /* 1: closed, of one component, hull_depth at most 1e-6 of the box's diagonal; 0: not; -1: no module to tell */
+  int32_t components;        /* parts that share no edge */
+  int32_t open_edges;        /* edges of one triangle */
+  int32_t flipped_edges;     /* edges that two triangles pass the same way: one of them is inside out */
+  int32_t nonmanifold_edges; /* edges of more than two triangles */
+  int32_t closed; /* 1: each edge is passed as often one way as the other, so the triangles bound a solid */
+  int32_t orientation; /* 1: counter-clockwise from outside; -1: inside out; 0: not closed, or no volume */
+  /* m^3. volume, com and inertia are exact but for rounding with orientation 1 or -1 (inside out: of the mesh
+     turned round; overlapping parts count twice). With orientation 0 they are NaN. */
+  double volume;
+  double com[3];
+  double inertia[9];         /* kg m^2, about com, at density 1 kg/m^3 */
+  dynStatus hull_status;     /* DYN_OK, DYN_ERROR_INVALID (flat), or DYN_ERROR_UNSUPPORTED (no module) */
+  double hull_volume;        /* NaN without a hull */
+  double hull_volume_ratio;  /* hull_volume / volume: 1 for a convex mesh; NaN without either */
+  double hull_depth; /* m: largest depth of a triangle's middle under the hull's faces; NaN without a hull */
+  /* 1: closed, one component, hull_depth at most 1e-6 of the box's diagonal; 0: not; -1: no module */
+  int32_t convex;
   int32_t reserved;
 } dynMeshInfo;
 /* Makes the hull, which takes time. */
@@ -1891,122 +1975,132 @@ DYN_API dynStatus dyn_mesh_info(const dynMesh* mesh, dynMeshInfo* info);
 /* Views, which live as long as the mesh. */
 typedef struct dynMeshArrays {
   uint32_t struct_size;
-  const double* vertices;     /* 3 x vertex_count */
-  const int32_t* triangles;   /* 3 x triangle_count */
+  const double* vertices;         /* 3 x vertex_count */
+  const int32_t* triangles;       /* 3 x triangle_count */
   size_t vertex_count, triangle_count;
   /* of a hull, otherwise NULL and 0 */
   size_t face_count;
   const double* planes;           /* 4 x face_count: outward unit normal n and offset: n . x <= offset */
-  const int32_t* face_start;      /* face_count + 1: where each face begins in face_corners */
-  const int32_t* face_corners;    /* vertices, counter-clockwise seen from outside; coplanar triangles are one face */
+  const int32_t* face_start;      /* face_count + 1: first corner of each face in face_corners */
+  const int32_t* face_corners; /* vertices, counter-clockwise from outside; coplanar triangles are one face */
   const int32_t* neighbour_start; /* vertex_count + 1 */
   const int32_t* neighbours;      /* vertices that share an edge with each vertex */
 } dynMeshArrays;
 DYN_API dynStatus dyn_mesh_arrays(const dynMesh* mesh, dynMeshArrays* arrays);
-/* How a file's triangles look: red, green, blue as in dyn_model_shape_rgba, 3 x triangle_count: the diffuse colour of the material (glTF: its base
-   colour) times the mean of those at the corners, where there are any. -1 where the file says nothing. Neither textures nor opacity. */
+/* Colours of a file's triangles, red, green, blue as in dyn_model_shape_rgba, 3 x triangle_count. The diffuse
+   colour of the material (glTF: the base colour) times the mean of the corners' colours. -1 where the file
+   gives none. No textures, no opacity. */
 DYN_API dynStatus dyn_mesh_rgb(const dynMesh* mesh, double* rgb);
 
-/* The convex hull of the vertices, another mesh. DYN_ERROR_INVALID: fewer than four points, or all in a plane. */
+/* The convex hull of the vertices, a new mesh. Returns DYN_ERROR_INVALID for fewer than four points, or all
+   in a plane. */
 DYN_API dynStatus dyn_mesh_hull(const dynMesh* mesh, dynMesh** hull);
 
 /* ------------------------------------------------------------------------------------------------ batches */
 
-/* Each algorithm over n states with several threads. Row k of an output is bit for bit what the function of the same name gives, on a
-   new data, for row k of the inputs, however many threads there are. Arrays are plain and contiguous, state after state: row k of q begins at
-   q + k nq, row k of a matrix 6 x nv at M + k 6 nv (column-major as everywhere).
-     Threads   dyn_batch_new starts them; between calls they sleep. dyn_batch_run works itself and wakes them once a call (a futex):
-               nothing allocates, locks or makes a system call for each state. A batch belongs to one thread at a time.
-     Memory    a dynData for each thread, with the given parts. The model must live as long as the batch.
-     Errors    a state that fails leaves its rows as they were; all the others are computed. dyn_batch_run answers the status of the
-               first state that failed, and dyn_last_error() says which and why; status (n, or NULL) has that of every state. */
+/* One algorithm over n states with several threads. Row k of an output equals, bit for bit, what the function
+   of the same name gives on new data for row k of the inputs, with any number of threads. Arrays are
+   contiguous, state after state: row k of q begins at q + k nq, row k of a matrix 6 x nv at M + k 6 nv
+   (column-major as everywhere).
+     Threads   dyn_batch_new starts them; they sleep between calls. dyn_batch_run wakes them once a call (a
+               futex) and works itself. Nothing allocates, locks or makes a system call for each state. A
+               batch belongs to one thread at a time.
+     Memory    One dynData a thread, with the given parts. The model must live as long as the batch.
+     Errors    A state that fails leaves its rows unchanged; all others are computed. dyn_batch_run returns
+               the status of the first failed state, and dyn_last_error() tells which and why. status (n, or
+               NULL) has that of every state. */
 typedef struct dynBatch dynBatch;
 
 /* threads: 1 to 256, the caller's included. parts as in dyn_data_new. */
 DYN_API dynStatus dyn_batch_new(const dynModel* model, dynParts parts, int threads, dynBatch** batch);
 DYN_API void dyn_batch_free(dynBatch* batch); /* NULL is allowed */
 
-/* dyn_data_set_effects of every thread's data. */
+/* dyn_data_set_effects for every thread's data. */
 DYN_API dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects);
 
-/* DYN_ALGORITHM_X computes what dyn_X does: what it reads -> out[0], out[1], ... Values are never renumbered. */
+/* DYN_ALGORITHM_X computes what dyn_x does: inputs -> out[0], out[1], ... Values are never renumbered. */
 typedef enum dynAlgorithm {
-  DYN_ALGORITHM_FRAME_PLACEMENT = 0,                 /* frame; q -> placement 12 */
-  DYN_ALGORITHM_FRAME_PLACEMENTS = 1,                /* q -> placements 12 x nframes */
-  DYN_ALGORITHM_FRAME_VELOCITY = 2,                  /* frame, reference; q, v -> velocity 6 */
-  DYN_ALGORITHM_FRAME_ACCELERATION = 3,              /* frame, reference; q, v, a -> acceleration 6 */
-  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION = 4,    /* frame, reference; q, v, a -> acceleration 6 */
-  DYN_ALGORITHM_JOINT_JACOBIANS = 5,                 /* q -> J 6 x nv */
-  DYN_ALGORITHM_JOINT_JACOBIANS_TIME_VARIATION = 6,  /* q, v -> dJ 6 x nv */
-  DYN_ALGORITHM_FRAME_JACOBIAN = 7,                  /* frame, reference; q -> J 6 x nv */
-  DYN_ALGORITHM_FRAME_JACOBIAN_TIME_VARIATION = 8,   /* frame, reference; q, v -> dJ 6 x nv */
-  DYN_ALGORITHM_COM = 9,                  /* q, v, a -> com 3, vcom 3, acom 3; v and a are read for vcom and acom */
-  DYN_ALGORITHM_JCOM = 10,        /* q -> Jcom 3 x nv */
-  DYN_ALGORITHM_SUBTREE_COM = 11,         /* joint; q -> com 3, mass 1 */
-  DYN_ALGORITHM_SUBTREE_JCOM = 12, /* joint; q -> J 3 x nv */
-  DYN_ALGORITHM_RNEA = 13,                           /* q, v, a, fext -> tau nv */
-  DYN_ALGORITHM_NLE = 14,              /* q, v -> nle nv */
-  DYN_ALGORITHM_GRAVITY_TORQUE = 15,                        /* q -> g nv */
-  DYN_ALGORITHM_STATIC_TORQUE = 16,                  /* q, fext -> tau nv */
-  DYN_ALGORITHM_CORIOLIS_MATRIX = 17,                /* q, v -> C nv x nv */
-  DYN_ALGORITHM_ABA = 18,                            /* q, v, tau, fext -> ddq nv */
-  DYN_ALGORITHM_CRBA = 19,                           /* q -> M nv x nv */
-  DYN_ALGORITHM_CHOLESKY_SOLVE = 20,                          /* q, b -> x nv: M^-1 b, with dyn_crba and dyn_cholesky */
-  DYN_ALGORITHM_MINV = 21,                       /* q -> Minv nv x nv */
-  DYN_ALGORITHM_RNEA_DERIVATIVES = 22,               /* q, v, a, fext -> dtau_dq, dtau_dv: nv x nv */
-  DYN_ALGORITHM_ABA_DERIVATIVES = 23,                /* q, v, tau, fext -> ddq_dq, ddq_dv, ddq_dtau: nv x nv */
-  DYN_ALGORITHM_ENERGY = 24,                         /* q, v -> kinetic 1, potential 1 */
-  DYN_ALGORITHM_KINETIC_ENERGY = 25,                 /* q, v -> kinetic 1 */
-  DYN_ALGORITHM_POTENTIAL_ENERGY = 26,               /* q -> potential 1 */
-  DYN_ALGORITHM_CENTROIDAL_MAP = 27,                 /* q, v -> Ag 6 x nv, Ig 6 x 6, hg 6 */
-  DYN_ALGORITHM_CENTROIDAL_MAP_TIME_VARIATION = 28,  /* q, v -> dAg 6 x nv */
-  DYN_ALGORITHM_CENTROIDAL_MOMENTUM = 29,            /* q, v -> hg 6 */
-  DYN_ALGORITHM_CENTROIDAL_MOMENTUM_TIME_VARIATION = 30,       /* q, v, a -> dhg 6 */
-  DYN_ALGORITHM_CENTROIDAL_DERIVATIVES = 31,         /* q, v, a -> dh_dq, dhdot_dq, dhdot_dv, dhdot_da: 6 x nv */
-  DYN_ALGORITHM_JOINT_TORQUE_REGRESSOR = 32,         /* q, v, a -> Y nv x nparameters */
-  DYN_ALGORITHM_STATIC_REGRESSOR = 33,               /* q -> Y 3 x nparameters */
-  DYN_ALGORITHM_KINETIC_ENERGY_REGRESSOR = 34,       /* q, v -> y nparameters */
-  DYN_ALGORITHM_POTENTIAL_ENERGY_REGRESSOR = 35,     /* q -> y nparameters */
-  DYN_ALGORITHM_JOINT_BODY_REGRESSOR = 36,           /* joint; q, v, a -> Y 6 x 10 */
-  DYN_ALGORITHM_FRAME_BODY_REGRESSOR = 37,           /* frame; q, v, a -> Y 6 x 10 */
-  DYN_ALGORITHM_INTEGRATE = 38,                      /* q, v -> out nq */
-  DYN_ALGORITHM_GRAVITY_TORQUE_DERIVATIVES = 39,            /* q -> dg_dq nv x nv */
-  DYN_ALGORITHM_STATIC_TORQUE_DERIVATIVES = 40,      /* q, fext -> dstatic_torque_dq nv x nv */
-  DYN_ALGORITHM_VCOM_DERIVATIVES = 41, /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
-  DYN_ALGORITHM_FRAME_VELOCITY_DERIVATIVES = 42,     /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
-  DYN_ALGORITHM_FRAME_ACCELERATION_DERIVATIVES = 43, /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
-  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44, /* the same */
-  DYN_ALGORITHM_RNEA_SECOND_ORDER_PRODUCT = 45,      /* q, v, a, fext, b (lambda) -> dqdq, dvdv, dqdv, dadq: nv x nv */
-  DYN_ALGORITHM_RNEA_SECOND_ORDER_DERIVATIVES = 46,  /* q, v, a, fext -> d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq: nv matrices nv x nv */
-  DYN_ALGORITHM_FRAME_KINEMATIC_HESSIAN = 47,        /* frame, reference; q -> H nv matrices 6 x nv */
-  DYN_ALGORITHM_DIFFERENCE = 48,                     /* q, q1 -> v nv: q1 (-) q */
-  DYN_ALGORITHM_STEP = 49                            /* dt, integrator; q, v, tau -> q nq, v nv */
+  DYN_ALGORITHM_FRAME_PLACEMENT = 0,                /* frame; q -> placement 12 */
+  DYN_ALGORITHM_FRAME_PLACEMENTS = 1,               /* q -> placements 12 x nframes */
+  DYN_ALGORITHM_FRAME_VELOCITY = 2,                 /* frame, reference; q, v -> velocity 6 */
+  DYN_ALGORITHM_FRAME_ACCELERATION = 3,             /* frame, reference; q, v, a -> acceleration 6 */
+  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION = 4,   /* frame, reference; q, v, a -> acceleration 6 */
+  DYN_ALGORITHM_JOINT_JACOBIANS = 5,                /* q -> J 6 x nv */
+  DYN_ALGORITHM_JOINT_JACOBIANS_TIME_VARIATION = 6, /* q, v -> dJ 6 x nv */
+  DYN_ALGORITHM_FRAME_JACOBIAN = 7,                 /* frame, reference; q -> J 6 x nv */
+  DYN_ALGORITHM_FRAME_JACOBIAN_TIME_VARIATION = 8,  /* frame, reference; q, v -> dJ 6 x nv */
+  DYN_ALGORITHM_COM = 9, /* q, v, a -> com 3, vcom 3, acom 3; v and a are read for vcom and acom */
+  DYN_ALGORITHM_JCOM = 10,                          /* q -> Jcom 3 x nv */
+  DYN_ALGORITHM_SUBTREE_COM = 11,                   /* joint; q -> com 3, mass 1 */
+  DYN_ALGORITHM_SUBTREE_JCOM = 12,                  /* joint; q -> J 3 x nv */
+  DYN_ALGORITHM_RNEA = 13,                          /* q, v, a, fext -> tau nv */
+  DYN_ALGORITHM_NLE = 14,                           /* q, v -> nle nv */
+  DYN_ALGORITHM_GRAVITY_TORQUE = 15,                /* q -> g nv */
+  DYN_ALGORITHM_STATIC_TORQUE = 16,                 /* q, fext -> tau nv */
+  DYN_ALGORITHM_CORIOLIS_MATRIX = 17,               /* q, v -> C nv x nv */
+  DYN_ALGORITHM_ABA = 18,                           /* q, v, tau, fext -> ddq nv */
+  DYN_ALGORITHM_CRBA = 19,                          /* q -> M nv x nv */
+  DYN_ALGORITHM_CHOLESKY_SOLVE = 20,                /* q, b -> x nv: M^-1 b, with dyn_crba and dyn_cholesky */
+  DYN_ALGORITHM_MINV = 21,                          /* q -> Minv nv x nv */
+  DYN_ALGORITHM_RNEA_DERIVATIVES = 22,              /* q, v, a, fext -> dtau_dq, dtau_dv: nv x nv */
+  DYN_ALGORITHM_ABA_DERIVATIVES = 23,               /* q, v, tau, fext -> ddq_dq, ddq_dv, ddq_dtau: nv x nv */
+  DYN_ALGORITHM_ENERGY = 24,                        /* q, v -> kinetic 1, potential 1 */
+  DYN_ALGORITHM_KINETIC_ENERGY = 25,                /* q, v -> kinetic 1 */
+  DYN_ALGORITHM_POTENTIAL_ENERGY = 26,              /* q -> potential 1 */
+  DYN_ALGORITHM_CENTROIDAL_MAP = 27,                /* q, v -> Ag 6 x nv, Ig 6 x 6, hg 6 */
+  DYN_ALGORITHM_CENTROIDAL_MAP_TIME_VARIATION = 28, /* q, v -> dAg 6 x nv */
+  DYN_ALGORITHM_CENTROIDAL_MOMENTUM = 29,           /* q, v -> hg 6 */
+  DYN_ALGORITHM_CENTROIDAL_MOMENTUM_TIME_VARIATION = 30, /* q, v, a -> dhg 6 */
+  DYN_ALGORITHM_CENTROIDAL_DERIVATIVES = 31, /* q, v, a -> dh_dq, dhdot_dq, dhdot_dv, dhdot_da: 6 x nv */
+  DYN_ALGORITHM_JOINT_TORQUE_REGRESSOR = 32,        /* q, v, a -> Y nv x nparameters */
+  DYN_ALGORITHM_STATIC_REGRESSOR = 33,              /* q -> Y 3 x nparameters */
+  DYN_ALGORITHM_KINETIC_ENERGY_REGRESSOR = 34,      /* q, v -> y nparameters */
+  DYN_ALGORITHM_POTENTIAL_ENERGY_REGRESSOR = 35,    /* q -> y nparameters */
+  DYN_ALGORITHM_JOINT_BODY_REGRESSOR = 36,          /* joint; q, v, a -> Y 6 x 10 */
+  DYN_ALGORITHM_FRAME_BODY_REGRESSOR = 37,          /* frame; q, v, a -> Y 6 x 10 */
+  DYN_ALGORITHM_INTEGRATE = 38,                     /* q, v -> out nq */
+  DYN_ALGORITHM_GRAVITY_TORQUE_DERIVATIVES = 39,    /* q -> dg_dq nv x nv */
+  DYN_ALGORITHM_STATIC_TORQUE_DERIVATIVES = 40,     /* q, fext -> dstatic_torque_dq nv x nv */
+  DYN_ALGORITHM_VCOM_DERIVATIVES = 41,              /* q, v -> dvcom_dq, dvcom_dv: 3 x nv */
+  DYN_ALGORITHM_FRAME_VELOCITY_DERIVATIVES = 42,    /* frame, reference; q, v -> dv_dq, dv_dv: 6 x nv */
+  /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
+  DYN_ALGORITHM_FRAME_ACCELERATION_DERIVATIVES = 43,
+  /* frame, reference; q, v, a -> da_dq, da_dv, da_da: 6 x nv */
+  DYN_ALGORITHM_FRAME_CLASSICAL_ACCELERATION_DERIVATIVES = 44,
+  /* q, v, a, fext, b (lambda) -> dqdq, dvdv, dqdv, dadq: nv x nv */
+  DYN_ALGORITHM_RNEA_SECOND_ORDER_PRODUCT = 45,
+  /* q, v, a, fext -> d2tau_dqdq, d2tau_dvdv, d2tau_dqdv, d2tau_dadq: nv matrices nv x nv */
+  DYN_ALGORITHM_RNEA_SECOND_ORDER_DERIVATIVES = 46,
+  DYN_ALGORITHM_FRAME_KINEMATIC_HESSIAN = 47,       /* frame, reference; q -> H nv matrices 6 x nv */
+  DYN_ALGORITHM_DIFFERENCE = 48,                    /* q, q1 -> v nv: q1 (-) q */
+  DYN_ALGORITHM_STEP = 49                           /* dt, integrator; q, v, tau -> q nq, v nv */
 } dynAlgorithm;
 
-/* What goes in and comes out. What an algorithm does not read is ignored. An output may be an input whose rows have the same size;
-   otherwise arrays must not overlap. */
+/* Inputs and outputs. An algorithm ignores inputs that it does not read. An output may be an input with rows
+   of the same size; otherwise arrays must not overlap. */
 typedef struct dynBatchArrays {
-  uint32_t struct_size;               /* set by dyn_batch_arrays_init */
+  uint32_t struct_size;              /* set by dyn_batch_arrays_init */
   int32_t frame, joint;
   dynReference reference;
-  const double *q, *v, *a, *tau, *b;  /* n rows of nq, nv, nv, nv, nv; NULL: zeros, but q and b are required */
-  const double* fext;                 /* n rows of 6 njoints; NULL: none */
-  const double* q1;                   /* n rows of nq, required by DIFFERENCE */
+  const double *q, *v, *a, *tau, *b; /* n rows of nq, nv, nv, nv, nv; NULL: zeros, but q and b are required */
+  const double* fext;                /* n rows of 6 njoints; NULL: none */
+  const double* q1;                  /* n rows of nq, required by DIFFERENCE */
   double dt;
   dynIntegrator integrator;
-  double* out[4];                     /* n rows each; NULL: not wanted, but one at least must be */
-  dynStatus* status;                  /* n, or NULL */
+  double* out[4];                    /* n rows each; NULL: not wanted, but one at least must be */
+  dynStatus* status;                 /* n, or NULL */
 } dynBatchArrays;
 DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays);
-DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays);
+DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n,
+                                const dynBatchArrays* arrays);
 
 /* The same table for programs. Without a model (NULL) sizes that depend on it are 0. */
 typedef struct dynAlgorithmInfo {
   uint32_t struct_size;
-  const char* name;       /* "rnea" */
-  const char* inputs;     /* what it reads, with blanks between: "q v a fext", "frame reference q v" */
+  const char* name;         /* "rnea" */
+  const char* inputs;       /* separated by blanks: "q v a fext", "frame reference q v" */
   int32_t outputs;
-  const char* output[4];  /* names */
+  const char* output[4];    /* names */
   int32_t rows[4], cols[4]; /* of one state; vectors have cols = 1 */
   int32_t pages[4];         /* matrices one after another; 1 for others */
 } dynAlgorithmInfo;
@@ -2014,45 +2108,54 @@ DYN_API dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorit
 
 /* ----------------------------------------------------------------------------------------------- rollouts */
 
-/* What a rollout records beside states, of a frame where one is named: what sensors on a robot would say. */
+/* Sensors that a rollout records beside states. */
 typedef enum dynSensorType {
-  DYN_SENSOR_TYPE_PLACEMENT = 0, /* frame: 7, its position in the world, m, and its quaternion (x, y, z, w) */
-  DYN_SENSOR_TYPE_VELOCITY = 1,  /* frame: 6, [linear; angular], m/s and rad/s, axes of the frame */
-  DYN_SENSOR_TYPE_IMU = 2,       /* frame: 6, axes of the frame: the acceleration of its origin, mean over the last step, less gravity, m/s^2; its angular velocity, rad/s */
-  DYN_SENSOR_TYPE_FORCE = 3,     /* link: 6, [force; moment] of all contacts on its shapes, mean over the last step, N and N m, axes of the world, about its origin */
-  DYN_SENSOR_TYPE_COM = 4,       /* 6, the centre of mass of the robot and its velocity, m and m/s, world */
-  DYN_SENSOR_TYPE_ENERGY = 5     /* 2, kinetic and potential, J */
+  DYN_SENSOR_TYPE_PLACEMENT = 0, /* Of a frame, 7: position (m) and quaternion (x, y, z, w), world. */
+  DYN_SENSOR_TYPE_VELOCITY = 1,  /* Of a frame, 6: [linear; angular] (m/s, rad/s), axes of the frame. */
+  /* Of a frame, 6, its axes: acceleration of its origin minus gravity, mean over the last step (m/s^2), and
+     angular velocity (rad/s). */
+  DYN_SENSOR_TYPE_IMU = 2,
+  /* Of a link, 6: [force; moment] of all contacts on its shapes, mean over the last step (N, N m), axes of
+     the world, about its origin. */
+  DYN_SENSOR_TYPE_FORCE = 3,
+  DYN_SENSOR_TYPE_COM = 4,       /* 6: centre of mass of the robot (m) and its velocity (m/s), world. */
+  DYN_SENSOR_TYPE_ENERGY = 5     /* 2: kinetic and potential energy (J). */
 } dynSensorType;
-/* How many numbers a sensor has; 0 for one that does not exist. */
+/* Returns the size of a sensor; 0 for an unknown one. */
 DYN_API int dyn_sensor_size(dynSensorType sensor);
 
-/* n simulations of the batch's model by its threads: controls in; states, sensors and contacts out. Each makes `steps` steps of stepping->dt; controls
-   are held for `every` steps, at whose end a record is made: R = steps / every records. Arrays are plain, simulation after simulation, record after record;
-   NULL: not given, not wanted. Each begins as new data does, or at its row of states, with q0 and v0 in place of what they say.
-     The same bits   Simulation k is what dyn_data_set_control, dyn_data_set_state and dyn_step do on a data with the batch's effects: whatever the number of threads, and
-                     whether its n - 1 neighbours are there or not. Begun at final_states it goes on as one longer rollout would.
-     Errors          one that fails ends; its records from then on stay as they were, and its status says why. The others go on; the call answers the first one's.
-     progress        is called by the calling thread alone, soon after the beginning, every 10 ms or so, and at the end, with how many steps of how many all threads have made;
-                     what it returns, if not 0, ends all: unfinished simulations then have DYN_ERROR_CANCELLED, as has the call. */
+/* n simulations of the batch's model on its threads. Inputs are controls; outputs are states, sensors and
+   contacts. Each simulation makes `steps` steps of stepping->dt. Controls are held for `every` steps, and a
+   record is made at their end: R = steps / every records. Arrays are contiguous, simulation after simulation,
+   record after record. NULL: not given, not wanted. A simulation begins as new data, or at its row of states;
+   q0 and v0 override.
+     Same bits   Simulation k equals dyn_data_set_control, dyn_data_set_state and dyn_step on a data with the
+                 batch's effects, with any number of threads and any neighbours. Begun at final_states it
+                 continues as one longer rollout would.
+     Errors      A simulation that fails ends; its later records stay unchanged, and its status tells why.
+                 Others go on. The call returns the status of the first failed one.
+     progress    Called by the calling thread alone: at the beginning, about every 10 ms, and at the end, with
+                 the steps made and the total. A non-zero return cancels: unfinished simulations, and the
+                 call, then have DYN_ERROR_CANCELLED. */
 typedef struct dynRollout {
-  uint32_t struct_size;            /* set by dyn_rollout_init */
-  int32_t steps, every;            /* 1, 1; every divides steps */
-  int32_t contact_capacity;        /* 0: of a record */
-  int32_t sensors;                 /* 0: how many */
+  uint32_t struct_size;           /* set by dyn_rollout_init */
+  int32_t steps, every;           /* default 1, 1; every divides steps */
+  int32_t contact_capacity;       /* contacts of a record; default 0 */
+  int32_t sensors;                /* number of sensors; default 0 */
   int32_t reserved;
-  const dynStepOptions* stepping;  /* NULL: as dyn_step_options_init leaves them */
-  const dynSensorType* sensor;     /* sensors of them */
-  const int32_t* sensor_frame;     /* a frame for each; read where the sensor has one */
-  const void* states;              /* n of dyn_model_state_size bytes, as dyn_data_save_state and final_states leave them */
-  const double *q0, *v0;           /* n x nq, n x nv */
-  const double* tau;               /* n x R x nv */
-  const double* control;           /* n x R x nu, for actuators */
-  double *q, *v;                   /* n x R x nq, n x R x nv */
-  double* sensor_data;             /* n x R x the sum of the sensors' sizes */
-  dynContactForce* contacts;       /* n x R x contact_capacity: of the last step, as dyn_data_step_contacts writes them */
-  int32_t* contact_count;          /* n x R: how many there were */
-  void* final_states;              /* n of dyn_model_state_size bytes */
-  dynStatus* status;               /* n */
+  const dynStepOptions* stepping; /* NULL: as dyn_step_options_init */
+  const dynSensorType* sensor;    /* sensors */
+  const int32_t* sensor_frame;    /* sensors: a frame each, read where the sensor has one */
+  const void* states; /* n of dyn_model_state_size bytes, from dyn_data_save_state or final_states */
+  const double *q0, *v0;          /* n x nq, n x nv */
+  const double* tau;              /* n x R x nv */
+  const double* control;          /* n x R x nu, for actuators */
+  double *q, *v;                  /* n x R x nq, n x R x nv */
+  double* sensor_data;            /* n x R x the sum of the sensors' sizes */
+  dynContactForce* contacts; /* n x R x contact_capacity: of the last step, as by dyn_data_step_contacts */
+  int32_t* contact_count;         /* n x R: total contacts */
+  void* final_states;             /* n of dyn_model_state_size bytes */
+  dynStatus* status;              /* n */
   int (*progress)(void* context, int64_t steps, int64_t of);
   void* context;
 } dynRollout;
