@@ -24,7 +24,7 @@ import libdyn as dyn
 
 MODELS = Path(__file__).resolve().parents[1] / "models" / "robots"
 ROBOTS = {"panda": "fixed", "go2": "floating", "humanoid": "floating"}
-ROWS = {"rnea": "q v a", "aba": "q v tau", "crba": "q", "center_of_mass_jacobian": "q"}
+ROWS = {"rnea": "q v a", "aba": "q v tau", "crba": "q", "jcom": "q"}
 STATES, LARGE = 1000, 10000
 
 

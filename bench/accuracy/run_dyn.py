@@ -33,8 +33,8 @@ class Scene:
             d.set_state(self.q, self.v, tau=self.tau)
             if self.problem.ctrl:
                 d.set_control(list(self.problem.ctrl.values()))
-            self.start = d.save()
-        d.restore(self.start)
+            self.start = d.save_state()
+        d.restore_state(self.start)
         self.evaluations = 0
 
     def move(self, k):

@@ -54,10 +54,10 @@ class Libdyn:
         return self.data.crba(s["q"])
 
     def nle(self, s):
-        return self.data.nonlinear_effects(s["q"], s["v"])
+        return self.data.compute_nle(s["q"], s["v"])
 
     def g(self, s):
-        return self.data.gravity(s["q"])
+        return self.data.gravity_torque(s["q"])
 
     def tau(self, s):
         return self.data.rnea(s["q"], s["v"], s["a"])
@@ -66,7 +66,7 @@ class Libdyn:
         return self.data.rnea(s["q"], s["v"], s["a"], self.forces(s["fext"]))
 
     def static_torque(self, s):
-        return self.data.static_torque(s["q"], self.forces(s["fext"]))
+        return self.data.compute_static_torque(s["q"], self.forces(s["fext"]))
 
     def ddq(self, s):
         return self.data.aba(s["q"], s["v"], s["tau"])
@@ -75,7 +75,7 @@ class Libdyn:
         return self.data.aba(s["q"], s["v"], s["tau"], self.forces(s["fext"]))
 
     def Minv(self, s):
-        return self.data.minverse(s["q"])
+        return self.data.minv(s["q"])
 
     def coriolis(self, s):
         return self.data.coriolis_matrix(s["q"], s["v"])
@@ -87,15 +87,15 @@ class Libdyn:
     # centre of mass and centroidal quantities
     def centers_of_mass(self, s):
         """(com, vcom, acom)"""
-        com = self.data.center_of_mass(s["q"], s["v"], s["a"])
+        com = self.data.compute_com(s["q"], s["v"], s["a"])
         return com, self.data.vcom.copy(), self.data.acom.copy()
 
     def Jcom(self, s):
-        return self.data.center_of_mass_jacobian(s["q"])
+        return self.data.jcom(s["q"])
 
     def subtree_com(self, s, joint):
-        self.data.center_of_mass(s["q"], s["v"], s["a"])
-        return self.data.subtree_center_of_mass(joint)[0]
+        self.data.compute_com(s["q"], s["v"], s["a"])
+        return self.data.subtree_com(joint)[0]
 
     def centroidal(self, s):
         """{"Ag", "dAg", "hg", "dhg", "Ig"}; Ig is the 3 x 3 inertia about the centre of mass, world axes"""
@@ -109,16 +109,16 @@ class Libdyn:
         """{"regressor_times_tau": Y' tau, ...}: Y itself would be a large file"""
         q, v = s["q"], s["v"]
         return {"regressor_times_tau": self.data.joint_torque_regressor(q, v, s["a"]).T @ s["tau"],
-                "kinetic_energy_regressor": self.data.kinetic_energy_regressor(q, v),
-                "potential_energy_regressor": self.data.potential_energy_regressor(q)}
+                "kinetic_energy_regressor": self.data.compute_kinetic_energy_regressor(q, v),
+                "potential_energy_regressor": self.data.compute_potential_energy_regressor(q)}
 
     def centroidal_derivatives(self, s):
         return self.data.centroidal_derivatives(s["q"], s["v"], s["a"])._asdict()
 
     def rest_derivatives(self, s):
-        return {"dg_dq a": self.data.gravity_derivatives(s["q"]) @ s["a"],
+        return {"dg_dq a": self.data.gravity_torque_derivatives(s["q"]) @ s["a"],
                 "dstatic_torque_dq a": self.data.static_torque_derivatives(s["q"], self.forces(s["fext"])) @ s["a"],
-                "dvcom_dq a": self.data.center_of_mass_velocity_derivatives(s["q"], s["v"]).dvcom_dq @ s["a"]}
+                "dvcom_dq a": self.data.vcom_derivatives(s["q"], s["v"]).dvcom_dq @ s["a"]}
 
     # derivatives by tangent vectors
     def inverse_derivatives(self, s):

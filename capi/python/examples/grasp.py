@@ -61,7 +61,7 @@ def least_torque(model, data, q):
     knuckle = model.joint("left_knuckle_joint").idx_v
     data.forward_kinematics(q)
     n, weight = MASS * 9.81 / (2 * MU), MASS * 9.81
-    tau = data.gravity(q)[knuckle]
+    tau = data.gravity_torque(q)[knuckle]
     for link, (side, _, _) in FINGERS.items():
         J = data.frame_jacobian(link, "local_world_aligned")[:3, knuckle]  # the links do not turn: all their points move alike
         tau -= J @ [0, side * n, -weight / 2]

@@ -21,7 +21,7 @@ def main(path=PANDA):
     # at rest, inverse dynamics is gravity: the same numbers, not nearly the same
     for seed in range(5):
         q = model.random(seed)
-        assert np.array_equal(data.rnea(q, zero, zero), data.gravity(q))
+        assert np.array_equal(data.rnea(q, zero, zero), data.gravity_torque(q))
     print("rnea(q, 0, 0) is gravity(q), bit for bit, at 5 configurations")
 
     # the torques of a wanted acceleration give that acceleration, and M a + h is the same torque
@@ -32,7 +32,7 @@ def main(path=PANDA):
         tau = data.rnea(q, v, a)
         M, error = data.crba(q), np.abs(data.aba(q, v, tau) - a).max()
         assert error < 50 * eps * np.linalg.cond(M), "rounding of the torques, times what the inverse of M makes of it"
-        assert np.abs(M @ a + data.nonlinear_effects(q, v) - tau).max() < 50 * eps * np.abs(tau).max()
+        assert np.abs(M @ a + data.compute_nle(q, v) - tau).max() < 50 * eps * np.abs(tau).max()
         worst = max(worst, error)
     print(f"aba(q, v, rnea(q, v, a)) is a, within {worst:.1g}")
 
@@ -46,7 +46,7 @@ def main(path=PANDA):
         robot.set_state(home)
         robot.set_stepping("rk4", 1e-3)
         for _ in range(1000):
-            robot.set_state(tau=data.gravity(robot.q) if held else zero)
+            robot.set_state(tau=data.gravity_torque(robot.q) if held else zero)
             robot.step()
         moved = np.abs(model.difference(home, robot.q)).max()
         print(f"after 1 s {'with gravity compensation' if held else 'without'} it moved {moved:.2g} rad")

@@ -60,14 +60,14 @@ def where_the_feet_are(model, data, q, v):
 def what_holds_it(model, data, q, v, a):
     """Stage 3. Gravity, inverse dynamics, and back."""
     zero = np.zeros(model.nv)
-    assert np.array_equal(data.rnea(q, zero, zero), data.gravity(q)), "at rest inverse dynamics is gravity, bit for bit"
+    assert np.array_equal(data.rnea(q, zero, zero), data.gravity_torque(q)), "at rest inverse dynamics is gravity, bit for bit"
     R = data.frame_placement("base").rotation
-    assert np.abs(R @ data.gravity(q)[:3] - [0, 0, 9.81 * model.total_mass]).max() < 1e-11, "what the base lacks is the robot's weight"
+    assert np.abs(R @ data.gravity_torque(q)[:3] - [0, 0, 9.81 * model.total_mass]).max() < 1e-11, "what the base lacks is the robot's weight"
     tau = data.rnea(q, v, a)
     eps, M = np.finfo(float).eps, data.crba(q)
     assert np.abs(data.aba(q, v, tau) - a).max() < 50 * eps * np.linalg.cond(M)
     assert np.array_equal(M, M.T), "M is full: no triangle is left for the caller"
-    print(f"3. its weight is {9.81 * model.total_mass:.5g} N; the joints hold their links with {np.round(data.gravity(q)[6:9], 3)} N m (front left leg)")
+    print(f"3. its weight is {9.81 * model.total_mass:.5g} N; the joints hold their links with {np.round(data.gravity_torque(q)[6:9], 3)} N m (front left leg)")
 
 
 def two_threads(model, q, v, a):

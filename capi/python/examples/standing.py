@@ -5,7 +5,7 @@
 M a + h = S'tau + sum J_k'f_k. For given q, v and a wanted the six rows of the base hold no motor: J_b'f = (M a + h)_b =: w must come from
 the feet, f_k in its friction cone. Four feet have twelve forces for six rows: the least ones that do it solve the quadratic program
     min |J_b'f - w|^2 / 2 + epsilon |f|^2 / 2   over the cones
-which dyn.friction_cone_qp gives with pyramids in the cones (here for daqp, if it is installed), and dyn.contact_solve with the cones
+which dyn.contact_problem_qp gives with pyramids in the cones (here for daqp, if it is installed), and dyn.contact_solve with the cones
 themselves: G = J_b J_b' + epsilon I, g = -J_b w. As long as no foot slides both are the same minimum. Then tau is what is left of the
 other rows.
 """
@@ -45,7 +45,7 @@ def qp_forces(G, g):
         import daqp
     except ImportError:
         return None
-    qp = dyn.friction_cone_qp(G, g, friction=np.full(len(FEET), MU), facets=32)
+    qp = dyn.contact_problem_qp(G, g, friction=np.full(len(FEET), MU), facets=32)
     H, A = qp.dense()
     big = 1e30
     x, _, flag, _ = daqp.solve(H, qp.g, A, np.minimum(qp.upper, big), np.maximum(qp.lower, -big), np.zeros(len(qp.lower), np.int32))

@@ -23,7 +23,7 @@ from .arrays import Placement
 from .batch import ALGORITHMS, Algorithm, Batch, Rollout
 from .builder import Builder
 from .centroidal import Centroidal, CentroidalDerivatives
-from .collision import Distance, shape_distance
+from .collision import Distance, geometry_distance
 from .contact import (
     BroadPhase,
     ClosestPoint,
@@ -32,10 +32,10 @@ from .contact import (
     RayHit,
     Rays,
     SmoothDistances,
-    shape_closest_point,
-    shape_contacts,
-    shape_ray,
-    shape_sweep,
+    geometry_closest_point,
+    geometry_contacts,
+    geometry_ray,
+    geometry_sweep,
 )
 from .contact_solver import (
     ConeQp,
@@ -45,7 +45,7 @@ from .contact_solver import (
     contact_compliance,
     contact_compliance_hertz,
     contact_solve,
-    friction_cone_qp,
+    contact_problem_qp,
 )
 from .convert import State, StateLayout
 from .data import Data
@@ -249,7 +249,7 @@ __all__ = [
     "contact_compliance",
     "contact_compliance_hertz",
     "contact_solve",
-    "friction_cone_qp",
+    "contact_problem_qp",
     "from_buffer",
     "ik",
     "is_physically_consistent",
@@ -263,8 +263,8 @@ __all__ = [
     "parameters_from_log_cholesky",
     "parameters_from_pseudo_inertia",
     "pseudo_inertia_from_parameters",
-    "shape_closest_point",
-    "shape_contacts",
-    "shape_ray",
-    "shape_sweep",
+    "geometry_closest_point",
+    "geometry_contacts",
+    "geometry_ray",
+    "geometry_sweep",
 ]  # fmt: skip

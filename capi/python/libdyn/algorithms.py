@@ -25,7 +25,7 @@ class Algorithm(NamedTuple):
 
 
 def _algorithms() -> dict[str, Algorithm]:
-    rows, info = {}, abi.BatchInfo()
+    rows, info = {}, abi.AlgorithmInfo()
     for id in count():
         if lib.dyn_algorithm_info(None, id, byref(info)):
             return rows

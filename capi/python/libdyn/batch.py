@@ -58,7 +58,7 @@ class _Plan:
     """An algorithm for one model: the shapes of inputs (None: an index or an option) and outputs, as they lie in memory."""
 
     def __init__(self, model: Model, algorithm: Algorithm):
-        info = abi.BatchInfo()
+        info = abi.AlgorithmInfo()
         check(lib.dyn_algorithm_info(model._m, algorithm.id, byref(info)))
         nv = (model.nv,)
         rows = {"q": (model.nq,), "q1": (model.nq,), "v": nv, "a": nv, "tau": nv, "b": nv, "fext": (model.njoints, 6)}

@@ -27,20 +27,20 @@ class Algorithms:
         """J of N states: Data.frame_jacobian for each."""
     def frame_jacobian_time_variation(self, frame: int | str, q: Any, v: ArrayLike | None = None, reference: Any = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
         """dJ of N states: Data.frame_jacobian_time_variation for each."""
-    def center_of_mass(self, q: Any, v: ArrayLike | None = None, a: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
-        """com, vcom, acom of N states: Data.center_of_mass for each."""
-    def center_of_mass_jacobian(self, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
-        """Jcom of N states: Data.center_of_mass_jacobian for each."""
-    def subtree_center_of_mass(self, joint: int | str, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
-        """com, mass of N states: Data.subtree_center_of_mass for each."""
-    def subtree_center_of_mass_jacobian(self, joint: int | str, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
-        """J of N states: Data.subtree_center_of_mass_jacobian for each."""
+    def com(self, q: Any, v: ArrayLike | None = None, a: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
+        """com, vcom, acom of N states: Data.com for each."""
+    def jcom(self, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
+        """Jcom of N states: Data.jcom for each."""
+    def subtree_com(self, joint: int | str, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
+        """com, mass of N states: Data.subtree_com for each."""
+    def subtree_jcom(self, joint: int | str, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
+        """J of N states: Data.subtree_jcom for each."""
     def rnea(self, q: Any, v: ArrayLike | None = None, a: ArrayLike | None = None, fext: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
         """tau of N states: Data.rnea for each."""
-    def nonlinear_effects(self, q: Any, v: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
-        """nle of N states: Data.nonlinear_effects for each."""
-    def gravity(self, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
-        """g of N states: Data.gravity for each."""
+    def nle(self, q: Any, v: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
+        """nle of N states: Data.nle for each."""
+    def gravity_torque(self, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
+        """g of N states: Data.gravity_torque for each."""
     def static_torque(self, q: Any, fext: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
         """tau of N states: Data.static_torque for each."""
     def coriolis_matrix(self, q: Any, v: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
@@ -49,10 +49,10 @@ class Algorithms:
         """ddq of N states: Data.aba for each."""
     def crba(self, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
         """M of N states: Data.crba for each."""
-    def solve(self, q: Any, b: ArrayLike, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
-        """x of N states: Data.solve for each."""
-    def minverse(self, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
-        """Minv of N states: Data.minverse for each."""
+    def cholesky_solve(self, q: Any, b: ArrayLike, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
+        """x of N states: Data.cholesky_solve for each."""
+    def minv(self, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
+        """Minv of N states: Data.minv for each."""
     def rnea_derivatives(self, q: Any, v: ArrayLike | None = None, a: ArrayLike | None = None, fext: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
         """dtau_dq, dtau_dv of N states: Data.rnea_derivatives for each."""
     def aba_derivatives(self, q: Any, v: ArrayLike | None = None, tau: ArrayLike | None = None, fext: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
@@ -69,8 +69,8 @@ class Algorithms:
         """dAg of N states: Data.centroidal_map_time_variation for each."""
     def centroidal_momentum(self, q: Any, v: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
         """hg of N states: Data.centroidal_momentum for each."""
-    def centroidal_momentum_rate(self, q: Any, v: ArrayLike | None = None, a: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
-        """dhg of N states: Data.centroidal_momentum_rate for each."""
+    def centroidal_momentum_time_variation(self, q: Any, v: ArrayLike | None = None, a: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
+        """dhg of N states: Data.centroidal_momentum_time_variation for each."""
     def centroidal_derivatives(self, q: Any, v: ArrayLike | None = None, a: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
         """dh_dq, dhdot_dq, dhdot_dv, dhdot_da of N states: Data.centroidal_derivatives for each."""
     def joint_torque_regressor(self, q: Any, v: ArrayLike | None = None, a: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
@@ -87,12 +87,12 @@ class Algorithms:
         """Y of N states: Data.frame_body_regressor for each."""
     def integrate(self, q: Any, v: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
         """q (+) v of N states, (N, nq): Model.integrate for each."""
-    def gravity_derivatives(self, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
-        """dg_dq of N states: Data.gravity_derivatives for each."""
+    def gravity_torque_derivatives(self, q: Any, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
+        """dg_dq of N states: Data.gravity_torque_derivatives for each."""
     def static_torque_derivatives(self, q: Any, fext: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> np.ndarray:
         """dstatic_torque_dq of N states: Data.static_torque_derivatives for each."""
-    def center_of_mass_velocity_derivatives(self, q: Any, v: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
-        """dvcom_dq, dvcom_dv of N states: Data.center_of_mass_velocity_derivatives for each."""
+    def vcom_derivatives(self, q: Any, v: ArrayLike | None = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
+        """dvcom_dq, dvcom_dv of N states: Data.vcom_derivatives for each."""
     def frame_velocity_derivatives(self, frame: int | str, q: Any, v: ArrayLike | None = None, reference: Any = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:
         """dv_dq, dv_dv of N states: Data.frame_velocity_derivatives for each."""
     def frame_acceleration_derivatives(self, frame: int | str, q: Any, v: ArrayLike | None = None, a: ArrayLike | None = None, reference: Any = None, *, only: str | None = None, out: Any = None, status: np.ndarray | None = None) -> Any:

@@ -55,7 +55,7 @@ class CentroidalDynamics:
         """hg, (6,), without Ag."""
         return self._result(_centroidal_momentum(self._m, self._d, self._q(q), self._v(v), None), ID["hg"])
 
-    def centroidal_momentum_rate(self, q: Any = None, v: Any = None, a: Any = None) -> np.ndarray:
+    def centroidal_momentum_time_variation(self, q: Any = None, v: Any = None, a: Any = None) -> np.ndarray:
         """dhg, (6,), the time derivative of hg for the acceleration a; also the field hg."""
         status = _centroidal_momentum_rate(self._m, self._d, self._q(q), self._v(v), self._a(a), None)
         return self._result(status, ID["dhg"])
@@ -63,7 +63,7 @@ class CentroidalDynamics:
     def centroidal(self, q: Any = None, v: Any = None, a: Any = None) -> Centroidal:
         """(Ag, dAg, hg, dhg, Ig)."""
         dAg = self.centroidal_map_time_variation(q, v)
-        dhg = self.centroidal_momentum_rate(a=a)
+        dhg = self.centroidal_momentum_time_variation(a=a)
         return Centroidal(self.Ag.copy("F"), dAg, self.hg.copy(), dhg, self.Ig.copy("F"))
 
     def centroidal_derivatives(self, q: Any = None, v: Any = None, a: Any = None) -> CentroidalDerivatives:

@@ -139,7 +139,7 @@ class Result(NamedTuple):
 
     @property
     def solved(self) -> bool:
-        return self.reason == ConstraintReason.SOLVED
+        return self.reason == ConstraintReason.CONVERGED
 
 
 class Constrained(NamedTuple):
@@ -282,7 +282,7 @@ class ConstraintCalls:
         s = None if constraint is None else byref(structure(constraint, find))
         check(lib.dyn_data_set_constraint(self._m, self._d, self._slot(slot), s))
 
-    def get_constraint(self, slot: str | int) -> abi.Constraint:
+    def constraint(self, slot: str | int) -> abi.Constraint:
         """What a slot holds: the fields of dynConstraint, of type NONE when it is empty."""
         out = abi.Constraint()
         check(lib.dyn_data_constraint(self._m, self._d, self._slot(slot), byref(out)))
@@ -291,12 +291,12 @@ class ConstraintCalls:
     def add_constraint(self, constraint: Constraint) -> int:
         """Puts a constraint into the first empty slot; answers its number."""
         for slot in range(self.model.nconstraint_slots):
-            if self.get_constraint(slot).type == ConstraintType.NONE:
+            if self.constraint(slot).type == ConstraintType.NONE:
                 self.set_constraint(slot, constraint)
                 return slot
         raise ArgumentError(f"all {self.model.nconstraint_slots} slots are full: load the model with more constraint_slots, or empty one.")
 
-    def enable_constraint(self, slot: str | int, enabled: bool = True) -> None:
+    def set_constraint_enabled(self, slot: str | int, enabled: bool = True) -> None:
         """Switches a slot on or off."""
         check(lib.dyn_data_set_constraint_enabled(self._m, self._d, self._slot(slot), bool(enabled)))
 

@@ -103,10 +103,10 @@ def _shape(x: tuple, what: str) -> abi.Geometry:
     return _geometry(*x, *(0.0,) * (3 - len(x)), what)
 
 
-def shape_contacts(
+def geometry_contacts(
     a: tuple, placement_a: Any, b: tuple, placement_b: Any, margin: float = 0.0, tolerance: float = 0.0
 ) -> list[Contact]:
-    """Contact points, at most eight, at a distance of at most margin (m); shapes as in dyn.shape_distance."""
+    """Contact points, at most eight, at a distance of at most margin (m); shapes as in dyn.geometry_distance."""
     A, B = _shape(a, "a"), _shape(b, "b")
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     out, count = (abi.Contact * _MOST)(), c_int()
@@ -114,7 +114,7 @@ def shape_contacts(
     return [to_contact(c) for c in out[: count.value]]
 
 
-def shape_ray(shape: tuple, placement: Any, origin: ArrayLike, direction: ArrayLike) -> RayHit | None:
+def geometry_ray(shape: tuple, placement: Any, origin: ArrayLike, direction: ArrayLike) -> RayHit | None:
     """Where the ray origin + t direction first meets a solid."""
     S, X = _shape(shape, "shape"), twelve(placement, "placement")
     o, d, out = checked(origin, (3,), "origin"), checked(direction, (3,), "direction"), abi.RayHit()
@@ -122,14 +122,14 @@ def shape_ray(shape: tuple, placement: Any, origin: ArrayLike, direction: ArrayL
     return None if out.shape < 0 else RayHit(out.t, np.array(out.position), np.array(out.normal))
 
 
-def shape_closest_point(shape: tuple, placement: Any, point: ArrayLike) -> ClosestPoint:
+def geometry_closest_point(shape: tuple, placement: Any, point: ArrayLike) -> ClosestPoint:
     """The point of a shape's surface that is closest to a point."""
     S, X, p, out = _shape(shape, "shape"), twelve(placement, "placement"), checked(point, (3,), "point"), abi.ClosestPoint()
     check(lib.dyn_geometry_closest_point(byref(S), address(X), address(p), byref(out)))
     return ClosestPoint(out.distance, np.array(out.point), np.array(out.normal), bool(out.unique))
 
 
-def shape_sweep(
+def geometry_sweep(
     a: tuple,
     placement_a: Any,
     motion_a: ArrayLike | None,

@@ -174,7 +174,7 @@ def contact_solve(G: ArrayLike, g: ArrayLike, **arguments: Any) -> ContactSoluti
     return ContactSolver(max(1, np.size(g))).solve(G, g, **arguments)
 
 
-def friction_cone_qp(G: ArrayLike | None, g: ArrayLike, *, facets: int = 8, inscribed: bool = True, **problem: Any) -> ConeQp:
+def contact_problem_qp(G: ArrayLike | None, g: ArrayLike, *, facets: int = 8, inscribed: bool = True, **problem: Any) -> ConeQp:
     """The problem as a quadratic program, cones as pyramids of so many facets (0: as second-order cones). G None: A, lower, upper alone count."""
     p, q = _Problem(G, g, **problem), abi.Qp()
     check(lib.dyn_contact_problem_qp(byref(p.c), facets, inscribed, byref(q)))

@@ -140,7 +140,7 @@ class Data(
         "springs"), "all" or (). New data: armature, limits, actuators, held weights and the medium, which but for armature act in steps alone."""
         check(lib.dyn_data_set_effects(self._m, self._d, self.model._joint(joint), mask(Effect, effects, "effects")))
 
-    def warmup(self) -> None:
+    def warm_up(self) -> None:
         """Touches what later calls would be the first to touch: no call waits for a page of memory. Once in each thread with a deadline."""
         check(lib.dyn_data_warm_up(self._m, self._d))
 

@@ -64,7 +64,7 @@ class Derivatives:
         check(_aba_derivatives(self._m, self._d, self._q(q), self._v(v), self._tau(tau), self._fext(fext), None, None, None))
         return ForwardDerivatives(*(x.copy("F") for x in (self.ddq_dq, self.ddq_dv, self.Minv)))
 
-    def gravity_derivatives(self, q: Any = None) -> np.ndarray:
+    def gravity_torque_derivatives(self, q: Any = None) -> np.ndarray:
         """dg/dq, (nv, nv), on the tangent space."""
         return self._result(lib.dyn_gravity_torque_derivatives(self._m, self._d, self._q(q), None), ID["dg_dq"])
 

@@ -47,15 +47,15 @@ class Dynamics:
         """Inverse dynamics tau = M a + nle - J^T fext, (nv,), N m or N."""
         return self._result(_rnea(self._m, self._d, self._q(q), self._v(v), self._a(a), self._fext(fext), None), ID["tau"])
 
-    def nonlinear_effects(self, q: Any = None, v: Any = None) -> np.ndarray:
+    def compute_nle(self, q: Any = None, v: Any = None) -> np.ndarray:
         """nle = tau at a = 0: Coriolis, centrifugal, gravity, (nv,)."""
         return self._result(_nonlinear_effects(self._m, self._d, self._q(q), self._v(v), None), ID["nle"])
 
-    def gravity(self, q: Any = None) -> np.ndarray:
+    def gravity_torque(self, q: Any = None) -> np.ndarray:
         """g = tau at v = a = 0, (nv,)."""
         return self._result(_gravity(self._m, self._d, self._q(q), None), ID["g"])
 
-    def static_torque(self, q: Any = None, fext: ArrayLike | None = None) -> np.ndarray:
+    def compute_static_torque(self, q: Any = None, fext: ArrayLike | None = None) -> np.ndarray:
         """tau that holds q at rest: g - J^T fext, (nv,)."""
         return self._result(_static_torque(self._m, self._d, self._q(q), self._fext(fext), None), ID["static_torque"])
 
@@ -71,12 +71,12 @@ class Dynamics:
         """M, (nv, nv), full and symmetric."""
         return self._result(_crba(self._m, self._d, self._q(q), None), ID["M"])
 
-    def factorize(self) -> None:
-        """Sparse factor of the current M: what solve needs."""
+    def cholesky(self) -> None:
+        """Sparse factor of the current M: what cholesky_solve needs."""
         check(lib.dyn_cholesky(self._m, self._d))
 
-    def solve(self, b: ArrayLike) -> np.ndarray:
-        """x = M^-1 b for b (nv,) or (nv, n). Needs factorize."""
+    def cholesky_solve(self, b: ArrayLike) -> np.ndarray:
+        """x = M^-1 b for b (nv,) or (nv, n). Needs cholesky."""
         b = numbers(b, "b")
         many = b.shape if b.ndim == 2 else (self.model.nv,)
         b = checked(b, (self.model.nv, *many[1:]), "b")
@@ -84,7 +84,7 @@ class Dynamics:
         check(lib.dyn_cholesky_solve(self._m, self._d, address(b), b.shape[1] if b.ndim == 2 else 1, address(x)))
         return x
 
-    def minverse(self, q: Any = None) -> np.ndarray:
+    def minv(self, q: Any = None) -> np.ndarray:
         """M^-1, (nv, nv), full and symmetric."""
         return self._result(_minverse(self._m, self._d, self._q(q), None), ID["Minv"])
 

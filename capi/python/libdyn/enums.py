@@ -129,9 +129,9 @@ class ConstraintType(enum.IntEnum):
 class ConstraintReason(enum.IntEnum):
     """How a problem with constraints ended."""
 
-    SOLVED = 0
-    CONTRADICT = 1
-    ITERATIONS = 2
+    CONVERGED = 0
+    CONTRADICTORY = 1
+    MAX_ITERATIONS = 2
 
 
 class RowVerdict(enum.IntEnum):
@@ -149,7 +149,7 @@ class DistanceStatus(enum.IntEnum):
     SEPARATED = 0
     TOUCHING = 1
     PENETRATING = 2
-    DISTANCE_FAILED = 3
+    FAILED = 3
 
 
 class DistanceMethod(enum.IntEnum):
@@ -254,7 +254,7 @@ class Part(enum.IntFlag):
     INVERSE = 1 << 3
     FORWARD = 1 << 4
     MASS = 1 << 5
-    FACTOR = 1 << 6
+    CHOLESKY = 1 << 6
     MINV = 1 << 7
     CORIOLIS = 1 << 8
     ENERGY = 1 << 9
@@ -278,13 +278,13 @@ class Term(enum.IntFlag):
     KINEMATICS = 1 << 0
     FRAMES = 1 << 1
     JACOBIANS = 1 << 2
-    DJACOBIANS = 1 << 3
+    JACOBIANS_TIME_VARIATION = 1 << 3
     COM = 1 << 4
     JCOM = 1 << 5
     NLE = 1 << 6
-    GRAVITY = 1 << 7
+    GRAVITY_TORQUE = 1 << 7
     MASS = 1 << 8
-    FACTOR = 1 << 9
+    CHOLESKY = 1 << 9
     MINV = 1 << 10
     CORIOLIS = 1 << 11
     ENERGY = 1 << 12
@@ -317,7 +317,7 @@ class IkReason(enum.IntEnum):
     LIMITS = 1
     SINGULAR = 2
     LOCAL_MINIMUM = 3
-    ITERATIONS = 4
+    MAX_ITERATIONS = 4
 
 
 class ContactSolverType(enum.IntEnum):
@@ -331,7 +331,7 @@ class ContactStatus(enum.IntEnum):
 
     CONVERGED = 0
     MAX_ITERATIONS = 1
-    TIME = 2
+    TIME_BUDGET = 2
     STALLED = 3
 
 

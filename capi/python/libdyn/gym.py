@@ -141,14 +141,14 @@ class WalkVectorEnv(VectorEnv):
         self.batch = task.model.batch(threads)
         self._single = Simulation(task.model, dt=DT)
         self._random: list[np.random.Generator] = [np.random.default_rng() for _ in range(num_envs)]
-        self._states = np.tile(np.frombuffer(self._single.data.save(), np.uint8), (num_envs, 1))
+        self._states = np.tile(np.frombuffer(self._single.data.save_state(), np.uint8), (num_envs, 1))
         self._q, self._v = np.tile(task.q, (num_envs, 1)), np.zeros((num_envs, task.model.nv))
         self._action = np.zeros((num_envs, len(task.joints)))
         self._age, self._ended = np.zeros(num_envs, int), np.zeros(num_envs, bool)
 
     def _begin(self, k: int) -> None:
         self._single.reset(self.task.begin(self._random[k]))
-        self._states[k] = np.frombuffer(self._single.data.save(), np.uint8)
+        self._states[k] = np.frombuffer(self._single.data.save_state(), np.uint8)
         self._q[k], self._v[k], self._action[k], self._age[k], self._ended[k] = self._single.q, 0, 0, 0, False
 
     def _observe(self) -> np.ndarray:

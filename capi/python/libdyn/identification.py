@@ -26,16 +26,16 @@ class Regressors:
         status = _joint_torque_regressor(self._m, self._d, self._q(q), self._v(v), self._a(a), None)
         return self._result(status, ID["regressor"])
 
-    def static_regressor(self, q: Any = None) -> np.ndarray:
+    def compute_static_regressor(self, q: Any = None) -> np.ndarray:
         """Y, (3, 10 (njoints - 1)): com = Y pi."""
         return self._result(_static_regressor(self._m, self._d, self._q(q), None), ID["static_regressor"])
 
-    def kinetic_energy_regressor(self, q: Any = None, v: Any = None) -> np.ndarray:
+    def compute_kinetic_energy_regressor(self, q: Any = None, v: Any = None) -> np.ndarray:
         """y, (10 (njoints - 1),): the kinetic energy without that of the armature is y @ pi."""
         status = _kinetic_energy_regressor(self._m, self._d, self._q(q), self._v(v), None)
         return self._result(status, ID["kinetic_energy_regressor"])
 
-    def potential_energy_regressor(self, q: Any = None) -> np.ndarray:
+    def compute_potential_energy_regressor(self, q: Any = None) -> np.ndarray:
         """y, (10 (njoints - 1),): the potential energy is y @ pi."""
         status = _potential_energy_regressor(self._m, self._d, self._q(q), None)
         return self._result(status, ID["potential_energy_regressor"])

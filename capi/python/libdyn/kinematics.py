@@ -145,28 +145,28 @@ class Kinematics:
 
     # ------------------------------------------------------------------------------------------- centre of mass
 
-    def center_of_mass(self, q: Any = None, v: Any = None, a: Any = None) -> np.ndarray:
+    def compute_com(self, q: Any = None, v: Any = None, a: Any = None) -> np.ndarray:
         """com, (3,), m, world axes; with v and a also the fields vcom and acom."""
         status = _center_of_mass(self._m, self._d, self._q(q), self._v(v), self._a(a), None, None, None)
         return self._result(status, ID["com"])
 
-    def center_of_mass_jacobian(self, q: Any = None) -> np.ndarray:
+    def jcom(self, q: Any = None) -> np.ndarray:
         """Jcom, (3, nv): Jcom v = vcom."""
         return self._result(_center_of_mass_jacobian(self._m, self._d, self._q(q), None), ID["Jcom"])
 
-    def center_of_mass_velocity_derivatives(self, q: Any = None, v: Any = None) -> CenterOfMassVelocityDerivatives:
+    def vcom_derivatives(self, q: Any = None, v: Any = None) -> CenterOfMassVelocityDerivatives:
         """Derivatives (dvcom_dq, dvcom_dv) of vcom; the second is Jcom."""
         check(lib.dyn_vcom_derivatives(self._m, self._d, self._q(q), self._v(v), None, None))
         return CenterOfMassVelocityDerivatives(self.dvcom_dq.copy("F"), self.Jcom.copy("F"))
 
-    def subtree_center_of_mass(self, joint: int | str) -> tuple[np.ndarray, float]:
-        """(com (3,), mass) of what a joint carries. Needs center_of_mass."""
+    def subtree_com(self, joint: int | str) -> tuple[np.ndarray, float]:
+        """(com (3,), mass) of what a joint carries. Needs compute_com."""
         (com, start), mass = self._three, c_double()
         check(lib.dyn_subtree_com(self._m, self._d, self.model._joint(joint), start, byref(mass)))
         return com.copy(), mass.value
 
-    def subtree_center_of_mass_jacobian(self, joint: int | str) -> np.ndarray:
-        """Jacobian of that point, (3, nv). Needs center_of_mass."""
+    def subtree_jcom(self, joint: int | str) -> np.ndarray:
+        """Jacobian of that point, (3, nv). Needs compute_com."""
         out, start = self._three_nv
         check(lib.dyn_subtree_jcom(self._m, self._d, self.model._joint(joint), start))
         return out.copy("F")

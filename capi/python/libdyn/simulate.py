@@ -47,7 +47,7 @@ class Simulation:
         if q is None and "qpos0" in model.configuration_names:
             q = "qpos0"
         self.data.set_state(self._configuration(q), v)
-        self._begin = self.data.save()
+        self._begin = self.data.save_state()
 
     def __repr__(self) -> str:
         return f"<dyn.Simulation of {self.model.name!r}: t {self.time:g} s, dt {self.dt:g} s>"
@@ -70,7 +70,7 @@ class Simulation:
     def reset(self, q: Any = None, v: Any = None) -> None:
         """Back to the beginning, with q (or a configuration's name) or v in place of what was there."""
         q = self._configuration(q)
-        self.data.restore(self._begin)
+        self.data.restore_state(self._begin)
         self.data.set_state(q, v)
 
     def _configuration(self, q: Any) -> Any:

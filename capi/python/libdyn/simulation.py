@@ -190,14 +190,14 @@ class Stepping:
                 ]
             room = count.value
 
-    def save(self) -> bytes:
+    def save_state(self) -> bytes:
         """The state: q, v, a, tau, the time, and the contacts that the next step begins from."""
         n = lib.dyn_model_state_size(self._m)
         out = create_string_buffer(n)
         check(lib.dyn_data_save_state(self._m, self._d, out, n))
         return out.raw
 
-    def restore(self, state: bytes) -> None:
+    def restore_state(self, state: bytes) -> None:
         """Brings back a state of the same model that save gave: steps go on from it bit for bit."""
         check(lib.dyn_data_restore_state(self._m, self._d, bytes(state), len(state)))
 

@@ -49,7 +49,7 @@ def closed(m, seed=1, **options):
 def kkt(d, q, v, tau, gains=(0, 0), redundant=False):
     """ddq and J' lambda of the dense system."""
     t = d.constraint_terms(q, v)
-    M, h = d.crba(q), d.nonlinear_effects(q, v)
+    M, h = d.crba(q), d.compute_nle(q, v)
     b = -t.drift - gains[0] * t.C - gains[1] * t.Jv
     L = np.linalg.cholesky(M)
     A = np.linalg.solve(L, t.J.T)

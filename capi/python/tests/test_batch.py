@@ -42,12 +42,12 @@ def single(model, algorithm, x):
     if algorithm.name.startswith(("frame", "joint_body")):
         d.forward_kinematics(q, v if "v" in algorithm.inputs else None, a if "a" in algorithm.inputs else None)
     if algorithm.name.startswith("subtree"):
-        d.center_of_mass(q)
-    if algorithm.name == "solve":
-        d.crba(q), d.factorize()
-        return d.solve(x["b"])
-    result = getattr(d, algorithm.name)(*inputs)
-    if algorithm.name == "center_of_mass":
+        d.compute_com(q)
+    if algorithm.name == "cholesky_solve":
+        d.crba(q), d.cholesky()
+        return d.cholesky_solve(x["b"])
+    result = getattr(d, f"compute_{algorithm.name}" if algorithm.name in dyn.FIELDS else algorithm.name)(*inputs)
+    if algorithm.name == "com":
         return d.com, d.vcom, d.acom
     if algorithm.name == "rnea_derivatives":
         return result[:2]
@@ -80,7 +80,7 @@ def test_arguments_in_every_form(go2, batch, states):
     read_only.flags.writeable = False
     np.testing.assert_array_equal(batch.rnea(strided, read_only, a.tolist()), tau)
     np.testing.assert_array_equal(batch.rnea(q, v=v, a=a, fext=np.zeros((N, 6, go2.njoints))), tau)
-    np.testing.assert_array_equal(batch.rnea(q, a=np.zeros_like(a)), batch.gravity(q))
+    np.testing.assert_array_equal(batch.rnea(q, a=np.zeros_like(a)), batch.gravity_torque(q))
     np.testing.assert_array_equal(batch.rnea(q[::2], v[::2], a[::2]), tau[::2])
     assert batch.rnea(q[:0]).shape == (0, go2.nv) and batch.crba(q[:0]).shape == (0, go2.nv, go2.nv)
 
@@ -132,11 +132,11 @@ def test_refusals(go2, batch, states):
     with pytest.raises(dyn.ArgumentError, match="real numbers"):
         batch.rnea(q.astype(complex))
     with pytest.raises(dyn.ArgumentError, match="b is None"):
-        batch.solve(q, None)
+        batch.cholesky_solve(q, None)
     with pytest.raises(TypeError):
         batch.rnea()
     with pytest.raises(TypeError):
-        batch.gravity(q, v)
+        batch.gravity_torque(q, v)
     with pytest.raises(dyn.UnknownNameError):
         batch.frame_velocity("nobody", q, v)
     with pytest.raises(dyn.ArgumentError, match="reference"):

@@ -17,13 +17,13 @@ def test_definitions(go2, state):
     close(c.hg, c.Ag @ v, atol=1e-11)
     close(c.dhg, c.Ag @ a + c.dAg @ v, atol=1e-10)
     close(c.Ig[:3, :3], go2.total_mass * np.eye(3), atol=1e-12)
-    d.center_of_mass(q, v, a)
+    d.compute_com(q, v, a)
     close(c.hg[:3], go2.total_mass * d.vcom, atol=1e-11)
     close(c.dhg[:3], go2.total_mass * d.acom, atol=1e-10)
     np.testing.assert_array_equal(d.centroidal_map(q, v), d.Ag)
     np.testing.assert_array_equal(d.centroidal_map_time_variation(q, v), d.dAg)
     np.testing.assert_array_equal(d.centroidal_momentum(q, v), d.hg)
-    np.testing.assert_array_equal(d.centroidal_momentum_rate(q, v, a), d.dhg)
+    np.testing.assert_array_equal(d.centroidal_momentum_time_variation(q, v, a), d.dhg)
     close(d.hg, c.hg, atol=1e-11)
 
 
@@ -32,7 +32,7 @@ def test_free_fall(go2, state):
     tau = tau.copy()
     tau[:6] = 0
     d = go2.data()
-    dhg = d.centroidal_momentum_rate(q, v, d.aba(q, v, tau))
+    dhg = d.centroidal_momentum_time_variation(q, v, d.aba(q, v, tau))
     close(dhg, [0, 0, -9.81 * go2.total_mass, 0, 0, 0], atol=1e-8)
 
 
@@ -44,13 +44,13 @@ def test_derivatives(go2, state):
     u, h = np.cos(np.arange(go2.nv)), 1e-5
 
     def momenta(s):
-        dhg = d.centroidal_momentum_rate(go2.integrate(q, s * u), v, a)
+        dhg = d.centroidal_momentum_time_variation(go2.integrate(q, s * u), v, a)
         return d.hg.copy(), dhg
 
     (h1, dh1), (h0, dh0) = momenta(h), momenta(-h)
     close(x.dh_dq @ u, (h1 - h0) / (2 * h), atol=1e-6)
     close(x.dhdot_dq @ u, (dh1 - dh0) / (2 * h), atol=1e-5)
-    dhg = [d.centroidal_momentum_rate(q, v + s * u, a) for s in (h, -h)]
+    dhg = [d.centroidal_momentum_time_variation(q, v + s * u, a) for s in (h, -h)]
     close(x.dhdot_dv @ u, (dhg[0] - dhg[1]) / (2 * h), atol=1e-6)
 
 

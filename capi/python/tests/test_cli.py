@@ -178,9 +178,9 @@ def test_eval_everything(go2, state, state_file):
     assert list(found) == ALL.split(",")
     d, r = go2.data(), "LOCAL_WORLD_ALIGNED"
     expected = {
-        "tau": d.rnea(q, v, a), "ddq": d.aba(q, v, tau), "M": d.crba(q), "Minv": d.minverse(q), "nle": d.nonlinear_effects(q, v),
-        "g": d.gravity(q), "static_torque": d.static_torque(q), "coriolis": d.coriolis_matrix(q, v),
-        "com": d.center_of_mass(q, v, a), "vcom": d.vcom.copy(), "acom": d.acom.copy(), "Jcom": d.center_of_mass_jacobian(q),
+        "tau": d.rnea(q, v, a), "ddq": d.aba(q, v, tau), "M": d.crba(q), "Minv": d.minv(q), "nle": d.compute_nle(q, v),
+        "g": d.gravity_torque(q), "static_torque": d.compute_static_torque(q), "coriolis": d.coriolis_matrix(q, v),
+        "com": d.compute_com(q, v, a), "vcom": d.vcom.copy(), "acom": d.acom.copy(), "Jcom": d.jcom(q),
     }  # fmt: skip
     d.forward_kinematics(q, v, a)
     expected |= {
@@ -194,8 +194,8 @@ def test_eval_everything(go2, state, state_file):
     np.testing.assert_array_equal(found["placements"][frame]["translation"], X.translation)
     energy = d.energy(q, v)
     assert found["energy"] == {"kinetic": energy.kinetic, "potential": energy.potential, "mechanical": energy.mechanical}
-    d.center_of_mass(q)
-    com, mass = d.subtree_center_of_mass(2)
+    d.compute_com(q)
+    com, mass = d.subtree_com(2)
     assert found["subtree_com"][go2.joint_name(2)] == {"com": com.tolist(), "mass": mass}
 
 
@@ -220,12 +220,12 @@ def test_eval_centroidal_and_regressors(go2, state, state_file):
     d = go2.data()
     c, pi = d.centroidal(q, v, a), go2.inertial_parameters().reshape(-1, 10)
     expected = c._asdict() | d.centroidal_derivatives(q, v, a)._asdict() | {
-        "regressor": d.joint_torque_regressor(q, v, a), "static_regressor": d.static_regressor(q),
-        "kinetic_energy_regressor": d.kinetic_energy_regressor(q, v), "potential_energy_regressor": d.potential_energy_regressor(q),
+        "regressor": d.joint_torque_regressor(q, v, a), "static_regressor": d.compute_static_regressor(q),
+        "kinetic_energy_regressor": d.compute_kinetic_energy_regressor(q, v), "potential_energy_regressor": d.compute_potential_energy_regressor(q),
     }  # fmt: skip
     Ig = found.pop("Ig")
     np.testing.assert_allclose(Ig["inertia"], c.Ig[3:, 3:], atol=1e-14)
-    np.testing.assert_allclose(Ig["com"], d.center_of_mass(q), atol=1e-14)
+    np.testing.assert_allclose(Ig["com"], d.compute_com(q), atol=1e-14)
     assert abs(Ig["mass"] - go2.total_mass) < 1e-12
     for i, (joint, parameters) in enumerate(found.pop("inertial_parameters").items()):
         assert joint == go2.joint_name(i + 1) and parameters == pi[i].tolist()
@@ -249,8 +249,8 @@ def test_eval_derivatives_of_frames_and_second_order(go2, state, state_file):
     expected = d.rnea_second_order_derivatives(q, v, a)._asdict() | {
         "dv_dq": d.frame_velocity_derivatives(*of).dv_dq, "da_dq": acceleration.da_dq, "da_dv": acceleration.da_dv,
         "dclassical_dq": classical.da_dq, "dclassical_dv": classical.da_dv,
-        "kinematic_hessian": d.frame_kinematic_hessian(*of).transpose(2, 0, 1), "dg_dq": d.gravity_derivatives(q),
-        "dvcom_dq": d.center_of_mass_velocity_derivatives(q, v).dvcom_dq, "dstatic_torque_dq": d.static_torque_derivatives(q),
+        "kinematic_hessian": d.frame_kinematic_hessian(*of).transpose(2, 0, 1), "dg_dq": d.gravity_torque_derivatives(q),
+        "dvcom_dq": d.vcom_derivatives(q, v).dvcom_dq, "dstatic_torque_dq": d.static_torque_derivatives(q),
     }  # fmt: skip
     assert found.keys() == expected.keys() == set(names.split(","))
     for name, value in found.items():
@@ -307,7 +307,7 @@ def test_eval_for_people(arm_file):
 def test_state_by_joint(arm_file, arm, state_file):
     path = state_file({"q": {"elbow": 0.5}, "v": {"shoulder": [2]}})
     found = answer("eval", arm_file, "--fixed", "--compute", "nle", "--state", path)
-    assert found["nle"] == arm.data().nonlinear_effects([0, 0.5], [2, 0]).tolist()
+    assert found["nle"] == arm.data().compute_nle([0, 0.5], [2, 0]).tolist()
 
 
 @pytest.mark.parametrize(

@@ -14,12 +14,12 @@ def at(x, y, z):
 
 
 def test_shapes():
-    d = dyn.shape_distance(("box", (2, 2, 2)), at(0, 0, 0), ("sphere", 0.5), at(0, 0, 3))
+    d = dyn.geometry_distance(("box", (2, 2, 2)), at(0, 0, 0), ("sphere", 0.5), at(0, 0, 3))
     assert d.distance == pytest.approx(1.5) and d.status is DistanceStatus.SEPARATED and d.unique
     np.testing.assert_allclose([d.normal, d.point_a, d.point_b], [[0, 0, 1], [0, 0, 1], [0, 0, 2.5]], atol=1e-12)
-    d = dyn.shape_distance(("cylinder", (0.5, 2), 0.1), at(0, 0, 0), ("capsule", (0.3, 1)), at(0.7, 0, 0))
+    d = dyn.geometry_distance(("cylinder", (0.5, 2), 0.1), at(0, 0, 0), ("capsule", (0.3, 1)), at(0.7, 0, 0))
     assert d.distance == pytest.approx(-0.2) and d.status is DistanceStatus.PENETRATING
-    assert dyn.shape_distance(("half_space", ()), at(0, 0, 0), ("ellipsoid", (1, 2, 3)), at(0, 0, 5)).distance == pytest.approx(2)
+    assert dyn.geometry_distance(("half_space", ()), at(0, 0, 0), ("ellipsoid", (1, 2, 3)), at(0, 0, 5)).distance == pytest.approx(2)
 
 
 @pytest.mark.parametrize(
@@ -35,7 +35,7 @@ def test_shapes():
 )
 def test_shapes_that_cannot_be(shape, error):
     with pytest.raises(error):
-        dyn.shape_distance(shape, at(0, 0, 0), ("sphere", 1), at(0, 0, 0))
+        dyn.geometry_distance(shape, at(0, 0, 0), ("sphere", 1), at(0, 0, 0))
 
 
 def test_shapes_of_a_builder():

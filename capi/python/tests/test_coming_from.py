@@ -110,13 +110,13 @@ def rbdl(row, n):
         base = lambda t: m.integrate(q, v * t)[:3]
         return np.r_[rate(base), v[3:]]
     if row == "inverse dynamics":
-        return (d.crba(q) @ a + d.nonlinear_effects(q, v))[6:]
+        return (d.crba(q) @ a + d.compute_nle(q, v))[6:]
     if row == "joint-space inertia":
-        return np.column_stack([d.rnea(q, 0 * v, e) - d.gravity(q) for e in np.eye(m.nv)])[6:, 6:]
+        return np.column_stack([d.rnea(q, 0 * v, e) - d.gravity_torque(q) for e in np.eye(m.nv)])[6:, 6:]
     if row == "bias forces":
         return d.rnea(q, v, 0 * v)[6:]
     if row == "forward dynamics":
-        return np.linalg.solve(d.crba(q), tau - d.nonlinear_effects(q, v))[6:]
+        return np.linalg.solve(d.crba(q), tau - d.compute_nle(q, v))[6:]
     if row == "place of a point of a body":
         return foot(0, point)[0]
     if row == "velocity of a frame":

@@ -115,6 +115,6 @@ def test_a_model_in_a_mapped_file(tmp_path):
     assert np.array_equal(model.data().rnea(q, v, a), placed.data().rnea(q, v, a)) and placed.joint_name(1) == "j"
     assert len(model.image(narrow=True, names=False)) < len(model.image())
     data = placed.data()
-    data.warmup()
+    data.warm_up()
     with pytest.raises(dyn.Error):
         dyn.from_buffer(bytearray(model.image())[:-8])

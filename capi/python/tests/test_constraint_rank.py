@@ -118,7 +118,7 @@ def test_contradictions_by_name():
     q0 = np.array([0.1, 0.2, -0.1, 0.05, 0.02, -0.1, 1])
     q0[3:] /= np.linalg.norm(q0[3:])
     q, _, result = d.project(q0)
-    assert result.reason == dyn.ConstraintReason.CONTRADICT
+    assert result.reason == dyn.ConstraintReason.CONTRADICTORY
     np.testing.assert_allclose(result.residual, 5e-4, rtol=1e-6)
     np.testing.assert_allclose(q[:3], 0, atol=1e-8)
     report = d.constraint_report(q)
@@ -128,6 +128,6 @@ def test_contradictions_by_name():
     # accelerations that contradict each other: the least squares of them
     d.set_constraint("here", dc.weld("left", placement2=(-0.6, 0, 0), stiffness=100, damping=20))
     ddq, forces = d.constrained_dynamics(np.array([0, 0, 0, 0, 0, 0, 1.0]), np.zeros(6), np.zeros(6))
-    assert d.constraint_result.reason == dyn.ConstraintReason.CONTRADICT and d.constraint_result.contradiction > 1
+    assert d.constraint_result.reason == dyn.ConstraintReason.CONTRADICTORY and d.constraint_result.contradiction > 1
     np.testing.assert_allclose(ddq, [-5, 0, 0, 0, 0, 0], atol=1e-6)
     assert np.isfinite(forces).all()

@@ -28,7 +28,7 @@ def test_fields_and_switches():
     q, v, tau = random_state(m, 3)
     all_feet = d.constrained_dynamics(q, v, tau)
     assert np.array_equal(d.constrained_ddq, all_feet.ddq) and np.array_equal(d.field("lambda")[:12], all_feet.forces)
-    d.enable_constraint(1, False)
+    d.set_constraint_enabled(1, False)
     with pytest.raises(dyn.StaleError):
         d.constrained_ddq
     assert d.constraint_rows() == slice(0, 9) and d.constraint_rows(2) == slice(3, 6) and d.constraint_rows(1) == slice(3, 3)
@@ -166,7 +166,7 @@ def test_limits_and_friction_are_complementary():
         ddq, forces = d.constrained_dynamics(q, v, tau)
         assert d.constraint_result.solved
         t = d.constraint_terms(q, v)
-        np.testing.assert_allclose(d.crba(q) @ ddq + d.nonlinear_effects(q, v) - tau, t.J.T @ forces, atol=1e-9)
+        np.testing.assert_allclose(d.crba(q) @ ddq + d.compute_nle(q, v) - tau, t.J.T @ forces, atol=1e-9)
         for k in range(4):
             limit, dry = forces[2 * k], forces[2 * k + 1]
             excess = ddq[k] + 100 * (q[k] - np.clip(q[k], -0.5, 0.5)) + 20 * v[k]
@@ -225,10 +225,10 @@ def test_anchor():
         d.anchor_constraint(slot, q)
     assert abs(d.constraint_terms(q, v).C).max() < 1e-14
     d.forward_kinematics(q)
-    held = d.get_constraint(2)
+    held = d.constraint(2)
     assert held.type == dyn.constraint.ConstraintType.POINT and m.frames[held.first].name == FEET[2]
     np.testing.assert_allclose(np.array(held.placement2)[-3:], d.frame_placement(FEET[2])[1], atol=1e-14)
-    assert d.get_constraint(4).type == dyn.constraint.ConstraintType.NONE
+    assert d.constraint(4).type == dyn.constraint.ConstraintType.NONE
     moved = m.integrate(q, 0.05 * np.ones(m.nv))
     assert abs(d.constraint_terms(moved, v).C).max() > 1e-3
     p = d.project(moved)
@@ -250,7 +250,7 @@ def test_every_type_between_frames(type, tmp_path):
     held.save(tmp_path / "held.urdf")
     back = dyn.load(tmp_path / "held.urdf", base="floating")
     for x in (held, back):
-        assert x.data().get_constraint("held").type == type
+        assert x.data().constraint("held").type == type
 
 
 def test_refusals():
@@ -273,7 +273,7 @@ def test_refusals():
             d.set_constraint(0, bad)
         assert np.array_equal(before, d.constraint_terms().C)
     with pytest.raises(dyn.ArgumentError, match="slot 9"):
-        d.enable_constraint(9)
+        d.set_constraint_enabled(9)
     with pytest.raises(dyn.UnknownNameError):
         dyn.Builder("x").constraint("c", dc.point("nobody"))
     b = dyn.Builder.from_model(m)

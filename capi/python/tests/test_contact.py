@@ -20,20 +20,20 @@ def scene():
 
 
 def test_shapes():
-    contacts = dyn.shape_contacts(("half_space", ()), at(0, 0, 0), ("box", (2, 2, 2)), at(0, 0, 0.99))
+    contacts = dyn.geometry_contacts(("half_space", ()), at(0, 0, 0), ("box", (2, 2, 2)), at(0, 0, 0.99))
     assert len(contacts) == 4 and len({c.feature for c in contacts}) == 4
     for c in contacts:
         assert c.distance == pytest.approx(-0.01)
         np.testing.assert_allclose(np.abs(c.position), [1, 1, 0.005], atol=1e-12)
-    hit = dyn.shape_ray(("sphere", 1), at(0, 0, 0), (0, 0, 5), (0, 0, -1))
+    hit = dyn.geometry_ray(("sphere", 1), at(0, 0, 0), (0, 0, 5), (0, 0, -1))
     assert hit.t == pytest.approx(4) and hit.normal[2] == pytest.approx(1)
-    assert dyn.shape_ray(("sphere", 1), at(0, 0, 0), (0, 0, 5), (0, 1, 0)) is None
-    near = dyn.shape_closest_point(("capsule", (0.5, 2)), at(0, 0, 0), (2, 0, 0.3))
+    assert dyn.geometry_ray(("sphere", 1), at(0, 0, 0), (0, 0, 5), (0, 1, 0)) is None
+    near = dyn.geometry_closest_point(("capsule", (0.5, 2)), at(0, 0, 0), (2, 0, 0.3))
     assert near.distance == pytest.approx(1.5) and near.unique
-    impact = dyn.shape_sweep(("sphere", 1), at(0, 0, 5), (0, 0, -1, 0, 0, 0), ("half_space", ()), at(0, 0, 0), None, 10)
+    impact = dyn.geometry_sweep(("sphere", 1), at(0, 0, 5), (0, 0, -1, 0, 0, 0), ("half_space", ()), at(0, 0, 0), None, 10)
     assert impact.status is SweepStatus.HIT and impact.time == pytest.approx(4)
     with pytest.raises(dyn.ArgumentError, match="margin"):
-        dyn.shape_contacts(("sphere", 1), at(0, 0, 0), ("sphere", 1), at(0, 0, 0), -1)
+        dyn.geometry_contacts(("sphere", 1), at(0, 0, 0), ("sphere", 1), at(0, 0, 0), -1)
 
 
 def test_a_scene():

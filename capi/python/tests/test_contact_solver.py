@@ -61,7 +61,7 @@ def test_errors():
 def test_quadratic_program():
     G, g, mu = random_problem(2, 9)
     G = (G + G.T) / 2
-    qp = dyn.friction_cone_qp(G, g, friction=mu, facets=12)
+    qp = dyn.contact_problem_qp(G, g, friction=mu, facets=12)
     H, A = qp.dense()
     close(H, G)
     close(qp.g, g)
@@ -70,11 +70,11 @@ def test_quadratic_program():
     for x in rng.standard_normal((2000, 6)):  # inside the pyramid: inside the cone; outside of the outer one: outside of the cone
         in_cone = all(np.hypot(*f[:2]) <= m * f[2] for f, m in zip(x.reshape(-1, 3), mu))
         inner = (A @ x <= qp.upper).all() and (A @ x >= qp.lower).all()
-        outer = dyn.friction_cone_qp(G, g, friction=mu, facets=12, inscribed=False)
+        outer = dyn.contact_problem_qp(G, g, friction=mu, facets=12, inscribed=False)
         outer_A = outer.dense()[1]
         outside = not ((outer_A @ x <= outer.upper).all() and (outer_A @ x >= outer.lower).all())
         assert not (inner and not in_cone) and not (in_cone and outside)
-    cone = dyn.friction_cone_qp(None, g, friction=mu, facets=0).dense()[1]
+    cone = dyn.contact_problem_qp(None, g, friction=mu, facets=0).dense()[1]
     close(cone, np.kron(np.eye(2), [[0, 0, 0.5], [1, 0, 0], [0, 1, 0]]))
 
 
@@ -84,7 +84,7 @@ def test_quadratic_program_of_all_rows():
         friction=[0.7, 0.5, 0.0, 0.4], torsion=[0, 0, 0.1, 0.02], rolling=[0, 0, 0, 0.01], contact_rows=[1, 3, 4, 6], equalities=1,
         lower=[0, -1], upper=[np.inf, 1], compliance=np.arange(n) * 0.1,
     )  # fmt: skip
-    qp = dyn.friction_cone_qp(np.eye(n), np.arange(n), facets=6, **problem)
+    qp = dyn.contact_problem_qp(np.eye(n), np.arange(n), facets=6, **problem)
     H, A = qp.dense()
     close(H, np.diag(1 + 0.1 * np.arange(n)))
     assert len(qp.lower) == 2 + 1 + 7 + (1 + 2 + 2) + (1 + 6 + 6 + 2)

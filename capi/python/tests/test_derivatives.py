@@ -57,4 +57,4 @@ def test_minverse_alone_of_a_long_chain():
         b.body(f"b{k}", f"j{k}", 1.0, (0, 0, 0.1), np.eye(3) * 0.01)
     m = b.finish()
     d = m.data(dyn.Part.MINV)
-    assert np.abs(d.minverse(m.neutral()) @ d.crba(m.neutral()) - np.eye(128)).max() < 1e-9
+    assert np.abs(d.minv(m.neutral()) @ d.crba(m.neutral()) - np.eye(128)).max() < 1e-9

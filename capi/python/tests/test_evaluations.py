@@ -81,7 +81,7 @@ def test_accuracy_is_met_in_contact(name):
         problem.data.set_shape_material(None, dyn.Material(restitution=p.restitution))
     if p.ctrl:
         problem.data.set_control(list(p.ctrl.values()))
-    begin = problem.data.save()
+    begin = problem.data.save_state()
     for accuracy in (1e-2, 1e-3, 1e-4, 1e-5):
-        problem.data.restore(begin)
+        problem.data.restore_state(begin)
         assert problem.run(accuracy)[1] <= 3 * accuracy, accuracy

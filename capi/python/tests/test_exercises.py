@@ -134,13 +134,13 @@ def test_free_fall(name, base):
     m = load(name, base)
     d, (q, v, _) = m.data(), motion(m)
     a = d.aba(q, v, np.zeros(m.nv))
-    d.centroidal_momentum_rate(q, v, a)
+    d.centroidal_momentum_time_variation(q, v, a)
     scale = 9.81 * m.total_mass
     close(d.dhg[:3], m.total_mass * m.gravity, atol=1e-12 * scale)
     close(d.dhg[3:], 0, atol=1e-10 * scale)  # about the centre of mass, which moves: not about the world's origin
-    d.center_of_mass(q, v, a)
+    d.compute_com(q, v, a)
     close(d.acom, m.gravity, atol=1e-12 * 9.81)
-    assert abs(d.centroidal_momentum_rate(q, v, 0 * a)[2] - -scale) > 1e-3, "another acceleration is another motion"
+    assert abs(d.centroidal_momentum_time_variation(q, v, 0 * a)[2] - -scale) > 1e-3, "another acceleration is another motion"
 
 
 @pytest.mark.parametrize("name, base", ROBOTS[:2])
@@ -149,13 +149,13 @@ def test_the_base_in_the_momentum_matrix(name, base):
     m = load(name, base)
     d, (q, v, _) = m.data(), motion(m)
     Ag = d.centroidal_map(q, v)
-    com = d.center_of_mass(q)
+    com = d.compute_com(q)
     d.forward_kinematics(q)
     R, p = d.frame_placement(m.joint_name(1))
     X = action(R, p - com)  # base's axes and origin to world's axes at the centre of mass
     close(Ag[:, :6], d.Ig @ X, atol=1e-11 * m.total_mass)
     close(X.T @ Ag, d.crba(q)[:6], atol=1e-11 * m.total_mass)
-    close(Ag[:3] / m.total_mass, d.center_of_mass_jacobian(q), atol=1e-12)
+    close(Ag[:3] / m.total_mass, d.jcom(q), atol=1e-12)
 
 
 def test_one_rigid_body_carries_the_momentum(go2):
@@ -167,8 +167,8 @@ def test_one_rigid_body_carries_the_momentum(go2):
     for foot in feet:
         d.add_constraint(dyn.constraint.point(foot))
     ddq, forces = d.constrained_dynamics(q, v, np.r_[np.zeros(6), np.linspace(-3, 3, 12)])
-    rate = d.centroidal_momentum_rate(q, v, ddq)
-    com = d.center_of_mass(q)
+    rate = d.centroidal_momentum_time_variation(q, v, ddq)
+    com = d.compute_com(q)
     d.forward_kinematics(q)
     f = forces.reshape(-1, 3)
     moment = sum(np.cross(d.frame_placement(foot).translation - com, x) for foot, x in zip(feet, f))
@@ -185,7 +185,7 @@ def test_m_is_full(go2, state):
     d, (q, v, a, _) = go2.data(), state
     M = d.crba(q)
     assert np.array_equal(M, M.T)
-    close(M @ a + d.nonlinear_effects(q, v), d.rnea(q, v, a), atol=1e-10)
+    close(M @ a + d.compute_nle(q, v), d.rnea(q, v, a), atol=1e-10)
 
 
 def test_random_configurations_are_finite(go2):

@@ -23,10 +23,10 @@ def test_regressors(robot, request):
     Y = d.joint_torque_regressor(q, v, a)
     assert Y.shape == (m.nv, n) and d.regressor.shape == (m.nv, n)
     close(Y @ pi + m.armature * a, d.rnea(q, v, a), atol=1e-10)
-    close(d.joint_torque_regressor(q, 0 * v, 0 * a) @ pi, d.gravity(q), atol=1e-10)
-    close(d.static_regressor(q) @ pi, d.center_of_mass(q), atol=1e-12)
-    close(d.kinetic_energy_regressor(q, v) @ pi + 0.5 * m.armature @ v**2, d.kinetic_energy(q, v), rtol=1e-12)
-    close(d.potential_energy_regressor(q) @ pi, d.potential_energy(q), atol=1e-11)
+    close(d.joint_torque_regressor(q, 0 * v, 0 * a) @ pi, d.gravity_torque(q), atol=1e-10)
+    close(d.compute_static_regressor(q) @ pi, d.compute_com(q), atol=1e-12)
+    close(d.compute_kinetic_energy_regressor(q, v) @ pi + 0.5 * m.armature @ v**2, d.kinetic_energy(q, v), rtol=1e-12)
+    close(d.compute_potential_energy_regressor(q) @ pi, d.potential_energy(q), atol=1e-11)
 
 
 def test_bodies(arm):

@@ -36,13 +36,13 @@ def test_tasks_together(go2):
     d = go2.data()
     q = go2.neutral()
     q[2], q[7:] = 0.3, [0, 0.8, -1.6] * 4
-    com = d.center_of_mass(q)
+    com = d.compute_com(q)
     feet = ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
     tasks = [ik.position(f, d.frame_placement(f).translation) for f in feet]
     tasks += [ik.com(com + [0.02, 0.01, -0.03]), ik.orientation("base", np.eye(3)), ik.posture(q)]
     r = d.ik(tasks, q, restarts=0)
     assert r.converged and (r.residuals[:-1] <= 1e-6).all() and r.residuals[-1].max() > 1e-3
-    close(d.center_of_mass(), com + [0.02, 0.01, -0.03], atol=1.1e-6)
+    close(d.compute_com(), com + [0.02, 0.01, -0.03], atol=1.1e-6)
     close(d.frame_placement("base").rotation, np.eye(3), atol=1e-6)
 
 
@@ -57,7 +57,7 @@ def test_what_holds_it_back(arm):
     assert d.ik(ik.position("tool", [0.5, 7, -1], weights=[1, 0, 1]), [0.3, 0.4]).converged
     r = d.ik([ik.position("tool", [0.5, 0, -1]), ik.posture({"elbow": 1.0}, priority=0, weights=[0, 1])], [0.3, 0.4])
     assert r.reason == dyn.IkReason.LOCAL_MINIMUM
-    assert d.ik(ik.position("tool", [0.5, 0, -1]), [2, -2], max_iterations=1, restarts=0).reason == dyn.IkReason.ITERATIONS
+    assert d.ik(ik.position("tool", [0.5, 0, -1]), [2, -2], max_iterations=1, restarts=0).reason == dyn.IkReason.MAX_ITERATIONS
 
 
 def test_refusals(arm):

@@ -43,7 +43,7 @@ def test_check(name):
     ddq, forces = d.constrained_dynamics(p.q, p.v, tau)
     assert d.constraint_result.solved and d.constraint_result.rank == rank
     t = d.constraint_terms(p.q, p.v)
-    np.testing.assert_allclose(d.crba(p.q) @ ddq + d.nonlinear_effects(p.q, p.v), tau + t.J.T @ forces, atol=1e-8 * max(1, abs(ddq).max()))
+    np.testing.assert_allclose(d.crba(p.q) @ ddq + d.compute_nle(p.q, p.v), tau + t.J.T @ forces, atol=1e-8 * max(1, abs(ddq).max()))
     np.testing.assert_allclose(t.J @ ddq + t.drift, 0, atol=1e-8 * max(1, abs(ddq).max()))
 
 

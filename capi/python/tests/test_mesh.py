@@ -109,15 +109,15 @@ def test_shapes_of_meshes(tmp_path):
     cube = dyn.Mesh.from_arrays(CUBE - 0.5, TRIANGLES)
     X = [1, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0.2, 0.1]
     here = [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]
-    expected = dyn.shape_distance(("box", (1, 1, 1)), here, ("cylinder", (0.3, 0.5)), X)
-    found = dyn.shape_distance(("triangles", cube), here, ("cylinder", (0.3, 0.5)), X)
+    expected = dyn.geometry_distance(("box", (1, 1, 1)), here, ("cylinder", (0.3, 0.5)), X)
+    found = dyn.geometry_distance(("triangles", cube), here, ("cylinder", (0.3, 0.5)), X)
     assert found.distance == pytest.approx(expected.distance, abs=1e-9)
     field = dyn.Mesh.height_field(np.full((3, 5), 0.5), 0.5, -1)
     assert field.info.triangles == 16 and field.info.area == pytest.approx(2)
     X[9:] = [0.3, 0.1, 0.6]
-    assert dyn.shape_distance(("height_field", field), here, ("sphere", 0.2), X).distance == pytest.approx(-0.1)
+    assert dyn.geometry_distance(("height_field", field), here, ("sphere", 0.2), X).distance == pytest.approx(-0.1)
     with pytest.raises(dyn.ArgumentError, match="no hull"):
-        dyn.shape_distance(("convex", cube), here, ("sphere", 0.2), X)
+        dyn.geometry_distance(("convex", cube), here, ("sphere", 0.2), X)
     with pytest.raises(dyn.SizeError):
         dyn.Mesh.height_field(np.zeros(4), 1, -1)
     with pytest.raises(dyn.InvalidRobotError, match="not above the bottom"):

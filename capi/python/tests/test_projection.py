@@ -48,7 +48,7 @@ def test_projection_onto_linkages_stretched_flat(weigh):
         d = arm(lengths, 1.01 * far).data()
         p = d.project(np.random.default_rng(1).uniform(-1, 1, len(lengths)), weigh=weigh)
         near = 1e-6 if len(lengths) == 2 else 1e-2  # of three it gets there more slowly, and says so
-        assert p.result.reason == dyn.ConstraintReason.CONTRADICT or (len(lengths) == 3 and p.result.reason == dyn.ConstraintReason.ITERATIONS)
+        assert p.result.reason == dyn.ConstraintReason.CONTRADICTORY or (len(lengths) == 3 and p.result.reason == dyn.ConstraintReason.MAX_ITERATIONS)
         np.testing.assert_allclose(p.result.residual, 0.015 * np.cos(0.4), rtol=near)
         np.testing.assert_allclose(np.exp(1j * p.q), np.exp([0.4j] + [0] * (len(lengths) - 1)), atol=10 * near)
 

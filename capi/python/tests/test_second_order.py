@@ -43,17 +43,17 @@ def test_at_rest_and_center_of_mass(go2, state):
     q, v, _, _ = state
     d, u = go2.data(), np.cos(np.arange(go2.nv))
     fext = np.sin(np.arange(6 * go2.njoints)).reshape((6, -1), order="F")
-    close(d.gravity_derivatives(q) @ u, rate(lambda t: d.gravity(go2.integrate(q, t * u))), atol=1e-6)
-    close(d.static_torque_derivatives(q, fext) @ u, rate(lambda t: d.static_torque(go2.integrate(q, t * u), fext)), atol=1e-6)
+    close(d.gravity_torque_derivatives(q) @ u, rate(lambda t: d.gravity_torque(go2.integrate(q, t * u))), atol=1e-6)
+    close(d.static_torque_derivatives(q, fext) @ u, rate(lambda t: d.compute_static_torque(go2.integrate(q, t * u), fext)), atol=1e-6)
     np.testing.assert_array_equal(d.static_torque_derivatives(q, 0 * fext), d.static_torque_derivatives(q))
 
     def vcom(t):
-        d.center_of_mass(go2.integrate(q, t * u), v, 0 * v)
+        d.compute_com(go2.integrate(q, t * u), v, 0 * v)
         return d.vcom.copy()
 
-    x = d.center_of_mass_velocity_derivatives(q, v)
+    x = d.vcom_derivatives(q, v)
     close(x.dvcom_dq @ u, rate(vcom), atol=1e-6)
-    np.testing.assert_array_equal(x.dvcom_dv, d.center_of_mass_jacobian(q))
+    np.testing.assert_array_equal(x.dvcom_dv, d.jcom(q))
 
 
 def test_second_order(go2, state):
@@ -68,7 +68,7 @@ def test_second_order(go2, state):
         np.testing.assert_array_equal(getattr(product, name), d.field(f"lambda_d2tau_{name}"))
     close(x.d2tau_dadq @ u, rate(lambda t: d.crba(go2.integrate(q, t * u))), atol=1e-6)
     # C v by v, twice: velocities enter as a quadratic form
-    close(np.einsum("ijk,j,k->i", x.d2tau_dvdv, v, v) / 2 + d.gravity(q), d.nonlinear_effects(q, v), atol=1e-9)
+    close(np.einsum("ijk,j,k->i", x.d2tau_dvdv, v, v) / 2 + d.gravity_torque(q), d.compute_nle(q, v), atol=1e-9)
 
     def along(t):
         return d.rnea(go2.integrate(q, t * u), v, a, fext)

@@ -115,15 +115,15 @@ def test_states_are_kept():
     q[2] = 0.4
     d.set_state(q, [1, 0, 0, 0, 3, 1])
     d.advance(0.3)
-    kept = d.save()
+    kept = d.save_state()
     d.advance(0.2)
     end = d.q.copy()
-    d.restore(kept)
+    d.restore_state(kept)
     assert d.time == pytest.approx(0.3)
     d.advance(0.2)
     assert np.array_equal(d.q, end)
     with pytest.raises(dyn.SizeError, match="dyn_model_state_size"):
-        d.restore(kept[:-1])
+        d.restore_state(kept[:-1])
 
 
 def test_the_ledger():

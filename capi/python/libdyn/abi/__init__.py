@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from . import batch, builder, collision, constraint, contact_solver, data, ik, mesh, model, simulation
-from .batch import PROGRESS, BatchArrays, BatchInfo, Rollout
+from .batch import PROGRESS, BatchArrays, AlgorithmInfo, Rollout
 from .builder import JointSpec, ShapeSpec
 from .collision import ClosestPoint, Contact, Distance, DistanceOptions, Geometry, Impact, RayHit
 from .common import MAJOR, Array, Grown, Material

@@ -15,7 +15,7 @@ class BatchArrays(Grown):
     ]  # fmt: skip
 
 
-class BatchInfo(Grown):
+class AlgorithmInfo(Grown):
     _fields_ = [
         ("struct_size", c_uint32), ("name", c_char_p), ("inputs", c_char_p), ("outputs", c_int32), ("output", c_char_p * 4),
         ("rows", c_int32 * 4), ("cols", c_int32 * 4), ("pages", c_int32 * 4),
