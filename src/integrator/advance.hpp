@@ -1,5 +1,5 @@
-// Steps whose lengths follow from the error asked for: an embedded Runge-Kutta method, error per unit step (Hairer, Norsett, Wanner 1993,
-// II.4), so that the local errors add up to at most `accuracy` over the duration.
+// Steps whose lengths follow from the error asked for: an embedded Runge-Kutta method with error per unit step
+// (Hairer, Norsett, Wanner 1993, II.4), so local errors add up to at most `accuracy` over the duration.
 #pragma once
 
 #include "base/portable.hpp"
@@ -10,19 +10,18 @@
 
 namespace dyn::integrator {
 
-// Where rounding ends what a smaller step could gain, rad and m and their rates: of what a step adds; or, where accelerations are known
-// less well, from where on the errors of shorter steps fall no more.
+// Error level (rad, m and their rates) below which shorter steps gain nothing: rounding of the state, or of the accelerations.
 template <class T>
 struct RoundingFloor {
-  bool held;         // rows hold
-  T max_noise;      // per second: more is no rounding
+  bool held;         // constraint rows are active
+  T max_noise;      // noise of errors per second: more is not rounding
   T noise = T(0);    // of errors, per second
-  T rejected = T(0), tried = T(0);  // error and length of the last try
+  T rejected = T(0), tried = T(0);  // error and length of the last rejected step
   int tries = 0;
 
   static T of(T size) { return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), size); }
   static T of_state(const Model& m, const Data<T>& d) { return of(std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv))); }
-  // The same without where a body that flies by itself is, and how fast: where nothing meets, no acceleration follows from that.
+  // The same without position and linear velocity of free bodies: without contacts no acceleration depends on them.
   static T of_motion(const Model& m, const Data<T>& d) {
     T size = T(0);
     Index q = 0, v = 0;
@@ -48,7 +47,7 @@ struct RoundingFloor {
   }
 };
 
-// First step: one hundredth of what changes y by itself, corrected by the second derivative (the same book, II.4).
+// First step: 1/100 of the time scale of y, corrected by the second derivative (same book, II.4).
 template <class T>
 Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T tolerance, T longest, T& h) {
   s.begin(m, d);
@@ -67,22 +66,22 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
   return 0;
 }
 
-inline constexpr double held_leak = 1e-2;  // of what rows take away at the end of a step: they have turned since the stage that it is of
+inline constexpr double held_leak = 1e-2;  // fraction of the projection step counted as error (the Jacobian changed during the step)
 
-// Where a mechanism passes a singular configuration, accelerations of stages that come near to it are known badly, and rows take away much at a step's
-// end, or it is itself near. The same step is then tried in other lengths, up to those of steps before, of which the best is taken: what steps over is smooth.
+// Retry near a singular configuration of a mechanism, where stage accelerations are inaccurate or projection changes v much.
+// The step is tried in several lengths, up to those of earlier steps; a step across the singularity is smooth. The best one counts.
 template <class T>
 struct SingularityRetry {
   static constexpr double lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6}, more = 30;  // more: of error, in the one step over
   static constexpr int most = sizeof lengths / sizeof *lengths;
-  T max_noise, usual;  // of errors, per second; length of steps that pass nothing
+  T max_noise, usual;  // noise: of errors per second; usual: length of ordinary steps
   T first = T(0), best = T(0), least = T(0);
   int tries = 0;  // beside the first
-  bool spent = false;  // none of them was any better: steps become shorter
+  bool spent = false;  // no length was better: shorter steps follow
 
   T limit(T allowed, T h) const { return std::max(T(more) * allowed, max_noise * h); }
   T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
-  // Whether to try again with h. error, raw, moved: of this try (finish_step); usual_move: what rows change v by elsewhere.
+  // Returns whether to try again with h. error, raw, moved: of this try (finish_step). usual_move: ordinary change of v by the projection.
   bool again(T error, T raw, T moved, T allowed, T usual_move, T& h) {
     if (spent || tries > most) return spent = true, false;
     const bool near = T(held_leak) * raw > allowed || moved > usual_move;
@@ -102,15 +101,14 @@ struct SingularityRetry {
   }
 };
 
-// What the next step's length is of this one's: by its error over what is allowed, and by that of the step before (PI: Gustafsson 1991), so that
-// lengths follow errors that grow and fade without trying in vain. By this one's alone where errors are those of rounding: they say nothing of
-// the next.
+// Step size control by this error and that of the step before (PI: Gustafsson 1991), which follows slow trends without rejections.
+// Errors at rounding level say nothing of the next step: then this error alone counts.
 template <class T>
 struct StepSizeController {
   T power;          // 1 / (order of the error per unit step)
   bool alone;
-  T longest;        // in lengths of this one: where rows hold, errors of few digits are near none now and then
-  T before = T(1);  // error over what was allowed, of the step before
+  T longest;        // largest growth; with active rows errors are sometimes accidentally small
+  T before = T(1);  // ratio of the step before
   bool tried = false;
 
   T accept(T ratio) {
@@ -131,14 +129,14 @@ void record_ledger_step(const Model& m, Data<T>& d, T h) {
     if (simulation::has_open_ledger(d)) simulation::record_step(m, d, h);
 }
 
-inline constexpr double growth = 4;  // how much errors of steps may grow until the end, as those of a phase do
+inline constexpr double growth = 4;  // factor by which local errors may grow until the end, as phase errors do
 
-// Advances d by duration. accuracy 0: as good as rounding allows. Returns 0, the joint whose forward dynamics failed, or no_step_left; the
-// state is then that of report.time. A step may take up to three times its share of the error where earlier ones left as much of theirs.
+// Advances d by duration. accuracy 0: to rounding. A step may use up to three times its share of the error if earlier steps left it.
+// Returns 0, the joint whose forward dynamics failed, or no_step_left; the state is then that of report.time.
 template <class Tableau, class T>
 Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T duration, T accuracy, dynStepReport& report) {
   T h = duration, t = 0, left = 0;
-  if (const Index joint = project_to_constraints(m, d)) return joint;  // velocities that the rows do not allow jump at once
+  if (const Index joint = project_to_constraints(m, d)) return joint;  // initial velocities that violate the constraints jump at once
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, RoundingFloor<T>::of_motion(m, d)), duration, h)) return joint;
   report.evaluations += 2;
   const T max_noise = std::max(accuracy / (4 * duration), T(1e-7));
@@ -178,9 +176,9 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   return 0;
 }
 
-// Whether contacts, limits or dry friction act in a step of h, or constraints are open: velocities jump, and no smooth method keeps its order.
-// until: to when the first of them that is not yet as near as closed will have come so near, as it moves now, and shapes that are near have not passed
-// through one another; no later than h. depth: of the deepest.
+// Returns whether contacts, limits, dry friction or open constraints act in a step of h, so that smooth methods lose their order.
+// until: time at which the first open gap reaches `closed` at its current speed, or shapes may have passed each other, capped at h.
+// depth: of the deepest contact.
 template <class T>
 bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h, T closed, T& until, T& depth) {
   until = h, depth = 0;
@@ -198,7 +196,7 @@ bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h, T cl
       jumps = true;
       if (x.kind == simulation::RowKind::Contact) depth = std::max(depth, -simulation::gap_of(*d.step, x));
       const T gap = simulation::gap_of(*d.step, x) - closed, fast = simulation::approach_speed(m, d, x, v);
-      if (gap > 0 && gap < until * fast) until = (gap + T(0.02) * closed) / fast;  // and a little, to be there
+      if (gap > 0 && gap < until * fast) until = (gap + T(0.02) * closed) / fast;  // slightly longer, to arrive
     }
     until = std::min(until, d.step->time_to_pass);
     return jumps;
@@ -211,13 +209,13 @@ bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   return meets_constraints(m, d, s, h, T(0), until, depth);
 }
 
-// The same where velocities may jump. Steps that meet nothing are those of the tableau.
+// The same where velocities may jump. Steps without contact use the tableau.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
   const double closed = std::max(0.1 * accuracy, 256 * RoundingFloor<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed);
-  const double deep = 100 * closed;  // what began so deep is pushed out: such steps of a few lengths have no limit
-  const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // where rows act: what shorter ones disagree about, they would for ever
+  const double deep = 100 * closed;  // deeper initial overlap is removed by fixed-length steps, which have no limit on depth
+  const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // with active rows: below it errors no longer fall
   const double first = 1e-3 * std::max(1.0, std::cbrt(1e3 * accuracy));  // of order 3
   double h = std::min(duration, first), t = 0;
   while (t < duration) {
@@ -246,7 +244,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.rejected, h *= 0.1;
       continue;
     }
-    if (near && !rows && h > smallest && error <= allowed && meets_constraints(m, d, s, smallest, closed, ignored, depth) && depth > closed) {  // a corner turned in
+    if (near && !rows && h > smallest && error <= allowed && meets_constraints(m, d, s, smallest, closed, ignored, depth) && depth > closed) {  // the step cut through a corner
       s.undo(m, d);
       ++report.rejected, h *= 0.5;
       continue;
@@ -257,7 +255,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.steps, report.time = t, report.error_estimate += error;
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       record_ledger_step(m, d, h);
-      if (cut) {  // to where something begins: what follows is as before
+      if (cut) {  // the step was cut at an event: continue with the length before
         h = whole;
         continue;
       }
@@ -265,7 +263,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       if (rows) extrapolated.restore();
       else s.undo(m, d);
       ++report.rejected;
-      if (rows && error == 2 * d.step->overshoot && d.step->overshoot_time > 0 && d.step->overshoot_time < h) {  // what was met was met too late
+      if (rows && error == 2 * d.step->overshoot && d.step->overshoot_time > 0 && d.step->overshoot_time < h) {  // the contact was found too late
         h = std::max(h - d.step->overshoot_time * (1 - 0.02 * closed / d.step->overshoot), smallest);
         continue;
       }
@@ -277,7 +275,7 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
   return 0;
 }
 
-// By order 5 with RK45, by order 8 with any other.
+// Order 5 with RK45, order 8 with any other integrator.
 template <class T>
 Index advance(const Model& m, Data<T>& d, dynIntegrator integrator, T duration, T accuracy, dynStepReport& report) {
   const Stages<T> s(m, d);
@@ -296,7 +294,8 @@ Index one_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool s
   return euler_step(m, d, s, h, springs);
 }
 
-// One step of h by the integrator; where something acts that velocities jump at, by implicit_fast if it is none of the two of order 1. Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.
+// One step of h by the integrator. Where velocities may jump, implicit_fast replaces all but the two methods of order 1.
+// Returns 0, the joint whose forward dynamics failed, not_converged or no_step_left.
 template <class T>
 Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
   const Stages<T> s(m, d);
@@ -320,7 +319,7 @@ Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepRep
   if (!failed && integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST) failed = project_to_constraints(m, d);
   if (failed) return failed;
   ++report.steps, report.time += h, report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
-  record_ledger_step(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h);  // its own steps are entered
+  record_ledger_step(m, d, integrator == DYN_INTEGRATOR_REFERENCE ? T(0) : h);  // the inner steps are recorded already
   return 0;
 }
 

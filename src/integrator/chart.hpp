@@ -1,9 +1,9 @@
-// The equations of motion in exponential coordinates about q0: y = (u, v) with q = q0 (+) u, so that every method for vector spaces
-// keeps its order on rotations (Munthe-Kaas 1999; Hairer, Lubich, Wanner 2006, IV.8.2):
+// Equations of motion in exponential coordinates about q0: y = (u, v) with q = q0 (+) u, so methods for vector spaces
+// keep their order on rotations (Munthe-Kaas 1999; Hairer, Lubich, Wanner 2006, IV.8.2):
 //   du/dt = J(u)^-1 v      dv/dt = ddq(q0 (+) u, v, tau)
-// Free flyers' places and linear velocities are in the axes that the step begins in instead, so that turning does not mix into them:
+// Positions and linear velocities of free flyers are in the axes at the beginning of the step, so rotation does not mix into them:
 //   p = p0 + R0 u      du/dt = w      dw/dt = E (a + omega x v),  E = R0' R = exp(u_angular),  v = E' w
-// After v follow the activations of actuators, which have equations of their own (simulation/actuators.hpp).
+// Activations of actuators follow v; they have equations of their own (simulation/actuators.hpp).
 #pragma once
 
 #include "algorithm/declarations.hpp"
@@ -19,7 +19,7 @@ struct ChartMotion {
   Data<T>& d;
   const T* q0;
 
-  // The state at y, in d.q and d.v.
+  // Sets d.q, d.v and d.act to the state y.
   void place(const T* y) const {
     integrate(m, q0, y, d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y[m.n.nv + k];
@@ -56,7 +56,7 @@ T largest(const T* x, Index n) {
   return out;
 }
 
-// Room of a step: q at its beginning, y at its beginning and in its stages, and what the stages give.
+// Buffers of a step: q at its beginning, y at its beginning and in its stages, and the stage derivatives.
 template <class T>
 struct Stages {
   T *q0, *y0, *y, *f;
@@ -65,12 +65,12 @@ struct Stages {
   Stages(const Model& m, Data<T>& d) : q0(d.stages), y0(q0 + m.n.nq), n(2 * m.n.nv + m.n.na) { y = y0 + n, f = y + n; }
   T* stage(int k) const { return f + k * n; }
 
-  // Begins a step: the chart lies about the state held in d.
+  // Begins a step: the chart is centred at the state in d.
   void begin(const Model& m, const Data<T>& d) const {
     keep(m, d, simulation::AllTrees{});
     for (Index k = 0; k < m.n.nv; ++k) y0[k] = T(0);
   }
-  // The state alone.
+  // Saves the state alone.
   template <class Part>
   void keep(const Model& m, const Data<T>& d, const Part& part) const {
     part.for_each_group(m, [&](const simulation::Trees& t) {
@@ -79,7 +79,7 @@ struct Stages {
     });
     for (Index k = 0; k < m.n.na; ++k) y0[2 * m.n.nv + k] = d.act[k];
   }
-  // x, 2 nv: changes of the chart's coordinates, as those of q and v in the axes of the state that d holds, but for what turning by a step changes in angles.
+  // Rotates changes x (2 nv) of the chart's coordinates into the axes of the state in d.
   void rotate_to_end_axes(const Model& m, const Data<T>& d, T* x) const {
     for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
       const Mat3<T> R0 = rotation(load_quaternion(q0 + b.user_q + 3)), R = rotation(load_quaternion(d.q + b.user_q + 3));

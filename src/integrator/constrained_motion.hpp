@@ -1,5 +1,5 @@
-// Smooth motion under constraints that hold at every moment: accelerations are those of constrained dynamics in every stage (index 1), and
-// each step ends with q and v brought back to what the rows allow, which keeps the order (Hairer and Wanner 1996, VII.2).
+// Smooth motion under bilateral constraints: every stage uses constrained dynamics (index 1), and each step ends with a
+// projection of q and v onto the constraints, which keeps the order (Hairer and Wanner 1996, VII.2).
 #pragma once
 
 #include "base/portable.hpp"
@@ -8,10 +8,10 @@
 
 namespace dyn::integrator {
 
-inline constexpr double open_rows = 1e-3;        // of what the rows reach, rad: those that are farther apart close in steps of order 1 first
-inline constexpr double rows_precision = 1e-15;  // of the accelerations
+inline constexpr double open_rows = 1e-3;        // relative to the reach of the rows (m) or rad: larger errors are first closed in steps of order 1
+inline constexpr double rows_precision = 1e-15;  // relative to the accelerations
 
-// Forward dynamics at d.q, d.v under all that acts and the constraints. Returns 0, or the joint that is singular.
+// Forward dynamics at d.q, d.v with all forces and constraints. Returns 0, or the joint that is singular.
 template <class T>
 Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
   const T *tau = d.acting & DYN_EFFECT_ACTUATORS ? simulation::actuated(m, d, d.tau_applied) : d.tau_applied, *fext = simulation::forces_on_bodies(m, d);
@@ -25,7 +25,7 @@ Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
   return forward_dynamics(m, d, d.v, tau, fext, d.ddq);
 }
 
-// After constrained_forward_dynamics: whether some row is open; those with gains close by themselves.
+// After constrained_forward_dynamics: returns whether some row is open. Rows with gains close by themselves.
 inline bool is_open(const Model& m, Data<double>& d) {
   double lengths = 0, angles = 0, reach = 0;
   const auto look = [&](const double* F, Index r, bool& linear) {
@@ -48,14 +48,14 @@ inline bool is_open(const Model& m, Data<double>& d) {
   return angles > open_rows || lengths > open_rows * (reach > 0 ? reach : 1);
 }
 
-// x, 2 nv: errors of q and v at the end of a step, there: what the rows take away at once is none. (Where a mechanism passes a singular
-// configuration, accelerations that the rows hold back are known badly, and these alone.)
+// Removes from the error estimate x (2 nv) the components that the constraint projection will remove.
+// Near singular configurations the accelerations in these directions, and only these, are inaccurate.
 inline void remove_constrained_errors(const Model& m, Data<double>& d, double* x) {
   dynConstraintResult result;
   project_velocity(m, d, static_cast<const double*>(x), x, result), project_velocity(m, d, static_cast<const double*>(x + m.n.nv), x + m.n.nv, result);
 }
 
-// The end of a step. Where rows contradict each other, as near as they come.
+// Projects q and v onto the constraints at the end of a step (least squares if they are inconsistent).
 template <class T>
 Index project_to_constraints(const Model& m, Data<T>& d) {
   if constexpr (std::is_same_v<T, double>) {
@@ -63,7 +63,7 @@ Index project_to_constraints(const Model& m, Data<T>& d) {
     for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
     if (gains || active_rows(m, d) == 0) return 0;
     dynConstraintResult result;
-    return project(m, d, 1, true, T(0), d.v, result, T(1e-9));  // converges quadratically: once is to rounding
+    return project(m, d, 1, true, T(0), d.v, result, T(1e-9));  // Newton converges quadratically: one iteration reaches rounding
   }
   return 0;
 }

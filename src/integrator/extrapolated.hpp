@@ -1,15 +1,15 @@
-// Steps where velocities may jump, for an accuracy: h in one step of order 1, in two and in three, extrapolated (Aitken and Neville; Hairer and Wanner
-// 1996, IV.9): order 3 where nothing begins or ends. Each moves first, and changes the velocity where it arrives (as MEXX: Lubich et al. 1992):
+// Steps for an accuracy where velocities may jump: h in one step of order 1, in two and in three, extrapolated
+// (Aitken-Neville; Hairer and Wanner 1996, IV.9). Order 3 where no contact begins or ends.
+// Each step moves first and changes the velocity at the new position (as MEXX: Lubich et al. 1992), so velocities satisfy the
+// constraint rows there; the other order lags one step and makes near-limit friction slip:
 //   q' = q (+) h v      v' = v + h ddq(q', v') + M^-1 J^T lambda, all at q'
-// so that a velocity keeps to the rows at the place that it is of. In the other order it would be late by a step, and where friction is near its
-// bound, every first step would slip.
 #pragma once
 
 #include "integrator/semi_implicit_euler.hpp"
 
 namespace dyn::integrator {
 
-// f(body, its centre of mass, its inertia about that), of free flyers that carry nothing: momentum is theirs alone.
+// Calls f(body, centre of mass, inertia about it) for free flyers without children, which keep their own momentum.
 template <class F>
 void for_each_single_flyer(const Model& m, F&& f) {
   for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index i, const Vec3<double>& c) {
@@ -17,7 +17,7 @@ void for_each_single_flyer(const Model& m, F&& f) {
   });
 }
 
-// q' = q (+) h v. Free flyers keep their momentum, which is referred to the axes at the end.
+// q' = q (+) h v. Free flyers keep their momentum, expressed in the axes at the end.
 inline void drift(const Model& m, Data<double>& d, const Stages<double>& s, double h) {
   s.begin(m, d);
   for (Index k = 0; k < m.n.nv; ++k) s.y[k] = h * d.v[k];
@@ -29,13 +29,13 @@ inline void drift(const Model& m, Data<double>& d, const Stages<double>& s, doub
   });
 }
 
-// v' at the place that d holds. Returns 0, or the joint whose forward dynamics failed.
+// v' at the position in d. Returns 0, or the joint whose forward dynamics failed.
 inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, double h) {
   if (const Index joint = implicit_dynamics(m, d, s, h, true, simulation::AllTrees{})) return joint;
   s.begin(m, d);
   const double* const v0 = s.y0 + m.n.nv;
   for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k];
-  for_each_single_flyer(m, [&](const Body& b, const Vec3<double>&, const Mat3<double>& I) {  // what drift has done
+  for_each_single_flyer(m, [&](const Body& b, const Vec3<double>&, const Mat3<double>& I) {  // drift integrated the gyroscopic term
     const Vec3<double> w = load3(v0 + b.user_v + 3);
     store3(load3(d.v + b.user_v + 3) + solve3(I, cross(w, I * w)) * h, d.v + b.user_v + 3);
   });
@@ -53,7 +53,7 @@ inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, doub
   return 0;
 }
 
-// What is close enough counts as closed (Workspace::closed), so that velocities do not depend on gaps that are errors.
+// Gaps below Workspace::closed_gap count as closed, so velocities do not depend on gaps that are errors.
 class Extrapolated {
  public:
   static constexpr int order = 3, evaluations = 6;
@@ -63,11 +63,11 @@ class Extrapolated {
     for (double*& x : by_three) x = next, next += m.n.nv;
   }
 
-  // To the limit, and its error; d.ddq: free, at the beginning. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
+  // One extrapolated step and its error. d.ddq: free, at the beginning. Returns 0, or the joint whose forward dynamics failed (state restored).
   Index step(double h, double& error) {
     keep(before), simulation::save_contacts(*d.step);
     d.step->closed_gap = closed;
-    // what the contact solver leaves open, relative to free velocities, is no motion that extrapolates: far less than is allowed, or no step is short enough
+    // the solver's residual does not extrapolate: it must be far below the error, or no step is short enough
     const double asked = d.step->options.tolerance, fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
     if (fast > 0) d.step->options.tolerance = std::min(asked, std::max(1e-14, 0.01 * closed / fast));
     Index joint = substeps(h, 1);
@@ -75,18 +75,18 @@ class Extrapolated {
     if (!joint) keep(two), restore(), d.step->overshoot = 0, joint = substeps(h, 3);
     d.step->closed_gap = 0, d.step->options.tolerance = asked;
     if (joint) return restore(), joint;
-    // what all of them stop at once moves on between, which no difference of them shows: velocities bend. (At the end they may jump where something is met.)
+    // curvature of v: an event stopped by all three substeps alike shows in no difference (jumps at the end excepted)
     error = 0;
     for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::max(bent(before.v[k], by_three[0][k], by_three[1][k]), d.step->overshoot > 0 ? 0 : bent(by_three[0][k], by_three[1][k], by_three[2][k])));
     error *= h / 6;
-    // of differences to what three steps lead to
+    // differences to the result of three steps
     const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };
     double *a = s.y, *b = a + m.n.nv;
     difference(m, d.q, one.q, a), difference(m, d.q, two.q, b);
     for (Index k = 0; k < m.n.nv; ++k) a[k] = limit(a[k], b[k]), b[k] = limit(one.v[k] - d.v[k], two.v[k] - d.v[k]);
     for (Index k = 0; k < m.n.na; ++k) two.act[k] = limit(one.act[k] - d.act[k], two.act[k] - d.act[k]);
     simulation::record_overshoot(m, d, a, closed);
-    error = std::max(error, 2 * d.step->overshoot);  // for all of them: what bounces is off by twice that
+    error = std::max(error, 2 * d.step->overshoot);  // an overshoot common to all: a rebound is off by twice that
     keep(three);
     integrate(m, static_cast<const double*>(three.q), static_cast<const double*>(a), d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] += b[k];
@@ -105,7 +105,7 @@ class Extrapolated {
   const Stages<double>& s;
   double closed;
   State kept[3];
-  double* by_three[3];  // velocities after each step of three, in the axes at the beginning
+  double* by_three[3];  // velocities after each of three substeps, in the axes at the beginning
   State &before = kept[0], &one = kept[1], &two = kept[2], &three = one;
 
   static double bent(double a, double b, double c) { return std::abs(a - 2 * b + c); }

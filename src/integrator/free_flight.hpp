@@ -1,7 +1,6 @@
-// Free flyers in an Euler step. Their velocity is held in the moving body's axes, where it changes although nothing acts; taken to first order,
-// that change would add to momentum. So a step moves the centre of mass c of the body and its momentum in axes that stand still, and refers
-// them to the body's where it ends:
-//   v_c' = v_c + h a_c      R' = R exp(h w')      L_c' = L_c + h t_c, with L_c = R I_c w (of a body that carries no other)
+// Free flyers in an Euler step. Their velocity is in body axes and changes without any force; to first order that change would add momentum.
+// So a step integrates the centre of mass c and its momentum in fixed axes, and expresses them in the body's axes at the end:
+//   v_c' = v_c + h a_c      R' = R exp(h w')      L_c' = L_c + h t_c, with L_c = R I_c w (of a body without children)
 // A body in free flight keeps its momentum to rounding.
 #pragma once
 
@@ -10,7 +9,7 @@
 
 namespace dyn::integrator {
 
-// f(body, number of the body, centre of mass)
+// Calls f(body, number of the body, centre of mass).
 template <class T, class Part, class F>
 void for_each_free_flyer(const Model& m, const Part& part, F&& f) {
   for (Index k = 0; k < part.curved_count(m); ++k) {
@@ -35,8 +34,9 @@ Vec3<T> solve3(const Mat3<T>& A, const Vec3<T>& b) {
   return Vec3<T>::make(dot(b, yz), dot(b, zx), dot(b, xy)) * (T(1) / dot(A.x, yz));
 }
 
-// w' with I w' = exp(-h w') L by Newton's method, for bodies that turn far within the step: (I - h [y] J(h w)) dw = y - I w with y = exp(-h w) L.
-// Beyond a whole turn a step may end where nothing is better nearby: then at least |L| is kept.
+// Solves I w' = exp(-h w') L by Newton's method, for large rotations in a step:
+//   (I - h [y] J(h w)) dw = y - I w with y = exp(-h w) L
+// Beyond a full turn Newton may stop at a local minimum: then at least |L| is kept.
 template <class T>
 [[gnu::cold, gnu::noinline]] Vec3<T> implicit_angular_velocity_newton(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   const auto left = [&](const Vec3<T>& w) { return exp3(w * -h) * L - I * w; };
@@ -54,7 +54,7 @@ template <class T>
   return dot(r, r) > T(1e-20) * dot(L, L) ? w * (sqrt(dot(L, L)) / sqrt(dot(I * w, I * w))) : w;
 }
 
-// w' with I w' = exp(-h w') L.
+// Solves I w' = exp(-h w') L.
 template <class T>
 Vec3<T> implicit_angular_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   Vec3<T> w = guess;
@@ -67,7 +67,7 @@ Vec3<T> implicit_angular_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const
   return dot(w, w) < std::numeric_limits<T>::infinity() ? w : guess;
 }
 
-// v holds v0 + h ddq: it becomes the velocity after what acts, still in the axes before the step.
+// v holds v0 + h ddq. It becomes the velocity after all forces, still in the axes before the step.
 template <class T, class Part>
 void free_flight(const Model& m, const Part& part, const T* v0, const T* ddq, T h, T* v) {
   for_each_free_flyer<T>(m, part, [&](const Body& b, Index i, const Vec3<T>& c) {
@@ -83,7 +83,8 @@ void free_flight(const Model& m, const Part& part, const T* v0, const T* ddq, T 
   });
 }
 
-// After q = q0 (+) (h v + correction): where the centre of mass moves by its own velocity, and v in the axes at the end. correction: nullptr, none.
+// After q = q0 (+) (h v + correction): moves the centre of mass by its own velocity and expresses v in the axes at the end.
+// correction: nullptr if there is none.
 template <class T, class Part>
 void end_flight(const Model& m, const Part& part, const T* q0, T h, const T* correction, T* q, T* v) {
   for_each_free_flyer<T>(m, part, [&](const Body& b, Index, const Vec3<T>& c) {

@@ -1,7 +1,6 @@
-// The implicit midpoint rule on the group: with the middle velocity w,
+// Implicit midpoint rule on the group. With the midpoint velocity w:
 //   v' = v + h ddq(q (+) h/2 w, w)      q' = q (+) h w      w = (v + v') / 2
-// Order 2, time-reversible, symplectic on vector spaces: energy neither grows nor fades over long times
-// (Hairer, Lubich, Wanner 2006, II.1.3).
+// Order 2, time-reversible, symplectic on vector spaces: energy stays bounded over long times (Hairer, Lubich, Wanner 2006, II.1.3).
 #pragma once
 
 #include <algorithm>
@@ -11,8 +10,8 @@
 
 namespace dyn::integrator {
 
-// Fixed point of w, by Anderson's mixing of the last two iterates (Walker and Ni 2011). Returns 0, the joint whose forward dynamics
-// failed, or not_converged; the state is then as before.
+// Fixed point of w by Anderson mixing of two iterates (Walker and Ni 2011).
+// Returns 0, the joint whose forward dynamics failed, or not_converged; the state is then as before.
 template <class T>
 Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, std::int64_t& evaluations) {
   constexpr int max_iterations = 200;
@@ -46,7 +45,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
       simulation::advance_activations(m, d, s.y0 + 2 * nv, h);
       return 0;
     }
-    // w' = (1 - c) next + c old_next with the c that makes the mixed residual least
+    // w' = (1 - c) next + c old_next, c minimises the mixed residual
     T mix = T(0);
     if (i > 0) {
       T across = T(0), along = T(0);
@@ -57,7 +56,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
       if (along > T(0)) mix = across / along;
     }
     for (Index k = 0; k < nv; ++k) {
-      w[k] = i > 0 ? next[k] + mix * (old_next[k] - next[k]) : next[k];  // nothing is old in the first
+      w[k] = i > 0 ? next[k] + mix * (old_next[k] - next[k]) : next[k];  // the first iterate has no predecessor
       old_residual[k] = residual[k], old_next[k] = next[k];
     }
   }

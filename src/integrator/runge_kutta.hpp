@@ -9,7 +9,7 @@
 
 namespace dyn::integrator {
 
-// The state at the end of a step of h, in d. Returns 0, or the joint whose forward dynamics failed: the state is then as before.
+// The state at the end of a step of h, in d. Returns 0, or the joint whose forward dynamics failed (state restored).
 template <class Tableau, class T>
 Index explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   s.begin(m, d);
@@ -30,7 +30,7 @@ Index explicit_step(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   return 0;
 }
 
-// out = h sum_j weights_j f_j; the stages that have no weight may be its place.
+// out = h sum_j weights_j f_j. out may be a stage without weight.
 template <class T>
 void defect(const Stages<T>& s, const double* weights, int count, T h, T* out) {
   for (Index k = 0; k < s.n; ++k) {
@@ -40,18 +40,18 @@ void defect(const Stages<T>& s, const double* weights, int count, T h, T* out) {
     out[k] = h * sum;
   }
 }
-// Largest component; under constraints only of what they leave. The step has been made.
+// Largest component after a step. Under constraints, only what the projection leaves.
 template <class T>
 T largest_defect(const Model& m, Data<T>& d, const Stages<T>& s, T* x, bool held) {
   if constexpr (std::is_same_v<T, double>)
     if (held) s.rotate_to_end_axes(m, d, x), remove_constrained_errors(m, d, x);
   T largest = T(0);
   for (Index k = 0; k < s.n; ++k)
-    if (const T size = std::abs(x[k]); !(size <= largest)) largest = size;  // also NaN
+    if (const T size = std::abs(x[k]); !(size <= largest)) largest = size;  // NaN counts as the largest
   return largest;
 }
 
-// What a step that was just made is off by, in rad, m and their rates. held: under constraints, whose factor is that of the end of the step.
+// Error of the step that was just made (rad, m and their rates). held: under constraints, at the end of the step.
 template <class T>
 T step_error(DormandPrince5, const Model& m, Data<T>& d, const Stages<T>& s, T h, bool held) {
   defect(s, DormandPrince5::e, DormandPrince5::stages, h, s.y);
@@ -65,8 +65,8 @@ T step_error(DormandPrince8, const Model& m, Data<T>& d, const Stages<T>& s, T h
   return e5 == T(0) ? T(0) : e5 * e5 / std::sqrt(e5 * e5 + T(0.01) * e3 * e3);
 }
 
-// The same, and the end of the step: where rows hold, errors count at the place that they lead to, and only when they are too large as they are.
-// raw: the error before rows took their part away; moved: what they changed v by.
+// Error and end of the step. Under constraints the error is evaluated after the projection, only if it is too large as it is.
+// raw: error without the projection. moved: change of v by the projection.
 template <class Tableau, class T>
 Index finish_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, T allowed, T& error, T& raw, T& moved) {
   moved = T(0), raw = error = step_error(Tableau(), m, d, s, h, false);

@@ -1,7 +1,7 @@
-// Euler steps: the velocity first, then the configuration with the new velocity.
+// Semi-implicit Euler: velocity first, then the configuration with the new velocity.
 //   v' = v + h ddq(q, v')      q' = q (+) h v'
-// First order. What resists the velocity is taken at v', so that no coefficient is too large for the step: (M + h D) ddq = tau - nle.
-// So are the gains of actuators (simulation/actuators.hpp).
+// Order 1. Damping, friction and actuator gains are implicit (taken at v'), so no coefficient is too large:
+//   (M + h D) ddq = tau - nle      (gains: simulation/actuators.hpp)
 #pragma once
 
 #include "integrator/chart.hpp"
@@ -11,7 +11,7 @@
 
 namespace dyn::integrator {
 
-// f(part), without what flies by itself in this step (simulation/free_bodies.hpp).
+// Calls f(part) without the free bodies that are integrated in batches (simulation/free_bodies.hpp).
 template <class T, class Part, class F>
 DYN_INLINE decltype(auto) with_unbatched_trees(const Data<T>& d, const Part& part, F&& f) {
   if constexpr (std::is_same_v<T, double>) return simulation::with_unbatched_trees(d, part, f);
@@ -20,8 +20,8 @@ DYN_INLINE decltype(auto) with_unbatched_trees(const Data<T>& d, const Part& par
 
 enum class ConstraintOutcome { Nothing, Rows, Correction, Sleeper };
 
-// From the free velocity to that at the end of the step. Correction: the configuration is to be corrected, too, by s.f. Sleeper: something that
-// sleeps was met, and nothing done.
+// From the free velocity to that at the end of the step. Correction: s.f is a displacement beside h v.
+// Sleeper: an awake body touches a sleeping one; nothing was changed.
 template <class T>
 DYN_INLINE ConstraintOutcome apply_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
   if constexpr (std::is_same_v<T, double>) {
@@ -36,15 +36,16 @@ DYN_INLINE ConstraintOutcome apply_constraints(const Model& m, Data<T>& d, const
   return ConstraintOutcome::Nothing;
 }
 
-// d.armature = armature with what resists the velocity at the end of a step of h, springs where they do; to the same bits whenever it is asked for.
+// d.armature = armature plus the implicit terms of a step of h, those of springs if asked. The same bits in every call.
 template <class T>
 void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, bool springs) {
   implicit_armature(m, d, armature, h);
   for (Index k = 0; springs && k < m.n.nv; ++k) d.armature[k] += h * h * d.stiffness[k];
 }
 
-// d.ddq under tau with the actuators at the end of a step of h; d.armature is added to, and made anew from armature for those that are held, so that what
-// an actuator does is nothing to another tree. Returns 0 or the joint whose forward dynamics failed.
+// Forward dynamics under tau and the actuators at the end of a step of h.
+// When an actuator saturates, d.armature is rebuilt from armature, so actuators do not affect other trees.
+// Returns 0 or the joint whose forward dynamics failed.
 template <class T, class Part>
 [[gnu::noinline]] Index actuated_dynamics(const Model& m, Data<T>& d, const T* tau, const T* armature, T h, bool springs, const Part& part) {
   const T* fext = simulation::forces_on_bodies(m, d);
@@ -52,11 +53,11 @@ template <class T, class Part>
   for (int k = 0;; ++k) {
     if (const Index joint = forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq)) return joint;
     if (k == 3 || !actuators.saturate(d.ddq)) return 0;
-    set_implicit_armature(m, d, armature, h, springs);  // and again with the stiffness of those that are not held
+    set_implicit_armature(m, d, armature, h, springs);  // again without the gains of saturated actuators
   }
 }
 
-// Forward dynamics of an Euler step, with what it takes at its end.
+// Forward dynamics of an Euler step with its implicit terms.
 template <class T, class Part>
 Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs, const Part& part) {
   T* const armature = d.armature;
@@ -78,7 +79,7 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
   return joint;
 }
 
-// The rest of it, of some of the trees. rests: what is slow may come to rest. Answers false where something that sleeps was met: v is then as before.
+// Ends an Euler step of some trees. rests: slow trees may come to rest. Returns false if a sleeping body was touched: v is then as before.
 template <class T, class Part>
 bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const Part& part, bool rests) {
   s.keep(m, d, part);
@@ -117,7 +118,7 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   return true;
 }
 
-// What flies by itself does so within this scope.
+// Free bodies are integrated in batches within this scope.
 struct FreeBodyScope {
   simulation::Workspace* w = nullptr;
   explicit FreeBodyScope(Data<double>& d) : w(d.step) { simulation::begin_free_body_step(d); }
@@ -129,9 +130,9 @@ struct FreeBodyScope {
   }
 };
 
-// springs: they, too, are taken at the end of the step: implicit_fast, (M + h D + h^2 K) ddq = tau - nle - h K v. Without, the energy of
-// oscillations stays bounded (symplectic); with, no stiffness is too large. Returns 0, or the joint whose forward dynamics failed: the state
-// is then as before.
+// One step. springs: implicit too (implicit_fast), (M + h D + h^2 K) ddq = tau - nle - h K v: no stiffness is too large.
+// Without, the energy of oscillations stays bounded (symplectic).
+// Returns 0, or the joint whose forward dynamics failed: the state is then as before.
 template <class T>
 Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
   const simulation::AllTrees all;
@@ -141,7 +142,7 @@ Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool sprin
   return 0;
 }
 
-// The same after begin_sleep: trees that sleep are left out, until they are met. (With nothing asleep by the same code: to the same bits.)
+// The same after begin_sleep: sleeping trees are left out until touched. Awake trees take the same code, for the same bits.
 inline Index euler_step_of_awake(const Model& m, Data<double>& d, const Stages<double>& s, double h, bool springs) {
   const simulation::Sleep& z = d.step->sleep;
   const FreeBodyScope flight(d);

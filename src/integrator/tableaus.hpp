@@ -1,4 +1,4 @@
-// Explicit Runge-Kutta methods by their coefficients.
+// Coefficients of explicit Runge-Kutta methods.
 #pragma once
 
 namespace dyn::integrator {
@@ -10,9 +10,9 @@ struct Classical {
   static constexpr double b[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
 };
 
-// Dormand and Prince 1980: order 5; the difference to the embedded method of order 4 is e.
+// Dormand and Prince 1980, order 5. e: difference to the embedded method of order 4.
 struct DormandPrince5 {
-  static constexpr int stages = 7, order = 5;  // the last stage is where the step ends
+  static constexpr int stages = 7, order = 5;  // the last stage is the end of the step
   static constexpr double a[7][6] = {{},
                                      {1.0 / 5},
                                      {3.0 / 40, 9.0 / 40},
@@ -24,8 +24,8 @@ struct DormandPrince5 {
   static constexpr double e[7] = {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 };
 
-// Dormand and Prince, order 8 with embedded orders 5 and 3 (Hairer, Norsett, Wanner 1993, II.10: DOP853); the error that
-// counts is |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2).
+// Dormand and Prince, order 8 with embedded orders 5 and 3 (Hairer, Norsett, Wanner 1993, II.10: DOP853).
+// Error: |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2).
 struct DormandPrince8 {
   static constexpr int stages = 12, order = 8;
   static constexpr double a[12][11] = {

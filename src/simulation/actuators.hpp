@@ -1,8 +1,9 @@
-// What actuators exert (dynActuator): with the length l = gear q of a coordinate,
-//   f = gain . (w, u1, u2) + bias . (1, l, l') within their range      tau += gear f
-// Of an Euler step of h, f is that where the step ends: with K = -bias1 and D = -bias2 where they are positive, and l'' = gear ddq,
+// Actuator forces (dynActuator). With the length l = gear q of a coordinate:
+//   f = gain . (w, u1, u2) + bias . (1, l, l'), clamped to the force range      tau += gear f
+// An Euler step takes f at its end. With K = max(0, -bias1), D = max(0, -bias2) and l'' = gear ddq:
 //   f_end = f - h K l' - (h D + h^2 K) l''
-// so that (M + gear^2 (h D + h^2 K)) ddq = tau + gear (f - h K l') - nle, until those that this takes beyond their range are held at its end.
+//   (M + gear^2 (h D + h^2 K)) ddq = tau + gear (f - h K l') - nle
+// Actuators that this drives beyond their range are then fixed at its end.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +22,7 @@ inline dynActuator default_actuator(dynActuatorType type) {
   return a;
 }
 
-// f(actuator, its number) for those that are switched on.
+// Calls f(actuator, number) for those that are switched on.
 template <class T, class F>
 void for_each_actuator(const Model& m, const Data<T>& d, F&& f) {
   if (!(d.acting & DYN_EFFECT_ACTUATORS)) return;
@@ -39,7 +40,7 @@ T command(const ActuatorRecord& r, const Data<T>& d) {
   return clamp_to(d.ctrl[r.spec.idx_u], r.spec.control_range);
 }
 
-// w after h: exact, for u does not change.
+// Activation after h: exact, because the control is constant over the step.
 template <class T>
 T activation_after(const ActuatorRecord& r, const Data<T>& d, T w, T h) {
   using math::exp;
@@ -61,14 +62,14 @@ T unbounded_force(const ActuatorRecord& r, const Data<T>& d, T w, T q, T v) {
   return f;
 }
 
-// At the state and the activations held in d.
+// At the state and the activations in d.
 template <class T>
 T actuator_force(const ActuatorRecord& r, const Data<T>& d) {
   const T w = r.act >= 0 ? d.act[r.act] : command(r, d);
   return clamp_to(unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]), r.spec.force_range);
 }
 
-// tau with what all actuators exert at the state held in d.
+// Returns tau plus all actuator forces at the state in d.
 template <class T>
 const T* actuated(const Model& m, Data<T>& d, const T* tau) {
   std::copy_n(tau, m.n.nv, d.step_tau);
@@ -76,7 +77,7 @@ const T* actuated(const Model& m, Data<T>& d, const T* tau) {
   return d.step_tau;
 }
 
-// The activations h after the values w; those held in d are replaced.
+// Replaces the activations in d by those a time h after the values w.
 template <class T>
 void advance_activations(const Model& m, Data<T>& d, const T* w, T h) {
   for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
@@ -88,14 +89,14 @@ void record_forces(const Model& m, Data<T>& d) {
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) { d.actuator_force[k] = actuator_force(r, d); });
 }
 
-// What sleeps keeps what it had.
+// Sleeping actuators keep their force.
 template <class T>
 bool sleeps(const Model& m, const Data<T>& d, const ActuatorRecord& r) {
   if constexpr (std::is_same_v<T, double>) return d.step->sleep.sleeps(m.joints()[r.spec.joint].last_body);
   return false;
 }
 
-// In an Euler step.
+// Actuators of an implicit Euler step.
 template <class T>
 class ImplicitActuators {
  public:
@@ -106,7 +107,7 @@ class ImplicitActuators {
       d.saturated[k] = 0;
     });
   }
-  // Adds to d.armature, which is without them, and gives tau with the forces.
+  // Adds the implicit terms to d.armature and returns tau with the forces.
   const T* apply(const T* tau) {
     std::copy_n(tau, m.n.nv, d.step_tau);
     each([&](const ActuatorRecord& r, Index k) {
@@ -117,7 +118,7 @@ class ImplicitActuators {
     });
     return d.step_tau;
   }
-  // After ddq: whether some reached the end of their range.
+  // After forward dynamics: returns whether any actuator reached the end of its range.
   bool saturate(const T* ddq) {
     bool any = false;
     each([&](const ActuatorRecord& r, Index k) {

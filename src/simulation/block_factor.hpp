@@ -1,5 +1,5 @@
-// A = L U of a matrix of 6 x 6 blocks in the order of an elimination, without exchanges between blocks: of the matrix of contacts' Newton
-// steps, which is symmetric and positive definite but for what sliding adds. Columns of blocks lie in lanes.
+// A = L U of a matrix of 6 x 6 blocks in elimination order, without pivoting between blocks.
+// Used for the Newton matrix of contacts: symmetric positive definite, except for what slip adds. Columns of blocks lie in lanes.
 #pragma once
 
 #include "base/pack.hpp"
@@ -12,9 +12,11 @@ struct BlockFactor {
   using P = Pack<double, W>;
 
   const Elimination& order;
-  double *diagonal, *upper, *lower;  // of positions: the inverse; of entries: (earlier, later) and (later, earlier)
-  Index* where;                      // of positions
-  bool *acts, *filled;               // of positions: has unknowns, the others are skipped; of entries: is not zero
+  // diagonal: inverse blocks by position. upper, lower: blocks (earlier, later) and (later, earlier) by entry
+  double *diagonal, *upper, *lower;
+  Index* where;                      // by position
+  // acts: by position, has unknowns. filled: by entry, block is not zero
+  bool *acts, *filled;
 
   // c -= a b
   static DYN_INLINE void subtract(double* c, const double* a, const double* b) {
@@ -37,7 +39,7 @@ struct BlockFactor {
     sum.store(x);
   }
 
-  // By Gauss and Jordan in place, by columns in lanes. false: singular
+  // In-place Gauss-Jordan inverse, columns in lanes. Returns false if singular.
   template <int k>
   static DYN_INLINE bool pivot(P* c) {
     const P column = c[k];
@@ -64,7 +66,7 @@ struct BlockFactor {
     return true;
   }
 
-  // fill(position): writes the blocks of A there, of its diagonal and of its entries, which are zero, with where[] of the later positions.
+  // fill(position): adds the blocks of A at the position, diagonal and entries. They are zero before; where[] gives entries by later position.
   template <class Fill>
   bool operator()(Fill&& fill) const {
     for (Index i = 0; i < order.size; ++i) {

@@ -8,9 +8,9 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double min_steps_saved = 4;   // steps, that a search in vain should spare
+constexpr double min_steps_saved = 4;   // steps that the cache must save to be worth its price
 
-// |a| + |b| <= sqrt(2 (a^2 + b^2)), and a sum of n sizes <= sqrt(n sum of squares): with a the changes, b those of this step, limits' reach of three.
+// Bound of the motion so far (a) and in this step (b): |a| + |b| <= sqrt(2 (a^2 + b^2)), sum of n sizes <= sqrt(n sum of squares).
 double squares(const Model& m, const AdvancementCache& c, const double* q, const double* v, double h) {
   using P = Pack<double, 4>;
   P sums = P::zero();

@@ -1,6 +1,6 @@
-// What need not be looked for again. After a search in which nothing was near, neither limits nor two shapes meet before the joints have moved
-// by what was left: a joint moves what it carries by at most its lever times its change. Steps within that leave out placements, pairs and
-// rows; their results are the same to the last bit. Of trees of joints with one coordinate.
+// Conservative advancement cache: after a search without contacts and limits it bounds the motion that keeps it so.
+// A joint moves what it carries by at most its lever times its change. Steps within the bound skip placements, pairs and rows;
+// their results are the same to the last bit. Only for trees of joints with one coordinate.
 #pragma once
 
 #include "model/data.hpp"
@@ -8,20 +8,21 @@
 namespace dyn::simulation {
 
 struct AdvancementCache {
-  double square;      // of what is left, over twice the number of joints; 0: unknown
-  double *q, *lever;  // where that was; m of contact for each unit of the coordinate. Whole packs
+  double square;      // bound of the motion: squared remaining distance over 2 nv; 0: unknown
+  // configuration of the search; metres of approach per unit of each coordinate. Padded to whole SIMD registers
+  double *q, *lever;
   bool enabled;
 };
 
-// Nothing acts in a step of h that would end with the velocities of d.
+// Returns whether nothing can act in a step of h that ends with the velocities of d.
 bool cache_excludes_contact(const Model& m, const Data<double>& d, double h);
 
-// After a search in vain, with the velocities v, in which no two shapes were nearer than `between`, if that is positive.
+// Stores the result of a search at velocities v that found nothing. min_distance: lower bound of all distances; not positive: unknown.
 void update_advancement_cache(const Model& m, Data<double>& d, const double* v, double h, double min_distance);
 
 bool can_cache_advancement(const Model& m);
 
-// No limit is within reach.
+// Returns whether all limits are beyond reach.
 bool limits_inactive(const Model& m, const Data<double>& d, const double* v, double h);
 
 }  // namespace dyn::simulation

@@ -1,4 +1,4 @@
-// Which contact points a step may meet.
+// Contact points that a step can meet.
 #include <utility>
 
 #include "collision/pair_contacts.hpp"
@@ -16,7 +16,7 @@ using collision::Geom;
 using collision::Manifold;
 using collision::Pose;
 
-// No point of the shape is faster.
+// Bound on the speed of any point of the shape (m/s).
 double fastest(const Data<double>& d, Index geom) {
   const Geom& g = d.geoms[geom];
   if (g.body == 0) return 0;
@@ -25,7 +25,7 @@ double fastest(const Data<double>& d, Index geom) {
   return shape::norm(u) + shape::norm(w) * reach;
 }
 
-// Appends; beyond the room the shallowest goes.
+// Appends a contact. When the list is full, the contact with the largest distance is dropped.
 void append(const Model& m, Workspace& w, const dynContact& c) {
   if (w.contact_count + w.sleep.sleeping_contact_count >= m.n.contacts) {
     if (w.sleep.sleeping_contact_count > 0) return void(w.sleep.contacts_full = true);
@@ -42,7 +42,7 @@ void append(const Model& m, Workspace& w, const dynContact& c) {
   f.contact = c;
 }
 
-// The ball that a body's points at a distance of `reach` from it stay in: chains of revolute and spherical joints keep their lengths.
+// Ball that contains the shape in every configuration: chains of revolute and spherical joints keep their lengths.
 struct Ball {
   Vec3<double> center;
   double radius;
@@ -59,7 +59,7 @@ Ball within(const Model& m, const Data<double>& d, Index geom) {
   }
 }
 
-// Pairs that are tested and can ever meet, and their shapes; too many for the list: pairs are found by boxes.
+// Lists the enabled pairs that can ever meet, and their shapes. If they are too many, the broad phase finds them.
 void find_pairs(const Model& m, const Data<double>& d) {
   Workspace& w = *d.step;
   w.pair_count = w.geom_count = 0, w.awake_pair_count = w.row_count = -1, w.by_boxes = false;
@@ -91,19 +91,19 @@ void find_pairs(const Model& m, const Data<double>& d) {
 
 }  // namespace
 
-// near and what both shapes reach share out what their boxes are wider by.
+// Shares the search margin of a pair between its two boxes.
 double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h) { return 0.01 * d.geoms[geom].reach + 1.5 * h * w.speeds[geom]; }
 
 namespace {
 
-// The contact points of pairs of shapes, in the step's workspace.
+// Finds the contact points of all pairs and stores them in the workspace.
 struct Search {
   const Model& m;
   Data<double>& d;
   const double h;
   Workspace& w = *d.step;
   Manifold found{}, end{};
-  double min_distance = shape::infinity, fast = 0;  // of the shapes that are placed
+  double min_distance = shape::infinity, fast = 0;  // fast: of the shapes placed (m/s)
 
   bool sleeps(Index geom) const { return w.sleep.sleeps(d.geoms[geom].body); }
   void place(Index k) {
@@ -112,7 +112,7 @@ struct Search {
     w.speeds[k] = fastest(d, k), fast = std::max(fast, w.speeds[k]);
   }
 
-  // Velocity of B relative to A, where they are and along the normal found.
+  // Velocity of B relative to A at a point along the normal; positive: opening.
   double opening(Index ia, Index ib, const Vec3<double>& at) const {
     return dot(found.normal, velocity_at(d, d.geoms[ib].body, at) - velocity_at(d, d.geoms[ia].body, at));
   }
@@ -125,8 +125,9 @@ struct Search {
     const Index body = d.geoms[geom].body;
     return {d.geoms[geom].shape, X, velocity_at(d, body, X.p), d.step->root_velocity[body].angular};
   }
-  // A gap that closes along its normal need not close: shapes pass one another, or slide onto what lies flush. So of an open pair nothing is left where
-  // both miss each other in this step, and where they but graze each other at its end, the normal is that of the end, with gaps as from there back.
+  // A gap that closes along its normal need not close: shapes can pass each other, or slide onto a flush surface.
+  // So an open pair without contact at the end of the step and on the way there is dropped.
+  // If the pair only grazes at the end, the normal of the end counts, with gaps extrapolated back from there.
   void see_where_it_leads(Index ia, Index ib, double near, double gap) {
     bool closes = false;
     for (int i = 0; i < found.count; ++i) closes = closes || found.points[i].distance + h * opening(ia, ib, found.points[i].position) < 0;
@@ -150,12 +151,12 @@ struct Search {
     }
   }
 
-  // is_tested(pair): whether it is, and its number
+  // is_tested(pair): returns whether the pair is enabled, and sets its number.
   template <class F>
   void look(Index ia, Index ib, F&& is_tested) {
     const Geom &a = d.geoms[ia], &b = d.geoms[ib];
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
-    // impulses of the step change velocities: shapes this near one another always count
+    // impulses change velocities within the step, so shapes as near as this always count
     const double near = std::min(0.02 * std::min(a.reach, b.reach), contact_margin(w, h, fast)), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
     if (!(near < shape::infinity) || (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body))) return;
     const double distance = collision::distance_at_least(a, A, b, B);
@@ -199,9 +200,9 @@ struct Search {
       if (PairRow* const last = w.row_count ? w.rows + w.row_count - 1 : nullptr; last && last->a == p.a && last->b + last->count == p.b) ++last->count;
       else w.rows[w.row_count++] = {p.a, p.b, n, 1};
     }
-    for (Index i = 0; i < w.geom_count; ++i) place(w.geoms[i]), enter_center(w.geoms[i]);  // once, of what does not move
+    for (Index i = 0; i < w.geom_count; ++i) place(w.geoms[i]), enter_center(w.geoms[i]);  // once, for shapes that do not move
   }
-  // Of the pairs of a row from k on, which may be near: a bit each; as look has it, four at a time.
+  // Bit mask of the next four pairs of a row, from k on, that look() would not reject by bounding spheres.
   unsigned near_of(const PairRow& row, Index k) {
     const Geom& a = d.geoms[row.a];
     const Pose& A = d.geom_poses[row.a];
@@ -260,7 +261,7 @@ struct Search {
       place(geom);
       near |= !search.place(d, search.active[k], box_margin(w, d, geom, h));
     }
-    min_distance = 0;  // of other pairs nothing is known
+    min_distance = 0;  // nothing is known of the pairs the broad phase rejects
     for (Index k = 0; k < search.vast_count; ++k) {
       if (d.geoms[search.vast_geoms[k]].body == 0) continue;
       place(search.vast_geoms[k]);
@@ -282,7 +283,7 @@ Index find_contacts(const Model& m, Data<double>& d, double h, double& min_dista
   Search search{m, d, h};
   w.by_boxes ? search.by_boxes() : search.by_list();
   min_distance = search.min_distance;
-  for_each_with_previous(w, [](const dynContactForce&) { return true; }, copy_force);  // the guess
+  for_each_with_previous(w, [](const dynContactForce&) { return true; }, copy_force);  // warm start
   return w.contact_count;
 }
 

@@ -1,4 +1,4 @@
-// From a contact point to the rows of a slot: the contact's frame has its normal as z, from A to B.
+// Rows of a contact. Its frame has the normal, from A to B, as z.
 #include "simulation/material.hpp"
 #include "simulation/step.hpp"
 
@@ -6,27 +6,27 @@ namespace dyn::simulation {
 
 namespace {
 
-// Two unit vectors across n (Duff et al. 2017, "Building an orthonormal basis, revisited").
+// Two tangents of n (Duff et al. 2017, "Building an orthonormal basis, revisited").
 void across(const Vec3<double>& n, Vec3<double>& x, Vec3<double>& y) {
   const double sign = std::copysign(1.0, n[2]), a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
   x = Vec3<double>::make(1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]);
   y = Vec3<double>::make(b, sign + n[1] * n[1] * a, -n[1]);
 }
 
-// Velocity of the normal row, free; positive: it opens.
+// Free normal velocity; positive: the contact opens.
 double opening_speed(const Data<double>& d, const dynContact& c, Index a, Index b) {
   const Vec3<double> at = load3(c.position);
   return dot(load3(c.normal), velocity_at(d, b, at) - velocity_at(d, a, at));
 }
 
-// How much a touching contact may close in a step without being pressed: of the smaller shape's reach, and of what gravity does in the step. It is what
-// tolerances leave of earlier impulses; should it add up, contacts are pressed as soon as they overlap by slop.
+// Closing distance per step below which a touching contact gets no impulse. It absorbs what tolerances left of earlier impulses.
+// Drift is bounded: a contact becomes active when it overlaps by more than `slop`.
 double standstill(const Data<double>& d, double reach, double h) {
   const double g = shape::norm(load3(d.world_gravity));
   return std::min(1e-12 * reach, g > 0 ? 1e-6 * g * h * h : shape::infinity);
 }
 
-// No impulse is asked for: without one it is open at the end of the step, or touches and stands still.
+// Returns whether the contact needs no impulse: it is open at the end of the step, or touches and stays at rest.
 bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, double h) {
   const Workspace& w = *d.step;
   if (w.closed_gap > 0 || w.ledger.open || is_soft(law.material)) return false;

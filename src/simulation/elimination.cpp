@@ -13,7 +13,7 @@ void find_segments(const Model& m, Segments& s) {
   s.first[s.count] = m.n.nv;
 }
 
-// Degrees of freedom descend: those of a segment follow one another.
+// Supporting degrees of freedom descend, so those of a segment are consecutive.
 bool Elimination::find_runs(const Island& x) {
   const Segments& s = x.w.segments;
   Index count = 0;
@@ -38,7 +38,7 @@ bool Elimination::find_runs(const Island& x) {
   return true;
 }
 
-// Lists: a run stands for its slot, an entry e, as max_runs + e, for the position it is of.
+// A list node is a run (of its constraint) or max_runs + e (of the position of entry e).
 template <class F>
 void Elimination::for_each_listed(Index constraints, Index list, F&& f) const {
   if (list < constraints) for_each_run(list, [&](const ConstraintRun& r) { f(r.segment); });
@@ -58,7 +58,7 @@ void Elimination::unlink(Index s) {
   else of_degree[degree[s]] = after[s];
 }
 
-// Slots that are carried by what the one before is add nothing.
+// A constraint with the same segments as the one before adds nothing.
 void Elimination::begin(Index constraints) {
   for (Index s = 0; s < size; ++s) lists[s] = mark[s] = of_degree[s] = -1;
   for (Index k = 0; k < constraints; ++k) {
@@ -71,7 +71,7 @@ void Elimination::begin(Index constraints) {
   std::fill_n(mark, size, -1);
 }
 
-// How many segments are coupled with s, while lists that are dead leave its own.
+// Returns the degree of s and drops merged lists from its own.
 Index Elimination::count(Index constraints, Index s, Index stamp) {
   Index sum = 0;
   mark[s] = stamp;
@@ -133,7 +133,7 @@ bool Elimination::find_order(const Island& x) {
   return true;
 }
 
-// Twice transposed, lists are ascending.
+// Two transpositions sort the entries of each position.
 void Elimination::sort() {
   const Index n = size;
   std::fill_n(first_in, n + 2, 0);

@@ -1,4 +1,4 @@
-// What acts in a step: the slots of constraints, of limits and of contacts, each with what its rows leave at the degrees of freedom.
+// Finds the constraints, limits and contacts that act in a step, with their rows and propagated columns.
 #include "algorithm/constrained/constrained_dynamics.hpp"
 #include "simulation/step.hpp"
 
@@ -7,7 +7,7 @@ namespace dyn::simulation {
 namespace {
 
 void root_velocities(const Model& m, Data<double>& d, const double* v) {
-  static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // in the order of BodyType
+  static constexpr Index sizes[] = {1, 1, 1, 1, 3, 6};  // degrees of freedom by BodyType
   Workspace& w = *d.step;
   w.root_velocity[0] = Motion<double>::zero();
   with_unbatched_trees(d, [&](const auto& part) {
@@ -28,10 +28,10 @@ struct Finder {
   Workspace& w;
   const double* v;  // free
   double h;
-  Index count = 0, added = 0;  // active slots, those in w.slots
-  double min_distance = shape::infinity;  // the nearest two shapes
+  Index count = 0, added = 0;  // active constraints; those in w.instances
+  double min_distance = shape::infinity;  // between any two shapes
 
-  // The side of a limit that is nearer: C = gap >= 0.
+  // Row of the nearer limit: gap >= 0.
   void limit(ConstraintInstance<double>& s, double q, double lower, double upper) const {
     const bool low = q - lower <= upper - q;
     s.g1 = low ? 1 : -1, s.g2 = 0;
@@ -141,7 +141,7 @@ void record_overshoot(const Model& m, Data<double>& d, const double* dq, double 
 
 Index find_constraints(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);
-  const bool some_sleep = d.step->sleep.any_asleep;  // then of clearance nothing is known
+  const bool some_sleep = d.step->sleep.any_asleep;  // the advancement cache does not know sleeping bodies
   if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h)) return update_advancement_cache(m, d, v, h, shape::infinity), 0;
   if (!m.has_mimic) with_unbatched_trees(d, [&](const auto& part) { articulated_columns(m, d, part); });
   root_velocities(m, d, v);

@@ -1,4 +1,4 @@
-// What acts in steps from outside: actuators, wrenches, weights that are held, a medium's drag.
+// External forces in a step: actuators, applied wrenches, gravity compensation, drag of a medium.
 #pragma once
 
 #include "algorithm/declarations.hpp"
@@ -9,7 +9,7 @@ namespace dyn::simulation {
 
 inline constexpr std::uint32_t on_bodies = DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION | acting_wrenches;
 
-// Of a medium on a body that moves in it by v, w, in the box's axes (dyn_builder_set_medium).
+// Drag of the medium on a box that moves with v, w relative to it, in the box's axes (model of dyn_builder_set_medium).
 template <class T>
 Force<T> drag(const Model& m, const DragBox& box, const Vec3<T>& v, const Vec3<T>& w) {
   using std::abs;
@@ -25,7 +25,7 @@ Force<T> drag(const Model& m, const DragBox& box, const Vec3<T>& v, const Vec3<T
   return {load3(force), load3(moment)};
 }
 
-// External forces on the joints' bodies at the state held in d, in joint frames; nullptr: there are none.
+// Returns the external forces on the joints' bodies in joint frames at the state in d, or nullptr if there are none.
 template <class T>
 const T* forces_on_bodies(const Model& m, Data<T>& d) {
   if (!(d.acting & on_bodies)) return nullptr;

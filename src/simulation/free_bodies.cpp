@@ -13,7 +13,7 @@ namespace {
 
 constexpr int lanes = Wide::lanes;
 
-// Dinv[0] is 0 where some articulated inertia is not positive.
+// Dinv[0] is 0 if some articulated inertia is not positive.
 FreeBodyColumns columns_of(const Body& b) {
   FreeBodyColumns out{};
   ArticulatedInertia<double> IA = ArticulatedInertia<double>::rigid({b.m, b.h, Sym3<double>::from(b.I)});
@@ -39,7 +39,7 @@ static_assert(DYN_EFFECT_ALL == 0x1ff, "an effect that acts at a joint or on its
 bool is_free_body(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
   if (b.type != BodyType::FreeFlyer || b.parent != 0 || m.subtree_end()[i] != i + 1 || !(b.m > 0)) return false;
-  if (!is_identity(m.joint_placement()[i])) return false;  // its coordinates would not be its pose in the world
+  if (!is_identity(m.joint_placement()[i])) return false;  // the joint's coordinates must be the pose in the world
   for (const double* x : {m.armature(), m.damping(), m.friction(), m.stiffness()})
     for (int k = 0; k < 6; ++k)
       if (x[b.user_v + k] != 0) return false;
@@ -72,7 +72,6 @@ void fill(const Model& m, FreeBodySet& e, int lane, Index i) {
   set(e.c, lane, c), set(e.I, lane, I), set(e.inverse, lane, transpose(Mat3<double>{yz, zx, xy} * (1 / dot(I.x, yz))));
 }
 
-// ---------------------------------------------------------------------------------------------------- states of a set
 struct LanePoses {
   Vec3<Wide> p;
   Quaternion<Wide> a;
@@ -81,7 +80,7 @@ struct LanePoses {
 
 Vec3<Wide> first3(const Wide* x) { return Vec3<Wide>::make(x[0], x[1], x[2]); }
 
-// Quaternions whose squares could overflow or lose digits, as those of norm one.
+// Normalizes the quaternions of lanes whose squares could overflow or lose digits.
 [[gnu::cold, gnu::noinline]] Quaternion<Wide> no_overflow_lanes(Quaternion<Wide> a, const Wide::Mask& bad) {
   for (int k = 0; k < lanes; ++k) {
     if (!bad[k]) continue;
@@ -114,7 +113,7 @@ struct HalfAngle {
   return of;
 }
 
-// exp of a rotation vector: of x the turned one, or the one turned back.
+// Rotation by exp(w): applied to a vector, or its inverse.
 struct RotationExp {
   Vec3<Wide> w;
   HalfAngle half;
@@ -138,14 +137,14 @@ struct RotationExp {
   }
 };
 
-// Lanes of turned_velocity that its iteration does not settle.
+// Solves the lanes in which the fixed-point iteration does not converge.
 [[gnu::cold, gnu::noinline]] void solve_lanes_by_newton(const FreeBodySet& e, const Vec3<Wide>& L, double h, const Vec3<Wide>& guess, const Wide::Mask& far, Vec3<Wide>& w) {
   const auto lane = [](const Vec3<Wide>& x, int k) { return Vec3<double>::make(x.v[0][k], x.v[1][k], x.v[2][k]); };
   for (int k = 0; k < lanes; ++k)
     if (far[k]) set(w, k, integrator::implicit_angular_velocity_newton(Mat3<double>{lane(e.I.x, k), lane(e.I.y, k), lane(e.I.z, k)}, lane(L, k), h, lane(guess, k)));
 }
 
-// w' with I w' = exp(-h w') L; each lane as long as it changes.
+// Solves I w' = exp(-h w') L by fixed-point iteration; converged lanes stay as they are.
 DYN_INLINE Vec3<Wide> implicit_angular_velocity(const FreeBodySet& e, const Vec3<Wide>& L, double step, const Vec3<Wide>& guess) {
   const Wide h(step);
   Vec3<Wide> w = guess;
@@ -163,7 +162,7 @@ DYN_INLINE Vec3<Wide> implicit_angular_velocity(const FreeBodySet& e, const Vec3
   return w;
 }
 
-// to(lane): where its numbers go
+// Writes the numbers of each active lane to to(lane).
 template <class To>
 DYN_INLINE void scatter_four(const FreeBodySet& e, const Wide& a, const Wide& b, const Wide& c, const Wide& d, To&& to) {
   for_each_lane(a, b, c, d, [&](int lane, const auto& four) DYN_INLINE_LAMBDA {

@@ -1,6 +1,6 @@
-// Bodies that fly by themselves: free flyers that carry nothing, on which contacts, gravity and the force at their own joint alone act. An Euler
-// step moves four of them side by side, without a recursion, by the equations of integrator/free_flight.hpp: with c the centre of mass, f and t the
-// applied force and its moment there,
+// Free rigid bodies, SIMD-batched: free flyers without children on which only contacts, gravity and their own joint force act.
+// An Euler step integrates four of them side by side, without a recursion, by the equations of integrator/free_flight.hpp.
+// With the centre of mass c, the applied force f and its moment t about c:
 //   v_c' = v_c + h (g + f / m)     I w' = exp(-h w') (I w + h t)     c' = c + h v_c'     R' = R exp(h w')
 #pragma once
 
@@ -11,14 +11,14 @@
 namespace dyn::simulation {
 
 struct FreeBodySet {
-  Index body[Wide::lanes], q[Wide::lanes], v[Wide::lanes];  // beyond the last body it again
-  unsigned active_lanes;                                          // a bit for each lane that steps go through
+  Index body[Wide::lanes], q[Wide::lanes], v[Wide::lanes];  // the last body fills unused lanes
+  unsigned active_lanes;                                          // bit mask of lanes that steps visit
   Wide inverse_mass;
   Vec3<Wide> c;
   Mat3<Wide> I, inverse;  // about the centre of mass
 };
 
-// What articulated inertias leave of one (aba.hpp), in its axes.
+// Articulated inertia columns of one body (aba.hpp), in its axes.
 struct FreeBodyColumns {
   Force<double> U[6];
   double Dinv[6];
@@ -26,36 +26,36 @@ struct FreeBodyColumns {
 
 struct FreeBodies {
   Index count;
-  bool batched;          // in this step
+  bool batched;          // bodies are integrated in batches in this step
   std::uint64_t step;
   FreeBodySet* sets;
-  Index* active_sets;        // those of which something acts
+  Index* active_sets;        // indices of sets with at least one active lane
   Index active_set_count;
-  Index* number;        // of bodies, among these; -1
+  Index* number;        // of a body among the free bodies, -1 if it is none
   FreeBodyColumns* columns;
-  std::uint64_t* has_columns;  // the step for which it has
-  Index* touched;        // bodies that have, in this step
+  std::uint64_t* has_columns;  // number of the step in which d.S, d.U_root, d.Dinv were set
+  Index* touched;        // bodies whose columns were set in this step
   Index touched_count;
   Trees* trees;         // of the model
   Index tree_count;
-  ChosenTrees others;   // that steps go through
-  TreeBuffers buffers;        // of these
+  ChosenTrees others;   // trees that steps visit beside the batches
+  TreeBuffers buffers;        // of `others`
 };
 
 struct Workspace;
 
 void set_up_free_bodies(const Model& m, FreeBodies& l);
-// After trees fell asleep or woke.
+// Updates the lanes and trees after bodies fell asleep or woke.
 void list_free_bodies(const Model& m, Workspace& w);
 
-// Whether they fly in the step that begins.
+// Decides whether bodies are integrated in batches in the step that begins.
 void begin_free_body_step(Data<double>& d);
-// To the free velocities of a step of h, in the axes that it begins in: d.v; of placements and velocities what contacts ask for.
+// Sets d.v to the free velocities after h, in the axes at the beginning of the step, and the poses and twists that contacts need.
 void integrate_velocity(const Model& m, Data<double>& d, double h);
-// d.S, d.U_root and d.Dinv of a body that may be one of them.
+// Sets d.S, d.U_root and d.Dinv of a body if it is batched.
 void ensure_columns(const Model& m, Data<double>& d, Index body);
 void ensure_all_columns(const Model& m, Data<double>& d);
-// To the configuration, and to velocities in the axes of where the step ends. correction: nullptr, none.
+// Integrates q over h and refers v to the axes at the end of the step. correction: displacement beside h v, or nullptr.
 void integrate_position(Data<double>& d, double h, const double* correction);
 
 }  // namespace dyn::simulation

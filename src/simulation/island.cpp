@@ -6,23 +6,23 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double rest = 0.05;  // of what is slow: what is faster is an impact however long the step
+constexpr double rest = 0.05;  // of slow_speed: above it a contact is an impact however long the step
 
-// How fast a gap may close: wholly within the step. Where steps follow from an accuracy, what is as near as errors may be is closed, and what is not may
-// close as it likes (no faster than this): else velocities would depend on gaps that are errors, and on the step. What was pressed in the step before
-// opens later, and not where what acts would close it again at once.
+// Speed at which a gap may close: exactly within the step.
+// In steps that follow from an accuracy a closed gap may not close, and an open one may close freely (bounded by 10 max speed).
+// Otherwise velocities would depend on gaps that are errors, and on the step. Hysteresis: an active contact opens at a larger gap.
 double gap_bias(const Island& x, double gap, double rate, bool pressed) {
   if (x.w.closed_gap == 0) return std::max(0.0, gap) / x.h;
   return gap <= x.w.closed_gap || (pressed && (gap <= reopen_factor * x.w.closed_gap || gap + x.h * rate <= x.w.closed_gap)) ? 0 : 10 * x.fast;
 }
 
-// What was met, not pressed before, has passed where it counts as closed by some of the step: how far and how long ago, at most.
+// Records by how far and how long a newly met contact passed closed_gap within the step.
 void record_contact_overshoot(const Island& x, double gap, double before) {
   const double passed = std::min(x.w.closed_gap - gap, -before * x.h);
   if (passed > x.w.overshoot) x.w.overshoot = passed, x.w.overshoot_time = passed / -before;
 }
 
-// With gains the acceleration is what these ask for; without, the velocity is zero and what is wrong goes by a correction.
+// With gains: the acceleration that they ask for. Without: zero velocity; errors are removed by the position correction.
 void fill_equality(const Island& x, const ConstraintInstance<double>& s) {
   const bool gains = s.c.stiffness > 0 || s.c.damping > 0;
   for (Index r = 0; r < s.rows; ++r) {
@@ -44,8 +44,8 @@ void fill_box(const Island& x, const ConstraintInstance<double>& s, Index k) {
 // At the beginning of the step.
 Motion<double> velocity(const Island& x, Index body) { return body_motion(x.m, x.d, body, x.v_before, static_cast<const double*>(nullptr)).V; }
 
-// Velocity of the normal row at the beginning of the step, and what the step's own acceleration makes of it: of one body relative to the other, and
-// where the world holds one up, that of each.
+// Normal velocity at the beginning of the step and its change by the step's own acceleration.
+// If the world supports the island, the change is the sum over both bodies; otherwise that of their relative motion.
 struct Approach {
   double before, gained;
 };
@@ -57,7 +57,7 @@ Approach approach(const Island& x, const ConstraintInstance<double>& s, Index no
   return {first + second, x.supported ? std::abs(by_first) + std::abs(by_second) : std::abs(by_first + by_second)};
 }
 
-// Errors leave a gap where bodies roll on each other, either way: it goes as fast as they turn.
+// Rolling bodies with an error in the gap lose or gain distance at the rate at which they turn.
 double rolling_gap_rate(const Island& x, const ConstraintInstance<double>& s, double gap) {
   const auto turns = [&](Index body) { return std::sqrt(dot(velocity(x, body).angular, velocity(x, body).angular)); };
   return x.w.closed_gap > 0 ? gap * (turns(s.c.body1) + turns(s.c.body2)) : 0;
@@ -81,10 +81,10 @@ void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
   x.bias[n] = gap_bias(x, gap, s.rate[normal], pressed) + rolling_gap_rate(x, s, gap);
   if (is_soft(material)) {
     const double total = x.h * material.stiffness + material.damping;
-    x.compliance[n] = 1 / (x.h * total), x.bias[n] = gap > 0 ? gap / x.h : material.stiffness * gap / total;  // the damper, too, begins where they touch
+    x.compliance[n] = 1 / (x.h * total), x.bias[n] = gap > 0 ? gap / x.h : material.stiffness * gap / total;  // the damper acts only while shapes touch
   } else if (material.restitution > 0 && (x.w.closed_gap > 0 ? gap <= x.w.closed_gap : gap + x.h * s.rate[normal] <= 0)) {
     const auto [before, gained] = approach(x, s, normal);
-    // rest, not an impact: what the step's own acceleration makes; or what would not rise above what counts as closed, or is as slow as errors
+    // slower approach is rest, not an impact: gravity in one step makes it, or it would not rebound above closed_gap
     const double least = x.w.closed_gap > 0 ? std::max(x.w.closed_gap, std::sqrt(2 * x.w.closed_gap * gained / x.h)) : std::min(2 * gained, rest * slow_speed(x.d, x.h));
     if (before < -least)
       x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;

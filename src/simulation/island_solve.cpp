@@ -1,4 +1,4 @@
-// An island by its whole Delassus matrix and the solvers of contact problems.
+// An island by its dense Delassus matrix and the contact solvers of solver/.
 #include "algorithm/constrained/constrained_dynamics.hpp"
 #include "simulation/island.hpp"
 #include "solver/list.hpp"
@@ -28,7 +28,7 @@ dynContactProblem problem(const Island& x) {
 
 }  // namespace
 
-// Where few degrees of freedom carry most slots, as those of one tree do: G = Z^T Z of all of them, Z = D^-1/2 Y row by row. false: they are many.
+// If few degrees of freedom support most constraints (one tree): G = Z^T Z, Z = D^-1/2 Y row by row. Returns false if they are many.
 bool Island::dense_matrix() {
   using P = Pack<double, row_lanes>;
   Index low = m.n.nvx, high = 0;
@@ -68,7 +68,7 @@ bool Island::dense_matrix() {
   return true;
 }
 
-// Slots come in the order of their rows: lanes beyond those of a slot are zero, and overwritten by the next.
+// Constraints are in row order: lanes beyond one are zero and overwritten by the next.
 void Island::matrix() {
   if (has_matrix) return;
   has_matrix = true;
@@ -91,8 +91,8 @@ void Island::matrix() {
   }
 }
 
-// What equalities ask for and no impulses give, as where a linkage is at its limit, the contacts do not change: for a null vector n of the equalities'
-// rows of a positive semidefinite G, G n = 0 in all rows. g is without it, and impulses without bound are not looked for.
+// Projects the equality right-hand side onto range(G): removes components that no impulse can produce, so impulses stay bounded.
+// Example: a linkage at its limit. For a null vector n of the equality block, G n = 0 in all rows, so contacts do not change.
 void Island::project_rhs_to_range() {
   const RowWork<double> work = row_work(m, d);
   const Index n = equalities;
@@ -117,7 +117,7 @@ void Island::project_rhs_to_range() {
   inconsistency = most > 0 ? off / most : 0;
 }
 
-// From the guess lambda; where that does not get far enough, from nothing, without sweeps, which have been tried, and by the other of the exact solvers.
+// Tries the guess lambda first, then zero without sweeps, then the other exact solver. The best result counts.
 void Island::solve(dynContactReport& best) {
   matrix();
   double* const asked = kept;
@@ -146,10 +146,10 @@ void Island::solve(dynContactReport& best) {
   std::copy_n(asked, equalities, g);
 }
 
-// lambda of the least displacement that takes away what bias says is wrong, without friction.
+// Smallest displacement that removes the error in bias, without friction.
 void Island::solve_displacement() {
   matrix();
-  if (equalities == rows) {  // least squares where they contradict each other
+  if (equalities == rows) {  // least squares if they are inconsistent
     for (Index i = 0; i < rows; ++i) g[i] = -bias[i];
     ProximalResult<double> found;
     return solve_equalities(row_work(m, d), w.matrix, stride(), rows, static_cast<const double*>(g), ProximalOptions{}, lambda, found);

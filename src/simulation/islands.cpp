@@ -1,4 +1,4 @@
-// Islands: trees that slots connect. Each is a problem of its own.
+// Islands: trees connected by constraints. Each is solved on its own.
 #include <algorithm>
 
 #include "simulation/step.hpp"
@@ -24,14 +24,14 @@ void order_by_islands(Data<double>& d, Index slots) {
     const ActiveConstraint& x = w.active[k];
     if (x.tree1 < 0 || x.tree2 < 0) continue;
     const Index a = find(links, x.tree1), b = find(links, x.tree2);
-    links[std::max(a, b)] = std::min(a, b);  // named by its first tree
+    links[std::max(a, b)] = std::min(a, b);  // the first tree names the island
   }
   for (Index k = 0; k < slots; ++k) {
     ActiveConstraint& x = w.active[k];
     x.island = find(links, x.tree1 < 0 ? x.tree2 : x.tree1);
     w.order[k] = k;
   }
-  // stable by the numbers of the slots
+  // stable order
   const auto before = [&](Index a, Index b) {
     const ActiveConstraint &x = w.active[a], &y = w.active[b];
     return x.island != y.island ? x.island < y.island : x.kind != y.kind ? x.kind < y.kind : a < b;

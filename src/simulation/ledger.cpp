@@ -14,7 +14,7 @@ struct Energies {
   double kinetic, potential;
   double sum() const { return kinetic + potential; }
 };
-// d.q and d.v may have changed without notice.
+// The caller changed d.q and d.v directly, so cached stages are invalid before and after.
 Energies energies(const Model& m, Data<double>& d) {
   d.invalidate(Stage::Position), d.invalidate(Stage::Velocity);
   kinetic_energy(m, d), potential_energy(m, d);
@@ -23,7 +23,7 @@ Energies energies(const Model& m, Data<double>& d) {
   return out;
 }
 
-// After forward_kinematics<1>: the power of forces on bodies, and their sum; of those effects alone.
+// Power and sum of the forces on bodies by the given effects alone. Needs forward_kinematics<1>.
 double power_on_bodies(const Model& m, Data<double>& d, std::uint32_t effects, Vec3<double>& sum) {
   const std::uint32_t acting = d.acting;
   d.acting &= effects;
@@ -53,7 +53,7 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   x.energy = energies(m, d).sum();
   Vec3<double> force = Vec3<double>::zero();
   x.power.wrenches = power_on_bodies(m, d, acting_wrenches | DYN_EFFECT_GRAVITY_COMPENSATION, force), x.power.fluid = power_on_bodies(m, d, DYN_EFFECT_FLUID, force);
-  double* const t = d.step->ledger.tau;  // of all that acts at joints
+  double* const t = d.step->ledger.tau;  // total torque at joints
   std::copy_n(d.tau_applied, m.n.nv, t);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
     const double force = r.spec.gear * actuator_force(r, d);
@@ -128,7 +128,7 @@ void record_impulses(const Island& x) {
     double across = 0, pressed = 0;
     for (Index r = 0; r < s.rows; ++r) {
       const Index i = s.first + r;
-      const double slip = a.kind == RowKind::Contact && r < 2 && s.rows > 1 ? x.w.laws[a.index].slip[r] : 0;  // of belts
+      const double slip = a.kind == RowKind::Contact && r < 2 && s.rows > 1 ? x.w.laws[a.index].slip[r] : 0;  // velocity of a belt
       const double work = x.lambda[i] * (c0[r] + x.c[i] - slip) / 2;
       if (a.kind == RowKind::Equality) l.constraints += work, l.drift = std::max(l.drift, std::abs(s.error[r]));
       else if (a.kind == RowKind::Box) l.limits += work;

@@ -1,22 +1,22 @@
-// Where the energy and the momentum of a step went (dynErrorLedger): what forces do, by the trapezoidal rule over the step; what impulses of rows do, each by
-// the mean velocity of its row, which is their share in the change of the kinetic energy; what the correction of the configuration does. The
-// rest is the step's error.
+// Balance of energy and momentum in a step (dynErrorLedger). Work of forces: trapezoidal rule over the step.
+// Work of a row's impulse: by the row's mean velocity, which is exactly its share in the change of kinetic energy.
+// The position correction has its own entry. The remainder is the integrator's error.
 #pragma once
 
 #include "simulation/step.hpp"
 
 namespace dyn::simulation {
 
-// Before the first step of a call, where the option asks for it or did so before.
+// Opens the ledger before the first step of a call if the option asks for it, and closes it otherwise.
 void open_ledger(const Model& m, Data<double>& d);
-// After a step of h: to the state that d holds.
+// Records a step of h that ends at the state in d.
 void record_step(const Model& m, Data<double>& d, double h);
-// After the impulses of an island.
+// Records the impulses of an island.
 struct Island;
 void record_impulses(const Island& x);
-// After the configuration was corrected: dq of it is dq, q without it lies h v from q0.
+// Records a position correction dq; without it the configuration would be q0 (+) hv.
 void record_correction(const Model& m, Data<double>& d, const double* q0, const double* hv, const double* dq);
-// What rows did in a step that is made anew.
+// Discards the impulses of a step that is repeated.
 inline void reset_impulse_work(Data<double>& d) { d.step->ledger.rows = {}; }
 inline bool has_open_ledger(const Data<double>& d) { return d.step && d.step->ledger.open; }
 

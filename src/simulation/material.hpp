@@ -1,4 +1,4 @@
-// What happens where two shapes touch: MuJoCo's rule for friction (the larger), the larger restitution, springs in a row.
+// Material of a pair of shapes: the larger friction (MuJoCo's rule) and restitution, springs in series.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace dyn::simulation {
 
 inline dynMaterial default_material() { return {1, 0, 0, 0, 0, 0, {0, 0, 0}}; }
 
-// A stiffness of 0 is rigid.
+// A stiffness of 0 means rigid.
 inline double stiffness_in_a_row(double a, double b) {
   if (a == 0 || b == 0) return a + b;
   return 1 / (1 / a + 1 / b);
@@ -27,7 +27,7 @@ inline Index contact_rows(const dynMaterial& x) {
   return x.rolling > 0 ? 6 : x.torsion > 0 ? 4 : 3;
 }
 
-// The first number that no material has, by name; nullptr: none.
+// Returns the first number out of range with its name, or nullptr.
 struct BadNumber {
   const char* name;
   double value;

@@ -15,7 +15,7 @@ constexpr double hardly_more = 1.1;    // than the guess: what is heavy presses 
 constexpr Index max_steps = 15;
 constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
 
-// Rows' impulses by unknowns: where it slides, the normal with the friction along it, and directions across.
+// Impulses of rows from unknowns. A slipping contact has the normal (friction follows it) and the directions across the slip.
 void to_rows(const NewtonConstraint& s, const double* unknowns, double* rows) {
   if (s.mode != solver::ConeState::slip) {
     for (Index i = 0; i < s.rows; ++i) rows[i] = i < s.unknowns ? unknowns[i] : 0;
@@ -28,7 +28,7 @@ void to_rows(const NewtonConstraint& s, const double* unknowns, double* rows) {
   }
 }
 
-// Equations by rows: the normal, and the directions across.
+// Equations of unknowns from those of rows.
 void to_unknowns(const NewtonConstraint& s, const double* rows, double* unknowns) {
   if (s.mode != solver::ConeState::slip) {
     std::copy_n(rows, s.unknowns, unknowns);
@@ -41,7 +41,7 @@ void to_unknowns(const NewtonConstraint& s, const double* rows, double* unknowns
   }
 }
 
-// C += a law b^T, rows of a in lanes; a, b: rows of slots in lanes
+// C += a law b^T. a, b: rows of constraints in lanes.
 template <int rows>
 DYN_INLINE void add_product(const NewtonConstraint& s, const double* a, const double* b, double* C) {
   using P = BlockFactor::P;
@@ -67,7 +67,7 @@ DYN_INLINE void add_product(const NewtonConstraint& s, const double* a, const do
 
 }  // namespace
 
-// Units in which diagonals are 1 and cones round; and the guess.
+// Sets the scaling (unit diagonals, round cones) and the guess.
 void Newton::scale() {
   Index boxes = 0, contacts = 0;
   for_each([&](const ActiveConstraint& a, State& s, Index k) {
@@ -102,7 +102,7 @@ void Newton::scale() {
   });
 }
 
-// Rows by segments, and pivots.
+// Collects rows by segments, and pivots.
 void Newton::build_segment_rows() {
   const double* Dinv = inverse_pivots(x.m, x.d);
   const Segments& segments = w.segments;
@@ -127,7 +127,7 @@ void Newton::build_segment_rows() {
   });
 }
 
-// G y in these units, with what is soft.
+// G y in scaled units, compliance included.
 void Newton::times(const double* of, double* G_of) const {
   clear();
   for_each([&](const ActiveConstraint& a, const State& s, Index k) { scatter(k, s.rows, of + a.s->first); });
@@ -146,7 +146,7 @@ void Newton::velocities() const {
   });
 }
 
-// Of the function whose zero is looked for, at y + t dy.
+// Residual of Alart and Curnier's function at y + t dy.
 Newton::Error Newton::error(double t) const {
   Error out;
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
@@ -168,7 +168,7 @@ Newton::Error Newton::error(double t) const {
   return out;
 }
 
-// What each slot does in the step, and the known part of dy. Answers its largest number.
+// Finds each constraint's state (open, stick, slip, bound) and the known part of dy. Returns its largest component.
 double Newton::classify() {
   double known = 0;
   for_each([&](const ActiveConstraint& a, State& s, Index) {
@@ -202,7 +202,7 @@ double Newton::classify() {
   return known;
 }
 
-// Where it sticks there is no compliance but the one that makes steps unique; across the sliding, that of the cone's width.
+// A sticking row has only the regularising compliance; across the slip direction the width of the cone adds to it.
 void Newton::set_law(const ActiveConstraint& a, State& s) const {
   for (Index i = 0; i < s.unknowns; ++i) {
     const double across = s.mode == solver::ConeState::slip && i > 0 ? 1 / s.across - 1 : 0;
@@ -218,7 +218,7 @@ void Newton::set_law(const ActiveConstraint& a, State& s) const {
   }
 }
 
-// D of the pivots, to which each slot adds its rows by its law.
+// D of the pivots plus Y law Y^T of each constraint.
 void Newton::fill(Index p, double* D) const {
   std::fill_n(D, BlockFactor::size, 0.0);
   for (Index i = 0; i < BlockFactor::R; ++i) D[i + W * i] = w.pivots[W * p + i] > 0 ? 1 / w.pivots[W * p + i] : 1;
@@ -243,7 +243,7 @@ bool Newton::factorize() const {
   return factor([this](Index p, double* D) { fill(p, D); });
 }
 
-// dy and dc = G dy. false: singular.
+// Newton direction dy and dc = G dy. Returns false if singular.
 bool Newton::direction() {
   if (classify() > 0) times(dy, dc);
   else std::fill_n(dc, x.rows, 0.0);
@@ -252,7 +252,7 @@ bool Newton::direction() {
     if (s.unknowns > 0) set_law(a, s), activate(k);
   });
   if (!factorize()) return false;
-  // of unknowns: the wanted change, what of it is left to be found, what has been found; of rows: the step so far, and G times it
+  // by unknowns: wanted change, remainder, found change; by rows: step and G step
   double *wanted = before + room, *left = wanted + room, *found = left + room, *step = found + room, *G_step = step + room;
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
@@ -280,7 +280,7 @@ bool Newton::direction() {
     });
     times(step, G_step);
     if (k == refinements || compliant != min_compliance) break;
-    for_each([&](const ActiveConstraint& a, const State& s, Index) {  // with the compliance that is meant
+    for_each([&](const ActiveConstraint& a, const State& s, Index) {  // residual with the true compliance
       const Index first = a.s->first;
       double by[max_rows];
       to_unknowns(s, G_step + first, by);
@@ -291,7 +291,7 @@ bool Newton::direction() {
   return true;
 }
 
-// The nearest impulses that are allowed.
+// Projects y onto the feasible impulses.
 void Newton::candidate(double* into) const {
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const Index first = a.s->first;
@@ -359,8 +359,8 @@ void Newton::write_best(dynContactReport& report) {
   if (found < report.residual) to_impulses(best), report.residual = found;
 }
 
-// The costs of a step by the whole matrix and by segments are, as measured, about as these numbers. Where there are no more rows than lanes, contacts are
-// not very redundant, and Newton's method, which by the whole matrix is patient, seldom gets there by segments: then a dearer step is the cheaper way.
+// Compares the price of a factorization: dense rows^3 against blocks of segments, in the same unit (measured).
+// With no more rows than lanes contacts are seldom redundant, and the damped dense Newton succeeds more often.
 bool Island::sparse() {
   if (eliminated == Eliminated::Not) eliminated = w.elimination.find_runs(*this) ? Eliminated::Runs : Eliminated::DoesNotFit;
   const double whole = double(rows) * rows * rows, block = rows > segment_lanes * w.elimination.size ? 4000 : 16000;
@@ -373,9 +373,9 @@ bool Island::ordered() {
   return eliminated == Eliminated::Fits;
 }
 
-// Where a little more is left than is tolerated, what contacts ask for differs by as little, and what would satisfy all of them is seldom found.
+// A residual slightly above the tolerance: contacts contradict one another by as little, and a solution of all is hard to find.
 void Island::solve_fixed_correction(dynContactReport& report) {
-  constexpr Index fair = 30;  // of iterations: with fewer it is they that were not enough
+  constexpr Index fair = 30;  // iterations; below it they were the reason
   constexpr double rounding = 1e-11;
   if (w.options.max_iterations < fair || report.residual < rounding || (!sparse() && !ordered())) return;
   allowance = report.iterations + report.newton_steps + (report.residual > 10 * w.options.tolerance ? 9 : 2) * w.options.max_iterations;

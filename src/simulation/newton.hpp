@@ -1,7 +1,8 @@
-// Newton's method of Alart and Curnier (solver/alart_curnier.hpp) on an island as it lies. Rows Y are carried by degrees of freedom with the
-// pivots D, G = Y^T D^-1 Y; with the stiffness K of what acts, a little compliance where nothing gives,
+// Newton's method of Alart and Curnier (solver/alart_curnier.hpp) on an island without a dense matrix.
+// With Y the columns at the supporting dofs, D their pivots, G = Y^T D^-1 Y, and K the stiffness of active rows
+// (a small compliance where a contact sticks):
 //   (G + K^-1) a = r        (D + Y K Y^T) z = Y K r,   a = K (r - Y^T z)
-// so that what is factorised has the size of the degrees of freedom, however many rows there are, in blocks of segments (elimination.hpp).
+// The factorised matrix has the size of the degrees of freedom, however many rows there are, in blocks of segments (elimination.hpp).
 #pragma once
 
 #include "simulation/block_factor.hpp"
@@ -12,9 +13,9 @@ namespace dyn::simulation {
 class Newton {
  public:
   explicit Newton(const Island& island);
-  // From the island's lambda as long as it gets better. true: it is good enough
+  // Starts from the island's lambda and iterates while the error falls. Returns true when the tolerance is met.
   bool run(dynContactReport& report);
-  // lambda becomes the nearest allowed impulses to what has been found, if they are better than the guess
+  // Sets lambda to the feasible impulses nearest to the result if they are better than the guess.
   void write_best(dynContactReport& report);
 
  protected:
@@ -27,20 +28,20 @@ class Newton {
   const Elimination& e;
   BlockFactor factor;
   std::ptrdiff_t room;
-  double speed, bound;  // of velocities that are to change; of impulses
-  // of rows, in the slots' own order and units
+  double speed, bound;  // speed: largest velocity that is to change. bound: of impulses
+  // by rows, normal first, scaled
   double *y = w.newton_vectors, *c = y + room, *dy = c + room, *dc = dy + room, *best = dc + room, *before = best + room;
 
   struct Error {
-    double most = 0, sum = 0;  // the largest, and squares, as velocities
-    double own = 0;            // squares in the slots' units
+    double most = 0, sum = 0;  // largest error and sum of squares, as velocities
+    double own = 0;            // sum of squares, scaled
   };
   template <class F>
   void for_each(F&& f) const {
     for (Index k = 0; k < x.constraint_count; ++k) f(x.constraint(k), w.newton[k], k);
   }
   void clear() const { std::fill_n(w.by_segment, W * std::ptrdiff_t(e.size), 0.0); }
-  // w.by_segment += Y of a slot's impulses; velocities of its rows, Y^T of
+  // scatter: w.by_segment += Y by. gather: velocity = Y^T of.
   DYN_INLINE void scatter(Index constraint, Index rows, const double* by) const {
     e.for_each_run(constraint, [&](const ConstraintRun& r) {
       double* const to = w.by_segment + W * e.position[r.segment];
@@ -64,18 +65,18 @@ class Newton {
   }
 
   void times(const double* of, double* G_of) const;
-  void velocities() const;  // c of y
+  void velocities() const;  // c = G y + g
   Error error(double t) const;
   Error error() const {
     std::fill_n(dy, x.rows, 0.0), std::fill_n(dc, x.rows, 0.0);
     return error(0);
   }
-  bool factorize() const;  // of the slots' laws
-  // At most so many steps, none of which may leave more than a share of the error
+  bool factorize() const;  // uses the laws of the constraints
+  // At most max_steps steps, each of which must reduce the error to `share` of the last.
   bool run(Index max_steps, double share, dynContactReport& report);
 
  private:
-  double compliant;  // of the unit diagonal
+  double compliant;  // compliance of sticking rows, relative to the unit diagonal
 
   void scale();
   void build_segment_rows();
@@ -88,9 +89,9 @@ class Newton {
   void to_impulses(const double* from) const;
 };
 
-// From the inside of the cones (interior.cpp).
+// Interior-point method (interior.cpp).
 bool interior(const Island& x, dynContactReport& report);
-// Where nothing else gets there: by convex problems.
+// Interior-point method with fixed de Saxce corrections: a sequence of convex problems, for islands that nothing else solves.
 void interior_fixed_correction(const Island& x, dynContactReport& report);
 
 }  // namespace dyn::simulation

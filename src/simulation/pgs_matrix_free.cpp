@@ -1,6 +1,6 @@
-// Without a matrix: projected Gauss-Seidel by what the rows leave at the degrees of freedom, z = Y^T lambda:
+// Projected block Gauss-Seidel without a matrix, by z = Y^T lambda at the degrees of freedom:
 //   c = g + Y D^-1 z        after a change of lambda: z += Y^T change
-// A slot costs what its bodies have of degrees of freedom, however many rows the island has.
+// A constraint costs as much as it has supporting dofs, however many rows the island has.
 #include "algorithm/constrained/delassus.hpp"
 #include "simulation/island.hpp"
 #include "solver/pgs.hpp"
@@ -10,22 +10,22 @@ namespace dyn::simulation {
 
 namespace {
 
-// In the units of its row's scale; 0: the row is held at zero.
+// Scaled impulse; 0 where the scale holds the row at zero.
 double per_scale(double lambda, double scale) { return scale > 0 ? lambda / scale : 0; }
 
-constexpr int few_sweeps = 4;  // of a guess that is nearly good: cheaper than a matrix
+constexpr int few_sweeps = 4;  // sweeps over a guess that is nearly good, cheaper than a matrix
 
 struct MatrixFreeGaussSeidel {
   const Island& x;
   const double* Dinv;
   double* z;
 
-  Pack<double, row_lanes> gather(const ActiveConstraint& a) const { return x.gather(a, Dinv, z); }  // G lambda, in lanes
+  Pack<double, row_lanes> gather(const ActiveConstraint& a) const { return x.gather(a, Dinv, z); }  // G lambda, rows in lanes
   void change(const ActiveConstraint& a, const double* by) const { x.scatter(a, by, z); }
   double wanted(Index i) const { return x.g[i] + x.bias[i]; }
   double soft(Index i) const { return x.compliance[i]; }
 
-  // A row of an equality or a box. Answers by how much its velocity changes.
+  // One row of an equality or a box. Returns the change of its velocity.
   double row(const ActiveConstraint& a, const ConstraintBlock& s, Index r, double lower, double upper) const {
     const Index i = a.s->first + r;
     const double G = s.diagonal[r] + soft(i);
@@ -60,7 +60,7 @@ struct MatrixFreeGaussSeidel {
     if (most > 0) change(a, by);
     return most;
   }
-  // Once through the slots. Answers the largest change of a row's velocity by its own impulse.
+  // One sweep. Returns the largest change of a row's velocity by its own impulse.
   double operator()() const {
     double most = 0;
     for (Index k = 0, boxes = 0, contacts = 0; k < x.constraint_count; ++k) {
@@ -75,7 +75,7 @@ struct MatrixFreeGaussSeidel {
     }
     return most;
   }
-  // The same without friction.
+  // One sweep without friction.
   double frictionless_sweep() const {
     double most = 0;
     for (Index k = 0, boxes = 0; k < x.constraint_count; ++k) {
@@ -90,13 +90,13 @@ struct MatrixFreeGaussSeidel {
     }
     return most;
   }
-  // Largest |y - P_K(y - u)| as a velocity: the residual of residuals.hpp, slot by slot; and c = G lambda + g.
+  // Largest |y - P_K(y - u)| as a velocity (solver/residuals.hpp). Also sets c = G lambda + g.
   double residual() const {
     double worst = 0;
     double most = 0;  // impulse, as a speed
     const auto enter = [&](double wrong, double impulse) {
       most = std::max(most, std::abs(impulse));
-      if (!(wrong <= worst)) worst = wrong >= 0 ? wrong : HUGE_VAL;  // no number: as wrong as can be
+      if (!(wrong <= worst)) worst = wrong >= 0 ? wrong : HUGE_VAL;  // NaN counts as infinite
     };
     for (Index k = 0, boxes = 0, contacts = 0; k < x.constraint_count; ++k) {
       const ActiveConstraint& a = x.constraint(k);
@@ -168,7 +168,7 @@ void Island::prepare_blocks() {
   }
 }
 
-// What sweeps need more.
+// Eigenvectors that Gauss-Seidel needs in addition.
 void Island::prepare_cones() {
   if (has_cones) return;
   has_cones = true;
@@ -184,7 +184,7 @@ void Island::prepare_cones() {
   }
 }
 
-// Of torsion and rolling by their lengths, and where a coefficient is zero not at all.
+// Largest velocity that is to change. Torsion and rolling rows count by their lengths, rows without a coefficient not at all.
 double Island::speed() const {
   double most = 0;
   for (Index k = 0, contact = 0; k < constraint_count; ++k) {
@@ -219,7 +219,7 @@ bool Island::accept_guess(dynContactReport& report) {
   return report.residual <= w.options.tolerance;
 }
 
-// Coefficients of restitution taken smaller by a factor.
+// Multiplies the coefficients of restitution by a factor.
 void Island::scale_restitution(double factor) {
   for (Index k = 0, contact = 0; k < constraint_count; ++k) {
     const ActiveConstraint& a = constraint(k);
@@ -230,21 +230,21 @@ void Island::scale_restitution(double factor) {
   }
 }
 
-// The impulses do work, beyond what the tolerance leaves open, or nothing comes near a solution: as solver/solve.cpp refuses them.
+// Returns whether the impulses gain energy beyond the tolerance, or nothing near a solution was found (as in solver/solve.cpp).
 bool Island::adds_energy(const dynContactReport& report) const {
   double work = 0, size = 0;
   for (Index i = 0; i < rows; ++i) work += lambda[i] * (g[i] + c[i]) / 2, size += std::abs(lambda[i] * g[i]);
   return work > (1e-10 + 10 * w.options.tolerance) * size || report.residual > 1e-2;
 }
 
-// Islands too large for a matrix, with restitution: with as much of it as gains nothing.
+// Restitution in islands too large for a matrix: the largest factor (bisection) with which no energy is gained.
 void Island::solve_restitution(dynContactReport& report) {
   Index iterations = 0, newton_steps = 0;
   const auto refused = [&](double factor) {
     report.iterations = report.newton_steps = 0;
     scale_restitution(factor);
     uses_gauss_seidel_only() ? gauss_seidel(report) : gauss_seidel_and_newton(report);
-    residual();  // c of the best
+    residual();  // sets c for the best impulses
     iterations += report.iterations, newton_steps += report.newton_steps;
     return adds_energy(report);
   };
@@ -259,7 +259,7 @@ void Island::solve_restitution(dynContactReport& report) {
   report.iterations = std::int32_t(iterations), report.newton_steps = std::int32_t(newton_steps);
 }
 
-// Until a sweep changes little, and then as long as the residual asks for more. One at least: cones have turned since the guess.
+// Sweeps until changes are small, then until the residual meets the tolerance. At least one: cones may have turned since the guess.
 void Island::gauss_seidel(dynContactReport& report) {
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double tolerated = w.options.tolerance * speed();
@@ -280,7 +280,8 @@ void Island::gauss_seidel_and_newton(dynContactReport& report) {
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
   prepare_cones();
-  // ever more of them before Newton's method has another try, and then from inside; one at least, for the guess need not be in its cones
+  // Each Newton attempt gets twice as many sweeps as the last, from the second on an interior point start.
+  // At least one sweep: the guess need not lie in its cones.
   Index tries = 0;
   double best = HUGE_VAL;  // residual of what is kept
   const auto may_sweep = [&] { return report.iterations == 0 || within_budget(report); };
@@ -310,10 +311,10 @@ void Island::gauss_seidel_while_improving(dynContactReport& report) {
   std::copy_n(kept, rows, lambda);
 }
 
-// Enough for corrections, of which the next steps make more. by_dof is zero.
+// Approximate frictionless solution for position corrections; later steps correct the rest. Needs by_dof = 0.
 void Island::gauss_seidel_frictionless() {
   constexpr int max_sweeps = 20;
-  const double least = std::max(0.02, uses_gauss_seidel_only() ? w.options.tolerance : 0);  // of the first sweep's largest change
+  const double least = std::max(0.02, uses_gauss_seidel_only() ? w.options.tolerance : 0);  // of the largest change in the first sweep
   std::fill_n(lambda, rows, 0.0);
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double first = sweep.frictionless_sweep();

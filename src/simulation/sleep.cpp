@@ -11,7 +11,8 @@ namespace {
 
 using collision::PairSearch;
 
-enum : std::uint8_t { slow = 1, ready = 2, steady = 4, still_before = 8, alike = 16, deep = 32 };  // of an island; deep: it may be left out
+// of an island; deep: it may be left out
+enum : std::uint8_t { slow = 1, ready = 2, steady = 4, still_before = 8, alike = 16, deep = 32 };
 constexpr std::uint8_t at_rest = slow | ready | steady, stays = at_rest | still_before | alike;
 constexpr double solved = 1e-6;  // of the largest: how far forces of one problem may differ, solved again
 
@@ -19,14 +20,14 @@ Index body_of(const Model& m, const Data<double>& d, Index shape) {
   const GeomRecord* g = std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, [](const GeomRecord& x, Index s) { return x.shape < s; });
   return d.geoms[g - m.geoms()].body;
 }
-// The tree that moves one of a contact's shapes: one in the contact's island.
+// Returns a tree of the contact's island.
 Index tree_of(const Model& m, const Data<double>& d, const dynContact& c) {
   const Sleep& z = d.step->sleep;
   const Index a = z.number[body_of(m, d, c.shape_a)];
   return a >= 0 ? a : z.number[body_of(m, d, c.shape_b)];
 }
 
-// What steps go through: trees that are awake.
+// Lists the awake trees.
 void list_awake(const Model& m, Workspace& w) {
   Sleep& z = w.sleep;
   z.awake_count = 0, w.awake_pair_count = w.row_count = -1;
@@ -40,7 +41,7 @@ void list_awake(const Model& m, Workspace& w) {
   list_free_bodies(m, w);
 }
 
-// Contacts of `from` that are asked for go into `to`, in order; the others close up.
+// Moves the contacts of `from` that `asked` selects into `to`, both in order.
 template <class F>
 void move_contacts(dynContactForce* from, Index& from_count, dynContactForce* to, Index& to_count, F&& asked) {
   const Index before = to_count;
@@ -50,12 +51,12 @@ void move_contacts(dynContactForce* from, Index& from_count, dynContactForce* to
     else if (kept++ != k) from[kept - 1] = from[k];
   }
   from_count = kept;
-  // two ascending parts become one
+  // merge two ascending parts
   if (before < to_count && before > 0 && collision::comes_before(to[before].contact, to[before - 1].contact))
     std::sort(to, to + to_count, [](const dynContactForce& x, const dynContactForce& y) { return collision::comes_before(x.contact, y.contact); });
 }
 
-// Of shapes that lie in boxes: f(search, its id there, tree). What fell asleep, or woke, changes its place.
+// Calls f(search, id, tree) for shapes of the broad phase: trees that fell asleep or woke move between its two halves.
 template <class F>
 void for_each_boxed_geom(Data<double>& d, F&& f) {
   if (!d.step->by_boxes || !PairSearch::of(d)->ready) return;
@@ -71,7 +72,7 @@ void wake_island(Sleep& z, Index tree) {
   --z.islands;
 }
 
-// After trees were marked awake.
+// Call after trees were marked awake.
 void update_awake(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
@@ -83,7 +84,7 @@ void update_awake(const Model& m, Data<double>& d) {
   z.any_asleep = z.islands > 0;
 }
 
-// All of its joints.
+// Returns whether sleep is enabled for all of its joints.
 bool may_sleep(const Model& m, const Data<double>& d, const Trees& t) {
   const Index first = m.bodies()[t.first].joint, last = m.bodies()[t.end - 1].joint;
   for (Index j = first; j <= last; ++j)
@@ -93,7 +94,7 @@ bool may_sleep(const Model& m, const Data<double>& d, const Trees& t) {
 
 Index tree_of(const Model& m, const Sleep& z, const ActuatorRecord& r) { return z.number[m.joints()[r.spec.joint].last_body]; }
 
-// Those whose tau or controls are others than in the step before are at rest anew, or awake.
+// Wakes trees whose tau or controls differ from the last step; awake ones start counting rest steps again.
 void wake_driven(const Model& m, Data<double>& d, Sleep& z) {
   bool woke = false;
   const auto differ = [&](const double* now, double* before, Index n, Index tree) {
@@ -152,7 +153,7 @@ void wake_all(const Model& m, Data<double>& d) {
   update_awake(m, d);
 }
 
-// The search for contacts begins again: those of the last step are where it found them.
+// The contact search starts again from the contacts of the last step.
 void wake_touched(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
@@ -187,7 +188,7 @@ void detect_rest(const Model& m, Data<double>& d, const double* v0, const double
     std::uint8_t is = alike | deep;
     Index fast = x.v;
     while (fast < x.v_end && std::abs(d.v[fast]) <= speed) ++fast;
-    if (fast < x.v_end) {  // then the rest does not matter
+    if (fast < x.v_end) {  // a fast tree is not at rest: the other flags do not matter
       z.flags[z.island[t]] &= is;
       continue;
     }
@@ -202,12 +203,12 @@ void detect_rest(const Model& m, Data<double>& d, const double* v0, const double
     if (z.slow_time[t] >= time && may_sleep(m, d, x)) is |= ready;
     z.flags[z.island[t]] &= is;
   }
-  // what moves on by itself behind a control has not ended
+  // an activation that still changes keeps its tree awake
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
     if (const Index t = tree_of(m, z, r); r.act >= 0 && z.state[t] == Sleeper::Awake && activation_after(r, d, d.act[r.act], h) != d.act[r.act])
       z.flags[z.island[t]] &= std::uint8_t(~alike);
   });
-  // what they exert is what it was, if inputs have not changed
+  // contact forces must be those of the previous step, if inputs have not changed
   const auto island = [&](const dynContactForce& f) { return w.laws[&f - w.contacts].island; };
   const auto stood = [&](const dynContactForce& f) { return (z.flags[island(f)] & (at_rest | still_before)) == (at_rest | still_before); };
   const auto force = [](const dynContactForce& f, int i) { return (i < 3 ? f.force_on_b : f.moment_on_b)[i % 3]; };

@@ -1,4 +1,4 @@
-// The contact problems of a step, island by island, and the corrections of its configuration.
+// Solves the contact problems of a step, island by island, and corrects the configuration.
 #include "algorithm/constrained/delassus.hpp"
 #include "simulation/island.hpp"
 #include "simulation/ledger.hpp"
@@ -10,7 +10,7 @@ namespace {
 constexpr double share = 0.5;    // of what is wrong, that a step corrects
 constexpr double nearly = 1e-5;  // a residual that sweeps take down
 
-// f(first of w.order, one past the last) of each island
+// Calls f(first of w.order, one past the last) for each island.
 template <class F>
 void for_each_island(const Workspace& w, Index slots, F&& f) {
   for (Index begin = 0, end; begin < slots; begin = end) {
@@ -20,7 +20,7 @@ void for_each_island(const Workspace& w, Index slots, F&& f) {
   }
 }
 
-// All contacts of an island are idle: none exerts anything. Otherwise the rest of their slots.
+// Returns whether all contacts of an island are idle; their forces are then zero. Otherwise assembles their rows.
 bool skip_idle(const Model& m, Data<double>& d, Index begin, Index end) {
   Workspace& w = *d.step;
   bool idle = true;
@@ -56,7 +56,7 @@ void Island::impulses(dynContactReport& report) {
     if (!bounces && unsolved() && report.residual < nearly) gauss_seidel_while_improving(report);
     if (!bounces && unsolved()) solve_fixed_correction(report);
     report.residual = std::max(report.residual, inconsistency);
-    residual();  // by_dof and c of the best
+    residual();  // sets by_dof and c for the best impulses
   }
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& x = constraint(k);
@@ -72,7 +72,7 @@ void Island::impulses(dynContactReport& report) {
   }
 }
 
-// Whether what a row holds is an angle.
+// Returns whether a row's error is an angle.
 bool Island::is_angle(const ActiveConstraint& x, Index row) const {
   const ConstraintInstance<double>& s = *x.s;
   if (between_joints(s.c.type)) return m.bodies()[body_of_dof(m, s.c.v1)].type != BodyType::Prismatic;
@@ -80,11 +80,12 @@ bool Island::is_angle(const ActiveConstraint& x, Index row) const {
   return !pulls(s.F1, s.c.body1) && !pulls(s.F2, s.c.body2);
 }
 
-// What would be wrong at the end of the step, without friction; where steps follow from an accuracy, it is where the step ends (integrator/extrapolated.hpp),
-// less what surfaces that roll on one another come nearer by as they move first: half of what the rate has become, each time. It is no error but
-// goes as h^2, and corrected in steps of h and not in those of h / 3 it would be extrapolated to one.
+// Position error at the end of the step, without friction.
+// In steps that follow from an accuracy: the error where the step ends (integrator/extrapolated.hpp), less half of h times
+// the closing rate of rolling surfaces, once for each drift. That part is no error: it falls as h^2, and extrapolation
+// over steps of different lengths would turn it into one.
 bool Island::correct() {
-  const double most = slow_speed(d, h) * h / w.length, ahead = w.closed_gap > 0 ? 0 : h, moved = w.closed_gap > 0 ? 0.5 * h * w.drift_count : 0;  // most: of the length, or rad
+  const double most = slow_speed(d, h) * h / w.length, ahead = w.closed_gap > 0 ? 0 : h, moved = w.closed_gap > 0 ? 0.5 * h * w.drift_count : 0;  // limit: relative to the length scale, or rad
   double largest = 0;
   auto part = [&](double wrong, double unit) {
     largest = std::max(largest, std::abs(wrong) / unit);

@@ -28,7 +28,7 @@ ChosenTrees choose(const Model& m, const TreeBuffers& room, Index groups) {
       const Index first = std::max(c.first_run, g.first_run), last = std::min(c.last_run, g.end_run);
       c.first = m.runs()[first].first, c.first_run = first - g.first_run + a.of_runs, c.last_run = last - g.first_run + a.of_runs;
       room.chunks[a.of_chunks++] = c;
-      if (m.chunks()[chunk].last_run > g.end_run) break;  // the next group has a part of it, too
+      if (m.chunks()[chunk].last_run > g.end_run) break;  // the next group uses the rest of it
     }
     std::copy(m.runs() + g.first_run, m.runs() + g.end_run, room.runs + a.of_runs), a.of_runs += g.end_run - g.first_run;
     for (; span < m.n.spans && m.spans()[span].first_v + m.spans()[span].count <= g.v; ++span) {}

@@ -1,18 +1,18 @@
-// Trees of bodies: islands consist of whole ones, and a step goes through those that it is asked to.
+// Kinematic trees: islands consist of whole trees, and a step visits only the trees it is asked for.
 #pragma once
 
 #include "algorithm/passes.hpp"
 
 namespace dyn::simulation {
 
-// Trees of bodies side by side, with all of their coordinates.
+// Consecutive trees with all of their coordinates.
 struct Trees {
   Index first, end;  // bodies
   Index first_run, end_run;
   Index q, q_end, v, v_end;
 };
 
-// Those that a step goes through.
+// The trees that a step visits.
 struct AllTrees : WholeModel {
   template <class F>
   static void for_each_group(const Model& m, F&& f) { f(Trees{1, m.n.bodies, 0, m.n.runs, 0, m.n.nq, 0, m.n.nv}); }
@@ -26,7 +26,7 @@ struct ChosenTrees : SomeTrees {
   }
 };
 
-// Room for what chosen trees consist of.
+// Buffers of a choice of trees.
 struct TreeBuffers {
   JointRun* runs;
   CacheBlock* chunks;
@@ -39,13 +39,13 @@ void for_each_array(const Model& m, TreeBuffers& r, F&& f) {
   f(r.runs, m.n.runs), f(r.chunks, m.n.chunks + m.n.bodies), f(r.groups, m.n.bodies), f(r.spans, m.n.spans + m.n.bodies), f(r.curved, m.n.curved);
 }
 
-// One by one, ascending; of a model without mimic joints. Answers how many.
+// Lists the trees of a model without mimic joints in ascending order. Returns their number.
 Index list_trees(const Model& m, Trees* trees);
 
-// Those of `groups`, which are room.groups: neighbours together, ascending.
+// Builds the choice from `groups` groups of buffers.groups, which are in ascending order.
 ChosenTrees choose(const Model& m, const TreeBuffers& room, Index groups);
 
-// The next tree becomes one of `groups`, of which there are so many.
+// Appends a tree to `groups`; adjacent trees form one group.
 inline void append(const Trees& t, Trees* groups, Index& count) {
   if (count > 0 && groups[count - 1].end == t.first) {
     Trees& g = groups[count - 1];

@@ -9,7 +9,7 @@ namespace dyn::simulation {
 
 namespace {
 
-// Trees of a model with mimic joints move together; without contacts little comes to rest.
+// Sleep is not offered to models with mimic joints (all trees move together) or without contacts.
 bool may_rest(const Model& m) { return m.n.contacts > 0 && !m.has_mimic; }
 
 template <class F>
@@ -22,7 +22,7 @@ void for_each_array(const Model& m, Sleep& z, F&& f) {
 
 template <class F>
 void for_each_array(const Model& m, FreeBodies& l, F&& f) {
-  const std::ptrdiff_t count = m.n.curved;  // free flyers are among them: rooms follow from sizes alone (plan.cpp)
+  const std::ptrdiff_t count = m.n.curved;  // upper bound of the number of free bodies; plan.cpp needs sizes that follow from counts alone
   if (count == 0) return;
   f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.active_sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.touched, count);
   f(l.number, m.n.bodies), f(l.trees, m.n.bodies);
@@ -55,7 +55,7 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
 
 std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
 
-// Trees; those that mimic joints couple are one.
+// Finds the first body of each body's tree. Mimic joints merge trees.
 void find_trees(const Model& m, Index* tree_of) {
   tree_of[0] = -1;
   for (Index i = 1; i < m.n.bodies; ++i) tree_of[i] = m.bodies()[i].parent ? tree_of[m.bodies()[i].parent] : i;

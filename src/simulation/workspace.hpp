@@ -1,4 +1,4 @@
-// What steps need beside the fields of data: options, report, contacts, and the slots of rows that act in a step.
+// Buffers of a simulation step: options, report, contacts and the constraints that act.
 #pragma once
 
 #include "collision/pair_contacts.hpp"
@@ -15,65 +15,66 @@ enum class RowKind : Index { Equality, Box, Contact };
 
 struct ActiveConstraint {
   ConstraintInstance<double>* s;
-  Index* support;   // degrees of freedom that carry it, descending
+  Index* support;   // supporting degrees of freedom, descending
   double* Y;  // J^T columns propagated to the root, row_lanes numbers a supporting dof (algorithm/constrained/delassus.hpp)
   RowKind kind;
   Index index;         // number of the contact, or -1
-  Index tree1, tree2;  // islands are connected trees; -1: the world
+  Index tree1, tree2;  // -1: the world
   Index island;
-  bool idle;           // with all of its island
+  bool idle;           // all constraints of its island are idle: nothing to solve
 };
 
-// What a contact is beside its rows.
+// Frame and material of a contact.
 struct ContactLaw {
   Index geom_a, geom_b;
-  Vec3<double> axes[3];  // two across the normal, the normal
+  Vec3<double> axes[3];  // two tangents, then the normal
   dynMaterial material;
-  double slip[2];        // wanted velocity of B relative to A across the normal
+  double slip[2];        // wanted tangential velocity of B relative to A (m/s)
   Index rows;
-  bool idle;             // it opens by itself, or stays as it is
-  Index island;          // its number, of what may rest (Sleep::island)
-  // of its moments and forces: the axis of a row
+  bool idle;             // it separates, or stays at rest, without any impulse
+  Index island;          // island number in Sleep
+  // axis of a row's force or moment
   const Vec3<double>& axis(Index row) const { return axes[rows == 1 || (rows == 4 && row == 3) ? 2 : row % 3]; }
 };
 
 inline bool is_soft(const dynMaterial& x) { return x.stiffness > 0 || x.damping > 0; }
-// Of a contact's rows.
+// Index of the normal among a contact's rows.
 inline Index normal_row(Index rows) { return rows == 1 ? 0 : 2; }
 
-// What Gauss-Seidel without a matrix needs of a slot: its own block of G with the normal first, rows scaled so that the cone is round.
+// A constraint's own block of G for matrix-free Gauss-Seidel. The normal comes first; rows are scaled so that the friction cone is round.
 struct ConstraintBlock {
   alignas(64) double G[max_rows * row_lanes];
   double diagonal[max_rows], scale[max_rows];
   solver::LocalCone local;
 };
 
-// A slot in a step of Newton's method, its rows with the normal first, in units in which diagonals are 1 and cones round.
+// A constraint in a Newton step. The normal comes first; units make diagonals 1 and friction cones round.
 struct NewtonConstraint {
-  const Index* order;   // of its rows
-  Index rows, unknowns;  // none: at a bound, or apart
+  const Index* order;   // permutation of its rows
+  Index rows, unknowns;  // unknowns: 0 at a bound or when open
   bool cone;
   decltype(solver::ConeState::mode) mode;
   double mu, across, lower, upper;
-  double correction, corrected, relaxed;  // de Saxce's, held (interior.cpp): m/s in these units; what it last lacked, and the factor that was taken of that
-  double unit[max_rows], speed[2];  // of impulses; of normal and other velocities of a cone
-  double direction[5][5];            // along the sliding, then across
-  double stiffness[max_rows];       // of unknowns: impulse by velocity
-  double law[max_rows][max_rows];  // the same of rows: impulse (first index) by velocity
+  // de Saxce's correction while it is fixed (interior.cpp): its value, its last change, the over-relaxation factor
+  double correction, corrected, relaxed;
+  double unit[max_rows], speed[2];  // unit: of impulses; speed: of the normal and the tangential velocities
+  double direction[5][5];            // slip direction first, then an orthonormal basis across it
+  double stiffness[max_rows];       // of the unknowns: impulse by velocity
+  double law[max_rows][max_rows];  // of the rows: impulse (first index) by velocity
 };
 inline constexpr int island_vectors = 13, newton_vectors = 17;
 
-// Two shapes that may meet, a < b, and the number of their pair, if it is listed.
+// Two shapes that can meet, a < b. number: their pair, -1 if it is not listed.
 struct NearPair {
   Index a, b, number;
 };
 
-// Pairs one after another in the list, from `first` on: the shape a with b, b + 1, ...
+// Consecutive pairs of the list from `first` on: shape a with b, b + 1, ...
 struct PairRow {
   Index a, b, first, count;
 };
 
-// What the ledger needs of a state: energy, powers by source, momentum and its rate by what comes from outside.
+// State of the ledger: energy (J), powers by source (W), momentum and external force.
 struct LedgerState {
   struct Power {
     double applied, actuators, wrenches, damping, friction, fluid;
@@ -82,7 +83,7 @@ struct LedgerState {
   Power power;
   double momentum[3], force[3];
 };
-// Work of the impulses of a step, and what is wrong with them.
+// Work of the impulses of a step (J), and their errors.
 struct LedgerRows {
   double normal, sliding, limits, constraints, correction, impulse[3], drift, cone, complementarity;
 };
@@ -97,45 +98,51 @@ struct Ledger {
 struct Workspace {
   dynStepOptions options;
   dynStepReport report;  // of the last call that made steps
-  bool (*expired)(const void*);  // null: the step has no deadline
+  bool (*expired)(const void*);  // null: no deadline
   const void* clock;
   bool time_is_up() const { return expired && expired(clock); }
   Index contact_count, previous_count, saved_count;
-  double overshoot, overshoot_time;     // since they were set to 0, at most: how far, m, rad, and how long, s, what was met had been nearer than closed
-  double length;           // of the model (own_length): m, where others are rad
-  double time_to_pass;             // s: until two of the shapes found last have moved by their distance, or by a fifth of what the smaller reaches
-  double closed_gap;           // m, rad: what comes nearer within the step meets at once; 0: what is apart closes its gap in it
-  int drift_count;              // with closed: displacements since the step began
+  // largest distance (m, rad) and time (s) by which something passed closed_gap before its impulse
+  double overshoot, overshoot_time;
+  double length;           // length scale of the model (own_length), m; angles use 1 rad
+  // time (s) in which the fastest pair found moves by its gap, at least a fifth of the smaller shape's radius
+  double time_to_pass;
+  // gap (m, rad) that counts as closed; 0 in fixed steps, where an open gap may close exactly
+  double closed_gap;
+  int drift_count;              // drifts since the step began, when closed_gap > 0
 
   Ledger ledger;
   FreeBodies free_bodies;
 
-  // the rest is there when something may act
+  // allocated only for models with contacts, limits or constraints
   AdvancementCache advancement_cache;
   dynMaterial* materials;       // of collision shapes
-  double *speeds, *centers;     // no point of theirs is faster; where they are, x, y and z of all by components, and how far they reach
-  NearPair* pairs;              // that can ever meet,
-  Index* geoms;                 // and their shapes
-  Index pair_count, geom_count;  // -1: to be found
-  NearPair* awake_pairs;        // those of which something is awake,
-  Index* awake_geoms;           // and what is of their shapes
-  Index awake_pair_count, awake_geom_count;  // -1: to be found
-  PairRow* rows;                // of the pairs that are looked at now
-  Index row_count;              // -1: to be found
-  bool by_boxes;                // there are more than the list has room for: pairs are found by boxes (collision/pair_search.hpp)
-  Index *tree_of, *tree_links;  // of bodies: the first body of the tree, of coupled ones that of the first, -1: the world; union-find
-  Motion<double>* root_velocity;  // of bodies: free, W at the tree's root
+  // speeds: bound on the speed of any point of a shape. centers: x, y, z and bounding radius, each for all shapes
+  double *speeds, *centers;
+  NearPair* pairs;              // pairs that can ever meet
+  Index* geoms;                 // shapes of these pairs
+  Index pair_count, geom_count;  // -1: not yet found
+  NearPair* awake_pairs;        // pairs with an awake body
+  Index* awake_geoms;           // awake shapes of these
+  Index awake_pair_count, awake_geom_count;  // -1: not yet found
+  PairRow* rows;                // rows of the pairs in use
+  Index row_count;              // -1: not yet found
+  bool by_boxes;                // too many pairs for the list: the broad phase finds them (collision/pair_search.hpp)
+  // tree_of: first body of a body's tree, -1 the world; trees coupled by mimic joints share it. tree_links: union-find
+  Index *tree_of, *tree_links;
+  Motion<double>* root_velocity;  // free twist of each body at its tree's root
   ConstraintInstance<double>* instances;          // of contacts and limits
   Index* support;
   double* Y;
   ActiveConstraint* active;
-  Index* order;                 // the same by islands
-  dynContactForce *contacts, *previous, *saved;  // of the last step, of the one before, and of that after which tries of a step begin
+  Index* order;                 // active constraints by islands
+  // contacts of the last step, of the one before, and those saved for retries of a step
+  dynContactForce *contacts, *previous, *saved;
   ContactLaw* laws;
-  double *vectors, *matrix;     // of an island's problem
-  double* dense;                // what its rows leave at degrees of freedom side by side
+  double *vectors, *matrix;     // of one island
+  double* dense;                // Y of one island as a dense matrix
   Index* contact_rows;
-  ConstraintBlock* blocks;            // of the slots of an island
+  ConstraintBlock* blocks;            // of an island's constraints
   double* by_dof;
   Segments segments;            // of Newton's method
   Elimination elimination;
@@ -144,30 +151,30 @@ struct Workspace {
   Index* where;
   bool *newton_acts, *newton_filled;
   Sleep sleep;
-  Index constraint_count;             // that act in this step
+  Index constraint_count;             // active in this step
   char* solver_memory;
   solver::Workspace solver;
 };
 
-// Of the list of pairs. Where clearance leaves most searches out (has_clearance) it pays to have all of them.
+// Room of the pair list. It holds all pairs where the advancement cache skips most searches.
 inline std::ptrdiff_t pair_capacity(const Model& m) {
   const std::ptrdiff_t some = collision::pairs_a_shape * std::ptrdiff_t(m.n.geoms), listed = m.n.pairs;
   if (!lists_pairs(m)) return some;
-  const bool single = m.n.nq == m.n.nv && m.n.bodies - 1 == m.n.nv;  // joints of one coordinate
+  const bool single = m.n.nq == m.n.nv && m.n.bodies - 1 == m.n.nv;  // every joint has one coordinate
   return single ? listed : std::min(listed, some);
 }
 
-// Trees of bodies that may rest; what these take of the workspace.
+// Trees of bodies that can rest, and the bytes they take in the workspace.
 Index resting_trees(const Model& m);
 std::size_t sleep_bytes(const Model& m);
 void set_up_sleep(const Model& m, Workspace& w);  // sleep.cpp
 
-// f(trees that this step goes through)
+// Calls f with the trees that this step visits.
 template <class F>
 decltype(auto) with_active_trees(const Data<double>& d, F&& f) {
   return d.step && d.step->sleep.enabled ? f(d.step->sleep.awake) : f(AllTrees{});
 }
-// The same without those that fly by themselves in this step; part: otherwise.
+// The same without the bodies that are integrated in batches. part: the trees otherwise.
 template <class Part, class F>
 decltype(auto) with_unbatched_trees(const Data<double>& d, const Part& part, F&& f) {
   return d.step && d.step->free_bodies.batched ? f(d.step->free_bodies.others) : f(part);
@@ -176,31 +183,31 @@ template <class F>
 decltype(auto) with_unbatched_trees(const Data<double>& d, F&& f) {
   return with_active_trees(d, [&](const auto& part) { return with_unbatched_trees(d, part, f); });
 }
-// f(first, end) of degrees of freedom that impulses may change.
+// Calls f(first, end) for each range of degrees of freedom that impulses may change.
 template <class F>
 void for_each_impulse_range(const Model& m, const Data<double>& d, F&& f) {
   with_unbatched_trees(d, [&](const auto& part) { part.for_each_group(m, [&](const Trees& t) { f(t.v, t.v_end); }); });
   const FreeBodies& l = d.step->free_bodies;
   for (Index k = 0; l.batched && k < l.touched_count; ++k) f(m.bodies()[l.touched[k]].idx_v, m.bodies()[l.touched[k]].idx_v + 6);
 }
-// f(contact) of the last step, of what is awake and of what sleeps, in order.
+// Calls f(contact) for all contacts of the last step in order, those of sleeping bodies included.
 template <class F>
 void for_each_contact(const Workspace& w, F&& f) {
   const dynContactForce *a = w.contacts, *const a_end = a + w.contact_count, *b = w.sleep.sleeping_contacts, *const b_end = b + w.sleep.sleeping_contact_count;
   while (a != a_end || b != b_end) f(b == b_end || (a != a_end && collision::comes_before(a->contact, b->contact)) ? *a++ : *b++);
 }
-// Tries of a step begin alike.
+// Retries of a step start from the same contacts.
 inline void save_contacts(Workspace& w) { std::copy_n(w.contacts, w.contact_count, w.saved), w.saved_count = w.contact_count; }
 inline void restore_contacts(Workspace& w) { std::copy_n(w.saved, w.saved_count, w.contacts), w.contact_count = w.saved_count; }
-// What steps begin from may have changed.
+// Must be called when anything a step starts from may have changed.
 inline void invalidate_sleep(Data<double>& d) {
   if (d.step) d.step->sleep.inputs_known = false;
 }
 
-// Of a number by shapes that is read four at a time.
+// Arrays over shapes are read four at a time.
 inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.geoms) + Wide::lanes; }
 
-// Of an island that is solved by its whole matrix.
+// Largest island that is solved by its dense Delassus matrix.
 inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }
 inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits; }
 inline Index island_rows(const Model& m) { return std::min<Index>(step_rows(m), 240); }

@@ -1,4 +1,4 @@
-// Forces from outside on a body, summed so that any number of them takes the same room.
+// Applied wrenches on a body, summed so that memory does not depend on their number.
 #pragma once
 
 #include "spatial/mat3.hpp"
@@ -6,21 +6,21 @@
 
 namespace dyn::simulation {
 
-// A bit of Data::acting beside those of DYN_EFFECT_...
+// Bit of Data::acting beside DYN_EFFECT_...
 inline constexpr unsigned acting_wrenches = 1u << 31;
 
 template <class T>
 struct AppliedWrench {
   Force<T> local;    // body axes, at its origin
-  Force<T> aligned;  // world axes: the force, and the moments that came with points of application
-  Mat3<T> arm;       // sum of point force^T, body by world: the moment is that of R arm
-  Force<T> world;    // world axes, the moment about the world's origin
+  Force<T> aligned;  // world axes: forces, and moments that came with points of application
+  Mat3<T> arm;       // sum of point force^T (body axes by world axes): the moment is that of R arm
+  Force<T> world;    // world axes, moment about the world's origin
 
   static DYN_INLINE AppliedWrench none() {
     const Force<T> zero{Vec3<T>::zero(), Vec3<T>::zero()};
     return {zero, zero, {Vec3<T>::zero(), Vec3<T>::zero(), Vec3<T>::zero()}, zero};
   }
-  // World axes, at the body's origin p.
+  // Returns the sum in world axes at the body's origin p.
   DYN_INLINE Force<T> at(const Mat3<T>& R, const Vec3<T>& p) const {
     const Mat3<T> B = R * arm;
     const Vec3<T> moment = Vec3<T>::make(B(1, 2) - B(2, 1), B(2, 0) - B(0, 2), B(0, 1) - B(1, 0));

@@ -4,10 +4,10 @@ namespace dyn::solver {
 
 namespace {
 
-// true: good enough.
+// Returns true when the tolerance is met.
 bool admm_iterations(Workspace& w, Budget& b, Index steps) {
   Multipliers m(w, b);
-  double tried = HUGE_VAL;  // error at which Newton's method was last tried
+  double tried = HUGE_VAL;  // error at the last Newton attempt
   for (Index k = 1; k <= steps && !b.spent(); ++k) {
     if (!m.admm_step()) return false;
     if (!(m.error <= b.tolerance || (b.newton && m.error < 0.3 * tried) || k % 10 == 0)) continue;
@@ -27,7 +27,7 @@ void admm(Workspace& w, Budget& b) {
     admm_iterations(w, b, b.max_iterations);
     return;
   }
-  // where they get nowhere, the other method from another start
+  // if both fail, the interior point method starts from smaller impulses
   double factor = 1;
   for (Index steps = 10; steps < 10000 && !b.spent(); steps *= 3, factor *= 0.1)
     if (admm_iterations(w, b, steps) || interior(w, b, factor)) return;

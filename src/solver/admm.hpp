@@ -1,5 +1,5 @@
-// Proximal ADMM: the alternating steps of multipliers.hpp. What it finds roughly, which contacts are apart, stuck, sliding, Newton's method
-// on the whole problem finishes; where the steps get nowhere (light bodies that slide under heavy ones) the path of interior.hpp does it.
+// Proximal ADMM: the alternating steps of multipliers.hpp. They find roughly which contacts are open, stick or slip;
+// Newton's method on the whole problem finishes. The path of interior.hpp takes over where ADMM stalls (light bodies sliding under heavy ones).
 #pragma once
 
 #include "solver/interior.hpp"
@@ -7,7 +7,7 @@
 
 namespace dyn::solver {
 
-// From w.y to w.y.
+// Starts from w.y and leaves the result there.
 void admm(Workspace& w, Budget& b);
 
 }  // namespace dyn::solver

@@ -23,15 +23,16 @@ class Newton {
   Workspace& w;
   const Problem& p;
   Budget& b;
-  Index active = 0, free_boxes = 0;  // rows of blocks that are not at a bound; those of boxes come first
-  Index m = 0;                       // unknowns: the same but for the directions of sliding
+  // active: rows that are not at a bound, boxes first
+  Index active = 0, free_boxes = 0;
+  Index m = 0;                       // unknowns: active rows without the slip directions
   bool symmetric = true;
   double damping = 0;
 
   double error(const double* y, const double* c) const;
   void states();
   template <class F>
-  void each_active_cone(F&& f) const {  // f(cone, state, its first row among the active ones, its first unknown)
+  void each_active_cone(F&& f) const {  // f(cone, state, its first active row, its first unknown)
     Index row = free_boxes, unknown = free_boxes;
     for (Index k = 0; k < p.cones; ++k) {
       const Cone& cone = p.cone[k];
@@ -46,7 +47,7 @@ class Newton {
   bool direction();
 };
 
-// The function's length, as a velocity.
+// Length of the function, as a velocity.
 double Newton::error(const double* y, const double* c) const {
   double sum = 0;
   const auto take = [&](Index i, double e) { sum += e * p.per_unit[i] * (e * p.per_unit[i]); };
@@ -63,7 +64,7 @@ double Newton::error(const double* y, const double* c) const {
   return std::sqrt(sum);
 }
 
-// The blocks' states; the known part of the step, and the rows of its unknowns.
+// Finds the states of all blocks, the known part of the step, and the active rows.
 void Newton::states() {
   const double *y = w.newton, *c = w.newton_c;
   active = m = 0, symmetric = true;
@@ -90,13 +91,13 @@ void Newton::states() {
     symmetric = false;
     s.across = cone.mu * s.normal / length;
     basis(a, size, s.direction);
-    double excess = cone.mu * y[cone.row];  // of mu y_n over y_d
+    double excess = cone.mu * y[cone.row];  // mu y_n - y_d
     for (Index i = 0; i < size; ++i) excess -= y[t + i] * s.direction[0][i];
     for (Index i = 0; i < size; ++i) step[1 + i] = excess * s.direction[0][i];
   }
 }
 
-// Rows and columns of a sliding cone in its own directions.
+// Rotates rows and columns of a slipping cone into its own directions.
 void Newton::rotate(const Cone& cone, const ConeState& s, Index row) {
   const Matrix& B = w.active;
   const Index t = row + 1, size = cone.size - 1;
@@ -112,7 +113,7 @@ void Newton::rotate(const Cone& cone, const ConeState& s, Index row) {
   for (Index j = 0; j < active; ++j) turn(&B(t, j), 1);
 }
 
-// The directions of sliding leave the matrix, after their columns have gone into those of the normals.
+// Removes slip directions from the matrix after adding their columns to those of the normals.
 void Newton::compress() {
   Matrix& B = w.active;
   Index kept = free_boxes, *keep = w.pivots;
@@ -132,7 +133,7 @@ void Newton::compress() {
   }
 }
 
-// w.active: the system's matrix.
+// Builds the matrix of the system in w.active.
 void Newton::matrix() {
   Matrix& B = w.active;
   B.ld = padded(active);
@@ -148,7 +149,7 @@ void Newton::matrix() {
   compress();
 }
 
-// w.step and w.step_c = G w.step. false: singular.
+// Sets w.step and w.step_c = G w.step. Returns false if singular.
 bool Newton::direction() {
   states();
   matrix();
@@ -205,7 +206,7 @@ bool Newton::run(const double* y, const double* c, bool damped_steps) {
   for (Index k = 0; k < (damped_steps ? max_damped_steps : max_steps) && !b.spent(); ++k) {
     ++b.newton_steps;
     if (!direction()) break;
-    // the longest of the steps that makes the error smaller
+    // backtracking
     const double most = strayed ? *std::max_element(errors, errors + memory) : errors[k % memory];
     double t = 1, next = HUGE_VAL;
     for (; t > min_step; t /= 2) {
@@ -219,12 +220,12 @@ bool Newton::run(const double* y, const double* c, bool damped_steps) {
       errors[(k + 1) % memory] = errors[k % memory];
       continue;
     }
-    if (t < 1)  // the states change on the way: redundant contacts give directions of no effect that are too long
+    if (t < 1)  // states change along the step: redundant contacts make null directions too long
       damping = std::max(min_damping, t > 0.25 ? damping : 10 * damping);
     else
       damping = damping > proximal ? 0.1 * damping : 0;
     std::swap(w.trial, w.newton), std::swap(w.trial_c, w.newton_c);
-    // into the cones, from which a step along them is off by a little
+    // project and recompute: a long step along a cone leaves it by a little
     if (next < 10 * round_off(p, w.newton)) {
       exact_velocity(p, w.newton, w.newton_c);
       next = error(w.newton, w.newton_c);

@@ -1,4 +1,4 @@
-// What a solver may use, and what it used.
+// Limits of a solve and what it used.
 #pragma once
 
 #include "solver/residuals.hpp"
@@ -7,13 +7,13 @@
 namespace dyn::solver {
 
 struct Budget {
-  double tolerance = 0;  // of the residual, in the unit of Worst
+  double tolerance = 0;  // of the residual (unit of Worst)
   Index max_iterations = 0;
   double relaxation = 0;
   bool newton = true;
-  bool warm = false;  // the start is a guess of the caller's
-  bool sweeps = true;  // begin with those of start.hpp
-  bool brief = false;  // of the report the residual and the counts alone
+  bool warm = false;  // start from the caller's guess
+  bool sweeps = true;  // begin with the Gauss-Seidel sweeps of start.hpp
+  bool brief = false;  // report the residual and the counts only
   bool (*expired)(const void*) = nullptr;
   const void* clock = nullptr;
 
@@ -32,7 +32,7 @@ struct Budget {
   }
 };
 
-// The iterate y of K with c = G y + g becomes w.y if it is the best one. true: it is good enough.
+// Keeps y (feasible, c = G y + g) in w.y if it is the best so far. Returns true when the tolerance is met.
 inline bool keep_best(Workspace& w, Budget& b, const double* y, const double* c) {
   const Problem& p = w.problem;
   double r = residual(p, y, c).residual;

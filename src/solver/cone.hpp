@@ -1,5 +1,5 @@
-// The second-order cone K = {(n, t): |t| <= mu n}, its dual K* = {(n, t): n >= mu |t|}, exact projections, and de Saxce's correction.
-// Torsional and rolling friction give t more rows in scaled units (problem.hpp), so that the cone is this one in any dimension.
+// Second-order cone K = {(n, t): |t| <= mu n}, dual K* = {(n, t): n >= mu |t|}, exact projections, de Saxce's correction.
+// Torsional and rolling friction add scaled rows to t (problem.hpp): the cone is the same in any dimension.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ inline double norm(const double* x, Index n) {
 
 enum class ConeSide { inside, surface, apex };
 
-// p = the point of K nearest to w = (n, t), d numbers; p may be w.
+// p = the point of K nearest to w = (n, t), d numbers. p may be w.
 inline ConeSide project_cone(double mu, Index d, const double* w, double* p) {
   const double t = norm(w + 1, d - 1);
   if (t <= mu * w[0]) {
@@ -49,7 +49,7 @@ inline double distance_to_dual_cone(double mu, Index d, const double* w) {
   return norm(p, d);
 }
 
-// An orthonormal basis of dimension m whose first vector is a / |a| (Householder).
+// Orthonormal basis of dimension m whose first vector is a / |a| (Householder).
 inline void basis(const double* a, Index m, double (*out)[5]) {
   const double length = norm(a, m);
   double v[5], square = 0;

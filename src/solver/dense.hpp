@@ -1,5 +1,5 @@
-// Dense linear algebra of the contact solvers, in place, without heap: column-major, the leading dimension a multiple of 8, rows up to it
-// readable and writable, columns 64-byte aligned.
+// Dense linear algebra of the contact solvers, in place, without heap. Column-major, 64-byte aligned columns.
+// The leading dimension is a multiple of 8; rows up to it are readable and writable.
 #pragma once
 
 #include <algorithm>
@@ -43,10 +43,10 @@ inline void axpy(double a, const double* x, double* y, Index n, Index from = 0) 
   for (Index i = from; i < n; ++i) y[i] += a * x[i];
 }
 
-// y = A x + b, of vectors that are as long as columns are; columns of zeros in x skipped.
+// y = A x + b. Vectors are as long as columns; columns with x = 0 are skipped.
 inline void times(const Matrix& A, const double* x, const double* b, double* y, Index n) {
   Index i = 0;
-  const auto rows = [&]<int count>() {  // eights of them at a time
+  const auto rows = [&]<int count>() {  // count groups of eight rows at a time
     for (; i + lanes * (count - 1) < n; i += lanes * count) {
       Lanes sum[count];
       for (int k = 0; k < count; ++k) sum[k] = b ? Lanes::load(b + i + lanes * k) : Lanes::zero();
@@ -58,12 +58,12 @@ inline void times(const Matrix& A, const double* x, const double* b, double* y, 
       for (int k = 0; k < count; ++k) sum[k].store(y + i + lanes * k);
     }
   };
-  if constexpr (register_lanes > 2) rows.operator()<4>();  // which have registers for them
+  if constexpr (register_lanes > 2) rows.operator()<4>();  // enough registers
   rows.operator()<2>();
   rows.operator()<1>();
 }
 
-// Rows from first - first % 8 of the four columns j .. j+3 of A lose L(:, 0 .. k-1) U, U(l, c) at u[l row + c column].
+// Columns j .. j+3 of A, rows from first - first % 8: A -= L(:, 0 .. k-1) U, U(l, c) at u[l row + c column].
 inline void subtract_product(const Matrix& A, const Matrix& L, Index j, Index k, Index first, Index n, const double* u, std::ptrdiff_t row, std::ptrdiff_t column) {
   for (Index i = first / lanes * lanes; i < n; i += lanes) {
     Lanes a0 = Lanes::load(A.column(j) + i), a1 = Lanes::load(A.column(j + 1) + i), a2 = Lanes::load(A.column(j + 2) + i), a3 = Lanes::load(A.column(j + 3) + i);
@@ -76,7 +76,7 @@ inline void subtract_product(const Matrix& A, const Matrix& L, Index j, Index k,
   }
 }
 
-// The lower triangle of A becomes its Cholesky factor, the upper one is overwritten. false: not positive definite.
+// Cholesky factorization in the lower triangle; the upper one is overwritten. Returns false if not positive definite.
 inline bool cholesky(const Matrix& A, Index n) {
   for (Index j = 0; j < n; j += 4) {
     const Index width = std::min<Index>(4, n - j);
@@ -105,13 +105,13 @@ inline void cholesky_solve(const Matrix& L, Index n, double* x) {
   for (Index j = n - 1; j >= 0; --j) x[j] = (x[j] - dot(L.column(j) + j + 1, x + j + 1, n - j - 1)) / L(j, j);
 }
 
-// Columns first .. first + count - 1 become those of L and U; the columns behind them lose what they take part in.
+// Factorizes columns first .. first + count - 1 and updates the columns behind them.
 template <Index count>
 inline bool eliminate(const Matrix& A, Index n, Index first, Index* pivots) {
   const Index end = first + count;
   for (Index c = first; c < end; ++c) {
     double* const column = A.column(c);
-    const auto size = [&](Index i) { return std::bit_cast<std::int64_t>(std::fabs(column[i])); };  // in order of the sizes
+    const auto size = [&](Index i) { return std::bit_cast<std::int64_t>(std::fabs(column[i])); };  // ordered as the magnitudes
     std::int64_t most = 0;
     for (Index i = c; i < n; ++i) most = std::max(most, size(i));
     Index p = c;
@@ -125,7 +125,7 @@ inline bool eliminate(const Matrix& A, Index n, Index first, Index* pivots) {
     for (Index k = c + 1; k < end; ++k) axpy(-A(c, k), column, A.column(k), n, c + 1);
   }
   if (end == n) return true;
-  const Index from = end / lanes * lanes;  // rows from .. end-1 are U's
+  const Index from = end / lanes * lanes;  // rows from .. end-1 belong to U
   Lanes head[count];
   for (Index l = 0; l < count; ++l) {
     double x[lanes];
@@ -151,7 +151,7 @@ inline bool eliminate(const Matrix& A, Index n, Index first, Index* pivots) {
   return true;
 }
 
-// A = P^T L U, partial pivoting. false: singular. Few columns are eliminated one by one: the pivots of four wait for one another.
+// A = P^T L U with partial pivoting. Returns false if singular.
 inline bool lu(const Matrix& A, Index n, Index* pivots) {
   constexpr Index few = 16;
   Index j = 0;

@@ -29,7 +29,7 @@ class Interior {
   void direction(double sigma);
   double max_step_to_boundary() const;
   double scaling(const Cone& cone, double* v) const;
-  // Where it slides: c_t / |c_t|; and x_t along that, by which de Saxce's correction grows
+  // slip: c_t / |c_t|. along: x_t along it, the derivative of de Saxce's correction.
   void slip(const Cone& cone, double* u) const {
     const double *ct = c + cone.row + 1, length = norm(ct, cone.size - 1);
     for (Index i = 0; i + 1 < cone.size; ++i) u[i] = length > 0 ? ct[i] / length : 0;
@@ -41,7 +41,7 @@ class Interior {
   }
 };
 
-// (G + regularisation) y = -g. Returns the size of y; infinite: singular.
+// Solves (G + regularisation) y = -g. Returns the size of y, infinite if singular.
 double Interior::stopping_impulse(double regularisation) {
   w.factor.ld = p.G.ld;
   std::copy_n(p.G.x, std::ptrdiff_t(p.G.ld) * p.n, w.factor.x);
@@ -54,7 +54,7 @@ double Interior::stopping_impulse(double regularisation) {
   return impulse;
 }
 
-// On the cones' axes, with the sizes of the impulses that stop everything, or nearly, where rows are redundant and contradict one another.
+// Start on the cones' axes, with impulses that stop all motion, or nearly all where redundant rows contradict one another.
 bool Interior::begin(double factor) {
   constexpr double exactly = 1e-10, nearly = 1e-4;  // relative to the unit diagonal
   double speed = 0, impulse = stopping_impulse(exactly);
@@ -75,7 +75,7 @@ bool Interior::begin(double factor) {
   return true;
 }
 
-// sigma of the point of the path that is nearest
+// sigma of the nearest point of the path.
 double Interior::complementarity() const {
   double sum = 0;
   Index count = p.cones;
@@ -91,7 +91,7 @@ double Interior::complementarity() const {
   return count ? sum / count : 0;
 }
 
-// W^2 = ratio (2 v v' - J) takes Y to U. Returns the ratio.
+// W^2 = ratio (2 v v' - J) maps Y to U. Returns the ratio.
 double Interior::scaling(const Cone& cone, double* v) const {
   const Index n = cone.row, m = cone.size - 1;
   const double *Yt = y + n + 1, *Ut = U + n + 1, Y0 = cone.mu * y[n], U0 = U[n];
@@ -104,7 +104,7 @@ double Interior::scaling(const Cone& cone, double* v) const {
   return U_size / Y_size;
 }
 
-// U's derivative by y + W^2
+// Factorizes dU/dy + W^2.
 bool Interior::factorize() {
   const Matrix& A = w.factor;
   std::copy_n(p.G.x, std::ptrdiff_t(p.G.ld) * p.n, A.x);
@@ -119,7 +119,7 @@ bool Interior::factorize() {
     slip(cone, u);
     for (Index j = 0; j < p.n; ++j) A(cone.row, j) = A(cone.row, j) / cone.mu + along(cone, u, A.column(j));
     const double ratio = scaling(cone, v);
-    for (Index j = 0; j < cone.size; ++j)  // by columns of y, in which Y_0 = mu y_n
+    for (Index j = 0; j < cone.size; ++j)  // by columns of y, with Y_0 = mu y_n
       for (Index i = 0; i < cone.size; ++i)
         A(cone.row + i, cone.row + j) += ratio * (2 * v[i] * v[j] - (i == j) * (i == 0 ? 1 : -1)) * (j == 0 ? cone.mu : 1);
   }
@@ -127,7 +127,7 @@ bool Interior::factorize() {
   return lu(A, p.n, w.pivots);
 }
 
-// To the point of the path at sigma, (U' + W^2) dy = sigma Y^-1 - U(y), and what U and the boxes' z do on the way.
+// Direction to the point of the path at sigma: (U' + W^2) dy = sigma Y^-1 - U(y), and the changes of U and the boxes' z.
 void Interior::direction(double sigma) {
   for (Index i = 0; i < p.boxes; ++i) {
     dy[i] = -c[i];
@@ -159,7 +159,7 @@ void Interior::direction(double sigma) {
   }
 }
 
-// The step to the boundary.
+// Step length to the boundary.
 double Interior::max_step_to_boundary() const {
   double t = HUGE_VAL;
   const auto limit = [&](double a, double d) { t = d < 0 ? std::min(t, -a / d) : t; };
@@ -185,7 +185,7 @@ bool Interior::run(double factor) {
     if (!factorize()) return false;
     const double sigma = complementarity();
     direction(0);
-    const double left = 1 - std::min(1.0, max_step_to_boundary());  // how much of sigma a step aiming at 0 would leave (Mehrotra 1992)
+    const double left = 1 - std::min(1.0, max_step_to_boundary());  // sigma that an affine step would leave (Mehrotra 1992)
     direction(sigma * std::max(min_centring, left * left * left));
     const double t = std::min(1.0, to_boundary * max_step_to_boundary());
     if (!(t > 0)) return false;

@@ -10,9 +10,9 @@ namespace dyn::solver {
 using Solver = void (*)(Workspace&, Budget&);
 inline constexpr Solver solvers[] = {pgs, admm, newton};  // by dynContactSolverType
 
-// Reads the problem into w and solves it: w.y, and the report but for its size. With b.warm lambda is a guess.
+// Reads the problem into w and solves it. Fills w.y and the report, except its size. With b.warm, lambda is a guess.
 void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, const double* lambda, dynContactReport& report);
-// The report on a given lambda.
+// Fills the report on a given lambda.
 void evaluate(const dynContactProblem& x, Workspace& w, const double* lambda, dynContactReport& report);
 
 }  // namespace dyn::solver

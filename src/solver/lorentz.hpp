@@ -1,4 +1,4 @@
-// The cone |a_t| <= a_0 of m numbers beside a_0.
+// The Lorentz cone |a_t| <= a_0; m numbers beside a_0.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +8,14 @@
 
 namespace dyn::solver {
 
-// a'Ja, J = diag(1, -1, ..)
+// a'Jb, J = diag(1, -1, ..)
 inline double lorentz(double a0, const double* a, double b0, const double* b, Index m) {
   double s = a0 * b0;
   for (Index i = 0; i < m; ++i) s -= a[i] * b[i];
   return s;
 }
 
-// The largest t with a + t d in the cone |a_t| <= a_0, a inside.
+// Largest t with a + t d in the cone, a inside.
 inline double within_cone(double a0, const double* a, double d0, const double* d, Index m) {
   const double A = lorentz(d0, d, d0, d, m), B = lorentz(a0, a, d0, d, m), C = lorentz(a0, a, a0, a, m);
   const double root = std::sqrt(std::max(B * B - A * C, 0.0));

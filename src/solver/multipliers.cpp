@@ -6,7 +6,7 @@ namespace {
 
 constexpr double relaxation = 1.6, min_rho = 1e-10, max_rho = 1e8;
 
-// H += rho (I - P_K'(r)) of one cone: P' = a (1, mu u)(1, mu u)' + across (I - u u') on its surface
+// H += rho (I - P_K'(r)) of one cone: on its surface P' = a (1, mu u)(1, mu u)' + across (I - u u')
 void add_curvature(const Cone& cone, const double* r, double rho, const Matrix& H) {
   const Index n = cone.row, m = cone.size - 1;
   double u[5];
@@ -29,7 +29,7 @@ void add_curvature(const Cone& cone, const double* r, double rho, const Matrix& 
 
 Multipliers::Multipliers(Workspace& w_, Budget& b_) : y(w_.v), w(w_), b(b_), p(w_.problem), x(w_.x), z(w_.z), s(w_.s), r(w_.r), y_before(w_.u) {
   std::copy_n(w.y, p.n, x), std::copy_n(w.y, p.n, y);
-  // z: the corrected velocity, as far as it is in K* and orthogonal to y
+  // z: the part of the corrected velocity that is in K* and orthogonal to y
   std::copy_n(w.c, p.n, z);
   correct();
   for (Index i = 0; i < p.n; ++i) r[i] = y[i] - (w.c[i] + s[i]) / rho;
@@ -71,7 +71,7 @@ bool Multipliers::admm_step() {
   return true;
 }
 
-// The penalty that would have made both errors equal, each relative to its kind (OSQP: Stellato et al. 2020).
+// Sets the penalty that would make both relative errors equal (OSQP: Stellato et al. 2020).
 void Multipliers::balance(double primal, double dual) {
   double force = 0, speed = p.speed;
   for (Index i = 0; i < p.n; ++i) force = std::max(force, std::fabs(y[i]) * p.per_unit[i]), speed = std::max(speed, std::fabs(z[i]) * p.per_unit[i]);
@@ -81,7 +81,7 @@ void Multipliers::balance(double primal, double dual) {
   changed = 0;
 }
 
-// L(x, y(x), z), with y(x) in y, z+ in w.t and the gradient in w.newton; c = G x + g.
+// Returns L(x, y(x), z). Sets y(x) in y, z+ in w.t and the gradient in w.newton; c = G x + g.
 double Multipliers::lagrangian(const double* at, const double* c) {
   double value = 0;
   for (Index i = 0; i < p.n; ++i) r[i] = at[i] - z[i] / joint_rho;
@@ -119,7 +119,7 @@ bool Multipliers::augmented_lagrangian_step(Index max_steps) {
   const double enough = std::max(0.1 * b.tolerance, 1e-2 * std::min(primal_before, p.speed));
   for (Index k = 0; k < max_steps && gradient > enough && !b.spent(); ++k) {
     ++b.iterations;
-    // Levenberg and Marquardt: steps are unique where contacts are redundant
+    // Levenberg-Marquardt: steps are unique for redundant contacts
     if (!hessian(std::min(1e-5, std::max(1e-11, 1e-4 * gradient / p.speed)))) return false;
     for (Index i = 0; i < n; ++i) w.step[i] = -w.newton[i];
     cholesky_solve(w.factor, n, w.step);
@@ -138,7 +138,7 @@ bool Multipliers::augmented_lagrangian_step(Index max_steps) {
   double primal = 0;
   for (Index i = 0; i < n; ++i) primal = std::max(primal, std::fabs(x[i] - y[i]) * p.per_unit[i]);
   if (primal > 0.1 * primal_before && gradient < 0.1 * p.speed)
-    joint_rho = std::min(3 * joint_rho, std::max(1.0, 0.1 * b.tolerance / (2.2e-16 * size(y))));  // beyond that its round-off is felt
+    joint_rho = std::min(3 * joint_rho, std::max(1.0, 0.1 * b.tolerance / (2.2e-16 * size(y))));  // beyond that, round-off dominates
   primal_before = primal;
   error = std::max(primal, gradient);
   return true;

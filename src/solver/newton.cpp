@@ -4,7 +4,7 @@ namespace dyn::solver {
 
 namespace {
 
-// true: good enough.
+// Returns true when the tolerance is met.
 bool augmented_lagrangian(Workspace& w, Budget& b, Index steps) {
   Multipliers m(w, b);
   for (Index k = 0; k < steps && !b.spent(); ++k) {
@@ -12,7 +12,7 @@ bool augmented_lagrangian(Workspace& w, Budget& b, Index steps) {
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return true;
     if (b.newton && alart_curnier(w, b, m.y, w.newton_c)) return true;
-    for (int i = 0; b.newton && i < 10 && !b.spent(); ++i)  // which follow the correction more closely
+    for (int i = 0; b.newton && i < 10 && !b.spent(); ++i)  // ADMM steps follow the correction more closely
       if (!m.admm_step()) return false;
   }
   return false;
@@ -26,7 +26,7 @@ void newton(Workspace& w, Budget& b) {
     augmented_lagrangian(w, b, b.max_iterations);
     return;
   }
-  // where the path ends, the other method, and from another start
+  // if both fail, the interior point method starts from smaller impulses
   double factor = 1;
   for (Index steps = 1; steps < 100 && !b.spent(); steps *= 2, factor *= 0.1)
     if (interior(w, b, factor) || augmented_lagrangian(w, b, steps)) return;

@@ -1,6 +1,6 @@
-// Newton's method: along the path of interior.hpp, whose equations hold friction's law whole; where that gets stuck, on the augmented
-// Lagrangian: the joint steps of multipliers.hpp, each a convex problem with exact cones for a given correction Gamma, which is iterated.
-// Finished by Newton's method on the whole problem.
+// Newton's method: the path of interior.hpp, whose equations contain friction's law.
+// Where it gets stuck: augmented Lagrangian steps (multipliers.hpp), each a convex problem with exact cones for a given correction Gamma.
+// Newton's method on the whole problem finishes.
 #pragma once
 
 #include "solver/interior.hpp"
@@ -8,7 +8,7 @@
 
 namespace dyn::solver {
 
-// From w.y to w.y.
+// Starts from w.y and leaves the result there.
 void newton(Workspace& w, Budget& b);
 
 }  // namespace dyn::solver

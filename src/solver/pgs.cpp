@@ -38,7 +38,7 @@ void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
   for (Index i = 0; i < m; ++i) e[i] = a[i][i];
 }
 
-// The cone's impulse for the velocity b; m: its size less 1.
+// The cone's impulse for the velocity b. m: its size - 1.
 template <int m>
 void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y) {
   std::fill_n(y, m + 1, 0.0);
@@ -50,7 +50,8 @@ void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* 
     for (int i = 0; i < m; ++i) bt[k] += l.q[i][k] * b[1 + i];
   }
   const auto noise = [&] { return 1e-15 * (std::fabs(b[0]) + norm(b + 1, m)); };
-  double n = 0, length = 0, slope = 0;  // lambda_n, |lambda_t|, and d/da of mu lambda_n / |lambda_t|
+  // lambda_n, |lambda_t|, and d/da of mu lambda_n / |lambda_t|
+  double n = 0, length = 0, slope = 0;
   const auto at = [&](double a) {
     double dn = 0, dl = 0;
     n = -b[0];
@@ -64,13 +65,13 @@ void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* 
     const double per = 1 / length;
     n *= inverse_Gnn, dn *= inverse_Gnn, dl *= per;
     slope = cone.mu * (dn - n * dl * per) * per;
-    return cone.mu * n * per - 1;  // not below zero: within the cone
+    return cone.mu * n * per - 1;  // not negative: inside the cone
   };
   const auto stuck = [&] {
     const double f = at(0);
     return length == 0 || f >= 0;
   };
-  // one that slid before slides on: where its resistance has hardly changed, a step of Newton is enough
+  // a contact that slipped before usually slips again: one Newton step suffices if its resistance hardly changed
   const auto slid_on = [&] {
     double a = l.resistance;
     if (a == 0) return false;
@@ -85,7 +86,7 @@ void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* 
   };
   if (!slid_on() && !stuck()) {
     double low = 0, high = 0, a = l.resistance;
-    if (a == 0) a = norm(bt, m) * Gnn / (cone.mu * -b[0]);  // where mu lambda_n = |lambda_t|, were there nothing but a
+    if (a == 0) a = norm(bt, m) * Gnn / (cone.mu * -b[0]);  // solution if only the resistance acted: mu lambda_n = |lambda_t|
     for (int k = 0; k < 100; ++k) {
       const double f = at(a);
       if (std::fabs(f) <= 1e-14) break;
@@ -102,7 +103,7 @@ void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* 
     for (int k = 0; k < m; ++k) y[1 + i] += l.q[i][k] * yt[k];
 }
 
-// Its new impulse, and c with it.
+// Updates the cone's impulse and c.
 template <int m>
 void sweep_cone(const Problem& p, const Cone& cone, LocalCone& l, double omega, double* y, double* c) {
   constexpr int size = m + 1;
@@ -115,7 +116,7 @@ void sweep_cone(const Problem& p, const Cone& cone, LocalCone& l, double omega, 
   }
   solve<m>(cone, l, column[0][cone.row], v, to);
   for (int i = 0; i < size; ++i) to[i] = omega == 1 ? to[i] : (1 - omega) * mine[i] + omega * to[i];
-  project_cone(cone.mu, size, to, to);  // off it by relaxation and round-off
+  project_cone(cone.mu, size, to, to);  // relaxation and round-off leave it
   bool moves = false;
   for (int i = 0; i < size; ++i) {
     change[i] = to[i] - mine[i], mine[i] = to[i];
@@ -128,7 +129,7 @@ void sweep_cone(const Problem& p, const Cone& cone, LocalCone& l, double omega, 
     c[r] = sum;
   }
 }
-// f.template operator()<m>() for a cone of m + 1 rows.
+// Calls f.template operator()<m>() for a cone of m + 1 rows.
 template <class F>
 void by_size(Index size, F&& f) {
   switch (size) {
@@ -164,7 +165,7 @@ LocalCone local_cone(const Problem& p, const Cone& cone) {
 
 void solve_cone(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y) {
   by_size(cone.size, [&]<int m>() { solve<m>(cone, l, Gnn, b, y); });
-  project_cone(cone.mu, cone.size, y, y);  // off it by round-off
+  project_cone(cone.mu, cone.size, y, y);  // round-off leaves it
 }
 
 void prepare_sweeps(Workspace& w) {
@@ -192,9 +193,9 @@ void pgs(Workspace& w, Budget& b) {
   prepare_sweeps(w);
   while (!b.spent()) {
     ++b.iterations;
-    sweep(w, b.relaxation > 0 ? b.relaxation : b.iterations == 1 ? 1 : relaxation, y, c);  // one contact is solved by one sweep
+    sweep(w, b.relaxation > 0 ? b.relaxation : b.iterations == 1 ? 1 : relaxation, y, c);  // one sweep solves a single contact
     if (residual(p, y, c).residual > b.tolerance && b.iterations % 50 != 0 && b.iterations < b.max_iterations) continue;
-    times(p.G, y, p.g, c, p.n);  // without what the updates have gathered
+    times(p.G, y, p.g, c, p.n);  // without accumulated round-off
     if (keep_best(w, b, y, c)) return;
   }
 }

@@ -1,8 +1,9 @@
-// Projected Gauss-Seidel: block after block is solved exactly for the impulses that the others have now.
+// Projected block Gauss-Seidel: each block is solved exactly for the current impulses of the others.
 // One cone, b its velocity without its own impulse (Preclik, Eibl and Ruede 2018; Hwangbo, Lee and Hutter 2018 by bisection):
-//   b_n >= 0            apart: 0
-//   -G_kk^-1 b in K     stuck
-//   otherwise sliding:  c_n = 0 and c_t = -a lambda_t for an a > 0, so lambda_t(a) = -(S + a I)^-1 b~, S = G_tt - G_tn G_nt / G_nn, b~ = b_t - G_tn b_n / G_nn:
+//   b_n >= 0            open: 0
+//   -G_kk^-1 b in K     stick
+//   otherwise slip:     c_n = 0 and c_t = -a lambda_t for an a > 0, so lambda_t(a) = -(S + a I)^-1 b~,
+//                       S = G_tt - G_tn G_nt / G_nn, b~ = b_t - G_tn b_n / G_nn;
 //                       with S = Q E Q' one scalar equation mu lambda_n(a) = |lambda_t(a)|
 #pragma once
 
@@ -10,17 +11,17 @@
 
 namespace dyn::solver {
 
-// What solve_cone needs of the cone's own block of p.G, its rows one after another, the normal first.
+// Eigenvectors of the cone's own block of p.G. Its rows are consecutive, the normal first.
 LocalCone local_cone(const Problem& p, const Cone& cone);
-// The cone's impulse for the velocity b that it has without it; Gnn: the normal's diagonal.
+// The cone's impulse for the velocity b without it. Gnn: diagonal of the normal.
 void solve_cone(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* y);
 
-// What sweeps need of G, into w.local.
+// Prepares w.local.
 void prepare_sweeps(Workspace& w);
-// One sweep over y, c = G y + g follows.
+// One sweep over y; c = G y + g is updated.
 void sweep(const Workspace& w, double relaxation, double* y, double* c);
 
-// From w.y to w.y.
+// Starts from w.y and leaves the result there.
 void pgs(Workspace& w, Budget& b);
 
 }  // namespace dyn::solver

@@ -6,10 +6,10 @@ namespace {
 
 double at(const double* x, Index i) { return x ? x[i] : 0.0; }
 
-// Rows of a contact with the normal first.
+// Rows of a contact, the normal first.
 constexpr Index order[7][6] = {{}, {0}, {}, {2, 0, 1}, {2, 0, 1, 3}, {}, {2, 0, 1, 3, 4, 5}};
 
-// The coefficient of row j in that order: which of them its impulse is bounded by.
+// Friction coefficient of row j in that order.
 double coefficient(const dynContactProblem& x, Index k, Index rows, Index j) {
   if (j < 3) return at(x.friction, k);
   return j == rows - 1 ? at(x.torsion, k) : at(x.rolling, k);
@@ -19,10 +19,11 @@ struct Scaler {
   const dynContactProblem& x;
   Problem& p;
   std::ptrdiff_t stride;
-  double fallback, least;  // of rows that nothing moves; of equalities and limits that rounding alone moves
+  // fallback: unit of rows that nothing moves. least: diagonal of equalities and limits that only rounding moves
+  double fallback, least;
 
   double diagonal(Index row) const { return x.G[row * stride + row] + at(x.compliance, row); }
-  // a power of two, for scaling without round-off
+  // a power of two scales without round-off
   double root(double diagonal, double least_one = 0) const { return diagonal > least_one ? std::ldexp(1.0, -(std::ilogb(diagonal) >> 1)) : fallback; }
   void add(Index row, double d, double unit, double lower, double upper) {
     const Index i = p.n++;
@@ -35,7 +36,7 @@ struct Scaler {
   void contact(Index k, Index first, Index rows);
 };
 
-// Rows that the cone leaves free; without any, the normal is a limit.
+// Adds a contact with the rows that have a coefficient. Without any, the normal is a bounded row.
 void Scaler::contact(Index k, Index first, Index rows) {
   double largest = 0, mu = 0;
   for (Index j = 1; j < rows; ++j)
@@ -44,7 +45,7 @@ void Scaler::contact(Index k, Index first, Index rows) {
       largest = std::max(largest, m / mu * m / mu * diagonal(first + order[rows][j]));
     }
   const bool cone = mu > 0;
-  if (cone != (p.n >= p.boxes)) return;  // limits come first
+  if (cone != (p.n >= p.boxes)) return;  // bounded rows come first
   const Index normal = first + order[rows][0];
   const double d = root(diagonal(normal)), dt = largest > 0 ? root(largest) : d;
   const Index row = p.n;
@@ -97,7 +98,7 @@ void velocity(const dynContactProblem& x, const double* lambda, double* c) {
 
 namespace {
 
-// Sums of products with more digits than a double has: x87's where it is, else in two doubles (Ogita, Rump and Oishi 2005).
+// Dot products with more digits than a double: x87 where available, else two doubles (Ogita, Rump and Oishi 2005).
 #if defined(__x86_64__) && !DYN_REPRODUCIBLE
 class LongSum {
  public:
@@ -122,7 +123,7 @@ class LongSum {
  private:
   double high_, low_ = 0;
 
-  // a b - p, exactly, however it is found
+  // a b - p, exact whichever branch computes it
   static double rest(double a, double b, double p) {
 #ifdef __FP_FAST_FMA
     return __builtin_fma(a, b, -p);

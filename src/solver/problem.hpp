@@ -1,6 +1,6 @@
-// The contact problem of dyn.h in the form the solvers work on: rows scaled to a unit diagonal, those held at zero left out, boxes
-// first, then cones with the normal first, and the compliance in the diagonal of G.
-//   lambda = d y, c = c' / d, G' = d G d: K stays a cone when all its tangential rows share one d; mu' = mu d_n / d_t
+// The contact problem of dyn.h as the solvers use it: rows scaled to a unit diagonal, rows fixed at zero removed.
+// Boxes come first, then cones with the normal first; the compliance is added to the diagonal of G.
+//   lambda = d y, c = c' / d, G' = d G d: K stays a cone if its tangential rows share one d; mu' = mu d_n / d_t
 // Torsion and rolling: lambda_r / rolling = (lambda_r friction / rolling) / friction, so that row's d is d_t rolling / friction.
 #pragma once
 
@@ -21,11 +21,11 @@ struct Problem {
   double *g = nullptr, *lower = nullptr, *upper = nullptr, *d = nullptr;
   double* unit = nullptr;      // d without the lengths of torsion and rolling: c' / unit is a velocity in the caller's unit
   double* per_unit = nullptr;  // 1 / unit
-  double* approach = nullptr;  // what restitution adds to g, in full
+  double* approach = nullptr;  // part of g due to full restitution
   Cone* cone = nullptr;
   Index* source = nullptr;  // the caller's row
   double speed = 0;         // largest velocity without impulses, in the caller's unit
-  bool bounces = false;     // some of approach is not zero
+  bool bounces = false;     // some approach is not zero
 };
 
 // P_K of row i of the boxes.
@@ -40,9 +40,9 @@ inline void project(const Problem& p, const double* w, double* y) {
   }
 }
 
-// c = G y + g, the sums in more digits than a double's, which matter where impulses are large beside the speeds they make.
+// c = G y + g in extended precision, needed when impulses are large relative to the speeds they cause.
 void exact_velocity(const Problem& p, const double* y, double* c);
-// What c = G y + g has of round-off, as a velocity in the caller's unit.
+// Bound on the round-off of c = G y + g, a velocity in the caller's unit.
 double round_off(const Problem& p, const double* y);
 
 // Rows of the caller's contact k.
@@ -55,9 +55,9 @@ inline std::ptrdiff_t row_count(const dynContactProblem& x) {
 
 // Fills p, whose arrays have room for the caller's rows.
 void scale(const dynContactProblem& x, Problem& p);
-// c = (G + diag(compliance)) lambda + g + bias, of all the caller's rows.
+// c = (G + diag(compliance)) lambda + g + bias, for all of the caller's rows.
 void velocity(const dynContactProblem& x, const double* lambda, double* c);
-// The caller's lambda from y (rows that were left out: zero), and back, into the cones.
+// The caller's lambda from y (removed rows: zero), and back, projected onto the cones.
 void unscale(const dynContactProblem& x, const Problem& p, const double* y, double* lambda);
 void scale_guess(const Problem& p, const double* lambda, double* y);
 

@@ -34,7 +34,7 @@ Parts parts_of(const dynContactProblem& x, Index k) {
   return p;
 }
 
-// Calls entry(row of A, column, value) and bound(row, lower, upper) for each of them; answers the number of rows.
+// Calls entry(row of A, column, value) and bound(row, lower, upper). Returns the number of rows.
 template <class Entry, class Bound>
 Index constraints(const dynContactProblem& x, Index facets, bool inscribed, Entry&& entry, Bound&& bound) {
   constexpr double pi = 3.14159265358979323846;
@@ -68,7 +68,7 @@ Index constraints(const dynContactProblem& x, Index facets, bool inscribed, Entr
   return m;
 }
 
-// CSC of what enumerate(entry) calls entry(row, column, value) for, rows ascending in each column.
+// CSC of the entries that enumerate(entry) lists.
 template <class Enumerate>
 Index compress(Index n, int32_t* columns, int32_t* rows, double* values, Enumerate&& enumerate) {
   Index count = 0;
@@ -79,7 +79,7 @@ Index compress(Index n, int32_t* columns, int32_t* rows, double* values, Enumera
   std::fill_n(columns, n + 1, 0);
   enumerate([&](Index, Index j, double) { ++columns[j + 1], ++count; });
   for (Index j = 0; j < n; ++j) columns[j + 1] += columns[j];
-  // each column's start moves to its end as it is filled, and back
+  // each column's start moves to its end as it is filled
   enumerate([&](Index i, Index j, double value) {
     const Index k = columns[j]++;
     if (rows) rows[k] = i;

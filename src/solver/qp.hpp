@@ -5,7 +5,7 @@
 
 namespace dyn::solver {
 
-// Sizes of q; with arrays, fills those that are not null.
+// Sets the sizes of q, and fills those arrays that are not null.
 void friction_cone_qp(const dynContactProblem& x, Index facets, bool inscribed, dynQp& q);
 
 }  // namespace dyn::solver

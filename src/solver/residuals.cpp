@@ -10,7 +10,7 @@ void report(const dynContactProblem& x, const Problem& p, const double* y, const
   const auto largest = [](double& a, double b) { a = std::max(a, b); };
   for (Index i = 0; i < p.boxes; ++i) {
     const double l = p.unit[i] * y[i], v = c[i] * p.per_unit[i], lower = p.unit[i] * p.lower[i], upper = p.unit[i] * p.upper[i];
-    const bool above = std::isinf(lower), below = std::isinf(upper);  // no bound there: no force holds such a velocity
+    const bool above = std::isinf(lower), below = std::isinf(upper);  // an infinite bound: no force can hold such a velocity
     largest(out.primal, std::fabs(l - std::min(std::max(l, lower), upper)));
     largest(out.dual, std::max(above ? v : 0.0, below ? -v : 0.0));
     const double gap = v > 0 ? (above ? l : l - lower) : (below ? l : upper - l);

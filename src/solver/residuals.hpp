@@ -1,12 +1,11 @@
-// How far y is from solving the problem: what the solvers compare with the tolerance, and the report in the caller's units.
+// Residuals of y: what solvers compare with the tolerance, and the report in the caller's units.
 #pragma once
 
 #include "solver/problem.hpp"
 
 namespace dyn::solver {
 
-// An impulse whose round-off, as that of the speed it makes, is no longer far below the speeds that are to change: y - c is then y, and y a fixed
-// point of whatever it is tested by.
+// Returns whether an impulse is so large that its round-off hides the speeds: y - c is then y, a fixed point of any test.
 inline bool is_lost_to_round_off(double impulse, double speed) { return 2.2e-16 * std::fabs(impulse) > 1e-4 * speed && speed > 0; }
 inline bool is_lost_to_round_off(const Problem& p, const double* y) {
   double most = 0;
@@ -14,7 +13,7 @@ inline bool is_lost_to_round_off(const Problem& p, const double* y) {
   return is_lost_to_round_off(most, p.speed);
 }
 
-// |y - P_K(y - u)| of one cone, u = c + (mu |c_t|, 0), row by row into e.
+// e = y - P_K(y - u) of one cone, u = c + (mu |c_t|, 0).
 inline void natural_map(const Cone& cone, const double* y, const double* c, double* e) {
   double w[6];
   w[0] = y[0] - c[0] - de_saxce(cone.mu, cone.size, c);
@@ -28,7 +27,7 @@ struct Worst {
   Index row = -1;
 };
 
-// c = G y + g. Not a number: infinite.
+// c = G y + g. NaN counts as infinite.
 inline Worst residual(const Problem& p, const double* y, const double* c) {
   Worst worst;
   const auto take = [&](Index i, double e) {
@@ -45,7 +44,7 @@ inline Worst residual(const Problem& p, const double* y, const double* c) {
   return worst;
 }
 
-// Everything in the report that y says.
+// Fills all of the report that follows from y.
 void report(const dynContactProblem& x, const Problem& p, const double* y, const double* c, dynContactReport& out);
 
 }  // namespace dyn::solver

@@ -13,16 +13,16 @@ struct Attempt {
 
   double free_speed();
   void operator()(double restitution);
-  // The impulses do work, beyond what the tolerance leaves open; or there are none that give contacts such velocities.
+  // Returns whether the impulses gain energy beyond the tolerance, or no impulses reach such velocities.
   bool is_refused() const {
     double size = 0, sum = 0;
     for (Index i = 0; i < w.problem.n; ++i) size += std::fabs(w.y[i] * w.free_g[i]), sum += std::fabs(w.y[i]);
-    const double round_off = 2.2e-16 * sum * sum;  // of y'Gy: impulses without bound jam
+    const double round_off = 2.2e-16 * sum * sum;  // of y'Gy: unbounded impulses jam
     return out.energy + round_off > (1e-10 + 10 * b.tolerance) * size || out.residual > 1e-2;
   }
 };
 
-// The largest velocity without impulses, or with those that boxes force.
+// Largest velocity with no impulses but those that boxes force.
 double Attempt::free_speed() {
   const Problem& p = w.problem;
   std::fill_n(w.x, p.n, 0.0);
@@ -33,7 +33,7 @@ double Attempt::free_speed() {
   return speed;
 }
 
-// From w.y to w.y, with restitution by a factor.
+// Solves from w.y with restitution scaled by a factor.
 void Attempt::operator()(double restitution) {
   Problem& p = w.problem;
   for (Index i = 0; i < p.n; ++i) p.g[i] = w.free_g[i] + restitution * p.approach[i];
@@ -78,7 +78,7 @@ void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, c
     run(factor);
     iterations += b.iterations, newton_steps += b.newton_steps;
   };
-  const auto late = [&] { return b.status == DYN_CONTACT_STATUS_TIME_BUDGET; };  // what there is has to do
+  const auto late = [&] { return b.status == DYN_CONTACT_STATUS_TIME_BUDGET; };  // out of time: use what there is
   if (p.bounces && run.is_refused() && !late()) {
     b.warm = false;
     double low = 0, high = 1;
@@ -102,7 +102,7 @@ void evaluate(const dynContactProblem& x, Workspace& w, const double* lambda, dy
   p.speed = run.free_speed();
   exact_velocity(p, w.y, w.c);
   report(x, p, w.y, w.c, out);
-  // rows without a coefficient should hold nothing
+  // rows without a coefficient should be zero
   const Index rows = Index(row_count(x));
   std::copy_n(lambda, rows, w.x);
   for (Index i = 0; i < p.n; ++i) w.x[p.source[i]] = 0;

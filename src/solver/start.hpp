@@ -1,4 +1,4 @@
-// What admm and newton begin with.
+// Start of admm and newton.
 #pragma once
 
 #include "base/portable.hpp"
@@ -8,8 +8,8 @@
 
 namespace dyn::solver {
 
-// What touches sticks, of the best iterate. Where that can go on, so it should: normal forces of redundant contacts may be shared out so that it slides, too,
-// and sweeps may lead there, as of a box that a gripper holds.
+// Returns whether all contacts of the best iterate stick. They should stay so: redundant normal forces may also be shared out
+// so that contacts slip, and sweeps may lead there (a box in a gripper).
 inline bool all_contacts_stick(const Workspace& w) {
   const Problem& p = w.problem;
   for (Index k = 0; k < p.cones; ++k) {
@@ -22,8 +22,8 @@ inline bool all_contacts_stick(const Workspace& w) {
   return true;
 }
 
-// A good guess is a few Newton steps from the solution, of which a sweep of Gauss-Seidel spares one where the guess is not that close. Otherwise two
-// sweeps, more as long as they converge fast enough, which is the slower the larger a factorization is, and the same. true: done.
+// A good guess is a few Newton steps from the solution; one sweep saves a step if it is less close.
+// Otherwise two sweeps and more while they converge fast; larger factorizations justify more sweeps. Returns true when the tolerance is met.
 inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
   if (!b.newton || !b.sweeps) return false;
@@ -32,7 +32,7 @@ inline bool start(Workspace& w, Budget& b) {
   prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   const auto refine = [&] {
-    times(p.G, w.x, p.g, w.v, p.n);  // without what the updates have gathered
+    times(p.G, w.x, p.g, w.v, p.n);  // without accumulated round-off
     return keep_best(w, b, w.x, w.v) || alart_curnier(w, b, w.x, w.v, true);
   };
   const double fast = std::min(0.7, math::exp(-12.0 / p.n));

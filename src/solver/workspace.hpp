@@ -1,30 +1,32 @@
-// Everything a solver writes to, in one block of memory for a number of rows.
+// Buffers of the solvers in one block of memory, for a number of rows.
 #pragma once
 
 #include "solver/problem.hpp"
 
 namespace dyn::solver {
 
-// What a cone does in a Newton step.
+// State of a cone in a Newton step.
 struct ConeState {
   enum { open, stick, slip } mode;
-  double direction[5][5];  // where it slides: along first, then across, orthonormal
+  double direction[5][5];  // orthonormal; slip direction first
   double normal, across;   // r and k of alart_curnier.hpp
 };
 
-// A cone of projected Gauss-Seidel, with its own part of G: the tangential block without the normal has eigenvectors q, eigenvalues e.
+// A cone in projected Gauss-Seidel: eigenvectors q and eigenvalues e of its tangential block without the normal.
 struct LocalCone {
-  double q[5][5], e[5], coupling[5];  // coupling: with the normal, in eigenvectors
-  double resistance;                // a of the last sweep in which it slid
+  double q[5][5], e[5], coupling[5];  // coupling: with the normal, by eigenvectors
+  double resistance;                // a of the last sweep in which it slipped
 };
 
 struct Workspace {
   Index max_rows = 0;
   Problem problem;
   double* free_g = nullptr;                // g without restitution
-  double *y = nullptr, *c = nullptr;       // the best iterate, in its cones, and G y + g
-  double *x = nullptr, *z = nullptr, *s = nullptr, *r = nullptr, *v = nullptr, *u = nullptr;  // those of a solver
-  double *newton = nullptr, *newton_c = nullptr, *trial = nullptr, *trial_c = nullptr;        // those of Newton's method
+  double *y = nullptr, *c = nullptr;       // best feasible iterate, and G y + g
+  // of a solver
+  double *x = nullptr, *z = nullptr, *s = nullptr, *r = nullptr, *v = nullptr, *u = nullptr;
+  // of Newton's method
+  double *newton = nullptr, *newton_c = nullptr, *trial = nullptr, *trial_c = nullptr;
   double *step = nullptr, *step_c = nullptr, *t = nullptr, *exact = nullptr;
   Matrix factor, active;
   Index *pivots = nullptr, *rows = nullptr;
@@ -52,7 +54,7 @@ inline std::size_t workspace_bytes(Index max_rows) {
   return bytes;
 }
 
-// memory: workspace_bytes(max_rows), aligned to 64.
+// memory: workspace_bytes(max_rows) bytes, aligned to 64.
 inline void place(Workspace& w, Index max_rows, void* memory) {
   w.max_rows = max_rows;
   char* next = static_cast<char*>(memory);
