@@ -9,6 +9,7 @@
 #include "base/pack.hpp"
 #include "model/builder.hpp"
 #include "model/dynb.hpp"
+#include "table/enums.hpp"
 
 namespace dyn::capi {
 
@@ -17,15 +18,6 @@ dynStatus fail(dynStatus status, const char* format, ...) __attribute__((format(
 
 // Makes the thread's place for it.
 void touch_last_error();
-
-// What a caller has put where an enumeration is: any integer.
-template <class E>
-int raw(const E& e) {
-  int x;
-  static_assert(sizeof x == sizeof e);
-  __builtin_memcpy(&x, &e, sizeof x);
-  return x;
-}
 
 // Runs f, which returns a status and may throw.
 template <class F>

@@ -99,6 +99,7 @@ typedef struct dynData dynData;       /* the state and every buffer: one per thr
 typedef struct dynBuilder dynBuilder; /* makes a model */
 typedef struct dynMesh dynMesh;       /* triangles: see meshes below */
 
+/* Axes and point that a velocity, an acceleration, a Jacobian or a wrench refers to. */
 typedef enum dynReference {
   DYN_REFERENCE_LOCAL = 0,              /* Axes and origin of the frame. */
   DYN_REFERENCE_WORLD = 1,              /* Axes of the world, about the world's origin. */
@@ -126,6 +127,7 @@ typedef enum dynJointType {
   DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED = 13 /* nq 2, nv 1: (cos, sin) of the angle about axis. */
 } dynJointType;
 
+/* Kind of a frame. */
 typedef enum dynFrameType {
   DYN_FRAME_TYPE_OP_FRAME = 1,    /* A frame added by the user. */
   DYN_FRAME_TYPE_JOINT = 2,       /* A joint's own frame; it moves with the joint's child. */
@@ -134,6 +136,7 @@ typedef enum dynFrameType {
   DYN_FRAME_TYPE_SENSOR = 16      /* A sensor. */
 } dynFrameType;
 
+/* Severity of a report's line. */
 typedef enum dynReportLevel {
   DYN_REPORT_LEVEL_INFO = 0,   /* Worth knowing: nothing is lost. */
   DYN_REPORT_LEVEL_WARNING = 1 /* Something in the file is not used. */
@@ -150,6 +153,7 @@ typedef struct dynArray {
 
 /* ------------------------------------------------------------------------------------------------ loading */
 
+/* How the root link of a robot file is held. */
 typedef enum dynBase {
   DYN_BASE_UNSPECIFIED = 0, /* Refused when the root link has mass and the file does not hold it. */
   DYN_BASE_FIXED = 1,       /* The root link is welded to the world. */
@@ -232,6 +236,7 @@ DYN_API dynStatus dyn_model_report_entry(const dynModel* model, int index, dynRe
 
 /* ------------------------------------------------------------------------------------------------- saving */
 
+/* File formats of models. */
 typedef enum dynFormat {
   DYN_FORMAT_URDF = 1, /* URDF, extension .urdf. */
   DYN_FORMAT_MJCF = 2, /* MJCF, extensions .xml and .mjcf. */
@@ -324,6 +329,7 @@ typedef struct dynFrameInfo {
 } dynFrameInfo;
 DYN_API dynStatus dyn_model_frame_info(const dynModel* model, int frame, dynFrameInfo* info);
 
+/* Kind of a shape. */
 typedef enum dynShapeType {
   DYN_SHAPE_TYPE_BOX = 1,          /* A box; size: full lengths. */
   DYN_SHAPE_TYPE_SPHERE = 2,       /* A sphere; size: radius. */
@@ -337,6 +343,7 @@ typedef enum dynShapeType {
   DYN_SHAPE_TYPE_TRIANGLES = 10,   /* A triangle mesh; size: scale, applied already. */
   DYN_SHAPE_TYPE_HEIGHT_FIELD = 11 /* A height field, solid down to its bottom. */
 } dynShapeType;
+/* Purpose of a shape. */
 typedef enum dynShapeRole {
   DYN_SHAPE_ROLE_COLLISION = 1, /* The shape takes part in collision and contact. */
   DYN_SHAPE_ROLE_VISUAL = 2     /* The shape is drawn and has no effect. */
@@ -584,6 +591,8 @@ DYN_API dynStatus dyn_data_warm_up(const dynModel* model, dynData* data);
 DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const double* q, const double* v,
                                      const double* a, const double* tau);
 
+#define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: viscous below, exact to 1e-3 beyond four times this */
+
 /* Effects, a bit each. Data has them switched on or off joint by joint. New data has DYN_EFFECT_DEFAULT.
    LIMITS, ACTUATORS, FLUID, GRAVITY_COMPENSATION and SLEEPING act in steps alone.
      M = M of the rigid bodies + armature        M a + nle = tau + J' fext
@@ -592,7 +601,6 @@ DYN_API dynStatus dyn_data_set_state(const dynModel* model, dynData* data, const
    Inverse and forward dynamics, steps, their derivatives, static torque and energies (of rotors and springs)
    apply the same effects. dyn_gravity_torque applies none. The springs of a continuous joint count its turns.
    An absent effect, or one that is off, costs nothing. */
-#define DYN_FRICTION_VELOCITY 0.01 /* rad/s or m/s: viscous below, exact to 1e-3 beyond four times this */
 enum {
   DYN_EFFECT_ARMATURE = 1u << 0,             /* Rotor inertia on the diagonal of M. */
   DYN_EFFECT_DAMPING = 1u << 1,              /* Viscous damping in the joints. */
@@ -971,6 +979,7 @@ typedef enum dynAngle {
   DYN_ANGLE_PLAIN = 1,         /* An angle. */
   DYN_ANGLE_COS_SIN = 2        /* (cos, sin). */
 } dynAngle;
+/* Direction of a conversion. */
 typedef enum dynDirection {
   DYN_DIRECTION_TO_PEER = 0,  /* From the model's storage to the peer's. */
   DYN_DIRECTION_FROM_PEER = 1 /* From the peer's storage to the model's. */
@@ -1008,6 +1017,7 @@ DYN_API dynStatus dyn_state_layout_convert(const dynModel* model, const dynState
 
 /* ------------------------------------------------------------------------------------- inverse kinematics */
 
+/* Kind of an inverse kinematics task. */
 typedef enum dynIkTaskType {
   DYN_IK_TASK_TYPE_POSE = 1, /* Frame at target: error log6(target^-1 X_WF), 6, in the frame's axes. */
   /* Origin of the frame at target's translation: error 3, axes of the world. */
@@ -1171,6 +1181,7 @@ DYN_API dynStatus dyn_data_constraint_rows(const dynModel* model, dynData* data,
 DYN_API dynStatus dyn_constraint_terms(const dynModel* model, dynData* data, const double* q, const double* v,
                                        double* C, double* J, double* Jv, double* drift);
 
+/* How a solution of constraints ended. */
 typedef enum dynConstraintReason {
   DYN_CONSTRAINT_REASON_CONVERGED = 0,     /* Solved to the tolerance. */
   /* No motion satisfies all rows: the result is least-squares, each row weighted by its inverse Delassus
@@ -1319,6 +1330,7 @@ typedef enum dynDistanceStatus {
   DYN_DISTANCE_STATUS_FAILED = 3       /* The residual is above 1e-6 of that size: the best result found. */
 } dynDistanceStatus;
 
+/* Algorithm of a distance. */
 typedef enum dynDistanceMethod {
   DYN_DISTANCE_METHOD_GJK = 0, /* libdyn's own GJK and EPA, with closed forms. */
   /* libccd's GJK and EPA for overlapping shapes without a closed form, GJK for others; it allocates. */
@@ -2161,6 +2173,49 @@ typedef struct dynRollout {
 } dynRollout;
 DYN_API void dyn_rollout_init(dynRollout* rollout);
 DYN_API dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollout);
+
+/* ------------------------------------------------------------------------------------------ what there is */
+
+/* Everything that this header declares, for programs: bindings, command lines, tables. Texts live forever. */
+
+/* An enumeration, or a set of bits. */
+typedef struct dynEnumInfo {
+  uint32_t struct_size;
+  const char* name;     /* "dynIntegrator"; of bits "dynEffects", "dynParts", "dynTerms", "dynImages" */
+  const char* prefix;   /* "DYN_INTEGRATOR_" */
+  const char* sentence; /* the comment above it */
+  int32_t count;        /* number of values */
+  int32_t bits;         /* 1: values are masks */
+} dynEnumInfo;
+/* Number of enumerations. */
+DYN_API int dyn_enum_count(void);
+/* Index of an enumeration; -1: unknown. */
+DYN_API int dyn_enum_id(const char* name);
+DYN_API dynStatus dyn_enum_info(int index, dynEnumInfo* info);
+
+/* One value of an enumeration. */
+typedef struct dynEnumValueInfo {
+  uint32_t struct_size;
+  int32_t value;
+  const char* identifier; /* "DYN_INTEGRATOR_RK4" */
+  const char* name;       /* "RK4" */
+  const char* sentence;   /* the comment beside it */
+} dynEnumValueInfo;
+/* Value k of an enumeration, in the header's order. */
+DYN_API dynStatus dyn_enum_value_info(int index, int k, dynEnumValueInfo* info);
+
+/* The whole header as JSON, in its order. Each value is a list of objects; doc is the comment:
+     constants   name, value, doc
+     macros      name, parameters (names), body, doc
+     enums       name, prefix, bits, doc, values: identifier, name, value, doc
+     handles     name, doc
+     types       name, type, doc
+     callbacks   name, returns, parameters, doc
+     structs     name, doc, fields
+     functions   name, returns, parameters, section, doc
+   Fields and parameters are {name, type, length, doc}. type is the C type, as "const double*". length, a list,
+   is there for arrays alone. A pointer to a function has returns and parameters instead of type. */
+DYN_API const char* dyn_interface_json(void);
 
 #ifdef __cplusplus
 }

@@ -10,6 +10,14 @@ function(dyn_glob result)
   set(${result} "${files}" PARENT_SCOPE)
 endfunction()
 
+# Tables of what dyn.h declares, for all that includes src/table/enums.hpp.
+find_program(DYN_PYTHON python3 REQUIRED)
+set(DYN_TABLES ${PROJECT_BINARY_DIR}/tables)
+add_custom_command(OUTPUT ${DYN_TABLES}/table/members.inc ${DYN_TABLES}/table/enums.inc ${DYN_TABLES}/table/interface.inc
+  COMMAND ${DYN_PYTHON} ${PROJECT_SOURCE_DIR}/src/table/reflect.py ${PROJECT_SOURCE_DIR}/include/dyn.h ${DYN_TABLES}/table
+  DEPENDS ${PROJECT_SOURCE_DIR}/src/table/reflect.py ${PROJECT_SOURCE_DIR}/include/dyn.h VERBATIM)
+add_custom_target(dyn_tables DEPENDS ${DYN_TABLES}/table/members.inc ${DYN_TABLES}/table/enums.inc ${DYN_TABLES}/table/interface.inc)
+
 # The floating-point rules, the instruction set and the include folders: one set for everything that sees internal headers, for an inline
 # function must be the same function everywhere.
 function(dyn_flags target arch)
@@ -22,7 +30,8 @@ function(dyn_flags target arch)
     target_compile_options(${target} INTERFACE $<$<CXX_COMPILER_ID:GNU>:-mtune=icelake-server>)
   endif()
   target_compile_definitions(${target} INTERFACE $<$<BOOL:${DYN_CHECKED}>:DYN_CHECKED=1> $<$<BOOL:${DYN_REPRODUCIBLE}>:DYN_REPRODUCIBLE=1>)
-  target_include_directories(${target} INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/capi ${PROJECT_SOURCE_DIR}/src)
+  target_include_directories(${target} INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/capi ${PROJECT_SOURCE_DIR}/src ${DYN_TABLES})
+  add_dependencies(${target} dyn_tables)
   target_include_directories(${target} SYSTEM INTERFACE $<TARGET_PROPERTY:Eigen3::Eigen,INTERFACE_INCLUDE_DIRECTORIES>)
 endfunction()
 

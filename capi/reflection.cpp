@@ -1,0 +1,86 @@
+// What dyn.h declares, as tables.
+#include "reflection.hpp"
+
+#include <cstdio>
+#include <cstring>
+
+namespace dyn::capi {
+
+namespace {
+
+struct EnumValue {
+  const char* identifier;
+  int value;
+  const char* sentence;
+};
+
+struct Enum {
+  const char *name, *prefix;
+  int bits, first, count;  // count values from enum_values[first] on
+  const char* sentence;
+};
+
+#include "table/enums.inc"
+
+constexpr int enum_count = int(sizeof enums / sizeof *enums);
+
+int find(const char* name) {
+  for (int k = 0; k < enum_count; ++k)
+    if (name && std::strcmp(enums[k].name, name) == 0) return k;
+  return -1;
+}
+
+}  // namespace
+
+// "DYN_SHAPE_TYPE_BOX, _SPHERE, ...": as far as they fit.
+static void list_values(const Enum& e, char* text, std::size_t size) {
+  std::size_t used = 0;
+  for (int k = 0; k < e.count && used < size; ++k) {
+    const char* identifier = enum_values[e.first + k].identifier;
+    used += std::size_t(std::snprintf(text + used, size - used, "%s%s", k ? ", " : "", k ? identifier + std::strlen(e.prefix) - 1 : identifier));
+  }
+  if (used >= size) std::memcpy(text + size - 4, "...", 4);
+}
+
+dynStatus no_value(const char* type, const char* where, int value) {
+  char values[600];
+  list_values(enums[find(type)], values, sizeof values);
+  return fail(DYN_ERROR_ARGUMENT, "%s is %d: use %s", where, value, values);
+}
+
+}  // namespace dyn::capi
+
+using namespace dyn;
+using namespace dyn::capi;
+
+extern "C" {
+
+int dyn_enum_count(void) { return enum_count; }
+
+int dyn_enum_id(const char* name) {
+  const int k = find(name);
+  if (k < 0) fail(DYN_ERROR_NAME, "there is no enumeration '%.64s': dyn_enum_info lists them", name ? name : "(NULL)");
+  return k;
+}
+
+dynStatus dyn_enum_info(int index, dynEnumInfo* info) {
+  if (index < 0 || index >= enum_count) return fail(DYN_ERROR_ARGUMENT, "dyn_enum_info: enumeration %d does not exist: there are %d", index, enum_count);
+  const Enum& e = enums[index];
+  return fill(info, {sizeof *info, e.name, e.prefix, e.sentence, e.count, e.bits}, "dyn_enum_info", "dynEnumInfo");
+}
+
+dynStatus dyn_enum_value_info(int index, int k, dynEnumValueInfo* info) {
+  if (index < 0 || index >= enum_count) return fail(DYN_ERROR_ARGUMENT, "dyn_enum_value_info: enumeration %d does not exist: there are %d", index, enum_count);
+  const Enum& e = enums[index];
+  if (k < 0 || k >= e.count) return fail(DYN_ERROR_ARGUMENT, "dyn_enum_value_info: %s has %d values, no value %d", e.name, e.count, k);
+  const EnumValue& v = enum_values[e.first + k];
+  return fill(info, {sizeof *info, v.value, v.identifier, v.identifier + std::strlen(e.prefix), v.sentence}, "dyn_enum_value_info", "dynEnumValueInfo");
+}
+
+const char* dyn_interface_json(void) {
+  return
+#include "table/interface.inc"
+      ;
+}
+
+}  // extern "C"

@@ -1,0 +1,27 @@
+// Enumerations by name, and infos that a caller's struct takes.
+#pragma once
+
+#include "guard.hpp"
+
+namespace dyn::capi {
+
+// Fails: where (function: argument) holds no value of the enumeration. The message lists those there are.
+dynStatus no_value(const char* type, const char* where, int value);
+
+template <class E>
+dynStatus check_value(const E& e, const char* where) {
+  return is_value(e) ? DYN_OK : no_value(Members<E>::type, where, raw(e));
+}
+
+// Writes an info into a caller's struct, which says its size.
+template <class S>
+dynStatus fill(S* out, S info, const char* function, const char* type) {
+  if (!out) return fail(DYN_ERROR_ARGUMENT, "%s: info is NULL", function);
+  if (out->struct_size < sizeof info)
+    return fail(DYN_ERROR_SIZE, "%s: struct_size is %u, needs %zu: set it to sizeof(%s)", function, out->struct_size, sizeof info, type);
+  info.struct_size = out->struct_size;
+  *out = info;
+  return DYN_OK;
+}
+
+}  // namespace dyn::capi
