@@ -126,15 +126,15 @@ def main():
     rows = [json.loads(line) for line in run([program, "--adversarial", args.adversarial, *([args.pair] if args.pair else [])], "collision_bench").splitlines()]
     times, errors, ratios = tables(rows)
     mean = math.exp(statistics.fmean(map(math.log, ratios))) if ratios else math.nan
-    text = (f"Nanoseconds of a distance query in batches of 1,000 poses, least of nine and more interleaved passes, beside Coal {coal_version} and MuJoCo "
-            f"{mujoco_version} (`mj_geomDistance`) with their default tolerances of 1e-6, on the same poses of shapes of about 1 m: apart, a gap of 1 mm, an "
-            f"overlap of 5 cm; {compare.cpu_name()}, {datetime.date.today()}. The ratio is to the faster of the two; above 0.8 it is bold "
-            f"({sum(r > 0.8 for r in ratios)} of {len(ratios)}). Geometric mean **{mean:.2f}**. libdyn's tolerance is 1e-10.\n\n{times}\n\n"
-            "Largest error on these poses relative to the size of the smaller shape (of MuJoCo's meshes it is that of their vertices, kept in single precision), "
-            "and wrong answers, off by more than 1e-3 of it, on adversarial ones: touching, nearly touching, aligned, coincident, sizes 10^3 to 10^6 apart, "
-            "1e-4 thin, 1 km away, deep. Truth: libdyn at 1e-15, its depths against brute force over all directions. libccd (MPR) knows depths alone, and not the least ones.\n\n"
-            + errors + "\n\nMicroseconds of a distance query of a triangle mesh, a ring, beside Coal's (`BVHModel<OBBRSS>`), at most 200 poses each: apart by 0.1 m and "
-            "more, near by up to 5 cm, overlapping by up to 5 cm, where Coal's answer is another quantity. MuJoCo is left out: it takes the hull.\n\n" + mesh_table(rows))
+    text = (f"Nanoseconds of a distance query, beside Coal {coal_version} and MuJoCo {mujoco_version} (`mj_geomDistance`). Batches have 1,000 poses. The least of nine and more "
+            "interleaved passes counts. Shapes of about 1 m are apart, have a gap of 1 mm, or overlap by 5 cm. The peers have their default tolerances of 1e-6, libdyn 1e-10. "
+            f"The machine is an {compare.cpu_name()}, the date {datetime.date.today()}. The ratio is to the faster of the two peers; above 0.8 it is bold "
+            f"({sum(r > 0.8 for r in ratios)} of {len(ratios)}). Geometric mean **{mean:.2f}**.\n\n{times}\n\n"
+            "`error` is the largest on these poses, relative to the size of the smaller shape. (MuJoCo keeps the vertices of meshes in single precision.) `wrong` counts results "
+            "off by more than 1e-3 of that size on adversarial poses: touching, nearly touching, aligned, coincident, sizes 10^3 to 10^6 apart, 1e-4 thin, 1 km away, deep. "
+            "The truth is libdyn at 1e-15, its depths checked by brute force over all directions. libccd (MPR) has depths alone, and not the least ones.\n\n"
+            + errors + "\n\nMicroseconds of a distance query of a triangle mesh, a ring, beside Coal's (`BVHModel<OBBRSS>`), at most 200 poses each. Poses are apart by 0.1 m and "
+            "more, near by up to 5 cm, or overlap by up to 5 cm. Coal computes another quantity for overlaps. MuJoCo is left out: it takes the hull.\n\n" + mesh_table(rows))
     if args.json:
         args.json.write_text(json.dumps(rows, indent=1) + "\n")
     if not args.pair:

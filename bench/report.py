@@ -93,12 +93,21 @@ def speed(args, tmp):
     head = report["programs"]["libdyn"]
     version = next(h["version"] for n, h in report["programs"].items() if n != "libdyn")
     above = sum(x > bar(row) for row, r in ratios.items() for x in r.values() if x)
-    text = (f"Time of libdyn ({head['compiler']}) through its C interface over that of the fastest of {len(builds)} builds of Pinocchio {version} "
-            f"({', '.join(sorted(builds))}), medians of {report['runs']} interleaved runs, {report['machine']}, {report['date']}. Below 1 libdyn is faster; "
-            f"sizes are nq/nv; empty where Pinocchio has no such algorithm for the model. The bar is 0.6, and 0.4 for FK and RNEA; figures above it are "
-            f"bold ({above} of {len(fastest)}). The geometric mean of all is **{every:.2f}**.\n\n![Ratios of times]({PLOT.relative_to(PROJECT)})\n\n"
+    text = (f"Time of libdyn ({head['compiler']}) through its C interface, over that of the fastest of {len(builds)} builds of Pinocchio {version}. The builds are "
+            f"{', '.join(sorted(builds))}. Figures are medians of {report['runs']} interleaved runs on an {report['machine']}, {report['date']}. Below 1 libdyn is faster. "
+            f"Sizes are nq/nv. A cell is empty where Pinocchio has no such algorithm for the model. The bar is 0.6, and 0.4 for FK and RNEA; figures above it are "
+            f"bold ({above} of {len(fastest)}). The geometric mean of all is **{every:.2f}**.\n\n![Ratios of times](../../{PLOT.relative_to(PROJECT)})\n\n"
             + compare.table(["algorithm"] + sizes, lines))
+    summary(version, len(builds), sizes[1:], [line[:1] + line[2:] for line in lines])
     return text, {"report": report, "mean": every}
+
+
+def summary(version, builds, sizes, lines):
+    """README's rows of the table, without the arm with mimic, of which Pinocchio has few algorithms."""
+    rows = [f"`{name}`" for name in ("rnea", "aba", "crba", "rnea_derivatives", "aba_derivatives")] + ["**geometric mean**"]
+    text = (f"Time of libdyn through its C interface over that of the fastest of {builds} builds of Pinocchio {version}. Below 1 libdyn is faster.\n\n"
+            + compare.table(["algorithm"] + sizes, [line for line in lines if line[0] in rows]))
+    pages.write("summary", f"{text}\n\n```\n{COMMAND}\n```")
 
 
 def dyn_bench(args, urdf, base, *more):
@@ -118,9 +127,9 @@ def instructions(args, tmp):
         figures[m.name] = {name: {"ns": ns[name], "instructions": count[name], "flops": flops[name]} for name in COUNTED}
         lines += [[NAMES[m.name] if name == COUNTED[0] else "", f"`{name}`", number(ns[name]), number(count[name]), number(flops[name]),
                    number(flops[name] / counted["nv"]), f"{count[name] / flops[name]:.2f}", f"{flops[name] / ns[name]:.1f}"] for name in COUNTED]
-    text = (f"Instructions of a call, one by one ({counted['compiler']}: the build that is timed; valgrind, which would count the same, does not know all of its "
-            "instructions), beside the multiplications and additions of the textbook recursion, which `bench/flops.py` counts by running it on "
-            "each robot and comparing the result with Pinocchio's. One four-lane instruction can do eight of them.\n\n"
+    text = (f"Instructions of a call, counted one by one in the timed build ({counted['compiler']}). valgrind would count the same, but does not know all of its "
+            "instructions. Operations are the multiplications and additions of the textbook recursion. `bench/flops.py` counts them by running it on each robot, and "
+            "compares the result with Pinocchio's. One four-lane instruction can do eight operations.\n\n"
             + compare.table(["robot", "algorithm", "ns", "instructions", "operations", "per degree of freedom", "instructions per operation", "operations per ns"], lines))
     return text, figures
 
@@ -150,8 +159,8 @@ def cost_per_joint(args, tmp):
             f = figures.setdefault(r["name"], {"bytes": r["bytes"], "ns": {}})
             f["ns"][n] = rows[r["name"]] / n, r["ns"] / n
     body = [[f"`{name}`", number(f["bytes"])] + [f"{ns[0]:.1f} ({ns[1]:.1f})" for ns in f["ns"].values()] for name, f in figures.items()]
-    text = ("Nanoseconds a joint, in a chain; in brackets what it takes to read and write once the bytes that the recursion keeps for each joint, without computing "
-            "(`dyn_stream`). The work is the same for every joint; where the bytes of all no longer fit into the core's own cache (2 MB here), moving them is what takes the time.\n\n"
+    text = ("Nanoseconds a joint, in a chain. In brackets is the time of reading and writing once the bytes that the recursion keeps for each joint, without computing "
+            "(`dyn_stream`). The work is the same for every joint. When all bytes no longer fit into the core's own cache (2 MB here), moving them takes the time.\n\n"
             + compare.table(["recursion", "bytes a joint"] + [f"{n:,} joints" for n in LENGTHS], body))
     return text, figures
 
@@ -166,9 +175,8 @@ def scaling(args, tmp):
         rnea, ns = (next(x["ns_median"] for x in r["rows"] if x["name"] == row) for row in ("rnea", "rnea_derivatives"))
         figures[name] = {"n": r["nv"], "pairs": pairs, "rnea": rnea, "rnea_derivatives": ns}
         lines.append([name, number(r["nv"]), number(pairs), number(rnea / 1e3), number(ns / 1e3), f"{rnea / r['nv']:.1f}", f"{ns / pairs:.2f}", f"{ns / r['nv'] ** 2:.2f}"])
-    text = (chains + "\n\nDerivatives of RNEA (three matrices) grow with n times the mean depth, not with n²: nanoseconds over the sum of depths, which is the number of pairs of "
-            "joints of which one supports the other. `tests/algorithm/scaling_test.cpp` says the same of operations, without a clock. At 1,000 joints in a chain writing "
-            "24 MB is what takes the time.\n\n"
+    text = (chains + "\n\nDerivatives of RNEA (three matrices) grow with n times the mean depth, not with n². n times the mean depth is the number of pairs of joints in which one "
+            "supports the other. `tests/algorithm/scaling_test.cpp` counts operations instead, without a clock. In a chain of 1,000 joints writing 24 MB takes the time.\n\n"
             + compare.table(["robot", "n", "n times mean depth", "RNEA, µs", "its derivatives, µs", "RNEA, ns / n", "derivatives, ns / (n depth)", "derivatives, ns / n²"], lines))
     return text, figures
 
@@ -182,7 +190,7 @@ def python(args, tmp):
             ["a batch: `batch.rnea(q, v, a)`, any number of states", span("batch") + " µs"],
             ["a batch of 1,000 states, one thread", span("share", 2) + " %"]]
     gains = [["a batch on two threads is faster", f"1,000 states: {span('gain', 2)} times; 10,000 states: {span('gain_large', 2)} times"]]
-    text = "Least of many runs over RNEA, ABA, CRBA and the centre of mass's Jacobian, on arm, quadruped and humanoid.\n\n" + compare.table(["call", "Python adds"], body + gains)
+    text = "The least of many runs counts. Calls are RNEA, ABA, CRBA and the centre of mass's Jacobian, on arm, quadruped and humanoid.\n\n" + compare.table(["call", "Python adds"], body + gains)
     return text, rows
 
 

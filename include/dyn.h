@@ -2010,9 +2010,9 @@ DYN_API dynStatus dyn_mesh_hull(const dynMesh* mesh, dynMesh** hull);
 
 /* ------------------------------------------------------------------------------------------------ batches */
 
-/* One algorithm over n states with several threads. Row k of an output equals, bit for bit, what the function
-   of the same name gives on new data for row k of the inputs, with any number of threads. Arrays are
-   contiguous, state after state: row k of q begins at q + k nq, row k of a matrix 6 x nv at M + k 6 nv
+/* One algorithm over n states with several threads. Row k of an output is the result of the function of the
+   same name, on new data, for row k of the inputs. It is the same bits with any number of threads. Arrays are
+   contiguous, state after state. Row k of q begins at q + k nq, and row k of a 6 x nv matrix at M + k 6 nv
    (column-major as everywhere).
      Threads   dyn_batch_new starts them; they sleep between calls. dyn_batch_run wakes them once a call (a
                futex) and works itself. Nothing allocates, locks or makes a system call for each state. A
@@ -2213,8 +2213,8 @@ DYN_API dynStatus dyn_enum_value_info(int index, int k, dynEnumValueInfo* info);
      callbacks   name, returns, parameters, doc
      structs     name, doc, fields
      functions   name, returns, parameters, section, doc
-   Fields and parameters are {name, type, length, doc}. type is the C type, as "const double*". length, a list,
-   is there for arrays alone. A pointer to a function has returns and parameters instead of type. */
+   Fields and parameters are {name, type, length, doc}. type is the C type, as "const double*". length, a
+   list, is there for arrays alone. A pointer to a function has returns and parameters instead of type. */
 DYN_API const char* dyn_interface_json(void);
 
 #ifdef __cplusplus
