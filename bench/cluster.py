@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What Ray adds to rollouts, by the size of a task: the constants of the model in capi/pages/cluster.md.
+"""What Ray adds to rollouts, by the size of a task: the constants of the model in capi/pages/measured_cluster.md.
 
     python bench/cluster.py [--workers 2] [--passes 5]
 

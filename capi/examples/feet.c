@@ -1,4 +1,4 @@
-/* A quadruped in C: what it is, where its feet are, and their Jacobians. quadruped.cpp goes on from there.
+/* A quadruped in C: its sizes, the places of its feet, and their Jacobians. quadruped.cpp continues from here.
  *   feet ROBOT.urdf */
 #include <dyn.h>
 #include <math.h>
@@ -14,7 +14,7 @@ static void check(dynStatus status) {
 }
 static void claim(int holds, const char* what) {
   if (holds) return;
-  fprintf(stderr, "this should hold, and does not: %s\n", what);
+  fprintf(stderr, "this does not hold: %s\n", what);
   exit(1);
 }
 
@@ -24,7 +24,10 @@ int main(int argc, char** argv) {
   dynModel* m = NULL;
   dynData* d = NULL;
   double q[nq], v[nv];
-  if (argc != 2) return fprintf(stderr, "usage: %s ROBOT.urdf\n", argv[0]), 2;
+  if (argc != 2) {
+    fprintf(stderr, "usage: %s ROBOT.urdf\n", argv[0]);
+    return 2;
+  }
   dyn_load_options_init(&options);
   claim(dyn_model_load(argv[1], &options, &m) == DYN_ERROR_BASE, "a base is never guessed");
   options.base = DYN_BASE_FLOATING;
@@ -34,12 +37,15 @@ int main(int argc, char** argv) {
 
   check(dyn_data_new(m, DYN_PART_JACOBIANS, &d));
   check(dyn_configuration_neutral(m, q));
-  for (int leg = 0; leg < 4; ++leg) q[7 + 3 * leg + 1] = 0.8, q[7 + 3 * leg + 2] = -1.6;
+  for (int leg = 0; leg < 4; ++leg) {
+    q[7 + 3 * leg + 1] = 0.8;  /* thigh */
+    q[7 + 3 * leg + 2] = -1.6; /* calf */
+  }
   for (int k = 0; k < nv; ++k) v[k] = 0.1 * (k + 1);
   check(dyn_forward_kinematics(m, d, q, v, NULL));
   for (int foot = 0; foot < 4; ++foot) {
     const int id = dyn_model_frame_id(m, feet[foot]);
-    double X[12], J[6 * nv], twist[6]; /* columns one after another */
+    double X[12], J[6 * nv], twist[6]; /* column-major */
     check(dyn_frame_placement(m, d, id, X));
     check(dyn_frame_jacobian(m, d, id, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, J));
     check(dyn_frame_velocity(m, d, id, DYN_REFERENCE_LOCAL_WORLD_ALIGNED, twist));
@@ -50,6 +56,7 @@ int main(int argc, char** argv) {
     }
     printf("%s at %.3f %.3f %.3f m\n", feet[foot], X[9], X[10], X[11]);
   }
-  dyn_data_free(d), dyn_model_free(m);
+  dyn_data_free(d);
+  dyn_model_free(m);
   return 0;
 }

@@ -1,4 +1,4 @@
-// A quadruped in four stages: what it is, where its feet are, what holds it up, and two threads that share it. Under ThreadSanitizer in tools/test --tsan.
+// A quadruped in four stages: sizes, feet, forces, and two threads that share the model. tools/test --tsan runs it under ThreadSanitizer.
 //   quadruped ROBOT.urdf
 // capi/python/examples/quadruped_project.py is the same in Python.
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 
 void claim(bool holds, const char* what) {
   if (holds) return;
-  std::fprintf(stderr, "this should hold, and does not: %s\n", what);
+  std::fprintf(stderr, "this does not hold: %s\n", what);
   std::exit(1);
 }
 double largest_difference(const double* a, const double* b, std::size_t n) {
@@ -21,7 +21,7 @@ double largest_difference(const double* a, const double* b, std::size_t n) {
   return out;
 }
 
-// Stage 1. A robot: what it is, shared by all who ask, and what it is doing, of each one's own.
+// Stage 1. A robot: its model, which threads share, and its data, one for each thread.
 struct RobotModel {
   dyn::Model model;
   dyn::Data data;
@@ -32,12 +32,15 @@ struct RobotModel {
   }
   dyn::Vector standing() const {
     dyn::Vector q = model.neutral();
-    for (std::size_t leg = 0; leg < 4; ++leg) q[7 + 3 * leg + 1] = 0.8, q[7 + 3 * leg + 2] = -1.6;
+    for (std::size_t leg = 0; leg < 4; ++leg) {
+      q[7 + 3 * leg + 1] = 0.8;   // thigh
+      q[7 + 3 * leg + 2] = -1.6;  // calf
+    }
     return q;
   }
 };
 
-void what_it_is(const RobotModel& robot, const std::string& file) {
+void print_sizes(const RobotModel& robot, const std::string& file) {
   const dyn::Model& m = robot.model;
   claim(m.nq() == 19 && m.nv() == 18 && m.njoints() == 14, "position and quaternion, twelve angles; the universe is joint 0");
   bool refused = false;
@@ -50,8 +53,8 @@ void what_it_is(const RobotModel& robot, const std::string& file) {
   std::printf("1. %s: nq %d, nv %d, %d joints, %d frames, %.4g kg\n", m.name().c_str(), m.nq(), m.nv(), m.njoints(), m.nframes(), m.total_mass());
 }
 
-// Stage 2. Positions and 6 x 18 Jacobians, J v = twist.
-void where_the_feet_are(RobotModel& robot, const dyn::Vector& q, const dyn::Vector& v) {
+// Stage 2. Positions and 6 x 18 Jacobians: J v is the twist.
+void print_feet(RobotModel& robot, const dyn::Vector& q, const dyn::Vector& v) {
   robot.data.forward_kinematics(q, v);
   std::printf("2. feet at");
   for (const int foot : robot.feet) {
@@ -67,19 +70,20 @@ void where_the_feet_are(RobotModel& robot, const dyn::Vector& q, const dyn::Vect
   std::printf("\n");
 }
 
-// Stage 3. Gravity, inverse dynamics, and back.
-void what_holds_it(RobotModel& robot, const dyn::Vector& q, const dyn::Vector& v, const dyn::Vector& a) {
+// Stage 3. Gravity, inverse dynamics, and forward dynamics.
+void check_dynamics(RobotModel& robot, const dyn::Vector& q, const dyn::Vector& v, const dyn::Vector& a) {
   const std::size_t n = v.size();
   const dyn::Vector zero(n), tau = robot.data.rnea(q, zero, zero).copy(), g = robot.data.gravity(q).copy();
   claim(tau == g, "at rest inverse dynamics is gravity, bit for bit");
-  claim(std::abs(std::hypot(g[0], g[1], g[2]) - 9.81 * robot.model.total_mass()) < 1e-11, "what the base lacks is the robot's weight");
-  const dyn::Vector wanted = robot.data.rnea(q, v, a).copy(), found = robot.data.aba(q, v, wanted).copy();
+  claim(std::abs(std::hypot(g[0], g[1], g[2]) - 9.81 * robot.model.total_mass()) < 1e-11, "the base's row of g is the robot's weight");
+  const dyn::Vector moving = robot.data.rnea(q, v, a).copy();
+  const dyn::Vector found = robot.data.aba(q, v, moving).copy();
   claim(largest_difference(found.data(), a.data(), n) < 1e-10, "forward dynamics undoes inverse dynamics");
   std::printf("3. its weight is %.5g N; forward dynamics undoes inverse dynamics within %.1g\n", 9.81 * robot.model.total_mass(),
               largest_difference(found.data(), a.data(), n));
 }
 
-// Stage 4. A controller and a planner in threads of their own: the model is shared, the data is not.
+// Stage 4. A controller and a planner, each in a thread: they share the model, and have a data each.
 void two_threads(const RobotModel& robot, const dyn::Vector& q, const dyn::Vector& v, const dyn::Vector& a) {
   const int states = 300;
   const auto at = [&](int k) {
@@ -100,9 +104,11 @@ void two_threads(const RobotModel& robot, const dyn::Vector& q, const dyn::Vecto
     }
   };
   dyn::Vector control_alone, plan_alone, control_beside, plan_beside;
-  control(control_alone), plan(plan_alone);
+  control(control_alone);
+  plan(plan_alone);
   std::thread controller(control, std::ref(control_beside)), planner(plan, std::ref(plan_beside));
-  controller.join(), planner.join();
+  controller.join();
+  planner.join();
   claim(control_alone == control_beside && plan_alone == plan_beside, "the same bits in any number of threads");
   std::printf("4. two threads with a data each computed %d states and got the same bits as one alone\n", 2 * states);
 }
@@ -110,17 +116,24 @@ void two_threads(const RobotModel& robot, const dyn::Vector& q, const dyn::Vecto
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return std::fprintf(stderr, "usage: quadruped ROBOT.urdf\n"), 2;
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: quadruped ROBOT.urdf\n");
+    return 2;
+  }
   try {
     RobotModel robot(argv[1]);
     const dyn::Vector q = robot.standing();
     dyn::Vector v(18), a(18);
-    for (std::size_t k = 0; k < 18; ++k) v[k] = std::sin(1.0 + double(k)), a[k] = std::cos(2.0 * double(k));
-    what_it_is(robot, argv[1]);
-    where_the_feet_are(robot, q, v);
-    what_holds_it(robot, q, v, a);
+    for (std::size_t k = 0; k < 18; ++k) {
+      v[k] = std::sin(1.0 + double(k));
+      a[k] = std::cos(2.0 * double(k));
+    }
+    print_sizes(robot, argv[1]);
+    print_feet(robot, q, v);
+    check_dynamics(robot, q, v, a);
     two_threads(robot, q, v, a);
   } catch (const dyn::Error& error) {
-    return std::fprintf(stderr, "%s: %s\n", error.status_name(), error.what()), 1;
+    std::fprintf(stderr, "%s: %s\n", error.status_name(), error.what());
+    return 1;
   }
 }

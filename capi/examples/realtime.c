@@ -1,5 +1,5 @@
-/* A control loop of 1 kHz on absolute deadlines: gravity compensation and a spring to the rest posture, computed with one model and applied to a
- * simulated robot. Reports how late the loop woke, how long its work took, and how many deadlines it missed.
+/* A control loop of 1 kHz on absolute deadlines: gravity compensation and a spring to the rest posture, applied to a simulated robot.
+ * It reports how late the loop woke, how long its work took, and how many deadlines it missed.
  *   realtime robot.urdf [SECONDS]
  * As root, or with the right to real-time priority, it runs above everything else (SCHED_FIFO). */
 #define _GNU_SOURCE
@@ -10,7 +10,7 @@
 #include <sys/mman.h>
 #include <time.h>
 
-enum { period = 1000000, most_joints = 64 }; /* ns */
+enum { period = 1000000, max_joints = 64 }; /* ns */
 
 static void check(dynStatus status) {
   if (status == DYN_OK) return;
@@ -32,36 +32,49 @@ int main(int argc, char** argv) {
   dynModel* model = NULL;
   dynData *controller = NULL, *robot = NULL;
   dynArray q, v;
-  double home[most_joints + 1], tau[most_joints];
+  double home[max_joints + 1], tau[max_joints];
   const int cycles = argc > 2 ? (int)(atof(argv[2]) * 1e9 / period) : 1000;
   int64_t *late = NULL, *work = NULL;
   int k, i, nv, misses = 0;
   struct sched_param priority = {80};
   struct timespec next, woke, done;
-  if (argc < 2 || cycles < 1) return fprintf(stderr, "usage: realtime robot.urdf [SECONDS]\n"), 2;
+  if (argc < 2 || cycles < 1) {
+    fprintf(stderr, "usage: realtime robot.urdf [SECONDS]\n");
+    return 2;
+  }
 
   dyn_load_options_init(&options);
   options.base = DYN_BASE_FIXED;
   check(dyn_model_load(argv[1], &options, &model));
   nv = dyn_model_nv(model);
-  if (nv > most_joints || dyn_model_nq(model) != nv) return fprintf(stderr, "the robot is not an arm of at most %d joints\n", most_joints), 1;
+  if (nv > max_joints || dyn_model_nq(model) != nv) {
+    fprintf(stderr, "the robot is not an arm of at most %d joints\n", max_joints);
+    return 1;
+  }
   check(dyn_data_new(model, DYN_PART_INVERSE, &controller));
   check(dyn_data_new(model, DYN_PART_SIMULATION, &robot));
   check(dyn_configuration_neutral(model, home));
-  late = calloc((size_t)cycles, sizeof *late), work = calloc((size_t)cycles, sizeof *work);
+  late = calloc((size_t)cycles, sizeof *late);
+  work = calloc((size_t)cycles, sizeof *work);
   if (!late || !work) return 1;
   q.struct_size = v.struct_size = sizeof q;
-  check(dyn_data_array(model, robot, dyn_field_id("q"), &q)), check(dyn_data_array(model, robot, dyn_field_id("v"), &v)); /* views that stay */
+  /* views, made once: they follow the data */
+  check(dyn_data_array(model, robot, dyn_field_id("q"), &q));
+  check(dyn_data_array(model, robot, dyn_field_id("v"), &v));
 
-  /* before the loop: nothing of it may wait for memory */
+  /* no call in the loop may wait for memory */
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) perror("mlockall");
   if (sched_setscheduler(0, SCHED_FIFO, &priority) != 0) perror("sched_setscheduler");
-  check(dyn_data_warm_up(model, controller)), check(dyn_data_warm_up(model, robot));
+  check(dyn_data_warm_up(model, controller));
+  check(dyn_data_warm_up(model, robot));
 
   clock_gettime(CLOCK_MONOTONIC, &next);
   for (k = 0; k < cycles; ++k) {
     next.tv_nsec += period;
-    if (next.tv_nsec >= 1000000000) next.tv_nsec -= 1000000000, ++next.tv_sec;
+    if (next.tv_nsec >= 1000000000) {
+      next.tv_nsec -= 1000000000;
+      ++next.tv_sec;
+    }
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &next, NULL) != 0) continue;
     clock_gettime(CLOCK_MONOTONIC, &woke);
 
@@ -71,11 +84,17 @@ int main(int argc, char** argv) {
     check(dyn_step(model, robot));
 
     clock_gettime(CLOCK_MONOTONIC, &done);
-    late[k] = since(&next, &woke), work[k] = since(&woke, &done);
+    late[k] = since(&next, &woke);
+    work[k] = since(&woke, &done);
     misses += since(&next, &done) > period;
   }
-  show("woke late ", late, cycles), show("work      ", work, cycles);
+  show("woke late ", late, cycles);
+  show("work      ", work, cycles);
   printf("%d cycles of %.1f ms, %d deadlines missed\n", cycles, period * 1e-6, misses);
-  dyn_data_free(controller), dyn_data_free(robot), dyn_model_free(model), free(late), free(work);
+  dyn_data_free(controller);
+  dyn_data_free(robot);
+  dyn_model_free(model);
+  free(late);
+  free(work);
   return 0;
 }

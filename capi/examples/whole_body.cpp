@@ -1,10 +1,10 @@
-// A whole-body controller: a quadruped stands on the ground, sways as it is told to, and is pushed.
+// A whole-body controller: a quadruped stands on the ground, sways, and is pushed.
 //   whole_body ROBOT.urdf [SECONDS]
-// M a + h = S' tau + sum J_k' f_k. For the acceleration a that takes the trunk where it should be, the six rows of the base hold no motor:
-// J_b' f = (M a + h)_b = w must come from the feet, each f_k in its friction cone. Of all forces that do it the least ones are wanted,
+// The equation of motion is M a + h = S' tau + sum J_k' f_k. The acceleration a takes the trunk to its target. The six rows of the base have no motor:
+// the feet must give J_b' f = (M a + h)_b = w, each f_k in its friction cone. The least such forces are
 //     min |J_b' f - w|^2 / 2 + epsilon |f|^2 / 2   over the cones,
-// which is a contact problem with G = J_b J_b' + epsilon 1, g = -J_b w (as in capi/python/examples/standing.py). tau is what is left of the other rows.
-// The simulator knows nothing of it but the torques.
+// a contact problem with G = J_b J_b' + epsilon 1, g = -J_b w (as in capi/python/examples/standing.py). The other rows give tau.
+// The simulator gets the torques alone.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,10 +16,10 @@ namespace {
 
 constexpr double stiffness = 120, damping = 22;  // 1/s^2, 1/s, of the trunk
 constexpr double friction = 0.6, epsilon = 1e-3;
-constexpr double weights[6] = {1, 1, 1, 10, 10, 10};  // it may be moved, but should not turn over
+constexpr double weights[6] = {1, 1, 1, 10, 10, 10};  // turning costs more than moving
 constexpr int feet_count = 4, forces = 3 * feet_count, base = 6;
 
-// Where the trunk should be, and how it should move there: up and down alone.
+// The trunk's target, which moves up and down.
 struct Target {
   dyn::Vector q;
   double velocity, acceleration;  // m/s, m/s^2, along z
@@ -60,9 +60,13 @@ struct Controller {
     }
     std::fill(mu, mu + feet_count, friction);
     dynContactProblem problem = dyn::contact_problem();
-    problem.contacts = feet_count, problem.G = G, problem.g = g, problem.friction = mu;
+    problem.contacts = feet_count;
+    problem.G = G;
+    problem.g = g;
+    problem.friction = mu;
     dynContactOptions options = dyn::contact_options();
-    options.tolerance = 1e-7, options.warm_start = 1;
+    options.tolerance = 1e-7;
+    options.warm_start = 1;
     solver.solve(problem, lambda.data(), nullptr, &options);
     dyn::Vector tau(v.size());
     for (int c = base; c < nv; ++c) {
@@ -76,7 +80,7 @@ struct Controller {
   double& at(int row, int column) { return J[std::size_t(row + forces * column)]; }
 };
 
-// q, as low as its shapes allow.
+// Lowers q until a shape touches the ground.
 void put_down(dyn::Data& data, dyn::Vector& q) {
   const dyn::Vector distances = data.distances(q);
   const int ground = data.model().nshapes() - 1;
@@ -94,7 +98,10 @@ int run(const char* file, double seconds) {
   dyn::Data robot(model);
   Controller controller(model);
   dyn::Vector home = model.neutral();
-  for (std::size_t leg = 0; leg < feet_count; ++leg) home[7 + 3 * leg + 1] = 0.8, home[7 + 3 * leg + 2] = -1.6;
+  for (std::size_t leg = 0; leg < feet_count; ++leg) {
+    home[7 + 3 * leg + 1] = 0.8;   // thigh
+    home[7 + 3 * leg + 2] = -1.6;  // calf
+  }
   put_down(robot, home);
 
   const double dt = 1e-3;
@@ -126,23 +133,27 @@ int run(const char* file, double seconds) {
   }
   double up = 0;
   for (const dynContactForce& c : robot.step_contacts()) up += c.contact.shape_b == model.nshapes() - 1 ? -c.force_on_b[2] : c.force_on_b[2];
-  const double expected = model.total_mass() * (9.81 - amplitude * w * w * std::cos(w * steps * dt));  // it is at the top, and sinks again
+  const double expected = model.total_mass() * (9.81 - amplitude * w * w * std::cos(w * steps * dt));  // at the top it begins to sink
   std::printf("%g s, up and down by %g mm: the trunk follows within %.3g mm\n", seconds, 2e3 * amplitude, 1e3 * away);
   std::printf("pushed with 60 N for 0.2 s it is moved by %.3g mm, and is back within %.3g mm\n", 1e3 * pushed_away, 1e3 * off_at_end);
   std::printf("the ground carries %.5g N at the end; mass times (g + acceleration) is %.5g N\n", up, expected);
   std::printf("the controller takes %.3g us of its 2000\n", 1e6 * thinking / ((steps + 1) / 2));
   const bool stands = away < 0.002 && pushed_away < 0.1 && off_at_end < 0.002 && std::abs(up / expected - 1) < 0.01;
-  if (!stands) std::fprintf(stderr, "it does not stand as it should\n");
+  if (!stands) std::fprintf(stderr, "the robot does not stand within the bounds\n");
   return stands ? 0 : 1;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) return std::fprintf(stderr, "usage: whole_body ROBOT.urdf [SECONDS]\n"), 2;
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: whole_body ROBOT.urdf [SECONDS]\n");
+    return 2;
+  }
   try {
     return run(argv[1], argc > 2 ? std::atof(argv[2]) : 4);
   } catch (const dyn::Error& error) {
-    return std::fprintf(stderr, "%s: %s\n", error.status_name(), error.what()), 1;
+    std::fprintf(stderr, "%s: %s\n", error.status_name(), error.what());
+    return 1;
   }
 }

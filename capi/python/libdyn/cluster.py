@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .batch import Batch
     from .model import Model
 
-STEPS_OF_A_TASK = 20_000  # a task costs a worker about 5 ms beside its steps: see capi/pages/cluster.md
+STEPS_OF_A_TASK = 20_000  # a task costs a worker about 5 ms beside its steps: see capi/pages/measured_cluster.md
 _PER_SIMULATION = {"q0": 2, "v0": 2, "control": 3, "tau": 3}  # dimensions with a row for each
 
 _made: tuple[Any, Any, Batch] | None = None  # in a worker: the last model's bytes, effects and batch
