@@ -179,7 +179,7 @@ typedef struct dynLoadOptions {
   int32_t cos_sin; /* non-zero: continuous joints store (cos, sin): DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED */
   const char* const* package_dirs; /* package://NAME/... is DIR/NAME/... or DIR/...; may be NULL */
   size_t package_dirs_count;
-  double gravity[3]; /* m/s^2, world axes. Default (0, 0, -9.81), which leaves an MJCF file its own. */
+  double gravity[3]; /* m/s^2, world axes; default (0, 0, -9.81). An MJCF file's own counts unless changed. */
   const char* srdf;                /* path of an SRDF for this robot; NULL: none */
   /* HULL and TRIANGLES need libdyn_mesh.so. A mesh that cannot be read is then an error. */
   dynMeshUse meshes;
@@ -231,7 +231,9 @@ typedef struct dynReportEntry {
   int32_t line;        /* 1-based; 0 when no line applies */
   const char* message; /* lives as long as the model */
 } dynReportEntry;
+/* Returns the number of entries of the load report. */
 DYN_API int dyn_model_report_count(const dynModel* model);
+/* Writes an entry of the load report. */
 DYN_API dynStatus dyn_model_report_entry(const dynModel* model, int index, dynReportEntry* entry);
 
 /* ------------------------------------------------------------------------------------------------- saving */
@@ -273,6 +275,8 @@ enum {
   /* No names and no load report: ids are as before, all names are ""; for use in place alone. */
   DYN_IMAGE_NAMELESS = 2
 };
+/* Writes the image into `capacity` bytes of buffer (NULL with 0: none). flags: bits of DYN_IMAGE_. *size is
+   the size needed. Returns DYN_ERROR_SIZE when the buffer is too small. */
 DYN_API dynStatus dyn_model_image(const dynModel* model, uint32_t flags, void* buffer, size_t capacity,
                                   size_t* size);
 /* Opens the model in a buffer (flash, a mapped file, shared memory) in place: no copy, no allocation. The
@@ -296,10 +300,12 @@ DYN_API size_t dyn_model_size(const dynModel* model);
 DYN_API const char* dyn_model_name(const dynModel* model); /* NULL for an invalid handle */
 DYN_API const char* dyn_model_joint_name(const dynModel* model, int joint); /* NULL when out of range */
 DYN_API const char* dyn_model_frame_name(const dynModel* model, int frame);
+/* Returns the id of a joint by name, or -1. */
 DYN_API int dyn_model_joint_id(const dynModel* model, const char* name);
 /* Several frames may share a name (a link and a joint). Joints and user frames are found before links; use
    dyn_model_frame_id_of_type to choose. */
 DYN_API int dyn_model_frame_id(const dynModel* model, const char* name);
+/* Returns the id of a frame by name and type, or -1. */
 DYN_API int dyn_model_frame_id_of_type(const dynModel* model, const char* name, dynFrameType type);
 
 typedef struct dynJointInfo {
@@ -315,6 +321,7 @@ typedef struct dynJointInfo {
   double pitch;                     /* helical: metres per radian */
   double placement[12]; /* joint frame in the parent joint's frame, at the neutral configuration */
 } dynJointInfo;
+/* Describes a joint. */
 DYN_API dynStatus dyn_model_joint_info(const dynModel* model, int joint, dynJointInfo* info);
 
 typedef struct dynFrameInfo {
@@ -327,6 +334,7 @@ typedef struct dynFrameInfo {
   double com[3];        /* m, in the frame */
   double inertia[9];    /* kg m^2, about the centre of mass, frame axes */
 } dynFrameInfo;
+/* Describes a frame. */
 DYN_API dynStatus dyn_model_frame_info(const dynModel* model, int frame, dynFrameInfo* info);
 
 /* Kind of a shape. */
@@ -375,7 +383,9 @@ typedef struct dynShapeInfo {
   uint32_t contype, conaffinity; /* bits: own groups, and groups to collide with; see DYN_PAIR_REASON_MASK */
   dynMaterial material;
 } dynShapeInfo;
+/* Returns the number of shapes, or -1 for an invalid handle. */
 DYN_API int dyn_model_nshapes(const dynModel* model);
+/* Describes a shape. */
 DYN_API dynStatus dyn_model_shape_info(const dynModel* model, int shape, dynShapeInfo* info);
 /* Colour for pictures: red, green, blue, opacity, 0 to 1, of 8 bits each. It comes from <material> of a URDF,
    or from rgba of an MJCF (or of its material). All are -1 when the file gives none. */
@@ -388,6 +398,7 @@ DYN_API dynStatus dyn_model_shape_mesh(const dynModel* model, int shape, dynMesh
    <disable_default_collisions> as in MoveIt. frame1 and frame2 are BODY frames. reason is the file's, or "".
    Any output may be NULL. */
 DYN_API int dyn_model_ndisabled_pairs(const dynModel* model);
+/* Writes a disabled pair. */
 DYN_API dynStatus dyn_model_disabled_pair(const dynModel* model, int pair, int* frame1, int* frame2,
                                           const char** reason);
 
@@ -413,7 +424,9 @@ DYN_API double dyn_model_total_mass(const dynModel* model);
 /* Named configurations. Index 0 is always "neutral". Each <group_state> of an SRDF is one, named
    "group/state" when several groups have a state of that name. Joints that the state omits are neutral. */
 DYN_API int dyn_model_nconfigurations(const dynModel* model);
+/* Returns the name of a configuration, or NULL when out of range. */
 DYN_API const char* dyn_model_configuration_name(const dynModel* model, int index);
+/* Writes a configuration by name: q, nq. */
 DYN_API dynStatus dyn_model_configuration(const dynModel* model, const char* name, double* q);
 
 /* Writes the first index in q (and v) of each named joint, in the order of names. Fails on unknown or
@@ -452,8 +465,10 @@ typedef struct dynJointSpec {
 } dynJointSpec;
 DYN_API void dyn_joint_spec_init(dynJointSpec* spec);
 
+/* Makes an empty builder. Its gravity is (0, 0, -9.81) m/s^2. */
 DYN_API dynStatus dyn_builder_new(const char* model_name, dynBuilder** builder);
 DYN_API void dyn_builder_free(dynBuilder* builder); /* NULL is allowed */
+/* Sets gravity, m/s^2, world axes. */
 DYN_API dynStatus dyn_builder_set_gravity(dynBuilder* builder, const double gravity[3]);
 /* Adds a joint after its parent. A fixed joint becomes a frame. The finished model numbers joints depth
    first. */
@@ -464,6 +479,8 @@ DYN_API dynStatus dyn_builder_add_joint(dynBuilder* builder, const dynJointSpec*
 DYN_API dynStatus dyn_builder_add_body(dynBuilder* builder, const char* name, const char* parent,
                                        const double* placement, double mass, const double com[3],
                                        const double inertia[9]);
+/* Adds a frame of type OP_FRAME or SENSOR. placement (12, NULL: identity) is in the frame or joint named
+   parent. */
 DYN_API dynStatus dyn_builder_add_frame(dynBuilder* builder, const char* name, const char* parent,
                                         const double* placement, dynFrameType type);
 /* Holds a share of a link's weight from outside, at its centre of mass. 1 makes the link weightless in steps.
@@ -495,6 +512,7 @@ typedef struct dynShapeSpec {
   dynMaterial material;
 } dynShapeSpec;
 DYN_API void dyn_shape_spec_init(dynShapeSpec* spec);
+/* Adds a shape to a link. */
 DYN_API dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* spec);
 /* Sets the colour of the last added shape, 0 to 1 each, for pictures alone. Returns DYN_ERROR_INVALID when
    there is no shape. */
@@ -633,7 +651,9 @@ typedef struct dynEffectInfo {
   int32_t acting;
   uint64_t bytes;  /* memory in the data that only this effect needs */
 } dynEffectInfo;
+/* Returns the number of effects that dyn_data_effect_info describes. */
 DYN_API int dyn_effect_count(void);
+/* Describes an effect of steps of this data. */
 DYN_API dynStatus dyn_data_effect_info(const dynModel* model, dynData* data, int effect, dynEffectInfo* info);
 /* Sets gravity in this data (m/s^2, world axes). New data has the model's. All results are stale afterwards.
    The field "world_gravity" reads it. */
@@ -652,7 +672,9 @@ typedef struct dynFieldInfo {
   dynParts part;
   int32_t reserved;
 } dynFieldInfo;
+/* Returns the number of fields. */
 DYN_API int dyn_field_count(void);
+/* Describes a field. */
 DYN_API dynStatus dyn_field_info(dynField field, dynFieldInfo* info);
 DYN_API dynField dyn_field_id(const char* name); /* -1: unknown */
 /* Returns a view of a field, without a copy. The view stays valid, and follows the data, until the data is
@@ -933,12 +955,14 @@ DYN_API dynStatus dyn_interpolate(const dynModel* model, const double* q0, const
 /* Norm of dyn_difference. */
 DYN_API dynStatus dyn_configuration_distance(const dynModel* model, const double* q0, const double* q1,
                                              double* distance);
+/* The neutral configuration: zeros, and the identity for quaternions. */
 DYN_API dynStatus dyn_configuration_neutral(const dynModel* model, double* q);
-/* A random q between lower and upper (nq each; NULL: the limits of the model). An infinite range becomes [-1,
-   1], and [-pi, pi] for angles. Orientations are uniform on the sphere. The same seed gives the same q,
-   always finite. */
+/* A random q, uniform between lower and upper (nq each; NULL: the limits of the model). An infinite range
+   becomes [-1, 1], and [-pi, pi] for angles. Orientations are uniform on the sphere. The same seed gives the
+   same q, always finite. */
 DYN_API dynStatus dyn_configuration_random(const dynModel* model, uint64_t seed, const double* lower,
                                            const double* upper, double* q);
+/* Normalises the quaternions and (cos, sin) pairs of q, in place. */
 DYN_API dynStatus dyn_configuration_normalize(const dynModel* model, double* q);
 /* *normalized = 1 when every quaternion and (cos, sin) has norm 1 within tolerance. */
 DYN_API dynStatus dyn_configuration_is_normalized(const dynModel* model, const double* q, double tolerance,
@@ -1151,10 +1175,14 @@ DYN_API dynStatus dyn_builder_set_constraint_slots(dynBuilder* builder, int slot
    bytes). Of more points the deepest count, and dynStepReport.dropped is the number left out. 0: 16 plus 8
    for each shape; beyond 1,000 shapes 16 plus 8 for each shape that moves. */
 DYN_API dynStatus dyn_builder_set_contact_capacity(dynBuilder* builder, int contacts);
+/* Returns the contact points that a step of this model can hold. */
 DYN_API int dyn_model_contact_capacity(const dynModel* model);
+/* Returns the number of constraints of the model. */
 DYN_API int dyn_model_nconstraints(const dynModel* model);
 DYN_API int dyn_model_nconstraint_slots(const dynModel* model); /* nconstraints plus the spare slots */
+/* Returns the name of a constraint, or NULL when out of range. */
 DYN_API const char* dyn_model_constraint_name(const dynModel* model, int constraint);
+/* Returns the id of a constraint by name, or -1. */
 DYN_API int dyn_model_constraint_id(const dynModel* model, const char* name);
 /* Describes a constraint of the model. */
 DYN_API dynStatus dyn_model_constraint_info(const dynModel* model, int constraint, dynConstraint* out);
@@ -1164,8 +1192,10 @@ DYN_API dynStatus dyn_model_constraint_info(const dynModel* model, int constrain
    NULL empties a slot. */
 DYN_API dynStatus dyn_data_set_constraint(const dynModel* model, dynData* data, int slot,
                                           const dynConstraint* constraint);
+/* Writes the constraint of a slot. */
 DYN_API dynStatus dyn_data_constraint(const dynModel* model, dynData* data, int slot,
                                       dynConstraint* constraint);
+/* Switches the constraint of a slot on or off. */
 DYN_API dynStatus dyn_data_set_constraint_enabled(const dynModel* model, dynData* data, int slot,
                                                   int enabled);
 /* Moves placement2 so that the constraint of a slot holds at q: a foot stays in place. Includes placements.
@@ -1396,6 +1426,7 @@ DYN_API dynStatus dyn_model_pair(const dynModel* model, int pair, int* shape_a, 
                                  dynPairReason* reason);
 /* Switches a pair on or off; pair -1: all pairs without meshes (DYN_ERROR_LIMIT where not all are listed). */
 DYN_API dynStatus dyn_data_set_pair(const dynModel* model, dynData* data, int pair, int tested);
+/* Writes whether this data tests a pair, and why not. */
 DYN_API dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, dynPairReason* reason);
 
 /* Groups of a collision shape in the data (shape -1: of all shapes): contype, its own groups, and
@@ -1404,6 +1435,7 @@ DYN_API dynStatus dyn_data_pair(const dynModel* model, dynData* data, int pair, 
    dyn_data_set_pair overrides. */
 DYN_API dynStatus dyn_data_set_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t contype,
                                            uint32_t conaffinity);
+/* Writes the groups of a collision shape in this data. */
 DYN_API dynStatus dyn_data_shape_masks(const dynModel* model, dynData* data, int shape, uint32_t* contype,
                                        uint32_t* conaffinity);
 
@@ -1478,6 +1510,7 @@ typedef struct dynRayHit {
   double position[3]; /* world */
   double normal[3];   /* outward unit normal, world */
 } dynRayHit;
+/* Casts a ray at a shape. direction has any length but zero. */
 DYN_API dynStatus dyn_geometry_ray(const dynGeometry* shape, const double placement[12],
                                    const double origin[3], const double direction[3], dynRayHit* out);
 
@@ -1496,6 +1529,7 @@ typedef struct dynClosestPoint {
   double point[3];  /* on the surface, world */
   double normal[3]; /* outward unit normal there: the given point is point + distance normal */
 } dynClosestPoint;
+/* Finds the closest point of a shape's surface. */
 DYN_API dynStatus dyn_geometry_closest_point(const dynGeometry* shape, const double placement[12],
                                              const double point[3], dynClosestPoint* out);
 
@@ -1517,6 +1551,7 @@ typedef struct dynImpact {
   double normal[3];              /* unit, from A to B, world */
   double point_a[3], point_b[3]; /* witness points, world */
 } dynImpact;
+/* Finds the first time within duration at which two moving shapes are margin apart. */
 DYN_API dynStatus dyn_geometry_sweep(const dynGeometry* a, const double placement_a[12],
                                      const double motion_a[6], const dynGeometry* b,
                                      const double placement_b[12], const double motion_b[6], double duration,
@@ -1536,8 +1571,10 @@ DYN_API void dyn_broad_phase_free(dynBroadPhase* broad_phase); /* NULL is allowe
 /* *id is the smallest free number. Returns DYN_ERROR_LIMIT when full. */
 DYN_API dynStatus dyn_broad_phase_insert(dynBroadPhase* broad_phase, const double lower[3],
                                          const double upper[3], int* id);
+/* Moves a box. */
 DYN_API dynStatus dyn_broad_phase_update(dynBroadPhase* broad_phase, int id, const double lower[3],
                                          const double upper[3]);
+/* Removes a box. Its number is free again. */
 DYN_API dynStatus dyn_broad_phase_remove(dynBroadPhase* broad_phase, int id);
 /* All pairs of boxes that overlap or touch, smaller number first, ascending. At most capacity of them are
    written (2 numbers each); *count is the total. Returns DYN_ERROR_LIMIT for more overlaps than
@@ -1742,12 +1779,17 @@ typedef struct dynActuator {
   int32_t idx_act;         /* of a model: index of w in the field "act"; -1: w = u */
 } dynActuator;
 DYN_API void dyn_actuator_init(dynActuator* actuator, dynActuatorType type);
+/* Adds an actuator to the joint of that name. */
 DYN_API dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator,
                                            const char* joint);
+/* Returns the number of actuators. */
 DYN_API int dyn_model_nactuators(const dynModel* model);
 DYN_API int dyn_model_nu(const dynModel* model); /* controls of all actuators */
+/* Returns the name of an actuator, or NULL when out of range. */
 DYN_API const char* dyn_model_actuator_name(const dynModel* model, int actuator);
+/* Returns the id of an actuator by name, or -1. */
 DYN_API int dyn_model_actuator_id(const dynModel* model, const char* name);
+/* Describes an actuator of the model. */
 DYN_API dynStatus dyn_model_actuator_info(const dynModel* model, int actuator, dynActuator* out);
 /* Sets the controls held in data, nu. New data has zeros. The field "ctrl" reads them. The field "act" has w
    of filtering and integrating actuators, in order; zeros in new data. The field "actuator_force" has f at
@@ -1761,6 +1803,7 @@ DYN_API dynStatus dyn_data_set_control(const dynModel* model, dynData* data, con
      WORLD                world axes, moment about the world's origin; point must be NULL */
 DYN_API dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame, const double* point,
                                         const double wrench[6], dynReference reference);
+/* Removes all wrenches. */
 DYN_API dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data);
 
 /* --------------------------------------------------------------------------------------------- simulation */
@@ -1834,8 +1877,10 @@ typedef struct dynStepOptions {
              controls changes. So does all of a model with mimic joints, or without contacts. Islands at rest
              are computed while any constraint of the data is enabled. */
 DYN_API void dyn_step_options_init(dynStepOptions* options);
+/* Sets the options of steps. */
 DYN_API dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data,
                                             const dynStepOptions* options);
+/* Writes the options of steps. */
 DYN_API dynStatus dyn_data_step_options(const dynModel* model, dynData* data, dynStepOptions* options);
 
 /* One step of dt. The state and the time advance. After an error both are unchanged. */
@@ -1863,6 +1908,7 @@ typedef struct dynStepReport {
      equalities contradict each other */
   int32_t unsolved;
 } dynStepReport;
+/* Writes the report on the last call. */
 DYN_API dynStatus dyn_data_step_report(const dynModel* model, dynData* data, dynStepReport* report);
 
 /* Error ledger: energy and momentum over the steps of the last call. The defects are the steps' error. Work
@@ -1888,6 +1934,7 @@ typedef struct dynErrorLedger {
   double cone;                     /* N: largest of |f_t| - mu f_n over contacts, at least 0 */
   double complementarity;          /* W: largest |f_n (c_n + bias)| over contacts: force without touch */
 } dynErrorLedger;
+/* Writes the ledger of the last call. */
 DYN_API dynStatus dyn_data_ledger(const dynModel* model, dynData* data, dynErrorLedger* ledger);
 
 /* Contact points of the last step, ascending by shapes and features, with their mean forces over the step. At
@@ -1898,6 +1945,7 @@ typedef struct dynContactForce {
   double force_on_b[3];  /* N, world, on shape_b; the opposite on shape_a */
   double moment_on_b[3]; /* N m, world: of torsion and rolling */
 } dynContactForce;
+/* Writes the contact points of the last step. */
 DYN_API dynStatus dyn_data_step_contacts(const dynModel* model, dynData* data, dynContactForce* contacts,
                                          int capacity, int* count);
 
@@ -1907,13 +1955,16 @@ DYN_API dynStatus dyn_data_step_contacts(const dynModel* model, dynData* data, d
    effects, gravity, wrenches, pairs, materials and constraints. memory: dyn_model_state_size bytes (0 for an
    invalid handle). */
 DYN_API size_t dyn_model_state_size(const dynModel* model);
+/* Saves the state of the simulation. */
 DYN_API dynStatus dyn_data_save_state(const dynModel* model, dynData* data, void* memory, size_t size);
+/* Restores a saved state. */
 DYN_API dynStatus dyn_data_restore_state(const dynModel* model, dynData* data, const void* memory,
                                          size_t size);
 
 /* Material of a collision shape in this data; shape -1: of all shapes. Checked as in the builder. */
 DYN_API dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int shape,
                                               const dynMaterial* material);
+/* Writes the material of a collision shape in this data. */
 DYN_API dynStatus dyn_data_shape_material(const dynModel* model, dynData* data, int shape,
                                           dynMaterial* material);
 
@@ -1998,6 +2049,7 @@ typedef struct dynMeshArrays {
   const int32_t* neighbour_start; /* vertex_count + 1 */
   const int32_t* neighbours;      /* vertices that share an edge with each vertex */
 } dynMeshArrays;
+/* Writes views of the mesh. */
 DYN_API dynStatus dyn_mesh_arrays(const dynMesh* mesh, dynMeshArrays* arrays);
 /* Colours of a file's triangles, red, green, blue as in dyn_model_shape_rgba, 3 x triangle_count. The diffuse
    colour of the material (glTF: the base colour) times the mean of the corners' colours. -1 where the file
@@ -2103,6 +2155,7 @@ typedef struct dynBatchArrays {
   dynStatus* status;                 /* n, or NULL */
 } dynBatchArrays;
 DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays);
+/* Computes an algorithm for n states. */
 DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n,
                                 const dynBatchArrays* arrays);
 
@@ -2116,6 +2169,7 @@ typedef struct dynAlgorithmInfo {
   int32_t rows[4], cols[4]; /* of one state; vectors have cols = 1 */
   int32_t pages[4];         /* matrices one after another; 1 for others */
 } dynAlgorithmInfo;
+/* Describes an algorithm. */
 DYN_API dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynAlgorithmInfo* info);
 
 /* ----------------------------------------------------------------------------------------------- rollouts */
@@ -2172,6 +2226,7 @@ typedef struct dynRollout {
   void* context;
 } dynRollout;
 DYN_API void dyn_rollout_init(dynRollout* rollout);
+/* Runs n simulations. */
 DYN_API dynStatus dyn_batch_rollout(dynBatch* batch, int64_t n, const dynRollout* rollout);
 
 /* ------------------------------------------------------------------------------------------ what there is */
