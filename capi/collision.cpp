@@ -14,7 +14,7 @@ namespace dyn::capi {
 
 void fill(const collision::Result& r, dynDistance* out) {
   out->status = dynDistanceStatus(r.status), out->unique = r.unique, out->iterations = r.iterations;
-  out->method = r.second ? DYN_DISTANCE_METHOD_CCD : DYN_DISTANCE_METHOD_GJK;
+  out->method = r.from_fallback ? DYN_DISTANCE_METHOD_CCD : DYN_DISTANCE_METHOD_GJK;
   out->distance = r.distance, out->residual = r.residual;
   store3(r.normal, out->normal), store3(r.point_a, out->point_a), store3(r.point_b, out->point_b);
 }
@@ -106,7 +106,7 @@ dynStatus read_options(const char* function, const dynDistanceOptions& given, co
     return fail(DYN_ERROR_ARGUMENT, "%s: options: method %d does not exist: use DYN_METHOD_... values", function, raw(given.method));
   if (given.method == DYN_DISTANCE_METHOD_CCD && !collision::ccd_available())
     return fail(DYN_ERROR_UNSUPPORTED, "%s: method CCD needs libccd.so.2, which cannot be opened: install it (Debian: libccd2)", function);
-  out.second_first = given.method == DYN_DISTANCE_METHOD_CCD;
+  out.fallback_first = given.method == DYN_DISTANCE_METHOD_CCD;
   return read_tolerance(function, given.tolerance, out);
 }
 
@@ -143,7 +143,7 @@ dynStatus dyn_geometry_distance(const dynGeometry* a, const double* placement_a,
   if (s == DYN_OK) s = check_out(function, "dynDistance", out);
   if (s == DYN_OK && options) s = read_options(function, *options, inner);
   if (s != DYN_OK) return s;
-  inner.second = collision::ccd_overlap;
+  inner.fallback = collision::ccd_overlap;
   collision::Workspace workspace;
   fill(collision::distance(A.shape, A.X, B.shape, B.X, workspace, inner), out);
   return DYN_OK;

@@ -111,7 +111,7 @@ int main(int, char** argv) {
   for (int k = 0; k < shapes; ++k) {
     dyn::collision::Geom g{};
     if (geometry[std::size_t(k)]) dyn::collision::geometry_of(info[std::size_t(k)].type, info[std::size_t(k)].size, info[std::size_t(k)].radius, g.shape);
-    dyn::shape::visit(g.shape, [&](const auto& x) { g.reach = x.extent() + x.radius; });
+    dyn::shape::visit(g.shape, [&](const auto& x) { g.bounding_radius = x.extent() + x.radius; });
     geoms.push_back(g);
   }
   for (const auto& of : X) {
@@ -130,7 +130,7 @@ int main(int, char** argv) {
     return dyn::collision::distance(geoms[std::size_t(p.a)].shape, A, geoms[std::size_t(p.b)].shape, B, workspace).distance;
   };
   auto farther = [&](int c, const Pair& p, double margin) {
-    return dyn::collision::distance_at_least(geoms[std::size_t(p.a)], Y[std::size_t(c)][std::size_t(p.a)], geoms[std::size_t(p.b)], Y[std::size_t(c)][std::size_t(p.b)]) > margin;
+    return dyn::collision::distance_lower_bound(geoms[std::size_t(p.a)], Y[std::size_t(c)][std::size_t(p.a)], geoms[std::size_t(p.b)], Y[std::size_t(c)][std::size_t(p.b)]) > margin;
   };
   double worst = 0, sum = 0;
   int differ = 0;

@@ -17,16 +17,16 @@ inline double box_distance(const Geom& box, const Pose& X, const Vec& p) {
 }
 
 // A lower bound of the distance of two shapes.
-inline double distance_at_least(const Geom& a, const Pose& A, const Geom& b, const Pose& B) {
+inline double distance_lower_bound(const Geom& a, const Pose& A, const Geom& b, const Pose& B) {
   const bool plane_a = a.shape.type == shape::Type::HalfSpace, plane_b = b.shape.type == shape::Type::HalfSpace;
   if (plane_a && plane_b) return -shape::infinity;
-  if (plane_a) return dot(A.R.z, B.p - A.p) - a.shape.radius - b.reach;
-  if (plane_b) return dot(B.R.z, A.p - B.p) - b.shape.radius - a.reach;
-  double distance = shape::norm(A.p - B.p) - a.reach - b.reach;
+  if (plane_a) return dot(A.R.z, B.p - A.p) - a.shape.radius - b.bounding_radius;
+  if (plane_b) return dot(B.R.z, A.p - B.p) - b.shape.radius - a.bounding_radius;
+  double distance = shape::norm(A.p - B.p) - a.bounding_radius - b.bounding_radius;
   // walls fill little of their balls
   constexpr double large = 4;
-  if (a.shape.type == shape::Type::Box && a.reach > large * b.reach) distance = std::max(distance, box_distance(a, A, B.p) - b.reach);
-  if (b.shape.type == shape::Type::Box && b.reach > large * a.reach) distance = std::max(distance, box_distance(b, B, A.p) - a.reach);
+  if (a.shape.type == shape::Type::Box && a.bounding_radius > large * b.bounding_radius) distance = std::max(distance, box_distance(a, A, B.p) - b.bounding_radius);
+  if (b.shape.type == shape::Type::Box && b.bounding_radius > large * a.bounding_radius) distance = std::max(distance, box_distance(b, B, A.p) - a.bounding_radius);
   return distance;
 }
 

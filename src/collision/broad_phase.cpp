@@ -7,7 +7,7 @@ namespace dyn::collision {
 namespace {
 
 // Loose boxes beyond this share of all: the tree is packed anew. Boxes that moved beyond this share: all pairs are searched.
-constexpr Index free_body_share = 8, free_body_least = 64, moved_share = 16;
+constexpr Index overflow_share = 8, min_overflow = 64, moved_share = 16;
 constexpr std::size_t radix = 1024;
 
 // Sorts by one digit: from into to, counts has a place for each digit and one more.
@@ -28,11 +28,11 @@ std::size_t BroadPhase::lay_out(char* memory) {
     p = memory ? reinterpret_cast<T*>(memory + used) : nullptr;
     used += (n * sizeof(T) + 63) / 64 * 64;
   };
-  const std::size_t n = std::size_t(capacity_), padded = std::max(n, std::size_t(free_body_least)) + 2 * Block::lanes, pairs = std::size_t(pair_capacity_);
-  Index blocks = PackedTree::room(capacity_);
-  for (Block*& level : tree_.block) take(level, std::size_t(blocks)), blocks = PackedTree::room(blocks);
-  take(free_bodies_, padded / Block::lanes);
-  take(tight_, n), take(state_, n), take(id_, padded), take(free_body_id_, padded), take(stale_, n), take(unplaced_, n), take(flags_, n);
+  const std::size_t n = std::size_t(capacity_), padded = std::max(n, std::size_t(min_overflow)) + 2 * Block::lanes, pairs = std::size_t(pair_capacity_);
+  Index blocks = PackedTree::blocks_for(capacity_);
+  for (Block*& level : tree_.block) take(level, std::size_t(blocks)), blocks = PackedTree::blocks_for(blocks);
+  take(overflow_, padded / Block::lanes);
+  take(tight_, n), take(state_, n), take(id_, padded), take(overflow_id_, padded), take(stale_, n), take(unplaced_, n), take(flags_, n);
   take(candidate_, pairs), take(fresh_, pairs), take(counts_, std::max(n, radix) + 1), take(key_, 2 * n);
   return used;
 }
@@ -76,7 +76,7 @@ void BroadPhase::remove(Index id) {
   --count_;
 }
 
-void BroadPhase::put_back(Index id, const Bounds& b) {
+void BroadPhase::insert_at(Index id, const Bounds& b) {
   tight_[id] = b;
   state_[id] = nowhere;
   same_boxes_ = false;
@@ -91,32 +91,32 @@ void BroadPhase::mark(Index id) {
 }
 
 Box BroadPhase::fat(Index id) const {
-  const Index at = state_[id], lane = at & ~free_body_bit;
-  return (at & free_body_bit ? free_bodies_ : tree_.block[0])[lane / Block::lanes].box(lane % Block::lanes);
+  const Index at = state_[id], lane = at & ~overflow_bit;
+  return (at & overflow_bit ? overflow_ : tree_.block[0])[lane / Block::lanes].box(lane % Block::lanes);
 }
 
 // Takes a box out of where it lies.
 void BroadPhase::release(Index id) {
-  const Index at = state_[id], lane = at & ~free_body_bit;
+  const Index at = state_[id], lane = at & ~overflow_bit;
   if (at < 0) return;
-  (at & free_body_bit ? free_bodies_ : tree_.block[0])[lane / Block::lanes].clear(lane % Block::lanes);
+  (at & overflow_bit ? overflow_ : tree_.block[0])[lane / Block::lanes].clear(lane % Block::lanes);
   state_[id] = nowhere;
 }
 
 // Puts boxes that moved where they can be found; packs all when there are too many of them.
-void BroadPhase::settle() {
+void BroadPhase::place_moved() {
   if (unplaced_count_ == 0) return;
-  if (free_body_count_ + unplaced_count_ > std::max(free_body_least, count_ / free_body_share)) {
+  if (overflow_count_ + unplaced_count_ > std::max(min_overflow, count_ / overflow_share)) {
     pack();
   } else {
     for (Index k = 0; k < unplaced_count_; ++k) {
       const Index id = unplaced_[k];
       if (state_[id] == free_slot) continue;
       release(id);
-      const Index lane = free_body_count_++;
-      if (lane % Block::lanes == 0) free_bodies_[lane / Block::lanes].clear();
-      free_bodies_[lane / Block::lanes].set(lane % Block::lanes, Box::of(tight_[id], margin_));
-      free_body_id_[lane] = id, state_[id] = lane | free_body_bit;
+      const Index lane = overflow_count_++;
+      if (lane % Block::lanes == 0) overflow_[lane / Block::lanes].clear();
+      overflow_[lane / Block::lanes].set(lane % Block::lanes, Box::of(tight_[id], margin_));
+      overflow_id_[lane] = id, state_[id] = lane | overflow_bit;
     }
   }
   for (Index k = 0; k < unplaced_count_; ++k) flags_[unplaced_[k]] &= std::uint8_t(~unplaced);
@@ -132,11 +132,11 @@ bool BroadPhase::refit() {
     tree_.block[0][k / Block::lanes].set(k % Block::lanes, Box::of(tight_[id], margin_));
     state_[id] = k;
   }
-  return tree_.raise() <= spread_ + wider * PackedTree::room(count_);
+  return tree_.build_levels() <= spread_ + wider * PackedTree::blocks_for(count_);
 }
 
 void BroadPhase::pack() {
-  free_body_count_ = 0;
+  overflow_count_ = 0;
   candidates_valid_ = false;  // all fat boxes are others, also of boxes that have not left theirs
   if (refit()) return;
   // centres in cells of the cube about them
@@ -166,14 +166,14 @@ void BroadPhase::pack() {
     block.set(k % Block::lanes, Box::of(tight_[id], margin_));
     id_[k] = id, state_[id] = k;
   }
-  spread_ = tree_.raise();
+  spread_ = tree_.build_levels();
   same_boxes_ = true;
 }
 
 bool BroadPhase::refresh() {
-  settle();
+  place_moved();
   if (stale_count_ == 0 && candidates_valid_) return true;
-  if (!candidates_valid_ || stale_count_ > std::max(free_body_least, count_ / moved_share))
+  if (!candidates_valid_ || stale_count_ > std::max(min_overflow, count_ / moved_share))
     join();
   else
     replace_stale();
@@ -199,11 +199,11 @@ void BroadPhase::join() {
       });
     });
   }
-  for (Index k = 0; k < free_body_count_; ++k) {
-    const Index id = free_body_id_[k];
-    if (state_[id] != (k | free_body_bit)) continue;
+  for (Index k = 0; k < overflow_count_; ++k) {
+    const Index id = overflow_id_[k];
+    if (state_[id] != (k | overflow_bit)) continue;
     for_each_overlap(fat(id), [&](Index other) {
-      if (!(state_[other] & free_body_bit) || other > id) found(id_pair(id, other));
+      if (!(state_[other] & overflow_bit) || other > id) found(id_pair(id, other));
     });
   }
   candidates_valid_ = found_ <= pair_capacity_;

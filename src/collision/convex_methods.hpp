@@ -2,7 +2,7 @@
 // every pair is a GJK, an EPA and a Newton's method of its own.
 #pragma once
 
-#include "collision/analytic/ends.hpp"
+#include "collision/analytic/capsule_end.hpp"
 #include "collision/analytic/minkowski_segments.hpp"
 #include "collision/convex_pair.hpp"
 #include "shape/list.hpp"
@@ -17,30 +17,30 @@ inline Pose relative(const Pose& A, const Pose& B) {
   return {Rt * B.R, Rt * (B.p - A.p)};
 }
 // Pairs answered in the frame of A.
-inline Result turned(Result r, const Pose& XA) {
+inline Result in_world(Result r, const Pose& XA) {
   r.normal = XA.R * r.normal, r.point_a = XA.act(r.point_a), r.point_b = XA.act(r.point_b);
   return r;
 }
 // of shapes with straight features, which may be parallel
 template <class A, class B, class F>
-Result general(const Shape& shape_a, const Pose& XA, const Shape& shape_b, const Pose& XB, const Options& o, F&& method) {
+Result convex_result(const Shape& shape_a, const Pose& XA, const Shape& shape_b, const Pose& XB, const Options& o, F&& method) {
   const A a(shape_a);
   const B b(shape_b);
   const Difference<A, B> d(a, b, relative(XA, XB));
   Cores c = method(d);
   c.unique = c.unique && !d.parallel(c.normal) && !(std::abs(c.distance) <= 1e-6 * d.small && d.sharp(c.normal));
-  return turned(rounded(c, a.radius, b.radius, d.small, o), XA);
+  return in_world(rounded(c, a.radius, b.radius, d.small, o), XA);
 }
 template <class A, class B>
 Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
-  return general<A, B>(a, XA, b, XB, o, [&](const auto& d) {
-    if constexpr (is_sum<A> && is_sum<B>) {
+  return convex_result<A, B>(a, XA, b, XB, o, [&](const auto& d) {
+    if constexpr (is_segment_sum<A> && is_segment_sum<B>) {
       Cores c;
-      if (sum_pair(d, d.X.p, wanted(d, o), c)) return c;
+      if (minkowski_pair(d, d.X.p, wanted(d, o), c)) return c;
     }
     if constexpr (A::type == Type::Capsule && B::type == Type::Cone) {
       Cores c;
-      if (end_pair(d, d.A_.half, c)) return c;
+      if (capsule_end_pair(d, d.A_.half, c)) return c;
     }
     return convex_pair(d, w, o);
   });

@@ -56,7 +56,7 @@ inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const 
 // of the rounded shapes, in the frame of A
 inline Result rounded(const Cores& c, double radius_a, double radius_b, double size, const Options& options) {
   Result r;
-  r.second = false;
+  r.from_fallback = false;
   r.normal = c.normal, r.iterations = c.iterations, r.unique = c.unique, r.residual = c.residual;
   r.distance = c.distance - radius_a - radius_b;
   r.point_a = c.a + c.normal * radius_a, r.point_b = c.b - c.normal * radius_b;

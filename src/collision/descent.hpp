@@ -12,7 +12,7 @@ namespace detail {
 
 // Hooke and Jeeves (J. ACM 8(2), 1961) on the sphere, with directions that turn between rounds.
 template <class D>
-inline Vec lowest(const D& d, Vec n) {
+inline Vec pattern_search(const D& d, Vec n) {
   constexpr int directions = 8, rounds = 300;
   constexpr double eighth = 0.78539816339744831;
   double least = dot(n, d.support(n).w), step = 0.05;
@@ -60,8 +60,8 @@ inline void pieces_around(const D& d, const Vec& n, Vertex* best, double* weight
 
 // From a normal near that of the least depth. false: no solution was found.
 template <class D>
-[[gnu::noinline]] inline bool descend(const D& d, const Vec& from, double wanted, Refined& out) {
-  const Vec n = detail::lowest(d, from);
+[[gnu::noinline]] inline bool pattern_search_refine(const D& d, const Vec& from, double wanted, Refined& out) {
+  const Vec n = detail::pattern_search(d, from);
   Vertex p[3];
   double weight[3];
   detail::pieces_around(d, n, p, weight);

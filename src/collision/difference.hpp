@@ -28,22 +28,22 @@ struct Difference {
     return {a - b, a, b};
   }
   // the support point on the smooth piece of the boundary that p lies on; m: against n, in B
-  DYN_INLINE Vertex slide(const Vertex& p, const Vec& n, const Vec& m) const {
+  DYN_INLINE Vertex support_on_piece(const Vertex& p, const Vec& n, const Vec& m) const {
     Vertex q = p;
-    if constexpr (A::curved) q.a = A_.slide(p.a, n);
-    if constexpr (B::curved) q.b = X.act(B_.slide(X.act_inverse(p.b), m));
+    if constexpr (A::curved) q.a = A_.support_on_piece(p.a, n);
+    if constexpr (B::curved) q.b = X.act(B_.support_on_piece(X.act_inverse(p.b), m));
     q.w = q.a - q.b;
     return q;
   }
   // its derivative, of several pieces the weighted sum
-  DYN_INLINE shape::Bend bend(const Vertex* p, const double* weight, int count, const Vec& n, const Vec& u, const Vec& v) const {
-    shape::Bend sum = {0, 0, 0};
-    auto add = [&](const shape::Bend& k, double w) { sum = {sum.uu + k.uu * w, sum.uv + k.uv * w, sum.vv + k.vv * w}; };
+  DYN_INLINE shape::CurvatureRadii curvature_radii(const Vertex* p, const double* weight, int count, const Vec& n, const Vec& u, const Vec& v) const {
+    shape::CurvatureRadii sum = {0, 0, 0};
+    auto add = [&](const shape::CurvatureRadii& k, double w) { sum = {sum.uu + k.uu * w, sum.uv + k.uv * w, sum.vv + k.vv * w}; };
     if constexpr (A::curved)
-      for (int i = 0; i < count; ++i) add(A_.bend(p[i].a, n, u, v), weight[i]);
+      for (int i = 0; i < count; ++i) add(A_.curvature_radii(p[i].a, n, u, v), weight[i]);
     if constexpr (B::curved) {
       const Vec m = Rt * -n, s = Rt * u, t = Rt * v;
-      for (int i = 0; i < count; ++i) add(B_.bend(X.act_inverse(p[i].b), m, s, t), weight[i]);
+      for (int i = 0; i < count; ++i) add(B_.curvature_radii(X.act_inverse(p[i].b), m, s, t), weight[i]);
     }
     return sum;
   }

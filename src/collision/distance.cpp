@@ -33,25 +33,25 @@ Result finish(const Cores& c, const A& a, const B& b, const Options& options) {
 }
 
 // Pairs that need no turning: answered from A's origin, in the axes of the world.
-Result moved(Result r, const Vec& origin) {
+Result translated(Result r, const Vec& origin) {
   r.point_a += origin, r.point_b += origin;
   return r;
 }
 Result spheres(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
-  return moved(finish(round_pair(Vec::zero(), XB.p - XA.p, axis(2)), Sphere(a), Sphere(b), o), XA.p);
+  return translated(finish(point_sphere_pair(Vec::zero(), XB.p - XA.p, axis(2)), Sphere(a), Sphere(b), o), XA.p);
 }
 Result capsule_sphere(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
   const Capsule capsule(a);
   const Vec z = XA.R.z, p = XB.p - XA.p;
-  return moved(finish(round_pair(z * std::clamp(dot(z, p), -capsule.half, capsule.half), p, XA.R.x), capsule, Sphere(b), o), XA.p);
+  return translated(finish(point_sphere_pair(z * std::clamp(dot(z, p), -capsule.half, capsule.half), p, XA.R.x), capsule, Sphere(b), o), XA.p);
 }
 Result capsules(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
-  return moved(finish(capsule_pair(Capsule(a), Capsule(b), XA.R.z, XB.R.z, XB.p - XA.p), Capsule(a), Capsule(b), o), XA.p);
+  return translated(finish(capsule_pair(Capsule(a), Capsule(b), XA.R.z, XB.R.z, XB.p - XA.p), Capsule(a), Capsule(b), o), XA.p);
 }
 Result half_space_sphere(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
   const Vec n = XA.R.z, p = XB.p - XA.p;
   const double height = dot(n, p);
-  return moved(finish(Cores{n, p - n * height, p, height, 0, 0, true}, HalfSpace(a), Sphere(b), o), XA.p);
+  return translated(finish(Cores{n, p - n * height, p, height, 0, 0, true}, HalfSpace(a), Sphere(b), o), XA.p);
 }
 template <class A>
 Result sphere(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
@@ -66,17 +66,17 @@ Result sphere(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wo
 }
 
 Result half_spaces(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
-  return turned(finish(half_space_pair(HalfSpace(a), HalfSpace(b), relative(XA, XB)), HalfSpace(a), HalfSpace(b), o), XA);
+  return in_world(finish(half_space_pair(HalfSpace(a), HalfSpace(b), relative(XA, XB)), HalfSpace(a), HalfSpace(b), o), XA);
 }
 template <class B>
 Result half_space(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace&, const Options& o) {
-  return turned(finish(half_space_pair(HalfSpace(a), B(b), relative(XA, XB)), HalfSpace(a), B(b), o), XA);
+  return in_world(finish(half_space_pair(HalfSpace(a), B(b), relative(XA, XB)), HalfSpace(a), B(b), o), XA);
 }
 Result boxes(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
-  return general<Box, Box>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });
+  return convex_result<Box, Box>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, b.size, w, o); });
 }
 Result box_capsule(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Workspace& w, const Options& o) {
-  return general<Box, Capsule>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
+  return convex_result<Box, Capsule>(a, XA, b, XB, o, [&](const auto& d) { return box_pair(d, a.size, axis(2) * b.size[2], w, o); });
 }
 struct Pair {
   Method method;
@@ -136,41 +136,41 @@ static_assert([] {
 }(), "two shapes have one type");
 
 // What the second method finds, if it holds: the depth is that along its normal, the witness points lie within it from A and B.
-bool second_opinion(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, const Options& o, Result& r) {
+bool fallback_distance(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, const Options& o, Result& r) {
   FallbackResult found;
-  if (!o.second(a, XA, b, XB, o.tolerance, found)) return false;
-  double reach = 0, small = infinity, outside = 0;
+  if (!o.fallback(a, XA, b, XB, o.tolerance, found)) return false;
+  double support_sum = 0, small = infinity, outside = 0;
   r.point_a = found.position + found.normal * (found.depth / 2), r.point_b = found.position - found.normal * (found.depth / 2);
   auto measure = [&](const Shape& s, const Pose& X, const Vec& n, const Vec& witness) {
     visit(s, [&]<class S>(const S& x) {
-      if constexpr (S::type != Type::HalfSpace) reach += dot(n, X.R * x.support(transpose_times(X.R, n))) + x.radius;
+      if constexpr (S::type != Type::HalfSpace) support_sum += dot(n, X.R * x.support(transpose_times(X.R, n))) + x.radius;
       small = std::min(small, x.extent() + x.radius);
       outside = std::max(outside, x.signed_distance(X.act_inverse(witness)).distance);
     });
   };
   measure(a, XA, found.normal, r.point_a), measure(b, XB, -found.normal, r.point_b);
-  const double depth = reach - dot(found.normal, XB.p - XA.p);
-  r.second = true, r.unique = false, r.iterations = 0, r.distance = -depth, r.normal = found.normal;
+  const double depth = support_sum - dot(found.normal, XB.p - XA.p);
+  r.from_fallback = true, r.unique = false, r.iterations = 0, r.distance = -depth, r.normal = found.normal;
   r.residual = std::max(std::abs(depth - found.depth), outside);
   r.status = depth > o.touching * small ? Status::Penetrating : Status::Touching;
   return r.residual <= std::max(o.accepted, o.tolerance) * small;
 }
 
 // no closed form, and support points on both sides
-bool general(Type a, Type b) { return std::min(a, b) >= Type::Capsule && std::max(a, b) >= Type::Cylinder; }
+bool has_no_closed_form(Type a, Type b) { return std::min(a, b) >= Type::Capsule && std::max(a, b) >= Type::Cylinder; }
 
-inline Result first_opinion(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+inline Result primary_distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
   const Pair pair = table.at[Index(a.type)][Index(b.type)];
   if (!pair.exchanged) return pair.method(a, X_WA, b, X_WB, workspace, options);
   Result r = pair.method(b, X_WB, a, X_WA, workspace, options);
   r.normal = -r.normal, std::swap(r.point_a, r.point_b);
   return r;
 }
-[[gnu::noinline]] Result both_opinions(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
-  Result second;
-  if (options.second_first && general(a.type, b.type) && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
-  const Result first = first_opinion(a, X_WA, b, X_WB, workspace, options);
-  if (first.status == Status::Failed && second_opinion(a, X_WA, b, X_WB, options, second)) return second;
+[[gnu::noinline]] Result distance_with_fallback(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
+  Result fallback;
+  if (options.fallback_first && has_no_closed_form(a.type, b.type) && fallback_distance(a, X_WA, b, X_WB, options, fallback)) return fallback;
+  const Result first = primary_distance(a, X_WA, b, X_WB, workspace, options);
+  if (first.status == Status::Failed && fallback_distance(a, X_WA, b, X_WB, options, fallback)) return fallback;
   return first;
 }
 
@@ -178,11 +178,11 @@ inline Result first_opinion(const Shape& a, const Pose& X_WA, const Shape& b, co
 
 Result distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {
   if (is_surface(a.type) || is_surface(b.type)) return surface_distance(a, X_WA, b, X_WB, workspace, options);
-  if (options.second) return both_opinions(a, X_WA, b, X_WB, workspace, options);
-  return first_opinion(a, X_WA, b, X_WB, workspace, options);
+  if (options.fallback) return distance_with_fallback(a, X_WA, b, X_WB, workspace, options);
+  return primary_distance(a, X_WA, b, X_WB, workspace, options);
 }
 
-double reach(const Shape& s) {
+double bounding_radius(const Shape& s) {
   double r = 0;
   visit(s, [&](const auto& x) { r = x.extent() + x.radius; });
   return r;

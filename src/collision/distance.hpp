@@ -11,6 +11,6 @@ Result distance(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, 
                 const Options& options = Options());
 
 // Of the shape's farthest point from its frame's origin.
-double reach(const shape::Shape& s);
+double bounding_radius(const shape::Shape& s);
 
 }  // namespace dyn::collision

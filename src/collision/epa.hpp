@@ -46,8 +46,8 @@ class Epa {
       const Vec n = w_.face[nearest].normal;
       stuck_ = stuck_ || r.iterations == o_.max_iterations;
       const bool rival = stuck_ || (minima_ > 0 && apart <= certain * d_.small);
-      if (rival && refined() && known(n)) {
-        close(nearest);
+      if (rival && refined() && is_found(n)) {
+        discard(nearest);
         continue;
       }
       ++r.iterations;
@@ -58,7 +58,7 @@ class Epa {
       if (D::curved && (rival || (minima_ == 0 && upper - offset <= next))) {
         next = (upper - offset) * 0.1;
         if (refine(nearest) && rival) {
-          close(nearest);
+          discard(nearest);
           continue;
         }
       }
@@ -68,15 +68,15 @@ class Epa {
         break;
       }
       if (exact || stuck_)
-        close(nearest);
+        discard(nearest);
       else
         stuck_ = !grow(nearest, p);
     }
     if constexpr (D::curved)
-      if (Refined p; !refined() && r.upper - lower_bound() > o_.accepted * d_.small && descend(d_, r.normal, wanted_, p)) take(p);
+      if (Refined p; !refined() && r.upper - lower_bound() > o_.accepted * d_.small && pattern_search_refine(d_, r.normal, wanted_, p)) record(p);
     if (refined()) {
-      r.normal = polished_.normal, r.a = polished_.a, r.b = polished_.b, r.upper = refined_upper_, r.residual = polished_.residual;
-      r.unique = polished_.unique, r.refined = true;
+      r.normal = refined_.normal, r.a = refined_.a, r.b = refined_.b, r.upper = refined_upper_, r.residual = refined_.residual;
+      r.unique = refined_.unique, r.refined = true;
     } else {
       for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
       const Index nearest = nearest_face();
@@ -99,7 +99,7 @@ class Epa {
   const Options& o_;
   const double rounding_, wanted_, tie_;
   EpaResult r_;
-  Refined polished_{};
+  Refined refined_{};
   double refined_upper_ = shape::infinity;
   static constexpr int max_minima = 8;
   static constexpr double same = 0.999;  // cosine between directions that lead to the same minimum
@@ -126,33 +126,33 @@ class Epa {
   }
 
   // Has the local minimum in this direction been found?
-  bool known(const Vec& n) const {
+  bool is_found(const Vec& n) const {
     for (int i = 0; i < minima_; ++i)
       if (dot(n, minimum_[i]) > same) return true;
     return false;
   }
-  void close(Index f) { w_.offset[f] = shape::infinity; }
+  void discard(Index f) { w_.offset[f] = shape::infinity; }
 
   // A local minimum of the depth near a face: where a flat face is nearest, or where Newton's method leads.
   [[gnu::noinline]] bool refine(Index f) {
     Refined p;
     const Vec n = w_.face[f].normal;
-    if (on_face(d_, n, p) && !known(p.normal)) {
-      take(p);
+    if (on_face(d_, n, p) && !is_found(p.normal)) {
+      record(p);
       if (dot(n, p.normal) > same) return true;
     }
     const Part part = nearest_part(f);
     Vertex at[3];
     for (int i = 0; i < part.size; ++i) at[i] = w_.vertex[w_.face[f].at[part.at[i]]];
     if (!newton_refine(d_, at, part.weight, part.size, n, wanted_, p)) return false;
-    take(p);
+    record(p);
     return true;
   }
-  void take(Refined p) {
+  void record(Refined p) {
     if (minima_ < max_minima) minimum_[minima_++] = p.normal;
     const double less = refined_upper_ + p.distance;
-    if (std::abs(less) <= tie_ && dot(p.normal, polished_.normal) < 1 - 1e-6) p.unique = polished_.unique = false;
-    if (less > 0) polished_ = p, refined_upper_ = -p.distance;
+    if (std::abs(less) <= tie_ && dot(p.normal, refined_.normal) < 1 - 1e-6) p.unique = refined_.unique = false;
+    if (less > 0) refined_ = p, refined_upper_ = -p.distance;
   }
 
   // Four vertices that span a volume: those of s, and farthest support points for what is missing.

@@ -13,7 +13,7 @@ struct FallbackResult {
 };
 
 // false: it finds no overlap, or nothing at all
-using SecondMethod = bool (*)(const shape::Shape& a, const shape::Pose& X_WA, const shape::Shape& b, const shape::Pose& X_WB, double tolerance,
+using FallbackMethod = bool (*)(const shape::Shape& a, const shape::Pose& X_WA, const shape::Shape& b, const shape::Pose& X_WB, double tolerance,
                               FallbackResult& out);
 
 }  // namespace dyn::collision

@@ -11,14 +11,14 @@ struct Geom {
   shape::Shape shape;
   Pose X;
   Index body;
-  double reach;  // of the shape's farthest point from its origin
+  double bounding_radius;  // of the shape's farthest point from its origin
 };
 
 // Groups of a shape, a bit each: those it is in, and those it collides with. Of two shapes one must want it: MuJoCo's rule.
 struct Masks {
   std::uint32_t contype, conaffinity;
 };
-inline bool masks_meet(const Masks& a, const Masks& b) { return (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0; }
+inline bool masks_allow(const Masks& a, const Masks& b) { return (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0; }
 
 // m: within them no product of sizes and distances overflows or vanishes.
 inline constexpr double smallest = 1e-12, largest = 1e12;
@@ -67,7 +67,7 @@ Geom geom_of(const Model& m, const D& d, Index geom) {
   if (g.shape.type == shape::Type::HeightField) g.shape.grid = d.grids + s.surface;
   g.X = f.X * load_se3(s.placement);
   g.body = f.body;
-  g.reach = reach(g.shape);
+  g.bounding_radius = bounding_radius(g.shape);
   return g;
 }
 

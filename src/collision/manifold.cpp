@@ -39,22 +39,22 @@ void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, co
 
   const double size = std::min(size_of(a), size_of(b)), eps = coincident * size, same = same_point * size;
   const double band = std::max(margin - r.distance, 0.0) + eps;
-  const Across plane(r.normal, r.point_a);
+  const ContactPlane plane(r.normal, r.point_a);
   ClipPoint witness = {0, 0, 0, r.distance};
   Overlap overlap;
   if (is_surface(a.type) || is_surface(b.type)) {
     surface_overlap(a, X_WA, b, X_WB, {r, margin, band, eps, same, plane}, overlap);
   } else {
     shape::Feature feature_a, feature_b;
-    Figure fa, fb;
-    if (!plane_a) fa = figure_of(a, X_WA, plane, 1, band, feature_a);
-    if (!plane_b) fb = figure_of(b, X_WB, plane, -1, band, feature_b);
+    PlanarFeature fa, fb;
+    if (!plane_a) fa = planar_feature_of(a, X_WA, plane, 1, band, feature_a);
+    if (!plane_b) fb = planar_feature_of(b, X_WB, plane, -1, band, feature_b);
     if (plane_a)
-      over_plane(fb, 0, true, overlap);
+      clip_against_plane(fb, 0, true, overlap);
     else if (plane_b)
-      over_plane(fa, r.distance, false, overlap);
+      clip_against_plane(fa, r.distance, false, overlap);
     else
-      overlap_of(fa, feature_a.bend + a.radius, fb, feature_b.bend + b.radius, eps, overlap);
+      overlap_of(fa, feature_a.curvature_radii + a.radius, fb, feature_b.curvature_radii + b.radius, eps, overlap);
     for (int i = 0; i < overlap.count; ++i) overlap.p[i].feature = feature_of(fa, fb, overlap.p[i], same);
     witness.feature = feature_of(fa, fb, witness, same);
   }
@@ -70,7 +70,7 @@ void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, co
   overlap.count = kept;
   merge(overlap, same);
   if (deepest > r.distance + eps) overlap.insert(witness);
-  thin_out(overlap, Manifold::most, eps);
+  reduce_points(overlap, Manifold::most, eps);
   for (int i = 0; i < overlap.count; ++i) {
     const ClipPoint& p = overlap.p[i];
     out.points[out.count++] = {plane.origin + plane.u * p.x + plane.v * p.y + plane.n * (p.high + p.gap / 2), p.gap, p.feature};

@@ -4,25 +4,25 @@
 
 namespace dyn::collision {
 
-Figure figure_of(const shape::Shape& s, const Pose& X, const Across& plane, double towards, double band, shape::Feature& feature) {
+PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band, shape::Feature& feature) {
   const Vec local = transpose_times(X.R, plane.n * towards);
   shape::visit(s, [&]<class S>(const S& x) {
     if constexpr (S::type != shape::Type::HalfSpace) x.facing(local, band, feature);
   });
-  Figure f = project(feature, X, plane, towards);
+  PlanarFeature f = project(feature, X, plane, towards);
   f.h += towards * s.radius;
   if (f.count > 2) orient(f);
   return f;
 }
 
-void overlap_of(const Figure& a, double bend_a, const Figure& b, double bend_b, double eps, Overlap& out) {
+void overlap_of(const PlanarFeature& a, double curvature_a, const PlanarFeature& b, double curvature_b, double eps, Overlap& out) {
   if (a.count > 2 && b.count > 2) return clip_faces(a, b, eps, out);
-  if (a.count == 2 && b.count == 2) return clip_lines(a, b, bend_a, bend_b, eps, out);
+  if (a.count == 2 && b.count == 2) return clip_lines(a, b, curvature_a, curvature_b, eps, out);
   if (a.count == 2 && b.count > 2) return clip_line(a, b, eps, false, out);
   if (b.count == 2 && a.count > 2) return clip_line(b, a, eps, true, out);
 }
 
-void over_plane(const Figure& f, double plane, bool swapped, Overlap& out) {
+void clip_against_plane(const PlanarFeature& f, double plane, bool swapped, Overlap& out) {
   for (int k = 0; k < f.count; ++k) {
     const Corner& p = f.p[k];
     const double high = f.height(p.x, p.y);
@@ -33,7 +33,7 @@ void over_plane(const Figure& f, double plane, bool swapped, Overlap& out) {
   }
 }
 
-void clip_faces(const Figure& a, const Figure& b, double eps, Overlap& out) {
+void clip_faces(const PlanarFeature& a, const PlanarFeature& b, double eps, Overlap& out) {
   ClipPoint buffers[2][Overlap::most];
   ClipPoint *from = buffers[0], *to = buffers[1];
   int count = a.count;
@@ -61,7 +61,7 @@ void clip_faces(const Figure& a, const Figure& b, double eps, Overlap& out) {
   }
 }
 
-void clip_line(const Figure& line, const Figure& face, double eps, bool swapped, Overlap& out) {
+void clip_line(const PlanarFeature& line, const PlanarFeature& face, double eps, bool swapped, Overlap& out) {
   const Corner &p = line.p[0], &q = line.p[1];
   double low = 0, high = 1;
   for (int k = 0; k < face.count; ++k) {
@@ -81,15 +81,15 @@ void clip_line(const Figure& line, const Figure& face, double eps, bool swapped,
   }
 }
 
-void clip_lines(const Figure& a, const Figure& b, double bend_a, double bend_b, double eps, Overlap& out) {
-  auto ends = [&](const Figure& of, const Figure& over, double bend, bool swapped) {
+void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature_a, double curvature_b, double eps, Overlap& out) {
+  auto ends = [&](const PlanarFeature& of, const PlanarFeature& over, double curvature_radii, bool swapped) {
     const double ex = over.p[1].x - over.p[0].x, ey = over.p[1].y - over.p[0].y, length = shape::length2(ex, ey);
     const double steeper = std::sqrt(1 + over.gx * over.gx + over.gy * over.gy);  // the section across is an ellipse
     for (const Corner& p : {of.p[0], of.p[1]}) {
       const double rx = p.x - over.p[0].x, ry = p.y - over.p[0].y;
       const double along = (rx * ex + ry * ey) / length, beside = std::abs(rx * ey - ry * ex) / length;
-      if (along < -eps || along > length + eps || beside > std::max(bend, eps)) continue;
-      const double falls = bend > 0 ? steeper * (bend - std::sqrt(std::max(0.0, bend * bend - beside * beside))) : 0;
+      if (along < -eps || along > length + eps || beside > std::max(curvature_radii, eps)) continue;
+      const double falls = curvature_radii > 0 ? steeper * (curvature_radii - std::sqrt(std::max(0.0, curvature_radii * curvature_radii - beside * beside))) : 0;
       const double x = over.p[0].x + ex * (along / length), y = over.p[0].y + ey * (along / length);
       const double own = of.height(p.x, p.y), other = over.height(x, y) + (swapped ? -falls : falls);
       if (swapped)
@@ -98,7 +98,7 @@ void clip_lines(const Figure& a, const Figure& b, double bend_a, double bend_b, 
         out.add({p.x, p.y, own, other - own});
     }
   };
-  ends(a, b, bend_b, false), ends(b, a, bend_a, true);
+  ends(a, b, curvature_b, false), ends(b, a, curvature_a, true);
 }
 
 void merge(Overlap& o, double eps) {
@@ -140,7 +140,7 @@ void hull(Overlap& o, double eps) {
   o.insert(deepest);
 }
 
-void thin_out(Overlap& o, int most, double eps) {
+void reduce_points(Overlap& o, int most, double eps) {
   while (o.count > most) {
     int deepest = 0;
     for (int i = 1; i < o.count; ++i)

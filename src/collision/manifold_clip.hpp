@@ -19,7 +19,7 @@ struct Corner {
 };
 
 // A feature in the plane across n: height(x, y) = h + gx x + gy y.
-struct Figure {
+struct PlanarFeature {
   int count = 0;
   Corner p[shape::Feature::most];
   double h, gx, gy;
@@ -28,17 +28,17 @@ struct Figure {
 };
 
 // The frame across n at an origin near the contact, so that nothing is lost far from the world's.
-struct Across {
+struct ContactPlane {
   Vec n, u, v, origin;
 
-  Across(const Vec& normal, const Vec& origin) : n(normal), u(shape::across(normal)), v(cross(normal, u)), origin(origin) {}
+  ContactPlane(const Vec& normal, const Vec& origin) : n(normal), u(shape::across(normal)), v(cross(normal, u)), origin(origin) {}
 };
 
 // Corners of a feature of the shape at X. towards: +1 when the other shape lies along n, -1 when against it. A face or a line that is
 // seen from its edge or its end is that edge or end.
-inline Figure project(const shape::Feature& f, const Pose& X, const Across& plane, double towards) {
+inline PlanarFeature project(const shape::Feature& f, const Pose& X, const ContactPlane& plane, double towards) {
   constexpr double steep = 0.05;  // cosine to n
-  Figure out;
+  PlanarFeature out;
   const Vec offset = X.p - plane.origin;
   Vec p[shape::Feature::most];
   p[0] = Vec::zero();
@@ -78,7 +78,7 @@ inline Figure project(const shape::Feature& f, const Pose& X, const Across& plan
 }
 
 // What a point lies on, as two numbers of 16 bits: a corner (equal), the edge between two (ascending), or the inside.
-inline std::uint32_t part_of(const Figure& f, double x, double y, double eps) {
+inline std::uint32_t part_of(const PlanarFeature& f, double x, double y, double eps) {
   auto name = [](std::uint32_t i, std::uint32_t j) { return std::min(i, j) << 16 | std::max(i, j); };
   for (int k = 0; k < f.count; ++k)
     if (shape::length2(f.p[k].x - x, f.p[k].y - y) <= eps) return name(f.p[k].id, f.p[k].id);
@@ -90,12 +90,12 @@ inline std::uint32_t part_of(const Figure& f, double x, double y, double eps) {
   return 0xffffffff;
 }
 
-inline std::uint64_t feature_of(const Figure& a, const Figure& b, const ClipPoint& p, double eps) {
+inline std::uint64_t feature_of(const PlanarFeature& a, const PlanarFeature& b, const ClipPoint& p, double eps) {
   return std::uint64_t(part_of(a, p.x, p.y, eps)) << 32 | part_of(b, p.x, p.y, eps);
 }
 
 // Counter-clockwise, as the clipping takes it.
-inline void orient(Figure& f) {
+inline void orient(PlanarFeature& f) {
   double area = 0;
   for (int k = 1; k + 1 < f.count; ++k)
     area += (f.p[k].x - f.p[0].x) * (f.p[k + 1].y - f.p[0].y) - (f.p[k].y - f.p[0].y) * (f.p[k + 1].x - f.p[0].x);
@@ -134,22 +134,22 @@ inline double inner(const Corner& a, const Corner& b, double x, double y) {
 }
 
 // Corners of the overlap of two faces, of a line and a face (swapped: the line is B's)
-void clip_faces(const Figure& a, const Figure& b, double eps, Overlap& out);
-void clip_line(const Figure& line, const Figure& face, double eps, bool swapped, Overlap& out);
+void clip_faces(const PlanarFeature& a, const PlanarFeature& b, double eps, Overlap& out);
+void clip_line(const PlanarFeature& line, const PlanarFeature& face, double eps, bool swapped, Overlap& out);
 // Two lines, each on a surface of that radius of curvature across: the ends of one over the other's surface, which falls off beside it.
-void clip_lines(const Figure& a, const Figure& b, double bend_a, double bend_b, double eps, Overlap& out);
+void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature_a, double curvature_b, double eps, Overlap& out);
 // The figure of a convex shape that faces the other one, which lies along the plane's normal (towards: +1) or against it (-1).
-Figure figure_of(const shape::Shape& s, const Pose& X, const Across& plane, double towards, double band, shape::Feature& feature);
+PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band, shape::Feature& feature);
 // Any two figures, faces counter-clockwise; a point has no overlap.
-void overlap_of(const Figure& a, double bend_a, const Figure& b, double bend_b, double eps, Overlap& out);
+void overlap_of(const PlanarFeature& a, double curvature_a, const PlanarFeature& b, double curvature_b, double eps, Overlap& out);
 // Over a plane at that height all corners count. swapped: they are B's
-void over_plane(const Figure& f, double plane, bool swapped, Overlap& out);
+void clip_against_plane(const PlanarFeature& f, double plane, bool swapped, Overlap& out);
 // The convex hull of the points, and the deepest when it lies deeper inside by more than eps.
 void hull(Overlap& overlap, double eps);
 // Of points that lie on one another the deepest stays.
 void merge(Overlap& overlap, double eps);
 // Down to `most` points: again and again the one that spans the smallest triangle with its neighbours goes (Visvalingam, Whyatt, Cartographic
 // Journal 30(1), 1993), never one that is deeper than all others by more than eps.
-void thin_out(Overlap& overlap, int most, double eps);
+void reduce_points(Overlap& overlap, int most, double eps);
 
 }  // namespace dyn::collision

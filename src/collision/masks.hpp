@@ -12,7 +12,7 @@ inline void set_masks(const Model& m, Data<double>& d, Index geom, const Masks& 
     const PairRecord& p = m.pairs()[k];
     if (p.a != geom && p.b != geom) continue;
     dynPairReason& state = d.pair_states[k];
-    const bool meet = masks_meet(d.geom_masks[p.a], d.geom_masks[p.b]);
+    const bool meet = masks_allow(d.geom_masks[p.a], d.geom_masks[p.b]);
     if (!meet && state == DYN_PAIR_REASON_TESTED) state = DYN_PAIR_REASON_MASK;
     if (meet && state == DYN_PAIR_REASON_MASK) state = DYN_PAIR_REASON_TESTED;
   }

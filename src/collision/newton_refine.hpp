@@ -43,7 +43,7 @@ struct Pieces {
     const Vec against = d.Rt * -n;
     int kept = 0;
     for (int i = 0; i < size; ++i) {
-      const Vertex p = d.slide(s[i], n, against);
+      const Vertex p = d.support_on_piece(s[i], n, against);
       auto apart = [&](const Vertex& q) {
         const Vec e = p.w - q.w;
         return dot(e, e) > 1e-24 * (dot(p.w, p.w) + d.small * d.small);
@@ -65,21 +65,21 @@ struct Pieces {
   }
 
   // Where f is not concave the step goes uphill all the same.
-  void plan() {
+  void compute_step() {
     const Vec u = shape::across(n), v = cross(n, u);
     change[0] = change[1] = change[2] = 0, near = true, flat = false;
-    const shape::Bend H = difference->bend(s, weight, size, n, u, v);
+    const shape::CurvatureRadii H = difference->curvature_radii(s, weight, size, n, u, v);
     const double a = H.uu + f, b = H.uv, c = H.vv + f, gu = -dot(u, y), gv = -dot(v, y);
     double du, dv;
     if (size == 1) {
-      const double mean = (a + c) / 2, least = mean - std::sqrt((a - c) * (a - c) / 4 + b * b), shift = uphill(least, mean) - least;
+      const double mean = (a + c) / 2, least = mean - std::sqrt((a - c) * (a - c) / 4 + b * b), shift = positive_curvature(least, mean) - least;
       const double as = a + shift, cs = c + shift, det = as * cs - b * b;
       du = (cs * gu - b * gv) / det, dv = (as * gv - b * gu) / det;
     } else if (size == 2) {
       const Vec e = s[1].w - s[0].w;
       const double eu = dot(u, e), ev = dot(v, e), ee = eu * eu + ev * ev;
       // along e by the height, across e by the gradient
-      const double along = -dot(n, e) / ee, across = (a * ev * ev - 2 * b * eu * ev + c * eu * eu) / ee, curved = uphill(across, across);
+      const double along = -dot(n, e) / ee, across = (a * ev * ev - 2 * b * eu * ev + c * eu * eu) / ee, curved = positive_curvature(across, across);
       const double ru = gu - along * (a * eu + b * ev), rv = gv - along * (b * eu + c * ev);
       const double side = (rv * eu - ru * ev) / ee / curved;
       du = along * eu - side * ev, dv = along * ev + side * eu;
@@ -100,7 +100,7 @@ struct Pieces {
     next = n + u * (du * shorter) + v * (dv * shorter);
     next = next * (1 / shape::norm(next));
   }
-  void take() {
+  void apply_step() {
     for (int i = 0; i < size; ++i) weight[i] += change[i];
     evaluate(next);
   }
@@ -123,7 +123,7 @@ struct Pieces {
     }
   }
   // a curvature, made positive
-  double uphill(double curvature, double mean) {
+  double positive_curvature(double curvature, double mean) {
     const double size = std::abs(f) + std::abs(mean);
     near = curvature > 0, flat = curvature <= 1e-7 * size;
     return std::max(std::abs(curvature), 1e-9 * size + 1e-300);
@@ -142,7 +142,7 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
   double before = shape::infinity, least = shape::infinity;
   for (int i = 0, stale = 0; i < 40 && stale < 8; ++i) {
     if (!(p.residual < shape::infinity)) break;
-    p.plan();
+    p.compute_step();
     // where f is nearly flat a small residual does not make the normal a good one
     if (p.residual <= 0.1 * wanted && (p.length <= 1e-8 || p.flat)) return true;
     if (p.residual <= std::min(acceptable, best.residual)) best = p;
@@ -152,7 +152,7 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
     const bool slow = p.near && p.residual >= before * 0.5;
     if (slow ? i > 2 && least <= acceptable : p.residual <= wanted && !p.near) break;
     before = p.residual;
-    p.take();
+    p.apply_step();
     // the next step would be as much shorter as the residual is smaller
     if (p.near && !p.flat && p.residual <= 0.1 * wanted && p.length * p.residual <= 1e-9 * before) return true;
   }
@@ -168,7 +168,7 @@ template <class D>
 inline bool on_face(const D& d, const Vec& n, Refined& out) {
   using A = std::decay_t<decltype(d.A_)>;
   using B = std::decay_t<decltype(d.B_)>;
-  if constexpr (A::faced) {
+  if constexpr (A::has_faces) {
     const shape::Face face = d.A_.face(n);
     if (face.exists) {
       const Vec m = face.normal, b = d.X.act(d.B_.support(d.Rt * -m));
@@ -179,7 +179,7 @@ inline bool on_face(const D& d, const Vec& n, Refined& out) {
       }
     }
   }
-  if constexpr (B::faced) {
+  if constexpr (B::has_faces) {
     const shape::Face face = d.B_.face(d.Rt * -n);
     if (face.exists) {
       const Vec m = d.X.R * -face.normal, a = d.A_.support(m);

@@ -11,7 +11,7 @@ Index contacts(const Model& m, Data<double>& d, double margin, dynContact* out, 
   const auto look = [&](Index ia, Index ib, Index pair) {
     const Geom &a = d.geoms[ia], &b = d.geoms[ib];
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
-    if (distance_at_least(a, A, b, B) > margin) return;
+    if (distance_lower_bound(a, A, b, B) > margin) return;
     contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
     for (int i = 0; i < found.count; ++i, ++count) {
       if (count >= capacity) continue;
@@ -28,7 +28,7 @@ Index contacts(const Model& m, Data<double>& d, double margin, dynContact* out, 
   search.set_up(m, d);
   search.place_all(d, margin);
   const bool ascending = search.for_each(d, [&](Index a, Index b) {
-    if (Index pair; tests(m, d, a, b, pair)) look(a, b, pair);
+    if (Index pair; is_tested(m, d, a, b, pair)) look(a, b, pair);
   });
   search.ready = false;  // steps have them otherwise
   if (!ascending) std::sort(out, out + std::min(count, capacity), comes_before);

@@ -31,55 +31,55 @@ inline bool parent_and_child(const JointRecord* joints, const Body* bodies, cons
   }
   return false;
 }
-inline bool neighbours(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index a, Index b) {
+inline bool adjacent(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index a, Index b) {
   return parent_and_child(joints, bodies, frames, a, b) || parent_and_child(joints, bodies, frames, b, a);
 }
 
-inline bool known(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_TYPE_MESH; }
+inline bool has_geometry(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_TYPE_MESH; }
 
 // Whether data tests two shapes, a < b. pair: its number, or -1 where it is not listed.
-inline bool tests(const Model& m, const Data<double>& d, Index a, Index b, Index& pair) {
+inline bool is_tested(const Model& m, const Data<double>& d, Index a, Index b, Index& pair) {
   if (pair = listed_pair(m, a, b); pair >= 0) return d.pair_states[pair] == DYN_PAIR_REASON_TESTED;
   if (lists_pairs(m)) return false;
   const auto frame = [&](Index geom) { return m.shapes()[m.geoms()[geom].shape].frame; };
-  return m.bodies()[d.geoms[a].body].joint != m.bodies()[d.geoms[b].body].joint && masks_meet(d.geom_masks[a], d.geom_masks[b]) &&
-         !neighbours(m.joints(), m.bodies(), m.frames(), frame(a), frame(b)) && known(m, a) && known(m, b);
+  return m.bodies()[d.geoms[a].body].joint != m.bodies()[d.geoms[b].body].joint && masks_allow(d.geom_masks[a], d.geom_masks[b]) &&
+         !adjacent(m.joints(), m.bodies(), m.frames(), frame(a), frame(b)) && has_geometry(m, a) && has_geometry(m, b);
 }
 
 // Whether steps of the model may look for pairs by boxes: from so many listed ones a shape on, boxes are cheaper.
-inline constexpr Index pairs_a_shape = 16;
-inline bool may_search(const Model& m) { return !lists_pairs(m) || m.n.pairs > pairs_a_shape * std::ptrdiff_t(m.n.geoms); }
+inline constexpr Index search_pairs_per_shape = 16;
+inline bool uses_pair_search(const Model& m) { return !lists_pairs(m) || m.n.pairs > search_pairs_per_shape * std::ptrdiff_t(m.n.geoms); }
 
 // A ball that a shape was alone in: while what it may reach stays in there, neither its box is looked at again nor what does not move.
-struct Alone {
+struct IsolatedSphere {
   shape::Vec center;
   double radius;  // less the shape's reach; 0 or less: not alone
 };
 
 struct PairSearch {
   bool ready;  // the lists and the boxes of what does not move are there
-  BroadPhase *moving, *fixed, *resting;              // of ids, which are places in the lists; resting: of what could move
-  Index *moving_geoms, *fixed_geoms, *vast_geoms;    // ascending; vast: without a box
-  Index moving_count, fixed_count, vast_count;
+  BroadPhase *moving, *fixed, *sleeping;              // of ids, which are places in the lists; resting: of what could move
+  Index *moving_geoms, *fixed_geoms, *unbounded_geoms;    // ascending; vast: without a box
+  Index moving_count, fixed_count, unbounded_count;
   Index* active;                                     // ids that are in moving, ascending
-  Alone* alone;                                      // by ids
+  IsolatedSphere* isolated;                                      // by ids
   Index active_count;
   IdPair* found;                                     // of what moves; from `others` on with anything else: both ascending
-  std::ptrdiff_t others, found_count, room;
+  std::ptrdiff_t first_other, found_count, capacity;
 
   static PairSearch* of(const Data<double>& d) { return reinterpret_cast<PairSearch*>(d.pair_search); }
   void set_up(const Model& m, Data<double>& d);
   // After set_up, and when they moved, boxes of what moves: of d.geom_poses, and of all within the margin.
   void place_all(const Data<double>& d, double margin);
   // Takes a shape, by its geom, out of the boxes of what moves, to be found by others alone; and back. Afterwards list_active.
-  void rest(const Data<double>& d, Index geom, double more);
-  void stir(Index geom);
+  void put_to_sleep(const Data<double>& d, Index geom, double more);
+  void wake(Index geom);
   void list_active();
   // Where a moving shape is, and all within `more` of it. Answers whether it is alone.
   bool place(const Data<double>& d, Index id, double more) {
     const Geom& g = d.geoms[moving_geoms[id]];
     const Pose& X = d.geom_poses[moving_geoms[id]];
-    const Alone& a = alone[id];
+    const IsolatedSphere& a = isolated[id];
     const shape::Vec way = X.p - a.center;
     if (const double left = a.radius - more; left > 0 && dot(way, way) <= left * left) return true;
     return move(d, g, X, id, more);
@@ -93,11 +93,11 @@ struct PairSearch {
         moving->query(moving->bounds(active[i]), [&](Index k) {
           if (k > active[i]) ordered(moving_geoms[active[i]], moving_geoms[k]);
         });
-      each_other(d, ordered);
+      for_each_other(d, ordered);
       return false;
     }
-    for (std::ptrdiff_t i = 0, j = others; i < others || j < found_count;) {
-      const IdPair p = j == found_count || (i < others && found[i] < found[j]) ? found[i++] : found[j++];
+    for (std::ptrdiff_t i = 0, j = first_other; i < first_other || j < found_count;) {
+      const IdPair p = j == found_count || (i < first_other && found[i] < found[j]) ? found[i++] : found[j++];
       f(first_of(p), second_of(p));
     }
     return true;
@@ -109,25 +109,25 @@ struct PairSearch {
   bool collect(const Data<double>& d);
   // What moves with what does not, and with what has no box.
   template <class F>
-  void each_other(const Data<double>& d, F&& f) {
+  void for_each_other(const Data<double>& d, F&& f) {
     for (Index i = 0; i < active_count; ++i) {
       const Index a = moving_geoms[active[i]];
       const Bounds& box = moving->bounds(active[i]);
-      if (alone[active[i]].radius > 0) continue;
+      if (isolated[active[i]].radius > 0) continue;
       fixed->query(box, [&](Index k) { f(a, fixed_geoms[k]); });
-      if (active_count < moving_count) resting->query(box, [&](Index k) { f(a, moving_geoms[k]); });
-      for (Index k = 0; k < vast_count; ++k) f(a, vast_geoms[k]);
+      if (active_count < moving_count) sleeping->query(box, [&](Index k) { f(a, moving_geoms[k]); });
+      for (Index k = 0; k < unbounded_count; ++k) f(a, unbounded_geoms[k]);
     }
-    for (Index k = 0; k < vast_count; ++k) {
-      if (d.geoms[vast_geoms[k]].body == 0) continue;
-      for (Index l = 0; l < fixed_count; ++l) f(vast_geoms[k], fixed_geoms[l]);
+    for (Index k = 0; k < unbounded_count; ++k) {
+      if (d.geoms[unbounded_geoms[k]].body == 0) continue;
+      for (Index l = 0; l < fixed_count; ++l) f(unbounded_geoms[k], fixed_geoms[l]);
       for (Index l = 0; active_count < moving_count && l < moving_count; ++l)
-        if (resting->has(l)) f(vast_geoms[k], moving_geoms[l]);
+        if (sleeping->has(l)) f(unbounded_geoms[k], moving_geoms[l]);
     }
   }
 };
 
 // The box of a shape and of all within `more` of it.
-Bounds swollen(const Geom& g, const Pose& X, double more);
+Bounds inflated_bounds(const Geom& g, const Pose& X, double more);
 
 }  // namespace dyn::collision

@@ -41,7 +41,7 @@ Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Ind
   for (Index k = 0; k < m.n.pairs; ++k) {
     if (d.pair_states[k] != DYN_PAIR_REASON_TESTED) continue;
     const PairRecord& p = m.pairs()[k];
-    if (distance_at_least(d.geoms[p.a], d.geom_poses[p.a], d.geoms[p.b], d.geom_poses[p.b]) > margin) continue;
+    if (distance_lower_bound(d.geoms[p.a], d.geom_poses[p.a], d.geoms[p.b], d.geom_poses[p.b]) > margin) continue;
     if (!(pair_distance(m, d, k).distance <= margin)) continue;
     if (count < capacity) pairs[count] = int(k);
     ++count;

@@ -24,9 +24,9 @@ RayHit cast(const Model& m, const Data<double>& d, const Vec& origin, const Vec&
     // the ball about the shape: behind, beyond the nearest hit, or passed by
     const Vec to = X.p - origin;
     const double along = dot(to, direction) / dd;
-    const double past = dot(to, to) - along * along * dd, reach = g.reach * (1 + 1e-12);
-    if (past > reach * reach + 1e-12 * dot(to, to) || (along < 0 && dot(to, to) > reach * reach)) continue;
-    if ((along - best.t) * (along - best.t) * dd > reach * reach && along > best.t) continue;
+    const double past = dot(to, to) - along * along * dd, radius = g.bounding_radius * (1 + 1e-12);
+    if (past > radius * radius + 1e-12 * dot(to, to) || (along < 0 && dot(to, to) > radius * radius)) continue;
+    if ((along - best.t) * (along - best.t) * dd > radius * radius && along > best.t) continue;
     shape::visit(g.shape, [&](const auto& s) {
       const shape::Hit h = s.ray(X.act_inverse(origin), transpose_times(X.R, direction));
       if (h.t < best.t || (h.t == best.t && best.geom < 0 && h.t < shape::infinity)) best = {h.t, k, X.R * h.normal};

@@ -20,7 +20,7 @@ enum class Status : Index {
 // parts the two, and that translation of B is along the normal. point_b - point_a = distance normal.
 struct Result {
   Status status;
-  bool second;  // found by the second method
+  bool from_fallback;  // found by the second method
   bool unique;  // no other pair of points, and no other normal, is as good: the distance is differentiable (gradient.hpp)
   Index iterations;
   double distance;
@@ -35,8 +35,8 @@ struct Options {
   double accepted = 1e-6;    // beyond: Failed
   double touching = 1e-9;
   Index max_iterations = 128;
-  SecondMethod second = nullptr;  // asked when the answer fails, or
-  bool second_first = false;      // first, of pairs without a closed form that overlap
+  FallbackMethod fallback = nullptr;  // asked when the answer fails, or
+  bool fallback_first = false;      // first, of pairs without a closed form that overlap
 };
 
 }  // namespace dyn::collision

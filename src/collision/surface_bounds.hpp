@@ -38,7 +38,7 @@ struct NearestPair {
   }
 };
 
-inline Bounds turned(const Bounds& b, const Pose& X) {
+inline Bounds transformed(const Bounds& b, const Pose& X) {
   const Vec c = X.act(middle(b)), h = half_of(b), r = sizes(X.R.x) * h[0] + sizes(X.R.y) * h[1] + sizes(X.R.z) * h[2];
   return {c - r, c + r};
 }
@@ -59,7 +59,7 @@ struct Corners {
       at[k] = p, box = {lesser(box.lower, p), greater(box.upper, p)};
     }
   }
-  double reach(const Vec& n) const {
+  double support_height(const Vec& n) const {
     double most = dot(n, at[0]);
     for (int k = 1; k < count; ++k) most = std::max(most, dot(n, at[k]));
     return most;

@@ -27,7 +27,7 @@ void guess(const S& a, const B& b, const Pose& X, NearestPair& nearest, Vec& n) 
   nearest.limit = least - a.radius - b.radius + nearest.tie;
 }
 
-void judge(Result& r, double size, const Options& o) {
+void set_status(Result& r, double size, const Options& o) {
   const double touching = o.touching * size;
   r.status = !(r.residual <= o.accepted * size) ? Status::Failed
              : r.distance > touching            ? Status::Separated
@@ -60,7 +60,7 @@ Result with_sphere(const S& a, const Sphere& b, const Pose& X, const Options& o)
   Result r{};
   r.unique = n.unique, r.distance = n.distance - b.radius, r.normal = n.normal;
   r.point_a = n.point, r.point_b = X.p - n.normal * b.radius;
-  judge(r, std::min(size_of(a), b.radius), o);
+  set_status(r, std::min(size_of(a), b.radius), o);
   return r;
 }
 
@@ -96,24 +96,24 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
   auto lower = [&](const auto& node) {
     const Bounds of = a.box(node);
     const Slab slab = a.slab(node);
-    double least = level - reach(of, slab, n);
+    double least = level - support_height(of, slab, n);
     if constexpr (!flat) {
       least = std::max(least, distance_between(of, box));
       if (least - a.radius <= nearest.limit) {
         const Vec across = toward(middle(of), center);
-        least = std::max(least, beyond(across, reach(of, slab, across)));
+        least = std::max(least, beyond(across, support_height(of, slab, across)));
       }
       if (least - a.radius <= nearest.limit) least = std::max(least, beyond(slab.normal, slab.high, -slab.low));
     }
     return least - a.radius;
   };
   auto lower_of_piece = [&](const Corners& f) {
-    double least = level - f.reach(n);
+    double least = level - f.support_height(n);
     if constexpr (!flat) {
       if (least - a.radius <= nearest.limit) least = std::max(least, distance_between(f.box, box));
       const Vec across = toward(f.center, center), m = f.normal;
-      if (least - a.radius <= nearest.limit) least = std::max(least, beyond(across, f.reach(across)));
-      if (least - a.radius <= nearest.limit) least = std::max(least, beyond(m, f.reach(m), f.reach(-m)));
+      if (least - a.radius <= nearest.limit) least = std::max(least, beyond(across, f.support_height(across)));
+      if (least - a.radius <= nearest.limit) least = std::max(least, beyond(m, f.support_height(m), f.support_height(-m)));
     }
     return least - a.radius;
   };
@@ -143,7 +143,7 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
         r.point_b = face.lowest, r.point_a = face.lowest + face.normal * face.depth;
       }
     }
-  judge(r, size, o);
+  set_status(r, size, o);
   if constexpr (!flat) {
     enclosed(a, Pose::identity(), inner, r, [&](const Vec& d) { return farthest(b, X, d); });
   }
@@ -166,27 +166,27 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
   Vec n = axis(2);
   guess(a, b, X, nearest, n);
   // along m, a direction of A: from what reaches so far in A to the part of B that `along` bounds
-  auto between = [&](const Vec& m, double up, auto&& reach_b) { return dot(m, X.p) - reach_b(transpose_times(X.R, -m)) - up; };
+  auto between = [&](const Vec& m, double up, auto&& support_height_b) { return dot(m, X.p) - support_height_b(transpose_times(X.R, -m)) - up; };
   auto lower = [&](const typename S::Node& i, const typename T::Node& j, const Bounds& x, const Bounds& y) {
     const double rounding = a.radius + b.radius;
     double least = distance_between(x, y) - rounding;
     if (!(least <= nearest.limit)) return least;
     const Slab p = a.slab(i), q = b.slab(j);
     const Bounds in_b = b.box(j);
-    auto reach_b = [&](const Vec& m) { return reach(in_b, q, m); };
-    auto consider = [&](const Vec& m, double up) { least = std::max(least, between(m, up, reach_b) - rounding); };
-    consider(n, reach(x, p, n));
+    auto support_height_b = [&](const Vec& m) { return support_height(in_b, q, m); };
+    auto consider = [&](const Vec& m, double up) { least = std::max(least, between(m, up, support_height_b) - rounding); };
+    consider(n, support_height(x, p, n));
     const Vec across = toward(middle(x), middle(y));
-    if (least <= nearest.limit) consider(across, reach(x, p, across));
+    if (least <= nearest.limit) consider(across, support_height(x, p, across));
     if (least <= nearest.limit) consider(p.normal, p.high), consider(-p.normal, -p.low);
     const Vec m = X.R * q.normal;
-    if (least <= nearest.limit) consider(m, reach(x, p, m)), consider(-m, reach(x, p, -m));
+    if (least <= nearest.limit) consider(m, support_height(x, p, m)), consider(-m, support_height(x, p, -m));
     return least;
   };
   auto lower_of_pieces = [&](const Corners& p, const Corners& q) {
     const double rounding = a.radius + b.radius;
     double least = -infinity;
-    auto consider = [&](const Vec& m) { least = std::max(least, -q.reach(-m) - p.reach(m) - rounding); };
+    auto consider = [&](const Vec& m) { least = std::max(least, -q.support_height(-m) - p.support_height(m) - rounding); };
     consider(n);
     if (least <= nearest.limit) consider(toward(p.center, q.center));
     if (least <= nearest.limit) consider(p.normal), consider(-p.normal);
@@ -217,7 +217,7 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
     }
   };
   auto descend = [&] {
-    push(S::root(a), T::root(b), a.box(S::root(a)), turned(b.box(T::root(b)), X), 0);
+    push(S::root(a), T::root(b), a.box(S::root(a)), transformed(b.box(T::root(b)), X), 0);
     while (depth > 0) {
       const Entry e = stack[--depth];
       if (!(e.lower <= nearest.limit)) continue;
@@ -229,13 +229,13 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
       else if (in_a > 0 && (in_b == 0 || largest(half_of(e.box_a)) >= largest(half_of(e.box_b))))
         for (Index i = 0; i < in_a; ++i) push(of_a[i], e.b, a.box(of_a[i]), e.box_b, first);
       else
-        for (Index i = 0; i < in_b; ++i) push(e.a, of_b[i], e.box_a, turned(b.box(of_b[i]), X), first);
+        for (Index i = 0; i < in_b; ++i) push(e.a, of_b[i], e.box_a, transformed(b.box(of_b[i]), X), first);
     }
   };
   descend();
   if (nearest.nothing()) descend();
   Result r = nearest.best;
-  judge(r, size, o);
+  set_status(r, size, o);
   if (enclosed(a, Pose::identity(), farthest(b, X, n), r, [&](const Vec& d) { return farthest(b, X, d); })) return r;
   exchange(r);
   enclosed(b, X, farthest(a, Pose::identity(), n), r, [&](const Vec& d) { return farthest(a, Pose::identity(), d); });

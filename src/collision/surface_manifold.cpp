@@ -22,14 +22,14 @@ Bounds grown(const Bounds& b, double by) {
 // f(figure) of all triangles in a region of the surface's frame that turn to the other shape and reach as far as `level` along the normal.
 // towards: +1 when the other lies along it, -1 when against it.
 template <class S, class F>
-void figures(const S& s, const Pose& X, const Across& plane, double towards, double level, const Bounds& region, F&& f) {
+void planar_triangles(const S& s, const Pose& X, const ContactPlane& plane, double towards, double level, const Bounds& region, F&& f) {
   const Vec n = transpose_times(X.R, plane.n) * towards;
   const double origin = towards * dot(plane.n, X.p - plane.origin) + s.radius;
   const bool everything = region.upper[0] == infinity;
   const double limit = 0;
   auto lower = [&](const auto& node) {
     const Bounds box = s.box(node);
-    const bool out = origin + reach(box, s.slab(node), n) < level || (!everything && distance_between(box, region) > 0);
+    const bool out = origin + support_height(box, s.slab(node), n) < level || (!everything && distance_between(box, region) > 0);
     return out ? infinity : 0;
   };
   auto leaf = [&](auto node) {
@@ -44,7 +44,7 @@ void figures(const S& s, const Pose& X, const Across& plane, double towards, dou
       if (origin + std::max({dot(n, corner[0]), dot(n, corner[1]), dot(n, corner[2])}) < level) continue;
       Feature feature;
       for (int k = 0; k < 3; ++k) feature.add(corner[k], s.number(node, i, k));
-      Figure figure = project(feature, X, plane, towards);
+      PlanarFeature figure = project(feature, X, plane, towards);
       orient(figure);
       figure.h += towards * s.radius;
       f(figure, box);
@@ -62,7 +62,7 @@ Bounds bounds_in(const Pose& X_WS, const Shape& other, const Pose& X_WO) {
   });
   return b;
 }
-Bounds turned(const Bounds& b, const Pose& X) {
+Bounds transformed(const Bounds& b, const Pose& X) {
   const Vec c = X.act(middle(b)), h = half_of(b), r = sizes(X.R.x) * h[0] + sizes(X.R.y) * h[1] + sizes(X.R.z) * h[2];
   return {c - r, c + r};
 }
@@ -84,13 +84,13 @@ struct Gathered {
 
   // level: the surface's triangle lies across the normal at the witness point. Of such, points beyond the margin count in the hull, too,
   // which then is that of one large face: what only the edges between its triangles cut out is inside.
-  void take(const Overlap& part, const Figure& a, const Figure& b, bool level) {
+  void take(const Overlap& part, const PlanarFeature& a, const PlanarFeature& b, bool level) {
     for (int i = 0; i < part.count; ++i) {
       ClipPoint p = part.p[i];
       if (!(level || p.gap <= s.margin) || p.gap < s.nearest.distance - s.eps) continue;
       p.feature = feature_of(a, b, p, s.same);
       if (level) p.feature = corner_alone(p.feature);
-      if (out.count == Overlap::most - 1) merge(out, s.same), hull(out, s.eps), thin_out(out, Overlap::most / 2, s.eps);
+      if (out.count == Overlap::most - 1) merge(out, s.same), hull(out, s.eps), reduce_points(out, Overlap::most / 2, s.eps);
       out.add(p);
     }
   }
@@ -105,31 +105,31 @@ void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pos
   const double level_a = -s.band, level_b = -s.nearest.distance - s.band;
   auto over_all_of = [&](const Shape& surface, const Pose& X, double towards, double level, const Bounds& region, auto&& f) {
     visit(surface, [&]<class S>(const S& x) {
-      if constexpr (is_surface(S::type)) figures(x, X, s.plane, towards, level, region, f);
+      if constexpr (is_surface(S::type)) planar_triangles(x, X, s.plane, towards, level, region, f);
     });
   };
-  auto clip = [&](const Figure& fa, double bend_a, const Figure& fb, double bend_b, bool level) {
+  auto clip = [&](const PlanarFeature& fa, double curvature_a, const PlanarFeature& fb, double curvature_b, bool level) {
     Overlap part;
-    overlap_of(fa, bend_a, fb, bend_b, s.eps, part);
+    overlap_of(fa, curvature_a, fb, curvature_b, s.eps, part);
     all.take(part, fa, fb, level);
   };
-  auto is_level = [&](const Figure& f, double height) { return std::max(std::abs(f.gx), std::abs(f.gy)) <= flat && std::abs(f.h - height) <= s.eps; };
+  auto is_level = [&](const PlanarFeature& f, double height) { return std::max(std::abs(f.gx), std::abs(f.gy)) <= flat && std::abs(f.h - height) <= s.eps; };
   auto against = [&](const Shape& surface, const Pose& X, const Shape& other, const Pose& X_O, double towards, double level) {
     Feature feature;
-    Figure of_other;
+    PlanarFeature of_other;
     const bool plane = other.type == Type::HalfSpace;
-    if (!plane) of_other = figure_of(other, X_O, s.plane, -towards, s.band, feature);
+    if (!plane) of_other = planar_feature_of(other, X_O, s.plane, -towards, s.band, feature);
     if (of_other.count > 2) orient(of_other);
-    const double bend = feature.bend + other.radius;
-    over_all_of(surface, X, towards, level, grown(bounds_in(X, other, X_O), wide), [&](const Figure& f, const Bounds&) {
+    const double curvature_radii = feature.curvature_radii + other.radius;
+    over_all_of(surface, X, towards, level, grown(bounds_in(X, other, X_O), wide), [&](const PlanarFeature& f, const Bounds&) {
       if (plane) {
         Overlap part;
-        over_plane(f, towards > 0 ? s.nearest.distance : 0, towards < 0, part);
+        clip_against_plane(f, towards > 0 ? s.nearest.distance : 0, towards < 0, part);
         towards > 0 ? all.take(part, f, of_other, false) : all.take(part, of_other, f, false);
       } else if (towards > 0) {
-        clip(f, 0, of_other, bend, is_level(f, 0));
+        clip(f, 0, of_other, curvature_radii, is_level(f, 0));
       } else {
-        clip(of_other, bend, f, 0, is_level(f, s.nearest.distance));
+        clip(of_other, curvature_radii, f, 0, is_level(f, s.nearest.distance));
       }
     });
   };
@@ -140,8 +140,8 @@ void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pos
   } else {
     const Mat Rt = transpose(X_WB.R);
     const Pose X_BA = {Rt * X_WA.R, Rt * (X_WA.p - X_WB.p)};
-    over_all_of(a, X_WA, 1, level_a, grown(bounds_in(X_WA, b, X_WB), wide), [&](const Figure& fa, const Bounds& box) {
-      over_all_of(b, X_WB, -1, level_b, grown(turned(box, X_BA), wide + a.radius + b.radius), [&](const Figure& fb, const Bounds&) { clip(fa, 0, fb, 0, false); });
+    over_all_of(a, X_WA, 1, level_a, grown(bounds_in(X_WA, b, X_WB), wide), [&](const PlanarFeature& fa, const Bounds& box) {
+      over_all_of(b, X_WB, -1, level_b, grown(transformed(box, X_BA), wide + a.radius + b.radius), [&](const PlanarFeature& fb, const Bounds&) { clip(fa, 0, fb, 0, false); });
     });
   }
   merge(out, s.same);

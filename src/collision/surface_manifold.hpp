@@ -11,7 +11,7 @@ struct ContactSearch {
   const Result& nearest;
   double margin, band;  // m; band: how far below the nearest point a surface may lie
   double eps, same;     // m; within eps points are on one line or one plane, within same they are one
-  const Across& plane;
+  const ContactPlane& plane;
 };
 
 // The corners of the overlaps of all triangles that turn to the other shape: their convex hull seen along the normal, which merges triangles

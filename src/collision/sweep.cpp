@@ -10,11 +10,11 @@ namespace {
 
 // How far a core reaches from its origin, and with its rounding. Turning a ball about its centre moves none of it: the rounding
 // does not count as a lever.
-struct Reach {
+struct CoreRadii {
   double core, all;
 };
-Reach reach_of(const shape::Shape& s) {
-  Reach r{};
+CoreRadii core_radii_of(const shape::Shape& s) {
+  CoreRadii r{};
   shape::visit(s, [&](const auto& x) { r = {x.extent(), x.extent() + x.radius}; });
   return r;
 }
@@ -30,7 +30,7 @@ double turning(const Vec& n, const Vec& w, double lever) {
 Pose Moving::at(double t) const { return {dot(w, w) > 0 ? exp3(w * t) * X.R : X.R, X.p + v * t}; }
 
 Impact sweep(const Moving& a, const Moving& b, double duration, Workspace& workspace, const SweepOptions& options) {
-  const Reach ra = reach_of(a.shape), rb = reach_of(b.shape);
+  const CoreRadii ra = core_radii_of(a.shape), rb = core_radii_of(b.shape);
   const double enough = options.margin + options.tolerance * std::min(ra.all, rb.all);
   Impact out{Impact::Status::None, 0, 0, {}};
   for (;;) {

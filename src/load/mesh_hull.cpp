@@ -91,11 +91,11 @@ Mesh hull_of(const Mesh& from) {
 double depth_under(const Mesh& mesh, const Polytope& p) {
   const std::vector<HalfEdge> edges = half_edges(p);
   const std::size_t faces = p.face_start.size() - 1;
-  std::vector<Index> beside(p.face_corners.size());  // the face across each edge
+  std::vector<Index> adjacent_face(p.face_corners.size());  // the face across each edge
   for (std::size_t f = 0; f < faces; ++f)
     for (Index k = p.face_start[f], end = p.face_start[f + 1]; k < end; ++k) {
       const Index from = p.face_corners[std::size_t(k)], to = p.face_corners[std::size_t(k + 1 < end ? k + 1 : p.face_start[f])];
-      beside[std::size_t(k)] = std::lower_bound(edges.begin(), edges.end(), HalfEdge{to, from, 0})->face;
+      adjacent_face[std::size_t(k)] = std::lower_bound(edges.begin(), edges.end(), HalfEdge{to, from, 0})->face;
     }
   std::vector<double> height(faces);  // of the centre under each face
   for (std::size_t f = 0; f < faces; ++f) height[f] = p.planes[4 * f + 3] - dot(load3(p.planes.data() + 4 * f), p.center);
@@ -110,7 +110,7 @@ double depth_under(const Mesh& mesh, const Polytope& p) {
       up = false;
       const std::size_t here = at;
       for (Index k = p.face_start[here]; k < p.face_start[here + 1]; ++k) {
-        const std::size_t f = std::size_t(beside[std::size_t(k)]);
+        const std::size_t f = std::size_t(adjacent_face[std::size_t(k)]);
         if (const double x = ratio(f); x > most) most = x, at = f, up = true;
       }
     }

@@ -13,22 +13,22 @@ using namespace load;
 
 namespace {
 
-constexpr double largest = 1e30;  // metres: fifth powers are finite
+constexpr double max_coordinate = 1e30;  // metres: fifth powers are finite
 
 // Vertices by the cell of space that they lie in: cells of the tolerance's size, or of single points.
-class Cells {
+class VertexGrid {
  public:
-  Cells(std::size_t points, double tolerance)
+  VertexGrid(std::size_t points, double tolerance)
       : tolerance_(tolerance), heads_(std::bit_ceil(2 * points + 1), -1) { next_.reserve(points); }
 
   // The vertex that this one is welded to; itself when it is the first there.
   Index add(const double* p, std::vector<double>& vertices) {
     std::int64_t home[3];
     for (int k = 0; k < 3; ++k) home[k] = cell(p[k]);
-    const int reach = tolerance_ > 0 ? 1 : 0;
-    for (int dx = -reach; dx <= reach; ++dx)
-      for (int dy = -reach; dy <= reach; ++dy)
-        for (int dz = -reach; dz <= reach; ++dz)
+    const int cells_around = tolerance_ > 0 ? 1 : 0;
+    for (int dx = -cells_around; dx <= cells_around; ++dx)
+      for (int dy = -cells_around; dy <= cells_around; ++dy)
+        for (int dz = -cells_around; dz <= cells_around; ++dz)
           for (Index i = heads_[slot(home[0] + dx, home[1] + dy, home[2] + dz)]; i >= 0; i = next_[std::size_t(i)])
             if (near(p, vertices.data() + 3 * std::ptrdiff_t(i))) return i;
     const Index added = Index(next_.size());
@@ -57,7 +57,7 @@ class Cells {
 };
 
 // No area, within rounding: the corners lie on a line.
-bool on_a_line(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
+bool is_degenerate(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
   const Vec3<double> e = b - a, f = c - b, g = a - c;
   const double longest = std::max({dot(e, e), dot(f, f), dot(g, g)});
   return !(length(cross(e, g)) > 1e-14 * longest);
@@ -68,17 +68,17 @@ struct Triangle {
   bool operator==(const Triangle&) const = default;
 };
 // The same triangle, passed the same way, beginning with its lowest corner.
-Triangle turned(Triangle t) {
+Triangle canonical(Triangle t) {
   while (t.a > t.b || t.a > t.c) t = {t.b, t.c, t.a};
   return t;
 }
 
 // Whether a triangle is the first of its kind.
-class Seen {
+class TriangleSet {
  public:
-  explicit Seen(std::size_t n) : slots_(std::bit_ceil(2 * n + 1), {-1, -1, -1}) {}
+  explicit TriangleSet(std::size_t n) : slots_(std::bit_ceil(2 * n + 1), {-1, -1, -1}) {}
   bool add(const Triangle& given) {
-    const Triangle t = turned(given);
+    const Triangle t = canonical(given);
     std::uint64_t h = (std::uint64_t(std::uint32_t(t.a)) << 32 | std::uint32_t(t.b)) * 0x9e3779b97f4a7c15u;
     h = (h ^ h >> 31 ^ std::uint32_t(t.c)) * 0xbf58476d1ce4e5b9u;
     for (std::size_t i = std::size_t(h >> 20);; ++i) {
@@ -101,11 +101,11 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
   for (std::int64_t i = 0; i < 3 * n; ++i) {
     const std::string where = "vertex " + std::to_string(i / 3) + " has " + std::string(1, "xyz"[i % 3]) + " = ";
     if (!std::isfinite(points[i])) fail(DYN_ERROR_NONFINITE, where + (std::isnan(points[i]) ? "NaN" : "infinity") + ": export the mesh again");
-    if (std::abs(points[i]) > largest) fail(DYN_ERROR_LIMIT, where + text(points[i]) + " m, and the limit is " + text(largest));
+    if (std::abs(points[i]) > max_coordinate) fail(DYN_ERROR_LIMIT, where + text(points[i]) + " m, and the limit is " + text(max_coordinate));
   }
   double size = 0;
   for (std::int64_t i = 0; i < 3 * n; ++i) size = std::max(size, std::abs(points[i]));
-  if (!(weld_tolerance >= 0) || !(weld_tolerance <= largest)) fail(DYN_ERROR_ARGUMENT, "the weld tolerance is " + text(weld_tolerance) + ": give metres, at least 0");
+  if (!(weld_tolerance >= 0) || !(weld_tolerance <= max_coordinate)) fail(DYN_ERROR_ARGUMENT, "the weld tolerance is " + text(weld_tolerance) + ": give metres, at least 0");
   if (weld_tolerance < size * 1e-15) weld_tolerance = 0;  // that is one rounding
 
   std::vector<bool> used(static_cast<std::size_t>(n), m == 0);
@@ -117,7 +117,7 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
   }
 
   Mesh out;
-  Cells cells{std::size_t(n), weld_tolerance};
+  VertexGrid cells{std::size_t(n), weld_tolerance};
   std::vector<Index> id(static_cast<std::size_t>(n), -1);
   for (std::int64_t i = 0; i < n; ++i)
     if (used[std::size_t(i)]) {
@@ -126,7 +126,7 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
       out.welded += id[std::size_t(i)] < before;
     }
 
-  Seen seen{std::size_t(m)};
+  TriangleSet seen{std::size_t(m)};
   std::vector<Index> all;  // those without area included: they, too, join others
   all.reserve(3 * std::size_t(m));
   out.triangles.reserve(3 * std::size_t(m));
@@ -142,7 +142,7 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
       continue;
     }
     all.insert(all.end(), {a, b, c});
-    if (on_a_line(out.vertex(a), out.vertex(b), out.vertex(c))) ++out.degenerate;
+    if (is_degenerate(out.vertex(a), out.vertex(b), out.vertex(c))) ++out.degenerate;
     else {
       out.triangles.insert(out.triangles.end(), {a, b, c});
       if (colours) out.colours.push_back(colours[t]);

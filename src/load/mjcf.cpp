@@ -31,7 +31,7 @@ void read_world(MjcfFile& file, Element& world, const MjcfContext& context, cons
 }
 
 // Of one body alone what ties it to the others of its model stays away with them.
-void leave_out_what_is_missing(MjcfRobot& robot, size_t excludes, size_t pairs, size_t equalities) {
+void drop_unresolved_references(MjcfRobot& robot, size_t excludes, size_t pairs, size_t equalities) {
   std::set<std::string> bodies, joints, sites, geoms;
   for (const MjcfBody& b : robot.bodies) {
     bodies.insert(b.name);
@@ -77,7 +77,7 @@ void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, c
   each("contact", [&](Element& e) { read_mjcf_contact(file, e, context); });
   each("actuator", [&](Element& e) { read_mjcf_actuators(file, e, context); });
   each("equality", [&](Element& e) { read_mjcf_equalities(file, e, context); });
-  if (file.part) leave_out_what_is_missing(file.robot, excludes, pairs, equalities);
+  if (file.part) drop_unresolved_references(file.robot, excludes, pairs, equalities);
   each("keyframe", [&](Element& e) {
     if (main) read_mjcf_keys(file, e, context);
     else source.report(e).info(line(e), "<keyframe> of an attached model: not used");

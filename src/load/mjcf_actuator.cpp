@@ -69,7 +69,7 @@ const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) 
 }
 
 // Armature and damping of the motor itself are the joint's, by the square of the gear.
-void carry(const Reader& reader, const Element& e, const MjcfActuator& actuator, MjcfJoint& joint) {
+void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuator& actuator, MjcfJoint& joint) {
   for (const auto& [attribute, values] : {std::pair{"armature", &joint.spec.armature}, {"damping", &joint.spec.damping}}) {
     const auto given = reader.numbers(e, attribute);
     if (!given || given->empty()) continue;
@@ -129,12 +129,12 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
       double (&range)[2] = kind == "intvelocity" ? actuator.spec.act_range : actuator.spec.control_range;
       range[0] = middle - half, range[1] = middle + half;
     }
-    carry(reader, *e, actuator, *joint);
+    add_motor_inertia(reader, *e, actuator, *joint);
     file.robot.actuators.push_back(std::move(actuator));
   }
 }
 
-void bound_mjcf_actuators(MjcfRobot& robot) {
+void limit_mjcf_actuators(MjcfRobot& robot) {
   for (MjcfBody& body : robot.bodies)
     for (MjcfJoint& j : body.joints) {
       if (!j.force) continue;
@@ -149,7 +149,7 @@ void bound_mjcf_actuators(MjcfRobot& robot) {
 }
 
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot) {
-  for (const MjcfActuator& a : robot.actuators) located(a.place, [&] { builder.actuator(a.name, a.spec, a.joint); });
+  for (const MjcfActuator& a : robot.actuators) with_location(a.place, [&] { builder.actuator(a.name, a.spec, a.joint); });
 }
 
 }  // namespace dyn::load

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "mesh_stand.hpp"
+#include "collision_mesh.hpp"
 #include "mjcf_robot.hpp"
 #include "model/builder_surface.hpp"
 
@@ -191,12 +191,12 @@ void MjcfAssets::mesh(const Element& e, const std::string& name, bool needed, Mj
   geom.mesh = entry.mesh;
   geom.rule = attribute(asset, "inertia");
   if (!touches) return;
-  const MeshStand stand = stand_for(*entry.mesh, options_.meshes);
-  const std::string said = "mesh " + load::quoted(name) + stand.said;
-  if (stand.warning) geom.place.warning(said);
-  else geom.place.info(said);
+  const CollisionMesh collision = collision_mesh_of(*entry.mesh, options_.meshes);
+  const std::string message = "mesh " + load::quoted(name) + collision.message;
+  if (collision.warning) geom.place.warning(message);
+  else geom.place.info(message);
   geom.shape.type = options_.meshes == DYN_MESH_USE_HULL ? DYN_SHAPE_TYPE_CONVEX : DYN_SHAPE_TYPE_TRIANGLES;
-  geom.shape.surface = stand.surface;
+  geom.shape.surface = collision.surface;
 }
 
 bool MjcfAssets::height_field(const Element& e, const std::string& name, MjcfGeom& geom) {

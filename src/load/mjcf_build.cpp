@@ -19,7 +19,7 @@ Placement placement(const Pose& X) {
 }
 
 // The motion of a joint's frame by a coordinate.
-Pose moved(const MjcfJoint& j, double q) {
+Pose joint_motion(const MjcfJoint& j, double q) {
   Pose X = Pose::identity();
   if (j.spec.type == DYN_JOINT_TYPE_REVOLUTE) X.R = exp3(j.axis * q);
   if (j.spec.type == DYN_JOINT_TYPE_PRISMATIC) X.p = j.axis * q;
@@ -33,12 +33,12 @@ void name_joints(MjcfBody& body) {
 }
 
 // What a body's links, shapes and frames hang on, and where the body is there.
-struct Carrier {
+struct Attachment {
   Parent parent;
   Pose X;
 };
 
-Carrier add_joints(Builder& builder, const MjcfRobot& robot, MjcfBody& body) {
+Attachment add_joints(Builder& builder, const MjcfRobot& robot, MjcfBody& body) {
   Parent on = body.parent == 0 ? Parent{"", 0} : Parent{robot.bodies[size_t(body.parent)].name, DYN_FRAME_TYPE_BODY};
   Pose X = body.X;  // of the body at the drawn configuration, in what carries the next joint
   for (MjcfJoint& j : body.joints) {
@@ -46,12 +46,12 @@ Carrier add_joints(Builder& builder, const MjcfRobot& robot, MjcfBody& body) {
       X = Pose::identity();  // its coordinates are the body's pose in the world
     } else {
       X.p += X.R * j.anchor;
-      X = X * moved(j, -j.reference);
+      X = X * joint_motion(j, -j.reference);
       j.spec.axis = {j.axis[0], j.axis[1], j.axis[2]};
     }
     j.spec.parent = on;
     j.spec.placement = placement(X);
-    located(j.place, [&] { builder.joint(j.spec); });
+    with_location(j.place, [&] { builder.joint(j.spec); });
     on = {j.spec.name, DYN_FRAME_TYPE_JOINT};
     X = {Mat3<double>::identity(), -j.anchor};
   }
@@ -60,11 +60,11 @@ Carrier add_joints(Builder& builder, const MjcfRobot& robot, MjcfBody& body) {
 
 void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const MjcfMass& mass) {
   name_joints(body);
-  const Carrier carrier = add_joints(builder, robot, body);
+  const Attachment attachment = add_joints(builder, robot, body);
   std::array<double, 9> inertia;
   store33(mass.inertia.full(), inertia.data());
-  located(body.place, [&] {
-    builder.body(body.name, carrier.parent, placement(carrier.X), mass.mass, {mass.com[0], mass.com[1], mass.com[2]}, inertia);
+  with_location(body.place, [&] {
+    builder.body(body.name, attachment.parent, placement(attachment.X), mass.mass, {mass.com[0], mass.com[1], mass.com[2]}, inertia);
     if (body.compensation != 0) builder.gravity_compensation(body.name, body.compensation);
   });
 }
@@ -75,14 +75,14 @@ void add_shapes_and_sites(Builder& builder, MjcfBody& body, bool world, const st
     if (g.shape.type == DYN_SHAPE_TYPE_HALF_SPACE && g.shape.role == DYN_SHAPE_ROLE_VISUAL) continue;  // a picture of the ground
     g.shape.body = world ? "universe" : body.name;
     g.shape.placement = placement(g.X);
-    located(g.place, [&] { builder.shape(g.shape); });
+    with_location(g.place, [&] { builder.shape(g.shape); });
   }
   for (MjcfSite& s : body.sites) {
     if (joints.count(s.name)) {
       s.place.info("the frame is called " + load::quoted(s.name + "_site"));
       s.name += "_site";
     }
-    located(s.place, [&] { builder.frame(s.name, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_TYPE_BODY}, placement(s.X), DYN_FRAME_TYPE_OP_FRAME); });
+    with_location(s.place, [&] { builder.frame(s.name, world ? Parent{"", 0} : Parent{body.name, DYN_FRAME_TYPE_BODY}, placement(s.X), DYN_FRAME_TYPE_OP_FRAME); });
   }
 }
 
@@ -95,11 +95,11 @@ std::vector<double> coordinates(const MjcfJoint& j, const double* qpos) {
 }
 
 // The configuration that the file draws, where it is not the neutral one, is the first key.
-void add_drawn(MjcfRobot& robot) {
-  bool drawn = false;
+void add_initial_key(MjcfRobot& robot) {
+  bool needs_key = false;
   for (const MjcfBody& body : robot.bodies)
-    for (const MjcfJoint& j : body.joints) drawn = drawn || j.reference != 0 || j.spec.type == DYN_JOINT_TYPE_FREE_FLYER;
-  if (!drawn) return;
+    for (const MjcfJoint& j : body.joints) needs_key = needs_key || j.reference != 0 || j.spec.type == DYN_JOINT_TYPE_FREE_FLYER;
+  if (!needs_key) return;
   MjcfKey qpos0{robot.bodies[0].place, "qpos0", {}};
   for (const MjcfBody& body : robot.bodies)
     for (const MjcfJoint& j : body.joints) {
@@ -127,7 +127,7 @@ void add_configurations(Builder& builder, const MjcfRobot& robot) {
     const double* q = key.qpos.data();
     for (const MjcfBody& body : robot.bodies)
       for (const MjcfJoint& j : body.joints) joints.emplace_back(j.spec.name, coordinates(j, q)), q += joint_nq(j.spec.type);
-    located(key.place, [&] { builder.configuration_of_joints(key.name, joints); });
+    with_location(key.place, [&] { builder.configuration_of_joints(key.name, joints); });
   }
 }
 
@@ -153,15 +153,15 @@ std::string universe(const std::string& body) { return body == "world" ? "univer
 ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& options) {
   const std::vector<MjcfMass> masses = mjcf_masses(robot);
   const MjcfPlace file{robot.bodies[0].place.report, 0, ""};
-  add_drawn(robot);
+  add_initial_key(robot);
   if (has_springdampers(robot)) {
-    Builder loose(robot.name);
-    add_mechanism(loose, robot, masses);
-    find_mjcf_springs(*located(file, [&] { return loose.finish(); }), robot);
+    Builder bodies_only(robot.name);
+    add_mechanism(bodies_only, robot, masses);
+    compute_mjcf_springs(*with_location(file, [&] { return bodies_only.finish(); }), robot);
   }
   Builder builder(robot.name);
-  located(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind); });
-  mark_mjcf_pairs(robot), bound_mjcf_actuators(robot);
+  with_location(file, [&] { builder.gravity(robot.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity), builder.medium(robot.density, robot.viscosity, robot.wind); });
+  mark_mjcf_pairs(robot), limit_mjcf_actuators(robot);
   add_mechanism(builder, robot, masses);
   std::set<std::string> joints;
   for (const MjcfBody& body : robot.bodies)
@@ -169,12 +169,12 @@ ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& opt
   for (size_t i = 0; i < robot.bodies.size(); ++i) add_shapes_and_sites(builder, robot.bodies[i], i == 0, joints);
   for (const MjcfExclude& x : robot.excludes) {
     for (const std::string& name : x.bodies) check_body(robot, x.place, name);
-    located(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
+    with_location(x.place, [&] { builder.disabled_pair(universe(x.bodies[0]), universe(x.bodies[1]), "exclude"); });
   }
-  if (damped_by_ratio(robot)) find_mjcf_damping(*located(file, [&] { return builder.finish(); }), robot);
+  if (damped_by_ratio(robot)) compute_mjcf_damping(*with_location(file, [&] { return builder.finish(); }), robot);
   add_mjcf_actuators(builder, robot), add_mjcf_equalities(builder, robot), add_mjcf_pairs(builder, robot);
   for (const Report::Entry& e : source.finish()) builder.report(e.level, e.line, e.message);
-  return located(file, [&] { return builder.finish(); });
+  return with_location(file, [&] { return builder.finish(); });
 }
 
 }  // namespace dyn::load

@@ -20,13 +20,13 @@ struct FreeBlock {
 };
 
 // Of M^-1 at the model's configuration "qpos0", or its neutral one, by the acceleration that a unit force adds.
-struct Response {
+struct InverseInertia {
   const Model& m;
   std::unique_ptr<void, FreeBlock> arena;
   Data<double> d;
   std::vector<double> zero, tau, rest, pushed;
 
-  explicit Response(const Model& model)
+  explicit InverseInertia(const Model& model)
       : m(model), arena(allocate_block(data_bytes<double>(m, DYN_PART_FORWARD))), zero(size_t(m.n.nv)), tau(size_t(m.n.nv)), rest(size_t(m.n.nv)), pushed(size_t(m.n.nv)) {
     if (!arena) throw std::bad_alloc();
     data_layout(m, DYN_PART_FORWARD, arena.get(), d);
@@ -49,16 +49,16 @@ bool has_springdampers(const MjcfRobot& robot) {
   });
 }
 
-void find_mjcf_springs(const Model& m, MjcfRobot& robot) {
-  Response response(m);
+void compute_mjcf_springs(const Model& m, MjcfRobot& robot) {
+  InverseInertia inverse_inertia(m);
   for (MjcfBody& b : robot.bodies)
     for (MjcfJoint& j : b.joints) {
       if (!(j.time_constant > 0)) continue;
       const JointRecord* const joint = std::find_if(m.joints(), m.joints() + m.n.joints, [&](const JointRecord& r) { return m.string(r.name) == j.spec.name; });
-      double give = 0;
-      for (Index k = 0; k < joint->nv; ++k) give += response(joint->idx_v + k) / joint->nv;
-      const double period = j.time_constant * j.damping_ratio, stiffness = 1 / (give * period * period), damping = 2 / (give * j.time_constant);
-      if (!(give > 0) || !std::isfinite(stiffness) || !std::isfinite(damping))
+      double inverse_inertia_jj = 0;
+      for (Index k = 0; k < joint->nv; ++k) inverse_inertia_jj += inverse_inertia(joint->idx_v + k) / joint->nv;
+      const double period = j.time_constant * j.damping_ratio, stiffness = 1 / (inverse_inertia_jj * period * period), damping = 2 / (inverse_inertia_jj * j.time_constant);
+      if (!(inverse_inertia_jj > 0) || !std::isfinite(stiffness) || !std::isfinite(damping))
         j.place.fail(DYN_ERROR_INVALID, "its springdamper, with the inertia that it feels, gives no finite stiffness and damping");
       if (!j.spec.stiffness.empty()) std::fill(j.spec.stiffness.begin(), j.spec.stiffness.end(), stiffness);
       std::fill(j.spec.damping.begin(), j.spec.damping.end(), damping);
@@ -69,15 +69,15 @@ bool damped_by_ratio(const MjcfRobot& robot) {
   return std::any_of(robot.actuators.begin(), robot.actuators.end(), [](const MjcfActuator& a) { return a.damping_ratio > 0; });
 }
 
-void find_mjcf_damping(const Model& m, MjcfRobot& robot) {
-  Response response(m);
+void compute_mjcf_damping(const Model& m, MjcfRobot& robot) {
+  InverseInertia inverse_inertia(m);
   for (MjcfActuator& a : robot.actuators) {
     if (!(a.damping_ratio > 0)) continue;
     const JointRecord* const joint = std::find_if(m.joints(), m.joints() + m.n.joints, [&](const JointRecord& j) { return m.string(j.name) == a.joint; });
-    const double give = a.spec.gear * a.spec.gear * response(joint->idx_v + a.spec.component);
+    const double inverse_inertia_jj = a.spec.gear * a.spec.gear * inverse_inertia(joint->idx_v + a.spec.component);
     const bool servo = a.spec.type == DYN_ACTUATOR_TYPE_POSITION;
-    const double kp = servo ? a.spec.kp : a.spec.gain, kv = give > 0 ? 2 * a.damping_ratio * std::sqrt(kp / give) : 0;
-    if (!(give > 0) || !std::isfinite(kv)) a.place.fail(DYN_ERROR_INVALID, "its damping is given as a ratio, and what it moves has no inertia");
+    const double kp = servo ? a.spec.kp : a.spec.gain, kv = inverse_inertia_jj > 0 ? 2 * a.damping_ratio * std::sqrt(kp / inverse_inertia_jj) : 0;
+    if (!(inverse_inertia_jj > 0) || !std::isfinite(kv)) a.place.fail(DYN_ERROR_INVALID, "its damping is given as a ratio, and what it moves has no inertia");
     (servo ? a.spec.kv : a.spec.bias[2]) = servo ? kv : -kv;
   }
 }

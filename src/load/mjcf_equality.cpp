@@ -21,7 +21,7 @@ const MjcfBody& body_named(const MjcfRobot& robot, const MjcfEquality& e, const 
 }
 
 // Where the file draws a body, in the world.
-Pose drawn(const MjcfRobot& robot, const MjcfBody& b) { return b.parent < 0 ? b.X : drawn(robot, robot.bodies[size_t(b.parent)]) * b.X; }
+Pose initial_pose(const MjcfRobot& robot, const MjcfBody& b) { return b.parent < 0 ? b.X : initial_pose(robot, robot.bodies[size_t(b.parent)]) * b.X; }
 
 const MjcfJoint& joint_named(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
   for (const MjcfBody& b : robot.bodies)
@@ -92,15 +92,15 @@ void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
       const MjcfJoint& second = joint_named(robot, e, e.second);
       shift(e.numbers, second.reference, c.coefficients);
       c.coefficients[0] += first.reference;
-      located(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {e.second, 0}); });
+      with_location(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {e.second, 0}); });
       continue;
     }
     if (e.sites) {
-      located(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {e.second, 0}); });
+      with_location(e.place, [&] { builder.constraint(e.name, c, {e.first, 0}, {e.second, 0}); });
       continue;
     }
     const MjcfBody &a = body_named(robot, e, e.first), &b = body_named(robot, e, e.second);
-    const Pose X_ab = drawn(robot, a).inverse() * drawn(robot, b);
+    const Pose X_ab = initial_pose(robot, a).inverse() * initial_pose(robot, b);
     const Vec3<double> anchor = load3(e.anchor->data());
     Pose in_a = {Mat3<double>::identity(), anchor}, in_b = in_a;
     if (e.kind == "connect") {
@@ -111,7 +111,7 @@ void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
     }
     store_se3(in_a, c.placement1), store_se3(in_b, c.placement2);
     // a body that is fixed to the world may be first: the constraint is the same with the two exchanged
-    located(e.place, [&] { builder.constraint(e.name, c, frame_of(a), frame_of(b)); });
+    with_location(e.place, [&] { builder.constraint(e.name, c, frame_of(a), frame_of(b)); });
   }
 }
 
@@ -146,7 +146,7 @@ void mark_mjcf_pairs(MjcfRobot& robot) {
 }
 
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot) {
-  for (const MjcfPair& p : robot.pairs) located(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], p.material ? &*p.material : nullptr); });
+  for (const MjcfPair& p : robot.pairs) with_location(p.place, [&] { builder.pair(p.geoms[0], p.geoms[1], p.material ? &*p.material : nullptr); });
 }
 
 }  // namespace dyn::load

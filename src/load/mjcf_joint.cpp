@@ -48,7 +48,7 @@ double coefficient(const Reader& reader, const Element& e, const char* attribute
 }
 
 // The angle of its rotation is at most `most`; half a turn and more is no limit to it beyond half a turn.
-void bound_ball(const Reader& reader, const Element& e, double least, double most, JointSpec& spec) {
+void limit_ball(const Reader& reader, const Element& e, double least, double most, JointSpec& spec) {
   if (least != 0) reader.bad_numbers(e, "range", "that of a ball joint begins at 0: its second number is the largest angle");
   if (most > half_turn * (1 + 1e-12)) return;
   spec.lower.assign(4, -no_limit), spec.lower[3] = std::max(0.0, std::cos(most / 2));
@@ -96,7 +96,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (const auto limits = spec.type == DYN_JOINT_TYPE_FREE_FLYER ? std::nullopt : range(reader, e, "range", "limited", file.compiler.autolimits)) {
     const auto end = [&](double x) { return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x; };  // one end alone
     if (scalar) spec.lower = {end((*limits)[0])}, spec.upper = {end((*limits)[1])};
-    else bound_ball(reader, e, unit * (*limits)[0], unit * (*limits)[1], spec);
+    else limit_ball(reader, e, unit * (*limits)[0], unit * (*limits)[1], spec);
   }
   if (const auto force = range(reader, e, "actuatorfrcrange", "actuatorfrclimited", file.compiler.autolimits); force && scalar)
     joint.force = force, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};

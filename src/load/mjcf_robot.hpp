@@ -26,7 +26,7 @@ struct MjcfPlace {
 
 // What a call of the builder throws, with the place in front.
 template <class Call>
-auto located(const MjcfPlace& place, const Call& call) {
+auto with_location(const MjcfPlace& place, const Call& call) {
   try {
     return call();
   } catch (const Error& e) {
@@ -203,13 +203,13 @@ void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
 void report_mjcf_section(MjcfFile& file, Element& e);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context);
-void bound_mjcf_actuators(MjcfRobot& robot);  // what limits a joint's actuators limits the one that there is
+void limit_mjcf_actuators(MjcfRobot& robot);  // what limits a joint's actuators limits the one that there is
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot);
 // mjcf_damping.cpp: whether there are servos that are damped by a ratio; their damping, by the model without actuators. The same of joints.
 bool damped_by_ratio(const MjcfRobot& robot);
-void find_mjcf_damping(const Model& model, MjcfRobot& robot);
+void compute_mjcf_damping(const Model& model, MjcfRobot& robot);
 bool has_springdampers(const MjcfRobot& robot);
-void find_mjcf_springs(const Model& model, MjcfRobot& robot);
+void compute_mjcf_springs(const Model& model, MjcfRobot& robot);
 void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& context);
 void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot);
 void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context);

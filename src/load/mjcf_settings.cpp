@@ -12,15 +12,15 @@ namespace {
 using Vec = Vec3<double>;
 using Mat = Mat3<double>;
 
-constexpr double enough = 1e-10;  // of a length, for a direction
+constexpr double min_length = 1e-10;  // of a length, for a direction
 
 Vec unit(const Reader& reader, const Element& e, const char* attribute, const Vec& a) {
   const double length = std::sqrt(dot(a, a));
-  if (!(length > enough)) reader.bad_numbers(e, attribute, "this is no direction: it is zero");
+  if (!(length > min_length)) reader.bad_numbers(e, attribute, "this is no direction: it is zero");
   return a * (1 / length);
 }
 
-Mat about(const Vec& axis, double angle) {
+Mat rotation_about(const Vec& axis, double angle) {
   const double s = math::sin(angle / 2);
   return from_quaternion(math::cos(angle / 2), axis[0] * s, axis[1] * s, axis[2] * s);
 }
@@ -88,8 +88,8 @@ bool has_rotation(const Element& e) {
 Mat3<double> turn_z_to(const Vec3<double>& a) {
   const Vec axis = cross(Vec::make(0, 0, 1), a);
   const double s = std::sqrt(dot(axis, axis));
-  if (s < enough) return a[2] > 0 ? Mat::identity() : about(Vec::make(1, 0, 0), 3.14159265358979324);
-  return about(axis * (1 / s), math::atan2(s, a[2]));
+  if (s < min_length) return a[2] > 0 ? Mat::identity() : rotation_about(Vec::make(1, 0, 0), 3.14159265358979324);
+  return rotation_about(axis * (1 / s), math::atan2(s, a[2]));
 }
 
 Mat3<double> from_euler(const std::array<double, 3>& angles, const MjcfCompiler& compiler) {
@@ -98,7 +98,7 @@ Mat3<double> from_euler(const std::array<double, 3>& angles, const MjcfCompiler&
     const char c = compiler.euler[i];
     const bool fixed = c >= 'X' && c <= 'Z';
     const int k = fixed ? c - 'X' : c - 'x';
-    const Mat turn = about(Vec::make(k == 0, k == 1, k == 2), angles[i] * compiler.angle);
+    const Mat turn = rotation_about(Vec::make(k == 0, k == 1, k == 2), angles[i] * compiler.angle);
     R = fixed ? turn * R : R * turn;
   }
   return R;
@@ -118,7 +118,7 @@ SE3<double> read_rotation(const Reader& reader, const Element& e, const MjcfComp
     if (largest == 0) reader.bad_numbers(e, "quat", "this is no rotation: it is zero");
     X.R = from_quaternion((*q)[0] / largest, (*q)[1] / largest, (*q)[2] / largest, (*q)[3] / largest);
   } else if (const auto a = reader.numbers(e, "axisangle", 4)) {
-    X.R = about(unit(reader, e, "axisangle", load3(a->data())), (*a)[3] * compiler.angle);
+    X.R = rotation_about(unit(reader, e, "axisangle", load3(a->data())), (*a)[3] * compiler.angle);
   } else if (const auto angles = reader.vector3(e, "euler")) {
     X.R = from_euler(*angles, compiler);
   } else if (const auto xy = reader.numbers(e, "xyaxes", 6)) {

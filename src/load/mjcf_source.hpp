@@ -28,9 +28,9 @@ class MjcfSource {
   Reader reader(const Element& e, const std::string& owner) const { return {report(e), owner}; }
   // A name in the model as a path: relative to the main file, else to the file that e stands in. Throws for files that may not be read.
   std::filesystem::path path(const Element& e, const std::string& name) const {
-    const std::filesystem::path file = folder_ / name, beside = std::filesystem::path(report(e).file()).parent_path() / name;
+    const std::filesystem::path file = folder_ / name, next_to = std::filesystem::path(report(e).file()).parent_path() / name;
     std::error_code none;
-    const std::filesystem::path& found = !std::filesystem::exists(file, none) && std::filesystem::exists(beside, none) ? beside : file;
+    const std::filesystem::path& found = !std::filesystem::exists(file, none) && std::filesystem::exists(next_to, none) ? next_to : file;
     return confined_.check(found.string()), found;
   }
 

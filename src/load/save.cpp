@@ -28,7 +28,7 @@ std::string target_of(const std::string& path) {
 }
 
 // Opens a file beside another one, which was not there before.
-int open_beside(const std::string& target, mode_t mode, std::string& part) {
+int open_temporary(const std::string& target, mode_t mode, std::string& part) {
   constexpr int max_parts = 10000;  // of saves at the same time, and of those that were killed
   int file = -1;
   for (int k = 0; k < max_parts; ++k) {
@@ -85,7 +85,7 @@ void save_file(const Model& m, const std::string& path, bool strict, SaveReport&
   if (there && access(target.c_str(), W_OK) != 0) fail("cannot be written", std::strerror(errno));
   if (there && !S_ISREG(old.st_mode)) fail("cannot be replaced", "it is no regular file");
   std::string part;
-  const int file = open_beside(target, there ? old.st_mode & 0777 : 0666, part);
+  const int file = open_temporary(target, there ? old.st_mode & 0777 : 0666, part);
   if (file < 0) fail("cannot be written", std::strerror(errno));
   if (there) fchmod(file, old.st_mode & 0777);  // what umask took away; a disk without modes does not mind
   const auto left = [&](const char* what, int why) { unlink(part.c_str()), fail(what, std::strerror(why)); };

@@ -25,14 +25,14 @@ bool is_identity_rotation(const Mat3<double>& R) {
   return off < 1e-15;
 }
 
-void put_pose(Out& e, const Pose& X) {
+void put_pose(XmlElement& e, const Pose& X) {
   if (X.p[0] != 0 || X.p[1] != 0 || X.p[2] != 0) put(e, "pos", {X.p[0], X.p[1], X.p[2]});
   if (is_identity_rotation(X.R)) return;
   const Quaternion<double> u = quaternion(X.R);
   put(e, "quat", {u.w, u.v[0], u.v[1], u.v[2]});
 }
 
-MjcfWriter::MjcfWriter(const Model& model, SaveReport& report) : m(model), losses(report), on(frames_by_joint(model)), children(on.size()), carriers(on.size()) {
+MjcfWriter::MjcfWriter(const Model& model, SaveReport& report) : m(model), losses(report), on(frames_by_joint(model)), children(on.size()), attachments(on.size()) {
   root = doc.NewElement("mujoco");
   doc.InsertEndChild(root);
   put(*root, "model", std::string(m.string(m.model_name)));
@@ -49,13 +49,13 @@ MjcfWriter::MjcfWriter(const Model& model, SaveReport& report) : m(model), losse
     if (std::string_view(m.string(m.configuration_names()[k])) == "qpos0") drawn = k;
 }
 
-Out& MjcfWriter::section(const char* name) {
-  Out* e = root->FirstChildElement(name);
+XmlElement& MjcfWriter::section(const char* name) {
+  XmlElement* e = root->FirstChildElement(name);
   return e ? *e : *root->InsertNewChildElement(name);
 }
 
 void MjcfWriter::add_option() {
-  Out& option = section("option");
+  XmlElement& option = section("option");
   put(option, "gravity", std::span(m.gravity));
   if (m.density != 0) put(option, "density", m.density);
   if (m.viscosity != 0) put(option, "viscosity", m.viscosity);
@@ -111,8 +111,8 @@ void MjcfWriter::add_moving(Index first) {
   for (const Index f : on[size_t(last)])
     if (main < 0 && m.frames()[f].type == DYN_FRAME_TYPE_BODY && is_identity_rotation(load_se3(m.frames()[f].placement).R)) main = f;
   const Pose in_joint = main < 0 ? Pose::identity() : Pose{Mat3<double>::identity(), load3(m.frames()[main].placement + 9)};
-  const Carrier& parent = carriers[size_t(m.joints()[first].parent)];
-  Out* at = parent.element;
+  const Attachment& parent = attachments[size_t(m.joints()[first].parent)];
+  XmlElement* at = parent.element;
   Pose X = parent.X.inverse();  // of the joint that carries this, in the element
   for (size_t begin = 0; begin < chain.size();) {
     size_t end = begin + 1;  // a ball's coordinates are in the body's axes: what is turned behind it is another body
@@ -121,7 +121,7 @@ void MjcfWriter::add_moving(Index first) {
     const bool whole = end == chain.size();
     for (size_t k = begin; k < end; ++k) X = X * chain[k].before;
     const Pose frame = whole ? in_joint : Pose::identity();
-    Out& body = *at->InsertNewChildElement("body");
+    XmlElement& body = *at->InsertNewChildElement("body");
     if (++depth > max_depth) throw Error(DYN_ERROR_LIMIT, "bodies stand in each other more than " + std::to_string(max_depth) + " deep, which readers of MJCF refuse: save it as URDF or .dynb");
     if (whole && main >= 0) {
       put(body, "name", body_name(main));
@@ -144,15 +144,15 @@ void MjcfWriter::add_moving(Index first) {
     at = &body, X = Pose::identity();
     begin = end;
   }
-  for (const Index j : group) carriers[size_t(j)] = {at, in_joint};
+  for (const Index j : group) attachments[size_t(j)] = {at, in_joint};
   add_content(last, main);
 }
 
-void MjcfWriter::add_link(Out& body, Index frame) {
+void MjcfWriter::add_link(XmlElement& body, Index frame) {
   const LinkRecord& l = m.links()[m.frames()[frame].link];
   if (const double held = m.compensation(m.frames()[frame].link); held != 0) put(body, "gravcomp", held);
   if (l.mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
-    Out& inertial = *body.InsertNewChildElement("inertial");
+    XmlElement& inertial = *body.InsertNewChildElement("inertial");
     put(inertial, "pos", std::span(l.com)), put(inertial, "mass", l.mass);
     Eigen::Matrix3d I = Eigen::Map<const Eigen::Matrix3d>(l.inertia);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(I);
@@ -174,12 +174,12 @@ void MjcfWriter::add_link(Out& body, Index frame) {
 
 // What a joint carries beside the body itself: bodies that are fixed to it, frames, and the joints on it.
 void MjcfWriter::add_content(Index joint, Index main) {
-  const Carrier carrier = carriers[size_t(joint)];
+  const Attachment attachment = attachments[size_t(joint)];
   for (const Index f : on[size_t(joint)]) {
     const FrameRecord& r = m.frames()[f];
     if (r.type == DYN_FRAME_TYPE_JOINT || f == main) continue;
-    const Pose X = carrier.X.inverse() * load_se3(r.placement);
-    Out& e = *carrier.element->InsertNewChildElement(r.type == DYN_FRAME_TYPE_BODY ? "body" : "site");
+    const Pose X = attachment.X.inverse() * load_se3(r.placement);
+    XmlElement& e = *attachment.element->InsertNewChildElement(r.type == DYN_FRAME_TYPE_BODY ? "body" : "site");
     put(e, "name", r.type == DYN_FRAME_TYPE_BODY ? body_name(f) : frame_name(f));
     put_pose(e, X);
     if (r.type == DYN_FRAME_TYPE_BODY) add_link(e, f);
@@ -191,18 +191,18 @@ void MjcfWriter::add_content(Index joint, Index main) {
 }
 
 std::string MjcfWriter::write() {
-  Out& compiler = section("compiler");
+  XmlElement& compiler = section("compiler");
   put(compiler, "angle", std::string("radian")), put(compiler, "autolimits", std::string("true")), put(compiler, "inertiafromgeom", std::string("false"));
   add_option();
   section("asset");
-  Out& world = section("worldbody");
-  carriers[0].element = &world;
+  XmlElement& world = section("worldbody");
+  attachments[0].element = &world;
   for (Index k = 0; k < m.n.shapes; ++k)
     if (m.shapes()[k].frame == 0) add_geom(world, m.shapes()[k], k);
   add_content(0, -1);
   add_contacts(), add_constraints(), add_actuators(), add_keys();
   if (section("asset").NoChildren()) root->DeleteChild(&section("asset"));
-  losses.tell();
+  losses.write_report();
   return printed(doc);
 }
 

@@ -18,14 +18,14 @@ class MjcfWriter {
     SE3<double> before;
   };
   // The element that a joint's frames, shapes and children stand in, and its place in the joint's frame.
-  struct Carrier {
-    Out* element = nullptr;
+  struct Attachment {
+    XmlElement* element = nullptr;
     SE3<double> X = SE3<double>::identity();
   };
 
   std::string frame_name(Index f) const { return m.string(m.frames()[f].name); }
   std::string body_name(Index f) const { return f == 0 ? "world" : body_names.at(f); }
-  Out& section(const char* name);
+  XmlElement& section(const char* name);
 
   // save_mjcf.cpp
   void add_option();
@@ -33,17 +33,17 @@ class MjcfWriter {
   std::vector<Piece> pieces_of(const std::vector<Index>& group);
   void add_moving(Index first);
   void add_content(Index joint, Index main);
-  void add_link(Out& body, Index frame);
+  void add_link(XmlElement& body, Index frame);
   // save_mjcf_joint.cpp
-  void add_joint(Out& body, const Piece& p, const SE3<double>& end);
-  void add_numbers(Out& e, const Piece& p);
+  void add_joint(XmlElement& body, const Piece& p, const SE3<double>& end);
+  void add_numbers(XmlElement& e, const Piece& p);
   void add_keys();
   // save_mjcf_geom.cpp
-  void add_geom(Out& body, const ShapeRecord& s, Index k);
+  void add_geom(XmlElement& body, const ShapeRecord& s, Index k);
   std::string mesh_asset(const ShapeRecord& s);
   std::string mesh_file(const ShapeRecord& s);
   double height_asset(const ShapeRecord& s, std::string& name);  // how far its lowest point is above its origin
-  std::set<std::pair<Index, Index>> neighbours_of_the_world() const;
+  std::set<std::pair<Index, Index>> pairs_with_world_links() const;
   void add_contacts();
   // save_mjcf_laws.cpp
   void add_actuators();
@@ -54,9 +54,9 @@ class MjcfWriter {
   const Model& m;
   Losses losses;
   tinyxml2::XMLDocument doc;
-  Out* root;
+  XmlElement* root;
   std::vector<std::vector<Index>> on, children;  // frames and joints that each joint carries
-  std::vector<Carrier> carriers;                 // of each joint
+  std::vector<Attachment> attachments;                 // of each joint
   std::vector<Piece> pieces;                     // in the file's order
   std::map<Index, std::string> body_names;       // of BODY frames
   std::map<Index, std::string> geom_names;       // of shapes
@@ -67,7 +67,7 @@ class MjcfWriter {
   Index drawn = -1;                              // the configuration that the file draws
 };
 
-void put_pose(Out& e, const SE3<double>& X);
+void put_pose(XmlElement& e, const SE3<double>& X);
 bool is_identity_rotation(const Mat3<double>& R);  // to rounding
 
 }  // namespace dyn::load

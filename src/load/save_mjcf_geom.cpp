@@ -11,7 +11,7 @@ namespace dyn::load {
 namespace {
 
 // Which kinds of friction a material has, as condim says it; the file's default otherwise.
-void put_friction(Out& e, const dynMaterial& x, bool of_pair) {
+void put_friction(XmlElement& e, const dynMaterial& x, bool of_pair) {
   const int condim = x.rolling != 0 ? 6 : x.torsion != 0 ? 4 : x.friction != 0 ? 3 : 1;
   if (!of_pair && condim == 3 && x.friction == 1) return;
   e.SetAttribute("condim", condim);
@@ -21,11 +21,11 @@ void put_friction(Out& e, const dynMaterial& x, bool of_pair) {
 
 }  // namespace
 
-void MjcfWriter::add_geom(Out& body, const ShapeRecord& s, Index k) {
+void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   const std::string name = m.string(s.name), called = name.empty() ? (body.Attribute("name") ? body.Attribute("name") : "world") : name;
   const bool visual = s.role == DYN_SHAPE_ROLE_VISUAL;
   if (s.type == DYN_SHAPE_TYPE_CONE) return losses.loss("cones are left out", called);
-  Out& e = *body.InsertNewChildElement("geom");
+  XmlElement& e = *body.InsertNewChildElement("geom");
   if (!name.empty()) {
     geom_names[k] = geoms.claim(name);
     put(e, "name", geom_names[k]);
@@ -73,10 +73,10 @@ std::string MjcfWriter::mesh_file(const ShapeRecord& s) {
   std::string path = m.string(s.mesh);
   std::error_code none;
   if (std::filesystem::exists(path, none)) path = std::filesystem::absolute(path).string();
-  std::string& name = file_assets[path + " " + words(s.size)];
+  std::string& name = file_assets[path + " " + number_list(s.size)];
   if (!name.empty()) return name;
   name = assets.claim(std::filesystem::path(path).stem().string());
-  Out& mesh = *section("asset").InsertNewChildElement("mesh");
+  XmlElement& mesh = *section("asset").InsertNewChildElement("mesh");
   put(mesh, "name", name), put(mesh, "file", path);
   if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(mesh, "scale", std::span(s.size));
   return name;
@@ -87,7 +87,7 @@ std::string MjcfWriter::mesh_asset(const ShapeRecord& s) {
   std::string& name = surface_assets[{int(s.type), s.surface}];
   if (!name.empty()) return name;
   name = assets.claim(*m.string(s.mesh) ? m.string(s.mesh) : "mesh");
-  Out& mesh = *section("asset").InsertNewChildElement("mesh");
+  XmlElement& mesh = *section("asset").InsertNewChildElement("mesh");
   put(mesh, "name", name);
   if (s.type == DYN_SHAPE_TYPE_CONVEX) {
     const Stored<shape::Hull>& at = m.hulls()[s.surface];
@@ -112,7 +112,7 @@ double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {
   std::string& name = surface_assets[{int(s.type), s.surface}];
   if (name.empty()) {
     name = assets.claim("height_field");
-    Out& field = *section("asset").InsertNewChildElement("hfield");
+    XmlElement& field = *section("asset").InsertNewChildElement("hfield");
     put(field, "name", name), put(field, "nrow", g.rows), put(field, "ncol", g.columns);
     put(field, "size", {(g.columns - 1) * g.step_x / 2, (g.rows - 1) * g.step_y / 2, range > 0 ? range : 1, least - g.bottom});
     std::vector<double> heights;  // the first row of the text is the farthest
@@ -125,7 +125,7 @@ double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {
 }
 
 // Links of the world with shapes, and those that their joints carry, are pairs for MuJoCo.
-std::set<std::pair<Index, Index>> MjcfWriter::neighbours_of_the_world() const {
+std::set<std::pair<Index, Index>> MjcfWriter::pairs_with_world_links() const {
   std::set<Index> fixed, moving;
   for (Index k = 0; k < m.n.shapes; ++k) {
     const ShapeRecord& s = m.shapes()[k];
@@ -140,10 +140,10 @@ std::set<std::pair<Index, Index>> MjcfWriter::neighbours_of_the_world() const {
 
 void MjcfWriter::add_contacts() {
   const auto exclude = [&](Index a, Index b) {
-    Out& e = *section("contact").InsertNewChildElement("exclude");
+    XmlElement& e = *section("contact").InsertNewChildElement("exclude");
     put(e, "body1", body_name(a)), put(e, "body2", body_name(b));
   };
-  std::set<std::pair<Index, Index>> more = neighbours_of_the_world();
+  std::set<std::pair<Index, Index>> more = pairs_with_world_links();
   for (Index k = 0; k < m.n.disabled; ++k) {
     const DisabledRecord& d = m.disabled_pairs()[k];
     exclude(d.frame1, d.frame2), more.erase({d.frame1, d.frame2}), more.erase({d.frame2, d.frame1});
@@ -157,7 +157,7 @@ void MjcfWriter::add_contacts() {
       losses.loss("pairs with shapes that are left out", m.string(m.shapes()[a].name));
       continue;
     }
-    Out& e = *section("contact").InsertNewChildElement("pair");
+    XmlElement& e = *section("contact").InsertNewChildElement("pair");
     put(e, "geom1", geom_names[a]), put(e, "geom2", geom_names[b]);
     if (p.material() == 0) continue;
     const dynMaterial& x = m.materials()[p.material() - 1];

@@ -16,9 +16,9 @@ bool alike(const std::vector<double>& x, int first, int n) {
 
 }  // namespace
 
-void MjcfWriter::add_joint(Out& body, const Piece& p, const Pose& end) {
+void MjcfWriter::add_joint(XmlElement& body, const Piece& p, const Pose& end) {
   const SimpleJoint& s = p.simple;
-  Out& e = *body.InsertNewChildElement("joint");
+  XmlElement& e = *body.InsertNewChildElement("joint");
   put(e, "name", s.name);
   const bool slides = s.type == DYN_JOINT_TYPE_PRISMATIC, ball = s.type == DYN_JOINT_TYPE_SPHERICAL, free = s.type == DYN_JOINT_TYPE_FREE_FLYER;
   put(e, "type", std::string(slides ? "slide" : ball ? "ball" : free ? "free" : "hinge"));
@@ -33,12 +33,12 @@ void MjcfWriter::add_joint(Out& body, const Piece& p, const Pose& end) {
   if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are hinges with an angle", s.name);
   if (s.leader.empty()) return;
   losses.loss("joints that follow another are held by an equality, which is no exact reduction: each is a degree of freedom more", s.name);
-  Out& equality = *section("equality").InsertNewChildElement("joint");
+  XmlElement& equality = *section("equality").InsertNewChildElement("joint");
   put(equality, "name", s.name + "_follows"), put(equality, "joint1", s.name), put(equality, "joint2", s.leader);
   put(equality, "polycoef", {s.offset, s.ratio, 0, 0, 0});
 }
 
-void MjcfWriter::add_numbers(Out& e, const Piece& p) {
+void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
   const SimpleJoint& s = p.simple;
   const JointSpec spec = spec_of(m, m.joints()[p.joint]);
   if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
@@ -104,7 +104,7 @@ void MjcfWriter::add_keys() {
     if (is_drawn) continue;  // the file draws it
     std::string name = m.string(m.configuration_names()[k]);
     if (k == drawn) losses.note("the configuration qpos0 is key 'qpos0_2': the file draws another"), name = "qpos0_2";
-    Out& key = *section("keyframe").InsertNewChildElement("key");
+    XmlElement& key = *section("keyframe").InsertNewChildElement("key");
     put(key, "name", names.claim(name)), put(key, "qpos", qpos);
   }
 }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double most = std::numeric_limits<double>::max();  // read back as no limit
 
-void put_range(Out& e, const char* attribute, const double (&range)[2]) {
+void put_range(XmlElement& e, const char* attribute, const double (&range)[2]) {
   if (std::isfinite(range[0]) || std::isfinite(range[1])) put(e, attribute, {std::max(range[0], -most), std::min(range[1], most)});
 }
 
@@ -38,7 +38,7 @@ void MjcfWriter::add_actuators() {
       continue;
     }
     const bool filtered = a.time_constant > 0, affine = a.type == DYN_ACTUATOR_TYPE_AFFINE || ((filtered || a.integrates) && a.type != DYN_ACTUATOR_TYPE_POSITION);
-    Out& e = *section("actuator").InsertNewChildElement(affine ? "general" : a.type == DYN_ACTUATOR_TYPE_MOTOR ? "motor" : a.type == DYN_ACTUATOR_TYPE_VELOCITY ? "velocity" : a.integrates ? "intvelocity" : "position");
+    XmlElement& e = *section("actuator").InsertNewChildElement(affine ? "general" : a.type == DYN_ACTUATOR_TYPE_MOTOR ? "motor" : a.type == DYN_ACTUATOR_TYPE_VELOCITY ? "velocity" : a.integrates ? "intvelocity" : "position");
     put(e, "name", name), put(e, "joint", s.name);
     if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER) {
       std::vector<double> gear(s.type == DYN_JOINT_TYPE_SPHERICAL ? 3 : 6, 0);
@@ -68,11 +68,11 @@ void MjcfWriter::add_actuators() {
 std::string MjcfWriter::site(Index frame, const double (&placement)[12], const std::string& wanted) {
   const FrameRecord& r = m.frames()[frame];
   if (frame != 0 && r.type != DYN_FRAME_TYPE_BODY && r.type != DYN_FRAME_TYPE_JOINT && is_identity(placement)) return frame_name(frame);
-  const Carrier& carrier = carriers[size_t(r.joint)];
+  const Attachment& attachment = attachments[size_t(r.joint)];
   const std::string name = joints.claim(wanted);
-  Out& e = *carrier.element->InsertNewChildElement("site");
+  XmlElement& e = *attachment.element->InsertNewChildElement("site");
   put(e, "name", name);
-  put_pose(e, carrier.X.inverse() * load_se3(r.placement) * load_se3(placement));
+  put_pose(e, attachment.X.inverse() * load_se3(r.placement) * load_se3(placement));
   losses.note("sites were added for the ends of constraints", name);
   return name;
 }
@@ -87,7 +87,7 @@ void MjcfWriter::add_constraints() {
       continue;
     }
     if (c.stiffness != 0 || c.damping != 0 || c.restitution != 0) losses.loss("gains and restitution of constraints", name);
-    Out& e = *section("equality").InsertNewChildElement(coupling ? "joint" : c.type == DYN_CONSTRAINT_TYPE_WELD ? "weld" : "connect");
+    XmlElement& e = *section("equality").InsertNewChildElement(coupling ? "joint" : c.type == DYN_CONSTRAINT_TYPE_WELD ? "weld" : "connect");
     put(e, "name", name);
     if (!c.enabled) put(e, "active", std::string("false"));
     if (coupling) {

@@ -54,19 +54,19 @@ UrdfWriter::UrdfWriter(const Model& model, SaveReport& report) : m(model), losse
   for (Index j = 2; j < m.n.joints; ++j) floating &= m.joints()[j].parent != 0;
 }
 
-Out& UrdfWriter::add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child, const SE3<double>& X) {
-  Out& e = *robot->InsertNewChildElement("joint");
+XmlElement& UrdfWriter::add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child, const SE3<double>& X) {
+  XmlElement& e = *robot->InsertNewChildElement("joint");
   put(e, "name", name), put(e, "type", std::string(type));
   put_origin(e, X);
   put(*e.InsertNewChildElement("parent"), "link", parent), put(*e.InsertNewChildElement("child"), "link", child);
   return e;
 }
 
-void UrdfWriter::add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s) {
+void UrdfWriter::add_numbers(XmlElement& e, const JointSpec& spec, const SimpleJoint& s) {
   const std::string& name = s.name;
   const auto dynamics = [&](double damping, double friction) {
     if (damping == 0 && friction == 0) return;
-    Out& d = *e.InsertNewChildElement("dynamics");
+    XmlElement& d = *e.InsertNewChildElement("dynamics");
     put(d, "damping", damping), put(d, "friction", friction);
   };
   if (s.type == DYN_JOINT_TYPE_SPHERICAL || s.type == DYN_JOINT_TYPE_FREE_FLYER || s.type == DYN_JOINT_TYPE_PLANAR) {
@@ -84,7 +84,7 @@ void UrdfWriter::add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s
   put(*e.InsertNewChildElement("axis"), "xyz", std::span(s.axis));
   const bool turns = s.type == DYN_JOINT_TYPE_CONTINUOUS || s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
   if (!turns || std::isfinite(x.velocity) || std::isfinite(x.effort)) {
-    Out& limit = *e.InsertNewChildElement("limit");
+    XmlElement& limit = *e.InsertNewChildElement("limit");
     if (!turns) put(limit, "lower", bounded(x.lower)), put(limit, "upper", bounded(x.upper));
     put(limit, "effort", bounded(x.effort)), put(limit, "velocity", bounded(x.velocity));
   }
@@ -94,7 +94,7 @@ void UrdfWriter::add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s
   if (x.stiffness != 0) losses.loss("springs of joints", name);
   if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are continuous: load with cos_sin", name);
   if (!s.leader.empty()) {
-    Out& mimic = *e.InsertNewChildElement("mimic");
+    XmlElement& mimic = *e.InsertNewChildElement("mimic");
     put(mimic, "joint", s.leader), put(mimic, "multiplier", s.ratio), put(mimic, "offset", s.offset);
   }
 }
@@ -132,7 +132,7 @@ void UrdfWriter::add_moving(Index j) {
   for (const SimpleJoint& s : chain) {
     const bool last = &s == &chain.back();
     const std::string child = last ? main_name[size_t(j)] : links.claim(s.name + "_link");
-    Out& e = add_joint(s.name, type_name(s.type), parent, child, X * s.before);
+    XmlElement& e = add_joint(s.name, type_name(s.type), parent, child, X * s.before);
     if (s.type == DYN_JOINT_TYPE_PLANAR) put(*e.InsertNewChildElement("axis"), "xyz", std::span(s.axis));
     add_numbers(e, spec, s);
     add_link(child, last ? main[size_t(j)] : -1);
@@ -168,7 +168,7 @@ std::string UrdfWriter::write() {
   const size_t root = floating ? 1 : 0;
   add_link(main_name[root], root == 0 && main[0] < 0 ? 0 : main[root]);
   if (main[root] >= 0 && root == 0) {  // shapes on the universe itself
-    Out* link = robot->LastChildElement("link");
+    XmlElement* link = robot->LastChildElement("link");
     for (Index k = 0; k < m.n.shapes; ++k)
       if (m.shapes()[k].frame == 0) add_shape(*link, m.shapes()[k]);
   }
@@ -181,8 +181,8 @@ std::string UrdfWriter::write() {
     }
   }
   add_constraints();
-  say_what_is_lost();
-  losses.tell();
+  report_losses();
+  losses.write_report();
   return printed(doc);
 }
 

@@ -12,20 +12,20 @@ class UrdfWriter {
 
  private:
   std::string frame_name(Index f) const { return m.string(m.frames()[f].name); }
-  Out& add_link(const std::string& name, Index frame);  // frame: BODY, 0: the world, -1: none
-  void add_shape(Out& link, const ShapeRecord& s);
-  Out& add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child, const SE3<double>& X);
-  void add_numbers(Out& e, const JointSpec& spec, const SimpleJoint& s);
+  XmlElement& add_link(const std::string& name, Index frame);  // frame: BODY, 0: the world, -1: none
+  void add_shape(XmlElement& link, const ShapeRecord& s);
+  XmlElement& add_joint(const std::string& name, const char* type, const std::string& parent, const std::string& child, const SE3<double>& X);
+  void add_numbers(XmlElement& e, const JointSpec& spec, const SimpleJoint& s);
   std::string bare_world();
   void add_moving(Index j);
   void add_fixed(Index f, std::set<Index>& done);
   void add_constraints();
-  void say_what_is_lost();
+  void report_losses();
 
   const Model& m;
   Losses losses;
   tinyxml2::XMLDocument doc;
-  Out* robot;
+  XmlElement* robot;
   std::vector<std::vector<Index>> on;  // frames of each joint
   std::vector<Index> main;             // BODY frame in each joint's own frame, or -1
   std::vector<std::string> main_name;
@@ -34,6 +34,6 @@ class UrdfWriter {
   bool floating;  // the root link is free, which the reader says
 };
 
-void put_origin(Out& parent, const SE3<double>& X);
+void put_origin(XmlElement& parent, const SE3<double>& X);
 
 }  // namespace dyn::load

@@ -8,7 +8,7 @@ namespace dyn::load {
 // As urdf_constraint.cpp reads them.
 void UrdfWriter::add_constraints() {
   if (m.n.constraints == 0) return;
-  Out& block = *robot->InsertNewChildElement("libdyn");
+  XmlElement& block = *robot->InsertNewChildElement("libdyn");
   for (Index k = 0; k < m.n.constraints; ++k) {
     const dynConstraint& c = m.constraints()[k].spec;
     const std::string name = m.string(m.constraints()[k].name);
@@ -16,7 +16,7 @@ void UrdfWriter::add_constraints() {
       losses.loss("constraints whose first end is the world, which has no link, are left out", name);
       continue;
     }
-    Out& e = *block.InsertNewChildElement("constraint");
+    XmlElement& e = *block.InsertNewChildElement("constraint");
     put(e, "name", name);
     put(e, "type", std::string(constraint_type_name(c)));
     const dynConstraint standard = default_constraint(c.type);
@@ -29,7 +29,7 @@ void UrdfWriter::add_constraints() {
     const bool of_joints = between_joints(c.type);
     const auto end = [&](const char* which, int at, const double* placement, bool needed) {
       if (at == 0 && !needed) return;
-      Out& x = *e.InsertNewChildElement(which);
+      XmlElement& x = *e.InsertNewChildElement(which);
       put(x, of_joints ? "joint" : "link", of_joints ? std::string(m.string(m.joints()[at].name)) : at == 0 ? main_name[0] : frame_name(at));
       put_origin(x, load_se3(placement));
     };
@@ -40,13 +40,13 @@ void UrdfWriter::add_constraints() {
   }
 }
 
-void UrdfWriter::say_what_is_lost() {
+void UrdfWriter::report_losses() {
   for (Index k = 0; k < m.n.actuators; ++k) losses.loss("actuators", m.string(m.actuators()[k].name));
   for (Index k = 1; k < m.n.configurations; ++k) losses.loss("named configurations (an SRDF has them)", m.string(m.configuration_names()[k]));
   for (Index k = 0; k < m.n.disabled; ++k) losses.loss("disabled pairs (an SRDF has them)", frame_name(m.disabled_pairs()[k].frame1));
   for (Index k = 0; k < m.n.pairs; ++k)
     if (m.pairs()[k].wanted()) losses.loss("pairs that are tested whatever the filter says", m.string(m.shapes()[m.geoms()[m.pairs()[k].a].shape].name));
-  if (m.gravity[0] != 0 || m.gravity[1] != 0 || m.gravity[2] != -9.81) losses.loss("gravity (an option of loading): it is " + words(m.gravity) + " m/s^2");
+  if (m.gravity[0] != 0 || m.gravity[1] != 0 || m.gravity[2] != -9.81) losses.loss("gravity (an option of loading): it is " + number_list(m.gravity) + " m/s^2");
   if (m.density != 0 || m.viscosity != 0) losses.loss("the medium: its density, viscosity and wind");
   if (floating) losses.note("what holds the root link is an option of loading: load with base = DYN_BASE_FLOATING");
   else if (main[0] >= 0) losses.note("what holds the root link is an option of loading: load with base = DYN_BASE_FIXED");

@@ -8,7 +8,7 @@
 
 namespace dyn::load {
 
-std::string words(std::span<const double> x) {
+std::string number_list(std::span<const double> x) {
   std::string out;
   for (const double e : x) out += (out.empty() ? "" : " ") + text(e == 0 ? 0.0 : e);
   return out;
@@ -30,7 +30,7 @@ void Losses::add(dynReportLevel level, const std::string& what, const std::strin
   if (!name.empty()) lines_.back().names.push_back(name);
 }
 
-void Losses::tell() const {
+void Losses::write_report() const {
   for (const Line& l : lines_) {
     std::string out = l.what;
     const size_t shown = std::min<size_t>(l.names.size(), 5);

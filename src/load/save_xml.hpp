@@ -14,17 +14,17 @@
 
 namespace dyn::load {
 
-using Out = tinyxml2::XMLElement;
+using XmlElement = tinyxml2::XMLElement;
 
 // Numbers with spaces between, each as the shortest text that reads back as the same double.
-std::string words(std::span<const double> x);
-inline std::string words(std::initializer_list<double> x) { return words({x.begin(), x.size()}); }
-inline void put(Out& e, const char* attribute, std::span<const double> x) { e.SetAttribute(attribute, words(x).c_str()); }
-inline void put(Out& e, const char* attribute, std::initializer_list<double> x) { e.SetAttribute(attribute, words(x).c_str()); }
-inline void put(Out& e, const char* attribute, double x) { put(e, attribute, {x}); }
-inline void put(Out& e, const char* attribute, const std::string& x) { e.SetAttribute(attribute, x.c_str()); }
+std::string number_list(std::span<const double> x);
+inline std::string number_list(std::initializer_list<double> x) { return number_list({x.begin(), x.size()}); }
+inline void put(XmlElement& e, const char* attribute, std::span<const double> x) { e.SetAttribute(attribute, number_list(x).c_str()); }
+inline void put(XmlElement& e, const char* attribute, std::initializer_list<double> x) { e.SetAttribute(attribute, number_list(x).c_str()); }
+inline void put(XmlElement& e, const char* attribute, double x) { put(e, attribute, {x}); }
+inline void put(XmlElement& e, const char* attribute, const std::string& x) { e.SetAttribute(attribute, x.c_str()); }
 // To three digits, which tell its 8 bits.
-inline void put_rgba(Out& e, std::uint32_t colour) {
+inline void put_rgba(XmlElement& e, std::uint32_t colour) {
   std::array<double, 4> rgba = rgba_of(colour);
   for (double& x : rgba) x = std::round(1000 * x) / 1000;
   put(e, "rgba", rgba);
@@ -35,7 +35,7 @@ std::string printed(const tinyxml2::XMLDocument& doc);
 class Losses {
  public:
   explicit Losses(SaveReport& report) : report_(report) {}
-  void tell() const;  // to the report
+  void write_report() const;  // to the report
   Losses(const Losses&) = delete;
   void loss(const std::string& what, const std::string& name = "") { add(DYN_REPORT_LEVEL_WARNING, what, name); }
   void note(const std::string& what, const std::string& name = "") { add(DYN_REPORT_LEVEL_INFO, what, name); }

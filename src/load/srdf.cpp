@@ -15,11 +15,11 @@ const std::initializer_list<std::string_view> known_elements = {
     "group_state", "disable_collisions", "enable_collisions", "disable_default_collisions", "virtual_joint", "group", "end_effector", "passive_joint",
     "joint_property", "link_sphere_approximation", "gripper", "handle", "contact", "specificities", "rotor_params"};
 
-template <class Thing, class Name>
-bool known(const Element& e, const char* kind, const std::string& name, const std::string& owner, const SrdfContext& context, const std::vector<Thing>& things,
+template <class Item, class Name>
+bool known(const Element& e, const char* kind, const std::string& name, const std::string& owner, const SrdfContext& context, const std::vector<Item>& items,
            const Name& name_of) {
   std::vector<const std::string*> all;
-  for (const Thing& t : things) {
+  for (const Item& t : items) {
     if (name_of(t) == name) return true;
     all.push_back(&name_of(t));
   }

@@ -72,12 +72,12 @@ std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& con
   std::set<std::string> known_groups, taken = {"neutral"};
   for (const Element* g = first(root, "group"); g; g = next(*g, "group"))
     if (const char* name = g->Attribute("name")) known_groups.insert(name);
-  const Reader any{context.report, "a group_state"};
-  for (const Element* e = first(root, "group_state"); e; e = next(*e, "group_state")) ++groups[any.name(*e, "name")];
+  const Reader unnamed{context.report, "a group_state"};
+  for (const Element* e = first(root, "group_state"); e; e = next(*e, "group_state")) ++groups[unnamed.name(*e, "name")];
 
   std::vector<Srdf::State> out;
   for (const Element* e = first(root, "group_state"); e; e = next(*e, "group_state")) {
-    const std::string state = any.name(*e, "name"), group = e->Attribute("group") ? e->Attribute("group") : "";
+    const std::string state = unnamed.name(*e, "name"), group = e->Attribute("group") ? e->Attribute("group") : "";
     StateReader in{root, context, {context.report, "group_state " + quoted(state)}};
     in.reader.unread(*e, {"name", "group"}, {"joint"});
     if (!group.empty() && !known_groups.empty() && !known_groups.count(group)) {

@@ -10,7 +10,7 @@ using namespace load;
 
 // The builder's own refusals, with the file's line in front.
 template <class Call>
-auto located(const Report& report, int line, const Call& call) {
+auto with_location(const Report& report, int line, const Call& call) {
   try {
     return call();
   } catch (const Error& e) {
@@ -18,10 +18,10 @@ auto located(const Report& report, int line, const Call& call) {
   }
 }
 
-void add_link(Builder& builder, const UrdfLink& link, const Parent& carrier, const Report& report) {
-  located(report, link.inertial_line ? link.inertial_line : link.line,
-          [&] { builder.body(link.name, carrier, identity_placement, link.mass, link.com, link.inertia); });
-  for (const UrdfShape& s : link.shapes) located(report, s.line, [&] { builder.shape(s.shape); });
+void add_link(Builder& builder, const UrdfLink& link, const Parent& parent, const Report& report) {
+  with_location(report, link.inertial_line ? link.inertial_line : link.line,
+          [&] { builder.body(link.name, parent, identity_placement, link.mass, link.com, link.inertia); });
+  for (const UrdfShape& s : link.shapes) with_location(report, s.line, [&] { builder.shape(s.shape); });
 }
 
 }  // namespace
@@ -36,35 +36,35 @@ ModelPtr load_urdf(const std::string& text, const std::string& file, const LoadO
   for (UrdfLink& link : robot.links) check_inertia(link, report);
   check_welded_inertia(robot, tree, !floating, report);
   check_moving_mass(robot, tree, report);
-  report_kept(robot, report);
+  report_unused_data(robot, report);
   compare_with_urdfdom(text, robot, tree, report);
   read_collision_meshes(robot, report, options);
   auto entries = report.finish();
   const Srdf srdf = options.srdf.empty() ? Srdf() : load_srdf(options.srdf, robot, tree, floating, options.strict, entries);
 
   Builder builder(robot.name);
-  located(report, 0, [&] { builder.gravity(options.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity); });
+  with_location(report, 0, [&] { builder.gravity(options.gravity), builder.constraint_slots(options.constraint_slots), builder.contact_capacity(options.contact_capacity); });
   Parent base;
   if (floating) {
     JointSpec free;
     free.name = "root_joint";
     free.type = DYN_JOINT_TYPE_FREE_FLYER;
-    located(report, robot.links[tree.root].line, [&] { builder.joint(free); });
+    with_location(report, robot.links[tree.root].line, [&] { builder.joint(free); });
     base = {free.name, DYN_FRAME_TYPE_JOINT};
   }
   add_link(builder, robot.links[tree.root], base, report);
   for (int i : tree.order) {
     UrdfJoint& joint = robot.joints[i];
     joint.spec.parent = {joint.parent, DYN_FRAME_TYPE_BODY};
-    located(report, joint.line, [&] { builder.joint(joint.spec); });
+    with_location(report, joint.line, [&] { builder.joint(joint.spec); });
     add_link(builder, robot.links[tree.child[i]], {joint.spec.name, DYN_FRAME_TYPE_JOINT | DYN_FRAME_TYPE_FIXED_JOINT}, report);
   }
   for (const UrdfConstraint& c : robot.constraints)
-    located(report, c.line, [&] { builder.constraint(c.name, c.spec, {c.first, 0}, {c.second, 0}); });
-  for (const Srdf::State& s : srdf.states) located(Report(options.srdf, false), s.line, [&] { builder.configuration_of_joints(s.name, s.joints); });
+    with_location(report, c.line, [&] { builder.constraint(c.name, c.spec, {c.first, 0}, {c.second, 0}); });
+  for (const Srdf::State& s : srdf.states) with_location(Report(options.srdf, false), s.line, [&] { builder.configuration_of_joints(s.name, s.joints); });
   for (const Srdf::Pair& p : srdf.pairs) builder.disabled_pair(p.link1, p.link2, p.reason);
   for (const Report::Entry& e : entries) builder.report(e.level, e.line, e.message);
-  return located(report, 0, [&] { return builder.finish(); });
+  return with_location(report, 0, [&] { return builder.finish(); });
 }
 
 }  // namespace dyn

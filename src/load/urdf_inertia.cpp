@@ -19,7 +19,7 @@ double tolerance(double mass, double largest) { return relative_tolerance * std:
 
 Matrix3 skew_squared(const Vector3& c) { return c * c.transpose() - c.squaredNorm() * Matrix3::Identity(); }
 
-std::string three(const std::array<double, 3>& m) {
+std::string formatted(const std::array<double, 3>& m) {
   char buffer[100];
   std::string out;
   for (double x : m) {
@@ -32,7 +32,7 @@ std::string three(const std::array<double, 3>& m) {
 }
 
 // Closest moments with a + b >= c.
-std::array<double, 3> possible(std::array<double, 3> m) {
+std::array<double, 3> nearest_possible(std::array<double, 3> m) {
   for (double& x : m) x = std::max(x, 0.0);
   const double excess = std::max(0.0, m[2] - m[0] - m[1]) / 3;
   return {m[0] + excess, m[1] + excess, m[2] - excess};
@@ -41,7 +41,7 @@ std::array<double, 3> possible(std::array<double, 3> m) {
 bool negative(const UrdfLink& l) { return l.moments[0] < -tolerance(l.mass, std::max(std::abs(l.moments[0]), l.moments[2])); }
 
 std::string moments_of(const UrdfLink& l) {
-  return "link " + quoted(l.name) + ": the principal moments of inertia are " + three(l.moments) + " kg m^2";
+  return "link " + quoted(l.name) + ": the principal moments of inertia are " + formatted(l.moments) + " kg m^2";
 }
 
 }  // namespace
@@ -66,7 +66,7 @@ void check_inertia(UrdfLink& l, Report& report) {
   if (excess > tolerance(l.mass, l.moments[2]))
     report.physics(l.inertial_line,
                    moments_of(l) + ", and no body has one above the sum of the other two: kept as given; nearest possible: " +
-                       three(possible(l.moments)));
+                       formatted(nearest_possible(l.moments)));
 }
 
 void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fixed_base, Report& report) {
@@ -74,12 +74,12 @@ void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fix
 
   // Links by the moving joint that carries them, placed in that joint's frame.
   const int n = int(robot.links.size());
-  std::vector<int> carrier(n, tree.root);  // the first link of each rigid group
+  std::vector<int> rigid_group(n, tree.root);  // the first link of each rigid group
   std::vector<Eigen::Isometry3d> placement(n, Eigen::Isometry3d::Identity());
   for (int j : tree.order) {
     const JointSpec& s = robot.joints[j].spec;
     const int parent = tree.parent[j], child = tree.child[j];
-    carrier[child] = s.type == DYN_JOINT_TYPE_FIXED ? carrier[parent] : child;
+    rigid_group[child] = s.type == DYN_JOINT_TYPE_FIXED ? rigid_group[parent] : child;
     if (s.type != DYN_JOINT_TYPE_FIXED) continue;
     Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
     X.linear() = Eigen::Map<const Matrix3>(s.placement.data());
@@ -93,15 +93,15 @@ void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fix
     const UrdfLink& l = robot.links[i];
     const Vector3 c = placement[i] * Vector3(Eigen::Map<const Vector3>(l.com.data()));
     const Matrix3 R = placement[i].linear();
-    mass[carrier[i]] += l.mass;
-    moment[carrier[i]] += l.mass * c;
-    about_origin[carrier[i]] += R * Eigen::Map<const Matrix3>(l.inertia.data()) * R.transpose() - l.mass * skew_squared(c);
+    mass[rigid_group[i]] += l.mass;
+    moment[rigid_group[i]] += l.mass * c;
+    about_origin[rigid_group[i]] += R * Eigen::Map<const Matrix3>(l.inertia.data()) * R.transpose() - l.mass * skew_squared(c);
   }
 
   for (int i = 0; i < n; ++i) {
     const UrdfLink& l = robot.links[i];
     if (!negative(l)) continue;
-    const int g = carrier[i];
+    const int g = rigid_group[i];
     Matrix3 I = about_origin[g];
     if (mass[g] > 0) I += mass[g] * skew_squared(moment[g] / mass[g]);
     const Vector3 whole = Eigen::SelfAdjointEigenSolver<Matrix3>(I, Eigen::EigenvaluesOnly).eigenvalues();
@@ -111,7 +111,7 @@ void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fix
                   moments_of(l) +
                       ", and a body has no negative one: correct <inertia> (about the centre of mass, in the axes of the "
                       "inertial's <origin>); nearest possible: " +
-                      three(possible(l.moments)));
+                      formatted(nearest_possible(l.moments)));
     report.physics(
         l.inertial_line,
         moments_of(l) + ", and a body has no negative one: kept as given, because the links it is welded to make up for it");

@@ -7,37 +7,37 @@ namespace dyn::load {
 
 void check_moving_mass(const UrdfRobot& robot, const UrdfTree& tree, Report& report) {
   const int njoints = int(robot.joints.size());
-  std::vector<char> heavy(robot.links.size());  // the link, or something that hangs on it
+  std::vector<char> has_mass(robot.links.size());  // the link, or something that hangs on it
   for (size_t i = 0; i < robot.links.size(); ++i) {
     const UrdfLink& l = robot.links[i];
-    heavy[i] = l.mass > 0 || l.moments[2] > 0;
+    has_mass[i] = l.mass > 0 || l.moments[2] > 0;
   }
   for (auto j = tree.order.rbegin(); j != tree.order.rend(); ++j)
-    if (heavy[tree.child[*j]]) heavy[tree.parent[*j]] = 1;
+    if (has_mass[tree.child[*j]]) has_mass[tree.parent[*j]] = 1;
 
   // What a follower moves, its leader moves. check_mimic has made sure that the chains end.
   std::unordered_map<std::string_view, int> index;
   for (int j = 0; j < njoints; ++j) index[robot.joints[j].spec.name] = j;
   std::vector<char> moves(njoints);
   for (int j = 0; j < njoints; ++j) {
-    if (!heavy[tree.child[j]]) continue;
+    if (!has_mass[tree.child[j]]) continue;
     for (int k = j; !moves[k];) {
       moves[k] = 1;
       if (!robot.joints[k].spec.mimic.empty()) k = index[robot.joints[k].spec.mimic];
     }
   }
 
-  std::vector<int> idle;
+  std::vector<int> massless;
   for (int j : tree.order) {
     const JointSpec& s = robot.joints[j].spec;
-    if (s.type != DYN_JOINT_TYPE_FIXED && s.mimic.empty() && !moves[j]) idle.push_back(j);
+    if (s.type != DYN_JOINT_TYPE_FIXED && s.mimic.empty() && !moves[j]) massless.push_back(j);
   }
-  if (idle.empty()) return;
+  if (massless.empty()) return;
   std::string others;
-  for (size_t i = 1; i < std::min<size_t>(idle.size(), 6); ++i)
-    others += (i > 1 ? ", " : "; so also ") + quoted(robot.joints[idle[i]].spec.name);
-  if (idle.size() > 6) others += " and " + std::to_string(idle.size() - 6) + " more";
-  const UrdfJoint& first = robot.joints[idle[0]];
+  for (size_t i = 1; i < std::min<size_t>(massless.size(), 6); ++i)
+    others += (i > 1 ? ", " : "; so also ") + quoted(robot.joints[massless[i]].spec.name);
+  if (massless.size() > 6) others += " and " + std::to_string(massless.size() - 6) + " more";
+  const UrdfJoint& first = robot.joints[massless[0]];
   report.fail(
       DYN_ERROR_INVALID, first.line,
       "joint " + quoted(first.spec.name) + ": neither link " + quoted(first.child) +

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <map>
 
-#include "mesh_stand.hpp"
+#include "collision_mesh.hpp"
 #include "report.hpp"
 #include "urdf_robot.hpp"
 
@@ -12,7 +12,7 @@ namespace dyn::load {
 
 void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& options) {
   if (options.meshes == DYN_MESH_USE_NONE) return;
-  std::map<std::pair<std::string, std::array<double, 3>>, MeshStand> known;
+  std::map<std::pair<std::string, std::array<double, 3>>, CollisionMesh> known;
   for (UrdfLink& link : robot.links)
     for (UrdfShape& s : link.shapes) {
       Shape& shape = s.shape;
@@ -25,13 +25,13 @@ void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& 
           how.scale = shape.size, how.package_dirs = options.package_dirs, how.confined = Confined(report.file(), options);
           if (!std::filesystem::exists(shape.mesh)) how.relative_to = report.file();  // to say what was tried
           const meshes::Mesh mesh = meshes::read_mesh(shape.mesh, how);
-          at = known.emplace(std::pair(shape.mesh, shape.size), stand_for(mesh, options.meshes)).first;
+          at = known.emplace(std::pair(shape.mesh, shape.size), collision_mesh_of(mesh, options.meshes)).first;
         } catch (const Error& e) {
           report.fail(e.status, s.line, who + ": " + e.what());
         }
       }
-      if (at->second.warning) report.warning(s.line, who + at->second.said);
-      else report.info(s.line, who + at->second.said);
+      if (at->second.warning) report.warning(s.line, who + at->second.message);
+      else report.info(s.line, who + at->second.message);
       shape.type = options.meshes == DYN_MESH_USE_HULL ? DYN_SHAPE_TYPE_CONVEX : DYN_SHAPE_TYPE_TRIANGLES;
       shape.surface = at->second.surface;
     }

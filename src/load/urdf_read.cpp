@@ -14,7 +14,7 @@ const std::initializer_list<std::string_view> known_elements = {
 
 // Walks everything below e without recursion; visit gets each element.
 template <class Visit>
-void below(const Element& e, const Visit& visit) {
+void for_each_below(const Element& e, const Visit& visit) {
   const tinyxml2::XMLNode* n = e.FirstChild();
   while (n) {
     if (const Element* c = n->ToElement()) visit(*c);
@@ -31,7 +31,7 @@ void below(const Element& e, const Visit& visit) {
 }
 
 // One line for all blocks of a kind, and a warning where such a block hides mechanics that the model then lacks.
-void block_of_others(const Element& e, Report& report) {
+void report_foreign_block(const Element& e, Report& report) {
   const std::string_view name = e.Name();
   if (name == "gazebo")
     report.count("<gazebo>: settings of another simulator, not used", line(e));
@@ -39,7 +39,7 @@ void block_of_others(const Element& e, Report& report) {
     report.count("<transmission>: not used (mechanicalReduction and actuators do not change the mechanics)", line(e));
   else
     report.count("<" + std::string(name) + ">: not used", line(e));
-  below(e, [&](const Element& c) {
+  for_each_below(e, [&](const Element& c) {
     const std::string_view inner = c.Name();
     const auto hidden = [&](const std::string& what) {
       report.physics(line(c), "<" + std::string(inner) + "> in <" + std::string(name) + ">: " + what + " is not used");
@@ -52,18 +52,18 @@ void block_of_others(const Element& e, Report& report) {
 
 // Names become frames, keys of JSON and words in messages.
 void check_name(const char* kind, const std::string& name, int at_line, Report& report) {
-  const std::string thing = kind + std::string(" ");
+  const std::string label = kind + std::string(" ");
   if (printable(name) != name)
     report.fail(DYN_ERROR_NAME, at_line,
-                thing + "name " + quoted(name) + " is not UTF-8, or has a control character in it: rename it, or save the file as UTF-8");
+                label + "name " + quoted(name) + " is not UTF-8, or has a control character in it: rename it, or save the file as UTF-8");
   if (name == "universe")
-    report.fail(DYN_ERROR_NAME, at_line, thing + "'universe': this is the name of the world itself: rename it");
+    report.fail(DYN_ERROR_NAME, at_line, label + "'universe': this is the name of the world itself: rename it");
 }
 
-template <class Thing>
-void check_names(const char* kind, const std::vector<Thing>& things, Report& report) {
+template <class Item>
+void check_names(const char* kind, const std::vector<Item>& items, Report& report) {
   std::unordered_map<std::string_view, int> seen;
-  for (const Thing& t : things) {
+  for (const Item& t : items) {
     const std::string* name;
     if constexpr (requires { t.spec; })
       name = &t.spec.name;
@@ -110,7 +110,7 @@ UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& opti
     else if (name == "libdyn")
       read_constraints(*e, report, robot.constraints);
     else if (name != "material" && std::find(known_elements.begin(), known_elements.end(), name) != known_elements.end())
-      block_of_others(*e, report);
+      report_foreign_block(*e, report);
   }
   if (robot.links.empty())
     report.fail(

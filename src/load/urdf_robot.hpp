@@ -71,13 +71,13 @@ void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fix
 // urdf_mass.cpp: what every joint moves has mass.
 void check_moving_mass(const UrdfRobot& robot, const UrdfTree& tree, Report& report);
 
-// urdf_kept.cpp: damping, dry friction and limits are data that no algorithm applies.
-void report_kept(const UrdfRobot& robot, Report& report);
+// urdf_unused.cpp: damping, dry friction and limits are data that no algorithm applies.
+void report_unused_data(const UrdfRobot& robot, Report& report);
 
 // urdf_base.cpp: fixed or floating, or DYN_ERROR_BASE.
 bool floating_base(const UrdfRobot& robot, const UrdfTree& tree, dynBase base, Report& report);
 
-// urdf_second.cpp: reads the text again with urdfdom and reports where the two readings differ.
+// urdf_urdfdom.cpp: reads the text again with urdfdom and reports where the two readings differ.
 void compare_with_urdfdom(const std::string& text, const UrdfRobot& robot, const UrdfTree& tree, Report& report);
 
 }  // namespace dyn::load

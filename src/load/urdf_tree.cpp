@@ -9,10 +9,10 @@ namespace {
 
 using Index = std::unordered_map<std::string_view, int>;
 
-std::string joint_called(const UrdfJoint& j) { return "joint " + quoted(j.spec.name); }
+std::string joint_label(const UrdfJoint& j) { return "joint " + quoted(j.spec.name); }
 
 // The first few of a list of names: "'a', 'b', 'c' and 4 more".
-std::string few(const std::vector<std::string>& names, const char* between) {
+std::string first_names(const std::vector<std::string>& names, const char* between) {
   std::string out;
   const size_t shown = std::min<size_t>(names.size(), 8);
   for (size_t i = 0; i < shown; ++i) out += (i ? between : "") + quoted(names[i]);
@@ -27,27 +27,27 @@ int find_link(const Index& links, const UrdfRobot& robot, const UrdfJoint& j, co
   std::vector<const std::string*> names;
   for (const UrdfLink& l : robot.links) names.push_back(&l.name);
   report.fail(DYN_ERROR_NAME, at,
-              joint_called(j) + ": " + which + " link " + quoted(name) + " is not in the file" + did_you_mean(name, names) +
+              joint_label(j) + ": " + which + " link " + quoted(name) + " is not in the file" + did_you_mean(name, names) +
                   ": add <link name=...> or correct the name");
 }
 
 // Every link has a parent joint (carrier[link]) when this is called on a link: going up must come back.
-[[noreturn]] void fail_cycle(const UrdfRobot& robot, const UrdfTree& tree, const std::vector<int>& carrier, int link,
+[[noreturn]] void fail_cycle(const UrdfRobot& robot, const UrdfTree& tree, const std::vector<int>& parent_joint, int link,
                              const Report& report) {
   std::vector<char> seen(robot.links.size());
-  while (!seen[link]) seen[link] = 1, link = tree.parent[carrier[link]];
+  while (!seen[link]) seen[link] = 1, link = tree.parent[parent_joint[link]];
   std::vector<std::string> names;
   const int start = link;
   do {
     names.push_back(robot.links[link].name);
-    link = tree.parent[carrier[link]];
+    link = tree.parent[parent_joint[link]];
   } while (link != start);
   names.push_back(robot.links[start].name);
   std::reverse(names.begin(), names.end());
-  const UrdfJoint& j = robot.joints[carrier[start]];
+  const UrdfJoint& j = robot.joints[parent_joint[start]];
   report.fail(
       DYN_ERROR_INVALID, j.line,
-      joint_called(j) + ": the links form a cycle: " + few(names, " -> ") + ": a URDF is a tree, so remove one of these joints");
+      joint_label(j) + ": the links form a cycle: " + first_names(names, " -> ") + ": a URDF is a tree, so remove one of these joints");
 }
 
 }  // namespace
@@ -58,21 +58,21 @@ UrdfTree check_tree(const UrdfRobot& robot, Report& report) {
   for (int i = 0; i < nlinks; ++i) links[robot.links[i].name] = i;
 
   UrdfTree tree;
-  std::vector<int> carrier(nlinks, -1);  // the joint that carries each link
+  std::vector<int> parent_joint(nlinks, -1);  // the joint that carries each link
   std::vector<std::vector<int>> children(nlinks);
   for (int i = 0; i < njoints; ++i) {
     const UrdfJoint& j = robot.joints[i];
     const int parent = find_link(links, robot, j, j.parent, "parent", j.parent_line, report);
     const int child = find_link(links, robot, j, j.child, "child", j.child_line, report);
     if (parent == child)
-      report.fail(DYN_ERROR_INVALID, j.line, joint_called(j) + " connects link " + quoted(j.child) + " with itself");
-    if (carrier[child] >= 0) {
-      const UrdfJoint& other = robot.joints[carrier[child]];
+      report.fail(DYN_ERROR_INVALID, j.line, joint_label(j) + " connects link " + quoted(j.child) + " with itself");
+    if (parent_joint[child] >= 0) {
+      const UrdfJoint& other = robot.joints[parent_joint[child]];
       report.fail(DYN_ERROR_INVALID, j.child_line,
-                  joint_called(j) + ": link " + quoted(j.child) + " already is the child of " + joint_called(other) +
+                  joint_label(j) + ": link " + quoted(j.child) + " already is the child of " + joint_label(other) +
                       ", at line " + std::to_string(other.line) + ": a link has one parent");
     }
-    carrier[child] = i;
+    parent_joint[child] = i;
     tree.parent.push_back(parent);
     tree.child.push_back(child);
     children[parent].push_back(i);
@@ -80,11 +80,11 @@ UrdfTree check_tree(const UrdfRobot& robot, Report& report) {
 
   std::vector<std::string> roots;
   for (int i = 0; i < nlinks; ++i)
-    if (carrier[i] < 0) {
+    if (parent_joint[i] < 0) {
       if (roots.empty()) tree.root = i;
       roots.push_back(robot.links[i].name + "' at line " + std::to_string(robot.links[i].line));
     }
-  if (roots.empty()) fail_cycle(robot, tree, carrier, 0, report);
+  if (roots.empty()) fail_cycle(robot, tree, parent_joint, 0, report);
   if (roots.size() > 1) {
     std::string list;
     for (size_t i = 0; i < std::min<size_t>(roots.size(), 6); ++i) list += (i ? ", '" : "'") + roots[i];
@@ -98,14 +98,14 @@ UrdfTree check_tree(const UrdfRobot& robot, Report& report) {
     const int j = stack.back();
     stack.pop_back();
     tree.order.push_back(j);
-    const auto& below = children[tree.child[j]];
-    stack.insert(stack.end(), below.rbegin(), below.rend());
+    const auto& for_each_below = children[tree.child[j]];
+    stack.insert(stack.end(), for_each_below.rbegin(), for_each_below.rend());
   }
   if (int(tree.order.size()) != njoints) {
     std::vector<char> reached(njoints);
     for (int j : tree.order) reached[j] = 1;
     const int lost = int(std::find(reached.begin(), reached.end(), 0) - reached.begin());
-    fail_cycle(robot, tree, carrier, tree.child[lost], report);
+    fail_cycle(robot, tree, parent_joint, tree.child[lost], report);
   }
   return tree;
 }
@@ -118,7 +118,7 @@ void check_mimic(UrdfRobot& robot, Report& report) {
   for (size_t i = 0; i < robot.joints.size(); ++i) {
     UrdfJoint& j = robot.joints[i];
     if (j.spec.mimic.empty()) continue;
-    const std::string begin = joint_called(j) + " mimics " + quoted(j.spec.mimic);
+    const std::string begin = joint_label(j) + " mimics " + quoted(j.spec.mimic);
     const auto found = index.find(j.spec.mimic);
     if (found == index.end()) {
       std::vector<const std::string*> names;
@@ -127,7 +127,7 @@ void check_mimic(UrdfRobot& robot, Report& report) {
     }
     leader[i] = found->second;
     UrdfJoint& l = robot.joints[found->second];
-    if (size_t(found->second) == i) report.fail(DYN_ERROR_INVALID, j.mimic_line, joint_called(j) + " mimics itself");
+    if (size_t(found->second) == i) report.fail(DYN_ERROR_INVALID, j.mimic_line, joint_label(j) + " mimics itself");
     if (l.spec.type == DYN_JOINT_TYPE_FIXED)
       report.fail(DYN_ERROR_INVALID, j.mimic_line, begin + ", which is fixed: make both fixed, or free the leader");
     if (l.spec.type == DYN_JOINT_TYPE_FREE_FLYER || l.spec.type == DYN_JOINT_TYPE_PLANAR || l.spec.type == DYN_JOINT_TYPE_SPHERICAL)
@@ -136,7 +136,7 @@ void check_mimic(UrdfRobot& robot, Report& report) {
     for (UrdfJoint* side : {&j, &l})  // the relation is between angles
       if (side->spec.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) {
         side->spec.type = DYN_JOINT_TYPE_CONTINUOUS;
-        report.info(side->line, joint_called(*side) + " takes part in a mimic relation: stored as an angle, not as (cos, sin)");
+        report.info(side->line, joint_label(*side) + " takes part in a mimic relation: stored as an angle, not as (cos, sin)");
       }
   }
   std::vector<char> ends(robot.joints.size());  // chains that were followed to a joint that leads
@@ -148,11 +148,11 @@ void check_mimic(UrdfRobot& robot, Report& report) {
       if (const auto again = std::find(path.begin(), path.end(), j); again != path.end() || path.size() > 1000) {
         if (again == path.end())
           report.fail(DYN_ERROR_LIMIT, robot.joints[i].mimic_line,
-                      joint_called(robot.joints[i]) + ": more than 1000 joints mimic one another in a row, which is the limit");
+                      joint_label(robot.joints[i]) + ": more than 1000 joints mimic one another in a row, which is the limit");
         for (auto k = again; k != path.end(); ++k) names.push_back(robot.joints[*k].spec.name);
         names.push_back(robot.joints[j].spec.name);
         report.fail(DYN_ERROR_INVALID, robot.joints[j].mimic_line,
-                    joint_called(robot.joints[j]) + ": mimic joints form a cycle: " + few(names, " -> "));
+                    joint_label(robot.joints[j]) + ": mimic joints form a cycle: " + first_names(names, " -> "));
       }
       path.push_back(j);
     }

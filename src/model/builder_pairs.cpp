@@ -30,9 +30,9 @@ struct Judge {
   void add(Index a, Index b, bool overlaps) {
     const auto special = wanted.find(std::minmax(geoms[std::size_t(a)].shape, geoms[std::size_t(b)].shape));
     const bool is_wanted = special != wanted.end();
-    if (joint(a) == joint(b) || (!is_wanted && collision::neighbours(joints.data(), bodies.data(), frames.data(), shape(a).frame, shape(b).frame))) return;
+    if (joint(a) == joint(b) || (!is_wanted && collision::adjacent(joints.data(), bodies.data(), frames.data(), shape(a).frame, shape(b).frame))) return;
     const bool mesh = shape(a).type == DYN_SHAPE_TYPE_MESH || shape(b).type == DYN_SHAPE_TYPE_MESH;
-    const bool masked = !collision::masks_meet({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
+    const bool masked = !collision::masks_allow({shape(a).contype, shape(a).conaffinity}, {shape(b).contype, shape(b).conaffinity});
     const dynPairReason reason = mesh                                                    ? DYN_PAIR_REASON_MESH
                                  : is_wanted                                             ? DYN_PAIR_REASON_TESTED
                                  : off.count(std::minmax(shape(a).frame, shape(b).frame)) ? DYN_PAIR_REASON_DISABLED
@@ -117,7 +117,7 @@ GeomPairs overlapping(const Model& m) {
     collision::PairSearch& search = *collision::PairSearch::of(d);
     search.set_up(m, d), search.place_all(d, 0);
     const auto look = [&](Index a, Index b) {
-      if (Index pair; collision::tests(m, d, a, b, pair) && (pair < 0 || !m.pairs()[pair].wanted())) f(a, b);
+      if (Index pair; collision::is_tested(m, d, a, b, pair) && (pair < 0 || !m.pairs()[pair].wanted())) f(a, b);
     };
     // shapes of what flies meet those of the same tree alone: many may be in one place
     std::map<Index, std::vector<Index>> flying;
@@ -131,7 +131,7 @@ GeomPairs overlapping(const Model& m) {
     for (const auto& [root, geoms] : flying)
       for (std::size_t i = 0; i < geoms.size(); ++i)
         for (std::size_t j = i + 1; j < geoms.size(); ++j)
-          if (!(collision::distance_at_least(d.geoms[geoms[i]], d.geom_poses[geoms[i]], d.geoms[geoms[j]], d.geom_poses[geoms[j]]) > 0)) look(geoms[i], geoms[j]);
+          if (!(collision::distance_lower_bound(d.geoms[geoms[i]], d.geom_poses[geoms[i]], d.geoms[geoms[j]], d.geom_poses[geoms[j]]) > 0)) look(geoms[i], geoms[j]);
   }, [&](Index a, Index b) { out.emplace_back(a, b); });
   std::sort(out.begin(), out.end());
   return out;

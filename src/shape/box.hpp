@@ -8,7 +8,7 @@ namespace dyn::shape {
 struct Box : Solid<Box> {
   static constexpr Type type = Type::Box;
   static constexpr const char* name = "box";
-  static constexpr bool faced = true;
+  static constexpr bool has_faces = true;
   Vec half;
   double radius;
 

@@ -8,7 +8,7 @@ namespace dyn::shape {
 struct Cone : Solid<Cone> {
   static constexpr Type type = Type::Cone;
   static constexpr const char* name = "cone";
-  static constexpr bool curved = true, faced = true;
+  static constexpr bool curved = true, has_faces = true;
   double r, half, radius;
 
   explicit Cone(const Shape& s) : r(s.size[0]), half(s.size[2]), radius(s.radius) {}
@@ -33,8 +33,8 @@ struct Cone : Solid<Cone> {
     if (on_side && s > 0 && s < slant) return {m.point(rho_s, z_s), m.out * nr + axis(2) * nz, side, true};
     return on_side ? m.outside(rho_s, z_s) : m.outside(rho_b, -half);
   }
-  Vec slide(const Vec& from, const Vec& n) const { return from[2] > 0 ? from : on_rim(n, r, -half); }
-  Bend bend(const Vec& from, const Vec& n, const Vec& u, const Vec& v) const { return from[2] > 0 ? Bend{0, 0, 0} : rim_bend(n, u, v, r); }
+  Vec support_on_piece(const Vec& from, const Vec& n) const { return from[2] > 0 ? from : on_rim(n, r, -half); }
+  CurvatureRadii curvature_radii(const Vec& from, const Vec& n, const Vec& u, const Vec& v) const { return from[2] > 0 ? CurvatureRadii{0, 0, 0} : rim_curvature_radii(n, u, v, r); }
   Flat flat(const Vec& n) const {
     const double rho = length2(n[0], n[1]), slant = length2(r, 2 * half);
     if (rho <= flat_slope) return {n[2] < 0 ? 2 : 0, axis(0), axis(1)};
@@ -54,8 +54,8 @@ struct Cone : Solid<Cone> {
 
   using Solid::bounds;
   Bounds bounds(const Mat& R) const {
-    const Vec apex = R.z * half, reach = rim_reach(R.z) * r;
-    return {lesser(apex, -apex - reach), greater(apex, reach - apex)};
+    const Vec apex = R.z * half, half_extent = rim_half_extents(R.z) * r;
+    return {lesser(apex, -apex - half_extent), greater(apex, half_extent - apex)};
   }
   Inertia<double> solid() const {
     const Side side = {r, -half, 0, half};

@@ -8,7 +8,7 @@ namespace dyn::shape {
 struct Cylinder : Solid<Cylinder> {
   static constexpr Type type = Type::Cylinder;
   static constexpr const char* name = "cylinder";
-  static constexpr bool curved = true, faced = true;
+  static constexpr bool curved = true, has_faces = true;
   double r, half, radius;
 
   explicit Cylinder(const Shape& s) : r(s.size[0]), half(s.size[2]), radius(s.radius) {}
@@ -25,8 +25,8 @@ struct Cylinder : Solid<Cylinder> {
     }
     return m.outside(std::min(m.rho, r), std::clamp(p[2], -half, half));
   }
-  Vec slide(const Vec& from, const Vec& n) const { return on_rim(n, r, from[2]); }
-  Bend bend(const Vec&, const Vec& n, const Vec& u, const Vec& v) const { return rim_bend(n, u, v, r); }
+  Vec support_on_piece(const Vec& from, const Vec& n) const { return on_rim(n, r, from[2]); }
+  CurvatureRadii curvature_radii(const Vec&, const Vec& n, const Vec& u, const Vec& v) const { return rim_curvature_radii(n, u, v, r); }
   Flat flat(const Vec& n) const {
     if (n[0] * n[0] + n[1] * n[1] <= flat_slope * flat_slope) return {2, axis(0), axis(1)};
     return {std::abs(n[2]) <= flat_slope, axis(2), Vec::zero()};
@@ -37,13 +37,13 @@ struct Cylinder : Solid<Cylinder> {
   void facing(const Vec& n, double, Feature& f) const {
     if (n[2] * n[2] >= n[0] * n[0] + n[1] * n[1]) return f.add_rim(n, r, std::copysign(half, n[2]), n[2] > 0 ? 0 : Feature::rim);
     f.add(on_rim(n, r, half), 2 * Feature::rim), f.add(on_rim(n, r, -half), 2 * Feature::rim + 1);
-    f.bend = r;
+    f.curvature_radii = r;
   }
   double extent() const { return length2(r, half); }
 
   using Solid::bounds;
   Bounds bounds(const Mat& R) const {
-    const Vec h = sizes(R.z) * half + rim_reach(R.z) * r;
+    const Vec h = sizes(R.z) * half + rim_half_extents(R.z) * r;
     return {-h, h};
   }
   Inertia<double> solid() const {

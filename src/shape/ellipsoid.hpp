@@ -19,8 +19,8 @@ struct Ellipsoid : Solid<Ellipsoid> {
     const Vec e = hadamard(semi, d);
     return hadamard(semi, e) * (1 / norm(e));
   }
-  Vec slide(const Vec&, const Vec& n) const { return support(n); }
-  Bend bend(const Vec&, const Vec& n, const Vec& u, const Vec& v) const {
+  Vec support_on_piece(const Vec&, const Vec& n) const { return support(n); }
+  CurvatureRadii curvature_radii(const Vec&, const Vec& n, const Vec& u, const Vec& v) const {
     // (A^2 - s s^T) / h
     const Vec e = hadamard(semi, n), au = hadamard(semi, u), av = hadamard(semi, v);
     const double scale = 1 / norm(e), su = dot(e, au) * scale, sv = dot(e, av) * scale;

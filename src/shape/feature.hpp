@@ -16,7 +16,7 @@ struct Feature {
   static constexpr double tilted = 1e-3;      // slope from which on one of them is the deepest; fixed to the shape where it lies flat
 
   int count = 0;
-  double bend = 0;  // of a line: the radius of curvature of the surface across it
+  double curvature_radii = 0;  // of a line: the radius of curvature of the surface across it
   Vec3<double> p[most];
   std::uint16_t id[most];
 

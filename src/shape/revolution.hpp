@@ -27,7 +27,7 @@ inline Vec on_rim(const Vec& n, double r, double z) {
 }
 
 // Its derivative: one radius of curvature r / |(n_x, n_y)|, along the circle.
-DYN_INLINE Bend rim_bend(const Vec& n, const Vec& u, const Vec& v, double r) {
+DYN_INLINE CurvatureRadii rim_curvature_radii(const Vec& n, const Vec& u, const Vec& v, double r) {
   const double rho2 = n[0] * n[0] + n[1] * n[1];
   if (rho2 == 0) return {0, 0, 0};
   // rho times the parts along the tangent
@@ -36,9 +36,9 @@ DYN_INLINE Bend rim_bend(const Vec& n, const Vec& u, const Vec& v, double r) {
 }
 
 // How far a unit circle about z reaches along the world's axes, z given in the world.
-inline Vec rim_reach(const Vec& z) {
-  auto reach = [](double c) { return std::sqrt(std::max(0.0, 1 - c * c)); };
-  return Vec::make(reach(z[0]), reach(z[1]), reach(z[2]));
+inline Vec rim_half_extents(const Vec& z) {
+  auto half_extent = [](double c) { return std::sqrt(std::max(0.0, 1 - c * c)); };
+  return Vec::make(half_extent(z[0]), half_extent(z[1]), half_extent(z[2]));
 }
 
 // A straight side from (r0, z0) up to (r1, z1).

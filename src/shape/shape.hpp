@@ -75,7 +75,7 @@ struct Flat {
 };
 
 // Of a symmetric form on the plane across n: its entries along two directions u and v there.
-struct Bend {
+struct CurvatureRadii {
   double uu, uv, vv;
 };
 
@@ -108,7 +108,7 @@ inline constexpr double face_cosine = 0.9;
 template <class S>
 struct Solid {
   static constexpr bool curved = false;
-  static constexpr bool faced = false;
+  static constexpr bool has_faces = false;
 
   // the rounded shape's box at a pose
   Bounds bounds(const Pose& X) const {

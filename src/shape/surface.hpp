@@ -59,7 +59,7 @@ DYN_INLINE double distance_between(const Bounds& a, const Bounds& b) {
 }
 
 // How far a box reaches along n.
-DYN_INLINE double reach(const Bounds& b, const Vec& n) { return dot(n, middle(b)) + dot(sizes(n), half_of(b)); }
+DYN_INLINE double support_height(const Bounds& b, const Vec& n) { return dot(n, middle(b)) + dot(sizes(n), half_of(b)); }
 
 // All between two planes across a unit normal.
 struct Slab {
@@ -67,9 +67,9 @@ struct Slab {
   double low, high;
 };
 // How far what lies in both reaches along n, at most: what n has along the normal is bounded by the slab, the rest by the box.
-DYN_INLINE double reach(const Bounds& b, const Slab& s, const Vec& n) {
+DYN_INLINE double support_height(const Bounds& b, const Slab& s, const Vec& n) {
   const double along = dot(n, s.normal);
-  return std::min(reach(b, n), reach(b, n - s.normal * along) + std::max(along * s.low, along * s.high));
+  return std::min(support_height(b, n), support_height(b, n - s.normal * along) + std::max(along * s.low, along * s.high));
 }
 
 // Where a ray meets a triangle from either side (Moeller, Trumbore 1997): t, and the two weights; t infinite: nowhere.
@@ -116,7 +116,7 @@ struct Surface {
     double limit = infinity;  // of minus the height
     Vec best = Vec::zero();
     Facet piece;
-    search(self(), limit, [&](const auto& node) { return -reach(self().box(node), d); },
+    search(self(), limit, [&](const auto& node) { return -support_height(self().box(node), d); },
            [&](auto node) {
              for (Index i = 0, n = self().pieces(node); i < n; ++i) {
                self().piece(node, i, piece);

@@ -45,10 +45,10 @@ void update_advancement_cache(const Model& m, Data<double>& d, const double* v, 
   for (Index k = 0; m.n.contacts > 0 && k < d.step->geom_count; ++k) {
     const Index geom = d.step->geoms[k];
     const collision::Geom& g = d.geoms[geom];
-    if (g.body && !(g.reach < shape::infinity)) return;
+    if (g.body && !(g.bounding_radius < shape::infinity)) return;
     for (Index i = g.body; i; i = m.bodies()[i].parent) {
       const Body& b = m.bodies()[i];
-      const double far = shape::norm(d.geom_poses[geom].p - d.p[i]) + g.reach + min_distance;
+      const double far = shape::norm(d.geom_poses[geom].p - d.p[i]) + g.bounding_radius + min_distance;
       c.lever[b.idx_v] = b.type == BodyType::Prismatic ? 1 : std::max(c.lever[b.idx_v], far);
     }
   }

@@ -21,7 +21,7 @@ double fastest(const Data<double>& d, Index geom) {
   const Geom& g = d.geoms[geom];
   if (g.body == 0) return 0;
   const Vec3<double> u = velocity_at(d, g.body, d.geom_poses[geom].p), &w = d.step->root_velocity[g.body].angular;
-  const double reach = g.reach < shape::infinity ? g.reach : 0;
+  const double reach = g.bounding_radius < shape::infinity ? g.bounding_radius : 0;
   return shape::norm(u) + shape::norm(w) * reach;
 }
 
@@ -49,8 +49,8 @@ struct Ball {
 };
 Ball within(const Model& m, const Data<double>& d, Index geom) {
   const Geom& g = d.geoms[geom];
-  if (g.body == 0) return {g.X.p, g.reach};
-  double radius = shape::norm(g.X.p) + g.reach;
+  if (g.body == 0) return {g.X.p, g.bounding_radius};
+  double radius = shape::norm(g.X.p) + g.bounding_radius;
   for (Index i = g.body;; i = m.bodies()[i].parent) {
     const Body& b = m.bodies()[i];
     if (b.type != BodyType::Revolute && b.type != BodyType::RevoluteUnbounded && b.type != BodyType::Spherical) return {d.p[i], shape::infinity};
@@ -67,7 +67,7 @@ void find_pairs(const Model& m, const Data<double>& d) {
   const auto room = Index(pair_capacity(m));
   const auto add = [&](Index a, Index b, Index number) {
     const Ball A = within(m, d, a), B = within(m, d, b);
-    const double near = 0.02 * std::min(d.geoms[a].reach, d.geoms[b].reach);
+    const double near = 0.02 * std::min(d.geoms[a].bounding_radius, d.geoms[b].bounding_radius);
     if (shape::norm(A.center - B.center) * (1 - 1e-9) > A.radius + B.radius + near) return;
     if (w.pair_count < room) w.pairs[w.pair_count] = {a, b, number}, w.speeds[a] = w.speeds[b] = 1;
     ++w.pair_count;
@@ -79,7 +79,7 @@ void find_pairs(const Model& m, const Data<double>& d) {
     Index pair;
     for (Index a = 0; a < m.n.geoms; ++a)
       for (Index b = a + 1; b < m.n.geoms && w.pair_count <= room; ++b)
-        if ((d.geoms[a].body || d.geoms[b].body) && collision::tests(m, d, a, b, pair)) add(a, b, pair);
+        if ((d.geoms[a].body || d.geoms[b].body) && collision::is_tested(m, d, a, b, pair)) add(a, b, pair);
   } else {
     w.pair_count = room + 1;
   }
@@ -92,7 +92,7 @@ void find_pairs(const Model& m, const Data<double>& d) {
 }  // namespace
 
 // Shares the search margin of a pair between its two boxes.
-double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h) { return 0.01 * d.geoms[geom].reach + 1.5 * h * w.speeds[geom]; }
+double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h) { return 0.01 * d.geoms[geom].bounding_radius + 1.5 * h * w.speeds[geom]; }
 
 namespace {
 
@@ -157,16 +157,16 @@ struct Search {
     const Geom &a = d.geoms[ia], &b = d.geoms[ib];
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
     // impulses change velocities within the step, so shapes as near as this always count
-    const double near = std::min(0.02 * std::min(a.reach, b.reach), contact_margin(w, h, fast)), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
+    const double near = std::min(0.02 * std::min(a.bounding_radius, b.bounding_radius), contact_margin(w, h, fast)), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
     if (!(near < shape::infinity) || (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body))) return;
-    const double distance = collision::distance_at_least(a, A, b, B);
+    const double distance = collision::distance_lower_bound(a, A, b, B);
     min_distance = std::min(min_distance, distance - near);
     Index pair = -1;
     if (distance > margin || !is_tested(pair)) return;
     collision::contacts(a.shape, A, b.shape, B, margin, *d.collision_workspace, found);
     double gap = shape::infinity;
     for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
-    const double reach = std::min(a.reach, b.reach);
+    const double reach = std::min(a.bounding_radius, b.bounding_radius);
     w.time_to_pass = std::min(w.time_to_pass, (gap > 0.02 * reach ? std::max(gap, 0.2 * reach) : reach) / (w.speeds[ia] + w.speeds[ib]));
     if (gap > 1e-4 * reach && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
     for (int i = 0; i < found.count; ++i) {
@@ -191,7 +191,7 @@ struct Search {
     double* const x = w.centers + geom;
     const std::ptrdiff_t next = geom_capacity(m);
     const Vec3<double>& p = d.geom_poses[geom].p;
-    x[0] = p[0], x[next] = p[1], x[2 * next] = p[2], x[3 * next] = d.geoms[geom].reach;
+    x[0] = p[0], x[next] = p[1], x[2 * next] = p[2], x[3 * next] = d.geoms[geom].bounding_radius;
   }
   void list_rows(const NearPair* pairs, Index count) {
     w.row_count = 0;
@@ -222,9 +222,9 @@ struct Search {
       const Vec3<Wide> off = Vec3<Wide>::make(beyond(A.R.x, 0), beyond(A.R.y, 1), beyond(A.R.z, 2));
       distance = sqrt(dot(off, off)) - a.shape.radius - reach;
     } else {
-      distance = sqrt(dot(to, to)) - a.reach - reach;
+      distance = sqrt(dot(to, to)) - a.bounding_radius - reach;
     }
-    const Wide near = min(min(reach, a.reach) * 0.02, contact_margin(w, h, fast)), margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (1.5 * h);
+    const Wide near = min(min(reach, a.bounding_radius) * 0.02, contact_margin(w, h, fast)), margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (1.5 * h);
     const unsigned lanes = (1u << std::min<Index>(row.count - k, Wide::lanes)) - 1, far = bits_of(distance > margin);
     if (w.advancement_cache.enabled) {
       const Wide left = distance - near;
@@ -249,7 +249,7 @@ struct Search {
   void set_up(collision::PairSearch& search) {
     search.set_up(m, d);
     for (Index k = 0; w.sleep.any_asleep && k < search.moving_count; ++k)
-      if (const Index geom = search.moving_geoms[k]; sleeps(geom)) search.rest(d, geom, box_margin(w, d, geom, h));
+      if (const Index geom = search.moving_geoms[k]; sleeps(geom)) search.put_to_sleep(d, geom, box_margin(w, d, geom, h));
     search.list_active();
   }
   void by_boxes() {
@@ -262,13 +262,13 @@ struct Search {
       near |= !search.place(d, search.active[k], box_margin(w, d, geom, h));
     }
     min_distance = 0;  // nothing is known of the pairs the broad phase rejects
-    for (Index k = 0; k < search.vast_count; ++k) {
-      if (d.geoms[search.vast_geoms[k]].body == 0) continue;
-      place(search.vast_geoms[k]);
+    for (Index k = 0; k < search.unbounded_count; ++k) {
+      if (d.geoms[search.unbounded_geoms[k]].body == 0) continue;
+      place(search.unbounded_geoms[k]);
       near = true;
     }
     if (!near) return;
-    const bool ascending = search.for_each(d, [&](Index a, Index b) { look(a, b, [&](Index& pair) { return collision::tests(m, d, a, b, pair); }); });
+    const bool ascending = search.for_each(d, [&](Index a, Index b) { look(a, b, [&](Index& pair) { return collision::is_tested(m, d, a, b, pair); }); });
     if (!ascending) std::sort(w.contacts, w.contacts + w.contact_count, [](const dynContactForce& x, const dynContactForce& y) { return comes_before(x.contact, y.contact); });
   }
 };

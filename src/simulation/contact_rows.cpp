@@ -33,7 +33,7 @@ bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, 
   const collision::Geom &a = d.geoms[law.geom_a], &b = d.geoms[law.geom_b];
   const double opening = h * opening_speed(d, c, a.body, b.body), gap = std::max(0.0, c.distance);
   if (c.distance + opening < -slop * w.length) return false;
-  return law.material.restitution > 0 ? c.distance + opening > 0 : gap + opening >= -standstill(d, std::min(a.reach, b.reach), h);
+  return law.material.restitution > 0 ? c.distance + opening > 0 : gap + opening >= -standstill(d, std::min(a.bounding_radius, b.bounding_radius), h);
 }
 
 Vec3<double> surface_velocity(const Data<double>& d, Index geom) { return d.geom_poses[geom].R * load3(d.step->materials[geom].surface_velocity); }

@@ -78,7 +78,7 @@ void update_awake(const Model& m, Data<double>& d) {
   Sleep& z = w.sleep;
   move_contacts(z.sleeping_contacts, z.sleeping_contact_count, w.contacts, w.contact_count, [&](const dynContact& c) { return z.state[tree_of(m, d, c)] == Sleeper::Awake; });
   for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
-    if (z.state[tree] == Sleeper::Awake && search.resting->has(id)) search.stir(search.moving_geoms[id]);
+    if (z.state[tree] == Sleeper::Awake && search.sleeping->has(id)) search.wake(search.moving_geoms[id]);
   });
   list_awake(m, w);
   z.any_asleep = z.islands > 0;
@@ -271,7 +271,7 @@ void end_sleep(const Model& m, Data<double>& d, double h) {
   move_contacts(w.contacts, w.contact_count, z.sleeping_contacts, z.sleeping_contact_count, [&](const dynContact& c) { return z.state[tree_of(m, d, c)] == Sleeper::Asleep; });
   for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
     const Index geom = search.moving_geoms[id];
-    if (z.state[tree] == Sleeper::Asleep && search.moving->has(id)) search.rest(d, geom, box_margin(w, d, geom, h));
+    if (z.state[tree] == Sleeper::Asleep && search.moving->has(id)) search.put_to_sleep(d, geom, box_margin(w, d, geom, h));
   });
   list_awake(m, w);
 }

@@ -158,7 +158,7 @@ struct Workspace {
 
 // Room of the pair list. It holds all pairs where the advancement cache skips most searches.
 inline std::ptrdiff_t pair_capacity(const Model& m) {
-  const std::ptrdiff_t some = collision::pairs_a_shape * std::ptrdiff_t(m.n.geoms), listed = m.n.pairs;
+  const std::ptrdiff_t some = collision::search_pairs_per_shape * std::ptrdiff_t(m.n.geoms), listed = m.n.pairs;
   if (!lists_pairs(m)) return some;
   const bool single = m.n.nq == m.n.nv && m.n.bodies - 1 == m.n.nv;  // every joint has one coordinate
   return single ? listed : std::min(listed, some);

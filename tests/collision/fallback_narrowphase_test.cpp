@@ -36,7 +36,7 @@ TEST(Second, NeverBeatsOurDepth) {
 TEST(Second, AskedFirstItsAnswerHolds) {
   if (!collision::ccd_available()) GTEST_SKIP() << "no libccd.so.2";
   collision::Options o;
-  o.second = collision::ccd_overlap, o.second_first = true, o.tolerance = 1e-3;
+  o.fallback = collision::ccd_overlap, o.fallback_first = true, o.tolerance = 1e-3;
   int second = 0;
   for (int a = int(Type::Capsule); a < shape::type_count; ++a)
     for (int b = std::max(a, int(Type::Cylinder)); b < shape::type_count; ++b)
@@ -45,7 +45,7 @@ TEST(Second, AskedFirstItsAnswerHolds) {
         const Scene s = scene(Type(a), Type(b), Case::Random, std::uint64_t(i));
         const Result r = query(s, o);
         ASSERT_NE(Status::Failed, r.status);
-        second += r.second;
+        second += r.from_fallback;
         const Faults f = faults(s, r, false);
         ASSERT_LE(f.witness, 3e-3);
         ASSERT_LE(f.plane, 3e-3);
@@ -65,14 +65,14 @@ bool liar(const Shape&, const Pose&, const Shape&, const Pose&, double, collisio
 TEST(Second, IsMeasured) {
   const Scene s = {cylinder(1, 2), make(Type::Ellipsoid, Vec::make(1, 2, 3), 0), Pose::identity(), {Mat3<double>::identity(), Vec::make(1.9, 0, 0)}};
   collision::Options o;
-  o.second = stubborn, o.second_first = true;
-  EXPECT_TRUE(query(s, o).second);
+  o.fallback = stubborn, o.fallback_first = true;
+  EXPECT_TRUE(query(s, o).from_fallback);
   EXPECT_NEAR(-0.1, query(s, o).distance, 1e-12);
-  o.second = liar;
-  EXPECT_FALSE(query(s, o).second);
+  o.fallback = liar;
+  EXPECT_FALSE(query(s, o).from_fallback);
   EXPECT_NEAR(-0.1, query(s, o).distance, 1e-9);
   // when nothing will do, it is said so
-  o.second_first = false, o.second = stubborn, o.accepted = o.tolerance = -1;
+  o.fallback_first = false, o.fallback = stubborn, o.accepted = o.tolerance = -1;
   EXPECT_EQ(Status::Failed, query(s, o).status);
 }
 

@@ -97,13 +97,13 @@ inline Cores box_pair(const Difference<A, B>& d, const Vec& ha, const Vec& hb, E
   const double enough = wanted(d, options);
   // far apart along the line between the centres: no need to know the best axis
   const Vec& p = d.X.p;
-  if (dot(sizes(p), ha) + dot(sizes(d.Rt * p), hb) < dot(p, p) && sum_pair(d, p, enough, c)) return c;
+  if (dot(sizes(p), ha) + dot(sizes(d.Rt * p), hb) < dot(p, p) && minkowski_pair(d, p, enough, c)) return c;
   const BoxAxis axis = box_axis(ha, hb, d.X, d.rounding());
   c = {axis.n, Vec::zero(), Vec::zero(), axis.distance, 0, 0, axis.unique};
   box_witness(ha, hb, d.X, axis, c.a, c.b);
   c.residual = shape::norm(c.b - c.a - c.normal * c.distance);
   if (axis.distance <= 1e-10 * d.small + d.rounding() || c.residual <= d.rounding()) return c;
-  if (sum_pair(d, axis.n, enough, c)) return c;
+  if (minkowski_pair(d, axis.n, enough, c)) return c;
   return cores(d, axis.n * -axis.distance, workspace, options);
 }
 

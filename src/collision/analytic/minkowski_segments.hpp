@@ -13,22 +13,22 @@
 
 namespace dyn::collision {
 
-struct Sum {
+struct SegmentSum {
   Vec half;     // of the segments along x, y, z
   double disc;  // radius about z
 };
-inline Sum sum_of(const shape::Box& s) { return {s.half, 0}; }
-inline Sum sum_of(const shape::Capsule& s) { return {shape::axis(2) * s.half, 0}; }
-inline Sum sum_of(const shape::Cylinder& s) { return {shape::axis(2) * s.half, s.r}; }
+inline SegmentSum segment_sum(const shape::Box& s) { return {s.half, 0}; }
+inline SegmentSum segment_sum(const shape::Capsule& s) { return {shape::axis(2) * s.half, 0}; }
+inline SegmentSum segment_sum(const shape::Cylinder& s) { return {shape::axis(2) * s.half, s.r}; }
 
 template <class S>
-inline constexpr bool is_sum = S::type == shape::Type::Box || S::type == shape::Type::Capsule || S::type == shape::Type::Cylinder;
+inline constexpr bool is_segment_sum = S::type == shape::Type::Box || S::type == shape::Type::Capsule || S::type == shape::Type::Cylinder;
 
 // discs: A's, B's, or both
 template <bool disc_a, bool disc_b>
 class MinkowskiPair {
  public:
-  MinkowskiPair(const Sum& a, const Sum& b, const Pose& X) : a_(a), b_(b), R_(X.R), Rt_(transpose(X.R)), p_(X.p) {}
+  MinkowskiPair(const SegmentSum& a, const SegmentSum& b, const Pose& X) : a_(a), b_(b), R_(X.R), Rt_(transpose(X.R)), p_(X.p) {}
 
   // From a first direction, across the segments along the axes `first` and `second` of A and B, if these are not -1. false: they meet,
   // or the maximum was not found.
@@ -45,8 +45,8 @@ class MinkowskiPair {
     for (steps_ = 1; steps_ <= max_steps; ++steps_) {
       c_ = p_ - Vec::make(place_[0], place_[1], place_[2]) - R_ * Vec::make(place_[3], place_[4], place_[5]);
       const Vec from = n_;
-      if (!climb()) return false;
-      if (stopped(from) || released()) continue;
+      if (!maximise_piece()) return false;
+      if (stop_at_sign_change(from) || release_segment()) continue;
       return finish(out);
     }
     return false;
@@ -55,7 +55,7 @@ class MinkowskiPair {
  private:
   static constexpr int max_steps = 12;
   static constexpr double straight = 1e-6;  // sine of an angle that is too small to divide by
-  const Sum a_, b_;
+  const SegmentSum a_, b_;
   const Mat R_, Rt_;
   const Vec p_;
   Vec n_, c_;
@@ -79,7 +79,7 @@ class MinkowskiPair {
     return sine;
   }
   // n_ to the maximum of this piece
-  bool climb() {
+  bool maximise_piece() {
     if (fixed_ == 2) {
       const Vec n = cross(axis_of(across_[0]), axis_of(across_[1]));
       const double sine = shape::norm(n);
@@ -87,7 +87,7 @@ class MinkowskiPair {
       n_ = n * (std::copysign(1.0, dot(n, c_)) / sine);
       return at_rims();
     }
-    return fixed_ == 1 ? turn(axis_of(across_[0])) : tilt();
+    return fixed_ == 1 ? maximise_across_segment(axis_of(across_[0])) : maximise_free();
   }
   // the points of the discs at n_; false: no distance is left, or n is a disc's axis
   bool at_rims() {
@@ -100,7 +100,7 @@ class MinkowskiPair {
     return dot(foot_, n_) > 0;
   }
   // n across e, by Newton's method on its angle
-  bool turn(const Vec& e) {
+  bool maximise_across_segment(const Vec& e) {
     const Vec start = !(disc_a || disc_b) || (disc_a != disc_b && across_[0] == (disc_a ? 2 : 5)) ? c_ : n_;
     n_ = start - e * dot(e, start);
     n_ = n_ * (1 / shape::norm(n_));
@@ -111,14 +111,14 @@ class MinkowskiPair {
       if (!at_rims()) return false;
       const Vec m = cross(e, n_);
       const double slope = dot(foot_, m);
-      double bend = dot(foot_, n_);
+      double curvature = dot(foot_, n_);
       auto add = [&](double zz, const Vec& z) {
         const double h = dot(n_, z), s2 = 1 - h * h;
-        bend += zz / (s2 * std::sqrt(s2));
+        curvature += zz / (s2 * std::sqrt(s2));
       };
       if constexpr (disc_a) add(za, shape::axis(2));
       if constexpr (disc_b) add(zb, R_.z);
-      const double step = slope / bend;
+      const double step = slope / curvature;
       if (std::abs(step) <= 1e-15) return true;
       n_ = n_ + m * std::clamp(step, -0.5, 0.5);
       n_ = n_ * (1 / shape::norm(n_));
@@ -127,7 +127,7 @@ class MinkowskiPair {
     return false;
   }
   // any n: the direction to the nearest point of a disc, of two by Newton's method
-  bool tilt() {
+  bool maximise_free() {
     if constexpr (!disc_a && !disc_b) {
       foot_ = c_, n_ = c_ * (1 / shape::norm(c_));
       return true;
@@ -174,7 +174,7 @@ class MinkowskiPair {
   }
 
   // Where a sign of n.e_k changes first on the way: n stays there.
-  bool stopped(const Vec& from) {
+  bool stop_at_sign_change(const Vec& from) {
     const Vec in_b = Rt_ * n_;
     double first = shape::infinity;
     int at = -1;
@@ -199,7 +199,7 @@ class MinkowskiPair {
     return at >= 0;
   }
   // The foot on the segments that n is across. One that lies beyond the end goes there, and n leaves.
-  bool released() {
+  bool release_segment() {
     if (fixed_ == 0) return false;
     const Vec e = axis_of(across_[0]);
     double t[2] = {dot(foot_, e), 0};
@@ -235,8 +235,8 @@ class MinkowskiPair {
 
 // false: no answer
 template <class A, class B>
-inline bool sum_pair(const Difference<A, B>& d, const Vec& guess, double enough, Cores& out) {
-  const Sum a = sum_of(d.A_), b = sum_of(d.B_);
+inline bool minkowski_pair(const Difference<A, B>& d, const Vec& guess, double enough, Cores& out) {
+  const SegmentSum a = segment_sum(d.A_), b = segment_sum(d.B_);
   MinkowskiPair<A::curved, B::curved> pair(a, b, d.X);
   if constexpr (A::type == shape::Type::Box || B::type == shape::Type::Box) {
     if (!pair.solve(guess, -1, -1, out)) return false;

@@ -14,7 +14,7 @@ inline Cores sphere_pair(const A& a, const Vec& p) {
   return {n.normal, n.point, p, n.distance, 0, 0, n.unique};
 }
 // p: from the centre of A to that of B, foot: the point of A's core nearest to it
-inline Cores round_pair(const Vec& foot, const Vec& p, const Vec& across) {
+inline Cores point_sphere_pair(const Vec& foot, const Vec& p, const Vec& across) {
   const Vec r = p - foot;
   const double d = shape::norm(r);
   return d > 0 ? Cores{r * (1 / d), foot, p, d, 0, 0, true} : Cores{across, foot, p, 0, 0, 0, false};

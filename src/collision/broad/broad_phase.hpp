@@ -26,7 +26,7 @@ class BroadPhase {
   void update(Index id, const Bounds& b);
   void remove(Index id);
   // A box whose id was removed, and is free.
-  void put_back(Index id, const Bounds& b);
+  void insert_at(Index id, const Bounds& b);
   bool has(Index id) const { return id >= 0 && id < used_ && state_[id] != free_slot; }
   Index count() const { return count_; }
   const Bounds& bounds(Index id) const { return tight_[id]; }
@@ -61,13 +61,13 @@ class BroadPhase {
   }
 
  private:
-  static constexpr Index free_slot = -1, nowhere = -2, free_body_bit = 1 << 30;
+  static constexpr Index free_slot = -1, nowhere = -2, overflow_bit = 1 << 30;
   enum : std::uint8_t { stale = 1, unplaced = 2 };  // candidates do not know of it; it lies nowhere, or not where its box is
 
   std::size_t lay_out(char* memory);
   void mark(Index id);
   void release(Index id);
-  void settle();
+  void place_moved();
   void pack();
   bool refit();
   bool refresh();
@@ -92,9 +92,9 @@ class BroadPhase {
   Bounds* tight_;
   Index* state_;  // of an id: where it lies, 8 block + lane, in the tree or (free_body_bit) in loose blocks; free_slot or nowhere
   Index* id_;     // of a lane of the tree
-  Block* free_bodies_;
-  Index* free_body_id_;
-  Index free_body_count_ = 0;  // lanes given
+  Block* overflow_;
+  Index* overflow_id_;
+  Index overflow_count_ = 0;  // lanes given
   std::uint8_t* flags_;
   Index *stale_, *unplaced_;
   Index stale_count_ = 0, unplaced_count_ = 0;
@@ -107,13 +107,13 @@ template <class F>
 void BroadPhase::for_each_overlap(const Box& b, F&& take) {
   tree_.descend([&](const Block& x) { return x.overlaps(b); }, 0,
                 [&](Index k) { for_each_lane(tree_.block[0][k].overlaps(b), [&](Index lane) { take(id_[k * Block::lanes + lane]); }); });
-  for (Index k = 0; k < PackedTree::room(free_body_count_); ++k)
-    for_each_lane(free_bodies_[k].overlaps(b), [&](Index lane) { take(free_body_id_[k * Block::lanes + lane]); });
+  for (Index k = 0; k < PackedTree::blocks_for(overflow_count_); ++k)
+    for_each_lane(overflow_[k].overlaps(b), [&](Index lane) { take(overflow_id_[k * Block::lanes + lane]); });
 }
 
 template <class F>
 void BroadPhase::query(const Bounds& b, F&& take) {
-  settle();
+  place_moved();
   for_each_overlap(Box::of(b, 0), [&](Index id) {
     if (overlap(tight_[id], b)) take(id);
   });
@@ -121,7 +121,7 @@ void BroadPhase::query(const Bounds& b, F&& take) {
 
 template <class F>
 void BroadPhase::ray(const shape::Vec& o, const shape::Vec& d, double far, F&& take) {
-  settle();
+  place_moved();
   // slabs: Kay, Kajiya 1986. A direction of zero stays between its two planes or never does.
   auto meets = [&](const double* lower, const double* upper) {
     double enter = 0, leave = far;
@@ -152,7 +152,7 @@ void BroadPhase::ray(const shape::Vec& o, const shape::Vec& d, double far, F&& t
     });
   };
   tree_.descend(lanes, 0, [&](Index k) { leaf(tree_.block[0][k], id_ + k * Block::lanes); });
-  for (Index k = 0; k < PackedTree::room(free_body_count_); ++k) leaf(free_bodies_[k], free_body_id_ + k * Block::lanes);
+  for (Index k = 0; k < PackedTree::blocks_for(overflow_count_); ++k) leaf(overflow_[k], overflow_id_ + k * Block::lanes);
 }
 
 }  // namespace dyn::collision

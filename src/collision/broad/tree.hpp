@@ -14,16 +14,16 @@ struct PackedTree {
   Index blocks[max_levels] = {};  // of each level; level 0 holds the boxes themselves
   Block* block[max_levels] = {};
 
-  static Index room(Index n) { return (n + Block::lanes - 1) / Block::lanes; }
+  static Index blocks_for(Index n) { return (n + Block::lanes - 1) / Block::lanes; }
   // of n boxes, for which there is room; level 0 is to be filled
   void shape(Index n) {
     levels = 0;
     if (n == 0) return;
-    do blocks[levels++] = n = room(n);
+    do blocks[levels++] = n = blocks_for(n);
     while (n > 1);
   }
   // The levels above the boxes. How wide the blocks of boxes are, as the sum of logarithms, in which a few vast ones hide nothing.
-  double raise() {
+  double build_levels() {
     double spread = 0;
     for (int l = 1; l < levels; ++l)
       for (Index b = 0; b < blocks[l]; ++b) {

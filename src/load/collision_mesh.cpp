@@ -1,4 +1,4 @@
-#include "mesh_stand.hpp"
+#include "collision_mesh.hpp"
 
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 
 std::string count(long n, const char* one, const char* many) { return std::to_string(n) + " " + (n == 1 ? one : many); }
 
-MeshStand hull(const meshes::Mesh& mesh) {
+CollisionMesh hull(const meshes::Mesh& mesh) {
   const meshes::Mesh hull = meshes::hull_of(mesh);
   const double depth = meshes::depth_under(mesh, *hull.polytope);
   const std::string vertices = count(hull.vertex_count(), "vertex", "vertices");
@@ -23,7 +23,7 @@ MeshStand hull(const meshes::Mesh& mesh) {
                                              "; hull_depth: the mesh lies up to " + number(depth) + " m below the hull"};
 }
 
-MeshStand triangles(const meshes::Mesh& mesh) {
+CollisionMesh triangles(const meshes::Mesh& mesh) {
   const std::string what = ": " + count(mesh.triangle_count(), "triangle", "triangles");
   if (mesh.topology.closed) return {meshes::tree_of(mesh), false, what + " that enclose a solid"};
   return {meshes::tree_of(mesh), true, what + " that enclose nothing (" + count(mesh.topology.open, "open edge", "open edges") + "): what lies inside touches nothing"};
@@ -31,6 +31,6 @@ MeshStand triangles(const meshes::Mesh& mesh) {
 
 }  // namespace
 
-MeshStand stand_for(const meshes::Mesh& mesh, dynMeshUse use) { return use == DYN_MESH_USE_HULL ? hull(mesh) : triangles(mesh); }
+CollisionMesh collision_mesh_of(const meshes::Mesh& mesh, dynMeshUse use) { return use == DYN_MESH_USE_HULL ? hull(mesh) : triangles(mesh); }
 
 }  // namespace dyn::load

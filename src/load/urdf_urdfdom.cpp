@@ -18,10 +18,10 @@ namespace {
 constexpr size_t max_links = 20000;
 
 // Keeps urdfdom's messages instead of printing them; what other threads log meanwhile goes where it went before.
-class Messages : public console_bridge::OutputHandler {
+class CapturedMessages : public console_bridge::OutputHandler {
  public:
-  Messages() : before_(console_bridge::getOutputHandler()) { console_bridge::useOutputHandler(this); }
-  ~Messages() override {
+  CapturedMessages() : before_(console_bridge::getOutputHandler()) { console_bridge::useOutputHandler(this); }
+  ~CapturedMessages() override {
     console_bridge::useOutputHandler(before_);
     console_bridge::useOutputHandler(before_);  // again: it also keeps the one before, which must not be this object
   }
@@ -39,28 +39,28 @@ class Messages : public console_bridge::OutputHandler {
 };
 
 // urdfdom hands words of the file to printf as formats: it must not see a '%', spelled out or as a character reference.
-std::string without_formats(std::string text) {
+std::string without_percent(std::string text) {
   std::replace(text.begin(), text.end(), '%', '_');
   return text;
 }
 bool has_references(const std::string& text) { return text.find("&#") != std::string::npos; }
 
-struct Reading {
+struct UrdfdomModel {
   urdf::ModelInterfaceSharedPtr model;
   std::string refusal;
 
-  explicit Reading(const std::string& text) {
+  explicit UrdfdomModel(const std::string& text) {
     static std::mutex one_at_a_time;  // console_bridge has one handler for the process
     const std::lock_guard lock(one_at_a_time);
-    Messages messages;
+    CapturedMessages messages;
     try {
-      model = urdf::parseURDF(without_formats(text));
+      model = urdf::parseURDF(without_percent(text));
     } catch (const std::exception& e) {
       messages.lines.push_back(e.what());
     }
     if (!model) refusal = messages.lines.empty() ? "no reason given" : messages.lines.front();
   }
-  ~Reading() {  // so that no link owns the next one
+  ~UrdfdomModel() {  // so that no link owns the next one
     if (!model) return;
     for (auto& [name, link] : model->links_) link->child_links.clear(), link->child_joints.clear();
   }
@@ -94,8 +94,8 @@ std::string difference(const UrdfLink& l, const urdf::Link& other) {
 
 std::string difference(const UrdfJoint& j, const urdf::Joint& other) {
   const JointSpec& s = j.spec;
-  if (without_formats(j.parent) != other.parent_link_name) return "parent";
-  if (without_formats(j.child) != other.child_link_name) return "child";
+  if (without_percent(j.parent) != other.parent_link_name) return "parent";
+  if (without_percent(j.child) != other.child_link_name) return "child";
   if (!same(s.placement, other.parent_to_joint_origin_transform)) return "origin";
   const bool has_axis = s.type != DYN_JOINT_TYPE_FIXED && s.type != DYN_JOINT_TYPE_FREE_FLYER;
   if (has_axis) {
@@ -110,7 +110,7 @@ std::string difference(const UrdfJoint& j, const urdf::Joint& other) {
   if (!s.velocity.empty() && (!other.limits || s.velocity[0] != other.limits->velocity)) return "limit velocity";
   if (!s.damping.empty() && (!other.dynamics || s.damping[0] != other.dynamics->damping)) return "damping";
   if (!s.friction.empty() && (!other.dynamics || s.friction[0] != other.dynamics->friction)) return "friction";
-  if (!s.mimic.empty() && (!other.mimic || without_formats(s.mimic) != other.mimic->joint_name ||
+  if (!s.mimic.empty() && (!other.mimic || without_percent(s.mimic) != other.mimic->joint_name ||
                            s.mimic_ratio != other.mimic->multiplier || s.mimic_offset != other.mimic->offset))
     return "mimic";
   return "";
@@ -127,25 +127,25 @@ void compare_with_urdfdom(const std::string& text, const UrdfRobot& robot, const
     report.info(0, "character references (&#...;): not read a second time by urdfdom");
     return;
   }
-  const Reading second(text);
-  if (!second.model) {
-    report.info(0, "urdfdom, the parser of ROS, refuses this file: " + second.refusal);
+  const UrdfdomModel urdfdom(text);
+  if (!urdfdom.model) {
+    report.info(0, "urdfdom, the parser of ROS, refuses this file: " + urdfdom.refusal);
     return;
   }
   const auto differs = [&](int line, const std::string& what) {
     report.physics(line, what + ": urdfdom, the parser of ROS, reads this differently; libdyn's reading counts");
   };
-  if (second.model->links_.size() != robot.links.size()) differs(0, "the number of links");
-  if (second.model->joints_.size() != robot.joints.size()) differs(0, "the number of joints");
-  if (!second.model->getRoot() || second.model->getRoot()->name != without_formats(robot.links[tree.root].name))
+  if (urdfdom.model->links_.size() != robot.links.size()) differs(0, "the number of links");
+  if (urdfdom.model->joints_.size() != robot.joints.size()) differs(0, "the number of joints");
+  if (!urdfdom.model->getRoot() || urdfdom.model->getRoot()->name != without_percent(robot.links[tree.root].name))
     differs(0, "the root link");
   for (const UrdfLink& l : robot.links) {
-    const auto other = second.model->getLink(without_formats(l.name));
+    const auto other = urdfdom.model->getLink(without_percent(l.name));
     if (const std::string what = other ? difference(l, *other) : "the link"; !what.empty())
       differs(l.line, "link " + quoted(l.name) + ": " + what);
   }
   for (const UrdfJoint& j : robot.joints) {
-    const auto other = second.model->getJoint(without_formats(j.spec.name));
+    const auto other = urdfdom.model->getJoint(without_percent(j.spec.name));
     if (const std::string what = other ? difference(j, *other) : "the joint"; !what.empty())
       differs(j.line, "joint " + quoted(j.spec.name) + ": " + what);
   }

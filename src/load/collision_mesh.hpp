@@ -5,11 +5,11 @@
 
 namespace dyn::load {
 
-struct MeshStand {
+struct CollisionMesh {
   std::shared_ptr<const SurfaceData> surface;
   bool warning;
-  std::string said;  // after "mesh 'name'"
+  std::string message;  // after "mesh 'name'"
 };
-MeshStand stand_for(const meshes::Mesh& mesh, dynMeshUse use);
+CollisionMesh collision_mesh_of(const meshes::Mesh& mesh, dynMeshUse use);
 
 }  // namespace dyn::load

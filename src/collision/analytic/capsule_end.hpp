@@ -8,7 +8,7 @@ namespace dyn::collision {
 
 // A: a segment of length 2 half about z. false: neither end is surely the nearest, or the two are not clearly apart.
 template <class D>
-inline bool end_pair(const D& d, double half, Cores& c) {
+inline bool capsule_end_pair(const D& d, double half, Cores& c) {
   const Vec across = d.Rt.z * half, center = d.X.act_inverse(Vec::zero());  // of the segment, in B
   // first the end that is nearer to B's origin
   const double first = dot(across, center) > 0 ? -1 : 1;
