@@ -6,11 +6,12 @@ namespace dyn::collision {
 
 namespace {
 
-// Loose boxes beyond this share of all: the tree is packed anew. Boxes that moved beyond this share: all pairs are searched.
+// The tree is packed anew when more than 1/overflow_share of all boxes lie in overflow blocks. All pairs are searched again when
+// more than 1/moved_share of the boxes moved.
 constexpr Index overflow_share = 8, min_overflow = 64, moved_share = 16;
 constexpr std::size_t radix = 1024;
 
-// Sorts by one digit: from into to, counts has a place for each digit and one more.
+// Counting sort by one digit. counts has digits + 1 entries.
 template <class T, class Digit>
 void counting_sort(const T* from, T* to, std::ptrdiff_t n, Index digits, Index* counts, Digit&& digit) {
   std::fill_n(counts, digits + 1, 0);
@@ -23,7 +24,7 @@ void counting_sort(const T* from, T* to, std::ptrdiff_t n, Index digits, Index* 
 
 std::size_t BroadPhase::lay_out(char* memory) {
   std::size_t used = 0;
-  // without memory it only counts
+  // a null memory only counts the bytes
   auto take = [&]<class T>(T*& p, std::size_t n) {
     p = memory ? reinterpret_cast<T*>(memory + used) : nullptr;
     used += (n * sizeof(T) + 63) / 64 * 64;
@@ -95,7 +96,7 @@ Box BroadPhase::fat(Index id) const {
   return (at & overflow_bit ? overflow_ : tree_.block[0])[lane / Block::lanes].box(lane % Block::lanes);
 }
 
-// Takes a box out of where it lies.
+// Removes a box from its block.
 void BroadPhase::release(Index id) {
   const Index at = state_[id], lane = at & ~overflow_bit;
   if (at < 0) return;
@@ -103,7 +104,7 @@ void BroadPhase::release(Index id) {
   state_[id] = nowhere;
 }
 
-// Puts boxes that moved where they can be found; packs all when there are too many of them.
+// Places moved boxes in overflow blocks. Packs the tree anew when there are too many.
 void BroadPhase::place_moved() {
   if (unplaced_count_ == 0) return;
   if (overflow_count_ + unplaced_count_ > std::max(min_overflow, count_ / overflow_share)) {
@@ -123,9 +124,9 @@ void BroadPhase::place_moved() {
   unplaced_count_ = 0;
 }
 
-// The boxes where they are now in the order of the last packing: as good while neighbours stay neighbours.
+// Keeps the order of the last packing and updates the boxes. Good while neighbours in that order stay neighbours in space.
 bool BroadPhase::refit() {
-  constexpr double wider = 0.1;  // in the mean
+  constexpr double wider = 0.1;  // bound on the mean growth of log(width)
   if (!same_boxes_) return false;
   for (Index k = 0; k < count_; ++k) {
     const Index id = id_[k];
@@ -137,9 +138,9 @@ bool BroadPhase::refit() {
 
 void BroadPhase::pack() {
   overflow_count_ = 0;
-  candidates_valid_ = false;  // all fat boxes are others, also of boxes that have not left theirs
+  candidates_valid_ = false;  // packing changes every fat box, also of boxes that did not leave theirs
   if (refit()) return;
-  // centres in cells of the cube about them
+  // cells of the cube that holds all centres
   auto center = [&](Index id, int i) { return std::clamp(tight_[id].lower[i] / 2 + tight_[id].upper[i] / 2, -1e30, 1e30); };
   double lower[3], extent = 0;
   for (int i = 0; i < 3; ++i) {
@@ -182,7 +183,7 @@ bool BroadPhase::refresh() {
   return candidates_valid_;
 }
 
-// All candidates anew: each block against itself and those behind it.
+// Finds all candidates: each block against itself and the later blocks.
 void BroadPhase::join() {
   found_ = 0;
   for (Index i = 0; tree_.levels > 0 && i < tree_.blocks[0]; ++i) {
@@ -212,14 +213,14 @@ void BroadPhase::join() {
   sort_fresh();
 }
 
-// by the second, then by the first
+// radix sort: by the second id, then by the first
 void BroadPhase::sort_fresh() {
   counting_sort(fresh_, candidate_, found_, used_, counts_, second_of);
   counting_sort(candidate_, fresh_, found_, used_, counts_, first_of);
   std::swap(candidate_, fresh_);
 }
 
-// Candidates of boxes that moved: the old ones out, the new ones in.
+// Drops the candidates of moved boxes and finds their new ones.
 void BroadPhase::replace_stale() {
   std::ptrdiff_t kept = 0;
   for (std::ptrdiff_t k = 0; k < candidates_; ++k) {

@@ -1,5 +1,5 @@
-// libccd as the second method: its GJK and EPA (github.com/danfis/libccd). It allocates, has no distance for shapes apart, and is opened
-// on first use: libdyn does without it.
+// Fallback method: GJK and EPA of libccd (github.com/danfis/libccd). libccd allocates and has no distance for separated shapes. The
+// library is opened on first use and is optional.
 #pragma once
 
 #include "collision/fallback_narrowphase.hpp"

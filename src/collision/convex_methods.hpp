@@ -1,5 +1,5 @@
-// Pairs of convex shapes without a closed form, as distance.cpp has them in its table. They are instantiated in convex_*.cpp, a few in each:
-// every pair is a GJK, an EPA and a Newton's method of its own.
+// Pairs of convex shapes without a closed form. distance.cpp lists them in its table. Each pair instantiates GJK, EPA and Newton's
+// method, so the instances are spread over convex_*.cpp.
 #pragma once
 
 #include "collision/analytic/capsule_end.hpp"
@@ -11,17 +11,17 @@ namespace dyn::collision {
 
 using namespace shape;
 
-// B in the frame of A: positions are subtracted first, so that a pair far from the world's origin loses nothing.
+// Pose of B in the frame of A. Positions are subtracted first, which keeps precision far from the world's origin.
 inline Pose relative(const Pose& A, const Pose& B) {
   const Mat Rt = transpose(A.R);
   return {Rt * B.R, Rt * (B.p - A.p)};
 }
-// Pairs answered in the frame of A.
+// From the frame of A to the world.
 inline Result in_world(Result r, const Pose& XA) {
   r.normal = XA.R * r.normal, r.point_a = XA.act(r.point_a), r.point_b = XA.act(r.point_b);
   return r;
 }
-// of shapes with straight features, which may be parallel
+// Clears `unique` where straight features of both shapes are parallel.
 template <class A, class B, class F>
 Result convex_result(const Shape& shape_a, const Pose& XA, const Shape& shape_b, const Pose& XB, const Options& o, F&& method) {
   const A a(shape_a);
@@ -46,7 +46,7 @@ Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wo
   });
 }
 
-// f(A, B) of all, by the file that holds them
+// f(A, B) of all pairs, by the file that instantiates them
 #define DYN_CONVEX_STRAIGHT(F) \
   F(Capsule, Cylinder) F(Capsule, Cone) F(Capsule, Ellipsoid) F(Capsule, Convex) F(Box, Cylinder) F(Box, Cone) F(Box, Ellipsoid) F(Box, Convex)
 #define DYN_CONVEX_CYLINDER(F) F(Cylinder, Cylinder) F(Cylinder, Cone) F(Cylinder, Ellipsoid) F(Cylinder, Convex)

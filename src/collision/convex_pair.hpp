@@ -1,6 +1,5 @@
-// Any two convex shapes: GJK when their cores are apart, EPA when they meet, Newton's method on the normal to finish where shapes are
-// curved. The answer is measured before it is given: its residual is the gap between the distance of its witness points and the lower
-// bound that the supporting planes of its normal give.
+// Distance of any two convex shapes: GJK for separated cores, EPA for overlapping ones, Newton's method on the normal for curved
+// shapes. The residual is a measured bound: the distance of the witness points less the bound by the supporting planes.
 #pragma once
 
 #include "collision/epa.hpp"
@@ -9,7 +8,7 @@
 
 namespace dyn::collision {
 
-// Of the cores, in the frame of A.
+// Result for the cores, in the frame of A.
 struct Cores {
   Vec normal, a, b;
   double distance, residual;
@@ -17,43 +16,43 @@ struct Cores {
   bool unique;
 };
 
-// The floor of what is wanted of the distance.
+// Required accuracy of the distance, m.
 template <class D>
 inline double wanted(const D& d, const Options& options) {
   return options.tolerance * d.small + d.rounding();
 }
 
-// guess: A's point less B's
+// guess: point of A minus point of B
 template <class D>
 inline Cores cores(const D& d, const Vec& guess, EpaWorkspace& workspace, const Options& options) {
   const double enough = wanted(d, options);
   Refined p{};
   bool refined = false;
   auto finish = [&](const GjkResult& g) {
-    // apart: the witness points bound the distance from above, the plane from below
+    // separated: the witness points give an upper bound, the supporting plane a lower one
     const Vec n = g.v * (-1 / g.norm);
     if constexpr (D::curved)
       refined = (on_face(d, n, p) || newton_refine(d, g.simplex.p, g.simplex.weight, g.simplex.size, n, enough, p)) && p.distance > -enough &&
                 shape::norm(p.b - p.a) - p.distance <= enough;
-    // what is not on its normal may be so when GJK has come closer
+    // a result off its normal may improve when GJK has come closer
     return refined && p.unique;
   };
   GjkResult g = gjk(d, guess, options, finish);
   if (!refined && g.apart && g.gap > options.accepted * d.small) {
-    // stuck in its own rounding: from another side
+    // GJK stalled by rounding: start again from another direction
     const GjkResult other = gjk(d, shape::across(g.v * (1 / g.norm)), options, finish);
     if (!other.apart || other.gap < g.gap) g = other;
   }
   if (D::curved && g.apart && !(refined && p.unique)) finish(g);
   if (refined) return {p.normal, p.a, p.b, p.distance, p.residual, g.iterations, p.unique};
-  // a gap leaves the normal of a curved pair uncertain by its root
+  // on a curved pair a gap g leaves the normal uncertain by sqrt(g)
   auto certain = [&](double gap, double radius) { return !D::curved || gap <= 1e-14 * radius; };
   if (g.apart) return {g.v * (-1 / g.norm), g.simplex.point_a(), g.simplex.point_b(), g.norm, g.gap, g.iterations, certain(g.gap, g.norm)};
   const EpaResult e = epa(d, g.simplex, workspace, options);
   return {e.normal, e.a, e.b, -e.upper, e.residual, g.iterations + e.iterations, e.unique && (e.refined || certain(e.residual, d.small))};
 }
 
-// of the rounded shapes, in the frame of A
+// From cores to rounded shapes, in the frame of A.
 inline Result rounded(const Cores& c, double radius_a, double radius_b, double size, const Options& options) {
   Result r;
   r.from_fallback = false;

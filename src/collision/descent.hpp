@@ -1,6 +1,5 @@
-// Where the polytope of EPA grows no more and Newton's method finds no root from its faces, as where four pieces of nearly coincident
-// cones meet: the least support height h(n) near a normal by pattern search, then the pieces that hold the plane there, then Newton's
-// method on these.
+// Last resort of EPA, where its polytope cannot grow and Newton's method finds no root. Example: four pieces of nearly coincident
+// cones meet. Minimises the support function h(n) by pattern search, then applies Newton's method to the pieces found there.
 #pragma once
 
 #include "base/portable.hpp"
@@ -10,7 +9,7 @@ namespace dyn::collision {
 
 namespace detail {
 
-// Hooke and Jeeves (J. ACM 8(2), 1961) on the sphere, with directions that turn between rounds.
+// Hooke and Jeeves (J. ACM 8(2), 1961) on the unit sphere. The directions turn between rounds.
 template <class D>
 inline Vec pattern_search(const D& d, Vec n) {
   constexpr int directions = 8, rounds = 300;
@@ -31,7 +30,8 @@ inline Vec pattern_search(const D& d, Vec n) {
   return n;
 }
 
-// Three of the support points along normals tilted around n, the triangle of which holds the foot of the origin most surely, and its weights.
+// Support points along normals tilted around n. Returns the three whose triangle contains the projection of the origin best, with
+// its barycentric weights.
 template <class D>
 inline void pieces_around(const D& d, const Vec& n, Vertex* best, double* weight) {
   constexpr int around = 12;
@@ -58,7 +58,7 @@ inline void pieces_around(const D& d, const Vec& n, Vertex* best, double* weight
 
 }  // namespace detail
 
-// From a normal near that of the least depth. false: no solution was found.
+// from: normal near the minimum. Returns false if no solution was found.
 template <class D>
 [[gnu::noinline]] inline bool pattern_search_refine(const D& d, const Vec& from, double wanted, Refined& out) {
   const Vec n = detail::pattern_search(d, from);

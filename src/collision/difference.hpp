@@ -1,5 +1,5 @@
-// The difference D = A - B of two convex cores, in the frame of A: they meet where D contains the origin, and the point of D nearest to
-// the origin is the shortest vector between them.
+// Minkowski difference D = A - B of two convex cores, in the frame of A. The cores overlap where D contains the origin. The nearest
+// point of D to the origin is the shortest vector between them.
 #pragma once
 
 #include "base/portable.hpp"
@@ -12,9 +12,9 @@ template <class A, class B>
 struct Difference {
   const A& A_;
   const B& B_;
-  Pose X;   // B in A
-  Mat Rt;   // A's axes in B
-  double small, large;  // sizes of the smaller and the larger shape
+  Pose X;   // pose of B in A
+  Mat Rt;   // axes of A in B
+  double small, large;  // size of the smaller and of the larger shape
 
   DYN_INLINE Difference(const A& a, const B& b, const Pose& X) : A_(a), B_(b), X(X), Rt(transpose(X.R)) {
     const double sa = a.extent() + a.radius, sb = b.extent() + b.radius;
@@ -27,7 +27,7 @@ struct Difference {
     const Vec a = A_.support(d), b = X.act(B_.support(Rt * -d));
     return {a - b, a, b};
   }
-  // the support point on the smooth piece of the boundary that p lies on; m: against n, in B
+  // Support point on the smooth piece of the boundary that holds p. m: -n in B.
   DYN_INLINE Vertex support_on_piece(const Vertex& p, const Vec& n, const Vec& m) const {
     Vertex q = p;
     if constexpr (A::curved) q.a = A_.support_on_piece(p.a, n);
@@ -35,7 +35,7 @@ struct Difference {
     q.w = q.a - q.b;
     return q;
   }
-  // its derivative, of several pieces the weighted sum
+  // Derivative of the support point, as a weighted sum over several pieces.
   DYN_INLINE shape::CurvatureRadii curvature_radii(const Vertex* p, const double* weight, int count, const Vec& n, const Vec& u, const Vec& v) const {
     shape::CurvatureRadii sum = {0, 0, 0};
     auto add = [&](const shape::CurvatureRadii& k, double w) { sum = {sum.uu + k.uu * w, sum.uv + k.uv * w, sum.vv + k.vv * w}; };
@@ -47,11 +47,11 @@ struct Difference {
     }
     return sum;
   }
-  // numbers of this pair carry errors of about this size
+  // Size of rounding errors in this pair's distances.
   double rounding() const { return 1e-15 * (large + shape::norm(X.p)); }
 
-  // Are there other pairs of points as near as one with the normal n? Only where straight features of both face each other and have a
-  // direction in common.
+  // Returns whether other pairs of points are as near as one with the normal n. True where straight features of both shapes face
+  // each other and share a direction.
   bool parallel(const Vec& n) const {
     const shape::Flat fa = A_.flat(n);
     if (fa.dimension == 0) return false;
@@ -61,8 +61,8 @@ struct Difference {
     return shape::norm(cross(fa.u, X.R * fb.u)) <= 1e-7;
   }
 
-  // Of cores that touch with the normal n: is the origin at an edge or a corner of D, so that planes of other normals hold it as well?
-  // The support planes tilted by a thousandth, all around, tell it: across an edge, which has no radius of curvature, they rise no higher.
+  // For touching cores: returns whether the origin is at an edge or a corner of D, where other normals hold it as well. Tests
+  // support planes tilted by a thousandth: across an edge, which has no radius of curvature, they do not rise.
   bool sharp(const Vec& n) const {
     constexpr int directions = 16;
     constexpr double tilt = 1e-3, radius = 1e-3, turn = 6.2831853071795865 / directions;

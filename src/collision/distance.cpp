@@ -1,13 +1,12 @@
-// The table of pairs. Which method answers which pair (the other half is exchanged):
+// Table of pairs: the method for each pair of types. The other half of the table exchanges A and B.
 //               half-space   sphere     capsule     box       cylinder   others
-//   half-space  planes       deepest    deepest     deepest   deepest    deepest    point below the plane
-//   sphere                   nearest    nearest     nearest   nearest    nearest    point to the sphere's centre
+//   half-space  planes       deepest    deepest     deepest   deepest    deepest    deepest point below the plane
+//   sphere                   nearest    nearest     nearest   nearest    nearest    nearest point to the sphere's centre
 //   capsule                             segments    axes      sums       gjk
-//   box                                             axes      sums       gjk        separating axes when they meet, else sums
-//   cylinder                                                  sums       gjk        sums of segments and discs apart, else as others
+//   box                                             axes      sums       gjk        separating axes if they overlap, else sums
+//   cylinder                                                  sums       gjk        Minkowski sums if separated, else gjk
 //   others                                                               gjk        GJK, EPA, Newton
-// Of a capsule and a cone apart, an end of the capsule first.
-// Surfaces are searched for the nearest piece: surface_distance.cpp.
+// A separated capsule and cone first try the ends of the capsule. Surfaces search for the nearest piece: surface_distance.cpp.
 #include "collision/distance.hpp"
 
 #include "collision/analytic/boxes.hpp"
@@ -24,7 +23,7 @@ namespace dyn::collision {
 namespace {
 
 using namespace shape;
-// of A and B at their poses in the world, answered there
+// poses and result in the world
 using Method = Result (*)(const Shape&, const Pose&, const Shape&, const Pose&, Workspace&, const Options&);
 
 template <class A, class B>
@@ -32,7 +31,7 @@ Result finish(const Cores& c, const A& a, const B& b, const Options& options) {
   return rounded(c, a.radius, b.radius, std::min(a.extent() + a.radius, b.extent() + b.radius), options);
 }
 
-// Pairs that need no turning: answered from A's origin, in the axes of the world.
+// Pairs without rotation: computed from A's origin in the world's axes.
 Result translated(Result r, const Vec& origin) {
   r.point_a += origin, r.point_b += origin;
   return r;
@@ -112,7 +111,7 @@ constexpr Pair pair() {
     return {convex<A, B>, false};
 }
 
-// f.template operator()<S>() for each
+// calls f.template operator()<S>() for each convex shape
 template <class F>
 constexpr void each_shape(F&& f) {
 #define DYN_EACH(S) f.template operator()<S>();
@@ -135,7 +134,7 @@ static_assert([] {
   return true;
 }(), "two shapes have one type");
 
-// What the second method finds, if it holds: the depth is that along its normal, the witness points lie within it from A and B.
+// Verifies the fallback's result: the depth along its normal, and the distances of its witness points from A and B.
 bool fallback_distance(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, const Options& o, Result& r) {
   FallbackResult found;
   if (!o.fallback(a, XA, b, XB, o.tolerance, found)) return false;
@@ -156,7 +155,7 @@ bool fallback_distance(const Shape& a, const Pose& XA, const Shape& b, const Pos
   return r.residual <= std::max(o.accepted, o.tolerance) * small;
 }
 
-// no closed form, and support points on both sides
+// Returns whether the pair has no closed form and both shapes have support points.
 bool has_no_closed_form(Type a, Type b) { return std::min(a, b) >= Type::Capsule && std::max(a, b) >= Type::Cylinder; }
 
 inline Result primary_distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Workspace& workspace, const Options& options) {

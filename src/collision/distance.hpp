@@ -6,11 +6,11 @@
 
 namespace dyn::collision {
 
-// X_WA, X_WB: the shapes' frames in the world. Never allocates; the workspace is scratch.
+// X_WA, X_WB: poses of the shapes' frames in the world. Never allocates. The workspace is scratch.
 Result distance(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, Workspace& workspace,
                 const Options& options = Options());
 
-// Of the shape's farthest point from its frame's origin.
+// Radius of the smallest sphere about the frame's origin that holds the shape, m.
 double bounding_radius(const shape::Shape& s);
 
 }  // namespace dyn::collision

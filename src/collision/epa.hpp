@@ -1,7 +1,6 @@
-// The depth of two convex cores: the point of the boundary of D = A - B nearest to the origin, by the expanding polytope of van den
-// Bergen (Game Developers Conference 2001). A polytope inside D grows where its boundary comes nearest to the origin: the nearest face
-// bounds the depth from below, the support point above that face bounds it from above. Distances of faces are signed, so that an origin
-// slightly outside the polytope, or outside D, is no special case: touching shapes need no separate treatment.
+// Expanding polytope algorithm (van den Bergen, Game Developers Conference 2001). Finds the boundary point of D = A - B nearest to
+// the origin, for overlapping cores. The nearest face of a polytope inside D bounds the depth from below. The support point above
+// that face bounds it from above. Face distances are signed, so touching shapes need no special case.
 #pragma once
 
 #include "collision/descent.hpp"
@@ -10,12 +9,12 @@ namespace dyn::collision {
 
 struct EpaResult {
   Vec normal;    // outward of D
-  double upper;  // the depth (signed)
+  double upper;  // upper bound of the depth, signed
   Vec a, b;      // witness points
   double residual;
   Index iterations;
-  bool unique;   // no other face of another direction is as near
-  bool refined;  // by Newton's method, or on a face
+  bool unique;   // no face of another direction is as near
+  bool refined;  // by Newton's method, or on a flat face
 };
 
 namespace detail {
@@ -26,18 +25,18 @@ class Epa {
   Epa(const D& d, EpaWorkspace& w, const Options& o)
       : d_(d), w_(w), o_(o), rounding_(d.rounding()), wanted_(std::min(o.tolerance, 1e-6) * d.small + rounding_), tie_(1e-7 * d.small) {}
 
-  // From the vertices of a simplex near the origin.
+  // s: simplex near the origin.
   EpaResult run(const Simplex& s) {
     EpaResult& r = r_;
     r.upper = shape::infinity, r.residual = 0, r.iterations = 0, r.unique = true, r.refined = false;
     Vec n;
-    if (!tetrahedron(s, n)) {  // D is flat: its own normal
+    if (!tetrahedron(s, n)) {  // D is flat: take its own normal
       const Vertex p = d_.support(n);
       r.normal = n, r.upper = dot(n, p.w), r.a = p.a, r.b = p.b;
       return r;
     }
-    double apart = 0;              // how much nearer than what is found the face of interest is
-    double next = 0.1 * d_.small;  // the gap at which refinement is tried next
+    double apart = 0;              // gap between the best depth and the nearest open face
+    double next = 0.1 * d_.small;  // gap at which refinement is tried next
     for (;;) {
       const Index nearest = nearest_face();
       const double offset = w_.offset[nearest];
@@ -54,7 +53,7 @@ class Epa {
       const Vertex p = d_.support(n);
       const double upper = dot(n, p.w);
       if (upper < r.upper) r.normal = n, r.upper = upper;
-      // what has come close is finished by refinement; where that fails, by growth
+      // near convergence: refine by Newton's method, and grow the polytope if that fails
       if (D::curved && (rival || (minima_ == 0 && upper - offset <= next))) {
         next = (upper - offset) * 0.1;
         if (refine(nearest) && rival) {
@@ -81,7 +80,7 @@ class Epa {
       for (Index f = 0; f < faces_; ++f) w_.offset[f] = w_.face[f].offset;
       const Index nearest = nearest_face();
       const double upper = dot(w_.face[nearest].normal, d_.support(w_.face[nearest].normal).w);
-      // the least support found, where the polytope has come as close there as wanted; else that of its nearest face
+      // returns the lowest support value if the polytope confirms it, else that of its nearest face
       if (upper > r.upper + wanted_) {
         witness(face_along(r.normal * r.upper));
         r.residual = std::max(apart, shape::norm(r.a - r.b - r.normal * r.upper));
@@ -103,12 +102,12 @@ class Epa {
   double refined_upper_ = shape::infinity;
   static constexpr int max_minima = 8;
   static constexpr double same = 0.999;  // cosine between directions that lead to the same minimum
-  Vec minimum_[max_minima];  // directions of those found
+  Vec minimum_[max_minima];  // directions of the minima found
   int minima_ = 0;
-  bool stuck_ = false;  // the polytope grows no more
+  bool stuck_ = false;  // the polytope cannot grow further
   Index vertices_ = 0, faces_ = 0, free_ = 0;
 
-  static constexpr double certain = 1e-3;  // how far below a refined depth the polytope must rule out others, before rivals are looked at
+  static constexpr double certain = 1e-3;  // gap below which rival minima are examined, relative to the size
 
   bool refined() const { return refined_upper_ <= r_.upper + tie_; }
 
@@ -125,7 +124,7 @@ class Epa {
     return least;
   }
 
-  // Has the local minimum in this direction been found?
+  // Returns whether a minimum was found near this direction.
   bool is_found(const Vec& n) const {
     for (int i = 0; i < minima_; ++i)
       if (dot(n, minimum_[i]) > same) return true;
@@ -133,7 +132,7 @@ class Epa {
   }
   void discard(Index f) { w_.offset[f] = shape::infinity; }
 
-  // A local minimum of the depth near a face: where a flat face is nearest, or where Newton's method leads.
+  // Refines to a local minimum of the depth: the normal of a flat face, or the result of Newton's method.
   [[gnu::noinline]] bool refine(Index f) {
     Refined p;
     const Vec n = w_.face[f].normal;
@@ -155,12 +154,12 @@ class Epa {
     if (less > 0) refined_ = p, refined_upper_ = -p.distance;
   }
 
-  // Four vertices that span a volume: those of s, and farthest support points for what is missing.
+  // Four vertices that span a volume: those of s, completed by support points.
   bool tetrahedron(const Simplex& s, Vec& n) {
     Vertex* p = w_.vertex;
     int size = 0;
     const double least = 16 * rounding_;
-    // farther of the two support points along +-d, by its height above p[0]
+    // adds the support point along d or -d that is farther from p[0]
     auto add_along = [&](const Vec& d) {
       const Vertex up = d_.support(d), down = d_.support(-d);
       const double hu = dot(d, up.w - p[0].w), hd = dot(d, p[0].w - down.w);
@@ -196,7 +195,7 @@ class Epa {
     else if (!add_along(n))
       return false;
     size = 4;
-    if (dot(n, p[3].w - p[0].w) > 0) std::swap(p[1], p[2]);  // now 0 1 2 looks away from 3
+    if (dot(n, p[3].w - p[0].w) > 0) std::swap(p[1], p[2]);  // now face 0 1 2 points away from vertex 3
     vertices_ = 4;
     static constexpr Index corners[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
     static constexpr Index beyond[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}};
@@ -208,7 +207,7 @@ class Epa {
     return true;
   }
 
-  // the plane of a face; a sliver takes that of its neighbour
+  // Plane of a face. A sliver takes the plane of its neighbour.
   void plane(Index f, Index neighbour) {
     EpaFace& F = w_.face[f];
     const Vec a = w_.vertex[F.at[0]].w, b = w_.vertex[F.at[1]].w, c = w_.vertex[F.at[2]].w, n = triangle_normal(a, b, c);
@@ -222,7 +221,7 @@ class Epa {
     w_.offset[f] = F.offset;
   }
 
-  // Replaces the faces that p sees by the cone from their horizon to p. false: p sees no valid horizon, or there is no room.
+  // Replaces the faces that p sees by a cone from their horizon to p. Returns false without a valid horizon or free face.
   bool grow(Index seen, const Vertex& p) {
     if (vertices_ == EpaWorkspace::max_vertices) return false;
     auto sees = [&](Index f) { return dot(w_.face[f].normal, p.w) - w_.face[f].offset > -rounding_; };
@@ -242,7 +241,7 @@ class Epa {
           remove(g);
           continue;
         }
-        // an edge of the horizon: a new face from it to p
+        // an edge of the horizon: add a face from it to p
         const Index a = w_.face[f].at[i], b = w_.face[f].at[(i + 1) % 3];
         const Index n = free_ > 0 ? w_.free[--free_] : faces_ < EpaWorkspace::max_faces ? faces_++ : -1;
         if (n < 0 || w_.from[a] >= 0) return false;
@@ -257,7 +256,7 @@ class Epa {
       }
     }
     if (last < 0) return false;
-    // link the cone: the face from a to b meets the one from b on
+    // link the cone: the face from a to b precedes the one that begins at b
     Index f = last;
     do {
       const Index next = w_.from[w_.face[f].at[1]];
@@ -274,7 +273,7 @@ class Epa {
     const Index* at = w_.face[f].at;
     return nearest_on_triangle(w_.vertex[at[0]].w - to, w_.vertex[at[1]].w - to, w_.vertex[at[2]].w - to);
   }
-  // the face nearest to a point of D's boundary, when another face as near to the origin looks elsewhere
+  // Face nearest to a boundary point of D, for when another face as near to the origin has another normal.
   Index face_along(const Vec& p) const {
     Index best = 0;
     double least = shape::infinity;
@@ -286,9 +285,9 @@ class Epa {
     return best;
   }
 
-  // the point of the face nearest to the origin, taken apart; other faces as near
+  // Sets the witness points from the face nearest to the origin. Clears `unique` if other faces are as near.
   void witness(Index f) {
-    // of triangles in one plane, that with the foot of the origin in it
+    // of coplanar triangles take the one that holds the projection of the origin
     const double offset = w_.face[f].offset;
     const Vec foot = r_.normal * offset;
     Part nearest = nearest_part(f, foot);

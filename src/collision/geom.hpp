@@ -1,4 +1,4 @@
-// A robot's collision shapes, as queries read them.
+// Collision shapes of a robot, as queries read them.
 #pragma once
 
 #include "collision/distance.hpp"
@@ -6,24 +6,25 @@
 
 namespace dyn::collision {
 
-// A shape, and where it is in its body's internal frame.
+// A shape and its pose in its body's internal frame.
 struct Geom {
   shape::Shape shape;
   Pose X;
   Index body;
-  double bounding_radius;  // of the shape's farthest point from its origin
+  double bounding_radius;  // about the shape's origin, m
 };
 
-// Groups of a shape, a bit each: those it is in, and those it collides with. Of two shapes one must want it: MuJoCo's rule.
+// Collision groups, a bit each: the groups of the shape, and those it collides with. Two shapes collide if one of them wants the
+// other (MuJoCo's rule).
 struct Masks {
   std::uint32_t contype, conaffinity;
 };
 inline bool masks_allow(const Masks& a, const Masks& b) { return (a.contype & b.conaffinity) != 0 || (b.contype & a.conaffinity) != 0; }
 
-// m: within them no product of sizes and distances overflows or vanishes.
+// Bounds of lengths in metres: within them no product of sizes and distances overflows or underflows.
 inline constexpr double smallest = 1e-12, largest = 1e12;
 
-// How many sizes a type has, lengths that must be positive; a mesh's are factors.
+// Number of sizes of a type, which are positive lengths. A mesh has scale factors instead.
 inline int size_count(dynShapeType type) {
   switch (type) {
     case DYN_SHAPE_TYPE_BOX: case DYN_SHAPE_TYPE_ELLIPSOID: return 3;
@@ -34,8 +35,8 @@ inline int size_count(dynShapeType type) {
   return 0;
 }
 
-// Shapes have radius and length where the core has semi-axes and half lengths. Pointers stay empty. False for meshes: of these only the
-// name is known.
+// From a model's sizes (radius, length) to those of the core (semi-axes, half lengths). Pointers stay null. Returns false for
+// meshes, of which only the name is known.
 inline bool geometry_of(dynShapeType type, const double* size, double radius, shape::Shape& out) {
   using shape::Type;
   out = {Type::Sphere, radius, Vec::zero(), nullptr};
@@ -55,7 +56,7 @@ inline bool geometry_of(dynShapeType type, const double* size, double radius, sh
   return false;
 }
 
-// d: what shapes point to
+// d: holds the hulls, trees and grids that shapes point to
 template <class D>
 Geom geom_of(const Model& m, const D& d, Index geom) {
   const ShapeRecord& s = m.shapes()[m.geoms()[geom].shape];
@@ -71,7 +72,7 @@ Geom geom_of(const Model& m, const D& d, Index geom) {
   return g;
 }
 
-// Fills in what of data belongs to shapes.
+// Fills the fields of data that belong to shapes.
 template <class D>
 void set_up(const Model& m, D& d) {
   auto place = [&]<class T>(T* to, const Stored<T>* from, Index count) {

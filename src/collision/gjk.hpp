@@ -1,6 +1,6 @@
-// The distance of two convex cores apart: the point of D = A - B nearest to the origin, by the iteration of Gilbert, Johnson, Keerthi
-// (IEEE J. Robotics Automation 4(2), 1988). v is the nearest point of a simplex of D: |v| bounds the distance from above, and the
-// support point w in the direction -v bounds it from below by v.w / |v|. The two meet.
+// Distance of two separated convex cores by the iteration of Gilbert, Johnson, Keerthi (IEEE J. Robotics Automation 4(2), 1988). v
+// is the nearest point of a simplex of D = A - B to the origin. |v| bounds the distance from above. The support point w along -v
+// bounds it from below by v.w / |v|.
 #pragma once
 
 #include "collision/simplex.hpp"
@@ -9,15 +9,15 @@ namespace dyn::collision {
 
 struct GjkResult {
   Simplex simplex;
-  Vec v;         // apart: nearest point of D
+  Vec v;         // nearest point of D, if apart
   double norm;   // |v|
-  double gap;    // upper less lower bound
+  double gap;    // upper bound less lower bound
   Index iterations;
-  bool apart;    // otherwise the cores meet, or almost
+  bool apart;    // false: the cores overlap or touch
 };
 
-// v: a guess of A's point less B's. finish(result) may end it early, once the bounds are close, and again whenever they are a hundred
-// times closer.
+// guess: point of A minus point of B. finish(result) is called when the bounds are close, and again each time they are 100 times
+// closer. GJK ends when it returns true.
 template <class D, class Finish>
 inline GjkResult gjk(const D& difference, Vec guess, const Options& options, Finish&& finish) {
   const double rounding = difference.rounding();
@@ -48,7 +48,7 @@ inline GjkResult gjk(const D& difference, Vec guess, const Options& options, Fin
       r.apart = false;
       return r;
     }
-    // no nearer: rounding hides the progress, though the direction may still improve
+    // rounding hides progress of |v|, while the direction may still improve
     const double nn = dot(r.v, r.v);
     stalled += nn >= vv;
     vv = nn;

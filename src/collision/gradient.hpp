@@ -1,9 +1,8 @@
-// How the distance changes when the shapes move: by the theorem of the envelope (Danskin 1967) only the motion of the witness points
-// along the normal counts,
-//   d(distance) = n.(v_B + w_B x (p_b - o_B)) - n.(v_A + w_A x (p_a - o_A)),
-// with o the origins of the shapes' frames, v their velocities and w the angular ones, in the world's axes. It holds apart, touching and
-// penetrating, where Result::unique says that the witness points and the normal are the only ones. Where they are not, the distance has a
-// kink, and this is one of its one-sided slopes.
+// Derivative of the distance by the motion of the shapes. By the envelope theorem (Danskin 1967) only the motion of the witness
+// points along the normal counts:
+//   d(distance) = n.(v_B + w_B x (p_b - o_B)) - n.(v_A + w_A x (p_a - o_A))
+// o are the origins of the shapes' frames, v and w their linear and angular velocities in world axes. It holds apart, touching and
+// penetrating where Result::unique is true. Elsewhere the distance has a kink, and this is a one-sided slope.
 #pragma once
 
 #include "collision/result.hpp"
@@ -11,7 +10,7 @@
 
 namespace dyn::collision {
 
-// A covector on velocities [linear; angular] of each frame: LOCAL_WORLD_ALIGNED.
+// Covectors on the velocities [linear; angular] of both frames, LOCAL_WORLD_ALIGNED.
 struct Gradient {
   Force<double> a, b;
 };

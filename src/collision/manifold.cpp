@@ -29,7 +29,7 @@ void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, co
   const bool plane_a = a.type == shape::Type::HalfSpace, plane_b = b.type == shape::Type::HalfSpace;
   if ((plane_a && plane_b) || !(r.distance <= margin)) return;
   out.normal = r.normal;
-  // the one point of two balls, or of a ball on a plane
+  // two spheres, or a sphere on a plane, have a single point
   const bool round_a = a.type == shape::Type::Sphere, round_b = b.type == shape::Type::Sphere;
   if ((round_a || plane_a) && (round_b || plane_b)) {
     constexpr std::uint64_t corner = 0, inside = 0xffffffff;
@@ -54,12 +54,12 @@ void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, co
     else if (plane_b)
       clip_against_plane(fa, r.distance, false, overlap);
     else
-      overlap_of(fa, feature_a.curvature_radii + a.radius, fb, feature_b.curvature_radii + b.radius, eps, overlap);
+      overlap_of(fa, feature_a.curvature_radius + a.radius, fb, feature_b.curvature_radius + b.radius, eps, overlap);
     for (int i = 0; i < overlap.count; ++i) overlap.p[i].feature = feature_of(fa, fb, overlap.p[i], same);
     witness.feature = feature_of(fa, fb, witness, same);
   }
 
-  // within the margin, and the witness points themselves when they are deeper than all that the features show
+  // keep points within the margin, and the witness points if they are deeper than all of these
   int kept = 0;
   double deepest = shape::infinity;
   for (int i = 0; i < overlap.count; ++i) {

@@ -1,4 +1,4 @@
-// Contact points between two convex shapes: where the features that face each other along the common normal overlap.
+// Contact points of two shapes: the overlap of the features that face each other along the common normal.
 #pragma once
 
 #include <cstdint>
@@ -7,25 +7,25 @@
 
 namespace dyn::collision {
 
-// One point, in the world. It lies half way between the two shapes, position -+ distance/2 normal on them.
+// One contact point in the world, half way between the shapes. The points on the shapes are position -+ distance/2 normal.
 struct Contact {
   Vec position;
-  double distance;        // along the normal; below zero: depth
-  std::uint64_t feature;  // what of A it lies on, and of B: 32 bits each (part_of in manifold_clip.hpp)
+  double distance;        // along the normal, m; negative: depth
+  std::uint64_t feature;  // features of A and B that the point lies on, 32 bits each (part_of in manifold_clip.hpp)
 };
 
 struct Manifold {
   static constexpr int most = 8;
   Vec normal;  // unit, from A to B
   int count = 0;
-  Contact points[most];  // ascending by feature: identity and order stay while the features do
+  Contact points[most];  // ascending by feature, so order and identity persist while the features do
 };
 
-// Points at a distance of at most margin (m). Of more than eight the deepest stays, and those that span the largest area.
-// Two half-spaces have none. Never allocates.
+// Points at a distance of at most margin (m). Of more than eight, keeps the deepest and those that span the largest area. Two
+// half-spaces have none. Never allocates.
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, double margin, Workspace& workspace,
               Manifold& out, const Options& options = Options());
-// The same, where the distance is known.
+// The same with a known distance.
 void contacts(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const Result& distance, double margin,
               Manifold& out);
 

@@ -82,14 +82,14 @@ void clip_line(const PlanarFeature& line, const PlanarFeature& face, double eps,
 }
 
 void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature_a, double curvature_b, double eps, Overlap& out) {
-  auto ends = [&](const PlanarFeature& of, const PlanarFeature& over, double curvature_radii, bool swapped) {
+  auto ends = [&](const PlanarFeature& of, const PlanarFeature& over, double curvature_radius, bool swapped) {
     const double ex = over.p[1].x - over.p[0].x, ey = over.p[1].y - over.p[0].y, length = shape::length2(ex, ey);
-    const double steeper = std::sqrt(1 + over.gx * over.gx + over.gy * over.gy);  // the section across is an ellipse
+    const double steeper = std::sqrt(1 + over.gx * over.gx + over.gy * over.gy);  // the cross section is an ellipse
     for (const Corner& p : {of.p[0], of.p[1]}) {
       const double rx = p.x - over.p[0].x, ry = p.y - over.p[0].y;
       const double along = (rx * ex + ry * ey) / length, beside = std::abs(rx * ey - ry * ex) / length;
-      if (along < -eps || along > length + eps || beside > std::max(curvature_radii, eps)) continue;
-      const double falls = curvature_radii > 0 ? steeper * (curvature_radii - std::sqrt(std::max(0.0, curvature_radii * curvature_radii - beside * beside))) : 0;
+      if (along < -eps || along > length + eps || beside > std::max(curvature_radius, eps)) continue;
+      const double falls = curvature_radius > 0 ? steeper * (curvature_radius - std::sqrt(std::max(0.0, curvature_radius * curvature_radius - beside * beside))) : 0;
       const double x = over.p[0].x + ex * (along / length), y = over.p[0].y + ey * (along / length);
       const double own = of.height(p.x, p.y), other = over.height(x, y) + (swapped ? -falls : falls);
       if (swapped)
@@ -112,7 +112,7 @@ void merge(Overlap& o, double eps) {
   o.count = kept;
 }
 
-// Andrew, Inf. Proc. Letters 9(5), 1979
+// Monotone chain: Andrew, Inf. Proc. Letters 9(5), 1979.
 void hull(Overlap& o, double eps) {
   if (o.count < 3) return;
   std::sort(o.p, o.p + o.count, [](const ClipPoint& a, const ClipPoint& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
@@ -124,7 +124,7 @@ void hull(Overlap& o, double eps) {
     while (count - first >= 2) {
       const ClipPoint &a = ring[count - 2], &b = ring[count - 1];
       const double ex = p.x - a.x, ey = p.y - a.y;
-      if (ex * (b.y - a.y) - ey * (b.x - a.x) < -eps * shape::length2(ex, ey)) break;  // b lies to the right: it stays
+      if (ex * (b.y - a.y) - ey * (b.x - a.x) < -eps * shape::length2(ex, ey)) break;  // b lies to the right: keep it
       --count;
     }
     ring[count++] = p;

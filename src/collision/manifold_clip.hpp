@@ -1,13 +1,13 @@
-// Features of two shapes seen along their common normal n: two flat figures and the heights of their points along n. Where the figures
-// overlap, the gap between the two planes is linear, so that the corners of the overlap bound it: they are the contact points. The
-// corners are found by clipping one figure by the edges of the other (Sutherland, Hodgman, CACM 17(1), 1974).
+// Clips two facing features, seen along their common normal n. Each is a flat polygon whose height along n is linear. The gap is
+// linear over the overlap of both polygons, so its corners bound the gap: they are the contact points. Clipping: Sutherland,
+// Hodgman, CACM 17(1), 1974.
 #pragma once
 
 #include "collision/result.hpp"
 
 namespace dyn::collision {
 
-// A point of the overlap: the height of A's surface, the gap from there to B's, and what of both it lies on (Contact).
+// A point of the overlap: height of A's surface, gap to B's surface, and the features it lies on (Contact).
 struct ClipPoint {
   double x, y, high, gap;
   std::uint64_t feature = ~std::uint64_t(0);
@@ -18,7 +18,7 @@ struct Corner {
   std::uint16_t id;
 };
 
-// A feature in the plane across n: height(x, y) = h + gx x + gy y.
+// A feature projected along n: height(x, y) = h + gx x + gy y.
 struct PlanarFeature {
   int count = 0;
   Corner p[shape::Feature::most];
@@ -27,15 +27,15 @@ struct PlanarFeature {
   double height(double x, double y) const { return h + gx * x + gy * y; }
 };
 
-// The frame across n at an origin near the contact, so that nothing is lost far from the world's.
+// Frame across n with its origin near the contact, which keeps precision far from the world's origin.
 struct ContactPlane {
   Vec n, u, v, origin;
 
   ContactPlane(const Vec& normal, const Vec& origin) : n(normal), u(shape::across(normal)), v(cross(normal, u)), origin(origin) {}
 };
 
-// Corners of a feature of the shape at X. towards: +1 when the other shape lies along n, -1 when against it. A face or a line that is
-// seen from its edge or its end is that edge or end.
+// Corners of a feature of the shape at X. towards: +1 if the other shape lies along n, -1 if against n. A face seen edge-on becomes
+// its edge, a line seen end-on its end.
 inline PlanarFeature project(const shape::Feature& f, const Pose& X, const ContactPlane& plane, double towards) {
   constexpr double steep = 0.05;  // cosine to n
   PlanarFeature out;
@@ -65,7 +65,7 @@ inline PlanarFeature project(const shape::Feature& f, const Pose& X, const Conta
       if (towards * along > 0) first = at(1);
       count = 1;
     } else {
-      normal = plane.n * length2 - e * along;  // of the plane through the line that is steepest along it
+      normal = plane.n * length2 - e * along;  // of the plane through the line with the line's slope
     }
   }
   if (count == 1) normal = plane.n;
@@ -77,7 +77,7 @@ inline PlanarFeature project(const shape::Feature& f, const Pose& X, const Conta
   return out;
 }
 
-// What a point lies on, as two numbers of 16 bits: a corner (equal), the edge between two (ascending), or the inside.
+// Names the part a point lies on by two numbers of 16 bits: a corner (equal), an edge (ascending), or the inside.
 inline std::uint32_t part_of(const PlanarFeature& f, double x, double y, double eps) {
   auto name = [](std::uint32_t i, std::uint32_t j) { return std::min(i, j) << 16 | std::max(i, j); };
   for (int k = 0; k < f.count; ++k)
@@ -94,7 +94,7 @@ inline std::uint64_t feature_of(const PlanarFeature& a, const PlanarFeature& b, 
   return std::uint64_t(part_of(a, p.x, p.y, eps)) << 32 | part_of(b, p.x, p.y, eps);
 }
 
-// Counter-clockwise, as the clipping takes it.
+// Makes the corners counter-clockwise, as clipping needs them.
 inline void orient(PlanarFeature& f) {
   double area = 0;
   for (int k = 1; k + 1 < f.count; ++k)
@@ -102,7 +102,7 @@ inline void orient(PlanarFeature& f) {
   if (area < 0) std::reverse(f.p, f.p + f.count);
 }
 
-// The points of an overlap, in order round it.
+// Points of an overlap, in order around it.
 struct Overlap {
   static constexpr int most = 2 * shape::Feature::most + 1;
   int count = 0;
@@ -111,7 +111,7 @@ struct Overlap {
   void add(const ClipPoint& x) {
     if (count < most) p[count++] = x;
   }
-  // where it makes the way round the least longer
+  // Inserts where the perimeter grows least.
   void insert(const ClipPoint& x) {
     auto far = [](const ClipPoint& a, const ClipPoint& b) { return shape::length2(a.x - b.x, a.y - b.y); };
     int at = 0;
@@ -127,29 +127,29 @@ struct Overlap {
   }
 };
 
-// How far a point lies to the inner side of the edge from a to b.
+// Signed distance of a point from the edge a b, positive inside.
 inline double inner(const Corner& a, const Corner& b, double x, double y) {
   const double ex = b.x - a.x, ey = b.y - a.y;
   return (ex * (y - a.y) - ey * (x - a.x)) / shape::length2(ex, ey);
 }
 
-// Corners of the overlap of two faces, of a line and a face (swapped: the line is B's)
+// Corners of the overlap of two faces, or of a line and a face (swapped: the line is B's).
 void clip_faces(const PlanarFeature& a, const PlanarFeature& b, double eps, Overlap& out);
 void clip_line(const PlanarFeature& line, const PlanarFeature& face, double eps, bool swapped, Overlap& out);
-// Two lines, each on a surface of that radius of curvature across: the ends of one over the other's surface, which falls off beside it.
+// Two lines on surfaces with these radii of curvature: the ends of one over the surface of the other.
 void clip_lines(const PlanarFeature& a, const PlanarFeature& b, double curvature_a, double curvature_b, double eps, Overlap& out);
-// The figure of a convex shape that faces the other one, which lies along the plane's normal (towards: +1) or against it (-1).
+// Feature of a convex shape that faces the other one. towards: +1 if the other lies along the plane's normal, -1 if against.
 PlanarFeature planar_feature_of(const shape::Shape& s, const Pose& X, const ContactPlane& plane, double towards, double band, shape::Feature& feature);
-// Any two figures, faces counter-clockwise; a point has no overlap.
+// Any two features, faces counter-clockwise. A single point has no overlap.
 void overlap_of(const PlanarFeature& a, double curvature_a, const PlanarFeature& b, double curvature_b, double eps, Overlap& out);
-// Over a plane at that height all corners count. swapped: they are B's
+// All corners over a plane at that height. swapped: they are B's.
 void clip_against_plane(const PlanarFeature& f, double plane, bool swapped, Overlap& out);
-// The convex hull of the points, and the deepest when it lies deeper inside by more than eps.
+// Convex hull of the points, plus the deepest if it is deeper by more than eps.
 void hull(Overlap& overlap, double eps);
-// Of points that lie on one another the deepest stays.
+// Merges points within eps; the deepest stays.
 void merge(Overlap& overlap, double eps);
-// Down to `most` points: again and again the one that spans the smallest triangle with its neighbours goes (Visvalingam, Whyatt, Cartographic
-// Journal 30(1), 1993), never one that is deeper than all others by more than eps.
+// Reduces to `most` points. Removes the point with the smallest triangle to its neighbours (Visvalingam, Whyatt, Cartographic
+// Journal 30(1), 1993). Never removes a point deeper than all others by more than eps.
 void reduce_points(Overlap& overlap, int most, double eps);
 
 }  // namespace dyn::collision

@@ -1,11 +1,11 @@
-// Groups of collision shapes at run time.
+// Changes collision groups at run time.
 #pragma once
 
 #include "model/data.hpp"
 
 namespace dyn::collision {
 
-// Sets a geom's groups and the states of its pairs.
+// Sets a geom's groups and updates the states of its pairs.
 inline void set_masks(const Model& m, Data<double>& d, Index geom, const Masks& masks) {
   d.geom_masks[geom] = masks;
   for (Index k = 0; k < m.n.pairs; ++k) {

@@ -1,9 +1,11 @@
-// Newton's method for the separating normal, where GJK and EPA, which know support points alone, creep along curved boundaries.
+// Newton refinement of the separating normal. GJK and EPA know support points alone and converge slowly on curved boundaries.
 //
-// The signed distance is the largest of f(n) = -h(n) over unit normals n, h the support function of D = A - B. At the solution one, two
-// or three smooth pieces i of D's boundary hold the plane: their support points s_i(n) have the same height and, weighted, lie on n:
+// The signed distance is max f(n), f(n) = -h(n), over unit normals n; h is the support function of D = A - B. At the maximum one to
+// three smooth pieces i of D's boundary hold the plane. Their support points s_i(n) have equal height, and their weighted sum is
+// parallel to n:
 //   n.(s_i - s_1) = 0,    P sum_i m_i s_i(n) = 0,    sum_i m_i = 1,    P the projection across n.
-// With H_i = ds_i/dn (curvature, H_i n = 0), y = sum m_i s_i, f = -n.s_1 and e_i = P (s_i - s_1) the Newton step (d, dm), d across n, is
+// With H_i = ds_i/dn (curvature, H_i n = 0), y = sum m_i s_i, f = -n.s_1, e_i = P (s_i - s_1), the Newton step (d, dm) with d.n = 0
+// is
 //   (sum m_i H_i + f) d + sum_i dm_i e_i = -P y,    e_i.d = -n.(s_i - s_1).
 #pragma once
 
@@ -12,15 +14,15 @@
 namespace dyn::collision {
 
 struct Refined {
-  Vec normal, a, b;   // witness points in the two cores
+  Vec normal, a, b;   // witness points on the two cores
   double distance;    // f
-  double residual;    // of the equations above
-  bool unique;        // f falls in every direction from here
+  double residual;    // norm of the residual of the equations above
+  bool unique;        // f decreases in every direction
 };
 
 namespace detail {
 
-// A solution of the equations for given pieces, represented by a point on each.
+// An iterate of the equations for given pieces, each represented by a point.
 template <class D>
 struct Pieces {
   const D* difference;
@@ -33,10 +35,10 @@ struct Pieces {
   Vec next;
   double change[3];    // of the weights
   double length;       // of the normal
-  bool near;           // it is Newton's own
-  bool flat;           // f is as large in some direction
+  bool near;           // it is the full Newton step
+  bool flat;           // f is constant in some direction
 
-  // all pieces at the normal n: those that have become one are merged
+  // Evaluates all pieces at a normal. Merges pieces that have become one.
   void evaluate(const Vec& normal) {
     const D& d = *difference;
     n = normal;
@@ -64,7 +66,7 @@ struct Pieces {
     residual = shape::norm(y + n * -dot(n, y)) + uneven;
   }
 
-  // Where f is not concave the step goes uphill all the same.
+  // Steps uphill also where f is not concave.
   void compute_step() {
     const Vec u = shape::across(n), v = cross(n, u);
     change[0] = change[1] = change[2] = 0, near = true, flat = false;
@@ -78,7 +80,7 @@ struct Pieces {
     } else if (size == 2) {
       const Vec e = s[1].w - s[0].w;
       const double eu = dot(u, e), ev = dot(v, e), ee = eu * eu + ev * ev;
-      // along e by the height, across e by the gradient
+      // along e from the heights, across e from the gradient
       const double along = -dot(n, e) / ee, across = (a * ev * ev - 2 * b * eu * ev + c * eu * eu) / ee, curved = positive_curvature(across, across);
       const double ru = gu - along * (a * eu + b * ev), rv = gv - along * (b * eu + c * ev);
       const double side = (rv * eu - ru * ev) / ee / curved;
@@ -106,7 +108,7 @@ struct Pieces {
   }
 
  private:
-  // three in a line are two
+  // Drops the middle one of three collinear points.
   void drop_middle() {
     const Vec p = s[1].w - s[0].w, q = s[2].w - s[0].w, area = cross(p, q);
     const double longest2 = dot(p, p) + dot(q, q);
@@ -122,7 +124,7 @@ struct Pieces {
       return;
     }
   }
-  // a curvature, made positive
+  // Absolute value of a curvature, bounded below.
   double positive_curvature(double curvature, double mean) {
     const double size = std::abs(f) + std::abs(mean);
     near = curvature > 0, flat = curvature <= 1e-7 * size;
@@ -134,7 +136,7 @@ struct Pieces {
 
 namespace detail {
 
-// Newton's iteration. Where f is all but flat, as of coaxial cylinders, it wanders: what it came closest to is kept.
+// Newton's iteration. Where f is nearly flat (coaxial cylinders) it wanders, so the best iterate is kept.
 template <class D>
 inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
   Pieces<D> best = p;
@@ -143,7 +145,7 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
   for (int i = 0, stale = 0; i < 40 && stale < 8; ++i) {
     if (!(p.residual < shape::infinity)) break;
     p.compute_step();
-    // where f is nearly flat a small residual does not make the normal a good one
+    // where f is nearly flat, a small residual does not make the normal accurate
     if (p.residual <= 0.1 * wanted && (p.length <= 1e-8 || p.flat)) return true;
     if (p.residual <= std::min(acceptable, best.residual)) best = p;
     stale = p.residual < least ? 0 : stale + 1;
@@ -153,7 +155,7 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
     if (slow ? i > 2 && least <= acceptable : p.residual <= wanted && !p.near) break;
     before = p.residual;
     p.apply_step();
-    // the next step would be as much shorter as the residual is smaller
+    // quadratic convergence: the next step shrinks as the residual does
     if (p.near && !p.flat && p.residual <= 0.1 * wanted && p.length * p.residual <= 1e-9 * before) return true;
   }
   p = best;
@@ -162,8 +164,8 @@ inline bool solve(Pieces<D>& p, double wanted, double acceptable) {
 
 }  // namespace detail
 
-// A flat face of one shape under which the support point of the other lies: the solution is its normal, where f has a kink and the
-// equations above no root.
+// Solution on a flat face of one shape, above the support point of the other. It is the face normal, where f has a kink and the
+// equations have no root.
 template <class D>
 inline bool on_face(const D& d, const Vec& n, Refined& out) {
   using A = std::decay_t<decltype(d.A_)>;
@@ -193,7 +195,7 @@ inline bool on_face(const D& d, const Vec& n, Refined& out) {
   return false;
 }
 
-// From support points near the solution, their weights, and a normal. false: no solution was found from there.
+// From support points near the solution, their weights, and a normal. Returns false if no solution was found.
 template <class D>
 [[gnu::noinline]] inline bool newton_refine(const D& d, const Vertex* points, const double* weights, int size, const Vec& normal, double wanted, Refined& out) {
   detail::Pieces<D> p{&d, {}, {}, size, {}, {}, 0, 0, {}, {}, 0, true, false};
@@ -209,10 +211,10 @@ template <class D>
     out.a += p.s[i].a * weight, out.b += p.s[i].b * weight, sum += weight;
   }
   out.a = out.a * (1 / sum), out.b = out.b * (1 / sum);
-  // the pieces hold the plane: nothing of D lies beyond it
+  // the pieces must hold the plane: no part of D lies beyond it
   const double h = dot(p.n, d.support(p.n).w);
   out.distance = -h;
-  // where a weight was below zero the points are not quite on the normal, which then is another one
+  // a clamped weight moves the points off the normal, which is then not unique
   const Vec between = out.b - out.a;
   if (shape::norm(between + p.n * h) > 1e-7 * std::abs(h) + 8 * d.rounding()) out.unique = false;
   return h + p.f <= std::max(wanted, p.residual);

@@ -30,7 +30,7 @@ Index contacts(const Model& m, Data<double>& d, double margin, dynContact* out, 
   const bool ascending = search.for_each(d, [&](Index a, Index b) {
     if (Index pair; is_tested(m, d, a, b, pair)) look(a, b, pair);
   });
-  search.ready = false;  // steps have them otherwise
+  search.ready = false;  // steps keep other bounds
   if (!ascending) std::sort(out, out + std::min(count, capacity), comes_before);
   return count;
 }

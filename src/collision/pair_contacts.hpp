@@ -6,7 +6,7 @@
 
 namespace dyn::collision {
 
-// As dyn.h has them; of no pair.
+// As in dyn.h, without a pair.
 inline dynContact contact_of(const Manifold& m, int i) {
   dynContact c{};
   c.pair = c.shape_a = c.shape_b = -1;
@@ -15,13 +15,12 @@ inline dynContact contact_of(const Manifold& m, int i) {
   return c;
 }
 
-// By shapes (which is by pairs), then by features.
+// Order by shapes (that is, by pairs), then by features.
 inline bool comes_before(const dynContact& a, const dynContact& b) {
   return a.shape_a != b.shape_a ? a.shape_a < b.shape_a : a.shape_b != b.shape_b ? a.shape_b < b.shape_b : a.feature < b.feature;
 }
 
-// Of all tested pairs, at a distance of at most margin, by shapes, then by features: the first `capacity` of them. Answers how many
-// there are.
+// Contacts of all tested pairs within the margin, in that order. Writes the first `capacity` and returns their total number.
 Index contacts(const Model& m, Data<double>& d, double margin, dynContact* out, Index capacity);
 
 }  // namespace dyn::collision

@@ -8,11 +8,11 @@ namespace dyn::collision {
 
 namespace {
 
-constexpr double fat = 0.1;  // margin of boxes, of the mean reach
+constexpr double fat = 0.1;  // margin of boxes over the mean bounding radius
 std::ptrdiff_t pair_capacity(const Model& m) { return 1024 + 16 * std::ptrdiff_t(m.n.geoms); }
 std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
 
-// f(array, numbers)
+// f(array, count)
 template <class F>
 void for_each_array(const Model& m, PairSearch& s, char*& moving, char*& fixed, char*& sleeping, F&& f) {
   f(moving, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, pair_capacity(m)))), f(fixed, std::ptrdiff_t(BroadPhase::bytes(m.n.geoms, 1)));
@@ -36,7 +36,7 @@ std::size_t search_bytes(const Model& m) {
 Bounds inflated_bounds(const Geom& g, const Pose& X, double more) {
   Bounds b{};
   shape::visit(g.shape, [&](const auto& s) { b = s.bounds(X); });
-  const double e = more + 1e-9 * (g.bounding_radius + more);  // beyond what distances are known to
+  const double e = more + 1e-9 * (g.bounding_radius + more);  // beyond the accuracy of distances
   const auto by = shape::Vec::make(e, e, e);
   return {b.lower - by, b.upper + by};
 }
@@ -91,8 +91,8 @@ void PairSearch::list_active() {
 
 bool PairSearch::move(const Data<double>& d, const Geom& g, const Pose& X, Index id, double more) {
   constexpr double wider = 20;
-  constexpr Index few = 32;  // of more, some are near most of the time
-  constexpr double pause = 8;  // moves before one that was not alone may be
+  constexpr Index few = 32;  // with more shapes some are near most of the time
+  constexpr double pause = 8;  // moves before a shape that was not isolated is tested again
   const double radius = g.bounding_radius + wider * more, half = g.bounding_radius + radius + 1e-9 * radius;
   const auto by = shape::Vec::make(half, half, half);
   const Bounds ball{X.p - by, X.p + by};

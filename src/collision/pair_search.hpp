@@ -1,5 +1,5 @@
-// Pairs of a robot's collision shapes that may be near one another, found by boxes: in scenes of so many shapes that pairs are not listed, or
-// are too many to look at one by one. What does not move lies in a tree of its own, of which nothing is done until something comes near.
+// Broad phase over a robot's collision shapes. Used where pairs are not listed, or are too many to test one by one. Fixed shapes
+// lie in a tree of their own, which costs nothing until something comes near.
 #pragma once
 
 #include "collision/broad/broad_phase.hpp"
@@ -8,21 +8,21 @@
 
 namespace dyn::collision {
 
-// The listed pair of two shapes, a < b, or -1.
+// Index of the listed pair of two shapes, a < b, or -1.
 inline Index listed_pair(const Model& m, Index a, Index b) {
   const PairRecord* const end = m.pairs() + m.n.pairs;
   const PairRecord* const p = std::lower_bound(m.pairs(), end, std::pair{a, b}, [](const PairRecord& x, const std::pair<Index, Index>& y) { return x.a != y.first ? x.a < y.first : x.b < y.second; });
   return p != end && p->a == a && p->b == b ? Index(p - m.pairs()) : -1;
 }
 
-// The link of the world's that a frame's tree hangs on; 0: the world itself.
+// The world's link that holds a frame; 0: the world itself.
 inline Index fixed_link(const FrameRecord* frames, Index frame) {
   while (frame != 0 && (frames[frame].joint != 0 || frames[frame].type != DYN_FRAME_TYPE_BODY)) frame = frames[frame].parent;
   return frame;
 }
 
-// A body and its parent touch where their joint is, and joints without mass between them are one. What flies freely is nobody's child, and the
-// world nobody's parent: of what is fixed to it, the link is that the joint hangs on.
+// A body and its parent touch at their joint, so they are not tested. Joints without mass between them count as one. A free flyer
+// has no parent. A joint on the world has the link that holds it as parent.
 inline bool parent_and_child(const JointRecord* joints, const Body* bodies, const FrameRecord* frames, Index parent, Index child) {
   for (Index k = frames[child].joint; k != 0 && joints[k].type != DYN_JOINT_TYPE_FREE_FLYER; k = joints[k].parent) {
     const Index carrier = joints[k].parent;
@@ -37,7 +37,7 @@ inline bool adjacent(const JointRecord* joints, const Body* bodies, const FrameR
 
 inline bool has_geometry(const Model& m, Index geom) { return m.shapes()[m.geoms()[geom].shape].type != DYN_SHAPE_TYPE_MESH; }
 
-// Whether data tests two shapes, a < b. pair: its number, or -1 where it is not listed.
+// Returns whether two shapes are tested, a < b. pair: its index, or -1 if unlisted.
 inline bool is_tested(const Model& m, const Data<double>& d, Index a, Index b, Index& pair) {
   if (pair = listed_pair(m, a, b); pair >= 0) return d.pair_states[pair] == DYN_PAIR_REASON_TESTED;
   if (lists_pairs(m)) return false;
@@ -46,36 +46,36 @@ inline bool is_tested(const Model& m, const Data<double>& d, Index a, Index b, I
          !adjacent(m.joints(), m.bodies(), m.frames(), frame(a), frame(b)) && has_geometry(m, a) && has_geometry(m, b);
 }
 
-// Whether steps of the model may look for pairs by boxes: from so many listed ones a shape on, boxes are cheaper.
+// Whether steps search pairs by boxes. Measured: boxes are cheaper from this many listed pairs a shape.
 inline constexpr Index search_pairs_per_shape = 16;
 inline bool uses_pair_search(const Model& m) { return !lists_pairs(m) || m.n.pairs > search_pairs_per_shape * std::ptrdiff_t(m.n.geoms); }
 
-// A ball that a shape was alone in: while what it may reach stays in there, neither its box is looked at again nor what does not move.
+// Sphere in which a shape was isolated. While the shape stays inside, no query is needed.
 struct IsolatedSphere {
   shape::Vec center;
-  double radius;  // less the shape's reach; 0 or less: not alone
+  double radius;  // less the bounding radius; 0 or less: not isolated
 };
 
 struct PairSearch {
-  bool ready;  // the lists and the boxes of what does not move are there
-  BroadPhase *moving, *fixed, *sleeping;              // of ids, which are places in the lists; resting: of what could move
-  Index *moving_geoms, *fixed_geoms, *unbounded_geoms;    // ascending; vast: without a box
+  bool ready;  // lists and fixed boxes are set up
+  BroadPhase *moving, *fixed, *sleeping;              // by ids, which index the lists; sleeping: shapes that can move
+  Index *moving_geoms, *fixed_geoms, *unbounded_geoms;    // ascending; unbounded: shapes without a box
   Index moving_count, fixed_count, unbounded_count;
-  Index* active;                                     // ids that are in moving, ascending
-  IsolatedSphere* isolated;                                      // by ids
+  Index* active;                                     // ids in `moving`, ascending
+  IsolatedSphere* isolated;                                      // by id
   Index active_count;
-  IdPair* found;                                     // of what moves; from `others` on with anything else: both ascending
+  IdPair* found;                                     // pairs of moving shapes; from first_other on pairs with others; both ascending
   std::ptrdiff_t first_other, found_count, capacity;
 
   static PairSearch* of(const Data<double>& d) { return reinterpret_cast<PairSearch*>(d.pair_search); }
   void set_up(const Model& m, Data<double>& d);
-  // After set_up, and when they moved, boxes of what moves: of d.geom_poses, and of all within the margin.
+  // Call after set_up and after motion. Boxes cover d.geom_poses and the margin.
   void place_all(const Data<double>& d, double margin);
-  // Takes a shape, by its geom, out of the boxes of what moves, to be found by others alone; and back. Afterwards list_active.
+  // Moves a shape from the active boxes to the sleeping ones, and back. Call list_active afterwards.
   void put_to_sleep(const Data<double>& d, Index geom, double more);
   void wake(Index geom);
   void list_active();
-  // Where a moving shape is, and all within `more` of it. Answers whether it is alone.
+  // Places the box of a moving shape, enlarged by `more`. Returns whether it is isolated.
   bool place(const Data<double>& d, Index id, double more) {
     const Geom& g = d.geoms[moving_geoms[id]];
     const Pose& X = d.geom_poses[moving_geoms[id]];
@@ -84,7 +84,8 @@ struct PairSearch {
     if (const double left = a.radius - more; left > 0 && dot(way, way) <= left * left) return true;
     return move(d, g, X, id, more);
   }
-  // f(a, b), a < b, of pairs whose boxes overlap. Answers whether they came in ascending order: not where they are too many.
+  // f(a, b), a < b, of pairs with overlapping boxes. Returns whether they came in ascending order, which fails when they exceed the
+  // capacity.
   template <class F>
   bool for_each(const Data<double>& d, F&& f) {
     const auto ordered = [&](Index a, Index b) { f(std::min(a, b), std::max(a, b)); };
@@ -107,7 +108,7 @@ struct PairSearch {
   bool move(const Data<double>& d, const Geom& g, const Pose& X, Index id, double more);
   Index id_of(Index geom) const { return Index(std::lower_bound(moving_geoms, moving_geoms + moving_count, geom) - moving_geoms); }
   bool collect(const Data<double>& d);
-  // What moves with what does not, and with what has no box.
+  // Moving shapes against fixed, sleeping and unbounded ones.
   template <class F>
   void for_each_other(const Data<double>& d, F&& f) {
     for (Index i = 0; i < active_count; ++i) {
@@ -127,7 +128,7 @@ struct PairSearch {
   }
 };
 
-// The box of a shape and of all within `more` of it.
+// Box of a shape enlarged by `more`.
 Bounds inflated_bounds(const Geom& g, const Pose& X, double more);
 
 }  // namespace dyn::collision

@@ -50,7 +50,7 @@ Index collisions(const Model& m, Data<double>& d, double margin, int* pairs, Ind
 }
 
 void add_gradient(const Model& m, const Data<double>& d, Index pair, const Result& r, double weight, double* out, std::ptrdiff_t stride) {
-  // up from both bodies to where their ways join
+  // from both bodies up to their common ancestor
   auto carry = [&](Index i, Force<double> Gradient::*side) {
     const Body& b = m.bodies()[i];
     const Force<double> slope = gradient(r, d.p[i], d.p[i]).*side;
@@ -60,7 +60,7 @@ void add_gradient(const Model& m, const Data<double>& d, Index pair, const Resul
     return b.parent;
   };
   Index a = d.geoms[m.pairs()[pair].a].body, b = d.geoms[m.pairs()[pair].b].body;
-  while (a != b) {  // bodies come after those that carry them
+  while (a != b) {  // bodies follow their parents
     if (a > b)
       a = carry(a, &Gradient::a);
     else

@@ -1,4 +1,4 @@
-// The first of a robot's collision shapes that a ray hits.
+// Ray cast: the first collision shape that a ray hits.
 #pragma once
 
 #include "model/data.hpp"
@@ -7,12 +7,12 @@
 namespace dyn::collision {
 
 struct RayHit {
-  double t;    // at origin + t direction; infinite: none
+  double t;    // hit at origin + t direction; infinite: none
   Index geom;  // -1: none
-  Vec normal;  // outward, world
+  Vec normal;  // outward, in the world
 };
 
-// d.geom_poses as they are (place_geoms). Of geoms for which `counts(geom)` is true.
+// Uses d.geom_poses as they are (place_geoms). Tests geoms for which `counts(geom)` is true.
 template <class Counts>
 RayHit cast(const Model& m, const Data<double>& d, const Vec& origin, const Vec& direction, double far, Counts&& counts) {
   RayHit best = {far, -1, Vec::zero()};
@@ -21,7 +21,7 @@ RayHit cast(const Model& m, const Data<double>& d, const Vec& origin, const Vec&
     const Geom& g = d.geoms[k];
     const Pose& X = d.geom_poses[k];
     if (!counts(k)) continue;
-    // the ball about the shape: behind, beyond the nearest hit, or passed by
+    // skip if the bounding sphere is behind, beyond the best hit, or off the ray
     const Vec to = X.p - origin;
     const double along = dot(to, direction) / dd;
     const double past = dot(to, to) - along * along * dd, radius = g.bounding_radius * (1 + 1e-12);

@@ -1,4 +1,4 @@
-// What a query between two shapes answers.
+// Result and options of a query between two shapes.
 #pragma once
 
 #include "collision/fallback_narrowphase.hpp"
@@ -11,32 +11,32 @@ using shape::Vec;
 
 enum class Status : Index {
   Separated,
-  Touching,     // |distance| within the tolerance of zero
+  Touching,     // |distance| is within the tolerance of zero
   Penetrating,
-  Failed,       // no answer within `accepted` of the truth was found; the best one is given, with its residual
+  Failed,       // the residual exceeds `accepted`; the best result is given
 };
 
-// Normal and points are in the world. The distance is signed: below zero it is the depth, the length of the shortest translation that
-// parts the two, and that translation of B is along the normal. point_b - point_a = distance normal.
+// Normal and points are in the world. The distance is negative when overlapping: -distance is the length of the shortest separating
+// translation of B, along the normal. point_b - point_a = distance normal.
 struct Result {
   Status status;
-  bool from_fallback;  // found by the second method
-  bool unique;  // no other pair of points, and no other normal, is as good: the distance is differentiable (gradient.hpp)
+  bool from_fallback;  // found by the fallback method
+  bool unique;  // no other pair of points or normal is as good: the distance is differentiable (gradient.hpp)
   Index iterations;
   double distance;
-  double residual;  // bound on the error of the distance: apart, between a lower and an upper bound of it
+  double residual;  // bound on the error of the distance; apart: upper less lower bound
   Vec normal;       // unit, from A to B
   Vec point_a, point_b;
 };
 
 // Tolerances are relative to the size of the smaller shape.
 struct Options {
-  double tolerance = 1e-10;  // wanted
-  double accepted = 1e-6;    // beyond: Failed
+  double tolerance = 1e-10;  // required
+  double accepted = 1e-6;    // larger residuals give Failed
   double touching = 1e-9;
   Index max_iterations = 128;
-  FallbackMethod fallback = nullptr;  // asked when the answer fails, or
-  bool fallback_first = false;      // first, of pairs without a closed form that overlap
+  FallbackMethod fallback = nullptr;  // used when the primary method fails, or
+  bool fallback_first = false;      // first, for overlapping pairs without a closed form
 };
 
 }  // namespace dyn::collision

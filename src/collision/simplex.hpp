@@ -1,7 +1,7 @@
-// The point nearest to the origin on a simplex of up to four vertices, and the smallest part of the simplex that holds it.
-// Source: the signed-volume sub-algorithm of Montanari, Petrinic, Barbieri, ACM Trans. Graphics 36(3), 2017: where the projection of
-// the origin has a negative barycentric coordinate, the nearest point lies on the part without that vertex. Coordinates come from
-// edges, and the nearest point of a triangle from its normal, which stays exact when the origin almost lies in its plane.
+// Nearest point to the origin on a simplex of up to four vertices, and the smallest face that holds it. Source: signed volumes,
+// Montanari, Petrinic, Barbieri, ACM Trans. Graphics 36(3), 2017. A negative barycentric coordinate excludes its vertex.
+// Coordinates come from edges, and the nearest point of a triangle from its normal. So it stays exact when the origin almost lies
+// in the plane.
 #pragma once
 
 #include "collision/difference.hpp"
@@ -25,9 +25,9 @@ struct Simplex {
   }
 };
 
-// A part of a simplex: vertices by number.
+// A face of a simplex, with vertices by number.
 struct Part {
-  Vec v;      // its point nearest to the origin
+  Vec v;      // its nearest point to the origin
   double vv;  // |v|^2
   int size, at[3];
   double weight[3];
@@ -40,11 +40,11 @@ DYN_INLINE Part nearest_on_segment(const Vec& a, const Vec& b, int i, int j) {
   if (t >= ee) return {b, dot(b, b), 1, {j, 0, 0}, {1, 0, 0}};
   const double l = t / ee;
   Vec v = a + e * l;
-  v -= e * (dot(v, e) / ee);  // once more: v may be far shorter than a
+  v -= e * (dot(v, e) / ee);  // once more, because v may be far shorter than a
   return {v, dot(v, v), 2, {i, j, 0}, {1 - l, l, 0}};
 }
 
-// The normal of a triangle, of a needle from its two shorter edges: two long ones would cancel.
+// Normal of a triangle. A needle takes its two shorter edges, because two long ones would cancel.
 DYN_INLINE Vec triangle_normal(const Vec& a, const Vec& b, const Vec& c) {
   const Vec ab = b - a, ac = c - a, n = cross(ab, ac);
   if (dot(n, n) > 1e-2 * dot(ab, ab) * dot(ac, ac)) return n;
@@ -53,7 +53,7 @@ DYN_INLINE Vec triangle_normal(const Vec& a, const Vec& b, const Vec& c) {
   return a2 >= b2 && a2 >= c2 ? cross(ca, ab) : b2 >= c2 ? cross(ab, bc) : cross(bc, ca);
 }
 
-// i, j, k: their numbers
+// i, j, k: numbers of the vertices
 [[gnu::noinline]] inline Part nearest_on_triangle(const Vec& a, const Vec& b, const Vec& c, int i = 0, int j = 1, int k = 2) {
   const Vec e = b - a, f = c - a, n = triangle_normal(a, b, c);
   const double nn = dot(n, n);
@@ -62,7 +62,7 @@ DYN_INLINE Vec triangle_normal(const Vec& a, const Vec& b, const Vec& c) {
   double lj = dot(nf, a), lk = -dot(ne, a), li = nn - lj - lk;
   if (!thin && li > 0 && lj > 0 && lk > 0) {
     const double h = dot(n, a) / nn;
-    if (nn <= 1e-4 * dot(e, e) * dot(f, f)) {  // of a needle once more, from what is left
+    if (nn <= 1e-4 * dot(e, e) * dot(f, f)) {  // a needle: correct by the remainder
       const Vec left = (a * li + b * lj + c * lk) * (1 / nn) - n * h;
       const double cj = dot(nf, left), ck = -dot(ne, left);
       lj += cj, lk += ck, li -= cj + ck;
@@ -80,7 +80,7 @@ DYN_INLINE Vec triangle_normal(const Vec& a, const Vec& b, const Vec& c) {
   return best;
 }
 
-// false: the origin lies inside
+// Returns false if the origin lies inside.
 inline bool nearest_on_tetrahedron(const Simplex& s, Part& best) {
   const Vec a = s.p[0].w, e = s.p[1].w - a, f = s.p[2].w - a, g = s.p[3].w - a;
   const Vec fg = cross(f, g), ge = cross(g, e), ef = cross(e, f);
@@ -100,7 +100,7 @@ inline bool nearest_on_tetrahedron(const Simplex& s, Part& best) {
   return true;
 }
 
-// Reduces s to the part that holds the nearest point v. false: the origin lies inside (s keeps its four vertices).
+// Reduces s to the face that holds the nearest point v. Returns false if the origin lies inside; s then keeps its four vertices.
 [[gnu::noinline]] inline bool reduce(Simplex& s, Vec& v) {
   Part part;
   if (s.size == 4) {
@@ -110,7 +110,7 @@ inline bool nearest_on_tetrahedron(const Simplex& s, Part& best) {
   } else {
     part = nearest_on_segment(s.p[0].w, s.p[1].w, 0, 1);
   }
-  // numbers in a part ascend: vertices move down only
+  // numbers ascend, so vertices only move down
   for (int i = 0; i < part.size; ++i) s.p[i] = s.p[part.at[i]], s.weight[i] = part.weight[i];
   s.size = part.size;
   v = part.v;

@@ -1,4 +1,4 @@
-// What a search through two surfaces keeps, and how far pieces and boxes reach.
+// State of a search through two surfaces, and bounds of pieces and boxes.
 #pragma once
 
 #include "collision/result.hpp"
@@ -11,18 +11,18 @@ using namespace shape;
 // The nearest pair of pieces so far.
 struct NearestPair {
   Result best{};
-  double limit = infinity;  // pairs farther apart don't matter
+  double limit = infinity;  // pairs farther apart are skipped
   double tie, same;         // distances are equal within tie, points within same
 
   explicit NearestPair(double size) : tie(1e-9 * size), same(1e-5 * size) { best.distance = infinity, best.unique = true; }
 
-  // Nothing was found within a guess that rounding made too low: look everywhere.
+  // Rounding made the guessed limit too low: search again without a limit.
   bool nothing() {
     if (best.distance < infinity) return false;
     limit = infinity;
     return true;
   }
-  // true: it is the new one
+  // Returns whether r is the new best.
   bool consider(const Result& r) {
     best.iterations += r.iterations;
     if (!(r.distance <= limit)) return false;
@@ -44,7 +44,7 @@ inline Bounds transformed(const Bounds& b, const Pose& X) {
 }
 constexpr Index max_pieces = TriangleTree::leaf_size;  // of a leaf
 
-// The corners of a piece in a frame, its middle, and the normal of its triangle.
+// Corners of a piece in some frame, its centre, and the normal of its triangle.
 struct Corners {
   Vec at[6], center, normal;
   int count;
@@ -66,14 +66,14 @@ struct Corners {
   }
 };
 
-// The unit vector from p to q.
+// Unit vector from p to q.
 inline Vec toward(const Vec& p, const Vec& q) {
   const Vec d = q - p;
   const double length = norm(d);
   return length > 0 ? d * (1 / length) : axis(2);
 }
 
-// The point of a shape farthest along n, both in the frame that X leads to.
+// Support point of a shape along n; n and the point are in the frame that X leads to.
 template <class B>
 Vec farthest(const B& b, const Pose& X, const Vec& n) {
   return X.act(b.support(transpose_times(X.R, n))) + n * b.radius;

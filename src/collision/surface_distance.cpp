@@ -1,5 +1,5 @@
-// Pieces of surfaces are convex shapes: a search through the trees for the nearest two. What lies below two nodes is no nearer than any
-// two planes between them: those of their boxes and slabs, and those across the normal of the best pair so far.
+// Pieces of surfaces are convex shapes. Searches both trees for the nearest two. Lower bounds of two nodes come from separating
+// planes: those of their boxes and slabs, and those across the best normal so far.
 #include "collision/surface_distance.hpp"
 
 #include "shape/list.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 using namespace shape;
 
-// From point to nearest point, there and back: pairs of points that bound the distance from above, and where to look first.
+// Alternating projection of points. Gives an upper bound of the distance and a first direction.
 template <class S, class B>
 void guess(const S& a, const B& b, const Pose& X, NearestPair& nearest, Vec& n) {
   Vec p = X.p;
@@ -40,8 +40,8 @@ template <class S>
 double size_of(const S& s) {
   return s.extent() + s.radius;
 }
-// What touches no triangle of a closed surface may lie inside of it, as `point` tells, a point of B. It is parted by the plane of the
-// nearest triangle, beyond which B reaches as far as along(-n). The depth is at least the point's.
+// A shape inside a closed surface touches no triangle. `point` is a point of B that shows it. The separating plane is that of the
+// nearest triangle, and along(-n) is B's support point beyond it. The depth is at least the point's.
 template <class S, class Along>
 bool enclosed(const S& a, const Pose& X, const Vec& point, Result& r, Along&& along) {
   if (!a.closed() || !(r.distance > 0) || !a.inside(X.act_inverse(point))) return false;
@@ -64,13 +64,13 @@ Result with_sphere(const S& a, const Sphere& b, const Pose& X, const Options& o)
   return r;
 }
 
-// parted: by a way out that is to be judged
+// parted: pose after a translation that is being verified
 template <class S, class B>
 Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, Workspace& w, const Options& o, bool parted = false) {
   constexpr bool flat = B::type == Type::HalfSpace;
   const double size = std::min(size_of(a), size_of(b));
   NearestPair nearest(size);
-  // nothing of B lies below `level` along n
+  // no point of B lies below `level` along n
   Bounds box{};
   Vec n = -X.R.z;
   double level = dot(n, X.p) - b.radius;
@@ -83,7 +83,7 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
     guess(a, b, X, nearest, first);
     look_along(first);
   }
-  // the planes across m: how far B is beyond what reaches `up` and, the other way, `down` along it
+  // lower bound by planes across m. up, down: support heights of the node along m and -m
   const Vec center = middle(box);
   auto beyond = [&](const Vec& m, double up, double down = infinity) {
     double least = -infinity;
@@ -135,7 +135,7 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
     if (r.distance < 0 && !parted) {
       const FaceAbove face = face_above(a, b, X, inner, box);
       const bool longer = face.depth < infinity && face.depth > -r.distance && dot(face.normal, r.normal) < 1 - 1e-9;
-      // what is left of the overlap tells for sure
+      // the overlap left after the translation decides
       auto left = [&](const Vec& way) { return -with_convex(a, shape_b, b, Pose{X.R, X.p + way}, w, o, true).distance; };
       const bool tie = face.depth <= -1.001 * r.distance;
       if (longer && stays_below(a, face, r) && (tie || left(r.normal * -r.distance) > 1e-9 * size) && left(face.normal * face.depth) <= o.accepted * size) {
@@ -150,7 +150,7 @@ Result with_convex(const S& a, const Shape& shape_b, const B& b, const Pose& X, 
   return r;
 }
 
-// Two trees at once: the node of the larger box is split.
+// Descends both trees at once. Splits the node with the larger box.
 template <class S, class T>
 Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Options& o) {
   const double size = std::min(size_of(a), size_of(b));
@@ -165,7 +165,7 @@ Result surfaces(const S& a, const T& b, const Pose& X, Workspace& w, const Optio
   Index depth = 0;
   Vec n = axis(2);
   guess(a, b, X, nearest, n);
-  // along m, a direction of A: from what reaches so far in A to the part of B that `along` bounds
+  // gap along m, a direction of A, between a part of A of height `up` and a part of B
   auto between = [&](const Vec& m, double up, auto&& support_height_b) { return dot(m, X.p) - support_height_b(transpose_times(X.R, -m)) - up; };
   auto lower = [&](const typename S::Node& i, const typename T::Node& j, const Bounds& x, const Bounds& y) {
     const double rounding = a.radius + b.radius;

@@ -1,4 +1,4 @@
-// Surfaces (triangle meshes, height fields) against everything.
+// Distances of surfaces (triangle meshes, height fields) to any shape.
 #pragma once
 
 #include "collision/distance.hpp"
@@ -7,8 +7,8 @@ namespace dyn::collision {
 
 constexpr bool is_surface(shape::Type t) { return t >= shape::Type::Triangles; }
 
-// The least signed distance between a piece of the one and a piece of the other, one of which may be convex as a whole. A shape that
-// touches no triangle of a closed mesh but lies inside is parted by the plane of the nearest triangle: that depth has no gradient.
+// Least signed distance between pieces of the two shapes; one may be convex as a whole. A shape inside a closed mesh that touches
+// no triangle is separated by the nearest triangle's plane. That depth has no gradient.
 Result surface_distance(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, Workspace& workspace,
                         const Options& options);
 

@@ -1,6 +1,6 @@
-// A convex shape that reaches through a surface, from the side that its centre is on. Of each triangle by itself the shortest way out may
-// lead sideways, past an edge behind which the surface goes on: a corner of a box over a vertex of a floor. There the way out is through
-// the face above the lowest point.
+// Depth of a convex shape that penetrates a surface from the side of its centre. The shortest way out of a single triangle may lead
+// sideways, past an edge behind which the surface continues. Example: a box corner over a vertex of a floor. The way out is then
+// through the face above the lowest point.
 #pragma once
 
 #include "surface_bounds.hpp"
@@ -8,11 +8,11 @@
 namespace dyn::collision {
 
 struct FaceAbove {
-  double depth = infinity;  // of the lowest point below the plane of the face
-  Vec normal, lowest;       // of the face, towards the shape; the shape's point farthest against it
+  double depth = infinity;  // of the lowest point below the face's plane
+  Vec normal, lowest;       // of the face, towards the shape; support point of the shape against it
 };
 
-// The corners of all triangles that a region touches, all in the surface's frame; f may end the search.
+// Corners of all triangles that touch a region, in the surface's frame. f returns false to end the search.
 template <class S, class F>
 inline void each_triangle(const S& s, const Bounds& region, F&& f) {
   double limit = 0;
@@ -26,7 +26,8 @@ inline void each_triangle(const S& s, const Bounds& region, F&& f) {
          });
 }
 
-// Does a line along the triangle's normal through p meet it? Not exactly at its edges, so that neighbours leave no gap.
+// Returns whether the line through p along the normal meets the triangle. A tolerance at the edges leaves no gaps between
+// neighbours.
 inline bool above(const Vec corner[3], const Vec& p, const Vec& normal) {
   constexpr double edge = 1e-9;
   const Vec e = corner[1] - corner[0], f = corner[2] - corner[0], s = p - corner[0], n = cross(e, f);
@@ -49,7 +50,7 @@ inline FaceAbove face_above(const S& s, const B& b, const Pose& X, const Vec& ce
   return best;
 }
 
-// Does the way out that r tells lead the lowest point under the surface again, not past its border?
+// Returns whether the translation of r leaves the lowest point under the surface, not past its border.
 template <class S>
 inline bool stays_below(const S& s, const FaceAbove& face, const Result& r) {
   const Vec moved = face.lowest - r.normal * r.distance, around = Vec::make(face.depth, face.depth, face.depth) * 2;

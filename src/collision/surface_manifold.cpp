@@ -10,8 +10,8 @@ namespace {
 
 using namespace shape;
 
-constexpr double steep = 0.05;  // cosine to the normal below which a triangle is an edge: its neighbours count
-constexpr double flat = 1e-6;   // slope below which it lies across the normal
+constexpr double steep = 0.05;  // cosine to the normal below which a triangle is seen edge-on and its neighbours count
+constexpr double flat = 1e-6;   // slope below which a triangle is level
 constexpr Bounds everywhere = {Vec::make(-infinity, -infinity, -infinity), Vec::make(infinity, infinity, infinity)};
 
 Bounds grown(const Bounds& b, double by) {
@@ -19,8 +19,8 @@ Bounds grown(const Bounds& b, double by) {
   return {b.lower - r, b.upper + r};
 }
 
-// f(figure) of all triangles in a region of the surface's frame that turn to the other shape and reach as far as `level` along the normal.
-// towards: +1 when the other lies along it, -1 when against it.
+// f(feature) of triangles in a region of the surface's frame that face the other shape and reach `level` along the normal. towards:
+// +1 if the other shape lies along the normal, -1 if against.
 template <class S, class F>
 void planar_triangles(const S& s, const Pose& X, const ContactPlane& plane, double towards, double level, const Bounds& region, F&& f) {
   const Vec n = transpose_times(X.R, plane.n) * towards;
@@ -67,7 +67,7 @@ Bounds transformed(const Bounds& b, const Pose& X) {
   return {c - r, c + r};
 }
 
-// A corner of the other shape keeps its name as it slides over the edges of a floor.
+// Drops the surface's part of the name, so a corner keeps its name when it slides over a floor's edges.
 std::uint64_t corner_alone(std::uint64_t feature) {
   constexpr std::uint64_t inside = 0xffffffff;
   auto corner = [](std::uint64_t part) { return part != inside && part >> 16 == (part & 0xffff); };
@@ -77,13 +77,13 @@ std::uint64_t corner_alone(std::uint64_t feature) {
   return feature;
 }
 
-// Points of overlaps, as many as there are.
+// Collects the points of all overlaps.
 struct Gathered {
   const ContactSearch& s;
   Overlap& out;
 
-  // level: the surface's triangle lies across the normal at the witness point. Of such, points beyond the margin count in the hull, too,
-  // which then is that of one large face: what only the edges between its triangles cut out is inside.
+  // level: the triangle is perpendicular to the normal at the witness point. Points of level triangles beyond the margin count in
+  // the hull too, so coplanar triangles act as one face.
   void take(const Overlap& part, const PlanarFeature& a, const PlanarFeature& b, bool level) {
     for (int i = 0; i < part.count; ++i) {
       ClipPoint p = part.p[i];
@@ -101,7 +101,7 @@ struct Gathered {
 void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, const ContactSearch& s, Overlap& out) {
   Gathered all = {s, out};
   const double wide = s.band + s.margin + s.eps;
-  // heights are from the witness point of A
+  // heights are relative to A's witness point
   const double level_a = -s.band, level_b = -s.nearest.distance - s.band;
   auto over_all_of = [&](const Shape& surface, const Pose& X, double towards, double level, const Bounds& region, auto&& f) {
     visit(surface, [&]<class S>(const S& x) {
@@ -120,16 +120,16 @@ void surface_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pos
     const bool plane = other.type == Type::HalfSpace;
     if (!plane) of_other = planar_feature_of(other, X_O, s.plane, -towards, s.band, feature);
     if (of_other.count > 2) orient(of_other);
-    const double curvature_radii = feature.curvature_radii + other.radius;
+    const double curvature_radius = feature.curvature_radius + other.radius;
     over_all_of(surface, X, towards, level, grown(bounds_in(X, other, X_O), wide), [&](const PlanarFeature& f, const Bounds&) {
       if (plane) {
         Overlap part;
         clip_against_plane(f, towards > 0 ? s.nearest.distance : 0, towards < 0, part);
         towards > 0 ? all.take(part, f, of_other, false) : all.take(part, of_other, f, false);
       } else if (towards > 0) {
-        clip(f, 0, of_other, curvature_radii, is_level(f, 0));
+        clip(f, 0, of_other, curvature_radius, is_level(f, 0));
       } else {
-        clip(of_other, curvature_radii, f, 0, is_level(f, s.nearest.distance));
+        clip(of_other, curvature_radius, f, 0, is_level(f, s.nearest.distance));
       }
     });
   };

@@ -1,4 +1,4 @@
-// Contact points of triangle meshes and height fields, each alone, together, or against a convex shape or a half-space.
+// Contact points of triangle meshes and height fields with any shape.
 #pragma once
 
 #include "collision/manifold.hpp"
@@ -6,16 +6,16 @@
 
 namespace dyn::collision {
 
-// What contacts are cut from: the nearest points of two shapes are known, others count up to the margin.
+// Input of the search: the nearest points of the two shapes, and tolerances.
 struct ContactSearch {
   const Result& nearest;
-  double margin, band;  // m; band: how far below the nearest point a surface may lie
-  double eps, same;     // m; within eps points are on one line or one plane, within same they are one
+  double margin, band;  // m; band: depth below the nearest point that is searched
+  double eps, same;     // m; eps: tolerance of lines and planes; same: points closer are one
   const ContactPlane& plane;
 };
 
-// The corners of the overlaps of all triangles that turn to the other shape: their convex hull seen along the normal, which merges triangles
-// of one plane, and the deepest of all points. At least one shape is a surface.
+// Corners of the overlaps of all facing triangles: their convex hull along the normal and the deepest point. The hull merges
+// coplanar triangles. At least one shape is a surface.
 void surface_overlap(const shape::Shape& a, const Pose& X_WA, const shape::Shape& b, const Pose& X_WB, const ContactSearch& s, Overlap& out);
 
 }  // namespace dyn::collision

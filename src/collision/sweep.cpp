@@ -8,8 +8,8 @@ namespace dyn::collision {
 
 namespace {
 
-// How far a core reaches from its origin, and with its rounding. Turning a ball about its centre moves none of it: the rounding
-// does not count as a lever.
+// Radius of a core about its origin, without and with rounding. Rounding is no lever: a sphere does not move when it turns about
+// its centre.
 struct CoreRadii {
   double core, all;
 };
@@ -19,7 +19,7 @@ CoreRadii core_radii_of(const shape::Shape& s) {
   return r;
 }
 
-// Bound of the speed of a core's points along n from turning alone: n.(w x r) = (n x w).r
+// Bound of the speed along n of a core's points by rotation: n.(w x r) = (n x w).r
 double turning(const Vec& n, const Vec& w, double lever) {
   const double speed = shape::norm(cross(n, w));
   return speed > 0 ? speed * lever : 0;
@@ -39,7 +39,7 @@ Impact sweep(const Moving& a, const Moving& b, double duration, Workspace& works
     const double gap = r.distance > 0 ? r.distance - r.residual : r.distance;
     if (gap <= enough) return out.status = Impact::Status::Hit, out;
     if (++out.steps > options.max_steps) return out.status = Impact::Status::Undecided, out;
-    // convex shapes are parted by the plane across the normal; other parts of a surface come nearer from anywhere
+    // convex shapes are separated by a plane; other parts of a surface may approach from any direction
     const bool convex = !is_surface(a.shape.type) && !is_surface(b.shape.type);
     const double nearing = convex ? dot(a.v - b.v, r.normal) + turning(r.normal, a.w, ra.core) + turning(r.normal, b.w, rb.core)
                                   : shape::norm(a.v - b.v) + shape::norm(a.w) * ra.core + shape::norm(b.w) * rb.core;

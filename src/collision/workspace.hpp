@@ -1,4 +1,4 @@
-// Scratch of a query, plain values: the polytope of EPA (epa.hpp).
+// Scratch of a query as plain values: the polytope of EPA (epa.hpp).
 #pragma once
 
 #include "shape/shape.hpp"
@@ -7,12 +7,12 @@ namespace dyn::collision {
 
 using shape::Vec;
 
-// A point of the difference D = A - B of two cores and the points of them it is made of.
+// A point of D = A - B and the points of the two cores that it comes from.
 struct Vertex {
   Vec w, a, b;  // w = a - b
 };
 
-// A triangle, counter-clockwise seen from outside; across[i] is the face beyond the edge from vertex i to the next.
+// A triangle, counter-clockwise seen from outside. across[i]: the face beyond the edge from vertex i to the next.
 struct EpaFace {
   Vec normal;
   double offset;  // normal.x of its plane; infinite: removed
@@ -25,8 +25,8 @@ struct EpaWorkspace {
   static constexpr Index max_vertices = 160, max_faces = 2 * max_vertices;
   Vertex vertex[max_vertices];
   EpaFace face[max_faces];
-  double offset[max_faces];    // of the faces that are still of interest, alone, to be searched; others: infinite
-  Index free[max_faces];       // numbers of removed faces
+  double offset[max_faces];    // of faces still to be searched; others: infinite
+  Index free[max_faces];       // indices of removed faces
   Index stack[max_faces], visible[max_faces];
   Index from[max_vertices];    // the new face that begins at a vertex of the horizon
 };

@@ -1,4 +1,4 @@
-// A box of half extents `size`.
+// A box with half extents `size`.
 #pragma once
 
 #include "shape/shape.hpp"
@@ -41,7 +41,7 @@ struct Box : Solid<Box> {
       if (n[i] == 0 && over[i] > 0) return false;
     return true;
   }
-  // the face that turns to n; corners are numbered by their signs
+  // The face that faces n. Corners are numbered by their signs.
   void facing(const Vec& n, double, Feature& f) const {
     const Vec s = sizes(n);
     const int i = s[0] >= s[1] && s[0] >= s[2] ? 0 : s[1] >= s[2] ? 1 : 2, j = (i + 1) % 3, k = (i + 2) % 3;
@@ -58,7 +58,7 @@ struct Box : Solid<Box> {
     const Vec h = sizes(R.x) * half[0] + sizes(R.y) * half[1] + sizes(R.z) * half[2];
     return {-h, h};
   }
-  // the slabs, when it is not rounded
+  // Slab test for a box without rounding.
   Hit ray(const Vec& origin, const Vec& direction) const {
     if (radius > 0) return Solid::ray(origin, direction);
     double enter = 0, leave = infinity;
@@ -86,8 +86,8 @@ struct Box : Solid<Box> {
   }
 };
 
-// Rounded: the core, six slabs on its faces, four quarter cylinders along each of three edges (together a cylinder cut apart), and
-// eight octants of a ball.
+// A rounded box is its core, six slabs on the faces, four quarter cylinders along each of three edges, and eight octants of a ball.
+// The quarters along an edge make one cylinder, the octants one ball.
 inline Inertia<double> Box::solid() const {
   const double r = radius, pi = 3.14159265358979324;
   // volume and second moments (integrals of x^2, y^2, z^2) add up

@@ -20,13 +20,13 @@ struct Cone : Solid<Cone> {
   }
   Nearest nearest(const Vec& p) const {
     const Meridian m(p);
-    const double slant = length2(r, 2 * half), nr = 2 * half / slant, nz = r / slant;  // normal of the side in the half plane
+    const double slant = length2(r, 2 * half), nr = 2 * half / slant, nz = r / slant;  // (nr, nz): normal of the side in the half plane
     const double side = nr * m.rho + nz * (p[2] - half), base = -half - p[2];
     if (side <= 0 && base <= 0) {
       if (base >= side) return {Vec::make(p[0], p[1], -half), -axis(2), base, base > side};
       return {m.point(m.rho - side * nr, p[2] - side * nz), m.out * nr + axis(2) * nz, side, m.rho > 0};
     }
-    // along the side from the apex; along the base
+    // nearest point on the side (s from the apex) and on the base
     const double s = std::clamp((m.rho * r + (half - p[2]) * 2 * half) / slant, 0.0, slant);
     const double rho_s = s * r / slant, z_s = half - s * 2 * half / slant, rho_b = std::min(m.rho, r);
     const bool on_side = length2(m.rho - rho_s, p[2] - z_s) <= length2(m.rho - rho_b, base);
@@ -43,7 +43,7 @@ struct Cone : Solid<Cone> {
   }
   Face face(const Vec& n) const { return {n[2] < -face_cosine, -axis(2)}; }
   bool under_face(const Vec&, const Vec& p) const { return p[0] * p[0] + p[1] * p[1] <= r * r; }
-  // the base, or the line from the apex to the rim: which of the two turns to n more
+  // The base or the generatrix (apex to rim), whichever faces n more.
   void facing(const Vec& n, double, Feature& f) const {
     const double rho = length2(n[0], n[1]), slant = length2(r, 2 * half);
     if (-n[2] * slant >= 2 * half * rho + r * n[2]) return f.add_rim(n, r, -half, 0);

@@ -1,4 +1,4 @@
-// A convex polytope: the hull of its vertices, with its faces and the neighbours of each vertex, in arrays that lie elsewhere.
+// A convex polytope with its faces and the neighbours of each vertex. The arrays lie elsewhere.
 #pragma once
 
 #include "shape/lanes.hpp"
@@ -6,15 +6,15 @@
 
 namespace dyn::shape {
 
-// What a Convex points to. Coordinates are by component, each array padded to a multiple of `lanes` by repeating the last vertex, so
-// that a search goes over whole registers. Faces are planes n.x <= offset with their vertices counter-clockwise seen from outside.
+// Arrays of a Convex. Coordinates are stored by component. Each array is padded to a multiple of `lanes` by repeating the last
+// vertex, so searches use whole registers. Faces are planes n.x <= offset with vertices counter-clockwise seen from outside.
 struct Hull {
   static constexpr Index lanes = Lanes::count;
   static constexpr Index padded(Index n) { return (n + lanes - 1) / lanes * lanes; }
 
   Vec center;                               // mean of the vertices
   Index vertices, faces, corners;           // corners of all faces
-  alignas(8) const double *x, *y, *z;       // padded(vertices); pointers have eight bytes on every machine: a model's block holds their places
+  alignas(8) const double *x, *y, *z;       // padded(vertices); eight bytes on every machine, where a model's block stores offsets
   alignas(8) const double* planes;          // 4 a face: unit normal, offset
   alignas(8) const Index* face_start;       // faces + 1
   alignas(8) const Index* face_vertices;    // corners
@@ -26,7 +26,7 @@ struct Hull {
   Vec normal(Index f) const { return load3(planes + 4 * f); }
   double offset(Index f) const { return planes[4 * f + 3]; }
 
-  // its arrays, in the order in which they are stored
+  // Calls f for the arrays, in stored order.
   template <class F>
   void each_array(F&& f) {
     const std::size_t room = std::size_t(padded(vertices));
@@ -52,13 +52,13 @@ struct Convex : Solid<Convex> {
   Inertia<double> solid() const;
 
  private:
-  static constexpr Index search_all = 128;  // up to here all vertices are looked at
+  static constexpr Index search_all = 128;  // up to this count all vertices are tested
 
   Index farthest(const Vec& d) const;
   bool flat_at(Index top, const Vec& n, Flat& f) const;
   mutable Index last_ = 0;  // support vertex
 
-  // from neighbour to neighbour, beginning where the last search ended: on a hull every local maximum is the global one
+  // Hill climbing over neighbours from the last support vertex. On a hull every local maximum is global.
   Index climb(const Vec& d) const {
     Index best = last_;
     double most = dot(hull.vertex(best), d);
@@ -83,16 +83,16 @@ inline Index Convex::farthest(const Vec& d) const {
   return std::min(Index(best), hull.vertices - 1);
 }
 
-// the nearest point of the polygon of a face, and the nearest face
+// Nearest point over all faces; inside, the nearest face.
 inline Nearest Convex::nearest(const Vec& p) const {
   Index inner = 0;
   double height = -infinity;
   Nearest best = {Vec::zero(), Vec::zero(), infinity, true};
-  // of an edge a + t e
+  // point a + t e of an edge
   auto consider = [&](const Vec& a, const Vec& e, double t) {
     const Vec c = a + e * t;
     Vec r = p - c;
-    if (t > 0 && t < 1) r -= e * (dot(r, e) / dot(e, e));  // once more: r may be far shorter than e
+    if (t > 0 && t < 1) r -= e * (dot(r, e) / dot(e, e));  // once more, because r may be far shorter than e
     const double d = norm(r);
     if (d < best.distance) best = {c, r * (1 / d), d, true};
   };
@@ -118,7 +118,7 @@ inline Nearest Convex::nearest(const Vec& p) const {
   return {p - n * height, n, height, !tie};
 }
 
-// The edges from a vertex across n. false: one of them rises, so that it is not the support vertex.
+// Edges at a vertex that are perpendicular to n. Returns false if one of them rises: the vertex is then no support vertex.
 inline bool Convex::flat_at(Index top, const Vec& n, Flat& f) const {
   const Vec v = hull.vertex(top);
   f = {0, Vec::zero(), Vec::zero()};
@@ -139,14 +139,14 @@ inline bool Convex::flat_at(Index top, const Vec& n, Flat& f) const {
   }
   return true;
 }
-// The vertex last found mostly is that of n, too.
+// The last support vertex usually is that of n too.
 inline Flat Convex::flat(const Vec& n) const {
   Flat f;
   if (!flat_at(last_, n, f)) flat_at(farthest(n), n, f);
   return f;
 }
 
-// Of the faces through the support point the one with most corners in the band, and among equals the one that turns to n most.
+// Of the faces at the support point, takes the one with most corners in the band. Ties go to the one that faces n most.
 inline void Convex::facing(const Vec& n, double band, Feature& f) const {
   const Vec top = support(n);
   const double height = dot(top, n), on = 1e-9 * hull.extent;
@@ -167,8 +167,8 @@ inline void Convex::facing(const Vec& n, double band, Feature& f) const {
   for (Index c = 0; c < corners; c += step) f.add(hull.vertex(hull.face_vertices[start + c]), hull.face_vertices[start + c]);
 }
 
-// The core alone, by tetrahedra from the centre to the triangles of its faces: with corners 0, a, b, c and 6 V = det(a, b, c) the second
-// moment is V/20 (sum of x x^T over a, b, c, a + b + c).
+// Moments of the core without rounding, by tetrahedra from the centre to its triangles. With corners 0, a, b, c and 6 V = det(a, b,
+// c) the second moment is V/20 (sum of x x^T over a, b, c, a + b + c).
 inline Inertia<double> Convex::solid() const {
   Inertia<double> Y = Inertia<double>::zero();
   Sym3<double> S = Sym3<double>::zero();
@@ -183,7 +183,7 @@ inline Inertia<double> Convex::solid() const {
       S = S + (symmetric_outer(a, a) + symmetric_outer(b, b) + symmetric_outer(c, c) + symmetric_outer(sum, sum)) * (V / 20);
     }
   }
-  // inertia = tr(S) 1 - S, about the centre, then about the origin
+  // inertia = tr(S) 1 - S about the centre, then shifted to the origin
   const double t = S.d[0] + S.d[1] + S.d[2];
   Y.I = {Vec::make(t, t, t) - S.d, -S.o};
   return Y.shifted(hull.center);

@@ -33,11 +33,11 @@ struct Cylinder : Solid<Cylinder> {
   }
   Face face(const Vec& n) const { return {std::abs(n[2]) > face_cosine, axis(2) * std::copysign(1.0, n[2])}; }
   bool under_face(const Vec&, const Vec& p) const { return p[0] * p[0] + p[1] * p[1] <= r * r; }
-  // a cap, or the line on the side
+  // A cap, or the generatrix that faces n.
   void facing(const Vec& n, double, Feature& f) const {
     if (n[2] * n[2] >= n[0] * n[0] + n[1] * n[1]) return f.add_rim(n, r, std::copysign(half, n[2]), n[2] > 0 ? 0 : Feature::rim);
     f.add(on_rim(n, r, half), 2 * Feature::rim), f.add(on_rim(n, r, -half), 2 * Feature::rim + 1);
-    f.curvature_radii = r;
+    f.curvature_radius = r;
   }
   double extent() const { return length2(r, half); }
 

@@ -14,14 +14,14 @@ struct Ellipsoid : Solid<Ellipsoid> {
 
   explicit Ellipsoid(const Shape& s) : semi(s.size), radius(s.radius) {}
 
-  // the support function is h(d) = |A d| with A = diag(semi); its gradient is the support point
+  // Gradient of the support function h(d) = |A d|, A = diag(semi).
   Vec support(const Vec& d) const {
     const Vec e = hadamard(semi, d);
     return hadamard(semi, e) * (1 / norm(e));
   }
   Vec support_on_piece(const Vec&, const Vec& n) const { return support(n); }
   CurvatureRadii curvature_radii(const Vec&, const Vec& n, const Vec& u, const Vec& v) const {
-    // (A^2 - s s^T) / h
+    // Hessian of h: (A^2 - s s^T) / h
     const Vec e = hadamard(semi, n), au = hadamard(semi, u), av = hadamard(semi, v);
     const double scale = 1 / norm(e), su = dot(e, au) * scale, sv = dot(e, av) * scale;
     return {(dot(au, au) - su * su) * scale, (dot(au, av) - su * sv) * scale, (dot(av, av) - sv * sv) * scale};
@@ -40,9 +40,9 @@ struct Ellipsoid : Solid<Ellipsoid> {
   Inertia<double> solid() const;
 };
 
-// Source: Eberly, "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid", 2013. The foot is
-// x_i = a_i^2 p_i / (t + a_i^2) with t the largest root of F(t) = sum (a_i p_i / (t + a_i^2))^2 - 1, which decreases and is convex
-// there: Newton's method from the left never passes it. With s = t / a_min^2 + 1 > 0 nothing cancels near the poles.
+// Source: Eberly, "Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid", 2013. The foot is x_i = a_i^2 p_i / (t
+// + a_i^2), with t the largest root of F(t) = sum (a_i p_i / (t + a_i^2))^2 - 1. F decreases and is convex there, so Newton's
+// method from the left never passes the root. With s = t / a_min^2 + 1 > 0 nothing cancels near the poles.
 inline Nearest Ellipsoid::nearest(const Vec& p) const {
   int least = 0;
   for (int i = 1; i < 3; ++i)
@@ -56,11 +56,11 @@ inline Nearest Ellipsoid::nearest(const Vec& p) const {
     z[i] = std::abs(p[i]) / a;
     inside += z[i] * z[i] / g[i];
   }
-  // the shortest axis: when p has nothing along it, F may stay below 0 down to s = 0, and the foot leaves the plane of symmetry
+  // if p has no component along the shortest axis, F may stay below 0 down to s = 0; the foot then leaves the plane of symmetry
   double at_pole = -1;
   for (int i = 0; i < 3; ++i)
     if (excess[i] > 0) at_pole += g[i] * z[i] * z[i] / (excess[i] * excess[i]);
-  double across = 0;  // what p has along the shortest axes
+  double across = 0;  // component of p along the shortest axes
   for (int i = 0; i < 3; ++i)
     if (excess[i] == 0) across += z[i] * z[i];
   double x[3];
@@ -91,7 +91,7 @@ inline Nearest Ellipsoid::nearest(const Vec& p) const {
   return {foot, n, inside > 1 ? norm(p - foot) : -norm(p - foot), unique};
 }
 
-// of the core alone: rounded, there is no closed form
+// Of the core alone: a rounded ellipsoid has no closed form.
 inline Inertia<double> Ellipsoid::solid() const {
   const double m = 4.18879020478639098 * semi[0] * semi[1] * semi[2];
   const Vec q = hadamard(semi, semi) * (m / 5);

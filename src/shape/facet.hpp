@@ -1,5 +1,5 @@
-// One piece of a surface as a convex shape by itself: a triangle, or the prism under it. Its hull lies about its own origin, so that a
-// small piece far from the surface's frame loses nothing.
+// One piece of a surface as a convex shape: a triangle, or the prism under it. Its hull lies about its own origin, which keeps
+// precision far from the surface's frame.
 #pragma once
 
 #include "shape/convex.hpp"
@@ -11,19 +11,19 @@ struct Facet {
   Vec origin;
 
   Facet() = default;
-  Facet(const Facet&) = delete;  // the hull points into it
+  Facet(const Facet&) = delete;  // the hull points to its own arrays
   Facet& operator=(const Facet&) = delete;
 
   Vec corner(int i) const { return origin + hull.vertex(i); }
   Shape shape(double radius) const { return {Type::Convex, radius, Vec::zero(), &hull}; }
 
-  // a flat one: its two faces are the two sides of it
+  // A flat triangle with two faces, one for each side.
   void triangle(const Vec& a, const Vec& b, const Vec& c) {
     origin = (a + b + c) * (1.0 / 3);
     const Vec corners[] = {a - origin, b - origin, c - origin};
     set(corners, 3, 2, triangle_topology);
   }
-  // a, b, c counter-clockwise seen from above, and what is under them down to z = bottom
+  // Prism from a, b, c (counter-clockwise seen from above) down to z = bottom.
   void prism(const Vec& a, const Vec& b, const Vec& c, double bottom) {
     origin = (a + b + c) * (1.0 / 3);
     Vec corners[6] = {a - origin, b - origin, c - origin};
@@ -64,7 +64,7 @@ struct Facet {
   }
 };
 
-// The point of a triangle nearest to p (Ericson, Real-Time Collision Detection, 5.1.5).
+// Nearest point of a triangle to p (Ericson, Real-Time Collision Detection, 5.1.5).
 inline Vec nearest_of_triangle(const Vec& a, const Vec& b, const Vec& c, const Vec& p) {
   const Vec ab = b - a, ac = c - a, ap = p - a;
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);

@@ -1,4 +1,4 @@
-// The part of a core's boundary that faces a direction: what contact manifolds are cut from.
+// The part of a core's boundary that faces a direction. Contact manifolds are cut from features.
 #pragma once
 
 #include <cstdint>
@@ -8,20 +8,20 @@
 
 namespace dyn::shape {
 
-// One corner: a point; two: a straight line; more: a flat face, its corners in order round it. Each corner has a number that it keeps
-// when the shape moves.
+// One corner: a point; two: a line; more: a flat face with its corners in order. Each corner keeps its number while the shape
+// moves.
 struct Feature {
   static constexpr int most = 32;
-  static constexpr int rim = 8;               // a circle is given by so many corners
-  static constexpr double tilted = 1e-3;      // slope from which on one of them is the deepest; fixed to the shape where it lies flat
+  static constexpr int rim = 8;               // corners that represent a circle
+  static constexpr double tilted = 1e-3;      // above this slope one corner is the deepest; below, corners are fixed to the shape
 
   int count = 0;
-  double curvature_radii = 0;  // of a line: the radius of curvature of the surface across it
+  double curvature_radius = 0;  // of a line: radius of curvature of the surface across it, m
   Vec3<double> p[most];
   std::uint16_t id[most];
 
   void add(const Vec3<double>& x, int number) { p[count] = x, id[count++] = std::uint16_t(number); }
-  // a circle about z of radius r at height z that faces n
+  // Circle about z of radius r at height z.
   void add_rim(const Vec3<double>& n, double r, double z, int first) {
     constexpr double d = 0.70710678118654752;
     static constexpr double c[rim + 2] = {1, d, 0, -d, -1, -d, 0, d, 1, d};

@@ -1,4 +1,4 @@
-// All that lies below the plane z = 0 of its frame; its surface normal is +z. It has no support point and no volume.
+// All points below the plane z = 0 of its frame; the surface normal is +z. It has no support point and no volume.
 #pragma once
 
 #include "shape/shape.hpp"
@@ -17,7 +17,7 @@ struct HalfSpace : Solid<HalfSpace> {
   double extent() const { return infinity; }
   Inertia<double> solid() const { return Inertia<double>::zero(); }
 
-  // bounded only along an axis of the world that is its normal
+  // Bounded only if its normal is an axis of the world.
   Bounds bounds(const Pose& X) const {
     double lower[3] = {-infinity, -infinity, -infinity}, upper[3] = {infinity, infinity, infinity};
     for (int i = 0; i < 3; ++i) {

@@ -1,13 +1,13 @@
-// A height field: heights over a grid, two triangles a cell, and everything below them down to a floor. In arrays that lie elsewhere, with
-// the least and the largest height of 2 x 2, 4 x 4, ... cells: a tree of boxes.
+// A height field: heights over a grid, two triangles a cell, solid down to a floor. The arrays lie elsewhere. They hold minimum and
+// maximum heights of 2 x 2, 4 x 4, ... cells, which form a tree of boxes.
 #pragma once
 
 #include "shape/surface.hpp"
 
 namespace dyn::shape {
 
-// What a HeightField points to. The grid lies about the origin: the point (column i, row j) has x = (i - (columns - 1) / 2) step_x, y
-// likewise. Cells have the number of their lower corner; those of level k are 2^k x 2^k cells of the grid (at the margin fewer).
+// Arrays of a HeightField. The grid is centred: point (column i, row j) has x = (i - (columns - 1) / 2) step_x, y likewise. Cells
+// have the number of their lower corner. A cell of level k covers 2^k x 2^k cells of the grid, fewer at the border.
 struct Grid {
   static constexpr Index max_levels = 24;
   static constexpr std::int64_t max_heights = 5000000;  // 10^7 triangles
@@ -16,15 +16,15 @@ struct Grid {
   Index levels;         // the last one is a single cell
   double step_x, step_y, bottom;
   double extent;        // farthest point from the origin
-  Index first[max_levels];  // where each level begins in range
-  alignas(8) const double* height; // columns * rows, row after row
-  alignas(8) const double* range;  // 2 a cell: least and largest height
+  Index first[max_levels];  // start of each level in range
+  alignas(8) const double* height; // columns * rows, row by row
+  alignas(8) const double* range;  // 2 a cell: minimum and maximum height
 
   Index cells_x(Index level) const { return ((columns - 2) >> level) + 1; }
   Index cells_y(Index level) const { return ((rows - 2) >> level) + 1; }
   std::size_t cells() const { return std::size_t(first[levels - 1]) + 1; }
 
-  // its arrays, in the order in which they are stored
+  // Calls f for the arrays, in stored order.
   template <class F>
   void each_array(F&& f) {
     f(height, std::size_t(columns) * std::size_t(rows)), f(range, 2 * cells());
@@ -82,7 +82,7 @@ struct HeightField : Surface<HeightField> {
   bool closed() const { return true; }
   double extent() const { return grid.extent; }
 
-  // Outside: the nearest point of the pieces. Inside: of the triangles, the walls and the floor.
+  // Outside: nearest point of the pieces. Inside: of the triangles, the walls and the floor.
   Nearest nearest(const Vec& p) const {
     if (!inside(p)) return nearest_piece(p);
     Nearest n = nearest_triangle(p);
@@ -90,7 +90,7 @@ struct HeightField : Surface<HeightField> {
     n.distance = -n.distance;
     const double wall_x = grid.x(grid.columns - 1), wall_y = grid.y(grid.rows - 1);
     auto consider = [&](int axis_of, double sign, double at) {
-      const double d = sign * p[axis_of] - at;  // below zero
+      const double d = sign * p[axis_of] - at;  // negative inside
       if (d < n.distance) return;
       n.unique = d > n.distance;
       const Vec normal = axis(axis_of) * sign;

@@ -1,4 +1,4 @@
-// Which of many numbers is the largest, eight at a time.
+// Index of the largest of many numbers, eight at a time.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ struct Lanes {
   static constexpr int count = 8;
   typedef double Numbers __attribute__((vector_size(8 * count)));
 
-  // at(i): eight numbers from the i-th on. Of n, more than none; those past the last must not be larger than all before.
+  // at(i) returns eight numbers from the i-th on. n >= 1. Padding must not exceed the real maximum.
   template <class F>
   DYN_INLINE static std::int64_t largest(std::int64_t n, F&& at) {
     typedef std::int64_t Ids __attribute__((vector_size(8 * count)));
@@ -28,7 +28,7 @@ struct Lanes {
       most = more ? x : most;
       id = more ? base : id;
     }
-    // of the halves, of their halves
+    // reduce the halves, then the quarters
     const Half low = __builtin_shufflevector(most, most, 0, 1, 2, 3), high = __builtin_shufflevector(most, most, 4, 5, 6, 7);
     const HalfIds id_low = __builtin_shufflevector(id, id, 0, 1, 2, 3), id_high = __builtin_shufflevector(id, id, 4, 5, 6, 7), above = high > low;
     const Half m = above ? high : low;

@@ -1,5 +1,5 @@
-// The closed list of shapes and the one place that dispatches on them: visit expands to a switch, so that each case inlines. A new
-// shape is a file, a line here, and a line in Type (shape.hpp).
+// The closed list of shapes and their only dispatch. visit expands to a switch, so each case inlines. A new shape is a file and a
+// line here and in Type (shape.hpp).
 #pragma once
 
 #include "shape/box.hpp"
@@ -16,17 +16,17 @@
 namespace dyn::shape {
 
 #define DYN_SHAPES(X) X(HalfSpace) X(Sphere) X(Capsule) X(Box) X(Cylinder) X(Cone) X(Ellipsoid) X(Convex)
-// not convex: see surface.hpp
+// surfaces, which are not convex (surface.hpp)
 #define DYN_SURFACES(X) X(Triangles) X(HeightField)
 
-// of convex types, which come first
+// number of convex types, which come first
 inline constexpr int type_count = 0
 #define DYN_COUNT(S) +1
     DYN_SHAPES(DYN_COUNT)
 #undef DYN_COUNT
     ;
 
-// f(S(shape))
+// calls f(S(shape)) for the shape's class S
 template <class F>
 DYN_INLINE void visit(const Shape& shape, F&& f) {
   switch (shape.type) {

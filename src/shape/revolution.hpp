@@ -1,4 +1,4 @@
-// What cylinder and cone share: solids of revolution about z, seen in the half plane (rho, z) through a point.
+// Solids of revolution about z (cylinder, cone), in the half plane (rho, z) through a point.
 #pragma once
 
 #include "base/portable.hpp"
@@ -6,50 +6,50 @@
 
 namespace dyn::shape {
 
-// The half plane through p: its distance rho from the axis and the unit direction `out` away from it.
+// The half plane through p: distance rho from the axis, unit direction `out` away from it.
 struct Meridian {
   double rho;
   Vec out, p;
 
   explicit Meridian(const Vec& p) : rho(length2(p[0], p[1])), out(rho > 0 ? Vec::make(p[0] / rho, p[1] / rho, 0) : axis(0)), p(p) {}
   Vec point(double r, double z) const { return out * r + axis(2) * z; }
-  // p lies outside, and (r, z) is the point nearest to it
+  // Result for p outside, where (r, z) is the nearest point.
   Nearest outside(double r, double z) const {
     const double dr = rho - r, dz = p[2] - z, d = length2(dr, dz);
     return {point(r, z), out * (dr / d) + axis(2) * (dz / d), d, true};
   }
 };
 
-// The support point of a circle of radius r at height z.
+// Support point of a circle of radius r at height z.
 inline Vec on_rim(const Vec& n, double r, double z) {
   const double rho = length2(n[0], n[1]), scale = r / rho;
   return rho > 0 ? Vec::make(n[0] * scale, n[1] * scale, z) : Vec::make(r, 0, z);
 }
 
-// Its derivative: one radius of curvature r / |(n_x, n_y)|, along the circle.
+// Derivative of on_rim: one radius of curvature r / |(n_x, n_y)|, along the circle.
 DYN_INLINE CurvatureRadii rim_curvature_radii(const Vec& n, const Vec& u, const Vec& v, double r) {
   const double rho2 = n[0] * n[0] + n[1] * n[1];
   if (rho2 == 0) return {0, 0, 0};
-  // rho times the parts along the tangent
+  // components along the tangent, times rho
   const double tu = n[0] * u[1] - n[1] * u[0], tv = n[0] * v[1] - n[1] * v[0], scale = r / (rho2 * std::sqrt(rho2));
   return {scale * tu * tu, scale * tu * tv, scale * tv * tv};
 }
 
-// How far a unit circle about z reaches along the world's axes, z given in the world.
+// Half extents of a unit circle about z along the world's axes; z is given in the world.
 inline Vec rim_half_extents(const Vec& z) {
   auto half_extent = [](double c) { return std::sqrt(std::max(0.0, 1 - c * c)); };
   return Vec::make(half_extent(z[0]), half_extent(z[1]), half_extent(z[2]));
 }
 
-// A straight side from (r0, z0) up to (r1, z1).
+// A straight generatrix from (r0, z0) up to (r1, z1).
 struct Side {
   double r0, z0, r1, z1;
 };
 
-// Moments at density 1 of the solid that the side sweeps about z, closed by flat discs and rounded by `radius`:
+// Moments at density 1 of the solid of revolution of the side, closed by flat discs and rounded by `radius`:
 //   m = pi int r^2 dz,  first moment pi int r^2 z dz,  int x^2 = int y^2 = pi/4 int r^4 dz,  int z^2 = pi int r^2 z^2 dz
-// along the meridian: an arc about each end of the side, and the side itself, moved out. Eight Gauss points are exact on the side
-// (polynomials), and on a quarter of an arc (trigonometric polynomials of degree 5) to the last digits.
+// The meridian is an arc about each end of the side and the side itself, offset by the radius. Eight Gauss points are exact on the
+// side (polynomials). On a quarter of an arc (trigonometric polynomials of degree 5) they are exact to the last digits.
 inline Inertia<double> revolve(const Side& side, double radius) {
   static constexpr double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
   static constexpr double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};

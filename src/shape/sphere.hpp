@@ -24,7 +24,7 @@ struct Sphere : Solid<Sphere> {
   using Solid::bounds;
   Bounds bounds(const Mat&) const { return {Vec::zero(), Vec::zero()}; }
 
-  // |o + t d|^2 = r^2 by the root that does not cancel
+  // |o + t d|^2 = r^2, by the root that does not cancel
   Hit ray(const Vec& o, const Vec& d) const {
     const double a = dot(d, d), b = dot(o, d), c = dot(o, o) - radius * radius;
     if (c <= 0) return {0, nearest(o).normal};

@@ -1,23 +1,23 @@
-// Shapes made of pieces, in a tree of boxes: triangles.hpp, height_field.hpp. They are not convex; every query searches the tree for the
-// piece that decides. A surface S derives from Surface<S>, holds `radius`, and gives, about its core and in its own frame,
+// Shapes made of pieces in a tree of boxes: triangles.hpp, height_field.hpp. They are not convex. Every query searches the tree for
+// the deciding piece. A surface S derives from Surface<S> and holds `radius`. In its own frame, for its core, it has
 //   type, name
-//   Node, root, max_children    a node of the tree, its first one, into how many others a node splits at most
-//   box(node)                    holds all pieces below the node
-//   slab(node)                   likewise, and where they are flat it is thin
-//   split(node, out)             the nodes below it: how many; 0: a leaf
-//   pieces(node), piece(node, i, facet)    the pieces of a leaf, as convex shapes (facet.hpp)
-//   triangle(node, i, corners)   the triangle of a piece that belongs to the surface, counter-clockwise seen from outside
-//   number(node, i, k)           that of its corner k among the surface's vertices
+//   Node, root, max_children    a node of the tree, the root, the largest number of children
+//   box(node)                    box of all pieces below the node
+//   slab(node)                   slab of all pieces below the node; thin where they are flat
+//   split(node, out)             children of the node; returns their number, 0 for a leaf
+//   pieces(node), piece(node, i, facet)    number of pieces of a leaf, and a piece as a convex shape (facet.hpp)
+//   triangle(node, i, corners)   the piece's triangle on the surface, counter-clockwise seen from outside
+//   number(node, i, k)           vertex number of the triangle's corner k
 //   closed()                     the surface bounds a solid
-//   extent(), solid()            as in shape.hpp; solid() is NaN where nothing is bounded
-// and gets what shapes have: support, bounds, signed_distance, ray, mass_properties, volume.
+//   extent(), solid()            as in shape.hpp; solid() is NaN if the surface is not closed
+// It inherits support, bounds, signed_distance, ray, mass_properties, volume.
 #pragma once
 
 #include "shape/facet.hpp"
 
 namespace dyn::shape {
 
-// Goes to the leaves whose lower(node) is not above the limit, those with less first; leaf(node) may lower the limit.
+// Visits leaves whose lower(node) is at most the limit, smallest first. leaf(node) may lower the limit.
 template <class S, class Lower, class Leaf>
 inline void search(const S& s, const double& limit, Lower&& lower, Leaf&& leaf) {
   struct Entry {
@@ -50,7 +50,8 @@ inline void search(const S& s, const double& limit, Lower&& lower, Leaf&& leaf) 
 DYN_INLINE Vec middle(const Bounds& b) { return (b.lower + b.upper) * 0.5; }
 DYN_INLINE Vec half_of(const Bounds& b) { return (b.upper - b.lower) * 0.5; }
 DYN_INLINE Vec positive(const Vec& a) { return Vec::make(std::max(a[0], 0.0), std::max(a[1], 0.0), std::max(a[2], 0.0)); }
-// From a point to a box; from box to box, below zero the least overlap along an axis: no two shapes in them are nearer.
+// Distance from a point to a box, and between two boxes. Between overlapping boxes: minus the least overlap along an axis, a lower
+// bound.
 DYN_INLINE double distance_to(const Bounds& b, const Vec& p) { return norm(positive(sizes(p - middle(b)) - half_of(b))); }
 DYN_INLINE double distance_between(const Bounds& a, const Bounds& b) {
   const Vec gap = sizes(middle(a) - middle(b)) - half_of(a) - half_of(b);
@@ -58,23 +59,24 @@ DYN_INLINE double distance_between(const Bounds& a, const Bounds& b) {
   return most <= 0 ? most : norm(positive(gap));
 }
 
-// How far a box reaches along n.
+// Support height of a box along n.
 DYN_INLINE double support_height(const Bounds& b, const Vec& n) { return dot(n, middle(b)) + dot(sizes(n), half_of(b)); }
 
-// All between two planes across a unit normal.
+// All points between two planes perpendicular to a unit normal.
 struct Slab {
   Vec normal;
   double low, high;
 };
-// How far what lies in both reaches along n, at most: what n has along the normal is bounded by the slab, the rest by the box.
+// Upper bound of the support height along n of the intersection of box and slab. The slab bounds the normal component, the box the
+// rest.
 DYN_INLINE double support_height(const Bounds& b, const Slab& s, const Vec& n) {
   const double along = dot(n, s.normal);
   return std::min(support_height(b, n), support_height(b, n - s.normal * along) + std::max(along * s.low, along * s.high));
 }
 
-// Where a ray meets a triangle from either side (Moeller, Trumbore 1997): t, and the two weights; t infinite: nowhere.
+// Intersection of a ray and a triangle from either side (Moeller, Trumbore 1997): t and two weights. No hit: t infinite.
 struct Crossing {
-  double t, u, v, facing;  // facing: direction . normal, of any length
+  double t, u, v, facing;  // facing: direction . normal, not normalised
 };
 inline Crossing cross_triangle(const Vec corner[3], const Vec& origin, const Vec& direction) {
   const Vec e = corner[1] - corner[0], f = corner[2] - corner[0], h = cross(direction, f), s = origin - corner[0], q = cross(s, e);
@@ -84,7 +86,7 @@ inline Crossing cross_triangle(const Vec corner[3], const Vec& origin, const Vec
   if (!(u >= 0 && v >= 0 && u + v <= 1 && t >= 0)) return {infinity, u, v, 0};
   return {t, u, v, -det};
 }
-// When a ray enters a box; infinite: it does not.
+// Parameter at which a ray enters a box, or infinite.
 inline double enters(const Bounds& b, const Vec& origin, const Vec& direction) {
   double enter = 0, leave = infinity;
   for (int i = 0; i < 3; ++i) {
@@ -127,10 +129,10 @@ struct Surface {
     return best;
   }
 
-  // no feature: contacts of surfaces are cut from their triangles
+  // Has no feature: contacts of surfaces are cut from their triangles.
   void facing(const Vec&, double, Feature&) const {}
 
-  // of the rounded surface; inside is below zero where the surface is closed
+  // Signed distance of the rounded surface, negative inside a closed one.
   Nearest signed_distance(const Vec& p) const {
     const Nearest n = self().nearest(p);
     return {n.point + n.normal * self().radius, n.normal, n.distance - self().radius, n.unique};
@@ -140,13 +142,13 @@ struct Surface {
     if (!self().closed() || !self().inside(p)) return best;
     return {best.point, -best.normal, -best.distance, best.unique};
   }
-  // inside a closed surface, which the ray from p leaves more often than it enters, or less often: along a direction that meets no edge
+  // Ray parity test of a closed surface. Takes another direction when the ray passes close to an edge.
   bool inside(const Vec& p) const {
     if (!(distance_to(self().box(S::root(self())), p) <= 0)) return false;
     Vec direction = Vec::make(0.5385, 0.3170, 0.7807);
     int crossings = 0;
     for (int attempt = 0; attempt < 16; ++attempt) {
-      const double limit = 0;  // lower() answers infinity for what is not met
+      const double limit = 0;  // lower() returns infinity for nodes that the ray misses
       bool clear = true;
       crossings = 0;
       search(self(), limit, [&](const auto& node) { return enters(self().box(node), p, direction) < infinity ? 0 : infinity; },
@@ -166,7 +168,7 @@ struct Surface {
     return crossings != 0;
   }
 
-  // The first piece that is hit. A ray from the inside of a closed surface hits at t = 0.
+  // First piece hit. A ray from inside a closed surface hits at t = 0.
   Hit ray(const Vec& origin, const Vec& direction) const {
     if (self().closed()) {
       const Nearest n = signed_distance(origin);
@@ -198,7 +200,7 @@ struct Surface {
   double volume() const { return self().solid().m; }
 
  protected:
-  // The nearest point of the triangles, normal away from it.
+  // Nearest point of the triangles; the normal points away from it.
   Nearest nearest_triangle(const Vec& p) const {
     return nearest_of(p, [&](auto node, Index i, Facet&) {
       Vec corner[3];
@@ -208,7 +210,7 @@ struct Surface {
       return Nearest{c, d > 0 ? away * (1 / d) : n * (1 / norm(n)), d, d > 0 || self().closed()};
     });
   }
-  // The nearest point of the pieces, which have volume.
+  // Nearest point of the pieces, which have volume.
   Nearest nearest_piece(const Vec& p) const {
     return nearest_of(p, [&](auto node, Index i, Facet& piece) {
       self().piece(node, i, piece);
@@ -241,7 +243,7 @@ struct Surface {
     return best;
   }
 
-  // A piece hit by a ray, in the piece's frame.
+  // Hit of a piece by a ray, in the piece's frame.
   Hit ray_of(const Facet& piece, const Vec& origin, const Vec& direction) const {
     const double r = self().radius;
     const bool flat = piece.hull.vertices == 3;
@@ -250,7 +252,7 @@ struct Surface {
     const Crossing c = cross_triangle(corner, origin, direction);
     return {c.t, piece.hull.normal(0) * (c.facing > 0 ? -1.0 : 1.0)};
   }
-  // A piece by its points alone, so that Solid's ray meets it.
+  // A piece as points only, for the ray of Solid.
   struct Round : Solid<Round> {
     const Facet& piece;
     double radius;

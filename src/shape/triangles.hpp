@@ -1,11 +1,11 @@
-// A triangle mesh: the triangles themselves, and what they enclose where they are closed. In a tree of boxes that lies elsewhere.
+// A triangle mesh, and the solid it bounds if it is closed. The tree of boxes lies elsewhere.
 #pragma once
 
 #include "shape/surface.hpp"
 
 namespace dyn::shape {
 
-// What a Triangles points to. Nodes depth first: the first child of a node follows it.
+// Arrays of a Triangles. Nodes are in depth-first order: the first child of a node follows it.
 struct TriangleTree {
   static constexpr Index leaf_size = 4, max_depth = 60;
 
@@ -14,11 +14,11 @@ struct TriangleTree {
   double extent;        // farthest vertex from the origin
   alignas(8) const double* vertex; // 3 each
   alignas(8) const double* box;    // 6 a node: lower and upper corner of its box
-  alignas(8) const double* slab;   // 5 a node: the mean normal of its triangles, and between which two planes across it they lie
+  alignas(8) const double* slab;   // 5 a node: mean normal of its triangles, lower and upper offset along it
   alignas(8) const Index* corner;  // 3 a triangle, in the order of the leaves
-  alignas(8) const Index* link;    // 2 a node: second child and 0; of a leaf the first of its triangles and how many
+  alignas(8) const Index* link;    // 2 a node: second child and 0; leaf: first triangle and count
 
-  // its arrays, in the order in which they are stored
+  // Calls f for the arrays, in stored order.
   template <class F>
   void each_array(F&& f) {
     f(vertex, 3 * std::size_t(vertices)), f(box, 6 * std::size_t(nodes)), f(slab, 5 * std::size_t(nodes));
@@ -62,7 +62,7 @@ struct Triangles : Surface<Triangles> {
   bool closed() const { return tree.closed != 0; }
   double extent() const { return tree.extent; }
 
-  // The core alone, by tetrahedra from the middle to all triangles, as Convex::solid; turned round when it is inside out.
+  // Moments of the core by tetrahedra from the centre to all triangles, as Convex::solid. Negated when the mesh is inside out.
   Inertia<double> solid() const {
     const Vec center = middle(box(0));
     Inertia<double> Y = Inertia<double>::zero();

@@ -1,6 +1,6 @@
-// Boxes, and capsules as boxes of no width, by their separating axes: the faces of A - B have the normals of the faces of A, of the faces
-// of B, and of each edge of A with each of B (Gottschalk, Lin, Manocha, SIGGRAPH 1996). When the boxes meet, the axis of least depth is
-// the answer; apart, it is a good guess for GJK.
+// Boxes by separating axes (Gottschalk, Lin, Manocha, SIGGRAPH 1996); capsules are boxes of zero width. The faces of A - B have
+// three kinds of normals: faces of A, faces of B, cross products of edges. For overlapping boxes the axis of least depth is the
+// result. Apart, it is the first guess for GJK.
 #pragma once
 
 #include "collision/analytic/capsules.hpp"
@@ -8,7 +8,7 @@
 
 namespace dyn::collision {
 
-// Axis of the largest signed distance. Which feature: a face of A (i = its axis, j = -1), of B (i = -1, j), or two edges (i, j).
+// Axis of the largest signed distance. Face of A: (i = its axis, j = -1); face of B: (i = -1, j); two edges: (i, j).
 struct BoxAxis {
   Vec n;            // from A to B, in A
   double distance;
@@ -16,13 +16,13 @@ struct BoxAxis {
   bool unique;      // no other axis is as good
 };
 
-// All three entries of a vector at once: entry i belongs to A's axis i, or, for the faces of B, to B's axis i.
+// Handles the three entries of a vector at once. Entry i is A's axis i, or B's axis i for the faces of B.
 inline BoxAxis box_axis(const Vec& ha, const Vec& hb, const Pose& X, double margin) {
   const Mat R = X.R, Rt = transpose(R), S = {sizes(R.x), sizes(R.y), sizes(R.z)}, St = {sizes(Rt.x), sizes(Rt.y), sizes(Rt.z)};
   const Vec p = X.p, q = Rt * p;
   BoxAxis best = {shape::axis(0), -shape::infinity, 0, -1, true};
   double second = -shape::infinity;
-  // faces before edges, unless these are better by more than rounding
+  // faces come first, unless edges are better by more than rounding
   auto consider = [&](double s, int i, int j) {
     if (s > best.distance + margin)
       second = best.distance, best.distance = s, best.i = i, best.j = j;
@@ -53,7 +53,7 @@ inline BoxAxis box_axis(const Vec& ha, const Vec& hb, const Pose& X, double marg
   return best;
 }
 
-// The part of a box that faces n: its corner there, free along the axes straight to n.
+// The feature of a box that faces n: a corner, free along the axes perpendicular to n.
 struct BoxFeature {
   Vec half, corner;
   bool free[3];
@@ -68,7 +68,7 @@ struct BoxFeature {
   }
 };
 
-// Witness points of boxes that meet along an axis.
+// Witness points of overlapping boxes for an axis.
 inline void box_witness(const Vec& ha, const Vec& hb, const Pose& X, const BoxAxis& axis, Vec& a, Vec& b) {
   const BoxFeature fa(ha, axis.n), fb(hb, transpose_times(X.R, -axis.n));
   if (axis.i >= 0 && axis.j >= 0) {
@@ -79,7 +79,7 @@ inline void box_witness(const Vec& ha, const Vec& hb, const Pose& X, const BoxAx
     a = a0 + u * s.s, b = b0 + v * s.t;
     return;
   }
-  // a point of both features, seen along the normal: by projection on one and the other in turn
+  // a common point of both features along the normal, by alternating projection
   a = fa.middle(), b = X.act(fb.middle());
   for (int i = 0; i < 64; ++i) {
     const Vec shift = axis.n * axis.distance;
@@ -95,7 +95,7 @@ template <class A, class B>
 inline Cores box_pair(const Difference<A, B>& d, const Vec& ha, const Vec& hb, EpaWorkspace& workspace, const Options& options) {
   Cores c;
   const double enough = wanted(d, options);
-  // far apart along the line between the centres: no need to know the best axis
+  // far apart along the line between the centres: the best axis is not needed
   const Vec& p = d.X.p;
   if (dot(sizes(p), ha) + dot(sizes(d.Rt * p), hb) < dot(p, p) && minkowski_pair(d, p, enough, c)) return c;
   const BoxAxis axis = box_axis(ha, hb, d.X, d.rounding());

@@ -1,4 +1,4 @@
-// A half-space (A) against everything that has a support point: the deepest point below the plane.
+// A half-space (A) and a shape with support points (B): the deepest point below the plane.
 #pragma once
 
 #include "collision/convex_pair.hpp"

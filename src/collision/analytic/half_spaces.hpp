@@ -1,4 +1,5 @@
-// Two half-spaces: apart or of bounded depth only when their planes are parallel and face each other; otherwise no translation parts them.
+// Two half-spaces. The distance is finite only if their planes are parallel and face each other; otherwise no translation separates
+// them.
 #pragma once
 
 #include "collision/convex_pair.hpp"

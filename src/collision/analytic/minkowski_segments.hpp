@@ -1,8 +1,9 @@
-// Capsules, boxes, and cylinders apart. Each is a sum of segments along its axes and a disc across its z, and so is D = A - B:
-//   f(n) = n.p - sum_k l_k |n.e_k| - sum_m r_m sqrt(1 - (n.z_m)^2)
-// is the gap along n, and its maximum the distance. Where f > 0 it has one local maximum. It is found piece by piece: with the signs of
-// n.e_k given, what is left are a point c and discs; n moves to the maximum of this piece, or to the first n.e_k = 0 on its way. There
-// it stays across e_k while the foot of the distance, l_k in size at most, lies within that segment.
+// Separated capsules, boxes and cylinders. Each is a Minkowski sum of segments along its axes and a disc across its z; so is D = A
+// - B. The gap along n is
+//   f(n) = n.p - sum_k l_k |n.e_k| - sum_m r_m sqrt(1 - (n.z_m)^2),
+// and the distance is its maximum. Where f > 0 it has one local maximum, which is found piece by piece. For given signs of n.e_k a
+// point c and the discs remain. n moves to the maximum of this piece, or to the first n.e_k = 0 on the way. There it stays
+// perpendicular to e_k while the foot lies within that segment (|t| <= l_k).
 #pragma once
 
 #include "collision/analytic/segments.hpp"
@@ -14,7 +15,7 @@
 namespace dyn::collision {
 
 struct SegmentSum {
-  Vec half;     // of the segments along x, y, z
+  Vec half;     // half lengths of the segments along x, y, z
   double disc;  // radius about z
 };
 inline SegmentSum segment_sum(const shape::Box& s) { return {s.half, 0}; }
@@ -24,14 +25,14 @@ inline SegmentSum segment_sum(const shape::Cylinder& s) { return {shape::axis(2)
 template <class S>
 inline constexpr bool is_segment_sum = S::type == shape::Type::Box || S::type == shape::Type::Capsule || S::type == shape::Type::Cylinder;
 
-// discs: A's, B's, or both
+// disc_a, disc_b: which of the two has a disc
 template <bool disc_a, bool disc_b>
 class MinkowskiPair {
  public:
   MinkowskiPair(const SegmentSum& a, const SegmentSum& b, const Pose& X) : a_(a), b_(b), R_(X.R), Rt_(transpose(X.R)), p_(X.p) {}
 
-  // From a first direction, across the segments along the axes `first` and `second` of A and B, if these are not -1. false: they meet,
-  // or the maximum was not found.
+  // Starts from a direction, perpendicular to the segments `first` of A and `second` of B unless these are -1. Returns false if the
+  // shapes overlap or no maximum was found.
   bool solve(const Vec& guess, int first, int second, Cores& out) {
     n_ = guess;
     const Vec in_b = Rt_ * n_;
@@ -54,23 +55,23 @@ class MinkowskiPair {
 
  private:
   static constexpr int max_steps = 12;
-  static constexpr double straight = 1e-6;  // sine of an angle that is too small to divide by
+  static constexpr double straight = 1e-6;  // sine of an angle too small to divide by
   const SegmentSum a_, b_;
   const Mat R_, Rt_;
   const Vec p_;
   Vec n_, c_;
-  Vec foot_;          // c less the discs' points
-  Vec on_a_, on_b_;   // the discs' points
-  double sine_;       // the smaller of n to the discs' axes: over angles of this size the rims bend
-  double length_[6], height_[6];  // of the segments, and n.e_k
-  double place_[6];   // of the foot, along each segment
-  int across_[2], fixed_ = 0;  // segments that n stays across
+  Vec foot_;          // c less the points of the discs
+  Vec on_a_, on_b_;   // points of the discs
+  double sine_;       // smaller sine between n and the discs' axes: the angle over which the rims bend
+  double length_[6], height_[6];  // half lengths of the segments, and n.e_k
+  double place_[6];   // position of the foot along each segment
+  int across_[2], fixed_ = 0;  // segments perpendicular to n
   int steps_;
 
   Vec axis_of(int k) const { return k < 3 ? shape::axis(k) : R_[k - 3]; }
   bool is_fixed(int k) const { return (fixed_ > 0 && across_[0] == k) || (fixed_ > 1 && across_[1] == k); }
 
-  // Of a disc about z, the point farthest along n, and how far n is from z. Of no disc: zero.
+  // Support point of a disc about z along n. Returns the sine of the angle between n and z.
   static double rim(const Vec& n, const Vec& z, double r, Vec& point) {
     const double height = dot(n, z);
     const Vec across = n - z * height;
@@ -78,7 +79,7 @@ class MinkowskiPair {
     point = across * (r / sine);
     return sine;
   }
-  // n_ to the maximum of this piece
+  // Moves n_ to the maximum of this piece.
   bool maximise_piece() {
     if (fixed_ == 2) {
       const Vec n = cross(axis_of(across_[0]), axis_of(across_[1]));
@@ -89,7 +90,7 @@ class MinkowskiPair {
     }
     return fixed_ == 1 ? maximise_across_segment(axis_of(across_[0])) : maximise_free();
   }
-  // the points of the discs at n_; false: no distance is left, or n is a disc's axis
+  // Sets the support points of the discs at n_. Returns false if the shapes overlap or n is a disc's axis.
   bool at_rims() {
     foot_ = c_, sine_ = 1;
     if constexpr (disc_a) sine_ = std::min(sine_, rim(n_, shape::axis(2), a_.disc, on_a_));
@@ -99,7 +100,7 @@ class MinkowskiPair {
     if constexpr (disc_b) foot_ -= on_b_;
     return dot(foot_, n_) > 0;
   }
-  // n across e, by Newton's method on its angle
+  // n perpendicular to e: Newton's method on its angle.
   bool maximise_across_segment(const Vec& e) {
     const Vec start = !(disc_a || disc_b) || (disc_a != disc_b && across_[0] == (disc_a ? 2 : 5)) ? c_ : n_;
     n_ = start - e * dot(e, start);
@@ -126,7 +127,7 @@ class MinkowskiPair {
     }
     return false;
   }
-  // any n: the direction to the nearest point of a disc, of two by Newton's method
+  // Any n: the direction to the nearest point of a disc. Two discs use Newton's method.
   bool maximise_free() {
     if constexpr (!disc_a && !disc_b) {
       foot_ = c_, n_ = c_ * (1 / shape::norm(c_));
@@ -135,7 +136,7 @@ class MinkowskiPair {
     const Vec za = shape::axis(2), zb = R_.z;
     if constexpr (disc_a && !disc_b) return toward_disc(za, a_.disc, c_, on_a_), true;
     if constexpr (disc_b && !disc_a) return toward_disc(zb, b_.disc, c_, on_b_), true;
-    // the nearest points in turn: they may be the answer where one lies within its disc
+    // alternate nearest points first, which is exact if one lies within its disc
     rim(n_, zb, b_.disc, on_b_);
     if (toward_disc(za, a_.disc, c_ - on_b_, on_a_)) {
       rim(n_, zb, b_.disc, on_b_);
@@ -149,7 +150,7 @@ class MinkowskiPair {
       if (!at_rims()) return false;
       const Vec sa = cross(za, n_), sb = cross(zb, n_);
       const double sines_a = dot(sa, sa), sines_b = dot(sb, sb);
-      // in the basis of A's rim and what is across it
+      // in the basis of the tangent of A's rim and its normal
       const Vec u = sa * (1 / std::sqrt(sines_a)), v = cross(n_, u);
       const double f = dot(foot_, n_), ka = a_.disc / std::sqrt(sines_a), kb = b_.disc / (sines_b * std::sqrt(sines_b));
       const double bu = dot(sb, u), bv = dot(sb, v), gu = dot(foot_, u), gv = dot(foot_, v);
@@ -163,7 +164,7 @@ class MinkowskiPair {
     }
     return false;
   }
-  // n_ from the nearest point of a disc to c. Is it within the rim?
+  // Sets n_ from the nearest point of a disc to c. Returns whether that point is within the rim.
   bool toward_disc(const Vec& z, double r, const Vec& c, Vec& on) {
     const Vec d = c - z * dot(z, c);
     const double rho = shape::norm(d);
@@ -173,7 +174,7 @@ class MinkowskiPair {
     return rho <= r;
   }
 
-  // Where a sign of n.e_k changes first on the way: n stays there.
+  // Stops n at the first change of sign of n.e_k on the way.
   bool stop_at_sign_change(const Vec& from) {
     const Vec in_b = Rt_ * n_;
     double first = shape::infinity;
@@ -198,7 +199,7 @@ class MinkowskiPair {
         if (!is_fixed(k)) place_[k] = std::copysign(length_[k], now[k]);
     return at >= 0;
   }
-  // The foot on the segments that n is across. One that lies beyond the end goes there, and n leaves.
+  // Position of the foot on the segments perpendicular to n. A foot beyond the end is clamped, and n leaves that segment.
   bool release_segment() {
     if (fixed_ == 0) return false;
     const Vec e = axis_of(across_[0]);
@@ -233,7 +234,7 @@ class MinkowskiPair {
   }
 };
 
-// false: no answer
+// Returns false if no solution was found.
 template <class A, class B>
 inline bool minkowski_pair(const Difference<A, B>& d, const Vec& guess, double enough, Cores& out) {
   const SegmentSum a = segment_sum(d.A_), b = segment_sum(d.B_);
@@ -241,12 +242,12 @@ inline bool minkowski_pair(const Difference<A, B>& d, const Vec& guess, double e
   if constexpr (A::type == shape::Type::Box || B::type == shape::Type::Box) {
     if (!pair.solve(guess, -1, -1, out)) return false;
   } else {
-    // from the nearest points of the two axes
+    // start from the nearest points of the two axes
     const SegmentPair s = nearest_on_segments(shape::axis(2), a.half[2], d.X.p, d.X.R.z, b.half[2]);
     auto within = [](double at, double half) { return std::abs(at) < half ? 2 : -1; };
     if (!pair.solve(d.X.p + d.X.R.z * s.t - shape::axis(2) * s.s, within(s.s, a.half[2]), within(s.t, b.half[2]), out)) return false;
   }
-  // the witness points bound the distance from above, the plane from below
+  // the witness points give an upper bound, the supporting plane a lower one
   out.distance = -dot(out.normal, d.support(out.normal).w);
   out.residual = shape::norm(out.b - out.a) - out.distance;
   return out.distance > enough && out.residual <= enough;

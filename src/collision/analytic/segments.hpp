@@ -8,7 +8,7 @@ namespace dyn::collision {
 
 using shape::Vec;
 
-// Points s u and c + t v, |s| <= hs, |t| <= ht, u and v unit vectors.
+// Nearest points s u and c + t v with |s| <= hs, |t| <= ht, u and v unit vectors.
 struct SegmentPair {
   double s, t;
   bool parallel;  // and overlapping: other points are as near
@@ -19,7 +19,7 @@ inline SegmentPair nearest_on_segments(const Vec& u, double hs, const Vec& c, co
   const double uv = dot(u, v), uc = dot(u, c), vc = dot(v, c), nn = dot(n, n);
   SegmentPair p = {0, 0, false};
   if (nn <= 1e-20) {
-    // the middle of the overlap, in coordinates along u
+    // middle of the overlap, in coordinates along u
     const double low = std::max(-hs, uc - ht), high = std::min(hs, uc + ht);
     p.s = std::clamp((low + high) / 2, -hs, hs);
     p.parallel = low < high;

@@ -1,5 +1,4 @@
-// A shape (A) against a sphere (B): the point of A nearest to the sphere's centre p. The sphere's axes do not matter, nor do those of a
-// sphere or a capsule against it.
+// A shape (A) and a sphere (B): the nearest point of A to the sphere's centre p. Orientations of spheres do not matter.
 #pragma once
 
 #include "collision/convex_pair.hpp"
@@ -13,14 +12,14 @@ inline Cores sphere_pair(const A& a, const Vec& p) {
   const shape::Nearest n = a.nearest(p);
   return {n.normal, n.point, p, n.distance, 0, 0, n.unique};
 }
-// p: from the centre of A to that of B, foot: the point of A's core nearest to it
+// p: from the centre of A to that of B; foot: point of A's core nearest to p
 inline Cores point_sphere_pair(const Vec& foot, const Vec& p, const Vec& across) {
   const Vec r = p - foot;
   const double d = shape::norm(r);
   return d > 0 ? Cores{r * (1 / d), foot, p, d, 0, 0, true} : Cores{across, foot, p, 0, 0, 0, false};
 }
 
-// A hull has many faces: GJK, unless the centre is inside.
+// A hull has many faces: use GJK unless the centre is inside.
 inline Cores sphere_pair(const shape::Convex& a, const shape::Sphere& b, const Vec& p, const Options& options) {
   const Difference<shape::Convex, shape::Sphere> d(a, b, {Mat::identity(), p});
   const GjkResult g = gjk(d, a.hull.center - p, options, [](const GjkResult&) { return false; });

@@ -1,4 +1,4 @@
-// Eight boxes side by side, tested at once. Single precision, rounded outward: what does not overlap here does not overlap.
+// Eight boxes tested at once. Single precision, rounded outward: boxes that do not overlap here do not overlap at all.
 #pragma once
 
 #include <cfloat>
@@ -45,7 +45,7 @@ struct Block {
   static constexpr Index lanes = 8;
   Float8 lower[3], upper[3];
 
-  // Lanes that nothing overlaps.
+  // Empty lanes, which overlap no box.
   void clear() {
     for (int i = 0; i < 3; ++i) lower[i] = Float8{} + FLT_MAX, upper[i] = Float8{} - FLT_MAX;
   }
@@ -70,7 +70,7 @@ struct Block {
   }
 };
 
-// calls f(k) for each bit
+// calls f(k) for each set bit
 template <class F>
 DYN_INLINE void for_each_lane(unsigned bits, F&& f) {
   for (; bits; bits &= bits - 1) f(Index(__builtin_ctz(bits)));

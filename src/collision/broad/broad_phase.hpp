@@ -1,6 +1,6 @@
-// Which of many boxes overlap. Boxes are kept fat, by a margin: one that stays in its fat box costs a comparison. Overlaps of fat boxes are
-// kept from query to query as candidates; only boxes that left theirs are searched for again. They lie in loose blocks beside the tree
-// until they are many: then the tree is packed anew. Memory is the caller's; nothing allocates.
+// Broad phase: which of many boxes overlap. Boxes are enlarged by a margin; one that stays in its fat box costs one comparison.
+// Overlaps of fat boxes are kept as candidates between queries. Boxes that left theirs move to overflow blocks beside the tree.
+// When these are many, the tree is packed anew. The caller owns the memory; nothing allocates.
 #pragma once
 
 #include "collision/broad/tree.hpp"
@@ -17,21 +17,21 @@ inline Index second_of(IdPair p) { return Index(p & 0xffffffff); }
 
 class BroadPhase {
  public:
-  // room for boxes and for candidates, margin of fat boxes (m)
+  // capacity in boxes and in candidates; margin of fat boxes, m
   BroadPhase(Index capacity, std::ptrdiff_t pair_capacity, double margin, void* memory);
   static std::size_t bytes(Index capacity, std::ptrdiff_t pair_capacity);
 
-  // The smallest free id; -1: full.
+  // Returns the smallest free id, or -1 if full.
   Index insert(const Bounds& b);
   void update(Index id, const Bounds& b);
   void remove(Index id);
-  // A box whose id was removed, and is free.
+  // Inserts at a removed id.
   void insert_at(Index id, const Bounds& b);
   bool has(Index id) const { return id >= 0 && id < used_ && state_[id] != free_slot; }
   Index count() const { return count_; }
   const Bounds& bounds(Index id) const { return tight_[id]; }
 
-  // All pairs whose boxes overlap, ascending; take(a, b). false: more candidates than there is room for.
+  // take(a, b) of all pairs whose boxes overlap, ascending. Returns false if candidates exceed the capacity.
   template <class F>
   bool pairs(F&& take) {
     if (!refresh()) return false;
@@ -41,7 +41,7 @@ class BroadPhase {
     }
     return true;
   }
-  // Boxes that overlap b, and those that the segment from o to o + t d, t in [0, far], meets; in no order: take(id).
+  // take(id) of boxes that overlap b, or that meet the segment from o to o + t d, t in [0, far]. In no order.
   template <class F>
   void query(const Bounds& b, F&& take);
   template <class F>
@@ -62,7 +62,7 @@ class BroadPhase {
 
  private:
   static constexpr Index free_slot = -1, nowhere = -2, overflow_bit = 1 << 30;
-  enum : std::uint8_t { stale = 1, unplaced = 2 };  // candidates do not know of it; it lies nowhere, or not where its box is
+  enum : std::uint8_t { stale = 1, unplaced = 2 };  // not in the candidates; not in a block, or not where its box is
 
   std::size_t lay_out(char* memory);
   void mark(Index id);
@@ -87,20 +87,20 @@ class BroadPhase {
   bool candidates_valid_ = true;
   double margin_;
   PackedTree tree_;
-  bool same_boxes_ = false;  // the tree was packed of the boxes that there are
-  double spread_ = 0;        // when it was packed (raise)
+  bool same_boxes_ = false;  // no box was added or removed since packing
+  double spread_ = 0;        // sum of log widths at packing (build_levels)
   Bounds* tight_;
-  Index* state_;  // of an id: where it lies, 8 block + lane, in the tree or (free_body_bit) in loose blocks; free_slot or nowhere
-  Index* id_;     // of a lane of the tree
+  Index* state_;  // by id: position 8 block + lane in the tree or, with overflow_bit, in overflow blocks; free_slot; nowhere
+  Index* id_;     // by lane of the tree
   Block* overflow_;
   Index* overflow_id_;
-  Index overflow_count_ = 0;  // lanes given
+  Index overflow_count_ = 0;  // lanes in use
   std::uint8_t* flags_;
   Index *stale_, *unplaced_;
   Index stale_count_ = 0, unplaced_count_ = 0;
   IdPair *candidate_, *fresh_;
   Index* counts_;  // of counting sorts
-  std::uint64_t* key_;  // place on the curve, id
+  std::uint64_t* key_;  // Hilbert index, id
 };
 
 template <class F>
@@ -122,7 +122,7 @@ void BroadPhase::query(const Bounds& b, F&& take) {
 template <class F>
 void BroadPhase::ray(const shape::Vec& o, const shape::Vec& d, double far, F&& take) {
   place_moved();
-  // slabs: Kay, Kajiya 1986. A direction of zero stays between its two planes or never does.
+  // slab test (Kay, Kajiya 1986); a zero component stays between its two planes or misses
   auto meets = [&](const double* lower, const double* upper) {
     double enter = 0, leave = far;
     for (int i = 0; i < 3; ++i) {

@@ -1,4 +1,4 @@
-// The place of a cell on Hilbert's curve through a cube of 1024^3 cells: cells near on the curve are near in space.
+// Index of a cell on the Hilbert curve through a cube of 1024^3 cells. Cells near on the curve are near in space.
 // Source: Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707, 2004.
 #pragma once
 
@@ -24,7 +24,7 @@ inline std::uint32_t hilbert(std::uint32_t x, std::uint32_t y, std::uint32_t z) 
   for (std::uint32_t q = 512; q > 1; q >>= 1)
     if (X[2] & q) t ^= q - 1;
   for (std::uint32_t& v : X) v ^= t;
-  // bits of the three in turn
+  // interleave the bits of the three
   auto spread = [](std::uint32_t v) {
     v = (v | v << 16) & 0x030000ff, v = (v | v << 8) & 0x0300f00f, v = (v | v << 4) & 0x030c30c3;
     return (v | v << 2) & 0x09249249;

@@ -1,5 +1,5 @@
-// A bounding-volume tree with eight children a node, packed: boxes in the order of Hilbert's curve, eight to a block, blocks eight to a
-// block of the level above, and so on. Nothing but boxes is stored: children are found by number.
+// Packed bounding-volume tree with eight children a node. Boxes are in Hilbert order, eight to a block, blocks eight to a block of
+// the next level. Only boxes are stored: children follow from the index.
 // Source: Kamel, Faloutsos, "On packing R-trees", CIKM 1993.
 #pragma once
 
@@ -15,14 +15,15 @@ struct PackedTree {
   Block* block[max_levels] = {};
 
   static Index blocks_for(Index n) { return (n + Block::lanes - 1) / Block::lanes; }
-  // of n boxes, for which there is room; level 0 is to be filled
+  // Sets the levels for n boxes. The caller fills level 0.
   void shape(Index n) {
     levels = 0;
     if (n == 0) return;
     do blocks[levels++] = n = blocks_for(n);
     while (n > 1);
   }
-  // The levels above the boxes. How wide the blocks of boxes are, as the sum of logarithms, in which a few vast ones hide nothing.
+  // Builds the levels above the boxes. Returns the sum of log widths of the blocks; logarithms keep a few huge boxes from hiding
+  // the rest.
   double build_levels() {
     double spread = 0;
     for (int l = 1; l < levels; ++l)
@@ -41,7 +42,7 @@ struct PackedTree {
     return spread;
   }
 
-  // visit(leaf block) where test(block) has a bit for each lane to be followed; blocks before `from` are left out
+  // visit(leaf block) where test(block) has a bit for each lane to follow. Skips blocks before `from`.
   template <class Test, class Visit>
   DYN_INLINE void descend(Test&& test, Index from, Visit&& visit) const {
     if (levels == 0) return;

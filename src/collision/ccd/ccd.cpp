@@ -28,7 +28,7 @@ void support(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* out) {
   });
   store3(p, out->v);
 }
-// the diagonal: along an axis boxes that touch give it no volume to start from (libccd issue 25)
+// diagonal start: along an axis, touching boxes give a simplex without volume (libccd issue 25)
 void first_direction(const void*, const void*, ccd_vec3_t* out) { store3(Vec::make(1, 1, 1), out->v); }
 
 using Penetration = decltype(&ccdGJKPenetration);
@@ -50,11 +50,11 @@ bool ccd_overlap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
   if (a.type == Type::HalfSpace || b.type == Type::HalfSpace || !ccd_available()) return false;
   double small = infinity;
   for (const Shape* s : {&a, &b}) visit(*s, [&](const auto& x) { small = std::min(small, x.extent() + x.radius); });
-  // from A, so that rounding does not grow with the distance from the world's origin
+  // relative to A, so rounding does not grow with the distance from the world's origin
   const Object objects[2] = {{&a, {X_WA.R, Vec::zero()}}, {&b, {X_WB.R, X_WB.p - X_WA.p}}};
-  ccd_t ccd{};  // without CCD_INIT, which names a function of a library that is opened, not linked
+  ccd_t ccd{};  // CCD_INIT would link a function of libccd, which is opened at run time
   ccd.support1 = ccd.support2 = support, ccd.first_dir = first_direction;
-  // of squared lengths; EPA has no cap of its own, and below this it takes for ever on curved shapes
+  // tolerance of squared lengths; libccd's EPA has no iteration cap and stalls on curved shapes below 1e-8
   ccd.max_iterations = 100, ccd.epa_tolerance = std::max(tolerance * tolerance, 1e-8) * small * small;
   ccd_vec3_t direction, position;
   double depth;
