@@ -1,10 +1,10 @@
-// Tests traps: bases, quaternions, and moving along the manifold.
+// Common mistakes with bases, quaternions, and motion on the manifold.
 #include "traps/traps.hpp"
 
 namespace dyn_test {
 namespace {
 
-void missing_base() {
+TEST(Traps, MissingBaseIsRefused) {
   dynModel* m = nullptr;
   const std::string path = std::string(DYN_MODELS_DIR) + "/robots/go2.urdf";
   EXPECT_EQ(DYN_ERROR_BASE, dyn_model_load(path.c_str(), nullptr, &m));
@@ -15,11 +15,9 @@ void missing_base() {
   EXPECT_TRUE(floating.nq() == 19 && floating.nv() == 18);
   EXPECT_EQ(DYN_JOINT_TYPE_FREE_FLYER, joint_info(floating, 1).type);
 }
-TEST(Traps, T7_MissingFloatingBase) { missing_base(); }
-TEST(Symptoms, S5_NqSevenShort) { missing_base(); }
 
-// A quaternion that is not of norm 1 is the same rotation; zero is none.
-void quaternions() {
+// A quaternion whose norm is not 1 is the same rotation. A zero quaternion is an error.
+TEST(Traps, UnnormalisedQuaternionIsTheSameRotation) {
   const Model m = robot("go2", DYN_BASE_FLOATING);
   const State s = random_state(m, 9);
   Data unit(m);
@@ -46,11 +44,9 @@ void quaternions() {
     EXPECT_TRUE(says({"q[4] is NaN"}));
   }
 }
-TEST(Traps, T8_UnnormalisedQuaternion) { quaternions(); }
-TEST(Symptoms, S5_TorquesZeroOrWild) { quaternions(); }
 
-// The only way to move a configuration stays on the manifold and turns back; adding is not it.
-TEST(Traps, T9_AddingToQ) {
+// dyn_integrate and dyn_difference invert each other and stay on the manifold; plain addition does not.
+TEST(Traps, IntegrationStaysOnTheManifold) {
   for (const Model& m : models()) {
     const State s = random_state(m, 10);
     Numbers q1(s.q.size()), v(s.v.size());
@@ -60,7 +56,7 @@ TEST(Traps, T9_AddingToQ) {
     EXPECT_EQ(1, normalized);
     ASSERT_EQ(DYN_OK, dyn_difference(m, s.q.data(), q1.data(), v.data()));
     expect_near(s.v, v, 1e-12, "difference of integrate");
-    // a step moves by it, too
+    // steps use the same integration
     Data d(m);
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, s.q.data(), s.v.data(), nullptr, nullptr));
     for (int k = 0; k < 100; ++k) ASSERT_EQ(DYN_OK, take_step(m, d, k % 2 ? DYN_INTEGRATOR_RK4 : DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-5)) << dyn_last_error();

@@ -1,11 +1,11 @@
-// Tests traps: references, accelerations, parents, the order of six numbers, and where forces act.
+// Common mistakes with references, accelerations, parent frames, the order of six-vectors, and where forces act.
 #include "traps/traps.hpp"
 
 namespace dyn_test {
 namespace {
 
-// Each reference is asked for by name, and is what its name says; velocity, acceleration and Jacobian agree in each.
-void references() {
+// Velocity and Jacobian agree in every reference, and references convert as their definitions say.
+TEST(Traps, VelocitiesAndJacobiansAgreeInEveryReference) {
   for (const Model& m : models()) {
     const State s = random_state(m, 11);
     Data d(m);
@@ -38,8 +38,8 @@ void references() {
     }
   }
 }
-TEST(Traps, T10_ReferencesMixed) {
-  references();
+
+TEST(Traps, UnknownReferenceIsRefused) {
   const Model m = chain(2);
   Data d(m);
   ASSERT_EQ(DYN_OK, dyn_forward_kinematics(m, d, nullptr, nullptr, nullptr));
@@ -50,10 +50,9 @@ TEST(Traps, T10_ReferencesMixed) {
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_frame_jacobian(m, d, 1, r, J));
   EXPECT_TRUE(says({"dyn_frame_jacobian", "reference 3", "DYN_REFERENCE_LOCAL_WORLD_ALIGNED"}));
 }
-TEST(Symptoms, S5_FrameMismatch) { references(); }
 
-// Two functions with two names: the classical one is the second derivative of the position.
-TEST(Traps, T11_SpatialOrClassicalAcceleration) {
+// Two functions with two names. The classical acceleration is the second derivative of the position.
+TEST(Traps, SpatialAndClassicalAccelerationHaveTwoNames) {
   for (const Model& m : models()) {
     const State s = random_state(m, 12);
     Data d(m), e(m);
@@ -61,7 +60,7 @@ TEST(Traps, T11_SpatialOrClassicalAcceleration) {
     // q(t) with v(0) = v and dv/dt = a, on the manifold
     auto position = [&](double t, int f) {
       Numbers step(s.v), q(s.q.size()), half(s.q.size());
-      const int parts = 64;  // v changes along the way: midpoint steps
+      const int parts = 64;  // midpoint steps, because v changes along the path
       q = s.q;
       for (int k = 0; k < parts; ++k) {
         const double h = t / parts, at = (k + 0.5) * h;
@@ -86,8 +85,8 @@ TEST(Traps, T11_SpatialOrClassicalAcceleration) {
   }
 }
 
-// Where a frame was attached does not matter, only the joint that carries it and where it lies.
-TEST(Traps, T12_ParentFrame) {
+// The frame a frame was attached to does not matter, only its joint and its placement.
+TEST(Traps, ParentFrameMakesNoDifference) {
   double there[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.1, 0.2, 0.3}, rest[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0.4, 0.1, 0.2}, whole[12];
   std::copy(there, there + 12, whole);
   for (int k = 9; k < 12; ++k) whole[k] += rest[k];
@@ -110,8 +109,8 @@ TEST(Traps, T12_ParentFrame) {
   }
 }
 
-// Six numbers are [linear; angular] everywhere.
-TEST(Traps, T28_OrderOfSix) {
+// Six-vectors are [linear; angular] everywhere.
+TEST(Traps, SixVectorsAreLinearThenAngular) {
   Builder b;
   b.joint(Spec("rail", DYN_JOINT_TYPE_PRISMATIC).about(1, 0, 0)).body("car", "rail", 2, {0, 0, 0});
   b.joint(Spec("pivot", DYN_JOINT_TYPE_REVOLUTE, "rail")).body("arm", "pivot", 1, {0, 0, 0});
@@ -129,7 +128,7 @@ TEST(Traps, T28_OrderOfSix) {
   const Numbers J = field(m, d, "J");
   expect_near({1, 0, 0, 0, 0, 0}, Numbers(J.begin(), J.begin() + 6), 1e-15, "column of rail");
   expect_near({0, 0, 0, 0, 0, 1}, Numbers(J.begin() + 6, J.begin() + 12), 1e-15, "column of pivot");
-  // forces, too: the first three push
+  // forces too: the first three numbers push
   Numbers fext(24, 0.0), none(8, 0.0), push(8), rest(8);
   fext[6 * 3 + 0] = 10;
   ASSERT_EQ(DYN_OK, dyn_static_torque(m, d, nullptr, nullptr, rest.data()));
@@ -138,7 +137,7 @@ TEST(Traps, T28_OrderOfSix) {
 }
 
 // An external force acts at the joint frame's origin, in its axes: tau - J^T f with the joint frame's own Jacobian.
-TEST(Traps, T30_ForceAtTheWrongPoint) {
+TEST(Traps, ExternalForceActsAtTheJointFramesOrigin) {
   for (const Model& m : models()) {
     const State s = random_state(m, 21);
     Data d(m);

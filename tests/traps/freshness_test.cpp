@@ -1,4 +1,4 @@
-// Tests traps: what is read is whole and of the current state.
+// Common mistakes with stale results: what is read is complete and of the current state.
 #include <set>
 
 #include "traps/traps.hpp"
@@ -6,8 +6,8 @@
 namespace dyn_test {
 namespace {
 
-// M is whole: no triangle is left for the caller to fill.
-TEST(Traps, T1_HalfFilledM) {
+// M is symmetric and full: no triangle is left for the caller to fill.
+TEST(Traps, MassMatrixIsFull) {
   for (const Model& m : models()) {
     const State s = random_state(m, 1);
     Data d(m);
@@ -20,7 +20,7 @@ TEST(Traps, T1_HalfFilledM) {
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < i; ++j) ASSERT_EQ(M[i + n * j], M[j + n * i]) << name;
     }
-    // each column is what inverse dynamics says: M e = rnea(q, 0, e) - g
+    // each column agrees with inverse dynamics: M e = rnea(q, 0, e) - g
     Numbers g(n), tau(n), M = field(m, d, "M"), zero(n, 0.0);
     ASSERT_EQ(DYN_OK, dyn_gravity_torque(m, d, s.q.data(), g.data()));
     for (std::size_t j = 0; j < n; ++j) {
@@ -32,8 +32,8 @@ TEST(Traps, T1_HalfFilledM) {
   }
 }
 
-// After all terms, frames are those of the state, or are said to be stale.
-void all_terms_and_frames() {
+// After dyn_all_terms, frames are of the current state or are reported as stale.
+TEST(Traps, FramesAreCurrentAfterAllTerms) {
   for (const Model& m : models()) {
     const State s = random_state(m, 2), t = random_state(m, 3);
     Data d(m), fresh(m);
@@ -54,16 +54,14 @@ void all_terms_and_frames() {
     }
   }
 }
-TEST(Traps, T2_FramesAfterAllTerms) { all_terms_and_frames(); }
-TEST(Symptoms, S5_FramesOldAfterAllTerms) { all_terms_and_frames(); }
 
-// Held, not computed.
+// Inputs, which are set and not computed.
 bool of_the_state(const std::string& field) {
   return std::set<std::string>{"q", "v", "a", "tau_applied", "time", "world_gravity", "ctrl", "act", "actuator_force"}.count(field) > 0;
 }
 
-// A changed q takes every old pose away until it is computed again.
-TEST(Traps, T3_ReadingAfterChangingQ) {
+// Changing q makes every pose stale until it is computed again.
+TEST(Traps, ChangingQInvalidatesPlacements) {
   for (const Model& m : models()) {
     const State s = random_state(m, 4), t = random_state(m, 5);
     Data d(m);
@@ -79,8 +77,8 @@ TEST(Traps, T3_ReadingAfterChangingQ) {
   }
 }
 
-// After any algorithm with a new q: what can be read is of that q.
-TEST(Traps, T4_PlacementsAfterEveryAlgorithm) {
+// After any algorithm with a new q, all that can be read belongs to that q.
+TEST(Traps, PlacementsAreOfTheLastQAfterEveryAlgorithm) {
   for (const Model& m : models()) {
     const State s = random_state(m, 6), t = random_state(m, 7);
     Data fresh(m);
@@ -92,7 +90,7 @@ TEST(Traps, T4_PlacementsAfterEveryAlgorithm) {
       compute_all(m, d, s);
       Prepared p(row, m, t);
       ASSERT_EQ(DYN_OK, p(m, d)) << row.name;
-      // the rest of the state, too
+      // likewise the rest of the state
       ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, t.q.data(), t.v.data(), t.a.data(), t.tau.data()));
       const Snapshot got(m, d);
       for (std::size_t k = 0; k < got.rows.size(); ++k)
@@ -102,8 +100,8 @@ TEST(Traps, T4_PlacementsAfterEveryAlgorithm) {
   }
 }
 
-// The mask of all terms comes back as what is in data, and it is so: field by field.
-TEST(Traps, T16_WhatAllTermsFilled) {
+// The mask that dyn_all_terms returns agrees with the fields that are fresh.
+TEST(Traps, AllTermsTellsWhichFieldsAreFresh) {
   static const struct {
     std::uint32_t term;
     std::vector<const char*> fields;
@@ -131,7 +129,7 @@ TEST(Traps, T16_WhatAllTermsFilled) {
     EXPECT_EQ(filled & DYN_TERM_CHOLESKY ? DYN_OK : DYN_ERROR_STALE, dyn_cholesky_solve(m, d, ones.data(), 1, ones.data()));
     EXPECT_EQ(DYN_OK, dyn_frame_placement(m, d, 1, X.data()));  // always included
   }
-  // one pass or many: the same
+  // one pass and separate passes give the same numbers
   const State s = random_state(m, 15);
   Data all(m), one(m);
   ASSERT_EQ(DYN_OK, dyn_all_terms(m, all, DYN_TERM_ALL, s.q.data(), s.v.data(), nullptr));
@@ -148,8 +146,8 @@ TEST(Traps, T16_WhatAllTermsFilled) {
     for (const char* name : row.fields) expect_near(field(m, one, name), field(m, all, name), 1e-12, name);
 }
 
-// Nothing computed is no identity: a new data says so.
-TEST(Symptoms, S5_EverythingIsTheIdentity) {
+// A new data holds no results: reading one is an error, not the identity.
+TEST(Traps, NewDataRefusesToBeRead) {
   for (const Model& m : models()) {
     Data d(m);
     double X[12] = {9};

@@ -1,10 +1,10 @@
-// Tests traps: models never change, data are their own, first calls are as later ones, and what is singular is said.
+// Common mistakes with handles: shared models and data, first calls, and singular models.
 #include "traps/traps.hpp"
 
 namespace dyn_test {
 namespace {
 
-TEST(Traps, T5_DataOfAModelWithoutTheFrame) {
+TEST(Traps, DataOfAnotherModelIsRefused) {
   Builder b;
   b.joint(Spec("j", DYN_JOINT_TYPE_REVOLUTE)).body("l", "j");
   const Model before = b.finish();
@@ -19,7 +19,7 @@ TEST(Traps, T5_DataOfAModelWithoutTheFrame) {
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_frame_placement(before, d, tool, X));
 }
 
-TEST(Traps, T6_ModelsNeverChange) {
+TEST(Traps, ModelsNeverChange) {
   Builder b;
   b.joint(Spec("j", DYN_JOINT_TYPE_REVOLUTE)).body("l", "j");
   const Model m = b.finish();
@@ -37,8 +37,8 @@ TEST(Traps, T6_ModelsNeverChange) {
   EXPECT_EQ("", before.differs(Snapshot(m, again)));
 }
 
-// What is singular is an error that names the joint; nothing that is not a number leaves a function.
-TEST(Traps, T20_NanFromTheSingular) {
+// A singular problem is an error that names the joint. No function returns NaN.
+TEST(Traps, SingularModelsGiveErrorsInsteadOfNan) {
   for (const bool mimic : {false, true}) {
     const Model m = singular_at_zero(mimic);
     Data d(m);
@@ -49,7 +49,7 @@ TEST(Traps, T20_NanFromTheSingular) {
       EXPECT_TRUE(says({"singular", "'shoulder'", "armature"}));
       EXPECT_TRUE(p.untouched()) << name;
     }
-    // ever nearer to it: finite or refused
+    // approach the singularity: results are finite or refused
     for (double q = 1; q > 1e-320; q /= 8) {
       const Numbers bent = {0, q, 0}, tau(3, 1.0);
       const dynStatus s = dyn_aba(m, d, bent.data(), nullptr, tau.data(), nullptr, out.data());
@@ -59,8 +59,8 @@ TEST(Traps, T20_NanFromTheSingular) {
   }
 }
 
-// Each data is its own: what one computes is nothing to the other. (At once by two threads: tests/rt.)
-void shared_data() {
+// Data are independent of each other. tests/rt covers two threads at once.
+TEST(Traps, DataAreIndependent) {
   const Model m = all_types();
   Data d(m), e(m);
   const State s = random_state(m, 16), t = random_state(m, 17);
@@ -70,11 +70,9 @@ void shared_data() {
   ASSERT_EQ(DYN_OK, take_step(m, e, DYN_INTEGRATOR_RK4, 1e-3));
   EXPECT_EQ("", before.differs(Snapshot(m, d)));
 }
-TEST(Traps, T21_SharedData) { shared_data(); }
-TEST(Symptoms, S5_UnstableResults) { shared_data(); }
 
-// The first call computes what the later ones do; nothing is set up on the way. (No allocation in it: tests/rt.)
-TEST(Traps, T24_FirstCall) {
+// The first call gives the same results as later ones. tests/rt checks that it does not allocate.
+TEST(Traps, FirstCallGivesTheResultOfLaterCalls) {
   for (const Model& m : models()) {
     const State s = random_state(m, 18);
     for (const CallRow& row : call_rows) {

@@ -1,11 +1,11 @@
-// Tests traps: what a file says: fixed joints, meshes, damping, the order of joints.
+// Common mistakes with robot files: fixed joints, meshes, damping, the order of joints.
 #include "traps/traps.hpp"
 
 namespace dyn_test {
 namespace {
 
-// Fixed joints and merged links keep their names, placements, and their own masses.
-TEST(Traps, T13_FixedJointsDisappear) {
+// Fixed joints and merged links keep their names, placements and masses.
+TEST(Traps, FixedJointsKeepNamesPlacementsAndMasses) {
   const char* text =
       "<robot name='r'>"
       "<link name='a'><inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
@@ -43,8 +43,8 @@ TEST(Traps, T13_FixedJointsDisappear) {
   EXPECT_EQ((Numbers{1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5, 0.25, 0}), placement(m, d, dyn_model_frame_id(m, "d")));
 }
 
-// A mesh that is not there is said, with where it was looked for; strict refuses.
-TEST(Traps, T19_MeshNotFound) {
+// A missing mesh is reported with the paths tried; strict loading refuses it.
+TEST(Traps, MissingMeshIsReported) {
   const char* text =
       "<robot name='r'><link name='a'>\n<collision><geometry><mesh filename='package://nowhere/meshes/a.stl'/></geometry></collision></link></robot>";
   dynLoadOptions options;
@@ -69,9 +69,8 @@ TEST(Traps, T19_MeshNotFound) {
   EXPECT_TRUE(says({"a.stl", "not found"}));
 }
 
-// Damping and dry friction act when they are switched on, in inverse and forward dynamics alike; until then both are those of the
-// frictionless robot.
-TEST(Traps, T26_DampingLoadedButUnused) {
+// Damping and dry friction act when switched on, in inverse and forward dynamics alike. Until then the robot is frictionless.
+TEST(Traps, DampingActsWhenSwitchedOn) {
   const char* text =
       "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
       "<joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/>%s</joint></robot>";
@@ -81,7 +80,7 @@ TEST(Traps, T26_DampingLoadedButUnused) {
     t.replace(t.find("%s"), 2, k ? "<dynamics damping='0.7' friction='0.3'/>" : "");
     dynLoadOptions options;
     dyn_load_options_init(&options);
-    options.base = DYN_BASE_FIXED, options.strict = 1;  // strict: and nothing is lost
+    options.base = DYN_BASE_FIXED, options.strict = 1;  // strict: nothing may be lost
     ASSERT_EQ(DYN_OK, dyn_model_load_string(t.c_str(), &options, &m[k].m)) << dyn_last_error();
   }
   EXPECT_EQ(0.7, dyn_model_array(m[1], DYN_MODEL_ARRAY_DAMPING)[0]);
@@ -103,8 +102,8 @@ TEST(Traps, T26_DampingLoadedButUnused) {
   EXPECT_NEAR(0.5, ddq, 1e-14);
 }
 
-// Joints come in the file's order, not the alphabet's; by name, the indices in any order one likes.
-TEST(Traps, T27_JointOrder) {
+// Joints keep the file's order, not the alphabetical one. Indices by name work in any order.
+TEST(Traps, JointsKeepTheOrderOfTheFile) {
   const char* names[] = {"zeta", "alpha", "mid"};
   std::string text = "<robot name='r'><link name='root'/>";
   const std::string solid = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>";

@@ -1,10 +1,10 @@
-// Tests traps: mimic joints in every algorithm.
+// Mimic joints in every algorithm.
 #include "traps/traps.hpp"
 
 namespace dyn_test {
 namespace {
 
-// The same mechanism with its followers bound to their leaders, and free.
+// The same mechanism with and without mimic relations.
 Model geared(bool bound) {
   Builder b;
   const std::array<double, 3> at = {0.2, 0.1, -0.1};
@@ -19,14 +19,14 @@ Model geared(bool bound) {
   follow("inner", DYN_JOINT_TYPE_REVOLUTE, "lead", "lead", -1.5, 0.2, 1);
   b.joint(Spec("ball", DYN_JOINT_TYPE_SPHERICAL, "inner", at)).body("b2", "ball");
   follow("tip", DYN_JOINT_TYPE_PRISMATIC, "ball", "inner", 0.4, -0.1, 0);
-  follow("aside", DYN_JOINT_TYPE_REVOLUTE, "base", "late", 2, 0, -1);  // its leader comes later
+  follow("aside", DYN_JOINT_TYPE_REVOLUTE, "base", "late", 2, 0, -1);  // its leader comes later in the file
   b.joint(Spec("late", DYN_JOINT_TYPE_PRISMATIC, "base", at)).body("b3", "late");
   follow("screw", DYN_JOINT_TYPE_CONTINUOUS, "late", "late", 3, 0.3, 2);
   return b.finish();
 }
 
-// Every algorithm honours mimic, as the reduction q_x = G q + offset, v_x = G v says.
-TEST(Traps, T25_MimicInEveryAlgorithm) {
+// Every algorithm agrees with the reduction q_x = G q + offset, v_x = G v.
+TEST(Traps, MimicHoldsInEveryAlgorithm) {
   const Model m = geared(true), full = geared(false);
   const std::size_t n = std::size_t(m.nv()), N = std::size_t(full.nv());
   ASSERT_EQ(n + 4, N);
@@ -110,7 +110,7 @@ TEST(Traps, T25_MimicInEveryAlgorithm) {
       ASSERT_EQ(DYN_OK, dyn_subtree_jcom(full, e, j, F.data()));
       expect_near(reduce(F, 3), J, 1e-12, "subtree Jacobian");
     }
-    // and a step keeps the gears in mesh: the full model moved by the reduced accelerations is the same motion
+    // a step keeps the gears meshed: the full model with the reduced accelerations moves alike
     Numbers moved(s.q.size()), hv(s.v);
     for (std::size_t k = 0; k < n; ++k) hv[k] = 1e-3 * (s.v[k] + 1e-3 * ddq[k]);
     ASSERT_EQ(DYN_OK, dyn_integrate(m, s.q.data(), hv.data(), moved.data()));
@@ -122,7 +122,7 @@ TEST(Traps, T25_MimicInEveryAlgorithm) {
       dynJointInfo info{};
       info.struct_size = sizeof info;
       ASSERT_EQ(DYN_OK, dyn_model_joint_info(m, j, &info));
-      if (info.type == DYN_JOINT_TYPE_FREE_FLYER || info.mimic_leader >= 0) continue;  // what flies is stepped in axes that stand still
+      if (info.type == DYN_JOINT_TYPE_FREE_FLYER || info.mimic_leader >= 0) continue;  // free flyers are stepped in fixed axes
       for (int k = info.idx_v; k < info.idx_v + info.nv; ++k) EXPECT_NEAR(s.v[std::size_t(k)] + 1e-3 * free_ddq[std::size_t(k)], field(m, step, "v")[std::size_t(k)], 1e-12);
     }
   }

@@ -1,5 +1,5 @@
-// The traps of FEATURES S.4 and the symptoms of S.5, a test a row (named after it): each shows that what silently went wrong
-// elsewhere can't happen here. Rows that need what the library does not have yet are absent.
+// Common mistakes with rigid-body libraries, one test each. Each test shows that the mistake is impossible here, or is an error
+// with a message.
 #pragma once
 
 #include "capi/calls.hpp"
