@@ -1,4 +1,4 @@
-// The origins of A and B are one point.
+// The origins of A and B coincide.
 //   C = r        dC/dt = v        d2C/dt2 = dv
 #pragma once
 

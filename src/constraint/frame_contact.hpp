@@ -1,4 +1,4 @@
-// A face of B rests on A: the rows of Weld, force and moment of contact in A's axes.
+// A face of B rests on A: the rows of Weld as contact force and moment in A's axes.
 #pragma once
 
 #include "constraint/weld.hpp"

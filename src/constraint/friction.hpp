@@ -1,5 +1,5 @@
-// Dry friction in a joint: a force of at most `force` that takes the velocity away.
-//   C = 0        dC/dt = v        d2C/dt2 = a = - damping v, as far as |lambda| <= force allows
+// Dry friction in a joint: a force of at most `force` that opposes the velocity.
+//   C = 0        dC/dt = v        d2C/dt2 = a = -damping v, subject to |lambda| <= force
 #pragma once
 
 #include "constraint/constraint.hpp"

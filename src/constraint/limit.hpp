@@ -1,6 +1,6 @@
-// A joint within its limits. At a limit
+// Limits of a joint. At a limit
 //   C = q - limit        dC/dt = v        d2C/dt2 = a
-// and lambda is not negative at the lower one, not positive at the upper one; within them it is zero.
+// lambda >= 0 at the lower limit, lambda <= 0 at the upper one, and 0 between them.
 #pragma once
 
 #include "constraint/constraint.hpp"

@@ -1,5 +1,4 @@
-// The closed list of constraints, and the one place that dispatches on them. A new one is a file, a line here, and a line in
-// dynConstraintType.
+// The closed list of constraints and their only dispatch. A new one is a file, a line here, and a line in dynConstraintType.
 #pragma once
 
 #include "constraint/coupling.hpp"
@@ -17,7 +16,7 @@ namespace dyn {
 #define DYN_CONSTRAINT_CASE(K) \
   case constraint::K::type: return f.template operator()<constraint::K>();
 
-// f.template operator()<K>() for the type, if it is one between frames; likewise between joints.
+// Calls f.template operator()<K>() if the type is a constraint between frames; below, between joints.
 template <class F>
 DYN_INLINE void visit_frame_constraint(dynConstraintType type, F&& f) {
   switch (type) {
@@ -35,7 +34,7 @@ DYN_INLINE void visit_joint_constraint(dynConstraintType type, F&& f) {
 #undef DYN_CONSTRAINT_CASE
 
 inline bool between_joints(dynConstraintType type) { return type >= DYN_CONSTRAINT_TYPE_COUPLING; }
-// Of forces that may be at a bound.
+// Constraints whose force has bounds.
 inline bool one_sided(dynConstraintType type) { return type == DYN_CONSTRAINT_TYPE_LIMIT || type == DYN_CONSTRAINT_TYPE_FRICTION; }
 
 inline int constraint_rows(const Constraint& c) {

@@ -1,5 +1,5 @@
-// A loop closed by a joint: B moves as the child of that joint in A. The rows are what the joint holds, 6 - nv of them, with a the
-// axis, n1, n2 unit vectors across it:
+// A loop closed by a joint: B moves as the child of that joint in A. The rows are the 6 - nv directions that the joint fixes.
+// a is the axis, n1 and n2 are unit vectors perpendicular to it:
 //   position    all: C = r        across a: C = n . r        along a (planar): C = a . r
 //   orientation all: C = log3 R        of the axis: C = n . (a x R a), dC/dt = n . w where R a = a
 //   universal   C = a . (R b - b), b the second axis in B: with b' = R b, dC/dt = (b' x a) . w, d2C/dt2 = (b' x a) . dw + ((w x b') x a) . w

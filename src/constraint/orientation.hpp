@@ -1,4 +1,4 @@
-// Rows that hold an orientation: C = log3 R, which a turn from the left changes by Jlog3^T of it.
+// Rows that fix an orientation: C = log3 R. A rotation from the left changes it by Jlog3^T.
 #pragma once
 
 #include "constraint/constraint.hpp"

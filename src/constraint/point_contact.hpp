@@ -1,4 +1,4 @@
-// A point of B rests on A: the rows of Connect, the force of contact in A's axes.
+// A point of B rests on A: the rows of Connect as contact force in A's axes.
 #pragma once
 
 #include "constraint/connect.hpp"

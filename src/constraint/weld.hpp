@@ -1,4 +1,4 @@
-// A and B are one frame.
+// A and B coincide.
 //   C = [r; log3 R]        dC/dt = [v; w] where C = 0: d(log3 R)/dt = Jlog^T w, and Jlog is 1 there        d2C/dt2 = [dv; dw]
 #pragma once
 

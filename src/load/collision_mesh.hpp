@@ -1,4 +1,4 @@
-// What stands for a mesh in collision tests, and what the load report says of it: dynMeshUse.
+// The collision shape of a mesh (dynMeshUse) and its entry in the load report.
 #pragma once
 
 #include "mesh.hpp"

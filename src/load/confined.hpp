@@ -1,4 +1,4 @@
-// Which files a robot file may make the loader read.
+// Restricts the files that a robot file may make the loader read.
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@ namespace dyn::load {
 
 class Confined {
  public:
-  Confined() = default;  // any
-  // Those in the folder of the robot file ("": the working directory) and in package_dirs, if the caller wants it so.
+  Confined() = default;  // any file
+  // If options.confined: files in the robot file's folder ("": the working directory) and in package_dirs.
   Confined(const std::string& file, const LoadOptions& options);
-  // Throws DYN_ERROR_FILE for another one, links followed.
+  // Throws DYN_ERROR_FILE for other files. Follows links.
   void check(const std::string& path) const;
 
  private:
   bool confined_ = false;
-  std::vector<std::string> folders_;  // without links
+  std::vector<std::string> folders_;  // links resolved
 };
 
 }  // namespace dyn::load

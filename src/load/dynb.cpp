@@ -36,7 +36,7 @@ void refuse(const Damage& d) {
   damaged(what);
 }
 
-// Adds all of the model to a builder as a user would, for what the builder says of names and numbers.
+// Adds the whole model to a builder as a user would, so the builder checks names and numbers.
 void check_by_building(const Model& m) {
   Builder b(m.string(m.model_name));
   b.gravity({m.gravity[0], m.gravity[1], m.gravity[2]});

@@ -1,5 +1,5 @@
-// .dynb files (dyn/model/dynb.hpp): nothing of a block is used before it has been checked; of what is in it, only what a builder needs is taken, and
-// the rest (runs, elimination tree, pairs, ...) is made anew.
+// .dynb files (model/dynb.hpp). A block is checked before use. Only what a builder needs is taken from it; the rest (runs,
+// elimination tree, pairs, ...) is computed anew.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace dyn::load {
 
-// Writes the header of a file whose block is there.
+// Writes the header of a file whose block is complete.
 void seal_dynb(std::string& file, std::uint64_t tag = dynb_tag());
 
 }  // namespace dyn::load

@@ -1,4 +1,4 @@
-// Files to text, and text to the loader of its format: content decides, not the name.
+// Loads files and texts. The content decides the format, not the name.
 #include "model/load.hpp"
 
 #include "confined.hpp"
@@ -37,7 +37,7 @@ ModelPtr load_content(const std::string& text, const std::string& file, const Lo
   return load_urdf(text, file, options);
 }
 
-// Meshes that the loader does not open, such as visual ones, too: callers open them by the names that the model keeps.
+// Checks all mesh files of a model, also those that the loader does not open: callers open them by name.
 ModelPtr within_folders(ModelPtr model, const std::string& file, const LoadOptions& options) {
   if (!options.confined) return model;
   const load::Confined confined(file, options);

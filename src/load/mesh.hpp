@@ -1,4 +1,4 @@
-// Triangle meshes: from files or arrays, what they bound, and their hulls.
+// Triangle meshes from files or arrays, their solids and hulls.
 #pragma once
 
 #include <memory>
@@ -14,17 +14,17 @@ namespace dyn::meshes {
 
 inline constexpr std::int64_t max_triangles = 10000000;
 
-// How often each edge is passed, each way: the triangles of a solid pass it once there and once back.
+// Edge statistics. The triangles of a solid pass each edge once in each direction.
 struct Topology {
   Index components = 0;  // parts that share no edge
   Index open = 0;        // edges of one triangle
-  Index flipped = 0;     // edges that two triangles pass the same way
-  Index crowded = 0;     // edges of more than two (not manifold)
-  bool closed = false;   // all as often there as back: the triangles bound a solid
+  Index flipped = 0;     // edges that two triangles pass in the same direction
+  Index crowded = 0;     // edges of more than two triangles (not manifold)
+  bool closed = false;   // each edge is passed equally often both ways: the triangles bound a solid
 };
 
-// The faces of a convex mesh. Faces are planes n . x <= offset with their corners counter-clockwise seen from outside; neighbours are
-// joined by an edge. Coordinates by component, in whole registers: the last corner is repeated.
+// Faces of a convex mesh: planes n . x <= offset with corners counter-clockwise seen from outside. Neighbours share an edge.
+// Coordinates are stored by component in whole registers, padded with the last corner.
 struct Polytope {
   static constexpr std::size_t lanes = 8;
   std::vector<double> x, y, z, planes;
@@ -36,11 +36,11 @@ struct Polytope {
 struct Mesh {
   std::vector<double> vertices;  // 3 each, no two equal
   std::vector<Index> triangles;  // 3 each, none degenerate
-  std::vector<std::uint32_t> colours;  // of the triangles, as in dyn/model/colour.hpp; empty: none has one
-  std::int64_t welded = 0, degenerate = 0, duplicates = 0, skipped = 0;  // what is not there any more
+  std::vector<std::uint32_t> colours;  // of the triangles, as in model/colour.hpp; empty: no triangle has one
+  std::int64_t welded = 0, degenerate = 0, duplicates = 0, skipped = 0;  // counts of what was removed
   Topology topology;
   std::optional<Polytope> polytope;  // of a hull
-  // what shapes are made of, where there is any: a hull, the triangles, a height field (prepare)
+  // data of shapes where present: hull, triangles, height field (prepare)
   std::shared_ptr<const SurfaceData> convex, tree, grid;
 
   Index vertex_count() const { return Index(vertices.size() / 3); }
@@ -67,11 +67,12 @@ struct MeshOptions {
 
 // mesh_read.cpp
 Mesh read_mesh(const std::string& name, const MeshOptions& options);
-// mesh_weld.cpp: welds and drops; corners must be in range and vertices finite. who begins messages. colours: m, or nullptr.
+// mesh_weld.cpp: welds vertices, drops degenerate triangles. Corners must be in range, vertices finite. who: begins messages.
+// colours: m, or null.
 Mesh make_mesh(const double* vertices, std::int64_t n, const Index* triangles, std::int64_t m, double weld_tolerance, const std::string& who, const std::uint32_t* colours = nullptr);
 // mesh_topology.cpp
 Topology topology_of(const std::vector<Index>& triangles);
-// mesh_mass.cpp: what a closed mesh bounds, at density 1; volume and inertia are negative when it is inside out.
+// mesh_mass.cpp: the solid of a closed mesh at density 1. Volume and inertia are negative if the mesh is inside out.
 struct Solid {
   double volume;
   Vec3<double> com;
@@ -82,17 +83,17 @@ double area_of(const Mesh& mesh);
 Box box_of(const Mesh& mesh);
 // mesh_hull.cpp
 Mesh hull_of(const Mesh& mesh);
-// How deep the middles of the triangles lie under the hull's faces, at most.
+// Largest depth of triangle centres under the hull's faces.
 double depth_under(const Mesh& mesh, const Polytope& hull);
 
-inline constexpr double convex_tolerance = 1e-6;  // of the box's diagonal, for that depth
+inline constexpr double convex_tolerance = 1e-6;  // bound of depth_under over the box's diagonal
 inline constexpr Index max_hull_vertices = 65536;
-// mesh_surface.cpp: what shapes are made of. A hull has to be one.
+// mesh_surface.cpp: data of shapes. convex_of needs a hull.
 std::shared_ptr<const SurfaceData> convex_of(const Mesh& hull);
 std::shared_ptr<const SurfaceData> tree_of(const Mesh& mesh);
 void prepare(Mesh& mesh);
 Mesh height_field(const double* heights, Index columns, Index rows, double step_x, double step_y, double bottom);
-// The mesh that a surface of a model is.
+// The mesh of a model's surface.
 Mesh mesh_of(const std::shared_ptr<const SurfaceData>& surface);
 
 }  // namespace dyn::meshes

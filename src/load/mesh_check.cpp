@@ -1,4 +1,4 @@
-// What is looked at before a parser sees a mesh file: kinds of file, sizes that cannot be, and nesting that parsers drown in.
+// Checks mesh files before a parser sees them: format, sizes, and nesting depth.
 #include "mesh_check.hpp"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint64_t max_mesh_bytes = std::uint64_t(2) << 30;
 constexpr int max_json_depth = 100;
-constexpr int max_gltf_parents = 2000;  // nodes with children: a chain of them is walked by recursion
+constexpr int max_gltf_parents = 2000;  // nodes with children; the parser recurses along chains of them
 
 std::string read(std::ifstream& file, std::uint64_t from, std::uint64_t bytes) {
   std::string text(std::size_t(bytes), '\0');
@@ -38,7 +38,7 @@ bool holds(const std::string& text, std::string_view word) {
   return std::search(text.begin(), text.end(), word.begin(), word.end(), [](char a, char b) { return (a >= 'A' && a <= 'Z' ? char(a - 'A' + 'a') : a) == b; }) != text.end();
 }
 
-// Binary: 80 bytes, a count, 50 bytes a triangle. Anything else that begins with "solid" is ASCII.
+// Binary: 80 bytes, a count, 50 bytes a triangle. Other files that begin with "solid" are ASCII.
 void check_stl(std::ifstream& file, std::uint64_t size, const Report& report) {
   const std::string head = read(file, 0, std::min<std::uint64_t>(size, 84));
   const std::uint64_t count = little_endian(head, 80), needed = 84 + 50 * count;
@@ -80,7 +80,7 @@ void check_json(std::string_view text, const Report& report) {
   if (parents > max_gltf_parents) report.fail(DYN_ERROR_LIMIT, 0, std::to_string(parents) + " nodes with children, and the limit is " + std::to_string(max_gltf_parents));
 }
 
-// magic, version, length; then chunks of length, type, bytes, of which the first is JSON
+// Magic, version, length; then chunks of length, type, bytes. The first chunk is JSON.
 void check_glb(std::ifstream& file, std::uint64_t size, const Report& report) {
   const std::string head = read(file, 0, std::min<std::uint64_t>(size, 20));
   if (!head.starts_with("glTF")) report.fail(DYN_ERROR_PARSE, 0, "this is no binary glTF: it does not begin with 'glTF'");

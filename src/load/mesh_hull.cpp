@@ -1,4 +1,4 @@
-// Convex hulls as meshes with faces, and how far another mesh stays under one.
+// Convex hulls as meshes with faces, and the depth of a mesh under its hull.
 #include <algorithm>
 #include <cstdint>
 
@@ -11,7 +11,7 @@ using namespace load;
 
 namespace {
 
-// The module's faces, freed with this.
+// Faces from the module, freed with this object.
 struct Hull {
   const mesh::Module& module = mesh_module();
   mesh::HullFaces faces{};
@@ -27,7 +27,7 @@ struct HalfEdge {
   Index from, to, face;
   bool operator<(const HalfEdge& e) const { return from != e.from ? from < e.from : to < e.to; }
 };
-// The edges of all faces, each once each way, by where they begin.
+// Half edges of all faces, sorted by their start.
 std::vector<HalfEdge> half_edges(const Polytope& p) {
   std::vector<HalfEdge> all;
   all.reserve(p.face_corners.size());
@@ -38,7 +38,7 @@ std::vector<HalfEdge> half_edges(const Polytope& p) {
   return all;
 }
 
-// The normal is that of the polygon's area vector; no corner of the face is beyond the plane.
+// Normal of the polygon's area vector. The offset is that of the outermost corner.
 void add_plane(Polytope& p, const Mesh& mesh, const Index* corners, Index n) {
   Vec3<double> area = Vec3<double>::zero();
   const Vec3<double> o = mesh.vertex(corners[0]);
@@ -86,8 +86,8 @@ Mesh hull_of(const Mesh& from) {
   return out;
 }
 
-// A ray from the centre leaves through the face f of largest n_f . r / (offset_f - n_f . centre): a linear function on the polar polytope,
-// where a climb from face to face ends at the largest.
+// A ray from the centre along r leaves through the face f of largest n_f . r / (offset_f - n_f . centre). This is linear on the
+// polar polytope, so hill climbing from face to face finds the maximum.
 double depth_under(const Mesh& mesh, const Polytope& p) {
   const std::vector<HalfEdge> edges = half_edges(p);
   const std::size_t faces = p.face_start.size() - 1;
@@ -97,7 +97,7 @@ double depth_under(const Mesh& mesh, const Polytope& p) {
       const Index from = p.face_corners[std::size_t(k)], to = p.face_corners[std::size_t(k + 1 < end ? k + 1 : p.face_start[f])];
       adjacent_face[std::size_t(k)] = std::lower_bound(edges.begin(), edges.end(), HalfEdge{to, from, 0})->face;
     }
-  std::vector<double> height(faces);  // of the centre under each face
+  std::vector<double> height(faces);  // height of each face over the centre
   for (std::size_t f = 0; f < faces; ++f) height[f] = p.planes[4 * f + 3] - dot(load3(p.planes.data() + 4 * f), p.center);
 
   double deepest = 0;

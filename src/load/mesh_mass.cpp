@@ -1,5 +1,5 @@
-// Volume integrals by the divergence theorem: tetrahedra from one point to all triangles (Tonon 2004; the second moments as in
-// Eberly 2002). Exact but for rounding.
+// Volume integrals by the divergence theorem: tetrahedra from one point to all triangles (Tonon 2004; second moments: Eberly 2002).
+// Exact up to rounding.
 #include <algorithm>
 #include <limits>
 

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* file_name = "libdyn_mesh.so";
 
-// Beside the library that this code is in, and, for a variant in LIB/glibc-hwcaps/LEVEL, in LIB.
+// Adds the folder of this library. A variant in LIB/glibc-hwcaps/LEVEL also adds LIB.
 void add_folders(const fs::path& library, std::vector<std::string>& files) {
   const auto add = [&](const fs::path& folder) {
     const std::string file = (folder / file_name).string();
@@ -37,7 +37,7 @@ std::vector<std::string> candidates() {
     add_folders(library, files);
     add_folders(fs::canonical(library, ignored), files);
   }
-  files.push_back(file_name);  // where the loader looks
+  files.push_back(file_name);  // searched by the dynamic loader
   return files;
 }
 

@@ -1,11 +1,11 @@
-// The module with assimp and qhull in it.
+// The module that holds assimp and qhull.
 #pragma once
 
 #include "mesh/module.hpp"
 
 namespace dyn::load {
 
-// Opens it when it is first asked for. Throws DYN_ERROR_UNSUPPORTED, saying where it was looked for.
+// Opens the module on first use. Throws DYN_ERROR_UNSUPPORTED with the paths tried.
 const mesh::Module& mesh_module();
 
 }  // namespace dyn::load

@@ -64,7 +64,7 @@ std::vector<std::string> MeshPaths::candidates(const std::string& name) const {
   for (const std::string scheme : {"package://", "model://"}) {
     if (!name.starts_with(scheme)) continue;
     const std::string full =
-        name.substr(std::min(name.find_first_not_of('/', scheme.size()), name.size()));  // package:///NAME, too
+        name.substr(std::min(name.find_first_not_of('/', scheme.size()), name.size()));  // also package:///NAME
     const size_t slash = full.find('/');
     const std::string rest = slash == full.npos ? "" : full.substr(slash + 1);
     for (const std::string& dir : package_dirs_) {

@@ -1,4 +1,4 @@
-// Mesh file names of a URDF to paths of the file system.
+// Resolves mesh file names of a URDF to paths.
 #pragma once
 
 #include <string>
@@ -10,16 +10,16 @@ namespace dyn::load {
 class MeshPaths {
  public:
   struct Found {
-    std::string path;                // "" when not found
+    std::string path;                // "" if not found
     std::vector<std::string> tried;  // every path, in order
-    bool first_time = true;          // of asking for this name
+    bool first_time = true;          // first request for this name
   };
 
-  // file: the robot file ("" for text in memory); package_dirs: where package://NAME/rest is looked up.
+  // file: the robot file, or "" for text in memory. package_dirs: folders in which package://NAME/rest is looked up.
   MeshPaths(const std::string& file, std::vector<std::string> package_dirs);
 
-  // package://NAME/rest (model:// likewise) is looked up as DIR/NAME/rest and DIR/rest in each package directory, as
-  // NAME/rest in every folder above the robot file, and last in ROS_PACKAGE_PATH. Relative names belong to the file's folder.
+  // package://NAME/rest (also model://) is looked up as DIR/NAME/rest and DIR/rest in each package directory. Then as NAME/rest in
+  // every folder above the robot file, and last in ROS_PACKAGE_PATH. Relative names are relative to the robot file's folder.
   const Found& find(const std::string& name);
 
  private:

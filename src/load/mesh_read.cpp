@@ -1,4 +1,4 @@
-// Mesh files to meshes: found, looked at, read by the module, scaled, welded.
+// Reads mesh files: resolves the path, checks the file, parses it in the module, scales and welds.
 #include <cmath>
 #include <filesystem>
 
@@ -21,14 +21,14 @@ std::string found(const std::string& name, const MeshOptions& options) {
   if (!f.path.empty()) return options.confined.check(f.path), f.path;
   std::string tried;
   for (const std::string& path : f.tried) {
-    if (std::filesystem::exists(path)) check_mesh_file(path);  // says what is there instead of a file
+    if (std::filesystem::exists(path)) check_mesh_file(path);  // throws with what is there instead of a file
     tried += (tried.empty() ? ": tried " : ", ") + quoted(path);
   }
   if (name.find("://") != name.npos) tried += tried.empty() ? ": give package_dirs" : "; give the folder above the package in package_dirs";
   throw Error(DYN_ERROR_FILE, "mesh " + quoted(name) + " is not found" + tried);
 }
 
-// The module's triangles, freed with this.
+// Triangles from the module, freed with this object.
 struct Soup : mesh::Soup {
   const mesh::Module& module;
   explicit Soup(const mesh::Module& m) : mesh::Soup{}, module(m) {}
@@ -52,7 +52,7 @@ Mesh read_mesh(const std::string& name, const MeshOptions& options) {
   if (soup.triangle_count == 0)
     report.fail(DYN_ERROR_INVALID, 0, "no triangles" + (soup.skipped ? ", only " + std::to_string(soup.skipped) + " points and lines" : std::string()));
   for (std::int64_t i = 0; i < 3 * soup.vertex_count; ++i) soup.vertices[i] *= options.scale[std::size_t(i % 3)];
-  if (mirror < 0)  // what was counter-clockwise is not any more
+  if (mirror < 0)  // mirroring reverses the orientation of triangles
     for (std::int64_t t = 0; t < soup.triangle_count; ++t) std::swap(soup.triangles[3 * t + 1], soup.triangles[3 * t + 2]);
   Mesh out = make_mesh(soup.vertices, soup.vertex_count, soup.triangles, soup.triangle_count, options.weld_tolerance, printable(path), soup.colours);
   out.skipped = soup.skipped;

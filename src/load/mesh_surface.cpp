@@ -1,4 +1,4 @@
-// Meshes to what shapes are made of, and back.
+// Converts meshes to the data of shapes, and back.
 #include <algorithm>
 
 #include "mesh.hpp"

@@ -1,4 +1,4 @@
-// Vertices and triangles as they come to a mesh: equal vertices made one, triangles without area and doubles dropped.
+// Cleans a mesh: welds equal vertices, drops triangles without area and duplicates.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,15 +13,15 @@ using namespace load;
 
 namespace {
 
-constexpr double max_coordinate = 1e30;  // metres: fifth powers are finite
+constexpr double max_coordinate = 1e30;  // m; keeps fifth powers finite
 
-// Vertices by the cell of space that they lie in: cells of the tolerance's size, or of single points.
+// Hash grid of vertices. The cell size is the tolerance, or a single point.
 class VertexGrid {
  public:
   VertexGrid(std::size_t points, double tolerance)
       : tolerance_(tolerance), heads_(std::bit_ceil(2 * points + 1), -1) { next_.reserve(points); }
 
-  // The vertex that this one is welded to; itself when it is the first there.
+  // Returns the vertex that p is welded to, or a new one.
   Index add(const double* p, std::vector<double>& vertices) {
     std::int64_t home[3];
     for (int k = 0; k < 3; ++k) home[k] = cell(p[k]);
@@ -56,7 +56,7 @@ class VertexGrid {
   std::vector<Index> heads_, next_;
 };
 
-// No area, within rounding: the corners lie on a line.
+// Returns whether the corners are collinear within rounding.
 bool is_degenerate(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
   const Vec3<double> e = b - a, f = c - b, g = a - c;
   const double longest = std::max({dot(e, e), dot(f, f), dot(g, g)});
@@ -67,13 +67,13 @@ struct Triangle {
   Index a, b, c;
   bool operator==(const Triangle&) const = default;
 };
-// The same triangle, passed the same way, beginning with its lowest corner.
+// The same cyclic order, beginning with the lowest corner.
 Triangle canonical(Triangle t) {
   while (t.a > t.b || t.a > t.c) t = {t.b, t.c, t.a};
   return t;
 }
 
-// Whether a triangle is the first of its kind.
+// Set of triangles. add returns whether the triangle is new.
 class TriangleSet {
  public:
   explicit TriangleSet(std::size_t n) : slots_(std::bit_ceil(2 * n + 1), {-1, -1, -1}) {}
@@ -106,7 +106,7 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
   double size = 0;
   for (std::int64_t i = 0; i < 3 * n; ++i) size = std::max(size, std::abs(points[i]));
   if (!(weld_tolerance >= 0) || !(weld_tolerance <= max_coordinate)) fail(DYN_ERROR_ARGUMENT, "the weld tolerance is " + text(weld_tolerance) + ": give metres, at least 0");
-  if (weld_tolerance < size * 1e-15) weld_tolerance = 0;  // that is one rounding
+  if (weld_tolerance < size * 1e-15) weld_tolerance = 0;  // below one rounding error
 
   std::vector<bool> used(static_cast<std::size_t>(n), m == 0);
   for (std::int64_t k = 0; k < 3 * m; ++k) {
@@ -127,7 +127,7 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
     }
 
   TriangleSet seen{std::size_t(m)};
-  std::vector<Index> all;  // those without area included: they, too, join others
+  std::vector<Index> all;  // includes triangles without area, which also connect others
   all.reserve(3 * std::size_t(m));
   out.triangles.reserve(3 * std::size_t(m));
   for (std::int64_t t = 0; t < m; ++t) {

@@ -1,4 +1,4 @@
-// MJCF to model: read all files, give the bodies their masses, build.
+// MJCF to model: reads all files, computes the masses of bodies, builds.
 #include <algorithm>
 #include <set>
 #include <tuple>
@@ -12,7 +12,7 @@ namespace load {
 
 namespace {
 
-// The body of that name in e, whatever it stands in, which does not move it: it comes with its own pose alone.
+// Reads the named body in e at any depth. Only its own pose counts, not those of enclosing bodies and frames.
 bool read_named_body(MjcfFile& file, Element& e, MjcfContext context, std::string_view body) {
   context.childclass = file.defaults.around(file.source, e, context.childclass);
   for (Element* c : file.source.children(e)) {
@@ -23,14 +23,14 @@ bool read_named_body(MjcfFile& file, Element& e, MjcfContext context, std::strin
   return false;
 }
 
-// Of a model that is attached: its bodies, or one of them by name.
+// Reads an attached model: all its bodies, or one by name.
 void read_world(MjcfFile& file, Element& world, const MjcfContext& context, const char* body) {
   if (!body) return read_mjcf_content(file, world, context);
   if (!read_named_body(file, world, context, body))
     file.source.report(world).fail(DYN_ERROR_NAME, line(world), "there is no body " + load::quoted(body) + " in the model that is attached");
 }
 
-// Of one body alone what ties it to the others of its model stays away with them.
+// Drops contacts and equalities that refer to parts of an attached model that were not attached.
 void drop_unresolved_references(MjcfRobot& robot, size_t excludes, size_t pairs, size_t equalities) {
   std::set<std::string> bodies, joints, sites, geoms;
   for (const MjcfBody& b : robot.bodies) {

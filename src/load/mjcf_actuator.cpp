@@ -1,4 +1,4 @@
-// <actuator>: motors, servos and affine laws on joints. What drives anything else, or by another law, is reported.
+// <actuator>: motors, servos and affine laws on joints. Other transmissions and laws are reported.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +8,7 @@ namespace dyn::load {
 
 namespace {
 
-// Joint of that name; nullptr: there is none yet.
+// Returns the joint of that name, or null if none has been read.
 MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name) {
   for (MjcfBody& b : robot.bodies)
     for (MjcfJoint& j : b.joints)
@@ -16,7 +16,7 @@ MjcfJoint* find_joint(MjcfRobot& robot, const std::string& name) {
   return nullptr;
 }
 
-// Component and gear of the one degree of freedom that is driven; a reason why there is not one otherwise.
+// Sets component and gear of the driven degree of freedom. Returns the reason if there is not exactly one.
 const char* transmission(const MjcfJoint& j, const std::vector<double>& gear, dynActuator& a) {
   if (j.spec.type == DYN_JOINT_TYPE_REVOLUTE || j.spec.type == DYN_JOINT_TYPE_PRISMATIC) return a.gear = gear.empty() ? 1 : gear[0], nullptr;
   const size_t first = 0, count = j.spec.type == DYN_JOINT_TYPE_FREE_FLYER ? 6 : 3;
@@ -33,17 +33,17 @@ void read_range(const Reader& reader, const Element& e, const char* attribute, c
   if (!pair && on.value_or(false)) reader.fail(DYN_ERROR_INVALID, e, std::string(limited) + "=\"true\" needs " + attribute);
   if (!pair || !on.value_or(autolimits && ((*pair)[0] != 0 || (*pair)[1] != 0))) return;
   if (!((*pair)[0] <= (*pair)[1])) reader.bad_numbers(e, attribute, "the lower end is above the upper one");
-  for (size_t k = 0; k < 2; ++k)  // the largest number stands for none
+  for (size_t k = 0; k < 2; ++k)  // the largest double stands for no bound
     if (std::abs((*pair)[k]) < std::numeric_limits<double>::max()) out[k] = (*pair)[k];
 }
 
-// gainprm, biasprm, dynprm: missing numbers are the defaults'.
+// gainprm, biasprm, dynprm: missing numbers keep MuJoCo's defaults.
 double parameter(const Reader& reader, const Element& e, const char* attribute, size_t k, double missing) {
   const auto given = reader.numbers(e, attribute);
   return given && k < given->size() ? (*given)[k] : missing;
 }
 
-// The law, as <general> has it; a reason why it is not read otherwise.
+// Reads the law of a <general> actuator. Returns the reason if it is not supported.
 const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) {
   dynActuator& a = actuator.spec;
   a.type = DYN_ACTUATOR_TYPE_AFFINE;
@@ -68,7 +68,7 @@ const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) 
   return nullptr;
 }
 
-// Armature and damping of the motor itself are the joint's, by the square of the gear.
+// Reflects the motor's armature and damping to the joint, times gear^2.
 void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuator& actuator, MjcfJoint& joint) {
   for (const auto& [attribute, values] : {std::pair{"armature", &joint.spec.armature}, {"damping", &joint.spec.damping}}) {
     const auto given = reader.numbers(e, attribute);

@@ -12,7 +12,7 @@ namespace {
 
 std::string attribute(const Element& e, const char* name) { return e.Attribute(name) ? e.Attribute(name) : ""; }
 
-// Vertices as the geom's frame sees them: moved and turned by refpos and refquat, then scaled.
+// Vertices in the geom's frame: moved by refpos and refquat, then scaled.
 meshes::Mesh in_frame(meshes::Mesh mesh, const SE3<double>& reference, const std::array<double, 3>& scale, const std::string& who) {
   const bool mirrored = scale[0] * scale[1] * scale[2] < 0;
   for (size_t i = 0; i < mesh.vertices.size(); i += 3) {
@@ -25,7 +25,7 @@ meshes::Mesh in_frame(meshes::Mesh mesh, const SE3<double>& reference, const std
   return meshes::make_mesh(mesh.vertices.data(), mesh.vertex_count(), mesh.triangles.data(), mesh.triangle_count(), 0, who);
 }
 
-// MuJoCo's own format: four counts (vertices, normals, texture coordinates, faces), then those numbers.
+// MuJoCo's own mesh format: four counts (vertices, normals, texture coordinates, faces), then the numbers.
 meshes::Mesh read_msh(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   const auto read = [&](void* to, size_t bytes) {
@@ -78,7 +78,7 @@ Grid read_grid(const MjcfSource& source, const Reader& reader, const Element& e)
     if (!(rows >= 2 && columns >= 2 && rows * columns <= double(max_heights))) reader.fail(DYN_ERROR_INVALID, e, "nrow and ncol are at least 2, and their product at most " + std::to_string(max_heights));
     g.rows = Index(rows), g.columns = Index(columns);
     g.heights.assign(size_t(g.rows) * size_t(g.columns), 0);
-    if (const auto text = reader.numbers(e, "elevation", g.heights.size()))  // the first row of the text is the farthest
+    if (const auto text = reader.numbers(e, "elevation", g.heights.size()))  // the text begins with the farthest row
       for (Index r = 0; r < g.rows; ++r)
         std::copy_n(text->begin() + std::ptrdiff_t(r) * g.columns, g.columns, g.heights.begin() + std::ptrdiff_t(g.rows - 1 - r) * g.columns);
   }
@@ -95,7 +95,7 @@ void MjcfAssets::add(Element& asset, const MjcfDefaults& defaults) {
     const std::string_view kind = c->Name();
     if (kind == "mesh" || kind == "hfield" || kind == "model") {
       std::string name = attribute(*c, "name");
-      if (name.empty() && kind == "model" && c->Attribute("file")) {  // the one it gives itself
+      if (name.empty() && kind == "model" && c->Attribute("file")) {  // the name the attached model gives itself
         name = attribute(source_.open_model(*c, attribute(*c, "file")), "model");
         source_.close_model();
       }
@@ -162,7 +162,7 @@ void MjcfAssets::read(Entry& entry) const {
       mesh = read_msh(entry.path);
     } else {
       meshes::MeshOptions how;
-      how.package_dirs = options_.package_dirs;  // that it may be read source.path has seen
+      how.package_dirs = options_.package_dirs;  // source.path has checked that it may be read
       mesh = meshes::read_mesh(entry.path, how);
     }
     mesh = in_frame(std::move(mesh), reference, scale, reader.owner);

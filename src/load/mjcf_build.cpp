@@ -1,5 +1,5 @@
-// An MJCF model's values to the builder. A joint's frame lies at its anchor with the body's axes at qpos 0: several joints of one body
-// are a chain of joints, and what lies on the body hangs on the last of them.
+// Passes an MJCF model to the builder. A joint's frame lies at its anchor with the body's axes at qpos 0. Several joints of one
+// body become a chain; links, shapes and sites attach to the last one.
 #include <cmath>
 #include <set>
 
@@ -18,7 +18,7 @@ Placement placement(const Pose& X) {
   return out;
 }
 
-// The motion of a joint's frame by a coordinate.
+// Motion of a joint's frame by its coordinate.
 Pose joint_motion(const MjcfJoint& j, double q) {
   Pose X = Pose::identity();
   if (j.spec.type == DYN_JOINT_TYPE_REVOLUTE) X.R = exp3(j.axis * q);
@@ -32,7 +32,7 @@ void name_joints(MjcfBody& body) {
     if (std::string& name = body.joints[k].spec.name; name.empty()) name = body.name + "_joint" + (n > 1 ? std::to_string(k) : "");
 }
 
-// What a body's links, shapes and frames hang on, and where the body is there.
+// The parent of a body's links, shapes and frames, and the body's pose in it.
 struct Attachment {
   Parent parent;
   Pose X;
@@ -40,7 +40,7 @@ struct Attachment {
 
 Attachment add_joints(Builder& builder, const MjcfRobot& robot, MjcfBody& body) {
   Parent on = body.parent == 0 ? Parent{"", 0} : Parent{robot.bodies[size_t(body.parent)].name, DYN_FRAME_TYPE_BODY};
-  Pose X = body.X;  // of the body at the drawn configuration, in what carries the next joint
+  Pose X = body.X;  // of the body at the initial configuration, in the parent of the next joint
   for (MjcfJoint& j : body.joints) {
     if (j.spec.type == DYN_JOINT_TYPE_FREE_FLYER) {
       X = Pose::identity();  // its coordinates are the body's pose in the world
@@ -69,10 +69,10 @@ void add_body(Builder& builder, const MjcfRobot& robot, MjcfBody& body, const Mj
   });
 }
 
-// joints: their names, which sites, that are frames too, must not have.
+// joints: names that sites must not have, because both are frames.
 void add_shapes_and_sites(Builder& builder, MjcfBody& body, bool world, const std::set<std::string>& joints) {
   for (MjcfGeom& g : body.geoms) {
-    if (g.shape.type == DYN_SHAPE_TYPE_HALF_SPACE && g.shape.role == DYN_SHAPE_ROLE_VISUAL) continue;  // a picture of the ground
+    if (g.shape.type == DYN_SHAPE_TYPE_HALF_SPACE && g.shape.role == DYN_SHAPE_ROLE_VISUAL) continue;  // a visual plane has no extent to draw
     g.shape.body = world ? "universe" : body.name;
     g.shape.placement = placement(g.X);
     with_location(g.place, [&] { builder.shape(g.shape); });
@@ -86,7 +86,7 @@ void add_shapes_and_sites(Builder& builder, MjcfBody& body, bool world, const st
   }
 }
 
-// A joint's coordinates from MuJoCo's: quaternions are (w, x, y, z) there.
+// A joint's coordinates from MuJoCo's, where quaternions are (w, x, y, z).
 std::vector<double> coordinates(const MjcfJoint& j, const double* qpos) {
   const size_t nq = size_t(joint_nq(j.spec.type));
   std::vector<double> q(qpos, qpos + nq);
@@ -94,7 +94,7 @@ std::vector<double> coordinates(const MjcfJoint& j, const double* qpos) {
   return q;
 }
 
-// The configuration that the file draws, where it is not the neutral one, is the first key.
+// Adds the initial configuration as the first key if it is not the neutral one.
 void add_initial_key(MjcfRobot& robot) {
   bool needs_key = false;
   for (const MjcfBody& body : robot.bodies)
@@ -140,7 +140,7 @@ void check_body(const MjcfRobot& robot, const MjcfPlace& place, const std::strin
   place.fail(DYN_ERROR_NAME, "there is no body " + load::quoted(name) + did_you_mean(name, names));
 }
 
-// Bodies and joints alone, at the configurations of the file.
+// Adds bodies, joints and configurations only.
 void add_mechanism(Builder& builder, MjcfRobot& robot, const std::vector<MjcfMass>& masses) {
   for (size_t i = 1; i < robot.bodies.size(); ++i) add_body(builder, robot, robot.bodies[i], masses[i]);
   add_configurations(builder, robot);

@@ -1,5 +1,5 @@
-// Servos whose damping is a ratio: kv = 2 ratio sqrt(kp m), m the inertia that the actuator feels in the configuration that the file draws while all
-// else is free (MuJoCo's rule), 1 / m = gear^2 (M^-1)_jj. Joints with a time constant T and a ratio r, by the same m, for balls by the mean of 1 / m:
+// Servos with a damping ratio (MuJoCo's rule): kv = 2 ratio sqrt(kp m), 1 / m = gear^2 (M^-1)_jj at the initial configuration with
+// all other joints free. Joints with a time constant T and ratio r use the same m; balls use the mean of 1 / m:
 //   stiffness = m / (T r)^2      damping = 2 m / T
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ struct FreeBlock {
   void operator()(void* p) const { std::free(p); }
 };
 
-// Of M^-1 at the model's configuration "qpos0", or its neutral one, by the acceleration that a unit force adds.
+// Diagonal of M^-1 at the configuration "qpos0", else the neutral one: the acceleration per unit force.
 struct InverseInertia {
   const Model& m;
   std::unique_ptr<void, FreeBlock> arena;

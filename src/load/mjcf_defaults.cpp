@@ -8,7 +8,7 @@ namespace dyn::load {
 
 namespace {
 
-// Of these a file may give fewer numbers than there are: the others stay what they were.
+// Attributes that a file may give in part; missing numbers keep their values.
 constexpr std::string_view partial[] = {"size", "friction", "gear", "gainprm", "biasprm", "dynprm", "polycoef"};
 
 std::string with_rest(const std::string& attribute, const char* given, const std::string& before) {
@@ -19,7 +19,7 @@ std::string with_rest(const std::string& attribute, const char* given, const std
   return out;
 }
 
-// <position> and its like: what they set are attributes of <general>, of which there is one set.
+// <position> and similar shortcuts share the defaults of <general>.
 std::string kind_of(const Element& e) { return is_actuator(e) ? "actuator" : e.Name(); }
 
 bool is_rotation(std::string_view attribute) {
@@ -30,11 +30,11 @@ bool is_rotation(std::string_view attribute) {
 
 void MjcfDefaults::read(MjcfSource& source, Element& e) {
   const char* name = e.Attribute("class");
-  if (name && *name) classes_[0].name = name;  // the outermost class may have another name than main
+  if (name && *name) classes_[0].name = name;  // the outermost class may be renamed
   read(source, e, 0);
 }
 
-// Settings first: nested classes have them all, wherever they stand.
+// Reads settings first, because nested classes inherit all of them.
 void MjcfDefaults::read(MjcfSource& source, Element& e, int at) {
   for (Element* c : source.children(e)) {
     if (std::string_view(c->Name()) == "default") continue;

@@ -20,7 +20,7 @@ const MjcfBody& body_named(const MjcfRobot& robot, const MjcfEquality& e, const 
   e.place.fail(DYN_ERROR_NAME, "there is no body " + load::quoted(name) + did_you_mean(name, names));
 }
 
-// Where the file draws a body, in the world.
+// Initial pose of a body in the world.
 Pose initial_pose(const MjcfRobot& robot, const MjcfBody& b) { return b.parent < 0 ? b.X : initial_pose(robot, robot.bodies[size_t(b.parent)]) * b.X; }
 
 const MjcfJoint& joint_named(const MjcfRobot& robot, const MjcfEquality& e, const std::string& name) {
@@ -30,7 +30,7 @@ const MjcfJoint& joint_named(const MjcfRobot& robot, const MjcfEquality& e, cons
   e.place.fail(DYN_ERROR_NAME, "there is no joint " + load::quoted(name));
 }
 
-// Coefficients of c0 + c1 (x - at) + ... as those of powers of x.
+// From the coefficients of powers of (x - at) to those of powers of x.
 void shift(const std::vector<double>& c, double at, double (&out)[5]) {
   std::fill(out, out + 5, 0.0);
   for (size_t k = c.size(); k-- > 0;) {  // Horner: out = out (x - at) + c_k
@@ -105,12 +105,12 @@ void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
     Pose in_a = {Mat3<double>::identity(), anchor}, in_b = in_a;
     if (e.kind == "connect") {
       in_b.p = X_ab.inverse().act(anchor);
-    } else {  // the anchor is in the second body
+    } else {  // a weld's anchor is in the second body
       const bool given = e.numbers.size() == 7 && (e.numbers[3] != 0 || e.numbers[4] != 0 || e.numbers[5] != 0 || e.numbers[6] != 0);
       in_a = (given ? relative_pose(e.numbers) : X_ab) * in_b;
     }
     store_se3(in_a, c.placement1), store_se3(in_b, c.placement2);
-    // a body that is fixed to the world may be first: the constraint is the same with the two exchanged
+    // exchange the two if the first is fixed to the world, which gives the same constraint
     with_location(e.place, [&] { builder.constraint(e.name, c, frame_of(a), frame_of(b)); });
   }
 }

@@ -1,4 +1,4 @@
-// <geom>: shapes for collision, for looks, and for masses.
+// <geom>: collision shapes, visual shapes, and their masses.
 #include <algorithm>
 #include <cmath>
 

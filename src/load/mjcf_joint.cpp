@@ -18,7 +18,7 @@ dynJointType type_of(const Reader& reader, const Element& e) {
   reader.fail(DYN_ERROR_PARSE, e, "<joint type> is " + load::quoted(std::string(type)) + ": hinge, slide, ball or free is expected");
 }
 
-// The pair of numbers of a range that counts: switched on, or given while "auto".
+// Returns a range if it is switched on, or given while the switch is "auto".
 std::optional<std::array<double, 2>> range(const Reader& reader, const Element& e, const char* attribute, const char* limited, bool autolimits) {
   const auto pair = reader.numbers(e, attribute, 2);
   const std::optional<bool> on = read_switch(reader, e, limited, std::nullopt);
@@ -33,7 +33,7 @@ std::optional<std::array<double, 2>> range(const Reader& reader, const Element& 
   return std::array<double, 2>{(*pair)[0], (*pair)[1]};
 }
 
-// One number for all degrees of freedom; newer files may give a polynomial, of which the linear term counts.
+// One number for all degrees of freedom. Newer files may give a polynomial; only its linear term is used.
 double coefficient(const Reader& reader, const Element& e, const char* attribute) {
   const auto terms = reader.numbers(e, attribute);
   if (!terms) return 0;
@@ -47,7 +47,7 @@ double coefficient(const Reader& reader, const Element& e, const char* attribute
   return (*terms)[0];
 }
 
-// The angle of its rotation is at most `most`; half a turn and more is no limit to it beyond half a turn.
+// Limits the rotation angle of a ball joint. Half a turn or more is no limit.
 void limit_ball(const Reader& reader, const Element& e, double least, double most, JointSpec& spec) {
   if (least != 0) reader.bad_numbers(e, "range", "that of a ball joint begins at 0: its second number is the largest angle");
   if (most > half_turn * (1 + 1e-12)) return;
@@ -92,9 +92,9 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   else joint.axis = context.X.R * (joint.axis * (1 / length));
   if (scalar) joint.reference = unit * reader.optional_number(e, "ref").value_or(0);
 
-  // whatever its class says, a free joint is not limited
+  // a free joint has no limits, whatever its class says
   if (const auto limits = spec.type == DYN_JOINT_TYPE_FREE_FLYER ? std::nullopt : range(reader, e, "range", "limited", file.compiler.autolimits)) {
-    const auto end = [&](double x) { return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x; };  // one end alone
+    const auto end = [&](double x) { return std::abs(x) == std::numeric_limits<double>::max() ? std::copysign(no_limit, x) : unit * x; };  // a single bound
     if (scalar) spec.lower = {end((*limits)[0])}, spec.upper = {end((*limits)[1])};
     else limit_ball(reader, e, unit * (*limits)[0], unit * (*limits)[1], spec);
   }

@@ -1,5 +1,6 @@
-// <motor>, <position>, <velocity>, <intvelocity> and <cylinder> as <general>: in MuJoCo all actuators have one set of parameters and of defaults,
-// of which each kind writes its part. A shortcut goes on with what the same one and <general> wrote, and begins anew after another shortcut.
+// Converts <motor>, <position>, <velocity>, <intvelocity> and <cylinder> to <general>. In MuJoCo all actuators share one set of
+// parameters and defaults, of which each kind writes a part. A shortcut continues from <general> or its own kind, and starts anew
+// after another kind.
 #include <algorithm>
 
 #include "mjcf_settings.hpp"
@@ -11,7 +12,7 @@ namespace {
 constexpr std::string_view kinds[] = {"general", "motor", "position", "velocity", "intvelocity", "cylinder"};
 constexpr const char* shortcuts[] = {"kp", "kv", "dampratio", "timeconst", "area", "diameter", "bias"};
 
-// Numbers of an attribute, as many as there are to write.
+// Numbers of an attribute, to be modified and written back.
 struct Parameters {
   Element& e;
   const char* attribute;
@@ -61,7 +62,7 @@ void as_general(const Reader& reader, Element& e) {
     if (kv && ratio) reader.fail(DYN_ERROR_INVALID, e, "it has kv and dampratio: give one of them");
     if (kv && !(*kv >= 0)) reader.bad_numbers(e, "kv", "it is negative");
     if (ratio && !(*ratio >= 0)) reader.bad_numbers(e, "dampratio", "it is negative");
-    if (kv || ratio) bias.x[2] = kv ? -*kv : *ratio;  // a positive one is a ratio
+    if (kv || ratio) bias.x[2] = kv ? -*kv : *ratio;  // a positive number stands for a ratio
     if (kind == "intvelocity") {
       activation("integrator");
     } else if (const auto time = number("timeconst")) {

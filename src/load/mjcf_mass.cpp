@@ -1,4 +1,4 @@
-// Mass properties of bodies: <inertial>, or what their geoms have.
+// Mass properties of bodies from <inertial> or from geoms.
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
@@ -32,7 +32,7 @@ MjcfMass of(const meshes::Solid& solid) {
   return {sign * solid.volume, solid.com, solid.inertia * sign};
 }
 
-// Tetrahedra between an apex and each triangle, every one with the same sign, whichever way the triangle is turned.
+// Tetrahedra between an apex and each triangle, all with positive volume.
 struct Tetrahedra {
   double volume = 0;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();    // integral of x from the apex
@@ -49,8 +49,8 @@ struct Tetrahedra {
   }
 };
 
-// MuJoCo's rule "legacy": the tetrahedra from the mean of the surface give the centre of mass, those from there volume and inertia. What
-// is concave or hollow seen from there counts more than once.
+// MuJoCo's rule "legacy". Tetrahedra from the surface's centroid give the centre of mass; those from there give volume and inertia.
+// Parts that are concave as seen from there count more than once.
 MjcfMass legacy(const meshes::Mesh& mesh) {
   Vec mean = Vec::zero();
   double area = 0;
@@ -85,7 +85,7 @@ MjcfMass mass_of(const meshes::Mesh& mesh, const MjcfGeom& g) {
   return out;
 }
 
-// Of the geom's shape at density 1, in the shape's frame about its centre of mass.
+// Moments of the geom's shape at density 1, about its centre of mass, in the shape's frame.
 MjcfMass solid_of(const MjcfGeom& g) {
   if (g.mesh) return mass_of(*g.mesh, g);
   MjcfMass out;
@@ -98,12 +98,12 @@ MjcfMass solid_of(const MjcfGeom& g) {
   return out;
 }
 
-// m (|d|^2 1 - d d^T)
+// Inertia of a point mass: m (|d|^2 1 - d d^T)
 Sym3<double> of_point(double m, const Vec& d) {
   return six(m * (d[1] * d[1] + d[2] * d[2]), m * (d[0] * d[0] + d[2] * d[2]), m * (d[0] * d[0] + d[1] * d[1]), -m * d[0] * d[1], -m * d[0] * d[2], -m * d[1] * d[2]);
 }
 
-// nullopt: of none of them
+// Returns nullopt if no geom has mass.
 std::optional<MjcfMass> from_geoms(const MjcfBody& body) {
   MjcfMass total;
   std::vector<MjcfMass> parts;

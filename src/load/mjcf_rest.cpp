@@ -1,4 +1,4 @@
-// What stands beside the bodies: <option>, <contact>, <keyframe>, and the sections that say nothing to this library.
+// Sections beside the bodies: <option>, <contact>, <keyframe>, and sections that are not used.
 #include <algorithm>
 #include <cmath>
 

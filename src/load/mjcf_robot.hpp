@@ -1,4 +1,4 @@
-// An MJCF model as values, and the steps between the file and the builder.
+// An MJCF model as values, and the steps between file and builder.
 #pragma once
 
 #include "colour.hpp"
@@ -12,7 +12,7 @@ struct Mesh;
 
 namespace dyn::load {
 
-// A place in a file: what messages and checks of what was read there go through.
+// A place in a file, as the prefix of messages.
 struct MjcfPlace {
   Report* report = nullptr;
   int line = 0;
@@ -24,7 +24,7 @@ struct MjcfPlace {
   void warning(const std::string& message) const { report->warning(line, owner + ": " + message); }
 };
 
-// What a call of the builder throws, with the place in front.
+// Adds the place to errors of the builder.
 template <class Call>
 auto with_location(const MjcfPlace& place, const Call& call) {
   try {
@@ -36,11 +36,11 @@ auto with_location(const MjcfPlace& place, const Call& call) {
 
 struct MjcfJoint {
   MjcfPlace place;
-  JointSpec spec;  // parent and placement come with the tree
+  JointSpec spec;  // parent and placement are set with the tree
   Vec3<double> anchor = Vec3<double>::zero(), axis = Vec3<double>::make(0, 0, 1);  // in the body's frame
-  std::optional<std::array<double, 2>> force;  // of all its actuators together
-  double reference = 0;  // the coordinate in the configuration that the file draws
-  double time_constant = 0, damping_ratio = 0;  // where both are positive, they stand for stiffness and damping
+  std::optional<std::array<double, 2>> force;  // total of all its actuators
+  double reference = 0;  // coordinate at the initial configuration
+  double time_constant = 0, damping_ratio = 0;  // both positive: they define stiffness and damping
 };
 
 struct MjcfGeom {
@@ -50,8 +50,8 @@ struct MjcfGeom {
   double density = 1000;
   std::optional<double> mass;
   int group = 0;
-  std::shared_ptr<const meshes::Mesh> mesh;  // that the shape is, when it was read
-  std::string rule;                          // by which a mesh has mass: legacy (also ""), exact, convex, shell
+  std::shared_ptr<const meshes::Mesh> mesh;  // set if the mesh was read
+  std::string rule;                          // how a mesh gets its mass: legacy (also ""), exact, convex, shell
 };
 
 struct MjcfSite {
@@ -60,7 +60,7 @@ struct MjcfSite {
   SE3<double> X;
 };
 
-// A rigid body's mass properties: about the centre of mass, body axes.
+// Mass properties of a rigid body about its centre of mass, in body axes.
 struct MjcfMass {
   double mass = 0;
   Vec3<double> com = Vec3<double>::zero();
@@ -76,7 +76,7 @@ struct MjcfBody {
   std::vector<MjcfJoint> joints;
   std::vector<MjcfGeom> geoms;
   std::vector<MjcfSite> sites;
-  MjcfMassRules rules;  // of its file
+  MjcfMassRules rules;  // of the file it stands in
   double compensation = 0;
 };
 
@@ -94,10 +94,10 @@ struct MjcfActuator {
   std::string name;
   dynActuator spec;
   std::string joint;
-  double damping_ratio = 0;  // in place of kv, or of the last number of the bias
+  double damping_ratio = 0;  // instead of kv, or of the last bias parameter
 };
 
-// first, second: bodies, sites or joints. numbers: relpose or polycoef, as given.
+// first, second: bodies, sites or joints. numbers: relpose or polycoef as in the file.
 struct MjcfEquality {
   MjcfPlace place;
   std::string name, kind, first, second;
@@ -122,7 +122,7 @@ struct MjcfRobot {
   std::string name;
   std::array<double, 3> gravity = {0, 0, -9.81};
   MjcfCompiler compiler;         // the main file's
-  std::vector<MjcfBody> bodies;  // depth first in the file's order; 0 is the world
+  std::vector<MjcfBody> bodies;  // depth first, in the file's order; 0 is the world
   std::vector<MjcfExclude> excludes;
   std::vector<MjcfKey> keys;
   std::vector<MjcfActuator> actuators;
@@ -132,18 +132,18 @@ struct MjcfRobot {
   std::array<double, 3> wind = {0, 0, 0};
 };
 
-// Meshes and height fields that a file's geoms name.
+// Meshes and height fields by the names that geoms use.
 class MjcfAssets {
  public:
   MjcfAssets(MjcfSource& source, const MjcfCompiler& compiler, const LoadOptions& options) : source_(source), compiler_(compiler), options_(options) {}
   void add(Element& asset, const MjcfDefaults& defaults);
-  // <model> of <asset>: its file
+  // The file of a <model> of <asset>.
   const Element& model(const Element& e, const std::string& name) const;
-  // Makes geom the mesh or height field of that name; needed: its mass will be asked for, so that the file has to be read.
+  // Sets the geom's mesh by name. needed: the mass is needed, so the file must be read.
   void mesh(const Element& e, const std::string& name, bool needed, MjcfGeom& geom);
-  // false: in a format that is not read, which the report says
+  // Sets the geom's height field by name. Returns false, with a report entry, if its format is not supported.
   bool height_field(const Element& e, const std::string& name, MjcfGeom& geom);
-  // The colour of a geom: its own, else that of its material; 0: neither
+  // Colour of a geom: its own, else that of its material; 0: none.
   std::uint32_t colour(const Element& geom) const;
 
  private:
@@ -162,7 +162,7 @@ class MjcfAssets {
   Colours materials_;
 };
 
-// One file's settings while its bodies are read.
+// Settings of one file while its bodies are read.
 struct MjcfFile {
   MjcfSource& source;
   const LoadOptions& options;
@@ -170,13 +170,13 @@ struct MjcfFile {
   MjcfCompiler compiler;
   MjcfDefaults defaults;
   MjcfAssets assets;
-  bool part = false;  // one body of it is attached
+  bool part = false;  // only one body of the file is attached
 
   MjcfFile(MjcfSource& s, MjcfRobot& r, const LoadOptions& o) : source(s), options(o), robot(r), assets(s, compiler, o) {}
   MjcfFile(const MjcfFile&) = delete;
 };
 
-// Where an element stands: the body and frame that carry it, the class around it, and what its names get.
+// Where an element stands: its body and frame, its default class, and the affixes of its names.
 struct MjcfContext {
   int body = 0;
   SE3<double> X = SE3<double>::identity();  // of the frame in the body
@@ -185,7 +185,7 @@ struct MjcfContext {
   std::string name(const std::string& n) const { return n.empty() ? n : prefix + n + suffix; }
 };
 
-// mjcf.cpp: everything under <mujoco>; the world's content goes to where the context is.
+// mjcf.cpp: reads everything under <mujoco>. The content of its world goes to the context's frame.
 void read_mjcf_file(MjcfFile& file, Element& root, const MjcfContext& context, const char* body = nullptr);
 // mjcf_tree.cpp: bodies, frames, replicas, attached models
 void read_mjcf_body(MjcfFile& file, Element& e, const MjcfContext& context);
@@ -203,9 +203,9 @@ void read_mjcf_keys(MjcfFile& file, Element& e, const MjcfContext& context);
 void report_mjcf_section(MjcfFile& file, Element& e);
 // mjcf_actuator.cpp, mjcf_equality.cpp
 void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& context);
-void limit_mjcf_actuators(MjcfRobot& robot);  // what limits a joint's actuators limits the one that there is
+void limit_mjcf_actuators(MjcfRobot& robot);  // applies a joint's actuator force range to its only actuator
 void add_mjcf_actuators(Builder& builder, const MjcfRobot& robot);
-// mjcf_damping.cpp: whether there are servos that are damped by a ratio; their damping, by the model without actuators. The same of joints.
+// mjcf_damping.cpp: damping of servos with a damping ratio, and of joints with a time constant, from a model without actuators.
 bool damped_by_ratio(const MjcfRobot& robot);
 void compute_mjcf_damping(const Model& model, MjcfRobot& robot);
 bool has_springdampers(const MjcfRobot& robot);
@@ -213,7 +213,7 @@ void compute_mjcf_springs(const Model& model, MjcfRobot& robot);
 void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& context);
 void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot);
 void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context);
-void mark_mjcf_pairs(MjcfRobot& robot);  // geoms that a pair names collide, whatever their masks say
+void mark_mjcf_pairs(MjcfRobot& robot);  // geoms named by a pair collide whatever their masks
 void add_mjcf_pairs(Builder& builder, const MjcfRobot& robot);
 // mjcf_build.cpp
 ModelPtr build_mjcf(MjcfRobot& robot, MjcfSource& source, const LoadOptions& options);

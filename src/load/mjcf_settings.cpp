@@ -12,7 +12,7 @@ namespace {
 using Vec = Vec3<double>;
 using Mat = Mat3<double>;
 
-constexpr double min_length = 1e-10;  // of a length, for a direction
+constexpr double min_length = 1e-10;  // shortest vector that counts as a direction
 
 Vec unit(const Reader& reader, const Element& e, const char* attribute, const Vec& a) {
   const double length = std::sqrt(dot(a, a));
@@ -84,7 +84,7 @@ bool has_rotation(const Element& e) {
   return false;
 }
 
-// The smallest rotation that takes z there; half a turn about x for -z.
+// The smallest rotation that takes z to a; half a turn about x for -z.
 Mat3<double> turn_z_to(const Vec3<double>& a) {
   const Vec axis = cross(Vec::make(0, 0, 1), a);
   const double s = std::sqrt(dot(axis, axis));

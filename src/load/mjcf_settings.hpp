@@ -1,4 +1,4 @@
-// What an MJCF file says once for all of it: <compiler>, <option>, <default>.
+// Settings of a whole MJCF file: <compiler>, <option>, <default>.
 #pragma once
 
 #include "spatial/se3.hpp"
@@ -8,7 +8,7 @@ namespace dyn::load {
 
 enum class FromGeoms { Never, Always, WhenMissing };
 
-// What <compiler> says of masses, with MuJoCo's defaults.
+// Rules of <compiler> for masses, with MuJoCo's defaults.
 struct MjcfMassRules {
   FromGeoms from_geoms = FromGeoms::WhenMissing;
   double groups[2] = {0, 5};  // of geoms that count
@@ -16,10 +16,10 @@ struct MjcfMassRules {
   bool balance = false;
 };
 
-// And of everything else.
+// Other attributes of <compiler>.
 struct MjcfCompiler {
-  double angle = 0.017453292519943295;  // what one unit of the file is, rad
-  std::string euler = "xyz";            // lower case: turned axes; upper case: fixed ones
+  double angle = 0.017453292519943295;  // rad per unit of the file
+  std::string euler = "xyz";            // lower case: rotating axes; upper case: fixed axes
   bool autolimits = true;
   MjcfMassRules masses;
   double total_mass = -1;
@@ -29,23 +29,23 @@ struct MjcfCompiler {
 };
 void read_compiler(MjcfSource& source, Element& e, MjcfCompiler& compiler);
 
-// Position and orientation of an element: pos, and one of quat, axisangle, euler, xyaxes, zaxis.
+// Pose of an element: pos, and one of quat, axisangle, euler, xyaxes, zaxis.
 SE3<double> read_pose(const Reader& reader, const Element& e, const MjcfCompiler& compiler);
 SE3<double> read_rotation(const Reader& reader, const Element& e, const MjcfCompiler& compiler);
 bool has_rotation(const Element& e);
 Mat3<double> from_euler(const std::array<double, 3>& angles, const MjcfCompiler& compiler);
-Mat3<double> from_quaternion(double w, double x, double y, double z);  // any but zero
+Mat3<double> from_quaternion(double w, double x, double y, double z);  // must not be zero
 Mat3<double> turn_z_to(const Vec3<double>& axis);
 inline constexpr std::initializer_list<const char*> rotation_attributes = {"quat", "axisangle", "euler", "xyaxes", "zaxis"};
 
-// true, false, auto; what: the value without the attribute
+// true or false; nullopt for auto. missing: value without the attribute.
 std::optional<bool> read_switch(const Reader& reader, const Element& e, const char* attribute, std::optional<bool> missing);
 
-// Attributes that nothing uses yet, one line of the report for each.
+// Counts attributes that are not used, one report line each.
 void count_unused(const Reader& reader, const Element& e, const char* kind, std::initializer_list<const char*> attributes);
 
-// mjcf_law.cpp: actuators that are read; what a shortcut such as <position> stands for, written as attributes of <general>, once it has those of
-// its class.
+// mjcf_law.cpp: is_actuator tells whether an actuator is supported. as_general rewrites a shortcut such as <position> as <general>,
+// after its class was applied.
 bool is_actuator(const Element& e);
 void as_general(const Reader& reader, Element& e);
 
@@ -53,11 +53,11 @@ void as_general(const Reader& reader, Element& e);
 class MjcfDefaults {
  public:
   MjcfDefaults() : classes_{{"main", {}}} {}
-  // a <default> of the root; several of them add up
+  // Reads a <default> of the root. Several of them add up.
   void read(MjcfSource& source, Element& e);
-  // Writes into e what its class, or else the class around it, says and e does not. kind: the name under which defaults know e.
+  // Writes into e the attributes of its class, or of the class around it, that e does not have. kind: element name in the defaults.
   void apply(const MjcfSource& source, Element& e, const std::string& kind, const std::string& around) const;
-  // The class that an element with childclass makes for what it holds; throws when there is none of that name.
+  // Returns the default class of the content of an element with childclass. Throws if the class does not exist.
   std::string around(const MjcfSource& source, const Element& e, const std::string& outside) const;
 
  private:

@@ -8,7 +8,7 @@ namespace dyn::load {
 
 namespace {
 constexpr size_t max_files = 1000;
-constexpr size_t max_models = 16;  // within each other
+constexpr size_t max_models = 16;  // nested models
 }  // namespace
 
 MjcfSource::MjcfSource(const std::string& text, const std::string& file, const LoadOptions& options)

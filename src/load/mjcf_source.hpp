@@ -1,4 +1,4 @@
-// The files of an MJCF model: the main one, what it includes, and models that it attaches. Each element knows its file.
+// The files of an MJCF model: the main one, included ones, attached models. Each element knows its file.
 #pragma once
 
 #include <filesystem>
@@ -17,16 +17,16 @@ class MjcfSource {
   MjcfSource(const std::string& text, const std::string& file, const LoadOptions& options);
 
   Element& root() { return *root_; }
-  // Elements in e; what an <include> names stands in its place.
+  // Child elements of e, with <include> replaced by its content.
   std::vector<Element*> children(Element& e);
   std::vector<Element*> children(Element& e, std::string_view name);
-  // Another model's file, from its <mujoco>. A model that attaches itself is an error at e.
+  // Opens another model's file and returns its <mujoco>. A model that attaches itself is an error at e.
   Element& open_model(const Element& e, const std::string& file);
   void close_model() { opening_.pop_back(); }
 
-  Report& report(const Element& e) const;  // of the file that e stands in
+  Report& report(const Element& e) const;  // of the file that holds e
   Reader reader(const Element& e, const std::string& owner) const { return {report(e), owner}; }
-  // A name in the model as a path: relative to the main file, else to the file that e stands in. Throws for files that may not be read.
+  // Path of a name: relative to the main file, else to the file that holds e. Throws for files that may not be read.
   std::filesystem::path path(const Element& e, const std::string& name) const {
     const std::filesystem::path file = folder_ / name, next_to = std::filesystem::path(report(e).file()).parent_path() / name;
     std::error_code none;
@@ -34,7 +34,7 @@ class MjcfSource {
     return confined_.check(found.string()), found;
   }
 
-  // The load reports of all files, those of other files than the main one with their names in front.
+  // Load reports of all files. Entries of files other than the main one begin with their name.
   std::vector<Report::Entry> finish();
 
  private:
@@ -48,7 +48,7 @@ class MjcfSource {
   std::filesystem::path folder_;
   bool strict_;
   Confined confined_;
-  std::vector<File> files_;  // the first one is the main one
+  std::vector<File> files_;  // the first one is the main file
   std::map<const tinyxml2::XMLDocument*, Report*> reports_;
   std::map<const Element*, Element*> included_;  // <include> elements to their files' roots
   std::set<std::string> names_;                  // included files

@@ -38,7 +38,7 @@ void read_frame(MjcfFile& file, Element& e, MjcfContext context) {
   read_mjcf_content(file, e, context);
 }
 
-// Each replica is moved in the frame of the one before it, and turned by so many times the angles as its number, with which its names end.
+// Each replica is offset from the previous one and rotated by its number times the angles. Its number ends its names.
 void read_replicate(MjcfFile& file, Element& e, MjcfContext context) {
   const Reader reader = file.source.reader(e, "a <replicate>");
   reader.unread(e, {"count", "sep", "offset", "euler", "childclass"},

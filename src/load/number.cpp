@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view spaces = " \t\r\n";
 
-// Out of range: is it because the number is tiny (zero will do) or huge?
+// Returns whether an out-of-range number is too small (read as zero) rather than too large.
 bool underflows(std::string_view token) {
   const size_t e = token.find_first_of("eE");
   if (e != std::string_view::npos) return token.substr(e + 1).starts_with('-');

@@ -1,4 +1,4 @@
-// Text to double, the same under every locale.
+// Text to double, independent of the locale.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace dyn::load {
 
-// The whole token must be one finite decimal number. Returns "" or what is wrong with it.
+// The whole token must be one finite decimal number. Returns "" or the error.
 std::string parse_number(std::string_view token, double& value);
-// Parts between spaces, tabs and line ends.
+// Splits at spaces, tabs and line ends.
 std::vector<std::string_view> split(std::string_view text);
 
 }  // namespace dyn::load

@@ -16,7 +16,7 @@ std::string shown(std::string_view s) {
   return s.size() > longest ? out + "..." : out;
 }
 
-// Hints to particular programs that say nothing about the robot.
+// Hints to other programs that do not describe the robot.
 const std::initializer_list<std::string_view> harmless = {"verbose", "dont_collapse", "self_filter", "collision_checking",
                                                           "self_collision_checking"};
 

@@ -8,8 +8,8 @@ namespace dyn::load {
 
 namespace {
 
-constexpr size_t max_entries = 20000;  // of each level: a hostile file must not turn into gigabytes of messages
-constexpr size_t max_listed = 5;       // of the reasons why strict refuses
+constexpr size_t max_entries = 20000;  // of each level; limits the memory that a hostile file can use
+constexpr size_t max_listed = 5;       // reasons listed when strict loading refuses
 
 int edit_distance(const std::string& a, const std::string& b) {
   std::vector<int> row(b.size() + 1);
@@ -30,7 +30,7 @@ int edit_distance(const std::string& a, const std::string& b) {
 
 std::string Report::where(int line) const {
   if (file_.empty()) return line > 0 ? "line " + std::to_string(line) + ": " : "";
-  constexpr size_t longest = 300;  // so that the rest of the message is not lost
+  constexpr size_t longest = 300;  // leaves room for the rest of the message
   const std::string file = file_.size() > longest ? "..." + file_.substr(file_.size() - longest) : file_;
   return printable(line > 0 ? file + ":" + std::to_string(line) + ": " : file + ": ");
 }
@@ -85,7 +85,7 @@ std::string printable(const std::string& text) {
     const size_t length = c < 0x80 ? 1 : c >= 0xC2 && c < 0xE0 ? 2 : c >= 0xE0 && c < 0xF0 ? 3 : c >= 0xF0 && c < 0xF5 ? 4 : 0;
     bool good = length > 0;
     for (size_t k = 1; k < length; ++k) good = good && (byte(i + k) & 0xC0) == 0x80;
-    // overlong forms, surrogates, and what lies beyond Unicode
+    // refuse overlong forms, surrogates, and code points beyond Unicode
     const unsigned second = byte(i + 1);
     good = good && !(c == 0xE0 && second < 0xA0) && !(c == 0xED && second > 0x9F) && !(c == 0xF0 && second < 0x90) &&
            !(c == 0xF4 && second > 0x8F);
@@ -100,7 +100,7 @@ std::string quoted(const std::string& name) {
   constexpr size_t longest = 200;
   if (name.size() <= longest) return "'" + name + "'";
   size_t end = longest;
-  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;  // not inside a UTF-8 character
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;  // do not cut a UTF-8 character
   return "'" + name.substr(0, end) + "...'";
 }
 
@@ -110,7 +110,7 @@ std::string did_you_mean(const std::string& name, const std::vector<const std::s
   int best_distance = std::max(2, int(name.size()) / 4) + 1;
   for (const std::string* c : candidates) {
     if (c->size() > 100) continue;
-    const bool part = name.size() >= 4 && c->size() > name.size() && c->ends_with(name);  // a forgotten prefix
+    const bool part = name.size() >= 4 && c->size() > name.size() && c->ends_with(name);  // a missing prefix
     const int distance = part ? 1 : edit_distance(name, *c);
     if (distance < best_distance) best = c, best_distance = distance;
   }

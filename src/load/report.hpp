@@ -1,4 +1,4 @@
-// The load report while it grows, and the one place where a message gets its "robot.urdf:12: ".
+// The growing load report. It is the only place that adds "robot.urdf:12: " to messages.
 #pragma once
 
 #include <map>
@@ -17,7 +17,7 @@ class Report {
     std::string message;
   };
 
-  // file may be "": text in memory.
+  // file: "" for text in memory.
   Report(std::string file, bool strict) : file_(std::move(file)), strict_(strict) {}
 
   const std::string& file() const { return file_; }
@@ -26,12 +26,12 @@ class Report {
 
   void info(int line, const std::string& message) { add(DYN_REPORT_LEVEL_INFO, line, message); }
   void warning(int line, const std::string& message) { add(DYN_REPORT_LEVEL_WARNING, line, message); }
-  // The file says physics that the model does not have, or that no robot can have: a warning, and an error under strict.
+  // Physics that the model does not represent, or that no robot can have: a warning; an error if strict.
   void physics(int line, const std::string& message);
-  // Things that a file has by the hundred: one info line for all, "12 x <gazebo>: not used ...", at the first one's line.
+  // Counts repeated things: one info line for all, "12 x <gazebo>: not used ...", at the line of the first.
   void count(const std::string& what, int line);
 
-  // Under strict, fails when there was physics(). Otherwise every entry, in the file's order.
+  // Throws if strict and physics() was called. Otherwise returns all entries in the file's order.
   std::vector<Entry> finish();
 
  private:
@@ -47,13 +47,13 @@ class Report {
   std::map<std::string, Count> counts_;
 };
 
-// The text with '?' for bytes that are not UTF-8, and spaces for control characters: messages are one line, and end up in JSON.
+// Replaces invalid UTF-8 by '?' and control characters by spaces, because messages are single lines and end up in JSON.
 std::string printable(const std::string& text);
-// 'name', shortened when it is absurdly long: names go into messages.
+// 'name', shortened if very long.
 std::string quoted(const std::string& name);
-// " (did you mean 'elbow'?)", or "" when nothing is near.
+// " (did you mean 'elbow'?)", or "" if no candidate is close.
 std::string did_you_mean(const std::string& name, const std::vector<const std::string*>& candidates);
-// Shortest text that reads back as the same number; independent of locale.
+// Shortest text that reads back as the same number, independent of the locale.
 std::string text(double value);
 
 }  // namespace dyn::load

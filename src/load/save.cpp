@@ -1,4 +1,4 @@
-// Model to text by format, and text to file: a file that is there stays as it is until the new one is complete.
+// Writes a model as text, and text to a file. An existing file stays unchanged until the new one is complete.
 #include "model/save.hpp"
 
 #include <fcntl.h>
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Links lead to what is replaced, though it may not be there.
+// Follows links to the file to be replaced, which need not exist.
 std::string target_of(const std::string& path) {
   constexpr int max_links = 40;
   std::error_code ignored;
@@ -27,9 +27,9 @@ std::string target_of(const std::string& path) {
   return target.string();
 }
 
-// Opens a file beside another one, which was not there before.
+// Creates a new file beside the target.
 int open_temporary(const std::string& target, mode_t mode, std::string& part) {
-  constexpr int max_parts = 10000;  // of saves at the same time, and of those that were killed
+  constexpr int max_parts = 10000;  // concurrent saves, and leftovers of killed ones
   int file = -1;
   for (int k = 0; k < max_parts; ++k) {
     part = target + ".part" + std::to_string(k);
@@ -87,9 +87,9 @@ void save_file(const Model& m, const std::string& path, bool strict, SaveReport&
   std::string part;
   const int file = open_temporary(target, there ? old.st_mode & 0777 : 0666, part);
   if (file < 0) fail("cannot be written", std::strerror(errno));
-  if (there) fchmod(file, old.st_mode & 0777);  // what umask took away; a disk without modes does not mind
+  if (there) fchmod(file, old.st_mode & 0777);  // undo umask; file systems without modes ignore it
   const auto left = [&](const char* what, int why) { unlink(part.c_str()), fail(what, std::strerror(why)); };
-  int why = write_all(file, text) && fsync(file) == 0 ? 0 : errno;  // on the disk before it takes the old one's place
+  int why = write_all(file, text) && fsync(file) == 0 ? 0 : errno;  // on disk before it replaces the old file
   if (close(file) != 0 && !why) why = errno;
   if (why) left("cannot be written", why);
   if (std::rename(part.c_str(), target.c_str()) != 0) left("cannot be replaced", errno);

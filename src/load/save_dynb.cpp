@@ -8,7 +8,7 @@ namespace dyn {
 
 namespace {
 
-// Bytes between the members of a record hold anything: zeros, so that the same model is the same file.
+// Clears padding bytes, so the same model gives the same file.
 template <class T>
 void clear_padding([[maybe_unused]] T& x) {
 #if defined(__has_builtin)
@@ -18,7 +18,7 @@ void clear_padding([[maybe_unused]] T& x) {
 #endif
 }
 
-// Records that begin with 3-vectors, and end with so many bytes that hold something behind them.
+// Layout of records that begin with 3-vectors: their count, and the bytes after them.
 template <class T>
 struct Vectors {
   static constexpr std::size_t count = 0, rest = sizeof(T);
@@ -40,7 +40,7 @@ DYN_BEGINS(DragBox, 4, body);
 DYN_BEGINS(shape::Hull, 1, extent);
 #undef DYN_BEGINS
 
-// Three lanes to a vector, none of which asks for a boundary of its own.
+// Layout of machines without SIMD: three doubles a vector, without extra alignment.
 struct NarrowLayout {
   template <class T>
   static constexpr std::size_t size = Vectors<T>::count ? (24 * Vectors<T>::count + Vectors<T>::rest + 7) / 8 * 8 : sizeof(T);
@@ -105,7 +105,7 @@ std::string image(const Model& m, bool names) {
   pad(64);
   head.bytes = block.size();
   std::memcpy(block.data(), head_memory, sizeof head);
-  // of what it holds: in place a model has no other way to tell itself from others; those of a process count from 1
+  // id from the content: a model used in place has no other id. Ids of models made in a process count from 1.
   const std::uint64_t id = dynb_checksum(block.data(), block.size()) | std::uint64_t(1) << 63;
   std::memcpy(block.data() + offsetof(Model, id), &id, sizeof id);
   std::string out(sizeof(DynbHeader), '\0');

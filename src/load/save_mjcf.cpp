@@ -1,4 +1,4 @@
-// Model to MJCF: the tree. A body's frame has the axes of its last joint's, so that the joints before it are anchors and axes in that frame.
+// Model to MJCF: the tree. A body's frame has the axes of its last joint. Earlier joints become anchors and axes in that frame.
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 
 using Pose = SE3<double>;
 
-constexpr int max_depth = 75;  // xml.cpp
+constexpr int max_depth = 75;  // below the limit of xml.cpp
 
 bool is_identity_pose(const Pose& X) { return is_identity_rotation(X.R) && X.p[0] == 0 && X.p[1] == 0 && X.p[2] == 0; }
 
@@ -62,7 +62,7 @@ void MjcfWriter::add_option() {
   if (m.wind[0] != 0 || m.wind[1] != 0 || m.wind[2] != 0) put(option, "wind", std::span(m.wind));
 }
 
-// Joints with nothing but each other on them, the last one excepted.
+// Joints of one body: a chain of joints with nothing attached but the last.
 std::vector<Index> MjcfWriter::joints_of_one_body(Index first) const {
   std::vector<Index> out = {first};
   for (;;) {
@@ -74,7 +74,7 @@ std::vector<Index> MjcfWriter::joints_of_one_body(Index first) const {
   }
 }
 
-// Free joints are those of the format only where nothing moves them; elsewhere they are three slides and a ball.
+// MJCF has free joints only on the world. Elsewhere a free joint becomes three slides and a ball.
 std::vector<MjcfWriter::Piece> MjcfWriter::pieces_of(const std::vector<Index>& group) {
   std::vector<Piece> out;
   for (const Index j : group) {
@@ -107,15 +107,15 @@ void MjcfWriter::add_moving(Index first) {
   const std::vector<Index> group = joints_of_one_body(first);
   const Index last = group.back();
   const std::vector<Piece> chain = pieces_of(group);
-  Index main = -1;  // the body itself: the first one with the axes of the joint
+  Index main = -1;  // the body itself: the first one with the joint's axes
   for (const Index f : on[size_t(last)])
     if (main < 0 && m.frames()[f].type == DYN_FRAME_TYPE_BODY && is_identity_rotation(load_se3(m.frames()[f].placement).R)) main = f;
   const Pose in_joint = main < 0 ? Pose::identity() : Pose{Mat3<double>::identity(), load3(m.frames()[main].placement + 9)};
   const Attachment& parent = attachments[size_t(m.joints()[first].parent)];
   XmlElement* at = parent.element;
-  Pose X = parent.X.inverse();  // of the joint that carries this, in the element
+  Pose X = parent.X.inverse();  // of the parent joint in the element
   for (size_t begin = 0; begin < chain.size();) {
-    size_t end = begin + 1;  // a ball's coordinates are in the body's axes: what is turned behind it is another body
+    size_t end = begin + 1;  // a ball's coordinates are in the body's axes, so a rotation behind it needs another body
     bool ball = chain[begin].simple.type == DYN_JOINT_TYPE_SPHERICAL;
     for (; end < chain.size() && !(ball && !is_identity_rotation(chain[end].before.R)); ++end) ball |= chain[end].simple.type == DYN_JOINT_TYPE_SPHERICAL;
     const bool whole = end == chain.size();
@@ -172,7 +172,7 @@ void MjcfWriter::add_link(XmlElement& body, Index frame) {
     if (m.shapes()[k].frame == frame) add_geom(body, m.shapes()[k], k);
 }
 
-// What a joint carries beside the body itself: bodies that are fixed to it, frames, and the joints on it.
+// Adds what a joint carries besides the body: fixed bodies, frames, and child joints.
 void MjcfWriter::add_content(Index joint, Index main) {
   const Attachment attachment = attachments[size_t(joint)];
   for (const Index f : on[size_t(joint)]) {

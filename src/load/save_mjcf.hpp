@@ -1,4 +1,4 @@
-// The writer of MJCF.
+// Writer of MJCF.
 #pragma once
 
 #include "save_xml.hpp"
@@ -11,13 +11,13 @@ class MjcfWriter {
   std::string write();
 
  private:
-  // A simple joint and where the body's frame is in its own, at q = 0: a turned axis and an anchor say the same in the body's frame.
+  // A simple joint, and the pose of the body's frame in its own at q = 0.
   struct Piece {
     Index joint;
     SimpleJoint simple;
     SE3<double> before;
   };
-  // The element that a joint's frames, shapes and children stand in, and its place in the joint's frame.
+  // The element that holds a joint's frames, shapes and children, and its pose in the joint's frame.
   struct Attachment {
     XmlElement* element = nullptr;
     SE3<double> X = SE3<double>::identity();
@@ -42,7 +42,7 @@ class MjcfWriter {
   void add_geom(XmlElement& body, const ShapeRecord& s, Index k);
   std::string mesh_asset(const ShapeRecord& s);
   std::string mesh_file(const ShapeRecord& s);
-  double height_asset(const ShapeRecord& s, std::string& name);  // how far its lowest point is above its origin
+  double height_asset(const ShapeRecord& s, std::string& name);  // height of its lowest point over its origin
   std::set<std::pair<Index, Index>> pairs_with_world_links() const;
   void add_contacts();
   // save_mjcf_laws.cpp
@@ -55,19 +55,19 @@ class MjcfWriter {
   Losses losses;
   tinyxml2::XMLDocument doc;
   XmlElement* root;
-  std::vector<std::vector<Index>> on, children;  // frames and joints that each joint carries
-  std::vector<Attachment> attachments;                 // of each joint
+  std::vector<std::vector<Index>> on, children;  // frames and joints of each joint
+  std::vector<Attachment> attachments;                 // by joint
   std::vector<Piece> pieces;                     // in the file's order
   std::map<Index, std::string> body_names;       // of BODY frames
   std::map<Index, std::string> geom_names;       // of shapes
   std::map<std::pair<int, Index>, std::string> surface_assets;
   std::map<std::string, std::string> file_assets;
   Names bodies, joints, geoms, assets;
-  int depth = 0;                                 // of elements that are open
-  Index drawn = -1;                              // the configuration that the file draws
+  int depth = 0;                                 // of open elements
+  Index drawn = -1;                              // the configuration that gives the poses of the file
 };
 
 void put_pose(XmlElement& e, const SE3<double>& X);
-bool is_identity_rotation(const Mat3<double>& R);  // to rounding
+bool is_identity_rotation(const Mat3<double>& R);  // within rounding
 
 }  // namespace dyn::load

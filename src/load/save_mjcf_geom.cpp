@@ -1,4 +1,4 @@
-// Model to MJCF: shapes, the meshes and height fields that they are, and which of them are tested.
+// Model to MJCF: shapes, their meshes and height fields, and which pairs are tested.
 #include <cmath>
 #include <filesystem>
 
@@ -10,7 +10,7 @@ namespace dyn::load {
 
 namespace {
 
-// Which kinds of friction a material has, as condim says it; the file's default otherwise.
+// Writes friction unless it is MuJoCo's default. condim selects the kinds of friction.
 void put_friction(XmlElement& e, const dynMaterial& x, bool of_pair) {
   const int condim = x.rolling != 0 ? 6 : x.torsion != 0 ? 4 : x.friction != 0 ? 3 : 1;
   if (!of_pair && condim == 3 && x.friction == 1) return;
@@ -115,7 +115,7 @@ double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {
     XmlElement& field = *section("asset").InsertNewChildElement("hfield");
     put(field, "name", name), put(field, "nrow", g.rows), put(field, "ncol", g.columns);
     put(field, "size", {(g.columns - 1) * g.step_x / 2, (g.rows - 1) * g.step_y / 2, range > 0 ? range : 1, least - g.bottom});
-    std::vector<double> heights;  // the first row of the text is the farthest
+    std::vector<double> heights;  // the text begins with the farthest row
     for (Index j = g.rows; j-- > 0;)
       for (Index i = 0; i < g.columns; ++i) heights.push_back(g.at(i, j)[2] - least);
     put(field, "elevation", heights);
@@ -124,7 +124,7 @@ double MjcfWriter::height_asset(const ShapeRecord& s, std::string& asset) {
   return least;
 }
 
-// Links of the world with shapes, and those that their joints carry, are pairs for MuJoCo.
+// Links of the world paired with links on their joints: MuJoCo tests them, so they are excluded.
 std::set<std::pair<Index, Index>> MjcfWriter::pairs_with_world_links() const {
   std::set<Index> fixed, moving;
   for (Index k = 0; k < m.n.shapes; ++k) {

@@ -1,4 +1,4 @@
-// Model to MJCF: joints with their numbers, and named configurations, which are numbers of joints.
+// Model to MJCF: joints with their parameters, and named configurations.
 #include <cmath>
 
 #include "save_mjcf.hpp"
@@ -101,7 +101,7 @@ void MjcfWriter::add_keys() {
       qpos.push_back(x);
       is_drawn &= x == 0;
     }
-    if (is_drawn) continue;  // the file draws it
+    if (is_drawn) continue;  // given by the poses of the file
     std::string name = m.string(m.configuration_names()[k]);
     if (k == drawn) losses.note("the configuration qpos0 is key 'qpos0_2': the file draws another"), name = "qpos0_2";
     XmlElement& key = *section("keyframe").InsertNewChildElement("key");

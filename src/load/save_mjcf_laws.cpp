@@ -64,7 +64,7 @@ void MjcfWriter::add_actuators() {
   }
 }
 
-// The name of a site there: the frame itself, or one that is added.
+// Returns the name of a site at the placement: the frame itself or an added one.
 std::string MjcfWriter::site(Index frame, const double (&placement)[12], const std::string& wanted) {
   const FrameRecord& r = m.frames()[frame];
   if (frame != 0 && r.type != DYN_FRAME_TYPE_BODY && r.type != DYN_FRAME_TYPE_JOINT && is_identity(placement)) return frame_name(frame);

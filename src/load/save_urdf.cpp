@@ -1,5 +1,5 @@
-// Model to URDF. Each joint's links hang on its main link, the one in the joint's own frame: a fixed joint each, as the file it came from may
-// have had them. What is no joint of the format is a chain of joints that are, with links without mass between them.
+// Model to URDF. Each joint has a main link, whose frame is the joint's. Other links attach to it by fixed joints. Joint types that
+// URDF lacks become chains of joints with massless links between them.
 #include <cmath>
 
 #include "collision/pair_search.hpp"
@@ -124,7 +124,7 @@ void UrdfWriter::add_moving(Index j) {
   if (chain.size() > 1) losses.note("joints of types that URDF has not are chains of joints that it has", m.string(r.name));
   std::string parent = main_name[size_t(r.parent)];
   SE3<double> X = load_se3(r.placement);
-  if (r.parent == 0 && r.type != DYN_JOINT_TYPE_FREE_FLYER) {  // what it hangs on, it does not touch
+  if (r.parent == 0 && r.type != DYN_JOINT_TYPE_FREE_FLYER) {  // a joint does not collide with the link it attaches to
     const Index link = collision::fixed_link(m.frames(), on[size_t(j)].front());
     if (link == 0) parent = bare_world();
     else if (link != main[0]) parent = frame_name(link), X = load_se3(m.frames()[link].placement).inverse() * X;
@@ -167,7 +167,7 @@ std::string UrdfWriter::write() {
   std::set<Index> done(main.begin(), main.end());
   const size_t root = floating ? 1 : 0;
   add_link(main_name[root], root == 0 && main[0] < 0 ? 0 : main[root]);
-  if (main[root] >= 0 && root == 0) {  // shapes on the universe itself
+  if (main[root] >= 0 && root == 0) {  // shapes on the world itself
     XmlElement* link = robot->LastChildElement("link");
     for (Index k = 0; k < m.n.shapes; ++k)
       if (m.shapes()[k].frame == 0) add_shape(*link, m.shapes()[k]);

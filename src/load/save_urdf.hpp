@@ -1,4 +1,4 @@
-// The writer of URDF.
+// Writer of URDF.
 #pragma once
 
 #include "save_xml.hpp"
@@ -31,7 +31,7 @@ class UrdfWriter {
   std::vector<std::string> main_name;
   std::string bare;  // see bare_world
   Names links, joints;
-  bool floating;  // the root link is free, which the reader says
+  bool floating;  // the root link is free, which is an option of the loader
 };
 
 void put_origin(XmlElement& parent, const SE3<double>& X);

@@ -1,11 +1,11 @@
-// Model to URDF: constraints, and what there is no place for.
+// Model to URDF: constraints, and the report of what the format cannot hold.
 #include "model/constraints.hpp"
 #include "save_urdf.hpp"
 #include "urdf_robot.hpp"
 
 namespace dyn::load {
 
-// As urdf_constraint.cpp reads them.
+// Written as urdf_constraint.cpp reads them.
 void UrdfWriter::add_constraints() {
   if (m.n.constraints == 0) return;
   XmlElement& block = *robot->InsertNewChildElement("libdyn");

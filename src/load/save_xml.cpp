@@ -83,7 +83,7 @@ ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& s) {
 
 std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R) {
   const double yaw = R(0, 0) == 0 && R(1, 0) == 0 ? 0 : math::atan2(R(1, 0), R(0, 0)), c = math::cos(yaw), s = math::sin(yaw);
-  // what is left after the yaw is taken back, so that the three fit together also where cos(pitch) is nearly 0
+  // from the rotation that remains after the yaw, which keeps the angles consistent where cos(pitch) is near 0
   return {math::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1)), math::atan2(-R(2, 0), c * R(0, 0) + s * R(1, 0)), yaw};
 }
 

@@ -1,4 +1,4 @@
-// What the writers of URDF and MJCF share: elements with numbers, a report of losses, names that are free, joints as chains of simple ones.
+// Shared by the writers of URDF and MJCF: numbers, the report of losses, unique names, joints as chains of simple ones.
 #pragma once
 
 #include <tinyxml2.h>
@@ -16,14 +16,14 @@ namespace dyn::load {
 
 using XmlElement = tinyxml2::XMLElement;
 
-// Numbers with spaces between, each as the shortest text that reads back as the same double.
+// Numbers separated by spaces, each as the shortest text that reads back as the same double.
 std::string number_list(std::span<const double> x);
 inline std::string number_list(std::initializer_list<double> x) { return number_list({x.begin(), x.size()}); }
 inline void put(XmlElement& e, const char* attribute, std::span<const double> x) { e.SetAttribute(attribute, number_list(x).c_str()); }
 inline void put(XmlElement& e, const char* attribute, std::initializer_list<double> x) { e.SetAttribute(attribute, number_list(x).c_str()); }
 inline void put(XmlElement& e, const char* attribute, double x) { put(e, attribute, {x}); }
 inline void put(XmlElement& e, const char* attribute, const std::string& x) { e.SetAttribute(attribute, x.c_str()); }
-// To three digits, which tell its 8 bits.
+// Three digits suffice for 8 bits.
 inline void put_rgba(XmlElement& e, std::uint32_t colour) {
   std::array<double, 4> rgba = rgba_of(colour);
   for (double& x : rgba) x = std::round(1000 * x) / 1000;
@@ -31,7 +31,7 @@ inline void put_rgba(XmlElement& e, std::uint32_t colour) {
 }
 std::string printed(const tinyxml2::XMLDocument& doc);
 
-// Losses of one kind are one line with all their names.
+// Report of what a format cannot hold. Losses of one kind are one line with all their names.
 class Losses {
  public:
   explicit Losses(SaveReport& report) : report_(report) {}
@@ -51,7 +51,7 @@ class Losses {
   std::vector<Line> lines_;
 };
 
-// Names of one kind of thing: each once.
+// Unique names of one kind of element.
 class Names {
  public:
   std::string claim(const std::string& wanted);
@@ -61,30 +61,30 @@ class Names {
   std::set<std::string> taken_;
 };
 
-// A revolute, continuous, prismatic, spherical, free or (cos, sin) joint of a chain; the last one has the joint's name and frame.
+// A revolute, continuous, prismatic, spherical, free or (cos, sin) joint of a chain. The last one has the joint's name and frame.
 struct SimpleJoint {
   dynJointType type;
   Axis axis;
   SE3<double> before;  // from the frame before, at q = 0
   std::string name;
-  int q, v;            // its first coordinate among the joint's own, and degree of freedom
-  std::string leader;  // of a follower, or ""
+  int q, v;            // first coordinate and degree of freedom within the joint
+  std::string leader;  // of a mimic joint, or ""
   double ratio, offset;
 };
-// A helical joint is a slide that follows a rotation.
+// A helical joint becomes a slide that mimics a rotation.
 std::vector<SimpleJoint> chain_of(const Model& m, Index joint, Names& names);
 
-// Numbers of a joint with one coordinate.
+// Parameters of a joint with one coordinate.
 struct ScalarNumbers {
   double lower, upper, velocity, effort, armature, damping, friction, stiffness, rest;
 };
 ScalarNumbers numbers_of(const JointSpec& spec, const SimpleJoint& joint);
 
 inline bool is_identity(const double (&placement)[12]) { return std::equal(placement, placement + 12, identity_placement.begin()); }
-// Angles of rotations about the fixed axes x, then y, then z.
+// Angles of rotations about the fixed axes x, y, z in this order.
 std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R);
 bool is_default(const dynMaterial& material, bool with_friction);
-// Frames that each joint carries, in order; the world's without the universe.
+// Frames of each joint, in order. The world's do not include the universe.
 std::vector<std::vector<Index>> frames_by_joint(const Model& m);
 
 }  // namespace dyn::load

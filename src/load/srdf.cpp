@@ -1,4 +1,4 @@
-// The top level of an SRDF: what is used, and what is listed with its line.
+// The top level of an SRDF: what is used, and what is reported with its line.
 #include "srdf.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ bool known(const Element& e, const char* kind, const std::string& name, const st
   return false;
 }
 
-// The names that groups and the like refer to.
+// Checks names that groups and similar elements refer to.
 void check_references(const Element& e, const std::string& owner, const SrdfContext& context) {
   for (const char* attribute : {"base_link", "tip_link", "parent_link", "child_link", "link"})
     if (const char* name = e.Attribute(attribute)) known_link(e, name, owner, context);

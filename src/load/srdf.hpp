@@ -1,4 +1,4 @@
-// An SRDF beside a URDF: named configurations, and pairs of links that are not tested for collision.
+// An SRDF that belongs to a URDF: named configurations, and disabled collision pairs.
 #pragma once
 
 #include "urdf_robot.hpp"
@@ -7,9 +7,9 @@ namespace dyn::load {
 
 struct Srdf {
   struct State {
-    std::string name;  // of the configuration: "state", or "group/state" when several groups have one of this name
+    std::string name;  // of the configuration: "state", or "group/state" if several groups have one of this name
     int line;
-    std::vector<std::pair<std::string, std::vector<double>>> joints;  // the model's, with their own coordinates
+    std::vector<std::pair<std::string, std::vector<double>>> joints;  // joints of the model with their coordinates
   };
   struct Pair {
     std::string link1, link2, reason;
@@ -18,15 +18,15 @@ struct Srdf {
   std::vector<Pair> pairs;
 };
 
-// What an SRDF is read against.
+// The robot that an SRDF refers to.
 struct SrdfContext {
   const UrdfRobot& robot;
   const std::string& root;  // link
-  bool floating;            // "root_joint" carries the root
+  bool floating;            // the root link is on "root_joint"
   Report& report;
 };
 
-// The file's parts; entries of the report begin with the file's name.
+// Reads the file. Report entries begin with its name.
 Srdf load_srdf(const std::string& file, const UrdfRobot& robot, const UrdfTree& tree, bool floating, bool strict, std::vector<Report::Entry>& entries);
 
 // srdf_states.cpp
@@ -34,10 +34,10 @@ std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& con
 // srdf_pairs.cpp
 std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& context);
 
-// Whether the robot has a link, or a joint, of this name; reported where it has not.
+// Returns whether the robot has a link or joint of this name. Reports it otherwise.
 bool known_link(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context);
 bool known_joint(const Element& e, const std::string& name, const std::string& owner, const SrdfContext& context);
-// Virtual joints carry the root in the world: the model's is "root_joint", whatever the SRDF calls it.
+// Virtual joints connect the root to the world. In the model it is "root_joint", whatever the SRDF calls it.
 bool is_virtual(const Element& root, const std::string& joint);
 
 }  // namespace dyn::load

@@ -1,5 +1,5 @@
-// <disable_collisions>, and MoveIt's defaults: <disable_default_collisions> takes a link's pairs away, <enable_collisions> gives single
-// ones back, <disable_collisions> has the last word.
+// <disable_collisions> and MoveIt's defaults. <disable_default_collisions> disables all pairs of a link, <enable_collisions>
+// enables single ones again. <disable_collisions> comes last.
 #include <algorithm>
 #include <set>
 
@@ -27,7 +27,7 @@ std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& conte
     out.push_back({a, b, printable(reason)});
     return true;
   };
-  // the two links of an element, or nothing when they are no pair of the robot
+  // Reads the two links of an element. Returns false unless they are a pair of the robot.
   const auto pair = [&](const Element& e, Names& names) {
     const Reader reader{report, std::string("<") + e.Name() + ">"};
     reader.unread(e, {"link1", "link2", "reason"}, {});

@@ -1,4 +1,4 @@
-// <group_state>: values of joints by name, which become named configurations.
+// <group_state>: joint values by name, which become named configurations.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -18,15 +18,15 @@ const JointSpec* find(const UrdfRobot& robot, const std::string& name) {
   return nullptr;
 }
 
-// The joint's own coordinates from the file's numbers, which may have an angle where the model has (cos, sin), and the other way
-// round. Empty: they do not fit.
+// A joint's coordinates from the file's numbers. Converts between an angle and (cos, sin). Returns an empty vector if the count is
+// wrong.
 std::vector<double> coordinates(dynJointType type, const std::vector<double>& given) {
   if (type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED && given.size() == 1) return {math::cos(given[0]), math::sin(given[0])};
   if (type == DYN_JOINT_TYPE_CONTINUOUS && given.size() == 2) return {math::atan2(given[1], given[0])};
   return given.size() == std::size_t(joint_nq(type)) ? given : std::vector<double>();
 }
 
-// A quaternion or (cos, sin) of norm 0 says nothing.
+// A quaternion or (cos, sin) of norm 0 is invalid.
 bool is_zero_rotation(dynJointType type, const std::vector<double>& given) {
   const bool rotates = type == DYN_JOINT_TYPE_FREE_FLYER || type == DYN_JOINT_TYPE_SPHERICAL || ((type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED || type == DYN_JOINT_TYPE_CONTINUOUS) && given.size() == 2);
   const auto begin = given.begin() + (type == DYN_JOINT_TYPE_FREE_FLYER ? 3 : 0);
@@ -36,7 +36,7 @@ bool is_zero_rotation(dynJointType type, const std::vector<double>& given) {
 struct StateReader {
   const Element& root;
   const SrdfContext& context;
-  Reader reader;  // its owner is the state
+  Reader reader;  // named after the state
 
   void joint(const Element& e, Srdf::State& state) {
     reader.unread(e, {"name", "value"}, {});
@@ -68,7 +68,7 @@ struct StateReader {
 }  // namespace
 
 std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& context) {
-  std::map<std::string, int> groups;  // that have a state of this name
+  std::map<std::string, int> groups;  // number of groups with a state of this name
   std::set<std::string> known_groups, taken = {"neutral"};
   for (const Element* g = first(root, "group"); g; g = next(*g, "group"))
     if (const char* name = g->Attribute("name")) known_groups.insert(name);

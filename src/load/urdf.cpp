@@ -1,4 +1,4 @@
-// URDF to model: read, check, read again, build.
+// URDF to model: read, check, compare with urdfdom, build.
 #include "srdf.hpp"
 #include "urdf_robot.hpp"
 
@@ -8,7 +8,7 @@ namespace {
 
 using namespace load;
 
-// The builder's own refusals, with the file's line in front.
+// Adds the file's line to errors of the builder.
 template <class Call>
 auto with_location(const Report& report, int line, const Call& call) {
   try {

@@ -1,4 +1,4 @@
-// What holds the root link.
+// Decides whether the root link is fixed or floating.
 #include "urdf_robot.hpp"
 
 namespace dyn::load {
@@ -7,7 +7,7 @@ bool floating_base(const UrdfRobot& robot, const UrdfTree& tree, dynBase base, R
   const UrdfLink& root = robot.links[tree.root];
   const std::string called = "the root link " + quoted(root.name);
 
-  // Mass of the root and of all that is welded to it.
+  // Mass of the root and everything welded to it.
   double welded = root.mass;
   std::vector<char> rigid(robot.links.size());
   rigid[tree.root] = 1;

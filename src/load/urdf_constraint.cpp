@@ -1,11 +1,11 @@
-// <libdyn> in a URDF: constraints, which the format itself has no place for.
+// <libdyn> in a URDF: constraints, which the format itself does not have.
 //   <constraint name="pin" type="revolute" stiffness="0" damping="0">
 //     <first link="rocker"><origin xyz="0.8 0 0"/></first>
 //     <second link="ground"/>                                  (none: the world)
 //     <axis xyz="0 0 1"/>
 //   </constraint>
-// type: point, frame, connect, weld, distance (length), a joint's type, which closes a loop (pitch; <axis2>), coupling (coefficients), limit,
-// friction (force); the last three have <first joint="..."/>.
+// type: point, frame, connect, weld, distance (length), a joint type that closes a loop (pitch; <axis2>), coupling (coefficients),
+// limit, friction (force). The last three have <first joint="..."/>.
 #include <algorithm>
 
 #include "model/constraints.hpp"

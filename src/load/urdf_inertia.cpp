@@ -1,4 +1,4 @@
-// Which mass properties a body can have. The numbers of the file are used or refused, never replaced.
+// Checks whether a body can have these mass properties. Numbers of the file are used or refused, never replaced.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
@@ -11,7 +11,7 @@ namespace {
 using Matrix3 = Eigen::Matrix3d;
 using Vector3 = Eigen::Vector3d;
 
-// Files are written with six digits; a body of this mass and a radius of gyration of 10 nm stands for "zero".
+// Files have about six digits. A radius of gyration of 10 nm counts as zero.
 constexpr double relative_tolerance = 1e-6;
 constexpr double tiny_radius_squared = 1e-16;
 
@@ -31,7 +31,7 @@ std::string formatted(const std::array<double, 3>& m) {
   return out;
 }
 
-// Closest moments with a + b >= c.
+// Nearest moments that satisfy a + b >= c.
 std::array<double, 3> nearest_possible(std::array<double, 3> m) {
   for (double& x : m) x = std::max(x, 0.0);
   const double excess = std::max(0.0, m[2] - m[0] - m[1]) / 3;
@@ -72,9 +72,9 @@ void check_inertia(UrdfLink& l, Report& report) {
 void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fixed_base, Report& report) {
   if (std::none_of(robot.links.begin(), robot.links.end(), negative)) return;
 
-  // Links by the moving joint that carries them, placed in that joint's frame.
+  // Links by their moving joint, placed in that joint's frame.
   const int n = int(robot.links.size());
-  std::vector<int> rigid_group(n, tree.root);  // the first link of each rigid group
+  std::vector<int> rigid_group(n, tree.root);  // first link of each rigid group
   std::vector<Eigen::Isometry3d> placement(n, Eigen::Isometry3d::Identity());
   for (int j : tree.order) {
     const JointSpec& s = robot.joints[j].spec;

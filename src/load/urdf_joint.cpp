@@ -22,7 +22,7 @@ constexpr Type types[] = {
     {"spherical", DYN_JOINT_TYPE_SPHERICAL, false}, {"ball", DYN_JOINT_TYPE_SPHERICAL, false},
 };
 
-// The largest number stands for no limit where the format requires one.
+// The largest double stands for no limit where the format requires a number.
 constexpr double no_limit = std::numeric_limits<double>::max();
 
 bool one_axis(dynJointType t) {

@@ -8,7 +8,7 @@ namespace dyn::load {
 
 namespace {
 
-// R I R^T, 3 x 3 by columns.
+// R I R^T, 3 x 3, column-major.
 std::array<double, 9> rotated(const std::array<double, 9>& I, const Placement& X) {
   std::array<double, 9> RI{}, out{};
   for (int c = 0; c < 3; ++c)
@@ -89,7 +89,7 @@ void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& 
   reader.report.physics(line(e), reader.owner + ": mesh " + quoted(name) + " is not found" + tried);
 }
 
-// Reads a <visual> or <collision>; false when there is nothing that could be kept.
+// Reads a <visual> or <collision>. Returns false if it holds no supported shape.
 bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths& meshes, const Colours& colours) {
   const bool physics = shape.role == DYN_SHAPE_ROLE_COLLISION;
   reader.unread(e, {"name", "group"}, {"origin", "geometry", "material"}, physics);

@@ -1,4 +1,4 @@
-// Every joint must move something that has mass: otherwise its acceleration under a force is undefined.
+// Every joint must move mass: otherwise its acceleration under a force is undefined.
 #include <algorithm>
 
 #include "urdf_robot.hpp"
@@ -7,7 +7,7 @@ namespace dyn::load {
 
 void check_moving_mass(const UrdfRobot& robot, const UrdfTree& tree, Report& report) {
   const int njoints = int(robot.joints.size());
-  std::vector<char> has_mass(robot.links.size());  // the link, or something that hangs on it
+  std::vector<char> has_mass(robot.links.size());  // the link, or anything beyond it
   for (size_t i = 0; i < robot.links.size(); ++i) {
     const UrdfLink& l = robot.links[i];
     has_mass[i] = l.mass > 0 || l.moments[2] > 0;
@@ -15,7 +15,7 @@ void check_moving_mass(const UrdfRobot& robot, const UrdfTree& tree, Report& rep
   for (auto j = tree.order.rbegin(); j != tree.order.rend(); ++j)
     if (has_mass[tree.child[*j]]) has_mass[tree.parent[*j]] = 1;
 
-  // What a follower moves, its leader moves. check_mimic has made sure that the chains end.
+  // A mimic joint's mass counts for its leader. check_mimic has verified that the chains end.
   std::unordered_map<std::string_view, int> index;
   for (int j = 0; j < njoints; ++j) index[robot.joints[j].spec.name] = j;
   std::vector<char> moves(njoints);

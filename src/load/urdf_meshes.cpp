@@ -1,4 +1,4 @@
-// What stands for the collision meshes of a robot: dynMeshUse.
+// Collision shapes of a robot's meshes: dynMeshUse.
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -23,7 +23,7 @@ void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& 
         try {
           meshes::MeshOptions how;
           how.scale = shape.size, how.package_dirs = options.package_dirs, how.confined = Confined(report.file(), options);
-          if (!std::filesystem::exists(shape.mesh)) how.relative_to = report.file();  // to say what was tried
+          if (!std::filesystem::exists(shape.mesh)) how.relative_to = report.file();  // so that messages list the paths tried
           const meshes::Mesh mesh = meshes::read_mesh(shape.mesh, how);
           at = known.emplace(std::pair(shape.mesh, shape.size), collision_mesh_of(mesh, options.meshes)).first;
         } catch (const Error& e) {

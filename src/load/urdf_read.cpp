@@ -1,4 +1,4 @@
-// The top level of a URDF: <robot>, its links and joints in order, and the blocks that other programs own.
+// The top level of a URDF: <robot>, its links and joints in order, and blocks of other programs.
 #include <algorithm>
 
 #include "reader.hpp"
@@ -12,7 +12,7 @@ const std::initializer_list<std::string_view> known_elements = {
     "link",   "joint",  "gazebo", "transmission", "material", "sensor",   "ros2_control",
     "mujoco", "webots", "group",  "actuator",     "hardware", "isaac_sim",    "libdyn"};
 
-// Walks everything below e without recursion; visit gets each element.
+// Visits every element below e without recursion.
 template <class Visit>
 void for_each_below(const Element& e, const Visit& visit) {
   const tinyxml2::XMLNode* n = e.FirstChild();
@@ -30,7 +30,7 @@ void for_each_below(const Element& e, const Visit& visit) {
   }
 }
 
-// One line for all blocks of a kind, and a warning where such a block hides mechanics that the model then lacks.
+// Counts blocks of other programs. Warns if such a block hides mechanics that the model then lacks.
 void report_foreign_block(const Element& e, Report& report) {
   const std::string_view name = e.Name();
   if (name == "gazebo")
@@ -50,7 +50,7 @@ void report_foreign_block(const Element& e, Report& report) {
   });
 }
 
-// Names become frames, keys of JSON and words in messages.
+// Names become frame names, JSON keys and words in messages.
 void check_name(const char* kind, const std::string& name, int at_line, Report& report) {
   const std::string label = kind + std::string(" ");
   if (printable(name) != name)

@@ -1,4 +1,4 @@
-// A URDF file as values, and the steps between the file and the builder. Each step fails through the report.
+// A URDF file as values, and the steps between file and builder. Each step fails through the report.
 #pragma once
 
 #include "colour.hpp"
@@ -24,7 +24,7 @@ struct UrdfLink {
 };
 
 struct UrdfJoint {
-  JointSpec spec;  // parent is filled in when the tree is known
+  JointSpec spec;  // parent is set when the tree is known
   std::string type;
   std::string parent, child;  // links
   int line = 0, parent_line = 0, child_line = 0, mimic_line = 0;
@@ -51,33 +51,33 @@ struct UrdfTree {
 
 // urdf_read.cpp, urdf_link.cpp, urdf_joint.cpp: the walk over the XML.
 UrdfRobot read_urdf(const Element& root, Report& report, const LoadOptions& options);
-// Meshes of collision shapes to what stands for them.
+// Replaces collision meshes by shapes.
 void read_collision_meshes(UrdfRobot& robot, Report& report, const LoadOptions& options);
 UrdfLink read_link(const Element& e, Report& report, MeshPaths& meshes, const Colours& colours);
-// urdf_constraint.cpp: what a <libdyn> block holds, and the names that it has for types; of a loop that is its joint's.
+// urdf_constraint.cpp: the content of a <libdyn> block, and names of constraint types. A loop has the name of its joint's type.
 const char* constraint_type_name(const dynConstraint& c);
 void read_constraints(const Element& block, Report& report, std::vector<UrdfConstraint>& out);
 UrdfJoint read_joint(const Element& e, Report& report, const LoadOptions& options);
 
-// urdf_tree.cpp: one root, no cycle, every link known and with one parent; mimic leaders exist and move.
+// urdf_tree.cpp: one root, no cycle, every link known and with one parent. Mimic leaders exist and move.
 UrdfTree check_tree(const UrdfRobot& robot, Report& report);
 void check_mimic(UrdfRobot& robot, Report& report);
 
-// urdf_inertia.cpp. The first throws for what no body can be and sets the principal moments; the second needs the tree: a
-// negative principal moment is bearable only where a weld to other links makes up for it.
+// urdf_inertia.cpp. check_inertia throws for impossible inertias and sets the principal moments. A negative moment is allowed if
+// links welded to the body compensate it, which check_welded_inertia decides.
 void check_inertia(UrdfLink& link, Report& report);
 void check_welded_inertia(const UrdfRobot& robot, const UrdfTree& tree, bool fixed_base, Report& report);
 
-// urdf_mass.cpp: what every joint moves has mass.
+// urdf_mass.cpp: every joint moves mass.
 void check_moving_mass(const UrdfRobot& robot, const UrdfTree& tree, Report& report);
 
-// urdf_unused.cpp: damping, dry friction and limits are data that no algorithm applies.
+// urdf_unused.cpp: reports damping, dry friction and limits, which the algorithms do not apply by themselves.
 void report_unused_data(const UrdfRobot& robot, Report& report);
 
 // urdf_base.cpp: fixed or floating, or DYN_ERROR_BASE.
 bool floating_base(const UrdfRobot& robot, const UrdfTree& tree, dynBase base, Report& report);
 
-// urdf_urdfdom.cpp: reads the text again with urdfdom and reports where the two readings differ.
+// urdf_urdfdom.cpp: reads the text again with urdfdom and reports differences.
 void compare_with_urdfdom(const std::string& text, const UrdfRobot& robot, const UrdfTree& tree, Report& report);
 
 }  // namespace dyn::load

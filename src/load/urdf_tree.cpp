@@ -1,4 +1,4 @@
-// Links and joints as one tree, and mimic joints as chains that end. No recursion: a chain may have 10^5 links.
+// Links and joints as one tree, and mimic relations as finite chains. No recursion: a chain may have 10^5 links.
 #include <algorithm>
 
 #include "urdf_robot.hpp"
@@ -11,7 +11,7 @@ using Index = std::unordered_map<std::string_view, int>;
 
 std::string joint_label(const UrdfJoint& j) { return "joint " + quoted(j.spec.name); }
 
-// The first few of a list of names: "'a', 'b', 'c' and 4 more".
+// The first names of a list: "'a', 'b', 'c' and 4 more".
 std::string first_names(const std::vector<std::string>& names, const char* between) {
   std::string out;
   const size_t shown = std::min<size_t>(names.size(), 8);
@@ -31,7 +31,7 @@ int find_link(const Index& links, const UrdfRobot& robot, const UrdfJoint& j, co
                   ": add <link name=...> or correct the name");
 }
 
-// Every link has a parent joint (carrier[link]) when this is called on a link: going up must come back.
+// Reports a cycle that contains or leads to `link`. Every link on the way up must have a parent joint.
 [[noreturn]] void fail_cycle(const UrdfRobot& robot, const UrdfTree& tree, const std::vector<int>& parent_joint, int link,
                              const Report& report) {
   std::vector<char> seen(robot.links.size());
@@ -58,7 +58,7 @@ UrdfTree check_tree(const UrdfRobot& robot, Report& report) {
   for (int i = 0; i < nlinks; ++i) links[robot.links[i].name] = i;
 
   UrdfTree tree;
-  std::vector<int> parent_joint(nlinks, -1);  // the joint that carries each link
+  std::vector<int> parent_joint(nlinks, -1);  // of each link
   std::vector<std::vector<int>> children(nlinks);
   for (int i = 0; i < njoints; ++i) {
     const UrdfJoint& j = robot.joints[i];
@@ -139,7 +139,7 @@ void check_mimic(UrdfRobot& robot, Report& report) {
         report.info(side->line, joint_label(*side) + " takes part in a mimic relation: stored as an angle, not as (cos, sin)");
       }
   }
-  std::vector<char> ends(robot.joints.size());  // chains that were followed to a joint that leads
+  std::vector<char> ends(robot.joints.size());  // chains already followed to a leader
   for (size_t i = 0; i < leader.size(); ++i) {
     std::vector<int> path;
     std::vector<std::string> names;

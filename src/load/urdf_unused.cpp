@@ -1,5 +1,5 @@
-// What a robot says and the model keeps, but no algorithm applies by itself: one line of the report for damping and dry friction, one for
-// limits of speeds and efforts.
+// Reports parameters that the model keeps and no algorithm applies by itself: one line for damping and dry friction, one for
+// velocity and effort limits.
 #include <algorithm>
 
 #include "urdf_robot.hpp"

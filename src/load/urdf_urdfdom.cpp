@@ -1,4 +1,4 @@
-// A second reading by urdfdom, the parser of ROS: where the two readings differ, one of them would simulate another robot.
+// Second reading by urdfdom, the parser of ROS. Where the readings differ, one of them would simulate another robot.
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -14,16 +14,16 @@ namespace dyn::load {
 
 namespace {
 
-// urdfdom frees a chain of links by recursion, and keeps its links in maps: above this size it is not asked.
+// urdfdom frees chains of links by recursion, so larger robots are not compared.
 constexpr size_t max_links = 20000;
 
-// Keeps urdfdom's messages instead of printing them; what other threads log meanwhile goes where it went before.
+// Captures urdfdom's messages of this thread. Messages of other threads go to the previous handler.
 class CapturedMessages : public console_bridge::OutputHandler {
  public:
   CapturedMessages() : before_(console_bridge::getOutputHandler()) { console_bridge::useOutputHandler(this); }
   ~CapturedMessages() override {
     console_bridge::useOutputHandler(before_);
-    console_bridge::useOutputHandler(before_);  // again: it also keeps the one before, which must not be this object
+    console_bridge::useOutputHandler(before_);  // twice: it also stores the previous handler, which must not be this object
   }
   void log(const std::string& text, console_bridge::LogLevel level, const char* file, int line) override {
     if (std::this_thread::get_id() == thread_)
@@ -38,7 +38,7 @@ class CapturedMessages : public console_bridge::OutputHandler {
   std::thread::id thread_ = std::this_thread::get_id();
 };
 
-// urdfdom hands words of the file to printf as formats: it must not see a '%', spelled out or as a character reference.
+// urdfdom passes words of the file to printf as formats, so '%' must not occur, not even as a character reference.
 std::string without_percent(std::string text) {
   std::replace(text.begin(), text.end(), '%', '_');
   return text;
@@ -60,7 +60,7 @@ struct UrdfdomModel {
     }
     if (!model) refusal = messages.lines.empty() ? "no reason given" : messages.lines.front();
   }
-  ~UrdfdomModel() {  // so that no link owns the next one
+  ~UrdfdomModel() {  // breaks the ownership chain of links
     if (!model) return;
     for (auto& [name, link] : model->links_) link->child_links.clear(), link->child_joints.clear();
   }
@@ -79,7 +79,7 @@ bool same(const Placement& X, const urdf::Pose& pose) {
   return near(X[9], pose.position.x) && near(X[10], pose.position.y) && near(X[11], pose.position.z);
 }
 
-// "" or what differs.
+// Returns "" or what differs.
 std::string difference(const UrdfLink& l, const urdf::Link& other) {
   if ((l.inertial_line > 0) != bool(other.inertial)) return "<inertial>";
   if (!other.inertial) return "";

@@ -9,18 +9,18 @@ namespace dyn::load {
 namespace {
 
 constexpr int max_depth = 80;             // tinyxml2 stops at 100; real files stay below 20
-constexpr int max_attributes = 64;        // of one element: parsers look for duplicates pairwise
+constexpr int max_attributes = 64;        // of one element; parsers compare them pairwise
 constexpr size_t max_elements = 5000000;  // about 1 GB in memory
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 constexpr std::string_view name_end = " \t\r\n/>";
 
-// Steps through the markup of a text: comments, declarations, tags.
+// Scans the markup of a text: comments, declarations, tags.
 struct Markup {
   enum Kind { end, other, doctype, open, close, unclosed };
 
   std::string_view text;
-  size_t at = 0;     // where to look on
-  size_t begin = 0;  // of the item found
+  size_t at = 0;     // position of the scan
+  size_t begin = 0;  // start of the item found
   std::string_view name;
   int attributes = 0;
   bool empty = false;  // <a/>
@@ -61,7 +61,7 @@ struct Markup {
       if (c == '=') {
         ++attributes;
       } else if ((at = text.find(c, at)) == text.npos) {
-        break;  // a quote that never closes
+        break;  // an unclosed quote
       } else {
         ++at;
       }
@@ -71,7 +71,7 @@ struct Markup {
   }
 };
 
-// A character reference at the begin of the text, "&#38;" or "&#x26;", that names a character of XML 1.0.
+// Returns whether the text begins with a reference such as "&#38;" or "&#x26;" to a character of XML 1.0.
 bool good_reference(std::string_view text) {
   text = text.substr(0, std::min(text.find(';'), text.size() - 1) + 1);
   const bool hexadecimal = text.starts_with("&#x");
@@ -99,7 +99,7 @@ void check_xml(const std::string& text, const Report& report) {
                 std::to_string(text.size()) + " bytes, and the limit is " + std::to_string(max_file_bytes) + " bytes");
   if (const size_t zero = text.find('\0'); zero != text.npos) fail(DYN_ERROR_PARSE, zero, "zero byte: this is not a text file");
 
-  // what parsers cut short or read as something else
+  // parsers truncate or misread invalid references
   const auto check_references = [&](size_t from, size_t to) {
     const std::string_view part = std::string_view(text).substr(from, to - from);
     for (size_t at = part.find("&#"); at != part.npos; at = part.find("&#", at + 2))

@@ -1,4 +1,4 @@
-// Well-formed XML of bearable size, with line numbers.
+// Well-formed XML of bounded size, with line numbers.
 #pragma once
 
 #include <tinyxml2.h>
@@ -13,14 +13,14 @@ using Element = tinyxml2::XMLElement;
 
 inline constexpr size_t max_file_bytes = size_t(128) << 20;
 
-// One pass over the text, before any parser sees it: refuses what parsers choke on (a document type with its entities,
-// zero bytes, nesting, sizes), and what only xacro understands. Throws through report.
+// Checks a text before parsing. Refuses document types with entities, zero bytes, excessive nesting and sizes, and xacro macros.
+// Throws through the report.
 void check_xml(const std::string& text, const Report& report);
 
-// Name of the first element, or "" when there is none: what kind of file this is.
+// Name of the first element, or "" if there is none.
 std::string root_element(const std::string& text);
 
-// The parsed document; check_xml first.
+// The parsed document. Call check_xml first.
 class Document {
  public:
   Document(const std::string& text, const Report& report);
@@ -31,7 +31,7 @@ class Document {
   tinyxml2::XMLDocument xml_;
 };
 
-// First element child with this name, or nullptr; next one with the same name.
+// First child element of this name, or null; next element of this name.
 inline const Element* first(const Element& e, const char* name = nullptr) { return e.FirstChildElement(name); }
 inline const Element* next(const Element& e, const char* name = nullptr) { return e.NextSiblingElement(name); }
 inline int line(const Element& e) { return e.GetLineNum(); }

@@ -15,7 +15,7 @@ namespace dyn::mesh {
 
 namespace {
 
-// qhull and what it prints, freed together.
+// qhull and its output, freed together.
 struct Qhull {
   qhT qh;
   char* said = nullptr;
@@ -41,7 +41,7 @@ struct Qhull {
   }
 };
 
-// Corners of all faces as qhull orders them. In C alone: qhull's errors are long jumps.
+// Corners of all faces in qhull's order. Plain C inside, because qhull reports errors by longjmp.
 bool collect(qhT* qh, std::int32_t* of_face, std::int32_t* start, std::int32_t faces, std::int32_t room) {
   if (setjmp(qh->errexit)) return false;
   qh->NOerrexit = False;
@@ -73,7 +73,7 @@ void area_vector(const double* points, const std::int32_t* corners, std::int32_t
   }
 }
 
-// Each edge once each way, and Euler's formula: a polytope.
+// Checks that each edge is passed once each way, and Euler's formula.
 void check_polytope(const Faces& f) {
   std::vector<std::uint64_t> there, back;
   for (std::size_t k = 0; k + 1 < f.start.size(); ++k)
@@ -92,7 +92,7 @@ void check_polytope(const Faces& f) {
 }  // namespace
 
 Faces hull_qhull(const double* points, std::int32_t count) {
-  // centred and of size 1, so that rounding is what it is for any units
+  // centred and scaled to size 1, so tolerances hold for any unit
   double low[3], high[3], extent = 0;
   for (int k = 0; k < 3; ++k) {
     low[k] = std::numeric_limits<double>::infinity(), high[k] = -low[k];
@@ -104,7 +104,7 @@ Faces hull_qhull(const double* points, std::int32_t count) {
   for (std::size_t i = 0; i < scaled.size(); ++i) scaled[i] = (points[i] - (low[i % 3] + high[i % 3]) / 2) / extent;
 
   Qhull q;
-  char command[] = "qhull Pp";  // Pp: no words about precision
+  char command[] = "qhull Pp";  // Pp: no precision messages
   const int status = qh_new_qhull(&q.qh, 3, count, scaled.data(), False, command, nullptr, q.log);
   if (status == qh_ERRsingular) throw Refusal(DYN_ERROR_INVALID, "the points lie in a plane, within rounding: a hull needs volume");
   if (status == qh_ERRmem) throw std::bad_alloc();
@@ -123,7 +123,7 @@ Faces hull_qhull(const double* points, std::int32_t count) {
   if (!collect(&q.qh, f.of_face.data(), f.start.data(), faces, std::int32_t(room))) throw Refusal(DYN_ERROR_NUMERIC, "qhull failed: " + q.message());
   f.of_face.resize(std::size_t(f.start.back()));
 
-  // counter-clockwise from outside: away from the middle of the corners
+  // counter-clockwise from outside: away from the mean of the corners
   f.corners = f.of_face;
   std::sort(f.corners.begin(), f.corners.end());
   f.corners.erase(std::unique(f.corners.begin(), f.corners.end()), f.corners.end());

@@ -1,4 +1,4 @@
-// The module's table, and the one place where exceptions become failures.
+// The module's function table. The only place that turns exceptions into failures.
 #include "module.hpp"
 
 #include <assimp/version.h>

@@ -1,5 +1,5 @@
-// What libdyn.so asks of libdyn_mesh.so, the module with assimp and qhull in it, which is opened when the first mesh is: one function,
-// dyn_mesh_module, that answers a table of functions. Plain values, no exceptions: both sides may be of different compilers.
+// Interface between libdyn.so and the module libdyn_mesh.so (assimp, qhull), which is opened with the first mesh. One function,
+// dyn_mesh_module, returns a table of functions. Plain values and no exceptions, because the compilers may differ.
 #pragma once
 
 #include <cstdint>
@@ -8,19 +8,19 @@
 
 namespace dyn::mesh {
 
-inline constexpr std::uint32_t module_version = 2;  // of this file
+inline constexpr std::uint32_t module_version = 2;  // of this interface
 
 struct Failure {
   dynStatus status;
   char message[600];
 };
 
-// Triangles as the file has them, each corner on its own or shared; points and lines are counted.
+// Triangles as in the file; corners may be shared. Points and lines are counted.
 struct Soup {
   double* vertices;  // 3 each
   std::int64_t vertex_count;
   std::int32_t* triangles;  // 3 each
-  std::uint32_t* colours;   // of the triangles, as in dyn/model/colour.hpp
+  std::uint32_t* colours;   // of the triangles, as in model/colour.hpp
   std::int64_t triangle_count;
   std::int64_t skipped;
 };
@@ -36,7 +36,7 @@ struct HullFaces {
 
 struct Module {
   std::uint32_t version, size;
-  // The file's triangles in metres. up_z: what the file calls up becomes z.
+  // Reads a file's triangles in metres. up_z: the file's up axis becomes z.
   bool (*read)(const char* path, bool up_z, std::int64_t max_triangles, Soup* out, Failure* failure);
   // points: 3 each, finite
   bool (*hull)(const double* points, std::int32_t count, HullFaces* out, Failure* failure);
@@ -45,7 +45,7 @@ struct Module {
   const char* libraries;  // "assimp 5.2.5, qhull 2020.2.r"
 };
 
-// nullptr: this module has another version.
+// Returns null if this module has another version.
 using GetModule = const Module* (*)(std::uint32_t version);
 inline constexpr const char* module_function = "dyn_mesh_module";
 

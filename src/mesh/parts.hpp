@@ -1,4 +1,4 @@
-// What the module is made of. These throw.
+// Parts of the module. These throw.
 #pragma once
 
 #include <algorithm>

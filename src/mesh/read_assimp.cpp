@@ -1,4 +1,4 @@
-// Mesh files by assimp: the triangles of all nodes of the scene, where the nodes put them.
+// Mesh files by assimp: the triangles of all nodes, in the scene's frame.
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -48,7 +48,7 @@ std::string lower_extension(std::string_view path) {
   return out;
 }
 
-// assimp keeps single precision; what a text says in up to seven digits comes back exactly.
+// assimp stores single precision. Numbers of up to seven digits are restored exactly.
 double from_decimal(float x) {
   char digits[32];
   const char* end = std::to_chars(digits, digits + sizeof digits, x).ptr;
@@ -57,7 +57,8 @@ double from_decimal(float x) {
   return value;
 }
 
-// The diffuse colour that the file says, or none: assimp makes a grey, or a material of its own, where it says nothing, and white is the factor of a texture.
+// Diffuse colour of the file, or none. Ignores assimp's default grey and materials of its own, and white, which is the factor of a
+// texture.
 std::optional<aiColor4D> diffuse(const aiMaterial& material) {
   aiColor4D c;
   const std::string name = material.GetName().C_Str();
@@ -66,7 +67,7 @@ std::optional<aiColor4D> diffuse(const aiMaterial& material) {
   return c;
 }
 
-// Of light as of screens: IEC 61966-2-1.
+// Linear light to sRGB: IEC 61966-2-1.
 double from_linear(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055; }
 
 struct Reading {
@@ -84,7 +85,7 @@ struct Reading {
     return X;
   }
 
-  // That of the material times the mean of the corners'.
+  // Material colour times the mean of the corner colours.
   std::uint32_t colour(const aiMesh& mesh, const std::optional<aiColor4D>& material, const aiFace& face) const {
     if (!material && !mesh.HasVertexColors(0)) return 0;
     aiColor4D sum(1, 1, 1, 1);
@@ -129,7 +130,7 @@ struct Reading {
   }
 };
 
-// What a mesh names itself (materials, buffers) is read from its own folder alone, and what is in that.
+// Restricts files that a mesh names (materials, buffers) to its own folder and below.
 class OneFolder : public Assimp::DefaultIOSystem {
  public:
   explicit OneFolder(const char* path) : folder_(std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path()) {}
@@ -156,8 +157,8 @@ Triangles read_assimp(const char* path, bool up_z, std::int64_t max_triangles) {
   const std::string kind = lower_extension(path);
   const bool collada = kind == "dae", gltf = kind == "gltf" || kind == "glb";
   Assimp::Importer importer;
-  importer.SetIOHandler(new OneFolder(path));  // which the importer owns
-  // assimp's own convention is y up, to which it turns what COLLADA says
+  importer.SetIOHandler(new OneFolder(path));  // the importer owns it
+  // assimp's convention is y up; it converts COLLADA to that
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, !up_z);
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
   if (!scene || !scene->mRootNode) {
