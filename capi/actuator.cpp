@@ -1,7 +1,7 @@
 // Actuators, controls, and forces from outside.
 #include <cstring>
 
-#include "simulation/actuators.hpp"
+#include "algorithm/actuators.hpp"
 #include "simulation/workspace.hpp"
 #include "guard.hpp"
 
@@ -40,7 +40,7 @@ Force<double> shifted(const Force<double>& f, const Vec3<double>& p) { return {f
 extern "C" {
 
 void dyn_actuator_init(dynActuator* actuator, dynActuatorType type) {
-  if (actuator) *actuator = simulation::default_actuator(type);
+  if (actuator) *actuator = default_actuator(type);
 }
 
 dynStatus dyn_builder_add_actuator(dynBuilder* builder, const char* name, const dynActuator* actuator, const char* joint) {
@@ -104,7 +104,7 @@ dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame,
   if (reference == DYN_REFERENCE_WORLD && point)
     return fail(DYN_ERROR_ARGUMENT, "%s: a moment about the world's origin has no point on the body: pass NULL, or use DYN_REFERENCE_LOCAL_WORLD_ALIGNED", call.function);
   Data<double>& d = call.d();
-  simulation::AppliedWrench<double>& held = d.wrenches[f.joint];
+  AppliedWrench<double>& held = d.wrenches[f.joint];
   const Force<double> w = load_force(wrench);
   const Vec3<double> at = point ? f.X.act(load3(point)) : f.X.p;
   if (reference == DYN_REFERENCE_LOCAL) {
@@ -115,7 +115,7 @@ dynStatus dyn_data_apply_wrench(const dynModel* model, dynData* data, int frame,
   } else {
     held.world = held.world + w;
   }
-  d.pushed = simulation::acting_wrenches, d.acting |= d.pushed;
+  d.pushed = acting_wrenches, d.acting |= d.pushed;
   simulation::invalidate_sleep(d);
   return DYN_OK;
 }
@@ -124,7 +124,7 @@ dynStatus dyn_data_clear_wrenches(const dynModel* model, dynData* data) {
   Call call(model, data, DYN_PART_SIMULATION, "dyn_data_clear_wrenches");
   if (!call) return call.status;
   Data<double>& d = call.d();
-  for (Index j = 0; j < call.m().n.joints; ++j) d.wrenches[j] = simulation::AppliedWrench<double>::none();
+  for (Index j = 0; j < call.m().n.joints; ++j) d.wrenches[j] = AppliedWrench<double>::none();
   d.acting &= ~d.pushed, d.pushed = 0;
   simulation::invalidate_sleep(d);
   return DYN_OK;

@@ -143,7 +143,7 @@ void dyn_shape_spec_init(dynShapeSpec* spec) {
   spec->struct_size = sizeof *spec;
   spec->type = DYN_SHAPE_TYPE_BOX, spec->role = DYN_SHAPE_ROLE_COLLISION;
   spec->contype = spec->conaffinity = 1;
-  spec->material = simulation::default_material();
+  spec->material = shape::default_material();
   spec->placement[0] = spec->placement[4] = spec->placement[8] = 1;
 }
 

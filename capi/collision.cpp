@@ -28,11 +28,11 @@ dynStatus read_geometry(const char* function, const char* name, const dynGeometr
   if (!collision::geometry_of(g->type, g->size, g->radius, out))
     return fail(DYN_ERROR_ARGUMENT, "%s: %s: type %d does not exist: use DYN_SHAPE_... values", function, name, raw(g->type));
   for (int k = 0; k < collision::size_count(g->type); ++k)
-    if (!(g->size[k] >= collision::smallest && g->size[k] <= collision::largest))
+    if (!(g->size[k] >= shape::min_length && g->size[k] <= shape::max_length))
       return fail(std::isfinite(g->size[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s: size[%d] is %g: give metres from %g to %g", function, name, k,
-                  g->size[k], collision::smallest, collision::largest);
-  if (!(g->radius >= 0 && g->radius <= collision::largest))
-    return fail(std::isfinite(g->radius) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s: radius is %g: give metres from 0 to %g", function, name, g->radius, collision::largest);
+                  g->size[k], shape::min_length, shape::max_length);
+  if (!(g->radius >= 0 && g->radius <= shape::max_length))
+    return fail(std::isfinite(g->radius) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s: radius is %g: give metres from 0 to %g", function, name, g->radius, shape::max_length);
   SurfacePtr surface;
   if (const dynStatus s = surface_argument(function, name, g->type, g->surface, surface)) return s;
   if (!surface) return DYN_OK;
@@ -45,8 +45,8 @@ dynStatus read_geometry(const char* function, const char* name, const dynGeometr
 dynStatus read_placement(const char* function, const char* name, const double* x, collision::Pose& out) {
   if (!x) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   for (int k = 0; k < 12; ++k)
-    if (!(std::abs(x[k]) <= collision::largest))
-      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%d] is %g: give numbers within %g", function, name, k, x[k], collision::largest);
+    if (!(std::abs(x[k]) <= shape::max_length))
+      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%d] is %g: give numbers within %g", function, name, k, x[k], shape::max_length);
   out = load_se3(x);
   const Mat3<double> E = transpose(out.R) * out.R;
   for (int i = 0; i < 3; ++i)
@@ -81,12 +81,12 @@ bool listed(Call& call) {
 
 bool placed(Call& call) {
   ensure_position(call.m(), call.d());
-  return no_overflow(call, 0, collision::largest);
+  return no_overflow(call, 0, shape::max_length);
 }
 
 dynStatus check_margin(const char* function, double margin) {
-  if (margin >= 0 && margin <= collision::largest) return DYN_OK;
-  return fail(std::isfinite(margin) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: margin is %g: give metres from 0 to %g", function, margin, collision::largest);
+  if (margin >= 0 && margin <= shape::max_length) return DYN_OK;
+  return fail(std::isfinite(margin) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: margin is %g: give metres from 0 to %g", function, margin, shape::max_length);
 }
 
 dynStatus check_capacity(const char* function, int capacity) {

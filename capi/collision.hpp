@@ -2,6 +2,7 @@
 #pragma once
 
 #include "checks.hpp"
+#include "collision/geom.hpp"
 #include "collision/pairs.hpp"
 
 namespace dyn::capi {

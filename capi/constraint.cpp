@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "constraint.hpp"
+#include "model/constraints.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;

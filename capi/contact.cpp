@@ -42,9 +42,9 @@ dynStatus dyn_contacts(const dynModel* model, dynData* data, const double* q, do
 dynStatus dyn_smooth_distances(const dynModel* model, dynData* data, const double* q, double smoothing, double* distances, double* gradients, int* points) {
   Call call(model, data, DYN_PART_COLLISION, "dyn_smooth_distances");
   if (!call || !listed(call)) return call.status;
-  if (!(smoothing >= collision::smallest && smoothing <= collision::largest))
+  if (!(smoothing >= shape::min_length && smoothing <= shape::max_length))
     return fail(std::isfinite(smoothing) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "dyn_smooth_distances: smoothing is %g: give metres from %g to %g", smoothing,
-                collision::smallest, collision::largest);
+                shape::min_length, shape::max_length);
   if (!call.inputs(q, nullptr, nullptr, nullptr) || !placed(call)) return call.status;
   const Model& m = call.m();
   collision::place_geoms(m, call.d());

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "model/block.hpp"
+#include "model/effects.hpp"
 #include "simulation/workspace.hpp"
 #include "guard.hpp"
 

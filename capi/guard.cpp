@@ -288,7 +288,7 @@ void Call::begin_step() {
   was_position = x.fresh(Stage::Position), was_velocity = x.fresh(Stage::Velocity), was_acceleration = x.fresh(Stage::Acceleration);
   x.invalidate(Stage::Ddq), x.invalidate(Stage::Factor);  // their buffers are the step's
   simulation::with_active_trees(x, [&](const auto& part) {
-    part.for_each_group(m(), [&](const simulation::Trees& t) {
+    part.for_each_group(m(), [&](const Trees& t) {
       copy_out(x.q + t.q, t.q_end - t.q, x.backup + t.q), copy_out(x.v + t.v, t.v_end - t.v, x.backup + m().n.nq + t.v);
     });
   });
@@ -323,7 +323,7 @@ void Call::rollback() {
   };
   if (stepping)
     simulation::with_active_trees(x, [&](const auto& part) {
-      part.for_each_group(m(), [&](const simulation::Trees& t) {
+      part.for_each_group(m(), [&](const Trees& t) {
         copy_out(backup + t.q, t.q_end - t.q, x.q + t.q), copy_out(backup + m().n.nq + t.v, t.v_end - t.v, x.v + t.v);
       });
     });

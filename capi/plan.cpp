@@ -54,8 +54,8 @@ constexpr Row rows[] = {
      [](const Model& m, dynParts parts) {
        return bytes_of(m, parts, [](Model& x) { x.effects &= ~std::uint32_t(DYN_EFFECT_ACTUATORS), x.n.actuators = x.n.nu = x.n.na = 0; });
      }},
-    {"wrenches", [](const Model& m) { return int(m.n.joints - 1); }, acts<simulation::acting_wrenches>,
-     [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? std::size_t(m.n.joints) * (sizeof(simulation::AppliedWrench<double>) + 6 * sizeof(double)) : 0; }},
+    {"wrenches", [](const Model& m) { return int(m.n.joints - 1); }, acts<acting_wrenches>,
+     [](const Model& m, dynParts parts) { return parts & DYN_PART_SIMULATION ? std::size_t(m.n.joints) * (sizeof(AppliedWrench<double>) + 6 * sizeof(double)) : 0; }},
     {"gravity_compensation", [](const Model& m) { return int(m.n.gravity_compensations); }, acts<DYN_EFFECT_GRAVITY_COMPENSATION>, [](const Model&, dynParts) { return std::size_t(0); }},
     {"fluid", [](const Model& m) { return int(m.n.drag_boxes); }, acts<DYN_EFFECT_FLUID>,
      [](const Model& m, dynParts parts) { return bytes_of(m, parts, [](Model& x) { x.n.drag_boxes = 0; }); }},

@@ -10,7 +10,7 @@
 
 using namespace dyn;
 using namespace dyn::capi;
-using collision::largest;
+using shape::max_length;
 
 namespace {
 
@@ -18,15 +18,15 @@ namespace {
 dynStatus check_numbers(const char* function, const char* name, const double* x, std::ptrdiff_t n) {
   if (!x && n > 0) return fail(DYN_ERROR_ARGUMENT, "%s: %s is NULL: it is required", function, name);
   for (std::ptrdiff_t k = 0; k < n; ++k)
-    if (!(std::abs(x[k]) <= largest))
-      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%td] is %g: give numbers within %g", function, name, k, x[k], largest);
+    if (!(std::abs(x[k]) <= max_length))
+      return fail(std::isfinite(x[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s[%td] is %g: give numbers within %g", function, name, k, x[k], max_length);
   return DYN_OK;
 }
 
 dynStatus check_directions(const char* function, const char* name, const double* x, std::ptrdiff_t rays) {
   if (const dynStatus s = check_numbers(function, name, x, 3 * rays)) return s;
   for (std::ptrdiff_t k = 0; k < rays; ++k)
-    if (!(shape::norm(load3(x + 3 * k)) >= collision::smallest))
+    if (!(shape::norm(load3(x + 3 * k)) >= shape::min_length))
       return fail(DYN_ERROR_INVALID, "%s: %s: column %td is (%g, %g, %g): it has no direction", function, name, k, x[3 * k], x[3 * k + 1], x[3 * k + 2]);
   return DYN_OK;
 }
@@ -125,8 +125,8 @@ dynStatus dyn_geometry_sweep(const dynGeometry* a, const double* placement_a, co
   if (s == DYN_OK) s = check_margin(function, margin);
   if (s == DYN_OK) s = check_out(function, "dynImpact", out);
   if (s != DYN_OK) return s;
-  if (!(duration >= 0 && duration <= largest))
-    return fail(std::isfinite(duration) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: duration is %g: give seconds from 0 to %g", function, duration, largest);
+  if (!(duration >= 0 && duration <= max_length))
+    return fail(std::isfinite(duration) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: duration is %g: give seconds from 0 to %g", function, duration, max_length);
   const collision::Moving moving_a = {A.shape, A.X, load3(motion_a), load3(motion_a + 3)}, moving_b = {B.shape, B.X, load3(motion_b), load3(motion_b + 3)};
   for (const auto& [x, name] : {std::pair{&moving_a, "a"}, std::pair{&moving_b, "b"}})
     if (x->shape.type == shape::Type::HalfSpace && dot(x->w, x->w) > 0) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a half-space that turns: it would sweep everything", function, name);

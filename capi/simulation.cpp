@@ -1,9 +1,10 @@
 // Steps.
 #include "collision.hpp"
 #include "deadline.hpp"
-#include "simulation/actuators.hpp"
+#include "algorithm/actuators.hpp"
+#include "integrator/stepping.hpp"
+#include "shape/material.hpp"
 #include "simulation/ledger.hpp"
-#include "simulation/material.hpp"
 #include "simulation/workspace.hpp"
 #include "guard.hpp"
 
@@ -33,7 +34,7 @@ dynStatus explain(const Model& m, const Data<double>& d, Index answer, const cha
                 function, t);
   Index bad_v = m.n.nv, bad_q = m.n.nq;
   simulation::with_active_trees(d, [&](const auto& part) {
-    part.for_each_group(m, [&](const simulation::Trees& t) {
+    part.for_each_group(m, [&](const Trees& t) {
       if (const Index n = finite_count(d.v + t.v, t.v_end - t.v); t.v + n < t.v_end) bad_v = std::min(bad_v, t.v + n);
       if (const Index n = finite_count(d.q + t.q, t.q_end - t.q); t.q + n < t.q_end) bad_q = std::min(bad_q, t.q + n);
     });
@@ -59,10 +60,10 @@ dynStatus make_step(Call& call, const char* function, double h) {
   call.begin_step();
   const Index answer = integrator::step(m, d, w.options.integrator, h, w.report);
   w.expired = nullptr;
-  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.rollback(), simulation::invalidate_sleep(d), simulation::record_forces(m, d), status;
+  if (const dynStatus status = explain(m, d, answer, function, d.time[0])) return call.rollback(), simulation::invalidate_sleep(d), record_forces(m, d), status;
   call.end_step();
   simulation::end_sleep(m, d, h);
-  simulation::record_forces(m, d);
+  record_forces(m, d);
   d.time[0] += h;
   return DYN_OK;
 }
@@ -76,7 +77,7 @@ dynStatus advance_to_accuracy(Call& call, const char* function, double duration)
   d.time[0] += d.step->report.time;
   if (d.step->report.steps == 0) call.rollback();
   else call.end_step();
-  simulation::record_forces(m, d);
+  record_forces(m, d);
   return explain(m, d, answer, function, d.time[0]);
 }
 
@@ -194,7 +195,7 @@ dynStatus dyn_data_set_shape_material(const dynModel* model, dynData* data, int 
   if (!call || !call.required("material", material)) return call.status;
   const Index geom = geom_of_shape(call, shape, -1);
   if (!call) return call.status;
-  if (const simulation::BadNumber bad = simulation::bad_number(*material); bad.name)
+  if (const shape::BadNumber bad = shape::bad_number(*material); bad.name)
     return fail(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, "%s: %s is %g: give 0 or more, restitution up to 1, finite velocities", call.function, bad.name,
                 bad.value);
   simulation::invalidate_sleep(call.d());

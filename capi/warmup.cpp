@@ -1,5 +1,5 @@
 // Pages of memory that a first call would wait for.
-#include "simulation/workspace.hpp"
+#include "simulation/data_layout.hpp"
 #include "guard.hpp"
 
 #ifdef __linux__

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "model/body.hpp"
+#include "joint/body.hpp"
 #include "model/block.hpp"
 #include "spatial/se3.hpp"
 

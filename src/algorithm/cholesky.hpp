@@ -4,6 +4,7 @@
 // however the tree branches. Of the pack in which the pivot lies nobody reads what is beyond it.
 #pragma once
 
+#include "algorithm/padding.hpp"
 #include "base/pack.hpp"
 #include "model/data.hpp"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "algorithm/passes.hpp"
+#include "model/unit_norms.hpp"
 
 namespace dyn {
 
@@ -99,35 +100,6 @@ T distance(const Model& m, const T* q0, const T* q1) {
 
 // Uniform between lower and upper, nq each.
 void random_configuration(const Model& m, std::uint64_t seed, const double* lower, const double* upper, double* q);
-
-template <class T>
-void normalize(const Model& m, T* q) {
-  for_each_leader(m, [&]<class J>(const Body& b) { J::normalize(q + b.user_q); });
-}
-
-// Largest | |x| - 1 | over quaternions and (cos, sin) pairs.
-template <class T>
-T norm_error(const Model& m, const T* q) {
-  T worst = T(0);
-  for_each_leader(m, [&]<class J>(const Body& b) {
-    const T e = J::norm_error(q + b.user_q);
-    if (e > worst) worst = e;
-  });
-  return worst;
-}
-
-// The joint whose quaternion or (cos, sin) is zero, or 0.
-template <class T>
-Index zero_norm_joint(const Model& m, const T* q) {
-  Index joint = 0;
-  for (Index k = 0; k < m.n.curved; ++k) {
-    const Body& b = m.bodies()[m.curved()[k]];
-    visit(b.type, [&]<class J>() DYN_INLINE_LAMBDA {
-      if (J::zero_norm(q + b.user_q)) joint = b.joint;
-    });
-  }
-  return joint;
-}
 
 namespace detail {
 

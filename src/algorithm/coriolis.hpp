@@ -4,6 +4,7 @@
 //   C_ji = S_j . (Ic S'_i + B S_i)        C_ij = S'_j . (Ic S_i) + S_j . (B^T S_i)
 #pragma once
 
+#include "algorithm/composite.hpp"
 #include "algorithm/crba.hpp"
 
 namespace dyn {

@@ -79,12 +79,5 @@ template <class T> T norm_error(const Model&, const T* q);
 template <class T> Index zero_norm_joint(const Model&, const T* q);
 template <class T> void integrate_jacobians(const Model&, const T* q, const T* v, T* dq, T* dv);
 template <class T> void difference_jacobians(const Model&, const T* q0, const T* q1, T* d0, T* d1);
-// ../integrator/advance.hpp
-namespace integrator {
-inline constexpr Index not_converged = -1;  // of the implicit midpoint rule
-inline constexpr Index no_step_left = -2;   // steps became shorter than time can tell apart
-template <class T> Index step(const Model&, Data<T>&, dynIntegrator, T h, dynStepReport&);
-template <class T> Index advance(const Model&, Data<T>&, dynIntegrator, T duration, T accuracy, dynStepReport&);
-}  // namespace integrator
 
 }  // namespace dyn

@@ -1,4 +1,7 @@
-#include "integrator/advance.hpp"
+#include "algorithm/cholesky.hpp"
+#include "algorithm/crba.hpp"
+#include "algorithm/forward_dynamics.hpp"
+#include "algorithm/rnea.hpp"
 
 namespace dyn {
 template void inverse_dynamics(const Model&, Data<double>&, const double*, const double*, const double*, double*);
@@ -8,6 +11,4 @@ template void crba(const Model&, Data<double>&);
 template Index factorize(const Model&, Data<double>&);
 template bool solve(const Model&, const Data<double>&, const double*, double*, double*);
 template void invert(const Model&, Data<double>&);
-template Index integrator::step(const Model&, Data<double>&, dynIntegrator, double, dynStepReport&);
-template Index integrator::advance(const Model&, Data<double>&, dynIntegrator, double, double, dynStepReport&);
 }  // namespace dyn

@@ -1,6 +1,7 @@
 // What every recursion shares: a loop over bodies in runs of one joint type, and the placing of a body.
 #pragma once
 
+#include "algorithm/padding.hpp"
 #include "base/sincos.hpp"
 #include "joint/list.hpp"
 #include "model/data.hpp"
@@ -111,13 +112,6 @@ DYN_INLINE void backward_chains(const Model& m, const Carry& zero, F&& f, Add&& 
     if (run.parent != run.first - 1) add(run.parent, carry), carry = zero;
   }
 }
-
-// What a body passes to its parent: carried to the next body when that is the parent, else added in memory.
-template <class X>
-struct Up {
-  X x;
-  bool chain = false;
-};
 
 // What goes along a chain in registers: the pose of the body before, and the sum of the sizes of all p.
 // A pass with more to carry derives from it.

@@ -1,6 +1,7 @@
 // Distances between a robot's collision shapes, pair by pair.
 #pragma once
 
+#include "collision/geom.hpp"
 #include "model/data.hpp"
 
 namespace dyn::collision {

@@ -3,13 +3,13 @@
 //   du/dt = J(u)^-1 v      dv/dt = ddq(q0 (+) u, v, tau)
 // Positions and linear velocities of free flyers are in the axes at the beginning of the step, so rotation does not mix into them:
 //   p = p0 + R0 u      du/dt = w      dw/dt = E (a + omega x v),  E = R0' R = exp(u_angular),  v = E' w
-// Activations of actuators follow v; they have equations of their own (simulation/actuators.hpp).
+// Activations of actuators follow v; they have equations of their own (algorithm/actuators.hpp).
 #pragma once
 
 #include "algorithm/declarations.hpp"
+#include "algorithm/trees.hpp"
 #include "integrator/free_flight.hpp"
 #include "integrator/constrained_motion.hpp"
-#include "simulation/sleep.hpp"
 
 namespace dyn::integrator {
 
@@ -24,7 +24,7 @@ struct ChartMotion {
     integrate(m, q0, y, d.q);
     for (Index k = 0; k < m.n.nv; ++k) d.v[k] = y[m.n.nv + k];
     for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
-      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = simulation::clamp_to(y[2 * m.n.nv + r.act], r.spec.act_range);
+      if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0) d.act[r.act] = clamp_to(y[2 * m.n.nv + r.act], r.spec.act_range);
     for_each_free_flyer<T>(m, WholeModel{}, [&](const Body& b, Index, const Vec3<T>&) {
       store3(load3(q0 + b.user_q) + rotation(load_quaternion(q0 + b.user_q + 3)) * load3(y + b.user_v), d.q + b.user_q);
       store3(transpose_times(exp3(load3(y + b.user_v + 3)), load3(d.v + b.user_v)), d.v + b.user_v);
@@ -43,7 +43,7 @@ struct ChartMotion {
     });
     for (Index k = 0; k < (m.n.na > 0 ? m.n.actuators : 0); ++k)
       if (const ActuatorRecord& r = m.actuators()[k]; r.act >= 0)
-        f[2 * m.n.nv + r.act] = simulation::activation_rate(r, d, d.act[r.act]);
+        f[2 * m.n.nv + r.act] = activation_rate(r, d, d.act[r.act]);
     return 0;
   }
 };
@@ -67,13 +67,13 @@ struct Stages {
 
   // Begins a step: the chart is centred at the state in d.
   void begin(const Model& m, const Data<T>& d) const {
-    keep(m, d, simulation::AllTrees{});
+    keep(m, d, AllTrees{});
     for (Index k = 0; k < m.n.nv; ++k) y0[k] = T(0);
   }
   // Saves the state alone.
   template <class Part>
   void keep(const Model& m, const Data<T>& d, const Part& part) const {
-    part.for_each_group(m, [&](const simulation::Trees& t) {
+    part.for_each_group(m, [&](const Trees& t) {
       for (Index k = t.q; k < t.q_end; ++k) q0[k] = d.q[k];
       for (Index k = t.v; k < t.v_end; ++k) y0[m.n.nv + k] = d.v[k];
     });

@@ -4,7 +4,7 @@
 
 #include "base/portable.hpp"
 #include "algorithm/constrained/algorithms.hpp"
-#include "simulation/forces.hpp"
+#include "algorithm/external_forces.hpp"
 
 namespace dyn::integrator {
 
@@ -14,7 +14,7 @@ inline constexpr double rows_precision = 1e-15;  // relative to the acceleration
 // Forward dynamics at d.q, d.v with all forces and constraints. Returns 0, or the joint that is singular.
 template <class T>
 Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
-  const T *tau = d.acting & DYN_EFFECT_ACTUATORS ? simulation::actuated(m, d, d.tau_applied) : d.tau_applied, *fext = simulation::forces_on_bodies(m, d);
+  const T *tau = d.acting & DYN_EFFECT_ACTUATORS ? actuated(m, d, d.tau_applied) : d.tau_applied, *fext = forces_on_bodies(m, d);
   if constexpr (std::is_same_v<T, double>)
     if (active_rows(m, d) > 0) {
       ProximalOptions options;

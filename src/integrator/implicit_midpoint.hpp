@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "integrator/chart.hpp"
+#include "integrator/stepping.hpp"
 
 namespace dyn::integrator {
 
@@ -18,7 +19,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
   s.begin(m, d);
   const Index nv = m.n.nv;
   const T *v0 = s.y0 + nv;
-  simulation::advance_activations(m, d, s.y0 + 2 * nv, h / 2);
+  advance_activations(m, d, s.y0 + 2 * nv, h / 2);
   T *w = s.y, *next = w + nv, *half = s.stage(0), *residual = half + nv, *old_residual = residual + nv, *old_next = old_residual + nv;
   for (Index k = 0; k < nv; ++k) w[k] = v0[k];
   T best = std::numeric_limits<T>::infinity();
@@ -42,7 +43,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
     if (error <= rounding || (stalled >= 3 && error <= 64 * rounding)) {
       for (Index k = 0; k < nv; ++k) d.v[k] = v0[k] + h * d.ddq[k], half[k] = h * next[k];
       integrate(m, s.q0, half, d.q);
-      simulation::advance_activations(m, d, s.y0 + 2 * nv, h);
+      advance_activations(m, d, s.y0 + 2 * nv, h);
       return 0;
     }
     // w' = (1 - c) next + c old_next, c minimises the mixed residual

@@ -21,7 +21,7 @@
 
 #include "base/portable.hpp"
 #include "base/types.hpp"
-#include "model/body.hpp"
+#include "joint/body.hpp"
 #include "spatial/explog.hpp"
 
 namespace dyn {

@@ -9,7 +9,7 @@
 #include <array>
 
 #include "dyn.h"
-#include "model/body.hpp"
+#include "joint/body.hpp"
 
 namespace dyn {
 

@@ -1,5 +1,5 @@
 // The closed list of primitives and the one place that dispatches on them: visit expands to a switch, so that each case
-// inlines. A new primitive is a file, a line here, and a line in BodyType (model/body.hpp).
+// inlines. A new primitive is a file, a line here, and a line in BodyType (joint/body.hpp).
 #pragma once
 
 #include "joint/free_flyer.hpp"

@@ -106,7 +106,7 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
       continue;
     }
     MjcfActuator actuator{place, name, {}, context.name(joint_name), 0};
-    actuator.spec = simulation::default_actuator(DYN_ACTUATOR_TYPE_MOTOR);
+    actuator.spec = default_actuator(DYN_ACTUATOR_TYPE_MOTOR);
     MjcfJoint* const joint = find_joint(file.robot, actuator.joint);
     if (!joint && file.part) {
       place.info("its joint was not attached: left out");

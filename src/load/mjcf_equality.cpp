@@ -130,7 +130,7 @@ void read_mjcf_pair(MjcfFile& file, Element& e, const MjcfContext& context) {
     for (const double x : f)
       if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
     if (f[0] != f[1] || f[3] != f[4]) pair.place.physics("friction differs by direction: the first of each is used");
-    dynMaterial x = simulation::default_material();
+    dynMaterial x = shape::default_material();
     x.friction = condim > 1 ? f[0] : 0, x.torsion = condim > 3 ? f[2] : 0, x.rolling = condim > 4 ? f[3] : 0;
     pair.material = x;
   }

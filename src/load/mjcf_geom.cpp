@@ -54,7 +54,7 @@ dynMaterial material_of(const Reader& reader, const Element& e) {
     for (size_t k = 0; k < std::min<size_t>(given->size(), 3); ++k) friction[k] = (*given)[k];
   for (const double x : friction)
     if (x < 0) reader.bad_numbers(e, "friction", "coefficients are not negative");
-  dynMaterial x = simulation::default_material();
+  dynMaterial x = shape::default_material();
   x.friction = condim > 1 ? friction[0] : 0, x.torsion = condim > 3 ? friction[1] : 0, x.rolling = condim > 4 ? friction[2] : 0;
   if (const auto v = reader.numbers(e, "surfacevel")) {
     std::copy_n(v->begin(), std::min<size_t>(v->size(), 3), x.surface_velocity);

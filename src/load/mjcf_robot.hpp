@@ -3,7 +3,7 @@
 
 #include "colour.hpp"
 #include "model/constraints.hpp"
-#include "simulation/actuators.hpp"
+#include "algorithm/actuators.hpp"
 #include "mjcf_settings.hpp"
 
 namespace dyn::meshes {

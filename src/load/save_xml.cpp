@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "base/portable.hpp"
-#include "simulation/material.hpp"
+#include "shape/material.hpp"
 
 namespace dyn::load {
 
@@ -88,7 +88,7 @@ std::array<double, 3> roll_pitch_yaw(const Mat3<double>& R) {
 }
 
 bool is_default(const dynMaterial& material, bool with_friction) {
-  dynMaterial x = material, standard = simulation::default_material();
+  dynMaterial x = material, standard = shape::default_material();
   if (!with_friction) x.friction = standard.friction, x.torsion = standard.torsion, x.rolling = standard.rolling;
   return std::memcmp(&x, &standard, sizeof x) == 0;
 }

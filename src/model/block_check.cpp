@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "algorithm/declarations.hpp"
 #include "constraint/list.hpp"
 #include "model/constraints.hpp"
+#include "model/unit_norms.hpp"
 
 namespace dyn {
 

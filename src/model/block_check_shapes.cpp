@@ -3,9 +3,9 @@
 #include <limits>
 
 #include "block_check.hpp"
-#include "collision/geom.hpp"
+#include "shape/geometry.hpp"
 #include "model/data.hpp"
-#include "simulation/material.hpp"
+#include "shape/material.hpp"
 
 namespace dyn {
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-bool is_length(double x) { return x >= collision::smallest && x <= collision::largest; }
+bool is_length(double x) { return x >= shape::min_length && x <= shape::max_length; }
 
 }  // namespace
 
@@ -88,7 +88,7 @@ bool BlockChecker::grid(const Stored<shape::Grid>& s) {
     if (!require(h.first[level] == first && (x == 1 && y == 1) == (level == h.levels - 1), "levels of a height field")) return false;
     first += x * y;
   }
-  if (!require(is_length(h.step_x) && is_length(h.step_y) && std::isfinite(h.bottom) && h.extent >= 0 && h.extent <= collision::largest, "numbers of a height field")) return false;
+  if (!require(is_length(h.step_x) && is_length(h.step_y) && std::isfinite(h.bottom) && h.extent >= 0 && h.extent <= shape::max_length, "numbers of a height field")) return false;
   return surface(s, [&](const Grid& v) {
     if (!each(v.columns * v.rows, [&](Index k) { return require(v.height[k] > v.bottom && std::isfinite(v.height[k]), "height of a height field"); })) return false;
     return each(v.levels, [&](Index level) {
@@ -128,13 +128,13 @@ bool BlockChecker::shape(Index k) {
   const bool made = r.type == DYN_SHAPE_TYPE_CONVEX || r.type == DYN_SHAPE_TYPE_TRIANGLES || r.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
   const Index surfaces = r.type == DYN_SHAPE_TYPE_CONVEX ? n.hulls : r.type == DYN_SHAPE_TYPE_TRIANGLES ? n.trees : n.grids;
   if (made ? !index(r.surface, surfaces, "surface of a shape") : !require(r.surface == -1, "surface of a shape")) return false;
-  return each(collision::size_count(r.type), [&](Index i) { return require(is_length(r.size[i]), "size of a shape"); }) &&
-         require(r.radius >= 0 && r.radius <= collision::largest && are_finite(r.size) && are_finite(r.placement), "numbers of a shape");
+  return each(shape::size_count(r.type), [&](Index i) { return require(is_length(r.size[i]), "size of a shape"); }) &&
+         require(r.radius >= 0 && r.radius <= shape::max_length && are_finite(r.size) && are_finite(r.placement), "numbers of a shape");
 }
 
 bool BlockChecker::shapes() {
   Index geoms = 0, moving = 0;
-  if (!each(n.materials, [&](Index k) { return require(!simulation::bad_number(m.materials()[k]).name, "a material"); }) || !each(n.shapes, [&](Index k) {
+  if (!each(n.materials, [&](Index k) { return require(!shape::bad_number(m.materials()[k]).name, "a material"); }) || !each(n.shapes, [&](Index k) {
         if (!shape(k)) return false;
         if (m.shapes()[k].role != DYN_SHAPE_ROLE_COLLISION) return true;
         if (!index(geoms, n.geoms, "a collision shape") || !require(m.geoms()[geoms++].shape == k, "a collision shape")) return false;

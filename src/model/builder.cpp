@@ -7,7 +7,7 @@
 
 #include "builder_impl.hpp"
 #include "builder_surface.hpp"
-#include "collision/geom.hpp"
+#include "shape/geometry.hpp"
 
 namespace dyn {
 
@@ -341,12 +341,12 @@ void Builder::shape(const Shape& shape) {
   ShapeEntry entry{shape, shape.body == "universe" ? 0 : impl->find({shape.body, DYN_FRAME_TYPE_BODY}, who)};
   check_placement(who, shape.placement);
   check_finite(who + ": size", shape.size.data(), 3);
-  for (std::size_t k = 0; k < std::size_t(collision::size_count(shape.type)); ++k)
-    if (!(shape.size[k] >= collision::smallest && shape.size[k] <= collision::largest))
+  for (std::size_t k = 0; k < std::size_t(shape::size_count(shape.type)); ++k)
+    if (!(shape.size[k] >= shape::min_length && shape.size[k] <= shape::max_length))
       refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
-  if (!(shape.radius >= 0 && shape.radius <= collision::largest)) refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
+  if (!(shape.radius >= 0 && shape.radius <= shape::max_length)) refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
   if (shape.radius > 0 && shape.type == DYN_SHAPE_TYPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
-  if (const simulation::BadNumber bad = simulation::bad_number(shape.material); bad.name)
+  if (const shape::BadNumber bad = shape::bad_number(shape.material); bad.name)
     refuse(DYN_ERROR_INVALID, who + ": material: " + bad.name + " is " + number(bad.value) + ": give 0 or more, restitution up to 1, finite velocities");
   const bool made_of_facets = shape.type == DYN_SHAPE_TYPE_CONVEX || shape.type == DYN_SHAPE_TYPE_TRIANGLES || shape.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
   if (made_of_facets != bool(shape.surface) || (shape.surface && type_of(*shape.surface) != shape.type))

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "dyn.h"
-#include "simulation/material.hpp"
+#include "shape/material.hpp"
 
 namespace dyn {
 
@@ -62,7 +62,7 @@ struct Shape {
   std::string mesh;
   double radius = 0;                           // of rounding
   std::uint32_t contype = 1, conaffinity = 1;  // groups it is in, groups it collides with
-  dynMaterial material = simulation::default_material();
+  dynMaterial material = shape::default_material();
   std::shared_ptr<const SurfaceData> surface = nullptr;  // of CONVEX, TRIANGLES and HEIGHT_FIELD (builder_surface.hpp)
   std::uint32_t colour = 0;                              // colour.hpp
 };

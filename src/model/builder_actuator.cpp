@@ -93,7 +93,7 @@ void Builder::pair(const std::string& shape1, const std::string& shape2, const d
   if (impl->frames[std::size_t(impl->shapes[std::size_t(a)].frame)].joint == impl->frames[std::size_t(impl->shapes[std::size_t(b)].frame)].joint)
     refuse(DYN_ERROR_INVALID, who + ": both are on the same body");
   if (material)
-    if (const simulation::BadNumber bad = simulation::bad_number(*material); bad.name)
+    if (const shape::BadNumber bad = shape::bad_number(*material); bad.name)
       refuse(std::isfinite(bad.value) ? DYN_ERROR_ARGUMENT : DYN_ERROR_NONFINITE, who + ": " + bad.name + " is " + number(bad.value));
   impl->pairs.push_back({a, b, material ? std::optional(*material) : std::nullopt});
 }

@@ -11,10 +11,11 @@
 
 #include "builder_impl.hpp"
 #include "builder_surface.hpp"
-#include "algorithm/declarations.hpp"
 #include "base/sincos.hpp"
 #include "joint/list.hpp"
 #include "model/block.hpp"
+#include "model/data.hpp"
+#include "model/unit_norms.hpp"
 
 namespace dyn {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "builder_impl.hpp"
-#include "collision/geom.hpp"
+#include "shape/geometry.hpp"
 
 namespace dyn {
 
@@ -73,7 +73,7 @@ struct TreeMaker {
 };
 
 [[noreturn]] void too_far(double extent) {
-  throw Error(DYN_ERROR_LIMIT, "a surface reaches " + number(extent) + " m from its origin: distances are measured up to " + number(collision::largest));
+  throw Error(DYN_ERROR_LIMIT, "a surface reaches " + number(extent) + " m from its origin: distances are measured up to " + number(shape::max_length));
 }
 
 }  // namespace
@@ -111,7 +111,7 @@ SurfacePtr triangle_tree(const std::vector<double>& vertices, const std::vector<
       }
       corners.push_back(number[std::size_t(v)]);
     }
-  if (!(t.extent <= collision::largest)) too_far(t.extent);
+  if (!(t.extent <= shape::max_length)) too_far(t.extent);
   t.vertices = Index(met.size() / 3), t.triangles = Index(triangles.size() / 3), t.nodes = Index(maker.links.size() / 2);
   t.closed = closed;
   t.vertex = met.data(), t.box = maker.boxes.data(), t.slab = maker.slabs.data(), t.corner = corners.data(), t.link = maker.links.data();
@@ -120,11 +120,11 @@ SurfacePtr triangle_tree(const std::vector<double>& vertices, const std::vector<
 
 SurfacePtr height_grid(const double* heights, Index columns, Index rows, double step_x, double step_y, double bottom) {
   const auto refuse = [](dynStatus status, const std::string& message) { throw Error(status, "height field: " + message); };
-  constexpr double largest = collision::largest;
+  constexpr double largest = shape::max_length;
   if (columns < 2 || rows < 2) refuse(DYN_ERROR_INVALID, std::to_string(columns) + " x " + std::to_string(rows) + " points: two each way are the least");
   if (std::int64_t(columns) * rows > max_heights) refuse(DYN_ERROR_LIMIT, std::to_string(columns) + " x " + std::to_string(rows) + " points, and the limit is " + std::to_string(max_heights));
   for (const double step : {step_x, step_y})
-    if (!(step >= collision::smallest && step <= largest)) refuse(std::isfinite(step) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "a step of " + number(step) + " m: give metres above zero");
+    if (!(step >= shape::min_length && step <= largest)) refuse(std::isfinite(step) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "a step of " + number(step) + " m: give metres above zero");
   if (!std::isfinite(bottom)) refuse(DYN_ERROR_NONFINITE, "bottom is not finite");
   Grid g{};
   g.columns = columns, g.rows = rows, g.step_x = step_x, g.step_y = step_y, g.bottom = bottom;

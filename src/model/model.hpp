@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "dyn.h"
-#include "model/body.hpp"
+#include "joint/body.hpp"
 #include "model/stored.hpp"
 #include "shape/height_field.hpp"
 #include "shape/triangles.hpp"

@@ -1,5 +1,5 @@
 // Rows of a contact. Its frame has the normal, from A to B, as z.
-#include "simulation/material.hpp"
+#include "shape/material.hpp"
 #include "simulation/step.hpp"
 
 namespace dyn::simulation {
@@ -48,8 +48,8 @@ void init_contact(const Model& m, Data<double>& d, Index contact, double h, Cons
   const bool listed = c.pair >= 0;
   const Index a = law.geom_a = listed ? m.pairs()[c.pair].a : geom(c.shape_a), b = law.geom_b = listed ? m.pairs()[c.pair].b : geom(c.shape_b);
   const Index own = listed ? m.pairs()[c.pair].material() : 0;
-  law.material = own ? m.materials()[own - 1] : combined(w.materials[a], w.materials[b]);
-  law.rows = contact_rows(law.material);
+  law.material = own ? m.materials()[own - 1] : shape::combined(w.materials[a], w.materials[b]);
+  law.rows = shape::contact_rows(law.material);
   law.idle = is_idle(d, c, law, h);
   s.c.type = DYN_CONSTRAINT_TYPE_POINT;
   s.c.body1 = d.geoms[b].body, s.c.body2 = d.geoms[a].body;

@@ -210,10 +210,10 @@ void list_free_bodies(const Model& m, Workspace& w) {
   for (Index t = 0; t < l.tree_count; ++t) {
     const Index i = l.trees[t].first, number = l.number[i];
     if (w.sleep.sleeps(i)) continue;
-    if (number < 0) append(l.trees[t], l.buffers.groups, groups);
+    if (number < 0) append_tree(l.trees[t], l.buffers.groups, groups);
     else l.sets[number / lanes].active_lanes |= 1u << number % lanes;
   }
-  l.others = choose(m, l.buffers, groups);
+  l.others = choose_trees(m, l.buffers, groups);
   l.active_set_count = 0;
   for (Index k = 0; k * lanes < l.count; ++k)
     if (l.sets[k].active_lanes) l.active_sets[l.active_set_count++] = k;

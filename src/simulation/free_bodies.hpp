@@ -6,7 +6,7 @@
 
 #include "base/wide.hpp"
 #include "model/data.hpp"
-#include "simulation/trees.hpp"
+#include "algorithm/trees.hpp"
 
 namespace dyn::simulation {
 

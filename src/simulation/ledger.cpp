@@ -3,7 +3,7 @@
 
 #include "algorithm/energy.hpp"
 #include "algorithm/constrained/constrained_dynamics.hpp"
-#include "simulation/forces.hpp"
+#include "algorithm/external_forces.hpp"
 #include "simulation/island.hpp"
 
 namespace dyn::simulation {

@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "algorithm/constrained/rows.hpp"
-#include "simulation/actuators.hpp"
+#include "algorithm/actuators.hpp"
 #include "simulation/step.hpp"
 
 namespace dyn::simulation {
@@ -35,9 +35,9 @@ void list_awake(const Model& m, Workspace& w) {
   for (Index t = 0; t < z.count; ++t) {
     if (z.state[t] != Sleeper::Awake) continue;
     z.awake_trees[z.awake_count++] = t;
-    append(z.trees[t], z.buffers.groups, groups);
+    append_tree(z.trees[t], z.buffers.groups, groups);
   }
-  z.awake = choose(m, z.buffers, groups);
+  z.awake = choose_trees(m, z.buffers, groups);
   list_free_bodies(m, w);
 }
 

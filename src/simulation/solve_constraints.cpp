@@ -81,7 +81,7 @@ bool Island::is_angle(const ActiveConstraint& x, Index row) const {
 }
 
 // Position error at the end of the step, without friction.
-// In steps that follow from an accuracy: the error where the step ends (integrator/extrapolated.hpp), less half of h times
+// In steps that follow from an accuracy: the error where the step ends (simulation/extrapolated.hpp), less half of h times
 // the closing rate of rolling surfaces, once for each drift. That part is no error: it falls as h^2, and extrapolation
 // over steps of different lengths would turn it into one.
 bool Island::correct() {

@@ -213,4 +213,9 @@ inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.co
 inline Index island_rows(const Model& m) { return std::min<Index>(step_rows(m), 240); }
 inline constexpr Index max_dense_dofs = 64;
 
+// The workspace in the memory given, which is aligned to 64 bytes.
+std::size_t workspace_bytes(const Model& m);
+Workspace* place(const Model& m, void* memory);
+dynStepOptions default_options();
+
 }  // namespace dyn::simulation

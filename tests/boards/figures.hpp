@@ -3,6 +3,8 @@
 #pragma once
 
 #include "algorithm/declarations.hpp"
+#include "integrator/stepping.hpp"
+#include "simulation/data_layout.hpp"
 #include "simulation/sleep.hpp"
 #include "simulation/workspace.hpp"
 

@@ -9,8 +9,9 @@
 #include "common/quad.hpp"
 #include "algorithm/configuration.hpp"
 #include "algorithm/declarations.hpp"
+#include "integrator/stepping.hpp"
 #include "model/builder.hpp"
-#include "model/data.hpp"
+#include "simulation/data_layout.hpp"
 
 namespace dyn_test {
 

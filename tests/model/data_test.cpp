@@ -88,7 +88,7 @@ TEST(Data, EachStageIsFreshForItsInputsOnly) {
     const bool depends[] = {row.q, row.v, row.a, row.tau};
     for (int input = 0; input < input_count; ++input) {
       Work<double> w(*m);
-      w.d.done(row.stage);
+      w.d.mark_fresh(row.stage);
       EXPECT_TRUE(w.d.fresh(row.stage));
       w.d.changed(Input(input));
       EXPECT_EQ(!depends[input], w.d.fresh(row.stage)) << "stage " << int(row.stage) << " input " << input;

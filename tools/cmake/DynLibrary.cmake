@@ -1,9 +1,12 @@
 # dyn_library(suffix arch folder): the same sources compiled for one instruction set, four targets.
 
-# All .cpp files directly in these folders of the project (folders may be missing), sorted.
+# All .cpp files directly in these folders of the project, sorted.
 function(dyn_glob result)
   set(files)
   foreach(folder IN LISTS ARGN)
+    if(NOT EXISTS ${PROJECT_SOURCE_DIR}/${folder})
+      message(FATAL_ERROR "dyn_glob: ${folder} does not exist")
+    endif()
     file(GLOB found CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
     list(APPEND files ${found})
   endforeach()

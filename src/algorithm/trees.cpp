@@ -1,6 +1,6 @@
-#include "simulation/trees.hpp"
+#include "algorithm/trees.hpp"
 
-namespace dyn::simulation {
+namespace dyn {
 
 Index list_trees(const Model& m, Trees* trees) {
   Index count = 0, run = 0;
@@ -16,7 +16,7 @@ Index list_trees(const Model& m, Trees* trees) {
   return count;
 }
 
-ChosenTrees choose(const Model& m, const TreeBuffers& room, Index groups) {
+ChosenTrees choose_trees(const Model& m, const TreeBuffers& room, Index groups) {
   ChosenTrees a{};
   a.first_run = room.runs, a.first_chunk = room.chunks, a.first_span = room.spans, a.first_curved = room.curved, a.groups = room.groups, a.group_count = groups;
   Index chunk = 0, span = 0, curved = 0;
@@ -43,4 +43,4 @@ ChosenTrees choose(const Model& m, const TreeBuffers& room, Index groups) {
   return a;
 }
 
-}  // namespace dyn::simulation
+}  // namespace dyn

@@ -7,7 +7,7 @@
 #include "dyn.h"
 #include "base/types.hpp"
 
-namespace dyn::simulation {
+namespace dyn::shape {
 
 inline dynMaterial default_material() { return {1, 0, 0, 0, 0, 0, {0, 0, 0}}; }
 
@@ -43,4 +43,4 @@ inline BadNumber bad_number(const dynMaterial& x) {
   return {nullptr, 0};
 }
 
-}  // namespace dyn::simulation
+}  // namespace dyn::shape

@@ -5,14 +5,14 @@
 //   q' = q (+) h v      v' = v + h ddq(q', v') + M^-1 J^T lambda, all at q'
 #pragma once
 
-#include "integrator/semi_implicit_euler.hpp"
+#include "simulation/semi_implicit_euler.hpp"
 
 namespace dyn::integrator {
 
 // Calls f(body, centre of mass, inertia about it) for free flyers without children, which keep their own momentum.
 template <class F>
 void for_each_single_flyer(const Model& m, F&& f) {
-  for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index i, const Vec3<double>& c) {
+  for_each_free_flyer<double>(m, AllTrees{}, [&](const Body& b, Index i, const Vec3<double>& c) {
     if (m.subtree_end()[i] == i + 1 && b.m > 0) f(b, c, central_inertia(b, c));
   });
 }
@@ -22,7 +22,7 @@ inline void drift(const Model& m, Data<double>& d, const Stages<double>& s, doub
   s.begin(m, d);
   for (Index k = 0; k < m.n.nv; ++k) s.y[k] = h * d.v[k];
   integrate(m, static_cast<const double*>(s.q0), static_cast<const double*>(s.y), d.q);
-  end_flight(m, simulation::AllTrees{}, s.q0, h, static_cast<const double*>(nullptr), d.q, d.v);
+  end_flight(m, AllTrees{}, s.q0, h, static_cast<const double*>(nullptr), d.q, d.v);
   for_each_single_flyer(m, [&](const Body& b, const Vec3<double>& c, const Mat3<double>& I) {
     const Vec3<double> w = load3(d.v + b.user_v + 3), turned = solve3(I, exp3(w * -h) * (I * w));
     store3(load3(d.v + b.user_v) + cross(w - turned, c), d.v + b.user_v), store3(turned, d.v + b.user_v + 3);
@@ -31,7 +31,7 @@ inline void drift(const Model& m, Data<double>& d, const Stages<double>& s, doub
 
 // v' at the position in d. Returns 0, or the joint whose forward dynamics failed.
 inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, double h) {
-  if (const Index joint = implicit_dynamics(m, d, s, h, true, simulation::AllTrees{})) return joint;
+  if (const Index joint = implicit_dynamics(m, d, s, h, true, AllTrees{})) return joint;
   s.begin(m, d);
   const double* const v0 = s.y0 + m.n.nv;
   for (Index k = 0; k < m.n.nv; ++k) d.v[k] += h * d.ddq[k];
@@ -39,17 +39,17 @@ inline Index kick(const Model& m, Data<double>& d, const Stages<double>& s, doub
     const Vec3<double> w = load3(v0 + b.user_v + 3);
     store3(load3(d.v + b.user_v + 3) + solve3(I, cross(w, I * w)) * h, d.v + b.user_v + 3);
   });
-  for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index, const Vec3<double>& c) {
+  for_each_free_flyer<double>(m, AllTrees{}, [&](const Body& b, Index, const Vec3<double>& c) {
     const Vec3<double> u = load3(v0 + b.user_v), w = load3(v0 + b.user_v + 3), dw = load3(d.ddq + b.user_v + 3);
     const Vec3<double> a = load3(d.ddq + b.user_v) + cross(w, u) + cross(dw, c) + cross(w, cross(w, c));
     store3(u + cross(w, c) + a * h - cross(load3(d.v + b.user_v + 3), c), d.v + b.user_v);
   });
   if (apply_constraints(m, d, s, h) == ConstraintOutcome::Correction) {
     integrate(m, static_cast<const double*>(s.q0), static_cast<const double*>(s.f), d.q);
-    end_flight(m, simulation::AllTrees{}, s.q0, 0.0, static_cast<const double*>(s.f), d.q, d.v);
+    end_flight(m, AllTrees{}, s.q0, 0.0, static_cast<const double*>(s.f), d.q, d.v);
     if (simulation::has_open_ledger(d)) simulation::record_correction(m, d, s.q0, s.f, s.f);
   }
-  simulation::advance_activations(m, d, s.y0 + 2 * m.n.nv, h);
+  advance_activations(m, d, s.y0 + 2 * m.n.nv, h);
   return 0;
 }
 
@@ -111,7 +111,7 @@ class Extrapolated {
   static double bent(double a, double b, double c) { return std::abs(a - 2 * b + c); }
   void rotate_to_start_axes(double* v) const {
     std::copy_n(d.v, m.n.nv, v);
-    for_each_free_flyer<double>(m, simulation::AllTrees{}, [&](const Body& b, Index, const Vec3<double>&) {
+    for_each_free_flyer<double>(m, AllTrees{}, [&](const Body& b, Index, const Vec3<double>&) {
       const Mat3<double> R0 = rotation(load_quaternion(before.q + b.user_q + 3)), R = rotation(load_quaternion(d.q + b.user_q + 3));
       for (double* part : {v + b.user_v, v + b.user_v + 3}) store3(transpose_times(R0, R * load3(static_cast<const double*>(part))), part);
     });

@@ -4,7 +4,7 @@
 #include "spatial/mat3.hpp"
 #include "spatial/motion.hpp"
 
-namespace dyn::simulation {
+namespace dyn {
 
 // Bit of Data::acting beside DYN_EFFECT_...
 inline constexpr unsigned acting_wrenches = 1u << 31;
@@ -28,4 +28,4 @@ struct AppliedWrench {
   }
 };
 
-}  // namespace dyn::simulation
+}  // namespace dyn

@@ -1,9 +1,5 @@
 // Actuator forces (dynActuator). With the length l = gear q of a coordinate:
 //   f = gain . (w, u1, u2) + bias . (1, l, l'), clamped to the force range      tau += gear f
-// An Euler step takes f at its end. With K = max(0, -bias1), D = max(0, -bias2) and l'' = gear ddq:
-//   f_end = f - h K l' - (h D + h^2 K) l''
-//   (M + gear^2 (h D + h^2 K)) ddq = tau + gear (f - h K l') - nle
-// Actuators that this drives beyond their range are then fixed at its end.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +8,7 @@
 #include "base/portable.hpp"
 #include "model/data.hpp"
 
-namespace dyn::simulation {
+namespace dyn {
 
 inline dynActuator default_actuator(dynActuatorType type) {
   dynActuator a{};
@@ -89,58 +85,4 @@ void record_forces(const Model& m, Data<T>& d) {
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) { d.actuator_force[k] = actuator_force(r, d); });
 }
 
-// Sleeping actuators keep their force.
-template <class T>
-bool sleeps(const Model& m, const Data<T>& d, const ActuatorRecord& r) {
-  if constexpr (std::is_same_v<T, double>) return d.step->sleep.sleeps(m.joints()[r.spec.joint].last_body);
-  return false;
-}
-
-// Actuators of an implicit Euler step.
-template <class T>
-class ImplicitActuators {
- public:
-  ImplicitActuators(const Model& model, Data<T>& data, T step) : m(model), d(data), h(step) {
-    each([&](const ActuatorRecord& r, Index k) {
-      const T w = r.act >= 0 ? activation_after(r, d, d.act[r.act], h) : command(r, d);
-      d.actuator_force[k] = unbounded_force(r, d, w, r.q >= 0 ? d.q[r.q] : T(0), d.v[r.v]);
-      d.saturated[k] = 0;
-    });
-  }
-  // Adds the implicit terms to d.armature and returns tau with the forces.
-  const T* apply(const T* tau) {
-    std::copy_n(tau, m.n.nv, d.step_tau);
-    each([&](const ActuatorRecord& r, Index k) {
-      const T gear = T(r.spec.gear);
-      T f = d.actuator_force[k];
-      if (!d.saturated[k]) d.armature[r.v] += gear * gear * (h * D(r) + h * h * K(r)), f -= h * K(r) * gear * d.v[r.v];
-      d.step_tau[r.v] += gear * f;
-    });
-    return d.step_tau;
-  }
-  // After forward dynamics: returns whether any actuator reached the end of its range.
-  bool saturate(const T* ddq) {
-    bool any = false;
-    each([&](const ActuatorRecord& r, Index k) {
-      if (d.saturated[k]) return;
-      const T gear = T(r.spec.gear), f = d.actuator_force[k] - h * K(r) * gear * d.v[r.v] - (h * D(r) + h * h * K(r)) * gear * ddq[r.v];
-      if (const T held = clamp_to(f, r.spec.force_range); held != f) d.actuator_force[k] = held, d.saturated[k] = 1, any = true;
-    });
-    return any;
-  }
-
- private:
-  template <class F>
-  void each(F&& f) {
-    for_each_actuator(m, d, [&](const ActuatorRecord& r, Index k) {
-      if (!sleeps(m, d, r)) f(r, k);
-    });
-  }
-  static T K(const ActuatorRecord& r) { return r.q >= 0 ? T(std::max(0.0, -r.bias[1])) : T(0); }
-  static T D(const ActuatorRecord& r) { return T(std::max(0.0, -r.bias[2])); }
-  const Model& m;
-  Data<T>& d;
-  T h;
-};
-
-}  // namespace dyn::simulation
+}  // namespace dyn

@@ -3,9 +3,9 @@
 
 #include "algorithm/declarations.hpp"
 #include "algorithm/forward_dynamics.hpp"
-#include "simulation/actuators.hpp"
+#include "algorithm/actuators.hpp"
 
-namespace dyn::simulation {
+namespace dyn {
 
 inline constexpr std::uint32_t on_bodies = DYN_EFFECT_FLUID | DYN_EFFECT_GRAVITY_COMPENSATION | acting_wrenches;
 
@@ -64,4 +64,4 @@ const T* forces_on_bodies(const Model& m, Data<T>& d) {
   return d.step_fext;
 }
 
-}  // namespace dyn::simulation
+}  // namespace dyn

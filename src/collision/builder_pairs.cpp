@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "builder_impl.hpp"
 #include "collision/pair_search.hpp"
+#include "model/builder_impl.hpp"
 
 namespace dyn {
 
@@ -74,7 +74,7 @@ void judge(const Model& m, Pairs&& for_each_tested, F&& f) {
   data_layout(m, DYN_PART_COLLISION, memory.get(), d);
   collision::place_geoms(m, d);
   for (Index k = 0; k < m.n.geoms; ++k)
-    if (!(sizes(d.geom_poses[k].p)[0] + sizes(d.geom_poses[k].p)[1] + sizes(d.geom_poses[k].p)[2] <= collision::largest)) return;
+    if (!(sizes(d.geom_poses[k].p)[0] + sizes(d.geom_poses[k].p)[1] + sizes(d.geom_poses[k].p)[2] <= shape::max_length)) return;
   auto apart = [&](Index geom_a, Index geom_b) {
     const Index a = tree(m, d.geoms[geom_a].body), b = tree(m, d.geoms[geom_b].body);
     return a != b && (flies(m, a) || flies(m, b));

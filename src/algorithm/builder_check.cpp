@@ -7,9 +7,9 @@
 #include <memory>
 #include <new>
 
-#include "builder_impl.hpp"
 #include "algorithm/cholesky.hpp"
 #include "algorithm/crba.hpp"
+#include "model/builder_impl.hpp"
 
 namespace dyn {
 

@@ -1,11 +1,12 @@
 // Semi-implicit Euler: velocity first, then the configuration with the new velocity.
 //   v' = v + h ddq(q, v')      q' = q (+) h v'
 // Order 1. Damping, friction and actuator gains are implicit (taken at v'), so no coefficient is too large:
-//   (M + h D) ddq = tau - nle      (gains: simulation/actuators.hpp)
+//   (M + h D) ddq = tau - nle      (gains: implicit_actuators.hpp)
 #pragma once
 
 #include "integrator/chart.hpp"
 #include "integrator/free_flight.hpp"
+#include "simulation/implicit_actuators.hpp"
 #include "simulation/ledger.hpp"
 #include "simulation/step.hpp"
 
@@ -48,7 +49,7 @@ void set_implicit_armature(const Model& m, Data<T>& d, const T* armature, T h, b
 // Returns 0 or the joint whose forward dynamics failed.
 template <class T, class Part>
 [[gnu::noinline]] Index actuated_dynamics(const Model& m, Data<T>& d, const T* tau, const T* armature, T h, bool springs, const Part& part) {
-  const T* fext = simulation::forces_on_bodies(m, d);
+  const T* fext = forces_on_bodies(m, d);
   simulation::ImplicitActuators<T> actuators(m, d, h);
   for (int k = 0;; ++k) {
     if (const Index joint = forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq)) return joint;
@@ -74,7 +75,7 @@ Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, boo
     d.acting |= DYN_EFFECT_ARMATURE;
   }
   const Index joint = d.acting & DYN_EFFECT_ACTUATORS ? actuated_dynamics(m, d, tau, armature, h, springs, part)
-                                                      : forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, simulation::forces_on_bodies(m, d), d.ddq);
+                                                      : forward_dynamics(m, d, part, static_cast<const T*>(d.v), tau, forces_on_bodies(m, d), d.ddq);
   d.armature = armature, d.acting = acting;
   return joint;
 }
@@ -88,20 +89,20 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   if constexpr (std::is_same_v<T, double>)
     if ((batched = d.step->free_bodies.batched)) simulation::integrate_velocity(m, d, h);
   with_unbatched_trees(d, part, [&](const auto& others) {
-    others.for_each_group(m, [&](const simulation::Trees& t) {
+    others.for_each_group(m, [&](const Trees& t) {
       for (Index k = t.v; k < t.v_end; ++k) d.v[k] += h * d.ddq[k];
     });
     free_flight(m, others, v0, d.ddq, h, d.v);
   });
   const ConstraintOutcome met = apply_constraints(m, d, s, h);
   if (met == ConstraintOutcome::Sleeper) {
-    part.for_each_group(m, [&](const simulation::Trees& t) { std::copy(v0 + t.v, v0 + t.v_end, d.v + t.v); });
+    part.for_each_group(m, [&](const Trees& t) { std::copy(v0 + t.v, v0 + t.v_end, d.v + t.v); });
     return false;
   }
   const T* const correction = met == ConstraintOutcome::Correction ? s.f : nullptr;
   if constexpr (std::is_same_v<T, double>)
     if (rests) simulation::detect_rest(m, d, v0, correction, h);
-  part.for_each_group(m, [&](const simulation::Trees& t) {
+  part.for_each_group(m, [&](const Trees& t) {
     for (Index k = t.v; k < t.v_end; ++k) hv[k] = h * d.v[k] + (correction ? correction[k] : T(0));
   });
   with_unbatched_trees(d, part, [&](const auto& others) {
@@ -110,7 +111,7 @@ bool end_euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, const P
   });
   if constexpr (std::is_same_v<T, double>)
     if (batched) simulation::integrate_position(d, h, correction);
-  simulation::advance_activations(m, d, s.y0 + 2 * m.n.nv, h);
+  advance_activations(m, d, s.y0 + 2 * m.n.nv, h);
   if constexpr (std::is_same_v<T, double>)
     if (correction && simulation::has_open_ledger(d)) simulation::record_correction(m, d, s.q0, hv, correction);
   if constexpr (std::is_same_v<T, double>)
@@ -135,7 +136,7 @@ struct FreeBodyScope {
 // Returns 0, or the joint whose forward dynamics failed: the state is then as before.
 template <class T>
 Index euler_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs) {
-  const simulation::AllTrees all;
+  const AllTrees all;
   const FreeBodyScope flight(d);
   if (const Index joint = with_unbatched_trees(d, all, [&](const auto& others) { return implicit_dynamics(m, d, s, h, springs, others); })) return joint;
   end_euler_step(m, d, s, h, all, false);
@@ -148,7 +149,7 @@ inline Index euler_step_of_awake(const Model& m, Data<double>& d, const Stages<d
   const FreeBodyScope flight(d);
   for (;;) {
     const auto dynamics = [&](const auto& part) { return implicit_dynamics(m, d, s, h, springs, part); };
-    if (const Index joint = z.unconstrained ? with_unbatched_trees(d, z.awake, dynamics) : with_unbatched_trees(d, simulation::AllTrees{}, dynamics)) return joint;
+    if (const Index joint = z.unconstrained ? with_unbatched_trees(d, z.awake, dynamics) : with_unbatched_trees(d, AllTrees{}, dynamics)) return joint;
     if (end_euler_step(m, d, s, h, z.awake, true)) return 0;
     simulation::wake_touched(m, d);
   }

@@ -3,10 +3,10 @@
 #pragma once
 
 #include "base/portable.hpp"
-#include "integrator/extrapolated.hpp"
 #include "integrator/implicit_midpoint.hpp"
 #include "integrator/runge_kutta.hpp"
-#include "integrator/semi_implicit_euler.hpp"
+#include "simulation/extrapolated.hpp"
+#include "simulation/semi_implicit_euler.hpp"
 
 namespace dyn::integrator {
 

@@ -3,7 +3,7 @@
 
 #include "algorithm/passes.hpp"
 
-namespace dyn::simulation {
+namespace dyn {
 
 // Consecutive trees with all of their coordinates.
 struct Trees {
@@ -43,10 +43,10 @@ void for_each_array(const Model& m, TreeBuffers& r, F&& f) {
 Index list_trees(const Model& m, Trees* trees);
 
 // Builds the choice from `groups` groups of buffers.groups, which are in ascending order.
-ChosenTrees choose(const Model& m, const TreeBuffers& room, Index groups);
+ChosenTrees choose_trees(const Model& m, const TreeBuffers& room, Index groups);
 
 // Appends a tree to `groups`; adjacent trees form one group.
-inline void append(const Trees& t, Trees* groups, Index& count) {
+inline void append_tree(const Trees& t, Trees* groups, Index& count) {
   if (count > 0 && groups[count - 1].end == t.first) {
     Trees& g = groups[count - 1];
     g.end = t.end, g.end_run = t.end_run, g.q_end = t.q_end, g.v_end = t.v_end;
@@ -55,4 +55,4 @@ inline void append(const Trees& t, Trees* groups, Index& count) {
   }
 }
 
-}  // namespace dyn::simulation
+}  // namespace dyn

@@ -1,0 +1,19 @@
+// Steps in time, declared. simulation/advance.hpp defines them, for a step may meet contacts; simulation/advance.cpp instantiates them for double.
+#pragma once
+
+#include "model/data.hpp"
+
+namespace dyn {
+
+// Numbers that a step keeps: q at its beginning, the state there and in a stage, and its rate in up to 12 stages.
+inline std::ptrdiff_t integrator_stage_count(std::ptrdiff_t nq, std::ptrdiff_t nv, std::ptrdiff_t na) { return nq + (2 * nv + na) * (2 + 12); }
+
+namespace integrator {
+
+inline constexpr Index not_converged = -1;  // of the implicit midpoint rule
+inline constexpr Index no_step_left = -2;   // steps became shorter than time can tell apart
+template <class T> Index step(const Model&, Data<T>&, dynIntegrator, T h, dynStepReport&);
+template <class T> Index advance(const Model&, Data<T>&, dynIntegrator, T duration, T accuracy, dynStepReport&);
+
+}  // namespace integrator
+}  // namespace dyn
