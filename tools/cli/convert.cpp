@@ -75,11 +75,11 @@ void add_convert(CLI::App& app) {
   auto image = std::make_shared<Image>();
   auto out = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("convert", "Write the robot as URDF, MJCF, .dynb, or a C array");
-  command->footer("The extension of OUT says the format: .urdf, .xml or .mjcf, .dynb, .c (a .dynb for dyn_model_from_buffer). What it has no place for is listed as lost, and is an error with --strict.");
+  command->footer("The extension of OUT is the format: .urdf, .xml or .mjcf, .dynb, .c (a .dynb for dyn_model_from_buffer). Losses are listed. With --strict they are errors.");
   add_robot_options(*command, *options);
   command->add_option("OUT", *out, "The file to write")->required()->check(not_empty);
-  command->add_flag("--narrow", image->narrow, "C array: for machines without SIMD, as a Cortex-M");
-  command->add_flag("--nameless", image->nameless, "C array: without names and load report");
+  command->add_flag("--narrow", image->narrow, "C array for machines without SIMD, such as a Cortex-M");
+  command->add_flag("--nameless", image->nameless, "C array without names and load report");
   command->callback([options, image, out] { convert(*options, *image, *out); });
 }
 

@@ -19,7 +19,7 @@ constexpr std::size_t shown_pairs = 10;
 
 std::string text_of(const json& answer, bool all) {
   const json& pairs = answer["pairs"];
-  if (pairs.empty()) return "no pair of collision shapes is tested: dyn info --pairs says why\n";
+  if (pairs.empty()) return "no pair of collision shapes is tested: dyn info --pairs lists the reasons\n";
   std::string out = std::to_string(pairs.size()) + " pairs, " + std::to_string(answer["collisions"].get<int>()) + " in collision\n";
   char line[256];
   std::snprintf(line, sizeof line, "%12s  %-11s  %s\n", "distance m", "", "between");
@@ -77,8 +77,8 @@ void add_distance(CLI::App& app) {
   CLI::App* command = app.add_subcommand("distance", "Distances between a robot's collision shapes, the nearest first");
   add_robot_options(*command, options->robot);
   add_state_options(*command, options->state, false);
-  command->add_flag("--pairs", options->all, "List all pairs, not the nearest ten");
-  CLI::Option* sweep = command->add_flag("--sweep", options->sweep, "Errors and times of all pairs by method and tolerance, here and in random configurations");
+  command->add_flag("--pairs", options->all, "List all pairs instead of the nearest ten");
+  CLI::Option* sweep = command->add_flag("--sweep", options->sweep, "Measure errors and times of all pairs by method and tolerance, at q and in random configurations");
   command->add_option("--samples", options->samples, "Random configurations of --sweep (20)")->check(whole)->check(CLI::Range(0, 100000))->needs(sweep);
   command->callback([options] { options->sweep ? run_sweep(*options) : run(*options); });
 }

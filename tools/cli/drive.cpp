@@ -47,7 +47,7 @@ std::vector<std::size_t> columns_of(const std::vector<std::string_view>& names, 
   }
   for (std::size_t k = 0; k < names.size(); ++k)
     if (const std::string name(names[k]); !known[k] && !is_of_sim(name, robot))
-      fail(file + ": the column \"" + shown(name) + "\" is none of this robot's: " + all + ", and those that dyn sim --csv writes.");
+      fail(file + ": unknown column \"" + shown(name) + "\": the columns are " + all + ", and those of dyn sim --csv.");
   return columns;
 }
 

@@ -177,11 +177,11 @@ std::string effects_text(const json& a) {
 void add_effects(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->duration = 1;
-  CLI::App* command = app.add_subcommand("effects", "What a scene calls for: each effect, its price and what leaving it out changes, measured");
+  CLI::App* command = app.add_subcommand("effects", "Each effect of a scene, measured: its price, and the change of the result without it");
   add_stepping_options(*command, *options);
-  command->add_option("--duration", options->duration, "Seconds to simulate for it")->check(decimal)->capture_default_str();
+  command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->capture_default_str();
   command->add_option("--dt", options->dt, "Step, seconds")->check(decimal)->capture_default_str();
-  CLI::Option* suggest = command->add_option("--suggest", options->allowed, "The fewest effects whose result is closer than this to that of all of them: m and rad")->check(decimal);
+  CLI::Option* suggest = command->add_option("--suggest", options->allowed, "Find the fewest effects whose result differs by less than this from that of all effects (m, rad)")->check(decimal);
   command->callback([options, suggest] { run(*options, suggest->count() > 0); });
 }
 

@@ -64,9 +64,9 @@ const char* reason_name(dynIkReason reason) {
 std::string sentence(const Robot& robot, const dynIkResult& r) {
   switch (r.reason) {
     case DYN_IK_REASON_LIMITS: return "a limit of joint '" + std::string(dyn_model_joint_name(robot, r.joint)) + "' holds the tasks back";
-    case DYN_IK_REASON_SINGULAR: return "no joint moves where the error points, as when the target is out of reach";
-    case DYN_IK_REASON_LOCAL_MINIMUM: return "no motion lowers the error: the tasks contradict each other, or take more --restarts";
-    default: return "take more --max-iterations";
+    case DYN_IK_REASON_SINGULAR: return "no joint moves along the error: the target may be out of reach";
+    case DYN_IK_REASON_LOCAL_MINIMUM: return "no motion lowers the error: the tasks contradict each other, or --restarts is too small";
+    default: return "--max-iterations is too small";
   }
 }
 
@@ -105,7 +105,7 @@ void run(const Options& options) {
   Vector q(static_cast<std::size_t>(robot.nq)), residuals(2 * tasks.size());
   check(dyn_ik(robot, data, state.q.data(), tasks.data(), static_cast<int>(tasks.size()), &o, q.data(), residuals.data(), &result));
   if (result.reason != DYN_IK_REASON_CONVERGED && !options.best)
-    fail("not reached: " + sentence(robot, result) + ". What remains is " + short_number(result.residual_linear, 3) + " m and " +
+    fail("not reached: " + sentence(robot, result) + ". The error is " + short_number(result.residual_linear, 3) + " m and " +
          short_number(result.residual_angular, 3) + " rad; --best answers the best configuration.");
 
   json list = json::array();
@@ -130,20 +130,20 @@ void run(const Options& options) {
 
 void add_ik(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("ik", "Inverse kinematics: a configuration in which frames are at targets");
+  CLI::App* command = app.add_subcommand("ik", "Inverse kinematics: a configuration that puts frames at targets");
   add_robot_options(*command, options->robot);
   add_state_options(*command, options->state, false);
-  command->add_option("--frame", options->frames, "A frame; as many as there are targets")->allow_extra_args(false);
-  command->add_option("--target", options->targets, "Its target: position (3), quaternion x y z w (4), or both (7), separated by commas; axes of the world, m")
+  command->add_option("--frame", options->frames, "A frame; one for each --target")->allow_extra_args(false);
+  command->add_option("--target", options->targets, "Target of the frame: position (3), quaternion x y z w (4), or both (7), separated by commas; world axes, m")
       ->allow_extra_args(false)
       ->type_name("NUMBERS");
   command->add_option("--com", options->com, "Target of the centre of mass: 3 numbers, m")->type_name("NUMBERS");
-  command->add_flag("--stay", options->stay, "As near to the start (--q, --state) as the targets allow");
-  command->add_option("--tolerance", options->tolerance, "m and rad")->check(decimal)->capture_default_str();
+  command->add_flag("--stay", options->stay, "Stay as near to the start (--q, --state) as the targets allow");
+  command->add_option("--tolerance", options->tolerance, "Error of a met target, m and rad")->check(decimal)->capture_default_str();
   command->add_option("--restarts", options->restarts, "Random starts after the given one")->check(whole)->capture_default_str();
-  command->add_option("--seed", options->seed, "Of the random starts")->check(whole)->capture_default_str();
-  command->add_option("--max-iterations", options->max_iterations, "Of each start")->check(whole)->capture_default_str();
-  command->add_flag("--best", options->best, "Answer the best configuration when the targets can't be reached");
+  command->add_option("--seed", options->seed, "Seed of the random starts")->check(whole)->capture_default_str();
+  command->add_option("--max-iterations", options->max_iterations, "Iterations of each start")->check(whole)->capture_default_str();
+  command->add_flag("--best", options->best, "Print the best configuration when the targets are out of reach");
   command->add_flag("--no-limits", options->no_limits, "Ignore joint limits");
   command->callback([options] { run(*options); });
 }

@@ -168,13 +168,13 @@ void add_info(CLI::App& app) {
   auto options = std::make_shared<RobotOptions>();
   auto pairs = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("info", "Sizes, joints, frames, masses, effects, the load report");
-  command->footer("Joint 0 and frame 0 are the universe, the world: a joint whose parent is 0 stands on it.");
+  command->footer("Joint 0 and frame 0 are the universe (the world). A joint with parent 0 is attached to the world.");
   add_robot_options(*command, *options);
   auto meshes = std::make_shared<bool>(false);
-  command->add_flag("--meshes", *meshes, "Read the robot's mesh files, too: what they bound, and whether they are convex");
-  command->add_flag("--pairs", *pairs, "Which pairs of collision shapes are tested, and why others are not");
+  command->add_flag("--meshes", *meshes, "Read the robot's mesh files, too: volume, defects, convexity");
+  command->add_flag("--pairs", *pairs, "List the pairs of collision shapes: tested, or the reason why not");
   auto html = std::make_shared<std::string>();
-  command->add_option("--html", *html, "A page that shows the robot and all of this, into this file")->check(not_empty);
+  command->add_option("--html", *html, "Write a page with the robot and this information to this file")->check(not_empty);
   command->callback([options, pairs, meshes, html] {
     check_outputs({{"--html", *html}}, inputs_of(*options));
     const std::string page = html->empty() ? "" : page::page_template();

@@ -51,7 +51,7 @@ std::vector<std::string> Ledger::sum_names() {
 }
 
 std::string Ledger::text(const json& a) {
-  std::string out = "ledger            change of energy, J, by what did it; the rest is the steps' error\n";
+  std::string out = "ledger            change of energy, J, by source; the rest is the error of the steps\n";
   for (const auto& e : sums)
     if (const double x = a[e.name]; x != 0) out += "  " + std::string(e.name) + std::string(20 - std::strlen(e.name), ' ') + short_number(x) + "\n";
   out += "  momentum_defect     " + short_number(a["momentum_defect"][0].get<double>()) + " " + short_number(a["momentum_defect"][1].get<double>()) + " " +

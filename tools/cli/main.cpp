@@ -9,7 +9,7 @@
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error with a message, not a silent death
-  CLI::App app("Rigid-body dynamics: what a robot is, what it does, how long that takes.", "dyn");
+  CLI::App app("Rigid-body dynamics: inspect, evaluate, simulate and measure a robot.", "dyn");
   app.set_version_flag("--version", std::string("dyn ") + dyn_version() + " (" + dyn_build_info() + ")",
                        "Print the version and exit");
   app.require_subcommand(1);

@@ -61,7 +61,7 @@ std::string man(const CLI::App& app) {
       if (o->get_positional()) out += o->get_required() ? " " + o->get_single_name() : " [" + o->get_single_name() + "]";
     out += "\n.br\n";
   }
-  out += ".SH DESCRIPTION\n" + roff(app.get_description()) + "\nA robot is a URDF, MJCF or .dynb file; what holds its root link is said by \\-\\-fixed or \\-\\-floating.\n";
+  out += ".SH DESCRIPTION\n" + roff(app.get_description()) + "\nA robot is a URDF, MJCF or .dynb file. \\-\\-fixed or \\-\\-floating holds the root link of a URDF.\n";
   out += ".SH COMMANDS\n";
   for (const CLI::App* c : commands(app)) {
     out += ".SS dyn " + c->get_name() + "\n" + roff(c->get_description()) + ".\n";
@@ -72,7 +72,7 @@ std::string man(const CLI::App& app) {
     }
     if (!c->get_footer().empty()) out += ".PP\n" + roff(c->get_footer()) + "\n";
   }
-  out += ".SH EXIT STATUS\n.TP\n0\nsuccess\n.TP\n1\nan operation failed: it depends on the robot or on files\n.TP\n2\nthe command line alone is wrong\n";
+  out += ".SH EXIT STATUS\n.TP\n0\nsuccess\n.TP\n1\nan operation on the robot or on files failed\n.TP\n2\nthe command line is wrong\n";
   return out + ".SH FILES\nMessages are on standard error; the answer, with \\-\\-json for programs, is all there is on standard output.\n";
 }
 

@@ -219,7 +219,7 @@ void run(const Options& options) {
   if (options.ground) robot.add_ground();
   const Data data(robot, DYN_PART_SIMULATION | DYN_PART_ENERGY, on);
   State state = start_of(robot, options, warnings);
-  if (!options.forces.empty() && state.has_tau) bad_usage("--tau-csv and a constant tau are two: keep one.");
+  if (!options.forces.empty() && state.has_tau) bad_usage("--tau-csv and a constant tau exclude each other: keep one.");
   const std::unique_ptr<Drive> drive = options.forces.empty() ? nullptr : std::make_unique<Drive>(options.forces, robot);
   const auto act = [&](double time) {
     if (drive) state.tau.assign(drive->at(time), drive->at(time) + robot.nv), state.has_tau = true;
@@ -261,7 +261,7 @@ void run(const Options& options) {
   blackbox.record(*time, q, v);
   for (const double x : state.tau)
     if (x != 0) {
-      warnings.push_back("tau is not zero: the energy drift includes the work it does");
+      warnings.push_back("tau is not zero: the energy drift includes its work");
       break;
     }
 
@@ -338,11 +338,11 @@ void run(const Options& options) {
     }
     answer["error_estimate_method"] = "distance of the final q from that of a run at half the step, extrapolated by the integrator's order";
   }
-  if (unsolved) warnings.push_back(std::to_string(unsolved) + " contact problems ended above --tolerance: their impulses are the best that --max-iterations and --time-budget left room for");
+  if (unsolved) warnings.push_back(std::to_string(unsolved) + " contact problems ended above --tolerance: their impulses are the best within --max-iterations and --time-budget");
   if (adaptive && estimate > 3 * options.accuracy)
     warnings.push_back("the accuracy " + short_number(options.accuracy) + " was not reached: errors of the steps are estimated to add up to " + short_number(estimate, 2) +
                        ". Where contacts open and close again, and where motion is chaotic, shorter steps do not help: q is one of many that are as likely; a shorter --duration is known better");
-  if (dropped) warnings.push_back("there was no room for " + std::to_string(dropped) + " contact points in all steps: the shallowest were left out");
+  if (dropped) warnings.push_back(std::to_string(dropped) + " contact points were left out in all steps, the shallowest: raise --contact-capacity");
   if (options.ledger) answer["ledger"] = ledger.answer();
   answer["effects"] = effects(robot, on);
   answer["warnings"] = warnings;
@@ -365,18 +365,18 @@ void run(const Options& options) {
 void add_sim(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("sim", "Dynamics under a constant tau or forces over time, with contacts, limits and constraints");
+      app.add_subcommand("sim", "Simulation under a constant tau or forces over time, with contacts, limits and constraints");
   add_stepping_options(*command, *options);
   command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->required();
-  CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy the time between rows of --csv")->check(decimal)->capture_default_str();
-  CLI::Option* accuracy = command->add_option("--accuracy", options->accuracy, "What the errors of the steps may add up to (m, rad and their rates): the steps' lengths follow")->check(decimal);
-  command->add_option("--csv", options->csv, "Every step into this file: t, q, v, tau when given, energies")->check(not_empty);
-  command->add_option("--tau-csv", options->forces, "Forces over time: a CSV file with columns t and tau0, tau1, ...; a row's act until the next row's t")->check(not_empty);
-  command->add_option("--html", options->html, "A page to look at, into this file: the robot in motion, forces, plots, ledger, what each effect takes")->check(not_empty);
-  command->add_option("--postmortem", options->postmortem, "After a failure: the last 100 states into this file, and which joints' speeds grew most")->check(not_empty);
-  command->add_flag("--profile", options->profile, "What each effect takes and changes, as dyn effects measures it");
-  command->add_flag("--ledger", options->ledger, "Where the energy and the momentum went, by source, and what nothing accounts for");
-  command->add_flag("--no-error-estimate", options->no_error_estimate, "Leave out the second run, at half the step");
+  CLI::Option* dt = command->add_option("--dt", options->dt, "Step, seconds; with --accuracy, the time between rows of --csv")->check(decimal)->capture_default_str();
+  CLI::Option* accuracy = command->add_option("--accuracy", options->accuracy, "Bound on the sum of the steps' errors (m, rad and their rates); step sizes follow")->check(decimal);
+  command->add_option("--csv", options->csv, "Write every step to this file: t, q, v, tau when given, energies")->check(not_empty);
+  command->add_option("--tau-csv", options->forces, "Forces over time: a CSV file with columns t, tau0, tau1, ...; each row acts until the next row's t")->check(not_empty);
+  command->add_option("--html", options->html, "Write a page to this file: motion, forces, plots, ledger, time of each effect")->check(not_empty);
+  command->add_option("--postmortem", options->postmortem, "After a failure, write the last 100 states to this file, and name the joints whose speeds grew most")->check(not_empty);
+  command->add_flag("--profile", options->profile, "Measure each effect, as dyn effects does");
+  command->add_flag("--ledger", options->ledger, "Print energy and momentum by source, and their defects");
+  command->add_flag("--no-error-estimate", options->no_error_estimate, "Skip the second run, at half the step");
   command->callback([options, dt, accuracy] {
     options->dt_given = dt->count() > 0, options->accuracy_given = accuracy->count() > 0;
     run(*options);

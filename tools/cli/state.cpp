@@ -13,7 +13,7 @@
 namespace cli {
 
 void add_state_options(CLI::App& command, StateOptions& options, bool with_acceleration) {
-  auto* file = command.add_option("--state", options.file, "State: JSON with any of q, v, a, tau, ctrl")->check(not_empty)->type_name("S.json");
+  auto* file = command.add_option("--state", options.file, "State file: JSON with any of q, v, a, tau, ctrl")->check(not_empty)->type_name("S.json");
   const auto list = [&](const char* name, std::vector<std::string>& words, const char* what) {
     command.add_option(name, words, what)->type_name("NUMBERS")->excludes(file);
   };

@@ -88,14 +88,14 @@ void run(const Options& options) {
 void add_view(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->duration = 1;
-  CLI::App* command = app.add_subcommand("view", "The robot in a browser: its shapes, frames, masses, joints to be moved; with --live a simulation to be pushed");
-  command->footer("With --live the address has a random word in it and is served to this machine alone; drag with Shift held to push a link; Ctrl-C ends it.");
+  CLI::App* command = app.add_subcommand("view", "The robot in a browser: shapes, frames, masses, movable joints; with --live a running simulation");
+  command->footer("The address of --live has a random word and is served to this machine alone. Drag with Shift held to push a link. Ctrl-C ends it.");
   add_stepping_options(*command, *options);
   command->add_option("--dt", options->dt, "Step of --live, seconds")->check(decimal)->capture_default_str();
-  command->add_option("--html", options->html, "Write the page into this file, and open nothing")->check(not_empty);
-  command->add_flag("--live", options->live, "Serve a running simulation: pause, reset, push, effects switched");
-  command->add_option("--port", options->port, "Of --live; 0: one that is free")->check(CLI::Range(0, 65535))->check(whole)->capture_default_str();
-  command->add_flag("--no-browser", options->no_browser, "Say where it is, and open nothing");
+  command->add_option("--html", options->html, "Write the page to this file, and open nothing")->check(not_empty);
+  command->add_flag("--live", options->live, "Serve a running simulation: pause, reset, push, switch effects");
+  command->add_option("--port", options->port, "Port of --live; 0: any free one")->check(CLI::Range(0, 65535))->check(whole)->capture_default_str();
+  command->add_flag("--no-browser", options->no_browser, "Print the address, and open nothing");
   command->callback([options] { run(*options); });
 }
 

@@ -111,11 +111,11 @@ void run(const Options& options) {
 void add_stress(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("stress", "Hard cases against their references: error, tolerance, verdict");
-  command->add_option("cases", options->names, "Names of cases or of themes; none: all that take seconds");
+  command->add_option("cases", options->names, "Names of cases or themes; default: all quick cases");
   command->add_flag("--json", options->json, "One JSON object");
-  command->add_option("--html", options->html, "Write a page with a picture of each case into this file")->check(not_empty);
-  command->add_flag("--list", options->list, "The cases and what is hard about them; nothing is run");
-  command->add_flag("--long", options->slow, "The slow ones, too");
+  command->add_option("--html", options->html, "Write a page with a picture of each case to this file")->check(not_empty);
+  command->add_flag("--list", options->list, "List the cases and what is hard about each; run nothing");
+  command->add_flag("--long", options->slow, "Run the slow cases, too");
   command->callback([options] { run(*options); });
 }
 
