@@ -31,7 +31,7 @@ def simulate():
     home = stands.on_the_ground(model, standing(model))
     robot, mind = model.data(), model.data()
     robot.set_effects(dyn.Effect.ARMATURE | dyn.Effect.LIMITS)
-    robot.set_stepping("semi_implicit_euler", stands.DT)
+    robot.set_step_options("semi_implicit_euler", stands.DT)
     robot.set_state(home)
     legs = [foot.split("_")[0] for foot in FEET]
     times, trunk, feet, motors, scene = [], [], [], None, None

@@ -40,10 +40,10 @@ def scene(name):
     """The model, where it begins, and what its servos hold."""
     base, height, stance, (kp, kv) = ROBOTS[name]
     robot = dyn.load(ROOT / f"models/robots/{name}.urdf", base=base)
-    b = dyn.Builder.from_model(robot).shape("universe", "half_space", name="floor")
+    b = dyn.Builder.from_model(robot).add_shape("universe", "half_space", name="floor")
     driven = [j for j in robot.joints[1:] if j.nv == 1 and j.mimic_leader < 0]
     for j in driven:
-        b.actuator(j.name, j.name, type="position", kp=kp, kv=kv)
+        b.add_actuator(j.name, j.name, type="position", kp=kp, kv=kv)
     q = robot.normalize(stance)
     if height is not None:
         q[2] = height

@@ -182,9 +182,9 @@ def chain_of(theirs):
     for i in range(1, theirs.nbody):
         placement = np.eye(4)
         placement[:3, :3], placement[:3, 3] = turned(theirs.body_quat[i]), theirs.body_pos[i]
-        builder.joint(f"joint{i}", "revolute", f"joint{i - 1}" if i > 1 else None, placement, axis=theirs.jnt_axis[i - 1])
+        builder.add_joint(f"joint{i}", "revolute", f"joint{i - 1}" if i > 1 else None, placement, axis=theirs.jnt_axis[i - 1])
         R = turned(theirs.body_iquat[i])
-        builder.body(f"link{i}", f"joint{i}", theirs.body_mass[i], theirs.body_ipos[i], R @ np.diag(theirs.body_inertia[i]) @ R.T)
+        builder.add_body(f"link{i}", f"joint{i}", theirs.body_mass[i], theirs.body_ipos[i], R @ np.diag(theirs.body_inertia[i]) @ R.T)
     return builder.finish()
 
 
@@ -211,7 +211,7 @@ class Libdyn:
         q = model.configuration("qpos0") if named else model.neutral()
         v = np.hstack([np.append(-2 * x[:3], (0, 0, 0)) for x in q.reshape(-1, 7)]) if self.kind == "alone" else None
         data.set_state(q, v)
-        data.set_stepping("semi_implicit_euler", self.dt / self.parts, **SETTINGS[self.setting])
+        data.set_step_options("semi_implicit_euler", self.dt / self.parts, **SETTINGS[self.setting])
         return data
 
     def time(self):
@@ -234,7 +234,7 @@ class Libdyn:
             residual, missed = max(residual, report.residual), missed + (report.residual > 1e-9)
             slip = max(slip, np.linalg.norm(np.array(data.q[:2]) - x)) if self.kind == "rests" else 0
             change = max(change, np.linalg.norm(momentum() - p) / size) if self.kind == "alone" else 0
-            energies.append(data.energy().mechanical)
+            energies.append(sum(data.energy()))
         return overlap, slip, growth(energies), change, residual, missed, met
 
 

@@ -54,7 +54,7 @@ def reference(problem):
     scene = Scene(problem)
     out = []
     for parts in (1, 3):
-        scene.data.set_stepping("reference", problem.duration / 10 / parts)
+        scene.data.set_step_options("reference", problem.duration / 10 / parts)
         scene.begin()
         places = []
         for k in range(10):
@@ -70,9 +70,9 @@ def points(problem, reference):
     def measure(method, value):
         kind, _, how = method.partition(", ")
         if how == "accuracy":
-            scene.data.set_stepping({"order 8": "reference", "order 5": "rk45"}[kind], dt=1e-3, accuracy=value)
+            scene.data.set_step_options({"order 8": "reference", "order 5": "rk45"}[kind], dt=1e-3, accuracy=value)
         else:
-            scene.data.set_stepping(kind, dt=value, accuracy=0)
+            scene.data.set_step_options(kind, dt=value, accuracy=0)
         return measured(method, value, scene.begin, scene.move, scene.look, reference, problem, lambda: scene.evaluations)
 
     # of order 1 alone where something touches: the others are one of these there

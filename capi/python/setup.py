@@ -1,4 +1,6 @@
-"""Puts libdyn and its variants into the package, in libdyn/lib, and the robots of libdyn.gym: `pip install ./capi/python` from a checkout needs no other step.
+"""Puts the library and its variants into the package, in libdyn/lib, the robots of libdyn.gym, and stubs for type checkers, which the library describes.
+
+`pip install ./capi/python` from a checkout needs no other step.
 
 DYN_PREFIX  an installed tree to take the libraries from; without it the checkout is configured and built with CMake.
 DYN_HWCAPS  which variants CMake builds then: ON (v2, v3, v4), native (for this machine), OFF. Default: native.
@@ -8,6 +10,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 
 from setuptools import Distribution, setup
@@ -61,6 +64,9 @@ class BuildWithLibrary(build_py):
         (package / "models").mkdir()
         for name in ROBOTS:
             shutil.copyfile(CHECKOUT / "models" / "robots" / name, package / "models" / name)
+        environment = {k: v for k, v in os.environ.items() if k != "DYN_LIBRARY"}
+        environment["PYTHONPATH"] = os.pathsep.join(filter(None, sys.path))  # where the build finds numpy
+        subprocess.run([sys.executable, "-m", "libdyn.stubs", str(package.resolve())], check=True, env=environment, cwd=self.build_lib)
 
 
 class PlatformWheel(bdist_wheel):

@@ -293,15 +293,15 @@ Y = [1, 0, 0, 0, 0, 1, 0, -1, 0, 0.3, -0.1, 0.2]
 inertia = [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]
 hinge = dict(type="revolute", axis=(0.6, 0, 0.8), placement=X)
 b = dyn.Builder("composites")
-b.joint("simple", "composite", placement=Y, parts=[hinge, dict(type="prismatic", axis=(0, 1, 0), placement=Y)])
-b.joint("lead", "revolute", parent="simple", placement=X, axis=(1, 0, 0), lower=[-1.5], upper=[1.5])
-b.joint("follow", "revolute", parent="lead", placement=X, axis=(0, 1, 0), mimic="lead", mimic_ratio=0.7, mimic_offset=0.1)
+b.add_joint("simple", "composite", placement=Y, parts=[hinge, dict(type="prismatic", axis=(0, 1, 0), placement=Y)])
+b.add_joint("lead", "revolute", parent="simple", placement=X, axis=(1, 0, 0), lower=[-1.5], upper=[1.5])
+b.add_joint("follow", "revolute", parent="lead", placement=X, axis=(0, 1, 0), mimic="lead", mimic_ratio=0.7, mimic_offset=0.1)
 parts = [dict(type="spherical", placement=X), dict(type="fixed", placement=X), dict(type="revolute_unbounded", axis=(0, 0.6, 0.8), placement=Y)]
 parts += [dict(type="helical", axis=(0, 1, 0), pitch=0.2), dict(type="planar", placement=X, axis=(0, 0, -1)), dict(type="spherical", placement=Y)]
-b.joint("many", "composite", parent="follow", placement=X, parts=parts, armature=[0.1] * 11)
-b.joint("last", "composite", parent="many", placement=Y, parts=[dict(type="universal", axis=(0, 0, 1), axis2=(1, 0, 0), placement=X)])
+b.add_joint("many", "composite", parent="follow", placement=X, parts=parts, armature=[0.1] * 11)
+b.add_joint("last", "composite", parent="many", placement=Y, parts=[dict(type="universal", axis=(0, 0, 1), axis2=(1, 0, 0), placement=X)])
 for name in ("simple", "lead", "follow", "many", "last"):
-    b.body(f"of {name}", name, 1, inertia=inertia)
+    b.add_body(f"of {name}", name, 1, inertia=inertia)
 b.finish().save(sys.argv[1])
 """
 
@@ -311,8 +311,8 @@ import libdyn as dyn
 types = ["free_flyer", "spherical", "spherical_zyx", "planar", "translation", "cylindrical", "universal", "revolute_unbounded", "helical"]
 b, above = dyn.Builder("chain"), None
 for k, type in enumerate(types):
-    b.joint(f"j{k}", type, parent=above, placement=[1, 0, 0, 0, 0, 1, 0, -1, 0, 0.1, 0.2, 0.3], axis=(0.6, 0, 0.8) if k % 2 else (0, 0, -1), axis2=(0, 1, 0), pitch=0.1)
-    b.body(f"b{k}", f"j{k}", 1, inertia=[[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
+    b.add_joint(f"j{k}", type, parent=above, placement=[1, 0, 0, 0, 0, 1, 0, -1, 0, 0.1, 0.2, 0.3], axis=(0.6, 0, 0.8) if k % 2 else (0, 0, -1), axis2=(0, 1, 0), pitch=0.1)
+    b.add_body(f"b{k}", f"j{k}", 1, inertia=[[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
     above = f"j{k}"
 b.finish().save(sys.argv[1])
 """

@@ -54,7 +54,7 @@ def main(svg=None):
     robot = data_at(found["q"])
     exact = data_at(Q)
     exact.set_effects(dyn.Effect.ALL & ~dyn.Effect.LIMITS & ~dyn.Effect.SLEEPING)
-    exact.set_stepping("reference", 1e-2)
+    exact.set_step_options("reference", 1e-2)
     exact.advance(DURATION)
     exact.forward_kinematics()
     apart = np.linalg.norm(robot.frame_placements().translation - exact.frame_placements().translation, axis=1).max()

@@ -29,7 +29,7 @@ def fall(model, effects=JOINTS, contact=True, gravity=None):
     if gravity is not None:
         data.set_gravity(gravity)
     data.set_state(model.neutral(), np.zeros(model.nv))
-    data.set_stepping("semi_implicit_euler", 1e-3)
+    data.set_step_options("semi_implicit_euler", 1e-3)
     data.advance(DURATION)
     return np.array(data.q), data
 

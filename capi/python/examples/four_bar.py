@@ -49,7 +49,7 @@ def main():
     data.set_effects(())
     for pair in range(model.npairs):
         data.set_pair(pair, False)
-    data.set_stepping("reference", 1e-3)
+    data.set_step_options("reference", 1e-3)
     start, off, turns, last = data.energy(q, v).kinetic, 0.0, 0.0, q[0]
     drift = 0.0
     for _ in range(3000):

@@ -22,8 +22,8 @@ def scene():
     """The gripper, fingers up, and a box between its pads, which are all that touches."""
     b = dyn.Builder.from_model(dyn.load(GRIPPER, base="fixed"))
     inertia = np.diag(MASS / 12 * (np.sum(SIZE**2) - SIZE**2))
-    b.joint("box_joint", "free_flyer").body("box", "box_joint", MASS, inertia=inertia)
-    b.shape("box", "box", SIZE, name="box")
+    b.add_joint("box_joint", "free_flyer").add_body("box", "box_joint", MASS, inertia=inertia)
+    b.add_shape("box", "box", SIZE, name="box")
     return b.finish()
 
 
@@ -71,7 +71,7 @@ def least_torque(model, data, q):
 def hold(model, q, torque, seconds=0.5):
     """How far the box sinks, and the contact forces on it at the end."""
     data = data_of(model)
-    data.set_stepping("semi_implicit_euler", 1e-4, tolerance=1e-10)
+    data.set_step_options("semi_implicit_euler", 1e-4, tolerance=1e-10)
     tau = np.zeros(model.nv)
     tau[model.joint("left_knuckle_joint").idx_v] = torque
     data.set_state(q, np.zeros(model.nv), tau=tau)

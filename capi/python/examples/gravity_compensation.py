@@ -44,7 +44,7 @@ def main(path=PANDA):
         for pair in range(model.npairs):
             robot.set_pair(pair, False)
         robot.set_state(home)
-        robot.set_stepping("rk4", 1e-3)
+        robot.set_step_options("rk4", 1e-3)
         for _ in range(1000):
             robot.set_state(tau=data.gravity_torque(robot.q) if held else zero)
             robot.step()

@@ -29,13 +29,13 @@ WEIGHTS = np.array([1, 1, 1, 10, 10, 10.0])  # it may be moved, but should not t
 
 def grounded(path=GO2):
     """The robot and the half-space below z = 0; its motors alone act in its joints."""
-    return dyn.Builder.from_model(dyn.load(path, base="floating")).shape("universe", "half_space", name="ground").finish()
+    return dyn.Builder.from_model(dyn.load(path, base="floating")).add_shape("universe", "half_space", name="ground").finish()
 
 
 def on_the_ground(model, q):
     """q, as low as its shapes allow."""
     data, ground = model.data(), model.nshapes - 1
-    d = data.distances(q)
+    d = data.compute_distances(q)
     q = q.copy()
     q[2] -= min(d[k] for k, pair in enumerate(model.pairs) if ground in (pair.shape_a, pair.shape_b))
     return q
@@ -61,7 +61,7 @@ def main(seconds=30.0, record=None):
     home = on_the_ground(model, standing(model))
     robot, mind = model.data(), model.data()
     robot.set_effects(dyn.Effect.ARMATURE | dyn.Effect.LIMITS)
-    robot.set_stepping("semi_implicit_euler", DT)
+    robot.set_step_options("semi_implicit_euler", DT)
     robot.set_state(home)
     starts = [seconds * (k + 1) / 5 for k in range(len(PUSHES))]
     steps, away, least, residual, penetration, thinking, moving = round(seconds / DT), np.zeros(len(PUSHES) + 1), 4, 0.0, 0.0, 0.0, 0.0

@@ -119,7 +119,7 @@ def main():
     robot.set_effects(())
     for pair in range(problem.model.npairs):
         robot.set_pair(pair, False)
-    robot.set_stepping("semi_implicit_euler", H)
+    robot.set_step_options("semi_implicit_euler", H)
     robot.set_state(problem.start, np.zeros(problem.model.nv))
     for torques in u:
         robot.set_state(tau=torques)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ctypes import byref
 from math import inf
-from typing import TYPE_CHECKING, Any, NamedTuple, Tuple
+from typing import TYPE_CHECKING, NamedTuple, Tuple
 
 from numpy.typing import ArrayLike
 
@@ -12,17 +12,17 @@ from . import abi
 from .arrays import address, checked
 from .choices import member
 from .enums import ActuatorType, Reference
-from .errors import UnknownNameError
-from .library import check, last_error, lib
+from .handles import DataHandle, ModelHandle
+from .library import check, lib
 
 if TYPE_CHECKING:
-    from .model import Model
+    from .enums import ActuatorTypeLike, ReferenceLike
 
 
 class Actuator(NamedTuple):
     """force = gain . controls + bias . (1, length, its rate), within force_range; length = gear q. See dynActuator in dyn.h."""
 
-    type: ActuatorType | str = ActuatorType.MOTOR
+    type: ActuatorTypeLike = ActuatorType.MOTOR
     gear: float = 1.0
     kp: float = 0.0
     """position, pd: N m/rad or N/m."""
@@ -53,8 +53,7 @@ class Actuator(NamedTuple):
 
     def structure(self) -> abi.Actuator:
         """As the library takes it."""
-        out = abi.Actuator()
-        lib.dyn_actuator_init(byref(out), member(ActuatorType, self.type, "type"))
+        out = abi.initialized(abi.Actuator, member(ActuatorType, self.type, "type"))
         out.component, out.gear, out.kp, out.kv, out.gain = self.component, self.gear, self.kp, self.kv, self.gain
         out.bias[:], out.control_range[:], out.force_range[:] = self.bias, self.control_range, self.force_range
         out.act_range[:], out.integrates = self.act_range, self.integrates
@@ -62,11 +61,8 @@ class Actuator(NamedTuple):
         return out
 
 
-class ModelActuators:
+class ModelActuators(ModelHandle):
     """The part of Model that knows its actuators."""
-
-    if TYPE_CHECKING:
-        _m: Any
 
     @property
     def nactuators(self) -> int:
@@ -82,15 +78,12 @@ class ModelActuators:
         return [lib.dyn_model_actuator_name(self._m, k).decode() for k in range(self.nactuators)]
 
     def actuator_id(self, name: str) -> int:
-        id = lib.dyn_model_actuator_id(self._m, name.encode())
-        if id < 0:
-            raise UnknownNameError(last_error())
-        return id
+        """Number of an actuator of the model."""
+        return self._id(lib.dyn_model_actuator_id(self._m, name.encode()))
 
     def actuator(self, actuator: str | int) -> Actuator:
         """One of the model's, by name or number."""
         x = abi.Actuator()
-        lib.dyn_actuator_init(byref(x), 0)
         check(lib.dyn_model_actuator_info(self._m, self.actuator_id(actuator) if isinstance(actuator, str) else actuator, byref(x)))
         return Actuator(
             ActuatorType(x.type), x.gear, x.kp, x.kv, x.gain, tuple(x.bias), x.time_constant,
@@ -99,13 +92,8 @@ class ModelActuators:
         )  # fmt: skip
 
 
-class Driving:
+class Actuation(DataHandle):
     """The part of Data that acts on it in steps."""
-
-    if TYPE_CHECKING:
-        model: Model
-        _m: Any
-        _d: Any
 
     def set_control(self, u: ArrayLike) -> None:
         """Controls of the actuators, (nu,), until others are set."""
@@ -116,7 +104,7 @@ class Driving:
         frame: int | str,
         wrench: ArrayLike,
         point: ArrayLike | None = None,
-        reference: str | Reference = Reference.LOCAL_WORLD_ALIGNED,
+        reference: ReferenceLike = Reference.LOCAL_WORLD_ALIGNED,
     ) -> None:
         """Adds [force; moment], (6,), that acts in steps until clear_wrenches, at point (3,) of a frame (None: its origin). "local": in the
         frame's axes, turning with it; "local_world_aligned": world axes; "world": world axes, moment about the world's origin."""

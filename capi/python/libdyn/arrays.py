@@ -5,13 +5,18 @@ from __future__ import annotations
 import ctypes
 import weakref
 from collections.abc import Mapping
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, NamedTuple, Union
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from .errors import ArgumentError, SizeError
 
 F64 = np.dtype(np.float64)
+Numbers = NDArray[np.float64]
+Integers = NDArray[np.int32]
+StateLike = Union[ArrayLike, Mapping[str, Any]]
+"""q, v, a or tau: an array, or {joint name: numbers}."""
 
 
 class Owner:
@@ -29,13 +34,13 @@ class Owner:
 class Placement(NamedTuple):
     """A pose X_AB: p_A = rotation @ p_B + translation. Of many frames: one more axis, in front."""
 
-    rotation: np.ndarray
+    rotation: Numbers
     """(3, 3)"""
-    translation: np.ndarray
+    translation: Numbers
     """(3,), m"""
 
     @property
-    def matrix(self) -> np.ndarray:
+    def matrix(self) -> Numbers:
         """Homogeneous, (4, 4)."""
         out = np.zeros((*self.translation.shape[:-1], 4, 4))
         out[..., :3, :3] = self.rotation
@@ -44,7 +49,7 @@ class Placement(NamedTuple):
         return out
 
 
-def numbers(x: Any, name: str) -> np.ndarray:
+def numbers(x: Any, name: str) -> Numbers:
     """x as an array of float64; refuses what is not real numbers."""
     try:
         a = np.asarray(x)
@@ -55,7 +60,7 @@ def numbers(x: Any, name: str) -> np.ndarray:
     return a.astype(F64, copy=False)
 
 
-def checked(x: Any, shape: tuple[int, ...], name: str) -> np.ndarray:
+def checked(x: Any, shape: tuple[int, ...], name: str) -> Numbers:
     """x as column-major contiguous float64 of exactly this shape."""
     a = x if type(x) is np.ndarray and x.dtype == F64 else numbers(x, name)
     if a.shape != shape:
@@ -69,7 +74,7 @@ def address(a: np.ndarray | None) -> int | None:
 
 
 def slot(shape: tuple[int, ...], name: str, model: weakref.ref) -> Callable[[Any], int | None]:
-    """A function that copies an argument into a buffer of its own and answers the buffer's address (None: None).
+    """A function that copies an argument into a buffer of its own and returns the buffer's address (None: None).
 
     Copying costs less than asking numpy for the address of an array in each call.
     """
@@ -97,7 +102,7 @@ def result(shape: tuple[int, ...]) -> tuple[np.ndarray, int | None]:
     return buffer, address(buffer)
 
 
-def placement(x: Any, name: str = "placement") -> np.ndarray:
+def placement(x: Any, name: str = "placement") -> Numbers:
     """The 12 numbers of dyn.h from a Placement or (R, p), a 4 x 4 matrix, a translation (3,), or the 12 numbers."""
     if isinstance(x, tuple) and len(x) == 2:
         rotation, translation = checked(x[0], (3, 3), f"{name}: rotation"), checked(x[1], (3,), f"{name}: translation")
@@ -121,7 +126,12 @@ def to_placement(x: np.ndarray) -> Placement:
     return Placement(x[:9].reshape(3, 3).T, x[9:])
 
 
-def view(start: int, rows: int, cols: int | None, strides: tuple[int, int], owner: Owner) -> np.ndarray:
+def to_placements(x: np.ndarray) -> Placement:
+    """Of many: from rows of 12 numbers, (..., 12)."""
+    return Placement(x[..., :9].reshape(*x.shape[:-1], 3, 3).swapaxes(-1, -2), x[..., 9:])
+
+
+def view(start: int, rows: int, cols: int | None, strides: tuple[int, int], owner: Owner) -> Numbers:
     """Read-only view of the library's memory that keeps its owner alive; cols None: a vector. Strides in doubles."""
     shape = (rows,) if cols is None else (rows, cols)
     if 0 in shape:

@@ -4,34 +4,30 @@ from __future__ import annotations
 
 import os
 import threading
-from collections import namedtuple
 from ctypes import addressof, byref, c_double, c_void_p
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import abi
-from .algorithms import ALGORITHMS, Algorithm
-from .arrays import F64, Owner, Placement, address, checked, numbers
+from .results import RESULTS, memory_address, turned
+from .tables import ALGORITHMS, AlgorithmInfo
+from .arrays import F64, Owner, address, checked, numbers, to_placements
 from .batch_methods import Algorithms
 from .choices import mask, member
 from .enums import Effect, Integrator, Part, Reference
 from .errors import ArgumentError, SizeError
 from .library import check, fail, lib
-from .model import Model
 from .rollout import CONTACT, Rollout, Rollouts, rollout
+
+if TYPE_CHECKING:
+    from .arrays import Numbers
+    from .enums import EffectLike, PartLike
+    from .model import Model
 
 _run = lib.dyn_batch_run
 _first = c_double.from_buffer
 _empty = np.empty
-
-
-def _address(a: np.ndarray) -> int | None:
-    """Of a contiguous array. The first way takes a quarter of the time, but wants one that may be written."""
-    try:
-        return addressof(_first(a))
-    except (TypeError, ValueError):
-        return address(a)
 
 
 def _count(q: Any) -> int:
@@ -42,34 +38,28 @@ def _count(q: Any) -> int:
         raise ArgumentError(f"q is {q!r}, but must be an array of shape (N, nq).") from None
 
 
-def _columns(memory: np.ndarray) -> np.ndarray:
+def _columns(memory: Numbers) -> Numbers:
     """Matrices that lie in memory column after column, as (..., rows, cols). Its own inverse."""
     return memory.swapaxes(-1, -2)
 
 
-def _turned(name: str, array: np.ndarray) -> np.ndarray:
+def _turned(name: str, array: Numbers) -> Numbers:
     """An output as it lies in memory, as it is returned. Its own inverse."""
-    if name == "H":
-        return array.swapaxes(-1, -3)  # [:, :, k] is the k-th matrix
-    return _columns(array) if array.ndim > 2 else array
+    return turned(name, array) if array.ndim > 2 else array
 
 
 class _Plan:
     """An algorithm for one model: the shapes of inputs (None: an index or an option) and outputs, as they lie in memory."""
 
-    def __init__(self, model: Model, algorithm: Algorithm):
-        info = abi.AlgorithmInfo()
-        check(lib.dyn_algorithm_info(model._m, algorithm.id, byref(info)))
+    def __init__(self, model: Model, algorithm: AlgorithmInfo):
         nv = (model.nv,)
         rows = {"q": (model.nq,), "q1": (model.nq,), "v": nv, "a": nv, "tau": nv, "b": nv, "fext": (model.njoints, 6)}
         self.id, self.q = algorithm.id, algorithm.inputs.index("q")
         self._inputs = [(name, rows.get(name)) for name in algorithm.inputs]
-        self._outputs = []
-        for k, name in enumerate(algorithm.outputs):
-            self._outputs.append((k, name, (info.pages[k], info.cols[k], info.rows[k])[3 - algorithm.dimensions[k] :]))
+        self._outputs = [(k, name, shape) for k, (name, shape) in enumerate(zip(algorithm.outputs, algorithm.shapes(model)))]
         self.matrix = algorithm.dimensions[0] == 2
-        self.type = namedtuple(algorithm.name, algorithm.outputs)
-        self.placements = algorithm.name.startswith("frame_placement")
+        self.type = RESULTS.get(algorithm.name)
+        self.placements = algorithm.of_placements
         # one output, no tensor, and no input that is not a row or must not be absent
         rows_or_zeros = {"q", "v", "a", "tau", "fext"} >= set(algorithm.inputs)
         self.simple = algorithm.dimensions in ((0,), (1,), (2,)) and rows_or_zeros and not self.placements
@@ -102,7 +92,7 @@ class Batch(Algorithms, Rollouts):
     Arrays that are float64 and contiguous are read in place. A batch belongs to one thread at a time.
     """
 
-    def __init__(self, model: Model, threads: int | None = None, parts: Any = Part.ALL):
+    def __init__(self, model: Model, threads: int | None = None, parts: PartLike = Part.ALL):
         self.model = model
         """The robot."""
         if threads is None:
@@ -116,8 +106,7 @@ class Batch(Algorithms, Rollouts):
         self.threads = threads
         """The caller's included."""
         self._lock = threading.Lock()
-        self._arrays = abi.BatchArrays()
-        lib.dyn_batch_arrays_init(byref(self._arrays))
+        self._arrays = abi.initialized(abi.BatchArrays)
         self._arrays_ref = byref(self._arrays)
         self._out = self._arrays.out
         self._plans: dict[int, _Plan] = {}
@@ -125,11 +114,11 @@ class Batch(Algorithms, Rollouts):
     def __repr__(self) -> str:
         return f"<dyn.Batch of {self.model.name!r}: {self.threads} threads>"
 
-    def set_effects(self, effects: Any, joint: str | int = 0) -> None:
+    def set_effects(self, effects: EffectLike, joint: str | int = 0) -> None:
         """Data.set_effects of all threads."""
         check(lib.dyn_batch_set_effects(self._b, self.model._joint(joint), mask(Effect, effects, "effects")))
 
-    def _input(self, name: str, shape: tuple[int, ...], x: Any) -> np.ndarray:
+    def _input(self, name: str, shape: tuple[int, ...], x: Any) -> Numbers:
         """x, state after state in memory."""
         a = x if type(x) is np.ndarray and x.dtype == F64 else numbers(x, name)
         memory = _columns(a) if len(shape) == a.ndim == 3 else a
@@ -150,7 +139,7 @@ class Batch(Algorithms, Rollouts):
         else:
             self._arrays.joint = self.model._joint(x)
 
-    def _output(self, name: str, given: Any, shape: tuple[int, ...]) -> np.ndarray:
+    def _output(self, name: str, given: Any, shape: tuple[int, ...]) -> Numbers:
         memory = _turned(name, given) if isinstance(given, np.ndarray) and given.ndim == len(shape) else given
         if type(memory) is not np.ndarray or memory.dtype != F64 or memory.shape != shape or not memory.flags.carray:
             raise SizeError(f"out: {name} is not an array as this method returns it for {shape[0]} states.")
@@ -162,7 +151,7 @@ class Batch(Algorithms, Rollouts):
         status.fill(0)
         return address(status)
 
-    def _quick(self, plan: _Plan, given: tuple, out: Any) -> np.ndarray | None:
+    def _quick(self, plan: _Plan, given: tuple, out: Any) -> Numbers | None:
         """Sets the addresses of arrays that all lie in memory as the library reads them, with one output: what most calls are.
 
         Returns what is to be filled. None: they have to be looked at one by one.
@@ -188,7 +177,7 @@ class Batch(Algorithms, Rollouts):
         arrays.status = None
         return memory
 
-    def _compute(self, algorithm: Algorithm, given: tuple, only: str | None, out: Any, status: Any) -> Any:
+    def _compute(self, algorithm: AlgorithmInfo, given: tuple, only: str | None, out: Any, status: Any) -> Any:
         plan = self._plans.get(algorithm.id)
         if plan is None:
             plan = self._plans[algorithm.id] = _Plan(self.model, algorithm)
@@ -212,7 +201,7 @@ class Batch(Algorithms, Rollouts):
                 if type(x) is not np.ndarray or x.dtype is not F64 or x.shape != shape or not x.flags.c_contiguous or name == "fext":
                     x = self._input(name, shape, x)
                     keep.append(x)
-                setattr(arrays, name, _address(x))
+                setattr(arrays, name, memory_address(x))
             elif name in ("b", "q1"):
                 raise ArgumentError(f"{name} is None, but is needed of every state.")
             else:
@@ -232,7 +221,7 @@ class Batch(Algorithms, Rollouts):
         results = []
         for k, name, shape in outputs:
             memory = np.empty(shape) if out is None else self._output(name, out[len(results)], shape)
-            self._out[k] = _address(memory)
+            self._out[k] = memory_address(memory)
             results.append(memory)
         if status is None:
             arrays.status = None
@@ -245,10 +234,9 @@ class Batch(Algorithms, Rollouts):
         if failed and (status is None or not status.any()):
             fail(failed)
         if plan.placements:
-            R, p = results[0][..., :9], results[0][..., 9:]
-            return Placement(_columns(R.reshape(*R.shape[:-1], 3, 3)), p)
+            return to_placements(results[0])
         results = [_turned(name, memory) for (_, name, _), memory in zip(outputs, results)]
         return results[0] if len(results) == 1 else plan.type(*results)
 
 
-__all__ = ["ALGORITHMS", "CONTACT", "Algorithm", "Batch", "Rollout", "rollout"]
+__all__ = ["ALGORITHMS", "CONTACT", "AlgorithmInfo", "Batch", "Rollout", "rollout"]

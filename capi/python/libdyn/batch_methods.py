@@ -1,4 +1,4 @@
-"""A method of Batch for each of the library's algorithms. What they look like is in batch_methods.pyi, written by `python -m libdyn.stubs`."""
+"""A method of Batch for each of the library's algorithms."""
 
 from __future__ import annotations
 
@@ -6,21 +6,17 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
-from .algorithms import ALGORITHMS, OPTIONAL, Algorithm
 from .errors import BusyError
+from .messages import in_python
+from .tables import ALGORITHMS, OPTIONAL, AlgorithmInfo
 
 
-def description(algorithm: Algorithm) -> str:
-    of_the_model = {"integrate": "q (+) v of N states, (N, nq)", "difference": "q1 (-) q of N pairs, (N, nv)"}
-    if algorithm.name in of_the_model:
-        return f"{of_the_model[algorithm.name]}: Model.{algorithm.name} for each."
-    if algorithm.name == "step":
-        return "q and v of N states a step of dt seconds later, under tau."
-    more = " b is lambda." if algorithm.name == "rnea_second_order_product" else ""
-    return f"{', '.join(algorithm.outputs)} of N states: Data.{algorithm.name} for each.{more}"
+def description(algorithm: AlgorithmInfo) -> str:
+    """What help() says of a method."""
+    return f"Returns {', '.join(algorithm.outputs)} of N states: {in_python('dyn_' + algorithm.name)} for each."
 
 
-def _method(algorithm: Algorithm) -> Callable[..., Any]:
+def _method(algorithm: AlgorithmInfo) -> Callable[..., Any]:
     P = inspect.Parameter
     parameters = [P(name, P.POSITIONAL_OR_KEYWORD, default=None if name in OPTIONAL else P.empty) for name in algorithm.inputs]
     arguments = inspect.Signature(parameters)

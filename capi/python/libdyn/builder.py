@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from ctypes import byref, c_char_p, c_void_p
+from ctypes import addressof, byref, c_char_p, c_void_p
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,17 +24,19 @@ from .model import Model
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from .enums import FrameTypeLike, JointTypeLike, ShapeRoleLike, ShapeTypeLike
+
 _PART_KEYS = ("type", "placement", "axis", "axis2", "pitch")
 
 
 class Builder:
-    """Makes models. Every method answers the builder, so calls chain; finish() gives the Model.
+    """Makes models. Every method returns the builder, so calls chain; finish() gives the Model.
 
     A placement is a translation (3,), (R, p), a 4 x 4 matrix, a dyn.Placement, or the 12 numbers of dyn.h.
     A parent is the name of a joint, link or frame; None is the world.
 
         b = dyn.Builder("pendulum")
-        b.joint("hinge", "revolute", axis=(0, 1, 0)).body("bob", "hinge", mass=1.0, com=(0, 0, -1))
+        b.add_joint("hinge", "revolute", axis=(0, 1, 0)).add_body("bob", "hinge", mass=1.0, com=(0, 0, -1))
         m = b.finish()
     """
 
@@ -59,16 +61,16 @@ class Builder:
     def __repr__(self) -> str:
         return f"<dyn.Builder {self.name!r}>"
 
-    def gravity(self, gravity: ArrayLike) -> Builder:
+    def set_gravity(self, gravity: ArrayLike) -> Builder:
         """World axes, (3,), m/s^2; default (0, 0, -9.81)."""
         g = checked(gravity, (3,), "gravity")
         check(lib.dyn_builder_set_gravity(self._b, address(g)))
         return self
 
-    def joint(
+    def add_joint(
         self,
         name: str,
-        type: str | JointType,
+        type: JointTypeLike,
         parent: str | None = None,
         placement: Any = None,
         *,
@@ -109,7 +111,7 @@ class Builder:
         check(lib.dyn_builder_add_joint(self._b, byref(spec)))
         return self
 
-    def body(
+    def add_body(
         self,
         name: str,
         parent: str | None,
@@ -127,21 +129,21 @@ class Builder:
         check(lib.dyn_builder_add_body(self._b, text(name, "name"), above, address(x), mass, address(c), address(i)))
         return self
 
-    def frame(self, name: str, parent: str | None, placement: Any = None, type: str | FrameType = FrameType.OP_FRAME) -> Builder:
+    def add_frame(self, name: str, parent: str | None, placement: Any = None, type: FrameTypeLike = FrameType.OP_FRAME) -> Builder:
         """Adds a frame."""
         x = None if placement is None else twelve(placement)
         above = None if parent is None else text(parent, "parent")
         check(lib.dyn_builder_add_frame(self._b, text(name, "name"), above, address(x), member(FrameType, type, "type")))
         return self
 
-    def shape(
+    def add_shape(
         self,
         body: str,
-        type: str | ShapeType,
+        type: ShapeTypeLike,
         size: ArrayLike = (),
         placement: Any = None,
         *,
-        role: str | ShapeRole = ShapeRole.COLLISION,
+        role: ShapeRoleLike = ShapeRole.COLLISION,
         name: str = "",
         mesh: str = "",
         radius: float = 0.0,
@@ -157,8 +159,7 @@ class Builder:
         colour = None if rgba is None else checked(rgba, (4,), "rgba")
         if colour is not None and not ((colour >= 0) & (colour <= 1)).all():
             raise ArgumentError(f"rgba is {rgba}: give four numbers from 0 to 1.")
-        spec = abi.ShapeSpec()
-        lib.dyn_shape_spec_init(byref(spec))
+        spec = abi.initialized(abi.ShapeSpec)
         spec.body, spec.name, spec.mesh = text(body, "body"), text(name, "name"), text(mesh, "mesh")
         spec.type, spec.role = member(ShapeType, type, "type"), member(ShapeRole, role, "role")
         spec.radius, spec.contype, spec.conaffinity = radius, contype, conaffinity
@@ -175,45 +176,45 @@ class Builder:
             check(lib.dyn_builder_set_shape_rgba(self._b, address(colour)))
         return self
 
-    def configuration(self, name: str, q: ArrayLike) -> Builder:
+    def add_configuration(self, name: str, q: ArrayLike) -> Builder:
         """Names a configuration: q, (nq,), in the finished model's order."""
         a = np.ascontiguousarray(numbers(q, "q").reshape(-1))
         check(lib.dyn_builder_add_configuration(self._b, text(name, "name"), address(a), a.size))
         return self
 
-    def constraint(self, name: str, constraint: Any) -> Builder:
+    def add_constraint(self, name: str, constraint: Any) -> Builder:
         """Adds a constraint of dyn.constraint: its first and second are names of frames or joints."""
         names = [None if x is None else text(x, "name") for x in (constraint.first, constraint.second)]
         check(lib.dyn_builder_add_constraint(self._b, text(name, "name"), byref(structure(constraint)), *names))
         return self
 
-    def constraint_slots(self, slots: int) -> Builder:
+    def set_constraint_slots(self, slots: int) -> Builder:
         """Spare slots that a data of the model has."""
         check(lib.dyn_builder_set_constraint_slots(self._b, whole(slots, "slots")))
         return self
 
-    def contact_capacity(self, contacts: int) -> Builder:
+    def set_contact_capacity(self, contacts: int) -> Builder:
         """For how many contact points a step has room, the deepest; 0: for what the shapes need."""
         check(lib.dyn_builder_set_contact_capacity(self._b, whole(contacts, "contacts")))
         return self
 
-    def actuator(self, name: str, joint: str, actuator: Actuator | None = None, **values: Any) -> Builder:
-        """Adds an actuator of a joint: a dyn.Actuator, or its values, as in actuator("hip", "hip_joint", type="position", kp=40, kv=1)."""
+    def add_actuator(self, name: str, joint: str, actuator: Actuator | None = None, **values: Any) -> Builder:
+        """Adds an actuator of a joint: a dyn.Actuator, or its values, as in add_actuator("hip", "hip_joint", type="position", kp=40, kv=1)."""
         spec = Actuator(**values) if actuator is None else actuator._replace(**values)
         check(lib.dyn_builder_add_actuator(self._b, text(name, "name"), byref(spec.structure()), text(joint, "joint")))
         return self
 
-    def gravity_compensation(self, body: str, share: float = 1.0) -> Builder:
+    def set_gravity_compensation(self, body: str, share: float = 1.0) -> Builder:
         """Holds a share of a link's weight from outside, in steps."""
         check(lib.dyn_builder_set_gravity_compensation(self._b, text(body, "body"), share))
         return self
 
-    def medium(self, density: float = 0.0, viscosity: float = 0.0, wind: ArrayLike = (0.0, 0.0, 0.0)) -> Builder:
+    def set_medium(self, density: float = 0.0, viscosity: float = 0.0, wind: ArrayLike = (0.0, 0.0, 0.0)) -> Builder:
         """What the links move in, whose drag steps take: kg/m^3, Pa s, and its own velocity (3,), m/s."""
         check(lib.dyn_builder_set_medium(self._b, density, viscosity, address(checked(wind, (3,), "wind"))))
         return self
 
-    def pair(self, shape1: str, shape2: str, material: Material | None = None) -> Builder:
+    def add_pair(self, shape1: str, shape2: str, material: Material | None = None) -> Builder:
         """Two collision shapes, by name, that are tested whatever the filter says; material: of their contacts, None: from the shapes'."""
         own = None if material is None else byref(material.structure())
         check(lib.dyn_builder_add_pair(self._b, text(shape1, "shape1"), text(shape2, "shape2"), own))
@@ -227,9 +228,9 @@ class Builder:
         check(lib.dyn_builder_lock(self._b, (c_char_p * len(names))(*names), len(names), address(a), a.size))
         return self
 
-    def attach(self, model: Model, prefix: str = "", joint: str | None = None, type: str | JointType = "fixed", **spec: Any) -> Builder:
+    def attach(self, model: Model, prefix: str = "", joint: str | None = None, type: JointTypeLike = "fixed", **spec: Any) -> Builder:
         """Adds a model, its names behind the prefix, its world carried by a joint of that name and type; spec: parent, placement,
-        axis and all that joint() takes. joint None: its world is the builder's."""
+        axis and all that add_joint() takes. joint None: its world is the builder's."""
         if joint is None:
             if spec:
                 raise ArgumentError(f"attach: {', '.join(spec)} given without the name of a joint: give joint, too.")
@@ -239,12 +240,12 @@ class Builder:
             check(lib.dyn_builder_attach(self._b, model._m, text(prefix, "prefix"), byref(built)))
         return self
 
-    def subtree(self, joint: str) -> Builder:
+    def keep_subtree(self, joint: str) -> Builder:
         """Keeps a joint and what it carries; the frame of its parent becomes the world."""
         check(lib.dyn_builder_keep_subtree(self._b, text(joint, "joint")))
         return self
 
-    def remove(self, joint: str) -> Builder:
+    def remove_subtree(self, joint: str) -> Builder:
         """Takes away a joint and what it carries."""
         check(lib.dyn_builder_remove_subtree(self._b, text(joint, "joint")))
         return self
@@ -302,13 +303,13 @@ def _joint(
             setattr(spec, key, value)
     spec.mimic = None if mimic is None else text(mimic, "mimic")
     if built:
-        spec.parts, spec.parts_count = (abi.JointSpec * len(built))(*built), len(built)
+        keep.append((abi.JointSpec * len(built))(*built))
+        spec.parts, spec.parts_count = addressof(keep[-1]), len(built)
     return spec, keep
 
 
 def _spec(type: Any, placement: Any, axis: Any, axis2: Any, pitch: float | None, what: str) -> abi.JointSpec:
-    spec = abi.JointSpec()
-    lib.dyn_joint_spec_init(byref(spec))
+    spec = abi.initialized(abi.JointSpec)
     spec.type = member(JointType, type, f"{what}: type")
     if placement is not None:
         spec.placement[:] = twelve(placement, f"{what}: placement").tolist()

@@ -6,6 +6,7 @@ import operator
 from collections.abc import Iterable
 from typing import Any, TypeVar
 
+from .enums import Reference
 from .errors import ArgumentError
 from .library import fail
 
@@ -25,6 +26,15 @@ def member(enum: type[E], value: Any, what: str) -> E:
             pass
     known = ", ".join(enum.__members__)  # type: ignore[attr-defined]
     raise ArgumentError(f"{what} is {value!r}, but must be one of {known}.")
+
+
+_REFERENCES: dict[Any, int] = {key: int(r) for r in Reference for key in (r, r.name, r.name.lower())}
+
+
+def reference(value: Any) -> int:
+    """A dyn.Reference, most often by its name."""
+    found = _REFERENCES.get(value)
+    return member(Reference, value, "reference") if found is None else found
 
 
 def kind(enum: Any, value: int) -> Any:
@@ -74,7 +84,7 @@ def string(s: bytes | None) -> str:
 
 
 def size(n: int) -> int:
-    """A count that the library answered; negative: it failed."""
+    """A count that the library returned; negative: it failed."""
     if n < 0:
         fail(2)
     return n

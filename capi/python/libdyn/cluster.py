@@ -16,14 +16,15 @@ import numpy as np
 from . import errors
 from .arrays import numbers
 from .library import last_error
-from .loading import from_buffer, from_image
+from .model import Model, from_buffer, from_image
 from .rollout import Plan, Rollout
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from .arrays import Numbers
     from .batch import Batch
-    from .model import Model
+    from .enums import EffectLike
 
 STEPS_OF_A_TASK = 20_000  # a task costs a worker about 5 ms beside its steps: see capi/pages/measured_cluster.md
 _PER_SIMULATION = {"q0": 2, "v0": 2, "control": 3, "tau": 3}  # dimensions with a row for each
@@ -31,7 +32,7 @@ _PER_SIMULATION = {"q0": 2, "v0": 2, "control": 3, "tau": 3}  # dimensions with 
 _made: tuple[Any, Any, Batch] | None = None  # in a worker: the last model's bytes, effects and batch
 
 
-def _batch(image: np.ndarray, effects: Any) -> Batch:
+def _batch(image: np.ndarray, effects: EffectLike) -> Batch:
     """The image lies in the node's object store: tasks of one rollout get the same memory, and the model is used where it lies."""
     global _made
     key = image.ctypes.data, image.size, bytes(image[:256])
@@ -44,7 +45,7 @@ def _batch(image: np.ndarray, effects: Any) -> Batch:
     return _made[2]
 
 
-def simulate(image: np.ndarray, effects: Any, n: int, shared: dict[str, Any], own: dict[str, Any]) -> tuple[Rollout, str]:
+def simulate(image: np.ndarray, effects: EffectLike, n: int, shared: dict[str, Any], own: dict[str, Any]) -> tuple[Rollout, str]:
     """A task: n simulations, and the sentence of the first that failed."""
     result = _batch(image, effects).rollout(n=n, strict=False, **shared, **own)
     return result, last_error() if result.status.any() else ""
@@ -80,7 +81,7 @@ def rollout(
     steps: int | None = None,
     every: int = 1,
     n: int | None = None,
-    effects: Any = None,
+    effects: EffectLike | None = None,
     strict: bool = True,
     progress: Callable[[int, int], Any] | None = None,
     chunk: int | None = None,

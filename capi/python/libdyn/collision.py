@@ -12,13 +12,15 @@ from .arrays import address, checked, numbers
 from .arrays import placement as twelve
 from .choices import member
 from .enums import DistanceMethod, DistanceStatus, PairReason, ShapeType
+from .handles import DataHandle
 from .library import check, lib
 from .mesh import Mesh
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from .model import Model
+    from .arrays import Integers, Numbers
+    from .enums import DistanceMethodLike
 
 
 class Distance(NamedTuple):
@@ -27,11 +29,11 @@ class Distance(NamedTuple):
     status: DistanceStatus
     distance: float
     """m; below zero they overlap, and it is minus the depth."""
-    normal: np.ndarray
+    normal: Numbers
     """(3,): unit, from A to B."""
-    point_a: np.ndarray
+    point_a: Numbers
     """(3,): the witness point on A; point_b - point_a = distance * normal."""
-    point_b: np.ndarray
+    point_b: Numbers
     residual: float
     """m: bounds the error of the distance."""
     unique: bool
@@ -47,8 +49,7 @@ def _distance(d: abi.Distance) -> Distance:
 
 
 def _geometry(type: Any, size: ArrayLike | Mesh, radius: float, what: str) -> abi.Geometry:
-    out = abi.Geometry()
-    lib.dyn_geometry_init(byref(out))
+    out = abi.initialized(abi.Geometry)
     out.type, out.radius = member(ShapeType, type, f"{what}: type"), radius
     if out.type == ShapeType.CONVEX and not isinstance(size, Mesh):
         size = Mesh.from_arrays(size).hull()
@@ -61,7 +62,7 @@ def _geometry(type: Any, size: ArrayLike | Mesh, radius: float, what: str) -> ab
 
 
 def geometry_distance(
-    a: tuple, placement_a: Any, b: tuple, placement_b: Any, tolerance: float = 0.0, method: Any = DistanceMethod.GJK
+    a: tuple, placement_a: Any, b: tuple, placement_b: Any, tolerance: float = 0.0, method: DistanceMethodLike = DistanceMethod.GJK
 ) -> Distance:
     """Distance between two shapes, each (type, size) or (type, size, rounding radius), as ("box", (1, 2, 3)) or ("sphere", 0.5);
     sizes as in dyn.ShapeInfo. ("convex", points) is the hull of points (n, 3), or of a dyn.Mesh that is a hull; ("triangles", mesh) and
@@ -70,43 +71,35 @@ def geometry_distance(
     A, B = (_geometry(*x, *(0.0,) * (3 - len(x)), what) for x, what in ((a, "a"), (b, "b")))
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     out = abi.Distance()
-    options = abi.DistanceOptions()
-    lib.dyn_distance_options_init(byref(options))
+    options = abi.initialized(abi.DistanceOptions)
     options.tolerance, options.method = tolerance, member(DistanceMethod, method, "method")
     check(lib.dyn_geometry_distance(byref(A), address(X_a), byref(B), address(X_b), byref(options), byref(out)))
     return _distance(out)
 
 
-class CollisionQueries:
+class CollisionQueries(DataHandle):
     """The part of Data that asks how far the collision shapes of a robot are from each other."""
 
-    if TYPE_CHECKING:
-        model: Model
-        _m: Any
-        _d: Any
-
-        def _q(self, q: Any) -> Any: ...
-
-    def distances(self, q: Any = None) -> np.ndarray:
+    def compute_distances(self, q: Any = None) -> Numbers:
         """(npairs,), m: signed distance of each pair of Model.pairs, infinite where a pair is not tested."""
         out = np.empty(self.model.npairs)
         check(lib.dyn_distances(self._m, self._d, self._q(q), address(out)))
         return out
 
     def pair_distance(self, pair: int) -> Distance:
-        """What was found of a pair. Needs distances of q."""
+        """What was found of a pair. Needs compute_distances of q."""
         out = abi.Distance()
         check(lib.dyn_pair_distance(self._m, self._d, self.model._index(pair, self.model.npairs, "pair"), byref(out)))
         return _distance(out)
 
-    def distance_gradients(self) -> np.ndarray:
+    def distance_gradients(self) -> Numbers:
         """(npairs, nv): derivatives of distances by q on the tangent space; zero where a pair is not tested or its distance has none.
-        Needs distances of q."""
+        Needs compute_distances of q."""
         out = np.empty((self.model.npairs, self.model.nv), order="F")
         check(lib.dyn_distance_gradients(self._m, self._d, address(out)))
         return out
 
-    def collisions(self, q: Any = None, margin: float = 0.0) -> np.ndarray:
+    def collisions(self, q: Any = None, margin: float = 0.0) -> Integers:
         """Pairs at a distance of at most margin: their numbers, ascending."""
         out, count = np.empty(self.model.npairs, np.int32), c_int()
         check(lib.dyn_collisions(self._m, self._d, self._q(q), margin, address(out), out.size, byref(count)))

@@ -8,16 +8,19 @@ import threading
 import weakref
 from collections.abc import Mapping
 from ctypes import byref, c_double, c_int
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .arrays import address, checked, result, slot
-from .errors import ArgumentError
+from .arrays import address, checked, numbers, result, slot
+from .describe import Description
+from .errors import ArgumentError, SizeError
 from .library import check, lib
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+    from .arrays import Numbers
 
 _integrate, _difference, _interpolate = lib.dyn_integrate, lib.dyn_difference, lib.dyn_interpolate
 
@@ -32,24 +35,28 @@ class Scratch(threading.local):
         self.nq, self.nv = result((nq,)), result((nv,))
 
 
-class Configurations:
+class Configurations(Description):
     """The part of Model that moves on its configuration manifold."""
 
-    def integrate(self, q: ArrayLike, v: ArrayLike) -> np.ndarray:
+    def __init__(self, handle: int, buffer: Any = None):
+        super().__init__(handle, buffer)
+        self._scratch = Scratch(weakref.ref(self), self.nq, self.nv)
+
+    def integrate(self, q: ArrayLike, v: ArrayLike) -> Numbers:
         """q (+) v, (nq,): where q gets to with the constant velocity v in one second; pass v * dt."""
         s = self._scratch
         out, start = s.nq
         check(_integrate(self._m, s.q(q), s.v(v), start))
         return out.copy()
 
-    def difference(self, q0: ArrayLike, q1: ArrayLike) -> np.ndarray:
+    def difference(self, q0: ArrayLike, q1: ArrayLike) -> Numbers:
         """q1 (-) q0, (nv,): the v with integrate(q0, v) = q1. Shortest rotation."""
         s = self._scratch
         out, start = s.nv
         check(_difference(self._m, s.q0(q0), s.q1(q1), start))
         return out.copy()
 
-    def interpolate(self, q0: ArrayLike, q1: ArrayLike, u: float) -> np.ndarray:
+    def interpolate(self, q0: ArrayLike, q1: ArrayLike, u: float) -> Numbers:
         """q0 (+) u (q1 (-) q0), (nq,)."""
         s = self._scratch
         out, start = s.nq
@@ -62,13 +69,13 @@ class Configurations:
         check(lib.dyn_configuration_distance(self._m, s.q0(q0), s.q1(q1), byref(out)))
         return out.value
 
-    def neutral(self) -> np.ndarray:
+    def neutral(self) -> Numbers:
         """The neutral configuration, (nq,)."""
         out, start = self._scratch.nq
         check(lib.dyn_configuration_neutral(self._m, start))
         return out.copy()
 
-    def random(self, seed: int | None = None, lower: ArrayLike | None = None, upper: ArrayLike | None = None) -> np.ndarray:
+    def random(self, seed: int | None = None, lower: ArrayLike | None = None, upper: ArrayLike | None = None) -> Numbers:
         """A random configuration, (nq,), uniform between lower and upper (default: the model's limits; what is infinite
         there is drawn from [-1, 1], angles from [-pi, pi]). The same seed gives the same q; None draws a seed."""
         seed = secrets.randbits(64) if seed is None else operator.index(seed)
@@ -79,7 +86,7 @@ class Configurations:
         check(lib.dyn_configuration_random(self._m, seed, s.lower(lower), s.upper(upper), start))
         return out.copy()
 
-    def normalize(self, q: ArrayLike) -> np.ndarray:
+    def normalize(self, q: ArrayLike) -> Numbers:
         """A copy of q, (nq,), with unit quaternions and (cos, sin) pairs."""
         q = np.array(self._named(q, "q") if isinstance(q, Mapping) else checked(q, (self.nq,), "q"))
         check(lib.dyn_configuration_normalize(self._m, address(q)))
@@ -91,14 +98,30 @@ class Configurations:
         check(lib.dyn_configuration_is_normalized(self._m, self._scratch.q(q), tolerance, byref(out)))
         return bool(out.value)
 
-    def integrate_jacobians(self, q: ArrayLike, v: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    def integrate_jacobians(self, q: ArrayLike, v: ArrayLike) -> tuple[Numbers, Numbers]:
         """(d/dq, d/dv) of integrate(q, v) on tangent spaces, (nv, nv) each."""
         s, dq, dv = self._scratch, np.empty((self.nv, self.nv), order="F"), np.empty((self.nv, self.nv), order="F")
         check(lib.dyn_integrate_jacobians(self._m, s.q(q), s.v(v), address(dq), address(dv)))
         return dq, dv
 
-    def difference_jacobians(self, q0: ArrayLike, q1: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    def difference_jacobians(self, q0: ArrayLike, q1: ArrayLike) -> tuple[Numbers, Numbers]:
         """(d/dq0, d/dq1) of difference(q0, q1), (nv, nv) each."""
         s, d0, d1 = self._scratch, np.empty((self.nv, self.nv), order="F"), np.empty((self.nv, self.nv), order="F")
         check(lib.dyn_difference_jacobians(self._m, s.q0(q0), s.q1(q1), address(d0), address(d1)))
         return d0, d1
+
+    def _named(self, values: Mapping[str, Any], what: str) -> Numbers:
+        """A vector from {joint name: numbers}; what is not named is neutral or zero."""
+        position = what not in ("v", "a", "tau")
+        out = self.neutral() if position else np.zeros(self.nv)
+        for name, value in values.items():
+            info = self.joint(name)
+            first, n = (info.idx_q, info.nq) if position else (info.idx_v, info.nv)
+            if info.mimic_leader >= 0:
+                leader = self.joint_name(info.mimic_leader)
+                raise ArgumentError(f"{what}: joint {name!r} follows {leader!r} and has no numbers of its own: set {leader!r}.")
+            given = np.atleast_1d(numbers(value, f"{what}[{name!r}]"))
+            if given.shape != (n,):
+                raise SizeError(f"{what}[{name!r}] has shape {given.shape}, but must have shape ({n},).")
+            out[first : first + n] = given
+        return out

@@ -21,11 +21,13 @@ from .arrays import address, checked, numbers
 from .arrays import placement as twelve
 from .choices import member
 from .enums import ConstraintReason, ConstraintType, JointType, RowVerdict
-from .errors import ArgumentError, UnknownNameError
-from .library import check, last_error, lib
+from .errors import ArgumentError
+from .handles import DataHandle, ModelHandle
+from .library import check, lib
 
 if TYPE_CHECKING:
-    from .model import Model
+    from .arrays import Numbers
+    from .enums import JointTypeLike
 
 _BETWEEN_JOINTS = (ConstraintType.COUPLING, ConstraintType.LIMIT, ConstraintType.FRICTION)
 
@@ -73,7 +75,7 @@ def distance(first: Any, second: Any, length: float, **more: Any) -> Constraint:
     return _make(ConstraintType.DISTANCE, first, second, length=length, **more)
 
 
-def loop(joint_type: str | JointType, first: Any, second: Any = None, axis: Any = None, axis2: Any = None, pitch: float = 0.0, **more: Any) -> Constraint:
+def loop(joint_type: JointTypeLike, first: Any, second: Any = None, axis: Any = None, axis2: Any = None, pitch: float = 0.0, **more: Any) -> Constraint:
     """first moves as the child of such a joint in second: 6 - nv rows."""
     values: dict[str, Any] = {"joint_type": int(member(JointType, joint_type, "joint_type")), "pitch": pitch, **more}
     for key, x in (("axis", axis), ("axis2", axis2)):
@@ -106,8 +108,7 @@ def structure(c: Any, find: Any = None) -> abi.Constraint:
     """As dyn.h takes it. find(what, name): an id."""
     if not isinstance(c, Constraint):
         raise ArgumentError(f"{c!r} is no constraint of dyn.constraint: point, frame, connect, weld, distance, loop, coupling, limit, friction.")
-    out = abi.Constraint()
-    lib.dyn_constraint_init(byref(out), int(c.type))
+    out = abi.initialized(abi.Constraint, int(c.type))
     for key, x in c.values.items():
         if key not in _FIELDS:
             raise ArgumentError(f"a constraint has no {key!r}: it has {', '.join(sorted(_FIELDS))}.")
@@ -145,50 +146,50 @@ class Result(NamedTuple):
 class Constrained(NamedTuple):
     """ddq (nv,) and the forces of the rows."""
 
-    ddq: np.ndarray
-    forces: np.ndarray
+    ddq: Numbers
+    forces: Numbers
 
 
 class Held(NamedTuple):
     """tau (nv,) and the forces of the rows that give an acceleration."""
 
-    tau: np.ndarray
-    forces: np.ndarray
+    tau: Numbers
+    forces: Numbers
 
 
 class Impulse(NamedTuple):
     """Velocity (nv,) after an impact and the impulses of the rows."""
 
-    v: np.ndarray
-    impulses: np.ndarray
+    v: Numbers
+    impulses: Numbers
 
 
 class Projection(NamedTuple):
     """q and v that satisfy the constraints."""
 
-    q: np.ndarray
-    v: np.ndarray
+    q: Numbers
+    v: Numbers
     result: Result
 
 
 class Terms(NamedTuple):
     """Of the enabled rows: C, J (rows, nv), J v, and drift, their acceleration at ddq = 0."""
 
-    C: np.ndarray
-    J: np.ndarray
-    Jv: np.ndarray
-    drift: np.ndarray
+    C: Numbers
+    J: Numbers
+    Jv: Numbers
+    drift: Numbers
 
 
 class ConstrainedDerivatives(NamedTuple):
     """On the tangent space: (nv, nv) each of ddq, (rows, nv) each of the forces. Of impulses: of v_plus, without those by tau."""
 
-    ddq_dq: np.ndarray
-    ddq_dv: np.ndarray
-    ddq_dtau: np.ndarray
-    lambda_dq: np.ndarray
-    lambda_dv: np.ndarray
-    lambda_dtau: np.ndarray
+    ddq_dq: Numbers
+    ddq_dv: Numbers
+    ddq_dtau: Numbers
+    lambda_dq: Numbers
+    lambda_dv: Numbers
+    lambda_dtau: Numbers
 
 
 class Row(NamedTuple):
@@ -218,11 +219,8 @@ def _result(r: abi.ConstraintResult) -> Result:
     return Result(ConstraintReason(r.reason), r.rows, r.rank, r.iterations, r.residual, r.contradiction, r.condition, r.regularisation)
 
 
-class ModelConstraints:
+class ModelConstraints(ModelHandle):
     """The part of Model that knows its constraints."""
-
-    if TYPE_CHECKING:
-        _m: Any
 
     @property
     def nconstraints(self) -> int:
@@ -244,12 +242,10 @@ class ModelConstraints:
         return [lib.dyn_model_constraint_name(self._m, k).decode() for k in range(self.nconstraints)]
 
     def constraint_id(self, name: str) -> int:
-        id = lib.dyn_model_constraint_id(self._m, name.encode())
-        if id < 0:
-            raise UnknownNameError(last_error())
-        return id
+        """Number of a constraint of the model."""
+        return self._id(lib.dyn_model_constraint_id(self._m, name.encode()))
 
-    def constraint_info(self, constraint: str | int) -> abi.Constraint:
+    def constraint(self, constraint: str | int) -> abi.Constraint:
         """The fields of dynConstraint."""
         out = abi.Constraint()
         id = self.constraint_id(constraint) if isinstance(constraint, str) else constraint
@@ -257,18 +253,8 @@ class ModelConstraints:
         return out
 
 
-class ConstraintCalls:
+class ConstraintCalls(DataHandle):
     """The part of Data that works under constraints."""
-
-    if TYPE_CHECKING:
-        model: Model
-        _m: Any
-        _d: Any
-        _q: Any
-        _v: Any
-        _a: Any
-        _tau: Any
-        _fext: Any
 
     constraint_result: Result | None = None
     """Of the last call that solved for constraint forces."""
@@ -289,7 +275,7 @@ class ConstraintCalls:
         return out
 
     def add_constraint(self, constraint: Constraint) -> int:
-        """Puts a constraint into the first empty slot; answers its number."""
+        """Puts a constraint into the first empty slot; returns its number."""
         for slot in range(self.model.nconstraint_slots):
             if self.constraint(slot).type == ConstraintType.NONE:
                 self.set_constraint(slot, constraint)
@@ -314,8 +300,7 @@ class ConstraintCalls:
         return self.constraint_rows().stop
 
     def _options(self, max_iterations: int | None, regularisation: float, tolerance: float | None) -> Any:
-        options = abi.ConstraintOptions()
-        lib.dyn_constraint_options_init(byref(options))
+        options = abi.initialized(abi.ConstraintOptions)
         options.regularisation = regularisation
         if max_iterations is not None:
             options.max_iterations = max_iterations
@@ -367,34 +352,33 @@ class ConstraintCalls:
 
     def project(self, q: Any = None, v: Any = None, *, weigh: bool = True, tolerance: float = 1e-12, max_iterations: int = 100) -> Projection:
         """q and v near those given that satisfy the constraints; weigh: near in kinetic energy, else in the coordinates."""
-        options = abi.ProjectOptions()
-        lib.dyn_project_options_init(byref(options))
+        options = abi.initialized(abi.ProjectOptions)
         options.weigh, options.tolerance, options.max_iterations = bool(weigh), tolerance, max_iterations
         q_out, v_out, result = np.empty(self.model.nq), np.empty(self.model.nv), abi.ConstraintResult()
         check(lib.dyn_project(self._m, self._d, self._q(q), self._v(v), byref(options), address(q_out), address(v_out), byref(result)))
         self.constraint_result = _result(result)
         return Projection(q_out, v_out, self.constraint_result)
 
-    def delassus(self, q: Any = None) -> np.ndarray:
+    def delassus(self, q: Any = None) -> Numbers:
         """J M^-1 J', (rows, rows)."""
         n = self._nrows()
         out = np.empty((n, n), order="F")
         check(lib.dyn_delassus(self._m, self._d, self._q(q), address(out)))
         return out
 
-    def delassus_factor(self, q: Any = None) -> tuple[np.ndarray, np.ndarray]:
+    def delassus_factor(self, q: Any = None) -> tuple[Numbers, Numbers]:
         """Y (nv, rows) and D (nv,): the Delassus matrix is Y' diag(D) Y."""
         Y, D = np.empty((self.model.nv, self._nrows()), order="F"), np.empty(self.model.nv)
         check(lib.dyn_delassus_factor(self._m, self._d, self._q(q), address(Y), address(D)))
         return Y, D
 
-    def delassus_times(self, x: Any, q: Any = None) -> np.ndarray:
+    def delassus_times(self, x: Any, q: Any = None) -> Numbers:
         """The Delassus matrix times x, without forming it."""
         out = np.empty(self._nrows())
         check(lib.dyn_delassus_times(self._m, self._d, self._q(q), address(checked(x, out.shape, "x")), address(out)))
         return out
 
-    def delassus_solve(self, x: Any, mu: float = 0.0, q: Any = None) -> np.ndarray:
+    def delassus_solve(self, x: Any, mu: float = 0.0, q: Any = None) -> Numbers:
         """(G + mu 1)^-1 x."""
         out = np.empty(self._nrows())
         check(lib.dyn_delassus_solve(self._m, self._d, self._q(q), mu, address(checked(x, out.shape, "x")), address(out)))

@@ -13,12 +13,13 @@ from .arrays import Owner, address, checked
 from .arrays import placement as twelve
 from .collision import _geometry
 from .enums import SweepStatus
+from .handles import DataHandle
 from .library import check, lib
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from .model import Model
+    from .arrays import Integers, Numbers
 
 _MOST = 8  # contacts of a pair
 
@@ -34,9 +35,9 @@ class Contact(NamedTuple):
     """Which corner, edge or inside of A and of B: the same contact has the same in the next step."""
     distance: float
     """m, along the normal; below zero it is minus the depth."""
-    position: np.ndarray
+    position: Numbers
     """(3,): half way between the shapes."""
-    normal: np.ndarray
+    normal: Numbers
     """(3,): unit, from A to B."""
 
 
@@ -45,39 +46,39 @@ class RayHit(NamedTuple):
 
     t: float
     """In lengths of the direction; 0: the origin lies inside."""
-    position: np.ndarray
-    normal: np.ndarray
+    position: Numbers
+    normal: Numbers
     """(3,): outward unit normal."""
 
 
 class Rays(NamedTuple):
     """What rays hit, one row each."""
 
-    t: np.ndarray
+    t: Numbers
     """(N,): in lengths of the direction, infinite where nothing is hit."""
-    shapes: np.ndarray
+    shapes: Integers
     """(N,): of Model.shapes; -1 where nothing is hit."""
-    normals: np.ndarray
+    normals: Numbers
     """(N, 3): outward unit normals, zero where nothing is hit."""
 
 
 class SmoothDistances(NamedTuple):
     """Distances of pairs without kinks where faces or edges lie along each other."""
 
-    distances: np.ndarray
+    distances: Numbers
     """(npairs,), m; infinite where a pair is not tested."""
-    gradients: np.ndarray
+    gradients: Numbers
     """(npairs, nv): derivatives by q on the tangent space."""
-    points: np.ndarray
+    points: Integers
     """(npairs,): how many contact points count: 1: the plain distance, more: it is smoothed, 0: not tested."""
 
 
 class ClosestPoint(NamedTuple):
     distance: float
     """m; below zero inside."""
-    point: np.ndarray
+    point: Numbers
     """(3,): on the surface."""
-    normal: np.ndarray
+    normal: Numbers
     """(3,): outward unit normal there: the given point is point + distance * normal."""
     unique: bool
 
@@ -90,9 +91,9 @@ class Impact(NamedTuple):
     """s."""
     distance: float
     """m, at that time."""
-    normal: np.ndarray
-    point_a: np.ndarray
-    point_b: np.ndarray
+    normal: Numbers
+    point_a: Numbers
+    point_b: Numbers
 
 
 def to_contact(c: abi.Contact) -> Contact:
@@ -172,7 +173,7 @@ class BroadPhase:
     def remove(self, id: int) -> None:
         check(lib.dyn_broad_phase_remove(self._b, id))
 
-    def pairs(self) -> np.ndarray:
+    def pairs(self) -> Integers:
         """(N, 2): numbers of boxes that overlap or touch, ascending."""
         count = ctypes.c_int64()
         check(lib.dyn_broad_phase_pairs(self._b, None, 0, byref(count)))
@@ -180,31 +181,24 @@ class BroadPhase:
         check(lib.dyn_broad_phase_pairs(self._b, address(out), len(out), byref(count)))
         return out
 
-    def query(self, lower: ArrayLike, upper: ArrayLike) -> np.ndarray:
+    def query(self, lower: ArrayLike, upper: ArrayLike) -> Integers:
         """Numbers of the boxes that overlap a box, ascending."""
         a, b = checked(lower, (3,), "lower"), checked(upper, (3,), "upper")
         return self._ids(lambda out, n, count: lib.dyn_broad_phase_query(self._b, address(a), address(b), out, n, count))
 
-    def ray(self, origin: ArrayLike, direction: ArrayLike, max_t: float = np.inf) -> np.ndarray:
+    def ray(self, origin: ArrayLike, direction: ArrayLike, max_t: float = np.inf) -> Integers:
         """Numbers of the boxes that the ray origin + t direction meets at a t from 0 to max_t, ascending."""
         o, d = checked(origin, (3,), "origin"), checked(direction, (3,), "direction")
         return self._ids(lambda out, n, count: lib.dyn_broad_phase_ray(self._b, address(o), address(d), max_t, out, n, count))
 
-    def _ids(self, call: Any) -> np.ndarray:
+    def _ids(self, call: Any) -> Numbers:
         out, count = np.empty(self._capacity, np.int32), c_int()
         check(call(address(out), out.size, byref(count)))
         return out[: count.value].copy()
 
 
-class ContactQueries:
+class ContactQueries(DataHandle):
     """The part of Data about contacts, rays, and groups of shapes."""
-
-    if TYPE_CHECKING:
-        model: Model
-        _m: Any
-        _d: Any
-
-        def _q(self, q: Any) -> Any: ...
 
     def contacts(self, q: Any = None, margin: float = 0.0) -> list[Contact]:
         """Contact points of all tested pairs at a distance of at most margin (m), by pairs."""

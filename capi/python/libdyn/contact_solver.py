@@ -22,6 +22,9 @@ from .library import check, lib
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from .arrays import Integers, Numbers
+    from .enums import ContactSolverTypeLike
+
 
 class ContactReport(NamedTuple):
     """How a contact problem was solved; residuals are the largest over rows or contacts, in the caller's units."""
@@ -51,9 +54,9 @@ class ContactReport(NamedTuple):
 
 
 class ContactSolution(NamedTuple):
-    impulse: np.ndarray
+    impulse: Numbers
     """(rows,): lambda."""
-    velocity: np.ndarray
+    velocity: Numbers
     """(rows,): (G + diag(compliance)) lambda + g + bias."""
     report: ContactReport
 
@@ -61,13 +64,13 @@ class ContactSolution(NamedTuple):
 class ConeQp(NamedTuple):
     """min x'Hx / 2 + g'x over lower <= A x <= upper, matrices in CSC: (values, rows, columns), as scipy.sparse.csc_array takes them."""
 
-    H: tuple[np.ndarray, np.ndarray, np.ndarray]
-    g: np.ndarray
-    A: tuple[np.ndarray, np.ndarray, np.ndarray]
-    lower: np.ndarray
-    upper: np.ndarray
+    H: tuple[Numbers, Integers, Integers]
+    g: Numbers
+    A: tuple[Numbers, Integers, Integers]
+    lower: Numbers
+    upper: Numbers
 
-    def dense(self) -> tuple[np.ndarray, np.ndarray]:
+    def dense(self) -> tuple[Numbers, Numbers]:
         """H and A as arrays."""
         out = []
         for (values, rows, columns), m in ((self.H, len(self.g)), (self.A, len(self.lower))):
@@ -82,8 +85,7 @@ class _Problem:
 
     def __init__(self, G, g, friction=(), torsion=None, rolling=None, contact_rows=None, equalities=0, lower=(), upper=(),
                  compliance=None, bias=None, restitution=None, v_minus=None):  # fmt: skip
-        self.c = abi.ContactProblem()
-        lib.dyn_contact_problem_init(byref(self.c))
+        self.c = abi.initialized(abi.ContactProblem)
         g = numbers(g, "g")
         if g.ndim != 1:
             raise SizeError(f"g has shape {g.shape}, but must be a vector.")
@@ -117,7 +119,7 @@ def _report(r: abi.ContactReport) -> ContactReport:
 class ContactSolver:
     """Room for problems of so many rows. One thread at a time."""
 
-    def __init__(self, max_rows: int, memory: np.ndarray | None = None):
+    def __init__(self, max_rows: int, memory: Numbers | None = None):
         """memory: a contiguous array of ContactSolver.bytes(max_rows) bytes, aligned to 64, to work in; None: the library's own."""
         out = c_void_p()
         if memory is None:
@@ -136,7 +138,7 @@ class ContactSolver:
         G: ArrayLike,
         g: ArrayLike,
         *,
-        solver: str = "admm",
+        solver: ContactSolverTypeLike = "admm",
         tolerance: float = 1e-10,
         max_iterations: int = 1000,
         time_budget: float = 0.0,
@@ -148,8 +150,7 @@ class ContactSolver:
         """Impulses of the problem G, g with friction, torsion, rolling, contact_rows, equalities, lower, upper, compliance, bias,
         restitution, v_minus by name. solver: "pgs", "admm" or "newton"; warm_start: a guess of the impulses."""
         p = _Problem(G, g, **problem)
-        options = abi.ContactOptions()
-        lib.dyn_contact_options_init(byref(options))
+        options = abi.initialized(abi.ContactOptions)
         try:
             options.solver = ContactSolverType[solver.upper()]
         except (KeyError, AttributeError):

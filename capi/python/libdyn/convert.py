@@ -11,22 +11,25 @@ import numpy as np
 from . import abi
 from .arrays import address, numbers
 from .choices import member, text
+from .configuration import Configurations
 from .enums import Angle, Convention, Direction
 from .errors import ArgumentError, SizeError
 from .library import check, lib
-from .model import Model
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+    from .arrays import Numbers
+    from .enums import AngleLike, ConventionLike
 
 
 class State(NamedTuple):
     """q, v, a and tau; None: not given."""
 
-    q: np.ndarray
-    v: np.ndarray | None = None
-    a: np.ndarray | None = None
-    tau: np.ndarray | None = None
+    q: Numbers
+    v: Numbers | None = None
+    a: Numbers | None = None
+    tau: Numbers | None = None
 
 
 def _renamed(rename: Mapping[str, str | None] | None, joints: list[tuple[str, int, int]]):
@@ -52,20 +55,19 @@ class StateLayout:
 
     def __init__(
         self,
-        convention: str | Convention,
+        convention: ConventionLike,
         joints: Sequence[str] | None = None,
         *,
         idx_q: ArrayLike | None = None,
         idx_v: ArrayLike | None = None,
         nq: int = 0,
         nv: int = 0,
-        continuous: str | Angle = Angle.BY_CONVENTION,
+        continuous: AngleLike = Angle.BY_CONVENTION,
         child_frame: str | None = None,
     ):
         if isinstance(joints, str):
             raise ArgumentError("joints is a string, but must be a sequence of joint names.")
-        layout = abi.StateLayout()
-        lib.dyn_state_layout_init(byref(layout))
+        layout = abi.initialized(abi.StateLayout)
         layout.convention = member(Convention, convention, "convention")
         layout.continuous = member(Angle, continuous, "continuous")
         layout.nq, layout.nv = nq, nv
@@ -110,28 +112,45 @@ class StateLayout:
         joints = [(j.name(), j.position_start(), j.velocity_start()) for j in moving]
         return cls("drake", **_renamed(rename, joints), nq=plant.num_positions(), nv=plant.num_velocities(), **options)
 
-    def sizes(self, model: Model) -> tuple[int, int]:
+    def sizes(self, model: Any) -> tuple[int, int]:
         """(nq, nv) of the peer."""
         nq, nv = c_int(), c_int()
         check(lib.dyn_state_layout_sizes(model._m, byref(self._layout), byref(nq), byref(nv)))
         return nq.value, nv.value
 
 
-def convert_state(model: Model, layout: StateLayout | str | Convention, towards: Direction, q: Any, v: Any, a: Any, tau: Any) -> State:
-    """dyn_state_layout_convert: to_peer and from_peer of a model."""
-    if not isinstance(layout, StateLayout):
-        layout = StateLayout(layout)
-    ours, theirs = (model.nq, model.nv), layout.sizes(model)
-    (nq, nv), (nq_out, nv_out) = (ours, theirs) if towards is Direction.TO_PEER else (theirs, ours)
-    given: list[np.ndarray | None] = []
-    for name, x, n in (("q", q, nq), ("v", v, nv), ("a", a, nv), ("tau", tau, nv)):
-        if x is not None:
-            if towards is Direction.TO_PEER and type(x) is not np.ndarray and isinstance(x, Mapping):
-                x = model._named(x, name)
-            x = np.ascontiguousarray(numbers(x, name))
-            if x.shape != (n,):
-                raise SizeError(f"{name} has shape {x.shape}, but must have shape ({n},).")
-        given.append(x)
-    out = [None if x is None else np.zeros(n) for x, n in zip(given, (nq_out, nv_out, nv_out, nv_out))]
-    check(lib.dyn_state_layout_convert(model._m, byref(layout._layout), towards, *map(address, given), *map(address, out)))
-    return State(*out)
+class States(Configurations):
+    """The part of Model that converts states."""
+
+    def to_peer(
+        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None, tau: ArrayLike | None = None
+    ) -> State:
+        """A state as another library stores it: (q, v, a, tau) of the layout's sizes; a needs v.
+
+        layout  a dyn.StateLayout, or "pinocchio", "mujoco", "drake" or "ros" for all joints in the model's order
+        """
+        return self._convert(layout, Direction.TO_PEER, q, v, a, tau)
+
+    def from_peer(
+        self, layout: StateLayout | str, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None, tau: ArrayLike | None = None
+    ) -> State:
+        """The inverse of to_peer. A follower's force is added to its leader's; its own q, v, a are not read."""
+        return self._convert(layout, Direction.FROM_PEER, q, v, a, tau)
+
+    def _convert(self, layout: StateLayout | str, towards: Direction, q: Any, v: Any, a: Any, tau: Any) -> State:
+        if not isinstance(layout, StateLayout):
+            layout = StateLayout(layout)
+        ours, theirs = (self.nq, self.nv), layout.sizes(self)
+        (nq, nv), (nq_out, nv_out) = (ours, theirs) if towards is Direction.TO_PEER else (theirs, ours)
+        given: list[Numbers | None] = []
+        for name, x, n in (("q", q, nq), ("v", v, nv), ("a", a, nv), ("tau", tau, nv)):
+            if x is not None:
+                if towards is Direction.TO_PEER and type(x) is not np.ndarray and isinstance(x, Mapping):
+                    x = self._named(x, name)
+                x = np.ascontiguousarray(numbers(x, name))
+                if x.shape != (n,):
+                    raise SizeError(f"{name} has shape {x.shape}, but must have shape ({n},).")
+            given.append(x)
+        out = [None if x is None else np.zeros(n) for x, n in zip(given, (nq_out, nv_out, nv_out, nv_out))]
+        check(lib.dyn_state_layout_convert(self._m, byref(layout._layout), towards, *map(address, given), *map(address, out)))
+        return State(*out)

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import operator
 from ctypes import byref, c_char_p, c_int, c_void_p
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from . import abi
 from .arrays import Placement, address, to_placement
-from .choices import kind, member, size, string, text
+from .choices import kind, size, string
 from .enums import FrameType, JointType, PairReason, ReportLevel, ShapeRole, ShapeType
-from .errors import ArgumentError, UnknownNameError
-from .library import check, last_error, lib
+from .handles import ModelHandle
+from .library import check, lib
 from .material import Material
 from .mesh import Mesh
+from .messages import in_python
+
+if TYPE_CHECKING:
+    from .arrays import Numbers
 
 
 class ReportEntry(NamedTuple):
@@ -42,8 +45,8 @@ class JointInfo(NamedTuple):
     """Joint that it follows, or -1."""
     mimic_ratio: float
     mimic_offset: float
-    axis: np.ndarray
-    axis2: np.ndarray
+    axis: Numbers
+    axis2: Numbers
     pitch: float
     """Helical: metres per radian."""
     placement: Placement
@@ -60,9 +63,9 @@ class FrameInfo(NamedTuple):
     """In that joint's frame."""
     mass: float
     """kg: of the link or frame itself; merged links keep their own."""
-    com: np.ndarray
+    com: Numbers
     """(3,), m, in the frame."""
-    inertia: np.ndarray
+    inertia: Numbers
     """(3, 3), kg m^2, about the centre of mass, axes of the frame."""
 
 
@@ -83,7 +86,7 @@ class ShapeInfo(NamedTuple):
     """BODY frame that carries it."""
     placement: Placement
     """In that frame."""
-    size: np.ndarray
+    size: Numbers
     """(3,), m: box: full lengths; sphere: radius; cylinder, capsule, cone: radius, length; ellipsoid: semi-axes; mesh: scale."""
     mesh: str
     """Resolved path; "" for others."""
@@ -107,28 +110,11 @@ class DisabledPair(NamedTuple):
     reason: str
 
 
-class ModelParts:
+class Description(ModelHandle):
     """The part of Model that says what it is made of."""
-
-    def joint_id(self, name: str) -> int:
-        """Id of a joint; a name that does not exist is an error that lists near misses."""
-        found = lib.dyn_model_joint_id(self._m, text(name, "joint"))
-        if found < 0:
-            raise UnknownNameError(last_error())
-        return found
 
     def joint_name(self, joint: int) -> str:
         return string(lib.dyn_model_joint_name(self._m, self._index(joint, self.njoints, "joint")))
-
-    def frame_id(self, name: str, type: str | FrameType | None = None) -> int:
-        """Id of a frame. A link and a joint may share a name: joints and user frames come first, or give the type."""
-        if type is None:
-            found = lib.dyn_model_frame_id(self._m, text(name, "frame"))
-        else:
-            found = lib.dyn_model_frame_id_of_type(self._m, text(name, "frame"), member(FrameType, type, "type"))
-        if found < 0:
-            raise UnknownNameError(last_error())
-        return found
 
     def frame_name(self, frame: int) -> str:
         return string(lib.dyn_model_frame_name(self._m, self._index(frame, self.nframes, "frame")))
@@ -213,25 +199,5 @@ class ModelParts:
         for i in range(size(lib.dyn_model_report_count(self._m))):
             entry = abi.ReportEntry()
             check(lib.dyn_model_report_entry(self._m, i, byref(entry)))
-            entries.append(ReportEntry(kind(ReportLevel, entry.level), string(entry.message), entry.line))
+            entries.append(ReportEntry(kind(ReportLevel, entry.level), in_python(string(entry.message)), entry.line))
         return tuple(entries)
-
-    def _index(self, value: Any, count: int, what: str) -> int:
-        try:
-            index = operator.index(value)
-        except TypeError:
-            raise ArgumentError(f"{what} is {value!r}, but must be an id (0 to {count - 1}).") from None
-        if not 0 <= index < count:
-            raise ArgumentError(f"{what} is {index}, but ids go from 0 to {count - 1}.")
-        return index
-
-    def _joint(self, joint: int | str) -> int:
-        return self.joint_id(joint) if isinstance(joint, str) else self._index(joint, self.njoints, "joint")
-
-    def _frame(self, frame: int | str) -> int:
-        if isinstance(frame, str):
-            id = self._frame_ids.get(frame)
-            if id is None:
-                id = self._frame_ids[frame] = self.frame_id(frame)
-            return id
-        return self._index(frame, self.nframes, "frame")

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from .enums import Status
-
-
 class Error(Exception):
     """A call that failed. str() is the library's sentence: what, where, and what to do.
 
-    status       the number that the library answered (dyn.Status when this package knows it)
+    status       the number that the library returned (a dyn.Status where it has that number)
     status_name  "DYN_ERROR_STALE", ...
     """
 
-    status: int = Status.ERROR_INTERNAL
+    status: int = -1
+    status_name = "DYN_ERROR_INTERNAL"
 
     def __init__(self, message: str, status: int | None = None, status_name: str | None = None):
         super().__init__(message)
         if status is not None:
             self.status = status
-        self.status_name = status_name or f"DYN_{Status(self.status).name}"
+        if status_name is not None:
+            self.status_name = status_name
 
     def __reduce__(self):
         return type(self), (self.args[0], self.status, self.status_name)
@@ -27,61 +26,61 @@ class Error(Exception):
 class LibraryError(Error, ImportError):
     """libdyn itself was not found, or does not fit this package."""
 
-    status = Status.ERROR_FILE
+    status_name = "DYN_ERROR_FILE"
 
 
 class ArgumentError(Error, ValueError):
     """A value that is required is missing, or an index or option is out of range."""
 
-    status = Status.ERROR_ARGUMENT
+    status_name = "DYN_ERROR_ARGUMENT"
 
 
 class HandleError(Error):
     """A freed or foreign handle."""
 
-    status = Status.ERROR_HANDLE
+    status_name = "DYN_ERROR_HANDLE"
 
 
 class ModelError(Error):
     """The data belongs to another model."""
 
-    status = Status.ERROR_MODEL
+    status_name = "DYN_ERROR_MODEL"
 
 
 class SizeError(Error, ValueError):
     """An array or memory block of the wrong size."""
 
-    status = Status.ERROR_SIZE
+    status_name = "DYN_ERROR_SIZE"
 
 
 class NonFiniteError(Error, ValueError):
     """NaN or infinity in an input."""
 
-    status = Status.ERROR_NONFINITE
+    status_name = "DYN_ERROR_NONFINITE"
 
 
 class QuaternionError(Error, ValueError):
     """A zero quaternion or zero (cos, sin) pair."""
 
-    status = Status.ERROR_QUATERNION
+    status_name = "DYN_ERROR_QUATERNION"
 
 
 class StaleError(Error):
     """The quantity was not computed for the current state: the message names the call to make."""
 
-    status = Status.ERROR_STALE
+    status_name = "DYN_ERROR_STALE"
 
 
 class PartError(Error):
     """The data was made without the part: the message names it."""
 
-    status = Status.ERROR_PART
+    status_name = "DYN_ERROR_PART"
 
 
 class UnknownNameError(Error, LookupError):
     """A name that does not exist, or exists twice."""
 
-    status = Status.ERROR_NAME
+    status_name = "DYN_ERROR_NAME"
 
 
 class LoadError(Error):
@@ -91,80 +90,82 @@ class LoadError(Error):
 class FileError(LoadError):
     """A file that is missing or cannot be read."""
 
-    status = Status.ERROR_FILE
+    status_name = "DYN_ERROR_FILE"
 
 
 class ParseError(LoadError):
     """Malformed XML or an unreadable number."""
 
-    status = Status.ERROR_PARSE
+    status_name = "DYN_ERROR_PARSE"
 
 
 class InvalidRobotError(LoadError):
     """A robot that cannot exist: negative mass, impossible inertia, cycle, two roots, zero axis, ..."""
 
-    status = Status.ERROR_INVALID
+    status_name = "DYN_ERROR_INVALID"
 
 
 class BaseChoiceError(LoadError):
     """Neither base="fixed" nor base="floating" was said, and the root link has mass."""
 
-    status = Status.ERROR_BASE
+    status_name = "DYN_ERROR_BASE"
 
 
 class StrictError(LoadError):
     """strict=True, and the file says physics that would be dropped."""
 
-    status = Status.ERROR_STRICT
+    status_name = "DYN_ERROR_STRICT"
 
 
 class NumericError(Error, ArithmeticError):
     """Singular or not finite: the message names the joint."""
 
-    status = Status.ERROR_NUMERIC
+    status_name = "DYN_ERROR_NUMERIC"
 
 
 class BusyError(Error):
     """Checked builds: a data used by two threads at once."""
 
-    status = Status.ERROR_BUSY
+    status_name = "DYN_ERROR_BUSY"
 
 
 class OutOfMemoryError(Error, MemoryError):
     """Out of memory."""
 
-    status = Status.ERROR_MEMORY
+    status_name = "DYN_ERROR_MEMORY"
 
 
 class LimitError(Error):
     """Larger than the library allows: the message says the limit."""
 
-    status = Status.ERROR_LIMIT
+    status_name = "DYN_ERROR_LIMIT"
 
 
 class UnsupportedError(Error, NotImplementedError):
     """Not available in this version of the library."""
 
-    status = Status.ERROR_UNSUPPORTED
+    status_name = "DYN_ERROR_UNSUPPORTED"
 
 
 class InternalError(Error):
     """A defect of the library: please report it."""
 
-    status = Status.ERROR_INTERNAL
+    status_name = "DYN_ERROR_INTERNAL"
 
 
 class CancelledError(Error):
     """The caller's progress function ended the call."""
 
-    status = Status.ERROR_CANCELLED
+    status_name = "DYN_ERROR_CANCELLED"
 
 
-BY_STATUS: dict[int, type[Error]] = {
-    int(c.status): c
-    for c in (
-        ArgumentError, HandleError, ModelError, SizeError, NonFiniteError, QuaternionError, StaleError, PartError,
-        UnknownNameError, FileError, ParseError, InvalidRobotError, BaseChoiceError, StrictError, NumericError, BusyError,
-        OutOfMemoryError, LimitError, UnsupportedError, InternalError, CancelledError,
-    )
-}  # fmt: skip
+BY_STATUS: dict[int, type[Error]] = {}
+"""The class of each status."""
+
+
+def number(statuses: dict[str, int]) -> None:
+    """Gives each class the number of its status; statuses: {"ERROR_STALE": 7, ...}."""
+    for cls in [c for c in globals().values() if isinstance(c, type) and issubclass(c, Error)]:
+        cls.status = statuses[cls.status_name.removeprefix("DYN_")]
+        if "status_name" in vars(cls) and cls not in (Error, LibraryError):
+            BY_STATUS[cls.status] = cls

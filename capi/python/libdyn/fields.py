@@ -1,46 +1,85 @@
-"""The quantities that data holds, as the library describes them."""
+"""The fields of data: a property for each, and the state, which can be set."""
 
 from __future__ import annotations
 
 from ctypes import byref
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from . import abi
-from .enums import Part
-from .library import check, lib
+from .arrays import view
+from .choices import text
+from .errors import UnknownNameError
+from .handles import DataHandle
+from .library import fail, last_error, lib
+from .messages import in_python
+from .tables import FIELDS, SHAPES, FieldInfo
+
+if TYPE_CHECKING:
+    from .arrays import Numbers
+
+STATE = {"q": "q", "v": "v", "a": "a", "tau_applied": "tau"}  # field: argument of Data.set_state
+
+_data_array = lib.dyn_data_array
+_set_state = lib.dyn_data_set_state
 
 
-class FieldInfo(NamedTuple):
-    """A quantity that data holds, as the library describes it."""
+class Fields(DataHandle):
+    """The part of Data that has the fields."""
 
-    id: int
-    name: str
-    shape: str
-    unit: str
-    frame: str
-    producer: str
-    """The call that computes it; "" for the state."""
-    sentence: str
-    part: Part
+    def __init__(self, model: Any, handle: int, keep: Any):
+        super().__init__(model, handle, keep)
+        self._views: dict[int, Numbers] = {}
+        self._array = abi.Array()
+        self._array_ref = byref(self._array)
+
+    def set_state(self, q: Any = None, v: Any = None, a: Any = None, tau: Any = None) -> None:
+        """Sets what is given of the state: q (nq,), v, a, tau (nv,). set_state(**json.load(file)) reads a state file."""
+        status = _set_state(self._m, self._d, self._q(q), self._v(v), self._a(a), self._tau(tau))
+        if status:
+            fail(status)
+
+    @property
+    def state(self) -> dict[str, Numbers]:
+        """Copies of the state: {"q", "v", "a", "tau"}, as set_state takes it."""
+        return {name: self.field(field).copy() for field, name in STATE.items()}
+
+    def field(self, field: str | int) -> Any:
+        """A field by name or id: a read-only view of the library's memory (a number for a scalar)."""
+        if not isinstance(field, int):
+            id = lib.dyn_field_id(text(field, "field"))
+            if id < 0:
+                raise UnknownNameError(last_error())
+            field = id
+        status = _data_array(self._m, self._d, field, self._array_ref)
+        if status:
+            fail(status)
+        found = self._views.get(field)
+        if found is None:
+            a = self._array
+            dims = SHAPES[field]  # "nv", "nv x 1": a vector, "6 x nv": a matrix, "1 x 1": a number
+            found = view(a.data, a.rows, a.cols if len(dims) == 2 else None, tuple(a.stride), self._owner)
+            self._views[field] = found = found if dims else found.reshape(())
+        return found if found.ndim else float(found)
 
 
-def _fields() -> dict[str, FieldInfo]:
-    fields = {}
-    for id in range(lib.dyn_field_count()):
-        info = abi.FieldInfo()
-        check(lib.dyn_field_info(id, byref(info)))
-        words = [(s or b"").decode() for s in (info.name, info.shape, info.unit, info.frame, info.producer, info.sentence)]
-        fields[words[0]] = FieldInfo(id, *words, Part(info.part))
-    return fields
+def description(info: FieldInfo) -> str:
+    """What help() says of a field."""
+    origin = f" Computed by {in_python(info.producer)}." if info.producer else ""
+    return f"{info.sentence} ({info.shape}; {info.unit or 'no unit'}; frame: {info.frame or 'none'}.){origin}"
 
 
-FIELDS: dict[str, FieldInfo] = _fields()
-"""Every field of the loaded library, by name."""
+def _property(info: FieldInfo) -> property:
+    def get(self: Fields) -> Any:
+        return self.field(id)
 
-SHAPES: dict[int, list[str]] = {}
-"""Dimensions of each field that are not 1: none, a number; one, a vector."""
-for _f in FIELDS.values():
-    _dims = _f.shape.replace("scalar", "1").split(" x ")
-    SHAPES[_f.id] = [] if set(_dims) == {"1"} else _dims[:1] if _dims[1:] in ([], ["1"]) else _dims
+    def put(self: Fields, value: Any) -> None:
+        self.set_state(**{STATE[name]: value})
 
-ID = {name: info.id for name, info in FIELDS.items()}
+    id, name = info.id, info.name
+    return property(get, put if name in STATE else None, doc=description(info))
+
+
+for _info in FIELDS.values():
+    setattr(Fields, _info.name, _property(_info))

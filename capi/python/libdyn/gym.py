@@ -11,7 +11,7 @@ positions less the stance, v, and the last action. Environment k of a vector env
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import gymnasium
 import numpy as np
@@ -22,6 +22,9 @@ from .builder import Builder
 from .loading import load
 from .model import Model
 from .simulate import Simulation
+
+if TYPE_CHECKING:
+    from .arrays import Numbers
 
 DT, EVERY = 2e-3, 10  # s; steps of an action
 _LEGS = ("FL", "FR", "RL", "RR")
@@ -63,10 +66,10 @@ class Task:
             raise ValueError(f"robot is {name!r}, but must be one of {', '.join(ROBOTS)}.")
         self.robot = ROBOTS[name]
         bare = load(robot_file(name), base="floating")
-        builder = Builder.from_model(bare).shape("universe", "half_space", name="floor")
+        builder = Builder.from_model(bare).add_shape("universe", "half_space", name="floor")
         driven = [j for j in bare.joints[2:] if j.nv == 1 and j.mimic_leader < 0]
         for j in driven:
-            builder.actuator(j.name, j.name, type="position", kp=self.robot.gains[0], kv=self.robot.gains[1])
+            builder.add_actuator(j.name, j.name, type="position", kp=self.robot.gains[0], kv=self.robot.gains[1])
         self.model: Model = builder.finish()
         self.q = self.model.normalize(self.robot.stance)
         self.q[2] = self.robot.height
@@ -76,25 +79,25 @@ class Task:
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(self.joints),), np.float64)
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (n,), np.float64)
 
-    def begin(self, random: np.random.Generator) -> np.ndarray:
+    def begin(self, random: np.random.Generator) -> Numbers:
         """q of one robot, near the stance."""
         q = self.q.copy()
         q[self.joints] += random.uniform(-0.05, 0.05, len(self.joints))
         return q
 
-    def control(self, action: np.ndarray) -> np.ndarray:
+    def control(self, action: Numbers) -> Numbers:
         return self.stance + self.robot.reach * np.clip(action, -1, 1)
 
-    def observe(self, q: np.ndarray, v: np.ndarray, action: np.ndarray) -> np.ndarray:
+    def observe(self, q: Numbers, v: Numbers, action: Numbers) -> Numbers:
         x, y, z, w = q[:, 3:7].T
         down = np.stack([2 * (y * w - x * z), -2 * (y * z + x * w), 2 * (x * x + y * y) - 1], axis=1)
         return np.concatenate([q[:, 2:3], down, q[:, self.joints] - self.stance, v, action], axis=1)
 
-    def reward(self, before: np.ndarray, q: np.ndarray, action: np.ndarray) -> np.ndarray:
+    def reward(self, before: Numbers, q: Numbers, action: Numbers) -> Numbers:
         """Speed along x, m/s, and 1 for being there, less what actions cost."""
         return (q[:, 0] - before[:, 0]) / (DT * EVERY) + 1.0 - 0.05 * np.square(action).mean(axis=1)
 
-    def fallen(self, q: np.ndarray) -> np.ndarray:
+    def fallen(self, q: Numbers) -> Numbers:
         return q[:, 2] < self.robot.fallen
 
 
@@ -111,15 +114,15 @@ class WalkEnv(gymnasium.Env):
         self.action_space, self.observation_space = self.task.action_space, self.task.observation_space
         self.simulation = Simulation(self.task.model, dt=DT)
 
-    def _observe(self, action: np.ndarray) -> np.ndarray:
+    def _observe(self, action: Numbers) -> Numbers:
         return self.task.observe(self.simulation.q[None], self.simulation.v[None], action[None])[0]
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
         super().reset(seed=seed)
         self.simulation.reset(self.task.begin(self.np_random))
         return self._observe(np.zeros(len(self.task.joints))), {}
 
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
+    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict]:
         sim, action = self.simulation, np.asarray(action, float)
         before = sim.q[None].copy()
         sim.step(EVERY, self.task.control(action))
@@ -151,10 +154,10 @@ class WalkVectorEnv(VectorEnv):
         self._states[k] = np.frombuffer(self._single.data.save_state(), np.uint8)
         self._q[k], self._v[k], self._action[k], self._age[k], self._ended[k] = self._single.q, 0, 0, 0, False
 
-    def _observe(self) -> np.ndarray:
+    def _observe(self) -> Numbers:
         return self.task.observe(self._q, self._v, self._action)
 
-    def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict]:
+    def reset(self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None) -> tuple[Numbers, dict]:
         seeds = [None if seed is None else seed + k for k in range(self.num_envs)] if seed is None or isinstance(seed, int) else seed
         chosen = np.ones(self.num_envs, bool) if not options or "reset_mask" not in options else options["reset_mask"]
         for k in np.flatnonzero(chosen):
@@ -163,7 +166,7 @@ class WalkVectorEnv(VectorEnv):
             self._begin(k)
         return self._observe(), {}
 
-    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict]:
+    def step(self, actions: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers, dict]:
         task, reward, fallen = self.task, np.zeros(self.num_envs), np.zeros(self.num_envs, bool)
         begins, go = np.flatnonzero(self._ended), np.flatnonzero(~self._ended)
         for k in begins:

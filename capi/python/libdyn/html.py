@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .errors import Error
-from .fields import FIELDS
-
-if TYPE_CHECKING:
-    from .data import Data
-    from .model import Model
+from .tables import FIELDS
 
 
 def _table(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
@@ -24,7 +20,7 @@ def _range(first: int, n: int) -> str:
     return "" if n == 0 else str(first) if n == 1 else f"{first}:{first + n}"
 
 
-def model(m: Model) -> str:
+def model(m: Any) -> str:
     """Its joints."""
     rows = []
     for j in m.joints[1:]:
@@ -36,7 +32,7 @@ def model(m: Model) -> str:
     return head + _table(("joint", "name", "type", "parent", "q", "v", "limits, or what it follows"), rows)
 
 
-def data(d: Data) -> str:
+def data(d: Any) -> str:
     """The fields that hold for its state; of the others which call computes them."""
     rows = []
     for info in FIELDS.values():

@@ -19,12 +19,13 @@ from . import abi
 from .arrays import Placement, address, checked, numbers
 from .enums import IkReason, IkTaskType
 from .errors import ArgumentError, SizeError
+from .handles import DataHandle
 from .library import fail, lib
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from .model import Model
+    from .arrays import Numbers
 
 
 class Task(NamedTuple):
@@ -32,7 +33,7 @@ class Task(NamedTuple):
 
     type: IkTaskType
     frame: int | str
-    target: np.ndarray | None
+    target: Numbers | None
     """12 numbers: rotation by columns, then translation."""
     posture: Any
     weight: float
@@ -43,10 +44,10 @@ class Task(NamedTuple):
 class Result(NamedTuple):
     """What Data.ik found."""
 
-    q: np.ndarray
+    q: Numbers
     """The solution, or the best configuration that was found."""
     reason: IkReason
-    residuals: np.ndarray
+    residuals: Numbers
     """(tasks, 2): the error of each task, m and rad."""
     iterations: int
     restarts: int
@@ -61,7 +62,7 @@ class Result(NamedTuple):
         return self.reason == IkReason.CONVERGED
 
 
-def _rotation(x: Any, name: str) -> np.ndarray:
+def _rotation(x: Any, name: str) -> Numbers:
     """(3, 3) from itself or from a quaternion (x, y, z, w)."""
     a = numbers(x, name)
     if a.shape == (3, 3):
@@ -81,7 +82,7 @@ def _rotation(x: Any, name: str) -> np.ndarray:
     )
 
 
-def _target(rotation: Any = None, translation: Any = None) -> np.ndarray:
+def _target(rotation: Any = None, translation: Any = None) -> Numbers:
     out = np.array([1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0])
     if rotation is not None:
         out[:9] = _rotation(rotation, "rotation").T.ravel()
@@ -125,14 +126,15 @@ _ik = lib.dyn_ik  # bound once: an attribute of the CDLL costs a look-up in ever
 _SIZES = {IkTaskType.POSE: 6, IkTaskType.POSITION: 3, IkTaskType.ORIENTATION: 3, IkTaskType.COM: 3}
 
 
-def structures(model: Model, tasks: Any) -> tuple[Any, list]:
+def structures(model: Any, tasks: Any) -> tuple[Any, list]:
     """The tasks as dyn.h takes them, and what must be kept alive meanwhile."""
     tasks = [tasks] if isinstance(tasks, Task) else list(tasks)
     out, keep = (abi.IkTask * len(tasks))(), []
-    for k, (s, t) in enumerate(zip(out, tasks)):
+    for k, t in enumerate(tasks):
         if not isinstance(t, Task):
             raise ArgumentError(f"tasks[{k}] is {t!r}, but must be a task of dyn.ik: pose, position, orientation, com, posture.")
-        lib.dyn_ik_task_init(byref(s))
+        out[k] = abi.initialized(abi.IkTask)
+        s = out[k]
         s.type, s.priority, s.weight = t.type, t.priority, t.weight
         if t.type in (IkTaskType.POSE, IkTaskType.POSITION, IkTaskType.ORIENTATION):
             s.frame = model._frame(t.frame)
@@ -151,7 +153,7 @@ def structures(model: Model, tasks: Any) -> tuple[Any, list]:
 
 
 
-class InverseKinematics:
+class InverseKinematics(DataHandle):
     """The part of Data that finds configurations."""
 
     def ik(
@@ -173,8 +175,7 @@ class InverseKinematics:
         Defaults: 500 iterations a start, 20 restarts, seed 0, 1e-6 m and rad, the model's limits."""
         m = self.model
         given, keep = structures(m, tasks)
-        options = abi.IkOptions()
-        lib.dyn_ik_options_init(byref(options))
+        options = abi.initialized(abi.IkOptions)
         for name, x in (
             ("max_iterations", max_iterations), ("restarts", restarts), ("seed", seed), ("tolerance_linear", tolerance_linear),
             ("tolerance_angular", tolerance_angular), ("limits", limits),

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from ctypes import byref, c_char_p, c_void_p
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from . import abi
 from .arrays import checked
 from .choices import member, text, whole
@@ -20,10 +18,11 @@ from .model import Model
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from .enums import BaseLike, MeshUseLike
+
 
 def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity: Any, srdf: Any, meshes: Any, slots: Any, contacts: Any, confined: bool):
-    options = abi.LoadOptions()
-    lib.dyn_load_options_init(byref(options))
+    options = abi.initialized(abi.LoadOptions)
     if base is not None:
         options.base = member(Base, base, "base")
     options.strict, options.cos_sin = bool(strict), bool(cos_sin)
@@ -45,14 +44,14 @@ def _options(base: Any, strict: bool, cos_sin: bool, package_dirs: Any, gravity:
 
 def load(
     path: str | os.PathLike,
-    base: str | Base | None = None,
+    base: BaseLike | None = None,
     *,
     strict: bool = False,
     cos_sin: bool = False,
     package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
     gravity: ArrayLike | None = None,
     srdf: str | os.PathLike | None = None,
-    meshes: str | MeshUse = MeshUse.NONE,
+    meshes: MeshUseLike = MeshUse.NONE,
     constraint_slots: int = 8,
     contact_capacity: int = 0,
     confined: bool = False,
@@ -83,14 +82,14 @@ def load(
 
 def load_string(
     urdf: str,
-    base: str | Base | None = None,
+    base: BaseLike | None = None,
     *,
     strict: bool = False,
     cos_sin: bool = False,
     package_dirs: str | os.PathLike | Sequence[str | os.PathLike] = (),
     gravity: ArrayLike | None = None,
     srdf: str | os.PathLike | None = None,
-    meshes: str | MeshUse = MeshUse.NONE,
+    meshes: MeshUseLike = MeshUse.NONE,
     constraint_slots: int = 8,
     contact_capacity: int = 0,
     confined: bool = False,
@@ -100,19 +99,3 @@ def load_string(
     options = _options(base, strict, cos_sin, package_dirs, gravity, srdf, meshes, constraint_slots, contact_capacity, confined)
     check(lib.dyn_model_load_string(text(urdf, "urdf"), byref(options), byref(out)))
     return Model(out.value)
-
-
-def from_buffer(buffer) -> Model:
-    """The model that lies in a buffer (numpy.memmap of a .dynb, shared memory, ...), used where it is: nothing is copied. The buffer lies on a boundary
-    of 64 bytes and must not change; the model keeps it alive."""
-    memory, out = np.frombuffer(buffer, np.uint8), c_void_p()
-    check(lib.dyn_model_from_buffer(memory.ctypes.data, memory.size, byref(out)))
-    return Model(out.value, memory)
-
-
-def from_image(image: bytes) -> Model:
-    """The model of Model.image(), from bytes that lie anywhere: what unpickles a model."""
-    memory = np.empty(len(image) + 64, np.uint8)
-    memory = memory[-memory.ctypes.data % 64 :][: len(image)]
-    memory[:] = np.frombuffer(image, np.uint8)
-    return from_buffer(memory)

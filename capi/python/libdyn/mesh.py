@@ -20,6 +20,8 @@ from .library import check, lib
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from .arrays import Integers, Numbers
+
 
 class MeshInfo(NamedTuple):
     vertices: int
@@ -32,9 +34,9 @@ class MeshInfo(NamedTuple):
     """Triangles there before that were dropped."""
     skipped: int
     """Points and lines of the file."""
-    lower: np.ndarray
+    lower: Numbers
     """(3,), m: the bounding box's lowest corner."""
-    upper: np.ndarray
+    upper: Numbers
     area: float
     """m^2"""
     components: int
@@ -49,9 +51,9 @@ class MeshInfo(NamedTuple):
     """1: counter-clockwise seen from outside, -1: inside out; 0: not closed, or no volume."""
     volume: float
     """m^3; NaN where orientation is 0, as are com and inertia."""
-    com: np.ndarray
+    com: Numbers
     """(3,), m"""
-    inertia: np.ndarray
+    inertia: Numbers
     """(3, 3), kg m^2 at density 1 kg/m^3, about com."""
     hull_status: Status
     """OK, or why there is no hull."""
@@ -64,7 +66,7 @@ class MeshInfo(NamedTuple):
     """None: without the module of hulls nobody can tell."""
 
 
-def _view(start: int | None, shape: tuple[int, ...], kind: type, owner: Owner) -> np.ndarray:
+def _view(start: int | None, shape: tuple[int, ...], kind: type, owner: Owner) -> Numbers:
     """Read-only view of the mesh's memory that keeps the mesh alive."""
     count = int(np.prod(shape))
     memory = (kind * count).from_address(start) if count else (kind * 0)()
@@ -116,17 +118,17 @@ class Mesh:
         return f"<dyn.Mesh: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
 
     @property
-    def vertices(self) -> np.ndarray:
+    def vertices(self) -> Numbers:
         """(n, 3), m"""
         return _view(self._arrays.vertices, (self._arrays.vertex_count, 3), ctypes.c_double, self._owner)
 
     @property
-    def triangles(self) -> np.ndarray:
+    def triangles(self) -> Integers:
         """(m, 3), indices of vertices."""
         return _view(self._arrays.triangles, (self._arrays.triangle_count, 3), ctypes.c_int32, self._owner)
 
     @cached_property
-    def colours(self) -> np.ndarray:
+    def colours(self) -> Numbers:
         """(m, 3): red, green, blue of each triangle, 0 to 1, by the file's materials and colours of vertices; NaN where it says nothing."""
         rgb = np.empty((len(self.triangles), 3))
         check(lib.dyn_mesh_rgb(self._owner.address, address(rgb)))
@@ -134,21 +136,21 @@ class Mesh:
         return rgb
 
     @property
-    def planes(self) -> np.ndarray:
+    def planes(self) -> Numbers:
         """(faces, 4), of a hull: unit normals n and offsets, n . x <= offset."""
         return _view(self._arrays.planes, (self._arrays.face_count, 4), ctypes.c_double, self._owner)
 
     @property
-    def faces(self) -> list[np.ndarray]:
+    def faces(self) -> list[Integers]:
         """Of a hull: the corners of each face, counter-clockwise seen from outside."""
         return self._lists(self._arrays.face_start, self._arrays.face_corners, self._arrays.face_count)
 
     @property
-    def neighbours(self) -> list[np.ndarray]:
+    def neighbours(self) -> list[Integers]:
         """Of a hull: the vertices that share an edge with each vertex."""
         return self._lists(self._arrays.neighbour_start, self._arrays.neighbours, self._arrays.vertex_count if self._arrays.face_count else 0)
 
-    def _lists(self, starts: int | None, items: int | None, count: int) -> list[np.ndarray]:
+    def _lists(self, starts: int | None, items: int | None, count: int) -> list[Integers]:
         if not count:
             return []
         start = _view(starts, (count + 1,), ctypes.c_int32, self._owner)
@@ -190,8 +192,7 @@ def load_mesh(
     package_dirs    where package://NAME/... is looked up
     relative_to     the robot file that names the mesh
     """
-    options = abi.MeshOptions()
-    lib.dyn_mesh_options_init(byref(options))
+    options = abi.initialized(abi.MeshOptions)
     factors = numbers(scale, "scale")
     if factors.shape not in ((), (3,)):
         raise SizeError(f"scale has shape {factors.shape}, but must be a number or have shape (3,).")

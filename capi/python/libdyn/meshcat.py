@@ -22,7 +22,9 @@ from .mesh import load_mesh
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from .arrays import Numbers
     from .describe import ShapeInfo
+    from .enums import ShapeRoleLike
     from .model import Model
 
 _Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # Meshcat's cylinders lie along y
@@ -30,7 +32,7 @@ _NO_COLOUR = 0.7
 _AROUND = np.linspace(0, 2 * np.pi, 33)[:-1]
 
 
-def _at(z: float) -> np.ndarray:
+def _at(z: float) -> Numbers:
     X = np.eye(4)
     X[2, 3] = z
     return X
@@ -45,7 +47,7 @@ def _cone(radius: float, length: float) -> g.Geometry:
     return g.TriangularMeshGeometry(np.vstack([ring, [0, 0, length / 2], [0, 0, -length / 2]]), np.vstack([sides, base]))
 
 
-def pieces(model: Model, shape: ShapeInfo) -> list[tuple[g.Geometry, np.ndarray]]:
+def pieces(model: Model, shape: ShapeInfo) -> list[tuple[g.Geometry, Numbers]]:
     """What stands for a shape, and where, in its own frame."""
     x, y, z = (float(s) for s in shape.size)
     kind, here = shape.type, np.eye(4)
@@ -90,12 +92,12 @@ class Display:
     color       of what has none, 0xRRGGBB
     """
 
-    def __init__(self, model: Model, visualizer: Any = None, role: str = "visual", root: str = "robot", color: int = 0xB0B8C8):
+    def __init__(self, model: Model, visualizer: Any = None, role: ShapeRoleLike = "visual", root: str = "robot", color: int = 0xB0B8C8):
         self.model = model
         self.visualizer = meshcat.Visualizer() if visualizer is None else visualizer
         self._window = self.visualizer[root]
         self._data = model.data(Part.FRAMES)
-        wanted = ShapeRole[role.upper()]
+        wanted = member(ShapeRole, role, "role")
         shapes = [s for s in model.shapes if s.role == wanted] or [s for s in model.shapes if s.role == ShapeRole.COLLISION]
         shapes += [s for s in model.shapes if s.type == ShapeType.HALF_SPACE and s not in shapes]
         self._shapes = [(f"{s.id}", s.frame, Placement(*s.placement).matrix) for s in shapes]

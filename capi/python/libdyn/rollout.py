@@ -20,6 +20,8 @@ from .simulation import fill_stepping
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from .arrays import Integers, Numbers
+    from .enums import ContactSolverTypeLike, EffectLike, IntegratorLike
     from .model import Model
 
 Sensors = Mapping[str, Any]
@@ -41,19 +43,19 @@ CONTACT = _contact_type()
 class Rollout(NamedTuple):
     """What rollouts did: N simulations, R records of each."""
 
-    q: np.ndarray
+    q: Numbers
     """(N, R, nq)."""
-    v: np.ndarray
+    v: Numbers
     """(N, R, nv)."""
-    sensors: dict[str, np.ndarray]
+    sensors: dict[str, Numbers]
     """Of each name (N, R, its size): see dyn.SensorType."""
     contacts: np.ndarray | None
     """(N, R, capacity), of type CONTACT, if asked for; the first contact_count of them hold."""
-    contact_count: np.ndarray | None
+    contact_count: Integers | None
     """(N, R), how many contact points there were: more than the capacity may."""
     states: np.ndarray | None
     """(N, bytes), if asked for: what goes on from here as `states`, bit for bit, with the same model."""
-    status: np.ndarray
+    status: Integers
     """(N,), a dyn.Status each: records of one that failed are NaN from then on."""
 
 
@@ -97,12 +99,12 @@ class Plan:
             raise SizeError(f"{name} has shape {x.shape}, but must have shape {shape} or {shape[1:]} of model {self.model.name!r}.")
         return shape
 
-    def rows(self, name: str, x: Any) -> np.ndarray | None:
+    def rows(self, name: str, x: Any) -> Numbers | None:
         """x for all simulations, contiguous."""
         return None if x is None else np.ascontiguousarray(np.broadcast_to(x, self.shaped(name, x)))
 
 
-def _sensors(model: Model, sensors: Sensors | None) -> tuple[np.ndarray, np.ndarray, dict[str, int]]:
+def _sensors(model: Model, sensors: Sensors | None) -> tuple[Integers, Integers, dict[str, int]]:
     """Types, frames, and the size of each by name."""
     types, frames, sizes = [], [], {}
     for name, what in (sensors or {}).items():
@@ -118,12 +120,15 @@ def _sensors(model: Model, sensors: Sensors | None) -> tuple[np.ndarray, np.ndar
     return np.array(types, np.int32), np.array(frames, np.int32), sizes
 
 
+_PROGRESS: Any = dict(abi.Rollout._fields_)["progress"]
+
+
 class _Progress:
     """The caller's function as the library calls it; what it raises (a key pressed, too) ends the rollout and is raised again after it."""
 
     def __init__(self, told: Callable[[int, int], Any] | None):
         self.told, self.error = told, None
-        self.pointer = abi.PROGRESS(self.call)
+        self.pointer = _PROGRESS(self.call)
 
     def call(self, _: Any, steps: int, of: int) -> int:
         try:
@@ -147,8 +152,8 @@ class Rollouts:
         every: int = 1,
         n: int | None = None,
         dt: float | None = None,
-        integrator: str | Integrator | None = None,
-        solver: str | ContactSolverType | None = None,
+        integrator: IntegratorLike | None = None,
+        solver: ContactSolverTypeLike | None = None,
         tolerance: float | None = None,
         max_iterations: int | None = None,
         sensors: Sensors | None = None,
@@ -166,7 +171,7 @@ class Rollouts:
         tau         (N, R, nv), or (R, nv): generalised forces, N m or N, in the same way
         every       steps between records
         n, steps    where no array says them
-        integrator, solver, tolerance, max_iterations  as in Data.set_stepping
+        integrator, solver, tolerance, max_iterations  as in Data.set_step_options
         sensors     {name: type or (type, frame)}: see dyn.SensorType
         contacts    contact points to record, of the last step before each record, the rest is counted
         keep_states whether to return what a later call goes on from
@@ -187,10 +192,8 @@ class Rollouts:
         if not isinstance(contacts, (int, np.integer)) or contacts < 0:
             raise ArgumentError(f"contacts is {contacts!r}, but must be a number of contact points.")
 
-        stepping, x = abi.StepOptions(), abi.Rollout()
-        lib.dyn_step_options_init(byref(stepping))
+        stepping, x = abi.initialized(abi.StepOptions), abi.initialized(abi.Rollout)
         fill_stepping(stepping, integrator, solver, dt=dt, tolerance=tolerance, max_iterations=max_iterations)
-        lib.dyn_rollout_init(byref(x))
         x.steps, x.every, x.sensors, x.contact_capacity = plan.steps, every, len(types), contacts
         x.stepping, x.sensor, x.sensor_frame = ctypes.addressof(stepping), address(types), address(frames)
         keep = {name: plan.rows(name, value) for name, value in given.items()}
@@ -225,7 +228,7 @@ def rollout(
     q0: ArrayLike | None = None,
     v0: ArrayLike | None = None,
     *,
-    effects: Any = None,
+    effects: EffectLike | None = None,
     threads: int | None = None,
     engine: str = "threads",
     **arguments: Any,

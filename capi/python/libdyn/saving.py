@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import os
 from ctypes import byref, c_size_t, create_string_buffer
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from . import abi
 from .choices import kind, member
 from .enums import Format, ReportLevel
 from .errors import ArgumentError
+from .handles import ModelHandle
 from .library import check, lib
+from .messages import in_python
+
+if TYPE_CHECKING:
+    from .enums import FormatLike
 
 
 class SaveLine(NamedTuple):
@@ -21,10 +26,10 @@ class SaveLine(NamedTuple):
 
 
 def _teller(lines: list[SaveLine]):
-    return abi.SAVE_REPORT(lambda _, level, message: lines.append(SaveLine(kind(ReportLevel, level), message.decode("utf-8", "replace"))))
+    return abi.SaveReport(lambda _, level, message: lines.append(SaveLine(kind(ReportLevel, level), in_python(message.decode("utf-8", "replace")))))
 
 
-class Saving:
+class Saving(ModelHandle):
     """The part of Model that writes it."""
 
     def save(self, path: str | os.PathLike, strict: bool = False) -> list[SaveLine]:
@@ -37,7 +42,7 @@ class Saving:
         check(lib.dyn_model_save(self._m, name, bool(strict), _teller(lines), None))
         return lines
 
-    def to_bytes(self, format: str | Format, strict: bool = False) -> bytes:
+    def to_bytes(self, format: FormatLike, strict: bool = False) -> bytes:
         """What save writes."""
         kind, size, none = member(Format, format, "format"), c_size_t(), _teller([])
         check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, None, 0, byref(size)))

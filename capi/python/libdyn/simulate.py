@@ -9,7 +9,9 @@ import numpy as np
 from .errors import ArgumentError
 
 if TYPE_CHECKING:
+    from .arrays import Numbers
     from .data import Data
+    from .enums import EffectLike, IntegratorLike
     from .model import Model
 
 Controller = Callable[["Simulation"], Any]
@@ -19,11 +21,11 @@ Controller = Callable[["Simulation"], Any]
 class Trajectory(NamedTuple):
     """What Simulation.run recorded, the beginning included."""
 
-    t: np.ndarray
+    t: Numbers
     """(R,), s."""
-    q: np.ndarray
+    q: Numbers
     """(R, nq)."""
-    v: np.ndarray
+    v: Numbers
     """(R, nv)."""
 
 
@@ -34,14 +36,14 @@ class Simulation:
         trajectory = sim.run(2.0, lambda sim: kp * (target - sim.q))
 
     q: where it begins, or the name of a configuration of the model; by default as the file draws it: "qpos0" of an MJCF file, else neutral.
-    stepping: more of Data.set_stepping. `data` is a Data like any other.
+    stepping: more of Data.set_step_options. `data` is a Data like any other.
     """
 
-    def __init__(self, model: Model, q: Any = None, v: Any = None, *, dt: float = 1e-3, integrator: Any = None, effects: Any = None, **stepping: Any):
+    def __init__(self, model: Model, q: Any = None, v: Any = None, *, dt: float = 1e-3, integrator: IntegratorLike | None = None, effects: EffectLike | None = None, **stepping: Any):
         self.model = model
         self.data: Data = model.data()
         self.dt = dt
-        self.data.set_stepping(integrator, dt, **stepping)
+        self.data.set_step_options(integrator, dt, **stepping)
         if effects is not None:
             self.data.set_effects(effects)
         if q is None and "qpos0" in model.configuration_names:
@@ -58,12 +60,12 @@ class Simulation:
         return float(self.data.field("time"))
 
     @property
-    def q(self) -> np.ndarray:
+    def q(self) -> Numbers:
         """(nq,): a view of what is."""
         return self.data.q
 
     @property
-    def v(self) -> np.ndarray:
+    def v(self) -> Numbers:
         """(nv,): a view of what is."""
         return self.data.v
 

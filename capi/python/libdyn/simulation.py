@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ctypes import byref, c_int, create_string_buffer
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,8 +12,13 @@ from .choices import member, whole
 from .contact import Contact, to_contact
 from .enums import ContactSolverType, Integrator
 from .errors import ArgumentError
+from .handles import DataHandle
 from .library import check, fail, lib
 from .material import Material
+
+if TYPE_CHECKING:
+    from .arrays import Numbers
+    from .enums import ContactSolverTypeLike, IntegratorLike
 
 _INTEGRATORS: dict[Any, int] = {key: int(i) for i in Integrator for key in (i, i.name, i.name.lower())}
 _step = lib.dyn_step
@@ -77,7 +82,7 @@ class ErrorLedger(NamedTuple):
     """Of the correction of overlaps and drift, which moves q alone."""
     energy_defect: float
     """energy_change less all of these: the steps' error."""
-    momentum_defect: np.ndarray
+    momentum_defect: Numbers
     """(3,): N s, change of linear momentum less the impulses from outside; zero where anything but a free flyer joins a tree to the world."""
     constraint_drift: float
     """m, rad: largest error of an equality row at the beginning of a step."""
@@ -91,14 +96,14 @@ class ContactForce(NamedTuple):
     """A contact point of the last step, and what it exerts."""
 
     contact: Contact
-    force_on_b: np.ndarray
+    force_on_b: Numbers
     """(3,): N, world, mean over the step; the opposite on shape A."""
-    moment_on_b: np.ndarray
+    moment_on_b: Numbers
     """(3,): N m, world: of torsion and rolling."""
 
 
 def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, **numbers: Any) -> None:
-    """What is not None of the arguments of Stepping.set_stepping."""
+    """What is not None of the arguments of Data.set_step_options."""
     if integrator is not None:
         kind = _INTEGRATORS.get(integrator)
         options.integrator = member(Integrator, integrator, "integrator") if kind is None else kind
@@ -112,16 +117,16 @@ def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, **numb
                 raise ArgumentError(f"{name} is {x!r}, but must be a number.") from None
 
 
-class Stepping:
+class Stepping(DataHandle):
     """The part of Data that moves it in time."""
 
-    def set_stepping(
+    def set_step_options(
         self,
-        integrator: str | Integrator | None = None,
+        integrator: IntegratorLike | None = None,
         dt: float | None = None,
         accuracy: float | None = None,
         *,
-        solver: str | ContactSolverType | None = None,
+        solver: ContactSolverTypeLike | None = None,
         tolerance: float | None = None,
         max_iterations: int | None = None,
         sleep_speed: float | None = None,
@@ -135,7 +140,7 @@ class Stepping:
         what was found until then acts, see step_report.unsolved); with the effect SLEEPING
         how slow (m/s, rad/s) and for how long (s) what may sleep has been, and whether steps compute it all the same; whether they keep the error ledger, for data
         with the part ENERGY. None leaves a value as it is."""
-        options = self.stepping
+        options = self.step_options
         fill_stepping(
             options, integrator, dt=dt, accuracy=accuracy, solver=solver, tolerance=tolerance, max_iterations=max_iterations,
             sleep_speed=sleep_speed, sleep_time=sleep_time, visit_sleepers=visit_sleepers, ledger=ledger, time_budget=time_budget,
@@ -143,17 +148,16 @@ class Stepping:
         check(lib.dyn_data_set_step_options(self._m, self._d, byref(options)))
 
     @property
-    def stepping(self) -> abi.StepOptions:
-        """What set_stepping left."""
+    def step_options(self) -> abi.StepOptions:
+        """The options that steps have: see set_step_options."""
         options = abi.StepOptions()
-        lib.dyn_step_options_init(byref(options))
         check(lib.dyn_data_step_options(self._m, self._d, byref(options)))
         return options
 
-    def step(self, dt: float | None = None, integrator: str | Integrator | None = None) -> None:
-        """Advances q, v and the time by one step under the held tau. dt and integrator are kept (set_stepping)."""
+    def step(self, dt: float | None = None, integrator: IntegratorLike | None = None) -> None:
+        """Advances q, v and the time by one step under the held tau. dt and integrator are kept (set_step_options)."""
         if dt is not None or integrator is not None:
-            self.set_stepping(integrator, dt)
+            self.set_step_options(integrator, dt)
         status = _step(self._m, self._d)
         if status:
             fail(status)
@@ -172,7 +176,7 @@ class Stepping:
 
     @property
     def ledger(self) -> ErrorLedger:
-        """Where energy and momentum went in the last step or advance (set_stepping(ledger=True))."""
+        """Where energy and momentum went in the last step or advance (set_step_options(ledger=True))."""
         x = abi.ErrorLedger()
         check(lib.dyn_data_ledger(self._m, self._d, byref(x)))
         values = {name: getattr(x, name) for name in ErrorLedger._fields}

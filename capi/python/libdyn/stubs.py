@@ -1,51 +1,145 @@
-"""Writes what type checkers and editors see of the fields and algorithms, from the library's own tables: python -m libdyn.stubs"""
+"""Writes what type checkers and editors see of the modules that are made of the library's tables: python -m libdyn.stubs [FOLDER]
+
+setup.py does this when it builds the package, with the library that goes into it.
+"""
 
 from __future__ import annotations
 
 import keyword
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
-from .algorithms import ALGORITHMS, OPTIONAL, Algorithm
-from .batch_methods import description as of_algorithm
-from .field_properties import STATE
-from .field_properties import description as of_field
-from .fields import FIELDS, SHAPES
+from . import batch_methods, data_methods
+from . import fields as field_module
+from .interface import INTERFACE, public_name
+from .results import RESULTS
+from .tables import ALGORITHMS, FIELDS, OPTIONAL, SHAPES, AlgorithmInfo
 
-HEAD = "# Written by `python -m libdyn.stubs` from the library's tables.\nfrom typing import Any\n\nimport numpy as np\n"
-TYPES = {"frame": "int | str", "joint": "int | str", "reference": "Any", "integrator": "Any", "dt": "float", "q": "Any"}
+HEAD = "# Written by `python -m libdyn.stubs` from the library's tables.\n"
+INPUTS = {"frame": "int | str", "joint": "int | str", "reference": "ReferenceLike", "integrator": "IntegratorLike", "dt": "float", "lam": "ArrayLike"}
+INPUTS.update((name, "StateLike | None") for name in ("q", "v", "a", "tau"))
 
 
-def fields() -> str:
-    lines = [HEAD, "STATE: dict[str, str]\n", "def description(info: Any) -> str: ...\n", "class Fields:"]
+def _doc(text: str, indent: str) -> str:
+    safe = text.replace("\\", "\\\\").replace('"""', "'''")
+    return f'{indent}"""{safe}{" " if safe.endswith(chr(34)) else ""}"""' if safe else ""
+
+
+def _block(*lines: str) -> str:
+    return "\n".join(line for line in lines if line)
+
+
+def enums() -> Iterator[str]:
+    yield "import enum\nfrom collections.abc import Iterable\nfrom typing import Literal, Union\n"
+    for described in INTERFACE["enums"]:
+        name = public_name(described)
+        masks = described["bits"] or max(v["value"] for v in described["values"]) > len(described["values"])
+        yield _block(f"class {name}(enum.{'IntFlag' if masks else 'IntEnum'}):", _doc(described["doc"], "    "))
+        for value in described["values"]:
+            yield _block(f"    {value['name']} = {value['value']}", _doc(value["doc"], "    "))
+        choices = f"Union[{name}, Literal[{', '.join(repr(v['name'].lower()) for v in described['values'])}]]"
+        yield f"{name}Like = " + (f"Union[{choices}, int, Iterable[{choices}]]" if masks else choices)
+    yield f"__all__ = {[public_name(described) for described in INTERFACE['enums']]}"
+
+
+def abi() -> Iterator[str]:
+    yield "from ctypes import Structure\nfrom typing import Any\n\nclass Sized(Structure):\n    struct_size: int"
+    numbers = {"double": "float", "const char*": "bytes | None"}
+    for described in INTERFACE["structs"]:
+        base = "Sized" if described["fields"][0]["name"] == "struct_size" else "Structure"
+        yield _block(f"class {described['name'][3:]}({base}):", _doc(described["doc"], "    "))
+        for field in described["fields"]:
+            kind = field.get("type", "*")
+            plain = "Any" if "length" in field or kind.endswith("*") and kind != "const char*" else numbers.get(kind, "int")
+            yield _block(f"    {field['name']}: {'Any' if kind[3:] in STRUCTURES else plain}", _doc(field.get("doc", ""), "    "))
+    yield "".join(f"{callback['name'][3:]}: Any\n" for callback in INTERFACE["callbacks"])
+    yield "def initialized(structure: Any, *arguments: Any) -> Any: ..."
+
+
+STRUCTURES = {described["name"][3:] for described in INTERFACE["structs"]}
+
+
+def results() -> Iterator[str]:
+    yield "from typing import Any, NamedTuple\n\nfrom .arrays import Numbers\n\nRESULTS: dict[str, Any]"
+    for algorithm, made in RESULTS.items():
+        yield f"class {made.__name__}(NamedTuple):"
+        for name, n in zip(ALGORITHMS[algorithm].outputs, ALGORITHMS[algorithm].dimensions):
+            yield f"    {name}: {'Numbers' if n else 'float'}"
+    yield "def turned(name: str, array: Numbers) -> Numbers: ...\ndef memory_address(a: Numbers) -> int | None: ..."
+
+
+def fields() -> Iterator[str]:
+    yield "from typing import Any\n\nfrom .arrays import Numbers, StateLike\nfrom .handles import DataHandle\nfrom .tables import FieldInfo\n"
+    yield "STATE: dict[str, str]\n\ndef description(info: FieldInfo) -> str: ...\n\nclass Fields(DataHandle):"
+    yield "    def set_state(self, q: StateLike | None = None, v: StateLike | None = None, a: StateLike | None = None, tau: StateLike | None = None) -> None:"
+    yield _doc(field_module.Fields.set_state.__doc__ or "", "        ")
+    yield _block("    @property", "    def state(self) -> dict[str, Numbers]:", _doc(field_module.Fields.state.__doc__ or "", "        "))
+    yield _block("    def field(self, field: str | int) -> Any:", _doc(field_module.Fields.field.__doc__ or "", "        "))
     for info in FIELDS.values():
         if keyword.iskeyword(info.name):  # reached by Data.field alone
             continue
-        kind = "np.ndarray" if SHAPES[info.id] else "float"
-        lines += ["    @property", f"    def {info.name}(self) -> {kind}:", f'        """{of_field(info)}"""']
-        if info.name in STATE:
-            lines += [f"    @{info.name}.setter", f"    def {info.name}(self, value: Any) -> None: ..."]
-    return "\n".join(lines) + "\n"
+        kind = "Numbers" if SHAPES[info.id] else "float"
+        yield _block("    @property", f"    def {info.name}(self) -> {kind}:", _doc(field_module.description(info), "        "))
+        if info.name in field_module.STATE:
+            yield f"    @{info.name}.setter\n    def {info.name}(self, value: Any) -> None: ..."
 
 
-def _returns(algorithm: Algorithm) -> str:
-    if algorithm.name.startswith("frame_placement"):
+def _returns(algorithm: AlgorithmInfo, alone: bool) -> str:
+    if algorithm.of_placements:
         return "Placement"
-    return "np.ndarray" if len(algorithm.outputs) == 1 else "Any"  # a named tuple, or with `only` an array
+    if len(algorithm.outputs) > 1 and not alone:
+        return f"results.{RESULTS[algorithm.name].__name__}"
+    return "Numbers" if algorithm.dimensions[0] else "float"
 
 
-def algorithms() -> str:
-    lines = [HEAD + "from numpy.typing import ArrayLike\n\nfrom .arrays import Placement\n", "def description(algorithm: Any) -> str: ...\n", "class Algorithms:"]
+_METHODS = (
+    "from typing import Any, overload\n\nfrom numpy.typing import ArrayLike\n\nfrom . import results\nfrom .arrays import Integers, Numbers, Placement, StateLike\n"
+    "from .enums import IntegratorLike, ReferenceLike\nfrom .handles import DataHandle\nfrom .tables import AlgorithmInfo\n"
+)
+
+
+def data() -> Iterator[str]:
+    yield _METHODS + "\ndef method_name(algorithm: str) -> str: ...\n\nclass Algorithms(DataHandle):"
     for algorithm in ALGORITHMS.values():
-        inputs = [
-            f"{name}: {TYPES.get(name, 'ArrayLike')}{' | None = None' if name in OPTIONAL else ''}".replace("Any | None", "Any") for name in algorithm.inputs
-        ]
-        more = ["*", "only: str | None = None", "out: Any = None", "status: np.ndarray | None = None"]
-        lines += [f"    def {algorithm.name}(self, {', '.join(inputs + more)}) -> {_returns(algorithm)}:", f'        """{of_algorithm(algorithm)}"""']
-    return "\n".join(lines) + "\n"
+        found = data_methods.parameters(algorithm)
+        if found is None:
+            continue
+        inputs = []
+        for parameter in data_methods.signature(found[0]):
+            name, _, default = parameter.partition("=")
+            kind = INPUTS.get(name, "ArrayLike | None")
+            inputs += [f"{name}: {kind}" + (f" = {default}" if default else "")]
+        name = data_methods.method_name(algorithm.name)
+        returns = _returns(algorithm, algorithm.name in data_methods.FIRST_ALONE)
+        yield _block(f"    def {name}({', '.join(['self', *inputs])}) -> {returns}:", _doc(getattr(data_methods.Algorithms, name).__doc__, "        "))
 
 
-STUBS = {"field_properties.pyi": fields, "batch_methods.pyi": algorithms}
+def batch() -> Iterator[str]:
+    yield _METHODS + "\nclass Algorithms:"
+    for algorithm in ALGORITHMS.values():
+        inputs = ["self"]
+        for name in algorithm.inputs:
+            kind = INPUTS.get(name, "ArrayLike").replace("StateLike | None", "ArrayLike")
+            inputs += [f"{name}: {kind}" + (" | None = None" if name in OPTIONAL else "")]
+        doc = _doc(batch_methods.description(algorithm), "        ")
+        method = f"    def {algorithm.name}({', '.join(inputs)}, *, only: {{}}, out: Any = None, status: Integers | None = None) -> {{}}:"
+        if len(algorithm.outputs) == 1:
+            kind = "Placement" if algorithm.of_placements else "Numbers"
+            yield _block(method.format("str | None = None", kind), doc)
+        else:
+            yield _block("    @overload", method.format("None = None", f"results.{RESULTS[algorithm.name].__name__}"), doc)
+            yield _block("    @overload", method.format("str", "Numbers") + " ...")
+
+
+STUBS = {"enums": enums, "abi": abi, "results": results, "fields": fields, "data_methods": data, "batch_methods": batch}
+
+
+def write(folder: Path) -> None:
+    """Writes all of them into a folder."""
+    for name, lines in STUBS.items():
+        (folder / f"{name}.pyi").write_text(HEAD + "\n".join(line for line in lines() if line) + "\n", encoding="utf-8")
+
 
 if __name__ == "__main__":
-    for name, text in STUBS.items():
-        (Path(__file__).parent / name).write_text(text(), encoding="utf-8")
+    write(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)

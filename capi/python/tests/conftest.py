@@ -2,6 +2,8 @@
 
 import importlib.util
 import os
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -62,3 +64,28 @@ def bench_problem(name):
     problems = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(problems)
     return getattr(problems, name)()
+
+
+@pytest.fixture(scope="session")
+def wheel(tmp_path_factory):
+    """The wheel of the checkout, and the libraries that it was built from."""
+    missing = [name for name in ("setuptools", "wheel", "pip") if not importlib.util.find_spec(name)]
+    if missing:
+        pytest.skip(f"{', '.join(missing)} not installed")
+    if not (CAPI / "python/setup.py").is_file():
+        pytest.skip("not a checkout")
+    work = tmp_path_factory.mktemp("wheel")
+    checkout = work / "checkout"  # of what the build reads, so that nothing is written beside the sources
+    shutil.copytree(CAPI / "python", checkout / "capi/python", ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+    shutil.copytree(CAPI.parent / "models/robots", checkout / "models/robots")
+    library = Path(dyn.library_path).resolve().parent
+    prefix = library.parents[1] if library.parent.name == "glibc-hwcaps" else library
+    installed = work / "prefix/lib"  # a tree with this library and its variants alone
+    for file in [*prefix.glob("libdyn.so.1"), *prefix.glob("libdyn_mesh.so"), *prefix.glob("glibc-hwcaps/*/libdyn.so.1")]:
+        copy = installed / file.relative_to(prefix)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(file, copy)
+    command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(work), str(checkout / "capi/python")]
+    subprocess.run(command, check=True, env={**os.environ, "DYN_PREFIX": str(work / "prefix")}, cwd=work)
+    (found,) = work.glob("*.whl")
+    return found, installed

@@ -19,8 +19,8 @@ def go2(**options):
 
 def rod(b, name, parent, placement, length, type="revolute", axis=(0, 0, 1), mass=1.0, **more):
     """A joint and a slender rod along x."""
-    b.joint(name, type, parent, placement, axis=axis, **more)
-    b.body(name + "_rod", name, mass=mass, com=(length / 2, 0, 0), inertia=np.diag([1e-3, mass * length**2 / 12, mass * length**2 / 12]))
+    b.add_joint(name, type, parent, placement, axis=axis, **more)
+    b.add_body(name + "_rod", name, mass=mass, com=(length / 2, 0, 0), inertia=np.diag([1e-3, mass * length**2 / 12, mass * length**2 / 12]))
 
 
 def four_bar(crank=1.0, coupler=1.0, rocker=1.0, ground=1.0, kind="loop", copies=1, **more):
@@ -29,13 +29,13 @@ def four_bar(crank=1.0, coupler=1.0, rocker=1.0, ground=1.0, kind="loop", copies
     rod(b, "a", None, None, crank)
     rod(b, "b", "a", (crank, 0, 0), coupler)
     rod(b, "c", "b", (coupler, 0, 0), rocker)
-    b.frame("tip", "c", (rocker, 0, 0))
+    b.add_frame("tip", "c", (rocker, 0, 0))
     for k in range(copies):
         if kind == "loop":
             c = dc.loop("revolute", "tip", None, axis=(0, 0, 1), placement2=(ground, 0, 0), **more)
         else:
             c = getattr(dc, kind)("tip", None, placement2=(ground, 0, 0), **more)
-        b.constraint(f"pin{k}", c)
+        b.add_constraint(f"pin{k}", c)
     return b.finish()
 
 
@@ -69,18 +69,18 @@ LOOPS = {"revolute": 5, "prismatic": 5, "helical": 5, "cylindrical": 4, "univers
 def arms(constraint):
     """Two arms on a moving base, with what ties their ends."""
     b = dyn.Builder("arms")
-    b.joint("base", "free_flyer").body("trunk", "base", mass=3, inertia=np.diag([0.2, 0.3, 0.4]))
+    b.add_joint("base", "free_flyer").add_body("trunk", "base", mass=3, inertia=np.diag([0.2, 0.3, 0.4]))
     g = np.random.default_rng(5)
     for side, y in (("l", 0.3), ("r", -0.3)):
         parent, at = "base", (0.1, y, 0.2)
         for k, (type, axis) in enumerate((("revolute", (0, 0, 1)), ("revolute", (0, 1, 0)), ("spherical", (0, 0, 1)), ("prismatic", (1, 0.2, 0)), ("continuous", (1, 0, 0)))):
-            b.joint(f"{side}{k}", type, parent, at, axis=axis)
-            b.body(f"{side}{k}_link", f"{side}{k}", mass=1, com=g.normal(size=3) * 0.1, inertia=np.diag([0.1, 0.12, 0.15]))
+            b.add_joint(f"{side}{k}", type, parent, at, axis=axis)
+            b.add_body(f"{side}{k}_link", f"{side}{k}", mass=1, com=g.normal(size=3) * 0.1, inertia=np.diag([0.1, 0.12, 0.15]))
             parent, at = f"{side}{k}", (0.3, 0.05, -0.1)
         Q, _ = np.linalg.qr(g.normal(size=(3, 3)))
-        b.frame(f"{side}_end", parent, (Q * np.linalg.det(Q), (0.2, 0.1, 0)))
+        b.add_frame(f"{side}_end", parent, (Q * np.linalg.det(Q), (0.2, 0.1, 0)))
     if constraint is not None:
-        b.constraint("tie", constraint)
+        b.add_constraint("tie", constraint)
     return b.finish()
 
 

@@ -12,11 +12,11 @@ import libdyn as dyn
 def build_arm():
     inertia = np.diag((0.1, 0.1, 0.01))
     b = dyn.Builder("arm")
-    b.joint("shoulder", "revolute", axis=(0, 1, 0), lower=-2, upper=[2.5], velocity=4, effort=30, damping=0.1, friction=0.2)
-    b.body("upper", "shoulder", 1.0, (0, 0, -0.5), inertia)
-    b.joint("elbow", dyn.JointType.CONTINUOUS, "shoulder", (0, 0, -1), axis=(0, 1, 0))
-    b.body("lower", "elbow", 1.0, (0, 0, -0.5), inertia)
-    return b.frame("tool", "elbow", (0, 0, -1))
+    b.add_joint("shoulder", "revolute", axis=(0, 1, 0), lower=-2, upper=[2.5], velocity=4, effort=30, damping=0.1, friction=0.2)
+    b.add_body("upper", "shoulder", 1.0, (0, 0, -0.5), inertia)
+    b.add_joint("elbow", dyn.JointType.CONTINUOUS, "shoulder", (0, 0, -1), axis=(0, 1, 0))
+    b.add_body("lower", "elbow", 1.0, (0, 0, -0.5), inertia)
+    return b.add_frame("tool", "elbow", (0, 0, -1))
 
 
 def test_same_as_from_a_file():
@@ -35,14 +35,14 @@ def test_same_as_from_a_file():
 def test_finish_again():
     b = build_arm()
     assert b.finish().nq == 2
-    b.joint("wrist", "revolute", "elbow", (0, 0, -1)).body("hand", "wrist", 0.1, inertia=0.01 * np.eye(3))
+    b.add_joint("wrist", "revolute", "elbow", (0, 0, -1)).add_body("hand", "wrist", 0.1, inertia=0.01 * np.eye(3))
     assert b.finish().nq == 3
 
 
 @pytest.mark.parametrize("kind", [t for t in dyn.JointType if t not in (dyn.JointType.FIXED, dyn.JointType.COMPOSITE)])
 def test_every_joint(kind):
     b = dyn.Builder()
-    b.joint("j", kind, axis=(0, 0, 1), axis2=(1, 0, 0), pitch=0.1).body("b", "j", 1, (0.1, 0.2, 0.3), np.eye(3))
+    b.add_joint("j", kind, axis=(0, 0, 1), axis2=(1, 0, 0), pitch=0.1).add_body("b", "j", 1, (0.1, 0.2, 0.3), np.eye(3))
     m = b.finish()
     joint = m.joint("j")
     assert joint.type == kind and (joint.nq, joint.nv) == dyn.builder._SIZES.get(kind, (1, 1)) == (m.nq, m.nv)
@@ -52,24 +52,24 @@ def test_every_joint(kind):
 
 
 def test_fixed_joint_is_a_frame():
-    b = build_arm().joint("mount", "fixed", "elbow", (0, 0, -1)).body("camera", "mount", 0.2)
+    b = build_arm().add_joint("mount", "fixed", "elbow", (0, 0, -1)).add_body("camera", "mount", 0.2)
     m = b.finish()
     assert m.njoints == 3 and m.frame("mount").type == dyn.FrameType.FIXED_JOINT and m.total_mass == pytest.approx(2.2)
 
 
 def test_composite():
     parts = [{"type": "revolute", "axis": (1, 0, 0)}, {"type": "prismatic", "placement": (0, 0, 1)}, {"type": "spherical"}]
-    b = dyn.Builder().joint("c", "composite", parts=parts, lower=[-1] * 6, upper=[1] * 6).body("b", "c", 1, inertia=np.eye(3))
+    b = dyn.Builder().add_joint("c", "composite", parts=parts, lower=[-1] * 6, upper=[1] * 6).add_body("b", "c", 1, inertia=np.eye(3))
     m = b.finish()
     assert (m.nq, m.nv) == (6, 5) and m.joint("c").type == dyn.JointType.COMPOSITE
     for bad, words in (({"axis": (1, 0, 0)}, "no type"), ({"type": "revolute", "name": "x"}, "unknown")):
         with pytest.raises(dyn.ArgumentError, match=words):
-            dyn.Builder().joint("c", "composite", parts=[bad])
+            dyn.Builder().add_joint("c", "composite", parts=[bad])
 
 
 def test_mimic_and_rotor():
-    b = dyn.Builder().joint("a", "revolute", rotor_inertia=0.01, gear_ratio=10, armature=0.5).body("l", "a", 1, inertia=np.eye(3))
-    b.joint("f", "prismatic", "a", mimic="a", mimic_ratio=2, mimic_offset=0.1).body("k", "f", 1, inertia=np.eye(3))
+    b = dyn.Builder().add_joint("a", "revolute", rotor_inertia=0.01, gear_ratio=10, armature=0.5).add_body("l", "a", 1, inertia=np.eye(3))
+    b.add_joint("f", "prismatic", "a", mimic="a", mimic_ratio=2, mimic_offset=0.1).add_body("k", "f", 1, inertia=np.eye(3))
     m = b.finish()
     assert (m.nq, m.nv, m.njoints) == (1, 1, 3)
     assert m.joint("f").mimic_ratio == 2 and m.joint("f").mimic_offset == 0.1
@@ -87,7 +87,7 @@ def test_placements(form):
         given = np.concatenate([rotation.T.ravel(), p])
     else:
         given = (rotation, p) if form == "pair" else dyn.Placement(rotation, p)
-    d = build_arm().frame("x", None, given).finish().data()
+    d = build_arm().add_frame("x", None, given).finish().data()
     d.forward_kinematics([0, 0])
     found = d.frame_placement("x")
     np.testing.assert_allclose(found.rotation, rotation, atol=1e-15)
@@ -95,7 +95,7 @@ def test_placements(form):
 
 
 def test_configuration_and_gravity():
-    b = build_arm().gravity((0, 0, -1.62)).configuration("bent", [0.5, -0.5])
+    b = build_arm().set_gravity((0, 0, -1.62)).add_configuration("bent", [0.5, -0.5])
     m = b.finish()
     assert m.configuration_names == ("neutral", "bent") and m.configuration("bent").tolist() == [0.5, -0.5]
     assert m.gravity[2] == -1.62
@@ -104,36 +104,36 @@ def test_configuration_and_gravity():
 def test_errors():
     b = build_arm()
     with pytest.raises(dyn.UnknownNameError):
-        b.joint("elbow", "revolute").finish()
+        b.add_joint("elbow", "revolute").finish()
     b = build_arm()
     with pytest.raises(dyn.Error):
-        b.joint("x", "revolute", "nowhere").finish()
+        b.add_joint("x", "revolute", "nowhere").finish()
     with pytest.raises(dyn.ArgumentError, match="REVOLUTE"):
-        b.joint("x", "hinge")
+        b.add_joint("x", "hinge")
     with pytest.raises(dyn.SizeError, match=r"lower has shape \(2,\), but must have shape \(1,\)"):
-        b.joint("x", "revolute", lower=[1, 2])
+        b.add_joint("x", "revolute", lower=[1, 2])
     with pytest.raises(dyn.SizeError, match=r"inertia has shape \(2, 2\), but must have shape \(3, 3\)"):
-        b.body("x", "elbow", 1.0, inertia=np.eye(2))
+        b.add_body("x", "elbow", 1.0, inertia=np.eye(2))
     with pytest.raises(dyn.Error):
-        b.body("x", "elbow", -1.0).finish()
+        b.add_body("x", "elbow", -1.0).finish()
     with pytest.raises(dyn.Error):
-        build_arm().body("x", "elbow", math.nan).finish()
+        build_arm().add_body("x", "elbow", math.nan).finish()
     with pytest.raises(dyn.SizeError, match="placement"):
-        build_arm().frame("x", "elbow", (1, 2))
+        build_arm().add_frame("x", "elbow", (1, 2))
     with pytest.raises(dyn.ArgumentError, match="last row"):
-        build_arm().frame("x", "elbow", np.ones((4, 4)))
+        build_arm().add_frame("x", "elbow", np.ones((4, 4)))
     with pytest.raises(dyn.Error):
-        build_arm().configuration("short", [1]).finish()
+        build_arm().add_configuration("short", [1]).finish()
     assert "arm" in repr(b)
 
 
 def test_shapes_have_colours():
-    b = dyn.Builder("c").joint("f", "free_flyer").body("a", "f", 1, inertia=np.eye(3))
-    b.shape("a", "box", (1, 1, 1), rgba=(1, 0.2, 0, 0.4)).shape("a", "sphere", (1,))
+    b = dyn.Builder("c").add_joint("f", "free_flyer").add_body("a", "f", 1, inertia=np.eye(3))
+    b.add_shape("a", "box", (1, 1, 1), rgba=(1, 0.2, 0, 0.4)).add_shape("a", "sphere", (1,))
     m = b.finish()
     assert m.shapes[0].rgba == pytest.approx((1, 0.2, 0, 0.4), abs=1e-12) and m.shapes[1].rgba is None
     assert dyn.Builder.from_model(m).finish().shapes[0].rgba == m.shapes[0].rgba
     for bad in ((1, 0, 0), (1, 0, 0, 2), (1, 0, 0, float("nan"))):
         with pytest.raises(dyn.Error, match="rgba"):
-            b.shape("a", "sphere", (1,), rgba=bad)
+            b.add_shape("a", "sphere", (1,), rgba=bad)
     assert b.finish().nshapes == 2

@@ -29,7 +29,7 @@ def cluster():
 @pytest.fixture(scope="module")
 def scene():
     bare = dyn.load(MODELS / "robots" / "go2.urdf", base="floating")
-    return dyn.Builder.from_model(bare).shape("universe", "half_space", name="floor").finish()
+    return dyn.Builder.from_model(bare).add_shape("universe", "half_space", name="floor").finish()
 
 
 def falls(m, n):

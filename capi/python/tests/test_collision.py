@@ -39,21 +39,21 @@ def test_shapes_that_cannot_be(shape, error):
 
 
 def test_shapes_of_a_builder():
-    b = dyn.Builder("pair").joint("a", "prismatic").body("la", "a", 1).shape("la", "box", (1, 1, 1))
-    b.joint("b", "prismatic", axis=(1, 0, 0)).body("lb", "b", 1).shape("lb", "sphere", 0.5, (I, (0, 0, 3)), name="ball")
+    b = dyn.Builder("pair").add_joint("a", "prismatic").add_body("la", "a", 1).add_shape("la", "box", (1, 1, 1))
+    b.add_joint("b", "prismatic", axis=(1, 0, 0)).add_body("lb", "b", 1).add_shape("lb", "sphere", 0.5, (I, (0, 0, 3)), name="ball")
     m = b.finish()
     assert [s.name for s in m.shapes] == ["", "ball"] and m.npairs == 1
-    assert m.data().distances([0.25, 0])[0] == pytest.approx(3 - 0.5 - 0.5 - 0.25)
+    assert m.data().compute_distances([0.25, 0])[0] == pytest.approx(3 - 0.5 - 0.5 - 0.25)
     with pytest.raises(dyn.InvalidRobotError, match="'lb'"):
-        b.shape("lb", "sphere", -1)
+        b.add_shape("lb", "sphere", -1)
     with pytest.raises(dyn.UnknownNameError, match="nobody"):
-        b.shape("nobody", "sphere", 1)
+        b.add_shape("nobody", "sphere", 1)
 
 
 def test_a_robot(go2, state):
     d, q = go2.data(), state[0]
     assert go2.npairs == len(go2.pairs) > 100 and all(p.reason is PairReason.TESTED for p in go2.pairs)
-    distances = d.distances(q)
+    distances = d.compute_distances(q)
     found = d.pair_distance(7)
     assert found.distance == distances[7] == d.field("distances")[7]
     np.testing.assert_allclose(found.point_b - found.point_a, found.distance * found.normal, atol=1e-9)
@@ -63,14 +63,14 @@ def test_a_robot(go2, state):
     smooth = [k for k in range(go2.npairs) if d.pair_distance(k).unique]
     for k in range(6, go2.nv):
         step = np.eye(go2.nv)[k] * h
-        numeric = (d.distances(go2.integrate(q, step)) - d.distances(go2.integrate(q, -step))) / (2 * h)
+        numeric = (d.compute_distances(go2.integrate(q, step)) - d.compute_distances(go2.integrate(q, -step))) / (2 * h)
         assert np.mean(np.abs(numeric - gradients[:, k])[smooth] < 1e-6) > 0.95  # but for kinks
 
     d.set_pair(7, False)
-    assert d.distances(q)[7] == np.inf and d.pair_reason(7) is PairReason.OFF
+    assert d.compute_distances(q)[7] == np.inf and d.pair_reason(7) is PairReason.OFF
     with pytest.raises(dyn.ArgumentError):
         d.pair_distance(7)
     d.set_pair(None, True)
-    np.testing.assert_array_equal(d.distances(q), distances)
+    np.testing.assert_array_equal(d.compute_distances(q), distances)
     with pytest.raises(dyn.ArgumentError):
         d.pair_distance(go2.npairs)

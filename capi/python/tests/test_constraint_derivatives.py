@@ -58,11 +58,11 @@ def test_bounds(speed):
     b = dyn.Builder("arm")
     parent = None
     for k in range(4):
-        b.joint(f"j{k}", "revolute", parent, None if k == 0 else (0.5, 0, 0), axis=(0, 1, 0.1 * k), lower=[-0.5], upper=[0.5])
-        b.body(f"link{k}", f"j{k}", mass=1, com=(0.25, 0.02, 0), inertia=np.diag([0.01, 0.05, 0.06]))
+        b.add_joint(f"j{k}", "revolute", parent, None if k == 0 else (0.5, 0, 0), axis=(0, 1, 0.1 * k), lower=[-0.5], upper=[0.5])
+        b.add_body(f"link{k}", f"j{k}", mass=1, com=(0.25, 0.02, 0), inertia=np.diag([0.01, 0.05, 0.06]))
         parent = f"j{k}"
-    b.constraint("limit0", dc.limit("j0", stiffness=100, damping=20)).constraint("limit1", dc.limit("j1", stiffness=100, damping=20))
-    b.constraint("sticks", dc.friction("j2", 1e3)).constraint("slides", dc.friction("j3", 1e-3))
+    b.add_constraint("limit0", dc.limit("j0", stiffness=100, damping=20)).add_constraint("limit1", dc.limit("j1", stiffness=100, damping=20))
+    b.add_constraint("sticks", dc.friction("j2", 1e3)).add_constraint("slides", dc.friction("j3", 1e-3))
     m = b.finish()
     d = m.data()
     q, v = np.array([0.7, -0.6, 0.2, -0.1]), speed * np.array([0.3, 0.4, 0.2, 0.5])

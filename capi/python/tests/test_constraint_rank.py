@@ -75,13 +75,13 @@ def bricard():
     b = dyn.Builder("bricard")
     parent, placement = None, None
     for k in range(5):
-        b.joint(f"h{k}", "revolute", parent, placement, axis=(0, 0, 1))
-        b.body(f"link{k}", f"h{k}", mass=1, com=(0.5, 0, 0), inertia=np.diag([0.01, 0.1, 0.1]))
+        b.add_joint(f"h{k}", "revolute", parent, placement, axis=(0, 0, 1))
+        b.add_body(f"link{k}", f"h{k}", mass=1, com=(0.5, 0, 0), inertia=np.diag([0.01, 0.1, 0.1]))
         sign = 1 if k % 2 == 0 else -1
         parent, placement = f"h{k}", (np.array([[1.0, 0, 0], [0, 0, -sign], [0, sign, 0]]), np.array([1.0, 0, 0]))
-    b.frame("end", parent, placement)
+    b.add_frame("end", parent, placement)
     # the sixth link is the ground: its far end is where the first hinge is
-    b.constraint("sixth", dc.loop("revolute", "end", None, axis=(0, 0, 1), placement2=(np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), (-1, 0, 0))))
+    b.add_constraint("sixth", dc.loop("revolute", "end", None, axis=(0, 0, 1), placement2=(np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]), (-1, 0, 0))))
     return b.finish()
 
 
@@ -109,10 +109,10 @@ def test_bricard():
 def test_contradictions_by_name():
     """A rod of one metre between points that are 1.001 m apart."""
     b = dyn.Builder("rod")
-    b.joint("free", "free_flyer")
-    b.body("rod", "free", mass=1, inertia=np.diag([0.01, 0.1, 0.1]))
-    b.frame("left", "free", (-0.5, 0, 0)).frame("right", "free", (0.5, 0, 0))
-    b.constraint("here", dc.weld("left", placement2=(-0.5005, 0, 0))).constraint("there", dc.weld("right", placement2=(0.5005, 0, 0)))
+    b.add_joint("free", "free_flyer")
+    b.add_body("rod", "free", mass=1, inertia=np.diag([0.01, 0.1, 0.1]))
+    b.add_frame("left", "free", (-0.5, 0, 0)).add_frame("right", "free", (0.5, 0, 0))
+    b.add_constraint("here", dc.weld("left", placement2=(-0.5005, 0, 0))).add_constraint("there", dc.weld("right", placement2=(0.5005, 0, 0)))
     m = b.finish()
     d = m.data()
     q0 = np.array([0.1, 0.2, -0.1, 0.05, 0.02, -0.1, 1])

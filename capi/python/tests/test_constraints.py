@@ -155,7 +155,7 @@ def test_limits_and_friction_are_complementary():
     parent = None
     for k in range(4):
         rod(b, f"j{k}", parent, None if k == 0 else (0.5, 0, 0), 0.5, axis=(0, 1, 0), lower=[-0.5], upper=[0.5])
-        b.constraint(f"limit{k}", dc.limit(f"j{k}", stiffness=100, damping=20)).constraint(f"friction{k}", dc.friction(f"j{k}", 0.7))
+        b.add_constraint(f"limit{k}", dc.limit(f"j{k}", stiffness=100, damping=20)).add_constraint(f"friction{k}", dc.friction(f"j{k}", 0.7))
         parent = f"j{k}"
     m = b.finish()
     d = m.data()
@@ -200,10 +200,10 @@ def test_inverse_dynamics_shares_the_load():
     """A table on four legs, its weight off centre: the least forces are W/4 (1 + x x_c / a^2 + y y_c / b^2)."""
     a, c, W = np.array([0.4, 0.3]), np.array([0.1, -0.05]), 9.81 * 5
     b = dyn.Builder("table")
-    b.joint("free", "free_flyer").body("top", "free", mass=5, com=(*c, 0), inertia=np.diag([0.2, 0.3, 0.4]))
+    b.add_joint("free", "free_flyer").add_body("top", "free", mass=5, com=(*c, 0), inertia=np.diag([0.2, 0.3, 0.4]))
     feet = [(sx * a[0], sy * a[1]) for sx in (1, -1) for sy in (1, -1)]
     for k, (x, y) in enumerate(feet):
-        b.frame(f"foot{k}", "free", (x, y, 0)).constraint(f"leg{k}", dc.point(f"foot{k}"))
+        b.add_frame(f"foot{k}", "free", (x, y, 0)).add_constraint(f"leg{k}", dc.point(f"foot{k}"))
     d = b.finish().data()
     q = np.array([0, 0, 0, 0, 0, 0, 1.0])
     tau, forces = d.constrained_inverse_dynamics(q, np.zeros(6), np.zeros(6))
@@ -246,7 +246,7 @@ def test_every_type_between_frames(type, tmp_path):
     C = d.constraint_terms(q, v).C
     assert 1 <= len(C) <= 6 and abs(C).max() < 1e-12
     b = dyn.Builder.from_model(m)
-    held = b.constraint("held", dc.Constraint(type, "FL_foot", "base", {"length": 0.7})).finish()
+    held = b.add_constraint("held", dc.Constraint(type, "FL_foot", "base", {"length": 0.7})).finish()
     held.save(tmp_path / "held.urdf")
     back = dyn.load(tmp_path / "held.urdf", base="floating")
     for x in (held, back):
@@ -275,21 +275,21 @@ def test_refusals():
     with pytest.raises(dyn.ArgumentError, match="slot 9"):
         d.set_constraint_enabled(9)
     with pytest.raises(dyn.UnknownNameError):
-        dyn.Builder("x").constraint("c", dc.point("nobody"))
+        dyn.Builder("x").add_constraint("c", dc.point("nobody"))
     b = dyn.Builder.from_model(m)
-    b.constraint("c", dc.point("FL_foot"))
+    b.add_constraint("c", dc.point("FL_foot"))
     with pytest.raises(dyn.UnknownNameError, match="already"):
-        b.constraint("c", dc.point("FR_foot"))
+        b.add_constraint("c", dc.point("FR_foot"))
 
 
 def test_operations_on_models_keep_constraints():
     m = four_bar(crank=0.7, coupler=1.2, rocker=0.9)
     assert m.constraint_names == ["pin0"] and m.nconstraint_slots == 9
     again = dyn.Builder.from_model(m).finish()
-    assert again.constraint_names == ["pin0"] and again.constraint_info("pin0").joint_type == dyn.JointType.REVOLUTE
+    assert again.constraint_names == ["pin0"] and again.constraint("pin0").joint_type == dyn.JointType.REVOLUTE
     two = dyn.Builder.from_model(m).attach(m, "other_").finish()
     assert two.constraint_names == ["pin0", "other_pin0"]
     d = two.data()
     assert d.constraint_rows() == slice(0, 10)
-    assert dyn.Builder.from_model(m).remove("c").finish().constraint_names == []
+    assert dyn.Builder.from_model(m).remove_subtree("c").finish().constraint_names == []
     assert dyn.Builder.from_model(m).lock(["a", "b", "c"], np.zeros(3)).finish().constraint_names == []

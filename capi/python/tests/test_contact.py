@@ -14,8 +14,8 @@ def at(x, y, z):
 
 
 def scene():
-    b = dyn.Builder("scene").shape("universe", "half_space")
-    b.joint("f", "free_flyer").body("box", "f", 1, inertia=I).shape("box", "box", (1, 1, 1), radius=0.1, contype=2, conaffinity=1)
+    b = dyn.Builder("scene").add_shape("universe", "half_space")
+    b.add_joint("f", "free_flyer").add_body("box", "f", 1, inertia=I).add_shape("box", "box", (1, 1, 1), radius=0.1, contype=2, conaffinity=1)
     return b.finish()
 
 

@@ -151,7 +151,7 @@ def test_pinocchio_without_followers():
 
 def test_pinocchio_manifolds():
     pin = pytest.importorskip("pinocchio")
-    m, model = dyn.Builder("manifolds").gravity((0, 0, -9.81)), pin.Model()
+    m, model = dyn.Builder("manifolds").set_gravity((0, 0, -9.81)), pin.Model()
     parent, above = None, 0
     kinds = {
         "planar": pin.JointModelPlanar(), "spherical": pin.JointModelSpherical(), "spherical_zyx": pin.JointModelSphericalZYX(),
@@ -161,7 +161,7 @@ def test_pinocchio_manifolds():
     for k, (kind, joint) in enumerate(kinds.items()):
         p, com, I = np.array([0.1, -0.2, 0.1 * k]), np.array([0.05, 0.02 * k, 0.01]), np.diag([0.02, 0.03, 0.025])
         axis = (1, 0, 0) if kind == "revolute_unbounded" else (0, 0, 1)
-        m.joint(kind, kind, parent, p, axis=axis).body(f"{kind} link", kind, 1 + k, com, I)
+        m.add_joint(kind, kind, parent, p, axis=axis).add_body(f"{kind} link", kind, 1 + k, com, I)
         above = model.addJoint(above, joint, pin.SE3(np.eye(3), p), kind)
         model.appendBodyToJoint(above, pin.Inertia(1 + k, com, I), pin.SE3.Identity())
         model.addBodyFrame(f"{kind} link", above, pin.SE3.Identity(), 0)
@@ -229,9 +229,9 @@ def test_mujoco_ball_and_placed_base():
       <freejoint name="base"/>{inertial}<body name="arm" pos="0.1 -0.2 0.3"><joint name="ball" type="ball"/>{inertial}</body>
       </body></worldbody></mujoco>""")
     turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
-    b = dyn.Builder("b").joint("base", "free_flyer", placement=(turn, (1, 2, 3)))
-    b.body("trunk", "base", 1.5, (0.05, 0.02, 0.01), np.diag([0.02, 0.03, 0.025]))
-    b.joint("ball", "spherical", "base", (0.1, -0.2, 0.3)).body("arm", "ball", 1.5, (0.05, 0.02, 0.01), np.diag([0.02, 0.03, 0.025]))
+    b = dyn.Builder("b").add_joint("base", "free_flyer", placement=(turn, (1, 2, 3)))
+    b.add_body("trunk", "base", 1.5, (0.05, 0.02, 0.01), np.diag([0.02, 0.03, 0.025]))
+    b.add_joint("ball", "spherical", "base", (0.1, -0.2, 0.3)).add_body("arm", "ball", 1.5, (0.05, 0.02, 0.01), np.diag([0.02, 0.03, 0.025]))
     m = b.finish()
     for seed in range(5):
         compare(m, dyn.StateLayout.of_mujoco(model), mujoco_peer(mujoco, model), ["trunk", "arm"], seed)
@@ -300,7 +300,7 @@ def test_drake_ball_and_planar():
         offset = plant.AddFrame(FixedOffsetFrame(f"{kind} place", frame, RigidTransform(p)))
         plant.AddJoint(joint(kind, offset, body.body_frame()))
         axes = {"axis": (1, 0, 0), "axis2": (0, 1, 0)} if kind == "universal" else {}
-        b.joint(kind, kind, parent, p, **axes).body(f"{kind} link", kind, 1.5, com, I)
+        b.add_joint(kind, kind, parent, p, **axes).add_body(f"{kind} link", kind, 1.5, com, I)
         frame, parent = body.body_frame(), kind
     plant.Finalize()
     m = b.finish()

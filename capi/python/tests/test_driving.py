@@ -35,7 +35,7 @@ def test_steps_are_mujocos(kind):
     d.set_state(q=q)
     d.set_control([0.4, -0.7])
     state.ctrl[:] = 0.4, -0.7
-    d.set_stepping("rk4", 1e-4)
+    d.set_step_options("rk4", 1e-4)
     for _ in range(3000):
         d.step()
         mujoco.mj_step(theirs, state)
@@ -89,13 +89,13 @@ def test_equalities_hold():
     m = dyn.load_string(LOOP.format(equality="""<connect body1="rod" anchor="0.6 0 -0.3"/><joint joint1="c" joint2="a" polycoef="0.1 2 0 0 0"/>
 <weld body1="stone" body2="follower"/><connect name="off" site1="tip" site2="here" active="false"/>"""))
     assert m.constraint_names == ["connect_0", "joint_1", "weld_2", "off"]
-    assert [m.constraint_info(k).enabled for k in range(4)] == [1, 1, 1, 0]
+    assert [m.constraint(k).enabled for k in range(4)] == [1, 1, 1, 0]
     d = m.data()
     d.set_state(q=m.configuration("qpos0"))
     tip = m.frame_id("tip")
     d.forward_kinematics(d.q)
     start = d.frame_placement(tip).translation.copy()
-    d.set_stepping(dt=1e-3)
+    d.set_step_options(dt=1e-3)
     for k in range(500):
         d.step()
         if k > 200:
@@ -112,7 +112,7 @@ def test_pairs():
     m = dyn.load_string(text)
     d = m.data()
     d.set_state(q=m.configuration("qpos0"), v=[1, 0, 0, 0, 0, 0])
-    d.set_stepping(dt=1e-3)
+    d.set_step_options(dt=1e-3)
     for _ in range(200):
         d.step()
     assert d.v[0] == pytest.approx(1 - 0.2 * 9.81 * 0.2, abs=1e-6)
@@ -122,13 +122,13 @@ def test_pairs():
 
 def test_python_calls():
     b = dyn.Builder("arm")
-    b.joint("hinge", "revolute", None, axis=(0, 1, 0)).body("arm", "hinge", 2.0, (0.5, 0, 0)).actuator("servo", "hinge", type="position", kp=1e4, kv=1e3)
-    b.gravity_compensation("arm").medium(1.2, 1e-5)
+    b.add_joint("hinge", "revolute", None, axis=(0, 1, 0)).add_body("arm", "hinge", 2.0, (0.5, 0, 0)).add_actuator("servo", "hinge", type="position", kp=1e4, kv=1e3)
+    b.set_gravity_compensation("arm").set_medium(1.2, 1e-5)
     m = b.finish()
     assert (m.nu, m.nactuators, m.actuator("servo").kp) == (1, 1, 1e4)
     d = m.data()
     d.set_control([0.3])
-    d.set_stepping(dt=0.01)
+    d.set_step_options(dt=0.01)
     d.advance(5.0)
     assert d.q[0] == pytest.approx(0.3, abs=1e-6) and abs(d.actuator_force[0]) < 1e-3
     d.set_gravity([0, 0, 0])
@@ -139,7 +139,7 @@ def test_python_calls():
     d.clear_wrenches()
     for call, message in (
         (lambda: d.set_control([1, 2]), "u"), (lambda: d.set_control([math.nan]), "u"), (lambda: d.apply_wrench("none", [0] * 6), "none"),
-        (lambda: m.actuator("x"), "no actuator"), (lambda: b.actuator("x", "none"), "none"), (lambda: b.medium(-1), "density"),
+        (lambda: m.actuator("x"), "no actuator"), (lambda: b.add_actuator("x", "none"), "none"), (lambda: b.set_medium(-1), "density"),
     ):
         with pytest.raises(dyn.Error, match=message):
             call()
@@ -156,7 +156,7 @@ def test_a_velocity_that_a_weld_forbids_is_gone_at_once(options, v):
     """Redundant rows, and a state that they do not allow: the upper link stops by an impulse, the lower one swings on as a pendulum."""
     m = dyn.load_string(HELD.format(LOWER))
     d = m.data()
-    d.set_stepping(**options)
+    d.set_step_options(**options)
     d.set_state([0, 0], v)
     energy, swing = None, []
     for _ in range(50):
@@ -171,7 +171,7 @@ def test_what_a_weld_holds_stays():
     m = dyn.load_string(HELD.format(""))
     d = m.data()
     for options in ({"integrator": "reference", "dt": 1e-3}, {"accuracy": 1e-6}, {"accuracy": 1e-9}):
-        d.set_stepping(**options)
+        d.set_step_options(**options)
         d.set_state([0], [0.1])
         d.advance(0.2)
         assert abs(d.q[0]) < 1e-12 and abs(d.v[0]) < 1e-12

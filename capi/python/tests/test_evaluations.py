@@ -43,7 +43,7 @@ class Problem:
         """The report, and the error at the end, m."""
         d = self.data
         d.set_state(self.q, self.v, tau=self.tau)
-        d.set_stepping("reference", accuracy=accuracy)
+        d.set_step_options("reference", accuracy=accuracy)
         report = d.advance(self.golden["duration"])
         d.forward_kinematics()
         places = [d.frame_placement(body) for body, _ in self.golden["markers"]]

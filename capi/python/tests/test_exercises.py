@@ -96,7 +96,7 @@ def test_cross_is_the_matrix_ad(go2, state):
 def test_a_frame_of_ones_own(reference):
     """A tool 0.1 m before the hand: J v is its twist, whatever the reference."""
     panda = dyn.load(MODELS / "robots" / "panda.urdf", base="fixed")
-    m = dyn.Builder.from_model(panda).frame("tool", "panda_hand", (np.eye(3), (0, 0, 0.1))).finish()
+    m = dyn.Builder.from_model(panda).add_frame("tool", "panda_hand", (np.eye(3), (0, 0, 0.1))).finish()
     assert m.nv == panda.nv and m.nframes == panda.nframes + 1
     d = m.data()
     for seed in range(5):
@@ -197,13 +197,13 @@ def test_random_configurations_are_finite(go2):
 
 def test_gradient_of_a_distance_apart_touching_and_overlapping():
     """By the witness points: n'(J_b p_b - J_a p_a), with the normal of the result, which does not turn round where shapes overlap."""
-    b = dyn.Builder("balls").joint("slide", "prismatic", axis=(1, 0, 0)).body("moving", "slide", 1, inertia=np.eye(3))
-    b.shape("universe", "sphere", 0.5, name="still").shape("moving", "sphere", 0.5, (np.eye(3), (0, 0.3, 0)), name="ball")
-    b.pair("still", "ball")  # a body and its parent are no pair until they are asked to be
+    b = dyn.Builder("balls").add_joint("slide", "prismatic", axis=(1, 0, 0)).add_body("moving", "slide", 1, inertia=np.eye(3))
+    b.add_shape("universe", "sphere", 0.5, name="still").add_shape("moving", "sphere", 0.5, (np.eye(3), (0, 0.3, 0)), name="ball")
+    b.add_pair("still", "ball")  # a body and its parent are no pair until they are asked to be
     d = b.finish().data()
     for x in (2.0, np.sqrt(1 - 0.09), 0.4):
         exact = np.hypot(x, 0.3) - 1
-        close(d.distances([x]), [exact], atol=1e-12)
+        close(d.compute_distances([x]), [exact], atol=1e-12)
         close(d.distance_gradients()[0], [x / np.hypot(x, 0.3)], atol=1e-9)
 
 

@@ -32,7 +32,7 @@ def test_regressors(robot, request):
 def test_bodies(arm):
     d = arm.data()
     q, v, a = [0.3, -0.4], [1, 2], [-1, 0.5]
-    with pytest.raises(dyn.StaleError, match="dyn_forward_kinematics"):
+    with pytest.raises(dyn.StaleError, match="call Data.forward_kinematics"):
         d.joint_body_regressor(1)
     d.forward_kinematics(q, v, a)
     last = d.joint_body_regressor("elbow")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import libdyn as dyn
-from libdyn import library
+from libdyn import native
 
 needs_compiler = pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
 
@@ -33,8 +33,8 @@ def test_folder_is_searched(tmp_path):
     target = tmp_path / "libdyn.so.1"
     target.symlink_to(Path(dyn.library_path).resolve())
     assert start(DYN_LIBRARY=str(tmp_path))[1] == str(target)
-    if library.cpu_levels():
-        better = tmp_path / "glibc-hwcaps" / library.cpu_levels()[-1] / "libdyn.so.1"
+    if native.cpu_levels():
+        better = tmp_path / "glibc-hwcaps" / native.cpu_levels()[-1] / "libdyn.so.1"
         better.parent.mkdir(parents=True)
         better.symlink_to(target)
         assert start(DYN_LIBRARY=str(tmp_path))[1] == str(better)
@@ -71,17 +71,17 @@ def test_too_old(tmp_path):
 
 
 def test_cpu_levels():
-    levels = library.cpu_levels()
+    levels = native.cpu_levels()
     assert levels == sorted(levels, reverse=True)
     assert set(levels) <= {"x86-64-v2", "x86-64-v3", "x86-64-v4"}
 
 
 @pytest.mark.parametrize(("call", "name"), [
-    (lambda m, n: m.data().set_stepping(max_iterations=n), "max_iterations"),
+    (lambda m, n: m.data().set_step_options(max_iterations=n), "max_iterations"),
     (lambda m, n: dyn.load_string("<mujoco/>", constraint_slots=n), "constraint_slots"),
     (lambda m, n: dyn.load_string("<mujoco/>", contact_capacity=n), "contact_capacity"),
-    (lambda m, n: dyn.Builder("x").contact_capacity(n), "contacts"),
-    (lambda m, n: dyn.Builder("x").constraint_slots(n), "slots"),
+    (lambda m, n: dyn.Builder("x").set_contact_capacity(n), "contacts"),
+    (lambda m, n: dyn.Builder("x").set_constraint_slots(n), "slots"),
     (lambda m, n: dyn.batch.rollout(m, steps=n), "steps"),
     (lambda m, n: dyn.batch.rollout(m, steps=n, every=n), "every"),
     (lambda m, n: dyn.batch.rollout(m, steps=2, n=n), "n"),
@@ -89,6 +89,6 @@ def test_cpu_levels():
 @pytest.mark.parametrize("number", [2**32 + 1, 2**31, 10**30, 2.5])
 def test_integers_are_not_cut(call, name, number):
     b = dyn.Builder("one")
-    b.joint("j", "revolute", None).body("b", "j", 1.0, (0.1, 0, 0))
+    b.add_joint("j", "revolute", None).add_body("b", "j", 1.0, (0.1, 0, 0))
     with pytest.raises(dyn.Error, match=rf"{name} is"):
         call(b.finish(), number)

@@ -81,13 +81,13 @@ def tree(seed, joints=9):
     """Hinges, sliders and balls on a moving base; frame f0, f1, ... on each body."""
     g = np.random.default_rng(seed)
     b = dyn.Builder("tree")
-    b.joint("base", "free_flyer").body("trunk", "base", mass=3, inertia=np.diag([0.2, 0.3, 0.4])).frame("f0", "base", (0.1, 0, 0))
+    b.add_joint("base", "free_flyer").add_body("trunk", "base", mass=3, inertia=np.diag([0.2, 0.3, 0.4])).add_frame("f0", "base", (0.1, 0, 0))
     names = ["base"]
     for k in range(1, joints):
         parent, type = names[g.integers(len(names))], str(g.choice(["revolute", "prismatic", "spherical", "revolute"]))
-        b.joint(f"j{k}", type, parent, tuple(0.3 * g.normal(size=3)), axis=tuple(g.normal(size=3)))
-        b.body(f"link{k}", f"j{k}", mass=1, com=tuple(0.1 * g.normal(size=3)), inertia=np.diag([0.1, 0.12, 0.15]))
-        b.frame(f"f{k}", f"j{k}", (0.2, 0.1, 0))
+        b.add_joint(f"j{k}", type, parent, tuple(0.3 * g.normal(size=3)), axis=tuple(g.normal(size=3)))
+        b.add_body(f"link{k}", f"j{k}", mass=1, com=tuple(0.1 * g.normal(size=3)), inertia=np.diag([0.1, 0.12, 0.15]))
+        b.add_frame(f"f{k}", f"j{k}", (0.2, 0.1, 0))
         names.append(f"j{k}")
     return b.finish()
 
@@ -127,9 +127,9 @@ def test_planted_redundancy_and_contradiction_are_named(kind):
 
         def report(*off):
             b = dyn.Builder.from_model(m)
-            b.constraint("beside", dc.point(beside, placement2=d.frame_placement(beside)[1]))
+            b.add_constraint("beside", dc.point(beside, placement2=d.frame_placement(beside)[1]))
             for k, x in enumerate(off):
-                b.constraint(f"planted {k}", ask(x))
+                b.add_constraint(f"planted {k}", ask(x))
             return b.finish().data().constraint_report(q)
 
         def named(r, *verdicts):
@@ -172,15 +172,15 @@ def test_planted_rows_of_joints_are_named(kind):
         limited, other, third = g.permutation(6)[:3]
         for k in range(6):
             bounds = {"lower": [at[k]], "upper": [at[k] + 1]} if k == limited else {}
-            b.joint(f"j{k}", "revolute", f"j{k - 1}" if k else None, tuple(0.3 * g.normal(size=3)), axis=tuple(g.normal(size=3)), **bounds)
-            b.body(f"link{k}", f"j{k}", mass=1, com=tuple(0.1 * g.normal(size=3)), inertia=np.diag([0.1, 0.12, 0.15]))
+            b.add_joint(f"j{k}", "revolute", f"j{k - 1}" if k else None, tuple(0.3 * g.normal(size=3)), axis=tuple(g.normal(size=3)), **bounds)
+            b.add_body(f"link{k}", f"j{k}", mass=1, com=tuple(0.1 * g.normal(size=3)), inertia=np.diag([0.1, 0.12, 0.15]))
         m = b.finish()
 
         def report(off):
             b = dyn.Builder.from_model(m)
-            b.constraint("beside", dc.coupling(f"j{third}", f"j{other}", (at[third] - 0.5 * at[other], 0.5)))
+            b.add_constraint("beside", dc.coupling(f"j{third}", f"j{other}", (at[third] - 0.5 * at[other], 0.5)))
             for k, c in enumerate(make(f"j{limited}", f"j{other}", at[limited], at[other], off)):
-                b.constraint(f"planted {k}", c)
+                b.add_constraint(f"planted {k}", c)
             return b.finish().data().constraint_report(at)
 
         def named(r, verdict):
@@ -202,9 +202,9 @@ def test_branch_without_mass():
 
     def tool(armature):
         b = dyn.Builder("tool")
-        b.joint("arm", "revolute", axis=(0, 1, 0)).body("arm_link", "arm", mass=1, com=(0.2, 0, 0), inertia=np.diag([0.01, 0.1, 0.1]))
-        b.joint("pointer", "revolute", "arm", (0.5, 0, 0), axis=(0, 1, 0), armature=armature).frame("tip", "pointer", (0.3, 0, 0))
-        return b.constraint("on_the_wall", dc.point("tip", placement2=(0.7, 0, 0))).finish()
+        b.add_joint("arm", "revolute", axis=(0, 1, 0)).add_body("arm_link", "arm", mass=1, com=(0.2, 0, 0), inertia=np.diag([0.01, 0.1, 0.1]))
+        b.add_joint("pointer", "revolute", "arm", (0.5, 0, 0), axis=(0, 1, 0), armature=armature).add_frame("tip", "pointer", (0.3, 0, 0))
+        return b.add_constraint("on_the_wall", dc.point("tip", placement2=(0.7, 0, 0))).finish()
 
     with pytest.raises(dyn.InvalidRobotError, match="pointer.*no mass"):
         tool(None)

@@ -122,15 +122,15 @@ def test_shapes_of_meshes(tmp_path):
         dyn.Mesh.height_field(np.zeros(4), 1, -1)
     with pytest.raises(dyn.InvalidRobotError, match="not above the bottom"):
         dyn.Mesh.height_field(np.zeros((2, 2)), 1, 0)
-    b = dyn.Builder("scene").body("ground", None, 0, [0, 0, 0], np.zeros((3, 3))).joint("slide", "prismatic").joint("turn", "revolute", "slide")
-    b.body("cube", "turn", 1, [0, 0, 0], np.eye(3)).shape("ground", "height_field", surface=field).shape("cube", "triangles", surface=cube)
+    b = dyn.Builder("scene").add_body("ground", None, 0, [0, 0, 0], np.zeros((3, 3))).add_joint("slide", "prismatic").add_joint("turn", "revolute", "slide")
+    b.add_body("cube", "turn", 1, [0, 0, 0], np.eye(3)).add_shape("ground", "height_field", surface=field).add_shape("cube", "triangles", surface=cube)
     m = b.finish()
     d = m.data()
     d.set_pair(None, True)
-    assert d.distances([1.5, 0.0]) == pytest.approx([0.5])
+    assert d.compute_distances([1.5, 0.0]) == pytest.approx([0.5])
     assert len(m.shape_mesh(1).triangles) == 12 and m.shapes[1].type == dyn.ShapeType.TRIANGLES
     with pytest.raises(dyn.ArgumentError):
-        dyn.Builder("scene").body("a", None, 0, [0, 0, 0], np.zeros((3, 3))).shape("a", "triangles")
+        dyn.Builder("scene").add_body("a", None, 0, [0, 0, 0], np.zeros((3, 3))).add_shape("a", "triangles")
 
 
 def test_meshes_of_robots(tmp_path):
@@ -155,7 +155,7 @@ def test_meshes_of_robots(tmp_path):
     for m in (hull, triangles):
         d = m.data()
         d.set_pair(None, True)
-        assert d.distances([1.0, 2.0]) == pytest.approx([2.0])
+        assert d.compute_distances([1.0, 2.0]) == pytest.approx([2.0])
     assert hull.shape_mesh(0).info.convex and not triangles.shape_mesh(0).info.convex
     (tmp_path / "a.obj").unlink()
     with pytest.raises(dyn.FileError, match="link 'a'"):

@@ -55,8 +55,8 @@ def test_they_are_all_primitives():
 
 @pytest.mark.parametrize("kind", SIZES)
 def test_every_primitive(kind):
-    b = dyn.Builder("one").joint("j", "free_flyer").body("x", "j", mass=1, inertia=np.eye(3))
-    m = b.shape("x" if kind != "half_space" else "universe", kind, SIZES[kind]).finish()
+    b = dyn.Builder("one").add_joint("j", "free_flyer").add_body("x", "j", mass=1, inertia=np.eye(3))
+    m = b.add_shape("x" if kind != "half_space" else "universe", kind, SIZES[kind]).finish()
     drawn = pieces(m, m.shapes[0])
     assert len(drawn) == (3 if kind == "capsule" else 1)
     if kind == "cone":  # closed, and of the right volume up to that of a polygon of 32 sides

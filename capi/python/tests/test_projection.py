@@ -30,8 +30,8 @@ def arm(lengths, target, **more):
     for k, length in enumerate(lengths):
         rod(b, f"j{k}", parent, tip, length)
         parent, tip = f"j{k}", (length, 0, 0)
-    b.frame("tip", parent, tip)
-    b.constraint("wall", dc.loop("revolute", "tip", None, axis=(0, 0, 1), placement2=(*target, 0), **more))
+    b.add_frame("tip", parent, tip)
+    b.add_constraint("wall", dc.loop("revolute", "tip", None, axis=(0, 0, 1), placement2=(*target, 0), **more))
     return b.finish()
 
 

@@ -14,7 +14,7 @@ from libdyn.batch import rollout
 def scene():
     """A quadruped above a floor."""
     bare = dyn.load(MODELS / "robots" / "go2.urdf", base="floating")
-    return dyn.Builder.from_model(bare).shape("universe", "half_space", name="floor").finish()
+    return dyn.Builder.from_model(bare).add_shape("universe", "half_space", name="floor").finish()
 
 
 @pytest.fixture(scope="session")
@@ -32,7 +32,7 @@ def task(scene):
 def by_steps(m, q0, tau, every, dt=1e-3, integrator=None):
     d = m.data()
     d.set_state(q=q0)
-    d.set_stepping(integrator, dt)
+    d.set_step_options(integrator, dt)
     rows = []
     for row in tau:
         d.set_state(tau=row)
@@ -104,8 +104,8 @@ def test_sensors_and_contacts(scene, task):
 
 def test_actuators_take_controls():
     b = dyn.Builder("pendulum")
-    b.joint("hinge", "revolute", axis=(0, 1, 0)).body("rod", "hinge", mass=1, com=(0, 0, -0.5), inertia=np.diag([0.1, 0.1, 0.01]))
-    m = b.actuator("motor", "hinge", type="motor", gear=2.0).finish()
+    b.add_joint("hinge", "revolute", axis=(0, 1, 0)).add_body("rod", "hinge", mass=1, com=(0, 0, -0.5), inertia=np.diag([0.1, 0.1, 0.01]))
+    m = b.add_actuator("motor", "hinge", type="motor", gear=2.0).finish()
     u = np.random.default_rng(1).normal(size=(3, 5, 1))
     driven = rollout(m, control=u, every=4)
     assert np.abs(driven.q - rollout(m, tau=2 * u, every=4).q).max() < 1e-15 and np.abs(driven.q).max() > 1e-5

@@ -90,7 +90,7 @@ def test_what_is_refused(go2, state):
         d.rnea_second_order_product(np.ones(3), q, v, a)
     with pytest.raises(dyn.NonFiniteError, match=r"lambda\[2\]"):
         d.rnea_second_order_product(np.where(np.arange(go2.nv) == 2, np.nan, 1), q, v, a)
-    with pytest.raises(dyn.StaleError, match="dyn_forward_kinematics"):
+    with pytest.raises(dyn.StaleError, match="call Data.forward_kinematics"):
         go2.data().frame_velocity_derivatives("FL_foot")
     with pytest.raises(dyn.PartError, match="SECOND_ORDER"):
         go2.data(parts=dyn.Part.INVERSE).rnea_second_order_derivatives(q, v, a)

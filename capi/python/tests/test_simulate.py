@@ -80,7 +80,7 @@ def test_html(arm, gripper):
     cells = Well(arm._repr_html_()).cells
     assert "shoulder" in cells and "-2 to 2.5" in cells and "revolute" in cells
     assert any(c.startswith(("1 ", "-1 ")) for c in Well(gripper._repr_html_()).cells), "what a follower follows"
-    evil = dyn.Builder("a<b>").joint("<i>&", "revolute").body("x", "<i>&", mass=1, inertia=np.eye(3)).finish()
+    evil = dyn.Builder("a<b>").add_joint("<i>&", "revolute").add_body("x", "<i>&", mass=1, inertia=np.eye(3)).finish()
     assert "<i>&" in Well(evil._repr_html_()).cells
     d = arm.data()
     assert "M" not in Well(d._repr_html_()).cells

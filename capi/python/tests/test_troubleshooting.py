@@ -16,13 +16,13 @@ def test_every_placement_is_the_identity(go2, state):
     """Kinematics were not computed, or for another q: an error that names the call, never an identity or last cycle's pose."""
     q, v, *_ = state
     d = go2.data()
-    with pytest.raises(dyn.StaleError, match="dyn_forward_kinematics"):
+    with pytest.raises(dyn.StaleError, match="call Data.forward_kinematics"):
         d.frame_placement("FL_foot")
     d.forward_kinematics(q)
     there = d.frame_placement("FL_foot").translation
     assert np.linalg.norm(there) > 0.1
     d.set_state(go2.integrate(q, 0.1 * v))
-    with pytest.raises(dyn.StaleError, match="dyn_forward_kinematics"):
+    with pytest.raises(dyn.StaleError, match="call Data.forward_kinematics"):
         d.frame_placement("FL_foot")
 
 
@@ -127,7 +127,7 @@ def test_collisions_are_missed(tmp_path):
     assert len(d.collisions(q)) == 0
     q[go2.joint("FL_hip_joint").idx_q], q[go2.joint("FR_hip_joint").idx_q] = -1.0, 1.0
     q[go2.joint("FL_calf_joint").idx_q] = q[go2.joint("FR_calf_joint").idx_q] = -0.9
-    assert min(x for x in d.distances(q) if np.isfinite(x)) < 0.05, "the front feet come together"
+    assert min(x for x in d.compute_distances(q) if np.isfinite(x)) < 0.05, "the front feet come together"
 
     link = '<link name="{}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry><mesh filename="{}.stl"/></geometry></collision></link>'
     joint = '<joint name="{0}" type="continuous"><parent link="{1}"/><child link="{0}"/></joint>'

@@ -1,35 +1,38 @@
 """What type checkers see: stubs that are those of the library's tables, and a user's program, right and wrong, through mypy where it is installed."""
 
 import importlib.util
+import json
 import os
 import re
 import subprocess
 import sys
-from pathlib import Path
+import zipfile
 
 import pytest
 
-import libdyn as dyn
 from libdyn import stubs
 
-PACKAGE = Path(dyn.__file__).parent
 RIGHT = """
 import numpy as np
+from numpy.typing import NDArray
 import libdyn as dyn
 
 m: dyn.Model = dyn.load("x.urdf", base="floating", gravity=(0, 0, -1))
 d: dyn.Data = m.data(parts=("inverse", dyn.Part.MASS))
-q: np.ndarray = m.random(seed=1)
-tau: np.ndarray = d.rnea(q, np.zeros(m.nv), [0.0] * m.nv)
-M: np.ndarray = d.M
+q: NDArray[np.float64] = m.random(seed=1)
+tau: NDArray[np.float64] = d.rnea(q, np.zeros(m.nv), [0.0] * m.nv)
+M: NDArray[np.float64] = d.M
+d.set_step_options(integrator="rk4", solver=dyn.ContactSolverType.ADMM)
+dq: NDArray[np.float64] = d.rnea_derivatives(q).dtau_dq
+v: NDArray[np.float64] = d.frame_velocity("foot", "world")
 t: float = d.time
 d.q = q
-energy: float = d.energy(q).mechanical
+energy: float = d.energy(q).kinetic
 batch: dyn.Batch = m.batch(threads=2)
-many: np.ndarray = batch.rnea(np.tile(q, (3, 1)), out=np.zeros((3, m.nv)))
+many: NDArray[np.float64] = batch.rnea(np.tile(q, (3, 1)), out=np.zeros((3, m.nv)))
 place: dyn.Placement = batch.frame_placement("foot", q)
 r: dyn.Rollout = dyn.batch.rollout(m, q, steps=10, sensors={"com": "com"})
-com: np.ndarray = r.sensors["com"]
+com: NDArray[np.float64] = r.sensors["com"]
 sim: dyn.Simulation = dyn.Simulation(m, dt=1e-3)
 x: dyn.Trajectory = sim.run(1.0, lambda s: [0.0])
 """
@@ -40,33 +43,63 @@ WRONG = {
     "m.nq()": "not callable",
     "d.rnea(x=1)": "Unexpected keyword",
     "dyn.load(3)": "incompatible type",
+    'dyn.load("x.urdf", base="fixd")': "incompatible type",
+    'd.set_step_options(integrator="euler")': "incompatible type",
+    'm.data(parts="mas")': "incompatible type",
+    'd.frame_velocity("foot", "lokal")': "incompatible type",
+    "m.joint_names = 3": "has no attribute",
+    "f: NDArray[np.float32] = d.M": "Incompatible types",
     "batch.rnea()": "Missing positional argument|Too few arguments",
 }
 
 
-@pytest.mark.parametrize("name", stubs.STUBS)
-def test_stubs_are_those_of_the_library(name):
-    written = (PACKAGE / name).read_text(encoding="utf-8")
-    assert written == stubs.STUBS[name](), "run python -m libdyn.stubs"
-    assert (PACKAGE / "py.typed").exists()
+
+@pytest.fixture(scope="session")
+def site(wheel, tmp_path_factory):
+    """A folder with the installed package: stubs are written when it is built."""
+    folder = tmp_path_factory.mktemp("site")
+    with zipfile.ZipFile(wheel[0]) as z:
+        z.extractall(folder)
+    return folder
+
+
+def test_stubs_are_those_of_the_library(site, tmp_path):
+    stubs.write(tmp_path)
+    for name in stubs.STUBS:
+        assert (site / "libdyn" / f"{name}.pyi").read_text(encoding="utf-8") == (tmp_path / f"{name}.pyi").read_text(encoding="utf-8")
+        compile((tmp_path / f"{name}.pyi").read_text(encoding="utf-8"), name, "exec")
+    assert (site / "libdyn" / "py.typed").exists()
+
+
+def judged(out, begin):
+    """Errors by file and line, of a checker's output."""
+    errors = {}
+    for file, line, message in re.findall(r"(\w+)\.py:(\d+)(?::\d+)?(?: -|:) error:? (.*)$", out, re.M):
+        errors[file, int(line)] = errors.get((file, int(line)), "") + message
+    assert not [e for e in errors if e[0] == "right"], out
+    assert sorted({line for _, line in errors}) == list(range(begin, begin + len(WRONG))), out
+    return {line: message for (_, line), message in errors.items()}
+
+
+@pytest.fixture
+def programs(tmp_path):
+    (tmp_path / "right.py").write_text(RIGHT)
+    (tmp_path / "wrong.py").write_text(RIGHT + "".join(f"{line}\n" for line in WRONG))
+    return tmp_path
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("mypy"), reason="mypy is not installed")
-def test_a_users_program(tmp_path):
-    wrong = RIGHT + "".join(f"{line}\n" for line in WRONG)
-    (tmp_path / "right.py").write_text(RIGHT)
-    (tmp_path / "wrong.py").write_text(wrong)
-    where = {} if "site-packages" in PACKAGE.parts else {"MYPYPATH": str(PACKAGE.parent)}  # mypy finds an installed package, and wants no path to it
-    out = subprocess.run(
-        [sys.executable, "-m", "mypy", "--follow-imports=silent", "--strict", "--allow-any-generics", "--cache-dir", str(tmp_path / "cache"), "right.py", "wrong.py"],
-        cwd=tmp_path, capture_output=True, text=True, env=os.environ | where,
-    ).stdout  # fmt: skip
-    errors = {}
-    for file, line, message in re.findall(r"^(\w+)\.py:(\d+): error: (.*)$", out, re.M):
-        errors.setdefault((file, int(line)), "")
-        errors[file, int(line)] += message
-    assert not [e for e in errors if e[0] == "right"], out
-    begin = RIGHT.count("\n") + 1
-    assert sorted(line for _, line in errors) == list(range(begin, begin + len(WRONG))), out
+def test_mypy(programs, site):
+    command = [sys.executable, "-m", "mypy", "--follow-imports=silent", "--strict", "--allow-any-generics", "--cache-dir", str(programs / "cache"), "right.py", "wrong.py"]
+    out = subprocess.run(command, cwd=programs, capture_output=True, text=True, env=os.environ | {"MYPYPATH": str(site)}).stdout
+    errors = judged(out, RIGHT.count("\n") + 1)
     for k, (line, words) in enumerate(WRONG.items()):
-        assert re.search(words, errors["wrong", begin + k]), (line, errors["wrong", begin + k])
+        message = errors[RIGHT.count("\n") + 1 + k]
+        assert re.search(words, message), (line, message)
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("pyright"), reason="pyright is not installed")
+def test_pyright(programs, site):
+    (programs / "pyrightconfig.json").write_text(json.dumps({"extraPaths": [str(site)], "pythonVersion": "3.9"}))
+    command = [sys.executable, "-m", "pyright", "--pythonpath", sys.executable, "right.py", "wrong.py"]
+    judged(subprocess.run(command, cwd=programs, capture_output=True, text=True).stdout, RIGHT.count("\n") + 1)

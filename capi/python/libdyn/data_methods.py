@@ -1,0 +1,114 @@
+"""A method of Data for each of the library's algorithms that works on data.
+
+A method is written out, as dataclasses write theirs: arguments become addresses, outputs are new arrays that the library fills.
+"""
+
+from __future__ import annotations
+
+import linecache
+from typing import Any, Callable
+
+import numpy as np
+
+from .arrays import checked, to_placement, to_placements
+from .choices import reference
+from .handles import DataHandle
+from .interface import FUNCTIONS
+from .library import fail, lib
+from .messages import in_python
+from .results import RESULTS, memory_address, turned
+from .tables import ALGORITHMS, FIELDS, AlgorithmInfo
+
+ADDRESSES = {
+    "model": "self._m", "data": "self._d", "q": "self._q(q)", "v": "self._v(v)", "a": "self._a(a)", "tau": "self._tau(tau)", "fext": "self._fext(fext)",
+    "lambda": "_vector(self, lam)", "frame": "self.model._frame(frame)", "joint": "self.model._joint(joint)", "reference": "_reference(reference)",
+}  # fmt: skip
+"""Argument of each parameter in C."""
+PARAMETERS = {"frame": "frame", "joint": "joint", "lambda": "lam", "reference": "reference='local'"}
+PARAMETERS.update((name, f"{name}=None") for name in ("q", "v", "a", "tau", "fext"))
+"""Each parameter in Python; those without a default come first."""
+FIRST_ALONE = {"com", "centroidal_map"}
+"""Algorithms of which the first output is returned; the others are fields."""
+
+
+def method_name(algorithm: str) -> str:
+    """compute_com where com is a field."""
+    return f"compute_{algorithm}" if algorithm in FIELDS else algorithm
+
+
+def parameters(algorithm: AlgorithmInfo) -> tuple[list[str], int] | None:
+    """Names of the inputs in C, the data's among them, and how many outputs follow; None: it is no call on data."""
+    function = FUNCTIONS.get(f"dyn_{algorithm.name}")
+    if function is None:
+        return None
+    outputs = [p for p in function["parameters"] if p["type"] == "double*" or (p["type"] == "double" and "length" in p)]
+    names = [p["name"] for p in function["parameters"] if p not in outputs]
+    return (names, len(outputs)) if names[:2] == ["model", "data"] and len(outputs) == len(algorithm.outputs) and ADDRESSES.keys() >= set(names) else None
+
+
+def signature(names: list[str]) -> list[str]:
+    return sorted((PARAMETERS[name] for name in names[2:]), key=lambda p: ("=" in p, p.startswith("reference")))
+
+
+def _vector(data: DataHandle, lam: Any) -> int:
+    data._kept = checked(lam, (data.model.nv,), "lam")
+    return memory_address(data._kept)
+
+
+def _shapes(data: DataHandle, algorithm: str) -> list[tuple[int, ...]]:
+    shapes = data._shapes[algorithm] = ALGORITHMS[algorithm].shapes(data.model)
+    return shapes
+
+
+def _returned(algorithm: AlgorithmInfo) -> list[str]:
+    values = []
+    for k, (name, n) in enumerate(zip(algorithm.outputs, algorithm.dimensions)):
+        if algorithm.of_placements:
+            values += ["_placement(x0)" if n == 1 else "_placements(x0)"]
+        else:
+            values += [f"float(x{k})" if n == 0 else f"x{k}" if n == 1 else f"x{k}.T" if n == 2 else f"_turned({name!r}, x{k})"]
+    return values
+
+
+def _method(algorithm: AlgorithmInfo, names: list[str], outputs: int) -> Callable[..., Any]:
+    arguments = [ADDRESSES[name] for name in names]
+    made = range(outputs)
+    values = _returned(algorithm)
+    value = values[0] if len(values) == 1 or algorithm.name in FIRST_ALONE else f"_Result({', '.join(values)})"
+    name = method_name(algorithm.name)
+    lines = [
+        f"def {name}({', '.join(['self', *signature(names)])}):",
+        f"    shapes = self._shapes.get({algorithm.name!r}) or _shapes(self, {algorithm.name!r})",
+        *(f"    x{k} = _empty(shapes[{k}])" for k in made),
+        f"    status = _call({', '.join(arguments + [f'_address(x{k})' for k in made])})",
+        "    if status:",
+        "        _fail(status)",
+        f"    return {value}",
+    ]
+    source, file = "\n".join(lines) + "\n", f"<libdyn.Data.{name}>"
+    linecache.cache[file] = len(source), None, source.splitlines(True), file  # for tracebacks
+    known: dict[str, Any] = {
+        "_call": getattr(lib, f"dyn_{algorithm.name}"), "_empty": np.empty, "_address": memory_address, "_fail": fail, "_shapes": _shapes, "_turned": turned,
+        "_Result": RESULTS.get(algorithm.name), "_vector": _vector, "_reference": reference, "_placement": to_placement, "_placements": to_placements,
+    }  # fmt: skip
+    exec(compile(source, file, "exec"), known)
+    method = known[name]
+    method.__module__, method.__qualname__ = __name__, f"Data.{name}"
+    method.__doc__ = description(algorithm)
+    return method
+
+
+def description(algorithm: AlgorithmInfo) -> str:
+    """What it returns, and the library's comment."""
+    first = algorithm.outputs[:1] if algorithm.name in FIRST_ALONE else algorithm.outputs
+    return f"Returns {', '.join(first)}. {in_python(FUNCTIONS['dyn_' + algorithm.name]['doc'])}"
+
+
+class Algorithms(DataHandle):
+    """The part of Data that has the algorithms."""
+
+
+for _algorithm in ALGORITHMS.values():
+    _found = parameters(_algorithm)
+    if _found:
+        setattr(Algorithms, method_name(_algorithm.name), _method(_algorithm, *_found))

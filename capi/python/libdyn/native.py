@@ -1,0 +1,129 @@
+"""Finds libdyn, and refuses one that does not fit. Every call releases the GIL."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import platform
+import sys
+from pathlib import Path
+from typing import Any
+
+from . import errors
+
+MAJOR = 1  # of the interface that this package was written for
+
+_FILE = "libdyn.1.dylib" if sys.platform == "darwin" else "libdyn.so.1"
+
+# What glibc asks of a CPU before it searches glibc-hwcaps/<level>, in the names of /proc/cpuinfo.
+_LEVELS = (
+    ("x86-64-v2", {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3"}),
+    ("x86-64-v3", {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"}),
+    ("x86-64-v4", {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}),
+)
+
+
+def cpu_levels() -> list[str]:
+    """The glibc-hwcaps folders that this CPU can use, best first."""
+    if platform.machine() not in ("x86_64", "AMD64"):
+        return []
+    try:
+        with open("/proc/cpuinfo", encoding="ascii", errors="replace") as file:
+            flags = next((set(line.split()) for line in file if line.startswith("flags")), set())
+    except OSError:
+        return []
+    levels = []
+    for name, needed in _LEVELS:
+        if not needed <= flags:
+            break
+        levels.insert(0, name)
+    return levels
+
+
+def _in_folder(folder: Path) -> Path | None:
+    """The best library in a folder that is laid out as glibc searches it."""
+    for sub in [f"glibc-hwcaps/{level}" for level in cpu_levels()] + ["."]:
+        path = folder / sub / _FILE
+        if path.is_file():
+            return path
+    return None
+
+
+def _plain(build: Path) -> bool:
+    """Whether a build tree is without sanitizers: a library with them ends a process that did not start with them."""
+    try:
+        cache = (build / "CMakeCache.txt").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return not any(line.startswith("DYN_SANITIZE:") and line.rstrip()[-1] != "=" for line in cache.splitlines())
+
+
+def _candidates():
+    """(path or soname, where that came from), best first."""
+    package = Path(__file__).resolve().parent
+    found = _in_folder(package / "lib")
+    if found:
+        yield str(found), "packaged with libdyn"
+    root = package.parents[2]  # of a checkout: this is capi/python/libdyn
+    if (root / "include" / "dyn.h").is_file():
+        builds = [f for pattern in ("build*/lib", "build*/*/lib") for f in root.glob(pattern) if _plain(f.parent)]
+        for found in sorted(filter(None, map(_in_folder, builds)), key=lambda p: p.stat().st_mtime, reverse=True):
+            yield str(found), "build tree"
+    yield _FILE, "system"
+
+
+class Library(ctypes.CDLL):
+    """libdyn. A function that it lacks is an error that says what to do."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return super().__getattr__(name)
+        except AttributeError:
+            if name.startswith("__"):
+                raise
+            raise errors.LibraryError(f"{self._name} has no function {name}, which this package needs: update libdyn.") from None
+
+
+def _open() -> tuple[Library, str]:
+    said = os.environ.get("DYN_LIBRARY")
+    if said:
+        path = Path(said)
+        if path.is_dir():
+            found = _in_folder(path)
+            if not found:
+                raise errors.LibraryError(
+                    f"DYN_LIBRARY is the folder {said!r}, which holds no {_FILE}; set it to the library's file."
+                )
+            path = found
+        try:
+            return Library(str(path)), str(path)
+        except OSError as error:
+            raise errors.LibraryError(f"DYN_LIBRARY is {said!r}, which cannot be loaded: {error}.") from None
+    tried = []
+    for name, where in _candidates():
+        try:
+            return Library(name), name
+        except OSError as error:
+            tried.append(f"{name} ({where}): {error}")
+    raise errors.LibraryError(
+        f"No {_FILE} was found: build or install libdyn, or set DYN_LIBRARY to its file. Tried " + "; ".join(tried) + "."
+    )
+
+
+def _checked(lib: Library, path: str) -> str:
+    """The library's version, if this package is for it."""
+    try:
+        lib.dyn_version.restype = ctypes.c_char_p
+    except errors.LibraryError:
+        raise errors.LibraryError(f"{path} is not libdyn: it has no function dyn_version.") from None
+    version = lib.dyn_version().decode()
+    if version.split(".")[0] != str(MAJOR):
+        raise errors.LibraryError(
+            f"{path} is libdyn {version}, but this package needs libdyn {MAJOR}.x: install the package libdyn of version "
+            f"{version.split('.')[0]}, or a library of version {MAJOR} (and check DYN_LIBRARY)."
+        )
+    return version
+
+
+lib, path = _open()
+version: str = _checked(lib, path)
