@@ -9,6 +9,9 @@
 
 namespace dyn::integrator {
 
+inline constexpr int rotation_steps = 20;              // fixed-point iterations before Newton's method
+inline constexpr double rotation_tolerance = 1e-30;    // squared relative change or residual: rounding
+
 // Calls f(body, number of the body, centre of mass).
 template <class T, class Part, class F>
 void for_each_free_flyer(const Model& m, const Part& part, F&& f) {
@@ -41,7 +44,7 @@ template <class T>
 [[gnu::cold, gnu::noinline]] Vec3<T> implicit_angular_velocity_newton(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   const auto left = [&](const Vec3<T>& w) { return exp3(w * -h) * L - I * w; };
   Vec3<T> w = guess, r = left(w);
-  const T enough = T(1e-30) * dot(L, L);
+  const T enough = T(rotation_tolerance) * dot(L, L);
   for (int k = 0; k < 50 && dot(r, r) > enough; ++k) {
     const Vec3<T> dw = solve3(I - skew(r + I * w) * Jexp3(w * h) * h, r);
     T part = T(1);
@@ -59,9 +62,9 @@ template <class T>
 Vec3<T> implicit_angular_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   Vec3<T> w = guess;
   bool changes = true;
-  for (int k = 0; k < 20 && changes; ++k) {
+  for (int k = 0; k < rotation_steps && changes; ++k) {
     const Vec3<T> next = solve3(I, exp3(w * -h) * L), change = next - w;
-    w = next, changes = dot(change, change) > T(1e-30) * dot(w, w);
+    w = next, changes = dot(change, change) > T(rotation_tolerance) * dot(w, w);
   }
   if (changes) w = implicit_angular_velocity_newton(I, L, h, guess);
   return dot(w, w) < std::numeric_limits<T>::infinity() ? w : guess;

@@ -5,123 +5,11 @@
 #include "base/portable.hpp"
 #include "integrator/implicit_midpoint.hpp"
 #include "integrator/runge_kutta.hpp"
+#include "integrator/step_control.hpp"
 #include "simulation/extrapolated.hpp"
 #include "simulation/semi_implicit_euler.hpp"
 
 namespace dyn::integrator {
-
-// Error level (rad, m and their rates) below which shorter steps gain nothing: rounding of the state, or of the accelerations.
-template <class T>
-struct RoundingFloor {
-  bool held;         // constraint rows are active
-  T max_noise;      // noise of errors per second: more is not rounding
-  T noise = T(0);    // of errors, per second
-  T rejected = T(0), tried = T(0);  // error and length of the last rejected step
-  int tries = 0;
-
-  static T of(T size) { return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), size); }
-  static T of_state(const Model& m, const Data<T>& d) { return of(std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv))); }
-  // The same without position and linear velocity of free bodies: without contacts no acceleration depends on them.
-  static T of_motion(const Model& m, const Data<T>& d) {
-    T size = T(0);
-    Index q = 0, v = 0;
-    const auto look_until = [&](Index end_q, Index end_v) { size = std::max(size, std::max(largest(d.q + q, end_q - q), largest(d.v + v, end_v - v))); };
-    for (Index i = 1; i < m.n.bodies; ++i) {
-      const Body& b = m.bodies()[i];
-      if (b.type != BodyType::FreeFlyer || b.parent != 0) continue;
-      look_until(b.user_q, b.user_v);
-      q = b.user_q + 3, v = b.user_v + 3;
-    }
-    look_until(m.n.nq, m.n.nv);
-    return of(size);
-  }
-  T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
-    const T state = of_motion(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
-    return std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h));
-  }
-  void accept() { tries = 0, noise /= 2; }
-  void reject(T error, T h) {
-    const T ratio = h / tried;
-    if (tries++ > 0 && error > rejected * ratio * ratio * ratio) noise = std::max(noise, std::min(error / h, max_noise));
-    rejected = error, tried = h;
-  }
-};
-
-// First step: 1/100 of the time scale of y, corrected by the second derivative (same book, II.4).
-template <class T>
-Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T tolerance, T longest, T& h) {
-  s.begin(m, d);
-  const ChartMotion<T> motion{m, d, s.q0};
-  T *f = s.stage(0), *g = s.stage(1);
-  if (const Index joint = motion(s.y0, f)) return s.undo(m, d), joint;
-  const T size = std::max(T(1), largest(s.y0, s.n)), rate = largest(f, s.n);
-  const T h0 = rate > T(0) ? std::min(longest, T(0.01) * size / rate) : longest;
-  for (Index k = 0; k < s.n; ++k) s.y[k] = s.y0[k] + h0 * f[k];
-  const Index joint = motion(s.y, g);
-  for (Index k = 0; k < s.n; ++k) g[k] -= f[k];
-  const T second = std::max(largest(g, s.n) / h0, rate);
-  s.undo(m, d);
-  if (joint || !(second < std::numeric_limits<T>::infinity())) return h = h0, 0;  // the first step will tell
-  h = std::min(longest, second > T(0) ? std::min(100 * h0, math::pow(T(0.01) * tolerance / second, T(1) / order) * 4) : longest);
-  return 0;
-}
-
-inline constexpr double held_leak = 1e-2;  // fraction of the projection step counted as error (the Jacobian changed during the step)
-
-// Retry near a singular configuration of a mechanism, where stage accelerations are inaccurate or projection changes v much.
-// The step is tried in several lengths, up to those of earlier steps; a step across the singularity is smooth. The best one counts.
-template <class T>
-struct SingularityRetry {
-  static constexpr double lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6}, more = 30;  // more: of error, in the one step over
-  static constexpr int most = sizeof lengths / sizeof *lengths;
-  T max_noise, usual;  // noise: of errors per second; usual: length of ordinary steps
-  T first = T(0), best = T(0), least = T(0);
-  int tries = 0;  // beside the first
-  bool spent = false;  // no length was better: shorter steps follow
-
-  T limit(T allowed, T h) const { return std::max(T(more) * allowed, max_noise * h); }
-  T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
-  // Returns whether to try again with h. error, raw, moved: of this try (finish_step). usual_move: ordinary change of v by the projection.
-  bool again(T error, T raw, T moved, T allowed, T usual_move, T& h) {
-    if (spent || tries > most) return spent = true, false;
-    const bool near = T(held_leak) * raw > allowed || moved > usual_move;
-    if (tries == 0 && !(near && moved > T(10) * error)) return false;
-    const T off = std::max(error, T(held_leak) * moved);
-    if (error <= T(more) * allowed && !near) return false;
-    if (tries == 0) first = std::max(h, usual), least = std::numeric_limits<T>::infinity();
-    if (error <= limit(allowed, h) && off < least) least = off, best = h;
-    if (tries < most) h = first * T(lengths[tries]);
-    else if (least < std::numeric_limits<T>::infinity()) h = best;
-    else return spent = true, false;
-    return ++tries, true;
-  }
-  void accept(T h) {
-    if (tries == 0) usual = h;
-    tries = 0, spent = false;
-  }
-};
-
-// Step size control by this error and that of the step before (PI: Gustafsson 1991), which follows slow trends without rejections.
-// Errors at rounding level say nothing of the next step: then this error alone counts.
-template <class T>
-struct StepSizeController {
-  T power;          // 1 / (order of the error per unit step)
-  bool alone;
-  T longest;        // largest growth; with active rows errors are sometimes accidentally small
-  T before = T(1);  // ratio of the step before
-  bool tried = false;
-
-  T accept(T ratio) {
-    T factor = !(ratio > T(0)) ? T(5) : alone ? T(0.9) * math::pow(ratio, -power) : T(0.9) * math::pow(ratio, T(-0.8) * power) * math::pow(before, T(0.28) * power);
-    if (tried && !alone) factor = std::min(factor, T(1));
-    before = std::max(ratio, T(1e-4)), tried = false;
-    return std::clamp(factor, T(0.2), longest);
-  }
-  T reject(T ratio) {
-    tried = true;
-    return ratio < std::numeric_limits<T>::infinity() ? std::clamp(T(0.9) * math::pow(ratio, -power), T(0.2), T(0.9)) : T(0.1);
-  }
-};
 
 template <class T>
 void record_ledger_step(const Model& m, Data<T>& d, T h) {
@@ -149,7 +37,8 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     if (!(h > duration * T(1e-13))) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T share = accuracy / T(growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h)), most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
+    const T share = accuracy / T(growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h));
+    const T most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
     T error = std::numeric_limits<T>::infinity(), raw = T(0), moved = T(0);
     if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw, moved);
     if (rounding.held && !joint && passing.again(error, raw, moved, most, std::max(100 * share, T(2e4) * RoundingFloor<T>::of_motion(m, d)), h)) {
@@ -244,7 +133,8 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       ++report.rejected, h *= 0.1;
       continue;
     }
-    if (near && !rows && h > smallest && error <= allowed && meets_constraints(m, d, s, smallest, closed, ignored, depth) && depth > closed) {  // the step cut through a corner
+    if (near && !rows && h > smallest && error <= allowed && meets_constraints(m, d, s, smallest, closed, ignored, depth) &&
+        depth > closed) {  // the step cut through a corner
       s.undo(m, d);
       ++report.rejected, h *= 0.5;
       continue;
@@ -300,9 +190,13 @@ template <class T>
 Index step(const Model& m, Data<T>& d, dynIntegrator integrator, T h, dynStepReport& report) {
   const Stages<T> s(m, d);
   Index failed = 0;
-  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST && meets_constraints(m, d, s, h)) integrator = DYN_INTEGRATOR_IMPLICIT_FAST;
+  if (integrator != DYN_INTEGRATOR_SEMI_IMPLICIT_EULER && integrator != DYN_INTEGRATOR_IMPLICIT_FAST && meets_constraints(m, d, s, h))
+    integrator = DYN_INTEGRATOR_IMPLICIT_FAST;
   switch (integrator) {
-    case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER: case DYN_INTEGRATOR_IMPLICIT_FAST: failed = one_euler_step(m, d, s, h, integrator == DYN_INTEGRATOR_IMPLICIT_FAST), report.evaluations += 1; break;
+    case DYN_INTEGRATOR_SEMI_IMPLICIT_EULER:
+    case DYN_INTEGRATOR_IMPLICIT_FAST:
+      failed = one_euler_step(m, d, s, h, integrator == DYN_INTEGRATOR_IMPLICIT_FAST), report.evaluations += 1;
+      break;
     case DYN_INTEGRATOR_RK4: failed = explicit_step<Classical>(m, d, s, h), report.evaluations += Classical::stages; break;
     case DYN_INTEGRATOR_RK45:
       failed = explicit_step<DormandPrince5>(m, d, s, h), report.evaluations += DormandPrince5::stages;

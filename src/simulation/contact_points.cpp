@@ -11,6 +11,7 @@ namespace dyn::simulation {
 
 namespace {
 
+using namespace tuning;
 using collision::comes_before;
 using collision::Geom;
 using collision::Manifold;
@@ -67,8 +68,8 @@ void find_pairs(const Model& m, const Data<double>& d) {
   const auto room = Index(pair_capacity(m));
   const auto add = [&](Index a, Index b, Index number) {
     const Ball A = within(m, d, a), B = within(m, d, b);
-    const double near = 0.02 * std::min(d.geoms[a].bounding_radius, d.geoms[b].bounding_radius);
-    if (shape::norm(A.center - B.center) * (1 - 1e-9) > A.radius + B.radius + near) return;
+    const double near = search::near * std::min(d.geoms[a].bounding_radius, d.geoms[b].bounding_radius);
+    if (shape::norm(A.center - B.center) * (1 - search::rounding) > A.radius + B.radius + near) return;
     if (w.pair_count < room) w.pairs[w.pair_count] = {a, b, number}, w.speeds[a] = w.speeds[b] = 1;
     ++w.pair_count;
   };
@@ -92,7 +93,9 @@ void find_pairs(const Model& m, const Data<double>& d) {
 }  // namespace
 
 // Shares the search margin of a pair between its two boxes.
-double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h) { return 0.01 * d.geoms[geom].bounding_radius + 1.5 * h * w.speeds[geom]; }
+double box_margin(const Workspace& w, const Data<double>& d, Index geom, double h) {
+  return tuning::search::box * d.geoms[geom].bounding_radius + tuning::search::speed_margin * h * w.speeds[geom];
+}
 
 namespace {
 
@@ -137,7 +140,7 @@ struct Search {
     if (end.count > 0) {
       double deepest = shape::infinity;
       for (int i = 0; i < end.count; ++i) deepest = std::min(deepest, end.points[i].distance);
-      if (dot(end.normal, found.normal) > 0.9 || deepest < -0.05 * h * shape::norm(b.v - a.v)) return;
+      if (dot(end.normal, found.normal) > search::same_normal || deepest < -search::graze * h * shape::norm(b.v - a.v)) return;
       found = end;
       for (int i = 0; i < found.count; ++i) {
         auto& point = found.points[i];
@@ -146,7 +149,7 @@ struct Search {
       }
     } else if (gap > near) {
       collision::SweepOptions options;
-      options.max_steps = 50;
+      options.max_steps = search::sweep_steps;
       if (collision::sweep(a, b, h, *d.collision_workspace, options).status == collision::Impact::Status::None) found.count = 0;
     }
   }
@@ -157,7 +160,8 @@ struct Search {
     const Geom &a = d.geoms[ia], &b = d.geoms[ib];
     const Pose &A = d.geom_poses[ia], &B = d.geom_poses[ib];
     // impulses change velocities within the step, so shapes as near as this always count
-    const double near = std::min(0.02 * std::min(a.bounding_radius, b.bounding_radius), contact_margin(w, h, fast)), margin = near + 1.5 * h * (w.speeds[ia] + w.speeds[ib]);
+    const double near = std::min(search::near * std::min(a.bounding_radius, b.bounding_radius), contact_margin(w, h, fast));
+    const double margin = near + search::speed_margin * h * (w.speeds[ia] + w.speeds[ib]);
     if (!(near < shape::infinity) || (w.sleep.any_asleep && (sleeps(ia) || !d.geoms[ia].body) && (sleeps(ib) || !d.geoms[ib].body))) return;
     const double distance = collision::distance_lower_bound(a, A, b, B);
     min_distance = std::min(min_distance, distance - near);
@@ -167,8 +171,8 @@ struct Search {
     double gap = shape::infinity;
     for (int i = 0; i < found.count; ++i) gap = std::min(gap, found.points[i].distance);
     const double reach = std::min(a.bounding_radius, b.bounding_radius);
-    w.time_to_pass = std::min(w.time_to_pass, (gap > 0.02 * reach ? std::max(gap, 0.2 * reach) : reach) / (w.speeds[ia] + w.speeds[ib]));
-    if (gap > 1e-4 * reach && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
+    w.time_to_pass = std::min(w.time_to_pass, (gap > search::near * reach ? std::max(gap, search::min_pass * reach) : reach) / (w.speeds[ia] + w.speeds[ib]));
+    if (gap > search::touching * reach && w.options.accuracy == 0 && may_pass_by(a, b)) see_where_it_leads(ia, ib, near, gap);
     for (int i = 0; i < found.count; ++i) {
       const auto& point = found.points[i];
       if (point.distance > near && point.distance + h * opening(ia, ib, point.position) > 0) continue;
@@ -224,7 +228,8 @@ struct Search {
     } else {
       distance = sqrt(dot(to, to)) - a.bounding_radius - reach;
     }
-    const Wide near = min(min(reach, a.bounding_radius) * 0.02, contact_margin(w, h, fast)), margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (1.5 * h);
+    const Wide near = min(min(reach, a.bounding_radius) * search::near, contact_margin(w, h, fast));
+    const Wide margin = near + (load_wide(w.speeds + row.b + k) + w.speeds[row.a]) * (search::speed_margin * h);
     const unsigned lanes = (1u << std::min<Index>(row.count - k, Wide::lanes)) - 1, far = bits_of(distance > margin);
     if (w.advancement_cache.enabled) {
       const Wide left = distance - near;
@@ -269,7 +274,8 @@ struct Search {
     }
     if (!near) return;
     const bool ascending = search.for_each(d, [&](Index a, Index b) { look(a, b, [&](Index& pair) { return collision::is_tested(m, d, a, b, pair); }); });
-    if (!ascending) std::sort(w.contacts, w.contacts + w.contact_count, [](const dynContactForce& x, const dynContactForce& y) { return comes_before(x.contact, y.contact); });
+    const auto before = [](const dynContactForce& x, const dynContactForce& y) { return comes_before(x.contact, y.contact); };
+    if (!ascending) std::sort(w.contacts, w.contacts + w.contact_count, before);
   }
 };
 

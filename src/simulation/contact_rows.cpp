@@ -23,7 +23,7 @@ double opening_speed(const Data<double>& d, const dynContact& c, Index a, Index 
 // Drift is bounded: a contact becomes active when it overlaps by more than `slop`.
 double standstill(const Data<double>& d, double reach, double h) {
   const double g = shape::norm(load3(d.world_gravity));
-  return std::min(1e-12 * reach, g > 0 ? 1e-6 * g * h * h : shape::infinity);
+  return std::min(tuning::idle::closing * reach, g > 0 ? tuning::idle::fall * g * h * h : shape::infinity);
 }
 
 // Returns whether the contact needs no impulse: it is open at the end of the step, or touches and stays at rest.
@@ -32,7 +32,7 @@ bool is_idle(const Data<double>& d, const dynContact& c, const ContactLaw& law, 
   if (w.closed_gap > 0 || w.ledger.open || is_soft(law.material)) return false;
   const collision::Geom &a = d.geoms[law.geom_a], &b = d.geoms[law.geom_b];
   const double opening = h * opening_speed(d, c, a.body, b.body), gap = std::max(0.0, c.distance);
-  if (c.distance + opening < -slop * w.length) return false;
+  if (c.distance + opening < -tuning::slop * w.length) return false;
   return law.material.restitution > 0 ? c.distance + opening > 0 : gap + opening >= -standstill(d, std::min(a.bounding_radius, b.bounding_radius), h);
 }
 
@@ -44,7 +44,10 @@ void init_contact(const Model& m, Data<double>& d, Index contact, double h, Cons
   Workspace& w = *d.step;
   const dynContact& c = w.contacts[contact].contact;
   ContactLaw& law = w.laws[contact];
-  const auto geom = [&](Index shape) { return Index(std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, [](const GeomRecord& g, Index s) { return g.shape < s; }) - m.geoms()); };
+  const auto geom = [&](Index shape) {
+    const auto before = [](const GeomRecord& g, Index s) { return g.shape < s; };
+    return Index(std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, before) - m.geoms());
+  };
   const bool listed = c.pair >= 0;
   const Index a = law.geom_a = listed ? m.pairs()[c.pair].a : geom(c.shape_a), b = law.geom_b = listed ? m.pairs()[c.pair].b : geom(c.shape_b);
   const Index own = listed ? m.pairs()[c.pair].material() : 0;

@@ -68,7 +68,8 @@ class Extrapolated {
     keep(before), simulation::save_contacts(*d.step);
     d.step->closed_gap = closed;
     // the solver's residual does not extrapolate: it must be far below the error, or no step is short enough
-    const double asked = d.step->options.tolerance, fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
+    const double asked = d.step->options.tolerance;
+    const double fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
     if (fast > 0) d.step->options.tolerance = std::min(asked, std::max(1e-14, 0.01 * closed / fast));
     Index joint = substeps(h, 1);
     if (!joint) keep(one), restore(), joint = substeps(h, 2);
@@ -77,7 +78,10 @@ class Extrapolated {
     if (joint) return restore(), joint;
     // curvature of v: an event stopped by all three substeps alike shows in no difference (jumps at the end excepted)
     error = 0;
-    for (Index k = 0; k < m.n.nv; ++k) error = std::max(error, std::max(bent(before.v[k], by_three[0][k], by_three[1][k]), d.step->overshoot > 0 ? 0 : bent(by_three[0][k], by_three[1][k], by_three[2][k])));
+    for (Index k = 0; k < m.n.nv; ++k) {
+      const double first = by_three[0][k], second = by_three[1][k], third = by_three[2][k];
+      error = std::max(error, std::max(bent(before.v[k], first, second), d.step->overshoot > 0 ? 0 : bent(first, second, third)));
+    }
     error *= h / 6;
     // differences to the result of three steps
     const auto limit = [&](double a, double b) { return error = std::max(error, std::abs(0.5 * a - 2 * b)), 0.5 * a - 4 * b; };

@@ -72,10 +72,11 @@ struct Finder {
     for (Index k = 0; k < m.n.limits; ++k) {
       const LimitRecord& r = m.limits()[k];
       if (is_ball(m, r)) {
-        ball(r, w.closed_gap > 0 ? reached : limit_margin);
+        ball(r, w.closed_gap > 0 ? reached : tuning::limit_margin);
         continue;
       }
-      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q], near = w.closed_gap > 0 ? reached : limit_margin * unit_of(m, w, r), reach = 3 * h * std::abs(v[r.dof]) + near;
+      const double q = d.q[r.q], lower = m.lower_limit()[r.q], upper = m.upper_limit()[r.q];
+      const double near = w.closed_gap > 0 ? reached : tuning::limit_margin * unit_of(m, w, r), reach = tuning::speed_growth * h * std::abs(v[r.dof]) + near;
       if (q - lower > reach && upper - q > reach) [[likely]] continue;
       if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) continue;
       ConstraintInstance<double>& s = next();
@@ -89,7 +90,8 @@ struct Finder {
   }
   void ball(const LimitRecord& r, double near) {
     const BallGap x = ball_gap(m, d, r, v);
-    if (x.gap > 3 * h * ball_speed(r, v) + near || !(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) return;
+    if (x.gap > tuning::speed_growth * h * ball_speed(r, v) + near) return;
+    if (!(d.effects[m.bodies()[r.body].joint] & DYN_EFFECT_LIMITS) || w.sleep.sleeps(r.body)) return;
     ConstraintInstance<double>& s = next();
     s.c = Constraint{};
     s.c.type = DYN_CONSTRAINT_TYPE_LIMIT, s.c.joint_type = DYN_JOINT_TYPE_SPHERICAL, s.c.body1 = r.body, s.c.v1 = r.dof, s.c.q1 = r.q, s.c.axis = -x.axis;
@@ -123,7 +125,10 @@ BallGap ball_gap(const Model& m, const Data<double>& d, const LimitRecord& r, co
 double approach_speed(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v) {
   if (x.kind == RowKind::Box) return -limit_rate(*x.s, v);
   const dynContact& c = d.step->contacts[x.index].contact;
-  const auto speed = [&](Index body) { return dot(load3(c.normal), velocity_at(d, body, load3(c.position), body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V)); };
+  const auto speed = [&](Index body) {
+    const Motion<double> V = body_motion(m, d, body, v, static_cast<const double*>(nullptr)).V;
+    return dot(load3(c.normal), velocity_at(d, body, load3(c.position), V));
+  };
   return speed(x.s->c.body2) - speed(x.s->c.body1);
 }
 
@@ -142,7 +147,8 @@ void record_overshoot(const Model& m, Data<double>& d, const double* dq, double 
 Index find_constraints(const Model& m, Data<double>& d, const double* v_free, double h) {
   const double* v = d.expand(m, v_free, d.vx);
   const bool some_sleep = d.step->sleep.any_asleep;  // the advancement cache does not know sleeping bodies
-  if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h)) return update_advancement_cache(m, d, v, h, shape::infinity), 0;
+  if (!some_sleep && m.n.contacts == 0 && active_rows(m, d) == 0 && limits_inactive(m, d, v, h))
+    return update_advancement_cache(m, d, v, h, shape::infinity), 0;
   if (!m.has_mimic) with_unbatched_trees(d, [&](const auto& part) { articulated_columns(m, d, part); });
   root_velocities(m, d, v);
   Finder find{m, d, *d.step, v, h};

@@ -96,7 +96,7 @@ DYN_INLINE LanePoses poses_of(const double* q, const FreeBodySet& e) {
   const Vec3<Wide> p = first3(x);
   Quaternion<Wide> a = {first3(x + 3), x[6]};
   Wide square = dot(a.v, a.v) + a.w * a.w;
-  if (const Wide::Mask bad = ~((square > 1e-60) & (square < 1e60)); any(bad)) [[unlikely]]
+  if (const Wide::Mask bad = ~((square > tuning::min_norm2) & (square < tuning::max_norm2)); any(bad)) [[unlikely]]
     a = no_overflow_lanes(a, bad), square = dot(a.v, a.v) + a.w * a.w;
   return {p, a, rotation(a, Wide(2.0) / square)};
 }
@@ -149,10 +149,10 @@ DYN_INLINE Vec3<Wide> implicit_angular_velocity(const FreeBodySet& e, const Vec3
   const Wide h(step);
   Vec3<Wide> w = guess;
   Wide::Mask going = ~Wide::Mask{};
-  for (int k = 0; k < 20; ++k) {
+  for (int k = 0; k < integrator::rotation_steps; ++k) {
     const Vec3<Wide> next = e.inverse * RotationExp(w * h).inverse(L), change = next - w;
     for (int i = 0; i < 3; ++i) w.v[i] = select(going, next.v[i], w.v[i]);
-    going &= dot(change, change) > Wide(1e-30) * dot(w, w);
+    going &= dot(change, change) > Wide(integrator::rotation_tolerance) * dot(w, w);
     if (!any(going)) break;
   }
   if (any(going)) [[unlikely]]

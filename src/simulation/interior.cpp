@@ -1,12 +1,5 @@
-// An interior-point method for Coulomb's law: Y = (mu y_n, y_t) and U in the cone |.| <= ._0 follow Y o U = sigma (1, 0) to sigma = 0, where
-//   U_0 = c_n / mu - y_t . c_t / Y_0,   U_t = c_t
-// De Saxce's correction is |c_t| in place of - y_t . c_t / Y_0, and the same where contacts stick, c_t = 0, or slide, y_t = - Y_0 c_t / |c_t|; this
-// one has no kink where they stick, and Y . U = y_n c_n. Steps scaled after Nesterov and Todd, centred after Mehrotra (1992):
-//   (B G + W^2 S + N) dy = sigma Y^-1 - U        S = dY/dy,  B = dU/dc,  N = dU/dy,  W^2 Y = U
-// From the guess, as far inside as its error says. Boxes y in [l, u] have z_l (y - l) = sigma, z_u (u - y) = sigma, z_l - z_u = c.
-// Where that ends elsewhere, the correction is held, U_0 = c_n / mu + s: a convex problem, whose solution says the next s = |c_t| (Cadoux 2009; Acary,
-// Cadoux, Lemarechal and Malick 2011), and from each of these Newton's method begins anew.
-#include "simulation/newton.hpp"
+#include "simulation/interior.hpp"
+
 #include "solver/lorentz.hpp"
 
 namespace dyn::simulation {
@@ -15,39 +8,10 @@ namespace {
 
 using solver::lorentz;
 using solver::within_cone;
+using namespace tuning::interior;
 
-constexpr double to_boundary = 0.99, min_centring = 1e-6, min_compliance = 1e-6;
-constexpr double inside = 10;  // of the guess's error
-constexpr int refinements = 1;
-constexpr Index max_steps = 30, max_newton_steps = 6;
-// with the correction held
-constexpr Index problems_a_start = 30, polishing_steps = 10;
-constexpr double solved = 1e-4, max_relaxed = 64;
+}  // namespace
 
-class Interior : public Newton {
- public:
-  using Newton::Newton;
-  bool run(dynContactReport& report);
-  bool run_fixed_correction(dynContactReport& report);
-
- private:
-  bool fixed_correction = false;  // de Saxce's correction, as State::correction
-  Index short_steps = 0;
-  double *rhs = before + room, *U = before + 6 * room, *upper = U + room, *dU = upper + room, *dupper = dU + room, *y_here = dupper + room, *c_here = y_here + room;
-  // U of boxes: z_l; upper: z_u
-
-  void start_inside(double shift);
-  double complementarity() const;
-  void scale_cone(const ActiveConstraint& a, State& s) const;
-  bool factorize_barrier() const;
-  void direction_to(double sigma);
-  double max_step_to_boundary() const;
-  void update_correction();
-  bool step(dynContactReport& report);
-  bool newton_refine(Index most, double share, dynContactReport& report);
-};
-
-// The nearest point that far inside.
 void Interior::start_inside(double shift) {
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
     double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
@@ -56,7 +20,7 @@ void Interior::start_inside(double shift) {
       for (Index i = 0; i < s.rows; ++i) {
         const bool l = std::isfinite(s.lower), u = std::isfinite(s.upper);
         Uk[i] = top[i] = 0;
-        if (l && u) yk[i] = std::clamp(yk[i], s.lower + 0.1 * (s.upper - s.lower), s.upper - 0.1 * (s.upper - s.lower));
+        if (l && u) yk[i] = std::clamp(yk[i], s.lower + box_inset * (s.upper - s.lower), s.upper - box_inset * (s.upper - s.lower));
         else if (l) yk[i] = std::max(yk[i], s.lower + shift);
         else if (u) yk[i] = std::min(yk[i], s.upper - shift);
         if (l) Uk[i] = std::max(ck[i], shift);
@@ -72,7 +36,7 @@ void Interior::start_inside(double shift) {
   });
 }
 
-// sigma of the point of the path that is nearest
+// sigma of the nearest point of the path.
 double Interior::complementarity() const {
   double sum = 0;
   Index count = 0;
@@ -91,7 +55,7 @@ double Interior::complementarity() const {
   return count ? sum / count : 0;
 }
 
-// law = (W^2 S + N)^-1 B of a cone, W^-2 = (2 v v' - J) / ratio; what is soft joins its inverse.
+// law = (W^2 S + N)^-1 B of a cone, W^-2 = (2 v v' - J) / ratio; a compliance is added to its inverse.
 void Interior::scale_cone(const ActiveConstraint& a, State& s) const {
   const double *yk = y + a.s->first, *Uk = U + a.s->first, *ck = c + a.s->first;
   const Index m = s.rows - 1;
@@ -107,8 +71,8 @@ void Interior::scale_cone(const ActiveConstraint& a, State& s) const {
     for (Index j = 0; j <= m; ++j) A[i][j] = ratio * (2 * v[i] * v[j] - (i == j) * (i == 0 ? 1 : -1)) / (i == 0 ? s.mu : 1);
   for (Index j = 0; j <= m; ++j)
     for (Index i = 0; i <= m; ++i) nA[j] += n[i] * A[i][j];
-  // by Sherman and Morrison, N = (1, 0) n'; left out where that turns the sign
-  if (const double own = 1 + nA[0]; !fixed_correction && own > 1e-3)
+  // Sherman-Morrison, N = (1, 0) n'; dropped where it would change the sign
+  if (const double own = 1 + nA[0]; !fixed_correction && own > min_pivot)
     for (Index i = 0; i <= m; ++i) {
       const double first = A[i][0] / own;
       for (Index j = 0; j <= m; ++j) A[i][j] -= first * nA[j];
@@ -141,7 +105,7 @@ bool Interior::factorize_barrier() const {
   return factorize();
 }
 
-// To the point of the path at sigma, dy and dc = G dy, and what U and the boxes' z do on the way.
+// Direction to the point of the path at sigma: dy, dc = G dy, and the changes of U and the boxes' z.
 void Interior::direction_to(double sigma) {
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
     const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *ck = c + a.s->first;
@@ -171,7 +135,7 @@ void Interior::direction_to(double sigma) {
     }
   };
   std::fill_n(dy, x.rows, 0.0);
-  for (int k = 0; k <= refinements; ++k) {  // again: of what G dy is not as it was to be
+  for (int k = 0; k <= refinements; ++k) {  // iterative refinement
     clear();
     for_each([&](const ActiveConstraint& a, const State& s, Index constraint) {
       double by[max_rows];
@@ -208,12 +172,13 @@ void Interior::direction_to(double sigma) {
   });
 }
 
-// The step to the boundary.
+// Step length to the boundary.
 double Interior::max_step_to_boundary() const {
   double t = HUGE_VAL;
   const auto limit = [&](double a, double d) { t = d < 0 ? std::min(t, -a / d) : t; };
   for_each([&](const ActiveConstraint& a, const State& s, Index) {
-    const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first, *dyk = dy + a.s->first, *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
+    const double *yk = y + a.s->first, *Uk = U + a.s->first, *top = upper + a.s->first;
+    const double *dyk = dy + a.s->first, *dUk = dU + a.s->first, *dtop = dupper + a.s->first;
     if (s.cone) {
       t = std::min(t, within_cone(s.mu * yk[0], yk + 1, s.mu * dyk[0], dyk + 1, s.rows - 1));
       t = std::min(t, within_cone(Uk[0], Uk + 1, dUk[0], dUk + 1, s.rows - 1));
@@ -227,22 +192,21 @@ double Interior::max_step_to_boundary() const {
   return t;
 }
 
-// false: it leads nowhere.
 bool Interior::step(dynContactReport& report) {
   ++report.newton_steps;
   if (!factorize_barrier()) return false;
   const double sigma = complementarity();
   direction_to(0);
-  const double left = 1 - std::min(1.0, max_step_to_boundary());  // how much of sigma a step aiming at 0 would leave
+  const double left = 1 - std::min(1.0, max_step_to_boundary());  // sigma that an affine step would leave
   direction_to(sigma * std::max(min_centring, left * left * left));
   const double t = std::min(1.0, to_boundary * max_step_to_boundary());
   if (!(t > 0) || !std::all_of(dc, dc + x.rows, [](double change) { return std::isfinite(change); })) return false;
   for (Index i = 0; i < x.rows; ++i) y[i] += t * dy[i], c[i] += t * dc[i], U[i] += t * dU[i], upper[i] += t * dupper[i];
-  short_steps = t < 0.1 ? short_steps + 1 : 0;
-  return short_steps < 3;
+  short_steps = t < short_step ? short_steps + 1 : 0;
+  return short_steps < max_short_steps;
 }
 
-// By Newton's method from here; if that does not do, back.
+// Newton's method from here; if it fails, the iterate is restored.
 bool Interior::newton_refine(Index most, double share, dynContactReport& report) {
   std::copy_n(y, x.rows, y_here), std::copy_n(c, x.rows, c_here);
   if (Newton::run(most, share, report)) return true;
@@ -257,51 +221,18 @@ bool Interior::run(dynContactReport& report) {
   short_steps = 0;
   for (Index k = 0; k < max_steps && x.within_budget(report) && step(report); ++k) {
     now = error();
-    if (!(now.most < 1e-2 * speed && now.most < 0.1 * tried)) continue;
+    if (!(now.most < newton_error * speed && now.most < newton_reduction * tried)) continue;
     tried = now.most;
-    if (newton_refine(max_newton_steps, 0.5, report)) return true;
+    if (newton_refine(newton_steps, newton_share, report)) return true;
   }
   return false;
 }
-
-// The next correction of each contact; after steps one way, twice as far.
-void Interior::update_correction() {
-  for_each([&](const ActiveConstraint& a, State& s, Index) {
-    const double step = solver::norm(c + a.s->first + 1, s.rows - 1) - s.correction;
-    s.relaxed = step * s.corrected > 0 && std::abs(step) > 0.5 * std::abs(s.corrected) ? std::min(max_relaxed, 2 * s.relaxed) : 1;
-    s.corrected = step;
-    s.correction = std::max(0.0, s.correction + s.relaxed * step);
-  });
-}
-
-bool Interior::run_fixed_correction(dynContactReport& report) {
-  fixed_correction = true;
-  for (Index k = 0; k < 2 * problems_a_start && x.within_budget(report); ++k) {
-    if (k % problems_a_start == 0)  // from the guess's corrections, then from none
-      for_each([&](const ActiveConstraint& a, State& s, Index) { s.correction = k ? 0 : solver::norm(c + a.s->first + 1, s.rows - 1), s.corrected = 0, s.relaxed = 1; });
-    else
-      update_correction();
-    const double wrong = error().own / x.rows;
-    start_inside(inside * std::sqrt(wrong)), velocities();
-    short_steps = 0;
-    for (Index i = 0; i < max_steps && x.within_budget(report) && step(report) && complementarity() > solved * wrong; ++i) {}
-    if (newton_refine(polishing_steps, 1, report)) return true;
-  }
-  return false;
-}
-
-}  // namespace
 
 bool interior(const Island& x, dynContactReport& report) {
   Interior method(x);
   if (method.Newton::run(report) || method.run(report)) return true;
   method.write_best(report);
   return false;
-}
-
-void interior_fixed_correction(const Island& x, dynContactReport& report) {
-  Interior method(x);
-  if (!method.run_fixed_correction(report)) method.write_best(report);
 }
 
 }  // namespace dyn::simulation

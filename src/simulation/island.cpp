@@ -6,14 +6,13 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double rest = 0.05;  // of slow_speed: above it a contact is an impact however long the step
-
 // Speed at which a gap may close: exactly within the step.
 // In steps that follow from an accuracy a closed gap may not close, and an open one may close freely (bounded by 10 max speed).
 // Otherwise velocities would depend on gaps that are errors, and on the step. Hysteresis: an active contact opens at a larger gap.
 double gap_bias(const Island& x, double gap, double rate, bool pressed) {
   if (x.w.closed_gap == 0) return std::max(0.0, gap) / x.h;
-  return gap <= x.w.closed_gap || (pressed && (gap <= reopen_factor * x.w.closed_gap || gap + x.h * rate <= x.w.closed_gap)) ? 0 : 10 * x.fast;
+  const bool stays_closed = pressed && (gap <= tuning::reopen_factor * x.w.closed_gap || gap + x.h * rate <= x.w.closed_gap);
+  return gap <= x.w.closed_gap || stays_closed ? 0 : tuning::free_closing * x.fast;
 }
 
 // Records by how far and how long a newly met contact passed closed_gap within the step.
@@ -85,7 +84,8 @@ void fill_contact(Island& x, const ActiveConstraint& slot, Index k) {
   } else if (material.restitution > 0 && (x.w.closed_gap > 0 ? gap <= x.w.closed_gap : gap + x.h * s.rate[normal] <= 0)) {
     const auto [before, gained] = approach(x, s, normal);
     // slower approach is rest, not an impact: gravity in one step makes it, or it would not rebound above closed_gap
-    const double least = x.w.closed_gap > 0 ? std::max(x.w.closed_gap, std::sqrt(2 * x.w.closed_gap * gained / x.h)) : std::min(2 * gained, rest * slow_speed(x.d, x.h));
+    const double least = x.w.closed_gap > 0 ? std::max(x.w.closed_gap, std::sqrt(2 * x.w.closed_gap * gained / x.h))
+                                              : std::min(2 * gained, tuning::island::impact_speed * slow_speed(x.d, x.h));
     if (before < -least)
       x.restitution[k] = material.restitution, x.v_minus[n] = before, x.bias[n] = 0, x.bounces = true;
   }

@@ -24,7 +24,7 @@ struct Island {
   double fast = 0;     // largest rate of its rows (m/s), when closed_gap > 0
   enum class Eliminated { Not, Runs, Fits, DoesNotFit };
   Eliminated eliminated = Eliminated::Not;
-  Index allowance = 3 * w.options.max_iterations;  // iterations, summed over all methods
+  Index allowance = tuning::island::rounds * w.options.max_iterations;  // iterations, summed over all methods
 
   double* vector(int k) const { return w.vectors + k * padded_rows(step_rows(m)); }
   double *g = vector(0), *bias = vector(1), *lambda = vector(2), *c = vector(3), *compliance = vector(4), *v_minus = vector(5), *lower = vector(6),

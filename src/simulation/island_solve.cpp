@@ -39,10 +39,10 @@ bool Island::dense_matrix() {
     low = std::min(low, a.support[a.s->support - 1]), high = std::max(high, a.support[0]), carried += a.s->support;
   }
   const Index dofs = high - low + 1;
-  if (dofs < 1 || dofs > max_dense_dofs || std::ptrdiff_t(dofs) * constraint_count > 4 * carried) return false;
+  if (dofs < 1 || dofs > tuning::island::dense_dofs || std::ptrdiff_t(dofs) * constraint_count > tuning::island::dense_fill * carried) return false;
   const std::ptrdiff_t ld = stride();
   const double* Dinv = inverse_pivots(m, d) + low;
-  double *const Z = w.dense, *const G = w.matrix, root[max_dense_dofs];
+  double *const Z = w.dense, *const G = w.matrix, root[tuning::island::dense_dofs];
   for (Index k = 0; k < dofs; ++k) root[k] = std::sqrt(Dinv[k]);
   std::fill_n(Z, ld * dofs, 0.0);
   for (Index k = 0; k < constraint_count; ++k) {
@@ -73,7 +73,8 @@ void Island::matrix() {
   if (has_matrix) return;
   has_matrix = true;
   if (dense_matrix()) return;
-  static constexpr auto couples = std::array{couple_constraints<1>, couple_constraints<2>, couple_constraints<3>, couple_constraints<4>, couple_constraints<5>, couple_constraints<6>};
+  static constexpr auto couples = std::array{couple_constraints<1>, couple_constraints<2>, couple_constraints<3>,
+                                             couple_constraints<4>, couple_constraints<5>, couple_constraints<6>};
   const std::ptrdiff_t ld = stride();
   const double* Dinv = inverse_pivots(m, d);
   double* G = w.matrix;
@@ -96,7 +97,7 @@ void Island::matrix() {
 void Island::project_rhs_to_range() {
   const RowWork<double> work = row_work(m, d);
   const Index n = equalities;
-  const double round_off = 1e-15 * n;  // of the unit diagonal, in pivots
+  const double round_off = tuning::island::round_off * n;  // of the unit diagonal, in pivots
   const std::ptrdiff_t ld = padded_rows(n);
   double *const block = work.factor, *const asked = work.vector(1), *const consistent = work.vector(2), *const scale = work.vector(3);
   for (Index j = 0; j < n; ++j) {
@@ -135,7 +136,8 @@ void Island::solve(dynContactReport& best) {
   std::int32_t iterations = 0, newton_steps = 0;
   for (const auto& t : tries) {
     solver::Budget b;
-    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm, b.sweeps = t.sweeps, b.brief = true, b.expired = w.expired, b.clock = w.clock;
+    b.tolerance = w.options.tolerance, b.max_iterations = w.options.max_iterations, b.warm = t.warm, b.sweeps = t.sweeps;
+    b.brief = true, b.expired = w.expired, b.clock = w.clock;
     dynContactReport report{};
     solver::solve(p, solver::solvers[t.solver], w.solver, b, lambda, report);
     iterations += report.iterations, newton_steps += report.newton_steps;
@@ -156,7 +158,7 @@ void Island::solve_displacement() {
   }
   const dynContactProblem p = problem(*this);
   solver::Budget b;
-  b.tolerance = 1e-6, b.max_iterations = w.options.max_iterations, b.brief = true, b.expired = w.expired, b.clock = w.clock;
+  b.tolerance = tuning::island::correction_tolerance, b.max_iterations = w.options.max_iterations, b.brief = true, b.expired = w.expired, b.clock = w.clock;
   dynContactReport report{};
   solver::solve(p, solver::solvers[w.options.solver], w.solver, b, lambda, report);
   solver::unscale(p, w.solver.problem, w.solver.y, lambda);

@@ -52,7 +52,8 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   LedgerState x{};
   x.energy = energies(m, d).sum();
   Vec3<double> force = Vec3<double>::zero();
-  x.power.wrenches = power_on_bodies(m, d, acting_wrenches | DYN_EFFECT_GRAVITY_COMPENSATION, force), x.power.fluid = power_on_bodies(m, d, DYN_EFFECT_FLUID, force);
+  x.power.wrenches = power_on_bodies(m, d, acting_wrenches | DYN_EFFECT_GRAVITY_COMPENSATION, force);
+  x.power.fluid = power_on_bodies(m, d, DYN_EFFECT_FLUID, force);
   double* const t = d.step->ledger.tau;  // total torque at joints
   std::copy_n(d.tau_applied, m.n.nv, t);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
@@ -93,7 +94,8 @@ void record_step(const Model& m, Data<double>& d, double h) {
   const auto mean = [&](double LedgerState::Power::*p) { return h / 2 * (l.before.power.*p + after.power.*p); };
   using Power = LedgerState::Power;
   const double change = after.energy - l.before.energy;
-  const double work[] = {mean(&Power::applied), mean(&Power::actuators), mean(&Power::wrenches), mean(&Power::damping), mean(&Power::friction), mean(&Power::fluid),
+  const double work[] = {mean(&Power::applied), mean(&Power::actuators), mean(&Power::wrenches),
+                         mean(&Power::damping), mean(&Power::friction), mean(&Power::fluid),
                          l.rows.normal, l.rows.sliding, l.rows.limits, l.rows.constraints, l.rows.correction};
   double* const entries[] = {&out.applied, &out.actuators, &out.wrenches, &out.damping, &out.friction, &out.fluid,
                              &out.contact_normal, &out.contact_friction, &out.limits, &out.constraints, &out.correction};
@@ -133,8 +135,10 @@ void record_impulses(const Island& x) {
       if (a.kind == RowKind::Equality) l.constraints += work, l.drift = std::max(l.drift, std::abs(s.error[r]));
       else if (a.kind == RowKind::Box) l.limits += work;
       else (r == normal ? l.normal : l.sliding) += work;
-      if (r == normal) pressed = x.lambda[i], l.complementarity = std::max(l.complementarity, std::abs(x.lambda[i] * (x.c[i] + x.bias[i] + x.compliance[i] * x.lambda[i])) / x.h);
-      else if (a.kind == RowKind::Contact && r < 3) across = math::hypot(across, x.lambda[i]);
+      if (r == normal) {
+        const double velocity = x.c[i] + x.bias[i] + x.compliance[i] * x.lambda[i];
+        pressed = x.lambda[i], l.complementarity = std::max(l.complementarity, std::abs(x.lambda[i] * velocity) / x.h);
+      } else if (a.kind == RowKind::Contact && r < 3) across = math::hypot(across, x.lambda[i]);
     }
     if (a.kind == RowKind::Contact) {
       const ContactLaw& law = x.w.laws[a.index];

@@ -6,14 +6,8 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double min_compliance = 1e-6;  // of the unit diagonal: steps are unique where contacts are redundant
-constexpr double damping = 1e-2;           // the same, where a step without makes nothing better (Levenberg and Marquardt)
-constexpr int refinements = 1;             // of a step, after which it is as if there were no such compliance
-constexpr double min_step = 0.2;
-constexpr double jammed = 100;             // impulses that exceed those of all free velocities so much are stress that friction locks in
-constexpr double hardly_more = 1.1;    // than the guess: what is heavy presses through what is light
-constexpr Index max_steps = 15;
-constexpr Index as_they_are[6] = {0, 1, 2, 3, 4, 5};
+using namespace tuning::newton;
+
 
 // Impulses of rows from unknowns. A slipping contact has the normal (friction follows it) and the directions across the slip.
 void to_rows(const NewtonConstraint& s, const double* unknowns, double* rows) {
@@ -66,85 +60,6 @@ DYN_INLINE void add_product(const NewtonConstraint& s, const double* a, const do
 }
 
 }  // namespace
-
-// Sets the scaling (unit diagonals, round cones) and the guess.
-void Newton::scale() {
-  Index boxes = 0, contacts = 0;
-  for_each([&](const ActiveConstraint& a, State& s, Index k) {
-    const ConstraintBlock& own = w.blocks[k];
-    const Index rows = a.s->rows;
-    s.order = as_they_are, s.rows = rows, s.cone = false;
-    auto unit = [](double diagonal) { return diagonal > 0 ? 1 / std::sqrt(diagonal) : 1; };
-    for (Index i = 0; i < rows; ++i) s.unit[i] = unit(own.diagonal[i] + x.compliance[a.s->first + i]);
-    s.lower = -HUGE_VAL, s.upper = HUGE_VAL;
-    if (a.kind == RowKind::Box) {
-      s.lower = x.lower[boxes] / s.unit[0], s.upper = x.upper[boxes] / s.unit[0], ++boxes;
-    } else if (a.kind == RowKind::Contact) {
-      const double mu = x.friction[contacts++];
-      if (rows == 1 || mu == 0) {
-        s.lower = 0;
-      } else {
-        s.order = order_of[rows], s.cone = true;
-        double across = 0;
-        for (Index i = 1; i < rows; ++i) across = std::max(across, own.G[i + row_lanes * i]);
-        const double n = unit(own.G[0]), t = unit(across);
-        s.mu = mu * n / t;
-        for (Index i = 0; i < rows; ++i) s.unit[i] = own.scale[i] * (i ? t : n);
-        s.speed[0] = n, s.speed[1] = t;
-      }
-    }
-    if (!s.cone) s.speed[0] = s.unit[0];
-    for (Index i = 0; i < rows; ++i) {
-      const double l = x.lambda[a.s->first + s.order[i]];
-      y[a.s->first + i] = s.unit[i] > 0 ? l / s.unit[i] : 0;
-      before[a.s->first + i] = y[a.s->first + i];
-    }
-  });
-}
-
-// Collects rows by segments, and pivots.
-void Newton::build_segment_rows() {
-  const double* Dinv = inverse_pivots(x.m, x.d);
-  const Segments& segments = w.segments;
-  std::fill_n(w.pivots, W * std::ptrdiff_t(e.size), 0.0);
-  for (Index i = 0; i < e.size; ++i) {
-    const Index s = e.segment[e.order[i]], first = segments.first[s];
-    for (Index k = first; k < segments.first[s + 1]; ++k) w.pivots[W * i + k - first] = Dinv[k];
-  }
-  double* to = w.run_rows;
-  for_each([&](const ActiveConstraint& a, const State& s, Index k) {
-    Index n = 0;
-    const double* carried = a.Y;
-    for (Index r = e.first_run[k]; r < e.first_run[k + 1]; ++r) {
-      ConstraintRun& run = e.runs[r];
-      const Index of = e.segment[run.segment], first = segments.first[of];
-      run.rows = to;
-      std::fill_n(to, W * s.rows, 0.0);
-      for (; n < a.s->support && segments.of[a.support[n]] == of; ++n, carried += row_lanes)
-        for (Index i = 0; i < s.rows; ++i) to[W * i + a.support[n] - first] = s.unit[i] * carried[s.order[i]];
-      to += W * s.rows;
-    }
-  });
-}
-
-// G y in scaled units, compliance included.
-void Newton::times(const double* of, double* G_of) const {
-  clear();
-  for_each([&](const ActiveConstraint& a, const State& s, Index k) { scatter(k, s.rows, of + a.s->first); });
-  for (std::ptrdiff_t i = 0; i < W * std::ptrdiff_t(e.size); ++i) w.by_segment[i] *= w.pivots[i];
-  for_each([&](const ActiveConstraint& a, const State& s, Index k) {
-    double* to = G_of + a.s->first;
-    gather(k, s.rows, w.by_segment, to);
-    for (Index i = 0; i < s.rows; ++i) to[i] += soft(a, s, i) * of[a.s->first + i];
-  });
-}
-
-void Newton::velocities() const {
-  times(y, c);
-  for_each([&](const ActiveConstraint& a, const State& s, Index) {
-    for (Index i = 0; i < s.rows; ++i) c[a.s->first + i] += s.unit[i] * (x.g[a.s->first + s.order[i]] + x.bias[a.s->first + s.order[i]]);
-  });
-}
 
 // Residual of Alart and Curnier's function at y + t dy.
 Newton::Error Newton::error(double t) const {
@@ -319,7 +234,7 @@ Newton::Newton(const Island& island)
   scale(), build_segment_rows();
   std::fill_n(y, x.rows, 0.0), velocities();
   for (Index i = 0; i < x.rows; ++i) bound += jammed * std::abs(c[i]);
-  for (Index i = 0; i < x.rows; ++i) bound = std::max(bound, hardly_more * std::abs(before[i]));
+  for (Index i = 0; i < x.rows; ++i) bound = std::max(bound, above_guess * std::abs(before[i]));
   std::copy_n(before, x.rows, y), velocities();
 }
 
@@ -342,7 +257,7 @@ bool Newton::run(Index most, double share, dynContactReport& report) {
       std::copy_n(before, x.rows, y), velocities();
       break;
     }
-    if (next.most < 1e-2 * speed && (report.residual = residual()) <= x.w.options.tolerance) return true;
+    if (next.most < near * speed && (report.residual = residual()) <= x.w.options.tolerance) return true;
     if (!(next.sum < share * now.sum)) break;
     now = next;
   }
@@ -357,38 +272,6 @@ void Newton::write_best(dynContactReport& report) {
   to_impulses(before);
   report.residual = x.residual() / speed;
   if (found < report.residual) to_impulses(best), report.residual = found;
-}
-
-// Compares the price of a factorization: dense rows^3 against blocks of segments, in the same unit (measured).
-// With no more rows than lanes contacts are seldom redundant, and the damped dense Newton succeeds more often.
-bool Island::sparse() {
-  if (eliminated == Eliminated::Not) eliminated = w.elimination.find_runs(*this) ? Eliminated::Runs : Eliminated::DoesNotFit;
-  const double whole = double(rows) * rows * rows, block = rows > segment_lanes * w.elimination.size ? 4000 : 16000;
-  if (!large() && whole <= block * w.elimination.size) return false;
-  return ordered() && (large() || whole > block * (w.elimination.size + w.elimination.entries()));
-}
-
-bool Island::ordered() {
-  if (eliminated == Eliminated::Runs) eliminated = w.elimination.find_order(*this) ? Eliminated::Fits : Eliminated::DoesNotFit;
-  return eliminated == Eliminated::Fits;
-}
-
-// A residual slightly above the tolerance: contacts contradict one another by as little, and a solution of all is hard to find.
-void Island::solve_fixed_correction(dynContactReport& report) {
-  constexpr Index fair = 30;  // iterations; below it they were the reason
-  constexpr double rounding = 1e-11;
-  if (w.options.max_iterations < fair || report.residual < rounding || (!sparse() && !ordered())) return;
-  allowance = report.iterations + report.newton_steps + (report.residual > 10 * w.options.tolerance ? 9 : 2) * w.options.max_iterations;
-  interior_fixed_correction(*this, report);
-}
-
-bool Island::newton(dynContactReport& report, bool from_inside) {
-  if (!sparse()) return false;
-  if (from_inside) return interior(*this, report);
-  Newton method(*this);
-  if (method.run(report)) return true;
-  method.write_best(report);
-  return false;
 }
 
 }  // namespace dyn::simulation

@@ -91,7 +91,5 @@ class Newton {
 
 // Interior-point method (interior.cpp).
 bool interior(const Island& x, dynContactReport& report);
-// Interior-point method with fixed de Saxce corrections: a sequence of convex problems, for islands that nothing else solves.
-void interior_fixed_correction(const Island& x, dynContactReport& report);
 
 }  // namespace dyn::simulation

@@ -10,10 +10,10 @@ namespace dyn::simulation {
 
 namespace {
 
+using namespace tuning::gauss_seidel;
+
 // Scaled impulse; 0 where the scale holds the row at zero.
 double per_scale(double lambda, double scale) { return scale > 0 ? lambda / scale : 0; }
-
-constexpr int few_sweeps = 4;  // sweeps over a guess that is nearly good, cheaper than a matrix
 
 struct MatrixFreeGaussSeidel {
   const Island& x;
@@ -211,52 +211,12 @@ bool Island::accept_guess(dynContactReport& report) {
   const double most = speed();
   sweep.start();
   report.residual = most > 0 ? sweep.residual() / most : 0;
-  for (int k = 0; k < few_sweeps && report.residual > w.options.tolerance && report.residual < 1e-5; ++k) {
+  for (int k = 0; k < guess_sweeps && report.residual > w.options.tolerance && report.residual < tuning::island::nearly_solved; ++k) {
     prepare_cones();
     sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
   }
   return report.residual <= w.options.tolerance;
-}
-
-// Multiplies the coefficients of restitution by a factor.
-void Island::scale_restitution(double factor) {
-  for (Index k = 0, contact = 0; k < constraint_count; ++k) {
-    const ActiveConstraint& a = constraint(k);
-    if (a.kind != RowKind::Contact) continue;
-    const Index n = a.s->first + normal_row(a.s->rows);
-    if (restitution[contact] > 0 && v_minus[n] < 0) bias[n] = factor * restitution[contact] * v_minus[n];
-    ++contact;
-  }
-}
-
-// Returns whether the impulses gain energy beyond the tolerance, or nothing near a solution was found (as in solver/solve.cpp).
-bool Island::adds_energy(const dynContactReport& report) const {
-  double work = 0, size = 0;
-  for (Index i = 0; i < rows; ++i) work += lambda[i] * (g[i] + c[i]) / 2, size += std::abs(lambda[i] * g[i]);
-  return work > (1e-10 + 10 * w.options.tolerance) * size || report.residual > 1e-2;
-}
-
-// Restitution in islands too large for a matrix: the largest factor (bisection) with which no energy is gained.
-void Island::solve_restitution(dynContactReport& report) {
-  Index iterations = 0, newton_steps = 0;
-  const auto refused = [&](double factor) {
-    report.iterations = report.newton_steps = 0;
-    scale_restitution(factor);
-    uses_gauss_seidel_only() ? gauss_seidel(report) : gauss_seidel_and_newton(report);
-    residual();  // sets c for the best impulses
-    iterations += report.iterations, newton_steps += report.newton_steps;
-    return adds_energy(report);
-  };
-  if (refused(1) && !w.time_is_up()) {
-    double low = 0, high = 1;
-    while (high - low > 1e-2 && !w.time_is_up()) {
-      const double factor = 0.5 * (low + high);
-      (refused(factor) ? high : low) = factor;
-    }
-    refused(low);
-  }
-  report.iterations = std::int32_t(iterations), report.newton_steps = std::int32_t(newton_steps);
 }
 
 // Sweeps until changes are small, then until the residual meets the tolerance. At least one: cones may have turned since the guess.
@@ -285,7 +245,7 @@ void Island::gauss_seidel_and_newton(dynContactReport& report) {
   Index tries = 0;
   double best = HUGE_VAL;  // residual of what is kept
   const auto may_sweep = [&] { return report.iterations == 0 || within_budget(report); };
-  for (Index some = 5; (large() || some <= 10) && report.residual > w.options.tolerance && may_sweep(); some *= 2) {
+  for (Index some = first_sweeps; (large() || some <= max_small) && report.residual > w.options.tolerance && may_sweep(); some *= 2) {
     for (Index k = 0; k < some && may_sweep(); ++k) sweep(), ++report.iterations;
     report.residual = sweep.residual() / most;
     if (report.residual <= w.options.tolerance || newton(report, ++tries >= 2)) break;
@@ -300,12 +260,12 @@ void Island::gauss_seidel_while_improving(dynContactReport& report) {
   const double most = speed();
   prepare_cones();
   std::copy_n(lambda, rows, kept);
-  for (Index worse = 0, k = 0; worse < 3 && k < w.options.max_iterations / 2 && report.residual > w.options.tolerance && !w.time_is_up(); ++k) {
+  for (Index worse = 0, k = 0; worse < max_stalls && k < w.options.max_iterations / 2 && report.residual > w.options.tolerance && !w.time_is_up(); ++k) {
     sweep.start();
-    for (int i = 0; i < 20; ++i) sweep();
-    report.iterations += 20;
+    for (int i = 0; i < batch; ++i) sweep();
+    report.iterations += batch;
     const double now = sweep.residual() / most;
-    worse = now < 0.9 * report.residual ? 0 : worse + 1;
+    worse = now < progress * report.residual ? 0 : worse + 1;
     if (now < report.residual) report.residual = now, std::copy_n(lambda, rows, kept);
   }
   std::copy_n(kept, rows, lambda);
@@ -313,12 +273,11 @@ void Island::gauss_seidel_while_improving(dynContactReport& report) {
 
 // Approximate frictionless solution for position corrections; later steps correct the rest. Needs by_dof = 0.
 void Island::gauss_seidel_frictionless() {
-  constexpr int max_sweeps = 20;
-  const double least = std::max(0.02, uses_gauss_seidel_only() ? w.options.tolerance : 0);  // of the largest change in the first sweep
+  const double least = std::max(correction_change, uses_gauss_seidel_only() ? w.options.tolerance : 0);  // of the largest change in the first sweep
   std::fill_n(lambda, rows, 0.0);
   const MatrixFreeGaussSeidel sweep{*this, inverse_pivots(m, d), by_dof};
   const double first = sweep.frictionless_sweep();
-  for (int k = 1; k < max_sweeps && sweep.frictionless_sweep() > least * first; ++k) {}
+  for (int k = 1; k < correction_sweeps && sweep.frictionless_sweep() > least * first; ++k) {}
 }
 
 }  // namespace dyn::simulation

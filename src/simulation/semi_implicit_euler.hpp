@@ -63,7 +63,9 @@ template <class T, class Part>
 Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs, const Part& part) {
   T* const armature = d.armature;
   const T* tau = d.tau_applied;
-  const std::uint32_t acting = d.acting, implicit = std::uint32_t(DYN_EFFECT_DAMPING) | DYN_EFFECT_FRICTION | DYN_EFFECT_ACTUATORS | (springs ? std::uint32_t(DYN_EFFECT_SPRINGS) : 0u);
+  const std::uint32_t acting = d.acting;
+  const std::uint32_t implicit = std::uint32_t(DYN_EFFECT_DAMPING) | DYN_EFFECT_FRICTION | DYN_EFFECT_ACTUATORS |
+                                 (springs ? std::uint32_t(DYN_EFFECT_SPRINGS) : 0u);
   springs = springs && (d.acting & DYN_EFFECT_SPRINGS);
   if (d.acting & implicit) {
     d.armature = d.net + m.n.nv;
@@ -149,7 +151,8 @@ inline Index euler_step_of_awake(const Model& m, Data<double>& d, const Stages<d
   const FreeBodyScope flight(d);
   for (;;) {
     const auto dynamics = [&](const auto& part) { return implicit_dynamics(m, d, s, h, springs, part); };
-    if (const Index joint = z.unconstrained ? with_unbatched_trees(d, z.awake, dynamics) : with_unbatched_trees(d, AllTrees{}, dynamics)) return joint;
+    const Index joint = z.unconstrained ? with_unbatched_trees(d, z.awake, dynamics) : with_unbatched_trees(d, AllTrees{}, dynamics);
+    if (joint) return joint;
     if (end_euler_step(m, d, s, h, z.awake, true)) return 0;
     simulation::wake_touched(m, d);
   }

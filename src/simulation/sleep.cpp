@@ -14,7 +14,6 @@ using collision::PairSearch;
 // of an island; deep: it may be left out
 enum : std::uint8_t { slow = 1, ready = 2, steady = 4, still_before = 8, alike = 16, deep = 32 };
 constexpr std::uint8_t at_rest = slow | ready | steady, stays = at_rest | still_before | alike;
-constexpr double solved = 1e-6;  // of the largest: how far forces of one problem may differ, solved again
 
 Index body_of(const Model& m, const Data<double>& d, Index shape) {
   const GeomRecord* g = std::lower_bound(m.geoms(), m.geoms() + m.n.geoms, shape, [](const GeomRecord& x, Index s) { return x.shape < s; });
@@ -76,7 +75,8 @@ void wake_island(Sleep& z, Index tree) {
 void update_awake(const Model& m, Data<double>& d) {
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
-  move_contacts(z.sleeping_contacts, z.sleeping_contact_count, w.contacts, w.contact_count, [&](const dynContact& c) { return z.state[tree_of(m, d, c)] == Sleeper::Awake; });
+  const auto awake = [&](const dynContact& c) { return z.state[tree_of(m, d, c)] == Sleeper::Awake; };
+  move_contacts(z.sleeping_contacts, z.sleeping_contact_count, w.contacts, w.contact_count, awake);
   for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
     if (z.state[tree] == Sleeper::Awake && search.sleeping->has(id)) search.wake(search.moving_geoms[id]);
   });
@@ -175,7 +175,10 @@ void detect_rest(const Model& m, Data<double>& d, const double* v0, const double
   Workspace& w = *d.step;
   Sleep& z = w.sleep;
   const double speed = w.options.sleep_speed, time = w.options.sleep_time, change = speed / time * h;
-  for (Index k = 0; k < z.awake_count; ++k) z.island[z.awake_trees[k]] = z.awake_trees[k], z.flags[z.awake_trees[k]] = stays | deep, z.max_force[z.awake_trees[k]] = 0;
+  for (Index k = 0; k < z.awake_count; ++k) {
+    const Index t = z.awake_trees[k];
+    z.island[t] = t, z.flags[t] = stays | deep, z.max_force[t] = 0;
+  }
   for (Index k = 0; k < w.constraint_count; ++k) {
     const ActiveConstraint& s = w.active[k];
     for (const Index tree : {s.tree1, s.tree2})
@@ -223,7 +226,7 @@ void detect_rest(const Model& m, Data<double>& d, const double* v0, const double
     for_each_with_previous(w, stood, [&](const dynContactForce& f, const dynContactForce* before) {
       const Index t = island(f);
       for (int i = 0; i < 6; ++i)
-        if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > solved * z.max_force[t]) z.flags[t] &= std::uint8_t(~alike);
+        if (std::abs(force(f, i) - (before ? force(*before, i) : 0)) > tuning::same_force * z.max_force[t]) z.flags[t] &= std::uint8_t(~alike);
     });
     for_each_with_previous(w, [&](const dynContactForce& f) { return (z.flags[island(f)] & stays) == stays; }, copy_force);
   }
@@ -268,7 +271,8 @@ void end_sleep(const Model& m, Data<double>& d, double h) {
   }
   if (!some) return;
   z.any_asleep = true, w.advancement_cache.square = 0;
-  move_contacts(w.contacts, w.contact_count, z.sleeping_contacts, z.sleeping_contact_count, [&](const dynContact& c) { return z.state[tree_of(m, d, c)] == Sleeper::Asleep; });
+  const auto asleep = [&](const dynContact& c) { return z.state[tree_of(m, d, c)] == Sleeper::Asleep; };
+  move_contacts(w.contacts, w.contact_count, z.sleeping_contacts, z.sleeping_contact_count, asleep);
   for_each_boxed_geom(d, [&](PairSearch& search, Index id, Index tree) {
     const Index geom = search.moving_geoms[id];
     if (z.state[tree] == Sleeper::Asleep && search.moving->has(id)) search.put_to_sleep(d, geom, box_margin(w, d, geom, h));

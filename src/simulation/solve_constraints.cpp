@@ -7,9 +7,6 @@ namespace dyn::simulation {
 
 namespace {
 
-constexpr double share = 0.5;    // of what is wrong, that a step corrects
-constexpr double nearly = 1e-5;  // a residual that sweeps take down
-
 // Calls f(first of w.order, one past the last) for each island.
 template <class F>
 void for_each_island(const Workspace& w, Index slots, F&& f) {
@@ -53,7 +50,7 @@ void Island::impulses(dynContactReport& report) {
     if (w.time_is_up()) scale_restitution(1), gauss_seidel_and_newton(report);
     else if (large() || (!bounces && sparse())) gauss_seidel_and_newton(report);
     if (!large() && unsolved()) solve(report);
-    if (!bounces && unsolved() && report.residual < nearly) gauss_seidel_while_improving(report);
+    if (!bounces && unsolved() && report.residual < tuning::island::nearly_solved) gauss_seidel_while_improving(report);
     if (!bounces && unsolved()) solve_fixed_correction(report);
     report.residual = std::max(report.residual, inconsistency);
     residual();  // sets by_dof and c for the best impulses
@@ -85,11 +82,12 @@ bool Island::is_angle(const ActiveConstraint& x, Index row) const {
 // the closing rate of rolling surfaces, once for each drift. That part is no error: it falls as h^2, and extrapolation
 // over steps of different lengths would turn it into one.
 bool Island::correct() {
-  const double most = slow_speed(d, h) * h / w.length, ahead = w.closed_gap > 0 ? 0 : h, moved = w.closed_gap > 0 ? 0.5 * h * w.drift_count : 0;  // limit: relative to the length scale, or rad
+  const double most = slow_speed(d, h) * h / w.length;  // of the length scale, or rad
+  const double ahead = w.closed_gap > 0 ? 0 : h, moved = w.closed_gap > 0 ? 0.5 * h * w.drift_count : 0;
   double largest = 0;
   auto part = [&](double wrong, double unit) {
     largest = std::max(largest, std::abs(wrong) / unit);
-    return std::clamp(share * wrong, -most * unit, most * unit);
+    return std::clamp(tuning::island::correction * wrong, -most * unit, most * unit);
   };
   auto one_sided = [&](double gap, double unit) { return gap < 0 ? part(gap, unit) : gap; };
   for (Index k = 0, in_boxes = 0; k < constraint_count; ++k) {
@@ -112,7 +110,7 @@ bool Island::correct() {
     }
     in_boxes += x.kind == RowKind::Box;
   }
-  if (!(largest > slop)) return false;
+  if (!(largest > tuning::slop)) return false;
   if (large() || equalities == 0) gauss_seidel_frictionless();
   else solve_displacement(), scatter_all(by_dof);
   return true;
@@ -130,7 +128,9 @@ bool solve_constraints(const Model& m, Data<double>& d, Index slots, const doubl
 
   v_before = d.expand(m, v_before, d.ax);
   double *impulse = d.constraint_step, *displacement = d.constraint_ddq;
-  for_each_impulse_range(m, d, [&](Index v, Index v_end) { std::fill(impulse + v, impulse + v_end, 0.0), std::fill(displacement + v, displacement + v_end, 0.0); });
+  for_each_impulse_range(m, d, [&](Index v, Index v_end) {
+    std::fill(impulse + v, impulse + v_end, 0.0), std::fill(displacement + v, displacement + v_end, 0.0);
+  });
   for_each_island(w, slots, [&](Index begin, Index end) {
     if (w.active[w.order[begin]].idle) return;
     Island island{m, d, w, w.order + begin, end - begin, h, v_before};

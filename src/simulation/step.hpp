@@ -38,10 +38,6 @@ inline Index body_of_dof(const Model& m, Index dof) {
   return low;
 }
 
-// Lengths are relative to the model's length scale; angles are in rad.
-inline constexpr double slop = 1e-9;         // no correction below it
-inline constexpr double limit_margin = 1e-4;  // limits nearer than this are always rows
-
 // Returns the unit of a limited coordinate: 1 for an angle, else the model's length scale (m).
 inline double unit_of(const Model& m, const Workspace& w, const LimitRecord& r) { return m.bodies()[r.body].type == BodyType::Prismatic ? w.length : 1; }
 
@@ -60,13 +56,14 @@ inline double limit_rate(const ConstraintInstance<double>& s, const double* v) {
 // Speed (m/s) below which impacts are treated as rest: max(0.32 sqrt(g L), 1e-3 L/h), L the model's length scale.
 inline double slow_speed(const Data<double>& d, double h) {
   const double length = d.step->length, g = shape::norm(load3(d.world_gravity));
-  return std::max(0.32 * std::sqrt(g * length), 1e-3 * length / h);
+  return std::max(tuning::slow_fall * std::sqrt(g * length), tuning::slow_shift * length / h);
 }
 
 // Gap beyond which shapes do not meet within a step of h. max_speed: before the step (m/s).
 // Infinite in fixed steps; steps that follow from an accuracy may be so short that only this bounds the search.
-inline constexpr double reopen_factor = 3;  // of w.closed_gap: hysteresis, an active contact opens at a larger gap than it closes at
-inline double contact_margin(const Workspace& w, double h, double fast) { return w.closed_gap > 0 ? reopen_factor * w.closed_gap + 10 * h * fast : HUGE_VAL; }
+inline double contact_margin(const Workspace& w, double h, double max_speed) {
+  return w.closed_gap > 0 ? tuning::reopen_factor * w.closed_gap + tuning::free_closing * h * max_speed : HUGE_VAL;
+}
 
 // Finds the contacts, limits and constraints that act in a step of h, after forward dynamics with the free velocity v_free.
 // Returns their number. d.step->order holds them by islands, d.step->contacts the contacts.
@@ -111,7 +108,9 @@ inline void copy_force(dynContactForce& f, const dynContactForce* before) {
 
 inline bool is_active(const dynContactForce& f) { return dot(load3(f.force_on_b), load3(f.force_on_b)) > 0; }
 // Gap of a contact or a limit (m or rad).
-inline double gap_of(const Workspace& w, const ActiveConstraint& x) { return x.kind == RowKind::Contact ? w.contacts[x.index].contact.distance : x.s->error[0]; }
+inline double gap_of(const Workspace& w, const ActiveConstraint& x) {
+  return x.kind == RowKind::Contact ? w.contacts[x.index].contact.distance : x.s->error[0];
+}
 // Speed at which the gap shrinks. v: velocities of the expanded coordinates (Data::expand).
 double approach_speed(const Model& m, const Data<double>& d, const ActiveConstraint& x, const double* v);
 // Enters in overshoot and overshoot_time by how much a further displacement dq takes inactive contacts and limits beyond closed_gap.

@@ -14,7 +14,8 @@ bool may_rest(const Model& m) { return m.n.contacts > 0 && !m.has_mimic; }
 
 template <class F>
 void for_each_array(const Model& m, Sleep& z, F&& f) {
-  f(z.number, m.n.bodies), f(z.trees, m.n.bodies), f(z.slow_time, m.n.bodies), f(z.max_force, m.n.bodies), f(z.rest_steps, m.n.bodies), f(z.state, m.n.bodies), f(z.flags, m.n.bodies);
+  f(z.number, m.n.bodies), f(z.trees, m.n.bodies), f(z.slow_time, m.n.bodies), f(z.max_force, m.n.bodies);
+  f(z.rest_steps, m.n.bodies), f(z.state, m.n.bodies), f(z.flags, m.n.bodies);
   f(z.next, m.n.bodies), f(z.island, m.n.bodies), f(z.awake_trees, m.n.bodies), f(z.tau, m.n.nv), f(z.ctrl, m.n.nu);
   for_each_array(m, z.buffers, f);
   f(z.sleeping_contacts, m.n.contacts);
@@ -24,7 +25,8 @@ template <class F>
 void for_each_array(const Model& m, FreeBodies& l, F&& f) {
   const std::ptrdiff_t count = m.n.curved;  // upper bound of the number of free bodies; plan.cpp needs sizes that follow from counts alone
   if (count == 0) return;
-  f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.active_sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.columns, count), f(l.has_columns, count), f(l.touched, count);
+  f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.active_sets, (count + Wide::lanes - 1) / Wide::lanes);
+  f(l.columns, count), f(l.has_columns, count), f(l.touched, count);
   f(l.number, m.n.bodies), f(l.trees, m.n.bodies);
   for_each_array(m, l.buffers, f);
 }
@@ -35,7 +37,9 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.ledger.q, m.n.nq), f(w.ledger.tau, m.n.nv);
   for_each_array(m, w.free_bodies, f);
   if (slots == 0) return;
-  f(w.materials, m.n.geoms), f(w.speeds, geom_capacity(m)), f(w.centers, 4 * geom_capacity(m)), f(w.pairs, pair_capacity(m)), f(w.rows, pair_capacity(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_capacity(m)), f(w.awake_geoms, m.n.geoms), f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
+  f(w.materials, m.n.geoms), f(w.speeds, geom_capacity(m)), f(w.centers, 4 * geom_capacity(m));
+  f(w.pairs, pair_capacity(m)), f(w.rows, pair_capacity(m)), f(w.geoms, m.n.geoms), f(w.awake_pairs, pair_capacity(m)), f(w.awake_geoms, m.n.geoms);
+  f(w.tree_of, m.n.bodies), f(w.tree_links, m.n.bodies), f(w.root_velocity, m.n.bodies);
   f(w.instances, own), f(w.support, own * carriers), f(w.Y, row_lanes * own * carriers), f(w.active, slots), f(w.order, slots);
   f(w.contacts, m.n.contacts), f(w.previous, m.n.contacts), f(w.saved, m.n.contacts), f(w.laws, m.n.contacts);
   f(w.vectors, island_vectors * padded_rows(step_rows(m))), f(w.contact_rows, padded_rows(step_rows(m)));
@@ -50,7 +54,8 @@ void for_each_array(const Model& m, Workspace& w, F&& f) {
   f(w.diagonal, BlockFactor::size * segments), f(w.blocks_above, 2 * BlockFactor::size * entries);
   f(w.where, segments), f(w.newton_acts, segments), f(w.newton_filled, entries);
   if (may_rest(m)) for_each_array(m, w.sleep, f);
-  f(w.matrix, room * room), f(w.dense, std::min(max_dense_dofs, m.n.nvx) * room), f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
+  f(w.matrix, room * room), f(w.dense, std::min(tuning::island::dense_dofs, m.n.nvx) * room);
+  f(w.solver_memory, std::ptrdiff_t(solver::workspace_bytes(island_rows(m))));
 }
 
 std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
@@ -108,6 +113,12 @@ std::size_t sleep_bytes(const Model& m) {
   return bytes;
 }
 
-dynStepOptions default_options() { return {sizeof(dynStepOptions), DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1e-3, 0, DYN_CONTACT_SOLVER_TYPE_ADMM, 100, 1e-9, 1e-4, 0.5, 0, 0, 0}; }
+dynStepOptions default_options() {
+  dynStepOptions o{};
+  o.struct_size = sizeof o, o.integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, o.dt = 1e-3;
+  o.solver = DYN_CONTACT_SOLVER_TYPE_ADMM, o.max_iterations = 100, o.tolerance = 1e-9;
+  o.sleep_speed = 1e-4, o.sleep_time = 0.5;
+  return o;
+}
 
 }  // namespace dyn::simulation

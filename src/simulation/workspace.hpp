@@ -7,6 +7,7 @@
 #include "simulation/elimination.hpp"
 #include "simulation/free_bodies.hpp"
 #include "simulation/sleep.hpp"
+#include "simulation/tuning.hpp"
 #include "solver/workspace.hpp"
 
 namespace dyn::simulation {
@@ -210,8 +211,7 @@ inline std::ptrdiff_t geom_capacity(const Model& m) { return std::ptrdiff_t(m.n.
 // Largest island that is solved by its dense Delassus matrix.
 inline Index step_constraints(const Model& m) { return m.n.slots + m.n.contacts + m.n.limits; }
 inline Index step_rows(const Model& m) { return m.n.constraint_rows + 6 * m.n.contacts + m.n.limits; }
-inline Index island_rows(const Model& m) { return std::min<Index>(step_rows(m), 240); }
-inline constexpr Index max_dense_dofs = 64;
+inline Index island_rows(const Model& m) { return std::min(step_rows(m), tuning::island::dense_rows); }
 
 // The workspace in the memory given, which is aligned to 64 bytes.
 std::size_t workspace_bytes(const Model& m);

@@ -6,13 +6,7 @@ namespace dyn::solver {
 
 namespace {
 
-// Relative to the unit diagonal: what makes steps unique where contacts are redundant. The method converges as if it were not there.
-constexpr double proximal = 1e-11;
-// The same (Levenberg and Marquardt), after a step that had to be shortened, and where none is good at all.
-constexpr double min_damping = 1e-8, first_damping = 1e-3, max_damping = 1;
-constexpr double min_step = 0.1;
-constexpr double near = 1e3;  // tolerances: of errors, those of which projections may be solutions
-constexpr Index max_steps = 20, max_damped_steps = 30, memory = 12;
+using namespace tuning::alart_curnier;
 
 class Newton {
  public:
@@ -216,17 +210,17 @@ bool Newton::run(const double* y, const double* c, bool damped_steps) {
     }
     if (!(next < most)) {
       if (!damped_steps || damping >= max_damping) break;
-      damping = std::max(first_damping, 10 * damping), strayed = true;
+      damping = std::max(first_damping, damping_factor * damping), strayed = true;
       errors[(k + 1) % memory] = errors[k % memory];
       continue;
     }
     if (t < 1)  // states change along the step: redundant contacts make null directions too long
-      damping = std::max(min_damping, t > 0.25 ? damping : 10 * damping);
+      damping = std::max(min_damping, t > good_step ? damping : damping_factor * damping);
     else
       damping = damping > proximal ? 0.1 * damping : 0;
     std::swap(w.trial, w.newton), std::swap(w.trial_c, w.newton_c);
     // project and recompute: a long step along a cone leaves it by a little
-    if (next < 10 * round_off(p, w.newton)) {
+    if (next < tuning::accept::near_round_off * round_off(p, w.newton)) {
       exact_velocity(p, w.newton, w.newton_c);
       next = error(w.newton, w.newton_c);
     }

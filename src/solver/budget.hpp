@@ -37,7 +37,7 @@ inline bool keep_best(Workspace& w, Budget& b, const double* y, const double* c)
   const Problem& p = w.problem;
   double r = residual(p, y, c).residual;
   const double* own = c;
-  if (r > b.tolerance && r < 10 * round_off(p, y)) {
+  if (r > b.tolerance && r < tuning::accept::near_round_off * round_off(p, y)) {
     exact_velocity(p, y, w.exact);
     r = residual(p, y, own = w.exact).residual;
   }

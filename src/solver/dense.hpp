@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "base/pack.hpp"
+#include "solver/tuning.hpp"
 
 namespace dyn::solver {
 
@@ -153,9 +154,8 @@ inline bool eliminate(const Matrix& A, Index n, Index first, Index* pivots) {
 
 // A = P^T L U with partial pivoting. Returns false if singular.
 inline bool lu(const Matrix& A, Index n, Index* pivots) {
-  constexpr Index few = 16;
   Index j = 0;
-  for (; n - j > few; j += 4)
+  for (; n - j > tuning::dense::few_columns; j += 4)
     if (!eliminate<4>(A, n, j, pivots)) return false;
   for (; j < n; ++j)
     if (!eliminate<1>(A, n, j, pivots)) return false;

@@ -6,8 +6,7 @@ namespace dyn::solver {
 
 namespace {
 
-constexpr double proximal = 1e-14, to_boundary = 0.99, min_centring = 1e-6;
-constexpr Index max_steps = 40;
+using namespace tuning::interior;
 
 class Interior {
  public:
@@ -56,10 +55,9 @@ double Interior::stopping_impulse(double regularisation) {
 
 // Start on the cones' axes, with impulses that stop all motion, or nearly all where redundant rows contradict one another.
 bool Interior::begin(double factor) {
-  constexpr double exactly = 1e-10, nearly = 1e-4;  // relative to the unit diagonal
-  double speed = 0, impulse = stopping_impulse(exactly);
+  double speed = 0, impulse = stopping_impulse(exact);
   for (Index i = 0; i < p.n; ++i) speed = std::max(speed, std::fabs(p.g[i]));
-  if (exactly * impulse > 1e-3 * speed) impulse = stopping_impulse(nearly);
+  if (exact * impulse > contradiction * speed) impulse = stopping_impulse(rough);
   if (!std::isfinite(impulse)) return false;
   impulse = factor * std::max(impulse, speed);
   for (Index i = 0; i < p.boxes; ++i) {
@@ -179,7 +177,7 @@ double Interior::max_step_to_boundary() const {
 bool Interior::run(double factor) {
   if (!begin(factor)) return false;
   double tried = HUGE_VAL;
-  for (Index k = 0, short_steps = 0; k < max_steps && short_steps < 3 && !b.spent(); ++k) {
+  for (Index k = 0, short_steps = 0; k < max_steps && short_steps < max_short_steps && !b.spent(); ++k) {
     ++b.iterations;
     times(p.G, y, p.g, c, p.n);
     if (!factorize()) return false;
@@ -190,12 +188,12 @@ bool Interior::run(double factor) {
     const double t = std::min(1.0, to_boundary * max_step_to_boundary());
     if (!(t > 0)) return false;
     axpy(t, dy, y, p.n), axpy(t, dU, U, p.n), axpy(t, dupper, upper, p.boxes);
-    short_steps = t < 0.1 ? short_steps + 1 : 0;
+    short_steps = t < short_step ? short_steps + 1 : 0;
     project(p, y, w.trial);
     times(p.G, w.trial, p.g, w.trial_c, p.n);
     if (keep_best(w, b, w.trial, w.trial_c)) return true;
     const double error = residual(p, w.trial, w.trial_c).residual;
-    if (!(error < 1e-3 * p.speed && error < 0.1 * tried)) continue;
+    if (!(error < newton_error * p.speed && error < newton_reduction * tried)) continue;
     tried = error;
     if (alart_curnier(w, b, w.trial, w.trial_c)) return true;
   }

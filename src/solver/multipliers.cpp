@@ -4,7 +4,7 @@ namespace dyn::solver {
 
 namespace {
 
-constexpr double relaxation = 1.6, min_rho = 1e-10, max_rho = 1e8;
+using namespace tuning::multipliers;
 
 // H += rho (I - P_K'(r)) of one cone: on its surface P' = a (1, mu u)(1, mu u)' + across (I - u u')
 void add_curvature(const Cone& cone, const double* r, double rho, const Matrix& H) {
@@ -67,7 +67,7 @@ bool Multipliers::admm_step() {
     dual = std::max(dual, rho * std::fabs(y[i] - y_before[i]) * p.per_unit[i]);
   }
   error = std::max(primal, dual);
-  if (++changed >= 5) balance(primal, dual);
+  if (++changed >= balance_interval) balance(primal, dual);
   return true;
 }
 
@@ -76,8 +76,8 @@ void Multipliers::balance(double primal, double dual) {
   double force = 0, speed = p.speed;
   for (Index i = 0; i < p.n; ++i) force = std::max(force, std::fabs(y[i]) * p.per_unit[i]), speed = std::max(speed, std::fabs(z[i]) * p.per_unit[i]);
   const double ratio = std::sqrt(primal / force / (dual / speed));
-  if (!(ratio > 3 || ratio < 1 / 3.0)) return;
-  rho = std::min(std::max(rho * std::min(std::max(ratio, 0.03), 30.0), min_rho), max_rho);
+  if (!(ratio > balance_ratio || ratio < 1 / balance_ratio)) return;
+  rho = std::min(std::max(rho * std::min(std::max(ratio, min_rho_factor), max_rho_factor), min_rho), max_rho);
   changed = 0;
 }
 
@@ -116,20 +116,20 @@ bool Multipliers::augmented_lagrangian_step(Index max_steps) {
   times(p.G, x, p.g, c, n);
   correct();
   double value = lagrangian(x, c), gradient = size(w.newton);
-  const double enough = std::max(0.1 * b.tolerance, 1e-2 * std::min(primal_before, p.speed));
+  const double enough = std::max(subproblem_tolerance * b.tolerance, subproblem_reduction * std::min(primal_before, p.speed));
   for (Index k = 0; k < max_steps && gradient > enough && !b.spent(); ++k) {
     ++b.iterations;
     // Levenberg-Marquardt: steps are unique for redundant contacts
-    if (!hessian(std::min(1e-5, std::max(1e-11, 1e-4 * gradient / p.speed)))) return false;
+    if (!hessian(std::min(max_damping, std::max(min_damping, damping_by_gradient * gradient / p.speed)))) return false;
     for (Index i = 0; i < n; ++i) w.step[i] = -w.newton[i];
     cholesky_solve(w.factor, n, w.step);
     times(p.G, w.step, nullptr, w.step_c, n);
     const double slope = dot(w.newton, w.step, n);
     double next = value;
-    for (double t = 1; t > 1e-4; t /= 2) {
+    for (double t = 1; t > min_step; t /= 2) {
       for (Index i = 0; i < n; ++i) w.trial[i] = x[i] + t * w.step[i], w.trial_c[i] = c[i] + t * w.step_c[i];
       next = lagrangian(w.trial, w.trial_c);
-      if (next <= value + 1e-4 * t * slope + 1e-15 * std::fabs(value)) break;
+      if (next <= value + armijo * t * slope + value_noise * std::fabs(value)) break;
     }
     std::copy_n(w.trial, n, x), std::copy_n(w.trial_c, n, c);
     value = next, gradient = size(w.newton);
@@ -137,8 +137,8 @@ bool Multipliers::augmented_lagrangian_step(Index max_steps) {
   std::copy_n(w.t, n, z);
   double primal = 0;
   for (Index i = 0; i < n; ++i) primal = std::max(primal, std::fabs(x[i] - y[i]) * p.per_unit[i]);
-  if (primal > 0.1 * primal_before && gradient < 0.1 * p.speed)
-    joint_rho = std::min(3 * joint_rho, std::max(1.0, 0.1 * b.tolerance / (2.2e-16 * size(y))));  // beyond that, round-off dominates
+  if (primal > slow_primal * primal_before && gradient < small_gradient * p.speed)  // up to where round-off dominates
+    joint_rho = std::min(penalty_growth * joint_rho, std::max(1.0, subproblem_tolerance * b.tolerance / (tuning::epsilon * size(y))));
   primal_before = primal;
   error = std::max(primal, gradient);
   return true;

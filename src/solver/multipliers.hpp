@@ -23,7 +23,7 @@ class Multipliers {
   bool augmented_lagrangian_step(Index max_steps);
 
   double error = HUGE_VAL;   // max(|x - y|, rho |change of y|), as velocities
-  double rho = 0.1, joint_rho = 1;
+  double rho = tuning::multipliers::first_rho, joint_rho = 1;
   double* y;                 // in K
   // w.newton_c = G y + g
   void velocity() { times(p.G, y, p.g, w.newton_c, p.n); }

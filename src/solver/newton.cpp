@@ -4,15 +4,17 @@ namespace dyn::solver {
 
 namespace {
 
+using namespace tuning::newton;
+
 // Returns true when the tolerance is met.
 bool augmented_lagrangian(Workspace& w, Budget& b, Index steps) {
   Multipliers m(w, b);
   for (Index k = 0; k < steps && !b.spent(); ++k) {
-    if (!m.augmented_lagrangian_step(20)) return false;
+    if (!m.augmented_lagrangian_step(subproblem_steps)) return false;
     m.velocity();
     if (keep_best(w, b, m.y, w.newton_c)) return true;
     if (b.newton && alart_curnier(w, b, m.y, w.newton_c)) return true;
-    for (int i = 0; b.newton && i < 10 && !b.spent(); ++i)  // ADMM steps follow the correction more closely
+    for (int i = 0; b.newton && i < admm_steps && !b.spent(); ++i)  // ADMM steps follow the correction more closely
       if (!m.admm_step()) return false;
   }
   return false;
@@ -28,7 +30,7 @@ void newton(Workspace& w, Budget& b) {
   }
   // if both fail, the interior point method starts from smaller impulses
   double factor = 1;
-  for (Index steps = 1; steps < 100 && !b.spent(); steps *= 2, factor *= 0.1)
+  for (Index steps = first_steps; steps < max_steps && !b.spent(); steps *= growth, factor *= start_reduction)
     if (interior(w, b, factor) || augmented_lagrangian(w, b, steps)) return;
 }
 

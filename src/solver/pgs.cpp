@@ -4,18 +4,17 @@ namespace dyn::solver {
 
 namespace {
 
-constexpr double relaxation = 1.1;
-constexpr double tiny = 1e-14;  // relative to the diagonal: nothing moves that way
+using namespace tuning::pgs;
 
 // Eigenvectors (columns of q) and eigenvalues of a symmetric matrix by cyclic Jacobi rotations.
 void eigen(double (*a)[5], Index m, double (*q)[5], double* e) {
   for (Index i = 0; i < m; ++i)
     for (Index j = 0; j < m; ++j) q[i][j] = i == j;
-  for (int sweep = 0; sweep < 20; ++sweep) {
+  for (int sweep = 0; sweep < jacobi_sweeps; ++sweep) {
     double off = 0, on = 0;
     for (Index i = 0; i < m; ++i)
       for (Index j = 0; j < m; ++j) (i == j ? on : off) += a[i][j] * a[i][j];
-    if (off <= 1e-32 * on) break;
+    if (off <= jacobi_tolerance * on) break;
     for (Index i = 0; i < m; ++i)
       for (Index j = i + 1; j < m; ++j) {
         if (a[i][j] == 0) continue;
@@ -49,7 +48,7 @@ void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* 
     bt[k] = -l.coupling[k] * b[0] * inverse_Gnn;
     for (int i = 0; i < m; ++i) bt[k] += l.q[i][k] * b[1 + i];
   }
-  const auto noise = [&] { return 1e-15 * (std::fabs(b[0]) + norm(b + 1, m)); };
+  const auto noise = [&] { return velocity_noise * (std::fabs(b[0]) + norm(b + 1, m)); };
   // lambda_n, |lambda_t|, and d/da of mu lambda_n / |lambda_t|
   double n = 0, length = 0, slope = 0;
   const auto at = [&](double a) {
@@ -75,11 +74,11 @@ void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* 
   const auto slid_on = [&] {
     double a = l.resistance;
     if (a == 0) return false;
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < warm_steps; ++k) {
       const double f = at(a), next = a - f / slope, change = std::fabs(next - a);
-      if (!(change < 0.5 * a)) return false;
+      if (!(change < warm_change * a)) return false;
       l.resistance = a = next;
-      if (change < 1e-3 * a) break;
+      if (change < warm_enough * a) break;
     }
     at(a);
     return true;
@@ -87,13 +86,13 @@ void solve(const Cone& cone, LocalCone& l, double Gnn, const double* b, double* 
   if (!slid_on() && !stuck()) {
     double low = 0, high = 0, a = l.resistance;
     if (a == 0) a = norm(bt, m) * Gnn / (cone.mu * -b[0]);  // solution if only the resistance acted: mu lambda_n = |lambda_t|
-    for (int k = 0; k < 100; ++k) {
+    for (int k = 0; k < root_steps; ++k) {
       const double f = at(a);
-      if (std::fabs(f) <= 1e-14) break;
+      if (std::fabs(f) <= root_tolerance) break;
       (f < 0 ? low : high) = a;
       double next = a - f / slope;
-      if (!(next > low && (high == 0 || next < high))) next = high == 0 ? 4 * a : 0.5 * (low + high);
-      if (std::fabs(next - a) <= 4e-16 * a) break;
+      if (!(next > low && (high == 0 || next < high))) next = high == 0 ? root_growth * a : 0.5 * (low + high);
+      if (std::fabs(next - a) <= root_width * a) break;
       a = next;
     }
     l.resistance = a;
@@ -194,7 +193,7 @@ void pgs(Workspace& w, Budget& b) {
   while (!b.spent()) {
     ++b.iterations;
     sweep(w, b.relaxation > 0 ? b.relaxation : b.iterations == 1 ? 1 : relaxation, y, c);  // one sweep solves a single contact
-    if (residual(p, y, c).residual > b.tolerance && b.iterations % 50 != 0 && b.iterations < b.max_iterations) continue;
+    if (residual(p, y, c).residual > b.tolerance && b.iterations % check_interval != 0 && b.iterations < b.max_iterations) continue;
     times(p.G, y, p.g, c, p.n);  // without accumulated round-off
     if (keep_best(w, b, y, c)) return;
   }

@@ -65,7 +65,7 @@ void scale(const dynContactProblem& x, Problem& p) {
   Scaler s{x, p, x.G_stride ? x.G_stride : rows, 1, 0};
   double largest = 0;
   for (Index i = 0; i < rows; ++i) largest = std::max(largest, s.diagonal(i));
-  if (largest > 0) s.fallback = 1 / std::sqrt(largest), s.least = 1e-24 * largest;
+  if (largest > 0) s.fallback = 1 / std::sqrt(largest), s.least = tuning::accept::immovable * largest;
   p.n = p.cones = 0;
   p.bounces = false;
   for (Index i = 0; i < first; ++i) {
@@ -149,7 +149,7 @@ void exact_velocity(const Problem& p, const double* y, double* c) {
 double round_off(const Problem& p, const double* y) {
   double sum = 0, unit = HUGE_VAL;
   for (Index i = 0; i < p.n; ++i) sum += std::fabs(y[i]), unit = std::min(unit, p.unit[i]);
-  return 2.2e-16 * sum / unit;
+  return tuning::epsilon * sum / unit;
 }
 
 void unscale(const dynContactProblem& x, const Problem& p, const double* y, double* lambda) {

@@ -6,7 +6,9 @@
 namespace dyn::solver {
 
 // Returns whether an impulse is so large that its round-off hides the speeds: y - c is then y, a fixed point of any test.
-inline bool is_lost_to_round_off(double impulse, double speed) { return 2.2e-16 * std::fabs(impulse) > 1e-4 * speed && speed > 0; }
+inline bool is_lost_to_round_off(double impulse, double speed) {
+  return tuning::epsilon * std::fabs(impulse) > tuning::accept::lost_speed * speed && speed > 0;
+}
 inline bool is_lost_to_round_off(const Problem& p, const double* y) {
   double most = 0;
   for (Index i = 0; i < p.n; ++i) most = std::max(most, std::fabs(y[i] * p.per_unit[i]));

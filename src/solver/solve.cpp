@@ -4,6 +4,8 @@ namespace dyn::solver {
 
 namespace {
 
+using namespace tuning::accept;
+
 struct Attempt {
   const dynContactProblem& x;
   Solver solver;
@@ -17,8 +19,8 @@ struct Attempt {
   bool is_refused() const {
     double size = 0, sum = 0;
     for (Index i = 0; i < w.problem.n; ++i) size += std::fabs(w.y[i] * w.free_g[i]), sum += std::fabs(w.y[i]);
-    const double round_off = 2.2e-16 * sum * sum;  // of y'Gy: unbounded impulses jam
-    return out.energy + round_off > (1e-10 + 10 * b.tolerance) * size || out.residual > 1e-2;
+    const double round_off = tuning::epsilon * sum * sum;  // of y'Gy: unbounded impulses jam
+    return out.energy + round_off > (energy + energy_by_tolerance * b.tolerance) * size || out.residual > max_residual;
   }
 };
 
@@ -82,7 +84,7 @@ void solve(const dynContactProblem& x, Solver solver, Workspace& w, Budget& b, c
   if (p.bounces && run.is_refused() && !late()) {
     b.warm = false;
     double low = 0, high = 1;
-    while (high - low > 1e-2 && !late()) {
+    while (high - low > restitution_step && !late()) {
       const double factor = 0.5 * (low + high);
       again(factor);
       (run.is_refused() ? high : low) = factor;

@@ -27,15 +27,14 @@ inline bool all_contacts_stick(const Workspace& w) {
 inline bool start(Workspace& w, Budget& b) {
   const Problem& p = w.problem;
   if (!b.newton || !b.sweeps) return false;
-  constexpr double close = 1e-3;
-  if (b.warm && (b.best < close * p.speed || all_contacts_stick(w)) && alart_curnier(w, b, w.y, w.c, true)) return true;
+  if (b.warm && (b.best < tuning::start::close_guess * p.speed || all_contacts_stick(w)) && alart_curnier(w, b, w.y, w.c, true)) return true;
   prepare_sweeps(w);
   std::copy_n(w.y, p.n, w.x), std::copy_n(w.c, p.n, w.v);
   const auto refine = [&] {
     times(p.G, w.x, p.g, w.v, p.n);  // without accumulated round-off
     return keep_best(w, b, w.x, w.v) || alart_curnier(w, b, w.x, w.v, true);
   };
-  const double fast = std::min(0.7, math::exp(-12.0 / p.n));
+  const double fast = std::min(tuning::start::max_contraction, math::exp(-tuning::start::rows_a_sweep / p.n));
   double error = HUGE_VAL;
   bool going = true;
   for (Index k = 1; going && !b.spent(); ++k) {

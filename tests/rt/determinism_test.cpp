@@ -14,7 +14,7 @@ constexpr long steps = 150;
 constexpr long steps = 1500;
 #endif
 
-std::uint64_t play(soak::Play& x, long until) {
+std::uint64_t play(soak::Simulation& x, long until) {
   while (x.steps < until) soak::check(x.step());
   return x.hash();
 }
@@ -22,18 +22,18 @@ std::uint64_t play(soak::Play& x, long until) {
 class Determinism : public testing::TestWithParam<soak::Scene> {};
 
 TEST_P(Determinism, BegunAgain) {
-  soak::Play first(GetParam()), second(GetParam());
+  soak::Simulation first(GetParam()), second(GetParam());
   const std::uint64_t hash = play(first, steps);
   EXPECT_EQ(hash, play(second, steps));
-  soak::Play other(GetParam());
+  soak::Simulation other(GetParam());
   other.dice.state = 2;
   EXPECT_NE(hash, play(other, steps));  // the hash sees the motion
 }
 
 TEST_P(Determinism, SavedAndRestored) {
-  soak::Play x(GetParam());
+  soak::Simulation x(GetParam());
   play(x, steps / 3);
-  const soak::Play::Snapshot at = x.save();
+  const soak::Simulation::Snapshot at = x.save();
   const std::uint64_t hash = play(x, steps);
   x.restore(at);
   EXPECT_EQ(hash, play(x, steps));
@@ -45,14 +45,14 @@ TEST_P(Determinism, SavedAndRestored) {
 }
 
 TEST_P(Determinism, OneToFourThreads) {
-  soak::Play alone(GetParam());
+  soak::Simulation alone(GetParam());
   const std::uint64_t hash = play(alone, steps);
   for (int threads = 1; threads <= 4; ++threads) {
     std::vector<std::uint64_t> found(std::size_t(threads), 0);
     std::vector<std::thread> all;
     for (std::uint64_t& f : found)
       all.emplace_back([&f] {
-        soak::Play x(GetParam());
+        soak::Simulation x(GetParam());
         f = play(x, steps);
       });
     for (std::thread& t : all) t.join();

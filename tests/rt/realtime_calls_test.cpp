@@ -50,7 +50,7 @@ class Hots {
   std::vector<State> state;
   std::vector<std::unique_ptr<Prepared>> prepared;
   std::vector<std::unique_ptr<BatchCase>> cases;
-  std::vector<std::unique_ptr<soak::Play>> plays;
+  std::vector<std::unique_ptr<soak::Simulation>> plays;
   std::unique_ptr<Batch> batch;
   Numbers out = Numbers(200);
   std::vector<char> saved;
@@ -136,7 +136,7 @@ class Hots {
   // with contacts, limits, constraints, actuators' torques, every solver and integrator of the scenes
   void steps() {
     for (const soak::Scene& scene : soak::scenes) {
-      plays.push_back(std::make_unique<soak::Play>(scene));
+      plays.push_back(std::make_unique<soak::Simulation>(scene));
       add(std::string("dyn_step, ") + scene.name, [play = plays.back().get()](long) {
         if (play->step() != DYN_OK) __builtin_trap();
       }, 20);
@@ -205,11 +205,11 @@ TEST(HotCalls, SlowAMillionOfEach) {
 // Steps that have a deadline read a clock: neither do they, where the kernel's clock is memory.
 TEST(HotCalls, WithADeadline) {
   if (sanitized) GTEST_SKIP() << "sanitizers allocate and make system calls themselves";
-  std::vector<std::unique_ptr<soak::Play>> plays;
+  std::vector<std::unique_ptr<soak::Simulation>> plays;
   std::vector<Hot> all;
   for (const soak::Scene& scene : soak::scenes) {
-    plays.push_back(std::make_unique<soak::Play>(scene));
-    soak::Play* const play = plays.back().get();
+    plays.push_back(std::make_unique<soak::Simulation>(scene));
+    soak::Simulation* const play = plays.back().get();
     dynStepOptions o;
     dyn_step_options_init(&o);
     ASSERT_EQ(DYN_OK, dyn_data_step_options(play->m, play->d, &o));

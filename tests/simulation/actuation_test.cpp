@@ -1,4 +1,4 @@
-// Actuators, wrenches, weights that are held, a medium and gravity of the data, by closed forms.
+// Actuators, applied wrenches, gravity compensation, a medium and gravity per data, against closed forms.
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
@@ -14,7 +14,7 @@ dynActuator actuator(dynActuatorType type, double kp = 0, double kv = 0) {
   return a;
 }
 
-// A wheel about z that nothing but its actuator moves.
+// A wheel about z driven by its actuator alone.
 Model wheel(const dynActuator& a) {
   Builder b;
   Spec hinge("hinge", DYN_JOINT_TYPE_REVOLUTE);
@@ -26,8 +26,8 @@ Model wheel(const dynActuator& a) {
   return b.finish();
 }
 
-void control(Play& run, const Numbers& u) { ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data())) << dyn_last_error(); }
-void integrate_by(Play& run, dynIntegrator by) {
+void control(Simulation& run, const Numbers& u) { ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data())) << dyn_last_error(); }
+void integrate_by(Simulation& run, dynIntegrator by) {
   run.options.integrator = by;
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
 }
@@ -36,7 +36,7 @@ TEST(Actuators, MotorTurnsAWheel) {
   dynActuator a = actuator(DYN_ACTUATOR_TYPE_MOTOR);
   a.gear = 3, a.control_range[0] = -1, a.control_range[1] = 1;
   for (const dynIntegrator by : all_integrators) {
-    Play run(wheel(a));
+    Simulation run(wheel(a));
     integrate_by(run, by);
     control(run, {5});  // beyond its range: 1
     run.steps(1000);
@@ -46,16 +46,16 @@ TEST(Actuators, MotorTurnsAWheel) {
   }
 }
 
-// Gains that no explicit method could take: 1e9 and 1e5 at 10 ms.
-TEST(Actuators, NoGainIsTooLarge) {
+// Gains of 1e9 and 1e5 at 10 ms, too large for any explicit method.
+TEST(Actuators, LargeGainsAreStable) {
   for (const dynIntegrator by : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_IMPLICIT_FAST}) {
-    Play run(wheel(actuator(DYN_ACTUATOR_TYPE_POSITION, 1e9, 1e5)), 0.01);
+    Simulation run(wheel(actuator(DYN_ACTUATOR_TYPE_POSITION, 1e9, 1e5)), 0.01);
     integrate_by(run, by);
     control(run, {0.7});
     run.steps(200);
     EXPECT_NEAR(0.7, run.q[0], 1e-9) << by;
     EXPECT_NEAR(0, run.v[0], 1e-9) << by;
-    Play speed(wheel(actuator(DYN_ACTUATOR_TYPE_VELOCITY, 0, 1e9)), 0.01);
+    Simulation speed(wheel(actuator(DYN_ACTUATOR_TYPE_VELOCITY, 0, 1e9)), 0.01);
     integrate_by(speed, by);
     control(speed, {-2});
     speed.steps(10);
@@ -63,11 +63,11 @@ TEST(Actuators, NoGainIsTooLarge) {
   }
 }
 
-// Far from its target a servo gives all it has, and not more; near it, it settles without chatter.
+// Far from its target a servo applies its largest force; near it, it settles without chatter.
 TEST(Actuators, ForcesStayWithinTheirRange) {
   dynActuator a = actuator(DYN_ACTUATOR_TYPE_POSITION, 1e6, 1e6);
   a.force_range[0] = -4, a.force_range[1] = 4;
-  Play run(wheel(a));
+  Simulation run(wheel(a));
   control(run, {10});
   run.steps(100);
   EXPECT_NEAR(4 / inertia * 0.1, run.v[0], 1e-12);
@@ -80,11 +80,11 @@ TEST(Actuators, ForcesStayWithinTheirRange) {
   EXPECT_NEAR(0, run.v[0], 1e-6);
 }
 
-TEST(Actuators, FiltersAreOfFirstOrder) {
+TEST(Actuators, FilterIsAFirstOrderLag) {
   dynActuator a = actuator(DYN_ACTUATOR_TYPE_MOTOR);
   a.time_constant = 0.2;
   for (const dynIntegrator by : all_integrators) {
-    Play run(wheel(a));
+    Simulation run(wheel(a));
     integrate_by(run, by);
     control(run, {1});
     run.steps(500);
@@ -95,12 +95,12 @@ TEST(Actuators, FiltersAreOfFirstOrder) {
   }
 }
 
-// Its rate is the control, until it is at its range's end.
-TEST(Actuators, ControlsAreIntegrated) {
+// The activation's rate is the control until the end of its range.
+TEST(Actuators, ControlIsIntegrated) {
   dynActuator a = actuator(DYN_ACTUATOR_TYPE_MOTOR);
   a.integrates = 1, a.act_range[0] = -1, a.act_range[1] = 0.3;
   for (const dynIntegrator by : all_integrators) {
-    Play run(wheel(a));
+    Simulation run(wheel(a));
     integrate_by(run, by);
     control(run, {2});
     run.steps(100);
@@ -117,12 +117,12 @@ TEST(Actuators, ControlsAreIntegrated) {
   }
 }
 
-// A filter's value ends there, too.
-TEST(Actuators, FilteredControlsHaveARange) {
+// The activation of a filter stays in the range, too.
+TEST(Actuators, FilteredActivationStaysInRange) {
   dynActuator a = actuator(DYN_ACTUATOR_TYPE_MOTOR);
   a.time_constant = 0.05, a.act_range[0] = 0, a.act_range[1] = 0.4;
   for (const dynIntegrator by : all_integrators) {
-    Play run(wheel(a));
+    Simulation run(wheel(a));
     integrate_by(run, by);
     control(run, {1});
     run.steps(200);
@@ -133,7 +133,7 @@ TEST(Actuators, FilteredControlsHaveARange) {
   }
 }
 
-// What is known beforehand keeps an arm still without any error of its servo.
+// Feed-forward holds an arm still without a servo error.
 TEST(Actuators, FeedForwardHoldsAnArm) {
   Builder b;
   Spec hinge("hinge", DYN_JOINT_TYPE_REVOLUTE);
@@ -141,7 +141,7 @@ TEST(Actuators, FeedForwardHoldsAnArm) {
   b.joint(hinge).body("arm", "hinge", 2, {0.5, 0, 0});
   const dynActuator a = actuator(DYN_ACTUATOR_TYPE_PD, 10, 1);
   ASSERT_EQ(DYN_OK, dyn_builder_add_actuator(b, "pd", &a, "hinge"));
-  Play run(b.finish());
+  Simulation run(b.finish());
   EXPECT_EQ(3, dyn_model_nu(run.m));
   control(run, {0, 0, -2 * 9.81 * 0.5});
   run.steps(1000);
@@ -149,8 +149,8 @@ TEST(Actuators, FeedForwardHoldsAnArm) {
   EXPECT_NEAR(-2 * 9.81 * 0.5, run.array("actuator_force")[0], 1e-9);
 }
 
-TEST(Actuators, SwitchedOffTheyDoNothing) {
-  Play run(wheel(actuator(DYN_ACTUATOR_TYPE_MOTOR)));
+TEST(Actuators, DisabledActuatorsDoNothing) {
+  Simulation run(wheel(actuator(DYN_ACTUATOR_TYPE_MOTOR)));
   control(run, {1});
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ALL & ~DYN_EFFECT_ACTUATORS));
   run.steps(10);
@@ -158,7 +158,7 @@ TEST(Actuators, SwitchedOffTheyDoNothing) {
 }
 
 void keeps_its_state(const dynActuator& a) {
-  Play run(wheel(a));
+  Simulation run(wheel(a));
   control(run, {1});
   run.steps(20);
   std::vector<char> state(dyn_model_state_size(run.m));
@@ -173,18 +173,18 @@ void keeps_its_state(const dynActuator& a) {
   EXPECT_EQ(w, run.array("act")[0]);
   EXPECT_GT(w, 0);
 }
-TEST(Actuators, StatesHoldTheirFilters) {
+TEST(Actuators, SavedStateRestoresFilters) {
   dynActuator a = actuator(DYN_ACTUATOR_TYPE_MOTOR);
   a.time_constant = 0.1;
   keeps_its_state(a);
 }
-TEST(Actuators, StatesHoldTheirIntegrals) {
+TEST(Actuators, SavedStateRestoresIntegrals) {
   dynActuator a = actuator(DYN_ACTUATOR_TYPE_POSITION, 5, 1);
   a.integrates = 1, a.act_range[0] = -0.01, a.act_range[1] = 1;
   keeps_its_state(a);
 }
 
-TEST(Actuators, ABuilderOfTheModelKeepsThem) {
+TEST(Actuators, BuilderFromModelKeepsActuators) {
   dynActuator a = actuator(DYN_ACTUATOR_TYPE_PD, 3, 4);
   a.force_range[0] = -1, a.integrates = 1, a.act_range[1] = 7;
   const Model m = wheel(a);
@@ -209,7 +209,7 @@ TEST(Actuators, ABuilderOfTheModelKeepsThem) {
   EXPECT_EQ(0, x.idx_act);
 }
 
-TEST(Actuators, BadOnesAreRefused) {
+TEST(Actuators, InvalidSpecsAreRefused) {
   Builder b;
   b.joint(Spec("hinge", DYN_JOINT_TYPE_REVOLUTE)).joint(Spec("ball", DYN_JOINT_TYPE_SPHERICAL)).body("x", "hinge", 1).body("y", "ball", 1);
   const auto refused = [&](dynStatus expected, const dynActuator& a, const char* joint, const char* word, const char* name = "a") {
@@ -241,14 +241,14 @@ TEST(Actuators, BadOnesAreRefused) {
   EXPECT_EQ(DYN_ERROR_NAME, dyn_builder_set_gravity_compensation(b, "nobody", 1));
   EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_builder_set_gravity_compensation(b, "x", NAN));
   EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_set_medium(b, -1, 0, nullptr));
-  // a length of a quaternion
+  // length of a quaternion
   a = actuator(DYN_ACTUATOR_TYPE_POSITION, 1);
   ASSERT_EQ(DYN_OK, dyn_builder_add_actuator(b, "twist", &a, "ball"));
   dynModel* m = nullptr;
   EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_finish(b, &m));
   EXPECT_TRUE(says({"twist", "length"}));
 
-  Play run(wheel(actuator(DYN_ACTUATOR_TYPE_MOTOR)));
+  Simulation run(wheel(actuator(DYN_ACTUATOR_TYPE_MOTOR)));
   const double nan = NAN, six[6] = {1, 0, 0, 0, 0, 0}, point[3] = {};
   EXPECT_EQ(DYN_ERROR_NONFINITE, dyn_data_set_control(run.m, run.d, &nan));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_control(run.m, run.d, nullptr));
@@ -262,10 +262,10 @@ TEST(Actuators, BadOnesAreRefused) {
   EXPECT_EQ(-1, dyn_model_actuator_id(run.m, "none"));
 }
 
-// A force at a point of a free body: what is applied and what it is worth at the origin are the same motion.
-TEST(Wrenches, ForcesAtPointsOfABody) {
+// A force at a point of a free body and its wrench at the origin give the same motion.
+TEST(Wrenches, ForceAtAPointEqualsItsWrench) {
   const double point[3] = {0.1, -0.2, 0.3}, F[3] = {3, -1, 2};
-  Play run(Scene({0, 0, 0}).free("stone", 2, {0.1, 0.2, 0.25}).finish());
+  Simulation run(Scene({0, 0, 0}).free("stone", 2, {0.1, 0.2, 0.25}).finish());
   const double push[6] = {F[0], F[1], F[2], 0, 0, 0};
   const int stone = dyn_model_frame_id(run.m, "stone");
   ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, stone, point, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)) << dyn_last_error();
@@ -275,7 +275,7 @@ TEST(Wrenches, ForcesAtPointsOfABody) {
     EXPECT_NEAR(F[k] / 2 * 1e-3, run.velocity()[std::size_t(k)], 1e-9);
     EXPECT_NEAR(moment[k] / I[k] * 1e-3, run.v[3 + k], 1e-6);
   }
-  // the force keeps its direction in the world while the body turns
+  // the force keeps its world direction while the body rotates
   run.steps(500);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(F[k] / 2 * 0.501, run.velocity()[std::size_t(k)], 1e-9);
   ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(run.m, run.d));
@@ -284,9 +284,9 @@ TEST(Wrenches, ForcesAtPointsOfABody) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(v[k], run.velocity()[k], 1e-12);
 }
 
-// A thrust that turns with the body, which spins: a circle.
-TEST(Wrenches, LocalForcesTurnWithTheBody) {
-  Play run(Scene({0, 0, 0}).free("disc", 2, {0.1, 0.1, 0.2}).finish(), 1e-4);
+// A body-fixed thrust on a spinning body: a circle.
+TEST(Wrenches, LocalForcesRotateWithTheBody) {
+  Simulation run(Scene({0, 0, 0}).free("disc", 2, {0.1, 0.1, 0.2}).finish(), 1e-4);
   integrate_by(run, DYN_INTEGRATOR_RK4);
   run.set({}, {0, 0, 0, 0, 0, 3});
   const double thrust[6] = {4, 0, 0, 0, 0, 0};
@@ -296,9 +296,9 @@ TEST(Wrenches, LocalForcesTurnWithTheBody) {
   EXPECT_NEAR(4.0 / 2 / 3 * (1 - std::cos(3.0)), run.velocity()[1], 1e-9);
 }
 
-// Of the world: the line of the force stays where it is, and the moment grows as the body moves away from it.
-TEST(Wrenches, OfTheWorldStayWhereTheyAre) {
-  Play run(Scene({0, 0, 0}).free("disc", 1, {1, 1, 1}).finish(), 1e-3);
+// World frame: the line of action stays fixed, and the moment grows as the body moves away.
+TEST(Wrenches, WorldWrenchKeepsItsLineOfAction) {
+  Simulation run(Scene({0, 0, 0}).free("disc", 1, {1, 1, 1}).finish(), 1e-3);
   integrate_by(run, DYN_INTEGRATOR_RK4);
   run.set({0, 2, 0, 0, 0, 0, 1});
   const double force[6] = {1, 0, 0, 0, 0, 0};
@@ -308,12 +308,12 @@ TEST(Wrenches, OfTheWorldStayWhereTheyAre) {
   EXPECT_NEAR(2, run.v[5], 1e-12);  // -(y = 2) x (1, 0, 0): 2 about z
 }
 
-TEST(GravityCompensations, AreWeightless) {
+TEST(GravityCompensation, CancelsWeight) {
   for (const double share : {1.0, 0.25, -1.0}) {
     Scene scene;
     scene.free("stone", 2, {0.1, 0.2, 0.25}, {0.1, 0.2, 0.3});
     ASSERT_EQ(DYN_OK, dyn_builder_set_gravity_compensation(scene.builder(), "stone", share));
-    Play run(scene.finish());
+    Simulation run(scene.finish());
     run.steps(100);
     EXPECT_NEAR(-9.81 * (1 - share) * 0.1, run.velocity()[2], 1e-12) << share;
     for (int k = 3; k < 6; ++k) EXPECT_NEAR(0, run.v[k], 1e-12);
@@ -324,7 +324,8 @@ TEST(GravityCompensations, AreWeightless) {
   }
 }
 
-// A ball falls until its drag is its weight: 6 pi r eta v, then also 2 rho r^2 v^2, with r = sqrt(0.6) R of the box of equal inertia.
+// A falling ball reaches the speed at which drag equals weight: 6 pi r eta v, then also 2 rho r^2 v^2.
+// r = sqrt(0.6) R belongs to the box of equal inertia.
 TEST(Medium, BallsReachTheirTerminalVelocity) {
   const double m = 0.5, R = 0.1, I = 0.4 * m * R * R, r = std::sqrt(0.6) * R, pi = 3.14159265358979323846;
   const struct {
@@ -336,29 +337,29 @@ TEST(Medium, BallsReachTheirTerminalVelocity) {
       scene.free("ball", m, {I, I, I});
       const double w[3] = {0, 0, wind};
       ASSERT_EQ(DYN_OK, dyn_builder_set_medium(scene.builder(), c.density, c.viscosity, w));
-      Play run(scene.finish());
+      Simulation run(scene.finish());
       integrate_by(run, DYN_INTEGRATOR_RK4);
       run.steps(20000);
       EXPECT_NEAR(wind - c.v, run.velocity()[2], 1e-9 * c.v);
     }
 }
 
-TEST(Gravity, IsTheDatas) {
-  Play run(Scene().free("stone", 2, {0.1, 0.2, 0.25}).finish());
+TEST(Gravity, IsSetPerData) {
+  Simulation run(Scene().free("stone", 2, {0.1, 0.2, 0.25}).finish());
   const double g[3] = {1, 2, 3};
   ASSERT_EQ(DYN_OK, dyn_data_set_gravity(run.m, run.d, g));
   run.steps(100);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(0.1 * g[k], run.velocity()[k], 1e-12);
   EXPECT_EQ(3, run.array("world_gravity")[2]);
-  // another data of the model has the model's
+  // another data of the model has the model's gravity
   Data other(run.m);
   double tau[6];
   ASSERT_EQ(DYN_OK, dyn_gravity_torque(run.m, other, nullptr, tau));
   EXPECT_NEAR(2 * 9.81, tau[2], 1e-12);
 }
 
-// Pairs that the filter leaves out, and pairs with a friction of their own.
-TEST(Pairs, WantedOnesAreTested) {
+// Pairs excluded by the filter, and pairs with a friction of their own.
+TEST(Pairs, RequestedPairsAreTested) {
   Scene scene;
   dynShapeSpec floor, shape;
   dyn_shape_spec_init(&floor), dyn_shape_spec_init(&shape);
@@ -373,7 +374,7 @@ TEST(Pairs, WantedOnesAreTested) {
   const dynMaterial bad = material(-1);
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_add_pair(scene.builder(), "floor", "side", &bad));
   ASSERT_EQ(DYN_OK, dyn_builder_add_pair(scene.builder(), "floor", "side", &ice)) << dyn_last_error();
-  Play run(scene.finish());
+  Simulation run(scene.finish());
   run.set({0, 0, 0.1, 0, 0, 0, 1}, {2, 0, 0, 0, 0, 0});
   run.steps(500);
   EXPECT_NEAR(2 - 0.1 * 9.81 * 0.5, run.velocity()[0], 1e-6);
@@ -381,9 +382,9 @@ TEST(Pairs, WantedOnesAreTested) {
 }
 
 }  // namespace
-// A capsule of 45 g between two pads that press it with 20 to 95 times the force that friction needs (mujoco#3328: soft friction lets it sink
-// by 50 to 2,300 um/s): it stays where it is.
-TEST(Grasp, WhatIsPinchedDoesNotSlip) {
+// A capsule of 45 g between two pads that press it with 20 to 95 times the force that friction needs.
+// mujoco#3328: soft friction lets it sink by 50 to 2,300 um/s. Here it stays in place.
+TEST(Grasp, PinchedCapsuleDoesNotSlip) {
   const char* text = R"(<mujoco><option timestep='.002'/><default><geom friction='1 0 0' condim='3'/></default><worldbody>
       <body pos='0 -.04 0'><joint name='left' type='slide' axis='0 1 0' damping='5'/><geom type='box' size='.05 .02 .05' mass='.2'/></body>
       <body pos='0 .04 0'><joint name='right' type='slide' axis='0 -1 0' damping='5'/><geom type='box' size='.05 .02 .05' mass='.2'/></body>
@@ -392,7 +393,7 @@ TEST(Grasp, WhatIsPinchedDoesNotSlip) {
   for (const double times : {20.0, 95.0}) {
     dynModel* m = nullptr;
     ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
-    Play run(Model(m), 2e-3);
+    Simulation run(Model(m), 2e-3);
     const double force = times * 0.045 * 9.81 / 2;
     control(run, {force, force});
     run.steps(500);

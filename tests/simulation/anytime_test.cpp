@@ -1,4 +1,4 @@
-// Steps that may not go on to their tolerance: what acts then lies in its cones, with its residual, and more time or iterations make it no worse.
+// Steps stopped before their tolerance: impulses are feasible, the residual is reported, and more time or iterations never make it worse.
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
@@ -20,7 +20,7 @@ struct Wall {
   }
 };
 
-struct Pile : Play {
+struct Pile : Simulation {
   explicit Pile(int layers, dynContactSolverType solver, double restitution = 0) : Pile(Wall(layers, restitution), solver) {}
   void kick() {
     Numbers u(v, v + dyn_model_nv(m));
@@ -33,14 +33,14 @@ struct Pile : Play {
   }
 
  private:
-  Pile(Wall wall, dynContactSolverType solver) : Play(wall.scene.finish(), 1e-3, solver) {
+  Pile(Wall wall, dynContactSolverType solver) : Simulation(wall.scene.finish(), 1e-3, solver) {
     place(wall.at);
     steps(5);
     kick();
   }
 };
 
-void expect_in_cones(const Play& play) {
+void expect_in_cones(const Simulation& play) {
   const auto contacts = play.contacts();
   EXPECT_GT(contacts.size(), 8u);
   for (const dynContactForce& c : contacts) {
@@ -54,8 +54,8 @@ void expect_in_cones(const Play& play) {
 
 constexpr dynContactSolverType solvers[] = {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON};
 
-// Small islands are solved by their matrix, large ones by sweeps and segments.
-TEST(Anytime, MoreIterationsMakeItNoWorse) {
+// Small islands use their dense matrix, large ones Gauss-Seidel and segments.
+TEST(Anytime, MoreIterationsNeverRaiseTheResidual) {
   for (const int layers : {3, 9})
     for (const dynContactSolverType solver : solvers) {
       double before = HUGE_VAL, first = 0;
@@ -66,7 +66,7 @@ TEST(Anytime, MoreIterationsMakeItNoWorse) {
         const dynStepReport r = pile.report();
         expect_in_cones(pile);
         EXPECT_EQ(r.unsolved > 0, r.residual > pile.options.tolerance) << layers << " " << solver << " " << iterations;
-        if (solver != DYN_CONTACT_SOLVER_TYPE_PGS) {  // whose last sweep acts
+        if (solver != DYN_CONTACT_SOLVER_TYPE_PGS) {  // its last sweep counts
           EXPECT_LE(r.residual, before * (1 + 1e-6)) << layers << " " << solver << " " << iterations;
         }
         if (before == HUGE_VAL) first = r.residual;
@@ -80,8 +80,8 @@ TEST(Anytime, MoreIterationsMakeItNoWorse) {
     }
 }
 
-// Time that is used up when the step begins, and time that nothing uses up: neither depends on how fast the machine is.
-TEST(Anytime, NoTimeIsOneSweep) {
+// A deadline that has passed when the step begins, and one that never passes: neither depends on the machine's speed.
+TEST(Anytime, ExpiredDeadlineStillMakesOneSweep) {
   for (const int layers : {3, 9})
     for (const double restitution : {0.0, 0.5})
       for (const dynContactSolverType solver : solvers) {
@@ -90,19 +90,19 @@ TEST(Anytime, NoTimeIsOneSweep) {
         for (int k = 0; k < 100; ++k) {
           one.steps(1), again.steps(1);
           expect_in_cones(one);
-          ASSERT_LE(one.report().iterations, 4 * one.report().islands) << k;  // sweeps of a guess that is nearly good are few
+          ASSERT_LE(one.report().iterations, 4 * one.report().islands) << k;  // a nearly good guess needs few sweeps
           if (k < 5) whole.steps(1), free.steps(1);
         }
         for (int k = 0; k < dyn_model_nq(one.m); ++k) {
           ASSERT_EQ(one.q[k], again.q[k]);
           ASSERT_EQ(whole.q[k], free.q[k]);
-          ASSERT_LT(std::abs(one.q[k]), 3);  // it has not flown apart
+          ASSERT_LT(std::abs(one.q[k]), 3);  // the pile stays together
         }
         EXPECT_LT(one.report().penetration, 0.02) << layers << " " << solver << " " << restitution;
       }
 }
 
-TEST(Anytime, ADeadlineWithinTheStep) {
+TEST(Anytime, DeadlineWithinTheStepIsKept) {
   Pile pile(9, DYN_CONTACT_SOLVER_TYPE_ADMM);
   for (const double seconds : {1e-6, 1e-5, 5e-5, 1e-4, 3e-4, 1e-3, 3e-3}) {
     pile.budget(100, seconds);

@@ -1,11 +1,11 @@
-// Smooth motion under constraints: the integrators keep their orders, constraints stay closed, and mechanisms pass singular configurations.
+// Smooth motion under constraints: integrators keep their order, constraints stay closed, mechanisms pass singular configurations.
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
 namespace {
 
-struct Linkage : Play {
-  explicit Linkage(dynIntegrator integrator, double dt) : Play(load(), dt) {
+struct Linkage : Simulation {
+  explicit Linkage(dynIntegrator integrator, double dt) : Simulation(load(), dt) {
     EXPECT_EQ(DYN_OK, dyn_data_set_effects(m, d, 0, DYN_EFFECT_ARMATURE));
     options.integrator = integrator;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
@@ -20,7 +20,7 @@ struct Linkage : Play {
     EXPECT_EQ(DYN_OK, dyn_model_load(DYN_MODELS_DIR "/mechanisms/four_bar.urdf", nullptr, &loaded)) << dyn_last_error();
     return Model(loaded);
   }
-  double open() const {  // the largest error of position and velocity
+  double constraint_error() const {  // largest error of position and velocity
     int rows = 0;
     EXPECT_EQ(DYN_OK, dyn_data_constraint_rows(m, other, -1, nullptr, &rows));
     Numbers C(static_cast<std::size_t>(rows)), Jv(C);
@@ -32,7 +32,7 @@ struct Linkage : Play {
   dynData* other = nullptr;
 };
 
-double apart(const Play& a, const Play& b) {
+double max_difference(const Simulation& a, const Simulation& b) {
   double most = 0;
   for (int k = 0; k < a.m.nv(); ++k) most = std::max({most, std::abs(a.q[k] - b.q[k]), std::abs(a.v[k] - b.v[k])});
   return most;
@@ -41,27 +41,27 @@ double apart(const Play& a, const Play& b) {
 void check_order(dynIntegrator integrator, double order, int n) {
   Linkage reference(DYN_INTEGRATOR_REFERENCE, 0.05), coarse(integrator, 0.5 / n), fine(integrator, 0.25 / n);
   reference.steps(10), coarse.steps(n), fine.steps(2 * n);
-  EXPECT_NEAR(order, std::log2(apart(coarse, reference) / apart(fine, reference)), 0.3) << apart(coarse, reference) << ' ' << apart(fine, reference);
-  EXPECT_LT(fine.open(), 1e-12);
+  EXPECT_NEAR(order, std::log2(max_difference(coarse, reference) / max_difference(fine, reference)), 0.3) << max_difference(coarse, reference) << ' ' << max_difference(fine, reference);
+  EXPECT_LT(fine.constraint_error(), 1e-12);
 }
 
-TEST(Held, OrdersStay) {
+TEST(ConstrainedMotion, IntegratorsKeepTheirOrder) {
   check_order(DYN_INTEGRATOR_RK4, 4, 100);
   check_order(DYN_INTEGRATOR_RK45, 5, 50);
   check_order(DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 2, 200);
 }
 
-TEST(Held, EnergyIsKeptAndLoopsStayClosed) {
+TEST(ConstrainedMotion, EnergyIsConservedAndLoopsStayClosed) {
   Linkage run(DYN_INTEGRATOR_REFERENCE, 0.05);
   const double before = run.energy();
   for (int k = 0; k < 100; ++k) {
     run.steps(1);
-    ASSERT_LT(run.open(), 1e-12);
+    ASSERT_LT(run.constraint_error(), 1e-12);
     EXPECT_NEAR(before, run.energy(), 1e-11);
   }
 }
 
-TEST(Held, AccuracyIsMet) {
+TEST(ConstrainedMotion, RequestedAccuracyIsMet) {
   Linkage reference(DYN_INTEGRATOR_REFERENCE, 0.05), run(DYN_INTEGRATOR_REFERENCE, 0.05);
   reference.steps(20);
   for (const double accuracy : {1e-6, 1e-9}) {
@@ -69,11 +69,12 @@ TEST(Held, AccuracyIsMet) {
     asked.options.accuracy = accuracy;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(asked.m, asked.d, &asked.options));
     ASSERT_EQ(DYN_OK, dyn_advance(asked.m, asked.d, 1)) << dyn_last_error();
-    EXPECT_LT(apart(asked, reference), 10 * accuracy);
+    EXPECT_LT(max_difference(asked, reference), 10 * accuracy);
   }
 }
 
-// Rods of 1 m and 1 kg in the x-y plane: uprights on the ground, couplers on top. Where they lie flat, all at once, each window may fold by itself.
+// Rods of 1 m and 1 kg in the x-y plane: uprights on the ground, couplers on top.
+// When all rods are collinear, each window may fold by itself.
 Model windows(int count) {
   const double down[3] = {0, -9.81, 0}, inertia[9] = {0, 0, 0, 0, 1. / 12, 0, 0, 0, 1. / 12};
   Builder b("windows");
@@ -92,7 +93,7 @@ Model windows(int count) {
                                              ("upright" + std::to_string(k + 1) + "_rod").c_str())) << dyn_last_error();
   return b.finish();
 }
-// One rod that moves as their uprights do: of the same inertia and weight about its pin.
+// One rod that moves as the uprights do, with the same inertia and weight about its pin.
 Model one_upright(int count) {
   const double weight = 2 * ((count + 1) / 2. + count), about_pin = (count + 1) / 3. + count, down[3] = {0, -9.81, 0};
   const double inertia[9] = {about_pin, 0, 0, 0, about_pin, 0, 0, 0, about_pin - weight / 4};
@@ -102,16 +103,16 @@ Model one_upright(int count) {
   return b.finish();
 }
 
-// The N-four-bar problem (IFToMM A02): five turns, ten times through the singular configuration.
-TEST(Held, AccuracyIsMetThroughSingularConfigurations) {
+// The N-four-bar problem (IFToMM A02): five turns, ten passes through the singular configuration.
+TEST(ConstrainedMotion, AccuracyIsMetThroughSingularConfigurations) {
   for (const int count : {1, 2, 8}) {
-    Play one(one_upright(count));
+    Simulation one(one_upright(count));
     one.set({M_PI / 2}, {-1});
     one.options.accuracy = 1e-11;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(one.m, one.d, &one.options));
     ASSERT_EQ(DYN_OK, dyn_advance(one.m, one.d, 10)) << dyn_last_error();
     for (const double accuracy : {1e-3, 1e-4, 0.8e-4, 1e-5, 1e-6, 1e-7, 0.7e-7, 1e-8}) {
-      Play all(windows(count));
+      Simulation all(windows(count));
       Numbers q, v;
       for (int k = 0; k <= count; ++k) {
         q.push_back(M_PI / 2), v.push_back(-1);
@@ -126,20 +127,20 @@ TEST(Held, AccuracyIsMetThroughSingularConfigurations) {
   }
 }
 
-// A loop that is open closes first, in steps of order 1, by at most 1 m/s.
-TEST(Held, OpenLoopsClose) {
+// An open loop closes first, in steps of order 1, by at most 1 m/s.
+TEST(ConstrainedMotion, OpenLoopsClose) {
   Linkage run(DYN_INTEGRATOR_RK4, 1e-3);
   Numbers at(run.q, run.q + run.m.nq());
   at[0] += 0.1;
   run.set(at);
-  EXPECT_GT(run.open(), 1e-2);
+  EXPECT_GT(run.constraint_error(), 1e-2);
   run.steps(200);
-  EXPECT_LT(run.open(), 1e-12);
+  EXPECT_LT(run.constraint_error(), 1e-12);
 }
 
-// An arm that its weld holds stretched out, its wrists in line but for what decimals in a file leave over: the weld's rows contradict one another by 1e-8 of
-// the velocities, which no impulse below 1e8 times the arm's weight would make up for.
-TEST(Held, AWeldOfAStretchedArmIsAskedForWhatIsPossible) {
+// A weld stretches an arm whose wrist axes are aligned but for rounding of decimals in a file.
+// The weld's rows contradict one another by 1e-8 of the velocities; only impulses of 1e8 times the arm's weight would fix that.
+TEST(ConstrainedMotion, InconsistentWeldKeepsImpulsesBounded) {
   const char* text = R"(<mujoco><option gravity='.3 -1.2 -9.7'/><worldbody><body pos='0 0 .1'><joint axis='0 0 1'/><geom type='capsule' fromto='0 0 0 0 0 .1' size='.03'/>
       <body pos='0 0 .05'><joint axis='0 1 0'/><geom type='capsule' fromto='0 0 0 .06 0 .3' size='.03'/>
       <body pos='.06 0 .3'><joint axis='0 1 1e-10'/><geom type='capsule' fromto='0 0 0 .2 0 0' size='.03'/>
@@ -150,7 +151,7 @@ TEST(Held, AWeldOfAStretchedArmIsAskedForWhatIsPossible) {
       </body></body></body></body></body></body></worldbody><equality><weld body1='hand'/></equality></mujoco>)";
   dynModel* m = nullptr;
   ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
-  Play run(Model(m), 2e-3);
+  Simulation run(Model(m), 2e-3);
   const double tau[] = {3, -2, 1, 5, -4, 6, -1};
   ASSERT_EQ(DYN_OK, dyn_data_set_state(run.m, run.d, nullptr, nullptr, nullptr, tau));
   int iterations = 0;

@@ -8,10 +8,10 @@ constexpr double g = 9.81;
 
 class Incline : public testing::TestWithParam<double> {};
 
-// A box at a fraction of the friction angle: it sticks below it, and slides with g (sin a - mu cos a) beyond.
+// A box on an incline: it sticks below the friction angle and slides with g (sin a - mu cos a) above.
 TEST_P(Incline, SticksOrSlides) {
   const double mu = 0.5, angle = std::atan(mu * GetParam());
-  Play run(Scene({g * std::sin(angle), 0, -g * std::cos(angle)}).ground().box("box", 1, {0.2, 0.2, 0.2}, material(mu)).finish());
+  Simulation run(Scene({g * std::sin(angle), 0, -g * std::cos(angle)}).ground().box("box", 1, {0.2, 0.2, 0.2}, material(mu)).finish());
   run.place({{0, 0, 0.1}});
   run.steps(1000);
   EXPECT_LE(run.residual, 1.01e-9);
@@ -27,9 +27,9 @@ TEST_P(Incline, SticksOrSlides) {
 }
 INSTANTIATE_TEST_SUITE_P(Angles, Incline, testing::Values(0.99, 0.999, 1.01, 1.5));
 
-// v0 = 1 m/s without spin: it slides until v = 5/7 v0, then rolls.
-TEST(Contact, ASphereThatSlidesComesToRoll) {
-  Play run(Scene().ground().sphere("ball", 2, 0.1, material(0.3)).finish());
+// v0 = 1 m/s without spin: the sphere slides until v = 5/7 v0, then rolls.
+TEST(Contact, SlidingSphereStartsToRoll) {
+  Simulation run(Scene().ground().sphere("ball", 2, 0.1, material(0.3)).finish());
   run.place({{0, 0, 0.1}});
   run.set({}, {1, 0, 0, 0, 0, 0});
   run.steps(1000);
@@ -37,10 +37,10 @@ TEST(Contact, ASphereThatSlidesComesToRoll) {
   EXPECT_NEAR(50.0 / 7, run.v[4], 1e-5);
 }
 
-// Heights of a ball that bounces: e^2 each time; it comes to rest when the sum of its flights is over.
-TEST(Contact, RestitutionAndZeno) {
+// Bounce heights fall by e^2 each time; the ball rests once the sum of its flight times is over.
+TEST(Contact, BounceHeightsAndComingToRest) {
   const double e = 0.5, height = 1, dt = 1e-4;
-  Play run(Scene().ground().sphere("ball", 1, 0.1, material(0.5, e)).finish(), dt);
+  Simulation run(Scene().ground().sphere("ball", 1, 0.1, material(0.5, e)).finish(), dt);
   run.place({{0, 0, height + 0.1}});
   std::vector<double> peaks;
   double before = 2 * height, last = height, rest = 0;
@@ -53,12 +53,12 @@ TEST(Contact, RestitutionAndZeno) {
     if (std::abs(run.v[2]) > 1e-9) rest = (k + 1) * dt;
   }
   ASSERT_GE(peaks.size(), 3u);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(std::pow(e, 2.0 * double(k + 1)) * height, peaks[k], dt * std::sqrt(2 * g * height)) << k;  // the way of a step
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(std::pow(e, 2.0 * double(k + 1)) * height, peaks[k], dt * std::sqrt(2 * g * height)) << k;  // motion in one step
   EXPECT_NEAR(std::sqrt(2 * height / g) * (1 + e) / (1 - e), rest, 0.01);
 }
 
 TEST(Contact, ForcesOnARestingStackAddUpToItsWeight) {
-  Play run(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(1)).box("b", 2, {0.2, 0.2, 0.2}, material(1)).box("c", 1e-3, {0.2, 0.2, 0.2}, material(1)).finish());
+  Simulation run(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(1)).box("b", 2, {0.2, 0.2, 0.2}, material(1)).box("c", 1e-3, {0.2, 0.2, 0.2}, material(1)).finish());
   run.place({{0, 0, 0.1}, {0.01, 0, 0.3}, {0, 0.02, 0.5}});
   run.steps(500);
   EXPECT_LE(run.residual, 1.01e-9);
@@ -71,12 +71,12 @@ TEST(Contact, ForcesOnARestingStackAddUpToItsWeight) {
   for (int k = 0; k < 18; ++k) EXPECT_NEAR(0, run.v[k], 1e-8) << k;
 }
 
-// 64 directions: the cone is round.
-TEST(Contact, SlidesTheSameDistanceInAllDirections) {
+// 64 directions: the friction cone is round.
+TEST(Contact, FrictionIsIsotropic) {
   double least = inf, most = 0;
   for (int k = 0; k < 64; ++k) {
     const double angle = 2 * M_PI * k / 64;
-    Play run(Scene().ground().sphere("ball", 1, 0.1, material(0.2)).finish(), 1e-3);
+    Simulation run(Scene().ground().sphere("ball", 1, 0.1, material(0.2)).finish(), 1e-3);
     run.place({{0, 0, 0.1}});
     run.set({}, {std::cos(angle), std::sin(angle), 0, -10 * std::sin(angle) * -1, 10 * std::cos(angle) * -1, 0});  // spinning backwards: it slides to the end
     run.steps(300);
@@ -87,9 +87,9 @@ TEST(Contact, SlidesTheSameDistanceInAllDirections) {
   EXPECT_LT((most - least) / most, 1e-8);
 }
 
-// Energy of what nothing drives never grows: a box that falls on an edge, and comes to rest.
+// The energy of an undriven box that falls on an edge never grows until it rests.
 TEST(Contact, EnergyNeverGrows) {
-  Play run(Scene().ground().box("box", 1, {0.2, 0.3, 0.1}, material(0.7)).finish());
+  Simulation run(Scene().ground().box("box", 1, {0.2, 0.3, 0.1}, material(0.7)).finish());
   run.set({0, 0, 0.5, 0.3, 0.1, 0.05, std::sqrt(1 - 0.09 - 0.01 - 0.0025)});
   double before = run.energy();
   for (int k = 0; k < 3000; ++k) {
@@ -102,11 +102,11 @@ TEST(Contact, EnergyNeverGrows) {
   EXPECT_LT(run.report().residual, 1.01e-9);
 }
 
-// A spring under a load: depth m g / k; a belt carries what lies on it.
-TEST(Contact, ComplianceAndBelts) {
+// A spring under a load: depth m g / k. A belt carries what lies on it.
+TEST(Contact, SpringDepthAndBeltVelocity) {
   dynMaterial soft = material(0.5);
   soft.stiffness = 1e4, soft.damping = 200;
-  Play run(Scene().ground().sphere("ball", 2, 0.1, soft).finish());
+  Simulation run(Scene().ground().sphere("ball", 2, 0.1, soft).finish());
   run.place({{0, 0, 0.1}});
   run.steps(2000);
   EXPECT_NEAR(0.1 - 2 * g / 1e4, run.q[2], 1e-8);
@@ -116,36 +116,36 @@ TEST(Contact, ComplianceAndBelts) {
   belt.surface_velocity[0] = 0.7;
   Scene scene;
   scene.shape("universe", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, belt).box("box", 1, {0.2, 0.2, 0.2}, material(0.2));
-  Play carried(scene.finish());
+  Simulation carried(scene.finish());
   carried.place({{0, 0, 0.1}});
   carried.steps(100);
-  EXPECT_NEAR(0.5 * g * 0.1, carried.velocity()[0], 1e-6);  // friction accelerates it,
+  EXPECT_NEAR(0.5 * g * 0.1, carried.velocity()[0], 1e-6);  // friction accelerates it
   carried.steps(400);
   EXPECT_NEAR(0.7, carried.velocity()[0], 1e-8);  // until it moves with the belt
 }
 
-// Off a spring and a damper that begin where the shapes touch, however large these are: exp(-z / sqrt(1 - z^2) (pi - 2 asin z)) with z = d / (2 sqrt(k m)).
-TEST(Contact, SoftReboundIsThatOfSpringAndDamper) {
+// Rebound off a spring and damper that act only in contact: exp(-z / sqrt(1 - z^2) (pi - 2 asin z)), z = d / (2 sqrt(k m)).
+TEST(Contact, SoftReboundMatchesSpringAndDamper) {
   const double k = 1e3, damping = 10, z = damping / (2 * std::sqrt(k)), exact = std::exp(-z / std::sqrt(1 - z * z) * (3.141592653589793 - 2 * std::asin(z)));
   dynMaterial soft = material(0);
   soft.stiffness = k, soft.damping = damping;
   for (const double radius : {0.1, 1.0}) {
-    Play run(Scene({0, 0, 0}).ground().sphere("ball", 1, radius, soft).finish(), 1e-4);
+    Simulation run(Scene({0, 0, 0}).ground().sphere("ball", 1, radius, soft).finish(), 1e-4);
     run.set({0, 0, radius + 0.05, 0, 0, 0, 1}, {0, 0, -1, 0, 0, 0});
     run.steps(3000);
-    EXPECT_NEAR(exact, run.v[2], 4e-3) << radius;  // 2.8e-3: of first order in the step
+    EXPECT_NEAR(exact, run.v[2], 4e-3) << radius;  // 2.8e-3: first order in the step
   }
 }
 
-// Rolling friction without torsion, whose row is held at zero: for every solver, and with no time at all.
-TEST(Contact, RollingWithoutTorsion) {
+// Rolling friction without torsion, whose row is fixed at zero, for every solver and with an expired deadline.
+TEST(Contact, RollingFrictionWorksWithoutTorsion) {
   for (const dynContactSolverType solver : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
     for (const double budget : {0.0, 1e-9}) {
       double end[2];
       for (const double torsion : {0.0, 1e-4}) {
         dynMaterial x = material(0.8);
         x.rolling = 1e-3, x.torsion = torsion;
-        Play run(Scene().ground().sphere("ball", 1, 0.1, x).finish(), 1e-3, solver);
+        Simulation run(Scene().ground().sphere("ball", 1, 0.1, x).finish(), 1e-3, solver);
         run.options.time_budget = budget;
         ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
         run.set({0, 0, 0.1, 0, 0, 0, 1}, {0.5, 0, 0, 0, 0, 0});
@@ -157,17 +157,17 @@ TEST(Contact, RollingWithoutTorsion) {
     }
 }
 
-// A ball with rolling friction stops: m a = F, I alpha = F r - M, v = omega r, M = c N; one that spins stops by torsion, I alpha = c N.
-TEST(Contact, TorsionAndRolling) {
+// Rolling friction stops a ball: m a = F, I alpha = F r - M, v = omega r, M = c N. Torsion stops a spinning one: I alpha = c N.
+TEST(Contact, TorsionAndRollingFrictionDecelerate) {
   dynMaterial x = material(0.8);
   x.rolling = 1e-3, x.torsion = 2e-3;
-  Play run(Scene().ground().sphere("ball", 1, 0.1, x).finish());
+  Simulation run(Scene().ground().sphere("ball", 1, 0.1, x).finish());
   run.place({{0, 0, 0.1}});
   run.set({}, {0.5, 0, 0, 0, 5, 0});
   run.steps(1000);
   const double a = 1e-3 * g / 0.1 / 1.4;
   EXPECT_NEAR(0.5 - a, run.velocity()[0], 1e-4);
-  Play spin(Scene().ground().sphere("ball", 1, 0.1, x).finish());
+  Simulation spin(Scene().ground().sphere("ball", 1, 0.1, x).finish());
   spin.place({{0, 0, 0.1}});
   spin.set({}, {0, 0, 0, 0, 0, 6});
   spin.steps(1000);
@@ -176,12 +176,12 @@ TEST(Contact, TorsionAndRolling) {
   EXPECT_NEAR(0, spin.v[5], 1e-8);
 }
 
-// Impacts are found before they happen: nothing passes through, however fast.
+// Impacts are found before they happen: nothing passes through at any speed.
 TEST(Contact, FastBodiesDoNotPassThrough) {
   for (const double speed : {10.0, 100.0, 1000.0}) {
     Scene scene({0, 0, 0});
     scene.shape("universe", DYN_SHAPE_TYPE_BOX, {1, 1, 0.01}, material(0)).sphere("ball", 1, 0.02, material(0.5));
-    Play run(scene.finish());
+    Simulation run(scene.finish());
     run.place({{0, 0, 0.6}});
     run.set({}, {0, 0, -speed, 0, 0, 0});
     run.steps(100);
@@ -189,10 +189,9 @@ TEST(Contact, FastBodiesDoNotPassThrough) {
   }
 }
 
-// An overlap at the beginning goes slowly, and leaves no velocity.
-// A box on four corners with room for three contacts: the deepest are kept, and what is left out is said. With room for one it rests on one corner at a
-// time, never far from the ground.
-TEST(Contact, RoomForFewContacts) {
+// A box on four corners with room for three contacts: the deepest are kept and the others reported as dropped.
+// With room for one it rests on one corner at a time, never far from the ground.
+TEST(Contact, DeepestContactsAreKeptWhenFull) {
   const auto room = [](int contacts) {
     Scene scene;
     scene.ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5));
@@ -207,7 +206,7 @@ TEST(Contact, RoomForFewContacts) {
   }
   dyn_builder_free(b);
   for (const auto& [asked, there] : {std::pair{0, 8}, {3, 3}, {1, 1}, {8, 8}, {100, 8}}) {  // 8 for the only pair
-    Play play(room(asked));
+    Simulation play(room(asked));
     EXPECT_EQ(there, dyn_model_contact_capacity(play.m)) << asked;
     play.place({{0, 0, 0.1 - 1e-4}});
     play.steps(1);
@@ -218,8 +217,8 @@ TEST(Contact, RoomForFewContacts) {
   }
 }
 
-TEST(Contact, OverlapsAreTakenOutWithoutVelocity) {
-  Play run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
+TEST(Contact, InitialOverlapIsRemovedWithoutVelocity) {
+  Simulation run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
   run.place({{0, 0, 0.05}});
   double fastest = 0;
   for (int k = 0; k < 200; ++k) run.steps(1), fastest = std::max(fastest, std::abs(run.v[2]));
@@ -227,15 +226,15 @@ TEST(Contact, OverlapsAreTakenOutWithoutVelocity) {
   EXPECT_LT(fastest, 0.02);
 }
 
-// An arm without limits falls folded onto itself, by six points that nine degrees of freedom cannot move apart: impulses of 1e61, beside which any speed is
-// round-off, would pass for a solution.
-TEST(Contact, AnArmThatFallsOntoItselfLosesEnergy) {
+// An unlimited arm falls folded onto itself: six contact points that nine degrees of freedom cannot separate.
+// Impulses of 1e61, whose round-off hides any speed, must not pass for a solution.
+TEST(Contact, ArmFallingOntoItselfLosesEnergy) {
   dynModel* m = nullptr;
   dynLoadOptions options;
   dyn_load_options_init(&options);
   options.base = DYN_BASE_FIXED;
   ASSERT_EQ(DYN_OK, dyn_model_load(DYN_MODELS_DIR "/robots/panda.urdf", &options, &m)) << dyn_last_error();
-  Play run{Model(m)};
+  Simulation run{Model(m)};
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_DAMPING | DYN_EFFECT_FRICTION | DYN_EFFECT_ARMATURE));
   double before = run.energy();
   int unsolved = 0;

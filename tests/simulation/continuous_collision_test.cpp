@@ -1,4 +1,4 @@
-// What passes by or slides onto what lies flush is not hit: a gap is no wall.
+// Shapes that pass each other or slide onto a flush surface do not collide: a gap is no wall.
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
@@ -13,15 +13,15 @@ dynShapeSpec box_at(double x, double z, std::array<double, 3> size, double frict
   return s;
 }
 
-// Over the seam of two boxes, the second as high or lower, as on one plane: v^2 / (2 mu g).
-TEST(Passing, ABoxSlidesOverSeams) {
+// Over the seam of two boxes, the second as high or lower, a box slides as on one plane: v^2 / (2 mu g).
+TEST(ContinuousCollision, BoxSlidesOverFlushSeams) {
   const double mu = 0.3, way = 2 * 2 / (2 * mu * 9.81);
   for (const double lower : {0.0, 1e-6, 1e-4})
     for (const double dt : {1e-3, 1e-4}) {
       Scene scene;
       for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, mu), box_at(1.1, -0.05 - lower, {2, 2, 0.1}, mu)}) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
       scene.box("box", 1, {0.1, 0.1, 0.1}, material(mu));
-      Play run(scene.finish(), dt);
+      Simulation run(scene.finish(), dt);
       run.set({-0.1, 0, 0.05, 0, 0, 0, 1}, {2, 0, 0, 0, 0, 0});
       run.steps(int(0.75 / dt));
       EXPECT_NEAR(way - 0.1, run.q[0], 0.01 * way) << lower << " " << dt;
@@ -29,8 +29,8 @@ TEST(Passing, ABoxSlidesOverSeams) {
     }
 }
 
-// A floor of tiles: nothing lifts it.
-TEST(Passing, ABoxSlidesOverTiles) {
+// A box on a floor of tiles is not lifted.
+TEST(ContinuousCollision, BoxSlidesOverTiles) {
   const double mu = 0.3;
   Scene scene;
   for (int k = 0; k < 12; ++k) {
@@ -38,7 +38,7 @@ TEST(Passing, ABoxSlidesOverTiles) {
     ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
   }
   scene.box("box", 1, {0.1, 0.1, 0.1}, material(mu));
-  Play run(scene.finish());
+  Simulation run(scene.finish());
   run.set({0, 0, 0.05, 0, 0, 0, 1}, {2, 0, 0, 0, 0, 0});
   for (int k = 0; k < 750; ++k) {
     run.steps(1);
@@ -47,29 +47,29 @@ TEST(Passing, ABoxSlidesOverTiles) {
   EXPECT_NEAR(2 * 2 / (2 * mu * 9.81), run.q[0], 0.01);
 }
 
-// Against a ledge as high as a tenth of it the box does stop.
-TEST(Passing, ALedgeStopsABox) {
+// A ledge as high as a tenth of the box stops it.
+TEST(ContinuousCollision, LedgeStopsBox) {
   Scene scene;
   for (const dynShapeSpec& s : {box_at(-0.9, -0.05, {2, 2, 0.1}, 0), box_at(1.1, -0.04, {2, 2, 0.1}, 0)}) ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
   scene.box("box", 1, {0.1, 0.1, 0.1}, material(0));
-  Play run(scene.finish());
+  Simulation run(scene.finish());
   run.set({-0.1, 0, 0.05, 0, 0, 0, 1}, {0.3, 0, 0, 0, 0, 0});
   double farthest = -1;
   for (int k = 0; k < 700; ++k) run.steps(1), farthest = std::max(farthest, run.q[0]);
   EXPECT_NEAR(0.05, farthest, 2e-3);  // it tips a little
 }
 
-// With 2 cm between them, at 10 cm a step.
-TEST(Passing, ABallFliesBy) {
+// 2 cm of clearance at 10 cm a step.
+TEST(ContinuousCollision, BallFliesPastWithoutContact) {
   for (const auto& [speed, dt] : {std::pair{10.0, 1e-2}, {100.0, 1e-3}}) {
     Scene scene({0, 0, 0});
     const dynShapeSpec box = box_at(0, 0, {0.1, 0.1, 0.1}, 0.5);
     ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &box)) << dyn_last_error();
-    Play run(scene.sphere("ball", 1, 0.05, material(0.5)).finish(), dt);
+    Simulation run(scene.sphere("ball", 1, 0.05, material(0.5)).finish(), dt);
     run.set({-0.5, 0.12, 0, 0, 0, 0, 1}, {speed, 0, 0, 0, 0, 0});
     run.steps(10);
     EXPECT_EQ(Numbers({speed, 0, 0, 0, 0, 0}), Numbers(run.v, run.v + 6));
-    run.set({-0.5, 0.02, 0, 0, 0, 0, 1}, {speed, 0, 0, 0, 0, 0});  // and this one is hit
+    run.set({-0.5, 0.02, 0, 0, 0, 0, 1}, {speed, 0, 0, 0, 0, 0});  // this one is hit
     run.steps(10);
     EXPECT_LT(run.v[0], 0.1 * speed);
   }

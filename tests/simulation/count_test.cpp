@@ -1,4 +1,4 @@
-// A step takes instructions for what acts in it alone: counted one by one, and the same to the last bit with what does not act.
+// A step takes instructions only for the effects that act, counted exactly; the others change no bit of the result.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,14 +21,14 @@ long count(const std::string& text, std::uint32_t effects = awake) {
   if ((n) < 0) GTEST_SKIP() << "this system does not let a process trace its child";         \
   if (dyn_test::sanitized) GTEST_SKIP() << "sanitizers have instructions of their own"
 
-TEST(StepInstructions, ChainIsForwardDynamicsAndIntegration) {
+TEST(StepInstructions, ChainCostsForwardDynamicsAndIntegration) {
   Counted c(bench::scene(bench::chain(10, "", bench::masked)));
   const long step = c.step(), bare = c.bare();
   SKIP_UNCOUNTED(step);
   EXPECT_LE(double(step), 1.02 * double(bare));
 }
 
-TEST(StepInstructions, FreeBodyIsForwardDynamicsAndIntegration) {
+TEST(StepInstructions, FreeBodyCostsForwardDynamicsAndIntegration) {
   Counted c(bench::scene(bench::free_body(bench::masked)));
   const long step = c.step(), bare = c.bare();
   SKIP_UNCOUNTED(step);
@@ -42,14 +42,14 @@ TEST(StepInstructions, FarShapesAddNothing) {
     EXPECT_LE(double(count(bench::scene(bench::chain(10, "", bench::touching) + bench::far_boxes(boxes)))), 1.01 * double(alone)) << boxes;
 }
 
-TEST(StepInstructions, InactiveLimits) {
+TEST(StepInstructions, InactiveLimitsAddNothing) {
   const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
   SKIP_UNCOUNTED(alone);
   EXPECT_LE(count(bench::scene(bench::chain(10, bench::limited, bench::masked))) - alone, 10 * 10);
 }
 
-// What a model has and its data leaves out costs what a model without it does.
-TEST(StepInstructions, EffectsSwitchedOff) {
+// An effect switched off costs the same as a model without it.
+TEST(StepInstructions, DisabledEffectsAddNothing) {
   const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
   SKIP_UNCOUNTED(alone);
   const struct {
@@ -60,10 +60,10 @@ TEST(StepInstructions, EffectsSwitchedOff) {
     EXPECT_NEAR(double(count(bench::scene(bench::chain(10, e.joint, bench::masked)), awake & ~e.effect)), double(alone), 0.01 * double(alone)) << e.joint;
 }
 
-// The same of what is not said at the joints.
-TEST(StepInstructions, EffectsOfTheSceneSwitchedOff) {
+// The same for effects that are not at the joints.
+TEST(StepInstructions, DisabledSceneEffectsAddNothing) {
   const std::string chain = bench::chain(10, "name='j' frictionloss='.1'", bench::masked), plain = bench::chain(10, "name='j'", bench::masked);
-  const auto unnamed = [](std::string text) {  // but for the first joint
+  const auto unnamed = [](std::string text) {  // except the first joint
     for (std::size_t at = text.find("name='j'") + 1; (at = text.find("name='j'", at)) != std::string::npos;) text.erase(at, 8);
     return text;
   };
@@ -79,7 +79,7 @@ TEST(StepInstructions, EffectsOfTheSceneSwitchedOff) {
 }
 
 // A box within reach whose pairs are switched off.
-TEST(StepInstructions, PairsSwitchedOff) {
+TEST(StepInstructions, DisabledPairsAddNothing) {
   const long alone = count(bench::scene(bench::chain(10, "", bench::masked)));
   SKIP_UNCOUNTED(alone);
   Counted c(bench::scene(bench::chain(10, "", bench::touching) + "<geom type='box' size='.3 .3 .3' pos='.5 0 -.3' contype='0' conaffinity='1'/>"), awake);
@@ -88,8 +88,8 @@ TEST(StepInstructions, PairsSwitchedOff) {
   EXPECT_NEAR(double(c.step()), double(alone), 0.01 * double(alone));
 }
 
-// The chain swings past a box and to its limits and back: steps that leave the search out end where those without clearance do.
-TEST(Clearance, ChangesNothing) {
+// The chain swings past a box and to its limits and back: steps that skip the search give the bits of those that do not.
+TEST(AdvancementCache, ChangesNoBit) {
   const std::string box = "<geom type='box' size='.1 .1 .1' pos='.3 0 -.9' contype='0' conaffinity='1'/>";
   const std::string text = bench::scene(bench::chain(6, "limited='true' range='-100 100'", bench::touching) + box);
   Counted a(text), b(text);
@@ -100,7 +100,7 @@ TEST(Clearance, ChangesNothing) {
   ASSERT_EQ(DYN_OK, dyn_data_array(b.m, b.d, dyn_field_id("q"), &qb));
   int met = 0;
   for (int k = 0; k < 3000; ++k) {
-    ASSERT_EQ(DYN_OK, dyn_data_set_pair(b.m, b.d, 0, 0));  // forgets what was found
+    ASSERT_EQ(DYN_OK, dyn_data_set_pair(b.m, b.d, 0, 0));  // clears the cache
     ASSERT_EQ(DYN_OK, dyn_data_set_pair(b.m, b.d, 0, 1));
     ASSERT_EQ(DYN_OK, dyn_step(a.m, a.d));
     ASSERT_EQ(DYN_OK, dyn_step(b.m, b.d));

@@ -1,4 +1,4 @@
-// Bodies that fly by themselves are stepped without the recursion, to the same motion; contacts that nothing presses cost no solver.
+// Free bodies are integrated in batches, to the same motion as by the recursion; contacts without load need no solver.
 #include "simulation/scene.hpp"
 
 #include "count.hpp"
@@ -6,23 +6,23 @@
 namespace dyn_test {
 namespace {
 
-// The same with a wrench on the first body that is as good as none: then all bodies take the recursion.
-void take_recursion(Play& run) {
+// The same with a negligible wrench on the first body: then all bodies take the recursion.
+void take_recursion(Simulation& run) {
   const double nothing[6] = {1e-300, 0, 0, 0, 0, 0};
   ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "body0"), nullptr, nothing, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)) << dyn_last_error();
 }
 
-// Nine bodies whose centres of mass are elsewhere, which turn, one (as round as a ball) by more than a radian a step, and are driven; a quaternion of any norm.
+// Nine driven, rotating bodies with offset centres of mass, one (with equal inertias) by more than 1 rad a step; quaternions of any norm.
 struct Tumbling {
   static constexpr int bodies = 9;
-  Play run;
+  Simulation run;
   explicit Tumbling(bool recursion) : run(model(), 2e-3) {
     Numbers q, v, tau;
     for (int k = 0; k < bodies; ++k) {
       const double norm = k == 2 ? 1e-40 : k == 5 ? 3 : 1, fast = k == 0 ? 700 : 3;
       q.insert(q.end(), {3.0 * k, 0.1 * k, 1, 0.5 * norm, -0.5 * norm, 0.1 * norm, 0.7 * norm});
       v.insert(v.end(), {1, 0.2 * k, -0.5, k == 0 ? 0 : 2.0 - k, k == 0 ? 0 : 1.0, fast});
-      if (k == 0) tau.insert(tau.end(), {0, 0, 0, 0, 0, 0.5});  // about the axis it turns about
+      if (k == 0) tau.insert(tau.end(), {0, 0, 0, 0, 0, 0.5});  // about its rotation axis
       else tau.insert(tau.end(), {0.3 * k, 0, 0.1, 0.01, -0.02, 0.001 * k});
     }
     EXPECT_EQ(DYN_OK, dyn_data_set_state(run.m, run.d, q.data(), v.data(), nullptr, tau.data())) << dyn_last_error();
@@ -35,18 +35,18 @@ struct Tumbling {
   }
 };
 
-TEST(FreeBodies, MoveAsByTheRecursion) {
+TEST(FreeBodies, MoveLikeTheRecursion) {
   Tumbling a(false), b(true);
   for (int k = 0; k < 200; ++k) {
     a.run.steps(1), b.run.steps(1);
     for (int i = 0; i < dyn_model_nq(a.run.m); ++i) ASSERT_NEAR(b.run.q[i], a.run.q[i], 1e-11 * (1 + std::abs(b.run.q[i]))) << k << " " << i;
-    for (int i = 0; i < dyn_model_nv(a.run.m); ++i)  // points go as fast as the body turns
+    for (int i = 0; i < dyn_model_nv(a.run.m); ++i)  // tolerances grow with the speed of points
       ASSERT_NEAR(b.run.v[i], a.run.v[i], 1e-11 * (1 + std::abs(b.run.v[i / 6 * 6 + 5]))) << k << " " << i;
   }
 }
 
-// Its coordinates are of a frame that stands elsewhere, and turned.
-TEST(FreeBodies, APlacedJointFallsInTheWorld) {
+// The joint's frame is displaced and rotated.
+TEST(FreeBodies, PlacedJointFallsAlongWorldGravity) {
   dynBuilder* b = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_new("placed", &b));
   const double c = std::cos(0.7), s = std::sin(0.7), I[9] = {1e-3, 0, 0, 0, 1e-3, 0, 0, 0, 1e-3}, com[3] = {0, 0, 0};
@@ -64,7 +64,7 @@ TEST(FreeBodies, APlacedJointFallsInTheWorld) {
   dynModel* m = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_finish(b, &m)) << dyn_last_error();
   dyn_builder_free(b);
-  Play run(Model(m), 1e-3);
+  Simulation run(Model(m), 1e-3);
   const auto height = [&] {
     double at[12];
     EXPECT_EQ(DYN_OK, dyn_forward_kinematics(run.m, run.d, nullptr, nullptr, nullptr));
@@ -80,12 +80,12 @@ TEST(FreeBodies, APlacedJointFallsInTheWorld) {
   EXPECT_NEAR(0.1, height(), 1e-6);
 }
 
-// Where its iteration does not settle, the momentum that a body ends with is as exact; to a third of a turn a step, and beyond that its length.
-TEST(FreeBodies, MomentumIsKeptHoweverFast) {
+// Large rotations: the momentum is exact up to a third of a turn a step; beyond, its length is.
+TEST(FreeBodies, MomentumIsKeptAtAnySpeed) {
   for (const bool recursion : {false, true})
     for (const double rate : {1.0, 100.0, 300.0, 400.0, 500.0, 700.0, 1000.0, 2000.0, 10000.0}) {
       Scene scene({0, 0, 0});
-      Play run(scene.free("body0", 1, {1e-3, 2e-3, 2.7e-3}, {0, 0.01, 0.02}).finish(), 1e-3);
+      Simulation run(scene.free("body0", 1, {1e-3, 2e-3, 2.7e-3}, {0, 0.01, 0.02}).finish(), 1e-3);
       run.set({0, 0, 0, 0, 0, 0, 1}, {1, 2, 3, 0.1 * rate, rate, 0.1 * rate});
       if (recursion) take_recursion(run);
       const auto momentum = [&] {
@@ -97,14 +97,14 @@ TEST(FreeBodies, MomentumIsKeptHoweverFast) {
       const double L = std::hypot(before[3], before[4], before[5]), energy = run.energy();
       run.steps(1000);
       const auto after = momentum();
-      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(before[k], after[k], 1e-11 + 1e-14 * rate) << rate;  // points go as fast as the body turns
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(before[k], after[k], 1e-11 + 1e-14 * rate) << rate;  // tolerances grow with the speed of points
       for (std::size_t k = 3; k < 6 && rate <= 2000; ++k) EXPECT_NEAR(before[k], after[k], 1e-11 * L) << rate << " " << recursion;
       EXPECT_NEAR(L, std::hypot(after[3], after[4], after[5]), 1e-11 * L) << rate << " " << recursion;
       EXPECT_LT(run.energy(), 2.7 * energy) << rate;
     }
 }
 
-TEST(FreeBodies, TakeNoRecursion) {
+TEST(FreeBodies, CostLessThanTheRecursion) {
   Tumbling a(false), b(true);
   a.run.steps(3), b.run.steps(3);
   const long loose = bench::instructions([&] { dyn_step(a.run.m, a.run.d); }), others = bench::instructions([&] { dyn_step(b.run.m, b.run.d); });
@@ -112,16 +112,16 @@ TEST(FreeBodies, TakeNoRecursion) {
   EXPECT_LT(loose, 0.7 * double(others));
 }
 
-// A ball that rolls, its centre of mass beside its middle, on the ground and into another: three contacts, whose forces one equation each determines.
-TEST(FreeBodies, TouchAsByTheRecursion) {
+// A rolling ball with an offset centre of mass touches the ground and another ball: three contacts, each determined by one equation.
+TEST(FreeBodies, ContactsMatchTheRecursion) {
   const auto make = [] {
     Scene scene;
     scene.ground().free("body0", 1, {5e-3, 4e-3, 6e-3}, {0, 0.01, -0.02}).shape("body0", DYN_SHAPE_TYPE_SPHERE, {0.1, 0, 0}, material(0.5));
     scene.sphere("other", 2, 0.1, material(0.4));
     return scene.finish();
   };
-  Play a(make()), b(make());
-  for (Play* x : {&a, &b}) {
+  Simulation a(make()), b(make());
+  for (Simulation* x : {&a, &b}) {
     x->options.tolerance = 1e-12;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(x->m, x->d, &x->options));
   }
@@ -136,11 +136,11 @@ TEST(FreeBodies, TouchAsByTheRecursion) {
   EXPECT_GT(met, 0);
 }
 
-// Without gravity a row of balls that touch goes on together; the first step that presses them is solved.
-TEST(FreeBodies, TouchingIsNotPressed) {
+// Without gravity a row of touching balls moves on together; the first step that loads them is solved.
+TEST(FreeBodies, TouchingWithoutLoadNeedsNoSolver) {
   Scene scene({0, 0, 0});
   for (int k = 0; k < 4; ++k) scene.sphere(("ball" + std::to_string(k)).c_str(), 1, 0.1, material(0.5));
-  Play run(scene.finish());
+  Simulation run(scene.finish());
   Numbers q, v;
   for (int k = 0; k < 4; ++k) q.insert(q.end(), {0.2 * k, 0, 0, 0, 0, 0, 1}), v.insert(v.end(), {0.5, 0, 0, 0, 0, 0});
   run.set(q, v);
@@ -158,11 +158,11 @@ TEST(FreeBodies, TouchingIsNotPressed) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(6 - 2 * k, std::abs(forces[std::size_t(k)].force_on_b[0]), 1e-6);
 }
 
-// What rests is pressed however short the steps.
-TEST(FreeBodies, RestingIsPressedInShortSteps) {
+// Resting contacts carry load however short the steps.
+TEST(FreeBodies, RestingContactsAreActiveInShortSteps) {
   for (const double dt : {1e-2, 1e-4, 1e-6, 1e-8}) {
     Scene scene;
-    Play run(scene.ground().sphere("ball", 1, 0.1, material(0.5)).finish(), dt);
+    Simulation run(scene.ground().sphere("ball", 1, 0.1, material(0.5)).finish(), dt);
     run.place({{0, 0, 0.1}});
     run.steps(20);
     ASSERT_EQ(1u, run.contacts().size()) << dt;

@@ -1,24 +1,24 @@
-// Steps for an accuracy where shapes meet: in long calls as in short ones nothing passes through, sinks in or gains energy.
+// Error-controlled steps with impacts: long calls behave as short ones; nothing passes through, sinks in or gains energy.
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
 namespace {
 
-void ask(Play& run, double accuracy) {
+void ask(Simulation& run, double accuracy) {
   run.options.accuracy = accuracy;
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options)) << dyn_last_error();
 }
-void advance(Play& run, double duration) { ASSERT_EQ(DYN_OK, dyn_advance(run.m, run.d, duration)) << dyn_last_error(); }
+void advance(Simulation& run, double duration) { ASSERT_EQ(DYN_OK, dyn_advance(run.m, run.d, duration)) << dyn_last_error(); }
 
-// Two balls without friction, elastic: what is hit goes along the line of centres, the other across.
-TEST(Tossed, BallsHitEachOther) {
+// Two elastic balls without friction: the hit ball leaves along the line of centres, the other across it.
+TEST(FreeFlight, ElasticBallsExchangeVelocities) {
   const double r = 0.0286, I = 0.4 * 0.17 * r * r;
   for (const double accuracy : {1e-2, 1e-6})
     for (int k = 0; k < 50; ++k) {
       const double beside = k == 0 ? r : 1.8 * r, speed = k == 0 ? 2 : 8;
       Scene scene({0, 0, 0});
       for (const char* name : {"a", "b"}) scene.free(name, 0.17, {I, I, I}).shape(name, DYN_SHAPE_TYPE_SPHERE, {r, 0, 0}, material(0, 1));
-      Play run(scene.finish());
+      Simulation run(scene.finish());
       ask(run, accuracy);
       run.set({-0.2 - 0.016 * k / 50, -beside, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1}, {speed, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
       advance(run, 0.4 / speed);
@@ -28,8 +28,8 @@ TEST(Tossed, BallsHitEachOther) {
     }
 }
 
-// A pebble, an egg, a coin and a rod, which turn as they come down.
-TEST(Tossed, NothingSinksOrGainsEnergy) {
+// A pebble, an egg, a coin and a rod tumble down.
+TEST(FreeFlight, TumblingBodiesNeitherSinkNorGainEnergy) {
   const struct {
     dynShapeType type;
     std::array<double, 3> size, inertia;
@@ -39,7 +39,7 @@ TEST(Tossed, NothingSinksOrGainsEnergy) {
   Random random{7};
   for (const auto& piece : pieces)
     for (int k = 0; k < 8; ++k) {
-      Play run(Scene().ground().free("body", 0.01, piece.inertia).shape("body", piece.type, piece.size, material(0.5)).finish());
+      Simulation run(Scene().ground().free("body", 0.01, piece.inertia).shape("body", piece.type, piece.size, material(0.5)).finish());
       ask(run, accuracy);
       Numbers q = {0, 0, 0.3}, v;
       for (int i = 0; i < 4; ++i) q.push_back(random.uniform(-1, 1));
@@ -54,15 +54,15 @@ TEST(Tossed, NothingSinksOrGainsEnergy) {
     }
 }
 
-// What begins deep inside is pushed out, with no more energy than its weight has over that depth.
-TEST(Tossed, WhatIsSunkIsPushedOut) {
+// Deep initial overlap is pushed out, with no more energy than the weight over that depth.
+TEST(FreeFlight, InitialOverlapIsPushedOut) {
   const struct {
     dynShapeType type;
     std::array<double, 3> size;
     double z;
   } pieces[] = {{DYN_SHAPE_TYPE_ELLIPSOID, {0.05, 0.05, 0.08}, -0.05}, {DYN_SHAPE_TYPE_CAPSULE, {0.03, 0.1, 0}, -0.2}, {DYN_SHAPE_TYPE_BOX, {0.1, 0.1, 0.1}, -0.03}};
   for (const auto& piece : pieces) {
-    Play run(Scene().ground().free("body", 1, {3e-3, 3e-3, 3e-3}).shape("body", piece.type, piece.size, material(0)).finish());
+    Simulation run(Scene().ground().free("body", 1, {3e-3, 3e-3, 3e-3}).shape("body", piece.type, piece.size, material(0)).finish());
     ask(run, 1e-4);
     run.set({0, 0, piece.z, 0.15, 0, 0, 0.99});
     advance(run, 0.1);
@@ -72,10 +72,10 @@ TEST(Tossed, WhatIsSunkIsPushedOut) {
   }
 }
 
-// From a state that was kept, in a data that has met other things before.
-TEST(Tossed, StatesAreKeptBitForBit) {
+// A saved state continues in data that met other contacts before.
+TEST(FreeFlight, RestoredStateReproducesTheBits) {
   const auto model = [] { return Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.2)).sphere("b", 1, 0.1, material(0.5, 0.5)).finish(); };
-  Play one(model());
+  Simulation one(model());
   ask(one, 1e-4);
   dynData* other = nullptr;
   ASSERT_EQ(DYN_OK, dyn_data_new(one.m, DYN_PART_SIMULATION, &other));

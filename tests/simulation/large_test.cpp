@@ -1,4 +1,4 @@
-// Islands of many bodies and of trees with many contacts: the problem of each step is solved to the tolerance asked, and momentum is kept.
+// Islands of many bodies and trees with many contacts: every step meets its tolerance, and momentum is kept.
 #include "simulation/scene.hpp"
 
 #include "count.hpp"
@@ -19,7 +19,7 @@ struct Spheres {
 };
 
 // Forces in N.
-bool within_cones(const Play& play, double friction) {
+bool within_cones(const Simulation& play, double friction) {
   for (const dynContactForce& f : play.contacts()) {
     const double n = f.force_on_b[0] * f.contact.normal[0] + f.force_on_b[1] * f.contact.normal[1] + f.force_on_b[2] * f.contact.normal[2];
     double across = 0;
@@ -32,7 +32,7 @@ bool within_cones(const Play& play, double friction) {
 TEST(Large, PouredSpheresAreSolvedInEveryStep) {
   Spheres s(5, 125, 0.21, 0.5, {0, 0, -9.81});
   s.scene.ground();
-  Play play(s.scene.finish(), 2e-3);
+  Simulation play(s.scene.finish(), 2e-3);
   play.place(s.at);
   int rows = 0;
   for (int k = 0; k < 250; ++k) {
@@ -44,7 +44,7 @@ TEST(Large, PouredSpheresAreSolvedInEveryStep) {
   EXPECT_GT(rows, 240);
 }
 
-// Between walls as rough as they are, spheres jam: hundreds of contacts stick that hold one another. Each step's impulses exist, and are found.
+// Spheres jam between equally rough walls: hundreds of contacts that stick hold one another. Each step's impulses exist and are found.
 TEST(Large, JammedSpheresAreSolved) {
   constexpr double wall = 0.5;
   Spheres s(4, 64, 0.22, 1, {0, 0, -9.81});
@@ -60,7 +60,7 @@ TEST(Large, JammedSpheresAreSolved) {
       std::copy_n(along ? across : beside, 12, plane.placement);
       ASSERT_EQ(DYN_OK, dyn_builder_add_shape(s.scene.builder(), &plane)) << dyn_last_error();
     }
-  Play play(s.scene.finish(), 2e-3);
+  Simulation play(s.scene.finish(), 2e-3);
   play.place(s.at);
   int rows = 0, unsolved = 0;
   double worst = 0;
@@ -74,7 +74,7 @@ TEST(Large, JammedSpheresAreSolved) {
   EXPECT_LE(worst, 1e-5);
 }
 
-// Two arms of which one follows the other, so that M has no tree.
+// Two arms of which one follows the other: M has no tree structure.
 void add_mimic_pair(dynBuilder* b) {
   const double com[3] = {0.1, 0, 0}, I[9] = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01};
   Spec lead("lead", DYN_JOINT_TYPE_REVOLUTE), follow("follow", DYN_JOINT_TYPE_REVOLUTE);
@@ -85,19 +85,19 @@ void add_mimic_pair(dynBuilder* b) {
     ASSERT_EQ(DYN_OK, dyn_builder_add_body(b, (std::string(s->name) + "_arm").c_str(), s->name, nullptr, 1, com, I)) << dyn_last_error();
   }
 }
-void place_beside(Play& play, const Spheres& s) {
+void place_beside(Simulation& play, const Spheres& s) {
   Numbers q;
   for (const auto& p : s.at) q.insert(q.end(), {p[0], p[1], p[2], 0, 0, 0, 1});
   q.push_back(0);
   play.set(q);
 }
 
-// A mimic joint beside them is nothing to the spheres: they are solved as exactly, and lie where they lie without it.
-TEST(Large, AMimicJointBesideIsNothingToOthers) {
+// A mimic joint elsewhere changes neither the residual nor the result of the spheres.
+TEST(Large, MimicJointDoesNotAffectOtherIslands) {
   Spheres s(5, 125, 0.21, 0.5, {0, 0, -9.81}), with(5, 125, 0.21, 0.5, {0, 0, -9.81});
   s.scene.ground(), with.scene.ground();
   add_mimic_pair(with.scene.builder());
-  Play alone(s.scene.finish(), 2e-3), play(with.scene.finish(), 2e-3);
+  Simulation alone(s.scene.finish(), 2e-3), play(with.scene.finish(), 2e-3);
   alone.place(s.at), place_beside(play, with);
   int rows = 0;
   for (int k = 0; k < 100; ++k) {
@@ -110,12 +110,12 @@ TEST(Large, AMimicJointBesideIsNothingToOthers) {
   EXPECT_GT(rows, 240);
 }
 
-// Nor does it make them cost together: in flight twice as many take twice the instructions.
-TEST(Large, AMimicJointCouplesNothingInFlight) {
+// It couples no costs either: in flight twice as many spheres take twice the instructions.
+TEST(Large, MimicJointAddsNoCouplingInFlight) {
   const auto count = [](int n) -> long {
     Spheres s(8, n, 0.5, 0.5, {0, 0, -9.81});
     add_mimic_pair(s.scene.builder());
-    Play play(s.scene.finish());
+    Simulation play(s.scene.finish());
     place_beside(play, s);
     play.steps(3);
     return bench::instructions([&] {
@@ -127,11 +127,11 @@ TEST(Large, AMimicJointCouplesNothingInFlight) {
   EXPECT_LE(double(twice), 2.2 * double(some)) << some << ' ' << twice;
 }
 
-// Gauss-Seidel alone, to two digits: each contact is within its cone all the same, nothing gains energy, and errors of velocities do not add up to overlap.
-TEST(Large, CoarseSweepsStayBounded) {
+// Gauss-Seidel alone, to two digits: contacts stay in their cones, no energy is gained, and velocity errors do not add up to overlap.
+TEST(Large, CoarseGaussSeidelStaysBounded) {
   Spheres s(4, 64, 0.21, 0.5, {0, 0, -9.81});
   s.scene.ground();
-  Play play(s.scene.finish(), 2e-3, DYN_CONTACT_SOLVER_TYPE_PGS);
+  Simulation play(s.scene.finish(), 2e-3, DYN_CONTACT_SOLVER_TYPE_PGS);
   play.options.tolerance = 1e-2, play.options.max_iterations = 100;
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
   play.place(s.at);
@@ -147,11 +147,11 @@ TEST(Large, CoarseSweepsStayBounded) {
   }
 }
 
-// A cloud that falls together without anything outside: 27 spheres, then as many as make islands of more rows than a matrix is kept for.
+// A cloud that collapses without external forces: 27 spheres, then enough to exceed the rows of a dense matrix.
 TEST(Large, FreePilesKeepTheirMomentum) {
   for (const int n : {3, 5}) {
     Spheres s(n, n * n * n, 0.22, 0.5, {0, 0, 0});
-    Play play(s.scene.finish(), 2e-3);
+    Simulation play(s.scene.finish(), 2e-3);
     play.place(s.at);
     Numbers v, before(6), now(6);
     double size = 0;
@@ -175,9 +175,9 @@ TEST(Large, FreePilesKeepTheirMomentum) {
   }
 }
 
-// A block of balls that touch, each with a velocity of its own: a ball that one contact throws at the next presses what would have opened, where Moreau's
-// law, all impacts at once, gains energy, here a quarter: coefficients are taken smaller until it does not.
-TEST(Large, BouncesGainNothing) {
+// A block of touching balls with random velocities. Moreau's law, all impacts at once, would gain a quarter of the energy:
+// a ball that one contact throws at the next loads what would have opened. The coefficients are scaled down until none is gained.
+TEST(Large, BouncesGainNoEnergy) {
   for (const dynContactSolverType solver : {DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_PGS}) {
     constexpr int n = 5;
     Scene scene({0, 0, 0});
@@ -190,7 +190,7 @@ TEST(Large, BouncesGainNothing) {
       at.push_back({0.2 * (k % n), 0.2 * (k / n % n), 0.2 * (k / (n * n))});
       v.insert(v.end(), {std::sin(7.0 * k), std::sin(11.0 * k), std::sin(13.0 * k), 0, 0, 0});
     }
-    Play play(scene.finish(), 2e-3, solver);
+    Simulation play(scene.finish(), 2e-3, solver);
     if (solver == DYN_CONTACT_SOLVER_TYPE_PGS) play.options.tolerance = 1e-4;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
     play.place(at), play.set({}, v);
@@ -207,8 +207,8 @@ TEST(Large, BouncesGainNothing) {
   }
 }
 
-// A trunk on a free joint with two legs and two arms of three links each, all capsules, falls on its front and comes to rest.
-TEST(Large, ATreeThatFallsIsSolvedInNearlyEveryStep) {
+// A trunk on a free joint with two legs and two arms of three links, all capsules, falls on its front and comes to rest.
+TEST(Large, FallingTrunkWithLimbsIsSolvedInNearlyEveryStep) {
   Scene scene;
   scene.ground().free("trunk", 20, {0.8, 0.8, 0.15}).shape("trunk", DYN_SHAPE_TYPE_CAPSULE, {0.1, 0.5, 0}, material(0.5));
   auto limb = [&](const std::string& name, double x, double z, double swing) {
@@ -229,7 +229,7 @@ TEST(Large, ATreeThatFallsIsSolvedInNearlyEveryStep) {
     }
   };
   limb("left_leg", 0.1, -0.35, 0.5), limb("right_leg", -0.1, -0.35, 0.7), limb("left_arm", 0.25, 0.25, 1.0), limb("right_arm", -0.25, 0.25, 1.2);
-  Play play(scene.finish(), 2e-3);
+  Simulation play(scene.finish(), 2e-3);
   Numbers q(std::size_t(7 + 12));
   q[2] = 1.4, q[3] = 0.1, q[6] = std::sqrt(0.99);
   play.set(q);
@@ -240,7 +240,7 @@ TEST(Large, ATreeThatFallsIsSolvedInNearlyEveryStep) {
     above += play.report().residual > 1.01e-9;
     ASSERT_LE(play.report().residual, 1e-7) << k;
   }
-  EXPECT_LE(above, 2);  // where it lies is chaos, and differs by processor: the solver gets to what is asked in nearly every step
+  EXPECT_LE(above, 2);  // the final pose is chaotic and differs between processors: nearly every step meets its tolerance
   EXPECT_GT(most, 20);
   EXPECT_LT(play.q[2], 0.5);
 }

@@ -1,4 +1,4 @@
-// The error ledger: what forces and impulses do to energy and momentum is what these change by, to the order of the steps.
+// Error ledger: the work of forces and impulses equals the changes of energy and momentum, to the order of the steps.
 #include <vector>
 
 #include "simulation/scene.hpp"
@@ -7,13 +7,13 @@ namespace {
 
 using namespace dyn_test;
 
-dynErrorLedger ledger_of(Play& play) {
+dynErrorLedger ledger_of(Simulation& play) {
   dynErrorLedger out{};
   out.struct_size = sizeof out;
   EXPECT_EQ(DYN_OK, dyn_data_ledger(play.m, play.d, &out)) << dyn_last_error();
   return out;
 }
-void keep(Play& play, dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER) {
+void keep(Simulation& play, dynIntegrator integrator = DYN_INTEGRATOR_SEMI_IMPLICIT_EULER) {
   play.options.ledger = 1, play.options.integrator = integrator;
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options)) << dyn_last_error();
 }
@@ -21,9 +21,9 @@ double sources(const dynErrorLedger& l) {
   return l.applied + l.actuators + l.wrenches + l.damping + l.friction + l.fluid + l.contact_normal + l.contact_friction + l.limits + l.constraints + l.correction;
 }
 
-// A block slides to rest: friction takes m v^2 / 2, at every step to rounding.
-TEST(Ledger, FrictionTakesWhatSlidingLoses) {
-  Play play(Scene().ground().box("block", 2, {0.2, 0.2, 0.2}, material(0.4)).finish());
+// A block slides to rest: friction takes m v^2 / 2, in every step to rounding.
+TEST(Ledger, FrictionWorkEqualsSlidingLoss) {
+  Simulation play(Scene().ground().box("block", 2, {0.2, 0.2, 0.2}, material(0.4)).finish());
   keep(play);
   play.set({0, 0, 0.1, 0, 0, 0, 1}, {1, 0, 0, 0, 0, 0});
   ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.5)) << dyn_last_error();
@@ -39,8 +39,8 @@ TEST(Ledger, FrictionTakesWhatSlidingLoses) {
 }
 
 // An impact loses (1 - e^2) of the energy along the normal.
-TEST(Ledger, ImpactsLoseWhatRestitutionLeaves) {
-  Play play(Scene({0, 0, 0}).ground().sphere("ball", 1, 0.1, material(0, 0.5)).finish());
+TEST(Ledger, ImpactWorkMatchesRestitution) {
+  Simulation play(Scene({0, 0, 0}).ground().sphere("ball", 1, 0.1, material(0, 0.5)).finish());
   keep(play);
   play.set({0, 0, 0.3, 0, 0, 0, 1}, {0, 0, -2, 0, 0, 0});
   ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.3)) << dyn_last_error();
@@ -51,8 +51,8 @@ TEST(Ledger, ImpactsLoseWhatRestitutionLeaves) {
   for (const double p : l.momentum_defect) EXPECT_NEAR(0, p, 1e-12);
 }
 
-// What nothing accounts for is the integrator's error: it falls with its order.
-TEST(Ledger, DefectIsOfTheIntegratorsOrder) {
+// The defect is the integrator's error and falls with its order.
+TEST(Ledger, DefectHasTheIntegratorsOrder) {
   const struct {
     dynIntegrator integrator;
     double order;
@@ -64,22 +64,22 @@ TEST(Ledger, DefectIsOfTheIntegratorsOrder) {
       const char* text = "<mujoco><compiler angle='radian'/><worldbody><body><joint axis='0 1 0'/><geom type='capsule' size='.02' fromto='0 0 0 .5 0 0' contype='0' conaffinity='0'/>"
                           "<body pos='.5 0 0'><joint axis='0 1 0'/><geom type='capsule' size='.02' fromto='0 0 0 .5 0 0' contype='0' conaffinity='0'/></body></body></worldbody></mujoco>";
       ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
-      Play play(Model(m), dt);
+      Simulation play(Model(m), dt);
       keep(play, c.integrator);
       play.set({0.3, 0.8}, {1, -2});
       ASSERT_EQ(DYN_OK, dyn_advance(play.m, play.d, 0.4)) << dyn_last_error();
       const dynErrorLedger l = ledger_of(play);
-      EXPECT_EQ(l.energy_change, l.energy_defect);  // nothing else acts
+      EXPECT_EQ(l.energy_change, l.energy_defect);  // no other effect acts
       defects.push_back(std::abs(l.energy_defect));
     }
     EXPECT_NEAR(c.order, std::log2(defects[0] / defects[1]), 0.5) << c.integrator;
   }
 }
 
-// Steps are the same bits with it and without.
-TEST(Ledger, ChangesNothing) {
+// The ledger changes no bit of a step.
+TEST(Ledger, ChangesNoBit) {
   const auto run = [](bool kept, double accuracy) {
-    Play play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
+    Simulation play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
     play.options.accuracy = accuracy;
     play.options.ledger = kept;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
@@ -94,7 +94,7 @@ TEST(Ledger, ChangesNothing) {
   EXPECT_EQ(run(false, 1e-3), run(true, 1e-3));
 }
 
-TEST(Ledger, AsksForThePartEnergy) {
+TEST(Ledger, NeedsTheEnergyPart) {
   Model m(Scene().ground().finish());
   dynData* d = nullptr;
   ASSERT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_SIMULATION, &d));

@@ -1,4 +1,4 @@
-// Scenes of more shapes than pairs are listed of: contacts are found by boxes, and are the same.
+// Scenes with more shapes than the pair list holds: the broad phase finds the same contacts.
 #include "simulation/scene.hpp"
 
 #include <random>
@@ -8,7 +8,7 @@ namespace {
 
 constexpr double g = 9.81;
 
-// Boxes, balls and capsules in a heap over a floor, a slope on a body of its own and a ramp; and so many boxes far away.
+// Boxes, balls and capsules in a heap over a floor, a slope on a body of its own and a ramp, and optional boxes far away.
 struct Heap {
   Scene scene;
   Numbers q;
@@ -40,16 +40,16 @@ struct Heap {
   }
 };
 
-void expect_same(const Play& a, const Play& b, int step) {
+void expect_same(const Simulation& a, const Simulation& b, int step) {
   for (int k = 0; k < dyn_model_nq(a.m); ++k) ASSERT_EQ(a.q[k], b.q[k]) << step << " " << k;
   for (int k = 0; k < dyn_model_nv(a.m); ++k) ASSERT_EQ(a.v[k], b.v[k]) << step << " " << k;
 }
 
-// 12 bodies: pairs are looked at one by one; 45: by boxes. With 1,000 shapes far away they are not listed.
-TEST(ManyShapes, SameBitsByListAndByBoxes) {
+// 12 bodies use the pair list, 45 the broad phase. With 1,000 shapes far away no list exists.
+TEST(ManyShapes, PairListAndBroadPhaseGiveTheSameBits) {
   for (const int bodies : {12, 45}) {
     Heap few(bodies, 0), many(bodies, 1000);
-    Play a(few.scene.finish()), b(many.scene.finish());
+    Simulation a(few.scene.finish()), b(many.scene.finish());
     EXPECT_GT(dyn_model_npairs(a.m), 0);
     EXPECT_EQ(0, dyn_model_npairs(b.m));
     a.set(few.q), b.set(many.q);
@@ -73,10 +73,10 @@ TEST(ManyShapes, SameBitsByListAndByBoxes) {
   }
 }
 
-// Queries, too.
-TEST(ManyShapes, ContactsOfAQuery) {
+// Contacts of queries.
+TEST(ManyShapes, QueriesMatchThePairList) {
   Heap few(30, 0), many(30, 1000);
-  Play a(few.scene.finish()), b(many.scene.finish());
+  Simulation a(few.scene.finish()), b(many.scene.finish());
   dynData *da = nullptr, *db = nullptr;
   ASSERT_EQ(DYN_OK, dyn_data_new(a.m, DYN_PART_COLLISION, &da));
   ASSERT_EQ(DYN_OK, dyn_data_new(b.m, DYN_PART_COLLISION, &db));
@@ -103,8 +103,8 @@ TEST(ManyShapes, ContactsOfAQuery) {
   dyn_data_free(da), dyn_data_free(db);
 }
 
-// Masks, wanted pairs with a material, disabled and overlapping ones.
-TEST(ManyShapes, Filters) {
+// Masks, requested pairs with a material, disabled and overlapping ones.
+TEST(ManyShapes, FiltersMatchThePairList) {
   Heap heap(0, 1000);
   dynBuilder* b = heap.scene.builder();
   const auto ball = [&](const char* body, std::uint32_t contype, std::uint32_t conaffinity) {
@@ -122,7 +122,7 @@ TEST(ManyShapes, Filters) {
   ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
   const dynMaterial own = material(0.25);
   ASSERT_EQ(DYN_OK, dyn_builder_add_pair(b, "wanted", "table", &own)) << dyn_last_error();
-  Play run(heap.scene.finish());
+  Simulation run(heap.scene.finish());
   ASSERT_EQ(1, dyn_model_npairs(run.m));
   run.place({{-5, 0, 0.15}, {-5.3, 0, 0.15}, {-5.6, 0, 0.15}});
   run.set({}, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.2, 0, 0, 0, 0, 0});
@@ -132,7 +132,7 @@ TEST(ManyShapes, Filters) {
   EXPECT_NEAR(0.15, run.q[16], 1e-9);
   ASSERT_EQ(2u, run.contacts().size());
   for (const dynContactForce& f : run.contacts()) EXPECT_EQ(f.contact.pair, f.contact.shape_a == run.contacts()[0].contact.shape_a ? -1 : 0);
-  // switched off, and groups at run time
+  // disabled pairs, and groups at run time
   ASSERT_EQ(DYN_OK, dyn_data_set_pair(run.m, run.d, 0, 0));
   run.steps(1);
   EXPECT_EQ(1u, run.contacts().size());
@@ -141,8 +141,8 @@ TEST(ManyShapes, Filters) {
   EXPECT_EQ(0u, run.contacts().size());
 }
 
-// What overlaps in the neutral configuration is one mechanism's, and not tested: as where pairs are listed.
-TEST(ManyShapes, Overlaps) {
+// Shapes that overlap in the neutral configuration are parts of one mechanism and not tested, as with a pair list.
+TEST(ManyShapes, InitialOverlapsAreNotTested) {
   for (const int far : {0, 1000}) {
     Heap heap(0, far);
     dynBuilder* b = heap.scene.builder();
@@ -158,7 +158,7 @@ TEST(ManyShapes, Overlaps) {
       heap.scene.shape(link.c_str(), DYN_SHAPE_TYPE_SPHERE, {0.1, 0, 0}, material(0.5));
       last = joint;
     }
-    Play run(heap.scene.finish());
+    Simulation run(heap.scene.finish());
     if (far) {
       // the first and the last link, and the first and the second one with the ground
       EXPECT_EQ(3, dyn_model_npairs(run.m));
@@ -173,8 +173,8 @@ TEST(ManyShapes, Overlaps) {
   }
 }
 
-// A heap of 1,500 balls falls onto the floor: at every step what the floor exerts is the change of momentum, and nothing passes through.
-TEST(ManyShapes, RainOfBalls) {
+// A heap of 1,500 balls falls onto the floor: in every step the floor's impulse is the change of momentum; nothing passes through.
+TEST(ManyShapes, FallingBallsKeepMomentum) {
   constexpr int n = 1500;
   constexpr double r = 0.05, m = 0.5, h = 2e-3;
   Scene scene;
@@ -185,7 +185,7 @@ TEST(ManyShapes, RainOfBalls) {
     const int x = k % 15, y = k / 15 % 10, z = k / 150;
     q.insert(q.end(), {0.11 * x + 0.01 * (z % 3), 0.11 * y + 0.013 * (z % 2), r + 0.03 + 0.13 * z, 0, 0, 0, 1});
   }
-  Play run(scene.finish(), h);
+  Simulation run(scene.finish(), h);
   EXPECT_EQ(0, dyn_model_npairs(run.m));
   run.set(q);
   const auto momentum = [&] {
@@ -213,13 +213,13 @@ TEST(ManyShapes, RainOfBalls) {
   }
 }
 
-// A floor of squares whose planes are on a body that does not move, and one that does.
-TEST(ManyShapes, MovingHalfSpace) {
+// A floor of squares whose planes are on a fixed body, and one on a moving body.
+TEST(ManyShapes, MovingHalfSpaceCollides) {
   Heap few(0, 0), many(0, 1000);
   std::vector<Numbers> ends;
   for (Heap* heap : {&few, &many}) {
     heap->scene.free("plane", 5, {1, 1, 1}).shape("plane", DYN_SHAPE_TYPE_HALF_SPACE, {0, 0, 0}, material(0.5)).sphere("ball", 1, 0.05, material(0.5));
-    Play run(heap->scene.finish());
+    Simulation run(heap->scene.finish());
     // upside down: it falls onto the ball, which lies on the floor's box
     run.set({0, 0, 0.5, 1, 0, 0, 0, 0, 0, 0.1, 0, 0, 0, 1});
     run.steps(400);

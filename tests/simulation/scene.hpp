@@ -1,4 +1,4 @@
-// Scenes of shapes on the ground, and what a run of them gives.
+// Scenes of shapes on the ground, and their simulation.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ inline dynMaterial material(double friction, double restitution = 0) {
   return x;
 }
 
-// Bodies that fly freely over a half-space whose own friction is 0.
+// Free bodies over a half-space with friction 0.
 class Scene {
  public:
   explicit Scene(std::array<double, 3> gravity = {0, 0, -9.81}) {
@@ -66,32 +66,32 @@ class Scene {
   dynBuilder* b_ = nullptr;
 };
 
-// A model, its data, and steps.
-struct Play {
+// A model, its data and step options.
+struct Simulation {
   Model m;
   dynData* d = nullptr;
   dynStepOptions options;
-  double residual = 0;  // largest in all steps
-  explicit Play(Model model, double dt = 1e-3, dynContactSolverType solver = DYN_CONTACT_SOLVER_TYPE_ADMM) : m(std::move(model)) {
+  double residual = 0;  // largest of all steps
+  explicit Simulation(Model model, double dt = 1e-3, dynContactSolverType solver = DYN_CONTACT_SOLVER_TYPE_ADMM) : m(std::move(model)) {
     EXPECT_EQ(DYN_OK, dyn_data_new(m, DYN_PART_SIMULATION | DYN_PART_ENERGY | DYN_PART_CENTROIDAL, &d));
     q = array("q"), v = array("v");
     dyn_step_options_init(&options);
     options.dt = dt, options.solver = solver;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(m, d, &options));
   }
-  Play(const Play&) = delete;
-  ~Play() { dyn_data_free(d); }
+  Simulation(const Simulation&) = delete;
+  ~Simulation() { dyn_data_free(d); }
   const double* array(const char* name) const {
     dynArray a{};
     a.struct_size = sizeof a;
     EXPECT_EQ(DYN_OK, dyn_data_array(m, d, dyn_field_id(name), &a)) << dyn_last_error();
     return a.data;
   }
-  const double *q = nullptr, *v = nullptr;  // of the data
+  const double *q = nullptr, *v = nullptr;  // arrays of the data
   void set(const Numbers& at, const Numbers& velocity = {}) {
     ASSERT_EQ(DYN_OK, dyn_data_set_state(m, d, at.empty() ? nullptr : at.data(), velocity.empty() ? nullptr : velocity.data(), nullptr, nullptr)) << dyn_last_error();
   }
-  // Of bodies that fly freely: where they are, upright.
+  // Places free bodies upright.
   void place(const std::vector<std::array<double, 3>>& at) {
     Numbers x;
     for (const auto& p : at) x.insert(x.end(), {p[0], p[1], p[2], 0, 0, 0, 1});
@@ -121,7 +121,7 @@ struct Play {
     EXPECT_EQ(DYN_OK, dyn_data_step_contacts(m, d, out.data(), n, &n));
     return out;
   }
-  // World velocity of a body that flies freely.
+  // World velocity of a free body.
   std::array<double, 3> velocity(int body = 0) const {
     const double *x = q + 7 * body + 3, *u = v + 6 * body;
     const double t[3] = {2 * (x[1] * u[2] - x[2] * u[1]), 2 * (x[2] * u[0] - x[0] * u[2]), 2 * (x[0] * u[1] - x[1] * u[0])};

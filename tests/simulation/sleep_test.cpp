@@ -1,4 +1,4 @@
-// What rests may sleep: steps that leave it out end at the same bits as those that do not.
+// Sleep: steps that leave out sleeping bodies end at the same bits as steps that do not.
 #include "simulation/scene.hpp"
 
 #include "count.hpp"
@@ -8,13 +8,13 @@ namespace {
 
 constexpr double g = 9.81;
 
-void may_sleep(Play& run, bool visit) {
+void may_sleep(Simulation& run, bool visit) {
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_DEFAULT | DYN_EFFECT_SLEEPING));
   run.options.visit_sleepers = visit;
   ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
 }
 
-// Stacks of three boxes each, far apart, and a ball that flies.
+// Stacks of three boxes each, far apart, and a flying ball.
 Model stacks(int n, int far = 0) {
   Scene scene;
   scene.ground();
@@ -28,7 +28,7 @@ Model stacks(int n, int far = 0) {
   for (int k = 0; k < far; ++k) EXPECT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &s)) << dyn_last_error();
   return scene.finish();
 }
-void place_stacks(Play& run, int n, std::array<double, 3> ball) {
+void place_stacks(Simulation& run, int n, std::array<double, 3> ball) {
   std::vector<std::array<double, 3>> at;
   for (int k = 0; k < n; ++k)
     for (int i = 0; i < 3; ++i) at.push_back({1.0 * k, 0.002 * i, 0.1 + 0.2 * i});
@@ -37,7 +37,7 @@ void place_stacks(Play& run, int n, std::array<double, 3> ball) {
 }
 
 struct Pair {
-  Play a, b;  // a leaves out what sleeps
+  Simulation a, b;  // a leaves out sleeping bodies
   Pair(Model first, Model second) : a(std::move(first)), b(std::move(second)) { may_sleep(a, false), may_sleep(b, true); }
   Pair(int n, int far = 0) : Pair(stacks(n, far), stacks(n, far)) {}
   int compared = 0, slept = 0;
@@ -65,11 +65,11 @@ struct Pair {
 
 class Sleeping : public testing::TestWithParam<std::pair<int, int>> {};
 
-// A ball hits one stack of those that sleep; gravity turns; a body is pushed, moved, and the effect switched off.
-TEST_P(Sleeping, WakesAsIfItHadNeverSlept) {
+// A ball hits one of the sleeping stacks; gravity rotates; a body is pushed, then moved; the effect is switched off.
+TEST_P(Sleeping, WakingGivesTheBitsOfNoSleep) {
   const int n = GetParam().first, far = GetParam().second;
   Pair run(n, far);
-  run.both([&](Play& p) { place_stacks(p, n, {0.5, 3, 40}); });
+  run.both([&](Simulation& p) { place_stacks(p, n, {0.5, 3, 40}); });
   run.steps(800);
   EXPECT_EQ(n, run.slept);
   EXPECT_EQ(n, run.a.report().sleeping);
@@ -79,7 +79,7 @@ TEST_P(Sleeping, WakesAsIfItHadNeverSlept) {
     if (f.contact.shape_a == 0) weight += f.force_on_b[2];
   EXPECT_NEAR(3 * n * g, weight, 1e-6 * weight);
   // the ball flies into the first stack
-  run.both([&](Play& p) {
+  run.both([&](Simulation& p) {
     Numbers q(p.q, p.q + dyn_model_nq(p.m)), v(p.v, p.v + dyn_model_nv(p.m));
     double *at = q.data() + 21 * n, *u = v.data() + 18 * n;
     at[0] = -1, at[1] = 0, at[2] = 0.5, u[0] = 4, u[1] = 0, u[2] = 1;
@@ -88,47 +88,47 @@ TEST_P(Sleeping, WakesAsIfItHadNeverSlept) {
   run.steps(250);
   EXPECT_EQ(n - 1, run.a.report().sleeping);
   EXPECT_GT(std::abs(run.a.q[14]), 1e-3);
-  // heavier: they rest as they did, under other forces
+  // stronger gravity: same rest, other forces
   const double heavy[3] = {0, 0, -20}, turned[3] = {5, 0, -8}, down[3] = {0, 0, -g};
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, heavy)); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, heavy)); });
   run.steps(20);
   double last = 0;  // under the last stack
   for (const dynContactForce& f : run.a.contacts())
     if (f.contact.shape_a == 0 && f.contact.shape_b > 3 * (n - 1) && f.contact.shape_b <= 3 * n) last += f.force_on_b[2];
   EXPECT_NEAR(60, last, 1e-6);
   EXPECT_GE(run.a.report().sleeping, n - 1);
-  // it turns: they fall over
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, turned)); });
+  // gravity rotates: they fall over
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, turned)); });
   run.steps(50);
   EXPECT_EQ(0, run.a.report().sleeping);
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, down)); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, down)); });
   run.steps(1500);
   const int again = run.a.report().sleeping;
   EXPECT_GT(again, 0);
   // one box is pushed
-  run.both([&](Play& p) {
+  run.both([&](Simulation& p) {
     Numbers tau(std::size_t(dyn_model_nv(p.m)), 0);
     tau[std::size_t(18 * n - 6)] = 8;
     ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, tau.data()));
   });
   run.steps(50);
   EXPECT_EQ(again - 1, run.a.report().sleeping);
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, Numbers(std::size_t(dyn_model_nv(p.m)), 0).data())); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_state(p.m, p.d, nullptr, nullptr, nullptr, Numbers(std::size_t(dyn_model_nv(p.m)), 0).data())); });
   run.steps(50);
   const double push[6] = {0, 0, 30, 0, 0, 0};
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "box2"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "box2"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
   run.steps(30);
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
   run.steps(300);
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_effects(p.m, p.d, 0, DYN_EFFECT_DEFAULT)); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_effects(p.m, p.d, 0, DYN_EFFECT_DEFAULT)); });
   run.steps(10);
   EXPECT_EQ(0, run.a.report().sleeping);
 }
-// with pairs in a list, by boxes, and not listed
+// with a pair list, by the broad phase, and without a list
 INSTANTIATE_TEST_SUITE_P(Scenes, Sleeping, testing::Values(std::pair{3, 0}, std::pair{12, 0}, std::pair{3, 1000}));
 
-// Robots that lie or stand on the ground, two legs each on a trunk, whose joints have damping, dry friction, springs, limits and servos, one of which is
-// filtered; and a ball in the air.
+// Robots of a trunk and two legs lie or stand on the ground; a ball flies.
+// Their joints have damping, dry friction, springs, limits and servos, one of them filtered.
 Model robots(int n, const char* more = "") {
   std::string bodies, actuators;
   for (int k = 0; k < n; ++k) {
@@ -149,16 +149,16 @@ Model robots(int n, const char* more = "") {
 void start_robots(Pair& run) {
   Numbers q(static_cast<std::size_t>(dyn_model_nq(run.a.m)));
   ASSERT_EQ(DYN_OK, dyn_model_configuration(run.a.m, "qpos0", q.data()));
-  run.both([&](Play& p) { p.set(q); });
+  run.both([&](Simulation& p) { p.set(q); });
 }
 
-// They fall asleep, and wake by a control, by gravity, by a ball, by a wrench, each as if it had never slept.
-TEST(Sleep, DrivenAndDampedRobotsSleepToo) {
+// They fall asleep and wake by a control, gravity, a ball or a wrench, each as if they had never slept.
+TEST(Sleep, DrivenAndDampedRobotsSleepAndWake) {
   constexpr int n = 3;
   Pair run(robots(n), robots(n));
   start_robots(run);
   Numbers u(2 * n, 0);
-  const auto control = [&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_control(p.m, p.d, u.data())); };
+  const auto control = [&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_control(p.m, p.d, u.data())); };
   u[0] = 0.2, u[3] = -0.1;
   run.both(control);
   run.steps(4000);
@@ -175,21 +175,21 @@ TEST(Sleep, DrivenAndDampedRobotsSleepToo) {
   EXPECT_GT(std::abs(run.a.q[7] - before), 0.02);
   run.steps(4000);
   EXPECT_EQ(n, run.a.report().sleeping);
-  // all that a servo has, while others sleep
+  // full servo force, while others sleep
   u[2] = 1.4;
   run.both(control);
   run.steps(300);
   EXPECT_EQ(n - 1, run.a.report().sleeping);
-  // heavier, and turned
+  // stronger and rotated
   for (const auto& gravity : {std::array<double, 3>{0, 0, -15}, std::array<double, 3>{4, 0, -9}, std::array<double, 3>{0, 0, -g}}) {
-    run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, gravity.data())); });
+    run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_gravity(p.m, p.d, gravity.data())); });
     run.steps(150);
   }
   run.steps(4000);
   EXPECT_GT(run.a.report().sleeping, 0);
   const int asleep = run.a.report().sleeping;
   // the ball falls on the first robot
-  run.both([&](Play& p) {
+  run.both([&](Simulation& p) {
     Numbers q(p.q, p.q + dyn_model_nq(p.m)), v(p.v, p.v + dyn_model_nv(p.m));
     const std::size_t ball = q.size() - 7;
     q[ball] = q[0], q[ball + 1] = q[1], q[ball + 2] = q[2] + 0.5;
@@ -199,33 +199,33 @@ TEST(Sleep, DrivenAndDampedRobotsSleepToo) {
   run.steps(400);
   EXPECT_LT(run.a.report().sleeping, asleep);
   const double push[6] = {0, 20, 10, 0, 0, 0};
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk1"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk1"), nullptr, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
   run.steps(100);
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(p.m, p.d)); });
   run.steps(500);
 }
 
-// A filter that has not come to its end keeps its robot awake, though nothing moves; a wrench that holds a body lets it sleep, and so does a medium.
-TEST(Sleep, WhatActsMayAlsoRest) {
+// A filter that still changes keeps its robot awake. Constant wrenches and a medium allow sleep.
+TEST(Sleep, ConstantForcesAllowSleep) {
   Pair run(robots(1, "<option density='1.2' viscosity='1e-5'/>"), robots(1, "<option density='1.2' viscosity='1e-5'/>"));
   start_robots(run);
   const double pull[6] = {0, 0, -1, 0, 0, 0};
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk0"), nullptr, pull, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(p.m, p.d, dyn_model_frame_id(p.m, "trunk0"), nullptr, pull, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)); });
   run.steps(2500);
   EXPECT_EQ(1, run.a.report().sleeping);
   const double tiny[2] = {1e-9, 0};
-  run.both([&](Play& p) { ASSERT_EQ(DYN_OK, dyn_data_set_control(p.m, p.d, tiny)); });
+  run.both([&](Simulation& p) { ASSERT_EQ(DYN_OK, dyn_data_set_control(p.m, p.d, tiny)); });
   run.steps(100);
   EXPECT_EQ(0, run.a.report().sleeping);
   for (int i = 0; i < 8; ++i) EXPECT_EQ(0, run.a.v[i]);
-  run.steps(2000);  // 100 time constants: as near as numbers go
+  run.steps(2000);  // 100 time constants: constant to rounding
   EXPECT_EQ(1, run.a.report().sleeping);
   EXPECT_NEAR(1e-9, run.a.array("act")[0], 1e-23);
 }
 
-// A state that was saved asleep, in another data, goes on to the same bits.
-TEST(Sleep, StatesAreKeptBitForBit) {
-  Play a(stacks(3)), b(stacks(3));
+// A state saved asleep continues in other data with the same bits.
+TEST(Sleep, RestoredStateReproducesTheBits) {
+  Simulation a(stacks(3)), b(stacks(3));
   may_sleep(a, false);
   dynData* d = nullptr;
   ASSERT_EQ(DYN_OK, dyn_data_new(a.m, DYN_PART_SIMULATION, &d));
@@ -252,11 +252,11 @@ TEST(Sleep, StatesAreKeptBitForBit) {
   dyn_data_free(d);
 }
 
-// Nothing sleeps that moves slowly for a moment, or that some joint may not.
-TEST(Sleep, WhatMovesIsAwake) {
+// A body that is slow only for a moment stays awake, and so does one with a joint that may not sleep.
+TEST(Sleep, MovingBodiesStayAwake) {
   Scene scene({0, 0, 0});
   scene.ground().sphere("slow", 1, 0.1, material(0.5)).sphere("thrown", 1, 0.1, material(0.5));
-  Play run(scene.finish());
+  Simulation run(scene.finish());
   may_sleep(run, false);
   run.place({{0, 0, 1}, {5, 0, 1}});
   run.set({}, {2e-4, 0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0, 0});
@@ -266,7 +266,7 @@ TEST(Sleep, WhatMovesIsAwake) {
   EXPECT_EQ(0, run.report().sleeping);
   EXPECT_NEAR(4e-4, run.q[0], 1e-12);
   EXPECT_NEAR(1 + 0.1 * 2 - 0.05 * 4, run.q[9], 1e-3);
-  // within the bounds it is stopped, at most as far as sleep_speed sleep_time on
+  // it is stopped within the bounds, at most sleep_speed sleep_time further
   run.set({}, {5e-5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
   run.steps(700);
   EXPECT_EQ(1, run.report().sleeping);
@@ -274,8 +274,8 @@ TEST(Sleep, WhatMovesIsAwake) {
   EXPECT_NEAR(4e-4 + 5e-5 * 0.5, run.q[0], 1e-7);
 }
 
-// Ten thousand balls that sleep and one that flies: instructions and all that a step does are those of the one.
-TEST(Sleep, SleepersTakeNoInstructions) {
+// Ten thousand sleeping balls and one flying ball cost the instructions of the one.
+TEST(Sleep, SleepingBodiesCostNothing) {
   const auto count = [](int sleepers) -> long {
     Scene scene;
     scene.ground().sphere("awake", 1, 0.05, material(0.5));
@@ -284,7 +284,7 @@ TEST(Sleep, SleepersTakeNoInstructions) {
       scene.sphere(("b" + std::to_string(k)).c_str(), 0.5, 0.05, material(0.5));
       at.push_back({0.11 * (k % 100), 0.11 * (k / 100), 0.05});
     }
-    Play run(scene.finish(), 2e-3);
+    Simulation run(scene.finish(), 2e-3);
     may_sleep(run, false);
     run.place(at);
     run.steps(600);
@@ -299,10 +299,10 @@ TEST(Sleep, SleepersTakeNoInstructions) {
   EXPECT_LE(double(beside), 1.01 * double(alone)) << alone << " " << beside;
 }
 
-// Robots that sleep cost a step next to nothing.
-TEST(Sleep, SleepingRobotsTakeFewInstructions) {
+// Sleeping robots cost nearly nothing.
+TEST(Sleep, SleepingRobotsCostLittle) {
   const auto count = [](bool sleep) -> long {
-    Play run(robots(20), 2e-3);
+    Simulation run(robots(20), 2e-3);
     may_sleep(run, !sleep);
     Numbers q(static_cast<std::size_t>(dyn_model_nq(run.m)));
     EXPECT_EQ(DYN_OK, dyn_model_configuration(run.m, "qpos0", q.data()));

@@ -1,18 +1,18 @@
-// What holds of steps whatever the scene: momentum, limits, constraints, islands, repetition.
+// Properties of steps in any scene: momentum, limits, constraints, islands, repetition.
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
 namespace {
 
-Numbers momentum(Play& run) {
+Numbers momentum(Simulation& run) {
   Numbers h(6);
   EXPECT_EQ(DYN_OK, dyn_centroidal_momentum(run.m, run.d, nullptr, nullptr, h.data())) << dyn_last_error();
   return h;
 }
 
-// A body that tumbles with its centre of mass off the joint's origin.
+// A tumbling body with its centre of mass off the joint's origin.
 TEST(Step, FreeBodiesKeepTheirMomentum) {
-  Play run(Scene({0, 0, 0}).free("stone", 2, {0.1, 0.2, 0.25}, {0.1, 0.2, 0.3}).finish());
+  Simulation run(Scene({0, 0, 0}).free("stone", 2, {0.1, 0.2, 0.25}, {0.1, 0.2, 0.3}).finish());
   run.set({}, {1, 2, 3, 4, 5, -6});
   Numbers before = momentum(run);
   for (int k = 0; k < 1000; ++k) {
@@ -23,18 +23,18 @@ TEST(Step, FreeBodiesKeepTheirMomentum) {
   }
 }
 
-// Two bodies that collide without anything else.
+// Two bodies collide without external forces.
 TEST(Step, CollisionsKeepMomentum) {
   Scene scene({0, 0, 0});
   scene.sphere("a", 1, 0.1, material(0.5, 0.8)).box("b", 3, {0.3, 0.2, 0.2}, material(0.5));
-  Play run(scene.finish());
+  Simulation run(scene.finish());
   run.place({{0, 0, 0}, {0.5, 0.05, 0.03}});
   run.set({}, {3, 0, 0, 0, 0, 10, 0, 0, 0, 0, 0, 0});
   const Numbers before = momentum(run);
   run.steps(300);
   const Numbers now = momentum(run);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(before[i], now[i], 1e-12);
-  for (std::size_t i = 3; i < 6; ++i) EXPECT_NEAR(before[i], now[i], 1e-3);  // moments of an impact by its place at the beginning of the step
+  for (std::size_t i = 3; i < 6; ++i) EXPECT_NEAR(before[i], now[i], 1e-3);  // moments of an impact use its position at the beginning of the step
   EXPECT_GT(std::abs(run.velocity(1)[0]), 0.5);
 }
 
@@ -52,25 +52,25 @@ Model pendulum(double lower, double upper) {
 }
 
 TEST(Step, LimitsHold) {
-  Play run(pendulum(-0.5, 0.2));
+  Simulation run(pendulum(-0.5, 0.2));
   run.set({0.1}, {4});
   double most = -1, least = 1;
   for (int k = 0; k < 2000; ++k) run.steps(1), most = std::max(most, run.q[0]), least = std::min(least, run.q[0]);
   EXPECT_NEAR(0.2, most, 1e-9);
   EXPECT_GE(least, -0.5 - 1e-9);
-  // where the effect is off, they do not
+  // not where the effect is off
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ARMATURE));
   run.set({0.1}, {4});
   run.steps(100);
   EXPECT_GT(run.q[0], 0.3);
-  // and one that starts beyond a limit comes back
+  // from beyond a limit it comes back
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ALL));
   run.set({0.4}, {0});
   run.steps(1000);
   EXPECT_LE(run.q[0], 0.2 + 1e-8);
 }
 
-// A bob on a ball joint whose angle is at most half a radian, and beside it, where asked, two arms of which one follows the other (so that M has no tree).
+// A bob on a ball joint limited to half a radian; on request two arms of which one follows the other (M has no tree structure).
 Model ball_pendulum(bool beside, double angle = 0.5, double damping = 0) {
   Builder b;
   Spec ball("ball", DYN_JOINT_TYPE_SPHERICAL);
@@ -85,15 +85,15 @@ Model ball_pendulum(bool beside, double angle = 0.5, double damping = 0) {
   }
   return b.finish();
 }
-double angle_of(const Play& run) { return 2 * std::atan2(std::sqrt(run.q[0] * run.q[0] + run.q[1] * run.q[1] + run.q[2] * run.q[2]), std::abs(run.q[3])); }
+double angle_of(const Simulation& run) { return 2 * std::atan2(std::sqrt(run.q[0] * run.q[0] + run.q[1] * run.q[1] + run.q[2] * run.q[2]), std::abs(run.q[3])); }
 
-// In a plane a ball's limit is a hinge's, whichever of the two quaternions says where it is.
-TEST(Step, ALimitOfABallIsThatOfAHinge) {
+// In a plane a ball's limit equals a hinge's, for either sign of the quaternion.
+TEST(Step, BallLimitMatchesHingeLimitInAPlane) {
   for (const bool beside : {false, true})
     for (const double sign : {1.0, -1.0})
       for (const dynIntegrator by : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_IMPLICIT_FAST}) {
-        Play run(ball_pendulum(beside)), hinge(pendulum(-0.5, 0.5));
-        for (Play* p : {&run, &hinge}) p->options.integrator = by, dyn_data_set_step_options(p->m, p->d, &p->options);
+        Simulation run(ball_pendulum(beside)), hinge(pendulum(-0.5, 0.5));
+        for (Simulation* p : {&run, &hinge}) p->options.integrator = by, dyn_data_set_step_options(p->m, p->d, &p->options);
         Numbers q(static_cast<std::size_t>(dyn_model_nq(run.m)), 0), v(static_cast<std::size_t>(dyn_model_nv(run.m)), 0);
         q[1] = sign * std::sin(0.05), q[3] = sign * std::cos(0.05), v[1] = 4;
         run.set(q, v), hinge.set({0.1}, {4});
@@ -108,11 +108,11 @@ TEST(Step, ALimitOfABallIsThatOfAHinge) {
       }
 }
 
-// About any axis, with a spin about its own: it stays within, but for what the axis turns in a step, and gains no energy. With cos(a'/2) = cos(a/2) cos(h w/2)
-// a step along the limit leads (h w)^2 / 4 cot(a/2) beyond; half of what there is is taken back in each.
-TEST(Step, ALimitOfABallHolds) {
+// About any axis, with spin: the limit holds except for the axis' rotation in a step, and no energy is gained.
+// With cos(a'/2) = cos(a/2) cos(h w/2) a step along the limit leads (h w)^2 / 4 cot(a/2) beyond; each step removes half of the error.
+TEST(Step, BallLimitHolds) {
   for (const double angle : {0.2, 0.5, 1.5, 3.0}) {
-    Play run(ball_pendulum(false, angle));
+    Simulation run(ball_pendulum(false, angle));
     run.set({}, {6, -9, 2.5});
     double most = 0, fast = 0, energy = run.energy();
     for (int k = 0; k < 3000; ++k) {
@@ -122,7 +122,7 @@ TEST(Step, ALimitOfABallHolds) {
     }
     EXPECT_LE(most, angle + 2 * 1e-6 * fast * fast / 4 / std::tan(angle / 2) + 1e-6) << angle << " " << fast;
     EXPECT_GE(most, angle - 1e-9) << angle;
-    // where the effect is off, it does not
+    // not where the effect is off
     ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ARMATURE));
     run.set({0, 0, 0, 1}, {0, 12, 0});
     run.steps(int(1000 * (angle + 0.08) / 11));
@@ -130,9 +130,9 @@ TEST(Step, ALimitOfABallHolds) {
   }
 }
 
-// Held at the limit by gravity from the side: the row's force is the moment, and it does not creep.
-TEST(Step, ALimitOfABallRests) {
-  Play run(ball_pendulum(false, 0.5, 1));
+// Gravity holds the bob at its limit: the row's force equals the moment, and the bob does not creep.
+TEST(Step, BallLimitDoesNotCreep) {
+  Simulation run(ball_pendulum(false, 0.5, 1));
   const double aside[3] = {9, 0, -1};
   ASSERT_EQ(DYN_OK, dyn_data_set_gravity(run.m, run.d, aside));
   run.steps(20000);
@@ -145,7 +145,7 @@ TEST(Step, ALimitOfABallRests) {
   EXPECT_NEAR(0.5, angle_of(run), 1e-5);
 }
 
-TEST(Step, BadLimitsOfABallAreRefused) {
+TEST(Step, InvalidBallLimitsAreRefused) {
   Builder b;
   for (const double w : {1.0, 2.0}) {
     Spec ball("ball", DYN_JOINT_TYPE_SPHERICAL);
@@ -156,11 +156,11 @@ TEST(Step, BadLimitsOfABallAreRefused) {
   }
 }
 
-// A loop stays closed: a four-bar linkage that swings.
+// The loop of a swinging four-bar linkage stays closed.
 TEST(Step, ConstraintsHold) {
   dynModel* loaded = nullptr;
   ASSERT_EQ(DYN_OK, dyn_model_load(DYN_MODELS_DIR "/mechanisms/four_bar.urdf", nullptr, &loaded)) << dyn_last_error();
-  Play run{Model(loaded)};
+  Simulation run{Model(loaded)};
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, DYN_EFFECT_ARMATURE));
   Numbers q(static_cast<std::size_t>(run.m.nq()));
   ASSERT_EQ(DYN_OK, dyn_configuration_neutral(run.m, q.data()));
@@ -183,15 +183,15 @@ TEST(Step, ConstraintsHold) {
   dyn_data_free(d);
 }
 
-// Islands do not know of each other: each moves as it would alone, bit for bit.
-TEST(Step, IslandsAreAlone) {
+// Islands are independent: each moves as it would alone, bit for bit.
+TEST(Step, IslandsAreIndependent) {
   auto boxes = [](int n) {
     Scene scene;
     scene.ground();
     for (int k = 0; k < n; ++k) scene.box(k ? "second" : "first", 1 + k, {0.2, 0.2, 0.2}, material(0.4));
     return scene.finish();
   };
-  Play one(boxes(1)), two(boxes(2));
+  Simulation one(boxes(1)), two(boxes(2));
   one.place({{0, 0, 0.15}});
   two.place({{0, 0, 0.15}, {5, 0, 0.3}});
   for (int k = 0; k < 500; ++k) {
@@ -207,7 +207,7 @@ TEST(Step, IsRepeatedBitForBit) {
     Scene scene;
     scene.ground();
     for (const char* name : {"a", "b", "c"}) scene.box(name, 1, {0.2, 0.2, 0.2}, material(0.6, 0.2));
-    Play run(scene.finish());
+    Simulation run(scene.finish());
     run.place({{0, 0, 0.3}, {0.05, 0.02, 0.6}, {0.1, 0, 0.9}});
     run.steps(1000);
     x.assign(run.q, run.q + 21);
@@ -215,15 +215,15 @@ TEST(Step, IsRepeatedBitForBit) {
   EXPECT_EQ(end[0], end[1]);
 }
 
-// From a state that was kept, in another data: the same steps.
-TEST(Step, StatesAreKeptBitForBit) {
+// A saved state continues in other data with the same steps.
+TEST(Step, RestoredStateReproducesTheBits) {
   auto scene = [] {
     Scene x;
     x.ground();
     for (const char* name : {"a", "b", "c"}) x.box(name, 1, {0.2, 0.2, 0.2}, material(0.6, 0.2));
     return x.finish();
   };
-  Play play(scene());
+  Simulation play(scene());
   play.place({{0, 0, 0.3}, {0.05, 0.02, 0.6}, {0.1, 0, 0.9}});
   play.steps(300);
   std::vector<unsigned char> kept(dyn_model_state_size(play.m));
@@ -237,7 +237,7 @@ TEST(Step, StatesAreKeptBitForBit) {
   EXPECT_EQ(speed, Numbers(play.v, play.v + 18));
 
   const Numbers before(play.q, play.q + 21);
-  Play other(scene());
+  Simulation other(scene());
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_restore_state(other.m, other.d, kept.data(), kept.size()));
   EXPECT_NE(nullptr, std::strstr(dyn_last_error(), "another model"));
   EXPECT_EQ(DYN_ERROR_SIZE, dyn_data_restore_state(play.m, play.d, kept.data(), kept.size() - 1));
@@ -253,9 +253,9 @@ TEST(Step, StatesAreKeptBitForBit) {
   EXPECT_EQ(before, Numbers(play.q, play.q + 21));
 }
 
-// What was computed of a restored state is not taken for that of the next one.
-TEST(Step, ARestoredStateHasResultsOfItsOwn) {
-  Play play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish()), fresh(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish());
+// Results computed for a restored state are not reused for the next one.
+TEST(Step, RestoredStateInvalidatesResults) {
+  Simulation play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish()), fresh(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish());
   play.place({{0, 0, 0.3}});
   play.steps(10);
   std::vector<unsigned char> kept(dyn_model_state_size(play.m));
@@ -267,7 +267,7 @@ TEST(Step, ARestoredStateHasResultsOfItsOwn) {
     ASSERT_EQ(DYN_OK, dyn_forward_kinematics(play.m, play.d, nullptr, nullptr, nullptr));
     double at[2][12], hg[2][6], ddq[2][6];
     int which = 0;
-    for (Play* one : {&play, &fresh}) {
+    for (Simulation* one : {&play, &fresh}) {
       ASSERT_EQ(DYN_OK, dyn_forward_kinematics(one->m, one->d, next.data(), nullptr, nullptr));
       ASSERT_EQ(DYN_OK, dyn_frame_placement(one->m, one->d, dyn_model_frame_id(one->m, "a"), at[which])) << dyn_last_error();
       ASSERT_EQ(DYN_OK, dyn_centroidal_momentum(one->m, one->d, next.data(), v.data(), hg[which])) << dyn_last_error();
@@ -279,10 +279,10 @@ TEST(Step, ARestoredStateHasResultsOfItsOwn) {
   }
 }
 
-// Options that are refused leave asleep what sleeps.
-TEST(Step, RefusedOptionsWakeNothing) {
+// Refused options leave sleeping bodies asleep.
+TEST(Step, RefusedOptionsWakeNobody) {
   Scene scene;
-  Play play(scene.ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish());
+  Simulation play(scene.ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.6)).finish());
   dynData* plain = nullptr;  // without energies
   ASSERT_EQ(DYN_OK, dyn_data_new(play.m, DYN_PART_SIMULATION, &plain));
   ASSERT_EQ(DYN_OK, dyn_data_set_effects(play.m, plain, 0, DYN_EFFECT_ALL));
@@ -302,8 +302,8 @@ TEST(Step, RefusedOptionsWakeNothing) {
   dyn_data_free(plain);
 }
 
-// Islands of more rows than a matrix is kept for.
-TEST(Step, APileOfManySpheres) {
+// Islands of more rows than a dense matrix holds.
+TEST(Step, LargePileIsSolved) {
   Scene scene;
   scene.ground();
   std::vector<std::array<double, 3>> at;
@@ -313,7 +313,7 @@ TEST(Step, APileOfManySpheres) {
     scene.sphere(names[std::size_t(k)].c_str(), 1, 0.1, material(0.5));
     at.push_back({0.19 * (k % 4) + 0.001 * (k % 3), 0.19 * (k / 4 % 4) + 0.001 * (k % 5), 0.1 + 0.2 * (k / 16)});
   }
-  Play play(scene.finish());
+  Simulation play(scene.finish());
   play.place(at);
   const double start = play.energy();
   play.steps(1000);
@@ -325,10 +325,10 @@ TEST(Step, APileOfManySpheres) {
   EXPECT_LT(play.residual, 1e-8);
 }
 
-// The other integrators go through contact, too.
-TEST(Step, EveryIntegratorLands) {
+// The other integrators handle contact, too.
+TEST(Step, EveryIntegratorHandlesContact) {
   for (const dynIntegrator integrator : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE}) {
-    Play run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
+    Simulation run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
     run.options.integrator = integrator;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
     run.place({{0, 0, 0.5}});
@@ -337,11 +337,11 @@ TEST(Step, EveryIntegratorLands) {
   }
 }
 
-// Steps that follow from an accuracy: a ball that falls, bounces and rises is where the closed form says.
+// Error-controlled steps: a falling ball bounces and rises as in the closed form.
 TEST(Step, AccuracyHoldsThroughImpacts) {
   const double height = 1, e = 0.5, g = 9.81, fall = std::sqrt(2 * height / g), rise = std::sqrt(2 * g * height) * e;
   for (const double accuracy : {1e-3, 1e-4, 1e-5}) {
-    Play play(Scene().ground().sphere("ball", 1, 0.1, material(0.5, e)).finish());
+    Simulation play(Scene().ground().sphere("ball", 1, 0.1, material(0.5, e)).finish());
     play.options.accuracy = accuracy;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
     play.place({{0, 0, height + 0.1}});
@@ -355,9 +355,10 @@ TEST(Step, AccuracyHoldsThroughImpacts) {
 // A sphere slides, then rolls; a block slides, then rests.
 TEST(Step, AccuracyHoldsThroughFriction) {
   const double mu = 0.2, g = 9.81, v0 = 1, duration = 0.5, rolls = 2 * v0 / (7 * mu * g);
-  for (const double accuracy : {1e-3, 1e-5, 1e-7, 1e-8, 1e-10}) {  // the last two below what the contact solver's tolerance leaves open
+  // the last two are below the contact solver's tolerance
+  for (const double accuracy : {1e-3, 1e-5, 1e-7, 1e-8, 1e-10}) {
     const auto slide = [&](Model model, double height) {
-      Play play(std::move(model));
+      Simulation play(std::move(model));
       play.options.accuracy = accuracy;
       EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
       play.set({0, 0, height, 0, 0, 0, 1}, {v0, 0, 0, 0, 0, 0});
@@ -370,10 +371,10 @@ TEST(Step, AccuracyHoldsThroughFriction) {
   }
 }
 
-// A rod that stands on its end, which sticks, falls: contact that lasts while everything turns. What is asked for is met, and steps stay long.
+// A rod stands on its sticking end and falls: lasting contact while all rotates. The accuracy is met, and steps stay long.
 TEST(Step, AccuracyHoldsThroughLastingContact) {
   const auto fall = [](double accuracy, std::int64_t steps) {
-    Play play(Scene().ground().rod("rod", 1, 0.02, 1, material(1)).finish());
+    Simulation play(Scene().ground().rod("rod", 1, 0.02, 1, material(1)).finish());
     play.options.accuracy = accuracy, play.options.tolerance = 1e-12;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
     const double lean = 0.3;
@@ -389,14 +390,14 @@ TEST(Step, AccuracyHoldsThroughLastingContact) {
   }
 }
 
-// A thin disc rolls on its rim, leaned by 30 degrees: a step that moves first comes nearer to the ground as it turns, and no correction of that may lead it
-// off. Its energy is kept and its lean lasts in proportion to any accuracy, large and small.
+// A thin disc rolls on its rim, leaned by 30 degrees. A step that moves first approaches the ground as it turns; corrections
+// must not lead it off. Energy and lean are kept in proportion to any accuracy.
 TEST(Step, AccuracyHoldsWhileADiskRolls) {
   const double g = 9.81, lean = std::acos(-1.0) / 6, thin = 1e-6;
   for (const double a : {0.0375, 1.0})
     for (const double accuracy : {1e-4, 1e-6, 3e-7, 1e-7, 1e-8}) {
       const double I = a * a / 4, turn = std::sqrt(4 * g / (a * std::sin(lean)));
-      Play play(Scene().ground().free("disc", 1, {I, I, 2 * I}).shape("disc", DYN_SHAPE_TYPE_CYLINDER, {a, thin, 0}, material(1)).finish());
+      Simulation play(Scene().ground().free("disc", 1, {I, I, 2 * I}).shape("disc", DYN_SHAPE_TYPE_CYLINDER, {a, thin, 0}, material(1)).finish());
       play.options.accuracy = accuracy, play.options.tolerance = 1e-13;
       ASSERT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
       play.set({0, 0, a * std::sin(lean) + thin / 2 * std::cos(lean), std::sin(lean / 2), 0, 0, std::cos(lean / 2)}, {0, 0, 0, 0, turn * std::sin(lean), 0});
@@ -411,12 +412,12 @@ TEST(Step, AccuracyHoldsWhileADiskRolls) {
     }
 }
 
-// Two tilted boxes fall on one another and on the ground, bounce on their corners and come to rest: impacts without number, in few steps (stalled, a
-// hundredth of a second takes 1e5), and where they come to rest is known as well as asked. Which corner hits first is chance: of five starts the middle one counts.
-TEST(Step, AccuracyPassesImpactsWithoutNumber) {
+// Two tilted boxes fall on one another and on the ground, bounce on their corners and come to rest in few steps (stalled, 0.01 s takes 1e5).
+// The resting place is as accurate as asked. Which corner hits first is chance, so the median of five starts counts.
+TEST(Step, AccuracyPassesAccumulatingImpacts) {
   std::vector<std::int64_t> all, longest;
   const auto fall = [&](double accuracy, double beside) {
-    Play play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).finish());
+    Simulation play(Scene().ground().box("a", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).box("b", 1, {0.2, 0.2, 0.2}, material(0.5, 0.3)).finish());
     play.options.accuracy = accuracy;
     EXPECT_EQ(DYN_OK, dyn_data_set_step_options(play.m, play.d, &play.options));
     play.set({0, 0, 0.3, 0.104612, 0.104612, 0.020922, 0.988771, 0.03 + beside, 0.01, 0.62, 0.026804, 0.089346, 0.035738, 0.995004});
@@ -446,7 +447,7 @@ TEST(Step, AccuracyPassesImpactsWithoutNumber) {
     std::sort(longest.begin(), longest.end());
     EXPECT_LT(longest[2], accuracy == 1e-3 ? 500 : 3000) << accuracy;
   }
-  for (std::size_t k = 0; k < 14; ++k) EXPECT_NEAR(places[1][k], places[0][k], 0.03) << k;  // (which of two corners hits first decides by chance)
+  for (std::size_t k = 0; k < 14; ++k) EXPECT_NEAR(places[1][k], places[0][k], 0.03) << k;  // (chance decides which of two corners hits first)
 }
 
 TEST(Step, EverySolverHoldsAStack) {
@@ -456,7 +457,7 @@ TEST(Step, EverySolverHoldsAStack) {
     std::vector<std::array<double, 3>> at;
     const char* names[] = {"b0", "b1", "b2", "b3", "b4"};
     for (int k = 0; k < 5; ++k) scene.box(names[k], 1, {0.2, 0.2, 0.2}, material(0.6)), at.push_back({0, 0, 0.1 + 0.2 * k});
-    Play run(scene.finish(), 1e-3, solver);
+    Simulation run(scene.finish(), 1e-3, solver);
     run.options.max_iterations = 2000;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
     run.place(at);
@@ -466,8 +467,8 @@ TEST(Step, EverySolverHoldsAStack) {
   }
 }
 
-TEST(Step, MaterialsAndBadOnes) {
-  Play run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.25)).finish());
+TEST(Step, MaterialsCombineAndInvalidOnesAreRefused) {
+  Simulation run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.25)).finish());
   dynMaterial x;
   ASSERT_EQ(DYN_OK, dyn_data_shape_material(run.m, run.d, 1, &x));
   EXPECT_EQ(0.25, x.friction);

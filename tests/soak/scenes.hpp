@@ -1,5 +1,5 @@
-// Scenes that are driven for long: each with its controls, which change all the time, and the bounds that its state keeps. dyn.h alone; of the
-// numbers that go in none comes from the C library, so that they have the same bits on every machine.
+// Scenes for long runs: each with controls that change all the time, and bounds on its state. They use dyn.h alone.
+// No number comes from the C library, so inputs have the same bits on every machine.
 #pragma once
 
 #include <array>
@@ -65,7 +65,7 @@ class Builder {
     s.material.friction = friction, s.material.restitution = restitution, s.material.rolling = s.material.torsion = rolling;
     return check(dyn_builder_add_shape(b_, &s)), *this;
   }
-  // a floor, and four walls about it: half-spaces turned by quarters
+  // a floor and four walls: half-spaces rotated by quarter turns
   Builder& room(double half) {
     shape("", DYN_SHAPE_TYPE_HALF_SPACE, {});
     const double walls[4][9] = {{0, 0, -1, 0, 1, 0, 1, 0, 0}, {0, 0, 1, 0, 1, 0, -1, 0, 0}, {1, 0, 0, 0, 0, -1, 0, 1, 0}, {1, 0, 0, 0, 0, 1, 0, -1, 0}};
@@ -90,9 +90,9 @@ class Builder {
   dynBuilder* b_ = nullptr;
 };
 
-// What is held while it plays: bounds on what a step may show, and on the state.
+// Bounds on the step report and the state.
 struct Bounds {
-  double speed, height;  // largest |v|, and coordinate of q
+  double speed, height;  // largest |v|, and a coordinate of q
   double penetration;    // m
 };
 
@@ -106,7 +106,7 @@ struct Scene {
   dynContactSolverType solver;
   double dt;
   Bounds bounds;
-  int share;               // of a number of steps, in hundredths
+  int share;               // of the number of steps, in percent
 };
 
 inline void as_it_is(const dynModel*, double*) {}
@@ -173,12 +173,12 @@ inline void drop(const dynModel* m, double* q) {
     double norm = 0;
     for (int i = 3; i < 7; ++i) norm += at[i] * at[i];
     double root = 1;
-    for (int i = 0; i < 60; ++i) root = 0.5 * (root + norm / root);  // its root
+    for (int i = 0; i < 60; ++i) root = 0.5 * (root + norm / root);  // square root
     for (int i = 0; i < 7; ++i) q[i] = i < 3 ? at[i] : at[i] / root;
   }
 }
 
-// A four-bar linkage that a constraint closes, a follower, a ball and socket, a screw.
+// A four-bar linkage closed by a constraint, a mimic joint, a ball joint, a screw.
 inline dynModel* linkage() {
   Builder b("linkage");
   static const double damping[3] = {0.2, 0.2, 0.2}, some[3] = {0.01, 0.01, 0.01};
@@ -216,7 +216,7 @@ inline void close(const dynModel* m, double* q) {
   dyn_data_free(d);
 }
 
-// Balls that roll and bounce.
+// Rolling and bouncing balls.
 inline dynModel* balls() {
   Builder b("balls");
   b.room(1);
@@ -227,7 +227,7 @@ inline dynModel* balls() {
   return b.finish();
 }
 
-// Bodies that fly freely, turning about all axes.
+// Free bodies rotating about all axes.
 inline dynModel* tops() {
   Builder b("tops");
   const double none[3] = {};
@@ -250,10 +250,10 @@ inline const Scene scenes[] = {
     {"tops, midpoint", tops, as_it_is, 0.02, 50, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_CONTACT_SOLVER_TYPE_ADMM, 1e-3, {500, 2, 1}, 20},
 };
 
-// A scene that plays.
-class Play {
+// A simulated scene.
+class Simulation {
  public:
-  explicit Play(const Scene& scene) : s(scene), m(scene.build()), q(std::size_t(dyn_model_nq(m))), tau_(std::size_t(dyn_model_nv(m))), turns_(tau_.size()) {
+  explicit Simulation(const Scene& scene) : s(scene), m(scene.build()), q(std::size_t(dyn_model_nq(m))), tau_(std::size_t(dyn_model_nv(m))), turns_(tau_.size()) {
     check(dyn_data_new(m, DYN_PART_SIMULATION | DYN_PART_ENERGY, &d));
     dynStepOptions o;
     dyn_step_options_init(&o);
@@ -268,10 +268,10 @@ class Play {
       if (const dynJointInfo info = joint(j); info.type == DYN_JOINT_TYPE_FREE_FLYER)
         for (int k = 3; k < 6; ++k) turns_[std::size_t(info.idx_v + k)] = 1;
   }
-  Play(const Play&) = delete;
-  ~Play() { dyn_data_free(d), dyn_model_free(m); }
+  Simulation(const Simulation&) = delete;
+  ~Simulation() { dyn_data_free(d), dyn_model_free(m); }
 
-  // One step, under controls that change now and then.
+  // One step; controls change every `hold` steps.
   dynStatus step() {
     if (steps % s.hold == 0) {
       for (std::size_t k = 0; k < tau_.size(); ++k) tau_[k] = (turns_[k] ? 0.01 : 1) * s.push * dice();
@@ -283,8 +283,8 @@ class Play {
     if (steps % 16 == 0) mix();
     return DYN_OK;
   }
-  // What is wrong with the state, or nullptr.
-  const char* complaint() const {
+  // Returns what is wrong with the state, or nullptr.
+  const char* violation() const {
     dynStepReport r{};
     r.struct_size = sizeof r;
     check(dyn_data_step_report(m, d, &r));
@@ -305,7 +305,7 @@ class Play {
   }
   std::uint64_t hash() const { return hash_; }
 
-  // All that later steps depend on.
+  // All state that later steps depend on.
   struct Snapshot {
     std::vector<char> memory;
     Dice dice;
@@ -332,7 +332,7 @@ class Play {
  private:
   const double *q_ = nullptr, *v_ = nullptr;
   std::vector<double> tau_;
-  std::vector<char> turns_;  // 1: a moment on what flies freely
+  std::vector<char> turns_;  // 1: a moment on a free body
   std::uint64_t hash_ = 0xcbf29ce484222325u;
 
   dynJointInfo joint(int j) const {

@@ -1,6 +1,7 @@
-// Plays all scenes for many steps under changing controls, checks their states, and says what memory they took and the hash of all states.
-//   dyn_soak [--steps N] [--hash] [--scene NAME]     N in all, more of the cheap scenes; --hash: N of each, and nothing but the hashes; one scene alone
-// Exit status 0 only when no state left its bounds and, without --hash, memory did not grow.
+// Simulates all scenes for many steps under changing controls, checks their states, and reports memory and a hash of all states.
+//   dyn_soak [--steps N] [--hash] [--scene NAME]
+// N steps in all, more of the cheap scenes. --hash: N steps of each scene, printing only the hashes. --scene: one scene alone.
+// Exit status 0 only if all states stay in their bounds and, without --hash, memory does not grow.
 #include <chrono>
 #include <cstring>
 
@@ -8,7 +9,7 @@
 
 namespace {
 
-// Pages of memory that the process has.
+// Returns the resident memory of the process in pages.
 long resident() {
   long pages = 0;
   if (std::FILE* f = std::fopen("/proc/self/statm", "r")) {
@@ -19,7 +20,7 @@ long resident() {
 }
 
 #ifdef __SANITIZE_ADDRESS__
-constexpr bool sanitized = true;  // its shadow is counted, too
+constexpr bool sanitized = true;  // shadow memory counts, too
 #else
 constexpr bool sanitized = false;
 #endif
@@ -40,19 +41,19 @@ int main(int count, char** argument) {
   for (const soak::Scene& scene : soak::scenes) {
     if (only && std::strcmp(only, scene.name) != 0) continue;
     played = true;
-    soak::Play play(scene);
+    soak::Simulation play(scene);
     const long each = hash ? steps : steps / 100 * scene.share;
     const auto begin = std::chrono::steady_clock::now();
     long pages = 0, grown = 0;
     const char* wrong = nullptr;
     while (play.steps < each && !wrong) {
       if (play.step() != DYN_OK) wrong = dyn_last_error();
-      else if (play.steps % 256 == 0) wrong = play.complaint();
+      else if (play.steps % 256 == 0) wrong = play.violation();
       if (play.steps == 1) pages = resident();
     }
     grown = resident() - pages;
     if (wrong) std::fprintf(stderr, "%s, step %ld: %s\n", scene.name, play.steps, wrong);
-    good = good && !wrong && (hash || sanitized || grown <= 256);  // 1 MiB: the kernel counts in batches; under an emulator, where hashes are compared, it counts that
+    good = good && !wrong && (hash || sanitized || grown <= 256);  // 1 MiB: the kernel counts in batches, and under an emulator its memory counts, too
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (hash) std::printf("%-16s %016llx\n", scene.name, (unsigned long long)play.hash());
     else std::printf("%-16s %10ld steps, %6.1f s, %6.2f us a step, %ld pages more, %s\n", scene.name, play.steps, seconds, 1e6 * seconds / double(play.steps), grown, wrong ? wrong : "within bounds");

@@ -1,10 +1,10 @@
-// Tests the contact solvers: residuals on random and hard problems, closed forms, invariances.
+// Contact solvers: residuals of random and hard problems, closed forms, invariances.
 #include "solver/scenes.hpp"
 
 namespace dyn_test {
 namespace {
 
-// The conditions themselves, computed here from lambda and G: the report is not believed. Relative to speeds and impulses.
+// Checks the conditions from lambda and G, independently of the report, relative to speeds and impulses.
 void expect_solved(Scene& s, const Answer& a, double tolerance, const std::string& what) {
   const int n = s.rows();
   Vector c(s.g);
@@ -24,7 +24,7 @@ void expect_solved(Scene& s, const Answer& a, double tolerance, const std::strin
   }
 }
 
-TEST(Contact, RandomProblems) {
+TEST(ContactSolver, RandomProblemsAreSolved) {
   for (const dynContactSolverType type : all_solvers)
     for (const int contacts : {1, 2, 5, 12, 30})
       for (const double mu : {0.0, 0.05, 0.5, 1.0})
@@ -38,8 +38,8 @@ TEST(Contact, RandomProblems) {
         }
 }
 
-// CASES: stacks with mass ratios to 1e6; the impulse under a body is g dt times the mass above, nothing moves.
-TEST(Contact, StacksOfUnequalMasses) {
+// Stacks with mass ratios to 1e6: the impulse under a body is g dt times the mass above, nothing moves.
+TEST(ContactSolver, StacksOfUnequalMassesCarryTheirLoad) {
   const double dt = 1e-3;
   for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
     for (const Vector& masses : std::vector<Vector>{{1, 1}, {1, 1e3}, {1, 1e6}, {1e-3, 1e3}, {1e3, 1e-3}, {1e6, 1}, {1, 10, 100, 1e3, 1e4, 1e5, 1e6}, Vector(10, 1.0)}) {
@@ -55,14 +55,14 @@ TEST(Contact, StacksOfUnequalMasses) {
         for (int k = 0; k < 4; ++k) normal += a.lambda[12 * b + 3 * k + 2];
         EXPECT_NEAR(above * gravity * dt, normal, 1e-9 * total * gravity * dt) << b;
       }
-      // what is left is round-off of G lambda, whose terms are as large as the load over the lightest mass
+      // round-off of G lambda, whose terms are as large as the load over the lightest mass
       const double terms = total * gravity * dt / *std::min_element(masses.begin(), masses.end());
       for (const double c : a.velocity) EXPECT_NEAR(0, c, 2e-10 * gravity * dt + 4 * 2.2e-16 * terms);
     }
 }
 
-// Duplicated contacts, four and six legs: sum and moments are determined; at rest, pushed, sliding.
-TEST(Contact, HyperstaticTables) {
+// Duplicated contacts, four and six legs: sum and moments are determined, at rest, pushed and sliding.
+TEST(ContactSolver, RedundantLegsShareTheLoad) {
   for (const dynContactSolverType type : all_solvers)
     for (const int legs : {4, 6})
       for (const int copies : {1, 2, 10})
@@ -82,8 +82,8 @@ TEST(Contact, HyperstaticTables) {
         }
 }
 
-// Painleve's paradox (mu > 4/3): at the level of velocities there is an impulse, and it is found, in at most 100 iterations.
-TEST(Contact, PainleveRod) {
+// Painleve's paradox (mu > 4/3): at velocity level an impulse exists and is found in at most 100 iterations.
+TEST(ContactSolver, PainleveRodHasASolution) {
   std::mt19937 generator(8);
   std::uniform_real_distribution<double> u(-1, 1);
   int paradoxical = 0;
@@ -101,7 +101,7 @@ TEST(Contact, PainleveRod) {
 }
 
 // A block of four contacts slides the same way in 64 directions: v' = v - mu g dt, straight on.
-TEST(Contact, Isotropy) {
+TEST(ContactSolver, FrictionIsIsotropic) {
   const double mu = 0.4, dt = 1e-3;
   Bodies block = stack({1});
   for (auto& c : block.contacts) c.on_a[2] = 0;  // friction through the centre of mass: no tipping
@@ -119,7 +119,7 @@ TEST(Contact, Isotropy) {
         const double along = v[0] * x + v[1] * y + l[0] * x + l[1] * y, across = l[1] * x - l[0] * y;
         EXPECT_NEAR(0, across, 1e-12);
         speed = along < 1e-12 ? 0 : along, travelled += speed * dt;
-        if (k % 16 != 0) break;  // one step says it; a few directions to the end
+        if (k % 16 != 0) break;  // one step for all, a few directions to the end
       }
       if (k % 16 != 0) {
         EXPECT_NEAR(1 - mu * gravity * dt, speed, 1e-12) << solver_names[type] << " " << k;
@@ -131,8 +131,8 @@ TEST(Contact, Isotropy) {
     }
 }
 
-// A point mass on a plane, closed forms: apart, stuck, sliding, at exactly the cone's angle.
-TEST(Contact, PointMass) {
+// A point mass on a plane, closed forms: open, stick, slip, exactly at the cone's angle.
+TEST(ContactSolver, PointMassMatchesClosedForms) {
   for (const dynContactSolverType type : all_solvers) {
     const auto point = [&](Vector g, double mu) {
       Scene s;
@@ -154,8 +154,8 @@ TEST(Contact, PointMass) {
   }
 }
 
-// Torsion and rolling: a ball that spins stops about the normal at the rate of its coefficient, and rolls on when there is none.
-TEST(Contact, TorsionAndRolling) {
+// Torsion and rolling: a ball spinning about the normal stops at the rate of its coefficient; without rolling friction it rolls on.
+TEST(ContactSolver, TorsionAndRollingMatchClosedForms) {
   for (const dynContactSolverType type : all_solvers) {
     Scene s;
     const double G[6] = {1, 1, 1, 2, 2, 2};
@@ -164,11 +164,11 @@ TEST(Contact, TorsionAndRolling) {
     s.g = {0, 0, -1, 0.5, 0, 3}, s.friction = {0.5}, s.torsion = {0.01}, s.rolling = {0}, s.rows_of = {6};
     Answer a = solve(s, with(type));
     EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, a.report.status);
-    EXPECT_NEAR(-0.01, a.lambda[5], 1e-12);  // torsion m times the normal impulse
+    EXPECT_NEAR(-0.01, a.lambda[5], 1e-12);  // torsion times the normal impulse
     EXPECT_NEAR(3 - 0.02, a.velocity[5], 1e-11);
     EXPECT_EQ(0, a.lambda[3]);
     EXPECT_EQ(0.5, a.velocity[3]);
-    // on the ellipsoid, sliding and spinning and rolling at once: lambda_i = -(coefficient^2) v_i s
+    // on the ellipsoid, sliding, spinning and rolling at once: lambda_i = -(coefficient^2) v_i s
     s.g = {0.3, 0, -1, 0.5, -0.2, 3}, s.rolling = {0.002};
     a = solve(s, with(type));
     const double c[6] = {0.5, 0.5, 0, 0.002, 0.002, 0.01};
@@ -186,7 +186,7 @@ TEST(Contact, TorsionAndRolling) {
 }
 
 // Limits, dry friction and equalities beside contacts, by closed forms on one axis.
-TEST(Contact, BoxesAndEqualities) {
+TEST(ContactSolver, BoxesAndEqualitiesMatchClosedForms) {
   for (const dynContactSolverType type : all_solvers) {
     Scene s;
     s.problem.equalities = 1, s.problem.boxes = 3;
@@ -203,7 +203,7 @@ TEST(Contact, BoxesAndEqualities) {
   }
 }
 
-TEST(Contact, NothingToDo) {
+TEST(ContactSolver, ProblemsAtRestNeedNoImpulse) {
   for (const dynContactSolverType type : all_solvers) {
     Scene none;
     EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, solve(none, with(type)).report.status);
@@ -219,8 +219,8 @@ TEST(Contact, NothingToDo) {
   }
 }
 
-// Rows that nothing moves (planar mechanisms), and what has no solution: no NaN, the residual says so.
-TEST(Contact, ImmovableRows) {
+// Rows that nothing moves (planar mechanisms) and problems without a solution: no NaN, and a residual that shows it.
+TEST(ContactSolver, ImmovableRowsAreReported) {
   for (const dynContactSolverType type : all_solvers) {
     Scene planar;
     planar.G = {1, 0, 0, 0, 0, 0, 0, 0, 1}, planar.g = {0.1, 0, -1}, planar.friction = {0.5};
@@ -229,7 +229,7 @@ TEST(Contact, ImmovableRows) {
     EXPECT_NEAR(-0.1, a.lambda[0], 1e-12);
     EXPECT_NEAR(0, a.lambda[1], 1e-12);
     EXPECT_NEAR(1, a.lambda[2], 1e-12);
-    Scene belt = planar;  // carried past in the direction that cannot move
+    Scene belt = planar;  // surface velocity in the immovable direction
     belt.g = {0, 0.3, -1};
     const Answer b = solve(belt, with(type));
     EXPECT_EQ(DYN_CONTACT_STATUS_CONVERGED, b.report.status) << solver_names[type];
@@ -240,7 +240,7 @@ TEST(Contact, ImmovableRows) {
     EXPECT_NE(DYN_CONTACT_STATUS_CONVERGED, c.report.status);
     EXPECT_GE(c.report.residual, 0.5);
     for (const double l : c.lambda) EXPECT_TRUE(std::isfinite(l));
-    // two equalities that contradict
+    // two contradicting equalities
     Scene torn;
     torn.problem.equalities = 2, torn.G = {1, 1, 1, 1}, torn.g = {1, -1};
     const Answer d = solve(torn, with(type, 200));
@@ -250,8 +250,8 @@ TEST(Contact, ImmovableRows) {
   }
 }
 
-// Units change nothing: lengths and masses by powers of two to 2^30 give the same digits.
-TEST(Contact, UnitsChangeNothing) {
+// Units change nothing: lengths and masses scaled by powers of two to 2^30 give the same digits.
+TEST(ContactSolver, UnitsChangeNothing) {
   for (const dynContactSolverType type : all_solvers)
     for (const double units : {0x1p-30, 0x1p30})
       for (const double masses : {0x1p-30, 0x1p30}) {
@@ -268,8 +268,8 @@ TEST(Contact, UnitsChangeNothing) {
       }
 }
 
-// Each row in its own unit to 1e+-9.
-TEST(Contact, ContactsInUnlikeUnits) {
+// Each row in its own unit, to 1e+-9.
+TEST(ContactSolver, EachRowMayHaveItsOwnUnit) {
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> u(-9, 9);
   for (const dynContactSolverType type : all_solvers) {
@@ -286,7 +286,7 @@ TEST(Contact, ContactsInUnlikeUnits) {
   }
 }
 
-TEST(Contact, WarmStart) {
+TEST(ContactSolver, WarmStartSavesIterations) {
   for (const dynContactSolverType type : all_solvers) {
     const Bodies bodies = stack({1, 2, 5});
     Vector v = bodies.falling(1e-3);
@@ -309,8 +309,8 @@ TEST(Contact, WarmStart) {
   }
 }
 
-// The same bits every time, whatever the solver has been used for.
-TEST(Contact, Deterministic) {
+// The same bits every time, whatever the solver was used for before.
+TEST(ContactSolver, ResultsAreDeterministic) {
   for (const dynContactSolverType type : all_solvers) {
     const Solver solver(200);
     Scene small = random_scene(5, 12, 0.5, 1), large = random_scene(40, 60, 0.5, 2);
@@ -328,8 +328,8 @@ TEST(Contact, Deterministic) {
   }
 }
 
-// Stopped early: an impulse in its cone with the residual it has, and never a worse one for more iterations.
-TEST(Contact, Anytime) {
+// Stopped early: a feasible impulse with its residual, never worse for more iterations.
+TEST(ContactSolver, StoppedEarlyTheImpulseIsFeasible) {
   for (const dynContactSolverType type : all_solvers) {
     Scene s = random_scene(20, 30, 0.8, 4);
     double before = HUGE_VAL;

@@ -1,4 +1,4 @@
-// The dense algebra of the solvers, of every size that its eights of rows and its panels of columns divide in another way.
+// Dense algebra of the solvers, for all sizes relative to groups of eight rows and panels of columns.
 #include "solver/dense.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr Index sizes = 70;
 
-// n x n, aligned as a workspace is; rows beyond n hold what nobody may look at.
+// n x n, aligned as a workspace is; rows beyond n hold values that must not be used.
 struct Square {
   explicit Square(Index n) : ld(padded(n)), numbers(std::size_t(ld) * n + lanes, 1e100) {
     const auto address = reinterpret_cast<std::uintptr_t>(numbers.data());
@@ -55,7 +55,7 @@ TEST(Dense, LuSolves) {
   }
 }
 
-TEST(Dense, LuRefuses) {
+TEST(Dense, LuRefusesSingularMatrices) {
   for (const Index n : {1, 3, 17, 40}) {
     Square s(n);
     for (Index j = 0; j < n; ++j)
@@ -94,7 +94,7 @@ TEST(Dense, CholeskySolves) {
   }
 }
 
-TEST(Dense, Times) {
+TEST(Dense, TimesSkipsColumnsOfZeros) {
   Draw draw;
   for (Index n = 1; n <= sizes; ++n) {
     Square s(n);

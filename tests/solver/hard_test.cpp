@@ -1,12 +1,12 @@
-// The hardest problems of their kind, by numbers: random ones, tables, and stacks of random and of extreme masses that are pushed, so that light bodies
-// slide under heavy ones. Friction's law makes them no convex problems, and no method solves them all: how many, in how many iterations.
+// Hard problems in numbers: random ones, tables, and pushed stacks of random and extreme masses, in which light bodies slide under heavy ones.
+// Friction makes them nonconvex, and no method solves all: the test counts how many are solved in how many iterations.
 #include "common/quad.hpp"
 #include "solver/scenes.hpp"
 
 namespace dyn_test {
 namespace {
 
-// |lambda - P_K(lambda - c - Gamma(c))| over the largest of g, blocks in units of their part of G; sums in quadruple precision, from lambda alone
+// ^|lambda - P_K(lambda - c - Gamma(c))| over the largest of g, blocks in units of their part of G; sums in quadruple precision
 double natural_map(const Scene& s, const Vector& lambda) {
   const int n = s.rows();
   double worst = 0, speed = 0;
@@ -39,7 +39,7 @@ struct Draw {
   int below(int n) { return int(generator() % unsigned(n)); }
 };
 
-// Each velocity by something between 1 mm/s and 0.1 m/s, or those of the uppermost body alone.
+// Random velocities between 1 mm/s and 0.1 m/s, or only those of the top body.
 Scene pushed(const Bodies& bodies, Draw& draw, double mu, bool uppermost = false) {
   Vector v = bodies.falling(1e-3);
   const double speed = std::pow(10, draw.uniform(-3, -1));
@@ -50,7 +50,7 @@ Scene pushed(const Bodies& bodies, Draw& draw, double mu, bool uppermost = false
 struct Family {
   const char* name;
   Scene (*scene)(int seed);
-  int count, in_100, in_1000;  // solved to 1e-10 in 100 iterations, to 1e-9 in 1000, at least
+  int count, in_100, in_1000;  // least numbers solved to 1e-10 in 100 iterations and to 1e-9 in 1000
 };
 
 template <bool uppermost>
@@ -84,7 +84,7 @@ const Family families[] = {
      }, 60, 56, 59},
 };
 
-TEST(HardContacts, SharesThatAreSolved) {
+TEST(HardContacts, SolvedSharesStayHigh) {
   for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
     for (const Family& family : families) {
       int in_100 = 0, in_1000 = 0;
@@ -92,7 +92,7 @@ TEST(HardContacts, SharesThatAreSolved) {
         Scene s = family.scene(k + 1);
         Answer a = solve(s, with(type, 100));
         EXPECT_LE(a.report.iterations + a.report.newton_steps, 100);
-        // what is claimed is so
+        // the reported residual is true
         EXPECT_LE(natural_map(s, a.lambda), 10 * a.report.residual + 1e-11) << solver_names[type] << ", " << family.name << " " << k;
         EXPECT_EQ(a.report.residual <= 1e-10, a.report.status == DYN_CONTACT_STATUS_CONVERGED);
         in_100 += a.report.residual <= 1e-10;
@@ -105,8 +105,8 @@ TEST(HardContacts, SharesThatAreSolved) {
     }
 }
 
-// Everything in one problem: equalities, limits, dry friction, contacts with torsion and rolling, compliance, redundant rows.
-TEST(HardContacts, AllKindsOfRows) {
+// All in one problem: equalities, limits, dry friction, contacts with torsion and rolling, compliance, redundant rows.
+TEST(HardContacts, AllKindsOfRowsTogetherAreSolved) {
   for (const dynContactSolverType type : {DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON}) {
     int solved = 0;
     constexpr int count = 100;

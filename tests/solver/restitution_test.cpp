@@ -1,10 +1,10 @@
-// Tests restitution: Moreau's law exactly, and that impacts never gain energy.
+// Restitution: Moreau's law exactly, and impacts never gain energy.
 #include "solver/scenes.hpp"
 
 namespace dyn_test {
 namespace {
 
-// A row of balls that touch, the first one at speed 1.
+// A row of touching balls, the first one at speed 1.
 Scene cradle(int balls, double e) {
   Scene s;
   const int rows = balls - 1;
@@ -17,7 +17,7 @@ Scene cradle(int balls, double e) {
   return s;
 }
 
-// Three equal balls: impulses 4/3 and 2/3, velocities -1/3, 2/3, 2/3; energy stays.
+// Three equal balls: impulses 4/3 and 2/3, velocities -1/3, 2/3, 2/3; energy is conserved.
 TEST(Restitution, MoreauOnNewtonsCradle) {
   for (const dynContactSolverType type : all_solvers) {
     Scene s = cradle(3, 1);
@@ -30,24 +30,24 @@ TEST(Restitution, MoreauOnNewtonsCradle) {
 }
 
 // One ball, any coefficient: it leaves at e times its speed.
-TEST(Restitution, OneBall) {
+TEST(Restitution, OneBallReboundsByItsCoefficient) {
   for (const dynContactSolverType type : all_solvers)
     for (const double e : {0.0, 0.3, 0.9, 1.0}) {
       Scene s;
       s.G = {0.5, 0, 0, 0, 0.5, 0, 0, 0, 0.5}, s.g = {0, 0, -2}, s.friction = {0.3}, s.restitution = {e};
       const Answer a = solve(s, with(type));
       EXPECT_NEAR(2 * e, a.velocity[2], 1e-12);
-      // separating: nothing
+      // separating: no impulse
       s.g = {0, 0, 2};
       EXPECT_EQ((Vector{0, 0, 0}), solve(s, with(type)).lambda);
-      // gravity acts in between: what bounces is the velocity before
+      // gravity acts in between: the rebound follows the velocity before
       s.g = {0, 0, -2.5}, s.v_minus = {0, 0, -2};
       EXPECT_NEAR(2 * e, solve(s, with(type)).velocity[2], 1e-12);
     }
 }
 
-// Equal coefficients and no friction: work is -(1 - e) / (1 + e) L'GL / 2, whatever hits at once.
-TEST(Restitution, EqualCoefficientsWithoutFriction) {
+// Equal coefficients without friction: work is -(1 - e) / (1 + e) L'GL / 2, for any simultaneous impacts.
+TEST(Restitution, EqualCoefficientsLoseTheirShareOfEnergy) {
   for (const double e : {0.0, 0.5, 1.0})
     for (unsigned seed = 0; seed < 50; ++seed) {
       Scene s = random_scene(6, 30, 0, seed);
@@ -62,8 +62,8 @@ TEST(Restitution, EqualCoefficientsWithoutFriction) {
     }
 }
 
-// Kane and Levinson's double pendulum gains energy under Newton's law with friction: here it never does, nor do random impacts with unlike
-// coefficients.
+// Kane and Levinson's double pendulum gains energy under Newton's law with friction.
+// Here it never does, nor do random impacts with different coefficients.
 TEST(Restitution, NeverGainsEnergy) {
   int reduced = 0;
   std::mt19937 generator(4);
@@ -84,16 +84,16 @@ TEST(Restitution, NeverGainsEnergy) {
     EXPECT_LE(a.report.restitution_scale, 1);
     reduced += a.report.restitution_scale < 1;
   }
-  EXPECT_GT(reduced, 3);  // the law alone does gain
-  // Kane's paradox: an oblique impact that friction turns round
+  EXPECT_GT(reduced, 3);  // the law alone does gain energy
+  // Kane's paradox: an oblique impact whose slip friction reverses
   Scene kane;
   kane.G = {5, 0, -4, 0, 5, 0, -4, 0, 5}, kane.g = {0.4, 0, -0.2}, kane.friction = {1.2}, kane.restitution = {1};
   const Answer a = solve(kane, with(DYN_CONTACT_SOLVER_TYPE_ADMM));
   EXPECT_LE(a.report.energy, 1e-9);
 }
 
-// A spring and damper as a row: a ball rests at m g / k, and oscillates at the frequency and with the decay that were asked for.
-TEST(Compliance, RestsAndRings) {
+// A spring and damper as a row: a ball rests at m g / k and oscillates with the given frequency and decay.
+TEST(Compliance, SpringRestsAndOscillates) {
   const double m = 2, k = 5000, dt = 1e-4;
   for (const bool hertz : {false, true}) {
     const double omega = std::sqrt(k / m), ratio = 0.05, d = 2 * ratio * m * omega;

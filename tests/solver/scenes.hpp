@@ -1,4 +1,4 @@
-// Contact problems of textbook scenes, as a caller of dyn.h makes them: bodies with mass and inertia, contacts with Jacobians, G = J M^-1 J'.
+// Contact problems of textbook scenes as a caller of dyn.h builds them: masses, inertias, contact Jacobians, G = J M^-1 J'.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using Vector = std::vector<double>;
 using Point = std::array<double, 3>;
 inline constexpr double gravity = 9.81, pi = 3.14159265358979323846;
 
-// A problem with what it points to.
+// A problem and its arrays.
 struct Scene {
   dynContactProblem problem;
   Vector G, g, friction, torsion, rolling, restitution, v_minus, compliance, bias, lower, upper;
@@ -39,7 +39,7 @@ struct Scene {
         g[j] += J[j + rows * k] * v[k];
         for (int i = 0; i < rows; ++i) G[i + rows * j] += J[i + rows * k] * x;
       }
-    // symmetric to the last bit
+    // exactly symmetric
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < j; ++i) G[i + rows * j] = G[j + rows * i];
   }
@@ -55,7 +55,7 @@ struct Scene {
 
 // Free bodies (v = [linear; angular], world axes), point contacts with normal z of one body on another or on the world.
 struct Bodies {
-  std::vector<double> mass, inertia;  // inertia: about every axis alike
+  std::vector<double> mass, inertia;  // the same about every axis
   struct Contact {
     int a, b;  // b pushes a up; -1: the world
     Point on_a, on_b;  // from the centres
@@ -81,7 +81,7 @@ struct Bodies {
     s.from_jacobian(rows, v);
     return s;
   }
-  // Velocities after gravity has acted for dt.
+  // Velocities after gravity acted for dt.
   Vector falling(double dt) const {
     Vector v(6 * mass.size(), 0.0);
     for (std::size_t b = 0; b < mass.size(); ++b) v[6 * b + 2] = -gravity * dt;
@@ -89,7 +89,7 @@ struct Bodies {
   }
 };
 
-// Cubes on one another, four corners each.
+// A stack of cubes with four contact points each.
 inline Bodies stack(const std::vector<double>& masses, double side = 0.2) {
   Bodies all;
   for (std::size_t b = 0; b < masses.size(); ++b) {
@@ -102,7 +102,7 @@ inline Bodies stack(const std::vector<double>& masses, double side = 0.2) {
   return all;
 }
 
-// Legs on a circle of 1 m, the centre of mass off it by x and 0.7 m up; each contact so many times.
+// Legs on a circle of 1 m; the centre of mass is offset by x and 0.7 m high. Each contact is repeated `copies` times.
 inline Bodies table(int legs, int copies, double x) {
   Bodies t;
   t.mass = {1}, t.inertia = {0.1};

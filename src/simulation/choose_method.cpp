@@ -1,0 +1,30 @@
+// Chooses between the dense Delassus matrix and elimination by segments.
+#include "simulation/newton.hpp"
+
+namespace dyn::simulation {
+
+// Compares the price of a factorization: dense rows^3 against blocks of segments, in the same unit (measured).
+// With no more rows than lanes contacts are seldom redundant, and the damped dense Newton succeeds more often.
+bool Island::sparse() {
+  if (eliminated == Eliminated::Not) eliminated = w.elimination.find_runs(*this) ? Eliminated::Runs : Eliminated::DoesNotFit;
+  const double whole = double(rows) * rows * rows;
+  const double block = rows > segment_lanes * w.elimination.size ? tuning::newton::redundant_block_price : tuning::newton::block_price;
+  if (!large() && whole <= block * w.elimination.size) return false;
+  return ordered() && (large() || whole > block * (w.elimination.size + w.elimination.entries()));
+}
+
+bool Island::ordered() {
+  if (eliminated == Eliminated::Runs) eliminated = w.elimination.find_order(*this) ? Eliminated::Fits : Eliminated::DoesNotFit;
+  return eliminated == Eliminated::Fits;
+}
+
+bool Island::newton(dynContactReport& report, bool from_inside) {
+  if (!sparse()) return false;
+  if (from_inside) return interior(*this, report);
+  Newton method(*this);
+  if (method.run(report)) return true;
+  method.write_best(report);
+  return false;
+}
+
+}  // namespace dyn::simulation

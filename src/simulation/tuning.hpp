@@ -1,0 +1,121 @@
+// Tuning constants of steps with contacts. "Radius" is that of the smaller shape's bounding sphere, "length" the model's length scale.
+#pragma once
+
+#include "base/types.hpp"
+
+namespace dyn::simulation::tuning {
+
+// Limits and contacts that become rows (step.hpp, find_constraints.cpp).
+inline constexpr double slop = 1e-9;           // of the length, or rad: errors below get no position correction
+inline constexpr double limit_margin = 1e-4;   // of the length, or rad: limits nearer than this are always rows
+inline constexpr double speed_growth = 3;      // a joint may end a step this much faster than its free velocity, by impulses
+inline constexpr double slow_fall = 0.32;      // of sqrt(g length): speed after a fall over length / 20, sqrt(2 / 20)
+inline constexpr double slow_shift = 1e-3;     // of the length per step: slower motion is not resolved by the step
+inline constexpr double reopen_factor = 3;     // of closed_gap: hysteresis, an active contact opens at a larger gap than it closes at
+inline constexpr double free_closing = 10;     // of the island's largest rate: bound on the closing speed of open gaps
+
+// Contact search (contact_points.cpp).
+namespace search {
+inline constexpr double near = 0.02;            // of the radius: shapes nearer than this are always tested, impulses may drive them together
+inline constexpr double box = 0.01;             // of the radius: share of `near` of each shape's box; half, so that two boxes cover it
+inline constexpr double speed_margin = 1.5;     // of the motion in the step: impulses may speed shapes up
+inline constexpr double rounding = 1e-9;        // relative, of a distance between centres
+inline constexpr double same_normal = 0.9;      // cosine: below it the contact turned within the step
+inline constexpr double graze = 0.05;           // of the relative motion in the step: deeper overlap at its end is a hit
+inline constexpr Index sweep_steps = 50;        // bound of conservative advancement; beyond it the pair counts as met
+inline constexpr double touching = 1e-4;        // of the radius: smaller gaps count as touching
+inline constexpr double min_pass = 0.2;         // of the radius: least motion in which shapes pass each other
+}  // namespace search
+
+// Contacts that need no impulse (contact_rows.cpp).
+namespace idle {
+inline constexpr double closing = 1e-12;        // of the radius per step: what tolerances leave of earlier impulses
+inline constexpr double fall = 1e-6;            // of g h^2: far below what gravity closes in a step
+}  // namespace idle
+
+// Conservative advancement cache (conservative_advancement.cpp).
+namespace advancement {
+inline constexpr double min_steps_saved = 4;    // the search must save this many steps to be worth its levers
+inline constexpr double max_lever = 1e3;        // m by which levers may grow: no distance counts as larger
+inline constexpr double margin = 1.01;          // of limit_margin: rounding of the bound
+}  // namespace advancement
+
+// Batched free bodies (free_bodies.cpp).
+inline constexpr double min_norm2 = 1e-60, max_norm2 = 1e60;  // squared norm of quaternions whose products neither overflow nor lose digits
+
+// Islands (island.cpp, solve_constraints.cpp, workspace.hpp).
+namespace island {
+inline constexpr double impact_speed = 0.05;    // of slow_speed: a faster approach rebounds however long the step
+inline constexpr double correction = 0.5;       // of the position error that a step removes
+inline constexpr double correction_tolerance = 1e-6;  // of its displacement: the next steps correct the rest
+inline constexpr double nearly_solved = 1e-5;   // residual that further sweeps can reduce to the tolerance
+inline constexpr Index dense_rows = 240;        // rows of the largest dense Delassus matrix (460 kB)
+inline constexpr Index dense_dofs = 64;         // most degrees of freedom for which it is the product Z^T Z
+inline constexpr Index dense_fill = 4;          // dofs x constraints over supporting dofs: above it zeros cost more than the product saves
+inline constexpr double round_off = 1e-15;      // of the unit diagonal, a row: pivots below are rounding
+inline constexpr int rounds = 3;                // of max_iterations for all methods together: as three tries by the dense matrix
+}  // namespace island
+
+// Matrix-free Gauss-Seidel (pgs_matrix_free.cpp).
+namespace gauss_seidel {
+inline constexpr int guess_sweeps = 4;          // over a nearly good guess: cheaper than a matrix
+inline constexpr Index first_sweeps = 5, max_small = 10;  // before the first Newton attempt; small islands have a matrix after max_small
+inline constexpr int batch = 20;                // sweeps between residuals
+inline constexpr int max_stalls = 3;            // batches in a row without progress
+inline constexpr double progress = 0.9;         // of the residual: a smaller reduction is no progress
+inline constexpr int correction_sweeps = 20;    // bound for position corrections
+inline constexpr double correction_change = 0.02;  // of the first sweep's change: the next steps correct the rest
+}  // namespace gauss_seidel
+
+// Elimination order (elimination.hpp).
+namespace elimination {
+inline constexpr Index entries_a_segment = 16;  // room for fill-in; islands that need more use other methods
+inline constexpr Index runs_a_constraint = 8;   // room for segments of a constraint, on average
+}  // namespace elimination
+
+// Newton's method on segments (newton.cpp).
+namespace newton {
+inline constexpr double min_compliance = 1e-6;  // of the unit diagonal: steps are unique for redundant contacts
+inline constexpr double damping = 1e-2;         // of the unit diagonal: Levenberg-Marquardt, after a step that failed
+inline constexpr int refinements = 1;           // iterative refinements of a step, which remove the effect of min_compliance
+inline constexpr double min_step = 0.2;         // of the line search
+inline constexpr double jammed = 100;           // of the impulses that stop all motion: larger ones are stress locked by friction
+inline constexpr double above_guess = 1.1;      // of the guess's impulses: heavy bodies press through light ones
+inline constexpr Index max_steps = 15;          // of one attempt
+inline constexpr double near = 1e-2;            // error over speed below which the residual is evaluated
+inline constexpr double block_price = 16000, redundant_block_price = 4000;  // of a segment, in dense rows^3: measured, without and with redundant rows
+}  // namespace newton
+
+// Interior point method on segments (interior.cpp).
+namespace interior {
+inline constexpr double to_boundary = 0.99;     // of the step length to the boundary (Mehrotra 1992)
+inline constexpr double min_centring = 1e-6;    // of sigma
+inline constexpr double min_compliance = 1e-6;  // of the unit diagonal: redundant rows
+inline constexpr double inside = 10;            // of the guess's error: distance of the start from the boundary
+inline constexpr double box_inset = 0.1;        // of a bounded row's range
+inline constexpr double min_pivot = 1e-3;       // of the rank-one update: below it the term changes the sign of the matrix and is dropped
+inline constexpr int refinements = 1;           // iterative refinements of a direction
+inline constexpr Index max_steps = 30, newton_steps = 6;  // of one path; of each Newton attempt
+inline constexpr double short_step = 0.1;       // step length that counts as short
+inline constexpr Index max_short_steps = 3;     // in a row: the path is stuck
+inline constexpr double newton_error = 1e-2;    // error over speed below which Newton's method is tried,
+inline constexpr double newton_reduction = 0.1;  // if it fell by this since the last attempt
+inline constexpr double newton_share = 0.5;     // of the squared error that each Newton step must remove
+}  // namespace interior
+
+// The same with fixed de Saxce corrections (interior.cpp, newton.cpp).
+namespace fixed_correction {
+inline constexpr Index problems = 30, newton_steps = 10;  // convex problems from each start; Newton steps after each
+inline constexpr double solved = 1e-4;          // of the squared error: complementarity at which a convex problem ends
+inline constexpr double max_relaxation = 64;    // of a correction that keeps its direction; it doubles each time
+inline constexpr double same_change = 0.5;      // of the last change: a smaller one does not keep its direction
+inline constexpr Index min_iterations = 30;     // of max_iterations: with fewer, they were the reason for the residual
+inline constexpr double rounding = 1e-11;       // residual that is rounding
+inline constexpr double far = 10;               // of the tolerance: residual above which more rounds are spent
+inline constexpr Index near_rounds = 2, far_rounds = 9;  // of max_iterations
+}  // namespace fixed_correction
+
+// Sleep (sleep.cpp).
+inline constexpr double same_force = 1e-6;  // of the largest on the island: difference of forces of one problem solved twice
+
+}  // namespace dyn::simulation::tuning

@@ -1,0 +1,112 @@
+// Tuning constants of the contact solvers. Rows are scaled to a unit diagonal of G, so most of them have no unit.
+#pragma once
+
+#include "base/types.hpp"
+
+namespace dyn::solver::tuning {
+
+inline constexpr double epsilon = 2.2e-16;  // relative rounding of a double
+
+// Acceptance of a solution (solve.cpp, budget.hpp, residuals.hpp, problem.cpp).
+namespace accept {
+inline constexpr double energy = 1e-10;           // relative work of impulses that counts as rounding
+inline constexpr double energy_by_tolerance = 10;  // and, times the tolerance, as its consequence
+inline constexpr double max_residual = 1e-2;      // above it the impulses do not give the velocities asked for: restitution is refused
+inline constexpr double restitution_step = 1e-2;  // bisection of the restitution scale ends at this width
+inline constexpr double near_round_off = 10;      // errors below this times the rounding of G y are recomputed in extended precision
+inline constexpr double lost_speed = 1e-4;        // share of the speeds below which the rounding of an impulse must stay
+inline constexpr double immovable = 1e-24;        // of the largest diagonal: rows below move by rounding only (squared 1e-12)
+}  // namespace accept
+
+// Start of admm and newton (start.hpp).
+namespace start {
+inline constexpr double close_guess = 1e-3;    // residual over speed from which Newton is tried before any sweep
+inline constexpr double max_contraction = 0.7;  // sweeps go on while each reduces the error by this factor,
+inline constexpr double rows_a_sweep = 12;      // or by exp(-this / rows): a sweep costs 1/n of a factorization
+}  // namespace start
+
+// Projected Gauss-Seidel (pgs.cpp).
+namespace pgs {
+inline constexpr double relaxation = 1.1;          // over-relaxation after the first sweep
+inline constexpr double tiny = 1e-14;              // of the diagonal: stiffness that counts as none
+inline constexpr int jacobi_sweeps = 20;           // bound; convergence is quadratic
+inline constexpr double jacobi_tolerance = 1e-32;  // squared off-diagonal over squared diagonal: rounding
+inline constexpr double velocity_noise = 1e-15;    // of a block's velocity: rounding of its sum
+inline constexpr int warm_steps = 4;               // Newton steps from the last resistance
+inline constexpr double warm_change = 0.5;         // of the resistance: a larger change starts anew
+inline constexpr double warm_enough = 1e-3;        // of the resistance: a smaller change ends; Newton then has twice the digits
+inline constexpr int root_steps = 100;             // bisection bound of the scalar equation
+inline constexpr double root_tolerance = 1e-14;    // of mu lambda_n / |lambda_t| - 1
+inline constexpr double root_growth = 4;           // of the resistance while no upper bound is known
+inline constexpr double root_width = 4e-16;        // of the resistance: two units in the last place
+inline constexpr Index check_interval = 50;        // sweeps between removals of accumulated rounding
+}  // namespace pgs
+
+// Multipliers: ADMM and augmented Lagrangian steps (multipliers.cpp).
+namespace multipliers {
+inline constexpr double relaxation = 1.6;            // over-relaxation of ADMM (OSQP: Stellato et al. 2020)
+inline constexpr double first_rho = 0.1;             // penalty at the start (OSQP)
+inline constexpr double min_rho = 1e-10, max_rho = 1e8;  // G + rho I stays factorizable
+inline constexpr Index balance_interval = 5;         // steps between changes of rho: each costs a factorization
+inline constexpr double balance_ratio = 3;           // of the errors; below it rho stays
+inline constexpr double min_rho_factor = 0.03, max_rho_factor = 30;  // of one change of rho
+inline constexpr double subproblem_tolerance = 0.1;  // of the tolerance: gradient at which a subproblem counts as solved,
+inline constexpr double subproblem_reduction = 1e-2;  // or of the primal error before it
+inline constexpr double min_damping = 1e-11, max_damping = 1e-5;  // Levenberg-Marquardt, of the unit diagonal
+inline constexpr double damping_by_gradient = 1e-4;  // damping over the relative gradient
+inline constexpr double min_step = 1e-4;             // of the line search
+inline constexpr double armijo = 1e-4;               // sufficient decrease (Nocedal and Wright 2006, 3.1)
+inline constexpr double value_noise = 1e-15;         // relative rounding of the Lagrangian
+inline constexpr double slow_primal = 0.1;           // reduction of the primal error below which the penalty grows,
+inline constexpr double small_gradient = 0.1;        // if the gradient over the speed is below this
+inline constexpr double penalty_growth = 3;          // of joint_rho
+}  // namespace multipliers
+
+// admm.cpp
+namespace admm {
+inline constexpr double newton_reduction = 0.3;  // of the error since the last Newton attempt, before the next
+inline constexpr Index check_interval = 10;      // steps between checks of the residual
+inline constexpr Index first_steps = 10, max_steps = 10000, growth = 3;  // ADMM steps before the interior point method takes over
+inline constexpr double start_reduction = 0.1;   // of the interior point method's initial impulses between attempts
+}  // namespace admm
+
+// newton.cpp
+namespace newton {
+inline constexpr Index subproblem_steps = 20;  // Newton steps in one augmented Lagrangian subproblem
+inline constexpr int admm_steps = 10;          // between subproblems
+inline constexpr Index first_steps = 1, max_steps = 100, growth = 2;  // subproblems before the interior point method is tried again
+inline constexpr double start_reduction = 0.1;  // of its initial impulses
+}  // namespace newton
+
+// Interior point method (interior.cpp).
+namespace interior {
+inline constexpr double proximal = 1e-14;         // of the unit diagonal: redundant boxes stay regular
+inline constexpr double to_boundary = 0.99;       // of the step length to the boundary (Mehrotra 1992)
+inline constexpr double min_centring = 1e-6;      // of sigma: the path is not left entirely
+inline constexpr Index max_steps = 40;            // bound of one attempt
+inline constexpr double exact = 1e-10, rough = 1e-4;  // of the unit diagonal: regularisation of the initial impulses
+inline constexpr double contradiction = 1e-3;     // of the speed: velocity left with the exact one, above which the rough one is used
+inline constexpr double short_step = 0.1;         // step length that counts as short
+inline constexpr Index max_short_steps = 3;       // in a row: the path is stuck
+inline constexpr double newton_error = 1e-3;      // residual over speed below which Newton's method is tried,
+inline constexpr double newton_reduction = 0.1;   // if it fell by this since the last attempt
+}  // namespace interior
+
+// Newton's method on the whole problem (alart_curnier.cpp).
+namespace alart_curnier {
+inline constexpr double proximal = 1e-11;  // of the unit diagonal: steps are unique for redundant contacts; convergence does not suffer
+inline constexpr double min_damping = 1e-8, first_damping = 1e-3, max_damping = 1;  // Levenberg-Marquardt: after a shortened step, after a failed one
+inline constexpr double damping_factor = 10;  // of one change of the damping
+inline constexpr double good_step = 0.25;     // step length above which the damping does not grow
+inline constexpr double min_step = 0.1;       // of the line search; shorter steps are damped instead
+inline constexpr double near = 1e3;           // tolerances: error at which the projected iterate may be a solution
+inline constexpr Index max_steps = 20, max_damped_steps = 30;  // bounds of one attempt
+inline constexpr Index memory = 12;           // errors of the nonmonotone line search (Grippo, Lampariello and Lucidi 1986: 10)
+}  // namespace alart_curnier
+
+// Dense linear algebra (dense.hpp).
+namespace dense {
+inline constexpr Index few_columns = 16;  // LU eliminates one column at a time when no more are left: faster, same result
+}  // namespace dense
+
+}  // namespace dyn::solver::tuning
