@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "soak/scenes.hpp"
+#include "soak/simulation.hpp"
 
 namespace dyn_test {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "capi/batch.hpp"
 #include "rt/interposed.hpp"
-#include "soak/scenes.hpp"
+#include "soak/simulation.hpp"
 
 namespace dyn_test {
 namespace {

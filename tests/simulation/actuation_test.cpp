@@ -1,4 +1,4 @@
-// Actuators, applied wrenches, gravity compensation, a medium and gravity per data, against closed forms.
+// Actuators against closed forms.
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
@@ -24,12 +24,6 @@ Model wheel(const dynActuator& a) {
   EXPECT_EQ(DYN_OK, dyn_builder_add_body(b, "wheel", "hinge", nullptr, 2, com, I));
   EXPECT_EQ(DYN_OK, dyn_builder_add_actuator(b, "drive", &a, "hinge")) << dyn_last_error();
   return b.finish();
-}
-
-void control(Simulation& run, const Numbers& u) { ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data())) << dyn_last_error(); }
-void integrate_by(Simulation& run, dynIntegrator by) {
-  run.options.integrator = by;
-  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
 }
 
 TEST(Actuators, MotorTurnsAWheel) {
@@ -262,146 +256,5 @@ TEST(Actuators, InvalidSpecsAreRefused) {
   EXPECT_EQ(-1, dyn_model_actuator_id(run.m, "none"));
 }
 
-// A force at a point of a free body and its wrench at the origin give the same motion.
-TEST(Wrenches, ForceAtAPointEqualsItsWrench) {
-  const double point[3] = {0.1, -0.2, 0.3}, F[3] = {3, -1, 2};
-  Simulation run(Scene({0, 0, 0}).free("stone", 2, {0.1, 0.2, 0.25}).finish());
-  const double push[6] = {F[0], F[1], F[2], 0, 0, 0};
-  const int stone = dyn_model_frame_id(run.m, "stone");
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, stone, point, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)) << dyn_last_error();
-  run.steps(1);
-  const double moment[3] = {point[1] * F[2] - point[2] * F[1], point[2] * F[0] - point[0] * F[2], point[0] * F[1] - point[1] * F[0]}, I[3] = {0.1, 0.2, 0.25};
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_NEAR(F[k] / 2 * 1e-3, run.velocity()[std::size_t(k)], 1e-9);
-    EXPECT_NEAR(moment[k] / I[k] * 1e-3, run.v[3 + k], 1e-6);
-  }
-  // the force keeps its world direction while the body rotates
-  run.steps(500);
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(F[k] / 2 * 0.501, run.velocity()[std::size_t(k)], 1e-9);
-  ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(run.m, run.d));
-  const auto v = run.velocity();
-  run.steps(100);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(v[k], run.velocity()[k], 1e-12);
-}
-
-// A body-fixed thrust on a spinning body: a circle.
-TEST(Wrenches, LocalForcesRotateWithTheBody) {
-  Simulation run(Scene({0, 0, 0}).free("disc", 2, {0.1, 0.1, 0.2}).finish(), 1e-4);
-  integrate_by(run, DYN_INTEGRATOR_RK4);
-  run.set({}, {0, 0, 0, 0, 0, 3});
-  const double thrust[6] = {4, 0, 0, 0, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "disc"), nullptr, thrust, DYN_REFERENCE_LOCAL));
-  run.steps(10000);
-  EXPECT_NEAR(4.0 / 2 / 3 * std::sin(3.0), run.velocity()[0], 1e-9);
-  EXPECT_NEAR(4.0 / 2 / 3 * (1 - std::cos(3.0)), run.velocity()[1], 1e-9);
-}
-
-// World frame: the line of action stays fixed, and the moment grows as the body moves away.
-TEST(Wrenches, WorldWrenchKeepsItsLineOfAction) {
-  Simulation run(Scene({0, 0, 0}).free("disc", 1, {1, 1, 1}).finish(), 1e-3);
-  integrate_by(run, DYN_INTEGRATOR_RK4);
-  run.set({0, 2, 0, 0, 0, 0, 1});
-  const double force[6] = {1, 0, 0, 0, 0, 0};
-  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "disc"), nullptr, force, DYN_REFERENCE_WORLD));
-  run.steps(1000);
-  EXPECT_NEAR(1, run.velocity()[0], 1e-12);
-  EXPECT_NEAR(2, run.v[5], 1e-12);  // -(y = 2) x (1, 0, 0): 2 about z
-}
-
-TEST(GravityCompensation, CancelsWeight) {
-  for (const double share : {1.0, 0.25, -1.0}) {
-    Scene scene;
-    scene.free("stone", 2, {0.1, 0.2, 0.25}, {0.1, 0.2, 0.3});
-    ASSERT_EQ(DYN_OK, dyn_builder_set_gravity_compensation(scene.builder(), "stone", share));
-    Simulation run(scene.finish());
-    run.steps(100);
-    EXPECT_NEAR(-9.81 * (1 - share) * 0.1, run.velocity()[2], 1e-12) << share;
-    for (int k = 3; k < 6; ++k) EXPECT_NEAR(0, run.v[k], 1e-12);
-    ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, 0));
-    run.set({}, {0, 0, 0, 0, 0, 0});
-    run.steps(100);
-    EXPECT_NEAR(-0.981, run.velocity()[2], 1e-12);
-  }
-}
-
-// A falling ball reaches the speed at which drag equals weight: 6 pi r eta v, then also 2 rho r^2 v^2.
-// r = sqrt(0.6) R belongs to the box of equal inertia.
-TEST(Medium, BallsReachTheirTerminalVelocity) {
-  const double m = 0.5, R = 0.1, I = 0.4 * m * R * R, r = std::sqrt(0.6) * R, pi = 3.14159265358979323846;
-  const struct {
-    double density, viscosity, v;
-  } cases[] = {{0, 2, m * 9.81 / (6 * pi * r * 2)}, {3, 0, std::sqrt(m * 9.81 / (2 * 3 * r * r))}};
-  for (const auto& c : cases)
-    for (const double wind : {0.0, 1.5}) {
-      Scene scene;
-      scene.free("ball", m, {I, I, I});
-      const double w[3] = {0, 0, wind};
-      ASSERT_EQ(DYN_OK, dyn_builder_set_medium(scene.builder(), c.density, c.viscosity, w));
-      Simulation run(scene.finish());
-      integrate_by(run, DYN_INTEGRATOR_RK4);
-      run.steps(20000);
-      EXPECT_NEAR(wind - c.v, run.velocity()[2], 1e-9 * c.v);
-    }
-}
-
-TEST(Gravity, IsSetPerData) {
-  Simulation run(Scene().free("stone", 2, {0.1, 0.2, 0.25}).finish());
-  const double g[3] = {1, 2, 3};
-  ASSERT_EQ(DYN_OK, dyn_data_set_gravity(run.m, run.d, g));
-  run.steps(100);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(0.1 * g[k], run.velocity()[k], 1e-12);
-  EXPECT_EQ(3, run.array("world_gravity")[2]);
-  // another data of the model has the model's gravity
-  Data other(run.m);
-  double tau[6];
-  ASSERT_EQ(DYN_OK, dyn_gravity_torque(run.m, other, nullptr, tau));
-  EXPECT_NEAR(2 * 9.81, tau[2], 1e-12);
-}
-
-// Pairs excluded by the filter, and pairs with a friction of their own.
-TEST(Pairs, RequestedPairsAreTested) {
-  Scene scene;
-  dynShapeSpec floor, shape;
-  dyn_shape_spec_init(&floor), dyn_shape_spec_init(&shape);
-  floor.name = "floor", floor.type = DYN_SHAPE_TYPE_HALF_SPACE, floor.contype = floor.conaffinity = 0, floor.material = material(0.9);
-  ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &floor)) << dyn_last_error();
-  scene.free("box", 1, {1, 1, 1});
-  shape.name = "side", shape.body = "box", shape.size[0] = shape.size[1] = shape.size[2] = 0.2, shape.material = material(0.9);
-  ASSERT_EQ(DYN_OK, dyn_builder_add_shape(scene.builder(), &shape)) << dyn_last_error();
-  const dynMaterial ice = material(0.1);
-  EXPECT_EQ(DYN_ERROR_NAME, dyn_builder_add_pair(scene.builder(), "floor", "nothing", nullptr));
-  EXPECT_EQ(DYN_ERROR_INVALID, dyn_builder_add_pair(scene.builder(), "side", "side", nullptr));
-  const dynMaterial bad = material(-1);
-  EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_builder_add_pair(scene.builder(), "floor", "side", &bad));
-  ASSERT_EQ(DYN_OK, dyn_builder_add_pair(scene.builder(), "floor", "side", &ice)) << dyn_last_error();
-  Simulation run(scene.finish());
-  run.set({0, 0, 0.1, 0, 0, 0, 1}, {2, 0, 0, 0, 0, 0});
-  run.steps(500);
-  EXPECT_NEAR(2 - 0.1 * 9.81 * 0.5, run.velocity()[0], 1e-6);
-  EXPECT_NEAR(0.1, run.q[2], 1e-6);
-}
-
 }  // namespace
-// A capsule of 45 g between two pads that press it with 20 to 95 times the force that friction needs.
-// mujoco#3328: soft friction lets it sink by 50 to 2,300 um/s. Here it stays in place.
-TEST(Grasp, PinchedCapsuleDoesNotSlip) {
-  const char* text = R"(<mujoco><option timestep='.002'/><default><geom friction='1 0 0' condim='3'/></default><worldbody>
-      <body pos='0 -.04 0'><joint name='left' type='slide' axis='0 1 0' damping='5'/><geom type='box' size='.05 .02 .05' mass='.2'/></body>
-      <body pos='0 .04 0'><joint name='right' type='slide' axis='0 -1 0' damping='5'/><geom type='box' size='.05 .02 .05' mass='.2'/></body>
-      <body name='held'><freejoint/><geom type='capsule' size='.02 .03' euler='0 90 0' mass='.045'/></body></worldbody>
-      <actuator><motor joint='left'/><motor joint='right'/></actuator></mujoco>)";
-  for (const double times : {20.0, 95.0}) {
-    dynModel* m = nullptr;
-    ASSERT_EQ(DYN_OK, dyn_model_load_string(text, nullptr, &m)) << dyn_last_error();
-    Simulation run(Model(m), 2e-3);
-    const double force = times * 0.045 * 9.81 / 2;
-    control(run, {force, force});
-    run.steps(500);
-    const double before = run.q[4];
-    run.steps(5000);
-    EXPECT_NEAR(before, run.q[4], 1e-9) << times;  // 10 s: 1 um/s would be 1e-5
-    EXPECT_NEAR(0, run.q[4], 1e-5) << times;
-  }
-}
-
 }  // namespace dyn_test

@@ -129,4 +129,10 @@ struct Simulation {
   }
 };
 
+inline void control(Simulation& run, const Numbers& u) { ASSERT_EQ(DYN_OK, dyn_data_set_control(run.m, run.d, u.data())) << dyn_last_error(); }
+inline void integrate_by(Simulation& run, dynIntegrator by) {
+  run.options.integrator = by;
+  ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));
+}
+
 }  // namespace dyn_test

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstring>
 
-#include "soak/scenes.hpp"
+#include "soak/simulation.hpp"
 
 namespace {
 

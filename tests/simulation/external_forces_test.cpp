@@ -1,0 +1,104 @@
+// Applied wrenches, gravity compensation, drag of a medium and gravity per data, against closed forms.
+#include "simulation/scene.hpp"
+
+namespace dyn_test {
+namespace {
+
+// A force at a point of a free body and its wrench at the origin give the same motion.
+TEST(Wrenches, ForceAtAPointEqualsItsWrench) {
+  const double point[3] = {0.1, -0.2, 0.3}, F[3] = {3, -1, 2};
+  Simulation run(Scene({0, 0, 0}).free("stone", 2, {0.1, 0.2, 0.25}).finish());
+  const double push[6] = {F[0], F[1], F[2], 0, 0, 0};
+  const int stone = dyn_model_frame_id(run.m, "stone");
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, stone, point, push, DYN_REFERENCE_LOCAL_WORLD_ALIGNED)) << dyn_last_error();
+  run.steps(1);
+  const double moment[3] = {point[1] * F[2] - point[2] * F[1], point[2] * F[0] - point[0] * F[2], point[0] * F[1] - point[1] * F[0]}, I[3] = {0.1, 0.2, 0.25};
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(F[k] / 2 * 1e-3, run.velocity()[std::size_t(k)], 1e-9);
+    EXPECT_NEAR(moment[k] / I[k] * 1e-3, run.v[3 + k], 1e-6);
+  }
+  // the force keeps its world direction while the body rotates
+  run.steps(500);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(F[k] / 2 * 0.501, run.velocity()[std::size_t(k)], 1e-9);
+  ASSERT_EQ(DYN_OK, dyn_data_clear_wrenches(run.m, run.d));
+  const auto v = run.velocity();
+  run.steps(100);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(v[k], run.velocity()[k], 1e-12);
+}
+
+// A body-fixed thrust on a spinning body: a circle.
+TEST(Wrenches, LocalForcesRotateWithTheBody) {
+  Simulation run(Scene({0, 0, 0}).free("disc", 2, {0.1, 0.1, 0.2}).finish(), 1e-4);
+  integrate_by(run, DYN_INTEGRATOR_RK4);
+  run.set({}, {0, 0, 0, 0, 0, 3});
+  const double thrust[6] = {4, 0, 0, 0, 0, 0};
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "disc"), nullptr, thrust, DYN_REFERENCE_LOCAL));
+  run.steps(10000);
+  EXPECT_NEAR(4.0 / 2 / 3 * std::sin(3.0), run.velocity()[0], 1e-9);
+  EXPECT_NEAR(4.0 / 2 / 3 * (1 - std::cos(3.0)), run.velocity()[1], 1e-9);
+}
+
+// World frame: the line of action stays fixed, and the moment grows as the body moves away.
+TEST(Wrenches, WorldWrenchKeepsItsLineOfAction) {
+  Simulation run(Scene({0, 0, 0}).free("disc", 1, {1, 1, 1}).finish(), 1e-3);
+  integrate_by(run, DYN_INTEGRATOR_RK4);
+  run.set({0, 2, 0, 0, 0, 0, 1});
+  const double force[6] = {1, 0, 0, 0, 0, 0};
+  ASSERT_EQ(DYN_OK, dyn_data_apply_wrench(run.m, run.d, dyn_model_frame_id(run.m, "disc"), nullptr, force, DYN_REFERENCE_WORLD));
+  run.steps(1000);
+  EXPECT_NEAR(1, run.velocity()[0], 1e-12);
+  EXPECT_NEAR(2, run.v[5], 1e-12);  // -(y = 2) x (1, 0, 0): 2 about z
+}
+
+TEST(GravityCompensation, CancelsWeight) {
+  for (const double share : {1.0, 0.25, -1.0}) {
+    Scene scene;
+    scene.free("stone", 2, {0.1, 0.2, 0.25}, {0.1, 0.2, 0.3});
+    ASSERT_EQ(DYN_OK, dyn_builder_set_gravity_compensation(scene.builder(), "stone", share));
+    Simulation run(scene.finish());
+    run.steps(100);
+    EXPECT_NEAR(-9.81 * (1 - share) * 0.1, run.velocity()[2], 1e-12) << share;
+    for (int k = 3; k < 6; ++k) EXPECT_NEAR(0, run.v[k], 1e-12);
+    ASSERT_EQ(DYN_OK, dyn_data_set_effects(run.m, run.d, 0, 0));
+    run.set({}, {0, 0, 0, 0, 0, 0});
+    run.steps(100);
+    EXPECT_NEAR(-0.981, run.velocity()[2], 1e-12);
+  }
+}
+
+// A falling ball reaches the speed at which drag equals weight: 6 pi r eta v, then also 2 rho r^2 v^2.
+// r = sqrt(0.6) R belongs to the box of equal inertia.
+TEST(Medium, BallsReachTheirTerminalVelocity) {
+  const double m = 0.5, R = 0.1, I = 0.4 * m * R * R, r = std::sqrt(0.6) * R, pi = 3.14159265358979323846;
+  const struct {
+    double density, viscosity, v;
+  } cases[] = {{0, 2, m * 9.81 / (6 * pi * r * 2)}, {3, 0, std::sqrt(m * 9.81 / (2 * 3 * r * r))}};
+  for (const auto& c : cases)
+    for (const double wind : {0.0, 1.5}) {
+      Scene scene;
+      scene.free("ball", m, {I, I, I});
+      const double w[3] = {0, 0, wind};
+      ASSERT_EQ(DYN_OK, dyn_builder_set_medium(scene.builder(), c.density, c.viscosity, w));
+      Simulation run(scene.finish());
+      integrate_by(run, DYN_INTEGRATOR_RK4);
+      run.steps(20000);
+      EXPECT_NEAR(wind - c.v, run.velocity()[2], 1e-9 * c.v);
+    }
+}
+
+TEST(Gravity, IsSetPerData) {
+  Simulation run(Scene().free("stone", 2, {0.1, 0.2, 0.25}).finish());
+  const double g[3] = {1, 2, 3};
+  ASSERT_EQ(DYN_OK, dyn_data_set_gravity(run.m, run.d, g));
+  run.steps(100);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(0.1 * g[k], run.velocity()[k], 1e-12);
+  EXPECT_EQ(3, run.array("world_gravity")[2]);
+  // another data of the model has the model's gravity
+  Data other(run.m);
+  double tau[6];
+  ASSERT_EQ(DYN_OK, dyn_gravity_torque(run.m, other, nullptr, tau));
+  EXPECT_NEAR(2 * 9.81, tau[2], 1e-12);
+}
+
+}  // namespace
+}  // namespace dyn_test
