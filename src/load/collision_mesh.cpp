@@ -16,17 +16,17 @@ CollisionMesh hull(const meshes::Mesh& mesh) {
   const std::string vertices = count(hull.vertex_count(), "vertex", "vertices");
   const bool closed = mesh.topology.closed && meshes::solid_of(mesh).volume != 0;
   if (depth <= meshes::convex_tolerance * meshes::box_of(mesh).diagonal())
-    return {meshes::convex_of(hull), false, " is convex: a hull of " + vertices + " stands for it"};
+    return {meshes::convex_of(hull), false, " is convex: a hull of " + vertices + " replaces it"};
   std::string ratio = "unknown times the mesh's, which is not closed";
   if (closed) ratio = number(meshes::solid_of(hull).volume / std::abs(meshes::solid_of(mesh).volume)) + " times the mesh's";
-  return {meshes::convex_of(hull), true, " is not convex, and its hull of " + vertices + " stands for it: hull_volume_ratio: the hull's volume is " + ratio +
+  return {meshes::convex_of(hull), true, " is not convex, and its hull of " + vertices + " replaces it: hull_volume_ratio: the hull's volume is " + ratio +
                                              "; hull_depth: the mesh lies up to " + number(depth) + " m below the hull"};
 }
 
 CollisionMesh triangles(const meshes::Mesh& mesh) {
   const std::string what = ": " + count(mesh.triangle_count(), "triangle", "triangles");
   if (mesh.topology.closed) return {meshes::tree_of(mesh), false, what + " that enclose a solid"};
-  return {meshes::tree_of(mesh), true, what + " that enclose nothing (" + count(mesh.topology.open, "open edge", "open edges") + "): what lies inside touches nothing"};
+  return {meshes::tree_of(mesh), true, what + " that do not enclose a solid (" + count(mesh.topology.open, "open edge", "open edges") + "): shapes inside are not in contact"};
 }
 
 }  // namespace

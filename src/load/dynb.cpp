@@ -27,12 +27,12 @@ void seal_dynb(std::string& file, std::uint64_t tag) {
 
 namespace {
 
-[[noreturn]] void damaged(const std::string& what) { throw Error(DYN_ERROR_PARSE, "the file is damaged: " + what + ": make it anew from the robot file"); }
+[[noreturn]] void damaged(const std::string& what) { throw Error(DYN_ERROR_PARSE, "the file is damaged: " + what + ": write it again from the robot file"); }
 
 void refuse(const Damage& d) {
   if (!d) return;
   const std::string what = d.what + (d.count >= 0 ? " is " + std::to_string(d.value) + " of " + std::to_string(d.count) : "");
-  if (d.status == DYN_ERROR_UNSUPPORTED) throw Error(d.status, "the .dynb can't be read: " + what + ": make it anew from the robot file");
+  if (d.status == DYN_ERROR_UNSUPPORTED) throw Error(d.status, "the .dynb cannot be read: " + what + ": write it again from the robot file");
   damaged(what);
 }
 
@@ -112,7 +112,7 @@ ModelPtr load_dynb(const std::string& bytes, const std::string& file, const Load
   try {
     load::refuse(check_header(bytes.data(), bytes.size()));
     if (options.base != DYN_BASE_UNSPECIFIED || options.cos_sin || !options.srdf.empty() || options.meshes != DYN_MESH_USE_NONE)
-      throw Error(DYN_ERROR_ARGUMENT, "a .dynb holds the model as it was loaded: leave out base, cos_sin, srdf and meshes, or load the robot file");
+      throw Error(DYN_ERROR_ARGUMENT, "a .dynb holds a model as it was loaded: omit base, cos_sin, srdf and meshes, or load the robot file");
     const std::size_t size = bytes.size() - sizeof(DynbHeader);
     const std::unique_ptr<void, load::Free> block(allocate_block(size));
     if (!block) throw std::bad_alloc();
@@ -120,7 +120,7 @@ ModelPtr load_dynb(const std::string& bytes, const std::string& file, const Load
     const Model& m = *static_cast<const Model*>(block.get());
     load::refuse(check_block(m, size));
     if (m.n.joints > 1 && *m.string(m.joints()[1].name) == '\0')
-      throw Error(DYN_ERROR_UNSUPPORTED, "the .dynb was made without names: it can be used where it lies (dyn_model_from_buffer), not loaded");
+      throw Error(DYN_ERROR_UNSUPPORTED, "the .dynb has no names: use it in place as a buffer, or write it again with names");
     load::check_by_building(m);
     Builder builder(m);
     if (options.gravity != LoadOptions().gravity) builder.gravity(options.gravity);

@@ -22,12 +22,12 @@ ModelPtr load_content(const std::string& text, const std::string& file, const Lo
   if (starts("\xFF\xFE") || starts("\xFE\xFF") || starts(std::string_view("<\0", 2)) || starts(std::string_view("\0<", 2)))
     report.fail(DYN_ERROR_PARSE, 0, "this is UTF-16 or UTF-32: save it as UTF-8");
   if ((text[visible] != '<' && text.substr(0, 512).find('\0') != text.npos) || starts("\x1F\x8B") || starts("PK\x03\x04"))
-    report.fail(DYN_ERROR_UNSUPPORTED, 0, "this is a binary file: libdyn reads URDF");
+    report.fail(DYN_ERROR_UNSUPPORTED, 0, "this is a binary file of an unknown format: give a URDF, MJCF or .dynb");
   if (text[visible] != '<') {
     const bool path = text.size() < 4096 && text.find('\n') == text.npos;
     report.fail(DYN_ERROR_PARSE, 1,
                 std::string("this is not XML") +
-                    (file.empty() && path ? ": the text of a URDF is expected, and dyn_model_load takes a path" : ""));
+                    (file.empty() && path ? ": the text of a robot file is expected here; load a path as a file" : ""));
   }
   const std::string root = load::root_element(text);
   if (root == "mujoco") return load_mjcf(text, file, options);

@@ -48,7 +48,7 @@ void check_stl(std::ifstream& file, std::uint64_t size, const Report& report) {
     if (!holds(read(file, size - tail, tail), "endsolid")) report.fail(DYN_ERROR_PARSE, 0, "the file is cut off: an ASCII STL ends with 'endsolid'");
     return;
   }
-  if (size < 84) report.fail(DYN_ERROR_PARSE, 0, "this is no STL: it has " + std::to_string(size) + " bytes, and the header of a binary one alone has 84");
+  if (size < 84) report.fail(DYN_ERROR_PARSE, 0, "this is not an STL: it has " + std::to_string(size) + " bytes, and the header of a binary one alone has 84");
   if (count > std::uint64_t(max_triangles))
     report.fail(size == needed ? DYN_ERROR_LIMIT : DYN_ERROR_PARSE, 0,
                 "its header says " + std::to_string(count) + " triangles, and the limit is " + std::to_string(max_triangles) +
@@ -83,7 +83,7 @@ void check_json(std::string_view text, const Report& report) {
 // Magic, version, length; then chunks of length, type, bytes. The first chunk is JSON.
 void check_glb(std::ifstream& file, std::uint64_t size, const Report& report) {
   const std::string head = read(file, 0, std::min<std::uint64_t>(size, 20));
-  if (!head.starts_with("glTF")) report.fail(DYN_ERROR_PARSE, 0, "this is no binary glTF: it does not begin with 'glTF'");
+  if (!head.starts_with("glTF")) report.fail(DYN_ERROR_PARSE, 0, "this is not a binary glTF: it does not begin with 'glTF'");
   const std::uint64_t length = little_endian(head, 8), json = little_endian(head, 12);
   if (head.size() < 20 || length != size || 20 + json > size)
     report.fail(DYN_ERROR_PARSE, 0, "its header says " + std::to_string(length) + " bytes, but the file has " + std::to_string(size) + ": it is cut off or damaged");
@@ -108,11 +108,11 @@ void check_mesh_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) report.fail(DYN_ERROR_FILE, 0, "cannot be opened: " + std::string(std::strerror(errno)));
   const std::uint64_t size = std::filesystem::file_size(path, ignored);
-  if (ignored) report.fail(DYN_ERROR_FILE, 0, "is no regular file: " + ignored.message());
+  if (ignored) report.fail(DYN_ERROR_FILE, 0, "is not a regular file: " + ignored.message());
   if (size == 0) report.fail(DYN_ERROR_PARSE, 0, "the file is empty");
   if (size > max_mesh_bytes) report.fail(DYN_ERROR_LIMIT, 0, std::to_string(size) + " bytes, and the limit is " + std::to_string(max_mesh_bytes) + ": simplify the mesh");
   if (read(file, 0, std::min<std::uint64_t>(size, 40)).starts_with("version https://git-lfs"))
-    report.fail(DYN_ERROR_PARSE, 0, "this is a placeholder of Git LFS, not the mesh: run git lfs pull");
+    report.fail(DYN_ERROR_PARSE, 0, "this is a Git LFS placeholder, not the mesh: run git lfs pull");
   if (kind == ".stl") check_stl(file, size, report);
   if (kind == ".glb") check_glb(file, size, report);
   if (kind == ".gltf") check_json(read(file, 0, size), report);

@@ -76,7 +76,7 @@ const mesh::Module& mesh_module() {
   }
   throw Error(DYN_ERROR_UNSUPPORTED, "mesh files and hulls need libdyn's module " + std::string(file_name) +
                                          ", which cannot be opened: install it beside libdyn.so with the packages of assimp and qhull, or build libdyn "
-                                         "where libassimp-dev and libqhull-dev are installed; tried " + tried);
+                                         "with libassimp-dev and libqhull-dev installed; tried " + tried);
 }
 
 }  // namespace dyn::load

@@ -112,7 +112,7 @@ Mesh make_mesh(const double* points, std::int64_t n, const Index* triangles, std
   for (std::int64_t k = 0; k < 3 * m; ++k) {
     const Index i = triangles[k];
     if (i < 0 || i >= n)
-      fail(DYN_ERROR_ARGUMENT, "triangle " + std::to_string(k / 3) + " has the vertex " + std::to_string(i) + ": there are 0 to " + std::to_string(n - 1));
+      fail(DYN_ERROR_ARGUMENT, "triangle " + std::to_string(k / 3) + " has the vertex " + std::to_string(i) + ": give 0 to " + std::to_string(n - 1));
     used[std::size_t(i)] = true;
   }
 

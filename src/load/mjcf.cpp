@@ -43,7 +43,7 @@ void drop_unresolved_references(MjcfRobot& robot, size_t excludes, size_t pairs,
     list.erase(std::remove_if(list.begin() + std::ptrdiff_t(first), list.end(), [&](const auto& x) {
       const auto [all, a, b] = names_of(x);
       if (all->count(a) && (b.empty() || all->count(b))) return false;
-      x.place.info("it names what was not attached: left out");
+      x.place.info("it refers to a part that was not attached: left out");
       return true;
     }), list.end());
   };
@@ -101,9 +101,9 @@ ModelPtr load_mjcf(const std::string& text, const std::string& file, const LoadO
                                   "tendon", "actuator", "sensor", "keyframe", "extension", "include", "statistics"});
   MjcfRobot robot;
   robot.name = root.Attribute("model") && *root.Attribute("model") ? root.Attribute("model") : "MuJoCo Model";
-  if (options.base != DYN_BASE_UNSPECIFIED) reader.report.info(0, "the base is as the file says: an MJCF model has free joints");
-  if (options.cos_sin) reader.report.info(0, "joints have angles: (cos, sin) is an option for URDF");
-  if (!options.srdf.empty()) reader.fail(DYN_ERROR_UNSUPPORTED, root, "an SRDF belongs to a URDF");
+  if (options.base != DYN_BASE_UNSPECIFIED) reader.report.info(0, "the option base is not used: an MJCF model has free joints");
+  if (options.cos_sin) reader.report.info(0, "the option cos_sin is not used: it is for URDF");
+  if (!options.srdf.empty()) reader.fail(DYN_ERROR_UNSUPPORTED, root, "the option srdf is for URDF: omit it");
   MjcfBody world;
   world.name = "world", world.place = {&reader.report, line(root), "the world"}, world.X = SE3<double>::identity();
   robot.bodies.push_back(std::move(world));

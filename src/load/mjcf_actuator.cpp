@@ -51,10 +51,10 @@ const char* law(const Reader& reader, const Element& e, MjcfActuator& actuator) 
                          bias = e.Attribute("biastype") ? e.Attribute("biastype") : "none";
   if (dynamics == "filter" || dynamics == "filterexact") a.time_constant = parameter(reader, e, "dynprm", 0, 1);
   else if (dynamics == "integrator") a.integrates = 1;
-  else if (dynamics != "none") return "its activation is no first-order filter and no integral";
+  else if (dynamics != "none") return "its activation is neither a first-order filter nor an integrator";
   a.gain = parameter(reader, e, "gainprm", 0, 1);
-  if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0)) return "its gain changes with its length or speed";
-  if (gain != "fixed" && gain != "affine") return "its gain is no number";
+  if (gain == "affine" && (parameter(reader, e, "gainprm", 1, 0) != 0 || parameter(reader, e, "gainprm", 2, 0) != 0)) return "its gain depends on length or speed";
+  if (gain != "fixed" && gain != "affine") return "its gain is not a constant";
   if (kind == "motor") a.type = DYN_ACTUATOR_TYPE_MOTOR, a.gain = 0;
   if (bias == "none") return nullptr;
   if (bias != "affine") return "its bias is not affine";
@@ -75,7 +75,7 @@ void add_motor_inertia(const Reader& reader, const Element& e, const MjcfActuato
     if (!given || given->empty()) continue;
     if (!((*given)[0] >= 0)) reader.bad_numbers(e, attribute, "it is negative");
     (*values)[size_t(actuator.spec.component)] += actuator.spec.gear * actuator.spec.gear * (*given)[0];
-    if (std::any_of(given->begin() + 1, given->end(), [](double x) { return x != 0; })) actuator.place.physics(std::string(attribute) + " that changes with speed is not read: its first number is used");
+    if (std::any_of(given->begin() + 1, given->end(), [](double x) { return x != 0; })) actuator.place.physics(std::string(attribute) + " that depends on speed is not supported: its first number is used");
   }
 }
 
@@ -90,7 +90,7 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
     const MjcfPlace place{&reader.report, line(*e), reader.owner};
     const auto leave_out = [&](const std::string& why) { place.physics(why + ": it is left out"); };
     if (!is_actuator(*e)) {
-      leave_out("<" + std::string(kind.substr(0, 60)) + "> is not read");
+      leave_out("<" + std::string(kind.substr(0, 60)) + "> is not supported");
       continue;
     }
     reader.unread(*e, {"name", "class", "group", "nsample", "interp", "delay", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange", "actrange", "lengthrange", "gear", "joint",
@@ -98,11 +98,11 @@ void read_mjcf_actuators(MjcfFile& file, Element& section, const MjcfContext& co
                        "biastype", "dynprm", "gainprm", "biasprm", "actearly", "kp", "kv", "dampratio", "timeconst", "inheritrange", "armature", "damping", "area", "diameter", "bias"}, {"plugin"});
     file.defaults.apply(file.source, *e, "actuator", context.childclass);
     as_general(reader, *e);
-    if (reader.optional_number(*e, "delay").value_or(0) > 0) place.physics("its delay is not used: what it is told acts at once");
+    if (reader.optional_number(*e, "delay").value_or(0) > 0) place.physics("its delay is not used: controls act at once");
     const char* joint_name = e->Attribute("joint");
     if (!joint_name && e->Attribute("jointinparent")) joint_name = e->Attribute("jointinparent");
     if (!joint_name) {
-      leave_out("it drives no joint, and nothing else is read");
+      leave_out("it drives no joint, and other transmissions are not supported");
       continue;
     }
     MjcfActuator actuator{place, name, {}, context.name(joint_name), 0};

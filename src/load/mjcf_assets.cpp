@@ -204,7 +204,7 @@ bool MjcfAssets::height_field(const Element& e, const std::string& name, MjcfGeo
   const Reader reader = source_.reader(asset, "height field " + load::quoted(name));
   reader.unread(asset, {"name", "file", "nrow", "ncol", "elevation", "size", "content_type"}, {});
   if (const std::string file = attribute(asset, "file"); file.ends_with(".png") || file.ends_with(".PNG")) {
-    geom.place.physics("the height field " + load::quoted(name) + " is a picture (" + load::quoted(file) + "), which is not read: the geom is left out; give elevation, or a binary file");
+    geom.place.physics("the height field " + load::quoted(name) + " is a picture (" + load::quoted(file) + "), which is not supported: the geom is left out; give elevation, or a binary file");
     return false;
   }
   const Grid g = read_grid(source_, reader, asset);

@@ -59,7 +59,7 @@ void compute_mjcf_springs(const Model& m, MjcfRobot& robot) {
       for (Index k = 0; k < joint->nv; ++k) inverse_inertia_jj += inverse_inertia(joint->idx_v + k) / joint->nv;
       const double period = j.time_constant * j.damping_ratio, stiffness = 1 / (inverse_inertia_jj * period * period), damping = 2 / (inverse_inertia_jj * j.time_constant);
       if (!(inverse_inertia_jj > 0) || !std::isfinite(stiffness) || !std::isfinite(damping))
-        j.place.fail(DYN_ERROR_INVALID, "its springdamper, with the inertia that it feels, gives no finite stiffness and damping");
+        j.place.fail(DYN_ERROR_INVALID, "its springdamper gives no finite stiffness and damping for its inertia: give stiffness and damping");
       if (!j.spec.stiffness.empty()) std::fill(j.spec.stiffness.begin(), j.spec.stiffness.end(), stiffness);
       std::fill(j.spec.damping.begin(), j.spec.damping.end(), damping);
     }
@@ -77,7 +77,7 @@ void compute_mjcf_damping(const Model& m, MjcfRobot& robot) {
     const double inverse_inertia_jj = a.spec.gear * a.spec.gear * inverse_inertia(joint->idx_v + a.spec.component);
     const bool servo = a.spec.type == DYN_ACTUATOR_TYPE_POSITION;
     const double kp = servo ? a.spec.kp : a.spec.gain, kv = inverse_inertia_jj > 0 ? 2 * a.damping_ratio * std::sqrt(kp / inverse_inertia_jj) : 0;
-    if (!(inverse_inertia_jj > 0) || !std::isfinite(kv)) a.place.fail(DYN_ERROR_INVALID, "its damping is given as a ratio, and what it moves has no inertia");
+    if (!(inverse_inertia_jj > 0) || !std::isfinite(kv)) a.place.fail(DYN_ERROR_INVALID, "its damping is a ratio, but the joint moves no inertia: give kv");
     (servo ? a.spec.kv : a.spec.bias[2]) = servo ? kv : -kv;
   }
 }

@@ -54,7 +54,7 @@ void read_mjcf_equalities(MjcfFile& file, Element& section, const MjcfContext& c
     const Reader reader = file.source.reader(*e, "equality " + load::quoted(name));
     MjcfEquality x{{&reader.report, line(*e), reader.owner}, name, kind, {}, {}, {}, {}, true, false};
     if (kind != "connect" && kind != "weld" && kind != "joint") {
-      x.place.physics("<" + kind.substr(0, 60) + "> is not read: what it ties stays loose");
+      x.place.physics("<" + kind.substr(0, 60) + "> is not supported: its parts stay unconnected");
       continue;
     }
     reader.unread(*e, {"name", "class", "active", "solref", "solimp", "body1", "body2", "site1", "site2", "anchor", "relpose", "torquescale", "joint1", "joint2", "polycoef"}, {});
@@ -86,7 +86,7 @@ void add_mjcf_equalities(Builder& builder, const MjcfRobot& robot) {
     if (e.kind == "joint") {
       const MjcfJoint& first = joint_named(robot, e, e.first);
       if (e.second.empty()) {
-        e.place.physics("it holds one joint at a place, which is not read: the joint stays free");
+        e.place.physics("a joint equality without joint2 is not supported: the joint stays free");
         continue;
       }
       const MjcfJoint& second = joint_named(robot, e, e.second);

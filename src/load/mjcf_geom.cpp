@@ -59,7 +59,7 @@ dynMaterial material_of(const Reader& reader, const Element& e) {
   if (const auto v = reader.numbers(e, "surfacevel")) {
     std::copy_n(v->begin(), std::min<size_t>(v->size(), 3), x.surface_velocity);
     if (std::any_of(v->begin() + std::ptrdiff_t(std::min<size_t>(v->size(), 3)), v->end(), [](double turn) { return turn != 0; }))
-      reader.report.physics(line(e), reader.owner + ": surfacevel: that the surface turns is not used, only that it moves along");
+      reader.report.physics(line(e), reader.owner + ": surfacevel: the rotation is not used, only the translation");
   }
   return x;
 }
@@ -111,7 +111,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
     geom.X = {turn_z_to(d * (1 / length)), (from + to) * 0.5};
   }
   if (e.Attribute("mesh") && type->type != DYN_SHAPE_TYPE_MESH)
-    return geom.place.physics("a " + std::string(type->name) + " fitted to a mesh is not read: the geom is left out; give its size instead, or type=\"mesh\"");
+    return geom.place.physics("a " + std::string(type->name) + " fitted to a mesh is not supported: the geom is left out; give its size, or type=\"mesh\"");
   if (given < needed) reader.fail(DYN_ERROR_INVALID, e, "<geom size>: a " + std::string(type->name) + " needs " + std::to_string(needed) + " numbers");
   for (size_t k = 0; k < needed; ++k)
     if (!(size[k] > 0)) reader.bad_numbers(e, "size", "sizes are positive metres");

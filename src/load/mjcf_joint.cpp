@@ -49,7 +49,7 @@ double coefficient(const Reader& reader, const Element& e, const char* attribute
 
 // Limits the rotation angle of a ball joint. Half a turn or more is no limit.
 void limit_ball(const Reader& reader, const Element& e, double least, double most, JointSpec& spec) {
-  if (least != 0) reader.bad_numbers(e, "range", "that of a ball joint begins at 0: its second number is the largest angle");
+  if (least != 0) reader.bad_numbers(e, "range", "a ball joint's range begins at 0; its second number is the largest angle");
   if (most > half_turn * (1 + 1e-12)) return;
   spec.lower.assign(4, -no_limit), spec.lower[3] = std::max(0.0, std::cos(most / 2));
 }
@@ -77,12 +77,12 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
   const double unit = hinge || spec.type == DYN_JOINT_TYPE_SPHERICAL ? file.compiler.angle : 1;
   if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && body.parent != 0)
     reader.fail(DYN_ERROR_INVALID, e, "a free joint belongs to a body of the world, and " + body.place.owner + " is in another body");
-  if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && context.suffix.empty() && !body.joints.empty()) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
-  if (!body.joints.empty() && body.joints.back().spec.type == DYN_JOINT_TYPE_FREE_FLYER) reader.fail(DYN_ERROR_INVALID, e, "a free joint is its body's only one");
+  if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && context.suffix.empty() && !body.joints.empty()) reader.fail(DYN_ERROR_INVALID, e, "a free joint must be the only joint of its body");
+  if (!body.joints.empty() && body.joints.back().spec.type == DYN_JOINT_TYPE_FREE_FLYER) reader.fail(DYN_ERROR_INVALID, e, "a free joint must be the only joint of its body");
 
   const bool alone = !e.Parent()->ToElement() || file.source.children(*e.Parent()->ToElement(), "body").empty();
   if (free_joint && alone && read_switch(reader, e, "align", std::nullopt).value_or(file.compiler.align_free))
-    joint.place.physics("it is not aligned with the body's inertia: q and v are of the body's frame as the file gives it");
+    joint.place.physics("the joint is not aligned with the body's inertia: q and v belong to the body's frame in the file");
 
   const size_t nv = size_t(joint_nv(spec.type)), nq = size_t(joint_nq(spec.type));
   if (const auto p = reader.vector3(e, "pos"); p && spec.type != DYN_JOINT_TYPE_FREE_FLYER) joint.anchor = context.X.act(load3(p->data()));
@@ -102,7 +102,7 @@ void read_mjcf_joint(MjcfFile& file, Element& e, const MjcfContext& context) {
     joint.force = force, spec.effort = {std::max(std::abs((*force)[0]), std::abs((*force)[1]))};
   spec.armature.assign(nv, coefficient(reader, e, "armature"));
   if (spec.type == DYN_JOINT_TYPE_FREE_FLYER && spec.armature[0] != 0)
-    joint.place.physics("the armature of a free joint acts along the body's axes, not along the world's: as it turns, other forces are needed to move it");
+    joint.place.physics("the armature of a free joint acts along the body's axes, not the world's as in MuJoCo: forces differ when the body turns");
   spec.damping.assign(nv, coefficient(reader, e, "damping"));
   spec.friction.assign(nv, coefficient(reader, e, "frictionloss"));
   const double stiffness = coefficient(reader, e, "stiffness");

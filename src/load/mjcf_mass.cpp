@@ -73,10 +73,10 @@ MjcfMass mass_of(const meshes::Mesh& mesh, const MjcfGeom& g) {
   const std::string who = "mesh " + load::quoted(g.shape.mesh);
   if (g.rule == "convex") return of(meshes::solid_of(meshes::hull_of(mesh)));
   if (g.rule == "exact") {
-    if (!closed) g.place.fail(DYN_ERROR_INVALID, who + " is not closed, and so has no exact mass: give inertia=\"convex\" or an <inertial>");
+    if (!closed) g.place.fail(DYN_ERROR_INVALID, who + " is not closed and has no exact mass: give inertia=\"convex\" or an <inertial>");
     return of(meshes::solid_of(mesh));
   }
-  if (g.rule == "shell") g.place.physics(who + ": the inertia of its shell is not used: it counts as a solid");
+  if (g.rule == "shell") g.place.physics(who + ": shell inertia is not supported: the mesh counts as a solid");
   const MjcfMass out = legacy(mesh);
   if (!closed) g.place.warning(who + " is not closed: the mass of its body is MuJoCo's estimate (legacy)");
   else if (const MjcfMass exact = of(meshes::solid_of(mesh)); std::abs(out.mass - exact.mass) > 1e-3 * exact.mass)

@@ -23,7 +23,7 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
   if (const auto x = reader.vector3(e, "wind")) file.robot.wind = *x;
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
     const std::string_view name = a->Name();
-    if (name == "actuatorgroupdisable") reader.report.physics(a->GetLineNum(), "<option actuatorgroupdisable>: not used: all actuators act; dyn_data_set_effects switches those of a joint");
+    if (name == "actuatorgroupdisable") reader.report.physics(a->GetLineNum(), "<option actuatorgroupdisable>: not used: all actuators act; switch them off in the data");
     else if (name != "gravity" && name != "density" && name != "viscosity" && name != "wind")
       reader.report.info(a->GetLineNum(), "<option " + std::string(name) + ">: not used: steps and solvers are the caller's choice");
   }
@@ -37,7 +37,7 @@ void read_mjcf_option(MjcfFile& file, Element& e) {
       if (name == "gravity") {
         if (off) file.robot.gravity = {0, 0, 0};
       } else if (off && is({"contact", "limit", "constraint", "frictionloss", "spring", "damper", "passive", "actuation", "equality"})) {
-        reader.report.physics(a->GetLineNum(), "<flag " + name + "=\"disable\">: not used: effects are switched in the data");
+        reader.report.physics(a->GetLineNum(), "<flag " + name + "=\"disable\">: not used: switch effects off in the data");
       } else if (off && is({"clampctrl", "filterparent"})) {
         reader.report.physics(a->GetLineNum(), "<flag " + name + "=\"disable\">: not used");
       } else {

@@ -105,7 +105,7 @@ const Element* Reader::only(const Element& e, const char* child) const {
   if (c)
     for (const Element* more = next(*c, child); more; more = next(*more, child))
       report.physics(line(*more),
-                     owner + ": a second <" + child + "> is not used: the first one counts, at line " + std::to_string(line(*c)));
+                     owner + ": a second <" + child + "> is not used: the first one is at line " + std::to_string(line(*c)));
   return c;
 }
 
@@ -142,7 +142,7 @@ Placement Reader::origin(const Element& e, bool physics) const {
     if (rpy) fail(DYN_ERROR_INVALID, *o, "<origin> gives the rotation twice: keep one of rpy and quat_xyzw");
     double largest = 0;
     for (double c : *q) largest = std::max(largest, std::abs(c));
-    if (largest == 0) fail(DYN_ERROR_INVALID, *o, "<origin quat_xyzw> is zero: the identity is \"0 0 0 1\"");
+    if (largest == 0) fail(DYN_ERROR_INVALID, *o, "<origin quat_xyzw> is zero: for the identity give \"0 0 0 1\"");
     return from_quaternion(xyz, (*q)[0] / largest, (*q)[1] / largest, (*q)[2] / largest, (*q)[3] / largest);
   }
   return rpy ? from_rpy(xyz, (*rpy)[0], (*rpy)[1], (*rpy)[2]) : from_rpy(xyz, 0, 0, 0);

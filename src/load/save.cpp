@@ -56,7 +56,7 @@ dynFormat format_of(const std::string& path) {
   if (extension == ".urdf") return DYN_FORMAT_URDF;
   if (extension == ".xml" || extension == ".mjcf") return DYN_FORMAT_MJCF;
   if (extension == ".dynb") return DYN_FORMAT_DYNB;
-  throw Error(DYN_ERROR_ARGUMENT, load::quoted(path) + ": the extension names no format that is written: use .urdf, .xml or .mjcf, or .dynb");
+  throw Error(DYN_ERROR_ARGUMENT, load::quoted(path) + ": unknown extension: use .urdf, .xml, .mjcf or .dynb");
 }
 
 std::string save_string(const Model& m, dynFormat format, bool strict, SaveReport& report) {
@@ -65,14 +65,14 @@ std::string save_string(const Model& m, dynFormat format, bool strict, SaveRepor
     case DYN_FORMAT_URDF: out = save_urdf(m, report); break;
     case DYN_FORMAT_MJCF: out = save_mjcf(m, report); break;
     case DYN_FORMAT_DYNB: out = save_dynb(m); break;
-    default: throw Error(DYN_ERROR_ARGUMENT, "format is " + std::to_string(int(format)) + ": use DYN_FORMAT_URDF, DYN_FORMAT_MJCF or DYN_FORMAT_DYNB");
+    default: throw Error(DYN_ERROR_ARGUMENT, "format " + std::to_string(int(format)) + " does not exist: use URDF, MJCF or DYNB");
   }
   if (!strict) return out;
   std::string first;
   size_t count = 0;
   for (const SaveEntry& e : report)
     if (e.level == DYN_REPORT_LEVEL_WARNING && count++ == 0) first = e.message;
-  if (count) throw Error(DYN_ERROR_STRICT, first + (count > 1 ? " (and " + std::to_string(count - 1) + " more)" : "") + ": the format has no place for it (strict)");
+  if (count) throw Error(DYN_ERROR_STRICT, first + (count > 1 ? " (and " + std::to_string(count - 1) + " more)" : "") + ": the format cannot hold it (strict)");
   return out;
 }
 
@@ -83,7 +83,7 @@ void save_file(const Model& m, const std::string& path, bool strict, SaveReport&
   struct stat old{};
   const bool there = stat(target.c_str(), &old) == 0;
   if (there && access(target.c_str(), W_OK) != 0) fail("cannot be written", std::strerror(errno));
-  if (there && !S_ISREG(old.st_mode)) fail("cannot be replaced", "it is no regular file");
+  if (there && !S_ISREG(old.st_mode)) fail("cannot be replaced", "it is not a regular file");
   std::string part;
   const int file = open_temporary(target, there ? old.st_mode & 0777 : 0666, part);
   if (file < 0) fail("cannot be written", std::strerror(errno));

@@ -40,7 +40,7 @@ MjcfWriter::MjcfWriter(const Model& model, SaveReport& report) : m(model), losse
   for (Index f = 1; f < m.n.frames; ++f)
     if (m.frames()[f].type == DYN_FRAME_TYPE_BODY) {
       body_names[f] = bodies.claim(frame_name(f));
-      if (body_names[f] != frame_name(f)) losses.note("bodies of another name, theirs being the world's", frame_name(f));
+      if (body_names[f] != frame_name(f)) losses.note("bodies were renamed, because the world has their name", frame_name(f));
     } else {
       joints.reserve(frame_name(f));
     }
@@ -88,7 +88,7 @@ std::vector<MjcfWriter::Piece> MjcfWriter::pieces_of(const std::vector<Index>& g
         out.push_back({j, s, before});
         continue;
       }
-      losses.loss("free joints that stand on something are three slides and a ball: their velocities are along its axes, not the body's", s.name);
+      losses.loss("free joints not on the world become three slides and a ball: their velocities are along its axes, not the body's", s.name);
       SimpleJoint part = s;
       for (int k = 0; k < 3; ++k) {
         part.type = DYN_JOINT_TYPE_PRISMATIC, part.axis = {double(k == 0), double(k == 1), double(k == 2)}, part.name = joints.claim(s.name + "_" + "xyz"[k]);
@@ -98,7 +98,7 @@ std::vector<MjcfWriter::Piece> MjcfWriter::pieces_of(const std::vector<Index>& g
       part.type = DYN_JOINT_TYPE_SPHERICAL, part.name = s.name, part.q = s.q + 3, part.v = s.v + 3;
       out.push_back({j, part, Pose::identity()});
     }
-    if (chain.size() > 1) losses.note("joints of types that MJCF has not are several joints of a body", m.string(r.name));
+    if (chain.size() > 1) losses.note("joint types that MJCF lacks become several joints of a body", m.string(r.name));
   }
   return out;
 }
@@ -122,7 +122,7 @@ void MjcfWriter::add_moving(Index first) {
     for (size_t k = begin; k < end; ++k) X = X * chain[k].before;
     const Pose frame = whole ? in_joint : Pose::identity();
     XmlElement& body = *at->InsertNewChildElement("body");
-    if (++depth > max_depth) throw Error(DYN_ERROR_LIMIT, "bodies stand in each other more than " + std::to_string(max_depth) + " deep, which readers of MJCF refuse: save it as URDF or .dynb");
+    if (++depth > max_depth) throw Error(DYN_ERROR_LIMIT, "bodies are nested more than " + std::to_string(max_depth) + " deep, which readers of MJCF refuse: save as URDF or .dynb");
     if (whole && main >= 0) {
       put(body, "name", body_name(main));
     } else {
@@ -133,7 +133,7 @@ void MjcfWriter::add_moving(Index first) {
     if (chain[begin].simple.type == DYN_JOINT_TYPE_FREE_FLYER) {
       const double* q = drawn >= 0 ? m.configurations() + std::ptrdiff_t(drawn) * m.n.nq + m.joints()[first].idx_q : nullptr;
       pose = q ? Pose{rotation(Quaternion<double>{load3(q + 3), q[6]}), load3(q)} * frame : frame;
-      if (!is_identity_pose(frame)) losses.loss("free joints whose body has its frame elsewhere: their coordinates are the body's", chain[begin].simple.name);
+      if (!is_identity_pose(frame)) losses.loss("free joints whose frame is not their body's: their coordinates become the body's", chain[begin].simple.name);
     }
     put_pose(body, pose);
     if (whole && main >= 0) add_link(body, main);
@@ -158,13 +158,13 @@ void MjcfWriter::add_link(XmlElement& body, Index frame) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(I);
     const Eigen::Vector3d moments = principal.eigenvalues();
     if (moments[0] < -1e-9 * moments[2]) {
-      losses.loss("inertias with a negative principal moment: it is zero", frame_name(frame));
+      losses.loss("negative principal moments of inertia become zero", frame_name(frame));
       I = principal.eigenvectors() * moments.cwiseMax(0).asDiagonal() * principal.eigenvectors().transpose();
     }
     if (I(0, 1) == 0 && I(0, 2) == 0 && I(1, 2) == 0) put(inertial, "diaginertia", {I(0, 0), I(1, 1), I(2, 2)});
     else put(inertial, "fullinertia", {I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)});
     if (moments[0] + moments[1] < moments[2] * (1 - 1e-9)) {
-      losses.loss("inertias that no body has: the mean of the principal moments stands for each (balanceinertia)", frame_name(frame));
+      losses.loss("impossible inertias: each principal moment becomes their mean (balanceinertia)", frame_name(frame));
       put(section("compiler"), "balanceinertia", std::string("true"));
     }
   }
@@ -183,8 +183,8 @@ void MjcfWriter::add_content(Index joint, Index main) {
     put(e, "name", r.type == DYN_FRAME_TYPE_BODY ? body_name(f) : frame_name(f));
     put_pose(e, X);
     if (r.type == DYN_FRAME_TYPE_BODY) add_link(e, f);
-    if (r.type == DYN_FRAME_TYPE_FIXED_JOINT) losses.note("fixed joints are sites", frame_name(f));
-    if (r.type == DYN_FRAME_TYPE_SENSOR) losses.note("frames of sensors are sites", frame_name(f));
+    if (r.type == DYN_FRAME_TYPE_FIXED_JOINT) losses.note("fixed joints become sites", frame_name(f));
+    if (r.type == DYN_FRAME_TYPE_SENSOR) losses.note("frames of sensors become sites", frame_name(f));
   }
   const int here = depth;
   for (const Index j : children[size_t(joint)]) add_moving(j), depth = here;

@@ -29,7 +29,7 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   if (!name.empty()) {
     geom_names[k] = geoms.claim(name);
     put(e, "name", geom_names[k]);
-    if (geom_names[k] != name) losses.note("geoms of another name, theirs being taken", name);
+    if (geom_names[k] != name) losses.note("geoms were renamed, because their name is taken", name);
   }
   SE3<double> X = load_se3(s.placement);
   const auto type = [&](const char* kind) { put(e, "type", std::string(kind)); };
@@ -41,7 +41,7 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
     case DYN_SHAPE_TYPE_ELLIPSOID: type("ellipsoid"), put(e, "size", std::span(s.size)); break;
     case DYN_SHAPE_TYPE_HALF_SPACE:
       type("plane"), put(e, "size", {0, 0, 1});
-      if (visual) losses.note("half-spaces that are for looks alone are pictures, which loading leaves out", called);
+      if (visual) losses.note("visual half-spaces, which loading leaves out", called);
       break;
     case DYN_SHAPE_TYPE_HEIGHT_FIELD: {
       std::string asset;
@@ -53,7 +53,7 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
     case DYN_SHAPE_TYPE_CONE: break;
     case DYN_SHAPE_TYPE_MESH: case DYN_SHAPE_TYPE_CONVEX: case DYN_SHAPE_TYPE_TRIANGLES:
       type("mesh"), put(e, "mesh", mesh_asset(s));
-      if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("hulls and triangles are meshes: load with meshes = DYN_MESH_USE_HULL or DYN_MESH_USE_TRIANGLES", called);
+      if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("hulls and triangles become meshes: load the file with meshes as hulls or triangles", called);
   }
   put_pose(e, X);
   if (s.radius > 0) losses.loss("rounding of shapes", called);
@@ -66,7 +66,7 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   if (!is_default(material, false)) losses.loss("restitution, stiffness, damping and surface velocity of materials", called);
   bool wanted = false;
   for (const PairRecord *p = m.pairs(), *end = p + m.n.pairs; p != end; ++p) wanted |= p->wanted() && (m.geoms()[p->a].shape == k || m.geoms()[p->b].shape == k);
-  if (s.contype == 0 && s.conaffinity == 0 && !wanted) losses.loss("collision shapes whose masks are empty are for looks alone", called);
+  if (s.contype == 0 && s.conaffinity == 0 && !wanted) losses.loss("collision shapes with empty masks become visual", called);
 }
 
 std::string MjcfWriter::mesh_file(const ShapeRecord& s) {

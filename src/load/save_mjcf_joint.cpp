@@ -29,10 +29,10 @@ void MjcfWriter::add_joint(XmlElement& body, const Piece& p, const Pose& end) {
     put(e, "axis", {axis[0], axis[1], axis[2]});
   }
   add_numbers(e, p);
-  if (s.type == DYN_JOINT_TYPE_CONTINUOUS) losses.note("continuous joints are hinges without a range: differences of their angles are not wrapped", s.name);
-  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are hinges with an angle", s.name);
+  if (s.type == DYN_JOINT_TYPE_CONTINUOUS) losses.note("continuous joints become hinges without a range: differences of their angles are not wrapped", s.name);
+  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) become hinges with an angle", s.name);
   if (s.leader.empty()) return;
-  losses.loss("joints that follow another are held by an equality, which is no exact reduction: each is a degree of freedom more", s.name);
+  losses.loss("mimic joints become equalities, which are no exact reduction: each adds a degree of freedom", s.name);
   XmlElement& equality = *section("equality").InsertNewChildElement("joint");
   put(equality, "name", s.name + "_follows"), put(equality, "joint1", s.name), put(equality, "joint2", s.leader);
   put(equality, "polycoef", {s.offset, s.ratio, 0, 0, 0});
@@ -51,7 +51,7 @@ void MjcfWriter::add_numbers(XmlElement& e, const Piece& p) {
     if (spec.stiffness[size_t(s.v)] != 0) {
       put(e, "stiffness", spec.stiffness[size_t(s.v)]);
       const double* rest = spec.spring_reference.data() + s.q;
-      if (rest[0] != 0 || rest[1] != 0 || rest[2] != 0) losses.loss("places of rest of a ball joint's spring", s.name);
+      if (rest[0] != 0 || rest[1] != 0 || rest[2] != 0) losses.loss("rest orientations of ball joint springs", s.name);
     }
     const auto limited = [&](const std::vector<double>& x, int first, int n) { return std::any_of(x.begin() + first, x.begin() + first + n, [](double l) { return std::isfinite(l); }); };
     const bool ball = s.type == DYN_JOINT_TYPE_SPHERICAL;
@@ -103,7 +103,7 @@ void MjcfWriter::add_keys() {
     }
     if (is_drawn) continue;  // given by the poses of the file
     std::string name = m.string(m.configuration_names()[k]);
-    if (k == drawn) losses.note("the configuration qpos0 is key 'qpos0_2': the file draws another"), name = "qpos0_2";
+    if (k == drawn) losses.note("the configuration qpos0 becomes key 'qpos0_2': the file's initial configuration is another"), name = "qpos0_2";
     XmlElement& key = *section("keyframe").InsertNewChildElement("key");
     put(key, "name", names.claim(name)), put(key, "qpos", qpos);
   }

@@ -92,7 +92,7 @@ void UrdfWriter::add_numbers(XmlElement& e, const JointSpec& spec, const SimpleJ
   dynamics(x.damping, x.friction);
   if (x.armature != 0) losses.loss("armature of joints", name);
   if (x.stiffness != 0) losses.loss("springs of joints", name);
-  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) are continuous: load with cos_sin", name);
+  if (s.type == DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED) losses.note("joints that store (cos, sin) become continuous: load the file with cos_sin", name);
   if (!s.leader.empty()) {
     XmlElement& mimic = *e.InsertNewChildElement("mimic");
     put(mimic, "joint", s.leader), put(mimic, "multiplier", s.ratio), put(mimic, "offset", s.offset);
@@ -109,7 +109,7 @@ std::string UrdfWriter::bare_world() {
     if (has_shapes(0) || has_shapes(main[0])) {
       bare = links.claim("bare_world");
       add_joint(joints.claim(bare + "_joint"), "fixed", main_name[0], bare, SE3<double>::identity()), add_link(bare, -1);
-      losses.note("a link without shapes was added, on which hangs what the world itself carries", bare);
+      losses.note("a link without shapes was added for joints on the world itself", bare);
     }
   }
   return bare;
@@ -121,7 +121,7 @@ void UrdfWriter::add_moving(Index j) {
   std::vector<SimpleJoint> chain = chain_of(m, j, joints);
   if (r.type == DYN_JOINT_TYPE_PLANAR && unlimited(spec) && all(spec.damping, 0) && all(spec.friction, 0))
     chain = {{DYN_JOINT_TYPE_PLANAR, {r.axis[0], r.axis[1], r.axis[2]}, SE3<double>::identity(), m.string(r.name), 0, 0, "", 1, 0}};
-  if (chain.size() > 1) losses.note("joints of types that URDF has not are chains of joints that it has", m.string(r.name));
+  if (chain.size() > 1) losses.note("joint types that URDF lacks become chains of joints", m.string(r.name));
   std::string parent = main_name[size_t(r.parent)];
   SE3<double> X = load_se3(r.placement);
   if (r.parent == 0 && r.type != DYN_JOINT_TYPE_FREE_FLYER) {  // a joint does not collide with the link it attaches to
@@ -148,7 +148,7 @@ void UrdfWriter::add_fixed(Index f, std::set<Index>& done) {
   const std::string name = frame_name(f);
   if (r.type == DYN_FRAME_TYPE_BODY) {
     const std::string joint = joints.claim(name + "_joint");
-    losses.note("links beside a joint's own frame hang on fixed joints that were added", joint);
+    losses.note("fixed joints were added for links away from their joint's frame", joint);
     add_joint(joint, "fixed", parent, name, X), add_link(name, f);
     return;
   }
@@ -159,7 +159,7 @@ void UrdfWriter::add_fixed(Index f, std::set<Index>& done) {
         return;
       }
   const std::string link = links.claim(name);
-  losses.note("frames without a link are fixed joints with a link without mass", name);
+  losses.note("frames without a link become fixed joints with a massless link", name);
   add_joint(name, "fixed", parent, link, X), add_link(link, -1);
 }
 

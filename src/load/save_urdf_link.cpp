@@ -19,7 +19,7 @@ XmlElement& UrdfWriter::add_link(const std::string& name, Index frame) {
   if (frame < 0) return link;
   if (m.frames()[frame].link >= 0) {
     const LinkRecord& l = m.links()[m.frames()[frame].link];
-    if (m.compensation(m.frames()[frame].link) != 0) losses.loss("weights that are held (gravity compensation)", name);
+    if (m.compensation(m.frames()[frame].link) != 0) losses.loss("gravity compensation of links", name);
     if (l.mass != 0 || std::any_of(l.inertia, l.inertia + 9, [](double x) { return x != 0; })) {
       XmlElement& inertial = *link.InsertNewChildElement("inertial");
       put_origin(inertial, {Mat3<double>::identity(), load3(l.com)});
@@ -52,7 +52,7 @@ void UrdfWriter::add_shape(XmlElement& link, const ShapeRecord& s) {
         XmlElement& e = shape("mesh");
         put(e, "filename", mesh);
         if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(e, "scale", std::span(s.size));
-        if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("the hull or the triangles of a mesh file are its name alone: load with the same option for meshes", called);
+        if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("hulls and triangles of mesh files are saved by file name: load the file with the same option for meshes", called);
         break;
       }
       [[fallthrough]];

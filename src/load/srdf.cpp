@@ -46,7 +46,7 @@ void list_unused(const Element& root, const SrdfContext& context) {
     const std::string name = e->Attribute("name") ? e->Attribute("name") : "";
     const std::string owner = kind + (name.empty() ? "" : " " + quoted(name));
     if (kind == "virtual_joint") {
-      context.report.info(line(*e), owner + ": the base is " + (context.floating ? "floating" : "fixed") + ", as said at loading");
+      context.report.info(line(*e), owner + ": the base is " + (context.floating ? "floating" : "fixed") + ", as chosen at loading");
       check_references(*e, owner, context);
     } else if (kind == "group" || kind == "end_effector" || kind == "link_sphere_approximation") {
       context.report.info(line(*e), owner + ": not used");

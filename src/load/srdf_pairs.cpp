@@ -40,7 +40,7 @@ std::vector<Srdf::Pair> read_pairs(const Element& root, const SrdfContext& conte
   Names names;
   for (const Element* e = first(root, "disable_collisions"); e; e = next(*e, "disable_collisions"))
     if (pair(*e, names) && !add(*e, names.first, names.second, e->Attribute("reason") ? e->Attribute("reason") : ""))
-      report.count("<disable_collisions> of a pair that is there before", line(*e));
+      report.count("<disable_collisions> of a pair that is disabled already", line(*e));
   for (const Element* e = first(root, "enable_collisions"); e; e = next(*e, "enable_collisions"))
     if (pair(*e, names)) enabled.insert(ordered(names.first, names.second));
   for (const Element* e = first(root, "disable_default_collisions"); e; e = next(*e, "disable_default_collisions")) {

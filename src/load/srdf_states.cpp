@@ -56,9 +56,9 @@ struct StateReader {
     const std::vector<double> q = coordinates(spec->type, *value);
     if (q.empty())
       return context.report.physics(line(e), who + " has " + std::to_string(value->size()) + " numbers and needs " + std::to_string(joint_nq(spec->type)) + ": not used");
-    if (is_zero_rotation(spec->type, *value)) reader.fail(DYN_ERROR_QUATERNION, e, "joint " + quoted(name) + ": its quaternion or (cos, sin) is zero: give one of norm 1");
+    if (is_zero_rotation(spec->type, *value)) reader.fail(DYN_ERROR_QUATERNION, e, "joint " + quoted(name) + ": its quaternion or (cos, sin) is zero: give norm 1");
     for (const auto& [other, numbers] : state.joints)
-      if (other == spec->name) return context.report.physics(line(e), who + " is there twice: the first value counts");
+      if (other == spec->name) return context.report.physics(line(e), who + " occurs twice: the first value is used");
     if (!spec->lower.empty() && (q[0] < spec->lower[0] || q[0] > spec->upper[0]))
       context.report.warning(line(e), who + " is at " + text(q[0]) + ", outside of its limits, " + text(spec->lower[0]) + " to " + text(spec->upper[0]));
     state.joints.push_back({spec->name, q});
@@ -89,7 +89,7 @@ std::vector<Srdf::State> read_states(const Element& root, const SrdfContext& con
     if (printable(s.name) != s.name) in.reader.fail(DYN_ERROR_NAME, *e, "its name is not UTF-8, or has a control character in it: rename it");
     for (const Element* j = first(*e, "joint"); j; j = next(*j, "joint")) in.joint(*j, s);
     if (!taken.insert(s.name).second) {
-      context.report.physics(line(*e), in.reader.owner + " of group " + quoted(group) + " is there twice: the first one counts");
+      context.report.physics(line(*e), in.reader.owner + " of group " + quoted(group) + " occurs twice: the first one is used");
       continue;
     }
     out.push_back(std::move(s));

@@ -26,35 +26,30 @@ bool floating_base(const UrdfRobot& robot, const UrdfTree& tree, dynBase base, R
     case DYN_BASE_UNSPECIFIED:
       if (root.mass > 0)
         report.fail(DYN_ERROR_BASE, root.line,
-                    called +
-                        " has mass, and nothing says what holds it: load with base = DYN_BASE_FIXED or DYN_BASE_FLOATING; on the "
-                        "command line --fixed or --floating");
+                    called + " has mass, but no base was chosen: load the robot with base fixed or base floating");
       if (root.name == "world" || welded == 0)
         report.info(root.line, called + " has no mass: it is welded to the world");
       else
         report.warning(root.line, called + " has no mass and no base was given: it is welded to the world, and " + text(welded) +
-                                      " kg with it; for a robot that floats say base = DYN_BASE_FLOATING (--floating)");
+                                      " kg with it; for a robot that floats choose base floating");
       return false;
     case DYN_BASE_FLOATING:
       break;
     default:
-      report.fail(DYN_ERROR_ARGUMENT, 0, "base = " + std::to_string(int(base)) + " is not a dynBase");
+      report.fail(DYN_ERROR_ARGUMENT, 0, "base " + std::to_string(int(base)) + " does not exist: choose base fixed or base floating");
   }
 
   if (free_child)
     report.fail(DYN_ERROR_BASE, free_child->line,
-                "joint " + quoted(free_child->spec.name) + " is floating already: load with base = DYN_BASE_FIXED (--fixed)");
+                "joint " + quoted(free_child->spec.name) + " is floating already: choose base fixed");
   if (root.name == "world" && root.mass == 0)
     report.fail(
         DYN_ERROR_BASE, root.line,
-        "the file ties the robot to link 'world', so it cannot float: load with base = DYN_BASE_FIXED (--fixed), or remove link "
-        "'world' and its joint from the file");
+        "the file joins the robot to link 'world', so it cannot float: choose base fixed, or remove link 'world' and its joint");
   if (welded == 0)
     report.fail(
         DYN_ERROR_BASE, root.line,
-        called +
-            " and what is welded to it have no mass, so it cannot float: load with base = DYN_BASE_FIXED (--fixed), or give "
-            "it an <inertial>");
+        called + " and the links welded to it have no mass, so it cannot float: choose base fixed, or give it an <inertial>");
   for (const UrdfJoint& j : robot.joints)
     if (j.spec.name == "root_joint")
       report.fail(DYN_ERROR_NAME, j.line, "joint 'root_joint': a floating base needs this name for itself: rename the joint");

@@ -60,7 +60,7 @@ void check_inertia(UrdfLink& l, Report& report) {
     return;
   }
   if (l.mass == 0)
-    report.physics(l.inertial_line, called + " has rotational inertia and no mass, which no body has: kept as given");
+    report.physics(l.inertial_line, called + " has rotational inertia but no mass, which is impossible: kept as given");
   if (negative(l)) return;  // check_welded_inertia decides
   const double excess = l.moments[2] - l.moments[0] - l.moments[1];
   if (excess > tolerance(l.mass, l.moments[2]))

@@ -100,7 +100,7 @@ void read_limit(const Element& e, const Reader& reader, JointSpec& spec) {
   if (!lower && !upper) {
     reader.report.warning(
         line(*l),
-        reader.at(*l) + " has neither lower nor upper: unlimited (read to the letter, the standard's 0 and 0 lock the joint)");
+        reader.at(*l) + " has neither lower nor upper: unlimited (the standard's default of 0 for both would lock the joint)");
     return;
   }
   if (!lower || !upper)

@@ -78,7 +78,7 @@ void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& 
   const std::string name = reader.name(e, "filename");
   shape.size = reader.vector3(e, "scale").value_or(std::array<double, 3>{1, 1, 1});
   for (double s : shape.size)
-    if (s == 0) reader.fail(DYN_ERROR_INVALID, e, "<mesh scale> has a zero");
+    if (s == 0) reader.fail(DYN_ERROR_INVALID, e, "<mesh scale> has a zero: give numbers other than 0");
   const MeshPaths::Found& found = meshes.find(name);
   shape.mesh = found.path.empty() ? name : found.path;
   if (!found.path.empty() || !found.first_time) return;
@@ -110,7 +110,7 @@ bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths&
     return false;
   };
   if (!g) return skip(e, "<" + std::string(e.Name()) + "> has no geometry: not used");
-  if (const Element* more = next(*g)) skip(*more, "<geometry> holds more than one shape: the first one counts");
+  if (const Element* more = next(*g)) skip(*more, "<geometry> holds more than one shape: only the first one is used");
 
   const std::string_view kind = g->Name();
   if (kind == "box") {

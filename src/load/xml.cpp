@@ -104,7 +104,7 @@ void check_xml(const std::string& text, const Report& report) {
     const std::string_view part = std::string_view(text).substr(from, to - from);
     for (size_t at = part.find("&#"); at != part.npos; at = part.find("&#", at + 2))
       if (!good_reference(part.substr(at)))
-        fail(DYN_ERROR_PARSE, from + at, "'" + std::string(part.substr(at, std::min<size_t>(part.find(';', at) - at, 20) + 1)) + "' is no character of XML");
+        fail(DYN_ERROR_PARSE, from + at, "'" + std::string(part.substr(at, std::min<size_t>(part.find(';', at) - at, 20) + 1)) + "' is not a character of XML");
   };
 
   Markup m;
@@ -130,7 +130,7 @@ void check_xml(const std::string& text, const Report& report) {
         fail(DYN_ERROR_PARSE, m.begin, "document types and entities (<!...>) are not allowed: remove the declaration");
         break;
       case Markup::unclosed:
-        fail(DYN_ERROR_PARSE, m.begin, "what begins here is never closed: the file is cut off or a quote is missing");
+        fail(DYN_ERROR_PARSE, m.begin, "markup that begins here is never closed: the file is cut off or a quote is missing");
         break;
       case Markup::close:
         if (depth == 0) fail(DYN_ERROR_PARSE, m.begin, "</" + shown(m.name) + "> closes nothing: remove it");
@@ -216,7 +216,7 @@ Document::Document(const std::string& text, const Report& report) : xml_(true, t
   for (const tinyxml2::XMLNode* n = xml_.FirstChild(); n; n = n->NextSibling()) {
     const bool stray_text = n->ToText() && std::string_view(n->Value()).find_first_not_of(" \t\r\n") != std::string_view::npos;
     if (stray_text || (n->ToElement() && n != root))
-      report.fail(DYN_ERROR_PARSE, n->GetLineNum(), "something stands outside the root element, which XML does not allow");
+      report.fail(DYN_ERROR_PARSE, n->GetLineNum(), "content outside the root element, which XML does not allow: remove it");
   }
 }
 

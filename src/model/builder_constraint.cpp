@@ -19,10 +19,10 @@ int find_joint(const std::vector<JointEntry>& joints, const std::string& name, c
 }  // namespace
 
 void Builder::Impl::check_constraint_name(const std::string& name) const {
-  if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "constraint has no name: give one");
+  if (name.empty()) refuse(DYN_ERROR_ARGUMENT, "the constraint has no name: give one");
   if (name.find('\0') != std::string::npos) refuse(DYN_ERROR_ARGUMENT, "constraint '" + std::string(name.c_str()) + "': the name holds a zero byte");
   for (const ConstraintEntry& c : constraints)
-    if (c.name == name) refuse(DYN_ERROR_NAME, "constraint '" + name + "' is there already: choose another name");
+    if (c.name == name) refuse(DYN_ERROR_NAME, "constraint '" + name + "' exists already: choose another name");
 }
 
 void Builder::constraint(const std::string& name, const dynConstraint& spec, const Parent& first, const Parent& second) {

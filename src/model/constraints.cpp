@@ -73,7 +73,7 @@ dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::s
   bool known = s.type == DYN_CONSTRAINT_TYPE_NONE;
   const auto is_known = [&]<class K>() { known = true; };
   visit_frame_constraint(s.type, is_known), visit_joint_constraint(s.type, is_known);
-  if (!known) return refuse(DYN_ERROR_ARGUMENT, "type is %d: use a dynConstraintType", int(s.type));
+  if (!known) return refuse(DYN_ERROR_ARGUMENT, "type %d does not exist: use a constraint type", int(s.type));
   const struct {
     const char* name;
     const double* x;
@@ -88,8 +88,8 @@ dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::s
   if (s.restitution < 0 || s.restitution > 1) return refuse(DYN_ERROR_ARGUMENT, "restitution is %g: give 0 to 1", s.restitution);
   if (s.type == DYN_CONSTRAINT_TYPE_NONE) return DYN_OK;
   if (!between_joints(s.type)) {
-    if (!placed(s.placement1)) return refuse(DYN_ERROR_ARGUMENT, "placement1 has no rotation: call dyn_constraint_init first");
-    if (!placed(s.placement2)) return refuse(DYN_ERROR_ARGUMENT, "placement2 has no rotation: call dyn_constraint_init first");
+    if (!placed(s.placement1)) return refuse(DYN_ERROR_ARGUMENT, "placement1 has no rotation: start from the default constraint");
+    if (!placed(s.placement2)) return refuse(DYN_ERROR_ARGUMENT, "placement2 has no rotation: start from the default constraint");
   }
   if (s.type == DYN_CONSTRAINT_TYPE_DISTANCE && !(s.length > 0)) return refuse(DYN_ERROR_ARGUMENT, "length is %g: give more than 0, or use CONNECT", s.length);
   if (s.type == DYN_CONSTRAINT_TYPE_FRICTION && s.force < 0) return refuse(DYN_ERROR_ARGUMENT, "force is %g: give 0 or more", s.force);
@@ -97,12 +97,12 @@ dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::s
     Constraint c{};
     c.joint_type = s.joint_type;
     if (constraint::Loop::rows(c) == 0)
-      return refuse(DYN_ERROR_ARGUMENT, "joint_type is %d: a loop is closed by a simple joint that holds something and moves (FIXED: use WELD)", int(s.joint_type));
+      return refuse(DYN_ERROR_ARGUMENT, "joint_type is %d: a loop needs a simple joint with 1 to 5 degrees of freedom; for FIXED use the type WELD", int(s.joint_type));
     const Vec3<double> none = Vec3<double>::zero();
-    if (is_zero(Motion<double>{load3(s.axis), none})) return refuse(DYN_ERROR_INVALID, "axis is zero");
+    if (is_zero(Motion<double>{load3(s.axis), none})) return refuse(DYN_ERROR_INVALID, "axis is zero: give a direction");
     if (s.joint_type == DYN_JOINT_TYPE_UNIVERSAL) {
-      if (is_zero(Motion<double>{load3(s.axis2), none})) return refuse(DYN_ERROR_INVALID, "axis2 is zero");
-      if (std::abs(dot(unit(s.axis), unit(s.axis2))) > 1 - 1e-9) return refuse(DYN_ERROR_INVALID, "axis and axis2 are parallel");
+      if (is_zero(Motion<double>{load3(s.axis2), none})) return refuse(DYN_ERROR_INVALID, "axis2 is zero: give a direction");
+      if (std::abs(dot(unit(s.axis), unit(s.axis2))) > 1 - 1e-9) return refuse(DYN_ERROR_INVALID, "axis and axis2 are parallel: give two different directions");
     }
   }
   return DYN_OK;
@@ -125,8 +125,8 @@ dynStatus check_constraint(const Model& m, const dynConstraint& s, char* message
     if (joint < 1 || joint >= m.n.joints) return refuse(DYN_ERROR_ARGUMENT, "joint %d does not exist: the model has joints 1 to %d", joint, int(m.n.joints) - 1);
     const JointRecord& j = m.joints()[joint];
     if (j.leader >= 0)
-      return refuse(DYN_ERROR_INVALID, "joint '%s' follows '%s': constrain that one", joint_name(m, joint), joint_name(m, j.leader));
-    if (j.nq != 1 || j.nv != 1) return refuse(DYN_ERROR_INVALID, "joint '%s' has not one coordinate", joint_name(m, joint));
+      return refuse(DYN_ERROR_INVALID, "joint '%s' mimics '%s': constrain '%s'", joint_name(m, joint), joint_name(m, j.leader), joint_name(m, j.leader));
+    if (j.nq != 1 || j.nv != 1) return refuse(DYN_ERROR_INVALID, "joint '%s' has %d coordinates: choose a joint with one", joint_name(m, joint), int(j.nq));
   }
   if (two && s.first == s.second) return refuse(DYN_ERROR_INVALID, "joint '%s' is coupled with itself", joint_name(m, s.first));
   if (s.type == DYN_CONSTRAINT_TYPE_LIMIT) {

@@ -101,7 +101,7 @@ TEST(Constraint, Refusals) {
   refuse(with(make(DYN_CONSTRAINT_TYPE_DISTANCE, foot), [](auto& c) { c.length = 0; }), DYN_ERROR_ARGUMENT, {"length is 0"});
   refuse(with(make(DYN_CONSTRAINT_TYPE_FRICTION, hip), [](auto& c) { c.force = -1; }), DYN_ERROR_ARGUMENT, {"force is -1"});
   refuse(make(DYN_CONSTRAINT_TYPE_COUPLING, hip, hip), DYN_ERROR_INVALID, {"coupled with itself"});
-  refuse(make(DYN_CONSTRAINT_TYPE_LIMIT, 1), DYN_ERROR_INVALID, {"not one coordinate"});
+  refuse(make(DYN_CONSTRAINT_TYPE_LIMIT, 1), DYN_ERROR_INVALID, {"choose a joint with one"});
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_set_constraint_enabled(x.m, x.d, 8, 1));
   EXPECT_TRUE(says({"slot 8", "0 to 7"}));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_data_anchor_constraint(x.m, x.d, 7, nullptr));

@@ -46,7 +46,7 @@ const std::string zero(1, '\0');
 
 const Case refused[] = {
     // characters that parsers cut a text short at, or drop
-    {"ZeroReference", with_mass("1&#0;5"), DYN_ERROR_PARSE, {":3: ", "'&#0;'", "no character of XML"}},
+    {"ZeroReference", with_mass("1&#0;5"), DYN_ERROR_PARSE, {":3: ", "'&#0;'", "not a character of XML"}},
     {"HexZeroReference", with_mass("1&#x0;5"), DYN_ERROR_PARSE, {":3: ", "'&#x0;'"}},
     {"EmptyReference", with_mass("1&#;5"), DYN_ERROR_PARSE, {":3: ", "'&#;'"}},
     {"ReferenceBeyondUnicode", robot("<link name=\"&#x110000;\"/>"), DYN_ERROR_PARSE, {":2: ", "&#x110000;"}},

@@ -115,7 +115,7 @@ TEST(Srdf, NamesOfStates) {
   EXPECT_EQ((std::set<std::string>{"neutral", "arm/home", "hand/home", "only", "arm/neutral"}), names(l));
   EXPECT_EQ(1, configuration(l, "arm/home")[1]);
   EXPECT_EQ(2, configuration(l, "hand/home")[1]);
-  EXPECT_TRUE(l.reports("is there twice: the first one counts", DYN_REPORT_LEVEL_WARNING, 6));
+  EXPECT_TRUE(l.reports("occurs twice: the first one is used", DYN_REPORT_LEVEL_WARNING, 6));
 }
 
 TEST(Srdf, DisabledPairs) {
@@ -150,7 +150,7 @@ TEST(Srdf, UnknownNamesAreWarningsAndErrorsUnderStrict) {
       {"<group_state name=\"a\" group=\"g\"><joint name=\"elbo\" value=\"1\"/></group_state>", "group_state 'a': there is no joint 'elbo' in the robot (did you mean 'elbow'?)"},
       {"<group_state name=\"a\" group=\"g\"><joint name=\"elbow\" value=\"1 2 3\"/></group_state>", "has 3 numbers and needs 1"},
       {"<group_state name=\"a\" group=\"g\"><joint name=\"elbow\"/></group_state>", "has no value"},
-      {"<group_state name=\"a\" group=\"g\"><joint name=\"elbow\" value=\"1\"/><joint name=\"elbow\" value=\"2\"/></group_state>", "is there twice"},
+      {"<group_state name=\"a\" group=\"g\"><joint name=\"elbow\" value=\"1\"/><joint name=\"elbow\" value=\"2\"/></group_state>", "occurs twice"},
       {"<group name=\"g\"><joint name=\"shulder\"/></group>", "no joint 'shulder'"},
       {"<group name=\"g\"><link name=\"handd\"/></group>", "no link 'handd'"},
       {"<group name=\"g\"><chain base_link=\"base\" tip_link=\"tipp\"/></group>", "no link 'tipp'"},

@@ -56,7 +56,7 @@ TEST(Urdf, RootWithoutMassIsWelded) {
   EXPECT_TRUE(world.reports("'world' has no mass", DYN_REPORT_LEVEL_INFO, 2));
   // mass right behind a weld: perhaps a robot that floats
   const Loaded dummy = good(robot(link("base", "") + link("a") + joint("j", "fixed", "base", "a")), unspecified);
-  EXPECT_TRUE(dummy.reports("DYN_BASE_FLOATING", DYN_REPORT_LEVEL_WARNING, 2));
+  EXPECT_TRUE(dummy.reports("choose base floating", DYN_REPORT_LEVEL_WARNING, 2));
   const Loaded free = good(robot(link("base", "") + link("a") + joint("j", "fixed", "base", "a")), Options(DYN_BASE_FLOATING));
   EXPECT_EQ(6, dyn_model_nv(free.model.get()));
 }
@@ -267,7 +267,7 @@ TEST(Urdf, ReportOfWhatIsKeptAsData) {
                               joint("k", "continuous", "b", "c", axis + "<limit velocity=\"2\" effort=\"3\"/><dynamics damping=\"2\" friction=\"3\"/>") +
                               joint("l", "revolute", "c", "d", axis + limit + "<mimic joint=\"j\"/>")),
                         Options(DYN_BASE_FIXED, true));
-  EXPECT_TRUE(l.reports("acts when switched on (dyn_data_set_effects): 2 x damping, 1 x dry friction", DYN_REPORT_LEVEL_INFO, 0));
+  EXPECT_TRUE(l.reports("acts when its effect is switched on: 2 x damping, 1 x dry friction", DYN_REPORT_LEVEL_INFO, 0));
   EXPECT_TRUE(l.reports("kept as data, not applied by the algorithms: 2 x velocity limit, 2 x effort limit",
                         DYN_REPORT_LEVEL_INFO, 0));
   EXPECT_TRUE(l.reports("1 x <limit> of a mimicking joint: not kept", DYN_REPORT_LEVEL_INFO, 8));
@@ -314,7 +314,7 @@ TEST(Urdf, InertiaWithoutMassIsReported) {
       link("b",
            "\n<inertial><mass value=\"0\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>") +
       joint("j", "fixed", "a", "b")));
-  EXPECT_TRUE(l.reports("rotational inertia and no mass", DYN_REPORT_LEVEL_WARNING, 4));
+  EXPECT_TRUE(l.reports("rotational inertia but no mass", DYN_REPORT_LEVEL_WARNING, 4));
 }
 
 TEST(Urdf, NegativeInertiaIsBearableWhereAWeldMakesUpForIt) {

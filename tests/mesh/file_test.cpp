@@ -335,7 +335,7 @@ TEST(MeshFileErrors, OthersAreCutOff) {
   expect_refused(folder.write("b.gltf", g), DYN_ERROR_PARSE, "");  // its buffer is not there
   expect_refused(folder.write("c.gltf", std::string(1000000, '[')), DYN_ERROR_LIMIT, "nested");
   expect_refused(folder.write("a.glb", b.substr(0, b.size() - 4)), DYN_ERROR_PARSE, "cut off");
-  expect_refused(folder.write("b.glb", "nonsense that is no glTF at all"), DYN_ERROR_PARSE, "no binary glTF");
+  expect_refused(folder.write("b.glb", "nonsense that is no glTF at all"), DYN_ERROR_PARSE, "not a binary glTF");
 }
 
 // Cut anywhere: an error or a mesh, never a crash.

@@ -281,7 +281,7 @@ TEST(MeshRobots, HullsAndTriangles) {
   EXPECT_NE(nullptr, std::strstr(hull.shape(1).mesh, "l.stl"));
   // 7/2 instead of 3
   holds(hull.report(), "warning: link 'base': mesh ");
-  holds(hull.report(), "not convex, and its hull of 10 vertices stands for it: hull_volume_ratio: the hull's volume is 1.16667 times the mesh's; hull_depth:");
+  holds(hull.report(), "not convex, and its hull of 10 vertices replaces it: hull_volume_ratio: the hull's volume is 1.16667 times the mesh's; hull_depth:");
   holds(triangles.report(), "info: link 'base': mesh ");
   holds(triangles.report(), "20 triangles that enclose a solid");
   // base and ball are a body and its child; ball and other too; base and other remain
@@ -372,7 +372,7 @@ TEST(MeshRobots, WhatCannotBeReadIsAnError) {
   const Robot t = load(folder.write("r.urdf", robot("flat.stl")), DYN_MESH_USE_TRIANGLES);
   ASSERT_EQ(DYN_OK, t.status) << t.error;
   holds(t.report(), "warning: link 'base'");
-  holds(t.report(), "1 triangle that enclose nothing (3 open edges)");
+  holds(t.report(), "1 triangle that do not enclose a solid (3 open edges)");
 }
 #endif
 

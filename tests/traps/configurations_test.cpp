@@ -8,7 +8,7 @@ TEST(Traps, MissingBaseIsRefused) {
   dynModel* m = nullptr;
   const std::string path = std::string(DYN_MODELS_DIR) + "/robots/go2.urdf";
   EXPECT_EQ(DYN_ERROR_BASE, dyn_model_load(path.c_str(), nullptr, &m));
-  EXPECT_TRUE(says({"go2.urdf:", "root link 'base' has mass", "DYN_BASE_FIXED or DYN_BASE_FLOATING"}));
+  EXPECT_TRUE(says({"go2.urdf:", "root link 'base' has mass", "base fixed or base floating"}));
   EXPECT_EQ(nullptr, m);
   const Model fixed = robot("go2", DYN_BASE_FIXED), floating = robot("go2", DYN_BASE_FLOATING);
   EXPECT_EQ(12, fixed.nq());

@@ -85,7 +85,7 @@ def test_the_command_opens_none(folders, words):
     done = subprocess.run([CLI, words[0], path, "--confined", *words[1:]], cwd=folders, capture_output=True, text=True, timeout=60)
     if "no page to fill" in done.stderr:
         pytest.skip("no template of pages")
-    assert done.returncode == 1 and "is in none of the folders" in done.stderr and done.stdout == "" and not (folders / "page").exists()
+    assert done.returncode == 1 and "is outside the folders" in done.stderr and done.stdout == "" and not (folders / "page").exists()
 
 
 def test_meshes_inside(folders):

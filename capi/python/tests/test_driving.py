@@ -55,7 +55,7 @@ def test_what_is_read_of_actuators():
     assert (servo.kp, servo.control_range) == (1, pytest.approx((-math.pi / 4, math.pi / 4)))
     assert (affine.gain, affine.bias, affine.time_constant) == (3, (1, -2, -0.1), 0.02)
     messages = "\n".join(r.message for r in m.report)
-    for part in ("no first-order filter", "drives no joint"):
+    for part in ("neither a first-order filter", "drives no joint"):
         assert part in messages
     for bad, message in (('<motor joint="none"/>', "no joint 'none'"), ('<motor joint="elbow" ctrlrange="1 0"/>', "lower end"), ('<position joint="elbow" kp="-1"/>', "kp is -1"),
                          ('<position joint="elbow" dampratio="-1"/>', "dampratio"), ('<position joint="elbow" kv="1" dampratio="1"/>', "give one of them"), ('<motor joint="elbow" armature="-1"/>', "armature")):
