@@ -1,5 +1,5 @@
-// What boards compute and a PC has computed: one function for each image, which gives every number of its results in order to out(x), and the
-// work of each call to clock(name, calls, call). No heap, no files: the same source on both.
+// Results that boards and a PC compute. One function for each image passes every result to out(x), and the work of each call to
+// clock(name, calls, call). No heap and no files: the same source on both.
 #pragma once
 
 #include "algorithm/declarations.hpp"
@@ -12,7 +12,7 @@ namespace boards {
 
 using namespace dyn;
 
-// Numbers in [-1, 1), the same everywhere.
+// Random numbers in [-1, 1), the same on all machines.
 class Dice {
  public:
   double operator()() {
@@ -24,7 +24,7 @@ class Dice {
   std::uint64_t state_ = 88172645463325252u;
 };
 
-// A data of some parts, in memory of the caller's.
+// A data of some parts, in the caller's memory.
 template <dynParts parts>
 struct Bench {
   const Model& m;
@@ -91,7 +91,7 @@ void dynamics_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
 
 using Steps = Bench<complete_parts(DYN_PART_SIMULATION | DYN_PART_CONSTRAINTS | DYN_PART_COLLISION | DYN_PART_CHOLESKY)>;
 
-// A quadruped that lands on its feet: the state after each of some steps.
+// A quadruped that lands on its feet: the state after each of several steps.
 template <class Out, class Clock>
 void contact_figures(const Model& m, void* memory, Out&& out, Clock&& clock) {
   Steps x(m, memory);

@@ -1,4 +1,4 @@
-// On the PC: writes the models that the images hold and what the PC computes of them.   dyn_board_tables MODELS_DIR OUT_DIR
+// On the PC: writes the models of the images and the reference results.   dyn_board_tables MODELS_DIR OUT_DIR
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -25,7 +25,7 @@ dynModel* load(const std::string& path, dynBase base) {
   return m;
 }
 
-// The quadruped over a floor, and where it lands from.
+// The quadruped above a floor, and its initial state.
 dynModel* on_floor(const dynModel* robot) {
   dynBuilder* b = nullptr;
   check(dyn_builder_from_model(robot, &b));

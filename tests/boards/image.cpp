@@ -1,4 +1,4 @@
-// On the board: computes what the PC has computed of the same model, and compares. DYN_IMAGE: kind of figures and robot, as rnea, arm.
+// On the board: computes the results of the PC for the same model and compares. DYN_IMAGE: results and robot, as in rnea, arm.
 #include "board.hpp"
 #include "boards/figures.hpp"
 #include "model/dynb.hpp"
@@ -12,7 +12,7 @@ alignas(64)
 #endif
     char memory[data_bytes];
 
-// What is left of the difference when it is measured by the larger of 1 and the figure.
+// Difference relative to the larger of 1 and the result.
 double worst = 0;
 int next = 0;
 
@@ -21,7 +21,7 @@ void compare(double x) {
   if (!(off <= worst)) worst = off;
 }
 
-// The instructions of a call, from many.
+// Instructions of one call, averaged over many.
 template <class Call>
 void clock(const char* name, int calls, Call&& call) {
   const board::Ticks ticks;

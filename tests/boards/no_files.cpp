@@ -1,4 +1,4 @@
-// The core reads no robot's file: what dyn_model_load would call. Tests that come here fail, and are left out (reads_files).
+// The core reads no robot files. Tests that load one fail here and are left out (reads_files).
 #include "model/load.hpp"
 
 namespace dyn {

@@ -1,4 +1,4 @@
-// The broad phase against all pairs of boxes, through insertions, motions and removals.
+// Broad phase against all pairs of boxes, through insertions, motions and removals.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -65,7 +65,7 @@ TEST(BroadPhase, AllPairsThroughALife) {
           const std::size_t i = std::size_t(g.pick(int(live.size())));
           b.remove(live[i]), live.erase(live.begin() + std::ptrdiff_t(i));
         }
-        // few move far, or all a little
+        // few boxes move far, or all a little
         const bool all = g.pick(2);
         for (Index id : live)
           if (all || g.pick(20) == 0) {
@@ -74,14 +74,14 @@ TEST(BroadPhase, AllPairsThroughALife) {
             b.update(id, {old.lower + d, old.upper + d});
             if (g.pick(10) == 0) b.update(id, old);
           }
-        if (g.pick(3) == 0) {  // a query between, then some more move
+        if (g.pick(3) == 0) {  // a query in between, then more motion
           b.tree.query(box_at(g, 1, 0.3), [](Index) {});
           for (Index id : live)
             if (g.pick(10) == 0) b.update(id, box_at(g, 1, 0.15));
         }
         ASSERT_EQ(b.expected(), b.found()) << seed << " " << step;
         ASSERT_EQ(b.found(), b.found());
-        // what a box and a ray meet
+        // overlaps with a box and hits of a ray
         const Bounds q = box_at(g, 1, 0.3);
         std::set<Index> seen, wanted;
         b.tree.query(q, [&](Index id) { EXPECT_TRUE(seen.insert(id).second); });
@@ -102,7 +102,7 @@ TEST(BroadPhase, AllPairsThroughALife) {
     }
 }
 
-// The same boxes move for long: at first next to nothing, then across each other; one is infinite.
+// The same boxes move for long, first slightly, then across each other. One is infinite.
 TEST(BroadPhase, AllMoveForLong) {
   for (double margin : {0.0, 0.02}) {
     Chance g{11};
@@ -122,7 +122,8 @@ TEST(BroadPhase, AllMoveForLong) {
   }
 }
 
-// All drift at speeds of their own, so that at any time few leave their fat boxes: after those of all were renewed, what has not left its own meets others, too.
+// All boxes drift at different speeds, so few leave their fat boxes at a time. After all fat boxes were renewed, boxes still in
+// their own may meet others.
 TEST(BroadPhase, AllDriftSlowly) {
   Chance g{5};
   Boxes b(220, 40000, 0.02);
@@ -145,7 +146,7 @@ TEST(BroadPhase, InfiniteBoxesAndFullRoom) {
   for (int k = 1; k < 300; ++k) b.insert(box_at(g, 1, 0.1));
   EXPECT_EQ(-1, b.tree.insert(box_at(g, 1, 0.1)));
   EXPECT_EQ(b.expected(), b.found());
-  // more candidates than there is room for: said, and found once they are fewer
+  // more candidates than the capacity are reported, and found once they are fewer
   Boxes tight(100, 50, 0);
   for (int k = 0; k < 100; ++k) tight.insert(box_at(g, 0.1, 1));
   EXPECT_FALSE(tight.tree.pairs([](Index, Index) {}));

@@ -1,4 +1,4 @@
-// libccd beside libdyn: the second opinion on what overlaps and how deep, and the fallback.
+// libccd compared with the primary method on overlaps and depths, and as the fallback.
 #include <cstdio>
 
 #include "collision/survey.hpp"
@@ -7,8 +7,8 @@
 namespace dyn_test {
 namespace {
 
-// Where the two differ, it is proven who is right: along our normal the shapes reach into each other as far as our depth says, and
-// along libccd's at least as far. A larger depth of its is not the least, a smaller one does not part them.
+// Where the two differ, shows which is right. Along our normal the overlap equals our depth; along libccd's it is at least as
+// large. A larger depth of libccd is not minimal, a smaller one does not separate.
 TEST(Second, NeverBeatsOurDepth) {
   if (!collision::ccd_available()) GTEST_SKIP() << "no libccd.so.2";
   int seen = 0, larger = 0, smaller_ones = 0;
@@ -53,7 +53,7 @@ TEST(Second, AskedFirstItsAnswerHolds) {
   EXPECT_GT(second, 20);  // its position is seldom within a thousandth of both
 }
 
-// What fails is handed on.
+// Failed queries are passed to the fallback.
 bool stubborn(const Shape&, const Pose&, const Shape&, const Pose&, double, collision::FallbackResult& out) {
   out = {shape::axis(0), Vec::make(0.95, 0, 0), 0.1};
   return true;
@@ -71,7 +71,7 @@ TEST(Second, IsMeasured) {
   o.fallback = liar;
   EXPECT_FALSE(query(s, o).from_fallback);
   EXPECT_NEAR(-0.1, query(s, o).distance, 1e-9);
-  // when nothing will do, it is said so
+  // if both fail, the status says so
   o.fallback_first = false, o.fallback = stubborn, o.accepted = o.tolerance = -1;
   EXPECT_EQ(Status::Failed, query(s, o).status);
 }

@@ -1,4 +1,4 @@
-// Solids on a floor made of triangles: its inner edges and vertices are not there for them.
+// Solids on a floor of triangles. Inner edges and vertices must have no effect.
 #include "collision/surfaces.hpp"
 #include "collision/manifold.hpp"
 
@@ -9,7 +9,7 @@ using collision::Contact;
 using collision::Manifold;
 
 constexpr double cell = 0.1, margin = 1e-3;
-constexpr Index cells = 40;  // along each side, about the origin; even: a vertex lies there
+constexpr Index cells = 40;  // along each side; even, so a vertex lies at the origin
 
 void sheet(Faceted& f) {
   for (Index j = 0; j <= cells; ++j)
@@ -45,7 +45,7 @@ Vec lowest(const Solid& s, const Pose& X) {
   return p;
 }
 
-// Any solid at any depth, its lowest point over a vertex, over an edge, or anywhere: upwards is the way out.
+// Any solid at any depth, its lowest point over a vertex, an edge, or a triangle: the normal is up.
 TEST(Floor, PushesUpwards) {
   on_each_floor([&](const Shape& floor) {
     for (int t = 0; t < shape::type_count; ++t)
@@ -74,7 +74,7 @@ TEST(Floor, PushesUpwards) {
   });
 }
 
-// As a simulator moves it: a box that rocks on its edges and corners as it slides has the contacts that it has on a plane.
+// A box that rocks and slides, as in a simulation, has the same contacts as on a plane.
 TEST(Floor, RockingBoxIsThatOnAPlane) {
   const Solid plane = make(Type::HalfSpace, Vec::zero(), 0), crate = box(0.3, 0.4, 0.5);
   on_each_floor([&](const Shape& floor) {
@@ -108,7 +108,7 @@ TEST(Floor, RockingBoxIsThatOnAPlane) {
   });
 }
 
-// On its side and on its cap, rolling and turning.
+// A cylinder on its side and on its cap, rolling and turning.
 TEST(Floor, CylinderIsThatOnAPlane) {
   const Solid plane = make(Type::HalfSpace, Vec::zero(), 0), drum = cylinder(0.2, 0.5);
   on_each_floor([&](const Shape& floor) {
@@ -130,7 +130,7 @@ TEST(Floor, CylinderIsThatOnAPlane) {
   });
 }
 
-// A stack: what lies between two boxes keeps its four corners, their order and their depths through small motions.
+// A stack: the box in the middle keeps its four corners, their order and depths through small motions.
 TEST(Floor, StackedBoxesKeepTheirPoints) {
   const Solid crate = box(0.4, 0.4, 0.4);
   Manifold before;
@@ -148,7 +148,7 @@ TEST(Floor, StackedBoxesKeepTheirPoints) {
     for (int k = 0; k < m.count && i > 0; ++k) {
       ASSERT_EQ(before.points[k].feature, m.points[k].feature);
       ASSERT_LE(shape::norm(before.points[k].position - m.points[k].position), 2e-3);
-      // each at its own depth: where the planes of the two faces are
+      // each at its own depth: where the planes of both faces are
       const Vec on_a = A.act_inverse(m.points[k].position - m.normal * (m.points[k].distance / 2)), on_b = B.act_inverse(m.points[k].position + m.normal * (m.points[k].distance / 2));
       ASSERT_NEAR(0.2, on_a[2], 1e-9);
       ASSERT_NEAR(-0.2, on_b[2], 1e-9);

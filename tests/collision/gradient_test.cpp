@@ -1,4 +1,4 @@
-// The gradient of the distance against central differences, for every pair.
+// Gradient of the distance against central differences, for every pair.
 #include <cstdio>
 
 #include "collision/scene.hpp"
@@ -9,9 +9,9 @@ namespace {
 
 Pose moved(const Pose& X, const Vec& linear, const Vec& angular) { return {exp3(angular) * X.R, X.p + linear}; }
 
-// Differences of distances to the last digits, over steps from 1e-5 down: of the first one that tells the slope to 1e-6, or of the best,
-// how far it is off. Where the nearest point passes from one piece of a boundary to another within a step, the second derivative jumps
-// there: then differences to the other side count, if those to this side are off by no more than a second derivative can make them.
+// Differences over steps from 1e-5 down. Takes the first that gives the slope to 1e-6, else the best, and returns its error. Where
+// the nearest point changes its piece within a step, the second derivative jumps. Then one-sided differences count if the other
+// side is off by no more than a second derivative allows.
 double error(const Scene& s, double slope, int k) {
   collision::Options exact;
   exact.tolerance = 1e-15;
@@ -26,7 +26,7 @@ double error(const Scene& s, double slope, int k) {
   double least = shape::infinity;
   for (double h = 1e-5; h > 5e-10 && least > 1e-6; h /= 10) {
     const double up = at(h), up2 = at(2 * h), down = at(-h), down2 = at(-2 * h), central = (up - down) / (2 * h), far = (up2 - down2) / (4 * h);
-    // Richardson: the third derivative cancels
+    // Richardson extrapolation cancels the third derivative
     least = std::min(least, std::abs(central + (central - far) / 3 - slope));
     auto one_sided = [&](double near, double twice, double other, double step) {
       if (std::abs((here - other) / step - slope) <= max_bend * h) least = std::min(least, std::abs((4 * near - 3 * here - twice) / (2 * step) - slope));
@@ -68,7 +68,7 @@ void compare_all(std::pair<Type, Type> pair, int random) {
 class Gradients : public testing::TestWithParam<std::pair<Type, Type>> {};
 TEST_P(Gradients, CentralDifferences) { compare_all(GetParam(), samples(200)); }
 
-// 10^5 random poses a pair
+// 10^5 random poses a pair.
 class SlowGradients : public testing::TestWithParam<std::pair<Type, Type>> {};
 TEST_P(SlowGradients, CentralDifferences) { compare_all(GetParam(), samples(100000)); }
 

@@ -1,4 +1,4 @@
-// A hull of few points by trying every plane through three of them, in the arrays that shape::Hull points to.
+// Hull of few points by testing every plane through three of them, in the arrays of shape::Hull.
 #pragma once
 
 #include <vector>
@@ -27,7 +27,7 @@ struct HullData {
     for (Index i = 0; i < n; ++i)
       for (Index j = i + 1; j < n; ++j)
         for (Index k = j + 1; k < n; ++k) try_face(points, i, j, k, size * 1e-12, faces);
-    // vertices that are on a face
+    // vertices on a face
     std::vector<Index> number(points.size(), -1), kept;
     for (auto& f : faces)
       for (Index v : f)
@@ -75,7 +75,7 @@ struct HullData {
       if (std::abs(h) <= eps) on.push_back(Index(l));
     }
     if (above && below) return;
-    if (on[0] != i || on[1] != j || on[2] != k) return;  // the same face, from another triple
+    if (on[0] != i || on[1] != j || on[2] != k) return;  // the same face from another triple
     if (above) n = -n;
     // counter-clockwise about the mean
     Vec c = Vec::zero();

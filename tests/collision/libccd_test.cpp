@@ -1,5 +1,5 @@
-// Where libccd errs: its tolerance acts on squared lengths, coincident centres and extreme sizes take it a quarter of a second, contact
-// positions on large boxes and triangles without an area come out wrong (its issues 17, 30, 51, 55, 71).
+// Known errors of libccd (its issues 17, 30, 51, 55, 71). Its tolerance acts on squared lengths. Coincident centres and extreme
+// sizes take a quarter of a second. Contact positions on large boxes and degenerate triangles are wrong.
 #include "collision/survey.hpp"
 #include "collision/manifold.hpp"
 
@@ -15,7 +15,7 @@ std::vector<std::pair<Type, Type>> convex_pairs() {
   return p;
 }
 
-// An error of at most the tolerance times the smaller size, whatever the tolerance.
+// The error is at most the tolerance times the smaller size, for any tolerance.
 TEST(Libccd, ToleranceIsALength) {
   for (const auto& [a, b] : convex_pairs())
     for (int i = 0; i < 40; ++i) {
@@ -40,7 +40,7 @@ TEST(Libccd, CoincidentCentresAndSizeRatiosTakeFewSteps) {
       }
 }
 
-// The corners of a small box that stands far from the middle of a large one, not a point of the large one's middle.
+// Corners of a small box far from the centre of a large one, not a point near the large one's centre.
 TEST(Libccd, ContactPositionsOnALargeBox) {
   const Solid cubes[] = {box(0.2, 0.2, 0.2), make_convex(corners(0.2, 0.2, 0.2))}, grounds[] = {box(200, 200, 2), make_convex(corners(200, 200, 2))};
   for (const Solid& cube : cubes)
@@ -58,7 +58,7 @@ TEST(Libccd, ContactPositionsOnALargeBox) {
     }
 }
 
-// Hulls a millionth thick, and such of points that all but lie on a line: faces and triangles next to nothing.
+// Hulls a millionth thick, also of nearly collinear points: tiny faces and triangles.
 TEST(Libccd, NeedlesAndFlakes) {
   for (const double thin : {1e-3, 1e-6})
     for (int i = 0; i < 100; ++i) {

@@ -1,4 +1,4 @@
-// Contact manifolds: closed forms, what must hold of every pair, and a reference by sampling.
+// Contact manifolds: closed forms, properties of every pair, and a reference by sampling.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -28,7 +28,7 @@ std::vector<Vec> positions(const Manifold& m) {
   for (int i = 0; i < m.count; ++i) out.push_back(m.points[i].position);
   return out;
 }
-// the farthest that a point of one set is from all of the other
+// Hausdorff distance from one set to the other, one way.
 double apart(const std::vector<Vec>& a, const std::vector<Vec>& b) {
   double worst = 0;
   for (const Vec& x : a) {
@@ -69,21 +69,21 @@ TEST(Manifold, BoxOnABox) {
   expect_points(manifold(s, 0.01), {Vec::make(1, 1, 0.995), Vec::make(-1, 1, 0.995), Vec::make(1, -1, 0.995), Vec::make(-1, -1, 0.995)});
   s.B.p = Vec::make(0.5, 1.5, 1.99);
   expect_points(manifold(s, 0.01), {Vec::make(1, 1, 0.995), Vec::make(-0.5, 1, 0.995), Vec::make(1, 0.5, 0.995), Vec::make(-0.5, 0.5, 0.995)});
-  // turned by 45 degrees: the corners of an octagon
+  // rotated by 45 degrees: the corners of an octagon
   s.B = {turn(shape::axis(2), std::acos(-1.0) / 4), Vec::make(0, 0, 1.99)};
   const double t = std::sqrt(2.0) - 1;
   std::vector<Vec> octagon;
   for (double x : {1.0, -1.0})
     for (double y : {t, -t}) octagon.push_back(Vec::make(x, y, 0.995)), octagon.push_back(Vec::make(y, x, 0.995));
   expect_points(manifold(s, 0.01), octagon, 1e-7);
-  // a small one over the middle, over an edge, over a corner
+  // a small box over the middle, an edge, a corner
   s.b = box(0.2, 0.2, 0.2), s.B = at(0.3, 0.3, 1.1);
   EXPECT_EQ(4, manifold(s, 0.01).count);
   s.B = at(1, 0.3, 1.1);
   expect_points(manifold(s, 0.01), {Vec::make(1, 0.2, 1), Vec::make(1, 0.4, 1), Vec::make(0.9, 0.2, 1), Vec::make(0.9, 0.4, 1)});
   s.B = at(1, 1, 1.1);
   expect_points(manifold(s, 0.01), {Vec::make(1, 1, 1), Vec::make(1, 0.9, 1), Vec::make(0.9, 1, 1), Vec::make(0.9, 0.9, 1)});
-  // edges that cross
+  // crossing edges
   s = {box(2, 2, 2), box(2, 2, 2), {turn(shape::axis(0), std::acos(-1.0) / 4), Vec::zero()},
        {turn(shape::axis(1), std::acos(-1.0) / 4), Vec::make(0, 0, 2 * std::sqrt(2.0) - 0.01)}};
   expect_points(manifold(s, 0.005), {Vec::make(0, 0, std::sqrt(2.0) - 0.005)}, 1e-7);
@@ -128,7 +128,7 @@ TEST(Manifold, RoundShapes) {
   expect_points(manifold(s, 0.1), {Vec::make(0, 0, 0), Vec::make(2, 0, 0), Vec::make(0, 4, 0), Vec::make(2, 4, 0)});
 }
 
-// Poses near touching: what must hold of every pair.
+// Poses near touching: properties of every pair.
 struct Sample {
   Scene s;
   Result r;
@@ -169,7 +169,7 @@ TEST(Manifold, HoldsOfEveryPair) {
       EXPECT_LE(c.distance, x.margin);
       EXPECT_GE(c.distance, x.r.distance - tolerance);
       EXPECT_TRUE(i == 0 || m.points[i - 1].feature < c.feature);
-      // on both shapes, or within one of them that slopes away from the other
+      // on both shapes, or within one that slopes away from the other
       const double a = outside(x.s.a, x.s.A, c.position - m.normal * (c.distance / 2)), b = outside(x.s.b, x.s.B, c.position + m.normal * (c.distance / 2));
       EXPECT_LE(std::max(a, b), tolerance);
       EXPECT_GE(std::min(a, b), x.r.distance - x.margin - tolerance);
@@ -185,7 +185,7 @@ TEST(Manifold, ExchangedAndMoved) {
     Chance g(7);
     const Pose X = {g.rotation(), g.direction()};
     const Manifold moved = manifold({x.s.a, x.s.b, X * x.s.A, X * x.s.B}, x.margin);
-    // where another normal is as good, another one may be found
+    // where another normal is equally good, another one may be found
     if (shape::norm(m.normal + other.normal) > 1e-9 || shape::norm(X.R * m.normal - moved.normal) > 1e-9) return;
     auto near_margin = [&](const Manifold& a) {
       for (int i = 0; i < a.count; ++i)
@@ -193,13 +193,13 @@ TEST(Manifold, ExchangedAndMoved) {
       return false;
     };
     if (near_margin(m) || near_margin(other) || near_margin(moved)) return;
-    if (m.count == 8) return;                  // may be thinned out: ThinnedOut
+    if (m.count == 8) return;                  // may be reduced: ThinnedOut
     if (m.count == 1 && !x.r.unique) return;  // the witness points, one choice of many
     ++compared;
     std::vector<Vec> back;
     for (const Vec& p : positions(moved)) back.push_back(X.act_inverse(p));
     const double tolerance = 3e-5 * x.size;
-    // what is farther hangs on which of two features turns to the other shape more: at 45 degrees a tie
+    // farther points depend on which of two features faces the other shape: a tie at 45 degrees
     auto near = [&](const Manifold& of, std::vector<Vec> points) {
       std::vector<Vec> out;
       for (std::size_t i = 0; i < points.size(); ++i)
@@ -217,7 +217,7 @@ TEST(Manifold, ExchangedAndMoved) {
   EXPECT_GE(equal_ids, compared * 0.98);
 }
 
-// Numbers stay, and points move no more than the shapes, through small motions.
+// Through small motions numbers persist, and points move no more than the shapes.
 TEST(Manifold, ContinuousAndPersistent) {
   int kept = 0, all = 0;
   for_each_sample(samples(60), [&](const Sample& x) {
@@ -238,7 +238,7 @@ TEST(Manifold, ContinuousAndPersistent) {
   EXPECT_GE(kept, all * 0.998);
 }
 
-// Two boxes, face on face: the points span the overlap of the faces as samples find it.
+// Two boxes face to face: the points span the overlap found by samples.
 TEST(Manifold, SpansTheOverlap) {
   Chance g(5);
   int seen = 0;
@@ -246,8 +246,8 @@ TEST(Manifold, SpansTheOverlap) {
     Scene s = {box(g.uniform(0.5, 2), g.uniform(0.5, 2), 1), g.pick(2) ? box(g.uniform(0.5, 2), g.uniform(0.5, 2), 1) : make_convex(corners(g.uniform(0.5, 2), g.uniform(0.5, 2), 1)),
                at(0, 0, 0), {turn(shape::axis(2), g.uniform(0, 6)), Vec::make(g.uniform(-0.7, 0.7), g.uniform(-0.7, 0.7), 0.999)}};
     const Manifold m = manifold(s, 1e-3);
-    if (m.count == 0) continue;  // beside each other
-    if (m.normal[2] < 0.5) {     // nearly so: the way out sideways is shorter than the 1e-3 upwards
+    if (m.count == 0) continue;  // side by side
+    if (m.normal[2] < 0.5) {     // nearly so: sideways is shorter than 1e-3 upwards
       EXPECT_NEAR(0, m.normal[2], 1e-9);
       for (int i = 0; i < m.count; ++i) EXPECT_GT(m.points[i].distance, -1e-3);
       continue;
@@ -271,7 +271,7 @@ TEST(Manifold, SpansTheOverlap) {
   EXPECT_GT(seen, samples(100) / 2);
 }
 
-// More corners than eight: two drums, cap on cap. The deepest stays, and most of the area.
+// More than eight corners: two drums cap to cap. The deepest point stays, and most of the area.
 TEST(Manifold, ThinnedOut) {
   for (double angle : {0.1, 0.3, 0.35})
     for (double tilt : {0.0, 1e-3}) {

@@ -1,4 +1,4 @@
-// Pairs of a robot's collision shapes: which there are, and the gradients of their distances.
+// Collision pairs of a robot and the gradients of their distances.
 #include "common/random_tree.hpp"
 #include "common/work.hpp"
 #include "collision/pair_search.hpp"
@@ -7,7 +7,7 @@
 namespace dyn_test {
 namespace {
 
-// A random robot, a shape of any type on most of its links.
+// A random robot with shapes of any type on most links.
 ModelPtr with_shapes(std::uint64_t seed) {
   TreeOptions options;
   options.joints = 8;
@@ -37,7 +37,7 @@ VectorXd distances_at(const Model& m, Work<double>& w, const VectorXd& q) {
   return Eigen::Map<const VectorXd>(w.d.distances, m.n.pairs);
 }
 
-// Central differences of order four, where the distance is smooth within their reach.
+// Central differences of order four, where the distance is smooth within the steps.
 TEST(Pairs, GradientIsTheDerivative) {
   int compared = 0, seen = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
@@ -65,7 +65,7 @@ TEST(Pairs, GradientIsTheDerivative) {
       for (Index p = 0; p < pairs; ++p) {
         if (!smooth[std::size_t(p)] || !std::isfinite(near[p])) continue;
         ++seen;
-        if (std::abs(near[p] - far[p]) > 1e-6) continue;  // a kink is near, where another feature becomes the nearest
+        if (std::abs(near[p] - far[p]) > 1e-6) continue;  // near a kink, where another feature becomes nearest
         ++compared;
         EXPECT_NEAR((4 * near[p] - far[p]) / 3, gradient(p, k), 2e-6) << "tree " << seed << ", pair " << p << " at distance " << d0[p];
       }
@@ -117,7 +117,7 @@ TEST(Pairs, BodiesParentsAndTheFloor) {
   }
 }
 
-// Pairs by the names of their links, "universe" for the world's own shapes.
+// Pairs by the names of their links; "universe" for the world's shapes.
 std::vector<std::string> tested_pairs(const Model& m) {
   std::vector<std::string> out;
   for (Index k = 0; k < m.n.pairs; ++k) {
@@ -127,7 +127,8 @@ std::vector<std::string> tested_pairs(const Model& m) {
   return out;
 }
 
-// A plinth and a wall fixed to the world, an arm on the plinth by two joints without mass between them, a hand on the arm, a sledge on the world.
+// A plinth and a wall fixed to the world, an arm on the plinth (two joints, massless in between), a hand on the arm, a sledge on
+// the world.
 void build_arm_on_a_plinth(Builder& b) {
   const std::array<double, 9> inertia = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double at = 0;
@@ -158,7 +159,7 @@ TEST(Pairs, TheWorldIsNobodysParent) {
   build_arm_on_a_plinth(b);
   const ModelPtr m = b.finish();
   EXPECT_EQ(expected, tested_pairs(*m));
-  // as a builder reads it again, without the sledge, and on another robot, whose own link then is the parent of the arm's plinth
+  // read by a builder, without the sledge, and attached to another robot, whose link becomes the plinth's parent
   Builder again(*m);
   again.remove("slide");
   const ModelPtr less = again.finish();
@@ -170,7 +171,7 @@ TEST(Pairs, TheWorldIsNobodysParent) {
   EXPECT_EQ((std::vector<std::string>{"mount its_arm", "mount its_hand", "its_plinth its_hand", "its_wall its_arm", "its_wall its_hand"}), tested_pairs(*cart.finish()));
 }
 
-// More shapes than pairs are listed of: the same answers.
+// More shapes than pairs are listed for: the same results.
 TEST(Pairs, TheWorldIsNobodysParentAmongMany) {
   Builder b("arm"), alone("arm");
   build_arm_on_a_plinth(b), build_arm_on_a_plinth(alone);
@@ -207,7 +208,7 @@ TEST(Pairs, CollisionsAreThoseWithinTheMargin) {
   }
 }
 
-// What overlaps in the neutral configuration is left out.
+// Shapes that overlap in the neutral configuration are not tested.
 TEST(Pairs, OverlapsAreNotTested) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const ModelPtr m = with_shapes(seed);
@@ -222,7 +223,7 @@ TEST(Pairs, OverlapsAreNotTested) {
     auto flies = [&](Index i) { return i && m->bodies()[i].type == BodyType::FreeFlyer; };
     for (Index k = 0; k < m->n.pairs; ++k) {
       const Index a = root(m->pairs()[k].a), b = root(m->pairs()[k].b);
-      const bool counts = a == b || !(flies(a) || flies(b));  // what flies overlaps nothing for good
+      const bool counts = a == b || !(flies(a) || flies(b));  // a free flyer's overlap is not permanent
       EXPECT_EQ(counts && w.d.results[k].status == collision::Status::Penetrating, m->pairs()[k].reason == DYN_PAIR_REASON_OVERLAPS) << k;
     }
   }

@@ -1,4 +1,4 @@
-// Poses on which other engines are known to throw, hang, or answer wrongly.
+// Poses on which other engines are known to throw, hang, or give wrong results.
 #include "collision/survey.hpp"
 
 namespace dyn_test {
@@ -13,7 +13,7 @@ Pose turned(double x, double y, double z, double qx, double qy, double qz, doubl
   return {rotation(load_quaternion(q)), Vec::make(x, y, z)};
 }
 
-// the witness points: inside both shapes, and as far apart as the distance says
+// Witness points lie in both shapes, at the distance found.
 Result consistent(const Scene& s, double ulps = 10) {
   const Result r = query(s);
   EXPECT_NE(Status::Failed, r.status);
@@ -33,7 +33,7 @@ void expect(const Scene& s, double distance, double tol = 1e-12) {
   EXPECT_NEAR(distance, e.distance, tol);
 }
 
-// boxes and the same as convex polytopes
+// boxes, and the same boxes as convex polytopes
 void expect_boxes(const double (&a)[3], const Pose& A, const double (&b)[3], const Pose& B, double distance, double tol = 1e-12) {
   const Solid boxes[2] = {box(a[0], a[1], a[2]), box(b[0], b[1], b[2])};
   const Solid hulls[2] = {make_convex(corners(a[0], a[1], a[2])), make_convex(corners(b[0], b[1], b[2]))};
@@ -98,7 +98,7 @@ TEST(Fcl, Boxes388) {
   consistent({box(0.03, 0.12, 0.1), box(1, 1, 1), pose(X), at(0, 0, 0)});
 }
 TEST(Fcl, PlateInABox398) {
-  // the plate's mid-plane at z = 0.935 in a box from 0.7265 to 1.0965: out through the top, by 1.0965 - 0.930
+  // the plate's mid-plane at z = 0.935 in a box from 0.7265 to 1.0965: out through the top by 1.0965 - 0.930
   expect({box(.614, 3, .37), box(.494, .552, .01), at(-.675, 0, .9115), at(-.692, 0, .935)}, -(1.0965 - 0.930), 1e-12);
 }
 TEST(Fcl, Boxes428) {
@@ -125,7 +125,7 @@ TEST(Drake, Boxes21673) {
 // Prisms: a regular polygon along x and a triangle along z (Drake 21673, of test_fcl_signed_distance.cpp).
 TEST(Drake, Prisms21673) {
   struct Prisms {
-    int corners;            // -4: a rectangle, the octagon's every other edge
+    int corners;            // -4: a rectangle, every other edge of the octagon
     double R[2][2], p[2];   // the polygon's y and z in the world's x and y; its x is the world's z, but for 3e-9
     double triangle[3][2];
   };
@@ -170,7 +170,7 @@ TEST(Drake, BoxAndFlatCylinder10578) {
   }
 }
 
-// Cubes that touch to the last bit (FCL 493): MuJoCo answers +dim for some.
+// Cubes that touch to the last bit (FCL 493). MuJoCo gives +dim for some.
 TEST(Fcl, KissingCubes493) {
   const Mat3<double> R = {Vec::make(0.94096063217417758029, -0.23569836841299879326, -0.2429801799032638987),
                           Vec::make(0.29296840037289501035, 0.92661523595848427348, 0.23569836841299884878),
@@ -187,7 +187,7 @@ TEST(Fcl, KissingCubes493) {
     }
 }
 
-// MuJoCo finds no contact of these; FCL does not return.
+// MuJoCo finds no contact here; FCL does not return.
 TEST(MuJoCo, CoincidentCentres) {
   for (double offset : {0., 1e-16, 1e-12, 1e-8, 1e-4}) {
     SCOPED_TRACE(offset);
@@ -254,7 +254,7 @@ TEST(Coal, SphereInACylinder) {
   expect({sphere(0.1), cylinder(1, 4), at(0, 0, 0), at(0, 0, 0)}, -1.1);
   expect({sphere(0.1), cylinder(1, 4), at(0.9, 0, 0), at(0, 0, 0)}, -0.2);
 }
-// A foot in another leg's hip on the go2: Coal answers the way out through the side, 1.5 cm deeper than that through the cap.
+// A foot in another leg's hip of the go2. Coal separates through the side, 1.5 cm deeper than through the cap.
 TEST(Coal, FootInACylinderOfTheGo2) {
   const Pose foot = at(0.07816108330756405, 0.19404302073175989, 0.63663705484369637);
   const Pose hip = {{Vec::make(0.24157705261448326, -0.96914757452577027, -0.048923475356067989), Vec::make(0.032792291126815171, 0.058541217972520279, -0.99774625603955425),
@@ -265,7 +265,7 @@ TEST(Coal, FootInACylinderOfTheGo2) {
   ASSERT_TRUE(0 < cap && cap < side);
   const Scene s = {sphere(0.022), cylinder(0.046, 0.04), foot, hip};
   expect(s, -(cap + 0.022));
-  EXPECT_NEAR(-0.0411859965, -(side + 0.022), 1e-9);  // what Coal 3.0.3 answers
+  EXPECT_NEAR(-0.0411859965, -(side + 0.022), 1e-9);  // result of Coal 3.0.3
   EXPECT_NEAR(cap + 0.022, BruteForce(s).depth(), 1e-9);
 }
 TEST(Coal, SizeRatio) {

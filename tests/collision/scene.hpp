@@ -1,4 +1,4 @@
-// Random shapes of every type and poses, plain and adversarial.
+// Random shapes of every type, in ordinary and adversarial poses.
 #pragma once
 
 #include <cstdlib>
@@ -20,7 +20,7 @@ using shape::Shape;
 using shape::Type;
 using shape::Vec;
 
-// How many samples: DYN_COLLISION_SAMPLES, or so many as take seconds.
+// Number of samples: DYN_COLLISION_SAMPLES, or as many as take seconds.
 inline int samples(int usual) {
   const char* s = std::getenv("DYN_COLLISION_SAMPLES");
   return s ? std::atoi(s) : usual;
@@ -38,7 +38,7 @@ inline const char* name_of(Type t) {
   return name;
 }
 
-// A stored shape with the hull it points to.
+// A stored shape with its hull.
 struct Solid {
   Shape shape{};
   std::shared_ptr<HullData> hull;
@@ -110,7 +110,7 @@ inline double size_of(const Solid& s) {
   return r == shape::infinity ? 1 : r;
 }
 
-// The support function of the rounded shape at a pose, along the world's direction n.
+// Support function of the rounded shape at a pose along the world's direction n.
 inline double reach(const Solid& s, const Pose& X, const Vec& n) {
   double h = 0;
   const Vec d = transpose_times(X.R, n);
@@ -168,7 +168,7 @@ inline Scene scene(Type ta, Type tb, Case c, std::uint64_t seed) {
   }
   Vec along = g.direction();
   if (c == Case::Aligned) {
-    // faces, edges or corners that meet, at whole steps of the sizes
+    // faces, edges or corners that meet, at multiples of the sizes
     double p[3];
     for (int i = 0; i < 3; ++i) {
       const Vec n = shape::axis(i);
@@ -181,7 +181,7 @@ inline Scene scene(Type ta, Type tb, Case c, std::uint64_t seed) {
   }
   s.B.p = s.A.p + along * apart;
   if (c == Case::Touching || c == Case::NearlyTouching || c == Case::Ratio) {
-    // the result's own normal: what matters is the pose it leads to
+    // along the result's own normal, which leads to the adversarial pose
     const Result r = query(s);
     double gap = 0;
     if (c == Case::NearlyTouching) gap = (g.pick(2) ? 1 : -1) * std::pow(10.0, -g.uniform(2, 15));

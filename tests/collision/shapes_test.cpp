@@ -40,11 +40,11 @@ TEST_P(Shapes, NearestPointIsOnTheBoundaryAlongTheNormal) {
     ASSERT_LE(shape::norm(p - n.point - n.normal * n.distance), 1e-13);
     ASSERT_NEAR(0, x.signed_distance(n.point).distance, 1e-13);
     if constexpr (S::type != Type::HalfSpace) {
-      // the plane through the nearest point supports the shape: no point of it is nearer, if p is outside
+      // for p outside, the plane through the nearest point supports the shape, so no point is nearer
       if (n.distance > 0) {
         ASSERT_LE(dot(n.normal, x.support(n.normal)) + x.radius - dot(n.normal, n.point), 1e-12);
       }
-      // inside, every plane that supports the shape is at least as far
+      // inside, every supporting plane is at least as far
       for (int k = 0; k < 50 && n.distance < 0; ++k) {
         const Vec d = g.direction();
         ASSERT_GE(dot(d, x.support(d)) + x.radius - dot(d, p), -n.distance - 1e-12);
@@ -147,7 +147,7 @@ TEST_P(Shapes, MomentsAgainstChords) {
 INSTANTIATE_TEST_SUITE_P(All, Shapes, testing::Range(0, shape::type_count),
                          [](const auto& info) { return std::string(name_of(Type(info.param))); });
 
-// Shapes that are one another in the limit have the same moments to the last digits.
+// Shapes that are equal in the limit have the same moments to the last digits.
 TEST(Moments, DegenerateShapesAgree) {
   auto moments = [](const Solid& s) {
     Inertia<double> Y{};
@@ -176,7 +176,7 @@ TEST(Moments, Cone) {
   EXPECT_NEAR(0.3 * Y.m, Y.I.d[2], 1e-14);
 }
 
-// A large hull is searched from neighbour to neighbour, a small one as a whole.
+// Large hulls use hill climbing, small ones test every vertex.
 TEST(Hulls, BothSearchesFindTheSameHeight) {
   Chance g(5);
   std::vector<Vec> points;

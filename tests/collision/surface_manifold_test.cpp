@@ -1,4 +1,4 @@
-// Contact points of meshes and height fields: as of the convex shapes they are made after, however finely they are divided.
+// Contact points of meshes and height fields equal those of the convex shapes they approximate, however fine the mesh.
 #include "collision/surfaces.hpp"
 #include "collision/manifold.hpp"
 
@@ -28,7 +28,7 @@ void expect_same(const Manifold& a, const Manifold& b, double tolerance) {
   EXPECT_LE(farthest_alone(a, b), tolerance);
   EXPECT_LE(farthest_alone(b, a), tolerance);
 }
-// What holds of every manifold.
+// Properties of every manifold.
 void expect_valid(const Manifold& m, const Result& r, double margin, double tolerance) {
   ASSERT_EQ(r.distance <= margin, m.count > 0);
   ASSERT_LE(m.count, Manifold::most);
@@ -45,7 +45,7 @@ void expect_valid(const Manifold& m, const Result& r, double margin, double tole
   }
 }
 
-// A square of n x n cells, two triangles each, about the origin; open.
+// A square of n x n cells about the origin, two triangles each; open.
 void sheet(Faceted& f, Index n, double size) {
   for (Index j = 0; j <= n; ++j)
     for (Index i = 0; i <= n; ++i) f.vertex(Vec::make(size * (double(i) / n - 0.5), size * (double(j) / n - 0.5), 0));
@@ -85,7 +85,7 @@ TEST(SurfaceManifold, FlatHeightFieldIsAPlane) {
   }
 }
 
-// On both sides, and on each other.
+// From both sides, and on each other.
 TEST(SurfaceManifold, MeshOfABoxIsTheBox) {
   Faceted mesh;
   box_mesh(mesh, 1, 1.5, 2);

@@ -1,4 +1,4 @@
-// Triangle meshes and height fields for tests, and the same queries by looking at every piece.
+// Triangle meshes and height fields for tests, and brute-force queries over all pieces.
 #pragma once
 
 #include "collision/scene.hpp"
@@ -17,7 +17,7 @@ struct Faceted {
   Shape shape{};
 
   Faceted() = default;
-  Faceted(const Faceted&) = delete;  // the shape points into it
+  Faceted(const Faceted&) = delete;  // the shape points to its own arrays
   Faceted& operator=(const Faceted&) = delete;
 
   Index count() const { return Index(triangles.size() / 3); }
@@ -56,7 +56,7 @@ inline void box_mesh(Faceted& m, double x, double y, double z) {
   m.finish(true);
 }
 
-// A ring: the radius of its tube differs along it, so that no two triangles are alike. n around, m around the tube.
+// A ring whose tube varies, so that no two triangles are alike. n around, m around the tube.
 inline void ring_mesh(Faceted& r, Index n, Index m, double radius = 1, double tube = 0.3) {
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < m; ++j) {
@@ -95,7 +95,7 @@ inline void hills(Faceted& f, Chance& g, Index columns, Index rows) {
 
 inline Result query(const Shape& a, const Pose& A, const Shape& b, const Pose& B, const collision::Options& o = {}) { return collision::distance(a, A, b, B, workspace(), o); }
 
-// The least distance of a piece.
+// Least distance over the pieces.
 inline double every_piece(const Faceted& a, const Pose& A, const Shape& b, const Pose& B) {
   double least = shape::infinity;
   shape::Facet f;

@@ -1,4 +1,4 @@
-// Triangle meshes and height fields: every query against the same one over all pieces, and against closed forms.
+// Triangle meshes and height fields: every query against brute force over all pieces, and against closed forms.
 #include "collision/surfaces.hpp"
 
 namespace dyn_test {
@@ -8,7 +8,7 @@ using shape::HeightField;
 using shape::Triangles;
 
 
-// f(faceted, chance) for some surfaces of both kinds
+// f(faceted, chance) for several surfaces of both kinds.
 template <class F>
 void each_surface(F&& f) {
   for (int kind = 0; kind < 3; ++kind) {
@@ -48,19 +48,19 @@ TEST(Surfaces, DistanceToConvexShapesIsTheLeastOfAllPieces) {
         ASSERT_LE(shape::norm(r.point_b - r.point_a - r.normal * r.distance), 1e-9);
         ASSERT_NE(Status::Failed, r.status);
         const double expected = every_piece(s, A, b.shape, B);
-        // of closed meshes more is known
+        // closed meshes have further properties
         if (s.tree.closed && (t == Type::Sphere || expected > 0) && r.distance < 0 && r.distance < expected - 1e-9) {
           ++inside;
           continue;
         }
-        if (s.shape.type == Type::HeightField && t == Type::Sphere && r.distance < 0) continue;  // by its centre: below
+        if (s.shape.type == Type::HeightField && t == Type::Sphere && r.distance < 0) continue;  // decided by the centre: below
         // deeper, where the way out of one piece leads into the next
         if (expected < 0 && r.distance < expected - 1e-3 * size_of(b)) {
           ASSERT_GE(query(s.shape, A, b.shape, {B.R, B.p - r.normal * r.distance}).distance, -1e-7);
           ++through;
           continue;
         }
-        // that no direction gives a smaller depth is sure to 1e-3 (EPA)
+        // minimality of the depth is certain to 1e-3 (EPA)
         ASSERT_NEAR(expected, r.distance, r.distance > 0 ? 1e-9 : 1e-3 * size_of(b));
         (r.distance > 0 ? apart : meeting)++;
       }
@@ -89,7 +89,7 @@ TEST(Surfaces, DistanceToSurfacesIsTheLeastOfAllPairs) {
     }
     const Result r = query(a.shape, A, b.shape, B), back = query(b.shape, B, a.shape, A);
     ASSERT_NEAR(r.distance, back.distance, 1e-9);
-    if (expected > 0 && r.distance < 0) continue;  // one inside of the other
+    if (expected > 0 && r.distance < 0) continue;  // one inside the other
     ASSERT_NEAR(expected, r.distance, 1e-9);
     ASSERT_LE(shape::norm(r.point_b - r.point_a - r.normal * r.distance), 1e-9);
     (r.distance > 0 ? apart : meeting)++;
@@ -98,7 +98,7 @@ TEST(Surfaces, DistanceToSurfacesIsTheLeastOfAllPairs) {
   EXPECT_GT(meeting, 5);
 }
 
-// Solid angles of all triangles add up to 4 pi inside and nothing outside (Van Oosterom, Strackee 1983).
+// Solid angles of all triangles sum to 4 pi inside and zero outside (Van Oosterom, Strackee 1983).
 bool wound(const Faceted& s, const Vec& p) {
   double sum = 0;
   for (Index t = 0; t < s.count(); ++t) {
@@ -195,7 +195,7 @@ TEST(Surfaces, SupportAndBoundsAgainstAllVertices) {
   });
 }
 
-// Two triangles a side are a box.
+// A mesh with two triangles a side equals a box.
 TEST(Surfaces, MeshOfABoxIsTheBox) {
   Faceted m;
   box_mesh(m, 0.6, 0.8, 1);
@@ -224,7 +224,7 @@ TEST(Surfaces, MeshOfABoxIsTheBox) {
       if (e.unique && r.unique) {
         ASSERT_LE(shape::norm(e.normal - r.normal), 1e-5);
       }
-      if (c.shape.type != Type::Sphere && c.shape.type != Type::HalfSpace) tied += e.unique && !r.unique;  // two triangles of a side, to rounding
+      if (c.shape.type != Type::Sphere && c.shape.type != Type::HalfSpace) tied += e.unique && !r.unique;  // two triangles of a side, within rounding
       ++apart;
     } else if (e.distance > -0.02) {  // through one side
       ASSERT_LE(r.distance, 1e-12);
@@ -241,7 +241,7 @@ TEST(Surfaces, MeshOfABoxIsTheBox) {
   EXPECT_LE(tied, apart / 1000);
 }
 
-// A fine sphere comes near to one as the square of its angle.
+// A fine mesh approaches a sphere with the square of its angle.
 TEST(Surfaces, FineSphereIsNearASphere) {
   for (const Index n : {20, 40, 80}) {
     Faceted s;
@@ -290,7 +290,7 @@ TEST(Surfaces, FlatHeightFieldIsABox) {
   }
 }
 
-// Coarser levels of the tree of a height field hold the finer ones, whatever the grid's size.
+// Coarser levels of a height field's tree contain the finer ones, for any grid size.
 TEST(Surfaces, HeightFieldsOfAllSizes) {
   for (const auto& [columns, rows] : {std::pair<Index, Index>{2, 2}, {2, 9}, {3, 2}, {17, 16}, {18, 33}, {1, 5}}) {
     Chance g{std::uint64_t(columns * 100 + rows)};
@@ -311,7 +311,7 @@ TEST(Surfaces, HeightFieldsOfAllSizes) {
   }
 }
 
-// The distance changes with the motion of B as normal and witness points say.
+// Derivative of the distance by the motion of B, from normal and witness points.
 TEST(Surfaces, GradientAgainstDifferences) {
   int compared = 0, flagged = 0;
   each_surface([&](const Faceted& s, Chance& g) {
@@ -340,7 +340,7 @@ TEST(Surfaces, GradientAgainstDifferences) {
   RecordProperty("flagged", flagged);
 }
 
-// A mesh and what is in it: parted by the nearest plane.
+// A shape inside a mesh is separated by the nearest plane.
 TEST(Surfaces, InsideOfAClosedMeshIsAnOverlap) {
   Faceted m, small;
   box_mesh(m, 2, 2, 2);
@@ -358,7 +358,7 @@ TEST(Surfaces, InsideOfAClosedMeshIsAnOverlap) {
   EXPECT_EQ(Status::Separated, query(m.shape, A, small.shape, {Mat3<double>::identity(), Vec::make(1.5, 0, 0)}).status);
 }
 
-// Rounded triangles are the rounded box, but for its inside.
+// Rounded triangles equal the rounded box, except inside.
 TEST(Surfaces, RoundedMeshes) {
   Faceted m;
   box_mesh(m, 1, 1, 1);

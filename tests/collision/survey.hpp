@@ -1,15 +1,15 @@
-// What an answer must satisfy, whatever method found it, and the least depth by brute force.
+// Properties of every result, by any method, and the least depth by brute force.
 #pragma once
 
 #include "collision/scene.hpp"
 
 namespace dyn_test {
 
-// How far along n the two reach into each other.
+// Overlap of the two along n.
 inline double overlap(const Scene& s, const Vec& n) { return reach(s.a, s.A, n) + reach(s.b, s.B, -n); }
 
-// The least overlap over all directions: a grid on the sphere, and from each of its local minima the best of eight neighbours, nearer and
-// nearer. Never less than the true depth.
+// Least overlap over all directions: a grid on the sphere, then pattern search from each local minimum. Never less than the true
+// depth.
 class BruteForce {
  public:
   explicit BruteForce(const Scene& s) : s_(s) {}
@@ -60,12 +60,12 @@ class BruteForce {
   }
 };
 
-// Of an answer, relative to the size of the smaller shape, beyond what rounding of the poses does.
+// Violations relative to the size of the smaller shape, beyond rounding of the poses.
 struct Faults {
-  bool failed;      // by its status, or not a number
-  double witness;   // how far its points are outside the shapes, and from where distance and normal put them
-  double plane;     // how much less the shapes are apart along the normal than the distance says
-  double depth;     // how much deeper than the least depth it is, relative to that depth
+  bool failed;      // by its status, or not finite
+  double witness;   // distance of its points from the shapes, and from where distance and normal put them
+  double plane;     // separation along the normal less the distance, if negative
+  double depth;     // excess over the least depth, relative to that depth
 };
 
 inline double smaller(const Scene& s) { return std::min(size_of(s.a), size_of(s.b)); }

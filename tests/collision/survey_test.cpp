@@ -1,4 +1,4 @@
-// Every pair of shapes in random and adversarial poses: no failure, witness points on both shapes, a supporting plane, the least depth.
+// Every pair of shapes in random and adversarial poses: no failure, valid witness points, a supporting plane, the least depth.
 #include <cstdio>
 
 #include "collision/survey.hpp"
@@ -9,7 +9,7 @@ namespace {
 struct Tally {
   long poses = 0, failed = 0, wrong = 0, deeper = 0;
   double witness = 0, plane = 0, depth = 0;
-  std::string first;  // of what is wrong
+  std::string first;  // description of the first violation
 };
 
 bool closed_form(Type a, Type b) {

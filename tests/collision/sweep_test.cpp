@@ -1,4 +1,4 @@
-// Swept tests: closed forms, bullets through thin walls, and dense sampling.
+// Sweeps: closed forms, bullets through thin walls, and dense sampling.
 #include <gtest/gtest.h>
 
 #include "collision/scene.hpp"
@@ -19,7 +19,7 @@ Impact sweep(const Moving& a, const Moving& b, double duration, double margin = 
 const Vec still = Vec::zero();
 
 TEST(Sweep, ClosedForms) {
-  // balls head on, and one that passes
+  // balls head on, and a miss
   Impact i = sweep(moving(sphere(0.5), Vec::make(0, 0, 0), Vec::make(1, 0, 0)), moving(sphere(0.5), Vec::make(5, 0, 0), Vec::make(-1, 0, 0)), 10);
   EXPECT_EQ(Impact::Status::Hit, i.status);
   EXPECT_NEAR(2, i.time, 1e-6);
@@ -30,13 +30,13 @@ TEST(Sweep, ClosedForms) {
   EXPECT_EQ(Impact::Status::None, sweep(moving(sphere(0.5), still, Vec::make(1, 0, 0)), moving(sphere(0.5), Vec::make(5, 0, 0), still), 3.99).status);
   // with a margin
   EXPECT_NEAR(3.9, sweep(moving(sphere(0.5), still, Vec::make(1, 0, 0)), moving(sphere(0.5), Vec::make(5, 0, 0), still), 10, 0.1).time, 1e-6);
-  // they overlap at once
+  // overlapping from the start
   EXPECT_EQ(0, sweep(moving(box(1, 1, 1), still, still), moving(box(1, 1, 1), Vec::make(0.5, 0, 0), still), 1).time);
   // a rod that turns about its middle into a wall: the tip is at cos(t)
   i = sweep(moving(capsule(0.1, 2), still, still, Vec::make(0, 1, 0)), moving(box(1, 10, 10), Vec::make(0.7 + 0.5, 0, 0), still), 3);
   EXPECT_EQ(Impact::Status::Hit, i.status);
   EXPECT_NEAR(std::asin(0.6), i.time, 1e-5);
-  // a ball that only spins beside a wall
+  // a ball that spins beside a wall
   EXPECT_EQ(Impact::Status::None, sweep(moving(sphere(0.5), still, still, Vec::make(0, 0, 100)), moving(box(1, 9, 9), Vec::make(1.0001, 0, 0), still), 100).status);
   // a box that slides over a floor
   EXPECT_EQ(Impact::Status::None, sweep(moving(box(1, 1, 1), Vec::make(0, 0, 0.50001), Vec::make(100, 0, 0)), moving(make(Type::HalfSpace, still, 0), still, still), 100).status);
@@ -56,7 +56,7 @@ TEST(Sweep, BulletsThroughThinWalls) {
   }
 }
 
-// What samples of the motion find, the sweep finds before.
+// Any contact found by sampling the motion is found earlier by the sweep.
 TEST(Sweep, NoTunnelling) {
   int hits = 0, undecided = 0;
   const int count = samples(10000);

@@ -1,4 +1,4 @@
-// What a constraint says of its rows' changes with a displacement of B, against dual numbers.
+// Derivatives of constraint rows by a displacement of B, against dual numbers.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -10,7 +10,7 @@ namespace dyn_test {
 
 using D = Dual<double>;
 
-// d(log3 R) = Jlog^T turn, for a rotation that is turned from the left.
+// d(log3 R) = Jlog^T turn, for a rotation from the left.
 dyn::Vec3<D> log3(const dyn::Mat3<D>& R) {
   auto part = [&](auto&& of) {
     auto column = [&](const dyn::Vec3<D>& c) { return dyn::Vec3<double>::make(of(c[0]), of(c[1]), of(c[2])); };
@@ -40,7 +40,7 @@ using dyn_test::Dual;
 using D = Dual<double>;
 using V = Vec3<double>;
 
-// The same as seen from A with the displacement of B: steps, turns, v, w are directions 0-2, 3-5, 6-8, 9-11.
+// Displacement of B relative to A: steps, turns, v, w are directions 0-2, 3-5, 6-8, 9-11.
 Relative<D> displaced(const Relative<double>& X) {
   auto lift = [](const V& a, int first) {
     D x(a[0]), y(a[1]), z(a[2]);

@@ -1,5 +1,5 @@
-// The contract of every constraint between frames, by walking the list: its rows are the first and second derivatives of its errors along
-// motions that it allows, and its number of rows is what it says. And of those between joints.
+// The contract of every constraint in the list. Rows are the first and second derivatives of the errors along allowed motions. The
+// number of rows agrees with `rows`.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -32,7 +32,7 @@ Found evaluate(const Constraint& c, const Relative<double>& X) {
   return out;
 }
 
-// Where every constraint holds: the two frames are one, or what is measured is as long as it should be.
+// A state where the constraint holds: the frames coincide, or the measured length is right.
 template <class K>
 void check(Constraint c, int seed) {
   std::mt19937 g{static_cast<unsigned>(seed)};
@@ -44,7 +44,7 @@ void check(Constraint c, int seed) {
   const auto at = [](const Eigen::Vector3d& r) { return Relative<double>{vec(r), Vec3<double>::zero(), Vec3<double>::zero(), Mat3<double>::identity()}; };
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
   if (evaluate<K>(c, at(start)).error.norm() > 0) {
-    start = random();  // and by Newton's steps to the nearest place
+    start = random();  // then Newton's steps to the nearest solution
     for (int k = 0; k < 20; ++k) {
       const Found f = evaluate<K>(c, at(start));
       start -= f.J.leftCols(3).completeOrthogonalDecomposition().solve(f.error);
@@ -54,7 +54,7 @@ void check(Constraint c, int seed) {
   EXPECT_LE(here.error.cwiseAbs().maxCoeff(), 1e-15);
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(here.J * here.J.transpose(), Eigen::EigenvaluesOnly).eigenvalues()[0], 1e-6) << "rows are independent";
 
-  // a velocity that it allows, any acceleration
+  // an allowed velocity, any acceleration
   Eigen::Matrix<double, 6, 1> velocity, acceleration;
   for (int k = 0; k < 6; ++k) velocity[k] = normal(g), acceleration[k] = normal(g);
   velocity -= here.J.transpose() * (here.J * here.J.transpose()).ldlt().solve(here.J * velocity);
@@ -69,7 +69,7 @@ void check(Constraint c, int seed) {
   const Found moving = evaluate<K>(c, {vec(start), vec(v), vec(w), Mat3<double>::identity()});
   EXPECT_LE(first.cwiseAbs().maxCoeff(), 1e-9);
   EXPECT_LE((second - here.J * acceleration - moving.extra).cwiseAbs().maxCoeff(), 1e-6);
-  // and rates of any velocity
+  // also the rates at any velocity
   for (int k = 0; k < 6; ++k) velocity[k] = normal(g);
   auto along = [&](double t) {
     return evaluate<K>(c, {vec(start + velocity.head<3>() * t), Vec3<double>::zero(), Vec3<double>::zero(), exp3(vec(velocity.tail<3>() * t))}).error;

@@ -1,4 +1,4 @@
-// Derivatives of impulses of random robots of all joint types under random constraints with restitution, against extrapolated differences.
+// Derivatives of impulses against extrapolated differences: random robots of all joint types, random constraints with restitution.
 #include "constraint/trees.hpp"
 
 #include "algorithm/constrained/kkt_inverse.hpp"
@@ -17,7 +17,7 @@ VectorXd impulse(Case& x, const VectorXd& q, const VectorXd& v, dynConstraintRes
   return both;
 }
 
-// by the step e_k t, for t around 0
+// along e_k t, for t around 0
 template <class F>
 MatrixXd differences(Index nv, Eigen::Index rows, F&& f) {
   MatrixXd out(rows, nv);

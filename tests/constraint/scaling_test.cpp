@@ -1,4 +1,4 @@
-// The cost of constrained dynamics in counted operations: a chain with two contacts is O(n).
+// Cost of constrained dynamics in counted operations: a chain with two contacts is O(n).
 #include "algorithm/trees.hpp"
 #include "common/counted.hpp"
 #include "algorithm/constrained/constrained_dynamics.hpp"
@@ -40,7 +40,7 @@ struct Costs {
   }
 };
 
-// What a link costs is the same on a chain of any length.
+// The cost of a link is independent of the chain's length.
 TEST(ConstraintScaling, OfAChainWithTwoContacts) {
   const Costs a(100), b(200), c(1000);
   EXPECT_NEAR((c.dynamics - b.dynamics) / 800, (b.dynamics - a.dynamics) / 100, 0.02 * (b.dynamics - a.dynamics) / 100);

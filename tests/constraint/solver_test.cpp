@@ -1,4 +1,4 @@
-// The solvers between rows: semidefinite G of any rank and scale, contradictions, bounds.
+// Solvers for rows: semidefinite G of any rank and scale, contradictory rows, bounds.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -50,7 +50,7 @@ TEST(Proximal, FullRank) {
   }
 }
 
-// Rows that depend on others, in units of any size: rank, and what lambda does, are right.
+// Dependent rows in units of any size: rank, and the motion due to lambda.
 TEST(Proximal, DependentRowsOfAnyScale) {
   for (int n = 2; n <= 24; ++n)
     for (int rank = 1; rank < n; rank += 3)
@@ -78,7 +78,7 @@ TEST(Proximal, ContradictionIsTheLeastSquares) {
   EXPECT_EQ(DYN_CONSTRAINT_REASON_CONTRADICTORY, result.reason);
   EXPECT_NEAR(0.5, result.contradiction, 1e-12);
   EXPECT_LE((J.transpose() * lambda - Eigen::Vector2d(1.5, 3)).norm(), 1e-9);
-  EXPECT_NEAR(lambda[0], lambda[1], 1e-6);  // the share of equal rows: rounding over the regularisation, 1e-16 / 1e-9
+  EXPECT_NEAR(lambda[0], lambda[1], 1e-6);  // equal rows share it up to rounding over regularisation, 1e-16 / 1e-9
 }
 
 TEST(Proximal, TwelveDecadesOfRegularisation) {
@@ -102,7 +102,7 @@ TEST(Proximal, NothingToSolve) {
   EXPECT_EQ(1, result.contradiction);
 }
 
-// Complementarity of every row, of problems with bounds of all kinds.
+// Complementarity of every row, in problems with bounds of all kinds.
 TEST(Bounded, Complementarity) {
   for (int seed = 0; seed < 300; ++seed) {
     const int n = 1 + seed % 20;

@@ -27,7 +27,7 @@ inline dynConstraint random_constraint(Dice& dice, const Model& m, bool gains) {
   return c;
 }
 
-// Some that the robot can have, now and then one twice.
+// Constraints that the robot can have, some of them twice.
 inline void random_constraints(Case& x, Dice& dice, int most, double twice, bool gains) {
   char message[512];
   const int wanted = 1 + dice.below(most);

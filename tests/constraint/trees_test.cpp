@@ -1,5 +1,5 @@
-// Constrained dynamics of random robots of all joint types under random constraints: against a dense solution in extended precision, of dependent
-// rows too, and its derivatives against extrapolated differences.
+// Constrained dynamics of random robots under random constraints, also dependent ones. Reference: a dense solution in extended
+// precision. Derivatives against extrapolated differences.
 #include "constraint/trees.hpp"
 
 #include "algorithm/constrained/kkt_inverse.hpp"
@@ -24,7 +24,7 @@ Solved solve(Case& x, const VectorXd& q, const VectorXd& v, const VectorXd& tau)
   return out;
 }
 
-// ddq and J^T lambda of the KKT system, lambda the least squares where rows contradict each other, rows in units of their part of G.
+// ddq and J^T lambda of the KKT system. lambda: least squares for contradictory rows, with rows scaled by their diagonal of G.
 struct Dense {
   VectorXd ddq, push;
   Eigen::Index rank = 0;

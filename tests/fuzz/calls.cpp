@@ -1,4 +1,4 @@
-// Sequences of calls, valid and not: functions, handles (live, NULL, freed, of another model) and numbers as the bytes say.
+// Sequences of valid and invalid calls. The bytes choose functions, handles (live, null, freed, of another model) and numbers.
 #include "capi/calls.hpp"
 #include "fuzz/fuzz.hpp"
 

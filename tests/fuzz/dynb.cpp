@@ -1,4 +1,4 @@
-// .dynb files: as they are, and sealed again, so that what is behind the checksum is looked at; loaded, and in place.
+// .dynb files as given, and with a valid checksum so that the rest is reached; loaded and in place.
 #include <cstring>
 
 #include "fuzz/fuzz.hpp"

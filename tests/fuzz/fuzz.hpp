@@ -1,4 +1,4 @@
-// What the harnesses share: a folder for files of this process, and work for whatever was loaded.
+// Shared by the harnesses: a folder for files of this process, and work for models that were loaded.
 #pragma once
 
 #include <unistd.h>
@@ -15,7 +15,7 @@
 
 namespace fuzz {
 
-// In memory, of this process alone.
+// In memory, for this process only.
 inline const std::string& folder() {
   static const std::string path = [] {
     const std::string made = "/dev/shm/dyn_fuzz_" + std::to_string(getpid());
@@ -35,7 +35,7 @@ inline std::string file(const std::string& name, const void* bytes, size_t size)
   return path;
 }
 
-// A model that was made is one whose algorithms run, and that can be saved.
+// All algorithms must run on a loaded model, and it can be saved.
 inline void use(const dynModel* m) {
   const int nv = dyn_model_nv(m);
   if (nv > 200 || dyn_model_nshapes(m) > 200 || dyn_model_size(m) > (1 << 22) || dyn_data_size(m, DYN_PART_ALL) > (size_t(1) << 26)) return;
@@ -50,7 +50,7 @@ inline void use(const dynModel* m) {
   dyn_data_free(d);
 }
 
-// Loads text, uses it, and saves it in all formats.
+// Loads a text, runs the model, and saves it in all formats.
 inline void load(const uint8_t* bytes, size_t size, dynBase base, const char* srdf = nullptr) {
   const std::string text(reinterpret_cast<const char*>(bytes), size);
   dynLoadOptions options;

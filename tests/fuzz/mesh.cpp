@@ -1,4 +1,4 @@
-// Mesh files: the first byte says which kind.
+// Mesh files. The first byte selects the format.
 #include "fuzz/fuzz.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {

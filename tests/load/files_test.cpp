@@ -1,4 +1,4 @@
-// Robot files on disk: what cannot be read, where meshes are found, and sizes.
+// Robot files on disk: unreadable files, the search for meshes, and size limits.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder of its own for each test, removed at its end.
+// A folder for each test, removed at its end.
 class Files : public testing::Test {
  protected:
   void SetUp() override {
@@ -65,7 +65,7 @@ TEST_F(Files, WhatCannotBeRead) {
   EXPECT_EQ(DYN_ERROR_PARSE, load_path(write("zero.urdf", robot(link("a")) + std::string(1000, ' ') + '\0')).status);
   const std::string secret = write("secret.urdf", robot(link("a")));
   fs::permissions(secret, fs::perms::none);
-  if (!std::ifstream(secret)) {  // root reads everything
+  if (!std::ifstream(secret)) {  // root can read every file
     EXPECT_EQ(DYN_ERROR_FILE, load_path(secret).status);
   }
 }

@@ -1,4 +1,4 @@
-// Files that nobody writes on purpose: each is refused with a line and a reason, or read for what it says.
+// Hostile files: each is refused with a line and a reason, or read for what it says.
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -45,7 +45,7 @@ std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.nam
 const std::string zero(1, '\0');
 
 const Case refused[] = {
-    // characters that parsers cut a text short at, or drop
+    // characters at which parsers truncate a text, or which they drop
     {"ZeroReference", with_mass("1&#0;5"), DYN_ERROR_PARSE, {":3: ", "'&#0;'", "not a character of XML"}},
     {"HexZeroReference", with_mass("1&#x0;5"), DYN_ERROR_PARSE, {":3: ", "'&#x0;'"}},
     {"EmptyReference", with_mass("1&#;5"), DYN_ERROR_PARSE, {":3: ", "'&#;'"}},
@@ -112,7 +112,7 @@ const Case refused[] = {
 class Hostile : public testing::TestWithParam<Case> {};
 TEST_P(Hostile, IsRefusedWithReason) {
   const Case& c = GetParam();
-  const std::string file = testing::TempDir() + "dyn_hostile_" + c.name + "_" + std::to_string(getpid());  // zero bytes end texts in memory
+  const std::string file = testing::TempDir() + "dyn_hostile_" + c.name + "_" + std::to_string(getpid());  // zero bytes would end a text in memory
   std::ofstream(file, std::ios::binary) << c.text;
   const Loaded l = load_path(file);
   std::filesystem::remove(file);
@@ -123,7 +123,7 @@ TEST_P(Hostile, IsRefusedWithReason) {
 }
 INSTANTIATE_TEST_SUITE_P(Load, Hostile, testing::ValuesIn(refused), [](const auto& info) { return std::string(info.param.name); });
 
-// What is odd and right is read for what it says.
+// Unusual but valid files are read correctly.
 TEST(Odd, Numbers) {
   const std::pair<std::string, double> rows[] = {{"+1", 1}, {" 1 ", 1}, {"\t1\n", 1}, {"007", 7}, {"&#49;", 1}, {"&#x31;", 1}, {"1e-400", 0}, {"-0", 0},
                                                  {"0." + std::string(5000, '0') + "1", 0}, {std::string(400, '9') + "e-400", 1},
@@ -175,7 +175,7 @@ TEST(Odd, ManyFollowersOfOneLeader) {
   EXPECT_EQ(1, dyn_model_nv(good(text + "</robot>").model.get()));
 }
 
-// What a path may name. Messages keep the reason, and stay on one line.
+// Paths with unusual names. Messages keep the reason and stay on one line.
 TEST(Odd, Paths) {
   namespace fs = std::filesystem;
   std::string folder = (fs::temp_directory_path() / "dyn_hostile_XXXXXX").string();

@@ -1,4 +1,4 @@
-// SRDF files: named configurations, disabled pairs, and what is reported of the rest; hostile ones.
+// SRDF files: named configurations, disabled pairs, reports of unused parts, and hostile files.
 #include <clocale>
 #include <cmath>
 #include <filesystem>
@@ -85,7 +85,7 @@ TEST(Srdf, FloatingBaseByAnyName) {
     ASSERT_EQ(DYN_OK, l.status) << l.error;
     EXPECT_EQ((Numbers{1, 2, 3, 0, 0, 1, 0, 0, 1}), configuration(l, "up"));  // normalised
     EXPECT_TRUE(l.reports("virtual_joint 'world_joint'", DYN_REPORT_LEVEL_INFO, 2));
-    // with a fixed base there is nothing to set, and that is no mistake
+    // a fixed base has no coordinates to set, which is no error
     const Beside fixed("<virtual_joint name=\"world_joint\" type=\"floating\" parent_frame=\"world\" child_link=\"base\"/>\n" + text, DYN_BASE_FIXED, true);
     const Loaded f = fixed.load();
     ASSERT_EQ(DYN_OK, f.status) << f.error;
@@ -236,7 +236,7 @@ TEST(Srdf, SameUnderACommaLocale) {
   EXPECT_EQ(0.25, configuration(l, "a")[1]);
 }
 
-// ---------------------------------------------------------------------------------------------------- builders carry pairs
+// ---------------------------------------------------------------------------------------------------- builders keep pairs
 
 struct FreeBuilder {
   void operator()(dynBuilder* b) const { dyn_builder_free(b); }
@@ -272,7 +272,7 @@ TEST(Srdf, BuildersCarryPairs) {
   EXPECT_EQ(both, pairs(finish(b).get()));
 }
 
-// A pair that loses a link goes.
+// A pair is dropped with one of its links.
 TEST(Srdf, SubtreesKeepTheirPairs) {
   const std::string chain = robot(link("a") + link("b") + link("c") + link("d") + joint("ab", "continuous", "a", "b", "<axis xyz=\"0 0 1\"/>") +
                                   joint("bc", "continuous", "b", "c", "<axis xyz=\"0 1 0\"/>") + joint("cd", "continuous", "c", "d", "<axis xyz=\"1 0 0\"/>"));
@@ -286,7 +286,7 @@ TEST(Srdf, SubtreesKeepTheirPairs) {
   EXPECT_EQ((std::vector<Pair>{{"a", "c", ""}}), pairs(finish(b).get()));
 }
 
-// The only pair overlaps from the start: that nothing is tested is said, and it is not said of the same robot with longer links.
+// The only pair overlaps from the start, so nothing is tested and the report says so. With longer links there is no such report.
 TEST(Pairs, NoneTestedIsReported) {
   for (const bool overlap : {true, false}) {
     const std::string ball = solid + "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision>";
@@ -299,7 +299,7 @@ TEST(Pairs, NoneTestedIsReported) {
   }
 }
 
-// The collision shapes of the links are then no pair that is tested, unless the data is told to.
+// Disabled pairs of links are not tested unless the data enables them.
 TEST(Srdf, DisabledPairsAreNotTested) {
   const std::string ball = solid + "<collision><geometry><sphere radius=\"0.01\"/></geometry></collision>", away = "<origin xyz=\"0 0 1\"/>";
   const std::string chain = robot(link("base", ball) + link("upper", ball) + link("lower", ball) + link("hand", ball) +

@@ -1,4 +1,4 @@
-// URDF text to model through the C interface, for tests.
+// Loads URDF texts through the C interface, for tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ struct Loaded {
     }
     return all;
   }
-  // The first entry that says this, or nullptr.
+  // The first entry with this text, or null.
   static const Entry* find(const std::vector<Entry>& all, const std::string& words) {
     for (const Entry& e : all)
       if (e.message.find(words) != std::string::npos) return &e;

@@ -1,4 +1,4 @@
-// Files that are refused: the status, and a message that says which line, which thing, and what to do.
+// Files that are refused: the status, and a message with the line, the element, and what to do.
 #include "load/urdf.hpp"
 
 namespace dyn_test {
@@ -12,7 +12,7 @@ struct Case {
   Options options = Options();
 };
 
-// The reader of tables looks for these.
+// Columns of the table below.
 std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.name; }
 
 const std::string ab = link("a") + link("b");
@@ -385,7 +385,7 @@ TEST_P(BadUrdf, IsRefusedWithReason) {
 
 INSTANTIATE_TEST_SUITE_P(Load, BadUrdf, testing::ValuesIn(cases), [](const auto& info) { return std::string(info.param.name); });
 
-// Any prefix of a good file is refused (or, cut in trailing blanks, read): never a crash.
+// Any prefix of a valid file is refused or read, and never crashes the loader.
 TEST(BadUrdfs, EveryPrefix) {
   const std::string text = hinge("<origin xyz=\"0 0 1\" rpy=\"0 0 0\"/>" + limit + "<dynamics damping=\"1\"/>");
   for (size_t n = 0; n < text.size(); ++n) {

@@ -1,4 +1,4 @@
-// What a URDF becomes: order, frames, base, joint types, mimic, limits, mass properties, and what the load report says.
+// URDF to model: order, frames, base, joint types, mimic, limits, mass properties, and the load report.
 #include "load/urdf.hpp"
 
 #include <clocale>
@@ -12,7 +12,7 @@ const std::string ab = link("a") + link("b");
 const double pi = std::acos(-1.0);
 
 TEST(Urdf, JointsDepthFirstInTheOrderOfTheFile) {
-  // names chosen so that any sorting shows
+  // names whose order any sorting would change
   const Loaded l = good(robot(link("m") + link("x") + link("c") + link("k") + link("b") + link("z") +    //
                               joint("j_x", "revolute", "m", "x") + joint("j_z", "revolute", "x", "z") +  //
                               joint("j_b", "revolute", "m", "b") + joint("j_k", "fixed", "b", "k") +     //
@@ -34,7 +34,7 @@ TEST(Urdf, EveryNameResolves) {
   EXPECT_EQ(dyn_model_joint_id(l.model.get(), "a"), frame(l, "tool").joint);
   EXPECT_EQ(0.5, frame(l, "tool").placement[11]);
   EXPECT_EQ(0, frame(l, "a").joint);
-  EXPECT_EQ(1.0, frame(l, "c").mass);  // merged, and still its own
+  EXPECT_EQ(1.0, frame(l, "c").mass);  // merged, and still with its own mass
   EXPECT_STREQ("r", dyn_model_name(l.model.get()));
 }
 
@@ -54,7 +54,7 @@ TEST(Urdf, RootWithoutMassIsWelded) {
   const Loaded world = good(robot(link("world", "") + link("a") + joint("j", "revolute", "world", "a")), unspecified);
   EXPECT_EQ(1, dyn_model_nv(world.model.get()));
   EXPECT_TRUE(world.reports("'world' has no mass", DYN_REPORT_LEVEL_INFO, 2));
-  // mass right behind a weld: perhaps a robot that floats
+  // a mass welded to the root may mean a floating robot
   const Loaded dummy = good(robot(link("base", "") + link("a") + joint("j", "fixed", "base", "a")), unspecified);
   EXPECT_TRUE(dummy.reports("choose base floating", DYN_REPORT_LEVEL_WARNING, 2));
   const Loaded free = good(robot(link("base", "") + link("a") + joint("j", "fixed", "base", "a")), Options(DYN_BASE_FLOATING));
@@ -187,7 +187,7 @@ TEST(Urdf, LimitsThatAreLeftOut) {
 
 TEST(Urdf, Mimic) {
   const std::string turn = "<axis xyz=\"0 0 1\"/>" + limit;
-  // the leader comes later in the order; a follower of a follower
+  // the leader comes later in the order; a mimic joint of a mimic joint
   const Loaded l =
       good(robot(ab + link("c") + link("d") +
                  joint("f", "revolute", "a", "b", turn + "<mimic joint=\"lead\" multiplier=\"-2\" offset=\"0.5\"/>") +
@@ -199,7 +199,7 @@ TEST(Urdf, Mimic) {
   EXPECT_EQ(0.5, f.mimic_offset);
   EXPECT_EQ(0, f.nv);
   EXPECT_EQ(-2, joint(l, "g").mimic_ratio);
-  // with (cos, sin) storage, leader and follower keep their angle
+  // with (cos, sin) storage, joints of a mimic relation keep their angle
   Options o;
   o.cos_sin = 1;
   const Loaded angles = good(
@@ -212,7 +212,7 @@ TEST(Urdf, Mimic) {
   EXPECT_TRUE(locked.reports("joint 'j' is fixed: its <mimic> has no effect", DYN_REPORT_LEVEL_INFO, 4));
 }
 
-// By the material's own color, or that of its name, wherever that is; for looks alone: one that is wrong is none.
+// Colour by the material's own <color>, else by its name anywhere in the file. An invalid colour counts as none.
 TEST(Urdf, ColoursOfShapes) {
   const auto visual = [](const std::string& material) { return "<visual><geometry><box size=\"1 1 1\"/></geometry>" + material + "</visual>"; };
   const Loaded l = good("<robot name=\"r\">" +
@@ -259,7 +259,7 @@ TEST(Urdf, CleanFileHasAnEmptyReportAlsoStrictly) {
   for (const Entry& e : l.report()) ADD_FAILURE() << e.message;
 }
 
-// Damping, dry friction and limits are read and kept; one entry each says what applies them. It is nothing that strict minds.
+// Damping, dry friction and limits are kept. One report entry each says how they are applied, also under strict.
 TEST(Urdf, ReportOfWhatIsKeptAsData) {
   const std::string axis = "<axis xyz=\"0 0 1\"/>";
   const Loaded l = good(robot(ab + link("c") + link("d") +
@@ -363,7 +363,7 @@ TEST(Urdf, Shapes) {
 }
 
 TEST(Urdf, UnusualButLegalText) {
-  // byte order mark, a declaration, comments with markup, entities of XML, single quotes, tabs and line ends between numbers
+  // byte order mark, declaration, comments with markup, XML entities, single quotes, tabs and line ends between numbers
   const Loaded l = good("\xEF\xBB\xBF<?xml version='1.0' encoding='utf-8'?>\n<!-- <robot> & \" -->\n<robot name='r&amp;d'>\n" +
                         link("a") + link("b\xC3\xA4r") +
                         "<joint name='j>k' type='revolute'><parent link='a'/><child link='b\xC3\xA4r'/><!-- x --><origin xyz=' "
@@ -371,7 +371,7 @@ TEST(Urdf, UnusualButLegalText) {
                         limit + "</joint></robot>\n<!-- end -->\n");
   EXPECT_STREQ("r&d", dyn_model_name(l.model.get()));
   EXPECT_EQ(2, joint(l, "j>k").placement[10]);
-  // tiny numbers are zero, long ones are rounded correctly
+  // tiny numbers become zero, long ones are rounded correctly
   const Loaded tiny =
       good(robot(ab + joint("j", "fixed", "a", "b",
                             "<origin xyz=\"1e-400 0.1000000000000000055511151231257827021181583404541015625 -.5\"/>")));
@@ -409,7 +409,7 @@ TEST(Urdf, NumbersDoNotDependOnTheLocale) {
   EXPECT_EQ(-1e-3, joint(l, "j").placement[11]);
   EXPECT_EQ(1.5, dyn_model_array(l.model.get(), DYN_MODEL_ARRAY_UPPER_LIMIT)[0]);
   EXPECT_TRUE(l.reports("length 2.5", DYN_REPORT_LEVEL_INFO, 4));
-  EXPECT_EQ(0, l.warnings());  // urdfdom's second reading agrees, too
+  EXPECT_EQ(0, l.warnings());  // urdfdom agrees
   EXPECT_EQ(DYN_ERROR_PARSE, bad.status);
   if (!comma) GTEST_SKIP() << "no locale with a decimal comma on this machine";
 }

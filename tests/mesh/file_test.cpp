@@ -1,4 +1,4 @@
-// Mesh files: each format gives the same solid; units, axes, scales; and files that are cut off, damaged, missing or hostile.
+// Mesh files: each format gives the same solid; units, axes, scales; truncated, damaged, missing and hostile files.
 #include <sys/stat.h>
 
 #include <clocale>
@@ -11,7 +11,7 @@ namespace {
 
 const Solid brick = box(0.1, 0.25, 0.7).moved(-3, 1, 0.3);
 
-// The brick in every format, named.
+// The brick in every format, by name.
 std::map<std::string, std::string> all_formats(const Folder& folder) {
   folder.write("sub/brick.bin", gltf_buffer(brick));
   return {{"ascii", folder.write("ascii.stl", ascii_stl(brick))},
@@ -23,7 +23,7 @@ std::map<std::string, std::string> all_formats(const Folder& folder) {
           {"glb", folder.write("brick.glb", glb(brick))}};
 }
 
-// tolerance: relative. Texts of few digits come back exactly; binary files hold single precision.
+// tolerance: relative. Text formats are exact, binary ones have single precision.
 void expect_brick(const Made& m, double tolerance) {
   ASSERT_EQ(DYN_OK, m.status) << m.error;
   const dynMeshInfo i = m.info();
@@ -55,7 +55,7 @@ TEST(MeshFile, EveryFormat) {
 
 using Colour = std::array<double, 3>;
 
-// Each triangle's colour, counted; of 8 bits.
+// Counts of triangles by colour (8 bits).
 std::map<Colour, int> colours_of(const Made& m) {
   EXPECT_EQ(DYN_OK, m.status) << m.error;
   std::map<Colour, int> out;
@@ -81,7 +81,7 @@ TEST(MeshFile, ColoursOfMaterials) {
   const Folder folder;
   for (const auto& [name, path] : all_formats(folder)) EXPECT_EQ((Count{{none, 12}}), colours_of(mesh_file(path))) << name;
 
-  // from the fourth triangle on red; two with a texture, whose factor is white; one of a material without a colour
+  // red from the fourth triangle on; two with a texture, whose factor is white; one without a colour
   folder.write("m.mtl", "newmtl red\nKd 0.9 0.1 0.2\nnewmtl wood\nKd 1 1 1\nmap_Kd wood.png\nnewmtl bare\n");
   std::string text = obj(brick), faces[12];
   for (std::string& face : faces) {
@@ -95,7 +95,7 @@ TEST(MeshFile, ColoursOfMaterials) {
   EXPECT_EQ((Count{{none, 12}}), colours_of(mesh_file(folder.write("gone.obj", "mtllib gone.mtl\n" + parts))));
   EXPECT_EQ((Count{{none, 12}}), colours_of(mesh_file(folder.write("sub/outside.obj", "mtllib ../m.mtl\n" + parts))));  // not in its folder
 
-  // triangles that are dropped take their colours along; mirrored ones keep them
+  // dropped triangles lose their colours, mirrored ones keep them
   const std::string twice = replaced(parts, "usemtl red\n", "usemtl red\n" + faces[0] + "f 1 1 2\n");
   MeshOptions mirrored;
   mirrored.scale[0] = -1;
@@ -113,7 +113,7 @@ TEST(MeshFile, ColoursOfMaterials) {
                      "<instance_geometry url=\"#g\"><bind_material><technique_common><instance_material symbol=\"x\" target=\"#m\"/></technique_common></bind_material></instance_geometry>");
   EXPECT_EQ((Count{{paint, 12}}), colours_of(mesh_file(folder.write("paint.dae", collada))));
 
-  // glTF says light: 0.5 of it is 188 of 255 (IEC 61966-2-1)
+  // glTF has linear colours: 0.5 is 188 of 255 (IEC 61966-2-1)
   folder.write("brick.bin", gltf_buffer(brick));
   std::string g = replaced(gltf(brick, "brick.bin"), "\"indices\":1}", "\"indices\":1,\"material\":0}");
   g = replaced(g, "\"scene\":0", "\"materials\":[{\"name\":\"paint\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0,1,1]}}],\"scene\":0");
@@ -123,9 +123,9 @@ TEST(MeshFile, ColoursOfMaterials) {
 TEST(MeshFile, ColoursOfVerticesAndTriangles) {
   NEEDS_MODULE();
   const Folder folder;
-  // the mean of the corners': one red of three
+  // the mean of the corner colours: one red of three
   EXPECT_EQ((Count{{{85, 0, 170}, 1}}), colours_of(mesh_file(folder.write("v.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 0 1\nv 0 1 0 0 0 1\nf 1 2 3\n"))));
-  // STL: 5 bits each in the two bytes behind a triangle, bit 15 set
+  // STL: 5 bits per channel in the two bytes after a triangle, bit 15 set
   std::string s = binary_stl(brick);
   for (std::size_t t = 0; t < 12; ++t) s[84 + 50 * t + 49] = char(0xfc);
   EXPECT_EQ((Count{{{255, 0, 0}, 12}}), colours_of(mesh_file(folder.write("s.stl", s))));
@@ -149,11 +149,11 @@ TEST(MeshFile, UnitsOfCollada) {
   const Folder folder;
   const Solid centimetres = box(10, 25, 70).moved(-300, 100, 30);
   expect_brick(mesh_file(folder.write("a.dae", dae(centimetres, "<unit name=\"centimeter\" meter=\"0.01\"/>"))), exact * 10);
-  // a node's translation is in the file's unit, too
+  // a node's translation is in the file's unit too
   expect_brick(mesh_file(folder.write("b.dae", dae(box(10, 25, 70), "<unit name=\"centimeter\" meter=\"0.01\"/>", "<translate>-300 100 30</translate>"))), exact * 10);
 }
 
-// URDF's meshes are in the axes of their link: what the file calls up counts only when asked for.
+// URDF meshes are in the axes of their link. The file's up axis is used on request only.
 TEST(MeshFile, UpAxis) {
   NEEDS_MODULE();
   const Folder folder;
@@ -193,9 +193,9 @@ TEST(MeshFile, ScaleAndMirror) {
   EXPECT_NEAR(0.006, i.volume, 1e-15);
   EXPECT_NEAR(-0.2, i.lower[1], 1e-16);
   EXPECT_EQ(1, i.orientation);  // still counter-clockwise from outside
-  // the same in a node
+  // likewise in a node
   EXPECT_EQ(1, mesh_file(folder.write("a.dae", dae(box(1, 1, 1), "", "<scale>1 -1 1</scale>"))).info().orientation);
-  EXPECT_EQ(1, mesh_file(folder.write("a.gltf", gltf(box(1, 1, 1), "a.bin", ",\"scale\":[1,1,-1]"))).status != DYN_OK);  // no a.bin
+  EXPECT_EQ(1, mesh_file(folder.write("a.gltf", gltf(box(1, 1, 1), "a.bin", ",\"scale\":[1,1,-1]"))).status != DYN_OK);  // a.bin is missing
   folder.write("a.bin", gltf_buffer(box(1, 1, 1)));
   EXPECT_EQ(1, mesh_file(folder.write("a.gltf", gltf(box(1, 1, 1), "a.bin", ",\"scale\":[1,1,-1]"))).info().orientation);
   for (double bad : {0.0, double(NAN), double(INFINITY)}) {
@@ -209,7 +209,7 @@ TEST(MeshFile, ScaleAndMirror) {
 TEST(MeshFile, WeldTolerance) {
   NEEDS_MODULE();
   const Folder folder;
-  Solid cracked;  // each triangle on its own, its corners off by 1e-5
+  Solid cracked;  // every triangle has its own corners, off by 1e-5
   for (std::size_t t = 0; t < brick.m(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t c = 0; c < 3; ++c) cracked.vertices.push_back(brick.vertices[3 * std::size_t(brick.triangles[3 * t + k]) + c] + 1e-5 * double((7 * t + 3 * k + c) % 3));
@@ -306,7 +306,7 @@ TEST(MeshFileErrors, Stl) {
   expect_refused(folder.write("a.ply", "ply\n"), DYN_ERROR_UNSUPPORTED, ".stl, .obj, .dae, .gltf and .glb");
 }
 
-// 10^7 triangles and one more: 500 MB of nothing, which takes no room on the disk.
+// 10^7 triangles and one more: a sparse file of 500 MB.
 TEST(MeshFileErrors, TooManyTriangles) {
   NEEDS_MODULE();
   const Folder folder;
@@ -332,13 +332,13 @@ TEST(MeshFileErrors, OthersAreCutOff) {
   for (int i = 0; i < 100000; ++i) deep += "<node>";
   expect_refused(folder.write("d.dae", "<COLLADA>" + deep), DYN_ERROR_LIMIT, "nested");
   expect_refused(folder.write("a.gltf", g.substr(0, g.size() / 2)), DYN_ERROR_PARSE, "cut off");
-  expect_refused(folder.write("b.gltf", g), DYN_ERROR_PARSE, "");  // its buffer is not there
+  expect_refused(folder.write("b.gltf", g), DYN_ERROR_PARSE, "");  // its buffer is missing
   expect_refused(folder.write("c.gltf", std::string(1000000, '[')), DYN_ERROR_LIMIT, "nested");
   expect_refused(folder.write("a.glb", b.substr(0, b.size() - 4)), DYN_ERROR_PARSE, "cut off");
   expect_refused(folder.write("b.glb", "nonsense that is no glTF at all"), DYN_ERROR_PARSE, "not a binary glTF");
 }
 
-// Cut anywhere: an error or a mesh, never a crash.
+// A file truncated anywhere gives an error or a mesh, and never a crash.
 TEST(MeshFileErrors, EveryPrefix) {
   NEEDS_MODULE();
   const Folder folder;

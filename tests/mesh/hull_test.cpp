@@ -1,4 +1,4 @@
-// Convex hulls: every point inside, Euler's formula, neighbours and faces that belong together; and what convex means.
+// Convex hulls: points inside, Euler's formula, consistent neighbours and faces; and tests of convexity.
 #include <algorithm>
 #include <random>
 #include <set>
@@ -12,7 +12,7 @@ using Points = std::vector<double>;
 
 Made cloud(const Points& p) { return mesh_of({p, {}}); }
 
-// All that a hull of these points must be.
+// All properties of a hull of these points.
 void expect_hull(const Points& points, const Made& hull, double tolerance) {
   ASSERT_EQ(DYN_OK, hull.status) << hull.error;
   const dynMeshArrays h = hull.arrays();
@@ -20,14 +20,14 @@ void expect_hull(const Points& points, const Made& hull, double tolerance) {
   ASSERT_GE(h.face_count, 4u);
   double size = 0;
   for (double x : points) size = std::max(size, std::abs(x));
-  // every point inside, every plane a unit normal
+  // every point is inside, every plane has a unit normal
   for (std::size_t f = 0; f < h.face_count; ++f) {
     const double* n = h.planes + 4 * f;
     EXPECT_NEAR(1, std::hypot(n[0], n[1], n[2]), 1e-15 * 4);
     for (std::size_t i = 0; i < points.size(); i += 3)
       ASSERT_LE(n[0] * points[i] + n[1] * points[i + 1] + n[2] * points[i + 2], n[3] + tolerance * size) << "face " << f << " point " << i / 3;
   }
-  // corners are points
+  // corners are given points
   std::set<std::array<double, 3>> given, corners;
   for (std::size_t i = 0; i < points.size(); i += 3) given.insert({points[i], points[i + 1], points[i + 2]});
   for (std::size_t c = 0; c < h.vertex_count; ++c) {
@@ -35,7 +35,7 @@ void expect_hull(const Points& points, const Made& hull, double tolerance) {
     EXPECT_TRUE(given.count(x)) << c;
     EXPECT_TRUE(corners.insert(x).second) << c;
   }
-  // corners of a face lie on it, and turn counter-clockwise; each edge lies between two faces
+  // corners of a face lie on it counter-clockwise; each edge lies between two faces
   std::set<std::pair<int, int>> edges;
   for (std::size_t f = 0; f < h.face_count; ++f) {
     const double* n = h.planes + 4 * f;
@@ -89,7 +89,7 @@ TEST(MeshHull, RandomPoints) {
 
 TEST(MeshHull, CoplanarTrianglesAreOneFace) {
   NEEDS_MODULE();
-  Points grid;  // all points of a lattice: the hull is a cube of 8 corners, 6 faces
+  Points grid;  // lattice points, whose hull is a cube of 8 corners and 6 faces
   for (int x = 0; x < 6; ++x)
     for (int y = 0; y < 6; ++y)
       for (int z = 0; z < 6; ++z) grid.insert(grid.end(), {0.1 * x, 0.1 * y, 0.1 * z});
@@ -144,7 +144,7 @@ TEST(MeshHull, Errors) {
   Points tilted;
   for (int i = 0; i < 100; ++i) tilted.insert(tilted.end(), {std::cos(i), std::sin(i), 0.3 * std::cos(i) - 0.7 * std::sin(i)});
   refused(tilted, "plane");
-  // flat meshes have no hull, and info says so
+  // flat meshes have no hull, and info reports it
   const Made flat = mesh_of({{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, {0, 1, 2, 1, 3, 2}});
   const dynMeshInfo i = flat.info();
   EXPECT_EQ(DYN_ERROR_INVALID, i.hull_status);
@@ -163,7 +163,7 @@ TEST(MeshConvex, BoxAndSphere) {
   }
 }
 
-// Single precision, as in files: still convex.
+// Single precision, as in files, is still convex.
 TEST(MeshConvex, Rounded) {
   NEEDS_MODULE();
   Solid s = icosphere(4);
@@ -180,7 +180,7 @@ TEST(MeshConvex, DentsAreSeen) {
   EXPECT_GT(i.hull_depth, 1e-4);
   EXPECT_GT(i.hull_volume_ratio, 1.00001);
 
-  // all vertices on the hull, and yet not convex: a box whose top is split along the deep diagonal
+  // not convex, though all vertices lie on the hull: a box whose top is split along the deep diagonal
   s = box(1, 1, 1);
   s.vertices[14] = s.vertices[23] = 1.1;  // corners 4 and 7 of the top are higher
   s.triangles[9] = 4, s.triangles[10] = 5, s.triangles[11] = 6, s.triangles[6] = 5, s.triangles[7] = 7, s.triangles[8] = 6, s.triangles[9] = 4, s.triangles[10] = 5,
@@ -191,7 +191,7 @@ TEST(MeshConvex, DentsAreSeen) {
   EXPECT_EQ(8, i.vertices);
   EXPECT_GT(i.hull_depth, 0.01);
 
-  // an L
+  // an L shape
   Solid l = box(2, 1, 1);
   l.add(box(1, 1, 1).moved(0, 0, 1));
   i = mesh_of(l).info();

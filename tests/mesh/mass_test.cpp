@@ -1,10 +1,10 @@
-// Mass properties of closed meshes against closed forms, and what is counted of those that are not.
+// Mass properties of closed meshes against closed forms, and statistics of open meshes.
 #include "mesh/meshes.hpp"
 
 namespace dyn_test {
 namespace {
 
-constexpr double exact = 1e-13;  // relative: rounding of a sum of some terms
+constexpr double exact = 1e-13;  // relative: rounding of a short sum
 
 void expect_inertia(const dynMeshInfo& info, const std::array<double, 9>& expected, double tolerance) {
   for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(expected[k], info.inertia[k], tolerance) << k;
@@ -60,7 +60,7 @@ TEST(MeshMass, Icosahedron) {
   EXPECT_NEAR(5 * std::sqrt(3.0) * edge * edge, i.area, 1e-12);
 }
 
-// The polyhedron's own figures, from its triangles in another way: pyramids from the centre, in long double; and near the ball's.
+// Reference from the triangles in long double: pyramids from the centre. Also close to the ball's values.
 TEST(MeshMass, Icosphere) {
   const Solid s = icosphere(4);
   const dynMeshInfo i = mesh_of(s).info();
@@ -124,7 +124,7 @@ TEST(MeshMass, OpenFlippedAndCrowdedEdges) {
   EXPECT_TRUE(std::isnan(i.volume) && std::isnan(i.com[1]) && std::isnan(i.inertia[8]) && std::isnan(i.hull_volume_ratio));
 
   s = box(1, 1, 1);
-  std::swap(s.triangles[0], s.triangles[1]);  // one inside out
+  std::swap(s.triangles[0], s.triangles[1]);  // one triangle inside out
   i = mesh_of(s).info();
   EXPECT_EQ(0, i.open_edges);
   EXPECT_EQ(3, i.flipped_edges);
@@ -143,9 +143,9 @@ TEST(MeshMass, OpenFlippedAndCrowdedEdges) {
 
 TEST(MeshMass, WhatIsDropped) {
   Solid s = box(1, 1, 1);
-  s.add(box(1, 1, 1));  // the same again
-  s.triangles.insert(s.triangles.end(), {0, 0, 1, 3, 11, 5});  // two corners equal: by index, and by place
-  s.vertices.insert(s.vertices.end(), {7, 7, 7});              // of no triangle
+  s.add(box(1, 1, 1));  // the same box again
+  s.triangles.insert(s.triangles.end(), {0, 0, 1, 3, 11, 5});  // two equal corners, by index and by position
+  s.vertices.insert(s.vertices.end(), {7, 7, 7});              // a vertex of no triangle
   const dynMeshInfo i = mesh_of(s).info();
   EXPECT_EQ(8, i.vertices);
   EXPECT_EQ(12, i.triangles);
@@ -156,9 +156,9 @@ TEST(MeshMass, WhatIsDropped) {
   EXPECT_EQ(1, i.upper[0]);
 }
 
-// A triangle without area joins its neighbours all the same: the solid stays closed without it.
+// A triangle without area still joins its neighbours: the solid stays closed without it.
 TEST(MeshMass, NeedlesKeepTheMeshClosed) {
-  // a tetrahedron, one edge of which has a point in the middle on one side only; the needle closes the gap
+  // a tetrahedron with a point on one side of an edge only; the needle closes the gap
   const Solid s = {{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5, 0, 0}, {0, 2, 4, 4, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 4, 1}};
   const dynMeshInfo i = mesh_of(s).info();
   EXPECT_EQ(1, i.degenerate);

@@ -1,4 +1,4 @@
-// Small meshes, as arrays and as files, for tests.
+// Small meshes as arrays and files, for tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ inline Solid box(double x, double y, double z) {
   return s;
 }
 
-// An icosahedron whose triangles are split in four some times, its corners on the unit sphere.
+// An icosahedron with triangles split in four some times, corners on the unit sphere.
 inline Solid icosphere(int levels) {
   const double g = (1 + std::sqrt(5.0)) / 2;
   Solid s;
@@ -197,7 +197,7 @@ inline std::string obj(const Solid& s) {
   }
   return out;
 }
-// node: what stands in the node before the geometry; head: of <asset>
+// node: text in the node before the geometry; head: of <asset>
 inline std::string dae(const Solid& s, const std::string& head = "", const std::string& node = "") {
   std::string points, indices;
   for (std::size_t i = 0; i < s.n(); ++i) points += point(s, std::int32_t(i)) + " ";

@@ -1,4 +1,4 @@
-// The module of mesh files: where it is looked for, and what is said when it is not there. In a process of its own: the command, copied.
+// Search for the module of mesh files, and the message if it is missing. Runs a copy of the command in another process.
 #include <dlfcn.h>
 
 #include "mesh/meshes.hpp"
@@ -8,7 +8,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An installed tree: bin/dyn and the library that this test runs with, in a folder of lib.
+// An installed tree: bin/dyn, and the library under test in a folder of lib.
 struct Tree {
   Folder folder;
   std::string robot;

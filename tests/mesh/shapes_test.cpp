@@ -1,4 +1,4 @@
-// Meshes as collision shapes: by themselves, on links of a builder, and read with a robot.
+// Meshes as collision shapes: alone, on links of a builder, and from robot files.
 #include <limits>
 #include <utility>
 
@@ -37,7 +37,7 @@ Made height_field(const std::vector<double>& h, int columns, int rows, double x 
   return {status, status == DYN_OK ? "" : dyn_last_error(), MeshHandle(m)};
 }
 
-// an L: 2 x 2 x 1 less a quarter
+// an L shape: 2 x 2 x 1 less a quarter
 Solid corner_piece() {
   Solid s;
   const double xy[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
@@ -81,7 +81,7 @@ TEST(MeshShapes, RaysClosestPointsSweepsAndContacts) {
   near.struct_size = sizeof near;
   ASSERT_EQ(DYN_OK, dyn_geometry_closest_point(&a, here.data(), from, &near)) << dyn_last_error();
   EXPECT_NEAR(1.5, near.distance, 1e-12);
-  // past the side of the box, whose normal the motion is across, into a wall far ahead
+  // past the side of the box, perpendicular to its normal, into a wall far ahead
   Solid two = box(1, 1, 1).moved(-0.5, -0.5, -0.5);
   two.add(box(1, 1, 1).moved(3, 0.3, -0.5));
   const Made walls = mesh_of(two);
@@ -195,7 +195,7 @@ struct Robot {
 Robot data_of(Robot r) {
   if (r.m) {
     EXPECT_EQ(DYN_OK, dyn_data_new(r.m, DYN_PART_COLLISION, &r.d)) << dyn_last_error();
-    EXPECT_EQ(DYN_OK, dyn_data_set_pair(r.m, r.d, -1, 1));  // also what overlaps at q = 0
+    EXPECT_EQ(DYN_OK, dyn_data_set_pair(r.m, r.d, -1, 1));  // enables pairs that overlap at q = 0 too
   }
   return r;
 }
@@ -214,7 +214,7 @@ bool holds(const std::string& text, const std::string& words) {
   return false;
 }
 
-// A table, an arm with a mesh twice, a ball that slides along x.
+// A table, an arm with a mesh used twice, a ball that slides along x.
 std::string robot(const std::string& mesh, const std::string& scale = "1 1 1") {
   const std::string part = "<geometry><mesh filename='" + mesh + "' scale='" + scale + "'/></geometry>";
   return "<robot name='r'><link name='base'><visual>" + part + "</visual><collision>" + part + "</collision></link>"
@@ -253,7 +253,7 @@ TEST(MeshShapes, HullsOfPoints) {
   EXPECT_EQ(DYN_ERROR_INVALID, mesh_of({{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, {}}).hull().status);
 }
 
-// A hull of thousands of vertices, which is searched from neighbour to neighbour.
+// A hull of thousands of vertices, which uses hill climbing.
 TEST(MeshShapes, LargeHulls) {
   const Made hull = mesh_of(icosphere(5)).hull();
   ASSERT_GT(hull.info().vertices, 10000);
@@ -284,15 +284,15 @@ TEST(MeshRobots, HullsAndTriangles) {
   holds(hull.report(), "not convex, and its hull of 10 vertices replaces it: hull_volume_ratio: the hull's volume is 1.16667 times the mesh's; hull_depth:");
   holds(triangles.report(), "info: link 'base': mesh ");
   holds(triangles.report(), "20 triangles that enclose a solid");
-  // base and ball are a body and its child; ball and other too; base and other remain
+  // base and ball, and ball and other, are parent and child; base and other remain
   ASSERT_EQ(1, dyn_model_npairs(hull.m));
   EXPECT_NEAR(0.5, hull.distances({0, 2.5})[0], 1e-9);
   EXPECT_NEAR(0.5, triangles.distances({0, 2.5})[0], 1e-9);
   EXPECT_NEAR(1, hull.distances({3, 0})[0], 1e-9);
-  // two L that fit into each other touch only by their hulls
+  // two L shapes that fit into each other touch by their hulls only
   EXPECT_NEAR(1, triangles.distances({3, 0})[0], 1e-9);
 
-  // the mesh is kept once, and can be had back
+  // the mesh is stored once and can be read back
   dynMesh* mesh = nullptr;
   ASSERT_EQ(DYN_OK, dyn_model_shape_mesh(triangles.m, 3, &mesh)) << dyn_last_error();
   const Made back{DYN_OK, "", MeshHandle(mesh)};
@@ -304,7 +304,7 @@ TEST(MeshRobots, HullsAndTriangles) {
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_shape_mesh(hull.m, 2, &mesh));
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_model_shape_mesh(hull.m, 4, &mesh));
 
-  // a builder of the model makes the same
+  // a builder made from the model gives the same
   for (Robot* r : {&hull, &triangles}) {
     dynBuilder* b = nullptr;
     Robot again;
@@ -385,7 +385,7 @@ TEST(MeshRobots, BadOptions) {
   holds(dyn_last_error(), "meshes is 7");
 }
 
-// On a link: a height field under a mesh that falls onto it.
+// A height field under a falling mesh.
 TEST(MeshBuilders, TakeSurfaces) {
   dynBuilder* b = nullptr;
   ASSERT_EQ(DYN_OK, dyn_builder_new("scene", &b));
@@ -412,7 +412,7 @@ TEST(MeshBuilders, TakeSurfaces) {
     ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
     s.body = "piece", s.type = DYN_SHAPE_TYPE_TRIANGLES, s.surface = piece.mesh.get();
     ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s)) << dyn_last_error();
-  }  // copied: the handles are free
+  }  // surfaces were copied, so their handles can be freed
   Robot r;
   ASSERT_EQ(DYN_OK, dyn_builder_finish(b, &r.m)) << dyn_last_error();
   dyn_builder_free(b);

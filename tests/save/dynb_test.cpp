@@ -1,4 +1,4 @@
-// Tests .dynb: what comes back is bit for bit what was saved, and no file makes the reader crash.
+// .dynb files: a round trip is bit for bit exact, and no file crashes the reader.
 #include "collision/pairs.hpp"
 #include "load/dynb.hpp"
 #include "model/builder_surface.hpp"
@@ -26,7 +26,7 @@ SurfacePtr tetrahedron() {
   return std::make_shared<SurfaceData>(SurfaceData{Held<shape::Hull>(h)});
 }
 
-// Shapes of every kind that has arrays, an actuator, a constraint, a pair, a configuration: all that a block may hold.
+// A model with everything that a block may hold: shapes with arrays, an actuator, a constraint, a pair, a configuration.
 ModelPtr furnished() {
   Tree t = random_tree(4, {5, 0.3, 0.3, 0.1, 0.35, 0.5, {}});
   Builder b("furnished");
@@ -114,7 +114,7 @@ TEST(Dynb, OtherFilesAreRefused) {
   EXPECT_THROW(load_string(good, options), Error);
 }
 
-// Every file that is not the one that was saved is refused, or is a model all of whose algorithms run.
+// Every modified file is refused, or gives a model on which all algorithms run.
 void fuzz(bool sealed) {
   const ModelPtr m = furnished();
   const std::string good = bytes_of(*m);
@@ -149,8 +149,8 @@ void fuzz(bool sealed) {
   EXPECT_EQ(sealed, loaded > 100);
 }
 
-// In place nothing is made anew: every byte of the block in turn, and every index in turn by what is out of its range, sealed again. What is still
-// taken for a model is one whose algorithms read and write nothing but their own memory (the sanitizers say).
+// A block used in place is not rebuilt. Modifies every byte and sets every index out of range, with a valid checksum. A block that
+// is still accepted must be safe: its algorithms stay within their own memory (checked by sanitizers).
 void fuzz_in_place(const Model& m, int every) {
   std::string file = bytes_of(m);
   const std::size_t header = sizeof(DynbHeader);
@@ -197,7 +197,7 @@ void fuzz_in_place(const Model& m, int every) {
 TEST(Dynb, WhatIsUsedInPlaceIsCheckedWhole) { fuzz_in_place(*furnished(), 16); }
 TEST(Dynb, WhatIsUsedInPlaceIsCheckedWholeWithMimic) { fuzz_in_place(*robot(std::string(DYN_MODELS_DIR) + "/robots/gripper.urdf", DYN_BASE_FIXED), 16); }
 
-// Found by fuzzing (under sanitizers): a depth whose double overflows.
+// Found by fuzzing under sanitizers: a depth whose double overflows.
 TEST(Dynb, DepthsOfTheEliminationTreeAreChecked) {
   const ModelPtr m = furnished();
   std::string file = bytes_of(*m);
@@ -213,7 +213,7 @@ TEST(Dynb, DepthsOfTheEliminationTreeAreChecked) {
   }
 }
 
-// All that a builder makes is taken in place, and is the same model.
+// Every block that a builder makes is accepted in place and gives the same model.
 TEST(Dynb, EveryModelIsTakenInPlace) {
   const auto expect_taken = [](const Model& m) {
     const std::string file = bytes_of(m);

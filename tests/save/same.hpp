@@ -1,4 +1,4 @@
-// Whether a model that was saved and loaded again is what it was.
+// Compares a model with the one that was saved and loaded again.
 #pragma once
 
 #include <cstring>
@@ -41,7 +41,7 @@ struct Results {
   }
 };
 
-// Same coordinates, M, nle, placements of the frames of those names; with limits and what else a joint has.
+// Same coordinates, M, nle, and placements of the named frames; with limits and other joint parameters.
 inline void expect_same(const Model& a, const Model& b, std::uint64_t seed, bool limits) {
   ASSERT_EQ(a.n.nq, b.n.nq);
   ASSERT_EQ(a.n.nv, b.n.nv);

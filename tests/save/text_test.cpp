@@ -1,4 +1,4 @@
-// Tests URDF and MJCF: a model that is saved and loaded again moves as it did, and what is lost is said.
+// URDF and MJCF: a model that is saved and loaded again moves as before, and losses are reported.
 #include <set>
 
 #include "save/same.hpp"
@@ -98,7 +98,7 @@ TEST(Mjcf, TreesComeBack) {
   }
 }
 
-// Three slides and a ball: the same places, other velocities.
+// Three slides and a ball have the same positions and other velocities.
 TEST(Mjcf, FreeJointsOnSomethingKeepTheirCoordinates) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     TreeOptions options;
@@ -204,7 +204,7 @@ TEST(Mjcf, ASceneComesBackWithAllItHas) {
   ASSERT_EQ(a.n.limits, b.n.limits);
   for (Index k = 0; k < a.n.nq; ++k) {
     EXPECT_EQ(a.spring_reference()[k], b.spring_reference()[k]);
-    EXPECT_NEAR(std::max(-1e9, a.lower_limit()[k]), std::max(-1e9, b.lower_limit()[k]), 1e-15);  // of the ball by way of its angle
+    EXPECT_NEAR(std::max(-1e9, a.lower_limit()[k]), std::max(-1e9, b.lower_limit()[k]), 1e-15);  // a ball's limit is saved as an angle
   }
 }
 
@@ -224,7 +224,7 @@ TEST(Urdf, WhatASceneLosesIsSaid) {
   }
 }
 
-// What touches what: a slider on the world and the floor, an arm and the plinth that carries it, a plinth beside that.
+// Contact between neighbours: a slider on the world and the floor, an arm and its plinth, another plinth.
 TEST(Save, TheSamePairsAreTested) {
   const ModelPtr m = load_string(R"(<mujoco><worldbody><geom name='floor' type='box' size='5 5 .1' pos='0 0 -5'/>
       <body name='plinth' pos='1 0 0'><geom type='sphere' size='.1'/>
