@@ -1,11 +1,12 @@
 """A method of Data for each of the library's algorithms that works on data.
 
-A method is written out, as dataclasses write theirs: arguments become addresses, outputs are new arrays that the library fills.
+A method is written out, as dataclasses write theirs. Arguments become addresses; the library fills a buffer, and its copy is returned.
 """
 
 from __future__ import annotations
 
 import linecache
+from math import prod
 from typing import Any, Callable
 
 import numpy as np
@@ -29,6 +30,10 @@ PARAMETERS.update((name, f"{name}=None") for name in ("q", "v", "a", "tau", "fex
 """Each parameter in Python; those without a default come first."""
 FIRST_ALONE = {"com", "centroidal_map"}
 """Algorithms of which the first output is returned; the others are fields."""
+
+
+LARGE = 1 << 16
+"""Numbers of an output beyond which no buffer is kept: the library then fills what is returned."""
 
 
 def method_name(algorithm: str) -> str:
@@ -55,32 +60,34 @@ def _vector(data: DataHandle, lam: Any) -> int:
     return memory_address(data._kept)
 
 
-def _shapes(data: DataHandle, algorithm: str) -> list[tuple[int, ...]]:
-    shapes = data._shapes[algorithm] = ALGORITHMS[algorithm].shapes(data.model)
-    return shapes
-
-
-def _returned(algorithm: AlgorithmInfo) -> list[str]:
-    values = []
-    for k, (name, n) in enumerate(zip(algorithm.outputs, algorithm.dimensions)):
-        if algorithm.of_placements:
-            values += ["_placement(x0)" if n == 1 else "_placements(x0)"]
-        else:
-            values += [f"float(x{k})" if n == 0 else f"x{k}" if n == 1 else f"x{k}.T" if n == 2 else f"_turned({name!r}, x{k})"]
-    return values
+def _outputs(data: DataHandle, algorithm: str) -> list[tuple[Callable[..., Any], int | None]]:
+    """Of each output of an algorithm what takes it, given the order "F", and the address that the library fills."""
+    info, made = ALGORITHMS[algorithm], []
+    shapes = info.shapes(data.model)
+    small = max(map(prod, shapes)) <= LARGE
+    for name, n, shape in zip(info.outputs, info.dimensions, shapes):
+        memory = np.empty(shape)
+        array = turned(name, memory) if n > 1 and not info.of_placements else memory
+        copy: Callable[..., Any] = array.copy if small else lambda _, array=array: array
+        made += [(array.item if n == 0 else copy, memory_address(memory))]
+    if algorithm in FIRST_ALONE:
+        made[1:] = [(made[0][0], None)] * len(made[1:])
+    if small:
+        data._outputs[algorithm] = made
+    return made
 
 
 def _method(algorithm: AlgorithmInfo, names: list[str], outputs: int) -> Callable[..., Any]:
-    arguments = [ADDRESSES[name] for name in names]
-    made = range(outputs)
-    values = _returned(algorithm)
-    value = values[0] if len(values) == 1 or algorithm.name in FIRST_ALONE else f"_Result({', '.join(values)})"
+    arguments = [ADDRESSES[name] for name in names] + [f"p{k}" for k in range(outputs)]
+    values = [f"t{k}('F')" if n else f"t{k}()" for k, n in enumerate(algorithm.dimensions)]
+    value = values[0] if outputs == 1 or algorithm.name in FIRST_ALONE else f"_Result({', '.join(values)})"
+    if algorithm.of_placements:
+        value = f"{'_placement' if algorithm.dimensions[0] == 1 else '_placements'}(t0('C'))"
     name = method_name(algorithm.name)
     lines = [
         f"def {name}({', '.join(['self', *signature(names)])}):",
-        f"    shapes = self._shapes.get({algorithm.name!r}) or _shapes(self, {algorithm.name!r})",
-        *(f"    x{k} = _empty(shapes[{k}])" for k in made),
-        f"    status = _call({', '.join(arguments + [f'_address(x{k})' for k in made])})",
+        f"    {', '.join(f'(t{k}, p{k})' for k in range(outputs))}, = self._outputs.get({algorithm.name!r}) or _outputs(self, {algorithm.name!r})",
+        f"    status = _call({', '.join(arguments)})",
         "    if status:",
         "        _fail(status)",
         f"    return {value}",
@@ -88,8 +95,8 @@ def _method(algorithm: AlgorithmInfo, names: list[str], outputs: int) -> Callabl
     source, file = "\n".join(lines) + "\n", f"<libdyn.Data.{name}>"
     linecache.cache[file] = len(source), None, source.splitlines(True), file  # for tracebacks
     known: dict[str, Any] = {
-        "_call": getattr(lib, f"dyn_{algorithm.name}"), "_empty": np.empty, "_address": memory_address, "_fail": fail, "_shapes": _shapes, "_turned": turned,
-        "_Result": RESULTS.get(algorithm.name), "_vector": _vector, "_reference": reference, "_placement": to_placement, "_placements": to_placements,
+        "_call": getattr(lib, f"dyn_{algorithm.name}"), "_outputs": _outputs, "_fail": fail, "_Result": RESULTS.get(algorithm.name), "_vector": _vector,
+        "_reference": reference, "_placement": to_placement, "_placements": to_placements,
     }  # fmt: skip
     exec(compile(source, file, "exec"), known)
     method = known[name]

@@ -91,7 +91,7 @@ class DataHandle:
         self._a = slot((model.nv,), "a", robot)
         self._tau = slot((model.nv,), "tau", robot)
         self._fext_slot: Callable[[Any], int | None] | None = None
-        self._shapes: dict[str, list[tuple[int, ...]]] = {}  # of each algorithm's outputs
+        self._outputs: dict[str, list[tuple[Callable[..., Any], int | None]]] = {}  # of each algorithm: see data_methods
         self._kept: Any = None
 
     def _fext(self, fext: Any) -> int | None:
