@@ -51,7 +51,6 @@ from .data import Data
 from .describe import DisabledPair, FrameInfo, JointInfo, Pair, ReportEntry, ShapeInfo
 from .enums import *
 from .enums import Reference
-from .evaluation import Centroidal
 from .errors import (
     ArgumentError,
     BaseChoiceError,
@@ -78,6 +77,7 @@ from .errors import (
     UnknownNameError,
     UnsupportedError,
 )
+from .evaluation import Centroidal
 from .inertia import (
     body_regressor,
     is_physically_consistent,
@@ -93,7 +93,7 @@ from .library import version as __version__
 from .loading import load, load_string
 from .material import Material
 from .mesh import Mesh, MeshInfo, load_mesh
-from .model import Model, from_buffer
+from .model import Model
 from .simulate import Simulation, Trajectory
 from .simulation import ContactForce, ErrorLedger, StepReport
 from .tables import ALGORITHMS, FIELDS, AlgorithmInfo, FieldInfo
@@ -109,7 +109,7 @@ __all__ = [
     "OutOfMemoryError", "Pair", "ParseError", "PartError", "Placement", "QuaternionError", "RayHit", "Rays", "ReportEntry", "Rollout",
     "ShapeInfo", "Simulation", "SizeError", "SmoothDistances", "StaleError", "State", "StateLayout", "StepReport", "StrictError",
     "Trajectory", "UnknownNameError", "UnsupportedError", "WORLD", "accuracy", "batch", "body_regressor", "build_info", "constraint",
-    "contact_compliance", "contact_compliance_hertz", "contact_problem_qp", "contact_solve", "from_buffer", "geometry_closest_point",
+    "contact_compliance", "contact_compliance_hertz", "contact_problem_qp", "contact_solve", "geometry_closest_point",
     "geometry_contacts", "geometry_distance", "geometry_ray", "geometry_sweep", "ik", "is_physically_consistent", "last_error",
     "library_path", "load", "load_mesh", "load_string", "log_cholesky_from_parameters", "log_cholesky_jacobian",
     "parameters_from_log_cholesky", "parameters_from_pseudo_inertia", "pseudo_inertia_from_parameters",

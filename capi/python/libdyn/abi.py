@@ -75,3 +75,16 @@ def initialized(structure: Any, *arguments: Any) -> Any:
     size = [ctypes.sizeof(made)] if [p["name"] for p in function["parameters"]][1:2] == ["struct_size"] else []
     getattr(lib, function["name"])(ctypes.byref(made), *size, *arguments)
     return made
+
+
+def outputs_of(structure: Any) -> Any:
+    """A function that puts addresses into a structure of pointers, in its order, and returns a reference to it."""
+    names = [name for name, _ in structure._fields_[1:]]
+
+    def outputs(*addresses: Any) -> Any:
+        made = structure()
+        for name, x in zip(names, addresses):
+            setattr(made, name, x)
+        return ctypes.byref(made)
+
+    return outputs

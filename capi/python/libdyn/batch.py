@@ -5,22 +5,24 @@ from __future__ import annotations
 import os
 import threading
 from ctypes import addressof, byref, c_double, c_void_p
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from . import abi
-from .results import RESULTS, memory_address, turned
-from .tables import ALGORITHMS, AlgorithmInfo
 from .arrays import F64, Owner, address, checked, numbers, to_placements
 from .batch_methods import Algorithms
 from .choices import mask, member
 from .enums import Effect, Integrator, Part, Reference
 from .errors import ArgumentError, SizeError
 from .library import check, fail, lib
-from .rollout import CONTACT, Rollout, Rollouts, rollout
+from .results import RESULTS, memory_address, turned
+from .rollout import CONTACT, Rollout, Rollouts
+from .tables import ALGORITHMS, AlgorithmInfo
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from .arrays import Numbers
     from .enums import EffectLike, PartLike
     from .model import Model
@@ -237,6 +239,34 @@ class Batch(Algorithms, Rollouts):
             return to_placements(results[0])
         results = [_turned(name, memory) for (_, name, _), memory in zip(outputs, results)]
         return results[0] if len(results) == 1 else plan.type(*results)
+
+
+def rollout(
+    model: Model,
+    q0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    *,
+    effects: EffectLike | None = None,
+    threads: int | None = None,
+    engine: Literal["threads", "ray"] = "threads",
+    **arguments: Any,
+) -> Rollout:
+    """Rollouts of a model: what Batch.rollout does, with its arguments.
+
+    effects  as in Data.set_effects; None: those of new data
+    threads  of this process; None: as many as it has processors
+    engine   "threads": here. "ray": by the workers of Ray (package ray), with the arguments of dyn.cluster.rollout
+    """
+    if engine == "ray":
+        from . import cluster
+
+        return cluster.rollout(model, q0, v0, effects=effects, **arguments)
+    if engine != "threads":
+        raise ArgumentError(f"engine is {engine!r}, but must be 'threads' or 'ray'.")
+    batch = model.batch(threads, Part.ALL)
+    if effects is not None:
+        batch.set_effects(effects)
+    return batch.rollout(q0, v0, **arguments)
 
 
 __all__ = ["ALGORITHMS", "CONTACT", "AlgorithmInfo", "Batch", "Rollout", "rollout"]

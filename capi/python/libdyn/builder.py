@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from ctypes import addressof, byref, c_char_p, c_void_p
+from ctypes import byref, c_char_p, c_void_p
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,8 +14,9 @@ from .arrays import Owner, address, checked, numbers
 from .arrays import placement as twelve
 from .choices import member, text, whole
 from .constraint import structure
-from .enums import FrameType, JointType, ShapeRole, ShapeType
+from .enums import FrameType, ShapeRole, ShapeType
 from .errors import ArgumentError
+from .joint_spec import VALUES, joint_spec
 from .library import check, lib
 from .material import Material
 from .mesh import Mesh
@@ -23,10 +24,11 @@ from .model import Model
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+    from typing_extensions import Unpack
 
+    from .abi import JointValues
     from .enums import FrameTypeLike, JointTypeLike, ShapeRoleLike, ShapeTypeLike
 
-_PART_KEYS = ("type", "placement", "axis", "axis2", "pitch")
 
 
 class Builder:
@@ -77,37 +79,19 @@ class Builder:
         axis: ArrayLike | None = None,
         axis2: ArrayLike | None = None,
         pitch: float | None = None,
-        lower: ArrayLike | None = None,
-        upper: ArrayLike | None = None,
-        velocity: ArrayLike | None = None,
-        effort: ArrayLike | None = None,
-        armature: ArrayLike | None = None,
-        damping: ArrayLike | None = None,
-        friction: ArrayLike | None = None,
-        stiffness: ArrayLike | None = None,
-        spring_reference: ArrayLike | None = None,
-        rotor_inertia: float | None = None,
-        gear_ratio: float | None = None,
         mimic: str | None = None,
-        mimic_ratio: float | None = None,
-        mimic_offset: float | None = None,
         parts: Sequence[Mapping[str, Any]] = (),
+        **values: Unpack[JointValues],
     ) -> Builder:
         """Adds a joint.
 
-        placement                    joint frame in the parent's frame; default identity
-        axis, axis2                  need not be unit; default z, and x (universal only)
-        pitch                        helical: metres per radian
-        lower, upper                 limits of q, one number for each of the joint's nq; default none
-        velocity, effort             limits, one number for each of its nv; default none
-        armature, damping, friction  one number for each of its nv; default zero
-        stiffness                    of springs, one for each of its nv; default zero
-        spring_reference             q where they are at rest, (nq,); default neutral
-        rotor_inertia, gear_ratio    add rotor_inertia * gear_ratio^2 to the armature
-        mimic                        leader's name: q = mimic_ratio * q_leader + mimic_offset
-        parts                        composite: its joints in order, dicts with type, placement, axis, axis2, pitch
+        placement         joint frame in the parent's frame; default identity
+        axis, axis2       any length but zero; default z, and x (universal only)
+        pitch             helical: metres per radian
+        mimic             leader's name: q = mimic_ratio * q_leader + mimic_offset
+        parts             composite: its joints in order, dicts with type, placement, axis, axis2, pitch
         """
-        spec, _keep = _joint(**{k: v for k, v in locals().items() if k != "self"})
+        spec, _keep = joint_spec(name, type, parent, placement, axis, axis2, pitch, mimic, parts, **values)
         check(lib.dyn_builder_add_joint(self._b, byref(spec)))
         return self
 
@@ -236,7 +220,7 @@ class Builder:
                 raise ArgumentError(f"attach: {', '.join(spec)} given without the name of a joint: give joint, too.")
             check(lib.dyn_builder_attach(self._b, model._m, text(prefix, "prefix"), None))
         else:
-            built, _keep = _joint(joint, type, **spec)
+            built, _keep = joint_spec(joint, type, **spec)
             check(lib.dyn_builder_attach(self._b, model._m, text(prefix, "prefix"), byref(built)))
         return self
 
@@ -257,74 +241,4 @@ class Builder:
         return Model(out.value)
 
 
-_SIZES = {
-    JointType.FIXED: (0, 0), JointType.CYLINDRICAL: (2, 2), JointType.UNIVERSAL: (2, 2), JointType.SPHERICAL: (4, 3),
-    JointType.SPHERICAL_ZYX: (3, 3), JointType.PLANAR: (3, 3), JointType.TRANSLATION: (3, 3), JointType.FREE_FLYER: (7, 6),
-    JointType.REVOLUTE_UNBOUNDED: (2, 1),
-}  # fmt: skip
-
-
-def _sizes(type: int, parts: Sequence[abi.JointSpec]) -> tuple[int, int]:
-    """(nq, nv) of a joint: the library is given addresses, so the lengths are checked here."""
-    if type == JointType.COMPOSITE:
-        each = [_sizes(p.type, ()) for p in parts]
-        return sum(n for n, _ in each), sum(n for _, n in each)
-    return _SIZES.get(JointType(type), (1, 1))
-
-
-def _joint(
-    name, type, parent=None, placement=None, axis=None, axis2=None, pitch=None, lower=None, upper=None, velocity=None, effort=None,
-    armature=None, damping=None, friction=None, stiffness=None, spring_reference=None, rotor_inertia=None, gear_ratio=None, mimic=None, mimic_ratio=None, mimic_offset=None,
-    parts=(),
-) -> tuple[abi.JointSpec, list[Any]]:  # fmt: skip
-    """The structure of a joint, and what must live as long."""
-    keep: list[Any] = []
-    spec = _spec(type, placement, axis, axis2, pitch, f"joint {name!r}")
-    spec.name = text(name, "name")
-    spec.parent = None if parent is None else text(parent, "parent")
-    built = [_part(p, f"joint {name!r}: part {i}") for i, p in enumerate(parts)]
-    sizes = _sizes(spec.type, built)
-    rows = {"lower": (lower, 0), "upper": (upper, 0), "velocity": (velocity, 1), "effort": (effort, 1)}
-    rows |= {"armature": (armature, 1), "damping": (damping, 1), "friction": (friction, 1)}
-    rows |= {"stiffness": (stiffness, 1), "spring_reference": (spring_reference, 0)}
-    for key, (value, which) in rows.items():
-        if value is not None:
-            a = checked(np.atleast_1d(numbers(value, key)), (sizes[which],), f"joint {name!r}: {key}")
-            keep.append(a)
-            setattr(spec, key, address(a))
-    scalars = {
-        "rotor_inertia": rotor_inertia,
-        "gear_ratio": gear_ratio,
-        "mimic_ratio": mimic_ratio,
-        "mimic_offset": mimic_offset,
-    }
-    for key, value in scalars.items():
-        if value is not None:
-            setattr(spec, key, value)
-    spec.mimic = None if mimic is None else text(mimic, "mimic")
-    if built:
-        keep.append((abi.JointSpec * len(built))(*built))
-        spec.parts, spec.parts_count = addressof(keep[-1]), len(built)
-    return spec, keep
-
-
-def _spec(type: Any, placement: Any, axis: Any, axis2: Any, pitch: float | None, what: str) -> abi.JointSpec:
-    spec = abi.initialized(abi.JointSpec)
-    spec.type = member(JointType, type, f"{what}: type")
-    if placement is not None:
-        spec.placement[:] = twelve(placement, f"{what}: placement").tolist()
-    if axis is not None:
-        spec.axis[:] = checked(axis, (3,), f"{what}: axis").tolist()
-    if axis2 is not None:
-        spec.axis2[:] = checked(axis2, (3,), f"{what}: axis2").tolist()
-    if pitch is not None:
-        spec.pitch = pitch
-    return spec
-
-
-def _part(part: Mapping[str, Any], what: str) -> abi.JointSpec:
-    unknown = set(part) - set(_PART_KEYS)
-    if unknown or "type" not in part:
-        wrong = f"unknown {sorted(unknown)}" if unknown else "no type"
-        raise ArgumentError(f"{what}: {wrong}; the keys are {', '.join(_PART_KEYS)}.")
-    return _spec(*[part.get(key) for key in _PART_KEYS], what)
+Builder.add_joint.__doc__ = f"{Builder.add_joint.__doc__}" + "".join(f"{name:<16}  {sentence}\n        " for name, sentence in VALUES.items())

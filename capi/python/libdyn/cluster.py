@@ -16,15 +16,14 @@ import numpy as np
 from . import errors
 from .arrays import numbers
 from .library import last_error
-from .model import Model, from_buffer, from_image
 from .rollout import Plan, Rollout
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from .arrays import Numbers
     from .batch import Batch
     from .enums import EffectLike
+    from .model import Model
 
 STEPS_OF_A_TASK = 20_000  # a task costs a worker about 5 ms beside its steps: see capi/pages/measured_cluster.md
 _PER_SIMULATION = {"q0": 2, "v0": 2, "control": 3, "tau": 3}  # dimensions with a row for each
@@ -32,12 +31,12 @@ _PER_SIMULATION = {"q0": 2, "v0": 2, "control": 3, "tau": 3}  # dimensions with 
 _made: tuple[Any, Any, Batch] | None = None  # in a worker: the last model's bytes, effects and batch
 
 
-def _batch(image: np.ndarray, effects: EffectLike) -> Batch:
+def _batch(kind: type[Model], image: np.ndarray, effects: EffectLike | None) -> Batch:
     """The image lies in the node's object store: tasks of one rollout get the same memory, and the model is used where it lies."""
     global _made
     key = image.ctypes.data, image.size, bytes(image[:256])
     if _made is None or _made[:2] != (key, effects):
-        model = from_buffer(image) if image.ctypes.data % 64 == 0 else from_image(image.tobytes())
+        model = kind.from_buffer(image) if image.ctypes.data % 64 == 0 else kind.from_image(image.tobytes())
         batch = model.batch(threads=1)
         if effects is not None:
             batch.set_effects(effects)
@@ -45,9 +44,9 @@ def _batch(image: np.ndarray, effects: EffectLike) -> Batch:
     return _made[2]
 
 
-def simulate(image: np.ndarray, effects: EffectLike, n: int, shared: dict[str, Any], own: dict[str, Any]) -> tuple[Rollout, str]:
+def simulate(kind: type[Model], image: np.ndarray, effects: EffectLike | None, n: int, shared: dict[str, Any], own: dict[str, Any]) -> tuple[Rollout, str]:
     """A task: n simulations, and the sentence of the first that failed."""
-    result = _batch(image, effects).rollout(n=n, strict=False, **shared, **own)
+    result = _batch(kind, image, effects).rollout(n=n, strict=False, **shared, **own)
     return result, last_error() if result.status.any() else ""
 
 
@@ -121,7 +120,7 @@ def rollout(
     task = ray.remote(num_cpus=1, max_retries=retries)(simulate)
     begins = range(0, plan.n, chunk)
     pending = {
-        task.remote(image, effects, min(chunk, plan.n - a), common, {name: x[a : a + chunk] for name, x in own.items()}): a for a in begins
+        task.remote(type(model), image, effects, min(chunk, plan.n - a), common, {name: x[a : a + chunk] for name, x in own.items()}): a for a in begins
     }
     parts: dict[int, tuple[Rollout, str]] = {}
     try:

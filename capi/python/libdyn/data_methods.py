@@ -11,10 +11,11 @@ from typing import Any, Callable
 
 import numpy as np
 
+from . import abi
 from .arrays import checked, to_placement, to_placements
 from .choices import reference
 from .handles import DataHandle
-from .interface import FUNCTIONS
+from .interface import FUNCTIONS, INTERFACE
 from .library import fail, lib
 from .messages import in_python
 from .results import RESULTS, memory_address, turned
@@ -46,9 +47,20 @@ def parameters(algorithm: AlgorithmInfo) -> tuple[list[str], int] | None:
     function = FUNCTIONS.get(f"dyn_{algorithm.name}")
     if function is None:
         return None
+    together = gathered(function)
     outputs = [p for p in function["parameters"] if p["type"] == "double*" or (p["type"] == "double" and "length" in p)]
-    names = [p["name"] for p in function["parameters"] if p not in outputs]
+    names = [p["name"] for p in function["parameters"] if p not in outputs][: -1 if together else None]
+    outputs = outputs or together
     return (names, len(outputs)) if names[:2] == ["model", "data"] and len(outputs) == len(algorithm.outputs) and ADDRESSES.keys() >= set(names) else None
+
+
+def gathered(function: dict) -> list[dict]:
+    """The pointers in `out`, where outputs stand in a structure."""
+    last = function["parameters"][-1]
+    if last["name"] != "out" or not last["type"].startswith("const dyn"):
+        return []
+    fields = next(s["fields"] for s in INTERFACE["structs"] if f"const {s['name']}*" == last["type"])[1:]
+    return fields if all(field["type"] == "double*" for field in fields) else []
 
 
 def signature(names: list[str]) -> list[str]:
@@ -78,7 +90,12 @@ def _outputs(data: DataHandle, algorithm: str) -> list[tuple[Callable[..., Any],
 
 
 def _method(algorithm: AlgorithmInfo, names: list[str], outputs: int) -> Callable[..., Any]:
-    arguments = [ADDRESSES[name] for name in names] + [f"p{k}" for k in range(outputs)]
+    addresses = [f"p{k}" for k in range(outputs)]
+    function, together = FUNCTIONS[f"dyn_{algorithm.name}"], None
+    if gathered(function):
+        together = abi.outputs_of(getattr(abi, function["parameters"][-1]["type"].removeprefix("const dyn").removesuffix("*")))
+        addresses = [f"_together({', '.join(addresses)})"]
+    arguments = [ADDRESSES[name] for name in names] + addresses
     values = [f"t{k}('F')" if n else f"t{k}()" for k, n in enumerate(algorithm.dimensions)]
     value = values[0] if outputs == 1 or algorithm.name in FIRST_ALONE else f"_Result({', '.join(values)})"
     if algorithm.of_placements:
@@ -96,7 +113,7 @@ def _method(algorithm: AlgorithmInfo, names: list[str], outputs: int) -> Callabl
     linecache.cache[file] = len(source), None, source.splitlines(True), file  # for tracebacks
     known: dict[str, Any] = {
         "_call": getattr(lib, f"dyn_{algorithm.name}"), "_outputs": _outputs, "_fail": fail, "_Result": RESULTS.get(algorithm.name), "_vector": _vector,
-        "_reference": reference, "_placement": to_placement, "_placements": to_placements,
+        "_reference": reference, "_placement": to_placement, "_placements": to_placements, "_together": together,
     }  # fmt: skip
     exec(compile(source, file, "exec"), known)
     method = known[name]

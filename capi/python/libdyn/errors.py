@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+
 class Error(Exception):
     """A call that failed. str() is the library's sentence: what, where, and what to do.
 

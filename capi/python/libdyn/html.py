@@ -24,7 +24,8 @@ def model(m: Any) -> str:
     """Its joints."""
     rows = []
     for j in m.joints[1:]:
-        limits = [f"{a:g} to {b:g}" for a, b in zip(m.lower_limit[j.idx_q : j.idx_q + j.nq], m.upper_limit[j.idx_q : j.idx_q + j.nq]) if a > -1e300 or b < 1e300]
+        own = slice(j.idx_q, j.idx_q + j.nq)
+        limits = [f"{a:g} to {b:g}" for a, b in zip(m.lower_limit[own], m.upper_limit[own]) if a > -1e300 or b < 1e300]
         follows = f"{j.mimic_ratio:g} {m.joint_name(j.mimic_leader)} + {j.mimic_offset:g}" if j.mimic_leader >= 0 else ""
         kind = getattr(j.type, "name", str(j.type)).lower()
         rows.append((j.id, j.name, kind, m.joint_name(j.parent), _range(j.idx_q, j.nq), _range(j.idx_v, j.nv), follows or ", ".join(limits)))

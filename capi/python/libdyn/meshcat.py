@@ -16,6 +16,7 @@ import numpy as np
 from meshcat import geometry as g
 
 from .arrays import Placement
+from .choices import member
 from .enums import Part, ShapeRole, ShapeType
 from .mesh import load_mesh
 

@@ -11,15 +11,17 @@ from typing import Any
 from .interface import FUNCTIONS, INTERFACE, public_name
 from .tables import FIELDS
 
-OWNERS = {"model": "Model", "data": "Data", "builder": "Builder", "batch": "Batch", "mesh": "Mesh", "contact_solver": "ContactSolver", "broad_phase": "BroadPhase"}
+OWNERS = {
+    "model": "Model", "data": "Data", "builder": "Builder", "batch": "Batch", "mesh": "Mesh", "contact_solver": "ContactSolver", "broad_phase": "BroadPhase",
+}  # fmt: skip
 """Class of the functions dyn_model_..., dyn_data_..., and so on."""
 DIFFERENT = {
     "dyn_data_new": "Model.data", "dyn_data_init": "Model.data", "dyn_data_size": "Model.data_size", "dyn_data_array": "Data.field",
     "dyn_data_pair": "Data.pair_reason", "dyn_data_effect_info": "Data.plan", "dyn_effect_count": "Data.plan", "dyn_field_id": "Data.field",
     "dyn_batch_new": "Model.batch", "dyn_batch_run": "dyn.Batch", "dyn_builder_new": "dyn.Builder", "dyn_builder_set_shape_rgba": "Builder.add_shape",
     "dyn_contact_solver_new": "dyn.ContactSolver", "dyn_contact_solver_init": "dyn.ContactSolver", "dyn_contact_solver_size": "ContactSolver.bytes",
-    "dyn_broad_phase_new": "dyn.BroadPhase", "dyn_mesh_load": "dyn.load_mesh", "dyn_mesh_rgb": "Mesh.colours", "dyn_mesh_from_height_field": "Mesh.height_field",
-    "dyn_model_load": "dyn.load", "dyn_model_load_string": "dyn.load_string", "dyn_model_from_buffer": "dyn.from_buffer",
+    "dyn_broad_phase_new": "dyn.BroadPhase", "dyn_mesh_load": "dyn.load_mesh", "dyn_mesh_rgb": "Mesh.colours",
+    "dyn_mesh_from_height_field": "Mesh.height_field", "dyn_model_load": "dyn.load", "dyn_model_load_string": "dyn.load_string",
     "dyn_model_save_memory": "Model.to_bytes", "dyn_model_report_count": "Model.report", "dyn_model_report_entry": "Model.report",
     "dyn_model_frame_id_of_type": "Model.frame_id", "dyn_model_shape_rgba": "Model.shape", "dyn_model_ndisabled_pairs": "Model.disabled_pairs",
     "dyn_model_disabled_pair": "Model.disabled_pairs", "dyn_model_nconfigurations": "Model.configuration_names", "dyn_model_pair": "Model.pairs",

@@ -4,30 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from ctypes import byref, c_char_p, c_void_p
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import html
 from .actuator import ModelActuators
-from .arrays import address, view
+from .arrays import address
 from .batch import Batch
-from .choices import mask, member, size, string, text
+from .choices import mask, size, string, text
 from .constraint import ModelConstraints
 from .convert import States
 from .data import Data
-from .enums import ModelArray, Part
+from .enums import Part
 from .errors import ArgumentError
-from .library import check, fail, last_error, lib
+from .library import check, last_error, lib
+from .model_arrays import ModelArrays
 from .saving import Saving
 
 if TYPE_CHECKING:
     from .arrays import Integers, Numbers
-    from .enums import ModelArrayLike, PartLike
+    from .enums import PartLike
 
 
-class Model(States, ModelConstraints, ModelActuators, Saving):
+class Model(States, ModelArrays, ModelConstraints, ModelActuators, Saving):
     """What the robot is: immutable, and safe to share between threads. From dyn.load, dyn.load_string or dyn.Builder.
 
     q has nq numbers, v, a and tau have nv; they differ on manifolds: use integrate and difference, never q + v.
@@ -41,8 +41,26 @@ class Model(States, ModelConstraints, ModelActuators, Saving):
     def _repr_html_(self) -> str:
         return html.model(self)
 
-    def __reduce__(self):
-        return from_image, (self.image(),)
+    def __reduce__(self) -> tuple[Any, tuple[bytes]]:
+        return Model.from_image, (self.image(),)
+
+    @classmethod
+    def from_buffer(cls, buffer: Any) -> Model:
+        """The model that lies in a buffer (numpy.memmap of a .dynb, shared memory), used where it is: nothing is copied.
+
+        The buffer lies on a boundary of 64 bytes and must not change. The model keeps it alive.
+        """
+        memory, out = np.frombuffer(buffer, np.uint8), c_void_p()
+        check(lib.dyn_model_from_buffer(memory.ctypes.data, memory.size, byref(out)))
+        return cls(out.value or 0, memory)
+
+    @classmethod
+    def from_image(cls, image: bytes) -> Model:
+        """The model of Model.image(), from bytes that lie anywhere: what unpickles a model."""
+        memory = np.empty(len(image) + 64, np.uint8)
+        memory = memory[-memory.ctypes.data % 64 :][: len(image)]
+        memory[:] = np.frombuffer(image, np.uint8)
+        return cls.from_buffer(memory)
 
     @property
     def size(self) -> int:
@@ -53,68 +71,6 @@ class Model(States, ModelConstraints, ModelActuators, Saving):
     def total_mass(self) -> float:
         """kg."""
         return lib.dyn_model_total_mass(self._m)
-
-    # ------------------------------------------------------------------------------------------- numbers of the model
-
-    def array(self, which: ModelArrayLike) -> Numbers:
-        """Read-only view of the model's numbers: limits, armature, damping, friction, springs, gravity."""
-        which = member(ModelArray, which, "which")
-        start = lib.dyn_model_array(self._m, which)
-        of_q = (ModelArray.LOWER_LIMIT, ModelArray.UPPER_LIMIT, ModelArray.SPRING_REFERENCE)
-        n = 3 if which == ModelArray.GRAVITY else self.nq if which in of_q else self.nv
-        if start is None and n:
-            fail(2)
-        return view(start, n, None, (1, 0), self._owner)
-
-    @cached_property
-    def lower_limit(self) -> Numbers:
-        """(nq,), rad or m; -inf where there is none."""
-        return self.array(ModelArray.LOWER_LIMIT)
-
-    @cached_property
-    def upper_limit(self) -> Numbers:
-        """(nq,), rad or m; inf where there is none."""
-        return self.array(ModelArray.UPPER_LIMIT)
-
-    @cached_property
-    def velocity_limit(self) -> Numbers:
-        """(nv,), rad/s or m/s; inf where there is none."""
-        return self.array(ModelArray.VELOCITY_LIMIT)
-
-    @cached_property
-    def effort_limit(self) -> Numbers:
-        """(nv,), N m or N; inf where there is none."""
-        return self.array(ModelArray.EFFORT_LIMIT)
-
-    @cached_property
-    def armature(self) -> Numbers:
-        """(nv,), kg m^2 or kg: added to the diagonal of M."""
-        return self.array(ModelArray.ARMATURE)
-
-    @cached_property
-    def damping(self) -> Numbers:
-        """(nv,), N m s/rad or N s/m."""
-        return self.array(ModelArray.DAMPING)
-
-    @cached_property
-    def friction(self) -> Numbers:
-        """(nv,), N m or N: dry friction."""
-        return self.array(ModelArray.FRICTION)
-
-    @cached_property
-    def stiffness(self) -> Numbers:
-        """(nv,), N m/rad or N/m: springs."""
-        return self.array(ModelArray.STIFFNESS)
-
-    @cached_property
-    def spring_reference(self) -> Numbers:
-        """(nq,), rad or m: the configuration where springs are at rest."""
-        return self.array(ModelArray.SPRING_REFERENCE)
-
-    @cached_property
-    def gravity(self) -> Numbers:
-        """(3,), m/s^2, world axes."""
-        return self.array(ModelArray.GRAVITY)
 
     @property
     def configuration_names(self) -> tuple[str, ...]:
@@ -167,19 +123,3 @@ class Model(States, ModelConstraints, ModelActuators, Saving):
         pi = np.empty(10 * (self.njoints - 1))
         check(lib.dyn_model_inertial_parameters(self._m, address(pi)))
         return pi
-
-
-def from_buffer(buffer) -> Model:
-    """The model that lies in a buffer (numpy.memmap of a .dynb, shared memory, ...), used where it is: nothing is copied. The buffer lies on a boundary
-    of 64 bytes and must not change; the model keeps it alive."""
-    memory, out = np.frombuffer(buffer, np.uint8), c_void_p()
-    check(lib.dyn_model_from_buffer(memory.ctypes.data, memory.size, byref(out)))
-    return Model(out.value, memory)
-
-
-def from_image(image: bytes) -> Model:
-    """The model of Model.image(), from bytes that lie anywhere: what unpickles a model."""
-    memory = np.empty(len(image) + 64, np.uint8)
-    memory = memory[-memory.ctypes.data % 64 :][: len(image)]
-    memory[:] = np.frombuffer(image, np.uint8)
-    return from_buffer(memory)

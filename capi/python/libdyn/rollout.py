@@ -12,7 +12,7 @@ import numpy as np
 from . import abi
 from .arrays import address, numbers
 from .choices import member, whole
-from .enums import ContactSolverType, Integrator, Part, SensorType, Status
+from .enums import SensorType, Status
 from .errors import ArgumentError, SizeError
 from .library import fail, lib
 from .simulation import fill_stepping
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .arrays import Integers, Numbers
-    from .enums import ContactSolverTypeLike, EffectLike, IntegratorLike
+    from .enums import ContactSolverTypeLike, IntegratorLike
     from .model import Model
 
 Sensors = Mapping[str, Any]
@@ -221,33 +221,3 @@ class Rollouts:
         ends = np.cumsum([0, *sizes.values()])
         data = {name: out["sensor_data"][..., a:b] for name, a, b in zip(sizes, ends, ends[1:])}
         return Rollout(out["q"], out["v"], data, out.get("contacts"), out.get("contact_count"), out.get("final_states"), out["status"])
-
-
-def rollout(
-    model: Model,
-    q0: ArrayLike | None = None,
-    v0: ArrayLike | None = None,
-    *,
-    effects: EffectLike | None = None,
-    threads: int | None = None,
-    engine: str = "threads",
-    **arguments: Any,
-) -> Rollout:
-    """Rollouts of a model: what Batch.rollout does, with its arguments.
-
-    effects  as in Data.set_effects; None: those of new data
-    threads  of this process; None: as many as it has processors
-    engine   "threads": here. "ray": by the workers of Ray (package ray), with the arguments of dyn.cluster.rollout
-    """
-    if engine == "ray":
-        from .cluster import rollout as elsewhere
-
-        return elsewhere(model, q0, v0, effects=effects, **arguments)
-    if engine != "threads":
-        raise ArgumentError(f"engine is {engine!r}, but must be 'threads' or 'ray'.")
-    batch = model.batch(threads, Part.ALL)
-    if effects is not None:
-        batch.set_effects(effects)
-    return batch.rollout(q0, v0, **arguments)
-
-

@@ -51,7 +51,7 @@ class Saving(ModelHandle):
         return out.raw
 
     def image(self, narrow: bool = False, names: bool = True) -> bytes:
-        """What dyn.from_buffer and dyn_model_from_buffer take: the bytes of a .dynb. narrow: for machines without SIMD; names: False leaves them out, with
+        """What Model.from_buffer takes: the bytes of a .dynb. narrow: for machines without SIMD; names: False leaves them out, with
         the load report."""
         size, flags = c_size_t(), (1 if narrow else 0) | (0 if names else 2)
         check(lib.dyn_model_image(self._m, flags, None, 0, byref(size)))

@@ -39,7 +39,17 @@ class Simulation:
     stepping: more of Data.set_step_options. `data` is a Data like any other.
     """
 
-    def __init__(self, model: Model, q: Any = None, v: Any = None, *, dt: float = 1e-3, integrator: IntegratorLike | None = None, effects: EffectLike | None = None, **stepping: Any):
+    def __init__(
+        self,
+        model: Model,
+        q: Any = None,
+        v: Any = None,
+        *,
+        dt: float = 1e-3,
+        integrator: IntegratorLike | None = None,
+        effects: EffectLike | None = None,
+        **stepping: Any,
+    ):
         self.model = model
         self.data: Data = model.data()
         self.dt = dt

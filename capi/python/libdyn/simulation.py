@@ -135,11 +135,16 @@ class Stepping(DataHandle):
         ledger: bool | None = None,
         time_budget: float | None = None,
     ) -> None:
-        """How step and advance go: by which integrator, in steps of dt seconds or (accuracy > 0, advance alone) of those that take
-        the sum of their errors to at most accuracy; which contact solver, to which residual, in how many iterations, and in what time (s a step; 0: any;
-        what was found until then acts, see step_report.unsolved); with the effect SLEEPING
-        how slow (m/s, rad/s) and for how long (s) what may sleep has been, and whether steps compute it all the same; whether they keep the error ledger, for data
-        with the part ENERGY. None leaves a value as it is."""
+        """Sets how step and advance go. None leaves a value as it is.
+
+        integrator      method of a step
+        dt              s, length of a step
+        accuracy        advance alone: its steps have lengths with errors that add up to at most this; 0: steps of dt
+        solver          contact solver; it ends at the residual tolerance, after max_iterations, or after time_budget (s a step; 0: no limit)
+        sleep_speed     m/s, rad/s, with the effect SLEEPING: an island sleeps after sleep_time (s) below this speed
+        visit_sleepers  steps compute islands that sleep, too
+        ledger          steps keep the error ledger; data needs the part ENERGY
+        """
         options = self.step_options
         fill_stepping(
             options, integrator, dt=dt, accuracy=accuracy, solver=solver, tolerance=tolerance, max_iterations=max_iterations,

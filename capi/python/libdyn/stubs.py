@@ -10,9 +10,10 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from . import batch_methods, data_methods
+from . import batch_methods, data_methods, joint_spec, model_arrays
 from . import fields as field_module
 from .interface import INTERFACE, public_name
+from .messages import in_python
 from .results import RESULTS
 from .tables import ALGORITHMS, FIELDS, OPTIONAL, SHAPES, AlgorithmInfo
 
@@ -35,16 +36,16 @@ def enums() -> Iterator[str]:
     for described in INTERFACE["enums"]:
         name = public_name(described)
         masks = described["bits"] or max(v["value"] for v in described["values"]) > len(described["values"])
-        yield _block(f"class {name}(enum.{'IntFlag' if masks else 'IntEnum'}):", _doc(described["doc"], "    "))
+        yield _block(f"class {name}(enum.{'IntFlag' if masks else 'IntEnum'}):", _doc(in_python(described["doc"]), "    "))
         for value in described["values"]:
-            yield _block(f"    {value['name']} = {value['value']}", _doc(value["doc"], "    "))
+            yield _block(f"    {value['name']} = {value['value']}", _doc(in_python(value["doc"]), "    "))
         choices = f"Union[{name}, Literal[{', '.join(repr(v['name'].lower()) for v in described['values'])}]]"
         yield f"{name}Like = " + (f"Union[{choices}, int, Iterable[{choices}]]" if masks else choices)
     yield f"__all__ = {[public_name(described) for described in INTERFACE['enums']]}"
 
 
 def abi() -> Iterator[str]:
-    yield "from ctypes import Structure\nfrom typing import Any\n\nclass Sized(Structure):\n    struct_size: int"
+    yield "from ctypes import Structure\nfrom typing import Any, TypedDict\n\nfrom numpy.typing import ArrayLike\n\nclass Sized(Structure):\n    struct_size: int"
     numbers = {"double": "float", "const char*": "bytes | None"}
     for described in INTERFACE["structs"]:
         base = "Sized" if described["fields"][0]["name"] == "struct_size" else "Structure"
@@ -54,7 +55,17 @@ def abi() -> Iterator[str]:
             plain = "Any" if "length" in field or kind.endswith("*") and kind != "const char*" else numbers.get(kind, "int")
             yield _block(f"    {field['name']}: {'Any' if kind[3:] in STRUCTURES else plain}", _doc(field.get("doc", ""), "    "))
     yield "".join(f"{callback['name'][3:]}: Any\n" for callback in INTERFACE["callbacks"])
+    yield "class JointValues(TypedDict, total=False):"
+    for name, sentence in joint_spec.VALUES.items():
+        yield _block(f"    {name}: {'float' if name in joint_spec.SCALARS else 'ArrayLike'} | None", _doc(sentence, "    "))
     yield "def initialized(structure: Any, *arguments: Any) -> Any: ..."
+
+
+def arrays() -> Iterator[str]:
+    yield "from .arrays import Numbers\nfrom .enums import ModelArray, ModelArrayLike\nfrom .handles import ModelHandle\n\nDESCRIBED: dict[ModelArray, tuple[str, str]]\n"
+    yield _block("class ModelArrays(ModelHandle):", "    def array(self, which: ModelArrayLike) -> Numbers:", _doc(model_arrays.ModelArrays.array.__doc__ or "", "        "))
+    for array, (size, sentence) in model_arrays.DESCRIBED.items():
+        yield _block("    @property", f"    def {array.name.lower()}(self) -> Numbers:", _doc(f"({size},): {sentence}", "        "))
 
 
 STRUCTURES = {described["name"][3:] for described in INTERFACE["structs"]}
@@ -132,7 +143,7 @@ def batch() -> Iterator[str]:
             yield _block("    @overload", method.format("str", "Numbers") + " ...")
 
 
-STUBS = {"enums": enums, "abi": abi, "results": results, "fields": fields, "data_methods": data, "batch_methods": batch}
+STUBS = {"enums": enums, "abi": abi, "results": results, "fields": fields, "model_arrays": arrays, "data_methods": data, "batch_methods": batch}
 
 
 def write(folder: Path) -> None:

@@ -2,11 +2,11 @@
 
 import math
 
+import libdyn as dyn
 import numpy as np
 import pytest
 from conftest import ARM
-
-import libdyn as dyn
+from libdyn.joint_spec import ARRAYS, SCALARS, VALUES, joint_spec, sizes
 
 
 def build_arm():
@@ -45,7 +45,7 @@ def test_every_joint(kind):
     b.add_joint("j", kind, axis=(0, 0, 1), axis2=(1, 0, 0), pitch=0.1).add_body("b", "j", 1, (0.1, 0.2, 0.3), np.eye(3))
     m = b.finish()
     joint = m.joint("j")
-    assert joint.type == kind and (joint.nq, joint.nv) == dyn.builder._SIZES.get(kind, (1, 1)) == (m.nq, m.nv)
+    assert joint.type == kind and {"nq": joint.nq, "nv": joint.nv} == sizes(joint_spec("j", kind)[0]) == {"nq": m.nq, "nv": m.nv}
     d, q = m.data(), m.random(1)
     a = d.aba(q, np.ones(m.nv), np.ones(m.nv))
     np.testing.assert_allclose(d.rnea(q, np.ones(m.nv), a), np.ones(m.nv), atol=1e-9)
@@ -137,3 +137,12 @@ def test_shapes_have_colours():
         with pytest.raises(dyn.Error, match="rgba"):
             b.add_shape("a", "sphere", (1,), rgba=bad)
     assert b.finish().nshapes == 2
+
+
+def test_values_of_joints_are_those_of_the_library():
+    assert {"lower": "nq", "velocity": "nv", "spring_reference": "nq", "friction": "nv"}.items() <= ARRAYS.items()
+    assert set(ARRAYS.values()) == {"nq", "nv"} and "gear_ratio" in SCALARS
+    for name in VALUES:
+        assert name in dyn.Builder.add_joint.__doc__
+    with pytest.raises(TypeError, match="there is no value 'dampin': choose from lower"):
+        dyn.Builder().add_joint("j", "revolute", dampin=1)

@@ -4,10 +4,9 @@ import mmap
 import os
 import subprocess
 
+import libdyn as dyn
 import numpy as np
 import pytest
-
-import libdyn as dyn
 from test_cli import CLI
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
@@ -109,7 +108,7 @@ def test_a_model_in_a_mapped_file(tmp_path):
     model = dyn.load_string(urdf("x.obj"))
     (tmp_path / "m.dynb").write_bytes(model.image())
     with open(tmp_path / "m.dynb", "rb") as file:
-        placed = dyn.from_buffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+        placed = dyn.Model.from_buffer(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
     os.remove(tmp_path / "m.dynb")
     q, v, a = [0.3], [0.2], [0.1]
     assert np.array_equal(model.data().rnea(q, v, a), placed.data().rnea(q, v, a)) and placed.joint_name(1) == "j"
@@ -117,4 +116,4 @@ def test_a_model_in_a_mapped_file(tmp_path):
     data = placed.data()
     data.warm_up()
     with pytest.raises(dyn.Error):
-        dyn.from_buffer(bytearray(model.image())[:-8])
+        dyn.Model.from_buffer(bytearray(model.image())[:-8])
