@@ -5,7 +5,6 @@ from __future__ import annotations
 from ctypes import byref
 from typing import TYPE_CHECKING, Any
 
-
 from . import abi
 from .arrays import view
 from .choices import text

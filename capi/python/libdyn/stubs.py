@@ -45,7 +45,8 @@ def enums() -> Iterator[str]:
 
 
 def abi() -> Iterator[str]:
-    yield "from ctypes import Structure\nfrom typing import Any, TypedDict\n\nfrom numpy.typing import ArrayLike\n\nclass Sized(Structure):\n    struct_size: int"
+    yield "from ctypes import Structure\nfrom typing import Any, TypedDict\n\nfrom numpy.typing import ArrayLike\n"
+    yield "class Sized(Structure):\n    struct_size: int"
     numbers = {"double": "float", "const char*": "bytes | None"}
     for described in INTERFACE["structs"]:
         base = "Sized" if described["fields"][0]["name"] == "struct_size" else "Structure"
@@ -62,8 +63,9 @@ def abi() -> Iterator[str]:
 
 
 def arrays() -> Iterator[str]:
-    yield "from .arrays import Numbers\nfrom .enums import ModelArray, ModelArrayLike\nfrom .handles import ModelHandle\n\nDESCRIBED: dict[ModelArray, tuple[str, str]]\n"
-    yield _block("class ModelArrays(ModelHandle):", "    def array(self, which: ModelArrayLike) -> Numbers:", _doc(model_arrays.ModelArrays.array.__doc__ or "", "        "))
+    yield "from .arrays import Numbers\nfrom .enums import ModelArray, ModelArrayLike\nfrom .handles import ModelHandle\n"
+    yield "DESCRIBED: dict[ModelArray, tuple[str, str]]\n\nclass ModelArrays(ModelHandle):"
+    yield _block("    def array(self, which: ModelArrayLike) -> Numbers:", _doc(model_arrays.ModelArrays.array.__doc__ or "", "        "))
     for array, (size, sentence) in model_arrays.DESCRIBED.items():
         yield _block("    @property", f"    def {array.name.lower()}(self) -> Numbers:", _doc(f"({size},): {sentence}", "        "))
 
@@ -83,7 +85,8 @@ def results() -> Iterator[str]:
 def fields() -> Iterator[str]:
     yield "from typing import Any\n\nfrom .arrays import Numbers, StateLike\nfrom .handles import DataHandle\nfrom .tables import FieldInfo\n"
     yield "STATE: dict[str, str]\n\ndef description(info: FieldInfo) -> str: ...\n\nclass Fields(DataHandle):"
-    yield "    def set_state(self, q: StateLike | None = None, v: StateLike | None = None, a: StateLike | None = None, tau: StateLike | None = None) -> None:"
+    inputs = ", ".join(f"{name}: StateLike | None = None" for name in field_module.STATE.values())
+    yield f"    def set_state(self, {inputs}) -> None:"
     yield _doc(field_module.Fields.set_state.__doc__ or "", "        ")
     yield _block("    @property", "    def state(self) -> dict[str, Numbers]:", _doc(field_module.Fields.state.__doc__ or "", "        "))
     yield _block("    def field(self, field: str | int) -> Any:", _doc(field_module.Fields.field.__doc__ or "", "        "))

@@ -33,6 +33,8 @@ many: NDArray[np.float64] = batch.rnea(np.tile(q, (3, 1)), out=np.zeros((3, m.nv
 place: dyn.Placement = batch.frame_placement("foot", q)
 r: dyn.Rollout = dyn.batch.rollout(m, q, steps=10, sensors={"com": "com"})
 com: NDArray[np.float64] = r.sensors["com"]
+limits: NDArray[np.float64] = m.lower_limit
+b: dyn.Builder = dyn.Builder("x").add_joint("j", "revolute", axis=(0, 1, 0), damping=0.1)
 sim: dyn.Simulation = dyn.Simulation(m, dt=1e-3)
 x: dyn.Trajectory = sim.run(1.0, lambda s: [0.0])
 """
@@ -48,6 +50,8 @@ WRONG = {
     'm.data(parts="mas")': "incompatible type",
     'd.frame_velocity("foot", "lokal")': "incompatible type",
     "m.joint_names = 3": "has no attribute",
+    'b.add_joint("j", "hinge")': "incompatible type",
+    'b.add_joint("j", "revolute", dampin=1)': "Unexpected keyword",
     "f: NDArray[np.float32] = d.M": "Incompatible types",
     "batch.rnea()": "Missing positional argument|Too few arguments",
 }
