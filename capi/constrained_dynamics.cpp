@@ -142,9 +142,9 @@ dynStatus dyn_delassus_factor(const dynModel* model, dynData* data, const double
   if (Y) {
     std::fill_n(Y, std::ptrdiff_t(m.n.nv) * active_rows(m, d), 0.0);
     for_each_constraint(m, d, [&](const ConstraintInstance<double>& s, Index k) {
-      const Index* dof = d.support + std::ptrdiff_t(k) * m.n.nvx;
-      const double* y = d.carried + row_lanes * std::ptrdiff_t(k) * m.n.nvx;
-      for (Index n = 0; n < s.support; ++n)
+      const Index* dof = d.supporting_dofs + std::ptrdiff_t(k) * m.n.nvx;
+      const double* y = d.propagated_jacobian + row_lanes * std::ptrdiff_t(k) * m.n.nvx;
+      for (Index n = 0; n < s.support_count; ++n)
         for (Index r = 0; r < s.rows; ++r) Y[dof[n] + std::ptrdiff_t(m.n.nv) * (s.first + r)] = y[row_lanes * n + r];
     });
   }

@@ -18,7 +18,7 @@ struct ConstraintInstance {
   Constraint c;
   Index enabled;
   Index rows, first;  // number of rows when active, index of the first one among all
-  Index support;      // degrees of freedom that the rows act on (Data::support)
+  Index support_count;      // degrees of freedom that the rows act on (Data::supporting_dofs)
   // unit wrenches of the rows on the two bodies, by components, about the roots of their trees
   alignas(64) T F1[6 * row_lanes], F2[6 * row_lanes];
   alignas(64) T error[row_lanes], rate[row_lanes], acceleration[row_lanes];

@@ -18,12 +18,12 @@ bool Elimination::find_runs(const Island& x) {
   const Segments& s = x.w.segments;
   Index count = 0;
   for (Index k = 0; k < x.constraint_count; ++k)
-    for (Index n = 0; n < x.constraint(k).s->support; ++n) local[s.of[x.constraint(k).support[n]]] = -1;
+    for (Index n = 0; n < x.constraint(k).s->support_count; ++n) local[s.of[x.constraint(k).support[n]]] = -1;
   size = 0;
   for (Index k = 0; k < x.constraint_count; ++k) {
     const ActiveConstraint& a = x.constraint(k);
     first_run[k] = count;
-    for (Index n = 0, last = -1; n < a.s->support; ++n) {
+    for (Index n = 0, last = -1; n < a.s->support_count; ++n) {
       const Index now = s.of[a.support[n]];
       if (now == last) continue;
       if (count == max_runs) return false;

@@ -58,7 +58,7 @@ struct Finder {
       const bool box = one_sided(s.c.type);
       if (s.c.type == DYN_CONSTRAINT_TYPE_LIMIT) limit(s, d.q[s.c.q1], s.c.lower, s.c.upper), s.rate[0] = limit_rate(s, v);
       if (s.c.type == DYN_CONSTRAINT_TYPE_FRICTION) s.lower[0] = -h * s.c.force, s.upper[0] = h * s.c.force, s.error[0] = 0;
-      append(s, support_of(m, d, k), carried_of(m, d, k), box ? RowKind::Box : RowKind::Equality, -1);
+      append(s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k), box ? RowKind::Box : RowKind::Equality, -1);
     });
   }
   void limits() {

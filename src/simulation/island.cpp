@@ -119,7 +119,7 @@ void Island::fill() {
 
 void Island::clear_supporting_dofs(double* z) const {
   for (Index k = 0; k < constraint_count; ++k)
-    for (Index n = 0; n < constraint(k).s->support; ++n) z[constraint(k).support[n]] = 0;
+    for (Index n = 0; n < constraint(k).s->support_count; ++n) z[constraint(k).support[n]] = 0;
 }
 
 // by_dof += Y^T lambda

@@ -74,9 +74,9 @@ struct Island {
   // clear: z = 0 at supporting dofs. scatter: z += Y^T by. gather: Y D^-1 z = G lambda, rows in lanes.
   void clear_supporting_dofs(double* z) const;
   DYN_INLINE void scatter(const ActiveConstraint& a, const double* by, double* z) const {
-    visit_rows(a.s->rows, [&]<int rows>() DYN_INLINE_LAMBDA {
+    with_row_count(a.s->rows, [&]<int rows>() DYN_INLINE_LAMBDA {
       const double* y = a.Y;
-      for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
+      for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) {
         double sum = 0;
 #pragma GCC unroll 6
         for (int r = 0; r < rows; ++r) sum += y[r] * by[r];
@@ -88,7 +88,7 @@ struct Island {
     using P = Pack<double, row_lanes>;
     P sum = P::zero();
     const double* y = a.Y;
-    for (Index n = 0; n < a.s->support; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
+    for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) sum = sum + P::load(y) * (Dinv[a.support[n]] * z[a.support[n]]);
     return sum;
   }
   bool is_angle(const ActiveConstraint& x, Index row) const;

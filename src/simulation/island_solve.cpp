@@ -14,7 +14,7 @@ bool share_no_tree(const ActiveConstraint& a, const ActiveConstraint& b) {
 
 template <int columns>
 void couple_constraints(const ActiveConstraint& a, const ActiveConstraint& b, const double* Dinv, double* block, std::ptrdiff_t ld) {
-  couple<columns>(a.support, a.s->support, a.Y, b.support, b.s->support, b.Y, Dinv, block, ld);
+  couple<columns>(a.support, a.s->support_count, a.Y, b.support, b.s->support_count, b.Y, Dinv, block, ld);
 }
 
 dynContactProblem problem(const Island& x) {
@@ -35,8 +35,8 @@ bool Island::dense_matrix() {
   std::ptrdiff_t carried = 0;
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& a = constraint(k);
-    if (a.s->support == 0) continue;
-    low = std::min(low, a.support[a.s->support - 1]), high = std::max(high, a.support[0]), carried += a.s->support;
+    if (a.s->support_count == 0) continue;
+    low = std::min(low, a.support[a.s->support_count - 1]), high = std::max(high, a.support[0]), carried += a.s->support_count;
   }
   const Index dofs = high - low + 1;
   if (dofs < 1 || dofs > tuning::island::dense_dofs || std::ptrdiff_t(dofs) * constraint_count > tuning::island::dense_fill * carried) return false;
@@ -47,7 +47,7 @@ bool Island::dense_matrix() {
   std::fill_n(Z, ld * dofs, 0.0);
   for (Index k = 0; k < constraint_count; ++k) {
     const ActiveConstraint& a = constraint(k);
-    for (Index n = 0; n < a.s->support; ++n) {
+    for (Index n = 0; n < a.s->support_count; ++n) {
       const Index dof = a.support[n] - low;
       (P::load(a.Y + row_lanes * n) * root[dof]).store(Z + ld * dof + a.s->first);
     }

@@ -140,7 +140,7 @@ void Newton::fill(Index p, double* D) const {
   e.for_each_of(e.order[p], [&](const ConstraintRun& a) {
     const State& s = w.newton[a.constraint];
     if (s.unknowns == 0) return;
-    visit_rows(s.rows, [&]<int rows>() {
+    with_row_count(s.rows, [&]<int rows>() {
       e.for_each_run(a.constraint, [&](const ConstraintRun& b) {
         const Index q = e.position[b.segment];
         if (q == p) add_product<rows>(s, a.rows, a.rows, D);

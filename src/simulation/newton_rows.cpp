@@ -62,7 +62,7 @@ void Newton::build_segment_rows() {
       const Index of = e.segment[run.segment], first = segments.first[of];
       run.rows = to;
       std::fill_n(to, W * s.rows, 0.0);
-      for (; n < a.s->support && segments.of[a.support[n]] == of; ++n, carried += row_lanes)
+      for (; n < a.s->support_count && segments.of[a.support[n]] == of; ++n, carried += row_lanes)
         for (Index i = 0; i < s.rows; ++i) to[W * i + a.support[n] - first] = s.unit[i] * carried[s.order[i]];
       to += W * s.rows;
     }

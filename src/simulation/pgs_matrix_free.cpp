@@ -149,7 +149,7 @@ void Island::prepare_blocks() {
     P G[max_rows];
     for (P& column : G) column = P::zero();
     const double* y = a.Y;
-    for (Index n = 0; n < a.s->support; ++n, y += row_lanes) {
+    for (Index n = 0; n < a.s->support_count; ++n, y += row_lanes) {
       const P e = P::load(y) * Dinv[a.support[n]];
       for (Index r = 0; r < rows_; ++r) G[r] = G[r] + e * y[r];
     }

@@ -1,4 +1,5 @@
-// The algorithms on constraints in one place, and compiled once: constrained_dynamics.cpp, project.cpp and derivatives.cpp instantiate them for double.
+// Declarations of the constrained algorithms. constrained_dynamics.cpp, project.cpp and derivatives.cpp instantiate them for
+// double.
 #pragma once
 
 #include "algorithm/constrained/proximal.hpp"

@@ -1,4 +1,4 @@
-// Forward dynamics, impulses and inverse dynamics under the constraints of a data's slots.
+// Forward dynamics, impulses and inverse dynamics under the constraints of a data.
 #pragma once
 
 #include "algorithm/articulated_factor.hpp"
@@ -12,19 +12,19 @@ template <class T>
 RowWork<T> row_work(const Model& m, const Data<T>& d) {
   return {d.row_factor, d.row_scaled, d.row_range, d.row_vectors, padded_rows(m.n.constraint_rows)};
 }
-// Vectors beyond those of the solver.
+// Vectors in addition to those of the solver.
 template <class T>
 DYN_INLINE T* row_vector(const Model& m, const Data<T>& d, int k) {
   return d.row_vectors + (8 + k) * padded_rows(m.n.constraint_rows);
 }
 
-// What the factor of M^-1 needs at the trees' roots, after forward dynamics.
+// Prepares the factor of M^-1 at the roots of the trees, after forward dynamics.
 template <class T>
 void prepare_columns(const Model& m, Data<T>& d) {
   if (!m.has_mimic) articulated_columns(m, d);
 }
 
-// The factor of M^-1 at d.q. Returns 0 or the joint that is singular.
+// Factor of M^-1 at d.q. Returns 0 or the singular joint.
 template <class T>
 Index constraint_factor(const Model& m, Data<T>& d) {
   if (m.has_mimic) {
@@ -36,7 +36,7 @@ Index constraint_factor(const Model& m, Data<T>& d) {
   return 0;
 }
 
-// lambda for rows that ask for b, with the bounds of those that have some.
+// lambda for the right-hand side b, within bounds.
 template <class T>
 void solve_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounded, const ProximalOptions& options, T* lambda, ProximalResult<T>& result) {
   const std::ptrdiff_t ld = padded_rows(rows);
@@ -59,7 +59,7 @@ bool any_bounded(const Model& m, Data<T>& d) {
   return found;
 }
 
-// Largest |G lambda - b| over the rows that act: those whose force is at no bound.
+// Largest |G lambda - b| over rows that are not at a bound.
 template <class T>
 T rows_residual(const Model& m, Data<T>& d, Index rows, const T* b, const T* lambda, bool bounded) {
   T* left = row_vector(m, d, 3);
@@ -70,7 +70,7 @@ T rows_residual(const Model& m, Data<T>& d, Index rows, const T* b, const T* lam
   return largest_size(left, rows);
 }
 
-// What is left to report when lambda is known.
+// Completes the result when lambda is known.
 template <class T>
 void report_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounded, ProximalResult<T>& found, dynConstraintResult& result) {
   result.reason = found.reason;
@@ -79,7 +79,7 @@ void report_rows(const Model& m, Data<T>& d, Index rows, const T* b, bool bounde
   result.contradiction = double(found.contradiction), result.condition = double(found.condition), result.regularisation = double(found.regularisation);
 }
 
-// ddq and d.lambda. Returns 0 or the joint that is singular.
+// Computes ddq and d.lambda. Returns 0 or the singular joint.
 template <class T>
 Index constrained_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, const ProximalOptions& options, T* ddq,
                            dynConstraintResult& result) {
@@ -103,7 +103,7 @@ Index constrained_dynamics(const Model& m, Data<T>& d, const T* v, const T* tau,
   return 0;
 }
 
-// v_plus and d.lambda.
+// Computes v_plus and d.lambda.
 template <class T>
 Index constraint_impulse(const Model& m, Data<T>& d, const T* v, const ProximalOptions& options, T* v_plus, dynConstraintResult& result) {
   if (const Index failed = constraint_factor(m, d)) return failed;
@@ -113,7 +113,7 @@ Index constraint_impulse(const Model& m, Data<T>& d, const T* v, const ProximalO
   const bool bounded = any_bounded(m, d);
   evaluate_rows(m, d, d.expand(m, v, d.vx), static_cast<const T*>(nullptr));
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
-    if (s.c.type == DYN_CONSTRAINT_TYPE_FRICTION) s.lower[0] = s.upper[0] = T(0);  // a force of bounded size has no impulse
+    if (s.c.type == DYN_CONSTRAINT_TYPE_FRICTION) s.lower[0] = s.upper[0] = T(0);  // a bounded force has no impulse
     for (Index r = 0; r < s.rows; ++r) b[s.first + r] = -(T(1) + T(s.c.restitution)) * s.rate[r];
   });
   propagate_rows(m, d);
@@ -125,7 +125,7 @@ Index constraint_impulse(const Model& m, Data<T>& d, const T* v, const ProximalO
   return 0;
 }
 
-// J of all rows, rows x nv with the leading dimension ld.
+// J of all rows, rows x nv with leading dimension ld.
 template <class T>
 void constraint_jacobian(const Model& m, Data<T>& d, T* J, std::ptrdiff_t ld) {
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {

@@ -1,9 +1,9 @@
-// The Delassus matrix G = J M^-1 J^T by the factor of M^-1 that forward dynamics leaves: with the columns S, U, 1/D of articulated
-// bodies M^-1 = (1 - ..)^T D^-1 (1 - ..), and the wrench P of a row, passed from its body to the root, leaves at each degree of freedom
+// The Delassus matrix G = J M^-1 J^T from the factor of M^-1 of forward dynamics, with the columns S, U, 1/D of articulated bodies:
+// M^-1 = (1 - ..)^T D^-1 (1 - ..). The wrench P of a row is propagated from its body to the root. At each degree of freedom
 //   y = P . S        P -= U y / D
-// so that G = sum over degrees of freedom of y y^T / D: a contact touches its own ancestors only (Sathya, Carpentier 2024, "Constrained
-// articulated body dynamics algorithms"; their propagation of forces, at the tree's root, where it needs no change of frame). With
-// mimic joints, whose M does not follow the tree, y are the rows of L^-T J^T of M = L^T D L.
+// so G = sum over degrees of freedom of y y^T / D. A contact touches its own ancestors only (Sathya, Carpentier 2024, "Constrained
+// articulated body dynamics algorithms"). Forces are propagated at the tree's root, which needs no change of frame. With mimic
+// joints M does not follow the tree; then y are the rows of L^-T J^T with M = L^T D L.
 #pragma once
 
 #include "algorithm/articulated_solve.hpp"
@@ -12,14 +12,14 @@
 
 namespace dyn {
 
-// Where a slot's degrees of freedom, descending, and its y, row by row, are.
+// Degrees of freedom of a constraint, descending, and its y, row by row.
 template <class T>
-DYN_INLINE Index* support_of(const Model& m, const Data<T>& d, Index slot) {
-  return d.support + std::ptrdiff_t(slot) * m.n.nvx;
+DYN_INLINE Index* supporting_dofs_of(const Model& m, const Data<T>& d, Index slot) {
+  return d.supporting_dofs + std::ptrdiff_t(slot) * m.n.nvx;
 }
 template <class T>
-DYN_INLINE T* carried_of(const Model& m, const Data<T>& d, Index slot) {
-  return d.carried + row_lanes * std::ptrdiff_t(slot) * m.n.nvx;
+DYN_INLINE T* propagated_jacobian_of(const Model& m, const Data<T>& d, Index slot) {
+  return d.propagated_jacobian + row_lanes * std::ptrdiff_t(slot) * m.n.nvx;
 }
 // 1 / D of the factor.
 template <class T>
@@ -27,10 +27,10 @@ DYN_INLINE const T* inverse_pivots(const Model& m, const Data<T>& d) {
   return m.has_mimic ? d.D : d.Dinv;
 }
 
-// The degree of freedom that a wrench on the body meets first, or -1.
+// The last degree of freedom of a body, or -1.
 inline Index last_dof(const Model& m, Index body) { return body ? first_dof(m, body + 1) - 1 : -1; }
 
-// One slot, without mimic joints.
+// Propagates one constraint, without mimic joints.
 template <class T>
 DYN_INLINE void propagate(const Model& m, const Data<T>& d, ConstraintInstance<T>& s, Index* support, T* y) {
   using Six = SixEights<T>;
@@ -62,10 +62,10 @@ DYN_INLINE void propagate(const Model& m, const Data<T>& d, ConstraintInstance<T
   }
   F = F + H;
   for (; a >= 0; a = parent[a]) pass(F, a, entry(a));
-  s.support = count;
+  s.support_count = count;
 }
 
-// J, rows of lanes by the user's degrees of freedom: those of a slot are added to zeros.
+// J with rows in lanes by the user's degrees of freedom. Adds the rows of a constraint.
 template <class T>
 void add_constraint_jacobian(const Model& m, const Data<T>& d, const ConstraintInstance<T>& s, T* J) {
   using Six = SixEights<T>;
@@ -91,14 +91,15 @@ void add_constraint_jacobian(const Model& m, const Data<T>& d, const ConstraintI
   if (s.c.body1) add(s.c.body1, s.F1);
   if (s.c.body2) add(s.c.body2, s.F2);
 }
-// J of a slot, nv rows of lanes.
+// J of a constraint, nv rows of lanes.
 template <class T>
 void constraint_jacobian(const Model& m, const Data<T>& d, const ConstraintInstance<T>& s, T* J) {
   std::fill_n(J, row_lanes * std::ptrdiff_t(m.n.nv), T(0));
   add_constraint_jacobian(m, d, s, J);
 }
 
-// The last of the user's degrees of freedom that move a body, or -1: the others are its ancestors in the elimination tree, for they are all coupled.
+// The last of the user's degrees of freedom that move a body, or -1. The others are its ancestors in the elimination tree, because
+// all are coupled.
 inline Index last_user_dof(const Model& m, Index body) {
   Index last = -1;
   for (Index i = body; i != 0; i = m.bodies()[i].parent)
@@ -106,7 +107,7 @@ inline Index last_user_dof(const Model& m, Index body) {
   return last;
 }
 
-// L^-T J^T of one slot: what two degrees of freedom and their ancestors carry.
+// L^-T J^T of one constraint, with mimic joints.
 template <class T>
 void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T>& s, Index* support, T* y) {
   using P = Pack<T, row_lanes>;
@@ -118,7 +119,7 @@ void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T
   for (const Index last : {a, b})
     for (Index i = last; i >= 0; i = parent[i]) P::zero().store(J + row_lanes * i);
   add_constraint_jacobian(m, d, s, J);
-  s.support = 0;
+  s.support_count = 0;
   while (a >= 0 || b >= 0) {
     const Index i = std::max(a, b);
     const T* row = factor_row(m, d, i);
@@ -130,7 +131,7 @@ void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T
       }
     });
     x.store(y), y += row_lanes;
-    support[s.support++] = i;
+    support[s.support_count++] = i;
     if (a == i) a = parent[a];
     if (b == i) b = parent[b];
   }
@@ -139,15 +140,15 @@ void eliminate_constraint(const Model& m, const Data<T>& d, ConstraintInstance<T
 template <class T>
 void propagate_rows(const Model& m, Data<T>& d) {
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index k) {
-    if (m.has_mimic) eliminate_constraint(m, d, s, support_of(m, d, k), carried_of(m, d, k));
-    else propagate(m, d, s, support_of(m, d, k), carried_of(m, d, k));
+    if (m.has_mimic) eliminate_constraint(m, d, s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k));
+    else propagate(m, d, s, supporting_dofs_of(m, d, k), propagated_jacobian_of(m, d, k));
   });
 }
 
 
-// f.template operator()<rows>()
+// Calls f.template operator()<rows>().
 template <class F>
-DYN_INLINE void visit_rows(Index rows, F&& f) {
+DYN_INLINE void with_row_count(Index rows, F&& f) {
   switch (rows) {
     case 1: return f.template operator()<1>();
     case 2: return f.template operator()<2>();
@@ -158,7 +159,7 @@ DYN_INLINE void visit_rows(Index rows, F&& f) {
   }
 }
 
-// Sum of y_s y_t^T / D over the degrees of freedom that carry both: columns are the rows of s, in lanes those of t.
+// Sum of y_s y_t^T / D over common degrees of freedom. Columns are the rows of s; the rows of t are in lanes.
 template <int columns, class T>
 DYN_INLINE void couple(const Index* ks, Index ns, const T* ys, const Index* kt, Index nt, const T* yt, const T* Dinv, T* G, std::ptrdiff_t ld) {
   using P = Pack<T, row_lanes>;
@@ -182,8 +183,8 @@ DYN_INLINE void couple(const Index* ks, Index ns, const T* ys, const Index* kt, 
   for (int c = 0; c < columns; ++c) sum[c].store(G + ld * c);
 }
 
-// G, rows x rows with the leading dimension ld = padded_rows(rows); both triangles. Slots t >= s write at and below the diagonal, each with whole
-// lanes: those beyond its rows are overwritten by the next, so that they come in order.
+// G, rows x rows with leading dimension ld = padded_rows(rows), both triangles. Constraints t >= s write whole lanes at and below
+// the diagonal. Lanes beyond their rows are overwritten by the next constraint, so the order matters.
 template <class T>
 void delassus(const Model& m, Data<T>& d, Index rows, T* G) {
   const std::ptrdiff_t ld = padded_rows(rows);
@@ -193,26 +194,27 @@ void delassus(const Model& m, Data<T>& d, Index rows, T* G) {
       const ConstraintInstance<T>& t = d.slots[j];
       if (!t.rows) continue;
       auto block = [&]<int columns>() {
-        couple<columns>(support_of(m, d, i), s.support, carried_of(m, d, i), support_of(m, d, j), t.support, carried_of(m, d, j), Dinv,
+        couple<columns>(supporting_dofs_of(m, d, i), s.support_count, propagated_jacobian_of(m, d, i),
+                        supporting_dofs_of(m, d, j), t.support_count, propagated_jacobian_of(m, d, j), Dinv,
                         G + t.first + ld * s.first, ld);
       };
-      visit_rows(s.rows, block);
+      with_row_count(s.rows, block);
     }
   });
   for (Index c = 0; c < rows; ++c)
     for (Index r = c + 1; r < rows; ++r) G[c + ld * r] = G[r + ld * c];
 }
 
-// x = Y^T lambda by degrees of freedom: sums of y lambda.
+// x = Y^T lambda by degrees of freedom.
 template <class T>
 void gather(const Model& m, Data<T>& d, const T* lambda, T* x) {
   std::fill_n(x, m.n.nv, T(0));
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index i) {
-    const Index* k = support_of(m, d, i);
-    const T* y = carried_of(m, d, i);
+    const Index* k = supporting_dofs_of(m, d, i);
+    const T* y = propagated_jacobian_of(m, d, i);
     T l[max_rows] = {};
     for (Index r = 0; r < s.rows; ++r) l[r] = lambda[s.first + r];
-    for (Index n = 0; n < s.support; ++n, y += row_lanes) {
+    for (Index n = 0; n < s.support_count; ++n, y += row_lanes) {
       T sum = T(0);
       for (int r = 0; r < max_rows; ++r) sum += r < s.rows ? y[r] * l[r] : T(0);
       x[k[n]] += sum;
@@ -220,7 +222,7 @@ void gather(const Model& m, Data<T>& d, const T* lambda, T* x) {
   });
 }
 
-// D L_i x over the ancestors of i.
+// Sum of D L_i x over the ancestors of i.
 template <class T>
 T row_times(const Model& m, const Data<T>& d, Index i, const T* x) {
   const T* row = factor_row(m, d, i);
@@ -231,7 +233,7 @@ T row_times(const Model& m, const Data<T>& d, Index i, const T* x) {
   return sum;
 }
 
-// x = M^-1 J^T lambda from x = Y^T lambda; of the degrees of freedom of some trees side by side.
+// x = M^-1 J^T lambda from x = Y^T lambda, several trees side by side.
 template <class T>
 void scatter(const Model& m, Data<T>& d, T* x, Index begin, Index end) {
   if (m.has_mimic) {
@@ -253,7 +255,7 @@ void scatter(const Model& m, Data<T>& d, T* x) {
   scatter(m, d, x, 0, m.n.nv);
 }
 
-// out = G x: of a vector, by the factors.
+// out = G x for a vector, by the factors.
 template <class T>
 void delassus_times(const Model& m, Data<T>& d, const T* x, T* by_dof, T* out) {
   gather(m, d, x, by_dof);
@@ -262,9 +264,9 @@ void delassus_times(const Model& m, Data<T>& d, const T* x, T* by_dof, T* out) {
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index i) {
     using P = Pack<T, row_lanes>;
     P sum = P::zero();
-    const Index* k = support_of(m, d, i);
-    const T* y = carried_of(m, d, i);
-    for (Index n = 0; n < s.support; ++n) sum = sum + P::load(y + row_lanes * n) * by_dof[k[n]];
+    const Index* k = supporting_dofs_of(m, d, i);
+    const T* y = propagated_jacobian_of(m, d, i);
+    for (Index n = 0; n < s.support_count; ++n) sum = sum + P::load(y + row_lanes * n) * by_dof[k[n]];
     for (Index r = 0; r < s.rows; ++r) out[s.first + r] = sum[int(r)];
   });
 }

@@ -1,5 +1,5 @@
-// What each constraint does to the system of derivatives (derivatives.hpp): D, the derivatives of its rows at fixed ddq and lambda, and H less
-// what its forces change by beside moving with their bodies.
+// Contribution of each constraint to the system of derivatives (derivatives.hpp): D at fixed ddq and lambda, and the correction of
+// H for forces that change relative to their bodies.
 #pragma once
 
 #include "algorithm/constrained/kkt_inverse.hpp"
@@ -7,14 +7,14 @@
 
 namespace dyn {
 
-// A user's degree of freedom and its part in that of an expanded one.
+// A user's degree of freedom and its ratio in an expanded one.
 DYN_INLINE Index user_dof(const Model& m, Index k) { return m.has_mimic ? m.expand_v()[k] : k; }
 template <class T>
 DYN_INLINE T user_ratio(const Model& m, Index k) {
   return m.has_mimic ? T(m.ratio_v()[k]) : T(1);
 }
 
-// Of the composites' forces, before they are summed: those of the constraints.
+// Adds the constraint forces to those of the composites, before these are summed.
 template <class T>
 void subtract_constraint_forces(const Model& m, Data<T>& d) {
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
@@ -30,9 +30,9 @@ void subtract_constraint_forces(const Model& m, Data<T>& d) {
   });
 }
 
-// H(k, l) -= S_k . f_l for the degrees of freedom k from a body to another, which is left out, and carriers l of a slot.
+// H(k, l) -= S_k . f_l for degrees of freedom k from one body up to another (exclusive) and l of a constraint.
 template <class T>
-DYN_INLINE void subtract_products(const Model& m, const Data<T>& d, Index from, Index to, const Index* carriers, Index count, const Force<T>* f, T* H) {
+DYN_INLINE void subtract_products(const Model& m, const Data<T>& d, Index from, Index to, const Index* dofs, Index count, const Force<T>* f, T* H) {
   using P = Pack<T, 4>;
   const std::ptrdiff_t n = m.n.nv;
   for (Index i = from; i != to; i = m.bodies()[i].parent) {
@@ -43,7 +43,7 @@ DYN_INLINE void subtract_products(const Model& m, const Data<T>& d, Index from, 
       const Six<T> S = Six<T>::transposed(d.S + k);
       for (Index c = 0; c < count; ++c) {
         const P change = S.dot(f[c]);
-        T* to_H = H + k + n * carriers[c];
+        T* to_H = H + k + n * dofs[c];
         if (k + 4 <= last) (P::load(to_H) - change).store(to_H);
         else
           for (Index x = 0; x < last - k; ++x) to_H[x] -= change[int(x)];
@@ -53,29 +53,30 @@ DYN_INLINE void subtract_products(const Model& m, const Data<T>& d, Index from, 
 }
 // The same with mimic joints.
 template <class T>
-void subtract_products_of_mimics(const Model& m, const Data<T>& d, Index from, Index to, const Index* carriers, Index count, const Force<T>* f, T* H) {
+void subtract_products_of_mimics(const Model& m, const Data<T>& d, Index from, Index to, const Index* dofs, Index count, const Force<T>* f, T* H) {
   for (Index i = from; i != to; i = m.bodies()[i].parent)
     for (Index k = m.bodies()[i].idx_v, end = first_dof(m, i + 1); k < end; ++k)
       for (Index c = 0; c < count; ++c)
-        H[user_dof(m, k) + std::ptrdiff_t(m.n.nv) * user_dof(m, carriers[c])] -= user_ratio<T>(m, k) * user_ratio<T>(m, carriers[c]) * dot(d.S[k], f[c]);
+        H[user_dof(m, k) + std::ptrdiff_t(m.n.nv) * user_dof(m, dofs[c])] -= user_ratio<T>(m, k) * user_ratio<T>(m, dofs[c]) * dot(d.S[k], f[c]);
 }
 
-// H -= what J^T lambda changes by beside moving with its bodies: a force F at B, -F at A. A step S of B changes the wrench on it by that of F
-// as it turns and moves, PS, where it would have changed by S x* F if carried along; A sees the opposite of PS; a step of A does the opposite.
+// H -= change of J^T lambda relative to moving bodies, with a force F at B and -F at A. A step S of B changes the wrench by PS; a
+// force that moves with the body changes by S x* F. A feels -PS. A step of A has the opposite effect.
 template <class T>
-void subtract_force_changes(const Model& m, Data<T>& d, const ConstraintInstance<T>& s, const RowDerivatives<T>& x, const Index* carriers, Index of_first, Index common, T* H) {
-  Force<T> *on_B = d.Fq, *on_both = d.Fv, *on_A = d.F;  // of no more use
-  for (Index c = 0; c < s.support; ++c) {
-    const Index k = carriers[c];
+void subtract_force_changes(const Model& m, Data<T>& d, const ConstraintInstance<T>& s, const RowDerivatives<T>& x, const Index* dofs,
+                            Index of_first, Index common, T* H) {
+  Force<T> *on_B = d.Fq, *on_both = d.Fv, *on_A = d.F;  // reused buffers
+  for (Index c = 0; c < s.support_count; ++c) {
+    const Index k = dofs[c];
     const bool first = c < of_first;
     const Motion<T> S = shift(d.S[k], first ? x.x1 : x.x2) * (first ? T(1) : T(-1));
-    Force<T> PS{x.F_step * S.linear, x.F_turn * S.angular}, carried = cross(S, x.F);
+    Force<T> PS{x.F_step * S.linear, x.F_turn * S.angular}, transported = cross(S, x.F);
     PS.angular += cross(S.linear, x.F.linear);
-    on_B[c] = shift(PS - carried, x.x1), on_both[c] = shift(Force<T>::zero() - carried, x.x1), on_A[c] = shift(Force<T>::zero() - PS, x.x2);
+    on_B[c] = shift(PS - transported, x.x1), on_both[c] = shift(Force<T>::zero() - transported, x.x1), on_A[c] = shift(Force<T>::zero() - PS, x.x2);
   }
   auto subtract = [&](Index from, Index to, const Force<T>* f) {
-    if (m.has_mimic) subtract_products_of_mimics(m, d, from, to, carriers, s.support, f, H);
-    else subtract_products(m, d, from, to, carriers, s.support, f, H);
+    if (m.has_mimic) subtract_products_of_mimics(m, d, from, to, dofs, s.support_count, f, H);
+    else subtract_products(m, d, from, to, dofs, s.support_count, f, H);
   };
   subtract(s.c.body1, common, on_B), subtract(common, 0, on_both), subtract(s.c.body2, common, on_A);
 }
@@ -86,16 +87,16 @@ DYN_INLINE void add_lanes(const Pack<T, row_lanes>& x, T* to) {
   (Pack<T, row_lanes>::load(to) + x).store(to);
 }
 
-// What a slot does to the system: Dq, Dv, H, and its carriers with J in the place of those of G.
+// Adds a constraint's part of Dq, Dv, H. Stores its degrees of freedom and J in place of those of G.
 template <class T>
 void differentiate_frames(const Model& m, Data<T>& d, ConstraintInstance<T>& s, Index slot, const T* v, const T* a, const KktSystem<T>& K, T* H) {
   using Six = SixEights<T>;
   RowDerivatives<T> x;
   frame_row_derivatives(m, d, s, v, a, d.lambda + s.first, x);
-  Index* carriers = support_of(m, d, slot);
-  T* J = carried_of(m, d, slot);
+  Index* dofs = supporting_dofs_of(m, d, slot);
+  T* J = propagated_jacobian_of(m, d, slot);
   const Index common = common_body(m, s.c.body1, s.c.body2);
-  s.support = 0;
+  s.support_count = 0;
   auto along = [&](Index body, const typename RowDerivatives<T>::Wrenches& w) {
     const Six alpha = Six::load(w.alpha), beta = Six::load(w.beta), gamma = Six::load(w.gamma);
     for (Index i = body; i != common; i = m.bodies()[i].parent)
@@ -104,19 +105,19 @@ void differentiate_frames(const Model& m, Data<T>& d, ConstraintInstance<T>& s, 
         const std::ptrdiff_t at = s.first + std::ptrdiff_t(K.rows) * user_dof(m, k);
         add_lanes((alpha.dot(d.S[k]) + beta.dot(d.dS[k]) + gamma.dot(d.ddS[k])) * ratio, K.Dq + at);
         add_lanes((beta.dot(d.S[k]) + gamma.dot(d.W[k])) * ratio, K.Dv + at);
-        (gamma.dot(d.S[k]) * ratio).store(J + row_lanes * std::ptrdiff_t(s.support));
-        carriers[s.support++] = k;
+        (gamma.dot(d.S[k]) * ratio).store(J + row_lanes * std::ptrdiff_t(s.support_count));
+        dofs[s.support_count++] = k;
       }
   };
   along(s.c.body1, x.by1);
-  const Index of_first = s.support;
+  const Index of_first = s.support_count;
   along(s.c.body2, x.by2);
-  subtract_force_changes(m, d, s, x, carriers, of_first, common, H);
+  subtract_force_changes(m, d, s, x, dofs, of_first, common, H);
   if (m.has_mimic)
-    for (Index c = 0; c < s.support; ++c) carriers[c] = m.expand_v()[carriers[c]];
+    for (Index c = 0; c < s.support_count; ++c) dofs[c] = m.expand_v()[dofs[c]];
 }
 
-// The same of a row between joints.
+// The same for a row between joints.
 template <class T>
 void differentiate_joints(const Model& m, Data<T>& d, ConstraintInstance<T>& s, Index slot, const T* v, const T* a, const KktSystem<T>& K, T* H) {
   const bool two = s.c.body2 != 0;
@@ -124,21 +125,21 @@ void differentiate_joints(const Model& m, Data<T>& d, ConstraintInstance<T>& s, 
   visit_joint_constraint(s.c.type, [&]<class K_>() { row = K_::evaluate(s.c, d.q[s.c.q1], two ? d.q[s.c.q2] : T(0)); });
   const T kp = T(s.c.stiffness), kd = T(s.c.damping), r1 = user_ratio<T>(m, s.c.v1), lambda = d.lambda[s.first];
   const std::ptrdiff_t u1 = user_dof(m, s.c.v1), rows = K.rows;
-  Index* carriers = support_of(m, d, slot);
-  T *J = carried_of(m, d, slot), *Dq = K.Dq + s.first, *Dv = K.Dv + s.first;
+  Index* dofs = supporting_dofs_of(m, d, slot);
+  T *J = propagated_jacobian_of(m, d, slot), *Dq = K.Dq + s.first, *Dv = K.Dv + s.first;
   std::fill_n(J, 2 * row_lanes, T(0));
   Dq[rows * u1] += r1 * kp * row.slope;
   Dv[rows * u1] += r1 * kd * row.g1;
-  carriers[0] = Index(u1), J[0] = r1 * row.g1;
-  s.support = 1;
+  dofs[0] = Index(u1), J[0] = r1 * row.g1;
+  s.support_count = 1;
   if (!two) return;
   const T r2 = user_ratio<T>(m, s.c.v2), v2 = v[s.c.v2];
   const std::ptrdiff_t u2 = user_dof(m, s.c.v2);
   Dq[rows * u2] += r2 * (row.curvature * a[s.c.v2] + row.third * v2 * v2 + kp * row.g2 + kd * row.curvature * v2);
   Dv[rows * u2] += r2 * (kd * row.g2 + T(2) * row.curvature * v2);
   H[u2 + m.n.nv * u2] -= r2 * r2 * lambda * row.curvature;
-  carriers[1] = Index(u2), J[row_lanes] = r2 * row.g2;
-  s.support = 2;
+  dofs[1] = Index(u2), J[row_lanes] = r2 * row.g2;
+  s.support_count = 2;
 }
 
 template <class T>
@@ -150,7 +151,7 @@ void differentiate_constraints(const Model& m, Data<T>& d, const T* v, const T* 
   });
 }
 
-// D += factor times the derivative of the rows' rates by q at the velocity v, expanded, for which derivative_columns was called with zero a.
+// D += factor times the derivative of the rows' rates by q at the expanded velocity v. Call derivative_columns with zero a before.
 template <class T>
 void differentiate_rates(const Model& m, Data<T>& d, const T* v, bool restitution, const KktSystem<T>& K, T* D) {
   using Six = SixEights<T>;

@@ -1,5 +1,5 @@
-// Inverse dynamics under constraints: for the degrees of freedom u that nothing drives, the least lambda with J_u^T lambda = h_u,
-// h = M a + nle - J^T fext, in the least-squares sense: N lambda = J_u h_u, N = J_u J_u^T, by the proximal iteration from zero.
+// Inverse dynamics under constraints. For unactuated degrees of freedom u finds the smallest lambda with J_u^T lambda = h_u, h = M
+// a + nle - J^T fext, in the least-squares sense: N lambda = J_u h_u, N = J_u J_u^T, by the proximal iteration from zero.
 #pragma once
 
 #include "algorithm/constrained/constrained_dynamics.hpp"
@@ -8,7 +8,7 @@ namespace dyn {
 
 inline bool flies(const Model& m, Index joint) { return m.joints()[joint].parent == 0 && m.joints()[joint].type == DYN_JOINT_TYPE_FREE_FLYER; }
 
-// tau and d.lambda. actuated: nv, or nullptr: all but what flies. Returns 0 or the joint that is singular.
+// Computes tau and d.lambda. actuated: nv flags, or null: all but free flyers. Returns 0 or the singular joint.
 template <class T>
 Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, const std::int32_t* actuated, T* tau,
                                    dynConstraintResult& result) {
@@ -21,24 +21,24 @@ Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const
   T *N = d.row_matrix, *b = row_vector(m, d, 0), *row = row_vector(m, d, 1);
   std::fill_n(N, ld * rows, T(0)), std::fill_n(b, rows, T(0));
 
-  // J by degrees of freedom: rows of lanes, slot by slot
+  // J by degrees of freedom: rows of lanes, constraint by constraint
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index k) {
-    T* J = d.carried + row_lanes * std::ptrdiff_t(k) * m.n.nvx;
+    T* J = d.propagated_jacobian + row_lanes * std::ptrdiff_t(k) * m.n.nvx;
     constraint_jacobian(m, d, s, J);
-    if (one_sided(s.c.type)) std::fill_n(J, row_lanes * std::ptrdiff_t(m.n.nv), T(0));  // their forces are not for holding
+    if (one_sided(s.c.type)) std::fill_n(J, row_lanes * std::ptrdiff_t(m.n.nv), T(0));  // one-sided forces do not hold
   });
-  auto for_each_idle = [&](auto&& f) {
+  auto for_each_unactuated = [&](auto&& f) {
     for (Index j = 1; j < m.n.joints; ++j)
       for (Index k = m.joints()[j].idx_v, end = k + m.joints()[j].nv; k < end; ++k)
         if (actuated ? actuated[k] == 0 : flies(m, j)) f(k);
   };
   auto read_row = [&](Index k) {
     for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index slot) {
-      const T* J = d.carried + row_lanes * (std::ptrdiff_t(slot) * m.n.nvx + k);
+      const T* J = d.propagated_jacobian + row_lanes * (std::ptrdiff_t(slot) * m.n.nvx + k);
       for (Index r = 0; r < s.rows; ++r) row[s.first + r] = J[r];
     });
   };
-  for_each_idle([&](Index k) {
+  for_each_unactuated([&](Index k) {
     read_row(k);
     for (Index c = 0; c < rows; ++c) {
       b[c] += row[c] * tau[k];
@@ -59,7 +59,7 @@ Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const
     found.condition = first / last, found.regularisation = mu;
     factor_rows(N, ld, rows, mu, mu / T(2), work.factor, work.vector(0));
     if (!iterate(N, ld, rows, work.factor, work.vector(0), b, ProximalOptions{}, work.vector(1), d.lambda, found)) found.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
-    if (found.rank < rows) {  // round-off off the range has grown by 1 / mu
+    if (found.rank < rows) {  // round-off outside the range has grown by 1 / mu
       factor_range(work.range, ld, found.rank, rows, work.factor, work.vector(0));
       project_on_range(work.range, ld, found.rank, rows, work.factor, work.vector(0), work.vector(4), d.lambda);
     }
@@ -69,7 +69,7 @@ Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const
     for (Index r = 0; r < rows; ++r) tau[k] -= row[r] * d.lambda[r];
   }
   result.residual = 0;
-  for_each_idle([&](Index k) {
+  for_each_unactuated([&](Index k) {
     using std::abs;
     result.residual = std::max(result.residual, double(abs(tau[k])));
     tau[k] = T(0);

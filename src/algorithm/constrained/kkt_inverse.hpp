@@ -1,7 +1,7 @@
-// The inverse of the KKT matrix and its products. With Z = M^-1 J^T, W = Z G^-1, the changes of ddq and lambda for those H of
-// M ddq - J^T lambda and D of J ddq, both at fixed ddq and lambda, are
+// Inverse of the KKT matrix and its products. Z = M^-1 J^T, W = Z G^-1. H and D are changes of M ddq - J^T lambda and of J ddq at
+// fixed ddq and lambda. The changes of ddq and lambda are
 //   [dddq; dlambda] = -[M^-1 - Z W^T, W; -W^T, G^-1] [H; D]
-// Of dependent rows and rows at a bound G^-1 is the pseudoinverse on those that are free: of redundant ones the least dlambda.
+// For dependent rows and rows at a bound, G^-1 is the pseudoinverse on the free rows, which gives the smallest dlambda.
 #pragma once
 
 #include "algorithm/cholesky.hpp"
@@ -23,7 +23,7 @@ KktSystem<T> kkt_system(const Model& m, const Data<T>& d, Index rows) {
   return {rows, padded_kkt(nv + rows), d.kkt_inverse, d.kkt_by_state, d.kkt_by_state + ld * nv, d.inverse_rows, d.row_by_state, Dv};
 }
 
-// Some packs of a column.
+// Several packs of a column.
 template <int packs, class T>
 struct PackColumn {
   using P = Pack<T, row_lanes>;
@@ -39,7 +39,7 @@ struct PackColumn {
   }
 };
 
-// f.template operator()<packs>(first row) over n rows
+// Calls f.template operator()<packs>(first row) over n rows.
 template <class F>
 DYN_INLINE void for_each_packs(std::ptrdiff_t n, F&& f) {
   std::ptrdiff_t i = 0;
@@ -47,21 +47,21 @@ DYN_INLINE void for_each_packs(std::ptrdiff_t n, F&& f) {
   if (i < n) f.template operator()<1>(i);
 }
 
-// Z, nv x rows with the leading dimension of the system, from d.Minv and the rows' J by their carriers.
+// Z, nv x rows with the system's leading dimension, from d.Minv and J.
 template <class T>
 void inverse_times_rows(const Model& m, Data<T>& d, std::ptrdiff_t ld, T* Z) {
   using P = Pack<T, row_lanes>;
   const std::ptrdiff_t n = m.n.nv;
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index slot) {
-    const Index* carriers = support_of(m, d, slot);
-    const T* J = carried_of(m, d, slot);
+    const Index* dofs = supporting_dofs_of(m, d, slot);
+    const T* J = propagated_jacobian_of(m, d, slot);
     auto columns = [&]<int count>() {
       for (std::ptrdiff_t i = 0; i < n; i += row_lanes) {
         P sum[count];
 #pragma GCC unroll 6
         for (int r = 0; r < count; ++r) sum[r] = P::zero();
-        for (Index c = 0; c < s.support; ++c) {
-          const P column = P::load(d.Minv + n * carriers[c] + i);
+        for (Index c = 0; c < s.support_count; ++c) {
+          const P column = P::load(d.Minv + n * dofs[c] + i);
 #pragma GCC unroll 6
           for (int r = 0; r < count; ++r) sum[r] = sum[r] + column * J[row_lanes * c + r];
         }
@@ -69,11 +69,11 @@ void inverse_times_rows(const Model& m, Data<T>& d, std::ptrdiff_t ld, T* Z) {
         for (int r = 0; r < count; ++r) sum[r].store(Z + ld * (s.first + r) + i);
       }
     };
-    visit_rows(s.rows, columns);
+    with_row_count(s.rows, columns);
   });
 }
 
-// The inverse of the system, from d.Minv, the rows' J, and G^-1.
+// Inverse of the system from d.Minv, J and G^-1.
 template <class T>
 void invert_kkt(const Model& m, Data<T>& d, bool bounded, bool factored, const KktSystem<T>& K) {
   const std::ptrdiff_t n = m.n.nv, ld = K.ld, rows = K.rows, ldg = padded_rows(rows);
@@ -102,7 +102,8 @@ void invert_kkt(const Model& m, Data<T>& d, bool bounded, bool factored, const K
   }
 }
 
-// out = -inverse [H; D] for the columns j .. j + width - 1: of H the rows of related degrees of freedom (related) or all; H: nv x nv, or nullptr: 0.
+// out = -inverse [H; D] for the columns j .. j + width - 1. related: only rows of related degrees of freedom. H: nv x nv, or null
+// for 0.
 template <int width, class T>
 DYN_INLINE void minus_kkt_columns(const Model& m, const KktSystem<T>& K, bool related, const T* H, const T* D, T* out, std::ptrdiff_t j) {
   const std::ptrdiff_t n = m.n.nv;
@@ -137,7 +138,7 @@ void minus_kkt_product(const Model& m, const KktSystem<T>& K, bool related, cons
   if (n < 4)
     for (std::ptrdiff_t j = 0; j < n; ++j) minus_kkt_columns<1>(m, K, related, H, D, out, j);
   else
-    for (std::ptrdiff_t j = 0; j < n; j += 4) minus_kkt_columns<4>(m, K, related, H, D, out, std::min(j, n - 4));  // the last ones overlap
+    for (std::ptrdiff_t j = 0; j < n; j += 4) minus_kkt_columns<4>(m, K, related, H, D, out, std::min(j, n - 4));  // the last block overlaps
 }
 
 }  // namespace dyn

@@ -1,6 +1,6 @@
-// q that satisfies the constraints, near a given one: Levenberg and Marquardt on the manifold. In the metric of M the step is
+// Projects q onto the constraints: Levenberg-Marquardt on the manifold. In the metric of M the step is
 //   dq = - M^-1 J^T (G + mu 1)^-1 C        G = J M^-1 J^T
-// which is the least that takes the linearised C away; where rows contradict each other it ends at the least sum of their squares.
+// This is the smallest step that removes the linearised C. Contradictory rows end at the least sum of squares.
 #pragma once
 
 #include "algorithm/constrained/constrained_dynamics.hpp"
@@ -8,9 +8,9 @@
 
 namespace dyn {
 
-// The factor of M^-1 = 1 in its place.
+// Replaces the factor of M^-1 by that of the identity.
 template <class T>
-void forget_masses(const Model& m, Data<T>& d) {
+void set_unit_mass(const Model& m, Data<T>& d) {
   if (m.has_mimic) {
     std::fill_n(d.L, m.n.nv * padded_factor(m), T(0));
     std::fill_n(d.D, m.n.nv, T(1));
@@ -20,11 +20,11 @@ void forget_masses(const Model& m, Data<T>& d) {
   for (Index k = 0; k < m.n.nvx; ++k) d.U_root[k] = Force<T>::zero(), d.Dinv[k] = T(1);
 }
 
-// Factor and rows at d.q. A limit that is kept, or dry friction, asks for no motion. Returns 0 or the joint that is singular.
+// Factor and rows at d.q. A limit that holds, and dry friction, ask for no motion. Returns 0 or the singular joint.
 template <class T>
 Index project_rows(const Model& m, Data<T>& d, bool weigh) {
   if (const Index failed = constraint_factor(m, d)) return failed;
-  if (!weigh) forget_masses(m, d);
+  if (!weigh) set_unit_mass(m, d);
   evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
     if (one_sided(s.c.type) && s.error[0] == T(0)) s.g1 = T(0);
@@ -40,8 +40,8 @@ T gather_errors(const Model& m, Data<T>& d, T* C) {
   return sum;
 }
 
-// out = v, or the velocity nearest to it in the metric of M that the rows allow at d.q, where the factor is; at a limit it may leave it. nullptr: the
-// result alone.
+// out: velocity nearest to v in the metric of M that the rows allow at d.q (factor computed). It may leave a limit. out null: the
+// result only.
 template <class T>
 void project_velocity(const Model& m, Data<T>& d, const T* v, T* out, dynConstraintResult& result) {
   ProximalResult<T> found;
@@ -61,15 +61,15 @@ void project_velocity(const Model& m, Data<T>& d, const T* v, T* out, dynConstra
   for (Index k = 0; k < m.n.nv; ++k) out[k] = v[k] + step[k];
 }
 
-// What steps have come to.
+// State of the iteration.
 template <class T>
-struct Descent {
+struct DescentResult {
   T cost = T(0);     // |C|^2
   int iterations = 0;
-  bool ended = true;  // solved, or no step makes |C| less
+  bool ended = true;  // converged, or no step reduces |C|
 };
 
-// The largest part of a step, angles in rad and displacements in the model's own length.
+// Largest component of a step: angles in rad, displacements over the model's length.
 template <class T>
 T largest_part(const Model& m, const T* step, T length) {
   using std::abs;
@@ -85,10 +85,10 @@ T largest_part(const Model& m, const T* step, T length) {
   return out;
 }
 
-// Steps from d.q as long as they make |C| less. The damping goes with |C|, so that it ends where J loses rank at the solution, too (a linkage
-// stretched to its full length; Sugihara 2011), each step there leaving a quarter of C, which is row vector 0.
+// Steps from d.q while they reduce |C|. The damping is proportional to |C|, so it also converges where J loses rank at the solution
+// (a linkage stretched to its full length; Sugihara 2011); each step there leaves a quarter of C. C is row vector 0.
 template <class T>
-Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, Descent<T>& found) {
+Index levenberg_marquardt(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, DescentResult<T>& found) {
   constexpr double least = 1e-9, most = 1e6;
   const T length = T(own_length(m));
   const Index rows = active_rows(m, d);
@@ -110,7 +110,7 @@ Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
     solve_factored(work.factor, Dinv, ld, rows, lambda);
     gather(m, d, lambda, step);
     scatter(m, d, step);
-    // no joint turns more than a radian, or slides the model's own length farther than C: past that C is not linear
+    // limits a step to one radian, or to C plus the model's own length, because C is nonlinear beyond
     const T longest = largest_part(m, static_cast<const T*>(step), length), allowed = T(1) + largest_size(C, rows) / length;
     for (Index k = 0; k < m.n.nv && longest > allowed; ++k) step[k] *= allowed / longest;
     std::copy(d.q, d.q + m.n.nq, before);
@@ -131,9 +131,9 @@ Index descend(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tole
   return 0;
 }
 
-// From a q that no small step makes better, a saddle perhaps, as of a linkage stretched flat: again from beside it. d.q: the better one.
+// Restarts beside a point where no small step helps, which may be a saddle (a flat stretched linkage). Keeps the better q.
 template <class T>
-Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, Descent<T>& found) {
+Index escape_saddle(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T min_damping, DescentResult<T>& found) {
   T *kept = d.constraint_q + m.n.nq, *step = d.constraint_step;
   Random random{1};
   for (const double size : {0.01, 0.3}) {
@@ -142,7 +142,7 @@ Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tol
     for (Index k = 0; k < m.n.nv; ++k) step[k] = T(random.uniform(-size, size));
     integrate(m, static_cast<const T*>(kept), static_cast<const T*>(step), d.q);
     const T before = found.cost;
-    if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, min_damping, found)) return failed;
+    if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, found)) return failed;
     if (found.cost < T(0.999) * before) continue;
     std::copy(kept, kept + m.n.nq, d.q);
     if (const Index failed = project_rows(m, d, weigh)) return failed;
@@ -151,17 +151,19 @@ Index sidestep(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tol
   return 0;
 }
 
-// d.q becomes the solution; v, unless it is nullptr, the velocity nearest to itself that the rows allow there. min_damping: of what the rows
-// take up; more of it keeps rounding from moving d.q where J nearly loses rank.
+// Sets d.q to the solution. v, unless null: becomes the nearest velocity that the rows allow there. min_damping: lower bound that
+// keeps rounding from moving d.q where J nearly loses rank.
 template <class T>
 Index project(const Model& m, Data<T>& d, int max_iterations, bool weigh, T tolerance, T* v, dynConstraintResult& result, T min_damping) {
   const Index rows = active_rows(m, d);
   const T* C = row_vector(m, d, 0);
-  Descent<T> descent;
-  if (const Index failed = descend(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
-  if (const Index failed = sidestep(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
+  DescentResult<T> descent;
+  if (const Index failed = levenberg_marquardt(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
+  if (const Index failed = escape_saddle(m, d, max_iterations, weigh, tolerance, min_damping, descent)) return failed;
   result.rows = rows, result.iterations = descent.iterations, result.residual = double(largest_size(C, rows));
-  result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINT_REASON_CONVERGED : descent.ended ? DYN_CONSTRAINT_REASON_CONTRADICTORY : DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
+  result.reason = result.residual <= double(tolerance) ? DYN_CONSTRAINT_REASON_CONVERGED
+                  : descent.ended                      ? DYN_CONSTRAINT_REASON_CONTRADICTORY
+                                                       : DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
   result.contradiction = result.reason == DYN_CONSTRAINT_REASON_CONTRADICTORY ? result.residual : 0;
 
   project_velocity(m, d, v ? v : static_cast<const T*>(d.zero), v, result);

@@ -1,6 +1,6 @@
-// G lambda = b for a positive semidefinite G: the proximal iteration lambda += (G + mu D)^-1 (b - G lambda), D the diagonal of G, on a matrix
-// that is factored once (Carpentier, Budhiraja, Mansard 2021). Started at zero it stays in the range of G in the metric of D, so that
-// of redundant rows it finds the least lambda. Rows that are clearly independent take mu = 0: the iteration is then its first step.
+// G lambda = b for a positive semidefinite G by the proximal iteration lambda += (G + mu D)^-1 (b - G lambda), D the diagonal of G.
+// The matrix is factored once (Carpentier, Budhiraja, Mansard 2021). Started at zero it stays in the range of G in the metric of D,
+// so redundant rows get the smallest lambda. Clearly independent rows take mu = 0 and end after one step.
 #pragma once
 
 #include "algorithm/constrained/row_factor.hpp"
@@ -30,8 +30,7 @@ struct RowWork {
   T* vector(int k) const { return vectors + k * room; }
 };
 
-// R^T R = G with the order of its largest pivots: R, rank x n with the leading dimension ld by rows (row k at R + ld k). Returns the rank; pivots: first
-// and last.
+// Pivoted Cholesky: R^T R = G. R is rank x n, row k at R + ld k. Returns the rank; pivots: first and last.
 template <class T>
 Index pivoted_factor(const T* G, std::ptrdiff_t ld, Index n, T tolerance, T* R, T* remaining, T& first, T& last) {
   using std::sqrt;
@@ -62,7 +61,7 @@ Index pivoted_factor(const T* G, std::ptrdiff_t ld, Index n, T tolerance, T* R, 
   return rank;
 }
 
-// The factor of R R^T in K, Dinv.
+// Factor of R R^T in K, Dinv.
 template <class T>
 void factor_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, T* K, T* Dinv) {
   for (Index i = 0; i < rank; ++i)
@@ -74,7 +73,7 @@ void factor_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, T* K, T* D
   factor_rows(K, ld, rank, T(0), T(0), K, Dinv);
 }
 
-// b = the part of b in the range of G = R^T R; K, Dinv: factor_range.
+// Projects b onto the range of G = R^T R. K, Dinv: from factor_range.
 template <class T>
 void project_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const T* K, const T* Dinv, T* z, T* b) {
   for (Index i = 0; i < rank; ++i) {
@@ -100,28 +99,28 @@ void solve_on_range(const T* R, std::ptrdiff_t ld, Index rank, Index n, const T*
     for (Index i = 0; i < rank; ++i) x[k] += R[ld * i + k] * z[i];
 }
 
-// The iteration itself; W, Dinv: factor of G + mu 1.
+// The iteration. W, Dinv: factor of G + mu 1.
 template <class T>
 bool iterate(const T* G, std::ptrdiff_t ld, Index n, const T* W, const T* Dinv, const T* b, const ProximalOptions& options, T* step, T* lambda,
              ProximalResult<T>& result) {
-  const T asked = largest_size(b, n);
+  const T rhs = largest_size(b, n);
   T most = T(0);
   for (Index i = 0; i < n; ++i) lambda[i] = T(0), step[i] = b[i], most = std::max(most, G[ld * i + i]);
-  T before = asked;
+  T before = rhs;
   for (result.iterations = 0; result.iterations < options.max_iterations;) {
     solve_factored(W, Dinv, ld, n, step);
     for (Index i = 0; i < n; ++i) lambda[i] += step[i];
     ++result.iterations;
     row_residual(G, ld, n, b, lambda, step);
     const T left = largest_size(step, n), noise = T(4e-16) * T(double(n)) * most * largest_size(lambda, n);
-    if (left <= noise || (left <= T(options.tolerance) * asked && left > T(0.1) * before)) return true;
-    if (result.iterations > 3 && left > T(0.99) * before && left <= T(1e-9) * asked) return true;  // round-off of G itself
+    if (left <= noise || (left <= T(options.tolerance) * rhs && left > T(0.1) * before)) return true;
+    if (result.iterations > 3 && left > T(0.99) * before && left <= T(1e-9) * rhs) return true;  // round-off of G itself
     before = left;
   }
   return false;
 }
 
-// S = G with a unit diagonal. Rows that nothing carries have no scale; entries that are round-off of others count as such.
+// S = G scaled to unit diagonal. Rows without any motion have no scale. Entries that are round-off count as such rows.
 template <class T>
 void scale_rows(const T* G, std::ptrdiff_t ld, Index n, T* scale, T* S) {
   using std::sqrt;
@@ -143,55 +142,55 @@ void solve_regularised(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, In
   for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];
 }
 
-// Rows that nothing carries and that ask for nothing, as those across a planar mechanism: S = G with them apart, wanted = b without. Returns how
-// many. heard: what they may ask for by rounding.
+// Separates inert rows, which no motion changes and whose right-hand side is rounding (rows across a planar mechanism). S: G with
+// these rows decoupled, wanted: b without them. Returns their number. noise_floor: bound on the rounding.
 template <class T>
-Index set_idle_apart(const T* G, std::ptrdiff_t ld, Index n, const T* b, T heard, T* S, T* wanted) {
+Index separate_inert_rows(const T* G, std::ptrdiff_t ld, Index n, const T* b, T noise_floor, T* S, T* wanted) {
   using std::abs;
   T most = T(0);
   for (Index i = 0; i < n; ++i) most = std::max(most, G[ld * i + i]);
-  const auto idle = [&](Index i) { return !(G[ld * i + i] > T(1e-24) * most) && abs(b[i]) <= heard; };
+  const auto inert = [&](Index i) { return !(G[ld * i + i] > T(1e-24) * most) && abs(b[i]) <= noise_floor; };
   Index count = 0;
-  for (Index i = 0; i < n; ++i) count += idle(i);
+  for (Index i = 0; i < n; ++i) count += inert(i);
   if (count == 0 || count == n) return 0;
   std::copy(G, G + ld * n, S), std::copy(b, b + n, wanted);
   for (Index i = 0; i < n; ++i) {
-    if (!idle(i)) continue;
+    if (!inert(i)) continue;
     for (Index j = 0; j < n; ++j) S[ld * i + j] = S[ld * j + i] = T(0);
     S[ld * i + i] = most, wanted[i] = T(0);
   }
   return count;
 }
 
-// consistent = the part of asked that rows with the matrix S, of a unit diagonal, can give. false: all of it, for their pivots are above least.
+// consistent: the part of rhs in the range of S (unit diagonal). Returns false if all of it is, because the pivots exceed `least`.
 template <class T>
-bool consistent_part(const RowWork<T>& work, const T* S, std::ptrdiff_t ld, Index n, T least, const T* asked, T* consistent, ProximalResult<T>& result) {
+bool consistent_part(const RowWork<T>& work, const T* S, std::ptrdiff_t ld, Index n, T least, const T* rhs, T* consistent, ProximalResult<T>& result) {
   T *Dinv = work.vector(0), *z = work.vector(4), first, last;
   result.rank = pivoted_factor(S, ld, n, least, work.range, z, first, last);
   result.condition = first / last;
   if (result.rank == n) return false;
-  std::copy_n(asked, n, consistent);
+  std::copy_n(rhs, n, consistent);
   factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
   project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, consistent);
   return true;
 }
 
-// lambda for n rows with the matrix G; all vectors of n numbers. What b asks for and no lambda gives is the contradiction.
+// lambda for n rows with the matrix G; all vectors have n numbers. The part of b outside the range is the contradiction.
 template <class T>
 void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Index n, const T* b, const ProximalOptions& options, T* lambda,
                       ProximalResult<T>& result) {
   using std::abs;
-  T *Dinv = work.vector(0), *step = work.vector(1), *asked = work.vector(2), *scale = work.vector(3), *z = work.vector(4);
+  T *Dinv = work.vector(0), *step = work.vector(1), *rhs = work.vector(2), *scale = work.vector(3), *z = work.vector(4);
   result = {};
   result.rank = n;
   if (n == 0) return;
-  const T heard = std::max(T(contradiction_tolerance) * largest_size(b, n), T(1e-12));  // less is round-off
+  const T noise_floor = std::max(T(contradiction_tolerance) * largest_size(b, n), T(1e-12));  // less is round-off
   if (options.regularisation == 0) {
-    const Index idle = set_idle_apart(G, ld, n, b, heard, work.scaled, asked);
-    const T *matrix = idle ? work.scaled : G, *wanted = idle ? asked : b;
+    const Index inert = separate_inert_rows(G, ld, n, b, noise_floor, work.scaled, rhs);
+    const T *matrix = inert ? work.scaled : G, *wanted = inert ? rhs : b;
     const T smallest = factor_rows(matrix, ld, n, T(0), T(0), work.factor, Dinv);
     if (smallest > T(clearly_independent)) {
-      result.rank = n - idle;
+      result.rank = n - inert;
       result.condition = T(1) / smallest;
       if (!iterate(matrix, ld, n, work.factor, Dinv, wanted, options, step, lambda, result)) result.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
       return;
@@ -201,18 +200,18 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   T* S = work.scaled;
   scale_rows(G, ld, n, scale, S);
   for (Index j = 0; j < n; ++j) {
-    asked[j] = b[j] * scale[j];
-    if (scale[j] == T(0) && abs(b[j]) > heard) result.contradiction = std::max(result.contradiction, abs(b[j]));
+    rhs[j] = b[j] * scale[j];
+    if (scale[j] == T(0) && abs(b[j]) > noise_floor) result.contradiction = std::max(result.contradiction, abs(b[j]));
   }
   T* consistent = step;
-  if (consistent_part(work, S, ld, n, T(independent), asked, consistent, result)) {
-    const T size = largest_size(asked, n);
+  if (consistent_part(work, S, ld, n, T(independent), rhs, consistent, result)) {
+    const T size = largest_size(rhs, n);
     T off = T(0);
-    for (Index i = 0; i < n; ++i) off = std::max(off, abs(asked[i] - consistent[i]));
+    for (Index i = 0; i < n; ++i) off = std::max(off, abs(rhs[i] - consistent[i]));
     if (off > T(contradiction_tolerance) * size) {
       for (Index i = 0; i < n; ++i) {
-        if (scale[i] > T(0)) result.contradiction = std::max(result.contradiction, abs(asked[i] - consistent[i]) / scale[i]);
-        asked[i] = consistent[i];
+        if (scale[i] > T(0)) result.contradiction = std::max(result.contradiction, abs(rhs[i] - consistent[i]) / scale[i]);
+        rhs[i] = consistent[i];
       }
     }
   }
@@ -220,12 +219,12 @@ void solve_equalities(const RowWork<T>& work, const T* G, std::ptrdiff_t ld, Ind
   const T mu = options.regularisation > 0 ? T(options.regularisation) : T(automatic_regularisation);
   result.regularisation = mu;
   factor_rows(S, ld, n, mu, mu / T(2), work.factor, Dinv);
-  if (!iterate(S, ld, n, work.factor, Dinv, asked, options, step, lambda, result) && result.reason == DYN_CONSTRAINT_REASON_CONVERGED)
+  if (!iterate(S, ld, n, work.factor, Dinv, rhs, options, step, lambda, result) && result.reason == DYN_CONSTRAINT_REASON_CONVERGED)
     result.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
-  if (result.rank < n) {  // round-off off the range has grown by 1 / mu
+  if (result.rank < n) {  // round-off outside the range has grown by 1 / mu
     factor_range(work.range, ld, result.rank, n, work.factor, Dinv);
     project_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, lambda);
-    row_residual(S, ld, n, asked, lambda, step);
+    row_residual(S, ld, n, rhs, lambda, step);
     solve_on_range(work.range, ld, result.rank, n, work.factor, Dinv, z, step, lambda);
   }
   for (Index i = 0; i < n; ++i) lambda[i] *= scale[i];

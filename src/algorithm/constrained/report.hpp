@@ -1,12 +1,12 @@
-// The doctor: rank, condition, and which rows depend on others, from the eigenvectors of the Delassus matrix with unit diagonal. Those of
-// eigenvalue 0 are the combinations of rows that no motion changes: C along them can't be removed.
+// Constraint diagnostics: rank, condition, and dependent rows, from the eigenvectors of the Delassus matrix with unit diagonal.
+// Eigenvectors of eigenvalue 0 are combinations of rows that no motion changes: C along them cannot be removed.
 #pragma once
 
 #include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn {
 
-// Jacobi's method: A becomes diagonal, the columns of V the eigenvectors.
+// Jacobi's method: A becomes diagonal, the columns of V its eigenvectors.
 template <class T>
 void jacobi_eigenvectors(T* A, T* V, std::ptrdiff_t ld, Index n) {
   using std::abs;
@@ -34,12 +34,12 @@ void jacobi_eigenvectors(T* A, T* V, std::ptrdiff_t ld, Index n) {
   }
 }
 
-// rows_out(row among all, verdict, share, error). Returns 0 or the joint that is singular.
+// rows_out(row among all, verdict, share, error). Returns 0 or the singular joint.
 template <class T, class Out>
 Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report, Out&& rows_out) {
   using std::abs;
   using std::sqrt;
-  constexpr double zero = 1e-10, partaking = 1e-6, agreement = 1e-8;
+  constexpr double zero = 1e-10, participating = 1e-6, agreement = 1e-8;
   if (const Index failed = constraint_factor(m, d)) return failed;
   evaluate_rows(m, d, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
   propagate_rows(m, d);
@@ -53,13 +53,13 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
   });
   for (Index i = 0; i < n; ++i) most = std::max(most, d.row_matrix[ld * i + i]);
   for (Index i = 0; i < n; ++i) scale[i] = d.row_matrix[ld * i + i] > T(1e-24) * most ? T(1) / sqrt(d.row_matrix[ld * i + i]) : T(0);
-  bool slips = false;
+  bool has_friction = false;
   const auto decompose = [&](bool with_friction) {
     for (Index j = 0; j < n; ++j)
       for (Index i = 0; i < n; ++i) A[ld * j + i] = d.row_matrix[ld * j + i] * scale[i] * scale[j];
     for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) {
       if (s.c.type != DYN_CONSTRAINT_TYPE_FRICTION) return;
-      slips = true;
+      has_friction = true;
       for (Index i = 0; i < n && !with_friction; ++i) A[ld * s.first + i] = A[ld * i + s.first] = T(0);
     });
     jacobi_eigenvectors(A, V, ld, n);
@@ -78,7 +78,7 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
     }
     for (Index i = 0; i < n; ++i) share[i] += V[ld * k + i] * V[ld * k + i];
   }
-  if (slips) decompose(false);  // friction asks for no position: it contradicts nothing
+  if (has_friction) decompose(false);  // friction has no position error, so it contradicts nothing
   for (Index k = 0; k < n; ++k) {
     if (double(A[ld * k + k]) > zero) continue;
     T c = T(0);
@@ -90,7 +90,7 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
   for (Index i = 0; i < n; ++i) {
     const bool immobile = scale[i] == T(0);
     const double off = double(immobile ? abs(C[i]) : abs(along[i]) / scale[i]);
-    const bool dependent = immobile || share[i] > T(partaking), contradicts = dependent && off > agreement;
+    const bool dependent = immobile || share[i] > T(participating), contradicts = dependent && off > agreement;
     report.error = std::max(report.error, double(abs(C[i]))), report.contradiction = std::max(report.contradiction, dependent ? off : 0.0);
     report.contradictory += contradicts;
     const dynRowVerdict verdict = contradicts ? DYN_ROW_VERDICT_CONTRADICTORY : immobile ? DYN_ROW_VERDICT_IMMOBILE : dependent ? DYN_ROW_VERDICT_REDUNDANT : DYN_ROW_VERDICT_INDEPENDENT;

@@ -1,13 +1,14 @@
-// Derivatives of the rows c = d2C/dt2 + stiffness C + damping dC/dt at a given ddq, and of the forces J^T lambda at a given lambda, on the tangent
-// space. With S, psi', psi'', W of degree of freedom k (rnea_derivatives.hpp) and V, A of B, a step along k moves B, changes V and A by
+// Derivatives on the tangent space of the rows c = d2C/dt2 + stiffness C + damping dC/dt at given ddq, and of J^T lambda at given
+// lambda. S, psi', psi'', W belong to degree of freedom k (rnea_derivatives.hpp), V and A to body B. A step along k moves B and
+// changes V and A:
 //   by q:  S_k   dV = psi' + S x V   dA = psi'' + psi' x V + S x A        by v:  dV = S_k   dA = W + S x V
-// so that dc/dq_k = alpha . S_k + beta . psi'_k + gamma . psi''_k and dc/dv_k = beta . S_k + gamma . W_k with a wrench each. Of a row (f, t)
-// in world axes, v, w the velocity of B's origin and axes, dv, dw their rates (less gravity), vA, wA, ... those of A, dr, dw.. relative:
+// so dc/dq_k = alpha . S_k + beta . psi'_k + gamma . psi''_k and dc/dv_k = beta . S_k + gamma . W_k with one wrench each. For a row
+// (f, t) in world axes; v, w are velocities of B's origin and axes, dv, dw their rates (less gravity), vA, wA, ... those of A:
 //   gamma = (f; t)
 //   beta  = (h; 2 v x f + w x t + l)        h = kd f - 2 f x wA + extra_v        l = kd t - t x wA + extra_w
 //   alpha = (step + (f x wA - kd f - extra_v) x wA - f x dwA; turn + dv x f + v x h + w x l + dw x t)
-// where step, turn are what a displacement changes beside: kp dC, extra, and f, t themselves. The terms of V and A that the three products have in common
-// cancel by Jacobi's identity. When k carries A, the same step with B's V and A has the opposite effect, for that of both together is none.
+// step and turn are further changes: kp dC, extra, and f, t themselves. Terms of V and A common to the three products cancel by
+// Jacobi's identity. Rotating both bodies together changes nothing, so the derivative for A is minus that for B.
 #pragma once
 
 #include "algorithm/rnea_derivatives.hpp"
@@ -15,7 +16,7 @@
 
 namespace dyn {
 
-// The last body that carries both.
+// The last common ancestor of two bodies.
 inline Index common_body(const Model& m, Index i, Index j) {
   while (i != j) {
     Index& at = i > j ? i : j;
@@ -24,7 +25,7 @@ inline Index common_body(const Model& m, Index i, Index j) {
   return i;
 }
 
-// A frame as moving_frame has it, after derivative_columns and with its columns; accelerations less gravity.
+// A frame as from moving_frame, with its columns, after derivative_columns. Accelerations less gravity.
 template <class T>
 MovingFrame<T> frame_of_columns(const Model& m, const Data<T>& d, Index body, const SE3<double>& X, const T* v, const T* a) {
   Motion<T> V = Motion<T>::zero(), A = d.spatial_a[0];
@@ -39,16 +40,16 @@ MovingFrame<T> frame_of_columns(const Model& m, const Data<T>& d, Index body, co
   return {d.R[body] * cast<T>(X.R), d.p[body] + offset, x, velocity, V.angular, A.linear + cross(A.angular, x) + cross(V.angular, velocity), A.angular};
 }
 
-// Of one slot: in lanes, about the root of the tree of either body; and what its forces change by.
+// Derivatives of one constraint: in lanes, about the root of either body's tree; and the changes of its forces.
 template <class T>
 struct RowDerivatives {
   struct Wrenches {
     alignas(64) T alpha[6 * row_lanes], beta[6 * row_lanes], gamma[6 * row_lanes], rate[6 * row_lanes];  // rate: of dC/dt, by S
   };
   Wrenches by1, by2;
-  Force<T> F;            // sum of lambda times the unit wrenches, at B's origin
-  Mat3<T> F_step, F_turn;  // its change beside turning and moving
-  bool fixed;            // neither
+  Force<T> F;            // sum of lambda times unit wrenches, at B's origin
+  Mat3<T> F_step, F_turn;  // its change relative to a force that moves with B
+  bool fixed;            // both are zero
   Vec3<T> x1, x2;        // B's origin from the roots of the two bodies' trees
 };
 
@@ -59,7 +60,7 @@ void store_lanes(typename RowDerivatives<T>::Wrenches& to, const Force<T>& alpha
   store_lane(shift(gamma * sign, at), to.gamma, i), store_lane(shift(rate * sign, at), to.rate, i);
 }
 
-// v, a expanded: at the acceleration that dynamics found; after derivative_columns with them.
+// v, a: expanded, at the acceleration of the dynamics. Call derivative_columns with them before.
 template <class T>
 void frame_row_derivatives(const Model& m, const Data<T>& d, const ConstraintInstance<T>& s, const T* v, const T* a, const T* lambda, RowDerivatives<T>& out) {
   const MovingFrame<T> A = frame_of_columns(m, d, s.c.body2, s.c.X2, v, a), B = frame_of_columns(m, d, s.c.body1, s.c.X1, v, a);

@@ -1,5 +1,5 @@
-// Small dense symmetric matrices between rows, the leading dimension ld = padded_rows(n): G + mu 1 = L D L^T, products, solutions. What is beyond n
-// in a column may be anything finite.
+// Small dense symmetric matrices between rows, leading dimension ld = padded_rows(n): G + mu 1 = L D L^T, products, solutions.
+// Padding in a column may be anything finite.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace dyn {
 
-// W: the columns of D L below and on the diagonal. Dinv: 1 / D. Pivots below `least` are raised to it. Returns the smallest pivot as a
-// part of its diagonal entry: 1 for rows that are not coupled, near 0 for dependent ones; 0 when an entry is not positive.
+// W: columns of D L from the diagonal down. Dinv: 1 / D. Pivots below `least` are raised to it. Returns the smallest pivot over its
+// diagonal entry: 1 for uncoupled rows, near 0 for dependent ones, 0 if an entry is not positive.
 template <class T>
 T factor_rows(const T* G, std::ptrdiff_t ld, Index n, T mu, T least, T* W, T* Dinv) {
   using P = Pack<T, row_lanes>;

@@ -1,11 +1,11 @@
-// G^-1, and of dependent rows and rows at a bound its pseudoinverse on those that are free.
+// G^-1, or the pseudoinverse on the free rows for dependent rows and rows at a bound.
 #pragma once
 
 #include "algorithm/constrained/constrained_dynamics.hpp"
 
 namespace dyn {
 
-// X = (L D L^T)^-1, n x n with the leading dimension of the factor; two packs of columns at a time hide each other's latency.
+// X = (L D L^T)^-1, n x n with the factor's leading dimension. Two packs of columns at a time hide each other's latency.
 template <class T>
 void invert_rows(const T* W, const T* Dinv, std::ptrdiff_t ld, std::ptrdiff_t n, T* X) {
   using P = Pack<T, row_lanes>;
@@ -37,7 +37,7 @@ void invert_rows(const T* W, const T* Dinv, std::ptrdiff_t ld, std::ptrdiff_t n,
   if (c < n) columns.template operator()<1>(c);
 }
 
-// The pseudoinverse of the part of G whose state is 0 (nullptr: all), zero elsewhere: on the range of that part by the proximal iteration.
+// Pseudoinverse of the part of G with state 0 (null: all), zero elsewhere. Uses the proximal iteration on the range of that part.
 template <class T>
 void pseudoinvert_rows(const RowWork<T>& work, const T* G, const Index* state, std::ptrdiff_t ld, Index n, T* X) {
   T *Dinv = work.vector(0), *step = work.vector(1), *scale = work.vector(3), *z = work.vector(4), *x = work.vector(5), *S = work.scaled;
@@ -64,12 +64,12 @@ void pseudoinvert_rows(const RowWork<T>& work, const T* G, const Index* state, s
     iterate(S, ld, n, work.factor, Dinv, X + ld * j, ProximalOptions{20, 0, 1e-13}, step, x, result);
     std::copy_n(x, n, X + ld * j);
   }
-  if (rank < n) project();  // round-off off the range has grown by 1 / mu
+  if (rank < n) project();  // round-off outside the range has grown by 1 / mu
   for (Index j = 0; j < n; ++j)
     for (Index i = 0; i < n; ++i) X[ld * j + i] *= scale[i] * scale[j];
 }
 
-// G^-1, of G = d.row_matrix, whose factor may be in the place where solve_equalities leaves it.
+// G^-1 for G = d.row_matrix, whose factor may be left by solve_equalities.
 template <class T>
 const T* row_inverse(const Model& m, Data<T>& d, bool bounded, bool factored, Index rows) {
   const std::ptrdiff_t ld = padded_rows(rows);

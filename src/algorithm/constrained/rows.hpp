@@ -1,4 +1,4 @@
-// Rows of all slots: errors, wrenches, and with velocities and accelerations their first and second rates.
+// Rows of all constraints: errors, wrenches, and their first and second rates at given velocities and accelerations.
 #pragma once
 
 #include "constraint/list.hpp"
@@ -7,7 +7,7 @@
 
 namespace dyn {
 
-// f(slot, number of the slot) for those that act.
+// f(constraint, slot) for the active ones.
 template <class T, class F>
 DYN_INLINE void for_each_constraint(const Model& m, Data<T>& d, F&& f) {
   for (Index s = 0; s < m.n.slots; ++s)
@@ -19,8 +19,8 @@ Index active_rows(const Model& m, const Data<T>& d) {
   for (Index s = 0; s < m.n.slots; ++s) n += d.slots[s].rows;
   return n;
 }
-// Spatial velocity and acceleration of a body at the root of its tree: V = sum S v, A = sum (S a) + V x S v, each joint's V that of
-// its own body; from the leaf on, with what came before: (sum over i of V_i x J_i) = sum over j of J_j x (sum of the J_i beyond j).
+// Spatial velocity and acceleration of a body at its tree's root: V = sum S v, A = sum (S a) + V x S v, with each joint's V that of
+// its own body. Summed from the leaf: (sum over i of V_i x J_i) = sum over j of J_j x (sum of the J_i beyond j).
 template <class T>
 struct BodyMotion {
   Motion<T> V, A;
@@ -42,11 +42,11 @@ DYN_INLINE BodyMotion<T> body_motion(const Model& m, const Data<T>& d, Index i, 
   return x;
 }
 
-// A frame on a body: where it is, and how its origin moves.
+// A frame on a body: its pose and the motion of its origin.
 template <class T>
 struct MovingFrame {
   Mat3<T> R;
-  Vec3<T> p, x;          // origin: in the world, from the root of the tree
+  Vec3<T> p, x;          // origin: in the world, and from the tree's root
   Vec3<T> v, w, a, dw;
 };
 template <class T>
@@ -63,7 +63,7 @@ DYN_INLINE MovingFrame<T> moving_frame(const Model& m, const Data<T>& d, Index b
   return F;
 }
 
-// B as seen from A, and the rates of v and w there.
+// B relative to A, and the rates of v and w.
 template <class T>
 struct RelativeMotion {
   Relative<T> X;
@@ -113,7 +113,7 @@ DYN_INLINE void evaluate_joints(const Data<T>& d, ConstraintInstance<T>& s, cons
   });
 }
 
-// Needs placements and the columns S at the trees' roots. v, a expanded; nullptr: rates are not computed, a = 0.
+// Needs placements and the columns S at the trees' roots. v, a: expanded. v null: rates are not computed. a null: a = 0.
 template <class T>
 void evaluate_rows(const Model& m, Data<T>& d, const T* v, const T* a) {
   for_each_constraint(m, d, [&](ConstraintInstance<T>& s, Index) {
