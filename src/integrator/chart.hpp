@@ -7,7 +7,7 @@
 #pragma once
 
 #include "algorithm/declarations.hpp"
-#include "algorithm/trees.hpp"
+#include "algorithm/tree_groups.hpp"
 #include "integrator/free_flight.hpp"
 #include "integrator/constrained_motion.hpp"
 

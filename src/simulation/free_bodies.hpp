@@ -6,7 +6,7 @@
 
 #include "base/wide.hpp"
 #include "model/data.hpp"
-#include "algorithm/trees.hpp"
+#include "algorithm/tree_groups.hpp"
 
 namespace dyn::simulation {
 

@@ -5,7 +5,7 @@
 // The island then sleeps: steps leave it out until an awake body touches it or an input changes.
 #pragma once
 
-#include "algorithm/trees.hpp"
+#include "algorithm/tree_groups.hpp"
 
 namespace dyn::simulation {
 

@@ -1,4 +1,4 @@
-#include "algorithm/trees.hpp"
+#include "algorithm/tree_groups.hpp"
 
 namespace dyn {
 
