@@ -1,4 +1,4 @@
-"""What accuracy costs on a scene: the sweep of the command `dyn accuracy`, as a dict, and its diagram by matplotlib.
+"""Cost of accuracy on a scene: the sweep of the command `dyn accuracy`, as a dict, and its diagram by matplotlib.
 
     result = dyn.accuracy.sweep("double_pendulum.urdf", base="fixed", q=[1.2, 0.4], target="1e-6m", budget="10s")
     result["points"], result["recommended"]
@@ -46,7 +46,7 @@ def _words(key: str, x: Any) -> list[str]:
 
 
 def sweep(file: str | os.PathLike, base: str | None = None, **options: Any) -> dict:
-    """Runs `dyn accuracy` on a robot or scene, and answers what it writes with --json. Options are the command's own: q, v, tau, ctrl (numbers),
+    """Runs `dyn accuracy` on a robot or scene. Returns its JSON as a dict. Options are the command's own: q, v, tau, ctrl (numbers),
     configuration, duration, target="1e-6m", budget="30s", ground=True, without="limits", solver, reference, resume, csv, html and so on."""
     if base not in (None, "fixed", "floating"):
         raise ArgumentError(f'base is {base!r}, but must be "fixed" or "floating".')
@@ -84,7 +84,7 @@ def methods(result: Any) -> dict[str, list[dict]]:
 def plot(result: Any, path: str | os.PathLike | None = None, error: str = "m") -> Any:
     """The work-precision diagram of a sweep (a dict, or a file of it): error to the right, time upwards, both logarithmic; beside it the same over
     evaluations of forward dynamics. One line a method, one mark a setting; what nothing is both cheaper and nearer than has a ring; what failed stands at the
-    right edge. error: which one, "m", "rad", "J" or "kg m/s". Writes path if given, and answers the figure. Needs matplotlib."""
+    right edge. error: which one, "m", "rad", "J" or "kg m/s". Writes path if given. Returns the figure. Needs matplotlib."""
     result = _read(result)
     if error not in ("m", "rad", "J", "kg m/s"):
         raise ArgumentError(f'error is {error!r}, but must be "m", "rad", "J" or "kg m/s".')

@@ -37,19 +37,19 @@ class Actuator(NamedTuple):
     control_range: Tuple[float, float] = (-inf, inf)
     force_range: Tuple[float, float] = (-inf, inf)
     component: int = 0
-    """Of the joint's degrees of freedom."""
+    """Index among the joint's degrees of freedom."""
     joint: int = 0
-    """Of a model's: the joint's id."""
+    """Id of the joint; set for a model's actuator."""
     idx_u: int = 0
-    """Of a model's: its first control."""
+    """Index of the first control; set for a model's actuator."""
     controls: int = 1
-    """Of a model's: how many it has."""
+    """Number of controls; set for a model's actuator."""
     act_range: Tuple[float, float] = (-inf, inf)
-    """Of the filtered or integrated control."""
+    """Range of the filtered or integrated control."""
     integrates: bool = False
     """The first control is the rate of what drives; time_constant is then 0."""
     idx_act: int = -1
-    """Of a model's: the filtered or integrated control in Data.act; -1: the control itself drives."""
+    """Index in Data.act of the filtered or integrated control; -1: none."""
 
     def structure(self) -> abi.Actuator:
         """As the library takes it."""

@@ -69,7 +69,7 @@ def checked(x: Any, shape: tuple[int, ...], name: str) -> Numbers:
 
 
 def address(a: np.ndarray | None) -> int | None:
-    """Of the first number of a contiguous array; the caller keeps the array alive."""
+    """Address of a contiguous array's first number. The caller keeps the array alive."""
     return None if a is None else a.__array_interface__["data"][0]
 
 
@@ -127,7 +127,7 @@ def to_placement(x: np.ndarray) -> Placement:
 
 
 def to_placements(x: np.ndarray) -> Placement:
-    """Of many: from rows of 12 numbers, (..., 12)."""
+    """Poses from rows of 12 numbers, (..., 12), without a copy."""
     return Placement(x[..., :9].reshape(*x.shape[:-1], 3, 3).swapaxes(-1, -2), x[..., 9:])
 
 

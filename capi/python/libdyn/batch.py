@@ -33,7 +33,7 @@ _empty = np.empty
 
 
 def _count(q: Any) -> int:
-    """How many states there are."""
+    """Number of states."""
     try:
         return len(q)
     except TypeError:

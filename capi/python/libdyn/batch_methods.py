@@ -12,7 +12,7 @@ from .tables import ALGORITHMS, OPTIONAL, AlgorithmInfo
 
 
 def description(algorithm: AlgorithmInfo) -> str:
-    """What help() says of a method."""
+    """Text of help() for a method."""
     return f"Returns {', '.join(algorithm.outputs)} of N states: {in_python('dyn_' + algorithm.name)} for each."
 
 

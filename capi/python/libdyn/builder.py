@@ -194,7 +194,7 @@ class Builder:
         return self
 
     def set_medium(self, density: float = 0.0, viscosity: float = 0.0, wind: ArrayLike = (0.0, 0.0, 0.0)) -> Builder:
-        """What the links move in, whose drag steps take: kg/m^3, Pa s, and its own velocity (3,), m/s."""
+        """Sets the medium: density (kg/m^3), viscosity (Pa s), wind (3,) (m/s). Steps apply its drag to all links."""
         check(lib.dyn_builder_set_medium(self._b, density, viscosity, address(checked(wind, (3,), "wind"))))
         return self
 

@@ -1,4 +1,4 @@
-"""What Python says, as the library takes it: members and masks of enumerations, strings; and back."""
+"""Arguments as the library takes them: members and masks of enumerations, strings; and back."""
 
 from __future__ import annotations
 

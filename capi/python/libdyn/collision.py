@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class Distance(NamedTuple):
-    """What was found between two shapes A and B, in axes of the world."""
+    """Distance of two shapes A and B, in axes of the world."""
 
     status: DistanceStatus
     distance: float
@@ -40,7 +40,7 @@ class Distance(NamedTuple):
     """False: other points or another normal are as good, so that the distance has no gradient there."""
     iterations: int
     method: DistanceMethod = DistanceMethod.GJK
-    """What found it."""
+    """Method that found it."""
 
 
 def _distance(d: abi.Distance) -> Distance:
@@ -67,7 +67,7 @@ def geometry_distance(
     """Distance between two shapes, each (type, size) or (type, size, rounding radius), as ("box", (1, 2, 3)) or ("sphere", 0.5);
     sizes as in dyn.ShapeInfo. ("convex", points) is the hull of points (n, 3), or of a dyn.Mesh that is a hull; ("triangles", mesh) and
     ("height_field", mesh) take a dyn.Mesh. tolerance: of the distance, relative to the size of the smaller shape; 0: the default.
-    method: asked first; "ccd" (libccd) answers for overlapping convex shapes without a closed form, where what it finds holds."""
+    method: the one tried first. "ccd" (libccd) is for overlapping convex shapes without a closed form; its result is verified before use."""
     A, B = (_geometry(*x, *(0.0,) * (3 - len(x)), what) for x, what in ((a, "a"), (b, "b")))
     X_a, X_b = twelve(placement_a, "placement_a"), twelve(placement_b, "placement_b")
     out = abi.Distance()
@@ -87,7 +87,7 @@ class CollisionQueries(DataHandle):
         return out
 
     def pair_distance(self, pair: int) -> Distance:
-        """What was found of a pair. Needs compute_distances of q."""
+        """Returns the distance of a pair. Needs compute_distances of q."""
         out = abi.Distance()
         check(lib.dyn_pair_distance(self._m, self._d, self.model._index(pair, self.model.npairs, "pair"), byref(out)))
         return _distance(out)
@@ -111,7 +111,7 @@ class CollisionQueries(DataHandle):
         check(lib.dyn_data_set_pair(self._m, self._d, id, bool(tested)))
 
     def pair_reason(self, pair: int) -> PairReason:
-        """Whether a pair is tested, and why it is not."""
+        """Returns whether a pair is tested, or the reason why not."""
         out = c_int()
         check(lib.dyn_data_pair(self._m, self._d, self.model._index(pair, self.model.npairs, "pair"), byref(out)))
         return PairReason(out.value)

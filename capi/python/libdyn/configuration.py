@@ -93,7 +93,7 @@ class Configurations(Description):
         return q
 
     def is_normalized(self, q: ArrayLike, tolerance: float = 1e-9) -> bool:
-        """Whether every quaternion and (cos, sin) pair has norm 1 within tolerance."""
+        """Returns whether every quaternion and (cos, sin) pair has norm 1 within tolerance."""
         out = c_int()
         check(lib.dyn_configuration_is_normalized(self._m, self._scratch.q(q), tolerance, byref(out)))
         return bool(out.value)

@@ -33,7 +33,7 @@ _BETWEEN_JOINTS = (ConstraintType.COUPLING, ConstraintType.LIMIT, ConstraintType
 
 
 class Constraint(NamedTuple):
-    """What a slot holds: made by point, frame, connect, weld, distance, loop, coupling, limit and friction."""
+    """A constraint: made by point, frame, connect, weld, distance, loop, coupling, limit and friction."""
 
     type: ConstraintType
     first: str | int
@@ -127,7 +127,7 @@ _FIELDS = {name for name, *_ in abi.Constraint._fields_} - {"struct_size", "type
 
 
 class Result(NamedTuple):
-    """How a problem with constraints ended."""
+    """End of a problem with constraints."""
 
     reason: ConstraintReason
     rows: int
@@ -173,7 +173,7 @@ class Projection(NamedTuple):
 
 
 class Terms(NamedTuple):
-    """Of the enabled rows: C, J (rows, nv), J v, and drift, their acceleration at ddq = 0."""
+    """Enabled rows: C, J (rows, nv), J v, and drift, their acceleration at ddq = 0."""
 
     C: Numbers
     J: Numbers
@@ -193,7 +193,7 @@ class ConstrainedDerivatives(NamedTuple):
 
 
 class Row(NamedTuple):
-    """What the doctor says of a row."""
+    """Diagnosis of a row."""
 
     constraint: str
     """Its name; of a spare slot "slot 3"."""
@@ -204,7 +204,7 @@ class Row(NamedTuple):
 
 
 class Report(NamedTuple):
-    """The doctor's: rank, condition, and every row."""
+    """Constraint diagnostics: rank, condition, and every row."""
 
     rank: int
     redundant: int
@@ -257,7 +257,7 @@ class ConstraintCalls(DataHandle):
     """The part of Data that works under constraints."""
 
     constraint_result: Result | None = None
-    """Of the last call that solved for constraint forces."""
+    """Result of the last call that solved for constraint forces."""
 
     def _slot(self, slot: str | int) -> int:
         return self.model.constraint_id(slot) if isinstance(slot, str) else slot
@@ -269,7 +269,7 @@ class ConstraintCalls(DataHandle):
         check(lib.dyn_data_set_constraint(self._m, self._d, self._slot(slot), s))
 
     def constraint(self, slot: str | int) -> abi.Constraint:
-        """What a slot holds: the fields of dynConstraint, of type NONE when it is empty."""
+        """Returns the constraint in a slot, of type NONE when the slot is empty."""
         out = abi.Constraint()
         check(lib.dyn_data_constraint(self._m, self._d, self._slot(slot), byref(out)))
         return out
@@ -408,7 +408,7 @@ class ConstraintCalls(DataHandle):
         return self._derivatives(lambda s, r: lib.dyn_constraint_impulse_derivatives(self._m, self._d, q, v, None, s, r), False)
 
     def constraint_report(self, q: Any = None) -> Report:
-        """The doctor: rank, condition, which rows are redundant and which contradict each other, by name."""
+        """Returns constraint diagnostics: rank, condition, and by name the redundant and contradictory rows."""
         n = self._nrows()
         rows, report = (abi.RowReport * max(n, 1))(), abi.ConstraintReport()
         check(lib.dyn_constraint_report(self._m, self._d, self._q(q), byref(report), ctypes.addressof(rows), n))

@@ -28,7 +28,7 @@ class Contact(NamedTuple):
     """A contact point between shapes A and B, in axes of the world."""
 
     pair: int
-    """Of Model.pairs; -1 between shapes by themselves."""
+    """Index in Model.pairs; -1 between shapes by themselves."""
     shape_a: int
     shape_b: int
     feature: int
@@ -52,7 +52,7 @@ class RayHit(NamedTuple):
 
 
 class Rays(NamedTuple):
-    """What rays hit, one row each."""
+    """Hits of rays, one row each."""
 
     t: Numbers
     """(N,): in lengths of the direction, infinite where nothing is hit."""
@@ -84,7 +84,7 @@ class ClosestPoint(NamedTuple):
 
 
 class Impact(NamedTuple):
-    """What a swept test found."""
+    """Result of a swept test."""
 
     status: SweepStatus
     time: float
@@ -116,7 +116,7 @@ def geometry_contacts(
 
 
 def geometry_ray(shape: tuple, placement: Any, origin: ArrayLike, direction: ArrayLike) -> RayHit | None:
-    """Where the ray origin + t direction first meets a solid."""
+    """Returns the first hit of the ray origin + t direction on a solid."""
     S, X = _shape(shape, "shape"), twelve(placement, "placement")
     o, d, out = checked(origin, (3,), "origin"), checked(direction, (3,), "direction"), abi.RayHit()
     check(lib.dyn_geometry_ray(byref(S), address(X), address(o), address(d), byref(out)))
@@ -220,7 +220,7 @@ class ContactQueries(DataHandle):
     def rays(
         self, origins: ArrayLike, directions: ArrayLike, q: Any = None, max_t: float = np.inf, mask: int = 0xFFFFFFFF
     ) -> Rays:
-        """What rays, (N, 3) each, hit first of the collision shapes in a group of mask."""
+        """Returns the first hits of rays, (N, 3) each, on collision shapes in a group of mask."""
         o = np.ascontiguousarray(origins, np.float64)
         o = checked(o.T, (3, len(o)), "origins (transposed)")
         d = checked(np.asarray(directions, np.float64).T, o.shape, "directions (transposed)")

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class ContactReport(NamedTuple):
-    """How a contact problem was solved; residuals are the largest over rows or contacts, in the caller's units."""
+    """Report of a contact solver. Residuals are the largest over rows or contacts, in the caller's units."""
 
     status: ContactStatus
     iterations: int
@@ -117,7 +117,7 @@ def _report(r: abi.ContactReport) -> ContactReport:
 
 
 class ContactSolver:
-    """Room for problems of so many rows. One thread at a time."""
+    """Workspace for contact problems of at most max_rows rows. One thread at a time."""
 
     def __init__(self, max_rows: int, memory: Numbers | None = None):
         """memory: a contiguous array of ContactSolver.bytes(max_rows) bytes, aligned to 64, to work in; None: the library's own."""
@@ -176,7 +176,7 @@ def contact_solve(G: ArrayLike, g: ArrayLike, **arguments: Any) -> ContactSoluti
 
 
 def contact_problem_qp(G: ArrayLike | None, g: ArrayLike, *, facets: int = 8, inscribed: bool = True, **problem: Any) -> ConeQp:
-    """The problem as a quadratic program, cones as pyramids of so many facets (0: as second-order cones). G None: A, lower, upper alone count."""
+    """Returns the problem as a quadratic program, cones as pyramids of `facets` facets (0: second-order cones). Without G only A, lower and upper hold."""
     p, q = _Problem(G, g, **problem), abi.Qp()
     check(lib.dyn_contact_problem_qp(byref(p.c), facets, inscribed, byref(q)))
     n, m, nH, nA = q.n, q.m, q.H_nonzeros, q.A_nonzeros

@@ -40,7 +40,7 @@ def _renamed(rename: Mapping[str, str | None] | None, joints: list[tuple[str, in
 
 
 class StateLayout:
-    """How another library stores the state of the same robot.
+    """Layout of the same robot's state in another library.
 
     convention      "pinocchio", "mujoco", "drake", "ros", or "dyn"
     joints          names of our joints in the peer's order; default: the model's order, with followers of a mimic for mujoco, drake
@@ -94,20 +94,20 @@ class StateLayout:
 
     @classmethod
     def of_mujoco(cls, model: Any, rename: Mapping[str, str | None] | None = None, **options: Any) -> StateLayout:
-        """Of a mujoco.MjModel. rename: {its joint: ours}, None leaves one out; a free joint without a name is called ""."""
+        """Layout of a mujoco.MjModel. rename: {its joint: ours}, None leaves one out; a free joint without a name is called ""."""
         joints = [(model.joint(j).name, int(model.jnt_qposadr[j]), int(model.jnt_dofadr[j])) for j in range(model.njnt)]
         return cls("mujoco", **_renamed(rename, joints), nq=model.nq, nv=model.nv, **options)
 
     @classmethod
     def of_pinocchio(cls, model: Any, rename: Mapping[str, str | None] | None = None, **options: Any) -> StateLayout:
-        """Of a pinocchio.Model, with mimic joints or without. rename: {its joint: ours}, None leaves one out."""
+        """Layout of a pinocchio.Model, with mimic joints or without. rename: {its joint: ours}, None leaves one out."""
         moving = [j for j in range(1, model.njoints) if model.joints[j].nq]
         joints = [(model.names[j], model.joints[j].idx_q, model.joints[j].idx_v) for j in moving]
         return cls("pinocchio", **_renamed(rename, joints), nq=model.nq, nv=model.nv, **options)
 
     @classmethod
     def of_drake(cls, plant: Any, rename: Mapping[str, str | None] | None = None, **options: Any) -> StateLayout:
-        """Of a finalised pydrake MultibodyPlant. rename: {its joint: ours}, None leaves one out."""
+        """Layout of a finalised pydrake MultibodyPlant. rename: {its joint: ours}, None leaves one out."""
         moving = [j for j in map(plant.get_joint, plant.GetJointIndices()) if j.num_positions()]
         joints = [(j.name(), j.position_start(), j.velocity_start()) for j in moving]
         return cls("drake", **_renamed(rename, joints), nq=plant.num_positions(), nv=plant.num_velocities(), **options)

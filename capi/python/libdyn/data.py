@@ -30,11 +30,11 @@ class EffectPlan(NamedTuple):
     """One effect of a data's steps."""
 
     present: int
-    """How many joints, pairs, constraints, actuators, links may have it."""
+    """Number of joints, pairs, constraints, actuators or links that may have it."""
     acting: int
     """Not 0: it acts; of contact and constraints how many pairs are tested, slots enabled."""
     bytes: int
-    """Of the data's memory, for it alone."""
+    """Bytes of the data's memory for it alone."""
 
 
 class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, ConstraintCalls, Actuation, Stepping):
@@ -75,7 +75,7 @@ class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, Cons
         return html.data(self)
 
     def plan(self) -> dict[str, EffectPlan]:
-        """What a step of this data takes into account, by name."""
+        """Returns the effects of this data's steps, by name."""
         out, info = {}, abi.EffectInfo()
         for k in range(lib.dyn_effect_count()):
             check(lib.dyn_data_effect_info(self._m, self._d, k, byref(info)))
@@ -84,7 +84,8 @@ class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, Cons
 
     def set_effects(self, effects: EffectLike, joint: str | int = 0) -> None:
         """Switches the effects of a joint, or of all, to those given: dyn.Effect members or names, as "damping", ("armature",
-        "springs"), "all" or (). New data: armature, limits, actuators, held weights and the medium, which but for armature act in steps alone."""
+        "springs"), "all" or (). New data has armature, limits, actuators, gravity compensation
+        and the medium. All but armature act in steps alone."""
         check(lib.dyn_data_set_effects(self._m, self._d, self.model._joint(joint), mask(Effect, effects, "effects")))
 
     def warm_up(self) -> None:
@@ -92,7 +93,7 @@ class Data(Evaluation, InverseKinematics, CollisionQueries, ContactQueries, Cons
         check(lib.dyn_data_warm_up(self._m, self._d))
 
     def effects(self, joint: str | int = 0) -> Effect:
-        """Those that are on at a joint; without one, those that act at some joint."""
+        """Returns the effects that are on at a joint; without one, those that act at some joint."""
         out = c_uint32()
         check(lib.dyn_data_effects(self._m, self._d, self.model._joint(joint), byref(out)))
         return Effect(out.value)

@@ -30,7 +30,7 @@ PARAMETERS = {"frame": "frame", "joint": "joint", "lambda": "lam", "reference": 
 PARAMETERS.update((name, f"{name}=None") for name in ("q", "v", "a", "tau", "fext"))
 """Each parameter in Python; those without a default come first."""
 FIRST_ALONE = {"com", "centroidal_map"}
-"""Algorithms of which the first output is returned; the others are fields."""
+"""Algorithms that return their first output alone; the others are fields."""
 
 
 LARGE = 1 << 16
@@ -73,7 +73,7 @@ def _vector(data: DataHandle, lam: Any) -> int:
 
 
 def _outputs(data: DataHandle, algorithm: str) -> list[tuple[Callable[..., Any], int | None]]:
-    """Of each output of an algorithm what takes it, given the order "F", and the address that the library fills."""
+    """For each output of an algorithm: a function that returns it (given the order "F"), and the address that the library fills."""
     info, made = ALGORITHMS[algorithm], []
     shapes = info.shapes(data.model)
     small = max(map(prod, shapes)) <= LARGE
@@ -123,7 +123,7 @@ def _method(algorithm: AlgorithmInfo, names: list[str], outputs: int) -> Callabl
 
 
 def description(algorithm: AlgorithmInfo) -> str:
-    """What it returns, and the library's comment."""
+    """Outputs of an algorithm, and the library's comment."""
     first = algorithm.outputs[:1] if algorithm.name in FIRST_ALONE else algorithm.outputs
     return f"Returns {', '.join(first)}. {in_python(FUNCTIONS['dyn_' + algorithm.name]['doc'])}"
 

@@ -97,9 +97,9 @@ class ShapeInfo(NamedTuple):
     conaffinity: int
     """Groups it collides with."""
     material: Material
-    """What happens where it touches."""
+    """Material of its contacts."""
     rgba: tuple[float, float, float, float] | None
-    """How it looks: red, green, blue, opacity, 0 to 1; None where its file does not say."""
+    """Red, green, blue, opacity, 0 to 1; None where its file does not say."""
 
 
 class DisabledPair(NamedTuple):
@@ -154,7 +154,7 @@ class Description(ModelHandle):
         )  # fmt: skip
 
     def shape_mesh(self, shape: int) -> Mesh:
-        """What a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD is made of, in the shape's frame."""
+        """Returns the mesh of a shape of type CONVEX, TRIANGLES or HEIGHT_FIELD, in the shape's frame."""
         out = c_void_p()
         check(lib.dyn_model_shape_mesh(self._m, self._index(shape, self.nshapes, "shape"), byref(out)))
         return Mesh(out.value)

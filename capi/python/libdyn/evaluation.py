@@ -1,4 +1,4 @@
-"""What is computed of a state: the algorithms, and the calls that prepare several of them."""
+"""Evaluations of a state: the algorithms, and the calls that prepare several of them."""
 
 from __future__ import annotations
 

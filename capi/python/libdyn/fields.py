@@ -63,7 +63,7 @@ class Fields(DataHandle):
 
 
 def description(info: FieldInfo) -> str:
-    """What help() says of a field."""
+    """Text of help() for a field."""
     origin = f" Computed by {in_python(info.producer)}." if info.producer else ""
     return f"{info.sentence} ({info.shape}; {info.unit or 'no unit'}; frame: {info.frame or 'none'}.){origin}"
 

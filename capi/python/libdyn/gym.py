@@ -31,7 +31,7 @@ _LEGS = ("FL", "FR", "RL", "RR")
 
 
 class Robot(NamedTuple):
-    """What walks."""
+    """A robot that walks."""
 
     height: float
     """m, of the base where it begins."""
@@ -52,7 +52,7 @@ ROBOTS = {
 
 
 def robot_file(name: str) -> Path:
-    """Of the package, or of the checkout that it lies in."""
+    """File of a robot, in the package or in its checkout."""
     package = Path(__file__).resolve().parent
     packaged = package / "models" / f"{name}.urdf"
     return packaged if packaged.is_file() else package.parents[2] / "models" / "robots" / f"{name}.urdf"

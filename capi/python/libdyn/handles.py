@@ -1,4 +1,4 @@
-"""What every part of Model and of Data builds on: the library's handle, sizes, and what arguments become."""
+"""Base of the parts of Model and Data: the library's handle, sizes, and addresses of arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What notebooks show of a model and a data."""
+"""Tables of a model and a data for notebooks."""
 
 from __future__ import annotations
 

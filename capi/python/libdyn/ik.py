@@ -1,8 +1,8 @@
 """Inverse kinematics: what q shall do (tasks), and what came out.
 
     from libdyn import ik
-    answer = data.ik([ik.pose("hand", X), ik.posture(q0, priority=1)], q=q0)
-    answer.q, answer.converged, answer.reason
+    result = data.ik([ik.pose("hand", X), ik.posture(q0, priority=1)], q=q0)
+    result.q, result.converged, result.reason
 
 Weights multiply the error: the cost is the sum of (weight * weights[k] * error[k])^2 / 2. Tasks of priority 0 are to be met;
 those of priority 1 as far as they leave room.
@@ -42,7 +42,7 @@ class Task(NamedTuple):
 
 
 class Result(NamedTuple):
-    """What Data.ik found."""
+    """Result of Data.ik."""
 
     q: Numbers
     """The solution, or the best configuration that was found."""

@@ -49,7 +49,7 @@ def log_cholesky_jacobian(theta: ArrayLike) -> Numbers:
 
 
 def is_physically_consistent(pi: ArrayLike) -> bool:
-    """Whether a positive density has these parameters: J is positive definite."""
+    """Returns whether a positive density has these parameters: J is positive definite."""
     pi, out = checked(pi, (10,), "pi"), c_int()
     check(lib.dyn_is_physically_consistent(address(pi), byref(out)))
     return bool(out.value)

@@ -1,4 +1,4 @@
-"""What the library says of its interface: enumerations, structures and functions of dyn.h, each with its comment."""
+"""The library's description of its interface: enumerations, structures and functions of dyn.h, each with its comment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a joint of Builder is made of: the members of dynJointSpec."""
+"""Structures of joints for Builder: the members of dynJointSpec."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ARRAYS: dict[str, str] = {m["name"]: m["doc"][:2] for m in _MEMBERS if m["type"]
 SCALARS: set[str] = {m["name"] for m in _MEMBERS if m["type"] == "double" and "length" not in m} - set(_PART_KEYS)
 """Values that are one number."""
 VALUES: dict[str, str] = {m["name"]: in_python(m["doc"]) for m in _MEMBERS if m["name"] in ARRAYS or m["name"] in SCALARS}
-"""What each value is."""
+"""The sentence of each value."""
 
 
 _SIZES = {

@@ -1,4 +1,4 @@
-"""What happens where shapes touch."""
+"""Materials of contacts."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from . import abi
 
 
 class Material(NamedTuple):
-    """Of a collision shape. Of two that touch: the larger friction, torsion, rolling, restitution and damping, the springs in a row."""
+    """Material of a collision shape. Two that touch have the larger friction, torsion, rolling, restitution and damping; their springs are in series."""
 
     friction: float = 1.0
     """Coulomb's coefficient."""

@@ -142,12 +142,12 @@ class Mesh:
 
     @property
     def faces(self) -> list[Integers]:
-        """Of a hull: the corners of each face, counter-clockwise seen from outside."""
+        """Corners of each face of a hull, counter-clockwise seen from outside."""
         return self._lists(self._arrays.face_start, self._arrays.face_corners, self._arrays.face_count)
 
     @property
     def neighbours(self) -> list[Integers]:
-        """Of a hull: the vertices that share an edge with each vertex."""
+        """Vertices that share an edge with each vertex of a hull."""
         return self._lists(self._arrays.neighbour_start, self._arrays.neighbours, self._arrays.vertex_count if self._arrays.face_count else 0)
 
     def _lists(self, starts: int | None, items: int | None, count: int) -> list[Integers]:

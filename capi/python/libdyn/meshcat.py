@@ -49,7 +49,7 @@ def _cone(radius: float, length: float) -> g.Geometry:
 
 
 def pieces(model: Model, shape: ShapeInfo) -> list[tuple[g.Geometry, Numbers]]:
-    """What stands for a shape, and where, in its own frame."""
+    """Geometries of a shape, and their placements in its own frame."""
     x, y, z = (float(s) for s in shape.size)
     kind, here = shape.type, np.eye(4)
     if kind == ShapeType.BOX:

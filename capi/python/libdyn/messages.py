@@ -1,4 +1,4 @@
-"""What the library says, in Python's words: base="fixed" for DYN_BASE_FIXED, Data.crba for dyn_crba, None for NULL.
+"""Texts of the library in Python's words: base="fixed" for DYN_BASE_FIXED, Data.crba for dyn_crba, None for NULL.
 
 Everything follows from the library's description of its interface, but for the few names in DIFFERENT.
 """
@@ -49,7 +49,7 @@ def _function(name: str) -> str:
 
 
 def _arguments() -> dict[str, set[str]]:
-    """Of each enumeration the names of arguments that take it: parameters of functions, members of structures that a caller fills."""
+    """For each enumeration the arguments that take it: parameters of functions, members of structures that a caller fills."""
     found: dict[str, set[str]] = {}
     filled = {f["parameters"][0]["type"] for name, f in FUNCTIONS.items() if name.endswith("_init")}
     declared = [f["parameters"] for f in FUNCTIONS.values()] + [s["fields"] for s in INTERFACE["structs"] if f"{s['name']}*" in filled]

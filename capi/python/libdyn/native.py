@@ -50,7 +50,7 @@ def _in_folder(folder: Path) -> Path | None:
 
 
 def _plain(build: Path) -> bool:
-    """Whether a build tree is without sanitizers: a library with them ends a process that did not start with them."""
+    """Returns whether a build tree is without sanitizers: a library with them ends a process that did not start with them."""
     try:
         cache = (build / "CMakeCache.txt").read_text(encoding="utf-8", errors="replace")
     except OSError:

@@ -1,4 +1,4 @@
-"""What algorithms return: arrays as they lie in memory, turned, and named tuples of several."""
+"""Outputs of algorithms: arrays turned from their layout in memory, and named tuples of several."""
 
 from __future__ import annotations
 

@@ -41,14 +41,14 @@ CONTACT = _contact_type()
 
 
 class Rollout(NamedTuple):
-    """What rollouts did: N simulations, R records of each."""
+    """Records of rollouts: N simulations, R records of each."""
 
     q: Numbers
     """(N, R, nq)."""
     v: Numbers
     """(N, R, nv)."""
     sensors: dict[str, Numbers]
-    """Of each name (N, R, its size): see dyn.SensorType."""
+    """An array (N, R, size) by name: see dyn.SensorType."""
     contacts: np.ndarray | None
     """(N, R, capacity), of type CONTACT, if asked for; the first contact_count of them hold."""
     contact_count: Integers | None

@@ -43,7 +43,7 @@ class Saving(ModelHandle):
         return lines
 
     def to_bytes(self, format: FormatLike, strict: bool = False) -> bytes:
-        """What save writes."""
+        """Returns the bytes that save writes."""
         kind, size, none = member(Format, format, "format"), c_size_t(), _teller([])
         check(lib.dyn_model_save_memory(self._m, kind, bool(strict), none, None, None, 0, byref(size)))
         out = create_string_buffer(size.value)
@@ -51,7 +51,7 @@ class Saving(ModelHandle):
         return out.raw
 
     def image(self, narrow: bool = False, names: bool = True) -> bytes:
-        """What Model.from_buffer takes: the bytes of a .dynb. narrow: for machines without SIMD; names: False leaves them out, with
+        """Returns the bytes of a .dynb, as Model.from_buffer takes them. narrow: for machines without SIMD; names: False leaves them out, with
         the load report."""
         size, flags = c_size_t(), (1 if narrow else 0) | (0 if names else 2)
         check(lib.dyn_model_image(self._m, flags, None, 0, byref(size)))

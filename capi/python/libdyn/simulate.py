@@ -19,7 +19,7 @@ Controller = Callable[["Simulation"], Any]
 
 
 class Trajectory(NamedTuple):
-    """What Simulation.run recorded, the beginning included."""
+    """Records of Simulation.run, the beginning included."""
 
     t: Numbers
     """(R,), s."""
@@ -96,7 +96,7 @@ class Simulation:
             self.data.step()
 
     def run(self, duration: float, controller: Controller | None = None, *, every: int = 1) -> Trajectory:
-        """duration seconds, a whole number of steps; the controller and the record come every so many."""
+        """Runs duration seconds, a whole number of steps; controls and records are `every` steps apart."""
         steps = round(duration / self.dt)
         if every < 1 or steps < 1 or steps % every or abs(steps * self.dt - duration) > 1e-9 * duration:
             raise ArgumentError(f"duration is {duration} s, but must be a multiple of every * dt, {every} * {self.dt} s.")

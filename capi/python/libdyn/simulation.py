@@ -25,13 +25,13 @@ _step = lib.dyn_step
 
 
 class StepReport(NamedTuple):
-    """What the last step or advance did."""
+    """Report of the last step or advance."""
 
     steps: int
     rejected: int
     """Steps tried whose error was too large."""
     evaluations: int
-    """Of forward dynamics."""
+    """Evaluations of forward dynamics."""
     time: float
     """Seconds advanced."""
     smallest_dt: float
@@ -46,7 +46,7 @@ class StepReport(NamedTuple):
     dropped: int
     """Contact points beyond the room for them, the shallowest, in all steps."""
     iterations: int
-    """Of the contact solver, its Newton steps included."""
+    """Iterations of the contact solver, its Newton steps included."""
     residual: float
     """Largest of the contact solver."""
     penetration: float
@@ -58,7 +58,7 @@ class StepReport(NamedTuple):
 
 
 class ErrorLedger(NamedTuple):
-    """What the steps of the last call did to energy (J) and momentum, by source, and what nothing accounts for."""
+    """Changes of energy (J) and momentum by the steps of the last call, by source, and the unexplained rest."""
 
     steps: int
     energy_change: float
@@ -67,19 +67,19 @@ class ErrorLedger(NamedTuple):
     """Work of tau."""
     actuators: float
     wrenches: float
-    """Of wrenches and of weights that are held."""
+    """Work of wrenches and of gravity compensation."""
     damping: float
     friction: float
-    """Of the joints' dry friction."""
+    """Work of the joints' dry friction."""
     fluid: float
     contact_normal: float
     """Along the contacts' normals, impacts included."""
     contact_friction: float
     limits: float
-    """Of limits and dry friction rows."""
+    """Work of limits and dry friction rows."""
     constraints: float
     correction: float
-    """Of the correction of overlaps and drift, which moves q alone."""
+    """Work of the correction of overlaps and drift, which moves q alone."""
     energy_defect: float
     """energy_change less all of these: the steps' error."""
     momentum_defect: Numbers
@@ -103,7 +103,7 @@ class ContactForce(NamedTuple):
 
 
 def fill_stepping(options: abi.StepOptions, integrator: Any, solver: Any, **numbers: Any) -> None:
-    """What is not None of the arguments of Data.set_step_options."""
+    """Sets the arguments of Data.set_step_options that are not None."""
     if integrator is not None:
         kind = _INTEGRATORS.get(integrator)
         options.integrator = member(Integrator, integrator, "integrator") if kind is None else kind
@@ -174,14 +174,14 @@ class Stepping(DataHandle):
 
     @property
     def step_report(self) -> StepReport:
-        """What the last step or advance did."""
+        """Report of the last step or advance."""
         r = abi.StepReport()
         check(lib.dyn_data_step_report(self._m, self._d, byref(r)))
         return StepReport(*(getattr(r, name) for name in StepReport._fields))
 
     @property
     def ledger(self) -> ErrorLedger:
-        """Where energy and momentum went in the last step or advance (set_step_options(ledger=True))."""
+        """Energy and momentum by source in the last step or advance; needs set_step_options(ledger=True)."""
         x = abi.ErrorLedger()
         check(lib.dyn_data_ledger(self._m, self._d, byref(x)))
         values = {name: getattr(x, name) for name in ErrorLedger._fields}
@@ -211,11 +211,11 @@ class Stepping(DataHandle):
         check(lib.dyn_data_restore_state(self._m, self._d, bytes(state), len(state)))
 
     def set_shape_material(self, shape: int | None, material: Material) -> None:
-        """What happens where a collision shape (None: any) touches, in this data."""
+        """Sets the material of a collision shape (None: all) in this data."""
         check(lib.dyn_data_set_shape_material(self._m, self._d, -1 if shape is None else shape, byref(material.structure())))
 
     def shape_material(self, shape: int) -> Material:
-        """What holds of a collision shape in this data."""
+        """Returns the material of a collision shape in this data."""
         out = abi.Material()
         check(lib.dyn_data_shape_material(self._m, self._d, shape, byref(out)))
         return Material.of(out)

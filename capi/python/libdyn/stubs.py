@@ -108,7 +108,8 @@ def _returns(algorithm: AlgorithmInfo, alone: bool) -> str:
 
 
 _METHODS = (
-    "from typing import Any, overload\n\nfrom numpy.typing import ArrayLike\n\nfrom . import results\nfrom .arrays import Integers, Numbers, Placement, StateLike\n"
+    "from typing import Any, overload\n\nfrom numpy.typing import ArrayLike\n\nfrom . import results\n"
+    "from .arrays import Integers, Numbers, Placement, StateLike\n"
     "from .enums import IntegratorLike, ReferenceLike\nfrom .handles import DataHandle\nfrom .tables import AlgorithmInfo\n"
 )
 

@@ -1,4 +1,4 @@
-"""What the library lists: the quantities that data holds, and the algorithms."""
+"""Tables of the library: the quantities that data holds, and the algorithms."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class AlgorithmInfo(NamedTuple):
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     dimensions: tuple[int, ...]
-    """Of each output of one state: 0 a number, 1 a vector, 2 a matrix, 3 a tensor."""
+    """Dimensions of each output of one state: 0 a number, 1 a vector, 2 a matrix, 3 a tensor."""
 
     @property
     def of_placements(self) -> bool:
