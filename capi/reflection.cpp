@@ -8,12 +8,6 @@ namespace dyn::capi {
 
 namespace {
 
-struct EnumValue {
-  const char* identifier;
-  int value;
-  const char* sentence;
-};
-
 struct Enum {
   const char *name, *prefix;
   int bits, first, count;  // count values from enum_values[first] on
@@ -40,6 +34,13 @@ static void list_values(const Enum& e, char* text, std::size_t size) {
     used += std::size_t(std::snprintf(text + used, size - used, "%s%s", k ? ", " : "", k ? identifier + std::strlen(e.prefix) - 1 : identifier));
   }
   if (used >= size) std::memcpy(text + size - 4, "...", 4);
+}
+
+const EnumValue* find_value(const char* type, int value) {
+  const Enum& e = enums[find(type)];
+  for (int k = e.first; k < e.first + e.count; ++k)
+    if (enum_values[k].value == value) return enum_values + k;
+  return nullptr;
 }
 
 dynStatus no_value(const char* type, const char* where, int value) {

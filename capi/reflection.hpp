@@ -5,6 +5,15 @@
 
 namespace dyn::capi {
 
+struct EnumValue {
+  const char *identifier, *name;  // "DYN_INTEGRATOR_RK4", "rk4"
+  int value;
+  const char* sentence;
+};
+
+// nullptr: the enumeration has no such value.
+const EnumValue* find_value(const char* type, int value);
+
 // Fails: where (function: argument) holds no value of the enumeration. The message lists those there are.
 dynStatus no_value(const char* type, const char* where, int value);
 

@@ -2259,6 +2259,56 @@ typedef struct dynEnumValueInfo {
 /* Value k of an enumeration, in the header's order. */
 DYN_API dynStatus dyn_enum_value_info(int index, int k, dynEnumValueInfo* info);
 
+/* A type of joint. Sizes of FIXED are 0; those of COMPOSITE are the sums of its parts, here 0. */
+typedef struct dynJointTypeInfo {
+  uint32_t struct_size;
+  int32_t nq, nv;
+  int32_t axis, axis2, pitch; /* 1: it reads that of dynJointSpec */
+  const char* name;           /* "planar" */
+  /* Its simple motions, one after another: "prismatic axis_x, prismatic axis_y, revolute axis". Each is revolute,
+     prismatic, helical or revolute_unbounded and its axis, or spherical or free_flyer. An axis is x, y, z, axis,
+     axis2, or axis_x, axis_y: x and y turned by the smallest rotation that takes z to axis. */
+  const char* chain;
+  const char* sentence;
+} dynJointTypeInfo;
+DYN_API dynStatus dyn_joint_type_info(dynJointType type, dynJointTypeInfo* info);
+
+/* A type of shape. */
+typedef struct dynShapeTypeInfo {
+  uint32_t struct_size;
+  int32_t sizes;       /* numbers of dynShapeSpec.size that it reads */
+  int32_t convex;      /* 1: convex */
+  int32_t surface;     /* 1: it is made of a mesh, dynShapeSpec.surface */
+  const char* name;    /* "capsule" */
+  const char* size[3]; /* their meaning; "" beyond */
+  const char* sentence;
+} dynShapeTypeInfo;
+DYN_API dynStatus dyn_shape_type_info(dynShapeType type, dynShapeTypeInfo* info);
+
+/* A type of constraint. */
+typedef struct dynConstraintTypeInfo {
+  uint32_t struct_size;
+  int32_t rows;      /* 0 for LOOP: it has 6 - nv of its joint type; 0 for NONE */
+  int32_t joints;    /* 1: first and second are joints, else frames */
+  int32_t one_sided; /* 1: its force is bounded */
+  const char* name;  /* "weld" */
+  const char* sentence;
+} dynConstraintTypeInfo;
+DYN_API dynStatus dyn_constraint_type_info(dynConstraintType type, dynConstraintTypeInfo* info);
+
+/* An integrator. */
+typedef struct dynIntegratorInfo {
+  uint32_t struct_size;
+  int32_t order;       /* without contacts */
+  int32_t evaluations; /* of forward dynamics in a step; 0: as many as it takes */
+  int32_t implicit;    /* 1: it solves for the end of the step */
+  int32_t estimates;   /* 1: it estimates its error */
+  int32_t reserved;
+  const char* name;    /* "rk4" */
+  const char* sentence;
+} dynIntegratorInfo;
+DYN_API dynStatus dyn_integrator_info(dynIntegrator integrator, dynIntegratorInfo* info);
+
 /* The whole header as JSON, in its order. Each value is a list of objects; doc is the comment:
      constants   name, value, doc
      macros      name, parameters (names), body, doc

@@ -11,7 +11,7 @@ struct Continuous : Kind<Continuous> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_CONTINUOUS;
   static constexpr const char* name = "continuous";
   static constexpr int nq = 1, nv = 1;
-  static Elements elements(const JointGeometry& g) {
+  static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Revolute, g.axis, 0, true});
   }
 };

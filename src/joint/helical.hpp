@@ -40,7 +40,7 @@ struct Helical : Kind<Helical> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_HELICAL;
   static constexpr const char* name = "helical";
   static constexpr int nq = 1, nv = 1;
-  static Elements elements(const JointGeometry& g) {
+  static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Helical, g.axis, g.pitch});
   }
 };

@@ -32,8 +32,8 @@ struct Element {
 struct Elements {
   Element element[3];
   int count;
-  const Element* begin() const { return element; }
-  const Element* end() const { return element + count; }
+  constexpr const Element* begin() const { return element; }
+  constexpr const Element* end() const { return element + count; }
 };
 
 template <class K>
@@ -42,7 +42,7 @@ struct Kind {
 
  protected:
   template <class... E>
-  static Elements chain(E... e) {
+  static constexpr Elements chain(E... e) {
     return {{e...}, int(sizeof...(E))};
   }
 };

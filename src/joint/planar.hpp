@@ -12,7 +12,7 @@ struct Planar : Kind<Planar> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_PLANAR;
   static constexpr const char* name = "planar";
   static constexpr int nq = 3, nv = 3;
-  static Elements elements(const JointGeometry& g) {
+  static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Prismatic, g.x}, Element{BodyType::Prismatic, g.y}, Element{BodyType::Revolute, g.axis});
   }
 };

@@ -72,7 +72,7 @@ struct RevoluteUnbounded : Kind<RevoluteUnbounded> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED;
   static constexpr const char* name = "revolute_unbounded";
   static constexpr int nq = 2, nv = 1;
-  static Elements elements(const JointGeometry& g) {
+  static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::RevoluteUnbounded, g.axis});
   }
 };

@@ -93,7 +93,7 @@ struct Spherical : Kind<Spherical> {
   static constexpr dynJointType type = DYN_JOINT_TYPE_SPHERICAL;
   static constexpr const char* name = "spherical";
   static constexpr int nq = 4, nv = 3;
-  static Elements elements(const JointGeometry&) {
+  static constexpr Elements elements(const JointGeometry&) {
     return chain(Element{BodyType::Spherical, z_axis});
   }
 };

@@ -12,7 +12,7 @@ struct Universal : Kind<Universal> {
   static constexpr const char* name = "universal";
   static constexpr int nq = 2, nv = 2;
   static constexpr bool needs_axis2 = true;
-  static Elements elements(const JointGeometry& g) {
+  static constexpr Elements elements(const JointGeometry& g) {
     return chain(Element{BodyType::Revolute, g.axis}, Element{BodyType::Revolute, g.axis2});
   }
 };

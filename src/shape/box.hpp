@@ -8,6 +8,9 @@ namespace dyn::shape {
 struct Box : Solid<Box> {
   static constexpr Type type = Type::Box;
   static constexpr const char* name = "box";
+  static constexpr dynShapeType id = DYN_SHAPE_TYPE_BOX;
+  static constexpr std::array size_names = {"length along x", "length along y", "length along z"};
+  static void store(const double* size, Shape& out) { out.size = load3(size) * 0.5; }
   static constexpr bool has_faces = true;
   Vec half;
   double radius;

@@ -8,6 +8,9 @@ namespace dyn::shape {
 struct Capsule : Solid<Capsule> {
   static constexpr Type type = Type::Capsule;
   static constexpr const char* name = "capsule";
+  static constexpr dynShapeType id = DYN_SHAPE_TYPE_CAPSULE;
+  static constexpr std::array size_names = {"radius", "length along z between the caps"};
+  static void store(const double* size, Shape& out) { out.size = Vec::make(0, 0, size[1] / 2), out.radius += size[0]; }
   double half, radius;
 
   explicit Capsule(const Shape& s) : half(s.size[2]), radius(s.radius) {}

@@ -26,6 +26,16 @@ inline constexpr int type_count = 0
 #undef DYN_COUNT
     ;
 
+// f.template operator()<S>() for the shape of that type; nothing for MESH and unknown types.
+template <class F>
+void visit_type(dynShapeType type, F&& f) {
+#define DYN_TRY(S) \
+  if (type == S::id) return f.template operator()<S>();
+  DYN_SHAPES(DYN_TRY)
+  DYN_SURFACES(DYN_TRY)
+#undef DYN_TRY
+}
+
 // calls f(S(shape)) for the shape's class S
 template <class F>
 DYN_INLINE void visit(const Shape& shape, F&& f) {

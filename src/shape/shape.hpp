@@ -3,6 +3,10 @@
 //
 // A shape S derives from Solid<S>, is constructed from Shape, and holds `radius`. In its own frame, for its core, it has
 //   type, name
+//   id                        its dynShapeType
+//   size_names                names of the sizes that users give, which are lengths; default: none
+//   store(size, out)          writes those sizes into the stored Shape
+//   from_surface              it is made of a mesh
 //   curved                    the core's boundary is curved; then also
 //   support_on_piece(from, n) support point along n on the smooth piece of the boundary that holds the support point `from`
 //   curvature_radii(from, n, u, v)  its derivative by n along u and v, both perpendicular to n
@@ -18,9 +22,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "dyn.h"
 #include "shape/feature.hpp"
 #include "spatial/inertia.hpp"
 
@@ -107,6 +113,9 @@ inline constexpr double face_cosine = 0.9;
 // Defaults of all shapes.
 template <class S>
 struct Solid {
+  static constexpr std::array<const char*, 0> size_names = {};
+  static constexpr bool from_surface = false;
+  static void store(const double*, Shape&) {}
   static constexpr bool curved = false;
   static constexpr bool has_faces = false;
 

@@ -8,6 +8,9 @@ namespace dyn::shape {
 struct Sphere : Solid<Sphere> {
   static constexpr Type type = Type::Sphere;
   static constexpr const char* name = "sphere";
+  static constexpr dynShapeType id = DYN_SHAPE_TYPE_SPHERE;
+  static constexpr std::array size_names = {"radius"};
+  static void store(const double* size, Shape& out) { out.radius += size[0]; }
   double radius;
 
   explicit Sphere(const Shape& s) : radius(s.radius) {}

@@ -256,7 +256,7 @@ def names(header):
     yield "const EnumValue enum_values[] = {"
     for enum in header.enums:
         for v in enum["values"]:
-            yield f'    {{"{v["identifier"]}", {v["value"]}, {quoted(v["doc"])}}},'
+            yield f'    {{"{v["identifier"]}", "{v["name"].lower()}", {v["value"]}, {quoted(v["doc"])}}},'
     yield "};\nconst Enum enums[] = {"
     first = 0
     for enum in header.enums:
