@@ -1,5 +1,6 @@
 // Batches: handles, checks, and the sharing of states among threads.
 #include "batch.hpp"
+#include "reflection.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -171,12 +172,6 @@ dynStatus dyn_batch_set_effects(dynBatch* batch, int joint, uint32_t effects) {
   return batch->b->set_effects(joint, effects);
 }
 
-static bool exists(dynAlgorithm algorithm) { return raw(algorithm) >= 0 && raw(algorithm) < batch_algorithm_count; }
-
-static dynStatus unknown(const char* function, dynAlgorithm algorithm) {
-  return fail(DYN_ERROR_ARGUMENT, "%s: algorithm %d does not exist: use DYN_BATCH_... values", function, raw(algorithm));
-}
-
 void dyn_batch_arrays_init(dynBatchArrays* arrays) {
   if (!arrays) return;
   *arrays = {};
@@ -185,7 +180,7 @@ void dyn_batch_arrays_init(dynBatchArrays* arrays) {
 
 dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, const dynBatchArrays* arrays) {
   if (const dynStatus s = check(batch)) return s;
-  if (!exists(algorithm)) return unknown("dyn_batch_run", algorithm);
+  if (const dynStatus s = check_value(algorithm, "dyn_batch_run", "algorithm")) return s;
   const BatchAlgorithm& row = batch_algorithms[raw(algorithm)];
   if (!arrays) return fail(DYN_ERROR_ARGUMENT, "dyn_batch_run: arrays is NULL: it is required");
   if (arrays->struct_size < sizeof(dynBatchArrays))
@@ -204,7 +199,7 @@ dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, cons
 dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynAlgorithmInfo* info) {
   if (model)
     if (const dynStatus s = check(model)) return s;
-  if (!exists(algorithm)) return unknown("dyn_algorithm_info", algorithm);
+  if (const dynStatus s = check_value(algorithm, "dyn_algorithm_info", "algorithm")) return s;
   if (!info) return fail(DYN_ERROR_ARGUMENT, "dyn_algorithm_info: info is NULL");
   if (info->struct_size < sizeof(dynAlgorithmInfo))
     return fail(DYN_ERROR_SIZE, "dyn_algorithm_info: struct_size is %u, needs %zu: set it to sizeof(dynAlgorithmInfo)", info->struct_size, sizeof(dynAlgorithmInfo));

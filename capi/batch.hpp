@@ -44,7 +44,7 @@ struct BatchAlgorithm {
   bool reads(const char* input) const;  // a word of inputs
 };
 
-constexpr int batch_algorithm_count = DYN_ALGORITHM_STEP + 1;
+constexpr int batch_algorithm_count = Members<dynAlgorithm>::count;
 extern const BatchAlgorithm batch_algorithms[batch_algorithm_count];
 
 // A data for each thread.

@@ -3,6 +3,7 @@
 
 #include "model/colour.hpp"
 #include "surfaces.hpp"
+#include "reflection.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -19,8 +20,7 @@ void check_size(const dynJointSpec& s) {
 JointSpec read_spec(const dynJointSpec& s, int depth) {
   check_size(s);
   if (depth > 16) throw Error(DYN_ERROR_LIMIT, "dynJointSpec: composites more than 16 deep");
-  if (raw(s.type) < DYN_JOINT_TYPE_FIXED || raw(s.type) > DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED)
-    throw Error(DYN_ERROR_ARGUMENT, "dynJointSpec: type is " + std::to_string(raw(s.type)) + ": use a dynJointType");
+  require_value(s.type, "dynJointSpec", "type");
   JointSpec out;
   if (s.name) out.name = s.name;
   out.type = s.type;
@@ -151,12 +151,8 @@ dynStatus dyn_builder_add_shape(dynBuilder* builder, const dynShapeSpec* s) {
   if (!s) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_shape: spec is NULL");
   if (s->struct_size < sizeof(dynShapeSpec))
     return fail(DYN_ERROR_SIZE, "dyn_builder_add_shape: struct_size is %u, needs %zu: call dyn_shape_spec_init", s->struct_size, sizeof(dynShapeSpec));
-  const struct {
-    int value, last;
-    const char* name;
-  } choices[] = {{raw(s->type), DYN_SHAPE_TYPE_HEIGHT_FIELD, "type"}, {raw(s->role), DYN_SHAPE_ROLE_VISUAL, "role"}};
-  for (const auto& c : choices)
-    if (c.value < 1 || c.value > c.last) return fail(DYN_ERROR_ARGUMENT, "dyn_builder_add_shape: %s %d does not exist", c.name, c.value);
+  if (const dynStatus status = check_value(s->type, "dyn_builder_add_shape", "type")) return status;
+  if (const dynStatus status = check_value(s->role, "dyn_builder_add_shape", "role")) return status;
   SurfacePtr surface;
   if (const dynStatus status = surface_argument("dyn_builder_add_shape", "spec", s->type, s->surface, surface)) return status;
   return with(builder, [&](Builder& b) {

@@ -6,6 +6,7 @@
 #include "collision/ccd.hpp"
 #include "simulation/workspace.hpp"
 #include "surfaces.hpp"
+#include "reflection.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -25,8 +26,8 @@ dynStatus read_geometry(const char* function, const char* name, const dynGeometr
   if (g->struct_size < sizeof(dynGeometry))
     return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: call dyn_geometry_init", function, name, g->struct_size, sizeof(dynGeometry));
   if (g->type == DYN_SHAPE_TYPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a mesh, a name alone: use DYN_SHAPE_TYPE_CONVEX or DYN_SHAPE_TYPE_TRIANGLES with a dynMesh", function, name);
-  if (!collision::geometry_of(g->type, g->size, g->radius, out))
-    return fail(DYN_ERROR_ARGUMENT, "%s: %s: type %d does not exist: use DYN_SHAPE_... values", function, name, raw(g->type));
+  if (const dynStatus s = check_value(g->type, function, "type")) return s;
+  collision::geometry_of(g->type, g->size, g->radius, out);
   for (int k = 0; k < collision::size_count(g->type); ++k)
     if (!(g->size[k] >= shape::min_length && g->size[k] <= shape::max_length))
       return fail(std::isfinite(g->size[k]) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "%s: %s: size[%d] is %g: give metres from %g to %g", function, name, k,
@@ -102,8 +103,7 @@ dynStatus read_tolerance(const char* function, double tolerance, collision::Opti
 dynStatus read_options(const char* function, const dynDistanceOptions& given, collision::Options& out) {
   if (given.struct_size < sizeof given)
     return fail(DYN_ERROR_SIZE, "%s: options: struct_size is %u, needs %zu: call dyn_distance_options_init", function, given.struct_size, sizeof given);
-  if (given.method != DYN_DISTANCE_METHOD_GJK && given.method != DYN_DISTANCE_METHOD_CCD)
-    return fail(DYN_ERROR_ARGUMENT, "%s: options: method %d does not exist: use DYN_METHOD_... values", function, raw(given.method));
+  if (const dynStatus s = check_value(given.method, function, "method")) return s;
   if (given.method == DYN_DISTANCE_METHOD_CCD && !collision::ccd_available())
     return fail(DYN_ERROR_UNSUPPORTED, "%s: method CCD needs libccd.so.2, which cannot be opened: install it (Debian: libccd2)", function);
   out.fallback_first = given.method == DYN_DISTANCE_METHOD_CCD;

@@ -9,7 +9,7 @@
 #include "deadline.hpp"
 #include "solver/list.hpp"
 #include "solver/qp.hpp"
-#include "guard.hpp"
+#include "reflection.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -116,9 +116,7 @@ bool Reader::vectors() {
 dynStatus check_options(const char* function, const dynContactOptions& o) {
   if (o.struct_size < sizeof o)
     return fail(DYN_ERROR_SIZE, "%s: struct_size of dynContactOptions is %u, needs %zu: set it with dyn_contact_options_init", function, o.struct_size, sizeof o);
-  const int type = raw(o.solver);
-  if (type < DYN_CONTACT_SOLVER_TYPE_PGS || type > DYN_CONTACT_SOLVER_TYPE_NEWTON)
-    return fail(DYN_ERROR_ARGUMENT, "%s: solver %d is none of DYN_CONTACT_SOLVER_TYPE_PGS, _ADMM, _NEWTON", function, type);
+  if (const dynStatus s = check_value(o.solver, function, "solver")) return s;
   if (o.max_iterations < 0) return fail(DYN_ERROR_ARGUMENT, "%s: max_iterations is %d: it can't be negative", function, int(o.max_iterations));
   for (const auto& [name, x, most] : {std::tuple("tolerance", o.tolerance, HUGE_VAL), std::tuple("time_budget", o.time_budget, HUGE_VAL), std::tuple("relaxation", o.relaxation, 2.0)})
     if (!(x >= 0) || !(x < most)) return fail(std::isnan(x) ? DYN_ERROR_NONFINITE : DYN_ERROR_ARGUMENT, "%s: %s is %g: give a number from 0%s", function, name, x, std::isinf(most) ? "" : ", below 2");

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "state_layout.hpp"
+#include "reflection.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -182,8 +183,7 @@ dynStatus dyn_state_layout_convert(const dynModel* model, const dynStateLayout* 
                             const double* a, const double* tau, double* q_out, double* v_out, double* a_out, double* tau_out) {
   const Layout l(model, layout);
   if (l.status != DYN_OK) return l.status;
-  if (raw(direction) != DYN_DIRECTION_TO_PEER && raw(direction) != DYN_DIRECTION_FROM_PEER)
-    return fail(DYN_ERROR_ARGUMENT, "%s: direction is %d: use DYN_DIRECTION_TO_PEER or DYN_DIRECTION_FROM_PEER", function, raw(direction));
+  if (const dynStatus s = check_value(direction, function, "direction")) return s;
   const Arrays in = {q, v, a, tau};
   const Outputs out = {q_out, v_out, a_out, tau_out};
   if (const dynStatus s = check_arrays(in, out)) return s;

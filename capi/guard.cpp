@@ -1,4 +1,5 @@
 #include "guard.hpp"
+#include "reflection.hpp"
 
 #include "simulation/workspace.hpp"
 
@@ -174,8 +175,7 @@ bool Call::joint_or_all(int id) {
 }
 
 bool Call::reference(dynReference r) {
-  if (status == DYN_OK && r != DYN_REFERENCE_LOCAL && r != DYN_REFERENCE_WORLD && r != DYN_REFERENCE_LOCAL_WORLD_ALIGNED)
-    status = fail(DYN_ERROR_ARGUMENT, "%s: reference %d is none of DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED", function, int(r));
+  if (status == DYN_OK) status = check_value(r, function, "reference");
   return status == DYN_OK;
 }
 
@@ -363,16 +363,8 @@ extern "C" {
 const char* dyn_last_error(void) { return dyn::capi::last_error; }
 
 const char* dyn_status_name(dynStatus status) {
-  switch (status) {
-#define DYN_NAME(s) case s: return #s;
-    DYN_NAME(DYN_OK) DYN_NAME(DYN_ERROR_ARGUMENT) DYN_NAME(DYN_ERROR_HANDLE) DYN_NAME(DYN_ERROR_MODEL) DYN_NAME(DYN_ERROR_SIZE)
-    DYN_NAME(DYN_ERROR_NONFINITE) DYN_NAME(DYN_ERROR_QUATERNION) DYN_NAME(DYN_ERROR_STALE) DYN_NAME(DYN_ERROR_PART)
-    DYN_NAME(DYN_ERROR_NAME) DYN_NAME(DYN_ERROR_FILE) DYN_NAME(DYN_ERROR_PARSE) DYN_NAME(DYN_ERROR_INVALID) DYN_NAME(DYN_ERROR_BASE)
-    DYN_NAME(DYN_ERROR_STRICT) DYN_NAME(DYN_ERROR_NUMERIC) DYN_NAME(DYN_ERROR_BUSY) DYN_NAME(DYN_ERROR_MEMORY)
-    DYN_NAME(DYN_ERROR_LIMIT) DYN_NAME(DYN_ERROR_UNSUPPORTED) DYN_NAME(DYN_ERROR_INTERNAL) DYN_NAME(DYN_ERROR_CANCELLED)
-#undef DYN_NAME
-  }
-  return "DYN_ERROR_UNKNOWN";
+  const dyn::capi::EnumValue* value = dyn::capi::find_value("dynStatus", raw(status));
+  return value ? value->identifier : "DYN_ERROR_UNKNOWN";
 }
 
 #define DYN_TEXT_(x) #x

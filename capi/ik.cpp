@@ -3,6 +3,7 @@
 
 #include "checks.hpp"
 #include "algorithm/ik_tasks.hpp"
+#include "reflection.hpp"
 
 namespace dyn {
 extern template double ik_cost(const Model&, const Data<double>&, const dynIkTask&, IkResidual&);
@@ -55,9 +56,7 @@ bool rotates(Call& call, Index task, const double* R) {
 
 bool good_task(Call& call, const dynIkTask& t, Index k) {
   const Model& m = call.m();
-  const int type = raw(t.type);
-  if (type < DYN_IK_TASK_TYPE_POSE || type > DYN_IK_TASK_TYPE_POSTURE)
-    return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: type %d of task %d is none of DYN_IK_TASK_TYPE_POSE, _POSITION, _ORIENTATION, _COM, _POSTURE", type, int(k)));
+  if (const dynStatus s = check_value(t.type, "dyn_ik", "type of a task")) return refuse(call, s);
   if (t.priority != 0 && t.priority != 1)
     return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: priority %d of task %d is neither 0 nor 1", int(t.priority), int(k)));
   if (!weighted(call, k, "weight", &t.weight, 1) || (t.weights && !weighted(call, k, "weights", t.weights, row_count(m, t.type)))) return false;

@@ -13,8 +13,8 @@ namespace {
 
 // The info of a value, or the refusal of what is none. S begins with struct_size and has name and sentence.
 template <class S, class E, class F>
-dynStatus describe(E id, S* info, const char* function, const char* type, F&& fill_in) {
-  if (const dynStatus s = check_value(id, function)) return s;
+dynStatus describe(E id, S* info, const char* function, const char* argument, const char* type, F&& fill_in) {
+  if (const dynStatus s = check_value(id, function, argument)) return s;
   const EnumValue& value = *find_value(Members<E>::type, raw(id));
   S out = {};
   out.name = value.name, out.sentence = value.sentence;
@@ -27,7 +27,7 @@ dynStatus describe(E id, S* info, const char* function, const char* type, F&& fi
 extern "C" {
 
 dynStatus dyn_joint_type_info(dynJointType type, dynJointTypeInfo* info) {
-  return describe(type, info, "dyn_joint_type_info: type", "dynJointTypeInfo", [&](dynJointTypeInfo& out) {
+  return describe(type, info, "dyn_joint_type_info", "type", "dynJointTypeInfo", [&](dynJointTypeInfo& out) {
     out.chain = "";
     visit_kind(type, [&]<class K>() {
       constexpr const KindText& text = kind_text<K>;
@@ -37,7 +37,7 @@ dynStatus dyn_joint_type_info(dynJointType type, dynJointTypeInfo* info) {
 }
 
 dynStatus dyn_shape_type_info(dynShapeType type, dynShapeTypeInfo* info) {
-  return describe(type, info, "dyn_shape_type_info: type", "dynShapeTypeInfo", [&](dynShapeTypeInfo& out) {
+  return describe(type, info, "dyn_shape_type_info", "type", "dynShapeTypeInfo", [&](dynShapeTypeInfo& out) {
     for (const char*& size : out.size) size = "";
     shape::visit_type(type, [&]<class S>() {
       for (const char* size : S::size_names) out.size[out.sizes++] = size;
@@ -47,7 +47,7 @@ dynStatus dyn_shape_type_info(dynShapeType type, dynShapeTypeInfo* info) {
 }
 
 dynStatus dyn_constraint_type_info(dynConstraintType type, dynConstraintTypeInfo* info) {
-  return describe(type, info, "dyn_constraint_type_info: type", "dynConstraintTypeInfo", [&](dynConstraintTypeInfo& out) {
+  return describe(type, info, "dyn_constraint_type_info", "type", "dynConstraintTypeInfo", [&](dynConstraintTypeInfo& out) {
     Constraint c = {};
     c.type = type;
     out.rows = type == DYN_CONSTRAINT_TYPE_LOOP ? 0 : constraint_rows(c);
@@ -56,7 +56,7 @@ dynStatus dyn_constraint_type_info(dynConstraintType type, dynConstraintTypeInfo
 }
 
 dynStatus dyn_integrator_info(dynIntegrator integrator, dynIntegratorInfo* info) {
-  return describe(integrator, info, "dyn_integrator_info: integrator", "dynIntegratorInfo", [&](dynIntegratorInfo& out) {
+  return describe(integrator, info, "dyn_integrator_info", "integrator", "dynIntegratorInfo", [&](dynIntegratorInfo& out) {
     for (const IntegratorRow& row : integrator_rows)
       if (row.id == integrator) out.order = row.order, out.evaluations = row.evaluations, out.implicit = row.implicit, out.estimates = row.estimates;
   });

@@ -8,7 +8,7 @@
 
 #include "model/colour.hpp"
 #include "model/load.hpp"
-#include "guard.hpp"
+#include "reflection.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
@@ -21,8 +21,7 @@ LoadOptions read_options(const dynLoadOptions* o) {
   if (o->struct_size < sizeof(dynLoadOptions))
     throw Error(DYN_ERROR_SIZE, "dynLoadOptions: struct_size is " + std::to_string(o->struct_size) + ", needs " + std::to_string(sizeof(dynLoadOptions)) +
                                     ": call dyn_load_options_init first");
-  if (raw(o->base) < DYN_BASE_UNSPECIFIED || raw(o->base) > DYN_BASE_FLOATING)
-    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: base is " + std::to_string(raw(o->base)) + ": use DYN_BASE_FIXED or DYN_BASE_FLOATING");
+  require_value(o->base, "dynLoadOptions", "base");
   if (o->package_dirs_count && !o->package_dirs) throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: package_dirs is NULL but package_dirs_count is not 0");
   out.base = o->base;
   out.strict = o->strict != 0;
@@ -35,8 +34,7 @@ LoadOptions read_options(const dynLoadOptions* o) {
     if (!std::isfinite(o->gravity[k])) throw Error(DYN_ERROR_NONFINITE, "dynLoadOptions: gravity[" + std::to_string(k) + "] is not finite");
     out.gravity[k] = o->gravity[k];
   }
-  if (raw(o->meshes) < DYN_MESH_USE_NONE || raw(o->meshes) > DYN_MESH_USE_TRIANGLES)
-    throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: meshes is " + std::to_string(raw(o->meshes)) + ": use DYN_MESH_USE_NONE, DYN_MESH_USE_HULL or DYN_MESH_USE_TRIANGLES");
+  require_value(o->meshes, "dynLoadOptions", "meshes");
   out.meshes = o->meshes;
   if (o->constraint_slots < 0 || o->constraint_slots > 1000)
     throw Error(DYN_ERROR_ARGUMENT, "dynLoadOptions: constraint_slots is " + std::to_string(o->constraint_slots) + ": give 0 to 1000");

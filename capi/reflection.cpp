@@ -43,10 +43,10 @@ const EnumValue* find_value(const char* type, int value) {
   return nullptr;
 }
 
-dynStatus no_value(const char* type, const char* where, int value) {
+dynStatus no_value(const char* type, const char* function, const char* name, int value) {
   char values[600];
   list_values(enums[find(type)], values, sizeof values);
-  return fail(DYN_ERROR_ARGUMENT, "%s is %d: use %s", where, value, values);
+  return fail(DYN_ERROR_ARGUMENT, "%s: %s is %d: use %s", function, name, value, values);
 }
 
 }  // namespace dyn::capi

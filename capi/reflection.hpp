@@ -14,12 +14,18 @@ struct EnumValue {
 // nullptr: the enumeration has no such value.
 const EnumValue* find_value(const char* type, int value);
 
-// Fails: where (function: argument) holds no value of the enumeration. The message lists those there are.
-dynStatus no_value(const char* type, const char* where, int value);
+// Fails: the argument of that name holds no value of the enumeration. The message lists the values.
+dynStatus no_value(const char* type, const char* function, const char* name, int value);
 
 template <class E>
-dynStatus check_value(const E& e, const char* where) {
-  return is_value(e) ? DYN_OK : no_value(Members<E>::type, where, raw(e));
+dynStatus check_value(const E& e, const char* function, const char* name) {
+  return is_value(e) ? DYN_OK : no_value(Members<E>::type, function, name, raw(e));
+}
+
+// The same where errors are thrown.
+template <class E>
+void require_value(const E& e, const char* function, const char* name) {
+  if (check_value(e, function, name) != DYN_OK) throw Error(DYN_ERROR_ARGUMENT, dyn_last_error());
 }
 
 // Writes an info into a caller's struct, which says its size.

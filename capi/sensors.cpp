@@ -5,6 +5,7 @@
 
 #include "simulation/workspace.hpp"
 #include "spatial/quaternion.hpp"
+#include "reflection.hpp"
 
 namespace dyn::capi {
 
@@ -65,7 +66,7 @@ struct Row {
 };
 
 constexpr Row rows[] = {{7, true, placement}, {6, true, velocity}, {6, true, imu}, {6, true, force}, {6, false, com}, {2, false, energy}};
-constexpr int count = sizeof rows / sizeof rows[0];
+static_assert(sizeof rows / sizeof rows[0] == Members<dynSensorType>::count);
 
 template <class F>
 bool any(Sensors sensors, F&& f) {
@@ -74,7 +75,7 @@ bool any(Sensors sensors, F&& f) {
 
 }  // namespace
 
-int sensor_size(dynSensorType type) { return raw(type) >= 0 && raw(type) < count ? rows[raw(type)].size : 0; }
+int sensor_size(dynSensorType type) { return is_value(type) ? rows[raw(type)].size : 0; }
 
 std::ptrdiff_t size_of(Sensors sensors) {
   std::ptrdiff_t size = 0;
@@ -92,7 +93,7 @@ dynStatus check_sensors(const Model& m, Sensors sensors, const char* function) {
   if (!sensors.type) return fail(DYN_ERROR_ARGUMENT, "%s: sensor is NULL, but sensors is %d", function, sensors.count);
   for (int k = 0; k < sensors.count; ++k) {
     const dynSensorType type = sensors.type[k];
-    if (!sensor_size(type)) return fail(DYN_ERROR_ARGUMENT, "%s: sensor[%d] is %d: use DYN_SENSOR_... values", function, k, raw(type));
+    if (const dynStatus s = check_value(type, function, "sensor")) return s;
     if (!rows[raw(type)].of_frame) continue;
     if (!sensors.frame) return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame is NULL, but sensor[%d] has a frame", function, k);
     const int frame = sensors.frame[k];

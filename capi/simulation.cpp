@@ -6,14 +6,13 @@
 #include "shape/material.hpp"
 #include "simulation/ledger.hpp"
 #include "simulation/workspace.hpp"
-#include "guard.hpp"
+#include "reflection.hpp"
 
 using namespace dyn;
 using namespace dyn::capi;
 
 namespace {
 
-constexpr const char* integrators = "DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45 or DYN_INTEGRATOR_REFERENCE";
 
 const char* joint_at(const Model& m, Index k, bool in_v) {
   const char* name = "?";
@@ -94,14 +93,12 @@ dynStatus dyn_data_set_step_options(const dynModel* model, dynData* data, const 
   if (!call || !call.required("options", options)) return call.status;
   if (options->struct_size < sizeof *options)
     return fail(DYN_ERROR_SIZE, "dyn_data_set_step_options: struct_size is %u, needs %zu: call dyn_step_options_init", options->struct_size, sizeof *options);
-  if (int(options->integrator) < 0 || int(options->integrator) > DYN_INTEGRATOR_REFERENCE)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: integrator %d does not exist: use %s", int(options->integrator), integrators);
+  if (const dynStatus s = check_value(options->integrator, "dyn_data_set_step_options", "integrator")) return s;
   if (!call.finite("dt", &options->dt, 1) || !call.finite("accuracy", &options->accuracy, 1)) return call.status;
   if (!(options->dt > 0)) return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: dt is %g s: it must be positive", options->dt);
   if (!(options->accuracy >= 0))
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: accuracy is %g: give what the errors may add up to, or 0 for steps of dt", options->accuracy);
-  if (raw(options->solver) < DYN_CONTACT_SOLVER_TYPE_PGS || raw(options->solver) > DYN_CONTACT_SOLVER_TYPE_NEWTON)
-    return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: solver %d is none of DYN_CONTACT_SOLVER_TYPE_PGS, _ADMM, _NEWTON", raw(options->solver));
+  if (const dynStatus s = check_value(options->solver, "dyn_data_set_step_options", "solver")) return s;
   if (options->max_iterations < 1)
     return fail(DYN_ERROR_ARGUMENT, "dyn_data_set_step_options: max_iterations is %d: give 1 or more", int(options->max_iterations));
   if (!call.finite("tolerance", &options->tolerance, 1)) return call.status;

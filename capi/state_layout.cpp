@@ -1,4 +1,5 @@
 #include "state_layout.hpp"
+#include "reflection.hpp"
 
 #include <algorithm>
 
@@ -65,10 +66,8 @@ dynStatus Layout::read(const dynModel* model, const dynStateLayout* layout) {
   if (layout->struct_size < sizeof l)
     return fail(DYN_ERROR_SIZE, "%s: struct_size of the layout is %u, needs %zu: call dyn_state_layout_init first", function, layout->struct_size, sizeof l);
   handle = model, l = *layout;
-  if (raw(layout->convention) < DYN_CONVENTION_DYN || raw(layout->convention) > DYN_CONVENTION_ROS)
-    return fail(DYN_ERROR_ARGUMENT, "%s: convention is %d: use a DYN_CONVENTION_... value", function, raw(layout->convention));
-  if (raw(layout->continuous) < DYN_ANGLE_BY_CONVENTION || raw(layout->continuous) > DYN_ANGLE_COS_SIN)
-    return fail(DYN_ERROR_ARGUMENT, "%s: continuous is %d: use a DYN_ANGLE_... value", function, raw(layout->continuous));
+  if (const dynStatus s = check_value(layout->convention, function, "convention")) return s;
+  if (const dynStatus s = check_value(layout->continuous, function, "continuous")) return s;
   if (l.joints_count && !l.joints) return fail(DYN_ERROR_ARGUMENT, "%s: joints is NULL but joints_count is not 0", function);
   if (!l.idx_q != !l.idx_v) return fail(DYN_ERROR_ARGUMENT, "%s: idx_q and idx_v go together: %s is NULL", function, l.idx_q ? "idx_v" : "idx_q");
   if (l.idx_q && !l.joints) return fail(DYN_ERROR_ARGUMENT, "%s: idx_q is given without joints: name the joints that it is of", function);

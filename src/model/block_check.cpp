@@ -7,6 +7,7 @@
 #include "constraint/list.hpp"
 #include "model/constraints.hpp"
 #include "model/unit_norms.hpp"
+#include "table/enums.hpp"
 
 namespace dyn {
 
@@ -135,7 +136,7 @@ bool BlockChecker::actuators() {
     const dynActuator& a = r.spec;
     if (!text(r.name) || !index(a.joint, n.joints, "joint of an actuator")) return false;
     const JointRecord& j = m.joints()[a.joint];
-    if (!require(int(a.type) >= DYN_ACTUATOR_TYPE_MOTOR && int(a.type) <= DYN_ACTUATOR_TYPE_AFFINE, "type of an actuator") || !index(a.component, j.nv, "component of an actuator")) return false;
+    if (!require(is_value(a.type), "type of an actuator") || !index(a.component, j.nv, "component of an actuator")) return false;
     if (!require(a.controls == (a.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1) && a.idx_u == nu, "controls of an actuator")) return false;
     nu += a.controls;
     Index q = -1;

@@ -6,6 +6,7 @@
 #include "shape/geometry.hpp"
 #include "model/data.hpp"
 #include "shape/material.hpp"
+#include "table/enums.hpp"
 
 namespace dyn {
 
@@ -122,7 +123,7 @@ bool BlockChecker::shape(Index k) {
   const ShapeRecord& r = m.shapes()[k];
   if (!text(r.name) || !text(r.mesh) || !index(r.frame, n.frames, "frame of a shape") || !index(r.material, n.materials, "material of a shape")) return false;
   if (!require(r.frame == 0 || m.frames()[r.frame].type == DYN_FRAME_TYPE_BODY, "a shape is on no link") ||
-      !require(int(r.type) >= DYN_SHAPE_TYPE_BOX && int(r.type) <= DYN_SHAPE_TYPE_HEIGHT_FIELD, "type of a shape") ||
+      !require(is_value(dynShapeType(r.type)), "type of a shape") ||
       !require(r.role == DYN_SHAPE_ROLE_COLLISION || r.role == DYN_SHAPE_ROLE_VISUAL, "role of a shape"))
     return false;
   const bool made = r.type == DYN_SHAPE_TYPE_CONVEX || r.type == DYN_SHAPE_TYPE_TRIANGLES || r.type == DYN_SHAPE_TYPE_HEIGHT_FIELD;
@@ -147,7 +148,7 @@ bool BlockChecker::shapes() {
     const PairRecord& p = m.pairs()[k];
     if (!index(p.a, n.geoms, "shape of a pair") || !index(p.b, n.geoms, "shape of a pair") || !index(p.material(), n.materials + 1, "material of a pair")) return false;
     const bool ascends = k == 0 || m.pairs()[k - 1].a < p.a || (m.pairs()[k - 1].a == p.a && m.pairs()[k - 1].b < p.b);
-    return require(p.a < p.b && ascends && carrier(p.a) != carrier(p.b), "order of the pairs") && require(p.reason <= DYN_PAIR_REASON_MASK && p.reason != DYN_PAIR_REASON_OFF, "reason of a pair") &&
+    return require(p.a < p.b && ascends && carrier(p.a) != carrier(p.b), "order of the pairs") && require(is_value(dynPairReason(p.reason)) && p.reason != DYN_PAIR_REASON_OFF, "reason of a pair") &&
            require(p.reason == DYN_PAIR_REASON_MESH || (m.shapes()[m.geoms()[p.a].shape].type != DYN_SHAPE_TYPE_MESH && m.shapes()[m.geoms()[p.b].shape].type != DYN_SHAPE_TYPE_MESH), "a pair with a mesh is tested");
   });
 }

@@ -5,6 +5,7 @@
 #include "base/sincos.hpp"
 #include "joint/kinds.hpp"
 #include "model/data.hpp"
+#include "table/enums.hpp"
 
 namespace dyn {
 
@@ -28,7 +29,7 @@ Sizes primitives(dynJointType type, F&& f) {
 }  // namespace
 
 bool BlockChecker::simple(dynJointType type) {
-  return require(int(type) > DYN_JOINT_TYPE_FIXED && int(type) <= DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED && type != DYN_JOINT_TYPE_COMPOSITE, "type of a joint");
+  return require(is_value(type) && type != DYN_JOINT_TYPE_FIXED && type != DYN_JOINT_TYPE_COMPOSITE, "type of a joint");
 }
 
 // q, v, qx, vx: its first coordinates; then those of the next one.

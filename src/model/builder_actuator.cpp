@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "builder_impl.hpp"
+#include "table/enums.hpp"
 
 namespace dyn {
 
@@ -48,8 +49,8 @@ void Builder::actuator(const std::string& name, const dynActuator& spec, const s
   const auto at = std::find_if(impl->joints.begin(), impl->joints.end(), [&](const JointEntry& j) { return j.spec.name == joint; });
   if (at == impl->joints.end()) refuse(DYN_ERROR_NAME, who + ": there is no moving joint '" + joint + "'");
   if (!at->spec.mimic.empty()) refuse(DYN_ERROR_INVALID, who + ": joint '" + joint + "' follows '" + at->spec.mimic + "': name that one");
-  if (int(spec.type) < DYN_ACTUATOR_TYPE_MOTOR || int(spec.type) > DYN_ACTUATOR_TYPE_AFFINE)
-    refuse(DYN_ERROR_ARGUMENT, who + ": type " + std::to_string(int(spec.type)) + " is none of DYN_ACTUATOR_TYPE_MOTOR, _POSITION, _VELOCITY, _PD, _AFFINE");
+  if (!is_value(spec.type))
+    refuse(DYN_ERROR_ARGUMENT, who + ": type " + std::to_string(int(spec.type)) + " is no dynActuatorType");
   if (spec.component < 0 || spec.component >= spec_nv(at->spec))
     refuse(DYN_ERROR_ARGUMENT, who + ": component is " + std::to_string(spec.component) + ", and joint '" + joint + "' has " + std::to_string(spec_nv(at->spec)) +
                                    " degrees of freedom");
