@@ -196,6 +196,14 @@ dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n, cons
   return batch->b->run(row, n, *arrays);
 }
 
+dynStatus dyn_algorithm_run(const dynModel* model, dynData* data, dynAlgorithm algorithm, const dynBatchArrays* arrays) {
+  if (const dynStatus s = check_value(algorithm, "dyn_algorithm_run", "algorithm")) return s;
+  if (!arrays) return fail(DYN_ERROR_ARGUMENT, "dyn_algorithm_run: arrays is NULL: it is required");
+  if (arrays->struct_size < sizeof(dynBatchArrays))
+    return fail(DYN_ERROR_SIZE, "dyn_algorithm_run: struct_size is %u, needs %zu: call dyn_batch_arrays_init", arrays->struct_size, sizeof(dynBatchArrays));
+  return batch_algorithms[raw(algorithm)].call(model, data, *arrays);
+}
+
 dynStatus dyn_algorithm_info(const dynModel* model, dynAlgorithm algorithm, dynAlgorithmInfo* info) {
   if (model)
     if (const dynStatus s = check(model)) return s;

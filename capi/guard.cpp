@@ -363,7 +363,7 @@ extern "C" {
 const char* dyn_last_error(void) { return dyn::capi::last_error; }
 
 const char* dyn_status_name(dynStatus status) {
-  const dyn::capi::EnumValue* value = dyn::capi::find_value("dynStatus", raw(status));
+  const dyn::capi::EnumValue* value = dyn::capi::find_value("dynStatus", dyn::raw(status));
   return value ? value->identifier : "DYN_ERROR_UNKNOWN";
 }
 

@@ -2158,6 +2158,9 @@ DYN_API void dyn_batch_arrays_init(dynBatchArrays* arrays);
 /* Computes an algorithm for n states. */
 DYN_API dynStatus dyn_batch_run(dynBatch* batch, dynAlgorithm algorithm, int64_t n,
                                 const dynBatchArrays* arrays);
+/* One state on any data, as dyn_X does it: inputs that are NULL are those held, outputs may be NULL. */
+DYN_API dynStatus dyn_algorithm_run(const dynModel* model, dynData* data, dynAlgorithm algorithm,
+                                    const dynBatchArrays* arrays);
 
 /* The same table for programs. Without a model (NULL) sizes that depend on it are 0. */
 typedef struct dynAlgorithmInfo {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dyn.h"
+#include "names.hpp"
 
 namespace CLI {
 class App;
@@ -83,9 +84,9 @@ struct Data {
 // A copy of a field, column by column.
 Vector field(const Robot& robot, const Data& data, const char* name);
 
-const char* joint_type_name(dynJointType type);  // "revolute"
-const char* shape_type_name(dynShapeType type);  // "half_space"
-const char* frame_type_name(dynFrameType type);  // "FIXED_JOINT"
+inline const char* joint_type_name(dynJointType type) { return name_of("dynJointType", type); }  // "revolute"
+inline const char* shape_type_name(dynShapeType type) { return name_of("dynShapeType", type); }  // "half_space"
+inline const char* frame_type_name(dynFrameType type) { return capital_name_of("dynFrameType", type); }  // "FIXED_JOINT"
 
 // [{"name", "active", "reason", "bytes"}]: which effects the robot calls for, as far as they are switched on.
 json effects(const Robot& robot, std::uint32_t on = (std::uint32_t(DYN_EFFECT_ALL) & ~std::uint32_t(DYN_EFFECT_SLEEPING)) | of_the_whole);

@@ -20,16 +20,6 @@ int row_count(const Robot& robot, const Data& data) {
   return rows;
 }
 
-const char* verdict_text(dynRowVerdict verdict) {
-  switch (verdict) {
-    case DYN_ROW_VERDICT_INDEPENDENT: return "independent";
-    case DYN_ROW_VERDICT_REDUNDANT: return "redundant";
-    case DYN_ROW_VERDICT_CONTRADICTORY: return "contradictory";
-    case DYN_ROW_VERDICT_IMMOBILE: return "immobile";
-  }
-  return "unknown";
-}
-
 }  // namespace
 
 void add_contact_options(CLI::App& command, ContactOptions& options) {
@@ -134,7 +124,7 @@ void run(const CheckOptions& options) {
   for (const dynRowReport& r : list) {
     slots.insert(r.slot);
     if (r.verdict == DYN_ROW_VERDICT_INDEPENDENT) continue;
-    answer["dependent"].push_back({{"constraint", slot_name(robot, r.slot)}, {"row", r.row}, {"verdict", verdict_text(r.verdict)}, {"share", r.share}, {"error", r.error}});
+    answer["dependent"].push_back({{"constraint", slot_name(robot, r.slot)}, {"row", r.row}, {"verdict", name_of("dynRowVerdict", r.verdict)}, {"share", r.share}, {"error", r.error}});
   }
   answer["constraints"] = slots.size();
   if (options.robot.json) return print(json_text(answer));

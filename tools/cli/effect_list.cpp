@@ -12,14 +12,22 @@ namespace {
 
 constexpr std::uint32_t of_joints = DYN_EFFECT_ALL & ~DYN_EFFECT_SLEEPING;  // which is asked for by name
 
-constexpr struct {
-  const char* name;
+struct Name {
+  std::string name;
   std::uint32_t bits;
-} names[] = {{"armature", DYN_EFFECT_ARMATURE}, {"damping", DYN_EFFECT_DAMPING}, {"springs", DYN_EFFECT_SPRINGS}, {"friction", DYN_EFFECT_FRICTION},
-             {"limits", DYN_EFFECT_LIMITS}, {"actuators", DYN_EFFECT_ACTUATORS}, {"fluid", DYN_EFFECT_FLUID},
-             {"gravity_compensation", DYN_EFFECT_GRAVITY_COMPENSATION}, {"gravity", has_gravity}, {"contact", has_contact}, {"constraints", has_constraints},
-             {"sleeping", DYN_EFFECT_SLEEPING},
-             {"all", of_joints | of_the_whole}, {"none", 0}};
+};
+
+// The bits of dyn.h, what is of the whole, and sets of them.
+const std::vector<Name>& names() {
+  static const std::vector<Name> list = [] {
+    std::vector<Name> out;
+    for (const Choice& c : choices("dynEffects"))
+      if (std::has_single_bit(static_cast<std::uint32_t>(c.value))) out.push_back({c.name, static_cast<std::uint32_t>(c.value)});
+    for (const Name& n : {Name{"gravity", has_gravity}, Name{"contact", has_contact}, Name{"constraints", has_constraints}, Name{"all", of_joints | of_the_whole}, Name{"none", 0}}) out.push_back(n);
+    return out;
+  }();
+  return list;
+}
 
 std::uint32_t bits_of(const std::string& list, const char* option) {
   std::uint32_t bits = 0;
@@ -27,10 +35,10 @@ std::uint32_t bits_of(const std::string& list, const char* option) {
   if (words.empty() && !list.empty()) bad_usage(std::string(option) + ": the list is empty.");
   for (const std::string& word : words) {
     if (word == "none" && words.size() > 1) bad_usage(std::string(option) + ": \"none\" stands alone, not in \"" + shown(list) + "\".");
-    const auto* found = std::find_if(std::begin(names), std::end(names), [&](const auto& e) { return word == e.name; });
-    if (found == std::end(names)) {
+    const auto found = std::find_if(names().begin(), names().end(), [&](const auto& e) { return word == e.name; });
+    if (found == names().end()) {
       std::string known;
-      for (const auto& e : names) known += (known.empty() ? "" : ", ") + std::string(e.name);
+      for (const auto& e : names()) known += (known.empty() ? "" : ", ") + std::string(e.name);
       bad_usage(std::string(option) + ": \"" + shown(word) + "\" is none of " + known + ".");
     }
     bits |= found->bits;
@@ -42,7 +50,7 @@ std::uint32_t bits_of(const std::string& list, const char* option) {
 
 void add_effects_option(CLI::App& command, EffectOptions& options) {
   std::string of_joints_and_links;
-  for (const auto& e : names)
+  for (const auto& e : names())
     if (std::has_single_bit(e.bits) && !(e.bits & of_the_whole)) of_joints_and_links += (of_joints_and_links.empty() ? "" : ", ") + std::string(e.name);
   command.add_option("--effects", options.with, "What joints and links do: " + of_joints_and_links + " with commas between, all (but sleeping) or none")
       ->check(not_empty)

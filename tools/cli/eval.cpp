@@ -102,13 +102,7 @@ json centroidal_inertia(const Context& c) {
   return {{"mass", Ig[0]}, {"com", center_of_mass(c, "com")}, {"inertia", matrix_json(inertia, 3, 3)}};
 }
 
-json centroidal_derivative(const Context& c, const char* name) {
-  return c.matrix(dyn_centroidal_derivatives(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr, nullptr, nullptr), name, 6);
-}
 
-json inverse_derivative(const Context& c, const char* name) {
-  return c.matrix(dyn_rnea_derivatives(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr, nullptr), name, c.robot.nv);
-}
 json forward_derivative(const Context& c, const char* name) {
   return c.matrix(dyn_aba_derivatives(c.robot, c.data, c.q, c.v, c.tau, nullptr, nullptr, nullptr, nullptr), name, c.robot.nv);
 }
@@ -144,12 +138,6 @@ json second_order(const Context& c, int which) {
 }
 
 int parameter_count(const Context& c) { return 10 * (c.robot.njoints - 1); }
-
-json regressor(const Context& c, dynStatus status, const char* name, int rows) {
-  check(status);
-  const Vector values = field(c.robot, c.data, name);
-  return matrix_json(values.data(), rows, parameter_count(c));
-}
 
 // The ten of each joint's body.
 json inertial_parameters(const Context& c) {
@@ -197,32 +185,46 @@ struct Quantity {
   std::function<json(const Context&)> compute;
 };
 
-const std::vector<Quantity>& quantities() {
+// A field of data by the algorithm that produces it.
+json produced(const Context& c, dynAlgorithm algorithm, const char* name) {
+  dynBatchArrays arrays;
+  dyn_batch_arrays_init(&arrays);
+  arrays.q = c.q, arrays.v = c.v, arrays.a = c.a, arrays.tau = c.tau;
+  check(dyn_algorithm_run(c.robot, c.data, algorithm, &arrays));
+  dynArray shape{};
+  shape.struct_size = sizeof shape;
+  check(dyn_data_array(c.robot, c.data, dyn_field_id(name), &shape));
+  const Vector values = field(c.robot, c.data, name);
+  return shape.cols == 1 ? json(values) : matrix_json(values.data(), shape.rows, shape.cols);
+}
+
+// All fields that one call of an algorithm makes of q, v, a and tau, but those that the table has.
+void add_fields(std::vector<Quantity>& table) {
+  for (const Choice& choice : choices("dynAlgorithm")) {
+    const auto algorithm = static_cast<dynAlgorithm>(choice.value);
+    dynAlgorithmInfo info{};
+    info.struct_size = sizeof info;
+    check(dyn_algorithm_info(nullptr, algorithm, &info));
+    if (std::string(info.inputs).find('b') != std::string::npos) continue;  // a vector of its own
+    for (dynField k = 0; k < dyn_field_count(); ++k) {
+      dynFieldInfo made{};
+      made.struct_size = sizeof made;
+      check(dyn_field_info(k, &made));
+      const bool known = std::any_of(table.begin(), table.end(), [&](const Quantity& x) { return std::string(x.name) == made.name; });
+      if (known || made.producer != std::string("dyn_") + info.name) continue;
+      table.push_back({made.name, made.part, false, [algorithm, name = made.name](const Context& c) { return produced(c, algorithm, name); }});
+    }
+  }
+}
+
+std::vector<Quantity> listed() {
   using C = const Context&;
-  static const std::vector<Quantity> table = {
-      {"tau", DYN_PART_INVERSE, false,
-       [](C c) { return c.vector(dyn_rnea(c.robot, c.data, c.q, c.v, c.a, nullptr, nullptr), "tau"); }},
+  std::vector<Quantity> table = {
       {"ddq", 0, false, [](C c) { return c.vector(dyn_aba(c.robot, c.data, c.q, c.v, c.tau, nullptr, nullptr), "ddq"); }},
-      {"M", DYN_PART_MASS, false, [](C c) { return c.matrix(dyn_crba(c.robot, c.data, c.q, nullptr), "M", c.robot.nv); }},
-      {"Minv", DYN_PART_MINV, false,
-       [](C c) { return c.matrix(dyn_minv(c.robot, c.data, c.q, nullptr), "Minv", c.robot.nv); }},
-      {"nle", DYN_PART_INVERSE, false,
-       [](C c) { return c.vector(dyn_nle(c.robot, c.data, c.q, c.v, nullptr), "nle"); }},
-      {"g", DYN_PART_INVERSE, false, [](C c) { return c.vector(dyn_gravity_torque(c.robot, c.data, c.q, nullptr), "g"); }},
-      {"static_torque", DYN_PART_INVERSE, false,
-       [](C c) { return c.vector(dyn_static_torque(c.robot, c.data, c.q, nullptr, nullptr), "static_torque"); }},
-      {"coriolis", DYN_PART_CORIOLIS, false,
-       [](C c) { return c.matrix(dyn_coriolis_matrix(c.robot, c.data, c.q, c.v, nullptr), "coriolis", c.robot.nv); }},
-      {"dtau_dq", DYN_PART_INVERSE_DERIVATIVES, false, [](C c) { return inverse_derivative(c, "dtau_dq"); }},
-      {"dtau_dv", DYN_PART_INVERSE_DERIVATIVES, false, [](C c) { return inverse_derivative(c, "dtau_dv"); }},
-      {"ddq_dq", DYN_PART_FORWARD_DERIVATIVES, false, [](C c) { return forward_derivative(c, "ddq_dq"); }},
-      {"ddq_dv", DYN_PART_FORWARD_DERIVATIVES, false, [](C c) { return forward_derivative(c, "ddq_dv"); }},
       {"ddq_dtau", DYN_PART_FORWARD_DERIVATIVES, false, [](C c) { return forward_derivative(c, "Minv"); }},
       {"com", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "com"); }},
       {"vcom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "vcom"); }},
       {"acom", DYN_PART_COM, false, [](C c) { return center_of_mass(c, "acom"); }},
-      {"Jcom", DYN_PART_COM, false,
-       [](C c) { return c.matrix(dyn_jcom(c.robot, c.data, c.q, nullptr), "Jcom", 3); }},
       {"subtree_com", DYN_PART_COM, false, subtree_com},
       {"energy", DYN_PART_ENERGY, false, energy},
       {"placements", DYN_PART_KINEMATICS, false, placements},
@@ -251,38 +253,11 @@ const std::vector<Quantity>& quantities() {
       {"dclassical_dq", DYN_PART_KINEMATICS, true, [](C c) { return by_q(c, dyn_frame_classical_acceleration_derivatives); }},
       {"dclassical_dv", DYN_PART_KINEMATICS, true, [](C c) { return by_v(c, dyn_frame_classical_acceleration_derivatives); }},
       {"kinematic_hessian", DYN_PART_JACOBIANS, true, kinematic_hessian},
-      {"dvcom_dq", DYN_PART_COM, false,
-       [](C c) { return c.matrix(dyn_vcom_derivatives(c.robot, c.data, c.q, c.v, nullptr, nullptr), "dvcom_dq", 3); }},
-      {"dg_dq", DYN_PART_INVERSE_DERIVATIVES, false,
-       [](C c) { return c.matrix(dyn_gravity_torque_derivatives(c.robot, c.data, c.q, nullptr), "dg_dq", c.robot.nv); }},
-      {"dstatic_torque_dq", DYN_PART_INVERSE_DERIVATIVES, false,
-       [](C c) {
-         return c.matrix(dyn_static_torque_derivatives(c.robot, c.data, c.q, nullptr, nullptr), "dstatic_torque_dq", c.robot.nv);
-       }},
       {"d2tau_dqdq", DYN_PART_SECOND_ORDER, false, [](C c) { return second_order(c, 0); }},
       {"d2tau_dvdv", DYN_PART_SECOND_ORDER, false, [](C c) { return second_order(c, 1); }},
       {"d2tau_dqdv", DYN_PART_SECOND_ORDER, false, [](C c) { return second_order(c, 2); }},
       {"d2tau_dadq", DYN_PART_SECOND_ORDER, false, [](C c) { return second_order(c, 3); }},
-      {"Ag", DYN_PART_CENTROIDAL, false,
-       [](C c) { return c.matrix(dyn_centroidal_map(c.robot, c.data, c.q, c.v, nullptr, nullptr, nullptr), "Ag", 6); }},
-      {"dAg", DYN_PART_CENTROIDAL, false,
-       [](C c) { return c.matrix(dyn_centroidal_map_time_variation(c.robot, c.data, c.q, c.v, nullptr), "dAg", 6); }},
-      {"hg", DYN_PART_CENTROIDAL, false,
-       [](C c) { return c.vector(dyn_centroidal_momentum(c.robot, c.data, c.q, c.v, nullptr), "hg"); }},
-      {"dhg", DYN_PART_CENTROIDAL, false,
-       [](C c) { return c.vector(dyn_centroidal_momentum_time_variation(c.robot, c.data, c.q, c.v, c.a, nullptr), "dhg"); }},
       {"Ig", DYN_PART_CENTROIDAL | DYN_PART_COM, false, centroidal_inertia},
-      {"dh_dq", DYN_PART_CENTROIDAL, false, [](C c) { return centroidal_derivative(c, "dh_dq"); }},
-      {"dhdot_dq", DYN_PART_CENTROIDAL, false, [](C c) { return centroidal_derivative(c, "dhdot_dq"); }},
-      {"dhdot_dv", DYN_PART_CENTROIDAL, false, [](C c) { return centroidal_derivative(c, "dhdot_dv"); }},
-      {"regressor", DYN_PART_REGRESSOR, false,
-       [](C c) { return regressor(c, dyn_joint_torque_regressor(c.robot, c.data, c.q, c.v, c.a, nullptr), "regressor", c.robot.nv); }},
-      {"static_regressor", DYN_PART_REGRESSOR, false,
-       [](C c) { return regressor(c, dyn_static_regressor(c.robot, c.data, c.q, nullptr), "static_regressor", 3); }},
-      {"kinetic_energy_regressor", DYN_PART_REGRESSOR, false,
-       [](C c) { return c.vector(dyn_kinetic_energy_regressor(c.robot, c.data, c.q, c.v, nullptr), "kinetic_energy_regressor"); }},
-      {"potential_energy_regressor", DYN_PART_REGRESSOR, false,
-       [](C c) { return c.vector(dyn_potential_energy_regressor(c.robot, c.data, c.q, nullptr), "potential_energy_regressor"); }},
       {"inertial_parameters", DYN_PART_KINEMATICS, false, inertial_parameters},
       {"distances", DYN_PART_COLLISION, false, distances},
       {"collisions", DYN_PART_COLLISION, false, collisions},
@@ -293,6 +268,12 @@ const std::vector<Quantity>& quantities() {
       {"constraint_jacobian", DYN_PART_CONSTRAINTS, false, [](C c) { return constraint_terms_json(c.robot, c.data, c.q, c.v, "J"); }},
       {"distance_gradients", DYN_PART_COLLISION, false, distance_gradients},
   };
+  add_fields(table);
+  return table;
+}
+
+const std::vector<Quantity>& quantities() {
+  static const std::vector<Quantity> table = listed();
   return table;
 }
 
@@ -341,11 +322,7 @@ void append_text(std::string& out, const std::string& name, const json& value, c
 }
 
 void run(const Options& options) {
-  const std::map<std::string, dynReference> references = {
-      {"LOCAL", DYN_REFERENCE_LOCAL}, {"WORLD", DYN_REFERENCE_WORLD}, {"LOCAL_WORLD_ALIGNED", DYN_REFERENCE_LOCAL_WORLD_ALIGNED}};
-  const auto reference = references.find(options.reference);
-  if (reference == references.end())
-    bad_usage("--reference: \"" + options.reference + "\" is not LOCAL, WORLD or LOCAL_WORLD_ALIGNED.");
+  const auto reference = static_cast<dynReference>(value_of("dynReference", "--reference", options.reference));
   const auto wanted = select(options);
   const std::uint32_t on = parse_effects(options.effects);
 
@@ -359,7 +336,7 @@ void run(const Options& options) {
   int frame = -1;
   if (!options.frame.empty() && (frame = dyn_model_frame_id(robot, options.frame.c_str())) < 0) fail(dyn_last_error());
 
-  const Context context{robot,          data,           state,          frame,           reference->second,
+  const Context context{robot,          data,           state,          frame,           reference,
                         state.q.data(), state.v.data(), state.a.data(), state.tau.data()};
   json answer = json::object();
   for (const Quantity* quantity : wanted) answer[quantity->name] = quantity->compute(context);
@@ -383,7 +360,7 @@ void add_eval(CLI::App& app) {
       ->type_name("LIST");
   add_state_options(*command, options->state, true);
   command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...")->check(not_empty);
-  command->add_option("--reference", options->reference, "LOCAL, WORLD or LOCAL_WORLD_ALIGNED")->capture_default_str();
+  command->add_option("--reference", options->reference, one_of("dynReference") + ", small or capital letters")->capture_default_str();
   add_effects_option(*command, options->effects);
   add_contact_options(*command, options->contacts);
   command->callback([options] { run(*options); });

@@ -21,8 +21,8 @@ void add_robot_options(CLI::App& command, RobotOptions& options) {
       ->type_name("DIR");
   command.add_option("--srdf", options.srdf, "An SRDF for this robot: named configurations, disabled pairs")->check(not_empty)->type_name("FILE");
   command.add_option("--collision-meshes", options.meshes, "What stands for collision meshes: nothing, their convex hulls, or their triangles")
-      ->check(CLI::IsMember({"none", "hull", "triangles"}))
-      ->type_name("none|hull|triangles")
+      ->check(CLI::IsMember(names_of("dynMeshUse")))
+      ->type_name(join(names_of("dynMeshUse"), "|"))
       ->capture_default_str();
   command.add_option("--contact-capacity", options.contact_capacity, "Contact points that a step has room for, the deepest; 0: what the shapes need")->check(whole)
       ->check(CLI::Range(0, 1000000))
@@ -46,7 +46,7 @@ Robot::Robot(const RobotOptions& options, int contacts) {
   load.confined = options.confined;
   if (!folders.empty()) load.package_dirs = folders.data();
   load.package_dirs_count = folders.size();
-  load.meshes = options.meshes == "hull" ? DYN_MESH_USE_HULL : options.meshes == "triangles" ? DYN_MESH_USE_TRIANGLES : DYN_MESH_USE_NONE;
+  load.meshes = static_cast<dynMeshUse>(value_of("dynMeshUse", "--collision-meshes", options.meshes));
   if (!options.srdf.empty()) load.srdf = options.srdf.c_str();
   dynModel* model = nullptr;
   const dynStatus status = dyn_model_load(options.file.c_str(), &load, &model);
@@ -111,46 +111,6 @@ Vector field(const Robot& robot, const Data& data, const char* name) {
   for (int j = 0; j < array.cols; ++j)
     for (int i = 0; i < array.rows; ++i) out.push_back(array.data[i * array.stride[0] + j * array.stride[1]]);
   return out;
-}
-
-const char* joint_type_name(dynJointType type) {
-  static const char* const names[] = {"fixed",       "revolute",   "continuous", "prismatic",         "helical",
-                                      "cylindrical", "universal",  "spherical",  "spherical_zyx",     "planar",
-                                      "translation", "free_flyer", "composite",  "revolute_unbounded"};
-  return type >= 0 && type < static_cast<int>(std::size(names)) ? names[type] : "unknown";
-}
-
-const char* shape_type_name(dynShapeType type) {
-  switch (type) {
-    case DYN_SHAPE_TYPE_BOX: return "box";
-    case DYN_SHAPE_TYPE_SPHERE: return "sphere";
-    case DYN_SHAPE_TYPE_CYLINDER: return "cylinder";
-    case DYN_SHAPE_TYPE_MESH: return "mesh";
-    case DYN_SHAPE_TYPE_CAPSULE: return "capsule";
-    case DYN_SHAPE_TYPE_CONE: return "cone";
-    case DYN_SHAPE_TYPE_ELLIPSOID: return "ellipsoid";
-    case DYN_SHAPE_TYPE_HALF_SPACE: return "half_space";
-    case DYN_SHAPE_TYPE_CONVEX: return "convex";
-    case DYN_SHAPE_TYPE_TRIANGLES: return "triangles";
-    case DYN_SHAPE_TYPE_HEIGHT_FIELD: return "height_field";
-  }
-  return "unknown";
-}
-
-const char* frame_type_name(dynFrameType type) {
-  switch (type) {
-    case DYN_FRAME_TYPE_OP_FRAME:
-      return "OP_FRAME";
-    case DYN_FRAME_TYPE_JOINT:
-      return "JOINT";
-    case DYN_FRAME_TYPE_FIXED_JOINT:
-      return "FIXED_JOINT";
-    case DYN_FRAME_TYPE_BODY:
-      return "BODY";
-    case DYN_FRAME_TYPE_SENSOR:
-      return "SENSOR";
-  }
-  return "unknown";
 }
 
 }  // namespace cli

@@ -52,20 +52,32 @@ bool has_configuration(const Robot& robot, const std::string& name) {
 
 }  // namespace
 
-const Integrator& integrator_named(const std::string& name) {
-  std::string known;
-  for (const auto& i : integrators) {
-    if (name == i.name) return i;
-    known += (known.empty() ? "" : ", ") + std::string(i.name);
-  }
-  bad_usage("--integrator: \"" + shown(name) + "\" is not one of " + known + ".");
+const std::vector<Integrator>& integrators() {
+  static const std::vector<Integrator> list = [] {
+    std::vector<Integrator> out;
+    for (const Choice& c : choices("dynIntegrator")) {
+      dynIntegratorInfo info{};
+      info.struct_size = sizeof info;
+      check(dyn_integrator_info(static_cast<dynIntegrator>(c.value), &info));
+      out.push_back({info.name, static_cast<dynIntegrator>(c.value), info.estimates ? 0.0 : info.order});
+    }
+    return out;
+  }();
+  return list;
 }
 
-const Solver& solver_named(const std::string& name) {
-  for (const auto& s : solvers)
-    if (name == s.name) return s;
-  bad_usage("--solver: \"" + shown(name) + "\" is none of pgs, admm, newton.");
+const std::vector<Solver>& solvers() {
+  static const std::vector<Solver> list = [] {
+    std::vector<Solver> out;
+    for (const Choice& c : choices("dynContactSolverType")) out.push_back({c.name.c_str(), static_cast<dynContactSolverType>(c.value)});
+    return out;
+  }();
+  return list;
 }
+
+const Integrator& integrator_named(const std::string& name) { return integrators()[value_of("dynIntegrator", "--integrator", name)]; }
+
+const Solver& solver_named(const std::string& name) { return solvers()[value_of("dynContactSolverType", "--solver", name)]; }
 
 void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator, double dt, double accuracy, const ContactSolver& solver, bool ledger) {
   dynStepOptions options;
@@ -77,8 +89,8 @@ void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator
 
 void add_stepping_options(CLI::App& command, SteppingOptions& options) {
   add_robot_options(command, options.robot);
-  command.add_option("--integrator", options.integrator, "semi_implicit_euler, rk4, implicit_fast, implicit_midpoint, rk45 or reference")->capture_default_str();
-  command.add_option("--solver", options.solver, "Of contacts, limits and constraints: pgs, admm or newton")->capture_default_str();
+  command.add_option("--integrator", options.integrator, one_of("dynIntegrator"))->capture_default_str();
+  command.add_option("--solver", options.solver, "Of contacts, limits and constraints: " + one_of("dynContactSolverType"))->capture_default_str();
   command.add_option("--tolerance", options.tolerance, "Residual that it goes on to")->check(decimal)->capture_default_str();
   command.add_option("--max-iterations", options.max_iterations, "Of it, an island and step: then the best impulses so far act")->check(whole)->capture_default_str();
   command.add_option("--time-budget", options.time_budget, "Seconds that it may take a step, likewise; 0: no limit, and the same result every time")->check(decimal)->capture_default_str();

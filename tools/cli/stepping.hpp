@@ -12,14 +12,12 @@ struct Integrator {
   dynIntegrator id;
   double order;  // 0: it says its error itself
 };
-inline constexpr Integrator integrators[] = {{"semi_implicit_euler", DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, 1}, {"rk4", DYN_INTEGRATOR_RK4, 4},
-                                             {"implicit_fast", DYN_INTEGRATOR_IMPLICIT_FAST, 1},             {"implicit_midpoint", DYN_INTEGRATOR_IMPLICIT_MIDPOINT, 2},
-                                             {"rk45", DYN_INTEGRATOR_RK45, 0},                               {"reference", DYN_INTEGRATOR_REFERENCE, 0}};
+const std::vector<Integrator>& integrators();  // by their values
 struct Solver {
   const char* name;
   dynContactSolverType id;
 };
-inline constexpr Solver solvers[] = {{"pgs", DYN_CONTACT_SOLVER_TYPE_PGS}, {"admm", DYN_CONTACT_SOLVER_TYPE_ADMM}, {"newton", DYN_CONTACT_SOLVER_TYPE_NEWTON}};
+const std::vector<Solver>& solvers();
 
 const Integrator& integrator_named(const std::string& name);
 const Solver& solver_named(const std::string& name);

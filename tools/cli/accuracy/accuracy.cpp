@@ -45,7 +45,7 @@ Error error_of(const json& x) { return {x.at("m"), x.at("rad"), x.at("J"), x.at(
 
 json point_json(const Point& p) {
   const bool good = p.failure.empty();
-  json out = {{"integrator", p.setting.accuracy > 0 && p.setting.integrator.id != DYN_INTEGRATOR_RK45 ? "reference" : p.setting.integrator.name}, {"solver", solvers[p.setting.solver].name},
+  json out = {{"integrator", p.setting.accuracy > 0 && p.setting.integrator.id != DYN_INTEGRATOR_RK45 ? "reference" : p.setting.integrator.name}, {"solver", solvers()[p.setting.solver].name},
               {"dt", p.setting.accuracy > 0 ? json(nullptr) : json(p.setting.dt)}, {"accuracy", p.setting.accuracy > 0 ? json(p.setting.accuracy) : json(nullptr)},
               {"tolerance", p.setting.tolerance}, {"error", good ? json(p.error.m) : json(nullptr)}, {"errors", good ? error_json(p.error) : json(nullptr)}, {"wall_s", p.wall_s},
               {"instructions", nullptr}, {"evaluations", p.evaluations}, {"steps", p.steps}, {"penetration", p.penetration}, {"residual", p.residual}, {"pareto", p.pareto}, {"failed", !good}};
@@ -57,7 +57,7 @@ json point_json(const Point& p) {
 std::string sim_options(const Point& p, double duration, bool contact) {
   std::string out = p.setting.accuracy > 0 ? "--accuracy " + short_number(p.setting.accuracy) + " --dt " + short_number(duration / (accuracy::samples * p.setting.parts), 17) + (p.setting.integrator.id == DYN_INTEGRATOR_RK45 ? " --integrator rk45" : "")
                                            : "--integrator " + std::string(p.setting.integrator.name) + " --dt " + short_number(p.setting.dt);
-  if (contact) out += " --solver " + std::string(solvers[p.setting.solver].name) + " --tolerance " + short_number(p.setting.tolerance);
+  if (contact) out += " --solver " + std::string(solvers()[p.setting.solver].name) + " --tolerance " + short_number(p.setting.tolerance);
   return out;
 }
 
@@ -136,7 +136,7 @@ class Store {
       return;
     }
     Point p;
-    p.setting.integrator = integrators[x.at("integrator_id").get<int>()];
+    p.setting.integrator = integrators()[x.at("integrator_id").get<int>()];
     if (!x.at("dt").is_null()) p.setting.dt = x.at("dt");
     if (!x.at("accuracy").is_null()) p.setting.accuracy = x.at("accuracy");
     p.setting.solver = solver_named(x.at("solver")).id, p.setting.tolerance = x.at("tolerance"), p.setting.parts = x.at("parts");

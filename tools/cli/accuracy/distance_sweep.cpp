@@ -132,11 +132,11 @@ std::vector<dynDistanceOptions> settings(const Query& any) {
   std::vector<dynDistanceOptions> out;
   dynDistance d{};
   d.struct_size = sizeof d;
-  for (const dynDistanceMethod method : {DYN_DISTANCE_METHOD_GJK, DYN_DISTANCE_METHOD_CCD})
+  for (const Choice& method : choices("dynDistanceMethod"))
     for (int digits = 2; digits <= 12; ++digits) {
       dynDistanceOptions o;
       dyn_distance_options_init(&o);
-      o.method = method, o.tolerance = std::pow(10.0, -digits);
+      o.method = static_cast<dynDistanceMethod>(method.value), o.tolerance = std::pow(10.0, -digits);
       if (dyn_geometry_distance(any.a, any.A.data(), any.b, any.B.data(), &o, &d) != DYN_ERROR_UNSUPPORTED) out.push_back(o);
     }
   return out;
@@ -181,7 +181,7 @@ std::vector<DistanceCost> distance_sweep(const Robot& robot, const std::vector<V
 json sweep_json(const std::vector<DistanceCost>& sweep) {
   json out = json::array();
   for (const DistanceCost& c : sweep)
-    out.push_back({{"kind", c.kind}, {"method", c.method == DYN_DISTANCE_METHOD_CCD ? "ccd" : "gjk"}, {"tolerance", c.tolerance}, {"max_error", c.max_error},
+    out.push_back({{"kind", c.kind}, {"method", name_of("dynDistanceMethod", c.method)}, {"tolerance", c.tolerance}, {"max_error", c.max_error},
                    {"median_error", c.median_error}, {"wall_s", c.wall_s}, {"queries", c.queries}, {"failed", c.failed}, {"by_method", c.by_method}});
   return out;
 }
@@ -190,7 +190,7 @@ std::string sweep_text(const std::vector<DistanceCost>& sweep) {
   std::vector<std::vector<std::string>> rows = {{"pairs", "method", "tolerance", "largest error m", "median m", "ns a query", "failed", "by method"}};
   for (const DistanceCost& c : sweep)
     if (c.by_method > 0)
-      rows.push_back({c.kind, c.method == DYN_DISTANCE_METHOD_CCD ? "ccd" : "gjk", short_number(c.tolerance, 2), short_number(c.max_error, 2), short_number(c.median_error, 2),
+      rows.push_back({c.kind, name_of("dynDistanceMethod", c.method), short_number(c.tolerance, 2), short_number(c.max_error, 2), short_number(c.median_error, 2),
                       short_number(std::round(c.wall_s * 1e9)), std::to_string(c.failed), std::to_string(c.by_method) + " of " + std::to_string(c.queries)});
   return table(rows);
 }

@@ -45,17 +45,17 @@ std::string name_of(const Setting& s) {
   return s.accuracy > 0 ? std::string(s.integrator.id == DYN_INTEGRATOR_RK45 ? "rk45" : "reference") + " accuracy " + short_number(s.accuracy) : std::string(s.integrator.name) + " dt " + short_number(s.dt);
 }
 
-std::string key_of(const Setting& s) { return name_of(s) + " " + solvers[s.solver].name + " " + short_number(s.tolerance); }
+std::string key_of(const Setting& s) { return name_of(s) + " " + solvers()[s.solver].name + " " + short_number(s.tolerance); }
 
 Reference make_reference(const Scene& scene, const Setting& contact, const Budget& budget) {
   Setting probe = contact;
-  probe.integrator = integrators[DYN_INTEGRATOR_RK4], probe.dt = std::min(1e-3, scene.duration / samples);
+  probe.integrator = integrators()[DYN_INTEGRATOR_RK4], probe.dt = std::min(1e-3, scene.duration / samples);
   const JointRun first = run_within(scene, probe, budget.left() / 4);
   if (!first.error.empty() && first.error != too_long && first.steps < 3) fail("the scene cannot be simulated: " + first.error);
   Reference out;
   out.smooth = first.error.empty() && first.rows == 0;
   Setting best = contact;
-  best.integrator = integrators[DYN_INTEGRATOR_REFERENCE];
+  best.integrator = integrators()[DYN_INTEGRATOR_REFERENCE];
   for (const int parts : {1, 10, 100}) {  // a long step that might meet something is none of order 8
     if (!out.smooth) break;
     best.parts = parts;
@@ -71,7 +71,7 @@ Reference make_reference(const Scene& scene, const Setting& contact, const Budge
   }
   // velocities jump: the finest steps that a third of the budget allows
   Setting fine = contact;
-  fine.integrator = integrators[DYN_INTEGRATOR_IMPLICIT_FAST];
+  fine.integrator = integrators()[DYN_INTEGRATOR_IMPLICIT_FAST];
   fine.dt = std::min(4e-4, scene.duration / samples);
   const double kept = budget.left() * 2 / 3;
   JointRun far, near;
@@ -105,7 +105,7 @@ Reference given_reference(const Scene& scene, const Vector& q, const Vector& v) 
   Scene end = scene;
   end.start.q = q, end.start.v = v, end.duration = 1e-18 * samples;  // it is where it is
   Setting still;
-  still.integrator = integrators[DYN_INTEGRATOR_SEMI_IMPLICIT_EULER], still.dt = 1e-18;
+  still.integrator = integrators()[DYN_INTEGRATOR_SEMI_IMPLICIT_EULER], still.dt = 1e-18;
   Reference out;
   const JointRun all = run(end, still);
   if (all.samples.empty()) fail("--reference: " + all.error);
@@ -123,7 +123,7 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
     bool ended = false;
   };
   std::vector<Method> methods;
-  for (const Integrator& i : integrators) {
+  for (const Integrator& i : integrators()) {
     Setting s = contact;
     s.integrator = i;
     if (i.id != DYN_INTEGRATOR_REFERENCE) methods.push_back({s, false});
@@ -165,11 +165,11 @@ std::vector<Point> integrator_sweep(const Scene& scene, const Reference& referen
 
 std::vector<Point> solver_sweep(const Scene& scene, double dt, const Budget& budget, const Known& known, const Done& done) {
   Setting s;
-  s.integrator = integrators[DYN_INTEGRATOR_IMPLICIT_FAST], s.dt = dt, s.tolerance = 1e-12;
+  s.integrator = integrators()[DYN_INTEGRATOR_IMPLICIT_FAST], s.dt = dt, s.tolerance = 1e-12;
   const JointRun best = run_within(scene, s, budget.left());
   std::vector<Point> points;
   if (!best.error.empty()) return points;
-  for (const Solver& solver : solvers)
+  for (const Solver& solver : solvers())
     for (int e = 2; e <= 10; e += 2) {
       s.solver = solver.id, s.tolerance = std::pow(10.0, -e);
       if (budget.left() < 0) return points;

@@ -1,0 +1,27 @@
+// Enumerations of dyn.h by the names that the command uses: those of the header in small letters.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dyn.h"
+
+namespace cli {
+
+struct Choice {
+  std::string name, capital;  // "rk4", "RK4"
+  int value;
+  std::string sentence;
+};
+// Values of an enumeration ("dynIntegrator") in its order.
+const std::vector<Choice>& choices(const char* type);
+// "unknown" where there is no such value.
+const char* name_of(const char* type, int value);
+const char* capital_name_of(const char* type, int value);
+std::vector<std::string> names_of(const char* type);
+// "pgs, admm or newton"
+std::string one_of(const char* type);
+// The value of that name in any case of letters; otherwise the command line is refused: option names what is wrong.
+int value_of(const char* type, const char* option, const std::string& name);
+
+}  // namespace cli
