@@ -46,16 +46,17 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parent.parent
 DUMP = PROJECT / "bench/peers/dump_model.py"
 GENERATE = PROJECT / "models/generate.py"
-ROWS = ["fk", "fk_qv", "fk_qva", "jacobians", "djacobians", "frame_jacobian", "com", "com_qva", "jcom",
-        "rnea", "nle", "gravity", "static_torque", "coriolis", "aba", "crba", "cholesky", "solve",
+ROWS = ["forward_kinematics", "forward_kinematics_q_v", "forward_kinematics_q_v_a", "joint_jacobians",
+        "joint_jacobians_time_variation", "frame_jacobian", "com", "com_qva", "jcom",
+        "rnea", "nle", "gravity_torque", "static_torque", "coriolis_matrix", "aba", "crba", "cholesky", "cholesky_solve",
         "minv", "all_terms", "kinetic_energy", "potential_energy",
-        "rnea_derivatives", "aba_derivatives", "gravity_derivatives", "static_torque_derivatives",
-        "com_velocity_derivatives", "frame_velocity_derivatives", "frame_acceleration_derivatives",
-        "kinematic_hessian", "second_order", "second_order_product",
-        "centroidal_map", "centroidal_map_rate", "centroidal_momentum", "centroidal_momentum_rate",
-        "centroidal_derivatives", "body_regressor", "torque_regressor", "static_regressor",
+        "rnea_derivatives", "aba_derivatives", "gravity_torque_derivatives", "static_torque_derivatives",
+        "vcom_derivatives", "frame_velocity_derivatives", "frame_acceleration_derivatives",
+        "frame_kinematic_hessian", "rnea_second_order_derivatives", "rnea_second_order_product",
+        "centroidal_map", "centroidal_map_time_variation", "centroidal_momentum", "centroidal_momentum_time_variation",
+        "centroidal_derivatives", "joint_body_regressor", "joint_torque_regressor", "static_regressor",
         "kinetic_energy_regressor", "potential_energy_regressor",
-        "integrate", "difference", "interpolate", "distance", "integrate_jacobians",
+        "integrate", "difference", "interpolate", "configuration_distance", "integrate_jacobians",
         "difference_jacobians",
         "constrained_dynamics", "constrained_dynamics_derivatives", "delassus"]
 VARIANTS = {"aba": ["aba", "aba_local", "aba_world"], "crba": ["crba", "crba_local", "crba_world"],

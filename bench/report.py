@@ -38,11 +38,11 @@ PLOT = PROJECT / "bench/speed.svg"
 COMMAND = "python3 bench/peers/build_pinocchio.py && python3 bench/report.py"
 NAMES = {"panda": "arm with mimic", "panda_no_mimic": "arm", "go2": "quadruped", "humanoid": "humanoid", "chain100": "chain of 100"}
 MODELS = ["models/robots/panda.urdf:fixed", "models/robots/go2.urdf:floating", "models/robots/humanoid.urdf:floating", "chain:100"]
-COUNTED = ["fk", "rnea", "aba", "crba", "rnea_derivatives"]
+COUNTED = ["forward_kinematics", "rnea", "aba", "crba", "rnea_derivatives"]
 SHAPES = [("chain of 100", ("chain", "100")), ("chain of 1,000", ("chain", "1000")), ("star of 100", ("star", "100")),
           ("star of 1,000", ("star", "1000")), ("binary tree of 1,000 leaves", ("tree", "1999", "--branching", "2"))]
 LENGTHS = [100, 1000, 10000]
-RECURSIONS = ["fk", "rnea", "aba"]
+RECURSIONS = ["forward_kinematics", "rnea", "aba"]
 
 
 def die(text):
@@ -68,7 +68,7 @@ def geometric_mean(values):
 
 
 def bar(row):
-    return 0.4 if row in ("fk", "rnea") else 0.6
+    return 0.4 if row in ("forward_kinematics", "rnea") else 0.6
 
 
 def speed(args, tmp):

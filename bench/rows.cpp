@@ -40,11 +40,11 @@ Robot::Robot(const dynModel* model, const std::string& name) : nq(dyn_model_nq(m
 }
 
 void Robot::add_kinematics() {
-  add("fk", [this](int k) { dyn_forward_kinematics(m, d, Q(k), nullptr, nullptr); });
-  add("fk_qv", [this](int k) { dyn_forward_kinematics(m, d, Q(k), V(k), nullptr); });
-  add("fk_qva", [this](int k) { dyn_forward_kinematics(m, d, Q(k), V(k), A(k)); });
-  add("jacobians", [this](int k) { dyn_joint_jacobians(m, d, Q(k), nullptr); });
-  add("djacobians", [this](int k) { dyn_joint_jacobians_time_variation(m, d, Q(k), V(k), nullptr); });
+  add("forward_kinematics", [this](int k) { dyn_forward_kinematics(m, d, Q(k), nullptr, nullptr); });
+  add("forward_kinematics_q_v", [this](int k) { dyn_forward_kinematics(m, d, Q(k), V(k), nullptr); });
+  add("forward_kinematics_q_v_a", [this](int k) { dyn_forward_kinematics(m, d, Q(k), V(k), A(k)); });
+  add("joint_jacobians", [this](int k) { dyn_joint_jacobians(m, d, Q(k), nullptr); });
+  add("joint_jacobians_time_variation", [this](int k) { dyn_joint_jacobians_time_variation(m, d, Q(k), V(k), nullptr); });
   add("frame_jacobian", [this](int k) {
     dyn_forward_kinematics(m, d, Q(k), nullptr, nullptr);
     dyn_frame_jacobian(m, d, frame, DYN_REFERENCE_LOCAL, x.data());
@@ -57,16 +57,16 @@ void Robot::add_kinematics() {
 void Robot::add_dynamics() {
   add("rnea", [this](int k) { dyn_rnea(m, d, Q(k), V(k), A(k), nullptr, nullptr); });
   add("nle", [this](int k) { dyn_nle(m, d, Q(k), V(k), nullptr); });
-  add("gravity", [this](int k) { dyn_gravity_torque(m, d, Q(k), nullptr); });
+  add("gravity_torque", [this](int k) { dyn_gravity_torque(m, d, Q(k), nullptr); });
   add("static_torque", [this](int k) { dyn_static_torque(m, d, Q(k), nullptr, nullptr); });
   add("aba", [this](int k) { dyn_aba(m, d, Q(k), V(k), U(k), nullptr, nullptr); });
   add("kinetic_energy", [this](int k) { dyn_kinetic_energy(m, d, Q(k), V(k), nullptr); });
   add("potential_energy", [this](int k) { dyn_potential_energy(m, d, Q(k), nullptr); });
   if (nv > dense) return;
-  add("coriolis", [this](int k) { dyn_coriolis_matrix(m, d, Q(k), V(k), nullptr); });
+  add("coriolis_matrix", [this](int k) { dyn_coriolis_matrix(m, d, Q(k), V(k), nullptr); });
   add("crba", [this](int k) { dyn_crba(m, d, Q(k), nullptr); });
   add("cholesky", [this](int) { dyn_cholesky(m, d); }, [this] { dyn_crba(m, d, Q(0), nullptr); });
-  add("solve", [this](int k) { dyn_cholesky_solve(m, d, U(k), 1, x.data()); }, [this] { dyn_crba(m, d, Q(0), nullptr), dyn_cholesky(m, d); });
+  add("cholesky_solve", [this](int k) { dyn_cholesky_solve(m, d, U(k), 1, x.data()); }, [this] { dyn_crba(m, d, Q(0), nullptr), dyn_cholesky(m, d); });
   add("minv", [this](int k) { dyn_minv(m, d, Q(k), nullptr); });
   add("all_terms", [this](int k) {
     dyn_all_terms(m, d, DYN_TERM_ALL & ~unsigned(DYN_TERM_CHOLESKY | DYN_TERM_MINV | DYN_TERM_CORIOLIS | DYN_TERM_FRAMES), Q(k), V(k), nullptr);
@@ -74,7 +74,7 @@ void Robot::add_dynamics() {
 }
 
 void Robot::add_derivatives() {
-  add("com_velocity_derivatives", [this](int k) { dyn_vcom_derivatives(m, d, Q(k), V(k), nullptr, nullptr); });
+  add("vcom_derivatives", [this](int k) { dyn_vcom_derivatives(m, d, Q(k), V(k), nullptr, nullptr); });
   add("frame_velocity_derivatives", [this](int k) {
     dyn_forward_kinematics(m, d, Q(k), V(k), nullptr);
     dyn_frame_velocity_derivatives(m, d, frame, DYN_REFERENCE_LOCAL, x.data(), x.data() + 6 * nv);
@@ -86,17 +86,17 @@ void Robot::add_derivatives() {
   if (nv > dense) return;
   add("rnea_derivatives", [this](int k) { dyn_rnea_derivatives(m, d, Q(k), V(k), A(k), nullptr, nullptr, nullptr); });
   add("aba_derivatives", [this](int k) { dyn_aba_derivatives(m, d, Q(k), V(k), U(k), nullptr, nullptr, nullptr, nullptr); });
-  add("gravity_derivatives", [this](int k) { dyn_gravity_torque_derivatives(m, d, Q(k), nullptr); });
+  add("gravity_torque_derivatives", [this](int k) { dyn_gravity_torque_derivatives(m, d, Q(k), nullptr); });
   add("static_torque_derivatives", [this](int k) { dyn_static_torque_derivatives(m, d, Q(k), nullptr, nullptr); });
-  add("second_order_product", [this](int k) {
+  add("rnea_second_order_product", [this](int k) {
     dyn_rnea_second_order_product(m, d, Q(k), V(k), A(k), nullptr, U(k), nullptr, nullptr, nullptr, nullptr);
   });
   if (nv > tensors) return;
-  add("kinematic_hessian", [this](int k) {
+  add("frame_kinematic_hessian", [this](int k) {
     dyn_forward_kinematics(m, d, Q(k), nullptr, nullptr);
     dyn_frame_kinematic_hessian(m, d, frame, DYN_REFERENCE_LOCAL, x.data());
   });
-  add("second_order", [this](int k) {
+  add("rnea_second_order_derivatives", [this](int k) {
     const std::ptrdiff_t cube = std::ptrdiff_t(nv) * nv * nv;
     double* t = x.data();
     dyn_rnea_second_order_derivatives(m, d, Q(k), V(k), A(k), nullptr, t, t + cube, t + 2 * cube, t + 3 * cube);
@@ -141,19 +141,19 @@ void Robot::add_constraints() {
 
 void Robot::add_centroidal() {
   add("centroidal_map", [this](int k) { dyn_centroidal_map(m, d, Q(k), V(k), nullptr, nullptr, nullptr); });
-  add("centroidal_map_rate", [this](int k) { dyn_centroidal_map_time_variation(m, d, Q(k), V(k), nullptr); });
+  add("centroidal_map_time_variation", [this](int k) { dyn_centroidal_map_time_variation(m, d, Q(k), V(k), nullptr); });
   add("centroidal_momentum", [this](int k) { dyn_centroidal_momentum(m, d, Q(k), V(k), nullptr); });
-  add("centroidal_momentum_rate", [this](int k) { dyn_centroidal_momentum_time_variation(m, d, Q(k), V(k), A(k), nullptr); });
+  add("centroidal_momentum_time_variation", [this](int k) { dyn_centroidal_momentum_time_variation(m, d, Q(k), V(k), A(k), nullptr); });
   add("centroidal_derivatives", [this](int k) { dyn_centroidal_derivatives(m, d, Q(k), V(k), A(k), nullptr, nullptr, nullptr, nullptr); });
 }
 
 void Robot::add_regressors() {
   if (nv > dense) return;
-  add("body_regressor", [this](int k) {
+  add("joint_body_regressor", [this](int k) {
     dyn_forward_kinematics(m, d, Q(k), V(k), A(k));
     dyn_joint_body_regressor(m, d, joint, x.data());
   });
-  add("torque_regressor", [this](int k) { dyn_joint_torque_regressor(m, d, Q(k), V(k), A(k), nullptr); });
+  add("joint_torque_regressor", [this](int k) { dyn_joint_torque_regressor(m, d, Q(k), V(k), A(k), nullptr); });
   add("static_regressor", [this](int k) { dyn_static_regressor(m, d, Q(k), nullptr); });
   add("kinetic_energy_regressor", [this](int k) { dyn_kinetic_energy_regressor(m, d, Q(k), V(k), nullptr); });
   add("potential_energy_regressor", [this](int k) { dyn_potential_energy_regressor(m, d, Q(k), nullptr); });
@@ -163,7 +163,7 @@ void Robot::add_configurations() {
   add("integrate", [this](int k) { dyn_integrate(m, Q(k), V(k), x.data()); });
   add("difference", [this](int k) { dyn_difference(m, Q(k), Q(k + 1), x.data()); });
   add("interpolate", [this](int k) { dyn_interpolate(m, Q(k), Q(k + 1), 0.3, x.data()); });
-  add("distance", [this](int k) { dyn_configuration_distance(m, Q(k), Q(k + 1), x.data()); });
+  add("configuration_distance", [this](int k) { dyn_configuration_distance(m, Q(k), Q(k + 1), x.data()); });
   if (nv > dense) return;
   add("integrate_jacobians", [this](int k) { dyn_integrate_jacobians(m, Q(k), V(k), x.data(), x.data() + std::ptrdiff_t(nv) * nv); });
   add("difference_jacobians", [this](int k) { dyn_difference_jacobians(m, Q(k), Q(k + 1), x.data(), x.data() + std::ptrdiff_t(nv) * nv); });

@@ -28,7 +28,7 @@
 // of Pinocchio's conventions, com and jcom with and without the subtrees' quantities (Pinocchio's
 // default is with); the fastest variant counts in compare.py.  crba and minv fill the upper
 // triangle only, as Pinocchio does.  "cholesky" factors the same M(q_0) at each call (its cost
-// does not depend on the values), "solve" solves with that factor for the right-hand side tau_i,
+// does not depend on the values), "cholesky_solve" solves with that factor for the right-hand side tau_i,
 // one copy of the right-hand side included, since Pinocchio solves in place. Rows about one frame are
 // about that of the last joint of the dump, kinematics included; rows with n^3 numbers are left out
 // beyond 150 velocities. Rows with constraints need contacts in the dump.
@@ -151,8 +151,8 @@ void printResults(const Loaded & m, Bench & b)
   printVector("rnea", d.tau);
   call("nle");
   printVector("nle", d.nle);
-  call("gravity");
-  printVector("gravity", d.g);
+  call("gravity_torque");
+  printVector("gravity_torque", d.g);
   for (const char * name : {"aba_local", "aba_world"})
     if (call(name)) printVector(name, d.ddq);
   for (const char * name : {"crba_local", "crba_world"})
@@ -162,7 +162,7 @@ void printResults(const Loaded & m, Bench & b)
       d.M.transpose().triangularView<Eigen::StrictlyLower>();
     printVector((std::string(name) + "_times_v").c_str(), VectorXd(d.M * s.v));
   }
-  if (call("cholesky") && call("solve")) printVector("solve_tau", b.x);
+  if (call("cholesky") && call("cholesky_solve")) printVector("solve_tau", b.x);
   if (call("minv"))
     printVector(
       "minv_times_tau",
@@ -179,10 +179,10 @@ void printResults(const Loaded & m, Bench & b)
   }
   call("jcom");
   printVector("jcom_times_v", Eigen::Vector3d(d.Jcom * s.v));
-  if (call("coriolis")) printVector("coriolis_times_v", VectorXd(d.C * s.v));
-  call("djacobians");
+  if (call("coriolis_matrix")) printVector("coriolis_times_v", VectorXd(d.C * s.v));
+  call("joint_jacobians_time_variation");
   printVector("djacobians_times_v", Eigen::Matrix<double, 6, 1>(d.dJ.leftCols(b.model.nv) * s.v));
-  call("fk");
+  call("forward_kinematics");
   printVector("last_position", d.oMi.back().translation());
   call("integrate");
   printVector("integrate", b.qOut);

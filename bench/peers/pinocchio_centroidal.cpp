@@ -12,7 +12,7 @@ void addCentroidalRows(Bench & b)
     pin::ccrba(model, data, s.q, s.v);
     keep(data);
   });
-  b.add("centroidal_map_rate", b.noMimic, [&](S s, S) {
+  b.add("centroidal_map_time_variation", b.noMimic, [&](S s, S) {
     pin::dccrba(model, data, s.q, s.v);
     keep(data);
   });
@@ -20,7 +20,7 @@ void addCentroidalRows(Bench & b)
     pin::computeCentroidalMomentum(model, data, s.q, s.v);
     keep(data);
   });
-  b.add("centroidal_momentum_rate", true, [&](S s, S) {
+  b.add("centroidal_momentum_time_variation", true, [&](S s, S) {
     pin::computeCentroidalMomentumTimeVariation(model, data, s.q, s.v, s.a);
     keep(data);
   });

@@ -18,7 +18,7 @@ void addConfigurationRows(Bench & b)
     pin::interpolate(model, s.q, t.q, 0.3, b.qOut);
     keep(b.qOut);
   });
-  b.add("distance", true, [&](S s, S t) {
+  b.add("configuration_distance", true, [&](S s, S t) {
     const double d = pin::distance(model, s.q, t.q);
     keep(d);
   });

@@ -17,7 +17,7 @@ void addDerivativeRows(Bench & b)
     keep(data);
   });
   MatrixXd dg = MatrixXd::Zero(model.nv, model.nv);
-  b.add("gravity_derivatives", b.noMimic, [&, dg](S s, S) mutable {
+  b.add("gravity_torque_derivatives", b.noMimic, [&, dg](S s, S) mutable {
     pin::computeGeneralizedGravityDerivatives(model, data, s.q, dg);
     keep(dg);
   });

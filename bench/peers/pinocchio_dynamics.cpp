@@ -13,7 +13,7 @@ void addDynamicsRows(Bench & b)
   Data & data = b.data;
   b.add("rnea", true, [&](S s, S) { pin::rnea(model, data, s.q, s.v, s.a); keep(data); });
   b.add("nle", true, [&](S s, S) { pin::nonLinearEffects(model, data, s.q, s.v); keep(data); });
-  b.add("gravity", true, [&](S s, S) {
+  b.add("gravity_torque", true, [&](S s, S) {
     pin::computeGeneralizedGravity(model, data, s.q);
     keep(data);
   });
@@ -23,7 +23,7 @@ void addDynamicsRows(Bench & b)
     pin::computeStaticTorque(model, data, s.q, fext);
     keep(data);
   });
-  b.add("coriolis", b.noMimic, [&](S s, S) {
+  b.add("coriolis_matrix", b.noMimic, [&](S s, S) {
     pin::computeCoriolisMatrix(model, data, s.q, s.v);
     keep(data);
   });
@@ -37,7 +37,7 @@ void addDynamicsRows(Bench & b)
   });
   b.add("cholesky", b.noMimic, [&](S, S) { pin::cholesky::decompose(model, data); keep(data); })
     .prepare = [&] { pin::crba(model, data, b.states[0].q, Convention::WORLD); };
-  b.add("solve", b.noMimic, [&](S s, S) {
+  b.add("cholesky_solve", b.noMimic, [&](S s, S) {
     b.x = s.tau;
     pin::cholesky::solve(model, data, b.x);
     keep(b.x);

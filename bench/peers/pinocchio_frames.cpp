@@ -34,7 +34,7 @@ void addFrameRows(Bench & b)
     keep(aa);
   });
   Data::Matrix3x dcom = Data::Matrix3x::Zero(3, model.nv);
-  b.add("com_velocity_derivatives", b.noMimic, [&, dcom](S s, S) mutable {
+  b.add("vcom_derivatives", b.noMimic, [&, dcom](S s, S) mutable {
     pin::computeForwardKinematicsDerivatives(model, data, s.q, s.v, s.a);
     pin::centerOfMass(model, data, s.q, s.v, true);
     pin::getCenterOfMassVelocityDerivatives(model, data, dcom);
@@ -43,7 +43,7 @@ void addFrameRows(Bench & b)
   if (model.nv > kTensorColumns) return;
   Data::Tensor3x H(6, model.nv, model.nv);
   H.setZero();
-  b.add("kinematic_hessian", b.noMimic, [&, H](S s, S) mutable {
+  b.add("frame_kinematic_hessian", b.noMimic, [&, H](S s, S) mutable {
     pin::computeJointKinematicHessians(model, data, s.q);
     pin::getJointKinematicHessian(model, data, b.last, pin::LOCAL, H);
     keep(H);

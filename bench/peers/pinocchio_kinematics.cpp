@@ -9,20 +9,20 @@ void addKinematicsRows(Bench & b)
 {
   const Model & model = b.model;
   Data & data = b.data;
-  b.add("fk", true, [&](S s, S) { pin::forwardKinematics(model, data, s.q); keep(data); });
-  b.add("fk_qv", true, [&](S s, S) {
+  b.add("forward_kinematics", true, [&](S s, S) { pin::forwardKinematics(model, data, s.q); keep(data); });
+  b.add("forward_kinematics_q_v", true, [&](S s, S) {
     pin::forwardKinematics(model, data, s.q, s.v);
     keep(data);
   });
-  b.add("fk_qva", true, [&](S s, S) {
+  b.add("forward_kinematics_q_v_a", true, [&](S s, S) {
     pin::forwardKinematics(model, data, s.q, s.v, s.a);
     keep(data);
   });
-  b.add("jacobians", true, [&](S s, S) {
+  b.add("joint_jacobians", true, [&](S s, S) {
     pin::computeJointJacobians(model, data, s.q);
     keep(data);
   });
-  b.add("djacobians", true, [&](S s, S) {
+  b.add("joint_jacobians_time_variation", true, [&](S s, S) {
     pin::computeJointJacobiansTimeVariation(model, data, s.q, s.v);
     keep(data);
   });

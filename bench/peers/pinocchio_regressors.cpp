@@ -9,12 +9,12 @@ void addRegressorRows(Bench & b)
   const Model & model = b.model;
   Data & data = b.data;
   // of the last joint's body, kinematics included
-  b.add("body_regressor", b.noMimic, [&](S s, S) {
+  b.add("joint_body_regressor", b.noMimic, [&](S s, S) {
     pin::forwardKinematics(model, data, s.q, s.v, s.a);
     pin::jointBodyRegressor(model, data, b.last);
     keep(data);
   });
-  b.add("torque_regressor", b.noMimic, [&](S s, S) {
+  b.add("joint_torque_regressor", b.noMimic, [&](S s, S) {
     pin::computeJointTorqueRegressor(model, data, s.q, s.v, s.a);
     keep(data);
   });

@@ -10,7 +10,7 @@ void addSecondOrderRows(Bench & b)
   Data & data = b.data;
   Data::Tensor3x qq(model.nv, model.nv, model.nv), vv(qq), qv(qq), aq(qq);
   // Pinocchio asks for tensors of zeros and writes the rest; libdyn writes whole tensors. Here both do.
-  b.add("second_order", b.noMimic, [&, qq, vv, qv, aq](S s, S) mutable {
+  b.add("rnea_second_order_derivatives", b.noMimic, [&, qq, vv, qv, aq](S s, S) mutable {
     qq.setZero(), vv.setZero(), qv.setZero(), aq.setZero();
     pin::ComputeRNEASecondOrderDerivatives(model, data, s.q, s.v, s.a, qq, vv, qv, aq);
     keep(qq);

@@ -70,6 +70,10 @@ json joint_json(const Robot& robot, int id) {
   const dynJointInfo j = robot.joint(id);
   json out = {{"name", j.name}, {"type", id == 0 ? "universe" : joint_type_name(j.type)}, {"parent", j.parent}, {"placement", vector_json(j.placement, 12)}, {"axis", vector_json(j.axis, 3)}, {"axis2", vector_json(j.axis2, 3)},
               {"pitch", j.pitch}, {"q", j.idx_q}, {"nq", j.nq}, {"v", j.idx_v}, {"nv", j.nv}};
+  dynJointTypeInfo type{};
+  type.struct_size = sizeof type;
+  check(dyn_joint_type_info(j.type, &type));
+  out["motions"] = type.chain;
   if (j.mimic_leader >= 0) out["mimic"] = {{"leader", j.mimic_leader}, {"ratio", j.mimic_ratio}, {"offset", j.mimic_offset}};
   if (j.type == DYN_JOINT_TYPE_COMPOSITE && j.mimic_leader < 0) out["chain"] = chain_json(robot, j);
   out["lower"] = vector_json(dyn_model_array(robot, DYN_MODEL_ARRAY_LOWER_LIMIT) + j.idx_q, j.nq);

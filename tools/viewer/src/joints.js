@@ -65,21 +65,20 @@ export function chainOf(joint) {
   if (joint.chain) return joint.chain.parts.map(({ kind, twists }) => PARTS[kind](twists));
   const axis = new THREE.Vector3(...joint.axis);
   const inPlane = axis.z > -1 ? new THREE.Quaternion().setFromUnitVectors(Z, axis) : new THREE.Quaternion(1, 0, 0, 0);
-  const chains = {
-    revolute: () => [turn(axis)],
-    continuous: () => [turn(axis)],
-    prismatic: () => [shift(axis)],
-    helical: () => [turn(axis, joint.pitch)],
-    cylindrical: () => [turn(axis), shift(axis)],
-    universal: () => [turn(axis), turn(new THREE.Vector3(...joint.axis2))],
+  const plane = (e) => e.clone().applyQuaternion(inPlane);
+  const axes = { x: X, y: Y, z: Z, axis, axis2: new THREE.Vector3(...joint.axis2), axis_x: plane(X), axis_y: plane(Y) };
+  const motions = {
+    revolute: (a) => [turn(a)],
+    prismatic: (a) => [shift(a)],
+    helical: (a) => [turn(a, joint.pitch)],
+    revolute_unbounded: (a) => [circle(a)],
     spherical: () => [ball],
-    spherical_zyx: () => [turn(Z), turn(Y), turn(X)],
-    planar: () => [shift(X.clone().applyQuaternion(inPlane)), shift(Y.clone().applyQuaternion(inPlane)), turn(axis)],
-    translation: () => [shift(X), shift(Y), shift(Z)],
     free_flyer: () => [shift(X), shift(Y), shift(Z), ball],
-    revolute_unbounded: () => [circle(axis)],
   };
-  return chains[joint.type]?.() ?? [];
+  return joint.motions.split(", ").flatMap((motion) => {
+    const [kind, a] = motion.split(" "); // "prismatic axis_x": see dynJointTypeInfo in dyn.h
+    return motions[kind]?.(axes[a]) ?? [];
+  });
 }
 
 /** the chain's motion at its coordinates */
