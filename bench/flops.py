@@ -9,7 +9,7 @@ turned beforehand so that they move along or about z. Sines and cosines are not 
 of the formulas themselves (those of the robot are: a general robot has none). A division counts as a multiplication. Followers of a mimic are joints like
 others here.
 
-  fk                rotation and position of each body: two columns turn by q, one product with the parent's rotation
+  forward_kinematics                rotation and position of each body: two columns turn by q, one product with the parent's rotation
   rnea              Luh, Walker, Paul 1980: Newton-Euler at each body's own origin
   crba              Featherstone 2008, section 6.2, at the origin of the tree's root: composites add, F_i = Ic S_i, M_ji = S_j . F_i
   aba               Featherstone 2008, section 7.3, articulated inertias as three 3 x 3 blocks at each body's own origin
@@ -21,7 +21,7 @@ import json
 import sys
 
 from counting import Count, N
-from recursions import aba, crba, fk, rnea, rnea_derivatives
+from recursions import aba, crba, forward_kinematics, rnea, rnea_derivatives
 
 
 class Body:
@@ -107,7 +107,7 @@ def main():
     bodies = bodies_of(pin, model)
     counted = lambda x: [N(e) for e in x]
     out = {}
-    for f, inputs, right in ((fk, (q,), placements), (rnea, (q, v, a), lambda: pin.rnea(model, data, q, v, a)), (crba, (q,), mass),
+    for f, inputs, right in ((forward_kinematics, (q,), placements), (rnea, (q, v, a), lambda: pin.rnea(model, data, q, v, a)), (crba, (q,), mass),
                              (aba, (q, v, a), lambda: pin.aba(model, data, q, v, a)), (rnea_derivatives, (q, v, a), derivatives)):
         arguments = [tuple(counted(x)) for x in inputs]
         Count.mul = Count.add = 0

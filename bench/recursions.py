@@ -30,7 +30,7 @@ def place(bodies, q):
         b.p = plus(p, b.r)
 
 
-def fk(bodies, g, q):
+def forward_kinematics(bodies, g, q):
     place(bodies, q)
     return [c for b in bodies for c in b.p]
 
