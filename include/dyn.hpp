@@ -1477,28 +1477,11 @@ class Builder {
   static const double* optional(const Vector& v, int n, const char* name) { return v.empty() ? nullptr : Input(v).of(n, name); }
   static std::pair<int, int> sizes(const JointSpec& spec) {  // nq, nv
     std::pair<int, int> sum{0, 0};
-    switch (spec.value.type) {
-      case DYN_JOINT_TYPE_FIXED:
-        return {0, 0};
-      case DYN_JOINT_TYPE_CYLINDRICAL:
-      case DYN_JOINT_TYPE_UNIVERSAL:
-        return {2, 2};
-      case DYN_JOINT_TYPE_SPHERICAL:
-        return {4, 3};
-      case DYN_JOINT_TYPE_SPHERICAL_ZYX:
-      case DYN_JOINT_TYPE_PLANAR:
-      case DYN_JOINT_TYPE_TRANSLATION:
-        return {3, 3};
-      case DYN_JOINT_TYPE_FREE_FLYER:
-        return {7, 6};
-      case DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED:
-        return {2, 1};
-      case DYN_JOINT_TYPE_COMPOSITE:
-        for (const auto& part : spec.parts) sum.first += sizes(part).first, sum.second += sizes(part).second;
-        return sum;
-      default:
-        return {1, 1};
-    }
+    for (const auto& part : spec.parts) sum.first += sizes(part).first, sum.second += sizes(part).second;
+    dynJointTypeInfo info{};
+    info.struct_size = sizeof info;
+    check(dyn_joint_type_info(spec.value.type, &info));
+    return {sum.first + info.nq, sum.second + info.nv};
   }
 };
 

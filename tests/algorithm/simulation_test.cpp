@@ -1,4 +1,5 @@
 // Steps of smooth dynamics: order of the integrators, drift of energy and momentum, rotations that stay rotations.
+#include "common/every.hpp"
 #include "algorithm/trees.hpp"
 
 namespace dyn_test {
@@ -132,7 +133,7 @@ TEST_P(Steps, RungeKuttaKeepsEnergyToItsOrder) {
   EXPECT_GE(std::log2(drift(steps) / drift(2 * steps)), 3.5) << drift(steps);
 }
 TEST_P(Steps, OrientationsStayUnit) {
-  for (const dynIntegrator i : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE}) {
+  for (const dynIntegrator i : every<dynIntegrator>("dynIntegrator")) {
     Flight flight(GetParam()());
     flight.advance(i, 1, 600);
     EXPECT_LE(norm_error(*flight.model, flight.w.d.q), 4e-16) << i;
@@ -140,7 +141,7 @@ TEST_P(Steps, OrientationsStayUnit) {
 }
 // What their memory holds before is nobody's: checked builds fill it with NaN.
 TEST_P(Steps, BeginWithAnyMemory) {
-  for (const dynIntegrator i : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE}) {
+  for (const dynIntegrator i : every<dynIntegrator>("dynIntegrator")) {
     Flight plain(GetParam()()), filled(GetParam()());
     const ModelSizes& n = plain.model->n;
     std::fill_n(plain.w.d.stages, integrator_stage_count(n.nq, n.nv, n.na), 0.0);

@@ -1,6 +1,7 @@
 // What tests of batches share: owners, arrays of random states, and what single calls say.
 #pragma once
 
+#include "common/every.hpp"
 #include "capi/calls.hpp"
 
 namespace dyn_test {
@@ -13,7 +14,7 @@ struct Batch {
   operator dynBatch*() const { return b; }
 };
 
-inline constexpr int batch_algorithms = DYN_ALGORITHM_STEP + 1;
+inline const int batch_algorithms = int(every<dynAlgorithm>("dynAlgorithm").size());
 
 inline dynAlgorithmInfo batch_info(const dynModel* m, int algorithm) {
   dynAlgorithmInfo info{};

@@ -1,6 +1,7 @@
 // Tests what is too large or singular: DYN_ERROR_NUMERIC or a finite result, never a NaN; and the data as before.
 #include <functional>
 
+#include "common/every.hpp"
 #include "capi/calls.hpp"
 
 namespace dyn_test {
@@ -174,7 +175,7 @@ TEST(Overflow, LostResultsAreStale) {
 // Steps that blow up leave state and time; and what dyn_aba had computed is not theirs.
 TEST(Overflow, FailedStep) {
   for (const bool mimic : {true, false})
-    for (dynIntegrator integrator : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE}) {
+    for (dynIntegrator integrator : every<dynIntegrator>("dynIntegrator")) {
       const Model m = all_types(mimic);
       Data d(m);
       const State s = random_state(m, 14);

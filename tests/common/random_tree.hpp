@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/every.hpp"
 #include "common/eigen.hpp"
 #include "model/builder.hpp"
 #include "model/model.hpp"
@@ -151,10 +152,11 @@ inline JointSpec random_joint(Dice& dice, dynJointType type) {
 }
 
 inline const std::vector<dynJointType>& moving_types() {
-  static const std::vector<dynJointType> all = {
-      DYN_JOINT_TYPE_REVOLUTE,  DYN_JOINT_TYPE_CONTINUOUS,    DYN_JOINT_TYPE_PRISMATIC, DYN_JOINT_TYPE_HELICAL,     DYN_JOINT_TYPE_CYLINDRICAL, DYN_JOINT_TYPE_UNIVERSAL,
-      DYN_JOINT_TYPE_SPHERICAL, DYN_JOINT_TYPE_SPHERICAL_ZYX, DYN_JOINT_TYPE_PLANAR,    DYN_JOINT_TYPE_TRANSLATION, DYN_JOINT_TYPE_FREE_FLYER,  DYN_JOINT_TYPE_COMPOSITE,
-      DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED};
+  static const std::vector<dynJointType> all = [] {
+    std::vector<dynJointType> types = every<dynJointType>("dynJointType");
+    std::erase(types, DYN_JOINT_TYPE_FIXED);
+    return types;
+  }();
   return all;
 }
 

@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "common/every.hpp"
 #include "common/dual.hpp"
 #include "constraint/list.hpp"
 
@@ -99,8 +100,8 @@ TEST(ConstraintChanges, AreThoseOfDualNumbers) {
       visit_frame_constraint(dynConstraintType(type), [&]<class K>() {
         c.type = K::type, c.joint_type = DYN_JOINT_TYPE_REVOLUTE;
         if (type != DYN_CONSTRAINT_TYPE_LOOP) return check<K>(c, X);
-        for (int joint = DYN_JOINT_TYPE_FIXED; joint <= DYN_JOINT_TYPE_REVOLUTE_UNBOUNDED; ++joint) {
-          c.joint_type = dynJointType(joint);
+        for (const dynJointType joint : dyn_test::every<dynJointType>("dynJointType")) {
+          c.joint_type = joint;
           if (constraint::Loop::rows(c)) check<K>(c, X);
         }
       });

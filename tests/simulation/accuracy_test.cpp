@@ -1,4 +1,5 @@
 // Error-controlled steps meet their accuracy through impacts, friction and lasting contact.
+#include "common/every.hpp"
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
@@ -6,7 +7,7 @@ namespace {
 
 // The other integrators handle contact, too.
 TEST(Accuracy, EveryIntegratorHandlesContact) {
-  for (const dynIntegrator integrator : {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE}) {
+  for (const dynIntegrator integrator : every<dynIntegrator>("dynIntegrator")) {
     Simulation run(Scene().ground().box("box", 1, {0.2, 0.2, 0.2}, material(0.5)).finish());
     run.options.integrator = integrator;
     ASSERT_EQ(DYN_OK, dyn_data_set_step_options(run.m, run.d, &run.options));

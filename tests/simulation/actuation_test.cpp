@@ -1,10 +1,11 @@
 // Actuators against closed forms.
+#include "common/every.hpp"
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
 namespace {
 
-constexpr dynIntegrator all_integrators[] = {DYN_INTEGRATOR_SEMI_IMPLICIT_EULER, DYN_INTEGRATOR_RK4, DYN_INTEGRATOR_IMPLICIT_FAST, DYN_INTEGRATOR_IMPLICIT_MIDPOINT, DYN_INTEGRATOR_RK45, DYN_INTEGRATOR_REFERENCE};
+const std::vector<dynIntegrator> all_integrators = every<dynIntegrator>("dynIntegrator");
 constexpr double inertia = 0.5;
 
 dynActuator actuator(dynActuatorType type, double kp = 0, double kv = 0) {

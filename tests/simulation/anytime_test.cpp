@@ -1,4 +1,5 @@
 // Steps stopped before their tolerance: impulses are feasible, the residual is reported, and more time or iterations never make it worse.
+#include "common/every.hpp"
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
@@ -52,7 +53,7 @@ void expect_in_cones(const Simulation& play) {
   }
 }
 
-constexpr dynContactSolverType solvers[] = {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON};
+const std::vector<dynContactSolverType> solvers = every<dynContactSolverType>("dynContactSolverType");
 
 // Small islands use their dense matrix, large ones Gauss-Seidel and segments.
 TEST(Anytime, MoreIterationsNeverRaiseTheResidual) {

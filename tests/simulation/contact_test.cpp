@@ -1,4 +1,5 @@
 // Contact in steps against closed forms: friction, rolling, restitution, rest, compliance, belts.
+#include "common/every.hpp"
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
@@ -139,7 +140,7 @@ TEST(Contact, SoftReboundMatchesSpringAndDamper) {
 
 // Rolling friction without torsion, whose row is fixed at zero, for every solver and with an expired deadline.
 TEST(Contact, RollingFrictionWorksWithoutTorsion) {
-  for (const dynContactSolverType solver : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON})
+  for (const dynContactSolverType solver : every<dynContactSolverType>("dynContactSolverType"))
     for (const double budget : {0.0, 1e-9}) {
       double end[2];
       for (const double torsion : {0.0, 1e-4}) {

@@ -1,4 +1,5 @@
 // Properties of steps in any scene: momentum, limits, constraints, islands, repetition.
+#include "common/every.hpp"
 #include "simulation/scene.hpp"
 
 namespace dyn_test {
@@ -208,7 +209,7 @@ TEST(Step, LargePileIsSolved) {
 }
 
 TEST(Step, EverySolverHoldsAStack) {
-  for (const dynContactSolverType solver : {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON}) {
+  for (const dynContactSolverType solver : every<dynContactSolverType>("dynContactSolverType")) {
     Scene scene;
     scene.ground();
     std::vector<std::array<double, 3>> at;

@@ -12,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include "common/every.hpp"
 #include "dyn.h"
 
 namespace dyn_test {
@@ -165,7 +166,7 @@ inline Answer solve(Scene& s, const dynContactOptions& options, const Vector& gu
   return a;
 }
 
-inline constexpr dynContactSolverType all_solvers[] = {DYN_CONTACT_SOLVER_TYPE_PGS, DYN_CONTACT_SOLVER_TYPE_ADMM, DYN_CONTACT_SOLVER_TYPE_NEWTON};
+inline const std::vector<dynContactSolverType> all_solvers = every<dynContactSolverType>("dynContactSolverType");
 inline constexpr const char* solver_names[] = {"pgs", "admm", "newton"};
 
 }  // namespace dyn_test
