@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from ctypes import addressof
+from ctypes import addressof, byref
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from .choices import member, text
 from .enums import JointType
 from .errors import ArgumentError
 from .interface import INTERFACE
+from .library import check, lib
 from .messages import in_python
 
 if TYPE_CHECKING:
@@ -30,20 +31,14 @@ VALUES: dict[str, str] = {m["name"]: in_python(m["doc"]) for m in _MEMBERS if m[
 """The sentence of each value."""
 
 
-_SIZES = {
-    JointType.FIXED: (0, 0), JointType.CYLINDRICAL: (2, 2), JointType.UNIVERSAL: (2, 2), JointType.SPHERICAL: (4, 3),
-    JointType.SPHERICAL_ZYX: (3, 3), JointType.PLANAR: (3, 3), JointType.TRANSLATION: (3, 3), JointType.FREE_FLYER: (7, 6),
-    JointType.REVOLUTE_UNBOUNDED: (2, 1),
-}  # fmt: skip
-
-
 def sizes(spec: Any, parts: Sequence[Any] = ()) -> dict[str, int]:
     """nq and nv of a joint. The library is given addresses, so lengths are checked here."""
     if spec.type == JointType.COMPOSITE:
         each = [sizes(p) for p in parts]
         return {n: sum(one[n] for one in each) for n in ("nq", "nv")}
-    nq, nv = _SIZES.get(JointType(spec.type), (1, 1))
-    return {"nq": nq, "nv": nv}
+    info = abi.JointTypeInfo()
+    check(lib.dyn_joint_type_info(spec.type, byref(info)))
+    return {"nq": info.nq, "nv": info.nv}
 
 
 def joint_spec(
