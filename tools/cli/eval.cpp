@@ -322,7 +322,7 @@ void append_text(std::string& out, const std::string& name, const json& value, c
 }
 
 void run(const Options& options) {
-  const auto reference = static_cast<dynReference>(value_of("dynReference", "--reference", options.reference));
+  const auto reference = static_cast<dynReference>(value_of("dynReference", "--reference", options.reference, &Choice::capital));
   const auto wanted = select(options);
   const std::uint32_t on = parse_effects(options.effects);
 
@@ -360,7 +360,7 @@ void add_eval(CLI::App& app) {
       ->type_name("LIST");
   add_state_options(*command, options->state, true);
   command->add_option("--frame", options->frame, "Frame of J, dJ, placements, frame_velocity, frame_acceleration, ...")->check(not_empty);
-  command->add_option("--reference", options->reference, one_of("dynReference") + ", small or capital letters")->capture_default_str();
+  command->add_option("--reference", options->reference, one_of("dynReference", &Choice::capital))->capture_default_str();
   add_effects_option(*command, options->effects);
   add_contact_options(*command, options->contacts);
   command->callback([options] { run(*options); });

@@ -1,6 +1,5 @@
 #include "names.hpp"
 
-#include <algorithm>
 #include <map>
 
 #include "cli.hpp"
@@ -14,23 +13,27 @@ std::string small(std::string text) {
   return text;
 }
 
+std::map<std::string, std::vector<Choice>> read_all() {
+  std::map<std::string, std::vector<Choice>> all;
+  for (int e = 0; e < dyn_enum_count(); ++e) {
+    dynEnumInfo info{};
+    info.struct_size = sizeof info;
+    check(dyn_enum_info(e, &info));
+    for (int k = 0; k < info.count; ++k) {
+      dynEnumValueInfo value{};
+      value.struct_size = sizeof value;
+      check(dyn_enum_value_info(e, k, &value));
+      all[info.name].push_back({small(value.name), value.name, value.value});
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 const std::vector<Choice>& choices(const char* type) {
-  static std::map<std::string, std::vector<Choice>> known;
-  std::vector<Choice>& list = known[type];
-  if (!list.empty()) return list;
-  const int index = dyn_enum_id(type);
-  dynEnumInfo info{};
-  info.struct_size = sizeof info;
-  check(dyn_enum_info(index, &info));
-  for (int k = 0; k < info.count; ++k) {
-    dynEnumValueInfo value{};
-    value.struct_size = sizeof value;
-    check(dyn_enum_value_info(index, k, &value));
-    list.push_back({small(value.name), value.name, value.value, value.sentence});
-  }
-  return list;
+  static const std::map<std::string, std::vector<Choice>> all = read_all();
+  return all.at(type);
 }
 
 const char* name_of(const char* type, int value) {
@@ -51,17 +54,17 @@ std::vector<std::string> names_of(const char* type) {
   return out;
 }
 
-std::string one_of(const char* type) {
+std::string one_of(const char* type, const std::string Choice::*form) {
   std::string out;
   const std::vector<Choice>& list = choices(type);
-  for (std::size_t k = 0; k < list.size(); ++k) out += (k == 0 ? "" : k + 1 == list.size() ? " or " : ", ") + list[k].name;
+  for (std::size_t k = 0; k < list.size(); ++k) out += (k == 0 ? "" : k + 1 == list.size() ? " or " : ", ") + list[k].*form;
   return out;
 }
 
-int value_of(const char* type, const char* option, const std::string& name) {
+int value_of(const char* type, const char* option, const std::string& name, const std::string Choice::*form) {
   for (const Choice& c : choices(type))
-    if (c.name == small(name)) return c.value;
-  bad_usage(std::string(option) + ": \"" + shown(name) + "\" is not " + one_of(type) + ".");
+    if (c.*form == name) return c.value;
+  bad_usage(std::string(option) + ": \"" + shown(name) + "\" is not " + one_of(type, form) + ".");
 }
 
 }  // namespace cli

@@ -11,7 +11,6 @@ namespace cli {
 struct Choice {
   std::string name, capital;  // "rk4", "RK4"
   int value;
-  std::string sentence;
 };
 // Values of an enumeration ("dynIntegrator") in its order.
 const std::vector<Choice>& choices(const char* type);
@@ -19,9 +18,9 @@ const std::vector<Choice>& choices(const char* type);
 const char* name_of(const char* type, int value);
 const char* capital_name_of(const char* type, int value);
 std::vector<std::string> names_of(const char* type);
-// "pgs, admm or newton"
-std::string one_of(const char* type);
-// The value of that name in any case of letters; otherwise the command line is refused: option names what is wrong.
-int value_of(const char* type, const char* option, const std::string& name);
+// "pgs, admm or newton"; with &Choice::capital "PGS, ADMM or NEWTON"
+std::string one_of(const char* type, const std::string Choice::*form = &Choice::name);
+// The value of that name; otherwise the command line is refused: option says where.
+int value_of(const char* type, const char* option, const std::string& name, const std::string Choice::*form = &Choice::name);
 
 }  // namespace cli
