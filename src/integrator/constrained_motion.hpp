@@ -8,9 +8,6 @@
 
 namespace dyn::integrator {
 
-inline constexpr double open_rows = 1e-3;        // relative to the reach of the rows (m) or rad: larger errors are first closed in steps of order 1
-inline constexpr double rows_precision = 1e-15;  // relative to the accelerations
-
 // Forward dynamics at d.q, d.v with all forces and constraints. Returns 0, or the joint that is singular.
 template <class T>
 Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
@@ -18,7 +15,7 @@ Index constrained_forward_dynamics(const Model& m, Data<T>& d) {
   if constexpr (std::is_same_v<T, double>)
     if (active_rows(m, d) > 0) {
       ProximalOptions options;
-      options.tolerance = rows_precision;
+      options.tolerance = tuning::rows_precision;
       dynConstraintResult result;
       return constrained_dynamics(m, d, static_cast<const T*>(d.v), tau, fext, options, d.ddq, result);
     }
@@ -45,7 +42,7 @@ inline bool is_open(const Model& m, Data<double>& d) {
       most = std::max(most, std::abs(s.error[r]));
     }
   });
-  return angles > open_rows || lengths > open_rows * (reach > 0 ? reach : 1);
+  return angles > tuning::open_rows || lengths > tuning::open_rows * (reach > 0 ? reach : 1);
 }
 
 // Removes from the error estimate x (2 nv) the components that the constraint projection will remove.
@@ -63,7 +60,7 @@ Index project_to_constraints(const Model& m, Data<T>& d) {
     for_each_constraint(m, d, [&](const ConstraintInstance<T>& s, Index) { gains = gains || s.c.stiffness > 0 || s.c.damping > 0; });
     if (gains || active_rows(m, d) == 0) return 0;
     dynConstraintResult result;
-    return project(m, d, 1, true, T(0), d.v, result, T(1e-9));  // Newton converges quadratically: one iteration reaches rounding
+    return project(m, d, 1, true, T(0), d.v, result, T(tuning::projection_damping));  // Newton converges quadratically: one iteration reaches rounding
   }
   return 0;
 }

@@ -5,12 +5,10 @@
 #pragma once
 
 #include "algorithm/configuration.hpp"
+#include "integrator/tuning.hpp"
 #include "spatial/explog.hpp"
 
 namespace dyn::integrator {
-
-inline constexpr int rotation_steps = 20;              // fixed-point iterations before Newton's method
-inline constexpr double rotation_tolerance = 1e-30;    // squared relative change or residual: rounding
 
 // Calls f(body, number of the body, centre of mass).
 template <class T, class Part, class F>
@@ -44,17 +42,17 @@ template <class T>
 [[gnu::cold, gnu::noinline]] Vec3<T> implicit_angular_velocity_newton(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   const auto left = [&](const Vec3<T>& w) { return exp3(w * -h) * L - I * w; };
   Vec3<T> w = guess, r = left(w);
-  const T enough = T(rotation_tolerance) * dot(L, L);
-  for (int k = 0; k < 50 && dot(r, r) > enough; ++k) {
+  const T enough = T(tuning::rotation_tolerance) * dot(L, L);
+  for (int k = 0; k < tuning::rotation_newton_steps && dot(r, r) > enough; ++k) {
     const Vec3<T> dw = solve3(I - skew(r + I * w) * Jexp3(w * h) * h, r);
     T part = T(1);
     Vec3<T> next = w + dw, r_next = left(next);
-    for (; !(dot(r_next, r_next) < dot(r, r)) && part > T(1e-3); r_next = left(next)) part = part * T(0.5), next = w + dw * part;
+    for (; !(dot(r_next, r_next) < dot(r, r)) && part > T(tuning::rotation_min_step); r_next = left(next)) part = part * T(0.5), next = w + dw * part;
     if (!(dot(r_next, r_next) < dot(r, r))) break;
     w = next, r = r_next;
   }
   using std::sqrt;
-  return dot(r, r) > T(1e-20) * dot(L, L) ? w * (sqrt(dot(L, L)) / sqrt(dot(I * w, I * w))) : w;
+  return dot(r, r) > T(tuning::rotation_failed) * dot(L, L) ? w * (sqrt(dot(L, L)) / sqrt(dot(I * w, I * w))) : w;
 }
 
 // Solves I w' = exp(-h w') L.
@@ -62,9 +60,9 @@ template <class T>
 Vec3<T> implicit_angular_velocity(const Mat3<T>& I, const Vec3<T>& L, T h, const Vec3<T>& guess) {
   Vec3<T> w = guess;
   bool changes = true;
-  for (int k = 0; k < rotation_steps && changes; ++k) {
+  for (int k = 0; k < tuning::rotation_steps && changes; ++k) {
     const Vec3<T> next = solve3(I, exp3(w * -h) * L), change = next - w;
-    w = next, changes = dot(change, change) > T(rotation_tolerance) * dot(w, w);
+    w = next, changes = dot(change, change) > T(tuning::rotation_tolerance) * dot(w, w);
   }
   if (changes) w = implicit_angular_velocity_newton(I, L, h, guess);
   return dot(w, w) < std::numeric_limits<T>::infinity() ? w : guess;

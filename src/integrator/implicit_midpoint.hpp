@@ -15,7 +15,6 @@ namespace dyn::integrator {
 // Returns 0, the joint whose forward dynamics failed, or not_converged; the state is then as before.
 template <class T>
 Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h, std::int64_t& evaluations) {
-  constexpr int max_iterations = 200;
   s.begin(m, d);
   const Index nv = m.n.nv;
   const T *v0 = s.y0 + nv;
@@ -24,7 +23,7 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
   for (Index k = 0; k < nv; ++k) w[k] = v0[k];
   T best = std::numeric_limits<T>::infinity();
   int stalled = 0;
-  for (int i = 0; i < max_iterations; ++i) {
+  for (int i = 0; i < tuning::midpoint_iterations; ++i) {
     for (Index k = 0; k < nv; ++k) half[k] = h / 2 * w[k], d.v[k] = w[k];
     integrate(m, s.q0, half, d.q);
     ++evaluations;
@@ -37,10 +36,10 @@ Index implicit_midpoint_step(const Model& m, Data<T>& d, const Stages<T>& s, T h
       size = std::max(size, std::abs(next[k]));
     }
     if (error != error) return s.undo(m, d), not_converged;
-    const T rounding = 4 * std::numeric_limits<T>::epsilon() * size;
+    const T rounding = tuning::ulps * std::numeric_limits<T>::epsilon() * size;
     stalled = error < best / 2 ? 0 : stalled + 1;
     best = std::min(best, error);
-    if (error <= rounding || (stalled >= 3 && error <= 64 * rounding)) {
+    if (error <= rounding || (stalled >= tuning::midpoint_stalls && error <= tuning::midpoint_rounding * rounding)) {
       for (Index k = 0; k < nv; ++k) d.v[k] = v0[k] + h * d.ddq[k], half[k] = h * next[k];
       integrate(m, s.q0, half, d.q);
       advance_activations(m, d, s.y0 + 2 * nv, h);

@@ -15,7 +15,7 @@ struct RoundingFloor {
   T rejected = T(0), tried = T(0);  // error and length of the last rejected step
   int tries = 0;
 
-  static T of(T size) { return 4 * std::numeric_limits<T>::epsilon() * std::max(T(1e-3), size); }
+  static T of(T size) { return tuning::ulps * std::numeric_limits<T>::epsilon() * std::max(T(tuning::min_size), size); }
   static T of_state(const Model& m, const Data<T>& d) { return of(std::max(largest(d.q, m.n.nq), largest(d.v, m.n.nv))); }
   // The same without position and linear velocity of free bodies: without contacts no acceleration depends on them.
   static T of_motion(const Model& m, const Data<T>& d) {
@@ -32,7 +32,7 @@ struct RoundingFloor {
     return of(size);
   }
   T operator()(const Model& m, const Data<T>& d, const Stages<T>& s, T h) const {
-    const T state = of_motion(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / 256);
+    const T state = of_motion(m, d), least = std::max(std::numeric_limits<T>::epsilon() * h * largest(s.stage(0), s.n), state / tuning::motion_share);
     return std::min(held ? std::numeric_limits<T>::infinity() : state, std::max(least, 2 * noise * h));
   }
   void accept() { tries = 0, noise /= 2; }
@@ -51,42 +51,40 @@ Index first_step(const Model& m, Data<T>& d, const Stages<T>& s, int order, T to
   T *f = s.stage(0), *g = s.stage(1);
   if (const Index joint = motion(s.y0, f)) return s.undo(m, d), joint;
   const T size = std::max(T(1), largest(s.y0, s.n)), rate = largest(f, s.n);
-  const T h0 = rate > T(0) ? std::min(longest, T(0.01) * size / rate) : longest;
+  const T h0 = rate > T(0) ? std::min(longest, T(tuning::first_change) * size / rate) : longest;
   for (Index k = 0; k < s.n; ++k) s.y[k] = s.y0[k] + h0 * f[k];
   const Index joint = motion(s.y, g);
   for (Index k = 0; k < s.n; ++k) g[k] -= f[k];
   const T second = std::max(largest(g, s.n) / h0, rate);
   s.undo(m, d);
   if (joint || !(second < std::numeric_limits<T>::infinity())) return h = h0, 0;  // the first step will tell
-  h = std::min(longest, second > T(0) ? std::min(100 * h0, math::pow(T(0.01) * tolerance / second, T(1) / order) * 4) : longest);
+  const T by_second = math::pow(T(tuning::first_change) * tolerance / second, T(1) / order) * tuning::first_gain;
+  h = std::min(longest, second > T(0) ? std::min(tuning::first_growth * h0, by_second) : longest);
   return 0;
 }
-
-inline constexpr double held_leak = 1e-2;  // fraction of the projection step counted as error (the Jacobian changed during the step)
 
 // Retry near a singular configuration of a mechanism, where stage accelerations are inaccurate or projection changes v much.
 // The step is tried in several lengths, up to those of earlier steps; a step across the singularity is smooth. The best one counts.
 template <class T>
 struct SingularityRetry {
-  static constexpr double lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6}, more = 30;  // more: of error, in the one step over
-  static constexpr int most = sizeof lengths / sizeof *lengths;
+  static constexpr int most = sizeof tuning::retry_lengths / sizeof *tuning::retry_lengths;
   T max_noise, usual;  // noise: of errors per second; usual: length of ordinary steps
   T first = T(0), best = T(0), least = T(0);
   int tries = 0;  // beside the first
   bool spent = false;  // no length was better: shorter steps follow
 
-  T limit(T allowed, T h) const { return std::max(T(more) * allowed, max_noise * h); }
+  T limit(T allowed, T h) const { return std::max(T(tuning::retry_error) * allowed, max_noise * h); }
   T allowed(T error, T h) const { return tries > 0 ? limit(error, h) : error; }
   // Returns whether to try again with h. error, raw, moved: of this try (finish_step). usual_move: ordinary change of v by the projection.
   bool again(T error, T raw, T moved, T allowed, T usual_move, T& h) {
     if (spent || tries > most) return spent = true, false;
-    const bool near = T(held_leak) * raw > allowed || moved > usual_move;
-    if (tries == 0 && !(near && moved > T(10) * error)) return false;
-    const T off = std::max(error, T(held_leak) * moved);
-    if (error <= T(more) * allowed && !near) return false;
+    const bool near = T(tuning::projection_error) * raw > allowed || moved > usual_move;
+    if (tries == 0 && !(near && moved > T(tuning::retry_move) * error)) return false;
+    const T off = std::max(error, T(tuning::projection_error) * moved);
+    if (error <= T(tuning::retry_error) * allowed && !near) return false;
     if (tries == 0) first = std::max(h, usual), least = std::numeric_limits<T>::infinity();
     if (error <= limit(allowed, h) && off < least) least = off, best = h;
-    if (tries < most) h = first * T(lengths[tries]);
+    if (tries < most) h = first * T(tuning::retry_lengths[tries]);
     else if (least < std::numeric_limits<T>::infinity()) h = best;
     else return spent = true, false;
     return ++tries, true;
@@ -108,16 +106,17 @@ struct StepSizeController {
   bool tried = false;
 
   T accept(T ratio) {
-    T factor = !(ratio > T(0)) ? T(5)
-               : alone          ? T(0.9) * math::pow(ratio, -power)
-                                : T(0.9) * math::pow(ratio, T(-0.8) * power) * math::pow(before, T(0.28) * power);
+    T factor = !(ratio > T(0)) ? T(tuning::max_factor)
+               : alone          ? T(tuning::safety) * math::pow(ratio, -power)
+                                : T(tuning::safety) * math::pow(ratio, T(tuning::error_power) * power) * math::pow(before, T(tuning::history_power) * power);
     if (tried && !alone) factor = std::min(factor, T(1));
-    before = std::max(ratio, T(1e-4)), tried = false;
-    return std::clamp(factor, T(0.2), longest);
+    before = std::max(ratio, T(tuning::min_ratio)), tried = false;
+    return std::clamp(factor, T(tuning::min_factor), longest);
   }
   T reject(T ratio) {
     tried = true;
-    return ratio < std::numeric_limits<T>::infinity() ? std::clamp(T(0.9) * math::pow(ratio, -power), T(0.2), T(0.9)) : T(0.1);
+    if (!(ratio < std::numeric_limits<T>::infinity())) return T(tuning::failed_factor);
+    return std::clamp(T(tuning::safety) * math::pow(ratio, -power), T(tuning::min_factor), T(tuning::safety));
   }
 };
 

@@ -17,8 +17,6 @@ void record_ledger_step(const Model& m, Data<T>& d, T h) {
     if (simulation::has_open_ledger(d)) simulation::record_step(m, d, h);
 }
 
-inline constexpr double growth = 4;  // factor by which local errors may grow until the end, as phase errors do
-
 // Advances d by duration. accuracy 0: to rounding. A step may use up to three times its share of the error if earlier steps left it.
 // Returns 0, the joint whose forward dynamics failed, or no_step_left; the state is then that of report.time.
 template <class Tableau, class T>
@@ -27,21 +25,22 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
   if (const Index joint = project_to_constraints(m, d)) return joint;  // initial velocities that violate the constraints jump at once
   if (const Index joint = first_step(m, d, s, Tableau::order, std::max(accuracy, RoundingFloor<T>::of_motion(m, d)), duration, h)) return joint;
   report.evaluations += 2;
-  const T max_noise = std::max(accuracy / (4 * duration), T(1e-7));
+  const T max_noise = std::max(accuracy / (tuning::noise_share * duration), T(tuning::max_noise));
   RoundingFloor<T> rounding{active_rows(m, d) > 0, max_noise};
-  StepSizeController<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0), rounding.held ? T(2) : T(5)};
+  StepSizeController<T> controller{T(1) / (Tableau::order - 1), accuracy == T(0), T(rounding.held ? tuning::max_factor_rows : tuning::max_factor)};
   SingularityRetry<T> passing{max_noise, h};
   while (t < duration) {
-    const bool last = h >= (duration - t) * (1 - 1e-12);
+    const bool last = h >= (duration - t) * (1 - tuning::last_step);
     if (last) h = duration - t;
-    if (!(h > duration * T(1e-13))) return no_step_left;
+    if (!(h > duration * T(tuning::no_step))) return no_step_left;
     Index joint = explicit_step<Tableau>(m, d, s, h);
     report.evaluations += Tableau::stages;
-    const T share = accuracy / T(growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h));
-    const T most = rounding.held ? allowed : std::max(allowed, share + std::min(left, 3 * share));
+    const T share = accuracy / T(tuning::growth) * (h / duration), allowed = std::max(share, rounding(m, d, s, h));
+    const T most = rounding.held ? allowed : std::max(allowed, share + std::min(left, tuning::saved_shares * share));
     T error = std::numeric_limits<T>::infinity(), raw = T(0), moved = T(0);
     if (!joint) joint = finish_step<Tableau>(m, d, s, h, most, error, raw, moved);
-    if (rounding.held && !joint && passing.again(error, raw, moved, most, std::max(100 * share, T(2e4) * RoundingFloor<T>::of_motion(m, d)), h)) {
+    if (rounding.held && !joint && passing.again(error, raw, moved, most,
+                                                  std::max(tuning::usual_share * share, T(tuning::usual_rounding) * RoundingFloor<T>::of_motion(m, d)), h)) {
       h = std::min(h, duration - t);
       s.undo(m, d);
       ++report.rejected;
@@ -50,13 +49,13 @@ Index advance_to_accuracy(const Model& m, Data<T>& d, const Stages<T>& s, T dura
     if (error <= passing.allowed(most, h)) {
       t = last ? duration : t + h;
       left = std::max(T(0), left + share - error);
-      ++report.steps, report.time = t, report.error_estimate += std::max(error, T(held_leak) * moved);
+      ++report.steps, report.time = t, report.error_estimate += std::max(error, T(tuning::projection_error) * moved);
       report.smallest_dt = report.steps == 1 ? h : std::min(report.smallest_dt, h);
       record_ledger_step(m, d, h);
       rounding.accept(), passing.accept(h);
       h *= controller.accept(error / allowed);
     } else {
-      if (joint && h < duration * T(1e-12)) return joint;
+      if (joint && h < duration * T(tuning::last_step)) return joint;
       if (!joint) rounding.reject(error, h), s.undo(m, d);
       ++report.rejected, passing.tries = 0;
       h *= controller.reject(error / allowed);
@@ -85,7 +84,7 @@ bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h, T cl
       jumps = true;
       if (x.kind == simulation::RowKind::Contact) depth = std::max(depth, -simulation::gap_of(*d.step, x));
       const T gap = simulation::gap_of(*d.step, x) - closed, fast = simulation::approach_speed(m, d, x, v);
-      if (gap > 0 && gap < until * fast) until = (gap + T(0.02) * closed) / fast;  // slightly longer, to arrive
+      if (gap > 0 && gap < until * fast) until = (gap + T(tuning::arrival) * closed) / fast;  // slightly longer, to arrive
     }
     until = std::min(until, d.step->time_to_pass);
     return jumps;
@@ -101,26 +100,27 @@ bool meets_constraints(const Model& m, Data<T>& d, const Stages<T>& s, T h) {
 // The same where velocities may jump. Steps without contact use the tableau.
 template <class Tableau>
 Index advance_through_contact(const Model& m, Data<double>& d, const Stages<double>& s, double duration, double accuracy, dynStepReport& report) {
-  const double closed = std::max(0.1 * accuracy, 256 * RoundingFloor<double>::of_state(m, d));
+  const double closed = std::max(tuning::closed_share * accuracy, tuning::closed_rounding * RoundingFloor<double>::of_state(m, d));
   Extrapolated extrapolated(m, d, s, closed);
-  const double deep = 100 * closed;  // deeper initial overlap is removed by fixed-length steps, which have no limit on depth
-  const double smallest = std::max(1e-3 * std::min(accuracy, 1.0), 1e-12) * std::min(duration, 1.0);  // with active rows: below it errors no longer fall
-  const double first = 1e-3 * std::max(1.0, std::cbrt(1e3 * accuracy));  // of order 3
+  const double deep = tuning::deep * closed;  // deeper initial overlap is removed by fixed-length steps, which have no limit on depth
+  // with active rows: below it errors no longer fall
+  const double smallest = std::max(tuning::smallest_share * std::min(accuracy, 1.0), tuning::smallest) * std::min(duration, 1.0);
+  const double first = tuning::first_step * std::max(1.0, std::cbrt(tuning::accuracy_scale * accuracy));  // of order 3
   double h = std::min(duration, first), t = 0;
   while (t < duration) {
     const double whole = h = std::min(h, duration - t);
-    if (!(h > duration * 1e-13)) return no_step_left;
+    if (!(h > duration * tuning::no_step)) return no_step_left;
     double until, depth, ignored;
     const bool rows = meets_constraints(m, d, s, h, closed, until, depth), near = d.step->time_to_pass < HUGE_VAL, sunk = depth > deep;
     h = std::min(h, sunk ? first : std::max(until, smallest));
-    const bool last = h >= (duration - t) * (1 - 1e-12), cut = h < whole;
+    const bool last = h >= (duration - t) * (1 - tuning::last_step), cut = h < whole;
     double error = 0, allowed = std::max(accuracy * (h / duration), RoundingFloor<double>::of_state(m, d)), power = 1.0 / (Tableau::order - 1);
     Index joint = 0;
     if (sunk) {
       joint = euler_step(m, d, s, h, false);
       report.evaluations += 2, error = std::min(allowed, depth);
     } else if (rows) {
-      allowed = std::max(allowed, 0.2 * closed), power = 1.0 / Extrapolated::order;
+      allowed = std::max(allowed, tuning::closed_error * closed), power = 1.0 / Extrapolated::order;
       joint = extrapolated.step(h, error);
       report.evaluations += Extrapolated::evaluations;
     } else {
@@ -129,14 +129,14 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       if (double raw, moved; !joint) joint = finish_step<Tableau>(m, d, s, h, allowed, error, raw, moved);
     }
     if (joint) {
-      if (h < duration * 1e-12) return joint;
-      ++report.rejected, h *= 0.1;
+      if (h < duration * tuning::last_step) return joint;
+      ++report.rejected, h *= tuning::failed_factor;
       continue;
     }
     if (near && !rows && h > smallest && error <= allowed && meets_constraints(m, d, s, smallest, closed, ignored, depth) &&
         depth > closed) {  // the step cut through a corner
       s.undo(m, d);
-      ++report.rejected, h *= 0.5;
+      ++report.rejected, h *= tuning::cut_factor;
       continue;
     }
     if (error <= allowed || (rows && h <= smallest)) {
@@ -154,12 +154,12 @@ Index advance_through_contact(const Model& m, Data<double>& d, const Stages<doub
       else s.undo(m, d);
       ++report.rejected;
       if (rows && error == 2 * d.step->overshoot && d.step->overshoot_time > 0 && d.step->overshoot_time < h) {  // the contact was found too late
-        h = std::max(h - d.step->overshoot_time * (1 - 0.02 * closed / d.step->overshoot), smallest);
+        h = std::max(h - d.step->overshoot_time * (1 - tuning::arrival * closed / d.step->overshoot), smallest);
         continue;
       }
     }
-    const double factor = error > 0 ? 0.9 * math::pow(allowed / error, power) : 5;
-    h *= error < HUGE_VAL ? std::clamp(factor, 0.2, rows ? 2.0 : 5.0) : 0.1;
+    const double factor = error > 0 ? tuning::safety * math::pow(allowed / error, power) : tuning::max_factor;
+    h *= error < HUGE_VAL ? std::clamp(factor, tuning::min_factor, rows ? tuning::max_factor_rows : tuning::max_factor) : tuning::failed_factor;
     if (rows) h = std::max(h, smallest);
   }
   return 0;

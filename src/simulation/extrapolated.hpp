@@ -70,7 +70,7 @@ class Extrapolated {
     // the solver's residual does not extrapolate: it must be far below the error, or no step is short enough
     const double asked = d.step->options.tolerance;
     const double fast = largest(static_cast<const double*>(d.v), m.n.nv) + h * largest(static_cast<const double*>(d.ddq), m.n.nv);
-    if (fast > 0) d.step->options.tolerance = std::min(asked, std::max(1e-14, 0.01 * closed / fast));
+    if (fast > 0) d.step->options.tolerance = std::min(asked, std::max(integrator::tuning::solver_floor, integrator::tuning::solver_share * closed / fast));
     Index joint = substeps(h, 1);
     if (!joint) keep(one), restore(), joint = substeps(h, 2);
     if (!joint) keep(two), restore(), d.step->overshoot = 0, joint = substeps(h, 3);

@@ -149,10 +149,10 @@ DYN_INLINE Vec3<Wide> implicit_angular_velocity(const FreeBodySet& e, const Vec3
   const Wide h(step);
   Vec3<Wide> w = guess;
   Wide::Mask going = ~Wide::Mask{};
-  for (int k = 0; k < integrator::rotation_steps; ++k) {
+  for (int k = 0; k < integrator::tuning::rotation_steps; ++k) {
     const Vec3<Wide> next = e.inverse * RotationExp(w * h).inverse(L), change = next - w;
     for (int i = 0; i < 3; ++i) w.v[i] = select(going, next.v[i], w.v[i]);
-    going &= dot(change, change) > Wide(integrator::rotation_tolerance) * dot(w, w);
+    going &= dot(change, change) > Wide(integrator::tuning::rotation_tolerance) * dot(w, w);
     if (!any(going)) break;
   }
   if (any(going)) [[unlikely]]

@@ -53,7 +53,7 @@ template <class T, class Part>
   simulation::ImplicitActuators<T> actuators(m, d, h);
   for (int k = 0;; ++k) {
     if (const Index joint = forward_dynamics(m, d, part, static_cast<const T*>(d.v), static_cast<const T*>(actuators.apply(tau)), fext, d.ddq)) return joint;
-    if (k == 3 || !actuators.saturate(d.ddq)) return 0;
+    if (k == integrator::tuning::saturation_rounds || !actuators.saturate(d.ddq)) return 0;
     set_implicit_armature(m, d, armature, h, springs);  // again without the gains of saturated actuators
   }
 }

@@ -1,0 +1,66 @@
+// Tuning constants of step control. Errors are in rad, m and their rates.
+#pragma once
+
+namespace dyn::integrator::tuning {
+
+// Length of the next step (step_control.hpp; PI control: Gustafsson 1991; Hairer, Norsett, Wanner 1993, II.4).
+inline constexpr double safety = 0.9;                 // of the step length that would just meet the accuracy
+inline constexpr double error_power = -0.8, history_power = 0.28;  // of the error ratios of this step and the one before, over the order
+inline constexpr double min_ratio = 1e-4;             // least error ratio that is remembered
+inline constexpr double min_factor = 0.2, max_factor = 5, max_factor_rows = 2;  // of one change; with rows errors are accidentally small
+inline constexpr double failed_factor = 0.1;          // after a step without an error estimate
+inline constexpr double cut_factor = 0.5;             // after a step that cut through a corner
+inline constexpr double first_change = 0.01;          // of the scale of y in the first step,
+inline constexpr int first_gain = 4, first_growth = 100;  // and by how much the second derivative may lengthen it
+
+// Rounding (step_control.hpp).
+inline constexpr int ulps = 4;                        // units in the last place that a step adds to the state
+inline constexpr double min_size = 1e-3;              // of the state, for its rounding
+inline constexpr int motion_share = 256;              // of the state's rounding: floor of the error of one step
+inline constexpr double max_noise = 1e-7;             // per second: more is not rounding
+inline constexpr int noise_share = 4;                 // of the accuracy that noise may take
+inline constexpr double last_step = 1e-12;            // of the duration: a shorter rest belongs to the last step
+inline constexpr double no_step = 1e-13;              // of the duration: shorter steps are refused
+
+// Singular configurations (step_control.hpp).
+inline constexpr double projection_error = 1e-2;      // of the projection step counted as error (the Jacobian changed during the step)
+inline constexpr double retry_lengths[] = {0.85, 0.7, 1.2, 1.4, 1.6};  // of the last ordinary step
+inline constexpr double retry_error = 30;             // of the allowed error, in the one step across the singularity
+inline constexpr double retry_move = 10;              // of the error: projection that suggests a singularity
+inline constexpr int usual_share = 100;               // of the accuracy's share: ordinary change of v by the projection,
+inline constexpr double usual_rounding = 2e4;         // or of the rounding
+
+// Budget of errors (advance.hpp).
+inline constexpr double growth = 4;                   // by which local errors may grow until the end, as phase errors do
+inline constexpr int saved_shares = 3;                // of the error budget that one step may take from earlier ones
+
+// Steps with contacts (advance.hpp, extrapolated.hpp).
+inline constexpr double closed_share = 0.1;           // of the accuracy: gaps that count as closed,
+inline constexpr double closed_rounding = 256;        // or of the rounding of the state
+inline constexpr double deep = 100;                   // of the closed gap: deeper overlap is pushed out in steps of first_step
+inline constexpr double first_step = 1e-3;            // s, first step with contacts up to accuracy 1 / accuracy_scale; then by its cube root (order 3)
+inline constexpr double accuracy_scale = 1e3;         // per unit of accuracy
+inline constexpr double smallest_share = 1e-3, smallest = 1e-12;  // of the accuracy, and of the duration: shortest step with active rows
+inline constexpr double arrival = 0.02;               // of the closed gap: steps to an event end this much behind it
+inline constexpr double closed_error = 0.2;           // of the closed gap: error that is allowed while rows act
+inline constexpr double solver_share = 0.01, solver_floor = 1e-14;  // of the closed gap over the speed: solver tolerance; its rounding
+
+// Constraints (constrained_motion.hpp).
+inline constexpr double open_rows = 1e-3;             // of the rows' reach (m) or rad: larger errors close first, in steps of order 1
+inline constexpr double rows_precision = 1e-15;       // of the accelerations: solver tolerance
+inline constexpr double projection_damping = 1e-9;    // least damping of the projection's Newton step
+
+// Implicit midpoint (implicit_midpoint.hpp).
+inline constexpr int midpoint_iterations = 200, midpoint_stalls = 3;  // bound; iterations in a row that do not halve the residual
+inline constexpr int midpoint_rounding = 64;          // of the rounding: a stalled residual below it is accepted
+
+// Large rotations of free bodies (free_flight.hpp).
+inline constexpr int rotation_steps = 20, rotation_newton_steps = 50;  // fixed-point iterations, then Newton steps
+inline constexpr double rotation_tolerance = 1e-30;   // squared relative change or residual: rounding
+inline constexpr double rotation_failed = 1e-20;      // squared relative residual: above it only |L| is kept
+inline constexpr double rotation_min_step = 1e-3;     // of the line search
+
+// Semi-implicit Euler.
+inline constexpr int saturation_rounds = 3;           // forward dynamics repeated for actuators that saturate
+
+}  // namespace dyn::integrator::tuning
