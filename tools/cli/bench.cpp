@@ -254,7 +254,7 @@ void add_bench(CLI::App& app) {
   CLI::App* command = app.add_subcommand("bench", "Time of every algorithm on 64 random states of this robot");
   add_robot_options(*command, options->robot);
   add_effects_option(*command, options->effects);
-  command->add_option("--seconds", options->seconds, "How long to measure, altogether")->check(decimal)->capture_default_str();
+  command->add_option("--seconds", options->seconds, "Total time of measuring, seconds")->check(decimal)->capture_default_str();
   command->callback([options] { run(*options); });
 }
 

@@ -23,8 +23,8 @@ int row_count(const Robot& robot, const Data& data) {
 }  // namespace
 
 void add_contact_options(CLI::App& command, ContactOptions& options) {
-  command.add_option("--points", options.points, "Frames with a point that rests on the ground, separated by commas")->allow_extra_args(false)->type_name("LIST");
-  command.add_option("--faces", options.faces, "Frames with a face that does")->allow_extra_args(false)->type_name("LIST");
+  command.add_option("--points", options.points, "Frames with a point contact on the ground, separated by commas")->allow_extra_args(false)->type_name("LIST");
+  command.add_option("--faces", options.faces, "Frames with a face contact on the ground, separated by commas")->allow_extra_args(false)->type_name("LIST");
 }
 
 int contact_count(const ContactOptions& options) {
@@ -145,11 +145,11 @@ void run(const CheckOptions& options) {
 
 void add_check(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command = app.add_subcommand("check", "What is wrong with the constraints of a robot: redundant and contradictory rows, by name");
+  CLI::App* command = app.add_subcommand("check", "Constraint diagnostics: redundant and contradictory rows, by name");
   add_robot_options(*command, options->robot);
   add_state_options(*command, options->state, false);
   add_contact_options(*command, options->contacts);
-  command->add_flag("--as-is", options->as_is, "At the given q, not at one that satisfies the constraints");
+  command->add_flag("--as-is", options->as_is, "Use the given q; by default q is projected onto the constraints");
   command->callback([options] { run(*options); });
 }
 

@@ -52,11 +52,11 @@ void add_effects_option(CLI::App& command, EffectOptions& options) {
   std::string of_joints_and_links;
   for (const auto& e : names())
     if (std::has_single_bit(e.bits) && !(e.bits & of_the_whole)) of_joints_and_links += (of_joints_and_links.empty() ? "" : ", ") + std::string(e.name);
-  command.add_option("--effects", options.with, "What joints and links do: " + of_joints_and_links + " with commas between, all (but sleeping) or none")
+  command.add_option("--effects", options.with, "Effects of joints and links: " + of_joints_and_links + ", separated by commas; all (without sleeping), or none")
       ->check(not_empty)
       ->type_name("LIST")
       ->capture_default_str();
-  command.add_option("--without", options.without, "Effects that are left out: those, or gravity, contact, constraints")->check(not_empty)->type_name("LIST");
+  command.add_option("--without", options.without, "Effects to leave out: any of those, gravity, contact, constraints")->check(not_empty)->type_name("LIST");
 }
 
 std::uint32_t parse_effects(const EffectOptions& options) {

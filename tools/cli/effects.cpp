@@ -153,7 +153,7 @@ json measure_effects(const Robot& robot, const State& state, const SteppingOptio
 std::string effects_text(const json& a) {
   std::string out = "a step of " + short_number(a["dt"].get<double>()) + " s with all of them takes " + short_number(a["ns_per_step"].get<double>() / 1000, 3) + " us" +
                     (a["instructions_per_step"].is_null() ? "" : ", " + short_number(a["instructions_per_step"].get<double>(), 4) + " instructions") +
-                    "; magnitude: what " + short_number(a["duration"].get<double>()) + " s end without it, m or rad\n";
+                    "; magnitude: change of the result after " + short_number(a["duration"].get<double>()) + " s without it, m or rad\n";
   std::vector<std::vector<std::string>> rows = {{"effect", "", "magnitude", "instructions", "us", "bytes", "why"}};
   for (const json& e : a["effects"]) {
     const bool measured = e.contains("magnitude");

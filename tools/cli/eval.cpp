@@ -354,7 +354,7 @@ void add_eval(CLI::App& app) {
   add_robot_options(*command, options->robot);
   std::vector<std::string> names;
   for (const auto& quantity : quantities()) names.push_back(quantity.name);
-  command->add_option("--compute", options->compute, "What to compute, separated by commas: " + join(names))
+  command->add_option("--compute", options->compute, "Quantities, separated by commas: " + join(names))
       ->required()
       ->allow_extra_args(false)
       ->type_name("LIST");

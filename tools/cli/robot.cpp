@@ -11,26 +11,26 @@
 namespace cli {
 
 void add_robot_options(CLI::App& command, RobotOptions& options) {
-  command.add_option("FILE", options.file, "The robot: a URDF or MJCF file")->required();
+  command.add_option("FILE", options.file, "The robot: a URDF, MJCF or .dynb file")->required();
   auto* fixed = command.add_flag("--fixed", options.fixed, "The root link is welded to the world");
   auto* floating = command.add_flag("--floating", options.floating, "A free flyer carries the root link");
   fixed->excludes(floating);
-  command.add_option("--package-dir", options.package_dirs, "Where package://NAME/... is looked up; may be repeated")
+  command.add_option("--package-dir", options.package_dirs, "Folder to search for package://NAME/...; may be repeated")
       ->allow_extra_args(false)
       ->check(not_empty)
       ->type_name("DIR");
   command.add_option("--srdf", options.srdf, "An SRDF for this robot: named configurations, disabled pairs")->check(not_empty)->type_name("FILE");
-  command.add_option("--collision-meshes", options.meshes, "What stands for collision meshes: nothing, their convex hulls, or their triangles")
+  command.add_option("--collision-meshes", options.meshes, "Shapes for collision meshes: none, convex hulls, or triangles")
       ->check(CLI::IsMember(names_of("dynMeshUse")))
       ->type_name(join(names_of("dynMeshUse"), "|"))
       ->capture_default_str();
-  command.add_option("--contact-capacity", options.contact_capacity, "Contact points that a step has room for, the deepest; 0: what the shapes need")->check(whole)
+  command.add_option("--contact-capacity", options.contact_capacity, "Contact points that a step can hold (the deepest stay); 0: by the number of shapes")->check(whole)
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
-  command.add_flag("--strict", options.strict, "Physics that would be dropped is an error");
-  command.add_flag("--confined", options.confined, "Included files and meshes outside of FILE's folder and --package-dir are errors");
-  command.add_flag("--cos-sin", options.cos_sin, "Continuous joints store (cos, sin)");
-  command.add_flag("--json", options.json, "Answer in JSON");
+  command.add_flag("--strict", options.strict, "Refuse a file with physics that would be dropped");
+  command.add_flag("--confined", options.confined, "Refuse included files and meshes outside of FILE's folder and --package-dir");
+  command.add_flag("--cos-sin", options.cos_sin, "Store continuous joints as (cos, sin)");
+  command.add_flag("--json", options.json, "Print JSON");
 }
 
 Robot::Robot(const RobotOptions& options, int contacts) {

@@ -29,7 +29,7 @@ void lift(const Robot& robot, Vector& q, json& warnings) {
   bool lifted = false;
   for (int j = 1; j < robot.njoints; ++j)
     if (const dynJointInfo joint = robot.joint(j); joint.type == DYN_JOINT_TYPE_FREE_FLYER && joint.parent == 0) q[joint.idx_q + 2] -= lowest, lifted = true;
-  if (lifted) warnings.push_back("the robot starts on the ground: its free joint is moved by " + short_number(-lowest) + " m along z; --q says another place");
+  if (lifted) warnings.push_back("the robot starts on the ground: its free joint is moved by " + short_number(-lowest) + " m along z; --q chooses another place");
 }
 
 // Steps bring back a bounded share of it each, and so a motion that begins there goes by their length.
@@ -41,7 +41,7 @@ void warn_beyond_limits(const Robot& robot, const Vector& q, json& warnings) {
     if (const double beyond = std::max(lower[i] - q[i], q[i] - upper[i]); beyond > most) most = beyond, farthest = i;
   if (farthest < 0) return;
   warnings.push_back("q[" + std::to_string(farthest) + "] (joint " + joint_of(robot, farthest) + ") starts at " + short_number(q[farthest]) + ", beyond its limits [" + short_number(lower[farthest]) +
-                     ", " + short_number(upper[farthest]) + "], farthest of all: steps bring it back at a speed that depends on their length, and so does what follows; --q says another place");
+                     ", " + short_number(upper[farthest]) + "], farthest of all: steps bring it back, at a speed that depends on --dt; --q chooses another place");
 }
 
 bool has_configuration(const Robot& robot, const std::string& name) {
@@ -90,11 +90,11 @@ void set_stepping(const Robot& robot, const Data& data, dynIntegrator integrator
 void add_stepping_options(CLI::App& command, SteppingOptions& options) {
   add_robot_options(command, options.robot);
   command.add_option("--integrator", options.integrator, one_of("dynIntegrator"))->capture_default_str();
-  command.add_option("--solver", options.solver, "Of contacts, limits and constraints: " + one_of("dynContactSolverType"))->capture_default_str();
-  command.add_option("--tolerance", options.tolerance, "Residual that it goes on to")->check(decimal)->capture_default_str();
-  command.add_option("--max-iterations", options.max_iterations, "Of it, an island and step: then the best impulses so far act")->check(whole)->capture_default_str();
-  command.add_option("--time-budget", options.time_budget, "Seconds that it may take a step, likewise; 0: no limit, and the same result every time")->check(decimal)->capture_default_str();
-  command.add_flag("--ground", options.ground, "Adds the half-space below z = 0; without a state the robot starts on it");
+  command.add_option("--solver", options.solver, "Solver of contacts, limits and constraints: " + one_of("dynContactSolverType"))->capture_default_str();
+  command.add_option("--tolerance", options.tolerance, "Residual at which the solver stops")->check(decimal)->capture_default_str();
+  command.add_option("--max-iterations", options.max_iterations, "Iterations of the solver, per island and step; then the best impulses act")->check(whole)->capture_default_str();
+  command.add_option("--time-budget", options.time_budget, "Seconds of the solver in a step; then the best impulses act; 0: no limit, and repeatable results")->check(decimal)->capture_default_str();
+  command.add_flag("--ground", options.ground, "Add the half-space below z = 0; without a state the robot starts on it");
   add_state_options(command, options.state, false);
   command.add_option("--configuration", options.configuration, "Start in this configuration of the file; default: qpos0 of an MJCF file, else neutral")->check(not_empty);
   command.add_option("--ctrl", options.ctrl, "Controls of the actuators, nu numbers; default zero")->type_name("NUMBERS");
@@ -114,7 +114,7 @@ void check_stepping(const SteppingOptions& options) {
 State start_of(const Robot& robot, const SteppingOptions& options, json& warnings) {
   State state = read_state(robot, options.state);
   const bool said = !options.state.file.empty() || !options.state.q.empty();
-  if (said && !options.configuration.empty()) bad_usage("--configuration and --q or --state say two places to start in: keep one.");
+  if (said && !options.configuration.empty()) bad_usage("--configuration excludes --q and --state: keep one.");
   if (!options.configuration.empty()) check(dyn_model_configuration(robot, options.configuration.c_str(), state.q.data()));
   else if (!said && has_configuration(robot, "qpos0")) check(dyn_model_configuration(robot, "qpos0", state.q.data()));
   if (options.ground && !said && options.configuration.empty()) lift(robot, state.q, warnings);

@@ -34,7 +34,7 @@ double with_unit(const std::string& option, const std::string& text, std::initia
   std::string known;
   bool found = false;
   for (const char* u : units) found = found || unit == u, known += (known.empty() ? "" : ", ") + std::string(u);
-  if (!found || !(x > 0) || !std::isfinite(x)) bad_usage(option + ": \"" + shown(text) + "\" is no positive number with one of the units " + known + ".");
+  if (!found || !(x > 0) || !std::isfinite(x)) bad_usage(option + ": \"" + shown(text) + "\" is not a positive number with one of the units " + known + ".");
   return x;
 }
 
@@ -84,7 +84,7 @@ class Store {
       try {
         head = json::parse(line);
       } catch (const json::exception&) {
-        fail(path + ": is no file of points that dyn accuracy --resume wrote.");
+        fail(path + ": is not a file of points from dyn accuracy --resume.");
       }
       if (!head.is_object() || head.value("scene", "") != scene) fail(path + ": holds points of another scene: name another file.");
       while (std::getline(in, line)) {
@@ -209,7 +209,7 @@ std::string text_of(const json& a, const std::vector<Point>& points, const std::
   std::string out = "reference: " + r["kind"].get<std::string>() + "; itself known to " + short_json(r["uncertainty"]["m"]) + " m, " + short_json(r["uncertainty"]["rad"]) + " rad (" +
                     r["confidence"].get<std::string>() + ")\n\nerrors are the largest over " + std::to_string(accuracy::samples) + " moments, of the places of all frames; * nothing is both cheaper and nearer\n" +
                     table(rows_of(a["points"], false)) + "\n" + chart(points);
-  if (!a["solvers"].empty()) out += "\ncontact solvers at steps of " + short_json(a["solvers"][0]["dt"]) + " s: how far from the tightest one\n" + table(rows_of(a["solvers"], true));
+  if (!a["solvers"].empty()) out += "\ncontact solvers at steps of " + short_json(a["solvers"][0]["dt"]) + " s: distance from the tightest one\n" + table(rows_of(a["solvers"], true));
   if (!distances.empty()) out += "\ndistances: error of each method and tolerance\n" + distances;
   if (!a["derivatives"].empty()) out += "\n" + derivative_text(a["derivatives"]);
   if (a.contains("recommended")) {
@@ -337,19 +337,19 @@ std::vector<std::string> scene_words(const SteppingOptions& o) {
 void add_accuracy(CLI::App& app) {
   auto options = std::make_shared<Options>();
   options->duration = 1;
-  CLI::App* command = app.add_subcommand("accuracy", "What accuracy costs in time on this scene: every integrator and solver, and the cheapest that reaches a target");
-  command->footer("Errors are measured from a reference: order 8 to rounding where motion is smooth, the finest steps that the budget allows where bodies touch.");
+  CLI::App* command = app.add_subcommand("accuracy", "The time that accuracy costs on this scene: every integrator and solver, and the cheapest for a target");
+  command->footer("Errors are measured from a reference. Smooth motion has order 8 to rounding. Contact has the finest steps that the budget allows.");
   add_stepping_options(*command, *options);
   command->remove_option(command->get_option("--integrator"));
   command->add_option("--duration", options->duration, "Seconds to simulate")->check(decimal)->capture_default_str();
-  command->add_option("--dt", options->dt, "Steps at which contact solvers are compared, seconds")->check(decimal)->capture_default_str();
-  command->add_option("--target", options->target, "Error that is allowed, with a unit: 1e-4m, 1e-3rad, 0.1J")->check(not_empty);
+  command->add_option("--dt", options->dt, "Step at which contact solvers are compared, seconds")->check(decimal)->capture_default_str();
+  command->add_option("--target", options->target, "Allowed error with a unit: 1e-4m, 1e-3rad, 0.1J")->check(not_empty);
   command->add_option("--budget", options->budget, "Time for all runs, with a unit: 60s, 5min")->capture_default_str()->check(not_empty);
-  command->add_option("--reference", options->reference, "A state file: where the scene is at the end")->check(not_empty);
-  command->add_option("--csv", options->csv, "All points into this file")->check(not_empty);
-  command->add_option("--svg", options->svg, "The diagram into this file")->check(not_empty);
-  command->add_option("--html", options->html, "Diagrams and tables into this file, one page")->check(not_empty);
-  command->add_option("--resume", options->resume, "Keep points in this file, and take those that are there already")->check(not_empty);
+  command->add_option("--reference", options->reference, "State file with the exact final state")->check(not_empty);
+  command->add_option("--csv", options->csv, "Write all points to this file")->check(not_empty);
+  command->add_option("--svg", options->svg, "Write the diagram to this file")->check(not_empty);
+  command->add_option("--html", options->html, "Write a page with diagrams and tables to this file")->check(not_empty);
+  command->add_option("--resume", options->resume, "Keep points in this file, and reuse those in it")->check(not_empty);
   command->callback([options] { run(*options, scene_words(*options)); });
 }
 

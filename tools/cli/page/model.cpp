@@ -111,7 +111,7 @@ json model_json(const Robot& robot, const std::vector<std::string>& package_dirs
     out["shapes"].push_back(std::move(item));
   }
   out["meshes"] = meshes.packed(pack, notes);
-  if (!visual) notes.push_back(collision ? "there are no visual shapes that could be drawn: collision shapes stand for them" : "there are no shapes to be drawn: links are drawn as lines from joint to joint");
+  if (!visual) notes.push_back(collision ? "there are no visual shapes to draw: collision shapes are drawn instead" : "there are no shapes to draw: links are lines from joint to joint");
   return out;
 }
 
