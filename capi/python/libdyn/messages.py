@@ -27,10 +27,13 @@ DIFFERENT = {
     "dyn_model_disabled_pair": "Model.disabled_pairs", "dyn_model_nconfigurations": "Model.configuration_names", "dyn_model_pair": "Model.pairs",
     "dyn_model_configuration_name": "Model.configuration_names", "dyn_model_constraint_name": "Model.constraint_names",
     "dyn_model_actuator_name": "Model.actuator_names", "dyn_model_state_size": "Data.save_state", "dyn_state_layout_sizes": "StateLayout.sizes",
-    "dyn_state_layout_convert": "Model.to_peer", "dyn_field_info": "dyn.FIELDS", "dyn_field_count": "dyn.FIELDS", "dyn_algorithm_info": "dyn.ALGORITHMS",
+    "dyn_state_layout_convert": "Model.to_peer", "dyn_field_info": "dyn.FIELDS", "dyn_field_count": "dyn.FIELDS", "dyn_algorithm_info": "dyn.ALGORITHMS", "dyn_algorithm_run": "dyn.ALGORITHMS",
     "dyn_sensor_size": "dyn.SensorType", "dyn_version": "dyn.__version__", "dyn_mesh_arrays": "Mesh.vertices", "dyn_status_name": "dyn.Status",
 }  # fmt: skip
 """Functions whose names in Python do not follow from those in C."""
+
+
+_ENUMS = {enum["name"]: public_name(enum) for enum in INTERFACE["enums"]}
 
 
 def _function(name: str) -> str:
@@ -38,14 +41,15 @@ def _function(name: str) -> str:
         return DIFFERENT[name]
     if name not in FUNCTIONS:
         return name
-    short = name[4:]
+    short, types = name[4:], [p.get("type", "") for p in FUNCTIONS[name]["parameters"][:2]] + ["", ""]
+    if name.endswith("_info") and types[0] in _ENUMS:
+        return f"dyn.{_ENUMS[types[0]]}"
     for prefix, owner in OWNERS.items():
         if short.startswith(f"{prefix}_"):
             return f"{owner}.{re.sub('_info$', '', short[len(prefix) + 1 :])}"
-    first = [p.get("type", "") for p in FUNCTIONS[name]["parameters"][:2]] + ["", ""]
-    if first[1].endswith("dynData*"):
+    if types[1].endswith("dynData*"):
         return f"Data.compute_{short}" if short in FIELDS else f"Data.{short}"
-    return f"Model.{short.removeprefix('configuration_')}" if first[0] == "const dynModel*" else f"dyn.{short}"
+    return f"Model.{short.removeprefix('configuration_')}" if types[0] == "const dynModel*" else f"dyn.{short}"
 
 
 def _arguments() -> dict[str, set[str]]:
