@@ -2,6 +2,7 @@
 #include "collision.hpp"
 
 #include <cmath>
+#include <cstdio>
 
 #include "collision/ccd.hpp"
 #include "simulation/workspace.hpp"
@@ -26,7 +27,9 @@ dynStatus read_geometry(const char* function, const char* name, const dynGeometr
   if (g->struct_size < sizeof(dynGeometry))
     return fail(DYN_ERROR_SIZE, "%s: %s: struct_size is %u, needs %zu: call dyn_geometry_init", function, name, g->struct_size, sizeof(dynGeometry));
   if (g->type == DYN_SHAPE_TYPE_MESH) return fail(DYN_ERROR_UNSUPPORTED, "%s: %s is a mesh, a name alone: use DYN_SHAPE_TYPE_CONVEX or DYN_SHAPE_TYPE_TRIANGLES with a dynMesh", function, name);
-  if (const dynStatus s = check_value(g->type, function, "type")) return s;
+  char what[40];
+  std::snprintf(what, sizeof what, "%s: type", name);
+  if (const dynStatus s = check_value(g->type, function, what)) return s;
   collision::geometry_of(g->type, g->size, g->radius, out);
   for (int k = 0; k < collision::size_count(g->type); ++k)
     if (!(g->size[k] >= shape::min_length && g->size[k] <= shape::max_length))

@@ -1,5 +1,6 @@
 // Inverse kinematics: what a caller's tasks and options may be, and the call.
 #include <cmath>
+#include <cstdio>
 
 #include "checks.hpp"
 #include "algorithm/ik_tasks.hpp"
@@ -56,7 +57,9 @@ bool rotates(Call& call, Index task, const double* R) {
 
 bool good_task(Call& call, const dynIkTask& t, Index k) {
   const Model& m = call.m();
-  if (const dynStatus s = check_value(t.type, "dyn_ik", "type of a task")) return refuse(call, s);
+  char name[40];
+  std::snprintf(name, sizeof name, "type of task %d", int(k));
+  if (const dynStatus s = check_value(t.type, "dyn_ik", name)) return refuse(call, s);
   if (t.priority != 0 && t.priority != 1)
     return refuse(call, fail(DYN_ERROR_ARGUMENT, "dyn_ik: priority %d of task %d is neither 0 nor 1", int(t.priority), int(k)));
   if (!weighted(call, k, "weight", &t.weight, 1) || (t.weights && !weighted(call, k, "weights", t.weights, row_count(m, t.type)))) return false;

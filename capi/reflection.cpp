@@ -46,7 +46,7 @@ const EnumValue* find_value(const char* type, int value) {
 dynStatus no_value(const char* type, const char* function, const char* name, int value) {
   char values[600];
   list_values(enums[find(type)], values, sizeof values);
-  return fail(DYN_ERROR_ARGUMENT, "%s: %s is %d: use %s", function, name, value, values);
+  return fail(DYN_ERROR_ARGUMENT, "%s: %s is %d, no %s: use %s", function, name, value, type, values);
 }
 
 }  // namespace dyn::capi

@@ -1,6 +1,7 @@
 // Sensors of rollouts: one row for each value of dynSensorType, in its order.
 #include "sensors.hpp"
 
+#include <cstdio>
 #include <algorithm>
 
 #include "simulation/workspace.hpp"
@@ -93,7 +94,9 @@ dynStatus check_sensors(const Model& m, Sensors sensors, const char* function) {
   if (!sensors.type) return fail(DYN_ERROR_ARGUMENT, "%s: sensor is NULL, but sensors is %d", function, sensors.count);
   for (int k = 0; k < sensors.count; ++k) {
     const dynSensorType type = sensors.type[k];
-    if (const dynStatus s = check_value(type, function, "sensor")) return s;
+    char name[40];
+    std::snprintf(name, sizeof name, "sensor[%d]", k);
+    if (const dynStatus s = check_value(type, function, name)) return s;
     if (!rows[raw(type)].of_frame) continue;
     if (!sensors.frame) return fail(DYN_ERROR_ARGUMENT, "%s: sensor_frame is NULL, but sensor[%d] has a frame", function, k);
     const int frame = sensors.frame[k];

@@ -90,7 +90,7 @@ TEST(ShapeDistance, BadArguments) {
   for (int bad : {0, -1, 99}) {
     dynGeometry g = ball;
     std::memcpy(&g.type, &bad, sizeof bad);
-    refused(DYN_ERROR_ARGUMENT, &g, identity, 0, {"type " + std::to_string(bad)});
+    refused(DYN_ERROR_ARGUMENT, &g, identity, 0, {"type is " + std::to_string(bad)});
   }
   dyn_geometry_init(nullptr);
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_geometry_distance(&ball, identity, &ball, identity, nullptr, nullptr));
@@ -124,7 +124,7 @@ TEST(ShapeDistance, OptionsAndTheSecondMethod) {
   for (int bad : {-1, 2, 99}) {
     std::memcpy(&o.method, &bad, sizeof bad);
     EXPECT_EQ(DYN_ERROR_ARGUMENT, ask(tube, at(0, 0, 3)));
-    EXPECT_TRUE(says({"method " + std::to_string(bad)})) << dyn_last_error();
+    EXPECT_TRUE(says({"method is " + std::to_string(bad)})) << dyn_last_error();
   }
   dyn_distance_options_init(&o);
   o.struct_size = 4;
@@ -282,8 +282,8 @@ TEST(Builder, ShapesThatCannotBe) {
   s.size[2] = nan, refused(DYN_ERROR_NONFINITE, {"'l'", "size"});
   s.placement[0] = 2, refused(DYN_ERROR_INVALID, {"'l'"});
   for (const int bad : {0, -1, 99}) {
-    std::memcpy(&s.type, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"type " + std::to_string(bad)});
-    std::memcpy(&s.role, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"role " + std::to_string(bad)});
+    std::memcpy(&s.type, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"type is " + std::to_string(bad)});
+    std::memcpy(&s.role, &bad, sizeof bad), refused(DYN_ERROR_ARGUMENT, {"role is " + std::to_string(bad)});
   }
   EXPECT_EQ(0, dyn_model_nshapes(b.finish()));
   ASSERT_EQ(DYN_OK, dyn_builder_add_shape(b, &s));

@@ -73,7 +73,7 @@ TEST_F(ContactSolve, RefusesWhatIsWrong) {
   refused(DYN_ERROR_SIZE, {"dynContactReport"}, [](Problem& x) { x.r.struct_size = 4; });
   refused(DYN_ERROR_ARGUMENT, {"G is NULL"}, [](Problem& x) { x.p.G = nullptr; });
   refused(DYN_ERROR_ARGUMENT, {"g is NULL"}, [](Problem& x) { x.p.g = nullptr; });
-  refused(DYN_ERROR_ARGUMENT, {"solver 7"}, [](Problem& x) { x.o.solver = static_cast<dynContactSolverType>(7); });
+  refused(DYN_ERROR_ARGUMENT, {"solver is 7"}, [](Problem& x) { x.o.solver = static_cast<dynContactSolverType>(7); });
   refused(DYN_ERROR_ARGUMENT, {"max_iterations is -1"}, [](Problem& x) { x.o.max_iterations = -1; });
   refused(DYN_ERROR_ARGUMENT, {"relaxation is 2"}, [](Problem& x) { x.o.relaxation = 2; });
   refused(DYN_ERROR_NONFINITE, {"tolerance is nan"}, [](Problem& x) { x.o.tolerance = nan; });

@@ -300,7 +300,7 @@ TEST_F(IkRefused, Tasks) {
   with(1, [](dynIkTask& t) { t.struct_size = 8; }, DYN_ERROR_SIZE, {"struct_size", "dynIkTask", "8"});
   with(1, [](dynIkTask& t) { t.struct_size += 8; }, DYN_ERROR_SIZE, {"struct_size of task 1", "the first"});
   for (int type : {0, -1, 6, 1000})
-    with(1, [&](dynIkTask& t) { std::memcpy(&t.type, &type, sizeof type); }, DYN_ERROR_ARGUMENT, {"type " + std::to_string(type), "task 1"});
+    with(1, [&](dynIkTask& t) { std::memcpy(&t.type, &type, sizeof type); }, DYN_ERROR_ARGUMENT, {"type of task 1 is " + std::to_string(type)});
   std::fill_n(posture.begin() + 3, 4, 0.0);
   expect(DYN_ERROR_QUATERNION, {"quaternion", "free"});
   posture = s.q;

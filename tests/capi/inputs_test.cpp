@@ -107,7 +107,7 @@ TEST_F(Refused, References) {
       for (int bad : {-1, 3, 1000}) {
         Prepared p(row, m, other);
         std::memcpy(&p.x.reference, &bad, sizeof bad);
-        expect(p, DYN_ERROR_ARGUMENT, {row.name, "reference " + std::to_string(bad), "DYN_REFERENCE_LOCAL, DYN_REFERENCE_WORLD, DYN_REFERENCE_LOCAL_WORLD_ALIGNED"});
+        expect(p, DYN_ERROR_ARGUMENT, {row.name, "reference is " + std::to_string(bad), "DYN_REFERENCE_LOCAL, _WORLD, _LOCAL_WORLD_ALIGNED"});
       }
 }
 

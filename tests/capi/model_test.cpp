@@ -251,7 +251,7 @@ TEST(Loading, Arguments) {
   dynLoadOptions bad = o;
   for (int base : {-1, 3, 1000}) {
     std::memcpy(&bad.base, &base, sizeof base);
-    refused(DYN_ERROR_ARGUMENT, dyn_model_load(path.c_str(), &bad, &m), {"base is " + std::to_string(base), "DYN_BASE_FIXED"});
+    refused(DYN_ERROR_ARGUMENT, dyn_model_load(path.c_str(), &bad, &m), {"base is " + std::to_string(base), "_FIXED"});
   }
   bad = o, bad.package_dirs_count = 1;
   refused(DYN_ERROR_ARGUMENT, dyn_model_load(path.c_str(), &bad, &m), {"package_dirs is NULL"});

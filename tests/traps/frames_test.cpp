@@ -48,7 +48,7 @@ TEST(Traps, UnknownReferenceIsRefused) {
   dynReference r;
   std::memcpy(&r, &none, sizeof r);
   EXPECT_EQ(DYN_ERROR_ARGUMENT, dyn_frame_jacobian(m, d, 1, r, J));
-  EXPECT_TRUE(says({"dyn_frame_jacobian", "reference 3", "DYN_REFERENCE_LOCAL_WORLD_ALIGNED"}));
+  EXPECT_TRUE(says({"dyn_frame_jacobian", "reference is 3", "_LOCAL_WORLD_ALIGNED"}));
 }
 
 // Two functions with two names. The classical acceleration is the second derivative of the position.
