@@ -5,6 +5,7 @@ import pytest
 
 gymnasium = pytest.importorskip("gymnasium", reason="package gymnasium is not installed")
 
+import libdyn as dyn  # noqa: E402
 import libdyn.gym  # noqa: E402
 
 IDS = ("dyn/Go2-v0", "dyn/Humanoid-v0")
