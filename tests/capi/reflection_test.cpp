@@ -7,6 +7,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "dyn.h"
 
@@ -186,6 +187,32 @@ TEST(Reflection, ConstraintTypesAndIntegratorsHaveInfos) {
     ASSERT_EQ(dyn_integrator_info(dynIntegrator(value.value), &info), DYN_OK);
     EXPECT_GT(info.order, 0);
   });
+}
+
+TEST(Reflection, AnAlgorithmRunsByItsNumber) {
+  dynModel* model = nullptr;
+  dynData* data = nullptr;
+  dynLoadOptions options;
+  dyn_load_options_init(&options);
+  options.base = DYN_BASE_FIXED;
+  ASSERT_EQ(dyn_model_load(DYN_MODELS_DIR "/robots/panda.urdf", &options, &model), DYN_OK) << dyn_last_error();
+  ASSERT_EQ(dyn_data_new(model, 0, &data), DYN_OK);
+  const auto nq = std::size_t(dyn_model_nq(model)), nv = std::size_t(dyn_model_nv(model));
+  std::vector<double> q(nq), v(nv, 0.3), a(nv, -0.2), tau(nv), same(nv);
+  ASSERT_EQ(dyn_configuration_random(model, 1, nullptr, nullptr, q.data()), DYN_OK);
+  ASSERT_EQ(dyn_rnea(model, data, q.data(), v.data(), a.data(), nullptr, tau.data()), DYN_OK);
+  dynBatchArrays arrays;
+  dyn_batch_arrays_init(&arrays);
+  arrays.q = q.data(), arrays.v = v.data(), arrays.a = a.data(), arrays.out[0] = same.data();
+  ASSERT_EQ(dyn_algorithm_run(model, data, DYN_ALGORITHM_RNEA, &arrays), DYN_OK) << dyn_last_error();
+  EXPECT_EQ(tau, same);
+  EXPECT_EQ(dyn_algorithm_run(model, data, DYN_ALGORITHM_RNEA, nullptr), DYN_ERROR_ARGUMENT);
+  EXPECT_EQ(dyn_algorithm_run(model, data, dynAlgorithm(1000), &arrays), DYN_ERROR_ARGUMENT);
+  EXPECT_EQ(dyn_algorithm_run(nullptr, data, DYN_ALGORITHM_RNEA, &arrays), DYN_ERROR_HANDLE);
+  arrays.struct_size = 8;
+  EXPECT_EQ(dyn_algorithm_run(model, data, DYN_ALGORITHM_RNEA, &arrays), DYN_ERROR_SIZE);
+  dyn_data_free(data);
+  dyn_model_free(model);
 }
 
 }  // namespace
