@@ -63,7 +63,7 @@ void gravity_derivatives(const Model& m, Data<T>& d, const T* fext, T* out) {
 template <class T>
 void static_torque_derivatives(const Model& m, Data<T>& d, const T* fext, T* out) {
   gravity_derivatives(m, d, fext, out);
-  add_spring_derivatives(m, d, out);
+  add_resistance_by_q(m, d, out);
 }
 
 }  // namespace dyn

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "constraint/list.hpp"
+#include "effect/list.hpp"
 #include "model/constraints.hpp"
 #include "model/unit_norms.hpp"
 #include "table/enums.hpp"
@@ -58,8 +59,11 @@ bool BlockChecker::names() {
 
 bool BlockChecker::coefficients() {
   const auto known_range = [](double x) { return x >= 0; };
-  if (!numbers(m.armature(), n.nv, "an armature", is_coefficient) || !numbers(m.damping(), n.nv, "a damping", is_coefficient) ||
-      !numbers(m.friction(), n.nv, "a friction", is_coefficient) || !numbers(m.stiffness(), n.nv, "a stiffness", is_coefficient) ||
+  bool coefficients = true;
+  for_each_effect([&]<class E>() {
+    if constexpr (effect::HasCoefficient<E>) coefficients = coefficients && numbers(E::of(m), n.nv, E::name, is_coefficient);
+  });
+  if (!coefficients ||
       !numbers(m.spring_reference(), n.nq, "where a spring rests", [](double x) { return std::isfinite(x); }) ||
       !numbers(m.velocity_limit(), n.nv, "a limit of velocity", known_range) || !numbers(m.effort_limit(), n.nv, "a limit of effort", known_range) ||
       !numbers(m.lower_limit(), n.nq, "a limit", is_known) || !numbers(m.upper_limit(), n.nq, "a limit", is_known) ||
@@ -69,13 +73,6 @@ bool BlockChecker::coefficients() {
   for (Index k = 0; k < n.configurations; ++k)
     if (!require(zero_norm_joint(m, m.configurations() + std::ptrdiff_t(k) * n.nq) == 0, "the quaternion of a configuration")) return false;
   if (!require(zero_norm_joint(m, m.neutral()) == 0, "the quaternion of the neutral configuration")) return false;
-  const auto if_some = [](std::uint32_t effect, const double* x, Index count) {
-    return std::any_of(x, x + count, [](double e) { return e != 0; }) ? effect : 0u;
-  };
-  const std::uint32_t effects = if_some(DYN_EFFECT_ARMATURE, m.armature(), n.nv) | if_some(DYN_EFFECT_DAMPING, m.damping(), n.nv) |
-                                if_some(DYN_EFFECT_SPRINGS, m.stiffness(), n.nv) | if_some(DYN_EFFECT_FRICTION, m.friction(), n.nv) |
-                                (n.limits > 0 ? std::uint32_t(DYN_EFFECT_LIMITS) : 0u) | (n.actuators > 0 ? std::uint32_t(DYN_EFFECT_ACTUATORS) : 0u) |
-                                (n.drag_boxes > 0 ? std::uint32_t(DYN_EFFECT_FLUID) : 0u) | (n.gravity_compensations > 0 ? std::uint32_t(DYN_EFFECT_GRAVITY_COMPENSATION) : 0u);
   bool no_overflow = true;
   const auto small = [&](double x) { no_overflow &= std::abs(x) < 1e25; };
   for (Index k = 0; k < n.nv; ++k) small(m.armature()[k]);
@@ -84,7 +81,7 @@ bool BlockChecker::coefficients() {
     small(b.m), small(b.pitch), small(b.ratio);
     for (int k = 0; k < 3; ++k) small(b.h[k]), small(b.I.x[k]), small(b.I.y[k]), small(b.I.z[k]);
   }
-  return require(m.effects == effects, "its effects") && require(m.no_overflow == Index(no_overflow), "the sizes of its numbers") &&
+  return require(m.effects == effects_of(m), "its effects") && require(m.no_overflow == Index(no_overflow), "the sizes of its numbers") &&
          require(are_finite(m.gravity) && are_finite(m.wind), "gravity or wind") && require(is_coefficient(m.density) && is_coefficient(m.viscosity), "the medium") &&
          require(is_coefficient(m.total_mass), "the mass");
 }

@@ -23,9 +23,10 @@ Energies energies(const Model& m, Data<double>& d) {
   return out;
 }
 
-// Power and sum of the forces on bodies by the given effects alone. Needs forward_kinematics<1>.
+// Power and sum of the forces on bodies by the given effects alone.
 double power_on_bodies(const Model& m, Data<double>& d, std::uint32_t effects, Vec3<double>& sum) {
   const std::uint32_t acting = d.acting;
+  if (!(acting & effects)) return 0;
   d.acting &= effects;
   const double* const fext = forces_on_bodies(m, d);
   d.acting = acting;
@@ -47,26 +48,29 @@ bool has_free_roots(const Model& m) {
   return true;
 }
 
-static_assert(DYN_EFFECT_ALL == 0x1ff, "what an effect takes or gives is work of the ledger's: add it below");
 LedgerState state_of(const Model& m, Data<double>& d) {
   LedgerState x{};
   x.energy = energies(m, d).sum();
   Vec3<double> force = Vec3<double>::zero();
-  x.power.wrenches = power_on_bodies(m, d, acting_wrenches | DYN_EFFECT_GRAVITY_COMPENSATION, force);
-  x.power.fluid = power_on_bodies(m, d, DYN_EFFECT_FLUID, force);
+  x.power.wrenches = power_on_bodies(m, d, acting_wrenches, force);
+  for_each_effect([&]<class E>() {
+    if constexpr (effect::OnLinks<E>) E::work(x.power) += power_on_bodies(m, d, E::bit, force);
+  });
+  forward_kinematics<1>(m, d);
   double* const t = d.step->ledger.tau;  // total torque at joints
   std::copy_n(d.tau_applied, m.n.nv, t);
   for_each_actuator(m, d, [&](const ActuatorRecord& r, Index) {
     const double force = r.spec.gear * actuator_force(r, d);
     t[r.v] += force, x.power.actuators += force * d.v[r.v];
   });
-  const bool damped = d.acting & DYN_EFFECT_DAMPING, rubs = d.acting & DYN_EFFECT_FRICTION;
-  for (Index k = 0; k < m.n.nv; ++k) {
-    const double v = d.v[k], D = damped ? d.damping[k] * v : 0, F = rubs ? d.friction[k] * math::tanh(v / DYN_FRICTION_VELOCITY) : 0;
-    x.power.applied += d.tau_applied[k] * v;
-    x.power.damping -= D * v, x.power.friction -= F * v;
-    t[k] -= D + F;
-  }
+  for (Index k = 0; k < m.n.nv; ++k) x.power.applied += d.tau_applied[k] * d.v[k];
+  for_each_velocity_law(d, [&]<class E>(const double* c) {
+    for (Index k = 0; k < m.n.nv; ++k) {
+      const double force = E::force(c[k], d.v[k]);
+      E::work(x.power) -= force * d.v[k];
+      t[k] -= force;
+    }
+  });
   double mass = 0;
   Vec3<double> momentum = Vec3<double>::zero();
   for (Index i = 1; i < m.n.bodies; ++i) {

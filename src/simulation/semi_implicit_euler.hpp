@@ -63,9 +63,7 @@ template <class T, class Part>
 Index implicit_dynamics(const Model& m, Data<T>& d, const Stages<T>& s, T h, bool springs, const Part& part) {
   T* const armature = d.armature;
   const T* tau = d.tau_applied;
-  const std::uint32_t acting = d.acting;
-  const std::uint32_t implicit = std::uint32_t(DYN_EFFECT_DAMPING) | DYN_EFFECT_FRICTION | DYN_EFFECT_ACTUATORS |
-                                 (springs ? std::uint32_t(DYN_EFFECT_SPRINGS) : 0u);
+  const std::uint32_t acting = d.acting, implicit = springs ? implicit_effects(true) : implicit_effects(false);
   springs = springs && (d.acting & DYN_EFFECT_SPRINGS);
   if (d.acting & implicit) {
     d.armature = d.net + m.n.nv;
