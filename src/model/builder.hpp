@@ -131,6 +131,7 @@ class Builder {
   ModelPtr finish() const;
 
  private:
+  friend struct Compiler;
   struct Impl;
   std::unique_ptr<Impl> impl;
 };

@@ -5,6 +5,7 @@
 #include "builder_impl.hpp"
 #include "builder_surface.hpp"
 #include "constraint/list.hpp"
+#include "effect/list.hpp"
 
 namespace dyn {
 
@@ -33,12 +34,9 @@ JointSpec spec_of(const Model& m, const JointRecord& r) {
   }
   const int nv = spec_nv(s);
   auto take = [](const double* x, Index first, Index n) { return std::vector<double>(x + first, x + first + n); };
-  if (nv == 1) {
-    s.armature = {r.armature}, s.damping = {r.damping}, s.friction = {r.friction}, s.stiffness = {r.stiffness};
-  } else {
-    s.armature = take(m.armature(), r.idx_v, nv), s.damping = take(m.damping(), r.idx_v, nv), s.friction = take(m.friction(), r.idx_v, nv);
-    s.stiffness = take(m.stiffness(), r.idx_v, nv);
-  }
+  for_each_effect([&]<class E>() {
+    if constexpr (effect::HasCoefficient<E>) E::of(s) = nv == 1 ? std::vector<double>{E::of(r)} : take(E::of(m), r.idx_v, nv);
+  });
   if (spec_nq(s) == 1) s.spring_reference = {r.spring_reference};
   else s.spring_reference = take(m.spring_reference(), r.idx_q, spec_nq(s));
   if (r.leader >= 0) {

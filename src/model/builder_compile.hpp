@@ -1,0 +1,81 @@
+// A model on its way from a builder into one block: its arrays, and the stages that fill them (builder_finish.cpp gives their order).
+#pragma once
+
+#include <unordered_map>
+
+#include "builder_impl.hpp"
+
+namespace dyn {
+
+// All strings of the model, at its end, each once: a joint and its frame share their name.
+struct Text {
+  std::string pool = std::string(1, '\0');
+  std::unordered_map<std::string, Index> known = {{"", 0}};
+  Index add(const std::string& s) {
+    const auto [at, added] = known.try_emplace(s, Index(pool.size()));
+    if (added) pool.append(s.c_str(), s.size() + 1);
+    return at->second;
+  }
+};
+// The model's arrays.
+struct Arrays {
+#define FIELD(type, name, count, sentence) std::vector<type> name;
+#include "model/model_fields.def"
+#undef FIELD
+};
+
+struct Compiler {
+  const Builder::Impl& in;
+  std::vector<int> order;       // joints of the model as added
+  std::vector<Leader> leaders;
+  std::vector<Index> id;        // of each added joint in the model
+  std::vector<Index> idx_q, idx_v;  // of each added joint
+  Arrays a = {};
+  Text text = {};
+  ModelSizes n = {};
+  WantedPairs wanted = {};
+  Index name = 0;               // of the model, in text
+  bool mimic = false;
+  ModelPtr model = {};
+
+  explicit Compiler(const Builder::Impl& impl);
+
+  // builder_joints.cpp
+  void add_universe();
+  void assign_coordinates();    // followers of a mimic have their leader's
+  void size_coordinate_arrays();
+  void add_joints();
+  void add_joint(int joint);
+  void add_bodies(const JointEntry& e, const Leader& l, JointRecord& r);  // the chain of primitives of a joint
+  void add_parts(const JointEntry& e, JointRecord& r);
+  void add_coefficients(const JointSpec& s, const Leader& l, JointRecord& r);
+  // builder_links.cpp
+  void add_frames();            // and the inertia of links
+  void add_wanted_pairs();      // before shapes: their materials come first
+  void add_shapes();
+  void add_pairs();
+  void add_reports();
+  void add_constraints();
+  void add_configurations();
+  // builder_indices.cpp
+  void add_runs();
+  void add_limits();
+  void add_subtrees();
+  void sort_names();
+  void close_text();
+  // builder_block.cpp
+  void allocate();
+  void fill_header();
+  void copy_arrays();
+  void settle_configurations();
+  void fill_elimination_tree();
+  template <class T>
+  T* array(Model::Field field) { return reinterpret_cast<T*>(reinterpret_cast<char*>(model.get()) + 8 * std::size_t(model->offset[std::size_t(field)])); }
+
+  // Several shapes, so that the load report may have to say that no pair is tested; only the finished model can tell.
+  bool has_pair_report() const { return n.geoms >= 2 && n.geoms <= max_geoms; }
+};
+
+inline SE3<double> rotation_only(const Mat3<double>& R) { return {R, Vec3<double>::zero()}; }
+
+}  // namespace dyn

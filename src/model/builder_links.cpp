@@ -1,0 +1,144 @@
+// Links of a model: frames with what they carry, shapes and their pairs, the load report, constraints, named configurations.
+#include <cstring>
+#include <limits>
+
+#include "builder_compile.hpp"
+#include "builder_surface.hpp"
+
+namespace dyn {
+
+namespace {
+
+// Where x is, one of them if it is new.
+std::uint16_t number_of(std::vector<dynMaterial>& materials, const dynMaterial& x) {
+  std::size_t k = 0;
+  while (k < materials.size() && std::memcmp(&materials[k], &x, sizeof x) != 0) ++k;
+  if (k > UINT16_MAX) throw Error(DYN_ERROR_LIMIT, "more than 65536 different materials");
+  if (k == materials.size()) materials.push_back(x);
+  return std::uint16_t(k);
+}
+// Puts each surface once into the arrays; its number there.
+struct Surfaces {
+  Arrays& a;
+  std::unordered_map<const SurfaceData*, Index> known = {};
+
+  Index add(const SurfacePtr& surface) {
+    if (!surface) return -1;
+    const auto found = known.find(surface.get());
+    return found != known.end() ? found->second : known[surface.get()] = put(*surface);
+  }
+
+ private:
+  template <class T>
+  Index append(const Held<T>& h, std::vector<Stored<T>>& list) {
+    list.push_back({h.header, a.surface_numbers.size(), a.surface_indices.size()});
+    a.surface_numbers.insert(a.surface_numbers.end(), h.numbers.begin(), h.numbers.end());
+    a.surface_indices.insert(a.surface_indices.end(), h.indices.begin(), h.indices.end());
+    if (std::max(a.surface_numbers.size(), a.surface_indices.size()) > std::size_t(std::numeric_limits<Index>::max()))
+      throw Error(DYN_ERROR_LIMIT, "the meshes of the model have more than 2^31 numbers: simplify them");
+    return Index(list.size() - 1);
+  }
+  Index put(const SurfaceData& s) {
+    if (const auto* hull = std::get_if<Held<shape::Hull>>(&s.held)) return append(*hull, a.hulls);
+    if (const auto* tree = std::get_if<Held<shape::TriangleTree>>(&s.held)) return append(*tree, a.trees);
+    return append(std::get<Held<shape::Grid>>(s.held), a.grids);
+  }
+};
+
+}  // namespace
+
+void Compiler::add_frames() {
+  for (const FrameEntry& f : in.frames) {
+    const JointRecord& joint = a.joints[f.joint < 0 ? 0 : std::size_t(id[std::size_t(f.joint)])];
+    FrameRecord r{};
+    r.X = rotation_only(joint.C) * f.X;
+    r.name = text.add(f.name);
+    r.type = f.type;
+    r.joint = f.joint < 0 ? 0 : id[std::size_t(f.joint)], r.parent = Index(f.parent);
+    r.body = joint.last_body;
+    store_se3(f.X, r.placement);
+    r.link = -1;
+    if (f.type == DYN_FRAME_TYPE_BODY) {
+      LinkRecord link{f.mass, {}, {}};
+      std::copy(f.com.begin(), f.com.end(), link.com);
+      std::copy(f.inertia.begin(), f.inertia.end(), link.inertia);
+      r.link = n.links++;
+      a.links.push_back(link);
+    }
+    if (f.mass > 0 && f.compensation != 0 && r.joint > 0) a.gravity_compensations.push_back({r.X.act(load3(f.com.data())), f.mass * f.compensation, r.joint, r.body, r.link});
+    if ((in.density > 0 || in.viscosity > 0) && r.joint > 0)
+      if (std::optional<DragBox> box = drag_box(f, r.X)) box->joint = r.joint, box->body = r.body, a.drag_boxes.push_back(*box);
+    a.frames.push_back(r);
+    Body& b = a.bodies[std::size_t(r.body)];
+    const Inertia<double> Y = f.Y.rotated(joint.C);
+    b.m += Y.m, b.h += Y.h, b.I = b.I + Y.I.full();
+  }
+  n.frames = Index(a.frames.size()), n.gravity_compensations = Index(a.gravity_compensations.size()), n.drag_boxes = Index(a.drag_boxes.size());
+}
+
+void Compiler::add_wanted_pairs() {
+  for (const PairEntry& p : in.pairs) wanted[std::minmax(Index(p.shape1), Index(p.shape2))] = p.material ? 1 + number_of(a.materials, *p.material) : 0;
+  if (a.materials.size() > std::size_t(PairRecord::max_own)) throw Error(DYN_ERROR_LIMIT, "more than 253 different materials of wanted pairs");
+}
+
+void Compiler::add_shapes() {
+  Surfaces surfaces{a};
+  for (const ShapeEntry& s : in.shapes) {
+    ShapeRecord r{};
+    r.name = text.add(s.shape.name), r.mesh = text.add(s.shape.mesh);
+    r.type = s.shape.type, r.role = std::uint8_t(s.shape.role), r.colour = s.shape.colour;
+    r.frame = Index(s.frame), r.surface = surfaces.add(s.shape.surface);
+    std::copy(s.shape.placement.begin(), s.shape.placement.end(), r.placement);
+    std::copy(s.shape.size.begin(), s.shape.size.end(), r.size);
+    r.radius = s.shape.radius, r.contype = s.shape.contype, r.conaffinity = s.shape.conaffinity, r.material = number_of(a.materials, s.shape.material);
+    if (r.role == DYN_SHAPE_ROLE_COLLISION) a.geoms.push_back({Index(a.shapes.size())});
+    a.shapes.push_back(r);
+  }
+  n.shapes = Index(a.shapes.size()), n.geoms = Index(a.geoms.size()), n.materials = Index(a.materials.size());
+  n.hulls = Index(a.hulls.size()), n.trees = Index(a.trees.size()), n.grids = Index(a.grids.size());
+  n.surface_numbers = Index(a.surface_numbers.size()), n.surface_indices = Index(a.surface_indices.size());
+}
+
+void Compiler::add_pairs() {
+  for (const DisabledEntry& p : in.disabled) a.disabled_pairs.push_back({Index(p.frame1), Index(p.frame2), text.add(p.reason)});
+  n.disabled = Index(a.disabled_pairs.size());
+  a.pairs = pairs_of(a.joints, a.bodies, a.frames, a.shapes, a.geoms, a.disabled_pairs, wanted, in.overlapping);
+  n.pairs = Index(a.pairs.size());
+}
+
+void Compiler::add_reports() {
+  for (const ReportEntry& r : in.reports)
+    if (r.message != nothing_tested) a.reports.push_back({r.level, Index(r.line), text.add(r.message)});
+  // room for it: it goes again when the pairs have been judged, which takes the finished model
+  if (has_pair_report()) a.reports.push_back({DYN_REPORT_LEVEL_WARNING, 0, text.add(nothing_tested)});
+  n.reports = Index(a.reports.size());
+}
+
+void Compiler::add_constraints() {
+  for (const dynConstraint& c : constraints_of(in.constraints, id)) a.constraints.push_back({c, text.add(in.constraints[a.constraints.size()].name)});
+  n.constraints = Index(a.constraints.size()), n.slots = n.constraints + Index(in.constraint_slots);
+  n.constraint_rows = room_for_rows(in.constraints, in.constraint_slots);
+}
+
+// "neutral" is the first.
+void Compiler::add_configurations() {
+  a.configuration_names.push_back(text.add("neutral"));
+  a.configurations = a.neutral;
+  for (const ConfigurationEntry& c : in.configurations) {
+    std::vector<double> q = c.whole;
+    if (c.split)
+      for (int j : order) {
+        if (own_nq(in.joints[std::size_t(j)]) == 0) continue;
+        const bool given = std::size_t(j) < c.by_joint.size() && !c.by_joint[std::size_t(j)].empty();
+        const std::vector<double> own = given ? c.by_joint[std::size_t(j)] : neutral_of(in.joints[std::size_t(j)]);
+        q.insert(q.end(), own.begin(), own.end());
+      }
+    if (Index(q.size()) != n.nq)
+      throw Error(DYN_ERROR_SIZE, "configuration '" + c.name + "' has " + std::to_string(q.size()) + " numbers, the model needs nq = " + std::to_string(n.nq));
+    a.configuration_names.push_back(text.add(c.name));
+    a.configurations.insert(a.configurations.end(), q.begin(), q.end());
+  }
+  n.configurations = Index(a.configuration_names.size());
+}
+
+}  // namespace dyn
