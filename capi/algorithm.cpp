@@ -41,8 +41,8 @@ bool dyn::capi::no_overflow(Call& call, int level, double bound) {
     int level;
     double bound;
     const char* what;
-  } rows[] = {{d.p, 0, bound, "placement"}, {d.w, 1, most, "velocity"}, {d.u, 1, most, "velocity"},
-              {d.dw, 2, max_acceleration, "acceleration"}, {d.du, 2, max_acceleration, "acceleration"}};
+  } rows[] = {{d.p, 0, bound, "placement"}, {d.omega, 1, most, "velocity"}, {d.vel, 1, most, "velocity"},
+              {d.alpha, 2, max_acceleration, "acceleration"}, {d.acc, 2, max_acceleration, "acceleration"}};
   for (const auto& r : rows) {
     if (r.level > level) break;
     const Index i = beyond(r.x, m.n.bodies, r.bound);
@@ -63,8 +63,8 @@ bool dyn::capi::moderate_frame(Call& call, int frame, int level, double bound) {
   const Data<double>& d = call.d();
   for (Index i = m.frames()[frame].body; i != 0; i = m.bodies()[i].parent) {
     bool good = beyond(d.p + i, 1, bound) == 1;
-    if (level >= 1) good = good && beyond(d.w + i, 1, bound) == 1 && beyond(d.u + i, 1, bound) == 1;
-    if (level >= 2) good = good && beyond(d.dw + i, 1, bound * bound) == 1 && beyond(d.du + i, 1, bound * bound) == 1;
+    if (level >= 1) good = good && beyond(d.omega + i, 1, bound) == 1 && beyond(d.vel + i, 1, bound) == 1;
+    if (level >= 2) good = good && beyond(d.alpha + i, 1, bound * bound) == 1 && beyond(d.acc + i, 1, bound * bound) == 1;
     if (!good) {
       call.status = fail(DYN_ERROR_NUMERIC, "%s: the motion of joint '%s' overflows: the state is too large for double precision", call.function,
                          m.string(m.joints()[m.bodies()[i].joint].name));

@@ -30,12 +30,12 @@ DYN_INLINE T dot_column(const Motion<T>& s, const Force<T>& f) {
 
 template <class T>
 struct ArticulatedState : Pose<T> {
-  Vec3<T> w;
+  Vec3<T> omega;
 
-  explicit DYN_INLINE ArticulatedState(const Data<T>& d) : Pose<T>(d), w(Vec3<T>::zero()) {}
-  DYN_INLINE void enter(const Data<T>& d, Index parent) { Pose<T>::enter(d, parent), w = d.wd[parent]; }
+  explicit DYN_INLINE ArticulatedState(const Data<T>& d) : Pose<T>(d), omega(Vec3<T>::zero()) {}
+  DYN_INLINE void enter(const Data<T>& d, Index parent) { Pose<T>::enter(d, parent), omega = d.omega_rnea[parent]; }
   // others than the next body add to this one's IA in memory
-  DYN_INLINE void leave(Data<T>& d, Index i) const { d.wd[i] = w, d.IA[i] = ArticulatedInertia<T>::zero(); }
+  DYN_INLINE void leave(Data<T>& d, Index i) const { d.omega_rnea[i] = omega, d.IA[i] = ArticulatedInertia<T>::zero(); }
 };
 
 // What a body passes to its parent.
@@ -59,14 +59,14 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
     const Body& b = m.bodies()[i];
     const Vec3<T> r = s.place(d, i, X);
     const Motion<T> vJ = J::velocity(b, s.R, v + dof);
-    const Vec3<T> wp = s.w;
+    const Vec3<T> wp = s.omega;
     Vec3<T> w = wp, inner = cross(wp, r);
     Motion<T> c = Motion<T>::zero();
     if constexpr (J::rotates) w += vJ.angular, c.angular = cross(wp, vJ.angular);
     if constexpr (J::translates) inner += vJ.linear * T(2);
     c.linear = cross(wp, inner);
     if constexpr (J::rotates && J::translates) c.linear += J::acceleration(b, s.R, v + dof, d.zero).linear;
-    s.w = w;
+    s.omega = w;
     d.c[i] = c;
     const Inertia<T> Y = world_inertia(b, s.R);
     d.Y[i] = Y;
@@ -102,13 +102,13 @@ Index aba(const Model& m, Data<T>& d, const T* v, const T* tau, const T* fext, T
   if (singular) return singular;
 
   // accelerations, root to leaves
-  d.ac[0] = -load3(d.world_gravity);
-  d.al[0] = Vec3<T>::zero();
+  d.acc_rnea[0] = -load3(d.world_gravity);
+  d.alpha_rnea[0] = Vec3<T>::zero();
   struct Acceleration : Motion<T> {
-    DYN_INLINE void enter(const Data<T>& d, Index parent) { this->linear = d.ac[parent], this->angular = d.al[parent]; }
-    DYN_INLINE void leave(Data<T>& d, Index i) const { d.ac[i] = this->linear, d.al[i] = this->angular; }
+    DYN_INLINE void enter(const Data<T>& d, Index parent) { this->linear = d.acc_rnea[parent], this->angular = d.alpha_rnea[parent]; }
+    DYN_INLINE void leave(Data<T>& d, Index i) const { d.acc_rnea[i] = this->linear, d.alpha_rnea[i] = this->angular; }
   };
-  forward_chains(m, d, Acceleration{{d.ac[0], d.al[0]}}, [&]<class J>(Index i, Index dof, Acceleration& state) DYN_INLINE_LAMBDA {
+  forward_chains(m, d, Acceleration{{d.acc_rnea[0], d.alpha_rnea[0]}}, [&]<class J>(Index i, Index dof, Acceleration& state) DYN_INLINE_LAMBDA {
     Motion<T> a = shift(static_cast<const Motion<T>&>(state), d.r[i]) + d.c[i];
     for (int k = 0; k < J::nv; ++k) {
       const Index at = dof + k;

@@ -21,9 +21,9 @@ void center_of_mass(const Model& m, Data<T>& d, int level) {
   for (Index i = m.n.bodies - 1; i >= 1; --i) {
     const Body& b = m.bodies()[i];
     if (level >= 1) {
-      const Vec3<T> h = d.R[i] * cast<T>(b.h), wh = cross(d.w[i], h);
-      momentum += d.u[i] * T(b.m) + wh;
-      if (level >= 2) rate += d.du[i] * T(b.m) + cross(d.dw[i], h) + cross(d.w[i], wh);
+      const Vec3<T> h = d.R[i] * cast<T>(b.h), wh = cross(d.omega[i], h);
+      momentum += d.vel[i] * T(b.m) + wh;
+      if (level >= 2) rate += d.acc[i] * T(b.m) + cross(d.alpha[i], h) + cross(d.omega[i], wh);
     }
     d.msub[b.parent] += d.msub[i];
     d.hsub[b.parent] += d.hsub[i] + d.r[i] * d.msub[i];

@@ -19,8 +19,8 @@ void center_of_mass_velocity_derivatives(const Model& m, Data<T>& d) {
   };
   backward(m, [&]<class J>(Index i) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
-    const Vec3<T> P = d.psub[i] + d.u[i] * T(b.m) + cross(d.w[i], d.R[i] * cast<T>(b.h)), h = d.hsub[i];
-    const Motion<T> Vp = shift(Motion<T>{d.u[b.parent], d.w[b.parent]}, d.r[i]);
+    const Vec3<T> P = d.psub[i] + d.vel[i] * T(b.m) + cross(d.omega[i], d.R[i] * cast<T>(b.h)), h = d.hsub[i];
+    const Motion<T> Vp = shift(Motion<T>{d.vel[b.parent], d.omega[b.parent]}, d.r[i]);
     const T mass = d.msub[i], factor = inverse * T(b.ratio);
     for (int k = 0; k < J::nv; ++k) {
       const std::ptrdiff_t at = 3 * (b.user_v + k);

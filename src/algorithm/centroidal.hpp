@@ -27,7 +27,7 @@ struct Sums : Pose<T> {
 // came before.
 template <class T>
 DYN_INLINE Motions<T> own_motions(const Data<T>& d) {
-  return {d.mw, d.mu, d.mdw, d.mdu};
+  return {d.omega_centroidal, d.vel_centroidal, d.alpha_centroidal, d.acc_centroidal};
 }
 // A robot without mass has no centre of mass: the first body's origin stands for it.
 template <class T>
@@ -75,9 +75,9 @@ void centroidal_map(const Model& m, Data<T>& d) {
     s.mc += arm * Y.m + Y.h;
     if constexpr (rate) {
       move_body<1, J>(b, i, x, s.R, r, v, v);
-      const Inertia<T> dY = dyn::rate(Y, x.w[i]);
+      const Inertia<T> dY = dyn::rate(Y, x.omega[i]);
       store(dY, d.dYc[i]);
-      s.linear += x.u[i] * Y.m + dY.h;
+      s.linear += x.vel[i] * Y.m + dY.h;
     }
   });
   const Vec3<T> c = sums.mc * inverse_mass<T>(m), vc = sums.linear * inverse_mass<T>(m);
@@ -99,7 +99,7 @@ void centroidal_map(const Model& m, Data<T>& d) {
     if constexpr (rate) {
       dY = d.dYc[i];
       if (up.chain) dY = dY + up.dY;
-      speed = x.u[i] - vc;
+      speed = x.vel[i] - vc;
     }
     for (int k = 0; k < J::nv; ++k) {
       const Motion<T> s = J::column(b, R, k);
@@ -108,8 +108,8 @@ void centroidal_map(const Model& m, Data<T>& d) {
       up.h = up.h + Fg * v[b.idx_v + k];
       if constexpr (rate) {
         Motion<T> ds = s;
-        if constexpr (J::translates) ds.linear = cross(x.w[i], s.linear);
-        if constexpr (J::rotates) ds.angular = cross(x.w[i], s.angular);
+        if constexpr (J::translates) ds.linear = cross(x.omega[i], s.linear);
+        if constexpr (J::rotates) ds.angular = cross(x.omega[i], s.angular);
         Force<T> dF = shift(momentum<J>(Y, ds, k) + momentum<J>(dY, s, k), to_com);
         dF.angular += cross(speed, F.linear);
         store6(dF, dAg + 6 * (b.idx_v + k));
@@ -120,7 +120,7 @@ void centroidal_map(const Model& m, Data<T>& d) {
     if (!up.chain) store(d.Yc[b.parent] + up.Y, d.Yc[b.parent]);
     if constexpr (rate)
       if (b.parent) {
-        up.dY = shifted_rate(Y, dY, d.r[i], x.u[i] - x.u[b.parent]);
+        up.dY = shifted_rate(Y, dY, d.r[i], x.vel[i] - x.vel[b.parent]);
         if (!up.chain) store(d.dYc[b.parent] + up.dY, d.dYc[b.parent]);
       }
   });
@@ -146,12 +146,12 @@ void centroidal_momentum(const Model& m, Data<T>& d) {
     move_body<rate ? 2 : 1, J>(b, i, x, s.R, r, v, a);
     const Vec3<T> arm = s.lead(d, i, b.parent, r);
     const Mat3<T> Rt = transpose(s.R), I = cast<T>(b.I);
-    const Vec3<T> h = s.R * cast<T>(b.h), w = x.w[i], u = x.u[i], wB = Rt * w, nB = I * wB, wh = cross(w, h), f = u * T(b.m) + wh;
+    const Vec3<T> h = s.R * cast<T>(b.h), w = x.omega[i], u = x.vel[i], wB = Rt * w, nB = I * wB, wh = cross(w, h), f = u * T(b.m) + wh;
     s.mc += arm * T(b.m) + h;
     s.linear += f;
     s.angular += s.R * nB + cross(h, u) + cross(arm, f);
     if constexpr (rate) {
-      const Vec3<T> dw = x.dw[i], du = x.du[i], df = du * T(b.m) + cross(dw, h) + cross(w, wh);
+      const Vec3<T> dw = x.alpha[i], du = x.acc[i], df = du * T(b.m) + cross(dw, h) + cross(w, wh);
       s.force += df;
       s.moment += s.R * (I * (Rt * dw) + cross(wB, nB)) + cross(h, du) + cross(arm, df);
     }

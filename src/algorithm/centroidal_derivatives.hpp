@@ -22,7 +22,7 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
     move_body<2, J>(b, i, x, s.R, r, v, a);
     const Vec3<T> arm = s.lead(d, i, b.parent, r);
     const Inertia<T> Y = world_inertia(b, s.R);
-    const Vec3<T> w = x.w[i], u = x.u[i], dw = x.dw[i], du = x.du[i], wh = cross(w, Y.h), Iw = Y.I * w;
+    const Vec3<T> w = x.omega[i], u = x.vel[i], dw = x.alpha[i], du = x.acc[i], wh = cross(w, Y.h), Iw = Y.I * w;
     const Vec3<T> P = u * Y.m + wh, f = du * Y.m + cross(dw, Y.h) + cross(w, wh);
     const CompositeMotion<T> C = {
         Y, turning(w, Y.I) + parallel_axis(u, Y.h), {P, Iw + cross(Y.h, u)}, {f, Y.I * dw + cross(w, Iw) + cross(Y.h, du)}};
@@ -45,12 +45,12 @@ void centroidal_derivatives(const Model& m, Data<T>& d) {
   backward(m, Composite{d.CM[0], false}, [&]<class J>(Index i, Composite& up) DYN_INLINE_LAMBDA {
     const Body& b = bodies[i];
     const Index p = b.parent;
-    const Vec3<T> r = d.r[i], to_com = d.arm[i] - c, wp = x.w[p];
+    const Vec3<T> r = d.r[i], to_com = d.arm[i] - c, wp = x.omega[p];
     CompositeMotion<T> C = d.CM[i];
     if (up.chain) C = C + up.C;
     // velocities of body and parent, acceleration of the parent: spatial, at the body's origin
-    const Motion<T> V = {x.u[i], x.w[i]}, Vp = shift(Motion<T>{x.u[p], wp}, r);
-    const Motion<T> Ap = shift(Motion<T>{x.du[p] - cross(wp, x.u[p]), x.dw[p]}, r);
+    const Motion<T> V = {x.vel[i], x.omega[i]}, Vp = shift(Motion<T>{x.vel[p], wp}, r);
+    const Motion<T> Ap = shift(Motion<T>{x.acc[p] - cross(wp, x.vel[p]), x.alpha[p]}, r);
     for (int k = 0; k < J::nv; ++k) {
       const Motion<T> S = J::column(b, d.R[i], k), dV = cross(Vp, S);
       const Force<T> F = shift(momentum<J>(C.Y, S, k), to_com);

@@ -13,8 +13,8 @@ void kinetic_energy(const Model& m, Data<T>& d) {
   T twice = T(0);
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
-    const Vec3<T> wB = transpose_times(d.R[i], d.w[i]), h = d.R[i] * cast<T>(b.h);
-    twice += T(b.m) * dot(d.u[i], d.u[i]) + T(2) * dot(d.u[i], cross(d.w[i], h)) + dot(wB, cast<T>(b.I) * wB);
+    const Vec3<T> wB = transpose_times(d.R[i], d.omega[i]), h = d.R[i] * cast<T>(b.h);
+    twice += T(b.m) * dot(d.vel[i], d.vel[i]) + T(2) * dot(d.vel[i], cross(d.omega[i], h)) + dot(wB, cast<T>(b.I) * wB);
   }
   for (Index k = 0; k < m.n.nv; ++k) twice += d.armature[k] * d.v[k] * d.v[k];
   d.kinetic[0] = T(0.5) * twice;

@@ -13,11 +13,11 @@ namespace dyn {
 // Of body i at the point p.
 template <class T>
 DYN_INLINE Motion<T> velocity_at(const Data<T>& d, Index i, const Vec3<T>& p) {
-  return shift(Motion<T>{d.u[i], d.w[i]}, p - d.p[i]);
+  return shift(Motion<T>{d.vel[i], d.omega[i]}, p - d.p[i]);
 }
 template <class T>
 DYN_INLINE Motion<T> spatial_acceleration_at(const Data<T>& d, Index i, const Vec3<T>& p) {
-  return shift(Motion<T>{d.du[i] - cross(d.w[i], d.u[i]), d.dw[i]}, p - d.p[i]);
+  return shift(Motion<T>{d.acc[i] - cross(d.omega[i], d.vel[i]), d.alpha[i]}, p - d.p[i]);
 }
 
 // What the step S changes a vector of the frame by, because the frame moves along: nothing as seen from there.

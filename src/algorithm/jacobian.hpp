@@ -21,7 +21,7 @@ DYN_INLINE Motion<T> world_column(const Body& b, const Data<T>& d, Index i, int 
 // Spatial velocity of body i at the world's origin.
 template <class T>
 DYN_INLINE Motion<T> world_velocity(const Data<T>& d, Index i) {
-  return {d.u[i] + cross(d.p[i], d.w[i]), d.w[i]};
+  return {d.vel[i] + cross(d.p[i], d.omega[i]), d.omega[i]};
 }
 
 // d.J, 6 x nv.
@@ -83,14 +83,14 @@ inline Motion<T> express(const FramePose<T>& F, dynReference reference, const Mo
 
 template <class T>
 inline Motion<T> frame_velocity(const FramePose<T>& F, const Data<T>& d) {
-  const Vec3<T> w = d.w[F.body];
-  return {d.u[F.body] + cross(w, F.o), w};
+  const Vec3<T> w = d.omega[F.body];
+  return {d.vel[F.body] + cross(w, F.o), w};
 }
 // second derivative of the origin's position, angular acceleration
 template <class T>
 inline Motion<T> frame_classical_acceleration(const FramePose<T>& F, const Data<T>& d) {
-  const Vec3<T> w = d.w[F.body], dw = d.dw[F.body];
-  return {d.du[F.body] + cross(dw, F.o) + cross(w, cross(w, F.o)), dw};
+  const Vec3<T> w = d.omega[F.body], dw = d.alpha[F.body];
+  return {d.acc[F.body] + cross(dw, F.o) + cross(w, cross(w, F.o)), dw};
 }
 
 // X_WF, 12 numbers.
@@ -147,7 +147,7 @@ void frame_jacobian_time_variation(const Model& m, const Data<T>& d, Index frame
   for (Index i = F.body; i != 0; i = m.bodies()[i].parent) {
     const Body& b = m.bodies()[i];
     const Vec3<T> to_frame = F.p - d.p[i];
-    const Motion<T> V = shift(Motion<T>{d.u[i], d.w[i]}, to_frame);  // of body i at the frame's origin
+    const Motion<T> V = shift(Motion<T>{d.vel[i], d.omega[i]}, to_frame);  // of body i at the frame's origin
     visit(b.type, [&]<class J>() {
       for (int k = 0; k < J::nv; ++k) {
         const Motion<T> s = shift(J::column(b, d.R[i], k), to_frame);

@@ -1,7 +1,7 @@
 // Forward kinematics: placements, velocities, accelerations of all bodies, root to leaves.
-// In world axes at each body's origin: w, u the angular velocity and the velocity of the origin, dw, du their derivatives.
-//   w  = w_p + w_J                   u  = u_p + w_p x r + u_J
-//   dw = dw_p + dw_J + w_p x w_J     du = du_p + dw_p x r + w_p x (w_p x r + 2 u_J) + du_J
+// In world axes at each body's origin: omega the angular velocity, vel the velocity of the origin, alpha and acc their derivatives.
+//   omega = omega_p + omega_J                       vel = vel_p + omega_p x r + vel_J
+//   alpha = alpha_p + alpha_J + omega_p x omega_J   acc = acc_p + alpha_p x r + omega_p x (omega_p x r + 2 vel_J) + acc_J
 // with J the motion relative to the joint frame, which rotates with the parent.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace dyn {
 // Where a pass keeps the velocities and accelerations of the bodies.
 template <class T>
 struct Motions {
-  Vec3<T> *w, *u, *dw, *du;
+  Vec3<T> *omega, *vel, *alpha, *acc;
 };
 
 // Velocity (from level 1 on) and acceleration (level 2) of body i, which R and r place.
@@ -21,33 +21,33 @@ DYN_INLINE void move_body(const Body& b, Index i, const Motions<T>& d, const Mat
   if constexpr (level >= 1) {
     const Index p = b.parent;
     const Motion<T> vJ = J::velocity(b, R, v + b.idx_v);
-    const Vec3<T> wp = d.w[p], turn = cross(wp, r);
-    Vec3<T> w = wp, u = d.u[p] + turn;
+    const Vec3<T> wp = d.omega[p], turn = cross(wp, r);
+    Vec3<T> w = wp, u = d.vel[p] + turn;
     if constexpr (J::rotates) w += vJ.angular;
     if constexpr (J::translates) u += vJ.linear;
-    d.w[i] = w;
-    d.u[i] = u;
+    d.omega[i] = w;
+    d.vel[i] = u;
     if constexpr (level >= 2) {
       const Motion<T> aJ = J::acceleration(b, R, v + b.idx_v, a + b.idx_v);
-      Vec3<T> dw = d.dw[p], du = d.du[p] + cross(dw, r), inner = turn;
+      Vec3<T> dw = d.alpha[p], du = d.acc[p] + cross(dw, r), inner = turn;
       if constexpr (J::rotates) dw += aJ.angular + cross(wp, vJ.angular);
       if constexpr (J::translates) du += aJ.linear, inner += vJ.linear * T(2);
-      d.dw[i] = dw;
-      d.du[i] = du + cross(wp, inner);
+      d.alpha[i] = dw;
+      d.acc[i] = du + cross(wp, inner);
     }
   }
 }
 
 template <class T, int level>
 struct KinematicState : Pose<T> {
-  Vec3<T> w, u, dw, du;
+  Vec3<T> omega, vel, alpha, acc;
   Vec3<T> velocities, accelerations;  // sums of sizes
 
-  explicit DYN_INLINE KinematicState(const Data<T>& d) : Pose<T>(d) { w = u = dw = du = velocities = accelerations = Vec3<T>::zero(); }
+  explicit DYN_INLINE KinematicState(const Data<T>& d) : Pose<T>(d) { omega = vel = alpha = acc = velocities = accelerations = Vec3<T>::zero(); }
   DYN_INLINE void enter(const Data<T>& d, Index parent) {
     Pose<T>::enter(d, parent);
-    if constexpr (level >= 1) w = d.w[parent], u = d.u[parent];
-    if constexpr (level >= 2) dw = d.dw[parent], du = d.du[parent];
+    if constexpr (level >= 1) omega = d.omega[parent], vel = d.vel[parent];
+    if constexpr (level >= 2) alpha = d.alpha[parent], acc = d.acc[parent];
   }
   DYN_INLINE void done(Data<T>& d) const {
     Pose<T>::done(d);
@@ -67,23 +67,23 @@ void forward_kinematics(const Model& m, Data<T>& d) {
     const Vec3<T> r = s.place(d, i, X);
     if constexpr (level >= 1) {
       const Motion<T> vJ = J::velocity(b, s.R, v + dof);
-      const Vec3<T> wp = s.w, turn = cross(wp, r);
-      s.u += turn;
-      if constexpr (J::rotates) s.w += vJ.angular;
-      if constexpr (J::translates) s.u += vJ.linear;
-      d.w[i] = s.w;
-      d.u[i] = s.u;
-      s.velocities += sizes(s.w) + sizes(s.u);
+      const Vec3<T> wp = s.omega, turn = cross(wp, r);
+      s.vel += turn;
+      if constexpr (J::rotates) s.omega += vJ.angular;
+      if constexpr (J::translates) s.vel += vJ.linear;
+      d.omega[i] = s.omega;
+      d.vel[i] = s.vel;
+      s.velocities += sizes(s.omega) + sizes(s.vel);
       if constexpr (level >= 2) {
         const Motion<T> aJ = J::acceleration(b, s.R, v + dof, a + dof);
         Vec3<T> inner = turn;
-        s.du += cross(s.dw, r);
-        if constexpr (J::rotates) s.dw += aJ.angular + cross(wp, vJ.angular);
-        if constexpr (J::translates) s.du += aJ.linear, inner += vJ.linear * T(2);
-        s.du += cross(wp, inner);
-        d.dw[i] = s.dw;
-        d.du[i] = s.du;
-        s.accelerations += sizes(s.dw) + sizes(s.du);
+        s.acc += cross(s.alpha, r);
+        if constexpr (J::rotates) s.alpha += aJ.angular + cross(wp, vJ.angular);
+        if constexpr (J::translates) s.acc += aJ.linear, inner += vJ.linear * T(2);
+        s.acc += cross(wp, inner);
+        d.alpha[i] = s.alpha;
+        d.acc[i] = s.acc;
+        s.accelerations += sizes(s.alpha) + sizes(s.acc);
       }
     }
   }).done(d);

@@ -35,7 +35,7 @@ void frame_body_regressor(const Data<T>& d, const FramePose<T>& P, T* Y) {
   const Mat3<T> Rt = transpose(P.R);
   const Motion<T> a = frame_classical_acceleration(P, d);
   Force<T> F[10];
-  body_regressor(Mat3<T>::identity(), Rt * d.w[P.body], Rt * a.angular, Rt * (a.linear - load3(d.world_gravity)), F);
+  body_regressor(Mat3<T>::identity(), Rt * d.omega[P.body], Rt * a.angular, Rt * (a.linear - load3(d.world_gravity)), F);
   for (int c = 0; c < 10; ++c) store6(F[c], Y + 6 * c);
 }
 // The joint's frame, as its body carries it.
@@ -45,12 +45,12 @@ inline FramePose<T> joint_pose(const Model& m, const Data<T>& d, Index joint) {
   return {j.last_body, d.R[j.last_body] * cast<T>(j.C), d.p[j.last_body], Vec3<T>::zero()};
 }
 
-// Placements, with level 1 velocities in d.mw and d.mu; and f(body, first parameter, axes E of the joint's frame) for each joint's
+// Placements, with level 1 velocities in d.omega_centroidal and d.vel_centroidal; and f(body, first parameter, axes E of the joint's frame) for each joint's
 // body on the way.
 template <int level, class T, class F>
 DYN_INLINE void forward_joints(const Model& m, Data<T>& d, F&& f) {
   const T* v = level >= 1 ? d.expand(m, d.v, d.vx) : nullptr;
-  const Motions<T> x = {d.mw, d.mu, nullptr, nullptr};
+  const Motions<T> x = {d.omega_centroidal, d.vel_centroidal, nullptr, nullptr};
   place_forward(m, d, Pose<T>(d), [&]<class J>(Index i, Index, const SE3<T>& X, Pose<T>& s) DYN_INLINE_LAMBDA {
     const Body& b = m.bodies()[i];
     const JointRecord& joint = m.joints()[b.joint];
@@ -78,7 +78,7 @@ template <class T>
 void kinetic_energy_regressor(const Model& m, Data<T>& d) {
   forward_joints<1>(m, d, [&](Index i, std::ptrdiff_t first, const Mat3<T>& E) DYN_INLINE_LAMBDA {
     const Mat3<T> Et = transpose(E);
-    const Vec3<T> u = Et * d.mu[i], w = Et * d.mw[i];
+    const Vec3<T> u = Et * d.vel_centroidal[i], w = Et * d.omega_centroidal[i];
     store_parameters<T>({T(0.5) * dot(u, u), cross(u, w), {hadamard(w, w) * T(0.5), hadamard(w, yzx(w))}}, d.kinetic_energy_regressor + first);
   });
   d.mark_fresh(Stage::KineticRegressor);

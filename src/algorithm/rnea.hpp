@@ -21,15 +21,15 @@ void subtract_external(const Model& m, Data<T>& d, const T* fext) {
 
 template <class T>
 struct NewtonEulerState : Pose<T> {
-  Vec3<T> w, dw, acc;
+  Vec3<T> omega, alpha, acc;
 
   explicit DYN_INLINE NewtonEulerState(const Data<T>& d)
-      : Pose<T>(d), w(Vec3<T>::zero()), dw(Vec3<T>::zero()), acc(-load3(d.world_gravity)) {}
+      : Pose<T>(d), omega(Vec3<T>::zero()), alpha(Vec3<T>::zero()), acc(-load3(d.world_gravity)) {}
   DYN_INLINE void enter(const Data<T>& d, Index parent) {
     Pose<T>::enter(d, parent);
-    w = d.wd[parent], dw = d.al[parent], acc = d.ac[parent];
+    omega = d.omega_rnea[parent], alpha = d.alpha_rnea[parent], acc = d.acc_rnea[parent];
   }
-  DYN_INLINE void leave(Data<T>& d, Index i) const { d.wd[i] = w, d.al[i] = dw, d.ac[i] = acc; }
+  DYN_INLINE void leave(Data<T>& d, Index i) const { d.omega_rnea[i] = omega, d.alpha_rnea[i] = alpha, d.acc_rnea[i] = acc; }
 };
 
 // tau = M a + C v + g - J^T fext for expanded v and a; fext 6 x njoints in joint frames, or nullptr. tau is expanded.
@@ -47,12 +47,12 @@ void rnea(const Model& m, Data<T>& d, const T* v, const T* a, const T* fext, T* 
     // velocity and acceleration of the body
     const Motion<T> vJ = J::velocity(b, s.R, v + dof);
     const Motion<T> aJ = J::acceleration(b, s.R, v + dof, a + dof);
-    const Vec3<T> wp = s.w;
-    Vec3<T> w = wp, dw = s.dw, acc = s.acc + cross(dw, r), inner = cross(wp, r);
+    const Vec3<T> wp = s.omega;
+    Vec3<T> w = wp, dw = s.alpha, acc = s.acc + cross(dw, r), inner = cross(wp, r);
     if constexpr (J::rotates) w += vJ.angular, dw += aJ.angular + cross(wp, vJ.angular);
     if constexpr (J::translates) acc += aJ.linear, inner += vJ.linear * T(2);
     acc += cross(wp, inner);
-    s.w = w, s.dw = dw, s.acc = acc;
+    s.omega = w, s.alpha = dw, s.acc = acc;
 
     // force that the motion takes
     const Mat3<T> Rt = transpose(s.R);

@@ -102,7 +102,7 @@ T joint_torque_regressor(const Model& m, Data<T>& d) {
   });
   for (Index joint = 1; joint < m.n.joints; ++joint) {
     const FramePose<T> P = joint_pose(m, d, joint);
-    const Vec3<T> root = d.root[P.body], w = d.w[P.body], dw = d.dw[P.body], a = d.du[P.body] - g;
+    const Vec3<T> root = d.root[P.body], w = d.omega[P.body], dw = d.alpha[P.body], a = d.acc[P.body] - g;
     size += hadamard(root, root) + hadamard(w, w) + hadamard(dw, dw) + hadamard(a, a);
     Force<T> F[10];
     body_regressor(P.R, w, dw, a, F);

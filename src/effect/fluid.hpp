@@ -37,8 +37,8 @@ struct Fluid : Listed<Fluid> {
   static Force<T> wrench(const M& m, const D& d, const R& x) {
     const Mat3<T> R_WB = d.R[x.body] * cast<T>(x.X.R);
     const Vec3<T> arm = d.R[x.body] * cast<T>(x.X.p), wind = Vec3<T>::make(T(m.wind[0]), T(m.wind[1]), T(m.wind[2]));
-    const Vec3<T> v = d.u[x.body] + cross(d.w[x.body], arm) - wind;
-    const Force<T> f = drag<T>(m, x, transpose_times(R_WB, v), transpose_times(R_WB, d.w[x.body]));
+    const Vec3<T> v = d.vel[x.body] + cross(d.omega[x.body], arm) - wind;
+    const Force<T> f = drag<T>(m, x, transpose_times(R_WB, v), transpose_times(R_WB, d.omega[x.body]));
     const Vec3<T> force = R_WB * f.linear;
     return {force, R_WB * f.angular + cross(arm, force)};
   }

@@ -90,7 +90,7 @@ void data_layout(const Model& m, dynParts parts, void* memory, Data<T>& d) {
   if constexpr (possible & DYN_PART_CONSTRAINTS)
     if (d.slots) set_up_constraints(m, d);
   d.R[0] = Mat3<T>::identity();
-  for (Vec3<T>* x : {d.p, d.r, d.rel, d.w, d.u, d.dw, d.du, d.wd, d.al, d.ac, d.mw, d.mu, d.mdw, d.mdu})
+  for (Vec3<T>* x : {d.p, d.r, d.rel, d.omega, d.vel, d.alpha, d.acc, d.omega_rnea, d.alpha_rnea, d.acc_rnea, d.omega_centroidal, d.vel_centroidal, d.alpha_centroidal, d.acc_centroidal})
     if (x) x[0] = Vec3<T>::zero();
   for (int k = 0; k < 3; ++k) d.extent[k] = T(0);
   for (auto& v : d.version) v = 1;

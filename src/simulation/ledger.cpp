@@ -37,7 +37,7 @@ double power_on_bodies(const Model& m, Data<double>& d, std::uint32_t effects, V
     const Mat3<double> R = d.R[body] * m.joints()[j].C;
     const Vec3<double> force = R * load3(fext + 6 * j);
     sum = sum + force;
-    power += dot(force, d.u[body]) + dot(R * load3(fext + 6 * j + 3), d.w[body]);
+    power += dot(force, d.vel[body]) + dot(R * load3(fext + 6 * j + 3), d.omega[body]);
   }
   return power;
 }
@@ -76,7 +76,7 @@ LedgerState state_of(const Model& m, Data<double>& d) {
   for (Index i = 1; i < m.n.bodies; ++i) {
     const Body& b = m.bodies()[i];
     mass += b.m;
-    momentum = momentum + d.u[i] * b.m + cross(d.w[i], d.R[i] * b.h);
+    momentum = momentum + d.vel[i] * b.m + cross(d.omega[i], d.R[i] * b.h);
     if (b.parent == 0 && b.type == BodyType::FreeFlyer) force = force + d.R[i] * load3(t + b.user_v);
   }
   store3(momentum, x.momentum), store3(force + load3(d.world_gravity) * mass, x.force);

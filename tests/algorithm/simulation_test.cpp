@@ -161,7 +161,7 @@ TEST(Steps, AFreeBodyKeepsItsMomentum) {
   auto momentum = [&] {
     flight.w.d.changed(input_q), flight.w.d.changed(input_v);
     forward_kinematics<1>(*flight.model, flight.w.d);
-    const V3 w = eigen(flight.w.d.w[1]), u = eigen(flight.w.d.u[1]), p = eigen(flight.w.d.p[1]);
+    const V3 w = eigen(flight.w.d.omega[1]), u = eigen(flight.w.d.vel[1]), p = eigen(flight.w.d.p[1]);
     const M3 R = eigen(flight.w.d.R[1]);
     const V3 c = R * t.bodies[0].com, linear = u + w.cross(c);  // mass 1
     V6 h;
