@@ -13,8 +13,8 @@ inline constexpr int solve_width = 16;
 // S and U referred to the tree's root.
 template <class T, class Part = WholeModel>
 void articulated_columns(const Model& m, Data<T>& d, const Part& part = {}) {
-  for (Index l = 0; l < part.run_count(m); ++l) {
-    const JointRun& run = part.runs(m)[l];
+  for (Index l = 0; l < part.joint_run_count(m); ++l) {
+    const JointRun& run = part.joint_runs(m)[l];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       for (Index i = run.first; i < run.last; ++i) {
         const Body& b = m.bodies()[i];

@@ -93,7 +93,7 @@ struct BoxStep {
     if (state[k] == bound_upper && z[k] > T(0)) return bound_none;
     return state[k];
   }
-  // Answers how much it lowers |r + J d|^2 / 2, or a negative number when there is no solution in these digits.
+  // Returns how much it lowers |r + J d|^2 / 2, or a negative number when there is no solution in these digits.
   T operator()(T lambda) {
     bool bounded = false;
     for (Index k = 0; k < s.n; ++k) {

@@ -16,18 +16,18 @@ DYN_INLINE void for_each_leader(const Model& m, F&& f) {
 }
 
 // The factors of the configuration space: flat(in q, in v, count) for coordinates of vector spaces side by side, and
-// curved.template operator()<J>(body) for the bodies that have others.
-template <class Part, class Flat, class Curved>
-DYN_INLINE void for_each_factor(const Model& m, const Part& part, Flat&& flat, Curved&& curved) {
-  for (Index k = 0; k < part.span_count(m); ++k) flat(part.spans(m)[k].first_q, part.spans(m)[k].first_v, part.spans(m)[k].count);
-  for (Index k = 0; k < part.curved_count(m); ++k) {
-    const Body& b = m.bodies()[part.curved(m)[k]];
-    visit(b.type, [&]<class J>() DYN_INLINE_LAMBDA { curved.template operator()<J>(b); });
+// on_manifold.template operator()<J>(body) for the bodies that have others.
+template <class Part, class Flat, class OnManifold>
+DYN_INLINE void for_each_factor(const Model& m, const Part& part, Flat&& flat, OnManifold&& on_manifold) {
+  for (Index k = 0; k < part.euclidean_span_count(m); ++k) flat(part.euclidean_spans(m)[k].first_q, part.euclidean_spans(m)[k].first_v, part.euclidean_spans(m)[k].count);
+  for (Index k = 0; k < part.manifold_joint_count(m); ++k) {
+    const Body& b = m.bodies()[part.manifold_joints(m)[k]];
+    visit(b.type, [&]<class J>() DYN_INLINE_LAMBDA { on_manifold.template operator()<J>(b); });
   }
 }
-template <class Flat, class Curved>
-DYN_INLINE void for_each_factor(const Model& m, Flat&& flat, Curved&& curved) {
-  for_each_factor(m, WholeModel{}, flat, curved);
+template <class Flat, class OnManifold>
+DYN_INLINE void for_each_factor(const Model& m, Flat&& flat, OnManifold&& on_manifold) {
+  for_each_factor(m, WholeModel{}, flat, on_manifold);
 }
 
 // out = q (+) v; out may be q. Part: of some of the trees.

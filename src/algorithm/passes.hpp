@@ -11,22 +11,22 @@ namespace dyn {
 // f.template operator()<J>(body index), root to leaves. One dispatch a run.
 template <class F>
 DYN_INLINE void forward(const Model& m, F&& f) {
-  const JointRun* runs = m.runs();
-  for (Index k = 0; k < m.n.runs; ++k)
-    visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
-      for (Index i = runs[k].first; i < runs[k].last; ++i) f.template operator()<J>(i);
+  const JointRun* joint_runs = m.joint_runs();
+  for (Index k = 0; k < m.n.joint_runs; ++k)
+    visit(joint_runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
+      for (Index i = joint_runs[k].first; i < joint_runs[k].last; ++i) f.template operator()<J>(i);
     });
 }
 
-// The same with something carried from body to body: f(index, carry). The copy within a run can stay in registers. Answers what
+// The same with something carried from body to body: f(index, carry). The copy within a run can stay in registers. Returns what
 // the last body leaves.
 template <class Carry, class F>
 DYN_INLINE Carry forward(const Model& m, Carry carry, F&& f) {
-  const JointRun* runs = m.runs();
-  for (Index k = 0; k < m.n.runs; ++k)
-    visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
+  const JointRun* joint_runs = m.joint_runs();
+  for (Index k = 0; k < m.n.joint_runs; ++k)
+    visit(joint_runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
-      for (Index i = runs[k].first; i < runs[k].last; ++i) f.template operator()<J>(i, here);
+      for (Index i = joint_runs[k].first; i < joint_runs[k].last; ++i) f.template operator()<J>(i, here);
       carry = here;
     });
   return carry;
@@ -35,19 +35,19 @@ DYN_INLINE Carry forward(const Model& m, Carry carry, F&& f) {
 // Leaves to root.
 template <class F>
 DYN_INLINE void backward(const Model& m, F&& f) {
-  const JointRun* runs = m.runs();
-  for (Index k = m.n.runs - 1; k >= 0; --k)
-    visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
-      for (Index i = runs[k].last - 1; i >= runs[k].first; --i) f.template operator()<J>(i);
+  const JointRun* joint_runs = m.joint_runs();
+  for (Index k = m.n.joint_runs - 1; k >= 0; --k)
+    visit(joint_runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
+      for (Index i = joint_runs[k].last - 1; i >= joint_runs[k].first; --i) f.template operator()<J>(i);
     });
 }
 template <class Carry, class F>
 DYN_INLINE Carry backward(const Model& m, Carry carry, F&& f) {
-  const JointRun* runs = m.runs();
-  for (Index k = m.n.runs - 1; k >= 0; --k)
-    visit(runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
+  const JointRun* joint_runs = m.joint_runs();
+  for (Index k = m.n.joint_runs - 1; k >= 0; --k)
+    visit(joint_runs[k].type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
-      for (Index i = runs[k].last - 1; i >= runs[k].first; --i) f.template operator()<J>(i, here);
+      for (Index i = joint_runs[k].last - 1; i >= joint_runs[k].first; --i) f.template operator()<J>(i, here);
       carry = here;
     });
   return carry;
@@ -55,37 +55,37 @@ DYN_INLINE Carry backward(const Model& m, Carry carry, F&& f) {
 
 // What a pass goes along: all, or the chains and coordinates of some trees.
 struct WholeModel {
-  static DYN_INLINE const JointRun* runs(const Model& m) { return m.runs(); }
-  static DYN_INLINE Index run_count(const Model& m) { return m.n.runs; }
-  static DYN_INLINE const CacheBlock* chunks(const Model& m) { return m.chunks(); }
-  static DYN_INLINE Index chunk_count(const Model& m) { return m.n.chunks; }
-  static DYN_INLINE const EuclideanSpan* spans(const Model& m) { return m.spans(); }
-  static DYN_INLINE Index span_count(const Model& m) { return m.n.spans; }
-  static DYN_INLINE const Index* curved(const Model& m) { return m.curved(); }
-  static DYN_INLINE Index curved_count(const Model& m) { return m.n.curved; }
+  static DYN_INLINE const JointRun* joint_runs(const Model& m) { return m.joint_runs(); }
+  static DYN_INLINE Index joint_run_count(const Model& m) { return m.n.joint_runs; }
+  static DYN_INLINE const CacheBlock* cache_blocks(const Model& m) { return m.cache_blocks(); }
+  static DYN_INLINE Index cache_block_count(const Model& m) { return m.n.cache_blocks; }
+  static DYN_INLINE const EuclideanSpan* euclidean_spans(const Model& m) { return m.euclidean_spans(); }
+  static DYN_INLINE Index euclidean_span_count(const Model& m) { return m.n.euclidean_spans; }
+  static DYN_INLINE const Index* manifold_joints(const Model& m) { return m.manifold_joints(); }
+  static DYN_INLINE Index manifold_joint_count(const Model& m) { return m.n.manifold_joints; }
 };
 struct SomeTrees {
   const JointRun* first_run;
-  const CacheBlock* first_chunk;  // of these runs
+  const CacheBlock* first_cache_block;  // of these runs
   const EuclideanSpan* first_span;
   const Index* first_curved;
   Index of_runs, of_chunks, of_spans, of_curved;
-  DYN_INLINE const JointRun* runs(const Model&) const { return first_run; }
-  DYN_INLINE Index run_count(const Model&) const { return of_runs; }
-  DYN_INLINE const CacheBlock* chunks(const Model&) const { return first_chunk; }
-  DYN_INLINE Index chunk_count(const Model&) const { return of_chunks; }
-  DYN_INLINE const EuclideanSpan* spans(const Model&) const { return first_span; }
-  DYN_INLINE Index span_count(const Model&) const { return of_spans; }
-  DYN_INLINE const Index* curved(const Model&) const { return first_curved; }
-  DYN_INLINE Index curved_count(const Model&) const { return of_curved; }
+  DYN_INLINE const JointRun* joint_runs(const Model&) const { return first_run; }
+  DYN_INLINE Index joint_run_count(const Model&) const { return of_runs; }
+  DYN_INLINE const CacheBlock* cache_blocks(const Model&) const { return first_cache_block; }
+  DYN_INLINE Index cache_block_count(const Model&) const { return of_chunks; }
+  DYN_INLINE const EuclideanSpan* euclidean_spans(const Model&) const { return first_span; }
+  DYN_INLINE Index euclidean_span_count(const Model&) const { return of_spans; }
+  DYN_INLINE const Index* manifold_joints(const Model&) const { return first_curved; }
+  DYN_INLINE Index manifold_joint_count(const Model&) const { return of_curved; }
 };
 
 // Root to leaves along chains: f(body, its first degree of freedom, carry); the carry's enter(d, parent) where a chain starts,
 // its leave(d, body) where one ends.
 template <class T, class Carry, class F, class Part = WholeModel>
 DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f, const Part& part = {}) {
-  for (Index l = 0; l < part.run_count(m); ++l) {
-    const JointRun& run = part.runs(m)[l];
+  for (Index l = 0; l < part.joint_run_count(m); ++l) {
+    const JointRun& run = part.joint_runs(m)[l];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
       if (run.parent != run.first - 1) here.enter(d, run.parent);
@@ -100,10 +100,10 @@ DYN_INLINE void forward_chains(const Model& m, Data<T>& d, Carry carry, F&& f, c
 // next one of the chain, zero at a leaf, and becomes what it passes on; add(parent, carry) where the parent is not the next.
 template <class Carry, class F, class Add, class Part = WholeModel>
 DYN_INLINE void backward_chains(const Model& m, const Carry& zero, F&& f, Add&& add, const Part& part = {}) {
-  const JointRun* runs = part.runs(m);
+  const JointRun* joint_runs = part.joint_runs(m);
   Carry carry = zero;
-  for (Index k = part.run_count(m) - 1; k >= 0; --k) {
-    const JointRun& run = runs[k];
+  for (Index k = part.joint_run_count(m) - 1; k >= 0; --k) {
+    const JointRun& run = joint_runs[k];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       Carry here = carry;
       for (Index i = run.last - 1 - run.first; i >= 0; --i) f.template operator()<J>(run.first + i, run.idx_v + J::nv * i, run.first + i == run.last - 1, here);
@@ -165,19 +165,19 @@ struct RelativePose : Pose<T> {
 };
 
 // Root to leaves, f(body, its first degree of freedom, its placement X in its parent, carry): the sines and cosines of a
-// chunk's angles come first, then the X of a chain, which depend on no other body, so that what follows along the chain is one
+// block's angles come first, then the X of a chain, which depend on no other body, so that what follows along the chain is one
 // product of matrices. Returns the carry.
 template <class T, class Carry, class F, class Part = WholeModel>
 DYN_INLINE Carry place_forward(const Model& m, Data<T>& d, Carry carry, F&& f, const Part& part = {}) {
   const T* q = d.expand_q(m);
-  for (Index k = 0; k < part.chunk_count(m); ++k) {
-    const CacheBlock& chunk = part.chunks(m)[k];
-    sincos_sweep(q + chunk.first_q, chunk.last_q - chunk.first_q, d.cosine, d.sine);
-    for (Index l = chunk.first_run; l < chunk.last_run; ++l) {
-      const JointRun& run = part.runs(m)[l];
+  for (Index k = 0; k < part.cache_block_count(m); ++k) {
+    const CacheBlock& block = part.cache_blocks(m)[k];
+    sincos_sweep(q + block.first_q, block.last_q - block.first_q, d.cosine, d.sine);
+    for (Index l = block.first_run; l < block.last_run; ++l) {
+      const JointRun& run = part.joint_runs(m)[l];
       visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
-        const Index n = run.last - run.first, angle = run.idx_q - chunk.first_q;
-        SE3<T>* X = d.X + (run.first - chunk.first);
+        const Index n = run.last - run.first, angle = run.idx_q - block.first_q;
+        SE3<T>* X = d.X + (run.first - block.first);
         for (Index i = 0; i < n; ++i) {
           SE3<T> x = cast<T>(m.joint_placement()[run.first + i]);
           T c{}, s{};

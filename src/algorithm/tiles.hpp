@@ -136,8 +136,8 @@ DYN_INLINE void for_each_tile_among(const Model& m, const Index* next, std::ptrd
 // f(body, first, nv) for the bodies of more than one degree of freedom.
 template <class F>
 inline void for_each_block(const Model& m, F&& f) {
-  for (Index k = 0; k < m.n.runs; ++k) {
-    const JointRun& run = m.runs()[k];
+  for (Index k = 0; k < m.n.joint_runs; ++k) {
+    const JointRun& run = m.joint_runs()[k];
     visit(run.type, [&]<class J>() DYN_INLINE_LAMBDA {
       if constexpr (J::nv > 1)
         for (Index i = run.first; i < run.last; ++i) f(i, std::ptrdiff_t(run.idx_v + J::nv * (i - run.first)), J::nv);

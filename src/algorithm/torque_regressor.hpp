@@ -82,7 +82,7 @@ void torque_rows_mimic(const Model& m, const Data<T>& d, Index i, const Force<T>
       });
 }
 
-// d.regressor. Answers the sum of the squares of all that its elements are sums of products of: where that is small, no element overflows.
+// d.regressor. Returns the sum of the squares of all that its elements are sums of products of: where that is small, no element overflows.
 template <class T>
 T joint_torque_regressor(const Model& m, Data<T>& d) {
   const Vec3<T> g = load3(d.world_gravity);

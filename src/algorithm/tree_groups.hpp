@@ -15,7 +15,7 @@ struct Trees {
 // The trees that a step visits.
 struct AllTrees : WholeModel {
   template <class F>
-  static void for_each_group(const Model& m, F&& f) { f(Trees{1, m.n.bodies, 0, m.n.runs, 0, m.n.nq, 0, m.n.nv}); }
+  static void for_each_group(const Model& m, F&& f) { f(Trees{1, m.n.bodies, 0, m.n.joint_runs, 0, m.n.nq, 0, m.n.nv}); }
 };
 struct ChosenTrees : SomeTrees {
   const Trees* groups;
@@ -28,15 +28,15 @@ struct ChosenTrees : SomeTrees {
 
 // Buffers of a choice of trees.
 struct TreeBuffers {
-  JointRun* runs;
-  CacheBlock* chunks;
+  JointRun* joint_runs;
+  CacheBlock* cache_blocks;
   Trees* groups;
-  EuclideanSpan* spans;
-  Index* curved;
+  EuclideanSpan* euclidean_spans;
+  Index* manifold_joints;
 };
 template <class F>
 void for_each_array(const Model& m, TreeBuffers& r, F&& f) {
-  f(r.runs, m.n.runs), f(r.chunks, m.n.chunks + m.n.bodies), f(r.groups, m.n.bodies), f(r.spans, m.n.spans + m.n.bodies), f(r.curved, m.n.curved);
+  f(r.joint_runs, m.n.joint_runs), f(r.cache_blocks, m.n.cache_blocks + m.n.bodies), f(r.groups, m.n.bodies), f(r.euclidean_spans, m.n.euclidean_spans + m.n.bodies), f(r.manifold_joints, m.n.manifold_joints);
 }
 
 // Lists the trees of a model without mimic joints in ascending order. Returns their number.

@@ -13,8 +13,8 @@ namespace dyn::integrator {
 // Calls f(body, number of the body, centre of mass).
 template <class T, class Part, class F>
 void for_each_free_flyer(const Model& m, const Part& part, F&& f) {
-  for (Index k = 0; k < part.curved_count(m); ++k) {
-    const Index i = part.curved(m)[k];
+  for (Index k = 0; k < part.manifold_joint_count(m); ++k) {
+    const Index i = part.manifold_joints(m)[k];
     const Body& b = m.bodies()[i];
     if (b.type == BodyType::FreeFlyer) f(b, i, b.m > 0 ? cast<T>(b.h) * T(1 / b.m) : Vec3<T>::zero());
   }

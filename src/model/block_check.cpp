@@ -137,8 +137,8 @@ bool BlockChecker::actuators() {
     if (!require(a.controls == (a.type == DYN_ACTUATOR_TYPE_PD ? 3 : 1) && a.idx_u == nu, "controls of an actuator")) return false;
     nu += a.controls;
     Index q = -1;
-    for (Index s = 0; s < n.spans; ++s)
-      if (const EuclideanSpan& span = m.spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count) q = span.first_q + r.v - span.first_v;
+    for (Index s = 0; s < n.euclidean_spans; ++s)
+      if (const EuclideanSpan& span = m.euclidean_spans()[s]; r.v >= span.first_v && r.v < span.first_v + span.count) q = span.first_q + r.v - span.first_v;
     const bool filtered = a.time_constant > 0 || a.integrates;
     if (!require(r.v == j.idx_v + a.component && r.q == q && r.act == (filtered ? na : -1) && a.idx_act == r.act, "coordinates of an actuator")) return false;
     na += filtered;

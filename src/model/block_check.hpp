@@ -19,8 +19,8 @@ class BlockChecker {
   bool names();
   bool joints();             // and bodies
   bool expanded();           // coordinates of followers
-  bool order();              // what follows from the tree of bodies: ends of subtrees, runs, chunks
-  bool coordinates();        // spans, limits
+  bool order();              // what follows from the tree of bodies: ends of subtrees, runs, cache blocks
+  bool coordinates();        // Euclidean spans, limits
   bool elimination();        // the elimination tree of M, and its groups
   bool coefficients();       // numbers of coordinates and of the whole
   bool frames();             // and links, weights, drag boxes

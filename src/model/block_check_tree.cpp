@@ -131,25 +131,25 @@ bool BlockChecker::order() {
       }))
     return false;
 
-  Index runs = 0, chunks = 0, sweep = 0;
+  Index joint_runs = 0, cache_blocks = 0, sweep = 0;
   CacheBlock c{};
-  const auto close_run = [&](Index end) { return runs == 0 || require(m.runs()[runs - 1].last == end, "end of a run"); };
+  const auto close_run = [&](Index end) { return joint_runs == 0 || require(m.joint_runs()[joint_runs - 1].last == end, "end of a run"); };
   const auto close_chunk = [&] {
-    if (chunks == 0) return true;
+    if (cache_blocks == 0) return true;
     const Index first = std::min(c.first_q, (n.nqx + 7) / 8 * 8 - (c.last_q - c.first_q + 3) / 4 * 4);
-    const CacheBlock& x = m.chunks()[chunks - 1];
+    const CacheBlock& x = m.cache_blocks()[cache_blocks - 1];
     sweep = std::max(sweep, padded_sweep(c.last_q - first));
-    return require(x.first == c.first && x.first_run == c.first_run && x.last_run == runs && x.first_q == first && x.last_q == c.last_q, "a chunk");
+    return require(x.first == c.first && x.first_run == c.first_run && x.last_run == joint_runs && x.first_q == first && x.last_q == c.last_q, "a cache block");
   };
   return each(1, n.bodies, [&](Index i) {
-    const bool chunk = (i - 1) % CacheBlock::size == 0, forks = i > 1 && m.subtree_end()[i] < m.subtree_end()[i - 1];
-    if (chunk) {
-      if (!close_chunk() || !index(chunks++, n.chunks, "a chunk")) return false;
-      c = {i, runs, 0, 0, 0};
+    const bool block = (i - 1) % CacheBlock::size == 0, forks = i > 1 && m.subtree_end()[i] < m.subtree_end()[i - 1];
+    if (block) {
+      if (!close_chunk() || !index(cache_blocks++, n.cache_blocks, "a cache block")) return false;
+      c = {i, joint_runs, 0, 0, 0};
     }
-    if (chunk || b[i].type != m.runs()[runs - 1].type || b[i].parent != i - 1 || forks) {
-      if (!close_run(i) || !index(runs++, n.runs, "a run")) return false;
-      const JointRun& r = m.runs()[runs - 1];
+    if (block || b[i].type != m.joint_runs()[joint_runs - 1].type || b[i].parent != i - 1 || forks) {
+      if (!close_run(i) || !index(joint_runs++, n.joint_runs, "a run")) return false;
+      const JointRun& r = m.joint_runs()[joint_runs - 1];
       if (!require(r.type == b[i].type && r.first == i && r.parent == b[i].parent && r.idx_q == b[i].idx_q && r.idx_v == b[i].idx_v, "a run")) return false;
     }
     visit(b[i].type, [&]<class J>() {
@@ -158,30 +158,30 @@ bool BlockChecker::order() {
       c.last_q = b[i].idx_q + 1;
     });
     return true;
-  }) && close_run(n.bodies) && close_chunk() && require(runs == n.runs && chunks == n.chunks && sweep == n.sweep, "runs and chunks");
+  }) && close_run(n.bodies) && close_chunk() && require(joint_runs == n.joint_runs && cache_blocks == n.cache_blocks && sweep == n.sweep, "chains and cache blocks");
 }
 
 bool BlockChecker::coordinates() {
-  Index spans = 0, curved = 0, limits = 0;
+  Index euclidean_spans = 0, manifold_joints = 0, limits = 0;
   EuclideanSpan s{};
   const auto close = [&] {
-    if (spans == 0) return true;
-    const EuclideanSpan& x = m.spans()[spans - 1];
+    if (euclidean_spans == 0) return true;
+    const EuclideanSpan& x = m.euclidean_spans()[euclidean_spans - 1];
     return require(x.first_q == s.first_q && x.first_v == s.first_v && x.count == s.count, "coordinates of a vector space");
   };
   if (!each(1, n.bodies, [&](Index i) {
         const Body& b = m.bodies()[i];
         if (b.follower) return true;
-        if (nq_of(b.type) != nv_of(b.type) || b.wraps) return index(curved, n.curved, "a curved coordinate") && require(m.curved()[curved++] == i, "a curved coordinate");
-        if (spans > 0 && s.first_q + s.count == b.user_q && s.first_v + s.count == b.user_v) return s.count += nv_of(b.type), true;
-        if (!close() || !index(spans++, n.spans, "coordinates of a vector space")) return false;
+        if (nq_of(b.type) != nv_of(b.type) || b.wraps) return index(manifold_joints, n.manifold_joints, "a manifold joint") && require(m.manifold_joints()[manifold_joints++] == i, "a manifold joint");
+        if (euclidean_spans > 0 && s.first_q + s.count == b.user_q && s.first_v + s.count == b.user_v) return s.count += nv_of(b.type), true;
+        if (!close() || !index(euclidean_spans++, n.euclidean_spans, "coordinates of a vector space")) return false;
         s = {b.user_q, b.user_v, nv_of(b.type)};
         return true;
       }) ||
-      !close() || !require(spans == n.spans && curved == n.curved, "coordinates of vector spaces"))
+      !close() || !require(euclidean_spans == n.euclidean_spans && manifold_joints == n.manifold_joints, "coordinates of vector spaces"))
     return false;
-  return each(n.spans, [&](Index k) {
-    const EuclideanSpan& span = m.spans()[k];
+  return each(n.euclidean_spans, [&](Index k) {
+    const EuclideanSpan& span = m.euclidean_spans()[k];
     return each(span.count, [&](Index i) {
       const Index q = span.first_q + i, v = span.first_v + i;
       if (!std::isfinite(m.lower_limit()[q]) && !std::isfinite(m.upper_limit()[q])) return true;

@@ -100,7 +100,7 @@ void Builder::pair(const std::string& shape1, const std::string& shape2, const d
 }
 
 std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id, const std::vector<JointRecord>& joints,
-                                         const std::vector<EuclideanSpan>& spans, ModelSizes& n) {
+                                         const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n) {
   std::vector<ActuatorRecord> out;
   for (const ActuatorEntry& a : actuators) {
     ActuatorRecord r{};
@@ -110,7 +110,7 @@ std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actua
     n.nu += r.spec.controls;
     set_law(a.spec, r);
     r.v = joints[std::size_t(r.spec.joint)].idx_v + a.spec.component, r.q = -1;
-    for (const EuclideanSpan& s : spans)
+    for (const EuclideanSpan& s : euclidean_spans)
       if (r.v >= s.first_v && r.v < s.first_v + s.count) r.q = s.first_q + r.v - s.first_v;
     if (r.bias[1] != 0 && r.q < 0)
       refuse(DYN_ERROR_INVALID, "actuator '" + a.name + "' depends on a length, and the coordinates of its joint are no lengths: use MOTOR or VELOCITY");

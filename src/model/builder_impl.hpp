@@ -142,10 +142,10 @@ struct Leader {
 };
 // Follows mimic of mimic to the joint that moves by itself.
 std::vector<Leader> resolve_mimic(const std::vector<JointEntry>& joints);
-// Chains of one type, as long as they can be, and chunks of them.
-void make_runs(const std::vector<Body>& bodies, std::vector<JointRun>& runs, std::vector<CacheBlock>& chunks);
+// Chains of one type, as long as they can be, and cache blocks of them.
+void make_runs(const std::vector<Body>& bodies, std::vector<JointRun>& joint_runs, std::vector<CacheBlock>& cache_blocks);
 // Coordinates of vector spaces, as many side by side as there are, and the bodies that have others.
-void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& spans, std::vector<Index>& curved);
+void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& euclidean_spans, std::vector<Index>& manifold_joints);
 // The groups of degrees of freedom, from their parents, depths and ends of descendants in the elimination tree. Returns how many there are.
 Index make_dof_groups(const std::vector<Index>& parent, const std::vector<Index>& depth, const std::vector<Index>& end, DofGroup* groups);
 // Elimination tree of M: the parent of each degree of freedom, or -1.
@@ -181,7 +181,7 @@ Index room_for_rows(const std::vector<ConstraintEntry>& constraints, int spare);
 void check_constraints(const Model& m);
 // Actuators as the model keeps them, and their sizes. (builder_actuator.cpp)
 std::vector<ActuatorRecord> actuators_of(const std::vector<ActuatorEntry>& actuators, const std::vector<Index>& id, const std::vector<JointRecord>& joints,
-                                         const std::vector<EuclideanSpan>& spans, ModelSizes& n);
+                                         const std::vector<EuclideanSpan>& euclidean_spans, ModelSizes& n);
 // On which a medium drags; X: the link's frame in its body's internal one. None of a link without mass.
 std::optional<DragBox> drag_box(const FrameEntry& link, const SE3<double>& X);
 

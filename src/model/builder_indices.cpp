@@ -10,18 +10,18 @@
 namespace dyn {
 
 void Compiler::add_runs() {
-  make_runs(a.bodies, a.runs, a.chunks);
-  n.runs = Index(a.runs.size()), n.chunks = Index(a.chunks.size());
-  make_spans(a.bodies, a.spans, a.curved);
-  n.spans = Index(a.spans.size()), n.curved = Index(a.curved.size());
-  for (const ActuatorRecord& r : actuators_of(in.actuators, id, a.joints, a.spans, n)) {
+  make_runs(a.bodies, a.joint_runs, a.cache_blocks);
+  n.joint_runs = Index(a.joint_runs.size()), n.cache_blocks = Index(a.cache_blocks.size());
+  make_spans(a.bodies, a.euclidean_spans, a.manifold_joints);
+  n.euclidean_spans = Index(a.euclidean_spans.size()), n.manifold_joints = Index(a.manifold_joints.size());
+  for (const ActuatorRecord& r : actuators_of(in.actuators, id, a.joints, a.euclidean_spans, n)) {
     a.actuators.push_back(r);
     a.actuators.back().name = text.add(in.actuators[a.actuators.size() - 1].name);
   }
 }
 
 void Compiler::add_limits() {
-  for (const EuclideanSpan& s : a.spans)
+  for (const EuclideanSpan& s : a.euclidean_spans)
     for (Index k = 0; k < s.count; ++k) {
       const Index q = s.first_q + k, v = s.first_v + k;
       if (!std::isfinite(a.lower_limit[std::size_t(q)]) && !std::isfinite(a.upper_limit[std::size_t(q)])) continue;
@@ -32,7 +32,7 @@ void Compiler::add_limits() {
   for (Index i = 1; i < n.bodies; ++i)
     if (const Body& b = a.bodies[std::size_t(i)]; b.type == BodyType::Spherical && a.lower_limit[std::size_t(b.user_q) + 3] >= 0) a.limits.push_back({b.user_q + 3, i, b.idx_v});
   n.limits = Index(a.limits.size());
-  for (const CacheBlock& c : a.chunks) n.sweep = std::max(n.sweep, padded_sweep(c.last_q - c.first_q));
+  for (const CacheBlock& c : a.cache_blocks) n.sweep = std::max(n.sweep, padded_sweep(c.last_q - c.first_q));
 }
 
 void Compiler::add_subtrees() {

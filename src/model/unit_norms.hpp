@@ -9,8 +9,8 @@ namespace dyn {
 // f.template operator()<J>(body) for every body whose coordinates are no vector space.
 template <class F>
 DYN_INLINE void for_each_manifold_joint(const Model& m, F&& f) {
-  for (Index k = 0; k < m.n.curved; ++k) {
-    const Body& b = m.bodies()[m.curved()[k]];
+  for (Index k = 0; k < m.n.manifold_joints; ++k) {
+    const Body& b = m.bodies()[m.manifold_joints()[k]];
     visit(b.type, [&]<class J>() DYN_INLINE_LAMBDA { f.template operator()<J>(b); });
   }
 }

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "effect/list.hpp"
 #include "integrator/free_flight.hpp"
 #include "joint/free_flyer.hpp"
 #include "simulation/workspace.hpp"
@@ -40,9 +41,12 @@ bool is_free_body(const Model& m, Index i) {
   const Body& b = m.bodies()[i];
   if (b.type != BodyType::FreeFlyer || b.parent != 0 || m.subtree_end()[i] != i + 1 || !(b.m > 0)) return false;
   if (!is_identity(m.joint_placement()[i])) return false;  // the joint's coordinates must be the pose in the world
-  for (const double* x : {m.armature(), m.damping(), m.friction(), m.stiffness()})
-    for (int k = 0; k < 6; ++k)
-      if (x[b.user_v + k] != 0) return false;
+  bool passive = true;
+  for_each_effect([&]<class E>() {
+    if constexpr (effect::HasCoefficient<E>)
+      for (int k = 0; k < 6; ++k) passive = passive && E::of(m)[b.user_v + k] == 0;
+  });
+  if (!passive) return false;
   for (Index k = 0; k < m.n.actuators; ++k)
     if (m.actuators()[k].spec.joint == b.joint) return false;
   for (Index k = 0; k < m.n.gravity_compensations; ++k)

@@ -23,7 +23,7 @@ void for_each_array(const Model& m, Sleep& z, F&& f) {
 
 template <class F>
 void for_each_array(const Model& m, FreeBodies& l, F&& f) {
-  const std::ptrdiff_t count = m.n.curved;  // upper bound of the number of free bodies; plan.cpp needs sizes that follow from counts alone
+  const std::ptrdiff_t count = m.n.manifold_joints;  // upper bound of the number of free bodies; plan.cpp needs sizes that follow from counts alone
   if (count == 0) return;
   f(l.sets, (count + Wide::lanes - 1) / Wide::lanes), f(l.active_sets, (count + Wide::lanes - 1) / Wide::lanes);
   f(l.columns, count), f(l.has_columns, count), f(l.touched, count);

@@ -83,7 +83,7 @@ TEST(Builder, OrderOfRandomTrees) {
     for (Index i = 1; i < m->n.bodies; ++i)
       if (m->bodies()[i].parent != i - 1) ++others[std::size_t(m->bodies()[i].parent)];
     Index next = 1;
-    for (Index k = 0; k < m->n.runs; ++k) {
+    for (Index k = 0; k < m->n.joint_runs; ++k) {
       const dyn::JointRun& run = m->runs()[k];
       const dyn::Body &first = m->bodies()[run.first], &before = m->bodies()[run.first - 1];
       EXPECT_EQ(next, run.first);
@@ -103,7 +103,7 @@ TEST(Builder, OrderOfRandomTrees) {
     }
     // chunks cover the runs once, and hold the angles of their bodies
     Index next_run = 0;
-    for (Index k = 0; k < m->n.chunks; ++k) {
+    for (Index k = 0; k < m->n.cache_blocks; ++k) {
       const dyn::CacheBlock& chunk = m->chunks()[k];
       EXPECT_EQ(next_run, chunk.first_run);
       EXPECT_EQ(m->runs()[chunk.first_run].first, chunk.first);
@@ -119,17 +119,17 @@ TEST(Builder, OrderOfRandomTrees) {
         });
       next_run = chunk.last_run;
     }
-    EXPECT_EQ(m->n.runs, next_run);
+    EXPECT_EQ(m->n.joint_runs, next_run);
     EXPECT_EQ(m->n.bodies, next);
     // spans and curved bodies hold every coordinate of the user's once; only joints of vector spaces are in spans
     std::vector<int> in_q(std::size_t(m->n.nq), 0), in_v(std::size_t(m->n.nv), 0);
     std::vector<bool> flat(std::size_t(m->n.nv), false);
-    for (Index k = 0; k < m->n.spans; ++k)
+    for (Index k = 0; k < m->n.euclidean_spans; ++k)
       for (Index i = 0; i < m->spans()[k].count; ++i) {
         ++in_q[std::size_t(m->spans()[k].first_q + i)], ++in_v[std::size_t(m->spans()[k].first_v + i)];
         flat[std::size_t(m->spans()[k].first_v + i)] = true;
       }
-    for (Index k = 0; k < m->n.curved; ++k) {
+    for (Index k = 0; k < m->n.manifold_joints; ++k) {
       const dyn::Body& b = m->bodies()[m->curved()[k]];
       dyn::visit(b.type, [&]<class J>() {
         for (int i = 0; i < J::nq; ++i) ++in_q[std::size_t(b.user_q + i)];
