@@ -44,7 +44,8 @@ struct JointSpec {
   double pitch = 0;
   std::vector<double> lower, upper;                // nq
   std::vector<double> velocity, effort;            // nv
-  std::vector<double> armature, damping, friction, stiffness; // nv
+#define COEFFICIENT(name, has, sentence) std::vector<double> name;  // nv
+#include "effect/coefficients.def"
   std::vector<double> spring_reference;            // nq
   double rotor_inertia = 0, gear_ratio = 1;
   std::string mimic;  // leader's name; "" for none

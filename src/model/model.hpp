@@ -54,7 +54,9 @@ struct JointRecord {
   double placement[12];
   Index first_part, parts;            // composite: its simple joints, in order; otherwise none
   // own, of a joint with one coordinate: a follower's are also part of its leader's
-  double armature, damping, friction, stiffness, spring_reference;
+#define COEFFICIENT(name, has, sentence) double name;
+#include "effect/coefficients.def"
+  double spring_reference;
 };
 
 // A simple joint of a composite.
