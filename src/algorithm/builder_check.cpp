@@ -160,7 +160,8 @@ void check_dynamics(const Model& m, const std::vector<int>& order, const std::ve
     const Vec3<double> c = b.m > 0 ? b.h * (1 / b.m) : Vec3<double>::zero();
     const double scale = std::max({std::abs(moments[0]), moments[2], 1e-6 * b.m * dot(c, c)});
     if (moments[0] < -1e-6 * scale)
-      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" + links_of(frames, owner) + ") has a negative principal moment " + number(moments[0]) +
+      throw Error(DYN_ERROR_INVALID, "joint '" + joints[std::size_t(owner)].spec.name + "': the inertia of its body (" + links_of(frames, owner) +
+                                         ") has a negative principal moment " + number(moments[0]) +
                                          " kg m^2: no mass distribution has that; correct the file");
   }
   if (m.n.nv == 0) return;

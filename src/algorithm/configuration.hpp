@@ -19,7 +19,10 @@ DYN_INLINE void for_each_leader(const Model& m, F&& f) {
 // on_manifold.template operator()<J>(body) for the bodies that have others.
 template <class Part, class Flat, class OnManifold>
 DYN_INLINE void for_each_factor(const Model& m, const Part& part, Flat&& flat, OnManifold&& on_manifold) {
-  for (Index k = 0; k < part.euclidean_span_count(m); ++k) flat(part.euclidean_spans(m)[k].first_q, part.euclidean_spans(m)[k].first_v, part.euclidean_spans(m)[k].count);
+  for (Index k = 0; k < part.euclidean_span_count(m); ++k) {
+    const EuclideanSpan& s = part.euclidean_spans(m)[k];
+    flat(s.first_q, s.first_v, s.count);
+  }
   for (Index k = 0; k < part.manifold_joint_count(m); ++k) {
     const Body& b = m.bodies()[part.manifold_joints(m)[k]];
     visit(b.type, [&]<class J>() DYN_INLINE_LAMBDA { on_manifold.template operator()<J>(b); });

@@ -22,7 +22,9 @@ struct IkTasks {
 struct IkRows {
   int begin, end;
 };
-inline IkRows rows_of(dynIkTaskType type) { return {type == DYN_IK_TASK_TYPE_ORIENTATION ? 3 : 0, type == DYN_IK_TASK_TYPE_POSE || type == DYN_IK_TASK_TYPE_ORIENTATION ? 6 : 3}; }
+inline IkRows rows_of(dynIkTaskType type) {
+  return {type == DYN_IK_TASK_TYPE_ORIENTATION ? 3 : 0, type == DYN_IK_TASK_TYPE_POSE || type == DYN_IK_TASK_TYPE_ORIENTATION ? 6 : 3};
+}
 inline Index row_count(const Model& m, dynIkTaskType type) { return type == DYN_IK_TASK_TYPE_POSTURE ? m.n.nv : rows_of(type).end - rows_of(type).begin; }
 
 struct IkResidual {

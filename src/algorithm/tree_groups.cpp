@@ -18,7 +18,8 @@ Index list_trees(const Model& m, Trees* trees) {
 
 ChosenTrees choose_trees(const Model& m, const TreeBuffers& room, Index groups) {
   ChosenTrees a{};
-  a.first_run = room.joint_runs, a.first_cache_block = room.cache_blocks, a.first_span = room.euclidean_spans, a.first_curved = room.manifold_joints, a.groups = room.groups, a.group_count = groups;
+  a.first_run = room.joint_runs, a.first_cache_block = room.cache_blocks, a.first_span = room.euclidean_spans, a.first_curved = room.manifold_joints,
+      a.groups = room.groups, a.group_count = groups;
   Index block = 0, span = 0, manifold_joints = 0;
   for (Index k = 0; k < groups; ++k) {
     const Trees& g = room.groups[k];
@@ -38,7 +39,8 @@ ChosenTrees choose_trees(const Model& m, const TreeBuffers& room, Index groups) 
       room.euclidean_spans[a.of_spans++] = {s.first_q + (begin - s.first_v), begin, end - begin};
     }
     for (; manifold_joints < m.n.manifold_joints && m.manifold_joints()[manifold_joints] < g.first; ++manifold_joints) {}
-    for (; manifold_joints < m.n.manifold_joints && m.manifold_joints()[manifold_joints] < g.end; ++manifold_joints) room.manifold_joints[a.of_curved++] = m.manifold_joints()[manifold_joints];
+    for (; manifold_joints < m.n.manifold_joints && m.manifold_joints()[manifold_joints] < g.end; ++manifold_joints)
+      room.manifold_joints[a.of_curved++] = m.manifold_joints()[manifold_joints];
   }
   return a;
 }

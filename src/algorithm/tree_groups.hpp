@@ -36,7 +36,8 @@ struct TreeBuffers {
 };
 template <class F>
 void for_each_array(const Model& m, TreeBuffers& r, F&& f) {
-  f(r.joint_runs, m.n.joint_runs), f(r.cache_blocks, m.n.cache_blocks + m.n.bodies), f(r.groups, m.n.bodies), f(r.euclidean_spans, m.n.euclidean_spans + m.n.bodies), f(r.manifold_joints, m.n.manifold_joints);
+  f(r.joint_runs, m.n.joint_runs), f(r.cache_blocks, m.n.cache_blocks + m.n.bodies), f(r.groups, m.n.bodies),
+      f(r.euclidean_spans, m.n.euclidean_spans + m.n.bodies), f(r.manifold_joints, m.n.manifold_joints);
 }
 
 // Lists the trees of a model without mimic joints in ascending order. Returns their number.

@@ -39,11 +39,13 @@ bool BlockChecker::layout(std::size_t bytes) {
     if (!require(size >= 0 && size <= Index(1) << 30, "a size is out of range")) return false;
   if (!require(n.joints >= 1 && n.bodies >= 1 && n.frames >= 1 && n.configurations >= 1 && n.text >= 1, "it has no universe")) return false;
   if (!require(std::uint64_t(n.configurations) * std::uint64_t(n.nq) <= bytes, "its configurations are larger than the file")) return false;
-  if (!require((n.mimic_v == 0 && n.mimic_q == 0 && n.nvx == n.nv && n.nqx == n.nq) || (n.mimic_v == n.nvx && n.mimic_q == n.nqx && n.nvx >= n.nv && n.nqx >= n.nq),
+  if (!require((n.mimic_v == 0 && n.mimic_q == 0 && n.nvx == n.nv && n.nqx == n.nq) ||
+      (n.mimic_v == n.nvx && n.mimic_q == n.nqx && n.nvx >= n.nv && n.nqx >= n.nq),
                "sizes contradict each other"))
     return false;
   if (!require(m.has_mimic == 0 || m.has_mimic == 1, "sizes contradict each other")) return false;
-  if (!require((n.mimic_v > 0) == (m.has_mimic == 1) && n.slots >= n.constraints && n.slots - n.constraints <= 1000, "sizes contradict each other")) return false;
+  if (!require((n.mimic_v > 0) == (m.has_mimic == 1) && n.slots >= n.constraints &&
+      n.slots - n.constraints <= 1000, "sizes contradict each other")) return false;
   // room for a line of the load report that came and went
   ModelSizes with_capacity = n;
   ++with_capacity.reports;
@@ -82,7 +84,8 @@ bool BlockChecker::coefficients() {
     for (int k = 0; k < 3; ++k) small(b.h[k]), small(b.I.x[k]), small(b.I.y[k]), small(b.I.z[k]);
   }
   return require(m.effects == effects_of(m), "its effects") && require(m.no_overflow == Index(no_overflow), "the sizes of its numbers") &&
-         require(are_finite(m.gravity) && are_finite(m.wind), "gravity or wind") && require(is_coefficient(m.density) && is_coefficient(m.viscosity), "the medium") &&
+         require(are_finite(m.gravity) && are_finite(m.wind), "gravity or wind") &&
+             require(is_coefficient(m.density) && is_coefficient(m.viscosity), "the medium") &&
          require(is_coefficient(m.total_mass), "the mass");
 }
 
@@ -91,15 +94,19 @@ bool BlockChecker::frames() {
   const bool good = each(n.frames, [&](Index f) {
     const FrameRecord& r = m.frames()[f];
     if (!text(r.name) || !index(r.joint, n.joints, "joint of a frame") || !index(r.parent, std::max(f, Index(1)), "parent of a frame")) return false;
-    if (!require(r.type == DYN_FRAME_TYPE_OP_FRAME || r.type == DYN_FRAME_TYPE_JOINT || r.type == DYN_FRAME_TYPE_FIXED_JOINT || r.type == DYN_FRAME_TYPE_BODY || r.type == DYN_FRAME_TYPE_SENSOR,
+    if (!require(r.type == DYN_FRAME_TYPE_OP_FRAME || r.type == DYN_FRAME_TYPE_JOINT || r.type == DYN_FRAME_TYPE_FIXED_JOINT ||
+        r.type == DYN_FRAME_TYPE_BODY || r.type == DYN_FRAME_TYPE_SENSOR,
                  "type of a frame"))
       return false;
-    return require(r.link == (r.type == DYN_FRAME_TYPE_BODY ? links++ : -1), "link of a frame") && require(r.type != DYN_FRAME_TYPE_JOINT || r.joint > 0, "joint of a frame") &&
+    return require(r.link == (r.type == DYN_FRAME_TYPE_BODY ? links++ : -1), "link of a frame") &&
+        require(r.type != DYN_FRAME_TYPE_JOINT || r.joint > 0, "joint of a frame") &&
            require(r.body == m.joints()[r.joint].last_body, "body of a frame") && require(is_finite(r.X) && are_finite(r.placement), "placement of a frame");
   });
-  if (!good || !require(m.frames()[0].joint == 0 && m.frames()[0].link == -1, "the frame of the universe") || !require(links == n.links, "links of the frames")) return false;
+  if (!good || !require(m.frames()[0].joint == 0 && m.frames()[0].link == -1, "the frame of the universe") ||
+      !require(links == n.links, "links of the frames")) return false;
   const auto on_a_body = [&](const auto& r) {
-    return require(r.joint > 0, "a joint of a weight") && index(r.joint, n.joints, "joint of a weight") && require(r.body == m.joints()[r.joint].last_body, "body of a weight");
+    return require(r.joint > 0, "a joint of a weight") && index(r.joint, n.joints, "joint of a weight") &&
+        require(r.body == m.joints()[r.joint].last_body, "body of a weight");
   };
   return each(n.links, [&](Index k) {
     const LinkRecord& l = m.links()[k];
@@ -118,7 +125,8 @@ bool BlockChecker::constraints() {
   Index rows = max_rows * (n.slots - n.constraints);
   return each(n.constraints, [&](Index k) {
     const ConstraintRecord& c = m.constraints()[k];
-    if (!text(c.name) || !require(int(c.spec.type) > DYN_CONSTRAINT_TYPE_NONE && check_constraint(m, c.spec, message, sizeof message) == DYN_OK, "a constraint")) return false;
+    if (!text(c.name) || !require(int(c.spec.type) > DYN_CONSTRAINT_TYPE_NONE &&
+        check_constraint(m, c.spec, message, sizeof message) == DYN_OK, "a constraint")) return false;
     Constraint counted{};
     counted.type = c.spec.type, counted.joint_type = c.spec.joint_type;
     rows += constraint_rows(counted);
@@ -143,9 +151,11 @@ bool BlockChecker::actuators() {
     if (!require(r.v == j.idx_v + a.component && r.q == q && r.act == (filtered ? na : -1) && a.idx_act == r.act, "coordinates of an actuator")) return false;
     na += filtered;
     const double scalars[] = {a.gear, a.kp, a.kv, a.gain, a.time_constant};
-    return require(are_finite(scalars) && are_finite(a.bias) && are_finite(r.gain) && are_finite(r.bias) && a.time_constant >= 0 && (a.integrates == 0 || (a.integrates == 1 && a.time_constant == 0)), "a number of an actuator") &&
+    return require(are_finite(scalars) && are_finite(a.bias) && are_finite(r.gain) && are_finite(r.bias) && a.time_constant >= 0 &&
+        (a.integrates == 0 || (a.integrates == 1 && a.time_constant == 0)), "a number of an actuator") &&
            require(r.bias[1] == 0 || r.q >= 0, "an actuator depends on a length that is none") &&
-           require(a.control_range[0] <= a.control_range[1] && a.force_range[0] <= a.force_range[1] && a.act_range[0] <= a.act_range[1], "a range of an actuator");
+           require(a.control_range[0] <= a.control_range[1] && a.force_range[0] <= a.force_range[1] &&
+               a.act_range[0] <= a.act_range[1], "a range of an actuator");
   }) && require(nu == n.nu && na == n.na, "controls of the actuators");
 }
 
@@ -157,7 +167,8 @@ bool BlockChecker::rest() {
     const DisabledRecord& d = m.disabled_pairs()[k];
     if (!text(d.reason)) return false;
     for (const Index f : {d.frame1, d.frame2})
-      if (!index(f, n.frames, "frame of a disabled pair") || !require(f == 0 || m.frames()[f].type == DYN_FRAME_TYPE_BODY, "a disabled pair is of no links")) return false;
+      if (!index(f, n.frames, "frame of a disabled pair") || !require(f == 0 ||
+          m.frames()[f].type == DYN_FRAME_TYPE_BODY, "a disabled pair is of no links")) return false;
     return true;
   });
 }

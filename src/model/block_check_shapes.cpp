@@ -37,7 +37,8 @@ bool BlockChecker::surface(const Stored<T>& s, F&& f) {
 
 // Offsets of `lists` lists in `total` entries, each below `most`.
 bool BlockChecker::lists(const Index* start, Index lists, const Index* entry, Index total, Index most) {
-  return require(start[0] == 0 && start[lists] == total, "lists of a hull") && each(lists, [&](Index k) { return require(start[k] <= start[k + 1], "lists of a hull"); }) &&
+  return require(start[0] == 0 && start[lists] == total, "lists of a hull") &&
+      each(lists, [&](Index k) { return require(start[k] <= start[k + 1], "lists of a hull"); }) &&
          each(total, [&](Index k) { return index(entry[k], most, "vertex of a hull"); });
 }
 
@@ -45,14 +46,16 @@ bool BlockChecker::hull(const Stored<shape::Hull>& s) {
   const shape::Hull& h = s.header;
   return require(h.vertices >= 1 && h.faces >= 0 && h.corners >= 0 && std::max({h.vertices, h.faces, h.corners}) <= 1 << 26, "size of a hull") &&
          require(std::isfinite(h.extent) && h.extent >= 0 && is_finite(h.center), "numbers of a hull") && surface(s, [&](const shape::Hull& v) {
-           return lists(v.face_start, v.faces, v.face_vertices, v.corners, v.vertices) && lists(v.neighbour_start, v.vertices, v.neighbours, v.corners, v.vertices);
+           return lists(v.face_start, v.faces, v.face_vertices, v.corners, v.vertices) &&
+               lists(v.neighbour_start, v.vertices, v.neighbours, v.corners, v.vertices);
          });
 }
 
 bool BlockChecker::tree(const Stored<shape::TriangleTree>& s) {
   using shape::TriangleTree;
   const TriangleTree& h = s.header;
-  if (!require(h.vertices >= 1 && h.triangles >= 1 && h.nodes >= 1 && std::max({h.vertices, h.triangles, h.nodes}) <= 1 << 26 && (h.closed == 0 || h.closed == 1) &&
+  if (!require(h.vertices >= 1 && h.triangles >= 1 && h.nodes >= 1 && std::max({h.vertices, h.triangles, h.nodes}) <= 1 << 26 &&
+      (h.closed == 0 || h.closed == 1) &&
                    std::isfinite(h.extent) && h.extent >= 0,
                "header of a tree"))
     return false;
@@ -81,7 +84,8 @@ bool BlockChecker::tree(const Stored<shape::TriangleTree>& s) {
 bool BlockChecker::grid(const Stored<shape::Grid>& s) {
   using shape::Grid;
   const Grid& h = s.header;
-  if (!require(h.columns >= 2 && h.rows >= 2 && std::int64_t(h.columns) * h.rows <= Grid::max_heights && h.levels >= 1 && h.levels <= Grid::max_levels, "size of a height field"))
+  if (!require(h.columns >= 2 && h.rows >= 2 && std::int64_t(h.columns) * h.rows <= Grid::max_heights && h.levels >= 1 &&
+      h.levels <= Grid::max_levels, "size of a height field"))
     return false;
   Index first = 0;
   for (Index level = 0; level < h.levels; ++level) {
@@ -89,9 +93,11 @@ bool BlockChecker::grid(const Stored<shape::Grid>& s) {
     if (!require(h.first[level] == first && (x == 1 && y == 1) == (level == h.levels - 1), "levels of a height field")) return false;
     first += x * y;
   }
-  if (!require(is_length(h.step_x) && is_length(h.step_y) && std::isfinite(h.bottom) && h.extent >= 0 && h.extent <= shape::max_length, "numbers of a height field")) return false;
+  if (!require(is_length(h.step_x) && is_length(h.step_y) && std::isfinite(h.bottom) && h.extent >= 0 &&
+      h.extent <= shape::max_length, "numbers of a height field")) return false;
   return surface(s, [&](const Grid& v) {
-    if (!each(v.columns * v.rows, [&](Index k) { return require(v.height[k] > v.bottom && std::isfinite(v.height[k]), "height of a height field"); })) return false;
+    if (!each(v.columns * v.rows, [&](Index k) { return require(v.height[k] > v.bottom && std::isfinite(v.height[k]), "height of a height field");
+        })) return false;
     return each(v.levels, [&](Index level) {
       return each(v.cells_x(level) * v.cells_y(level), [&](Index cell) {
         const Index i = cell % v.cells_x(level), j = cell / v.cells_x(level);
@@ -144,12 +150,16 @@ bool BlockChecker::shapes() {
       }) ||
       !require(geoms == n.geoms, "collision shapes"))
     return false;
-  return require(m.contact_capacity >= 0 && m.contact_capacity <= max_contacts && n.contacts == contact_capacity_of(m, moving), "room for contacts") && each(n.pairs, [&](Index k) {
+  return require(m.contact_capacity >= 0 && m.contact_capacity <= max_contacts &&
+      n.contacts == contact_capacity_of(m, moving), "room for contacts") && each(n.pairs, [&](Index k) {
     const PairRecord& p = m.pairs()[k];
-    if (!index(p.a, n.geoms, "shape of a pair") || !index(p.b, n.geoms, "shape of a pair") || !index(p.material(), n.materials + 1, "material of a pair")) return false;
+    if (!index(p.a, n.geoms, "shape of a pair") || !index(p.b, n.geoms, "shape of a pair") ||
+        !index(p.material(), n.materials + 1, "material of a pair")) return false;
     const bool ascends = k == 0 || m.pairs()[k - 1].a < p.a || (m.pairs()[k - 1].a == p.a && m.pairs()[k - 1].b < p.b);
-    return require(p.a < p.b && ascends && carrier(p.a) != carrier(p.b), "order of the pairs") && require(is_value(dynPairReason(p.reason)) && p.reason != DYN_PAIR_REASON_OFF, "reason of a pair") &&
-           require(p.reason == DYN_PAIR_REASON_MESH || (m.shapes()[m.geoms()[p.a].shape].type != DYN_SHAPE_TYPE_MESH && m.shapes()[m.geoms()[p.b].shape].type != DYN_SHAPE_TYPE_MESH), "a pair with a mesh is tested");
+    return require(p.a < p.b && ascends && carrier(p.a) != carrier(p.b), "order of the pairs") &&
+        require(is_value(dynPairReason(p.reason)) && p.reason != DYN_PAIR_REASON_OFF, "reason of a pair") &&
+           require(p.reason == DYN_PAIR_REASON_MESH || (m.shapes()[m.geoms()[p.a].shape].type != DYN_SHAPE_TYPE_MESH &&
+               m.shapes()[m.geoms()[p.b].shape].type != DYN_SHAPE_TYPE_MESH), "a pair with a mesh is tested");
   });
 }
 

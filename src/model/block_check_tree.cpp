@@ -36,12 +36,14 @@ bool BlockChecker::simple(dynJointType type) {
 bool BlockChecker::joint(Index j, Index& q, Index& v, Index& qx, Index& vx) {
   const JointRecord& r = m.joints()[j];
   const Index first = m.joints()[j - 1].last_body + 1;
-  if (!text(r.name) || !index(r.parent, j, "parent of a joint") || !require(r.first_body == first && r.last_body >= first && r.last_body < n.bodies, "bodies of a joint")) return false;
+  if (!text(r.name) || !index(r.parent, j, "parent of a joint") || !require(r.first_body == first && r.last_body >= first &&
+      r.last_body < n.bodies, "bodies of a joint")) return false;
   const bool follows = r.leader != -1;
   if (follows) {
     if (!index(r.leader, n.joints, "leader of a joint") || !require(r.leader > 0 && m.joints()[r.leader].leader == -1, "leader of a joint")) return false;
     const JointRecord& l = m.joints()[r.leader];
-    if (!require(r.idx_q == l.idx_q && r.idx_v == l.idx_v && l.nq == 1 && l.nv == 1 && r.nq == 0 && r.nv == 0, "coordinates of a joint that follows")) return false;
+    if (!require(r.idx_q == l.idx_q && r.idx_v == l.idx_v && l.nq == 1 && l.nv == 1 && r.nq == 0 &&
+        r.nv == 0, "coordinates of a joint that follows")) return false;
   } else if (!require(r.idx_q == q && r.idx_v == v, "coordinates of a joint")) {
     return false;
   }
@@ -50,9 +52,11 @@ bool BlockChecker::joint(Index j, Index& q, Index& v, Index& qx, Index& vx) {
   const auto one = [&](BodyType type, bool wraps) {
     if (!good || !(good = require(body <= r.last_body, "bodies of a joint"))) return;
     const Body& b = m.bodies()[body];
-    good = require(b.type == type && bool(b.wraps) == wraps && b.parent == (body == first ? m.joints()[r.parent].last_body : body - 1) && b.joint == j, "body of a joint") &&
+    good = require(b.type == type && bool(b.wraps) == wraps && b.parent == (body == first ? m.joints()[r.parent].last_body : body - 1) &&
+        b.joint == j, "body of a joint") &&
            require(b.idx_q == qx && b.idx_v == vx && b.user_q == at_q && b.user_v == at_v && b.follower == Index(follows), "coordinates of a body") &&
-           require(std::isfinite(b.m) && b.m >= 0 && is_finite(b.h) && is_finite(b.I) && std::isfinite(b.pitch) && std::isfinite(b.ratio), "inertia of a body") &&
+           require(std::isfinite(b.m) && b.m >= 0 && is_finite(b.h) && is_finite(b.I) && std::isfinite(b.pitch) &&
+               std::isfinite(b.ratio), "inertia of a body") &&
            require(is_finite(m.joint_placement()[body]), "placement of a joint");
     ++body, at_q += nq_of(type), at_v += nv_of(type), qx += nq_of(type), vx += nv_of(type);
   };
@@ -60,7 +64,8 @@ bool BlockChecker::joint(Index j, Index& q, Index& v, Index& qx, Index& vx) {
   if (r.type == DYN_JOINT_TYPE_COMPOSITE) {
     if (!require(r.parts > 0 && r.first_part >= 0 && r.first_part <= n.parts - r.parts, "parts of a joint")) return false;
     for (const PartRecord *p = m.parts() + r.first_part, *end = p + r.parts; p != end; ++p) {
-      if (!simple(p->type) || !require(are_finite(p->axis) && are_finite(p->axis2) && std::isfinite(p->pitch) && are_finite(p->placement), "a part of a joint")) return false;
+      if (!simple(p->type) || !require(are_finite(p->axis) && are_finite(p->axis2) && std::isfinite(p->pitch) &&
+          are_finite(p->placement), "a part of a joint")) return false;
       const Sizes part = primitives(p->type, one);
       own.nq += part.nq, own.nv += part.nv;
     }
@@ -69,7 +74,8 @@ bool BlockChecker::joint(Index j, Index& q, Index& v, Index& qx, Index& vx) {
     own = primitives(r.type, one);
   }
   if (!good || !require(body == r.last_body + 1, "bodies of a joint")) return false;
-  if (follows ? !require(own.nq == 1 && own.nv == 1, "a joint that follows has several coordinates") : !require(r.nq == own.nq && r.nv == own.nv, "coordinates of a joint")) return false;
+  if (follows ? !require(own.nq == 1 && own.nv == 1, "a joint that follows has several coordinates") : !require(r.nq == own.nq &&
+      r.nv == own.nv, "coordinates of a joint")) return false;
   if (!follows) q += own.nq, v += own.nv;
   const double scalars[] = {r.ratio, r.offset, r.pitch, r.armature, r.damping, r.friction, r.stiffness, r.spring_reference};
   return require(is_finite(r.C) && are_finite(r.axis) && are_finite(r.axis2) && are_finite(r.placement) && are_finite(scalars), "a number of a joint");
@@ -79,10 +85,12 @@ bool BlockChecker::joints() {
   const JointRecord& universe = m.joints()[0];
   const Body& world = m.bodies()[0];
   if (!text(universe.name) ||
-      !require(universe.type == DYN_JOINT_TYPE_FIXED && universe.parent == 0 && universe.first_body == 0 && universe.last_body == 0 && universe.nq == 0 && universe.nv == 0 &&
+      !require(universe.type == DYN_JOINT_TYPE_FIXED && universe.parent == 0 && universe.first_body == 0 && universe.last_body == 0 &&
+          universe.nq == 0 && universe.nv == 0 &&
                    universe.idx_q == 0 && universe.idx_v == 0 && universe.leader == -1 && universe.parts == 0,
                "the universe") ||
-      !require(world.parent == 0 && world.idx_q == 0 && world.idx_v == 0 && world.joint == 0 && int(world.type) == 0 && is_finite(world.h) && is_finite(world.I) && is_finite(m.joint_placement()[0]), "the world"))
+      !require(world.parent == 0 && world.idx_q == 0 && world.idx_v == 0 && world.joint == 0 && int(world.type) == 0 && is_finite(world.h) &&
+          is_finite(world.I) && is_finite(m.joint_placement()[0]), "the world"))
     return false;
   Index q = 0, v = 0, qx = 0, vx = 0;
   bool follower = false;
@@ -158,7 +166,8 @@ bool BlockChecker::order() {
       c.last_q = b[i].idx_q + 1;
     });
     return true;
-  }) && close_run(n.bodies) && close_chunk() && require(joint_runs == n.joint_runs && cache_blocks == n.cache_blocks && sweep == n.sweep, "chains and cache blocks");
+  }) && close_run(n.bodies) && close_chunk() && require(joint_runs == n.joint_runs && cache_blocks == n.cache_blocks &&
+      sweep == n.sweep, "chains and cache blocks");
 }
 
 bool BlockChecker::coordinates() {
@@ -172,7 +181,8 @@ bool BlockChecker::coordinates() {
   if (!each(1, n.bodies, [&](Index i) {
         const Body& b = m.bodies()[i];
         if (b.follower) return true;
-        if (nq_of(b.type) != nv_of(b.type) || b.wraps) return index(manifold_joints, n.manifold_joints, "a manifold joint") && require(m.manifold_joints()[manifold_joints++] == i, "a manifold joint");
+        if (nq_of(b.type) != nv_of(b.type) || b.wraps) return index(manifold_joints, n.manifold_joints, "a manifold joint") &&
+            require(m.manifold_joints()[manifold_joints++] == i, "a manifold joint");
         if (euclidean_spans > 0 && s.first_q + s.count == b.user_q && s.first_v + s.count == b.user_v) return s.count += nv_of(b.type), true;
         if (!close() || !index(euclidean_spans++, n.euclidean_spans, "coordinates of a vector space")) return false;
         s = {b.user_q, b.user_v, nv_of(b.type)};
@@ -188,7 +198,8 @@ bool BlockChecker::coordinates() {
       if (!index(limits, n.limits, "a limit")) return false;
       const LimitRecord& l = m.limits()[limits++];
       const Index dof = n.mimic_v ? m.own_v()[v] : v;
-      return index(l.body, n.bodies, "body of a limit") && require(l.q == q && l.dof == dof && l.body > 0 && m.bodies()[l.body].idx_v <= dof && dof < first_dof(m, l.body + 1), "a limit");
+      return index(l.body, n.bodies, "body of a limit") && require(l.q == q && l.dof == dof && l.body > 0 && m.bodies()[l.body].idx_v <= dof &&
+          dof < first_dof(m, l.body + 1), "a limit");
     });
   }) && each(1, n.bodies, [&](Index i) {
     const Body& b = m.bodies()[i];

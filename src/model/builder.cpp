@@ -344,7 +344,8 @@ void Builder::shape(const Shape& shape) {
   for (std::size_t k = 0; k < std::size_t(shape::size_count(shape.type)); ++k)
     if (!(shape.size[k] >= shape::min_length && shape.size[k] <= shape::max_length))
       refuse(DYN_ERROR_INVALID, who + ": size " + number(shape.size[k]) + ": give metres from 1e-12 to 1e12");
-  if (!(shape.radius >= 0 && shape.radius <= shape::max_length)) refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
+  if (!(shape.radius >= 0 && shape.radius <= shape::max_length))
+    refuse(DYN_ERROR_INVALID, who + ": radius " + number(shape.radius) + ": give metres from 0 to 1e12");
   if (shape.radius > 0 && shape.type == DYN_SHAPE_TYPE_MESH) refuse(DYN_ERROR_UNSUPPORTED, who + ": a mesh can't be rounded");
   if (const shape::BadNumber bad = shape::bad_number(shape.material); bad.name)
     refuse(DYN_ERROR_INVALID, who + ": material: " + bad.name + " is " + number(bad.value) + ": give 0 or more, restitution up to 1, finite velocities");

@@ -33,7 +33,8 @@ void Builder::attach(const Model& model, const std::string& prefix, const JointS
   const int carrier_frame = joint ? int(next.frames.size()) - 1 : 0;
   // shapes of its world hang on a link, of the joint's name
   const bool shapes_of_world = std::any_of(other.shapes.begin(), other.shapes.end(), [](const ShapeEntry& s) { return s.frame == 0; });
-  if (joint && shapes_of_world) next.add_frame({joint->name, DYN_FRAME_TYPE_BODY, carrier.joint, carrier.X, Inertia<double>::zero(), 0, {}, {}, 0, carrier_frame}, who);
+  if (joint && shapes_of_world) next.add_frame({joint->name, DYN_FRAME_TYPE_BODY, carrier.joint, carrier.X, Inertia<double>::zero(), 0, {}, {}, 0,
+      carrier_frame}, who);
   const int world = joint && shapes_of_world ? carrier_frame + 1 : carrier_frame;
   const int before = int(next.joints.size()), frames_before = int(next.frames.size());
   const auto place = [&](int frame) { return frame == 0 ? world : frame + frames_before - 1; };  // the world's own frame does not come along

@@ -54,7 +54,9 @@ ModelPtr Builder::finish() const {
     return again;
   }
   const Arrays& a = c.a;
-  const auto moving = std::count_if(a.geoms.begin(), a.geoms.end(), [&](const GeomRecord& g) { return a.frames[std::size_t(a.shapes[std::size_t(g.shape)].frame)].joint > 0; });
+  const auto moving = std::count_if(a.geoms.begin(), a.geoms.end(), [&](const GeomRecord& g) {
+    return a.frames[std::size_t(a.shapes[std::size_t(g.shape)].frame)].joint > 0;
+  });
   m.n.contacts = Index(contact_capacity_of(m, moving));
   return std::move(c.model);
 }

@@ -159,7 +159,8 @@ using GeomPairs = std::vector<std::pair<Index, Index>>;
 // Pairs of collision shapes but those of one body and of a body and its parent, if they are not wanted; of more than max_geoms shapes those that are wanted,
 // disabled, or known to overlap.
 std::vector<PairRecord> pairs_of(const std::vector<JointRecord>& joints, const std::vector<Body>& bodies, const std::vector<FrameRecord>& frames,
-                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms, const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
+                                 const std::vector<ShapeRecord>& shapes, const std::vector<GeomRecord>& geoms,
+                                     const std::vector<DisabledRecord>& disabled, const WantedPairs& wanted,
                                  const GeomPairs& overlapping);
 // Several collision shapes, and no pair of them is tested: the load report says so.
 inline constexpr const char* nothing_tested = "no pair of the collision shapes is tested: dyn info --pairs says why";

@@ -30,7 +30,8 @@ void Compiler::add_limits() {
       a.limits.push_back({q, Index(after - a.bodies.begin()) - 1, dof});
     }
   for (Index i = 1; i < n.bodies; ++i)
-    if (const Body& b = a.bodies[std::size_t(i)]; b.type == BodyType::Spherical && a.lower_limit[std::size_t(b.user_q) + 3] >= 0) a.limits.push_back({b.user_q + 3, i, b.idx_v});
+    if (const Body& b = a.bodies[std::size_t(i)]; b.type == BodyType::Spherical && a.lower_limit[std::size_t(b.user_q) + 3] >= 0)
+      a.limits.push_back({b.user_q + 3, i, b.idx_v});
   n.limits = Index(a.limits.size());
   for (const CacheBlock& c : a.cache_blocks) n.sweep = std::max(n.sweep, padded_sweep(c.last_q - c.first_q));
 }

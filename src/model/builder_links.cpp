@@ -65,7 +65,8 @@ void Compiler::add_frames() {
       r.link = n.links++;
       a.links.push_back(link);
     }
-    if (f.mass > 0 && f.compensation != 0 && r.joint > 0) a.gravity_compensations.push_back({r.X.act(load3(f.com.data())), f.mass * f.compensation, r.joint, r.body, r.link});
+    if (f.mass > 0 && f.compensation != 0 && r.joint > 0)
+      a.gravity_compensations.push_back({r.X.act(load3(f.com.data())), f.mass * f.compensation, r.joint, r.body, r.link});
     if ((in.density > 0 || in.viscosity > 0) && r.joint > 0)
       if (std::optional<DragBox> box = drag_box(f, r.X)) box->joint = r.joint, box->body = r.body, a.drag_boxes.push_back(*box);
     a.frames.push_back(r);

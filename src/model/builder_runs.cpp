@@ -38,7 +38,8 @@ void make_spans(const std::vector<Body>& bodies, std::vector<EuclideanSpan>& euc
     visit(b.type, [&]<class J>() {
       if (J::nq != J::nv || b.wraps)
         manifold_joints.push_back(Index(i));
-      else if (!euclidean_spans.empty() && euclidean_spans.back().first_q + euclidean_spans.back().count == b.user_q && euclidean_spans.back().first_v + euclidean_spans.back().count == b.user_v)
+      else if (!euclidean_spans.empty() && euclidean_spans.back().first_q + euclidean_spans.back().count == b.user_q &&
+          euclidean_spans.back().first_v + euclidean_spans.back().count == b.user_v)
         euclidean_spans.back().count += J::nv;
       else
         euclidean_spans.push_back({b.user_q, b.user_v, J::nv});

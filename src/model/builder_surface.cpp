@@ -122,9 +122,11 @@ SurfacePtr height_grid(const double* heights, Index columns, Index rows, double 
   const auto refuse = [](dynStatus status, const std::string& message) { throw Error(status, "height field: " + message); };
   constexpr double largest = shape::max_length;
   if (columns < 2 || rows < 2) refuse(DYN_ERROR_INVALID, std::to_string(columns) + " x " + std::to_string(rows) + " points: two each way are the least");
-  if (std::int64_t(columns) * rows > max_heights) refuse(DYN_ERROR_LIMIT, std::to_string(columns) + " x " + std::to_string(rows) + " points, and the limit is " + std::to_string(max_heights));
+  if (std::int64_t(columns) * rows > max_heights)
+    refuse(DYN_ERROR_LIMIT, std::to_string(columns) + " x " + std::to_string(rows) + " points, and the limit is " + std::to_string(max_heights));
   for (const double step : {step_x, step_y})
-    if (!(step >= shape::min_length && step <= largest)) refuse(std::isfinite(step) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "a step of " + number(step) + " m: give metres above zero");
+    if (!(step >= shape::min_length && step <= largest))
+      refuse(std::isfinite(step) ? DYN_ERROR_INVALID : DYN_ERROR_NONFINITE, "a step of " + number(step) + " m: give metres above zero");
   if (!std::isfinite(bottom)) refuse(DYN_ERROR_NONFINITE, "bottom is not finite");
   Grid g{};
   g.columns = columns, g.rows = rows, g.step_x = step_x, g.step_y = step_y, g.bottom = bottom;

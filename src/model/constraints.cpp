@@ -97,7 +97,8 @@ dynStatus check_constraint_numbers(const dynConstraint& s, char* message, std::s
     Constraint c{};
     c.joint_type = s.joint_type;
     if (constraint::Loop::rows(c) == 0)
-      return refuse(DYN_ERROR_ARGUMENT, "joint_type is %d: a loop needs a simple joint with 1 to 5 degrees of freedom; for FIXED use the type WELD", int(s.joint_type));
+      return refuse(DYN_ERROR_ARGUMENT, "joint_type is %d: a loop needs a simple joint with 1 to 5 degrees of freedom; for FIXED use the type WELD",
+          int(s.joint_type));
     const Vec3<double> none = Vec3<double>::zero();
     if (is_zero(Motion<double>{load3(s.axis), none})) return refuse(DYN_ERROR_INVALID, "axis is zero: give a direction");
     if (s.joint_type == DYN_JOINT_TYPE_UNIVERSAL) {
@@ -115,14 +116,17 @@ dynStatus check_constraint(const Model& m, const dynConstraint& s, char* message
   const bool two = !between_joints(s.type) || s.type == DYN_CONSTRAINT_TYPE_COUPLING;
   if (!between_joints(s.type)) {
     for (const int frame : {s.first, s.second})
-      if (frame < 0 || frame >= m.n.frames) return refuse(DYN_ERROR_ARGUMENT, "frame %d does not exist: the model has frames 0 to %d", frame, int(m.n.frames) - 1);
+      if (frame < 0 || frame >= m.n.frames)
+        return refuse(DYN_ERROR_ARGUMENT, "frame %d does not exist: the model has frames 0 to %d", frame, int(m.n.frames) - 1);
     const FrameRecord &a = m.frames()[s.first], &b = m.frames()[s.second];
     if (a.body == b.body)
-      return refuse(DYN_ERROR_INVALID, "first, '%s', and second, '%s', are on the same body: nothing can move between them", m.string(a.name), m.string(b.name));
+      return refuse(DYN_ERROR_INVALID, "first, '%s', and second, '%s', are on the same body: nothing can move between them", m.string(a.name),
+          m.string(b.name));
     return DYN_OK;
   }
   for (const int joint : {s.first, two ? s.second : s.first}) {
-    if (joint < 1 || joint >= m.n.joints) return refuse(DYN_ERROR_ARGUMENT, "joint %d does not exist: the model has joints 1 to %d", joint, int(m.n.joints) - 1);
+    if (joint < 1 || joint >= m.n.joints)
+      return refuse(DYN_ERROR_ARGUMENT, "joint %d does not exist: the model has joints 1 to %d", joint, int(m.n.joints) - 1);
     const JointRecord& j = m.joints()[joint];
     if (j.leader >= 0)
       return refuse(DYN_ERROR_INVALID, "joint '%s' mimics '%s': constrain '%s'", joint_name(m, joint), joint_name(m, j.leader), joint_name(m, j.leader));
@@ -131,7 +135,8 @@ dynStatus check_constraint(const Model& m, const dynConstraint& s, char* message
   if (two && s.first == s.second) return refuse(DYN_ERROR_INVALID, "joint '%s' is coupled with itself", joint_name(m, s.first));
   if (s.type == DYN_CONSTRAINT_TYPE_LIMIT) {
     const Index q = m.joints()[s.first].idx_q;
-    if (!std::isfinite(m.lower_limit()[q]) && !std::isfinite(m.upper_limit()[q])) return refuse(DYN_ERROR_INVALID, "joint '%s' has no limits", joint_name(m, s.first));
+    if (!std::isfinite(m.lower_limit()[q]) && !std::isfinite(m.upper_limit()[q]))
+      return refuse(DYN_ERROR_INVALID, "joint '%s' has no limits", joint_name(m, s.first));
   }
   return DYN_OK;
 }

@@ -57,7 +57,8 @@ template <class Layout = OwnLayout>
 constexpr std::uint64_t dynb_tag() {
   std::uint64_t sum = 0xcbf29ce484222325u;
   const auto add = [&](std::uint64_t x) { sum = (sum ^ x) * 0x100000001b3u; };
-  for (const std::size_t size : {sizeof(DynbHeader), sizeof(Model), sizeof(ModelSizes), sizeof(Index), Layout::template alignment<Vec3<double>>, offsetof(Model, offset)}) add(size);
+  for (const std::size_t size : {sizeof(DynbHeader), sizeof(Model), sizeof(ModelSizes), sizeof(Index), Layout::template alignment<Vec3<double>>,
+      offsetof(Model, offset)}) add(size);
 #define FIELD(type, name, count, sentence)                                       \
   add(Layout::template size<type>), add(Layout::template alignment<type>); \
   for (const char* c = #name; *c; ++c) add(std::uint64_t(*c));
@@ -65,7 +66,8 @@ constexpr std::uint64_t dynb_tag() {
 #undef FIELD
   return sum;
 }
-static_assert(DYN_LANES == 3 || (alignof(Vec3<double>) == 32 && sizeof(FrameRecord) == 256 && sizeof(Stored<shape::Hull>) == 160), "a .dynb of another layout than everywhere else");
+static_assert(DYN_LANES == 3 || (alignof(Vec3<double>) == 32 && sizeof(FrameRecord) == 256 && sizeof(Stored<shape::Hull>) == 160),
+    "a .dynb of another layout than everywhere else");
 
 // What is wrong with a buffer: nothing, or a sentence without its end. value of count, where these are not -1.
 struct Damage {

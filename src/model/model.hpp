@@ -157,7 +157,8 @@ struct ModelSizes {
   Index nq, nv;    // the user's coordinates
   Index nqx, nvx;  // expanded: followers of a mimic have their own
   Index mimic_q, mimic_v;  // nqx, nvx when there are followers, else 0
-  Index bodies, joint_runs, cache_blocks, sweep, euclidean_spans, manifold_joints, joints, parts, frames, links, shapes, geoms, pairs, reports, configurations, text, disabled;
+  Index bodies, joint_runs, cache_blocks, sweep, euclidean_spans, manifold_joints, joints, parts, frames, links, shapes, geoms, pairs, reports,
+      configurations, text, disabled;
   Index hulls, trees, grids, surface_numbers, surface_indices;
   Index constraints, slots, constraint_rows;  // slots: with the spare ones; rows that fit into them
   Index materials;

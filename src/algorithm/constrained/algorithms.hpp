@@ -9,7 +9,8 @@ namespace dyn {
 
 // constrained_dynamics.hpp
 template <class T> Index constraint_factor(const Model&, Data<T>&);
-template <class T> Index constrained_dynamics(const Model&, Data<T>&, const T* v, const T* tau, const T* fext, const ProximalOptions&, T* ddq, dynConstraintResult&);
+template <class T> Index constrained_dynamics(const Model&, Data<T>&, const T* v, const T* tau, const T* fext, const ProximalOptions&, T* ddq,
+    dynConstraintResult&);
 template <class T> Index constraint_impulse(const Model&, Data<T>&, const T* v, const ProximalOptions&, T* v_plus, dynConstraintResult&);
 template <class T> void constraint_jacobian(const Model&, Data<T>&, T* J, std::ptrdiff_t ld);
 // delassus.hpp

@@ -58,7 +58,8 @@ Index constrained_inverse_dynamics(const Model& m, Data<T>& d, const T* v, const
     found.rank = pivoted_factor(N, ld, rows, T(independent), work.range, work.vector(4), first, last);
     found.condition = first / last, found.regularisation = mu;
     factor_rows(N, ld, rows, mu, mu / T(2), work.factor, work.vector(0));
-    if (!iterate(N, ld, rows, work.factor, work.vector(0), b, ProximalOptions{}, work.vector(1), d.lambda, found)) found.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
+    if (!iterate(N, ld, rows, work.factor, work.vector(0), b, ProximalOptions{}, work.vector(1), d.lambda, found))
+      found.reason = DYN_CONSTRAINT_REASON_MAX_ITERATIONS;
     if (found.rank < rows) {  // round-off outside the range has grown by 1 / mu
       factor_range(work.range, ld, found.rank, rows, work.factor, work.vector(0));
       project_on_range(work.range, ld, found.rank, rows, work.factor, work.vector(0), work.vector(4), d.lambda);

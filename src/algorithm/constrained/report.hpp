@@ -93,7 +93,8 @@ Index constraint_report(const Model& m, Data<T>& d, dynConstraintReport& report,
     const bool dependent = immobile || share[i] > T(participating), contradicts = dependent && off > agreement;
     report.error = std::max(report.error, double(abs(C[i]))), report.contradiction = std::max(report.contradiction, dependent ? off : 0.0);
     report.contradictory += contradicts;
-    const dynRowVerdict verdict = contradicts ? DYN_ROW_VERDICT_CONTRADICTORY : immobile ? DYN_ROW_VERDICT_IMMOBILE : dependent ? DYN_ROW_VERDICT_REDUNDANT : DYN_ROW_VERDICT_INDEPENDENT;
+    const dynRowVerdict verdict = contradicts ? DYN_ROW_VERDICT_CONTRADICTORY
+                                  : immobile ? DYN_ROW_VERDICT_IMMOBILE : dependent ? DYN_ROW_VERDICT_REDUNDANT : DYN_ROW_VERDICT_INDEPENDENT;
     rows_out(i, verdict, immobile ? 1.0 : double(share[i]), double(C[i]));
   }
   return 0;
