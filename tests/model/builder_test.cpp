@@ -84,7 +84,7 @@ TEST(Builder, OrderOfRandomTrees) {
       if (m->bodies()[i].parent != i - 1) ++others[std::size_t(m->bodies()[i].parent)];
     Index next = 1;
     for (Index k = 0; k < m->n.joint_runs; ++k) {
-      const dyn::JointRun& run = m->runs()[k];
+      const dyn::JointRun& run = m->joint_runs()[k];
       const dyn::Body &first = m->bodies()[run.first], &before = m->bodies()[run.first - 1];
       EXPECT_EQ(next, run.first);
       EXPECT_LT(run.first, run.last);
@@ -104,33 +104,33 @@ TEST(Builder, OrderOfRandomTrees) {
     // chunks cover the runs once, and hold the angles of their bodies
     Index next_run = 0;
     for (Index k = 0; k < m->n.cache_blocks; ++k) {
-      const dyn::CacheBlock& chunk = m->chunks()[k];
+      const dyn::CacheBlock& chunk = m->cache_blocks()[k];
       EXPECT_EQ(next_run, chunk.first_run);
-      EXPECT_EQ(m->runs()[chunk.first_run].first, chunk.first);
-      EXPECT_LE(m->runs()[chunk.last_run - 1].last - chunk.first, dyn::CacheBlock::size);
+      EXPECT_EQ(m->joint_runs()[chunk.first_run].first, chunk.first);
+      EXPECT_LE(m->joint_runs()[chunk.last_run - 1].last - chunk.first, dyn::CacheBlock::size);
       EXPECT_LE(chunk.last_q - chunk.first_q, m->n.sweep);
       EXPECT_GE(chunk.first_q, 0);
       EXPECT_LE(chunk.first_q + (chunk.last_q - chunk.first_q + 3) / 4 * 4, (m->n.nqx + 7) / 8 * 8);  // of what an array is padded to
       for (Index l = chunk.first_run; l < chunk.last_run; ++l)
-        dyn::visit(m->runs()[l].type, [&]<class J>() {
+        dyn::visit(m->joint_runs()[l].type, [&]<class J>() {
           if (!J::angle) return;
-          EXPECT_GE(m->runs()[l].idx_q, chunk.first_q);
-          EXPECT_LE(m->runs()[l].idx_q + m->runs()[l].last - m->runs()[l].first, chunk.last_q);
+          EXPECT_GE(m->joint_runs()[l].idx_q, chunk.first_q);
+          EXPECT_LE(m->joint_runs()[l].idx_q + m->joint_runs()[l].last - m->joint_runs()[l].first, chunk.last_q);
         });
       next_run = chunk.last_run;
     }
     EXPECT_EQ(m->n.joint_runs, next_run);
     EXPECT_EQ(m->n.bodies, next);
-    // spans and curved bodies hold every coordinate of the user's once; only joints of vector spaces are in spans
+    // Euclidean spans and manifold joints hold every coordinate of the user's once; only joints of vector spaces are in the spans
     std::vector<int> in_q(std::size_t(m->n.nq), 0), in_v(std::size_t(m->n.nv), 0);
     std::vector<bool> flat(std::size_t(m->n.nv), false);
     for (Index k = 0; k < m->n.euclidean_spans; ++k)
-      for (Index i = 0; i < m->spans()[k].count; ++i) {
-        ++in_q[std::size_t(m->spans()[k].first_q + i)], ++in_v[std::size_t(m->spans()[k].first_v + i)];
-        flat[std::size_t(m->spans()[k].first_v + i)] = true;
+      for (Index i = 0; i < m->euclidean_spans()[k].count; ++i) {
+        ++in_q[std::size_t(m->euclidean_spans()[k].first_q + i)], ++in_v[std::size_t(m->euclidean_spans()[k].first_v + i)];
+        flat[std::size_t(m->euclidean_spans()[k].first_v + i)] = true;
       }
     for (Index k = 0; k < m->n.manifold_joints; ++k) {
-      const dyn::Body& b = m->bodies()[m->curved()[k]];
+      const dyn::Body& b = m->bodies()[m->manifold_joints()[k]];
       dyn::visit(b.type, [&]<class J>() {
         for (int i = 0; i < J::nq; ++i) ++in_q[std::size_t(b.user_q + i)];
         for (int i = 0; i < J::nv; ++i) ++in_v[std::size_t(b.user_v + i)];
