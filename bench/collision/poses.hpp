@@ -31,7 +31,7 @@ inline Solid typical(Type t, int which) {
     case Type::Cylinder: return cylinder(0.4 * k, 0.9);
     case Type::Cone: return make(t, Vec::make(0.4 * k, 0.4 * k, 0.45), 0);
     case Type::Ellipsoid: return make(t, Vec::make(0.3, 0.4 * k, 0.5), 0);
-    case Type::Convex: case Type::Triangles: case Type::HeightField: break;
+    default: break;  // a hull
   }
   Chance g(std::uint64_t(which) + 1);
   std::vector<Vec> p;

@@ -46,7 +46,7 @@ Result convex(const Shape& a, const Pose& XA, const Shape& b, const Pose& XB, Wo
   });
 }
 
-// f(A, B) of all pairs, by the file that instantiates them
+// F(A, B) of pairs, by the file that instantiates them. Pairs that no list names are instantiated in distance.cpp.
 #define DYN_CONVEX_STRAIGHT(F) \
   F(Capsule, Cylinder) F(Capsule, Cone) F(Capsule, Ellipsoid) F(Capsule, Convex) F(Box, Cylinder) F(Box, Cone) F(Box, Ellipsoid) F(Box, Convex)
 #define DYN_CONVEX_CYLINDER(F) F(Cylinder, Cylinder) F(Cylinder, Cone) F(Cylinder, Ellipsoid) F(Cylinder, Convex)

@@ -111,13 +111,6 @@ constexpr Pair pair() {
     return {convex<A, B>, false};
 }
 
-// calls f.template operator()<S>() for each convex shape
-template <class F>
-constexpr void each_shape(F&& f) {
-#define DYN_EACH(S) f.template operator()<S>();
-  DYN_SHAPES(DYN_EACH)
-#undef DYN_EACH
-}
 struct Table {
   Pair at[type_count][type_count] = {};
 };

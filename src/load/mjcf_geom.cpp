@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mjcf_robot.hpp"
+#include "shape_form.hpp"
 
 namespace dyn::load {
 
@@ -10,33 +11,24 @@ namespace {
 
 using Vec = Vec3<double>;
 
-struct GeomType {
-  const char* name;
-  dynShapeType type;
-  size_t sizes;  // numbers of size that it needs
-  bool along;    // may be given by the two ends of its axis
-};
-constexpr GeomType types[] = {{"plane", DYN_SHAPE_TYPE_HALF_SPACE, 0, false}, {"sphere", DYN_SHAPE_TYPE_SPHERE, 1, false},     {"capsule", DYN_SHAPE_TYPE_CAPSULE, 2, true},
-                              {"cylinder", DYN_SHAPE_TYPE_CYLINDER, 2, true}, {"ellipsoid", DYN_SHAPE_TYPE_ELLIPSOID, 3, true}, {"box", DYN_SHAPE_TYPE_BOX, 3, true},
-                              {"mesh", DYN_SHAPE_TYPE_MESH, 0, false},        {"hfield", DYN_SHAPE_TYPE_HEIGHT_FIELD, 0, false}};
+// Types that are not described by their sizes.
+constexpr ShapeForm others[] = {{{"plane"}, DYN_SHAPE_TYPE_HALF_SPACE, 0}, {{"mesh"}, DYN_SHAPE_TYPE_MESH, 0}, {{"hfield"}, DYN_SHAPE_TYPE_HEIGHT_FIELD, 0}};
 
-const GeomType* type_of(const Reader& reader, const Element& e) {
+// Returns nullopt for signed distance fields, which are not supported.
+std::optional<ShapeForm> type_of(const Reader& reader, const Element& e) {
   const std::string type = e.Attribute("type") ? e.Attribute("type") : "sphere";
-  for (const GeomType& t : types)
-    if (t.name == type) return &t;
-  if (type == "sdf") return nullptr;
-  reader.fail(DYN_ERROR_PARSE, e, "<geom type> is " + load::quoted(type) + ": plane, hfield, sphere, capsule, ellipsoid, cylinder, box or mesh is expected");
+  if (const auto form = shape_form(RobotFormat::Mjcf, type)) return form;
+  for (const ShapeForm& other : others)
+    if (other.name == type) return other;
+  if (type == "sdf") return std::nullopt;
+  reader.fail(DYN_ERROR_PARSE, e, "<geom type> is " + load::quoted(type) + ": plane, hfield, mesh, " + shape_names(RobotFormat::Mjcf) + " are supported");
 }
 
-// From half sizes of the file to those of dynShapeInfo.
-std::array<double, 3> sizes_of(dynShapeType type, const std::array<double, 3>& s) {
-  switch (type) {
-    case DYN_SHAPE_TYPE_SPHERE: return {s[0], 0, 0};
-    case DYN_SHAPE_TYPE_CAPSULE: case DYN_SHAPE_TYPE_CYLINDER: return {s[0], 2 * s[1], 0};
-    case DYN_SHAPE_TYPE_BOX: return {2 * s[0], 2 * s[1], 2 * s[2]};
-    case DYN_SHAPE_TYPE_ELLIPSOID: return s;
-    default: return {0, 0, 0};
-  }
+// From the file's numbers to the sizes of dynShapeInfo.
+std::array<double, 3> sizes_of(const ShapeForm& form, const std::array<double, 3>& s) {
+  std::array<double, 3> out = {0, 0, 0};
+  for (size_t k = 0; k < form.sizes; ++k) out[k] = s[k] / form.factor[k];
+  return out;
 }
 
 std::uint32_t mask(const Reader& reader, const Element& e, const char* attribute) {
@@ -78,7 +70,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
                     "euler", "xyaxes", "zaxis", "hfield", "mesh", "user", "friction", "condim", "priority", "solmix", "solref", "solimp", "margin", "gap", "surfacevel"},
                 {"plugin"});
   count_unused(reader, e, "geom", {"priority", "solmix", "solref", "solimp", "margin", "gap"});
-  const GeomType* type = type_of(reader, e);
+  const std::optional<ShapeForm> type = type_of(reader, e);
   if (!type) return geom.place.physics("a geom of type sdf is not used");
 
   geom.shape.type = type->type;
@@ -100,7 +92,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   }
   size_t needed = type->sizes;
   const auto ends = reader.numbers(e, "fromto", 6);
-  if (ends && type->along) {
+  if (ends && type->sizes > 1) {  // the ends of the axis
     const Vec from = load3(ends->data()), to = load3(ends->data() + 3), d = from - to;
     const double length = std::sqrt(dot(d, d));
     if (!(length > 1e-12)) reader.bad_numbers(e, "fromto", "both ends are the same point");
@@ -115,7 +107,7 @@ void read_mjcf_geom(MjcfFile& file, Element& e, const MjcfContext& context) {
   if (given < needed) reader.fail(DYN_ERROR_INVALID, e, "<geom size>: a " + std::string(type->name) + " needs " + std::to_string(needed) + " numbers");
   for (size_t k = 0; k < needed; ++k)
     if (!(size[k] > 0)) reader.bad_numbers(e, "size", "sizes are positive metres");
-  geom.shape.size = sizes_of(type->type, size);
+  geom.shape.size = sizes_of(*type, size);
 
   const bool counts = geom.mass.value_or(geom.density) > 0 && context.body != 0 && mass_from_geoms(body);
   if (type->type == DYN_SHAPE_TYPE_MESH) file.assets.mesh(e, reader.name(e, "mesh"), counts, geom);

@@ -5,6 +5,7 @@
 #include "collision/pair_search.hpp"
 #include "model/builder_surface.hpp"
 #include "save_mjcf.hpp"
+#include "shape_form.hpp"
 
 namespace dyn::load {
 
@@ -24,7 +25,8 @@ void put_friction(XmlElement& e, const dynMaterial& x, bool of_pair) {
 void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   const std::string name = m.string(s.name), called = name.empty() ? (body.Attribute("name") ? body.Attribute("name") : "world") : name;
   const bool visual = s.role == DYN_SHAPE_ROLE_VISUAL;
-  if (s.type == DYN_SHAPE_TYPE_CONE) return losses.loss("cones are left out", called);
+  const std::optional<ShapeForm> form = shape_form(RobotFormat::Mjcf, s.type);
+  if (!form && shape::size_count(s.type) > 0) return losses.loss(std::string("shapes of type ") + shape_name(s.type) + " are left out", called);
   XmlElement& e = *body.InsertNewChildElement("geom");
   if (!name.empty()) {
     geom_names[k] = geoms.claim(name);
@@ -34,11 +36,6 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
   SE3<double> X = load_se3(s.placement);
   const auto type = [&](const char* kind) { put(e, "type", std::string(kind)); };
   switch (s.type) {
-    case DYN_SHAPE_TYPE_BOX: type("box"), put(e, "size", {s.size[0] / 2, s.size[1] / 2, s.size[2] / 2}); break;
-    case DYN_SHAPE_TYPE_SPHERE: type("sphere"), put(e, "size", s.size[0]); break;
-    case DYN_SHAPE_TYPE_CYLINDER: type("cylinder"), put(e, "size", {s.size[0], s.size[1] / 2}); break;
-    case DYN_SHAPE_TYPE_CAPSULE: type("capsule"), put(e, "size", {s.size[0], s.size[1] / 2}); break;
-    case DYN_SHAPE_TYPE_ELLIPSOID: type("ellipsoid"), put(e, "size", std::span(s.size)); break;
     case DYN_SHAPE_TYPE_HALF_SPACE:
       type("plane"), put(e, "size", {0, 0, 1});
       if (visual) losses.note("visual half-spaces, which loading leaves out", called);
@@ -50,10 +47,15 @@ void MjcfWriter::add_geom(XmlElement& body, const ShapeRecord& s, Index k) {
       type("hfield"), put(e, "hfield", asset);
       break;
     }
-    case DYN_SHAPE_TYPE_CONE: break;
     case DYN_SHAPE_TYPE_MESH: case DYN_SHAPE_TYPE_CONVEX: case DYN_SHAPE_TYPE_TRIANGLES:
       type("mesh"), put(e, "mesh", mesh_asset(s));
       if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("hulls and triangles become meshes: load the file with meshes as hulls or triangles", called);
+      break;
+    default: {  // a primitive
+      std::vector<double> size(form->sizes);
+      for (size_t i = 0; i < size.size(); ++i) size[i] = s.size[i] * form->factor[i];
+      type(form->name), put(e, form->attribute[0], size);
+    }
   }
   put_pose(e, X);
   if (s.radius > 0) losses.loss("rounding of shapes", called);

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "save_urdf.hpp"
+#include "shape_form.hpp"
 
 namespace dyn::load {
 
@@ -38,25 +39,21 @@ void UrdfWriter::add_shape(XmlElement& link, const ShapeRecord& s) {
   const std::string name = m.string(s.name), mesh = m.string(s.mesh), called = name.empty() ? link.Attribute("name") : name;
   XmlElement* geometry = doc.NewElement("geometry");
   const auto shape = [&](const char* kind) -> XmlElement& { return *geometry->InsertNewChildElement(kind); };
-  switch (s.type) {
-    case DYN_SHAPE_TYPE_BOX: put(shape("box"), "size", std::span(s.size)); break;
-    case DYN_SHAPE_TYPE_SPHERE: put(shape("sphere"), "radius", s.size[0]); break;
-    case DYN_SHAPE_TYPE_CAPSULE: losses.note("shape 'capsule', which is not in the URDF standard", called); [[fallthrough]];
-    case DYN_SHAPE_TYPE_CYLINDER: {
-      XmlElement& e = shape(s.type == DYN_SHAPE_TYPE_CYLINDER ? "cylinder" : "capsule");
-      put(e, "radius", s.size[0]), put(e, "length", s.size[1]);
-      break;
-    }
-    case DYN_SHAPE_TYPE_MESH: case DYN_SHAPE_TYPE_CONVEX: case DYN_SHAPE_TYPE_TRIANGLES:
-      if (!mesh.empty()) {
-        XmlElement& e = shape("mesh");
-        put(e, "filename", mesh);
-        if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(e, "scale", std::span(s.size));
-        if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("hulls and triangles of mesh files are saved by file name: load the file with the same option for meshes", called);
-        break;
-      }
-      [[fallthrough]];
-    default: losses.loss("shapes that are no box, sphere, cylinder, capsule or mesh file are left out", called); return doc.DeleteNode(geometry);
+  const bool meshed = s.type == DYN_SHAPE_TYPE_MESH || s.type == DYN_SHAPE_TYPE_CONVEX || s.type == DYN_SHAPE_TYPE_TRIANGLES;
+  if (const auto form = shape_form(RobotFormat::Urdf, s.type)) {
+    if (!form->standard) losses.note(std::string("shape '") + form->name + "', which is not in the URDF standard", called);
+    XmlElement& e = shape(form->name);
+    if (!form->attribute[1]) put(e, form->attribute[0], std::span(s.size, form->sizes));
+    else
+      for (size_t i = 0; i < form->sizes; ++i) put(e, form->attribute[i], s.size[i]);
+  } else if (meshed && !mesh.empty()) {
+    XmlElement& e = shape("mesh");
+    put(e, "filename", mesh);
+    if (s.size[0] != 1 || s.size[1] != 1 || s.size[2] != 1) put(e, "scale", std::span(s.size));
+    if (s.type != DYN_SHAPE_TYPE_MESH) losses.note("hulls and triangles of mesh files are saved by file name: load the file with the same option for meshes", called);
+  } else {
+    losses.loss("shapes that are no mesh file and none of " + shape_names(RobotFormat::Urdf) + " are left out", called);
+    return doc.DeleteNode(geometry);
   }
   const dynMaterial& material = m.materials()[s.material];
   if (s.role == DYN_SHAPE_ROLE_COLLISION && !is_default(material, true)) losses.loss("materials of shapes (friction, restitution, ...)", called);

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "reader.hpp"
+#include "shape_form.hpp"
 #include "urdf_robot.hpp"
 
 namespace dyn::load {
@@ -89,6 +90,22 @@ void read_mesh(const Element& e, const Reader& reader, Shape& shape, MeshPaths& 
   reader.report.physics(line(e), reader.owner + ": mesh " + quoted(name) + " is not found" + tried);
 }
 
+void read_sizes(const Element& g, const Reader& reader, const ShapeForm& form, bool physics, Shape& shape) {
+  const auto& names = form.attribute;
+  shape.type = form.type, shape.size = {0, 0, 0};
+  if (!names[1]) {
+    reader.unread(g, {names[0]}, {}, physics);
+    const auto size = reader.numbers(g, names[0], form.sizes);
+    if (!size) reader.fail(DYN_ERROR_PARSE, g, "<" + std::string(form.name) + "> has no attribute " + names[0]);
+    std::copy(size->begin(), size->end(), shape.size.begin());
+  } else {
+    reader.unread(g, {names[0], names[1], names[2] ? names[2] : names[0]}, {}, physics);
+    for (size_t k = 0; k < form.sizes; ++k) shape.size[k] = reader.number(g, names[k]);
+  }
+  for (size_t k = 0; k < form.sizes; ++k) positive(reader, g, names[names[1] ? k : 0], shape.size[k]);
+  for (size_t k = 0; k < form.sizes; ++k) shape.size[k] /= form.factor[k];
+}
+
 // Reads a <visual> or <collision>. Returns false if it holds no supported shape.
 bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths& meshes, const Colours& colours) {
   const bool physics = shape.role == DYN_SHAPE_ROLE_COLLISION;
@@ -113,29 +130,12 @@ bool read_shape(const Element& e, const Reader& reader, Shape& shape, MeshPaths&
   if (const Element* more = next(*g)) skip(*more, "<geometry> holds more than one shape: only the first one is used");
 
   const std::string_view kind = g->Name();
-  if (kind == "box") {
-    shape.type = DYN_SHAPE_TYPE_BOX;
-    reader.unread(*g, {"size"}, {}, physics);
-    const auto size = reader.vector3(*g, "size");
-    if (!size) reader.fail(DYN_ERROR_PARSE, *g, "<box> has no attribute size");
-    for (double s : *size) positive(reader, *g, "size", s);
-    shape.size = *size;
-  } else if (kind == "sphere") {
-    shape.type = DYN_SHAPE_TYPE_SPHERE;
-    reader.unread(*g, {"radius"}, {}, physics);
-    shape.size = {reader.number(*g, "radius"), 0, 0};
-    positive(reader, *g, "radius", shape.size[0]);
-  } else if (kind == "cylinder" || kind == "capsule") {
-    shape.type = kind == "cylinder" ? DYN_SHAPE_TYPE_CYLINDER : DYN_SHAPE_TYPE_CAPSULE;
-    reader.unread(*g, {"radius", "length"}, {}, physics);
-    shape.size = {reader.number(*g, "radius"), reader.number(*g, "length"), 0};
-    positive(reader, *g, "radius", shape.size[0]);
-    positive(reader, *g, "length", shape.size[1]);
+  if (const auto form = shape_form(RobotFormat::Urdf, kind)) {
+    read_sizes(*g, reader, *form, physics, shape);
   } else if (kind == "mesh") {
     read_mesh(*g, reader, shape, meshes);
   } else {
-    return skip(*g,
-                "shape <" + std::string(kind.substr(0, 60)) + "> is not known (box, sphere, cylinder, capsule, mesh): not used");
+    return skip(*g, "shape <" + std::string(kind.substr(0, 60)) + "> is not known (" + shape_names(RobotFormat::Urdf) + ", mesh): not used");
   }
   return true;
 }

@@ -10,6 +10,7 @@ struct Box : Solid<Box> {
   static constexpr const char* name = "box";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_BOX;
   static constexpr std::array size_names = {"length along x", "length along y", "length along z"};
+  static constexpr FileForm mjcf = {"box", {"size"}, {0.5, 0.5, 0.5}}, urdf = {"box", {"size"}};
   static void store(const double* size, Shape& out) { out.size = load3(size) * 0.5; }
   static constexpr bool has_faces = true;
   Vec half;

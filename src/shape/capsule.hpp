@@ -10,6 +10,7 @@ struct Capsule : Solid<Capsule> {
   static constexpr const char* name = "capsule";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_CAPSULE;
   static constexpr std::array size_names = {"radius", "length along z between the caps"};
+  static constexpr FileForm mjcf = {"capsule", {"size"}, {1, 0.5}}, urdf = {"capsule", {"radius", "length"}, {1, 1}, false};
   static void store(const double* size, Shape& out) { out.size = Vec::make(0, 0, size[1] / 2), out.radius += size[0]; }
   double half, radius;
 

@@ -10,6 +10,7 @@ struct Cylinder : Solid<Cylinder> {
   static constexpr const char* name = "cylinder";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_CYLINDER;
   static constexpr std::array size_names = {"radius", "length along z"};
+  static constexpr FileForm mjcf = {"cylinder", {"size"}, {1, 0.5}}, urdf = {"cylinder", {"radius", "length"}};
   static void store(const double* size, Shape& out) { out.size = Vec::make(size[0], size[0], size[1] / 2); }
   static constexpr bool curved = true, has_faces = true;
   double r, half, radius;

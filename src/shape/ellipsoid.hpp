@@ -10,6 +10,7 @@ struct Ellipsoid : Solid<Ellipsoid> {
   static constexpr const char* name = "ellipsoid";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_ELLIPSOID;
   static constexpr std::array size_names = {"semi-axis along x", "semi-axis along y", "semi-axis along z"};
+  static constexpr FileForm mjcf = {"ellipsoid", {"size"}};
   static void store(const double* size, Shape& out) { out.size = load3(size); }
   static constexpr bool curved = true;
   Vec semi;

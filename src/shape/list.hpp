@@ -26,6 +26,14 @@ inline constexpr int type_count = 0
 #undef DYN_COUNT
     ;
 
+// Calls f.template operator()<S>() for each convex shape.
+template <class F>
+constexpr void each_shape(F&& f) {
+#define DYN_EACH(S) f.template operator()<S>();
+  DYN_SHAPES(DYN_EACH)
+#undef DYN_EACH
+}
+
 // f.template operator()<S>() for the shape of that type; nothing for MESH and unknown types.
 template <class F>
 void visit_type(dynShapeType type, F&& f) {

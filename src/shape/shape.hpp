@@ -6,6 +6,7 @@
 //   id                        its dynShapeType
 //   size_names                names of the sizes that users give, which are lengths; default: none
 //   store(size, out)          writes those sizes into the stored Shape
+//   mjcf, urdf                the shape in robot files (FileForm); default: the format lacks it
 //   from_surface              it is made of a mesh
 //   curved                    the core's boundary is curved; then also
 //   support_on_piece(from, n) support point along n on the smooth piece of the boundary that holds the support point `from`
@@ -110,10 +111,19 @@ struct Face {
 };
 inline constexpr double face_cosine = 0.9;
 
+// A shape in a robot file. The numbers of its attributes are the sizes times `factor`: one number each, or all in a single attribute.
+struct FileForm {
+  const char* name = nullptr;  // of the element or type; null: the format lacks the shape
+  std::array<const char*, 3> attribute = {};
+  std::array<double, 3> factor = {1, 1, 1};
+  bool standard = true;  // false: an extension of the format
+};
+
 // Defaults of all shapes.
 template <class S>
 struct Solid {
   static constexpr std::array<const char*, 0> size_names = {};
+  static constexpr FileForm mjcf = {}, urdf = {};
   static constexpr bool from_surface = false;
   static void store(const double*, Shape&) {}
   static constexpr bool curved = false;

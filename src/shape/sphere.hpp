@@ -10,6 +10,7 @@ struct Sphere : Solid<Sphere> {
   static constexpr const char* name = "sphere";
   static constexpr dynShapeType id = DYN_SHAPE_TYPE_SPHERE;
   static constexpr std::array size_names = {"radius"};
+  static constexpr FileForm mjcf = {"sphere", {"size"}}, urdf = {"sphere", {"radius"}};
   static void store(const double* size, Shape& out) { out.radius += size[0]; }
   double radius;
 

@@ -103,6 +103,7 @@ inline double enters(const Bounds& b, const Vec& origin, const Vec& direction) {
 template <class S>
 struct Surface {
   static constexpr std::array<const char*, 0> size_names = {};
+  static constexpr FileForm mjcf = {}, urdf = {};
   static constexpr bool from_surface = false;
   static void store(const double*, Shape&) {}
   static constexpr bool curved = false;

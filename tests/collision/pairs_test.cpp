@@ -3,6 +3,7 @@
 #include "common/work.hpp"
 #include "collision/pair_search.hpp"
 #include "collision/pairs.hpp"
+#include "shape/list.hpp"
 
 namespace dyn_test {
 namespace {
@@ -18,9 +19,13 @@ ModelPtr with_shapes(std::uint64_t seed) {
   for (const BodySpec& s : t.bodies) {
     b.body(s.name, {s.parent, 0}, placement(s.placement), s.mass, array3(s.com), array9(s.inertia));
     if (dice.chance(0.2)) continue;
-    static constexpr dynShapeType types[] = {DYN_SHAPE_TYPE_BOX, DYN_SHAPE_TYPE_SPHERE, DYN_SHAPE_TYPE_CYLINDER, DYN_SHAPE_TYPE_CAPSULE, DYN_SHAPE_TYPE_CONE, DYN_SHAPE_TYPE_ELLIPSOID};
+    std::vector<dynShapeType> types;
+    shape::each_shape([&]<class S>() {
+      if (S::size_names.size() > 0) types.push_back(S::id);
+    });
+    std::sort(types.begin(), types.end());
     dyn::Shape shape;
-    shape.type = types[dice.below(6)], shape.body = s.name, shape.placement = placement(dice.pose(0.1));
+    shape.type = types[std::size_t(dice.below(int(types.size())))], shape.body = s.name, shape.placement = placement(dice.pose(0.1));
     shape.size = {dice.in(0.05, 0.2), dice.in(0.05, 0.2), dice.in(0.05, 0.2)};
     b.shape(shape);
   }

@@ -383,9 +383,11 @@ TEST(Allocations, NoneInShapesAndTheBroadPhase) {
 // One of each type.
 std::vector<dynGeometry> shapes_of(const Surfaces& surfaces) {
   std::vector<dynGeometry> shapes;
-  for (const dynShapeType type : {DYN_SHAPE_TYPE_HALF_SPACE, DYN_SHAPE_TYPE_SPHERE, DYN_SHAPE_TYPE_CAPSULE, DYN_SHAPE_TYPE_BOX, DYN_SHAPE_TYPE_CYLINDER, DYN_SHAPE_TYPE_CONE, DYN_SHAPE_TYPE_ELLIPSOID,
-                                  DYN_SHAPE_TYPE_TRIANGLES, DYN_SHAPE_TYPE_HEIGHT_FIELD, DYN_SHAPE_TYPE_CONVEX}) {
-    if (type == DYN_SHAPE_TYPE_CONVEX && !surfaces.hull) continue;
+  dynShapeTypeInfo info{};
+  info.struct_size = sizeof info;
+  for (int k = DYN_SHAPE_TYPE_BOX; dyn_shape_type_info(dynShapeType(k), &info) == DYN_OK; ++k) {
+    const dynShapeType type = dynShapeType(k);
+    if (type == DYN_SHAPE_TYPE_MESH || (type == DYN_SHAPE_TYPE_CONVEX && !surfaces.hull)) continue;
     dynGeometry g;
     dyn_geometry_init(&g);
     g.type = type, g.surface = surfaces.of(type);

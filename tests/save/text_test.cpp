@@ -212,7 +212,7 @@ TEST(Urdf, WhatASceneLosesIsSaid) {
   const ModelPtr m = load_string(scene, {});
   SaveReport lines;
   save_string(*m, DYN_FORMAT_URDF, false, lines);
-  for (const char* what : {"actuators: 'm', 'p', 'v', 'g', 'turn'", "gravity", "medium", "shapes that are no box", "materials", "masks", "armature of joints: 'a'", "springs of joints: 'a'",
+  for (const char* what : {"actuators: 'm', 'p', 'v', 'g', 'turn'", "gravity", "medium", "shapes that are no mesh file", "materials", "masks", "armature of joints: 'a'", "springs of joints: 'a'",
                            "named configurations", "disabled pairs", "gravity compensation of links"})
     EXPECT_TRUE(lost(lines, what)) << what;
   SaveReport none;

@@ -29,10 +29,9 @@ std::string geom(const Solid& s, const std::string& name, std::string& assets) {
     case Type::Capsule: return plain("capsule", {s.shape.radius, h[2]});
     case Type::Box: return plain("box", {h[0], h[1], h[2]});
     case Type::Cylinder: return plain("cylinder", {h[0], h[2]});
-    case Type::Cone: return "";
     case Type::Ellipsoid: return plain("ellipsoid", {h[0], h[1], h[2]});
-    case Type::Triangles: case Type::HeightField: return "";  // it takes the hull of a mesh
     case Type::Convex: break;
+    default: return "";  // MuJoCo lacks cones, and takes the hull of a mesh
   }
   const shape::Hull& hull = s.hull->hull;
   std::string vertices;
