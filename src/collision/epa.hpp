@@ -4,6 +4,7 @@
 #pragma once
 
 #include "collision/descent.hpp"
+#include "collision/epa_start.hpp"
 
 namespace dyn::collision {
 
@@ -154,48 +155,9 @@ class Epa {
     if (less > 0) refined_ = p, refined_upper_ = -p.distance;
   }
 
-  // Four vertices that span a volume: those of s, completed by support points.
+  // The first polytope. Returns false if D is flat; n is then its normal.
   bool tetrahedron(const Simplex& s, Vec& n) {
-    Vertex* p = w_.vertex;
-    int size = 0;
-    const double least = 16 * rounding_;
-    // adds the support point along d or -d that is farther from p[0]
-    auto add_along = [&](const Vec& d) {
-      const Vertex up = d_.support(d), down = d_.support(-d);
-      const double hu = dot(d, up.w - p[0].w), hd = dot(d, p[0].w - down.w);
-      p[size] = hu >= hd ? up : down;
-      return std::max(hu, hd) > least;
-    };
-    p[size++] = s.p[0];
-    n = shape::axis(0);
-    if (s.size > 1 && shape::norm(s.p[1].w - p[0].w) > least) {
-      ++size, p[1] = s.p[1];
-    } else {
-      int i = 0;
-      while (i < 3 && !add_along(shape::axis(i))) ++i;
-      if (i == 3) return false;
-      ++size;
-    }
-    const Vec e = (p[1].w - p[0].w) * (1 / shape::norm(p[1].w - p[0].w));
-    auto off_line = [&](const Vertex& x) { return shape::norm(cross(e, x.w - p[0].w)); };
-    for (int i = 2; i < s.size && size == 2; ++i)
-      if (off_line(s.p[i]) > least) p[size++] = s.p[i];
-    if (size == 2) {
-      const Vec u = shape::across(e), v = cross(e, u);
-      if (!add_along(u) && !add_along(v)) {
-        n = u;
-        return false;
-      }
-      ++size;
-    }
-    n = cross(e, p[2].w - p[0].w);
-    n = n * (1 / shape::norm(n));
-    if (s.size == 4 && std::abs(dot(n, s.p[3].w - p[0].w)) > least)
-      p[size++] = s.p[3];
-    else if (!add_along(n))
-      return false;
-    size = 4;
-    if (dot(n, p[3].w - p[0].w) > 0) std::swap(p[1], p[2]);  // now face 0 1 2 points away from vertex 3
+    if (!spanning_vertices(d_, s, 16 * rounding_, w_.vertex, n)) return false;
     vertices_ = 4;
     static constexpr Index corners[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
     static constexpr Index beyond[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}};
