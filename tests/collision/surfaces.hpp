@@ -106,4 +106,6 @@ inline double every_piece(const Faceted& a, const Pose& A, const Shape& b, const
   return least;
 }
 
+inline Pose random_pose(Chance& g, double far) { return {g.rotation(), g.direction() * g.uniform(0, far)}; }
+
 }  // namespace dyn_test

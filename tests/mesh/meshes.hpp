@@ -243,4 +243,7 @@ inline std::string glb(const Solid& s) {
 #define NEEDS_MODULE() GTEST_SKIP() << "built without assimp and qhull"
 #endif
 
+// The solid of tests of files.
+inline const Solid brick = box(0.1, 0.25, 0.7).moved(-3, 1, 0.3);
+
 }  // namespace dyn_test
