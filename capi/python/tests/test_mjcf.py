@@ -137,7 +137,7 @@ def test_report_and_strict():
 <tendon><spatial name="t"/></tendon><equality><tendon tendon1="t"/></equality><actuator><muscle name="m" joint="j"/></actuator>
 <sensor><jointpos joint="j"/></sensor><custom/></mujoco>"""
     messages = [r.message for r in dyn.load_string(text).report]
-    for part in ("<tendon>", "equality 'tendon_0': <tendon> is not read", "actuator 'm': <muscle> is not read", "<sensor>", "<camera>"):
+    for part in ("<tendon>", "equality 'tendon_0': <tendon> is not supported", "actuator 'm': <muscle> is not supported", "<sensor>", "<camera>"):
         assert any(part in m for m in messages), part
     with pytest.raises(dyn.Error, match="line 2: .*<tendon>"):
         dyn.load_string(text, strict=True)
@@ -149,10 +149,10 @@ DROPPED = [
     ('<worldbody>{b}</worldbody><deformable><flex name="x"/></deformable>', "<deformable>: flex 'x'"),
     ('<worldbody>{b}</worldbody><extension><plugin plugin="p"/></extension>', "<extension>"),
     ('<worldbody>{b}</worldbody><equality><joint joint1="j"/></equality>', "joint equality without joint2"),
-    ('<worldbody>{b}</worldbody><equality><flex flex="x"/></equality>', "<flex> is not read"),
-    ('<worldbody>{b}</worldbody><actuator><muscle joint="j"/></actuator>', "<muscle> is not read"),
-    ('<worldbody>{b}</worldbody><actuator><adhesion body="a"/></actuator>', "<adhesion> is not read"),
-    ('<worldbody>{b}</worldbody><actuator><damper joint="j" kv="1"/></actuator>', "<damper> is not read"),
+    ('<worldbody>{b}</worldbody><equality><flex flex="x"/></equality>', "<flex> is not supported"),
+    ('<worldbody>{b}</worldbody><actuator><muscle joint="j"/></actuator>', "<muscle> is not supported"),
+    ('<worldbody>{b}</worldbody><actuator><adhesion body="a"/></actuator>', "<adhesion> is not supported"),
+    ('<worldbody>{b}</worldbody><actuator><damper joint="j" kv="1"/></actuator>', "<damper> is not supported"),
     ('<worldbody>{b}<body><site name="s"/></body></worldbody><actuator><motor site="s"/></actuator>', "it drives no joint"),
     ('<worldbody>{b}</worldbody><actuator><general joint="j" dyntype="muscle"/></actuator>', "neither a first-order filter nor an integrator"),
     ('<worldbody>{b}</worldbody><actuator><general joint="j" gaintype="affine" gainprm="1 2 0"/></actuator>', "gain depends on length"),
