@@ -2268,9 +2268,10 @@ typedef struct dynJointTypeInfo {
   int32_t nq, nv;
   int32_t axis, axis2, pitch; /* 1: it reads that of dynJointSpec */
   const char* name;           /* "planar" */
-  /* Its simple motions, one after another: "prismatic axis_x, prismatic axis_y, revolute axis". Each is revolute,
-     prismatic, helical or revolute_unbounded and its axis, or spherical or free_flyer. An axis is x, y, z, axis,
-     axis2, or axis_x, axis_y: x and y turned by the smallest rotation that takes z to axis. */
+  /* Its simple motions, one after another: "prismatic axis_x, prismatic axis_y, revolute axis". Each is
+     revolute, prismatic, helical or revolute_unbounded with its axis, or spherical or free_flyer. An axis is
+     x, y, z, axis, axis2, axis_x or axis_y. The last two are x and y, turned by the smallest rotation that
+     takes z to axis. */
   const char* chain;
   const char* sentence;
 } dynJointTypeInfo;
